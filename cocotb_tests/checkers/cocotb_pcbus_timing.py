@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each limit of the PC bus goes red just past it, and holds just at it. §4.3.2"""
+
+import cocotb
+from cocotb.triggers import ReadOnly, Timer
+
+from cocotb_tests.lib.req import req
+
+TOPLEVEL = "pcbus_timing"
+SOURCES = ("../../rtl/checkers/pcbus_timing.sv",)
+PARAMETERS = {"Stop": 0, "LongestNs": 1875}
+IDLE = {
+    "link_ok_i": 1,
+    "pc_a_i": 0x300,
+    "pc_d_i": 0xFF,
+    "pc_rdata_i": 0xFF,
+    "pc_ior_ni": 1,
+    "pc_iow_ni": 1,
+    "driven_i": 0,
+}
+NAMES = [
+    "addr_setup",
+    "command",
+    "longest",
+    "addr_hold",
+    "data_setup",
+    "data_hold",
+    "read_setup",
+    "recovery",
+]
+EXACT = {
+    "setup": 125,
+    "command": 500,
+    "hold": 30,
+    "data": 100,  # write data before the end of IOW#
+    "read": 75,  # read data before the end of IOR#
+    "pause": 95,
+    "link": 1,
+}
+
+
+class Bus:
+    def __init__(self, dut):
+        self.dut, self.flip = dut, 0
+
+    def put(self, **pins):
+        for name, value in pins.items():
+            getattr(self.dut, name).value = value
+
+    async def after(self, ns, **pins):
+        if ns:
+            await Timer(int(ns * 1000), "ps")
+        self.put(**pins)
+
+    async def start(self):
+        self.put(rst_ni=0, **IDLE)
+        await Timer(100, "ns")
+        self.put(rst_ni=1)
+        await Timer(100, "ns")
+
+    async def broken(self) -> list[str]:
+        await Timer(1, "ns")
+        await ReadOnly()
+        bits = int(self.dut.broken_o.value)
+        return [name for n, name in enumerate(NAMES) if bits >> n & 1]
+
+    async def cycle(self, write, **times):
+        t = EXACT | times
+        self.flip ^= 1
+        self.put(pc_a_i=0x300 + self.flip)
+        await self.after(t["setup"], **{"pc_iow_ni" if write else "pc_ior_ni": 0})
+        self.put(link_ok_i=t["link"])
+        early = t["data"] if write else t["read"]
+        ready = {"pc_d_i": 0x40 + self.flip} if write else {"driven_i": 1, "pc_rdata_i": 0x55}
+        await self.after(t["command"] - early, **ready)
+        await self.after(early, pc_iow_ni=1, pc_ior_ni=1)
+        self.put(driven_i=0, pc_rdata_i=0xFF)
+        await self.after(t["hold"], pc_a_i=0x310)
+        if write:
+            self.put(pc_d_i=0xFF)
+        self.put(link_ok_i=1)
+        await self.after(t["pause"])
+
+
+WRITE, READ = True, False
+FAULTS = {
+    "addr_setup": (WRITE, {"setup": 124.9, "pause": 200}),
+    "command": (READ, {"command": 499.9}),
+    "longest": (READ, {"command": 1875.1}),
+    "addr_hold": (READ, {"hold": 19.9, "pause": 200}),
+    "data_setup": (WRITE, {"data": 99.9}),
+    "data_hold": (WRITE, {"hold": 29.9, "pause": 200}),
+    "read_setup": (READ, {"read": 74.9}),
+    "recovery": (READ, {"pause": 94.9}),
+}
+
+
+@cocotb.test()
+@req("PCB-1")
+async def limits_met_exactly_are_good(dut):
+    b = Bus(dut)
+    await b.start()
+    for write in (WRITE, READ, WRITE, READ):
+        await b.cycle(write)
+    await b.cycle(WRITE, command=1875)
+    await b.cycle(READ, command=200, hold=5, pause=200, link=0)  # cable out: no fault
+    await b.cycle(READ)
+    assert await b.broken() == []
+
+
+@cocotb.test()
+@cocotb.parametrize(name=list(FAULTS))
+@req("PCB-1")
+async def limit_goes_red(dut, name):
+    write, times = FAULTS[name]
+    b = Bus(dut)
+    await b.start()
+    await b.cycle(write, pause=200)
+    await b.cycle(write, **times)
+    if name == "addr_setup":
+        await b.after(100)
+    else:
+        await b.cycle(write)
+    assert await b.broken() == [name]

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A slave that pulls DTACK* with no strobe: what test_stop.py runs to see the simulation end."""
+
+import cocotb
+
+from cocotb_tests.checkers.cocotb_vme_slave_checker import IDLE, dtack_alone
+from cocotb_tests.checkers.drive import Pins
+
+
+@cocotb.test()
+async def dtack_without_strobe(dut):
+    pins = Pins(dut, IDLE)
+    await pins.start()
+    await dtack_alone(pins)
+    await pins.step(5)

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The 8254 against its reference model, clock by clock over random operations. §4.3.3.
+
+MMCS_RANDOM_OPS sets the operations per mode (full depth 100000). A mismatch names the seed, the
+operation and both values; the same seed gives the same stimulus everywhere.
+"""
+
+import os
+import random
+from bisect import bisect_right
+from itertools import cycle
+
+import cocotb
+
+from cocotb_tests.chips.replay import CASCADE, QUICK_OPS, VARIANT, Bench, Layout, mismatch
+from cocotb_tests.lib.req import req
+from cocotb_tests.models import i8254
+
+TOPLEVEL = "bench_i8254"
+SOURCES = ("bench_i8254.sv", "bench_replay.sv", "bench_lockstep.sv")
+PARAMETERS: dict = {}
+
+IDLE = 0x1C00  # CS#, RD#, WR# high
+CS, RD, WR = 0x400, 0x800, 0x1000
+RISES, FALLS = 0x0E000, 0x70000
+OPS_PER_PIECE = 20_000
+OUT = Layout(i8254.OUTS)
+
+
+class Stimulus:
+    """Random operations on three counters as packed words; `starts[n]` is where operation n is."""
+
+    def __init__(self, seed: str, modes: tuple[int, ...], ops: int) -> None:
+        self.rng = random.Random(seed)
+        self.modes = modes
+        self.words: list[int] = []
+        self.starts: list[int] = []
+        self.texts: list[str] = []
+        self.gate = 7
+        self.bcd = [0, 0, 0]
+        self.rw = [3, 3, 3]
+        for n in range(3):
+            self._control(n)
+            self._count(n)
+        while len(self.starts) < ops:
+            self._operation()
+        self._emit(IDLE, 3)
+        self._clocks()
+
+    def _emit(self, bus: int, clocks: int = 1) -> None:
+        self.words += [bus | self.gate << 19] * clocks
+
+    def _op(self, text: str) -> None:
+        self.starts.append(len(self.words))
+        self.texts.append(text)
+
+    def _write(self, addr: int, data: int) -> None:
+        rng = self.rng
+        self._op(f"write {data:#04x} to {addr}")
+        if rng.random() < 0.3:  # only the last data of a strobe counts
+            self._emit(IDLE & ~CS & ~WR | addr << 8 | rng.getrandbits(8))
+        self._emit(IDLE & ~CS & ~WR | addr << 8 | data)
+        end = rng.choice((0, 0, 0, CS, WR))  # either strobe may go first
+        self._emit((IDLE & ~end) | rng.getrandbits(10))
+
+    def _read(self, addr: int) -> None:
+        rng = self.rng
+        self._op(f"read {addr}")
+        self._emit(IDLE & ~CS & ~RD | addr << 8, rng.choice((1, 1, 1, 2, 3, 9)))
+        end = rng.choice((0, 0, 0, CS, RD))
+        self._emit((IDLE & ~end) | rng.getrandbits(10))
+
+    def _control(self, n: int) -> None:
+        rng = self.rng
+        mode = rng.choice(self.modes)
+        if mode in (2, 3) and rng.random() < 0.3:
+            mode += 4
+        self.rw[n] = rng.choice((1, 1, 2, 3, 3, 3))
+        self.bcd[n] = int(rng.random() < 0.3)
+        self._write(3, n << 6 | self.rw[n] << 4 | mode << 1 | self.bcd[n])
+
+    def _byte(self, n: int, high: bool) -> int:
+        rng = self.rng
+        if high and rng.random() < 0.9:
+            return 0
+        value = rng.choice((rng.randrange(10), rng.randrange(20), rng.randrange(100)))
+        if self.bcd[n]:
+            return int(str(value % 100), 16)
+        return rng.getrandbits(8) if rng.random() < 0.05 else value
+
+    def _count(self, n: int) -> None:
+        for high in (False, True) if self.rw[n] == 3 else (self.rw[n] == 2,):
+            self._write(n, self._byte(n, high))
+
+    def _operation(self) -> None:
+        rng = self.rng
+        n, kind = rng.randrange(3), rng.random()
+        if kind < 0.30:
+            self._read(n)
+        elif kind < 0.40:
+            self._write(3, n << 6 | rng.getrandbits(4))
+        elif kind < 0.52:
+            self._write(3, 0xC0 | rng.getrandbits(5) << 1)
+        elif kind < 0.66:
+            self._count(n)
+        elif kind < 0.70:
+            self._write(n, self._byte(n, rng.random() < 0.5))
+        elif kind < 0.74:
+            self._control(n)
+            if rng.random() < 0.9:
+                self._count(n)
+        elif kind < 0.90:
+            self._op(f"gate of {n}")
+            self.gate ^= 1 << n
+            if rng.random() < 0.5:
+                self._emit(IDLE, rng.choice((1, 1, 2, 3)))
+                self.gate ^= 1 << n
+            self._emit(IDLE)
+        else:
+            self._op("wait")
+            self._emit(IDLE, rng.randrange(2, 40))
+        self._emit(IDLE, rng.choice((0, 0, 1, 2, 5)))
+
+    def _clocks(self) -> None:
+        """CLK of each counter: a full pulse in every clock, or any legal order of its edges."""
+        if self.rng.random() < 0.4:
+            self.words = [w | RISES | FALLS for w in self.words]
+            return
+        streams = []
+        for n in range(3):
+            edges, high = [], False
+            busy = self.rng.choice((0.3, 0.6, 0.95))
+            for _ in range(self.rng.randrange(1500, 2000)):
+                if self.rng.random() > busy:
+                    edges.append(0)
+                elif high:
+                    edges.append(0x10000 << n)
+                    high = False
+                else:
+                    high = self.rng.random() < 0.5
+                    edges.append((0x2000 if high else 0x12000) << n)
+            if high:
+                edges.append(0x10000 << n)
+            streams.append(cycle(edges))
+        self.words = [w | a | b | c for w, a, b, c in zip(self.words, *streams, strict=False)]
+
+
+async def compare(dut, modes: tuple[int, ...], name: str, ops: int, pick: int = 0) -> None:
+    bench, done, piece, out_edges = Bench(dut), 0, 0, 0
+    nulls = {0: 0, 1: 0}
+    while done < ops:
+        seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-{name}-{piece}"
+        stimulus = Stimulus(seed, modes, min(OPS_PER_PIECE, ops - done))
+        model = i8254.I8254(nmos=not pick & VARIANT, cascade=bool(pick & CASCADE))
+        want = model.run(stimulus.words)
+        got = await bench.replay(stimulus.words, pick)
+        if want != got:
+            at = next(k for k, (w, g) in enumerate(zip(want, got, strict=True)) if w != g)
+            op = bisect_right(stimulus.starts, at) - 1
+            recent = ", ".join(stimulus.texts[max(0, op - 12) : op + 1])
+            raise AssertionError(
+                f"seed {seed} operation {op} ({stimulus.texts[op]}) clock {at}: "
+                f"{mismatch(OUT, want[at], got[at])}; before it: {recent}"
+            )
+        done += len(stimulus.starts)
+        piece += 1
+        out_edges += sum(1 for g in got if g >> 12)
+        for counter in model.counters:
+            nulls[counter.null] += 1
+    dut._log.info(f"{name}: {done} operations, {out_edges} clocks with OUT edges compared")
+    assert done >= ops
+    assert out_edges > ops // 50, f"{out_edges} OUT edges in {ops} operations prove little"
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mode0(dut):
+    await compare(dut, (0,), "mode0", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mode1(dut):
+    await compare(dut, (1,), "mode1", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mode2(dut):
+    await compare(dut, (2,), "mode2", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mode3(dut):
+    await compare(dut, (3,), "mode3", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mode4(dut):
+    await compare(dut, (4,), "mode4", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mode5(dut):
+    await compare(dut, (5,), "mode5", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_mixed_modes(dut):
+    """Any mode after any other, in every phase."""
+    await compare(dut, (0, 1, 2, 3, 4, 5), "mixed", QUICK_OPS)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def random_chmos_part(dut):
+    await compare(dut, (0, 0, 0, 1, 2, 3, 4, 5), "chmos", QUICK_OPS // 2, VARIANT)
+
+
+@cocotb.test()
+@req("PIT-1", "PIT-2")
+async def random_cascade(dut):
+    await compare(dut, (0, 2, 2, 2, 3, 3, 4), "cascade", QUICK_OPS // 2, CASCADE)
+
+
+def skip_segments(seed: str, count: int, clocks: int) -> list[tuple[int, int, int]]:
+    """Random operations between which the pins rest, with CLK in every clock or in none."""
+    rng = random.Random(seed)
+    stimulus = Stimulus(seed, (0, 1, 2, 2, 3, 3, 4, 5), count)
+    segments, running = [], RISES | FALLS
+    for at, clocked in enumerate(stimulus.words):
+        word = clocked & ~(RISES | FALLS)
+        if rng.random() < 0.02:
+            running = rng.choice((RISES | FALLS, RISES | FALLS, 0, 0x12000, 0x24000))
+        cap = rng.choice((0xFFFF, 0xFFFF, 0xFFFF, 1, 2, 3, 7, 50))
+        segments.append((word | running, 1 + (rng.randrange(clocks) if at % 3 == 0 else 0), cap))
+    return segments
+
+
+@cocotb.test()
+@req("PIT-1")
+async def skipping_equals_single_clocks(dut):
+    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-skip"
+    segments = skip_segments(seed, 3000, 60)
+    clocks, steps = await Bench(dut).lockstep(segments, 22, f"seed {seed}")
+    assert steps < clocks * 0.9, f"{steps} steps for {clocks} clocks skip too little"
+
+
+@cocotb.test()
+@req("PIT-1", "PIT-2")
+async def skipping_a_cascade_equals_single_clocks(dut):
+    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-skip-cascade"
+    segments = skip_segments(seed, 2000, 60)
+    segments = [(w | RISES & 0x2000 | FALLS & 0x10000, n, cap) for w, n, cap in segments]
+    await Bench(dut).lockstep(segments, 22, f"seed {seed}", CASCADE)
+
+
+async def far(dut, counters, clocks: int, at_most: int) -> None:
+    """(mode, count) of the three counters, then CLK in every clock: how many steps it takes."""
+    word = IDLE | 7 << 19 | RISES | FALLS
+    program = []
+    for n, (mode, count) in enumerate(counters):
+        for addr, data in ((3, n << 6 | 0x30 | mode << 1), (n, count & 255), (n, count >> 8)):
+            program += [(word & ~CS & ~WR | addr << 8 | data, 1, 1), (word, 1, 1)]
+    segments = [*program, (word, clocks, 0xFFFF)]
+    clocks, steps = await Bench(dut).lockstep(segments, 22, str(counters))
+    assert steps < at_most, f"{steps} steps for {clocks} clocks: the horizon is too near"
+
+
+@cocotb.test()
+@req("PIT-1")
+async def skipping_reaches_far(dut):
+    """A step per event, not per clock."""
+    await far(dut, ((2, 1000), (0, 0), (4, 50)), 50_000, 200)
+    await far(dut, ((3, 5000), (3, 0), (2, 0)), 100_000, 120)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def skipping_waits_for_a_trigger(dut):
+    """Modes 1 and 5 before their trigger: nothing ahead, nothing to stop for."""
+    await far(dut, ((1, 9), (5, 9), (1, 0)), 50_000, 60)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def skipping_rests_unprogrammed(dut):
+    word = IDLE | 7 << 19 | RISES | FALLS
+    segments = [(word, 1, 1), (word, 50_000, 0xFFFF)]
+    clocks, steps = await Bench(dut).lockstep(segments, 22, "power-up")
+    assert steps < 20, f"{steps} steps for {clocks} clocks: the horizon is too near"

@@ -1,0 +1,560 @@
+# SPDX-License-Identifier: Apache-2.0
+# Length: many short cases of one block, read one at a time.
+"""The 8255A: modes 0, 1, 2, bit set/reset, mode set, reset; directed and random. §5.3.1."""
+
+import os
+import random
+
+import cocotb
+
+from cocotb_tests.chips.ppi import CONTROL, IDLE, IN, SETTLE, A, B, C, Ppi, mode_word, settled
+from cocotb_tests.chips.replay import QUICK_OPS, VARIANT, Bench
+from cocotb_tests.lib.req import req
+from cocotb_tests.models import i8255
+
+TOPLEVEL = "bench_i8255"
+SOURCES = ("bench_i8255.sv", "bench_replay.sv")
+PARAMETERS: dict = {}
+
+
+@cocotb.test()
+@req("PPI-1")
+async def power_up_is_all_input(dut):
+    s = Ppi()
+    s.pins(pa_oe=0, pb_oe=0, pc_oe=0, oe=0, d_o=0xFF)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def reset_makes_all_ports_inputs(dut):
+    s = Ppi()
+    s.mode()
+    s.write(A, 0x12)
+    s.pins(pa_oe=0xFF, pb_oe=0xFF, pc_oe=0xFF, pa=0x12)
+    s.step(SETTLE, reset=1)
+    s.seen(pa_oe=0, pb_oe=0, pc_oe=0)
+    s.step(SETTLE, reset=0)
+    s.pins(pa_oe=0, pb_oe=0, pc_oe=0)
+    s.step(pa=0x5A)
+    s.read(A, 0x5A, "mode 0 input")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def all_sixteen_mode0_directions(dut):
+    s = Ppi()
+    for k in range(16):
+        a, ch, b, cl = k >> 3, k >> 2 & 1, k >> 1 & 1, k & 1
+        s.mode(a_in=a, ch_in=ch, b_in=b, cl_in=cl)
+        s.pins(
+            f"control {k}", pa_oe=0 if a else 0xFF, pb_oe=0 if b else 0xFF,
+            pc_oe=(0 if ch else 0xF0) | (0 if cl else 0x0F),
+        )  # fmt: skip
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def outputs_hold_and_read_back(dut):
+    s = Ppi()
+    s.mode()
+    for port, name in ((A, "pa"), (B, "pb"), (C, "pc")):
+        for value in (0x00, 0xFF, 0xA5, 0x5A):
+            s.write(port, value)
+            s.pins(**{name: value})
+            s.read(port, value, "the output latch")
+    s.pins(pa=0x5A, pb=0x5A, pc=0x5A)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def inputs_are_not_latched_in_mode0(dut):
+    s = Ppi()
+    s.mode(a_in=1, ch_in=1, b_in=1, cl_in=1)
+    for value in (0x00, 0xFF, 0x3C):
+        s.step(pa=value, pb=value ^ 0xFF, pc=value ^ 0x0F)
+        s.read(A, value)
+        s.read(B, value ^ 0xFF)
+        s.read(C, value ^ 0x0F)
+    s.step(SETTLE, cs_n=0, rd_n=0, a=A)
+    s.step(2, pa=0x77)
+    s.seen("follows the pins while RD# is low", d_o=0x77)
+    s.step(cs_n=1, rd_n=1)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def port_c_halves(dut):
+    s = Ppi()
+    s.mode(ch_in=1, cl_in=0)
+    s.write(C, 0xA6)
+    s.step(pc=0x3F)
+    s.pins(pc_oe=0x0F, pc3=0, pc2=1, pc1=1, pc0=0)
+    s.read(C, 0x36, "upper pins, lower latch")
+    s.mode(ch_in=0, cl_in=1)
+    s.write(C, 0xA6)
+    s.step(pc=0xC9)
+    s.read(C, 0xA9, "upper latch, lower pins")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode_set_clears_the_latches(dut):
+    s = Ppi()
+    s.mode()
+    for port in (A, B, C):
+        s.write(port, 0xFF)
+    s.mode()
+    s.pins("the same mode again", pa=0, pb=0, pc=0)
+    for port in (A, B, C):
+        s.read(port, 0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode_set_of_one_group_clears_the_other(dut):
+    s = Ppi()
+    s.mode(cl_in=1)
+    s.write(A, 0x11)
+    s.write(B, 0x22)
+    s.mode(cl_in=1, ch_in=1)
+    s.pins(pa=0, pb=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def board_setting_is_safe(dut):
+    """0x89, A and B out, C in: everything low at once."""
+    s = Ppi()
+    s.write(CONTROL, 0x89)
+    s.pins(pa=0, pb=0, pa_oe=0xFF, pb_oe=0xFF, pc_oe=0)
+    s.step(pc=0xE5)
+    s.read(C, 0xE5)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def bit_set_and_reset(dut):
+    s = Ppi()
+    s.mode()
+    value = 0
+    for n in (3, 0, 7, 5, 1, 2, 4, 6):
+        s.bit(n, 1)
+        value |= 1 << n
+        s.pins(f"set {n}", pc=value)
+    for n in (6, 0, 3, 7, 1, 4, 2, 5):
+        s.bit(n, 0)
+        value &= ~(1 << n)
+        s.pins(f"reset {n}", pc=value)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def bit_set_leaves_ports_a_and_b(dut):
+    s = Ppi()
+    s.mode()
+    s.write(A, 0x3C)
+    s.write(B, 0xC3)
+    s.bit(5, 1)
+    s.pins(pa=0x3C, pb=0xC3, pc=0x20)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def bit_set_on_inputs_stays_hidden(dut):
+    s = Ppi()
+    s.mode(ch_in=1, cl_in=1)
+    s.bit(4, 1)
+    s.step(pc=0x00)
+    s.pins(pc_oe=0)
+    s.read(C, 0)
+    s.mode()
+    s.pins("cleared by the mode set", pc=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def writes_to_inputs_are_ignored(dut):
+    s = Ppi()
+    s.mode(a_in=1, b_in=1)
+    s.write(A, 0x12)
+    s.write(B, 0x34)
+    s.step(pa=0xAB, pb=0xCD)
+    s.read(A, 0xAB)
+    s.read(B, 0xCD)
+    s.pins(pa_oe=0, pb_oe=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def control_word_is_write_only(dut):
+    s = Ppi()
+    s.write(CONTROL, 0x89)
+    s.read(CONTROL, 0xFF)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def control_word_readable_variant(dut):
+    s = Ppi(readable=True)
+    s.read(CONTROL, 0x9B, "after reset")
+    s.write(CONTROL, 0x89)
+    s.read(CONTROL, 0x89)
+    s.bit(3, 1)
+    s.read(CONTROL, 0x89, "bit set does not change it")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def write_needs_chip_select(dut):
+    s = Ppi()
+    s.mode()
+    s.write(A, 0x12)
+    s.step(SETTLE, wr_n=0, a=A, d=0x99)
+    s.step(SETTLE, wr_n=1)
+    s.pins(pa=0x12)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def write_takes_effect_when_wr_rises(dut):
+    s = Ppi()
+    s.mode()
+    s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x55)
+    s.seen("WR# low", pa=0)
+    s.step(cs_n=1, wr_n=1)
+    s.expect("WR# high", pa=0x55)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def bus_floats_unless_read(dut):
+    s = Ppi()
+    s.step(3, cs_n=1, rd_n=0)
+    s.seen(oe=0, d_o=0xFF)
+    s.step(3, cs_n=0, rd_n=1)
+    s.seen(oe=0, d_o=0xFF)
+    s.step(cs_n=1)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_input_a(dut):
+    """STB# = PC4, IBF = PC5, INTR = PC3."""
+    s = Ppi()
+    s.mode(a=1, a_in=1, ch_in=1, cl_in=1)
+    s.pins("at rest", pc_oe=0x28, pc5=0, pc3=0, pa_oe=0)
+    s.bit(4, 1)
+    s.step(SETTLE, pc=0xEF, pa=0x5A)
+    s.seen("STB# low", pc5=1, pc3=0)
+    s.step(SETTLE, pc=0xFF)
+    s.seen("STB# high", pc5=1, pc3=1)
+    s.step(pa=0x00)
+    s.step(SETTLE, cs_n=0, rd_n=0, a=A)
+    s.seen("the latched byte; RD# low takes INTR away", d_o=0x5A, pc3=0, pc5=1)
+    s.step(SETTLE, cs_n=1, rd_n=1)
+    s.seen("RD# high frees the buffer", pc5=0, pc3=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_input_b(dut):
+    """STB# = PC2, IBF = PC1, INTR = PC0."""
+    s = Ppi()
+    s.mode(b=1, b_in=1, ch_in=1, cl_in=1)
+    s.pins(pc_oe=0x03, pc1=0, pc0=0)
+    s.bit(2, 1)
+    s.strobe(2, pb=0xC3)
+    s.pins(pc1=1, pc0=1)
+    s.step(pb=0)
+    s.read(B, 0xC3)
+    s.pins(pc1=0, pc0=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_output_a(dut):
+    """OBF# = PC7, ACK# = PC6, INTR = PC3."""
+    s = Ppi()
+    s.mode(a=1, ch_in=1, cl_in=1)
+    s.pins("empty", pc_oe=0x88, pc7=1, pc3=0, pa_oe=0xFF)
+    s.bit(6, 1)
+    s.pins("INTE", pc3=1)
+    s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x77)
+    s.seen("WR# low takes INTR away", pc3=0, pc7=1)
+    s.step(SETTLE, cs_n=1, wr_n=1)
+    s.seen("full", pc7=0, pc3=0, pa=0x77)
+    s.step(SETTLE, pc=0xBF)
+    s.seen("ACK# low", pc7=1, pc3=0)
+    s.step(SETTLE, pc=0xFF)
+    s.seen("ACK# high", pc7=1, pc3=1, pa=0x77)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_output_b(dut):
+    """OBF# = PC1, ACK# = PC2, INTR = PC0."""
+    s = Ppi()
+    s.mode(b=1, ch_in=1, cl_in=1)
+    s.pins(pc_oe=0x03, pc1=1, pc0=0, pb_oe=0xFF)
+    s.bit(2, 1)
+    s.write(B, 0x66)
+    s.pins(pc1=0, pc0=0, pb=0x66)
+    s.strobe(2)
+    s.pins(pc1=1, pc0=1)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_without_inte_never_interrupts(dut):
+    s = Ppi()
+    s.mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1)
+    s.strobe(4, pa=1)
+    s.write(B, 2)
+    s.strobe(2)
+    s.pins(pc5=1, pc3=0, pc1=1, pc0=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_status_word(dut):
+    """Port C read in mode 1: INTE stands where the strobes come in."""
+    s = Ppi()
+    s.mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1)
+    s.step(pc=0x7F)
+    s.read(C, 0x42, "PC6 pin; OBFB# 1")
+    s.bit(4, 1)
+    s.bit(2, 1)
+    s.read(C, 0x42 | 0x10 | 0x04 | 0x01, "INTE A, INTE B and INTR B")
+    s.strobe(4, pa=9)
+    s.read(C, 0x42 | 0x10 | 0x05 | 0x20 | 0x08, "IBF A, INTR A")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_spare_bits_of_port_c(dut):
+    """PC6, PC7 beside an input port A, PC4, PC5 beside an output one."""
+    s = Ppi()
+    s.mode(a=1, a_in=1, ch_in=0, cl_in=1)
+    s.bit(7, 1)
+    s.pins(pc_oe=0xE8, pc7=1, pc6=0)
+    s.bit(6, 1)
+    s.pins(pc7=1, pc6=1)
+    s.mode(a=1, a_in=0, ch_in=0, cl_in=1)
+    s.bit(5, 1)
+    s.pins(pc_oe=0xB8, pc5=1, pc4=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode1_reset_by_mode_set(dut):
+    s = Ppi()
+    s.mode(a=1, a_in=1, ch_in=1, cl_in=1)
+    s.bit(4, 1)
+    s.strobe(4, pa=0x12)
+    s.pins(pc5=1, pc3=1)
+    s.mode(a=1, a_in=1, ch_in=1, cl_in=1)
+    s.pins("flags and INTE cleared", pc5=0, pc3=0)
+    s.strobe(4, pa=0x12)
+    s.pins(pc5=1, pc3=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode2_output_side(dut):
+    """The pins of port A are driven only while ACK# is low."""
+    s = Ppi()
+    s.mode(a=2, cl_in=1)
+    s.pins(pc7=1, pc3=0, pa_oe=0)
+    s.bit(6, 1)
+    s.pins("INTE1", pc3=1)
+    s.write(A, 0x9C)
+    s.pins(pc7=0, pc3=0, pa_oe=0)
+    s.step(SETTLE, pc=0xBF)
+    s.seen("ACK# low", pa_oe=0xFF, pa=0x9C, pc7=1)
+    s.step(SETTLE, pc=0xFF)
+    s.seen("ACK# high", pa_oe=0, pc7=1, pc3=1)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode2_input_side(dut):
+    s = Ppi()
+    s.mode(a=2, cl_in=1)
+    s.bit(4, 1)
+    s.strobe(4, pa=0x41)
+    s.pins(pc5=1, pc3=1)
+    s.write(A, 0x99)
+    s.step(pa=0)
+    s.read(A, 0x41, "the input latch, not the output one")
+    s.pins(pc5=0, pc7=0, pc3=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode2_interrupts_apart(dut):
+    s = Ppi()
+    s.mode(a=2, cl_in=1)
+    s.strobe(4, pa=1)
+    s.pins("no INTE", pc3=0)
+    s.bit(4, 1)
+    s.pins("INTE2", pc3=1)
+    s.bit(4, 0)
+    s.pins(pc3=0)
+    s.bit(6, 1)
+    s.pins("INTE1", pc3=1)
+    s.read(C, 0x80 | 0x40 | 0x20 | 0x08 | 0x07, "status word")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode2_with_mode1_on_port_b(dut):
+    s = Ppi()
+    s.mode(a=2, b=1, b_in=1)
+    s.pins(pc_oe=0xAB)
+    s.bit(2, 1)
+    s.strobe(2, pb=0x3D)
+    s.pins(pc1=1, pc0=1, pc5=0)
+    s.read(B, 0x3D)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode2_is_any_1x(dut):
+    s = Ppi()
+    s.mode(a=3, cl_in=1)
+    s.write(A, 0x18)
+    s.pins(pc7=0, pa_oe=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def group_b_plain_beside_mode2(dut):
+    s = Ppi()
+    s.mode(a=2, b=0, b_in=0, cl_in=0)
+    s.write(B, 0x81)
+    s.bit(1, 1)
+    s.pins(pb=0x81, pc_oe=0xAF, pc2=0, pc1=1, pc0=0)
+    await s.run(dut)
+
+
+class Walk:
+    """Settled states that differ by one action each; only what the data sheet defines is done."""
+
+    def __init__(self, seed: str, actions: int, modes: bool) -> None:
+        self.rng = random.Random(seed)
+        self.modes = modes
+        self.pins = dict(IDLE)
+        self.states: list[int] = []
+        self.model = i8255.I8255()
+        self.wants: list[dict] = []
+        for _ in range(actions):
+            self._action()
+
+    def _state(self, **pins) -> None:
+        self.pins.update(pins)
+        word = IN.pack(self.pins)
+        self.states.append(word)
+        self.wants.append(self.model.settle(word))
+
+    def _write(self, addr: int, data: int) -> None:
+        self._state(cs_n=0, wr_n=0, a=addr, d=data)
+        self._state(cs_n=1, wr_n=1)
+
+    def _action(self) -> None:
+        rng, kind = self.rng, self.rng.random()
+        plain = self.model.plain_bits()
+        if kind < 0.10:
+            word = 0x80 | rng.getrandbits(7)
+            self._write(CONTROL, word if self.modes else word & ~0x64)
+        elif kind < 0.25:
+            bits = [n for n in range(8) if plain >> n & 1 or n in (2, 4, 6)]
+            self._write(CONTROL, rng.choice(bits) << 1 | rng.getrandbits(1))
+        elif kind < 0.45:
+            port = rng.choice((A, B) if plain != 0xFF else (A, B, C))
+            self._write(port, rng.getrandbits(8))
+        elif kind < 0.65:
+            self._state(cs_n=0, rd_n=0, a=rng.randrange(4))
+            self._state(cs_n=1, rd_n=1)
+        elif kind < 0.66:
+            self._state(reset=1)
+            self._state(reset=0)
+        elif kind < 0.80:
+            # strobes stay high but for their own action
+            self._state(pa=rng.getrandbits(8), pb=rng.getrandbits(8))
+            self._state(pc=(rng.getrandbits(8) & plain) | (0xFF & ~plain))
+        else:
+            self._state(pc=self.pins["pc"] | (0xFF & ~plain))
+            bit = rng.choice((2, 4, 6))
+            if not plain >> bit & 1:
+                self._state(pc=self.pins["pc"] & ~(1 << bit))
+                self._state(pc=self.pins["pc"] | 1 << bit)
+        if self.pins["pc"] | plain != 0xFF:  # a new mode found a strobe low: raise it first
+            self._state(pc=self.pins["pc"] | (0xFF & ~self.model.plain_bits()))
+
+
+async def compare(dut, name: str, modes: bool) -> None:
+    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-{name}"
+    walk = Walk(seed, min(QUICK_OPS, 20_000), modes)
+    words = [w for w in walk.states for _ in range(SETTLE)]
+    got = (await Bench(dut).replay(words))[SETTLE - 1 :: SETTLE]
+    assert len(got) == len(walk.wants) > QUICK_OPS // 2
+    for at, (want, seen) in enumerate(zip(walk.wants, got, strict=True)):
+        wrong = settled(want, seen)
+        recent = [IN.unpack(w) for w in walk.states[max(0, at - 3) : at + 1]]
+        assert not wrong, f"seed {seed} state {at}: {wrong}; {recent}"
+
+
+@cocotb.test()
+@req("PPI-1")
+async def random_mode0(dut):
+    await compare(dut, "ppi-mode0", False)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def random_all_modes(dut):
+    await compare(dut, "ppi-modes", True)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def mode_word_helper(dut):
+    """Every bit of the mode word at its place, seen through the readable variant."""
+    s = Ppi(readable=True)
+    for field, value in (("a", 0xA0), ("a_in", 0x90), ("ch_in", 0x88), ("b", 0x84)):
+        assert mode_word(**{field: 1}) == value
+        s.mode(**{field: 1})
+        s.read(CONTROL, value)
+    assert s.PICK == VARIANT
+    await s.run(dut)

@@ -1,0 +1,655 @@
+# SPDX-License-Identifier: Apache-2.0
+# Length: many short cases of one block, read one at a time.
+"""The THCT2000 encoder chip: eight modes, latch, coherent reads, speed, random. §5.3.1-5.3.2."""
+
+import os
+import random
+
+import cocotb
+
+from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, mismatch
+from cocotb_tests.lib.req import req
+from cocotb_tests.models import thct2000
+
+TOPLEVEL = "bench_thct2000"
+SOURCES = ("bench_thct2000.sv", "bench_replay.sv", "bench_lockstep.sv")
+PARAMETERS: dict = {}
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode5_counts_up_when_a_leads(dut):
+    s = Encoder()
+    s.turn(8)
+    s.count(8)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode5_counts_down_when_b_leads(dut):
+    s = Encoder()
+    s.turn(-8)
+    s.count(-8)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode5_every_edge_counts_once(dut):
+    s = Encoder()
+    for n in range(1, 10):
+        s.turn(1)
+        s.count(n)
+    for n in range(8, -5, -1):
+        s.turn(-1)
+        s.count(n)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def four_million_counts_a_second(dut):
+    """A transition every other clock of 8 MHz, both ways, none lost."""
+    s = Encoder()
+    s.turn(2000, clocks=2)
+    s.count(2000)
+    s.turn(-3000, clocks=2)
+    s.count(-1000)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def wraps_upward(dut):
+    s = Encoder()
+    s.init(0xFFFE)
+    for want in (0xFFFF, 0, 1):
+        s.turn(1)
+        s.count(want)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def wraps_downward(dut):
+    s = Encoder()
+    s.init(1)
+    for want in (0, 0xFFFF, 0xFFFE):
+        s.turn(-1)
+        s.count(want)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def both_inputs_at_once_count_nothing(dut):
+    s = Encoder()
+    s.expect(illegal=0)
+    for _ in range(4):
+        s.step(3, a=1, b=1)
+        s.step(3, a=0, b=0)
+    s.count(0)
+    s.expect("and it is remembered", illegal=1)
+    s.turn(3)
+    s.count(3, "counting goes on")
+    s.step(2, reset=1)
+    s.step(1, reset=0)
+    s.expect("until RESET", illegal=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def all_illegal_transitions(dut):
+    s = Encoder()
+    want = 0
+    for first in range(4):
+        while s.phase != first:
+            s.turn(1)
+            want += 1
+        a, b = GREY[first]
+        s.step(4, a=1 - a, b=1 - b)
+        s.step(4, a=a, b=b)
+        s.count(want, f"from {GREY[first]}")
+    await s.run(dut)
+
+
+async def discriminator(dut, mode: int, up: tuple[int, int, int, int]) -> None:
+    """`up[k]`: does the k-th transition of an upward turn count in this mode."""
+    s, want = Encoder(mode), 0
+    for _ in range(2):
+        for k in range(4):
+            s.turn(1)
+            want += up[k]
+            s.count(want, f"up, transition {k}")
+    for _ in range(3):
+        for k in (3, 2, 1, 0):
+            s.turn(-1)
+            want -= up[k]
+            s.count(want, f"down, transition {k}")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode0_holds(dut):
+    await discriminator(dut, 0, (0, 0, 0, 0))
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode1_counts_a_while_b_is_low(dut):
+    await discriminator(dut, 1, (1, 0, 0, 0))
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode2_counts_a_while_b_is_high(dut):
+    await discriminator(dut, 2, (0, 0, 1, 0))
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode3_counts_both_edges_of_a(dut):
+    await discriminator(dut, 3, (1, 0, 1, 0))
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode4_counts_both_edges_of_b(dut):
+    await discriminator(dut, 4, (0, 1, 0, 1))
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode5_counts_all_edges(dut):
+    await discriminator(dut, 5, (1, 1, 1, 1))
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode6_measures_an_interval(dut):
+    s = Encoder(6)
+    for length in (7, 1, 100):
+        s.step(length, a=1)
+        s.step(6, a=0)
+        s.expect("starts anew", count=0)
+        s.value(length, f"A high for {length} CLKs")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode7_measures_a_frequency(dut):
+    s = Encoder(7)
+    for rises in (3, 0, 10):
+        s.step(3, b=1)
+        for _ in range(rises):
+            s.step(2, a=1)
+            s.step(2, a=0)
+        s.settle()
+        s.step(6, b=0)
+        s.value(rises, f"{rises} rises of A while B is high")
+        s.step(3, a=1)
+        s.step(3, a=0)
+        s.count(0, "not while B is low")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def mode_change_keeps_the_count(dut):
+    s = Encoder()
+    s.turn(7)
+    for mode in (0, 1, 2, 3, 4, 5):
+        s.settle()
+        s.step(5, m=mode)
+        s.count(7, f"mode {mode}")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def counts_on_its_clock_only(dut):
+    """Slower CLK: the inputs are looked at on its ticks."""
+    s = Encoder()
+    s.step(20, clk_en=0, a=1)
+    s.expect("no tick, no count", count=0)
+    s.phase = 1
+    for _ in range(4):
+        s.step(clk_en=1)
+        s.step(3, clk_en=0)
+    s.expect(count=1)
+    s.turn(0)
+    for _ in range(8):
+        s.turn(1, clocks=3)
+        s.step(clk_en=1)
+        s.step(clk_en=0)
+    for _ in range(4):
+        s.step(clk_en=1)
+        s.step(clk_en=0)
+    s.expect(count=9)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def written_value_is_read(dut):
+    s = Encoder()
+    for value in (0x1234, 0xFFFF, 0x8001, 0):
+        s.init(value)
+        s.expect(count=value)
+        s.value(value)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def written_lsb_first(dut):
+    s = Encoder()
+    for value in (0x1234, 0xA55A):
+        s.init(value, first=LSB)
+        s.value(value, first=LSB)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def one_byte_written_changes_nothing_yet(dut):
+    s = Encoder()
+    s.init(0x1111)
+    s.write(MSB, 0x22)
+    s.expect(count=0x1111)
+    s.write(LSB, 0x33)
+    s.expect(count=0x2233)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def write_order_is_fixed_by_the_first_after_reset(dut):
+    """A stray first byte is replaced by the next one; it never shifts later pairs."""
+    s = Encoder()
+    s.init(0x1111)
+    s.write(MSB, 0x44)
+    s.init(0x2345)
+    s.expect(count=0x2345)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def read_while_running_is_coherent(dut):
+    """MSB read, then the count passes a byte border, then LSB: both of one sample."""
+    s = Encoder()
+    s.init(0x12FF)
+    s.read(MSB, 0x12)
+    s.turn(3)
+    s.settle()
+    s.read(LSB, 0xFF)
+    s.value(0x1302, "live")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def read_lsb_first_is_coherent(dut):
+    s = Encoder()
+    s.init(0x1300)
+    s.read(LSB, 0x00)
+    s.turn(-1)
+    s.settle()
+    s.read(MSB, 0x13)
+    s.value(0x12FF, first=LSB)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def data_stands_still_during_a_read(dut):
+    s = Encoder()
+    s.init(0x00FE)
+    s.read(MSB, 0)
+    s.read(LSB, 0xFE)
+    s.step(3, cs_n=0, rd_n=0, rs=MSB)
+    for _ in range(6):
+        s.turn(1)
+        s.seen("while the count runs", d_o=0)
+    s.step(2, cs_n=1, rd_n=1)
+    s.read(LSB, 0xFE)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def snapshot_byte_read_again_samples_again(dut):
+    s = Encoder()
+    s.init(0x1000)
+    s.read(MSB, 0x10)
+    s.init(0x2000)
+    s.read(MSB, 0x20)
+    s.init(0x3044)
+    s.read(LSB, 0x00, "of the second sample")
+    s.value(0x3044)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def stray_byte_read_leaves_nothing_stale(dut):
+    s = Encoder()
+    s.value(0)
+    s.init(0x1234)
+    s.read(MSB, 0x12)
+    s.init(0x5678)
+    s.value(0x5678)
+    s.init(0x9ABC)
+    s.read(LSB, 0x78, "the other byte alone is of the last sample")
+    s.value(0x9ABC)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def reset_lets_the_order_change(dut):
+    s = Encoder()
+    s.init(0x1234)
+    s.value(0x1234)
+    s.step(3, reset=1)
+    s.step(2, reset=0)
+    s.expect("RESET DRV clears the count", count=0)
+    s.init(0x5600, first=LSB)
+    s.read(LSB, 0x00)
+    s.init(0x78FF, first=LSB)
+    s.read(MSB, 0x56, "snapshot on the LSB now")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def first_read_after_a_latch_gives_the_latched_count(dut):
+    s = Encoder()
+    s.init(100)
+    s.latch()
+    s.turn(7)
+    s.settle()
+    s.value(100, "latched")
+    s.value(107, "live")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def second_latch_overwrites(dut):
+    s = Encoder()
+    s.init(100)
+    s.latch()
+    s.turn(5)
+    s.settle()
+    s.latch()
+    s.turn(5)
+    s.settle()
+    s.value(105)
+    s.value(110)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def latch_acts_on_its_rising_edge(dut):
+    s = Encoder()
+    s.init(50)
+    s.step(latch=1)
+    s.turn(4)
+    s.settle()
+    s.value(50)
+    s.value(54, "held high: no further latch")
+    s.step(3, latch=0)
+    s.turn(1)
+    s.settle()
+    s.value(55, "its fall latches nothing")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def latch_between_the_bytes_waits_for_the_next_pair(dut):
+    s = Encoder()
+    s.init(0x10FF)
+    s.read(MSB, 0x10)
+    s.turn(1)
+    s.settle()
+    s.latch()
+    s.turn(5)
+    s.settle()
+    s.read(LSB, 0xFF)
+    s.value(0x1100, "the latched one")
+    s.value(0x1105, "live")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def latch_during_a_read_is_not_lost(dut):
+    s = Encoder()
+    s.init(0x2000)
+    s.read(MSB, 0x20)
+    s.read(LSB, 0x00)
+    s.step(2, cs_n=0, rd_n=0, rs=MSB)
+    s.step(2, latch=1)
+    s.step(2, cs_n=1, rd_n=1, latch=0)
+    s.read(LSB, 0x00)
+    s.turn(3)
+    s.settle()
+    s.value(0x2000, "latched during the read")
+    s.value(0x2003)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2", "LAT-1")
+async def latch_takes_the_count_of_its_clock(dut):
+    """The value before any count of the same clock, whatever the phase between them."""
+    for delay in range(6):
+        s = Encoder()
+        s.turn(1, clocks=1)
+        s.step(delay)
+        s.step(latch=1)
+        s.step(latch=0)
+        s.settle()
+        s.value(0 if delay < 2 else 1, f"latch {delay + 1} clocks after the edge")
+        await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def write_touches_no_latch(dut):
+    s = Encoder()
+    s.init(77)
+    s.latch()
+    s.init(500)
+    s.value(77, "the latch survives a write")
+    s.value(500)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def reset_clears(dut):
+    s = Encoder()
+    s.init(0x1234)
+    s.latch()
+    s.step(4, reset=1)
+    s.expect(count=0)
+    s.step(2, reset=0)
+    s.turn(2)
+    s.settle()
+    s.value(2, "the latch flag is gone too")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def reset_with_steady_inputs_counts_nothing(dut):
+    for phase in range(4):
+        s = Encoder()
+        s.turn(phase)
+        s.settle()
+        s.step(6, reset=1)
+        s.step(6, reset=0)
+        s.count(0, f"A, B = {GREY[phase]}")
+        await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def turning_in_reset_counts_nothing(dut):
+    s = Encoder()
+    s.step(2, reset=1)
+    s.turn(5, clocks=2)
+    s.settle()
+    s.step(2, reset=0)
+    s.count(0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def bus_floats_unless_read(dut):
+    s = Encoder()
+    s.init(0)
+    s.step(2, cs_n=1, rd_n=0)
+    s.seen(oe=0, d_o=0xFF)
+    s.step(2, cs_n=0, rd_n=1)
+    s.seen(oe=0, d_o=0xFF)
+    s.step(cs_n=1)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def filter_swallows_glitches(dut):
+    """With Filter = 2 a pulse of one or two CLKs is nothing, a long one counts."""
+    s = Encoder(filtered=True)
+    for width in (1, 2):
+        s.step(width, a=1)
+        s.step(12, a=0)
+        s.expect(f"glitch of {width}", count=0, illegal=0)
+    s.turn(4, clocks=12)
+    s.step(12)
+    s.expect("slow turning", count=4)
+    s.turn(-6, clocks=12)
+    s.step(12)
+    s.expect("and back", count=0xFFFE)
+    if not isinstance_model(dut):
+        await s.run(dut)
+
+
+def isinstance_model(dut) -> bool:
+    """The reference model has no filter."""
+    return not hasattr(dut, "go_i")
+
+
+OUT = Layout(thct2000.OUTS)
+
+
+class Walk:
+    """Random pins: turning at any legal speed, glitches, latches, bus, modes, resets."""
+
+    def __init__(self, seed: str, operations: int) -> None:
+        self.rng = random.Random(seed)
+        self.pins = dict(IDLE)
+        self.words: list[int] = []
+        self.phase = 0
+        self.speed = 0.5
+        self.direction = 1
+        self.slow = False
+        self.ticked = True  # since the last move: one change per CLK, unless meant
+        for _ in range(operations):
+            self._operation()
+
+    def _put(self, clocks: int = 1, **pins) -> None:
+        rng = self.rng
+        for _ in range(clocks):
+            self.pins.update(pins)
+            if self.slow:
+                self.pins["clk_en"] = int(rng.random() < 0.3)
+            if self.ticked and rng.random() < self.speed:
+                self.ticked = False
+                self.phase += self.direction
+                if rng.random() < 0.1:
+                    self.direction = -self.direction
+                if rng.random() < 0.02 and 1 <= self.pins["m"] <= 5:
+                    self.phase += 1  # both inputs at once
+                self.pins["a"], self.pins["b"] = GREY[self.phase % 4]
+            self.ticked |= bool(self.pins["clk_en"])
+            self.words.append(IN.pack(self.pins))
+
+    def _operation(self) -> None:
+        rng, kind = self.rng, self.rng.random()
+        self.speed = rng.choice((0, 0.1, 0.5, 1.0)) if rng.random() < 0.2 else self.speed
+        if self.slow:
+            self.speed = min(self.speed, 0.1)
+        if kind < 0.45:
+            self._put(rng.choice((2, 3, 4)), cs_n=0, rd_n=0, rs=rng.getrandbits(1))
+            self._put(cs_n=1, rd_n=1, rs=rng.getrandbits(1))
+        elif kind < 0.65:
+            value = rng.choice((0, 0xFF, 0xFE, rng.getrandbits(8)))
+            self._put(rng.choice((1, 2)), cs_n=0, wr_n=0, rs=rng.getrandbits(1), d=value)
+            self._put(cs_n=1, wr_n=1, rs=rng.getrandbits(1), d=rng.getrandbits(8))
+        elif kind < 0.85:
+            self._put(rng.choice((1, 1, 4)), latch=1)
+            self._put(latch=0)
+        elif kind < 0.88:
+            # let double changes pass the synchroniser before the mode becomes one of 0, 6, 7
+            speed, self.speed, slow, self.slow = self.speed, 0, self.slow, False
+            self._put(6, clk_en=1)
+            self._put(1, m=rng.choice((5, 5, 5, 0, 1, 2, 3, 4, 6, 7)))
+            self._put(6)
+            self.speed, self.slow = speed, slow
+        elif kind < 0.89:
+            self._put(rng.choice((1, 3)), reset=1)
+            self._put(reset=0)
+        elif kind < 0.91:
+            self.slow = not self.slow
+            self.pins["clk_en"] = 1
+        self._put(rng.choice((0, 1, 2, 6)))
+
+
+@cocotb.test()
+@req("ENC-1", "ENC-2")
+async def random_against_the_model(dut):
+    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-thct2000"
+    bench, compared = Bench(dut), 0
+    for piece in range(max(1, QUICK_OPS // 20_000)):
+        words = Walk(f"{seed}-{piece}", min(QUICK_OPS, 20_000)).words
+        model = Model()
+        for at, (word, got) in enumerate(zip(words, await bench.replay(words), strict=True)):
+            want = model.clock(word)
+            wrong = mismatch(OUT, want, got)
+            assert not wrong, f"seed {seed}-{piece} clock {at}: {wrong}; pins {IN.unpack(word)}"
+            compared += "d_o" in want
+    assert compared > QUICK_OPS
+
+
+@cocotb.test()
+@req("ENC-1", "ENC-2")
+async def skipping_equals_single_clocks(dut):
+    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-thct2000-skip"
+    rng = random.Random(seed)
+    segments = []
+    for word in Walk(seed, 3000).words:
+        wait = rng.choice((0, 0, 5, 300)) if rng.random() < 0.3 else 0
+        segments.append((word, 1 + wait, rng.choice((0xFFFF, 0xFFFF, 2, 9))))
+    clocks, steps = await Bench(dut).lockstep(segments, IN.width, f"seed {seed}")
+    assert steps < clocks * 0.6, f"{steps} steps for {clocks} clocks"
+
+
+@cocotb.test()
+@req("ENC-1")
+async def skipping_an_idle_counter_reaches_far(dut):
+    word = IN.pack(IDLE)
+    clocks, steps = await Bench(dut).lockstep([(word, 10, 1), (word, 200_000, 0xFFFF)], 20, "idle")
+    assert steps < 40, f"{steps} steps for {clocks} clocks"

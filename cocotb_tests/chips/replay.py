@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Replay of packed pin words against a chip bench, and scripts that build them with expectations.
+
+A script runs against the RTL (a cocotb handle) or against the reference model (`ModelDut`), so
+every directed case checks both.
+"""
+
+import os
+from pathlib import Path
+
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, RisingEdge
+
+LOCKSTEP, VARIANT, CASCADE = 1, 2, 4  # bits of pick_i
+QUICK_OPS = int(os.environ.get("MMCS_RANDOM_OPS", "5000"))  # full depth: 100000
+
+
+class Layout:
+    """Names and widths of packed pins, the first in the low bits."""
+
+    def __init__(self, fields) -> None:
+        self.fields = []
+        at = 0
+        for name, width in fields:
+            self.fields.append((name, at, (1 << width) - 1))
+            at += width
+        self.width = at
+
+    def pack(self, pins: dict) -> int:
+        word = 0
+        for name, at, mask in self.fields:
+            assert 0 <= pins[name] <= mask, f"pin {name}: {pins[name]} does not fit"
+            word |= pins[name] << at
+        return word
+
+    def unpack(self, word: int) -> dict:
+        return {name: word >> at & mask for name, at, mask in self.fields}
+
+
+class ModelDut:
+    """Stands in for a cocotb handle: `Script.run` then asks the reference model."""
+
+
+class Bench:
+    """The replay bench around a chip: writes stimulus, waits, reads what was seen."""
+
+    def __init__(self, dut) -> None:
+        self.dut = dut
+        self.clock = None
+
+    async def _start(self, lines: list[str], pick: int) -> list[str]:
+        dut, ident = self.dut, os.getpid()
+        stim, resp = Path(f"stim_{ident}.hex"), Path(f"resp_{ident}.hex")
+        stim.write_text("\n".join(lines) + "\n")
+        dut.go_i.value = 0
+        dut.rst_ni.value = 0
+        dut.pick_i.value = pick
+        dut.id_i.value = ident
+        dut.length_i.value = len(lines)
+        if self.clock is None:
+            self.clock = Clock(dut.clk_i, 10, "ns")
+            self.clock.start()
+        await ClockCycles(dut.clk_i, 3)
+        dut.rst_ni.value = 1
+        await ClockCycles(dut.clk_i, 2)
+        dut.go_i.value = 1
+        await ClockCycles(dut.clk_i, 2)
+        if not int(dut.done_o.value):
+            await RisingEdge(dut.done_o)
+        dut.go_i.value = 0
+        await ClockCycles(dut.clk_i, 2)
+        seen = resp.read_text().split("\n")[:-1]
+        stim.unlink()
+        resp.unlink()
+        return seen
+
+    async def replay(self, words: list[int], pick: int = 0) -> list[int]:
+        """One response per word, each as the clock edge that takes the word sees it."""
+        assert len(words) < 262_144, "longer than the bench's memory: replay in pieces"
+        lines = await self._start([f"{word:x}" for word in words], pick)
+        assert len(lines) == len(words), f"{len(lines)} responses to {len(words)} words"
+        try:
+            return [int(line, 16) for line in lines]
+        except ValueError:
+            at, line = next((n, t) for n, t in enumerate(lines) if set(t) & set("xzXZ"))
+            raise AssertionError(f"undefined outputs {line} at clock {at}") from None
+
+    async def lockstep(self, segments, width: int, what: str, pick: int = 0) -> tuple[int, int]:
+        """Segments (pins, clocks, cap) on a plain and a skipping instance; (clocks, steps)."""
+        lines = [f"{(cap << 32 | clocks) << width | pins:x}" for pins, clocks, cap in segments]
+        clocks = steps = 0
+        for at, line in enumerate(await self._start(lines, pick | LOCKSTEP)):
+            step, slow, fast, early, slow_edge, fast_edge = (int(t, 16) for t in line.split())
+            clocks += step
+            steps += 1
+            where = f"{what}: step {at} of {step} clocks, ending at clock {clocks}"
+            assert slow == fast, f"{where}: single clocks give {slow:x}, one step gives {fast:x}"
+            assert not early, f"{where}: output edge {early:x} inside a step"
+            assert slow_edge == fast_edge, f"{where}: edges {slow_edge:x} against {fast_edge:x}"
+        assert clocks == sum(s[1] for s in segments), f"{what}: {clocks} clocks"
+        return clocks, steps
+
+
+def mismatch(layout: Layout, want, got: int) -> str | None:
+    """None, or which output differs; `want` is a packed word or a dict of defined outputs."""
+    if isinstance(want, int):
+        if want == got:
+            return None
+        want = layout.unpack(want)
+    seen = layout.unpack(got)
+    wrong = [f"{k}: expected {v:#x}, got {seen[k]:#x}" for k, v in want.items() if seen[k] != v]
+    return "; ".join(wrong) or None
+
+
+class Script:
+    """Pins over time with expectations. Subclasses name the chip's pins, model and idle state."""
+
+    PINS = OUTS = ()
+    IDLE: dict = {}
+    PICK = 0
+
+    def __init__(self) -> None:
+        self.layout_in, self.layout_out = Layout(self.PINS), Layout(self.OUTS)
+        self.now = dict(self.IDLE)
+        self.words: list[int] = []
+        self.checks: list[tuple[int, dict, str]] = []
+
+    def model(self):
+        raise NotImplementedError
+
+    def step(self, clocks: int = 1, **pins) -> None:
+        """Hold the pins, changed as given, for some clocks."""
+        self.now.update(pins)
+        self.words += [self.layout_in.pack(self.now)] * clocks
+
+    def expect(self, note: str = "", **outs) -> None:
+        """What the outputs are after the last step (seen by the clock that follows)."""
+        self.checks.append((len(self.words), outs, note))
+
+    def seen(self, note: str = "", **outs) -> None:
+        """What the outputs are in the last clock itself, before its edge."""
+        self.checks.append((len(self.words) - 1, outs, note))
+
+    async def run(self, dut) -> None:
+        assert self.checks, "a script without an expectation proves nothing"
+        self.step(2)
+        if isinstance(dut, ModelDut):
+            responses = self.model().run(self.words)
+        else:
+            responses = await Bench(dut).replay(self.words, self.PICK)
+        for at, outs, note in self.checks:
+            got = self.outputs(responses[at])
+            wrong = [f"{k}: expected {v:#x}, got {got.get(k)}" for k, v in outs.items()
+                     if got.get(k) != v]  # fmt: skip
+            assert not wrong, f"clock {at} {note}: {'; '.join(wrong)}"
+
+    def outputs(self, response) -> dict:
+        """A response as named outputs; the model's is a dict already where parts are undefined."""
+        return response if isinstance(response, dict) else self.layout_out.unpack(response)

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What must not happen on a card: reads that write, latches that update, relays that linger. §5.3
+
+Each of these was found by breaking the RTL and seeing that no test noticed.
+"""
+
+import cocotb
+
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import B_TO_JOINT, C_BEAT1, C_BEAT2, DAC1, LATCH, PORT_B, PORT_C
+from cocotb_tests.mark1.cocotb_mark1 import RUN, Card
+from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
+
+TOPLEVEL = "mark1"
+PARAMETERS = CARDS["short"]
+CODES = (0x9A5, 0x35C)
+
+
+def volts(code: int) -> int:
+    return (code - 0x800) * 16
+
+
+async def driving(dut) -> Card:
+    """Both D/As written and connected; the heartbeats have run out."""
+    tb = Card(dut)
+    await tb.start()
+    for joint, code in enumerate(CODES):
+        await tb.dac(joint, code)
+    await tb.us(130)
+    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2)
+    return tb
+
+
+@cocotb.test()
+@req("DAC-1", "HB-1", "CRD-1")
+async def reading_a_converter_writes_nothing(dut):
+    """The D/A registers are write-only: a read starts no heartbeat and leaves both ranks."""
+    tb = await driving(dut)
+    for register in range(DAC1, DAC1 + 4):
+        dut.pc_d_i.value = 0x00
+        assert await tb.pc.read(register) == 0xFF
+        assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2), f"read of {register:02X}"
+    for joint, code in enumerate(CODES):
+        await tb.pc.write(DAC1 + 2 * joint + 1, code >> 8)
+    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+
+
+@cocotb.test()
+@req("DAC-1", "LAT-1")
+async def latch_leaves_a_single_buffered_output(dut):
+    """Without double buffering only the high nibble completes a value, never a latch."""
+    tb = await driving(dut)
+    for joint in (0, 1):
+        await tb.pc.write(DAC1 + 2 * joint, 0x77)
+    await tb.pc.write(LATCH, 0)
+    await tb.sclock()
+    await tb.clocks(3)
+    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+
+
+@cocotb.test()
+@req("DIA-1")
+async def joints_are_isolated_at_once(dut):
+    """The relay takes its time, but nothing is driven from the moment its coil is off."""
+    tb = await driving(dut)
+    await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
+    await tb.clocks(1)
+    assert [tb.volts(j) for j in (0, 1)] == [0, 0]

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every transition of the PCCSR: from every state by every write and every edge. §4.3.3, §4.3.6"""
+
+import cocotb
+
+from cocotb_tests.adaptor.cocotb_host_port import HostPort
+from cocotb_tests.functional import cover
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import PCCSR, PIT
+
+TOPLEVEL = "adaptor_core"
+PARAMETERS: dict = {}
+MODE0, MODE2 = 0x70, 0x74  # control words of timer 1: they pull OUT1 low and high at once
+
+
+class Csr(HostPort):
+    async def sclock(self, level: int) -> None:
+        await self.wr(PIT + 6, MODE2 if level else MODE0)
+        assert int(self.dut.sclock_o.value) == level
+
+    async def panic(self, level: int) -> None:
+        self.dut.estop_closed_i.value = not level
+        await self.clocks(6)
+        assert int(self.dut.panic_o.value) == level
+
+    async def enter(self, state: int) -> None:
+        """Both signals low; bit 7, the enables, the latches as wanted."""
+        await self.sclock(0)
+        await self.panic(0)
+        await self.wr(PCCSR, 0)
+        await self.wr(PCCSR, state >> 2 << 5)
+        for latch, signal in ((state & 1, self.sclock), (state >> 1 & 1, self.panic)):
+            if latch:
+                await signal(1)
+                await signal(0)
+
+    async def expect(self, state: int, base: int) -> None:
+        """What the register reads, and whether the latches and enables of a state interrupt."""
+        bit7, enables, latches = state >> 4, state >> 2 & 3, state & 3
+        assert await self.rd(PCCSR) == bit7 << 7 | latches << 5 | base
+        assert int(self.dut.irq_req_o.value) == bool(enables & latches)
+
+
+def after(state: int, event: int) -> int:
+    """The state that follows: events 0-7 write the upper bits, 8 and 9 are edges."""
+    if event >= 8:
+        return state | (1 << event - 8 if state & 16 else 0)
+    return event << 2 | (state & 3 if event & 4 else 0)
+
+
+@cocotb.test()
+@req("CSR-1", "INT-1", "INT-2")
+async def every_transition(dut):
+    tb = Csr(dut)
+    await tb.start()
+    for state in range(32):
+        if not state & 16 and state & 3:
+            continue
+        for event in range(10):
+            await tb.enter(state)
+            await tb.expect(state, 0)
+            base = 0
+            if event < 8:
+                base = tb.random.randrange(32)
+                await tb.wr(PCCSR, event << 5 | base)
+            else:
+                await (tb.sclock, tb.panic)[event - 8](1)
+            await tb.expect(after(state, event), base)
+            cover.PCCSR.hit(f"{state:05b}", cover.PCCSR_EVENTS[event])
+    cover.save()
+    assert set(cover.PCCSR.bins()) == cover.PCCSR.hits
+
+
+@cocotb.test()
+@req("CSR-1", "MAP-1")
+async def every_base_after_every_other(dut):
+    tb = Csr(dut)
+    await tb.start()
+    for old in range(32):
+        for new in range(32):
+            await tb.wr(PCCSR, old)
+            assert await tb.rd(PCCSR) == old
+            await tb.wr(PCCSR, new)
+            assert await tb.rd(PCCSR) == new
+            cover.PCCSR_BASE.hit(old, new)
+    cover.save()
+    assert set(cover.PCCSR_BASE.bins()) == cover.PCCSR_BASE.hits
+
+
+@cocotb.test()
+@req("INT-1")
+async def an_edge_beside_a_standing_level(dut):
+    """Signals that are high when bit 7 rises stay unlatched, whatever the other one does."""
+    tb = Csr(dut)
+    await tb.start()
+    signals = (tb.sclock, tb.panic)
+    for standing in (0, 1):
+        await tb.enter(0)
+        await signals[standing](1)
+        await tb.wr(PCCSR, 0x80)
+        await tb.expect(16, 0)
+        await signals[1 - standing](1)
+        await tb.expect(16 | 2 >> standing, 0)
+        await signals[1 - standing](0)
+        await tb.expect(16 | 2 >> standing, 0)

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The one test runner: builds a top once per simulator and parameters, runs a module on it.
+
+A build lives in build/cocotb/<top>-<key>, the key hashing every source, parameter and option, so
+that a second run builds nothing; a lock keeps parallel workers from building the same thing twice.
+"""
+
+import fcntl
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cocotb_tools.runner import Icarus, Verilator
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from sources import sources  # noqa: E402
+
+SIMULATORS = ("verilator", "icarus")
+DEFAULT_SEED = 1989
+RESTARTS = 8
+HANG_S = 900  # a guard against a simulator that never ends, not a measure
+TIMESCALE = ("1ns", "1ps")
+# Nearly all the time of a build is g++; the simulations are short, so -O1 ends soonest.
+OPTIMISE = ["OPT_FAST=-O1", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
+# Counters make the code several times as large and the builds as long: -O0 ends soonest there.
+COUNTING = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
+SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dpi.o")
+# Only with these tops do the bus checkers find what they are bound to.
+CHECKED_TOPS = ("mmcs", "bench_expansion")
+
+
+class BuildError(Exception):
+    """The design does not compile; the text holds the compiler's words."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One simulation: a test module on one top with one set of parameters."""
+
+    module: str
+    toplevel: str
+    sim: str
+    parameters: tuple[tuple[str, object], ...] = ()
+    extra: tuple[Path, ...] = ()
+    coverage: bool = False
+
+
+@dataclass
+class Outcome:
+    passed: bool
+    text: str = ""
+    seconds: float = 0.0
+    log: Path | None = field(default=None)
+
+
+def build_root() -> Path:
+    return Path(os.environ.get("MMCS_BUILD", ROOT / "build")).resolve() / "cocotb"
+
+
+def needed(toplevel: str, files: list[Path]) -> list[Path]:
+    """The files of the manifest that the top reaches, in its order.
+
+    So a change in one chip rebuilds what holds that chip and nothing else. Any mention of a module
+    or package name counts, which can only include too much.
+    """
+    text = {f: f.read_text() for f in files if f.is_file()}
+    declares = {
+        name: f
+        for f, t in text.items()
+        for name in re.findall(r"^\s*(?:module|package)\s+(?:automatic\s+)?(\w+)", t, re.M)
+    }
+    if toplevel not in declares:
+        raise BuildError(f"no source declares module {toplevel}")
+    words = {f: set(re.findall(r"\w+", t)) for f, t in text.items()}
+    todo, reached = [declares[toplevel]], set()
+    while todo:
+        file = todo.pop()
+        if file not in reached:
+            reached.add(file)
+            todo += [declares[w] for w in words[file] & declares.keys()]
+    return [f for f in files if f in reached]
+
+
+class _Runner:
+    """What both simulators share: output to a file, an end to hanging."""
+
+    def _execute_cmds(self, cmds, cwd, stdout=None):
+        for cmd in cmds:
+            done = subprocess.run(
+                cmd,
+                cwd=cwd,
+                env=self.env,
+                check=False,
+                stdout=stdout,
+                stderr=subprocess.STDOUT,
+                timeout=HANG_S,
+            )
+            if done.returncode:
+                raise RuntimeError(f"{Path(cmd[0]).name} ended with {done.returncode}")
+
+
+class _Icarus(_Runner, Icarus):
+    pass
+
+
+class _Verilator(_Runner, Verilator):
+    optimise = OPTIMISE
+
+    def _build_command(self):
+        verilate, make = super()._build_command()
+        return [verilate, [*make, *self.optimise]]
+
+
+def _design(job: Job) -> tuple[list[Path], list[Path]]:
+    """Sources and include folders of a job."""
+    rtl = sources("rtl")
+    files = needed(job.toplevel, [*rtl, *job.extra])
+    if job.toplevel in CHECKED_TOPS and job.sim == "verilator":
+        files += [f for f in sources("checkers") if f.is_file()]
+    folder = next(p for p in rtl[0].parents if p.name == "rtl")
+    waivers = folder / "verilator.vlt"
+    if job.sim == "verilator" and waivers.is_file():
+        files = [waivers, *files]
+    return files, [folder]
+
+
+def _arguments(job: Job) -> list[str]:
+    if job.sim == "icarus":
+        return ["-Wall", "-Wno-timescale"]
+    args = ["--assert", "--no-timing"]
+    # not --coverage: its expression coverage is not asked for, and not sound in this version
+    return [*args, "--coverage-line", "--coverage-toggle"] if job.coverage else args
+
+
+@contextmanager
+def _locked(path: Path):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+def _lend_objects(folder: Path, coverage: bool) -> None:
+    """Verilator's run-time library is the same in every build: compile it once.
+
+    Not so the main program, verilator.o: it knows the size of the design's class.
+    """
+    store = build_root() / ("objects-coverage" if coverage else "objects")
+    for name in SHARED:
+        if (store / name).is_file():
+            shutil.copyfile(store / name, folder / name)
+
+
+def _keep_objects(folder: Path, coverage: bool) -> None:
+    store = build_root() / ("objects-coverage" if coverage else "objects")
+    store.mkdir(exist_ok=True)
+    for name in SHARED:
+        if (folder / name).is_file() and not (store / name).is_file():
+            shutil.copyfile(folder / name, store / f"{name}.{os.getpid()}")
+            os.replace(store / f"{name}.{os.getpid()}", store / name)
+
+
+def build(job: Job):
+    """The runner with the design built, building only what no earlier run has built."""
+    files, includes = _design(job)
+    arguments = _arguments(job)
+    digest = hashlib.sha256()
+    headers = sorted(includes[0].rglob("*.svh"))
+    for file in [*files, *headers]:
+        digest.update(file.name.encode() + file.read_bytes())
+    digest.update(repr((job.toplevel, job.sim, job.parameters, arguments, OPTIMISE)).encode())
+    digest.update(sys.version.encode() + sys.prefix.encode())
+    folder = build_root() / f"{job.toplevel}-{job.sim}-{digest.hexdigest()[:12]}"
+    runner = (_Verilator if job.sim == "verilator" else _Icarus)()
+    if job.coverage:
+        runner.optimise = COUNTING
+    log = folder.with_suffix(".log")
+    with _locked(folder.with_suffix(".lock")):
+        if not (folder / "built").is_file():
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(parents=True)
+            if job.sim == "verilator":
+                _lend_objects(folder, job.coverage)
+            try:
+                runner.build(
+                    sources=files,
+                    includes=includes,
+                    hdl_toplevel=job.toplevel,
+                    parameters=dict(job.parameters),
+                    build_args=arguments,
+                    build_dir=folder,
+                    timescale=TIMESCALE,
+                    log_file=log,
+                    always=True,
+                )
+            except RuntimeError as error:
+                raise BuildError(f"{job.toplevel}: {error}\n{_tail(log)}") from None
+            if job.sim == "verilator":
+                _keep_objects(folder, job.coverage)
+            (folder / "built").touch()
+    runner.build_dir = folder
+    return runner
+
+
+def _tail(log: Path, lines: int = 60) -> str:
+    if not log.is_file():
+        return ""
+    return "\n".join(log.read_text(errors="replace").splitlines()[-lines:])
+
+
+def run(job: Job, tests: list[str], seed: int, worker: str = "main") -> dict[str, Outcome]:
+    """Runs the named tests of a module in one simulation; an outcome for each.
+
+    A test that ends the simulation (an assertion of the design) fails alone: the tests after it
+    run in another.
+    """
+    try:
+        runner = build(job)
+    except BuildError as error:
+        return {t: Outcome(False, f"the design does not build\n{error}") for t in tests}
+    outcomes, left = {}, list(tests)
+    for attempt in range(RESTARTS):
+        found, complaint, log = _simulate(runner, job, left, seed, f"{worker}-{attempt}")
+        outcomes |= found or _salvage(job, log)
+        left = [t for t in left if t not in outcomes]
+        if not left:
+            return outcomes
+        outcomes[left.pop(0)] = Outcome(False, complaint, log=log)
+    return outcomes | {t: Outcome(False, f"given up after {RESTARTS} crashes") for t in left}
+
+
+def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
+    """One simulation: the outcomes it left, what to say about those it did not, its log."""
+    folder = runner.build_dir / f"{job.module.rsplit('.', 1)[-1]}-{label}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    log, results = folder / "sim.log", folder / "results.xml"
+    names = "|".join(re.escape(t) for t in tests)
+    # under pytest the runner would look at results.xml by itself and end the process
+    current = os.environ.pop("PYTEST_CURRENT_TEST", None)
+    note = "the test did not run"
+    try:
+        runner.test(
+            test_module=job.module,
+            hdl_toplevel=job.toplevel,
+            hdl_toplevel_lang="verilog",
+            build_dir=runner.build_dir,
+            test_dir=folder,
+            results_xml=str(results),
+            test_filter=rf"^{re.escape(job.module)}\.({names})$",
+            seed=seed,
+            timescale=TIMESCALE,
+            parameters=dict(job.parameters),
+            log_file=log,
+            extra_env={"MMCS_SIM": job.sim, "MMCS_PARAMETERS": repr(dict(job.parameters))},
+        )
+    except (RuntimeError, SystemExit, subprocess.TimeoutExpired) as error:
+        note = f"the simulation ended early: {error}"
+    finally:
+        if current is not None:
+            os.environ["PYTEST_CURRENT_TEST"] = current
+    return _read(results, log), f"{note}\n{_tail(log, 12)}", log
+
+
+def _salvage(job: Job, log: Path) -> dict[str, Outcome]:
+    """What the log says of the tests that ended before the simulation crashed."""
+    text = log.read_text(errors="replace") if log.is_file() else ""
+    ends = re.findall(rf"regression +{re.escape(job.module)}\.(\S+) (passed|failed)$", text, re.M)
+    return {t: Outcome(how == "passed", f"failed; see {log}", log=log) for t, how in ends}
+
+
+def _read(results: Path, log: Path) -> dict[str, Outcome]:
+    if not results.is_file():
+        return {}
+    out = {}
+    try:
+        tree = ET.parse(results)
+    except ET.ParseError:
+        return {}
+    for case in tree.iter("testcase"):
+        bad = [e for e in case if e.tag in ("failure", "error")]
+        text = "\n".join(f"{e.get('message') or ''}\n{e.text or ''}" for e in bad)
+        out[case.get("name")] = Outcome(not bad, text.strip(), float(case.get("time", 0)), log)
+    return out

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Test benches: clock, reset, healthy inputs; the machine with its registers by name."""
+
+import ast
+import os
+import random
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import RisingEdge, Timer
+from cocotb.utils import get_sim_time
+
+from cocotb_tests.lib.encoder import EncoderSource, Pins
+from cocotb_tests.lib.vme import VmeBus, VmeMaster
+
+# Inputs that are 1 in health; all others are inert at 0.
+HEALTHY = ("estop_closed_i", "cable_ok_i", "pc_power_i", "power_i")
+ACTIVE_LOW = "_ni"
+
+# Registers. §4.3.3, §5.3.1
+PIT, PCCSR, VECTOR = 0x401, 0x409, 0x441
+PORT_A, PORT_B, PORT_C, PPI_CONTROL = 0, 1, 2, 3
+ENC1, ENC2, DAC1, DAC2, ADC_LO, ADC_HI, LATCH, LATCH_ALL = 4, 6, 8, 10, 12, 14, 16, 18
+PPI_SETUP = 0x89  # A and B outputs, C inputs
+B_REAL_ENC, B_TO_JOINT, B_SCLOCK, B_DOUBLE, B_INDEX = 1, 2, 4, 8, 16
+C_BEAT1, C_INDEX1, C_BEAT2, C_INDEX2, C_DONE = 1, 2, 4, 8, 16
+ARMED, SCLOCK_IRQ, PANIC_IRQ = 0x80, 0x20, 0x40
+BASE = 0x18  # PCCSR bits 4-0 that reach the cards
+QUAD = 5
+LEDS = ("a1", "b1", "i1", "a2", "b2", "i2", "beat1", "beat2", "gp1", "gp2", "power")
+
+
+def parameters() -> dict:
+    return ast.literal_eval(os.environ.get("MMCS_PARAMETERS", "{}"))
+
+
+class Tb:
+    """Clock, reset and inputs of any module that follows the project's port names."""
+
+    def __init__(self, dut):
+        self.dut = dut
+        self.log = dut._log
+        self.parameters = parameters()
+        self.clk_hz = self.parameters.get("ClkHz", 8_000_000)
+        self.period = round(1e12 / self.clk_hz / 2) * 2  # ps
+        self.random = random.Random(cocotb.RANDOM_SEED)
+
+    def inputs_idle(self) -> None:
+        for name in self._inputs():
+            handle = getattr(self.dut, name)
+            high = name in HEALTHY or name.endswith(ACTIVE_LOW)
+            handle.value = (1 << len(handle)) - 1 if high else 0
+
+    def _inputs(self):
+        return [
+            n
+            for n in (handle._name for handle in self.dut)
+            if n.endswith(("_i", "_ni")) and n not in ("clk_i", "rst_ni")
+        ]
+
+    limit_ms = 40  # of simulated time: a test that waits for what never comes fails, not hangs
+
+    async def _watchdog(self) -> None:
+        await Timer(self.limit_ms, "ms")
+        raise AssertionError(f"still waiting after {self.limit_ms} ms of simulated time")
+
+    async def start(self) -> None:
+        cocotb.start_soon(self._watchdog())
+        self.inputs_idle()
+        self.dut.rst_ni.value = 0
+        Clock(self.dut.clk_i, self.period, "ps", impl="gpi").start()
+        await self.clocks(4)
+        self.dut.rst_ni.value = 1
+        await self.clocks(4)
+
+    async def clocks(self, n: int) -> None:
+        """To the n-th rising edge from now; costs two wake-ups whatever n."""
+        if n > 1:
+            await Timer((n - 1) * self.period + self.period // 4, "ps")
+        if n:
+            await RisingEdge(self.dut.clk_i)
+
+    async def us(self, us: float) -> None:
+        if us > 0:
+            await Timer(round(us * 1000), "ns")
+
+    def now(self) -> float:
+        return get_sim_time("ps")
+
+    def clks(self, ps: float) -> int:
+        """A time as a count of clocks, which it must be."""
+        n = round(ps / self.period)
+        assert abs(ps - n * self.period) < self.period / 8, f"{ps} ps is no count of clocks"
+        return n
+
+    def encoders(self, count: int, lines: int = 0) -> list[EncoderSource]:
+        dut = self.dut
+        pins = [Pins(h) for h in (dut.enc_a_i, dut.enc_b_i, dut.enc_i_i)]
+        return [EncoderSource(*pins, axis, lines=lines) for axis in range(count)]
+
+
+class Machine(Tb):
+    """The module mmcs behind its VME connector."""
+
+    base = 0x6000
+
+    def __init__(self, dut, **master):
+        super().__init__(dut)
+        self.cards = len(dut.axis_enable_i) // 2
+        self.bus = VmeBus.from_prefix(dut, "vme")
+        self.master_options = master
+        self.vme: VmeMaster | None = None
+        self.enc: list[EncoderSource] = []
+
+    async def start(self, *, base: int = BASE, setup: bool = False, beat: bool = False) -> None:
+        """Out of reset, the cards reachable; `setup` programs all PPIs, `beat` writes all D/As."""
+        await super().start()
+        self.dut.axis_enable_i.value = (1 << 2 * self.cards) - 1
+        self.vme = VmeMaster(self.bus, **self.master_options)
+        self.enc = self.encoders(2 * self.cards)
+        await self.wr(PCCSR, base)
+        for card in range(self.cards if setup else 0):
+            await self.setup(card)
+        if beat:
+            await self.beat()
+
+    async def setup(self, card: int, b: int = B_REAL_ENC | B_TO_JOINT | B_SCLOCK) -> None:
+        await self.cwr(card, PPI_CONTROL, PPI_SETUP)
+        await self.cwr(card, PORT_A, QUAD)
+        await self.cwr(card, PORT_B, b)
+
+    async def beat(self) -> None:
+        """Zero volts to every D/A, which starts every heartbeat."""
+        for axis in range(2 * self.cards):
+            await self.dac(axis, 0x800)
+
+    # -- registers -----------------------------------------------------------------------------
+
+    async def rd(self, offset: int, **how) -> int:
+        return await self.vme.read(self.base | offset, **how)
+
+    async def wr(self, offset: int, value: int, **how) -> None:
+        await self.vme.write(self.base | offset, value, **how)
+
+    @staticmethod
+    def creg(card: int, register: int) -> int:
+        return card << 6 | register << 1 | 1
+
+    async def crd(self, card: int, register: int) -> int:
+        return await self.rd(self.creg(card, register))
+
+    async def cwr(self, card: int, register: int, value: int) -> None:
+        await self.wr(self.creg(card, register), value)
+
+    # -- chips ---------------------------------------------------------------------------------
+
+    async def timer(self, n: int, count: int, mode: int = 2) -> None:
+        await self.wr(PIT + 6, n << 6 | 0x30 | mode << 1)
+        await self.wr(PIT + 2 * n, count & 0xFF)
+        await self.wr(PIT + 2 * n, count >> 8)
+
+    async def timer_value(self, n: int) -> int:
+        await self.wr(PIT + 6, n << 6)
+        low = await self.rd(PIT + 2 * n)
+        return low | await self.rd(PIT + 2 * n) << 8
+
+    async def sclock(self, n0: int, n1: int, mode: int = 2) -> None:
+        await self.timer(0, n0, mode)
+        await self.timer(1, n1, mode)
+
+    async def dac(self, axis: int, code: int) -> None:
+        card, register = axis // 2, DAC1 + 2 * (axis % 2)
+        await self.cwr(card, register, code & 0xFF)
+        await self.cwr(card, register + 1, code >> 8)
+
+    async def adc(self, axis: int) -> int:
+        card, joint = axis // 2, axis % 2
+        high = await self.crd(card, ADC_HI)
+        return (high >> 4 * joint & 0xF) << 8 | await self.crd(card, ADC_LO + joint)
+
+    async def encoder(self, axis: int) -> int:
+        card, register = axis // 2, ENC1 + 2 * (axis % 2)
+        high = await self.crd(card, register)
+        return high << 8 | await self.crd(card, register + 1)
+
+    async def preset(self, axis: int, value: int) -> None:
+        card, register = axis // 2, ENC1 + 2 * (axis % 2)
+        await self.cwr(card, register, value >> 8)
+        await self.cwr(card, register + 1, value & 0xFF)
+
+    # -- pins ----------------------------------------------------------------------------------
+
+    def volts(self, axis: int) -> int:
+        """drive_v_o of an axis, signed, 32768 = 10 V."""
+        raw = int(self.dut.drive_v_o.value) >> 16 * axis & 0xFFFF
+        return raw - 0x10000 if raw & 0x8000 else raw
+
+    def inputs(self, volts: list[int]) -> None:
+        """adc_v_i of all axes."""
+        self.dut.adc_v_i.value = sum((v & 0xFFFF) << 16 * n for n, v in enumerate(volts))
+
+    def led(self, card: int, name: str) -> int:
+        return int(self.dut.card_leds_o.value) >> (11 * card + LEDS.index(name)) & 1

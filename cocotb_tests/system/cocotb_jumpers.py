@@ -1,0 +1,335 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Jumpers and switches that differ from the usual, matching and not. §4.3.6, §5.4.3"""
+
+import cocotb
+from cocotb.triggers import Timer
+
+from cocotb_tests.lib.req import req, variants
+from cocotb_tests.lib.tb import (
+    ARMED,
+    B_DOUBLE,
+    B_REAL_ENC,
+    B_SCLOCK,
+    B_TO_JOINT,
+    BASE,
+    C_DONE,
+    LATCH,
+    LATCH_ALL,
+    PCCSR,
+    PORT_A,
+    PORT_B,
+    PORT_C,
+    SCLOCK_IRQ,
+    VECTOR,
+    Machine,
+)
+from cocotb_tests.lib.vme import BusTimeout, VmeInterruptHandler
+from cocotb_tests.system.machine import SHORT
+
+TOPLEVEL = "mmcs"
+VARIANTS = {
+    # another base, level and lines, all consistent; A/D and D/A of 10 V; no software latch of D/As
+    "moved": {
+        "NumCards": 2,
+        "BaseA15A11": "5'b10110",
+        "IrqLevel": 3,
+        "AckLevel": 3,
+        "SclockDrq": 1,
+        "CardSclockDrq": "64'h1111111111111111",
+        "PanicIrq": 4,
+        "CardPanicIrq": "64'h4444444444444444",
+        "CardDip": "64'h00000000000000A6",
+        "SoftLatchDac": "16'h0001",
+        "AdcSpan10": "32'h00000003",
+        "DacSpan10": "32'h00000006",
+        "PpiFloatB": "8'hFF",
+        **SHORT,
+    },
+    # J5 and J7 apart, card 1 on other lines than the adaptor
+    "mismatch": {
+        "NumCards": 2,
+        "IrqLevel": 5,
+        "AckLevel": 4,
+        "CardSclockDrq": "64'h3333333333333313",
+        "CardPanicIrq": "64'h7777777777777757",
+        "RandomPowerUp": "1'b1",
+        **SHORT,
+    },
+    "full": {"NumCards": 16, **SHORT},
+}
+RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
+
+
+class Moved(Machine):
+    """The `moved` variant: base 0xB000, cards at DIP settings 6 and 10."""
+
+    base = 0xB000
+
+    @staticmethod
+    def creg(card: int, register: int) -> int:
+        return (6, 10)[card] << 6 | register << 1 | 1
+
+
+async def moved(dut) -> Moved:
+    tb = Moved(dut)
+    await tb.start(setup=True)
+    await tb.wr(0x407, 0x70)
+    await tb.us(25)
+    return tb
+
+
+@cocotb.test()
+@variants("moved")
+@req("VME-1", "CRD-1")
+async def moved_base_and_dip(dut):
+    """The window is where the jumpers say; cards answer at their switches and nowhere else."""
+    tb = await moved(dut)
+    answered = [s for s in range(32) if await tb.vme.answers(s << 11 | 0x409)]
+    assert answered == [0b10110]
+    found = [c for c in range(16) if await tb.rd(c << 6 | PORT_A << 1 | 1) != 0xFF]
+    assert found == [6, 10]
+
+
+@cocotb.test()
+@variants("moved")
+@req("INT-2", "JMP-1")
+async def moved_interrupt_level(dut):
+    tb = await moved(dut)
+    dut.axis_enable_i.value = 0
+    await tb.wr(VECTOR, 0x99)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await tb.wr(0x407, 0x74)
+    assert int(dut.vme_irq_no.value) == 0x7F & ~(1 << 2)
+    tb.vme.downstream = {5: 0x55}
+    assert await tb.vme.iack(3) == 0x99
+    assert await tb.vme.iack(5) == 0x55
+
+
+@cocotb.test()
+@variants("moved")
+@req("JMP-1", "LAT-1")
+async def moved_sclock_line(dut):
+    tb = await moved(dut)
+    await tb.wr(0x407, 0x74)
+    await Timer(1, "us")
+    assert int(dut.pcx_drq_o.value) == 0b001
+    assert [await tb.crd(c, PORT_C) & C_DONE for c in (0, 1)] == [0, 0]
+
+
+@cocotb.test()
+@variants("moved")
+@req("JMP-1", "HB-2", "PAN-1")
+async def moved_panic_line(dut):
+    tb = await moved(dut)
+    await tb.beat()
+    await tb.clocks(5)
+    assert not int(dut.panic_o.value)
+    dut.pcx_irq_i.value = 1 << 4  # IRQ7: not our line any more
+    await tb.clocks(5)
+    assert not int(dut.panic_o.value)
+    dut.pcx_irq_i.value = 1 << 1  # IRQ4
+    await tb.clocks(5)
+    assert int(dut.panic_o.value)
+    dut.pcx_irq_i.value = 0
+    await tb.us(420)
+    assert int(dut.panic_o.value), "the cards' own"
+
+
+@cocotb.test()
+@variants("moved")
+@req("DAC-1", "LAT-1")
+async def software_latch_without_jumper(dut):
+    """Card 1 has E023-E021: encoders and A/Ds latch, its D/As wait for SCLOCK."""
+    tb = await moved(dut)
+    for card in (0, 1):
+        await tb.cwr(card, PORT_B, RUN | B_DOUBLE)
+    for axis in range(4):
+        await tb.dac(axis, 0xA00)
+    await tb.cwr(0, LATCH_ALL, 0)
+    assert [bool(tb.volts(a)) for a in range(4)] == [True, True, False, False]
+    assert not await tb.crd(1, PORT_C) & C_DONE
+    await tb.cwr(1, LATCH, 0)
+    assert [bool(tb.volts(a)) for a in range(4)] == [True, True, False, False]
+    await tb.wr(0x407, 0x74)
+    assert all(tb.volts(a) for a in range(4))
+
+
+@cocotb.test()
+@variants("moved")
+@req("DAC-1", "ADC-1", "ANA-1", "DIA-1")
+async def ten_volt_spans(dut):
+    """D/As 1 and 2, A/Ds 0 and 1 at 10 V: half the volts per code, twice the codes per volt."""
+    tb = await moved(dut)
+    for axis in range(4):
+        await tb.dac(axis, 0xC00)
+    assert [tb.volts(a) for a in range(4)] == [0x4000, 0x2000, 0x2000, 0x4000]
+    tb.inputs([0x1000, -0x1000, 0x1000, 0x7000])
+    await tb.cwr(0, LATCH_ALL, 0)
+    await tb.us(26)
+    assert [await tb.adc(a) for a in range(4)] == [0xA00, 0x600, 0x900, 0xF00]
+    tb.inputs([0x7000, -0x7000, 0, 0])
+    await tb.cwr(0, LATCH_ALL, 0)
+    await tb.us(26)
+    assert [await tb.adc(a) for a in range(2)] == [0xFFF, 0x000], "beyond the range it clamps"
+    # looped back: 20 V D/A into 10 V A/D, 10 into 10, 10 into 20, 20 into 20
+    for card in (0, 1):
+        await tb.cwr(card, PORT_B, RUN & ~B_TO_JOINT)
+    for axis in range(4):
+        await tb.dac(axis, 0x900)
+    await tb.us(25)
+    await tb.cwr(0, LATCH_ALL, 0)
+    await tb.us(26)
+    assert [await tb.adc(a) for a in range(4)] == [0xA00, 0x900, 0x880, 0x900]
+
+
+@cocotb.test()
+@variants("moved")
+@req("PPI-1", "DIA-1")
+async def floating_port_b_seen_as_ones(dut):
+    """PpiFloatB = 0xFF: after RESET the board is driven, until the mode word makes outputs of 0."""
+    tb = Moved(dut)
+    await tb.start()
+    await tb.dac(0, 0xC00)
+    await tb.us(25)
+    assert tb.volts(0) == 0, "double-buffered while port B floats high"
+    await tb.cwr(0, LATCH, 0)
+    assert tb.volts(0) == 0x4000, "the relay is at the joint"
+    await tb.cwr(0, 3, 0x89)
+    await tb.us(25)
+    assert tb.volts(0) == 0
+
+
+@cocotb.test()
+@variants("mismatch")
+@req("INT-2", "VME-6", "JMP-1")
+async def j5_and_j7_apart(dut):
+    """The line is pulled, no acknowledge is ever answered: spurious, as the report warns."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    dut.axis_enable_i.value = 0
+    await tb.wr(0x407, 0x70)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await tb.wr(0x407, 0x74)
+
+    async def never(level, vector):
+        raise AssertionError(f"level {level} answered with {vector:02X}")
+
+    handler = VmeInterruptHandler(tb.vme, [5], never)
+    await Timer(60, "us")
+    assert handler.spurious >= 3
+    handler.stop()
+    await Timer(20, "us")
+    assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
+
+
+@cocotb.test()
+@variants("mismatch")
+@req("INT-2", "VME-6")
+async def iack_jumper_left_in(dut):
+    """The backplane's jumper bypasses the slot: IACKIN* never falls, the bus timer ends it."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    op = tb.vme.init_iack(5)
+    for _ in range(100):
+        dut.vme_iackin_ni.value = 1  # whatever the daisy chain does
+        await Timer(100, "ns")
+    await Timer(10, "us")
+    await op.wait()
+    assert isinstance(op.error, BusTimeout)
+    assert await tb.rd(PCCSR) == BASE
+
+
+@cocotb.test()
+@variants("mismatch")
+@req("JMP-1", "LAT-1")
+async def sclock_lines_apart(dut):
+    """Card 1 listens on DRQ1: it never latches; a software latch still works."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.sclock(8, 10)
+    await tb.us(40)
+    await tb.wr(0x407, 0x70)
+    await tb.preset(0, 10)
+    await tb.preset(2, 20)
+    await tb.us(30)
+    await tb.wr(0x407, 0x74)
+    await tb.us(1)
+    assert [await tb.crd(c, PORT_C) & C_DONE for c in (0, 1)] == [0, C_DONE]
+    await tb.cwr(1, LATCH, 0)
+    assert not await tb.crd(1, PORT_C) & C_DONE
+
+
+@cocotb.test()
+@variants("mismatch")
+@req("JMP-1", "HB-2", "PAN-1")
+async def panic_lines_apart(dut):
+    """Card 1 calls on IRQ5: never heard."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    dut.axis_enable_i.value = 0b1100
+    await tb.us(5)
+    assert not int(dut.panic_o.value), "card 1 panics unheard"
+    dut.axis_enable_i.value = 0b0001
+    await tb.us(5)
+    assert int(dut.panic_o.value)
+
+
+@cocotb.test()
+@variants("mismatch")
+@req("ANA-1")
+async def random_power_up(dut):
+    """D/As come up anywhere; the drive is isolated until software has spoken."""
+    tb = Machine(dut)
+    await tb.start()
+    assert [tb.volts(a) for a in range(4)] == [0] * 4
+    await tb.setup(0)
+    await tb.us(25)
+    assert any(tb.volts(a) for a in (0, 1))
+    await tb.dac(0, 0x800)
+    await tb.dac(1, 0x800)
+    assert [tb.volts(a) for a in (0, 1)] == [0, 0]
+
+
+@cocotb.test()
+@variants("full")
+@req("CRD-1", "MAP-1", "LAT-1", "HB-2", "ENC-1")
+async def sixteen_cards(dut):
+    """32 axes: separate registers, one latch, one PANIC line, every counter counts."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.wr(0x407, 0x70)
+    for card in range(16):
+        await tb.cwr(card, PORT_A, 5 | (card & 3) << 3)
+    for axis in range(32):
+        await tb.preset(axis, 0x100 * axis)
+        tb.enc[axis].step(1)
+        await Timer(300, "ns")
+        tb.enc[axis].step(1)
+    await tb.us(1)
+    await tb.wr(0x407, 0x74)
+    for e in tb.enc:
+        e.step(1)
+    await tb.us(1)
+    assert [await tb.crd(c, PORT_C) & C_DONE for c in range(16)] == [0] * 16
+    for card in range(16):
+        assert await tb.crd(card, PORT_A) == 5 | (card & 3) << 3
+    for axis in range(32):
+        assert await tb.encoder(axis) == 0x100 * axis + 2, f"axis {axis} latched"
+        assert await tb.encoder(axis) == 0x100 * axis + 3, f"axis {axis} live"
+
+
+@cocotb.test()
+@variants("full")
+@req("CRD-1", "DAC-1", "HB-2", "PAN-1")
+async def sixteen_cards_drive(dut):
+    """Each D/A moves its own output only; the last axis written ends PANIC."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.us(25)
+    for axis in range(32):
+        assert int(dut.panic_o.value) == 1
+        await tb.dac(axis, 0x800 + 16 * (axis + 1))
+        await tb.clocks(5)
+        assert tb.volts(axis) == 256 * (axis + 1)
+    assert int(dut.panic_o.value) == 0
+    assert [tb.volts(a) for a in range(32)] == [256 * (a + 1) for a in range(32)]

@@ -1,0 +1,439 @@
+# SPDX-License-Identifier: Apache-2.0
+# Length: many short cases of one block, read one at a time.
+"""Heartbeats, PANIC, brakes, e-stop, cable and power. §2.3.4, §4.3.5, §4.3.8, §5.3.6, §5.4.1"""
+
+import cocotb
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import (
+    ARMED,
+    B_DOUBLE,
+    B_REAL_ENC,
+    B_SCLOCK,
+    B_TO_JOINT,
+    BASE,
+    C_DONE,
+    DAC1,
+    PANIC_IRQ,
+    PCCSR,
+    PORT_A,
+    PORT_B,
+    PORT_C,
+    QUAD,
+    SCLOCK_IRQ,
+    VECTOR,
+    Machine,
+)
+from cocotb_tests.system.machine import USUAL
+
+TOPLEVEL = "mmcs"
+PARAMETERS = USUAL
+BEAT_US = 400
+RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
+
+
+async def machine(dut, enabled: int = 0x3F) -> Machine:
+    """All D/As just written, PANIC low, brakes off."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    dut.axis_enable_i.value = enabled
+    await tb.wr(0x407, 0x70)
+    await tb.us(25)
+    await tb.beat()
+    await tb.clocks(5)
+    return tb
+
+
+def panic(tb: Machine) -> int:
+    level = int(tb.dut.panic_o.value)
+    assert int(tb.dut.brake_release_o.value) == 1 - level, "brakes are off only without PANIC"
+    return level
+
+
+async def keep_beating(tb: Machine, axes, us: float) -> None:
+    end = tb.now() + us * 1e6
+    while tb.now() < end:
+        for axis in axes:
+            await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
+        await tb.us(20)
+
+
+@cocotb.test()
+@req("HB-2", "PAN-1")
+async def panic_stands_until_every_da_is_written(dut):
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    for axis in range(6):
+        assert panic(tb)
+        await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
+        await tb.clocks(5)
+    assert not panic(tb)
+
+
+@cocotb.test()
+@cocotb.parametrize(axis=[0, 1, 2, 3, 4, 5])
+@req("HB-2", "PAN-1")
+async def any_axis_panics(dut, axis):
+    """The wired OR of cards 0 to 2: one axis without D/A writes is enough, and it recovers."""
+    tb = await machine(dut)
+    assert not panic(tb)
+    others = [a for a in range(6) if a != axis]
+    await keep_beating(tb, others, BEAT_US + 60)
+    assert panic(tb)
+    assert [await tb.crd(a // 2, PORT_C) >> 2 * (a % 2) & 1 for a in range(6)] == [
+        int(a != axis) for a in range(6)
+    ]
+    await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
+    await tb.clocks(5)
+    assert not panic(tb)
+
+
+@cocotb.test()
+@cocotb.parametrize(axis=[0, 3])
+@req("SW-1", "HB-2")
+async def disabled_axis_does_not_panic(dut, axis):
+    """Switch at disable: drive to ground, heartbeat ignored for PANIC only."""
+    tb = await machine(dut, 0x3F & ~(1 << axis))
+    for n in range(6):
+        await tb.dac(n, 0xC00)
+    assert [tb.volts(n) for n in range(6)] == [0 if n == axis else 0x4000 for n in range(6)]
+    assert await tb.crd(axis // 2, PORT_C) >> 2 * (axis % 2) & 1, "its one-shot still works"
+    await keep_beating(tb, [a for a in range(6) if a != axis], BEAT_US + 60)
+    assert not panic(tb)
+    dut.axis_enable_i.value = 0x3F
+    await tb.clocks(8)
+    assert panic(tb), "switched back on without a heartbeat"
+    assert tb.volts(axis) == 0x4000
+
+
+@cocotb.test()
+@req("HB-1")
+async def heartbeat_to_the_clock(dut):
+    """The pulse is exactly HeartbeatUs long, whenever it was triggered."""
+    tb = await machine(dut, 0x01)
+    clocks = BEAT_US * tb.clk_hz // 1_000_000
+    await RisingEdge(dut.panic_o)
+    for n in range(3):
+        await tb.us(3 * n)
+        write = cocotb.start_soon(tb.cwr(0, DAC1, n))
+        await FallingEdge(dut.panic_o)
+        start = tb.now()
+        await write
+        await RisingEdge(dut.panic_o)
+        assert tb.clks(tb.now() - start) == clocks
+
+
+@cocotb.test()
+@req("HB-1")
+async def heartbeat_retrigger(dut):
+    """A retrigger at any time restarts the full pulse, with no gap."""
+    tb = await machine(dut, 0x01)
+    clocks = BEAT_US * tb.clk_hz // 1_000_000
+    await RisingEdge(dut.panic_o)
+    for part in (0.1, 0.5, 0.9):
+        await tb.cwr(0, DAC1, 0)
+        if panic(tb):
+            await FallingEdge(dut.panic_o)
+        first = tb.now()
+        await tb.us(part * BEAT_US)
+        again = tb.now()
+        assert not panic(tb)
+        await tb.cwr(0, DAC1, 0)
+        await RisingEdge(dut.panic_o)
+        whole = (tb.now() - first) / tb.period
+        delay = (again - first) / tb.period
+        assert clocks + delay < whole < clocks + delay + 16
+
+
+@cocotb.test()
+@req("HB-1", "HB-2")
+async def heartbeat_retrigger_at_the_last_instant(dut):
+    """Triggers on every clock around the end: either PANIC falls again, or it never rose."""
+    tb = await machine(dut, 0x01)
+    rose = []
+
+    async def watch():
+        while True:
+            await RisingEdge(dut.panic_o)
+            rose.append(tb.now())
+
+    cocotb.start_soon(watch())
+    gaps = []
+    for offset in range(-6, 12):
+        await tb.us(BEAT_US + 20)
+        await tb.cwr(0, DAC1, 0)
+        if panic(tb):
+            await FallingEdge(dut.panic_o)
+        start = tb.now()
+        rose.clear()
+        op_ns = start / 1000 + BEAT_US * 1000 - 1500 + 125 * offset
+        await Timer(round(op_ns - tb.now() / 1000), "ns")
+        await tb.cwr(0, DAC1, 0)
+        await tb.us(2)
+        assert not panic(tb)
+        gaps.append(len(rose))
+    assert 0 in gaps and 1 in gaps, f"{gaps}: the end was not straddled"
+    assert gaps == sorted(gaps), f"{gaps}"
+
+
+@cocotb.test()
+@req("HB-2")
+async def slow_servo_panics_by_design(dut):
+    """Writing every 1.25 heartbeats gives PANIC in every interval."""
+    tb = await machine(dut, 0x01)
+    rises = 0
+    for _ in range(4):
+        await tb.cwr(0, DAC1, 0)
+        await tb.us(BEAT_US * 0.9)
+        assert not panic(tb)
+        await tb.us(BEAT_US * 0.35)
+        rises += panic(tb)
+    assert rises == 4
+
+
+@cocotb.test()
+@cocotb.parametrize(what=["estop", "cable", "power"])
+@req("PAN-1", "INT-1")
+async def fail_safe_sources(dut, what):
+    """Each asserts PANIC within a few clocks, interrupts once, applies the brakes."""
+    tb = await machine(dut, 0)
+    await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
+    assert not panic(tb)
+    pin = {
+        "estop": dut.estop_closed_i,
+        "cable": dut.cable_ok_i,
+        "power": dut.pc_power_i,
+    }[what]
+    pin.value = 0
+    await tb.clocks(5)
+    assert panic(tb)
+    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
+    assert int(dut.led_irq_o.value) == 1
+    await tb.wr(PCCSR, BASE)
+    await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
+    await tb.us(30)
+    assert await tb.rd(PCCSR) == ARMED | BASE, "interrupts once, while the cause stands"
+    pin.value = 1
+    await tb.us(70)
+    assert not panic(tb)
+    assert await tb.rd(PCCSR) == ARMED | BASE, "its return is no edge"
+
+
+@cocotb.test()
+@req("PAN-1")
+async def sources_overlap(dut):
+    """PANIC is the OR: a second cause is no second edge."""
+    tb = await machine(dut, 0)
+    await tb.wr(PCCSR, ARMED | BASE)
+    dut.estop_closed_i.value = 0
+    await tb.clocks(5)
+    await tb.wr(PCCSR, BASE)
+    await tb.wr(PCCSR, ARMED | BASE)
+    dut.axis_enable_i.value = 0x3F
+    await tb.us(BEAT_US + 20)
+    assert panic(tb)
+    assert await tb.rd(PCCSR) == ARMED | BASE
+    dut.estop_closed_i.value = 1
+    await tb.us(2)
+    assert panic(tb), "a card still panics"
+    dut.axis_enable_i.value = 0
+    await tb.clocks(8)
+    assert not panic(tb)
+
+
+@cocotb.test()
+@req("PAN-3")
+async def panic_does_not_cut_the_drives(dut):
+    tb = await machine(dut)
+    for axis in range(6):
+        await tb.dac(axis, 0x400 + axis)
+    before = [tb.volts(n) for n in range(6)]
+    assert 0 not in before
+    dut.estop_closed_i.value = 0
+    await tb.us(BEAT_US + 50)
+    assert panic(tb)
+    assert [tb.volts(n) for n in range(6)] == before
+
+
+@cocotb.test()
+@req("PAN-1", "JMP-1")
+async def panic_line_open(dut):
+    """A card whose IRQ jumper is off panics unheard."""
+    tb = await machine(dut, 0x0C)  # card 1 alone
+    dut.panic_open_i.value = 0b010
+    await tb.us(BEAT_US + 20)
+    assert not panic(tb)
+    assert await tb.crd(1, PORT_C) & 5 == 0
+    dut.panic_open_i.value = 0
+    await tb.clocks(5)
+    assert panic(tb)
+
+
+@cocotb.test()
+@req("PAN-2")
+async def cable_pulled(dut):
+    """Cards keep state and D/A values and take no stray latch; reads give 0xFF; VME side lives."""
+    tb = await machine(dut, 1)
+    await tb.wr(VECTOR, 0x77)
+    for card in range(3):
+        await tb.cwr(card, PORT_B, RUN | B_DOUBLE)
+        await tb.cwr(card, PORT_A, QUAD | card << 3)
+    await tb.preset(0, 500)
+    await tb.dac(0, 0xA00)
+    await tb.crd(0, 0x12)  # the software latch moves it out
+    await tb.us(26)
+    assert tb.volts(0) == 0x2000
+    await tb.dac(0, 0xB00)
+    await tb.wr(0x407, 0x74)  # SCLOCK high
+    await tb.us(26)
+    assert tb.volts(0) == 0x3000
+    await tb.dac(0, 0xC00)
+    await tb.wr(PCCSR, ARMED | BASE)
+    dut.cable_ok_i.value = 0
+    await tb.us(1)
+    assert await tb.crd(0, PORT_A) == 0xFF
+    await tb.cwr(0, PORT_A, 0)  # nobody hears it
+    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
+    dut.cable_ok_i.value = 1
+    await tb.us(1)
+    assert tb.volts(0) == 0x3000, "a stray latch moved the D/A"
+    for card in range(3):
+        assert await tb.crd(card, PORT_A) == QUAD | card << 3
+        assert await tb.crd(card, PORT_B) == RUN | B_DOUBLE
+        assert await tb.crd(card, PORT_C) & C_DONE
+    assert await tb.encoder(0) == 500
+    await tb.wr(0x407, 0x70)
+    await tb.wr(0x407, 0x74)
+    await tb.us(1)
+    assert tb.volts(0) == 0x4000, "SCLOCK works again"
+
+
+@cocotb.test()
+@req("PAN-2")
+async def cable_pulled_in_mid_cycle(dut):
+    """At any clock of a PC cycle: it ends, with the data or 0xFF."""
+    tb = await machine(dut, 0)
+    for ns in range(0, 1600, 110):
+        op = tb.vme.init_read(0x6000 | tb.creg(0, PORT_A))
+        await Timer(ns + 1, "ns")
+        dut.cable_ok_i.value = 0
+        await op.wait()
+        assert op.error is None and op.data in (QUAD, 0xFF)
+        dut.cable_ok_i.value = 1
+        await tb.us(1)
+        assert await tb.crd(0, PORT_A) == QUAD
+
+
+@cocotb.test()
+@req("PAN-2", "PPI-1")
+async def pc_power_lost_and_back(dut):
+    """Cards reset, one-shots low, drives 0, LEDs off; back with a RESET DRV pulse, counts lost."""
+    tb = await machine(dut)
+    await tb.wr(VECTOR, 0x77)
+    await tb.preset(0, 500)
+    await tb.timer(2, 0x1234, 1)
+    await tb.dac(0, 0xC00)
+    assert tb.volts(0) == 0x4000
+    await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
+    dut.pc_power_i.value = 0
+    await tb.us(1)
+    assert tb.volts(0) == 0 and int(dut.card_leds_o.value) == 0 and panic(tb)
+    assert await tb.crd(0, PORT_A) == 0xFF
+    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
+    assert await tb.vme.iack(5) == 0x77
+    await tb.us(20)
+    dut.pc_power_i.value = 1
+    await tb.clocks(6)
+    assert int(dut.pcx_reset_drv_o.value) == 1
+    await FallingEdge(dut.pcx_reset_drv_o)
+    assert panic(tb), "the one-shots are low"
+    await tb.setup(0)
+    assert await tb.crd(0, PORT_A) == QUAD
+    assert await tb.encoder(0) == 0
+    assert await tb.crd(0, PORT_C) & 5 == 0
+    assert tb.volts(0) == 0, "the relay has let go"
+    await tb.beat()
+    await tb.clocks(5)
+    assert not panic(tb)
+    assert await tb.vme.iack(5) == 0x77, "the latch and the vector stand"
+
+
+@cocotb.test()
+@req("PAN-2", "CSR-1", "PCB-1")
+async def sysreset_resets_what_it_should(dut):
+    """PCCSR and, by RESET DRV, the cards' PPIs and counters; PIT, vector, one-shots, D/As stand."""
+    tb = await machine(dut)
+    await tb.wr(VECTOR, 0x5A)
+    await tb.timer(2, 0x4321, 1)
+    await tb.wr(0x407, 0xE8)  # latch the status of timer 2
+    status = await tb.rd(0x405)
+    await tb.preset(1, 900)
+    await tb.dac(0, 0xC00)
+    await tb.beat()
+    await tb.dac(0, 0xC00)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | PANIC_IRQ | BASE)
+    reset_drv = []
+
+    async def watch():
+        await RisingEdge(dut.pcx_reset_drv_o)
+        start = tb.now()
+        await FallingEdge(dut.pcx_reset_drv_o)
+        reset_drv.append(tb.now() - start)
+
+    cocotb.start_soon(watch())
+    dut.vme_sysreset_ni.value = 0
+    await tb.us(5)
+    dut.vme_sysreset_ni.value = 1
+    await tb.us(1)
+    assert reset_drv and abs(reset_drv[0] / 1e6 - 5) < 0.3
+    assert await tb.rd(PCCSR) == 0
+    await tb.wr(0x407, 0xE8)
+    assert await tb.rd(0x405) == status
+    await tb.wr(PCCSR, BASE)
+    assert await tb.crd(0, PORT_A) == 0xFF or await tb.crd(0, PORT_A) == 0, "port A is an input"
+    beats = [tb.led(c, f"beat{j}") for c in range(3) for j in (1, 2)]
+    assert beats == [1] * 6, "SYSRESET* does not touch the one-shots"
+    assert tb.volts(0) == 0, "the relay has let go"
+    await tb.setup(0)
+    await tb.us(25)
+    assert tb.volts(0) == 0x4000, "SYSRESET* does not touch the D/As"
+    assert await tb.encoder(1) == 0
+    await tb.wr(0x407, 0x70)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await tb.wr(0x407, 0x74)
+    assert await tb.vme.iack(5) == 0x5A, "the vector keeps its contents"
+
+
+@cocotb.test()
+@req("PAN-1", "PAN-2")
+async def short_outages(dut):
+    """Pulses on the safety inputs of any length leave a consistent machine."""
+    tb = await machine(dut, 0)
+    for pin in (dut.estop_closed_i, dut.cable_ok_i, dut.pc_power_i):
+        for ns in (10, 100, 130, 260, 700):
+            await tb.wr(PCCSR, BASE)
+            await tb.wr(PCCSR, ARMED | BASE)
+            pin.value = 0
+            await Timer(ns, "ns")
+            pin.value = 1
+            await tb.us(60)
+            assert not panic(tb)
+            latched = bool(await tb.rd(PCCSR) & PANIC_IRQ)
+            assert latched or ns < 130, f"an outage of {ns} ns was missed"
+
+
+@cocotb.test()
+@req("DRV-9", "PAN-1")
+async def estop_open_from_the_start(dut):
+    """An e-stop already open when bit 7 is set makes no interrupt; the brakes stay on."""
+    tb = Machine(dut)
+    tb.inputs_idle()
+    await tb.start(setup=True)
+    dut.axis_enable_i.value = 0
+    dut.estop_closed_i.value = 0
+    await tb.us(1)
+    await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
+    await tb.us(20)
+    assert await tb.rd(PCCSR) == ARMED | BASE
+    assert panic(tb)

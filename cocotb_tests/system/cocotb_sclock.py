@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo clock at every clock rate and jumper of the system clock. §4.3.4"""
+
+import cocotb
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+
+from cocotb_tests.lib.pcbus import PcBusMonitor
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import (
+    ADC_LO,
+    B_REAL_ENC,
+    B_SCLOCK,
+    C_DONE,
+    LATCH,
+    PCCSR,
+    PORT_C,
+    Machine,
+)
+from cocotb_tests.system.machine import SHORT
+
+TOPLEVEL = "mmcs"
+VARIANTS = {
+    "8MHz": {"NumCards": 1, **SHORT},
+    "8MHz-clk4": {"NumCards": 1, "SysClkMHz": 4, **SHORT},
+    "8MHz-clk1": {"NumCards": 1, "SysClkMHz": 1, **SHORT},
+    "16MHz-clk2": {"NumCards": 1, "ClkHz": 16_000_000, "SysClkMHz": 2, **SHORT},
+    "48MHz": {"NumCards": 1, "ClkHz": 48_000_000, **SHORT},
+}
+
+
+def tick_ps(tb: Machine) -> float:
+    """One period of the system clock, as the design makes it from clk_i."""
+    mhz = tb.parameters.get("SysClkMHz", 8)
+    return tb.clk_hz // 1_000_000 // mhz * tb.period
+
+
+async def period(tb: Machine, times: int = 3) -> tuple[float, float]:
+    """SCLOCK's period and low time in ps, equal over several."""
+    seen = set()
+    await RisingEdge(tb.dut.sclock_o)
+    for _ in range(times):
+        start = tb.now()
+        await FallingEdge(tb.dut.sclock_o)
+        low = tb.now()
+        await RisingEdge(tb.dut.sclock_o)
+        seen.add((tb.now() - start, tb.now() - low))
+    assert len(seen) == 1, f"SCLOCK jitters: {seen}"
+    return seen.pop()
+
+
+@cocotb.test()
+@cocotb.parametrize(
+    (("n0", "n1", "mode"), [(2, 2, 2), (8, 10, 2), (5, 7, 2), (4, 6, 3), (3, 5, 3), (250, 2, 2)])
+)
+@req("PIT-2", "LED-1")
+async def sclock_period(dut, n0, n1, mode):
+    """N0 x N1 ticks of the system clock, timers 0 and 1 in cascade."""
+    tb = Machine(dut)
+    await tb.start()
+    await tb.sclock(n0, n1, mode)
+    whole, low = await period(tb)
+    tick = tick_ps(tb)
+    assert whole == n0 * n1 * tick
+    assert low == n0 * (1 if mode == 2 else n1 // 2) * tick
+
+
+@cocotb.test()
+@req("PIT-2")
+async def sclock_stands_until_programmed_and_after_mode_0(dut):
+    tb = Machine(dut)
+    await tb.start()
+    before = int(dut.sclock_o.value)
+    await Timer(20, "us")
+    assert int(dut.sclock_o.value) == before
+    await tb.sclock(4, 4)
+    await period(tb, 1)
+    await tb.wr(0x407, 0x70)
+    assert int(dut.sclock_o.value) == 0
+    await Timer(20, "us")
+    assert int(dut.sclock_o.value) == 0
+
+
+@cocotb.test()
+@req("PIT-2")
+async def timer_2_counts_sclocks(dut):
+    tb = Machine(dut)
+    await tb.start()
+    await tb.wr(0x407, 0xB4)
+    await tb.wr(0x405, 0)
+    await tb.wr(0x405, 0)
+    n1 = max(10, int(30e6 / tick_ps(tb)) // 8)  # 30 us or so: longer than the reads
+    await tb.sclock(8, n1)
+    for _ in range(3):
+        await FallingEdge(dut.sclock_o)
+    first = await tb.timer_value(2)
+    for n in range(1, 6):
+        await FallingEdge(dut.sclock_o)
+        assert (first - await tb.timer_value(2)) & 0xFFFF == n
+
+
+@cocotb.test()
+@req("PCB-1", "PIT-2")
+async def pc_clock_follows_the_jumper(dut):
+    """One tick of CLK per period of the system clock."""
+    tb = Machine(dut)
+    await tb.start()
+    ticks = 0
+    clocks = 16 * 8 * (tb.clk_hz // 8_000_000)
+    for _ in range(clocks):
+        await RisingEdge(dut.clk_i)
+        ticks += int(dut.pcx_clk_en_o.value)
+    mhz = tb.parameters.get("SysClkMHz", 8)
+    assert abs(ticks - 16 * mhz) <= 1
+
+
+@cocotb.test()
+@req("PCB-1", "ADC-1")
+async def command_and_conversion_are_real_time(dut):
+    """Whatever clk_i and CLK: 500 ns of command, 25 us of conversion."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    monitor = PcBusMonitor(dut, setup_ns=124)
+    await tb.crd(0, ADC_LO)
+    await tb.cwr(0, LATCH, 0)
+    start = tb.now()
+    assert not await tb.crd(0, PORT_C) & C_DONE
+    while not await tb.crd(0, PORT_C) & C_DONE:
+        pass
+    took = (tb.now() - start) / 1e6
+    assert 23.0 < took < 28.0, f"a conversion took about {took} us"
+    slack = 2e-3 * tb.period
+    for cycle in monitor.cycles:
+        assert 499 <= cycle.command <= 501 + slack, f"command {cycle.command} ns"
+        assert cycle.setup >= 124
+
+
+@cocotb.test()
+@req("ENC-1", "PCB-1")
+async def encoder_sampling_follows_clk(dut):
+    """Two CLK periods per count are followed exactly, at every rate of CLK."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.cwr(0, 1, B_REAL_ENC | B_SCLOCK)
+    await tb.preset(0, 0)
+    await tb.enc[0].move(300, 2 * tick_ps(tb) / 1000)
+    await tb.enc[0].move(-20, 2 * tick_ps(tb) / 1000)
+    await Timer(round(10 * tick_ps(tb)), "ps")
+    assert await tb.encoder(0) == 280
+
+
+@cocotb.test()
+@req("HB-1")
+async def heartbeat_is_real_time(dut):
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    dut.axis_enable_i.value = 1
+    await tb.dac(0, 0x800)
+    await tb.clocks(5)
+    assert not int(dut.panic_o.value)
+    await tb.wr(0x11, 0)  # D/A 1, low byte
+    written = tb.now()
+    await RisingEdge(dut.panic_o)
+    took = (tb.now() - written) / 1e6
+    assert abs(took - 400) < 2, f"{took} us"
+
+
+@cocotb.test()
+@req("VME-3", "CSR-1")
+async def registers_at_this_rate(dut):
+    tb = Machine(dut, skew=80)
+    await tb.start()
+    for _ in range(20):
+        value = tb.random.getrandbits(5)
+        await tb.wr(PCCSR, value)
+        assert await tb.rd(PCCSR) == value

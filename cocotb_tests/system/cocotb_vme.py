@@ -1,0 +1,467 @@
+# SPDX-License-Identifier: Apache-2.0
+# Length: many short cases of one block, read one at a time.
+"""The VME slave: who is answered, with what, and by which rules of the bus. §4.3.1-4.3.3"""
+
+import cocotb
+from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
+
+from cocotb_tests.lib.pcbus import PcBusMonitor
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
+from cocotb_tests.lib.vme import (
+    AM_SUPERVISOR,
+    AM_USER,
+    BusTimeout,
+    ProtocolError,
+    VmeTiming,
+)
+from cocotb_tests.system.machine import USUAL
+
+TOPLEVEL = "mmcs"
+PARAMETERS = USUAL
+# A master that breaks a cycle off leaves the slave two clocks to see it.
+AFTER_WITHDRAWAL = VmeTiming(ds_high=300)
+
+
+def expect_pc_address(offset: int, base: int = BASE) -> int:
+    """Figure 4.2: where an access of the lower half comes out on the PC bus."""
+    return (offset >> 1 & 0x1F) | base << 5 | (offset >> 6 & 0xF) << 10
+
+
+@cocotb.test()
+@req("VME-4", "MAP-1")
+async def every_pc_address_reads(dut):
+    """All 512 odd offsets with A10 = 0 become one PC read each, at the address of Figure 4.2."""
+    tb = Machine(dut)
+    await tb.start()
+    monitor = PcBusMonitor(dut)
+    offsets = list(range(1, 0x400, 2))
+    for offset in offsets:
+        await tb.rd(offset)
+    seen = [(c.kind, c.address) for c in monitor.cycles]
+    assert seen == [("read", expect_pc_address(o)) for o in offsets]
+    assert len(seen) == 512
+
+
+@cocotb.test()
+@req("VME-4", "MAP-1", "PCB-1")
+async def every_pc_address_writes(dut):
+    """The same for writes, outside the cards' base so that nothing changes, data and all."""
+    tb = Machine(dut)
+    await tb.start(base=0x07)
+    monitor = PcBusMonitor(dut)
+    expected = []
+    for offset in range(1, 0x400, 2):
+        value = tb.random.getrandbits(8)
+        await tb.wr(offset, value)
+        expected.append(("write", expect_pc_address(offset, 0x07), value))
+    assert [(c.kind, c.address, c.data) for c in monitor.cycles] == expected
+
+
+@cocotb.test()
+@req("MAP-1", "CSR-1")
+async def pccsr_gives_address_bits_5_to_9(dut):
+    tb = Machine(dut)
+    await tb.start()
+    monitor = PcBusMonitor(dut)
+    for base in range(32):
+        await tb.wr(PCCSR, base)
+        assert await tb.rd(PCCSR) == base
+        await tb.rd(0x2A9)
+    assert [c.address for c in monitor.cycles] == [expect_pc_address(0x2A9, b) for b in range(32)]
+
+
+@cocotb.test()
+@req("VME-5")
+async def every_adaptor_address_reads(dut):
+    """All 512 odd offsets with A10 = 1: A09-A07 do not matter, holes and the vector read 0xFF."""
+    tb = Machine(dut)
+    await tb.start()
+    monitor = PcBusMonitor(dut)
+    for n in range(3):  # counts that stand still: mode 1 waits for a gate that never comes
+        await tb.timer(n, 0x1111 * (n + 1), 1)
+    await tb.wr(VECTOR, 0x42)
+    await tb.wr(PCCSR, 0x80 | BASE)
+    for offset in range(0x401, 0x800, 2):
+        low = offset & 0x7F
+        read = await tb.rd(offset)
+        if low & 0x78 == 0x08:  # A02, A01 do not matter here either
+            assert read == 0x80 | BASE, f"{offset:03X}"
+        elif low in (0x01, 0x03, 0x05):
+            continue  # counters: their own tests
+        else:
+            assert read == 0xFF, f"{offset:03X} reads {read:02X}"
+    assert not monitor.cycles, "an adaptor register is no PC access"
+
+
+@cocotb.test()
+@req("VME-5")
+async def every_adaptor_address_writes(dut):
+    """A write to any hole changes neither PCCSR nor vector nor timer; the mirrors do."""
+    tb = Machine(dut)
+    await tb.start()
+    monitor = PcBusMonitor(dut)
+    for offset in range(0x401, 0x800, 2):
+        low = offset & 0x7F
+        value = offset >> 1 & 0x1F
+        before = await tb.rd(PCCSR)
+        if low in (0x01, 0x03, 0x05, 0x07):
+            continue
+        await tb.wr(offset, value)
+        after = await tb.rd(PCCSR)
+        assert after == (value if low & 0x78 == 0x08 else before), f"{offset:03X}"
+    assert not monitor.cycles
+
+
+@cocotb.test()
+@req("VME-5", "PIT-1")
+async def timer_registers_are_where_they_should_be(dut):
+    """0x401, 0x403, 0x405, 0x407, and the same with A09-A07 set."""
+    tb = Machine(dut)
+    await tb.start()
+    for mirror in (0x000, 0x080, 0x380):
+        for n in range(3):
+            await tb.wr(mirror | PIT + 6, n << 6 | 0x30)  # mode 0, two bytes
+            await tb.wr(mirror | PIT + 6, 0xE0 | 2 << n)  # read back the status alone
+            assert await tb.rd(mirror | PIT + 2 * n) & 0x7F == 0x70
+        assert await tb.rd(mirror | PIT + 6) == 0xFF
+
+
+@cocotb.test()
+@req("VME-1", "VME-6")
+async def address_modifiers(dut):
+    """Of the 64 codes only 0x29 and 0x2D are answered."""
+    tb = Machine(dut)
+    await tb.start()
+    answered = [am for am in range(64) if await tb.vme.answers(0x6409, am=am)]
+    assert answered == [AM_USER, AM_SUPERVISOR]
+    assert tb.vme.timeouts == 62
+
+
+@cocotb.test()
+@req("VME-1", "VME-6")
+async def base_address(dut):
+    """Of the 32 segments of 2 KiB only the jumpered one is answered; the next byte is not."""
+    tb = Machine(dut)
+    await tb.start()
+    answered = [s for s in range(32) if await tb.vme.answers(s << 11 | 0x409)]
+    assert answered == [0b01100]
+    assert await tb.vme.answers(0x67FF)
+    assert not await tb.vme.answers(0x6801)
+    assert not await tb.vme.answers(0x5FFF)
+
+
+@cocotb.test()
+@cocotb.parametrize(offset=[0x001, 0x0C9, 0x401, 0x409, 0x441, 0x7FF])
+@req("VME-2", "VME-6", "API-1")
+async def access_sizes(dut, offset):
+    """Odd byte and 16 bits are answered; an even byte and LWORD* low are not."""
+    tb = Machine(dut)
+    await tb.start()
+    byte = await tb.rd(offset)
+    even = 0x6000 | offset - 1
+    if offset != 0x401:  # a counter's bytes alternate
+        word = await tb.vme.read(even, size=2)
+        assert word == 0xFF00 | byte
+    for size, address in ((1, even), (4, even & ~3)):
+        for op in (tb.vme.init_read(address, size), tb.vme.init_write(address, 0, size)):
+            await op.wait()
+            assert isinstance(op.error, BusTimeout), f"size {size} was answered"
+    assert await tb.vme.answers(0x6409)
+
+
+@cocotb.test()
+@req("VME-2")
+async def word_write_takes_the_low_byte(dut):
+    tb = Machine(dut)
+    await tb.start()
+    await tb.vme.write(0x6408, 0xA512, size=2)
+    assert await tb.rd(PCCSR) == 0x12
+    await tb.vme.write(0x6408, 0x00 | BASE, size=2)
+    await tb.setup(1)
+    await tb.vme.write(0x6000 | tb.creg(1, PORT_A) - 1, 0x5A0D, size=2)
+    assert await tb.crd(1, PORT_A) == 0x0D
+
+
+@cocotb.test()
+@req("VME-4")
+async def absent_card_reads_ff(dut):
+    """Cards 3 to 15 are not there: 0xFF, acknowledged, and nothing else is disturbed."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    for card in range(3, 16):
+        await tb.cwr(card, PORT_A, 0x5A)
+        for register in (0, 4, 8, 12, 31):
+            assert await tb.crd(card, register) == 0xFF
+    assert await tb.crd(0, PORT_A) == 5
+
+
+@cocotb.test()
+@cocotb.parametrize(skew=[0, 20, 90, 250])
+@req("VME-3")
+async def random_legal_timing(dut, skew):
+    """A mixed stream with random skew; every read is checked against a model of the registers."""
+    tb = Machine(dut, skew=skew, timing=VmeTiming(ds_skew=10))
+    await tb.start(setup=True)
+    model = {(c, r): v for c in range(3) for r, v in ((0, 5), (1, 7))}
+    pccsr, reads = BASE, 0
+    for _ in range(150):
+        kind = tb.random.randrange(6)
+        card, register = tb.random.randrange(3), tb.random.randrange(2)
+        value = tb.random.getrandbits(8)
+        if kind == 0:
+            await tb.cwr(card, register, value)
+            model[card, register] = value
+        elif kind == 1:
+            await tb.vme.write(0x6000 | tb.creg(card, register) - 1, value, size=2)
+            model[card, register] = value
+        elif kind == 2:
+            pccsr = tb.random.choice((0x00, 0x80)) | BASE
+            await tb.wr(PCCSR, pccsr)
+        elif kind == 3:
+            assert await tb.rd(PCCSR) & 0x9F == pccsr
+            reads += 1
+        else:
+            assert await tb.crd(card, register) == model[card, register]
+            reads += 1
+    assert reads > 40
+
+
+@cocotb.test()
+@req("VME-3")
+async def queued_cycles_run_back_to_back(dut):
+    """init_* calls queue; the least gaps of the standard do not confuse the slave."""
+    tb = Machine(dut)
+    await tb.start()
+    writes = [tb.vme.init_write(0x6409, n & 0x1F) for n in range(20)]
+    reads = []
+    for n in range(20):
+        tb.vme.init_write(0x6409, n)
+        reads.append(tb.vme.init_read(0x6409))
+    await reads[-1].wait()
+    assert [r.data for r in reads] == list(range(20))
+    assert all(w.answered for w in writes)
+
+
+@cocotb.test()
+@req("VME-3")
+async def dtack_and_drivers_at_the_end_of_a_read(dut):
+    """Drivers off with the strobes, without a clock; DTACK* up one or two clocks later."""
+    tb = Machine(dut)
+    await tb.start()
+    ends = []
+
+    async def watch():
+        while True:
+            await RisingEdge(dut.vme_dtack_no)
+            ends.append(tb.now())
+
+    cocotb.start_soon(watch())
+    for phase in range(0, 130, 10):  # strobes move through the clock period
+        await Timer(phase + 1, "ns")
+        ends.clear()
+        op = await tb.vme.init_read(0x6409).wait()
+        assert op.data == BASE  # the master checked drivers and order
+        released = op.end_ns * 1000
+        assert len(ends) == 1 and ends[0] <= released
+    for release in (0, 30, 62, 100):  # and the rise of DTACK*, counted in clocks
+        tb.vme.timing.release = release
+        op = tb.vme.init_read(0x6409)
+        while int(dut.vme_ds_ni.value) == 0b11:
+            await dut.vme_ds_ni.value_change
+        while int(dut.vme_ds_ni.value) != 0b11:
+            await dut.vme_ds_ni.value_change
+        away = tb.now()
+        await RisingEdge(dut.vme_dtack_no)
+        clocks = (tb.now() - away) / tb.period
+        assert 0 < clocks <= 2.01, f"DTACK* rose {clocks} clocks after the strobes"
+        await op.wait()
+
+
+@cocotb.test()
+@req("VME-3")
+async def no_dtack_without_a_strobe(dut):
+    """Address, AS* and WRITE* alone start nothing; DTACK* comes only after DS0*."""
+    tb = Machine(dut)
+    await tb.start()
+    monitor = PcBusMonitor(dut)
+    dut.vme_a_i.value = 0x6001 >> 1
+    dut.vme_am_i.value = AM_USER
+    dut.vme_as_ni.value = 0
+    edge = FallingEdge(dut.vme_dtack_no)
+    limit = Timer(3, "us")
+    assert await First(edge, limit) is limit
+    dut.vme_as_ni.value = 1
+    await Timer(500, "ns")
+    # DS0* without AS* is no cycle either
+    dut.vme_ds_ni.value = 0b10
+    limit = Timer(3, "us")
+    assert await First(FallingEdge(dut.vme_dtack_no), limit) is limit
+    dut.vme_ds_ni.value = 0b11
+    await Timer(500, "ns")
+    assert not monitor.cycles
+    assert await tb.rd(PCCSR) == BASE
+
+
+@cocotb.test()
+@req("VME-3", "VME-4")
+async def master_that_holds_the_strobes(dut):
+    """However long the strobes stay, there is one PC cycle, and data and DTACK* stand."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    monitor = PcBusMonitor(dut)
+    tb.vme.timing.release = 5000
+    assert await tb.crd(2, PORT_A) == 5
+    await tb.cwr(2, PORT_A, 6)
+    assert [c.kind for c in monitor.cycles] == ["read", "write"]
+
+
+@cocotb.test()
+@cocotb.parametrize(kind=["read", "write"])
+@req("VME-3")
+async def strobe_withdrawn_early(dut, kind):
+    """At every 25 ns of the cycle: the slave is never wedged, the next cycle is right.
+
+    A write whose strobe was withdrawn happens wholly or not at all.
+    """
+    tb = Machine(dut, timing=AFTER_WITHDRAWAL)
+    await tb.start(setup=True)
+    unanswered = happened = 0
+    for ns in range(5, 1600, 25):
+        await tb.cwr(0, PORT_A, 0x11)
+        how = {"withdraw_ns": ns}
+        if kind == "read":
+            op = await tb.vme.init_read(0x6000 | tb.creg(0, PORT_A), **how).wait()
+        else:
+            op = await tb.vme.init_write(0x6000 | tb.creg(0, PORT_A), 0x22, **how).wait()
+        assert op.error is None, op.error
+        unanswered += not op.answered
+        if kind == "read" and op.answered:
+            assert op.data == 0x11
+        now = await tb.crd(0, PORT_A)  # at once
+        if kind == "read":
+            assert now == 0x11, f"withdrawn after {ns} ns"
+        else:
+            assert now in (0x11, 0x22)
+            assert not op.answered or now == 0x22
+            happened += now == 0x22
+    assert unanswered > 20
+    assert kind == "read" or 20 < happened < 64
+
+
+@cocotb.test()
+@req("VME-3", "VME-6")
+async def withdrawn_and_another_address_at_once(dut):
+    """What stands on the bus right after a withdrawn strobe is not answered with the old data."""
+    tb = Machine(dut, timing=AFTER_WITHDRAWAL)
+    await tb.start(setup=True)
+    await tb.cwr(1, PORT_A, 0x2A)
+    for ns in range(20, 1500, 35):
+        await tb.vme.init_read(0x6000 | tb.creg(1, PORT_A), withdraw_ns=ns).wait()
+        assert await tb.rd(PCCSR) == BASE, f"withdrawn after {ns} ns"
+        await tb.vme.init_read(0x6409, withdraw_ns=ns).wait()
+        assert await tb.crd(1, PORT_A) == 0x2A
+
+
+@cocotb.test()
+@req("VME-3")
+async def strobe_glitches(dut):
+    """Pulses of a few ns on DS0* leave no trace, wherever they fall in the clock."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    for step in range(40):
+        dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
+        dut.vme_am_i.value = AM_USER
+        dut.vme_write_ni.value = 0
+        dut.vme_d_i.value = 0x77
+        dut.vme_as_ni.value = 0
+        await Timer(10 + 13 * step, "ns")
+        dut.vme_ds_ni.value = 0b10
+        await Timer(5, "ns")
+        dut.vme_ds_ni.value = 0b11
+        await Timer(20, "ns")
+        dut.vme_as_ni.value = 1
+        await Timer(1500, "ns")
+        assert int(dut.vme_dtack_no.value) == 1
+        if step % 8 == 0:
+            value = await tb.crd(0, PORT_A)
+            assert value in (5, 0x77)  # caught by a clock edge or not: never anything else
+            await tb.cwr(0, PORT_A, 5)
+    assert await tb.rd(PCCSR) == BASE
+
+
+@cocotb.test()
+@req("VME-3", "PCB-1")
+async def write_data_is_captured_first(dut):
+    """Data changed after DTACK* does not reach the card; nor does it change before the hold."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    monitor = PcBusMonitor(dut)
+    for _ in range(20):
+        value = tb.random.getrandbits(8)
+        await tb.cwr(0, PORT_A, value)
+        assert monitor.cycles[-1].data == value
+        assert await tb.crd(0, PORT_A) == value
+
+
+@cocotb.test()
+@req("VME-1")
+async def iack_cycle_is_no_data_cycle(dut):
+    """IACK* low with the slave's address on the bus: no register is touched, nothing answers."""
+    tb = Machine(dut)
+    await tb.start()
+    monitor = PcBusMonitor(dut)
+    for am in (AM_USER, AM_SUPERVISOR):
+        op = tb.vme.init_iack(5)
+        op.address, op.am = 0x6409, am
+        await op.wait()
+        assert isinstance(op.error, BusTimeout)
+    assert not monitor.cycles
+    assert await tb.rd(PCCSR) == BASE
+
+
+@cocotb.test()
+@req("VME-3", "PAN-2")
+async def sysreset_in_mid_cycle(dut):
+    """SYSRESET* at any point of an access lets go of the bus; afterwards all is as after reset."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    for ns in range(50, 1500, 150):
+        await tb.wr(PCCSR, ARMED | BASE)
+        op = tb.vme.init_read(0x6000 | tb.creg(0, ADC_LO), withdraw_ns=2500)
+        await Timer(ns, "ns")
+        dut.vme_sysreset_ni.value = 0
+        await Timer(3, "us")
+        assert int(dut.vme_dtack_no.value) == 1 and int(dut.vme_d_oe_o.value) == 0
+        dut.vme_sysreset_ni.value = 1
+        await op.wait()
+        assert not isinstance(op.error, BusTimeout)
+        await Timer(1, "us")
+        assert await tb.rd(PCCSR) == 0
+
+
+@cocotb.test()
+@req("VME-6")
+async def bad_accesses_never_hang(dut):
+    """A random mix of everything that is wrong; a good access in between always works."""
+    tb = Machine(dut, skew=60)
+    await tb.start(setup=True)
+    errors = 0
+    for n in range(60):
+        kind = tb.random.randrange(5)
+        address = 0x6000 | tb.random.randrange(0x800)
+        if kind == 0:
+            op = tb.vme.init_read(address | 1, am=tb.random.choice((0x09, 0x0D, 0x39, 0x3D, 0x2F)))
+        elif kind == 1:
+            op = tb.vme.init_write(address & ~3, 0, size=4)
+        elif kind == 2:
+            op = tb.vme.init_read(address & ~1)
+        elif kind == 3:
+            op = tb.vme.init_read(address ^ 0x8000 | 1)
+        else:
+            op = tb.vme.init_read(address | 1, withdraw_ns=tb.random.randrange(10, 900))
+        await op.wait()
+        assert not isinstance(op.error, ProtocolError), op.error
+        errors += isinstance(op.error, BusTimeout)
+        assert await tb.rd(PCCSR) & 0x9F == BASE, f"after bad access {n}"
+    assert errors > 20

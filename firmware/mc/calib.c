@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Calibration: the count at the index, §5.3.4. The level is masked.
+ *
+ * SCLOCK does not latch a calibrating card, so that only the index can hold a count; both its
+ * encoders are read live and its A/Ds stand still meanwhile.
+ */
+#include "mc_priv.h"
+
+void calib_start(struct mc *mc, int axis) {
+  int card = axis / 2;
+  if (mc->axis[axis].calib) return;
+  mc->axis[axis].calib = 1;
+  mc->card[card].rearm = 1;
+  power_apply_modes(mc); /* index latches clear, SCLOCK off */
+  (void)hw_counter(mc, axis & ~1);
+  (void)hw_counter(mc, axis | 1); /* what SCLOCK latched last is out of the way */
+  mc->card[card].rearm = 0;
+  power_apply_modes(mc);
+}
+
+void calib_leave(struct mc *mc, int axis) {
+  mc->axis[axis].calib = 0;
+  power_apply_modes(mc);
+}
+
+static void rearm(struct mc *mc, int card) {
+  if (mc->card[card].rearm == 0) return;
+  mc->card[card].rearm = mc->card[card].rearm == 1 ? 2 : 0;
+  power_apply_modes(mc);
+}
+
+void calib_serve(struct mc *mc, const struct mc_sample *s) {
+  int found = 0;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    if (!s->indexed[axis]) continue;
+    error_raise_index(mc, axis, s->index[axis]);
+    calib_leave(mc, axis);
+    found = 1;
+  }
+  for (int card = 0; card < mc->cards; card++) rearm(mc, card);
+  if (found) error_signal(mc);
+}

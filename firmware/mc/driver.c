@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Open, close, read, write: see mc.h, §2.3. */
+#include "mc_priv.h"
+
+size_t mc_size(void) {
+  return sizeof(struct mc);
+}
+
+static int is_client(const struct mc *mc, int client) {
+  return client >= 0 && client < MC_MAX_CLIENTS && mc->client[client].used;
+}
+
+int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
+              const struct mc_config *config) {
+  if (mc == NULL || bus == NULL || os == NULL || config == NULL) return -MC_EINVAL;
+  uint32_t hz = config->sysclk_hz;
+  if (hz != 8000000 && hz != 4000000 && hz != 2000000 && hz != 1000000) return -MC_EINVAL;
+  mc->bus = *bus;
+  mc->os = *os;
+  mc->config = *config;
+  mc->opens = mc->cards = mc->axes = mc->joints = 0;
+  mc->power = MC_IDLE;
+  for (int i = 0; i < MC_MAX_CLIENTS; i++) mc->client[i].used = 0;
+  return 0;
+}
+
+/* The first open: finds the cards, sets the defaults, starts SCLOCK and its interrupts. */
+static int start(struct mc *mc) {
+  unsigned level = mc->os.mask(mc->os.ctx);
+  int result = 0;
+  mc->fault = 0;
+  mc->pccsr = MMCS_PCCSR_BASE_CARDS;
+  hw_put(mc, MMCS_PCCSR, mc->pccsr);
+  if (mc->fault || (hw_get(mc, MMCS_PCCSR) & MMCS_PCCSR_BASE_bm) != MMCS_PCCSR_BASE_CARDS) {
+    result = -MC_ENXIO;
+  } else {
+    hw_put(mc, MMCS_VECTOR, mc->config.vector);
+    mc->power = MC_IDLE;
+    mc->grace = 0;
+    mc->adc_timeouts = 0;
+    mc->stats = (struct mc_stats){0};
+    mc_scan(mc);
+    result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);
+    timer_start(mc);
+  }
+  mc->os.unmask(mc->os.ctx, level);
+  return result;
+}
+
+int mc_open(struct mc *mc, int flags) {
+  int client = 0;
+  if (flags < MC_O_RDONLY || flags > MC_O_RDWR) return -MC_EINVAL;
+  while (client < MC_MAX_CLIENTS && mc->client[client].used) client++;
+  if (client == MC_MAX_CLIENTS) return -MC_ENFILE;
+  if (mc->opens == 0) {
+    int result = start(mc);
+    if (result != 0) return result;
+    if ((mc->verbosity & M_VERBOSE) != 0) text_log(mc, "open, cards:", mc->cards, "");
+  }
+  unsigned level = mc->os.mask(mc->os.ctx);
+  mc->client[client] = (struct mc_client){0};
+  mc->client[client].can_read = flags != MC_O_WRONLY;
+  mc->client[client].can_write = flags != MC_O_RDONLY;
+  mc->client[client].used = 1;
+  mc->opens++;
+  mc->os.unmask(mc->os.ctx, level);
+  return client;
+}
+
+int mc_close(struct mc *mc, int client) {
+  if (!is_client(mc, client)) return -MC_EBADF;
+  unsigned level = mc->os.mask(mc->os.ctx);
+  mc->client[client].used = 0;
+  mc->opens--;
+  if (mc->opens == 0) {
+    power_stop(mc);
+    hw_set_pccsr(mc, 0, (uint8_t)~MMCS_PCCSR_BASE_bm);
+    if (mc->adc_timeouts > 0) text_log(mc, "close, A/D time-outs:", mc->adc_timeouts, "");
+  }
+  mc->os.unmask(mc->os.ctx, level);
+  return 0;
+}
+
+int mc_read(struct mc *mc, int client, void *user_buf, size_t len) {
+  struct mc_state copy[MC_MAX_AXES];
+  if (!is_client(mc, client) || !mc->client[client].can_read) return -MC_EBADF;
+  if (len < sizeof(struct mc_state)) return -MC_EINVAL;
+  unsigned level = mc->os.mask(mc->os.ctx);
+  int n = mc->joints;
+  if (len / sizeof(struct mc_state) < (size_t)n) n = (int)(len / sizeof(struct mc_state));
+  for (int axis = 0; axis < n; axis++) copy[axis] = mc->axis[axis].state;
+  size_t bytes = (size_t)n * sizeof(struct mc_state);
+  uint8_t had_read = mc->client[client].has_read;
+  error_seen(mc, client, n);
+  mc->os.unmask(mc->os.ctx, level);
+  if (n == 0 || mc->os.copy_out(mc->os.ctx, user_buf, copy, bytes) == 0) return (int)bytes;
+  level = mc->os.mask(mc->os.ctx);
+  error_seen(mc, client, 0); /* it saw nothing */
+  mc->client[client].has_read = had_read;
+  mc->os.unmask(mc->os.ctx, level);
+  return -MC_EFAULT;
+}
+
+int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
+  int32_t values[MC_MAX_AXES];
+  if (!is_client(mc, client) || !mc->client[client].can_write) return -MC_EBADF;
+  if (len % sizeof values[0] != 0 || len / sizeof values[0] > (size_t)mc->joints) {
+    return -MC_EINVAL;
+  }
+  int n = (int)(len / sizeof values[0]);
+  if (n == 0) return 0;
+  if (mc->os.copy_in(mc->os.ctx, values, user_buf, len) != 0) return -MC_EFAULT;
+  unsigned level = mc->os.mask(mc->os.ctx);
+  for (int axis = 0; axis < n; axis++) {
+    mc->axis[axis].setpoint = values[axis];
+    mc->axis[axis].written = 1;
+    mc->axis[axis].adopt = 0;
+  }
+  mc->os.unmask(mc->os.ctx, level);
+  return (int)len;
+}
+
+int mc_joints(const struct mc *mc) {
+  return mc->joints;
+}
+
+int32_t mc_setpoint(const struct mc *mc, int axis) {
+  return mc->axis[axis].setpoint;
+}
+
+const struct mc_state *mc_state_of(const struct mc *mc, int axis) {
+  return &mc->axis[axis].state;
+}
+
+const struct mc_stats *mc_stats_of(const struct mc *mc) {
+  return &mc->stats;
+}

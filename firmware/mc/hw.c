@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Registers, with software shadows of what can be set bit by bit, §4.3.3 and §5.3. */
+#include "mc_priv.h"
+
+uint8_t hw_get(struct mc *mc, uint16_t offset) {
+  uint8_t value = 0xFF;
+  if (mc->bus.read8(mc->bus.ctx, offset, &value) != MC_BUS_OK) {
+    mc->fault = 1;
+    return 0xFF;
+  }
+  return value;
+}
+
+void hw_put(struct mc *mc, uint16_t offset, uint8_t value) {
+  if (mc->bus.write8(mc->bus.ctx, offset, value) != MC_BUS_OK) mc->fault = 1;
+}
+
+uint8_t hw_card_get(struct mc *mc, int card, unsigned reg) {
+  return hw_get(mc, MMCS_CARD_OFFSET(mc->card[card].dip, reg));
+}
+
+void hw_card_put(struct mc *mc, int card, unsigned reg, uint8_t value) {
+  hw_put(mc, MMCS_CARD_OFFSET(mc->card[card].dip, reg), value);
+}
+
+void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear) {
+  mc->pccsr = (uint8_t)((mc->pccsr & ~clear) | set);
+  hw_put(mc, MMCS_PCCSR, mc->pccsr);
+}
+
+void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear) {
+  uint8_t b = (uint8_t)((mc->card[card].b & ~clear) | set);
+  mc->card[card].b = b;
+  hw_card_put(mc, card, MMCS_CARD_PPI_B, b);
+}
+
+/* Edges between the two writes are lost; everything else is seen now or latched for next time. */
+uint8_t hw_take_latches(struct mc *mc) {
+  uint8_t seen = hw_get(mc, MMCS_PCCSR);
+  hw_put(mc, MMCS_PCCSR, (uint8_t)(mc->pccsr & ~MMCS_PCCSR_LATCH_EN_bm));
+  hw_put(mc, MMCS_PCCSR, mc->pccsr);
+  return seen;
+}
+
+void hw_init_ppi(struct mc *mc, int card) {
+  hw_card_put(mc, card, MMCS_CARD_PPI_CONTROL, MMCS_PPI_MODE_BOARD);
+  /* Counting starts after the joints' signals are switched in: that switch is no movement. */
+  hw_card_put(mc, card, MMCS_CARD_PPI_A, mc->card[card].a & (uint8_t)~MMCS_CARD_PPI_A_ENC_MODE_bm);
+  hw_card_put(mc, card, MMCS_CARD_PPI_B, mc->card[card].b);
+  hw_card_put(mc, card, MMCS_CARD_PPI_A, mc->card[card].a);
+}
+
+/* The lights are what may be toggled at any time without a side effect. */
+int hw_answers(struct mc *mc, int card) {
+  uint8_t a = mc->card[card].a;
+  uint8_t other = a ^ (MMCS_CARD_PPI_A_LED1_bm | MMCS_CARD_PPI_A_LED2_bm);
+  hw_card_put(mc, card, MMCS_CARD_PPI_A, other);
+  uint8_t first = hw_card_get(mc, card, MMCS_CARD_PPI_A);
+  hw_card_put(mc, card, MMCS_CARD_PPI_A, a);
+  return first == other && hw_card_get(mc, card, MMCS_CARD_PPI_A) == a;
+}
+
+/* High byte first, always: the chip takes its snapshot at the byte that was read first. */
+uint16_t hw_counter(struct mc *mc, int axis) {
+  unsigned reg = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
+  unsigned high = hw_card_get(mc, axis / 2, reg);
+  return (uint16_t)(high << 8 | hw_card_get(mc, axis / 2, reg + 1));
+}
+
+void hw_write_dac_high(struct mc *mc, int axis, uint16_t code) {
+  unsigned reg = (axis & 1) != 0 ? MMCS_CARD_DAC2_HI : MMCS_CARD_DAC1_HI;
+  hw_card_put(mc, axis / 2, reg, (uint8_t)(code >> 8));
+}
+
+void hw_write_dac(struct mc *mc, int axis, uint16_t code) {
+  unsigned reg = (axis & 1) != 0 ? MMCS_CARD_DAC2_LO : MMCS_CARD_DAC1_LO;
+  hw_card_put(mc, axis / 2, reg, (uint8_t)(code & 0xFF));
+  hw_write_dac_high(mc, axis, code);
+}
+
+uint8_t hw_heartbeat_bm(int axis) {
+  return (axis & 1) != 0 ? MMCS_CARD_PPI_C_HEARTBEAT2_bm : MMCS_CARD_PPI_C_HEARTBEAT1_bm;
+}
+
+uint8_t hw_index_bm(int axis) {
+  return (axis & 1) != 0 ? MMCS_CARD_PPI_C_INDEX2_bm : MMCS_CARD_PPI_C_INDEX1_bm;
+}

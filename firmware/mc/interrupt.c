@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The interrupt handler: one servo pass at every SCLOCK, §4.3.6. */
+#include "mc_priv.h"
+
+static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
+  x->position = servo_extend(x->position, x->counter, counter);
+  x->counter = counter;
+  x->raw = raw;
+  x->state.encnow = x->position;
+  x->state.adcvai = servo_phi(&x->par, raw);
+}
+
+static void publish(struct mc_axis *x, const struct servo_output *out) {
+  x->state.fbnow = out->fb;
+  x->state.vel = out->vel;
+  x->state.error = out->error;
+  x->state.inow = out->inow;
+}
+
+/* One servo sample of one axis; returns the errors that happened. */
+static uint8_t servo_axis(struct mc *mc, int axis) {
+  struct mc_axis *x = &mc->axis[axis];
+  struct servo_input in = {x->position, x->raw, x->setpoint};
+  struct servo_output out;
+  if (mc->power == MC_IDLE || axis >= mc->joints) {
+    servo_sense(&x->par, &x->servo, &in, &out);
+    publish(x, &out);
+    return 0;
+  }
+  if (x->adopt && (x->par.mode & MD_MASK) == MD_POS) {
+    x->setpoint = in.setpoint = servo_feedback(&x->par, &in);
+  }
+  x->adopt = 0;
+  servo_step(&x->par, &x->servo, &in, &out);
+  if (mc_is_off(&x->par)) {
+    out.inow = servo_inow(&x->par, &x->servo, x->code - MC_DAC_ZERO);
+  } else {
+    x->code = (uint16_t)(MC_DAC_ZERO + out.current);
+  }
+  publish(x, &out);
+  if (out.clipped) mc_count(&mc->stats.clips, 1);
+  return out.events;
+}
+
+static void tell(struct mc *mc, int axis, uint8_t events) {
+  if ((mc->verbosity & (M_VERBOSE | M_ERRORPRINT)) == 0) return;
+  if ((events & MERR_PLO) != 0) text_log(mc, "axis", axis, ": low position limit");
+  if ((events & MERR_PHI) != 0) text_log(mc, "axis", axis, ": high position limit");
+  if ((events & MERR_ILIM) != 0) text_log(mc, "axis", axis, ": sustained current overload");
+}
+
+/* All axes; an error on one without SOFTERR shuts the machine down. */
+static void servo_all(struct mc *mc) {
+  unsigned due = 0;
+  int raised = 0, fatal = 0;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    struct mc_axis *x = &mc->axis[axis];
+    measure(x, mc->sample.counter[axis], mc->sample.raw[axis]);
+    if (x->wait > 0) {
+      x->wait--;
+      continue;
+    }
+    x->wait = x->par.clkdivisor - 1;
+    if (axis < mc->joints) due++;
+    uint8_t events = servo_axis(mc, axis);
+    if (events == 0) continue;
+    error_raise(mc, axis, events);
+    tell(mc, axis, events);
+    raised = 1;
+    if ((x->par.mode & SOFTERR) == 0) fatal = 1;
+  }
+  mc->os.compute(mc->os.ctx, due);
+  if (fatal) power_stop(mc);
+  if (raised) error_signal(mc);
+}
+
+/* The hardware's own sign of a PANIC whose edge was lost. */
+static int heartbeats_live(const struct mc *mc) {
+  if (mc->power != MC_RUNNING) return 1;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    if ((mc->sample.port_c[axis / 2] & hw_heartbeat_bm(axis)) == 0) return 0;
+  }
+  return 1;
+}
+
+static void write_all(struct mc *mc) {
+  for (int axis = 0; axis < mc->axes; axis++) hw_write_dac(mc, axis, mc->axis[axis].code);
+}
+
+/* Counts what was missed. 0: this SCLOCK has been served by a pass that began late. */
+static int enter(struct mc *mc) {
+  unsigned passed = timer_enter(mc);
+  if (passed == 0) return 0;
+  mc_count(&mc->stats.missed, passed - 1);
+  mc->grace -= passed < mc->grace ? passed : mc->grace;
+  return 1;
+}
+
+static int servo_pass(struct mc *mc) {
+  if (!enter(mc)) return 0;
+  int good = sample_read(mc, &mc->sample);
+  if (!good || !heartbeats_live(mc)) {
+    if (mc->power != MC_IDLE) power_panic(mc);
+    return 0;
+  }
+  int straddled = timer_moved(mc);
+  calib_serve(mc, &mc->sample);
+  if (!straddled) servo_all(mc);
+  if (mc->power == MC_RUNNING || (mc->power == MC_STARTING && !straddled)) {
+    write_all(mc);
+    mc->power = MC_RUNNING;
+  }
+  if (straddled || timer_moved(mc)) mc_count(&mc->stats.overrun, 1);
+  return !straddled;
+}
+
+/* PANIC first: a pulled cable would make all else read 0xFF. */
+int mc_interrupt(struct mc *mc) {
+  mc_count(&mc->stats.total, 1);
+  mc->fault = 0;
+  uint8_t seen = hw_take_latches(mc);
+  if (mc->fault) {
+    if (mc->power != MC_IDLE) power_panic(mc);
+    return 0;
+  }
+  if ((seen & MMCS_PCCSR_PANIC_LATCHED_bm) != 0) {
+    if ((seen & MMCS_PCCSR_SCLOCK_LATCHED_bm) != 0) (void)enter(mc);
+    power_panic(mc);
+    return 0;
+  }
+  if ((seen & MMCS_PCCSR_SCLOCK_LATCHED_bm) != 0) return servo_pass(mc);
+  mc_count(&mc->stats.spurious, 1);
+  return 0;
+}
+
+void mc_spurious(struct mc *mc) {
+  mc_count(&mc->stats.spurious, 1);
+}

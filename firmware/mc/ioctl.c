@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The requests of Table 2.3. A rejected one changes nothing; each is atomic to a sample. */
+#include "mc_priv.h"
+
+union argument {
+  int32_t value;
+  uint32_t word;
+  struct mc_param param;
+  struct mc_stats stats;
+};
+
+struct request {
+  uint32_t code;
+  int (*serve)(struct mc *mc, int client, union argument *arg);
+  uint8_t changes; /* needs the device open for writing */
+  uint8_t waits;   /* takes its time: masks the level by itself */
+};
+
+#define SIZE_OF(code) ((code) >> 16 & 0x1FFFu)
+
+_Static_assert(SIZE_OF(MGETPARAM) == sizeof(struct mc_param), "mcdef.h: MC_PARAM");
+_Static_assert(SIZE_OF(MGETSTATS) == sizeof(struct mc_stats), "mcdef.h: MC_STATS");
+_Static_assert(SIZE_OF(MSETENC) == sizeof(int), "mcdef.h: MC_INT");
+_Static_assert(sizeof(struct mc_state) == 28, "read() counts in states of 28 bytes");
+
+int mc_is_off(const struct mc_param *par) {
+  int mode = par->mode & MD_MASK;
+  return mode < MD_POS || mode > MD_TEST1;
+}
+
+static int has_axis(const struct mc *mc, int32_t axis) {
+  return axis >= 0 && axis < mc->joints;
+}
+
+/* "Lower 8 bits specify axis" of MSETENC, MSETLED, MSETDAC. */
+static int axis_of(const union argument *arg) {
+  return (int)(arg->word & 0xFF);
+}
+
+static int get_num_cards(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  arg->value = mc->cards;
+  return 0;
+}
+
+static int set_num_joints(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  if (arg->value < 0 || arg->value > mc->axes) return -MC_EINVAL;
+  int low = arg->value < mc->joints ? arg->value : mc->joints;
+  int high = arg->value < mc->joints ? mc->joints : arg->value;
+  for (int axis = low; axis < high; axis++) {
+    struct mc_axis *x = &mc->axis[axis];
+    servo_reset(&x->servo);
+    x->code = MC_DAC_ZERO;
+    x->adopt = (uint8_t)!x->written;
+    x->wait = 0;
+  }
+  mc->joints = arg->value;
+  return 0;
+}
+
+static int get_param(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  if (!has_axis(mc, arg->param.which)) return -MC_EINVAL;
+  arg->param = mc->axis[arg->param.which].par;
+  return 0;
+}
+
+/* Bumpless: an axis that enters position mode under power stays where it is, one that enters
+ * another mode gets the setpoint 0, until the process writes again. */
+static int set_param(struct mc *mc, int client, union argument *arg) {
+  const struct mc_param *to = &arg->param;
+  (void)client;
+  if (!has_axis(mc, to->which)) return -MC_EINVAL;
+  if (to->b0 == 0 || to->clkdivisor < 1) return -MC_EINVAL;
+  if (to->ipole < 0 || to->ipole >= MC_FSCALE) return -MC_EINVAL;
+  struct mc_axis *x = &mc->axis[to->which];
+  servo_change(&x->servo, &x->par, to);
+  if (((to->mode ^ x->par.mode) & MD_MASK) != 0) {
+    x->code = MC_DAC_ZERO;
+    if (mc->power != MC_IDLE) {
+      x->adopt = 1;
+      x->written = 0;
+      x->setpoint = 0;
+    }
+  }
+  if (x->wait >= to->clkdivisor) x->wait = to->clkdivisor - 1;
+  x->par = *to;
+  return 0;
+}
+
+static int stop(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  (void)arg;
+  power_stop(mc);
+  for (int axis = 0; axis < mc->axes; axis++) {
+    struct mc_axis *x = &mc->axis[axis];
+    x->par.mode &= ~MD_MASK;
+    x->setpoint = 0;
+    x->written = 0;
+    servo_reset(&x->servo);
+  }
+  return 0;
+}
+
+static int enable(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  (void)arg;
+  return power_enable(mc);
+}
+
+static int set_verbosity(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  mc->verbosity = arg->value;
+  return 0;
+}
+
+static int get_verbosity(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  arg->value = mc->verbosity;
+  return 0;
+}
+
+static int clear_error(struct mc *mc, int client, union argument *arg) {
+  (void)arg;
+  error_clear(mc, client);
+  return 0;
+}
+
+static int set_interval(struct mc *mc, int client, union argument *arg) {
+  uint32_t n0 = 0, n1 = 0;
+  (void)client;
+  if (timer_counts(mc, arg->word, &n0, &n1) != 0) return -MC_EINVAL;
+  mc->n0 = n0;
+  mc->n1 = n1;
+  timer_start(mc);
+  if (mc->grace > 0) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+  return 0;
+}
+
+static int get_interval(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  arg->word = timer_interval_us(mc);
+  return 0;
+}
+
+/* The pair is read twice: the first read may be what SCLOCK latched before. */
+static int set_encoder(struct mc *mc, int client, union argument *arg) {
+  int axis = axis_of(arg);
+  uint16_t value = (uint16_t)(arg->word >> 8);
+  (void)client;
+  if (!has_axis(mc, axis)) return -MC_EINVAL;
+  struct mc_axis *x = &mc->axis[axis];
+  unsigned msb = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
+  hw_card_put(mc, axis / 2, msb, (uint8_t)(value >> 8));
+  hw_card_put(mc, axis / 2, msb + 1, (uint8_t)(value & 0xFF));
+  (void)hw_counter(mc, axis);
+  x->counter = hw_counter(mc, axis);
+  x->position = (int16_t)value + (int16_t)(uint16_t)(x->counter - value);
+  uint8_t outside = x->servo.outside;
+  servo_reset(&x->servo);
+  x->servo.outside = outside;
+  return 0;
+}
+
+/* Each axis has one of the two lights of its card: bit 8. Further bits have no light here. */
+static int set_led(struct mc *mc, int client, union argument *arg) {
+  int axis = axis_of(arg);
+  (void)client;
+  if (!has_axis(mc, axis)) return -MC_EINVAL;
+  struct mc_card *card = &mc->card[axis / 2];
+  unsigned light = (axis & 1) != 0 ? MMCS_CARD_PPI_A_LED2_bm : MMCS_CARD_PPI_A_LED1_bm;
+  unsigned a = card->a & ~light;
+  if ((arg->word & 0x100) != 0) a |= light;
+  card->a = (uint8_t)a;
+  hw_card_put(mc, axis / 2, MMCS_CARD_PPI_A, card->a);
+  return 0;
+}
+
+static int diag_mode(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  if ((arg->value & ~(M_ANDIAG | M_ENDIAG)) != 0) return -MC_EINVAL;
+  unsigned level = mc->os.mask(mc->os.ctx);
+  int relay = (mc->diag ^ arg->value) & M_ANDIAG;
+  mc->diag = (uint8_t)arg->value;
+  power_apply_modes(mc);
+  mc->os.unmask(mc->os.ctx, level);
+  if (relay && mc->drive) mc->os.delay_us(mc->os.ctx, MC_RELAY_US);
+  return 0;
+}
+
+static int set_dac(struct mc *mc, int client, union argument *arg) {
+  int axis = axis_of(arg);
+  (void)client;
+  if (!has_axis(mc, axis) || !mc_is_off(&mc->axis[axis].par)) return -MC_EINVAL;
+  if (mc->power != MC_RUNNING) return -MC_EIO;
+  mc->axis[axis].code = (uint16_t)(arg->word >> 8 & 0xFFF);
+  return 0;
+}
+
+static int dac_mode(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  mc->double_buffer = arg->value != 0;
+  mc->buffered = mc->double_buffer;
+  power_apply_modes(mc);
+  return 0;
+}
+
+static int get_stats(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  arg->stats = mc->stats;
+  return 0;
+}
+
+static int zero_stats(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  (void)arg;
+  mc->stats = (struct mc_stats){0};
+  return 0;
+}
+
+static int calibrate(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  if (!has_axis(mc, arg->value)) return -MC_EINVAL;
+  calib_start(mc, arg->value);
+  return 0;
+}
+
+static const struct request requests[] = {
+    {MGETNUMCARDS, get_num_cards, 0, 0},
+    {MSETNUMJOINTS, set_num_joints, 1, 0},
+    {MGETPARAM, get_param, 0, 0},
+    {MSETPARAM, set_param, 1, 0},
+    {MSTOP, stop, 1, 0},
+    {MENABLE, enable, 1, 1},
+    {MSETVERBOSITY, set_verbosity, 1, 0},
+    {MGETVERBOSITY, get_verbosity, 0, 0},
+    {MCLEARERROR, clear_error, 1, 0},
+    {MSETINTERVAL, set_interval, 1, 0},
+    {MGETINTERVAL, get_interval, 0, 0},
+    {MSETENC, set_encoder, 1, 0},
+    {MSETLED, set_led, 1, 0},
+    {MDIAGMODE, diag_mode, 1, 1},
+    {MSETDAC, set_dac, 1, 0},
+    {MDACMODE, dac_mode, 1, 0},
+    {MGETSTATS, get_stats, 0, 0},
+    {MZEROSTATS, zero_stats, 1, 0},
+    {MCALIB, calibrate, 1, 0},
+};
+
+static const struct request *find(uint32_t code) {
+  for (unsigned i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+    if (requests[i].code == code) return &requests[i];
+  }
+  return NULL;
+}
+
+static int serve(struct mc *mc, int client, const struct request *r, union argument *arg) {
+  if (r->waits) return r->serve(mc, client, arg);
+  unsigned level = mc->os.mask(mc->os.ctx);
+  mc->fault = 0;
+  int result = r->serve(mc, client, arg);
+  if (mc->fault && result == 0) result = -MC_EIO; /* the adaptor no longer answers */
+  mc->os.unmask(mc->os.ctx, level);
+  return result;
+}
+
+int mc_ioctl(struct mc *mc, int client, uint32_t request, void *arg) {
+  const struct request *r = find(request);
+  union argument argument = {0};
+  if (client < 0 || client >= MC_MAX_CLIENTS || !mc->client[client].used) return -MC_EBADF;
+  if (r == NULL) return -MC_ENOTTY;
+  if (r->changes && !mc->client[client].can_write) return -MC_EBADF;
+  if ((request & MC_ARG_IN) != 0 &&
+      mc->os.copy_in(mc->os.ctx, &argument, arg, SIZE_OF(request)) != 0) {
+    return -MC_EFAULT;
+  }
+  int result = serve(mc, client, r, &argument);
+  if (result == 0 && (request & MC_ARG_OUT) != 0 &&
+      mc->os.copy_out(mc->os.ctx, arg, &argument, SIZE_OF(request)) != 0) {
+    return -MC_EFAULT;
+  }
+  return result;
+}

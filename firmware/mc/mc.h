@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The mc driver, §2.3: what a host calls, and what it must provide.
+ *
+ * Freestanding C11. No allocation, no floating point. The driver reaches the hardware through
+ * struct mc_bus and its host through struct mc_os; nothing else differs between ports.
+ */
+#ifndef MC_H
+#define MC_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "mcdef.h"
+
+/* Errors are negative Unix numbers, the same on every port. */
+#define MC_EIO 5
+#define MC_ENXIO 6
+#define MC_EBADF 9
+#define MC_EFAULT 14
+#define MC_EBUSY 16
+#define MC_EINVAL 22
+#define MC_ENFILE 23
+#define MC_ENOTTY 25
+
+enum mc_bus_result { MC_BUS_OK = 0, MC_BUS_TIMEOUT = 1, MC_BUS_ERROR = 2 };
+
+/* The bus below: one byte at an odd offset (0x001..0x7FF) of the adaptor's 2 KiB window. */
+struct mc_bus {
+  void *ctx;
+  /* Reads one byte; on failure *value is unspecified and the result is not MC_BUS_OK. */
+  enum mc_bus_result (*read8)(void *ctx, uint16_t offset, uint8_t *value);
+  enum mc_bus_result (*write8)(void *ctx, uint16_t offset, uint8_t value);
+};
+
+/* The host around: all may be called from the interrupt handler except delay_us, copy_*. */
+struct mc_os {
+  void *ctx;
+  /* Delivers SIGUSR1 to the process behind an open descriptor (client 0..MC_MAX_CLIENTS-1). */
+  void (*signal)(void *ctx, int client);
+  /* One line of text for the console, no newline. */
+  void (*log)(void *ctx, const char *text);
+  /* Called once per servo pass between the reads and the writes: a host model lets the time of
+   * the computation of `axes` axes pass here; a real processor does nothing. */
+  void (*compute)(void *ctx, unsigned axes);
+  /* Waits at least `us` microseconds in process context. Interrupts may come meanwhile. */
+  void (*delay_us)(void *ctx, uint32_t us);
+  /* Masks the interrupt level; returns what unmask must be given back. Nests. */
+  unsigned (*mask)(void *ctx);
+  void (*unmask)(void *ctx, unsigned previous);
+  /* Copies from or to the calling process: 0, or -MC_EFAULT. */
+  int (*copy_in)(void *ctx, void *to, const void *from_user, size_t len);
+  int (*copy_out)(void *ctx, void *to_user, const void *from, size_t len);
+};
+
+struct mc_config {
+  uint32_t sysclk_hz; /* rate of the system clock that feeds timer 0: 8, 4, 2 or 1 MHz */
+  uint8_t vector;     /* interrupt vector number written to 0x441 */
+};
+
+#define MC_MAX_CARDS 16
+#define MC_MAX_AXES 32
+#define MC_MAX_CLIENTS 16
+
+/* Open flags, as open(2). */
+enum { MC_O_RDONLY = 0, MC_O_WRONLY = 1, MC_O_RDWR = 2 };
+
+struct mc; /* defined in mc_priv.h; a host that must place it uses mc_size() bytes, zeroed */
+
+size_t mc_size(void);
+
+/* Binds bus, host and configuration; touches no hardware. 0, or -MC_EINVAL. */
+int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
+              const struct mc_config *config);
+
+/* open(2): returns the client number, or a negative error. First open scans and initialises. */
+int mc_open(struct mc *mc, int flags);
+int mc_close(struct mc *mc, int client);
+/* ioctl(2): `arg` is a pointer in the calling process (or ignored). 0, or a negative error. */
+int mc_ioctl(struct mc *mc, int client, uint32_t request, void *arg);
+/* read(2), write(2): bytes moved, or a negative error. */
+int mc_read(struct mc *mc, int client, void *user_buf, size_t len);
+int mc_write(struct mc *mc, int client, const void *user_buf, size_t len);
+
+/* The interrupt handler: call with the level masked, after the acknowledge cycle. Returns 1 if a
+ * servo pass ran, 0 if not (panic only, or spurious). */
+int mc_interrupt(struct mc *mc);
+/* The acknowledge cycle failed: counts a spurious interrupt. */
+void mc_spurious(struct mc *mc);
+
+/* For the host's log, valid after mc_interrupt: setpoint in force and published state of an axis.
+ */
+int mc_joints(const struct mc *mc);
+int32_t mc_setpoint(const struct mc *mc, int axis);
+const struct mc_state *mc_state_of(const struct mc *mc, int axis);
+const struct mc_stats *mc_stats_of(const struct mc *mc);
+
+#endif

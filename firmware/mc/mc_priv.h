@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The driver's own state and what its files call of each other, §2.3. */
+#ifndef MC_PRIV_H
+#define MC_PRIV_H
+
+#include "mc.h"
+#include "mmcs_regs.h"
+#include "servo.h"
+
+#define MC_DAC_ZERO 0x800      /* D/A code of 0 V, offset binary */
+#define MC_ENC_MODE 5          /* all four edges count */
+#define MC_INTERVAL_US 2000    /* after open */
+#define MC_INTERVAL_MIN_US 100 /* ruled */
+#define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */
+#define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
+#define MC_ADC_POLLS 40        /* port C reads of 1 us: conversion takes at most 35 us */
+
+enum mc_power {
+  MC_IDLE,     /* not enabled: no D/A low byte is written, the joints are isolated */
+  MC_STARTING, /* MENABLE waits for the first servo pass */
+  MC_RUNNING   /* every pass writes every D/A */
+};
+
+struct mc_axis {
+  struct mc_param par;
+  struct servo_state servo;
+  struct mc_state state; /* as read() gives it */
+  int32_t setpoint;
+  int32_t position; /* 32 bits, congruent to the counter */
+  int32_t wait;     /* SCLOCKs until the next servo sample */
+  uint16_t counter; /* the 16-bit counter at the last sample */
+  uint16_t raw;     /* A/D at the last sample */
+  uint16_t code;    /* D/A code written at every SCLOCK while enabled */
+  uint8_t written;  /* setpoint is the user's: MENABLE keeps it */
+  uint8_t adopt; /* at the next servo sample a position axis takes its setpoint from where it is */
+  uint8_t calib; /* waits for its index */
+};
+
+struct mc_card {
+  uint8_t dip;
+  uint8_t a, b;  /* shadows of ports A and B */
+  uint8_t late;  /* its A/Ds did not finish at the last sample */
+  uint8_t rearm; /* the index latch is dropped (1) and armed again one SCLOCK later (2) */
+};
+
+struct mc_client {
+  uint8_t used, can_read, can_write;
+  uint8_t has_read;
+  uint8_t fresh[MC_MAX_AXES]; /* flags that came since its last read() */
+};
+
+/* What one SCLOCK found on the cards. */
+struct mc_sample {
+  uint16_t counter[MC_MAX_AXES];
+  uint16_t raw[MC_MAX_AXES];
+  uint16_t index[MC_MAX_AXES]; /* counter at the index, if `indexed` */
+  uint8_t indexed[MC_MAX_AXES];
+  uint8_t port_c[MC_MAX_CARDS];
+  uint8_t answers[MC_MAX_CARDS];
+};
+
+struct mc {
+  struct mc_bus bus;
+  struct mc_os os;
+  struct mc_config config;
+  struct mc_client client[MC_MAX_CLIENTS];
+  struct mc_axis axis[MC_MAX_AXES];
+  struct mc_card card[MC_MAX_CARDS];
+  struct mc_sample sample;
+  struct mc_stats stats;
+  int opens, cards, axes, joints;
+  enum mc_power power;
+  uint32_t n0, n1;       /* counts of timers 0 and 1 */
+  uint16_t rises;        /* SCLOCKs up to the last one served, by timer 2 */
+  uint8_t synced;        /* `rises` is valid */
+  uint8_t pccsr;         /* shadow */
+  uint8_t fault;         /* a bus access failed since it was cleared */
+  uint8_t double_buffer; /* as MDACMODE asked */
+  uint8_t buffered;      /* as it is in force: never while stopping */
+  uint8_t drive;         /* D/As are connected to the joints */
+  uint8_t diag;
+  uint32_t grace; /* SCLOCKs during which our own stop may raise PANIC */
+  int verbosity;
+  int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
+};
+
+/* hw.c: bytes and ports. Reads that fail give 0xFF and set mc->fault. */
+uint8_t hw_get(struct mc *mc, uint16_t offset);
+void hw_put(struct mc *mc, uint16_t offset, uint8_t value);
+uint8_t hw_card_get(struct mc *mc, int card, unsigned reg);
+void hw_card_put(struct mc *mc, int card, unsigned reg, uint8_t value);
+void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear);
+void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear);
+/* Reads and clears the interrupt latches: PCCSR as it was. */
+uint8_t hw_take_latches(struct mc *mc);
+/* Puts the PPI of a card into its working state from the shadows. */
+void hw_init_ppi(struct mc *mc, int card);
+/* Writes a pattern to port A and reads it back, then restores it. 1 if the card is there. */
+int hw_answers(struct mc *mc, int card);
+uint16_t hw_counter(struct mc *mc, int axis);
+void hw_write_dac(struct mc *mc, int axis, uint16_t code);
+/* Only the high nibble: does not start the heartbeat. */
+void hw_write_dac_high(struct mc *mc, int axis, uint16_t code);
+uint8_t hw_heartbeat_bm(int axis);
+uint8_t hw_index_bm(int axis);
+
+/* scan.c */
+void mc_scan(struct mc *mc);
+/* The values of Table 2.1 for every axis. */
+void mc_set_defaults(struct mc *mc);
+
+/* timer.c */
+/* Finds counts for an interval: 0, or -MC_EINVAL. */
+int timer_counts(const struct mc *mc, uint32_t us, uint32_t *n0, uint32_t *n1);
+/* Starts SCLOCK with mc->n0, mc->n1; the latches are held clear meanwhile. */
+void timer_start(struct mc *mc);
+uint32_t timer_interval_us(const struct mc *mc);
+/* SCLOCKs that last at least `us`, at least 1. */
+uint32_t timer_ticks(const struct mc *mc, uint32_t us);
+/* SCLOCKs since the last one served; that becomes the one being served. */
+unsigned timer_enter(struct mc *mc);
+/* 1 if another SCLOCK rose since timer_enter(). */
+int timer_moved(struct mc *mc);
+
+/* sample.c */
+/* Reads every card. 1 if all answered and no bus access failed. */
+int sample_read(struct mc *mc, struct mc_sample *s);
+
+/* power.c: the level is masked but in power_enable(). */
+int power_enable(struct mc *mc);
+/* Starts all axes afresh: histories, and the setpoints of position axes not written since. */
+void power_restart_axes(struct mc *mc);
+/* Zero current on all axes, then silence: PANIC and brakes follow within 50 ms. */
+void power_stop(struct mc *mc);
+void power_panic(struct mc *mc);
+/* Ports B as power, diagnostic and buffer modes want them. */
+void power_apply_modes(struct mc *mc);
+
+/* calib.c */
+void calib_start(struct mc *mc, int axis);
+void calib_leave(struct mc *mc, int axis);
+void calib_serve(struct mc *mc, const struct mc_sample *s);
+
+/* ioctl.c */
+int mc_is_off(const struct mc_param *par);
+
+/* errors.c */
+void error_raise(struct mc *mc, int axis, uint8_t flags);
+void error_raise_index(struct mc *mc, int axis, uint16_t count);
+void error_seen(struct mc *mc, int client, int axes);
+void error_clear(struct mc *mc, int client);
+void error_signal(struct mc *mc);
+void mc_count(int *counter, unsigned by);
+
+/* text.c: one line for the console out of words and a number; "" and -1 leave out. */
+void text_log(struct mc *mc, const char *what, int number, const char *more);
+
+#endif

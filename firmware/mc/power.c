@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Enable, stop and PANIC, §2.3.4 and §5.3.6.
+ *
+ * A low byte written to a D/A starts its heartbeat; when all heartbeats live PANIC clears and the
+ * brakes open. So nothing but a servo pass that holds the axes writes low bytes first, and after
+ * the last zero nobody writes them again.
+ */
+#include "mc_priv.h"
+
+static uint8_t wanted_b(const struct mc *mc, int card) {
+  unsigned b = 0;
+  if ((mc->diag & M_ENDIAG) == 0) b |= MMCS_CARD_PPI_B_ENC_JOINT_bm;
+  if (mc->drive && (mc->diag & M_ANDIAG) == 0) b |= MMCS_CARD_PPI_B_DAC_JOINT_bm;
+  if (mc->axis[2 * card].calib || mc->axis[2 * card + 1].calib) {
+    if (!mc->card[card].rearm) b |= MMCS_CARD_PPI_B_INDEX_EN_bm;
+  } else {
+    b |= MMCS_CARD_PPI_B_SCLOCK_EN_bm;
+    if (mc->buffered) b |= MMCS_CARD_PPI_B_DAC_DOUBLE_bm;
+  }
+  return (uint8_t)b;
+}
+
+void power_apply_modes(struct mc *mc) {
+  for (int card = 0; card < mc->cards; card++) {
+    uint8_t b = wanted_b(mc, card);
+    if (b != mc->card[card].b) hw_set_b(mc, card, b, 0xFF);
+  }
+}
+
+void power_restart_axes(struct mc *mc) {
+  for (int axis = 0; axis < mc->axes; axis++) {
+    struct mc_axis *x = &mc->axis[axis];
+    servo_reset(&x->servo);
+    x->wait = 0;
+    x->adopt = (uint8_t)!x->written;
+  }
+}
+
+static void forget_currents(struct mc *mc) {
+  for (int axis = 0; axis < mc->axes; axis++) {
+    struct mc_axis *x = &mc->axis[axis];
+    x->code = MC_DAC_ZERO;
+    x->state.inow = 0;
+    x->servo.filtered = 0;
+    x->written = 0;
+  }
+}
+
+/* Zero to every D/A; the low byte only where the heartbeat lives anyway (bit of port C): starting
+ * a dead one would open the brakes once more. The relay then isolates all of them. */
+static void silence(struct mc *mc, const uint8_t *port_c) {
+  if (mc->power == MC_IDLE) return;
+  hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
+  mc->buffered = 0;
+  power_apply_modes(mc);
+  for (int axis = 0; axis < mc->axes; axis++) {
+    if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
+      hw_write_dac(mc, axis, MC_DAC_ZERO);
+      mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+    } else {
+      hw_write_dac_high(mc, axis, MC_DAC_ZERO);
+    }
+  }
+  mc->power = MC_IDLE;
+  mc->drive = 0;
+  power_apply_modes(mc);
+  forget_currents(mc);
+}
+
+/* Heartbeats may be dead already: after SYSRESET* no servo pass came and nobody noticed. */
+void power_stop(struct mc *mc) {
+  uint8_t port_c[MC_MAX_CARDS] = {0};
+  if (mc->power == MC_IDLE) return;
+  hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
+  for (int card = 0; card < mc->cards; card++) {
+    port_c[card] = hw_card_get(mc, card, MMCS_CARD_PPI_C);
+  }
+  silence(mc, port_c);
+}
+
+/* What an operator wants to know first: whose fault it is (§1.3.2). */
+static void diagnose(struct mc *mc, uint8_t *port_c, uint8_t *dead) {
+  for (int card = 0; card < mc->cards; card++) {
+    port_c[card] = hw_card_get(mc, card, MMCS_CARD_PPI_C);
+    dead[card] = port_c[card] == 0xFF && hw_card_get(mc, card, MMCS_CARD_PPI_A) != mc->card[card].a;
+  }
+}
+
+static void report_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dead) {
+  int named = 0, silent = 0;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    int card = axis / 2;
+    if (dead[card]) {
+      if ((axis & 1) != 0) continue;
+      text_log(mc, "PANIC: card", mc->card[card].dip, " does not answer");
+      silent++;
+    } else if ((port_c[card] & hw_heartbeat_bm(axis)) == 0) {
+      text_log(mc, "PANIC: axis", axis, " has no heartbeat");
+      named++;
+    }
+  }
+  if (named == 0 && (silent == 0 || silent == mc->cards)) {
+    text_log(mc, "PANIC: button, cable or power", -1, "");
+  }
+}
+
+void power_panic(struct mc *mc) {
+  uint8_t port_c[MC_MAX_CARDS] = {0}, dead[MC_MAX_CARDS] = {0};
+  if (mc->power == MC_IDLE) {
+    if (mc->grace == 0) mc_count(&mc->stats.panics, 1);
+    mc->grace = 0;
+    return;
+  }
+  mc_count(&mc->stats.panics, 1);
+  int started = mc->power == MC_RUNNING;
+  diagnose(mc, port_c, dead);
+  silence(mc, port_c);
+  for (int axis = 0; axis < mc->axes; axis++) error_raise(mc, axis, MERR_PANIC);
+  error_signal(mc);
+  if (started) report_panic(mc, port_c, dead);
+}
+
+/* A card that lost power has forgotten its modes and its counts. */
+static int revive_card(struct mc *mc, int card) {
+  if (hw_card_get(mc, card, MMCS_CARD_PPI_A) != mc->card[card].a ||
+      hw_card_get(mc, card, MMCS_CARD_PPI_B) != mc->card[card].b) {
+    hw_init_ppi(mc, card);
+    for (int axis = 2 * card; axis < 2 * card + 2; axis++) {
+      struct mc_axis *x = &mc->axis[axis];
+      (void)hw_counter(mc, axis);
+      x->counter = hw_counter(mc, axis);
+      x->position = (int16_t)x->counter;
+    }
+    text_log(mc, "card", mc->card[card].dip, " was reset: initialised again");
+  }
+  return hw_answers(mc, card);
+}
+
+static int check_cards(struct mc *mc) {
+  unsigned level = mc->os.mask(mc->os.ctx);
+  int bad = -1;
+  mc->fault = 0;
+  for (int card = 0; card < mc->cards && bad < 0; card++) {
+    if (!revive_card(mc, card) || mc->fault) bad = card;
+  }
+  mc->os.unmask(mc->os.ctx, level);
+  if (bad < 0) return 0;
+  text_log(mc, "enable: card", mc->card[bad].dip, " does not answer");
+  return -MC_EIO;
+}
+
+/* Our own stop may still be raising PANIC: wait until all heartbeats are dead. */
+static void wait_for_silence(struct mc *mc) {
+  for (uint32_t us = 0; us < MC_HEARTBEAT_US && mc->grace > 0; us += 1000) {
+    mc->os.delay_us(mc->os.ctx, 1000);
+  }
+  mc->grace = 0;
+}
+
+static void connect_drives(struct mc *mc) {
+  unsigned level = mc->os.mask(mc->os.ctx);
+  mc->buffered = 0;
+  power_apply_modes(mc);
+  for (int axis = 0; axis < mc->axes; axis++) hw_write_dac_high(mc, axis, MC_DAC_ZERO);
+  mc->drive = 1;
+  power_apply_modes(mc);
+  mc->os.unmask(mc->os.ctx, level);
+  mc->os.delay_us(mc->os.ctx, MC_RELAY_US);
+}
+
+static void await_first_pass(struct mc *mc) {
+  uint64_t limit = 2 * (uint64_t)timer_interval_us(mc) + 5000;
+  uint32_t step = timer_interval_us(mc) < 1000 ? timer_interval_us(mc) : 1000;
+  unsigned level = mc->os.mask(mc->os.ctx);
+  power_restart_axes(mc);
+  mc->buffered = mc->double_buffer;
+  power_apply_modes(mc);
+  mc->power = MC_STARTING;
+  mc->os.unmask(mc->os.ctx, level);
+  for (uint64_t us = 0; us < limit && mc->power == MC_STARTING; us += step) {
+    mc->os.delay_us(mc->os.ctx, step);
+  }
+}
+
+/* The first pass has written every D/A: every heartbeat must be there now. */
+static int check_heartbeats(struct mc *mc) {
+  if (mc->power == MC_IDLE) {
+    text_log(mc, "enable: stopped by an error, PANIC or MSTOP", -1, "");
+    return -MC_EIO;
+  }
+  if (mc->power == MC_STARTING) {
+    text_log(mc, "enable: no servo interrupt", -1, "");
+    return -MC_EIO;
+  }
+  for (int axis = 0; axis < mc->axes; axis++) {
+    uint8_t c = hw_card_get(mc, axis / 2, MMCS_CARD_PPI_C);
+    if ((c & hw_heartbeat_bm(axis)) != 0) continue;
+    text_log(mc, "enable: axis", axis, " has no heartbeat");
+    return -MC_EIO;
+  }
+  return 0;
+}
+
+int power_enable(struct mc *mc) {
+  int result = check_cards(mc);
+  if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
+  if (mc->power == MC_RUNNING) {
+    unsigned level = mc->os.mask(mc->os.ctx);
+    if (result == 0) power_restart_axes(mc);
+    mc->os.unmask(mc->os.ctx, level);
+    return result;
+  }
+  if (result != 0) return result;
+  wait_for_silence(mc);
+  connect_drives(mc);
+  await_first_pass(mc);
+  unsigned level = mc->os.mask(mc->os.ctx);
+  result = check_heartbeats(mc);
+  if (result != 0) {
+    power_stop(mc);
+  } else {
+    hw_set_pccsr(mc, MMCS_PCCSR_PANIC_EN_bm, 0);
+  }
+  mc->os.unmask(mc->os.ctx, level);
+  return result;
+}

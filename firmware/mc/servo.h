@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The servo law of one axis, §2.1-§2.2: parameters + state + inputs -> outputs.
+ *
+ * Pure integer arithmetic: no hardware, no time, no floating point, no undefined overflow. The
+ * same inputs give the same bits on every machine. */
+#ifndef SERVO_H
+#define SERVO_H
+
+#include <stdint.h>
+
+#include "mcdef.h"
+
+#define SERVO_DAC_MAX 2047 /* largest current either way, D/A units */
+
+/* What the law remembers between samples. servo_reset() makes it the state of a fresh start. */
+struct servo_state {
+  int64_t n1, n2;   /* un-truncated numerators N = b0*u of the last two samples */
+  int32_t y1, y2;   /* feedback quantity (S4) of the last two samples */
+  int32_t e1, e2;   /* errors of the last two samples */
+  int32_t filtered; /* current through the ipole filter, times MC_FSCALE */
+  int32_t over;     /* consecutive samples above ilim */
+  int32_t triangle; /* MD_TEST1: the next value */
+  uint8_t falling;  /* MD_TEST1: on the way down */
+  uint8_t primed;   /* y1, y2 hold samples */
+  uint8_t outside;  /* limits that the feedback was beyond at the last check: MERR_PLO, MERR_PHI */
+};
+
+struct servo_input {
+  int32_t position; /* encoder count */
+  int32_t raw;      /* A/D, offset binary 0-4095 */
+  int32_t setpoint; /* from write() */
+};
+
+struct servo_output {
+  int32_t phi;     /* processed A/D value */
+  int32_t fb;      /* feedback quantity (S4) */
+  int32_t vel;     /* its derivative per sample */
+  int32_t error;   /* demand minus what S5 passes */
+  int32_t current; /* D/A units, -2047..2047 */
+  int32_t inow;    /* current as reported */
+  uint8_t events;  /* MERR_PLO, MERR_PHI, MERR_ILIM that happened in this sample */
+  uint8_t clipped; /* the current met a limit */
+};
+
+/* A 32-bit position followed over a 16-bit counter: right while the axis moves less than 32768
+ * counts between two samples. */
+int32_t servo_extend(int32_t position, uint16_t from, uint16_t to);
+
+/* The processed A/D value: adc_a * raw + adc_b, saturated. */
+int32_t servo_phi(const struct mc_param *par, int32_t raw);
+
+/* The feedback quantity (S4). */
+int32_t servo_feedback(const struct mc_param *par, const struct servo_input *in);
+
+/* Forgets all history; the next sample starts at rest wherever the axis then is. */
+void servo_reset(struct servo_state *s);
+
+/* Adapts the state to a change of parameters: histories restart when the mode or the source of the
+ * feedback changes, and keep the output where it is when only coefficients do. */
+void servo_change(struct servo_state *s, const struct mc_param *from, const struct mc_param *to);
+
+/* Measures: phi, fb, vel of this sample; no current. For an axis that is not servoed. */
+void servo_sense(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
+                 struct servo_output *out);
+
+/* One whole servo sample. With MD_OFF the current is 0 and only limits are checked. */
+void servo_step(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
+                struct servo_output *out);
+
+/* The reported current after `current` D/A units were commanded (SRV-5). */
+int32_t servo_inow(const struct mc_param *par, struct servo_state *s, int32_t current);
+
+#endif

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The mc driver on a processor of its own: mailbox in, interrupts in, bus out. §2.3. */
+#include "port.h"
+
+#include "mailbox.h"
+#include "mc_priv.h"
+
+#define BOX ((volatile struct mailbox *)MAILBOX_BASE)
+#define CONTROL(address) (*(volatile uint32_t *)(address))
+
+static struct mc driver;
+
+static void report(enum mailbox_report what) {
+  CONTROL(MAILBOX_REPORT) = what;
+}
+
+/* --- what the driver calls ------------------------------------------------------------------- */
+
+/* The processor sees one kind of bus error: whoever ended the cycle, BERR* did. */
+static enum mc_bus_result read8(void *ctx, uint16_t offset, uint8_t *value) {
+  (void)ctx;
+  return port_read8(MAILBOX_WINDOW + offset, value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
+}
+
+static enum mc_bus_result write8(void *ctx, uint16_t offset, uint8_t value) {
+  (void)ctx;
+  return port_write8(MAILBOX_WINDOW + offset, value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
+}
+
+static void signal(void *ctx, int client) {
+  (void)ctx;
+  BOX->signal_client = client;
+  report(MAILBOX_SIGNAL);
+}
+
+static void log(void *ctx, const char *text) {
+  (void)ctx;
+  int n = 0;
+  for (; n < MAILBOX_TEXT - 1 && text[n] != 0; n++) BOX->text[n] = (uint8_t)text[n];
+  BOX->text[n] = 0;
+  report(MAILBOX_LOG);
+}
+
+static void compute(void *ctx, unsigned axes) {
+  (void)ctx;
+  (void)axes;
+}
+
+static void delay_us(void *ctx, uint32_t us) {
+  uint32_t start = CONTROL(MAILBOX_CLOCK_US);
+  (void)ctx;
+  /* one more, as the first may have been nearly over */
+  while (CONTROL(MAILBOX_CLOCK_US) - start <= us) {
+  }
+}
+
+static unsigned mask(void *ctx) {
+  (void)ctx;
+  return port_mask();
+}
+
+static void unmask(void *ctx, unsigned previous) {
+  (void)ctx;
+  port_unmask(previous);
+}
+
+/* The memory of the process is the mailbox's data; its pointer is that or null. */
+static int copy(void *ctx, void *to, const void *from, size_t len) {
+  (void)ctx;
+  if (to == NULL || from == NULL) return -MC_EFAULT;
+  uint32_t *out = to;
+  const uint32_t *in = from;
+  for (size_t n = 0; n < (len + 3) / 4; n++) out[n] = in[n];
+  return 0;
+}
+
+static const struct mc_bus bus = {NULL, read8, write8};
+static const struct mc_os os = {NULL, signal, log, compute, delay_us, mask, unmask, copy, copy};
+
+/* --- what the host sees ---------------------------------------------------------------------- */
+
+static void publish(void) {
+  const int32_t *stats = (const int32_t *)mc_stats_of(&driver);
+  for (int n = 0; n < 6; n++) BOX->stats[n] = stats[n];
+  int joints = mc_joints(&driver);
+  BOX->joints = joints;
+  for (int axis = 0; axis < joints; axis++) {
+    volatile struct mailbox_axis *out = &BOX->axis[axis];
+    const int32_t *state = (const int32_t *)mc_state_of(&driver, axis);
+    out->setpoint = mc_setpoint(&driver, axis);
+    for (int n = 0; n < 7; n++) out->state[n] = state[n];
+  }
+}
+
+void port_servo_interrupt(void) {
+  int sampled = mc_interrupt(&driver);
+  publish();
+  report(sampled ? MAILBOX_SAMPLED : MAILBOX_SERVED);
+}
+
+void port_spurious_interrupt(void) {
+  mc_spurious(&driver);
+  publish();
+  report(MAILBOX_SERVED);
+}
+
+/* Only wakes: the request is served in process context. */
+void port_doorbell_interrupt(void) {
+  CONTROL(MAILBOX_DOORBELL) = 1;
+}
+
+void port_dead(uint32_t vector, uint32_t pc) {
+  BOX->fault = vector;
+  BOX->fault_pc = pc;
+  report(MAILBOX_DEAD);
+}
+
+static int32_t serve(void) {
+  int client = BOX->client;
+  uint32_t a = BOX->a;
+  void *data = BOX->has_data ? (void *)(uintptr_t)BOX->data : NULL;
+  switch (BOX->call) {
+    case MAILBOX_OPEN:
+      return mc_open(&driver, (int)a);
+    case MAILBOX_CLOSE:
+      return mc_close(&driver, client);
+    case MAILBOX_IOCTL:
+      return mc_ioctl(&driver, client, a, data);
+    case MAILBOX_READ:
+      return mc_read(&driver, client, data, a);
+    case MAILBOX_WRITE:
+      return mc_write(&driver, client, data, a);
+    default:
+      return -MC_EINVAL;
+  }
+}
+
+/* Entered with everything masked. */
+void port_main(void) {
+  const struct mc_config config = {8000000, PORT_VECTOR};
+  (void)mc_attach(&driver, &bus, &os, &config);
+  BOX->posted = BOX->done = 0;
+  BOX->version = MAILBOX_VERSION;
+  BOX->magic = MAILBOX_MAGIC;
+  report(MAILBOX_UP);
+  for (;;) {
+    while (BOX->posted == BOX->done) port_idle();
+    port_unmask(0);
+    int32_t result = serve();
+    (void)port_mask();
+    BOX->result = result;
+    publish();
+    BOX->done = BOX->posted;
+    report(MAILBOX_DONE);
+  }
+}

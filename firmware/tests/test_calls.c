@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a process sees of /dev/mc: every call with its errors. §2.3, Table 2.3 */
+#include "harness.h"
+#include "mock.h"
+
+static struct mock m;
+
+static const uint32_t with_argument[] = {MGETNUMCARDS,  MSETNUMJOINTS, MGETPARAM,    MSETPARAM,
+                                         MSETVERBOSITY, MGETVERBOSITY, MSETINTERVAL, MGETINTERVAL,
+                                         MSETENC,       MSETLED,       MDIAGMODE,    MSETDAC,
+                                         MDACMODE,      MGETSTATS,     MCALIB};
+static const uint32_t without[] = {MSTOP, MENABLE, MCLEARERROR, MZEROSTATS};
+
+#define COUNT(a) (sizeof a / sizeof a[0])
+
+static struct mc_param get(struct mc *mc, int axis) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  return par;
+}
+
+// req: DRV-2
+static void test_defaults(void) {
+  struct mc *mc = mock_open(&m, 2);
+  for (int axis = 0; axis < 4; axis++) {
+    static const struct mc_param table = {.a0 = 1,
+                                          .b0 = 1,
+                                          .clkdivisor = 1,
+                                          .ilim = 1024,
+                                          .plo = INT32_MIN,
+                                          .phi = INT32_MAX,
+                                          .adc_a = 1};
+    struct mc_param want = table, got = get(mc, axis);
+    want.which = axis;
+    CHECK(memcmp(&want, &got, sizeof want) == 0);
+    CHECK_EQ(mc_setpoint(mc, axis), 0);
+  }
+  unsigned us = 0;
+  int verbosity = -1;
+  CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &us), 0);
+  CHECK_EQ(us, 2000);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &verbosity), 0);
+  CHECK_EQ(verbosity, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_bad_pointers(void) {
+  struct mc *mc = mock_open(&m, 1);
+  char buf[32];
+  m.bad_pointer = 1;
+  for (unsigned i = 0; i < COUNT(with_argument); i++) {
+    CHECK_EQ(mc_ioctl(mc, 0, with_argument[i], buf), -MC_EFAULT);
+  }
+  CHECK_EQ(mc_read(mc, 0, buf, 28), -MC_EFAULT);
+  CHECK_EQ(mc_write(mc, 0, buf, 4), -MC_EFAULT);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_unknown_requests_and_descriptors(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int arg = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, 0x5401, &arg), -MC_ENOTTY);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETENC ^ 0x80000000u, &arg), -MC_ENOTTY);
+  CHECK_EQ(mc_ioctl(mc, 1, MGETNUMCARDS, &arg), -MC_EBADF);
+  CHECK_EQ(mc_ioctl(mc, -1, MGETNUMCARDS, &arg), -MC_EBADF);
+  CHECK_EQ(mc_ioctl(mc, 99, MGETNUMCARDS, &arg), -MC_EBADF);
+  CHECK_EQ(mc_close(mc, 3), -MC_EBADF);
+  CHECK_EQ(mc_open(mc, 3), -MC_EINVAL);
+  for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, MC_O_RDONLY), i);
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), -MC_ENFILE);
+  mock_stop(&m);
+}
+
+// req: DRV-2 DRV-3
+static void test_read_only_may_look_only(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int monitor = mc_open(mc, MC_O_RDONLY), blind = mc_open(mc, MC_O_WRONLY);
+  struct mc_stats stats;
+  struct mc_param par = {.which = 0};
+  struct mc_state state;
+  int32_t zero = 0;
+  unsigned refused = 0;
+  for (unsigned i = 0; i < COUNT(with_argument); i++) {
+    refused += mc_ioctl(mc, monitor, with_argument[i], &par) == -MC_EBADF;
+  }
+  CHECK_EQ(refused, COUNT(with_argument) - 5);
+  for (unsigned i = 0; i < COUNT(without); i++) {
+    CHECK_EQ(mc_ioctl(mc, monitor, without[i], NULL), -MC_EBADF);
+  }
+  CHECK_EQ(mc_ioctl(mc, monitor, MGETSTATS, &stats), 0);
+  CHECK_EQ(mc_write(mc, monitor, &zero, 4), -MC_EBADF);
+  CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
+  CHECK_EQ(mc_read(mc, blind, &state, 28), -MC_EBADF);
+  CHECK_EQ(mc_write(mc, blind, &zero, 4), 4);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_rejected_parameters_change_nothing(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_param before = get(mc, 1), after;
+  struct mc_param bad[7];
+  for (int i = 0; i < 7; i++) {
+    bad[i] = before;
+    bad[i].a0 = 77;
+  }
+  bad[0].which = 2;
+  bad[1].which = -1;
+  bad[2].b0 = 0;
+  bad[3].clkdivisor = 0;
+  bad[4].clkdivisor = -5;
+  bad[5].ipole = -1;
+  bad[6].ipole = MC_FSCALE;
+  for (int i = 0; i < 7; i++) {
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &bad[i]), -MC_EINVAL);
+    after = get(mc, 1);
+    CHECK(memcmp(&before, &after, sizeof before) == 0);
+  }
+  before.which = 2;
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &before), -MC_EINVAL);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_axes_out_of_range(void) {
+  struct mc *mc = mock_open(&m, 2);
+  int n = 5, two = 2, axis = 3;
+  unsigned word = 3;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &n), -MC_EINVAL);
+  n = -1;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &n), -MC_EINVAL);
+  CHECK_EQ(mc_joints(mc), 4);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &two), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &word), -MC_EINVAL);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &word), -MC_EINVAL);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &word), -MC_EINVAL);
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), -MC_EINVAL);
+  mock_stop(&m);
+}
+
+// req: DRV-4
+static void test_read_and_write_sizes(void) {
+  struct mc *mc = mock_open(&m, 2);
+  struct mc_state state[8];
+  int32_t set[5] = {1, 2, 3, 4, 5};
+  CHECK_EQ(mc_read(mc, 0, state, 27), -MC_EINVAL);
+  CHECK_EQ(mc_read(mc, 0, state, 28), 28);
+  CHECK_EQ(mc_read(mc, 0, state, 83), 56);
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 4 * 28);
+  CHECK_EQ(mc_write(mc, 0, set, 20), -MC_EINVAL);
+  CHECK_EQ(mc_write(mc, 0, set, 6), -MC_EINVAL);
+  CHECK_EQ(mc_setpoint(mc, 0), 0);
+  CHECK_EQ(mc_write(mc, 0, set, 8), 8);
+  CHECK_EQ(mc_setpoint(mc, 1), 2);
+  CHECK_EQ(mc_setpoint(mc, 2), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-11 SRV-1
+static void test_state_follows_the_axis_while_off(void) {
+  struct mc *mc = mock_open(&m, 1);
+  mock_run(&m, 5000);
+  m.card[0].count[1] = 30;
+  m.card[0].adc[1] = 100;
+  mock_run(&m, 2000);
+  const struct mc_state *state = mc_state_of(mc, 1);
+  CHECK_EQ(state->encnow, 30);
+  CHECK_EQ(state->fbnow, 30);
+  CHECK_EQ(state->vel, 45);
+  CHECK_EQ(state->adcvai, 100);
+  CHECK_EQ(state->inow, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-12
+static void test_set_dac(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int arg = 0xABC << 8 | 1, position;
+  struct mc_param par = get(mc, 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), -MC_EIO);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), 0);
+  mock_run(&m, 2100);
+  CHECK_EQ(mock_dac(&m, 1), 0xABC);
+  CHECK_EQ(mc_state_of(mc, 1)->inow, 0xABC - 2048);
+  par.mode = MD_TORQ;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  position = 0x123 << 8;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &position), -MC_EINVAL);
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  CHECK_EQ(mock_dac(&m, 1), 0x800);
+  mock_stop(&m);
+}
+
+// req: SRV-1
+static void test_clkdivisor(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_param par = get(mc, 0);
+  par.mode = MD_TEST1;
+  par.clkdivisor = 3;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  int start = mc_state_of(mc, 0)->inow, passes = m.passes;
+  mock_run(&m, 60000);
+  CHECK_EQ(mc_state_of(mc, 0)->inow - start, (m.passes - passes) / 3);
+  mock_stop(&m);
+}
+
+// req: DRV-3 DRV-7
+static void test_stats(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_stats stats;
+  mock_run(&m, 20100);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
+  CHECK_EQ(stats.total, 10);
+  mc_spurious(mc);
+  CHECK_EQ(mc_stats_of(mc)->spurious, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
+  CHECK_EQ(mc_stats_of(mc)->total, 0);
+  CHECK_EQ(mc_stats_of(mc)->spurious, 0);
+  mock_stop(&m);
+}
+
+/* Any call with any argument: documented errors only, and nothing for the sanitizers. */
+// req: DRV-3 DRV-4
+static void test_fuzz(void) {
+  struct mc *mc = mock_open(&m, 2);
+  unsigned seed = 12345;
+  union {
+    struct mc_param par;
+    uint32_t word[18];
+    struct mc_state state[9];
+  } arg;
+  (void)mc_open(mc, MC_O_RDONLY);
+  for (int i = 0; i < 20000; i++) {
+    for (int k = 0; k < 18; k++) {
+      seed = seed * 1664525u + 1013904223u;
+      arg.word[k] = (seed >> 28) < 8 ? seed >> 16 & 7 : seed ^ seed >> 15;
+    }
+    seed = seed * 1664525u + 1013904223u;
+    unsigned pick = seed >> 16 & 31;
+    int client = (int)(seed >> 8 & 3) - 1, got;
+    if (pick < COUNT(with_argument)) {
+      if (with_argument[pick] == MSETINTERVAL) arg.word[0] = 200 + arg.word[0] % 4000;
+      got = mc_ioctl(mc, client, with_argument[pick], &arg);
+    } else if (pick < 19) {
+      got = mc_ioctl(mc, client, without[pick - COUNT(with_argument)], NULL);
+    } else if (pick < 24) {
+      got = mc_read(mc, client, &arg, seed >> 24);
+    } else {
+      got = mc_write(mc, client, &arg, (seed >> 24) % 70);
+    }
+    CHECK(got >= 0 || got == -MC_EINVAL || got == -MC_EBADF || got == -MC_EIO || got == -MC_ENOTTY);
+    mock_run(&m, seed >> 20 & 127);
+  }
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_defaults", test_defaults},
+    {"test_bad_pointers", test_bad_pointers},
+    {"test_unknown_requests_and_descriptors", test_unknown_requests_and_descriptors},
+    {"test_read_only_may_look_only", test_read_only_may_look_only},
+    {"test_rejected_parameters_change_nothing", test_rejected_parameters_change_nothing},
+    {"test_axes_out_of_range", test_axes_out_of_range},
+    {"test_read_and_write_sizes", test_read_and_write_sizes},
+    {"test_state_follows_the_axis_while_off", test_state_follows_the_axis_while_off},
+    {"test_set_dac", test_set_dac},
+    {"test_clkdivisor", test_clkdivisor},
+    {"test_stats", test_stats},
+    {"test_fuzz", test_fuzz},
+};
+
+MAIN(tests)

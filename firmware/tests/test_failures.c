@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Hardware that fails behind the driver's back, on the mock machine. §2.3.4, §5.3.6 */
+#include "harness.h"
+#include "mock.h"
+
+static struct mock m;
+
+static struct mc *enabled(int mode) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_param par = {.which = 0};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  return mc;
+}
+
+// req: DRV-9 PAN-2
+static void test_stop_after_sysreset_starts_no_heartbeat(void) {
+  struct mc *mc = enabled(MD_OFF);
+  mock_run(&m, 10000);
+  m.pccsr = 0; /* interrupts are off: no pass comes, heartbeats end */
+  mock_run(&m, 60000);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(m.releases, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(m.releases, 1); /* the brakes did not open once more */
+  CHECK_EQ(m.card[0].b & 2, 0);
+  CHECK_EQ(m.card[0].dac_high[0], 8);
+  mock_stop(&m);
+}
+
+// req: DRV-7 DRV-9
+static void test_failed_dac_write_is_repaired_or_ends_in_panic(void) {
+  struct mc *mc = enabled(MD_TORQ);
+  int32_t set = 300;
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  m.dac_errors = 2;
+  mock_run(&m, 2100);
+  CHECK_EQ(m.dac_errors, 0);
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  mock_run(&m, 2000);
+  CHECK_EQ(mock_dac(&m, 0), 0x800 + 300);
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+  m.dac_errors = 1000000; /* for good: the heartbeats die, the next pass finds that */
+  mock_run(&m, 54000);
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(m.card[0].b & 2, 0); /* and isolates the joints */
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_stop_after_sysreset_starts_no_heartbeat", test_stop_after_sysreset_starts_no_heartbeat},
+    {"test_failed_dac_write_is_repaired_or_ends_in_panic",
+     test_failed_dac_write_is_repaired_or_ends_in_panic},
+};
+
+MAIN(tests)

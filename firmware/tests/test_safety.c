@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Enable, stop, errors, PANIC and calibration on the mock machine. §2.3.4, §5.3.4, §5.3.6 */
+#include "harness.h"
+#include "mock.h"
+
+static struct mock m;
+
+static void set_mode(struct mc *mc, int axis, int mode, int ilimax) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  par.plo = -100;
+  par.phi = 100;
+  par.ilimax = ilimax;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+static void enable(struct mc *mc) {
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+}
+
+static int errcode(int axis) {
+  return mc_state_of(m.memory, axis)->errcode;
+}
+
+/* Brakes may open only when the servo holds: every D/A is that of a servo pass. */
+static void brakes_need_a_servo(struct mock *mock) {
+  if (!mock_panic(mock)) CHECK(mock->computes > 0 && (mock->card[0].b & 2) != 0);
+}
+
+// req: DRV-9
+static void test_enable_opens_brakes_with_the_servo(void) {
+  struct mc *mc = mock_open(&m, 3);
+  m.card[1].enabled[0] = 0;
+  m.card[0].count[0] = 1234;
+  m.computes = 0;
+  set_mode(mc, 0, MD_POS, 0);
+  m.on_access = brakes_need_a_servo;
+  CHECK(mock_panic(&m));
+  enable(mc);
+  CHECK(!mock_panic(&m));
+  CHECK_EQ(m.releases, 1);
+  CHECK_EQ(mc_setpoint(mc, 0), 1234); /* holds where it is */
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  CHECK_EQ(m.card[2].b, 7);
+  CHECK_EQ(m.pccsr, 0xF8);
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_enable_keeps_a_written_setpoint(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int32_t set = 7;
+  set_mode(mc, 0, MD_POS, 0);
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  enable(mc);
+  CHECK_EQ(mc_setpoint(mc, 0), 7);
+  CHECK_EQ(mock_dac(&m, 0), 0x807);
+  mock_stop(&m);
+}
+
+// req: DRV-9 PAN-2
+static void test_enable_finds_dead_hardware(void) {
+  struct mc *mc = mock_open(&m, 2);
+  m.card[1].present = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
+  CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
+  m.card[1].present = 1;
+  m.card[1].a = m.card[1].b = 0; /* its power came back */
+  enable(mc);
+  CHECK_EQ(m.card[1].mode_word, 0x89);
+  CHECK_EQ(m.card[1].a, 5);
+  CHECK_EQ(m.card[1].b, 7);
+  mock_stop(&m);
+}
+
+// req: DRV-9 DRV-6
+static void test_stop(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int32_t set = 500;
+  set_mode(mc, 0, MD_TORQ, 0);
+  enable(mc);
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  mock_run(&m, 5000);
+  CHECK_EQ(mock_dac(&m, 0), 0x800 + 500);
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  CHECK_EQ(m.pccsr, 0xB8);
+  CHECK_EQ(m.card[0].b, 5);
+  mock_run(&m, 49000);
+  CHECK(!mock_panic(&m));
+  mock_run(&m, 2000);
+  CHECK(mock_panic(&m));
+  mock_run(&m, 100000);
+  CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
+  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(m.signals[0], 0);
+  struct mc_param par = {.which = 0};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  CHECK_EQ(par.mode, MD_OFF);
+  enable(mc); /* and again */
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_last_close_stops(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int other = mc_open(mc, MC_O_RDWR);
+  enable(mc);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  mock_run(&m, 100000);
+  CHECK(!mock_panic(&m));
+  CHECK_EQ(mc_close(mc, other), 0);
+  CHECK_EQ(m.pccsr, 0x18);
+  mock_run(&m, 51000);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  m.logging = 1;
+  CHECK_EQ(mc_close(mc, 0), 0); /* never enabled: moves nothing */
+  CHECK_EQ(m.used, 1);
+  mock_stop(&m);
+}
+
+// req: DRV-5 DRV-6
+static void test_limit_without_softerr_shuts_down(void) {
+  struct mc *mc = mock_open(&m, 1);
+  set_mode(mc, 0, MD_POS | POSCHK, 0);
+  int monitor = mc_open(mc, MC_O_RDONLY);
+  enable(mc);
+  m.card[0].count[0] = 101;
+  mock_run(&m, 2100);
+  CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(m.signals[0], 1);
+  CHECK_EQ(m.signals[monitor], 0);
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  mock_run(&m, 60000);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(m.signals[0], 1);
+  CHECK_EQ(errcode(1), 0);
+  /* An error pending does not forbid it; but the axis is still outside: a crossing again. */
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
+  CHECK_EQ(m.signals[0], 2);
+  m.card[0].count[0] = 99;
+  enable(mc);
+  CHECK_EQ(errcode(0), MERR_PHI); /* sticky */
+  mock_stop(&m);
+}
+
+// req: DRV-5 DRV-6
+static void test_softerr_reports_crossings_only(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_state state[2];
+  set_mode(mc, 1, MD_POS | POSCHK | SOFTERR, 0);
+  enable(mc);
+  m.card[0].count[1] = (uint16_t)-101;
+  mock_run(&m, 20000);
+  CHECK_EQ(errcode(1), 0x100 | MERR_PLO);
+  CHECK_EQ(m.signals[0], 1);
+  CHECK(!mock_panic(&m));
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
+  m.card[0].count[1] = 101; /* between read and clear */
+  mock_run(&m, 2100);
+  CHECK_EQ(m.signals[0], 2);
+  CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
+  CHECK_EQ(errcode(1), 0x100 | MERR_PHI);
+  CHECK_EQ(m.signals[0], 3);
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
+  CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
+  CHECK_EQ(errcode(1), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-5
+static void test_same_event_again_survives_the_clear(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_state state[2];
+  set_mode(mc, 0, MD_POS | POSCHK | SOFTERR, 0);
+  enable(mc);
+  m.card[0].count[0] = 101;
+  mock_run(&m, 2100);
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
+  m.card[0].count[0] = 0;
+  mock_run(&m, 2100);
+  m.card[0].count[0] = 101;
+  mock_run(&m, 2100);
+  CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
+  CHECK_EQ(errcode(0), MERR_PHI);
+  mock_stop(&m);
+}
+
+// req: SRV-4 DRV-6
+static void test_overload_shuts_down(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int32_t set = 1025;
+  set_mode(mc, 0, MD_TORQ, 10);
+  enable(mc);
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  mock_run(&m, 20000);
+  CHECK_EQ(errcode(0), 0);
+  mock_run(&m, 4000);
+  CHECK_EQ(errcode(0), MERR_ILIM);
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  mock_stop(&m);
+}
+
+// req: DRV-5 DRV-6 DRV-12
+static void test_button(void) {
+  struct mc *mc = mock_open(&m, 2);
+  set_mode(mc, 0, MD_TORQ | SOFTERR, 0);
+  enable(mc);
+  mock_run(&m, 10000);
+  m.estop_open = 1;
+  mock_run(&m, 100);
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), axis << 8 | MERR_PANIC);
+  CHECK_EQ(m.signals[0], 1);
+  CHECK_EQ(mc_stats_of(mc)->panics, 1);
+  CHECK_EQ(m.card[0].b & 2, 0);
+  CHECK(strstr(m.last_log, "button, cable or power") != NULL);
+  mock_run(&m, 100000);
+  CHECK_EQ(mc_stats_of(mc)->panics, 1);
+  mock_stop(&m);
+}
+
+// req: DRV-7 DRV-12
+static void test_dead_heartbeat_is_found_without_an_edge(void) {
+  struct mc *mc = mock_open(&m, 2);
+  enable(mc);
+  mock_run(&m, 10000);
+  m.card[1].enabled[0] = 0; /* PANIC hears nothing of it */
+  m.card[1].beat_until[0] = 0;
+  mock_run(&m, 2100);
+  CHECK_EQ(errcode(3), 0x300 | MERR_PANIC);
+  CHECK(strstr(m.last_log, "axis 2 has no heartbeat") != NULL);
+  CHECK_EQ(m.card[1].beat_until[0], 0); /* and is not started again */
+  mock_stop(&m);
+}
+
+// req: DRV-7 DRV-12
+static void test_lost_card(void) {
+  struct mc *mc = mock_open(&m, 2);
+  int32_t before;
+  enable(mc);
+  mock_run(&m, 10000);
+  before = mc_state_of(mc, 2)->encnow;
+  m.card[1].present = 0;
+  mock_run(&m, 2100);
+  CHECK_EQ(errcode(0), MERR_PANIC);
+  CHECK_EQ(mc_state_of(mc, 2)->encnow, before); /* the sample of 0xFFs is discarded */
+  CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_slow_interval_panics(void) {
+  struct mc *mc = mock_open(&m, 1);
+  unsigned us = 80000;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  enable(mc);
+  mock_run(&m, 80000);
+  CHECK_EQ(errcode(0), MERR_PANIC);
+  mock_stop(&m);
+}
+
+// req: DRV-7
+static void test_missed_are_counted_in_a_panic_too(void) {
+  struct mc *mc = mock_open(&m, 1);
+  enable(mc);
+  mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
+  m.masked = 1; /* the host stands still for 40 SCLOCKs */
+  mock_run(&m, 80000);
+  m.masked = 0;
+  mock_run(&m, 1000);
+  CHECK_EQ(errcode(0), MERR_PANIC);
+  CHECK_EQ(mc_stats_of(mc)->missed, 39);
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_panic_while_idle_is_counted_only(void) {
+  struct mc *mc = mock_open(&m, 1);
+  m.card[0].enabled[0] = m.card[0].enabled[1] = 0;
+  mock_run(&m, 5000);
+  m.estop_open = 1;
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_stats_of(mc)->panics, 1);
+  CHECK_EQ(m.signals[0], 0);
+  CHECK_EQ(errcode(0), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-8 CAL-1
+static void test_calibration(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mock_card *c = &m.card[0];
+  int axis = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+  CHECK_EQ(c->b, 0x11);
+  c->count[1] = 40;
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_state_of(mc, 1)->encnow, 40);
+  c->count[1] = 55;
+  c->latched[1] = 55;
+  c->has_latch[1] = c->index[1] = 1; /* the index passes, then the axis goes on */
+  c->count[1] = 90;
+  mock_run(&m, 2100);
+  CHECK_EQ(errcode(1), 55 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(m.signals[0], 1);
+  CHECK_EQ(c->b, 5);
+  mock_run(&m, 2100);
+  CHECK_EQ(mc_state_of(mc, 1)->encnow, 90);
+  mock_stop(&m);
+}
+
+static int64_t strike_at;
+
+/* The index comes while the pair of bytes is being read. */
+static void strike(struct mock *mock) {
+  struct mock_card *c = &mock->card[0];
+  if (mock->used != strike_at) return;
+  c->latched[0] = c->count[0];
+  c->has_latch[0] = c->index[0] = 1;
+  c->count[0]++;
+}
+
+// req: DRV-8
+static void test_calibration_never_reports_another_count(void) {
+  for (strike_at = 1; strike_at < 20; strike_at++) {
+    struct mc *mc = mock_open(&m, 1);
+    int axis = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+    m.card[0].count[0] = 70;
+    m.logging = 1;
+    m.on_access = strike;
+    mock_run(&m, 4500);
+    if (errcode(0) != 0) {
+      CHECK_EQ(errcode(0), 70 << 16 | MERR_ZINDEX);
+    } else {
+      m.on_access = NULL;
+      mock_run(&m, 2000);
+      CHECK_EQ(m.card[0].b, 0x11); /* armed again */
+    }
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-9 SRV-6
+static void test_mode_change_under_power_does_not_jump(void) {
+  struct mc *mc = mock_open(&m, 1);
+  int32_t set = 30;
+  set_mode(mc, 0, MD_VEL, 0);
+  enable(mc);
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  m.card[0].count[0] = 5000;
+  mock_run(&m, 8000);
+  set_mode(mc, 0, MD_POS, 0);
+  mock_run(&m, 2100);
+  CHECK_EQ(mc_setpoint(mc, 0), 5000);
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_enable_opens_brakes_with_the_servo", test_enable_opens_brakes_with_the_servo},
+    {"test_enable_keeps_a_written_setpoint", test_enable_keeps_a_written_setpoint},
+    {"test_enable_finds_dead_hardware", test_enable_finds_dead_hardware},
+    {"test_stop", test_stop},
+    {"test_last_close_stops", test_last_close_stops},
+    {"test_limit_without_softerr_shuts_down", test_limit_without_softerr_shuts_down},
+    {"test_softerr_reports_crossings_only", test_softerr_reports_crossings_only},
+    {"test_same_event_again_survives_the_clear", test_same_event_again_survives_the_clear},
+    {"test_overload_shuts_down", test_overload_shuts_down},
+    {"test_button", test_button},
+    {"test_dead_heartbeat_is_found_without_an_edge", test_dead_heartbeat_is_found_without_an_edge},
+    {"test_lost_card", test_lost_card},
+    {"test_slow_interval_panics", test_slow_interval_panics},
+    {"test_missed_are_counted_in_a_panic_too", test_missed_are_counted_in_a_panic_too},
+    {"test_panic_while_idle_is_counted_only", test_panic_while_idle_is_counted_only},
+    {"test_calibration", test_calibration},
+    {"test_calibration_never_reports_another_count", test_calibration_never_reports_another_count},
+    {"test_mode_change_under_power_does_not_jump", test_mode_change_under_power_does_not_jump},
+};
+
+MAIN(tests)

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo law in C against servo_reference.py, bit by bit, over random parameters and corners."""
+
+from __future__ import annotations
+
+import os
+import random
+from dataclasses import fields, replace
+from pathlib import Path
+
+import cffi
+import numpy as np
+import pytest
+import servo_reference as ref
+from fwbuild import ROOT, compile_c
+
+from mmcs import mcdef
+
+SAMPLES = 100  # per set of parameters
+TOTAL = 1_000_000
+QUICK = 100_000
+FLAGS = 0x7F0
+CORNERS = [0, 1, -1, 2, -2, 1024, -1024, 2047, 2048, 32767, -32768, 65535,
+           2**31 - 1, -(2**31), 2**31 - 2, -(2**31) + 1]  # fmt: skip
+COLUMNS = ["position", "phi", "fb", "vel", "error", "current", "inow", "events", "clipped"]
+
+
+class Axis:
+    """The C law behind the same calls as the reference."""
+
+    def __init__(self, params: ref.Params, counter: int):
+        self.ffi, self.lib = library()
+        self.x = self.ffi.new("char[]", self.lib.axis_size())
+        self.lib.axis_start(self.x, self.param(params), counter)
+
+    def param(self, params: ref.Params):
+        par = self.ffi.new("struct mc_param *")
+        for f in fields(params):
+            setattr(par, f.name, getattr(params, f.name))
+        return par
+
+    def change(self, params: ref.Params) -> None:
+        self.lib.axis_change(self.x, self.param(params))
+
+    def run(self, rows: np.ndarray) -> np.ndarray:
+        out = np.zeros((len(rows), 9), np.int32)
+        self.lib.axis_run(self.x, len(rows), self.ffi.cast("int *", rows.ctypes.data),
+                          self.ffi.cast("int *", out.ctypes.data))  # fmt: skip
+        return out
+
+
+_loaded = []
+
+
+def library():
+    if not _loaded:
+        sources = [ROOT / "firmware" / "mc" / "servo.c", Path(__file__).parent / "servo_batch.c"]
+        path = compile_c("servo.so", sources, ["-O2", "-shared", "-fPIC"])
+        ffi = cffi.FFI()
+        ffi.include(mcdef.make_ffi())
+        ffi.cdef("""size_t axis_size(void);
+            void axis_start(void *x, const struct mc_param *par, uint16_t counter);
+            void axis_change(void *x, const struct mc_param *par);
+            void axis_run(void *x, int n, const int *in, int *out);""")
+        _loaded.extend([ffi, ffi.dlopen(str(path))])
+    return _loaded
+
+
+def number(rng: random.Random) -> int:
+    """Any 32-bit number, small ones and corners more often than chance would have them."""
+    kind = rng.random()
+    if kind < 0.2:
+        return rng.choice(CORNERS)
+    bits = rng.choice([4, 8, 12, 16, 24, 31])
+    return rng.randrange(-(1 << bits), 1 << bits)
+
+
+def params(rng: random.Random) -> ref.Params:
+    p = ref.Params(**{f.name: number(rng) for f in fields(ref.Params)})
+    p.b0 = p.b0 or rng.choice([1, -1, 64])
+    if rng.random() < 0.4:
+        p.b1 = p.b2 = 0
+    p.mode = rng.randrange(16) if rng.random() < 0.1 else rng.randrange(1, 5)
+    p.mode |= rng.randrange(0x80) << 4
+    p.ilim = rng.choice([p.ilim, rng.randrange(0, 3000)])
+    p.ilimax = rng.choice([0, 0, 1, 2, 5, 50, p.ilimax])
+    p.ipole = rng.choice([0, 1, 512, 1000, 1023, rng.randrange(1024)])
+    return p
+
+
+def inputs(rng: random.Random, counter: int) -> np.ndarray:
+    """A counter that walks (through its wrap), an A/D value, a setpoint that jumps at times."""
+    speed = rng.choice([0, 1, 20, 1000, 32767])
+    rows, setpoint = [], number(rng)
+    for _ in range(SAMPLES):
+        counter = (counter + rng.randint(-speed, speed)) & 0xFFFF
+        if rng.random() < 0.1:
+            setpoint = number(rng)
+        rows.append((counter, rng.randrange(4096), setpoint))
+    return np.array(rows, np.int32)
+
+
+def compare(c: Axis, r: ref.Servo, rows: np.ndarray, what: str) -> None:
+    got = c.run(np.ascontiguousarray(rows)).tolist()
+    for i, row in enumerate(rows.tolist()):
+        want = r.step(*row)
+        assert got[i] == want, f"{what}: sample {i} of {dict(zip(COLUMNS, want, strict=True))}"
+
+
+def lock_step(seed: int, total: int) -> int:
+    rng = random.Random(seed)
+    done = 0
+    while done < total:
+        counter, first = rng.randrange(65536), params(rng)
+        c, r = Axis(first, counter), ref.Servo(first, counter)
+        for change in range(3):
+            compare(c, r, inputs(rng, r.counter), f"seed {seed}, {r.p}, change {change}")
+            done += SAMPLES
+            other = params(rng)
+            if rng.random() < 0.5:
+                other.mode = r.p.mode
+            if not (other.mode ^ r.p.mode) & (0xF | ref.ADFB | ref.ZEROFB):
+                other.ilim = r.p.ilim  # the triangle under way keeps its height
+            c.change(other)
+            r.change(other)
+    return done
+
+
+SEEDS = range(1, 11)
+
+
+@pytest.mark.req("SRV-1", "SRV-2", "SRV-3", "SRV-4", "SRV-5", "SRV-6", "SRV-7", "DRV-10")
+@pytest.mark.parametrize("seed", SEEDS)
+def test_lock_step(seed):
+    total = QUICK if "MMCS_RANDOM_OPS" in os.environ else TOTAL
+    print(f"seed {seed}")
+    assert lock_step(seed, total // len(SEEDS)) >= total // len(SEEDS)
+
+
+def run_both(p: ref.Params, rows) -> np.ndarray:
+    c, r = Axis(p, rows[0][0] & 0xFFFF), ref.Servo(p, rows[0][0] & 0xFFFF)
+    rows = np.array(rows, np.int32)
+    compare(c, r, rows, str(p))
+    return Axis(p, int(rows[0][0]) & 0xFFFF).run(rows)
+
+
+@pytest.mark.req("SRV-2")
+def test_integrator_loses_nothing():
+    """1/7 unit per sample for 700 samples is 100 units: truncated history would stay at 0."""
+    p = ref.Params(a0=1, b0=7, b1=-7, mode=ref.POS | ref.ZEROFB)
+    out = run_both(p, [(0, 0, 1)] * 700)
+    assert out[-1, 5] == 100
+
+
+@pytest.mark.req("SRV-2")
+def test_saturates_with_the_right_sign():
+    p = ref.Params(a0=2**31 - 1, a1=2**31 - 1, a2=2**31 - 1, mode=ref.POS | ref.ZEROFB, ilim=2047)
+    out = run_both(p, [(0, 0, 2**31 - 1)] * 5)
+    assert (out[:, 5] == 2047).all()
+    out = run_both(p, [(0, 0, -(2**31))] * 5)
+    assert (out[:, 5] == -2047).all()
+
+
+@pytest.mark.req("SRV-1")
+def test_velocity_truncates_toward_zero():
+    p = ref.Params(mode=ref.VEL)
+    up = run_both(p, [(0, 0, 0), (0, 0, 0), (1, 0, 0)])
+    down = run_both(p, [(0, 0, 0), (0, 0, 0), (65535, 0, 0)])
+    assert (up[2, 3], down[2, 3]) == (1, -1)  # 3/2 and -3/2
+
+
+@pytest.mark.req("DRV-10")
+def test_position_goes_on_through_the_wrap():
+    rows = [((32000 + 500 * i) & 0xFFFF, 0, 0) for i in range(300)]
+    out = run_both(ref.Params(mode=ref.POS), rows)
+    assert out[-1, 0] == 32000 + 500 * 299
+
+
+@pytest.mark.req("SRV-3")
+def test_coulomb_at_rest_follows_the_demand_and_flips_on_a_reversed_axis():
+    p = ref.Params(mode=ref.TORQ | ref.COULCOMP, ic_pos=100, ic_neg=80)
+    assert run_both(p, [(0, 0, 10)])[0, 5] == 110
+    assert run_both(p, [(0, 0, -10)])[0, 5] == -90
+    assert run_both(p, [(0, 0, 0)])[0, 5] == 0
+    back = replace(p, ic_pos=-100, ic_neg=-80)
+    assert run_both(back, [(0, 0, 10)])[0, 5] == 90
+
+
+@pytest.mark.req("SRV-4")
+def test_overload_trips_at_the_sample_after_ilimax():
+    p = ref.Params(mode=ref.TORQ, ilim=100, ilimax=5)
+    out = run_both(p, [(0, 0, 101)] * 6)
+    assert out[:, 7].tolist() == [0, 0, 0, 0, 0, ref.ILIM]
+    assert (out[:, 5] == 101).all()
+    silent = run_both(replace(p, ilimax=0), [(0, 0, 101)] * 6)
+    assert (silent[:, 5] == 100).all() and (silent[:, 7] == 0).all()
+
+
+@pytest.mark.req("SRV-5")
+@pytest.mark.parametrize("ipole", [900, 1000, 1014, 1023])
+def test_current_filter_has_unity_gain(ipole):
+    p = ref.Params(mode=ref.TORQ, ilim=2047, ipole=ipole)
+    for current in (2047, -2047, 100):
+        out = run_both(p, [(0, 0, current)] * 20000)
+        assert abs(int(out[-1, 6]) / 1024 - current) <= 1
+
+
+@pytest.mark.req("SRV-6")
+def test_triangle_starts_at_zero_and_turns_at_the_limit():
+    out = run_both(ref.Params(mode=ref.TEST1, ilim=3), [(0, 0, 0)] * 14)
+    assert out[:, 5].tolist() == [0, 1, 2, 3, 2, 1, 0, -1, -2, -3, -2, -1, 0, 1]
+
+
+@pytest.mark.req("SRV-6")
+def test_programmable_filter():
+    """S1 and S4 at the A/D, loop open: a filter from A/D to D/A (§2.2.4), here a mean of three."""
+    p = ref.Params(a0=1, a1=1, a2=1, b0=3, adc_b=-2048, ilim=2047,
+                   mode=ref.POS | ref.ADFB | ref.ADDMD | ref.ZEROFB)  # fmt: skip
+    raw = [2048, 2051, 2054, 2057, 2057, 2057]
+    out = run_both(p, [(0, r, 0) for r in raw])
+    assert out[:, 5].tolist() == [0, 1, 3, 6, 8, 9]

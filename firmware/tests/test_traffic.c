@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The register traffic of a servo pass, of the scan and of the timers, access by access. §4.3.6 */
+#include "harness.h"
+#include "mock.h"
+
+static struct mock m;
+
+#define R(offset) {0, offset, 0}
+#define W(offset, value) {1, offset, value}
+
+static void expect(const struct mock_access *want, int n) {
+  for (int i = 0; i < n && i < m.used; i++) {
+    if (m.log[i].write != want[i].write || m.log[i].offset != want[i].offset ||
+        (want[i].write && m.log[i].value != want[i].value)) {
+      printf("access %d: %s 0x%03x 0x%02x\n", i, m.log[i].write ? "write" : "read", m.log[i].offset,
+             m.log[i].value);
+      exit(1);
+    }
+  }
+  CHECK_EQ(m.used, n);
+}
+
+#define EXPECT(want) expect(want, (int)(sizeof want / sizeof want[0]))
+
+static void one_pass(void) {
+  int passes = m.passes;
+  while (m.passes == passes) mock_run(&m, 1);
+}
+
+// req: DRV-7 SRV-1 DRV-11
+static void test_pass_enabled(void) {
+  struct mc *mc = mock_open(&m, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  mock_run(&m, 500);
+  m.logging = 1;
+  m.latency_us = 20;
+  one_pass();
+  static const struct mock_access
+      want[] = {R(0x409),       W(0x409, 0x78), W(0x409, 0xF8), /* take and clear the latches */
+                W(0x407, 0x80), R(0x405),       R(0x405),       /* timer 2 at entry */
+                R(0x009),       R(0x00B),       R(0x00D),       R(0x00F),
+                R(0x005),                                 /* encoders, port C */
+                R(0x019),       R(0x01B),       R(0x01D), /* A/D */
+                W(0x407, 0x80), R(0x405),       R(0x405), /* timer 2 after the reads */
+                W(0x011, 0x00), W(0x013, 0x08), W(0x015, 0x00), W(0x017, 0x08),
+                W(0x407, 0x80), R(0x405),       R(0x405)}; /* and after the writes */
+  EXPECT(want);
+  CHECK_EQ(m.computes, m.passes);
+  CHECK_EQ(m.computed_axes, 2);
+  mock_stop(&m);
+}
+
+// req: DRV-7 DRV-9
+static void test_pass_idle_writes_no_dac(void) {
+  mock_open(&m, 3);
+  m.logging = 1;
+  mock_run(&m, 10000);
+  CHECK_EQ(m.passes, 5);
+  for (int i = 0; i < m.used; i++) CHECK(!m.log[i].write || m.log[i].offset >= 0x400);
+  mock_stop(&m);
+}
+
+// req: DRV-7
+static void test_pass_length(void) {
+  struct mc *mc = mock_open(&m, 3);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  mock_run(&m, 500);
+  m.logging = 1;
+  m.latency_us = 20;
+  one_pass();
+  CHECK_EQ(m.used, 3 + 3 * 3 + 3 * 12);
+  mock_stop(&m);
+}
+
+// req: DRV-2
+static void test_scan(void) {
+  struct mc *mc = mock_start(&m, 0);
+  m.card[3].present = m.card[9].present = 1;
+  m.logging = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  CHECK_EQ(mc_joints(mc), 4);
+  int cards = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MGETNUMCARDS, &cards), 0);
+  CHECK_EQ(cards, 2);
+  CHECK_EQ(m.card[3].mode_word, 0x89);
+  CHECK_EQ(m.card[9].a, 5); /* mode 5 of the encoders */
+  CHECK_EQ(m.card[9].b, 5); /* joints' encoders, SCLOCK; D/A looped back */
+  CHECK_EQ(m.log[0].offset, MMCS_PCCSR);
+  CHECK_EQ(m.log[0].value, 0x18);
+  CHECK_EQ(m.vector, 0x40);
+  CHECK_EQ(m.pccsr, 0xB8);
+  m.used = 0;
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1); /* a later open touches nothing */
+  CHECK_EQ(m.used, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-2 DIA-2
+static void test_scan_switches_joints_in_before_counting(void) {
+  struct mc *mc = mock_start(&m, 1);
+  m.logging = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  uint8_t mode = 0, joints = 0;
+  for (int i = 0; i < m.used; i++) {
+    if (!m.log[i].write) continue;
+    if (m.log[i].offset == 0x001) mode = m.log[i].value & 7;
+    if (m.log[i].offset == 0x003 && (m.log[i].value & 1) && !joints) {
+      joints = 1;
+      CHECK_EQ(mode, 0);
+    }
+  }
+  CHECK(joints);
+  CHECK_EQ(mode, 5);
+  mock_stop(&m);
+}
+
+// req: DRV-2
+static void test_no_adaptor(void) {
+  struct mc *mc = mock_start(&m, 3);
+  m.adaptor_dead = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_timer_programming(void) {
+  struct mc *mc = mock_open(&m, 1);
+  unsigned us = 1000;
+  m.logging = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  static const struct mock_access want[] = {
+      W(0x409, 0x38),                                 /* latches held clear */
+      W(0x407, 0x70),                                 /* timer 1: SCLOCK low */
+      W(0x407, 0xB4), W(0x405, 0x00), W(0x405, 0x00), /* timer 2: mode 2, 65536 */
+      W(0x407, 0x34), W(0x401, 0xA0), W(0x401, 0x0F), /* timer 0: 4000 */
+      W(0x407, 0x74), W(0x403, 0x02), W(0x403, 0x00), /* timer 1: 2 */
+      W(0x409, 0xB8)};
+  EXPECT(want);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_intervals(void) {
+  struct mc *mc = mock_open(&m, 1);
+  static const unsigned good[] = {100,   101,   997,   1000,    2000,
+                                  16384, 16385, 50000, 1000003, 500000000};
+  for (unsigned i = 0; i < sizeof good / sizeof good[0]; i++) {
+    unsigned us = good[i], got = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &got), 0);
+    CHECK(got >= us - us / 1000 && got <= us + us / 1000);
+  }
+  static const unsigned bad[] = {0, 1, 99, 600000000, 0xFFFFFFFF};
+  unsigned kept = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &kept), 0);
+  for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    unsigned us = bad[i], got = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), -MC_EINVAL);
+    CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &got), 0);
+    CHECK_EQ(got, kept);
+  }
+  mock_stop(&m);
+}
+
+// req: DRV-7
+static void test_missed_are_counted_exactly(void) {
+  mock_open(&m, 1);
+  unsigned us = 1000;
+  CHECK_EQ(mc_ioctl(m.memory, 0, MSETINTERVAL, &us), 0);
+  mock_run(&m, 5500);
+  const struct mc_stats *stats = mc_stats_of(m.memory);
+  CHECK_EQ(stats->missed, 0);
+  int passes = m.passes;
+  for (int late = 100; late < 3000; late += 100) { /* in both halves of the period */
+    int missed = stats->missed;
+    m.masked = 1;
+    mock_run(&m, 1000 - (m.now - m.origin) % 1000 + late);
+    m.masked = 0;
+    mock_run(&m, 1000 - (m.now - m.origin) % 1000 - 1);
+    CHECK_EQ(stats->missed - missed, late / 1000);
+  }
+  CHECK(m.passes > passes);
+  CHECK_EQ(stats->overrun, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-7
+static void test_overruns_are_counted(void) {
+  struct mc *mc = mock_open(&m, 1);
+  unsigned us = 1000;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  m.compute_us = 300; /* 600 us: over the middle of the period, within it */
+  mock_run(&m, 10000);
+  CHECK_EQ(mc_stats_of(mc)->overrun, 0);
+  m.compute_us = 500; /* 1000 us: beyond it */
+  mock_run(&m, 1000 - (m.now - m.origin) % 1000 + 200);
+  m.compute_us = 0;
+  mock_run(&m, 3000);
+  CHECK(mc_stats_of(mc)->overrun >= 1);
+  CHECK_EQ(mc_stats_of(mc)->missed, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-11
+static void test_adc_times_out(void) {
+  mock_open(&m, 1);
+  m.card[0].adc[0] = 3000;
+  mock_run(&m, 2100);
+  CHECK_EQ(mc_state_of(m.memory, 0)->adcvai, 3000);
+  m.card[0].adc[0] = 1000;
+  m.card[0].adc_until = INT64_MAX;
+  int64_t before = m.now;
+  one_pass();
+  CHECK(m.now - before < 2200);
+  CHECK_EQ(mc_state_of(m.memory, 0)->adcvai, 3000);
+  CHECK(strcmp(m.last_log, "mc: A/D time-out: card 0") == 0);
+  int logs = m.logs;
+  one_pass(); /* told once, counted on */
+  CHECK_EQ(m.logs, logs);
+  CHECK_EQ(mc_close(m.memory, 0), 0);
+  CHECK(strcmp(m.last_log, "mc: close, A/D time-outs: 2") == 0);
+  mock_stop(&m);
+}
+
+// req: DRV-12
+static void test_modes_act_on_hardware(void) {
+  struct mc *mc = mock_open(&m, 2);
+  int on = 1, led = 0x102, diag = M_ENDIAG, bad = 4;
+  CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+  CHECK_EQ(m.card[0].b, 0x0D);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &led), 0);
+  CHECK_EQ(m.card[1].a, 0x0D);
+  CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &diag), 0);
+  CHECK_EQ(m.card[1].b, 0x0C);
+  CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &bad), -MC_EINVAL);
+  CHECK_EQ(m.card[1].b, 0x0C);
+  mock_stop(&m);
+}
+
+// req: DRV-10
+static void test_set_encoder_traffic(void) {
+  struct mc *mc = mock_open(&m, 1);
+  unsigned arg = 0xFF9C01;
+  m.logging = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &arg), 0);
+  static const struct mock_access want[] = {W(0x00D, 0xFF), W(0x00F, 0x9C), R(0x00D),
+                                            R(0x00F),       R(0x00D),       R(0x00F)};
+  EXPECT(want);
+  mock_run(&m, 4100);
+  CHECK_EQ(mc_state_of(mc, 1)->encnow, -100);
+  m.card[0].count[1] = (uint16_t)(m.card[0].count[1] - 32700); /* through the wrap */
+  mock_run(&m, 2000);
+  m.card[0].count[1] = (uint16_t)(m.card[0].count[1] - 32700);
+  mock_run(&m, 2000);
+  CHECK_EQ(mc_state_of(mc, 1)->encnow, -100 - 65400);
+  mock_stop(&m);
+}
+
+// req: DRV-7
+static void test_new_interval_at_any_phase_misses_nothing(void) {
+  struct mc *mc = mock_open(&m, 1);
+  unsigned us = 2000;
+  for (int phase = 0; phase < 2000; phase += 37) {
+    mock_run(&m, 20000 + phase);
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    mock_run(&m, 8000);
+    CHECK_EQ(mc_stats_of(mc)->missed, 0);
+  }
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_pass_enabled", test_pass_enabled},
+    {"test_pass_idle_writes_no_dac", test_pass_idle_writes_no_dac},
+    {"test_pass_length", test_pass_length},
+    {"test_scan", test_scan},
+    {"test_scan_switches_joints_in_before_counting", test_scan_switches_joints_in_before_counting},
+    {"test_no_adaptor", test_no_adaptor},
+    {"test_timer_programming", test_timer_programming},
+    {"test_intervals", test_intervals},
+    {"test_missed_are_counted_exactly", test_missed_are_counted_exactly},
+    {"test_overruns_are_counted", test_overruns_are_counted},
+    {"test_new_interval_at_any_phase_misses_nothing",
+     test_new_interval_at_any_phase_misses_nothing},
+    {"test_adc_times_out", test_adc_times_out},
+    {"test_modes_act_on_hardware", test_modes_act_on_hardware},
+    {"test_set_encoder_traffic", test_set_encoder_traffic},
+};
+
+MAIN(tests)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Gets the simulator library: asks make whether it is there and fresh, and builds it if not."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+from mmcs import BUILD, ROOT
+from mmcs.errors import RunError
+
+CLK_HZ = 8_000_000
+LOG = BUILD / "sim" / "build.log"
+
+
+def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False) -> Path:
+    clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
+    return BUILD / "sim" / f"{kind}_c{cards}{clk}{'_skip' if skip else ''}" / "libmmcs_sim.so"
+
+
+def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False) -> Path:
+    """The library of a build; kind is "speed", "trust" (assertions live) or "trace"."""
+    path = library_path(cards, kind, clk_hz, skip)
+    command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
+    command += [f"CLK_HZ={clk_hz}", f"SKIP={int(skip)}"]
+    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
+    if path.exists() and _run([*command, "-q"], env) == 0:
+        return path
+    text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {kind} build)"
+    with _lock(), _spinner(text):
+        status = _run(command, env, log=True)
+    if status or not path.exists():
+        raise RunError(f"the simulator does not build; {_reason()}; see {LOG.relative_to(ROOT)}")
+    return path
+
+
+@contextmanager
+def _lock():
+    """One build at a time: parallel tests want the same files."""
+    LOG.parent.mkdir(parents=True, exist_ok=True)
+    with (LOG.parent / "build.lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _run(command: list[str], env: dict, log: bool = False) -> int:
+    if not log:
+        quiet = subprocess.DEVNULL
+        return subprocess.run(
+            command, check=False, cwd=ROOT, env=env, stdout=quiet, stderr=quiet
+        ).returncode
+    with LOG.open("w") as out:
+        return subprocess.run(
+            command, check=False, cwd=ROOT, env=env, stdout=out, stderr=subprocess.STDOUT
+        ).returncode
+
+
+def _spinner(text: str):
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if console.is_terminal:
+        return console.status(text)
+    console.print(f"mmcs: {text}", highlight=False)
+    return console.status(text)  # draws nothing when not a terminal
+
+
+def _reason() -> str:
+    """The line of the log that says most."""
+    lines = LOG.read_text(errors="replace").splitlines() if LOG.exists() else []
+    telling = [line for line in lines if "error" in line.lower() or "not found" in line]
+    return (telling or lines or ["no output"])[0].strip()[:200]

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands say when something is wrong, in one line each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake in the user's input: where it is, what stands there, what may stand there."""
+
+    file: str
+    key: str
+    value: str | None
+    allowed: str
+
+    def __str__(self) -> str:
+        where = f"{self.file}: {self.key}" if self.key else self.file
+        shown = "" if self.value is None else f" = {self.value}"
+        return one_line(f"{where}{shown}: {self.allowed}")
+
+
+class InputError(Exception):
+    """Bad input: exit status 2. Holds every mistake found, the first one is the one to show."""
+
+    def __init__(self, *mistakes: Mistake):
+        super().__init__(str(mistakes[0]))
+        self.mistakes = mistakes
+
+    @classmethod
+    def one(cls, file: object, key: str, value: object, allowed: str) -> InputError:
+        return cls(Mistake(str(file), key, None if value is None else show(value), allowed))
+
+
+class RunError(Exception):
+    """The run could not be carried out although the input was good: exit status 1."""
+
+
+def one_line(text: str) -> str:
+    """The text with what would break the line, or the terminal, spelled out."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def show(value: object) -> str:
+    """A value as TOML writes it, cut to a readable length."""
+    if isinstance(value, bool):
+        text = "true" if value else "false"
+    elif isinstance(value, str):
+        text = '"' + value.replace("\n", "\\n") + '"'
+    elif isinstance(value, dict):
+        text = "{" + ", ".join(f"{k} = {show(v)}" for k, v in value.items()) + "}"
+    elif isinstance(value, list):
+        text = "[" + ", ".join(show(v) for v in value) + "]"
+    else:
+        text = str(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def suggest(word: str, choices) -> str:
+    """'; did you mean "x"?' for a close match, else nothing."""
+    import difflib
+
+    close = difflib.get_close_matches(word, list(choices), n=1, cutoff=0.6)
+    return f'; did you mean "{close[0]}"?' if close else ""

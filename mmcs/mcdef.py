@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""mcdef.h for Python (§2.3, Tables 2.1-2.3): structures, mode words, requests.
+
+Everything is read from the header itself; nothing is repeated here.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+
+import cffi
+
+from mmcs import ROOT
+
+HEADER = ROOT / "firmware" / "include" / "mcdef.h"
+O_RDONLY, O_WRONLY, O_RDWR = 0, 1, 2
+MODES = {"off": "MD_OFF", "position": "MD_POS", "velocity": "MD_VEL", "torque": "MD_TORQ",
+         "test1": "MD_TEST1"}  # fmt: skip
+
+
+@functools.cache
+def _text() -> str:
+    return re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.S)
+
+
+@functools.cache
+def make_ffi() -> cffi.FFI:
+    ffi = cffi.FFI()
+    ffi.cdef("\n".join(re.findall(r"^struct mc_\w+ \{.*?^\};", _text(), flags=re.S | re.M)))
+    return ffi
+
+
+@functools.cache
+def constants() -> dict[str, int]:
+    """Every #define of the header that stands for a number."""
+    bodies = {}
+    for name, body in re.findall(r"^#define (\w+)[ \t]+((?:\\\n|.)+)$", _text(), flags=re.M):
+        bodies[name] = body.replace("\\\n", " ").strip()
+    values: dict[str, int] = {}
+
+    def value(name: str) -> int:
+        if name not in values:
+            values[name] = _evaluate(bodies[name], value)
+        return values[name]
+
+    for name in bodies:
+        try:
+            value(name)
+        except (KeyError, SyntaxError, NameError, TypeError, ValueError):
+            continue  # not a number: a macro for C only
+    return values
+
+
+def _evaluate(body: str, value) -> int:
+    if not re.fullmatch(r"[\w\s()|+-]+", body):
+        raise ValueError(body)
+    names = {n: value(n) for n in re.findall(r"\b[A-Za-z_]\w*\b", body)}
+    return eval(body, {"__builtins__": {}}, names)  # sums of numbers and names of this header
+
+
+def __getattr__(name: str) -> int:
+    """mcdef.MSETPARAM and the like."""
+    if name.isupper() and name in constants():
+        return constants()[name]
+    raise AttributeError(f"mcdef.h does not define {name}")
+
+
+def new_int(value: int):
+    return make_ffi().new("int *", value)
+
+
+def new_param(axis: int):
+    return make_ffi().new("struct mc_param *", {"which": axis})
+
+
+def fill_param(param, values: dict) -> None:
+    """Puts servo parameters by name into a struct mc_param; "mode" and "flags" become its mode."""
+    for name, value in values.items():
+        if name not in ("mode", "flags"):
+            setattr(param, name, value)
+    param.mode = mode_word(values["mode"], values["flags"])
+
+
+def mode_word(mode: str, flags: list[str]) -> int:
+    word = constants()[MODES[mode]]
+    for flag in flags:
+        word |= constants()[flag.upper()]
+    return word
+
+
+def describe(arg) -> str:
+    """An argument for a message: the number, or the axis it is about."""
+    return f"of axis {arg.which}" if "mc_param" in str(make_ffi().typeof(arg)) else str(arg[0])

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The registers of the MMCS.
+
+Generated from rtl/regs/mmcs.rdl by rtl/regs/generate.py; do not edit.
+"""
+
+WINDOW_BASE = 0x6000  # A16 address of the window as shipped (jumpers A15-A11)
+WINDOW_SIZE = 0x800  # its length in bytes
+CARDS_MAX = 0x10  # cards on one PC bus
+PCCSR_BASE_CARDS = 0x18  # PCCSR BASE that reaches the cards: PC address 0x300
+PPI_MODE_BOARD = 0x89  # PPI mode word of the board: A and B out, C in
+
+# Adaptor registers: window offsets.
+PIT0 = 0x401  # Timer 0: divides the system clock
+PIT1 = 0x403  # Timer 1: clocked by timer 0, its output is SCLOCK
+PIT2 = 0x405  # Timer 2: counts SCLOCK
+PIT_CONTROL = 0x407  # Timer control word
+PCCSR = 0x409  # PC control and status
+VECTOR = 0x441  # Interrupt vector
+
+# Card registers: offsets on the PC bus, for card_offset.
+CARD_PPI_A = 0x00  # PPI port A
+CARD_PPI_B = 0x01  # PPI port B
+CARD_PPI_C = 0x02  # PPI port C
+CARD_PPI_CONTROL = 0x03  # PPI control word
+CARD_ENC1_MSB = 0x04  # Encoder counter, joint 1, high byte
+CARD_ENC1_LSB = 0x05  # Encoder counter, joint 1, low byte
+CARD_ENC2_MSB = 0x06  # Encoder counter, joint 2, high byte
+CARD_ENC2_LSB = 0x07  # Encoder counter, joint 2, low byte
+CARD_DAC1_LO = 0x08  # D/A, joint 1, low byte
+CARD_DAC1_HI = 0x09  # D/A, joint 1, high nibble
+CARD_DAC2_LO = 0x0A  # D/A, joint 2, low byte
+CARD_DAC2_HI = 0x0B  # D/A, joint 2, high nibble
+CARD_ADC1_LO = 0x0C  # A/D, joint 1, low byte
+CARD_ADC2_LO = 0x0D  # A/D, joint 2, low byte
+CARD_ADC_HI = 0x0E  # A/D, high nibbles
+CARD_LATCH = 0x10  # Software latch, this card
+CARD_LATCH_ALL = 0x12  # Software latch, all cards
+
+# Bits: _BM mask, _BP lowest bit, _GC value in place.
+PIT_CONTROL_BCD_BM = 0x01
+PIT_CONTROL_BCD_BP = 0
+PIT_CONTROL_MODE_BM = 0x0E
+PIT_CONTROL_MODE_BP = 1
+PIT_CONTROL_RW_BM = 0x30
+PIT_CONTROL_RW_BP = 4
+PIT_CONTROL_RW_LATCH_GC = 0x00
+PIT_CONTROL_RW_LSB_GC = 0x10
+PIT_CONTROL_RW_MSB_GC = 0x20
+PIT_CONTROL_RW_BOTH_GC = 0x30
+PIT_CONTROL_SC_BM = 0xC0
+PIT_CONTROL_SC_BP = 6
+PCCSR_BASE_BM = 0x1F
+PCCSR_BASE_BP = 0
+PCCSR_SCLOCK_LATCHED_BM = 0x20
+PCCSR_SCLOCK_LATCHED_BP = 5
+PCCSR_SCLOCK_EN_BM = 0x20
+PCCSR_SCLOCK_EN_BP = 5
+PCCSR_PANIC_LATCHED_BM = 0x40
+PCCSR_PANIC_LATCHED_BP = 6
+PCCSR_PANIC_EN_BM = 0x40
+PCCSR_PANIC_EN_BP = 6
+PCCSR_LATCH_EN_BM = 0x80
+PCCSR_LATCH_EN_BP = 7
+CARD_PPI_A_ENC_MODE_BM = 0x07
+CARD_PPI_A_ENC_MODE_BP = 0
+CARD_PPI_A_LED1_BM = 0x08
+CARD_PPI_A_LED1_BP = 3
+CARD_PPI_A_LED2_BM = 0x10
+CARD_PPI_A_LED2_BP = 4
+CARD_PPI_A_SYN_A_BM = 0x20
+CARD_PPI_A_SYN_A_BP = 5
+CARD_PPI_A_SYN_B_BM = 0x40
+CARD_PPI_A_SYN_B_BP = 6
+CARD_PPI_A_SYN_I_BM = 0x80
+CARD_PPI_A_SYN_I_BP = 7
+CARD_PPI_B_ENC_JOINT_BM = 0x01
+CARD_PPI_B_ENC_JOINT_BP = 0
+CARD_PPI_B_DAC_JOINT_BM = 0x02
+CARD_PPI_B_DAC_JOINT_BP = 1
+CARD_PPI_B_SCLOCK_EN_BM = 0x04
+CARD_PPI_B_SCLOCK_EN_BP = 2
+CARD_PPI_B_DAC_DOUBLE_BM = 0x08
+CARD_PPI_B_DAC_DOUBLE_BP = 3
+CARD_PPI_B_INDEX_EN_BM = 0x10
+CARD_PPI_B_INDEX_EN_BP = 4
+CARD_PPI_C_HEARTBEAT1_BM = 0x01
+CARD_PPI_C_HEARTBEAT1_BP = 0
+CARD_PPI_C_INDEX1_BM = 0x02
+CARD_PPI_C_INDEX1_BP = 1
+CARD_PPI_C_HEARTBEAT2_BM = 0x04
+CARD_PPI_C_HEARTBEAT2_BP = 2
+CARD_PPI_C_INDEX2_BM = 0x08
+CARD_PPI_C_INDEX2_BP = 3
+CARD_PPI_C_ADC_READY_BM = 0x10
+CARD_PPI_C_ADC_READY_BP = 4
+CARD_DAC1_HI_CODE_BM = 0x0F
+CARD_DAC1_HI_CODE_BP = 0
+CARD_DAC2_HI_CODE_BM = 0x0F
+CARD_DAC2_HI_CODE_BP = 0
+CARD_ADC_HI_CODE1_BM = 0x0F
+CARD_ADC_HI_CODE1_BP = 0
+CARD_ADC_HI_CODE2_BM = 0xF0
+CARD_ADC_HI_CODE2_BP = 4
+PIT_READBACK_TIMERS_BM = 0x0E
+PIT_READBACK_TIMERS_BP = 1
+PIT_READBACK_STATUS_N_BM = 0x10
+PIT_READBACK_STATUS_N_BP = 4
+PIT_READBACK_COUNT_N_BM = 0x20
+PIT_READBACK_COUNT_N_BP = 5
+PIT_READBACK_SC_BM = 0xC0
+PIT_READBACK_SC_BP = 6
+PIT_STATUS_BCD_BM = 0x01
+PIT_STATUS_BCD_BP = 0
+PIT_STATUS_MODE_BM = 0x0E
+PIT_STATUS_MODE_BP = 1
+PIT_STATUS_RW_BM = 0x30
+PIT_STATUS_RW_BP = 4
+PIT_STATUS_NULL_COUNT_BM = 0x40
+PIT_STATUS_NULL_COUNT_BP = 6
+PIT_STATUS_OUT_BM = 0x80
+PIT_STATUS_OUT_BP = 7
+PPI_MODE_CL_IN_BM = 0x01
+PPI_MODE_CL_IN_BP = 0
+PPI_MODE_B_IN_BM = 0x02
+PPI_MODE_B_IN_BP = 1
+PPI_MODE_B_MODE_BM = 0x04
+PPI_MODE_B_MODE_BP = 2
+PPI_MODE_CH_IN_BM = 0x08
+PPI_MODE_CH_IN_BP = 3
+PPI_MODE_A_IN_BM = 0x10
+PPI_MODE_A_IN_BP = 4
+PPI_MODE_A_MODE_BM = 0x60
+PPI_MODE_A_MODE_BP = 5
+PPI_MODE_SET_BM = 0x80
+PPI_MODE_SET_BP = 7
+PPI_BIT_VALUE_BM = 0x01
+PPI_BIT_VALUE_BP = 0
+PPI_BIT_BIT_BM = 0x0E
+PPI_BIT_BIT_BP = 1
+
+
+def card_offset(card: int, reg: int) -> int:
+    """Window offset of register `reg` (CARD_...) of card 0-15."""
+    return (card << 6) | (reg << 1) | 1

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fixtures: the command as a user calls it, scenario files made on the spot."""
+
+import pytest
+from click.testing import CliRunner
+
+from mmcs import ROOT
+from mmcs.cli import main
+
+GOOD = """
+description = "a test"
+robot = "lab500"
+cards = 1
+duration = 0.3
+
+[[motion]]
+axis = 0
+kind = "step"
+at = 0.05
+to = 200
+"""
+
+
+@pytest.fixture
+def mmcs(monkeypatch):
+    """Calls the command; gives (status, stdout, stderr)."""
+    monkeypatch.chdir(ROOT)
+
+    def call(*args):
+        result = CliRunner().invoke(main, [str(a) for a in args])
+        return result.exit_code, result.stdout, result.stderr
+
+    return call
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    """Writes a scenario file and gives its path."""
+
+    def write(text=GOOD, name="test.toml"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write

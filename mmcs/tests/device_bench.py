@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A served machine inside the test, and programs that use it (§2.3)."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+
+from mmcs import BUILD, ROOT
+from mmcs.build import ensure_library
+from mmcs.execute import cflags, environment
+from mmcs.load import load
+from mmcs.serve import Server
+from mmcs.sim import Sim
+
+PROGRAMS = ROOT / "sim" / "tests" / "device"
+EXAMPLES = ROOT / "firmware" / "examples"
+
+# Set by test_sanitizers.py for a run of its own: everything with sanitizers.
+SANITIZED = os.environ.get("MMCS_SANITIZE") == "1"
+
+SCENARIO = """
+description = "Two bench motors on one card"
+robot = "two.toml"
+cards = 1
+duration = 1.0
+skip = true
+"""
+
+
+def write_scenario(folder):
+    robot = (ROOT / "sim" / "robots" / "lab500.toml").read_text()
+    (folder / "two.toml").write_text(
+        robot.replace('name = "LAB500"', 'name = "LAB500"\ncopies = 2')
+    )
+    path = folder / "device.toml"
+    path.write_text(SCENARIO)
+    return path
+
+
+def make_sim(folder) -> Sim:
+    setup = load(str(write_scenario(folder)))
+    library = ensure_library(1, "asan" if SANITIZED else "speed", skip=True)
+    return Sim(library, setup.config(), setup.motors(), setup.links())
+
+
+def compile_program(source, *flags):
+    """A program of our own, or one of 1989 with the flags that `mmcs exec --cflags` prints."""
+    target = BUILD / "device" / source.stem
+    target.parent.mkdir(parents=True, exist_ok=True)
+    flags = flags or ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware' / 'include'}")
+    fresh = target.with_suffix(f".{os.getpid()}")  # tests run side by side
+    subprocess.run(["gcc", *flags, "-o", fresh, source, "-lpthread"], check=True, text=True)
+    fresh.rename(target)
+    return target
+
+
+def compile_1989(source):
+    return compile_program(source, *cflags())
+
+
+class Bench:
+    """The server runs in the test's own thread: step by step while something is waited for."""
+
+    def __init__(self, folder, speed=None):
+        self.sim = make_sim(folder)
+        self.server = Server(self.sim, folder / "mc0.sock", speed)
+        self.env = environment(self.server.path, SANITIZED)
+        self.children = []
+
+    def start(self, *command):
+        child = subprocess.Popen(
+            [str(c) for c in command], env=self.env, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )  # fmt: skip
+        self.children.append(child)
+        return child
+
+    def python(self, text):
+        return self.start(sys.executable, "-c", text)
+
+    def until(self, ready, limit_s=60.0):
+        """Serves until ready() holds."""
+        end = time.monotonic() + limit_s
+        while not ready():
+            assert time.monotonic() < end, "nothing happens any more"
+            self.server.step()
+
+    def finish(self, child, limit_s=60.0):
+        """Serves until the program has ended; its output and status."""
+        self.until(lambda: child.poll() is not None, limit_s)
+        return child.stdout.read(), child.returncode
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for child in self.children:
+            child.kill()
+            child.wait()
+            child.stdout.close()
+        self.server.close()
+        self.sim.destroy()

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole loop, firmware to motor and back, against the reference responses.
+
+Every run is seen by three witnesses: what the driver reports, what the counter on the card holds,
+and what the physics did. The reference responses are in mmcs/reference.py.
+"""
+
+import functools
+import math
+
+import pytest
+
+from mmcs import logcols, reference
+from mmcs.load import load
+from mmcs.report import make_report
+from mmcs.runner import simulate
+
+# One worker measures each response once and keeps it.
+pytestmark = pytest.mark.xdist_group("closed_loop")
+
+BREAKAWAY, COULOMB = 132, 105.5  # friction of the bench motor, D/A units
+
+
+@functools.cache
+def carry_out(name, *sets):
+    result = simulate(load(name, sets))
+    return result, make_report(result, "native")
+
+
+def check_witnesses(result):
+    """Driver, counter and physics agree at the end of the motion.
+
+    The driver's figure is as old as its last sample; what an axis still turns since is allowed.
+    """
+    for axis, (state, truth) in enumerate(zip(result.states, result.witnesses, strict=True)):
+        motor = result.setup.robot.axis[axis]
+        moving = state["vel"] != 0
+        behind = truth["count"] - state["encnow"]
+        assert 0 <= behind * (1 if state["vel"] > 0 else -1) <= abs(state["vel"]) + 2 * moving
+        wires = (truth["count"] - truth["register"] + 0x8000) % 0x10000 - 0x8000
+        assert abs(wires) <= moving, "the counter has lost or gained edges"
+        turned = (truth["angle"] - motor.angle0) * motor.gear / (2 * math.pi)
+        assert abs(turned * motor.counts_per_rev - truth["count"]) <= 1
+
+
+@pytest.mark.req("SRV-1", "SRV-2", "SRV-3", "ENC-1", "DAC-1", "DRV-10", "DRV-11")
+@pytest.mark.parametrize("compensation", reference.COMPENSATION)
+@pytest.mark.parametrize("row", reference.ROWS, ids=lambda r: f"{r.robot}-{r[1]}-{r[2]}-{r[3]}")
+def test_step_response(row, compensation):
+    rise, overshoot, _ = row.reference(compensation)
+    result, _ = reference.measure(row.robot, row.interval_us, row.size, compensation)
+    seen = reference.measured(row, compensation)
+    if rise is None:
+        assert seen["rise_ms"] is None
+    else:
+        assert seen["rise_ms"] == pytest.approx(rise, abs=max(0.1 * rise, 4))
+    assert abs(seen["overshoot_pct"] - overshoot) <= 3
+    assert abs(seen["steady_error_counts"]) <= reference.friction_bound(row, compensation) + 1
+    rest = logcols.column(result.log, row.axis, "encoder")[-20:]
+    assert rest.max() == rest.min(), "the axis moves although friction should hold it"
+    check_witnesses(result)
+
+
+@pytest.mark.req("SRV-3")
+def test_without_compensation_it_stops_outside():
+    result, report = carry_out("lab500_nocomp")
+    error = report["axes"][0]["steady_error_counts"]
+    gain = (7309 - 7027) / 64
+    assert math.ceil(COULOMB / gain) - 1 <= error <= math.ceil(BREAKAWAY / gain) + 1
+    assert report["axes"][0]["settle_ms"] is None
+    check_witnesses(result)
+    compensated = carry_out("lab500")[1]["axes"][0]["steady_error_counts"]
+    assert abs(compensated) < error / 3
+
+
+@pytest.mark.req("SRV-1", "DRV-10", "FW-2")
+def test_six_joints_and_three_witnesses():
+    result, report = carry_out("puma560")
+    assert [item["what"] for item in report["expect"] if not item["ok"]] == []
+    check_witnesses(result)
+    assert all(abs(truth["count"]) > 4000 for truth in result.witnesses)
+
+
+@pytest.mark.req("FW-2", "DRV-7")
+def test_no_interrupt_is_missed_and_every_sample_is_logged():
+    result, report = carry_out("puma560")
+    assert report["stats"]["missed"] == report["stats"]["overruns"] == 0
+    assert len(result.log) == pytest.approx(result.setup.scenario.duration * 1000, abs=1)
+    assert report["stats"]["interrupts"] >= len(result.log)
+
+
+@pytest.mark.req("DRV-7")
+def test_slow_host_overruns_and_is_counted():
+    _, report = carry_out("puma560", "host.cpu_us_per_axis=200", "duration=0.2", "motion=[]")
+    assert report["stats"]["overruns"] > 0
+
+
+def test_same_seed_same_hash_other_seed_other_hash():
+    setup = load("lab500", ("duration=0.1",))
+    first, again = simulate(setup), simulate(setup)
+    assert first.hash == again.hash
+    assert (first.log == again.log).all()
+    other = simulate(load("lab500", ("duration=0.1",), seed=2))
+    assert other.hash != first.hash
+
+
+def test_names_of_inputs_are_those_of_the_engine():
+    from mmcs.build import ensure_library
+    from mmcs.inputs import INPUTS
+    from mmcs.sim import Sim
+
+    setup = load("lab500")
+    with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:
+        assert sim.input_names() == list(INPUTS)
+
+
+@pytest.mark.req("SRV-1")
+@pytest.mark.parametrize("name", ["puma560_velocity", "lab500_torque", "lab500_nocomp"])
+def test_scenario_meets_its_expectations(name):
+    result, report = carry_out(name)
+    assert [item["what"] for item in report["expect"] if not item["ok"]] == []
+    check_witnesses(result)
+
+
+@pytest.mark.req("PAN-1", "DRV-5", "DRV-6")
+def test_emergency_stop():
+    _, report = carry_out("fault_estop")
+    assert [item["what"] for item in report["expect"] if not item["ok"]] == []

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Control synthesis (§2.5) beside independent oracles, and in the machine."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from mmcs import design as ds
+from mmcs.tests.device_bench import Bench
+
+T = 1e-3
+PROPER = [
+    ds.Controller(4.0),
+    ds.Controller(4.0, 30.0),
+    ds.Controller(4.0, 0.0, 0.1, 0.004),
+    ds.Controller(4.0, 30.0, 0.1, 0.004),
+]
+IMPROPER = [ds.Controller(4.0, 0.0, 0.1), ds.Controller(4.0, 30.0, 0.1)]
+pytestmark = pytest.mark.req("SYN-1")
+
+
+def continuous(c):
+    """num, den of C(s) by hand, for the oracle."""
+    num, den = np.poly1d([c.p]), np.poly1d([1.0])
+    if c.i:
+        num, den = num * np.poly1d([1, 0]) + c.i * den, den * np.poly1d([1, 0])
+    if c.d:
+        f = np.poly1d([c.tau, 1])
+        num, den = num * f + np.poly1d([c.d, 0]) * den, den * f
+    return num.coeffs, den.coeffs
+
+
+def response(d, w):
+    return d.at(np.exp(1j * w * T))
+
+
+W = np.geomspace(1, 3000, 50)
+
+
+@pytest.mark.parametrize("c", PROPER, ids=lambda c: c.form)
+@pytest.mark.parametrize("method", ["bilinear", "backward", "zoh"])
+def test_same_as_scipy(c, method):
+    signal = pytest.importorskip("scipy.signal")
+    name = {"backward": "backward_diff"}.get(method, method)
+    num, den, _ = signal.cont2discrete(continuous(c), T, name)
+    z = np.exp(1j * W * T)
+    oracle = np.polyval(np.ravel(num), z) / np.polyval(den, z)
+    assert response(ds.discretize(c, method, T), W) == pytest.approx(oracle, rel=1e-6)
+
+
+@pytest.mark.parametrize("c", PROPER + IMPROPER, ids=lambda c: c.form)
+@pytest.mark.parametrize("method", ["bilinear", "backward", "prewarp"])
+def test_substitution_is_what_it_says(c, method):
+    """An oracle without a library, for improper controllers too: s as a function of z."""
+    w0 = 200.0
+    q = np.exp(-1j * W * T)
+    s = {
+        "backward": (1 - q) / T,
+        "bilinear": 2 / T * (1 - q) / (1 + q),
+        "prewarp": w0 / math.tan(w0 * T / 2) * (1 - q) / (1 + q),
+    }[method]
+    made = response(ds.discretize(c, method, T, w0), W)
+    assert made == pytest.approx(c.at(s), rel=1e-6)
+    if method == "prewarp":
+        at = ds.discretize(c, method, T, w0).at(np.exp(1j * np.array([w0]) * T))
+        assert at == pytest.approx(c.at(np.array([1j * w0])), rel=1e-9)
+
+
+@pytest.mark.parametrize("c", PROPER + IMPROPER, ids=lambda c: c.form)
+@pytest.mark.parametrize("method", ["bilinear", "backward", "matched"])
+def test_low_frequency_gain_is_kept(c, method):
+    w = np.array([0.05])
+    made = ds.discretize(c, method, T, 200.0).at(np.exp(1j * w * T))
+    assert abs(made / c.at(1j * w) - 1) < 1e-3
+
+
+def test_matched_maps_poles_and_zeros():
+    c = ds.Controller(4.0, 30.0, 0.1, 0.004)
+    d = ds.discretize(c, "matched", T)
+    num, den = continuous(c)
+    assert sorted(np.roots(d.num).real) == pytest.approx(sorted(np.exp(np.roots(num) * T).real))
+    assert sorted(d.poles().real) == pytest.approx(sorted(np.exp(np.roots(den) * T).real))
+
+
+@pytest.mark.parametrize("method", ["zoh", "ztransform"])
+@pytest.mark.parametrize("c", IMPROPER, ids=lambda c: c.form)
+def test_improper_is_refused_with_the_reason(c, method):
+    with pytest.raises(ds.DesignError, match="improper"):
+        ds.discretize(c, method, T)
+
+
+@pytest.mark.parametrize("scale", [16, 64, 1024, None])
+def test_rounding_keeps_the_integral(scale):
+    """The pole stays at z = 1 and the sum of the numerator is the rounded S*I*T."""
+    d = ds.discretize(ds.Controller(4.37, 77.7, 0.123), "backward", T)
+    k = ds.to_integers(d, T, scale)
+    assert sum(k.b) == 0
+    assert sum(k.a) == round(sum(d.num) * k.b[0])
+
+
+def test_warnings():
+    ringing = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "bilinear", T), T)
+    assert any("backward difference" in text for text in ringing.warnings)
+    quiet = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "backward", T), T)
+    assert not any("rings" in text for text in quiet.warnings)
+    weak = ds.to_integers(ds.discretize(ds.Controller(4, 3, 0.1), "backward", T), T, 64)
+    assert any("integral" in text for text in weak.warnings)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.24, 40.0])
+def test_plant_same_as_scipy(lag):
+    signal = pytest.importorskip("scipy.signal")
+    num, den, _ = signal.cont2discrete(([1000.0], [1.0, lag, 0.0]), T, "zoh")
+    z = np.exp(1j * W * T)
+    oracle = np.polyval(np.ravel(num), z) / np.polyval(den, z)
+    assert ds.Plant(1000.0, lag).discrete(T).at(z) == pytest.approx(oracle, rel=1e-5)
+
+
+def test_margins_same_as_control():
+    control = pytest.importorskip("control")
+    plant = ds.Plant(1000.0, 0.24)
+    k = ds.to_integers(ds.discretize(ds.place(plant, 80.0), "backward", T), T)
+    d, g = k.discrete(), plant.discrete(T)
+    # in powers of z: both sides as long as the longest
+    num = np.convolve(np.convolve(d.num, g.num), [0, 1.0])
+    den = np.convolve(d.den, g.den)
+    size = max(len(num), len(den))
+    loop = control.tf(np.pad(num, (0, size - len(num))), np.pad(den, (0, size - len(den))), T)
+    gain, phase, *_ = control.margin(loop)
+    found = ds.margins(d, plant, T)
+    assert found.stable
+    assert found.gain_db == pytest.approx(20 * math.log10(gain), abs=0.05)
+    assert found.phase_deg == pytest.approx(phase, abs=0.2)
+
+
+def test_command(mmcs, tmp_path):
+    status, out, err = mmcs("design", "--wn", "60", "--json", "--plot", tmp_path / "d.svg")
+    assert status == 0, err
+    made = json.loads(out)
+    assert made["stable"] and made["form"] == "PD" and made["b1"] == 0
+    assert (tmp_path / "d.svg").read_text().startswith("<?xml")
+    status, out, _ = mmcs("design", "-p", "4", "-d", "0.1", "--c")
+    assert status == 0 and "par.a0 = 104; par.a1 = -100;" in out
+
+
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        (("-p", "4", "-d", "0.1", "--method", "zoh"), "improper"),
+        (("-p", "4", "--method", "zoo"), "no such method"),
+        ((), "give gains"),
+        (("-p", "4", "--axis", "17"), "axes 0 to"),
+        (("-p", "4", "--scale", "0"), "scale = 0"),
+        (("-p", "4", "--interval", "0"), "must be positive"),
+    ],
+)
+def test_command_refuses(mmcs, args, text):
+    status, _, err = mmcs("design", *args)
+    assert status == 2 and text in err and err.count("\n") == 1
+
+
+@pytest.mark.req("DAC-1")
+@pytest.mark.parametrize(("method", "rings"), [("bilinear", True), ("backward", False)])
+def test_ringing_in_the_machine(tmp_path, method, rings):
+    """Double-buffered D/As and the bilinear PID: the current alternates at half the sample rate."""
+    from mmcs.cli_design import _load_robot, _plant
+    from mmcs.mcdef import (
+        MD_POS,
+        MDACMODE,
+        MENABLE,
+        MGETPARAM,
+        MSETINTERVAL,
+        MSETPARAM,
+        new_int,
+        new_param,
+    )
+
+    plant = _plant(_load_robot("lab500"), 0)
+    pd = ds.place(plant, 80.0)
+    k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T), T)
+    with Bench(tmp_path) as bench:
+        sim = bench.sim
+        mc = sim.open(2)
+        assert sim.ioctl(mc, MSETINTERVAL, new_int(1000)) == 0
+        assert sim.ioctl(mc, MDACMODE, new_int(1)) == 0
+        param = new_param(0)
+        sim.ioctl(mc, MGETPARAM, param)
+        param.mode, param.ilim = MD_POS, 2047
+        param.a0, param.a1, param.a2 = k.a
+        param.b0, param.b1, param.b2 = k.b
+        assert sim.ioctl(mc, MSETPARAM, param) == 0
+        assert sim.ioctl(mc, MENABLE) == 0
+        sim.write(mc, [50, 0])
+        inow = []
+        for _ in range(400):
+            sim.run(sim.time + T)
+            inow.append(sim.read(mc, 1)[0]["inow"])
+    tail = np.array(inow[-100:], dtype=float)
+    alternation = abs(np.mean(tail * (-1.0) ** np.arange(100)))
+    assert (alternation > 100) == rings, alternation

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs.Device`, the Python client."""
+
+import os
+import re
+import threading
+
+import pytest
+
+from mmcs import ROOT, mcdef
+from mmcs.device import Device
+from mmcs.tests.device_bench import Bench
+
+
+@pytest.fixture
+def serving(tmp_path, monkeypatch):
+    with Bench(tmp_path) as bench:
+        thread = threading.Thread(target=bench.server.run)
+        monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
+        thread.start()
+        yield bench
+        bench.server.stopping = True
+        thread.join()
+
+
+@pytest.mark.req("DRV-2", "DRV-3", "DRV-4")
+def test_calls(serving):
+    with Device() as mc:
+        assert mc.num_cards() == 1
+        mc.set_num_joints(2)
+        mc.set_interval(1000)
+        assert mc.interval() == 1000
+        param = mc.get_param(1)
+        assert param["ilim"] == 1024 and param["which"] == 1
+        mc.set_param(0, {**param, "a0": 5, "mode": mcdef.MD_POS})
+        assert mc.get_param(0)["a0"] == 5
+        mc.set_encoder(0, 100)
+        mc.enable()
+        mc.write([150, 0])
+        assert mc.read()[0].encnow >= 90
+        assert len(mc.read()) == 2 and len(mc.read(1)) == 1
+        assert mc.stats()["missed"] == 0
+        mc.stop()
+        with pytest.raises(OSError) as refused:
+            mc.get_param(7)
+        assert refused.value.errno == 22
+
+
+@pytest.mark.req("DRV-2")
+def test_monitor_may_only_look(serving):
+    with Device(flags=os.O_RDONLY) as mc:
+        assert mc.num_cards() == 1
+        with pytest.raises(OSError) as refused:
+            mc.enable()
+        assert refused.value.errno == 9
+
+
+def test_nobody_serves(tmp_path, monkeypatch):
+    monkeypatch.setenv("MMCS_SOCKET", str(tmp_path / "none"))
+    with pytest.raises(OSError, match="mmcs serve"):
+        Device()
+
+
+def test_example_of_the_manual(serving, capsys):
+    text = (ROOT / "docs" / "device.md").read_text()
+    exec(re.search(r"```python\n(.*?)```", text, flags=re.S)[1], {})
+    assert abs(int(capsys.readouterr().out)) < 300

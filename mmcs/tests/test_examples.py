@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The examples of the programmer's manual run as they are printed, each as a program of its own."""
+
+import re
+
+import pytest
+
+from mmcs import ROOT, mcdef
+from mmcs.execute import cflags
+from mmcs.tests.device_bench import Bench, compile_program
+
+PAGE = (ROOT / "docs" / "driver.md").read_text()
+EXAMPLES = re.findall(r"```c\n(.*?)```", PAGE, flags=re.S)
+
+PROGRAM = """
+#include <stdio.h>
+#include <sys/file.h>
+#include "/usr/sys/sundev/mcdef.h"
+int fd;
+check(result) { if (result < 0) { perror("example"); exit(1); } }
+#define expect(truth) if (!(truth)) { printf("not so: %s\\n", #truth); exit(2); }
+main()
+{
+    check(fd = open("/dev/mc0", O_RDWR));
+    {
+EXAMPLE
+    }
+    exit(0);
+}
+"""
+
+
+def title(example):
+    return re.sub(r"\W+", "-", example.split("*/")[0].split(":")[0].strip("/* ")).strip("-")
+
+
+@pytest.mark.req("DRV-1", "DRV-3")
+@pytest.mark.parametrize("example", EXAMPLES, ids=title)
+def test_example(tmp_path, example):
+    source = tmp_path / f"example_{title(example)}.c"
+    source.write_text(PROGRAM.replace("EXAMPLE", example))
+    with Bench(tmp_path) as bench:
+        out, status = bench.finish(bench.start(compile_program(source, *cflags())))
+    assert (out, status) == ("", 0)
+
+
+def test_every_request_has_an_example():
+    names = re.findall(r"^#define (M[A-Z]+) \(MC_(?!INT|PARAM)", header(), flags=re.M)
+    assert len(names) == 19
+    for name in names:
+        assert any(name in example for example in EXAMPLES), name
+        assert hasattr(mcdef, name)
+
+
+def header():
+    return (ROOT / "firmware" / "include" / "mcdef.h").read_text()

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What Python reads from mcdef.h is what a C compiler reads from it."""
+
+import os
+import subprocess
+
+import pytest
+
+from mmcs import mcdef
+
+
+@pytest.mark.req("DRV-1")
+def test_constants_and_sizes_equal_those_of_the_compiler(tmp_path):
+    names = sorted(mcdef.constants())
+    assert len(names) > 45
+    structs = ["mc_param", "mc_state", "mc_stats"]
+    lines = [f'  printf("%u\\n", (unsigned)({name}));' for name in names]
+    lines += [f'  printf("%u\\n", (unsigned)sizeof(struct {name}));' for name in structs]
+    source = tmp_path / "all.cpp"
+    source.write_text(
+        f'#include <cstdio>\n#include "{mcdef.HEADER}"\nint main() {{\n'
+        + "\n".join(lines)
+        + "\n}\n"
+    )
+    compiler = os.environ.get("CXX", "g++")
+    subprocess.run([compiler, "-o", tmp_path / "all", source], check=True)
+    printed = subprocess.run([tmp_path / "all"], check=True, capture_output=True, text=True).stdout
+    sizes = [mcdef.make_ffi().sizeof(f"struct {name}") for name in structs]
+    expected = [mcdef.constants()[name] for name in names] + sizes
+    assert [int(line) for line in printed.split()] == expected
+
+
+def test_mode_word():
+    assert mcdef.mode_word("position", ["coulcomp", "poschk"]) == (
+        mcdef.MD_POS | mcdef.COULCOMP | mcdef.POSCHK
+    )
+
+
+def test_unknown_name():
+    with pytest.raises(AttributeError, match=r"mcdef\.h does not define MSETNOTHING"):
+        mcdef.MSETNOTHING  # noqa: B018
+
+
+def test_parameters_reach_the_struct():
+    param = mcdef.new_param(3)
+    mcdef.fill_param(param, {"mode": "velocity", "flags": ["softerr"], "a0": 50, "b0": -1})
+    assert (param.which, param.a0, param.b0) == (3, 50, -1)
+    assert param.mode == mcdef.MD_VEL | mcdef.SOFTERR
+    assert mcdef.describe(param) == "of axis 3"
+    assert mcdef.describe(mcdef.new_int(7)) == "7"

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The four figures of a step response, on responses whose figures are known by hand."""
+
+import numpy as np
+import pytest
+
+from mmcs.metrics import step_response
+
+T = np.arange(0, 0.5, 0.001)
+
+
+def first_order(target, tau=0.02, start=0.05, begin=0.0):
+    t = np.maximum(T - start, 0)
+    return begin + (target - begin) * (1 - np.exp(-t / tau))
+
+
+@pytest.mark.parametrize(("begin", "target"), [(0, 200), (0, -200), (100, 300), (-50, -60)])
+def test_first_order(begin, target):
+    seen = step_response(T, first_order(target, begin=begin), 0.05, begin, target)
+    assert seen.rise_ms == pytest.approx(20 * np.log(9), abs=0.2)
+    assert seen.overshoot_pct == 0
+    assert seen.steady_error_counts == pytest.approx(0, abs=1e-6)
+    share = max(0.02, 2 / abs(target - begin))  # 2 counts are 20 % of the small step
+    assert seen.settle_ms == pytest.approx(-20 * np.log(share), abs=1.0)
+
+
+def test_overshoot_and_settling():
+    y = np.where(T < 0.1, 0.0, 100.0)
+    y[120:140] = 115.0
+    seen = step_response(T, y, 0.1, 0.0, 100.0)
+    assert seen.overshoot_pct == 15
+    assert seen.settle_ms == pytest.approx(40)
+
+
+def test_stuck_short_never_settles_but_has_a_steady_error():
+    seen = step_response(T, first_order(175), 0.05, 0, 200)
+    assert (seen.rise_ms, seen.settle_ms) == (None, None)
+    assert seen.steady_error_counts == pytest.approx(25, abs=0.01)
+
+
+def test_steady_error_keeps_its_sign_for_negative_steps():
+    assert step_response(T, first_order(-175), 0.05, 0, -200).steady_error_counts < -24
+
+
+def test_dead_axis_and_step_beyond_the_log():
+    assert step_response(T, np.zeros_like(T), 0.05, 0, 200).rise_ms is None
+    assert step_response(T, np.zeros_like(T), 9.0, 0, 200).steady_error_counts is None
+
+
+def test_rise_counts_from_where_the_axis_was_held_off():
+    """An axis that hangs below its setpoint rises by 10 to 90 % of the step from there."""
+    y = first_order(190, begin=-10)
+    seen = step_response(T, y, 0.05, 0, 200)
+    assert seen.rise_ms == pytest.approx(20 * np.log(9), abs=0.2)
+    assert seen.steady_error_counts == pytest.approx(10, abs=0.01)
+    assert seen.overshoot_pct == 0

@@ -1,0 +1,325 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time travel for the user: records, replays, snapshots of a run, waveforms afterwards."""
+
+import base64
+import json
+import re
+import shutil
+import zipfile
+import zlib
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mmcs import record as records
+from mmcs import snapshots
+from mmcs.cli import main
+from mmcs.record import NAME
+from mmcs.tests.conftest import GOOD
+
+EVENT = """
+[[event]]
+at = 0.12
+input = "estop"
+value = 1
+until = 0.2
+
+[[call]]
+at = 0.22
+request = "MENABLE"
+
+[[expect]]
+kind = "event"
+event = "panic"
+"""
+TABLE = '\n[[motion]]\naxis = 0\nkind = "table"\nat = 0.25\nduration = 0.03\nfile = "way.csv"\n'
+PROCESS = """
+[[process]]
+kind = "pd"
+axis = 0
+at = 0.01
+to = 10
+p = 0.1
+"""
+
+
+def hash_of(text):
+    return re.search(r"hash (0x[0-9a-f]{16})", text)[1]
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
+    """A run with an event, a call and a table; the scenario is gone afterwards."""
+    folder, out = tmp_path_factory.mktemp("scenario"), tmp_path_factory.mktemp("results")
+    path = folder / "test.toml"
+    path.write_text(GOOD + EVENT + TABLE)
+    (folder / "way.csv").write_text("200\n210\n200\n")
+    args = ["run", path, "--out", out, "--seed", 3, "--snapshot", 0.15]
+    done = CliRunner().invoke(main, [str(a) for a in args])
+    assert done.exit_code == 0, done.output
+    shutil.rmtree(folder)
+    return out, hash_of(done.stdout)
+
+
+@pytest.fixture
+def ran(original, tmp_path):
+    """A copy of that run's folder, and its hash."""
+    out = tmp_path / "results"
+    shutil.copytree(original[0], out)
+    return out, original[1]
+
+
+def edit(folder, change):
+    """Changes the scenario inside a record."""
+    file = folder / NAME
+    text = json.loads(file.read_text())
+    change(text)
+    file.write_text(json.dumps(text))
+
+
+# --- records -----------------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+def test_record_alone_reproduces_the_run(mmcs, ran, tmp_path):
+    out, digest = ran
+    assert (out / NAME).stat().st_size < 12_000
+    alone = tmp_path / "elsewhere.mmcs"
+    alone.write_bytes((out / NAME).read_bytes())
+    for name in (out, out / NAME, alone):
+        status, text, err = mmcs("replay", name)
+        assert (status, err) == (0, ""), text
+        assert f"reproduced, hash {digest}" in text
+
+
+@pytest.mark.req("API-1")
+def test_replay_tells_where_it_first_differs(mmcs, ran):
+    """The setpoint of one table changes by one count at 0.25 s: exactly with log.csv, and to
+    within its sample group and field without."""
+    out, digest = ran
+
+    def other_way(text):
+        files = json.loads(zlib.decompress(base64.b64decode(text["files"])))
+        name = next(n for n in files if n.startswith("table"))
+        files[name] = "200\n213\n200\n"
+        text["files"] = base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
+        text["version"] = "0.0.9"
+
+    log = np.loadtxt(out / "log.csv", delimiter=",", skiprows=1)
+    edit(out, other_way)
+    status, text, _ = mmcs("replay", out)
+    assert status == 1
+    assert "differs, hash 0x" in text and f"instead of {digest}" in text
+    found = re.search(r"first at sample (\d+) \(t = ([\d.]+) s\), axis 0, setpoint: "
+                      r"(\d+) in the run, (\d+) now", text)  # fmt: skip
+    assert found, text
+    sample = int(found[1])
+    assert 0.25 < float(found[2]) < 0.256
+    assert log[sample, 1] == float(found[3]) and int(found[4]) > int(found[3])
+    assert "recorded by version 0.0.9" in text
+    (out / "log.csv").unlink()
+    status, text, _ = mmcs("replay", out)
+    assert status == 1
+    assert f"first at sample {sample} (t = {found[2]} s), axis 0, setpoint" in text
+
+
+@pytest.mark.req("API-1")
+def test_difference_that_no_sample_shows(mmcs, ran):
+    """The console of the driver costs no time; a later bus timer shows in the bus cycles alone."""
+    out, _ = ran
+    record = records.read_record(str(out))
+    log = np.loadtxt(out / "log.csv", delimiter=",", skiprows=1, ndmin=2)
+    points = record.points
+    assert len(points) >= 5
+    bent = [(*p[:3], p[3] ^ (n >= 2)) for n, p in enumerate(points)]
+    (out / "log.csv").unlink()
+    where = records._by_points(record, bent)
+    assert where.startswith(f"between servo samples {points[1][0]} and {points[2][0]}")
+    assert "bus cycles" in where
+    assert records._by_points(record, points) is None
+    assert records._by_points(record, points[:3]).endswith("never comes")
+    assert len(log) == record.samples
+
+
+@pytest.mark.req("API-1")
+def test_digests_narrow_it_down():
+    rng = np.random.default_rng(4)
+    log = rng.integers(-999, 999, (3000, 15)).astype(float)
+    every, marks = 3, [375 * n for n in range(1, 9)]
+    text = {
+        "samples": 3000, "rows_each": every, "marks": marks,
+        "rows": base64.b64encode(records.row_digests(log, every)).decode(),
+        "columns": base64.b64encode(records.column_digests(log, marks)).decode(),
+    }  # fmt: skip
+    record = records.Record(records.Path("x"), text, {})
+    assert records._by_digests(record, log) is None
+    for row, column, name in ((0, 0, "time"), (1234, 9, "axis 1, encoder"), (2999, 7, "angle_rad")):
+        bent = log.copy()
+        bent[row, column] += 1
+        where = records._by_digests(record, bent)
+        first, last = map(int, re.match(r"samples (\d+) to (\d+)", where).groups())
+        assert first <= row <= last and last - first < 375
+        assert name in where
+    assert (
+        records._by_digests(record, log[:-40]) == "the end: 2960 samples of motion instead of 3000"
+    )
+
+
+@pytest.mark.req("SW-1")
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("", "not a run record"),
+        ("{}", "not a run record"),
+        ('{"mmcs_run": 1}', "not a run record"),
+        ('{"mmcs_run": 99}', "reads format 1"),
+        ("[1, 2", "not a run record"),
+    ],
+)
+def test_bad_records_are_refused_in_one_line(mmcs, tmp_path, content, says):
+    file = tmp_path / "bad.mmcs"
+    file.write_text(content)
+    for command in (("replay", file), ("trace", file, "--at", "0.1")):
+        status, _, err = mmcs(*command)
+        assert status == 2 and says in err and err.count("\n") == 1, err
+    status, _, err = mmcs("replay", tmp_path / "no-such-run")
+    assert status == 2 and "no such run" in err
+
+
+# --- snapshots of a run ------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize("at", ["@0.15", "@0.125", "@0.23", ""])
+def test_run_from_a_snapshot_is_the_same_run(mmcs, ran, tmp_path, at):
+    """Before, during and after the event; log, report and hash are those of the whole run."""
+    out, digest = ran
+    again = tmp_path / "again"
+    status, text, err = mmcs("run", "--from", f"{out}{at}", "--out", again)
+    assert (status, err) == (0, "")
+    assert hash_of(text) == digest
+    assert (again / "log.csv").read_bytes() == (out / "log.csv").read_bytes()
+    then, now = (json.loads((d / "report.json").read_text()) for d in (out, again))
+    for changing in ("wall_s", "rtf"):
+        del then[changing], now[changing]
+    assert now == then
+    status, text, _ = mmcs("replay", again)
+    assert status == 0, text
+
+
+@pytest.mark.req("API-1")
+def test_asked_snapshot_and_ring_are_in_the_file(ran):
+    out, _ = ran
+    asked = snapshots.Snapshot(f"{out}@0.15")
+    assert not asked.ring and 0 <= 0.15 - asked.t < 0.001
+    with zipfile.ZipFile(out / snapshots.NAME) as file:
+        known = json.loads(file.read("index.json"))["snapshots"]
+    assert sum(s["ring"] for s in known) >= 10
+    assert [s["clock"] for s in known] == sorted(s["clock"] for s in known)
+
+
+@pytest.mark.req("API-1")
+def test_run_from_a_snapshot_may_go_further(mmcs, ran, tmp_path):
+    out, _ = ran
+    more = tmp_path / "more"
+    status, text, _ = mmcs("run", "--from", f"{out}@0.15", "--out", more, "--duration", 0.4)
+    assert status == 0
+    long, short = (len((d / "log.csv").read_text().splitlines()) for d in (more, out))
+    assert long - short in (99, 100)
+    assert mmcs("replay", more)[0] == 0
+
+
+@pytest.mark.req("SW-1")
+def test_bad_snapshots_are_refused_in_one_line(mmcs, ran, scenario, tmp_path):
+    out, _ = ran
+    file = out / snapshots.NAME
+    broken, foreign = tmp_path / "broken.mmsnap", tmp_path / "foreign.mmsnap"
+    broken.write_bytes(file.read_bytes()[:-100])
+    with zipfile.ZipFile(file) as old, zipfile.ZipFile(foreign, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, old.read(name).replace(b"speed_c1 ", b"speed_c2 "))
+    process = scenario(GOOD.split("[[")[0] + PROCESS)
+    status, text, err = mmcs("run", process, "--out", tmp_path / "process", "--duration", 0.02)
+    assert status == 0, text + err
+    cases = {
+        (broken,): "not a file of snapshots",
+        (foreign,): "made by another build (speed_c2 ",
+        (f"{out}@-1",): "the first snapshot in",
+        (f"{out}@soon",): "must be a time",
+        (tmp_path / "nothing",): "no such snapshots",
+        (tmp_path / "process",): "a user's process is not part of a snapshot",
+        (f"{out}@0.15", "--duration", 0.1): "must be beyond the snapshot",
+        (f"{out}@0.15", "--seed", 1): "not together with --from",
+    }
+    for args, says in cases.items():
+        status, _, err = mmcs("run", "--out", tmp_path / "o", "--from", *args)
+        assert status == 2 and says in err and err.count("\n") == 1, (args, err)
+    status, _, err = mmcs("run", "lab500", "--snapshot", 99)
+    assert status == 2 and "--snapshot = 99" in err
+
+
+# --- waveforms afterwards ----------------------------------------------------------------------
+
+
+SIGNALS = ("u_adaptor.vme_dtack_no", "sclock_o", "panic_o", "g_card[0].u_card.enc_a_i",
+           "g_card[0].u_card.g_axis[0].u_axis.u_encoder.count_q")  # fmt: skip
+
+
+def changes(path, begin_ps, end_ps):
+    """Of some signals: the value when the stretch begins, and every change in it."""
+    import pywellen
+
+    found = {}
+    for var in pywellen.Waveform(str(path)).all_vars():
+        name = var.full_name.removeprefix("TOP.mmcs_sim_top.u_mmcs.")
+        if name in SIGNALS:
+            pairs = list(var.tv)
+            before = [value for t, value in pairs if t <= begin_ps]
+            inside = [(t, value) for t, value in pairs if begin_ps < t <= end_ps]
+            found[name] = before[-1], inside
+    assert len(found) == len(SIGNALS)
+    return found
+
+
+@pytest.mark.req("API-1")
+def test_stretch_equals_the_same_stretch_of_a_traced_run(mmcs, scenario, tmp_path):
+    path = scenario(GOOD.split("[[expect]]")[0].replace("at = 0.05", "at = 0.002"))
+    out, full, part = tmp_path / "out", tmp_path / "full.fst", tmp_path / "part.fst"
+    status, text, err = mmcs("run", path, "--duration", 0.02, "--out", out, "--trace", full)
+    assert status == 0, text + err
+    status, text, err = mmcs("trace", out, "--at", 0.012, "--window", 3, "--out", part)
+    assert status == 0, text + err
+    start_s = json.loads((out / "report.json").read_text())["motion_start_s"]
+    # A few clocks inside the stretch, so that both files hold it.
+    begin, end = ((start_s + t) * 1e12 + 8e6 for t in (0.01051, 0.01349))
+    ours, theirs = changes(part, begin, end), changes(full, begin, end)
+    assert ours == theirs
+    assert all(len(ours[name][1]) >= 3 for name in (SIGNALS[0], SIGNALS[1], SIGNALS[-1]))
+    assert part.stat().st_size < full.stat().st_size
+
+
+@pytest.mark.req("API-1")
+def test_trace_around_an_event_of_the_report(mmcs, ran, tmp_path):
+    out, digest = ran
+    status, text, err = mmcs("trace", out, "--at", "fault", "--window", 1)
+    assert status == 0, text + err
+    assert f"the same hash, {digest}" in text
+    wave = next(out.glob("test_0.12*.fst"))
+    assert wave.with_suffix(".gtkw").exists() and wave.stat().st_size > 10_000
+    stretch = re.search(r"([\d.]+) to ([\d.]+) s of motion", text)
+    assert float(stretch[1]) < 0.12 < float(stretch[2])
+
+
+@pytest.mark.req("SW-1")
+def test_bad_stretches_are_refused_in_one_line(mmcs, ran):
+    out, _ = ran
+    cases = {
+        ("--at", "boom"): "the kind of an event of this run",
+        ("--at", 9): '--at = "9": must be -',
+        ("--at", 0.1, "--window", 0): "must be a positive number",
+        ("--at", 0.1, "--out", "x.vcd"): "ending in .fst",
+    }
+    for args, says in cases.items():
+        status, _, err = mmcs("trace", out, *args)
+        assert status == 2 and says in err and err.count("\n") == 1, (args, err)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robot files: `mmcs check` of one alone, flexible axes, copies."""
+
+import pytest
+
+from mmcs import ROBOTS
+from mmcs.load import load_robot
+from mmcs.tests.test_mistakes import ROBOT
+
+FLEXIBLE = "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6"
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in ROBOTS.glob("*.toml")))
+def test_ready_robots_are_good(mmcs, name):
+    status, out, err = mmcs("check", f"sim/robots/{name}.toml")
+    assert (status, err) == (0, "")
+    assert "caution" not in out
+    assert f"sim/robots/{name}.toml: good; robot of " in out
+
+
+def test_every_mistake_of_a_robot_file(mmcs, scenario):
+    path = scenario(ROBOT.replace("gear = 1.0", "gear = 0.0\nbacklash = 0.1"), "own.toml")
+    status, out, err = mmcs("check", path)
+    assert (status, out) == (2, "")
+    assert err.splitlines() == [
+        f"mmcs: {path}: axis.0.gear = 0.0: must not be 0; 1 for a motor without gear",
+        f"mmcs: {path}: axis.0.backlash = 0.1: needs a stiffness above 0",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("load_inertia = 5e-6", "", "axis.0.load_inertia = 0.0: must be more than 0: what hangs on "
+         "the flexible coupling"),
+        ("stiffness = 0.5", "stiffness = 500.0",
+         "axis.0.stiffness = 500.0: must be at most 83.3, or 0 for rigid: steps are 50 us"),
+        ("stiffness = 0.5", "stiffness = 0.5\ndamping = 1.0",
+         "axis.0.damping = 1.0: must be at most 0.00833: steps are 50 us"),
+    ],
+)  # fmt: skip
+def test_flexible_axis_mistakes(mmcs, scenario, old, new, line):
+    text = ROBOT.replace("gear = 1.0", FLEXIBLE)
+    assert old in text
+    path = scenario(text.replace(old, new), "own.toml")
+    status, _, err = mmcs("check", path)
+    assert (status, err) == (2, f"mmcs: {path}: {line}\n")
+
+
+def test_flexible_axis_gives_the_rotor_and_the_load(scenario):
+    _, robot = load_robot(str(scenario(ROBOT.replace("gear = 1.0", FLEXIBLE), "own.toml")))
+    motor = robot.motors(coupled=False)[0]
+    assert (motor["inertia"], motor["load_inertia"]) == (1e-6, 5e-6)
+    _, rigid = load_robot(str(scenario(ROBOT, "own.toml")))
+    assert rigid.motors(coupled=False)[0]["inertia"] == 2e-6
+    assert rigid.motors(coupled=True)[0]["inertia"] == 1e-6
+
+
+def test_copies(mmcs, scenario):
+    text = ROBOT.replace("[[axis]]", '[[axis]]\nname = "M"\ncopies = 3')
+    _, robot = load_robot(str(scenario(text, "own.toml")))
+    assert [robot.axis_name(n) for n in range(robot.axes())] == ["M1", "M2", "M3"]
+    path = scenario(text.replace("copies = 3", "copies = 33"), "own.toml")
+    status, _, err = mmcs("check", path)
+    assert (status, err) == (2, f"mmcs: {path}: axis.0.copies = 33: must be at most 32\n")
+
+
+def test_cautions(mmcs, scenario):
+    text = ROBOT.replace("gear = 1.0", "gear = 1.0\nservo.ilim = 20\nservo.ic_pos = 2000")
+    status, out, _ = mmcs("check", scenario(text, "own.toml"))
+    assert status == 0
+    assert "caution: axis 0: takes 3413 D/A units to break away, ilim is less" in out
+
+
+def test_robot_files_take_no_set(mmcs):
+    status, _, err = mmcs("check", "sim/robots/lab500.toml", "--set", "a=1")
+    assert (status, err) == (2, "mmcs: --set: overrides keys of scenarios, not of robot files\n")

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Engine, driver and preload library with address and undefined-behaviour sanitizers: the tests of
+programs and random calls, once more. MMCS_LONG=1 makes the random calls last a minute."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from mmcs import ROOT
+
+OPTIONS = {
+    # Python keeps memory at its end; faults of the mapped window are not errors
+    "ASAN_OPTIONS": "detect_leaks=0:handle_segv=0:handle_sigbus=0:exitcode=99",
+    "UBSAN_OPTIONS": "print_stacktrace=1",
+}
+
+
+def runtime():
+    """The sanitizer's library, which must be loaded first into a program not made for it."""
+    found = subprocess.run(
+        ["gcc", "-print-file-name=libasan.so"], text=True, capture_output=True, check=False
+    )
+    path = found.stdout.strip()
+    return path if os.path.isabs(path) else None
+
+
+@pytest.mark.slow
+@pytest.mark.req("DRV-3", "DRV-4", "API-1")
+def test_programs_and_random_calls():
+    if not (library := runtime()):
+        pytest.skip("no libasan: install gcc's")
+    env = {**os.environ, **OPTIONS, "MMCS_SANITIZE": "1", "LD_PRELOAD": library}
+    tests = [f"mmcs/tests/{name}.py" for name in ("test_exec", "test_device", "test_serve")]
+    command = [sys.executable, "-m", "pytest", "-x", "-s", "-p", "no:cacheprovider"]
+    command += ["-k", "not bounce"] if os.environ.get("MMCS_LONG") == "1" else []
+    done = subprocess.run(
+        [*command, *tests], cwd=ROOT, env=env, text=True, capture_output=True, check=False
+    )
+    text = done.stdout + done.stderr
+    print(text)
+    assert done.returncode == 0, text[-4000:]
+    assert "Sanitizer" not in text and "runtime error" not in text, text[-4000:]

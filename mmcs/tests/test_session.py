@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run on a fake machine: order of the requests, events, failures, report fields, judgement."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mmcs import logcols, runner
+from mmcs.errors import RunError
+from mmcs.load import load
+from mmcs.report import make_report, write_log, write_report
+from mmcs.session import Session
+from mmcs.tests.conftest import GOOD
+from mmcs.tests.fake import FakeSim
+
+
+def run(path, sim=None, **options):
+    setup = load(str(path), (), **options)
+    sim = sim or FakeSim(setup.axes)
+    return sim, Session(sim, setup).run()
+
+
+def test_requests_in_the_order_of_a_user_program(scenario):
+    sim, _ = run(scenario())
+    assert sim.calls == [
+        ("open", 2),
+        ("MSETNUMJOINTS", 1),
+        ("MSETINTERVAL", 1000),
+        ("MDACMODE", 1),
+        ("MSETENC", 0),
+        ("MGETPARAM", 0),
+        ("MSETPARAM", 0),
+        ("MENABLE", None),
+        ("write", [0]),
+        ("start", 0),
+        ("MSTOP", None),
+        ("close", 0),
+    ]
+    assert [(s["kind"], s["t0"], s["to"]) for s in sim.segments] == [("step", 0.05, 200)]
+
+
+def test_events_count_from_the_start_of_motion_and_heal(scenario):
+    text = '\n[[event]]\nat = 0.1\ninput = "cable_cut"\nvalue = 1\nuntil = 0.2\n'
+    text = GOOD + text.replace("cable_cut", "estop")
+    sim, result = run(scenario(text))
+    start = result.motion_start_s
+    assert sim.events == [(start + 0.1, 0, 0, 1.0), (start + 0.2, 0, 0, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("request_name", "number", "line"),
+    [
+        ("open", 6, "open: ENXIO (No such device or address)"),
+        ("MSETNUMJOINTS", 22, "MSETNUMJOINTS 1: EINVAL (Invalid argument)"),
+        ("MSETPARAM", 22, "MSETPARAM of axis 0: EINVAL (Invalid argument)"),
+        ("MENABLE", 5, "MENABLE: EIO (Input/output error)"),
+    ],
+)
+def test_refused_request_ends_the_run(scenario, request_name, number, line):
+    sim = FakeSim(1, fail={request_name: number})
+    with pytest.raises(RunError) as failure:
+        run(scenario(), sim)
+    assert str(failure.value) == line
+
+
+@pytest.fixture
+def fake_machine(monkeypatch):
+    """`mmcs run` on a fake; options of FakeSim go into the dictionary."""
+    options = {}
+
+    def simulate(setup, trace=None, realtime=False, host="native"):
+        return Session(FakeSim(setup.axes, **options), setup, realtime).run()
+
+    monkeypatch.setattr(runner, "simulate", simulate)
+    return options
+
+
+FIELDS = {
+    "scenario", "simulated_s", "wall_s", "rtf", "clk_hz", "cycles", "hash", "host", "cards",
+    "axes", "stats", "events", "expect",
+}  # fmt: skip
+
+
+def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path):
+    out = tmp_path / "results"
+    status, text, err = mmcs("run", scenario(), "--out", out, "--seed", 7)
+    assert (status, err) == (0, "")
+    report = json.loads((out / "report.json").read_text())
+    assert report.keys() >= FIELDS
+    assert (report["scenario"], report["host"], report["cards"]) == ("test", "native", 1)
+    assert (report["clk_hz"], report["seed"]) == (8_000_000, 7)
+    assert report["cycles"] == round(report["simulated_s"] * 8e6)
+    axis = report["axes"][0]
+    assert axis.keys() >= {"axis", "rise_ms", "overshoot_pct", "settle_ms", "steady_error_counts"}
+    assert axis["rise_ms"] == pytest.approx(43.9, abs=1)
+    assert report["stats"].keys() >= {"interrupts", "missed", "overruns", "panics"}
+    lines = (out / "log.csv").read_text().splitlines()
+    names = "setpoint_0,encoder_0,velocity_0,error_0,current_0,errcode_0,angle_rad_0"
+    assert lines[0] == "t_s," + names
+    assert len(lines) == 301
+    assert lines[-1].startswith("0.300000,200,200,0,0,0,0,0.")
+    picture = (out / "plot.svg").read_text()
+    assert picture.startswith("<?xml") and "setpoint" in picture and "current" in picture
+    for word in ("real-time factor", "time to first motion", "hash 0x", "axis"):
+        assert word in text
+
+
+def test_log_of_two_axes_has_its_columns_in_order(scenario, tmp_path):
+    text = GOOD.replace("lab500", "puma560").replace("cards = 1", "cards = 3")
+    _, result = run(scenario(text))
+    write_log(result, tmp_path)
+    table = np.genfromtxt(tmp_path / "log.csv", delimiter=",", names=True)
+    assert list(table.dtype.names) == logcols.header(6)
+    assert table["encoder_0"][-1] == 200
+    assert table["encoder_5"][-1] == 0
+
+
+EXPECT = """
+[[expect]]
+kind = "axis"
+rise_ms = {rise}
+final_counts = [195, 205]
+
+[[expect]]
+kind = "stats"
+missed = 0
+"""
+
+
+def test_expectations_decide_the_status(mmcs, scenario, fake_machine, tmp_path):
+    out = tmp_path / "o"
+    status, text, _ = mmcs("run", scenario(GOOD + EXPECT.format(rise="[40, 50]")), "--out", out)
+    assert status == 0
+    assert "ok      axis 0 rise in 40..50 ms: 43.8" in text
+    assert "ok      missed = 0: 0" in text
+    status, text, _ = mmcs("run", scenario(GOOD + EXPECT.format(rise="[1, 2]")), "--out", out)
+    assert status == 1
+    assert "FAILED  axis 0 rise in 1..2 ms: 43.8" in text
+    report = json.loads((out / "report.json").read_text())
+    assert [item["ok"] for item in report["expect"]] == [False, True, True]
+
+
+def test_axis_that_never_rises_fails_its_expectation(mmcs, scenario, fake_machine, tmp_path):
+    fake_machine["short"] = 50.0
+    path = scenario(GOOD + EXPECT.format(rise="[40, 50]"))
+    status, text, _ = mmcs("run", path, "--out", tmp_path)
+    assert status == 1
+    assert "FAILED  axis 0 rise in 40..50 ms: never" in text
+
+
+def test_expected_events(mmcs, scenario, fake_machine, tmp_path):
+    fake_machine["notes"] = [{"t": 0.1, "kind": "panic", "axis": -1, "text": "button"}]
+    event = '\n[[expect]]\nkind = "event"\nevent = "panic"\n{}\n'
+
+    def judged(more):
+        return mmcs("run", scenario(GOOD + event.format(more)), "--out", tmp_path)[0]
+
+    assert judged("") == 0
+    assert judged("within_ms = 101.0") == 0
+    assert judged("within_ms = 99.0") == 1
+    assert judged("after = 0.2") == 1
+    assert judged('text = "cable"') == 1
+    assert judged("seen = false") == 1
+    assert judged("axis = 0") == 1
+
+
+def test_expected_hash(scenario, tmp_path):
+    _, result = run(scenario())
+    for digest, good in ((result.hash, True), ("0x" + "0" * 16, False)):
+        text = GOOD + f'\n[[expect]]\nkind = "hash"\nhash = "{digest}"\n'
+        _, again = run(scenario(text))
+        assert make_report(again, "native")["expect"][0]["ok"] is good
+
+
+def test_failed_assertion_of_the_machine_fails_the_run(mmcs, scenario, fake_machine, tmp_path):
+    fake_machine["assert_at"] = 0.1
+    status, text, _ = mmcs("run", scenario(), "--out", tmp_path)
+    assert status == 1
+    assert "FAILED  no assertion of the machine fails: boom" in text
+
+
+def test_run_that_ends_before_its_first_sample(scenario, tmp_path):
+    sim, result = run(scenario(), FakeSim(1, assert_at=0.0), duration=0.06)
+    report = make_report(result, "native")
+    write_report(report, tmp_path)
+    assert report["axes"][0]["rise_ms"] is None
+
+
+def test_set_and_duration(scenario):
+    setup = load(str(scenario()), ("servo=[{a0=5}]", "motion.0.to=-7"), duration=0.2)
+    assert setup.params[0]["a0"] == 5
+    assert setup.segments[0]["to"] == -7
+    assert setup.scenario.duration == 0.2
+
+
+def test_units(scenario):
+    """A degree of the joint is 1/360 of a turn of the joint: counts times gear."""
+    text = GOOD.replace("lab500", "puma560").replace("cards = 1", "cards = 3")
+    setup = load(str(scenario(text.replace("to = 200", 'to = 1\nunit = "deg"'))), ())
+    assert setup.segments[0]["to"] == pytest.approx(-62.6111 * 1000 / 360)
+
+
+@pytest.mark.parametrize("name", ["run", "list", "show", "check", "waves"])
+def test_help_is_one_screen(mmcs, name):
+    status, out, err = mmcs(name, "--help")
+    assert (status, err) == (0, "")
+    assert len(out.splitlines()) < 25
+
+
+def test_list_show_check(mmcs):
+    status, out, _ = mmcs("list")
+    assert status == 0
+    names = [line.split()[0] for line in out.splitlines()]
+    assert {"lab500", "puma560"} <= set(names)
+    for name in names:
+        status, out, err = mmcs("check", name)
+        assert (status, err) == (0, ""), name
+        status, out, err = mmcs("show", name)
+        assert (status, err) == (0, "") and name in out
+
+
+def test_hosts_to_come(mmcs):
+    status, _, err = mmcs("run", "lab500", "--host", "rv32")
+    line = 'mmcs: --host = "rv32": not available yet; allowed: "native", "m68020"\n'
+    assert (status, err) == (2, line)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The wrapper of the simulator library: what a Python program can do with the machine by hand."""
+
+import pytest
+
+from mmcs import mcdef
+from mmcs.build import ensure_library
+from mmcs.errors import RunError
+from mmcs.load import load
+from mmcs.sim import Sim, declarations
+
+PCCSR, VECTOR, NOBODY = 0x409, 0x441, 0x408  # offsets in the window; the last is an even byte
+
+
+@pytest.fixture
+def setup():
+    return load("lab500")
+
+
+@pytest.fixture
+def sim(setup):
+    library = ensure_library(1, "speed")
+    with Sim(library, setup.config(), setup.motors(), setup.links()) as machine:
+        yield machine
+
+
+def test_build_says_what_it_is(sim):
+    assert sim.build() == {"cards": 1, "clk_hz": 8_000_000, "skip": 0, "trace": 0}
+    assert (sim.time, sim.clock) == (0.0, 0)
+
+
+@pytest.mark.req("CSR-1", "VME-5", "VME-6", "API-1")
+def test_registers_by_hand(sim):
+    sim.bus_write(PCCSR, 0x18)
+    assert sim.bus_read(PCCSR) & 0x9F == 0x18
+    assert sim.bus_read(PCCSR, am=0x29) & 0x9F == 0x18
+    assert sim.bus_read(VECTOR) == 0xFF
+    with pytest.raises(TimeoutError, match="bus time-out at offset 0x408"):
+        sim.bus_read(NOBODY)
+    assert sim.time > 0
+
+
+@pytest.mark.req("DRV-2", "DRV-4")
+def test_device_by_hand(sim):
+    client = sim.open(mcdef.O_RDONLY)
+    assert client >= 0
+    cards = mcdef.new_int(0)
+    assert sim.ioctl(client, mcdef.MGETNUMCARDS, cards) == 0
+    assert cards[0] == 1
+    assert sim.ioctl(client, mcdef.MENABLE) == -9  # EBADF: open for reading only
+    assert [s["errcode"] for s in sim.read(client, 2)] == [0, 0]
+    assert sim.signals(client) == 0
+    assert sim.close(client) == 0
+
+
+def test_log_is_empty_before_motion(sim):
+    assert sim.log().shape == (0, 8)
+    assert sim.run(0.01)
+    assert sim.log().shape == (0, 8)
+    assert sim.time == pytest.approx(0.01, abs=2e-7)
+
+
+def test_refusals_are_one_line(setup, sim, tmp_path):
+    with pytest.raises(RunError, match="the trace file cannot be made"):
+        sim.trace(tmp_path / "x.fst")  # the speed build has no tracing
+    with pytest.raises(RunError, match="the engine refuses a motion of axis 7"):
+        sim.add_segment(axis=7, kind="step", t0=0.0, to=1.0)
+    library = ensure_library(1, "speed")
+    with pytest.raises(RunError, match="^the machine cannot be made: this build .* 1 cards"):
+        Sim(library, {**setup.config(), "cards": 2}, setup.motors(), [])
+    with pytest.raises(RunError, match="the simulator library does not load"):
+        Sim(tmp_path / "none.so", setup.config(), setup.motors(), [])
+
+
+def test_declarations_drop_what_cffi_cannot_read():
+    text = "/* c */\n#ifndef A\n#define A\n#define N 0x10\n#include <x.h>\nint f(void);\n#endif\n"
+    assert declarations(text).split("\n")[0] == "#define N 0x10"
+    assert "#include" not in declarations(text) and "int f(void);" in declarations(text)

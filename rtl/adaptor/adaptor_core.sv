@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// The five functions of an adaptor behind a host-neutral port: one byte request, one answer.
+// §4.2.1, §4.3.2-4.3.5
+`default_nettype none
+`include "mmcs_assert.svh"
+
+module adaptor_core #(
+  parameter int ClkHz = 8_000_000,
+  parameter int SysClkMHz = 8,
+  parameter int SclockDrq = 3,
+  parameter int PanicIrq = 7,
+  parameter int CmdNs = 500,
+  parameter int IochrdyLimitClks = 10,
+  parameter int ResetDrvUs = 50,   // RESET DRV after the PC side's power returns
+  parameter bit RandomPowerUp = 1'b0,
+  parameter bit Gate = 1'b0,       // see rtl/mmcs.sv
+  parameter bit Skip = 1'b0
+) (
+  input  wire logic        clk_i,
+  input  wire logic        rst_ni,
+  // Host port: req and the rest are held until ack; rdata is valid with ack and stays.
+  input  wire logic        hp_req_i,
+  input  wire logic        hp_write_i,
+  input  wire logic [10:1] hp_a_i,
+  input  wire logic [ 7:0] hp_wdata_i,
+  output logic             hp_ack_o,
+  output logic      [ 7:0] hp_rdata_o,
+  // Interrupt
+  output logic             irq_req_o,
+  output logic      [ 7:0] vector_o,
+  // Safety
+  input  wire logic        sys_reset_i,     // SYSRESET* is low, asynchronous
+  output logic             sys_reset_o,     // the same, synchronised
+  input  wire logic        estop_closed_i,
+  input  wire logic        cable_ok_i,
+  input  wire logic        pc_power_i,
+  output logic             panic_o,
+  output logic             brake_release_o,
+  output logic             sclock_o,
+  // PC bus, as the cards see it
+  output logic      [15:0] pc_a_o,
+  output logic             pc_aen_o,
+  output logic      [ 7:0] pc_d_o,
+  output logic             pc_ior_no,
+  output logic             pc_iow_no,
+  output logic             pc_clk_en_o,
+  output logic             pc_reset_drv_o,
+  output logic      [ 3:1] pc_drq_o,
+  output logic             pc_power_o,
+  input  wire logic [ 7:0] pc_d_i,
+  input  wire logic        pc_wait_i,
+  input  wire logic [ 7:3] pc_irq_i,
+  // Faults and skipping
+  input  wire logic        irq_lost_i,
+  input  wire logic        clk_free_i,
+  output logic             awake_o,         // more than counting happens on this clock
+  input  wire logic [15:0] extra_i,
+  output logic      [15:0] horizon_o
+);
+
+  localparam int ClkMHz = ClkHz / 1_000_000;
+  // Strobe for the timer chip: it needs 150 ns.
+  localparam int LocalClks = ClkMHz / 4;
+  localparam int LocalWidth = $clog2(LocalClks + 1);
+  localparam int ResetWidth = $clog2(ResetDrvUs * ClkMHz + 1);
+
+  // --- host port decode -------------------------------------------------------------------
+
+  localparam logic [10:0] PitOffset = mmcs_regs_pkg::PIT0;
+  localparam logic [10:0] PccsrOffset = mmcs_regs_pkg::PCCSR;
+
+  logic sel_pc, sel_pit, sel_pccsr, sel_vector;
+
+  assign sel_pc = ~hp_a_i[10];
+  assign sel_vector = hp_a_i[10] & hp_a_i[6];
+  assign sel_pit = hp_a_i[10] & ~hp_a_i[6] & (hp_a_i[5:3] == PitOffset[5:3]);
+  assign sel_pccsr = hp_a_i[10] & ~hp_a_i[6] & (hp_a_i[5:3] == PccsrOffset[5:3]);
+
+  // --- accesses to the adaptor's own registers --------------------------------------------
+
+  typedef enum logic [1:0] {
+    StIdle,
+    StStrobe,  // RD# or WR# of the timers low
+    StDone     // strobe over: writes take effect, the host is answered
+  } state_e;
+
+  state_e                  state_q;
+  logic   [LocalWidth-1:0] timer_q;
+  logic   [           7:0] local_rdata_q;
+  logic   [           7:0] vector_q;
+  logic   [7:0] pit_rdata, pccsr_rdata;
+  logic                    local_write;   // the clock in which a written register changes
+  logic                    strobe;
+
+  assign strobe = (state_q == StStrobe);
+  assign local_write = (state_q == StDone) & hp_write_i;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      state_q       <= StIdle;
+      timer_q       <= '0;
+      local_rdata_q <= 8'hFF;
+      vector_q      <= mmcs_regs_pkg::VECTOR_RESET;
+    end else if (state_q == StIdle) begin
+      if (hp_req_i && !sel_pc) begin
+        state_q <= StStrobe;
+        timer_q <= LocalWidth'(LocalClks - 1);
+      end
+    end else if (timer_q != '0) begin
+      timer_q <= timer_q - 1'b1;
+    end else if (strobe) begin
+      state_q <= StDone;
+      if (hp_write_i) local_rdata_q <= 8'hFF;
+      else if (sel_pit) local_rdata_q <= pit_rdata;
+      else if (sel_pccsr) local_rdata_q <= pccsr_rdata;
+      else local_rdata_q <= 8'hFF;
+    end else begin
+      state_q <= StIdle;
+      if (local_write && sel_vector) vector_q <= hp_wdata_i;
+    end
+  end
+
+  assign vector_o = vector_q;
+
+  // --- PC bus -----------------------------------------------------------------------------
+
+  logic sys_rise, sys_fall;
+  logic bus_done, bus_idle, link_ok, cable_ok;
+  logic [4:0] base;
+  logic [7:0] bus_rdata;
+  logic ior_n, iow_n;
+
+  pcbus_master #(
+    .ClkHz(ClkHz),
+    .CmdNs(CmdNs),
+    .IochrdyLimitClks(IochrdyLimitClks)
+  ) u_master (
+    .clk_i, .rst_ni,
+    .start_i(hp_req_i & sel_pc),
+    .write_i(hp_write_i),
+    .a_i({2'b00, hp_a_i[9:6], base, hp_a_i[5:1]}),
+    .wdata_i(hp_wdata_i),
+    .done_o(bus_done),
+    .rdata_o(bus_rdata),
+    .idle_o(bus_idle),
+    .link_ok_i(link_ok),
+    .clk_en_i(sys_rise),
+    .pc_a_o, .pc_d_o,
+    .pc_ior_no(ior_n),
+    .pc_iow_no(iow_n),
+    .pc_d_i, .pc_wait_i
+  );
+
+  assign hp_ack_o = bus_done | (state_q == StDone);
+  // The address is held until the answer is taken, and the last answer is that of the last address.
+  logic from_pc_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) from_pc_q <= 1'b0;
+    else if (hp_req_i) from_pc_q <= sel_pc;
+  end
+  assign hp_rdata_o = from_pc_q ? bus_rdata : local_rdata_q;
+
+  // The lines that a pulled cable lets go idle at the cards.
+  assign pc_ior_no = ior_n | ~link_ok;
+  assign pc_iow_no = iow_n | ~link_ok;
+  assign pc_aen_o = 1'b0;
+  assign pc_clk_en_o = sys_rise & cable_ok;
+
+  // --- clocks and timers ------------------------------------------------------------------
+
+  logic [2:0] out;
+  logic out0_rise, out0_fall, out1_rise, out1_fall;
+  logic [15:0] pit_horizon;
+
+  sysclk #(
+    .ClkHz(ClkHz),
+    .SysClkMHz(SysClkMHz)
+  ) u_sysclk (
+    .clk_i(Gate ? clk_free_i : clk_i), .rst_ni,
+    .rise_o(sys_rise),
+    .fall_o(sys_fall)
+  );
+
+  /* verilator lint_off PINCONNECTEMPTY */  // nothing follows timer 2; the bus is never shared
+  i8254 #(
+    .Skip(Skip),
+    .Gate(Gate),
+    .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 : 32'h0)
+  ) u_pit (
+    .clk_i, .rst_ni,
+    .cs_ni(~(strobe & sel_pit)),
+    .rd_ni(~strobe | hp_write_i),
+    .wr_ni(~strobe | ~hp_write_i),
+    .a_i(hp_a_i[2:1]),
+    .d_i(hp_wdata_i),
+    .d_o(pit_rdata),
+    .d_oe_o(),
+    .clk0_rise_i(sys_rise),
+    .clk0_fall_i(sys_fall),
+    .clk1_rise_i(out0_rise),
+    .clk1_fall_i(out0_fall),
+    .clk2_rise_i(out1_rise),
+    .clk2_fall_i(out1_fall),
+    .gate_i(3'b111),
+    .out_o(out),
+    .out0_rise_o(out0_rise),
+    .out0_fall_o(out0_fall),
+    .out1_rise_o(out1_rise),
+    .out1_fall_o(out1_fall),
+    .out2_rise_o(),
+    .out2_fall_o(),
+    .clk_free_i,
+    .awake_o(pit_awake),
+    .extra_i,
+    .horizon_o(pit_horizon)
+  );
+  /* verilator lint_on PINCONNECTEMPTY */
+
+  assign sclock_o = out[1];
+
+  // After a reconnection SCLOCK reaches the cards from its next low level on: a cable that comes
+  // back while it is high makes no edge.
+  logic sclock_armed_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) sclock_armed_q <= 1'b0;
+    else if (!link_ok) sclock_armed_q <= 1'b0;
+    else if (!sclock_o) sclock_armed_q <= 1'b1;
+  end
+
+  assign pc_drq_o = {2'b00, sclock_o & sclock_armed_q & link_ok} << (SclockDrq - 1);
+
+  // --- panic, resets, interrupts ----------------------------------------------------------
+
+  logic panic_settled, csr_settled;
+  logic [1:0] sys_reset_q;
+  logic [ResetWidth-1:0] power_timer_q;
+
+  panic u_panic (
+    .clk_i, .rst_ni,
+    .bus_panic_i(pc_irq_i[PanicIrq]),
+    .estop_closed_i, .cable_ok_i, .pc_power_i,
+    .panic_o, .brake_release_o,
+    .cable_ok_o(cable_ok),
+    .pc_power_o,
+    .settled_o(panic_settled)
+  );
+
+  assign link_ok = cable_ok & pc_power_o;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      sys_reset_q   <= '0;
+      power_timer_q <= '0;
+    end else begin
+      sys_reset_q <= {sys_reset_q[0], sys_reset_i};
+      if (!pc_power_o) power_timer_q <= ResetWidth'(ResetDrvUs * ClkMHz);
+      else if (power_timer_q != '0) power_timer_q <= power_timer_q - 1'b1;
+    end
+  end
+
+  assign sys_reset_o = sys_reset_q[1];
+  assign pc_reset_drv_o = (sys_reset_q[1] & cable_ok) | (power_timer_q != '0);
+
+  pccsr u_pccsr (
+    .clk_i, .rst_ni,
+    .sys_reset_i(sys_reset_q[1]),
+    .write_i(local_write & sel_pccsr),
+    .wdata_i(hp_wdata_i),
+    .rdata_o(pccsr_rdata),
+    .sclock_i(sclock_o),
+    .panic_i(panic_o),
+    .irq_lost_i,
+    .base_o(base),
+    .irq_req_o,
+    .settled_o(csr_settled)
+  );
+
+  // --- skipping ---------------------------------------------------------------------------
+
+  logic busy, pit_awake;
+  logic sys_reset_moves;
+  assign sys_reset_moves = sys_reset_q[0] != sys_reset_q[1];
+  always_comb begin  // a block, so that a simulator keeps the result
+    busy = 1'b0;
+    if (hp_req_i || state_q != StIdle || !bus_idle || !panic_settled || !csr_settled ||
+        sys_reset_moves || power_timer_q != '0 ||
+        (link_ok && !sclock_o && !sclock_armed_q)) busy = 1'b1;
+  end
+  assign awake_o = ClkMHz != SysClkMHz || busy || pit_awake;
+
+  if (Skip && ClkMHz == SysClkMHz) begin : g_skip
+    assign horizon_o = busy ? 16'd1 : pit_horizon;
+  end else begin : g_step
+    // A divided system clock moves at its own pace: no skipping.
+    assign horizon_o = 16'd1;
+    logic unused;
+    assign unused = ^pit_horizon;
+  end
+
+  logic unused_out;
+  assign unused_out = ^{out[2], out[0]};
+
+  `MMCS_ASSERT(OneAnswer, !(hp_ack_o && !hp_req_i), "an answer is given only to a request")
+
+endmodule
+
+`default_nettype wire

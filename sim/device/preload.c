@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lets an unmodified program use /dev/mcN and /dev/vme16 of the simulator, §2.3 and §2.4.
+ *
+ * Loaded by LD_PRELOAD. A device is a connected socket (wire.h), so the kernel does dup, fcntl,
+ * fork, close, exit, poll and select; only the calls below differ. Everything else is passed on.
+ */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include "wire.h"
+
+/* The size and direction that mcdef.h puts into a request number, as 4.2BSD did. */
+#define REQUEST_SIZE(r) (((r) >> 16) & 0x1FFFu)
+#define REQUEST_IN(r) (((r) & 0x80000000u) != 0)
+#define REQUEST_OUT(r) (((r) & 0x40000000u) != 0)
+
+#define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
+static int is_device(const char *path) {
+  if (path == NULL || strncmp(path, "/dev/", 5) != 0) return 0;
+  return strcmp(path, "/dev/vme16") == 0 ||
+         (strncmp(path, "/dev/mc", 7) == 0 && path[7] >= '0' && path[7] <= '9');
+}
+
+static int fail(int result) {
+  if (result >= 0) return result;
+  errno = -result;
+  return -1;
+}
+
+/* A user's pointer may be bad: copying through the kernel tells, a memcpy would crash. */
+static int copy_from_user(void *to, const void *from, size_t length) {
+  struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
+  ssize_t n = length == 0 ? 0 : process_vm_readv(getpid(), &local, 1, &remote, 1, 0);
+  return n == (ssize_t)length ? 0 : -EFAULT;
+}
+
+static int copy_to_user(void *to, const void *from, size_t length) {
+  struct iovec local = {(void *)(uintptr_t)from, length}, remote = {to, length};
+  ssize_t n = length == 0 ? 0 : process_vm_writev(getpid(), &local, 1, &remote, 1, 0);
+  return n == (ssize_t)length ? 0 : -EFAULT;
+}
+
+/* The same two probes, before the server does something that cannot be undone. */
+static int user_can_take(void *to, size_t length) {
+  char kept[256];
+  size_t done = 0;
+  while (done < length) {
+    size_t n = length - done < sizeof(kept) ? length - done : sizeof(kept);
+    if (copy_from_user(kept, (char *)to + done, n) < 0) return -EFAULT;
+    if (copy_to_user((char *)to + done, kept, n) < 0) return -EFAULT;
+    done += n;
+  }
+  return 0;
+}
+
+/* --- open ------------------------------------------------------------------------------ */
+
+#define OPEN_LIKE(name)                                                  \
+  int name(const char *path, int flags, ...) {                           \
+    va_list list;                                                        \
+    mode_t mode;                                                         \
+    va_start(list, flags);                                               \
+    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0; \
+    va_end(list);                                                        \
+    if (is_device(path)) return fail(wire_open(path, flags));            \
+    return NEXT(name)(path, flags, mode);                                \
+  }
+OPEN_LIKE(open)
+OPEN_LIKE(open64)
+
+#define OPENAT_LIKE(name)                                                \
+  int name(int folder, const char *path, int flags, ...) {               \
+    va_list list;                                                        \
+    mode_t mode;                                                         \
+    va_start(list, flags);                                               \
+    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0; \
+    va_end(list);                                                        \
+    if (is_device(path)) return fail(wire_open(path, flags));            \
+    return NEXT(name)(folder, path, flags, mode);                        \
+  }
+OPENAT_LIKE(openat)
+OPENAT_LIKE(openat64)
+
+/* What the fortified headers call. */
+int __open_2(const char *path, int flags);
+int __open_2(const char *path, int flags) {
+  return open(path, flags);
+}
+int __open64_2(const char *path, int flags);
+int __open64_2(const char *path, int flags) {
+  return open64(path, flags);
+}
+
+/* --- read, write, ioctl ---------------------------------------------------------------- */
+
+ssize_t read(int fd, void *buffer, size_t length) {
+  char name[WIRE_NAME], data[4096];
+  uint32_t room = sizeof(data);
+  int result;
+  if (!wire_is_file(fd, name)) return syscall(SYS_read, fd, buffer, length);
+  if (length > sizeof(data)) length = sizeof(data);
+  if (user_can_take(buffer, length) < 0) return fail(-EFAULT);
+  result = wire_call(WIRE_READ, name, length, 0, NULL, 0, data, &room);
+  if (result > 0 && copy_to_user(buffer, data, (size_t)result) < 0) result = -EFAULT;
+  return fail(result);
+}
+
+ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size);
+ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size) {
+  if (length > size) abort();
+  return read(fd, buffer, length);
+}
+
+ssize_t write(int fd, const void *buffer, size_t length) {
+  char name[WIRE_NAME], data[4096];
+  if (!wire_is_file(fd, name)) return syscall(SYS_write, fd, buffer, length);
+  if (length > sizeof(data)) return fail(-EINVAL);
+  if (copy_from_user(data, buffer, length) < 0) return fail(-EFAULT);
+  return fail(wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL));
+}
+
+static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
+  char in[256] = {0}, out[256];
+  uint32_t size = REQUEST_SIZE(request), room = sizeof(out);
+  int result;
+  if (size > sizeof(in)) return -ENOTTY;
+  if (size > 0 && copy_from_user(in, argument, size) < 0) return -EFAULT;
+  if (REQUEST_OUT(request) && user_can_take(argument, size) < 0) return -EFAULT;
+  result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
+  if (result >= 0 && REQUEST_OUT(request) && copy_to_user(argument, out, room) < 0) return -EFAULT;
+  return result;
+}
+
+int ioctl(int fd, unsigned long request, ...) {
+  char name[WIRE_NAME];
+  va_list list;
+  void *argument;
+  va_start(list, request);
+  argument = va_arg(list, void *);
+  va_end(list);
+  if (!wire_is_file(fd, name)) return (int)syscall(SYS_ioctl, fd, request, argument);
+  /* a request held in an int arrives sign-extended: its low 32 bits are the number */
+  return fail(device_ioctl(name, (uint32_t)request, argument));
+}
+
+/* --- fork and exec: who holds the file, for SIGUSR1. close() is the kernel's business. --- */
+
+/* Calls use on every descriptor of this process that is one of our files. */
+static void each_file(void (*use)(int fd, const char name[WIRE_NAME], void *arg), void *arg) {
+  DIR *folder = opendir("/proc/self/fd");
+  struct dirent *entry;
+  char name[WIRE_NAME];
+  if (folder == NULL) return;
+  while ((entry = readdir(folder)) != NULL) {
+    int fd = (int)strtol(entry->d_name, NULL, 10);
+    if (entry->d_name[0] != '.' && fd != dirfd(folder) && wire_is_file(fd, name))
+      use(fd, name, arg);
+  }
+  closedir(folder);
+}
+
+static void hold(int fd, const char name[WIRE_NAME], void *arg) {
+  (void)fd;
+  (void)arg;
+  (void)wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
+}
+
+static void child_of_fork(void) {
+  wire_after_fork();
+  each_file(hold, NULL);
+}
+
+__attribute__((constructor)) static void start(void) {
+  pthread_atfork(NULL, NULL, child_of_fork);
+  each_file(hold, NULL); /* descriptors inherited across exec */
+}
+
+/* --- mmap of /dev/vme16 ---------------------------------------------------------------- */
+
+void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offset) {
+  char name[WIRE_NAME];
+  if (fd < 0 || (flags & MAP_ANONYMOUS) || !wire_is_file(fd, name))
+    return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
+  return vme_map(address, length, prot, offset, name);
+}
+
+void *mmap64(void *address, size_t length, int prot, int flags, int fd, off64_t offset) {
+  return mmap(address, length, prot, flags, fd, offset);
+}
+
+int munmap(void *address, size_t length) {
+  if (vme_unmap(address, length)) return 0;
+  return (int)syscall(SYS_munmap, address, length);
+}

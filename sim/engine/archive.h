@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes out and bytes in, by one list of members per class: `a(x)` writes or reads x.
+//
+// A class names what changes in it once, in `template <class A> void state(A &a)`, so that saving
+// and restoring cannot drift apart. Bytes are for this build on this kind of machine only.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+namespace mmcs {
+
+using Bytes = std::vector<uint8_t>;
+
+class Writer {
+ public:
+  static constexpr bool kReads = false;
+  template <typename T>
+  void operator()(const T &value) {
+    static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    raw(&value, sizeof value);
+  }
+  template <typename T>
+  void operator()(const std::vector<T> &values) {
+    static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    (*this)(static_cast<uint64_t>(values.size()));
+    raw(values.data(), values.size() * sizeof(T));
+  }
+  void raw(const void *data, size_t size) {
+    const uint8_t *from = static_cast<const uint8_t *>(data);
+    out_.insert(out_.end(), from, from + size);
+  }
+  Bytes take() { return std::move(out_); }
+
+ private:
+  Bytes out_;
+};
+
+// Throws std::invalid_argument when the bytes end too early.
+class Reader {
+ public:
+  static constexpr bool kReads = true;
+  Reader(const uint8_t *data, size_t size) : at_(data), end_(data + size) {}
+  template <typename T>
+  void operator()(T &value) {
+    static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    raw(&value, sizeof value);
+  }
+  template <typename T>
+  void operator()(std::vector<T> &values) {
+    static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    uint64_t count = 0;
+    (*this)(count);
+    if (count > static_cast<uint64_t>(end_ - at_) / sizeof(T)) cut();
+    values.resize(count);
+    raw(values.data(), values.size() * sizeof(T));
+  }
+  void raw(void *data, size_t size) {
+    if (size > static_cast<size_t>(end_ - at_)) cut();
+    if (size) std::memcpy(data, at_, size);
+    at_ += size;
+  }
+  bool done() const { return at_ == end_; }
+
+ private:
+  [[noreturn]] static void cut() { throw std::invalid_argument("the snapshot is cut short"); }
+  const uint8_t *at_;
+  const uint8_t *end_;
+};
+
+}  // namespace mmcs

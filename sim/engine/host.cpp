@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// The host computer: see host.h.
+
+#include "host.h"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "../../firmware/ports/mailbox.h"
+
+namespace mmcs {
+namespace {
+
+constexpr uint32_t kWindow = 0x6000;  // jumpers A15-A11
+constexpr unsigned kAmDriver = 0x2D;  // short supervisory
+constexpr int kLevel = 5;             // J5, J7
+constexpr uint8_t kVector = 0x40;     // the first one free for users on a 68000
+constexpr uint32_t kSysclkHz = 8000000;
+
+}  // namespace
+
+Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
+    : machine_(machine),
+      bus_(bus),
+      memory_((mc_size() + 7) / 8),
+      random_(config.seed),
+      latency_clks_(machine.clocks(config.latency_max_us * 1e-6)),
+      cpu_us_per_axis_(config.cpu_us_per_axis),
+      signals_(MC_MAX_CLIENTS),
+      motion_(config.axes),
+      recorder_(config.axes) {
+  bind();
+  const struct mc_config mc_config = {kSysclkHz, kVector};
+  if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
+    throw std::runtime_error("the driver refuses its configuration");
+  }
+  if (config.host == MMCS_HOST_NATIVE) return;
+  cpu_ = std::make_unique<Processor>(
+      machine_, bus_, mc(), config.processor, config.firmware, config.wait_states,
+      Processor::Events{[this] { recorder_.mark(machine_); },
+                        [this](bool sampled) { served(sampled); },
+                        [this](int client) { mc_os_.signal(this, client); },
+                        [this](const std::string &text) { mc_os_.log(this, text.c_str()); }});
+}
+
+void Host::bind() {
+  mc_bus_.ctx = mc_os_.ctx = this;
+  mc_bus_.read8 = [](void *ctx, uint16_t offset, uint8_t *value) {
+    return of(ctx).access(false, offset, value);
+  };
+  mc_bus_.write8 = [](void *ctx, uint16_t offset, uint8_t value) {
+    return of(ctx).access(true, offset, &value);
+  };
+  mc_os_.signal = [](void *ctx, int client) {
+    ++of(ctx).signals_.at(static_cast<size_t>(client));
+    of(ctx).machine_.note("signal", -1, "SIGUSR1 to client " + std::to_string(client));
+  };
+  mc_os_.log = [](void *ctx, const char *text) { of(ctx).machine_.note("log", -1, text); };
+  mc_os_.compute = [](void *ctx, unsigned axes) {
+    Host &host = of(ctx);
+    const double us = host.cpu_us_per_axis_ * axes;
+    host.machine_.advance(host.machine_.clocks(us * 1e-6), Watch::kNothing);
+  };
+  mc_os_.delay_us = [](void *ctx, uint32_t us) {
+    Host &host = of(ctx);
+    host.run_until(host.machine_.clock() + host.machine_.clocks(us * 1e-6));
+  };
+  mc_os_.mask = [](void *ctx) {
+    const unsigned previous = of(ctx).masked_;
+    of(ctx).masked_ = true;
+    return previous;
+  };
+  mc_os_.unmask = [](void *ctx, unsigned previous) {
+    of(ctx).masked_ = previous != 0;
+    of(ctx).poll();
+  };
+  mc_os_.copy_in = mc_os_.copy_out = [](void *, void *to, const void *from, size_t len) {
+    if (!to || !from) return -MC_EFAULT;
+    std::memcpy(to, from, len);
+    return 0;
+  };
+}
+
+enum mc_bus_result Host::access(bool write, uint16_t offset, uint8_t *value) {
+  uint32_t data = *value;
+  const BusResult result = write ? bus_.write(kWindow + offset, kAmDriver, 1, data)
+                                 : bus_.read(kWindow + offset, kAmDriver, 1, &data);
+  if (!write) *value = static_cast<uint8_t>(data);
+  poll();
+  return static_cast<enum mc_bus_result>(result);
+}
+
+// --- interrupts --------------------------------------------------------------------------------
+
+// Draws the latency when a request appears; forgets it when the request goes away.
+void Host::track_request() {
+  if (!machine_.irq()) {
+    requested_ = false;
+  } else if (!requested_) {
+    requested_ = true;
+    due_clock_ = machine_.clock() + random_.upto(latency_clks_);
+  }
+}
+
+bool Host::due() const {
+  return requested_ && !masked_ && !serving_ && machine_.clock() >= due_clock_ &&
+         machine_.clock() >= machine_.stalled_until();
+}
+
+void Host::poll() {
+  track_request();
+  while (due() && !machine_.failed()) {
+    serve();
+    track_request();
+  }
+}
+
+void Host::serve() {
+  serving_ = masked_ = true;
+  recorder_.mark(machine_);
+  uint8_t vector = 0;
+  bool sampled = false;
+  if (bus_.acknowledge(kLevel, &vector) == BusResult::kOk && vector == kVector) {
+    sampled = mc_interrupt(mc()) == 1;
+  } else {
+    mc_spurious(mc());
+  }
+  requested_ = false;
+  serving_ = masked_ = false;
+  served(sampled);
+}
+
+// An interrupt is over: what it found is recorded, and the process writes for the next one.
+void Host::served(bool sampled) {
+  if (sampled) recorder_.sample(mc(), machine_);
+  recorder_.errors(machine_, mc());
+  if (sampled) write_setpoints();
+}
+
+bool Host::run_until(int64_t clock, const std::function<void()> &idle) {
+  if (cpu_) return cpu_->run_until(clock, idle);
+  while (machine_.clock() < clock && !machine_.failed()) {
+    if (idle) idle();
+    poll();
+    int64_t until = clock;
+    if (requested_ && !masked_) {
+      until = std::min(until, std::max(due_clock_, machine_.stalled_until()));
+    }
+    if (until > machine_.clock()) machine_.advance(until - machine_.clock(), Watch::kIrq);
+  }
+  poll();
+  return !machine_.failed();
+}
+
+// --- the process that moves the axes -----------------------------------------------------------
+
+void Host::start_motion(int client) {
+  motion_client_ = client;
+  motion_axes_ = 0;
+  recorder_.start(machine_.clock());
+  const int joints = mc_joints(mc());
+  for (int axis = 0; axis < joints; ++axis) {
+    if (!motion_.moves(axis)) continue;
+    motion_axes_ = axis + 1;
+    motion_.start(axis, mc_setpoint(mc(), axis));
+  }
+  written_.clear();
+}
+
+// Between samples, at the time of the sample: what it writes is in force at the next one.
+void Host::write_setpoints() {
+  if (motion_axes_ == 0 || recorder_.sample_clock() < recorder_.start_clock()) return;
+  const double t = static_cast<double>(recorder_.sample_clock() - recorder_.start_clock()) /
+                   static_cast<double>(Model::clk_hz());
+  std::vector<int32_t> values(static_cast<size_t>(motion_axes_));
+  for (int axis = 0; axis < motion_axes_; ++axis) {
+    values[static_cast<size_t>(axis)] =
+        motion_.moves(axis) ? motion_.at(axis, t) : mc_setpoint(mc(), axis);
+  }
+  if (values == written_) return;
+  if (cpu_) {
+    cpu_->post_write(motion_client_, values);
+  } else {
+    mc_write(mc(), motion_client_, values.data(), 4 * values.size());
+  }
+  written_.swap(values);
+}
+
+// --- /dev/mc0 ----------------------------------------------------------------------------------
+
+int Host::open(int flags) {
+  const int client = cpu_ ? cpu_->call(MAILBOX_OPEN, 0, static_cast<uint32_t>(flags), nullptr, 0, 0)
+                          : mc_open(mc(), flags);
+  if (client >= 0) signals_.at(static_cast<size_t>(client)) = 0;
+  if (!cpu_) poll();
+  return client;
+}
+
+int Host::close(int client) {
+  if (client == motion_client_) {
+    motion_client_ = -1;
+    motion_axes_ = 0;
+  }
+  if (cpu_) return cpu_->call(MAILBOX_CLOSE, client, 0, nullptr, 0, 0);
+  const int result = mc_close(mc(), client);
+  poll();
+  return result;
+}
+
+int Host::ioctl(int client, uint32_t request, void *arg) {
+  if (cpu_) {
+    const size_t size = request >> 16 & 0x1FFF;
+    return cpu_->call(MAILBOX_IOCTL, client, request, arg, request & MC_ARG_IN ? size : 0,
+                      request & MC_ARG_OUT ? size : 0);
+  }
+  const int result = mc_ioctl(mc(), client, request, arg);
+  poll();
+  return result;
+}
+
+int Host::read(int client, void *buf, size_t len) {
+  if (cpu_) return cpu_->call(MAILBOX_READ, client, static_cast<uint32_t>(len), buf, 0, len);
+  return mc_read(mc(), client, buf, len);
+}
+
+int Host::write(int client, const void *buf, size_t len) {
+  if (cpu_) {
+    return cpu_->call(MAILBOX_WRITE, client, static_cast<uint32_t>(len), const_cast<void *>(buf),
+                      len, 0);
+  }
+  return mc_write(mc(), client, buf, len);
+}
+
+int Host::take_signals(int client) {
+  if (client < 0 || client >= MC_MAX_CLIENTS) return 0;
+  int count = 0;
+  std::swap(count, signals_[static_cast<size_t>(client)]);
+  return count;
+}
+
+}  // namespace mmcs

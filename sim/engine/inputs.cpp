@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of the machine's named inputs.
+
+#include "inputs.h"
+
+namespace mmcs {
+
+const Input kInputs[] = {
+    // hand-held button: 1 = pressed (loop open)
+    {"estop", Action::kPin, Scope::kGlobal, Pin::kEstop, 1, false},
+    // ribbon between adaptor and cards: 1 = plugged in
+    {"cable", Action::kPin, Scope::kGlobal, Pin::kCableCut, 1, true},
+    // supply of the card cage: 1 = on
+    {"pc_power", Action::kPin, Scope::kGlobal, Pin::kPcOff, 1, true},
+    // SYSRESET* of the VME bus: 1 = asserted
+    {"sysreset", Action::kPin, Scope::kGlobal, Pin::kSysreset, 1, false},
+    // front switch of an axis: 1 = enabled
+    {"axis_enable", Action::kPin, Scope::kAxis, Pin::kAxisEnable, 1, false},
+    // card pulled: 1
+    {"card_absent", Action::kPin, Scope::kCard, Pin::kCardAbsent, 1, false},
+    // DIP switch misset: XOR with the right value
+    {"dip_xor", Action::kPin, Scope::kCard, Pin::kDipXor, 15, false},
+    // jumpers of the SCLOCK and PANIC lines lifted: 1
+    {"sclock_open", Action::kPin, Scope::kCard, Pin::kSclockOpen, 1, false},
+    {"panic_open", Action::kPin, Scope::kCard, Pin::kPanicOpen, 1, false},
+    // D/A bits stuck at 1 or 0: a mask of 12 bits
+    {"dac_stuck1", Action::kPin, Scope::kAxis, Pin::kDacStuck1, 4095, false},
+    {"dac_stuck0", Action::kPin, Scope::kAxis, Pin::kDacStuck0, 4095, false},
+    // A/D that keeps its last code: 1
+    {"adc_stuck", Action::kPin, Scope::kAxis, Pin::kAdcStuck, 1, false},
+    // SCLOCK edges do not reach the interrupt latch: 1
+    {"irq_lost", Action::kPin, Scope::kGlobal, Pin::kIrqLost, 1, false},
+    // the host takes no interrupt for so many milliseconds
+    {"host_stall", Action::kStall, Scope::kGlobal, Pin::kCount, 1000000, false},
+    // so many of the next bus cycles end in BERR*
+    {"bus_error", Action::kBusError, Scope::kGlobal, Pin::kCount, 1000000, false},
+    // a particle flips these bits of a register, once
+    {"seu_encoder", Action::kUpset, Scope::kAxis, Pin::kCount, 65535, false, Register::kEncoder},
+    {"seu_dac_input", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, Register::kDacRank1},
+    {"seu_dac_output", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, Register::kDacRank2},
+    {"seu_index_latch", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, Register::kIndexLatch},
+    {"seu_heartbeat", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, Register::kHeartbeat},
+    {"seu_pccsr", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false, Register::kPccsr},
+    {"seu_vector", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false, Register::kVector},
+};
+const int kInputCount = sizeof kInputs / sizeof kInputs[0];
+
+}  // namespace mmcs

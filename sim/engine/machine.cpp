@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// Time: see machine.h.
+
+#include "machine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace mmcs {
+namespace {
+
+constexpr size_t kMaxNotes = 10000;
+
+// Volts to the 16-bit units of the pins, 32768 = 10 V.
+int16_t to_pin(double volts) {
+  const double units = volts * 3276.8;
+  if (units >= 32767.0) return 32767;
+  if (units <= -32768.0) return -32768;
+  return static_cast<int16_t>(units < 0 ? units - 0.5 : units + 0.5);
+}
+
+int64_t clocks_up(double seconds) {
+  const double exact = seconds * Model::clk_hz();
+  const int64_t whole = static_cast<int64_t>(exact);
+  // A time given in decimals may sit a hair above the clock that it means.
+  return exact - static_cast<double>(whole) > 1e-6 ? whole + 1 : whole;
+}
+
+}  // namespace
+
+Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links)
+    : config_(config), axes_(config.axes) {
+  clks_per_step_ = static_cast<int>(int64_t{Model::clk_hz()} * kStepUs / 1000000);
+  // Two clocks between edges of one axis: the counter's 4 million counts a second at 8 MHz.
+  plant_ = Plant::create(config, motors, links, clks_per_step_, Model::clk_hz() / 4000000);
+  model_ = Model::create(config.two_evals != 0, config.skip != 0, config.seed);
+  lines_ = model_->lines();
+  drive_.resize(static_cast<size_t>(axes_));
+  sample_angles_.resize(static_cast<size_t>(axes_));
+  for (int axis = 0; axis < axes_; ++axis) {
+    const unsigned pins = plant_->pins(axis);
+    set_pins(axis, pins & 1, pins >> 1 & 1, pins >> 2 & 1);
+    sample_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
+  }
+}
+
+int64_t Machine::clocks(double seconds) const {
+  return clocks_up(seconds);
+}
+
+void Machine::set_pins(int axis, unsigned a, unsigned b, unsigned i) {
+  model_->set(Pin::kEncA, axis, a);
+  model_->set(Pin::kEncB, axis, b);
+  model_->set(Pin::kEncI, axis, i);
+}
+
+// One step of physics: the drive of this instant acts for the whole step, whose edges are then
+// played back clock by clock.
+void Machine::plant_step() {
+  for (int axis = 0; axis < axes_; ++axis) {
+    const int16_t drive = model_->drive(axis);
+    drive_[static_cast<size_t>(axis)] = drive * (10.0 / 32768.0);
+    trail_.add(static_cast<uint64_t>(static_cast<uint16_t>(drive)));
+    const int16_t volts = to_pin(plant_->adc_volts(axis));
+    model_->set(Pin::kAdcV, axis, static_cast<uint16_t>(volts));
+  }
+  const unsigned lines = model_->lines();
+  const bool amp_enable = !(config_.amp_panic_cut && (lines & kLinePanic));
+  plant_->step(drive_.data(), (lines & kLineBrakeRelease) != 0, amp_enable, edges_);
+  next_edge_ = 0;
+  step_start_ = next_step_;
+  next_step_ += clks_per_step_;
+}
+
+bool Machine::trace_window(const std::string &path, double from_s, double to_s) {
+  if (!Model::traced()) return false;
+  trace_path_ = path;
+  trace_at_ = clocks_up(from_s);
+  trace_end_ = clocks_up(to_s);
+  return true;
+}
+
+void Machine::trace_due() {
+  if (clock_ >= trace_end_) {
+    model_->trace("");
+    trace_at_ = trace_end_ = INT64_MAX;
+  } else {
+    if (!model_->trace(trace_path_)) note("log", -1, "the trace file cannot be made");
+    trace_at_ = trace_end_;
+  }
+}
+
+void Machine::apply_due() {
+  if (clock_ >= trace_at_) trace_due();
+  while (next_event_ < events_.size() && clocks_up(events_[next_event_].t) <= clock_) {
+    apply(events_[next_event_++]);
+  }
+  if (clock_ >= next_step_) plant_step();
+  while (next_edge_ < edges_.size() && step_start_ + edges_[next_edge_].clk <= clock_) {
+    const PinEdge &edge = edges_[next_edge_++];
+    set_pins(edge.axis, edge.a, edge.b, edge.i);
+  }
+}
+
+int64_t Machine::next_stop(int64_t limit) const {
+  int64_t stop = std::min(std::min(limit, next_step_), trace_at_);
+  if (next_edge_ < edges_.size()) stop = std::min(stop, step_start_ + edges_[next_edge_].clk);
+  if (next_event_ < events_.size()) stop = std::min(stop, clocks_up(events_[next_event_].t));
+  return stop;
+}
+
+bool Machine::advance(int64_t n, Watch watch) {
+  const int64_t limit = clock_ + n;
+  const int dtack = watch == Watch::kDtackLow ? 0 : watch == Watch::kDtackHigh ? 1 : -1;
+  while (clock_ < limit && !failed()) {
+    apply_due();
+    int64_t ran = 0;
+    const Stop stop = model_->run(next_stop(limit) - clock_, dtack, &ran);
+    clock_ += ran;
+    bool irq_changed = false;
+    if (stop == Stop::kLines) {
+      irq_changed = ((model_->lines() ^ lines_) & kLineIrq) != 0;
+      lines_changed();
+    }
+    if (dtack >= 0 && model_->dtack() == (dtack == 0)) return true;
+    if (irq_changed && watch == Watch::kIrq) return true;
+  }
+  return false;
+}
+
+void Machine::lines_changed() {
+  const unsigned now = model_->lines();
+  const unsigned changed = now ^ lines_;
+  lines_ = now;
+  trail_.add((static_cast<uint64_t>(clock_) << 16) ^ now);
+  if (changed & kLinePanic) {
+    note("panic", -1, now & kLinePanic ? "PANIC line goes high" : "PANIC line goes low");
+  }
+  if (changed & now & kLineSclock) {
+    sample_clock_ = clock_;
+    for (int axis = 0; axis < axes_; ++axis) {
+      sample_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
+    }
+  }
+}
+
+std::string Machine::check_event(const mmcs_event &event) const {
+  if (event.input < 0) return "no such input";
+  if (!std::isfinite(event.value)) return "its value is not a number";
+  if (event.input >= kInputCount) {
+    if (!Plant::input_name(event.input - kInputCount)) return "no such input";
+    if (event.index < -1 || event.index >= axes_) return "no such axis";
+    return "";
+  }
+  const Input &input = kInputs[event.input];
+  const int limit = input.scope == Scope::kAxis   ? 2 * config_.cards
+                    : input.scope == Scope::kCard ? config_.cards
+                                                  : 1;
+  if (event.index < 0 || event.index >= limit) return "no such axis or card";
+  if (event.value < 0 || event.value > input.mask) return "value out of range";
+  return "";
+}
+
+void Machine::add_event(const mmcs_event &event) {
+  // After all events of the same time, so that they happen in the order given.
+  const auto at =
+      std::upper_bound(events_.begin() + static_cast<std::ptrdiff_t>(next_event_), events_.end(),
+                       event, [](const mmcs_event &a, const mmcs_event &b) { return a.t < b.t; });
+  events_.insert(at, event);
+}
+
+void Machine::apply(const mmcs_event &event) {
+  char text[100];
+  const bool machine = event.input < kInputCount;
+  const char *name =
+      machine ? kInputs[event.input].name : Plant::input_name(event.input - kInputCount);
+  std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
+  note("fault", !machine || kInputs[event.input].scope == Scope::kAxis ? event.index : -1, text);
+  if (!machine) {
+    plant_->set_input(event.input - kInputCount, event.index, event.value);
+    return;
+  }
+  const Input &input = kInputs[event.input];
+  const unsigned value = static_cast<unsigned>(event.value);
+  switch (input.action) {
+    case Action::kPin:
+      model_->set(input.pin, event.index, input.inverted ? value ^ 1u : value);
+      break;
+    case Action::kStall:
+      stalled_until_ = clock_ + clocks_up(event.value * 1e-3);
+      break;
+    case Action::kBusError:
+      bus_errors_ = value;
+      break;
+    case Action::kUpset:
+      model_->upset(input.reg, event.index, value);
+      break;
+  }
+}
+
+void Machine::note(const char *kind, int axis, const std::string &text) {
+  if (notes_.size() >= kMaxNotes) return;
+  mmcs_note note{};
+  note.t = time();
+  note.axis = axis;
+  std::snprintf(note.kind, sizeof note.kind, "%s", kind);
+  std::snprintf(note.text, sizeof note.text, "%s", text.c_str());
+  notes_.push_back(note);
+}
+
+}  // namespace mmcs

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Time: the Verilated machine and the plant, moved together clock by clock.
+//
+// advance() is the only thing in a simulation that lets time pass. Encoder edges fall on their
+// exact clocks; the plant steps every kStepUs; events happen at the clock of their time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "archive.h"
+#include "hash.h"
+#include "inputs.h"
+#include "mmcs_sim.h"
+#include "model.h"
+#include "plant.h"
+
+namespace mmcs {
+
+// What advance() may end on before its clocks are up.
+enum class Watch { kNothing, kIrq, kDtackLow, kDtackHigh };
+
+class Machine {
+ public:
+  // Throws std::invalid_argument with one sentence.
+  Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links);
+
+  // Lets up to n clocks pass; true when it ended on what was watched.
+  bool advance(int64_t n, Watch watch);
+
+  int64_t clock() const { return clock_; }
+  double time() const { return static_cast<double>(clock_) / Model::clk_hz(); }
+  int64_t clocks(double seconds) const;  // rounded up
+  bool irq() const { return (model_->lines() & kLineIrq) != 0; }
+  bool panic() const { return (model_->lines() & kLinePanic) != 0; }
+  bool failed() const { return !model_->failure().empty(); }
+  Model &model() { return *model_; }
+  const Model &model() const { return *model_; }
+  const Plant &plant() const { return *plant_; }
+
+  void add_event(const mmcs_event &event);
+  // "" or why the event is impossible.
+  std::string check_event(const mmcs_event &event) const;
+
+  void note(const char *kind, int axis, const std::string &text);
+  const std::vector<mmcs_note> &notes() const { return notes_; }
+
+  // Events that concern the host: the clock until which it is stalled, bus errors to inject.
+  int64_t stalled_until() const { return stalled_until_; }
+  bool take_bus_error() {
+    if (bus_errors_ == 0) return false;
+    --bus_errors_;
+    return true;
+  }
+
+  // Clock and joint angles at the last rising edge of SCLOCK.
+  int64_t sample_clock() const { return sample_clock_; }
+  const std::vector<double> &sample_angles() const { return sample_angles_; }
+
+  // Everything that left the machine: drive voltages, lines, LEDs, bus cycles.
+  Hash &trail() { return trail_; }
+  const Hash &trail() const { return trail_; }
+
+  // From now on the model is traced between these times only. False: this build cannot.
+  bool trace_window(const std::string &path, double from_s, double to_s);
+
+  // Everything that changes, RTL and plant included; of the notes only how many there are.
+  template <class A>
+  void state(A &a) {
+    for (auto *clock :
+         {&clock_, &next_step_, &step_start_, &stalled_until_, &bus_errors_, &sample_clock_}) {
+      a(*clock);
+    }
+    a(edges_);
+    a(next_edge_);
+    a(events_);
+    a(next_event_);
+    a(lines_);
+    a(sample_angles_);
+    a(trail_);
+    size_t kept = notes_.size();
+    a(kept);
+    Bytes model, plant;
+    if constexpr (!A::kReads) {
+      model = model_->save();
+      plant = plant_->save();
+    }
+    a(model);
+    a(plant);
+    if constexpr (A::kReads) {
+      if (kept > notes_.size()) throw std::invalid_argument("the snapshot lacks its notes");
+      notes_.resize(kept);
+      plant_->restore(plant);
+      model_->restore(model);
+    }
+  }
+  // The notes: the part of the past that state() leaves out.
+  template <class A>
+  void history(A &a) {
+    a(notes_);
+  }
+
+ private:
+  void lines_changed();
+  void plant_step();
+  void apply(const mmcs_event &event);
+  void apply_due();
+  void trace_due();
+  void set_pins(int axis, unsigned a, unsigned b, unsigned i);
+  int64_t next_stop(int64_t limit) const;
+
+  mmcs_config config_;
+  std::unique_ptr<Model> model_;
+  std::unique_ptr<Plant> plant_;
+  int axes_;
+  int64_t clock_ = 0;
+  int clks_per_step_;
+  int64_t next_step_ = 0;
+  int64_t step_start_ = 0;
+  std::vector<PinEdge> edges_;
+  size_t next_edge_ = 0;
+  std::vector<double> drive_;
+  std::vector<mmcs_event> events_;  // sorted by time; events_[next_event_] is the next
+  size_t next_event_ = 0;
+  int64_t stalled_until_ = 0;
+  int64_t bus_errors_ = 0;
+  unsigned lines_ = 0;
+  int64_t sample_clock_ = 0;
+  std::vector<double> sample_angles_;
+  std::vector<mmcs_note> notes_;
+  std::string trace_path_;
+  int64_t trace_at_ = INT64_MAX;  // clock at which tracing begins, then the one at which it ends
+  int64_t trace_end_ = INT64_MAX;
+  Hash trail_;
+};
+
+}  // namespace mmcs

@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The simulator as a C ABI: the only thing that the Python package knows of it.
+ *
+ * Python reads this very file through cffi, so it holds plain C declarations only: no macros but
+ * integer constants, no conditionals but the include guard. Angles are radians, times seconds,
+ * torques N m at the motor shaft, analog values volts, unless a comment says otherwise.
+ */
+#ifndef MMCS_SIM_H
+#define MMCS_SIM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define MMCS_SIM_ABI 1
+
+/* One axis: amplifier, motor, gear, encoder, potentiometer, brake. */
+typedef struct mmcs_motor {
+  double inertia; /* kg m^2 at the motor: rotor, plus reflected load when the axis stands alone */
+  double viscous; /* N m s/rad */
+  double coulomb_pos;  /* N m, motor turning positive */
+  double coulomb_neg;  /* N m, motor turning negative, given positive */
+  double stiction_pos; /* N m, >= coulomb_pos */
+  double stiction_neg;
+  double km;         /* N m/A */
+  double resistance; /* ohm */
+  double v_supply;   /* V, effective; limits speed by back-EMF; 0 = no limit */
+  double amp_gain;   /* A/V of drive */
+  double amp_max;    /* A, current limit; 0 = none */
+  double amp_tau;    /* s, current-loop time constant; 0 = ideal */
+  double gear;       /* motor revolutions per joint revolution, signed */
+  double stop_lo;    /* rad at the joint; stop_lo >= stop_hi = no stops */
+  double stop_hi;
+  double pot_v_per_rad;       /* V per joint rad into the A/D */
+  double pot_offset;          /* V at joint angle 0 */
+  double angle0;              /* rad, joint angle at t = 0 */
+  double gravity;             /* N m at the motor, constant load, for axes that stand alone */
+  double brake_torque;        /* N m at the motor; 0 = no brake */
+  double brake_delay;         /* s from loss of power to full torque */
+  double stiffness;           /* N m/rad at the joint side of a flexible coupling; 0 = rigid */
+  double damping;             /* N m s/rad of that coupling */
+  double backlash;            /* rad at the joint */
+  double load_inertia;        /* kg m^2 at the joint beyond the coupling (flexible axes only) */
+  int32_t counts_per_rev;     /* encoder counts (x4) per motor revolution */
+  int32_t index_per_rev;      /* index pulses per motor revolution, 0 or 1 */
+  double brake_release_delay; /* s from power to a free shaft */
+  double encoder_offset;      /* rad at the motor: encoder disc turned against the shaft */
+} mmcs_motor;
+
+/* One link of a serial arm (standard Denavit-Hartenberg); joints are the axes in order. */
+typedef struct mmcs_link {
+  double alpha, a, d, theta0; /* rad, m, m, rad */
+  double mass;                /* kg */
+  double com[3];              /* m, in the link frame */
+  double inertia[6];          /* kg m^2 about the COM: xx yy zz xy yz xz */
+} mmcs_link;
+
+typedef struct mmcs_config {
+  int32_t abi;   /* MMCS_SIM_ABI */
+  int32_t cards; /* 1..16, must equal the model's build */
+  int32_t axes;  /* motors connected, <= 2*cards */
+  int32_t links; /* 0: axes stand alone; else == axes: coupled arm */
+  uint64_t seed;
+  double gravity[3];      /* m/s^2 in the base frame, for the arm */
+  double cpu_us_per_axis; /* servo computation time of the host, per axis and interrupt */
+  double latency_max_us;  /* interrupt latency is uniform in 0..this, by seed */
+  double bus_timeout_us;  /* VME bus timer */
+  int32_t skip;           /* 1: event skipping on, if the model was built for it */
+  int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high */
+  int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
+  int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
+  int32_t wait_states; /* of a real processor's memory */
+  const char *processor; /* file names for a real processor: its library, */
+  const char *firmware;  /* and the image that it runs */
+} mmcs_config;
+enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1, MMCS_HOST_RV32 = 2 };
+
+/* A motion: what the user program writes as the setpoint of one axis, in counts (or the axis'
+ * own setpoint units), evaluated at every servo sample. Segments of one axis follow each other. */
+enum {
+  MMCS_SEG_HOLD = 0,
+  MMCS_SEG_STEP = 1,
+  MMCS_SEG_RAMP = 2,
+  MMCS_SEG_QUINTIC = 3,
+  MMCS_SEG_TRAPEZOID = 4,
+  MMCS_SEG_SINE = 5,
+  MMCS_SEG_CHIRP = 6,
+  MMCS_SEG_TABLE = 7,
+  MMCS_SEG_SQUARE = 8
+};
+typedef struct mmcs_segment {
+  int32_t axis;
+  int32_t kind;
+  double t0;        /* s, start */
+  double duration;  /* s */
+  double to;        /* target value (HOLD, STEP, RAMP, QUINTIC, TRAPEZOID), or mean (SINE, ...) */
+  double amplitude; /* SINE, CHIRP, SQUARE */
+  double f0, f1;    /* Hz; CHIRP sweeps f0..f1 */
+  double v_max, a_max; /* TRAPEZOID, units/s and units/s^2; 0 = from the duration */
+  const double *table; /* TABLE: values at equal distances over the duration; copied */
+  int32_t table_len;
+} mmcs_segment;
+
+/* Something that happens at a time: a named input of the machine or the plant takes a value.
+ * The names are listed by mmcs_sim_input_name(). */
+typedef struct mmcs_event {
+  double t;
+  int32_t input; /* index of the name */
+  int32_t index; /* axis or card it applies to, else 0 */
+  double value;
+} mmcs_event;
+
+typedef struct mmcs_stats {
+  uint64_t cycles; /* clocks simulated */
+  uint64_t evals;  /* model evaluations (fewer than cycles when skipping) */
+  double time_s;   /* simulated time */
+  int32_t interrupts, missed, overruns, panics, spurious, clips; /* the driver's */
+  int32_t bus_errors;  /* bus time-outs and errors seen by the master */
+  int32_t panic_level; /* system PANIC now */
+  uint64_t bus_cycles;
+} mmcs_stats;
+
+/* What happened, in the order it happened (PANIC, errors, signals, faults injected, messages). */
+typedef struct mmcs_note {
+  double t;
+  char kind[16]; /* "panic", "error", "signal", "fault", "log", "bus" */
+  int32_t axis;  /* -1: none */
+  char text[100];
+} mmcs_note;
+
+/* The running hashes after so many servo samples: all samples, and everything that left the
+ * machine (bus cycles, drive voltages, lines). Kept every 32 samples. */
+typedef struct mmcs_checkpoint {
+  int64_t samples;
+  int64_t clock;
+  uint64_t hash;
+  uint64_t trail;
+} mmcs_checkpoint;
+
+/* A snapshot that the simulation keeps. */
+typedef struct mmcs_snapshot {
+  int64_t id;
+  int64_t clock;
+  double t;
+  int64_t bytes;
+  int64_t rows; /* of the log so far */
+} mmcs_snapshot;
+
+typedef struct mmcs_sim mmcs_sim;
+
+/* Creates a machine in power-on state at t = 0. NULL on error, with one sentence in err. */
+mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
+                          const mmcs_link *links, char *err, size_t err_len);
+void mmcs_sim_destroy(mmcs_sim *sim);
+
+/* What this build of the model is: cards, clk_hz, skip (0/1), trace (0/1). */
+int32_t mmcs_sim_build_cards(void);
+int32_t mmcs_sim_build_clk_hz(void);
+int32_t mmcs_sim_build_skip(void);
+int32_t mmcs_sim_build_trace(void);
+/* Kind, cards and a digest of all sources: what a snapshot must match. */
+const char *mmcs_sim_build_id(void);
+
+/* Starts an FST trace to path. 0, or -1 if this build has no tracing or the file can't be made. */
+int mmcs_sim_trace(mmcs_sim *sim, const char *path);
+/* The same for the stretch from..to (s) only, which lies ahead; what comes before runs untraced
+ * and fast. The file appears when the stretch begins. */
+int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s);
+
+/* /dev/mc0 as a process sees it. open: flags as open(2) (0 read-only, 1 write-only, 2 both);
+ * returns a client number >= 0 or -errno. Time passes while they run. */
+int mmcs_sim_open(mmcs_sim *sim, int flags);
+int mmcs_sim_close(mmcs_sim *sim, int client);
+int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg);
+int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len);
+int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len);
+/* SIGUSR1s delivered to this client since the last call. */
+int mmcs_sim_signals(mmcs_sim *sim, int client);
+
+/* One VME access by hand (offset 0..0x7FF in the window, am 0x29 or 0x2D, size 1, 2 or 4 bytes).
+ * 0, or 1 bus time-out, 2 bus error. */
+int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value);
+int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value);
+
+/* Motions start counting their t0 from the moment of mmcs_sim_start_motion. */
+int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment);
+int mmcs_sim_start_motion(mmcs_sim *sim, int client);
+/* Named inputs: NULL past the last. Events are in simulated time from t = 0. */
+const char *mmcs_sim_input_name(int32_t input);
+int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event);
+
+/* Runs until simulated time t (s). 0, or -1 when the model raised an assertion (see the notes). */
+int mmcs_sim_run(mmcs_sim *sim, double until_s);
+double mmcs_sim_time(const mmcs_sim *sim);
+int64_t mmcs_sim_clock(const mmcs_sim *sim);
+
+/* The log: one row per servo sample since motion start: t_s, then per axis setpoint, encoder,
+ * velocity, error, current, errcode, angle_rad. Valid until the next call that moves time. */
+const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols);
+int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes);
+void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
+/* What the physics did: joint angle (rad), joint velocity, motor current (A), and encoder
+ * transitions up minus down since t = 0. */
+double mmcs_sim_true_angle(const mmcs_sim *sim, int axis);
+double mmcs_sim_true_velocity(const mmcs_sim *sim, int axis);
+double mmcs_sim_true_current(const mmcs_sim *sim, int axis);
+int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis);
+/* The 16-bit counter of the axis on its card, read without disturbing it. */
+int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis);
+/* Digest of every sample so far and of the hardware state now. */
+uint64_t mmcs_sim_hash(const mmcs_sim *sim);
+int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);
+
+/* Time travel. A snapshot holds everything but client processes; after a restore the future is the
+ * same to the bit. mmcs_sim_snapshot() is of now; mmcs_sim_snapshot_at() runs until t, and its
+ * snapshot is of t or, if the firmware is active at t, of the last instant at which it was not.
+ * Both return a number >= 0, or -1. Restoring forgets the snapshots taken later. */
+int64_t mmcs_sim_snapshot(mmcs_sim *sim);
+int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t);
+int mmcs_sim_restore(mmcs_sim *sim, int64_t id);
+int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
+/* While mmcs_sim_run() runs: one every so many seconds, of which the last `count` are kept. */
+int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count);
+/* Those that are kept, in order of time. Valid until the next call, as are the bytes below. */
+int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list);
+/* For a file: the state, and the past (log, notes) that all snapshots of a run share. Number of
+ * bytes, or -1. Another build or another machine refuses them: -1 and one sentence in err. */
+int64_t mmcs_sim_snapshot_bytes(mmcs_sim *sim, int64_t id, const uint8_t **bytes);
+int64_t mmcs_sim_history_bytes(mmcs_sim *sim, const uint8_t **bytes);
+int mmcs_sim_restore_bytes(mmcs_sim *sim, const uint8_t *snapshot, size_t snapshot_len,
+                           const uint8_t *history, size_t history_len, char *err, size_t err_len);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

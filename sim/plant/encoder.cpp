@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Incremental encoder with index, see encoder.h. §5.3.2
+#include "encoder.h"
+
+#include <algorithm>
+
+#include "maths.h"
+
+namespace mmcs {
+
+namespace {
+
+constexpr int64_t kNever = INT64_C(1) << 62;
+
+int64_t nearest(double x) {
+  return floor_int(x + 0.5);
+}
+
+// Keeps edges in order of clock; equal clocks stay in order of arrival. Few edges: from the back.
+void insert_by_clock(std::vector<PinEdge> &edges, const PinEdge &edge) {
+  edges.push_back(edge);
+  for (size_t i = edges.size() - 1; i > 0 && edges[i - 1].clk > edges[i].clk; --i) {
+    std::swap(edges[i - 1], edges[i]);
+  }
+}
+
+}  // namespace
+
+Encoder::Encoder(const mmcs_motor &motor, int axis, int clks_per_step, int min_gap)
+    : counts_per_rad_(motor.counts_per_rev / (2.0 * kPi)),
+      offset_(motor.encoder_offset * counts_per_rad_),
+      counts_per_rev_(motor.counts_per_rev),
+      index_(motor.index_per_rev != 0),
+      axis_(static_cast<int16_t>(axis)),
+      clks_(clks_per_step),
+      min_gap_(min_gap) {}
+
+EncoderState Encoder::initial(double motor_angle, uint64_t seed) const {
+  EncoderState s = {};
+  s.state = s.start = nearest(motor_angle * counts_per_rad_ + offset_);
+  s.turn = ((s.state % counts_per_rev_) + counts_per_rev_) % counts_per_rev_;
+  s.last_edge = -min_gap_;
+  s.random = seed;
+  std::fill(s.glitch_at, s.glitch_at + 3, kNever);
+  s.pins = pins_of(s, EncoderFaults{});
+  return s;
+}
+
+int64_t Encoder::pins_of(const EncoderState &s, const EncoderFaults &f) const {
+  const auto phase = static_cast<unsigned>(s.state & 3);
+  bool level[3] = {phase == 1 || phase == 2, phase >= 2, index_ && !f.no_index && s.turn == 0};
+  if (f.swapped) std::swap(level[0], level[1]);
+  int64_t pins = 0;
+  for (int w = 0; w < 3; ++w) {
+    bool high = level[w] != (s.glitch_on[w] != 0);
+    if (f.cut[w] != 0) high = f.cut[w] == 2;
+    pins |= static_cast<int64_t>(high) << w;
+  }
+  return pins;
+}
+
+// Draws whether a spurious pulse begins in this step, and when. A pulse is 1 to 8 gaps long.
+void Encoder::start_glitches(EncoderState &s, const EncoderFaults &f) const {
+  for (int w = 0; w < 3; ++w) {
+    if (f.glitch_rate[w] <= 0.0 || s.glitch_at[w] != kNever) continue;
+    if (random_unit(s.random) >= f.glitch_rate[w] * (kStepUs * 1e-6)) continue;
+    s.glitch_at[w] = floor_int(random_unit(s.random) * static_cast<double>(clks_));
+  }
+}
+
+void Encoder::end_glitches(EncoderState &s, const EncoderFaults &f) const {
+  s.noisy = 0;
+  for (int w = 0; w < 3; ++w) {
+    if (s.glitch_at[w] != kNever) s.glitch_at[w] -= clks_;
+    if (s.glitch_at[w] != kNever || f.glitch_rate[w] > 0.0) s.noisy = 1;
+  }
+}
+
+void Encoder::step(EncoderState &s, const EncoderFaults &f, double from, double to,
+                   std::vector<PinEdge> &edges) const {
+  const double c0 = from * counts_per_rad_ + offset_ + s.slip;
+  const double c1 = to * counts_per_rad_ + offset_ + s.slip;
+  const int64_t target = nearest(c1);
+  const auto emit = [&](int64_t clk) {
+    const int64_t pins = pins_of(s, f);
+    if (pins == s.pins) return;
+    s.pins = pins;
+    s.last_edge = clk;
+    insert_by_clock(edges,
+                    {static_cast<int32_t>(clk), axis_, static_cast<uint8_t>(pins & 1),
+                     static_cast<uint8_t>((pins >> 1) & 1), static_cast<uint8_t>((pins >> 2) & 1)});
+  };
+  // A fault that was set or cleared since the last step shows at once.
+  if (s.refresh != 0 && s.last_edge + min_gap_ <= 0) {
+    s.refresh = 0;
+    s.noisy = 1;
+    emit(0);
+  }
+  if (s.noisy != 0) start_glitches(s, f);
+
+  const double clks_per_count = c1 != c0 ? static_cast<double>(clks_) / (c1 - c0) : 0.0;
+  while (target != s.state || s.noisy != 0) {
+    int64_t clk = kNever;
+    int wire = -1;
+    const int64_t way = target > s.state ? 1 : -1;
+    if (target != s.state) {
+      // When the border to the next state is passed; at once if that was in an earlier step.
+      const double border = static_cast<double>(s.state) + 0.5 * static_cast<double>(way);
+      const double at = (border - c0) * clks_per_count;
+      clk = at > 0.0 && at <= static_cast<double>(clks_) ? static_cast<int64_t>(at) : 0;
+    }
+    for (int w = 0; s.noisy != 0 && w < 3; ++w) {
+      if (s.glitch_at[w] < clk) clk = s.glitch_at[w], wire = w;
+    }
+    clk = std::max({clk, s.last_edge + min_gap_, INT64_C(0)});
+    if (clk >= clks_) break;
+    if (wire < 0) {
+      s.state += way;
+      s.turn += way;
+      if (s.turn == counts_per_rev_) s.turn = 0;
+      if (s.turn < 0) s.turn = counts_per_rev_ - 1;
+    } else {
+      s.glitch_on[wire] ^= 1;
+      const auto length = static_cast<int64_t>(1 + random_bits(s.random) % 8) * min_gap_;
+      s.glitch_at[wire] = s.glitch_on[wire] != 0 ? clk + length : kNever;
+    }
+    emit(clk);
+  }
+
+  s.last_edge = std::max(s.last_edge - clks_, -min_gap_);
+  if (s.noisy != 0) end_glitches(s, f);
+}
+
+}  // namespace mmcs

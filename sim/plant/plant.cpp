@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plant: axes that stand alone, or axes that move an arm. docs/plant.md
+#include "plant.h"
+
+#include <cstring>
+#include <stdexcept>
+
+#include "arm.h"
+#include "axis.h"
+#include "checks.h"
+#include "contact.h"
+#include "maths.h"
+
+namespace mmcs {
+
+namespace {
+
+constexpr const char *kInputNames[kInputs] = {
+    "encoder_a_cut",  "encoder_b_cut", "encoder_index_cut", "encoder_swap",
+    "encoder_glitch", "index_glitch",  "encoder_slip",      "index_missing",
+    "pot_noise",      "pot_cut",       "amp_dead",          "amp_saturated",
+    "drive_offset",   "brake_stuck",   "load_torque",       "motor_jam"};
+
+bool is_encoder_input(int input) {
+  return input <= kIndexMissing;
+}
+
+class AxesPlant : public Plant {
+ public:
+  AxesPlant(const mmcs_config &config, const mmcs_motor *motors, int clks_per_step, int min_gap)
+      : edges_per_step_(static_cast<size_t>(config.axes) *
+                        static_cast<size_t>(clks_per_step / min_gap + 1)),
+        before_(static_cast<size_t>(config.axes)),
+        torque_(static_cast<size_t>(config.axes)) {
+    uint64_t seed = config.seed;
+    for (int i = 0; i < config.axes; ++i) {
+      axis_.emplace_back(motors[i], i, clks_per_step, min_gap);
+      state_.push_back(axis_.back().initial(random_bits(seed)));
+    }
+  }
+
+  int axes() const override { return static_cast<int>(axis_.size()); }
+
+  void step(const double *drive_v, bool brake_release, bool amp_enable,
+            std::vector<PinEdge> &edges) override {
+    edges.clear();
+    if (edges.capacity() < edges_per_step_) edges.reserve(edges_per_step_);
+    for (size_t i = 0; i < axis_.size(); ++i) {
+      before_[i] = state_[i].theta;
+      torque_[i] = axis_[i].drive(state_[i], drive_v[i], brake_release, amp_enable);
+    }
+    move();
+    for (size_t i = 0; i < axis_.size(); ++i) axis_[i].sense(state_[i], before_[i], edges);
+  }
+
+  uint8_t pins(int axis) const override { return static_cast<uint8_t>(at(axis).encoder.pins); }
+  double adc_volts(int axis) const override { return at(axis).adc; }
+  double angle(int axis) const override { return at(axis).q; }
+  double velocity(int axis) const override { return at(axis).qd; }
+  double current(int axis) const override { return at(axis).current; }
+  int32_t count(int axis) const override {
+    const EncoderState &e = at(axis).encoder;
+    return static_cast<int32_t>(e.state - e.start);
+  }
+
+  void set_input(int input, int index, double value) override {
+    if (input < 0 || input >= kInputs) throw std::invalid_argument("the plant has no such input");
+    if (index < -1 || index >= axes()) {
+      throw std::invalid_argument(std::string(kInputNames[input]) + ": axis must be 0 to " +
+                                  std::to_string(axes() - 1) + ", or -1 for all");
+    }
+    for (int i = 0; i < axes(); ++i) {
+      if (index != -1 && index != i) continue;
+      AxisState &s = state_[static_cast<size_t>(i)];
+      s.input[input] = value;
+      if (input == kEncoderSlip) s.encoder.slip = value;
+      if (!is_encoder_input(input)) continue;
+      s.encoder.refresh = 1;
+      s.faulty = 0;
+      for (int k = 0; k < kInputs; ++k) {
+        if (is_encoder_input(k) && s.input[k] != 0.0) s.faulty = 1;
+      }
+    }
+  }
+
+  std::vector<uint8_t> save() const override {
+    std::vector<uint8_t> bytes(state_.size() * sizeof(AxisState));
+    std::memcpy(bytes.data(), state_.data(), bytes.size());
+    return bytes;
+  }
+  void restore(const std::vector<uint8_t> &bytes) override {
+    if (bytes.size() != state_.size() * sizeof(AxisState)) {
+      throw std::invalid_argument("this plant state belongs to another machine");
+    }
+    std::memcpy(state_.data(), bytes.data(), bytes.size());
+  }
+
+ protected:
+  virtual void move() {
+    for (size_t i = 0; i < axis_.size(); ++i) axis_[i].step_alone(state_[i], torque_[i]);
+  }
+
+  const AxisState &at(int axis) const { return state_[static_cast<size_t>(axis)]; }
+
+  size_t edges_per_step_;
+  std::vector<Axis> axis_;
+  std::vector<AxisState> state_;
+  std::vector<double> before_;  // motor angles before the step
+  std::vector<double> torque_;  // on the shafts, without friction
+};
+
+// Rigid axes move with the arm: their rotor, friction and brake act at the joint through the gear.
+// Flexible axes have a shaft of their own, and only the coupling's torque reaches the arm.
+class ArmPlant final : public AxesPlant {
+ public:
+  ArmPlant(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links,
+           int clks_per_step, int min_gap)
+      : AxesPlant(config, motors, clks_per_step, min_gap),
+        arm_(links, config.links, config.gravity),
+        solver_(config.links),
+        mass_(axis_.size() * axis_.size()),
+        bias_(axis_.size()),
+        q_(axis_.size()),
+        qd_(axis_.size()),
+        next_(axis_.size()),
+        bounds_(axis_.size()) {}
+
+ protected:
+  void move() override {
+    const size_t n = axis_.size();
+    for (size_t i = 0; i < n; ++i) {
+      q_[i] = state_[i].q;
+      qd_[i] = next_[i] = state_[i].qd;
+    }
+    arm_.pose(q_.data());
+    arm_.mass_matrix(mass_.data());
+    arm_.inverse_dynamics(qd_.data(), nullptr, bias_.data());
+    for (size_t i = 0; i < n; ++i) bias_[i] = joint_torque(i) - bias_[i];
+    // Impulses: (M + h B) v' = M v + h (torque - bias) + friction. Rotor inertia counts in M.
+    for (size_t i = 0; i < n; ++i) {
+      const mmcs_motor &m = axis_[i].motor();
+      const double ratio = axis_[i].flexible() ? 0.0 : m.gear * m.gear;
+      mass_[i * n + i] += ratio * m.inertia;
+    }
+    for (size_t i = 0; i < n; ++i) {
+      double momentum = kStep * bias_[i];
+      for (size_t k = 0; k < n; ++k) momentum += mass_[i * n + k] * qd_[k];
+      bias_[i] = momentum;
+    }
+    for (size_t i = 0; i < n; ++i) {
+      const mmcs_motor &m = axis_[i].motor();
+      if (!axis_[i].flexible()) mass_[i * n + i] += kStep * m.gear * m.gear * m.viscous;
+      set_bounds(i);
+    }
+    solver_.solve(mass_.data(), bias_.data(), bounds_.data(), next_.data());
+    for (size_t i = 0; i < n; ++i) move_joint(i);
+  }
+
+ private:
+  // Steps the shaft of a flexible axis on its way.
+  double joint_torque(size_t i) {
+    const Axis &axis = axis_[i];
+    AxisState &s = state_[i];
+    if (!axis.flexible()) return axis.motor().gear * torque_[i];
+    const double twist = axis.coupling(s);
+    s.omega = axis.motor_speed(s, torque_[i] - twist / axis.motor().gear);
+    s.theta += kStep * s.omega;
+    return twist;
+  }
+
+  void set_bounds(size_t i) {
+    const Axis &axis = axis_[i];
+    const AxisState &s = state_[i];
+    JointBounds &b = bounds_[i];
+    b = {{0, 0}, {0, 0}, axis.stop_speed(s, -kFastest), axis.stop_speed(s, kFastest)};
+    if (axis.flexible()) return;
+    const double gear = axis.motor().gear;
+    const double scale = kStep * (gear > 0.0 ? gear : -gear);
+    const Resistance r = axis.resistance(s);
+    for (int side = 0; side < 2; ++side) {
+      const int motor_side = gear > 0.0 ? side : 1 - side;
+      b.stick[side] = scale * r.stick[motor_side];
+      b.slide[side] = scale * r.slide[motor_side];
+    }
+  }
+
+  void move_joint(size_t i) {
+    const Axis &axis = axis_[i];
+    AxisState &s = state_[i];
+    const mmcs_motor &m = axis.motor();
+    const bool stops = m.stop_lo < m.stop_hi;
+    s.qd = next_[i];
+    if (s.qd == 0.0) {
+      if (!axis.flexible()) s.omega = 0.0;
+      return;
+    }
+    s.q += kStep * s.qd;
+    if (stops && s.qd == bounds_[i].speed_hi) s.q = m.stop_hi;
+    if (stops && s.qd == bounds_[i].speed_lo) s.q = m.stop_lo;
+    if (axis.flexible()) return;
+    s.omega = m.gear * s.qd;
+    s.theta = m.gear * s.q;
+  }
+
+  static constexpr double kFastest = 1e6;  // rad/s; no joint is faster, with or without stops
+
+  Arm arm_;
+  ContactSolver solver_;
+  std::vector<double> mass_, bias_, q_, qd_, next_;
+  std::vector<JointBounds> bounds_;
+};
+
+}  // namespace
+
+std::unique_ptr<Plant> Plant::create(const mmcs_config &config, const mmcs_motor *motors,
+                                     const mmcs_link *links, int clks_per_step, int min_gap) {
+  check_parameters(config, motors, links, clks_per_step, min_gap);
+  if (config.links == 0) {
+    return std::make_unique<AxesPlant>(config, motors, clks_per_step, min_gap);
+  }
+  return std::make_unique<ArmPlant>(config, motors, links, clks_per_step, min_gap);
+}
+
+const char *Plant::input_name(int input) {
+  return input >= 0 && input < kInputs ? kInputNames[input] : nullptr;
+}
+
+}  // namespace mmcs

@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulator core: time, bus, interrupts, determinism, and one motor that moves."""
+
+import math
+import subprocess
+import sys
+
+import machines
+import pytest
+from machines import (
+    event,
+    input_number,
+    ioctl,
+    machine,
+    notes,
+    rise_ms,
+    start,
+    step_to,
+)
+
+from mmcs import ROOT, mcdef
+from mmcs.build import ensure_library
+
+STEP = 200
+
+
+def run_step(seconds=0.15, counts=STEP, **config):
+    with machine(**config) as sim:
+        client = start(sim)
+        step_to(sim, client, counts)
+        assert sim.run(sim.time + seconds)
+        return sim.hash(), sim.stats(), sim.log()
+
+
+# --- determinism -------------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+def test_same_run_same_hash():
+    first, _, log = run_step()
+    second, _, _ = run_step()
+    assert len(log) > 100
+    assert first == second
+
+
+@pytest.mark.req("API-1")
+def test_hash_sees_every_difference():
+    hashes = [run_step(seconds=0.05)[0], run_step(seconds=0.051)[0], run_step(0.05, STEP + 1)[0]]
+    hashes.append(run_step(seconds=0.05, motor={"inertia": 8.3000001e-6})[0])
+    assert len(set(hashes)) == len(hashes)
+
+
+@pytest.mark.req("API-1")
+def test_one_eval_equals_two():
+    """The shortcut of Model::clock_once against plain evaluation of both clock edges."""
+    fast, plain = run_step(two_evals=0), run_step(two_evals=1)
+    assert fast[0] == plain[0]
+    assert fast[1]["cycles"] == plain[1]["cycles"]
+
+
+@pytest.mark.req("API-1")
+def test_skipping_equals_plain_clocking(monkeypatch):
+    """Far fewer evaluations, the same hash: of samples, bus cycles to the clock, registers."""
+    library = ensure_library(1, "speed", skip=True)
+    monkeypatch.setattr(machines, "ensure_library", lambda *_: library)
+    plain, skipped = run_step(skip=0), run_step(skip=1)
+    assert skipped[0] == plain[0]
+    assert skipped[1]["cycles"] == plain[1]["cycles"] == plain[1]["evals"]
+    assert skipped[1]["evals"] * 4 < plain[1]["evals"]
+
+
+@pytest.mark.req("API-1")
+def test_trusting_build_agrees_and_no_assertion_fails():
+    assert run_step(kind="trust")[0] == run_step()[0]
+
+
+@pytest.mark.req("INT-2")
+def test_latency_seed_moves_the_interrupt_only():
+    """Latency changes when the host comes, not what a double-buffered servo does."""
+    (a, _, log_a), (b, _, log_b) = run_step(seed=1), run_step(seed=2)
+    assert a != b
+    assert (log_a[:, 1] == log_b[:, 1]).all()
+    without = run_step(seed=1, latency_max_us=0.0)[0], run_step(seed=2, latency_max_us=0.0)[0]
+    assert without[0] == without[1]
+
+
+# --- the bus -----------------------------------------------------------------------------------
+
+
+@pytest.mark.req("VME-6", "VME-2")
+def test_unclaimed_cycle_ends_by_the_bus_timer():
+    with machine(bus_timeout_us=16.0) as sim:
+        before = sim.clock
+        with pytest.raises(TimeoutError):
+            sim.bus_read(0x008)  # even byte: DS1* only
+        took_us = (sim.clock - before) / 8
+        assert 16 <= took_us <= 18
+        with pytest.raises(TimeoutError):
+            sim.bus_read(0x409, am=0x3D)
+        assert sim.stats()["bus_errors"] == 2
+
+
+@pytest.mark.req("CSR-1", "VME-5", "VME-4")
+def test_window_access_by_hand():
+    with machine() as sim:
+        sim.bus_write(0x409, 0x18)
+        assert sim.bus_read(0x409) == 0x18
+        assert sim.bus_read(0x409, am=0x29) == 0x18
+        assert sim.bus_read(0x408, size=2) == 0xFF18
+        assert sim.bus_read(0x441) == 0xFF  # vector: write-only
+        assert sim.bus_read(0x001 + (5 << 6)) == 0xFF  # no card 5
+
+
+@pytest.mark.req("API-1")
+def test_injected_bus_error_is_told_from_a_time_out():
+    with machine() as sim:
+        event(sim, 0.0, "bus_error", 1)
+        sim.run(sim.time + 1e-4)
+        with pytest.raises(OSError, match="bus error"):
+            sim.bus_read(0x409)
+        assert sim.bus_read(0x409) == 0
+
+
+@pytest.mark.req("VME-1")
+def test_bus_cycle_takes_its_time():
+    """A register of the adaptor within 2 us, a card's within 3 us: no free accesses."""
+    with machine() as sim:
+        sim.bus_write(0x409, 0x18)
+        for offset, most in ((0x409, 16), (0x005, 24)):
+            before = sim.clock
+            sim.bus_read(offset)
+            assert 5 <= sim.clock - before <= most
+
+
+# --- the servo ---------------------------------------------------------------------------------
+
+
+@pytest.mark.req("DRV-2", "PIT-2")
+def test_samples_come_at_the_interval():
+    with machine() as sim:
+        start(sim, interval_us=1000)
+        sim.start_motion(0)
+        sim.run(sim.time + 0.1)
+        log = sim.log()
+        assert len(log) >= 98
+        gaps = {round(gap * machines.CLK_HZ) for gap in machines.pairwise_diff(log[:, 0])}
+        assert gaps == {8000}
+
+
+@pytest.mark.req("SRV-1", "ENC-1", "DAC-1", "HB-1")
+def test_lab500_step_with_three_witnesses():
+    """Firmware's report, the counter on the card and the physics agree on where the motor is."""
+    with machine(axes=1) as sim:
+        client = start(sim)
+        sim.run(sim.time + 0.005)
+        rest = witnesses(sim, client)
+        step_to(sim, client, STEP)
+        assert sim.run(sim.time + 0.4)
+        said, register, true = (
+            now - then for now, then in zip(witnesses(sim, client), rest, strict=True)
+        )
+        assert said == register == true
+        assert abs(sim.true(0)["angle"] * 2000 / (2 * math.pi) - said) <= 1
+        assert abs(STEP - said) <= 6
+        assert rise_ms(sim.log(), 0, STEP) == pytest.approx(46, rel=0.10)
+        stats = sim.stats()
+        assert stats["missed"] == stats["overruns"] == stats["panics"] == 0
+
+
+def witnesses(sim, client):
+    """Where axis 0 is: by the driver, by the counter on the card, by the physics."""
+    said = sim.read(client, 1)[0]["encnow"]
+    register = sim.lib.mmcs_sim_encoder_register(sim._sim, 0)
+    return said, register - (register >> 15 << 16), sim.true(0)["count"]
+
+
+@pytest.mark.req("SRV-3")
+def test_without_compensation_friction_wins():
+    """Stuck outside, but within the bound ceil(Ts/P): 132 D/A units over 4.4."""
+    with machine(axes=1) as sim:
+        client = start(sim, param={"flags": []})
+        step_to(sim, client, STEP)
+        assert sim.run(sim.time + 0.4)
+        error = abs(STEP - sim.read(client, 1)[0]["encnow"])
+        assert 6 < error <= math.ceil(132 / 4.4)
+
+
+@pytest.mark.req("DRV-7")
+def test_slow_processor_overruns():
+    """Computing for 1.2 ms at an interval of 1 ms."""
+    calm = run_step()[1]
+    slow = run_step(cpu_us_per_axis=600.0)[1]
+    assert calm["overruns"] == calm["missed"] == 0
+    assert slow["overruns"] > 50
+
+
+@pytest.mark.req("DRV-7")
+def test_stalled_host_misses_samples():
+    with machine() as sim:
+        start(sim)
+        event(sim, 0.02, "host_stall", 10.0)
+        sim.run(sim.time + 0.05)
+        assert 8 <= sim.stats()["missed"] <= 10
+
+
+@pytest.mark.req("PAN-1", "HB-2")
+def test_stopped_heartbeat_panics_and_brakes():
+    with machine() as sim:
+        start(sim)
+        sim.run(sim.time + 0.02)
+        assert sim.stats()["panic_level"] == 0
+        began = sim.time
+        event(sim, 0.0, "host_stall", 80.0)
+        sim.run(sim.time + 0.1)
+        raised = [n["t"] for n in notes(sim, "panic") if n["t"] > began and "high" in n["text"]]
+        assert raised and 0.049 <= raised[0] - began <= 0.052
+
+
+@pytest.mark.req("DRV-5", "PAN-1")
+def test_estop_is_an_error_on_every_axis():
+    with machine() as sim:
+        client = start(sim)
+        event(sim, 0.02, "estop", 1)
+        sim.run(sim.time + 0.05)
+        assert sim.signals(client) >= 1
+        states = sim.read(client)
+        assert all(s["errcode"] & mcdef.MERR_PANIC for s in states)
+        assert {n["axis"] for n in notes(sim, "error")} == {0, 1}
+
+
+# --- motions and inputs ------------------------------------------------------------------------
+
+
+@pytest.mark.req("DRV-4")
+def test_motion_shapes():
+    """Setpoints of every kind of segment, as the driver had them, against their formulas."""
+    segments = [
+        ("ramp", {"t0": 0.01, "duration": 0.02, "to": 100}, lambda t: 100 * t / 0.02),
+        ("quintic", {"t0": 0.04, "duration": 0.02, "to": 0},
+         lambda t: 100 * (1 - ((t / 0.02) ** 3) * (10 - 15 * t / 0.02 + 6 * (t / 0.02) ** 2))),
+        ("trapezoid", {"t0": 0.07, "duration": 0.03, "to": 90}, None),
+        ("sine", {"t0": 0.11, "duration": 0.02, "to": 0, "amplitude": 50, "f0": 50},
+         lambda t: 50 * math.sin(2 * math.pi * 50 * t)),
+        ("square", {"t0": 0.14, "duration": 0.02, "to": 0, "amplitude": 5, "f0": 100},
+         lambda t: 5 if (t * 100) % 1 < 0.5 else -5),
+        ("table", {"t0": 0.17, "duration": 0.01, "table": [0, 10, 0]},
+         lambda t: 10 - abs(t - 0.005) * 2000),
+    ]  # fmt: skip
+    with machine(axes=1) as sim:
+        client = start(sim)
+        for kind, fields, _ in segments:
+            sim.add_segment(axis=0, kind=kind, **fields)
+        sim.start_motion(client)
+        sim.run(sim.time + 0.2)
+        log = sim.log()
+    # The setpoint of a row was computed from the time of the row before.
+    at = {round(row[0] * 1e6): log[n + 1][1] for n, row in enumerate(log[:-1])}
+    checked = 0
+    for _, fields, formula in segments:
+        for us, value in at.items():
+            t = us * 1e-6 - fields["t0"]
+            if formula and 1e-4 < t < fields["duration"] - 1e-4:
+                assert value == pytest.approx(formula(t), abs=1.01), (us, fields)
+                checked += 1
+    assert checked > 60
+    trapezoid = [value for us, value in sorted(at.items()) if 0.07 <= us * 1e-6 <= 0.1]
+    assert trapezoid[-1] == pytest.approx(90, abs=2)
+    assert max(machines.pairwise_diff(trapezoid)) == pytest.approx(4.5, abs=1.01)
+
+
+@pytest.mark.req("SW-1")
+def test_inputs_have_names_and_bounds():
+    with machine() as sim:
+        names = sim.input_names()
+        assert len(names) == len(set(names))
+        assert {"estop", "cable", "pc_power", "axis_enable", "card_absent", "host_stall"} <= set(
+            names
+        )
+        for bad in ((0, 5, 1), (0, 0, 7), (len(names), 0, 0), (-1, 0, 0)):
+            number, index, value = bad
+            with pytest.raises(Exception, match="refuses"):
+                sim.add_event(sim.time, number, index, value)
+        assert input_number(sim, "estop") == 0
+
+
+@pytest.mark.req("ENC-1")
+def test_card_pulled_before_open_is_not_found():
+    with machine(cards=1) as sim:
+        event(sim, 0.0, "card_absent", 1)
+        sim.run(sim.time + 1e-4)
+        client = sim.open(mcdef.O_RDWR)
+        count = mcdef.new_int(-1)
+        ioctl(sim, client, "MGETNUMCARDS", count)
+        assert count[0] == 0
+
+
+@pytest.mark.req("VME-6")
+def test_impossible_configurations_are_refused():
+    for config, reason in (({"axes": 3}, "more motors"), ({"cards": 2}, "cards")):
+        with pytest.raises(Exception, match=reason), machine_of_one_card(**config):
+            pass
+
+
+def machine_of_one_card(axes=1, **config):
+    from mmcs.sim import Sim
+
+    settings = {"cards": 1, "axes": axes, "seed": 1, "bus_timeout_us": 16.0, **config}
+    return Sim(ensure_library(1, "speed"), settings, [machines.LAB500] * axes, [])
+
+
+# --- the build ---------------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+def test_second_build_does_nothing():
+    ensure_library(1, "speed")
+    done = subprocess.run(
+        ["make", "-f", "sim/Makefile", "CARDS=1", "KIND=speed", f"PYTHON={sys.executable}"],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0 and "mmcs:" not in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize(
+    ("argument", "says"), [("KIND=quick", "speed, trust or trace"), ("CARDS=17", "1 to 16")]
+)
+def test_bad_build_arguments_are_explained(argument, says):
+    done = subprocess.run(
+        ["make", "-f", "sim/Makefile", argument],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2 and says in done.stderr

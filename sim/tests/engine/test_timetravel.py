@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Snapshots: whoever goes back gets the same future, to the bit. MMCS_LONG=1 for 1,000 ticks."""
+
+import os
+import random
+from contextlib import contextmanager
+
+import machines
+import pytest
+from machines import event, input_number, machine, notes, start, step_to
+
+from mmcs import mcdef
+from mmcs.build import ensure_library
+from mmcs.load import load
+from mmcs.sim import Sim
+
+LONG = os.environ.get("MMCS_LONG") == "1"
+SEED = int(os.environ.get("MMCS_SEED", "5"))
+
+
+def busy(sim):
+    """A machine on which everything that holds a state is at work; returns its client."""
+    client = start(sim)
+    event(sim, 0.0, "pot_noise", 0.05)
+    event(sim, 0.0, "encoder_glitch", 200.0)
+    event(sim, 0.02, "host_stall", 4.0)
+    event(sim, 0.03, "bus_error", 2)
+    event(sim, 0.06, "estop", 1, 0)
+    event(sim, 0.07, "estop", 0, 0)
+    table = [10 * (n % 7) for n in range(40)]
+    sim.add_segment(axis=0, kind="sine", t0=0.001, duration=5.0, to=50, amplitude=50, f0=7.0)
+    sim.add_segment(axis=1, kind="table", t0=0.0, duration=0.05, table=table)
+    sim.start_motion(client)
+    return client
+
+
+@contextmanager
+def scenario_machine(name):
+    setup = load(name)
+    s = setup.scenario
+    library = ensure_library(s.cards, "speed", s.clk_hz, s.skip)
+    with Sim(library, setup.config(), setup.motors(), setup.links()) as sim:
+        yield sim
+
+
+def arm(sim):
+    client = start(sim)
+    for axis in range(sim.axes):
+        sim.add_segment(axis=axis, kind="quintic", t0=0.01 * axis, duration=0.2, to=900)
+    sim.start_motion(client)
+    return client
+
+
+def everything(sim):
+    return sim.hash(), sim.log().tobytes(), sim.notes(), sim.stats(), sim.checkpoints()
+
+
+# --- in memory ---------------------------------------------------------------------------------
+
+
+CASES = {
+    "busy": (machine, busy, 700 if LONG else 40),
+    "coupled arm": (lambda: scenario_machine("puma560"), arm, 300 if LONG else 10),
+}
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize("case", CASES)
+def test_round_trip_at_random_ticks(case):
+    """Every detour into the future and back leaves the run as one that never left."""
+    make, prepare, ticks = CASES[case]
+    print(f"seed {SEED}")
+    rng = random.Random(SEED)
+    steps = [rng.uniform(1e-6, 3e-3) for _ in range(ticks)]
+    with make() as straight, make() as detoured:
+        prepare(straight)
+        prepare(detoured)
+        for n, step in enumerate(steps):
+            goal = straight.time + step
+            assert straight.run(goal) and detoured.run(goal)
+            number = detoured.snapshot()
+            detoured.run(goal + rng.uniform(0, 4e-3))
+            detoured.restore(number)
+            assert everything(detoured) == everything(straight), f"tick {n} at {goal} s"
+            detoured.drop(number)
+
+
+@pytest.mark.req("API-1")
+def test_restoring_undoes_what_the_process_did():
+    """Setpoints, parameters, segments, events, open files: all of the host is in it."""
+    with machine() as sim:
+        client = start(sim)
+        sim.run(sim.time + 0.01)
+        number = sim.snapshot()
+        sim.run(sim.time + 0.02)
+        untouched = everything(sim)
+        sim.restore(number)
+        step_to(sim, client, 300)
+        event(sim, 0.005, "estop", 1)
+        assert sim.open(mcdef.O_RDONLY) == client + 1
+        sim.run(sim.time + 0.02)
+        assert sim.hash() != untouched[0]
+        sim.restore(number)
+        assert sim.open(mcdef.O_RDONLY) == client + 1
+        sim.restore(number)
+        sim.run(sim.time + 0.02)
+        assert everything(sim) == untouched
+
+
+@pytest.mark.req("API-1")
+def test_snapshot_at_an_instant_in_the_middle_of_the_firmware():
+    """It is then of the last instant before; replayed forward it passes the one asked for."""
+    with machine(latency_max_us=0.0) as sim:
+        start(sim)
+        sim.run(sim.time + 0.01)
+        sample = sim.clock  # some instant; the passes of 1 ms intervals take about 0.2 ms
+        seen = set()
+        for n in range(40):
+            asked = (sample + n * 8400) / 8e6
+            number = sim.snapshot(asked)
+            taken = next(s for s in sim.snapshots() if s["id"] == number)
+            early = round(asked * 8e6) - taken["clock"]
+            assert 0 <= early < 8000
+            seen.add(early > 0)
+            after = sim.clock, sim.hash()
+            sim.restore(number)
+            sim.run(asked)
+            assert (sim.clock, sim.hash()) == after
+        assert seen == {True, False}
+
+
+@pytest.mark.req("API-1")
+def test_ring_keeps_the_last_ones_and_changes_nothing():
+    with machine() as plain, machine() as ringed:
+        busy(plain)
+        busy(ringed)
+        ringed.ring(0.005, 8)
+        goal = plain.time + 0.1
+        plain.run(goal)
+        ringed.run(goal)
+        assert everything(ringed) == everything(plain)
+        kept = ringed.snapshots()
+        assert len(kept) == 8
+        gaps = machines.pairwise_diff([s["t"] for s in kept])
+        assert all(0.00499 <= gap <= 0.012 for gap in gaps), gaps
+        ringed.restore(kept[3]["id"])
+        assert [s["id"] for s in ringed.snapshots()] == [s["id"] for s in kept[:4]]
+        ringed.run(goal)
+        assert everything(ringed) == everything(plain)
+
+
+# --- as bytes ----------------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize("skip", [0, 1])
+def test_bytes_continue_in_another_simulation(skip, monkeypatch):
+    library = ensure_library(1, "speed", skip=bool(skip))
+    monkeypatch.setattr(machines, "ensure_library", lambda *_: library)
+    with machine(skip=skip) as sim:
+        busy(sim)
+        sim.run(sim.time + 0.05)
+        state = sim.snapshot_bytes(sim.snapshot())
+        goal = sim.time + 0.05
+        sim.run(goal)
+        past = sim.history_bytes()  # longer than the snapshot's: it takes what is its own
+        expected = everything(sim)
+    with machine(skip=skip) as other:
+        other.restore_bytes(state, past)
+        assert other.run(goal)
+        assert everything(other) == expected
+
+
+@pytest.mark.req("API-1")
+def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
+    with machine() as sim:
+        busy(sim)
+        sim.run(sim.time + 0.02)
+        state, past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+        before = everything(sim)
+        build = sim.build_id().encode()
+        cases = {
+            "not a snapshot": [b"", state[:40], b"x" * 4000, past],
+            "damaged": [state[:-1], state + b"\0", state[:600] + b"\x55\xaa" + state[602:]],
+            "another build": [state.replace(build, b"speed_c9 12345678"[: len(build)], 1)],
+        }
+        for reason, bad in cases.items():
+            for data in bad:
+                with pytest.raises(ValueError, match=reason) as refusal:
+                    sim.restore_bytes(data, past)
+                assert "\n" not in str(refusal.value)
+                with pytest.raises(ValueError, match="not a snapshot|damaged|another build"):
+                    sim.restore_bytes(state, data if data != past else state)
+        assert everything(sim) == before
+    for other in ({"seed": 9}, {"motor": {"gear": 2.0}}, {"latency_max_us": 1.0}):
+        with machine(**other) as sim, pytest.raises(ValueError, match="another machine"):
+            sim.restore_bytes(state, past)
+
+
+# --- bad arguments -----------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+def test_events_of_the_plant_are_checked():
+    with machine() as sim:
+        number = input_number(sim, "pot_noise")
+        for index, value in ((2, 1.0), (-2, 1.0), (0, float("nan")), (0, float("inf"))):
+            with pytest.raises(Exception, match="refuses"):
+                sim.add_event(sim.time, number, index, value)
+        for when in (float("nan"), 1e300):
+            with pytest.raises(Exception, match="refuses"):
+                sim.add_event(when, number, 0, 1.0)
+        assert len(notes(sim, "log")) == 6
+        sim.add_event(sim.time, number, 1, 1.0)
+        assert sim.run(sim.time + 1e-3)
+
+
+@pytest.mark.req("API-1")
+def test_bad_arguments_give_errors():
+    with machine() as sim:
+        lib, ffi, good = sim.lib, sim.ffi, sim._sim
+        none = ffi.NULL
+        for handle in (good, none):
+            assert lib.mmcs_sim_run(handle, float("nan")) == -1
+            assert lib.mmcs_sim_run(handle, 1e300) == -1
+            assert lib.mmcs_sim_add_event(handle, none) == -1
+            assert lib.mmcs_sim_add_segment(handle, none) == -1
+            assert lib.mmcs_sim_start_motion(handle, 99) < 0
+            assert lib.mmcs_sim_ioctl(handle, -1, 0, none) < 0
+            assert lib.mmcs_sim_read(handle, 77, none, 4) < 0
+            assert lib.mmcs_sim_write(handle, 0, none, 4) < 0
+            assert lib.mmcs_sim_close(handle, 55) < 0
+            assert lib.mmcs_sim_signals(handle, -3) == 0
+            assert lib.mmcs_sim_bus_read(handle, 0x409, 0x2D, 1, none) == -1
+            assert lib.mmcs_sim_bus_write(handle, 0x409, 0x2D, 3, 0) == -1
+            assert lib.mmcs_sim_restore(handle, 12345) == -1
+            assert lib.mmcs_sim_drop(handle, -1) == -1
+            assert lib.mmcs_sim_ring(handle, -1.0, 3) == -1
+            assert lib.mmcs_sim_snapshot_at(handle, float("inf")) == -1
+            assert lib.mmcs_sim_snapshot_bytes(handle, 0, none) == -1
+            assert lib.mmcs_sim_restore_bytes(handle, none, 0, none, 0, none, 0) == -1
+            assert lib.mmcs_sim_trace(handle, none) == -1
+            assert lib.mmcs_sim_notes(handle, none) == 0
+            assert lib.mmcs_sim_true_angle(handle, 99) == 0.0
+            lib.mmcs_sim_get_stats(handle, none)
+            lib.mmcs_sim_log(handle, none, none)
+        assert lib.mmcs_sim_run(none, 1.0) == -1
+        assert lib.mmcs_sim_snapshot(none) == -1
+        assert lib.mmcs_sim_open(none, 2) < 0
+        assert lib.mmcs_sim_hash(none) == 0
+        assert lib.mmcs_sim_input_name(-1) == none and lib.mmcs_sim_input_name(9999) == none
+        lib.mmcs_sim_destroy(none)
+        assert lib.mmcs_sim_create(none, none, none, none, 0) == none
+        for to in (float("nan"), float("inf")):
+            with pytest.raises(Exception, match="refuses"):
+                sim.add_segment(axis=0, kind="step", t0=0.0, duration=0.0, to=to)

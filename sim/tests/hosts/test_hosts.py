@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo on a 68020 equals native: its arithmetic to the bit, a scenario within a count. §5."""
+
+import importlib.util
+import shutil
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+pytestmark = pytest.mark.skipif(
+    not (
+        shutil.which("m68k-linux-gnu-gcc")
+        and shutil.which("riscv64-unknown-elf-gcc")
+        and importlib.util.find_spec("machine68k")
+    ),
+    reason="the cross compilers or the processor model are not installed: make firmware",
+)
+spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
+bench = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(bench)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def built():
+    bench.build()
+
+
+@pytest.mark.req("FW-1")
+@pytest.mark.parametrize("profile", range(len(bench.PROFILES)))
+def test_arithmetic_equals_native(profile):
+    assert bench.on_68020(profile, 20_000)[0] == bench.native()(profile, 20_000)
+
+
+@pytest.mark.req("FW-1")
+def test_lab500_ends_as_native():
+    from mmcs.load import load
+    from mmcs.runner import simulate
+
+    finals = [simulate(load("lab500", ()), host=h).log[-1] for h in ("native", "m68020")]
+    assert abs(finals[0][2] - finals[1][2]) <= 1

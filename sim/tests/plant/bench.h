@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the plant's tests share: machines made from the robot files, and a small servo.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "plant.h"
+#include "robots.h"  // generated from sim/robots/*.toml
+
+namespace bench {
+
+inline constexpr int kClks = 400;  // 8 MHz
+inline constexpr int kGap = 2;
+inline constexpr double kLsb = 10.0 / 2048.0;  // V per D/A unit
+inline constexpr double kStepS = mmcs::kStepUs * 1e-6;
+
+inline mmcs_config config(int axes, int links = 0, uint64_t seed = 1) {
+  mmcs_config c = {};
+  c.abi = MMCS_SIM_ABI;
+  c.cards = (axes + 1) / 2;
+  c.axes = axes;
+  c.links = links;
+  c.seed = seed;
+  c.gravity[2] = links != 0 ? -9.81 : 0.0;
+  return c;
+}
+
+inline std::unique_ptr<mmcs::Plant> alone(const mmcs_motor &motor, uint64_t seed = 1) {
+  return mmcs::Plant::create(config(1, 0, seed), &motor, nullptr, kClks, kGap);
+}
+
+inline std::unique_ptr<mmcs::Plant> puma_arm(std::vector<mmcs_motor> motors, bool gravity = true) {
+  mmcs_config c = config(6, 6);
+  if (!gravity) c.gravity[2] = 0.0;
+  return mmcs::Plant::create(c, motors.data(), robots::puma560_links, kClks, kGap);
+}
+
+// The six motors with their rotors alone, as the arm wants them.
+inline std::vector<mmcs_motor> puma_rotors() {
+  std::vector<mmcs_motor> m(robots::puma560, robots::puma560 + 6);
+  for (int i = 0; i < 6; ++i) m[i].inertia = robots::puma560_rotor_inertia[i];
+  return m;
+}
+
+// Decodes the pins as a counter would, and checks the order of edges on the way.
+class Counter {
+ public:
+  explicit Counter(const mmcs::Plant &plant) {
+    for (int i = 0; i < plant.axes(); ++i) pins_.push_back(plant.pins(i));
+    count_.resize(pins_.size());
+    index_at_.resize(pins_.size());
+  }
+  void take(const std::vector<mmcs::PinEdge> &edges) {
+    int32_t last = 0;
+    for (const auto &e : edges) {
+      if (e.clk < last || e.clk < 0 || e.clk >= kClks) bad_order_ = true;
+      last = e.clk;
+      uint8_t &pins = pins_[e.axis];
+      const int now = e.a + 2 * e.b;
+      const int turn = (kPhase[now] - kPhase[pins & 3]) & 3;
+      if (turn == 2) both_changed_ = true;
+      count_[e.axis] += turn == 1 ? 1 : turn == 3 ? -1 : 0;
+      if (e.i != 0 && (pins & 4) == 0) index_at_[e.axis].push_back(count_[e.axis]);
+      pins = static_cast<uint8_t>(now + 4 * e.i);
+    }
+  }
+  int count(int axis) const { return count_[axis]; }
+  uint8_t pins(int axis) const { return pins_[axis]; }
+  const std::vector<int> &index_at(int axis) const { return index_at_[axis]; }
+  bool bad_order_ = false;
+  bool both_changed_ = false;
+
+ private:
+  static constexpr int kPhase[4] = {0, 1, 3, 2};  // A first, then both, then B
+  std::vector<uint8_t> pins_;
+  std::vector<int> count_;
+  std::vector<std::vector<int>> index_at_;
+};
+
+struct Law {
+  int64_t a0, a1, b0;
+  int ilim, ic_pos, ic_neg;
+};
+
+// One axis of the driver's PD law with Coulomb compensation; output appears one sample later.
+class Servo {
+ public:
+  explicit Servo(const Law &law) : law_(law) {}
+  // Takes the encoder's count at a sample, gives the volts from this sample to the next.
+  double sample(int64_t setpoint, int64_t y) {
+    const double out = static_cast<double>(pending_) * kLsb;
+    if (first_) y1_ = y2_ = y, first_ = false;
+    const int64_t vel = (3 * y - 4 * y1_ + y2_) / 2;
+    const int64_t e = setpoint - y;
+    int64_t u = (law_.a0 * e + law_.a1 * e1_) / law_.b0;
+    const int64_t sign = vel != 0 ? vel : u;
+    if (sign > 0) u += law_.ic_pos;
+    if (sign < 0) u -= law_.ic_neg;
+    pending_ = std::clamp<int64_t>(u, -law_.ilim, law_.ilim);
+    e1_ = e;
+    y2_ = y1_;
+    y1_ = y;
+    return out;
+  }
+
+ private:
+  Law law_;
+  int64_t e1_ = 0, y1_ = 0, y2_ = 0, pending_ = 0;
+  bool first_ = true;
+};
+
+struct Response {
+  double rise_ms, overshoot_pct, settle_ms;  // -1: never
+  int steady;                                // demand minus position at the end
+  int rest_pp;                               // movement in the last fifth
+};
+
+inline Response measure(const std::vector<int> &y, int demand, double ms) {
+  Response r = {-1, 0, -1, demand - y.back(), 0};
+  const double size = std::abs(demand);
+  double t10 = -1;
+  double peak = 0;
+  const double band = std::max(2.0, 0.02 * size);
+  size_t outside = 0;
+  for (size_t k = 0; k < y.size(); ++k) {
+    const double part = demand > 0 ? y[k] : -y[k];
+    if (t10 < 0 && part >= 0.1 * size) t10 = static_cast<double>(k) * ms;
+    if (r.rise_ms < 0 && part >= 0.9 * size) r.rise_ms = static_cast<double>(k) * ms - t10;
+    peak = std::max(peak, part);
+    if (std::abs(part - size) > band) outside = k + 1;
+  }
+  r.overshoot_pct = std::max(0.0, (peak - size) / size * 100.0);
+  if (outside < y.size()) r.settle_ms = static_cast<double>(outside) * ms;
+  const auto tail = y.end() - static_cast<long>(y.size() / 5);
+  const auto [lo, hi] = std::minmax_element(tail, y.end());
+  r.rest_pp = *hi - *lo;
+  return r;
+}
+
+}  // namespace bench

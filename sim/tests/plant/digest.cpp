@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints a digest of everything an arm and a row of axes do under a busy input, to compare builds.
+#include <cstdio>
+
+#include "bench.h"
+#include "maths.h"
+
+namespace {
+
+uint64_t run(mmcs::Plant &plant, int steps) {
+  uint64_t digest = 0xCBF29CE484222325u;
+  const auto add = [&digest](uint64_t word) { digest = (digest ^ word) * 0x100000001B3u; };
+  for (int i = 0; mmcs::Plant::input_name(i) != nullptr; ++i) {
+    const std::string name = mmcs::Plant::input_name(i);
+    if (name == "pot_noise") plant.set_input(i, -1, 0.01);
+    if (name == "encoder_glitch") plant.set_input(i, 2, 300.0);
+    if (name == "load_torque") plant.set_input(i, 1, 0.03);
+  }
+  std::vector<double> drive(static_cast<size_t>(plant.axes()));
+  std::vector<mmcs::PinEdge> edges;
+  uint64_t random = 5;
+  for (int k = 0; k < steps; ++k) {
+    if (k % 400 == 0) {
+      for (double &v : drive) v = 12.0 * (mmcs::random_unit(random) - 0.5);
+    }
+    plant.step(drive.data(), k % 6000 < 5000, true, edges);
+    for (const auto &e : edges) {
+      add(static_cast<uint64_t>(e.clk) << 16 | static_cast<uint64_t>(e.axis) << 8 |
+          static_cast<uint64_t>(e.a | e.b << 1 | e.i << 2));
+    }
+  }
+  for (uint8_t byte : plant.save()) add(byte);
+  return digest;
+}
+
+}  // namespace
+
+int main() {
+  auto motors = bench::puma_rotors();
+  motors[4].stiffness = 50.0;
+  motors[4].backlash = 0.002;
+  motors[4].load_inertia = 0.2;
+  auto arm = bench::puma_arm(motors);
+  auto alone =
+      mmcs::Plant::create(bench::config(6), motors.data(), nullptr, bench::kClks, bench::kGap);
+  std::printf("%016llx %016llx\n", static_cast<unsigned long long>(run(*arm, 100000)),
+              static_cast<unsigned long long>(run(*alone, 100000)));
+}

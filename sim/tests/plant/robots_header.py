@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The robot files as C initialisers, so that the plant's tests need no TOML reader."""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def fields() -> list[str]:
+    """Names of struct mmcs_motor in their order."""
+    text = (ROOT / "sim" / "engine" / "mmcs_sim.h").read_text()
+    body = re.search(r"struct mmcs_motor \{(.*?)\} mmcs_motor;", text, re.DOTALL)[1]
+    body = re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
+    return [n for names in re.findall(r"\w+ ([\w, ]+);", body) for n in names.split(", ")]
+
+
+def header() -> str:
+    lines = ["#pragma once", '#include "mmcs_sim.h"', "namespace robots {"]
+    for path in sorted((ROOT / "sim" / "robots").glob("*.toml")):
+        robot = tomllib.loads(path.read_text())
+        name = path.stem
+        lines.append(f"inline constexpr mmcs_motor {name}[] = {{")
+        lines += ["  {" + ", ".join(str(a[f]) for f in fields()) + "}," for a in robot["axis"]]
+        lines.append("};")
+        rotors = ", ".join(str(a["rotor_inertia"]) for a in robot["axis"])
+        lines.append(f"inline constexpr double {name}_rotor_inertia[] = {{{rotors}}};")
+        pds = ", ".join(
+            "{" + ", ".join(map(str, a["servo"]["pd_1000us"])) + "}" for a in robot["axis"]
+        )
+        lines.append(f"inline constexpr int {name}_pd_1000us[][3] = {{{pds}}};")
+        if "link" in robot:
+            lines.append(f"inline constexpr mmcs_link {name}_links[] = {{")
+            for k in robot["link"]:
+                com, inertia = (", ".join(map(str, k[v])) for v in ("com", "inertia"))
+                first = ", ".join(str(k[v]) for v in ("alpha", "a", "d", "theta0", "mass"))
+                lines.append(f"  {{{first}, {{{com}}}, {{{inertia}}}}},")
+            lines.append("};")
+    return "\n".join([*lines, "}  // namespace robots", ""])
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(header())

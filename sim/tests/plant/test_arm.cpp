@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// The coupled arm: friction that holds, stops, energy, brakes, flexible axes, six servos at once.
+#include "arm.h"
+#include "bench.h"
+#include "check.h"
+#include "contact.h"
+#include "maths.h"
+
+namespace {
+
+using mmcs::JointBounds;
+using mmcs::PinEdge;
+using mmcs::Plant;
+
+constexpr int kN = 6;
+
+void run(Plant &plant, double seconds, bool release = true) {
+  const double off[kN] = {};
+  std::vector<PinEdge> edges;
+  for (int k = 0; k < std::lround(seconds / bench::kStepS); ++k) {
+    plant.step(off, release, true, edges);
+  }
+}
+
+std::vector<double> angles(const Plant &plant) {
+  std::vector<double> q;
+  for (int i = 0; i < plant.axes(); ++i) q.push_back(plant.angle(i));
+  return q;
+}
+
+// The proportional-derivative laws of the robot file at 1 ms, compensation 0.8.
+std::vector<bench::Law> laws(double compensation) {
+  std::vector<bench::Law> out;
+  for (int i = 0; i < kN; ++i) {
+    const mmcs_motor &m = robots::puma560[i];
+    const double lsb = m.km * m.amp_gain * bench::kLsb;
+    const int *pd = robots::puma560_pd_1000us[i];
+    out.push_back({pd[0], pd[1], pd[2], 1024, static_cast<int>(compensation * m.coulomb_pos / lsb),
+                   static_cast<int>(compensation * m.coulomb_neg / lsb)});
+  }
+  return out;
+}
+
+// Six servos at 1 kHz: brakes open, hold for half a second, then a step on the axes of `mask`.
+struct Run {
+  int held[kN];            // counts off at the end of the hold
+  std::vector<int> y[kN];  // from the step on, relative to the setpoint before it
+};
+
+Run servo(Plant &plant, double compensation, int step, int mask) {
+  Run r = {};
+  std::vector<bench::Servo> servos;
+  for (const auto &law : laws(compensation)) servos.emplace_back(law);
+  bench::Counter counter(plant);
+  std::vector<PinEdge> edges;
+  for (int k = 0; k < 1500; ++k) {
+    double volts[kN];
+    for (int i = 0; i < kN; ++i) {
+      const int y = counter.count(i);
+      if (k == 500) r.held[i] = -y;
+      if (k >= 500) r.y[i].push_back(y);
+      const int target = k >= 500 && ((mask >> i) & 1) != 0 ? step : 0;
+      volts[i] = servos[i].sample(target, y);
+    }
+    for (int s = 0; s < 20; ++s) {
+      plant.step(volts, true, true, edges);
+      counter.take(edges);
+    }
+  }
+  CHECK(!counter.bad_order_ && !counter.both_changed_, "impossible edges");
+  return r;
+}
+
+}  // namespace
+
+// Random problems; the answer must obey every rule of dry friction and of stops.
+TEST(contact_solutions_obey_friction_and_stops) {
+  uint64_t random = 11;
+  const auto uniform = [&random](double lo, double hi) {
+    return lo + (hi - lo) * mmcs::random_unit(random);
+  };
+  mmcs::ContactSolver solver(kN);
+  int rests = 0;
+  int stops = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    double root[kN][kN];
+    double a[kN * kN] = {};
+    double b[kN];
+    double v[kN];
+    double before[kN];
+    JointBounds bounds[kN];
+    for (auto &row : root) {
+      for (double &x : row) x = uniform(-1, 1);
+    }
+    for (int i = 0; i < kN; ++i) {
+      for (int j = 0; j < kN; ++j) {
+        a[i * kN + j] = i == j ? 0.5 : 0.0;
+        for (int k = 0; k < kN; ++k) a[i * kN + j] += root[i][k] * root[j][k];
+      }
+      b[i] = uniform(-3, 3);
+      before[i] = v[i] = mmcs::random_bits(random) % 3 == 0 ? 0.0 : uniform(-2, 2);
+      for (int side = 0; side < 2; ++side) {
+        bounds[i].slide[side] = uniform(0, 1.5);
+        bounds[i].stick[side] = bounds[i].slide[side] * uniform(1, 1.5);
+      }
+      bounds[i].speed_lo = -uniform(0, 3);
+      bounds[i].speed_hi = uniform(0, 3);
+    }
+    solver.solve(a, b, bounds, v);
+    for (int i = 0; i < kN; ++i) {
+      double friction = -b[i];
+      for (int k = 0; k < kN; ++k) friction += a[i * kN + k] * v[k];
+      const JointBounds &j = bounds[i];
+      const double *hold = before[i] == 0.0 ? j.stick : j.slide;
+      constexpr double kTiny = 1e-12;
+      bool good = v[i] >= j.speed_lo && v[i] <= j.speed_hi;
+      if (v[i] == 0.0) {
+        ++rests;
+        good = good && friction >= -hold[0] - kTiny && friction <= hold[1] + kTiny;
+      } else if (v[i] == j.speed_hi || v[i] == j.speed_lo) {
+        ++stops;  // friction and the stop, both against the motion
+        good =
+            good && (v[i] > 0 ? friction <= -j.slide[0] + kTiny : friction >= j.slide[1] - kTiny);
+      } else {
+        const double want = v[i] > 0 ? -j.slide[0] : j.slide[1];
+        good = good && std::abs(friction - want) < kTiny;
+      }
+      CHECK(good, "trial %d joint %d: speed %g, friction %g", trial, i, v[i], friction);
+      if (check::failures > 5) return;
+    }
+  }
+  CHECK(rests > 5000 && stops > 2000, "%d rests and %d stops are too few to prove much", rests,
+        stops);
+}
+
+TEST(held_arm_is_bit_identical_for_ten_seconds) {
+  auto motors = bench::puma_rotors();
+  for (auto &m : motors) m.brake_torque = 0.0;
+  // Upright, leaning a little: gravity pulls on joints 2 and 3, within their Coulomb friction.
+  motors[1].angle0 = 1.5;
+  motors[2].angle0 = -1.5;
+  motors[4].angle0 = 0.3;
+  auto plant = bench::puma_arm(motors);
+  const double gravity[3] = {0, 0, -9.81};
+  mmcs::Arm arm(robots::puma560_links, kN, gravity);
+  const auto before = angles(*plant);
+  arm.pose(before.data());
+  const double rest[kN] = {};
+  double tau[kN];
+  arm.inverse_dynamics(rest, nullptr, tau);
+  CHECK(std::abs(tau[1] / motors[1].gear) > 0.01, "gravity on joint 2 is only %g", tau[1]);
+  run(*plant, 10.0);
+  CHECK(angles(*plant) == before, "the arm crept");
+  for (int i = 0; i < kN; ++i) CHECK(plant->velocity(i) == 0.0, "joint %d moves", i + 1);
+}
+
+TEST(brakes_hold_what_friction_cannot) {
+  auto motors = bench::puma_rotors();
+  auto plant = bench::puma_arm(motors);
+  const auto before = angles(*plant);
+  run(*plant, 10.0, false);
+  CHECK(angles(*plant) == before, "the braked arm moved");
+  run(*plant, 0.2, true);
+  CHECK(plant->angle(1) != before[1], "joint 2 does not fall with its brake open");
+  run(*plant, 1.0, false);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(plant->velocity(i) == 0.0, "joint %d is not caught by its brake", i + 1);
+  }
+}
+
+TEST(unpowered_arm_falls_to_rest) {
+  auto motors = bench::puma_rotors();
+  motors[1].angle0 = 0.0;
+  auto plant = bench::puma_arm(motors);
+  run(*plant, 5.0);
+  const auto rest = angles(*plant);
+  for (int i = 0; i < kN; ++i) {
+    CHECK(rest[i] >= motors[i].stop_lo && rest[i] <= motors[i].stop_hi, "joint %d at %g", i + 1,
+          rest[i]);
+    CHECK(plant->velocity(i) == 0.0, "joint %d still moves", i + 1);
+  }
+  CHECK(rest[1] == motors[1].stop_lo, "joint 2 must lie on its stop, not at %g", rest[1]);
+  run(*plant, 5.0);
+  CHECK(angles(*plant) == rest, "the fallen arm crept");
+}
+
+// Swinging without friction: kinetic plus potential energy stay.
+TEST(energy_of_a_free_arm_is_kept) {
+  auto motors = bench::puma_rotors();
+  for (auto &m : motors) {
+    m.viscous = m.coulomb_pos = m.coulomb_neg = m.stiction_pos = m.stiction_neg = 0.0;
+    m.stop_lo = m.stop_hi = m.brake_torque = m.v_supply = 0.0;
+  }
+  auto plant = bench::puma_arm(motors);
+  const double gravity[3] = {0, 0, -9.81};
+  mmcs::Arm arm(robots::puma560_links, kN, gravity);
+  double potential = 0.0;  // by the work of gravity along the way
+  double first = 0.0;
+  double worst = 0.0;
+  double most = 0.0;
+  for (int k = 0; k < 40000; ++k) {
+    const auto q = angles(*plant);
+    double qd[kN];
+    double tau[kN];
+    double mass[kN * kN];
+    for (int i = 0; i < kN; ++i) qd[i] = plant->velocity(i);
+    arm.pose(q.data());
+    arm.mass_matrix(mass);
+    double kinetic = 0.0;
+    for (int i = 0; i < kN; ++i) {
+      mass[i * kN + i] += motors[i].gear * motors[i].gear * motors[i].inertia;
+      for (int j = 0; j < kN; ++j) kinetic += 0.5 * qd[i] * mass[i * kN + j] * qd[j];
+    }
+    if (k == 0) first = kinetic + potential;
+    worst = std::max(worst, std::abs(kinetic + potential - first));
+    most = std::max(most, kinetic);
+    const double rest[kN] = {};
+    run(*plant, bench::kStepS);
+    double mid[kN];
+    for (int i = 0; i < kN; ++i) mid[i] = 0.5 * (q[i] + plant->angle(i));
+    arm.pose(mid);
+    arm.inverse_dynamics(rest, nullptr, tau);
+    for (int i = 0; i < kN; ++i) potential += tau[i] * (plant->angle(i) - q[i]);
+  }
+  CHECK(most > 10.0, "it hardly moves: %g J", most);
+  CHECK(worst < 0.01 * most, "energy wanders by %g J of %g J", worst, most);
+}
+
+// The figures of the single axes hold for the six at once; joint 1's inertia depends on the pose.
+TEST(six_servos_step_together_without_gravity) {
+  const double rise[kN] = {58, 46, 44, 43, 43, 42};
+  const int steady[kN] = {3, 2, 2, 2, 1, 1};
+  auto plant = bench::puma_arm(bench::puma_rotors(), false);
+  const Run r = servo(*plant, 0.8, 200, 0x3F);
+  for (int i = 0; i < kN; ++i) {
+    const auto got = bench::measure(r.y[i], 200, 1.0);
+    const double band = i == 0 ? 0.3 * rise[i] : std::max(4.0, 0.1 * rise[i]);
+    CHECK(std::abs(got.rise_ms - rise[i]) <= band, "J%d: rise %g ms, want %g", i + 1, got.rise_ms,
+          rise[i]);
+    CHECK(std::abs(got.steady - steady[i]) <= 2, "J%d: rests %d counts off", i + 1, got.steady);
+    CHECK(got.overshoot_pct <= 3.0, "J%d: overshoot %g %%", i + 1, got.overshoot_pct);
+    CHECK(got.rest_pp == 0, "J%d: moves %d counts at rest", i + 1, got.rest_pp);
+  }
+}
+
+// Stretched out sideways, the proportional law holds joint 2 a few counts below its setpoint.
+TEST(gravity_costs_counts_as_calculated) {
+  const auto steady = [](double compensation, int &held) {
+    auto plant = bench::puma_arm(bench::puma_rotors());
+    const Run r = servo(*plant, compensation, 200, 1 << 1);
+    held = r.held[1];
+    auto response = bench::measure(r.y[1], 200, 1.0);
+    // 10 to 90 % of the demand, from where it hung.
+    auto moved = r.y[1];
+    for (int &y : moved) y += held;
+    response.rise_ms = bench::measure(moved, 200, 1.0).rise_ms;
+    return response;
+  };
+  int held = 0;
+  const auto with = steady(0.8, held);
+  CHECK(std::abs(held - 7) <= 2, "holds %d counts off, want 7", held);
+  CHECK(std::abs(with.steady - 16) <= 2, "lands %d short, want 16", with.steady);
+  CHECK(std::abs(with.rise_ms - 57) <= 6, "rise %g ms, want 57", with.rise_ms);
+  const auto without = steady(0.0, held);
+  CHECK(std::abs(held - 11) <= 2, "holds %d counts off, want 11", held);
+  CHECK(std::abs(without.steady - 21) <= 2, "lands %d short, want 21", without.steady);
+}
+
+// A very stiff coupling approaches the rigid arm; a soft one lets the load swing.
+TEST(flexible_axis_in_the_arm) {
+  auto motors = bench::puma_rotors();
+  auto rigid = bench::puma_arm(motors, false);
+  motors[3].stiffness = 20.0;  // about 5 Hz with the wrist as load
+  motors[3].damping = 0.0;
+  auto soft = bench::puma_arm(motors, false);
+  double volts[kN] = {0, 0, 0, 0.5, 0, 0};
+  std::vector<PinEdge> edges;
+  double apart = 0.0;
+  for (int k = 0; k < 4000; ++k) {
+    rigid->step(volts, true, true, edges);
+    soft->step(volts, true, true, edges);
+    apart = std::max(apart, std::abs(rigid->angle(3) - soft->angle(3)));
+    for (int i = 0; i < kN; ++i) CHECK(std::abs(soft->angle(i)) < 10.0, "joint %d diverges", i + 1);
+    if (check::failures > 0) return;
+  }
+  CHECK(apart > 1e-4, "a soft coupling makes no difference");
+  CHECK(std::abs(rigid->angle(3) - soft->angle(3)) < 0.05 * std::abs(rigid->angle(3)),
+        "rigid %g rad, soft %g rad", rigid->angle(3), soft->angle(3));
+}
+
+int main(int argc, char **argv) {
+  return check::run(argc, argv);
+}

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+// Amplifier, friction, brake, stops, coupling and their faults on axes that stand alone.
+#include <stdexcept>
+
+#include "bench.h"
+#include "check.h"
+
+namespace {
+
+using mmcs::PinEdge;
+using mmcs::Plant;
+
+int input(const char *name) {
+  for (int i = 0; Plant::input_name(i) != nullptr; ++i) {
+    if (std::strcmp(Plant::input_name(i), name) == 0) return i;
+  }
+  CHECK(false, "no input is called %s", name);
+  return -1;
+}
+
+void run(Plant &plant, double volts, double seconds, bool release = true, bool enable = true) {
+  std::vector<double> drive(static_cast<size_t>(plant.axes()), volts);
+  std::vector<PinEdge> edges;
+  for (int k = 0; k < std::lround(seconds / bench::kStepS); ++k) {
+    plant.step(drive.data(), release, enable, edges);
+  }
+}
+
+// A motor without friction or limits, to see one effect at a time.
+mmcs_motor ideal() {
+  mmcs_motor m = {};
+  m.inertia = 1e-4;
+  m.km = 0.1;
+  m.resistance = 1.0;
+  m.amp_gain = 0.5;
+  m.gear = 1.0;
+  m.counts_per_rev = 1000;
+  m.index_per_rev = 1;
+  return m;
+}
+
+}  // namespace
+
+TEST(current_follows_with_the_amplifiers_lag) {
+  mmcs_motor m = ideal();
+  m.amp_tau = 1e-3;
+  m.stiction_pos = m.stiction_neg = 10.0;  // held: no back-EMF
+  auto plant = bench::alone(m);
+  run(*plant, 4.0, 1e-3);
+  CHECK(std::abs(plant->current(0) - 2.0 * (1.0 - std::exp(-1.0))) < 1e-12, "%.15g A",
+        plant->current(0));
+  m.amp_tau = 0.0;
+  auto direct = bench::alone(m);
+  run(*direct, 4.0, 50e-6);
+  CHECK(direct->current(0) == 2.0, "%.15g A", direct->current(0));
+}
+
+TEST(current_limits) {
+  mmcs_motor m = ideal();
+  m.amp_max = 1.5;
+  m.stiction_pos = m.stiction_neg = 10.0;
+  auto plant = bench::alone(m);
+  run(*plant, 10.0, 1e-3);
+  CHECK(plant->current(0) == 1.5, "%.15g A", plant->current(0));
+  run(*plant, -10.0, 1e-3);
+  CHECK(plant->current(0) == -1.5, "%.15g A", plant->current(0));
+  m.v_supply = 0.75;
+  auto weak = bench::alone(m);
+  run(*weak, 10.0, 1e-3);
+  CHECK(weak->current(0) == 0.75, "%.15g A", weak->current(0));
+}
+
+TEST(signs_from_drive_to_counter) {
+  auto plant = bench::alone(ideal());
+  bench::Counter counter(*plant);
+  std::vector<PinEdge> edges;
+  const double volts = 1.0;
+  for (int k = 0; k < 200; ++k) {
+    plant->step(&volts, true, true, edges);
+    counter.take(edges);
+  }
+  CHECK(plant->current(0) > 0 && plant->velocity(0) > 0, "positive drive must turn positive");
+  CHECK(counter.count(0) > 0, "A must lead B while turning positive");
+  mmcs_motor reversed = ideal();
+  reversed.gear = -50.0;
+  auto back = bench::alone(reversed);
+  run(*back, 1.0, 0.01);
+  CHECK(back->count(0) > 0 && back->angle(0) < 0, "a negative gear turns the joint back");
+}
+
+TEST(maximum_speeds) {
+  const double want[6] = {120, 163, 129, 406, 366, 440};
+  for (int i = 0; i < 6; ++i) {
+    mmcs_motor m = robots::puma560[i];
+    m.stop_lo = m.stop_hi = 0.0;
+    auto plant = bench::alone(m);
+    run(*plant, 10.0, 3.0);
+    const double w = plant->velocity(0) * m.gear;
+    CHECK(std::abs(w - want[i]) < 0.03 * want[i], "J%d: %g rad/s, want %g", i + 1, w, want[i]);
+  }
+}
+
+TEST(free_acceleration_and_viscous_end_speed) {
+  mmcs_motor m = ideal();
+  auto plant = bench::alone(m);
+  run(*plant, 1.0, 0.1);
+  const double w = 0.5 * m.km / m.inertia * 0.1;  // torque / inertia * time
+  CHECK(std::abs(plant->velocity(0) - w) < 1e-9 * w, "%.15g, want %.15g", plant->velocity(0), w);
+  m.viscous = 1e-3;
+  auto damped = bench::alone(m);
+  run(*damped, 1.0, 5.0);
+  CHECK(std::abs(damped->velocity(0) - 50.0) < 1e-6, "%.15g", damped->velocity(0));
+}
+
+TEST(stick_holds_bit_for_bit_and_breaks_at_its_bound) {
+  mmcs_motor m = robots::puma560[1];
+  m.brake_torque = 0.0;
+  for (const double load : {0.07, -0.12}) {  // just below the friction against it
+    m.gravity = load;
+    auto plant = bench::alone(m);
+    const double q = plant->angle(0);
+    run(*plant, 0.0, 10.0);
+    CHECK(plant->angle(0) == q && plant->count(0) == 0, "crept by %g rad", plant->angle(0) - q);
+  }
+
+  const double lsb = m.km * m.amp_gain;  // N m per V
+  m.gravity = 0.0;
+  auto held = bench::alone(m);
+  run(*held, 0.999 * m.stiction_pos / lsb, 1.0);
+  CHECK(held->velocity(0) == 0.0, "breaks away too early");
+  run(*held, 1.001 * m.stiction_pos / lsb, 1.0);
+  CHECK(held->velocity(0) > 0.0, "does not break away");
+  // Moving, it needs only the Coulomb torque to go on.
+  run(*held, 0.5 * (m.stiction_pos + m.coulomb_pos) / lsb, 0.5);
+  CHECK(held->velocity(0) > 0.0, "stiction acts on a moving shaft");
+  run(*held, 0.0, 0.5);
+  CHECK(held->velocity(0) == 0.0, "friction does not stop it");
+}
+
+TEST(friction_differs_by_direction) {
+  mmcs_motor m = ideal();
+  m.coulomb_pos = m.stiction_pos = 0.05;
+  m.coulomb_neg = m.stiction_neg = 0.02;
+  auto plus = bench::alone(m);
+  run(*plus, 2.0, 0.1);
+  auto minus = bench::alone(m);
+  run(*minus, -2.0, 0.1);
+  const double per_nm = 0.1 / m.inertia;
+  CHECK(std::abs(plus->velocity(0) - 0.05 * per_nm) < 1e-6, "%g", plus->velocity(0));
+  CHECK(std::abs(minus->velocity(0) + 0.08 * per_nm) < 1e-6, "%g", minus->velocity(0));
+}
+
+TEST(brake_holds_releases_and_engages_late) {
+  mmcs_motor m = ideal();
+  m.brake_torque = 1.0;
+  m.brake_delay = 0.030;
+  m.brake_release_delay = 0.010;
+  m.gravity = 0.1;
+  auto plant = bench::alone(m);
+  run(*plant, 0.0, 1.0, false);
+  CHECK(plant->angle(0) == 0.0, "a brake without power must hold");
+  run(*plant, 0.0, 0.00995, true);
+  CHECK(plant->angle(0) == 0.0, "released too early");
+  run(*plant, 0.0, 0.0002, true);
+  CHECK(plant->velocity(0) < 0.0, "not released");
+  run(*plant, 0.0, 0.0299, false);
+  const double w = plant->velocity(0);
+  run(*plant, 0.0, 0.0002, false);
+  CHECK(plant->velocity(0) > w, "not engaged after its delay");
+  run(*plant, 0.0, 0.5, false);
+  CHECK(plant->velocity(0) == 0.0, "does not stop the axis");
+}
+
+TEST(brake_faults) {
+  mmcs_motor m = ideal();
+  m.brake_torque = 1.0;
+  m.gravity = 0.1;
+  auto open = bench::alone(m);
+  open->set_input(input("brake_stuck"), 0, 1.0);
+  run(*open, 0.0, 0.1, false);
+  CHECK(open->velocity(0) < 0.0, "a brake stuck open must not hold");
+  auto closed = bench::alone(m);
+  closed->set_input(input("brake_stuck"), 0, 2.0);
+  run(*closed, 5.0, 0.1, true);
+  CHECK(closed->velocity(0) == 0.0, "a brake stuck closed must hold");
+}
+
+TEST(stops_end_the_motion_exactly) {
+  for (const double gear : {20.0, -20.0}) {
+    mmcs_motor m = ideal();
+    m.gear = gear;
+    m.stop_lo = -0.3;
+    m.stop_hi = 0.7;
+    for (const double volts : {8.0, -8.0}) {
+      auto plant = bench::alone(m);
+      const double end = volts * gear > 0 ? m.stop_hi : m.stop_lo;
+      run(*plant, volts, 1.0);
+      CHECK(plant->angle(0) == end && plant->velocity(0) == 0.0, "at %.17g, want %g",
+            plant->angle(0), end);
+      run(*plant, -volts, 0.02);
+      CHECK(plant->angle(0) != end, "does not leave the stop");
+    }
+  }
+}
+
+TEST(amplifier_faults) {
+  mmcs_motor m = ideal();
+  m.amp_max = 2.0;
+  auto plant = bench::alone(m);
+  plant->set_input(input("amp_dead"), 0, 1.0);
+  run(*plant, 5.0, 0.1);
+  CHECK(plant->current(0) == 0.0 && plant->angle(0) == 0.0, "a dead amplifier drives");
+  plant->set_input(input("amp_dead"), 0, 0.0);
+  plant->set_input(input("amp_saturated"), 0, -1.0);
+  run(*plant, 5.0, 0.1);
+  CHECK(plant->current(0) == -2.0, "%g A", plant->current(0));
+  plant->set_input(input("amp_saturated"), 0, 0.0);
+  run(*plant, 5.0, 0.001, true, false);
+  CHECK(plant->current(0) == 0.0, "a disabled amplifier drives");
+  plant->set_input(input("drive_offset"), 0, 0.5);
+  run(*plant, 0.0, 0.001);
+  CHECK(plant->current(0) == 0.25, "%g A", plant->current(0));
+}
+
+TEST(load_torque_and_jam) {
+  mmcs_motor m = ideal();
+  auto plant = bench::alone(m);
+  plant->set_input(input("load_torque"), -1, 0.05);
+  run(*plant, 1.0, 0.1);  // 0.05 N m against it
+  CHECK(plant->velocity(0) == 0.0, "%g", plant->velocity(0));
+  plant->set_input(input("load_torque"), 0, 0.0);
+  run(*plant, 1.0, 0.1);
+  CHECK(plant->velocity(0) > 0.0, "does not move");
+  plant->set_input(input("motor_jam"), 0, 1.0);
+  run(*plant, 1.0, 0.001);
+  CHECK(plant->velocity(0) == 0.0, "turns although jammed");
+}
+
+TEST(potentiometer_noise_and_cut) {
+  mmcs_motor m = ideal();
+  m.pot_v_per_rad = 2.0;
+  m.pot_offset = 1.0;
+  m.angle0 = 1.5;
+  m.stiction_pos = m.stiction_neg = 1.0;
+  auto plant = bench::alone(m);
+  CHECK(plant->adc_volts(0) == 4.0, "%g V", plant->adc_volts(0));
+  plant->set_input(input("pot_noise"), 0, 0.1);
+  double sum = 0.0;
+  double squares = 0.0;
+  constexpr int kSamples = 20000;
+  for (int k = 0; k < kSamples; ++k) {
+    run(*plant, 0.0, bench::kStepS);
+    sum += plant->adc_volts(0) - 4.0;
+    squares += std::pow(plant->adc_volts(0) - 4.0, 2);
+  }
+  CHECK(std::abs(sum / kSamples) < 0.004, "mean %g V", sum / kSamples);
+  CHECK(std::abs(std::sqrt(squares / kSamples) - 0.1) < 0.004, "%g V rms",
+        std::sqrt(squares / kSamples));
+  plant->set_input(input("pot_cut"), 0, 1.0);
+  plant->set_input(input("pot_noise"), 0, 0.0);
+  run(*plant, 0.0, bench::kStepS);
+  CHECK(plant->adc_volts(0) == 0.0, "%g V", plant->adc_volts(0));
+}
+
+// A load on a spring: the two masses swing with the frequency of the textbook, about their mean.
+TEST(flexible_coupling_swings) {
+  mmcs_motor m = ideal();
+  m.gear = 10.0;  // 0.01 kg m^2 at the joint
+  m.load_inertia = 0.03;
+  m.stiffness = 100.0;
+  auto plant = bench::alone(m);
+  run(*plant, 1.0, 0.05);
+  double last = plant->velocity(0);
+  const double mean_acc = 0.05 * 10.0 / 0.04;
+  int crossings = 0;
+  std::vector<double> at;
+  for (int k = 0; k < 20000; ++k) {
+    run(*plant, 1.0, bench::kStepS);
+    const double acc = (plant->velocity(0) - last) / bench::kStepS - mean_acc;
+    static double before = acc;
+    if (before < 0 && acc >= 0) at.push_back(k * bench::kStepS), ++crossings;
+    before = acc;
+    last = plant->velocity(0);
+  }
+  const double period = (at.back() - at.front()) / (crossings - 1);
+  const double want = 2 * M_PI / std::sqrt(100.0 * (1 / 0.03 + 1 / 0.01));
+  CHECK(std::abs(period - want) < 0.005 * want, "period %g s, want %g", period, want);
+}
+
+TEST(backlash_lets_the_motor_turn_alone) {
+  mmcs_motor m = ideal();
+  m.gear = 10.0;
+  m.load_inertia = 0.03;
+  m.stiffness = 100.0;
+  m.damping = 0.1;
+  m.backlash = 0.02;  // 0.2 rad at the motor, half of it ahead: 15.9 counts
+  auto plant = bench::alone(m);
+  std::vector<PinEdge> edges;
+  const double volts = 0.2;
+  while (plant->angle(0) == 0.0) plant->step(&volts, true, true, edges);
+  CHECK(std::abs(plant->count(0) - 16) <= 1, "load follows after %d counts", plant->count(0));
+}
+
+// Pushed against a stop, the spring winds up by half the play and the torque over the stiffness.
+TEST(backlash_and_spring_at_a_stop) {
+  mmcs_motor m = ideal();
+  m.gear = 10.0;
+  m.load_inertia = 0.03;
+  m.stiffness = 100.0;
+  m.damping = 0.2;
+  m.viscous = 1e-3;
+  m.backlash = 0.02;
+  m.stop_lo = -1.0;
+  for (const double volts : {2.0, -2.0}) {
+    m.angle0 = volts > 0 ? m.stop_hi : m.stop_lo;
+    auto plant = bench::alone(m);
+    run(*plant, volts, 5.0);
+    const double torque = volts * 0.5 * 0.1 * 10.0;  // at the joint
+    const double wind = torque / 100.0 + (volts > 0 ? 0.01 : -0.01);
+    const int want = static_cast<int>(std::lround(wind * 10.0 * 1000 / (2 * M_PI)));
+    CHECK(plant->angle(0) == m.angle0, "the load left its stop");
+    CHECK(std::abs(plant->count(0) - want) <= 1, "wound up by %d counts, want %d", plant->count(0),
+          want);
+  }
+}
+
+TEST(saved_state_has_the_same_future) {
+  mmcs_motor motors[2] = {robots::puma560[1], robots::lab500[0]};
+  motors[0].stiffness = 3000.0;
+  motors[0].load_inertia = 2.0;
+  const auto make = [&] {
+    auto p = Plant::create(bench::config(2, 0, 7), motors, nullptr, bench::kClks, bench::kGap);
+    p->set_input(input("pot_noise"), -1, 0.01);
+    p->set_input(input("encoder_glitch"), -1, 500.0);
+    return p;
+  };
+  auto a = make();
+  run(*a, 3.0, 0.05);
+  const auto saved = a->save();
+  auto b = Plant::create(bench::config(2, 0, 99), motors, nullptr, bench::kClks, bench::kGap);
+  b->restore(saved);
+  const double volts[2] = {-2.0, 4.0};
+  std::vector<PinEdge> ea;
+  std::vector<PinEdge> eb;
+  for (int k = 0; k < 2000; ++k) {
+    a->step(volts, k < 1000, true, ea);
+    b->step(volts, k < 1000, true, eb);
+    bool same = ea.size() == eb.size();
+    for (size_t i = 0; same && i < ea.size(); ++i) {
+      same = ea[i].clk == eb[i].clk && ea[i].axis == eb[i].axis && ea[i].a == eb[i].a;
+    }
+    CHECK(same, "edges differ in step %d", k);
+    if (!same) return;
+  }
+  CHECK(a->save() == b->save(), "states differ");
+  try {
+    b->restore({1, 2, 3});
+    CHECK(false, "takes a state of another size");
+  } catch (const std::invalid_argument &) {
+  }
+}
+
+TEST(impossible_parameters_are_refused_by_name) {
+  struct Bad {
+    void (*change)(mmcs_motor &);
+    const char *name;
+  };
+  const Bad bad[] = {
+      {[](mmcs_motor &m) { m.inertia = 0; }, "inertia"},
+      {[](mmcs_motor &m) { m.km = -1; }, "km"},
+      {[](mmcs_motor &m) { m.resistance = 0; }, "resistance"},
+      {[](mmcs_motor &m) { m.gear = 0; }, "gear"},
+      {[](mmcs_motor &m) { m.viscous = -1; }, "viscous"},
+      {[](mmcs_motor &m) { m.coulomb_pos = 1; }, "stiction"},
+      {[](mmcs_motor &m) { m.counts_per_rev = 10; }, "counts_per_rev"},
+      {[](mmcs_motor &m) { m.index_per_rev = 2; }, "index_per_rev"},
+      {[](mmcs_motor &m) { m.backlash = 0.1; }, "backlash"},
+      {[](mmcs_motor &m) { m.stiffness = 1; }, "load_inertia"},
+      {[](mmcs_motor &m) { m.stiffness = 1e9, m.load_inertia = 1; }, "coupling"},
+      {[](mmcs_motor &m) { m.stop_lo = 1, m.stop_hi = 2; }, "angle0"},
+      {[](mmcs_motor &m) { m.amp_tau = std::nan(""); }, "amp_tau"},
+  };
+  for (const Bad &b : bad) {
+    mmcs_motor m = ideal();
+    b.change(m);
+    std::string text;
+    try {
+      bench::alone(m);
+    } catch (const std::invalid_argument &e) {
+      text = e.what();
+    }
+    CHECK(text.rfind("axis 0: ", 0) == 0 && text.find(b.name) != std::string::npos,
+          "want a sentence about %s, got '%s'", b.name, text.c_str());
+  }
+}
+
+int main(int argc, char **argv) {
+  return check::run(argc, argv);
+}

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Line, branch, toggle and functional coverage of rtl/: `make coverage`.
+
+Runs the cocotb regression on coverage builds, merges what every simulation wrote, and makes
+build/coverage/index.html. Points that cannot be reached stand in
+cocotb_tests/coverage_exceptions.toml, each with its reason; one that was reached after all, or
+whose line is gone, fails. The functional bins are those of cocotb_tests/functional/cover.py.
+`--report` only merges what is there.
+"""
+
+import argparse
+import fnmatch
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from collections import Counter, defaultdict
+from pathlib import Path
+
+import jinja2
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from cocotb_tests.functional import cover  # noqa: E402
+
+BUILD = ROOT / "build" / "coverage"
+EXCEPTIONS = ROOT / "cocotb_tests" / "coverage_exceptions.toml"
+GOALS = {"line": 100.0, "branch": 100.0, "toggle": 95.0}
+SHOWN = 60  # complaints on the terminal, bins in the report
+
+PAGE = jinja2.Template(
+    """<!doctype html><meta charset="utf-8"><title>MMCS RTL coverage</title>
+<style>body{font:14px sans-serif;margin:2em}td,th{padding:2px 10px;text-align:left}
+pre{margin:0;font:12px monospace}.miss{background:#fdd}.hit{background:#efe}.exc{background:#eee}
+.n{color:#888}</style>
+<h1>RTL coverage</h1><table><tr><th>file<th>line<th>branch<th>toggle</tr>
+{% for f, s in files.items() %}<tr><td><a href="#{{ f }}">{{ f }}</a>
+{% for k in kinds %}<td>{{ s[k] }}{% endfor %}</tr>{% endfor %}</table>
+<h1>Functional coverage</h1><table><tr><th>group<th>axes<th>hit<th>bins<th>missed, excluded</tr>
+{% for g in groups %}<tr class="{{ 'miss' if g.missed else 'hit' }}">
+<td>{{ g.name }}<td>{{ g.axes }}
+<td>{{ g.hit }}<td>{{ g.bins }}<td>{{ g.missed|join("; ")|e }}
+{% for why, n in g.never.items() %}<br>{{ n }} combinations are no bins: {{ why|e }}{% endfor %}
+</tr>{% endfor %}</table>
+{% for f, rows in listings.items() %}<h2 id="{{ f }}">{{ f }}</h2>
+{% for r in rows %}<pre class="{{ r.cls }}"><span class="n">{{ "%4d" % r.n }}</span> {{ r.text|e }}\
+{% if r.note %}<span class="n">  // {{ r.note|e }}</span>{% endif %}</pre>{% endfor %}{% endfor %}
+"""
+)
+
+
+def parse(path: Path):
+    """Yields (file, line, kind, what, count) from one coverage.dat of Verilator."""
+    for raw in path.read_text(errors="replace").splitlines():
+        if not raw.startswith("C '"):
+            continue
+        text, count = raw[3:].rsplit("' ", 1)
+        fields = dict(part.split("\x02", 1) for part in text.split("\x01") if "\x02" in part)
+        kind = fields.get("page", "").split("/")[0].removeprefix("v_")
+        if kind in GOALS and "/rtl/" in fields["f"]:
+            name = "rtl/" + fields["f"].rsplit("/rtl/", 1)[1]
+            what = f"{fields.get('n', '')} {fields.get('o', '')}".strip()
+            yield name, int(fields["l"]), kind, what, int(count)
+
+
+def merge(folder: Path) -> Counter:
+    total: Counter = Counter()
+    for path in folder.rglob("coverage.dat"):
+        for *point, count in parse(path):
+            total[tuple(point)] += count
+    return total
+
+
+class Exceptions:
+    """What need not be reached: `file` and `kind` with wildcards, the line by text or `match`."""
+
+    def __init__(self, path: Path) -> None:
+        table = tomllib.loads(path.read_text()) if path.is_file() else {}
+        self.entries = table.get("exception", [])
+        self.used: Counter = Counter()
+
+    def reason(self, name: str, text: str, kind: str, what: str) -> str | None:
+        for n, e in enumerate(self.entries):
+            if (
+                fnmatch.fnmatch(name, e["file"])
+                and fnmatch.fnmatch(kind, e.get("kind", "*"))
+                and ("line" not in e or e["line"].strip() == text.strip())
+                and re.search(e.get("match", ""), text)
+                and re.search(e.get("what", ""), what)
+            ):
+                self.used[n] += 1
+                return e["reason"]
+        return None
+
+    def idle(self) -> list[str]:
+        return [
+            f"{e['file']}: exception for what is gone or covered: "
+            f"{e.get('line') or e.get('match') or e.get('what') or e['reason']}"
+            for n, e in enumerate(self.entries)
+            if not self.used[n]
+        ]
+
+
+def structural(points: Counter) -> tuple[list[str], dict, dict, dict, Exceptions]:
+    """Complaints; per file the figures and the listing; the sums."""
+    allowed = Exceptions(EXCEPTIONS)
+    problems, listings, files = [], {}, {}
+    sums = {k: [0, 0, 0] for k in GOALS}  # reached, all, excepted
+    by_file = defaultdict(lambda: defaultdict(list))
+    for (name, line, kind, what), count in points.items():
+        by_file[name][line].append((kind, what, count))
+    for name in sorted(by_file):
+        tally, rows = {k: [0, 0, 0] for k in GOALS}, []
+        for n, text in enumerate((ROOT / name).read_text().splitlines(), 1):
+            missed, reasons = [], set()
+            for kind, what, count in by_file[name][n]:
+                reason = None if count else allowed.reason(name, text, kind, what)
+                tally[kind][2] += reason is not None
+                tally[kind][1] += reason is None
+                tally[kind][0] += count > 0
+                if reason:
+                    reasons.add(reason)
+                elif not count:
+                    missed.append(f"{kind} {what}")
+                    if kind != "toggle":
+                        problems.append(f"{name}:{n}: {kind} {what} not reached: {text.strip()}")
+            state = "miss" if missed else "exc" if reasons else "hit" if by_file[name][n] else ""
+            note = ", ".join(missed[:8]) or "; ".join(reasons)
+            rows.append({"n": n, "text": text, "cls": state, "note": note})
+        listings[name] = rows
+        files[name] = {k: "{}/{}".format(*tally[k]) for k in GOALS}
+        for kind in GOALS:
+            sums[kind] = [a + b for a, b in zip(sums[kind], tally[kind], strict=True)]
+    return problems + allowed.idle(), files, listings, sums, allowed
+
+
+def functional(folder: Path) -> tuple[list[str], list[dict]]:
+    """Complaints and one row for each group."""
+    cover.load(folder)
+    problems, rows = [], []
+    for group in cover.GROUPS.values():
+        bins = set(group.bins())
+        missed = sorted(bins - group.hits)
+        never: Counter = Counter()
+        for combination in cover.product(*group.axes.values()):
+            if reason := group.reason(combination):
+                never[reason] += 1
+        if group.strays():
+            problems.append(f"{group.name}: {group.strays()[0]} is no bin")
+        if missed:
+            problems.append(f"{group.name}: {len(missed)} bins not hit, as {' '.join(missed[0])}")
+        rows.append(
+            {
+                "name": group.name,
+                "axes": " x ".join(f"{k} ({len(v)})" for k, v in group.axes.items()),
+                "hit": len(bins & group.hits),
+                "bins": len(bins),
+                "missed": [" ".join(m) for m in missed[:SHOWN]],
+                "never": never,
+            }
+        )
+    return problems, rows
+
+
+def report(points: Counter) -> int:
+    problems, files, listings, sums, allowed = structural(points)
+    complaints, groups = functional(BUILD)
+    problems += complaints
+    page = PAGE.render(files=files, listings=listings, kinds=GOALS, groups=groups)
+    (BUILD / "index.html").write_text(page)
+    for line in problems[:SHOWN]:
+        print(f"coverage: {line}", file=sys.stderr)
+    ok = not problems
+    for kind, goal in GOALS.items():
+        hit, all_, excepted = sums[kind]
+        percent = 100 * hit / all_ if all_ else 0.0
+        ok &= percent >= goal
+        print(
+            f"coverage: {kind:6s} {percent:6.2f} % ({hit} of {all_}), goal {goal:g} %; "
+            f"{excepted} points excepted"
+        )
+    for g in groups:
+        share = 100 * g["hit"] / g["bins"]
+        print(f"coverage: {g['name']:14s} {share:6.2f} % ({g['hit']} of {g['bins']} bins)")
+    print(f"coverage: {len(allowed.entries)} exceptions; report in build/coverage/index.html")
+    return 0 if ok else 1
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--report", action="store_true", help="only merge what is there")
+    args = parser.parse_args()
+    if not args.report:
+        for old in (*BUILD.rglob("coverage.dat"), *BUILD.rglob(cover.FILE)):
+            old.unlink()  # what an earlier run, or an earlier design, has reached
+        command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup"]
+        env = dict(os.environ, MMCS_BUILD=str(BUILD))
+        env.setdefault("MMCS_RANDOM_OPS", "2000")
+        # Sixteen cards are the same lines sixteen times, and take minutes to build.
+        command += ["--rtl-coverage", "cocotb_tests", "-k", "not sixteen_cards"]
+        done = subprocess.run(command, cwd=ROOT, env=env, check=False)
+        if done.returncode:
+            print(
+                "coverage: the tests fail; coverage of failing tests means nothing", file=sys.stderr
+            )
+            return 1
+    points = merge(BUILD)
+    if not points:
+        print("coverage: nothing was collected; run without --report", file=sys.stderr)
+        return 2
+    return report(points)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

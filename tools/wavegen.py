@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Timing diagrams from simulation runs: docs/waves/*.svg and *.json (WaveJSON).
+
+docs/waves.toml lists them. `wavegen.py` makes them all, `wavegen.py NAME...` some; `--check` says
+which are stale and writes nothing. `--trace NAME` leaves the trace below build/waves with a view
+for GTKWave and Surfer and opens it where there is a display.
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+from wavedraw import Line, svg, wavejson  # noqa: E402
+
+LIST = ROOT / "docs" / "waves.toml"
+OUT = ROOT / "docs" / "waves"
+WORK = ROOT / "build" / "waves"
+MODULE = "cocotb_tests.waves.scenes"
+FORMS = ("bit", "hex", "addr", "volt")
+
+
+class WaveError(Exception):
+    """Something a user can put right; one line."""
+
+
+def load() -> dict[str, dict]:
+    entries = tomllib.loads(LIST.read_text())
+    for name, entry in entries.items():
+        for signal in entry["signals"]:
+            if not 2 <= len(signal) <= 3 or (len(signal) == 3 and signal[2] not in FORMS):
+                raise WaveError(
+                    f"docs/waves.toml: {name}: {signal}: want [label, path, form]; "
+                    f"form is one of {', '.join(FORMS)}"
+                )
+    return entries
+
+
+def simulate(name: str, sim: str) -> tuple[Path, int, int]:
+    """Runs a scene with the trace on: the trace, and the two marks in ps."""
+    os.environ["MMCS_BUILD"] = str(WORK)
+    from cocotb_tests.lib import runner
+    from cocotb_tests.waves import scenes
+
+    arguments = runner._arguments
+    tracing = {"verilator": ["--trace-fst", "--trace-structs"], "icarus": []}[sim]
+    runner._arguments = lambda job: [*arguments(job), *tracing]
+    dump = WORK / "dump.sv"
+    WORK.mkdir(parents=True, exist_ok=True)
+    dump.write_text(
+        "module wave_dump(input wire logic x);\nendmodule\n"
+        if sim == "verilator"
+        else 'module wave_dump;\n  initial begin\n    $dumpfile("wave.fst");\n'
+        "    $dumpvars(0, mmcs);\n  end\nendmodule\n"
+    )
+    job = runner.Job(MODULE, scenes.TOPLEVEL, sim, tuple(sorted(scenes.PARAMETERS.items())))
+    if sim == "icarus":
+        design = runner._design
+        runner._design = lambda job: ([*design(job)[0], dump], design(job)[1])
+        runner._arguments = lambda job: [*arguments(job), "-s", "wave_dump"]
+    try:
+        built = runner.build(job)
+    except runner.BuildError as error:
+        raise WaveError(f"{error}") from None
+    finally:
+        runner._arguments = arguments
+        if sim == "icarus":
+            runner._design = design
+    folder = WORK / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    marks = folder / "marks"
+    flags = {"test_args": ["--trace-file", "wave.fst"]} if sim == "verilator" else {}
+    try:
+        built.test(
+            test_module=MODULE,
+            hdl_toplevel=scenes.TOPLEVEL,
+            hdl_toplevel_lang="verilog",
+            build_dir=built.build_dir,
+            test_dir=folder,
+            results_xml=str(folder / "results.xml"),
+            test_filter=rf"^{MODULE}\.{name}$",
+            seed=runner.DEFAULT_SEED,
+            timescale=runner.TIMESCALE,
+            log_file=folder / "sim.log",
+            extra_env={
+                "MMCS_MARKS": str(marks),
+                "MMCS_SIM": sim,
+                "MMCS_PARAMETERS": repr(scenes.PARAMETERS),
+            },
+            waves=True,
+            **flags,
+        )
+    except (RuntimeError, SystemExit) as error:
+        raise WaveError(f"{name}: the scene failed ({error}); see {folder / 'sim.log'}") from None
+    found = [int(m) for m in marks.read_text().split()] if marks.is_file() else []
+    if len(found) != 2 or "FAIL=0" not in (folder / "sim.log").read_text(errors="replace"):
+        raise WaveError(
+            f"{name}: the scene failed or lacks its two marks; see {folder / 'sim.log'}"
+        )
+    trace = folder / "wave.fst"
+    if not trace.is_file():
+        raise WaveError(f"{name}: the simulator wrote no trace; see {folder / 'sim.log'}")
+    return trace, found[0], found[1]
+
+
+def lines(name: str, entry: dict, trace: Path, start: int, end: int) -> list[Line]:
+    """Every signal of a diagram as changes between the two times."""
+    import pywellen
+
+    wave = pywellen.Waveform(str(trace))
+    unit = {"s": 10**12, "ms": 10**9, "us": 10**6, "ns": 10**3, "ps": 1}
+    scale = wave.timescale
+    step = scale.factor * unit[str(scale.unit).rsplit(".", 1)[-1].lower()]
+    paths = {}
+    for var in wave.all_vars():
+        path = var.full_name
+        for prefix in ("TOP.", "mmcs."):
+            path = path.removeprefix(prefix)
+        paths.setdefault(path.split("[")[0] if path.endswith("]") else path, var)
+    out = []
+    for label, path, *form in entry["signals"]:
+        base, high, low = split(path)
+        if base not in paths:
+            raise WaveError(f"docs/waves.toml: {name}: no signal {base!r} in the trace")
+        changes = []
+        for time, raw in paths[base].signal:
+            at = time * step
+            value = number(raw)
+            if high is not None:
+                value = value >> low & (1 << (high - low + 1)) - 1
+            if at > end:
+                break
+            if at <= start:
+                changes = [(start, value)]
+            elif not changes or changes[-1][1] != value:
+                changes.append((at, value))
+        width = (high - low + 1) if high is not None else paths[base].length or 1
+        out.append(Line(label, form[0] if form else "bit", width, changes))
+    return out
+
+
+def split(path: str) -> tuple[str, int | None, int]:
+    if not path.endswith("]"):
+        return path, None, 0
+    base, _, bits = path[:-1].rpartition("[")
+    high, _, low = bits.partition(":")
+    return base, int(high), int(low or high)
+
+
+def number(raw) -> int:
+    if isinstance(raw, int):
+        return raw
+    text = str(raw)
+    return int("".join("1" if c == "1" else "0" for c in text), 2)
+
+
+def view(trace: Path, entry: dict) -> None:
+    """GTKWave and Surfer views beside the trace."""
+    gtkw, surfer = [f'[dumpfile] "{trace.name}"'], []
+    for _, path, *_ in entry["signals"]:
+        base, _, _ = split(path)
+        gtkw.append(f"mmcs.{base}")
+        surfer.append(f"variable_add mmcs.{base}")
+    trace.with_suffix(".gtkw").write_text("\n".join(gtkw) + "\n")
+    trace.with_suffix(".sucl").write_text("\n".join([*surfer, "zoom_fit"]) + "\n")
+
+
+def show(trace: Path) -> None:
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return
+    for viewer, arguments in (
+        ("gtkwave", [trace.with_suffix(".gtkw")]),
+        ("surfer", ["-c", trace.with_suffix(".sucl"), trace]),
+    ):
+        if shutil.which(viewer):
+            subprocess.Popen([viewer, *map(str, arguments)], cwd=trace.parent)
+            return
+
+
+def make(name: str, entry: dict, sim: str) -> dict[Path, str]:
+    trace, start, end = simulate(name, sim)
+    drawn = lines(name, entry, trace, start, end)
+    view(trace, entry)
+    return {
+        OUT / f"{name}.svg": svg(entry["title"], drawn, start, end),
+        OUT / f"{name}.json": wavejson(entry["title"], drawn, start, end),
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="wavegen", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--trace", metavar="NAME", help="one scene, its trace and views")
+    parser.add_argument("--check", action="store_true", help="which diagrams are stale")
+    parser.add_argument(
+        "--sim",
+        choices=("icarus", "verilator"),
+        default="icarus" if shutil.which("iverilog") else "verilator",
+    )
+    args = parser.parse_args()
+    try:
+        entries = load()
+        wanted = [args.trace] if args.trace else args.names or list(entries)
+        for name in wanted:
+            if name not in entries:
+                raise WaveError(f"no diagram {name!r}; docs/waves.toml has {', '.join(entries)}")
+        stale = []
+        for name in wanted:
+            files = make(name, entries[name], args.sim)
+            if args.trace:
+                trace = WORK / name / "wave.fst"
+                print(f"trace {trace.relative_to(ROOT)}, views wave.gtkw and wave.sucl beside it")
+                show(trace)
+                continue
+            for path, text in files.items():
+                if not path.is_file() or path.read_text() != text:
+                    stale.append(path.name)
+                    if not args.check:
+                        OUT.mkdir(exist_ok=True)
+                        path.write_text(text)
+    except WaveError as error:
+        print(f"wavegen: {error}", file=sys.stderr)
+        return 2
+    for name in stale:
+        print(f"wavegen: {name} {'is stale: run tools/wavegen.py' if args.check else 'written'}")
+    return 1 if args.check and stale else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
