@@ -14,7 +14,7 @@ from mmcs import ROOT
 from mmcs.errors import InputError
 from mmcs.execute import environment
 from mmcs.serve import listen, socket_path
-from mmcs.tests.device_bench import Bench, write_scenario
+from mmcs.tests.device_bench import SANITIZED, Bench, write_scenario
 
 
 def test_socket_is_private_and_the_name_taken_once(tmp_path, monkeypatch):
@@ -72,12 +72,18 @@ except OSError as error:
     print(error.errno, flush=True)
 """
     for _ in range(2):  # the second takes over the socket that the first one left
-        with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as server:
+        server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        client = None
+        try:
             assert "serving" in server.stdout.readline()
-            env = environment(socket_path("mc0"))
+            env = environment(socket_path("mc0"), SANITIZED)
             client = subprocess.Popen(
                 [sys.executable, "-c", text], env=env, stdout=subprocess.PIPE, text=True
             )
             assert client.stdout.readline() == "open\n"
             server.send_signal(signal.SIGKILL)
             assert client.communicate(timeout=30)[0] == "5\n"
+        finally:  # a failure above must not leave anything to wait for
+            for process in filter(None, (server, client)):
+                process.kill()
+                process.communicate()
