@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 from mmcs import ROBOTS, SCENARIOS
-from mmcs.errors import InputError, suggest
+from mmcs.errors import InputError, show, suggest
 
 DEEPEST = 10  # levels of tables and lists in a file; a good one has four
 
@@ -105,41 +105,75 @@ def description(path: Path) -> str:
 def apply_sets(data: dict, sets: tuple[str, ...]) -> None:
     """Applies `--set key.path=value`; a value is TOML, or a bare word taken as a string."""
     for item in sets:
-        key, equals, text = item.partition("=")
-        parts = [part.strip() for part in key.split(".")]
-        if not equals or not all(parts):
-            raise InputError.one("--set", item, None, "must be key=value, like servo.0.ilim=500")
-        if len(parts) > DEEPEST:
-            raise InputError.one("--set", "", item, f"names more than {DEEPEST} levels")
-        try:
-            value = parse_toml(f"v = {text}")["v"]
-        except tomllib.TOMLDecodeError:
-            value = text
-        except ValueError as error:
-            raise InputError.one("--set", key, None, str(error)) from None
-        _set(data, parts, value, item)
+        key, text = split_set(item)
+        set_key(data, key, parse_value(text, key))
 
 
-def _set(data, parts: list[str], value: object, item: str) -> None:
+def split_set(item: str, option: str = "--set", example: str = "servo.0.ilim=500"):
+    """(key, text of the value)."""
+    key, equals, text = item.partition("=")
+    if not equals or not all(part.strip() for part in key.split(".")):
+        raise InputError.one(option, item, None, f"must be key=value, like {example}")
+    return key.strip(), text
+
+
+def parse_value(text: str, key: str, option: str = "--set") -> object:
+    try:
+        return parse_toml(f"v = {text}")["v"]
+    except tomllib.TOMLDecodeError:
+        return text
+    except ValueError as error:
+        raise InputError.one(option, key, None, str(error)) from None
+
+
+def set_key(data: dict, key: str, value: object, option: str = "--set") -> None:
+    """Puts a value where the key says; `axis.N.KEY` and `axis.all.KEY` are servo parameters."""
+    parts = [part.strip() for part in key.split(".")]
+    if len(parts) > DEEPEST:
+        raise InputError.one(option, "", key, f"names more than {DEEPEST} levels")
+    item = f"{key}={show(value)}"
+    if parts[0] == "axis" and "axis" not in data:
+        _set_servo(data, parts, value, option)
+        return
     *heads, last = parts
     for part in heads:
         if isinstance(data, list):
-            data = data[_index(data, part, item)]
+            data = data[_index(data, part, item, option)]
         else:
             data = data.setdefault(part, {})
         if not isinstance(data, dict | list):
-            raise InputError.one("--set", item, None, f'"{part}" is a value and has no keys')
+            raise InputError.one(option, item, None, f'"{part}" is a value and has no keys')
     if isinstance(data, list):
-        data[_index(data, last, item)] = value
+        data[_index(data, last, item, option)] = value
     else:
         data[last] = value
 
 
-def _index(data: list, part: str, item: str) -> int:
+def _set_servo(data: dict, parts: list[str], value: object, option: str) -> None:
+    """A servo entry of its own, after those of the file: the last one counts."""
+    from mmcs.scenario import Servo
+
+    key = ".".join(parts)
+    names = [name for name in Servo.model_fields if name != "axis"]
+    if len(parts) != 3 or not (parts[1] == "all" or parts[1].isascii() and parts[1].isdigit()):
+        raise InputError.one(
+            option, key, None, "must be axis.N.KEY or axis.all.KEY, like axis.0.b0"
+        )
+    if parts[2] not in names:
+        hint = suggest(parts[2], names) or "; there are: " + ", ".join(names)
+        raise InputError.one(option, key, None, f"no such servo parameter{hint}")
+    servo = data.setdefault("servo", [])
+    if not isinstance(servo, list):
+        raise InputError.one(option, key, None, '"servo" is a value and has no keys')
+    axis = "all" if parts[1] == "all" else int(parts[1][:9])
+    servo.append({"axis": axis, parts[2]: value})
+
+
+def _index(data: list, part: str, item: str, option: str) -> int:
     if part.isascii() and part.isdigit() and len(part) < 9 and int(part) < len(data):
         return int(part)
     allowed = f"0 to {len(data) - 1}" if data else "nothing, the list is empty"
-    raise InputError.one("--set", item, None, f'"{part}" must be an entry number: {allowed}')
+    raise InputError.one(option, item, None, f'"{part}" must be an entry number: {allowed}')
 
 
 def load(name: str, sets: tuple[str, ...] = (), **overrides):

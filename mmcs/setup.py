@@ -68,15 +68,21 @@ class Setup:
         return self.robot.links() if self.scenario.dynamics == "coupled" else []
 
 
-def make_setup(path: Path, data: dict) -> Setup:
-    """Raises InputError with every mistake of both files."""
+def make_setup(path: Path, data: dict, robots: dict | None = None) -> Setup:
+    """Raises InputError with every mistake of both files.
+
+    robots: robot files already read, by path; for those who make many setups at once.
+    """
     scenario, mistakes = validate(Scenario, data, str(path))
     robot = None
     name = data.get("robot")
     if isinstance(name, str) and name:
         try:
             robot_path = find_robot(name, path)
-            robot, wrong = validate(Robot, read_toml(robot_path), str(robot_path))
+            robots = {} if robots is None else robots
+            if robot_path not in robots:
+                robots[robot_path] = read_toml(robot_path)
+            robot, wrong = validate(Robot, robots[robot_path], str(robot_path))
             mistakes += wrong or (robot.mistakes(str(robot_path)) if robot else [])
         except InputError as error:
             where = error.mistakes[0]
