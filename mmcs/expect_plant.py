@@ -31,7 +31,7 @@ def verdict(what: str, value: float | None, band: list[float]) -> dict:
 def band_text(band: list[float]) -> str:
     low, high = band
     if low == high:
-        return f"= {low:g}"
+        return f"= {high:g}"
     return f"within ±{high:g}" if low == -high else f"in {low:g}..{high:g}"
 
 
@@ -112,40 +112,39 @@ def index_counts(result, axis: int) -> list[int]:
     return counts
 
 
-def calibrate(result, axis: int) -> tuple[float, int] | None:
+def calibrate(result, axis: int) -> tuple[list[int], int] | None:
     """(found, true): the disc's absolute count where the encoder reads 0. None: no index.
 
-    Found as a user's program does: the potentiometer says in which revolution the index lies, the
-    count at the index where in it. The index begins on an edge of the count, and on which side of
-    it a count was taken depends on the direction: of several counts the mean is taken.
+    Found as a user's program does, once for every index that was reported: the potentiometer says
+    in which revolution the index lies, the count at the index where in it.
     """
     counts = index_counts(result, axis)
     if not counts or axis not in result.pots:
         return None
     motor, (code, encoder) = result.setup.motors()[axis], result.pots[axis]
     per_rad, per_rev = result.setup.robot.counts_per_rad(axis), motor["counts_per_rev"]
-    first = counts[0]
-    counts = [count - per_rev * round((count - first) / per_rev) for count in counts]
-    index = sum(counts) / len(counts)
     volts = (code - ADC_ZERO) * ADC_VOLTS
     angle = (volts - motor["pot_offset"]) / motor["pot_v_per_rad"]
     rough = angle * per_rad - encoder  # what we look for, as far as the potentiometer tells
     offset = motor["encoder_offset"] * per_rev / (2 * math.pi)
-    revolution = round((rough + offset + index) / per_rev)
     true = math.floor(motor["angle0"] * per_rad + offset + 0.5)
-    return revolution * per_rev - index, true
+    return [round((rough + offset + n) / per_rev) * per_rev - n for n in counts], true
 
 
 def calibration(entry: CalibrationExpect, result) -> list[dict]:
     verdicts = []
     for axis in axes_of(entry, result):
-        found = calibrate(result, axis)
-        if not entry.found or found is None:
+        done = calibrate(result, axis)
+        if not entry.found or done is None:
             what = f"axis {axis} index {'found' if entry.found else 'not found'}"
-            verdicts.append({"what": what, "ok": (found is not None) == entry.found})
+            verdicts.append({"what": what, "ok": (done is not None) == entry.found})
             continue
-        what = f"axis {axis} calibrated, error {band_text(entry.error_counts)} counts"
-        verdicts.append(verdict(what, found[0] - found[1], entry.error_counts))
+        found, true = done
+        marks = f"{len(found)} mark{'s' * (len(found) > 1)}"
+        band = band_text(entry.error_counts)
+        what = f"axis {axis} calibrated at {marks}, error {band} counts"
+        for error in sorted({n - true for n in found}):
+            verdicts.append(verdict(what, error, entry.error_counts))
     return verdicts
 
 

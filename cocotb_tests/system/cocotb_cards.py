@@ -269,17 +269,17 @@ async def index_latches_flag_and_count(dut, axis):
     assert not await tb.crd(card, PORT_C) & flag, "not armed"
     await tb.cwr(card, PORT_B, RUN | B_INDEX)
     assert not await tb.crd(card, PORT_C) & flag
-    for first in (True, False):
-        task = cocotb.start_soon(tb.enc[axis].move(40, NS_PER_COUNT))
-        await Timer(20 * NS_PER_COUNT, "ns")
-        at_index = tb.enc[axis].count
-        await tb.enc[axis].index(300)
-        await task
+    encoder = tb.enc[axis]
+    encoder.lines, at_start = 5, encoder.count  # an index every 20 counts
+    for way in (1, 1, -1):
+        first = encoder.count
+        await encoder.move(27 * way, NS_PER_COUNT)
         await tb.us(1)
         assert await tb.crd(card, PORT_C) & (C_INDEX1 | C_INDEX2) == flag
-        latched, live = await tb.encoder(axis), await tb.encoder(axis)
-        assert abs(latched - 1000 - at_index) <= 1, f"latched {latched}, first {first}"
-        assert live == 1000 + tb.enc[axis].count
+        marks = range(first + way, encoder.count + way, way)
+        last = [count for count in marks if count % 20 == 0][-1]
+        assert await tb.encoder(axis) == 1000 + last - at_start
+        assert await tb.encoder(axis) == 1000 + encoder.count - at_start, "then the live count"
     await tb.cwr(card, PORT_B, RUN)
     assert not await tb.crd(card, PORT_C) & flag
 

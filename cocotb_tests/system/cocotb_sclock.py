@@ -8,11 +8,13 @@ from cocotb_tests.lib.pcbus import PcBusMonitor
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
     ADC_LO,
+    B_INDEX,
     B_REAL_ENC,
     B_SCLOCK,
     C_DONE,
     LATCH,
     PCCSR,
+    PORT_B,
     PORT_C,
     Machine,
 )
@@ -146,6 +148,24 @@ async def encoder_sampling_follows_clk(dut):
     await tb.enc[0].move(-20, 2 * tick_ps(tb) / 1000)
     await Timer(round(10 * tick_ps(tb)), "ps")
     assert await tb.encoder(0) == 280
+
+
+@cocotb.test()
+@req("CAL-1")
+async def index_latches_its_own_count(dut):
+    """Two CLK periods per count, either way, at every rate of CLK."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    tb.enc[0].lines = 5  # an index every 20 counts
+    await tb.enc[0].move(6, 300)
+    for first, last in ((6, 34), (34, 6)):
+        await tb.cwr(0, PORT_B, B_REAL_ENC)
+        await tb.preset(0, first)
+        await tb.cwr(0, PORT_B, B_REAL_ENC | B_INDEX)
+        await Timer(2 * tb.random.randrange(tb.period), "ps")
+        await tb.enc[0].move(last - first, 2 * tick_ps(tb) / 1000)
+        await Timer(round(10 * tick_ps(tb)), "ps")
+        assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]
 
 
 @cocotb.test()

@@ -7,6 +7,7 @@ test_skipping_changes_nothing shows on two of them.
 
 import pytest
 
+from mmcs.expect_plant import index_counts
 from mmcs.load import load, scenario_names
 from mmcs.report import make_report
 from mmcs.runner import simulate
@@ -74,11 +75,20 @@ def test_skipping_changes_nothing(name):
     assert skipped.stats["evals"] < plain.stats["evals"]
 
 
+@pytest.mark.parametrize("name", ["puma560_calibrate", "puma560_calibrate_30"])
+def test_an_index_gives_the_same_count_both_ways(name):
+    """Passed upwards, then downwards: whole revolutions apart, to the count."""
+    result, _ = carry_out(name)
+    for axis, motor in enumerate(result.setup.motors()):
+        up, down = index_counts(result, axis)
+        assert (up - down) % motor["counts_per_rev"] == 0
+
+
 def test_expectations_can_fail():
     """The same run with something broken, or not broken, is found out."""
     pot = 'event=[{at=0.0, input="pot_cut", index=2, value=1}]'
     wrong = failures(carry_out("puma560_calibrate_10", pot)[1])
-    assert [what.split(",")[0] for what in wrong] == ["axis 2 calibrated"]
+    assert [what.split(",")[0] for what in wrong] == ["axis 2 calibrated at 2 marks"]
     assert len(failures(carry_out("fault_encoder_slip", "event=[]")[1])) == 1
     assert len(failures(carry_out("fault_dip_double", "event=[]")[1])) == 1
 

@@ -58,19 +58,21 @@ module axis #(
   output logic      [15:0] horizon_o
 );
 
-  // --- index latch: as deep a synchroniser as that of A and B in the counter ----------------
+  // --- index latch --------------------------------------------------------------------------
 
-  logic [1:0] index_sync_q;
+  // A and B pass two flip-flops in the counter and are counted at the third clock. The index passes
+  // three, so that an edge of A or B which comes with it is in the count that it latches.
+  logic [2:0] index_sync_q;
   logic armed_index, armed_index_q, index_latch_q, index_moving, index_synced;
 
-  assign index_synced = index_sync_q[1];
+  assign index_synced = index_sync_q[2];
 
   always_comb begin
     armed_index = 1'b0;
     index_moving = 1'b0;
     if (!asleep_i) begin
       armed_index = index_synced & index_en_i;
-      index_moving = index_sync_q != {2{i_i}} || armed_index != armed_index_q ||
+      index_moving = index_sync_q != {3{i_i}} || armed_index != armed_index_q ||
                      (index_latch_q && !index_en_i);
     end
   end
@@ -81,7 +83,7 @@ module axis #(
       armed_index_q <= 1'b0;
       index_latch_q <= 1'b0;
     end else if (index_moving) begin
-      if (clk_en_i) index_sync_q <= {index_sync_q[0], i_i};
+      if (clk_en_i) index_sync_q <= {index_sync_q[1:0], i_i};
       armed_index_q <= armed_index;
       if (!index_en_i) index_latch_q <= 1'b0;
       else if (armed_index) index_latch_q <= 1'b1;
