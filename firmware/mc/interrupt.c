@@ -20,7 +20,7 @@ static void publish(struct mc_axis *x, const struct servo_output *out) {
 /* One servo sample of one axis; returns the errors that happened. */
 static uint8_t servo_axis(struct mc *mc, int axis) {
   struct mc_axis *x = &mc->axis[axis];
-  struct servo_input in = {x->position, x->raw, x->setpoint};
+  struct servo_input in = {x->position, x->state.adcvai, x->setpoint};
   struct servo_output out;
   if (mc->power == MC_IDLE || axis >= mc->joints) {
     servo_sense(&x->par, &x->servo, &in, &out);

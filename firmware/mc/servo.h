@@ -11,8 +11,9 @@
 #include "mcdef.h"
 
 #define SERVO_DAC_MAX 2047 /* largest current either way, D/A units */
+#define SERVO_NO_SHIFT 255
 
-/* What the law remembers between samples. servo_reset() makes it the state of a fresh start. */
+/* What the law remembers between samples: all zero at first. */
 struct servo_state {
   int64_t n1, n2;   /* un-truncated numerators N = b0*u of the last two samples */
   int32_t y1, y2;   /* feedback quantity (S4) of the last two samples */
@@ -23,16 +24,17 @@ struct servo_state {
   uint8_t falling;  /* MD_TEST1: on the way down */
   uint8_t primed;   /* y1, y2 hold samples */
   uint8_t outside;  /* limits that the feedback was beyond at the last check: MERR_PLO, MERR_PHI */
+  uint8_t shift;    /* servo_prepare(): b0 is 2 to this, or SERVO_NO_SHIFT; */
+  uint32_t top;     /* 32 bits are enough for errors of -top..top-1 */
 };
 
 struct servo_input {
   int32_t position; /* encoder count */
-  int32_t raw;      /* A/D, offset binary 0-4095 */
+  int32_t phi;      /* servo_phi() of the A/D */
   int32_t setpoint; /* from write() */
 };
 
 struct servo_output {
-  int32_t phi;     /* processed A/D value */
   int32_t fb;      /* feedback quantity (S4) */
   int32_t vel;     /* its derivative per sample */
   int32_t error;   /* demand minus what S5 passes */
@@ -46,20 +48,23 @@ struct servo_output {
  * counts between two samples. */
 int32_t servo_extend(int32_t position, uint16_t from, uint16_t to);
 
-/* The processed A/D value: adc_a * raw + adc_b, saturated. */
-int32_t servo_phi(const struct mc_param *par, int32_t raw);
+/* The processed A/D value: adc_a * raw + adc_b, saturated; raw is offset binary, 0-4095. */
+int32_t servo_phi(const struct mc_param *par, uint16_t raw);
 
 /* The feedback quantity (S4). */
 int32_t servo_feedback(const struct mc_param *par, const struct servo_input *in);
+
+/* Works out once what a set of parameters allows. Until then the law is slow, and as right. */
+void servo_prepare(struct servo_state *s, const struct mc_param *par);
 
 /* Forgets all history; the next sample starts at rest wherever the axis then is. */
 void servo_reset(struct servo_state *s);
 
 /* Adapts the state to a change of parameters: histories restart when the mode or the source of the
- * feedback changes, and keep the output where it is when only coefficients do. */
+ * feedback changes, and keep the output where it is when only coefficients do. Prepares. */
 void servo_change(struct servo_state *s, const struct mc_param *from, const struct mc_param *to);
 
-/* Measures: phi, fb, vel of this sample; no current. For an axis that is not servoed. */
+/* Measures: fb, vel of this sample; no current. For an axis that is not servoed. */
 void servo_sense(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
                  struct servo_output *out);
 

@@ -2,8 +2,8 @@
 /* The servo arithmetic of six axes alone, to be timed and to be compared between processors. §5.
  *
  * The caller puts profile and ticks into the parameter block and starts the image; each tick is
- * six servo_step() and six hash updates, of which only the former lie between the two writes to
- * MARK. The same file is compiled natively for the comparison. */
+ * six times servo_phi() and servo_step(), which lie between the two writes to MARK, and six hash
+ * updates. The same file is compiled natively for the comparison. */
 #include "servo.h"
 
 #define AXES 6
@@ -82,6 +82,7 @@ static struct mc_param par[AXES];
 static struct servo_state state[AXES];
 static struct servo_input in[AXES];
 static struct servo_output out[AXES];
+static uint16_t raw[AXES];
 
 static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
   uint32_t seed = 1 + profile;
@@ -89,6 +90,7 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
   for (int axis = 0; axis < AXES; axis++) {
     choose(&par[axis], profile, axis);
     servo_reset(&state[axis]);
+    servo_prepare(&state[axis], &par[axis]);
     in[axis].position = in[axis].setpoint = 0;
   }
   for (uint32_t tick = 0; tick < ticks; tick++) {
@@ -97,11 +99,12 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
       uint16_t from = (uint16_t)in[axis].position;
       uint16_t to = (uint16_t)(from + (seed >> 20 & 0x3F) + (uint32_t)out[axis].current / 64u);
       in[axis].position = servo_extend(in[axis].position, from, to);
-      in[axis].raw = (int32_t)(seed >> 8 & 0xFFF);
+      raw[axis] = (uint16_t)(seed >> 8 & 0xFFF);
       if ((tick & 255) == 0) in[axis].setpoint = (int32_t)(seed >> 16) - 32768;
     }
     *mark = 1;
     for (int axis = 0; axis < AXES; axis++) {
+      in[axis].phi = servo_phi(&par[axis], raw[axis]);
       servo_step(&par[axis], &state[axis], &in[axis], &out[axis]);
     }
     *mark = 0;
@@ -110,7 +113,7 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
       mix((uint32_t)out[axis].inow);
       mix((uint32_t)out[axis].error);
       mix((uint32_t)out[axis].vel);
-      mix((uint32_t)out[axis].phi + out[axis].events + 256u * out[axis].clipped);
+      mix((uint32_t)in[axis].phi + out[axis].events + 256u * out[axis].clipped);
       mix((uint32_t)state[axis].n1);
       mix((uint32_t)((uint64_t)state[axis].n1 >> 32));
     }
