@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """docs/scenarios.md names every key and input, and its example is a good scenario."""
 
+import json
 import re
 import typing
+from fractions import Fraction
 
 import pytest
 
@@ -11,20 +13,95 @@ from mmcs.inputs import INPUTS
 from mmcs.schema import Strict
 
 TEXT = (ROOT / "docs" / "scenarios.md").read_text()
+SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])
+TABLES = ("servo", "motion", "event", "call", "process", "expect")
 
 
-def keys():
-    for model in vars(scenario).values():
-        if isinstance(model, type) and issubclass(model, Strict) and model is not Strict:
-            for name, field in model.model_fields.items():
-                yield name
-                if name == "kind":
-                    yield from typing.get_args(field.annotation)
+def models():
+    """(heading of the section, model) for every table of a scenario."""
+    yield "Top level", scenario.Scenario
+    yield "Top level", scenario.Host
+    yield "`[fault]`", scenario.Fault
+    for name in TABLES:
+        (member,) = typing.get_args(scenario.Scenario.model_fields[name].annotation)
+        member = typing.get_args(member)[0] if typing.get_args(member) else member
+        for model in typing.get_args(member) or (member,):
+            yield f"`[[{name}]]`", model
 
 
-@pytest.mark.parametrize("key", sorted(set(keys())))
-def test_key_is_documented(key):
-    assert re.search(rf'`(\[?\[?)"?{key}"?(\]?\]?)`|`[^`]*\b{key}\b[^`]*`', TEXT), key
+def rows(heading):
+    """The cells of all table rows of a section, headings and rules left out."""
+    lines = re.findall(r"^\| *(`.*?) *\|$", SECTIONS[heading], re.M)
+    return [[cell.strip() for cell in line.split(" | ")] for line in lines]
+
+
+def names(text):
+    """What stands in code: `a`, `a = 1` and `"a"` all name a."""
+    return {n for code in re.findall(r"`([^`]*)`", text) for n in re.findall(r'^"?(\w+)', code)}
+
+
+def kinds(model):
+    field = model.model_fields.get("kind")
+    return typing.get_args(field.annotation) if field else ()
+
+
+def all_keys():
+    return [
+        pytest.param(heading, model, key, id=f"{model.__name__}.{key}")
+        for heading, model in models()
+        for key in model.model_fields
+        if key != "kind" and not (model is scenario.Scenario and key in (*TABLES, "fault", "host"))
+    ]
+
+
+@pytest.mark.parametrize("heading,model,key", all_keys())
+def test_key_is_documented(heading, model, key):
+    """In its own section; a key of one kind in the row of that kind, or before all kinds."""
+    for kind in kinds(model) or ("",):
+        found = set()
+        for cells in rows(heading):
+            of_kind = any(f'"{k}"' in cells[0] for _, m in models() for k in kinds(m))
+            if f'"{kind}"' in cells[0] or not of_kind:
+                found |= names(cells[0])
+            if f'"{kind}"' in cells[0]:
+                found |= names(" | ".join(cells))
+        if not rows(heading):  # a section of one sentence
+            found = names(SECTIONS[heading])
+        assert key in found, f"{heading} says nothing of {key} {kind}"
+
+
+def test_every_table_has_its_section():
+    missing = [t for t in (*TABLES, "fault") if not any(f"[{t}]" in head for head in SECTIONS)]
+    assert missing == []
+    assert set(TABLES) | {"fault", "host"} == {
+        name
+        for name, field in scenario.Scenario.model_fields.items()
+        if isinstance(field.annotation, type)
+        and issubclass(field.annotation, Strict)
+        or typing.get_args(field.annotation)
+        and name not in ("dynamics", "pose_deg")
+    }
+
+
+def test_nothing_is_documented_that_is_no_key():
+    for heading in {heading for heading, _ in models()}:
+        known = {k for h, m in models() if h == heading for k in (*m.model_fields, *kinds(m))}
+        known |= set(INPUTS) if "event" in heading else set()
+        for cells in rows(heading):
+            assert names(cells[0]) <= known, f"{heading}: {cells[0]}"
+
+
+def test_defaults_are_current():
+    """The middle column of the tables of three columns, where it gives a value."""
+    fields = {**scenario.Scenario.model_fields, **scenario.Host.model_fields}
+    for key, default, _ in (cells for cells in rows("Top level") if len(cells) == 3):
+        field = fields[key.strip("`")]
+        if field.is_required() or default == "robot file":
+            assert (default, field.default) in (("", field.default), ("robot file", [])), key
+        elif "/" in default:
+            assert float(Fraction(default)) == pytest.approx(field.default), key
+        else:
+            assert json.loads(default.strip("`")) == field.default, key
 
 
 def test_input_table_is_current():
