@@ -34,6 +34,7 @@ module mmcs #(
   // What the report leaves open
   parameter logic [7:0] PpiFloatB = 8'h00,
   parameter bit RandomPowerUp = 1'b0,
+  parameter bit HostPort = 1'b0,         // the host port comes out in place of the VME front
   parameter bit Gate = 1'b0,             // see "gating" below
   parameter bit Skip = 1'b0
 ) (
@@ -93,6 +94,13 @@ module mmcs #(
   input  wire logic [24*NumCards-1:0] dac_stuck0_i,
   input  wire logic [ 2*NumCards-1:0] adc_stuck_i,
   input  wire logic                   irq_lost_i,
+  // Host port; left open and ignored if HostPort = 0
+  input  wire logic                   hp_req_i,
+  input  wire logic                   hp_write_i,
+  input  wire logic [           10:1] hp_a_i,
+  input  wire logic [            7:0] hp_wdata_i,
+  output logic                        hp_ack_o,
+  output logic      [            7:0] hp_rdata_o,
   // Gating; left open and ignored if Gate = 0
   input  wire logic                   clk_adaptor_i,
   input  wire logic                   clk_cards_i,
@@ -161,6 +169,7 @@ module mmcs #(
     .CmdNs(CmdNs),
     .IochrdyLimitClks(IochrdyLimitClks),
     .RandomPowerUp(RandomPowerUp),
+    .HostPort(HostPort),
     .Gate(Gate),
     .Skip(Skip)
   ) u_adaptor (
@@ -170,6 +179,7 @@ module mmcs #(
     .vme_d_o(vme_d),
     .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
     .vme_sysreset_ni,
+    .hp_req_i, .hp_write_i, .hp_a_i, .hp_wdata_i, .hp_ack_o, .hp_rdata_o,
     .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .sclock_o, .led_irq_o,
     .pc_a_o(pc_a),
     .pc_aen_o(pc_aen),

@@ -78,6 +78,8 @@ module bench_expansion #(
     .dac_stuck0_i(24'h0),
     .adc_stuck_i(2'b00),
     .irq_lost_i(1'b0),
+    .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i('0), .hp_wdata_i('0),
+    .hp_ack_o(), .hp_rdata_o(),
     .clk_adaptor_i(1'b0),
     .clk_cards_i(1'b0),
     .adaptor_awake_o(),

@@ -207,6 +207,10 @@ module mmcs_sim_top #(
     .adc_v_i         (adc_v_q),
     .drive_v_o,
     .card_leds_o,
+    .hp_req_i        (1'b0),
+    .hp_write_i      (1'b0),
+    .hp_a_i          ('0),
+    .hp_wdata_i      ('0),
     .clk_adaptor_i,
     .clk_cards_i,
     .adaptor_awake_o (adaptor_awake),
@@ -225,7 +229,9 @@ module mmcs_sim_top #(
     .pcx_d_oe_i      (1'b0),
     .pcx_wait_i      (1'b0),
     .pcx_irq_i       ('0),
-    /* verilator lint_off PINCONNECTEMPTY */  // no expansion card here
+    /* verilator lint_off PINCONNECTEMPTY */  // no expansion card, no other host here
+    .hp_ack_o        (),
+    .hp_rdata_o      (),
     .pcx_a_o         (),
     .pcx_d_o         (),
     .pcx_ior_no      (),
