@@ -6,13 +6,13 @@ import shutil
 import pytest
 
 from cocotb_tests.functional.agree_scene import CLOCKS, FILE
-from cocotb_tests.lib.runner import SIMULATORS, Job, run
+from cocotb_tests.lib.runner import MISSING, SIMULATORS, Job, run
 from cocotb_tests.system.machine import USUAL
 
 SCENE, TEST = "cocotb_tests.functional.agree_scene", "random_traffic"
 
 
-@pytest.mark.skipif(not shutil.which("iverilog"), reason="Icarus Verilog is not installed")
+@pytest.mark.skipif(not shutil.which("iverilog"), reason=MISSING["icarus"])
 @pytest.mark.req("VME-3", "PIT-2", "ENC-1", "DAC-1", "ADC-1", "LAT-1", "INT-2")
 def test_both_simulators_agree_on_every_clock(request):
     seed = request.config.getoption("--seed")

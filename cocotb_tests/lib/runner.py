@@ -24,6 +24,10 @@ sys.path.insert(0, str(ROOT / "tools"))
 from sources import sources  # noqa: E402
 
 SIMULATORS = ("verilator", "icarus")
+MISSING = {
+    "verilator": "verilator is missing; install it with: make sim",
+    "icarus": "iverilog is missing; install it with: sudo apt-get install iverilog",
+}
 DEFAULT_SEED = 1989
 RESTARTS = 8
 HANG_S = 900  # a guard against a simulator that never ends, not a measure
@@ -168,14 +172,30 @@ def _keep_objects(folder: Path, coverage: bool) -> None:
             os.replace(store / f"{name}.{os.getpid()}", store / name)
 
 
+def _digest(files: list[Path]):
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.name.encode() + file.read_bytes())
+    return digest
+
+
+def is_current(folder: Path) -> bool:
+    """Whether a build was made from the sources as they are now."""
+    built = folder / "built"
+    before, *files = (built.is_file() and built.read_text().splitlines()) or [""]
+    paths = [Path(file) for file in files]
+    return all(p.is_file() for p in paths) and _digest(paths).hexdigest() == before
+
+
 def build(job: Job):
     """The runner with the design built, building only what no earlier run has built."""
+    if not shutil.which({"icarus": "iverilog"}.get(job.sim, job.sim)):
+        raise BuildError(MISSING[job.sim])
     files, includes = _design(job)
     arguments = _arguments(job)
-    digest = hashlib.sha256()
-    headers = sorted(includes[0].rglob("*.svh"))
-    for file in [*files, *headers]:
-        digest.update(file.name.encode() + file.read_bytes())
+    files_read = [*files, *sorted(includes[0].rglob("*.svh"))]
+    digest = _digest(files_read)
+    text = "".join(f"{file}\n" for file in (digest.hexdigest(), *files_read))
     digest.update(repr((job.toplevel, job.sim, job.parameters, arguments, OPTIMISE)).encode())
     digest.update(sys.version.encode() + sys.prefix.encode())
     folder = build_root() / f"{job.toplevel}-{job.sim}-{digest.hexdigest()[:12]}"
@@ -205,7 +225,7 @@ def build(job: Job):
                 raise BuildError(f"{job.toplevel}: {error}\n{_tail(log)}") from None
             if job.sim == "verilator":
                 _keep_objects(folder, job.coverage)
-            (folder / "built").touch()
+            (folder / "built").write_text(text)
     runner.build_dir = folder
     return runner
 

@@ -41,11 +41,11 @@ def test_every_function_is_in_its_table():
 
 
 @pytest.mark.req("FW-1")
-@pytest.mark.parametrize("compiler,flags", [
-    ("m68k-linux-gnu-gcc", ["-m68020", "-msoft-float"]),
-    ("riscv64-unknown-elf-gcc", ["-march=rv32im", "-mabi=ilp32"]),
+@pytest.mark.parametrize("compiler,package,flags", [
+    ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu", ["-m68020", "-msoft-float"]),
+    ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", ["-march=rv32im", "-mabi=ilp32"]),
 ])  # fmt: skip
-def test_compiles_freestanding(compiler, flags, tmp_path):
+def test_compiles_freestanding(compiler, package, flags, tmp_path):
     for source in DRIVER:
         out = tmp_path / f"{source.stem}.o"
         command = [compiler, *WARN, *flags, "-ffreestanding", "-O2",
@@ -54,7 +54,7 @@ def test_compiles_freestanding(compiler, flags, tmp_path):
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
         except FileNotFoundError:
-            pytest.skip(f"{compiler} is not installed: apt-get install it")
+            pytest.skip(f"{compiler} is missing; install it with: sudo apt-get install {package}")
         assert done.returncode == 0, done.stderr
 
 

@@ -11,6 +11,7 @@ from mmcs import design as ds
 from mmcs.tests.device_bench import Bench
 
 T = 1e-3
+EXTRA = "missing; install it with: uv pip install -e .[test]"
 PROPER = [
     ds.Controller(4.0),
     ds.Controller(4.0, 30.0),
@@ -42,7 +43,7 @@ W = np.geomspace(1, 3000, 50)
 @pytest.mark.parametrize("c", PROPER, ids=lambda c: c.form)
 @pytest.mark.parametrize("method", ["bilinear", "backward", "zoh"])
 def test_same_as_scipy(c, method):
-    signal = pytest.importorskip("scipy.signal")
+    signal = pytest.importorskip("scipy.signal", reason=EXTRA)
     name = {"backward": "backward_diff"}.get(method, method)
     num, den, _ = signal.cont2discrete(continuous(c), T, name)
     z = np.exp(1j * W * T)
@@ -111,7 +112,7 @@ def test_warnings():
 
 @pytest.mark.parametrize("lag", [0.0, 0.24, 40.0])
 def test_plant_same_as_scipy(lag):
-    signal = pytest.importorskip("scipy.signal")
+    signal = pytest.importorskip("scipy.signal", reason=EXTRA)
     num, den, _ = signal.cont2discrete(([1000.0], [1.0, lag, 0.0]), T, "zoh")
     z = np.exp(1j * W * T)
     oracle = np.polyval(np.ravel(num), z) / np.polyval(den, z)
@@ -119,7 +120,7 @@ def test_plant_same_as_scipy(lag):
 
 
 def test_margins_same_as_control():
-    control = pytest.importorskip("control")
+    control = pytest.importorskip("control", reason=EXTRA)
     plant = ds.Plant(1000.0, 0.24)
     k = ds.to_integers(ds.discretize(ds.place(plant, 80.0), "backward", T), T)
     d, g = k.discrete(), plant.discrete(T)

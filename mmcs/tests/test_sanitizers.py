@@ -30,7 +30,7 @@ def runtime():
 @pytest.mark.req("DRV-3", "DRV-4", "API-1")
 def test_programs_and_random_calls():
     if not (library := runtime()):
-        pytest.skip("no libasan: install gcc's")
+        pytest.skip("libasan is missing; install gcc's with: sudo apt-get install build-essential")
     env = {**os.environ, **OPTIONS, "MMCS_SANITIZE": "1", "LD_PRELOAD": library}
     tests = [f"mmcs/tests/{name}.py" for name in ("test_exec", "test_device", "test_serve")]
     command = [sys.executable, "-m", "pytest", "-x", "-s", "-p", "no:cacheprovider"]

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(
         and shutil.which("riscv64-unknown-elf-gcc")
         and importlib.util.find_spec("machine68k")
     ),
-    reason="the cross compilers or the processor model are not installed: make firmware",
+    reason="a cross compiler or the processor model is missing; install them with: make firmware",
 )
 spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
 bench = importlib.util.module_from_spec(spec)

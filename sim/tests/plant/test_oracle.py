@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 from test_plant import ROOT, build
 
-rtb = pytest.importorskip("roboticstoolbox", reason="the test extra is not installed")
+rtb = pytest.importorskip(
+    "roboticstoolbox",
+    reason="roboticstoolbox is missing; install it with: uv pip install -e .[test]",
+)
 SEED = 1989
 STATES = 500
 
