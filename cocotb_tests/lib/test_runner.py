@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The runner knows what a build was made from, says which tool is missing; CI skips nothing."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from cocotb_tests.lib import runner
+
+
+def test_a_build_of_other_sources_is_not_current(tmp_path):
+    source, folder = tmp_path / "a.sv", tmp_path / "build"
+    source.write_text("module a; endmodule\n")
+    folder.mkdir()
+    assert not runner.is_current(folder), "never built"
+    (folder / "built").touch()
+    assert not runner.is_current(folder), "built from what nobody noted"
+    (folder / "built").write_text(f"{runner._digest([source]).hexdigest()}\n{source}\n")
+    assert runner.is_current(folder)
+    source.write_text("module a; wire b; endmodule\n")
+    assert not runner.is_current(folder)
+    source.unlink()
+    assert not runner.is_current(folder)
+
+
+@pytest.mark.parametrize(
+    "sim,words", [("icarus", "apt-get install iverilog"), ("verilator", "make")]
+)
+def test_a_missing_simulator_is_named(monkeypatch, sim, words):
+    monkeypatch.setenv("PATH", "/nowhere")
+    outcome = runner.run(runner.Job("no.module", "oneshot", sim), ["t"], 1)["t"]
+    assert not outcome.passed
+    assert words in outcome.text
+
+
+@pytest.mark.parametrize("ci,status,words", [("true", 1, "get it with: apt"), ("", 0, "1 skipped")])
+@pytest.mark.parametrize("how", ["in_test", "in_module"])
+def test_a_skip_fails_in_ci(tmp_path, ci, status, words, how):
+    body = {
+        "in_test": "def test_a(): pytest.skip('get it with: apt')",
+        "in_module": "pytest.importorskip('no_such', reason='get it with: apt')",
+    }[how]
+    file = tmp_path / "test_skip.py"
+    file.write_text(f"import pytest\n\n{body}\n\ndef test_b(): pass\n")
+    command = [sys.executable, "-m", "pytest", "-p", "conftest", "-p", "no:cacheprovider", "-rs"]
+    done = subprocess.run(
+        [*command, f"--rootdir={tmp_path}", "-o", "addopts=", str(file)],
+        cwd=tmp_path,
+        env=os.environ | {"CI": ci, "PYTHONPATH": str(runner.ROOT)},
+        text=True,
+        capture_output=True,
+        check=False,
+    )
+    assert words in done.stdout, done.stdout + done.stderr
+    # 2: a module that cannot be collected; 5: nothing was left to run
+    assert done.returncode in ({1, 2} if status else {0, 5}), done.stdout
