@@ -119,3 +119,26 @@ def test_example_is_a_good_scenario(mmcs, scenario):
     status, out, err = mmcs("check", scenario(example))
     assert (status, err) == (0, "")
     assert "good" in out
+
+
+def test_ports_and_parameters_of_the_machine():
+    """docs/ports.md names each of them, and no other; widths in cards as declared."""
+    rtl = (ROOT / "rtl" / "mmcs.sv").read_text()
+    page = (ROOT / "docs" / "ports.md").read_text()
+    head = rtl[rtl.index("module mmcs") : rtl.index("\n);")]
+    ports = set(re.findall(r"^  (?:in|out)put .*?(\w+),?$", head, re.M))
+    parameters = dict(
+        re.findall(r"^  parameter (?:\w+ )+(?:\[.*\] )?(\w+) = ([^,\n/]+)", head, re.M)
+    )
+    assert len(ports) > 50
+    cells = re.findall(r"^\| (`.*?) \|", page, re.M)
+    named = [n for cell in cells for n in re.findall(r"`(\w+)`", cell)]
+    assert sorted(named) == sorted(ports | set(parameters))
+    for width, name in re.findall(r"\[ *(\d+)\*NumCards-1:0\] (\w+)", head):
+        row = next(line for line in page.splitlines() if re.match(rf"\| .*`{name}`", line))
+        assert f"[{width}N−1:0]" in row, name
+    for name, value in parameters.items():
+        row = next(line for line in page.splitlines() if re.match(rf"\| .*`{name}`", line))
+        number = value.strip().replace("_", "")
+        if number.isdigit():
+            assert re.search(rf"\b{number}\b", row.split(" | ")[1]), name
