@@ -14,6 +14,7 @@ import click
 from mmcs import BUILD, __version__
 from mmcs.cli_design import design
 from mmcs.cli_device import exec_, serve
+from mmcs.cli_sweep import sweep
 from mmcs.cli_time import replay, trace
 from mmcs.cli_view import compare, film
 from mmcs.errors import InputError, RunError
@@ -235,7 +236,7 @@ main.add_command(trace)
 main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
-for _command in (serve, exec_, design):
+for _command in (serve, exec_, design, sweep):
     main.add_command(_command)
 
 

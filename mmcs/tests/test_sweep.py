@@ -1,0 +1,318 @@
+# SPDX-License-Identifier: Apache-2.0
+"""mmcs sweep: rows that depend on nothing but the plan, whatever happens to workers."""
+
+import csv
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from mmcs import ROOT, sweep_run
+from mmcs.load import load
+from mmcs.sweep import make_plan, parse_grid, parse_random
+from mmcs.tests.conftest import GOOD
+
+SHORT = GOOD.replace("duration = 0.3", "duration = 0.08\nskip = true")
+GAINS = ("--grid", "axis.0.b0=80,100", "--random", "seed=1..1000", "--samples", "4")
+
+
+def rows_of(folder):
+    with (folder / "table.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+# --- what is run -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("k=1,2,3", (1, 2, 3)),
+        ("k=[1,2],[3,4]", ([1, 2], [3, 4])),
+        ("k=off, position", ("off", "position")),
+        ("k=true", (True,)),
+        ("k=a/../b.csv,../c.csv", ("a/../b.csv", "../c.csv")),
+        ("k=-2..2", (-2, -1, 0, 1, 2)),
+        ("k=0.5..1.5:5", (0.5, 0.75, 1.0, 1.25, 1.5)),
+        ("k=10..20:3", (10, 15, 20)),
+        ("k=1..1000:log4", (1, 10, 100, 1000)),
+        ("k=1e-3..0.1:log3", (1e-3, 0.01, 0.1)),
+    ],
+)
+def test_grid_values(text, values):
+    found = parse_grid(text).values
+    assert len(found) == len(values)
+    for a, b in zip(found, values, strict=True):
+        assert a == (pytest.approx(b) if isinstance(b, float) else b) and type(a) is type(b)
+
+
+def test_draws_fill_their_range_and_depend_on_seed_key_and_sample_alone():
+    whole = [parse_random("k=1..6").draw(1, n) for n in range(3000)]
+    assert set(whole) == set(range(1, 7))
+    assert all(400 < whole.count(v) < 600 for v in range(1, 7))
+    assert whole[:50] == [parse_random("k=1..6").draw(1, n) for n in range(50)]
+    assert whole[:50] != [parse_random("other=1..6").draw(1, n) for n in range(50)]
+    assert whole[:50] != [parse_random("k=1..6").draw(2, n) for n in range(50)]
+    real = [parse_random("k=-1.0..3.0").draw(1, n) for n in range(2000)]
+    assert all(isinstance(v, float) and -1 <= v < 3 for v in real)
+    assert sum(real) / 2000 == pytest.approx(1, abs=0.1)
+    decades = [parse_random("k=1.0..1000.0:log").draw(1, n) for n in range(2000)]
+    assert sum(v < 10 for v in decades) == pytest.approx(667, abs=80)
+    assert {parse_random("k=a,b").draw(1, n) for n in range(50)} == {"a", "b"}
+
+
+def test_rows_are_every_grid_point_with_the_same_draws(scenario):
+    path = str(scenario(SHORT))
+    plan = make_plan(path, ("axis.0.b0=1,2", "axis.0.a1=3,4,5"), ("seed=1..99",), 4, 7)
+    assert len(plan) == 24
+    rows = [plan.values(n) for n in range(24)]
+    assert [tuple(r.values())[:2] for r in rows[:6]] == [(b, a) for b in (1, 2) for a in (3, 4, 5)]
+    for sample in range(4):
+        assert len({r["seed"] for r in rows[6 * sample : 6 * sample + 6]}) == 1
+    assert len({r["seed"] for r in rows}) > 1
+    more = make_plan(path, ("axis.0.b0=1,2", "axis.0.a1=3,4,5"), ("seed=1..99",), 9, 7)
+    assert [more.values(n) for n in range(24)] == rows  # more samples: the same and further ones
+    setup = plan.setup(rows[5])
+    assert (setup.params[0]["b0"], setup.params[0]["a1"]) == (2 - (rows[5]["axis.0.b0"] == 1), 5)
+    assert setup.scenario.seed == rows[5]["seed"]
+
+
+MISTAKES = {
+    "nothing": ([], "mmcs sweep: nothing to vary: give --grid axis.0.b0=80,90,100 or --random"),
+    "no value": (["--grid", "cards"], "--grid: cards: must be key=value, like axis.0.b0=80,90,100"),
+    "empty value": (["--grid", "axis.0.b0=1,,2"], "--grid: axis.0.b0: has an empty value"),
+    "unknown key": (["--grid", "card=1,2"], 'card: unknown key; did you mean "cards"?'),
+    "unknown gain": (["--grid", "axis.0.c0=1,2"], "--grid: axis.0.c0: no such servo parameter"),
+    "bad value": (["--grid", "axis.0.b0=100,0"], "servo.0.b0 = 0: must not be 0"),
+    "bad word": (["--grid", "axis.0.b0=100,x"], 'servo.0.b0 = "x": must be a whole number'),
+    "bad axis": (["--random", "axis.5.b0=1..9"], "servo.0.axis = 5"),
+    "bad end": (["--random", "axis.0.ilim=-5..9"], "servo.0.ilim = -5: must be at least 0"),
+    "upside down": (["--random", "seed=9..1"], "must be LOW..HIGH with low <= high"),
+    "no number": (["--random", "seed=a..b"], "needs a number on each side of .."),
+    "log of 0": (["--random", "seed=0..9:log"], "both ends must be above 0"),
+    "count drawn": (["--random", "seed=0..9:3"], "how many are drawn is for --samples to say"),
+    "no count": (
+        ["--grid", "host.latency_max_us=0.0..9.0"],
+        "say how many values, like 0.0..9.0:5",
+    ),
+    "too many": (["--grid", "seed=1..2000000"], "must make 1 to 1000000 values"),
+    "product": (["--grid", "seed=1..2000", "--grid", "axis.0.a0=1..2000"], "makes 4000000 runs"),
+    "twice": (["--grid", "seed=1,2", "--random", "seed=1..2"], "seed: is varied twice"),
+    "samples": (["--grid", "seed=1,2", "--samples", "3"], "--samples = 3: needs --random"),
+    "no samples": (["--random", "seed=1..2", "--samples", "0"], "must be at least 1"),
+    "workers": (["--grid", "seed=1,2", "--workers", "0"], "--workers = 0: must be 1 to 256"),
+    "both": (["--grid", "seed=1,2", "--workers", "1", "--dask", "x"], "not with --dask"),
+    "figure": (["--grid", "seed=1,2", "--by", "settle"], 'did you mean "settle_ms"?'),
+    "axis figure": (["--grid", "seed=1,2", "--by", "rise_ms_3"], "no such figure"),
+    "format": (["--grid", "seed=1,2", "--format", "xls"], "must be csv or parquet"),
+    "nobody": (["--grid", "seed=1,2", "--dask", "tcp://127.0.0.1:9"], "no scheduler answers"),
+    "address": (["--grid", "seed=1,2", "--dask", "nonsense://x"], "no scheduler answers"),
+    "no earlier": (["--grid", "seed=1,2", "--resume"], "holds no sweep to go on with"),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES.values(), ids=MISTAKES.keys())
+def test_mistake(mmcs, scenario, tmp_path, case, monkeypatch):
+    monkeypatch.setattr(sweep_run, "CONNECT_S", 1)
+    arguments, expected = case
+    status, out, err = mmcs("sweep", scenario(SHORT), "--out", tmp_path / "out", *arguments)
+    assert status == 2, (out, err)
+    assert expected in err and err.startswith("mmcs: ") and err.count("\n") == 1
+    assert not (tmp_path / "out" / "rows.jsonl").exists()
+
+
+# --- how it is run -----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """The sweep GAINS in one worker: (scenario, its table)."""
+    from click.testing import CliRunner
+
+    from mmcs.cli import main
+
+    folder = tmp_path_factory.mktemp("sweep")
+    path = folder / "short.toml"
+    path.write_text(SHORT)
+    done = CliRunner().invoke(
+        main, ["sweep", str(path), *GAINS, "--workers", "1", "--out", str(folder / "out")]
+    )
+    assert done.exit_code == 0, done.output
+    return path, folder / "out", done.stdout
+
+
+def test_table_summary_and_picture(undisturbed):
+    path, folder, out = undisturbed
+    rows = rows_of(folder)
+    assert [row["run"] for row in rows] == [str(n) for n in range(8)]
+    assert all(row["status"] == "ok" and row["hash"].startswith("0x") for row in rows)
+    assert all(row["settle_ms"] == row["settle_ms_0"] == "inf" for row in rows)  # 30 ms only
+    assert "settle_ms           │ never │  never" in out
+    assert len({row["hash"] for row in rows}) == 8
+    assert "8 of 8 runs, varied: axis.0.b0, seed" in out and "best and worst" in out
+    assert (folder / "plot.svg").read_text().startswith("<?xml")
+    command = next(line for line in out.splitlines() if line.startswith("the worst again: "))
+    sets = [w.partition("=")[::2] for w in command.split() if "=" in w]
+    again = sweep_run.run_row(load(str(path), tuple(f"{k}={v}" for k, v in sets)))
+    (worst,) = [row for row in rows if all(row[k] == v for k, v in sets)]
+    assert again["hash"] == worst["hash"]
+    assert float(worst["rms_error_counts"]) == max(float(row["rms_error_counts"]) for row in rows)
+
+
+def test_two_workers_one_of_them_killed(undisturbed):
+    """The killed worker's run is repeated; every row is there once, and the same."""
+    path, folder, _ = undisturbed
+    plan = make_plan(str(path), (GAINS[1],), (GAINS[3],), 4, 1)
+    tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
+    rows, killed = {}, False
+    flow = sweep_run.run_here(tasks, 2)
+    for n, row, _ in flow:
+        assert n not in rows
+        rows[n] = row
+        if not killed:
+            multiprocessing.active_children()[0].kill()
+            killed = True
+    assert {str(n): row["hash"] for n, row in rows.items()} == {
+        row["run"]: row["hash"] for row in rows_of(folder)
+    }
+
+
+class Deadly:
+    """A setup that ends whoever takes it out of the pipe."""
+
+    def __reduce__(self):
+        return os._exit, (9,)
+
+
+def test_a_run_that_always_kills_its_worker_is_one_failed_row(undisturbed):
+    setup = load(str(undisturbed[0]))
+    tasks = iter([(0, setup), (1, Deadly()), (2, setup)])
+    rows = {n: row for n, row, _ in sweep_run.run_here(tasks, 2)}
+    assert rows[1] == sweep_run.failed("the worker died 3 times in this run")
+    assert rows[0]["status"] == rows[2]["status"] == "ok" and rows[0]["hash"] == rows[2]["hash"]
+
+
+def test_combination_that_is_no_good_is_a_row(mmcs, scenario, tmp_path):
+    status, out, err = mmcs(
+        "sweep", scenario(SHORT), "--grid", "duration=0.06,0.12", "--grid", "motion.0.at=0.05,0.1",
+        "--out", tmp_path / "out", "--workers", 1,
+    )  # fmt: skip
+    assert status == 1, err
+    rows = rows_of(tmp_path / "out")
+    assert [row["status"] for row in rows] == ["ok", "failed", "ok", "ok"]
+    assert "motion.0.at = 0.1: must be before the end of the run" in rows[1]["why"]
+    assert "0 of 4 runs missed an expectation, 1 failed" in out
+
+
+def test_missed_expectations_are_counted(mmcs, scenario, tmp_path):
+    text = SHORT + '[[expect]]\nkind = "axis"\nfinal_counts = [-5, 5]\n'
+    status, out, _ = mmcs(
+        "sweep", scenario(text), "--grid", "motion.0.to=0,300", "--out", tmp_path / "out"
+    )
+    assert status == 1
+    assert "1 of 2 runs missed an expectation, 0 failed" in out
+    assert [row["unmet"] for row in rows_of(tmp_path / "out")] == ["0", "1"]
+
+
+def test_parquet_holds_the_same(mmcs, undisturbed, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path, folder, _ = undisturbed
+    arguments = ("--out", tmp_path / "out", "--format", "parquet", "--by", "settle_ms")
+    assert mmcs("sweep", path, *GAINS, *arguments)[0] == 0
+    table = parquet.read_table(tmp_path / "out" / "table.parquet").to_pylist()
+    rows = rows_of(folder)
+    assert list(table[0]) == list(rows[0])
+    assert [[str("" if v is None else v) for v in line.values()] for line in table] == [
+        list(row.values()) for row in rows
+    ]
+
+
+# --- stopped and taken up again ----------------------------------------------------------------
+
+
+def test_resume_runs_only_what_is_missing(mmcs, undisturbed, tmp_path, monkeypatch):
+    path, folder, _ = undisturbed
+    lines = (folder / "rows.jsonl").read_text().splitlines(keepends=True)
+    torn = tmp_path / "out" / "rows.jsonl"
+    torn.parent.mkdir()
+    torn.write_text("".join(lines[:6]) + lines[6][:40])  # the plan, five rows, half a row
+    ran = []
+    here = sweep_run.run_here
+
+    def counting(tasks, workers):
+        for result in here(tasks, workers):
+            ran.append(result[0])
+            yield result
+
+    monkeypatch.setattr(sweep_run, "run_here", counting)
+    arguments = ("--out", tmp_path / "out", "--resume")
+    status, out, err = mmcs("sweep", path, *GAINS, *arguments)
+    assert status == 0, err
+    assert len(ran) == 3
+    assert rows_of(tmp_path / "out") == rows_of(folder)
+    status, _, err = mmcs("sweep", path, *GAINS, *arguments, "--seed", 2)
+    assert status == 2 and "is another sweep (values, seed, scenario or build differ)" in err
+    more = (*GAINS[:-1], "5")
+    assert mmcs("sweep", path, *more, *arguments)[0] == 0  # one sample more: two runs more
+    assert len(ran) == 5 and len(rows_of(tmp_path / "out")) == 10
+
+
+def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
+    path, out = undisturbed[0], tmp_path / "out"
+    command = [sys.executable, "-m", "mmcs", "sweep", str(path), "--random", "seed=1..1000",
+               "--samples", "100000", "--workers", "1", "--out", str(out)]  # fmt: skip
+    process = subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    try:
+        end = time.monotonic() + 60
+        rows = out / "rows.jsonl"
+        while not rows.exists() or rows.read_text().count("\n") < 4:
+            assert time.monotonic() < end and process.poll() is None
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        text = process.communicate(timeout=60)[0]
+    finally:
+        process.kill()
+        process.communicate()
+    assert process.returncode == 130, text
+    kept = [json.loads(line) for line in rows.read_text().splitlines()][1:]
+    assert f"stopped after {len(kept)} of 100000 runs; go on with --resume" in text
+    assert len(rows_of(out)) == len(kept) >= 3
+    assert "Traceback" not in text
+
+
+# --- Dask --------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow  # a scheduler and two workers start, and one of them twice
+def test_same_table_from_dask_with_a_worker_killed(mmcs, undisturbed, tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    path, folder, _ = undisturbed
+    from mmcs import sweep_store
+
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+        silence_logs=50,
+    )  # fmt: skip
+    add, killed = sweep_store.Store.add, []
+
+    def add_and_kill(store, n, row):
+        add(store, n, row)
+        if not killed:
+            victim = next(iter(cluster.workers.values())).pid
+            os.kill(victim, signal.SIGKILL)
+            killed.append(victim)
+
+    monkeypatch.setattr(sweep_store.Store, "add", add_and_kill)
+    with cluster:
+        address = cluster.scheduler_address
+        status, out, err = mmcs("sweep", path, *GAINS, "--dask", address, "--out", tmp_path / "out")
+    assert status == 0 and killed, (out, err)
+    assert rows_of(tmp_path / "out") == rows_of(folder)
