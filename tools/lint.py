@@ -23,7 +23,7 @@ TOPS = [
 ]
 INCLUDE = ROOT / "rtl"
 # These include what a build generates or a package installs; the compiler's warnings judge them.
-NEED_BUILD = ("sim/model/model.cpp", "sim/hosts/m68020/musashi.c")
+NEED_BUILD = ("sim/model/model.cpp", "sim/model/rack.cpp", "sim/hosts/m68020/musashi.c")
 
 
 def tracked(*patterns: str) -> list[str]:

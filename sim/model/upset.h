@@ -35,6 +35,7 @@ inline void flip_register(Vmmcs___024root &r, Register reg, int axis, unsigned b
   if (reg == Register::kPccsr) flip(r.MMCS_CORE(u_pccsr__DOT__csr_q), bits);
   if (reg == Register::kVector) flip(r.MMCS_CORE(vector_q), bits);
   if (reg == Register::kPccsr || reg == Register::kVector) return;
+  r.mmcs_sim_top__DOT__u_mmcs__DOT__settle_q = 7;  // no card sleeps through it
   MMCS_UPSET_CARD(0)
 #if MMCS_CARDS > 1
   MMCS_UPSET_CARD(1)
