@@ -55,7 +55,6 @@ int mc_open(struct mc *mc, int flags) {
   if (mc->opens == 0) {
     int result = start(mc);
     if (result != 0) return result;
-    if ((mc->verbosity & M_VERBOSE) != 0) text_log(mc, "open, cards:", mc->cards, "");
   }
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->client[client] = (struct mc_client){0};

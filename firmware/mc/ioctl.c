@@ -89,6 +89,11 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
+/* What a curious user hears of the normal course, Table 2.3 MSETVERBOSITY. */
+static void say(struct mc *mc, const char *what, int number) {
+  if ((mc->verbosity & M_VERBOSE) != 0) text_log(mc, what, number, "");
+}
+
 static int stop(struct mc *mc, int client, union argument *arg) {
   (void)client;
   (void)arg;
@@ -100,18 +105,22 @@ static int stop(struct mc *mc, int client, union argument *arg) {
     x->written = 0;
     servo_reset(&x->servo);
   }
+  say(mc, "stopped", -1);
   return 0;
 }
 
 static int enable(struct mc *mc, int client, union argument *arg) {
   (void)client;
   (void)arg;
-  return power_enable(mc);
+  int result = power_enable(mc);
+  if (result == 0) say(mc, "enabled, axes:", mc->axes);
+  return result;
 }
 
 static int set_verbosity(struct mc *mc, int client, union argument *arg) {
   (void)client;
   mc->verbosity = arg->value;
+  say(mc, "cards:", mc->cards);
   return 0;
 }
 
