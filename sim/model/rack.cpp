@@ -156,6 +156,16 @@ class Rack final : public Model {
            static_cast<unsigned>(a_->vme_d_oe_o) << 16 | 0xFF00u | a_->vme_d_o;
   }
 
+  // A rack has no processor of its own.
+  void soc_run(bool) {}
+  void soc_ring() {}
+  void soc_errors(unsigned) {}
+  uint32_t soc_read(unsigned) const { return 0; }
+  void soc_write(unsigned, uint32_t) {}
+  unsigned report() const { return 0; }
+  void take_report() {}
+  unsigned take_bus_error() { return 0; }
+
   uint16_t encoder_register(int axis) override {
     return MMCS_JOINT(*card_[axis / 2].r, axis & 1, u_encoder__DOT__count_q);
   }
@@ -734,5 +744,10 @@ bool Model::skip() {
 bool Model::traced() {
   return false;
 }
+#ifdef MMCS_SOC
+bool Model::soc() {
+  return false;
+}
+#endif
 
 }  // namespace mmcs
