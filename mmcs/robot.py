@@ -16,11 +16,13 @@ STEP_S = 50e-6
 CONFIDENCE = re.compile(r"[ABCD] (\S+)")
 
 
-def _vector(length: int):
+def _vector(length: int, most: float):
     def check(value):
-        if isinstance(value, list) and len(value) == length and all(map(is_number, value)):
-            return [float(v) for v in value]
-        raise refuse(f"must be a list of {length} numbers")
+        if not (isinstance(value, list) and len(value) == length and all(map(is_number, value))):
+            raise refuse(f"must be a list of {length} numbers")
+        if max(map(abs, value)) > most:
+            raise refuse(f"must be numbers from -{most:g} to {most:g}")
+        return [float(v) for v in value]
 
     return Annotated[list[float], BeforeValidator(check)]
 
@@ -34,10 +36,26 @@ def _gains(value):
     return value
 
 
-Vector3, Vector6 = _vector(3), _vector(6)
 Gains = Annotated[list[int], BeforeValidator(_gains)]
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
+
+
+# Bounds far beyond any machine: a slip of the exponent is told before the physics overflows.
+def _positive(most: float):
+    return Annotated[float, Field(ge=1e-12, le=most)]
+
+
+def _from_0(most: float):
+    return Annotated[float, Field(ge=0, le=most)]
+
+
+def _within(most: float):
+    return Annotated[float, Field(ge=-most, le=most)]
+
+
+Inertia = _positive(1e6)  # kg m^2
+Torque = _from_0(1e6)  # N m
+Delay = _from_0(100.0)  # s
+Angle = _within(1e6)  # rad
 
 
 class RobotServo(Strict):
@@ -55,36 +73,36 @@ class Motor(Strict):
 
     name: str = ""
     copies: int = Field(1, ge=1, le=32)
-    rotor_inertia: Positive
-    inertia: Positive
-    viscous: NotNegative
-    coulomb_pos: NotNegative
-    coulomb_neg: NotNegative
-    stiction_pos: NotNegative
-    stiction_neg: NotNegative
-    km: Positive
-    resistance: Positive
-    v_supply: NotNegative
-    amp_gain: float
-    amp_max: NotNegative
-    amp_tau: NotNegative
+    rotor_inertia: Inertia
+    inertia: Inertia
+    viscous: _from_0(1e6)
+    coulomb_pos: Torque
+    coulomb_neg: Torque
+    stiction_pos: Torque
+    stiction_neg: Torque
+    km: _positive(1e4)
+    resistance: _positive(1e6)
+    v_supply: _from_0(1e5)
+    amp_gain: _within(1e4)
+    amp_max: _from_0(1e5)
+    amp_tau: Delay
     gear: float = Field(ge=-1e6, le=1e6)
-    stop_lo: float = 0.0
-    stop_hi: float = 0.0
-    pot_v_per_rad: float = 0.0
-    pot_offset: float = 0.0
-    angle0: float = 0.0
-    gravity: float = 0.0
-    brake_torque: NotNegative = 0.0
-    brake_delay: NotNegative = 0.0
-    brake_release_delay: NotNegative = 0.0
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    backlash: NotNegative = 0.0
-    load_inertia: NotNegative = 0.0
+    stop_lo: Angle = 0.0
+    stop_hi: Angle = 0.0
+    pot_v_per_rad: _within(1e6) = 0.0
+    pot_offset: _within(1e4) = 0.0
+    angle0: Angle = 0.0
+    gravity: _within(1e6) = 0.0
+    brake_torque: Torque = 0.0
+    brake_delay: Delay = 0.0
+    brake_release_delay: Delay = 0.0
+    stiffness: _from_0(1e12) = 0.0
+    damping: _from_0(1e12) = 0.0
+    backlash: _from_0(1e3) = 0.0
+    load_inertia: _from_0(1e6) = 0.0
     counts_per_rev: int = Field(ge=4, le=10_000_000, multiple_of=4)
     index_per_rev: int = Field(1, ge=0, le=1)
-    encoder_offset: float = 0.0
+    encoder_offset: Angle = 0.0
     servo: RobotServo = RobotServo()
     source: dict[str, str] = {}
 
@@ -105,13 +123,13 @@ def _expand(motors: list[Motor]) -> list[Motor]:
 class Link(Strict):
     """One link of a serial arm, standard Denavit-Hartenberg."""
 
-    alpha: float
-    a: float
-    d: float
-    theta0: float
-    mass: NotNegative
-    com: Vector3
-    inertia: Vector6
+    alpha: Angle
+    a: _within(1e3)
+    d: _within(1e3)
+    theta0: Angle
+    mass: _from_0(1e6)
+    com: _vector(3, 1e3)
+    inertia: _vector(6, 1e6)
     source: str = ""
 
 
@@ -120,7 +138,7 @@ class Robot(Strict):
 
     format: Literal[1] = 1
     title: str = Field(min_length=1, description="one line in quotes")
-    gravity: Vector3 = [0.0, 0.0, 0.0]
+    gravity: _vector(3, 1e3) = [0.0, 0.0, 0.0]
     reference: dict[str, str] = {}
     axis: Annotated[list[Motor], AfterValidator(_expand)] = Field(
         min_length=1, max_length=32, description="one [[axis]] per motor"
@@ -212,6 +230,7 @@ class Robot(Strict):
                 allowed = "must be more than 0: what hangs on the flexible coupling"
                 wrong(f"{key}.load_inertia", motor.load_inertia, allowed)
             self._check_coupling(key, motor, wrong)
+            self._check_winding(key, motor, wrong)
             for name, text in motor.source.items():
                 self._check_source(f"{key}.source.{name}", text, wrong)
         for n, link in enumerate(self.link):
@@ -236,6 +255,14 @@ class Robot(Strict):
         most = 0.5 / (softness * STEP_S)
         if motor.damping > most:
             wrong(f"{key}.damping", motor.damping, f"must be at most {most:.3g}: steps are 50 us")
+
+    def _check_winding(self, key: str, motor: Motor, wrong) -> None:
+        """Back-EMF over the winding brakes with km^2/resistance; within one step it would ring."""
+        name = "rotor_inertia" if self.link or motor.stiffness > 0 else "inertia"
+        least = motor.km**2 / motor.resistance * STEP_S - motor.viscous * STEP_S
+        if motor.v_supply > 0 and getattr(motor, name) < least:
+            allowed = f"must be at least {least:.3g}, by km and resistance: steps are 50 us"
+            wrong(f"{key}.{name}", getattr(motor, name), allowed)
 
     def _check_source(self, key: str, text: str, wrong) -> None:
         match = CONFIDENCE.fullmatch(text)

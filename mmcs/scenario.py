@@ -268,7 +268,7 @@ class Scenario(Strict):
     robot: str = Field(min_length=1, description="a robot's name or the path of its file")
     cards: int = Field(ge=1, le=16, description="the number of motor interface cards, 1 to 16")
     clk_hz: int = Field(8_000_000, ge=8_000_000, le=80_000_000, multiple_of=8_000_000)
-    interval_us: int = Field(1000, ge=100, le=INT_MAX)
+    interval_us: int = Field(1000, ge=100, le=1_000_000)
     double_buffer: bool = True
     duration: Duration = Field(description="seconds of motion")
     seed: int = Field(1, ge=0, le=2**63 - 1)

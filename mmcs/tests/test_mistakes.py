@@ -71,6 +71,10 @@ CASES = {
     "cards 17": (swap("cards = 1", "cards = 17"), "cards = 17: must be at most 16"),
     "no time": (swap("duration = 0.3", "duration = 0"), "duration = 0: must be more than 0"),
     "interval": (top("interval_us = 99"), "interval_us = 99: must be at least 100"),
+    "long interval": (
+        top("interval_us = 2147483647"),
+        "interval_us = 2147483647: must be at most 1000000",
+    ),
     "clock": (top("clk_hz = 9_000_000"), "clk_hz = 9000000: must be a multiple of 8000000"),
     "mode": (
         top('[[servo]]\nmode = "postion"'),
@@ -279,9 +283,34 @@ gear = 1.0
 counts_per_rev = 2000
 """
 ROBOT_CASES = {
-    "mass": ("km = 0.02", "km = 0", "axis.0.km = 0: must be more than 0"),
+    "mass": ("km = 0.02", "km = 0", "axis.0.km = 0: must be at least 1e-12"),
     "missing": ("km = 0.02", "", "axis.0.km: is missing"),
     "typo": ("viscous", "viscus", 'axis.0.viscus: unknown key; did you mean "viscous"?'),
+    "exponent": (
+        "inertia = 2e-6",
+        "inertia = 2e+6",
+        "axis.0.inertia = 2000000.0: must be at most 1000000",
+    ),
+    "negative exponent": (
+        "rotor_inertia = 1e-6",
+        "rotor_inertia = 1e-16",
+        "axis.0.rotor_inertia = 1e-16: must be at least 1e-12",
+    ),
+    "gain of the amplifier": (
+        "amp_gain = 0.3",
+        "amp_gain = -1e300",
+        "axis.0.amp_gain = -1e+300: must be at least -10000",
+    ),
+    "winding": (
+        "km = 0.02",
+        "km = 2.0",
+        "axis.0.inertia = 2e-06: must be at least 0.0002, by km and resistance: steps are 50 us",
+    ),
+    "gravity": (
+        "[[axis]]",
+        "gravity = [0, 0, 1e9]\n[[axis]]",
+        "gravity = [0, 0, 1000000000.0]: must be numbers from -1000 to 1000",
+    ),
     "gear": (
         "gear = 1.0",
         "gear = 0.0",
