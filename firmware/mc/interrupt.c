@@ -7,7 +7,7 @@ static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->counter = counter;
   x->raw = raw;
   x->state.encnow = x->position;
-  x->state.adcvai = servo_phi(&x->par, raw);
+  x->state.adcvai = servo_phi(&x->par, &x->servo, raw);
 }
 
 static void publish(struct mc_axis *x, const struct servo_output *out) {

@@ -1,79 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The servo law: see servo.h. §2.1-§2.2.
  *
- * The compensator is there twice. wide_law() takes all numbers that parameters may have, in 64 bits
- * that saturate: on a 32-bit processor that is slow. narrow_law() does the same in 32 bits;
- * servo_prepare() finds out for which errors nothing can overflow there, and that is what a loop
- * that works meets. Both give the same bits.
+ * It is there twice. wide_step() takes all numbers that there may be, in 64 bits that saturate: on
+ * a 32-bit processor that is slow. narrow_step() does the same in 32 bits, without a division if b0
+ * is a power of two; servo_prepare() works out for which errors nothing can overflow there, and a
+ * loop that works meets no others. Both give the same bits.
  */
 #include "servo.h"
 
+#include "servo_math.h"
+
 /* Out of the way of the usual path. */
-#define RARE __attribute__((noinline, cold))
+#define RARE __attribute__((noinline))
 
-#define NARROW_HISTORY (1u << 28) /* narrow_law(): bound of N1 and N2 */
-#define NARROW_RATIO 2            /* bound of |b1/b0| and |b2/b0| */
-#define NARROW_BASE (1 << 14)     /* bound of |b0| */
+/* What narrow_step() takes; |v| <= bound, or -bound <= v < bound. */
+#define NARROW_FB (1u << 27)
+#define NARROW_N (1u << 28)
+#define NARROW_DEMAND (1u << 29)
 #define NARROW_FRICTION (1u << 28)
-#define NARROW_OFFSET (1u << 27)
-
-static uint32_t magnitude(int32_t v) {
-  return v < 0 ? 0u - (uint32_t)v : (uint32_t)v;
-}
-
-/* 1 if -top <= v < top, a power of two. */
-static int is_within(int32_t v, uint32_t top) {
-  return (uint32_t)v + top < 2 * top;
-}
-
-static int are_within(int32_t a, int32_t b, int32_t c, uint32_t top) {
-  return (((uint32_t)a + top) | ((uint32_t)b + top) | ((uint32_t)c + top)) < 2 * top;
-}
-
-static int fits(int64_t v) {
-  return (int32_t)((uint64_t)v >> 32) == ((int32_t)v < 0 ? -1 : 0);
-}
-
-static int32_t sat32(int64_t v) {
-  if (v > INT32_MAX) return INT32_MAX;
-  if (v < INT32_MIN) return INT32_MIN;
-  return (int32_t)v;
-}
-
-static int64_t sat_add(int64_t a, int64_t b) {
-  int64_t sum;
-  if (__builtin_add_overflow(a, b, &sum)) return a < 0 ? INT64_MIN : INT64_MAX;
-  return sum;
-}
-
-static int64_t sat_sub(int64_t a, int64_t b) {
-  int64_t difference;
-  if (__builtin_sub_overflow(a, b, &difference)) return a < 0 ? INT64_MIN : INT64_MAX;
-  return difference;
-}
-
-static int64_t sat_mul(int64_t a, int64_t b) {
-  int64_t product;
-  if (__builtin_mul_overflow(a, b, &product)) {
-    return (a < 0) == (b < 0) ? INT64_MAX : INT64_MIN;
-  }
-  return product;
-}
-
-/* n / d truncated toward zero, and the remainder; a 32-bit division whenever that is enough,
- * because 64-bit ones are subroutines on the processors this runs on. */
-static int64_t divide(int64_t n, int32_t d, int32_t *remainder) {
-  *remainder = 0;
-  if (d == 1) return n;
-  if (d == -1) return n == INT64_MIN ? INT64_MAX : -n;
-  if (fits(n)) {
-    *remainder = (int32_t)n % d;
-    return (int32_t)n / d;
-  }
-  int64_t quotient = n / d;
-  *remainder = (int32_t)(n - quotient * d);
-  return quotient;
-}
+#define NARROW_PHI (1u << 27)
+#define NARROW_BASE (1 << 14) /* |b0| */
+#define NARROW_RATIO 2        /* |b1/b0|, |b2/b0| */
 
 int32_t servo_extend(int32_t position, uint16_t from, uint16_t to) {
   int16_t moved = (int16_t)(uint16_t)(to - from);
@@ -84,10 +31,8 @@ RARE static int32_t wide_phi(const struct mc_param *par, uint16_t raw) {
   return sat32((int64_t)par->adc_a * raw + par->adc_b);
 }
 
-int32_t servo_phi(const struct mc_param *par, uint16_t raw) {
-  int32_t a = par->adc_a, b = par->adc_b;
-  if (is_within(a, 1u << 14) && is_within(b, 1u << 30)) return a * raw + b;
-  return wide_phi(par, raw);
+int32_t servo_phi(const struct mc_param *par, const struct servo_state *s, uint16_t raw) {
+  return s->narrow_phi ? par->adc_a * raw + par->adc_b : wide_phi(par, raw);
 }
 
 int32_t servo_feedback(const struct mc_param *par, const struct servo_input *in) {
@@ -105,26 +50,49 @@ void servo_reset(struct servo_state *s) {
   s->falling = 0;
   s->primed = 0;
   s->outside = 0;
+  s->wide = 2;
 }
 
-/* With errors e within top and N within NARROW_HISTORY, N = a0*e + a1*e1 + a2*e2 - b1*N1/b0 -
+static int32_t clip_limit(int32_t ilim) {
+  if (ilim < 0) return 0;
+  return ilim < SERVO_DAC_MAX ? ilim : SERVO_DAC_MAX;
+}
+
+static enum servo_kind kind_of(const struct mc_param *par, int is_power) {
+  int mode = par->mode & MD_MASK;
+  if (mode == MD_TORQ) return SERVO_TORQUE;
+  if (mode == MD_TEST1) return SERVO_TRIANGLE;
+  if (mode != MD_POS && mode != MD_VEL) return SERVO_OFF;
+  if ((par->b1 | par->b2) == 0) return par->a2 == 0 && is_power ? SERVO_PD : SERVO_SUM;
+  return par->b2 == 0 && par->b1 == -(int64_t)par->b0 ? SERVO_INTEGRATOR : SERVO_RECURSION;
+}
+
+/* With errors e within top and N1, N2 within NARROW_N, N = a0*e + a1*e1 + a2*e2 - b1*N1/b0 -
  * b2*N2/b0 must leave room for friction and A/D offset in 32 bits:
  * sum|a|*top < 2^29, plus 2*2*2^28, plus 2^28 + 2^27 is less than 2^31. Without b1 and b2, and
  * with u = N/b0 at most half of N, sum|a|*top may reach 2^31. */
 void servo_prepare(struct servo_state *s, const struct mc_param *par) {
   uint32_t base = magnitude(par->b0);
   uint64_t sum = (uint64_t)magnitude(par->a0) + magnitude(par->a1) + magnitude(par->a2);
-  int recurs = (par->b1 | par->b2) != 0;
-  s->top = 0;
   s->shift = 0;
-  if (base > NARROW_BASE || magnitude(par->b1) > NARROW_RATIO * base ||
-      magnitude(par->b2) > NARROW_RATIO * base || !is_within(par->ic_pos, NARROW_FRICTION) ||
-      !is_within(par->ic_neg, NARROW_FRICTION)) {
+  while (s->shift < 30 && 1u << s->shift < base) s->shift++;
+  if (par->b0 < 0 || 1u << s->shift != base) s->shift = SERVO_NO_SHIFT;
+  s->kind = (uint8_t)kind_of(par, s->shift != SERVO_NO_SHIFT);
+  s->limit = par->ilimax == 0 ? clip_limit(par->ilim) : SERVO_DAC_MAX;
+  s->narrow_phi = (uint8_t)(is_within(par->adc_a, 1u << 14) && is_within(par->adc_b, 1u << 30));
+  s->wide = 2;
+  s->top = 0;
+  if (s->kind == SERVO_OFF) return;
+  if (!is_within(par->ic_pos, NARROW_FRICTION) || !is_within(par->ic_neg, NARROW_FRICTION)) return;
+  if (s->kind >= SERVO_TORQUE) {
+    s->top = NARROW_DEMAND * 2;
     return;
   }
-  while (1u << s->shift < base) s->shift++;
-  if (par->b0 < 0 || 1u << s->shift != base) s->shift = SERVO_NO_SHIFT;
-  uint64_t room = recurs || base == 1 ? 1u << 29 : 1u << 31;
+  if (base > NARROW_BASE || magnitude(par->b1) > NARROW_RATIO * base ||
+      magnitude(par->b2) > NARROW_RATIO * base) {
+    return;
+  }
+  uint64_t room = s->kind > SERVO_SUM || base == 1 ? 1u << 29 : 1u << 31;
   for (uint32_t top = 1u << 27; top > 0 && s->top == 0; top >>= 1) {
     if (sum * top < room) s->top = top;
   }
@@ -152,7 +120,7 @@ void servo_change(struct servo_state *s, const struct mc_param *from, const stru
   servo_prepare(s, to);
 }
 
-/* --- what the axis does ---------------------------------------------------------------------- */
+/* --- common to both ways --------------------------------------------------------------------- */
 
 /* Limits raise an event when they are crossed, not while the axis stays beyond them. */
 static uint8_t check_position(const struct mc_param *par, struct servo_state *s, int32_t fb) {
@@ -164,26 +132,6 @@ static uint8_t check_position(const struct mc_param *par, struct servo_state *s,
   return crossed;
 }
 
-RARE static int32_t wide_velocity(int32_t y, int32_t y1, int32_t y2) {
-  return sat32((3 * (int64_t)y - 4 * (int64_t)y1 + y2) / 2);
-}
-
-/* (3y - 4y1 + y2) / 2, truncated toward zero. */
-static inline int32_t velocity(int32_t y, int32_t y1, int32_t y2) {
-  if (!are_within(y, y1, y2, 1u << 27)) return wide_velocity(y, y1, y2);
-  return (3 * y - 4 * y1 + y2) / 2;
-}
-
-/* The velocity of this sample; y becomes part of the history. */
-static inline int32_t sense(struct servo_state *s, int32_t y) {
-  int32_t y1 = s->y1, y2 = s->y2;
-  s->y2 = s->primed ? y1 : y;
-  s->y1 = y;
-  if (s->primed) return velocity(y, y1, y2);
-  s->primed = 1;
-  return 0;
-}
-
 /* inow = p/F * inow + (F - p) * i is inow * F through a unity-gain pole at p/F. With F = 1024 no
  * product leaves 32 bits: 1023 * 1024 * 2048 < 2^31. */
 int32_t servo_inow(const struct mc_param *par, struct servo_state *s, int32_t current) {
@@ -192,20 +140,46 @@ int32_t servo_inow(const struct mc_param *par, struct servo_state *s, int32_t cu
     s->filtered = current * MC_FSCALE;
     return current;
   }
-  s->filtered = pole * s->filtered / MC_FSCALE + (MC_FSCALE - pole) * current;
+  s->filtered = pole * s->filtered / MC_FSCALE + (int16_t)(MC_FSCALE - pole) * (int16_t)current;
   return s->filtered;
 }
 
-/* --- the compensator ------------------------------------------------------------------------- */
+/* Which way friction is to be overcome. At rest the demand u tells where the axis is about to go;
+ * on an axis whose encoder runs against the torque (ic_pos < 0) that is the other way. */
+static int direction(const struct mc_param *par, int32_t vel, int sign_of_u) {
+  if (vel != 0) return vel < 0 ? -1 : 1;
+  return par->ic_pos < 0 ? -sign_of_u : sign_of_u;
+}
 
-/* D(z) = (a0 + a1/z + a2/z^2) / (b0 + b1/z + b2/z^2): from
- * b0*u + b1*u1 + b2*u2 = a0*e + a1*e1 + a2*e2 follows, with N = b0*u kept un-truncated,
- * N = a0*e + a1*e1 + a2*e2 - b1*N1/b0 - b2*N2/b0 and u = N/b0. */
-static void remember(struct servo_state *s, int32_t e, int64_t n) {
-  s->e2 = s->e1;
-  s->e1 = e;
-  s->n2 = s->n1;
-  s->n1 = n;
+/* beyond: i stands for a larger number of the same sign. */
+static inline int32_t limit_current(const struct mc_param *par, struct servo_state *s, int32_t i,
+                                    int beyond, struct servo_output *out) {
+  int32_t size = i < 0 ? -i : i;
+  if (par->ilimax != 0 && (size > par->ilim || beyond)) {
+    if (s->over < INT32_MAX) s->over++;
+    if (s->over > par->ilimax) {
+      out->events |= MERR_ILIM;
+      s->over = 0;
+    }
+  } else {
+    s->over = 0;
+  }
+  if (size <= s->limit) return i;
+  out->clipped = 1;
+  return i < 0 ? -s->limit : s->limit;
+}
+
+/* --- any numbers ----------------------------------------------------------------------------- */
+
+/* vel = (3y - 4y1 + y2) / 2, truncated toward zero. */
+static int32_t wide_sense(struct servo_state *s, int32_t y) {
+  if (!s->primed) s->y1 = s->y2 = y;
+  int32_t vel = sat32((3 * (int64_t)y - 4 * (int64_t)s->y1 + s->y2) / 2);
+  if (!is_within(y, NARROW_FB)) s->wide = 2;
+  s->primed = 1;
+  s->y2 = s->y1;
+  s->y1 = y;
+  return vel;
 }
 
 /* b * N / b0 without losing what N / b0 truncates: b*(N/b0) + b*(N mod b0)/b0. */
@@ -216,54 +190,21 @@ static int64_t wide_term(int32_t b, int64_t n, int32_t b0) {
   return sat_add(whole, (int64_t)b * remainder / b0);
 }
 
-RARE static int64_t wide_law(const struct mc_param *par, struct servo_state *s, int32_t e) {
+/* D(z) = (a0 + a1/z + a2/z^2) / (b0 + b1/z + b2/z^2): from
+ * b0*u + b1*u1 + b2*u2 = a0*e + a1*e1 + a2*e2 follows, with N = b0*u kept un-truncated,
+ * N = a0*e + a1*e1 + a2*e2 - b1*N1/b0 - b2*N2/b0 and u = N/b0. */
+static int64_t wide_law(const struct mc_param *par, struct servo_state *s, int32_t e) {
   int32_t remainder;
   int64_t n = sat_add((int64_t)par->a0 * e, (int64_t)par->a1 * s->e1);
   n = sat_add(n, (int64_t)par->a2 * s->e2);
   n = sat_sub(n, wide_term(par->b1, s->n1, par->b0));
   n = sat_sub(n, wide_term(par->b2, s->n2, par->b0));
-  remember(s, e, n);
+  if (!is_within(e, s->top) || !fits(n) || !is_within((int32_t)n, NARROW_N)) s->wide = 2;
+  s->e2 = s->e1;
+  s->e1 = e;
+  s->n2 = s->n1;
+  s->n1 = n;
   return divide(n, par->b0, &remainder);
-}
-
-static inline int32_t over_b0(const struct mc_param *par, const struct servo_state *s, int32_t n) {
-  if (s->shift == SERVO_NO_SHIFT) return n / par->b0;
-  return n < 0 ? -(int32_t)((uint32_t)-n >> s->shift) : n >> s->shift;
-}
-
-/* An integrator, b = -b0, needs no arithmetic. */
-static int32_t narrow_term(const struct mc_param *par, const struct servo_state *s, int32_t b,
-                           int32_t n) {
-  if (b == 0) return 0;
-  if (b == -par->b0) return -n;
-  int32_t quotient = over_b0(par, s, n);
-  return b * quotient + over_b0(par, s, b * (n - quotient * par->b0));
-}
-
-/* 1 and *u, or 0 and nothing has happened. */
-static inline int narrow_law(const struct mc_param *par, struct servo_state *s, int32_t e,
-                             int32_t *u) {
-  int32_t e1 = s->e1, e2 = s->e2;
-  if (!are_within(e, e1, e2, s->top)) return 0;
-  int32_t n = par->a0 * e;
-  if (par->a1 != 0) n += par->a1 * e1;
-  if (par->a2 != 0) n += par->a2 * e2;
-  if ((par->b1 | par->b2) != 0) {
-    int32_t n1 = (int32_t)s->n1, n2 = (int32_t)s->n2;
-    if (!fits(s->n1) || !fits(s->n2) || !are_within(n1, n2, 0, NARROW_HISTORY)) return 0;
-    n -= narrow_term(par, s, par->b1, n1);
-    n -= narrow_term(par, s, par->b2, n2);
-  }
-  remember(s, e, n);
-  *u = over_b0(par, s, n);
-  return 1;
-}
-
-/* --- from the law to the current ------------------------------------------------------------- */
-
-static int32_t clip_limit(int32_t ilim) {
-  if (ilim < 0) return 0;
-  return ilim < SERVO_DAC_MAX ? ilim : SERVO_DAC_MAX;
 }
 
 /* MD_TEST1: 0, 1, ... ilim, ilim-1, ... -ilim, ... one D/A unit per sample. */
@@ -281,71 +222,127 @@ static int32_t triangle(const struct mc_param *par, struct servo_state *s) {
   return value;
 }
 
-/* Coulomb feedforward: which way friction is to be overcome. At rest the demand u tells where the
- * axis is about to go; on an axis whose encoder runs against the torque (ic_pos < 0) that is the
- * other way. */
-static int direction(const struct mc_param *par, int32_t vel, int sign_of_u) {
-  if (vel != 0) return vel < 0 ? -1 : 1;
-  return par->ic_pos < 0 ? -sign_of_u : sign_of_u;
-}
-
-/* beyond: i stands for a larger number of the same sign. */
-static inline int32_t limit_current(const struct mc_param *par, struct servo_state *s, int32_t i,
-                                    int beyond, struct servo_output *out) {
-  int32_t limit = par->ilimax == 0 ? clip_limit(par->ilim) : SERVO_DAC_MAX;
-  int32_t size = i < 0 ? -i : i;
-  if (par->ilimax != 0 && (size > par->ilim || beyond)) {
-    if (s->over < INT32_MAX) s->over++;
-    if (s->over > par->ilimax) {
-      out->events |= MERR_ILIM;
-      s->over = 0;
-    }
-  } else {
-    s->over = 0;
-  }
-  if (size <= limit) return i;
-  out->clipped = 1;
-  return i < 0 ? -limit : limit;
-}
-
-/* All numbers that the narrow way does not take. */
-RARE static int32_t wide_current(const struct mc_param *par, struct servo_state *s, int64_t u,
-                                 int32_t phi, struct servo_output *out) {
-  const int64_t most = INT64_MAX / 2;
-  int64_t i = u > most ? most : u < -most ? -most : u;
+static int32_t wide_current(const struct mc_param *par, struct servo_state *s, int64_t u,
+                            int32_t phi, struct servo_output *out) {
+  int64_t i = u;
   if ((par->mode & COULCOMP) != 0) {
     int way = direction(par, out->vel, (u > 0) - (u < 0));
-    if (way > 0) i += par->ic_pos;
-    if (way < 0) i -= par->ic_neg;
+    if (way > 0) i = sat_add(i, par->ic_pos);
+    if (way < 0) i = sat_sub(i, par->ic_neg);
   }
-  if ((par->mode & ADOFF) != 0) i += phi;
+  if ((par->mode & ADOFF) != 0) i = sat_add(i, phi);
   if (i > INT32_MAX) return limit_current(par, s, INT32_MAX, 1, out);
   if (i < -INT32_MAX) return limit_current(par, s, -INT32_MAX, 1, out);
   return limit_current(par, s, (int32_t)i, 0, out);
 }
 
-static int32_t narrow_current(const struct mc_param *par, struct servo_state *s, int32_t u,
-                              int32_t phi, struct servo_output *out) {
-  int32_t i = u;
-  if ((par->mode & (COULCOMP | ADOFF)) != 0) {
-    if (!is_within(phi, NARROW_OFFSET)) return wide_current(par, s, u, phi, out);
-    if ((par->mode & COULCOMP) != 0) {
-      int way = direction(par, out->vel, (u > 0) - (u < 0));
-      if (way > 0) i += par->ic_pos;
-      if (way < 0) i -= par->ic_neg;
-    }
-    if ((par->mode & ADOFF) != 0) i += phi;
+RARE static void wide_step(const struct mc_param *par, struct servo_state *s,
+                           const struct servo_input *in, struct servo_output *out) {
+  int mode = par->mode & MD_MASK;
+  if (s->wide > 0) s->wide--;
+  servo_sense(par, s, in, out);
+  if ((par->mode & POSCHK) != 0) out->events = check_position(par, s, out->fb);
+  if (s->kind == SERVO_OFF) {
+    out->inow = servo_inow(par, s, 0);
+    return;
   }
-  return limit_current(par, s, i, 0, out);
+  int32_t fed = (par->mode & ZEROFB) != 0 ? 0 : mode == MD_VEL ? out->vel : out->fb;
+  int32_t demand = (par->mode & ADDMD) != 0 ? in->phi : in->setpoint;
+  out->error = sat32((int64_t)demand - fed);
+  int64_t u = s->kind < SERVO_TORQUE    ? wide_law(par, s, out->error)
+              : s->kind == SERVO_TORQUE ? demand
+                                        : triangle(par, s);
+  out->current = wide_current(par, s, u, in->phi, out);
+  out->inow = servo_inow(par, s, out->current);
 }
 
-static int32_t servo_current(const struct mc_param *par, struct servo_state *s, int mode,
-                             int32_t demand, int32_t phi, struct servo_output *out) {
-  int32_t u;
-  if (mode == MD_TORQ) return wide_current(par, s, demand, phi, out);
-  if (mode == MD_TEST1) return wide_current(par, s, triangle(par, s), phi, out);
-  if (narrow_law(par, s, out->error, &u)) return narrow_current(par, s, u, phi, out);
-  return wide_current(par, s, wide_law(par, s, out->error), phi, out);
+/* --- numbers that 32 bits hold --------------------------------------------------------------- */
+
+static inline int32_t shifted(const struct servo_state *s, int32_t n) {
+  return n < 0 ? -(-n >> s->shift) : n >> s->shift;
+}
+
+static int32_t over_b0(const struct mc_param *par, const struct servo_state *s, int32_t n) {
+  return s->shift == SERVO_NO_SHIFT ? n / par->b0 : shifted(s, n);
+}
+
+static int32_t narrow_term(const struct mc_param *par, const struct servo_state *s, int32_t b,
+                           int32_t n) {
+  if (b == 0) return 0;
+  int32_t quotient = over_b0(par, s, n);
+  return b * quotient + over_b0(par, s, b * (n - quotient * par->b0));
+}
+
+/* N of any law but SERVO_PD. */
+static int32_t narrow_sum(const struct mc_param *par, struct servo_state *s, int32_t e) {
+  int32_t n = par->a0 * e, n1 = (int32_t)s->n1;
+  if (par->a1 != 0) n += par->a1 * s->e1;
+  if (par->a2 != 0) n += par->a2 * s->e2;
+  if (s->kind == SERVO_INTEGRATOR) {
+    n += n1;
+  } else if (s->kind == SERVO_RECURSION) {
+    n -= narrow_term(par, s, par->b1, n1) + narrow_term(par, s, par->b2, (int32_t)s->n2);
+  }
+  if (!is_within(n, NARROW_N)) s->wide = 2;
+  return n;
+}
+
+static inline int32_t narrow_law(const struct mc_param *par, struct servo_state *s, int32_t e) {
+  int32_t n, u;
+  if (s->kind == SERVO_PD) {
+    n = par->a0 * e;
+    if (par->a1 != 0) n += par->a1 * s->e1;
+    u = shifted(s, n);
+  } else {
+    n = narrow_sum(par, s, e);
+    u = over_b0(par, s, n);
+  }
+  s->e2 = s->e1;
+  s->e1 = e;
+  s->n2 = s->n1;
+  s->n1 = n;
+  return u;
+}
+
+static inline int32_t narrow_friction(const struct mc_param *par, int32_t vel, int32_t u) {
+  int way = direction(par, vel, (u > 0) - (u < 0));
+  return way > 0 ? par->ic_pos : way < 0 ? -par->ic_neg : 0;
+}
+
+/* 1, or 0 and nothing has happened. The histories are narrow. */
+static inline int narrow_step(const struct mc_param *par, struct servo_state *s,
+                              const struct servo_input *in, struct servo_output *out) {
+  int flags = par->mode;
+  int32_t fb = in->position, demand = in->setpoint;
+  if ((flags & (ADFB | ADDMD | ADOFF)) != 0) {
+    if (!is_within(in->phi, NARROW_PHI)) return 0;
+    if ((flags & ADFB) != 0) fb = in->phi;
+    if ((flags & ADDMD) != 0) demand = in->phi;
+  }
+  if (!is_within(fb, NARROW_FB) || !is_within(demand, NARROW_DEMAND)) return 0;
+  int32_t y1 = s->y1, vel = (3 * fb - 4 * y1 + s->y2) / 2;
+  int32_t fed = (flags & MD_MASK) == MD_VEL ? vel : fb;
+  if ((flags & ZEROFB) != 0) fed = 0;
+  int32_t error = demand - fed;
+  if (!is_within(error, s->top)) return 0;
+  s->y2 = y1;
+  s->y1 = fb;
+  out->fb = fb;
+  out->vel = vel;
+  out->error = error;
+  out->events = out->clipped = 0;
+  if ((flags & POSCHK) != 0) out->events = check_position(par, s, fb);
+  int32_t i = s->kind < SERVO_TORQUE    ? narrow_law(par, s, error)
+              : s->kind == SERVO_TORQUE ? demand
+                                        : triangle(par, s);
+  if ((flags & (COULCOMP | ADOFF)) != 0) {
+    if ((flags & COULCOMP) != 0) i += narrow_friction(par, vel, i);
+    if ((flags & ADOFF) != 0) i += in->phi;
+  }
+  int32_t current = limit_current(par, s, i, 0, out);
+  out->current = current;
+  out->inow = servo_inow(par, s, current);
+  return 1;
 }
 
 /* --- samples --------------------------------------------------------------------------------- */
@@ -354,27 +351,11 @@ void servo_sense(const struct mc_param *par, struct servo_state *s, const struct
                  struct servo_output *out) {
   *out = (struct servo_output){0};
   out->fb = servo_feedback(par, in);
-  out->vel = sense(s, out->fb);
+  out->vel = wide_sense(s, out->fb);
 }
 
 void servo_step(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
                 struct servo_output *out) {
-  int flags = par->mode, mode = flags & MD_MASK;
-  int32_t fb = servo_feedback(par, in), vel = sense(s, fb);
-  out->fb = fb;
-  out->vel = vel;
-  out->events = (flags & POSCHK) != 0 ? check_position(par, s, fb) : 0;
-  out->clipped = 0;
-  int32_t error = 0, current = 0;
-  if (mode >= MD_POS && mode <= MD_TEST1) {
-    int32_t fed = (flags & ZEROFB) != 0 ? 0 : mode == MD_VEL ? vel : fb;
-    int32_t demand = (flags & ADDMD) != 0 ? in->phi : in->setpoint;
-    if (__builtin_sub_overflow(demand, fed, &error)) error = demand < 0 ? INT32_MIN : INT32_MAX;
-    out->error = error;
-    current = servo_current(par, s, mode, demand, in->phi, out);
-  } else {
-    out->error = 0;
-  }
-  out->current = current;
-  out->inow = servo_inow(par, s, current);
+  if (s->wide == 0 && narrow_step(par, s, in, out)) return;
+  wide_step(par, s, in, out);
 }

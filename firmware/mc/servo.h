@@ -11,9 +11,20 @@
 #include "mcdef.h"
 
 #define SERVO_DAC_MAX 2047 /* largest current either way, D/A units */
-#define SERVO_NO_SHIFT 255
+#define SERVO_NO_SHIFT 32
 
-/* What the law remembers between samples: all zero at first. */
+/* What parameters ask for, as servo_prepare() tells it. */
+enum servo_kind {
+  SERVO_PD,         /* a2 = b1 = b2 = 0, b0 a power of two */
+  SERVO_SUM,        /* b1 = b2 = 0 */
+  SERVO_INTEGRATOR, /* b1 = -b0, b2 = 0 */
+  SERVO_RECURSION,  /* any others */
+  SERVO_TORQUE,     /* MD_TORQ, MD_TEST1, MD_OFF: no compensator */
+  SERVO_TRIANGLE,
+  SERVO_OFF
+};
+
+/* What the law remembers between samples. */
 struct servo_state {
   int64_t n1, n2;   /* un-truncated numerators N = b0*u of the last two samples */
   int32_t y1, y2;   /* feedback quantity (S4) of the last two samples */
@@ -24,8 +35,13 @@ struct servo_state {
   uint8_t falling;  /* MD_TEST1: on the way down */
   uint8_t primed;   /* y1, y2 hold samples */
   uint8_t outside;  /* limits that the feedback was beyond at the last check: MERR_PLO, MERR_PHI */
-  uint8_t shift;    /* servo_prepare(): b0 is 2 to this, or SERVO_NO_SHIFT; */
-  uint32_t top;     /* 32 bits are enough for errors of -top..top-1 */
+  uint8_t wide;     /* samples until 32 bits may be enough again */
+  /* what servo_prepare() works out: */
+  uint8_t kind;       /* enum servo_kind */
+  uint8_t narrow_phi; /* adc_a and adc_b need 32 bits only */
+  int32_t shift;      /* b0 is 2 to this, or SERVO_NO_SHIFT */
+  uint32_t top;       /* 32 bits are enough for errors of -top..top-1 */
+  int32_t limit;      /* largest current */
 };
 
 struct servo_input {
@@ -49,12 +65,12 @@ struct servo_output {
 int32_t servo_extend(int32_t position, uint16_t from, uint16_t to);
 
 /* The processed A/D value: adc_a * raw + adc_b, saturated; raw is offset binary, 0-4095. */
-int32_t servo_phi(const struct mc_param *par, uint16_t raw);
+int32_t servo_phi(const struct mc_param *par, const struct servo_state *s, uint16_t raw);
 
 /* The feedback quantity (S4). */
 int32_t servo_feedback(const struct mc_param *par, const struct servo_input *in);
 
-/* Works out once what a set of parameters allows. Until then the law is slow, and as right. */
+/* Works out what a set of parameters means for the samples to come. Before the first of them. */
 void servo_prepare(struct servo_state *s, const struct mc_param *par);
 
 /* Forgets all history; the next sample starts at rest wherever the axis then is. */

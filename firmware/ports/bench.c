@@ -30,9 +30,11 @@ static void mix(uint32_t word) {
   hash ^= hash >> 15;
 }
 
-/* Profiles add to each other: 0 P, 1 PD with limits, 2 PID with friction, filter and limits,
- * 3 velocity, 4 torque with offset from the A/D, 5 A/D feedback, second order, 6 triangle,
- * 7 open loop from the A/D with a divisor that is no power of two. */
+/* 0 P; 1 PD with the gains of the PUMA's first joint; 2 PID with friction, filter and limits, and
+ * from it 3 velocity, 4 torque with offset from the A/D, 5 A/D feedback, second order, 6 triangle,
+ * 7 open loop from the A/D with a divisor that is no power of two; 8 PD with limits, 9 PD of
+ * numbers that leave 32 bits. The setpoints of 0 and 1 stay near, all others saturate the current.
+ */
 static void choose(struct mc_param *par, uint32_t profile, int axis) {
   struct mc_param p = {0};
   p.which = axis;
@@ -44,7 +46,12 @@ static void choose(struct mc_param *par, uint32_t profile, int axis) {
   p.plo = INT32_MIN;
   p.phi = INT32_MAX;
   p.adc_a = 1;
-  if (profile >= 1) {
+  if (profile == 1) {
+    p.a0 = 63339 + axis;
+    p.a1 = -60879;
+    p.b0 = 64;
+  }
+  if (profile >= 2) {
     p.a0 = 300 + axis;
     p.a1 = -280;
     p.b0 = 16;
@@ -53,7 +60,7 @@ static void choose(struct mc_param *par, uint32_t profile, int axis) {
     p.mode |= POSCHK | SOFTERR;
     p.ilimax = 50;
   }
-  if (profile >= 2) {
+  if (profile >= 2 && profile < 8) {
     p.a2 = 13;
     p.b1 = -16;
     p.ic_pos = 50;
@@ -75,47 +82,70 @@ static void choose(struct mc_param *par, uint32_t profile, int axis) {
     p.b0 = 19;
     p.b1 = -7;
   }
+  if (profile == 9) {
+    p.a0 = 200000000 + axis;
+    p.a1 = -190000000;
+    p.b0 = 1 << 20;
+  }
   *par = p;
 }
 
-static struct mc_param par[AXES];
-static struct servo_state state[AXES];
-static struct servo_input in[AXES];
-static struct servo_output out[AXES];
-static uint16_t raw[AXES];
+struct axis {
+  struct mc_param par;
+  struct servo_state state;
+  struct servo_input in;
+  struct servo_output out;
+  uint16_t raw;
+};
+
+static struct axis axes[AXES];
+#define EACH(x)          \
+  struct axis *x = axes; \
+  x < axes + AXES;       \
+  x++
+
+/* Encoder counts and A/D values that follow the current a little, and chance. */
+static void move(struct axis *x, uint32_t profile, uint32_t chance, int new_setpoint) {
+  uint16_t from = (uint16_t)x->in.position;
+  uint16_t to = (uint16_t)(from + (chance >> 20 & 0x3F) + (uint32_t)x->out.current / 64u);
+  x->in.position = servo_extend(x->in.position, from, to);
+  x->raw = (uint16_t)(chance >> 8 & 0xFFF);
+  if (profile < 2) {
+    x->in.setpoint = x->in.position + (int32_t)(chance >> 12 & 31) - 16;
+  } else if (new_setpoint) {
+    x->in.setpoint = (int32_t)(chance >> 16) - 32768;
+  }
+}
 
 static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
   uint32_t seed = 1 + profile;
   hash = 0x811C9DC5u;
-  for (int axis = 0; axis < AXES; axis++) {
-    choose(&par[axis], profile, axis);
-    servo_reset(&state[axis]);
-    servo_prepare(&state[axis], &par[axis]);
-    in[axis].position = in[axis].setpoint = 0;
+  for (int n = 0; n < AXES; n++) {
+    choose(&axes[n].par, profile, n);
+    servo_reset(&axes[n].state);
+    servo_prepare(&axes[n].state, &axes[n].par);
+    axes[n].in.position = axes[n].in.setpoint = 0;
+    axes[n].out = (struct servo_output){0};
   }
   for (uint32_t tick = 0; tick < ticks; tick++) {
-    for (int axis = 0; axis < AXES; axis++) {
+    for (EACH(x)) {
       seed = seed * 1664525u + 1013904223u;
-      uint16_t from = (uint16_t)in[axis].position;
-      uint16_t to = (uint16_t)(from + (seed >> 20 & 0x3F) + (uint32_t)out[axis].current / 64u);
-      in[axis].position = servo_extend(in[axis].position, from, to);
-      raw[axis] = (uint16_t)(seed >> 8 & 0xFFF);
-      if ((tick & 255) == 0) in[axis].setpoint = (int32_t)(seed >> 16) - 32768;
+      move(x, profile, seed, (tick & 255) == 0);
     }
     *mark = 1;
-    for (int axis = 0; axis < AXES; axis++) {
-      in[axis].phi = servo_phi(&par[axis], raw[axis]);
-      servo_step(&par[axis], &state[axis], &in[axis], &out[axis]);
+    for (EACH(x)) {
+      x->in.phi = servo_phi(&x->par, &x->state, x->raw);
+      servo_step(&x->par, &x->state, &x->in, &x->out);
     }
     *mark = 0;
-    for (int axis = 0; axis < AXES; axis++) {
-      mix((uint32_t)out[axis].current);
-      mix((uint32_t)out[axis].inow);
-      mix((uint32_t)out[axis].error);
-      mix((uint32_t)out[axis].vel);
-      mix((uint32_t)in[axis].phi + out[axis].events + 256u * out[axis].clipped);
-      mix((uint32_t)state[axis].n1);
-      mix((uint32_t)((uint64_t)state[axis].n1 >> 32));
+    for (EACH(x)) {
+      mix((uint32_t)x->out.current);
+      mix((uint32_t)x->out.inow);
+      mix((uint32_t)x->out.error);
+      mix((uint32_t)x->out.vel);
+      mix((uint32_t)x->in.phi + x->out.events + 256u * x->out.clipped);
+      mix((uint32_t)x->state.n1);
+      mix((uint32_t)((uint64_t)x->state.n1 >> 32));
     }
   }
   return hash;
@@ -124,7 +154,6 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
 #ifdef BENCH_NATIVE
 uint32_t bench(uint32_t profile, uint32_t ticks);
 uint32_t bench(uint32_t profile, uint32_t ticks) {
-  for (int axis = 0; axis < AXES; axis++) out[axis] = (struct servo_output){0};
   return run(profile, ticks, &B->mark);
 }
 #else

@@ -41,7 +41,7 @@ void axis_run(struct axis *x, int n, const int32_t (*in)[3], int32_t (*out)[9]) 
     struct servo_output o;
     x->position = servo_extend(x->position, x->counter, counter);
     x->counter = counter;
-    struct servo_input input = {x->position, servo_phi(&x->par, (uint16_t)in[i][1]), in[i][2]};
+    struct servo_input input = {x->position, servo_phi(&x->par, &x->servo, (uint16_t)in[i][1]), in[i][2]};
     servo_step(&x->par, &x->servo, &input, &o);
     const int32_t row[9] = {x->position, input.phi, o.fb,     o.vel,    o.error,
                             o.current,   o.inow,    o.events, o.clipped};
