@@ -67,7 +67,7 @@ def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis
 
         write_plot(plot, c, k, plant, t)
     if apply_to is not None:
-        _apply(apply_to, k, dev)
+        _apply(apply_to, k, dev, interval)
 
 
 def _load_robot(name: str):
@@ -126,11 +126,15 @@ def _print(c, k, m, method, interval) -> None:
     )
 
 
-def _apply(axis: int, k, dev: str) -> None:
+def _apply(axis: int, k, dev: str, interval: int) -> None:
+    """Only the compensator changes, between two samples; whoever runs the device keeps it."""
     from mmcs.device import Device
 
     try:
         with Device("/dev/mc0", server=dev) as device:
+            if interval != device.interval():
+                allowed = f"the device samples every {device.interval()} us"
+                raise InputError.one("--interval", "", interval, allowed)
             param = device.get_param(axis)
             for n in range(3):
                 param[f"a{n}"], param[f"b{n}"] = k.a[n], k.b[n]

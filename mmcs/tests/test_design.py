@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Control synthesis (§2.5) beside independent oracles, and in the machine."""
 
+import ast
 import json
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -160,6 +162,51 @@ def test_command(mmcs, tmp_path):
 def test_command_refuses(mmcs, args, text):
     status, _, err = mmcs("design", *args)
     assert status == 2 and text in err and err.count("\n") == 1
+
+
+HOLD = """
+import mmcs
+with mmcs.Device() as device:
+    device.set_interval(1000)
+    print("ready", flush=True)
+    while device.get_param(1)["b0"] == 1: pass
+    print(device.get_param(0)["b0"], device.get_param(1))
+"""
+
+
+def test_apply_to_a_running_device(tmp_path):
+    """The axis named has the printed integers, the other one and all other parameters stay."""
+    options = ("--robot", "lab500", "--wn", "60", "--json")
+    design = ("-m", "mmcs", "design", *options)
+    with Bench(tmp_path) as bench:
+        user = bench.python(HOLD)
+        bench.until(lambda: bench.server.files)
+        wrong = [
+            (("--interval", "2000", "--apply", "1"), "--interval = 2000: the device samples every"),
+            (("--apply", "7"), "--apply 7: Invalid argument"),
+        ]
+        for args, text in wrong:
+            out, status = bench.finish(bench.start(sys.executable, *design, *args))
+            assert status != 0 and f"mmcs: {text}" in out
+        out, status = bench.finish(bench.start(sys.executable, *design, "--apply", "1"))
+        assert status == 0 and out.endswith("set on axis 1\n"), out
+        made = json.loads(out.rsplit("}", 1)[0] + "}")
+        out, status = bench.finish(user)
+        assert status == 0, out
+        other, param = out.splitlines()[1].split(maxsplit=1)
+        param = ast.literal_eval(param)
+        assert other == "1"
+        assert {k: param[k] for k in ("a0", "a1", "a2", "b0", "b1", "b2")} == {
+            k: made[k] for k in ("a0", "a1", "a2", "b0", "b1", "b2")
+        }
+        assert (param["clkdivisor"], param["mode"]) == (1, 0)
+
+
+def test_apply_without_a_server(mmcs, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    status, _, err = mmcs("design", "--wn", "60", "--apply", "0")
+    assert status != 0 and err.count("\n") == 1
+    assert "no simulator is serving" in err
 
 
 @pytest.mark.req("DAC-1")

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from mmcs import logcols, runner
+from mmcs import logcols, runner, session
 from mmcs.errors import RunError
 from mmcs.load import load
 from mmcs.report import make_report, write_log, write_report
@@ -224,3 +224,49 @@ def test_hosts_to_come(mmcs):
     status, _, err = mmcs("run", "lab500", "--host", "rv32")
     line = 'mmcs: --host = "rv32": not available yet; allowed: "native", "m68020"\n'
     assert (status, err) == (2, line)
+
+
+class Wall:
+    """A clock on the wall that moves by sleep, and by what each step of the run costs."""
+
+    def __init__(self, cost_s=0.0):
+        self.now, self.cost_s, self.slept = 1000.0, cost_s, []
+
+    def perf_counter(self):
+        self.now += self.cost_s
+        return self.now
+
+    time = perf_counter
+
+    def sleep(self, s):
+        assert s >= 0
+        self.slept.append(s)
+        self.now += s
+
+
+@pytest.mark.parametrize("realtime", [True, False])
+def test_real_time_run_waits_for_the_wall(scenario, monkeypatch, realtime):
+    wall, marks = Wall(), []
+    monkeypatch.setattr(session, "time", wall)
+    setup = load(str(scenario()))
+    Session(FakeSim(setup.axes), setup, realtime).run(lambda t: marks.append((t, wall.now)))
+    assert sum(wall.slept) == pytest.approx(0.3 if realtime else 0.0)
+    if realtime:
+        for t, at in marks:
+            assert at - 1000.0 == pytest.approx(t), "never ahead, never behind"
+
+
+def test_real_time_run_that_is_too_slow_never_waits(scenario, monkeypatch):
+    wall = Wall(cost_s=1.0)
+    monkeypatch.setattr(session, "time", wall)
+    setup = load(str(scenario()))
+    Session(FakeSim(setup.axes), setup, True).run()
+    assert sum(wall.slept) == 0
+
+
+def test_real_time_option_reaches_the_session(mmcs, scenario, fake_machine, tmp_path, monkeypatch):
+    wall = Wall()
+    monkeypatch.setattr(session, "time", wall)
+    status, _, err = mmcs("run", scenario(), "--realtime", "--out", tmp_path / "out")
+    assert (status, err) == (0, "")
+    assert sum(wall.slept) == pytest.approx(0.3)
