@@ -12,9 +12,19 @@ from typing import NamedTuple
 
 from mmcs import ROOT, mcdef
 from mmcs import expect_plant as plant
+from mmcs.inputs import INPUTS
 
 DOCUMENT = ROOT / "docs" / "faults.md"
 OPEN_LOOP = ("estop", "cable", "pc_power")  # open the PANIC line themselves
+REGISTERS = {
+    "seu_encoder": "`thct2000` `count_q`: the counter of the encoder",
+    "seu_dac_input": "`ad667` `rank1_q`: what was written to the D/A and waits",
+    "seu_dac_output": "`ad667` `rank2_q`: what the D/A puts out",
+    "seu_index_latch": "`axis` `index_latch_q`: the index has come",
+    "seu_heartbeat": "`oneshot` `run_q`: the heartbeat runs",
+    "seu_pccsr": "`pccsr` `csr_q`: PCCSR bits 7 to 0",
+    "seu_vector": "`adaptor_core` `vector_q`: the interrupt vector",
+}
 
 
 class Row(NamedTuple):
@@ -174,6 +184,19 @@ def document(rows: list[Row], sound: list[float]) -> str:
         "There is no sensor on a brake, no way to read a D/A or a drive back while the arm is",
         "live, no check of the encoder's wires, and no path from PANIC to the amplifiers. After a",
         "stop the driver writes zero once; if that does not arrive, the D/A keeps its last torque.",
+        "",
+        "## Particles",
+        "",
+        "A particle flips bits of a register once, when an `[[event]]` says so; what the logic",
+        "does with it from there on is its own affair. `value` is the mask of bits.",
+        "",
+        "| input | register | one per | bits |",
+        "|---|---|---|---|",
+        *(
+            f"| `{name}` | {REGISTERS[name]} | {i.scope} | {int(i.high).bit_length()} |"
+            for name, i in INPUTS.items()
+            if name.startswith("seu_")
+        ),
         "",
         "## Why",
         "",

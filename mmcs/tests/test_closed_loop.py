@@ -47,15 +47,8 @@ def check_witnesses(result):
 @pytest.mark.parametrize("compensation", reference.COMPENSATION)
 @pytest.mark.parametrize("row", reference.ROWS, ids=lambda r: f"{r.robot}-{r[1]}-{r[2]}-{r[3]}")
 def test_step_response(row, compensation):
-    rise, overshoot, _ = row.reference(compensation)
     result, _ = reference.measure(row.robot, row.interval_us, row.size, compensation)
-    seen = reference.measured(row, compensation)
-    if rise is None:
-        assert seen["rise_ms"] is None
-    else:
-        assert seen["rise_ms"] == pytest.approx(rise, abs=max(0.1 * rise, 4))
-    assert abs(seen["overshoot_pct"] - overshoot) <= 3
-    assert abs(seen["steady_error_counts"]) <= reference.friction_bound(row, compensation) + 1
+    assert reference.outside(row, compensation) == []
     rest = logcols.column(result.log, row.axis, "encoder")[-20:]
     assert rest.max() == rest.min(), "the axis moves although friction should hold it"
     check_witnesses(result)

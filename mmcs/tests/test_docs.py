@@ -142,3 +142,17 @@ def test_ports_and_parameters_of_the_machine():
         number = value.strip().replace("_", "")
         if number.isdigit():
             assert re.search(rf"\b{number}\b", row.split(" | ")[1]), name
+
+
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "docs" / "chips").glob("*.md")), ids=lambda p: p.stem
+)
+def test_conformance_names_what_is_in_the_chip(page):
+    """The last column of a conformance table quotes the RTL; so do the parameters."""
+    rtl = "\n".join(f.read_text() for f in (ROOT / "rtl" / "chips").glob(f"{page.stem}*.sv"))
+    rtl = " ".join(re.sub(r"//.*", "", rtl).split())
+    lines = page.read_text().split("## Conformance")[1].splitlines()
+    quotes = [q for line in lines for q in re.findall(r"`([^`]*)`", line.split(" | ")[-1])]
+    assert quotes
+    missing = [q for q in quotes if not re.search(rf"(?<!\w){re.escape(q)}(?!\w)", rtl)]
+    assert missing == []
