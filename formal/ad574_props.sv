@@ -18,9 +18,9 @@ module ad574_props #(
   input wire logic               hold_i
 );
 
-  logic started = 1'b0;
+  logic rst_ni, started = 1'b0;
   always @(posedge clk_i) started <= 1'b1;
-  wire logic rst_ni = started & no_reset_i;
+  assign rst_ni = started & no_reset_i;
 
   logic sts, oe;
   logic [11:0] db;

@@ -159,15 +159,17 @@ module i8254_golden #(
         end
       end else begin
         if (latch_count_i && !count_held) {count_held, latched} = {1'b1, ce};
-        if (latch_status_i && !status_held) {status_held, status} = {1'b1, out, null_count, control};
+        if (latch_status_i && !status_held) begin
+          {status_held, status} = {1'b1, out, null_count, control};
+        end
       end
     end
   end
 
   logic [15:0] shown;
   assign shown = count_held ? latched : ce;
-  assign d_o = status_held ? status : rw == 2'b10 || (rw == 2'b11 && high_next_r) ? shown[15:8]
-                                                                             : shown[7:0];
+  assign d_o = status_held ? status
+             : rw == 2'b10 || (rw == 2'b11 && high_next_r) ? shown[15:8] : shown[7:0];
 
 endmodule
 

@@ -16,9 +16,9 @@ module i8254_props (
   input wire logic [2:0] gate_i
 );
 
-  logic started = 1'b0;
+  logic rst_ni, started = 1'b0;
   always @(posedge clk_i) started <= 1'b1;
-  wire logic rst_ni = started & no_reset_i;
+  assign rst_ni = started & no_reset_i;
 
   logic [7:0] d;
   logic oe;

@@ -12,9 +12,9 @@ module oneshot_props #(
   input wire logic clr_ni
 );
 
-  logic started = 1'b0;
+  logic rst_ni, started = 1'b0;
   always @(posedge clk_i) started <= 1'b1;
-  wire logic rst_ni = started & ~reset_i;
+  assign rst_ni = started & ~reset_i;
 
   logic q;
   oneshot #(

@@ -22,9 +22,9 @@ module skip_ad574_props #(
   input wire logic               hold_i
 );
 
-  logic started = 1'b0;
+  logic rst_ni, started = 1'b0;
   always @(posedge clk_i) started <= 1'b1;
-  wire logic rst_ni = started & no_reset_i;
+  assign rst_ni = started & no_reset_i;
 
   logic [15:0] horizon_a, horizon_b, extra_a, extra_b;
   logic [1:0] phase;
@@ -68,7 +68,7 @@ module skip_ad574_props #(
   `MMCS_PROVE(Advances, "5.3.4", 1'b1, horizon_a != '0, "one clock can always be taken")
 
   `MMCS_LEMMA(Alike, phase != 2'd0 || state_a == state_b, "before the jump the copies are alike")
-  `MMCS_LEMMA(Left, !a.busy_q || (a.left_q != '0 && a.left_q <= ConvClks), "a conversion has an end")
+  `MMCS_LEMMA(Left, !a.busy_q || (a.left_q != '0 && a.left_q <= ConvClks), "a conversion ends")
 
 endmodule
 

@@ -13,9 +13,9 @@ module skip_relay_props #(
   input wire logic        joint_i
 );
 
-  logic started = 1'b0;
+  logic rst_ni, started = 1'b0;
   always @(posedge clk_i) started <= 1'b1;
-  wire logic rst_ni = started & no_reset_i;
+  assign rst_ni = started & no_reset_i;
 
   logic [15:0] horizon_a, horizon_b, extra_a, extra_b;
   logic [1:0] phase, pins_a, pins_b;

@@ -19,9 +19,9 @@ module thct2000_props (
   input wire logic [7:0] d_i
 );
 
-  logic started = 1'b0;
+  logic rst_ni, started = 1'b0;
   always @(posedge clk_i) started <= 1'b1;
-  wire logic rst_ni = started & no_reset_i;
+  assign rst_ni = started & no_reset_i;
 
   logic [7:0] d;
   logic oe, illegal;
