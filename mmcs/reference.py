@@ -118,7 +118,7 @@ def outside(row: Row, compensation: str) -> list[str]:
     return out
 
 
-def write_document() -> None:
+def document() -> str:
     lines = [
         "# Step responses of the closed loop",
         "",
@@ -147,7 +147,7 @@ def write_document() -> None:
         lines.append(
             f"| {name} | {row.interval_us // 1000} ms | {row.size} | " + " | ".join(cells) + " |"
         )
-    DOCUMENT.write_text("\n".join(lines) + "\n")
+    return "\n".join(lines) + "\n"
 
 
 def _cell(figures: tuple) -> str:
@@ -156,4 +156,4 @@ def _cell(figures: tuple) -> str:
 
 
 if __name__ == "__main__":
-    write_document()
+    DOCUMENT.write_text(document())

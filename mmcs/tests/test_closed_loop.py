@@ -54,6 +54,12 @@ def test_step_response(row, compensation):
     check_witnesses(result)
 
 
+def test_document_is_current():
+    """After the steps above, whose results are kept: this costs nothing more."""
+    told = "docs/closed_loop.md is stale: run `python -m mmcs.reference`"
+    assert reference.DOCUMENT.read_text() == reference.document(), told
+
+
 @pytest.mark.req("SRV-3")
 def test_without_compensation_it_stops_outside():
     result, report = carry_out("lab500_nocomp")
