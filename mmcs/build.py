@@ -17,21 +17,31 @@ CLK_HZ = 8_000_000
 LOG = BUILD / "sim" / "build.log"
 
 
-def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False) -> Path:
+def library_path(
+    cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False, soc: bool = False
+) -> Path:
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
-    return BUILD / "sim" / f"{kind}_c{cards}{clk}{'_skip' if skip else ''}" / "libmmcs_sim.so"
+    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{clk}{'_skip' if skip else ''}"
+    return BUILD / "sim" / name / "libmmcs_sim.so"
 
 
-def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False) -> Path:
-    """The library of a build; kind is "speed", "trust" (assertions live) or "trace"."""
-    path = library_path(cards, kind, clk_hz, skip)
+def ensure_library(
+    cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False, soc: bool = False
+) -> Path:
+    """The library of a build; kind is "speed", "trust" (assertions live) or "trace".
+
+    soc: the machine has its own processor (docs/soc.md); it cannot skip.
+    """
+    skip = skip and not soc
+    path = library_path(cards, kind, clk_hz, skip, soc)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
-    command += [f"CLK_HZ={clk_hz}", f"SKIP={int(skip)}"]
+    command += [f"CLK_HZ={clk_hz}", f"SKIP={int(skip)}", f"HOST={'rv32' if soc else 'vme'}"]
     env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
     if path.exists() and _run([*command, "-q"], env) == 0:
         return path
-    text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {kind} build)"
+    what = f"{kind} build" + (", with its own processor" if soc else "")
+    text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {what})"
     with _lock(), _spinner(text):
         status = _run(command, env, log=True)
     if status or not path.exists():

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -13,13 +14,15 @@ from mmcs import BUILD, ROOT
 from mmcs.errors import InputError, RunError
 
 HOSTS = ("native", "m68020", "rv32")
+COMPILERS = {
+    "m68020": ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu"),
+    "rv32": ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf"),
+}
 
 
 def check(host: str) -> None:
     if host not in HOSTS:
         raise InputError.one("--host", "", host, 'must be one of "native", "m68020", "rv32"')
-    if host == "rv32":
-        raise InputError.one("--host", "", host, 'not available yet; allowed: "native", "m68020"')
 
 
 def config(host: str) -> dict:
@@ -27,18 +30,23 @@ def config(host: str) -> dict:
     check(host)
     if host == "native":
         return {}
-    if not shutil.which("m68k-linux-gnu-gcc"):
-        raise RunError(
-            "--host m68020 needs m68k-linux-gnu-gcc; install it with: "
-            "sudo apt-get install gcc-m68k-linux-gnu"
-        )
-    _make("firmware/Makefile", "m68020")
+    _need(host)
+    _make("firmware/Makefile", host)
+    image = {"host": HOSTS.index(host), "firmware": str(BUILD / "firmware" / host / "mc.bin")}
+    if host == "rv32":
+        return image
     _make("sim/hosts/Makefile", "all")
-    return {
-        "host": HOSTS.index(host),
-        "processor": str(BUILD / "hosts" / "libm68020.so"),
-        "firmware": str(BUILD / "firmware" / "m68020" / "mc.bin"),
-    }
+    return image | {"processor": str(BUILD / "hosts" / "libm68020.so")}
+
+
+def _need(host: str) -> None:
+    compiler, package = COMPILERS[host]
+    if not shutil.which(compiler):
+        raise RunError(
+            f"--host {host} needs {compiler}; install it with: sudo apt-get install {package}"
+        )
+    if host == "rv32" and importlib.util.find_spec("pythondata_cpu_ibex") is None:
+        raise RunError("--host rv32 needs its processor core; install it with: make firmware")
 
 
 def _make(makefile: str, target: str) -> None:

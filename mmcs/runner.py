@@ -84,8 +84,9 @@ def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: s
 
     scenario = setup.scenario
     skip = scenario.skip if skip is None else skip
-    library = ensure_library(scenario.cards, kind, scenario.clk_hz, skip)
-    config = setup.config() | {"skip": int(skip)} | hosts.config(host)
+    on = hosts.config(host)
+    library = ensure_library(scenario.cards, kind, scenario.clk_hz, skip, soc=host == "rv32")
+    config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
 
 

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The RTL files in compile order, from mmcs.core: `sources.py [--set rtl|checkers] [--abs]`."""
+"""The RTL files in compile order, from mmcs.core: `sources.py [--set rtl|soc|checkers] [--abs]`.
 
+`sources.py --core` prints the arguments that Verilator wants for the SoC's processor core, which is
+not ours: the installed package pythondata-cpu-ibex holds it.
+"""
+
+import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -30,8 +35,45 @@ def sources(name: str = "rtl", root: Path | None = None, includes: bool = False)
     return out
 
 
+# Ibex is found module by module in its folders; only its packages have an order.
+IBEX_PACKAGES = ("prim_util_pkg", "prim_count_pkg", "prim_mubi_pkg", "prim_ram_1p_pkg",
+                 "prim_secded_pkg", "prim_cipher_pkg")  # fmt: skip
+
+
+class CoreMissing(Exception):
+    """The processor core is not installed."""
+
+
+def core() -> tuple[list[Path], list[Path], list[Path]]:
+    """The SoC's processor core: files in compile order, library folders, include folders."""
+    spec = importlib.util.find_spec("pythondata_cpu_ibex")
+    if spec is None or not spec.submodule_search_locations:
+        raise CoreMissing("the processor core is missing; install it with: make firmware")
+    home = Path(spec.submodule_search_locations[0]) / "system_verilog"
+    prim = home / "vendor/lowrisc_ip/ip/prim/rtl"
+    files = [prim / f"{name}.sv" for name in IBEX_PACKAGES]
+    files += [home / "rtl/ibex_pkg.sv"]
+    return files, [home / "rtl", prim], [prim, home / "vendor/lowrisc_ip/dv/sv/dv_utils"]
+
+
+def core_arguments() -> list[str]:
+    """The same for Verilator's command line, its warnings silenced."""
+    files, libraries, includes = core()
+    out = [str(ROOT / "rtl/soc/core.vlt"), *(f"-I{d}" for d in includes)]
+    for folder in libraries:
+        out += ["-y", str(folder)]
+    return out + [str(f) for f in files]
+
+
 def main() -> int:
     arguments = sys.argv[1:]
+    if arguments == ["--core"]:
+        try:
+            print("\n".join(core_arguments()))
+        except CoreMissing as error:
+            print(f"sources: {error}", file=sys.stderr)
+            return 2
+        return 0
     absolute = "--abs" in arguments
     arguments = [a for a in arguments if a != "--abs"]
     if arguments[:1] == ["--set"] and len(arguments) == 2:
@@ -39,7 +81,9 @@ def main() -> int:
     elif not arguments:
         name = "rtl"
     else:
-        print("sources: usage: sources.py [--set rtl|checkers] [--abs]", file=sys.stderr)
+        print(
+            "sources: usage: sources.py [--set rtl|soc|checkers] [--abs] | --core", file=sys.stderr
+        )
         return 2
     try:
         for path in sources(name, None if absolute else Path()):

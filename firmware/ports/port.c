@@ -19,12 +19,12 @@ static void report(enum mailbox_report what) {
 /* The processor sees one kind of bus error: whoever ended the cycle, BERR* did. */
 static enum mc_bus_result read8(void *ctx, uint16_t offset, uint8_t *value) {
   (void)ctx;
-  return port_read8(MAILBOX_WINDOW + offset, value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
+  return port_read8(MAILBOX_REGISTER(offset), value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
 }
 
 static enum mc_bus_result write8(void *ctx, uint16_t offset, uint8_t value) {
   (void)ctx;
-  return port_write8(MAILBOX_WINDOW + offset, value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
+  return port_write8(MAILBOX_REGISTER(offset), value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
 }
 
 static void signal(void *ctx, int client) {

@@ -36,12 +36,16 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
     throw std::runtime_error("the driver refuses its configuration");
   }
   if (config.host == MMCS_HOST_NATIVE) return;
-  cpu_ = std::make_unique<Processor>(
-      machine_, bus_, mc(), config.processor, config.firmware, config.wait_states,
-      Processor::Events{[this] { recorder_.mark(machine_); },
-                        [this](bool sampled) { served(sampled); },
-                        [this](int client) { mc_os_.signal(this, client); },
-                        [this](const std::string &text) { mc_os_.log(this, text.c_str()); }});
+  MailboxHost::Events events{[this] { recorder_.mark(machine_); },
+                             [this](bool sampled) { served(sampled); },
+                             [this](int client) { mc_os_.signal(this, client); },
+                             [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
+  if (config.host == MMCS_HOST_RV32) {
+    cpu_ = std::make_unique<Soc>(machine_, mc(), config.firmware, std::move(events));
+  } else {
+    cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config.processor, config.firmware,
+                                       config.wait_states, std::move(events));
+  }
 }
 
 void Host::bind() {

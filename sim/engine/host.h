@@ -18,6 +18,7 @@
 #include "machine.h"
 #include "motion.h"
 #include "processor.h"
+#include "soc.h"
 #include "recorder.h"
 #include "vme_bus.h"
 
@@ -56,7 +57,12 @@ class Host {
     a(motion_axes_);
     a(written_);
     recorder_.state(a);
-    if (cpu_) cpu_->state(a);
+    if (!cpu_) return;
+    if constexpr (A::kReads) {
+      cpu_->restore(a);
+    } else {
+      cpu_->save(a);
+    }
   }
   template <class A>
   void history(A &a) {
@@ -102,7 +108,7 @@ class Host {
   int motion_axes_ = 0;
   std::vector<int32_t> written_;
   Recorder recorder_;
-  std::unique_ptr<Processor> cpu_;  // null: the driver is native code
+  std::unique_ptr<MailboxHost> cpu_;  // null: the driver is native code
 };
 
 }  // namespace mmcs

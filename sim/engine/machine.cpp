@@ -113,6 +113,7 @@ int64_t Machine::next_stop(int64_t limit) const {
 
 bool Machine::advance(int64_t n, Watch watch) {
   const int64_t limit = clock_ + n;
+  char text[40];
   const int dtack = watch == Watch::kDtackLow ? 0 : watch == Watch::kDtackHigh ? 1 : -1;
   while (clock_ < limit && !failed()) {
     apply_due();
@@ -124,6 +125,11 @@ bool Machine::advance(int64_t n, Watch watch) {
       irq_changed = ((model_->lines() ^ lines_) & kLineIrq) != 0;
       lines_changed();
     }
+    if (const unsigned offset = model_->take_bus_error()) {
+      std::snprintf(text, sizeof text, "bus error at 0x%04X", offset);
+      note("bus", -1, text);
+    }
+    if (model_->report() != 0) return watch == Watch::kReport;
     if (dtack >= 0 && model_->dtack() == (dtack == 0)) return true;
     if (irq_changed && watch == Watch::kIrq) return true;
   }
@@ -193,6 +199,7 @@ void Machine::apply(const mmcs_event &event) {
       break;
     case Action::kBusError:
       bus_errors_ = value;
+      model_->soc_errors(value);
       break;
     case Action::kUpset:
       model_->upset(input.reg, event.index, value);

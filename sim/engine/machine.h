@@ -22,7 +22,7 @@
 namespace mmcs {
 
 // What advance() may end on before its clocks are up.
-enum class Watch { kNothing, kIrq, kDtackLow, kDtackHigh };
+enum class Watch { kNothing, kIrq, kDtackLow, kDtackHigh, kReport };
 
 class Machine {
  public:

@@ -6,17 +6,12 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
 #include "../../firmware/ports/mailbox.h"
-
-extern "C" {
-#include "mc_priv.h"
-}
 
 namespace mmcs {
 namespace {
@@ -29,10 +24,6 @@ constexpr int kQuantumCycles = 50;
 constexpr int kServoLevel = 5;
 constexpr int kDoorbellLevel = 2;
 constexpr unsigned kAmSupervisor = 0x2D;
-constexpr double kStartS = 0.1;
-constexpr double kAnswerS = 1.0;
-
-#define FIELD(name) offsetof(struct mailbox, name)
 
 }  // namespace
 
@@ -52,7 +43,7 @@ struct Processor::Functions {
 
 Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std::string &library,
                      const std::string &image, int wait_states, Events events)
-    : machine_(machine), bus_(bus), mirror_(mirror), events_(std::move(events)) {
+    : MailboxHost(machine, mirror, std::move(events)), bus_(bus) {
   std::ifstream file(image, std::ios::binary);
   const std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
   if (bytes.empty()) throw std::runtime_error("no firmware at " + image + "; run `make firmware`");
@@ -93,9 +84,7 @@ Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std
   if (!iss_) throw std::runtime_error("the firmware does not fit the processor's memory");
   memory_ = f_->memory(iss_);
   units_ = machine_.clock() * kUnitsPerClock;
-  const int64_t end = machine_.clock() + machine_.clocks(kStartS);
-  while (!up_ && machine_.clock() < end && !machine_.failed()) step(end);
-  if (!up_) throw std::runtime_error("the firmware does not come up");
+  start();
 }
 
 Processor::~Processor() {
@@ -117,114 +106,13 @@ void Processor::set_word(size_t offset, uint32_t value) {
   for (int n = 3; n >= 0; --n, value >>= 8) m[n] = static_cast<uint8_t>(value);
 }
 
-bool Processor::busy() const {
-  return word(FIELD(posted)) != word(FIELD(done));
+uint8_t Processor::byte(size_t offset) const {
+  return memory_[MAILBOX_BASE + offset];
 }
 
-void Processor::post(uint32_t what, int client, uint32_t a, const void *data, size_t bytes) {
-  set_word(FIELD(call), what);
-  set_word(FIELD(client), static_cast<uint32_t>(client));
-  set_word(FIELD(a), a);
-  set_word(FIELD(has_data), data ? 1 : 0);
-  bytes = std::min(bytes, sizeof(uint32_t) * MAILBOX_DATA_WORDS);
-  for (size_t at = 0; data && at + 4 <= bytes; at += 4) {
-    uint32_t value;
-    std::memcpy(&value, static_cast<const uint8_t *>(data) + at, 4);
-    set_word(FIELD(data) + at, value);
-  }
-  set_word(FIELD(posted), word(FIELD(posted)) + 1);
+void Processor::ring() {
   doorbell_ = 1;
   set_level();
-}
-
-int Processor::call(uint32_t what, int client, uint32_t a, void *data, size_t in, size_t out) {
-  const int64_t end = machine_.clock() + machine_.clocks(kAnswerS);
-  const auto wait = [&] {
-    while ((busy() || !pending_.empty()) && !dead_ && machine_.clock() < end &&
-           !machine_.failed()) {
-      step(end);
-    }
-    return !busy() && !dead_;
-  };
-  if (!wait()) return -MC_EIO;
-  post(what, client, a, data, in);
-  if (!wait()) return -MC_EIO;
-  const int result = static_cast<int>(word(FIELD(result)));
-  if (result < 0 || !data) return result;
-  if (what == MAILBOX_READ) out = static_cast<size_t>(result);
-  for (size_t at = 0; at + 4 <= out; at += 4) {
-    const uint32_t value = word(FIELD(data) + at);
-    std::memcpy(static_cast<uint8_t *>(data) + at, &value, 4);
-  }
-  return result;
-}
-
-void Processor::post_write(int client, const std::vector<int32_t> &values) {
-  if (busy()) {
-    pending_ = values;
-    pending_.insert(pending_.begin(), client);
-    return;
-  }
-  post(MAILBOX_WRITE, client, static_cast<uint32_t>(4 * values.size()), values.data(),
-       4 * values.size());
-}
-
-// What the firmware published, as the native driver would hold it.
-void Processor::mirror() {
-  mirror_->joints = static_cast<int>(word(FIELD(joints)));
-  int32_t stats[6];
-  for (size_t n = 0; n < 6; ++n) stats[n] = static_cast<int32_t>(word(FIELD(stats) + 4 * n));
-  static_assert(sizeof stats == sizeof mirror_->stats);
-  std::memcpy(&mirror_->stats, stats, sizeof stats);
-  for (int axis = 0; axis < mirror_->joints && axis < MAILBOX_AXES; ++axis) {
-    const size_t at = FIELD(axis) + static_cast<size_t>(axis) * sizeof(struct mailbox_axis);
-    mirror_->axis[axis].setpoint = static_cast<int32_t>(word(at));
-    int32_t state[7];
-    for (size_t n = 0; n < 7; ++n) state[n] = static_cast<int32_t>(word(at + 4 + 4 * n));
-    std::memcpy(&mirror_->axis[axis].state, state, sizeof state);
-  }
-}
-
-void Processor::report(uint32_t what) {
-  switch (what) {
-    case MAILBOX_UP:
-      up_ = 1;
-      break;
-    case MAILBOX_SERVED:
-    case MAILBOX_SAMPLED:
-      mirror();
-      events_.served(what == MAILBOX_SAMPLED);
-      break;
-    case MAILBOX_DONE:
-      mirror();
-      if (!pending_.empty()) {
-        const std::vector<int32_t> values(pending_.begin() + 1, pending_.end());
-        const int client = pending_.front();
-        pending_.clear();
-        post_write(client, values);
-      }
-      break;
-    case MAILBOX_SIGNAL:
-      events_.signal(static_cast<int>(word(FIELD(signal_client))));
-      break;
-    case MAILBOX_LOG:
-    case MAILBOX_DEAD: {
-      const char *text = reinterpret_cast<const char *>(memory_ + MAILBOX_BASE + FIELD(text));
-      if (what == MAILBOX_LOG) {
-        events_.log(std::string(text, strnlen(text, MAILBOX_TEXT)));
-        break;
-      }
-      dead_ = 1;
-      char line[80];
-      std::snprintf(line, sizeof line, "the firmware died: exception %u at 0x%X",
-                    static_cast<unsigned>(word(FIELD(fault))),
-                    static_cast<unsigned>(word(FIELD(fault_pc))));
-      events_.log(line);
-      break;
-    }
-    default:
-      break;
-  }
 }
 
 // --- time and bus ------------------------------------------------------------------------------

@@ -13,37 +13,23 @@
 
 #include "../hosts/iss.h"
 #include "archive.h"
-#include "driver.h"
-#include "machine.h"
+#include "mailbox_host.h"
 #include "vme_bus.h"
 
 namespace mmcs {
 
-class Processor {
+class Processor final : public MailboxHost {
  public:
-  // What the firmware reports. The mirror holds joints, setpoints, states and counts by then.
-  struct Events {
-    std::function<void()> acknowledged;
-    std::function<void(bool sampled)> served;
-    std::function<void(int client)> signal;
-    std::function<void(const std::string &text)> log;
-  };
-
   // library and image are file names. Throws std::runtime_error with one sentence.
   Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std::string &library,
             const std::string &image, int wait_states, Events events);
-  ~Processor();
-  Processor(const Processor &) = delete;
-  Processor &operator=(const Processor &) = delete;
+  ~Processor() override;
 
-  // One request of /dev/mc; time passes until it is answered. `size` words' worth of bytes go in
-  // and out of `data`. -EIO when the firmware is dead or silent for a second.
-  int call(uint32_t what, int client, uint32_t a, void *data, size_t in, size_t out);
-  // A write() that nobody waits for, by a process that runs between two samples.
-  void post_write(int client, const std::vector<int32_t> &values);
+  bool run_until(int64_t clock, const std::function<void()> &idle) override;
+  void save(Writer &a) override { state(a); }
+  void restore(Reader &a) override { state(a); }
 
-  bool run_until(int64_t clock, const std::function<void()> &idle);
-
+ private:
   template <class A>
   void state(A &a) {
     std::vector<uint8_t> core(core_size()), memory(memory_, memory_ + memory_size());
@@ -52,36 +38,28 @@ class Processor {
     a(memory);
     for (auto *n : {&units_, &seen_cycles_}) a(*n);
     a(doorbell_);
-    a(up_);
-    a(dead_);
-    a(pending_);
+    mailbox_state(a);
     if constexpr (A::kReads) put_back(core, memory);
   }
 
- private:
   size_t core_size() const;
   size_t memory_size() const;
   void get_core(uint8_t *bytes);
   void put_back(const std::vector<uint8_t> &core, const std::vector<uint8_t> &memory);
-  uint32_t word(size_t offset) const;
-  void set_word(size_t offset, uint32_t value);
-  void post(uint32_t what, int client, uint32_t a, const void *data, size_t bytes);
-  bool busy() const;
+  uint32_t word(size_t offset) const override;
+  void set_word(size_t offset, uint32_t value) override;
+  uint8_t byte(size_t offset) const override;
+  void ring() override;
   void account();
   void catch_up();
   void meet();
   void set_level();
-  void step(int64_t limit);
-  void mirror();
-  void report(uint32_t what);
+  void step(int64_t limit) override;
   int read(uint32_t address, int size, uint32_t *value);
   int write(uint32_t address, int size, uint32_t value);
   int acknowledge(int level);
 
-  Machine &machine_;
   VmeBus &bus_;
-  struct mc *mirror_;
-  Events events_;
   void *library_ = nullptr;
   struct Functions;
   Functions *f_ = nullptr;
@@ -89,8 +67,7 @@ class Processor {
   uint8_t *memory_ = nullptr;
   int64_t units_ = 0;  // the processor's time: 25 to a clock, 12 to a cycle
   int64_t seen_cycles_ = 0;
-  uint8_t doorbell_ = 0, up_ = 0, dead_ = 0;
-  std::vector<int32_t> pending_;  // client and values of a write that waits for the mailbox
+  uint8_t doorbell_ = 0;
 };
 
 }  // namespace mmcs

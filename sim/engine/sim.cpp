@@ -44,12 +44,19 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
     return "this build of the model has " + std::to_string(mmcs::Model::cards()) +
            " cards, the configuration " + std::to_string(config->cards);
   }
+  if (mmcs::Model::soc() != (config->host == MMCS_HOST_RV32)) {
+    return "the host RV32 and its own build of the model belong together";
+  }
   if (config->axes < 0 || config->axes > 2 * config->cards) return "more motors than axes";
   if (config->axes > 0 && !motors) return "no motors given";
   if (config->links != 0 && !links) return "no links given";
   if (config->host != MMCS_HOST_NATIVE) {
-    if (config->host != MMCS_HOST_M68020) return "this host is not available";
-    if (!config->processor || !config->firmware) return "no processor or no firmware named";
+    if (config->host != MMCS_HOST_M68020 && config->host != MMCS_HOST_RV32) {
+      return "this host is not available";
+    }
+    if (!config->firmware || (config->host == MMCS_HOST_M68020 && !config->processor)) {
+      return "no processor or no firmware named";
+    }
     if (config->wait_states < 0 || config->wait_states > 100) return "impossible wait states";
   }
   for (double us : {config->cpu_us_per_axis, config->latency_max_us, config->bus_timeout_us}) {

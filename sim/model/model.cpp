@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 #include "fields.h"
 #include "verilated.h"
@@ -23,6 +24,9 @@
 #include "Vmmcs___024root.h"
 #include "Vmmcs__Dpi.h"
 #include "upset.h"
+#if MMCS_SOC
+#include "soc_memory.h"
+#endif
 
 void Vmmcs___024root___eval(Vmmcs___024root *);
 void Vmmcs___024root___eval_settle(Vmmcs___024root *);
@@ -32,6 +36,9 @@ namespace {
 
 constexpr int kCards = MMCS_CARDS;
 constexpr int kResetClks = 64;
+#if MMCS_SOC
+constexpr int kCpuClks = MMCS_CPU_CLKS;  // of the processor, in one of the machine
+#endif
 constexpr double kPsPerClk = 1e12 / MMCS_CLK_HZ;
 // svPutUserData wants a key; its address is enough.
 int user_key;
@@ -78,6 +85,32 @@ class ModelImpl final : public Model {
     return static_cast<unsigned>(get_field(top_->card_leds_o, 11 * card, 11));
   }
 
+#if MMCS_SOC
+  void vme_address(unsigned, unsigned, bool, bool, unsigned) override {}
+  void vme_strobe(unsigned, bool) override {}
+  void vme_iackin(bool) override {}
+  void vme_release() override {}
+  unsigned vme_sample() override { return 0x2FFFF; }
+  void soc_run(bool on) override {
+    dirty_ = true;
+    top_->soc_run_i = on;
+  }
+  void soc_ring() override {
+    dirty_ = true;
+    top_->soc_ring_i = !top_->soc_ring_i;
+  }
+  void soc_errors(unsigned accesses) override {
+    dirty_ = true;
+    top_->soc_errors_i = (~top_->soc_errors_i & 0x10000u) | std::min(accesses, 0xFFFFu);
+  }
+  uint32_t soc_read(unsigned word) const override { return soc_word(*top_->rootp, word); }
+  void soc_write(unsigned word, uint32_t value) override { soc_word(*top_->rootp, word) = value; }
+#else
+  void soc_run(bool) override {}
+  void soc_ring() override {}
+  void soc_errors(unsigned) override {}
+  uint32_t soc_read(unsigned) const override { return 0; }
+  void soc_write(unsigned, uint32_t) override {}
   void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data) override {
     enter();
     mmcs_vme_address(address, am, write, lword, data);
@@ -98,6 +131,10 @@ class ModelImpl final : public Model {
     enter();
     return mmcs_vme_sample();
   }
+#endif
+  unsigned report() const override { return report_; }
+  void take_report() override { report_ = 0; }
+  unsigned take_bus_error() override { return std::exchange(bus_error_, 0u); }
 
   uint16_t encoder_register(int axis) override;
   uint64_t digest() override;
@@ -111,6 +148,8 @@ class ModelImpl final : public Model {
     lines_ = lines;
     lines_changed_ = true;
   }
+  void reported(unsigned what) { report_ = what; }
+  void bus_error(unsigned offset) { bus_error_ = offset; }
 
  private:
   void power_on();
@@ -118,6 +157,10 @@ class ModelImpl final : public Model {
   void clock_plain();
   void set_clocks(bool level);
   void rest_clocks_high();
+#if MMCS_SOC
+  // Without gating the processor's clock never rests.
+  bool cpu_awake() const { return !MMCS_GATE || top_->cpu_awake_o; }
+#endif
   void settle_clock();
   // The exported functions act on the instance whose scope is set; a moved hand ends skipping.
   void enter() {
@@ -139,6 +182,8 @@ class ModelImpl final : public Model {
   uint64_t evals_ = 0;
   unsigned lines_ = 0;
   bool lines_changed_ = false;
+  unsigned report_ = 0;
+  unsigned bus_error_ = 0;
   bool dirty_ = true;  // a pin or hand has moved since the last clock
   int single_ = 2;     // clocks that must not be skipped
   const bool two_evals_wanted_;
@@ -156,6 +201,14 @@ class ModelImpl final : public Model {
 // there are none. Together they save two thirds of the time. Only this and upset() touch names
 // internal to Verilator; test_one_eval_equals_two compares it with clock_plain().
 inline void ModelImpl::clock_once() {
+#if MMCS_SOC
+  // The processor's clocks that fall within this one, then the one that falls together with it.
+  for (int n = 1; n < kCpuClks && cpu_awake(); ++n) {
+    top_->rootp->__Vtrigprevexpr___TOP__cpu_clk_i__0 = 0;
+    Vmmcs___024root___eval(top_->rootp);
+  }
+  if (cpu_awake()) top_->rootp->__Vtrigprevexpr___TOP__cpu_clk_i__0 = 0;
+#endif
   top_->rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
 #if MMCS_GATE
   if (dirty_ | top_->adaptor_awake_o) top_->rootp->__Vtrigprevexpr___TOP__clk_adaptor_i__0 = 0;
@@ -170,6 +223,9 @@ void ModelImpl::set_clocks(bool level) {
   top_->clk_adaptor_i = level && (dirty_ || top_->adaptor_awake_o);
   top_->clk_cards_i = level && (dirty_ || top_->cards_awake_o);
 #endif
+#if MMCS_SOC
+  top_->cpu_clk_i = level && cpu_awake();
+#endif
   top_->clk_i = level;
 }
 
@@ -180,6 +236,26 @@ void ModelImpl::clock_plain() {
   const uint64_t rise = static_cast<uint64_t>(t + 0.5);
   const uint64_t fall = static_cast<uint64_t>(t + kPsPerClk / 2 + 0.5);
   context_.time(rise);
+#endif
+#if MMCS_SOC
+  for (int n = 1; n < kCpuClks && cpu_awake(); ++n) {
+    for (int level = 1; level >= 0; --level) {
+#if MMCS_TRACE
+      // between the fall before and this rise
+      const uint64_t at = static_cast<uint64_t>(
+          t - kPsPerClk + kPsPerClk * (2 * n + 1 - level) / (2 * kCpuClks) + 0.5);
+      context_.time(at);
+#endif
+      top_->cpu_clk_i = level;
+      top_->eval();
+#if MMCS_TRACE
+      if (fst_) fst_->dump(at);
+#endif
+    }
+  }
+#if MMCS_TRACE
+  context_.time(rise);
+#endif
 #endif
   set_clocks(1);
   top_->eval();
@@ -225,6 +301,10 @@ void ModelImpl::power_on() {
 // Where clock_once() finds them.
 void ModelImpl::rest_clocks_high() {
   top_->clk_i = 1;
+#if MMCS_SOC
+  top_->cpu_clk_i = 1;
+  top_->rootp->__Vtrigprevexpr___TOP__cpu_clk_i__0 = 1;
+#endif
 #if MMCS_GATE
   top_->clk_adaptor_i = 1;
   top_->clk_cards_i = 1;
@@ -276,6 +356,10 @@ Stop ModelImpl::run(int64_t n, int dtack, int64_t *ran) {
       stop = Stop::kLines;
       break;
     }
+    if (report_ != 0) {
+      stop = Stop::kReport;
+      break;
+    }
     if (top_->vme_dtack_no == wanted) {
       stop = Stop::kDtack;
       break;
@@ -317,6 +401,11 @@ void ModelImpl::set(Pin pin, int index, unsigned value) {
       break;
     case Pin::kIrqLost:
       p.irq_lost_i = value & 1;
+      break;
+    case Pin::kIrqOpen:
+#if MMCS_SOC
+      p.soc_irq_open_i = value & 1;
+#endif
       break;
     case Pin::kEncA:
       put_field(p.enc_a_i, index, 1, value);
@@ -461,6 +550,9 @@ bool Model::skip() {
 bool Model::traced() {
   return MMCS_TRACE;
 }
+bool Model::soc() {
+  return MMCS_SOC;
+}
 
 }  // namespace mmcs
 
@@ -488,3 +580,14 @@ extern "C" void mmcs_lines_changed(unsigned lines) {
   void *self = svGetUserData(svGetScope(), &mmcs::user_key);
   if (self) static_cast<mmcs::ModelImpl *>(self)->lines_changed(lines);
 }
+
+#if MMCS_SOC
+extern "C" void mmcs_soc_reported(unsigned what) {
+  void *self = svGetUserData(svGetScope(), &mmcs::user_key);
+  if (self) static_cast<mmcs::ModelImpl *>(self)->reported(what);
+}
+extern "C" void mmcs_soc_bus_error(unsigned offset) {
+  void *self = svGetUserData(svGetScope(), &mmcs::user_key);
+  if (self) static_cast<mmcs::ModelImpl *>(self)->bus_error(offset);
+}
+#endif

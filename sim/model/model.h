@@ -25,6 +25,7 @@ enum class Pin {
   kCableCut,
   kPcOff,
   kIrqLost,  // 1 bit
+  kIrqOpen,  // 1 bit; the SoC's processor sees no interrupt
   kEncA,
   kEncB,
   kEncI,
@@ -52,7 +53,7 @@ enum class Register {
   kNone
 };
 
-enum class Stop { kDone, kLines, kDtack, kFailed };
+enum class Stop { kDone, kLines, kDtack, kReport, kFailed };
 
 class Model {
  public:
@@ -65,6 +66,7 @@ class Model {
   static int clk_hz();
   static bool skip();
   static bool traced();
+  static bool soc();  // the machine has its own processor, and no VME bus
 
   // Advances up to n clocks. Stops after the clock in which a line changed, or, if dtack is 0 or
   // 1, in which DTACK* has that level. *ran: clocks that passed.
@@ -85,6 +87,18 @@ class Model {
   virtual void vme_iackin(bool low) = 0;
   virtual void vme_release() = 0;
   virtual unsigned vme_sample() = 0;
+
+  // The SoC's processor; see mmcs_soc_sim_top.sv. Memory by words; without a SoC nothing happens.
+  virtual void soc_run(bool on) = 0;
+  virtual void soc_ring() = 0;
+  virtual void soc_errors(unsigned accesses) = 0;
+  virtual uint32_t soc_read(unsigned word) const = 0;
+  virtual void soc_write(unsigned word, uint32_t value) = 0;
+  // What it reported, or 0: run() ends with it, and it waits until the next run().
+  virtual unsigned report() const = 0;
+  virtual void take_report() = 0;
+  // Offset of the last access that failed by soc_errors(), or 0; asking forgets it.
+  virtual unsigned take_bus_error() = 0;
 
   // Registers inside, read without disturbing them.
   virtual uint16_t encoder_register(int axis) = 0;

@@ -17,10 +17,15 @@ void flip(T &value, unsigned bits) {
 }
 
 // clang-format off
-#define MMCS_CORE(name) mmcs_sim_top__DOT__u_mmcs__DOT__u_adaptor__DOT__u_core__DOT__##name
+#if MMCS_SOC
+#define MMCS_MACHINE(name) mmcs_sim_top__DOT__u_soc__DOT__u_mmcs__DOT__##name
+#else
+#define MMCS_MACHINE(name) mmcs_sim_top__DOT__u_mmcs__DOT__##name
+#endif
+#define MMCS_CORE(name) MMCS_MACHINE(u_adaptor__DOT__u_core__DOT__##name)
 #define MMCS_AXIS(card, joint, name) \
-  mmcs_sim_top__DOT__u_mmcs__DOT__g_card__BRA__##card##__KET____DOT__u_card__DOT__##\
-g_axis__BRA__##joint##__KET____DOT__u_axis__DOT__##name
+  MMCS_MACHINE(g_card__BRA__##card##__KET____DOT__u_card__DOT__##\
+g_axis__BRA__##joint##__KET____DOT__u_axis__DOT__##name)
 #define MMCS_UPSET_AXIS(c, j) \
   if (axis == 2 * (c) + (j)) { \
     if (reg == Register::kEncoder) flip(r.MMCS_AXIS(c, j, u_encoder__DOT__count_q), bits); \
@@ -35,7 +40,7 @@ inline void flip_register(Vmmcs___024root &r, Register reg, int axis, unsigned b
   if (reg == Register::kPccsr) flip(r.MMCS_CORE(u_pccsr__DOT__csr_q), bits);
   if (reg == Register::kVector) flip(r.MMCS_CORE(vector_q), bits);
   if (reg == Register::kPccsr || reg == Register::kVector) return;
-  r.mmcs_sim_top__DOT__u_mmcs__DOT__settle_q = 7;  // no card sleeps through it
+  r.MMCS_MACHINE(settle_q) = 7;  // no card sleeps through it
   MMCS_UPSET_CARD(0)
 #if MMCS_CARDS > 1
   MMCS_UPSET_CARD(1)

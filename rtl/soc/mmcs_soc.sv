@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// The machine with its own processor: an RV32 core at the host port of the adaptor, no VMEbus
+// between. docs/soc.md; the machine's ports are those of rtl/mmcs.sv.
+//
+// cpu_clk_i may be clk_i itself, a multiple, or any other clock.
+`default_nettype none
+
+module mmcs_soc #(
+  parameter int NumCards = 3,
+  parameter int ClkHz = 8_000_000,      // of clk_i
+  parameter int RamWords = 32_768,
+  parameter InitFile = "",              // memory at power-on, $readmemh
+  parameter int AdcConvNs = 25_000,
+  parameter int RelayUs = 1_000,
+  parameter int HeartbeatUs = 50_000,
+  parameter bit RandomPowerUp = 1'b0,
+  parameter bit Gate = 1'b0             // see rtl/mmcs.sv; cpu_clk_i may then be withheld, too
+) (
+  input  wire logic                   clk_i,
+  input  wire logic                   cpu_clk_i,
+  input  wire logic                   rst_ni,
+  // Window of a computer above: see soc_host
+  input  wire logic                   run_i,
+  input  wire logic                   box_req_i,
+  input  wire logic                   box_write_i,
+  input  wire logic [           31:2] box_a_i,
+  input  wire logic [           31:0] box_wdata_i,
+  output logic                        box_ack_o,
+  output logic      [           31:0] box_rdata_o,
+  input  wire logic                   ring_i,
+  output logic                        report_valid_o,
+  output logic      [            7:0] report_o,
+  input  wire logic                   report_take_i,
+  // Safety
+  input  wire logic                   sysreset_ni,
+  input  wire logic                   estop_closed_i,
+  input  wire logic                   cable_ok_i,
+  input  wire logic                   pc_power_i,
+  output logic                        brake_release_o,
+  output logic                        panic_o,
+  output logic                        sclock_o,
+  output logic                        led_irq_o,
+  // Joints
+  input  wire logic [ 2*NumCards-1:0] enc_a_i,
+  input  wire logic [ 2*NumCards-1:0] enc_b_i,
+  input  wire logic [ 2*NumCards-1:0] enc_i_i,
+  input  wire logic [ 2*NumCards-1:0] axis_enable_i,
+  input  wire logic [32*NumCards-1:0] adc_v_i,
+  output logic      [32*NumCards-1:0] drive_v_o,
+  output logic      [11*NumCards-1:0] card_leds_o,
+  // Faults; all 0 in health
+  input  wire logic                   bus_error_i,        // accesses to the adaptor fail
+  output logic                        bus_error_taken_o,  // one clock: this one did
+  input  wire logic                   irq_open_i,         // interrupts do not reach the core
+  input  wire logic [   NumCards-1:0] card_absent_i,
+  input  wire logic [ 4*NumCards-1:0] dip_xor_i,
+  input  wire logic [   NumCards-1:0] sclock_open_i,
+  input  wire logic [   NumCards-1:0] panic_open_i,
+  input  wire logic [24*NumCards-1:0] dac_stuck1_i,
+  input  wire logic [24*NumCards-1:0] dac_stuck0_i,
+  input  wire logic [ 2*NumCards-1:0] adc_stuck_i,
+  input  wire logic                   irq_lost_i,
+  // Gating; left open and ignored if Gate = 0
+  input  wire logic                   clk_adaptor_i,
+  input  wire logic                   clk_cards_i,
+  output logic                        adaptor_awake_o,
+  output logic                        cards_awake_o,
+  output logic                        cpu_awake_o
+);
+
+  logic clk_adaptor;
+  assign clk_adaptor = Gate ? clk_adaptor_i : clk_i;
+
+  logic hp_req, hp_write, hp_ack;
+  logic [10:1] hp_a;
+  logic [7:0] hp_wdata, hp_rdata;
+  logic machine_awake, host_awake;
+
+  soc_host #(
+    .ClkHz(ClkHz),
+    .RamWords(RamWords),
+    .InitFile(InitFile),
+    .TimeoutClks(16 * (ClkHz / 1_000_000))
+  ) u_host (
+    .clk_i(clk_adaptor),
+    .clk_free_i(clk_i),
+    .cpu_clk_i, .rst_ni, .run_i,
+    .box_req_i, .box_write_i, .box_a_i, .box_wdata_i, .box_ack_o, .box_rdata_o,
+    .ring_i, .report_valid_o, .report_o, .report_take_i,
+    .irq_i(led_irq_o && !irq_open_i),
+    .hp_req_o(hp_req),
+    .hp_write_o(hp_write),
+    .hp_a_o(hp_a),
+    .hp_wdata_o(hp_wdata),
+    .hp_ack_i(hp_ack),
+    .hp_rdata_i(hp_rdata),
+    .fault_i(bus_error_i),
+    .fault_taken_o(bus_error_taken_o),
+    .awake_o(host_awake),
+    .cpu_awake_o
+  );
+
+  assign adaptor_awake_o = machine_awake || host_awake;
+
+  /* verilator lint_off PINCONNECTEMPTY */  // no VME, no expansion card, no skipping
+  mmcs #(
+    .NumCards(NumCards),
+    .ClkHz(ClkHz),
+    .AdcConvNs(AdcConvNs),
+    .RelayUs(RelayUs),
+    .HeartbeatUs(HeartbeatUs),
+    .RandomPowerUp(RandomPowerUp),
+    .HostPort(1'b1),
+    .Gate(Gate)
+  ) u_mmcs (
+    .clk_i, .rst_ni,
+    .vme_a_i('0),
+    .vme_am_i('0),
+    .vme_as_ni(1'b1),
+    .vme_ds_ni(2'b11),
+    .vme_write_ni(1'b1),
+    .vme_lword_ni(1'b1),
+    .vme_d_i('1),
+    .vme_d_o(),
+    .vme_d_oe_o(),
+    .vme_dtack_no(),
+    .vme_iack_ni(1'b1),
+    .vme_iackin_ni(1'b1),
+    .vme_iackout_no(),
+    .vme_irq_no(),
+    .vme_sysreset_ni(sysreset_ni),
+    .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .panic_o, .sclock_o, .led_irq_o,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .adc_v_i, .drive_v_o, .card_leds_o,
+    .pcx_a_o(),
+    .pcx_d_o(),
+    .pcx_ior_no(),
+    .pcx_iow_no(),
+    .pcx_aen_o(),
+    .pcx_clk_en_o(),
+    .pcx_reset_drv_o(),
+    .pcx_drq_o(),
+    .pcx_d_i('0),
+    .pcx_d_oe_i(1'b0),
+    .pcx_wait_i(1'b0),
+    .pcx_irq_i('0),
+    .card_absent_i, .dip_xor_i, .sclock_open_i, .panic_open_i,
+    .dac_stuck1_i, .dac_stuck0_i, .adc_stuck_i, .irq_lost_i,
+    .hp_req_i(hp_req),
+    .hp_write_i(hp_write),
+    .hp_a_i(hp_a),
+    .hp_wdata_i(hp_wdata),
+    .hp_ack_o(hp_ack),
+    .hp_rdata_o(hp_rdata),
+    .clk_adaptor_i, .clk_cards_i,
+    .adaptor_awake_o(machine_awake),
+    .cards_awake_o,
+    .skip_extra_i('0),
+    .skip_horizon_o()
+  );
+  /* verilator lint_on PINCONNECTEMPTY */
+
+endmodule
+
+`default_nettype wire

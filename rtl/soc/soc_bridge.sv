@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the processor's data port to the adaptor's host port. §4.3 (the host side), in the way of a
+// memory-mapped processor.
+//
+// One load or store is one access at the host port, never more and never fewer: reads have side
+// effects there. Each register has a word of its own, as a processor that reads whole words cannot
+// tell two bytes of one apart. An access that the adaptor does not answer in time ends in an error;
+// its request stays at the host port, as that port demands, and the next ones wait for its end
+// within their own time.
+`default_nettype none
+`include "mmcs_assert.svh"
+
+module soc_bridge #(
+  parameter int TimeoutClks = 128      // of far_clk_i
+) (
+  // Processor's clock
+  input  wire logic        clk_i,
+  input  wire logic        rst_ni,
+  input  wire logic        start_i,    // one clock; only while busy_o is 0
+  input  wire logic        clock_i,    // it reads us_i instead of a register
+  input  wire logic        write_i,
+  input  wire logic [10:1] a_i,
+  input  wire logic [ 7:0] wdata_i,
+  output logic             busy_o,
+  output logic             done_o,     // one clock, with rdata_o and err_o
+  output logic      [31:0] rdata_o,
+  output logic             err_o,
+  output logic             awake_o,
+  // Adaptor's clock
+  input  wire logic        far_clk_i,
+  input  wire logic        far_rst_ni,
+  input  wire logic [31:0] us_i,       // free-running microseconds
+  output logic             hp_req_o,
+  output logic             hp_write_o,
+  output logic      [10:1] hp_a_o,
+  output logic      [ 7:0] hp_wdata_o,
+  input  wire logic        hp_ack_i,
+  input  wire logic [ 7:0] hp_rdata_i,
+  input  wire logic        fault_i,    // accesses end in an error and reach nothing
+  output logic             fault_taken_o, // one clock: this one did
+  output logic             far_awake_o
+);
+
+  localparam int TimerWidth = $clog2(TimeoutClks + 1);
+
+  typedef enum logic [1:0] {
+    StIdle,
+    StAccess,   // the host port works, the processor waits
+    StLate      // the host port works, the processor has its error
+  } state_e;
+
+  // --- processor's side -------------------------------------------------------------------
+
+  logic clock_q, write_q;
+  logic [10:1] a_q;
+  logic [ 7:0] wdata_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      clock_q <= 1'b0;
+      write_q <= 1'b0;
+      a_q     <= '0;
+      wdata_q <= '0;
+    end else if (start_i) begin
+      clock_q <= clock_i;
+      write_q <= write_i;
+      a_q     <= a_i;
+      wdata_q <= wdata_i;
+    end
+  end
+
+  logic far_req, finish, cross_far_awake;
+
+  soc_cross u_cross (
+    .clk_i, .rst_ni, .start_i, .busy_o, .done_o, .awake_o,
+    .far_clk_i, .far_rst_ni,
+    .far_req_o(far_req),
+    .far_finish_i(finish),
+    .far_awake_o(cross_far_awake)
+  );
+
+  // --- adaptor's side ---------------------------------------------------------------------
+
+  state_e state_q;
+  logic [TimerWidth-1:0] timer_q;
+  logic [31:0] answer_q;
+  logic err_q;
+  logic expired;
+
+  assign expired = (timer_q == TimerWidth'(TimeoutClks));
+  // A request is refused at once, timed out, answered at the host port, or is for the clock.
+  always_comb begin
+    finish = 1'b0;
+    if (far_req) begin
+      case (state_q)
+        StIdle: finish = fault_i || clock_q;
+        StAccess: finish = hp_ack_i || expired;
+        default: finish = clock_q || expired;
+      endcase
+    end
+  end
+  assign fault_taken_o = far_req && fault_i && !clock_q && (state_q == StIdle);
+
+  always_ff @(posedge far_clk_i or negedge far_rst_ni) begin
+    if (!far_rst_ni) begin
+      state_q    <= StIdle;
+      timer_q    <= '0;
+      answer_q   <= '0;
+      err_q      <= 1'b0;
+      hp_req_o   <= 1'b0;
+      hp_write_o <= 1'b0;
+      hp_a_o     <= '0;
+      hp_wdata_o <= '0;
+    end else begin
+      if (!far_req || finish) timer_q <= '0;
+      else if (!expired) timer_q <= timer_q + 1'b1;
+
+      if (finish) begin
+        answer_q <= clock_q ? us_i : {24'd0, hp_rdata_i};
+        err_q    <= !clock_q && !(state_q == StAccess && hp_ack_i);
+      end
+
+      if (hp_req_o && hp_ack_i) begin
+        hp_req_o <= 1'b0;
+        state_q  <= StIdle;
+      end else if (state_q == StIdle && far_req && !finish) begin
+        hp_req_o   <= 1'b1;
+        hp_write_o <= write_q;
+        hp_a_o     <= a_q;
+        hp_wdata_o <= wdata_q;
+        state_q    <= StAccess;
+      end else if (state_q == StAccess && finish) begin
+        state_q <= StLate;
+      end
+    end
+  end
+
+  assign rdata_o = answer_q;
+  assign err_o = err_q;
+  assign far_awake_o = cross_far_awake || state_q != StIdle || timer_q != '0;
+
+endmodule
+
+`default_nettype wire

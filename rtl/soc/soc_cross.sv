@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hands one request at a time from one clock to another and its answer back.
+//
+// Each side flips a flip-flop that the other side sees two of its own clocks later, so that the
+// clocks may be the same, multiples, or strangers. The giver holds what belongs to the request from
+// start_i until done_o, the taker what belongs to the answer from finish_i until the next request.
+`default_nettype none
+`include "mmcs_assert.svh"
+
+module soc_cross (
+  // The side that asks
+  input  wire logic clk_i,
+  input  wire logic rst_ni,
+  input  wire logic start_i,      // one clock; only while busy_o is 0
+  output logic      busy_o,       // from the clock after start_i to that of done_o
+  output logic      done_o,       // one clock: the answer stands
+  output logic      awake_o,      // the flip-flops of this side will change
+  // The side that serves
+  input  wire logic far_clk_i,
+  input  wire logic far_rst_ni,
+  output logic      far_req_o,    // a request waits, until the clock after finish
+  input  wire logic far_finish_i, // one clock
+  output logic      far_awake_o
+);
+
+  logic ask_q, answer_q;        // each side's own flip-flop; equal: nothing is under way
+  logic [1:0] answer_sync_q, ask_sync_q;
+  logic busy_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      ask_q         <= 1'b0;
+      busy_q        <= 1'b0;
+      answer_sync_q <= '0;
+    end else begin
+      answer_sync_q <= {answer_sync_q[0], answer_q};
+      if (start_i) begin
+        ask_q  <= ~ask_q;
+        busy_q <= 1'b1;
+      end else if (done_o) begin
+        busy_q <= 1'b0;
+      end
+    end
+  end
+
+  assign busy_o = busy_q;
+  assign done_o = busy_q && (answer_sync_q[1] == ask_q);
+  assign awake_o = (answer_sync_q != {2{answer_q}}) || done_o;
+
+  always_ff @(posedge far_clk_i or negedge far_rst_ni) begin
+    if (!far_rst_ni) begin
+      answer_q   <= 1'b0;
+      ask_sync_q <= '0;
+    end else begin
+      ask_sync_q <= {ask_sync_q[0], ask_q};
+      if (far_finish_i) answer_q <= ask_sync_q[1];
+    end
+  end
+
+  assign far_req_o = (ask_sync_q[1] != answer_q);
+  assign far_awake_o = (ask_sync_q != {2{ask_q}}) || far_req_o;
+
+  `MMCS_ASSERT(OneAtATime, !(start_i && busy_q), "a request starts only when the last is answered")
+
+endmodule
+
+`default_nettype wire
