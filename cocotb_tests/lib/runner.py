@@ -97,7 +97,9 @@ class _Runner:
     """What both simulators share: output to a file, an end to hanging."""
 
     def _execute_cmds(self, cmds, cwd, stdout=None):
-        for cmd in cmds:
+        for place, cmd in enumerate(cmds):
+            if place:
+                self._between()
             done = subprocess.run(
                 cmd,
                 cwd=cwd,
@@ -110,6 +112,9 @@ class _Runner:
             if done.returncode:
                 raise RuntimeError(f"{Path(cmd[0]).name} ended with {done.returncode}")
 
+    def _between(self):
+        """What is to be done after the first command, before the next."""
+
 
 class _Icarus(_Runner, Icarus):
     pass
@@ -117,6 +122,9 @@ class _Icarus(_Runner, Icarus):
 
 class _Verilator(_Runner, Verilator):
     optimise = OPTIMISE
+
+    def _between(self):
+        _lend_objects(Path(self.build_dir), self.optimise is COUNTING)
 
     def _build_command(self):
         verilate, make = super()._build_command()
@@ -155,7 +163,8 @@ def _locked(path: Path):
 def _lend_objects(folder: Path, coverage: bool) -> None:
     """Verilator's run-time library is the same in every build: compile it once.
 
-    Not so the main program, verilator.o: it knows the size of the design's class.
+    Not so the main program, verilator.o: it knows the size of the design's class. To make, they
+    must look newer than the Makefile that Verilator has just written.
     """
     store = build_root() / ("objects-coverage" if coverage else "objects")
     for name in SHARED:
@@ -207,8 +216,6 @@ def build(job: Job):
         if not (folder / "built").is_file():
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True)
-            if job.sim == "verilator":
-                _lend_objects(folder, job.coverage)
             try:
                 runner.build(
                     sources=files,
