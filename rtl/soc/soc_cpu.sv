@@ -28,16 +28,19 @@ module soc_cpu (
   output logic             sleep_o         // in WFI, nothing is under way
 );
 
-  /* verilator lint_off PINCONNECTEMPTY */  // no debugger, no integrity codes, no alerts
-  ibex_top #(
+  logic [4:0] rf_raddr_a, rf_raddr_b, rf_waddr;
+  logic rf_we;
+  logic [31:0] rf_wdata, rf_rdata_a, rf_rdata_b;
+  logic irq_pending, busy_q;
+  ibex_pkg::ibex_mubi_t busy;
+
+  /* verilator lint_off PINCONNECTEMPTY */  // no debugger, no cache, no integrity codes, no alerts
+  ibex_core #(
     .RV32M(ibex_pkg::RV32MSingleCycle),
-    .RegFile(ibex_pkg::RegFileFPGA),
     .BranchTargetALU(1'b1)
-  ) u_ibex (
+  ) u_ibex_core (  // the name that Ibex knows itself by
     .clk_i,
     .rst_ni,
-    .test_en_i(1'b0),
-    .ram_cfg_i('0),
     .hart_id_i('0),
     .boot_addr_i('0),
     .instr_req_o,
@@ -45,7 +48,6 @@ module soc_cpu (
     .instr_rvalid_i,
     .instr_addr_o,
     .instr_rdata_i,
-    .instr_rdata_intg_i('0),
     .instr_err_i,
     .data_req_o,
     .data_gnt_i,
@@ -54,19 +56,35 @@ module soc_cpu (
     .data_be_o,
     .data_addr_o,
     .data_wdata_o,
-    .data_wdata_intg_o(),
     .data_rdata_i,
-    .data_rdata_intg_i('0),
     .data_err_i,
+    .dummy_instr_id_o(),
+    .dummy_instr_wb_o(),
+    .rf_raddr_a_o(rf_raddr_a),
+    .rf_raddr_b_o(rf_raddr_b),
+    .rf_waddr_wb_o(rf_waddr),
+    .rf_we_wb_o(rf_we),
+    .rf_wdata_wb_ecc_o(rf_wdata),
+    .rf_rdata_a_ecc_i(rf_rdata_a),
+    .rf_rdata_b_ecc_i(rf_rdata_b),
+    .ic_tag_req_o(),
+    .ic_tag_write_o(),
+    .ic_tag_addr_o(),
+    .ic_tag_wdata_o(),
+    .ic_tag_rdata_i('{default: '0}),
+    .ic_data_req_o(),
+    .ic_data_write_o(),
+    .ic_data_addr_o(),
+    .ic_data_wdata_o(),
+    .ic_data_rdata_i('{default: '0}),
+    .ic_scr_key_valid_i(1'b0),
+    .ic_scr_key_req_o(),
     .irq_software_i,
     .irq_timer_i(1'b0),
     .irq_external_i,
     .irq_fast_i('0),
     .irq_nm_i(1'b0),
-    .scramble_key_valid_i(1'b0),
-    .scramble_key_i('0),
-    .scramble_nonce_i('0),
-    .scramble_req_o(),
+    .irq_pending_o(irq_pending),
     .debug_req_i(1'b0),
     .crash_dump_o(),
     .double_fault_seen_o(),
@@ -74,10 +92,34 @@ module soc_cpu (
     .alert_minor_o(),
     .alert_major_internal_o(),
     .alert_major_bus_o(),
-    .core_sleep_o(sleep_o),
-    .scan_rst_ni(1'b1)
+    .core_busy_o(busy)
+  );
+
+  ibex_register_file_fpga u_registers (
+    .clk_i,
+    .rst_ni,
+    .test_en_i(1'b0),
+    .dummy_instr_id_i(1'b0),
+    .dummy_instr_wb_i(1'b0),
+    .raddr_a_i(rf_raddr_a),
+    .rdata_a_o(rf_rdata_a),
+    .raddr_b_i(rf_raddr_b),
+    .rdata_b_o(rf_rdata_b),
+    .waddr_a_i(rf_waddr),
+    .wdata_a_i(rf_wdata),
+    .we_a_i(rf_we),
+    .err_o()
   );
   /* verilator lint_on PINCONNECTEMPTY */
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) busy_q <= 1'b0;
+    else busy_q <= busy[0];
+  end
+  assign sleep_o = !busy_q && !irq_pending;
+
+  logic unused;
+  assign unused = ^busy[3:1];
 
 endmodule
 
