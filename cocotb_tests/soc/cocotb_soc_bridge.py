@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The SoC's way to the registers: one access for each load or store, whatever the clocks. §4.3"""
+
+import os
+import random
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, VECTOR
+
+TOPLEVEL = "bench_bridge"
+SOURCES = ["../../rtl/soc/soc_cross.sv", "../../rtl/soc/soc_bridge.sv", "bench_bridge.sv"]
+PIT0, PIT1, PIT_CONTROL = 0x401, 0x403, 0x407
+CARD = 0x003
+MACHINE_NS = 126
+# the processor's clock: the machine's own, six times as fast, unrelated
+CLOCKS = {"same": 126, "six": 21, "strange": 17}
+TIMEOUT_CLKS = 128
+
+
+class Bridge:
+    """One access after the other, as a processor makes them."""
+
+    def __init__(self, dut, cpu_ns):
+        self.dut, self.cpu_ns = dut, cpu_ns
+        self.reads = self.writes = 0
+
+    async def start(self):
+        dut = self.dut
+        for name in ("start_i", "clock_i", "write_i", "a_i", "wdata_i", "us_i", "fault_i",
+                     "deaf_i"):  # fmt: skip
+            getattr(dut, name).value = 0
+        dut.pc_d_i.value = 0xFF
+        dut.rst_ni.value = 0
+        cocotb.start_soon(Clock(dut.clk_i, MACHINE_NS, unit="ns").start())
+        cocotb.start_soon(Clock(dut.cpu_clk_i, self.cpu_ns, unit="ns").start())
+        await Timer(5 * MACHINE_NS, "ns")
+        await FallingEdge(dut.clk_i)
+        dut.rst_ni.value = 1
+        await Timer(5 * MACHINE_NS, "ns")
+
+    async def access(self, offset, value=None, clock=False):
+        """(data, error) of one access; asserts that it is answered once."""
+        dut = self.dut
+        await FallingEdge(dut.cpu_clk_i)
+        assert not int(dut.busy_o.value) and not int(dut.done_o.value)
+        dut.start_i.value = 1
+        dut.clock_i.value = int(clock)
+        dut.write_i.value = int(value is not None)
+        dut.a_i.value = offset >> 1
+        dut.wdata_i.value = value or 0
+        await RisingEdge(dut.cpu_clk_i)
+        await FallingEdge(dut.cpu_clk_i)
+        dut.start_i.value = 0
+        # what the processor's bus shows afterwards is of no account
+        dut.write_i.value = random.randint(0, 1)
+        dut.a_i.value = random.getrandbits(10)
+        dut.wdata_i.value = random.getrandbits(8)
+        dut.clock_i.value = random.randint(0, 1)
+        self.waited = 0
+        while not int(dut.done_o.value):
+            await FallingEdge(dut.cpu_clk_i)
+            self.waited += 1
+            assert self.waited < 5000, "no answer"
+        answer = int(dut.rdata_o.value), int(dut.err_o.value)
+        await FallingEdge(dut.cpu_clk_i)
+        assert not int(dut.done_o.value), "one clock of answer"
+        return answer
+
+    async def rd(self, offset):
+        data, error = await self.access(offset)
+        assert not error and data < 256
+        self.reads += 1
+        self.counted()
+        assert int(self.dut.last_a_o.value) == offset >> 1
+        return data
+
+    async def wr(self, offset, value):
+        assert not (await self.access(offset, value))[1]
+        self.writes += 1
+        self.counted()
+        assert int(self.dut.last_a_o.value) == offset >> 1
+
+    def counted(self):
+        """Each access has reached the adaptor exactly once."""
+        assert int(self.dut.reads_o.value) == self.reads
+        assert int(self.dut.writes_o.value) == self.writes
+
+
+async def bridge(dut, clock) -> Bridge:
+    random.seed(int(os.environ.get("COCOTB_RANDOM_SEED", "1989")))
+    tb = Bridge(dut, CLOCKS[clock])
+    await tb.start()
+    return tb
+
+
+@cocotb.test()
+@cocotb.parametrize(clock=list(CLOCKS))
+@req("SOC-1")
+async def each_register_is_reached_once(dut, clock):
+    """Vector and PCCSR keep what is written; a hole and an absent card read 0xFF, once each."""
+    tb = await bridge(dut, clock)
+    for value in (0x00, 0x55, 0xAA, 0xC3):
+        await tb.wr(VECTOR, value)
+        assert int(dut.vector_o.value) == value
+    await tb.wr(PCCSR, BASE)
+    assert await tb.rd(PCCSR) == BASE
+    for _ in range(40):
+        offset = random.choice((0x411, 0x443, CARD, 0x0C1)) | 1
+        assert await tb.rd(offset) == 0xFF
+    dut.pc_d_i.value = 0x3C
+    assert await tb.rd(CARD) == 0x3C
+
+
+@cocotb.test()
+@cocotb.parametrize(clock=list(CLOCKS))
+@req("SOC-1", "SOC-2")
+async def byte_toggle_of_the_timers(dut, clock):
+    """Reads of a count alternate between its bytes: one too many or too few would swap them."""
+    tb = await bridge(dut, clock)
+    await tb.wr(PIT_CONTROL, 0x34)
+    await tb.wr(PIT0, 0x00)
+    await tb.wr(PIT0, 0x10)
+    await tb.wr(PIT_CONTROL, 0x74)
+    await tb.wr(PIT1, 0xFF)
+    await tb.wr(PIT1, 0xFF)
+    before = 0x1001
+    for n in range(20):
+        await tb.wr(PIT_CONTROL, 0x00)  # latch counter 0
+        if n % 3 == 0:
+            await tb.rd(PCCSR)  # another register in between does not matter
+        low = await tb.rd(PIT0)
+        if n % 3 == 1:
+            await tb.rd(VECTOR)
+        count = low | await tb.rd(PIT0) << 8
+        assert 0 < count < before, "bytes are in order"
+        before = count
+
+
+@cocotb.test()
+@cocotb.parametrize(clock=list(CLOCKS))
+@req("SOC-1", "SOC-3")
+async def sclock_interrupts(dut, clock):
+    """Timers by the bridge alone: the request comes, stands, and goes with the latch."""
+    tb = await bridge(dut, clock)
+    await tb.wr(PIT_CONTROL, 0x34)
+    await tb.wr(PIT0, 0x08)
+    await tb.wr(PIT0, 0x00)
+    await tb.wr(PIT_CONTROL, 0x76)
+    await tb.wr(PIT1, 0x08)
+    await tb.wr(PIT1, 0x00)
+    await tb.wr(PCCSR, BASE | ARMED | 0x20)
+    for _ in range(3):
+        for _ in range(200):
+            await RisingEdge(dut.clk_i)
+            if int(dut.irq_o.value):
+                break
+        assert int(dut.irq_o.value)
+        assert await tb.rd(PCCSR) & 0x20
+        await tb.wr(PCCSR, BASE)
+        assert not int(dut.irq_o.value)
+        await tb.wr(PCCSR, BASE | ARMED | 0x20)
+
+
+@cocotb.test()
+@cocotb.parametrize(clock=list(CLOCKS))
+@req("SOC-2")
+async def a_silent_adaptor_times_out(dut, clock):
+    """Error after the time, no hang; the request that was left is finished, once, and forgotten."""
+    tb = await bridge(dut, clock)
+    await tb.wr(VECTOR, 0x40)
+    dut.deaf_i.value = 1
+    await Timer(2 * MACHINE_NS, "ns")
+    for _ in range(2):
+        _, error = await tb.access(VECTOR, 0x77)
+        assert error
+        waited_ns = tb.waited * tb.cpu_ns
+        assert TIMEOUT_CLKS * MACHINE_NS <= waited_ns <= (TIMEOUT_CLKS + 12) * MACHINE_NS
+        tb.counted()
+    dut.deaf_i.value = 0
+    await Timer(40 * MACHINE_NS, "ns")
+    tb.writes += 1  # the first one; the second never reached the host port
+    tb.counted()
+    assert int(dut.vector_o.value) == 0x77
+    assert await tb.rd(PCCSR) == 0
+    await tb.wr(VECTOR, 0x41)
+    assert int(dut.vector_o.value) == 0x41
+
+
+@cocotb.test()
+@req("SOC-2")
+async def a_fault_ends_in_an_error(dut):
+    """An injected bus error reaches no register."""
+    tb = await bridge(dut, "six")
+    dut.fault_i.value = 1
+    await Timer(2 * MACHINE_NS, "ns")
+    assert (await tb.access(VECTOR, 0x12))[1] and (await tb.access(VECTOR))[1]
+    tb.counted()
+    dut.fault_i.value = 0
+    await Timer(2 * MACHINE_NS, "ns")
+    assert await tb.rd(PCCSR) == 0
+    assert int(dut.vector_o.value) == 0x0F
+
+
+@cocotb.test()
+@cocotb.parametrize(clock=list(CLOCKS))
+@req("SOC-2")
+async def microseconds_are_read_whole(dut, clock):
+    tb = await bridge(dut, clock)
+    for value in (0x0000FFFF, 0x00010000, 0xFFFFFFFF, 0x12345678):
+        dut.us_i.value = value
+        assert await tb.access(PCCSR, clock=True) == (value, 0)
+    tb.counted()
