@@ -42,8 +42,9 @@ def test_bounce_of_1989(bench):
     for axis, codes in enumerate(raised):
         assert set(codes) == {axis << 8 | mcdef.MERR_PLO, axis << 8 | mcdef.MERR_PHI}
         assert all(one != next_ for one, next_ in itertools.pairwise(codes))
-    # one signal for each sample with an event; both axes may share it
-    assert handled - 0.1 * handled <= notes.count("signal") <= handled
+    # one signal for each sample with an event; both axes may share it, and one that comes between
+    # the handler's read() and MCLEARERROR signals a second time
+    assert 0.9 * handled <= notes.count("signal") <= 1.05 * handled
     # statistics: an interrupt every millisecond, but for the start at 2 ms
     stats = bench.sim.stats()
     assert interrupts <= stats["interrupts"] <= 1e3 * bench.sim.time
