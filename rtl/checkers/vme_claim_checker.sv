@@ -34,6 +34,8 @@ module vme_claim_checker #(
   logic ack_q;            // an acknowledge of our level
   logic asked_q;          // we were asking when IACKIN* fell, with our level on the bus
   logic [2:0] reset_q;    // clocks of SYSRESET*, saturating
+  logic [2:0] up_q;       // the last clocks were without it
+  logic calm_q;           // no SYSRESET* since before IACKIN* fell
 
   logic unused;
   assign unused = ^{vme_a_i[10:4], vme_ds_ni[1]};
@@ -52,6 +54,8 @@ module vme_claim_checker #(
       ack_q        <= 1'b0;
       asked_q      <= 1'b0;
       reset_q      <= '0;
+      up_q         <= '1;
+      calm_q       <= 1'b0;
       broken_o     <= '0;
     end else begin
       ours_q       <= data_cycle || ack_cycle;
@@ -62,6 +66,9 @@ module vme_claim_checker #(
       if (!vme_iackin_ni && !iackin_q) asked_q <= level && !vme_irq_no[IrqLevel];
       if (vme_sysreset_ni) reset_q <= '0;
       else if (reset_q != '1) reset_q <= reset_q + 1'b1;
+      up_q <= {up_q[1:0], vme_sysreset_ni};
+      if (!vme_sysreset_ni) calm_q <= 1'b0;
+      else if (!vme_iackin_ni && !iackin_q) calm_q <= &up_q;
       broken_o <= broken_o | bad;
     end
   end
@@ -78,7 +85,8 @@ module vme_claim_checker #(
              "an acknowledge is answered only if we asked when IACKIN* fell")
   `MMCS_RULE(3, PassInChain, vme_iackout_no || !(vme_iackin_ni || vme_as_ni),
              "IACKOUT* is low only while IACKIN* and AS* are")
-  `MMCS_RULE(4, PassOthers, vme_iackout_no || !(asked_q && iackin_q && level && reset_q == '0),
+  `MMCS_RULE(4, PassOthers,
+             vme_iackout_no || !(asked_q && iackin_q && level && calm_q && vme_sysreset_ni),
              "an acknowledge that is ours is not passed on")
   `MMCS_RULE(5, OneLine, (vme_irq_no | (7'd1 << (IrqLevel - 1))) == 7'h7F,
              "no request line but the jumpered one is pulled")

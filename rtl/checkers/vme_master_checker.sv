@@ -74,11 +74,12 @@ module vme_master_checker #(
   logic open;   // a data transfer under way and not yet answered
   assign open = strobed && strobed_q && vme_dtack_no && !dtack_q;
 
-  `MMCS_RULE(0, AddressFirst, !(open && vme_as_ni && !as_q),
-             "a data strobe falls in an address cycle: AS* first")
-  `MMCS_RULE(1, AddressHeld, !(open && !vme_as_ni && as_q) || cycle == cycle_q,
+  `MMCS_RULE(0, AddressFirst, !(open && vme_as_ni),
+             "a data strobe falls in an address cycle, and AS* stands until DTACK*")
+  `MMCS_RULE(1, AddressHeld, !open || cycle == cycle_q,
              "address, modifier, LWORD* and IACK* stand until DTACK*")
-  `MMCS_RULE(2, WriteHeld, !open || vme_write_ni == write_q, "WRITE* stands until DTACK*")
+  `MMCS_RULE(2, WriteHeld, !(strobed && strobed_q) || vme_write_ni == write_q,
+             "WRITE* stands while a data strobe is low")
   `MMCS_RULE(3, DataHeld, !(open && !vme_write_ni && !write_q) || vme_d_i == d_q,
              "write data stands until DTACK*")
   `MMCS_RULE(4, StrobeHeld,
@@ -90,7 +91,7 @@ module vme_master_checker #(
   `MMCS_RULE(6, OneSize, !(open && strobed2_q) || vme_ds_ni == ds_q,
              "the two data strobes fall together")
   `MMCS_RULE(7, ChainInCycle,
-             !(!vme_iackin_ni && chain_q && (vme_iack_ni || vme_as_ni) && (cycle_q[0] || !as_q)),
+             !(!vme_iackin_ni && (vme_iack_ni || vme_as_ni) && (!chain_q || cycle_q[0] || !as_q)),
              "IACKIN* is low only in an acknowledge cycle")
 
 `ifndef FORMAL
