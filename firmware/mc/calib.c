@@ -9,6 +9,7 @@
 void calib_start(struct mc *mc, int axis) {
   int card = axis / 2;
   if (mc->axis[axis].calib) return;
+  mc->calibrates = 1;
   mc->axis[axis].calib = 1;
   mc->card[card].rearm = 1;
   power_apply_modes(mc); /* index latches clear, SCLOCK off */
@@ -31,12 +32,18 @@ static void rearm(struct mc *mc, int card) {
 
 void calib_serve(struct mc *mc, const struct mc_sample *s) {
   int found = 0;
+  if (!mc->calibrates) return;
+  mc->calibrates = 0;
   for (int axis = 0; axis < mc->axes; axis++) {
     if (!s->indexed[axis]) continue;
     error_raise_index(mc, axis, s->index[axis]);
     calib_leave(mc, axis);
     found = 1;
   }
-  for (int card = 0; card < mc->cards; card++) rearm(mc, card);
+  for (int card = 0; card < mc->cards; card++) {
+    rearm(mc, card);
+    const struct mc_axis *x = &mc->axis[2 * card];
+    if (mc->card[card].rearm || x[0].calib || x[1].calib) mc->calibrates = 1;
+  }
   if (found) error_signal(mc);
 }

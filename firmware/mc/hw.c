@@ -3,12 +3,10 @@
 #include "mc_priv.h"
 
 uint8_t hw_get(struct mc *mc, uint16_t offset) {
-  uint8_t value = 0xFF;
-  if (mc->bus.read8(mc->bus.ctx, offset, &value) != MC_BUS_OK) {
-    mc->fault = 1;
-    return 0xFF;
-  }
-  return value;
+  uint8_t value;
+  if (mc->bus.read8(mc->bus.ctx, offset, &value) == MC_BUS_OK) return value;
+  mc->fault = 1;
+  return 0xFF;
 }
 
 void hw_put(struct mc *mc, uint16_t offset, uint8_t value) {
@@ -16,11 +14,30 @@ void hw_put(struct mc *mc, uint16_t offset, uint8_t value) {
 }
 
 uint8_t hw_card_get(struct mc *mc, int card, unsigned reg) {
-  return hw_get(mc, MMCS_CARD_OFFSET(mc->card[card].dip, reg));
+  return hw_get(mc, (uint16_t)(mc->card[card].base + 2 * reg));
 }
 
 void hw_card_put(struct mc *mc, int card, unsigned reg, uint8_t value) {
-  hw_put(mc, MMCS_CARD_OFFSET(mc->card[card].dip, reg), value);
+  hw_put(mc, (uint16_t)(mc->card[card].base + 2 * reg), value);
+}
+
+void hw_card_get_list(struct mc *mc, int card, const uint8_t *step, uint8_t *values, unsigned n) {
+  uint16_t base = mc->card[card].base;
+  if (mc->bus.read_list != NULL) {
+    if (mc->bus.read_list(mc->bus.ctx, base, step, values, n) != MC_BUS_OK) mc->fault = 1;
+    return;
+  }
+  for (unsigned i = 0; i < n; i++) values[i] = hw_get(mc, (uint16_t)(base + step[i]));
+}
+
+void hw_card_put_list(struct mc *mc, int card, const uint8_t *step, const uint8_t *values,
+                      unsigned n) {
+  uint16_t base = mc->card[card].base;
+  if (mc->bus.write_list != NULL) {
+    if (mc->bus.write_list(mc->bus.ctx, base, step, values, n) != MC_BUS_OK) mc->fault = 1;
+    return;
+  }
+  for (unsigned i = 0; i < n; i++) hw_put(mc, (uint16_t)(base + step[i]), values[i]);
 }
 
 void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear) {

@@ -10,36 +10,25 @@ static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->state.adcvai = servo_phi(&x->par, &x->servo, raw);
 }
 
-static void publish(struct mc_axis *x, const struct servo_output *out) {
-  x->state.fbnow = out->fb;
-  x->state.vel = out->vel;
-  x->state.error = out->error;
-  x->state.inow = out->inow;
-}
-
 /* One servo sample of one axis; returns the errors that happened. */
 static uint8_t servo_axis(struct mc *mc, int axis) {
   struct mc_axis *x = &mc->axis[axis];
-  struct servo_input in = {x->position, x->state.adcvai, x->setpoint};
-  struct servo_output out;
   if (mc->power == MC_IDLE || axis >= mc->joints) {
-    servo_sense(&x->par, &x->servo, &in, &out);
-    publish(x, &out);
+    servo_sense(&x->par, &x->servo, &x->state);
     return 0;
   }
   if (x->adopt && (x->par.mode & MD_MASK) == MD_POS) {
-    x->setpoint = in.setpoint = servo_feedback(&x->par, &in);
+    x->setpoint = servo_feedback(&x->par, &x->state);
   }
   x->adopt = 0;
-  servo_step(&x->par, &x->servo, &in, &out);
+  int32_t current = servo_step(&x->par, &x->servo, x->setpoint, &x->state);
   if (mc_is_off(&x->par)) {
-    out.inow = servo_inow(&x->par, &x->servo, x->code - MC_DAC_ZERO);
+    x->state.inow = servo_inow(&x->par, &x->servo, x->code - MC_DAC_ZERO);
   } else {
-    x->code = (uint16_t)(MC_DAC_ZERO + out.current);
+    x->code = (uint16_t)(MC_DAC_ZERO + current);
   }
-  publish(x, &out);
-  if (out.clipped) mc_count(&mc->stats.clips, 1);
-  return out.events;
+  if (x->servo.clipped) mc_count(&mc->stats.clips, 1);
+  return x->servo.events;
 }
 
 static void tell(struct mc *mc, int axis, uint8_t events) {
@@ -77,14 +66,23 @@ static void servo_all(struct mc *mc) {
 /* The hardware's own sign of a PANIC whose edge was lost. */
 static int heartbeats_live(const struct mc *mc) {
   if (mc->power != MC_RUNNING) return 1;
-  for (int axis = 0; axis < mc->axes; axis++) {
-    if ((mc->sample.port_c[axis / 2] & hw_heartbeat_bm(axis)) == 0) return 0;
+  const uint8_t both = MMCS_CARD_PPI_C_HEARTBEAT1_bm | MMCS_CARD_PPI_C_HEARTBEAT2_bm;
+  for (int card = 0; card < mc->cards; card++) {
+    if ((mc->sample.port_c[card] & both) != both) return 0;
   }
   return 1;
 }
 
+/* Low byte first, as hw_write_dac() does it. */
 static void write_all(struct mc *mc) {
-  for (int axis = 0; axis < mc->axes; axis++) hw_write_dac(mc, axis, mc->axis[axis].code);
+  static const uint8_t order[] = {MC_STEP(MMCS_CARD_DAC1_LO), MC_STEP(MMCS_CARD_DAC1_HI),
+                                  MC_STEP(MMCS_CARD_DAC2_LO), MC_STEP(MMCS_CARD_DAC2_HI)};
+  const struct mc_axis *x = mc->axis;
+  for (int card = 0; card < mc->cards; card++, x += 2) {
+    const uint8_t v[] = {(uint8_t)x[0].code, (uint8_t)(x[0].code >> 8), (uint8_t)x[1].code,
+                         (uint8_t)(x[1].code >> 8)};
+    hw_card_put_list(mc, card, order, v, sizeof order);
+  }
 }
 
 /* Counts what was missed. 0: this SCLOCK has been served by a pass that began late. */

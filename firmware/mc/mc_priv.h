@@ -37,6 +37,7 @@ struct mc_axis {
 };
 
 struct mc_card {
+  uint16_t base; /* of its registers in the window */
   uint8_t dip;
   uint8_t a, b;  /* shadows of ports A and B */
   uint8_t late;  /* its A/Ds did not finish at the last sample */
@@ -79,7 +80,8 @@ struct mc {
   uint8_t buffered;      /* as it is in force: never while stopping */
   uint8_t drive;         /* D/As are connected to the joints */
   uint8_t diag;
-  uint32_t grace; /* SCLOCKs during which our own stop may raise PANIC */
+  uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
+  uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   int verbosity;
   int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
 };
@@ -89,6 +91,11 @@ uint8_t hw_get(struct mc *mc, uint16_t offset);
 void hw_put(struct mc *mc, uint16_t offset, uint8_t value);
 uint8_t hw_card_get(struct mc *mc, int card, unsigned reg);
 void hw_card_put(struct mc *mc, int card, unsigned reg, uint8_t value);
+/* Registers of a card one after the other; `step` holds MC_STEP of each. */
+#define MC_STEP(reg) ((uint8_t)(2 * (reg)))
+void hw_card_get_list(struct mc *mc, int card, const uint8_t *step, uint8_t *values, unsigned n);
+void hw_card_put_list(struct mc *mc, int card, const uint8_t *step, const uint8_t *values,
+                      unsigned n);
 void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear);
 void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear);
 /* Reads and clears the interrupt latches: PCCSR as it was. */

@@ -35,13 +35,18 @@ static void read_index(struct mc *mc, struct mc_sample *s, int axis, uint8_t bef
 }
 
 static void read_encoders(struct mc *mc, struct mc_sample *s, int card) {
+  static const uint8_t order[] = {MC_STEP(MMCS_CARD_ENC1_MSB), MC_STEP(MMCS_CARD_ENC1_LSB),
+                                  MC_STEP(MMCS_CARD_ENC2_MSB), MC_STEP(MMCS_CARD_ENC2_LSB),
+                                  MC_STEP(MMCS_CARD_PPI_C)};
+  uint8_t v[sizeof order];
   int axis = 2 * card;
   int calibrates = mc->axis[axis].calib || mc->axis[axis + 1].calib;
   uint8_t before = calibrates ? hw_card_get(mc, card, MMCS_CARD_PPI_C) : 0;
   s->indexed[axis] = s->indexed[axis + 1] = 0;
-  s->counter[axis] = hw_counter(mc, axis);
-  s->counter[axis + 1] = hw_counter(mc, axis + 1);
-  s->port_c[card] = hw_card_get(mc, card, MMCS_CARD_PPI_C);
+  hw_card_get_list(mc, card, order, v, sizeof order);
+  s->counter[axis] = (uint16_t)(v[0] << 8 | v[1]);
+  s->counter[axis + 1] = (uint16_t)(v[2] << 8 | v[3]);
+  s->port_c[card] = v[4];
   s->answers[card] = (uint8_t)is_alive(mc, card, s->port_c[card]);
   if (!calibrates || !s->answers[card]) return;
   read_index(mc, s, axis, before, s->port_c[card]);
@@ -49,6 +54,9 @@ static void read_encoders(struct mc *mc, struct mc_sample *s, int card) {
 }
 
 static void read_analog(struct mc *mc, struct mc_sample *s, int card) {
+  static const uint8_t order[] = {MC_STEP(MMCS_CARD_ADC1_LO), MC_STEP(MMCS_CARD_ADC2_LO),
+                                  MC_STEP(MMCS_CARD_ADC_HI)};
+  uint8_t v[sizeof order];
   int axis = 2 * card;
   uint8_t c = s->port_c[card];
   for (int i = 0; i < MC_ADC_POLLS && (c & MMCS_CARD_PPI_C_ADC_READY_bm) == 0; i++) {
@@ -63,11 +71,9 @@ static void read_analog(struct mc *mc, struct mc_sample *s, int card) {
     return;
   }
   mc->card[card].late = 0;
-  unsigned low1 = hw_card_get(mc, card, MMCS_CARD_ADC1_LO);
-  unsigned low2 = hw_card_get(mc, card, MMCS_CARD_ADC2_LO);
-  unsigned high = hw_card_get(mc, card, MMCS_CARD_ADC_HI);
-  s->raw[axis] = (uint16_t)((high & 0x0F) << 8 | low1);
-  s->raw[axis + 1] = (uint16_t)((high & 0xF0) << 4 | low2);
+  hw_card_get_list(mc, card, order, v, sizeof order);
+  s->raw[axis] = (uint16_t)((v[2] & 0x0F) << 8 | v[0]);
+  s->raw[axis + 1] = (uint16_t)((v[2] & 0xF0) << 4 | v[1]);
 }
 
 int sample_read(struct mc *mc, struct mc_sample *s) {

@@ -52,6 +52,7 @@ void mc_scan(struct mc *mc) {
   for (uint8_t dip = 0; dip < MMCS_CARDS_MAX; dip++) {
     struct mc_card *card = &mc->card[mc->cards];
     card->dip = dip;
+    card->base = MMCS_CARD_OFFSET(dip, 0);
     card->a = MC_ENC_MODE;
     card->b = PORT_B_REST;
     card->rearm = 0;

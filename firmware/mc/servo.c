@@ -19,6 +19,7 @@
 #define NARROW_DEMAND (1u << 29)
 #define NARROW_FRICTION (1u << 28)
 #define NARROW_PHI (1u << 27)
+#define NARROW_A (1u << 29)
 #define NARROW_BASE (1 << 14) /* |b0| */
 #define NARROW_RATIO 2        /* |b1/b0|, |b2/b0| */
 
@@ -35,8 +36,8 @@ int32_t servo_phi(const struct mc_param *par, const struct servo_state *s, uint1
   return s->narrow_phi ? par->adc_a * raw + par->adc_b : wide_phi(par, raw);
 }
 
-int32_t servo_feedback(const struct mc_param *par, const struct servo_input *in) {
-  return (par->mode & ADFB) != 0 ? in->phi : in->position;
+int32_t servo_feedback(const struct mc_param *par, const struct mc_state *m) {
+  return (par->mode & ADFB) != 0 ? m->adcvai : m->encnow;
 }
 
 /* --- state and parameters -------------------------------------------------------------------- */
@@ -50,7 +51,7 @@ void servo_reset(struct servo_state *s) {
   s->falling = 0;
   s->primed = 0;
   s->outside = 0;
-  s->wide = 2;
+  s->wide = 1;
 }
 
 static int32_t clip_limit(int32_t ilim) {
@@ -73,14 +74,14 @@ static enum servo_kind kind_of(const struct mc_param *par, int is_power) {
  * with u = N/b0 at most half of N, sum|a|*top may reach 2^31. */
 void servo_prepare(struct servo_state *s, const struct mc_param *par) {
   uint32_t base = magnitude(par->b0);
-  uint64_t sum = (uint64_t)magnitude(par->a0) + magnitude(par->a1) + magnitude(par->a2);
+  uint32_t a0 = magnitude(par->a0), a1 = magnitude(par->a1), a2 = magnitude(par->a2);
   s->shift = 0;
   while (s->shift < 30 && 1u << s->shift < base) s->shift++;
   if (par->b0 < 0 || 1u << s->shift != base) s->shift = SERVO_NO_SHIFT;
   s->kind = (uint8_t)kind_of(par, s->shift != SERVO_NO_SHIFT);
   s->limit = par->ilimax == 0 ? clip_limit(par->ilim) : SERVO_DAC_MAX;
   s->narrow_phi = (uint8_t)(is_within(par->adc_a, 1u << 14) && is_within(par->adc_b, 1u << 30));
-  s->wide = 2;
+  s->wide = 1;
   s->top = 0;
   if (s->kind == SERVO_OFF) return;
   if (!is_within(par->ic_pos, NARROW_FRICTION) || !is_within(par->ic_neg, NARROW_FRICTION)) return;
@@ -88,14 +89,12 @@ void servo_prepare(struct servo_state *s, const struct mc_param *par) {
     s->top = NARROW_DEMAND * 2;
     return;
   }
-  if (base > NARROW_BASE || magnitude(par->b1) > NARROW_RATIO * base ||
-      magnitude(par->b2) > NARROW_RATIO * base) {
+  if ((a0 | a1 | a2) >= NARROW_A || base > NARROW_BASE ||
+      magnitude(par->b1) > NARROW_RATIO * base || magnitude(par->b2) > NARROW_RATIO * base) {
     return;
   }
-  uint64_t room = s->kind > SERVO_SUM || base == 1 ? 1u << 29 : 1u << 31;
-  for (uint32_t top = 1u << 27; top > 0 && s->top == 0; top >>= 1) {
-    if (sum * top < room) s->top = top;
-  }
+  uint32_t bound = s->kind > SERVO_SUM || base == 1 ? 1u << 2 : 1u << 4;
+  for (s->top = 1u << 27; a0 + a1 + a2 >= bound && s->top > 0; s->top >>= 1) bound *= 2;
 }
 
 /* N = b0*u: another b0 with the same u. */
@@ -153,30 +152,35 @@ static int direction(const struct mc_param *par, int32_t vel, int sign_of_u) {
 
 /* beyond: i stands for a larger number of the same sign. */
 static inline int32_t limit_current(const struct mc_param *par, struct servo_state *s, int32_t i,
-                                    int beyond, struct servo_output *out) {
+                                    int beyond) {
   int32_t size = i < 0 ? -i : i;
   if (par->ilimax != 0 && (size > par->ilim || beyond)) {
     if (s->over < INT32_MAX) s->over++;
     if (s->over > par->ilimax) {
-      out->events |= MERR_ILIM;
+      s->events |= MERR_ILIM;
       s->over = 0;
     }
   } else {
     s->over = 0;
   }
   if (size <= s->limit) return i;
-  out->clipped = 1;
+  s->clipped = 1;
   return i < 0 ? -s->limit : s->limit;
 }
 
 /* --- any numbers ----------------------------------------------------------------------------- */
 
+/* An axis begins at rest. */
+static void prime(struct servo_state *s, int32_t y) {
+  if (!s->primed) s->y1 = s->y2 = y;
+  s->primed = 1;
+}
+
 /* vel = (3y - 4y1 + y2) / 2, truncated toward zero. */
 static int32_t wide_sense(struct servo_state *s, int32_t y) {
-  if (!s->primed) s->y1 = s->y2 = y;
+  prime(s, y);
   int32_t vel = sat32((3 * (int64_t)y - 4 * (int64_t)s->y1 + s->y2) / 2);
-  if (!is_within(y, NARROW_FB)) s->wide = 2;
-  s->primed = 1;
+  s->wide = 1;
   s->y2 = s->y1;
   s->y1 = y;
   return vel;
@@ -199,7 +203,6 @@ static int64_t wide_law(const struct mc_param *par, struct servo_state *s, int32
   n = sat_add(n, (int64_t)par->a2 * s->e2);
   n = sat_sub(n, wide_term(par->b1, s->n1, par->b0));
   n = sat_sub(n, wide_term(par->b2, s->n2, par->b0));
-  if (!is_within(e, s->top) || !fits(n) || !is_within((int32_t)n, NARROW_N)) s->wide = 2;
   s->e2 = s->e1;
   s->e1 = e;
   s->n2 = s->n1;
@@ -223,37 +226,36 @@ static int32_t triangle(const struct mc_param *par, struct servo_state *s) {
 }
 
 static int32_t wide_current(const struct mc_param *par, struct servo_state *s, int64_t u,
-                            int32_t phi, struct servo_output *out) {
+                            const struct mc_state *m) {
   int64_t i = u;
   if ((par->mode & COULCOMP) != 0) {
-    int way = direction(par, out->vel, (u > 0) - (u < 0));
+    int way = direction(par, m->vel, (u > 0) - (u < 0));
     if (way > 0) i = sat_add(i, par->ic_pos);
     if (way < 0) i = sat_sub(i, par->ic_neg);
   }
-  if ((par->mode & ADOFF) != 0) i = sat_add(i, phi);
-  if (i > INT32_MAX) return limit_current(par, s, INT32_MAX, 1, out);
-  if (i < -INT32_MAX) return limit_current(par, s, -INT32_MAX, 1, out);
-  return limit_current(par, s, (int32_t)i, 0, out);
+  if ((par->mode & ADOFF) != 0) i = sat_add(i, m->adcvai);
+  if (i > INT32_MAX) return limit_current(par, s, INT32_MAX, 1);
+  if (i < -INT32_MAX) return limit_current(par, s, -INT32_MAX, 1);
+  return limit_current(par, s, (int32_t)i, 0);
 }
 
-RARE static void wide_step(const struct mc_param *par, struct servo_state *s,
-                           const struct servo_input *in, struct servo_output *out) {
+RARE static int32_t wide_step(const struct mc_param *par, struct servo_state *s, int32_t setpoint,
+                              struct mc_state *m) {
   int mode = par->mode & MD_MASK;
-  if (s->wide > 0) s->wide--;
-  servo_sense(par, s, in, out);
-  if ((par->mode & POSCHK) != 0) out->events = check_position(par, s, out->fb);
-  if (s->kind == SERVO_OFF) {
-    out->inow = servo_inow(par, s, 0);
-    return;
+  servo_sense(par, s, m);
+  if ((par->mode & POSCHK) != 0) s->events = check_position(par, s, m->fbnow);
+  int32_t current = 0;
+  if (s->kind != SERVO_OFF) {
+    int32_t fed = (par->mode & ZEROFB) != 0 ? 0 : mode == MD_VEL ? m->vel : m->fbnow;
+    int32_t demand = (par->mode & ADDMD) != 0 ? m->adcvai : setpoint;
+    m->error = sat32((int64_t)demand - fed);
+    int64_t u = s->kind < SERVO_TORQUE    ? wide_law(par, s, m->error)
+                : s->kind == SERVO_TORQUE ? demand
+                                          : triangle(par, s);
+    current = wide_current(par, s, u, m);
   }
-  int32_t fed = (par->mode & ZEROFB) != 0 ? 0 : mode == MD_VEL ? out->vel : out->fb;
-  int32_t demand = (par->mode & ADDMD) != 0 ? in->phi : in->setpoint;
-  out->error = sat32((int64_t)demand - fed);
-  int64_t u = s->kind < SERVO_TORQUE    ? wide_law(par, s, out->error)
-              : s->kind == SERVO_TORQUE ? demand
-                                        : triangle(par, s);
-  out->current = wide_current(par, s, u, in->phi, out);
-  out->inow = servo_inow(par, s, out->current);
+  m->inow = servo_inow(par, s, current);
+  return current;
 }
 
 /* --- numbers that 32 bits hold --------------------------------------------------------------- */
@@ -282,8 +284,10 @@ static int32_t narrow_sum(const struct mc_param *par, struct servo_state *s, int
     n += n1;
   } else if (s->kind == SERVO_RECURSION) {
     n -= narrow_term(par, s, par->b1, n1) + narrow_term(par, s, par->b2, (int32_t)s->n2);
+  } else {
+    return n;
   }
-  if (!is_within(n, NARROW_N)) s->wide = 2;
+  if (!is_within(n, NARROW_N)) s->wide = 1;
   return n;
 }
 
@@ -309,15 +313,25 @@ static inline int32_t narrow_friction(const struct mc_param *par, int32_t vel, i
   return way > 0 ? par->ic_pos : way < 0 ? -par->ic_neg : 0;
 }
 
-/* 1, or 0 and nothing has happened. The histories are narrow. */
-static inline int narrow_step(const struct mc_param *par, struct servo_state *s,
-                              const struct servo_input *in, struct servo_output *out) {
+/* Whether narrow_step() may begin with these histories. */
+RARE static int is_narrow(struct servo_state *s, int32_t y) {
+  prime(s, y);
+  if (!is_within(s->y1, NARROW_FB) || !is_within(s->y2, NARROW_FB)) return 0;
+  if (!is_within(s->e1, s->top) || !is_within(s->e2, s->top)) return 0;
+  if (s->kind == SERVO_PD || s->kind == SERVO_SUM) return 1;
+  return fits(s->n1) && fits(s->n2) && is_within((int32_t)s->n1, NARROW_N) &&
+         is_within((int32_t)s->n2, NARROW_N);
+}
+
+/* 1 and *current, or 0 and nothing has happened. The histories are narrow. */
+static inline int narrow_step(const struct mc_param *par, struct servo_state *s, int32_t demand,
+                              struct mc_state *m, int32_t *current) {
   int flags = par->mode;
-  int32_t fb = in->position, demand = in->setpoint;
+  int32_t fb = m->encnow;
   if ((flags & (ADFB | ADDMD | ADOFF)) != 0) {
-    if (!is_within(in->phi, NARROW_PHI)) return 0;
-    if ((flags & ADFB) != 0) fb = in->phi;
-    if ((flags & ADDMD) != 0) demand = in->phi;
+    if (!is_within(m->adcvai, NARROW_PHI)) return 0;
+    if ((flags & ADFB) != 0) fb = m->adcvai;
+    if ((flags & ADDMD) != 0) demand = m->adcvai;
   }
   if (!is_within(fb, NARROW_FB) || !is_within(demand, NARROW_DEMAND)) return 0;
   int32_t y1 = s->y1, vel = (3 * fb - 4 * y1 + s->y2) / 2;
@@ -327,35 +341,37 @@ static inline int narrow_step(const struct mc_param *par, struct servo_state *s,
   if (!is_within(error, s->top)) return 0;
   s->y2 = y1;
   s->y1 = fb;
-  out->fb = fb;
-  out->vel = vel;
-  out->error = error;
-  out->events = out->clipped = 0;
-  if ((flags & POSCHK) != 0) out->events = check_position(par, s, fb);
+  m->fbnow = fb;
+  m->vel = vel;
+  m->error = error;
+  s->clipped = 0;
+  s->events = (flags & POSCHK) != 0 ? check_position(par, s, fb) : 0;
   int32_t i = s->kind < SERVO_TORQUE    ? narrow_law(par, s, error)
               : s->kind == SERVO_TORQUE ? demand
                                         : triangle(par, s);
   if ((flags & (COULCOMP | ADOFF)) != 0) {
     if ((flags & COULCOMP) != 0) i += narrow_friction(par, vel, i);
-    if ((flags & ADOFF) != 0) i += in->phi;
+    if ((flags & ADOFF) != 0) i += m->adcvai;
   }
-  int32_t current = limit_current(par, s, i, 0, out);
-  out->current = current;
-  out->inow = servo_inow(par, s, current);
+  *current = limit_current(par, s, i, 0);
+  m->inow = servo_inow(par, s, *current);
   return 1;
 }
 
 /* --- samples --------------------------------------------------------------------------------- */
 
-void servo_sense(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
-                 struct servo_output *out) {
-  *out = (struct servo_output){0};
-  out->fb = servo_feedback(par, in);
-  out->vel = wide_sense(s, out->fb);
+void servo_sense(const struct mc_param *par, struct servo_state *s, struct mc_state *m) {
+  m->fbnow = servo_feedback(par, m);
+  m->vel = wide_sense(s, m->fbnow);
+  m->error = 0;
+  m->inow = 0;
+  s->events = s->clipped = 0;
 }
 
-void servo_step(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
-                struct servo_output *out) {
-  if (s->wide == 0 && narrow_step(par, s, in, out)) return;
-  wide_step(par, s, in, out);
+int32_t servo_step(const struct mc_param *par, struct servo_state *s, int32_t setpoint,
+                   struct mc_state *m) {
+  int32_t current;
+  if (s->wide && is_narrow(s, servo_feedback(par, m))) s->wide = 0;
+  if (!s->wide && narrow_step(par, s, setpoint, m, &current)) return current;
+  return wide_step(par, s, setpoint, m);
 }

@@ -35,29 +35,16 @@ struct servo_state {
   uint8_t falling;  /* MD_TEST1: on the way down */
   uint8_t primed;   /* y1, y2 hold samples */
   uint8_t outside;  /* limits that the feedback was beyond at the last check: MERR_PLO, MERR_PHI */
-  uint8_t wide;     /* samples until 32 bits may be enough again */
+  uint8_t wide;     /* the histories may be beyond 32-bit arithmetic */
+  /* of the last sample: */
+  uint8_t events;  /* MERR_PLO, MERR_PHI, MERR_ILIM that happened */
+  uint8_t clipped; /* the current met a limit */
   /* what servo_prepare() works out: */
   uint8_t kind;       /* enum servo_kind */
   uint8_t narrow_phi; /* adc_a and adc_b need 32 bits only */
   int32_t shift;      /* b0 is 2 to this, or SERVO_NO_SHIFT */
   uint32_t top;       /* 32 bits are enough for errors of -top..top-1 */
   int32_t limit;      /* largest current */
-};
-
-struct servo_input {
-  int32_t position; /* encoder count */
-  int32_t phi;      /* servo_phi() of the A/D */
-  int32_t setpoint; /* from write() */
-};
-
-struct servo_output {
-  int32_t fb;      /* feedback quantity (S4) */
-  int32_t vel;     /* its derivative per sample */
-  int32_t error;   /* demand minus what S5 passes */
-  int32_t current; /* D/A units, -2047..2047 */
-  int32_t inow;    /* current as reported */
-  uint8_t events;  /* MERR_PLO, MERR_PHI, MERR_ILIM that happened in this sample */
-  uint8_t clipped; /* the current met a limit */
 };
 
 /* A 32-bit position followed over a 16-bit counter: right while the axis moves less than 32768
@@ -68,7 +55,7 @@ int32_t servo_extend(int32_t position, uint16_t from, uint16_t to);
 int32_t servo_phi(const struct mc_param *par, const struct servo_state *s, uint16_t raw);
 
 /* The feedback quantity (S4). */
-int32_t servo_feedback(const struct mc_param *par, const struct servo_input *in);
+int32_t servo_feedback(const struct mc_param *par, const struct mc_state *m);
 
 /* Works out what a set of parameters means for the samples to come. Before the first of them. */
 void servo_prepare(struct servo_state *s, const struct mc_param *par);
@@ -80,13 +67,14 @@ void servo_reset(struct servo_state *s);
  * feedback changes, and keep the output where it is when only coefficients do. Prepares. */
 void servo_change(struct servo_state *s, const struct mc_param *from, const struct mc_param *to);
 
-/* Measures: fb, vel of this sample; no current. For an axis that is not servoed. */
-void servo_sense(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
-                 struct servo_output *out);
+/* Of `m`, encnow and adcvai are what was measured; fbnow, vel, error and inow are found. Only
+ * sensed: no current, for an axis that is not servoed. */
+void servo_sense(const struct mc_param *par, struct servo_state *s, struct mc_state *m);
 
-/* One whole servo sample. With MD_OFF the current is 0 and only limits are checked. */
-void servo_step(const struct mc_param *par, struct servo_state *s, const struct servo_input *in,
-                struct servo_output *out);
+/* One whole servo sample: the current, -2047..2047 D/A units. s->events and s->clipped tell what
+ * happened. With MD_OFF the current is 0 and only limits are checked. */
+int32_t servo_step(const struct mc_param *par, struct servo_state *s, int32_t setpoint,
+                   struct mc_state *m);
 
 /* The reported current after `current` D/A units were commanded (SRV-5). */
 int32_t servo_inow(const struct mc_param *par, struct servo_state *s, int32_t current);

@@ -93,8 +93,8 @@ static void choose(struct mc_param *par, uint32_t profile, int axis) {
 struct axis {
   struct mc_param par;
   struct servo_state state;
-  struct servo_input in;
-  struct servo_output out;
+  struct mc_state m;
+  int32_t setpoint, current;
   uint16_t raw;
 };
 
@@ -106,14 +106,14 @@ static struct axis axes[AXES];
 
 /* Encoder counts and A/D values that follow the current a little, and chance. */
 static void move(struct axis *x, uint32_t profile, uint32_t chance, int new_setpoint) {
-  uint16_t from = (uint16_t)x->in.position;
-  uint16_t to = (uint16_t)(from + (chance >> 20 & 0x3F) + (uint32_t)x->out.current / 64u);
-  x->in.position = servo_extend(x->in.position, from, to);
+  uint16_t from = (uint16_t)x->m.encnow;
+  uint16_t to = (uint16_t)(from + (chance >> 20 & 0x3F) + (uint32_t)x->current / 64u);
+  x->m.encnow = servo_extend(x->m.encnow, from, to);
   x->raw = (uint16_t)(chance >> 8 & 0xFFF);
   if (profile < 2) {
-    x->in.setpoint = x->in.position + (int32_t)(chance >> 12 & 31) - 16;
+    x->setpoint = x->m.encnow + (int32_t)(chance >> 12 & 31) - 16;
   } else if (new_setpoint) {
-    x->in.setpoint = (int32_t)(chance >> 16) - 32768;
+    x->setpoint = (int32_t)(chance >> 16) - 32768;
   }
 }
 
@@ -124,8 +124,8 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
     choose(&axes[n].par, profile, n);
     servo_reset(&axes[n].state);
     servo_prepare(&axes[n].state, &axes[n].par);
-    axes[n].in.position = axes[n].in.setpoint = 0;
-    axes[n].out = (struct servo_output){0};
+    axes[n].m.encnow = axes[n].setpoint = 0;
+    axes[n].current = 0;
   }
   for (uint32_t tick = 0; tick < ticks; tick++) {
     for (EACH(x)) {
@@ -134,16 +134,16 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
     }
     *mark = 1;
     for (EACH(x)) {
-      x->in.phi = servo_phi(&x->par, &x->state, x->raw);
-      servo_step(&x->par, &x->state, &x->in, &x->out);
+      x->m.adcvai = servo_phi(&x->par, &x->state, x->raw);
+      x->current = servo_step(&x->par, &x->state, x->setpoint, &x->m);
     }
     *mark = 0;
     for (EACH(x)) {
-      mix((uint32_t)x->out.current);
-      mix((uint32_t)x->out.inow);
-      mix((uint32_t)x->out.error);
-      mix((uint32_t)x->out.vel);
-      mix((uint32_t)x->in.phi + x->out.events + 256u * x->out.clipped);
+      mix((uint32_t)x->current);
+      mix((uint32_t)x->m.inow);
+      mix((uint32_t)x->m.error);
+      mix((uint32_t)x->m.vel);
+      mix((uint32_t)x->m.adcvai + x->state.events + 256u * x->state.clipped);
       mix((uint32_t)x->state.n1);
       mix((uint32_t)((uint64_t)x->state.n1 >> 32));
     }

@@ -16,17 +16,6 @@ static void report(enum mailbox_report what) {
 
 /* --- what the driver calls ------------------------------------------------------------------- */
 
-/* The processor sees one kind of bus error: whoever ended the cycle, BERR* did. */
-static enum mc_bus_result read8(void *ctx, uint16_t offset, uint8_t *value) {
-  (void)ctx;
-  return port_read8(MAILBOX_REGISTER(offset), value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
-}
-
-static enum mc_bus_result write8(void *ctx, uint16_t offset, uint8_t value) {
-  (void)ctx;
-  return port_write8(MAILBOX_REGISTER(offset), value) == 0 ? MC_BUS_OK : MC_BUS_ERROR;
-}
-
 static void signal(void *ctx, int client) {
   (void)ctx;
   BOX->signal_client = client;
@@ -74,21 +63,34 @@ static int copy(void *ctx, void *to, const void *from, size_t len) {
   return 0;
 }
 
-static const struct mc_bus bus = {NULL, read8, write8};
+static const struct mc_bus bus = {NULL, port_read8, port_write8, PORT_READ_LIST, PORT_WRITE_LIST};
 static const struct mc_os os = {NULL, signal, log, compute, delay_us, mask, unmask, copy, copy};
 
 /* --- what the host sees ---------------------------------------------------------------------- */
 
+/* The seven words of a struct mc_state, on addresses that count up. */
+static inline volatile uint32_t *put_state(volatile uint32_t *to, const void *from) {
+  const uint32_t *in = from;
+  *to++ = *in++;
+  *to++ = *in++;
+  *to++ = *in++;
+  *to++ = *in++;
+  *to++ = *in++;
+  *to++ = *in++;
+  *to++ = *in++;
+  return to;
+}
+
 static void publish(void) {
-  const int32_t *stats = (const int32_t *)mc_stats_of(&driver);
-  for (int n = 0; n < 6; n++) BOX->stats[n] = stats[n];
+  volatile uint32_t *to = (volatile uint32_t *)BOX->stats;
+  const uint32_t *stats = (const uint32_t *)mc_stats_of(&driver);
+  for (const uint32_t *end = stats + 6; stats < end; stats++) *to++ = *stats;
   int joints = mc_joints(&driver);
   BOX->joints = joints;
+  to = (volatile uint32_t *)BOX->axis;
   for (int axis = 0; axis < joints; axis++) {
-    volatile struct mailbox_axis *out = &BOX->axis[axis];
-    const int32_t *state = (const int32_t *)mc_state_of(&driver, axis);
-    out->setpoint = mc_setpoint(&driver, axis);
-    for (int n = 0; n < 7; n++) out->state[n] = state[n];
+    *to++ = (uint32_t)mc_setpoint(&driver, axis);
+    to = put_state(to, mc_state_of(&driver, axis));
   }
 }
 
@@ -149,7 +151,7 @@ void port_main(void) {
     int32_t result = serve();
     (void)port_mask();
     BOX->result = result;
-    publish();
+    if (BOX->call != MAILBOX_WRITE && BOX->call != MAILBOX_READ) publish();
     BOX->done = BOX->posted;
     report(MAILBOX_DONE);
   }

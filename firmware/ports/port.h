@@ -5,9 +5,23 @@
 
 #include <stdint.h>
 
-/* Byte accesses that may end in a bus error: 0, or 1 if they did. In assembler. */
-int port_read8(uint32_t address, uint8_t *value);
-int port_write8(uint32_t address, uint8_t value);
+#include "mc.h"
+
+/* Byte accesses to the adaptor's window, as struct mc_bus has them. In assembler. The processor
+ * sees one kind of bus error, whoever ended the cycle. */
+enum mc_bus_result port_read8(void *ctx, uint16_t offset, uint8_t *value);
+enum mc_bus_result port_write8(void *ctx, uint16_t offset, uint8_t value);
+#ifdef __m68k__
+enum mc_bus_result port_read_list(void *ctx, uint16_t base, const uint8_t *step, uint8_t *values,
+                                  unsigned n);
+enum mc_bus_result port_write_list(void *ctx, uint16_t base, const uint8_t *step,
+                                   const uint8_t *values, unsigned n);
+#define PORT_READ_LIST port_read_list
+#define PORT_WRITE_LIST port_write_list
+#else
+#define PORT_READ_LIST NULL
+#define PORT_WRITE_LIST NULL
+#endif
 /* Masks the servo's interrupt and the doorbell; returns what port_unmask() wants back. */
 unsigned port_mask(void);
 void port_unmask(unsigned previous);

@@ -306,7 +306,7 @@ struct mc *mock_start(struct mock *m, int cards) {
   }
   m->level_high = 1;
   m->irq_since = -1;
-  m->bus = (struct mc_bus){m, bus_read, bus_write};
+  m->bus = (struct mc_bus){m, bus_read, bus_write, NULL, NULL};
   m->os = (struct mc_os){m,       os_signal, os_log,  os_compute, os_delay,
                          os_mask, os_unmask, os_copy, os_copy};
   m->memory = calloc(1, mc_size());

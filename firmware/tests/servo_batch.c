@@ -38,13 +38,14 @@ void axis_change(struct axis *x, const struct mc_param *par) {
 void axis_run(struct axis *x, int n, const int32_t (*in)[3], int32_t (*out)[9]) {
   for (int i = 0; i < n; i++) {
     uint16_t counter = (uint16_t)in[i][0];
-    struct servo_output o;
+    struct mc_state m = {0};
     x->position = servo_extend(x->position, x->counter, counter);
     x->counter = counter;
-    struct servo_input input = {x->position, servo_phi(&x->par, &x->servo, (uint16_t)in[i][1]), in[i][2]};
-    servo_step(&x->par, &x->servo, &input, &o);
-    const int32_t row[9] = {x->position, input.phi, o.fb,     o.vel,    o.error,
-                            o.current,   o.inow,    o.events, o.clipped};
+    m.encnow = x->position;
+    m.adcvai = servo_phi(&x->par, &x->servo, (uint16_t)in[i][1]);
+    int32_t current = servo_step(&x->par, &x->servo, in[i][2], &m);
+    const int32_t row[9] = {m.encnow, m.adcvai, m.fbnow,         m.vel,           m.error,
+                            current,  m.inow,   x->servo.events, x->servo.clipped};
     for (int k = 0; k < 9; k++) out[i][k] = row[k];
   }
 }

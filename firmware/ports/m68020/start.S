@@ -59,38 +59,103 @@ doorbell:
         movem.l (%sp)+, %d0-%d1/%a0-%a1
         rte
 
-| An access that may fail leaves its stack pointer in `recover`, and the error of that access ends
-| it with the result 1: whatever frame the processor has pushed is dropped, so that its format does
-| not matter. Interrupts in between save and restore `recover` by the same means.
+| An access that may fail is one of four instructions, between labels of which %d1 holds the stack
+| pointer; a bus error that finds the program there goes on behind it. Whatever frame the processor
+| has pushed is dropped, so that its format does not matter; of every format the program counter is
+| the second field, which may be that of the instruction behind, a NOP that waits for the end of the
+| cycle.
 bus_error:
-        tst.l   recover
-        jeq     fatal
-        move.l  recover, %sp
-        moveq   #1, %d0
-        jra     leave
+        move.l  %d0, -(%sp)
+        move.l  6(%sp), %d0
+        sub.l   #single, %d0
+        cmp.l   #single_end - single, %d0
+        jls     1f
+        sub.l   #read_list - single, %d0
+        cmp.l   #read_list_end - read_list, %d0
+        jls     2f
+        sub.l   #write_list - read_list, %d0
+        cmp.l   #write_list_end - write_list, %d0
+        jls     3f
+        move.l  (%sp)+, %d0
+        jra     fatal
+1:      move.l  %d1, %sp
+        moveq   #2, %d0                 | MC_BUS_ERROR
+        rts
+2:      move.l  %d1, %sp
+        moveq   #2, %d2
+        st      %d0
+        jra     read_list_end
+3:      move.l  %d1, %sp
+        moveq   #2, %d2
+        jra     write_list_end
 
-        .globl  port_read8, port_write8
-port_read8:                             | int port_read8(uint32_t address, uint8_t *value)
-        move.l  recover, -(%sp)
-        move.l  8(%sp), %a0
+        .set    WINDOW, 0xFFFF6000
+        .globl  port_read8, port_write8, port_read_list, port_write_list
+port_read8:                             | read8 of struct mc_bus
+        move.l  8(%sp), %d0
+        add.l   #WINDOW, %d0
+        move.l  %d0, %a0
         move.l  12(%sp), %a1
-        move.l  %sp, recover
-        move.b  (%a0), %d1
-        nop                             | the bus cycle is over
-        move.b  %d1, (%a1)
+        move.l  %sp, %d1
+single: move.b  (%a0), (%a1)
+        nop
         moveq   #0, %d0
-leave:  move.l  (%sp)+, recover
+        rts
+port_write8:                            | write8
+        move.l  8(%sp), %d0
+        add.l   #WINDOW, %d0
+        move.l  %d0, %a0
+        move.l  %sp, %d1
+        move.b  15(%sp), (%a0)
+        nop                             | writes are buffered
+single_end:
+        moveq   #0, %d0
         rts
 
-port_write8:                            | int port_write8(uint32_t address, uint8_t value)
-        move.l  recover, -(%sp)
-        move.l  8(%sp), %a0
-        move.l  12(%sp), %d1
-        move.l  %sp, recover
-        move.b  %d1, (%a0)
-        nop                             | writes are buffered: wait for the end of this one
-        moveq   #0, %d0
-        jra     leave
+port_read_list:                         | read_list
+        move.l  8(%sp), %d0
+        add.l   #WINDOW, %d0
+        move.l  %d0, %a0
+        move.l  12(%sp), %a1
+        movem.l %d2-%d3/%a2-%a3, -(%sp)
+        move.l  32(%sp), %a2            | values
+        move.l  36(%sp), %d3            | n
+        moveq   #0, %d2                 | the result
+        move.l  %sp, %d1
+1:      moveq   #0, %d0
+        move.b  (%a1)+, %d0
+read_list:
+        move.b  (%a0, %d0.l), %d0
+        nop
+read_list_end:
+        move.b  %d0, (%a2)+
+        subq.l  #1, %d3
+        jne     1b
+2:      move.l  %d2, %d0
+        movem.l (%sp)+, %d2-%d3/%a2-%a3
+        rts
+
+port_write_list:                        | write_list
+        move.l  8(%sp), %d0
+        add.l   #WINDOW, %d0
+        move.l  %d0, %a0
+        move.l  12(%sp), %a1
+        movem.l %d2-%d3/%a2-%a3, -(%sp)
+        move.l  32(%sp), %a2
+        move.l  36(%sp), %d3
+        moveq   #0, %d2
+        move.l  %sp, %d1
+1:      moveq   #0, %d0
+        move.b  (%a1)+, %d0
+        lea     (%a0, %d0.l), %a3
+        move.b  (%a2)+, %d0
+write_list:
+        move.b  %d0, (%a3)
+        nop
+write_list_end:
+        subq.l  #1, %d3
+        jne     1b
+        jra     2b
 
 | Wrong for good: the reason goes to the host, the heartbeats end, and the hardware raises PANIC.
 fatal:  move.w  #0x2700, %sr
@@ -124,7 +189,3 @@ port_idle:
         stop    #0x2000
         move.w  #0x2500, %sr
         rts
-
-        .bss
-        .even
-recover: .long  0
