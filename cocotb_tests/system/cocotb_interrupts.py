@@ -7,7 +7,7 @@ that the documentation states.
 """
 
 import cocotb
-from cocotb.triggers import RisingEdge, Timer
+from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Machine
@@ -265,6 +265,28 @@ async def sclock_edges_around_setting_bit_7(dut):
 
 @cocotb.test()
 @req("INT-2")
+async def acknowledge_withdrawn_and_anothers_at_once(dut):
+    """Our vector never stands in the acknowledge of another level. Found by a proof."""
+    tb = await machine(dut)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await sclock_edge(tb)
+    for ns in range(260, 640, 20):
+        await acknowledge_without_strobe(tb)
+        await Timer(ns, "ns")
+        tb.bus.ds_n.value = 2
+        await Timer(130, "ns")
+        tb.bus.ds_n.value, tb.bus.as_n.value, tb.bus.iackin_n.value = 3, 1, 1
+        await Timer(130, "ns")
+        tb.bus.a.value, tb.bus.as_n.value = 3, 0
+        tb.bus.ds_n.value, tb.bus.iackin_n.value = 2, 0
+        for _ in range(40):
+            await Timer(20, "ns")
+            assert not int(dut.vme_d_oe_o.value), f"strobe after {ns} ns"
+        await acknowledge_ends(tb)
+
+
+@cocotb.test()
+@req("INT-2")
 async def acknowledge_gives_the_vector(dut):
     """And the latch with its request stays until PCCSR bit 7 (release on register access)."""
     tb = await machine(dut)
@@ -444,6 +466,72 @@ async def acknowledge_withdrawn_early(dut):
         assert op.error is None, op.error
         assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
         assert await tb.vme.iack(5) == VEC
+
+
+async def acknowledge_without_strobe(tb: Machine, level: int = 5) -> None:
+    """IACKIN* of a level comes down; DS0* stays high."""
+    bus = tb.bus
+    bus.a.value, bus.lword_n.value, bus.write_n.value, bus.iack_n.value = level, 1, 1, 0
+    await Timer(40, "ns")
+    bus.as_n.value = 0
+    await Timer(20, "ns")
+    bus.iackin_n.value = 0
+
+
+async def acknowledge_ends(tb: Machine) -> None:
+    bus = tb.bus
+    bus.ds_n.value, bus.as_n.value, bus.iackin_n.value, bus.iack_n.value = 3, 1, 1, 1
+    await tb.clocks(5)
+    assert int(tb.dut.vme_dtack_no.value) and not int(tb.dut.vme_d_oe_o.value)
+
+
+@cocotb.test()
+@req("INT-2")
+async def acknowledge_whose_strobe_comes_late_or_never(dut):
+    """Until DS0* there is no answer, then there is; IACKIN* that goes again leaves no trace."""
+    tb = await machine(dut)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await sclock_edge(tb)
+    tb.vme.downstream = {3: 0x33}
+    for ns in range(0, 900, 45):
+        await acknowledge_without_strobe(tb)
+        await Timer(ns + 1, "ns")
+        assert int(dut.vme_dtack_no.value) and not int(dut.vme_d_oe_o.value)
+        await acknowledge_ends(tb)
+        assert irq(tb) == 1 << 5
+        assert await tb.vme.iack(3) == 0x33, "another level's, and nobody remembers ours"
+        await acknowledge_without_strobe(tb)
+        await Timer(ns + 1, "ns")
+        tb.bus.ds_n.value = 0b10
+        await First(FallingEdge(dut.vme_dtack_no), Timer(1, "us"))
+        assert not int(dut.vme_dtack_no.value), f"{ns} ns late"
+        await ReadOnly()
+        assert tb.bus.data() & 0xFF == VEC
+        await Timer(30, "ns")
+        await acknowledge_ends(tb)
+        assert await tb.vme.iack(5) == VEC
+
+
+@cocotb.test()
+@req("INT-2", "CSR-1")
+async def sysreset_in_an_acknowledge(dut):
+    """Whatever was decided before: no answer after it, and none of the old request."""
+    tb = await machine(dut)
+    for ns in range(0, 500, 40):
+        await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+        await sclock_low(tb)
+        await sclock_edge(tb)
+        await acknowledge_without_strobe(tb)
+        await Timer(ns + 1, "ns")
+        dut.vme_sysreset_ni.value = 0
+        await tb.clocks(4)
+        tb.bus.ds_n.value = 0b10
+        await Timer(600, "ns")
+        dut.vme_sysreset_ni.value = 1
+        await Timer(600, "ns")
+        assert int(dut.vme_dtack_no.value) and not int(dut.vme_d_oe_o.value)
+        await acknowledge_ends(tb)
+        assert irq(tb) == 0 and await tb.rd(PCCSR) == 0
 
 
 @cocotb.test()
