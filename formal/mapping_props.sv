@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an address of the VME window to one register or none; two cards side by side. §4.3.2, §5.3.1
+// From an address of the VME window to one register or none, two cards side by side, and the rules
+// of the PC bus between them. §4.3.2, §5.3.1
 //
-// The core with its timers and two cards without their chips, which drive data as their chip selects
-// say; both cards' switches are free. The table of registers is written down here a second time.
+// Cut out: the timers; the cards' converters, one-shots and relays. The switches of both cards are
+// free. The table of registers is written down here a second time.
 `default_nettype none
 `include "mmcs_formal.svh"
 
@@ -73,7 +74,6 @@ module mapping_props (
   // Wires of the inside, joined by the script.
   logic [3:0] f_sel;         // vector, PCCSR, timers, PC bus
   logic       f_strobe, f_link;
-  logic [4:0] f_base;
   logic [1:0] f_ppi_n, f_adc, f_sw_latch, f_drives;
   logic [3:0] f_enc_n, f_lo, f_hi;
 
@@ -133,6 +133,25 @@ module mapping_props (
       .horizon_o()
     );
   end
+
+  // The rules of the PC bus, as the simulation has them.
+  pcbus_checker #(
+    .SideClks(1),
+    .CmdClks(4),
+    .MaxClks(15),
+    .NumCards(2)
+  ) u_pcbus_rules (
+    .clk_i, .rst_ni,
+    .link_ok_i(cable_ok_i && pc_power_i && f_link),
+    .pc_a_i(pc_a),
+    .pc_d_i(pc_wdata),
+    .pc_ior_ni(ior_n),
+    .pc_iow_ni(iow_n),
+    .pc_aen_i(aen),
+    .drivers_i({1'b0, f_drives}),
+    .conflict_o(),
+    .broken_o()
+  );
 
   // Card 0: what a register of table 5.1 selects; {latch, A/D, hi2, hi1, lo2, lo1, enc2, enc1, PPI}
   logic [8:0] selects, table_of;

@@ -91,7 +91,7 @@ module vme_props #(
   // What the proof of the checkers is told of the core, which it cuts out.
   `define CORE_LEMMAS(how) \
     how(AckAsked, !f_ack || f_request, "the core answers what it is asked") \
-    how(DataStays, (request_q && !ack_q) || f_rdata == rdata_q, "read data stands from the answer on") \
+    how(DataStays, (request_q && !ack_q) || f_rdata == rdata_q, "read data stands once answered") \
     how(VectorStays, request_q || f_vector == vector_q, "the vector changes only in a request") \
     how(ResetIn2, f_sys_reset == reset_q[1], "the core synchronises SYSRESET* in two clocks") \
     how(RequestGone, !reset_q[2] || !f_irq, "SYSRESET* ends the request a clock later") \

@@ -193,6 +193,23 @@ def sabotage_one(numbered: tuple[int, dict]) -> tuple[dict, str | None, str]:
     return entry, complaint, seen
 
 
+def draw() -> int:
+    """Breaks what sabotage.toml gives a picture, and draws the trace."""
+    for entry in tomllib.loads(LIST.read_text())["break"]:
+        if "picture" not in entry:
+            continue
+        folder = ROOT / WORK / "picture"
+        complaint = broken(entry, folder)
+        task = entry.get("task", "prove")
+        result = run(ROOT / "formal" / f"{entry['proof']}.sby", task, folder)
+        if complaint or result.verdict != "FAIL":
+            print(f"formal: no trace: {complaint or result.verdict}", file=sys.stderr)
+            return 1
+        work = folder / WORK / f"{entry['proof']}_{task}" / "engine_0"
+        picture(entry, work / "trace.vcd")
+    return 0
+
+
 def sabotage(only: str) -> int:
     entries = tomllib.loads(LIST.read_text())["break"]
     entries = [e for e in entries if only in e["name"] or only in e["proof"] or only in e["file"]]
@@ -228,7 +245,7 @@ def main() -> int:
     if args.sabotage:
         return sabotage(args.only)
     if args.picture:
-        return picture(run)
+        return draw()
     files = [f for f in groups() if args.only in f.stem]
     if args.fast:
         files = [f for f in files if not re.search(r"^# slow:", f.read_text(), re.M)]

@@ -6,9 +6,15 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from wavedraw import Line, svg  # noqa: E402
+
+PICTURE = ROOT / "docs" / "images" / "counterexample.svg"
+STEP, CLOCK_PS = 10, 125_000  # of the trace; of a clock at 8 MHz
 DOC = ROOT / "docs" / "formal.md"
 BEGIN, END = "<!-- tools/formal.py --doc -->", "<!-- end -->"
 PROVE = re.compile(r"`MMCS_PROVE\s*\(\s*(\w+)\s*,\s*\"([^\"]*)\"\s*,")
+RULE = re.compile(r"`MMCS_RULE\(\d+, (\w+),[^`]*?\"([^\"]*)\"\)", re.S)
 TEXT = re.compile(r"\"([^\"]*)\"\s*\)\s*$", re.M)
 
 
@@ -18,13 +24,21 @@ def property_files(sby: Path) -> list[Path]:
 
 
 def properties(sby: Path) -> list[tuple[str, str, str]]:
-    """(name, section, sentence) of every property that a .sby file proves."""
+    """(name, section, sentence) of every property that a .sby file proves.
+
+    `# rules:` in the .sby file names the bus checkers whose rules are proved as well.
+    """
     out = []
     for file in property_files(sby):
         text = re.sub(r"^\s*//.*$", "", file.read_text(), flags=re.M)
         for begin in PROVE.finditer(text):
             end = TEXT.search(text, begin.end())
             out.append((begin[1], begin[2], end[1] if end else ""))
+    named = re.search(r"^# rules: (.*)$", sby.read_text(), re.M)
+    for checker in named[1].split() if named else []:
+        text = (ROOT / "rtl" / "checkers" / f"{checker}.sv").read_text()
+        section = re.search(r"§([\d.]+)", text)
+        out += [(f"{checker}: {n}", section[1], t) for n, t in RULE.findall(text)]
     return out
 
 
@@ -46,7 +60,7 @@ def table(files: list[Path], results: list, took: float) -> str:
     total = 0
     for file in files:
         mine = [r for r in results if r.group == file.stem]
-        title = re.search(r"^# (?!SPDX|slow)(.*)$", file.read_text(), re.M)
+        title = re.search(r"^# (?!SPDX|slow|rules)(.*)$", file.read_text(), re.M)
         seconds = sum(r.seconds for r in mine)
         lines += [f"### {file.stem}", "", f"{title[1] if title else ''} ({seconds:.0f} s)", ""]
         lines += ["| property | § | says | status | cover |", "|---|---|---|---|---|"]
@@ -54,7 +68,7 @@ def table(files: list[Path], results: list, took: float) -> str:
             how, cover = status(mine, name)
             lines.append(f"| {name} | {section} | {text} | {how} | {cover} |")
             total += 1
-        lines.append("")
+        lines += ["", *(f"* Given: {text}." for text in givens(file)), ""]
     head = f"{total} properties in {len(files)} groups; the whole run took {took:.0f} s."
     return "\n".join([head, "", *lines])
 
@@ -69,6 +83,45 @@ def write_doc(files: list[Path], results: list, took: float) -> None:
     DOC.write_text(f"{head}{BEGIN}\n\n{table(files, results, took)}{END}{tail}")
 
 
-def picture(_run) -> int:
-    print("formal: not drawn yet", file=sys.stderr)
-    return 2
+def givens(sby: Path) -> list[str]:
+    """What a group assumes of its surroundings."""
+    out = []
+    for file in property_files(sby):
+        text = re.sub(r"^\s*//.*$", "", file.read_text(), flags=re.M)
+        for begin in re.finditer(r"`MMCS_GIVEN\(", text):
+            end = TEXT.search(text, begin.end())
+            out.append(end[1] if end else "")
+    return [text for text in out if len(text) > 1]
+
+
+def read_vcd(file: Path, names: dict[str, str]) -> list[Line]:
+    """The named signals of the top scope, one value per clock; times are those of the trace."""
+    scope, codes, changes, at = 0, {}, {n: [] for n in names}, 0
+    for line in file.read_text().splitlines():
+        word = line.split()
+        if line.startswith("$scope"):
+            scope += 1
+        elif line.startswith("$upscope"):
+            scope -= 1
+        elif line.startswith("$var") and scope == 1 and word[4] in names:
+            codes[word[3]] = (word[4], int(word[2]))
+        elif line.startswith("#"):
+            at = int(line[1:]) * CLOCK_PS // STEP
+        elif line[:1] in "01b" and word:
+            value, code = (word[0][1:], word[1]) if len(word) == 2 else (line[0], line[1:])
+            if code in codes:
+                changes[codes[code][0]].append((at, int(value.replace("x", "0"), 2)))
+    widths = dict(codes.values())
+    return [
+        Line(label, "bit" if widths[n] == 1 else "hex", widths[n], changes[n])
+        for n, label in names.items()
+    ]
+
+
+def picture(entry: dict, trace: Path) -> None:
+    """Draws the counter-example of one breakage."""
+    lines = read_vcd(trace, entry["picture"])
+    end = max(line.changes[-1][0] for line in lines) + CLOCK_PS
+    title = f"Counter-example to {entry['property']}: {entry['name']}"
+    PICTURE.write_text(svg(title, lines, 0, end))
+    print(f"formal: {PICTURE.relative_to(ROOT)}")

@@ -365,6 +365,35 @@ async def withdrawn_and_another_address_at_once(dut):
 
 @cocotb.test()
 @req("VME-3")
+async def withdrawn_and_anothers_strobe_at_once(dut):
+    """The read that still runs does not drive into a cycle of another board. Found by a proof."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    for ns in range(400, 1000, 50):
+        dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
+        dut.vme_am_i.value = AM_USER
+        dut.vme_write_ni.value = 1
+        dut.vme_as_ni.value = 0
+        await Timer(10, "ns")
+        dut.vme_ds_ni.value = 0b10
+        await Timer(ns, "ns")
+        dut.vme_ds_ni.value = 0b11
+        dut.vme_as_ni.value = 1
+        await Timer(150, "ns")  # one or two clock edges see it
+        dut.vme_am_i.value = 0x39
+        dut.vme_as_ni.value = 0
+        dut.vme_ds_ni.value = 0b01
+        for _ in range(40):
+            await Timer(20, "ns")
+            assert not int(dut.vme_d_oe_o.value), f"withdrawn after {ns} ns"
+        dut.vme_ds_ni.value = 0b11
+        dut.vme_as_ni.value = 1
+        await tb.clocks(30)
+    assert await tb.rd(PCCSR) == BASE
+
+
+@cocotb.test()
+@req("VME-3")
 async def strobe_glitches(dut):
     """Pulses of a few ns on DS0* leave no trace, wherever they fall in the clock."""
     tb = Machine(dut)

@@ -67,7 +67,9 @@ module pcbus_checker #(
       if (command) high_q <= '0;
       else if (high_q != '1) high_q <= high_q + 1'b1;
       if (!pc_ior_ni && |(drivers_i & (drivers_i - 1'b1))) begin
+`ifndef FORMAL
         if (!conflict_o) $display("%m: two cards answer address 0x%04x", pc_a_i);
+`endif
         conflict_o <= 1'b1;
       end
       broken_o <= broken_o | bad;
