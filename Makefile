@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean
+.PHONY: bench mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -84,6 +84,10 @@ test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: o
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --sim icarus \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
+
+bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/bench.md
+	@tools/need_debian.sh iverilog iverilog
+	@$(BIN)/python sim/bench/run.py $(BENCH)
 
 coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
 	@$(BIN)/python tools/coverage.py
