@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -255,6 +256,8 @@ def main() -> int:
     started = time.monotonic()
     results = prove(files, args.task)
     took = time.monotonic() - started
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = used.ru_utime + used.ru_stime
     bad = [r for r in results if r.verdict != "PASS"]
     for name in vacuous(files):
         print(f"formal: {name} has no cover task: it may prove nothing", file=sys.stderr)
@@ -263,10 +266,10 @@ def main() -> int:
     count = sum(len(properties(f)) for f in files)
     print(
         f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
-        f" {len(results)} tasks pass, {took:.0f} s"
+        f" {len(results)} tasks pass, {took:.0f} s, processors {cpu:.0f} s"
     )
-    if args.doc and not args.only and not args.task and not args.fast and not bad:
-        write_doc(files, results, took)
+    if args.doc and not args.only and not args.task and not args.fast:
+        write_doc(files, results, took, cpu)
     return 1 if bad or vacuous(files) else 0
 
 

@@ -3,6 +3,7 @@
 
 import re
 import sys
+from datetime import date
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -47,7 +48,7 @@ def status(results: list, name: str) -> tuple[str, str]:
     prove = [r for r in results if r.mode == "prove"]
     bmc = [r for r in results if r.mode == "bmc"]
     covers = [r.reached[c] for r in results for c in r.reached if c == f"{name}_when"]
-    how = "open"
+    how = ", ".join(sorted({r.verdict for r in prove + bmc if r.verdict != "PASS"})) or "open"
     if prove and all(r.verdict == "PASS" for r in prove):
         how = "proved unbounded"
     elif bmc and all(r.verdict == "PASS" for r in bmc):
@@ -55,7 +56,7 @@ def status(results: list, name: str) -> tuple[str, str]:
     return how, f"clock {min(covers)}" if covers else "-"
 
 
-def table(files: list[Path], results: list, took: float) -> str:
+def table(files: list[Path], results: list, took: float, cpu: float) -> str:
     lines = []
     total = 0
     for file in files:
@@ -69,18 +70,21 @@ def table(files: list[Path], results: list, took: float) -> str:
             lines.append(f"| {name} | {section} | {text} | {how} | {cover} |")
             total += 1
         lines += ["", *(f"* Given: {text}." for text in givens(file)), ""]
-    head = f"{total} properties in {len(files)} groups; the whole run took {took:.0f} s."
+    head = (
+        f"{total} properties in {len(files)} groups. The whole run of {date.today()} took"
+        f" {took:.0f} s on a machine that had other work, {cpu:.0f} s of processor time."
+    )
     return "\n".join([head, "", *lines])
 
 
-def write_doc(files: list[Path], results: list, took: float) -> None:
+def write_doc(files: list[Path], results: list, took: float, cpu: float) -> None:
     text = DOC.read_text()
     if BEGIN not in text or END not in text:
         print(f"formal: {DOC.name} has no {BEGIN} ... {END}", file=sys.stderr)
         raise SystemExit(2)
     head, rest = text.split(BEGIN, 1)
     tail = rest.split(END, 1)[1]
-    DOC.write_text(f"{head}{BEGIN}\n\n{table(files, results, took)}{END}{tail}")
+    DOC.write_text(f"{head}{BEGIN}\n\n{table(files, results, took, cpu)}{END}{tail}")
 
 
 def givens(sby: Path) -> list[str]:
