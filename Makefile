@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: bench mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean
+.PHONY: bench mutation mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -99,6 +99,9 @@ sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn re
 formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABOTAGE=1: break the RTL; ONLY=TEXT
 	@JOBS=$(JOBS) $(BIN)/python tools/formal.py $(if $(FAST),--fast) $(if $(SABOTAGE),--sabotage) \
 	    --only "$(ONLY)"
+
+mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (hours); FAST=1: a fixed random 60
+	@JOBS=$(JOBS) $(BIN)/python tools/mutate.py $(if $(FAST),--sample 60,--resume) --only "$(ONLY)"
 
 mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (some 20 minutes)
 	@$(BIN)/python tools/mutate_firmware.py --write
