@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/formal.py without its provers: what it reads in logs, and that its files fit together."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+import formal_doc  # noqa: E402
+
+import formal  # noqa: E402
+
+GROUPS = formal.groups()
+BREAKS = tomllib.loads(formal.LIST.read_text())["break"]
+
+
+def read(text: str, mode: str = "prove") -> formal.Result:
+    result = formal.Result("g", mode, mode, 8, "ERROR", 0.0)
+    formal.read_log(text, result)
+    return result
+
+
+def test_a_proof_that_holds():
+    result = read("SBY [g] summary: successful proof by k-induction.\nSBY [g] DONE (PASS, rc=0)\n")
+    assert result.status() == "proved unbounded"
+
+
+def test_a_counter_example_names_its_property():
+    log = "SBY ##   0:00:00  Assert failed in g_props: LoopPanics\nSBY [g] DONE (FAIL, rc=2)\n"
+    result = read(log)
+    assert (result.status(), result.failed) == ("FAIL", ["LoopPanics"])
+
+
+def test_a_bound_is_said():
+    assert read("DONE (PASS, rc=0)", "bmc").status() == "bounded to 8 clocks"
+
+
+def test_covers_reached_and_not():
+    result = read(
+        "##   0:00:00  Reached cover statement in step 5 at top: A_when\n"
+        "##   0:00:00  Reached cover statement in step 9 at top: B_when\n"
+        "##   0:00:00  Unreached cover statement at top: C_when\n"
+        "DONE (FAIL, rc=2)",
+        "cover",
+    )
+    assert result.reached == {"A_when": 5, "B_when": 9}
+    assert result.missed == ["C_when"]
+    assert result.status() == "FAIL"
+
+
+def test_no_verdict_is_an_error():
+    result = read("ERROR: something\n")
+    assert (result.verdict, result.note) == ("ERROR", "ERROR: something")
+
+
+@pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
+def test_a_group_is_whole(file):
+    """Proves or bounds, covers, has properties with section and sentence, and all its files."""
+    tasks = formal.tasks(file)
+    assert any(t.startswith("cover") for t in tasks)
+    assert any(t.startswith(("prove", "bmc")) for t in tasks)
+    properties = formal_doc.properties(file)
+    assert properties
+    for name, section, text in properties:
+        assert section and text, name
+    for line in file.read_text().partition("[files]")[2].split("\n"):
+        if line.strip():
+            assert (ROOT / line.split()[-1]).is_file(), line
+
+
+@pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
+def test_a_group_has_a_breakage(file):
+    assert any(e["proof"] == file.stem for e in BREAKS), "no breakage shows that it can fail"
+
+
+@pytest.mark.parametrize("entry", BREAKS, ids=lambda e: e["name"].replace(" ", "_"))
+def test_a_breakage_applies(entry):
+    """The line stands once, and the proof that must turn red is there."""
+    assert (ROOT / entry["file"]).read_text().count(entry["find"]) == 1
+    sby = ROOT / "formal" / f"{entry['proof']}.sby"
+    assert entry.get("task", "prove") in formal.tasks(sby)
+
+
+@pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
+def test_the_page_has_every_property(file):
+    page = (ROOT / "docs" / "formal.md").read_text()
+    for name, section, text in formal_doc.properties(file):
+        assert f"| {name} | {section} | {text} |" in page, "run tools/formal.py --doc"
