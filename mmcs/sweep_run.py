@@ -56,8 +56,10 @@ def run_row(setup) -> dict:
     """Runs a setup and gives its figures; what goes wrong is a row too."""
     try:
         return _run_row(setup)
-    except (RunError, InputError, OSError, ValueError, ArithmeticError) as error:
+    except (RunError, InputError) as error:
         return failed(str(error))
+    except Exception as error:
+        return failed(f"{type(error).__name__}: {error}")
 
 
 def failed(why: str) -> dict:
