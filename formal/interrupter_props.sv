@@ -84,6 +84,8 @@ module interrupter_props #(
   `MMCS_PROVE(LineQuiet, "4.3.6", !irq_req_i, &irq_n, "without a request no line is pulled")
   `MMCS_PROVE(VectorOwn, "4.3.6", d_oe, ours_q && !vme_iack_ni && !(&vme_ds_ni),
               "the vector is driven only in an acknowledge of our level that found us asking")
+  `MMCS_PROVE(VectorFresh, "4.3.6", d_oe && !dtack, !iackin_q && strobed_q,
+              "before DTACK* it is driven only if the last clock still saw that acknowledge")
   `MMCS_PROVE(AnswerOwn, "4.3.6", dtack, ours_q,
               "DTACK* is given only to an acknowledge of our level that found us asking")
   `MMCS_PROVE(PassInside, "4.3.6", !iackout_n, !vme_iackin_ni && !vme_as_ni,
