@@ -89,9 +89,11 @@ module adaptor_core #(
   logic   [           7:0] local_rdata_q;
   logic   [           7:0] vector_q;
   logic   [7:0] pit_rdata, pccsr_rdata;
+  logic   [LocalWidth-1:0] extra;         // what this edge stands for beyond one clock
   logic                    local_write;   // the clock in which a written register changes
   logic                    strobe;
 
+  assign extra = Skip ? LocalWidth'(extra_i) : '0;
   assign strobe = (state_q == StStrobe);
   assign local_write = (state_q == StDone) & hp_write_i;
 
@@ -106,10 +108,11 @@ module adaptor_core #(
         state_q <= StStrobe;
         timer_q <= LocalWidth'(LocalClks - 1);
       end
-    end else if (timer_q != '0) begin
-      timer_q <= timer_q - 1'b1;
+    end else if (timer_q != extra) begin
+      timer_q <= timer_q - extra - 1'b1;
     end else if (strobe) begin
       state_q <= StDone;
+      timer_q <= '0;
       if (hp_write_i) local_rdata_q <= 8'hFF;
       else if (sel_pit) local_rdata_q <= pit_rdata;
       else if (sel_pccsr) local_rdata_q <= pccsr_rdata;
@@ -129,11 +132,13 @@ module adaptor_core #(
   logic [4:0] base;
   logic [7:0] bus_rdata;
   logic ior_n, iow_n;
+  logic [15:0] master_horizon;
 
   pcbus_master #(
     .ClkHz(ClkHz),
     .CmdNs(CmdNs),
-    .IochrdyLimitClks(IochrdyLimitClks)
+    .IochrdyLimitClks(IochrdyLimitClks),
+    .Skip(Skip)
   ) u_master (
     .clk_i, .rst_ni,
     .start_i(hp_req_i & sel_pc),
@@ -148,7 +153,9 @@ module adaptor_core #(
     .pc_a_o, .pc_d_o,
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
-    .pc_d_i, .pc_wait_i
+    .pc_d_i, .pc_wait_i,
+    .extra_i,
+    .horizon_o(master_horizon)
   );
 
   assign hp_ack_o = bus_done | (state_q == StDone);
@@ -277,24 +284,32 @@ module adaptor_core #(
 
   // --- skipping ---------------------------------------------------------------------------
 
-  logic busy, pit_awake;
+  logic busy, moves, pit_awake;
   logic sys_reset_moves;
-  assign sys_reset_moves = sys_reset_q[0] != sys_reset_q[1];
+  assign sys_reset_moves = sys_reset_q != '0;
   always_comb begin  // a block, so that a simulator keeps the result
-    busy = 1'b0;
-    if (hp_req_i || state_q != StIdle || !bus_idle || !panic_settled || !csr_settled ||
-        sys_reset_moves || power_timer_q != '0 ||
-        (link_ok && !sclock_o && !sclock_armed_q)) busy = 1'b1;
+    moves = 1'b0;
+    if (!panic_settled || !csr_settled || sys_reset_moves || power_timer_q != '0 ||
+        (link_ok && !sclock_o && !sclock_armed_q)) moves = 1'b1;
   end
+  assign busy = hp_req_i || state_q != StIdle || !bus_idle || moves;
   assign awake_o = ClkMHz != SysClkMHz || busy || pit_awake;
 
   if (Skip && ClkMHz == SysClkMHz) begin : g_skip
-    assign horizon_o = busy ? 16'd1 : pit_horizon;
+    // An access goes on by timers; the host port stands still meanwhile.
+    always_comb begin
+      horizon_o = pit_horizon;
+      if (busy) begin
+        if (master_horizon < horizon_o) horizon_o = master_horizon;
+        if (state_q != StIdle && 16'(timer_q) < horizon_o) horizon_o = 16'(timer_q) + 16'd1;
+        if (moves || (state_q == StIdle && hp_req_i && !sel_pc)) horizon_o = 16'd1;
+      end
+    end
   end else begin : g_step
     // A divided system clock moves at its own pace: no skipping.
     assign horizon_o = 16'd1;
     logic unused;
-    assign unused = ^pit_horizon;
+    assign unused = ^{pit_horizon, master_horizon, moves};
   end
 
   logic unused_out;

@@ -79,7 +79,7 @@ module adaptor_vme #(
   logic [7:0] hp_wdata, hp_rdata, vector;
   logic sys_reset, irq_req, slave_idle, slave_d_oe, slave_dtack;
   logic int_idle, int_d_oe, int_dtack;
-  logic [15:0] core_horizon;
+  logic [15:0] core_horizon, slave_horizon, int_horizon;
   logic core_awake;
 
   if (HostPort) begin : g_port
@@ -88,7 +88,7 @@ module adaptor_vme #(
     assign hp_a = hp_a_i;
     assign hp_wdata = hp_wdata_i;
     assign {slave_d_oe, slave_dtack, int_d_oe, int_dtack} = '0;
-    assign {slave_idle, int_idle} = '1;
+    assign {slave_idle, int_idle, slave_horizon, int_horizon} = '1;
     assign vme_iackout_no = 1'b1;
     assign vme_irq_no = '1;
     logic unused_vme;
@@ -96,7 +96,8 @@ module adaptor_vme #(
                           vme_d_i, vme_iack_ni, vme_iackin_ni, sys_reset};
   end else begin : g_vme
     vme_slave #(
-      .BaseA15A11(BaseA15A11)
+      .BaseA15A11(BaseA15A11),
+      .Skip(Skip)
     ) u_slave (
       .clk_i, .rst_ni,
       .sys_reset_i(sys_reset),
@@ -109,12 +110,15 @@ module adaptor_vme #(
       .hp_a_o(hp_a),
       .hp_wdata_o(hp_wdata),
       .hp_ack_i(hp_ack),
-      .idle_o(slave_idle)
+      .idle_o(slave_idle),
+      .extra_i,
+      .horizon_o(slave_horizon)
     );
 
     vme_interrupter #(
       .IrqLevel(IrqLevel),
-      .AckLevel(AckLevel)
+      .AckLevel(AckLevel),
+      .Skip(Skip)
     ) u_interrupter (
       .clk_i, .rst_ni,
       .sys_reset_i(sys_reset),
@@ -123,7 +127,9 @@ module adaptor_vme #(
       .vme_as_ni, .vme_ds_ni, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
       .d_oe_o(int_d_oe),
       .dtack_o(int_dtack),
-      .idle_o(int_idle)
+      .idle_o(int_idle),
+      .extra_i,
+      .horizon_o(int_horizon)
     );
     logic unused_port;
     assign unused_port = ^{hp_req_i, hp_write_i, hp_a_i, hp_wdata_i};
@@ -175,11 +181,15 @@ module adaptor_vme #(
   end
 
   if (Skip) begin : g_skip
-    assign horizon_o = (slave_idle && int_idle) ? core_horizon : 16'd1;
+    always_comb begin
+      horizon_o = core_horizon;
+      if (slave_horizon < horizon_o) horizon_o = slave_horizon;
+      if (int_horizon < horizon_o) horizon_o = int_horizon;
+    end
   end else begin : g_step
     assign horizon_o = 16'd1;
     logic unused;
-    assign unused = ^core_horizon;
+    assign unused = ^{core_horizon, slave_horizon, int_horizon};
   end
 
 endmodule

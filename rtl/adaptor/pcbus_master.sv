@@ -10,7 +10,8 @@
 module pcbus_master #(
   parameter int ClkHz = 8_000_000,
   parameter int CmdNs = 500,
-  parameter int IochrdyLimitClks = 10
+  parameter int IochrdyLimitClks = 10,
+  parameter bit Skip = 1'b0
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -31,7 +32,10 @@ module pcbus_master #(
   output logic             pc_ior_no,
   output logic             pc_iow_no,
   input  wire logic [ 7:0] pc_d_i,      // 0xFF where nobody drives
-  input  wire logic        pc_wait_i    // 1: IOCHRDY is pulled low
+  input  wire logic        pc_wait_i,   // 1: IOCHRDY is pulled low
+  // Skipping; ignored if Skip = 0
+  input  wire logic [15:0] extra_i,
+  output logic      [15:0] horizon_o
 );
 
   localparam int ClkMHz = ClkHz / 1_000_000;
@@ -52,10 +56,12 @@ module pcbus_master #(
   logic   [TimerWidth-1:0] timer_q;
   logic   [ WaitWidth-1:0] waits_q;
   logic                    write_q;
+  logic   [TimerWidth-1:0] extra;      // what this edge stands for beyond one clock
   logic                    waiting;
   logic                    timed_out;
 
   assign waiting = pc_wait_i & link_ok_i;
+  assign extra = Skip ? TimerWidth'(extra_i) : '0;
   assign timed_out = (waits_q == WaitWidth'(IochrdyLimitClks));
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -72,14 +78,22 @@ module pcbus_master #(
     end else if (state_q == StIdle) begin
       if (start_i) begin
         state_q <= StSetup;
-        timer_q <= TimerWidth'(SideClks - 1);
+        timer_q <= TimerWidth'(SideClks - 1) - extra;
         write_q <= write_i;
+        if (extra == TimerWidth'(SideClks)) begin  // only when skipping: the command begins too
+          state_q   <= StCommand;
+          timer_q   <= TimerWidth'(CmdClks - 1);
+          waits_q   <= '0;
+          pc_ior_no <= write_i;
+          pc_iow_no <= ~write_i;
+        end
         pc_a_o  <= a_i;
         if (write_i) pc_d_o <= wdata_i;
       end
-    end else if (timer_q != '0) begin
-      timer_q <= timer_q - 1'b1;
+    end else if (timer_q != extra) begin
+      timer_q <= timer_q - extra - 1'b1;
     end else begin
+      timer_q <= '0;
       case (state_q)
         StSetup: begin
           state_q   <= StCommand;
@@ -106,6 +120,21 @@ module pcbus_master #(
 
   assign done_o = (state_q == StHold) && (timer_q == '0);
   assign idle_o = (state_q == StIdle);
+
+  if (Skip) begin : g_skip
+    // Until the command begins, or the timer has run out: meanwhile nobody looks at the bus.
+    always_comb begin
+      horizon_o = 16'hFFFF;
+      if (state_q == StHold && timer_q != '0) horizon_o = 16'(timer_q);  // then it is done
+      else if (state_q != StIdle) horizon_o = 16'(timer_q) + 16'd1;
+      else if (start_i) horizon_o = 16'(SideClks) + 16'd1;
+    end
+  end else begin : g_step
+    assign horizon_o = 16'd1;
+  end
+
+  logic unused_extra;  // what no horizon reaches
+  assign unused_extra = ^extra_i;
 
   `MMCS_ASSERT(OneCommand, pc_ior_no || pc_iow_no, "IOR# and IOW# are never low together")
   `MMCS_ASSERT(CommandInState, (state_q == StCommand) || (pc_ior_no && pc_iow_no),

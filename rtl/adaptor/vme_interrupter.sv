@@ -9,7 +9,8 @@
 
 module vme_interrupter #(
   parameter int IrqLevel = 5,  // J5: the line that is pulled
-  parameter int AckLevel = 5   // J7: the level that is answered
+  parameter int AckLevel = 5,  // J7: the level that is answered
+  parameter bit Skip = 1'b0
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -25,7 +26,10 @@ module vme_interrupter #(
   output logic      [ 7:1] vme_irq_no,
   output logic             d_oe_o,        // drive the vector on D07-D00
   output logic             dtack_o,       // pull DTACK* low
-  output logic             idle_o
+  output logic             idle_o,
+  // Skipping; ignored if Skip = 0
+  input  wire logic [15:0] extra_i,
+  output logic      [15:0] horizon_o
 );
 
   typedef enum logic [1:0] {
@@ -66,7 +70,7 @@ module vme_interrupter #(
       iackin0_q   <= ~vme_iackin_ni;
       iackin1_q   <= iackin0_q;
       strobe0_q   <= ~vme_ds_ni[0];
-      strobe1_q   <= strobe0_q;
+      strobe1_q   <= Skip && extra_i != '0 ? ~vme_ds_ni[0] : strobe0_q;
       both_high_q <= ~strobed;
       cycle_q     <= ~vme_as_ni;
       req_q       <= irq_req_i;
@@ -116,6 +120,19 @@ module vme_interrupter #(
   assign dtack_o = dtack_q;
   assign idle_o = (state_q == StIdle) && (iackin0_q == iackin1_q) && (strobe0_q == strobe1_q) &&
                   (req_q == irq_req_i);
+
+  if (Skip) begin : g_skip
+    // At rest the strobes of other cycles pass through the stages without effect.
+    always_comb begin
+      horizon_o = 16'hFFFF;
+      if (state_q != StIdle || iackin0_q == vme_iackin_ni || iackin0_q != iackin1_q ||
+          req_q != irq_req_i) horizon_o = 16'd1;
+    end
+  end else begin : g_step
+    assign horizon_o = 16'd1;
+    logic unused;
+    assign unused = ^extra_i;
+  end
 
   `MMCS_ASSERT(OneFate, !(dtack_q && !vme_iackout_no),
                "an acknowledge is answered or passed on, never both")

@@ -240,11 +240,19 @@ module thct2000 #(
   assign count_o   = count_q;
   assign illegal_o = illegal_q;
 
-  // ---- skipping: still inputs and an idle bus leave nothing to do, but mode 6 counts every tick ---
+  // ---- skipping: still inputs and a bus that stands leave nothing to do, but mode 6 counts ticks ---
   generate
     if (Skip) begin : g_skip
-      assign horizon_o = awake ? 16'd1 : 16'hFFFF;
-      `MMCS_ASSERT(a_skip, !awake || extra_i == '0, "a busy counter is stepped clock by clock")
+      logic acts;  // more happens than that registers take what they hold
+      always_comb begin
+        acts = 1'b0;
+        if (awake) begin
+          acts = moving || rd != rd_q || wr != wr_q || (wr && {rs_i, d_i} != {rs_q, d_q}) ||
+                 latch_i != latch_in_q || reset_i || (m_i == ModeInterval && now_a);
+        end
+      end
+      assign horizon_o = acts ? 16'd1 : 16'hFFFF;
+      `MMCS_ASSERT(a_skip, !acts || extra_i == '0, "a busy counter is stepped clock by clock")
     end else begin : g_step
       logic unused;
       assign unused    = ^extra_i;

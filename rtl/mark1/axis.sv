@@ -244,7 +244,7 @@ module axis #(
       horizon_o = enc_horizon;
       if (adc_horizon < horizon_o) horizon_o = adc_horizon;
       if (hb_horizon < horizon_o) horizon_o = hb_horizon;
-      if (index_moving) horizon_o = 16'd1;
+      if (index_moving || (adc_oe && adc_q != adc_db)) horizon_o = 16'd1;
     end
   end else begin : g_step
     assign horizon_o = 16'd1;

@@ -307,22 +307,30 @@ module mark1 #(
   // --- skipping -----------------------------------------------------------------------------
 
   if (Skip) begin : g_skip
+    // A command acts on the first clock at which it is seen and on the first at which it is gone.
     logic [15:0] horizon1, horizon2;
+    logic [1:0] bus_q;
+    logic bus_moves;
+    assign bus_moves = {pc_ior_ni, pc_iow_ni} != bus_q;
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) bus_q <= 2'b11;
+      else if (bus_moves) bus_q <= {pc_ior_ni, pc_iow_ni};
+    end
     assign {horizon2, horizon1} = axis_horizon;
     always_comb begin
       horizon_o = relay_horizon;
       if (horizon1 < horizon_o) horizon_o = horizon1;
       if (horizon2 < horizon_o) horizon_o = horizon2;
-      if (bus_busy || !latch_settled || reset) horizon_o = 16'd1;
+      if (bus_moves || shakes || !latch_settled || reset) horizon_o = 16'd1;
     end
   end else begin : g_step
     assign horizon_o = 16'd1;
     logic unused;
-    assign unused = ^{axis_horizon, relay_horizon, latch_settled, bus_busy};
+    assign unused = ^{axis_horizon, relay_horizon, latch_settled};
   end
 
-  logic unused_address;
-  assign unused_address = ^pc_a_i[15:14];
+  logic unused_pins;
+  assign unused_pins = ^{pc_a_i[15:14], bus_busy};
 
   `MMCS_ASSERT(OneDriver, !(ppi_d_oe && (enc_d_oe[0] || enc_d_oe[1] || adc_read)),
                "one device of a card drives the bus at a time")

@@ -26,6 +26,8 @@
 #include "Vpit___024root.h"
 
 void Vadaptor___024root___eval(Vadaptor___024root *);
+bool Vadaptor___024root___eval_phase__act(Vadaptor___024root *);
+bool Vadaptor___024root___eval_phase__nba(Vadaptor___024root *);
 void Vcard___024root___eval(Vcard___024root *);
 void Vpit___024root___eval(Vpit___024root *);
 
@@ -37,6 +39,7 @@ namespace {
 constexpr int64_t kNever = INT64_MAX;
 constexpr int kResetClks = 64;
 constexpr int kMaxCards = 16;
+constexpr int64_t kRest = 0xFFFF;     // horizon of a block that has nothing to do
 constexpr unsigned kPanicIrq = 7;     // jumpers as rtl/mmcs.sv sets them
 constexpr unsigned kLatchAll = 0x12;  // CARD_LATCH_ALL: every card listens
 constexpr unsigned kRegisterMask = 0x1F, kDipShift = 10, kDipMask = 0xF;
@@ -82,8 +85,14 @@ struct AdaptorTime {
   Wire<VmePins> vme;
   Wire<SafetyPins> safety;
 };
+// What the adaptor says to a card.
+struct Bus {
+  uint16_t a = 0;
+  uint8_t d = 0, ior_n = 1, iow_n = 1, drq = 0, clk_en = 0;
+};
 struct CardTime {
   int64_t last = 0, due = 0;
+  Wire<Bus> bus;
   Wire<Encoders> encoders;
   Wire<Switches> wires, switches;  // a switch has two flip-flops on its way
   Wire<uint32_t> adc;
@@ -96,7 +105,10 @@ struct RackTime {
   uint32_t to_pit = 0;   // pins of the timer chip as it sees them, as its socket packs them
   uint32_t listens = 0;  // cards that see the command on the bus, a bit each
   uint32_t panics = 0;   // cards that pull PANIC
-  int64_t next = 0;      // earliest edge at which anything is to be done
+  uint8_t drq = 0, clk_en = 0;
+  int64_t next = 0;        // earliest edge at which anything is to be done
+  int64_t cards = 0;       // the same of the cards
+  int64_t hands = kNever;  // the same of the switches
 };
 
 class Rack final : public Model {
@@ -126,10 +138,7 @@ class Rack final : public Model {
   int16_t drive(int axis) const override {
     return static_cast<int16_t>(card_[axis / 2].r->drive_v_o >> (16 * (axis & 1)));
   }
-  unsigned leds(int card) const override {
-    const_cast<Vcard &>(*card_[card].top).eval();
-    return card_[card].r->leds_o;
-  }
+  unsigned leds(int card) const override { return card_[card].r->leds_o; }
 
   void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data) override {
     VmePins &p = vme();
@@ -183,13 +192,18 @@ class Rack final : public Model {
     CardTime t;
     Encoders encoders;
     Switches switches;
+    Bus bus;
   };
 
   void power_on();
   void edge_adaptor(int64_t t);
+  void catch_up_adaptor(int64_t t);
+  void settle_adaptor(int64_t t);
   void edge_card(Card &card, int64_t t);
   void edge_pit(int64_t t);
   void drive_pit(int64_t t);
+  void show_encoders(Card &card);
+  Bus &bus(Card &card, int64_t t);
   void step(int64_t t);
   void drive_bus(int64_t t);
   void apply_pins(int64_t t);
@@ -223,6 +237,8 @@ class Rack final : public Model {
   SafetyPins safety_;
   bool two_evals_, skip_;
   bool stop_lines_ = false;
+  bool cards_moved_ = true;  // plan() has to look at them
+  bool stale_ = true;  // an input of the adaptor changed, and nothing has been worked out since
   std::string failure_;
 };
 
@@ -248,8 +264,12 @@ void Rack::edge_adaptor(int64_t t) {
       if (r->pc_d_oe_o) data &= r->pc_d_o;
     }
     a_->pc_d_i = static_cast<CData>(data);
+    stale_ = true;
   }
-  if (t_.to_pit) a_->MMCS_SOCKET(from_d) = p_->d_o;
+  if (t_.to_pit) {
+    a_->MMCS_SOCKET(from_d) = p_->d_o;
+    stale_ = true;
+  }
   const unsigned lines =
       static_cast<unsigned>(a_->sclock_o) << 10 | static_cast<unsigned>(a_->brake_release_o) << 9 |
       static_cast<unsigned>(a_->panic_o) << 8 | (~(a_->vme_irq_no << 1) & kLineIrq);
@@ -258,20 +278,79 @@ void Rack::edge_adaptor(int64_t t) {
     stop_lines_ = true;
   }
   a_->extra_i = static_cast<SData>(t - at_.last - 1);
-  clock_block(a_, Vadaptor___024root___eval, two_evals_);
+  if (stale_ || two_evals_) {
+    clock_block(a_, Vadaptor___024root___eval, two_evals_);
+    stale_ = false;
+  } else {
+    // What follows from the inputs is known: the clock alone. extra_i acts at the clock only, which
+    // the Makefile makes sure of.
+    a_->__Vtrigprevexpr___TOP__clk_i__0 = 0;
+    Vadaptor___024root___eval_phase__act(a_);
+    Vadaptor___024root___eval_phase__nba(a_);
+  }
   at_.last = t;
   at_.due = t + (skip_ ? a_->horizon_o : 1);
 }
 
+// Before an input changes after edge t. An adaptor at rest counts nothing: its clocks up to here
+// need not be made up for.
+void Rack::catch_up_adaptor(int64_t t) {
+  if (at_.last == t) return;
+  if (at_.due - at_.last >= kRest) {
+    at_.last = t;
+  } else {
+    edge_adaptor(t);
+  }
+}
+
+// After it changed: what follows without a clock, and when the next clock matters.
+void Rack::settle_adaptor(int64_t t) {
+  Vadaptor___024root___eval(a_);
+  stale_ = false;
+  at_.due = t + (skip_ ? a_->horizon_o : 1);
+}
+
+// A card's counters do not look at encoders and bus: when these change, the clocks since the last
+// edge need not be made up for first. What changed after edge t is not seen at edge t, though.
 void Rack::edge_card(Card &card, int64_t t) {
+  if (t > card.t.bus.at) {
+    const Bus &b = card.bus = card.t.bus.next;
+    card.t.bus.at = kNever;
+    card.r->pc_a_i = b.a;
+    card.r->pc_d_i = b.d;
+    card.r->pc_ior_ni = b.ior_n;
+    card.r->pc_iow_ni = b.iow_n;
+    card.r->pc_drq_i = b.drq;
+    card.r->pc_clk_en_i = b.clk_en;
+  }
+  if (t > card.t.encoders.at) show_encoders(card);
   if (t > card.t.adc.at) {
     card.r->adc_v_i = card.t.adc.next;
     card.t.adc.at = kNever;
   }
   card.r->extra_i = static_cast<SData>(t - card.t.last - 1);
   clock_block(card.r, Vcard___024root___eval, two_evals_);
+  cards_moved_ = true;
   card.t.last = t;
   card.t.due = t + (skip_ ? card.r->horizon_o : 1);
+  if (card.t.bus.at != kNever) card.t.due = std::min(card.t.due, card.t.bus.at + 1);
+  if (card.t.encoders.at != kNever) card.t.due = std::min(card.t.due, card.t.encoders.at + 1);
+}
+
+void Rack::show_encoders(Card &card) {
+  card.t.encoders.at = kNever;
+  card.encoders = card.t.encoders.next;
+  card.r->enc_a_i = card.encoders.a;
+  card.r->enc_b_i = card.encoders.b;
+  card.r->enc_i_i = card.encoders.i;
+}
+
+// The bus of the card as it will be after edge t.
+Bus &Rack::bus(Card &card, int64_t t) {
+  if (card.t.bus.at == kNever) card.t.bus.next = card.bus;
+  card.t.bus.at = t;
+  soon(card, t);
+  return card.t.bus.next;
 }
 
 void Rack::edge_pit(int64_t t) {
@@ -299,6 +378,7 @@ void Rack::drive_pit(int64_t t) {
 // The card's inputs change after edge t: it looks at them at the next.
 void Rack::soon(Card &card, int64_t t) {
   card.t.due = t + 1;
+  cards_moved_ = true;
 }
 
 // What the adaptor says on the PC bus after edge t, for those cards that it concerns.
@@ -312,34 +392,36 @@ void Rack::drive_bus(int64_t t) {
       Card &card = card_[n];
       if (!all && card.r->dip_i != (address >> kDipShift & kDipMask)) continue;
       t_.listens |= 1u << n;
-      card.r->pc_a_i = a_->pc_a_o;
-      card.r->pc_d_i = a_->pc_d_o;
-      card.r->pc_ior_ni = ior_n;
-      card.r->pc_iow_ni = iow_n;
-      soon(card, t);
+      Bus &b = bus(card, t);
+      b.a = a_->pc_a_o;
+      b.d = a_->pc_d_o;
+      b.ior_n = ior_n;
+      b.iow_n = iow_n;
     }
   } else if (!busy) {
-    for (uint32_t rest = t_.listens; rest; rest &= rest - 1) {
-      Card &card = card_[__builtin_ctz(rest)];
-      card.r->pc_ior_ni = card.r->pc_iow_ni = 1;
-      soon(card, t);
+    for (; t_.listens; t_.listens &= t_.listens - 1) {
+      Bus &b = bus(card_[__builtin_ctz(t_.listens)], t);
+      b.ior_n = b.iow_n = 1;
     }
-    t_.listens = 0;
+  }
+  if (t_.drq != a_->pc_drq_o || t_.clk_en != a_->pc_clk_en_o) {
+    t_.drq = a_->pc_drq_o;
+    t_.clk_en = a_->pc_clk_en_o;
+    for (int n = 0; n < mmcs_build_cards; ++n) {
+      Bus &b = bus(card_[n], t);
+      b.drq = t_.drq;
+      b.clk_en = t_.clk_en;
+    }
   }
   const Vcard___024root &c = *card_[0].r;
-  const bool rare = c.pc_reset_drv_i != a_->pc_reset_drv_o || c.power_i != a_->pc_power_o;
-  if (!rare && c.pc_drq_i == a_->pc_drq_o && c.pc_clk_en_i == a_->pc_clk_en_o) return;
+  if (c.pc_reset_drv_i == a_->pc_reset_drv_o && c.power_i == a_->pc_power_o) return;
   for (int n = 0; n < mmcs_build_cards; ++n) {
     Card &card = card_[n];
-    if (rare && card.t.last < t) edge_card(card, t);
-    card.r->pc_drq_i = a_->pc_drq_o;
-    card.r->pc_clk_en_i = a_->pc_clk_en_o;
-    if (rare) {
-      card.r->pc_reset_drv_i = a_->pc_reset_drv_o;
-      card.r->power_i = card.r->rst_ni = a_->pc_power_o;
-      card.top->eval();
-      look_at_panic(n, t);
-    }
+    if (card.t.last < t) edge_card(card, t);
+    card.r->pc_reset_drv_i = a_->pc_reset_drv_o;
+    card.r->power_i = card.r->rst_ni = a_->pc_power_o;
+    card.top->eval();
+    look_at_panic(n, t);
     soon(card, t);
   }
 }
@@ -352,9 +434,9 @@ void Rack::look_at_panic(int n, int64_t t) {
   const bool before = t_.panics != 0;
   t_.panics ^= bit;
   if ((t_.panics != 0) == before) return;
-  if (at_.last < t) edge_adaptor(t);
+  catch_up_adaptor(t);
   a_->pc_irq_i = static_cast<CData>((t_.panics != 0) << (kPanicIrq - 3));
-  at_.due = t + 1;
+  settle_adaptor(t);
 }
 
 void Rack::apply_switches(int n, int64_t t) {
@@ -373,10 +455,11 @@ void Rack::apply_switches(int n, int64_t t) {
   r.dac_stuck0_i = s.dac_stuck0;
   // A card whose switch changes under a command may begin or cease to listen.
   if (!(a_->pc_ior_no && a_->pc_iow_no)) {
-    r.pc_a_i = a_->pc_a_o;
-    r.pc_d_i = a_->pc_d_o;
-    r.pc_ior_ni = a_->pc_ior_no;
-    r.pc_iow_ni = a_->pc_iow_no;
+    Bus &b = bus(card, t);
+    b.a = a_->pc_a_o;
+    b.d = a_->pc_d_o;
+    b.ior_n = a_->pc_ior_no;
+    b.iow_n = a_->pc_iow_no;
     t_.listens |= 1u << n;
   }
   card.top->eval();
@@ -387,10 +470,11 @@ void Rack::apply_switches(int n, int64_t t) {
 // Pins whose wire ends after edge t.
 void Rack::apply_pins(int64_t t) {
   if (at_.vme.at <= t) {
-    const bool strobes = std::memcmp(&at_.vme.next.as_n, &vme_.as_n, 2) != 0 ||
-                         at_.vme.next.iackin_n != vme_.iackin_n ||
-                         at_.vme.next.iack_n != vme_.iack_n;
-    if (at_.last < t && strobes) edge_adaptor(t);
+    const VmePins &next = at_.vme.next;
+    // The adaptor looks at the address under a strobe alone.
+    const bool seen = (next.as_n & next.iackin_n & vme_.as_n & vme_.iackin_n) == 0 ||
+                      (next.ds_n & vme_.ds_n) != 3 || next.iack_n != vme_.iack_n;
+    if (seen) catch_up_adaptor(t);
     vme_ = at_.vme.next;
     at_.vme.at = kNever;
     a_->vme_a_i = vme_.a;
@@ -402,10 +486,11 @@ void Rack::apply_pins(int64_t t) {
     a_->vme_lword_ni = vme_.lword_n;
     a_->vme_iack_ni = vme_.iack_n;
     a_->vme_iackin_ni = vme_.iackin_n;
-    if (strobes) at_.due = t + 1;
+    stale_ = true;
+    if (seen) settle_adaptor(t);
   }
   if (at_.safety.at <= t) {
-    if (at_.last < t) edge_adaptor(t);
+    catch_up_adaptor(t);
     safety_ = at_.safety.next;
     at_.safety.at = kNever;
     a_->vme_sysreset_ni = safety_.sysreset_n;
@@ -413,35 +498,32 @@ void Rack::apply_pins(int64_t t) {
     a_->cable_ok_i = safety_.cable_ok;
     a_->pc_power_i = safety_.pc_power;
     a_->irq_lost_i = safety_.irq_lost;
-    at_.due = t + 1;
+    stale_ = true;
+    at_.due = t + 1;  // their first flip-flops say nothing of what is in front of them
   }
+  if (t_.hands > t) return;
+  t_.hands = kNever;
   for (int n = 0; n < mmcs_build_cards; ++n) {
     Card &card = card_[n];
-    if (card.t.encoders.at <= t) {
-      card.t.encoders.at = kNever;
-      card.encoders = card.t.encoders.next;
-      card.r->enc_a_i = card.encoders.a;
-      card.r->enc_b_i = card.encoders.b;
-      card.r->enc_i_i = card.encoders.i;
-      soon(card, t);
-    }
     if (card.t.switches.at <= t) apply_switches(n, t);
     if (card.t.wires.at <= t) {
       card.t.switches = {card.t.wires.next, t + 1};
       card.t.wires.at = kNever;
     }
+    t_.hands = std::min(t_.hands, std::min(card.t.switches.at, card.t.wires.at));
   }
 }
 
 // When anything is to be done next.
 void Rack::plan() {
-  int64_t next = std::min(std::min(at_.due, t_.pit_due), std::min(at_.vme.at, at_.safety.at));
-  for (int n = 0; n < mmcs_build_cards; ++n) {
-    const CardTime &c = card_[n].t;
-    next = std::min(next,
-                    std::min(std::min(c.due, c.encoders.at), std::min(c.switches.at, c.wires.at)));
+  if (cards_moved_) {
+    cards_moved_ = false;
+    int64_t cards = kNever;
+    for (int n = 0; n < mmcs_build_cards; ++n) cards = std::min(cards, card_[n].t.due);
+    t_.cards = cards;
   }
-  t_.next = next;
+  t_.next = std::min(std::min(std::min(at_.due, t_.pit_due), std::min(t_.cards, t_.hands)),
+                     std::min(at_.vme.at, at_.safety.at));
 }
 
 // Edge t: every block that is due sees its inputs as they stood before; then these change.
@@ -455,16 +537,15 @@ void Rack::step(int64_t t) {
     timer = p_->out_o != a_->MMCS_SOCKET(from_out);
   }
   uint32_t woken = 0;
-  for (int n = 0; n < mmcs_build_cards; ++n) {
+  for (int n = 0; t_.cards <= t && n < mmcs_build_cards; ++n) {
     if (card_[n].t.due > t) continue;
     edge_card(card_[n], t);
     woken |= 1u << n;
   }
   if (timer) {
-    if (at_.last < t) edge_adaptor(t);
+    catch_up_adaptor(t);
     a_->MMCS_SOCKET(from_out) = p_->out_o;
-    adaptor_->eval();
-    at_.due = t + 1;
+    settle_adaptor(t);
   }
   if (adaptor) drive_pit(t);
   if (adaptor || timer) drive_bus(t);
@@ -525,8 +606,8 @@ void Rack::power_on() {
     r.clk_i = 1;
     r.rst_ni = 0;
     r.pc_ior_ni = r.pc_iow_ni = r.power_i = 1;
-    r.pc_clk_en_i = a_->pc_clk_en_o;
-    r.pc_drq_i = a_->pc_drq_o;
+    card.bus.clk_en = r.pc_clk_en_i = t_.clk_en = a_->pc_clk_en_o;
+    card.bus.drq = r.pc_drq_i = t_.drq = a_->pc_drq_o;
     r.axis_enable_i = 3;
     r.dip_i = static_cast<CData>(n);
     card.top->eval();
@@ -604,14 +685,22 @@ void Rack::set(Pin pin, int index, unsigned value) {
     Encoders after = before;
     bit(pin == Pin::kEncA ? after.a : pin == Pin::kEncB ? after.b : after.i, joint);
     if (std::memcmp(&before, &after, sizeof after) == 0) return;
+    if (w.at <= now) {  // an earlier one, through its wire but not yet looked at
+      if (card.t.last < now) edge_card(card, now);
+      if (w.at != kNever) show_encoders(card);
+    }
     w = {after, now + 1};
-    t_.next = std::min(t_.next, w.at);
+    card.t.due = std::min(card.t.due, now + 2);
+    t_.cards = std::min(t_.cards, card.t.due);
+    t_.next = std::min(t_.next, card.t.due);
+    cards_moved_ = true;
     return;
   }
   Wire<Switches> &w = card.t.wires;
   if (w.at == kNever) {
     w.next = card.t.switches.at == kNever ? card.switches : card.t.switches.next;
     w.at = now + 1;
+    t_.hands = std::min(t_.hands, w.at);
     t_.next = std::min(t_.next, w.at);
   }
   Switches &s = w.next;
@@ -671,10 +760,11 @@ void flip(T &value, unsigned bits) {
 void Rack::upset(Register reg, int axis, unsigned bits) {
   const int64_t now = t_.clock;
   if (reg == Register::kPccsr || reg == Register::kVector) {
-    if (at_.last < now) edge_adaptor(now);
+    catch_up_adaptor(now);
     if (reg == Register::kPccsr) flip(a_->MMCS_CORE(u_pccsr__DOT__csr_q), bits);
     if (reg == Register::kVector) flip(a_->MMCS_CORE(vector_q), bits);
     Vadaptor___024root___eval_settle(a_);
+    stale_ = true;
     at_.due = now + 1;
   } else {
     Card &card = card_[axis / 2];
@@ -706,6 +796,7 @@ std::vector<uint8_t> Rack::save() {
     out.put(&card_[n].t, sizeof card_[n].t);
     out.put(&card_[n].encoders, sizeof(Encoders));
     out.put(&card_[n].switches, sizeof(Switches));
+    out.put(&card_[n].bus, sizeof(Bus));
   }
   return out.take();
 }
@@ -723,7 +814,9 @@ void Rack::restore(const std::vector<uint8_t> &state) {
     in.get(&card_[n].t, sizeof card_[n].t);
     in.get(&card_[n].encoders, sizeof(Encoders));
     in.get(&card_[n].switches, sizeof(Switches));
+    in.get(&card_[n].bus, sizeof(Bus));
   }
+  cards_moved_ = stale_ = true;
   stop_lines_ = false;
 }
 
