@@ -24,6 +24,9 @@ class Host(Strict):
     cpu_us_per_axis: float = Field(430 / 6, ge=0, le=10_000)  # a Sun 3/160: 430 us for six
     latency_max_us: float = Field(100.0, ge=0, le=100_000)
     bus_timeout_us: float = Field(16.0, ge=2, le=1000)
+    # --host m68020 only
+    wait_states: int = Field(0, ge=0, le=100)
+    instruction_cache: Literal["ideal", "256 bytes"] = "ideal"
 
 
 class Servo(Strict):

@@ -52,6 +52,8 @@ class Setup:
             "cpu_us_per_axis": host.cpu_us_per_axis,
             "latency_max_us": host.latency_max_us,
             "bus_timeout_us": host.bus_timeout_us,
+            "wait_states": host.wait_states,
+            "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,
             "skip": int(scenario.skip),
             "amp_panic_cut": int(scenario.amp_panic_cut),
         }

@@ -43,8 +43,7 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
   if (config.host == MMCS_HOST_RV32) {
     cpu_ = std::make_unique<Soc>(machine_, mc(), config.firmware, std::move(events));
   } else {
-    cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config.processor, config.firmware,
-                                       config.wait_states, std::move(events));
+    cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config, std::move(events));
   }
 }
 

@@ -126,6 +126,7 @@ bool Machine::advance(int64_t n, Watch watch) {
       lines_changed();
     }
     if (const unsigned offset = model_->take_bus_error()) {
+      ++soc_failures_;
       std::snprintf(text, sizeof text, "bus error at 0x%04X", offset);
       note("bus", -1, text);
     }

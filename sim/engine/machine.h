@@ -57,6 +57,9 @@ class Machine {
     return true;
   }
 
+  // Accesses that failed at the SoC's bridge.
+  int32_t soc_failures() const { return soc_failures_; }
+
   // Clock and joint angles at the last rising edge of SCLOCK.
   int64_t sample_clock() const { return sample_clock_; }
   const std::vector<double> &sample_angles() const { return sample_angles_; }
@@ -80,6 +83,7 @@ class Machine {
     a(events_);
     a(next_event_);
     a(lines_);
+    a(soc_failures_);
     a(sample_angles_);
     a(trail_);
     size_t kept = notes_.size();
@@ -129,6 +133,7 @@ class Machine {
   int64_t stalled_until_ = 0;
   int64_t bus_errors_ = 0;
   unsigned lines_ = 0;
+  int32_t soc_failures_ = 0;
   int64_t sample_clock_ = 0;
   std::vector<double> sample_angles_;
   std::vector<mmcs_note> notes_;

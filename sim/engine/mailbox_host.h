@@ -13,6 +13,7 @@
 #include "archive.h"
 #include "driver.h"
 #include "machine.h"
+#include "phases.h"
 
 namespace mmcs {
 
@@ -40,6 +41,9 @@ class MailboxHost {
 
   // As Host::run_until().
   virtual bool run_until(int64_t clock, const std::function<void()> &idle) = 0;
+
+  // What the firmware is doing; nullptr: nobody looks.
+  virtual const Phases *phases() const { return nullptr; }
 
   virtual void save(Writer &a) = 0;
   virtual void restore(Reader &a) = 0;

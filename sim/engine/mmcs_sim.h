@@ -73,6 +73,7 @@ typedef struct mmcs_config {
   int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
+  int32_t instruction_cache; /* bytes of it that are modelled: 256, or 0 if every fetch hits */
   const char *processor; /* file names for a real processor: its library, */
   const char *firmware;  /* and the image that it runs */
 } mmcs_config;
@@ -210,6 +211,15 @@ double mmcs_sim_true_current(const mmcs_sim *sim, int axis);
 int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis);
 /* The 16-bit counter of the axis on its card, read without disturbing it. */
 int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis);
+/* Where a servo pass of a real processor spends its time, over those that wrote the D/As: "latency"
+ * (SCLOCK to acknowledge), "pass" (SCLOCK to the end), and its parts. */
+typedef struct mmcs_phase {
+  char name[16];
+  int64_t passes;
+  double mean_us, max_us;
+} mmcs_phase;
+/* Fills up to n; how many there are, 0 where the driver is native code. */
+int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n);
 /* Digest of every sample so far and of the hardware state now. */
 uint64_t mmcs_sim_hash(const mmcs_sim *sim);
 int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);

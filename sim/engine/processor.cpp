@@ -16,9 +16,8 @@
 namespace mmcs {
 namespace {
 
-// 8 MHz against 16.67 MHz: 25 cycles are 12 clocks.
 constexpr int64_t kUnitsPerClock = 25;
-constexpr int64_t kUnitsPerCycle = 12;
+constexpr int64_t kUnitsPerCycleAt8MHz = 12;
 // Longest time that the processor runs ahead of the machine.
 constexpr int kQuantumCycles = 50;
 constexpr int kServoLevel = 5;
@@ -36,14 +35,19 @@ struct Processor::Functions {
   decltype(&iss_stopped) stopped;
   decltype(&iss_set_level) set_level;
   decltype(&iss_memory) memory;
+  decltype(&iss_pc) pc;
   decltype(&iss_state_size) state_size;
   decltype(&iss_get_state) get_state;
   decltype(&iss_set_state) set_state;
 };
 
-Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std::string &library,
-                     const std::string &image, int wait_states, Events events)
-    : MailboxHost(machine, mirror, std::move(events)), bus_(bus) {
+Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmcs_config &config,
+                     Events events)
+    : MailboxHost(machine, mirror, std::move(events)),
+      bus_(bus),
+      units_per_cycle_(kUnitsPerCycleAt8MHz * (Model::clk_hz() / 8000000)),
+      clocks_per_us_(Model::clk_hz() / 1000000) {
+  const std::string library = config.processor, image = config.firmware;
   std::ifstream file(image, std::ios::binary);
   const std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
   if (bytes.empty()) throw std::runtime_error("no firmware at " + image + "; run `make firmware`");
@@ -62,6 +66,7 @@ Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std
   find(f_->stopped, "iss_stopped");
   find(f_->set_level, "iss_set_level");
   find(f_->memory, "iss_memory");
+  find(f_->pc, "iss_pc");
   find(f_->state_size, "iss_state_size");
   find(f_->get_state, "iss_get_state");
   find(f_->set_state, "iss_set_state");
@@ -77,8 +82,7 @@ Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std
       },
       [](void *ctx, int level) { return static_cast<Processor *>(ctx)->acknowledge(level); },
   };
-  // Without wait states all fetches are taken to hit: the cache model charges misses in full.
-  const struct iss_timing timing = {wait_states > 0, wait_states};
+  const struct iss_timing timing = {config.instruction_cache != 0, config.wait_states};
   iss_ = f_->create(MAILBOX_RAM_BYTES, reinterpret_cast<const uint8_t *>(bytes.data()),
                     bytes.size(), &iss_bus, &timing);
   if (!iss_) throw std::runtime_error("the firmware does not fit the processor's memory");
@@ -120,7 +124,7 @@ void Processor::ring() {
 // The cycles used since the last look become time.
 void Processor::account() {
   const int64_t cycles = f_->cycles(iss_);
-  units_ += (cycles - seen_cycles_) * kUnitsPerCycle;
+  units_ += (cycles - seen_cycles_) * units_per_cycle_;
   seen_cycles_ = cycles;
 }
 
@@ -145,13 +149,16 @@ void Processor::set_level() {
 int Processor::read(uint32_t address, int size, uint32_t *value) {
   if (address == MAILBOX_CLOCK_US && size == 4) {
     account();
-    *value = static_cast<uint32_t>(units_ / (8 * kUnitsPerClock));
+    *value = static_cast<uint32_t>(units_ / (clocks_per_us_ * kUnitsPerClock));
     return 0;
   }
   if (address < MAILBOX_SHORT_IO) return 1;
   catch_up();
+  const double from = now_us();
   const BusResult result = bus_.read(address & 0xFFFF, kAmSupervisor, size, value);
   meet();
+  phases_.access(address & 0x7FF, false, from, now_us());
+  show();
   return result == BusResult::kOk ? 0 : 1;
 }
 
@@ -159,25 +166,44 @@ int Processor::write(uint32_t address, int size, uint32_t value) {
   if (size == 4 && (address == MAILBOX_REPORT || address == MAILBOX_DOORBELL)) {
     catch_up();
     if (address == MAILBOX_DOORBELL) doorbell_ = 0;
-    if (address == MAILBOX_REPORT) report(value);
+    if (address == MAILBOX_REPORT) {
+      phases_.report(value == MAILBOX_SAMPLED, now_us());
+      report(value);
+      show();
+    }
     set_level();
     return 0;
   }
   if (address < MAILBOX_SHORT_IO) return 1;
   catch_up();
+  const double from = now_us();
   const BusResult result = bus_.write(address & 0xFFFF, kAmSupervisor, size, value);
   meet();
+  phases_.access(address & 0x7FF, true, from, now_us());
+  show();
   return result == BusResult::kOk ? 0 : 1;
 }
 
 int Processor::acknowledge(int level) {
   if (level != kServoLevel) return -1;
   catch_up();
+  phases_.acknowledge(
+      static_cast<double>(machine_.sample_clock()) / static_cast<double>(clocks_per_us_), now_us());
+  show();
   events_.acknowledged();
   uint8_t vector = 0;
   const BusResult result = bus_.acknowledge(level, &vector);
   meet();
   return result == BusResult::kOk ? vector : -2;
+}
+
+double Processor::now_us() const {
+  return static_cast<double>(units_) / static_cast<double>(clocks_per_us_ * kUnitsPerClock);
+}
+
+// Into the waveform, where there is one.
+void Processor::show() {
+  machine_.model().host_phase(static_cast<unsigned>(phases_.now()), f_->pc(iss_));
 }
 
 // A few instructions, or sleep until something happens; never beyond `limit` while asleep.
@@ -189,12 +215,15 @@ void Processor::step(int64_t limit) {
     if (machine_.irq() && machine_.stalled_until() > machine_.clock()) {
       until = std::min(until, machine_.stalled_until());
     }
+    machine_.model().host_phase(static_cast<unsigned>(Phase::kWaiting), f_->pc(iss_));
     if (until > machine_.clock()) machine_.advance(until - machine_.clock(), Watch::kIrq);
+    show();
     units_ = std::max(units_, machine_.clock() * kUnitsPerClock);
     return;
   }
   f_->run(iss_, kQuantumCycles);
   catch_up();
+  show();
 }
 
 bool Processor::run_until(int64_t clock, const std::function<void()> &idle) {

@@ -20,12 +20,13 @@ namespace mmcs {
 
 class Processor final : public MailboxHost {
  public:
-  // library and image are file names. Throws std::runtime_error with one sentence.
-  Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const std::string &library,
-            const std::string &image, int wait_states, Events events);
+  // Throws std::runtime_error with one sentence.
+  Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmcs_config &config,
+            Events events);
   ~Processor() override;
 
   bool run_until(int64_t clock, const std::function<void()> &idle) override;
+  const Phases *phases() const override { return &phases_; }
   void save(Writer &a) override { state(a); }
   void restore(Reader &a) override { state(a); }
 
@@ -58,6 +59,8 @@ class Processor final : public MailboxHost {
   int read(uint32_t address, int size, uint32_t *value);
   int write(uint32_t address, int size, uint32_t value);
   int acknowledge(int level);
+  double now_us() const;
+  void show();
 
   VmeBus &bus_;
   void *library_ = nullptr;
@@ -65,9 +68,12 @@ class Processor final : public MailboxHost {
   Functions *f_ = nullptr;
   struct iss *iss_ = nullptr;
   uint8_t *memory_ = nullptr;
-  int64_t units_ = 0;  // the processor's time: 25 to a clock, 12 to a cycle
+  // 8 MHz against 16.67 MHz: 25 cycles are 12 clocks, or as many times more as ClkHz is higher.
+  int64_t units_per_cycle_, clocks_per_us_;
+  int64_t units_ = 0;  // the processor's time
   int64_t seen_cycles_ = 0;
   uint8_t doorbell_ = 0;
+  Phases phases_;
 };
 
 }  // namespace mmcs

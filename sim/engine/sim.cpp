@@ -58,6 +58,9 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
       return "no processor or no firmware named";
     }
     if (config->wait_states < 0 || config->wait_states > 100) return "impossible wait states";
+    if (config->instruction_cache != 0 && config->instruction_cache != 256) {
+      return "the instruction cache has 256 bytes, or 0 for one that always hits";
+    }
   }
   for (double us : {config->cpu_us_per_axis, config->latency_max_us, config->bus_timeout_us}) {
     if (!(us >= 0 && us <= 1e7)) return "a host time is negative or beyond 10 s";
@@ -263,7 +266,7 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   stats->panics = driver.panics;
   stats->spurious = driver.spurious;
   stats->clips = driver.clips;
-  stats->bus_errors = sim->bus.failures();
+  stats->bus_errors = sim->bus.failures() + sim->machine.soc_failures();
   stats->panic_level = sim->machine.panic();
   stats->bus_cycles = sim->bus.cycles();
 }
@@ -283,6 +286,25 @@ int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis) {
 int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis) {
   if (!sim || axis < 0 || axis >= 2 * mmcs::Model::cards()) return 0;
   return sim->machine.model().encoder_register(axis);
+}
+
+int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n) {
+  static const char *const names[] = {"latency", "pass",  "enter",  "read",
+                                      "compute", "write", "publish"};
+  const mmcs::Phases *found = sim->host.phases();
+  if (!found) return 0;
+  int count = 0;
+  for (const auto &time : found->times()) {
+    if (count < n) {
+      mmcs_phase &p = phases[count];
+      std::snprintf(p.name, sizeof p.name, "%s", names[count]);
+      p.passes = time.passes;
+      p.mean_us = time.passes ? time.sum_us / static_cast<double>(time.passes) : 0;
+      p.max_us = time.max_us;
+    }
+    ++count;
+  }
+  return count;
 }
 
 uint64_t mmcs_sim_hash(const mmcs_sim *sim) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 
 // Made by the Makefile, one per variant of the model.
 extern "C" const char mmcs_build_id_text[];
@@ -40,6 +42,13 @@ uint64_t digest(const uint8_t *data, size_t size) {
   return hash.value();
 }
 
+// The image that a real processor runs is part of the machine.
+uint64_t file_digest(const char *name) {
+  std::ifstream file(name, std::ios::binary);
+  const std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
+  return digest(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size());
+}
+
 std::string check(const uint8_t *data, size_t size, const char *magic, uint64_t config) {
   Header h;
   if (!data || size < sizeof h) return "not a snapshot of MMCS, or cut short";
@@ -51,7 +60,8 @@ std::string check(const uint8_t *data, size_t size, const char *magic, uint64_t 
     return std::string("made by another build (") + h.build + ", this one is " + own +
            "); run the scenario again to make it anew";
   }
-  if (h.config != config) return "belongs to another machine: robot, host or seed differ";
+  if (h.config != config)
+    return "belongs to another machine: robot, host, its firmware or seed differ";
   if (h.size != size - sizeof h || h.digest != digest(data + sizeof h, size - sizeof h)) {
     return "cut short or damaged";
   }
@@ -79,6 +89,8 @@ uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
   if (config.host != MMCS_HOST_NATIVE) {
     hash.add(static_cast<uint64_t>(config.host));
     hash.add(static_cast<uint64_t>(config.wait_states));
+    hash.add(static_cast<uint64_t>(config.instruction_cache));
+    hash.add(file_digest(config.firmware));
   }
   // Neither struct has padding.
   static_assert(sizeof(mmcs_motor) % 8 == 0 && sizeof(mmcs_link) % 8 == 0);

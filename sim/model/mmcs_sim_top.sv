@@ -52,7 +52,12 @@ module mmcs_sim_top #(
   input  wire logic [24*NumCards-1:0] dac_stuck1_i,
   input  wire logic [24*NumCards-1:0] dac_stuck0_i,
   input  wire logic [ 2*NumCards-1:0] adc_stuck_i,
-  input  wire logic                   irq_lost_i
+  input  wire logic                   irq_lost_i,
+  // what a processor beside the machine is doing, for the waveform: docs/processors.md
+  // verilator lint_off UNUSEDSIGNAL
+  input  wire logic [            2:0] host_phase_i,
+  input  wire logic [           31:0] host_pc_i
+  // verilator lint_on UNUSEDSIGNAL
 );
 
   // --- the bus master's hands ---------------------------------------------------------------

@@ -85,6 +85,13 @@ class ModelImpl final : public Model {
     return static_cast<unsigned>(get_field(top_->card_leds_o, 11 * card, 11));
   }
 
+#if MMCS_TRACE && !MMCS_SOC
+  void host_phase(unsigned phase, uint32_t pc) override {
+    top_->host_phase_i = phase & 7;
+    top_->host_pc_i = pc;
+  }
+#endif
+
 #if MMCS_SOC
   void vme_address(unsigned, unsigned, bool, bool, unsigned) override {}
   void vme_strobe(unsigned, bool) override {}
@@ -304,6 +311,7 @@ void ModelImpl::rest_clocks_high() {
 #if MMCS_SOC
   top_->cpu_clk_i = 1;
   top_->rootp->__Vtrigprevexpr___TOP__cpu_clk_i__0 = 1;
+  top_->rootp->__Vtrigprevexpr___TOP__clk_i__0 = 1;
 #endif
 #if MMCS_GATE
   top_->clk_adaptor_i = 1;

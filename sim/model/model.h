@@ -88,6 +88,9 @@ class Model {
   virtual void vme_release() = 0;
   virtual unsigned vme_sample() = 0;
 
+  // What a processor outside is doing, for the waveform only.
+  virtual void host_phase(unsigned, uint32_t) {}
+
   // The SoC's processor; see mmcs_soc_sim_top.sv. Memory by words; without a SoC nothing happens.
   virtual void soc_run(bool on) = 0;
   virtual void soc_ring() = 0;
