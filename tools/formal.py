@@ -175,7 +175,7 @@ def broken(entry: dict, folder: Path) -> str | None:
 def sabotage_one(numbered: tuple[int, dict]) -> tuple[dict, str | None, str]:
     """Entry, complaint (None: the proof turned red as it must), what turned red."""
     number, entry = numbered
-    folder = ROOT / WORK / "sabotage" / f"{number:03d}"
+    folder = ROOT / WORK / "sabotage" / f"{os.getpid()}_{number:03d}"
     complaint, seen = broken(entry, folder), ""
     if complaint is None:
         task = entry.get("task", "prove")
