@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 import xml.etree.ElementTree as ET
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -30,7 +31,9 @@ MISSING = {
 }
 DEFAULT_SEED = 1989
 RESTARTS = 8
-HANG_S = 900  # a guard against a simulator that never ends, not a measure
+# A guard against a simulator that never ends, not a measure; below pytest's own time-out, which
+# would take the whole worker along.
+HANG_S = 450
 TIMESCALE = ("1ns", "1ps")
 # Nearly all the time of a build is g++; the simulations are short, so -O1 ends soonest.
 OPTIMISE = ["OPT_FAST=-O1", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
@@ -254,14 +257,18 @@ def run(job: Job, tests: list[str], seed: int, worker: str = "main") -> dict[str
     except BuildError as error:
         return {t: Outcome(False, f"the design does not build\n{error}") for t in tests}
     outcomes, left = {}, list(tests)
+    began = time.monotonic()
     for attempt in range(RESTARTS):
+        if attempt and time.monotonic() > began + HANG_S:
+            break
         found, complaint, log = _simulate(runner, job, left, seed, f"{worker}-{attempt}")
         outcomes |= found or _salvage(job, log)
         left = [t for t in left if t not in outcomes]
         if not left:
             return outcomes
         outcomes[left.pop(0)] = Outcome(False, complaint, log=log)
-    return outcomes | {t: Outcome(False, f"given up after {RESTARTS} crashes") for t in left}
+    why = f"given up after {RESTARTS} crashes or {HANG_S} s"
+    return outcomes | {t: Outcome(False, why) for t in left}
 
 
 def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
