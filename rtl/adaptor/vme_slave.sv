@@ -143,7 +143,7 @@ module vme_slave #(
             if (strobe && !strobe_q && !fresh_q && !gone_q && !sys_reset_i) horizon_o = 16'd3;
             else if (strobe_q != strobe || fresh_q != (strobe_q && !sys_reset_i) || gone_q ||
                      both_high_q == strobed || both_high2_q == strobed ||
-                     (fresh_q && ours_q && !sys_reset_i)) horizon_o = 16'd1;
+                     (fresh_q && !sys_reset_i && (ours || ours_q))) horizon_o = 16'd1;
           end
           StRequest: begin
             if (strobe_q != strobe || fresh_q ||
