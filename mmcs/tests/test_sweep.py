@@ -212,7 +212,14 @@ def test_combination_that_is_no_good_is_a_row(mmcs, scenario, tmp_path):
 def test_missed_expectations_are_counted(mmcs, scenario, tmp_path):
     text = SHORT + '[[expect]]\nkind = "axis"\nfinal_counts = [-5, 5]\n'
     status, out, _ = mmcs(
-        "sweep", scenario(text), "--grid", "motion.0.to=0,300", "--out", tmp_path / "out"
+        "sweep",
+        scenario(text),
+        "--grid",
+        "motion.0.to=0,300",
+        "--out",
+        tmp_path / "out",
+        "--workers",
+        1,
     )
     assert status == 1
     assert "1 of 2 runs missed an expectation, 0 failed" in out
@@ -223,6 +230,7 @@ def test_parquet_holds_the_same(mmcs, undisturbed, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     path, folder, _ = undisturbed
     arguments = ("--out", tmp_path / "out", "--format", "parquet", "--by", "settle_ms")
+    arguments += ("--workers", 1)
     assert mmcs("sweep", path, *GAINS, *arguments)[0] == 0
     table = parquet.read_table(tmp_path / "out" / "table.parquet").to_pylist()
     rows = rows_of(folder)
@@ -250,7 +258,7 @@ def test_resume_runs_only_what_is_missing(mmcs, undisturbed, tmp_path, monkeypat
             yield result
 
     monkeypatch.setattr(sweep_run, "run_here", counting)
-    arguments = ("--out", tmp_path / "out", "--resume")
+    arguments = ("--out", tmp_path / "out", "--resume", "--workers", 1)
     status, out, err = mmcs("sweep", path, *GAINS, *arguments)
     assert status == 0, err
     assert len(ran) == 3
