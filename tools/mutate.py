@@ -142,12 +142,13 @@ def netlist(top: str, block: str) -> tuple[str, Path, dict]:
     return module, out, parameters
 
 
-def ports(text: str, module: str) -> tuple[str, list[str], str]:
-    """Parameter list, its names, and port list of a module, as they stand in its source."""
+def ports(text: str, module: str) -> tuple[str, dict[str, str], str]:
+    """Parameter list, names and defaults, and port list of a module, as its source has them."""
     found = re.search(rf"^module {module}\s*(#\(.*?\n\)\s*)?(\(.*?\n\));", text, re.S | re.M)
     header = found[1] or ""
     bare = re.sub(r"//.*", "", header)
-    return header, re.findall(r"(\w+)\s*=", bare), found[2]
+    defaults = dict(re.findall(r"(\w+)\s*=\s*([^,\n]+?)\s*(?:,|\n|\))", bare))
+    return header, defaults, found[2]
 
 
 def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
@@ -165,13 +166,9 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
         f"{top}/{module}_mutants",
     )
     source = (ROOT / "rtl" / f"{block}.sv").read_text()
-    header, names, port_list = ports(source, module)
-    given = ", ".join(f".{n}({n})" for n in names)
-    same = " && ".join(f"{k} == {v}" for k, v in parameters.items()) or "1"
-    zero = [n for n in names if n not in parameters and n in ("Skip", "Gate", "Filter")]
-    same += "".join(f" && {n} == 0" for n in zero)
-    if "NmosRewrite" in names:
-        same += " && NmosRewrite == 1"
+    header, defaults, port_list = ports(source, module)
+    given = ", ".join(f".{n}({n})" for n in defaults)
+    same = " && ".join(f"{k} == {v}" for k, v in {**defaults, **parameters}.items()) or "1"
     lines = (ROOT / listed).read_text().splitlines()
     target = folder / "rtl" / f"{block}.sv"
     target.write_text(
@@ -306,8 +303,7 @@ def run(mutants: list[Mutant], limits: dict[str, float], before: dict[str, Mutan
     todo = [m for m in mutants if m.key not in before]
     for m in (m for m in mutants if m.key in before):
         m.fate, m.by = before[m.key].fate, before[m.key].by
-    workers = int(os.environ.get("JOBS", "2"))
-    with multiprocessing.get_context("spawn").Pool(workers, maxtasksperchild=50) as pool:
+    with multiprocessing.get_context("spawn").Pool(int(os.environ.get("JOBS", "2"))) as pool:
         waits = [pool.apply_async(fate, (m, limits[m.top])) for m in todo]
         by_key = {m.key: m for m in mutants}
         for n, wait in enumerate(waits, 1):
