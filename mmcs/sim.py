@@ -95,6 +95,15 @@ class Sim:
     def build_id(self) -> str:
         return self.ffi.string(self.lib.mmcs_sim_build_id()).decode()
 
+    def phases(self) -> dict[str, tuple[int, float, float]]:
+        """Parts of a servo pass on a real processor: passes, mean and longest time in us."""
+        found = self.ffi.new("mmcs_phase[]", 16)
+        count = self.lib.mmcs_sim_phases(self._sim, found, 16)
+        return {
+            self.ffi.string(p.name).decode(): (p.passes, p.mean_us, p.max_us)
+            for p in found[0:count]
+        }
+
     # --- /dev/mc0 ---
 
     def open(self, flags: int = 2) -> int:

@@ -9,19 +9,23 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
-MACHINE = "TOP.mmcs_sim_top.u_mmcs"
+TOP = "TOP.mmcs_sim_top"
+MACHINE = f"{TOP}.u_mmcs"
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
 GROUP_BEGIN, GROUP_END = "800200", "1000200"
 
 
 class Signal(NamedTuple):
-    path: str  # below the machine
+    path: str  # below the machine, or with / below what holds it
     width: int = 1
     form: str = BIN
     low: int = 0  # its lowest bit
 
+    def full(self) -> str:
+        return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{MACHINE}.{self.path}"
+
     def gtkwave(self) -> str:
-        return self.path + (f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else "")
+        return self.full() + (f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else "")
 
 
 GROUPS = {
@@ -48,6 +52,11 @@ GROUPS = {
         Signal("pc_wdata", 8, HEX),
         Signal("pc_rdata", 8, HEX),
         Signal("pc_reset_drv"),
+    ],
+    # 0 stopped, 1 program, 2 enter, 3 read, 4 compute, 5 write, 6 publish; its instruction
+    "firmware of --host m68020": [
+        Signal("/host_phase_i", 3, HEX),
+        Signal("/host_pc_i", 32, HEX),
     ],
     "SCLOCK and PANIC": [
         Signal("sclock_o"),
@@ -92,7 +101,7 @@ def _gtkwave(trace: Path) -> str:
     for name, signals in GROUPS.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]
         for signal in signals:
-            lines += [f"@{signal.form}", f"{MACHINE}.{signal.gtkwave()}"]
+            lines += [f"@{signal.form}", signal.gtkwave()]
         lines += [f"@{GROUP_END}", f"-{name}"]
     return "\n".join(lines) + "\n"
 
@@ -101,7 +110,7 @@ def _surfer() -> str:
     lines = []
     for name, signals in GROUPS.items():
         lines.append(f"divider_add {name}")
-        lines += [f"variable_add {MACHINE}.{signal.path}" for signal in signals]
+        lines += [f"variable_add {signal.full()}" for signal in signals]
     return "\n".join([*lines, "zoom_fit"]) + "\n"
 
 

@@ -95,6 +95,14 @@ void hw_write_dac(struct mc *mc, int axis, uint16_t code) {
   hw_write_dac_high(mc, axis, code);
 }
 
+void hw_write_dacs(struct mc *mc, int card, uint16_t code1, uint16_t code2) {
+  static const uint8_t order[] = {MC_STEP(MMCS_CARD_DAC1_LO), MC_STEP(MMCS_CARD_DAC1_HI),
+                                  MC_STEP(MMCS_CARD_DAC2_LO), MC_STEP(MMCS_CARD_DAC2_HI)};
+  const uint8_t v[] = {(uint8_t)code1, (uint8_t)(code1 >> 8), (uint8_t)code2,
+                       (uint8_t)(code2 >> 8)};
+  hw_card_put_list(mc, card, order, v, sizeof order);
+}
+
 uint8_t hw_heartbeat_bm(int axis) {
   return (axis & 1) != 0 ? MMCS_CARD_PPI_C_HEARTBEAT2_bm : MMCS_CARD_PPI_C_HEARTBEAT1_bm;
 }

@@ -73,15 +73,10 @@ static int heartbeats_live(const struct mc *mc) {
   return 1;
 }
 
-/* Low byte first, as hw_write_dac() does it. */
 static void write_all(struct mc *mc) {
-  static const uint8_t order[] = {MC_STEP(MMCS_CARD_DAC1_LO), MC_STEP(MMCS_CARD_DAC1_HI),
-                                  MC_STEP(MMCS_CARD_DAC2_LO), MC_STEP(MMCS_CARD_DAC2_HI)};
   const struct mc_axis *x = mc->axis;
   for (int card = 0; card < mc->cards; card++, x += 2) {
-    const uint8_t v[] = {(uint8_t)x[0].code, (uint8_t)(x[0].code >> 8), (uint8_t)x[1].code,
-                         (uint8_t)(x[1].code >> 8)};
-    hw_card_put_list(mc, card, order, v, sizeof order);
+    hw_write_dacs(mc, card, x[0].code, x[1].code);
   }
 }
 

@@ -106,6 +106,8 @@ void hw_init_ppi(struct mc *mc, int card);
 int hw_answers(struct mc *mc, int card);
 uint16_t hw_counter(struct mc *mc, int axis);
 void hw_write_dac(struct mc *mc, int axis, uint16_t code);
+/* Both of a card, in the order of two such writes. */
+void hw_write_dacs(struct mc *mc, int card, uint16_t code1, uint16_t code2);
 /* Only the high nibble: does not start the heartbeat. */
 void hw_write_dac_high(struct mc *mc, int axis, uint16_t code);
 uint8_t hw_heartbeat_bm(int axis);

@@ -53,8 +53,13 @@ static void silence(struct mc *mc, const uint8_t *port_c) {
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
   mc->buffered = 0;
   power_apply_modes(mc);
+  const uint8_t both = hw_heartbeat_bm(0) | hw_heartbeat_bm(1);
   for (int axis = 0; axis < mc->axes; axis++) {
-    if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
+    if (mc->power == MC_RUNNING && (axis & 1) == 0 && (port_c[axis / 2] & both) == both) {
+      hw_write_dacs(mc, axis / 2, MC_DAC_ZERO, MC_DAC_ZERO);
+      mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+      axis++;
+    } else if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
       hw_write_dac(mc, axis, MC_DAC_ZERO);
       mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
     } else {

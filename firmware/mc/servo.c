@@ -177,9 +177,16 @@ static void prime(struct servo_state *s, int32_t y) {
 }
 
 /* vel = (3y - 4y1 + y2) / 2, truncated toward zero. */
+static int32_t velocity(int32_t y, int32_t y1, int32_t y2) {
+  if (is_within(y, NARROW_FB) && is_within(y1, NARROW_FB) && is_within(y2, NARROW_FB)) {
+    return (3 * y - 4 * y1 + y2) / 2;
+  }
+  return sat32((3 * (int64_t)y - 4 * (int64_t)y1 + y2) / 2);
+}
+
 static int32_t wide_sense(struct servo_state *s, int32_t y) {
   prime(s, y);
-  int32_t vel = sat32((3 * (int64_t)y - 4 * (int64_t)s->y1 + s->y2) / 2);
+  int32_t vel = velocity(y, s->y1, s->y2);
   s->wide = 1;
   s->y2 = s->y1;
   s->y1 = y;

@@ -23,7 +23,7 @@ def test_every_signal_of_the_view_is_in_the_trace(trace):
 
     widths = {var.full_name: var.length for var in pywellen.Waveform(str(trace)).all_vars()}
     wanted = [s for signals in waves.GROUPS.values() for s in signals]
-    found = {s.path: widths.get(f"{waves.MACHINE}.{s.path}") for s in wanted}
+    found = {s.path: widths.get(s.full()) for s in wanted}
     assert found == {s.path: s.width for s in wanted}
 
 
@@ -35,7 +35,7 @@ def test_views_are_beside_the_trace(tmp_path):
         assert text.count(f"-{group}\n") == 2
         assert f"divider_add {group}\n" in sucl.read_text()
         for signal in signals:
-            assert f"{waves.MACHINE}.{signal.gtkwave()}\n" in text
+            assert f"{signal.gtkwave()}\n" in text
     assert len(re.findall(r"^@800200$", text, flags=re.M)) == len(waves.GROUPS)
 
 
