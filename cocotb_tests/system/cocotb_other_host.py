@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole machine at the host port, its VME front left out (HostPort = 1). §4.2.1"""
+
+import cocotb
+from cocotb.triggers import Timer
+
+from cocotb_tests.adaptor.cocotb_host_port import HostPort
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import (
+    ARMED,
+    BASE,
+    DAC1,
+    ENC1,
+    PCCSR,
+    PORT_A,
+    PORT_B,
+    PPI_CONTROL,
+    PPI_SETUP,
+    QUAD,
+    SCLOCK_IRQ,
+    Machine,
+    Tb,
+)
+from cocotb_tests.system.machine import SINGLE
+
+TOPLEVEL = "mmcs"
+PARAMETERS = {**SINGLE, "HostPort": 1}
+
+
+class OtherHost(HostPort):
+    async def start(self) -> None:
+        await Tb.start(self)
+        self.dut.axis_enable_i.value = 3
+        self.enc = self.encoders(2)
+        await self.wr(PCCSR, BASE)
+        for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
+            await self.wr(Machine.creg(0, register), value)
+
+
+@cocotb.test()
+@req("ADP-1")
+async def every_register_by_the_port(dut):
+    """Card and adaptor as from VME: all patterns of a register, an encoder, a D/A."""
+    tb = OtherHost(dut)
+    await tb.start()
+    for value in (*(1 << n for n in range(8)), 0x00, 0xFF, QUAD):
+        await tb.wr(Machine.creg(0, PORT_A), value)
+        assert await tb.rd(Machine.creg(0, PORT_A)) == value
+    for register in (ENC1, ENC1 + 1):
+        await tb.wr(Machine.creg(0, register), 0)
+    await tb.enc[0].move(300, 500)
+    await tb.us(1)
+    high = await tb.rd(Machine.creg(0, ENC1))
+    assert high << 8 | await tb.rd(Machine.creg(0, ENC1 + 1)) == 300
+    await tb.us(30)  # the relay
+    await tb.wr(Machine.creg(0, DAC1), 0x00)
+    await tb.wr(Machine.creg(0, DAC1 + 1), 0x0C)
+    assert int(dut.drive_v_o.value) & 0xFFFF == 0x4000
+    for card in range(1, 16):
+        assert await tb.rd(Machine.creg(card, PORT_A)) == 0xFF, "no such card"
+
+
+@cocotb.test()
+@req("ADP-1")
+async def the_vme_side_is_dead(dut):
+    """Strobes at its pins get no answer and disturb nothing; interrupts come by the light only."""
+    tb = OtherHost(dut)
+    await tb.start()
+    await tb.wr(0x407, 0x70)  # SCLOCK low
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await tb.wr(0x407, 0x74)  # and high: an edge
+    await tb.us(1)
+    assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
+    assert int(dut.led_irq_o.value) == 1 and int(dut.vme_irq_no.value) == 0x7F
+    for iack in (1, 0):
+        dut.vme_a_i.value = 5 if not iack else (0x6000 | PCCSR) >> 1
+        dut.vme_am_i.value, dut.vme_write_ni.value = 0x29, 0
+        dut.vme_iack_ni.value = iack
+        dut.vme_as_ni.value, dut.vme_iackin_ni.value = 0, iack
+        dut.vme_ds_ni.value = 0b10
+        await Timer(3, "us")
+        assert int(dut.vme_dtack_no.value) and not int(dut.vme_d_oe_o.value)
+        assert int(dut.vme_iackout_no.value) == 1
+        assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
