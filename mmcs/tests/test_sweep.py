@@ -17,7 +17,7 @@ from mmcs.load import load
 from mmcs.sweep import make_plan, parse_grid, parse_random
 from mmcs.tests.conftest import GOOD
 
-SHORT = GOOD.replace("duration = 0.3", "duration = 0.08\nskip = true")
+SHORT = GOOD.replace("duration = 0.3", "duration = 0.08")
 GAINS = ("--grid", "axis.0.b0=80,100", "--random", "seed=1..1000", "--samples", "4")
 
 
@@ -80,6 +80,8 @@ def test_rows_are_every_grid_point_with_the_same_draws(scenario):
     setup = plan.setup(rows[5])
     assert (setup.params[0]["b0"], setup.params[0]["a1"]) == (2 - (rows[5]["axis.0.b0"] == 1), 5)
     assert setup.scenario.seed == rows[5]["seed"]
+    assert setup.scenario.skip  # not said by the scenario
+    assert not make_plan(path, ("seed=1",), (), None, 1, ("skip=false",)).first().scenario.skip
 
 
 MISTAKES = {

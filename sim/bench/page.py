@@ -34,7 +34,8 @@ def must_show(found: dict) -> list[tuple[str, str, str, str, str]]:
     rows.append(("against Icarus, same traffic, 3 cards, skipping off", "100x", "170x",
                  f"{value:.0f}x", _verdict(value, 100, 170)))  # fmt: skip
     minutes = found["sweep"]["thousand_s"] / 60
-    many = f"{minutes:.1f} min (from {found['sweep']['runs']} runs)"
+    cpu = 1000 * found["sweep"]["cpu_s_per_run"] / 60
+    many = f"{minutes:.1f} min (from {found['sweep']['runs']} runs; {cpu:.1f} min of CPU)"
     rows.append(("1,000 random 2 s six-axis runs by `mmcs sweep`", "6 min", "2 min", many,
                  _verdict(-minutes, -6, -2)))  # fmt: skip
     rows.append((*TEST_ROW[:3], "not part of this run", ""))
