@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: bench mutation mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean
+.PHONY: bench mutation mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -117,6 +117,16 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(MAKE) -s -f firmware/Makefile
+
+# --- programmable logic --------------------------------------------------------------------
+
+$(VENV)/.fpga: $(VENV)/.test $(VENV)/.hosts
+	@echo "mmcs: installing placement and routing"
+	@$(INSTALL) -e .[fpga]
+	@touch $@
+
+fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow)
+	@$(BIN)/python fpga/build.py
 
 # --- checks and housekeeping ---------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
-from sources import sources  # noqa: E402
+from sources import core_arguments, sources  # noqa: E402
 
 # Every module that people use by itself is linted by itself, the machine in three sizes.
 TOPS = [
@@ -62,6 +62,18 @@ def checks() -> list[tuple[str, list[str]]]:
                 ],
             )
         )
+    # Tops that hold the processor core, or belong to programmable logic.
+    soc = [*rtl, *(str(f) for f in sources("soc"))]
+    for top, extra in (
+        ("mmcs_soc", core_arguments()),
+        ("mmcs_soc_fpga", [*core_arguments(), "fpga/mmcs_soc_fpga.sv"]),
+        ("mmcs_fpga", ["fpga/mmcs_fpga.sv"]),
+    ):
+        command = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
+        command += ["--top-module", top, *waivers, *extra, *soc]
+        if top == "mmcs_fpga":
+            command = [c for c in command if "rtl/soc" not in c]
+        jobs.append((f"verilator {top}", command))
     jobs.append(
         (
             "icarus mmcs",

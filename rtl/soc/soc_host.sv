@@ -342,7 +342,8 @@ module soc_host #(
   logic lines_move, core_awake;
 
   assign lines_move = !up_q || run_q != {2{run_i}} || irq_q != {2{irq_i}} ||
-                      ring_q != {3{ring_far_q}} || core_rst_nq != run_q[1] || started_q != core_rst_nq;
+                      ring_q != {3{ring_far_q}} || core_rst_nq != run_q[1] ||
+                      started_q != core_rst_nq;
 
   always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
     if (!cpu_rst_n) waited_q <= '0;

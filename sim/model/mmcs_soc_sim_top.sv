@@ -12,6 +12,7 @@
 
 `default_nettype none
 
+// verilog_lint: waive module-filename
 module mmcs_sim_top #(
   parameter int unsigned NumCards = 3,
   parameter int unsigned ClkHz    = 8_000_000,

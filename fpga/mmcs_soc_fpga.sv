@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// mmcs_soc with pins that a board has: analog values and the window to the memory go through
+// shift registers, all on one clock. The top of `make fpga`; docs/fpga.md, docs/soc.md.
+//
+// Converters: a frame of 32 NumCards clocks, MSB first, marked by conv_sync_o in its first clock;
+// what came in during one frame is in force in the next. Window: 63 bits are shifted in, MSB first,
+// while host_shift_i is 1 (write, word address, data), then host_go_i is 1 for one clock; the
+// answer stands when host_ready_o is 1 again and is shifted out the same way, 32 bits.
+`default_nettype none
+
+module mmcs_soc_fpga #(
+  parameter int NumCards = 3,
+  parameter int ClkHz = 48_000_000,
+  parameter InitFile = ""
+) (
+  input  wire logic                   clk_i,
+  input  wire logic                   rst_ni,
+  input  wire logic                   run_i,
+  input  wire logic                   host_shift_i,
+  input  wire logic                   host_sd_i,
+  output logic                        host_sd_o,
+  input  wire logic                   host_go_i,
+  output logic                        host_ready_o,
+  input  wire logic                   ring_i,
+  output logic                        report_valid_o,
+  output logic      [            7:0] report_o,
+  input  wire logic                   report_take_i,
+  input  wire logic                   sysreset_ni,
+  input  wire logic                   estop_closed_i,
+  input  wire logic                   cable_ok_i,
+  input  wire logic                   pc_power_i,
+  output logic                        brake_release_o,
+  output logic                        panic_o,
+  output logic                        sclock_o,
+  output logic                        led_irq_o,
+  input  wire logic [ 2*NumCards-1:0] enc_a_i,
+  input  wire logic [ 2*NumCards-1:0] enc_b_i,
+  input  wire logic [ 2*NumCards-1:0] enc_i_i,
+  input  wire logic [ 2*NumCards-1:0] axis_enable_i,
+  output logic                        conv_sync_o,
+  input  wire logic                   adc_sd_i,
+  output logic                        dac_sd_o,
+  output logic      [11*NumCards-1:0] card_leds_o
+);
+
+  // --- converters -------------------------------------------------------------------------
+
+  localparam int Bits = 32 * NumCards;
+  localparam int Width = $clog2(Bits);
+
+  logic [Width-1:0] bit_q;
+  logic [Bits-1:0] drive, drive_q, adc_q;
+  logic [Bits-2:0] adc_shift_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      bit_q       <= '0;
+      drive_q     <= '0;
+      adc_shift_q <= '0;
+      adc_q       <= '0;
+    end else begin
+      adc_shift_q <= {adc_shift_q[Bits-3:0], adc_sd_i};
+      if (bit_q == Width'(Bits - 1)) begin
+        bit_q   <= '0;
+        drive_q <= drive;
+        adc_q   <= {adc_shift_q, adc_sd_i};
+      end else begin
+        bit_q   <= bit_q + 1'b1;
+        drive_q <= {drive_q[Bits-2:0], 1'b0};
+      end
+    end
+  end
+
+  assign conv_sync_o = (bit_q == '0);
+  assign dac_sd_o = drive_q[Bits-1];
+
+  // --- window -----------------------------------------------------------------------------
+
+  logic [62:0] host_q;
+  logic req_q, ack;
+  logic [31:0] rdata;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      host_q <= '0;
+      req_q  <= 1'b0;
+    end else begin
+      if (ack) req_q <= 1'b0;
+      else if (host_go_i) req_q <= 1'b1;
+      if (ack) host_q <= {rdata, 31'd0};
+      else if (host_shift_i && !req_q) host_q <= {host_q[61:0], host_sd_i};
+    end
+  end
+
+  assign host_sd_o = host_q[62];
+  assign host_ready_o = !req_q;
+
+  // --- the SoC ----------------------------------------------------------------------------
+
+  /* verilator lint_off PINCONNECTEMPTY */
+  mmcs_soc #(
+    .NumCards(NumCards),
+    .ClkHz(ClkHz),
+    .InitFile(InitFile)
+  ) u_soc (
+    .clk_i,
+    .cpu_clk_i(clk_i),
+    .rst_ni, .run_i,
+    .box_req_i(req_q),
+    .box_write_i(host_q[62]),
+    .box_a_i(host_q[61:32]),
+    .box_wdata_i(host_q[31:0]),
+    .box_ack_o(ack),
+    .box_rdata_o(rdata),
+    .ring_i, .report_valid_o, .report_o, .report_take_i,
+    .sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i,
+    .brake_release_o, .panic_o, .sclock_o, .led_irq_o,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+    .adc_v_i(adc_q),
+    .drive_v_o(drive),
+    .card_leds_o,
+    .bus_error_i(1'b0),
+    .bus_error_taken_o(),
+    .irq_open_i(1'b0),
+    .card_absent_i('0),
+    .dip_xor_i('0),
+    .sclock_open_i('0),
+    .panic_open_i('0),
+    .dac_stuck1_i('0),
+    .dac_stuck0_i('0),
+    .adc_stuck_i('0),
+    .irq_lost_i(1'b0),
+    .clk_adaptor_i(1'b0),
+    .clk_cards_i(1'b0),
+    .adaptor_awake_o(),
+    .cards_awake_o(),
+    .cpu_awake_o()
+  );
+  /* verilator lint_on PINCONNECTEMPTY */
+
+endmodule
+
+`default_nettype wire

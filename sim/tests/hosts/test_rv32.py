@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo on the SoC's own processor: results as native, and what happens when it goes wrong."""
+
+import contextlib
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mmcs import hosts
+from mmcs.load import load
+from mmcs.runner import machine, simulate
+from mmcs.session import Session
+
+ROOT = Path(__file__).resolve().parents[3]
+FIRMWARE = ROOT / "build" / "firmware" / "rv32"
+pytestmark = [
+    pytest.mark.slow,  # a model with a processor in it takes its time to compile
+    pytest.mark.skipif(
+        not (
+            shutil.which("riscv64-unknown-elf-gcc")
+            and importlib.util.find_spec("pythondata_cpu_ibex")
+        ),
+        reason="the RISC-V compiler or the processor core is missing; install them with: "
+        "make firmware",
+    ),
+]
+PANIC_S = 0.050
+PASSES = 150  # the firmware goes wrong in this one
+
+# What goes wrong in the servo's interrupt: (C statement, what the host is told)
+WRONG = {
+    "endless loop": ("for (;;) {}", None),
+    "wild write": ("*(volatile int *)0x00123450 = 1;", "exception 7"),
+    "wild read": ("(void)*(volatile int *)0xE0000000;", "exception 5"),
+    "wild jump": ("((void (*)(void))0x00500000)();", "exception 1"),
+    "illegal instruction": ('__asm__ volatile(".word 0");', "exception 2"),
+}
+
+
+@pytest.fixture(scope="module")
+def lab500():
+    return load("lab500", ())
+
+
+@pytest.fixture(scope="module")
+def rv32(lab500):
+    return simulate(lab500, host="rv32")
+
+
+@pytest.mark.req("SOC-3", "FW-1")
+def test_every_sample_as_native(lab500, rv32):
+    """Encoder, error and the demanded current of every sample, not only the last."""
+    native = np.array(simulate(lab500).log)
+    ours = np.array(rv32.log)
+    rows = min(len(native), len(ours))
+    assert rows >= len(native) - 2
+    assert np.abs(native[:rows, 2] - ours[:rows, 2]).max() <= 1
+    assert np.array_equal(native[:rows, 6], ours[:rows, 6]), "error codes"
+    assert abs(native[rows - 1, 2] - ours[rows - 1, 2]) <= 1
+
+
+@pytest.mark.req("SOC-3")
+def test_the_same_again(lab500, rv32):
+    again = simulate(lab500, host="rv32")
+    assert again.hash == rv32.hash
+
+
+@pytest.mark.req("SOC-3")
+def test_withheld_clocks_change_nothing(lab500, rv32):
+    """The build that clocks everything always, with its assertions live, runs the same course."""
+    with machine(lab500, "trust", host="rv32") as sim:
+        assert Session(sim, lab500, False).run(lambda _: None).hash == rv32.hash
+
+
+def sick_firmware(statement: str, folder: Path) -> Path:
+    """The firmware whose servo interrupt executes the statement once, in pass PASSES."""
+    firmware = ROOT / "firmware"
+    wrong, inner = folder / "wrong.c", folder / "inner.o"
+    wrong.write_text(
+        f"int sane(void *);\nint mc_interrupt(void *mc);\nint mc_interrupt(void *mc) {{\n"
+        f"  static int n;\n  if (++n == {PASSES}) {{ {statement} }}\n  return sane(mc);\n}}\n"
+    )
+    gcc = ["riscv64-unknown-elf-gcc", "-march=rv32im", "-mabi=ilp32", "-O2", "-ffreestanding",
+           "-fno-tree-loop-distribute-patterns", "-nostdlib", "-static", "-w",
+           *(f"-I{firmware / d}" for d in ("mc", "include", "ports"))]  # fmt: skip
+    renamed = firmware / "mc" / "interrupt.c"
+    subprocess.run([*gcc, "-Dmc_interrupt=sane", "-c", "-o", inner, renamed], check=True)
+    sources = [f for f in (firmware / "mc").glob("*.c") if f != renamed]
+    sources += [firmware / "ports" / "port.c", firmware / "ports" / "memory.c", wrong]
+    start = ["-DIMAGE_mc", "-DENTRY=port_main", "-DFATAL=port_dead",
+             firmware / "ports/rv32/start.S", "-T", firmware / "ports/rv32/link.ld"]  # fmt: skip
+    elf, image = folder / "mc.elf", folder / "mc.bin"
+    subprocess.run([*gcc, "-o", elf, *start, *sources, inner, "-lgcc"], check=True)
+    subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", elf, image], check=True)
+    return image
+
+
+@pytest.mark.req("SOC-2", "SOC-3")
+@pytest.mark.parametrize("what", WRONG)
+def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
+    statement, told = WRONG[what]
+    config = hosts.config("rv32")
+    config["firmware"] = str(sick_firmware(statement, tmp_path))
+    monkeypatch.setattr(hosts, "config", lambda host: config)
+    setup = load("lab500", ())
+    with machine(setup, host="rv32") as sim:
+        with contextlib.suppress(OSError):  # nobody answers the last read
+            Session(sim, setup, False).run(lambda _: None)
+        notes = sim.notes()
+    high = [n["t"] for n in notes if n["kind"] == "panic" and "high" in n["text"]]
+    low = [n["t"] for n in notes if n["kind"] == "panic" and "low" in n["text"]]
+    died = [n for n in notes if "the firmware died" in n["text"]]
+    assert len(low) == 1 and len(high) == 1
+    # one pass a millisecond, the first of them a moment before the line went low
+    assert low[0] + PASSES * 1e-3 <= high[0] <= low[0] + PASSES * 1e-3 + PANIC_S
+    assert bool(died) == bool(told)
+    if told:
+        assert told in died[0]["text"] and high[0] - died[0]["t"] <= PANIC_S
+
+
+@pytest.mark.req("SOC-2")
+def test_bus_errors_as_on_the_vmebus():
+    """Three in the servo: each told and counted, and the driver takes it as it does natively."""
+    setup = load("lab500", ('event=[{at=0.1003, input="bus_error", value=3}]',))
+    ends = []
+    for host in ("native", "rv32"):
+        with machine(setup, host=host) as sim:
+            try:
+                Session(sim, setup, False).run(lambda _: None)
+                refused = 0
+            except OSError as error:
+                refused = error.errno
+            told = [n for n in sim.notes() if n["kind"] == "bus"]
+            assert len(told) == sim.stats()["bus_errors"] == 3
+            assert all("bus error at 0x" in n["text"] for n in told)
+            ends.append((refused, sim.stats()["panics"]))
+    assert ends[0] == ends[1]
