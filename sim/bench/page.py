@@ -181,6 +181,7 @@ def _picture(found: dict, path: Path) -> None:
         cell.axhline(1.0, color=GREY, lw=0.8, ls=":")
         cell.set_xscale("log", base=2)
         cell.set_yscale("log")
+        cell.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
         cell.set_xticks(axes, [str(n) for n in axes])
         cell.set_xlabel("axes")
         cell.set_title("skipping on" if skip else "skipping off", loc="left", size=10)
