@@ -139,21 +139,30 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--trace", type=click.Path(path_type=Path), metavar="FILE.fst", help="Record waves.")
 @click.option("--realtime", is_flag=True, help="Not faster than the clock on the wall.")
 @click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
+@click.option("--no-skip", is_flag=True, help="Evaluate every clock; the same result, later.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 @click.option("--snapshot", "times", multiple=True, type=float, metavar="T", help="Keep one of T.")
 @click.option("--from", "origin", metavar="RUN[@T]", help="Go on from a snapshot of a run.")
-def run(scenario, duration, out, host, trace, realtime, seed, sets, times, origin) -> None:
+def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, times, origin) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     _check_host(host)
     if trace is not None and trace.suffix != ".fst":
         raise InputError.one("--trace", "", str(trace), "must be a file name ending in .fst")
     if origin is not None:
-        given = {"SCENARIO": scenario, "--trace": trace, "--seed": seed, "--set": sets or None}
+        given = {
+            "SCENARIO": scenario,
+            "--trace": trace,
+            "--seed": seed,
+            "--set": sets or None,
+            "--no-skip": no_skip or None,
+        }
         for name, value in given.items():
             if value is not None:
                 allowed = "not together with --from: the snapshot decides"
                 raise InputError.one(name, "", None, allowed)
         sys.exit(0 if _run_from(origin, duration, out, realtime) else 1)
+    if no_skip:
+        sets = (*sets, "skip=false")
     if scenario is None:
         raise InputError.one("SCENARIO", "", None, "name one, or a snapshot with --from")
     from functools import partial

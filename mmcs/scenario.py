@@ -279,7 +279,7 @@ class Scenario(Strict):
     gravity: bool = True  # of a coupled arm
     pose_deg: list[Degrees] = []  # joint angles at the start, instead of the robot file's
     amp_panic_cut: bool = False
-    skip: bool = False  # pass over clocks in which nothing happens
+    skip: bool = True  # pass over clocks in which nothing happens
     verbose: bool = False
     host: Host = Host()
     servo: list[Servo] = []
