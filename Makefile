@@ -38,6 +38,9 @@ $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_verilator.py
 $(VENV)/.test: $(VENV)/.sim
 	@echo "mmcs: installing the test tools"
 	@$(INSTALL) -e .[test]
+	@$(INSTALL) -e .[hosts] || echo "mmcs: no processor models: the tests of --host skip"
+	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
+	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf || true
 	@touch $@
 
 $(VENV)/.lint: $(VENV)/.test

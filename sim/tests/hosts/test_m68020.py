@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo on the 68020: six axes end as on native, and what happens when things go wrong."""
+
+import contextlib
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from mmcs import hosts
+from mmcs.errors import RunError
+from mmcs.load import load
+from mmcs.runner import machine
+from mmcs.session import Session
+
+ROOT = Path(__file__).resolve().parents[3]
+pytestmark = [
+    pytest.mark.slow,  # six axes for two seconds, and firmware that is compiled anew
+    pytest.mark.skipif(
+        not (shutil.which("m68k-linux-gnu-gcc") and importlib.util.find_spec("machine68k")),
+        reason="the 68020 compiler or processor model is missing; install them with: make firmware",
+    ),
+]
+PANIC_S = 0.050
+PASSES = 150  # the firmware goes wrong in this one
+CODES = (6, 13)  # errcode of the first two axes in a row of the log
+
+# What goes wrong in the servo's interrupt: (C statement, what the host is told)
+WRONG = {
+    "endless loop": ("for (;;) {}", None),
+    "wild write": ("*(volatile int *)0x00123450 = 1;", "exception 2"),
+    "wild read": ("(void)*(volatile int *)0xE0000000;", "exception 2"),
+    "illegal instruction": ('__asm__ volatile("illegal");', "exception 4"),
+}
+
+
+@pytest.mark.req("FW-1", "SRV-7")
+def test_six_axes_end_as_native():
+    """A pass of six axes takes most of its millisecond here, and none is late."""
+    finals, overruns = [], []
+    for host in ("native", "m68020"):
+        with machine(load("puma560", ()), host=host) as sim:
+            log = Session(sim, load("puma560", ())).run(lambda *_: None).log
+            finals.append([log[-1][2 + 7 * axis] for axis in range(6)])
+            overruns.append(sim.stats()["overruns"])
+            phases = sim.phases()
+    assert all(abs(a - b) <= 1 for a, b in zip(*finals, strict=True)), finals
+    assert overruns == [0, 0]
+    passes, mean, longest = phases["pass"]
+    assert passes > 1000 and 500 < mean < longest < 1100
+    parts = ("enter", "read", "compute", "write", "publish", "latency")
+    assert abs(sum(phases[p][1] for p in parts) - mean) < 1
+
+
+@pytest.mark.req("FW-1")
+def test_wait_states_and_cache_take_time():
+    times = []
+    for sets in ((), ("host.wait_states=2",), ("host.instruction_cache=256 bytes",)):
+        setup = load("lab500", ("duration=0.1", "motion=[]", "expect=[]", *sets))
+        with machine(setup, host="m68020") as sim:
+            Session(sim, setup).run(lambda *_: None)
+            times.append(sim.phases()["compute"][1])
+    assert times[1] > 1.05 * times[0] and times[2] > 1.05 * times[0]
+
+
+@pytest.mark.req("FW-1")
+@pytest.mark.parametrize("errors", [1, 3, 1000])
+def test_bus_error_while_probing(errors):
+    """Accesses of the first open fail: there is no adaptor, as on native; then all is well."""
+    results = []
+    setup = load("lab500", ())
+    for host in ("native", "m68020"):
+        with machine(setup, host=host) as sim:
+            sim.run(0.005)
+            sim.add_event(0.0051, sim.input_names().index("bus_error"), 0, errors)
+            sim.run(0.006)
+            first = sim.open()
+            sim.add_event(sim.time + 0.001, sim.input_names().index("bus_error"), 0, 0)
+            sim.run(sim.time + 0.002)
+            results.append((first, sim.open()))
+    assert results[0] == results[1] == (-6, 0)  # ENXIO
+
+
+@pytest.mark.req("FW-1")
+@pytest.mark.parametrize("at", [0.1003, 0.1006, 0.1009])
+def test_bus_error_while_servoing(at):
+    """In a list of accesses or a single one: the axis is stopped, the processor goes on."""
+    sets = (f"event=[{{at={at},input='bus_error',value=1}}]", "expect=[]", "duration=0.3")
+    setup = load("lab500", sets)
+    with machine(setup, host="m68020") as sim:
+        with contextlib.suppress(RunError):
+            Session(sim, setup).run(lambda *_: None)
+        notes = [(n["kind"], n["text"], n["t"]) for n in sim.notes()]
+        stats = sim.stats()
+    assert stats["bus_errors"] == 1 and stats["panics"] == 1, stats
+    assert not [n for n in notes if "died" in n[1]]
+    (fault,) = [t for kind, _, t in notes if kind == "bus"]
+    high = [t for kind, text, t in notes if kind == "panic" and "high" in text]
+    assert len(high) == 1 and fault < high[0] <= fault + PANIC_S + 0.002, notes
+
+
+def sick_firmware(statement: str, folder: Path) -> Path:
+    """The firmware whose servo interrupt executes the statement once, in pass PASSES."""
+    firmware = ROOT / "firmware"
+    wrong, inner = folder / "wrong.c", folder / "inner.o"
+    wrong.write_text(
+        f"int sane(void *);\nint mc_interrupt(void *mc);\nint mc_interrupt(void *mc) {{\n"
+        f"  static int n;\n  if (++n == {PASSES}) {{ {statement} }}\n  return sane(mc);\n}}\n"
+    )
+    gcc = ["m68k-linux-gnu-gcc", "-m68020", "-msoft-float", "-O2", "-ffreestanding", "-fno-pic",
+           "-fno-tree-loop-distribute-patterns", "-nostdlib", "-static", "-w",
+           "-Wl,--build-id=none",
+           *(f"-I{firmware / d}" for d in ("mc", "include", "ports"))]  # fmt: skip
+    renamed = firmware / "mc" / "interrupt.c"
+    subprocess.run([*gcc, "-Dmc_interrupt=sane", "-c", "-o", inner, renamed], check=True)
+    sources = [f for f in (firmware / "mc").glob("*.c") if f != renamed]
+    sources += [firmware / "ports" / "port.c", firmware / "ports" / "memory.c", wrong]
+    start = ["-DIMAGE_mc", "-DENTRY=port_main", "-DFATAL=port_dead",
+             firmware / "ports/m68020/start.S", "-T",
+             firmware / "ports/m68020/link.ld"]  # fmt: skip
+    elf, image = folder / "mc.elf", folder / "mc.bin"
+    subprocess.run([*gcc, "-o", elf, *start, *sources, inner, "-lgcc"], check=True)
+    subprocess.run(["m68k-linux-gnu-objcopy", "-O", "binary", elf, image], check=True)
+    return image
+
+
+@pytest.mark.req("FW-1")
+@pytest.mark.parametrize("what", WRONG)
+def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
+    statement, told = WRONG[what]
+    config = hosts.config("m68020")
+    config["firmware"] = str(sick_firmware(statement, tmp_path))
+    monkeypatch.setattr(hosts, "config", lambda host: config)
+    setup = load("lab500", ("duration=0.25", "expect=[]"))
+    with machine(setup, host="m68020") as sim:
+        with contextlib.suppress(RunError, OSError):
+            Session(sim, setup).run(lambda *_: None)
+        notes = [(n["kind"], n["text"], n["t"]) for n in sim.notes()]
+    low = [t for kind, text, t in notes if kind == "panic" and "low" in text]
+    high = [t for kind, text, t in notes if kind == "panic" and "high" in text]
+    assert low and high and high[-1] > low[-1]
+    interval = setup.scenario.interval_us * 1e-6
+    last_pass = PASSES * interval + 0.02  # scan, requests
+    assert high[-1] <= last_pass + PANIC_S + 2 * interval
+    if told:
+        assert any(f"the firmware died: {told} " in text for _, text, _ in notes), notes
