@@ -75,7 +75,28 @@ def number(rng: random.Random) -> int:
     return rng.randrange(-(1 << bits), 1 << bits)
 
 
+def edge(rng: random.Random, bound: int) -> int:
+    """Either way, more often than not at a power of two or at the bound, or one beside it."""
+    size = rng.choice([bound, 1 << rng.randrange(bound.bit_length()), rng.randrange(bound + 1)])
+    return rng.choice([1, -1]) * (size + rng.choice([0, 0, 0, 1, -1]))
+
+
+def narrow(rng: random.Random) -> ref.Params:
+    """About the bounds between which servo.c computes in 32 bits."""
+    p = ref.Params(b0=edge(rng, 1 << 14) or 1)
+    p.a0, p.a1, p.a2 = (edge(rng, 1 << rng.choice([8, 16, 29])) for _ in range(3))
+    p.b1, p.b2 = (rng.choice([0, -p.b0, edge(rng, 2 * abs(p.b0))]) for _ in range(2))
+    p.ic_pos, p.ic_neg = edge(rng, 1 << 28), edge(rng, 1 << 28)
+    p.adc_a, p.adc_b = edge(rng, 1 << 14), edge(rng, 1 << rng.choice([12, 27, 30]))
+    p.mode = rng.choice([ref.POS, ref.POS, ref.VEL, ref.TORQ]) | rng.randrange(0x80) << 4
+    p.ilim, p.ilimax = rng.randrange(3000), rng.choice([0, 5])
+    p.ipole = rng.choice([0, 900])
+    return p
+
+
 def params(rng: random.Random) -> ref.Params:
+    if rng.random() < 0.3:
+        return narrow(rng)
     p = ref.Params(**{f.name: number(rng) for f in fields(ref.Params)})
     p.b0 = p.b0 or rng.choice([1, -1, 64])
     if rng.random() < 0.4:
