@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Length: one class, of which a third is the table of pins.
 // The machine as a rack of models: one Verilated adaptor, one Verilated card per slot, and the
 // backplane of rtl/mmcs.sv between them. For speed alone: each block is evaluated only at clocks at
 // which it does more than count, and one evaluation then stands for all clocks since its last
