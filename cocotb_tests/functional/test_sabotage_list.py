@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The list of breakages fits the RTL and the tests of now, and the manual shows it.
+
+That each one is caught is for `make sabotage`; this only keeps the list from going stale.
+"""
+
+import sys
+import tomllib
+
+import pytest
+
+from cocotb_tests.lib.runner import ROOT
+
+sys.path.insert(0, str(ROOT / "tools"))
+import sabotage  # noqa: E402
+
+ENTRIES = tomllib.loads(sabotage.LIST.read_text())["break"]
+BEGIN, END = "<!-- tools/sabotage.py --table -->", "<!-- end of the table -->"
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e["name"])
+def test_breakage_applies_and_its_test_exists(entry):
+    text = (ROOT / entry["file"]).read_text()
+    assert text.count(entry["find"]) == 1, (
+        f"{entry['file']} changed: adapt cocotb_tests/sabotage.toml"
+    )
+    assert entry["find"] != entry["replace"]
+    for test in entry["test"].split():
+        file, _, name = test.partition("::")
+        function = name.split("/")[0].split("[")[0]
+        assert f"async def {function}(" in (ROOT / file).read_text(), test
+
+
+def test_names_are_unique():
+    assert len({e["name"] for e in ENTRIES}) == len(ENTRIES)
+
+
+def test_every_block_is_broken_twice():
+    files = [e["file"] for e in ENTRIES]
+    assert {f for f in files if files.count(f) < 2} == set()
+
+
+def test_the_manual_shows_the_list():
+    page = (ROOT / "docs" / "verification.md").read_text()
+    shown = page.split(BEGIN)[1].split(END)[0].strip()
+    told = "docs/verification.md is stale: put `python tools/sabotage.py --table` into it"
+    assert shown == sabotage.table(ENTRIES), told
