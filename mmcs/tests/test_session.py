@@ -220,12 +220,6 @@ def test_list_show_check(mmcs):
         assert (status, err) == (0, "") and name in out
 
 
-def test_hosts_to_come(mmcs):
-    status, _, err = mmcs("run", "lab500", "--host", "rv32")
-    line = 'mmcs: --host = "rv32": not available yet; allowed: "native", "m68020"\n'
-    assert (status, err) == (2, line)
-
-
 class Wall:
     """A clock on the wall that moves by sleep, and by what each step of the run costs."""
 
