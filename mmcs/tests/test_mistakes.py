@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every class of bad input but robot files, each with the exact line that a user sees, and exit status 2."""
+"""Every class of bad input but robot files, each with the exact line a user sees, and status 2."""
 
 import pytest
 
