@@ -364,7 +364,7 @@ Stop ModelImpl::run(int64_t n, int dtack, int64_t *ran) {
       stop = Stop::kLines;
       break;
     }
-    if (report_ != 0) {
+    if (report_ != 0 || bus_error_ != 0) {
       stop = Stop::kReport;
       break;
     }

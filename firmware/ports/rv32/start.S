@@ -47,11 +47,16 @@ start:  csrw    mie, zero
 
         .text
         .balign 4
-/* What C does not save, around a C function. Interrupts do not nest. */
+/* What C does not save, around a C function. Interrupts do not nest, but a bus error within one
+ * does: it takes mepc and the stack of mstatus, which are kept here, too. */
         .macro  interrupt function
-        addi    sp, sp, -64
+        addi    sp, sp, -80
         sw      ra, 0(sp)
         sw      t0, 4(sp)
+        csrr    t0, mepc
+        sw      t0, 64(sp)
+        csrr    t0, mstatus
+        sw      t0, 68(sp)
         sw      t1, 8(sp)
         sw      t2, 12(sp)
         sw      a0, 16(sp)
@@ -67,6 +72,10 @@ start:  csrw    mie, zero
         sw      t5, 56(sp)
         sw      t6, 60(sp)
         call    \function
+        lw      t0, 68(sp)
+        csrw    mstatus, t0
+        lw      t0, 64(sp)
+        csrw    mepc, t0
         lw      ra, 0(sp)
         lw      t0, 4(sp)
         lw      t1, 8(sp)
@@ -83,7 +92,7 @@ start:  csrw    mie, zero
         lw      t4, 52(sp)
         lw      t5, 56(sp)
         lw      t6, 60(sp)
-        addi    sp, sp, 64
+        addi    sp, sp, 80
         mret
         .endm
 

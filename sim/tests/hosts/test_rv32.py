@@ -124,7 +124,7 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
 
 @pytest.mark.req("SOC-2")
 def test_bus_errors_as_on_the_vmebus():
-    """In the servo, up to three: each told and counted, and the driver takes it as it does natively."""
+    """Each is told and counted, and the driver takes them as it does natively."""
     setup = load("lab500", ('event=[{at=0.1003, input="bus_error", value=3}]',))
     ends = []
     for host in ("native", "rv32"):
