@@ -244,13 +244,9 @@ module thct2000 #(
   generate
     if (Skip) begin : g_skip
       logic acts;  // more happens than that registers take what they hold
-      always_comb begin
-        acts = 1'b0;
-        if (awake) begin
-          acts = moving || rd != rd_q || wr != wr_q || (wr && {rs_i, d_i} != {rs_q, d_q}) ||
-                 latch_i != latch_in_q || reset_i || (m_i == ModeInterval && now_a);
-        end
-      end
+      assign acts = awake && (moving || rd != rd_q || wr != wr_q ||
+                              (wr && {rs_i, d_i} != {rs_q, d_q}) || latch_i != latch_in_q ||
+                              reset_i || (m_i == ModeInterval && now_a));
       assign horizon_o = acts ? 16'd1 : 16'hFFFF;
       `MMCS_ASSERT(a_skip, !acts || extra_i == '0, "a busy counter is stepped clock by clock")
     end else begin : g_step
