@@ -85,7 +85,7 @@ class Session:
             start = self.start = sim.time
         axes = range(setup.axes)
         witnesses = [sim.true(n) | {"register": sim.encoder_register(n)} for n in axes]
-        states = sim.read(client, setup.axes)
+        states = self._last_state(client)
         hash_, log = sim.hash(), sim.log()
         if ok:
             _checked("MSTOP", sim.ioctl(client, mcdef.MSTOP))
@@ -113,6 +113,12 @@ class Session:
             checkpoints=sim.checkpoints(),
             build=sim.build_id(),
         )
+
+    def _last_state(self, client: int) -> list:
+        try:
+            return self.sim.read(client, self.setup.axes)
+        except OSError as error:  # a processor whose firmware went wrong answers nothing
+            raise RunError(f"read of the last state: {error}; the driver answers no more") from None
 
     def _configure(self, client: int) -> None:
         sim, setup = self.sim, self.setup
