@@ -7,6 +7,7 @@ As a program it rewrites the tables of docs/processors.md.
 from __future__ import annotations
 
 import ctypes as c
+import fcntl
 import os
 import subprocess
 from pathlib import Path
@@ -35,10 +36,13 @@ class Timing(c.Structure):
 
 
 def build() -> None:
-    for makefile in ("firmware/Makefile", "sim/hosts/Makefile"):
-        subprocess.run(
-            ["make", "-s", "-f", makefile], check=True, cwd=ROOT, stdout=subprocess.DEVNULL
-        )
+    """Compiles what is not up to date; one process at a time."""
+    FIRMWARE.mkdir(parents=True, exist_ok=True)
+    with (FIRMWARE / "build.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        for makefile in ("firmware/Makefile", "sim/hosts/Makefile"):
+            command = ["make", "-s", "-f", makefile]
+            subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
 
 def native():

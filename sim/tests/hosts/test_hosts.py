@@ -26,7 +26,7 @@ def built():
     bench.build()
 
 
-@pytest.mark.req("FW-1")
+@pytest.mark.req("SRV-7", "FW-1")
 @pytest.mark.parametrize("profile", range(len(bench.PROFILES)))
 def test_arithmetic_equals_native(profile):
     assert bench.on_68020(profile, 20_000)[0] == bench.native()(profile, 20_000)

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The servo arithmetic compiled for the 68020 and for RV32 equals native, to the bit. §1.3.1, §5.
+
+The images run on the processor models of unicorn, which share nothing with Musashi (test_hosts.py)
+nor with the core in the RTL (test_rv32.py). Each hash covers the results and the state of six axes
+after every tick.
+"""
+
+import importlib.util
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+pytestmark = pytest.mark.skipif(
+    not (
+        shutil.which("m68k-linux-gnu-gcc")
+        and shutil.which("riscv64-unknown-elf-gcc")
+        and importlib.util.find_spec("machine68k")
+        and importlib.util.find_spec("unicorn")
+    ),
+    reason="a cross compiler or a processor model is missing; install them with: make test",
+)
+spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
+bench = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(bench)
+
+TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 20_000
+RAM_BYTES = 0x20000
+LIMIT_US = 60_000_000
+# The model has no mcountinhibit, which start-up writes; the real core has.
+CSRWI_MCOUNTINHIBIT, NOP = (word.to_bytes(4, "little") for word in (0x3202D073, 0x00000013))
+STOP = {"m68020": bytes.fromhex("4E722700"), "rv32": (0x10500073).to_bytes(4, "little")}  # or WFI
+
+
+def on_m68020(image: bytes):
+    """The processor after reset, its byte order and the address at which it starts."""
+    from unicorn import UC_ARCH_M68K, UC_MODE_BIG_ENDIAN, Uc
+    from unicorn.m68k_const import UC_CPU_M68K_M68020, UC_M68K_REG_A7, UC_M68K_REG_SR
+
+    cpu = Uc(UC_ARCH_M68K, UC_MODE_BIG_ENDIAN)
+    cpu.ctl_set_cpu_model(UC_CPU_M68K_M68020)
+    cpu.reg_write(UC_M68K_REG_SR, 0x2700)
+    cpu.reg_write(UC_M68K_REG_A7, int.from_bytes(image[:4], "big"))
+    return cpu, "big", int.from_bytes(image[4:8], "big")
+
+
+def on_rv32(_):
+    from unicorn import UC_ARCH_RISCV, UC_MODE_RISCV32, Uc
+
+    return Uc(UC_ARCH_RISCV, UC_MODE_RISCV32), "little", 0x80
+
+
+PROCESSORS = {"m68020": on_m68020, "rv32": on_rv32}
+
+
+def run(port: str, profile: int, ticks: int) -> int:
+    """Runs the image from reset to the instruction that stops the processor; the hash."""
+    image = (bench.FIRMWARE / port / "bench.bin").read_bytes()
+    cpu, order, start = PROCESSORS[port](image)
+    cpu.mem_map(0, RAM_BYTES)
+    cpu.mem_write(0, image.replace(CSRWI_MCOUNTINHIBIT, NOP) if port == "rv32" else image)
+    cpu.mem_write(bench.BLOCK, profile.to_bytes(4, order) + ticks.to_bytes(4, order))
+    cpu.emu_start(start, image.index(STOP[port], start), timeout=LIMIT_US)
+    assert int.from_bytes(cpu.mem_read(bench.DONE, 4), order) == 1, "the image did not end"
+    return int.from_bytes(cpu.mem_read(bench.BLOCK + 8, 4), order)
+
+
+@pytest.fixture(scope="module")
+def native():
+    bench.build()
+    return bench.native()
+
+
+@pytest.mark.req("SRV-7", "FW-1")
+@pytest.mark.parametrize("port", PROCESSORS)
+@pytest.mark.parametrize("profile", range(len(bench.PROFILES)))
+def test_arithmetic_equals_native(native, port, profile):
+    assert run(port, profile, TICKS) == native(profile, TICKS)
+
+
+@pytest.mark.req("SRV-7")
+@pytest.mark.parametrize("port", PROCESSORS)
+def test_every_tick_counts(native, port):
+    """One tick more gives another hash on every processor: an early end would show."""
+    few = [run(port, 2, ticks) for ticks in (1, 2, 3)]
+    assert few == [native(2, ticks) for ticks in (1, 2, 3)] and len(set(few)) == 3
