@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import importlib.util
 import os
 import shutil
@@ -31,11 +32,11 @@ def config(host: str) -> dict:
     if host == "native":
         return {}
     _need(host)
-    _make("firmware/Makefile", host)
+    make("firmware/Makefile", host)
     image = {"host": HOSTS.index(host), "firmware": str(BUILD / "firmware" / host / "mc.bin")}
     if host == "rv32":
         return image
-    _make("sim/hosts/Makefile", "all")
+    make("sim/hosts/Makefile", "all")
     return image | {"processor": str(BUILD / "hosts" / "libm68020.so")}
 
 
@@ -49,11 +50,17 @@ def _need(host: str) -> None:
         raise RunError("--host rv32 needs its processor core; install it with: make firmware")
 
 
-def _make(makefile: str, target: str) -> None:
+def make(makefile: str, target: str) -> None:
+    """Builds a target of the firmware or of a processor; one process at a time."""
     env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
     command = ["make", "-s", "-f", makefile, target]
-    done = subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, check=False)
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with (BUILD / "firmware.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        done = subprocess.run(
+            command, cwd=ROOT, env=env, capture_output=True, text=True, check=False
+        )
     if done.returncode:
         lines = done.stderr.strip().splitlines() or ["no output"]
         raise RunError(f"{makefile} does not build: {lines[0]}")

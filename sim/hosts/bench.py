@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the servo arithmetic (firmware/ports/bench.c) natively and on the 68020, and times it. §5.
+"""Runs the servo arithmetic (firmware/ports/bench.c) natively, on the 68020 and on RV32; times it.
 
 As a program it rewrites the tables of docs/processors.md.
 """
@@ -7,7 +7,6 @@ As a program it rewrites the tables of docs/processors.md.
 from __future__ import annotations
 
 import ctypes as c
-import fcntl
 import os
 import subprocess
 from pathlib import Path
@@ -17,6 +16,7 @@ FIRMWARE = ROOT / "build" / "firmware"
 BLOCK = 0x1E000
 MARK, DONE = BLOCK + 16, BLOCK + 12
 MHZ = 50 / 3
+RV32_MHZ = 24  # CPU_CLKS of sim/Makefile times 8 MHz
 PROFILES = ("P", "PD, gains of the PUMA 560", "PID, friction, filter, limits", "velocity",
             "torque, A/D offset", "A/D feedback, 2nd order", "triangle",
             "A/D demand, open loop, b0 = 19", "PD, limits, saturated",
@@ -35,14 +35,14 @@ class Timing(c.Structure):
     _fields_ = [("cache", c.c_int32), ("wait_states", c.c_int32)]
 
 
-def build() -> None:
-    """Compiles what is not up to date; one process at a time."""
-    FIRMWARE.mkdir(parents=True, exist_ok=True)
-    with (FIRMWARE / "build.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        for makefile in ("firmware/Makefile", "sim/hosts/Makefile"):
-            command = ["make", "-s", "-f", makefile]
-            subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+def build(*hosts: str) -> None:
+    """Compiles what is not up to date, for all processors or those named."""
+    from mmcs.hosts import make
+
+    for host in hosts or ("m68020", "rv32"):
+        make("firmware/Makefile", host)
+    if "m68020" in (hosts or ("m68020",)):
+        make("sim/hosts/Makefile", "all")
 
 
 def native():
@@ -111,18 +111,42 @@ def on_68020(profile: int, ticks: int, cache: int = 0, waits: int = 0):
     return words[BLOCK + 8], sum(spans) / len(spans), max(spans)
 
 
+def on_rv32(ticks: int) -> list[tuple[int, float, int]]:
+    """For each profile as on_68020(), counted by the core of the SoC itself, in the RTL."""
+    from mmcs import hosts
+    from mmcs.build import ensure_library
+    from mmcs.load import load
+    from mmcs.sim import Sim
+
+    setup = load("lab500", ())
+    config = setup.config() | {"skip": 0, "host": hosts.HOSTS.index("rv32"),
+                               "firmware": str(FIRMWARE / "rv32" / "timing.bin")}  # fmt: skip
+    library = ensure_library(setup.scenario.cards, "speed", soc=True)
+    found = []
+    with Sim(library, config, setup.motors(), setup.links()) as sim:
+        for profile in range(len(PROFILES)):
+            total = sim.close(profile + 16 * ticks)  # the requests of firmware/ports/timing.c
+            worst, hash_ = sim.close(1 << 28), sim.close(2 << 28)
+            assert 0 < worst <= total, "the core does not answer"
+            found.append((hash_ & 0xFFFFFFFF, total / ticks, worst))
+    return found
+
+
 TABLE = [("all fetches cached", 0, 0), ("256 B cache, 0 waits", 1, 0),
          ("256 B cache, 1 wait", 1, 1), ("256 B cache, 2 waits", 1, 2)]  # fmt: skip
 
 
 def table(ticks: int = 100) -> str:
-    lines = ["| six axes | " + " | ".join(name for name, *_ in TABLE) + " |"]
-    lines += ["|---|" + "---|" * len(TABLE)]
+    columns = [f"68020, {name}" for name, *_ in TABLE] + [f"RV32, {RV32_MHZ} MHz"]
+    lines = ["| six axes | " + " | ".join(columns) + " |", "|---|" + "---|" * len(columns)]
+    rv32 = on_rv32(ticks)
     for profile, name in enumerate(PROFILES):
         cells = []
         for _, cache, waits in TABLE:
             _, mean, worst = on_68020(profile, ticks, cache, waits)
             cells.append(f"{mean:.0f} = {mean / MHZ / 1000:.3f} ms (worst {worst})")
+        _, mean, worst = rv32[profile]
+        cells.append(f"{mean:.0f} = {mean / RV32_MHZ / 1000:.3f} ms (worst {worst})")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

@@ -4,7 +4,7 @@
  * The core takes its vectors from address 0 (cause 0 and all exceptions first, interrupt n at 4 n)
  * and starts at 0x80. */
 
-#ifdef IMAGE_bench
+#if defined(IMAGE_bench) || defined(IMAGE_timing)
 #define port_servo_interrupt fatal
 #define port_doorbell_interrupt fatal
 #endif

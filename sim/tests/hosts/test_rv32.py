@@ -63,6 +63,19 @@ def test_every_sample_as_native(lab500, rv32):
     assert abs(native[rows - 1, 2] - ours[rows - 1, 2]) <= 1
 
 
+@pytest.mark.req("SRV-7", "SOC-3")
+def test_arithmetic_equals_native():
+    """All option profiles on the core itself, which also counts its cycles."""
+    spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
+    bench = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(bench)
+    bench.build("rv32")
+    native = bench.native()
+    for profile, (found, mean, _) in enumerate(bench.on_rv32(50)):
+        assert found == native(profile, 50), bench.PROFILES[profile]
+        assert 300 < mean < 10_000, bench.PROFILES[profile]
+
+
 @pytest.mark.req("SOC-3")
 def test_the_same_again(lab500, rv32):
     again = simulate(lab500, host="rv32")
