@@ -9,7 +9,7 @@
 static void timing_mark(uint32_t on);
 #define BENCH_MARK(value) timing_mark(value)
 #define BENCH_NATIVE
-#include "bench.c"
+#include "bench.c" /* NOLINT(bugprone-suspicious-include): with another mark and no block */
 #include "mailbox.h"
 
 #define BOX ((volatile struct mailbox *)MAILBOX_BASE)
