@@ -128,6 +128,8 @@ class Rack final : public Model {
     }
     power_on();
   }
+  // The models take their names out of the context of the thread, which may be another machine's.
+  ~Rack() override { Verilated::threadContextp(&context_); }
 
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   int64_t clock() const override { return t_.clock; }

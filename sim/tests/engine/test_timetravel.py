@@ -64,6 +64,17 @@ CASES = {
 }
 
 
+def test_machines_end_in_any_order():
+    """One that ended before must leave nothing behind that another one trips over."""
+    for _ in range(5):
+        with scenario_machine("lab500") as first:
+            with scenario_machine("lab500") as second:
+                second.run(0.001)
+            with scenario_machine("lab500"):
+                pass
+            first.run(0.001)
+
+
 @pytest.mark.req("API-1")
 @pytest.mark.parametrize("case", CASES)
 def test_round_trip_at_random_ticks(case):
