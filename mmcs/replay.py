@@ -81,8 +81,8 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
     """Makes the run again with waveforms of this stretch; where it differs, or None.
 
     Waveforms need a build of the model whose registers are laid out otherwise, so no snapshot of
-    the run fits it. It goes through the run from power-on instead, passing over the clocks in
-    which nothing happens, and opens the trace when the stretch begins. All of it is compared
+    the run fits it. It goes through the run from power-on instead, clock
+    by clock, and opens the trace when the stretch begins. All of it is compared
     with the record, which proves that the waveforms are those of the run.
     """
     from mmcs.runner import machine, progress
@@ -92,7 +92,7 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         setup = record.setup(Path(folder))
         with (
-            machine(setup, "trace", skip=True) as sim,
+            machine(setup, "trace") as sim,
             progress(setup.scenario.duration) as advance,
         ):
             sim.trace_window(path, from_s, to_s)

@@ -279,6 +279,8 @@ def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
     process = subprocess.Popen(
         command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         start_new_session=True,
+        # a shell's background job ignores it, and so would a child of one
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
     )  # fmt: skip
     try:
         end = time.monotonic() + 60

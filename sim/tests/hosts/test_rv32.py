@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from mmcs import hosts
+from mmcs.errors import RunError
 from mmcs.load import load
 from mmcs.runner import machine, simulate
 from mmcs.session import Session
@@ -121,7 +122,7 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     monkeypatch.setattr(hosts, "config", lambda host: config)
     setup = load("lab500", ())
     with machine(setup, host="rv32") as sim:
-        with contextlib.suppress(OSError):  # nobody answers the last read
+        with contextlib.suppress(RunError):  # nobody answers the last read
             Session(sim, setup, False).run(lambda _: None)
         notes = sim.notes()
     high = [n["t"] for n in notes if n["kind"] == "panic" and "high" in n["text"]]
@@ -145,8 +146,8 @@ def test_bus_errors_as_on_the_vmebus():
             try:
                 Session(sim, setup, False).run(lambda _: None)
                 refused = 0
-            except OSError as error:
-                refused = error.errno
+            except RunError as error:
+                refused = str(error)
             told = [n for n in sim.notes() if n["kind"] == "bus"]
             assert len(told) == sim.stats()["bus_errors"] >= 1
             assert all("bus error at 0x" in n["text"] for n in told)
