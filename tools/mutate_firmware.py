@@ -273,8 +273,9 @@ def keep_simulator() -> None:
         library = ensure_library(cards, "speed", skip=True)
         folder = WORK / "sim" / f"{cards}.cards"
         folder.mkdir(parents=True)
-        for part in ("model", "build_id"):
-            shutil.copy(library.parent / f"{part}.o", folder / f"{part}.obj")
+        shutil.copy(library.parent / "build_id.o", folder / "build_id.obj")
+        # one model serves machines of all sizes
+        shutil.copy(library.parents[1] / "speed_rack" / "model.o", folder / "model.obj")
     for part in ("engine", "plant", "mc", "runtime"):
         shutil.copytree(OBJ / part, WORK / "sim" / part)
 
