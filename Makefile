@@ -10,8 +10,6 @@ export PATH := $(CURDIR)/$(BIN):$(PATH)
 export CXX
 # Tests run two at a time: the machines they are meant for have two cores.
 JOBS ?= 2
-# A worker that dies ends the run: xdist would wait for its group of tests for ever.
-XDIST := --dist loadgroup --max-worker-restart=0
 
 ifneq ($(words $(CURDIR)),1)
   $(error mmcs: the path of this folder holds a space, which make cannot build in: move it)
@@ -74,10 +72,10 @@ endif
 # --- tests ---------------------------------------------------------------------------------
 
 test: $(VENV)/.test ## the whole test suite
-	@$(BIN)/python -m pytest -n $(JOBS) $(XDIST)
+	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
 test-fast: $(VENV)/.test ## a selection that takes under two minutes once built
-	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) $(XDIST) -m "not slow"
+	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
 
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
@@ -87,7 +85,7 @@ ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb
 
 test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: one file for each block
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python -m pytest -n $(JOBS) $(XDIST) --sim icarus \
+	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --sim icarus \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
 
 bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/bench.md
