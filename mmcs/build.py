@@ -36,24 +36,30 @@ def ensure_library(
     path = library_path(cards, kind, clk_hz, skip, soc)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
     command += [f"CLK_HZ={clk_hz}", f"SKIP={int(skip)}", f"HOST={'rv32' if soc else 'vme'}"]
-    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
+    env = make_env()
     if path.exists() and _run([*command, "-q"], env) == 0:
         return path
     what = f"{kind} build" + (", with its own processor" if soc else "")
     text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {what})"
-    with _lock(), _spinner(text):
+    with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
         status = _run(command, env, log=True)
     if status or not path.exists():
         raise RunError(f"the simulator does not build; {_reason()}; see {LOG.relative_to(ROOT)}")
     return path
 
 
+def make_env() -> dict[str, str]:
+    """The environment of a make of its own, with the tools of the virtual environment."""
+    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
+    return env
+
+
 @contextmanager
-def _lock():
+def one_at_a_time(lock: Path):
     """One build at a time: parallel tests want the same files."""
-    LOG.parent.mkdir(parents=True, exist_ok=True)
-    with (LOG.parent / "build.lock").open("w") as file:
+    lock.parent.mkdir(parents=True, exist_ok=True)
+    with lock.open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 

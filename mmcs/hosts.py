@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-import fcntl
 import importlib.util
-import os
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 from mmcs import BUILD, ROOT
+from mmcs.build import make_env, one_at_a_time
 from mmcs.errors import InputError, RunError
 
 HOSTS = ("native", "m68020", "rv32")
@@ -52,14 +49,10 @@ def _need(host: str) -> None:
 
 def make(makefile: str, target: str) -> None:
     """Builds a target of the firmware or of a processor; one process at a time."""
-    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
     command = ["make", "-s", "-f", makefile, target]
-    BUILD.mkdir(parents=True, exist_ok=True)
-    with (BUILD / "firmware.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with one_at_a_time(BUILD / "firmware.lock"):
         done = subprocess.run(
-            command, cwd=ROOT, env=env, capture_output=True, text=True, check=False
+            command, cwd=ROOT, env=make_env(), capture_output=True, text=True, check=False
         )
     if done.returncode:
         lines = done.stderr.strip().splitlines() or ["no output"]
