@@ -1,26 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The register traffic of a servo pass, of the scan and of the timers, access by access. §4.3.6 */
-#include "harness.h"
-#include "mock.h"
+#include "traffic.h"
 
 static struct mock m;
-
-#define R(offset) {0, offset, 0}
-#define W(offset, value) {1, offset, value}
-
-static void expect(const struct mock_access *want, int n) {
-  for (int i = 0; i < n && i < m.used; i++) {
-    if (m.log[i].write != want[i].write || m.log[i].offset != want[i].offset ||
-        (want[i].write && m.log[i].value != want[i].value)) {
-      printf("access %d: %s 0x%03x 0x%02x\n", i, m.log[i].write ? "write" : "read", m.log[i].offset,
-             m.log[i].value);
-      exit(1);
-    }
-  }
-  CHECK_EQ(m.used, n);
-}
-
-#define EXPECT(want) expect(want, (int)(sizeof want / sizeof want[0]))
 
 static void one_pass(void) {
   int passes = m.passes;
@@ -44,7 +26,7 @@ static void test_pass_enabled(void) {
                 W(0x407, 0x80), R(0x405),       R(0x405), /* timer 2 after the reads */
                 W(0x011, 0x00), W(0x013, 0x08), W(0x015, 0x00), W(0x017, 0x08),
                 W(0x407, 0x80), R(0x405),       R(0x405)}; /* and after the writes */
-  EXPECT(want);
+  EXPECT(&m, want);
   CHECK_EQ(m.computes, m.passes);
   CHECK_EQ(m.computed_axes, 2);
   mock_stop(&m);
@@ -135,7 +117,7 @@ static void test_timer_programming(void) {
       W(0x407, 0x34), W(0x401, 0xA0), W(0x401, 0x0F), /* timer 0: 4000 */
       W(0x407, 0x74), W(0x403, 0x02), W(0x403, 0x00), /* timer 1: 2 */
       W(0x409, 0xB8)};
-  EXPECT(want);
+  EXPECT(&m, want);
   mock_stop(&m);
 }
 
@@ -246,7 +228,7 @@ static void test_set_encoder_traffic(void) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &arg), 0);
   static const struct mock_access want[] = {W(0x00D, 0xFF), W(0x00F, 0x9C), R(0x00D),
                                             R(0x00F),       R(0x00D),       R(0x00F)};
-  EXPECT(want);
+  EXPECT(&m, want);
   mock_run(&m, 4100);
   CHECK_EQ(mc_state_of(mc, 1)->encnow, -100);
   m.card[0].count[1] = (uint16_t)(m.card[0].count[1] - 32700); /* through the wrap */

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Calibration on several cards: what is armed, read, reported and armed again. §5.3.4 */
+#include "traffic.h"
+
+static struct mock m;
+
+static void calibrate(struct mc *mc, int axis) {
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+}
+
+static int errcode(int axis) {
+  return mc_state_of(m.memory, axis)->errcode;
+}
+
+/* The index of an axis passes at the count `at`, and the axis goes on. */
+static void pass_index(int axis, uint16_t at) {
+  struct mock_card *c = &m.card[axis / 2];
+  c->latched[axis & 1] = at;
+  c->has_latch[axis & 1] = c->index[axis & 1] = 1;
+  c->count[axis & 1] = (uint16_t)(at + 17);
+}
+
+static void one_pass(void) {
+  int64_t total = mc_stats_of(m.memory)->total;
+  while (mc_stats_of(m.memory)->total == total) mock_run(&m, 1);
+}
+
+// req: DRV-8 CAL-1
+static void test_arming_traffic(void) {
+  struct mc *mc = mock_open(&m, 3);
+  mock_run(&m, 500);
+  m.logging = 1;
+  calibrate(mc, 3);
+  static const struct mock_access want[] = {
+      W(0x043, 0x01), /* index latches clear, SCLOCK off: that card only */
+      R(0x049),       R(0x04B), R(0x04D), R(0x04F), /* what SCLOCK latched is out of the way */
+      W(0x043, 0x11)};                              /* armed */
+  EXPECT(&m, want);
+  m.used = 0;
+  calibrate(mc, 3); /* it waits already */
+  CHECK_EQ(m.used, 0);
+  calibrate(mc, 2); /* the other axis of that card: armed afresh */
+  EXPECT(&m, want);
+  CHECK_EQ(m.card[0].b, 5);
+  CHECK_EQ(m.card[2].b, 5);
+  mock_stop(&m);
+}
+
+// req: DRV-7 DRV-8
+static void test_pass_of_a_calibrating_card(void) {
+  struct mc *mc = mock_open(&m, 2);
+  calibrate(mc, 2);
+  m.latency_us = 20;
+  one_pass();
+  m.logging = 1;
+  one_pass();
+  static const struct mock_access want[] = {
+      R(0x409), W(0x409, 0x38), W(0x409, 0xB8), W(0x407, 0x80), R(0x405), R(0x405), R(0x009),
+      R(0x00B), R(0x00D),       R(0x00F),       R(0x005),                           /* card 0 */
+      R(0x045), R(0x049),       R(0x04B),       R(0x04D),       R(0x04F), R(0x045), /* card 1 */
+      R(0x019), R(0x01B),       R(0x01D),       R(0x059),       R(0x05B), R(0x05D), W(0x407, 0x80),
+      R(0x405), R(0x405),       W(0x407, 0x80), R(0x405),       R(0x405)};
+  EXPECT(&m, want);
+  mock_stop(&m);
+}
+
+// req: DRV-5 DRV-8 CAL-1
+static void test_every_axis_finds_its_own_index(void) {
+  for (int axis = 0; axis < 6; axis++) {
+    struct mc *mc = mock_open(&m, 3);
+    int other = axis ^ 1;
+    calibrate(mc, axis);
+    pass_index(other, 900); /* nobody waits for this one */
+    mock_run(&m, 6000);
+    for (int i = 0; i < 6; i++) CHECK_EQ(errcode(i), 0);
+    CHECK_EQ(m.card[axis / 2].b, 0x11);
+    pass_index(axis, (uint16_t)(0xFF00 + axis));
+    one_pass();
+    for (int i = 0; i < 6; i++) {
+      uint32_t want = (0xFF00u + (unsigned)i) << 16 | (unsigned)i << 8 | MERR_ZINDEX;
+      CHECK_EQ(errcode(i), i == axis ? (int32_t)want : 0);
+    }
+    CHECK_EQ(m.signals[0], 1);
+    for (int card = 0; card < 3; card++) CHECK_EQ(m.card[card].b, 5);
+    pass_index(axis, 4); /* once is enough */
+    mock_run(&m, 6000);
+    CHECK_EQ(m.signals[0], 1);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-8 DRV-12
+static void test_two_axes_of_a_card_one_after_the_other(void) {
+  for (int first = 0; first < 2; first++) {
+    struct mc *mc = mock_open(&m, 2);
+    int on = 1, second = 1 - first;
+    CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+    calibrate(mc, 2);
+    calibrate(mc, 3);
+    CHECK_EQ(m.card[0].b, 0x0D);
+    CHECK_EQ(m.card[1].b, 0x11);
+    pass_index(2 + first, 50);
+    one_pass();
+    CHECK_EQ(errcode(2 + first), 50 << 16 | (2 + first) << 8 | MERR_ZINDEX);
+    CHECK_EQ(errcode(2 + second), 0);
+    CHECK_EQ(m.card[1].b, 0x11); /* the other still waits */
+    mock_run(&m, 10000);
+    CHECK_EQ(m.signals[0], 1);
+    pass_index(2 + second, 60);
+    one_pass();
+    CHECK_EQ(errcode(2 + second), 60 << 16 | (2 + second) << 8 | MERR_ZINDEX);
+    CHECK_EQ(m.card[1].b, 0x0D); /* latched by SCLOCK and double-buffered again */
+    CHECK_EQ(m.signals[0], 2);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-5 DRV-8
+static void test_two_at_once_are_one_signal(void) {
+  struct mc *mc = mock_open(&m, 2);
+  calibrate(mc, 1);
+  calibrate(mc, 2);
+  pass_index(1, 11);
+  pass_index(2, 22);
+  one_pass();
+  CHECK_EQ(errcode(1), 11 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode(2), 22 << 16 | 2 << 8 | MERR_ZINDEX);
+  CHECK_EQ(m.signals[0], 1);
+  mock_stop(&m);
+}
+
+/* Port C then reads as an absent card's does. */
+// req: DRV-7 DRV-8
+static void test_both_indexes_of_a_live_card_are_no_absence(void) {
+  struct mc *mc = mock_open(&m, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  calibrate(mc, 0);
+  calibrate(mc, 1);
+  mock_run(&m, 200);
+  pass_index(0, 11);
+  pass_index(1, 22);
+  one_pass();
+  CHECK_EQ(errcode(0), 11 << 16 | MERR_ZINDEX);
+  CHECK_EQ(errcode(1), 22 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(m.card[0].b, 7);
+  CHECK(!mock_panic(&m));
+  mock_stop(&m);
+}
+
+static int strike_at, struck;
+
+/* The index of axis 3 comes while its card is being read; the axis moves on by one. */
+static void strike(struct mock *mock) {
+  struct mock_card *c = &mock->card[1];
+  if (mock->used != strike_at) return;
+  c->latched[1] = c->count[1];
+  c->has_latch[1] = c->index[1] = 1;
+  c->count[1]++;
+  struck = 1;
+}
+
+// req: DRV-8 CAL-1
+static void test_a_doubtful_index_is_dropped_and_the_next_one_taken(void) {
+  int doubts = 0, found = 0;
+  for (strike_at = 1; strike_at < 26; strike_at++) {
+    struct mc *mc = mock_open(&m, 2);
+    calibrate(mc, 2);
+    calibrate(mc, 3);
+    m.card[1].count[1] = 70;
+    m.latency_us = 20;
+    one_pass();
+    m.logging = 1;
+    struck = 0;
+    m.on_access = strike;
+    one_pass();
+    m.on_access = NULL;
+    CHECK(struck);
+    if (m.card[1].b == 0x01) { /* in doubt: dropped */
+      doubts++;
+      CHECK_EQ(errcode(3), 0);
+      CHECK_EQ(m.card[1].index[1], 0);
+      one_pass();
+      CHECK_EQ(errcode(3), 0);
+      CHECK_EQ(m.card[1].b, 0x11); /* armed again, one SCLOCK later */
+      pass_index(3, 1070);
+      one_pass();
+      CHECK_EQ(errcode(3), 1070 << 16 | 3 << 8 | MERR_ZINDEX);
+    } else {
+      found += errcode(3) != 0;
+      one_pass();
+      CHECK_EQ(errcode(3), 70 << 16 | 3 << 8 | MERR_ZINDEX);
+    }
+    CHECK_EQ(errcode(2), 0);
+    CHECK_EQ(m.card[1].b, 0x11); /* axis 2 still waits */
+    pass_index(2, 5);
+    one_pass();
+    CHECK_EQ(errcode(2), 5 << 16 | 2 << 8 | MERR_ZINDEX);
+    CHECK_EQ(m.card[1].b, 5);
+    CHECK_EQ(m.signals[0], 2);
+    mock_stop(&m);
+  }
+  CHECK(doubts >= 1 && doubts <= 6); /* only while its own pair is being read */
+  CHECK(found >= 10);
+}
+
+static const struct test tests[] = {
+    {"test_arming_traffic", test_arming_traffic},
+    {"test_pass_of_a_calibrating_card", test_pass_of_a_calibrating_card},
+    {"test_every_axis_finds_its_own_index", test_every_axis_finds_its_own_index},
+    {"test_two_axes_of_a_card_one_after_the_other", test_two_axes_of_a_card_one_after_the_other},
+    {"test_two_at_once_are_one_signal", test_two_at_once_are_one_signal},
+    {"test_both_indexes_of_a_live_card_are_no_absence",
+     test_both_indexes_of_a_live_card_are_no_absence},
+    {"test_a_doubtful_index_is_dropped_and_the_next_one_taken",
+     test_a_doubtful_index_is_dropped_and_the_next_one_taken},
+};
+
+MAIN(tests)

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Register traffic that a test expects, access by access. */
+#ifndef TRAFFIC_H
+#define TRAFFIC_H
+
+#include "harness.h"
+#include "mock.h"
+
+#define R(offset) {0, offset, 0}
+#define W(offset, value) {1, offset, value}
+
+/* What was logged is `want`, in order. Values count for writes only. */
+static inline void traffic_check(const char *file, int line, const struct mock *m,
+                                 const struct mock_access *want, int n) {
+  for (int i = 0; i < n && i < m->used; i++) {
+    if (m->log[i].write != want[i].write || m->log[i].offset != want[i].offset ||
+        (want[i].write && m->log[i].value != want[i].value)) {
+      printf("%s:%d: access %d: %s 0x%03x 0x%02x\n", file, line, i,
+             m->log[i].write ? "write" : "read", m->log[i].offset, m->log[i].value);
+      exit(1);
+    }
+  }
+  if (m->used != n) {
+    printf("%s:%d: %d accesses, want %d\n", file, line, m->used, n);
+    exit(1);
+  }
+}
+
+#define EXPECT(m, want) \
+  traffic_check(__FILE__, __LINE__, m, want, (int)(sizeof want / sizeof want[0]))
+
+/* A hook for mock.on_access: the handler's accesses are left out of the log. */
+static inline void traffic_of_process(struct mock *m) {
+  if (m->logging && m->serving) m->used--;
+}
+
+#endif
