@@ -151,6 +151,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, tim
     if origin is not None:
         given = {
             "SCENARIO": scenario,
+            "--host": host if host != "native" else None,
             "--trace": trace,
             "--seed": seed,
             "--set": sets or None,
@@ -179,7 +180,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, tim
     _check_places(folder, trace)
     carry_out = None
     if times:
-        carry_out = partial(simulate, trace=trace, realtime=realtime, snapshots_at=times)
+        carry_out = partial(simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host)
     good = run_scenario(
         setup, folder, trace=trace, realtime=realtime, host=host, started=STARTED,
         carry_out=carry_out,
@@ -197,7 +198,7 @@ def _run_from(origin: str, duration: float | None, out: Path | None, realtime: b
     _check_places(folder, None)
     click.echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
     return run_scenario(
-        setup, folder, realtime=realtime, started=STARTED,
+        setup, folder, realtime=realtime, host=snapshot.record.host, started=STARTED,
         carry_out=lambda s: resume(s, snapshot, realtime),
     )  # fmt: skip
 

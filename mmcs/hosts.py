@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.util
 import shutil
 import subprocess
+import zlib
 
 from mmcs import BUILD, ROOT
 from mmcs.build import make_env, one_at_a_time
@@ -35,6 +36,12 @@ def config(host: str) -> dict:
         return image
     make("sim/hosts/Makefile", "all")
     return image | {"processor": str(BUILD / "hosts" / "libm68020.so")}
+
+
+def image_digest(host: str) -> str:
+    """Of the image that a processor runs, which decides its times; "" for native code."""
+    image = BUILD / "firmware" / host / "mc.bin"
+    return f"{zlib.crc32(image.read_bytes()):08x}" if image.is_file() else ""
 
 
 def _need(host: str) -> None:

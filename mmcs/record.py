@@ -19,6 +19,7 @@ import numpy as np
 
 from mmcs import BUILD, __version__, logcols
 from mmcs.errors import InputError
+from mmcs.hosts import image_digest
 from mmcs.load import short
 
 NAME = "run.mmcs"
@@ -88,6 +89,7 @@ def make_record(result, host: str) -> dict:
         "build": result.build,
         "scenario": setup.name,
         "host": host,
+        "image": image_digest(host),
         "seed": setup.scenario.seed,
         "hash": result.hash,
         "cycles": result.cycles,

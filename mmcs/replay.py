@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mmcs import __version__
 from mmcs.errors import InputError
+from mmcs.hosts import HOSTS, image_digest
 from mmcs.load import short
 from mmcs.record import Record, first_difference
 
@@ -17,9 +18,8 @@ def replay(record: Record) -> tuple[str, str | None]:
     """The hash that comes out now, and where the replay first differs (None: nowhere)."""
     from mmcs.runner import simulate
 
-    _check_host(record)
     with tempfile.TemporaryDirectory() as folder:
-        result = simulate(record.setup(Path(folder)))
+        result = simulate(record.setup(Path(folder)), host=_host(record))
     if result.hash == record.hash:
         return result.hash, None
     where = first_difference(record, result.log, result.checkpoints)
@@ -33,13 +33,18 @@ def cautions(record: Record, build: str | None = None) -> list[str]:
         found.append(f"recorded by version {record.version}, this is {__version__}")
     if build and record.build != build:
         found.append(f"recorded by the build {record.build}, this one is {build}")
+    image, now = record.text.get("image", ""), image_digest(record.host)
+    if image != now:
+        found.append(f"recorded with the firmware image {image}, this one is {now}")
     return found
 
 
-def _check_host(record: Record) -> None:
-    if record.host != "native":
-        allowed = "only runs of the native host can be made again so far"
+def _host(record: Record) -> str:
+    """What ran the firmware; a processor's image is compiled anew, as its run would be."""
+    if record.host not in HOSTS:
+        allowed = "must be one of " + ", ".join(f'"{h}"' for h in HOSTS)
         raise InputError.one(record.path, "host", record.host, allowed)
+    return record.host
 
 
 # --- a stretch with waveforms ------------------------------------------------------------------
@@ -88,11 +93,11 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
     from mmcs.runner import machine, progress
     from mmcs.session import Session
 
-    _check_host(record)
+    host = _host(record)
     with tempfile.TemporaryDirectory() as folder:
         setup = record.setup(Path(folder))
         with (
-            machine(setup, "trace") as sim,
+            machine(setup, "trace", host=host) as sim,
             progress(setup.scenario.duration) as advance,
         ):
             sim.trace_window(path, from_s, to_s)

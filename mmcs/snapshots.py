@@ -168,14 +168,14 @@ class _Restored:
 
     def __init__(self, sim, snapshot: Snapshot):
         self._sim, self._snapshot = sim, snapshot
+        self._there = False  # the snapshot is in; a processor has started before
 
     def __getattr__(self, name):
         return getattr(self._sim, name)
 
     @property
     def time(self) -> float:
-        now = self._sim.time
-        return now if now > 0 else self._snapshot.record.motion_start_s
+        return self._sim.time if self._there else self._snapshot.record.motion_start_s
 
     def open(self, _flags: int = 2) -> int:
         return 0  # a session's program is the first and only one
@@ -188,6 +188,7 @@ class _Restored:
             self._sim.restore_bytes(self._snapshot.state, self._snapshot.history)
         except ValueError as error:
             raise InputError.one(self._snapshot.path, "", None, str(error)) from None
+        self._there = True
         return 0
 
     def run(self, until_s: float) -> bool:
@@ -230,5 +231,6 @@ def resume(setup, snapshot: Snapshot, realtime: bool = False):
     """Carries the rest of the run out."""
     from mmcs.runner import machine, progress
 
-    with machine(setup) as sim, progress(setup.scenario.duration) as advance:
+    host = snapshot.record.host
+    with machine(setup, host=host) as sim, progress(setup.scenario.duration) as advance:
         return ResumedSession(sim, setup, snapshot, realtime).run(advance)

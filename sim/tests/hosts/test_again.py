@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs on a real processor made again: replay, snapshots in memory and in files, waveforms."""
+
+import importlib.util
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from mmcs import ROOT, hosts
+from mmcs.cli import main
+from mmcs.load import load
+from mmcs.runner import machine
+from mmcs.session import Session
+
+NEEDS = {"m68020": ("m68k-linux-gnu-gcc", "machine68k"),
+         "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex")}  # fmt: skip
+
+
+def have(host):
+    compiler, package = NEEDS[host]
+    return shutil.which(compiler) and importlib.util.find_spec(package)
+
+
+ON = [
+    pytest.param(
+        host,
+        marks=[
+            pytest.mark.skipif(
+                not have(host),
+                reason=f"the compiler or processor of {host} is missing; install it with: "
+                "make firmware",
+            ),
+            *([pytest.mark.slow] if host == "rv32" else []),  # its model takes a minute to compile
+        ],
+    )
+    for host in NEEDS
+]
+
+
+@pytest.fixture
+def mmcs(monkeypatch):
+    """Calls the command; gives (status, stdout, stderr)."""
+    monkeypatch.chdir(ROOT)
+
+    def call(*args):
+        result = CliRunner().invoke(main, [str(a) for a in args])
+        return result.exit_code, result.stdout, result.stderr
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """By host: the folder of a run, made once, and its hash."""
+    made = {}
+
+    def of(host):
+        if host not in made:
+            out = tmp_path_factory.mktemp(host)
+            args = ["run", "lab500", "--duration", "0.15", "--set", "expect=[]", "--host", host,
+                    "--out", str(out), "--snapshot", "0.05"]  # fmt: skip
+            done = CliRunner().invoke(main, args)
+            assert done.exit_code == 0, done.output
+            made[host] = out, re.search(r"hash (0x[0-9a-f]{16})", done.stdout)[1]
+        return made[host]
+
+    return of
+
+
+@pytest.mark.req("API-1", "FW-1")
+@pytest.mark.parametrize("host", ON)
+def test_record_reproduces_the_run(mmcs, runs, host):
+    out, digest = runs(host)
+    assert json.loads((out / "run.mmcs").read_text())["host"] == host
+    status, text, err = mmcs("replay", out)
+    assert (status, err) == (0, "") and f"reproduced, hash {digest}" in text
+
+
+@pytest.mark.req("API-1", "FW-1")
+@pytest.mark.parametrize("host", ON)
+def test_run_from_a_snapshot_is_the_same_run(mmcs, runs, host, tmp_path):
+    """The processor's registers, memory, cache and time are in it; the host is the record's."""
+    out, digest = runs(host)
+    for at in ("@0.05", ""):
+        again = tmp_path / f"again{at}"
+        status, text, err = mmcs("run", "--from", f"{out}{at}", "--out", again)
+        assert (status, err) == (0, "") and digest in text
+        then, now = (json.loads((d / "report.json").read_text()) for d in (out, again))
+        assert now["host"] == host and now["stats"] == then["stats"]
+        assert (again / "log.csv").read_bytes() == (out / "log.csv").read_bytes()
+    status, _, err = mmcs("run", "--from", out, "--out", tmp_path / "no", "--host", "m68020")
+    assert status == 2 and "--host" in err and "the snapshot decides" in err
+
+
+@pytest.mark.req("API-1", "FW-1")
+@pytest.mark.skipif(not have("m68020"), reason="install the 68020 compiler with: make firmware")
+def test_stretch_with_waveforms(mmcs, runs, tmp_path):
+    """The trace build goes the same way, and shows the phase of the firmware."""
+    out, digest = runs("m68020")
+    path = tmp_path / "part.fst"
+    status, text, err = mmcs("trace", out, "--at", 0.1, "--window", 2, "--out", path)
+    assert (status, err) == (0, "") and f"the same hash, {digest}" in text
+
+
+@pytest.mark.req("SW-1")
+def test_replay_tells_of_another_image(mmcs, runs, tmp_path):
+    out, _ = runs(next(h for h in NEEDS if have(h)))
+    text = json.loads((out / "run.mmcs").read_text())
+    text["image"], text["hash"] = "00000000", "0x0000000000000000"
+    (tmp_path / "run.mmcs").write_text(json.dumps(text))
+    status, told, _ = mmcs("replay", tmp_path)
+    assert status == 1 and "recorded with the firmware image 00000000, this one is " in told
+    text["host"] = "vax"
+    (tmp_path / "run.mmcs").write_text(json.dumps(text))
+    status, _, err = mmcs("replay", tmp_path)
+    assert status == 2 and 'host = "vax": must be one of "native", "m68020", "rv32"' in err
+
+
+TIMES = (0.0305, 0.0403, 0.0407)  # snapshots, seconds
+END = 0.055
+
+
+class Halting:
+    """A Sim that runs to each of these times on the way and calls there."""
+
+    def __init__(self, sim, at, call):
+        self.sim, self.at, self.call = sim, list(at), call
+
+    def __getattr__(self, name):
+        return getattr(self.sim, name)
+
+    def run(self, until_s):
+        while self.at and self.at[0] <= until_s:
+            self.call(self.at.pop(0))
+        return self.sim.run(until_s)
+
+
+@pytest.mark.req("API-1", "FW-1")
+@pytest.mark.parametrize(
+    "sets",
+    [(), ("host.wait_states=1", "host.instruction_cache=256 bytes")],
+    ids=["ideal cache", "256 bytes"],
+)
+@pytest.mark.skipif(not have("m68020"), reason="install the 68020 compiler with: make firmware")
+def test_m68020_goes_back_and_on(sets):
+    """From instants of a run, also ones within a pass, another machine comes to the end of a run
+    that was never interrupted."""
+    setup = load("lab500", ("duration=0.06", "expect=[]", *sets))
+
+    def run(at, call):
+        with machine(setup, host="m68020") as sim:
+            Session(Halting(sim, at, lambda t: call(sim, t)), setup).run(lambda *_: None)
+            return [sim.snapshot_bytes(s["id"]) for s in sim.snapshots()], sim.history_bytes()
+
+    whole = []
+    run([END], lambda sim, t: (sim.run(t), whole.append((sim.hash(), sim.clock, sim.stats()))))
+    states, past = run(TIMES, lambda sim, t: sim.snapshot(t))
+    assert len(states) == len(TIMES) and len(set(states)) == len(TIMES)
+    with machine(setup, host="m68020") as other:
+        for state in reversed(states):
+            other.restore_bytes(state, past)
+            here = other.snapshot()
+            for _ in range(2):
+                other.restore(here)
+                assert other.run(END)
+                assert (other.hash(), other.clock, other.stats()) == whole[0]
+
+
+@pytest.mark.req("SW-1", "FW-1")
+@pytest.mark.skipif(not have("m68020"), reason="install the 68020 compiler with: make firmware")
+def test_snapshot_fits_its_own_processor_only(monkeypatch, tmp_path):
+    """Other wait states or another image are another machine, and leave it as it was."""
+    setup = load("lab500", ("duration=0.06", "expect=[]"))
+    with machine(setup, host="m68020") as sim:
+        sim.run(0.02)
+        state, past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+    slower = load("lab500", ("duration=0.06", "expect=[]", "host.wait_states=1"))
+    config = hosts.config("m68020")
+    image = tmp_path / "mc.bin"
+    image.write_bytes(Path(config["firmware"]).read_bytes() + b"\0")
+    for other, firmware in ((slower, config["firmware"]), (setup, str(image))):
+        monkeypatch.setattr(hosts, "config", lambda _, f=firmware: config | {"firmware": f})
+        with machine(other, host="m68020") as sim:
+            before = sim.hash()
+            with pytest.raises(ValueError, match="another machine: robot, host, its firmware"):
+                sim.restore_bytes(state, past)
+            assert sim.hash() == before
+            assert sim.run(0.02)
