@@ -32,8 +32,9 @@ RARE static int32_t wide_phi(const struct mc_param *par, uint16_t raw) {
   return sat32((int64_t)par->adc_a * raw + par->adc_b);
 }
 
+/* Narrow factors have 16 bits, whose product takes the 68020 half the time of one of 32. */
 int32_t servo_phi(const struct mc_param *par, const struct servo_state *s, uint16_t raw) {
-  return s->narrow_phi ? par->adc_a * raw + par->adc_b : wide_phi(par, raw);
+  return s->narrow_phi ? (int16_t)par->adc_a * (int16_t)raw + par->adc_b : wide_phi(par, raw);
 }
 
 int32_t servo_feedback(const struct mc_param *par, const struct mc_state *m) {

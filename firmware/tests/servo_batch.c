@@ -14,6 +14,7 @@ struct axis {
 size_t axis_size(void);
 void axis_start(struct axis *x, const struct mc_param *par, uint16_t counter);
 void axis_change(struct axis *x, const struct mc_param *par);
+int axis_wide(const struct axis *x);
 void axis_run(struct axis *x, int n, const int32_t (*in)[3], int32_t (*out)[9]);
 
 size_t axis_size(void) {
@@ -31,6 +32,11 @@ void axis_start(struct axis *x, const struct mc_param *par, uint16_t counter) {
 void axis_change(struct axis *x, const struct mc_param *par) {
   servo_change(&x->servo, &x->par, par);
   x->par = *par;
+}
+
+/* Whether the next sample begins in 64 bits. */
+int axis_wide(const struct axis *x) {
+  return x->servo.wide;
 }
 
 /* Columns: counter, raw A/D, setpoint -> position, phi, fb, vel, error, current, inow, events,

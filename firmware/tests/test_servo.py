@@ -61,6 +61,7 @@ def library():
         ffi.cdef("""size_t axis_size(void);
             void axis_start(void *x, const struct mc_param *par, uint16_t counter);
             void axis_change(void *x, const struct mc_param *par);
+            int axis_wide(const void *x);
             void axis_run(void *x, int n, const int *in, int *out);""")
         _loaded.extend([ffi, ffi.dlopen(str(path))])
     return _loaded
@@ -156,6 +157,52 @@ def test_lock_step(seed):
     total = QUICK if "MMCS_RANDOM_OPS" in os.environ else TOTAL
     print(f"seed {seed}")
     assert lock_step(seed, total // len(SEEDS)) >= total // len(SEEDS)
+
+
+NARROW_N = 1 << 28  # of servo.c: beyond this N = b0*u is kept in 64 bits
+RECURSIONS = {  # by (b0, b1, b2): N grows, swings, or stays where it is
+    "integrator": (1, -1, 0),
+    "integrator, b0 = 64": (64, -64, 0),
+    "two integrators": (8, -16, 8),
+    "undamped": (5, -6, 5),
+    "alternating": (16, 16, 0),
+    "two alternating": (3, 6, 3),
+}
+
+
+def steer(rng: random.Random, r: ref.Servo, top: int) -> int:
+    """An error that brings N to a bound or beside it, on beyond all 32 bits, or back home."""
+    d = ref.Compensator(list(r.d.errors), list(r.d.products))
+    d.output(r.p, 0)  # N without any error
+    near = rng.choice([1, -1]) * NARROW_N + rng.choice([-2, -1, 0, 1])
+    target = rng.choice([near, near, near, 0, 1 << 33, -(1 << 33)])
+    wanted = (target - d.products[0]) // r.p.a0
+    return max(-top, min(top - 1, wanted))
+
+
+@pytest.mark.req("SRV-2", "SRV-7")
+@pytest.mark.parametrize("a0", [1, 1000])
+@pytest.mark.parametrize("name", RECURSIONS)
+def test_history_leaves_32_bits_and_comes_back(name, a0):
+    """N goes over the bound of the narrow way and comes back, many times: same bits throughout."""
+    rng = random.Random(name + str(a0))
+    b0, b1, b2 = RECURSIONS[name]
+    p = ref.Params(a0=a0, b0=b0, b1=b1, b2=b2, mode=ref.POS | ref.ZEROFB, ilim=2047, ilimax=5)
+    top = (1 << 27) // a0  # errors with which a0*e stays narrow
+    crossings, exact = 0, set()
+    for _ in range(40):
+        c, r = Axis(p, 0), ref.Servo(p, 0)
+        was_wide = 1
+        for _ in range(60):
+            compare(c, r, np.array([(0, 0, steer(rng, r, top))], np.int32), str(p))
+            n, wide = r.d.products[0], c.lib.axis_wide(c.x)
+            assert wide or -NARROW_N <= n < NARROW_N, "the history does not fit the narrow way"
+            crossings += wide != was_wide
+            was_wide = wide
+            exact.add(n)
+    assert crossings > 40
+    if a0 == 1:
+        assert {-NARROW_N - 1, -NARROW_N, NARROW_N - 1, NARROW_N} <= exact
 
 
 def run_both(p: ref.Params, rows) -> np.ndarray:
