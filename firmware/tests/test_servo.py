@@ -175,20 +175,22 @@ def steer(rng: random.Random, r: ref.Servo, top: int) -> int:
     d = ref.Compensator(list(r.d.errors), list(r.d.products))
     d.output(r.p, 0)  # N without any error
     near = rng.choice([1, -1]) * NARROW_N + rng.choice([-2, -1, 0, 1])
-    target = rng.choice([near, near, near, 0, 1 << 33, -(1 << 33)])
+    target = rng.choice([near, near, near, 0, 1 << 33, -(1 << 33), 0x7FFFFFFF, -0x7FFFFFFF])
     wanted = (target - d.products[0]) // r.p.a0
+    if rng.random() < 0.3:
+        top = 1 << 31  # this sample goes the wide way
     return max(-top, min(top - 1, wanted))
 
 
 @pytest.mark.req("SRV-2", "SRV-7")
-@pytest.mark.parametrize("a0", [1, 1000])
+@pytest.mark.parametrize("a", [(1, 0, 0), (1000, 0, 0), (3, -3, 1), (1, 1999, -1900)])
 @pytest.mark.parametrize("name", RECURSIONS)
-def test_history_leaves_32_bits_and_comes_back(name, a0):
+def test_history_leaves_32_bits_and_comes_back(name, a):
     """N goes over the bound of the narrow way and comes back, many times: same bits throughout."""
-    rng = random.Random(name + str(a0))
+    rng = random.Random(name + str(a))
     b0, b1, b2 = RECURSIONS[name]
-    p = ref.Params(a0=a0, b0=b0, b1=b1, b2=b2, mode=ref.POS | ref.ZEROFB, ilim=2047, ilimax=5)
-    top = (1 << 27) // a0  # errors with which a0*e stays narrow
+    p = ref.Params(*a, b0, b1, b2, mode=ref.POS | ref.ZEROFB, ilim=2047, ilimax=5)
+    top = (1 << 27) // sum(map(abs, a))  # errors with which the sum of a*e stays narrow
     crossings, exact = 0, set()
     for _ in range(40):
         c, r = Axis(p, 0), ref.Servo(p, 0)
@@ -201,7 +203,7 @@ def test_history_leaves_32_bits_and_comes_back(name, a0):
             was_wide = wide
             exact.add(n)
     assert crossings > 40
-    if a0 == 1:
+    if a == (1, 0, 0):
         assert {-NARROW_N - 1, -NARROW_N, NARROW_N - 1, NARROW_N} <= exact
 
 
