@@ -192,6 +192,35 @@ async def a_silent_adaptor_times_out(dut, clock):
 
 @cocotb.test()
 @req("SOC-2")
+async def a_late_end_leaves_whole_accesses(dut):
+    """The adaptor answers a late access around the next one's time-out, at every clock of it.
+
+    The next one is then made in time, or made too late, or has spent its time waiting: that one
+    reaches nothing.
+    """
+    tb = await bridge(dut, "same")
+    seen = []
+    for release in range(TIMEOUT_CLKS - 14, TIMEOUT_CLKS + 4):
+        dut.deaf_i.value = 1
+        await Timer(2 * MACHINE_NS, "ns")
+        assert (await tb.access(VECTOR, 0x11))[1]
+        before = int(dut.writes_o.value)
+        second = cocotb.start_soon(tb.access(VECTOR, 0x22))
+        await Timer(release * MACHINE_NS, "ns")
+        dut.deaf_i.value = 0
+        _, error = await second
+        await Timer(40 * MACHINE_NS, "ns")
+        made = int(dut.writes_o.value) - before
+        assert int(dut.vector_o.value) == {1: 0x11, 2: 0x22}[made]
+        seen.append((error, made))
+        tb.writes += made
+        await tb.wr(VECTOR, 0x33)
+    cocotb.log.info("error and accesses by release: %s", seen)
+    assert [s for n, s in enumerate(seen) if n == 0 or s != seen[n - 1]] == [(0, 2), (1, 2), (1, 1)]
+
+
+@cocotb.test()
+@req("SOC-2")
 async def a_fault_ends_in_an_error(dut):
     """An injected bus error reaches no register."""
     tb = await bridge(dut, "six")

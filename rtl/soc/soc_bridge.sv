@@ -93,7 +93,7 @@ module soc_bridge #(
     finish = 1'b0;
     if (far_req) begin
       case (state_q)
-        StIdle: finish = fault_i || clock_q;
+        StIdle: finish = fault_i || clock_q || expired;  // spent waiting: it reaches nothing
         StAccess: finish = hp_ack_i || expired;
         default: finish = clock_q || expired;
       endcase
@@ -113,7 +113,7 @@ module soc_bridge #(
       hp_wdata_o <= '0;
     end else begin
       if (!far_req || finish) timer_q <= '0;
-      else if (!expired) timer_q <= timer_q + 1'b1;
+      else timer_q <= timer_q + 1'b1;
 
       if (finish) begin
         answer_q <= clock_q ? us_i : {24'd0, hp_rdata_i};
