@@ -20,6 +20,7 @@ int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
   mc->config = *config;
   mc->opens = mc->cards = mc->axes = mc->joints = 0;
   mc->power = MC_IDLE;
+  mc->grace = 0;
   for (int i = 0; i < MC_MAX_CLIENTS; i++) mc->client[i].used = 0;
   return 0;
 }
@@ -36,12 +37,13 @@ static int start(struct mc *mc) {
   } else {
     hw_put(mc, MMCS_VECTOR, mc->config.vector);
     mc->power = MC_IDLE;
-    mc->grace = 0;
     mc->adc_timeouts = 0;
     mc->stats = (struct mc_stats){0};
     mc_scan(mc);
     result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);
     timer_start(mc);
+    /* heartbeats that the last close ended may still be running out */
+    if (mc->grace > 0) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
   }
   mc->os.unmask(mc->os.ctx, level);
   return result;

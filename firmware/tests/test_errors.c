@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Error codes, who is told of them, and what a clear leaves; PANIC and its messages. §2.3.4 */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+static char said[1024];
+
+static void hear(void *ctx, const char *text) {
+  (void)ctx;
+  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
+  strcat(said, text);
+  strcat(said, "\n");
+}
+
+static struct mc *opened(int cards) {
+  struct mc *mc = mock_open(&m, cards);
+  mc->os.log = hear;
+  said[0] = 0;
+  return mc;
+}
+
+static struct mc *enabled(int cards) {
+  struct mc *mc = opened(cards);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  mock_run(&m, 10000);
+  return mc;
+}
+
+static int errcode(int axis) {
+  return mc_state_of(m.memory, axis)->errcode;
+}
+
+static void clear(struct mc *mc, int client) {
+  CHECK_EQ(mc_ioctl(mc, client, MCLEARERROR, NULL), 0);
+}
+
+static void look(struct mc *mc, int client, int axes) {
+  struct mc_state state[MC_MAX_AXES];
+  CHECK_EQ(mc_read(mc, client, state, (size_t)axes * 28), axes * 28);
+}
+
+// req: DRV-5
+static void test_codes_tell_flags_axis_and_count(void) {
+  struct mc *mc = opened(16);
+  CHECK_EQ(mc_joints(mc), 32);
+  for (int axis = 0; axis < 32; axis++) {
+    error_raise(mc, axis, MERR_PLO);
+    CHECK_EQ(errcode(axis), axis << 8 | MERR_PLO);
+    error_raise(mc, axis, MERR_ILIM | MERR_PANIC);
+    CHECK_EQ(errcode(axis), axis << 8 | 0x0D);
+    error_raise_index(mc, axis, 0xFFFE);
+    CHECK_EQ((uint32_t)errcode(axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1D);
+    error_raise(mc, axis, MERR_PHI); /* the count stays */
+    CHECK_EQ((uint32_t)errcode(axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1F);
+    error_raise_index(mc, axis, 7); /* the latest count */
+    CHECK_EQ(errcode(axis), 7 << 16 | axis << 8 | 0x1F);
+  }
+  CHECK_EQ(m.signals[0], 0); /* raising alone tells nobody */
+  mock_stop(&m);
+}
+
+// req: DRV-5
+static void test_a_clear_takes_what_was_read_only(void) {
+  struct mc *mc = opened(2);
+  int other = mc_open(mc, MC_O_RDWR);
+  for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO | MERR_ILIM);
+  clear(mc, 0); /* has never read: everything */
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
+  CHECK_EQ(m.signals[0], 0); /* nothing remains, nobody is told */
+  for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO);
+  look(mc, 0, 4);
+  for (int axis = 0; axis < 4; axis++) {
+    error_raise(mc, axis, axis == 0 ? MERR_PHI : 0);
+  }
+  clear(mc, 0);
+  CHECK_EQ(errcode(0), MERR_PHI); /* came since */
+  for (int axis = 1; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
+  CHECK_EQ(m.signals[0], 1); /* it signals again, everybody */
+  CHECK_EQ(m.signals[other], 1);
+  clear(mc, 0); /* not read since: still there */
+  CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(m.signals[0], 2);
+  look(mc, other, 4); /* another's read does not count */
+  clear(mc, 0);
+  CHECK_EQ(errcode(0), MERR_PHI);
+  clear(mc, other);
+  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(m.signals[0], 3);
+  CHECK_EQ(m.masked, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-4 DRV-5
+static void test_a_short_read_has_seen_no_more(void) {
+  for (int axes = 1; axes <= 4; axes++) {
+    struct mc *mc = opened(2);
+    for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PHI);
+    look(mc, 0, axes);
+    clear(mc, 0);
+    for (int axis = 0; axis < 4; axis++) {
+      CHECK_EQ(errcode(axis), axis < axes ? 0 : axis << 8 | MERR_PHI);
+    }
+    CHECK_EQ(m.signals[0], axes < 4);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-4 DRV-5
+static void test_a_failed_read_has_seen_nothing(void) {
+  struct mc *mc = opened(1);
+  char buf[56];
+  error_raise(mc, 1, MERR_PHI);
+  look(mc, 0, 2);
+  m.bad_pointer = 1;
+  CHECK_EQ(mc_read(mc, 0, buf, sizeof buf), -MC_EFAULT);
+  m.bad_pointer = 0;
+  clear(mc, 0);
+  CHECK_EQ(errcode(1), 0x100 | MERR_PHI);
+  look(mc, 0, 2);
+  clear(mc, 0);
+  CHECK_EQ(errcode(1), 0);
+  int other = mc_open(mc, MC_O_RDWR);
+  error_raise(mc, 0, MERR_PLO);
+  m.bad_pointer = 1;
+  CHECK_EQ(mc_read(mc, other, buf, sizeof buf), -MC_EFAULT);
+  CHECK_EQ(m.masked, 0);
+  clear(mc, other); /* as if it had never read */
+  CHECK_EQ(errcode(0), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-5 CAL-1
+static void test_the_count_lives_as_long_as_its_flag(void) {
+  struct mc *mc = opened(1);
+  error_raise_index(mc, 1, 55);
+  look(mc, 0, 2);
+  error_raise(mc, 1, MERR_PLO);
+  clear(mc, 0);
+  CHECK_EQ(errcode(1), 0x100 | MERR_PLO);
+  look(mc, 0, 2);
+  error_raise_index(mc, 1, 66);
+  clear(mc, 0);
+  CHECK_EQ(errcode(1), 66 << 16 | 0x100 | MERR_ZINDEX);
+  mock_stop(&m);
+}
+
+// req: DRV-5
+static void test_writers_are_told_readers_and_the_gone_are_not(void) {
+  struct mc *mc = opened(1);
+  for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, i % 3), i);
+  CHECK_EQ(mc_close(mc, 4), 0);
+  CHECK_EQ(mc_close(mc, 5), 0);
+  error_signal(mc);
+  for (int i = 0; i < MC_MAX_CLIENTS; i++) {
+    CHECK_EQ(m.signals[i], i == 0 || (i % 3 != MC_O_RDONLY && i != 4 && i != 5));
+  }
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 4); /* the place of a writer */
+  error_signal(mc);
+  CHECK_EQ(m.signals[4], 0);
+  CHECK_EQ(m.signals[15], 0);
+  CHECK_EQ(m.signals[14], 2);
+  mock_stop(&m);
+}
+
+/* --- PANIC ----------------------------------------------------------------------------------- */
+
+// req: DRV-9 DRV-12 PAN-2
+static void test_panic_names_who_is_silent(void) {
+  static const struct {
+    unsigned dead, gone; /* axes without heartbeat, cards that do not answer */
+    const char *text;
+  } cases[] = {
+      {0x00, 0, "mc: PANIC: button, cable or power\n"},
+      {0x01, 0, "mc: PANIC: axis 0 has no heartbeat\n"},
+      {0x02, 0, "mc: PANIC: axis 1 has no heartbeat\n"},
+      {0x28, 0, "mc: PANIC: axis 3 has no heartbeat\nmc: PANIC: axis 5 has no heartbeat\n"},
+      {0x00, 2, "mc: PANIC: card 1 does not answer\n"},
+      {0x10, 2, "mc: PANIC: card 1 does not answer\nmc: PANIC: axis 4 has no heartbeat\n"},
+      {0x0C, 2, "mc: PANIC: card 1 does not answer\n"},
+      {0x00, 3, "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"},
+      {0x00, 7,
+       "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"
+       "mc: PANIC: card 2 does not answer\nmc: PANIC: button, cable or power\n"}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    struct mc *mc = enabled(3);
+    for (unsigned axis = 0; axis < 6; axis++) {
+      if (cases[i].dead >> axis & 1) m.card[axis / 2].beat_until[axis & 1] = 0;
+    }
+    for (unsigned card = 0; card < 3; card++) m.card[card].present = !(cases[i].gone >> card & 1);
+    m.estop_open = 1;
+    mock_run(&m, 100);
+    CHECK_EQ(strcmp(said, cases[i].text), 0);
+    for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode(axis), axis << 8 | MERR_PANIC);
+    CHECK_EQ(m.signals[0], 1);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1);
+    CHECK_EQ(m.pccsr, 0xB8);
+    for (unsigned axis = 0; axis < 6; axis++) {
+      const struct mock_card *c = &m.card[axis / 2];
+      if (!c->present) continue;
+      CHECK_EQ(c->b, 5);
+      CHECK_EQ(c->dac_high[axis & 1], 8);
+      if (cases[i].dead >> axis & 1) CHECK_EQ(c->beat_until[axis & 1], 0);
+    }
+    mock_stop(&m);
+  }
+}
+
+/* Both indexes latched make port C read 0xFF, as an absent card's does. */
+// req: DRV-8 DRV-12
+static void test_panic_while_both_indexes_are_latched(void) {
+  struct mc *mc = enabled(2);
+  for (int axis = 2; axis < 4; axis++) CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+  m.card[1].index[0] = m.card[1].index[1] = 1;
+  m.estop_open = 1;
+  mock_run(&m, 10);
+  CHECK_EQ(strcmp(said, "mc: PANIC: button, cable or power\n"), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-9 DRV-12
+static void test_a_dead_adaptor_is_a_panic_of_the_enabled_only(void) {
+  struct mc *mc = opened(1);
+  m.adaptor_dead = 1;
+  CHECK_EQ(mc_interrupt(mc), 0);
+  CHECK_EQ(mc_stats_of(mc)->panics, 0);
+  CHECK_EQ(mc_stats_of(mc)->spurious, 0);
+  CHECK_EQ(m.signals[0], 0);
+  m.adaptor_dead = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  m.adaptor_dead = 1;
+  CHECK_EQ(mc_interrupt(mc), 0);
+  CHECK_EQ(mc_stats_of(mc)->panics, 1);
+  CHECK_EQ(m.signals[0], 1);
+  CHECK_EQ(errcode(1), 0x100 | MERR_PANIC);
+  CHECK_EQ(strcmp(said, "mc: PANIC: card 0 does not answer\nmc: PANIC: button, cable or power\n"),
+           0);
+  mock_stop(&m);
+}
+
+// req: DRV-6 DRV-9
+static void test_own_panic_is_forgiven_for_60_ms(void) {
+  for (int after = 40; after < 80; after += 2) {
+    struct mc *mc = enabled(1);
+    m.card[0].enabled[0] = m.card[0].enabled[1] = 0; /* no heartbeat counts in PANIC */
+    mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    mock_run(&m, after * 1000);
+    m.estop_open = 1;
+    mock_run(&m, 4000);
+    CHECK_EQ(mc_stats_of(mc)->panics, after >= 60);
+    CHECK_EQ(m.signals[0], 0);
+    m.estop_open = 0;
+    mock_run(&m, 4000);
+    m.estop_open = 1; /* one only */
+    mock_run(&m, 4000);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1 + (after >= 60));
+    mock_stop(&m);
+  }
+}
+
+static const struct test tests[] = {
+    {"test_codes_tell_flags_axis_and_count", test_codes_tell_flags_axis_and_count},
+    {"test_a_clear_takes_what_was_read_only", test_a_clear_takes_what_was_read_only},
+    {"test_a_short_read_has_seen_no_more", test_a_short_read_has_seen_no_more},
+    {"test_a_failed_read_has_seen_nothing", test_a_failed_read_has_seen_nothing},
+    {"test_the_count_lives_as_long_as_its_flag", test_the_count_lives_as_long_as_its_flag},
+    {"test_writers_are_told_readers_and_the_gone_are_not",
+     test_writers_are_told_readers_and_the_gone_are_not},
+    {"test_panic_names_who_is_silent", test_panic_names_who_is_silent},
+    {"test_panic_while_both_indexes_are_latched", test_panic_while_both_indexes_are_latched},
+    {"test_a_dead_adaptor_is_a_panic_of_the_enabled_only",
+     test_a_dead_adaptor_is_a_panic_of_the_enabled_only},
+    {"test_own_panic_is_forgiven_for_60_ms", test_own_panic_is_forgiven_for_60_ms},
+};
+
+MAIN(tests)

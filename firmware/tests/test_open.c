@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Attach, open, scan, close, read and write: traffic, limits, and what a later one finds. §2.3.1 */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+
+// req: DRV-1
+static void test_attach_takes_what_the_adaptor_can_have(void) {
+  static const uint32_t good[] = {8000000, 4000000, 2000000, 1000000};
+  static const uint32_t bad[] = {0,       1,       999999,  1000001,  3000000,
+                                 6000000, 7999999, 8000001, 16000000, UINT32_MAX};
+  struct mc *mc = mock_start(&m, 1);
+  struct mc_config config = {0, 0x40};
+  m.logging = 1;
+  for (unsigned i = 0; i < sizeof good / sizeof good[0]; i++) {
+    config.sysclk_hz = good[i];
+    CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
+  }
+  for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    config.sysclk_hz = bad[i];
+    CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), -MC_EINVAL);
+  }
+  config.sysclk_hz = 8000000;
+  CHECK_EQ(mc_attach(NULL, &m.bus, &m.os, &config), -MC_EINVAL);
+  CHECK_EQ(mc_attach(mc, NULL, &m.os, &config), -MC_EINVAL);
+  CHECK_EQ(mc_attach(mc, &m.bus, NULL, &config), -MC_EINVAL);
+  CHECK_EQ(mc_attach(mc, &m.bus, &m.os, NULL), -MC_EINVAL);
+  CHECK_EQ(m.used, 0); /* the hardware has seen nothing */
+  CHECK(mc_size() >= sizeof(struct mc));
+  mock_stop(&m);
+}
+
+// req: DRV-1 DRV-2
+static void test_attach_begins_anew(void) {
+  struct mc *mc = mock_open(&m, 2);
+  struct mc_config config = {8000000, 0x77};
+  struct mc_state state;
+  for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, MC_O_RDWR), i);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
+  CHECK_EQ(mc_joints(mc), 0);
+  for (int i = 0; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_read(mc, i, &state, 28), -MC_EBADF);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  CHECK_EQ(m.vector, 0x77);
+  CHECK_EQ(mc_joints(mc), 4);
+  mock_run(&m, 2100); /* not enabled: only looks */
+  CHECK_EQ(m.card[0].b, 5);
+  mock_stop(&m);
+}
+
+static int add(struct mock_access *want, int n, int write, unsigned offset, unsigned value) {
+  want[n] = (struct mock_access){write, (uint16_t)offset, (uint8_t)value};
+  return n + 1;
+}
+
+// req: DRV-2 DRV-3
+static void test_first_open_traffic(void) {
+  static const uint8_t pattern[] = {0x55, 0xAA, 0x00};
+  static const unsigned timers[][2] = {{0x409, 0x18}, {0x407, 0x70}, {0x407, 0xB4}, {0x405, 0},
+                                       {0x405, 0},    {0x407, 0x34}, {0x401, 0x40}, {0x401, 0x1F},
+                                       {0x407, 0x74}, {0x403, 0x02}, {0x403, 0x00}, {0x409, 0xB8}};
+  struct mock_access want[200];
+  struct mc *mc = mock_start(&m, 0);
+  int n = 0;
+  m.card[3].present = m.card[15].present = 1;
+  n = add(want, n, 1, 0x409, 0x18);
+  n = add(want, n, 0, 0x409, 0);
+  n = add(want, n, 1, 0x441, 0x40);
+  for (unsigned dip = 0; dip < 16; dip++) {
+    unsigned base = dip << 6 | 1;
+    int there = dip == 3 || dip == 15;
+    n = add(want, n, 1, base + 6, 0x89);
+    for (unsigned i = 0; i < (there ? 3 : 1); i++) { /* port A is written and read back */
+      n = add(want, n, 1, base, pattern[i]);
+      n = add(want, n, 0, base, 0);
+    }
+    if (!there) continue;
+    n = add(want, n, 1, base + 6, 0x89);
+    n = add(want, n, 1, base, 0); /* counting off, joints in, counting on */
+    n = add(want, n, 1, base + 2, 5);
+    n = add(want, n, 1, base, 5);
+  }
+  for (unsigned axis = 0; axis < 4; axis++) {
+    unsigned msb = (axis < 2 ? 3u << 6 : 15u << 6) + 1 + (axis % 2 ? 12 : 8);
+    for (int i = 0; i < 2; i++) { /* twice: the first may be what was latched before */
+      n = add(want, n, 0, msb, 0);
+      n = add(want, n, 0, msb + 2, 0);
+    }
+  }
+  for (unsigned i = 0; i < sizeof timers / sizeof timers[0]; i++) {
+    n = add(want, n, 1, timers[i][0], timers[i][1]);
+  }
+  m.logging = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  traffic_check(__FILE__, __LINE__, &m, want, n);
+  CHECK_EQ(m.masked, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-2 DRV-10
+static void test_positions_are_known_from_the_open_on(void) {
+  static const int32_t counts[] = {0x1234, -2, 0x7FFF, -0x8000};
+  struct mc *mc = mock_start(&m, 2);
+  struct mc_state state[4];
+  for (int axis = 0; axis < 4; axis++) {
+    m.card[axis / 2].count[axis & 1] = (uint16_t)counts[axis];
+    m.card[axis / 2].latched[axis & 1] = 99; /* of long ago */
+    m.card[axis / 2].has_latch[axis & 1] = 1;
+  }
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
+  for (int axis = 0; axis < 4; axis++) {
+    const struct mc_state want = {.encnow = counts[axis]};
+    CHECK(memcmp(&state[axis], &want, sizeof want) == 0);
+  }
+  mock_run(&m, 4100);
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_state_of(mc, axis)->encnow, counts[axis]);
+  mock_stop(&m);
+}
+
+static enum mc_bus_result read_holes(void *ctx, uint16_t offset, uint8_t *value) {
+  (void)ctx;
+  (void)offset;
+  *value = 0xFF; /* answers, but is no adaptor */
+  return MC_BUS_OK;
+}
+
+// req: DRV-2
+static void test_an_open_that_failed_leaves_nothing_behind(void) {
+  struct mc *mc = mock_start(&m, 1);
+  struct mc_bus good = mc->bus;
+  for (int way = 0; way < 2; way++) {
+    m.adaptor_dead = way == 0;
+    if (way == 1) mc->bus.read8 = read_holes;
+    m.logging = 1;
+    m.used = 0;
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
+    CHECK_EQ(m.used, way); /* nothing but PCCSR was tried */
+    CHECK_EQ(m.masked, 0);
+    CHECK_EQ(mc_close(mc, 0), -MC_EBADF);
+  }
+  mc->bus = good;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0); /* the first open all the same */
+  CHECK_EQ(mc_joints(mc), 2);
+  mock_stop(&m);
+}
+
+// req: DRV-2 DRV-6
+static void test_last_close_is_silent_and_says_no_more_than_it_must(void) {
+  struct mc *mc = mock_open(&m, 1);
+  m.logging = 1;
+  CHECK_EQ(mc_close(mc, 0), 0);
+  static const struct mock_access want[] = {W(0x409, 0x18)};
+  EXPECT(&m, want);
+  CHECK_EQ(m.logs, 0); /* no A/D was late */
+  CHECK_EQ(m.masked, 0);
+  CHECK_EQ(mc_close(mc, 0), -MC_EBADF);
+  for (int flags = MC_O_RDONLY; flags <= MC_O_RDWR; flags++) { /* any way of opening starts */
+    CHECK_EQ(mc_open(mc, flags), 0);
+    CHECK_EQ(m.pccsr, 0xB8);
+    CHECK_EQ(mc_close(mc, 0), 0);
+    CHECK_EQ(m.pccsr, 0x18);
+  }
+  CHECK_EQ(mc_open(mc, -1), -MC_EINVAL);
+  mock_stop(&m);
+}
+
+// req: DRV-2
+static void test_a_new_open_finds_the_defaults_again(void) {
+  struct mc *mc = mock_open(&m, 2);
+  struct mc_param par = {.which = 1};
+  struct mc_stats stats;
+  struct mc_state state[4];
+  int on = 1, one = 1, axis = 2, diag = M_ANDIAG | M_ENDIAG;
+  int32_t set[4] = {9, 9, 9, 9};
+  CHECK_EQ(mc_write(mc, 0, set, 16), 16);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  struct mc_param first = par;
+  par.mode = MD_POS;
+  par.clkdivisor = 1000;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &diag), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &one), 0);
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
+  mc_spurious(mc);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
+  static const struct mc_stats none;
+  CHECK(memcmp(&stats, &none, sizeof none) == 0);
+  CHECK_EQ(mc_joints(mc), 4);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  CHECK(memcmp(&par, &first, sizeof par) == 0);
+  for (int i = 0; i < 4; i++) CHECK_EQ(mc_setpoint(mc, i), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &one), 0);
+  CHECK_EQ(one, 0);
+  CHECK_EQ(m.card[0].b, 5);
+  CHECK_EQ(m.card[1].b, 5); /* waits for no index */
+  par.mode = MD_POS;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  m.card[0].count[1] = 44;
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_setpoint(mc, 1), 44); /* that it was written belongs to the past */
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
+  CHECK_EQ(state[1].fbnow, 44);
+  CHECK_EQ(m.card[0].b, 7);
+  mock_stop(&m);
+}
+
+/* The heartbeats that the close ended run out while the machine is open again. */
+// req: DRV-6 DRV-9
+static void test_reopened_at_once_the_own_panic_is_no_error(void) {
+  for (int gap = 0; gap < 60000; gap += 500) {
+    struct mc *mc = mock_open(&m, 1);
+    unsigned us = 500;
+    if (gap % 1000) CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    mock_run(&m, 10000);
+    CHECK_EQ(mc_close(mc, 0), 0);
+    mock_run(&m, gap);
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    mock_run(&m, 60000);
+    CHECK_EQ(mc_stats_of(mc)->panics, 0);
+    CHECK_EQ(m.releases, 2); /* the brakes held in between */
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-4
+static void test_read_gives_every_axis_its_state(void) {
+  struct mc *mc = mock_open(&m, 2);
+  struct mc_state state[5];
+  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 + axis);
+  mock_run(&m, 4100);
+  for (int n = 1; n <= 5; n++) {
+    memset(state, 0x5A, sizeof state);
+    int got = mc_read(mc, 0, state, (size_t)n * 28);
+    CHECK_EQ(got, 28 * (n < 4 ? n : 4));
+    for (int axis = 0; axis < 5; axis++) {
+      CHECK_EQ(state[axis].encnow, axis * 28 < got ? 100 + axis : 0x5A5A5A5A);
+    }
+  }
+  int none = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &none), 0);
+  m.bad_pointer = 1; /* nothing to copy */
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 0);
+  CHECK_EQ(mc_write(mc, 0, state, 0), 0);
+  CHECK_EQ(mc_write(mc, 0, state, 4), -MC_EINVAL);
+  CHECK_EQ(m.masked, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-4
+static void test_write_sets_as_many_as_it_brings(void) {
+  struct mc *mc = mock_open(&m, 2);
+  int32_t set[4] = {11, -12, INT32_MAX, INT32_MIN};
+  int three = 3;
+  CHECK_EQ(mc_write(mc, 0, set, 16), 16);
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), set[axis]);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &three), 0);
+  set[0] = 21;
+  CHECK_EQ(mc_write(mc, 0, set, 16), -MC_EINVAL);
+  for (size_t odd = 1; odd < 4; odd++) CHECK_EQ(mc_write(mc, 0, set, 8 + odd), -MC_EINVAL);
+  CHECK_EQ(mc_setpoint(mc, 0), 11);
+  CHECK_EQ(mc_write(mc, 0, set, 12), 12);
+  CHECK_EQ(mc_setpoint(mc, 0), 21);
+  CHECK_EQ(mc_setpoint(mc, 3), INT32_MIN);
+  m.bad_pointer = 1;
+  set[0] = 31;
+  CHECK_EQ(mc_write(mc, 0, set, 4), -MC_EFAULT);
+  CHECK_EQ(mc_setpoint(mc, 0), 21);
+  CHECK_EQ(m.masked, 0);
+  for (int client = 16; client < 18; client++) { /* one beyond the last */
+    CHECK_EQ(mc_write(mc, client, set, 4), -MC_EBADF);
+    CHECK_EQ(mc_read(mc, client, set, 28), -MC_EBADF);
+    CHECK_EQ(mc_ioctl(mc, client, MSTOP, NULL), -MC_EBADF);
+    CHECK_EQ(mc_close(mc, client), -MC_EBADF);
+  }
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_attach_takes_what_the_adaptor_can_have", test_attach_takes_what_the_adaptor_can_have},
+    {"test_attach_begins_anew", test_attach_begins_anew},
+    {"test_first_open_traffic", test_first_open_traffic},
+    {"test_positions_are_known_from_the_open_on", test_positions_are_known_from_the_open_on},
+    {"test_an_open_that_failed_leaves_nothing_behind",
+     test_an_open_that_failed_leaves_nothing_behind},
+    {"test_last_close_is_silent_and_says_no_more_than_it_must",
+     test_last_close_is_silent_and_says_no_more_than_it_must},
+    {"test_a_new_open_finds_the_defaults_again", test_a_new_open_finds_the_defaults_again},
+    {"test_reopened_at_once_the_own_panic_is_no_error",
+     test_reopened_at_once_the_own_panic_is_no_error},
+    {"test_read_gives_every_axis_its_state", test_read_gives_every_axis_its_state},
+    {"test_write_sets_as_many_as_it_brings", test_write_sets_as_many_as_it_brings},
+};
+
+MAIN(tests)

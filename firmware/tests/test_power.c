@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Enable, stop and PANIC in detail: accesses, waits and messages, each in its order. §2.3.4, §5.3.6
+ */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+static char said[512]; /* all lines, each with a newline */
+static uint32_t waited[200];
+static int waits;
+static int (*meanwhile)(struct mc *mc); /* what another process does during a wait */
+static int answer;
+
+static void hear(void *ctx, const char *text) {
+  (void)ctx;
+  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
+  strcat(said, text);
+  strcat(said, "\n");
+}
+
+static void wait_us(void *ctx, uint32_t us) {
+  CHECK(!m.masked); /* interrupts may come */
+  CHECK(waits < (int)(sizeof waited / sizeof waited[0]));
+  waited[waits++] = us;
+  if (meanwhile) answer = meanwhile(m.memory);
+  mock_run(ctx, us);
+}
+
+static struct mc *opened(int cards) {
+  struct mc *mc = mock_open(&m, cards);
+  mc->os.log = hear;
+  mc->os.delay_us = wait_us;
+  said[0] = 0;
+  waits = 0;
+  meanwhile = NULL;
+  answer = 0;
+  return mc;
+}
+
+static int enable(struct mc *mc) {
+  return mc_ioctl(mc, 0, MENABLE, NULL);
+}
+
+static void set_mode(struct mc *mc, int axis, int mode) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+#define SAID(text) CHECK_EQ(strcmp(said, text), 0)
+
+// req: DRV-9 PAN-2
+static void test_enable_traffic(void) {
+  struct mc *mc = opened(2);
+  int on = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+  mock_run(&m, 2100);
+  m.logging = 1;
+  m.on_access = traffic_of_process;
+  CHECK_EQ(enable(mc), 0);
+  static const struct mock_access want[] = {
+      R(0x001),       R(0x003),       W(0x001, 0x1D), R(0x001),
+      W(0x001, 0x05), R(0x001), /* card 0 answers */
+      R(0x041),       R(0x043),       W(0x041, 0x1D), R(0x041),
+      W(0x041, 0x05), R(0x041),       W(0x003, 0x05), W(0x043, 0x05), /* outputs act at once */
+      W(0x013, 0x08), W(0x017, 0x08), W(0x053, 0x08), W(0x057, 0x08), /* 0 V, no heartbeat */
+      W(0x003, 0x07), W(0x043, 0x07),                                 /* joints connected */
+      W(0x003, 0x0F), W(0x043, 0x0F),                                 /* double-buffered as asked */
+      R(0x005),       R(0x005),       R(0x045),       R(0x045),       /* all heartbeats live */
+      W(0x409, 0xF8)};                                                /* PANIC may interrupt */
+  EXPECT(&m, want);
+  CHECK_EQ(waited[0], 2000); /* the relay */
+  CHECK(waits >= 2 && waits <= 4);
+  for (int i = 1; i < waits; i++) CHECK_EQ(waited[i], 1000);
+  CHECK_EQ(m.masked, 0);
+  SAID("");
+  m.used = 0;
+  CHECK_EQ(enable(mc), 0); /* once more: looks whether all answer, and starts afresh */
+  CHECK_EQ(m.used, 12);
+  CHECK_EQ(m.masked, 0);
+  CHECK_EQ(m.releases, 1);
+  mock_stop(&m);
+}
+
+// req: DRV-9 DRV-10
+static void test_an_enabled_machine_starts_afresh_at_enable(void) {
+  struct mc *mc = opened(1);
+  struct mc_param par = {.which = 0};
+  int32_t set[2] = {5, 6};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = MD_POS | ZEROFB;
+  par.b1 = -1; /* an integrator */
+  par.clkdivisor = 5;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  set_mode(mc, 1, MD_POS);
+  CHECK_EQ(enable(mc), 0);
+  CHECK_EQ(mc_write(mc, 0, set, 4), 4);
+  m.card[0].count[1] = 33; /* axis 1 was pushed; nobody wrote it */
+  mock_run(&m, 30100);
+  CHECK_EQ(mc_state_of(mc, 0)->inow, 15);
+  CHECK_EQ(mc_setpoint(mc, 1), 0);
+  CHECK_EQ(enable(mc), 0);
+  mock_run(&m, 2000); /* at once, not after its five SCLOCKs */
+  CHECK_EQ(mc_state_of(mc, 0)->inow, 5);
+  CHECK_EQ(mc_setpoint(mc, 0), 5);
+  CHECK_EQ(mc_setpoint(mc, 1), 33);
+  m.card[0].present = 0;
+  CHECK_EQ(enable(mc), -MC_EIO);
+  CHECK(strstr(said, "mc: enable: card 0 does not answer\n") != NULL);
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_what_axes_hold_at_the_first_pass(void) {
+  static const int modes[] = {MD_OFF, MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_POS};
+  struct mc *mc = opened(3);
+  int32_t set = 4000;
+  for (int axis = 0; axis < 6; axis++) {
+    set_mode(mc, axis, modes[axis]);
+    m.card[axis / 2].count[axis & 1] = (uint16_t)(500 + axis);
+  }
+  mock_run(&m, 4100);
+  CHECK_EQ(enable(mc), 0);
+  for (int axis = 0; axis < 6; axis++) {
+    CHECK_EQ(mc_setpoint(mc, axis), modes[axis] == MD_POS ? 500 + axis : 0);
+    CHECK_EQ(mock_dac(&m, axis), 0x800);
+    CHECK_EQ(mc_state_of(mc, axis)->vel, 0);
+  }
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  m.card[0].count[1] = 501 + 20;
+  mock_run(&m, 4100);
+  CHECK_EQ(mc_setpoint(mc, 1), 501);
+  CHECK_EQ(mock_dac(&m, 1), 0x800 - 20);
+  mock_stop(&m);
+}
+
+/* The low byte is written only where the heartbeat lives: a dead one must not start again. */
+// req: DRV-6 DRV-9 PAN-2
+static void test_stop_traffic(void) {
+  for (unsigned live = 0; live < 16; live++) {
+    struct mc *mc = opened(2);
+    int on = 1;
+    CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+    CHECK_EQ(enable(mc), 0);
+    mock_run(&m, 2100);
+    for (unsigned axis = 0; axis < 4; axis++) {
+      if ((live >> axis & 1) == 0) m.card[axis / 2].beat_until[axis & 1] = 0;
+    }
+    m.logging = 1;
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    struct mock_access want[40];
+    int n = 0;
+    want[n++] = (struct mock_access)W(0x409, 0xB8);
+    want[n++] = (struct mock_access)R(0x005);
+    want[n++] = (struct mock_access)R(0x045);
+    want[n++] = (struct mock_access)W(0x409, 0xB8);
+    want[n++] = (struct mock_access)W(0x003, 0x07); /* direct output, or zero would wait */
+    want[n++] = (struct mock_access)W(0x043, 0x07);
+    for (unsigned axis = 0; axis < 4; axis++) {
+      uint16_t low = (uint16_t)((axis / 2) << 6 | (axis & 1 ? 0x15 : 0x11));
+      if (live >> axis & 1) want[n++] = (struct mock_access)W(low, 0x00);
+      want[n++] = (struct mock_access)W((uint16_t)(low + 2), 0x08);
+    }
+    want[n++] = (struct mock_access)W(0x003, 0x05); /* isolated */
+    want[n++] = (struct mock_access)W(0x043, 0x05);
+    traffic_check(__FILE__, __LINE__, &m, want, n);
+    CHECK_EQ(mc->grace, live ? 31 : 0); /* 60 ms of 2 ms each, and the one under way */
+    m.used = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0); /* again: nothing left to do */
+    CHECK_EQ(m.used, 0);
+    CHECK_EQ(m.masked, 0);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-6
+static void test_a_stop_forgets_setpoints_and_currents(void) {
+  for (int how = 0; how < 3; how++) {
+    struct mc *mc = opened(2);
+    int32_t set[4] = {100, 200, 300, 400};
+    for (int axis = 0; axis < 4; axis++) set_mode(mc, axis, axis ? MD_TORQ : MD_POS);
+    CHECK_EQ(enable(mc), 0);
+    CHECK_EQ(mc_write(mc, 0, set, 16), 16);
+    mock_run(&m, 4100);
+    for (int axis = 0; axis < 4; axis++) {
+      CHECK_EQ(mock_dac(&m, axis), 0x800 + set[axis]);
+      CHECK_EQ(mc_state_of(mc, axis)->inow, set[axis]);
+    }
+    if (how == 0) CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    if (how == 1) m.estop_open = 1;
+    if (how == 2) m.ack_broken = 1; /* nobody serves: only the passes stop */
+    mock_run(&m, how == 2 ? 60000 : 100);
+    if (how == 2) {
+      m.ack_broken = 0;
+      mock_run(&m, 2100);
+    }
+    for (int axis = 0; axis < 4; axis++) {
+      CHECK_EQ(mock_dac(&m, axis), how == 2 ? 0x800 | (set[axis] & 0xFF) : 0x800);
+      CHECK_EQ(mc_state_of(mc, axis)->inow, 0);
+      CHECK_EQ(mc_setpoint(mc, axis), how == 0 ? 0 : set[axis]);
+    }
+    m.estop_open = 0;
+    m.card[0].count[0] = 77;
+    mock_run(&m, 100000);
+    if (how == 0) set_mode(mc, 0, MD_POS);
+    CHECK_EQ(enable(mc), 0);
+    CHECK_EQ(mc_setpoint(mc, 0), 77); /* not written since */
+    CHECK_EQ(mock_dac(&m, 0), 0x800);
+    mock_stop(&m);
+  }
+}
+
+static int enable_too(struct mc *mc) {
+  meanwhile = NULL;
+  return enable(mc);
+}
+
+static int enable_at_second_wait(struct mc *mc) {
+  return waits == 2 ? enable_too(mc) : 0;
+}
+
+// req: DRV-3 DRV-9
+static void test_enable_while_another_enables(void) {
+  for (int late = 0; late < 2; late++) {
+    struct mc *mc = opened(1);
+    meanwhile = late ? enable_at_second_wait : enable_too;
+    mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 100);
+    CHECK_EQ(enable(mc), 0);
+    CHECK_EQ(answer, late && waits < 2 ? 0 : -MC_EBUSY);
+    CHECK_EQ(m.releases, 1);
+    CHECK_EQ(m.masked, 0);
+    mock_stop(&m);
+  }
+}
+
+static int stop_meanwhile(struct mc *mc) {
+  return waits == 2 ? mc_ioctl(mc, 0, MSTOP, NULL) : 0;
+}
+
+// req: DRV-9
+static void test_enable_that_is_stopped_says_so(void) {
+  struct mc *mc = opened(1);
+  meanwhile = stop_meanwhile;
+  mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 100);
+  m.pccsr &= 0xDF; /* no pass comes before the second wait */
+  CHECK_EQ(enable(mc), -MC_EIO);
+  SAID("mc: enable: stopped by an error, PANIC or MSTOP\n");
+  CHECK_EQ(waits, 2);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(m.card[0].b, 5);
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_enable_waits_for_two_passes_at_most(void) {
+  static const unsigned intervals[] = {100, 400, 999, 1000, 2000, 40000};
+  for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
+    struct mc *mc = opened(1);
+    unsigned us = intervals[i];
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    m.pccsr = 0x18; /* SYSRESET*: no interrupt comes */
+    int64_t before = m.now, limit = 2 * us + 5000, step = us < 1000 ? us : 1000;
+    CHECK_EQ(enable(mc), -MC_EIO);
+    SAID("mc: enable: no servo interrupt\n");
+    CHECK_EQ(waited[0], 2000);
+    for (int k = 1; k < waits; k++) CHECK_EQ(waited[k], step);
+    CHECK_EQ(waits - 1, (limit + step - 1) / step);
+    CHECK(m.now - before < 2000 + limit + step + 100);
+    CHECK_EQ(m.card[0].b, 5); /* isolated again, no heartbeat started */
+    CHECK_EQ(m.card[0].beat_until[0], 0);
+    CHECK_EQ(m.releases, 0);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-6 DRV-9
+static void test_enable_after_a_stop_waits_for_the_brakes(void) {
+  struct mc *mc = opened(1);
+  for (int pause = 0; pause < 70000; pause += 10000) {
+    CHECK_EQ(enable(mc), 0);
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    int64_t stopped = m.now;
+    mock_run(&m, pause);
+    waits = 0;
+    CHECK_EQ(enable(mc), 0);
+    int64_t quiet = 0;
+    int k = 0;
+    while (waited[k] != 2000) quiet += waited[k++];
+    CHECK(quiet <= 60000 && pause + quiet >= 50000);
+    CHECK(pause < 60000 || quiet <= 2000);
+    CHECK(m.now - stopped < pause + quiet + 7000);
+    CHECK_EQ(mc_stats_of(mc)->panics, 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    mock_run(&m, 70000);
+  }
+  CHECK_EQ(m.releases, 14);
+  m.pccsr = 0x18; /* SCLOCKs come no more: it does not wait for ever */
+  mc->grace = 31;
+  waits = 0;
+  CHECK_EQ(enable(mc), -MC_EIO);
+  int quiet = 0;
+  while (waited[quiet] == 1000) quiet++;
+  CHECK_EQ(quiet, 60);
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_enable_traffic", test_enable_traffic},
+    {"test_an_enabled_machine_starts_afresh_at_enable",
+     test_an_enabled_machine_starts_afresh_at_enable},
+    {"test_what_axes_hold_at_the_first_pass", test_what_axes_hold_at_the_first_pass},
+    {"test_stop_traffic", test_stop_traffic},
+    {"test_a_stop_forgets_setpoints_and_currents", test_a_stop_forgets_setpoints_and_currents},
+    {"test_enable_while_another_enables", test_enable_while_another_enables},
+    {"test_enable_that_is_stopped_says_so", test_enable_that_is_stopped_says_so},
+    {"test_enable_waits_for_two_passes_at_most", test_enable_waits_for_two_passes_at_most},
+    {"test_enable_after_a_stop_waits_for_the_brakes",
+     test_enable_after_a_stop_waits_for_the_brakes},
+};
+
+MAIN(tests)

@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What each request of Table 2.3 does, and what it leaves alone. §2.3.5 */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+
+static struct mc_param get(struct mc *mc, int axis) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  return par;
+}
+
+static void set(struct mc *mc, struct mc_param par) {
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+static void set_mode(struct mc *mc, int axis, int mode) {
+  struct mc_param par = get(mc, axis);
+  par.mode = mode;
+  set(mc, par);
+}
+
+static void call(struct mc *mc, uint32_t request, int arg) {
+  CHECK_EQ(mc_ioctl(mc, 0, request, &arg), 0);
+}
+
+static void enable(struct mc *mc) {
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+}
+
+static void put(struct mc *mc, int32_t a, int32_t b) {
+  int32_t values[2] = {a, b};
+  CHECK_EQ(mc_write(mc, 0, values, sizeof values), (int)sizeof values);
+}
+
+static void one_pass(void) {
+  int passes = m.passes;
+  while (m.passes == passes) mock_run(&m, 1);
+}
+
+/* --- the call itself ------------------------------------------------------------------------- */
+
+static int masks, ins, outs;
+
+static unsigned count_mask(void *ctx) {
+  masks++;
+  return m.os.mask(ctx);
+}
+
+static int copy_in(void *ctx, void *to, const void *from, size_t len) {
+  CHECK(!m.masked); /* a page may have to be fetched */
+  ins += (int)len;
+  return m.os.copy_in(ctx, to, from, len);
+}
+
+static int copy_out(void *ctx, void *to, const void *from, size_t len) {
+  CHECK(!m.masked);
+  outs += (int)len;
+  return m.os.copy_out(ctx, to, from, len);
+}
+
+// req: DRV-3 DRV-4
+static void test_every_request_is_atomic_and_copies_its_argument_only(void) {
+  static const struct {
+    uint32_t code;
+    int in, out;
+  } cases[] = {{MGETNUMCARDS, 0, 4},  {MSETNUMJOINTS, 4, 0}, {MGETPARAM, 72, 72},
+               {MSETPARAM, 72, 0},    {MSTOP, 0, 0},         {MSETVERBOSITY, 4, 0},
+               {MGETVERBOSITY, 0, 4}, {MCLEARERROR, 0, 0},   {MSETINTERVAL, 4, 0},
+               {MGETINTERVAL, 0, 4},  {MSETENC, 4, 0},       {MSETLED, 4, 0},
+               {MDIAGMODE, 4, 0},     {MDACMODE, 4, 0},      {MGETSTATS, 0, 24},
+               {MZEROSTATS, 0, 0},    {MCALIB, 4, 0}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    struct mc *mc = mock_open(&m, 1);
+    mc->os.mask = count_mask;
+    mc->os.copy_in = copy_in;
+    mc->os.copy_out = copy_out;
+    struct mc_param par = get(mc, 0);
+    union {
+      uint32_t word;
+      struct mc_param par;
+      struct mc_stats stats;
+    } arg = {0};
+    if (cases[i].code == MSETPARAM) arg.par = par;
+    if (cases[i].code == MSETINTERVAL) arg.word = 1000;
+    masks = ins = outs = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, cases[i].code, &arg), 0);
+    CHECK_EQ(masks, 1);
+    CHECK_EQ(ins, cases[i].in);
+    CHECK_EQ(outs, cases[i].out);
+    CHECK_EQ(m.masked, 0);
+    mock_stop(&m);
+  }
+}
+
+static int copies;
+
+static int copy_once(void *ctx, void *to, const void *from, size_t len) {
+  return copies-- > 0 ? m.os.copy_in(ctx, to, from, len) : -MC_EFAULT;
+}
+
+// req: DRV-3
+static void test_an_answer_that_cannot_be_given_is_an_error(void) {
+  static const uint32_t codes[] = {MGETNUMCARDS, MGETPARAM, MGETVERBOSITY, MGETINTERVAL, MGETSTATS};
+  struct mc *mc = mock_open(&m, 1);
+  mc->os.copy_in = mc->os.copy_out = copy_once;
+  for (unsigned i = 0; i < sizeof codes / sizeof codes[0]; i++) {
+    struct mc_param arg = {0};
+    copies = codes[i] == MGETPARAM; /* it is read, but cannot be written */
+    CHECK_EQ(mc_ioctl(mc, 0, codes[i], &arg), -MC_EFAULT);
+  }
+  struct mc_param bad = {.which = 9};
+  copies = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &bad), -MC_EINVAL); /* nothing to give */
+  CHECK_EQ(m.masked, 0);
+  mock_stop(&m);
+}
+
+/* --- joints ---------------------------------------------------------------------------------- */
+
+// req: DRV-3 DRV-6
+static void test_joints_that_come_and_go(void) {
+  struct mc *mc = mock_open(&m, 2);
+  int32_t values[4] = {100, 200, 300, 400};
+  for (int axis = 0; axis < 4; axis++) {
+    struct mc_param par = get(mc, axis);
+    par.mode = axis < 3 ? MD_TORQ : MD_POS;
+    par.clkdivisor = axis == 2 ? 100 : 1;
+    set(mc, par);
+  }
+  enable(mc);
+  CHECK_EQ(mc_write(mc, 0, values, 12), 12);
+  call(mc, MSETNUMJOINTS, 4); /* as many as before: nothing happens */
+  mock_run(&m, 2000 * 100);
+  for (int axis = 0; axis < 3; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
+  call(mc, MSETNUMJOINTS, 1);
+  CHECK_EQ(mc_joints(mc), 1);
+  one_pass();
+  CHECK_EQ(mock_dac(&m, 0), 0x800 + 100);
+  for (int axis = 1; axis < 4; axis++) {
+    CHECK_EQ(mock_dac(&m, axis), 0x800);
+    CHECK_EQ(mc_state_of(mc, axis)->inow, 0);
+  }
+  CHECK_EQ(m.computed_axes, 1);
+  CHECK_EQ(mc_state_of(mc, 0)->inow, 100);
+  m.card[1].count[0] = 7; /* it is sampled all the same */
+  m.card[1].count[1] = 60;
+  mock_run(&m, 4000);
+  CHECK_EQ(mc_state_of(mc, 2)->encnow, 7);
+  call(mc, MSETNUMJOINTS, 4);
+  one_pass(); /* at once, whatever its divisor */
+  for (int axis = 0; axis < 3; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
+  CHECK_EQ(mc_setpoint(mc, 3), 60); /* position axes hold where they are */
+  CHECK_EQ(m.computed_axes, 4);
+  call(mc, MSETNUMJOINTS, 0);
+  one_pass();
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800);
+  CHECK(!mock_panic(&m)); /* enabled all the same */
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_joints_that_stay_notice_nothing(void) {
+  struct mc *mc = mock_open(&m, 2);
+  for (int axis = 0; axis < 2; axis++) {
+    struct mc_param par = get(mc, axis);
+    par.mode = MD_POS | ZEROFB;
+    par.b1 = -1;
+    set(mc, par);
+  }
+  enable(mc);
+  put(mc, 1, 2);
+  one_pass();
+  int32_t a = mc_state_of(mc, 0)->inow, b = mc_state_of(mc, 1)->inow;
+  for (int i = 1; i < 8; i++) {
+    call(mc, MSETNUMJOINTS, 2 + i % 3);
+    one_pass();
+    CHECK_EQ(mc_state_of(mc, 0)->inow, a + i); /* the integrators go on */
+    CHECK_EQ(mc_state_of(mc, 1)->inow, b + 2 * i);
+  }
+  mock_stop(&m);
+}
+
+/* --- parameters ------------------------------------------------------------------------------ */
+
+// req: DRV-9 SRV-6
+static void test_a_change_of_mode_forgets_the_setpoint_under_power_only(void) {
+  struct mc *mc = mock_open(&m, 1);
+  put(mc, 70, 80);
+  set_mode(mc, 0, MD_TORQ);
+  set_mode(mc, 1, MD_POS);
+  CHECK_EQ(mc_setpoint(mc, 0), 70); /* not under power: written is written */
+  enable(mc);
+  CHECK_EQ(mc_setpoint(mc, 1), 80);
+  CHECK_EQ(mock_dac(&m, 0), 0x800 + 70);
+  set_mode(mc, 0, MD_TORQ | SOFTERR); /* no other mode */
+  CHECK_EQ(mc_setpoint(mc, 0), 70);
+  set_mode(mc, 0, MD_VEL);
+  CHECK_EQ(mc_setpoint(mc, 0), 0);
+  one_pass();
+  CHECK_EQ(mc_setpoint(mc, 0), 0);
+  m.card[0].count[0] = 400;
+  mock_run(&m, 8000);
+  set_mode(mc, 0, MD_POS);
+  one_pass();
+  CHECK_EQ(mc_setpoint(mc, 0), 400);
+  m.card[0].count[0] = 500; /* pushed: it comes back, a second time it is not asked */
+  mock_run(&m, 4000);
+  CHECK_EQ(mc_setpoint(mc, 0), 400);
+  enable(mc); /* nobody has written since */
+  one_pass();
+  CHECK_EQ(mc_setpoint(mc, 0), 500);
+  CHECK_EQ(mc_setpoint(mc, 1), 80);
+  set_mode(mc, 0, MD_VEL);
+  set_mode(mc, 0, MD_POS);
+  put(mc, -3, 80); /* before the next sample */
+  one_pass();
+  CHECK_EQ(mc_setpoint(mc, 0), -3);
+  mock_stop(&m);
+}
+
+// req: SRV-1
+static void test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample(void) {
+  for (int to = 1; to <= 12; to++) {
+    for (int passed = 0; passed < 8; passed++) {
+      struct mc *mc = mock_open(&m, 1);
+      struct mc_param par = get(mc, 0);
+      par.clkdivisor = 8;
+      set(mc, par);
+      while (mc_state_of(mc, 0)->fbnow == mc_state_of(mc, 0)->encnow) { /* right after a sample */
+        m.card[0].count[0]++;
+        one_pass();
+      }
+      while (mc_state_of(mc, 0)->fbnow != mc_state_of(mc, 0)->encnow) one_pass();
+      for (int i = 0; i < passed; i++) one_pass();
+      par.clkdivisor = to;
+      set(mc, par);
+      m.card[0].count[0] = 999;
+      int due = 7 - passed < to - 1 ? 7 - passed : to - 1;
+      for (int i = 0; i < due; i++) {
+        one_pass();
+        CHECK(mc_state_of(mc, 0)->fbnow != 999);
+      }
+      one_pass();
+      CHECK_EQ(mc_state_of(mc, 0)->fbnow, 999);
+      mock_stop(&m);
+    }
+  }
+}
+
+// req: SRV-1 DRV-7
+static void test_axes_wait_each_by_itself(void) {
+  struct mc *mc = mock_open(&m, 2);
+  static const int divisors[] = {3, 1, 2, 5};
+  int samples[4] = {0};
+  for (int axis = 0; axis < 4; axis++) {
+    struct mc_param par = get(mc, axis);
+    par.clkdivisor = divisors[axis];
+    par.mode = MD_TEST1;
+    set(mc, par);
+  }
+  enable(mc);
+  for (int axis = 0; axis < 4; axis++) samples[axis] = mc_state_of(mc, axis)->inow;
+  for (int pass = 1; pass <= 60; pass++) {
+    one_pass();
+    int due = 0;
+    for (int axis = 0; axis < 4; axis++) due += pass % divisors[axis] == 0;
+    CHECK_EQ(m.computed_axes, due);
+  }
+  for (int axis = 0; axis < 4; axis++) {
+    CHECK_EQ(mc_state_of(mc, axis)->inow - samples[axis], 60 / divisors[axis]);
+  }
+  mock_stop(&m);
+}
+
+// req: DRV-12 SRV-6
+static void test_a_code_is_for_axes_that_are_off(void) {
+  struct mc *mc = mock_open(&m, 1);
+  enable(mc);
+  for (int mode = 0; mode < 16; mode++) {
+    int off = mode < MD_POS || mode > MD_TEST1;
+    int arg = (int)0xFFF12301u; /* what is above the code does not matter */
+    set_mode(mc, 1, MD_OFF);
+    set_mode(mc, 1, mode | ZEROFB);
+    CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), off ? 0 : -MC_EINVAL);
+    one_pass();
+    CHECK_EQ(mock_dac(&m, 1), off ? 0x123 : 0x800);
+    CHECK_EQ(mc_state_of(mc, 1)->inow, off ? 0x123 - 0x800 : 0);
+    CHECK_EQ(mock_dac(&m, 0), 0x800);
+    set_mode(mc, 1, mode | ZEROFB | POSCHK); /* the same mode: held */
+    one_pass();
+    if (off) CHECK_EQ(mock_dac(&m, 1), 0x123);
+    set_mode(mc, 1, mode ^ 15); /* another one: let go */
+    set_mode(mc, 1, MD_OFF);
+    one_pass();
+    CHECK_EQ(mock_dac(&m, 1), 0x800);
+  }
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_every_request_is_atomic_and_copies_its_argument_only",
+     test_every_request_is_atomic_and_copies_its_argument_only},
+    {"test_an_answer_that_cannot_be_given_is_an_error",
+     test_an_answer_that_cannot_be_given_is_an_error},
+    {"test_joints_that_come_and_go", test_joints_that_come_and_go},
+    {"test_joints_that_stay_notice_nothing", test_joints_that_stay_notice_nothing},
+    {"test_a_change_of_mode_forgets_the_setpoint_under_power_only",
+     test_a_change_of_mode_forgets_the_setpoint_under_power_only},
+    {"test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample",
+     test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample},
+    {"test_axes_wait_each_by_itself", test_axes_wait_each_by_itself},
+    {"test_a_code_is_for_axes_that_are_off", test_a_code_is_for_axes_that_are_off},
+};
+
+MAIN(tests)

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The driver's own helpers, one by one: registers, timer arithmetic, text, counters. §4.3, §5.3 */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+
+/* --- registers ------------------------------------------------------------------------------- */
+
+// req: DRV-10
+static void test_registers_of_every_axis(void) {
+  struct mc *mc = mock_open(&m, 3);
+  m.logging = 1;
+  for (unsigned axis = 0; axis < 6; axis++) {
+    uint16_t base = (uint16_t)((axis / 2) << 6), dac = (uint16_t)(base | (axis & 1 ? 0x15 : 0x11)),
+             enc = (uint16_t)(base | (axis & 1 ? 0x0D : 0x09));
+    m.used = 0;
+    m.card[axis / 2].count[axis & 1] = (uint16_t)(0xA1F0 + axis);
+    m.card[axis / 2].has_latch[axis & 1] = 0;
+    CHECK_EQ(hw_counter(mc, (int)axis), 0xA1F0 + axis);
+    hw_write_dac_high(mc, (int)axis, 0xABC);
+    hw_write_dac(mc, (int)axis, 0x123);
+    const struct mock_access want[] = {R(enc), R((uint16_t)(enc + 2)), /* the high byte first */
+                                       W((uint16_t)(dac + 2), 0x0A), W(dac, 0x23),
+                                       W((uint16_t)(dac + 2), 0x01)};
+    EXPECT(&m, want);
+    CHECK_EQ(hw_heartbeat_bm((int)axis), axis & 1 ? 0x04 : 0x01);
+    CHECK_EQ(hw_index_bm((int)axis), axis & 1 ? 0x08 : 0x02);
+  }
+  m.used = 0;
+  hw_write_dacs(mc, 2, 0x345, 0xFED);
+  static const struct mock_access both[] = {W(0x091, 0x45), W(0x093, 0x03), W(0x095, 0xED),
+                                            W(0x097, 0x0F)};
+  EXPECT(&m, both);
+  mock_stop(&m);
+}
+
+// req: DRV-12
+static void test_bits_are_set_and_cleared_one_by_one(void) {
+  struct mc *mc = mock_open(&m, 2);
+  m.logging = 1;
+  CHECK_EQ(mc->pccsr, 0xB8);
+  hw_set_pccsr(mc, 0x40, 0);
+  hw_set_pccsr(mc, 0x40, 0x20);
+  hw_set_pccsr(mc, 0, 0x40);
+  hw_set_pccsr(mc, 0x20, 0x20); /* both: set wins */
+  hw_set_b(mc, 1, 0x0A, 0);
+  hw_set_b(mc, 1, 0x10, 0x02);
+  hw_set_b(mc, 1, 0x01, 0xFF);
+  static const struct mock_access want[] = {W(0x409, 0xF8), W(0x409, 0xD8), W(0x409, 0x98),
+                                            W(0x409, 0xB8), W(0x043, 0x0F), W(0x043, 0x1D),
+                                            W(0x043, 0x01)};
+  EXPECT(&m, want);
+  CHECK_EQ(mc->card[1].b, 0x01);
+  CHECK_EQ(mc->card[0].b, 0x05);
+  mock_stop(&m);
+}
+
+static int bad_reads, bad_writes, lists;
+
+static enum mc_bus_result faulty_read(void *ctx, uint16_t offset, uint8_t *value) {
+  const struct mock *mock = ctx;
+  if (bad_reads == 0) return mock->bus.read8(ctx, offset, value);
+  *value = 0x12; /* unspecified */
+  return MC_BUS_ERROR;
+}
+
+static enum mc_bus_result faulty_write(void *ctx, uint16_t offset, uint8_t value) {
+  const struct mock *mock = ctx;
+  return bad_writes ? MC_BUS_TIMEOUT : mock->bus.write8(ctx, offset, value);
+}
+
+static enum mc_bus_result read_list(void *ctx, uint16_t base, const uint8_t *step, uint8_t *values,
+                                    unsigned n) {
+  lists++;
+  for (unsigned i = 0; i < n; i++) {
+    if (faulty_read(ctx, (uint16_t)(base + step[i]), &values[i]) != MC_BUS_OK) values[i] = 0xFF;
+  }
+  return bad_reads ? MC_BUS_ERROR : MC_BUS_OK;
+}
+
+static enum mc_bus_result write_list(void *ctx, uint16_t base, const uint8_t *step,
+                                     const uint8_t *values, unsigned n) {
+  lists++;
+  for (unsigned i = 0; i < n; i++) (void)faulty_write(ctx, (uint16_t)(base + step[i]), values[i]);
+  return bad_writes ? MC_BUS_TIMEOUT : MC_BUS_OK;
+}
+
+static struct mc *faulty(int with_lists) {
+  struct mc *mc = mock_open(&m, 2);
+  bad_reads = bad_writes = lists = 0;
+  mc->bus.read8 = faulty_read;
+  mc->bus.write8 = faulty_write;
+  mc->bus.read_list = with_lists ? read_list : NULL;
+  mc->bus.write_list = with_lists ? write_list : NULL;
+  return mc;
+}
+
+// req: DRV-3 DRV-7
+static void test_failed_accesses_are_noted(void) {
+  static const uint8_t step[] = {MC_STEP(4), MC_STEP(5)}, zero[2] = {0};
+  for (int with_lists = 0; with_lists < 2; with_lists++) {
+    struct mc *mc = faulty(with_lists);
+    uint8_t values[2] = {0};
+    mc->fault = 0;
+    CHECK_EQ(hw_get(mc, 0x409), 0x98 | m.sclock_latch << 5);
+    hw_card_get_list(mc, 1, step, values, 2);
+    hw_card_put_list(mc, 1, step, zero, 2);
+    CHECK_EQ(mc->fault, 0);
+    bad_reads = bad_writes = 1;
+    CHECK_EQ(hw_get(mc, 0x409), 0xFF);
+    CHECK_EQ(mc->fault, 1);
+    mc->fault = 0;
+    hw_put(mc, 0x409, 0xB8);
+    CHECK_EQ(mc->fault, 1);
+    mc->fault = 0;
+    hw_card_get_list(mc, 1, step, values, 2);
+    CHECK_EQ(mc->fault, 1);
+    CHECK(values[0] == 0xFF && values[1] == 0xFF);
+    mc->fault = 0;
+    hw_card_put_list(mc, 1, step, zero, 2);
+    CHECK_EQ(mc->fault, 1);
+    mock_stop(&m);
+  }
+}
+
+static int traffic_of_a_pass(int with_lists, struct mock_access *log) {
+  struct mc *mc = faulty(with_lists);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  m.latency_us = 20;
+  m.logging = 1;
+  lists = 0;
+  mock_run(&m, 2000);
+  CHECK_EQ(lists, with_lists ? 6 : 0);
+  memcpy(log, m.log, sizeof m.log);
+  int used = m.used;
+  mock_stop(&m);
+  return used;
+}
+
+// req: DRV-7 DRV-11
+static void test_lists_are_the_same_accesses(void) {
+  static struct mock_access one[MOCK_LOG], other[MOCK_LOG];
+  int n = traffic_of_a_pass(0, one);
+  CHECK_EQ(n, traffic_of_a_pass(1, other));
+  CHECK(memcmp(one, other, (size_t)n * sizeof one[0]) == 0);
+}
+
+// req: DRV-3 DRV-6
+static void test_requests_report_a_dead_adaptor(void) {
+  for (int kind = 0; kind < 4; kind++) { /* reads or writes fail, with lists or without */
+    struct mc *mc = faulty(kind & 1);
+    unsigned us = 1000, where = 1, light = 0x100, on = 1, got = 0;
+    int axis = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    bad_reads = kind & 2;
+    bad_writes = !bad_reads;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &where), -MC_EIO);
+    CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &got), 0); /* needs no hardware */
+    if (bad_writes) {
+      CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &light), -MC_EIO);
+      CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), -MC_EIO);
+      CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), -MC_EIO);
+    }
+    CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), -MC_EIO);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), -MC_EIO);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0); /* it is stopped, whatever the bus does */
+    bad_reads = bad_writes = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &where), 0);
+    mock_stop(&m);
+  }
+}
+
+/* --- timers ---------------------------------------------------------------------------------- */
+
+// req: DRV-3
+static void test_interval_arithmetic(void) {
+  struct mc *mc = mock_open(&m, 1);
+  static const uint32_t clocks[] = {8000000, 4000000, 2000000, 1000000};
+  for (unsigned c = 0; c < 4; c++) {
+    uint32_t per_us = clocks[c] / 1000000;
+    mc->config.sysclk_hz = clocks[c];
+    for (uint32_t us = 90; us < 4000000; us += us < 3000 ? 1 : us / 997) {
+      uint64_t want = (uint64_t)us * per_us, best = UINT64_MAX, of_best = 0;
+      uint64_t first = (want + 65535) / 65536 < 2 ? 2 : (want + 65535) / 65536;
+      for (uint64_t n = first; n < first + 64; n++) { /* the nearest of 64, and the first such */
+        uint64_t k = (want + n / 2) / n, off = k * n > want ? k * n - want : want - k * n;
+        if (k < 2 || k > 65536 || off >= best) continue;
+        best = off;
+        of_best = n;
+      }
+      uint32_t n0 = 0, n1 = 0;
+      int good = us >= 100 && best <= want / 1000; /* a thousandth off, no more */
+      CHECK_EQ(timer_counts(mc, us, &n0, &n1), good ? 0 : -MC_EINVAL);
+      if (!good) continue;
+      uint64_t made = (uint64_t)n0 * n1;
+      CHECK_EQ(n1, of_best);
+      CHECK_EQ(made > want ? made - want : want - made, best);
+      mc->n0 = n0;
+      mc->n1 = n1;
+      CHECK_EQ(timer_interval_us(mc), (made * 2 + per_us) / (2 * per_us));
+    }
+    uint64_t most = (uint64_t)65536 * 65536;
+    uint32_t n0 = 0, n1 = 0, us = (uint32_t)(most / per_us);
+    if (per_us == 1) continue; /* more than an unsigned says */
+    CHECK_EQ(timer_counts(mc, us, &n0, &n1), 0);
+    CHECK(n0 == 65536 && n1 == 65536);
+    CHECK_EQ(timer_counts(mc, us + 1, &n0, &n1), -MC_EINVAL);
+    CHECK_EQ(timer_counts(mc, UINT32_MAX, &n0, &n1), -MC_EINVAL);
+  }
+  mock_stop(&m);
+}
+
+// req: DRV-6 DRV-9
+static void test_ticks_last_at_least_as_long(void) {
+  struct mc *mc = mock_open(&m, 1);
+  static const uint32_t intervals[] = {100, 500, 2000, 60000, 70000};
+  for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
+    CHECK_EQ(timer_counts(mc, intervals[i], &mc->n0, &mc->n1), 0);
+    for (uint32_t us = 1; us < 70000; us += 499) { /* one has partly passed */
+      uint32_t whole = us / intervals[i] + (us % intervals[i] != 0);
+      CHECK_EQ(timer_ticks(mc, us), whole + 1);
+    }
+  }
+  mock_stop(&m);
+}
+
+/* --- text, counters -------------------------------------------------------------------------- */
+
+// req: DRV-2
+static void test_lines_for_the_console(void) {
+  struct mc *mc = mock_open(&m, 1);
+  static const struct {
+    int number;
+    const char *line;
+  } cases[] = {{-1, "mc: a b"},          {0, "mc: a 0 b"},
+               {1, "mc: a 1 b"},         {9, "mc: a 9 b"},
+               {10, "mc: a 10 b"},       {11, "mc: a 11 b"},
+               {19, "mc: a 19 b"},       {100, "mc: a 100 b"},
+               {98765, "mc: a 98765 b"}, {INT32_MAX, "mc: a 2147483647 b"}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    text_log(mc, "a", cases[i].number, " b");
+    CHECK_EQ(strcmp(m.last_log, cases[i].line), 0);
+  }
+  char longer[120];
+  for (unsigned n = 60; n < sizeof longer; n++) { /* 79 characters fit */
+    memset(longer, 'x', n);
+    longer[n] = 0;
+    for (int number = -1; number < 2; number += 2) {
+      memset(m.last_log, 0, sizeof m.last_log);
+      text_log(mc, longer, number, "yz");
+      char want[200] = "mc: ";
+      strcat(want, longer);
+      strcat(want, number < 0 ? "yz" : " 1yz");
+      want[79] = 0;
+      CHECK_EQ(strcmp(m.last_log, want), 0);
+    }
+  }
+  text_log(mc, "\x81\xFF", -1, ""); /* any byte but the last is text */
+  CHECK_EQ(strcmp(m.last_log, "mc: \x81\xFF"), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_counters_stop_at_the_largest(void) {
+  static const struct {
+    int from;
+    unsigned by;
+    int to;
+  } cases[] = {{0, 0, 0},
+               {0, 1, 1},
+               {5, 7, 12},
+               {0, INT32_MAX, INT32_MAX},
+               {1, INT32_MAX, INT32_MAX},
+               {INT32_MAX - 2, 1, INT32_MAX - 1},
+               {INT32_MAX - 1, 1, INT32_MAX},
+               {INT32_MAX, 1, INT32_MAX},
+               {INT32_MAX, 0, INT32_MAX},
+               {0, UINT32_MAX, INT32_MAX},
+               {3, 0x80000000u, INT32_MAX}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    int counter = cases[i].from;
+    mc_count(&counter, cases[i].by);
+    CHECK_EQ(counter, cases[i].to);
+  }
+}
+
+static const struct test tests[] = {
+    {"test_registers_of_every_axis", test_registers_of_every_axis},
+    {"test_bits_are_set_and_cleared_one_by_one", test_bits_are_set_and_cleared_one_by_one},
+    {"test_failed_accesses_are_noted", test_failed_accesses_are_noted},
+    {"test_lists_are_the_same_accesses", test_lists_are_the_same_accesses},
+    {"test_requests_report_a_dead_adaptor", test_requests_report_a_dead_adaptor},
+    {"test_interval_arithmetic", test_interval_arithmetic},
+    {"test_ticks_last_at_least_as_long", test_ticks_last_at_least_as_long},
+    {"test_lines_for_the_console", test_lines_for_the_console},
+    {"test_counters_stop_at_the_largest", test_counters_stop_at_the_largest},
+};
+
+MAIN(tests)
