@@ -59,7 +59,7 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     where = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
     click.echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
-    write_views(path)
+    write_views(path, record.host)
     if where is not None:
         click.echo(f"caution: this is not the same run; it differs first at {where}")
         sys.exit(1)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 TOP = "TOP.mmcs_sim_top"
 MACHINE = f"{TOP}.u_mmcs"
+SOC_MACHINE = f"{TOP}.u_soc.u_mmcs"  # of --host rv32
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
 GROUP_BEGIN, GROUP_END = "800200", "1000200"
 
@@ -21,11 +22,13 @@ class Signal(NamedTuple):
     form: str = BIN
     low: int = 0  # its lowest bit
 
-    def full(self) -> str:
-        return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{MACHINE}.{self.path}"
+    def full(self, machine: str = MACHINE) -> str:
+        return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{machine}.{self.path}"
 
-    def gtkwave(self) -> str:
-        return self.full() + (f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else "")
+    def gtkwave(self, machine: str = MACHINE) -> str:
+        return self.full(machine) + (
+            f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else ""
+        )
 
 
 GROUPS = {
@@ -54,7 +57,7 @@ GROUPS = {
         Signal("pc_reset_drv"),
     ],
     # 0 stopped, 1 program, 2 enter, 3 read, 4 compute, 5 write, 6 publish; its instruction
-    "firmware of --host m68020": [
+    "firmware": [
         Signal("/host_phase_i", 3, HEX),
         Signal("/host_pc_i", 32, HEX),
     ],
@@ -88,29 +91,56 @@ GROUPS = {
 }
 
 
-def write_views(trace: Path) -> tuple[Path, Path]:
+# What takes the place of these groups where the machine has its own processor.
+SOC_GROUPS = {
+    "VME": (
+        "host port",
+        [
+            Signal("hp_req_i"),
+            Signal("hp_write_i"),
+            Signal("hp_a_i", 10, HEX, 1),
+            Signal("hp_wdata_i", 8, HEX),
+            Signal("hp_rdata_o", 8, HEX),
+            Signal("hp_ack_o"),
+        ],
+    ),
+    "firmware": (
+        "firmware",
+        [Signal("/host_phase", 3, HEX), Signal("/u_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX)],
+    ),
+}
+
+
+def view(host: str = "native") -> tuple[str, dict[str, list[Signal]]]:
+    """The machine's place in a trace, and the groups of its prepared view."""
+    if host != "rv32":
+        return MACHINE, GROUPS
+    return SOC_MACHINE, dict(SOC_GROUPS.get(name, (name, g)) for name, g in GROUPS.items())
+
+
+def write_views(trace: Path, host: str = "native") -> tuple[Path, Path]:
     """Writes the two view files beside the trace."""
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
-    gtkw.write_text(_gtkwave(trace))
-    sucl.write_text(_surfer())
+    gtkw.write_text(_gtkwave(trace, *view(host)))
+    sucl.write_text(_surfer(*view(host)))
     return gtkw, sucl
 
 
-def _gtkwave(trace: Path) -> str:
+def _gtkwave(trace: Path, machine: str, groups: dict[str, list[Signal]]) -> str:
     lines = [f'[dumpfile] "{trace.resolve()}"', "[timestart] 0", "[sst_expanded] 1"]
-    for name, signals in GROUPS.items():
+    for name, signals in groups.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]
         for signal in signals:
-            lines += [f"@{signal.form}", signal.gtkwave()]
+            lines += [f"@{signal.form}", signal.gtkwave(machine)]
         lines += [f"@{GROUP_END}", f"-{name}"]
     return "\n".join(lines) + "\n"
 
 
-def _surfer() -> str:
+def _surfer(machine: str, groups: dict[str, list[Signal]]) -> str:
     lines = []
-    for name, signals in GROUPS.items():
+    for name, signals in groups.items():
         lines.append(f"divider_add {name}")
-        lines += [f"variable_add {signal.full()}" for signal in signals]
+        lines += [f"variable_add {signal.full(machine)}" for signal in signals]
     return "\n".join([*lines, "zoom_fit"]) + "\n"
 
 

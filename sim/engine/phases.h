@@ -17,7 +17,7 @@ enum class Phase : unsigned {
   kRead,         // encoders, port C, A/Ds, timer 2
   kCompute,      // the law, all axes
   kWrite,        // D/As, timer 2
-  kPublish,      // states to the mailbox
+  kPublish,      // states to the mailbox, until the report
   kCount
 };
 
@@ -53,10 +53,13 @@ class Phases {
       wrote_ = true;
     }
     if (now_ == Phase::kCompute) turn(Phase::kRead, last_);
-    if (now_ == Phase::kRead && !card && !write && ++looks_ == 2) {
-      turn(Phase::kCompute, to_us);
-    } else if (card) {
+    // and what follows the look after that writes no more, unless it does
+    if (now_ == Phase::kPublish) turn(Phase::kWrite, last_);
+    if (card) {
       looks_ = 0;
+    } else if (!write && ++looks_ == 2) {
+      if (now_ == Phase::kRead) turn(Phase::kCompute, to_us);
+      if (now_ == Phase::kWrite) turn(Phase::kPublish, to_us);
     }
     last_ = to_us;
   }

@@ -28,6 +28,7 @@ Soc::Soc(Machine &machine, struct mc *mirror, const std::string &image, Events e
     for (size_t n = 4; n-- > 0;) value = value << 8 | static_cast<uint8_t>(bytes[at + n]);
     machine_.model().soc_write(static_cast<unsigned>(at / 4), value);
   }
+  machine_.model().watch_soc([this](SocStep what, unsigned offset) { stepped(what, offset); });
   machine_.model().soc_run(true);
   start();
 }
@@ -48,6 +49,27 @@ void Soc::ring() {
   machine_.model().soc_ring();
 }
 
+// The processor's clocks within one of the machine are not told apart.
+double Soc::now_us() const {
+  return static_cast<double>(machine_.model().clock()) * 1e6 / Model::clk_hz();
+}
+
+void Soc::show() {
+  machine_.model().host_phase(static_cast<unsigned>(phases_.now()), 0);
+}
+
+void Soc::stepped(SocStep step, unsigned offset) {
+  if (step == SocStep::kInterrupt) {
+    phases_.acknowledge(static_cast<double>(machine_.sample_clock()) * 1e6 / Model::clk_hz(),
+                        now_us());
+  } else if (step == SocStep::kAccess) {
+    access_us_ = now_us();
+  } else {
+    phases_.access(offset, step == SocStep::kWrite, access_us_, now_us());
+  }
+  show();
+}
+
 void Soc::step(int64_t limit) {
   Model &model = machine_.model();
   const bool stalled = machine_.clock() < machine_.stalled_until();
@@ -61,7 +83,9 @@ void Soc::step(int64_t limit) {
     model.take_report();
     // No acknowledge cycle tells when a pass began: the edge of SCLOCK before its end is its own.
     if (what == MAILBOX_SERVED || what == MAILBOX_SAMPLED) events_.acknowledged();
+    phases_.report(what == MAILBOX_SAMPLED, now_us());
     report(what);
+    show();
   }
 }
 

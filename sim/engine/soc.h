@@ -19,6 +19,7 @@ class Soc final : public MailboxHost {
   Soc(Machine &machine, struct mc *mirror, const std::string &image, Events events);
 
   bool run_until(int64_t clock, const std::function<void()> &idle) override;
+  const Phases *phases() const override { return &phases_; }
   void save(Writer &a) override { state(a); }
   void restore(Reader &a) override { state(a); }
 
@@ -33,8 +34,13 @@ class Soc final : public MailboxHost {
   uint8_t byte(size_t offset) const override;
   void ring() override;
   void step(int64_t limit) override;
+  void stepped(SocStep step, unsigned offset);
+  double now_us() const;
+  void show();
 
   bool irq_open_ = false;  // the host is stalled: no interrupt reaches the processor
+  double access_us_ = 0;   // when the access under way began
+  Phases phases_;
 };
 
 }  // namespace mmcs

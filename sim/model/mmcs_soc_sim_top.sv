@@ -51,6 +51,8 @@ module mmcs_sim_top #(
   input  wire logic                   soc_irq_open_i,
   input  wire logic [16:0]            soc_errors_i,
   output      logic                   vme_dtack_no,  // no VME here: always 1
+  // what the firmware is doing, for the waveform: docs/processors.md
+  input  wire logic [            2:0] host_phase_i,
   // faults
   input  wire logic [   NumCards-1:0] card_absent_i,
   input  wire logic [ 4*NumCards-1:0] dip_xor_i,
@@ -183,10 +185,28 @@ module mmcs_sim_top #(
     end
   end
 
+  // What the processor does, as SocStep has it: nothing but these accesses and the fetch of the
+  // interrupt's vector tells the phases of a servo pass.
+  import "DPI-C" context function void mmcs_soc_stepped(input int unsigned what,
+                                                        input int unsigned offset);
+  localparam logic [31:0] ServoVector = 32'h2C;  // machine external interrupt
+
+  always_ff @(posedge cpu_clk_i) begin
+    if (u_soc.u_host.instr_req && u_soc.u_host.instr_addr == ServoVector) mmcs_soc_stepped(0, 0);
+    if (u_soc.u_host.u_bridge.start_i && !u_soc.u_host.u_bridge.clock_i) mmcs_soc_stepped(1, 0);
+    if (u_soc.u_host.u_bridge.done_o && !u_soc.u_host.u_bridge.clock_q) begin
+      mmcs_soc_stepped(u_soc.u_host.u_bridge.write_q ? 3 : 2,
+                       {21'd0, u_soc.u_host.u_bridge.a_q, 1'b1});
+    end
+  end
+
+  logic [2:0] host_phase;
+  assign host_phase = u_soc.u_host.sleep ? 3'd0 : host_phase_i;
+
   assign vme_dtack_no = 1'b1;
   assign skip_horizon_o = 16'd1;
   logic unused;
-  assign unused = Skip ^ (^skip_extra_i);
+  assign unused = Skip ^ (^skip_extra_i) ^ (^host_phase);
 
   // --- what a host or an operator notices ---------------------------------------------------
 

@@ -85,10 +85,12 @@ class ModelImpl final : public Model {
     return static_cast<unsigned>(get_field(top_->card_leds_o, 11 * card, 11));
   }
 
-#if MMCS_TRACE && !MMCS_SOC
-  void host_phase(unsigned phase, uint32_t pc) override {
+#if MMCS_TRACE
+  void host_phase(unsigned phase, [[maybe_unused]] uint32_t pc) override {
     top_->host_phase_i = phase & 7;
+#if !MMCS_SOC
     top_->host_pc_i = pc;
+#endif
   }
 #endif
 
@@ -109,6 +111,9 @@ class ModelImpl final : public Model {
   void soc_errors(unsigned accesses) override {
     dirty_ = true;
     top_->soc_errors_i = (~top_->soc_errors_i & 0x10000u) | std::min(accesses, 0xFFFFu);
+  }
+  void watch_soc(std::function<void(SocStep, unsigned)> watcher) override {
+    watcher_ = std::move(watcher);
   }
   uint32_t soc_read(unsigned word) const override { return soc_word(*top_->rootp, word); }
   void soc_write(unsigned word, uint32_t value) override { soc_word(*top_->rootp, word) = value; }
@@ -157,6 +162,9 @@ class ModelImpl final : public Model {
   }
   void reported(unsigned what) { report_ = what; }
   void bus_error(unsigned offset) { bus_error_ = offset; }
+  void stepped(SocStep step, unsigned offset) {
+    if (watcher_) watcher_(step, offset);
+  }
 
  private:
   void power_on();
@@ -191,6 +199,7 @@ class ModelImpl final : public Model {
   bool lines_changed_ = false;
   unsigned report_ = 0;
   unsigned bus_error_ = 0;
+  std::function<void(SocStep, unsigned)> watcher_;
   bool dirty_ = true;  // a pin or hand has moved since the last clock
   int single_ = 2;     // clocks that must not be skipped
   const bool two_evals_wanted_;
@@ -597,5 +606,9 @@ extern "C" void mmcs_soc_reported(unsigned what) {
 extern "C" void mmcs_soc_bus_error(unsigned offset) {
   void *self = svGetUserData(svGetScope(), &mmcs::user_key);
   if (self) static_cast<mmcs::ModelImpl *>(self)->bus_error(offset);
+}
+extern "C" void mmcs_soc_stepped(unsigned step, unsigned offset) {
+  void *self = svGetUserData(svGetScope(), &mmcs::user_key);
+  if (self) static_cast<mmcs::ModelImpl *>(self)->stepped(static_cast<mmcs::SocStep>(step), offset);
 }
 #endif

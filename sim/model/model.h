@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -53,6 +54,10 @@ enum class Register {
   kNone
 };
 
+// What the SoC's processor just did: it took the adaptor's interrupt, or an access to the adaptor
+// begins, or has read or written.
+enum class SocStep { kInterrupt, kAccess, kRead, kWrite };
+
 enum class Stop { kDone, kLines, kDtack, kReport, kFailed };
 
 class Model {
@@ -95,6 +100,8 @@ class Model {
   virtual void soc_run(bool on) = 0;
   virtual void soc_ring() = 0;
   virtual void soc_errors(unsigned accesses) = 0;
+  // Called within run(), with the offset of an access that has ended; clock() is the clock.
+  virtual void watch_soc(std::function<void(SocStep, unsigned)>) {}
   virtual uint32_t soc_read(unsigned word) const = 0;
   virtual void soc_write(unsigned word, uint32_t value) = 0;
   // What it reported, or 0: run() ends with it, and it waits until the next run().
