@@ -8,7 +8,7 @@ in tools/firmware_equivalent.toml. The others meet, until one notices:
 
   unit      the C test programs of firmware/tests, every test function; later once more with
             address and undefined-behaviour sanitizers
-  servo     20,000 samples of the servo law against firmware/tests/servo_reference.py
+  servo     50,000 samples of the servo law against firmware/tests/servo_reference.py
   scenario  closed loops on the simulated machine, judged by their own expectations
 
 Score = noticed / (relevant - equivalent). `--sample N` takes N relevant mutants of every file (seed

@@ -95,9 +95,29 @@ def narrow(rng: random.Random) -> ref.Params:
     return p
 
 
+def working(rng: random.Random) -> ref.Params:
+    """A loop as machines have them: small coefficients, roots near the unit circle."""
+    b0 = rng.choice([1, 2, 64, 1024, 3, 100, -8, rng.randrange(1, 2000)])
+    p = ref.Params(b0=b0, mode=rng.choice([ref.POS, ref.VEL, ref.TORQ, ref.TEST1]))
+    p.a0, p.a1, p.a2 = (rng.choice([0, rng.randint(-3000, 3000)]) for _ in range(3))
+    near = rng.choice([-1, 1]) * rng.choice([0, 0, 1, 2])
+    any_two = rng.randint(-abs(b0), abs(b0)), rng.randint(-abs(b0), abs(b0))
+    roots = [(0, 0), (b0, 0), (-b0 + near, 0), (-2 * b0 + near, b0 - near), any_two]
+    p.b1, p.b2 = rng.choice(roots)
+    p.ic_pos, p.ic_neg = rng.randint(-100, 100), rng.randint(-100, 100)
+    p.adc_a, p.adc_b = rng.randint(-3, 3), rng.randint(-6000, 6000)
+    p.mode |= rng.randrange(0x80) << 4
+    p.ilim = rng.choice([0, 1, 2, 3, rng.randrange(2300)])
+    p.ilimax = rng.choice([0, 1, 2, 5])
+    p.plo, p.phi = rng.randint(-300, 0), rng.randint(-20, 300)
+    p.ipole = rng.choice([0, 1, 900, 1023])
+    return p
+
+
 def params(rng: random.Random) -> ref.Params:
-    if rng.random() < 0.3:
-        return narrow(rng)
+    kind = rng.random()
+    if kind < 0.5:
+        return narrow(rng) if kind < 0.25 else working(rng)
     p = ref.Params(**{f.name: number(rng) for f in fields(ref.Params)})
     p.b0 = p.b0 or rng.choice([1, -1, 64])
     if rng.random() < 0.4:
@@ -111,13 +131,22 @@ def params(rng: random.Random) -> ref.Params:
 
 
 def inputs(rng: random.Random, counter: int) -> np.ndarray:
-    """A counter that walks (through its wrap), an A/D value, a setpoint that jumps at times."""
-    speed = rng.choice([0, 1, 20, 1000, 32767])
-    rows, setpoint = [], number(rng)
+    """A counter that walks (through its wrap), an A/D value, a setpoint that jumps at times: to
+    anywhere, or about the place where the axis is."""
+    calm = rng.random() < 0.4
+    speed = rng.choice([0, 1, 20] if calm else [0, 1, 20, 1000, 32767])
+    reach = rng.choice([1, 10, 300])
+
+    def wanted() -> int:
+        if not calm:
+            return number(rng)
+        return (counter ^ 0x8000) - 0x8000 + rng.randint(-reach, reach)
+
+    rows, setpoint = [], wanted()
     for _ in range(SAMPLES):
         counter = (counter + rng.randint(-speed, speed)) & 0xFFFF
         if rng.random() < 0.1:
-            setpoint = number(rng)
+            setpoint = wanted()
         rows.append((counter, rng.randrange(4096), setpoint))
     return np.array(rows, np.int32)
 

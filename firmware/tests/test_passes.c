@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Servo passes: what is sampled, published and written, early, late and broken. §4.3.6, §5.3 */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+static char said[512];
+
+static void hear(void *ctx, const char *text) {
+  (void)ctx;
+  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
+  strcat(said, text);
+  strcat(said, "\n");
+}
+
+static struct mc *opened(int cards) {
+  struct mc *mc = mock_open(&m, cards);
+  mc->os.log = hear;
+  said[0] = 0;
+  return mc;
+}
+
+static void set_mode(struct mc *mc, int axis, int mode) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  par.plo = -100;
+  par.phi = 100;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+static void one_pass(void) {
+  int passes = m.passes;
+  while (m.passes == passes) mock_run(&m, 1);
+}
+
+// req: DRV-7 DRV-11
+static void test_every_axis_gets_its_own_numbers(void) {
+  struct mc *mc = opened(3);
+  int32_t values[6];
+  for (int axis = 0; axis < 6; axis++) {
+    set_mode(mc, axis, MD_TORQ);
+    values[axis] = 100 * axis - 250;
+    m.card[axis / 2].count[axis & 1] = (uint16_t)(1000 * axis - 2500);
+    m.card[axis / 2].adc[axis & 1] = (uint16_t)(0xA51 + 0x111 * axis);
+  }
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_write(mc, 0, values, 24), 24);
+  one_pass();
+  one_pass();
+  for (int axis = 0; axis < 6; axis++) {
+    const struct mc_state *state = mc_state_of(mc, axis);
+    CHECK_EQ(state->encnow, 1000 * axis - 2500);
+    CHECK_EQ(state->adcvai, (0xA51 + 0x111 * axis) & 0xFFF);
+    CHECK_EQ(state->inow, values[axis]);
+    CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
+  }
+  CHECK_EQ(m.computed_axes, 6);
+  mock_stop(&m);
+}
+
+/* Every bit of both converters, in the presence of any bit of the other. */
+// req: DRV-11
+static void test_converters_share_their_high_nibbles(void) {
+  struct mc *mc = opened(1);
+  static const uint16_t codes[] = {0,     0xFFF, 0x00F, 0x0F0, 0xF00, 0x100, 0x200,
+                                   0x400, 0x800, 0x555, 0xAAA, 0x0FF, 0xFF0};
+  for (unsigned i = 0; i < sizeof codes / sizeof codes[0]; i++) {
+    for (unsigned k = 0; k < sizeof codes / sizeof codes[0]; k++) {
+      m.card[0].adc[0] = codes[i];
+      m.card[0].adc[1] = codes[k];
+      one_pass();
+      CHECK_EQ(mc_state_of(mc, 0)->adcvai, codes[i]);
+      CHECK_EQ(mc_state_of(mc, 1)->adcvai, codes[k]);
+    }
+  }
+  mock_stop(&m);
+}
+
+// req: DRV-11
+static void test_late_converters_keep_the_old_values_of_their_card(void) {
+  struct mc *mc = opened(3);
+  for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(100 + axis);
+  one_pass();
+  one_pass();
+  for (int round = 1; round < 3; round++) {
+    m.card[1].adc_until = INT64_MAX;
+    for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(200 + axis);
+    one_pass();
+    one_pass();
+    for (int axis = 0; axis < 6; axis++) {
+      CHECK_EQ(mc_state_of(mc, axis)->adcvai, axis / 2 == 1 ? 100 + axis : 200 + axis);
+    }
+    CHECK_EQ(strcmp(said, "mc: A/D time-out: card 1\n"), 0); /* once each time it begins */
+    said[0] = 0;
+    m.card[1].adc_until = 0;
+    one_pass();
+    for (int axis = 0; axis < 6; axis++) CHECK_EQ(mc_state_of(mc, axis)->adcvai, 200 + axis);
+    for (int axis = 2; axis < 4; axis++) m.card[1].adc[axis & 1] = (uint16_t)(100 + axis);
+    one_pass();
+    CHECK_EQ(said[0], 0);
+  }
+  CHECK_EQ(mc_close(mc, 0), 0);
+  CHECK_EQ(strcmp(said, "mc: close, A/D time-outs: 4\n"), 0);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0); /* counted from the open on; no value yet: 0 */
+  for (int card = 0; card < 3; card++) m.card[card].adc_until = INT64_MAX;
+  one_pass();
+  for (int axis = 0; axis < 6; axis++) CHECK_EQ(mc_state_of(mc, axis)->adcvai, 0);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  CHECK(strstr(said, "mc: close, A/D time-outs: 3\n") != NULL);
+  mock_stop(&m);
+}
+
+/* They are asked for 40 times after the encoders; ready at the last question is ready. */
+// req: DRV-11
+static void test_converters_are_waited_for_40_reads(void) {
+  for (int late = 38; late < 45; late++) {
+    struct mc *mc = opened(1);
+    one_pass();
+    m.card[0].adc[0] = 777;
+    m.latency_us = 20;
+    m.logging = 1;
+    int64_t first = m.now - (m.now - m.origin) % 2000 + 2000 + 20 + 10; /* port C after encoders */
+    m.card[0].adc_until = first + late;
+    one_pass();
+    int polls = 0;
+    for (int i = 0; i < m.used; i++) polls += m.log[i].offset == 0x005;
+    int ready = mc_state_of(mc, 0)->adcvai == 777;
+    CHECK(polls <= 41);
+    CHECK_EQ(ready, said[0] == 0);
+    CHECK_EQ(ready || polls == 41, 1);
+    CHECK(late < 41 || !ready || polls == 41);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-2 SRV-1
+static void test_the_first_pass_is_a_sample_of_all_axes(void) {
+  struct mc *mc = opened(2);
+  for (int round = 0; round < 2; round++) {
+    for (int axis = 0; axis < 4; axis++) {
+      m.card[axis / 2].count[axis & 1] = (uint16_t)(300 * (round + 1) + axis);
+    }
+    one_pass();
+    for (int axis = 0; axis < 4; axis++) {
+      const struct mc_state *state = mc_state_of(mc, axis);
+      CHECK_EQ(state->fbnow, 300 * (round + 1) + axis);
+      CHECK_EQ(state->encnow, 300 * (round + 1) + axis);
+      CHECK_EQ(state->vel, 0); /* at rest, wherever it is */
+      CHECK_EQ(state->errcode, 0);
+    }
+    struct mc_param par = {.which = 3, .b0 = 1, .clkdivisor = 50};
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    mock_run(&m, 50000);
+    error_raise(mc, 2, MERR_PLO);
+    CHECK_EQ(mc_close(mc, 0), 0);
+    m.card[1].count[0] = 5000;
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  }
+  mock_stop(&m);
+}
+
+/* An event on any axis, in any order, is told once, shuts down once, and stays with its axis. */
+// req: DRV-5 DRV-6
+static void test_events_of_any_axis(void) {
+  for (unsigned crossed = 1; crossed < 16; crossed++) {
+    for (int soft = 0; soft < 2; soft++) {
+      struct mc *mc = opened(2);
+      int say = M_ERRORPRINT, lines = 0;
+      for (int axis = 0; axis < 4; axis++) {
+        set_mode(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
+      }
+      CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &say), 0);
+      CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+      for (int axis = 0; axis < 4; axis++) {
+        if (crossed >> axis & 1)
+          m.card[axis / 2].count[axis & 1] = (uint16_t)(axis & 2 ? 101 : -101);
+      }
+      one_pass();
+      for (int axis = 0; axis < 4; axis++) {
+        int flag = axis & 2 ? MERR_PHI : MERR_PLO;
+        CHECK_EQ(mc_state_of(mc, axis)->errcode, crossed >> axis & 1 ? axis << 8 | flag : 0);
+      }
+      for (const char *at = said; (at = strchr(at, '\n')) != NULL; at++) lines++;
+      CHECK_EQ(lines, __builtin_popcount(crossed));
+      CHECK_EQ(m.signals[0], 1);
+      CHECK_EQ(m.card[0].b, soft ? 7 : 5);
+      CHECK_EQ(m.card[1].b, soft ? 7 : 5);
+      mock_stop(&m);
+    }
+  }
+}
+
+/* However late the handler is: every rise of SCLOCK is either served or counted as missed. */
+// req: DRV-7
+static void test_every_sclock_is_served_or_missed(void) {
+  for (int64_t latency = 1; latency < 2300; latency += latency > 960 && latency < 1060 ? 1 : 97) {
+    struct mc *mc = opened(1);
+    unsigned us = 1000;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    mock_run(&m, 1000 - (m.now - m.origin) % 1000 + 500);
+    CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
+    int passes = m.passes;
+    m.latency_us = latency;
+    mock_run(&m, 40000);
+    m.latency_us = 0;
+    mock_run(&m, 1500);
+    const struct mc_stats *stats = mc_stats_of(mc);
+    int served = m.passes - passes, discarded = stats->overrun;
+    CHECK(served + stats->missed <= 42);
+    CHECK(served + stats->missed + discarded >= 41);
+    CHECK(stats->missed <= (latency < 990 ? 0 : 41));
+    CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+    CHECK_EQ(stats->spurious, 0);
+    mock_stop(&m);
+  }
+}
+
+static const struct test tests[] = {
+    {"test_every_axis_gets_its_own_numbers", test_every_axis_gets_its_own_numbers},
+    {"test_converters_share_their_high_nibbles", test_converters_share_their_high_nibbles},
+    {"test_late_converters_keep_the_old_values_of_their_card",
+     test_late_converters_keep_the_old_values_of_their_card},
+    {"test_converters_are_waited_for_40_reads", test_converters_are_waited_for_40_reads},
+    {"test_the_first_pass_is_a_sample_of_all_axes", test_the_first_pass_is_a_sample_of_all_axes},
+    {"test_events_of_any_axis", test_events_of_any_axis},
+    {"test_every_sclock_is_served_or_missed", test_every_sclock_is_served_or_missed},
+};
+
+MAIN(tests)

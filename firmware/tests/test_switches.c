@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Requests that act on hardware: interval, encoders, lights, diagnostic and buffer modes, stop,
+ * statistics. §2.3.5, §5.3 */
+#include "mc_priv.h"
+#include "traffic.h"
+
+static struct mock m;
+
+static void set_mode(struct mc *mc, int axis, int mode) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  par.plo = -100;
+  par.phi = 100;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+static void call(struct mc *mc, uint32_t request, unsigned arg) {
+  CHECK_EQ(mc_ioctl(mc, 0, request, &arg), 0);
+}
+
+static void enable(struct mc *mc) {
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+}
+
+static void one_pass(void) {
+  int passes = m.passes;
+  while (m.passes == passes) mock_run(&m, 1);
+}
+
+// req: DRV-6 DRV-9
+static void test_a_new_interval_keeps_the_grace_of_a_stop(void) {
+  static const unsigned intervals[] = {100, 500, 2000, 9000, 100000};
+  for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
+    struct mc *mc = mock_open(&m, 1);
+    call(mc, MSETINTERVAL, intervals[i]);
+    CHECK_EQ(mc->grace, 0);
+    m.card[0].enabled[0] = m.card[0].enabled[1] = 0;
+    mock_run(&m, 200000);
+    m.estop_open = 1; /* not after a stop: counts */
+    mock_run(&m, 200000);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1);
+    for (uint32_t left = 1; left < 3; left++) {
+      mc->grace = left;
+      call(mc, MSETINTERVAL, intervals[i]);
+      CHECK_EQ(mc->grace, 60000 / intervals[i] + (60000 % intervals[i] != 0) + 1);
+    }
+    unsigned bad = 99;
+    mc->grace = 1;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &bad), -MC_EINVAL);
+    CHECK_EQ(mc->grace, 1);
+    mock_stop(&m);
+  }
+}
+
+static int moves, mover;
+
+/* The axis moves while it is being set. */
+static void creep(struct mock *mock) {
+  if (!mock->logging || mock->log[mock->used - 1].write || moves-- <= 0) return;
+  mock->card[mover / 2].count[mover & 1]++;
+}
+
+// req: DRV-10
+static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
+  static const int values[] = {0, 1, -1, 0x1234, -0x1234, 0x7FFD, -0x8000};
+  for (int i = 0; i < 4 * 3 * 7; i++) {
+    struct mc *mc = mock_open(&m, 2);
+    int value = values[i % 7], moved = i / 7 % 3;
+    mover = i / 21;
+    moves = moved;
+    mock_run(&m, 2100);
+    m.logging = 1;
+    m.on_access = creep;
+    call(mc, MSETENC, (unsigned)(value & 0xFFFF) << 8 | (unsigned)mover | 0xFF000000u);
+    m.on_access = NULL;
+    for (int axis = 0; axis < 4; axis++) {
+      if (axis != mover) CHECK_EQ(m.card[axis / 2].count[axis & 1], 0);
+    }
+    CHECK_EQ(m.used, 6);
+    one_pass();
+    one_pass();
+    CHECK_EQ(mc_state_of(mc, mover)->encnow, value + moved);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-10 SRV-6
+static void test_setting_an_encoder_is_no_movement_and_no_crossing(void) {
+  struct mc *mc = mock_open(&m, 1);
+  set_mode(mc, 0, MD_VEL | POSCHK | SOFTERR);
+  enable(mc);
+  m.card[0].count[0] = 150;
+  mock_run(&m, 8000);
+  CHECK_EQ(m.signals[0], 1);
+  call(mc, MSETENC, 250 << 8); /* beyond the same limit */
+  one_pass();
+  CHECK_EQ(mc_state_of(mc, 0)->fbnow, 250);
+  CHECK_EQ(mc_state_of(mc, 0)->vel, 0);
+  CHECK_EQ(m.signals[0], 1);
+  call(mc, MSETENC, (unsigned)(-250 & 0xFFFF) << 8); /* beyond the other */
+  one_pass();
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PLO | MERR_PHI);
+  CHECK_EQ(m.signals[0], 2);
+  mock_stop(&m);
+}
+
+// req: DRV-12
+static void test_each_axis_has_its_light(void) {
+  struct mc *mc = mock_open(&m, 2);
+  m.logging = 1;
+  for (unsigned axis = 0; axis < 4; axis++) call(mc, MSETLED, axis | 0x100);
+  call(mc, MSETLED, 0xFFFFFE00u); /* other bits: nothing */
+  call(mc, MSETLED, 0xFFFFFF00u | 3);
+  call(mc, MSETLED, 3);
+  static const struct mock_access want[] = {W(0x001, 0x0D), W(0x001, 0x1D), W(0x041, 0x0D),
+                                            W(0x041, 0x1D), W(0x001, 0x15), W(0x041, 0x1D),
+                                            W(0x041, 0x0D)};
+  EXPECT(&m, want);
+  mock_stop(&m);
+}
+
+static int relays;
+static uint32_t relay_us;
+
+static void count_relay(void *ctx, uint32_t us) {
+  CHECK(!m.masked);
+  relays++;
+  relay_us = us;
+  m.os.delay_us(ctx, us);
+}
+
+// req: DIA-2 DRV-12
+static void test_diagnostic_modes(void) {
+  for (int live = 0; live < 2; live++) {
+    struct mc *mc = mock_open(&m, 2);
+    if (live) enable(mc);
+    mc->os.delay_us = count_relay;
+    relays = 0;
+    int before = 0;
+    static const int modes[] = {0, 1, 1, 3, 2, 2, 0, 2, 3, 1, 0};
+    for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+      int expected = relays + (live && ((modes[i] ^ before) & M_ANDIAG));
+      call(mc, MDIAGMODE, (unsigned)modes[i]);
+      uint8_t b =
+          (uint8_t)(4 | (modes[i] & M_ENDIAG ? 0 : 1) | (live && !(modes[i] & M_ANDIAG) ? 2 : 0));
+      CHECK_EQ(m.card[0].b, b);
+      CHECK_EQ(m.card[1].b, b);
+      CHECK_EQ(relays, expected);
+      CHECK_EQ(m.masked, 0);
+      before = modes[i];
+    }
+    CHECK(!live || relay_us == 2000);
+    static const int bad[] = {4, 5, 8, -1, INT32_MIN};
+    m.logging = 1;
+    for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+      int arg = bad[i];
+      CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &arg), -MC_EINVAL);
+    }
+    CHECK_EQ(m.used, 0);
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-12
+static void test_double_buffering(void) {
+  struct mc *mc = mock_open(&m, 2);
+  enable(mc);
+  m.logging = 1;
+  m.on_access = traffic_of_process;
+  call(mc, MDACMODE, 0x100); /* anything but 0 */
+  call(mc, MDACMODE, 1);     /* it is so already: no access */
+  static const struct mock_access on[] = {W(0x003, 0x0F), W(0x043, 0x0F)};
+  EXPECT(&m, on);
+  m.used = 0;
+  call(mc, MDACMODE, 0);
+  static const struct mock_access off[] = {W(0x003, 0x07), W(0x043, 0x07)};
+  EXPECT(&m, off);
+  call(mc, MDACMODE, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  CHECK_EQ(m.card[0].b, 5); /* not while stopped */
+  mock_run(&m, 100000);
+  enable(mc);
+  CHECK_EQ(m.card[0].b, 0x0F); /* but again as asked for */
+  mock_stop(&m);
+}
+
+// req: DRV-6 DRV-9
+static void test_stop_turns_modes_off_and_leaves_the_switches(void) {
+  struct mc *mc = mock_open(&m, 2);
+  struct mc_param par;
+  int32_t values[4] = {1, 2, 3, 4};
+  for (int axis = 0; axis < 4; axis++) set_mode(mc, axis, MD_POS | POSCHK | SOFTERR | COULCOMP);
+  CHECK_EQ(mc_write(mc, 0, values, 16), 16); /* never enabled */
+  mock_run(&m, 4100);
+  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(10 * axis + 5);
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  mock_run(&m, 2000);
+  for (int axis = 0; axis < 4; axis++) {
+    par.which = axis;
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    CHECK_EQ(par.mode, MD_OFF | POSCHK | SOFTERR | COULCOMP);
+    CHECK_EQ(mc_setpoint(mc, axis), 0);
+    CHECK_EQ(mc_state_of(mc, axis)->vel, 0); /* histories begin anew */
+    set_mode(mc, axis, MD_POS);
+  }
+  enable(mc);
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), 10 * axis + 5);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_every_counter_of_the_statistics(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_stats stats;
+  static const struct mc_stats none;
+  set_mode(mc, 0, MD_TORQ);
+  set_mode(mc, 1, MD_TORQ);
+  enable(mc);
+  int32_t values[2] = {1024, 1025}; /* ilim is 1024: one of them is clipped */
+  CHECK_EQ(mc_write(mc, 0, values, 8), 8);
+  one_pass();
+  CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
+  CHECK(memcmp(&stats, &none, sizeof none) == 0);
+  for (int i = 0; i < 5; i++) one_pass();
+  mc_spurious(mc);
+  m.estop_open = 1;
+  mock_run(&m, 10);
+  static const struct mc_stats want = {.total = 6, .panics = 1, .spurious = 1, .clips = 5};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
+  CHECK(memcmp(&stats, &want, sizeof want) == 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
+  CHECK(memcmp(mc_stats_of(mc), &none, sizeof none) == 0);
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_a_new_interval_keeps_the_grace_of_a_stop",
+     test_a_new_interval_keeps_the_grace_of_a_stop},
+    {"test_an_encoder_is_set_anywhere_and_while_it_moves",
+     test_an_encoder_is_set_anywhere_and_while_it_moves},
+    {"test_setting_an_encoder_is_no_movement_and_no_crossing",
+     test_setting_an_encoder_is_no_movement_and_no_crossing},
+    {"test_each_axis_has_its_light", test_each_axis_has_its_light},
+    {"test_diagnostic_modes", test_diagnostic_modes},
+    {"test_double_buffering", test_double_buffering},
+    {"test_stop_turns_modes_off_and_leaves_the_switches",
+     test_stop_turns_modes_off_and_leaves_the_switches},
+    {"test_every_counter_of_the_statistics", test_every_counter_of_the_statistics},
+};
+
+MAIN(tests)
