@@ -20,7 +20,7 @@ static int is_alive(struct mc *mc, int card, uint8_t port_c) {
 static void read_index(struct mc *mc, struct mc_sample *s, int axis, uint8_t before,
                        uint8_t after) {
   uint8_t mask = hw_index_bm(axis);
-  if (!mc->axis[axis].calib || mc->card[axis / 2].rearm) return;
+  if (!mc->axis[axis].calib) return;
   if ((before & mask) != 0) {
     s->index[axis] = s->counter[axis];
     s->indexed[axis] = 1;
@@ -48,7 +48,7 @@ static void read_encoders(struct mc *mc, struct mc_sample *s, int card) {
   s->counter[axis + 1] = (uint16_t)(v[2] << 8 | v[3]);
   s->port_c[card] = v[4];
   s->answers[card] = (uint8_t)is_alive(mc, card, s->port_c[card]);
-  if (!calibrates || !s->answers[card]) return;
+  if (!calibrates || !s->answers[card] || mc->card[card].rearm) return;
   read_index(mc, s, axis, before, s->port_c[card]);
   read_index(mc, s, axis + 1, before, s->port_c[card]);
 }

@@ -306,7 +306,54 @@ static void test_enable_after_a_stop_waits_for_the_brakes(void) {
   mock_stop(&m);
 }
 
+// req: DRV-9 DRV-10
+static void test_a_card_that_lost_power_is_revived(void) {
+  for (int lost = 0; lost < 3; lost++) {
+    for (int part = 1; part < 4; part++) { /* of its ports, A or B or both */
+      struct mc *mc = opened(3);
+      uint16_t base = (uint16_t)(lost << 6);
+      for (int axis = 0; axis < 6; axis++) m.card[axis / 2].count[axis & 1] = 30000;
+      mock_run(&m, 2100);
+      for (int axis = 0; axis < 6; axis++) m.card[axis / 2].count[axis & 1] = 60000;
+      mock_run(&m, 2100);
+      struct mock_card *c = &m.card[lost];
+      if (part & 1) c->a = 0;
+      if (part & 2) c->b = 0;
+      c->count[0] = 0xFFF0;
+      c->count[1] = 0x0020;
+      c->latched[0] = c->latched[1] = 1234; /* of before */
+      c->has_latch[0] = c->has_latch[1] = 1;
+      m.logging = 1;
+      m.on_access = traffic_of_process;
+      CHECK_EQ(enable(mc), 0);
+      m.logging = 0;
+      const struct mock_access want[] = {
+          W((uint16_t)(base | 0x07), 0x89), W((uint16_t)(base | 0x01), 0x00),
+          W((uint16_t)(base | 0x03), 0x05), W((uint16_t)(base | 0x01), 0x05),
+          R((uint16_t)(base | 0x09)),       R((uint16_t)(base | 0x0B)),
+          R((uint16_t)(base | 0x09)),       R((uint16_t)(base | 0x0B)),
+          R((uint16_t)(base | 0x0D)),       R((uint16_t)(base | 0x0F)),
+          R((uint16_t)(base | 0x0D)),       R((uint16_t)(base | 0x0F))};
+      int at = 6 * lost + (part == 2 ? 2 : 1); /* B is asked if A is right */
+      if (part != 2) CHECK_EQ(m.log[at].write, 1);
+      memmove(m.log, m.log + at, sizeof want);
+      m.used = (int)(sizeof want / sizeof want[0]);
+      EXPECT(&m, want);
+      char text[] = "mc: card 0 was reset: initialised again\n";
+      text[9] = (char)('0' + lost);
+      SAID(text);
+      mock_run(&m, 4100);
+      for (int axis = 0; axis < 6; axis++) {
+        int32_t where = axis / 2 != lost ? 60000 : axis & 1 ? 0x20 : -16;
+        CHECK_EQ(mc_state_of(mc, axis)->encnow, where);
+      }
+      mock_stop(&m);
+    }
+  }
+}
+
 static const struct test tests[] = {
+    {"test_a_card_that_lost_power_is_revived", test_a_card_that_lost_power_is_revived},
     {"test_enable_traffic", test_enable_traffic},
     {"test_an_enabled_machine_starts_afresh_at_enable",
      test_an_enabled_machine_starts_afresh_at_enable},
