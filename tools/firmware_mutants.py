@@ -150,10 +150,10 @@ def mark_equivalent(mutants: list[Mutant]) -> None:
     for m in mutants:
         _, function, line, to = m.change()
         m.why = exact.get((m.source.name, function, line, to), "")
-        for pattern, template, why in classes:
+        for pattern, templates, why in classes:
             for found in pattern.finditer(line):
-                made = line[: found.start()] + found.expand(template) + line[found.end() :]
-                if made == to:
+                ends = line[: found.start()], line[found.end() :]
+                if to in [ends[0] + found.expand(t) + ends[1] for t in templates]:
                     m.why = why
 
 

@@ -208,6 +208,7 @@ static void test_a_new_open_finds_the_defaults_again(void) {
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
   CHECK_EQ(state[1].fbnow, 44);
   CHECK_EQ(m.card[0].b, 7);
+  CHECK_EQ(m.card[1].b, 7); /* no calibration is left over */
   mock_stop(&m);
 }
 
