@@ -165,6 +165,11 @@ module thct2000 #(
     end
   end
 
+  // When skipping, one edge carries standing inputs through the flip-flops, in the modes where nothing
+  // but the count follows from them.
+  logic carries;
+  assign carries = Filter == 0 && m_i < ModeInterval;
+
   // The latch takes the count as it stood before this clock. A write wins over a count. A latch on
   // the clock of a snapshot belongs to the next one.
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -224,6 +229,18 @@ module thct2000 #(
           if (is_illegal(m_i, now, prev_q)) illegal_q <= 1'b1;
           count_q <= gate_closes(m_i, now, prev_q) ? 16'd0 : count_q + change(m_i, now, prev_q);
         end
+        if (Skip && extra_i != '0 && moving && clk_en_i) begin
+          s2_q   <= in;
+          prev_q <= extra_i == 16'd1 ? s1_q : in;
+          if (extra_i == 16'd1) begin
+            if (is_illegal(m_i, s1_q, s2_q)) illegal_q <= 1'b1;
+            count_q <= count_q + change(m_i, s2_q, prev_q) + change(m_i, s1_q, s2_q);
+          end else begin
+            if (is_illegal(m_i, s1_q, s2_q) || is_illegal(m_i, in, s1_q)) illegal_q <= 1'b1;
+            count_q <= count_q + change(m_i, s2_q, prev_q) + change(m_i, s1_q, s2_q) +
+                       change(m_i, in, s1_q);
+          end
+        end
         if (wr_q && !wr) begin
           if (!wr_seen_q || rs_q == wr_first_q) begin
             held_q     <= d_q;
@@ -240,18 +257,18 @@ module thct2000 #(
   assign count_o   = count_q;
   assign illegal_o = illegal_q;
 
-  // ---- skipping: still inputs and a bus that stands leave nothing to do, but mode 6 counts ticks ---
+  // ---- skipping: a bus that stands leaves nothing to do, but modes 6 and 7 look at every tick -----
   generate
     if (Skip) begin : g_skip
       logic acts;  // more happens than that registers take what they hold
-      assign acts = awake && (moving || rd != rd_q || wr != wr_q ||
+      assign acts = awake && ((moving && !carries) || rd != rd_q || wr != wr_q ||
                               (wr && {rs_i, d_i} != {rs_q, d_q}) || latch_i != latch_in_q ||
                               reset_i || (m_i == ModeInterval && now_a));
       assign horizon_o = acts ? 16'd1 : 16'hFFFF;
       `MMCS_ASSERT(a_skip, !acts || extra_i == '0, "a busy counter is stepped clock by clock")
     end else begin : g_step
       logic unused;
-      assign unused    = ^extra_i;
+      assign unused    = ^{extra_i, carries};
       assign horizon_o = 16'd1;
     end
   endgenerate

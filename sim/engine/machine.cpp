@@ -41,19 +41,13 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   sample_angles_.resize(static_cast<size_t>(axes_));
   for (int axis = 0; axis < axes_; ++axis) {
     const unsigned pins = plant_->pins(axis);
-    set_pins(axis, pins & 1, pins >> 1 & 1, pins >> 2 & 1);
+    model_->set_encoder(axis, pins);
     sample_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
   }
 }
 
 int64_t Machine::clocks(double seconds) const {
   return clocks_up(seconds);
-}
-
-void Machine::set_pins(int axis, unsigned a, unsigned b, unsigned i) {
-  model_->set(Pin::kEncA, axis, a);
-  model_->set(Pin::kEncB, axis, b);
-  model_->set(Pin::kEncI, axis, i);
 }
 
 // One step of physics: the drive of this instant acts for the whole step, whose edges are then
@@ -100,7 +94,7 @@ void Machine::apply_due() {
   if (clock_ >= next_step_) plant_step();
   while (next_edge_ < edges_.size() && step_start_ + edges_[next_edge_].clk <= clock_) {
     const PinEdge &edge = edges_[next_edge_++];
-    set_pins(edge.axis, edge.a, edge.b, edge.i);
+    model_->set_encoder(edge.axis, edge.a | edge.b << 1u | edge.i << 2u);
   }
 }
 

@@ -114,7 +114,6 @@ class Machine {
   void apply(const mmcs_event &event);
   void apply_due();
   void trace_due();
-  void set_pins(int axis, unsigned a, unsigned b, unsigned i);
   int64_t next_stop(int64_t limit) const;
 
   mmcs_config config_;

@@ -78,6 +78,12 @@ class ModelImpl final : public Model {
   bool dtack() const override { return !top_->vme_dtack_no; }
 
   void set(Pin pin, int index, unsigned value) override;
+  void set_encoder(int axis, unsigned pins) override {
+    dirty_ = true;
+    put_field(top_->enc_a_i, axis, 1, pins & 1);
+    put_field(top_->enc_b_i, axis, 1, pins >> 1 & 1);
+    put_field(top_->enc_i_i, axis, 1, pins >> 2 & 1);
+  }
   int16_t drive(int axis) const override {
     return static_cast<int16_t>(get_field(top_->drive_v_o, 16 * axis, 16));
   }
@@ -423,15 +429,6 @@ void ModelImpl::set(Pin pin, int index, unsigned value) {
 #if MMCS_SOC
       p.soc_irq_open_i = value & 1;
 #endif
-      break;
-    case Pin::kEncA:
-      put_field(p.enc_a_i, index, 1, value);
-      break;
-    case Pin::kEncB:
-      put_field(p.enc_b_i, index, 1, value);
-      break;
-    case Pin::kEncI:
-      put_field(p.enc_i_i, index, 1, value);
       break;
     case Pin::kAxisEnable:
       put_field(p.axis_enable_i, index, 1, value);

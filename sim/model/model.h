@@ -27,9 +27,6 @@ enum class Pin {
   kPcOff,
   kIrqLost,  // 1 bit
   kIrqOpen,  // 1 bit; the SoC's processor sees no interrupt
-  kEncA,
-  kEncB,
-  kEncI,
   kAxisEnable,
   kAdcStuck,  // 1 bit per axis
   kCardAbsent,
@@ -82,6 +79,8 @@ class Model {
   virtual bool dtack() const = 0;  // DTACK* is low
 
   virtual void set(Pin pin, int index, unsigned value) = 0;
+  // The three wires of an encoder at once: bit 0 A, bit 1 B, bit 2 index.
+  virtual void set_encoder(int axis, unsigned pins) = 0;
   virtual int16_t drive(int axis) const = 0;
   virtual unsigned leds(int card) const = 0;
 

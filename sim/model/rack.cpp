@@ -40,9 +40,11 @@ namespace {
 constexpr int64_t kNever = INT64_MAX;
 constexpr int kResetClks = 64;
 constexpr int kMaxCards = 16;
-constexpr int64_t kRest = 0xFFFF;     // horizon of a block that has nothing to do
-constexpr unsigned kPanicIrq = 7;     // jumpers as rtl/mmcs.sv sets them
-constexpr unsigned kLatchAll = 0x12;  // CARD_LATCH_ALL: every card listens
+constexpr int64_t kRest = 0xFFFF;                      // horizon of a block that has nothing to do
+constexpr int64_t kEncoderStages = 3;                  // clocks from the pins to the count
+constexpr unsigned kModeMask = 7, kFirstGateMode = 6;  // of the encoder counters, on port A
+constexpr unsigned kPanicIrq = 7;                      // jumpers as rtl/mmcs.sv sets them
+constexpr unsigned kLatchAll = 0x12;                   // CARD_LATCH_ALL: every card listens
 constexpr unsigned kRegisterMask = 0x1F, kDipShift = 10, kDipMask = 0xF;
 
 // Registers and pins, by the names that Verilator gives them (see upset.h).
@@ -97,6 +99,8 @@ struct CardTime {
   Wire<Encoders> encoders;
   Wire<Switches> wires, switches;  // a switch has two flip-flops on its way
   Wire<uint32_t> adc;
+  int64_t seen = -kNever;  // edge after which the encoder pins came to stand as they are shown
+  bool eager = false;      // a change of them on its way must be looked at in its clock
 };
 struct RackTime {
   int64_t clock = 0;
@@ -178,9 +182,8 @@ class Rack final : public Model {
   void take_report() {}
   unsigned take_bus_error() { return 0; }
 
-  uint16_t encoder_register(int axis) override {
-    return MMCS_JOINT(*card_[axis / 2].r, axis & 1, u_encoder__DOT__count_q);
-  }
+  void set_encoder(int axis, unsigned pins) override;
+  uint16_t encoder_register(int axis) override;
   uint64_t digest() override;
   void upset(Register reg, int axis, unsigned bits) override;
   std::vector<uint8_t> save() override;
@@ -203,6 +206,10 @@ class Rack final : public Model {
   void catch_up_adaptor(int64_t t);
   void settle_adaptor(int64_t t);
   void edge_card(Card &card, int64_t t);
+  void clock_card(Card &card, int64_t t);
+  void show_bus(Card &card);
+  void bring_up(Card &card);
+  static bool encoders_move(const Card &card);
   void edge_pit(int64_t t);
   void drive_pit(int64_t t);
   void show_encoders(Card &card);
@@ -313,34 +320,64 @@ void Rack::settle_adaptor(int64_t t) {
   at_.due = t + (skip_ ? a_->horizon_o : 1);
 }
 
-// A card's counters do not look at encoders and bus: when these change, the clocks since the last
-// edge need not be made up for first. What changed after edge t is not seen at edge t, though.
+// Up to edge t. A card's counters do not look at encoders and bus: when these change, the clocks
+// since the last edge need not be made up for first, unless the encoders' flip-flops are still on
+// the way.
 void Rack::edge_card(Card &card, int64_t t) {
-  if (t > card.t.bus.at) {
-    const Bus &b = card.bus = card.t.bus.next;
-    card.t.bus.at = kNever;
-    card.r->pc_a_i = b.a;
-    card.r->pc_d_i = b.d;
-    card.r->pc_ior_ni = b.ior_n;
-    card.r->pc_iow_ni = b.iow_n;
-    card.r->pc_drq_i = b.drq;
-    card.r->pc_clk_en_i = b.clk_en;
+  CardTime &c = card.t;
+  for (;;) {
+    const int64_t at = std::min(c.encoders.at, c.bus.at);
+    if (at >= t) break;  // what changed after edge t is not seen at edge t
+    const bool pins = c.encoders.at == at, bus = c.bus.at == at;
+    if (c.last < at) {
+      const int64_t later = pins ? c.bus.at : c.encoders.at;
+      const int64_t next = std::min(t, later > at ? later : t);
+      const bool unseen = c.last <= c.seen;  // the pins as they stood until now
+      if (unseen || (bus && encoders_move(card)) || (pins && next - at < kEncoderStages)) {
+        clock_card(card, at);
+      }
+    }
+    if (pins) show_encoders(card);
+    if (bus) show_bus(card);
   }
-  if (t > card.t.encoders.at) show_encoders(card);
-  if (t > card.t.adc.at) {
-    card.r->adc_v_i = card.t.adc.next;
-    card.t.adc.at = kNever;
+  clock_card(card, t);
+}
+
+// All clocks since the last edge at once, the last of them being t.
+void Rack::clock_card(Card &card, int64_t t) {
+  CardTime &c = card.t;
+  if (t > c.adc.at) {
+    card.r->adc_v_i = c.adc.next;
+    c.adc.at = kNever;
   }
-  card.r->extra_i = static_cast<SData>(t - card.t.last - 1);
+  card.r->extra_i = static_cast<SData>(t - c.last - 1);
   clock_block(card.r, Vcard___024root___eval, two_evals_);
   cards_moved_ = true;
-  card.t.last = t;
-  card.t.due = t + (skip_ ? card.r->horizon_o : 1);
-  if (card.t.bus.at != kNever) card.t.due = std::min(card.t.due, card.t.bus.at + 1);
-  if (card.t.encoders.at != kNever) card.t.due = std::min(card.t.due, card.t.encoders.at + 1);
+  c.last = t;
+  c.due = t + (skip_ ? card.r->horizon_o : 1);
+  if (c.bus.at != kNever) c.due = std::min(c.due, c.bus.at + 1);
+  if (c.eager && c.encoders.at != kNever) c.due = std::min(c.due, c.encoders.at + 1);
+}
+
+void Rack::show_bus(Card &card) {
+  const Bus &b = card.bus = card.t.bus.next;
+  card.t.bus.at = kNever;
+  card.r->pc_a_i = b.a;
+  card.r->pc_d_i = b.d;
+  card.r->pc_ior_ni = b.ior_n;
+  card.r->pc_iow_ni = b.iow_n;
+  card.r->pc_drq_i = b.drq;
+  card.r->pc_clk_en_i = b.clk_en;
+}
+
+// Some flip-flop behind the encoder pins differs from the next.
+bool Rack::encoders_move(const Card &card) {
+  return MMCS_JOINT(*card.r, 0, u_encoder__DOT__moving) ||
+         MMCS_JOINT(*card.r, 1, u_encoder__DOT__moving);
 }
 
 void Rack::show_encoders(Card &card) {
+  card.t.seen = card.t.encoders.at;
   card.t.encoders.at = kNever;
   card.encoders = card.t.encoders.next;
   card.r->enc_a_i = card.encoders.a;
@@ -682,23 +719,6 @@ void Rack::set(Pin pin, int index, unsigned value) {
     w.at = now + 1;
     return;
   }
-  if (pin == Pin::kEncA || pin == Pin::kEncB || pin == Pin::kEncI) {
-    Wire<Encoders> &w = card.t.encoders;
-    const Encoders before = w.at == kNever ? card.encoders : w.next;
-    Encoders after = before;
-    bit(pin == Pin::kEncA ? after.a : pin == Pin::kEncB ? after.b : after.i, joint);
-    if (std::memcmp(&before, &after, sizeof after) == 0) return;
-    if (w.at <= now) {  // an earlier one, through its wire but not yet looked at
-      if (card.t.last < now) edge_card(card, now);
-      if (w.at != kNever) show_encoders(card);
-    }
-    w = {after, now + 1};
-    card.t.due = std::min(card.t.due, now + 2);
-    t_.cards = std::min(t_.cards, card.t.due);
-    t_.next = std::min(t_.next, card.t.due);
-    cards_moved_ = true;
-    return;
-  }
   Wire<Switches> &w = card.t.wires;
   if (w.at == kNever) {
     w.next = card.t.switches.at == kNever ? card.switches : card.t.switches.next;
@@ -735,6 +755,48 @@ void Rack::set(Pin pin, int index, unsigned value) {
     default:
       break;
   }
+}
+
+// A and B alone go their way unnoticed: nothing but the count follows from them, in modes that
+// count edges, so that they are looked at when something else happens to the card or when they
+// change again.
+void Rack::set_encoder(int axis, unsigned pins) {
+  const int64_t now = t_.clock;
+  const int joint = axis & 1;
+  Card &card = card_[axis / 2];
+  CardTime &c = card.t;
+  const Encoders before = c.encoders.at == kNever ? card.encoders : c.encoders.next;
+  const auto with = [joint](uint8_t bits, unsigned value) {
+    return static_cast<uint8_t>((bits & ~(1u << joint)) | (value & 1) << joint);
+  };
+  const Encoders after{with(before.a, pins), with(before.b, pins >> 1), with(before.i, pins >> 2)};
+  if (std::memcmp(&before, &after, sizeof after) == 0) return;
+  if (c.encoders.at <= now) {  // an earlier one, through its wire but not yet looked at
+    if (c.last < now) edge_card(card, now);
+    if (c.encoders.at != kNever) show_encoders(card);
+    t_.next = std::min(t_.next, c.due);
+  }
+  if (c.encoders.at == kNever) c.eager = false;
+  c.encoders = {after, now + 1};
+  if (before.i != after.i || (card.r->mark1__DOT__pa & kModeMask) >= kFirstGateMode) c.eager = true;
+  if (!c.eager) return;
+  c.due = std::min(c.due, now + 2);
+  t_.cards = std::min(t_.cards, c.due);
+  t_.next = std::min(t_.next, c.due);
+  cards_moved_ = true;
+}
+
+uint16_t Rack::encoder_register(int axis) {
+  bring_up(card_[axis / 2]);
+  return MMCS_JOINT(*card_[axis / 2].r, axis & 1, u_encoder__DOT__count_q);
+}
+
+// Encoder pins that went unnoticed have their effect, up to now.
+void Rack::bring_up(Card &card) {
+  if (card.t.last == t_.clock) return;
+  if (card.t.encoders.at >= t_.clock && card.t.last > card.t.seen && !encoders_move(card)) return;
+  edge_card(card, t_.clock);
+  plan();
 }
 
 uint64_t Rack::digest() {
