@@ -99,10 +99,11 @@ def working(rng: random.Random) -> ref.Params:
     """A loop as machines have them: small coefficients, roots near the unit circle."""
     b0 = rng.choice([1, 2, 64, 1024, 3, 100, -8, rng.randrange(1, 2000)])
     p = ref.Params(b0=b0, mode=rng.choice([ref.POS, ref.VEL, ref.TORQ, ref.TEST1]))
-    p.a0, p.a1, p.a2 = (rng.choice([0, rng.randint(-3000, 3000)]) for _ in range(3))
+    p.a0, p.a1, p.a2 = (rng.choice([0, 0, 1, -1, rng.randint(-3000, 3000)]) for _ in range(3))
     near = rng.choice([-1, 1]) * rng.choice([0, 0, 1, 2])
     any_two = rng.randint(-abs(b0), abs(b0)), rng.randint(-abs(b0), abs(b0))
-    roots = [(0, 0), (b0, 0), (-b0 + near, 0), (-2 * b0 + near, b0 - near), any_two]
+    roots = [(0, 0), (b0, 0), (-b0 + near, near), (-b0 + near, 0),
+             (-2 * b0 + near, b0 - near), any_two]  # fmt: skip
     p.b1, p.b2 = rng.choice(roots)
     p.ic_pos, p.ic_neg = rng.randint(-100, 100), rng.randint(-100, 100)
     p.adc_a, p.adc_b = rng.randint(-3, 3), rng.randint(-6000, 6000)
@@ -132,15 +133,15 @@ def params(rng: random.Random) -> ref.Params:
 
 def inputs(rng: random.Random, counter: int) -> np.ndarray:
     """A counter that walks (through its wrap), an A/D value, a setpoint that jumps at times: to
-    anywhere, or about the place where the axis is."""
+    anywhere, or about where the axis is, or about 0."""
     calm = rng.random() < 0.4
     speed = rng.choice([0, 1, 20] if calm else [0, 1, 20, 1000, 32767])
-    reach = rng.choice([1, 10, 300])
+    about, reach = rng.choice([0, 1]), rng.choice([1, 10, 300])
 
     def wanted() -> int:
         if not calm:
             return number(rng)
-        return (counter ^ 0x8000) - 0x8000 + rng.randint(-reach, reach)
+        return about * ((counter ^ 0x8000) - 0x8000) + rng.randint(-reach, reach)
 
     rows, setpoint = [], wanted()
     for _ in range(SAMPLES):
