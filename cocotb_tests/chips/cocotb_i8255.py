@@ -43,6 +43,24 @@ async def reset_makes_all_ports_inputs(dut):
 
 @cocotb.test()
 @req("PPI-1")
+async def cycle_that_ends_with_reset_is_none(dut):
+    """The port is neither written nor, in mode 1, read."""
+    s = Ppi()
+    s.step(SETTLE, cs_n=0, wr_n=0, a=CONTROL, d=mode_word())
+    s.step(SETTLE, reset=1)
+    s.step(SETTLE, reset=0, cs_n=1, wr_n=1)
+    s.pins(pa_oe=0, pb_oe=0, pc_oe=0)
+    s.step(SETTLE, cs_n=0, rd_n=0, a=B)
+    s.step(SETTLE, reset=1)
+    s.step(SETTLE, reset=0, cs_n=1, rd_n=1)
+    s.mode(b=1, b_in=1)
+    s.strobe(2, pb=0x42)
+    s.pins(pc1=1)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
 async def all_sixteen_mode0_directions(dut):
     s = Ppi()
     for k in range(16):
@@ -431,6 +449,27 @@ async def mode2_interrupts_apart(dut):
     s.bit(6, 1)
     s.pins("INTE1", pc3=1)
     s.read(C, 0x80 | 0x40 | 0x20 | 0x08 | 0x07, "status word")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PPI-1")
+async def request_falls_with_the_strobe(dut):
+    """With its first clock, stays low to its last and after it: a byte is read, or written."""
+    s = Ppi()
+    for port, given in ((A, 0), (A, 1), (B, 0), (B, 1)):
+        request, inte = ("pc3", 6 if given else 4) if port == A else ("pc0", 2)
+        s.mode(**({"a": 1, "a_in": 1 - given} if port == A else {"b": 1, "b_in": 1 - given}))
+        s.bit(inte, 1)
+        if not given:
+            s.strobe(inte, pa=0x17, pb=0x17)
+        s.pins(f"before {request}", **{request: 1})
+        for place in ("first clock", "last clock"):
+            s.step(cs_n=0, **{"wr_n" if given else "rd_n": 0}, a=port, d=0x5A)
+            s.seen(f"{place} {request}", **{request: 0})
+        for place in ("after it", "later"):
+            s.step(cs_n=1, wr_n=1, rd_n=1, a=port)
+            s.seen(f"{place} {request}", **{request: 0})
     await s.run(dut)
 
 

@@ -41,6 +41,8 @@ class I8255:
         self._reset()
 
     def _reset(self) -> None:
+        """A bus cycle under reset is none, also if both end at once."""
+        self._write = self._read = None
         self._mode_set(0x9B)
 
     def _mode_set(self, word: int) -> None:
