@@ -52,6 +52,7 @@ class Mutant:
     noticed: str = ""  # the stage and test that saw it; empty: it survived
     hint: str = ""  # what saw it in an earlier run
     why: str = ""  # equivalent, because
+    told: str = ""  # why it may survive
 
     def key(self) -> str:
         return hashlib.sha256(f"{self.source.name}\n{self.text}".encode()).hexdigest()[:24]
@@ -133,23 +134,22 @@ def relevant(mutants: list[Mutant], want: int) -> list[Mutant]:
     return kept
 
 
-def equivalence() -> tuple[dict[tuple, str], list[tuple]]:
-    """The reviewed list: (file, function, line, mutant) -> reason; and classes of lines."""
-    table = tomllib.loads(EQUIVALENT.read_text())
-    exact = {
-        (e["file"], e["function"], e["line"], to): e["why"]
-        for e in table.get("mutant", [])
-        for to in e["to"]
-    }
-    classes = [(re.compile(c["line"]), c["to"], c["why"]) for c in table.get("class", [])]
-    return exact, classes
-
-
 def mark_equivalent(mutants: list[Mutant]) -> None:
-    exact, classes = equivalence()
+    """Gives mutants of the reviewed list their reasons."""
+    table = tomllib.loads(EQUIVALENT.read_text())
+    exact, explained = (
+        {
+            (e["file"], e["function"], e["line"], to): e["why"]
+            for e in table.get(kind, [])
+            for to in e["to"]
+        }
+        for kind in ("mutant", "survivor")
+    )
+    classes = [(re.compile(c["line"]), c["to"], c["why"]) for c in table.get("class", [])]
     for m in mutants:
         _, function, line, to = m.change()
         m.why = exact.get((m.source.name, function, line, to), "")
+        m.told = explained.get((m.source.name, function, line, to), "")
         for pattern, templates, why in classes:
             for found in pattern.finditer(line):
                 ends = line[: found.start()], line[found.end() :]

@@ -69,7 +69,9 @@ def page(rows: list[tuple], survivors: list[Mutant], command: str, seconds: floa
         )
     lines += ["", "Equivalent: listed, each with its reason, in `tools/firmware_equivalent.toml`."]
     lines += ["", "## What survives", "", "```"]
-    lines += [told(m) for m in survivors] or ["nothing"]
+    for m in survivors:
+        lines += [told(m), *([f"    {m.told}"] if m.told else [])]
+    lines += [] if survivors else ["nothing"]
     lines += ["```", ""]
     return "\n".join(lines)
 
