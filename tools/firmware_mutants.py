@@ -10,6 +10,7 @@ import hashlib
 import multiprocessing
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -33,6 +34,7 @@ CFLAGS = ["-std=c11", "-O2", "-fPIC", *NO, *INCLUDE]
 SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1"]
 CARDS = (1, 3)  # what the scenarios below need
 CPU_S = 3  # ends endless loops; a whole test program takes a tenth of a second
+CHILD_CPU_S = 30  # the same for the servo's reference and for the scenarios, a few seconds each
 LIMIT_S = 60  # ends what sleeps for ever
 # Together they use every call, mode, limit and error of the driver.
 SCENARIOS = [
@@ -230,6 +232,7 @@ def in_child(work, *args) -> str:
     ours, theirs = multiprocessing.Pipe(duplex=False)
 
     def body():
+        resource.setrlimit(resource.RLIMIT_CPU, (CHILD_CPU_S, CHILD_CPU_S))
         sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115
         try:
             theirs.send(work(*args))
@@ -256,22 +259,20 @@ def servo(m: Mutant) -> str:
     library = m.object.with_suffix(".so")
     parts = [m.object, FIXED / "servo_batch.o"]
     subprocess.run(["cc", "-shared", "-o", library, *parts], check=True)
-    return in_child(servo_samples, library)
+    return in_child(servo_tests, library)
 
 
-def servo_samples(library: Path) -> str:
+def servo_tests(library: Path) -> str:
+    """The tests of the servo law, on a library that holds the mutant."""
     sys.path.insert(0, str(TESTS))
-    import test_servo
+    import fwbuild
+    import pytest
 
-    test_servo.compile_c = lambda *_: library
-    try:
-        test_servo.test_integrator_loses_nothing()
-        test_servo.test_saturates_with_the_right_sign()
-        for seed in range(1, 6):
-            test_servo.lock_step(seed, 10_000)
-    except AssertionError:
-        return "servo lock step"
-    return ""
+    fwbuild.compile_c = lambda *_: library
+    os.environ["MMCS_RANDOM_OPS"] = "1"  # a tenth of the random samples
+    tests = [str(TESTS / f"test_servo{which}.py") for which in ("_corners", "")]
+    plain = ["-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts="]
+    return "servo reference" if pytest.main(["-x", *plain, *tests]) else ""
 
 
 def scenario(m: Mutant) -> str:

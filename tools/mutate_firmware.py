@@ -8,7 +8,7 @@ in tools/firmware_equivalent.toml. The others meet, until one notices:
 
   unit      the C test programs of firmware/tests, every test function; later once more with
             address and undefined-behaviour sanitizers
-  servo     50,000 samples of the servo law against firmware/tests/servo_reference.py
+  servo     firmware/tests/test_servo*.py, with 100,000 of the random samples
   scenario  closed loops on the simulated machine, judged by their own expectations
 
 Score = noticed / (relevant - equivalent). `--sample N` takes N relevant mutants of every file (seed
@@ -78,7 +78,7 @@ def page(rows: list[tuple], survivors: list[Mutant], command: str, seconds: floa
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--sample", type=int, default=20, metavar="N", help="mutants of each file")
+    parser.add_argument("--sample", type=int, default=40, metavar="N", help="mutants of each file")
     parser.add_argument("--all", action="store_true", help="every mutant")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument(
