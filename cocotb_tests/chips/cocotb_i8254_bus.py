@@ -447,6 +447,17 @@ async def null_count_rises_and_falls(dut):
 
 @cocotb.test()
 @req("PIT-1")
+async def status_latched_with_the_load(dut):
+    """The clock that loads the count is the one that latches: it is loaded."""
+    s = Pit()
+    s.program(2, 3)
+    s.write(3, 0xE2, rise=1, fall=1)
+    s.read(0, 0xB4, "null count is 0 already")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PIT-1")
 async def null_count_needs_the_second_byte(dut):
     s = Pit()
     s.program(4, 0x0105)
@@ -580,6 +591,21 @@ async def mode0_first_byte_in_chmos(dut):
     s.golden("0:3 0:2")
     s.write(0, 0)
     s.golden("0:9 0:8")
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("PIT-1")
+async def mode0_count_written_as_the_old_one_ends(dut):
+    """Written while the last CLK is high: its fall ends the old count, and OUT stays low."""
+    s = Pit()
+    s.program(0, 2, rw=LSB)
+    s.pulse(2)
+    s.rise()
+    s.count(0, 3)
+    s.fall()
+    s.out(0, note="the old count is over")
+    s.outs("00011")
     await s.run(dut)
 
 
