@@ -26,16 +26,22 @@ def cases():
             yield pytest.param(source, name, id=f"{source.stem}-{name}", marks=marks)
 
 
+def program_of(source: Path) -> Path:
+    """The test program of a file; the driver is compiled once for all of them."""
+    driver = compile_c("driver_and_mock.o", [HERE / "mock.c", *DRIVER], [*SANITIZE, "-r"])
+    return compile_c(source.stem, [source, driver], SANITIZE)
+
+
 @pytest.mark.parametrize("source,name", list(cases()))
 def test_c(source, name):
-    program = compile_c(source.stem, [source, HERE / "mock.c", *DRIVER], SANITIZE)
+    program = program_of(source)
     done = subprocess.run([program, name], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_every_function_is_in_its_table():
     for source in sorted(HERE.glob("test_*.c")):
-        program = compile_c(source.stem, [source, HERE / "mock.c", *DRIVER], SANITIZE)
+        program = program_of(source)
         listed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
         assert sorted(listed.split()) == sorted(n for _, n in FUNCTION.findall(source.read_text()))
 
