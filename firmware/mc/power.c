@@ -28,8 +28,7 @@ void power_apply_modes(struct mc *mc) {
 }
 
 void power_restart_axes(struct mc *mc) {
-  for (int axis = 0; axis < mc->axes; axis++) {
-    struct mc_axis *x = &mc->axis[axis];
+  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;
     x->adopt = (uint8_t)!x->written;
@@ -37,8 +36,7 @@ void power_restart_axes(struct mc *mc) {
 }
 
 static void forget_currents(struct mc *mc) {
-  for (int axis = 0; axis < mc->axes; axis++) {
-    struct mc_axis *x = &mc->axis[axis];
+  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->code = MC_DAC_ZERO;
     x->state.inow = 0;
     x->servo.filtered = 0;
@@ -54,18 +52,20 @@ static void silence(struct mc *mc, const uint8_t *port_c) {
   mc->buffered = 0;
   power_apply_modes(mc);
   const uint8_t both = hw_heartbeat_bm(0) | hw_heartbeat_bm(1);
+  int living = 0;
   for (int axis = 0; axis < mc->axes; axis++) {
     if (mc->power == MC_RUNNING && (axis & 1) == 0 && (port_c[axis / 2] & both) == both) {
       hw_write_dacs(mc, axis / 2, MC_DAC_ZERO, MC_DAC_ZERO);
-      mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+      living = 1;
       axis++;
     } else if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
       hw_write_dac(mc, axis, MC_DAC_ZERO);
-      mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+      living = 1;
     } else {
       hw_write_dac_high(mc, axis, MC_DAC_ZERO);
     }
   }
+  if (living) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
   mc->power = MC_IDLE;
   mc->drive = 0;
   power_apply_modes(mc);
@@ -177,9 +177,12 @@ static void await_first_pass(struct mc *mc) {
   uint64_t limit = 2 * (uint64_t)timer_interval_us(mc) + 5000;
   uint32_t step = timer_interval_us(mc) < 1000 ? timer_interval_us(mc) : 1000;
   unsigned level = mc->os.mask(mc->os.ctx);
-  power_restart_axes(mc);
   mc->buffered = mc->double_buffer;
   power_apply_modes(mc);
+  mc->os.unmask(mc->os.ctx, level);
+  /* An interrupt that waited is served here: the first pass, the longest, must not begin late. */
+  level = mc->os.mask(mc->os.ctx);
+  power_restart_axes(mc);
   mc->power = MC_STARTING;
   mc->os.unmask(mc->os.ctx, level);
   for (uint64_t us = 0; us < limit && mc->power == MC_STARTING; us += step) {

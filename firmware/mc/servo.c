@@ -321,9 +321,13 @@ static inline int32_t narrow_friction(const struct mc_param *par, int32_t vel, i
   return way > 0 ? par->ic_pos : way < 0 ? -par->ic_neg : 0;
 }
 
-/* Whether narrow_step() may begin with these histories. */
-RARE static int is_narrow(struct servo_state *s, int32_t y) {
+/* Whether narrow_step() may begin: at the first sample all histories but that of y are 0. */
+static inline int starts_narrow(struct servo_state *s, int32_t y) {
   prime(s, y);
+  return is_within(y, NARROW_FB);
+}
+
+RARE static int is_narrow(const struct servo_state *s) {
   if (!is_within(s->y1, NARROW_FB) || !is_within(s->y2, NARROW_FB)) return 0;
   if (!is_within(s->e1, s->top) || !is_within(s->e2, s->top)) return 0;
   if (s->kind == SERVO_PD || s->kind == SERVO_SUM) return 1;
@@ -379,7 +383,9 @@ void servo_sense(const struct mc_param *par, struct servo_state *s, struct mc_st
 int32_t servo_step(const struct mc_param *par, struct servo_state *s, int32_t setpoint,
                    struct mc_state *m) {
   int32_t current;
-  if (s->wide && is_narrow(s, servo_feedback(par, m))) s->wide = 0;
+  if (s->wide && (s->primed ? is_narrow(s) : starts_narrow(s, servo_feedback(par, m)))) {
+    s->wide = 0;
+  }
   if (!s->wide && narrow_step(par, s, setpoint, m, &current)) return current;
   return wide_step(par, s, setpoint, m);
 }
