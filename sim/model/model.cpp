@@ -30,6 +30,11 @@
 
 void Vmmcs___024root___eval(Vmmcs___024root *);
 void Vmmcs___024root___eval_settle(Vmmcs___024root *);
+void Vmmcs___024root___eval_nba(Vmmcs___024root *);
+bool Vmmcs___024root___eval_phase__act(Vmmcs___024root *);
+
+// A clock's evaluation may go straight to the registers; see clock_once().
+#define MMCS_DIRECT (MMCS_GATE && !MMCS_SOC)
 
 namespace mmcs {
 namespace {
@@ -47,11 +52,7 @@ thread_local std::string printed;
 
 class ModelImpl final : public Model {
  public:
-  ModelImpl(bool two_evals, bool skip, uint64_t seed)
-      : two_evals_wanted_(two_evals),
-        skip_wanted_(skip && MMCS_SKIP),
-        two_evals_(two_evals_wanted_),
-        skip_(skip_wanted_) {
+  ModelImpl(bool two_evals, uint64_t seed) : two_evals_wanted_(two_evals), two_evals_(two_evals) {
     context_.randReset(2);
     context_.randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
     context_.fatalOnError(false);
@@ -175,6 +176,12 @@ class ModelImpl final : public Model {
  private:
   void power_on();
   void clock_once();
+#if MMCS_DIRECT
+  void clock_known();
+  void clock_triggered(uint64_t triggers);
+  uint64_t triggered_by(CData &before);
+#endif
+  void learn_triggers();
   void clock_plain();
   void set_clocks(bool level);
   void rest_clocks_high();
@@ -183,7 +190,7 @@ class ModelImpl final : public Model {
   bool cpu_awake() const { return !MMCS_GATE || top_->cpu_awake_o; }
 #endif
   void settle_clock();
-  // The exported functions act on the instance whose scope is set; a moved hand ends skipping.
+  // The exported functions act on the instance whose scope is set, and may move a hand.
   void enter() {
     dirty_ = true;
     Verilated::threadContextp(&context_);
@@ -207,22 +214,30 @@ class ModelImpl final : public Model {
   unsigned bus_error_ = 0;
   std::function<void(SocStep, unsigned)> watcher_;
   bool dirty_ = true;  // a pin or hand has moved since the last clock
-  int single_ = 2;     // clocks that must not be skipped
+  bool moved_ = true;  // before that clock
+  uint64_t by_clk_ = 0, by_adaptor_ = 0, by_cards_ = 0;  // what these clocks trigger
   const bool two_evals_wanted_;
-  const bool skip_wanted_;
   bool two_evals_;  // as wanted, or because the waveforms are being recorded
-  bool skip_;
   std::string failure_;
 };
 
-// One rising edge by one evaluation. Two liberties, both of this pinned version of Verilator:
+// One rising edge by one evaluation, with liberties that are of this pinned version of Verilator.
 // Edges are found by comparing the clock with its value at the last evaluation, kept in the
 // variable named here; setting that to 0 stands for the falling edge, at which nothing in this
-// design happens (one clock, rising edges only). And the evaluation is called without the wrapper
+// design happens (one clock, rising edges only). The evaluation is called without the wrapper
 // around it, which locks two mutexes for messages between threads and objects to delete, of which
-// there are none. Together they save two thirds of the time. Only this and upset() touch names
+// there are none. And as long as no pin moves there is nothing to be found out: what a rising clock
+// triggers is known (learn_triggers()), and so the evaluation goes straight to the registers.
+// Together they save two thirds of the time. Only this, learn_triggers() and upset() touch names
 // internal to Verilator; test_one_eval_equals_two compares it with clock_plain().
 inline void ModelImpl::clock_once() {
+#if MMCS_DIRECT
+  if (!dirty_ && !moved_) {
+    clock_known();
+    return;
+  }
+  moved_ = dirty_;
+#endif
 #if MMCS_SOC
   // The processor's clocks that fall within this one, then the one that falls together with it.
   for (int n = 1; n < kCpuClks && cpu_awake(); ++n) {
@@ -237,6 +252,48 @@ inline void ModelImpl::clock_once() {
   if (dirty_ | top_->cards_awake_o) top_->rootp->__Vtrigprevexpr___TOP__clk_cards_i__0 = 0;
 #endif
   Vmmcs___024root___eval(top_->rootp);
+}
+
+#if MMCS_DIRECT
+// The registers behind these clocks, then what follows from them: a reset that the machine gives
+// itself is an edge that has to be looked for.
+inline void ModelImpl::clock_triggered(uint64_t triggers) {
+  Vmmcs___024root &r = *top_->rootp;
+  r.__VnbaTriggered[0] = triggers;
+  Vmmcs___024root___eval_nba(&r);
+  r.__VnbaTriggered[0] = 0;
+  if (r.mmcs_sim_top__DOT__u_mmcs__DOT__card_rst_n !=
+      r.__Vtrigprevexpr___TOP__mmcs_sim_top__DOT__u_mmcs__DOT__card_rst_n__0) {
+    Vmmcs___024root___eval(&r);
+  }
+}
+
+inline void ModelImpl::clock_known() {
+  uint64_t triggers = by_clk_;
+  if (top_->adaptor_awake_o) triggers |= by_adaptor_;
+  if (top_->cards_awake_o) triggers |= by_cards_;
+  clock_triggered(triggers);
+}
+
+// What the rise of one clock alone triggers.
+uint64_t ModelImpl::triggered_by(CData &before) {
+  Vmmcs___024root &r = *top_->rootp;
+  before = 0;
+  Vmmcs___024root___eval_phase__act(&r);
+  const uint64_t triggers = r.__VnbaTriggered[0];
+  r.__VnbaTriggered = decltype(r.__VnbaTriggered){};
+  return triggers;
+}
+#endif
+
+void ModelImpl::learn_triggers() {
+#if MMCS_DIRECT
+  Vmmcs___024root &r = *top_->rootp;
+  rest_clocks_high();
+  by_clk_ = triggered_by(r.__Vtrigprevexpr___TOP__clk_i__0);
+  by_adaptor_ = triggered_by(r.__Vtrigprevexpr___TOP__clk_adaptor_i__0);
+  by_cards_ = triggered_by(r.__Vtrigprevexpr___TOP__clk_cards_i__0);
+#endif
 }
 
 // A gated clock rises only where its block is awake, or inputs have moved.
@@ -316,17 +373,20 @@ void ModelImpl::power_on() {
     clock_plain();
   }
   clock_ = 0;
-  if (!two_evals_) rest_clocks_high();
+  if (!two_evals_) {
+    learn_triggers();
+    rest_clocks_high();
+  }
   lines_changed_ = false;
 }
 
 // Where clock_once() finds them.
 void ModelImpl::rest_clocks_high() {
   top_->clk_i = 1;
+  top_->rootp->__Vtrigprevexpr___TOP__clk_i__0 = 1;
 #if MMCS_SOC
   top_->cpu_clk_i = 1;
   top_->rootp->__Vtrigprevexpr___TOP__cpu_clk_i__0 = 1;
-  top_->rootp->__Vtrigprevexpr___TOP__clk_i__0 = 1;
 #endif
 #if MMCS_GATE
   top_->clk_adaptor_i = 1;
@@ -347,23 +407,13 @@ void ModelImpl::settle_clock() {
 }
 
 Stop ModelImpl::run(int64_t n, int dtack, int64_t *ran) {
-  enter();
+  Verilated::threadContextp(&context_);
+  svSetScope(scope_);
   int64_t done = 0;
   Stop stop = Stop::kDone;
   // Compared after every clock; 2 matches neither level.
   const unsigned wanted = dtack < 0 ? 2u : static_cast<unsigned>(dtack);
   while (done < n) {
-    int64_t step = 1;
-#if MMCS_SKIP
-    // One clock for the wire, one for the first flip-flop behind it.
-    if (dirty_) {
-      single_ = 2;
-    } else if (single_ == 0 && skip_) {
-      step = std::clamp<int64_t>(top_->skip_horizon_o, 1, n - done);
-    }
-    if (single_ > 0) --single_;
-    top_->skip_extra_i = static_cast<SData>(step - 1);
-#endif
     top_->moved_i = dirty_;
     if (two_evals_) {
       clock_plain();
@@ -371,8 +421,8 @@ Stop ModelImpl::run(int64_t n, int dtack, int64_t *ran) {
       clock_once();
     }
     dirty_ = false;
-    done += step;
-    clock_ += step;
+    ++done;
+    ++clock_;
     ++evals_;
     if (lines_changed_) {
       lines_changed_ = false;
@@ -500,7 +550,6 @@ std::vector<uint8_t> ModelImpl::save() {
   out.put(&evals_, sizeof evals_);
   out.put(&lines_, sizeof lines_);
   out.put(&dirty_, sizeof dirty_);
-  out.put(&single_, sizeof single_);
   return out.take();
 }
 
@@ -512,7 +561,6 @@ void ModelImpl::restore(const std::vector<uint8_t> &state) {
   in.get(&evals_, sizeof evals_);
   in.get(&lines_, sizeof lines_);
   in.get(&dirty_, sizeof dirty_);
-  in.get(&single_, sizeof single_);
   lines_changed_ = false;
   settle_clock();
 }
@@ -533,7 +581,6 @@ bool ModelImpl::trace(const std::string &path) {
   // Waveforms show every clock and both its edges.
   const bool before = two_evals_;
   two_evals_ = two_evals_wanted_ || !path.empty();
-  skip_ = skip_wanted_ && path.empty();
   if (two_evals_ != before) settle_clock();
   if (path.empty()) return false;
   fst_ = std::make_unique<VerilatedFstC>();
@@ -549,8 +596,8 @@ bool ModelImpl::trace(const std::string &path) {
 
 }  // namespace
 
-std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
-  return std::make_unique<ModelImpl>(two_evals, skip, seed);
+std::unique_ptr<Model> Model::create(bool two_evals, bool, uint64_t seed) {
+  return std::make_unique<ModelImpl>(two_evals, seed);
 }
 int Model::cards() {
   return kCards;
@@ -559,7 +606,7 @@ int Model::clk_hz() {
   return MMCS_CLK_HZ;
 }
 bool Model::skip() {
-  return MMCS_SKIP;
+  return false;
 }
 bool Model::traced() {
   return MMCS_TRACE;
