@@ -33,25 +33,28 @@ class Group:
 
 
 def groups(top: str) -> list[Group]:
-    """The simulations of a top: one for each set of parameters."""
+    """The simulations of a top's mutants: one for each set of parameters, and module on top."""
     from cocotb._decorators import TestGenerator
 
     from cocotb_tests.lib import req as marks
     from cocotb_tests.lib import runner
 
-    found: dict[tuple, Group] = {}
-    first = None
-    for entry in TOPS[top][0]:
-        name, _, variant = entry.rstrip("=").partition(":")
+    def find(name: str) -> tuple:
+        name, _, variant = name.partition(":")
         module = importlib.import_module(f"cocotb_tests.{name}")
         own = module.VARIANTS[variant] if variant else getattr(module, "PARAMETERS", {})
-        first = first or own
-        parameters = tuple(sorted((first if entry.endswith("=") else own).items()))
+        return module, variant, tuple(sorted(own.items()))
+
+    found: dict[tuple, Group] = {}
+    for entry in TOPS[top][0]:
+        name, _, other = entry.partition("=")
+        module, variant, parameters = find(name)
+        parameters = find(other)[2] if other else parameters
         base = Path(module.__file__).parent
         extra = tuple((base / s).resolve() for s in getattr(module, "SOURCES", ()))
         group = found.setdefault(
-            parameters,
-            Group(runner.Job("", top, "verilator", parameters, extra), []),
+            (module.TOPLEVEL, parameters),
+            Group(runner.Job("", module.TOPLEVEL, "verilator", parameters, extra), []),
         )
         for attribute, it in vars(module).items():
             if not isinstance(it, TestGenerator) or it.module != module.__name__:
@@ -136,7 +139,7 @@ def simulate(top: str, group: Group, numbers: list[int]) -> Path:
     try:
         sim.test(
             test_module="mutant_tests",
-            hdl_toplevel=top,
+            hdl_toplevel=job.toplevel,
             hdl_toplevel_lang="verilog",
             build_dir=sim.build_dir,
             test_dir=folder,

@@ -8,7 +8,7 @@ import random
 import cocotb
 
 from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, mismatch
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, mismatch
 from cocotb_tests.lib.req import req
 from cocotb_tests.models import thct2000
 
@@ -97,6 +97,21 @@ async def both_inputs_at_once_count_nothing(dut):
     s.step(2, reset=1)
     s.step(1, reset=0)
     s.expect("until RESET", illegal=0)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-1")
+async def both_inputs_at_once_are_legal_where_no_steps_are_counted(dut):
+    """Holding, and in the modes that measure an interval or a frequency; not in any other."""
+    s = Encoder()
+    for mode in range(8):
+        s.step(4, m=mode)
+        s.step(4, a=1, b=1)
+        s.step(4, a=0, b=0)
+        s.expect(f"mode {mode}", illegal=int(mode not in (0, 6, 7)))
+        s.step(2, reset=1)
+        s.step(1, reset=0)
     await s.run(dut)
 
 
@@ -242,6 +257,23 @@ async def written_value_is_read(dut):
         s.init(value)
         s.expect(count=value)
         s.value(value)
+    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def data_are_there_at_once(dut):
+    """In the first clock of a read already, which the data sheet, and the model, leave open."""
+    if isinstance(dut, ModelDut):
+        return
+    s = Encoder()
+    for value in (0x1234, 0xEDCB, 0xA55A, 0x5AA5, 0):
+        s.init(value)
+        for rs in (MSB, LSB):
+            for clock in range(3):
+                s.step(cs_n=0, rd_n=0, rs=rs)
+                s.seen(f"clock {clock}", d_o=value & 0xFF if rs else value >> 8, oe=1)
+            s.step(2, cs_n=1, rd_n=1, rs=1 - rs)
     await s.run(dut)
 
 

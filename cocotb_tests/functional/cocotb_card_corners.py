@@ -5,9 +5,10 @@ Each of these was found by breaking the RTL and seeing that no test noticed.
 """
 
 import cocotb
+from cocotb.triggers import FallingEdge
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import B_TO_JOINT, C_BEAT1, C_BEAT2, DAC1, LATCH, PORT_B, PORT_C
+from cocotb_tests.lib.tb import B_TO_JOINT, C_BEAT1, C_BEAT2, C_DONE, DAC1, LATCH, PORT_B, PORT_C
 from cocotb_tests.mark1.cocotb_mark1 import RUN, Card
 from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
 
@@ -67,3 +68,43 @@ async def joints_are_isolated_at_once(dut):
     await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
     await tb.clocks(1)
     assert [tb.volts(j) for j in (0, 1)] == [0, 0]
+
+
+@cocotb.test()
+@req("LAT-1", "CRD-1")
+async def software_latch_is_one_instant(dut):
+    """The first clock of the command: however long it lasts, what comes later is not latched."""
+    tb = Card(dut)
+    await tb.start()
+    await tb.preset(0, 0)
+    tb.pc.command = 60
+    for _ in range(3):
+        turning = cocotb.start_soon(tb.enc[0].move(60, 300))
+        await tb.us(2.5)
+        latch = cocotb.start_soon(tb.pc.write(LATCH, 0))
+        await FallingEdge(dut.pc_iow_ni)
+        at = tb.enc[0].count
+        await latch
+        await turning
+        latched = await tb.encoder(0)
+        assert at - 2 <= latched <= at + 1, f"{latched} latched, {at} when the command began"
+        await tb.enc[0].move(-60, 300)
+        await tb.us(1)
+
+
+@cocotb.test()
+@req("CRD-1", "LAT-1")
+async def an_address_alone_does_nothing(dut):
+    """Every register's address stands on the bus; without IOR# and IOW# nothing comes of it."""
+    tb = await driving(dut)
+    await tb.preset(0, 100)
+    for register in range(32):
+        tb.bus.a.value = tb.pc.base | register
+        tb.bus.d.value = 0
+        await tb.clocks(6)
+        assert not int(tb.bus.q_oe.value)
+    await tb.enc[0].move(5, 300)
+    await tb.us(1)
+    assert await tb.encoder(0) == 105, "latched"
+    assert await tb.pc.read(PORT_C) & (C_DONE | C_BEAT1 | C_BEAT2) == C_DONE, "converting, beating"
+    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]

@@ -30,7 +30,7 @@ class Thct2000:
         """One CLK: count on what the synchroniser already holds, then shift it."""
         now, prev = self.sync[1], self.sync[2]
         a, b, a_was, b_was = now >> 1, now & 1, prev >> 1, prev & 1
-        if now ^ prev == 3:
+        if now ^ prev == 3 and 1 <= mode <= 5:
             self.illegal = 1
         elif now != prev and 1 <= mode <= 5:
             a_moved = a != a_was
