@@ -127,6 +127,41 @@ async def cycle_timing(dut):
 
 
 @cocotb.test()
+@req("PCB-1", "PIT-2")
+async def system_clock_of_the_jumper(dut):
+    """CLK once a period, from reset on; SCLOCK counts its periods and moves half a period later."""
+    tb = HostPort(dut)
+    await tb.start()
+    div = tb.clk_hz // 1_000_000 // tb.parameters.get("SysClkMHz", 8)
+    for before in (1, 2, 5):
+        await tb.clocks(before)
+        await FallingEdge(dut.clk_i)
+        dut.rst_ni.value = 0
+        await FallingEdge(dut.clk_i)
+        assert int(dut.pc_clk_en_o.value)
+        dut.rst_ni.value = 1
+        for n in range(1, 4 * div):
+            await FallingEdge(dut.clk_i)
+            assert int(dut.pc_clk_en_o.value) == int(n % div == 0), f"clock {n} after reset"
+    for timer in (0, 1):
+        await tb.wr(0x407, timer << 6 | 0x14)  # low byte only, mode 2
+        await tb.wr(0x401 + 2 * timer, 2 + timer)
+    ticks, edges, last = 0, [], None
+    for n in range(60 * div):
+        await FallingEdge(dut.clk_i)
+        level = int(dut.sclock_o.value)
+        ticks = n if int(dut.pc_clk_en_o.value) else ticks
+        if last is not None and level != last:
+            edges.append((n, level))
+            assert n - ticks == (div // 2 + 1) % div, "moves with the falling edge"
+        last = level
+    lows = [b - a for (a, at), (b, _) in zip(edges, edges[1:], strict=False) if not at]
+    highs = [b - a for (a, at), (b, _) in zip(edges, edges[1:], strict=False) if at]
+    assert len(highs) > 6 and set(lows) == {2 * div}, f"{lows}"
+    assert set(highs[1:]) == {4 * div}, f"{highs}"
+
+
+@cocotb.test()
 @req("PCB-1")
 async def read_data_is_sampled_at_the_end(dut):
     """What stands on the bus when IOR# rises counts, not what stood before."""

@@ -2,7 +2,7 @@
 """The servo clock at every clock rate and jumper of the system clock. §4.3.4"""
 
 import cocotb
-from cocotb.triggers import FallingEdge, RisingEdge, Timer
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
 from cocotb_tests.lib.pcbus import PcBusMonitor
 from cocotb_tests.lib.req import req
@@ -64,6 +64,21 @@ async def sclock_period(dut, n0, n1, mode):
     tick = tick_ps(tb)
     assert whole == n0 * n1 * tick
     assert low == n0 * (1 if mode == 2 else n1 // 2) * tick
+
+
+@cocotb.test()
+@req("PIT-2", "CRD-3")
+async def sclock_is_on_its_own_line(dut):
+    """Of the three DRQ lines it has one; the others are low."""
+    tb = Machine(dut)
+    await tb.start()
+    await tb.sclock(5, 4)
+    seen = set()
+    for _ in range(3 * 5 * 4):
+        await Timer(tick_ps(tb), "ps")
+        await ReadOnly()
+        seen.add((int(dut.pcx_drq_o.value), int(dut.sclock_o.value)))
+    assert seen == {(0, 0), (4, 1)}
 
 
 @cocotb.test()
