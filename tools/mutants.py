@@ -52,7 +52,7 @@ TOPS = {
     ),
     "mmcs": (
         ["adaptor.cocotb_host_port:8MHz", "functional.cocotb_pccsr_cover",
-         "adaptor.cocotb_host_port:slow-bus", "system.cocotb_safety",
+         "adaptor.cocotb_host_port:slow-bus", "adaptor.cocotb_vme_strays", "system.cocotb_safety",
          "system.cocotb_interrupts", "system.cocotb_vme",
          "system.cocotb_sclock:8MHz=system.cocotb_safety", "system.cocotb_cards",
          "functional.cocotb_vme_cover", "functional.cocotb_machine_corners"],

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The adaptor among masters and neighbours that break the rules of the acknowledge cycle. §4.3.6
+
+The bus checkers of the whole machine would stop such a bus, so the adaptor stands here alone.
+"""
+
+import cocotb
+from cocotb.triggers import FallingEdge, First, Timer
+
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, SCLOCK_IRQ, VECTOR, Tb
+from cocotb_tests.lib.vme import VmeBus, VmeMaster
+
+TOPLEVEL = "adaptor_vme"
+PARAMETERS: dict = {}
+VEC = 0xC5
+
+
+class LowByte:
+    """D07-D00 of a bus whose masters drive sixteen lines."""
+
+    def __init__(self, handle):
+        self.handle = handle
+
+    @property
+    def value(self):
+        return self.handle.value
+
+    @value.setter
+    def value(self, value: int) -> None:
+        self.handle.value = value & 0xFF
+
+
+class Adaptor(Tb):
+    """The adaptor behind its VME connector; its latch of SCLOCK is set and asks."""
+
+    async def start(self) -> None:
+        await super().start()
+        self.bus = VmeBus.from_prefix(self.dut, "vme")
+        self.bus.d = LowByte(self.bus.d)
+        self.vme = VmeMaster(self.bus)
+        await self.vme.write(0x6000 | VECTOR, VEC)
+        await self.vme.write(0x6407, 0x70)  # timer 1, mode 0: SCLOCK falls
+        await self.vme.write(0x6000 | PCCSR, ARMED | SCLOCK_IRQ | BASE)
+        await self.vme.write(0x6407, 0x74)  # mode 2: it rises
+        await self.clocks(4)
+        assert int(self.dut.vme_irq_no.value) == 0x7F & ~(1 << 4)
+
+    async def acknowledge(self, level: int) -> None:
+        """IACKIN* of a level comes down; DS0* stays high."""
+        bus = self.bus
+        bus.a.value, bus.lword_n.value, bus.write_n.value, bus.iack_n.value = level, 1, 1, 0
+        await Timer(40, "ns")
+        bus.as_n.value = 0
+        await Timer(20, "ns")
+        bus.iackin_n.value = 0
+        await Timer(400, "ns")
+
+    async def end(self) -> None:
+        bus = self.bus
+        bus.ds_n.value, bus.as_n.value, bus.iackin_n.value, bus.iack_n.value = 3, 1, 1, 1
+        await self.clocks(6)
+        assert int(self.dut.vme_dtack_no.value) and not int(self.dut.vme_d_oe_o.value)
+        assert await self.vme.iack(5) & 0xFF == VEC, "nothing is left of it"
+
+
+@cocotb.test()
+@req("INT-2")
+async def one_answer_to_one_iackin(dut):
+    """A second strobe under the same IACKIN* is neither answered nor passed on."""
+    tb = Adaptor(dut)
+    await tb.start()
+    for ns in (300, 700):
+        await tb.acknowledge(5)
+        tb.bus.ds_n.value = 0b10
+        await First(FallingEdge(dut.vme_dtack_no), Timer(1, "us"))
+        assert not int(dut.vme_dtack_no.value)
+        await Timer(30, "ns")
+        tb.bus.ds_n.value = 0b11
+        await Timer(ns, "ns")
+        for level in (0b10, 0b11):
+            tb.bus.ds_n.value = level
+            for _ in range(7):
+                await Timer(100, "ns")
+                assert int(dut.vme_dtack_no.value), f"answered twice, {ns} ns later"
+                assert int(dut.vme_iackout_no.value), f"passed on as well, {ns} ns later"
+        await tb.end()
+
+
+@cocotb.test()
+@req("INT-2")
+async def iackin_that_lingers_passes_nothing_on(dut):
+    """AS* rises and falls again before IACKIN* has risen: that cycle gets no IACKOUT*."""
+    tb = Adaptor(dut)
+    await tb.start()
+    for ns in (260, 500):
+        await tb.acknowledge(3)
+        assert not int(dut.vme_iackout_no.value), "another level's: passed on"
+        for level in (1, 0, 1):
+            tb.bus.as_n.value = level
+            await Timer(ns, "ns")
+            assert int(dut.vme_iackout_no.value), f"AS* {level}"
+        await tb.end()
