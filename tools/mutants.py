@@ -159,8 +159,7 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
     yosys(
         f"read_rtlil {il}\n"
         f"mutate -list {count} -seed {SEED} -ctrl mutsel {WIDTH} 1 -o {listed} -module {module}\n"
-        # bit by bit: a bit that depends on another of its vector must not look like a loop
-        f"script {listed}\nopt_clean\nsplitnets -ports\nrename {module} {module}_mutant\n"
+        f"script {listed}\nopt_clean\nrename {module} {module}_mutant\n"
         f"write_verilog -noattr -norename -selected {mutated}\n".replace(
             "write_verilog", f"select {module}_mutant\nwrite_verilog"
         ),
@@ -172,15 +171,10 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
     wanted = {k: v for k, v in {**defaults, **parameters}.items() if k != "Sleeps"}  # no function
     same = " && ".join(f"{k} == {v}" for k, v in wanted.items()) or "1"
     lines = (ROOT / listed).read_text().splitlines()
-    text = (ROOT / mutated).read_text()
-    head = re.search(rf"^module {module}_mutant\((.*?)\);", text, re.S | re.M)[1]
-    pins = ", ".join(
-        f".{name} ({name.lstrip(chr(92))})" for name in re.split(r"\s*,\s*", head.strip())
-    )
     target = folder / "rtl" / f"{block}.sv"
     target.write_text(
         re.sub(rf"^module {module}\b", f"module {module}_original", source, flags=re.M)
-        + "\n`default_nettype wire\n" + text
+        + "\n`default_nettype wire\n" + (ROOT / mutated).read_text()
         + f"\nmodule {module} {header}{port_list};\n"
         f"  if ({same}) begin : g_mutant\n"
         f"    int picked, file, found;\n    logic [{WIDTH - 1}:0] mutsel;\n"
@@ -190,7 +184,7 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
         "      if (file != 0) $fclose(file);\n    end\n"
         f"    assign mutsel = (picked >= {first} && picked < {first + len(lines)}) ?"
         f" {WIDTH}'(picked - {first - 1}) : {WIDTH}'d0;\n"
-        f"    {module}_mutant u_mutant ({pins});\n"
+        f"    {module}_mutant u_mutant (.*);\n"
         f"  end else begin : g_original\n"
         f"    {module}_original {f'#({given}) ' if given else ''}u_original (.*);\n"
         "  end\nendmodule\n"
