@@ -23,6 +23,8 @@
 #include "Vadaptor___024root.h"
 #include "Vcard.h"
 #include "Vcard___024root.h"
+#include "Vencoder.h"
+#include "Vencoder___024root.h"
 #include "Vpit.h"
 #include "Vpit___024root.h"
 
@@ -30,6 +32,7 @@ void Vadaptor___024root___eval(Vadaptor___024root *);
 bool Vadaptor___024root___eval_phase__act(Vadaptor___024root *);
 bool Vadaptor___024root___eval_phase__nba(Vadaptor___024root *);
 void Vcard___024root___eval(Vcard___024root *);
+void Vencoder___024root___eval(Vencoder___024root *);
 void Vpit___024root___eval(Vpit___024root *);
 
 extern "C" const int mmcs_build_cards;
@@ -43,6 +46,7 @@ constexpr int kMaxCards = 16;
 constexpr int64_t kRest = 0xFFFF;                      // horizon of a block that has nothing to do
 constexpr int64_t kEncoderStages = 3;                  // clocks from the pins to the count
 constexpr unsigned kModeMask = 7, kFirstGateMode = 6;  // of the encoder counters, on port A
+constexpr unsigned kEncJoint = 0x01;                   // port B: the counters see the joints
 constexpr unsigned kPanicIrq = 7;                      // jumpers as rtl/mmcs.sv sets them
 constexpr unsigned kLatchAll = 0x12;                   // CARD_LATCH_ALL: every card listens
 constexpr unsigned kRegisterMask = 0x1F, kDipShift = 10, kDipMask = 0xF;
@@ -55,6 +59,7 @@ constexpr unsigned kRegisterMask = 0x1F, kDipShift = 10, kDipMask = 0xF;
            : (r).mark1__DOT__g_axis__BRA__0__KET____DOT__u_axis__DOT__##name)
 // clang-format on
 
+#define MMCS_COUNTER(name) mmcs_sim_encoder__DOT__u_encoder__DOT__##name
 #define MMCS_SOCKET(name) adaptor_vme__DOT__u_core__DOT__u_pit__DOT__##name
 
 // A signal that changes on its way: what it becomes, and after which edge.
@@ -101,6 +106,7 @@ struct CardTime {
   Wire<uint32_t> adc;
   int64_t seen = -kNever;  // edge after which the encoder pins came to stand as they are shown
   bool eager = false;      // a change of them on its way must be looked at in its clock
+  int64_t counted = 0;     // edge up to which the encoder counters are ahead of the card
 };
 struct RackTime {
   int64_t clock = 0;
@@ -126,6 +132,8 @@ class Rack final : public Model {
     a_ = adaptor_->rootp;
     pit_ = std::make_unique<Vpit>(&context_, "PIT");
     p_ = pit_->rootp;
+    encoder_ = std::make_unique<Vencoder>(&context_, "ENCODER");
+    e_ = encoder_->rootp;
     for (int n = 0; n < mmcs_build_cards; ++n) {
       card_[n].top = std::make_unique<Vcard>(&context_, "CARD");
       card_[n].r = card_[n].top->rootp;
@@ -209,6 +217,9 @@ class Rack final : public Model {
   void clock_card(Card &card, int64_t t);
   void show_bus(Card &card);
   void bring_up(Card &card);
+  bool count_alone(Card &card, int64_t t);
+  void count_edges(Card &card, int64_t clocks);
+  void join_counters(Card &card);
   static bool encoders_move(const Card &card);
   void edge_pit(int64_t t);
   void drive_pit(int64_t t);
@@ -240,6 +251,8 @@ class Rack final : public Model {
   Vadaptor___024root *a_ = nullptr;
   std::unique_ptr<Vpit> pit_;
   Vpit___024root *p_ = nullptr;
+  std::unique_ptr<Vencoder> encoder_;  // of no card: see count_edges()
+  Vencoder___024root *e_ = nullptr;
   Card card_[kMaxCards];
   AdaptorTime at_;
   RackTime t_;
@@ -325,6 +338,7 @@ void Rack::settle_adaptor(int64_t t) {
 // the way.
 void Rack::edge_card(Card &card, int64_t t) {
   CardTime &c = card.t;
+  if (c.counted > c.last && (c.counted <= c.seen || encoders_move(card))) join_counters(card);
   for (;;) {
     const int64_t at = std::min(c.encoders.at, c.bus.at);
     if (at >= t) break;  // what changed after edge t is not seen at edge t
@@ -332,7 +346,8 @@ void Rack::edge_card(Card &card, int64_t t) {
     if (c.last < at) {
       const int64_t later = pins ? c.bus.at : c.encoders.at;
       const int64_t next = std::min(t, later > at ? later : t);
-      const bool unseen = c.last <= c.seen;  // the pins as they stood until now
+      const bool unseen =
+          std::max(c.last, c.counted) <= c.seen;  // the pins as they stood until now
       if (unseen || (bus && encoders_move(card)) || (pins && next - at < kEncoderStages)) {
         clock_card(card, at);
       }
@@ -353,8 +368,9 @@ void Rack::clock_card(Card &card, int64_t t) {
   card.r->extra_i = static_cast<SData>(t - c.last - 1);
   clock_block(card.r, Vcard___024root___eval, two_evals_);
   cards_moved_ = true;
-  c.last = t;
+  c.last = c.counted = t;
   c.due = t + (skip_ ? card.r->horizon_o : 1);
+  if ((card.r->mark1__DOT__pa & kModeMask) >= kFirstGateMode) c.eager = true;
   if (c.bus.at != kNever) c.due = std::min(c.due, c.bus.at + 1);
   if (c.eager && c.encoders.at != kNever) c.due = std::min(c.due, c.encoders.at + 1);
 }
@@ -368,6 +384,78 @@ void Rack::show_bus(Card &card) {
   card.r->pc_iow_ni = b.iow_n;
   card.r->pc_drq_i = b.drq;
   card.r->pc_clk_en_i = b.clk_en;
+}
+
+// The encoder counters up to edge t, while nothing else happens to the card, by a model of their
+// own; false if that cannot be.
+bool Rack::count_alone(Card &card, int64_t t) {
+  CardTime &c = card.t;
+  if (c.eager || c.due <= t || c.bus.at < t || !card.bus.clk_en ||
+      (card.r->mark1__DOT__pb & kEncJoint) == 0) {
+    return false;
+  }
+  const int64_t from = std::max(c.last, c.counted);
+  c.counted = t;
+  if (c.encoders.at < t) {
+    const int64_t at = c.encoders.at;
+    count_edges(card, at - from);
+    show_encoders(card);
+    count_edges(card, t - at);
+  } else {
+    count_edges(card, t - from);
+  }
+  return true;
+}
+
+// So many clocks of both counters, with the pins as they are shown.
+void Rack::count_edges(Card &card, int64_t clocks) {
+  if (clocks <= 0) return;
+  Vcard___024root &r = *card.r;
+  for (int joint = 0; joint < 2; ++joint) {
+    const unsigned a = card.encoders.a >> joint & 1, b = card.encoders.b >> joint & 1;
+    CData &s1 = MMCS_JOINT(r, joint, u_encoder__DOT__s1_q);
+    CData &s2 = MMCS_JOINT(r, joint, u_encoder__DOT__s2_q);
+    CData &before = MMCS_JOINT(r, joint, u_encoder__DOT__prev_q);
+    if (s1 == (a << 1 | b) && s2 == s1 && before == s1) continue;
+    e_->m_i = r.mark1__DOT__pa & kModeMask;
+    e_->a_i = static_cast<CData>(a);
+    e_->b_i = static_cast<CData>(b);
+    e_->extra_i = static_cast<SData>(std::min(clocks - 1, kRest));
+    e_->MMCS_COUNTER(s1_q) = s1;
+    e_->MMCS_COUNTER(s2_q) = e_->MMCS_COUNTER(now) = s2;
+    e_->MMCS_COUNTER(prev_q) = before;
+    e_->MMCS_COUNTER(count_q) = MMCS_JOINT(r, joint, u_encoder__DOT__count_q);
+    clock_block(e_, Vencoder___024root___eval, two_evals_);
+    s1 = e_->MMCS_COUNTER(s1_q);
+    s2 = MMCS_JOINT(r, joint, u_encoder__DOT__now) = e_->MMCS_COUNTER(s2_q);
+    before = e_->MMCS_COUNTER(prev_q);
+    MMCS_JOINT(r, joint, u_encoder__DOT__count_q) = e_->MMCS_COUNTER(count_q);
+    MMCS_JOINT(r, joint, u_encoder__DOT__moving) = e_->MMCS_COUNTER(moving);
+  }
+}
+
+// The rest of the card comes up to where its counters are, which stay as they are.
+void Rack::join_counters(Card &card) {
+  Vcard___024root &r = *card.r;
+  struct {
+    CData s1, s2, before, moving;
+    SData count;
+  } kept[2];
+  for (int joint = 0; joint < 2; ++joint) {
+    kept[joint] = {
+        MMCS_JOINT(r, joint, u_encoder__DOT__s1_q), MMCS_JOINT(r, joint, u_encoder__DOT__s2_q),
+        MMCS_JOINT(r, joint, u_encoder__DOT__prev_q), MMCS_JOINT(r, joint, u_encoder__DOT__moving),
+        MMCS_JOINT(r, joint, u_encoder__DOT__count_q)};
+  }
+  clock_card(card, card.t.counted);
+  for (int joint = 0; joint < 2; ++joint) {
+    MMCS_JOINT(r, joint, u_encoder__DOT__s1_q) = kept[joint].s1;
+    MMCS_JOINT(r, joint, u_encoder__DOT__s2_q) = kept[joint].s2;
+    MMCS_JOINT(r, joint, u_encoder__DOT__now) = kept[joint].s2;
+    MMCS_JOINT(r, joint, u_encoder__DOT__prev_q) = kept[joint].before;
+    MMCS_JOINT(r, joint, u_encoder__DOT__moving) = kept[joint].moving;
+    MMCS_JOINT(r, joint, u_encoder__DOT__count_q) = kept[joint].count;
+  }
 }
 
 // Some flip-flop behind the encoder pins differs from the next.
@@ -634,6 +722,8 @@ void Rack::power_on() {
   adaptor_->eval();
   at_.last = t_.clock;
   at_.due = t_.clock + 1;
+  e_->clk_i = e_->rst_ni = 1;
+  encoder_->eval();
   p_->clk_i = 1;
   p_->rst_ni = 0;
   p_->cs_ni = p_->rd_ni = p_->wr_ni = 1;
@@ -772,7 +862,7 @@ void Rack::set_encoder(int axis, unsigned pins) {
   const Encoders after{with(before.a, pins), with(before.b, pins >> 1), with(before.i, pins >> 2)};
   if (std::memcmp(&before, &after, sizeof after) == 0) return;
   if (c.encoders.at <= now) {  // an earlier one, through its wire but not yet looked at
-    if (c.last < now) edge_card(card, now);
+    if (c.last < now && !count_alone(card, now)) edge_card(card, now);
     if (c.encoders.at != kNever) show_encoders(card);
     t_.next = std::min(t_.next, c.due);
   }
@@ -794,7 +884,10 @@ uint16_t Rack::encoder_register(int axis) {
 // Encoder pins that went unnoticed have their effect, up to now.
 void Rack::bring_up(Card &card) {
   if (card.t.last == t_.clock) return;
-  if (card.t.encoders.at >= t_.clock && card.t.last > card.t.seen && !encoders_move(card)) return;
+  if (card.t.encoders.at >= t_.clock && std::max(card.t.last, card.t.counted) > card.t.seen &&
+      !encoders_move(card)) {
+    return;
+  }
   edge_card(card, t_.clock);
   plan();
 }
