@@ -165,6 +165,38 @@ static void test_writers_are_told_readers_and_the_gone_are_not(void) {
 
 /* --- PANIC ----------------------------------------------------------------------------------- */
 
+// req: DRV-7 DRV-9 PAN-2
+static void test_panic_traffic(void) {
+  for (int with_sclock = 0; with_sclock < 2; with_sclock++) {
+    struct mc *mc = enabled(1);
+    mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 500);
+    m.masked = with_sclock; /* both wait for the host */
+    m.estop_open = 1;
+    m.logging = 1;
+    if (with_sclock) mock_run(&m, 2000);
+    m.masked = 0;
+    mock_run(&m, 100);
+    static const struct mock_access want[] = {
+        R(0x409),       W(0x409, 0x78), W(0x409, 0xF8), W(0x407, 0x80),
+        R(0x405),       R(0x405), /* of an SCLOCK only: was one missed? */
+        R(0x005),       W(0x409, 0xB8), W(0x011, 0x00), W(0x013, 0x08),
+        W(0x015, 0x00), W(0x017, 0x08), W(0x003, 0x05)};
+    int n = (int)(sizeof want / sizeof want[0]);
+    if (with_sclock) {
+      traffic_check(__FILE__, __LINE__, &m, want, n);
+    } else {
+      for (int i = 0; i < 3; i++) CHECK_EQ(m.log[i].offset, want[i].offset);
+      memmove(m.log, m.log + 3, (size_t)(m.used - 3) * sizeof m.log[0]);
+      m.used -= 3;
+      traffic_check(__FILE__, __LINE__, &m, want + 6, n - 6);
+    }
+    CHECK_EQ(mc_stats_of(mc)->missed, 0);
+    mock_run(&m, 60000); /* nothing is missed after it either */
+    CHECK_EQ(mc_stats_of(mc)->missed, 0);
+    mock_stop(&m);
+  }
+}
+
 // req: DRV-9 DRV-12 PAN-2
 static void test_panic_names_who_is_silent(void) {
   static const struct {
@@ -267,6 +299,7 @@ static const struct test tests[] = {
     {"test_the_count_lives_as_long_as_its_flag", test_the_count_lives_as_long_as_its_flag},
     {"test_writers_are_told_readers_and_the_gone_are_not",
      test_writers_are_told_readers_and_the_gone_are_not},
+    {"test_panic_traffic", test_panic_traffic},
     {"test_panic_names_who_is_silent", test_panic_names_who_is_silent},
     {"test_panic_while_both_indexes_are_latched", test_panic_while_both_indexes_are_latched},
     {"test_a_dead_adaptor_is_a_panic_of_the_enabled_only",

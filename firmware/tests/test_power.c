@@ -352,7 +352,36 @@ static void test_a_card_that_lost_power_is_revived(void) {
   }
 }
 
+static int mute;
+
+/* The one-shot of an axis never starts. */
+static void keep_mute(struct mock *mock) {
+  mock->card[mute / 2].beat_until[mute & 1] = 0;
+}
+
+// req: DRV-9 PAN-2
+static void test_enable_names_the_axis_without_a_heartbeat(void) {
+  for (mute = 0; mute < 4; mute++) {
+    struct mc *mc = opened(2);
+    m.card[mute / 2].enabled[mute & 1] = 0; /* PANIC does not look at it */
+    m.on_access = keep_mute;
+    CHECK_EQ(enable(mc), -MC_EIO);
+    char text[] = "mc: enable: axis 0 has no heartbeat\n";
+    text[17] = (char)('0' + mute);
+    SAID(text);
+    CHECK_EQ(m.pccsr, 0xB8);
+    CHECK_EQ(m.card[0].b, 5);
+    CHECK_EQ(m.masked, 0);
+    mock_run(&m, 60000);
+    CHECK(mock_panic(&m));
+    CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
+    mock_stop(&m);
+  }
+}
+
 static const struct test tests[] = {
+    {"test_enable_names_the_axis_without_a_heartbeat",
+     test_enable_names_the_axis_without_a_heartbeat},
     {"test_a_card_that_lost_power_is_revived", test_a_card_that_lost_power_is_revived},
     {"test_enable_traffic", test_enable_traffic},
     {"test_an_enabled_machine_starts_afresh_at_enable",

@@ -171,6 +171,33 @@ static void test_requests_report_a_dead_adaptor(void) {
   }
 }
 
+static int wrong_at;
+static uint8_t wrong;
+
+/* Port A of card 1 reads wrong once. */
+static enum mc_bus_result doubtful_read(void *ctx, uint16_t offset, uint8_t *value) {
+  enum mc_bus_result result = m.bus.read8(ctx, offset, value);
+  if (offset == 0x041 && --wrong_at == 0) *value ^= wrong;
+  return result;
+}
+
+// req: DRV-9 DRV-12
+static void test_a_card_answers_if_both_patterns_come_back(void) {
+  struct mc *mc = mock_open(&m, 2);
+  mc->bus.read8 = doubtful_read;
+  for (int at = 1; at < 4; at++) {
+    for (unsigned bit = 0; bit < 8; bit++) {
+      wrong_at = at;
+      wrong = (uint8_t)(1u << bit);
+      CHECK_EQ(hw_answers(mc, 1), at > 2);
+      CHECK_EQ(m.card[1].a, 5); /* the lights are as they were */
+    }
+  }
+  wrong_at = 0;
+  CHECK_EQ(hw_answers(mc, 0), 1);
+  mock_stop(&m);
+}
+
 /* --- timers ---------------------------------------------------------------------------------- */
 
 // req: DRV-3
@@ -291,6 +318,8 @@ static const struct test tests[] = {
     {"test_failed_accesses_are_noted", test_failed_accesses_are_noted},
     {"test_lists_are_the_same_accesses", test_lists_are_the_same_accesses},
     {"test_requests_report_a_dead_adaptor", test_requests_report_a_dead_adaptor},
+    {"test_a_card_answers_if_both_patterns_come_back",
+     test_a_card_answers_if_both_patterns_come_back},
     {"test_interval_arithmetic", test_interval_arithmetic},
     {"test_ticks_last_at_least_as_long", test_ticks_last_at_least_as_long},
     {"test_lines_for_the_console", test_lines_for_the_console},
