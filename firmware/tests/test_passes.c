@@ -217,7 +217,31 @@ static void test_every_sclock_is_served_or_missed(void) {
   }
 }
 
+/* Off is off, also if nobody has ever set a parameter. */
+// req: DRV-2 SRV-6
+static void test_axes_are_off_by_default(void) {
+  struct mc *mc = opened(2);
+  int32_t values[4] = {5000, -5000, 1, 100000};
+  CHECK_EQ(mc_write(mc, 0, values, 16), 16);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  for (int i = 1; i < 5; i++) {
+    for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 * i);
+    one_pass();
+    for (int axis = 0; axis < 4; axis++) {
+      const struct mc_state *state = mc_state_of(mc, axis);
+      CHECK_EQ(state->fbnow, 100 * i);
+      CHECK_EQ(state->vel, i == 1 ? 150 : 100);
+      CHECK_EQ(state->error, 0);
+      CHECK_EQ(state->inow, 0);
+      CHECK_EQ(mock_dac(&m, axis), 0x800);
+    }
+  }
+  CHECK_EQ(mc_stats_of(mc)->clips, 0);
+  mock_stop(&m);
+}
+
 static const struct test tests[] = {
+    {"test_axes_are_off_by_default", test_axes_are_off_by_default},
     {"test_every_axis_gets_its_own_numbers", test_every_axis_gets_its_own_numbers},
     {"test_converters_share_their_high_nibbles", test_converters_share_their_high_nibbles},
     {"test_late_converters_keep_the_old_values_of_their_card",
