@@ -71,7 +71,10 @@ def built(top: str, group: Group):
     from cocotb_tests.lib import runner
 
     os.environ["MMCS_RTL"] = str(ROOT / WORK / top / "tree" / "rtl")
-    os.environ["MMCS_BUILD"] = str(ROOT / WORK / top / "sim")
+    os.environ["MMCS_BUILD"] = str(ROOT / WORK / "sim")
+    store = runner.build_root() / "objects"
+    if not store.is_dir() and (ROOT / "build" / "cocotb" / "objects").is_dir():
+        shutil.copytree(ROOT / "build" / "cocotb" / "objects", store, dirs_exist_ok=True)
     runner.CHECKED_TOPS = ()  # the bus checkers look into modules that are wrapped here
     return runner.build(group.job)
 

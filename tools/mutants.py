@@ -45,7 +45,8 @@ TOPS = {
     ),
     "mark1": (
         ["mark1.cocotb_mark1:short", "functional.cocotb_card_corners",
-         "functional.cocotb_card_cover", "system.cocotb_cards=mark1.cocotb_mark1:short"],
+         "functional.cocotb_card_cover", "system.cocotb_cards=mark1.cocotb_mark1:short",
+         "functional.cocotb_reset=mark1.cocotb_mark1:short"],
         {"mark1/decode": ({}, 50), "mark1/latch": ({}, 30),
          "mark1/relay": ({"SettleClks": 160}, 30), "mark1/axis": ({"HeartbeatClks": 800}, 70),
          "mark1/mark1": (SHORT, 80)},
@@ -55,12 +56,14 @@ TOPS = {
          "adaptor.cocotb_host_port:slow-bus", "adaptor.cocotb_vme_strays", "system.cocotb_safety",
          "system.cocotb_interrupts", "system.cocotb_vme",
          "system.cocotb_sclock:8MHz=system.cocotb_safety", "system.cocotb_cards",
-         "functional.cocotb_vme_cover", "functional.cocotb_machine_corners"],
+         "functional.cocotb_vme_cover", "functional.cocotb_machine_corners",
+         "functional.cocotb_reset"],
         {"adaptor/pcbus_master": ({}, 60), "adaptor/pccsr": ({}, 40),
          "adaptor/sysclk": ({"SysClkMHz": 1}, 20), "adaptor/panic": ({}, 20),
          "adaptor/vme_slave": ({}, 60), "adaptor/vme_interrupter": ({}, 50),
          "adaptor/adaptor_vme": ({}, 30),
-         "adaptor/adaptor_core": ({}, 80), "mmcs": ({"NumCards": 3, **SHORT}, 60)},
+         "adaptor/adaptor_core": ({}, 80),
+         "mmcs": ({"NumCards": 3, "HeartbeatUs": 400, "RelayUs": 20}, 60)},
     ),
 }  # fmt: skip
 

@@ -169,6 +169,10 @@ def main() -> int:
     print(f"mutate: {head}")
     if args.write:
         write_page(head, mutants)
+    for module in dict.fromkeys(m.module for m in mutants if not args.sample):
+        if not any(m.fate == "killed" for m in mutants if m.module == module):
+            print(f"mutate: {module}: no mutant is noticed; are its parameters in a build?")
+            return 1
     entries = explained()
     left = [m for m in mutants if m.fate == "survived" and not reason(m, entries)]
     for m in left if args.strict else ():
