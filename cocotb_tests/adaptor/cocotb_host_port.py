@@ -45,7 +45,7 @@ class HostPort(Tb):
         return await self.access(offset)
 
     async def wr(self, offset: int, value: int) -> None:
-        await self.access(offset, value)
+        assert await self.access(offset, value) == 0xFF, "a write answers nothing"
 
 
 @cocotb.test()
@@ -94,6 +94,26 @@ async def own_accesses_become_pc_cycles(dut):
         expected.append(address)
         assert await tb.rd(offset) == address >> 3 & 0xFF
     assert seen == expected
+
+
+@cocotb.test()
+@req("ADP-1")
+async def answer_stays_until_the_next(dut):
+    """Of the adaptor's own registers and of the PC bus; reset leaves 0xFF."""
+    tb = HostPort(dut)
+    await tb.start()
+    await tb.wr(PCCSR, 0x15)
+    for offset, value in ((PCCSR, 0x15), (0x011, 0x6A), (PCCSR, 0x15)):
+        dut.pc_d_i.value = value
+        assert await tb.rd(offset) == value
+        dut.pc_d_i.value = 0xFF
+        await tb.clocks(20)
+        assert int(dut.hp_rdata_o.value) == value
+    dut.rst_ni.value = 0
+    await tb.clocks(2)
+    dut.rst_ni.value = 1
+    await tb.clocks(2)
+    assert int(dut.hp_rdata_o.value) == 0xFF
 
 
 @cocotb.test()
