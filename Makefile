@@ -106,7 +106,7 @@ formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABO
 mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (hours); FAST=1: a fixed random 60
 	@JOBS=$(JOBS) $(BIN)/python tools/mutate.py $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
 
-mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 mutants, half an hour)
+mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 mutants, some 20 minutes)
 	@$(BIN)/python tools/mutate_firmware.py --write
 
 # --- firmware for real processors ----------------------------------------------------------
