@@ -23,7 +23,8 @@ WORK = Path("build") / "mutation"  # relative: this Yosys sees the folder it is 
 SEED = 1989
 WIDTH = 12  # bits of the number that picks a mutant
 SIMULATION_ONLY = ("due_o", "awake_o", "horizon_o", "adaptor_awake_o", "cards_awake_o")
-SIMULATION_ONLY += ("skip_horizon_o", "settled_o", "idle_o")  # the last two: for horizons
+# these are looked at by horizons
+SIMULATION_ONLY += ("skip_horizon_o", "settled_o", "idle_o", "busy_o")
 SIMULATION_ONLY_OF_BOXES = ("extra_i", "clk_free_i")
 SHORT = {"HeartbeatUs": 100, "RelayUs": 20}
 

@@ -61,12 +61,21 @@ def explained() -> list[dict]:
     return tomllib.loads(EXPLAINED.read_text()).get("explained", [])
 
 
+def plain(mutant: Mutant) -> str:
+    """What was done, without the numbers that Yosys gives to cells."""
+    what = re.sub(r"(?:-module|-cell) (\S+)", r"\1", mutant.what)
+    return re.sub(r"\$\d+(?=[_ ])", "", re.sub(r"rtl/\S+\.sv:\d+", "", what))
+
+
 def reason(mutant: Mutant, entries: list[dict]) -> str:
     """Why no test can see a mutant, or nothing."""
+    texts = set()
+    for file, number in re.findall(r"(\S+\.sv):(\d+)", mutant.place):
+        path = next((ROOT / "rtl").rglob(file))
+        texts.add(path.read_text().splitlines()[int(number) - 1].strip())
     for entry in entries:
-        if entry["module"] == mutant.module and any(
-            re.search(pattern, mutant.what) for pattern in entry["mutants"]
-        ):
+        here = entry["module"] == mutant.module and entry.get("line", "") in (texts | {""})
+        if here and re.search(entry["match"], plain(mutant)):
             return entry["reason"]
     return ""
 
@@ -97,7 +106,7 @@ def survivors(mutants: list[Mutant]) -> str:
         told.setdefault(reason(m, entries), []).append(m)
     for why in sorted(told, key=lambda w: (not w, w)):
         lines.append(f"* {why or 'not explained'}:")
-        lines += [f"  `{m.module}` {m.place or '(no line)'}: `{m.what}`" for m in told[why]]
+        lines += [f"  `{m.module}` {m.place or '(no line)'}: `{plain(m)}`" for m in told[why]]
     return "\n".join(lines) or "None."
 
 

@@ -93,6 +93,32 @@ async def software_latch_is_one_instant(dut):
 
 
 @cocotb.test()
+@req("LAT-1", "CRD-1")
+async def sclock_within_a_software_latch(dut):
+    """Each is a latch of its own: the later one, SCLOCK's, is what is read."""
+    tb = Card(dut)
+    await tb.start()
+    await tb.preset(0, 0)
+    tb.pc.command = 60
+    for _ in range(3):
+        dut.pc_drq_i.value = 0
+        turning = cocotb.start_soon(tb.enc[0].move(60, 300))
+        await tb.us(2.5)
+        latch = cocotb.start_soon(tb.pc.write(LATCH, 0))
+        await FallingEdge(dut.pc_iow_ni)
+        await tb.us(4)
+        await tb.clocks(1)
+        at = tb.enc[0].count
+        dut.pc_drq_i.value = 1 << 2
+        await latch
+        await turning
+        latched = await tb.encoder(0)
+        assert at - 2 <= latched <= at + 1, f"{latched} latched, {at} when SCLOCK rose"
+        await tb.enc[0].move(-60, 300)
+        await tb.us(1)
+
+
+@cocotb.test()
 @req("CRD-1", "LAT-1")
 async def an_address_alone_does_nothing(dut):
     """Every register's address stands on the bus; without IOR# and IOW# nothing comes of it."""
