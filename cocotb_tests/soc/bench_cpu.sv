@@ -6,6 +6,7 @@
 // data, and reports: what the firmware does with firmware/ports/mailbox.h, without a firmware.
 `default_nettype none
 
+// verilog_lint: waive module-filename
 module soc_cpu (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
