@@ -119,8 +119,8 @@ class ModelImpl final : public Model {
     dirty_ = true;
     top_->soc_errors_i = (~top_->soc_errors_i & 0x10000u) | std::min(accesses, 0xFFFFu);
   }
-  void watch_soc(std::function<void(SocStep, unsigned)> watcher) override {
-    watcher_ = std::move(watcher);
+  void watch_soc(const std::function<void(SocStep, unsigned)> &watcher) override {
+    watcher_ = watcher;
   }
   uint32_t soc_read(unsigned word) const override { return soc_word(*top_->rootp, word); }
   void soc_write(unsigned word, uint32_t value) override { soc_word(*top_->rootp, word) = value; }

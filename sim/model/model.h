@@ -100,7 +100,7 @@ class Model {
   virtual void soc_ring() = 0;
   virtual void soc_errors(unsigned accesses) = 0;
   // Called within run(), with the offset of an access that has ended; clock() is the clock.
-  virtual void watch_soc(std::function<void(SocStep, unsigned)>) {}
+  virtual void watch_soc(const std::function<void(SocStep, unsigned)> &) {}
   virtual uint32_t soc_read(unsigned word) const = 0;
   virtual void soc_write(unsigned word, uint32_t value) = 0;
   // What it reported, or 0: run() ends with it, and it waits until the next run().

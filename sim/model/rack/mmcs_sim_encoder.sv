@@ -8,13 +8,13 @@ module mmcs_sim_encoder #(
     parameter int ClkHz = 8_000_000,  // of no meaning here; every model of the rack is given it
     parameter bit Skip  = 1'b1
 ) (
-    input wire logic        clk_i,
-    input wire logic        rst_ni,
-    input wire logic [ 2:0] m_i,
-    input wire logic        a_i,
-    input wire logic        b_i,
-    input wire logic [15:0] extra_i,
-    output logic     [15:0] count_o
+    input  wire logic        clk_i,
+    input  wire logic        rst_ni,
+    input  wire logic [ 2:0] m_i,
+    input  wire logic        a_i,
+    input  wire logic        b_i,
+    input  wire logic [15:0] extra_i,
+    output logic      [15:0] count_o
 );
   /* verilator lint_off PINCONNECTEMPTY */
   thct2000 #(
