@@ -134,3 +134,45 @@ async def an_address_alone_does_nothing(dut):
     assert await tb.encoder(0) == 105, "latched"
     assert await tb.pc.read(PORT_C) & (C_DONE | C_BEAT1 | C_BEAT2) == C_DONE, "converting, beating"
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+
+
+@cocotb.test()
+@req("CRD-1", "DAC-1", "ENC-1")
+async def writing_what_is_read_only_writes_nothing(dut):
+    """The A/D registers and all holes, each with its own data."""
+    tb = await driving(dut)
+    await tb.preset(0, 0x1234)
+    await tb.preset(1, 0x5678)
+    for register in (*range(12, 16), 17, *range(19, 32)):
+        await tb.pc.write(register, 0x40 | register)
+        assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2), f"write of {register:02X}"
+    for joint, code in enumerate(CODES):
+        await tb.pc.write(DAC1 + 2 * joint + 1, code >> 8)
+    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert [await tb.encoder(j) for j in (0, 1)] == [0x1234, 0x5678]
+    assert await tb.pc.read(PORT_B) == RUN
+
+
+@cocotb.test()
+@req("DIA-1")
+async def the_relay_takes_the_same_time_each_time(dut):
+    """From whichever clock its coil is switched, and also when it was switched back half-way."""
+    tb = await driving(dut)
+    clocks = tb.parameters["RelayUs"] * 8
+    times = set()
+    for wait in range(6):
+        await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
+        await tb.us(tb.parameters["RelayUs"] + 2)
+        await tb.clocks(wait)
+        if wait > 2:
+            await tb.pc.write(PORT_B, RUN)
+            await tb.us(tb.parameters["RelayUs"] / 2)
+            await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
+            await tb.clocks(3 + wait)
+        assert tb.volts(0) == 0
+        await tb.pc.write(PORT_B, RUN)
+        begin = tb.now()
+        await dut.drive_v_o.value_change
+        times.add(tb.clks(tb.now() - begin))
+        assert tb.volts(0) == volts(CODES[0])
+    assert len(times) == 1 and clocks - 3 <= times.pop() <= clocks + 1
