@@ -51,7 +51,24 @@ static void test_failed_dac_write_is_repaired_or_ends_in_panic(void) {
   mock_stop(&m);
 }
 
+/* Of several cards the first that does not answer is named, and the others are left alone. */
+// req: DRV-9 DRV-12
+static void test_enable_stops_at_the_first_card_that_is_silent(void) {
+  struct mc *mc = mock_open(&m, 3);
+  for (int first = 0; first < 3; first++) {
+    for (int card = 0; card < 3; card++) m.card[card].present = card < first;
+    m.logging = 1;
+    m.used = 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
+    CHECK_EQ(m.last_log[(int)strlen("mc: enable: card ")], '0' + first);
+    for (int i = 0; i < m.used; i++) CHECK(m.log[i].offset < (first + 1) << 6);
+  }
+  mock_stop(&m);
+}
+
 static const struct test tests[] = {
+    {"test_enable_stops_at_the_first_card_that_is_silent",
+     test_enable_stops_at_the_first_card_that_is_silent},
     {"test_stop_after_sysreset_starts_no_heartbeat", test_stop_after_sysreset_starts_no_heartbeat},
     {"test_failed_dac_write_is_repaired_or_ends_in_panic",
      test_failed_dac_write_is_repaired_or_ends_in_panic},
