@@ -8,7 +8,18 @@ import cocotb
 from cocotb.triggers import FallingEdge
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import B_TO_JOINT, C_BEAT1, C_BEAT2, C_DONE, DAC1, LATCH, PORT_B, PORT_C
+from cocotb_tests.lib.tb import (
+    B_INDEX,
+    B_TO_JOINT,
+    C_BEAT1,
+    C_BEAT2,
+    C_DONE,
+    C_INDEX1,
+    DAC1,
+    LATCH,
+    PORT_B,
+    PORT_C,
+)
 from cocotb_tests.mark1.cocotb_mark1 import RUN, Card
 from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
 
@@ -175,4 +186,68 @@ async def the_relay_takes_the_same_time_each_time(dut):
         await dut.drive_v_o.value_change
         times.add(tb.clks(tb.now() - begin))
         assert tb.volts(0) == volts(CODES[0])
+    for before in range(-2, 12):  # switched back around the very clock in which it has closed
+        await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
+        await tb.us(tb.parameters["RelayUs"] + 2)
+        await tb.pc.write(PORT_B, RUN)
+        await tb.clocks(clocks - before)
+        await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
+        await tb.us(tb.parameters["RelayUs"] + 2)
+        await tb.pc.write(PORT_B, RUN)
+        begin = tb.now()
+        await dut.drive_v_o.value_change
+        times.add(tb.clks(tb.now() - begin))
     assert len(times) == 1 and clocks - 3 <= times.pop() <= clocks + 1
+
+
+@cocotb.test()
+@req("CAL-1", "PCB-1")
+async def an_index_of_one_sample_latches(dut):
+    """A sample is a tick of the PC's CLK: between two ticks an index is not seen."""
+    tb = Card(dut)
+    await tb.start(RUN | B_INDEX)
+    await tb.preset(0, 100)
+    tb.enc[0].lines = 0
+
+    async def index(clocks: int) -> None:
+        dut.enc_i_i.value = 1
+        await tb.clocks(clocks)
+        dut.enc_i_i.value = 0
+        await tb.clocks(8)
+
+    await index(1)
+    await tb.enc[0].move(7, 300)
+    await tb.us(1)
+    assert await tb.pc.read(PORT_C) & C_INDEX1
+    assert [await tb.encoder(0) for _ in range(2)] == [100, 107]
+    await tb.pc.write(PORT_B, RUN)
+    await tb.pc.write(PORT_B, RUN | B_INDEX)
+    for tick in (0, 1):
+        dut.pc_clk_en_i.value = 0
+        await tb.clocks(3)
+        await index(5)
+        for _ in range(6):
+            dut.pc_clk_en_i.value = 1
+            await tb.clocks(1)
+            dut.pc_clk_en_i.value = 0
+            await tb.clocks(2)
+        dut.pc_clk_en_i.value = 1
+        assert not await tb.pc.read(PORT_C) & C_INDEX1, f"between ticks, {tick}"
+
+
+@cocotb.test()
+@req("ADC-1")
+async def the_last_code_is_read_while_the_next_is_made(dut):
+    tb = Card(dut)
+    await tb.start()
+    await tb.us(tb.parameters["RelayUs"] + 2)
+    last = None
+    for code in (0x123, 0xEDC, 0x555, 0xAAA, 0x0F0, 0xF0F, 0x7FF, 0x800):
+        volt = (code - 0x800) * 16 & 0xFFFF
+        dut.adc_v_i.value = volt << 16 | volt
+        await tb.pc.write(LATCH, 0)
+        if last is not None:
+            assert [await tb.adc(j) for j in (0, 1)] == [last, last]
+        await tb.us(26)
+        assert [await tb.adc(j) for j in (0, 1)] == [code, code]
+        last = code
