@@ -16,7 +16,7 @@ from mutants import ROOT, TOPS, WORK, Mutant, equivalent
 
 WALL_S = 600  # a guard against what hangs without computing
 LEAST_S = 15  # of processor time that a mutant gets at least
-QUICK_S = 30  # limits below this belong to tests that take about as long as a proof
+QUICK_S = 1.5  # all tests of the quick half
 PROOF_S = 30  # for a proof
 BATCH = 10  # mutants that one simulator process runs
 
@@ -28,8 +28,10 @@ class Group:
     job: object  # of the runner; its module does not matter
     tests: list[tuple[str, str]]  # module, attribute
     limit: float = WALL_S  # processor time, s
-    order: list[str] = field(default_factory=list)  # names of tests, the first to run first
-    count: int = 0  # of tests that end, each set of parameters for itself
+    # the quick half and the slow one: names of tests in the order in which they run, and how many
+    # end, each set of parameters for itself
+    halves: list[list[str]] = field(default_factory=list)
+    counts: list[int] = field(default_factory=list)
 
 
 def groups(top: str) -> list[Group]:
@@ -114,12 +116,10 @@ else:
 """
 
 
-def write_tests(folder: Path, group: Group, numbers: list[int]) -> None:
+def write_tests(folder: Path, group: Group, numbers: list[int], half: int) -> None:
     """A test module that holds the tests of several, in the order in which they shall run."""
-    named = sorted(
-        group.tests,
-        key=lambda t: group.order.index(t[1]) if t[1] in group.order else len(group.order),
-    )
+    order = group.halves[half] if numbers else [name for _, name in group.tests]
+    named = sorted((t for t in group.tests if t[1] in order), key=lambda t: order.index(t[1]))
     tests = "\n".join(
         f"t{n} = import_module({module!r}).{attribute}"
         for n, (module, attribute) in enumerate(named)
@@ -128,15 +128,15 @@ def write_tests(folder: Path, group: Group, numbers: list[int]) -> None:
     (folder / "mutant_tests.py").write_text(text)
 
 
-def simulate(top: str, group: Group, numbers: list[int]) -> Path:
-    """Runs the tests of a group on some mutants, on none if there are none; the folder of it."""
+def simulate(top: str, group: Group, numbers: list[int], half: int = 0) -> Path:
+    """Runs half of a group's tests on some mutants, or all on none; the folder of it."""
     from cocotb_tests.lib import runner
 
     sim, job = built(top, group), group.job
     folder = sim.build_dir / f"mutants-{os.getpid()}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    write_tests(folder, group, numbers)
+    write_tests(folder, group, numbers, half)
     runner.HANG_S = BATCH * WALL_S
     sys.path.insert(0, str(folder))  # the runner hands it on
     try:
@@ -193,9 +193,14 @@ def baseline(top: str) -> list[Group]:
         for case in ET.parse(folder / "results.xml").iter("testcase"):
             name = re.sub(r"/.*", "", case.get("name"))
             seconds[name] = seconds.get(name, 0) + float(case.get("time", 0))
-        group.order = sorted(seconds, key=seconds.get)
+        order, total = sorted(seconds, key=seconds.get), 0.0
+        group.halves = [[], []]
+        for name in order:
+            total += seconds[name]
+            group.halves[int(total > QUICK_S)].append(name)
+        ends = [re.sub(r"/.*", "", name).rpartition(".")[2] for name in ended]
+        group.counts = [sum(name in half for name in ends) for half in group.halves]
         group.limit = max(LEAST_S, 3 * (used() - before))
-        group.count = len(ended)
     return made
 
 
@@ -204,12 +209,12 @@ def settings() -> None:
     os.environ["COCOTB_MAX_FAILURES"] = "1"
 
 
-def meet(made: list[Group], mutants: list[Mutant]) -> None:
-    """The tests of a top on some mutants: fate, what noticed it, seconds of processor time."""
+def meet(made: list[Group], mutants: list[Mutant], half: int) -> None:
+    """Half of a top's tests on some mutants: fate, what noticed it, seconds of processor time."""
     settings()
-    for group in made:
+    for group in (g for g in made if g.halves[half]):
         left = [m for m in mutants if not m.by]
-        folder = simulate(left[0].top, group, [m.number for m in left]) if left else None
+        folder = simulate(left[0].top, group, [m.number for m in left], half) if left else None
         for m in left:
             place = folder / str(m.number)
             if not (place / "seconds").is_file():
@@ -217,7 +222,7 @@ def meet(made: list[Group], mutants: list[Mutant]) -> None:
             m.seconds = round(m.seconds + float((place / "seconds").read_text()), 2)
             ended = verdicts(place / "sim.log")
             failed = [name for name, good in ended.items() if not good]
-            if failed or len(ended) < group.count:
+            if failed or len(ended) < group.counts[half]:
                 m.by = failed[0] if failed else f"(end) {last_words(place / 'sim.log')}"
     for m in mutants:
         m.fate = "killed" if m.by else "survived"
@@ -231,12 +236,16 @@ def last_words(log: Path) -> str:
 
 
 def fates(mutants: list[Mutant], made: list[Group]) -> list[Mutant]:
-    """What takes long to survive is first put to the proof that takes a second or two."""
-    if sum(g.limit for g in made) > QUICK_S:
-        for m in mutants:
-            m.fate = "equivalent" if equivalent(m, 2) else ""
-    meet(made, [m for m in mutants if not m.fate])
-    for m in mutants:
-        if m.fate == "survived" and equivalent(m, PROOF_S):
-            m.fate = "equivalent"
+    """The quick tests, then a proof that takes a second or two, then the slow tests."""
+
+    def prove(seconds: int) -> list[Mutant]:
+        left = [m for m in mutants if m.fate == "survived"]
+        for m in left:
+            m.fate = "equivalent" if equivalent(m, seconds) else "survived"
+        return [m for m in left if m.fate == "survived"]
+
+    meet(made, mutants, 0)
+    if left := prove(2):
+        meet(made, left, 1)
+        prove(PROOF_S)
     return mutants

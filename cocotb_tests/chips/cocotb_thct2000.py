@@ -268,12 +268,15 @@ async def data_are_there_at_once(dut):
         return
     s = Encoder()
     for value in (0x1234, 0xEDCB, 0xA55A, 0x5AA5, 0):
-        s.init(value)
-        for rs in (MSB, LSB):
-            for clock in range(3):
-                s.step(cs_n=0, rd_n=0, rs=rs)
-                s.seen(f"clock {clock}", d_o=value & 0xFF if rs else value >> 8, oe=1)
-            s.step(2, cs_n=1, rd_n=1, rs=1 - rs)
+        for first in (MSB, LSB):
+            s.step(2, reset=1)
+            s.step(2, reset=0)
+            s.init(value)
+            for rs in (first, 1 - first):
+                for clock in range(3):
+                    s.step(cs_n=0, rd_n=0, rs=rs)
+                    s.seen(f"clock {clock}", d_o=value & 0xFF if rs else value >> 8, oe=1)
+                s.step(2, cs_n=1, rd_n=1, rs=1 - rs)
     await s.run(dut)
 
 

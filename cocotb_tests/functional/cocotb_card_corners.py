@@ -10,6 +10,7 @@ from cocotb.triggers import FallingEdge
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
     B_INDEX,
+    B_SCLOCK,
     B_TO_JOINT,
     C_BEAT1,
     C_BEAT2,
@@ -17,8 +18,11 @@ from cocotb_tests.lib.tb import (
     C_INDEX1,
     DAC1,
     LATCH,
+    PORT_A,
     PORT_B,
     PORT_C,
+    PPI_CONTROL,
+    QUAD,
 )
 from cocotb_tests.mark1.cocotb_mark1 import RUN, Card
 from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
@@ -251,3 +255,66 @@ async def the_last_code_is_read_while_the_next_is_made(dut):
         await tb.us(26)
         assert [await tb.adc(j) for j in (0, 1)] == [code, code]
         last = code
+
+
+@cocotb.test()
+@req("PPI-1", "HB-1", "CAL-1")
+async def every_status_bit_by_itself(dut):
+    """Heartbeats and indices of both joints in port C; an open port B reads 0 (PpiFloatB)."""
+    tb = Card(dut)
+    await tb.start(RUN | B_INDEX)
+    await tb.us(tb.parameters["RelayUs"] + 2)
+    for index in range(4):
+        await tb.pc.write(PORT_B, RUN)
+        await tb.pc.write(PORT_B, RUN | B_INDEX)
+        dut.enc_i_i.value = index
+        await tb.clocks(8)
+        dut.enc_i_i.value = 0
+        want = C_DONE | (index & 1) * C_INDEX1 | (index >> 1) * 8
+        for joint, beat in ((None, 0), (0, C_BEAT1), (1, C_BEAT2)):
+            if joint is not None:
+                await tb.pc.write(DAC1 + 2 * joint, 0)
+            assert await tb.pc.read(PORT_C) & 0x1F == want | beat, f"{index} {joint}"
+            await tb.us(tb.parameters["HeartbeatUs"] + 2)
+    await tb.pc.write(PPI_CONTROL, 0x8B)  # port B an input
+    assert await tb.pc.read(PORT_B) == 0
+
+
+@cocotb.test()
+@req("PPI-1", "LAT-1")
+async def free_bits_of_port_b_leave_sclock_alone(dut):
+    """Bits 7-5 lead nowhere: SCLOCK latches where bit 2 says so, and only there."""
+    tb = Card(dut)
+    await tb.start()
+    for high in range(8):
+        for enabled in (B_SCLOCK, 0):
+            await tb.pc.write(PORT_B, RUN & ~B_SCLOCK | enabled | high << 5)
+            await tb.preset(0, 100)
+            await tb.sclock()
+            await tb.enc[0].move(5, 300)
+            await tb.us(1)
+            assert await tb.encoder(0) == (100 if enabled else 105), f"{high} {enabled}"
+            await tb.encoder(0)
+
+
+@cocotb.test()
+@req("LED-2", "PAN-2", "HB-2")
+async def lights_follow_port_a_and_a_card_that_is_out_is_dark(dut):
+    """Bits 3 and 4 light the two lights, whatever the rest; no power or no card: dark, no PANIC."""
+    tb = Card(dut)
+    await tb.start()
+    for value in range(32):
+        await tb.pc.write(PORT_A, QUAD | value << 3)
+        await tb.clocks(2)
+        assert (tb.led("gp1"), tb.led("gp2")) == (value & 1, value >> 1 & 1), f"{value:02X}"
+    await tb.us(tb.parameters["HeartbeatUs"] + 2)
+    dut.enc_a_i.value = dut.enc_b_i.value = dut.enc_i_i.value = 3
+    await tb.clocks(8)
+    assert int(dut.leds_o.value) == 0x7FF & ~(3 << 6) and tb.panic()
+    for pin, out in ((dut.panic_open_i, 1), (dut.absent_i, 1), (dut.power_i, 0)):
+        pin.value = out
+        await tb.clocks(2)
+        assert not tb.panic(), pin._name
+        assert not int(dut.leds_o.value) or pin is dut.panic_open_i
+        pin.value = 1 - out
+        await tb.clocks(2)
