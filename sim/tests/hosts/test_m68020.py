@@ -49,7 +49,8 @@ def test_six_axes_end_as_native():
     assert all(abs(a - b) <= 1 for a, b in zip(*finals, strict=True)), finals
     assert overruns == [0, 0]
     passes, mean, longest = phases["pass"]
-    assert passes > 1000 and 500 < mean < longest < 1100
+    # also the first one, which takes longest and must not begin late
+    assert passes > 1000 and 500 < mean < longest < 1000
     parts = ("enter", "read", "compute", "write", "publish", "latency")
     assert abs(sum(phases[p][1] for p in parts) - mean) < 1
 
