@@ -67,7 +67,7 @@ async def sclock_period(dut, n0, n1, mode):
 
 
 @cocotb.test()
-@req("PIT-2", "CRD-3")
+@req("PIT-2", "JMP-1")
 async def sclock_is_on_its_own_line(dut):
     """Of the three DRQ lines it has one; the others are low."""
     tb = Machine(dut)
