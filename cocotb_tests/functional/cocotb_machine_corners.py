@@ -54,6 +54,28 @@ async def every_stuck_bit_of_every_converter(dut):
 
 
 @cocotb.test()
+@req("DAC-1", "ANA-1")
+async def stuck_bits_one_after_the_other(dut):
+    """Each joins those that are stuck already, at 1 and at 0, until all are."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.us(RELAY_US + 2)
+    axes = range(2 * tb.cards)
+    for pin, code in ((dut.dac_stuck1_i, 0x000), (dut.dac_stuck0_i, 0xFFF)):
+        for axis in axes:
+            await tb.dac(axis, code)
+        stuck = 0
+        for bit in tb.random.sample(range(12 * len(axes)), 12 * len(axes)):
+            stuck |= 1 << bit
+            pin.value = stuck
+            await tb.clocks(3)
+            axis = bit // 12
+            want = ((code ^ (stuck >> 12 * axis & 0xFFF)) - 0x800) * 16
+            assert tb.volts(axis) == want, f"bit {bit}"
+        pin.value = 0
+
+
+@cocotb.test()
 @req("ADC-1", "ANA-1")
 async def every_bit_of_every_input(dut):
     """A walking one and a walking zero at all A/D inputs; the stuck converter keeps its code."""
