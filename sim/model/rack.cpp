@@ -216,6 +216,7 @@ class Rack final : public Model {
   void edge_card(Card &card, int64_t t);
   void clock_card(Card &card, int64_t t);
   void show_bus(Card &card);
+  void show_command(Card &card);
   void bring_up(Card &card);
   bool count_alone(Card &card, int64_t t);
   void count_edges(Card &card, int64_t clocks);
@@ -283,8 +284,9 @@ void Rack::edge_adaptor(int64_t t) {
   if (!a_->pc_ior_no) {
     unsigned data = 0xFF;
     for (uint32_t rest = t_.listens; rest; rest &= rest - 1) {
-      const Vcard___024root *r = card_[__builtin_ctz(rest)].r;
-      if (r->pc_d_oe_o) data &= r->pc_d_o;
+      Card &card = card_[__builtin_ctz(rest)];
+      if (card.t.bus.at < t) show_command(card);
+      if (card.r->pc_d_oe_o) data &= card.r->pc_d_o;
     }
     a_->pc_d_i = static_cast<CData>(data);
     stale_ = true;
@@ -384,6 +386,16 @@ void Rack::show_bus(Card &card) {
   card.r->pc_iow_ni = b.iow_n;
   card.r->pc_drq_i = b.drq;
   card.r->pc_clk_en_i = b.clk_en;
+}
+
+// A command that came with the last edge, and at this one its data are taken: it was cut short by
+// the loss of power or cable. What the card answers to it follows without a clock.
+void Rack::show_command(Card &card) {
+  const int64_t at = card.t.bus.at;
+  if (card.t.last < at) edge_card(card, at);
+  show_bus(card);
+  card.top->eval();
+  soon(card, at);
 }
 
 // The encoder counters up to edge t, while nothing else happens to the card, by a model of their
@@ -588,6 +600,7 @@ void Rack::apply_switches(int n, int64_t t) {
     b.d = a_->pc_d_o;
     b.ior_n = a_->pc_ior_no;
     b.iow_n = a_->pc_iow_no;
+    show_bus(card);  // its data may be taken at the next edge
     t_.listens |= 1u << n;
   }
   card.top->eval();
