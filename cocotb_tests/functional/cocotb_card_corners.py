@@ -237,6 +237,23 @@ async def an_index_of_one_sample_latches(dut):
             await tb.clocks(2)
         dut.pc_clk_en_i.value = 1
         assert not await tb.pc.read(PORT_C) & C_INDEX1, f"between ticks, {tick}"
+    for wait in range(4):
+        await tb.pc.write(PORT_B, RUN)
+        await tb.pc.write(PORT_B, RUN | B_INDEX)
+        dut.pc_clk_en_i.value = 0
+        await tb.clocks(2)
+        dut.enc_i_i.value = 1
+        for tick in range(3):
+            await tb.clocks(wait + 1)
+            dut.pc_clk_en_i.value = 1
+            await tb.clocks(1)
+            dut.pc_clk_en_i.value = 0
+            await tb.clocks(wait + 2)
+            seen = bool(await tb.pc.read(PORT_C) & C_INDEX1)
+            assert seen == (tick == 2), f"tick {tick}"
+        dut.pc_clk_en_i.value = 1
+        dut.enc_i_i.value = 0
+        await tb.clocks(6)
 
 
 @cocotb.test()
@@ -250,8 +267,9 @@ async def the_last_code_is_read_while_the_next_is_made(dut):
         volt = (code - 0x800) * 16 & 0xFFFF
         dut.adc_v_i.value = volt << 16 | volt
         await tb.pc.write(LATCH, 0)
-        if last is not None:
+        for _ in range(4 if last is not None else 0):
             assert [await tb.adc(j) for j in (0, 1)] == [last, last]
+            await tb.clocks(1)
         await tb.us(26)
         assert [await tb.adc(j) for j in (0, 1)] == [code, code]
         last = code
