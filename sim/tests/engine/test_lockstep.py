@@ -20,6 +20,32 @@ def test_a_stranger_finds_no_difference(name, seed):
     assert lockstep.lockstep_torture(seed, 1600, name) > 100_000
 
 
+@pytest.mark.req("API-1", "PAN-2")
+@pytest.mark.parametrize("name", ["pc_power", "cable"])
+def test_a_command_cut_short(name):
+    """Power or cable away for a few clocks, ending at every clock of a read: the same answer."""
+    _, plain, skipping = lockstep.machines("lab500")
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    answers = set()
+    with plain, skipping:
+        for back in range(3, 20):
+            for lost in (1, 2, 3):
+                actions = [
+                    ("write", lockstep.PCCSR, 0x2D, 1, 0xF8),
+                    ("event", (back - lost) / lockstep.CLK_HZ, name, 0, 0),
+                    ("event", back / lockstep.CLK_HZ, name, 0, 1),
+                    ("read", 15, 0x2D, 1),
+                    ("run", 2000),  # the reset of the cards is over
+                ]
+                for action in actions:
+                    got = [lockstep.act(sim, action, numbers) for sim in (plain, skipping)]
+                    assert got[0] == got[1], (back, lost)
+                    if action[0] == "read":
+                        answers.add(got[0])
+                assert plain.hash() == skipping.hash(), (back, lost)
+    assert answers == {0, 0xFF}
+
+
 @pytest.mark.req("API-1")
 def test_a_difference_is_found():
     """One machine has a bit of a counter flipped, which no access reads: the hash tells."""
