@@ -54,6 +54,19 @@ async def every_stuck_bit_of_every_converter(dut):
 
 
 @cocotb.test()
+@req("PAN-1", "SW-1")
+async def every_axis_switch_by_itself(dut):
+    """No heart beats: PANIC stands while any one axis is switched on."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    for _ in range(2):
+        for switches in [0] + [n for a in range(2 * tb.cards) for n in (1 << a, 0)]:
+            dut.axis_enable_i.value = switches
+            await tb.clocks(6)
+            assert int(dut.panic_o.value) == int(switches != 0), f"switches {switches:06b}"
+
+
+@cocotb.test()
 @req("DAC-1", "ANA-1")
 async def stuck_bits_one_after_the_other(dut):
     """Each joins those that are stuck already, at 1 and at 0, until all are."""
