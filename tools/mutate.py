@@ -64,7 +64,7 @@ def explained() -> list[dict]:
 def plain(mutant: Mutant) -> str:
     """What was done, without the numbers that Yosys gives to cells."""
     what = re.sub(r"(?:-module|-cell) (\S+)", r"\1", mutant.what)
-    return re.sub(r"\$\d+(?=[_ ])", "", re.sub(r"rtl/\S+\.sv:\d+", "", what))
+    return re.sub(r"\$+\d*(?=[_ ])", "", re.sub(r"rtl/\S+\.sv:\d+", "", what))
 
 
 def reason(mutant: Mutant, entries: list[dict]) -> str:
