@@ -90,6 +90,27 @@ async def stuck_bits_one_after_the_other(dut):
 
 @cocotb.test()
 @req("ADC-1", "ANA-1")
+async def converters_stick_one_after_the_other(dut):
+    """Each joins those that keep their code already, in both directions, and is let go again."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.us(RELAY_US + 2)
+    axes = range(2 * tb.cards)
+    codes, stuck, value = [0x800] * len(axes), 0, 0
+    for bit in [0, *axes, *axes, *reversed(axes)]:
+        value = (value + 0x1230) & 0x7FFF
+        tb.inputs([value for _ in axes])
+        await tb.cwr(0, LATCH_ALL, 0)
+        await tb.us(27)
+        codes = [c if stuck >> a & 1 else (value + 32776) >> 4 for a, c in enumerate(codes)]
+        assert [await tb.adc(a) for a in axes] == codes, f"{stuck:06b}"
+        stuck ^= 1 << bit
+        dut.adc_stuck_i.value = stuck
+        await tb.clocks(3)
+
+
+@cocotb.test()
+@req("ADC-1", "ANA-1")
 async def every_bit_of_every_input(dut):
     """A walking one and a walking zero at all A/D inputs; the stuck converter keeps its code."""
     tb = Machine(dut)
