@@ -1,27 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Error codes, who is told of them, and what a clear leaves; PANIC and its messages. §2.3.4 */
 #include "mc_priv.h"
-#include "traffic.h"
-
-static struct mock m;
-static char said[1024];
-
-static void hear(void *ctx, const char *text) {
-  (void)ctx;
-  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
-  strcat(said, text);
-  strcat(said, "\n");
-}
-
-static struct mc *opened(int cards) {
-  struct mc *mc = mock_open(&m, cards);
-  mc->os.log = hear;
-  said[0] = 0;
-  return mc;
-}
+#include "hear.h"
 
 static struct mc *enabled(int cards) {
-  struct mc *mc = opened(cards);
+  struct mc *mc = listening(cards);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 10000);
   return mc;
@@ -42,7 +25,7 @@ static void look(struct mc *mc, int client, int axes) {
 
 // req: DRV-5
 static void test_codes_tell_flags_axis_and_count(void) {
-  struct mc *mc = opened(16);
+  struct mc *mc = listening(16);
   CHECK_EQ(mc_joints(mc), 32);
   for (int axis = 0; axis < 32; axis++) {
     error_raise(mc, axis, MERR_PLO);
@@ -62,7 +45,7 @@ static void test_codes_tell_flags_axis_and_count(void) {
 
 // req: DRV-5
 static void test_a_clear_takes_what_was_read_only(void) {
-  struct mc *mc = opened(2);
+  struct mc *mc = listening(2);
   int other = mc_open(mc, MC_O_RDWR);
   for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO | MERR_ILIM);
   clear(mc, 0); /* has never read: everything */
@@ -94,7 +77,7 @@ static void test_a_clear_takes_what_was_read_only(void) {
 // req: DRV-4 DRV-5
 static void test_a_short_read_has_seen_no_more(void) {
   for (int axes = 1; axes <= 4; axes++) {
-    struct mc *mc = opened(2);
+    struct mc *mc = listening(2);
     for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PHI);
     look(mc, 0, axes);
     clear(mc, 0);
@@ -108,7 +91,7 @@ static void test_a_short_read_has_seen_no_more(void) {
 
 // req: DRV-4 DRV-5
 static void test_a_failed_read_has_seen_nothing(void) {
-  struct mc *mc = opened(1);
+  struct mc *mc = listening(1);
   char buf[56];
   error_raise(mc, 1, MERR_PHI);
   look(mc, 0, 2);
@@ -132,7 +115,7 @@ static void test_a_failed_read_has_seen_nothing(void) {
 
 // req: DRV-5 CAL-1
 static void test_the_count_lives_as_long_as_its_flag(void) {
-  struct mc *mc = opened(1);
+  struct mc *mc = listening(1);
   error_raise_index(mc, 1, 55);
   look(mc, 0, 2);
   error_raise(mc, 1, MERR_PLO);
@@ -147,7 +130,7 @@ static void test_the_count_lives_as_long_as_its_flag(void) {
 
 // req: DRV-5
 static void test_writers_are_told_readers_and_the_gone_are_not(void) {
-  struct mc *mc = opened(1);
+  struct mc *mc = listening(1);
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, i % 3), i);
   CHECK_EQ(mc_close(mc, 4), 0);
   CHECK_EQ(mc_close(mc, 5), 0);
@@ -252,7 +235,7 @@ static void test_panic_while_both_indexes_are_latched(void) {
 
 // req: DRV-9 DRV-12
 static void test_a_dead_adaptor_is_a_panic_of_the_enabled_only(void) {
-  struct mc *mc = opened(1);
+  struct mc *mc = listening(1);
   m.adaptor_dead = 1;
   CHECK_EQ(mc_interrupt(mc), 0);
   CHECK_EQ(mc_stats_of(mc)->panics, 0);

@@ -1,24 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Servo passes: what is sampled, published and written, early, late and broken. §4.3.6, §5.3 */
 #include "mc_priv.h"
-#include "traffic.h"
-
-static struct mock m;
-static char said[512];
-
-static void hear(void *ctx, const char *text) {
-  (void)ctx;
-  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
-  strcat(said, text);
-  strcat(said, "\n");
-}
-
-static struct mc *opened(int cards) {
-  struct mc *mc = mock_open(&m, cards);
-  mc->os.log = hear;
-  said[0] = 0;
-  return mc;
-}
+#include "hear.h"
 
 static void set_mode(struct mc *mc, int axis, int mode) {
   struct mc_param par = {.which = axis};
@@ -36,7 +19,7 @@ static void one_pass(void) {
 
 // req: DRV-7 DRV-11
 static void test_every_axis_gets_its_own_numbers(void) {
-  struct mc *mc = opened(3);
+  struct mc *mc = listening(3);
   int32_t values[6];
   for (int axis = 0; axis < 6; axis++) {
     set_mode(mc, axis, MD_TORQ);
@@ -62,7 +45,7 @@ static void test_every_axis_gets_its_own_numbers(void) {
 /* Every bit of both converters, in the presence of any bit of the other. */
 // req: DRV-11
 static void test_converters_share_their_high_nibbles(void) {
-  struct mc *mc = opened(1);
+  struct mc *mc = listening(1);
   static const uint16_t codes[] = {0,     0xFFF, 0x00F, 0x0F0, 0xF00, 0x100, 0x200,
                                    0x400, 0x800, 0x555, 0xAAA, 0x0FF, 0xFF0};
   for (unsigned i = 0; i < sizeof codes / sizeof codes[0]; i++) {
@@ -79,7 +62,7 @@ static void test_converters_share_their_high_nibbles(void) {
 
 // req: DRV-11
 static void test_late_converters_keep_the_old_values_of_their_card(void) {
-  struct mc *mc = opened(3);
+  struct mc *mc = listening(3);
   for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(100 + axis);
   one_pass();
   one_pass();
@@ -115,7 +98,7 @@ static void test_late_converters_keep_the_old_values_of_their_card(void) {
 // req: DRV-11
 static void test_converters_are_waited_for_40_reads(void) {
   for (int late = 38; late < 45; late++) {
-    struct mc *mc = opened(1);
+    struct mc *mc = listening(1);
     one_pass();
     m.card[0].adc[0] = 777;
     m.latency_us = 20;
@@ -136,7 +119,7 @@ static void test_converters_are_waited_for_40_reads(void) {
 
 // req: DRV-2 SRV-1
 static void test_the_first_pass_is_a_sample_of_all_axes(void) {
-  struct mc *mc = opened(2);
+  struct mc *mc = listening(2);
   for (int round = 0; round < 2; round++) {
     for (int axis = 0; axis < 4; axis++) {
       m.card[axis / 2].count[axis & 1] = (uint16_t)(300 * (round + 1) + axis);
@@ -165,7 +148,7 @@ static void test_the_first_pass_is_a_sample_of_all_axes(void) {
 static void test_events_of_any_axis(void) {
   for (unsigned crossed = 1; crossed < 16; crossed++) {
     for (int soft = 0; soft < 2; soft++) {
-      struct mc *mc = opened(2);
+      struct mc *mc = listening(2);
       int say = M_ERRORPRINT, lines = 0;
       for (int axis = 0; axis < 4; axis++) {
         set_mode(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
@@ -195,7 +178,7 @@ static void test_events_of_any_axis(void) {
 // req: DRV-7
 static void test_every_sclock_is_served_or_missed(void) {
   for (int64_t latency = 1; latency < 2300; latency += latency > 960 && latency < 1060 ? 1 : 97) {
-    struct mc *mc = opened(1);
+    struct mc *mc = listening(1);
     unsigned us = 1000;
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
@@ -220,7 +203,7 @@ static void test_every_sclock_is_served_or_missed(void) {
 /* Off is off, also if nobody has ever set a parameter. */
 // req: DRV-2 SRV-6
 static void test_axes_are_off_by_default(void) {
-  struct mc *mc = opened(2);
+  struct mc *mc = listening(2);
   int32_t values[4] = {5000, -5000, 1, 100000};
   CHECK_EQ(mc_write(mc, 0, values, 16), 16);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
@@ -243,7 +226,7 @@ static void test_axes_are_off_by_default(void) {
 /* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
 // req: DRV-7
 static void test_overruns_of_any_length(void) {
-  struct mc *mc = opened(1);
+  struct mc *mc = listening(1);
   unsigned us = 1000, one = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);

@@ -2,21 +2,12 @@
 /* Enable, stop and PANIC in detail: accesses, waits and messages, each in its order. §2.3.4, §5.3.6
  */
 #include "mc_priv.h"
-#include "traffic.h"
+#include "hear.h"
 
-static struct mock m;
-static char said[512]; /* all lines, each with a newline */
 static uint32_t waited[200];
 static int waits;
 static int (*meanwhile)(struct mc *mc); /* what another process does during a wait */
 static int answer;
-
-static void hear(void *ctx, const char *text) {
-  (void)ctx;
-  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
-  strcat(said, text);
-  strcat(said, "\n");
-}
 
 static void wait_us(void *ctx, uint32_t us) {
   CHECK(!m.masked); /* interrupts may come */
@@ -27,10 +18,8 @@ static void wait_us(void *ctx, uint32_t us) {
 }
 
 static struct mc *opened(int cards) {
-  struct mc *mc = mock_open(&m, cards);
-  mc->os.log = hear;
+  struct mc *mc = listening(cards);
   mc->os.delay_us = wait_us;
-  said[0] = 0;
   waits = 0;
   meanwhile = NULL;
   answer = 0;
