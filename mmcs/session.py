@@ -19,6 +19,8 @@ from mmcs.setup import Setup
 
 CHUNK_S = 0.02  # simulated time between looks at the clock on the wall
 WATCH_S = 0.001  # between looks at the physics, in scenarios with events
+LATE_US = 250_000  # so much in late passes, and a request that timed out had no processor
+DIED = "the firmware died"  # how the processor's end is noted
 
 
 @dataclass
@@ -78,7 +80,7 @@ class Session:
             self._schedule(start, at_power_on=False)
             for segment in setup.segments:
                 sim.add_segment(**segment)
-            _checked("start of motion", sim.start_motion(client))
+            self._answered("start of motion", sim.start_motion(client))
             self.actors = make_actors(self, client)
             ok = self._move(setup.scenario.duration, progress)
         except Refused:
@@ -88,7 +90,7 @@ class Session:
         states = self._last_state(client)
         hash_, log = sim.hash(), sim.log()
         if ok:
-            _checked("MSTOP", sim.ioctl(client, mcdef.MSTOP))
+            self._answered("MSTOP", sim.ioctl(client, mcdef.MSTOP))
         stats = sim.stats()
         sim.close(client)
         return Result(
@@ -118,7 +120,26 @@ class Session:
         try:
             return self.sim.read(client, self.setup.axes)
         except OSError as error:  # a processor whose firmware went wrong answers nothing
-            raise RunError(f"read of the last state: {error}; the driver answers no more") from None
+            why = self._why_silent() or f"{error}; the driver answers no more"
+            raise RunError(f"read of the last state: {why}") from None
+
+    def _why_silent(self) -> str:
+        """Why a real processor answers no request, and the remedy; "" when that is not known."""
+        if not self.sim.phases():
+            return ""  # native code always answers
+        died = [n["text"] for n in self.sim.notes() if n["text"].startswith(DIED)]
+        if died:
+            return f"{died[0]}; only --host native goes on and gives results"
+        stats, interval_us = self.sim.stats(), self.setup.scenario.interval_us
+        late = stats["overruns"] + stats["missed"]
+        if late * interval_us < LATE_US:
+            return ""
+        return (
+            "the servo leaves the processor no time for requests"
+            f" ({stats['interrupts']} passes, {stats['overruns']} overruns,"
+            f" {stats['missed']} missed at {interval_us} us);"
+            " take fewer axes, a longer interval_us or --host native"
+        )
 
     def _configure(self, client: int) -> None:
         sim, setup = self.sim, self.setup
@@ -141,7 +162,7 @@ class Session:
             mcdef.fill_param(param, values)
             ioctl("MSETPARAM", param)
         ioctl("MENABLE")
-        _checked("write of the setpoints", sim.write(client, [0] * setup.axes))
+        self._answered("write of the setpoints", sim.write(client, [0] * setup.axes))
 
     def _request(self, what: str, result: int) -> int:
         """As _checked, but a refusal that the scenario expects ends the run in good order."""
@@ -149,6 +170,13 @@ class Session:
         if result < 0 and any(e.request == what.split(maxsplit=1)[0] for e in expected):
             self.refused.append((what.split(maxsplit=1)[0], -result))
             raise Refused
+        return self._answered(what, result)
+
+    def _answered(self, what: str, result: int) -> int:
+        """As _checked, but tells why a processor is silent."""
+        why = self._why_silent() if result == -errno.EIO else ""
+        if why:
+            raise RunError(f"{what}: {why}")
         return _checked(what, result)
 
     def _schedule(self, start: float, at_power_on: bool) -> None:

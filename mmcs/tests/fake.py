@@ -15,10 +15,12 @@ SAMPLE_S = 0.001
 class FakeSim:
     """Records every request; `fail` maps a request's name to the errno it returns."""
 
-    def __init__(self, axes=1, fail=None, notes=(), assert_at=None, short=0.0):
+    def __init__(self, axes=1, fail=None, notes=(), assert_at=None, short=0.0, late=None):
         self.axes, self.fail, self.assert_at, self.short = axes, fail or {}, assert_at, short
         self.calls, self.segments, self.events = [], [], []
         self.rows, self._notes = [], list(notes)
+        self.late = late or {}  # counts of a processor that is too slow; None: native
+        self._phases = {} if late is None else {"pass": (1, 2000.0, 2000.0)}
         self.now, self.start = 0.0, None
         self.y = [0.0] * axes
 
@@ -96,7 +98,10 @@ class FakeSim:
 
     def stats(self):
         names = "interrupts missed overruns panics spurious clips bus_errors evals bus_cycles"
-        return {n: 0 for n in names.split()} | {"cycles": int(self.now * 8e6)}
+        return {n: 0 for n in names.split()} | {"cycles": int(self.now * 8e6)} | self.late
+
+    def phases(self):
+        return self._phases
 
     def true(self, axis):
         y = self.y[axis]
