@@ -12,7 +12,8 @@ import pytest
 from mmcs import hosts
 from mmcs.errors import RunError
 from mmcs.load import load
-from mmcs.runner import machine
+from mmcs.report import make_report
+from mmcs.runner import machine, simulate
 from mmcs.session import Session
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -147,3 +148,29 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     assert high[-1] <= last_pass + PANIC_S + 2 * interval
     if told:
         assert any(f"the firmware died: {told} " in text for _, text, _ in notes), notes
+
+
+@pytest.mark.req("FW-1")
+def test_calibration_of_six_axes_needs_more_than_a_millisecond():
+    """At 1 kHz the processor has no time for the process, and says so; at 1.2 ms it has."""
+    with pytest.raises(RunError, match=r"no time for requests .* overruns, .* longer interval_us"):
+        simulate(load("fault_index_missing", ()), host="m68020")
+    report = make_report(
+        simulate(load("fault_index_missing", ("interval_us=1200",)), host="m68020"), "m68020"
+    )
+    assert all(e["ok"] for e in report["expect"]) and report["stats"]["overruns"] == 0
+
+
+@pytest.mark.req("FW-1", "SRV-7")
+def test_wrong_vector_ends_the_firmware_and_says_so():
+    with pytest.raises(RunError, match="the firmware died: exception 192 at 0x.*--host native"):
+        simulate(load("fault_seu_vector", ()), host="m68020")
+
+
+@pytest.mark.req("FW-1")
+def test_bus_error_of_a_read_as_on_native():
+    """The event meets another access than on native, unless it comes with the reads: 0.1 s."""
+    setup = load("fault_bus_error_read", ())
+    setup.scenario.event[0].at = 0.1
+    report = make_report(simulate(setup, host="m68020"), "m68020")
+    assert len(report["expect"]) == 6 and all(e["ok"] for e in report["expect"])
