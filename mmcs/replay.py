@@ -86,9 +86,9 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
     """Makes the run again with waveforms of this stretch; where it differs, or None.
 
     Waveforms need a build of the model whose registers are laid out otherwise, so no snapshot of
-    the run fits it. It goes through the run from power-on instead, clock
-    by clock, and opens the trace when the stretch begins. All of it is compared
-    with the record, which proves that the waveforms are those of the run.
+    the run fits it. It goes through the run from power-on instead, clock by clock, and opens the
+    trace when the stretch begins. All of it is compared with the record, which proves that
+    the waveforms are those of the run.
     """
     from mmcs.runner import machine, progress
     from mmcs.session import Session

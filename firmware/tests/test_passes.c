@@ -3,15 +3,6 @@
 #include "mc_priv.h"
 #include "hear.h"
 
-static void set_mode(struct mc *mc, int axis, int mode) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  par.mode = mode;
-  par.plo = -100;
-  par.phi = 100;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
 static void one_pass(void) {
   int passes = m.passes;
   while (m.passes == passes) mock_run(&m, 1);
@@ -22,7 +13,7 @@ static void test_every_axis_gets_its_own_numbers(void) {
   struct mc *mc = listening(3);
   int32_t values[6];
   for (int axis = 0; axis < 6; axis++) {
-    set_mode(mc, axis, MD_TORQ);
+    set_mode_within_100(mc, axis, MD_TORQ);
     values[axis] = 100 * axis - 250;
     m.card[axis / 2].count[axis & 1] = (uint16_t)(1000 * axis - 2500);
     m.card[axis / 2].adc[axis & 1] = (uint16_t)(0xA51 + 0x111 * axis);
@@ -151,7 +142,7 @@ static void test_events_of_any_axis(void) {
       struct mc *mc = listening(2);
       int say = M_ERRORPRINT, lines = 0;
       for (int axis = 0; axis < 4; axis++) {
-        set_mode(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
+        set_mode_within_100(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
       }
       CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &say), 0);
       CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);

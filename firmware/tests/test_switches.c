@@ -6,15 +6,6 @@
 
 static struct mock m;
 
-static void set_mode(struct mc *mc, int axis, int mode) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  par.mode = mode;
-  par.plo = -100;
-  par.phi = 100;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
 static void call(struct mc *mc, uint32_t request, unsigned arg) {
   CHECK_EQ(mc_ioctl(mc, 0, request, &arg), 0);
 }
@@ -88,7 +79,7 @@ static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
 // req: DRV-10 SRV-6
 static void test_setting_an_encoder_is_no_movement_and_no_crossing(void) {
   struct mc *mc = mock_open(&m, 1);
-  set_mode(mc, 0, MD_VEL | POSCHK | SOFTERR);
+  set_mode_within_100(mc, 0, MD_VEL | POSCHK | SOFTERR);
   enable(mc);
   m.card[0].count[0] = 150;
   mock_run(&m, 8000);
@@ -190,7 +181,8 @@ static void test_stop_turns_modes_off_and_leaves_the_switches(void) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_param par;
   int32_t values[4] = {1, 2, 3, 4};
-  for (int axis = 0; axis < 4; axis++) set_mode(mc, axis, MD_POS | POSCHK | SOFTERR | COULCOMP);
+  for (int axis = 0; axis < 4; axis++)
+    set_mode_within_100(mc, axis, MD_POS | POSCHK | SOFTERR | COULCOMP);
   CHECK_EQ(mc_write(mc, 0, values, 16), 16); /* never enabled */
   mock_run(&m, 4100);
   for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(10 * axis + 5);
@@ -202,7 +194,7 @@ static void test_stop_turns_modes_off_and_leaves_the_switches(void) {
     CHECK_EQ(par.mode, MD_OFF | POSCHK | SOFTERR | COULCOMP);
     CHECK_EQ(mc_setpoint(mc, axis), 0);
     CHECK_EQ(mc_state_of(mc, axis)->vel, 0); /* histories begin anew */
-    set_mode(mc, axis, MD_POS);
+    set_mode_within_100(mc, axis, MD_POS);
   }
   enable(mc);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), 10 * axis + 5);
@@ -214,8 +206,8 @@ static void test_every_counter_of_the_statistics(void) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
   static const struct mc_stats none;
-  set_mode(mc, 0, MD_TORQ);
-  set_mode(mc, 1, MD_TORQ);
+  set_mode_within_100(mc, 0, MD_TORQ);
+  set_mode_within_100(mc, 1, MD_TORQ);
   enable(mc);
   int32_t values[2] = {1024, 1025}; /* ilim is 1024: one of them is clipped */
   CHECK_EQ(mc_write(mc, 0, values, 8), 8);

@@ -34,4 +34,14 @@ static inline void traffic_of_process(struct mock *m) {
   if (m->logging && m->serving) m->used--;
 }
 
+/* Another mode of an axis, its position limits at 100 counts to both sides. */
+static inline void set_mode_within_100(struct mc *mc, int axis, int mode) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  par.plo = -100;
+  par.phi = 100;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
 #endif
