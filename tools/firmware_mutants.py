@@ -281,10 +281,10 @@ def scenario(m: Mutant) -> str:
 
 
 def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
-    from mmcs import build
-    from mmcs.load import load
-    from mmcs.report import make_report
-    from mmcs.runner import simulate
+    from mmcs.engine import build
+    from mmcs.result.report import make_report
+    from mmcs.run.runner import simulate
+    from mmcs.scenario.load import load
 
     made: dict[int, Path] = {}
 
@@ -312,7 +312,7 @@ def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
 
 def keep_simulator() -> None:
     """Builds the simulator and keeps its parts: a later change of the sources does not meddle."""
-    from mmcs.build import ensure_library
+    from mmcs.engine.build import ensure_library
 
     shutil.rmtree(WORK / "sim", ignore_errors=True)
     for cards in CARDS:

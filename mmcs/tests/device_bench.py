@@ -9,11 +9,11 @@ import sys
 import time
 
 from mmcs import BUILD, ROOT
-from mmcs.build import ensure_library
-from mmcs.execute import cflags, environment
-from mmcs.load import load
-from mmcs.serve import Server
-from mmcs.sim import Sim
+from mmcs.device.execute import cflags, environment
+from mmcs.device.server import Server
+from mmcs.engine.build import ensure_library
+from mmcs.engine.sim import Sim
+from mmcs.scenario.load import load
 
 PROGRAMS = ROOT / "sim" / "tests" / "device"
 EXAMPLES = ROOT / "firmware" / "examples"

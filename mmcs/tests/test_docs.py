@@ -8,9 +8,10 @@ from fractions import Fraction
 
 import pytest
 
-from mmcs import ROOT, scenario
-from mmcs.inputs import INPUTS
-from mmcs.schema import Strict
+from mmcs import ROOT
+from mmcs.scenario import scenario
+from mmcs.scenario.inputs import INPUTS
+from mmcs.scenario.schema import Strict
 
 TEXT = (ROOT / "docs" / "scenarios.md").read_text()
 SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])

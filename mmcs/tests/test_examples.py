@@ -6,7 +6,7 @@ import re
 import pytest
 
 from mmcs import ROOT, mcdef
-from mmcs.execute import cflags
+from mmcs.device.execute import cflags
 from mmcs.tests.device_bench import Bench, compile_program
 
 PAGE = (ROOT / "docs" / "driver.md").read_text()

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from mmcs import record as records
-from mmcs import snapshots
-from mmcs.cli import main
-from mmcs.record import NAME
+from mmcs.cli.app import main
+from mmcs.record import record as records
+from mmcs.record import snapshots
+from mmcs.record.record import NAME
 from mmcs.tests.conftest import GOOD
 
 EVENT = """

@@ -11,9 +11,9 @@ import time
 import pytest
 
 from mmcs import ROOT
+from mmcs.device.execute import environment
+from mmcs.device.server import listen, socket_path
 from mmcs.errors import InputError
-from mmcs.execute import environment
-from mmcs.serve import listen, socket_path
 from mmcs.tests.device_bench import SANITIZED, Bench, write_scenario
 
 

@@ -6,11 +6,13 @@ import json
 import numpy as np
 import pytest
 
-from mmcs import logcols, runner, session
+from mmcs.engine import logcols
 from mmcs.errors import RunError
-from mmcs.load import load
-from mmcs.report import make_report, write_log, write_report
-from mmcs.session import Session
+from mmcs.result.report import make_report, write_log, write_report
+from mmcs.run import runner
+from mmcs.scenario.load import load
+from mmcs.session import session
+from mmcs.session.session import Session
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.fake import FakeSim
 

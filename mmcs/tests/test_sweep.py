@@ -12,9 +12,10 @@ import time
 
 import pytest
 
-from mmcs import ROOT, sweep_run
-from mmcs.load import load
-from mmcs.sweep import make_plan, parse_grid, parse_random
+from mmcs import ROOT
+from mmcs.scenario.load import load
+from mmcs.sweep import workers as sweep_run
+from mmcs.sweep.plan import make_plan, parse_grid, parse_random
 from mmcs.tests.conftest import GOOD
 
 SHORT = GOOD.replace("duration = 0.3", "duration = 0.08")
@@ -136,7 +137,7 @@ def undisturbed(tmp_path_factory):
     """The sweep GAINS in one worker: (scenario, its table)."""
     from click.testing import CliRunner
 
-    from mmcs.cli import main
+    from mmcs.cli.app import main
 
     folder = tmp_path_factory.mktemp("sweep")
     path = folder / "short.toml"
@@ -307,7 +308,7 @@ def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
 def test_same_table_from_dask_with_a_worker_killed(mmcs, undisturbed, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     path, folder, _ = undisturbed
-    from mmcs import sweep_store
+    from mmcs.sweep import store as sweep_store
 
     cluster = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,

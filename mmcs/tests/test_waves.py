@@ -5,13 +5,13 @@ import re
 
 import pytest
 
-from mmcs import waves
+from mmcs.view import waves
 
 
 @pytest.fixture(scope="module")
 def trace(tmp_path_factory):
-    from mmcs.load import load
-    from mmcs.runner import simulate
+    from mmcs.run.runner import simulate
+    from mmcs.scenario.load import load
 
     path = tmp_path_factory.mktemp("trace") / "lab500.fst"
     simulate(load("lab500", ("duration=0.02", "motion=[]", "expect=[]")), trace=path)

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from studies.processors import cycles as bench
+
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.skipif(
     not (
@@ -23,9 +25,6 @@ pytestmark = pytest.mark.skipif(
     ),
     reason="a cross compiler or a processor model is missing; install them with: make test",
 )
-spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
-bench = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(bench)
 
 TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 20_000
 RAM_BYTES = 0x20000

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs run`: library, session, progress, results."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from mmcs.errors import InputError
+from mmcs.scenario.files import short
+from mmcs.scenario.setup import Setup
+
+
+def run_scenario(
+    setup: Setup,
+    folder: Path,
+    trace: Path | None = None,
+    realtime: bool = False,
+    host: str = "native",
+    started: float | None = None,
+    carry_out=None,
+) -> bool:
+    """Runs, writes folder and prints the table; True when every expectation held.
+
+    carry_out: what makes a result of the setup, when not simulate().
+    """
+    from rich.console import Console
+
+    from mmcs.record import record as records
+    from mmcs.record import snapshots
+    from mmcs.result import report as reports
+    from mmcs.view.plot import write_plot
+
+    for place in [folder] + ([trace.parent] if trace else []):
+        _make_folder(place)
+    result = carry_out(setup) if carry_out else simulate(setup, trace, realtime, host=host)
+    report = reports.make_report(result, host)
+    reports.write_report(report, folder)
+    reports.write_log(result, folder)
+    record = records.make_record(result, host)
+    records.write_record(record, folder)
+    snapshots.write_snapshots(folder / snapshots.NAME, record, result)
+    write_plot(result, folder / "plot.svg")
+    console = Console(highlight=False, soft_wrap=True)
+    reports.print_report(report, result, folder, console)
+    if result.first_motion_wall and started:
+        # The Makefile passes the moment it started, so that installation and build count.
+        began = float(os.environ.get("MMCS_STARTED") or started)
+        console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
+    console.print(f"results in {short(folder)}" + (f", trace {short(trace)}" if trace else ""))
+    return all(item["ok"] for item in report["expect"])
+
+
+def simulate(
+    setup: Setup,
+    trace: Path | None = None,
+    realtime: bool = False,
+    snapshots_at: tuple[float, ...] = (),
+    host: str = "native",
+):
+    """Carries the setup out on the real machine."""
+    from mmcs.record.snapshots import Taking
+    from mmcs.session.machine import machine, progress
+    from mmcs.session.session import Session
+
+    duration = setup.scenario.duration
+    kind = "trace" if trace else "speed"
+    with machine(setup, kind, host=host) as sim, progress(duration) as advance:
+        if trace:
+            sim.trace(trace)
+        taking = Taking(sim, snapshots_at, duration)
+        result = Session(taking, setup, realtime).run(advance)
+        result.snapshots = taking.taken(), sim.history_bytes()
+        return result
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError.one(folder, "", None, f"cannot be made: {error.strerror}") from None
