@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: bench mutation mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga
+.PHONY: bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -76,6 +76,9 @@ test: $(VENV)/.test ## the whole test suite
 
 test-fast: $(VENV)/.test ## a selection that takes under two minutes once built
 	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
+
+test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped at random moments
+	@tools/stall.py -- $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \

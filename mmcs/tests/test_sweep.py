@@ -284,13 +284,12 @@ def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
     )  # fmt: skip
     try:
-        end = time.monotonic() + 60
         rows = out / "rows.jsonl"
         while not rows.exists() or rows.read_text().count("\n") < 4:
-            assert time.monotonic() < end and process.poll() is None
+            assert process.poll() is None
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-        text = process.communicate(timeout=60)[0]
+        text = process.communicate()[0]
     finally:
         process.kill()
         process.communicate()
