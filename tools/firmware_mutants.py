@@ -342,7 +342,7 @@ def digest() -> str:
     files = [p for e in ("c", "h", "py") for p in (ROOT / "firmware").rglob(f"*.{e}")]
     files += [p for p in (ROOT / "sim").rglob("*") if p.suffix in {".c", ".cpp", ".h"}]
     files += [*(ROOT / "rtl").rglob("*.sv"), *(ROOT / "mmcs").rglob("*.py")]
-    files += [p for n in SCENARIOS for p in ROOT.rglob(f"{n}.toml") if "build" not in p.parts]
+    files += (ROOT / "sim" / "scenarios").rglob("*.toml")
     for path in sorted({*files, Path(__file__)}):
         sums.update(path.read_bytes())
     return sums.hexdigest()[:16]

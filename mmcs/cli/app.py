@@ -67,13 +67,12 @@ def _scenario(function):
 @main.command("list")
 def list_() -> None:
     """List the scenarios."""
-    from mmcs import SCENARIOS
-    from mmcs.scenario.files import description, scenario_names
+    from mmcs.scenario.files import description, named
 
-    names = scenario_names()
-    width = max((len(name) for name in names), default=0)
-    for name in names:
-        click.echo(f"{name:{width}}  {description(SCENARIOS / f'{name}.toml')}")
+    found = named()
+    width = max((len(name) for name in found), default=0)
+    for name, path in found.items():
+        click.echo(f"{name:{width}}  {description(path)}")
 
 
 @main.command()

@@ -13,8 +13,13 @@ from mmcs.errors import InputError, suggest
 DEEPEST = 10  # levels of tables and lists in a file; a good one has four
 
 
+def named(folder: Path = SCENARIOS) -> dict[str, Path]:
+    """The files of a folder and of those in it, by name."""
+    return {path.stem: path for path in sorted(folder.rglob("*.toml"), key=lambda p: p.stem)}
+
+
 def scenario_names() -> list[str]:
-    return sorted(path.stem for path in SCENARIOS.glob("*.toml"))
+    return list(named())
 
 
 def find(name: str, folder: Path = SCENARIOS, what: str = "scenario") -> Path:
@@ -23,11 +28,12 @@ def find(name: str, folder: Path = SCENARIOS, what: str = "scenario") -> Path:
         path = Path(name)
         if _is_file(path):
             return path
-        raise InputError.one(name, "", None, f"no such {what} file")
-    path = folder / f"{name}.toml"
-    if _is_file(path):
-        return short(path)
-    known = sorted(p.stem for p in folder.glob("*.toml"))
+        known = named(folder).get(path.stem)
+        hint = f"; there is {short(known)}" if known else ""
+        raise InputError.one(name, "", None, f"no such {what} file{hint}")
+    known = named(folder)
+    if name in known:
+        return short(known[name])
     hint = suggest(name, known) or "; there are: " + ", ".join(known)
     raise InputError.one(f'"{name}"', "", None, f"no such {what}{hint}")
 
@@ -94,10 +100,53 @@ def _where(message: str, text: str) -> tuple[str, None, str]:
     return f"line {line}, column {column}", None, f"not valid TOML: {what}"
 
 
+def read_scenario(path: Path, below: tuple[Path, ...] = ()) -> tuple[dict, dict[str, Path]]:
+    """The scenario with what it extends, and which keys came from which other file.
+
+    A key of the file replaces the same key of the one it extends; only tables, like [host], are
+    merged key by key. below: the files that extend this one.
+    """
+    data = read_toml(path)
+    if "extends" not in data:
+        return data, {}
+    name = data.pop("extends")
+    if not isinstance(name, str) or not name:
+        allowed = "must be the name of a scenario, or the path of one from this file's folder"
+        raise InputError.one(path, "extends", name, allowed)
+    try:
+        is_path = name.endswith(".toml") or "/" in name
+        base = find(str(path.parent / name) if is_path else name)
+    except InputError as error:
+        raise InputError.one(path, "extends", name, error.mistakes[0].allowed) from None
+    files = (*below, path.resolve())
+    if base.resolve() in files:
+        raise InputError.one(path, "extends", name, "extends itself, at last: name another one")
+    out, origins = read_scenario(base, files)
+    _move(out, base.resolve().parent)
+    origins = dict.fromkeys(out, base) | origins
+    for key, value in data.items():
+        if isinstance(value, dict) and isinstance(out.get(key), dict):
+            out[key] = out[key] | value
+        else:
+            out[key] = value
+        origins.pop(key, None)
+    return out, origins
+
+
+def _move(data: dict, folder: Path) -> None:
+    """Paths within data, which count from this folder, in full."""
+    motions = data.get("motion", [])
+    tables = [m for m in motions if isinstance(m, dict)] if isinstance(motions, list) else []
+    for table, key in [(data, "robot"), *((motion, "file") for motion in tables)]:
+        name = table.get(key)
+        if isinstance(name, str) and (key == "file" or name.endswith(".toml") or "/" in name):
+            table[key] = str(folder / name)
+
+
 def description(path: Path) -> str:
     """The one-line description, or why there is none; needs no schema and so is quick."""
     try:
-        return str(read_toml(path).get("description", ""))
+        return str(read_scenario(path)[0].get("description", ""))
     except InputError as error:
         return f"(broken: {error})"
 
@@ -119,4 +168,4 @@ def is_robot(name: str) -> bool:
         except InputError:
             return path.resolve().parent == ROBOTS
         return "axis" in data and "robot" not in data
-    return not _is_file(SCENARIOS / f"{name}.toml") and _is_file(ROBOTS / f"{name}.toml")
+    return name not in named() and name in named(ROBOTS)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from mmcs import __version__
 from mmcs.errors import InputError, show
-from mmcs.scenario.files import find, find_robot, parse_toml, read_toml
+from mmcs.scenario.files import find, find_robot, parse_toml, read_scenario
 from mmcs.scenario.sets import parse_value, set_key, split_set
 
 MAX_RUNS = 1_000_000
@@ -257,7 +257,7 @@ def make_plan(
         raise InputError.one("--samples", "", samples, "must be at least 1")
     sets = (*sets, *([f"duration={duration!r}"] if duration is not None else []))
     path = find(name)
-    data = {"skip": True} | read_toml(path)  # the same results, sooner
+    data = {"skip": True} | read_scenario(path)[0]  # the same results, sooner
     for item in sets:
         key, text = split_set(item)
         set_key(data, key, parse_value(text, key))
