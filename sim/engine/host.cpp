@@ -235,6 +235,16 @@ int Host::write(int client, const void *buf, size_t len) {
   return mc_write(mc(), client, buf, len);
 }
 
+int Host::stop() {
+  if (cpu_) {
+    cpu_->stop();
+    return 0;
+  }
+  const int result = mc_halt(mc());
+  poll();
+  return result;
+}
+
 int Host::take_signals(int client) {
   if (client < 0 || client >= MC_MAX_CLIENTS) return 0;
   int count = 0;

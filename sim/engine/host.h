@@ -37,6 +37,8 @@ class Host {
   int read(int client, void *buf, size_t len);
   int write(int client, const void *buf, size_t len);
   int take_signals(int client);
+  // mc_halt(): acts before this returns, on a real processor as soon as time passes.
+  int stop();
 
   // The processor is idle until this clock; interrupts are served. False: an assertion failed.
   // `idle` is called whenever no firmware is active, before each advance and interrupt: the
