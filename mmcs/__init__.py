@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Modular Motor Control System of 1989, complete in simulation: the user's side."""
 
-from pathlib import Path
+from mmcs.place import BUILD, ROBOTS, ROOT, SCENARIOS
 
 __version__ = "0.1.0"
-
-ROOT = Path(__file__).resolve().parent.parent
-SCENARIOS = ROOT / "sim" / "scenarios"
-ROBOTS = ROOT / "sim" / "robots"
-BUILD = ROOT / "build"
+__all__ = ["BUILD", "ROBOTS", "ROOT", "SCENARIOS", "Device"]
 
 
 def __getattr__(name: str):

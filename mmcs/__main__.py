@@ -4,4 +4,4 @@
 from mmcs.cli.app import main
 
 if __name__ == "__main__":
-    main()
+    main(prog_name="mmcs")

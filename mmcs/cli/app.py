@@ -11,13 +11,14 @@ from pathlib import Path
 
 import click
 
-from mmcs import BUILD, __version__
+from mmcs import __version__
 from mmcs.cli.again import replay, trace
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
 from mmcs.cli.sweep import sweep
 from mmcs.cli.view import compare, film
 from mmcs.errors import InputError, RunError
+from mmcs.place import results
 
 STARTED = time.time()
 
@@ -177,7 +178,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, tim
         if not 0 <= t <= setup.scenario.duration:
             allowed = f"must be 0 to {setup.scenario.duration:g} s"
             raise InputError.one("--snapshot", "", t, allowed)
-    folder = out or BUILD / "runs" / setup.name
+    folder = out or results("runs", setup.path) / setup.name
     _check_places(folder, trace)
     carry_out = None
     if times:
@@ -195,7 +196,7 @@ def _run_from(origin: str, duration: float | None, out: Path | None, realtime: b
 
     snapshot = Snapshot(origin)
     setup = snapshot.setup(duration)
-    folder = out or BUILD / "runs" / f"{setup.name}-from-{snapshot.t:.6f}"
+    folder = out or results("runs") / f"{setup.name}-from-{snapshot.t:.6f}"
     _check_places(folder, None)
     click.echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
     return run_scenario(
@@ -234,7 +235,7 @@ def waves(scenario: str, duration: float | None, no_viewer: bool) -> None:
     from mmcs.view.waves import open_viewer, write_views
 
     setup = load(scenario, (), duration=duration)
-    folder = BUILD / "runs" / setup.name
+    folder = results("runs", setup.path) / setup.name
     trace = folder / f"{setup.name}.fst"
     good = run_scenario(setup, folder, trace=trace, started=STARTED)
     write_views(trace)

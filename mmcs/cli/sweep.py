@@ -10,8 +10,8 @@ from pathlib import Path
 
 import click
 
-from mmcs import BUILD
 from mmcs.errors import InputError
+from mmcs.place import results
 
 TELL_EACH_S = 10.0  # without a terminal, a line so often
 
@@ -50,7 +50,7 @@ def sweep(
     plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
     first = plan.first()
     check_figure(by, first.axes)
-    folder = out or BUILD / "sweeps" / first.name
+    folder = out or results("sweeps", plan.path) / first.name
     if resume:
         check_resume(folder)
     _check_folder(folder)

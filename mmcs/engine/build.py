@@ -10,8 +10,9 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from mmcs import BUILD, ROOT
+from mmcs.engine.verilator import write_command
 from mmcs.errors import RunError
+from mmcs.place import BUILD, ROOT, WORK, workshop
 
 CLK_HZ = 8_000_000
 LOG = BUILD / "sim" / "build.log"
@@ -44,14 +45,18 @@ def ensure_library(
     with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
         status = _run(command, env, log=True)
     if status or not path.exists():
-        raise RunError(f"the simulator does not build; {_reason()}; see {LOG.relative_to(ROOT)}")
+        log = LOG.relative_to(WORK) if WORK == ROOT else LOG
+        raise RunError(f"the simulator does not build; {_reason()}; see {log}")
     return path
 
 
 def make_env() -> dict[str, str]:
     """The environment of a make of its own, with the tools of the virtual environment."""
     env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    env["PATH"] = f"{Path(sys.executable).parent}:{env.get('PATH', '')}"
+    tools = Path(sys.executable).parent
+    if not (tools / "verilator").is_file():  # not a checkout's environment
+        write_command(tools := workshop() / "bin", relative=False)
+    env["PATH"] = f"{tools}:{Path(sys.executable).parent}:{env.get('PATH', '')}"
     return env
 
 
@@ -68,11 +73,11 @@ def _run(command: list[str], env: dict, log: bool = False) -> int:
     if not log:
         quiet = subprocess.DEVNULL
         return subprocess.run(
-            command, check=False, cwd=ROOT, env=env, stdout=quiet, stderr=quiet
+            command, check=False, cwd=workshop(), env=env, stdout=quiet, stderr=quiet
         ).returncode
     with LOG.open("w") as out:
         return subprocess.run(
-            command, check=False, cwd=ROOT, env=env, stdout=out, stderr=subprocess.STDOUT
+            command, check=False, cwd=workshop(), env=env, stdout=out, stderr=subprocess.STDOUT
         ).returncode
 
 

@@ -8,9 +8,9 @@ import shutil
 import subprocess
 import zlib
 
-from mmcs import BUILD, ROOT
 from mmcs.engine.build import make_env, one_at_a_time
 from mmcs.errors import InputError, RunError
+from mmcs.place import BUILD, workshop
 
 HOSTS = ("native", "m68020", "rv32")
 COMPILERS = {
@@ -59,7 +59,7 @@ def make(makefile: str, target: str) -> None:
     command = ["make", "-s", "-f", makefile, target]
     with one_at_a_time(BUILD / "firmware.lock"):
         done = subprocess.run(
-            command, cwd=ROOT, env=make_env(), capture_output=True, text=True, check=False
+            command, cwd=workshop(), env=make_env(), capture_output=True, text=True, check=False
         )
     if done.returncode:
         lines = done.stderr.strip().splitlines() or ["no output"]

@@ -17,10 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs import BUILD, __version__
+from mmcs import __version__
 from mmcs.engine import logcols
 from mmcs.engine.hosts import image_digest
 from mmcs.errors import InputError
+from mmcs.place import run_folders
 from mmcs.scenario.files import short
 
 NAME = "run.mmcs"
@@ -133,7 +134,7 @@ def column_digests(log: np.ndarray, marks: list[int]) -> bytes:
 
 def find_run(name: str) -> Path:
     """The record that a file, a run's folder or the name of the last run of a scenario means."""
-    candidates = [Path(name), Path(name) / NAME, BUILD / "runs" / name / NAME]
+    candidates = [Path(name), *(folder / NAME for folder in (Path(name), *run_folders(name)))]
     for path in candidates:
         if path.is_file():
             return short(path)

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs import BUILD
 from mmcs.errors import InputError, RunError
+from mmcs.place import run_folders
 from mmcs.record.record import Record, parse
 from mmcs.scenario.files import short
 from mmcs.session.session import Session
@@ -139,7 +139,7 @@ def _split(name: str) -> tuple[str, float | None]:
 
 
 def _find(name: str) -> Path:
-    for path in (Path(name), Path(name) / NAME, BUILD / "runs" / name / NAME):
+    for path in (Path(name), *(folder / NAME for folder in (Path(name), *run_folders(name)))):
         if path.is_file():
             return short(path)
     hint = f"no such snapshots; give a {NAME}, a run's folder, or a scenario that has run"
