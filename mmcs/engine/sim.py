@@ -210,13 +210,24 @@ class Sim:
     # --- results ---
 
     def log(self) -> np.ndarray:
-        """A copy of the log: one row per servo sample, columns as in the header."""
+        """A copy of the log, but for what was taken: a row per servo sample, columns as in the
+        header."""
         rows, cols = self.ffi.new("int64_t *"), self.ffi.new("int32_t *")
         data = self.lib.mmcs_sim_log(self._sim, rows, cols)
         if not rows[0]:
             return np.empty((0, 1 + 7 * self.axes))
         raw = self.ffi.buffer(data, rows[0] * cols[0] * 8)
         return np.frombuffer(raw, dtype=np.float64).reshape(rows[0], cols[0]).copy()
+
+    def take_log(self) -> np.ndarray:
+        """The rows that have come since they were last taken; they are the caller's to keep."""
+        rows = self.log()
+        self.lib.mmcs_sim_log_taken(self._sim)
+        return rows
+
+    def notes_lost(self) -> int:
+        """How many notes have come after the last that is kept."""
+        return self.lib.mmcs_sim_notes_lost(self._sim)
 
     def notes(self) -> list[dict]:
         out = self.ffi.new("const mmcs_note **")

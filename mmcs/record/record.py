@@ -9,7 +9,9 @@ and columns, so that a replay can say where it parts from the run.
 from __future__ import annotations
 
 import base64
+import itertools
 import json
+import re
 import struct
 import zlib
 from dataclasses import dataclass
@@ -19,16 +21,20 @@ import numpy as np
 
 from mmcs import __version__
 from mmcs.engine import logcols
-from mmcs.engine.hosts import image_digest
+from mmcs.engine.rows import BLOCK
 from mmcs.errors import InputError
 from mmcs.place import run_folders
-from mmcs.scenario.files import short
+from mmcs.result.folder import settle
+from mmcs.scenario.files import is_name, loads, read_json, short
 
 NAME = "run.mmcs"
 FORMAT = 1
 MAX_POINTS = 32  # running hashes kept
 MAX_ROWS = 1024  # digests of rows kept, a byte each
 MAX_MARKS = 8  # samples at which every column has a digest
+MAX_UNPACKED = 64 << 20  # bytes of files; four times what a scenario may have
+MAX_SAMPLES = 40_000_000  # an hour of the shortest interval
+FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv")
 POINT = struct.Struct("<qqQQ")  # samples, clock, hash of samples, hash of what left the machine
 
 
@@ -62,43 +68,37 @@ class Record:
 # --- writing -----------------------------------------------------------------------------------
 
 
-def inline(path: Path, data: dict) -> tuple[dict, dict[str, str]]:
-    """A scenario that needs no file but those given beside it, under plain names."""
-    from mmcs.scenario.files import find_robot
-
-    data, files = json.loads(json.dumps(data)), {}
-    files["robot.toml"] = find_robot(data["robot"], path).read_text()
-    data["robot"] = "./robot.toml"
+def inline(data: dict) -> dict:
+    """The scenario, naming the setup's files by the plain names that they have in a record."""
+    data = json.loads(json.dumps(data)) | {"robot": "./robot.toml"}
     for n, motion in enumerate(data.get("motion", [])):
         if motion.get("kind") == "table":
-            files[f"table{n}.csv"] = (path.parent / motion["file"]).read_text()
             motion["file"] = f"table{n}.csv"
-    return data, files
+    return data
 
 
 def make_record(result, host: str) -> dict:
     """What run.mmcs will say of a run."""
     setup, log, points = result.setup, result.log, result.checkpoints
-    data, files = inline(setup.path, setup.data)
     keep = max(1, -(-len(points) // MAX_POINTS))
     kept = points[keep - 1 :: keep]
     every = max(1, -(-len(log) // MAX_ROWS))
     marks = [len(log) * n // MAX_MARKS for n in range(1, MAX_MARKS + 1)] if len(log) else []
-    packed = zlib.compress(json.dumps(files).encode(), 9)
+    packed = zlib.compress(json.dumps(setup.files).encode(), 9)
     return {
         "mmcs_run": FORMAT,
         "version": __version__,
         "build": result.build,
         "scenario": setup.name,
         "host": host,
-        "image": image_digest(host),
+        "image": result.image,
         "seed": setup.scenario.seed,
         "hash": result.hash,
         "cycles": result.cycles,
         "clk_hz": result.clk_hz,
         "motion_start_s": result.motion_start_s,
         "samples": len(log),
-        "data": data,
+        "data": inline(setup.data),
         "files": base64.b64encode(packed).decode(),
         "checkpoints": base64.b64encode(b"".join(POINT.pack(*p) for p in kept)).decode(),
         "rows_each": every,
@@ -121,11 +121,12 @@ def row_digests(log: np.ndarray, every: int) -> bytes:
 
 def column_digests(log: np.ndarray, marks: list[int]) -> bytes:
     """Two bytes per mark and column: the column up to the mark."""
-    words = [
-        zlib.crc32(np.ascontiguousarray(log[:mark, column]).tobytes()) & 0xFFFF
-        for mark in marks
-        for column in range(log.shape[1])
-    ]
+    words, digests, done = [], [0] * log.shape[1], 0
+    for mark in marks:
+        for start in range(done, mark, BLOCK):
+            rows = np.asfortranarray(log[start : min(start + BLOCK, mark)])
+            digests = [zlib.crc32(rows[:, n].tobytes(), d) for n, d in enumerate(digests)]
+        words, done = words + [d & 0xFFFF for d in digests], mark
     return struct.pack(f"<{len(words)}H", *words)
 
 
@@ -144,28 +145,88 @@ def find_run(name: str) -> Path:
 
 def read_record(name: str) -> Record:
     path = find_run(name)
+    settle(path.absolute().parent)
     try:
-        return parse(path, json.loads(path.read_text()))
-    except (ValueError, UnicodeDecodeError, OSError):
-        raise InputError.one(path, "", None, "not a run record of MMCS, or damaged") from None
+        return parse(path, read_json(path))
+    except ValueError as error:
+        raise InputError.one(
+            path, "", None, f"not a run record of MMCS, or damaged: {error}"
+        ) from None
+
+
+KINDS = {
+    "version": str, "build": str, "scenario": str, "host": str, "image": str, "seed": int,
+    "hash": str, "cycles": int, "clk_hz": int, "motion_start_s": (int, float), "samples": int,
+    "data": dict, "files": str, "checkpoints": str, "rows_each": int, "rows": str, "marks": list,
+    "columns": str,
+}  # fmt: skip
 
 
 def parse(path: Path, text: dict) -> Record:
     """Raises ValueError when this is not a record; InputError when it is of another format."""
     if not isinstance(text, dict) or "mmcs_run" not in text:
-        raise ValueError("not a record")
+        raise ValueError("it is none")
     if text["mmcs_run"] != FORMAT:
         allowed = f"this version of mmcs reads format {FORMAT}; run the scenario again"
         raise InputError.one(path, "mmcs_run", text["mmcs_run"], allowed)
-    try:
-        files = json.loads(zlib.decompress(base64.b64decode(text["files"])))
-        missing = {"scenario", "hash", "data", "rows", "columns", "motion_start_s"} - set(text)
-        if missing or any("/" in name for name in files):
-            raise ValueError("incomplete")
-        list(POINT.iter_unpack(base64.b64decode(text["checkpoints"])))
-    except (KeyError, TypeError, zlib.error, struct.error) as error:
-        raise ValueError("damaged") from error
+    for key, kind in KINDS.items():
+        if not isinstance(text.get(key), kind) or isinstance(text[key], bool):
+            raise ValueError(f"{key} is missing or wrong")
+    if not is_name(text["scenario"]):
+        raise ValueError("scenario is no name")
+    files = _unpack_files(text["files"])
+    _check_data(text["data"], files)
+    _check_digests(text)
     return Record(path, text, files)
+
+
+def _unpack_files(packed: str) -> dict[str, str]:
+    try:
+        unpacker = zlib.decompressobj()
+        raw = unpacker.decompress(_decode(packed), MAX_UNPACKED)
+    except zlib.error:
+        raise ValueError("its files do not unpack") from None
+    if not unpacker.eof:
+        raise ValueError(f"its files are cut short, or larger than {MAX_UNPACKED >> 20} MB")
+    files = loads(raw)
+    if not isinstance(files, dict) or "robot.toml" not in files:
+        raise ValueError("it holds no robot")
+    for name, text in files.items():
+        if not FILE_NAME.fullmatch(name) or not isinstance(text, str):
+            raise ValueError("it holds a file of another kind")
+        text.encode()  # a half character is a ValueError
+    return files
+
+
+def _check_data(data: dict, files: dict[str, str]) -> None:
+    duration = data.get("duration")
+    if not isinstance(duration, int | float) or not 0 < duration <= 3600:
+        raise ValueError("the duration is wrong")
+    motions = data.get("motion", [])
+    motions = motions if isinstance(motions, list) else []
+    named = [m.get("file") for m in motions if isinstance(m, dict) and "file" in m]
+    if data.get("robot") != "./robot.toml" or not all(n in files for n in map(str, named)):
+        raise ValueError("it names a file that it does not hold")
+
+
+def _check_digests(text: dict) -> None:
+    marks, samples, each = text["marks"], text["samples"], text["rows_each"]
+    if not 0 <= text["motion_start_s"] <= 3600 or not 0 < text["clk_hz"] <= 10**9:
+        raise ValueError("a time is wrong")
+    if not 0 <= samples <= MAX_SAMPLES or not 1 <= each <= MAX_SAMPLES:
+        raise ValueError("the number of samples is wrong")
+    if len(_decode(text["rows"])) != -(-samples // each):
+        raise ValueError("rows are missing")
+    if not all(type(m) is int and 0 <= m <= samples for m in marks) or marks != sorted(marks):
+        raise ValueError("its marks are wrong")
+    if len(_decode(text["columns"])) % (2 * len(marks) or 1):
+        raise ValueError("columns are missing")
+    if len(_decode(text["checkpoints"])) % POINT.size:
+        raise ValueError("checkpoints are missing")
+
+
+def _decode(text: str) -> bytes:
+    return base64.b64decode(text, validate=True)  # binascii.Error is a ValueError
 
 
 # --- where a replay parts ----------------------------------------------------------------------
@@ -190,26 +251,34 @@ def _name(column: int) -> str:
 
 def _by_log_file(record: Record, log: np.ndarray) -> str | None:
     """Exactly, with both values, when the run's log.csv still lies beside its record."""
-    file = record.path.with_name("log.csv")
-    if not file.is_file():
-        return None
-    try:
-        then = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
-    except ValueError:
-        return None
-    if then.shape != (record.samples, log.shape[1]):
-        return None  # another run's
-    shared = min(len(then), len(log))
-    now = log[:shared]
-    rounding = np.full(log.shape[1], 0.5)  # whole numbers, but for time and angles
+    width = log.shape[1]
+    rounding = np.full(width, 0.5)  # whole numbers, but for time and angles
     rounding[0] = 0.6e-6
     rounding[len(logcols.FIELDS) :: len(logcols.FIELDS)] = 0.6e-9
-    differs = np.argwhere(np.abs(then[:shared] - now) > rounding)
+    at, found = 0, None
+    try:
+        with record.path.with_name("log.csv").open() as file:
+            file.readline()
+            while lines := list(itertools.islice(file, BLOCK)):
+                then = np.loadtxt(lines, delimiter=",", ndmin=2)
+                now = log[at : at + len(then)]
+                if then.shape[1] != width:
+                    return None  # another run's
+                if found is None:
+                    found = _first_in(then[: len(now)], now, rounding, at)
+                at += len(then)
+    except (OSError, ValueError):
+        return None
+    return found if at == record.samples else None
+
+
+def _first_in(then: np.ndarray, now: np.ndarray, rounding: np.ndarray, at: int) -> str | None:
+    differs = np.argwhere(~(np.abs(then - now) <= rounding))
     if not len(differs):
         return None
     row, column = map(int, differs[0])
     return (
-        f"sample {row} (t = {log[row, 0]:.6f} s), {_name(column)}: "
+        f"sample {at + row} (t = {now[row, 0]:.6f} s), {_name(column)}: "
         f"{then[row, column]:.10g} in the run, {now[row, column]:.10g} now"
     )
 

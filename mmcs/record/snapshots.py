@@ -8,22 +8,28 @@ build and the same machine.
 
 from __future__ import annotations
 
-import io
 import json
+import math
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
 
+from mmcs.engine.hosts import image_digest
+from mmcs.engine.rows import BLOCK, Rows, blocks
 from mmcs.errors import InputError, RunError
 from mmcs.place import run_folders
-from mmcs.record.record import Record, parse
-from mmcs.scenario.files import short
+from mmcs.record.record import MAX_SAMPLES, Record, parse
+from mmcs.result.folder import settle
+from mmcs.scenario.files import loads, short
 from mmcs.session.session import Session
 
 NAME = "run.mmsnap"
 RING = 16  # snapshots in the ring; they spread over the run
+MAX_MEMBER = 64 << 20  # bytes; a machine of 32 axes has a few hundred thousand
+MAX_COLUMNS = 1 + 7 * 32
 EVERY_S = 0.02  # but are not closer than this
 
 
@@ -58,6 +64,7 @@ class Taking:
             {
                 "t": s["t"] - self._start,
                 "clock": s["clock"],
+                "rows": s["rows"],
                 "ring": s["id"] not in self._asked,
                 "asked": self._asked.get(s["id"]),
                 "bytes": self._sim.snapshot_bytes(s["id"]),
@@ -74,14 +81,20 @@ def write_snapshots(path: Path, record: dict, result) -> None:
     taken, history = result.snapshots
     if not taken:
         return
-    truth = io.BytesIO()
-    np.save(truth, result.truth)
-    index = [{k: v for k, v in s.items() if k != "bytes"} for s in taken]
+    index = {
+        "snapshots": [{k: v for k, v in s.items() if k != "bytes"} for s in taken],
+        "pots": result.pots,
+        "log": result.log.shape,
+        "truth": result.truth.shape,
+    }
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
         file.writestr("record.json", json.dumps(record))
-        file.writestr("index.json", json.dumps({"snapshots": index, "pots": result.pots}))
-        file.writestr("truth.npy", truth.getvalue())
+        file.writestr("index.json", json.dumps(index))
         file.writestr("history.bin", history)
+        for name in ("log", "truth"):
+            with file.open(f"{name}.bin", "w", force_zip64=True) as member:
+                for rows in blocks(getattr(result, name)):
+                    member.write(np.ascontiguousarray(rows).tobytes())
         for n, snapshot in enumerate(taken):
             file.writestr(f"{n}.bin", snapshot["bytes"])
 
@@ -92,23 +105,34 @@ class Snapshot:
     def __init__(self, name: str):
         self.name, at = _split(name)
         self.path = _find(self.name)
+        settle(self.path.absolute().parent)
         try:
             with zipfile.ZipFile(self.path) as file:
-                members = {name: file.read(name) for name in file.namelist()}
-            index = json.loads(members["index.json"])
-            self.record: Record = parse(self.path, json.loads(members["record.json"]))
-            self.truth = np.load(io.BytesIO(members["truth.npy"]))
-            self.pots = {int(axis): tuple(v) for axis, v in index["pots"].items()}
-            self.history = members["history.bin"]
-            known = index["snapshots"]
-            n = _choose(self.path, known, at)
-            self.state = members[f"{n}.bin"]
-        except (zipfile.BadZipFile, KeyError, ValueError, OSError, EOFError):
+                self._read(file, at)
+        except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, OSError, EOFError,
+                NotImplementedError, RuntimeError, OverflowError):  # fmt: skip
             raise InputError.one(
                 self.path, "", None, "not a file of snapshots of MMCS, or damaged"
             ) from None
         self._folder = tempfile.TemporaryDirectory()  # as long as the setup is used
-        self.t, self.clock, self.ring = known[n]["t"], known[n]["clock"], known[n]["ring"]
+
+    def _read(self, file: zipfile.ZipFile, at: float | None) -> None:
+        """What is needed of the file, and no more of it than it may hold."""
+        index = loads(_member(file, "index.json"))
+        self.record: Record = parse(self.path, loads(_member(file, "record.json")))
+        self.pots = {int(axis): (int(v[0]), int(v[1])) for axis, v in index["pots"].items()}
+        known = index["snapshots"]
+        for one in known:
+            if not all(math.isfinite(one[k]) for k in ("t", "clock", "rows")):
+                raise ValueError("a snapshot without a time")
+        if not known:
+            raise ValueError("no snapshot")
+        n = _choose(self.path, known, at)
+        chosen = known[n]
+        self.t, self.clock, self.ring = chosen["t"], chosen["clock"], chosen["ring"]
+        self.history, self.state = _member(file, "history.bin"), _member(file, f"{n}.bin")
+        self.log = _rows(file, "log", index["log"], chosen["rows"])
+        self.truth = _rows(file, "truth", index["truth"])
 
     def setup(self, duration: float | None = None):
         if duration is not None:
@@ -125,6 +149,30 @@ class Snapshot:
                 "a user's process is not part of a snapshot; use mmcs trace or mmcs replay",
             )
         return setup
+
+
+def _member(file: zipfile.ZipFile, name: str) -> bytes:
+    with file.open(name) as member:
+        data = member.read(MAX_MEMBER + 1)  # whatever the archive says of its size
+    if len(data) > MAX_MEMBER:
+        raise ValueError(f"{name} is too large")
+    return data
+
+
+def _rows(file: zipfile.ZipFile, name: str, shape, count: int | None = None) -> Rows:
+    """The first `count` rows, or all."""
+    length, width = shape
+    count = length if count is None else count
+    if not 0 <= count <= length <= MAX_SAMPLES or not 1 <= width <= MAX_COLUMNS:
+        raise ValueError(f"{name} has an impossible shape")
+    rows = Rows(width)
+    with file.open(f"{name}.bin") as member:
+        while len(rows) < count:
+            data = member.read(min(BLOCK, count - len(rows)) * width * 8)
+            if not data or len(data) % (8 * width):
+                raise ValueError(f"{name} is cut short")
+            rows.append(np.frombuffer(data, np.float64))
+    return rows
 
 
 def _split(name: str) -> tuple[str, float | None]:
@@ -201,6 +249,8 @@ class ResumedSession(Session):
     def __init__(self, sim, setup, snapshot: Snapshot, realtime: bool = False):
         super().__init__(_Restored(sim, snapshot), setup, realtime)
         self._snapshot = snapshot
+        for rows in snapshot.log.blocks():
+            self.log.append(rows)
 
     def _schedule(self, start: float, at_power_on: bool) -> None:
         """Events are in the snapshot."""
@@ -221,8 +271,8 @@ class ResumedSession(Session):
 
     def _watch(self, t: float) -> None:
         seen = self._snapshot.truth
-        if t <= self._snapshot.t and len(self._truth) < len(seen):
-            self._truth.append(list(seen[len(self._truth)]))
+        if t <= self._snapshot.t and len(self.truth) < len(seen):
+            self.truth.append(seen[len(self.truth)])
         else:
             super()._watch(t)
 
@@ -233,4 +283,7 @@ def resume(setup, snapshot: Snapshot, realtime: bool = False):
 
     host = snapshot.record.host
     with machine(setup, host=host) as sim, progress(setup.scenario.duration) as advance:
-        return ResumedSession(sim, setup, snapshot, realtime).run(advance)
+        image = image_digest(host)
+        result = ResumedSession(sim, setup, snapshot, realtime).run(advance)
+    result.image = image
+    return result

@@ -17,6 +17,7 @@ PLANT = {
     "calibration": plant.calibration,
     "refused": plant.refused,
 }
+NOTE_CHARS = 99  # of an event's text are kept
 AXIS_UNITS = {
     "rise_ms": ("rise", " ms"),
     "overshoot_pct": ("overshoot", " %"),
@@ -87,14 +88,14 @@ def _stats(entry: StatsExpect, stats: dict) -> list[dict]:
 def _event(entry: EventExpect, result) -> dict:
     begin = result.motion_start_s + entry.after
     end = float("inf") if entry.within_ms is None else begin + entry.within_ms / 1e3
-    hits = [
+    kind = [
         note
         for note in result.notes
         if note["kind"] == entry.event
         and begin <= note["t"] <= end
         and (entry.axis is None or note["axis"] == entry.axis)
-        and (entry.text is None or entry.text in note["text"])
     ]
+    hits = [note for note in kind if entry.text is None or entry.text in note["text"]]
     what = f"event {entry.event}"
     what += "" if entry.axis is None else f" of axis {entry.axis}"
     what += "" if entry.text is None else f' "{entry.text}"'
@@ -102,7 +103,22 @@ def _event(entry: EventExpect, result) -> dict:
     what += "" if entry.within_ms is None else f" within {entry.within_ms:g} ms"
     if hits:
         what += f": at {(hits[0]['t'] - begin) * 1e3:.1f} ms"
-    return {"what": what, "ok": bool(hits) == entry.seen}
+        return {"what": what, "ok": entry.seen}
+    unknown = _unknown(entry, result, kind, end)
+    what += f": cannot be decided, {unknown}" if unknown else ""
+    return {"what": what, "ok": not entry.seen and not unknown}
+
+
+def _unknown(entry: EventExpect, result, kind: list[dict], end: float) -> str:
+    """Why it is not known that nothing of the sort happened; "" when it is known."""
+    if result.notes_lost and result.notes[-1]["t"] <= end:
+        return (
+            f"only the first {len(result.notes)} of {len(result.notes) + result.notes_lost} "
+            f"events are kept, up to {result.notes[-1]['t']:.3f} s"
+        )
+    if entry.text is not None and any(len(note["text"]) >= NOTE_CHARS for note in kind):
+        return f"an event's text is cut after {NOTE_CHARS} characters"
+    return ""
 
 
 def _last(log: np.ndarray, axis: int, name: str) -> float | None:

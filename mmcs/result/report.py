@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import json
+import zlib
 from pathlib import Path
 
 import numpy as np
 
 from mmcs import __version__
 from mmcs.engine import logcols
+from mmcs.engine.rows import blocks
 from mmcs.errors import one_line
 from mmcs.result import metrics
 from mmcs.result.expect import judge
@@ -67,6 +69,7 @@ def make_report(result, host: str) -> dict:
         "axes": axes,
         "stats": {name: int(stats[name]) for name in names},
         "events": [dict(note) for note in result.notes],
+        "events_lost": result.notes_lost,
         "expect": judge(result, axes),
         "processes": result.processes,
         "links": [
@@ -86,15 +89,20 @@ def write_report(report: dict, folder: Path) -> None:
     (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
 
 
-def write_log(result, folder: Path) -> None:
-    """One row per servo sample; whole numbers are written as such."""
+def write_log(result, folder: Path) -> int:
+    """One row per servo sample; whole numbers are written as such. The file's CRC-32."""
     axes = result.setup.axes
     kinds = ["%.6f"] + ["%d", "%d", "%d", "%d", "%d", "%d", "%.9f"] * axes
-    with (folder / "log.csv").open("w") as file:
-        file.write(",".join(logcols.header(axes)) + "\n")
+    with (folder / "log.csv").open("wb") as file:
+        text = (",".join(logcols.header(axes)) + "\n").encode()
+        crc = zlib.crc32(text)
+        file.write(text)
         line = ",".join(kinds) + "\n"
-        for row in result.log.tolist():
-            file.write(line % tuple(row))
+        for rows in blocks(result.log):
+            text = "".join([line % tuple(row) for row in rows.tolist()]).encode()
+            crc = zlib.crc32(text, crc)
+            file.write(text)
+    return crc
 
 
 def print_report(report: dict, result, folder: Path, console) -> None:
@@ -129,6 +137,8 @@ def print_report(report: dict, result, folder: Path, console) -> None:
             where = "" if note["axis"] < 0 else f" axis {note['axis']}"
             line = f"  {note['t']:.6f} s  {note['kind']}{where}: {note['text']}"
             console.print(line, markup=False)
+    if report["events_lost"]:
+        console.print(f"  {report['events_lost']} further events are not kept: look into the first")
     expected = report["expect"]
     for item in expected:
         if not item["ok"] or len(expected) <= FEW:

@@ -29,18 +29,20 @@ def run_scenario(
     from mmcs.record import record as records
     from mmcs.record import snapshots
     from mmcs.result import report as reports
+    from mmcs.result.folder import writing
     from mmcs.view.plot import write_plot
 
     for place in [folder] + ([trace.parent] if trace else []):
         _make_folder(place)
-    result = carry_out(setup) if carry_out else simulate(setup, trace, realtime, host=host)
-    report = reports.make_report(result, host)
-    reports.write_report(report, folder)
-    reports.write_log(result, folder)
-    record = records.make_record(result, host)
-    records.write_record(record, folder)
-    snapshots.write_snapshots(folder / snapshots.NAME, record, result)
-    write_plot(result, folder / "plot.svg")
+    with writing(folder) as stage:
+        result = carry_out(setup) if carry_out else simulate(setup, trace, realtime, host=host)
+        report = reports.make_report(result, host)
+        report["log_crc32"] = reports.write_log(result, stage)
+        reports.write_report(report, stage)
+        record = records.make_record(result, host)
+        records.write_record(record, stage)
+        snapshots.write_snapshots(stage / snapshots.NAME, record, result)
+        write_plot(result, stage / "plot.svg")
     console = Console(highlight=False, soft_wrap=True)
     reports.print_report(report, result, folder, console)
     if result.first_motion_wall and started:
@@ -59,6 +61,7 @@ def simulate(
     host: str = "native",
 ):
     """Carries the setup out on the real machine."""
+    from mmcs.engine.hosts import image_digest
     from mmcs.record.snapshots import Taking
     from mmcs.session.machine import machine, progress
     from mmcs.session.session import Session
@@ -66,11 +69,12 @@ def simulate(
     duration = setup.scenario.duration
     kind = "trace" if trace else "speed"
     with machine(setup, kind, host=host) as sim, progress(duration) as advance:
+        image = image_digest(host)
         if trace:
             sim.trace(trace)
         taking = Taking(sim, snapshots_at, duration)
         result = Session(taking, setup, realtime).run(advance)
-        result.snapshots = taking.taken(), sim.history_bytes()
+        result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())
         return result
 
 

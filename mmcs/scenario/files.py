@@ -3,13 +3,20 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import stat
 import tomllib
 from pathlib import Path
 
 from mmcs import ROBOTS, SCENARIOS
 from mmcs.errors import InputError, suggest
 
+MAX_TOML = 1 << 20  # bytes of a file; the longest of ours has twenty thousand
+MAX_TABLE = 8 << 20
+MAX_JSON = 96 << 20
+MAX_FILES = 16 << 20  # of a scenario, together
 DEEPEST = 10  # levels of tables and lists in a file; a good one has four
 
 
@@ -53,13 +60,72 @@ def short(path: Path) -> Path:
         return path
 
 
-def read_toml(path: Path) -> dict:
+def read_bytes(path: Path, most: int) -> bytes:
+    """A file of the user's, if it is one and not endless. ValueError with one sentence."""
+    if "\0" in str(path):
+        raise ValueError("cannot be read: no file has such a name")
     try:
-        text = path.read_bytes().decode("utf-8")
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise ValueError("cannot be read: it is a pipe, a device or a folder")
+            data = file.read(most + 1)
     except OSError as error:
-        raise InputError.one(path, "", None, f"cannot be read: {error.strerror}") from None
+        raise ValueError(f"cannot be read: {error.strerror}") from None
+    if len(data) > most:
+        raise ValueError(f"is larger than {most >> 20} MB")
+    return data
+
+
+def read_text(path: Path, most: int = MAX_TOML) -> str:
+    try:
+        return read_bytes(path, most).decode("utf-8")
     except UnicodeDecodeError as error:
-        raise InputError.one(path, "", None, f"is not UTF-8 text (byte {error.start})") from None
+        raise ValueError(f"is not UTF-8 text (byte {error.start})") from None
+
+
+def loads(text: str | bytes) -> object:
+    """JSON; ValueError with a sentence for anything else."""
+    try:
+        return json.loads(text)
+    except (RecursionError, ValueError):
+        raise ValueError("it is no JSON") from None
+
+
+def read_json(path: Path) -> object:
+    """ValueError with a sentence for what is no JSON, or far too much of it."""
+    return loads(read_text(path, MAX_JSON))
+
+
+def is_name(text: str) -> bool:
+    """Whether results may be called so: a name and no way to another folder."""
+    return text not in ("", ".", "..") and "/" not in text and "\0" not in text
+
+
+class Files:
+    """The files that scenarios name, each read once: a run is of the files as they were then."""
+
+    def __init__(self, parsed: dict[Path, dict] | None = None):
+        self._texts: dict[Path, str] = {}
+        self._tables = dict(parsed or {})
+
+    def text(self, path: Path, most: int = MAX_TOML) -> str:
+        """Raises ValueError with one sentence."""
+        if path not in self._texts:
+            self._texts[path] = read_text(path, most)
+        return self._texts[path]
+
+    def toml(self, path: Path) -> dict:
+        """Raises InputError."""
+        if path not in self._tables:
+            self._tables[path] = read_toml(path, self)
+        return self._tables[path]
+
+
+def read_toml(path: Path, files: Files | None = None) -> dict:
+    try:
+        text = (files or Files()).text(path)
+    except ValueError as error:
+        raise InputError.one(path, "", None, str(error)) from None
     if text.startswith("\ufeff"):
         raise InputError.one(path, "", None, "begins with a byte-order mark: save it without")
     try:

@@ -192,7 +192,7 @@ class EventExpect(Strict):
     """About something that happens, or must not."""
 
     kind: Literal["event"]
-    event: str = Field(min_length=1, description="the kind of a note: panic, error, signal, ...")
+    event: Literal["panic", "error", "signal", "fault", "log", "bus", "assert"]
     text: str | None = None  # must occur in the note's text
     axis: int | None = Field(None, ge=0, le=31)
     seen: bool = True

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mmcs.errors import InputError, Mistake, show, suggest
-from mmcs.scenario.files import find_robot, read_toml
+from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
 from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
@@ -35,6 +35,7 @@ class Setup:
     params: list[dict]  # servo parameters per axis, complete
     segments: list[dict]  # fields of mmcs_segment, in order of time per axis
     data: dict  # the scenario as it is in force, overrides applied
+    files: dict[str, str]  # the robot's and the tables' texts, as "robot.toml", "table0.csv", ...
 
     @property
     def axes(self) -> int:
@@ -70,21 +71,21 @@ class Setup:
         return self.robot.links() if self.scenario.dynamics == "coupled" else []
 
 
-def make_setup(path: Path, data: dict, robots: dict | None = None) -> Setup:
+def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     """Raises InputError with every mistake of both files.
 
-    robots: robot files already read, by path; for those who make many setups at once.
+    files: those already read, for those who make many setups at once.
     """
+    if not is_name(path.stem):
+        raise InputError.one(path, "", None, "is no name for results; rename the file")
+    files = files or Files()
     scenario, mistakes = validate(Scenario, data, str(path))
     robot = None
     name = data.get("robot")
     if isinstance(name, str) and name:
         try:
             robot_path = find_robot(name, path)
-            robots = {} if robots is None else robots
-            if robot_path not in robots:
-                robots[robot_path] = read_toml(robot_path)
-            robot, wrong = validate(Robot, robots[robot_path], str(robot_path))
+            robot, wrong = validate(Robot, files.toml(robot_path), str(robot_path))
             mistakes += wrong or (robot.mistakes(str(robot_path)) if robot else [])
         except InputError as error:
             where = error.mistakes[0]
@@ -93,19 +94,24 @@ def make_setup(path: Path, data: dict, robots: dict | None = None) -> Setup:
             mistakes.append(where)
     if mistakes:
         raise InputError(*mistakes)
-    cross = _Cross(path, scenario, robot)
+    cross = _Cross(path, scenario, robot, files)
     params, segments = cross.params(), cross.segments()
     cross.check_rest()
     if cross.mistakes:
         raise InputError(*cross.mistakes)
-    return Setup(path.stem, path, scenario, robot, params, segments, data)
+    texts = {"robot.toml": files.text(robot_path)} | cross.tables
+    if sum(map(len, texts.values())) > MAX_FILES:
+        allowed = f"its tables are together larger than {MAX_FILES >> 20} MB"
+        raise InputError.one(path, "motion", None, allowed)
+    return Setup(path.stem, path, scenario, robot, params, segments, data, texts)
 
 
 class _Cross:
     """The checks that need scenario and robot together; collects mistakes as it goes."""
 
-    def __init__(self, path: Path, scenario: Scenario, robot: Robot):
-        self.path, self.scenario, self.robot = path, scenario, robot
+    def __init__(self, path: Path, scenario: Scenario, robot: Robot, files: Files):
+        self.path, self.scenario, self.robot, self.files = path, scenario, robot, files
+        self.tables: dict[str, str] = {}  # texts, by the names that a record gives them
         self.axes = robot.axes()
         self.mistakes: list[Mistake] = []
 
@@ -194,13 +200,15 @@ class _Cross:
             return [0.0]
 
         try:
-            text = (self.path.parent / motion.file).read_bytes().decode("utf-8-sig")
-            reader = csv.reader(text.splitlines(keepends=True))
+            text = self.files.text(self.path.parent / motion.file, MAX_TABLE)
+        except ValueError as error:
+            return wrong("file", motion.file, str(error))
+        self.tables[f"table{key.rpartition('.')[2]}.csv"] = text
+        try:
+            reader = csv.reader(text.removeprefix("\ufeff").splitlines(keepends=True))
             rows = [(reader.line_num, row) for row in reader if row]
-        except OSError as error:
-            return wrong("file", motion.file, f"cannot be read: {error.strerror}")
-        except (ValueError, csv.Error):
-            return wrong("file", motion.file, "is not a CSV text in UTF-8")
+        except csv.Error:
+            return wrong("file", motion.file, "is not a CSV text")
         column = 0
         if motion.column is not None:
             names = [name.strip() for name in rows[0][1]] if rows else []
@@ -302,6 +310,9 @@ class _Cross:
                 self.chosen(f"expect.{n}", entry.axis)
             elif isinstance(getattr(entry, "axis", None), int):
                 self.chosen(f"expect.{n}", [entry.axis])
+            if getattr(entry, "after", 0.0) >= scenario.duration:
+                end = f"must be before the end of the run ({scenario.duration:g} s)"
+                self.wrong(f"expect.{n}.after", entry.after, end)
             where = {"kind", "axis", "signal", "after", "until"}
             if entry.kind != "event" and not entry.model_dump(exclude_none=True, exclude=where):
                 names = [k for k in type(entry).model_fields if k not in where]

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mmcs import mcdef
+from mmcs.engine.logcols import FIELDS
+from mmcs.engine.rows import Rows
 from mmcs.errors import RunError
 from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.setup import Setup
@@ -28,7 +30,7 @@ class Result:
     """What came out of a run; everything that is written or printed is made from this."""
 
     setup: Setup
-    log: np.ndarray
+    log: np.ndarray | Rows
     notes: list[dict]
     stats: dict
     hash: str
@@ -42,12 +44,14 @@ class Result:
     states: list[dict] = field(default_factory=list)  # mc_state at the same instant
     assertion: bool = False  # an assertion of the model failed
     # The physics over time, a row per look: t_s, PANIC, then per axis angle, velocity, current.
-    truth: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    truth: np.ndarray | Rows = field(default_factory=lambda: np.empty((0, 2)))
+    notes_lost: int = 0  # that came after the last of `notes`
     pots: dict[int, tuple[int, int]] = field(default_factory=dict)  # A/D code, count, at MCALIB
     refused: list[tuple[str, int]] = field(default_factory=list)  # requests the driver refused
     processes: list[dict] = field(default_factory=list)
     checkpoints: list[tuple[int, int, int, int]] = field(default_factory=list)  # see Sim
     build: str = ""  # which build of the simulator it was
+    image: str = ""  # and which firmware a processor ran
     snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
 
 
@@ -66,7 +70,8 @@ class Session:
         self.pots: dict[int, tuple[int, int]] = {}
         self.refused: list[tuple[str, int]] = []
         self.actors: list = []
-        self._truth: list[list[float]] = []
+        self.log = Rows(1 + len(FIELDS) * setup.axes)
+        self.truth = Rows(2 + 3 * setup.axes)
 
     def run(self, progress: Callable[[float], None] = lambda _: None) -> Result:
         sim, setup = self.sim, self.setup
@@ -88,15 +93,17 @@ class Session:
         axes = range(setup.axes)
         witnesses = [sim.true(n) | {"register": sim.encoder_register(n)} for n in axes]
         states = self._last_state(client)
-        hash_, log = sim.hash(), sim.log()
+        hash_ = sim.hash()
+        self.log.append(sim.take_log())
         if ok:
             self._answered("MSTOP", sim.ioctl(client, mcdef.MSTOP))
         stats = sim.stats()
         sim.close(client)
         return Result(
             setup=setup,
-            log=log,
+            log=self.log.array(),
             notes=sim.notes(),
+            notes_lost=sim.notes_lost(),
             stats=stats,
             hash=hash_,
             wall_s=time.perf_counter() - began,
@@ -108,7 +115,7 @@ class Session:
             witnesses=witnesses,
             states=states,
             assertion=not ok,
-            truth=np.array(self._truth).reshape(-1, 2 + 3 * setup.axes),
+            truth=self.truth.array(),
             pots=self.pots,
             refused=self.refused,
             processes=[a.summary() for a in self.actors if hasattr(a, "summary")],
@@ -223,7 +230,8 @@ class Session:
         for axis in range(self.setup.axes):
             truth = self.sim.true(axis)
             row += [truth["angle"], truth["velocity"], truth["current"]]
-        self._truth.append(row)
+        self.truth.append(np.array(row))
+        self.log.append(self.sim.take_log())
 
 
 def _checked(what: str, result: int) -> int:

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from mmcs import __version__
 from mmcs.errors import InputError, show
-from mmcs.scenario.files import find, find_robot, parse_toml, read_scenario
+from mmcs.scenario.files import Files, find, parse_toml, read_scenario
 from mmcs.scenario.sets import parse_value, set_key, split_set
 
 MAX_RUNS = 1_000_000
@@ -148,7 +148,7 @@ class Plan:
     drawn: list[Vary]
     samples: int
     seed: int
-    _robots: dict = field(default_factory=dict)
+    _files: Files = field(default_factory=Files)
 
     @property
     def vary(self) -> list[Vary]:
@@ -183,7 +183,7 @@ class Plan:
         for key, value in values.items():
             option = "--grid" if key in [v.key for v in self.grid] else "--random"
             set_key(data, key, copy.deepcopy(value), option)
-        return make_setup(self.path, data, self._robots)
+        return make_setup(self.path, data, self._files)
 
     def check(self) -> None:
         """Raises InputError for a value (or end of a range) that is good in no combination tried.
@@ -216,9 +216,8 @@ class Plan:
 
     def identity(self, build: str) -> str:
         """What a sweep must share with an earlier one to go on with it: all but `samples`."""
-        robot = find_robot(self.data["robot"], self.path)
         parts = [
-            __version__, build, str(self.path), self.data, robot.read_text(), self.seed,
+            __version__, build, str(self.path), self.data, self.first().files, self.seed,
             len(self.grid),
             [(v.key, v.values, v.span and (v.span.low, v.span.high, v.span.log))
              for v in self.vary],

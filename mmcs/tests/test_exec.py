@@ -43,8 +43,8 @@ def test_bounce_of_1989(bench):
         assert set(codes) == {axis << 8 | mcdef.MERR_PLO, axis << 8 | mcdef.MERR_PHI}
         assert all(one != next_ for one, next_ in itertools.pairwise(codes))
     # one signal for each sample with an event; both axes may share it, and one that comes between
-    # the handler's read() and MCLEARERROR signals a second time
-    assert 0.9 * handled <= notes.count("signal") <= 1.05 * handled
+    # the handler's read() and MCLEARERROR signals a second time, as often as the program is slow
+    assert 0.5 * handled <= notes.count("signal") <= 2 * handled
     # statistics: an interrupt every millisecond; every two until the program has set its interval
     stats = bench.sim.stats()
     assert interrupts <= stats["interrupts"] <= 1e3 * bench.sim.time

@@ -292,7 +292,8 @@ def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
         text = process.communicate()[0]
     finally:
         process.kill()
-        process.communicate()
+        process.wait()
+        process.stdout.close()
     assert process.returncode == 130, text
     kept = [json.loads(line) for line in rows.read_text().splitlines()][1:]
     assert f"stopped after {len(kept)} of 100000 runs; go on with --resume" in text

@@ -76,6 +76,7 @@ class Host {
   void start_motion(int client);
 
   const Recorder &recorder() const { return recorder_; }
+  void took_log() { recorder_.took(); }
   // Of a real processor; nullptr: there is none, or it keeps none.
   const Phases *phases() const { return cpu_ ? cpu_->phases() : nullptr; }
   const struct mc_stats &stats() const { return *mc_stats_of(mc()); }

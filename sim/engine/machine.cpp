@@ -203,7 +203,10 @@ void Machine::apply(const mmcs_event &event) {
 }
 
 void Machine::note(const char *kind, int axis, const std::string &text) {
-  if (notes_.size() >= kMaxNotes) return;
+  if (notes_.size() >= kMaxNotes) {
+    ++notes_lost_;
+    return;
+  }
   mmcs_note note{};
   note.t = time();
   note.axis = axis;

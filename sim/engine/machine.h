@@ -48,6 +48,7 @@ class Machine {
 
   void note(const char *kind, int axis, const std::string &text);
   const std::vector<mmcs_note> &notes() const { return notes_; }
+  int64_t notes_lost() const { return notes_lost_; }
 
   // Events that concern the host: the clock until which it is stalled, bus errors to inject.
   int64_t stalled_until() const { return stalled_until_; }
@@ -84,6 +85,7 @@ class Machine {
     a(next_event_);
     a(lines_);
     a(soc_failures_);
+    a(notes_lost_);
     a(sample_angles_);
     a(trail_);
     size_t kept = notes_.size();
@@ -136,6 +138,7 @@ class Machine {
   int64_t sample_clock_ = 0;
   std::vector<double> sample_angles_;
   std::vector<mmcs_note> notes_;
+  int64_t notes_lost_ = 0;  // came after the last that is kept
   std::string trace_path_;
   int64_t trace_at_ = INT64_MAX;  // clock at which tracing begins, then the one at which it ends
   int64_t trace_end_ = INT64_MAX;

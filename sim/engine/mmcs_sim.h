@@ -199,9 +199,14 @@ double mmcs_sim_time(const mmcs_sim *sim);
 int64_t mmcs_sim_clock(const mmcs_sim *sim);
 
 /* The log: one row per servo sample since motion start: t_s, then per axis setpoint, encoder,
- * velocity, error, current, errcode, angle_rad. Valid until the next call that moves time. */
+ * velocity, error, current, errcode, angle_rad. Valid until the next call that moves time. Who has
+ * copied the rows may say so: they are forgotten, and a long run needs no more memory than a short
+ * one. A snapshot then counts them and does not hold them. */
 const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols);
+void mmcs_sim_log_taken(mmcs_sim *sim);
 int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes);
+/* Only so many are kept. How many have come since then: what they were is not known. */
+int64_t mmcs_sim_notes_lost(const mmcs_sim *sim);
 void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
 /* What the physics did: joint angle (rad), joint velocity, motor current (A), and encoder
  * transitions up minus down since t = 0. */

@@ -241,15 +241,22 @@ int64_t mmcs_sim_clock(const mmcs_sim *sim) {
 }
 
 const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols) {
-  if (rows) *rows = sim ? sim->host.recorder().rows() : 0;
+  if (rows) *rows = sim ? sim->host.recorder().kept() : 0;
   if (cols) *cols = sim ? sim->host.recorder().cols() : 0;
   return sim ? sim->host.recorder().data() : nullptr;
+}
+void mmcs_sim_log_taken(mmcs_sim *sim) {
+  if (sim) sim->host.took_log();
 }
 
 int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes) {
   if (!sim || !notes) return 0;
   *notes = sim->machine.notes().data();
   return static_cast<int>(sim->machine.notes().size());
+}
+
+int64_t mmcs_sim_notes_lost(const mmcs_sim *sim) {
+  return sim ? sim->machine.notes_lost() : 0;
 }
 
 void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {

@@ -19,7 +19,7 @@ from pathlib import Path
 from mmcs import ROBOTS, ROOT, mcdef
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
-from mmcs.scenario.files import read_toml
+from mmcs.scenario.files import Files, read_toml
 from mmcs.scenario.setup import make_setup
 from mmcs.session.session import Session
 
@@ -46,7 +46,7 @@ class Machine:
         data, robots = (_puma if self.puma else _bench_motors)(self.cards, load)
         data |= {"description": "a machine of make bench", "cards": self.cards, "skip": self.skip}
         data["host"] = {"cpu_us_per_axis": CPU_US_PER_AXIS}
-        return make_setup(ROOT / "sim" / "scenarios" / "bench.toml", data, robots)
+        return make_setup(ROOT / "sim" / "scenarios" / "bench.toml", data, Files(robots))
 
 
 def _bench_motors(cards: int, load: str) -> tuple[dict, dict]:
