@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Length: one class around one hot loop, with the table of its pins.
 // The Verilated machine: clock loop, pins, hands. One translation unit with the generated code of
 // the design in the speed build, so that the compiler sees the whole loop. Above 400 lines, as it
 // is one class, of which a tenth is the table of pins.
