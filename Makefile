@@ -49,6 +49,8 @@ $(VENV)/.test: $(VENV)/.sim
 	@$(call INSTALL,the test tools,-e .[test])
 	@$(call INSTALL,the processor models,-e .[hosts]) || echo "mmcs: no processor models: the tests of --host skip"
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
+	@tools/need_debian.sh gtkwave gtkwave || true
+	@tools/need_debian.sh Xvfb xvfb || true
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf || true
 	@touch $@
 

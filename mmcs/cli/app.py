@@ -227,17 +227,37 @@ def _check_places(folder: Path, trace: Path | None) -> None:
 @main.command()
 @_scenario
 @click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
+@click.option("--at", type=float, metavar="S", help="Seconds of motion; where something begins.")
+@click.option("--window", type=float, default=5.0, metavar="MS", help="How much is traced; 5 ms.")
+@click.option("--whole", is_flag=True, help="Trace the whole run: some 80 MB a second.")
 @click.option("--no-viewer", is_flag=True, help="Only write the files.")
-def waves(scenario: str, duration: float | None, no_viewer: bool) -> None:
-    """Run a scenario traced, and open the trace in a prepared view."""
-    from mmcs.run.runner import run_scenario
+def waves(scenario, duration, at, window, whole, no_viewer) -> None:
+    """Run a scenario, trace a window of it, and open that in a prepared view.
+
+    The window begins at the first event, or where the motion begins. The view shows its first whole
+    servo pass.
+    """
+    from functools import partial
+
+    from mmcs.run.runner import run_scenario, simulate
     from mmcs.scenario.load import load
     from mmcs.view.waves import open_viewer, write_views
 
     setup = load(scenario, (), duration=duration)
     folder = results("runs", setup.path) / setup.name
     trace = folder / f"{setup.name}.fst"
-    good = run_scenario(setup, folder, trace=trace, started=STARTED)
+    end = setup.scenario.duration
+    if at is not None and not 0 <= at < end:
+        raise InputError.one("--at", "", at, f"must be from 0 to {end:g} s, when the motion ends")
+    if window <= 0:
+        raise InputError.one("--window", "", window, "must be more than 0")
+    begin = setup.moment() if at is None else at
+    begin = max(0.0, min(begin, end - window / 1000))
+    stretch = None if whole else (begin, begin + window / 1000)
+    carry_out = partial(simulate, trace=trace, stretch=stretch)
+    good = run_scenario(setup, folder, trace=trace, started=STARTED, carry_out=carry_out)
+    if stretch:
+        click.echo(f"traced from {begin:g} s of motion for {window:g} ms; --whole traces all")
     write_views(trace)
     if not no_viewer:
         open_viewer(trace)

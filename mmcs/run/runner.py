@@ -59,20 +59,22 @@ def simulate(
     realtime: bool = False,
     snapshots_at: tuple[float, ...] = (),
     host: str = "native",
+    stretch: tuple[float, float] | None = None,
 ):
-    """Carries the setup out on the real machine."""
+    """Carries the setup out on the real machine; stretch: of the motion, to trace only that."""
     from mmcs.engine.hosts import image_digest
     from mmcs.record.snapshots import Taking
-    from mmcs.session.machine import machine, progress
+    from mmcs.session.machine import Tracing, machine, progress
     from mmcs.session.session import Session
 
     duration = setup.scenario.duration
     kind = "trace" if trace else "speed"
     with machine(setup, kind, host=host) as sim, progress(duration) as advance:
         image = image_digest(host)
-        if trace:
+        traced = Tracing(sim, trace, stretch) if trace and stretch else sim
+        if trace and not stretch:
             sim.trace(trace)
-        taking = Taking(sim, snapshots_at, duration)
+        taking = Taking(traced, snapshots_at, duration)
         result = Session(taking, setup, realtime).run(advance)
         result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())
         return result

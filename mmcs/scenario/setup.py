@@ -59,6 +59,11 @@ class Setup:
             "amp_panic_cut": int(scenario.amp_panic_cut),
         }
 
+    def moment(self) -> float:
+        """When there is something to see, s of motion: the first event, or the first setpoint."""
+        events = [event.at for event in self.scenario.event if not event.at_power_on]
+        return min(events or [segment["t0"] for segment in self.segments], default=0.0)
+
     def motors(self) -> list[dict]:
         """The fields of mmcs_motor per axis."""
         motors = self.robot.motors(coupled=self.scenario.dynamics == "coupled")

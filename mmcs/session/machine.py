@@ -6,6 +6,7 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 from mmcs.scenario.setup import Setup
 
@@ -25,6 +26,21 @@ def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: s
     library = ensure_library(scenario.cards, kind, scenario.clk_hz, skip, soc=host == "rv32")
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
+
+
+class Tracing:
+    """A Sim that traces a stretch of the motion, told in seconds since its start."""
+
+    def __init__(self, sim, path: Path, stretch: tuple[float, float]):
+        self._sim, self._path, self._stretch = sim, path, stretch
+
+    def __getattr__(self, name):
+        return getattr(self._sim, name)
+
+    def start_motion(self, client: int) -> int:
+        start = self._sim.time
+        self._sim.trace_window(self._path, *(start + seconds for seconds in self._stretch))
+        return self._sim.start_motion(client)
 
 
 @contextmanager

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finished runs to look at: plots, comparisons, films, views of waveforms.
 
-May know: engine.
+May know: engine, result, scenario.
 """

@@ -1,19 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A prepared view of a trace, for GTKWave (.gtkw) and Surfer (.sucl), beside the trace."""
+"""A prepared view of a trace, for GTKWave (.gtkw) and Surfer (.sucl), beside the trace.
+
+It opens on one servo pass, with markers at its SCLOCK, acknowledge, first read and last D/A write.
+States, registers and parts of the pass have names, counts and D/As are drawn as curves. GTKWave's
+view is checked on its screen; Surfer's was never tried.
+"""
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
+from mmcs.view.moments import Pass, first_pass
+from mmcs.view.names import write_tables
+
 TOP = "TOP.mmcs_sim_top"
 MACHINE = f"{TOP}.u_mmcs"
 SOC_MACHINE = f"{TOP}.u_soc.u_mmcs"  # of --host rv32
+CPU = "/u_soc.u_host.u_cpu.u_ibex_core"
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
+STATE = "100000028"  # by the names of its enumeration, which is in the trace
 GROUP_BEGIN, GROUP_END = "800200", "1000200"
+NAMED, CURVE, ROOM = 0x2000, 0x8000, "20000"  # a table of names; drawn in steps; height for it
+CURVE_LINES = 3
+PIXELS, FRAME = 900, 200  # across which the servo pass is spread; GTKWave's zoom counts frames
+MARKERS = ("SCLOCK", "acknowledge", "first read", "last D/A write")
 
 
 class Signal(NamedTuple):
@@ -21,6 +36,8 @@ class Signal(NamedTuple):
     width: int = 1
     form: str = BIN
     low: int = 0  # its lowest bit
+    names: str = ""  # a table of names.TABLES
+    curve: bool = False
 
     def full(self, machine: str = MACHINE) -> str:
         return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{machine}.{self.path}"
@@ -30,10 +47,27 @@ class Signal(NamedTuple):
             f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else ""
         )
 
+    def lines(self, machine: str, folder: Path, tables: dict[str, int]) -> list[str]:
+        """Of a .gtkw file, which numbers its tables as they come."""
+        flags = int(self.form, 16) | (NAMED if self.names else 0) | (CURVE if self.curve else 0)
+        number = tables.setdefault(self.names, len(tables) + 1) if self.names else 0
+        return [
+            f"@{flags:x}",
+            *([f"^{number} {folder / self.names}.txt"] if self.names else ()),
+            self.gtkwave(machine),
+            *([f"@{ROOM}", *["-"] * CURVE_LINES] if self.curve else ()),
+        ]
+
 
 GROUPS = {
+    "SCLOCK and PANIC": [
+        Signal("sclock_o"),
+        Signal("panic_o"),
+        Signal("brake_release_o"),
+        Signal("led_irq_o"),
+    ],
     "VME": [
-        Signal("u_adaptor.vme_a_i", 15, HEX, 1),
+        Signal("u_adaptor.vme_a_i", 15, HEX, 1, names="registers"),
         Signal("u_adaptor.vme_am_i", 6, HEX),
         Signal("u_adaptor.vme_as_ni"),
         Signal("u_adaptor.vme_ds_ni", 2, BIN),
@@ -46,6 +80,9 @@ GROUPS = {
         Signal("u_adaptor.vme_iack_ni"),
         Signal("u_adaptor.vme_iackin_ni"),
         Signal("u_adaptor.vme_iackout_no"),
+        Signal("u_adaptor.g_vme.u_slave.state_q", 2, STATE),
+        Signal("u_adaptor.g_vme.u_interrupter.state_q", 2, STATE),
+        Signal("u_adaptor.u_core.state_q", 2, STATE),
     ],
     "PC bus": [
         Signal("pc_a", 16, HEX),
@@ -55,17 +92,25 @@ GROUPS = {
         Signal("pc_wdata", 8, HEX),
         Signal("pc_rdata", 8, HEX),
         Signal("pc_reset_drv"),
+        Signal("u_adaptor.u_core.u_master.state_q", 2, STATE),
     ],
-    # 0 stopped, 1 program, 2 enter, 3 read, 4 compute, 5 write, 6 publish; its instruction
+    "axis 0": [
+        Signal("g_card[0].u_card.g_axis[0].u_axis.latch_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.a_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.b_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.u_encoder.count_q", 16, SIGNED, curve=True),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_lo_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_hi_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.drive_v_o", 16, SIGNED, curve=True),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_v_i", 16, SIGNED),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_code_o", 12, HEX),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.converting_o"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.heartbeat_o"),
+    ],
+    # the part of a pass, and the instruction, of a processor
     "firmware": [
-        Signal("/host_phase_i", 3, HEX),
+        Signal("/host_phase_i", 3, HEX, names="phases"),
         Signal("/host_pc_i", 32, HEX),
-    ],
-    "SCLOCK and PANIC": [
-        Signal("sclock_o"),
-        Signal("panic_o"),
-        Signal("brake_release_o"),
-        Signal("led_irq_o"),
     ],
     "card 0": [
         Signal("g_card[0].u_card.leds_o", 11, BIN),
@@ -74,19 +119,6 @@ GROUPS = {
         Signal("g_card[0].u_card.enc_i_i", 2, BIN),
         Signal("g_card[0].u_card.axis_enable_i", 2, BIN),
         Signal("g_card[0].u_card.bus_busy"),
-    ],
-    "axis 0": [
-        Signal("g_card[0].u_card.g_axis[0].u_axis.latch_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.a_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.b_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.u_encoder.count_q", 16, SIGNED),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_lo_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_hi_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.drive_v_o", 16, SIGNED),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_v_i", 16, SIGNED),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_code_o", 12, HEX),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.converting_o"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.heartbeat_o"),
     ],
 }
 
@@ -106,7 +138,10 @@ SOC_GROUPS = {
     ),
     "firmware": (
         "firmware",
-        [Signal("/host_phase", 3, HEX), Signal("/u_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX)],
+        [
+            Signal("/host_phase", 3, HEX, names="phases"),
+            Signal("/u_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX),
+        ],
     ),
 }
 
@@ -119,29 +154,45 @@ def view(host: str = "native") -> tuple[str, dict[str, list[Signal]]]:
 
 
 def write_views(trace: Path, host: str = "native") -> tuple[Path, Path]:
-    """Writes the two view files beside the trace."""
+    """Writes the two view files beside the trace, and the tables of names."""
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
-    gtkw.write_text(_gtkwave(trace, *view(host)))
-    sucl.write_text(_surfer(*view(host)))
+    machine, groups = view(host)
+    names = trace.resolve().with_suffix(".names")
+    write_tables(names)
+    seen = first_pass(trace, machine, soc=host == "rv32")
+    gtkw.write_text(_gtkwave(trace, machine, groups, names, seen))
+    sucl.write_text(_surfer(machine, groups, seen))
     return gtkw, sucl
 
 
-def _gtkwave(trace: Path, machine: str, groups: dict[str, list[Signal]]) -> str:
-    lines = [f'[dumpfile] "{trace.resolve()}"', "[timestart] 0", "[sst_expanded] 1"]
+def _gtkwave(
+    trace: Path, machine: str, groups: dict[str, list[Signal]], names: Path, seen: Pass | None
+) -> str:
+    lines, tables = [f'[dumpfile] "{trace.resolve()}"'], {}
+    if seen:
+        span = seen.last_write - seen.sclock
+        begin = max(0, seen.sclock - span // 20)
+        zoom = -math.log2(span * 1.15 / PIXELS * FRAME)
+        times = [*seen, *[-1] * (26 - len(seen))]
+        lines += [f"[timestart] {begin}", f"*{zoom:.6f} {seen.sclock} {' '.join(map(str, times))}"]
+        letters = zip("ABCD", MARKERS, strict=True)
+        lines += [f"[markername] {letter}{name}" for letter, name in letters]
+    lines += ["[sst_expanded] 1"]
     for name, signals in groups.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]
         for signal in signals:
-            lines += [f"@{signal.form}", signal.gtkwave(machine)]
+            lines += signal.lines(machine, names, tables)
         lines += [f"@{GROUP_END}", f"-{name}"]
     return "\n".join(lines) + "\n"
 
 
-def _surfer(machine: str, groups: dict[str, list[Signal]]) -> str:
+def _surfer(machine: str, groups: dict[str, list[Signal]], seen: Pass | None) -> str:
     lines = []
     for name, signals in groups.items():
         lines.append(f"divider_add {name}")
         lines += [f"variable_add {signal.full(machine)}" for signal in signals]
-    return "\n".join([*lines, "zoom_fit"]) + "\n"
+    lines += ["zoom_fit", *([f"cursor_set {seen.sclock}"] if seen else ())]
+    return "\n".join(lines) + "\n"
 
 
 def open_viewer(trace: Path) -> None:
@@ -158,4 +209,4 @@ def open_viewer(trace: Path) -> None:
         )
         return
     click.echo(f"to look at it: gtkwave {trace} {gtkw}")
-    click.echo(f"           or: surfer -c {sucl} {trace}")
+    click.echo(f"           or: surfer -c {sucl} {trace}   (untried)")
