@@ -154,6 +154,16 @@ class Sim:
     def signals(self, client: int) -> int:
         return self.lib.mmcs_sim_signals(self._sim, client)
 
+    def stop(self) -> int:
+        """MSTOP of whoever has no client."""
+        return self.lib.mmcs_sim_stop(self._sim)
+
+    def set_look(self, look) -> None:
+        """look() is called every millisecond of the machine's time while a request waits; True:
+        the request gives up. It must not raise."""
+        self._look = self.ffi.callback("int(void *)", lambda _: int(look()), error=1)
+        self.lib.mmcs_sim_set_look(self._sim, self._look, self.ffi.NULL)
+
     # --- the bus by hand ---
 
     def bus_read(self, offset: int, am: int = 0x2D, size: int = 1) -> int:
@@ -257,6 +267,43 @@ class Sim:
         out = self.ffi.new("const mmcs_checkpoint **")
         count = self.lib.mmcs_sim_checkpoints(self._sim, out)
         return [(p.samples, p.clock, p.hash, p.trail) for p in (out[0][i] for i in range(count))]
+
+    # --- the tap: positions count from the first record ever ---
+
+    def tap(self, rows: int, events: int) -> None:
+        """From now on so many samples and events are kept for readers."""
+        if self.lib.mmcs_sim_tap(self._sim, rows, events):
+            raise RunError(f"no tap of {rows} samples and {events} events can be made")
+
+    def tap_head(self) -> tuple[int, int, int]:
+        """Samples and events there have been, bytes of a sample's row."""
+        head = self.ffi.new("mmcs_tap_head *")
+        self.lib.mmcs_sim_tap_head(self._sim, head)
+        return head.rows, head.events, head.row_bytes
+
+    def tap_rows(self, start: int, every: int, limit: int) -> tuple[bytes, int, int, int]:
+        """Rows from a position on: as bytes, how many, where to go on, and how many are lost."""
+        size = self.tap_head()[2]
+        buffer, read = bytearray(limit * size), self.ffi.new("mmcs_tap_read *")
+        self.lib.mmcs_sim_tap_rows(
+            self._sim, start, every, self.ffi.from_buffer(buffer), limit, read
+        )
+        return bytes(memoryview(buffer)[: read.count * size]), read.count, read.next, read.lost
+
+    def tap_events(self, start: int, limit: int) -> tuple[list[dict], int, int]:
+        """Events from a position on, where to go on, and how many are lost."""
+        found, read = self.ffi.new("mmcs_tap_event[]", limit), self.ffi.new("mmcs_tap_read *")
+        self.lib.mmcs_sim_tap_events(self._sim, start, found, limit, read)
+        text = lambda chars: self.ffi.string(chars).decode(errors="replace")  # noqa: E731
+        events = [
+            {"n": e.n, "t": e.t, "kind": text(e.kind), "axis": e.axis, "value": e.value,
+             "text": text(e.text)}
+            for e in found[0 : read.count]
+        ]  # fmt: skip
+        return events, read.next, read.lost
+
+    def tap_note(self, kind: str, value: int = 0, text: str = "", axis: int = -1) -> None:
+        self.lib.mmcs_sim_tap_note(self._sim, kind.encode(), axis, value, text.encode())
 
     # --- time travel ---
 

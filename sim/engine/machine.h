@@ -18,6 +18,7 @@
 #include "mmcs_sim.h"
 #include "model.h"
 #include "plant.h"
+#include "tap.h"
 
 namespace mmcs {
 
@@ -69,6 +70,10 @@ class Machine {
   Hash &trail() { return trail_; }
   const Hash &trail() const { return trail_; }
 
+  // What readers beside the program are given; no part of the state.
+  Tap &tap() { return tap_; }
+  const Tap &tap() const { return tap_; }
+
   // From now on the model is traced between these times only. False: this build cannot.
   bool trace_window(const std::string &path, double from_s, double to_s);
 
@@ -102,6 +107,7 @@ class Machine {
       notes_.resize(kept);
       plant_->restore(plant);
       model_->restore(model);
+      tap_.lines(time(), lines_);
     }
   }
   // The notes: the part of the past that state() leaves out.
@@ -143,6 +149,7 @@ class Machine {
   int64_t trace_at_ = INT64_MAX;  // clock at which tracing begins, then the one at which it ends
   int64_t trace_end_ = INT64_MAX;
   Hash trail_;
+  Tap tap_;
 };
 
 }  // namespace mmcs

@@ -27,6 +27,7 @@ class Recorder {
     angles_ = machine.sample_angles();
   }
   int64_t sample_clock() const { return sample_clock_; }
+  int64_t samples() const { return samples_; }
   // A servo pass has published its sample.
   void sample(const struct mc *mc, const Machine &machine);
   // Notes error flags that are new since the last call.
