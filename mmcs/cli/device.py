@@ -23,7 +23,8 @@ def _pace(realtime: bool, speed: float | None) -> float | None:
 
 
 def _machine(scenario: str):
-    """The powered machine of a scenario; nothing is configured, that is the program's job."""
+    """The powered machine of a scenario, and what is told of it; nothing is configured, that is the
+    program's job."""
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
     from mmcs.scenario.load import load
@@ -31,7 +32,9 @@ def _machine(scenario: str):
     setup = load(scenario, ())
     s = setup.scenario
     library = ensure_library(s.cards, "speed", s.clk_hz, s.skip)
-    return Sim(library, setup.config(), setup.motors(), setup.links())
+    config, motors, links = setup.config(), setup.motors(), setup.links()
+    machine = {"gravity": config["gravity"], "motors": motors, "links": links}
+    return Sim(library, config, motors, links), {"scenario": scenario, "machine": machine}
 
 
 @click.command()
@@ -42,21 +45,26 @@ def _machine(scenario: str):
 def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None:
     """Offer /dev/mc0 and /dev/vme16 of a scenario's machine to other processes.
 
-    Time passes while a program holds a device open. Ends with Ctrl-C or SIGTERM.
+    Time passes while a program holds a device open. What the driver says comes on stderr. Ends with
+    Ctrl-C or SIGTERM.
     """
-    from mmcs.device.server import Server, socket_path
+    from mmcs.device.execute import say
+    from mmcs.device.server import Server
+    from mmcs.device.sockets import socket_path
 
     pace = _pace(realtime, speed)
     if not name.replace("-", "").replace("_", "").isalnum():
         raise InputError.one("--dev", "", name, "must be letters, digits, - and _")
-    with _machine(scenario) as sim:
-        server = Server(sim, socket_path(name), pace)
+    sim, about = _machine(scenario)
+    with sim:
+        server = Server(sim, socket_path(name), pace, about, console=say)
 
         def stop(*_):
             server.stopping = True
 
-        signal.signal(signal.SIGINT, stop)
-        signal.signal(signal.SIGTERM, stop)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
+                signal.signal(number, stop)
         click.echo(f"serving {scenario} as {name}; run programs with: mmcs exec -- PROGRAM")
         try:
             server.run()
@@ -85,6 +93,7 @@ def exec_(scenario, realtime, speed, name, show_flags, command) -> None:
         if pace is not None:
             raise InputError.one("mmcs exec", "", None, "the pace is the server's; give --scenario")
         sys.exit(run_program(list(command), name=name))
-    with _machine(scenario) as sim:
+    sim, _ = _machine(scenario)
+    with sim:
         status = run_program(list(command), sim, pace)
     sys.exit(status)

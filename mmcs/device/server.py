@@ -1,298 +1,211 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulator as a server: offers /dev/mcN and /dev/vme16 to other processes (§2.3, §2.4).
+"""The simulator as a server: /dev/mcN and /dev/vme16 for other processes (§2.3, §2.4), messages for
+a tool beside them, and the stop path (docs/device.md, docs/protocol.md).
 
-The client's end is the preload library in sim/device; sim/device/wire.h describes the wire.
+One thread does everything, a step at a time: the stop path, one request of each connection that has
+one, a stretch of simulated time, and what is to be sent. The stop path comes first in every step,
+and again before each request and while one waits.
 """
 
 from __future__ import annotations
 
-import contextlib
 import os
-import selectors
-import signal
+import resource
+import select
 import socket
-import struct
 import time
-from dataclasses import dataclass, field
 from pathlib import Path
 
-from mmcs.errors import InputError
+from mmcs.device.connection import GONE, IN, OUT, Connection
+from mmcs.device.machine import Machine
+from mmcs.device.messages import Messenger
+from mmcs.device.pace import IDLE_S, Pace
+from mmcs.device.programs import Program
+from mmcs.device.sockets import Name, peer_uid
+from mmcs.device.stop import StopPath
 
-MAGIC = 0x31434D4D
-REQUEST = struct.Struct("<II16sQQIi")
-REPLY = struct.Struct("<iI")
-OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD = range(1, 8)
-BUS_OK, BUS_TIMEOUT, BUS_ERROR = range(3)
-MAX_DATA = 65536
-O_ACCMODE = 3
-
-ENXIO, EBADF, EINVAL, ENOTTY = 6, 9, 22, 25
-WINDOW_BASE, WINDOW_SIZE = 0x6000, 0x800
-USER_AM = 0x29  # mapped accesses are non-privileged (§2.4)
-# Simulated time between looks at the sockets: short while somebody talks or has been signalled, so
-# that a free-running machine does not run away from its programs; it doubles up to the longest.
-CHUNK_MIN_S, CHUNK_MAX_S = 50e-6, 2e-3
-
-
-def socket_path(name: str) -> Path:
-    """Where the server called `name` listens: per user, nobody else may enter."""
-    base = Path(os.environ.get("XDG_RUNTIME_DIR") or "/tmp")
-    return base / f"mmcs-{os.getuid()}" / f"{name}.sock"
-
-
-def listen(path: Path) -> socket.socket:
-    """A listening socket of mode 0600; takes over a stale one, refuses a living one."""
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    status = path.parent.stat()
-    if status.st_uid != os.getuid() or status.st_mode & 0o077:
-        raise InputError.one(path.parent, "", None, "not yours alone; remove it and try again")
-    if path.exists():
-        probe = socket.socket(socket.AF_UNIX)
-        try:
-            probe.connect(str(path))
-        except OSError:
-            path.unlink()  # its server is dead
-        else:
-            raise InputError.one(
-                "--dev", "", path.stem, "a server of this name is running; stop it or use another"
-            )
-        finally:
-            probe.close()
-    server = socket.socket(socket.AF_UNIX)
-    old = os.umask(0o177)
-    try:
-        server.bind(str(path))
-    finally:
-        os.umask(old)
-    server.listen(64)
-    server.setblocking(False)
-    return server
-
-
-@dataclass
-class OpenFile:
-    """One open file description of a client: closes when its last descriptor does."""
-
-    device: str
-    client: int  # the driver's number; -1 for /dev/vme16
-    writable: bool
-    inode: int  # of the client's end
-    holders: dict[int, int] = field(default_factory=dict)  # pid -> pidfd
-
-    def hold(self, pid: int) -> None:
-        if pid not in self.holders:
-            with contextlib.suppress(OSError):
-                self.holders[pid] = os.pidfd_open(pid)
-
-    def drop(self, pid: int) -> None:
-        if pid in self.holders:
-            os.close(self.holders.pop(pid))
-
-    def signal(self) -> None:
-        """SIGUSR1 to every process that has the file open at this moment."""
-        for pid, pidfd in list(self.holders.items()):
-            try:
-                if self._is_open_in(pid):
-                    signal.pidfd_send_signal(pidfd, signal.SIGUSR1)
-                else:
-                    self.drop(pid)
-            except ProcessLookupError:
-                self.drop(pid)
-
-    def _is_open_in(self, pid: int) -> bool:
-        """The kernel knows what dup2, exec and close have left of a process's descriptors."""
-        if not self.inode:
-            return True
-        target = f"socket:[{self.inode}]"
-        try:
-            for entry in os.scandir(f"/proc/{pid}/fd"):
-                with contextlib.suppress(OSError):
-                    if os.readlink(entry.path) == target:
-                        return True
-        except OSError:
-            return False
-        return False
-
-    def release(self) -> None:
-        for pid in list(self.holders):
-            self.drop(pid)
-
-
-class Connection:
-    """One accepted socket with what has arrived on it so far."""
-
-    def __init__(self, sock: socket.socket, name: str):
-        self.sock, self.name, self.data = sock, name, bytearray()
-        self.is_file = False
+MOST_CONNECTIONS = 1000
+SPARE_DESCRIPTORS = 120  # for the stop path, and everything else that the process opens
 
 
 class Server:
     """Serves one machine. step() does a little work; run() goes on until told to stop."""
 
-    def __init__(self, sim, path: Path, speed: float | None):
-        """speed: simulated seconds per second; None runs as fast as it goes."""
-        self.sim, self.path, self.speed = sim, path, speed
-        self.listener = listen(path)
-        self.selector = selectors.DefaultSelector()
-        self.selector.register(self.listener, selectors.EVENT_READ)
-        self.files: dict[str, OpenFile] = {}
-        self.started = (time.monotonic(), sim.time)
-        self.chunk = CHUNK_MIN_S
+    def __init__(self, sim, path: Path, speed: float | None, about: dict | None = None,
+                 console=lambda text: None):  # fmt: skip
+        """speed: simulated seconds per second; None runs as fast as it goes. about: what messages
+        tell of the machine. console: gets the lines that the driver says."""
+        self.name = Name(path)
+        self.path, self.sim, self.about = path, sim, about or {}
+        self.machine = Machine(sim, console)
+        self.pace = Pace(sim, speed)
+        self.files: dict[bytes, Program] = {}
+        self.connections: dict[int, Connection] = {}
         self.stopping = False
+        self._target: tuple[float, Messenger, object] | None = None  # of a stretch asked for
+        self._problem: BaseException | None = None
+        self._events = 0  # of the tap: signals among them
+        self._listened = time.monotonic()
+        self._poll = select.epoll()
+        self._doors = {}
+        for suffix, kind in ((".sock", Program), (".msg", Messenger)):
+            door = self.name.listen(suffix)
+            self._doors[door.fileno()] = (door, kind)
+            self._poll.register(door, IN)
+        self.stop_path = StopPath(self.name.listen(".stop"), self.machine)
+        self._poll.register(self.stop_path, IN)
+        self._spare = os.open("/dev/null", os.O_RDONLY)
+        limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+        self.most = max(1, min(MOST_CONNECTIONS, limit - SPARE_DESCRIPTORS))
+        sim.set_look(self._look)
 
     def close(self) -> None:
-        for key in list(self.selector.get_map().values()):
-            if key.data is not None:
-                self._hang_up(key.data)
-        self.listener.close()
-        self.selector.close()
-        self.path.unlink(missing_ok=True)
+        self.sim.set_look(lambda: 0)
+        for connection in list(self.connections.values()):
+            self._hang_up(connection)
+        self.name.release()
+        self.stop_path.close()
+        self._poll.close()
+        os.close(self._spare)
 
     def run(self) -> None:
         while not self.stopping:
             self.step()
 
-    # --- time ---
+    # --- a step ---
 
     def step(self) -> None:
-        """Advances the machine by one chunk if it is due, and answers what has come in."""
-        wait = self._wait()
-        for key, _ in self.selector.select(wait):
-            if key.data is None:
-                self._accept()
-            else:
-                self.chunk = CHUNK_MIN_S
-                self._receive(key.data)
-        if self.files and self._wait() == 0:
-            self.sim.run(self.sim.time + self.chunk)
-            self.chunk = CHUNK_MIN_S if self._signals() else min(2 * self.chunk, CHUNK_MAX_S)
+        """Answers what has come in, and lets time pass if it is due."""
+        self.stop_path.serve()
+        self._listen(self._wait())
+        for connection in list(self.connections.values()):
+            if connection.has_request() and not connection.busy:
+                self.stop_path.serve()
+                if connection.client_writes():
+                    self.pace.talked()
+                connection.serve(nested=False)
+                self._after()
+        for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
+            self._hang_up(connection)
+        self.stop_path.serve()
+        self._pass_time()
+        self._send()
+
+    def _after(self) -> None:
+        """A request has been served."""
+        self._signal()
+        if self._problem is not None:
+            problem, self._problem = self._problem, None
+            raise problem
+
+    def _look(self) -> int:
+        """While a request waits: the stop path, requests of others that do not wait, signals. 1: it
+        shall not go on waiting. Nobody is hung up, for who waits may be the one."""
+        try:
+            self.stop_path.serve()
+            self._listen(0)
+            for connection in list(self.connections.values()):
+                if connection.has_request() and not connection.busy:
+                    connection.serve(nested=True)
+            self._signal()
+            self._send()
+        except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
+            self._problem = problem
+            return 1
+        return int(self.stopping)
 
     def _wait(self) -> float:
-        """Seconds until the next chunk is due. Without an open file time stands still."""
-        if not self.files:
-            self.started = (time.monotonic(), self.sim.time)
-            return 0.1
-        if self.speed is None:
+        if any(c.has_request() and not c.busy for c in self.connections.values()):
             return 0.0
-        wall, simulated = self.started
-        due = wall + (self.sim.time - simulated) / self.speed
-        if time.monotonic() - due > 1.0:  # cannot keep up: do not run after the lost time
-            self.started = (time.monotonic(), self.sim.time)
-        return max(0.0, due - time.monotonic())
+        if self._target is not None:
+            return 0.0
+        if not self.machine.opens:  # without an open file time stands still
+            self.pace.restart()
+            return IDLE_S
+        return self.pace.wait()
 
-    def _signals(self) -> bool:
-        sent = False
+    def _pass_time(self) -> None:
+        if self._target is not None:
+            self._go_on()
+        elif self.machine.opens and self.pace.is_due():
+            self.sim.run(self.sim.time + self.pace.chunk)
+            self.pace.passed(self._signal())
+
+    def advance(self, seconds: float, asker: Messenger, id_: object) -> None:
+        """So much time passes in the steps to come; then the asker is answered."""
+        self._target = (self.sim.time + seconds, asker, id_)
+
+    def _go_on(self) -> None:
+        target, asker, id_ = self._target
+        self.sim.run(min(target, self.sim.time + self.pace.chunk))
+        self.pace.passed(self._signal())
+        if self.sim.time >= target or asker.ended:
+            self._target = None
+            asker.answer(id_, {"ok": True, "t": self.sim.time})
+
+    def _send(self) -> None:
+        now = time.monotonic()
+        self.machine.check_deadman(self._listened)
+        self.machine.tell_console()
+        for connection in self.connections.values():
+            if isinstance(connection, Messenger):
+                connection.stream(now)
+
+    def _signal(self) -> bool:
+        """Delivers SIGUSR1 where the driver sent it."""
+        events = self.sim.tap_head()[1]
+        if events == self._events:
+            return False  # each is an event as well
+        self._events, sent = events, False
         for file in self.files.values():
-            if file.client >= 0 and self.sim.signals(file.client) and file.writable:
-                file.signal()
+            client = file.client
+            if client.driver >= 0 and self.sim.signals(client.driver) and client.writable:
+                file.holders.signal()
                 sent = True
         return sent
 
     # --- connections ---
 
-    def _accept(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            sock, address = self.listener.accept()
-            sock.setblocking(False)  # nobody who does not read his replies can hold us up
-            name = bytes(address).strip(b"\0").decode(errors="replace") if address else ""
-            self.selector.register(sock, selectors.EVENT_READ, Connection(sock, name))
+    def _listen(self, wait: float) -> None:
+        """Accepts, reads and sends what the sockets are ready for; serves nothing."""
+        ready = self._poll.poll(wait)
+        self._listened = time.monotonic()
+        for fd, mask in ready:
+            if fd in self._doors:
+                while self._accept(*self._doors[fd]):
+                    pass
+            elif connection := self.connections.get(fd):
+                if mask & IN:
+                    connection.receive()
+                elif mask & GONE:
+                    connection.ended = True
+                if mask & OUT:
+                    connection.flush()
+
+    def _accept(self, door: socket.socket, kind) -> bool:
+        try:
+            sock, address = door.accept()
+        except BlockingIOError:
+            return False
+        except OSError:  # no descriptor left: use the spare one to turn him away
+            os.close(self._spare)
+            try:
+                door.accept()[0].close()
+            except OSError:
+                return False
+            finally:
+                self._spare = os.open("/dev/null", os.O_RDONLY)
+            return True
+        if len(self.connections) >= self.most or peer_uid(sock) != os.geteuid():
+            sock.close()
+            return True
+        connection = kind(sock, self._poll, address, self)
+        self.connections[sock.fileno()] = connection
+        connection.receive()
+        return True
 
     def _hang_up(self, connection: Connection) -> None:
-        self.selector.unregister(connection.sock)
-        connection.sock.close()
-        file = self.files.pop(connection.name, None) if connection.is_file else None
-        if file:
-            if file.client >= 0:
-                self.sim.close(file.client)
-            file.release()
-            self._signals()
-
-    def _receive(self, connection: Connection) -> None:
-        try:
-            data = connection.sock.recv(MAX_DATA)
-        except BlockingIOError:
-            return
-        except OSError:
-            data = b""
-        if not data:
-            self._hang_up(connection)
-            return
-        connection.data += data
-        while len(connection.data) >= REQUEST.size:
-            magic, op, name, a, b, length, pid = REQUEST.unpack_from(connection.data)
-            if magic != MAGIC or length > MAX_DATA:
-                self._hang_up(connection)
-                return
-            end = REQUEST.size + length
-            if len(connection.data) < end:
-                return
-            payload = bytes(connection.data[REQUEST.size : end])
-            del connection.data[:end]
-            label = name.rstrip(b"\0").decode(errors="replace")
-            result, out = self._call(connection, op, label, a, b, payload, pid)
-            try:
-                connection.sock.sendall(REPLY.pack(result, len(out)) + out)
-                if op == OPEN and result >= 0:
-                    connection.sock.sendall(b".")  # read() never blocks: poll() shall say so
-            except OSError:
-                self._hang_up(connection)
-                return
-            self._signals()
-
-    # --- calls ---
-
-    def _call(self, connection, op, name, a, b, payload, pid) -> tuple[int, bytes]:
-        if op == OPEN:
-            return self._open(connection, payload.decode(errors="replace"), a, b, pid), b""
-        file = self.files.get(name)
-        if file is None:
-            return -EBADF, b""
-        file.hold(pid)
-        if op == HOLD:
-            return 0, b""
-        if op in (LOAD, STORE):
-            if file.client >= 0:
-                return -EINVAL, b""
-            if op == STORE and not file.writable:
-                return BUS_TIMEOUT, b""
-            return self._bus(op, a, b, payload)
-        if file.client < 0:
-            return (-ENOTTY if op == IOCTL else -EINVAL), b""
-        if op == IOCTL:
-            return self.sim.ioctl_bytes(file.client, a & 0xFFFFFFFF, payload)
-        if op == READ:
-            return self.sim.read_bytes(file.client, min(a, MAX_DATA))
-        if op == WRITE:
-            return self.sim.write_bytes(file.client, payload), b""
-        return -EINVAL, b""
-
-    def _open(self, connection, device: str, flags: int, inode: int, pid: int) -> int:
-        mode = flags & O_ACCMODE
-        client = -1
-        if device == "/dev/mc0":
-            client = self.sim.open(mode)
-            if client < 0:
-                return client
-        elif device != "/dev/vme16":
-            return -ENXIO
-        connection.is_file = True
-        file = self.files[connection.name] = OpenFile(device, client, mode != os.O_RDONLY, inode)
-        file.hold(pid)
-        return 0
-
-    def _bus(self, op: int, address: int, size: int, payload: bytes) -> tuple[int, bytes]:
-        """A mapped access at an A16 address; outside our window nobody answers."""
-        offset = address - WINDOW_BASE
-        if not 0 <= offset < WINDOW_SIZE or size not in (1, 2):
-            self.sim.run(self.sim.time + 16e-6)
-            return BUS_TIMEOUT, b""
-        try:
-            if op == LOAD:
-                value = self.sim.bus_read(offset, USER_AM, size)
-                return BUS_OK, value.to_bytes(size, "little")
-            self.sim.bus_write(offset, int.from_bytes(payload, "little"), USER_AM, size)
-        except TimeoutError:
-            return BUS_TIMEOUT, b""
-        except OSError:
-            return BUS_ERROR, b""
-        return BUS_OK, b""
+        del self.connections[connection.sock.fileno()]
+        connection.close()
+        connection.leave()
+        self._signal()
