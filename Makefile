@@ -157,6 +157,8 @@ format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
 generate: $(VENV)/.test ## rewrite what is generated from the register description
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/trace.py
+	@$(BIN)/python tools/chip_pages.py
+	@$(BIN)/python tools/rooms.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

@@ -30,11 +30,12 @@ OPTION = dict(type=float, default=0.0)
 @click.option("--axis", type=int, default=0, show_default=True, help="Axis of that robot.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--c", "as_c", is_flag=True, help="Print C for struct mc_param.")
+@click.option("--toml", "as_toml", is_flag=True, help="Print what to paste into TOML files.")
 @click.option("--plot", type=click.Path(path_type=Path), metavar="FILE", help="Bode, step, poles.")
 @click.option("--apply", "apply_to", type=int, metavar="AXIS", help="Set it on a running device.")
 @click.option("--dev", default="mc0", metavar="NAME", help="Server for --apply.")
 def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json, as_c,
-           plot, apply_to, dev) -> None:  # fmt: skip
+           as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.design import synthesis as ds
 
@@ -53,7 +54,9 @@ def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis
     warnings = list(k.warnings)
     if not m.stable:
         warnings.append("the closed loop is unstable with double-buffered D/As")
-    if as_json:
+    if as_toml:
+        click.echo(_toml(k, robot, axis, interval))
+    elif as_json:
         click.echo(json.dumps(_report(c, k, m, method, interval, warnings), indent=2))
     elif as_c:
         for name, values in (("a", k.a), ("b", k.b)):
@@ -84,17 +87,11 @@ def _load_robot(name: str):
 
 
 def _plant(robot, axis: int):
-    """The motor as the linear design sees it: counts/s^2 per D/A unit, and B/J."""
-    import math
-
-    from mmcs.design.synthesis import Plant
+    from mmcs.design.synthesis import plant_of
 
     if not 0 <= axis < len(robot.axis):
         raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(robot.axis) - 1}")
-    motor = robot.axis[axis]
-    counts_per_rad = motor.counts_per_rev / (2 * math.pi)
-    torque_per_lsb = motor.km * motor.amp_gain * 10 / 2048
-    return Plant(counts_per_rad * torque_per_lsb / motor.inertia, motor.viscous / motor.inertia)
+    return plant_of(robot.axis[axis])
 
 
 def _report(c, k, m, method, interval, warnings) -> dict:
@@ -113,6 +110,17 @@ def _report(c, k, m, method, interval, warnings) -> dict:
         "stable": m.stable,
         "warnings": warnings,
     }
+
+
+def _toml(k, robot: str, axis: int, interval: int) -> str:
+    """A [[servo]] for a scenario; the same as a robot file has it, where it has the form."""
+    values = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
+    lines = ["# in a scenario:", f"interval_us = {interval}", "", "[[servo]]", f"axis = {axis}"]
+    lines += ['mode = "position"', *(f"{key} = {value}" for key, value in values.items())]
+    if k.a[2] == k.b[1] == k.b[2] == 0 and interval in (1000, 2000):
+        lines += ["", f"# or in the robot file, after the [[axis]] number {axis} of {robot}:"]
+        lines += ["[axis.servo]", f"pd_{interval}us = [{k.a[0]}, {k.a[1]}, {k.b[0]}]"]
+    return "\n".join(lines)
 
 
 def _print(c, k, m, method, interval) -> None:

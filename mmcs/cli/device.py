@@ -78,13 +78,14 @@ def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None
 @_speed
 @click.option("--dev", "name", default="mc0", metavar="NAME", help="Name of the server to use.")
 @click.option("--cflags", "show_flags", is_flag=True, help="Print the flags for gcc and end.")
+@click.option("--modern", is_flag=True, help="With --cflags: C of today (gnu17), warnings on.")
 @click.argument("command", nargs=-1, type=click.UNPROCESSED, metavar="-- PROGRAM [ARGS...]")
-def exec_(scenario, realtime, speed, name, show_flags, command) -> None:
+def exec_(scenario, realtime, speed, name, show_flags, modern, command) -> None:
     """Run an unmodified program that opens /dev/mc0 or /dev/vme16."""
     from mmcs.device.execute import cflags, run_program
 
     if show_flags:
-        click.echo(" ".join(cflags()))
+        click.echo(" ".join(cflags(modern)))
         return
     pace = _pace(realtime, speed)
     if not command:

@@ -259,6 +259,13 @@ class Plant:
         return Discrete((0.0, k * (x - 1 + e), k * (1 - e - x * e)), (1.0, -1 - e, e))
 
 
+def plant_of(motor) -> Plant:
+    """The motor of a robot file as the linear design sees it, alone with its mean inertia."""
+    counts_per_rad = motor.counts_per_rev / (2 * math.pi)
+    torque_per_lsb = motor.km * motor.amp_gain * 10 / 2048
+    return Plant(counts_per_rad * torque_per_lsb / motor.inertia, motor.viscous / motor.inertia)
+
+
 @dataclass(frozen=True)
 class Margins:
     gain_db: float  # inf: never

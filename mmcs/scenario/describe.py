@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 
+LEAST_PHASE_DEG = 20
 HEARTBEAT_US = 50_000
 AXIS_KEYS = ("mode", "flags", "a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg",
              "clkdivisor", "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
@@ -95,10 +96,34 @@ def cautions(setup: Setup) -> list[str]:
                 f"axis {axis}: negative gain is for an encoder that counts down with positive "
                 "torque; then ic_pos and ic_neg must be negative too"
             )
+    out += _poor_gains(setup)
     used = {s["axis"] for s in setup.segments}
     for axis in range(setup.axes):
         if axis not in used and setup.scenario.motion and setup.params[axis]["mode"] != "off":
             out.append(f"axis {axis}: no motion, it holds its position")
+    return out
+
+
+def _poor_gains(setup: Setup) -> list[str]:
+    """Position loops that the motor's own inertia makes unstable, or nearly so."""
+    from mmcs.design.synthesis import Discrete, margins, plant_of
+
+    scenario, out = setup.scenario, []
+    for axis, p in enumerate(setup.params):
+        if p["mode"] != "position" or {"adfb", "adoff"} & set(p["flags"]) or not p["b0"]:
+            continue
+        num, den = ([p[f"{k}{n}"] / p["b0"] for n in range(3)] for k in "ab")
+        plant, t = plant_of(setup.robot.axis[axis]), scenario.interval_us * p["clkdivisor"] * 1e-6
+        if sum(num) * plant.g <= 0:
+            continue  # told above, if it is a mistake
+        m = margins(Discrete(tuple(num), tuple(den)), plant, t, delay=int(scenario.double_buffer))
+        if m.stable and m.phase_deg > LEAST_PHASE_DEG:
+            continue
+        what = f"only {m.phase_deg:.0f} deg of phase margin" if m.stable else "an unstable loop"
+        out.append(
+            f"axis {axis}: its gains and this motor make {what} at {t * 1e6:.0f} us; "
+            f"`mmcs design --wn 50 --robot {scenario.robot} --axis {axis} --toml` makes others"
+        )
     return out
 
 

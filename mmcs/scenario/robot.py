@@ -7,7 +7,7 @@ import math
 import re
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from mmcs.errors import Mistake, show, suggest
 from mmcs.scenario.schema import Strict, is_number, refuse
@@ -73,20 +73,20 @@ class Motor(Strict):
 
     name: str = ""
     copies: int = Field(1, ge=1, le=32)
-    rotor_inertia: Inertia
+    rotor_inertia: Inertia  # as inertia, where it is left out
     inertia: Inertia
-    viscous: _from_0(1e6)
-    coulomb_pos: Torque
-    coulomb_neg: Torque
-    stiction_pos: Torque
-    stiction_neg: Torque
+    viscous: _from_0(1e6) = 0.0
+    coulomb_pos: Torque = 0.0
+    coulomb_neg: Torque = 0.0  # as the other direction
+    stiction_pos: Torque = 0.0  # as the Coulomb friction
+    stiction_neg: Torque = 0.0
     km: _positive(1e4)
-    resistance: _positive(1e6)
-    v_supply: _from_0(1e5)
+    resistance: _positive(1e6) = 1.0  # which only a limited supply asks for
+    v_supply: _from_0(1e5) = 0.0
     amp_gain: _within(1e4)
-    amp_max: _from_0(1e5)
-    amp_tau: Delay
-    gear: float = Field(ge=-1e6, le=1e6)
+    amp_max: _from_0(1e5) = 0.0
+    amp_tau: Delay = 0.0
+    gear: float = Field(1.0, ge=-1e6, le=1e6)
     stop_lo: Angle = 0.0
     stop_hi: Angle = 0.0
     pot_v_per_rad: _within(1e6) = 0.0
@@ -105,6 +105,23 @@ class Motor(Strict):
     encoder_offset: Angle = 0.0
     servo: RobotServo = RobotServo()
     source: dict[str, str] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _likewise(cls, data):
+        """What is left out and follows from another value."""
+        if not isinstance(data, dict):
+            return data
+        data = dict(data)
+        for key, other in (
+            ("rotor_inertia", "inertia"),
+            ("coulomb_neg", "coulomb_pos"),
+            ("stiction_pos", "coulomb_pos"),
+            ("stiction_neg", "coulomb_neg"),
+        ):
+            if key not in data and other in data:
+                data[key] = data[other]
+        return data
 
 
 def _expand(motors: list[Motor]) -> list[Motor]:
