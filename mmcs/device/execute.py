@@ -36,7 +36,7 @@ def cflags(modern: bool = False) -> list[str]:
         *(("-std=gnu17", "-Wall", "-Wextra") if modern else ("-std=gnu89", "-w")),
         f"-I{DEVICE / 'include'}",
         "-wrapper",
-        str(DEVICE / "cc_wrapper.sh"),
+        f"{DEVICE / 'cc_wrapper.sh'},{LIBRARY}",
     ]
 
 
