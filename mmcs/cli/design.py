@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from mmcs.errors import InputError, RunError
+from mmcs.screen import echo
 
 OPTION = dict(type=float, default=0.0)
 
@@ -55,16 +56,16 @@ def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis
     if not m.stable:
         warnings.append("the closed loop is unstable with double-buffered D/As")
     if as_toml:
-        click.echo(_toml(k, robot, axis, interval))
+        echo(_toml(k, robot, axis, interval))
     elif as_json:
-        click.echo(json.dumps(_report(c, k, m, method, interval, warnings), indent=2))
+        echo(json.dumps(_report(c, k, m, method, interval, warnings), indent=2))
     elif as_c:
         for name, values in (("a", k.a), ("b", k.b)):
-            click.echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
+            echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
     else:
         _print(c, k, m, method, interval)
     for text in warnings:
-        click.echo(f"warning: {text}", err=True)
+        echo(f"warning: {text}", err=True)
     if plot is not None:
         from mmcs.design.plot import write_plot
 
@@ -125,11 +126,11 @@ def _toml(k, robot: str, axis: int, interval: int) -> str:
 
 def _print(c, k, m, method, interval) -> None:
     gains = f"P {c.p:.6g}, I {c.i:.6g}, D {c.d:.6g}" + (f", tau {c.tau:.4g} s" if c.tau else "")
-    click.echo(f"{c.form} by {method} at {interval} us: {gains}")
-    click.echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
-    click.echo("  b0 b1 b2   " + "  ".join(map(str, k.b)))
-    click.echo(f"  error by rounding {100 * k.gain_error:.3g} %")
-    click.echo(
+    echo(f"{c.form} by {method} at {interval} us: {gains}")
+    echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
+    echo("  b0 b1 b2   " + "  ".join(map(str, k.b)))
+    echo(f"  error by rounding {100 * k.gain_error:.3g} %")
+    echo(
         f"  gain margin {m.gain_db:.1f} dB, phase margin {m.phase_deg:.1f} deg at "
         f"{m.crossover:.1f} rad/s, sensitivity peak {m.peak:.2f}"
     )
@@ -150,4 +151,4 @@ def _apply(axis: int, k, dev: str, interval: int) -> None:
             device.set_param(axis, param)
     except OSError as error:
         raise RunError(f"--apply {axis}: {error.strerror}") from None
-    click.echo(f"set on axis {axis}")
+    echo(f"set on axis {axis}")

@@ -9,6 +9,7 @@ import sys
 import click
 
 from mmcs.errors import InputError
+from mmcs.screen import echo
 
 _speed = click.option("--speed", type=float, metavar="X", help="Simulated seconds per second.")
 _realtime = click.option("--realtime", is_flag=True, help="The same as --speed 1.")
@@ -65,7 +66,7 @@ def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
                 signal.signal(number, stop)
-        click.echo(f"serving {scenario} as {name}; run programs with: mmcs exec -- PROGRAM")
+        echo(f"serving {scenario} as {name}; run programs with: mmcs exec -- PROGRAM")
         try:
             server.run()
         finally:
@@ -85,7 +86,7 @@ def exec_(scenario, realtime, speed, name, show_flags, modern, command) -> None:
     from mmcs.device.execute import cflags, run_program
 
     if show_flags:
-        click.echo(" ".join(cflags(modern)))
+        echo(" ".join(cflags(modern)))
         return
     pace = _pace(realtime, speed)
     if not command:

@@ -12,11 +12,13 @@ AXIS_KEYS = ("mode", "flags", "a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_
 
 
 def show_setup(setup: Setup) -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from mmcs.screen import cell
+    from mmcs.screen import console as screen
+
     scenario, robot = setup.scenario, setup.robot
-    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console = screen()
     console.print(f"{setup.name}: {scenario.description}")
     cards = f"{scenario.cards} card{'s' if scenario.cards > 1 else ''}"
     console.print(
@@ -33,7 +35,9 @@ def show_setup(setup: Setup) -> None:
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
-    table = Table("", *[f"{n} {robot.axis_name(n)}".strip() for n in range(setup.axes)], box=None)
+    table = Table("", box=None)
+    for axis in range(setup.axes):
+        table.add_column(cell(f"{axis} {robot.axis_name(axis)}".strip()))
     for key in AXIS_KEYS:
         values = [params[key] for params in setup.params]
         texts = [" ".join(v) if isinstance(v, list) else str(v) for v in values]
