@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
 from mmcs.scenario.inputs import INPUTS
@@ -18,12 +19,9 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate
 
-SERVO_DEFAULTS = {
-    # Table 2.1 of the report
-    "mode": "off", "flags": [], "a0": 1, "a1": 0, "a2": 0, "b0": 1, "b1": 0, "b2": 0,
-    "ic_pos": 0, "ic_neg": 0, "clkdivisor": 1, "ilim": 1024, "ilimax": 0,
-    "plo": -(2**31), "phi": 2**31 - 1, "adc_a": 1, "adc_b": 0, "ipole": 0,
-}  # fmt: skip
+_NUMBERS = ("a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg", "clkdivisor", "ilim",
+            "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
+SERVO_DEFAULTS = {"mode": "off", "flags": []} | {n: mcdef.initial().get(n, 0) for n in _NUMBERS}
 
 
 @dataclass

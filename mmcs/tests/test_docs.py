@@ -9,6 +9,7 @@ from fractions import Fraction
 import pytest
 
 from mmcs import ROOT
+from mmcs.engine import logcols
 from mmcs.scenario import scenario
 from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.schema import Strict
@@ -158,3 +159,9 @@ def test_conformance_names_what_is_in_the_chip(page):
     assert quotes
     missing = [q for q in quotes if not re.search(rf"(?<!\w){re.escape(q)}(?!\w)", rtl)]
     assert missing == []
+
+
+def test_the_log_has_the_columns_that_the_page_names():
+    row = re.search(r"^\| `log.csv` \|.*$", TEXT, re.M)[0]
+    told = re.findall(r"`(\w+)_n`", row)
+    assert tuple(told) == logcols.FIELDS
