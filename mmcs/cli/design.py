@@ -138,17 +138,23 @@ def _print(c, k, m, method, interval) -> None:
 
 def _apply(axis: int, k, dev: str, interval: int) -> None:
     """Only the compensator changes, between two samples; whoever runs the device keeps it."""
-    from mmcs.device.client import Device
+    from mmcs.device.link import Link
 
+    param = {f"{c}{n}": value for c, of in (("a", k.a), ("b", k.b)) for n, value in enumerate(of)}
     try:
-        with Device("/dev/mc0", server=dev) as device:
-            if interval != device.interval():
-                allowed = f"the device samples every {device.interval()} us"
+        with Link(server=dev) as link:
+            link.request("open", mode="rw")
+            others = [c for c in link.request("clients")["clients"] if c["mode"]]
+            if len(others) < 2:
+                allowed = (
+                    "no program has the device open, and the next one to open it would reset this"
+                )
+                raise InputError.one("--apply", "", axis, allowed)
+            now = link.request("call", request="MGETINTERVAL")["value"]
+            if interval != now:
+                allowed = f"the device samples every {now} us"
                 raise InputError.one("--interval", "", interval, allowed)
-            param = device.get_param(axis)
-            for n in range(3):
-                param[f"a{n}"], param[f"b{n}"] = k.a[n], k.b[n]
-            device.set_param(axis, param)
+            link.request("change", axis=axis, param=param)
     except OSError as error:
         raise RunError(f"--apply {axis}: {error.strerror}") from None
     echo(f"set on axis {axis}")

@@ -135,6 +135,10 @@ class Server:
         """So much time passes in the steps to come; then the asker is answered."""
         self._target = (self.sim.time + seconds, asker, id_)
 
+    @property
+    def advances(self) -> bool:
+        return self._target is not None
+
     def _go_on(self) -> None:
         target, asker, id_ = self._target
         self.sim.run(min(target, self.sim.time + self.pace.chunk))

@@ -28,9 +28,13 @@ class Raw:
         sock.setblocking(False)
         return sock
 
-    @staticmethod
-    def _send(sock, op, name, a, b, data):
-        sock.send(REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data)
+    def _send(self, sock, op, name, a, b, data):
+        data = REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data
+        while data:
+            try:
+                data = data[sock.send(data) :]
+            except BlockingIOError:
+                self.bench.server.step()
 
     def _answer(self, sock):
         data = b""
