@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-# Length: one attack a test, all against the same server.
 """What nobody should do to the server, and what an impostor does to a program."""
 
 import contextlib
