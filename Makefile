@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: tool tool-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -47,6 +47,7 @@ $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/v
 
 $(VENV)/.test: $(VENV)/.sim
 	@$(call INSTALL,the test tools,-e .[test])
+	@$(call INSTALL,the page's server,-e .[tool])
 	@$(call INSTALL,the processor models,-e .[hosts]) || echo "mmcs: no processor models: the tests of --host skip"
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
 	@tools/need_debian.sh gtkwave gtkwave || true
@@ -131,6 +132,26 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(MAKE) -s -f firmware/Makefile
+
+# --- mctool in the browser ------------------------------------------------------------------
+
+$(VENV)/.tool: $(VENV)/.sim web/package.json web/package-lock.json
+	@$(call INSTALL,mctool,-e .[tool])
+	@echo "mmcs: installing the page's libraries"
+	@mkdir -p $(VENV)/share/mmcs && cp web/package.json web/package-lock.json $(VENV)/share/mmcs
+	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --silent --ignore-scripts --no-audit --no-fund
+	@touch $@
+
+tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool [SCENARIO=puma560]
+	@$(BIN)/mmcs tool "$(SCENARIO)"
+
+$(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
+	@$(call INSTALL,the browser's test tools,-e .[tool-test])
+	@tools/need_debian.sh chromium chromium
+	@touch $@
+
+tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 stops, streams
+	@$(BIN)/python -m pytest web/tests
 
 # --- programmable logic --------------------------------------------------------------------
 

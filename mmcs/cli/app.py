@@ -16,6 +16,7 @@ from mmcs.cli.again import replay, trace
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
 from mmcs.cli.sweep import sweep
+from mmcs.cli.tool import tool
 from mmcs.cli.view import compare, film
 from mmcs.errors import InputError, RunError
 from mmcs.place import results
@@ -272,7 +273,7 @@ main.add_command(trace)
 main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
-for _command in (serve, exec_, design, sweep):
+for _command in (serve, exec_, design, sweep, tool):
     main.add_command(_command)
 
 

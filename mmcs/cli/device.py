@@ -34,7 +34,7 @@ def _machine(scenario: str):
     s = setup.scenario
     library = ensure_library(s.cards, "speed", s.clk_hz, s.skip)
     config, motors, links = setup.config(), setup.motors(), setup.links()
-    machine = {"gravity": config["gravity"], "motors": motors, "links": links}
+    machine = {"gravity": config["gravity"], "motors": motors, "links": setup.robot.links()}
     return Sim(library, config, motors, links), {"scenario": scenario, "machine": machine}
 
 
