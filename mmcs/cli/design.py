@@ -12,15 +12,19 @@ from mmcs.errors import InputError, RunError
 from mmcs.screen import echo
 
 OPTION = dict(type=float, default=0.0)
+GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 
 
 @click.command()
 @click.option("-p", "p", **OPTION, help="Proportional gain, LSB/count.")
 @click.option("-i", "i", **OPTION, help="Integral gain, LSB/(count s).")
 @click.option("-d", "d", **OPTION, help="Derivative gain, LSB s/count.")
-@click.option("--tau", **OPTION, help="Derivative filter, s; 0: none.")
+@click.option("--tau", type=float, help="Derivative filter, s; default: none.")
+@click.option("--kick", type=float, metavar="UNITS",
+              help="Instead of --tau: the filter with which one count makes the derivative move "
+              "the D/A by so much.")  # fmt: skip
 @click.option("--wn", type=float, help="Instead of gains: PD by pole placement, rad/s.")
-@click.option("--zeta", type=float, default=1.0, show_default=True, help="Damping for --wn.")
+@click.option("--zeta", type=float, help="Damping for --wn; default: 1.")
 @click.option("--method", default="backward", show_default=True, metavar="NAME",
               help="backward, bilinear, prewarp, matched, ztransform or zoh.")  # fmt: skip
 @click.option("--prewarp", **OPTION, help="Frequency that prewarp keeps exact, rad/s.")
@@ -35,17 +39,22 @@ OPTION = dict(type=float, default=0.0)
 @click.option("--plot", type=click.Path(path_type=Path), metavar="FILE", help="Bode, step, poles.")
 @click.option("--apply", "apply_to", type=int, metavar="AXIS", help="Set it on a running device.")
 @click.option("--dev", default="mc0", metavar="NAME", help="Server for --apply.")
-def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json, as_c,
-           as_toml, plot, apply_to, dev) -> None:  # fmt: skip
+def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json,
+           as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.design import synthesis as ds
 
-    plant = _plant(_load_robot(robot), axis)
+    motors = _load_robot(robot)
+    if not 0 <= axis < len(motors.axis):
+        raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(motors.axis) - 1}")
+    plant = ds.plant_of(motors.axis[axis])
     t = interval * 1e-6
     try:
-        c = ds.place(plant, wn, zeta) if wn is not None else ds.Controller(p, i, d, tau)
-        if wn is None and not (p or i or d):
-            raise ds.DesignError("give gains with -p -i -d, or a bandwidth with --wn")
+        c = _controller(plant, p, i, d, tau, wn, zeta)
+        if kick is not None:
+            if tau is not None:
+                raise ds.DesignError("--kick chooses the derivative filter: leave out --tau")
+            c = ds.limit_step(c, kick, method, t, prewarp)
         k = ds.to_integers(ds.discretize(c, method, t, prewarp), t, scale)
     except ds.DesignError as error:
         raise InputError.one("mmcs design", "", None, str(error)) from None
@@ -87,12 +96,19 @@ def _load_robot(name: str):
     return robot
 
 
-def _plant(robot, axis: int):
-    from mmcs.design.synthesis import plant_of
+def _controller(plant, p, i, d, tau, wn, zeta):
+    """Gains as given, or a PD placed."""
+    from mmcs.design import synthesis as ds
 
-    if not 0 <= axis < len(robot.axis):
-        raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(robot.axis) - 1}")
-    return plant_of(robot.axis[axis])
+    if wn is not None:
+        if p or i or d:
+            raise ds.DesignError(f"--wn: {GAINS}")
+        return ds.place(plant, wn, 1.0 if zeta is None else zeta, tau or 0.0)
+    if zeta is not None:
+        raise ds.DesignError("--zeta is the damping for --wn, which is missing")
+    if not (p or i or d):
+        raise ds.DesignError("give gains with -p -i -d, or a bandwidth with --wn")
+    return ds.Controller(p, i, d, tau or 0.0)
 
 
 def _report(c, k, m, method, interval, warnings) -> dict:
@@ -103,6 +119,7 @@ def _report(c, k, m, method, interval, warnings) -> dict:
         "gains": {"p": c.p, "i": c.i, "d": c.d, "tau": c.tau},
         **{f"a{n}": v for n, v in enumerate(k.a)},
         **{f"b{n}": v for n, v in enumerate(k.b)},
+        "count_step": _count_step(c, k),
         "gain_error": k.gain_error,
         "gain_margin_db": m.gain_db,
         "phase_margin_deg": m.phase_deg,
@@ -118,9 +135,10 @@ def _toml(k, robot: str, axis: int, interval: int) -> str:
     values = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
     lines = ["# in a scenario:", f"interval_us = {interval}", "", "[[servo]]", f"axis = {axis}"]
     lines += ['mode = "position"', *(f"{key} = {value}" for key, value in values.items())]
-    if k.a[2] == k.b[1] == k.b[2] == 0 and interval in (1000, 2000):
+    if k.a[2] == k.b[2] == 0 and interval in (1000, 2000):
+        gains = [k.a[0], k.a[1], k.b[0], *([k.b[1]] if k.b[1] else [])]
         lines += ["", f"# or in the robot file, after the [[axis]] number {axis} of {robot}:"]
-        lines += ["[axis.servo]", f"pd_{interval}us = [{k.a[0]}, {k.a[1]}, {k.b[0]}]"]
+        lines += ["[axis.servo]", f"pd_{interval}us = {gains}"]
     return "\n".join(lines)
 
 
@@ -129,11 +147,19 @@ def _print(c, k, m, method, interval) -> None:
     echo(f"{c.form} by {method} at {interval} us: {gains}")
     echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
     echo("  b0 b1 b2   " + "  ".join(map(str, k.b)))
+    if c.d:
+        echo(f"  one count: the derivative makes {_count_step(c, k):.0f} D/A units of it")
     echo(f"  error by rounding {100 * k.gain_error:.3g} %")
     echo(
         f"  gain margin {m.gain_db:.1f} dB, phase margin {m.phase_deg:.1f} deg at "
         f"{m.crossover:.1f} rad/s, sensitivity peak {m.peak:.2f}"
     )
+
+
+def _count_step(c, k) -> float:
+    from mmcs.design.synthesis import count_step
+
+    return count_step(k.discrete(), c)
 
 
 def _apply(axis: int, k, dev: str, interval: int) -> None:

@@ -55,7 +55,9 @@ def show_setup(setup: Setup) -> None:
             f"  {process.at:7.3f} s  axis {process.axis}: process {process.kind} to {process.to}"
         )
     for call in scenario.call:
-        where = f" axis {call.axis}" if call.request in ("MCALIB", "MSETENC") else ""
+        where = f" axis {call.axis}" if call.request in ("MCALIB", "MSETENC", "MSETPARAM") else ""
+        if call.set:
+            where += f" {call.set.model_dump(exclude_none=True, exclude={'axis'})}"
         console.print(f"  {call.at:7.3f} s  {call.request}{where}")
     for event in scenario.event:
         since = " after power-on" if event.at_power_on else ""

@@ -28,9 +28,9 @@ def _vector(length: int, most: float):
 
 
 def _gains(value):
-    whole = isinstance(value, list) and len(value) == 3
+    whole = isinstance(value, list) and len(value) in (3, 4)
     if not whole or not all(isinstance(v, int) and abs(v) < 2**31 for v in value):
-        raise refuse("must be [a0, a1, b0], three whole numbers of 32 bits")
+        raise refuse("must be [a0, a1, b0] or [a0, a1, b0, b1], whole numbers of 32 bits")
     if value[2] == 0:
         raise refuse("b0, the third number, must not be 0")
     return value
@@ -209,7 +209,7 @@ class Robot(Strict):
         gains = gains or servo.pd_1000us or servo.pd_2000us
         values = {"mode": "position", "flags": ["coulcomp"], "ilim": servo.ilim}
         values |= {"ic_pos": servo.ic_pos, "ic_neg": servo.ic_neg}
-        return values | (dict(zip(("a0", "a1", "b0"), gains, strict=True)) if gains else {})
+        return values | dict(zip(("a0", "a1", "b0", "b1"), gains or (), strict=False))
 
     def mistakes(self, file: str) -> list[Mistake]:
         """What no single field shows."""

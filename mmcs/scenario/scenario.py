@@ -100,6 +100,7 @@ class Table(_Segment):
     file: str = Field(min_length=1, description="a CSV file beside the scenario")
     column: str | None = None
     duration: Duration = Field(description="seconds")
+    to: NumberOrList | None = None  # then the column is the share of the way there, 0 to 1
 
 
 Motion = Annotated[Step | Glide | Trapezoid | Wave | Chirp | Table, Field(discriminator="kind")]
@@ -117,8 +118,9 @@ class Event(Strict):
 
 
 Request = Literal[
-    "MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP", "MZEROSTATS"
-]
+    "MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSETPARAM",
+    "MSTOP", "MZEROSTATS"
+]  # fmt: skip
 
 
 class Call(Strict):
@@ -126,8 +128,9 @@ class Call(Strict):
 
     at: Seconds = Field(description="seconds after the start of motion")
     request: Request
-    axis: Axes = "all"  # of MCALIB and MSETENC
+    axis: Axes = "all"  # of MCALIB, MSETENC and MSETPARAM
     value: Int32 = 0  # of MDACMODE, MSETENC, MSETINTERVAL
+    set: Servo | None = None  # of MSETPARAM: what changes
 
 
 class Loop(Strict):

@@ -161,7 +161,20 @@ class _Cross:
                 segments.append(self._segment(key, motion, axis, place, len(chosen)))
         self._overlaps(segments)
         segments.sort(key=lambda s: (s["axis"], s["t0"]))
+        self._follow_shares(segments)
         return segments
+
+    @staticmethod
+    def _follow_shares(segments: list[dict]) -> None:
+        """A table of shares leads from the end of the segment before it to its own `to`."""
+        ends: dict[int, float] = {}
+        for segment in segments:
+            table = segment.get("table")
+            if table and "to" in segment:
+                start = ends.get(segment["axis"], 0.0)
+                table = [start + (segment["to"] - start) * share for share in table]
+                segment["table"] = table
+            ends[segment["axis"]] = table[-1] if table else segment["to"]
 
     def _segment(self, key: str, motion, axis: int, place: int, count: int) -> dict:
         scale = self.robot.counts_per(motion.unit, axis)
@@ -180,6 +193,9 @@ class _Cross:
         if isinstance(motion, Chirp):
             segment |= {"f0": motion.hz_from, "f1": motion.hz_to}
         if isinstance(motion, Table):
+            if motion.to is not None:
+                segment["to"] = scale * self._pick(f"{key}.to", motion.to, place, count)
+                scale = 1.0
             segment["table"] = [scale * v for v in self._table(key, motion, scale)]
         peak = abs(segment.get("to", 0.0)) + abs(segment.get("amplitude", 0.0))
         if not math.isfinite(peak) or peak >= 2**31:
@@ -301,6 +317,9 @@ class _Cross:
         self._check_process()
         for n, call in enumerate(scenario.call):
             self.chosen(f"call.{n}", call.axis)
+            if (call.request == "MSETPARAM") != (call.set is not None):
+                allowed = "MSETPARAM, and no other request, takes set = { ... }"
+                self.wrong(f"call.{n}.set", None, allowed)
             if call.at >= scenario.duration:
                 end = f"must be before the end of the run ({scenario.duration:g} s)"
                 self.wrong(f"call.{n}.at", call.at, end)
