@@ -47,8 +47,8 @@ class Raw:
         result, length = REPLY.unpack_from(data)
         return result, data[REPLY.size : REPLY.size + length]
 
-    def call(self, op, a=0, data=b""):
-        self._send(self.channel, op, self.name, a, 0, data)
+    def call(self, op, a=0, data=b"", b=0):
+        self._send(self.channel, op, self.name, a, b, data)
         return self._answer(self.channel)
 
     def flood(self):

@@ -164,10 +164,16 @@ def test_no_descriptor_is_left(bench):
     is_well(bench)
 
 
-def test_an_end_comes_through_a_request_that_waits(bench):
-    """MENABLE would wait for its first SCLOCK, 536 s away."""
+@pytest.mark.parametrize("why", ["interval", "vector"])
+def test_an_end_comes_through_a_request_that_waits(bench, why):
+    """MENABLE would wait for its first SCLOCK, 536 s away; or for one that nobody understands."""
     program = Raw(bench)
-    assert program.call(wire.IOCTL, mcdef.MSETINTERVAL, struct.pack("<I", 536_000_000))[0] == 0
+    if why == "interval":
+        assert program.call(wire.IOCTL, mcdef.MSETINTERVAL, struct.pack("<I", 536_000_000))[0] == 0
+    else:
+        vme = Raw(bench, device=b"/dev/vme16")
+        assert vme.call(wire.STORE, 0x6441, b"\x55", b=1)[0] == wire.BUS_OK
+        vme.close()
     looks, genuine = [], bench.server._listen
 
     def listen(wait):

@@ -124,7 +124,7 @@ while True:
     child.wait(60)
     child.stdout.close()
     folder = socket_path("mc0").parent
-    assert [p.name for p in folder.iterdir()] == ["mc0.lock"]
+    assert not list(folder.iterdir())
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
@@ -140,7 +140,7 @@ def test_exec_passes_an_end_on_and_leaves_nothing(tmp_path, monkeypatch, number)
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
     folder = socket_path("mc0").parent
-    assert all(p.suffix == ".lock" for p in folder.iterdir())
+    assert not list(folder.iterdir())
 
 
 # --- mmcs.Device ---
