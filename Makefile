@@ -101,7 +101,7 @@ test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: o
 	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --sim icarus \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
 
-bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/bench.md
+bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/simulator/bench.md
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python -m studies.bench.run $(BENCH)
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reference step responses of PD position loops, and the same steps on the simulated machine.
 
-`python -m studies.reference` measures them all and writes docs/closed_loop.md. The figures of ROWS
-come from a plant and servo model of one axis that shares nothing with this project's code, with the
-gains of reference_gains.toml and a current limit of 1024; those of the robot's own gains come from
-one_axis.py.
+`python -m studies.reference` measures them all and writes docs/evidence/closed_loop.md. The figures
+of ROWS come from a plant and servo model of one axis that shares nothing with this project's code,
+with the gains of reference_gains.toml and a current limit of 1024; those of the robot's own gains
+come from one_axis.py.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 from mmcs import ROOT
 
-DOCUMENT = ROOT / "docs" / "closed_loop.md"
+DOCUMENT = ROOT / "docs" / "evidence" / "closed_loop.md"
 COMPENSATION = ("off", "0.8", "1.0")
 GAINS = tomllib.loads(Path(__file__).with_name("reference_gains.toml").read_text())
 ILIM = 1024

@@ -5,7 +5,8 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ROOT / "docs" / "chips"
+PAGES = ROOT / "docs" / "hardware" / "chips"
+BENCHES = PAGES.relative_to(ROOT)
 BEGIN, END = "<!-- generated: alone -->\n", "<!-- end of alone -->"
 TIES = {
     "ad574": "`mode12_i` at 1 gives all bits at once, `span10_i` at 0 is ±10 V; with `cs_ni` at 0,"
@@ -45,7 +46,7 @@ def section(name: str) -> str:
     return "\n".join([
         "| port | | width | |", "|---|---|---|---|", *rows, "",
         f"**Tie-offs.** {TIES[name]} Outputs may stay open.", "",
-        "```sh", f"iverilog -g2012 -Irtl -s tb {files(name)} docs/chips/{name}_tb.sv && vvp a.out",
+        "```sh", f"iverilog -g2012 -Irtl -s tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
         "```", "", "```systemverilog", bench.rstrip(), "```", "",
     ])  # fmt: skip
 

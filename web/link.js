@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine's messages (docs/protocol.md) for a page: requests as promises, the stream as events.
+// The machine's messages (docs/use/protocol.md) for a page: requests as promises, the stream as events.
 //
 // A carrier has send(text), close() and the hooks onText, onBytes, onClose; below is the one of a
 // WebSocket. Events: hello, event, samples (an ArrayBuffer), lost, closed (a reason).
@@ -26,7 +26,7 @@ export class Link extends EventTarget {
     carrier.onClose = (reason) => this.#end(reason);
   }
 
-  /** One request of docs/protocol.md; resolves to the reply, rejects with a MachineError. */
+  /** One request of docs/use/protocol.md; resolves to the reply, rejects with a MachineError. */
   request(op, args = {}) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {

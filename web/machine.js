@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine as the page knows it: the link, its history, who controls, and what is said to people.
 //
-// Control is the lease (docs/protocol.md): without it the page writes nothing. While it is held the
-// page says so every 80 ms; 250 ms of silence stop the machine (deadman_ms, docs/tool.md).
+// Control is the lease (docs/use/protocol.md): without it the page writes nothing. While it is held the
+// page says so every 80 ms; 250 ms of silence stop the machine (deadman_ms, docs/use/tool.md).
 
 import { History } from "./samples.js";
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mctool in the browser, §3: puts the parts together. docs/tool.md
+// mctool in the browser, §3: puts the parts together. docs/use/tool.md
 //
 // Address: ?stop=URL (the stop frame), control=1 (take control at the start), t=MS (set the
 // interval), z=1 (zero the encoders), u=1 (do not update counts, A/D, current), theme=1989, deadman=MS (how long the page may be silent while it

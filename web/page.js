@@ -6,7 +6,7 @@ const WRITE_MS = 20; // a slider that is dragged writes at most so often
 export class Page {
   constructor(machine, advice) {
     this.machine = machine;
-    this.advice = advice; // null: no designer (docs/tool.md)
+    this.advice = advice; // null: no designer (docs/use/tool.md)
     this.interval_s = 0.002;
     this.setpoints = [];
     this.panels = [];

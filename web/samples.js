@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Servo samples as they come (docs/protocol.md, Samples), kept whole for minutes.
+// Servo samples as they come (docs/use/protocol.md, Samples), kept whole for minutes.
 
 const HEAD_BYTES = 32;
 const ROW_HEAD_INTS = 6; // number and time as float64, lines, joints

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A client of the messages in Python (docs/protocol.md): for tools, recorders and tests."""
+"""A client of the messages in Python (docs/use/protocol.md): for tools, recorders and tests."""
 
 from __future__ import annotations
 

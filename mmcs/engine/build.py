@@ -36,7 +36,7 @@ def ensure_library(
 ) -> Path:
     """The library of a build; kind is "speed", "trust" (assertions live) or "trace".
 
-    soc: the machine has its own processor (docs/soc.md); it cannot skip.
+    soc: the machine has its own processor (docs/hardware/soc.md); it cannot skip.
     """
     skip = skip and not soc
     path = library_path(cards, kind, clk_hz, skip, soc)

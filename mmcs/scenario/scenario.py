@@ -110,7 +110,7 @@ class Event(Strict):
     """A named input of the machine or the plant takes a value."""
 
     at: Seconds = Field(description="seconds after the start of motion")
-    input: str = Field(min_length=1, description="the name of an input, see docs/scenarios.md")
+    input: str = Field(min_length=1, description="the name of an input, see docs/use/scenarios.md")
     index: int = Field(0, ge=0, le=31)  # the axis or card it applies to
     value: float = Field(description="the new value of the input")
     until: Seconds | None = None  # then the input is healthy again
@@ -159,7 +159,7 @@ Process = Annotated[Loop | Bounce, Field(discriminator="kind")]
 
 
 class Fault(Strict):
-    """What the scenario shows in the fault table, docs/faults.md."""
+    """What the scenario shows in the fault table, docs/evidence/faults.md."""
 
     name: str = Field(min_length=1, description="the fault in a few words")
     why: str = Field(min_length=1, description="what the design of 1989 does about it, and why")

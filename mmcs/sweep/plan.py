@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sweep runs: a grid or a random sample over values of a scenario. docs/sweep.md
+"""What a sweep runs: a grid or a random sample over values of a scenario. docs/use/sweep.md
 
 Every row is made from the scenario, the sweep's seed and the row's number alone, so neither the
 number of workers nor the order in which they finish shows in the results.

@@ -76,7 +76,7 @@ def test_the_flagship_keeps_off_its_limits():
 
 def test_document_is_current():
     """After the steps above, whose results are kept: this costs nothing more."""
-    told = "docs/closed_loop.md is stale: run `python -m studies.reference`"
+    told = "docs/evidence/closed_loop.md is stale: run `python -m studies.reference`"
     assert reference.DOCUMENT.read_text() == reference.document(), told
 
 

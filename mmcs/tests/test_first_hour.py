@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/first_hour.md and the chips' benches, as they stand: files written, commands run."""
+"""docs/use/first_hour.md and the chips' benches, as they stand: files written, commands run."""
 
 import os
 import re
@@ -74,7 +74,7 @@ def test_every_method_of_the_device_is_in_the_table():
 @pytest.mark.parametrize("name", chip_pages.names())
 def test_bench_of_the_chip(name, tmp_path):
     program = tmp_path / "tb"
-    sources = [*chip_pages.files(name).split(), f"docs/chips/{name}_tb.sv"]
+    sources = [*chip_pages.files(name).split(), f"docs/hardware/chips/{name}_tb.sv"]
     command = ["iverilog", "-g2012", "-Irtl", "-s", "tb", "-o", program, *sources]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     said = subprocess.run(["vvp", program], check=True, text=True, capture_output=True).stdout

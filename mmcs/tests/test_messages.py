@@ -403,7 +403,7 @@ def test_random_requests_are_answered(tmp_path):
 
 
 def test_every_op_is_documented():
-    page = (ROOT / "docs" / "protocol.md").read_text()
+    page = (ROOT / "docs" / "use" / "protocol.md").read_text()
     told = set(re.findall(r"^\| `(\w+)`(?:, `(\w+)`)? \|", page, flags=re.M))
     told = {name for pair in told for name in pair if name}
     source = "".join(

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page's server: files, and a WebSocket for each page to the machine's messages.
 
-Passes messages on unread (docs/protocol.md); a page that reads too slowly stops being read for, and
-the machine's ring counts what it then loses. A process of its own: STOP does not depend on it.
+Passes messages on unread (docs/use/protocol.md); a page that reads too slowly stops being read for,
+and the machine's ring counts what it then loses. A process of its own: STOP does not depend on it.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 
 The frame comes from another site than the page around it (localhost, not 127.0.0.1), so that a
 browser gives it a process of its own: it lives while the page's scripts hang. Its WebSocket leads
-to the machine's stop path, which shares nothing with the stream (docs/protocol.md).
+to the machine's stop path, which shares nothing with the stream (docs/use/protocol.md).
 """
 
 from __future__ import annotations

@@ -295,7 +295,7 @@ def main() -> int:
         ROOT / "rtl/regs/mmcs_regs_pkg.sv": to_sv(*views),
         ROOT / "firmware/include/mmcs_regs.h": to_c(*views),
         ROOT / "mmcs/regs.py": to_python(*views),
-        ROOT / "docs/registers.md": to_docs(*views),
+        ROOT / "docs/hardware/registers.md": to_docs(*views),
         ROOT / "web/registers_table.js": to_js(*views),
     }
     check = sys.argv[1:] == ["--check"]

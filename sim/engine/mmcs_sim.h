@@ -240,7 +240,7 @@ int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);
 
 /* The tap: every servo sample and every change from two bounded rings, for readers that keep their
  * own place, a position counted from the first record ever. No part of the machine's state, and
- * without influence on it. A row is laid out as docs/protocol.md says. */
+ * without influence on it. A row is laid out as docs/use/protocol.md says. */
 typedef struct mmcs_tap_event {
   int64_t n; /* its position */
   double t;
