@@ -246,7 +246,8 @@ class Robot(Strict):
             if motor.stiffness > 0 and not self.link and motor.load_inertia == 0:
                 allowed = "must be more than 0: what hangs on the flexible coupling"
                 wrong(f"{key}.load_inertia", motor.load_inertia, allowed)
-            self._check_coupling(key, motor, wrong)
+            if not self.link:
+                self._check_coupling(key, motor, wrong)
             self._check_winding(key, motor, wrong)
             for name, text in motor.source.items():
                 self._check_source(f"{key}.source.{name}", text, wrong)
@@ -256,12 +257,13 @@ class Robot(Strict):
         if self.link and len(self.link) != len(self.axis):
             allowed = f"an arm needs one [[link]] per [[axis]] ({len(self.axis)})"
             wrong("link", f"{len(self.link)} links", allowed)
+        elif self.link and not found:
+            self._check_arm(wrong)
         return found
 
     def _check_coupling(self, key: str, motor: Motor, wrong) -> None:
         """The physics takes 50 us steps; a coupling that swings faster would blow up."""
-        own = motor.rotor_inertia * motor.gear**2
-        load = own if self.link else motor.load_inertia
+        own, load = motor.rotor_inertia * motor.gear**2, motor.load_inertia
         if motor.stiffness == 0 or load == 0 or own == 0:
             return
         softness = 1 / load + 1 / own
@@ -272,6 +274,21 @@ class Robot(Strict):
         most = 0.5 / (softness * STEP_S)
         if motor.damping > most:
             wrong(f"{key}.damping", motor.damping, f"must be at most {most:.3g}: steps are 50 us")
+
+    def _check_arm(self, wrong) -> None:
+        from mmcs.scenario.arm import is_body, stiff_joints
+
+        for n, link in enumerate(self.link):
+            if not is_body(link.inertia):
+                allowed = "is the inertia of no body: it must be positive definite"
+                wrong(f"link.{n}.inertia", link.inertia, allowed)
+                return
+        for key, most in stiff_joints(self):
+            _, axis, name = key.split(".")
+            allowed = f"must be at most {most:.3g} with its load: steps are 50 us"
+            if most == 0:
+                allowed = "must be 0: in some pose the joint moves no mass"
+            wrong(key, getattr(self.axis[int(axis)], name), allowed)
 
     def _check_winding(self, key: str, motor: Motor, wrong) -> None:
         """Back-EMF over the winding brakes with km^2/resistance; within one step it would ring."""
