@@ -92,8 +92,8 @@ unsigned timer_enter(struct mc *mc) {
     now = rises(mc, now);
     passed = (uint16_t)(now - mc->rises);
   }
-  if (!mc->synced) passed = 1;
-  mc->synced = 1;
+  if (!mc->synced || mc->fault) passed = 1;
+  mc->synced = !mc->fault; /* what could not be read tells nothing */
   mc->rises = now;
   return passed;
 }

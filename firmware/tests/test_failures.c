@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Hardware that fails behind the driver's back, on the mock machine. §2.3.4, §5.3.6 */
+#include "mc_priv.h"
 #include "harness.h"
 #include "mock.h"
 
@@ -66,7 +67,37 @@ static void test_enable_stops_at_the_first_card_that_is_silent(void) {
   mock_stop(&m);
 }
 
+static enum mc_bus_result (*good_read)(void *ctx, uint16_t offset, uint8_t *value);
+static int countdown;
+
+static enum mc_bus_result fail_once(void *ctx, uint16_t offset, uint8_t *value) {
+  enum mc_bus_result result = good_read(ctx, offset, value);
+  if (countdown-- != 0) return result;
+  *value = 0xFF;
+  return MC_BUS_ERROR;
+}
+
+/* Whichever read of a pass fails: one PANIC, no SCLOCK that was not. */
+// req: DRV-7 DRV-9
+static void test_a_read_that_failed_is_one_panic(void) {
+  for (int which = 0; which < 15; which++) {
+    struct mc *mc = enabled(MD_POS);
+    mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
+    good_read = mc->bus.read8;
+    mc->bus.read8 = fail_once;
+    countdown = which;
+    mock_run(&m, 2000);
+    CHECK(countdown < 0);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1);
+    mock_run(&m, 100000);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1);
+    CHECK_EQ(mc_stats_of(mc)->missed, which == 0); /* PCCSR: nobody knows of the SCLOCK */
+    mock_stop(&m);
+  }
+}
+
 static const struct test tests[] = {
+    {"test_a_read_that_failed_is_one_panic", test_a_read_that_failed_is_one_panic},
     {"test_enable_stops_at_the_first_card_that_is_silent",
      test_enable_stops_at_the_first_card_that_is_silent},
     {"test_stop_after_sysreset_starts_no_heartbeat", test_stop_after_sysreset_starts_no_heartbeat},

@@ -124,6 +124,7 @@ void MailboxHost::report(uint32_t what) {
       break;
     case MAILBOX_DONE:
       mirror();
+      if (busy()) break;  // of the request before: `done` was seen, and the next one posted
       if (request_) collect(*request_);
       request_ = nullptr;
       if (!pending_.empty()) {
