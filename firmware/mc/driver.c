@@ -84,6 +84,8 @@ int mc_close(struct mc *mc, int client) {
   mc->opens--;
   if (mc->client[client].can_write && !has_writer(mc)) power_rest(mc);
   if (mc->opens == 0) {
+    mc->diag = 0;
+    power_apply_modes(mc);
     hw_set_pccsr(mc, 0, (uint8_t)~MMCS_PCCSR_BASE_bm);
     if (mc->adc_timeouts > 0) text_log(mc, "close, A/D time-outs:", mc->adc_timeouts, "");
   }

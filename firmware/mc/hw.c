@@ -45,10 +45,26 @@ void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear) {
   hw_put(mc, MMCS_PCCSR, mc->pccsr);
 }
 
+/* Port B, then the counters on. What switches their inputs between joint and artificial signals is
+ * no movement: they hold until an edge of the switch is through their inputs, three CLK of 1 us at
+ * most; that is what the reads are for. */
+static void put_b_holding(struct mc *mc, int card) {
+  const struct mc_card *c = &mc->card[card];
+  hw_card_put(mc, card, MMCS_CARD_PPI_A, c->a & (uint8_t)~MMCS_CARD_PPI_A_ENC_MODE_bm);
+  hw_card_put(mc, card, MMCS_CARD_PPI_B, c->b);
+  for (int i = 0; i < 4; i++) (void)hw_card_get(mc, card, MMCS_CARD_PPI_B);
+  hw_card_put(mc, card, MMCS_CARD_PPI_A, c->a);
+}
+
 void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear) {
   uint8_t b = (uint8_t)((mc->card[card].b & ~clear) | set);
+  int switched = (b ^ mc->card[card].b) & MMCS_CARD_PPI_B_ENC_JOINT_bm;
   mc->card[card].b = b;
-  hw_card_put(mc, card, MMCS_CARD_PPI_B, b);
+  if (switched) {
+    put_b_holding(mc, card);
+  } else {
+    hw_card_put(mc, card, MMCS_CARD_PPI_B, b);
+  }
 }
 
 /* Edges between the two writes are lost; everything else is seen now or latched for next time. */
@@ -61,16 +77,13 @@ uint8_t hw_take_latches(struct mc *mc) {
 
 void hw_init_ppi(struct mc *mc, int card) {
   hw_card_put(mc, card, MMCS_CARD_PPI_CONTROL, MMCS_PPI_MODE_BOARD);
-  /* Counting starts after the joints' signals are switched in: that switch is no movement. */
-  hw_card_put(mc, card, MMCS_CARD_PPI_A, mc->card[card].a & (uint8_t)~MMCS_CARD_PPI_A_ENC_MODE_bm);
-  hw_card_put(mc, card, MMCS_CARD_PPI_B, mc->card[card].b);
-  hw_card_put(mc, card, MMCS_CARD_PPI_A, mc->card[card].a);
+  put_b_holding(mc, card);
 }
 
 /* The lights are what may be toggled at any time without a side effect. */
 int hw_answers(struct mc *mc, int card) {
   uint8_t a = mc->card[card].a;
-  uint8_t other = a ^ (MMCS_CARD_PPI_A_LED1_bm | MMCS_CARD_PPI_A_LED2_bm);
+  uint8_t other = (uint8_t)(a ^ MC_LIGHTS);
   hw_card_put(mc, card, MMCS_CARD_PPI_A, other);
   uint8_t first = hw_card_get(mc, card, MMCS_CARD_PPI_A);
   hw_card_put(mc, card, MMCS_CARD_PPI_A, a);

@@ -7,8 +7,9 @@
 #include "mmcs_regs.h"
 #include "servo.h"
 
-#define MC_DAC_ZERO 0x800      /* D/A code of 0 V, offset binary */
-#define MC_ENC_MODE 5          /* all four edges count */
+#define MC_DAC_ZERO 0x800 /* D/A code of 0 V, offset binary */
+#define MC_ENC_MODE 5     /* all four edges count */
+#define MC_LIGHTS ((unsigned)(MMCS_CARD_PPI_A_LED1_bm | MMCS_CARD_PPI_A_LED2_bm))
 #define MC_INTERVAL_US 2000    /* after open */
 #define MC_INTERVAL_MIN_US 100 /* ruled */
 #define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */

@@ -43,8 +43,23 @@ int mock_panic(const struct mock *m) {
   return 0;
 }
 
+/* A tick of CLK, 1 MHz here: the slowest that there is. */
+static void tick(struct mock_card *c) {
+  for (int j = 0; j < 2; j++) {
+    uint8_t *in = c->input[j];
+    int changed = in[1] ^ in[2], down = (in[2] >> 1 ^ in[1]) & 1; /* A leads B: up */
+    if (c->present && (c->a & 7) == 5 && (changed == 1 || changed == 2)) {
+      c->count[j] = (uint16_t)(c->count[j] + (down ? -1 : 1));
+    }
+    in[2] = in[1];
+    in[1] = in[0];
+    in[0] = (uint8_t)((c->b & 1) != 0 ? c->joint[j] : (c->a >> 4 & 2) | (c->a >> 6 & 1));
+  }
+}
+
 static void step(struct mock *m) {
   m->now++;
+  for (int i = 0; i < 16; i++) tick(&m->card[i]);
   if (m->period > 0 && m->now > m->origin) {
     int64_t phase = (m->now - m->origin) % m->period;
     if (phase == m->period - m->low_us) {
@@ -146,18 +161,37 @@ static uint8_t port_c(const struct mock *m, const struct mock_card *c) {
   return (uint8_t)v;
 }
 
+/* A byte samples all 16 bits; the other one, if it is read next, comes from that sample. */
 static uint8_t read_encoder(struct mock_card *c, unsigned reg) {
   unsigned j = (reg - 4) / 2;
-  if ((reg & 1) == 0) {
+  if (c->paired == (int)(reg ^ 1)) {
+    c->paired = -1;
+  } else {
+    c->paired = (int)reg;
     c->snapshot[j] = c->has_latch[j] ? c->latched[j] : c->count[j];
     c->has_latch[j] = 0;
-    return (uint8_t)(c->snapshot[j] >> 8);
   }
-  return (uint8_t)c->snapshot[j];
+  return (uint8_t)((reg & 1) == 0 ? c->snapshot[j] >> 8 : c->snapshot[j]);
+}
+
+/* A byte is stored at once; the other one, if it is written next, stores both again. */
+static void write_encoder(struct mock_card *c, unsigned reg, uint8_t v) {
+  unsigned j = (reg - 4) / 2;
+  uint16_t old = c->count[j];
+  if (c->written == (int)(reg ^ 1)) {
+    old = (uint16_t)((reg & 1) != 0 ? c->held << 8 : c->held);
+    c->written = -1;
+  } else {
+    c->written = (int)reg;
+    c->held = v;
+  }
+  c->count[j] = (uint16_t)((reg & 1) == 0 ? (old & 0xFF) | v << 8 : (old & 0xFF00) | v);
 }
 
 static uint8_t card_read(struct mock *m, struct mock_card *c, unsigned reg) {
   if (!c->present) return 0xFF;
+  c->written = -1;
+  if (reg < 4 || reg > 7) c->paired = -1;
   switch (reg) {
     case 0:
       return c->a;
@@ -184,6 +218,8 @@ static uint8_t card_read(struct mock *m, struct mock_card *c, unsigned reg) {
 static void card_write(struct mock *m, struct mock_card *c, unsigned reg, uint8_t v) {
   if (!c->present) return;
   unsigned j = reg / 2 & 1;
+  c->paired = -1;
+  if (reg < 4 || reg > 7) c->written = -1;
   if (reg == 0) c->a = v;
   if (reg == 1) c->b = v;
   if (reg == 1 && !(v & 0x10)) c->index[0] = c->index[1] = 0;
@@ -191,8 +227,7 @@ static void card_write(struct mock *m, struct mock_card *c, unsigned reg, uint8_
     c->mode_word = v;
     c->a = c->b = 0;
   }
-  if (reg >= 4 && reg <= 7 && (reg & 1) == 0) c->snapshot[j] = (uint16_t)(v << 8);
-  if (reg >= 4 && reg <= 7 && (reg & 1) != 0) c->count[j] = (uint16_t)(c->snapshot[j] | v);
+  if (reg >= 4 && reg <= 7) write_encoder(c, reg, v);
   if (reg == 8 || reg == 10) {
     c->dac_low[j] = v;
     c->beat_until[j] = m->now + MOCK_HEARTBEAT_US;
@@ -303,6 +338,7 @@ struct mc *mock_start(struct mock *m, int cards) {
     m->card[i].present = i < cards;
     m->card[i].enabled[0] = m->card[i].enabled[1] = 1;
     m->card[i].adc[0] = m->card[i].adc[1] = 2048;
+    m->card[i].paired = m->card[i].written = -1;
   }
   m->level_high = 1;
   m->irq_since = -1;

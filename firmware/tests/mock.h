@@ -17,6 +17,11 @@ struct mock_card {
   uint8_t a, b, mode_word;
   uint16_t count[2], latched[2], snapshot[2];
   int has_latch[2];
+  int paired;  /* the register whose other byte comes from the snapshot if it is next, or -1 */
+  int written; /* the same of writes: `held` was written there */
+  uint8_t held;
+  int joint[2];        /* A and B of the encoder, bits 1 and 0 */
+  uint8_t input[2][3]; /* the same as the counter took them in at its last ticks, latest first */
   uint8_t dac_low[2], dac_high[2];
   int64_t beat_until[2];
   uint16_t adc[2];

@@ -56,11 +56,11 @@ static int add(struct mock_access *want, int n, int write, unsigned offset, unsi
 
 // req: DRV-2 DRV-3
 static void test_first_open_traffic(void) {
-  static const uint8_t pattern[] = {0x55, 0xAA, 0x00};
+  static const uint8_t pattern[] = {0xA8, 0x50, 0x00}; /* never a counting mode */
   static const unsigned timers[][2] = {{0x409, 0x18}, {0x407, 0x70}, {0x407, 0xB4}, {0x405, 0},
                                        {0x405, 0},    {0x407, 0x34}, {0x401, 0x40}, {0x401, 0x1F},
                                        {0x407, 0x74}, {0x403, 0x02}, {0x403, 0x00}, {0x409, 0xB8}};
-  struct mock_access want[200];
+  struct mock_access want[260];
   struct mc *mc = mock_start(&m, 0);
   int n = 0;
   m.card[3].present = m.card[15].present = 1;
@@ -70,6 +70,7 @@ static void test_first_open_traffic(void) {
   for (unsigned dip = 0; dip < 16; dip++) {
     unsigned base = dip << 6 | 1;
     int there = dip == 3 || dip == 15;
+    for (unsigned reg = 0; reg < 3; reg++) n = add(want, n, 0, base + 2 * reg, 0); /* at work? */
     n = add(want, n, 1, base + 6, 0x89);
     for (unsigned i = 0; i < (there ? 3 : 1); i++) { /* port A is written and read back */
       n = add(want, n, 1, base, pattern[i]);
@@ -79,6 +80,7 @@ static void test_first_open_traffic(void) {
     n = add(want, n, 1, base + 6, 0x89);
     n = add(want, n, 1, base, 0); /* counting off, joints in, counting on */
     n = add(want, n, 1, base + 2, 5);
+    for (unsigned i = 0; i < 4; i++) n = add(want, n, 0, base + 2, 0);
     n = add(want, n, 1, base, 5);
   }
   for (unsigned axis = 0; axis < 4; axis++) {
@@ -233,6 +235,77 @@ static void test_reopened_at_once_the_own_panic_is_no_error(void) {
   }
 }
 
+/* Which signals an encoder gives, and which the switch of the cards gives before and after, must
+ * make no difference: whatever is opened, stopped, switched or closed, the counts stay. */
+// req: DRV-2 DRV-9 DRV-10 DIA-2
+static void test_nothing_but_motion_moves_a_count(void) {
+  for (int joint = 0; joint < 16; joint++) {
+    struct mc *mc = mock_start(&m, 1);
+    int modes[] = {M_ENDIAG, 0, M_ANDIAG | M_ENDIAG, M_ANDIAG, 0, M_ENDIAG};
+    struct mc_state state[2];
+    for (int j = 0; j < 2; j++) {
+      m.card[0].joint[j] = joint >> 2 * j & 3;
+      m.card[0].count[j] = (uint16_t)(0x7FFE + j);
+    }
+    for (int round = 0; round < 4; round++) {
+      if (round == 2) m.card[0].a = m.card[0].b = 0; /* as after RESET DRV, but for the counts */
+      CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+      for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &modes[i]), 0);
+        mock_run(&m, 3000);
+        if (i == 1 || i == 3) CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+        if (i == 4) CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+        CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
+        for (int j = 0; j < 2; j++) CHECK_EQ(state[j].encnow, 0x7FFE + j);
+      }
+      CHECK_EQ(mc_close(mc, 0), 0); /* with the artificial signals on */
+      for (int j = 0; j < 2; j++) CHECK_EQ(m.card[0].count[j], 0x7FFE + j);
+    }
+    mock_stop(&m);
+  }
+}
+
+/* While nobody has the device open the counters go on; so do positions beyond 16 bits, as long as
+ * the card keeps its power. */
+// req: DRV-2 DRV-10
+static void test_positions_survive_a_close(void) {
+  struct mc *mc = mock_open(&m, 2);
+  for (int axis = 0; axis < 4; axis++) {
+    for (int i = 1; i <= 5; i++) {
+      m.card[axis / 2].count[axis & 1] = (uint16_t)(20000 * i + axis);
+      mock_run(&m, 2000);
+    }
+  }
+  CHECK_EQ(mc_state_of(mc, 3)->encnow, 100003);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  m.card[1].count[0] = (uint16_t)(100002 + 30000); /* pushed by hand */
+  m.logging = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
+  for (int i = 0; i < m.used; i++) { /* counting was never off: an axis may be in motion */
+    if (!m.log[i].write || m.log[i].offset > 0x047) continue;
+    if ((m.log[i].offset & 0x3F) == 0x01) CHECK_EQ(m.log[i].value & 7, 5);
+    if ((m.log[i].offset & 0x3F) == 0x03) CHECK_EQ(m.log[i].value & 1, 1);
+    CHECK((m.log[i].offset & 0x3F) != 0x07);
+  }
+  m.logging = 0;
+  for (int axis = 0; axis < 4; axis++) {
+    CHECK_EQ(mc_state_of(mc, axis)->encnow, 100000 + axis + (axis == 2 ? 30000 : 0));
+  }
+  CHECK_EQ(mc_close(mc, 0), 0);
+  m.card[0].present = 0; /* the other one keeps its axes' positions at their new numbers */
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  CHECK_EQ(mc_joints(mc), 2);
+  for (int axis = 0; axis < 2; axis++) {
+    CHECK_EQ(mc_state_of(mc, axis)->encnow, 100002 + axis + (axis == 0 ? 30000 : 0));
+  }
+  CHECK_EQ(mc_close(mc, 0), 0);
+  m.card[1].a = m.card[1].b = 0; /* lost its power: nobody knows */
+  m.card[1].count[0] = 7;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
+  mock_stop(&m);
+}
+
 // req: DRV-4
 static void test_read_gives_every_axis_its_state(void) {
   struct mc *mc = mock_open(&m, 2);
@@ -298,6 +371,8 @@ static const struct test tests[] = {
     {"test_a_new_open_finds_the_defaults_again", test_a_new_open_finds_the_defaults_again},
     {"test_reopened_at_once_the_own_panic_is_no_error",
      test_reopened_at_once_the_own_panic_is_no_error},
+    {"test_nothing_but_motion_moves_a_count", test_nothing_but_motion_moves_a_count},
+    {"test_positions_survive_a_close", test_positions_survive_a_close},
     {"test_read_gives_every_axis_its_state", test_read_gives_every_axis_its_state},
     {"test_write_sets_as_many_as_it_brings", test_write_sets_as_many_as_it_brings},
 };

@@ -318,7 +318,9 @@ static void test_a_card_that_lost_power_is_revived(void) {
       m.logging = 0;
       const struct mock_access want[] = {
           W((uint16_t)(base | 0x07), 0x89), W((uint16_t)(base | 0x01), 0x00),
-          W((uint16_t)(base | 0x03), 0x05), W((uint16_t)(base | 0x01), 0x05),
+          W((uint16_t)(base | 0x03), 0x05), R((uint16_t)(base | 0x03)),
+          R((uint16_t)(base | 0x03)),       R((uint16_t)(base | 0x03)),
+          R((uint16_t)(base | 0x03)),       W((uint16_t)(base | 0x01), 0x05),
           R((uint16_t)(base | 0x09)),       R((uint16_t)(base | 0x0B)),
           R((uint16_t)(base | 0x09)),       R((uint16_t)(base | 0x0B)),
           R((uint16_t)(base | 0x0D)),       R((uint16_t)(base | 0x0F)),
