@@ -100,14 +100,17 @@ int mc_read(struct mc *mc, int client, void *user_buf, size_t len) {
   unsigned level = mc->os.mask(mc->os.ctx);
   int n = mc->joints;
   if (len / sizeof(struct mc_state) < (size_t)n) n = (int)(len / sizeof(struct mc_state));
-  for (int axis = 0; axis < n; axis++) copy[axis] = mc->axis[axis].state;
+  for (int axis = 0; axis < n; axis++) {
+    copy[axis] = mc->axis[axis].state;
+    copy[axis].errcode = error_show(mc, client, axis);
+  }
   size_t bytes = (size_t)n * sizeof(struct mc_state);
   uint8_t had_read = mc->client[client].has_read;
   error_seen(mc, client, n);
   mc->os.unmask(mc->os.ctx, level);
   if (n == 0 || mc->os.copy_out(mc->os.ctx, user_buf, copy, bytes) == 0) return (int)bytes;
   level = mc->os.mask(mc->os.ctx);
-  error_seen(mc, client, 0); /* it saw nothing */
+  error_unseen(mc, client, n, copy);
   mc->client[client].has_read = had_read;
   mc->os.unmask(mc->os.ctx, level);
   return -MC_EFAULT;

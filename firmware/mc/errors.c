@@ -13,49 +13,69 @@ void mc_count(int *counter, unsigned by) {
   }
 }
 
-static void set_code(struct mc *mc, int axis, uint8_t flags, uint16_t count) {
+/* errcode of these flags; the count belongs to MERR_ZINDEX. */
+static int code_of(const struct mc *mc, int axis, unsigned flags) {
   uint32_t code = 0;
-  if (flags != 0) {
-    code = (uint32_t)count << COUNT_BP | (uint32_t)axis << AXIS_BP | flags;
-  }
-  mc->axis[axis].state.errcode = (int32_t)code;
+  if (flags != 0) code = (uint32_t)axis << AXIS_BP | flags;
+  if ((flags & MERR_ZINDEX) != 0) code |= (uint32_t)mc->axis[axis].index << COUNT_BP;
+  return (int)code;
 }
 
-static void add(struct mc *mc, int axis, uint8_t flags, uint16_t count) {
-  uint8_t all = (uint8_t)((mc->axis[axis].state.errcode & MERR_MASK) | flags);
-  set_code(mc, axis, all, count);
-  for (int i = 0; i < MC_MAX_CLIENTS; i++) mc->client[i].fresh[axis] |= flags;
-}
-
-static uint16_t index_count(const struct mc *mc, int axis) {
-  return (uint16_t)((uint32_t)mc->axis[axis].state.errcode >> COUNT_BP);
+static unsigned flags_of(const struct mc *mc, int axis) {
+  return mc->axis[axis].state.errcode & MERR_MASK;
 }
 
 void error_raise(struct mc *mc, int axis, uint8_t flags) {
-  add(mc, axis, flags, index_count(mc, axis));
+  mc->axis[axis].state.errcode = code_of(mc, axis, flags_of(mc, axis) | flags);
+  for (struct mc_client *c = mc->client; c < mc->client + MC_MAX_CLIENTS; c++) {
+    c->since[axis] |= flags;
+    c->untold[axis] |= flags;
+    c->again[axis] &= (uint8_t)~flags;
+  }
 }
 
 void error_raise_index(struct mc *mc, int axis, uint16_t count) {
-  add(mc, axis, MERR_ZINDEX, count);
+  mc->axis[axis].index = count;
+  error_raise(mc, axis, MERR_ZINDEX);
 }
 
-/* A client read the states of the first `axes` axes: of the others it has seen nothing. */
+/* What is pending, and what came since this client looked, whoever has cleared it meanwhile. */
+int error_show(const struct mc *mc, int client, int axis) {
+  return code_of(mc, axis, flags_of(mc, axis) | mc->client[client].untold[axis]);
+}
+
+/* A client reads the states of the first `axes` axes. */
 void error_seen(struct mc *mc, int client, int axes) {
   struct mc_client *c = &mc->client[client];
   c->has_read = 1;
-  for (int axis = 0; axis < MC_MAX_AXES; axis++) c->fresh[axis] = axis < axes ? 0 : MERR_MASK;
+  for (int axis = 0; axis < MC_MAX_AXES; axis++) {
+    c->since[axis] = c->again[axis] = 0;
+    if (axis < axes) c->untold[axis] = 0;
+  }
 }
 
-/* Clears what the caller's last read() showed; what came since stays, and signals again. */
-void error_clear(struct mc *mc, int client) {
-  int remains = 0;
-  for (int axis = 0; axis < mc->axes; axis++) {
-    int keep = mc->client[client].has_read ? mc->client[client].fresh[axis] : 0;
-    uint8_t left = (uint8_t)(mc->axis[axis].state.errcode & MERR_MASK & keep);
-    set_code(mc, axis, left, (left & MERR_ZINDEX) != 0 ? index_count(mc, axis) : 0);
-    if (left != 0) remains = 1;
+/* It did not get them: a clear takes nothing away, and what was shown is shown again. */
+void error_unseen(struct mc *mc, int client, int axes, const struct mc_state *shown) {
+  struct mc_client *c = &mc->client[client];
+  for (int axis = 0; axis < MC_MAX_AXES; axis++) {
+    c->since[axis] = MERR_MASK;
+    if (axis < axes) c->untold[axis] |= (uint8_t)(shown[axis].errcode & MERR_MASK);
   }
-  if (remains) error_signal(mc);
+}
+
+/* Clears what was pending at the caller's last read(), on all axes, covered by it or not; what came
+ * since stays and signals once more: the handler that reads and clears has not seen it. */
+void error_clear(struct mc *mc, int client) {
+  struct mc_client *c = &mc->client[client];
+  unsigned remains = 0;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    uint8_t left = (uint8_t)(flags_of(mc, axis) & (c->has_read ? c->since[axis] : 0u));
+    mc->axis[axis].state.errcode = code_of(mc, axis, left);
+    c->untold[axis] &= left;
+    remains |= left & (unsigned)~c->again[axis];
+    c->again[axis] = left;
+  }
+  if (remains != 0) error_signal(mc);
 }
 
 void error_signal(struct mc *mc) {

@@ -29,6 +29,7 @@ struct mc_axis {
   int32_t setpoint;
   int32_t position; /* 32 bits, congruent to the counter */
   int32_t wait;     /* SCLOCKs until the next servo sample */
+  uint16_t index;   /* count at the last index */
   uint16_t counter; /* the 16-bit counter at the last sample */
   uint16_t raw;     /* A/D at the last sample */
   uint16_t code;    /* D/A code written at every SCLOCK while enabled */
@@ -48,7 +49,9 @@ struct mc_card {
 struct mc_client {
   uint8_t used, can_read, can_write;
   uint8_t has_read;
-  uint8_t fresh[MC_MAX_AXES]; /* flags that came since its last read() */
+  uint8_t since[MC_MAX_AXES];  /* flags that came since its last read() */
+  uint8_t untold[MC_MAX_AXES]; /* those that no read() of this axis has shown it */
+  uint8_t again[MC_MAX_AXES];  /* those that a clear left, and signalled once more */
 };
 
 /* What one SCLOCK found on the cards. */
@@ -160,7 +163,9 @@ int mc_is_off(const struct mc_param *par);
 /* errors.c */
 void error_raise(struct mc *mc, int axis, uint8_t flags);
 void error_raise_index(struct mc *mc, int axis, uint16_t count);
+int error_show(const struct mc *mc, int client, int axis);
 void error_seen(struct mc *mc, int client, int axes);
+void error_unseen(struct mc *mc, int client, int axes, const struct mc_state *shown);
 void error_clear(struct mc *mc, int client);
 void error_signal(struct mc *mc);
 void mc_count(int *counter, unsigned by);

@@ -61,30 +61,92 @@ static void test_a_clear_takes_what_was_read_only(void) {
   for (int axis = 1; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
   CHECK_EQ(m.signals[0], 1); /* it signals again, everybody */
   CHECK_EQ(m.signals[other], 1);
-  clear(mc, 0); /* not read since: still there */
+  clear(mc, 0); /* not read since: still there, and told already */
   CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(m.signals[0], 1);
+  error_raise(mc, 0, MERR_PHI); /* once more: that is news */
+  clear(mc, 0);
   CHECK_EQ(m.signals[0], 2);
   look(mc, other, 4); /* another's read does not count */
   clear(mc, 0);
   CHECK_EQ(errcode(0), MERR_PHI);
   clear(mc, other);
   CHECK_EQ(errcode(0), 0);
-  CHECK_EQ(m.signals[0], 3);
+  CHECK_EQ(m.signals[0], 2);
   CHECK_EQ(m.masked, 0);
   mock_stop(&m);
 }
 
+static int shown(struct mc *mc, int client, int axis) {
+  struct mc_state state[MC_MAX_AXES];
+  CHECK_EQ(mc_read(mc, client, state, (size_t)(axis + 1) * 28), (axis + 1) * 28);
+  return state[axis].errcode;
+}
+
+/* Whoever clears: every other reader still sees once what came since it looked. */
+// req: DRV-5
+static void test_every_reader_is_told(void) {
+  struct mc *mc = listening(2);
+  int other = mc_open(mc, MC_O_RDWR), monitor = mc_open(mc, MC_O_RDONLY);
+  error_raise_index(mc, 2, 77);
+  error_raise(mc, 1, MERR_ILIM);
+  look(mc, 0, 4);
+  clear(mc, 0);
+  CHECK_EQ(errcode(2), 0);
+  CHECK_EQ(shown(mc, 0, 2), 0);
+  CHECK_EQ(shown(mc, monitor, 1), 0x100 | MERR_ILIM);
+  CHECK_EQ(shown(mc, monitor, 2), 77 << 16 | 0x200 | MERR_ZINDEX); /* not covered before */
+  CHECK_EQ(shown(mc, monitor, 2), 0);
+  error_raise(mc, 2, MERR_PLO);
+  CHECK_EQ(shown(mc, monitor, 2), 0x200 | MERR_PLO); /* pending: again and again */
+  CHECK_EQ(shown(mc, monitor, 2), 0x200 | MERR_PLO);
+  m.bad_pointer = 1;
+  char buf[112];
+  CHECK_EQ(mc_read(mc, other, buf, sizeof buf), -MC_EFAULT);
+  m.bad_pointer = 0;
+  clear(mc, 0);
+  CHECK_EQ(errcode(2), MERR_PLO | 0x200); /* came since its read */
+  clear(mc, other); /* never has read: everything, and wants to hear no more of it */
+  CHECK_EQ(errcode(2), 0);
+  CHECK_EQ(shown(mc, other, 2), 0);
+  CHECK_EQ(shown(mc, 0, 2), 0x200 | MERR_PLO);
+  CHECK_EQ(shown(mc, mc_open(mc, MC_O_RDWR), 2), 0); /* the past is not a newcomer's */
+  mock_stop(&m);
+}
+
+/* The handler of Fig. 2.4 under MSETNUMJOINTS 1, PANIC on all axes: one signal, then silence. */
+// req: DRV-5
+static void test_a_handler_that_reads_and_clears_is_done(void) {
+  struct mc *mc = listening(3);
+  int one = 1, handled = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  m.estop_open = 1;
+  mock_run(&m, 5000);
+  for (; handled < m.signals[0] && handled < 10; handled++) {
+    look(mc, 0, 1);
+    clear(mc, 0);
+  }
+  CHECK_EQ(handled, 1);
+  for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode(axis), 0);
+  mock_stop(&m);
+}
+
+/* Table 2.3: "clears the error status for all axes". */
 // req: DRV-4 DRV-5
-static void test_a_short_read_has_seen_no_more(void) {
+static void test_a_clear_covers_all_axes(void) {
   for (int axes = 1; axes <= 4; axes++) {
     struct mc *mc = listening(2);
     for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PHI);
     look(mc, 0, axes);
+    error_raise(mc, 3, MERR_ILIM);
     clear(mc, 0);
-    for (int axis = 0; axis < 4; axis++) {
-      CHECK_EQ(errcode(axis), axis < axes ? 0 : axis << 8 | MERR_PHI);
-    }
-    CHECK_EQ(m.signals[0], axes < 4);
+    for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), axis == 3 ? 0x300 | MERR_ILIM : 0);
+    CHECK_EQ(m.signals[0], 1);
+    look(mc, 0, axes);
+    clear(mc, 0);
+    CHECK_EQ(errcode(3), 0);
+    CHECK_EQ(m.signals[0], 1);
     mock_stop(&m);
   }
 }
@@ -277,7 +339,9 @@ static void test_own_panic_is_forgiven_for_60_ms(void) {
 static const struct test tests[] = {
     {"test_codes_tell_flags_axis_and_count", test_codes_tell_flags_axis_and_count},
     {"test_a_clear_takes_what_was_read_only", test_a_clear_takes_what_was_read_only},
-    {"test_a_short_read_has_seen_no_more", test_a_short_read_has_seen_no_more},
+    {"test_a_clear_covers_all_axes", test_a_clear_covers_all_axes},
+    {"test_every_reader_is_told", test_every_reader_is_told},
+    {"test_a_handler_that_reads_and_clears_is_done", test_a_handler_that_reads_and_clears_is_done},
     {"test_a_failed_read_has_seen_nothing", test_a_failed_read_has_seen_nothing},
     {"test_the_count_lives_as_long_as_its_flag", test_the_count_lives_as_long_as_its_flag},
     {"test_writers_are_told_readers_and_the_gone_are_not",
