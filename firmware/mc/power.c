@@ -90,6 +90,7 @@ void power_rest(struct mc *mc) {
     x->setpoint = 0;
     x->written = 0;
     servo_reset(&x->servo);
+    servo_prepare(&x->servo, &x->par); /* the law of a mode that is no more ends here */
   }
 }
 

@@ -152,7 +152,40 @@ static void test_the_last_writer_stops_the_machine(void) {
   mock_stop(&m);
 }
 
+/* The law that an axis had before the stop is not what MD_OFF runs. */
+// req: DRV-6 SRV-6
+static void test_no_error_of_the_old_mode_after_a_stop(void) {
+  static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1};
+  for (int i = 0; i < 8; i++) {
+    struct mc *mc = listening(1);
+    struct mc_param par = {.which = 0};
+    int32_t set = 100;
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    par.mode = modes[i / 2];
+    par.ilim = 30;
+    par.ilimax = 3;
+    par.a0 = 500;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    CHECK_EQ(enable(mc, 0), 0);
+    CHECK_EQ(i & 1 ? mc_halt(mc) : mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    m.card[0].count[0] = 2000;
+    mock_run(&m, 70000);
+    CHECK_EQ(enable(mc, 0), 0);
+    CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+    for (int pass = 0; pass < 50; pass++) {
+      m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 3);
+      mock_run(&m, 2000);
+      CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+      CHECK_EQ(mc_state_of(mc, 0)->error, 0);
+      CHECK_EQ(mock_dac(&m, 0), 0x800);
+    }
+    CHECK_EQ(m.signals[0], 0);
+    mock_stop(&m);
+  }
+}
+
 static const struct test tests[] = {
+    {"test_no_error_of_the_old_mode_after_a_stop", test_no_error_of_the_old_mode_after_a_stop},
     {"test_a_stop_holds_until_an_enable", test_a_stop_holds_until_an_enable},
     {"test_a_stop_ends_an_enable_under_way", test_a_stop_ends_an_enable_under_way},
     {"test_a_halt_of_a_closed_or_dead_machine", test_a_halt_of_a_closed_or_dead_machine},
