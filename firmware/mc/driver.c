@@ -134,7 +134,6 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   }
   for (int axis = 0; axis < n; axis++) {
     mc->axis[axis].setpoint = values[axis];
-    mc->axis[axis].written = 1;
     mc->axis[axis].adopt = 0;
   }
   mc->os.unmask(mc->os.ctx, level);

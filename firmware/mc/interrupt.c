@@ -18,7 +18,7 @@ static uint8_t servo_axis(struct mc *mc, int axis) {
     return 0;
   }
   if (x->adopt && (x->par.mode & MD_MASK) == MD_POS) {
-    x->setpoint = servo_feedback(&x->par, &x->state);
+    x->setpoint = (x->par.mode & ZEROFB) != 0 ? 0 : servo_feedback(&x->par, &x->state);
   }
   x->adopt = 0;
   int32_t current = servo_step(&x->par, &x->servo, x->setpoint, &x->state);

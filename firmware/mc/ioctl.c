@@ -52,7 +52,7 @@ static int set_num_joints(struct mc *mc, int client, union argument *arg) {
     struct mc_axis *x = &mc->axis[axis];
     servo_reset(&x->servo);
     x->code = MC_DAC_ZERO;
-    x->adopt = (uint8_t)!x->written;
+    if (mc->power != MC_IDLE) axis_forget_demand(x);
     x->wait = 0;
   }
   mc->joints = arg->value;
@@ -66,8 +66,20 @@ static int get_param(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
-/* Bumpless: an axis that enters position mode under power stays where it is, one that enters
- * another mode gets the setpoint 0, until the process writes again. */
+void axis_forget_demand(struct mc_axis *x) {
+  x->setpoint = 0;
+  x->adopt = 1;
+}
+
+/* 1: the demand would mean something else. Torque is fed nothing back. */
+static int changes_meaning(const struct mc_param *from, const struct mc_param *to) {
+  int changed = from->mode ^ to->mode;
+  if ((changed & (MD_MASK | ADDMD)) != 0) return 1;
+  return (changed & (ADFB | ZEROFB)) != 0 && (to->mode & MD_MASK) != MD_TORQ;
+}
+
+/* Bumpless: an axis that under power enters position mode, or gets another feedback, stays where it
+ * is; in other modes it gets the setpoint 0; until a process writes again. */
 static int set_param(struct mc *mc, int client, union argument *arg) {
   const struct mc_param *to = &arg->param;
   (void)client;
@@ -76,14 +88,8 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
   if (to->ipole < 0 || to->ipole >= MC_FSCALE) return -MC_EINVAL;
   struct mc_axis *x = &mc->axis[to->which];
   servo_change(&x->servo, &x->par, to);
-  if (((to->mode ^ x->par.mode) & MD_MASK) != 0) {
-    x->code = MC_DAC_ZERO;
-    if (mc->power != MC_IDLE) {
-      x->adopt = 1;
-      x->written = 0;
-      x->setpoint = 0;
-    }
-  }
+  if (((to->mode ^ x->par.mode) & MD_MASK) != 0) x->code = MC_DAC_ZERO;
+  if (mc->power != MC_IDLE && changes_meaning(&x->par, to)) axis_forget_demand(x);
   if (x->wait >= to->clkdivisor) x->wait = to->clkdivisor - 1;
   x->par = *to;
   return 0;

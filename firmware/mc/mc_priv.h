@@ -33,9 +33,8 @@ struct mc_axis {
   uint16_t counter; /* the 16-bit counter at the last sample */
   uint16_t raw;     /* A/D at the last sample */
   uint16_t code;    /* D/A code written at every SCLOCK while enabled */
-  uint8_t written;  /* setpoint is the user's: MENABLE keeps it */
-  uint8_t adopt; /* at the next servo sample a position axis takes its setpoint from where it is */
-  uint8_t calib; /* waits for its index */
+  uint8_t adopt;    /* at the next servo sample a position axis demands what is fed back */
+  uint8_t calib;    /* waits for its index */
 };
 
 struct mc_card {
@@ -142,7 +141,7 @@ int sample_read(struct mc *mc, struct mc_sample *s);
 
 /* power.c: the level is masked but in power_enable(). */
 int power_enable(struct mc *mc);
-/* Starts all axes afresh: histories, and the setpoints of position axes not written since. */
+/* Starts all axes afresh: no history, and no demand but to stay, until a process writes one. */
 void power_restart_axes(struct mc *mc);
 /* Zero current on all axes, then silence: PANIC and brakes follow within 50 ms. */
 void power_stop(struct mc *mc);
@@ -158,6 +157,8 @@ void calib_leave(struct mc *mc, int axis);
 void calib_serve(struct mc *mc, const struct mc_sample *s);
 
 /* ioctl.c */
+/* The demand is 0, and what a position axis has fed back at its next sample. */
+void axis_forget_demand(struct mc_axis *x);
 int mc_is_off(const struct mc_param *par);
 
 /* errors.c */

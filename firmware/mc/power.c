@@ -31,7 +31,7 @@ void power_restart_axes(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;
-    x->adopt = (uint8_t)!x->written;
+    axis_forget_demand(x);
   }
 }
 
@@ -40,7 +40,6 @@ static void forget_currents(struct mc *mc) {
     x->code = MC_DAC_ZERO;
     x->state.inow = 0;
     x->servo.filtered = 0;
-    x->written = 0;
   }
 }
 
@@ -88,7 +87,6 @@ void power_rest(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
-    x->written = 0;
     servo_reset(&x->servo);
     servo_prepare(&x->servo, &x->par); /* the law of a mode that is no more ends here */
   }

@@ -39,7 +39,6 @@ static void set_default(struct mc_axis *x, int which) {
   x->setpoint = 0;
   x->wait = 0;
   x->code = MC_DAC_ZERO;
-  x->written = 0;
   x->adopt = 0;
   x->calib = 0;
 }

@@ -91,8 +91,8 @@ static void test_an_enabled_machine_starts_afresh_at_enable(void) {
   CHECK_EQ(mc_setpoint(mc, 1), 0);
   CHECK_EQ(enable(mc), 0);
   mock_run(&m, 2000); /* at once, not after its five SCLOCKs */
-  CHECK_EQ(mc_state_of(mc, 0)->inow, 5);
-  CHECK_EQ(mc_setpoint(mc, 0), 5);
+  CHECK_EQ(mc_state_of(mc, 0)->inow, 0);
+  CHECK_EQ(mc_setpoint(mc, 0), 0);
   CHECK_EQ(mc_setpoint(mc, 1), 33);
   m.card[0].present = 0;
   CHECK_EQ(enable(mc), -MC_EIO);

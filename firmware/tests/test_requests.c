@@ -149,6 +149,8 @@ static void test_joints_that_come_and_go(void) {
   mock_run(&m, 4000);
   CHECK_EQ(mc_state_of(mc, 2)->encnow, 7);
   call(mc, MSETNUMJOINTS, 4);
+  for (int axis = 1; axis < 3; axis++) CHECK_EQ(mc_setpoint(mc, axis), 0); /* no old demand */
+  CHECK_EQ(mc_write(mc, 0, values, 12), 12);
   one_pass(); /* at once, whatever its divisor */
   for (int axis = 0; axis < 3; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
   CHECK_EQ(mc_setpoint(mc, 3), 60); /* position axes hold where they are */
@@ -192,7 +194,9 @@ static void test_a_change_of_mode_forgets_the_setpoint_under_power_only(void) {
   set_mode(mc, 1, MD_POS);
   CHECK_EQ(mc_setpoint(mc, 0), 70); /* not under power: written is written */
   enable(mc);
-  CHECK_EQ(mc_setpoint(mc, 1), 80);
+  for (int axis = 0; axis < 2; axis++) CHECK_EQ(mc_setpoint(mc, axis), 0); /* but of no force */
+  put(mc, 70, 80);
+  one_pass();
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 70);
   set_mode(mc, 0, MD_TORQ | SOFTERR); /* no other mode */
   CHECK_EQ(mc_setpoint(mc, 0), 70);
@@ -208,16 +212,47 @@ static void test_a_change_of_mode_forgets_the_setpoint_under_power_only(void) {
   m.card[0].count[0] = 500; /* pushed: it comes back, a second time it is not asked */
   mock_run(&m, 4000);
   CHECK_EQ(mc_setpoint(mc, 0), 400);
-  enable(mc); /* nobody has written since */
+  enable(mc); /* a new start: all of them stay where they are */
   one_pass();
   CHECK_EQ(mc_setpoint(mc, 0), 500);
-  CHECK_EQ(mc_setpoint(mc, 1), 80);
+  CHECK_EQ(mc_setpoint(mc, 1), 0);
   set_mode(mc, 0, MD_VEL);
   set_mode(mc, 0, MD_POS);
   put(mc, -3, 80); /* before the next sample */
   one_pass();
   CHECK_EQ(mc_setpoint(mc, 0), -3);
   mock_stop(&m);
+}
+
+/* Which way the feedback comes is a part of what a demand means. Torque is not fed back. */
+// req: DRV-9 SRV-6
+static void test_a_change_of_feedback_does_not_jump(void) {
+  static const int changes[][2] = {{MD_POS, MD_POS | ADFB},   {MD_POS | ADFB, MD_POS},
+                                   {MD_POS, MD_POS | ZEROFB}, {MD_POS | ZEROFB, MD_POS},
+                                   {MD_VEL, MD_VEL | ADFB},   {MD_VEL | ZEROFB, MD_VEL},
+                                   {MD_POS | ADDMD, MD_POS},  {MD_VEL | ADDMD, MD_VEL}};
+  for (unsigned i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+    struct mc *mc = mock_open(&m, 1);
+    set_mode(mc, 0, changes[i][0]);
+    set_mode(mc, 1, MD_TORQ);
+    enable(mc);
+    put(mc, 300, 20);
+    m.card[0].count[0] = 250;
+    m.card[0].adc[0] = 2222;
+    mock_run(&m, 20000);
+    set_mode(mc, 0, changes[i][1]);
+    set_mode(mc, 1, MD_TORQ | ADFB | ZEROFB);
+    for (int pass = 0; pass < 5; pass++) {
+      one_pass();
+      CHECK_EQ(mock_dac(&m, 0), 0x800);
+      CHECK_EQ(mc_state_of(mc, 0)->error, 0);
+      CHECK_EQ(mock_dac(&m, 1), 0x800 + 20);
+    }
+    put(mc, 10, 20);
+    one_pass();
+    CHECK(mock_dac(&m, 0) != 0x800);
+    mock_stop(&m);
+  }
 }
 
 // req: SRV-1
@@ -300,6 +335,7 @@ static void test_a_code_is_for_axes_that_are_off(void) {
 }
 
 static const struct test tests[] = {
+    {"test_a_change_of_feedback_does_not_jump", test_a_change_of_feedback_does_not_jump},
     {"test_every_request_is_atomic_and_copies_its_argument_only",
      test_every_request_is_atomic_and_copies_its_argument_only},
     {"test_an_answer_that_cannot_be_given_is_an_error",

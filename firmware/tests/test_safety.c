@@ -47,18 +47,6 @@ static void test_enable_opens_brakes_with_the_servo(void) {
   mock_stop(&m);
 }
 
-// req: DRV-9
-static void test_enable_keeps_a_written_setpoint(void) {
-  struct mc *mc = mock_open(&m, 1);
-  int32_t set = 7;
-  set_mode(mc, 0, MD_POS, 0);
-  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
-  enable(mc);
-  CHECK_EQ(mc_setpoint(mc, 0), 7);
-  CHECK_EQ(mock_dac(&m, 0), 0x807);
-  mock_stop(&m);
-}
-
 // req: DRV-9 PAN-2
 static void test_enable_finds_dead_hardware(void) {
   struct mc *mc = mock_open(&m, 2);
@@ -361,7 +349,6 @@ static void test_mode_change_under_power_does_not_jump(void) {
 
 static const struct test tests[] = {
     {"test_enable_opens_brakes_with_the_servo", test_enable_opens_brakes_with_the_servo},
-    {"test_enable_keeps_a_written_setpoint", test_enable_keeps_a_written_setpoint},
     {"test_enable_finds_dead_hardware", test_enable_finds_dead_hardware},
     {"test_stop", test_stop},
     {"test_last_close_stops", test_last_close_stops},

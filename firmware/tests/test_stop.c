@@ -184,7 +184,50 @@ static void test_no_error_of_the_old_mode_after_a_stop(void) {
   }
 }
 
+/* Nothing written before an enable moves anything after it, whatever ended the one before. */
+// req: DRV-6 DRV-9
+static void test_enable_moves_nothing_before_a_new_demand(void) {
+  static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_POS | ZEROFB, MD_POS | ADFB};
+  for (int i = 0; i < 5 * 4; i++) {
+    struct mc *mc = listening(1);
+    int32_t set = 700;
+    int how = i % 4;
+    set_mode_within_100(mc, 0, modes[i / 4]);
+    set_mode_within_100(mc, 1, MD_POS | POSCHK);
+    CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+    CHECK_EQ(enable(mc, 0), 0);
+    for (int round = 0; round < 2; round++) {
+      for (int pass = 0; pass < 10; pass++) {
+        CHECK_EQ(mock_dac(&m, 0), 0x800);
+        CHECK_EQ(mc_current(mc, 0), 0);
+        mock_run(&m, 2000);
+      }
+      m.card[0].count[0] = (uint16_t)(100 + round);
+      CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+      mock_run(&m, 4000);
+      CHECK(mock_dac(&m, 0) != 0x800);
+      if (round > 0) break;
+      if (how == 0) m.estop_open = 1;         /* PANIC */
+      if (how == 1) m.card[0].count[1] = 101; /* a limit */
+      if (how == 2) CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+      mock_run(&m, 4000); /* how 3: enabled once more, in full motion */
+      m.estop_open = 0;
+      m.card[0].count[1] = 0;
+      mock_run(&m, 60000);
+      CHECK_EQ(mc_is_enabled(mc), how == 3);
+      if (how == 2) set_mode_within_100(mc, 0, modes[i / 4]);
+      m.card[0].count[0] = 55;
+      mock_run(&m, 10000);
+      CHECK_EQ(enable(mc, 0), 0);
+      mock_run(&m, 2000);
+    }
+    mock_stop(&m);
+  }
+}
+
 static const struct test tests[] = {
+    {"test_enable_moves_nothing_before_a_new_demand",
+     test_enable_moves_nothing_before_a_new_demand},
     {"test_no_error_of_the_old_mode_after_a_stop", test_no_error_of_the_old_mode_after_a_stop},
     {"test_a_stop_holds_until_an_enable", test_a_stop_holds_until_an_enable},
     {"test_a_stop_ends_an_enable_under_way", test_a_stop_ends_an_enable_under_way},
