@@ -86,6 +86,29 @@ static int enter(struct mc *mc) {
   if (passed == 0) return 0;
   mc_count(&mc->stats.missed, passed - 1);
   mc->grace -= passed < mc->grace ? passed : mc->grace;
+  mc->skipped += passed;
+  return 1;
+}
+
+/* An SCLOCK rose while the cards were read: no sample. 1: an axis was due and gets no current; it
+ * stays due. Axes that are off hold what they have. */
+static int skip_sample(struct mc *mc) {
+  int due = 0;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    struct mc_axis *x = &mc->axis[axis];
+    if (x->wait > 0) {
+      x->wait--;
+    } else if (axis < mc->joints && !mc_is_off(&x->par)) {
+      due = 1;
+    }
+  }
+  return due;
+}
+
+/* Heartbeats follow the servo: what should have computed and did not keeps none of them alive. */
+static int skip_pass(struct mc *mc) {
+  if (!skip_sample(mc) || mc->power != MC_RUNNING) return 0;
+  if ((uint64_t)mc->skipped * timer_interval_us(mc) >= MC_SKIP_US) power_overrun(mc);
   return 1;
 }
 
@@ -98,13 +121,19 @@ static int servo_pass(struct mc *mc) {
   }
   int straddled = timer_moved(mc);
   calib_serve(mc, &mc->sample);
-  if (!straddled) servo_all(mc);
-  if (mc->power == MC_RUNNING || (mc->power == MC_STARTING && !straddled)) {
+  if (straddled) {
+    mc_count(&mc->stats.overrun, 1);
+    if (!skip_pass(mc) && mc->power == MC_RUNNING) write_all(mc);
+    return 0;
+  }
+  mc->skipped = 0;
+  servo_all(mc);
+  if (mc->power != MC_IDLE) {
     write_all(mc);
     mc->power = MC_RUNNING;
   }
-  if (straddled || timer_moved(mc)) mc_count(&mc->stats.overrun, 1);
-  return !straddled;
+  if (timer_moved(mc)) mc_count(&mc->stats.overrun, 1);
+  return 1;
 }
 
 /* PANIC first: a pulled cable would make all else read 0xFF. */

@@ -13,6 +13,7 @@
 #define MC_INTERVAL_US 2000    /* after open */
 #define MC_INTERVAL_MIN_US 100 /* ruled */
 #define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */
+#define MC_SKIP_US 25000       /* so long no servo sample: the machine stops */
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
 #define MC_ADC_POLLS 40        /* port C reads of 1 us: conversion takes at most 35 us */
 
@@ -85,6 +86,7 @@ struct mc {
   uint8_t diag;
   uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
   uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
+  uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   int verbosity;
   int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
@@ -148,6 +150,8 @@ void power_stop(struct mc *mc);
 /* MSTOP, and what the last writer leaves behind: the same, and all modes off. */
 void power_rest(struct mc *mc);
 void power_panic(struct mc *mc);
+/* Passes go by without a servo sample: a PANIC of our own. */
+void power_overrun(struct mc *mc);
 /* Ports B as power, diagnostic and buffer modes want them. */
 void power_apply_modes(struct mc *mc);
 

@@ -118,6 +118,18 @@ static void report_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *de
   }
 }
 
+static void tell_all(struct mc *mc) {
+  mc_count(&mc->stats.panics, 1);
+  for (int axis = 0; axis < mc->axes; axis++) error_raise(mc, axis, MERR_PANIC);
+  error_signal(mc);
+}
+
+void power_overrun(struct mc *mc) {
+  power_stop(mc);
+  tell_all(mc);
+  text_log(mc, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms", -1, "");
+}
+
 void power_panic(struct mc *mc) {
   uint8_t port_c[MC_MAX_CARDS] = {0}, dead[MC_MAX_CARDS] = {0};
   if (mc->power == MC_IDLE) {
@@ -125,12 +137,10 @@ void power_panic(struct mc *mc) {
     mc->grace = 0;
     return;
   }
-  mc_count(&mc->stats.panics, 1);
   int started = mc->power == MC_RUNNING;
   diagnose(mc, port_c, dead);
   silence(mc, port_c);
-  for (int axis = 0; axis < mc->axes; axis++) error_raise(mc, axis, MERR_PANIC);
-  error_signal(mc);
+  tell_all(mc);
   if (started) report_panic(mc, port_c, dead);
 }
 

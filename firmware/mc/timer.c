@@ -102,5 +102,5 @@ int timer_moved(struct mc *mc) {
   uint16_t now = falls(mc);
   if (now == mc->rises) return 0;
   if ((uint16_t)(now - mc->rises) > 1) return 1;
-  return sclock_is_high(mc);
+  return rises(mc, now) != mc->rises;
 }

@@ -55,3 +55,27 @@ def test_no_call_moves_a_count(host):
             sim.close(fd)
             run(sim, 0.005)
             assert [sim.encoder_register(axis) for axis in range(6)] == before
+
+
+@pytest.mark.req("DRV-7", "DRV-9")
+@pytest.mark.parametrize("host", HOSTS[1:2])  # RV32 reads six axes in 0.1 ms
+def test_a_servo_that_cannot_keep_up_ends_in_panic(host):
+    """Reads outlast SCLOCK: no pass has a sample. Not even the heartbeat goes on."""
+    with bench(host, interval_us=2000) as sim:
+        fd = sim.open()
+        param = mcdef.make_ffi().new("struct mc_param *")
+        for axis in range(6):
+            param.which = axis
+            assert sim.ioctl(fd, mcdef.MGETPARAM, param) == 0
+            param.mode = mcdef.MD_POS
+            assert sim.ioctl(fd, mcdef.MSETPARAM, param) == 0
+        assert ask(sim, fd, mcdef.MENABLE) == 0
+        run(sim, 0.01)
+        ask(sim, fd, mcdef.MSETINTERVAL, 100)
+        began = sim.time
+        run(sim, 0.1)
+        notes = [(n["t"] - began, n["text"]) for n in sim.notes() if n["t"] > began]
+        (said,) = [t for t, text in notes if "passes outlast SCLOCK, no servo sample" in text]
+        assert 0.024 < said < 0.040, notes
+        (high,) = [t for t, text in notes if "goes high" in text]
+        assert high < said + 0.051, notes

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Passes that read until the next SCLOCK has risen: what they may keep alive. §2.3.4, §5.3.6 */
+#include "mc_priv.h"
+#include "hear.h"
+
+static int64_t slow; /* how long the reads of each pass take longer */
+
+/* A hook: the thirteenth access of a pass reads a card. */
+static void read_slowly(struct mock *mock) {
+  static int64_t pass, accesses;
+  int64_t total = mc_stats_of(mock->memory)->total;
+  accesses = total == pass ? accesses + 1 : 1;
+  pass = total;
+  if (mock->serving && accesses == 13) mock_run(mock, slow);
+}
+
+static struct mc *started(int mode0, int mode1, int divisor) {
+  struct mc *mc = listening(1);
+  int32_t set[2] = {90, 80};
+  for (int axis = 0; axis < 2; axis++) {
+    struct mc_param par = {.which = axis};
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    par.mode = axis ? mode1 : mode0;
+    par.clkdivisor = divisor;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  }
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_write(mc, 0, set, 8), 8);
+  mock_run(&m, 40000);
+  slow = 0;
+  m.on_access = read_slowly;
+  return mc;
+}
+
+/* The servo is dead: so is the heartbeat, and everybody hears why. */
+// req: DRV-7 DRV-9
+static void test_a_servo_that_computes_no_more_stops_the_machine(void) {
+  static const unsigned intervals[] = {500, 1000, 2000, 10000};
+  for (unsigned i = 0; i < 8; i++) {
+    struct mc *mc = started(MD_VEL, i & 1 ? MD_OFF : MD_POS, i & 2 ? 3 : 1);
+    unsigned us = intervals[i / 2];
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    mock_run(&m, 3 * (int64_t)us);
+    slow = us;
+    int64_t from = m.now, beat = m.card[0].beat_until[0];
+    while (mc_state_of(mc, 0)->errcode == 0) {
+      CHECK(m.now - from < 25000 + 8 * (int64_t)us);
+      mock_run(&m, 10);
+      /* an SCLOCK before the next instant may write, a due pass that skipped may not */
+      if (m.now - from > 5 * (int64_t)us && mc_is_enabled(mc)) {
+        CHECK(m.card[0].beat_until[0] <= beat + 5 * (int64_t)us);
+      }
+    }
+    CHECK(m.now - from >= 25000 - (int64_t)us);
+    for (int axis = 0; axis < 2; axis++) {
+      CHECK_EQ(mc_state_of(mc, axis)->errcode, axis << 8 | MERR_PANIC);
+      CHECK_EQ(mock_dac(&m, axis), 0x800);
+    }
+    CHECK_EQ(strcmp(said, "mc: PANIC: passes outlast SCLOCK, no servo sample for 25 ms\n"), 0);
+    CHECK_EQ(m.signals[0], 1);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1);
+    CHECK(!mc_is_enabled(mc));
+    CHECK_EQ(m.card[0].b & 2, 0);
+    mock_run(&m, 60000);
+    CHECK(mock_panic(&m));
+    slow = 0;
+    mock_run(&m, 30000);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0); /* and on it goes */
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-9
+static void test_a_break_in_time_is_forgiven(void) {
+  for (int divisor = 1; divisor < 4; divisor++) {
+    struct mc *mc = started(MD_VEL, MD_POS, divisor);
+    for (int round = 0; round < 5; round++) {
+      slow = 2000;
+      mock_run(&m, 20000);
+      slow = 0;
+      mock_run(&m, 12000);
+      CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+      CHECK(mc_is_enabled(mc));
+    }
+    CHECK(mc_stats_of(mc)->overrun > 20);
+    mock_stop(&m);
+  }
+}
+
+/* Nothing is computed for axes that are off: MSETDAC's code is held as ever. */
+// req: DRV-9 DRV-12
+static void test_axes_that_are_off_are_not_due(void) {
+  struct mc *mc = started(MD_OFF, MD_OFF, 1);
+  int arg = 0xABC << 8;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), 0);
+  slow = 2000;
+  mock_run(&m, 200000);
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+  CHECK_EQ(mock_dac(&m, 0), 0xABC);
+  CHECK(!mock_panic(&m));
+  CHECK(mc_stats_of(mc)->overrun > 30);
+  mock_stop(&m);
+}
+
+/* Late, but computed: counted, and on it goes. */
+// req: DRV-7 DRV-9
+static void test_late_passes_that_compute_go_on(void) {
+  struct mc *mc = started(MD_VEL, MD_POS, 1);
+  m.compute_us = 1200;
+  mock_run(&m, 400000);
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+  CHECK(mc_is_enabled(mc) && !mock_panic(&m));
+  CHECK(mc_stats_of(mc)->overrun > 90);
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_a_servo_that_computes_no_more_stops_the_machine",
+     test_a_servo_that_computes_no_more_stops_the_machine},
+    {"test_a_break_in_time_is_forgiven", test_a_break_in_time_is_forgiven},
+    {"test_axes_that_are_off_are_not_due", test_axes_that_are_off_are_not_due},
+    {"test_late_passes_that_compute_go_on", test_late_passes_that_compute_go_on},
+};
+
+MAIN(tests)
