@@ -21,23 +21,43 @@ void hw_card_put(struct mc *mc, int card, unsigned reg, uint8_t value) {
   hw_put(mc, (uint16_t)(mc->card[card].base + 2 * reg), value);
 }
 
-void hw_card_get_list(struct mc *mc, int card, const uint8_t *step, uint8_t *values, unsigned n) {
-  uint16_t base = mc->card[card].base;
-  if (mc->bus.read_list != NULL) {
-    if (mc->bus.read_list(mc->bus.ctx, base, step, values, n) != MC_BUS_OK) mc->fault = 1;
+void hw_get_list(struct mc *mc, const uint16_t *offsets, uint8_t *values, unsigned n) {
+  if (mc->bus.read_list != NULL && n > 0) {
+    if (mc->bus.read_list(mc->bus.ctx, offsets, values, n) != MC_BUS_OK) mc->fault = 1;
     return;
   }
-  for (unsigned i = 0; i < n; i++) values[i] = hw_get(mc, (uint16_t)(base + step[i]));
+  for (unsigned i = 0; i < n; i++) values[i] = hw_get(mc, offsets[i]);
 }
 
-void hw_card_put_list(struct mc *mc, int card, const uint8_t *step, const uint8_t *values,
-                      unsigned n) {
-  uint16_t base = mc->card[card].base;
-  if (mc->bus.write_list != NULL) {
-    if (mc->bus.write_list(mc->bus.ctx, base, step, values, n) != MC_BUS_OK) mc->fault = 1;
+void hw_put_list(struct mc *mc, const uint16_t *offsets, const uint8_t *values, unsigned n) {
+  if (mc->bus.write_list != NULL && n > 0) {
+    if (mc->bus.write_list(mc->bus.ctx, offsets, values, n) != MC_BUS_OK) mc->fault = 1;
     return;
   }
-  for (unsigned i = 0; i < n; i++) hw_put(mc, (uint16_t)(base + step[i]), values[i]);
+  for (unsigned i = 0; i < n; i++) hw_put(mc, offsets[i], values[i]);
+}
+
+/* Port C stands before the pairs, too, so that no byte that somebody else has read of a counter is
+ * taken for the first one of a pair: any other access to the card begins them anew. */
+void hw_make_lists(struct mc *mc) {
+  static const uint8_t sense[MC_SENSE] = {MMCS_CARD_PPI_C,    MMCS_CARD_ENC1_MSB,
+                                          MMCS_CARD_ENC1_LSB, MMCS_CARD_ENC2_MSB,
+                                          MMCS_CARD_ENC2_LSB, MMCS_CARD_PPI_C};
+  static const uint8_t analog[MC_ANALOG] = {MMCS_CARD_ADC1_LO, MMCS_CARD_ADC2_LO, MMCS_CARD_ADC_HI};
+  static const uint8_t drive[MC_DRIVE] = {MMCS_CARD_DAC1_LO, MMCS_CARD_DAC1_HI, MMCS_CARD_DAC2_LO,
+                                          MMCS_CARD_DAC2_HI};
+  for (unsigned card = 0; card < (unsigned)mc->cards; card++) {
+    unsigned base = mc->card[card].base;
+    for (unsigned i = 0; i < MC_SENSE; i++) {
+      mc->list.sense[MC_SENSE * card + i] = (uint16_t)(base + 2u * sense[i]);
+    }
+    for (unsigned i = 0; i < MC_ANALOG; i++) {
+      mc->list.analog[MC_ANALOG * card + i] = (uint16_t)(base + 2u * analog[i]);
+    }
+    for (unsigned i = 0; i < MC_DRIVE; i++) {
+      mc->list.drive[MC_DRIVE * card + i] = (uint16_t)(base + 2u * drive[i]);
+    }
+  }
 }
 
 void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear) {
@@ -90,9 +110,11 @@ int hw_answers(struct mc *mc, int card) {
   return first == other && hw_card_get(mc, card, MMCS_CARD_PPI_A) == a;
 }
 
-/* High byte first, always: the chip takes its snapshot at the byte that was read first. */
+/* High byte first, always, and something else before: the byte of a pair that is read first is the
+ * one that takes the sample. */
 uint16_t hw_counter(struct mc *mc, int axis) {
   unsigned reg = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
+  (void)hw_card_get(mc, axis / 2, MMCS_CARD_PPI_C);
   unsigned high = hw_card_get(mc, axis / 2, reg);
   return (uint16_t)(high << 8 | hw_card_get(mc, axis / 2, reg + 1));
 }
@@ -108,12 +130,14 @@ void hw_write_dac(struct mc *mc, int axis, uint16_t code) {
   hw_write_dac_high(mc, axis, code);
 }
 
-void hw_write_dacs(struct mc *mc, int card, uint16_t code1, uint16_t code2) {
-  static const uint8_t order[] = {MC_STEP(MMCS_CARD_DAC1_LO), MC_STEP(MMCS_CARD_DAC1_HI),
-                                  MC_STEP(MMCS_CARD_DAC2_LO), MC_STEP(MMCS_CARD_DAC2_HI)};
-  const uint8_t v[] = {(uint8_t)code1, (uint8_t)(code1 >> 8), (uint8_t)code2,
-                       (uint8_t)(code2 >> 8)};
-  hw_card_put_list(mc, card, order, v, sizeof order);
+void hw_write_dacs(struct mc *mc) {
+  uint8_t values[MC_DRIVE * MC_MAX_CARDS], *v = values;
+  const struct mc_axis *end = mc->axis + mc->axes;
+  for (const struct mc_axis *x = mc->axis; x < end; x++) {
+    *v++ = (uint8_t)x->code;
+    *v++ = (uint8_t)(x->code >> 8);
+  }
+  hw_put_list(mc, mc->list.drive, values, (unsigned)(v - values));
 }
 
 uint8_t hw_heartbeat_bm(int axis) {

@@ -73,13 +73,6 @@ static int heartbeats_live(const struct mc *mc) {
   return 1;
 }
 
-static void write_all(struct mc *mc) {
-  const struct mc_axis *x = mc->axis;
-  for (int card = 0; card < mc->cards; card++, x += 2) {
-    hw_write_dacs(mc, card, x[0].code, x[1].code);
-  }
-}
-
 /* Counts what was missed. 0: this SCLOCK has been served by a pass that began late. */
 static int enter(struct mc *mc) {
   unsigned passed = timer_enter(mc);
@@ -123,13 +116,13 @@ static int servo_pass(struct mc *mc) {
   calib_serve(mc, &mc->sample);
   if (straddled) {
     mc_count(&mc->stats.overrun, 1);
-    if (!skip_pass(mc) && mc->power == MC_RUNNING) write_all(mc);
+    if (!skip_pass(mc) && mc->power == MC_RUNNING) hw_write_dacs(mc);
     return 0;
   }
   mc->skipped = 0;
   servo_all(mc);
   if (mc->power != MC_IDLE) {
-    write_all(mc);
+    hw_write_dacs(mc);
     mc->power = MC_RUNNING;
   }
   if (timer_moved(mc)) mc_count(&mc->stats.overrun, 1);

@@ -161,6 +161,7 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   if (!has_axis(mc, axis)) return -MC_EINVAL;
   struct mc_axis *x = &mc->axis[axis];
   unsigned msb = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
+  (void)hw_card_get(mc, axis / 2, MMCS_CARD_PPI_C); /* the pair begins with the next byte */
   hw_card_put(mc, axis / 2, msb, (uint8_t)(value >> 8));
   hw_card_put(mc, axis / 2, msb + 1, (uint8_t)(value & 0xFF));
   (void)hw_counter(mc, axis);

@@ -30,13 +30,12 @@ struct mc_bus {
   /* Reads one byte; on failure *value is unspecified and the result is not MC_BUS_OK. */
   enum mc_bus_result (*read8)(void *ctx, uint16_t offset, uint8_t *value);
   enum mc_bus_result (*write8)(void *ctx, uint16_t offset, uint8_t value);
-  /* The same for n > 0 offsets base + step[i] in order, for processors on which a call costs more
-   * than an access; null: read8 and write8 do it. All are tried; a byte that cannot be read becomes
-   * 0xFF, and the result is not MC_BUS_OK if any failed. */
-  enum mc_bus_result (*read_list)(void *ctx, uint16_t base, const uint8_t *step, uint8_t *values,
-                                  unsigned n);
-  enum mc_bus_result (*write_list)(void *ctx, uint16_t base, const uint8_t *step,
-                                   const uint8_t *values, unsigned n);
+  /* The same for n > 0 offsets in order, for processors on which a call costs more than an access;
+   * null: read8 and write8 do it. All are tried; a byte that cannot be read becomes 0xFF, and the
+   * result is not MC_BUS_OK if any failed. */
+  enum mc_bus_result (*read_list)(void *ctx, const uint16_t *offsets, uint8_t *values, unsigned n);
+  enum mc_bus_result (*write_list)(void *ctx, const uint16_t *offsets, const uint8_t *values,
+                                   unsigned n);
 };
 
 /* The host around: all may be called from the interrupt handler except delay_us, copy_*. */

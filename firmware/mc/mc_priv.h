@@ -17,6 +17,11 @@
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
 #define MC_ADC_POLLS 40        /* port C reads of 1 us: conversion takes at most 35 us */
 
+/* Accesses to a card: see hw_make_lists(). */
+#define MC_SENSE 6u
+#define MC_ANALOG 3u
+#define MC_DRIVE 4u
+
 enum mc_power {
   MC_IDLE,     /* not enabled: no D/A low byte is written, the joints are isolated */
   MC_STARTING, /* MENABLE waits for the first servo pass */
@@ -61,7 +66,13 @@ struct mc_sample {
   uint16_t index[MC_MAX_AXES]; /* counter at the index, if `indexed` */
   uint8_t indexed[MC_MAX_AXES];
   uint8_t port_c[MC_MAX_CARDS];
-  uint8_t answers[MC_MAX_CARDS];
+};
+
+/* What every pass accesses, card after card: offsets. */
+struct mc_lists {
+  uint16_t sense[MC_SENSE * MC_MAX_CARDS];
+  uint16_t analog[MC_ANALOG * MC_MAX_CARDS];
+  uint16_t drive[MC_DRIVE * MC_MAX_CARDS];
 };
 
 struct mc {
@@ -72,6 +83,7 @@ struct mc {
   struct mc_axis axis[MC_MAX_AXES];
   struct mc_card card[MC_MAX_CARDS];
   struct mc_sample sample;
+  struct mc_lists list;
   struct mc_stats stats;
   int opens, cards, axes, joints;
   enum mc_power power;
@@ -97,11 +109,11 @@ uint8_t hw_get(struct mc *mc, uint16_t offset);
 void hw_put(struct mc *mc, uint16_t offset, uint8_t value);
 uint8_t hw_card_get(struct mc *mc, int card, unsigned reg);
 void hw_card_put(struct mc *mc, int card, unsigned reg, uint8_t value);
-/* Registers of a card one after the other; `step` holds MC_STEP of each. */
-#define MC_STEP(reg) ((uint8_t)(2 * (reg)))
-void hw_card_get_list(struct mc *mc, int card, const uint8_t *step, uint8_t *values, unsigned n);
-void hw_card_put_list(struct mc *mc, int card, const uint8_t *step, const uint8_t *values,
-                      unsigned n);
+/* Registers one after the other; n may be 0. */
+void hw_get_list(struct mc *mc, const uint16_t *offsets, uint8_t *values, unsigned n);
+void hw_put_list(struct mc *mc, const uint16_t *offsets, const uint8_t *values, unsigned n);
+/* Fills mc->list for the cards found. */
+void hw_make_lists(struct mc *mc);
 void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear);
 void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear);
 /* Reads and clears the interrupt latches: PCCSR as it was. */
@@ -112,8 +124,8 @@ void hw_init_ppi(struct mc *mc, int card);
 int hw_answers(struct mc *mc, int card);
 uint16_t hw_counter(struct mc *mc, int axis);
 void hw_write_dac(struct mc *mc, int axis, uint16_t code);
-/* Both of a card, in the order of two such writes. */
-void hw_write_dacs(struct mc *mc, int card, uint16_t code1, uint16_t code2);
+/* All, in the order of such writes. */
+void hw_write_dacs(struct mc *mc);
 /* Only the high nibble: does not start the heartbeat. */
 void hw_write_dac_high(struct mc *mc, int axis, uint16_t code);
 uint8_t hw_heartbeat_bm(int axis);

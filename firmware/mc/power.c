@@ -50,14 +50,9 @@ static void silence(struct mc *mc, const uint8_t *port_c) {
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
   mc->buffered = 0;
   power_apply_modes(mc);
-  const uint8_t both = hw_heartbeat_bm(0) | hw_heartbeat_bm(1);
   int living = 0;
   for (int axis = 0; axis < mc->axes; axis++) {
-    if (mc->power == MC_RUNNING && (axis & 1) == 0 && (port_c[axis / 2] & both) == both) {
-      hw_write_dacs(mc, axis / 2, MC_DAC_ZERO, MC_DAC_ZERO);
-      living = 1;
-      axis++;
-    } else if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
+    if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
       hw_write_dac(mc, axis, MC_DAC_ZERO);
       living = 1;
     } else {
@@ -87,8 +82,7 @@ void power_rest(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
-    servo_reset(&x->servo);
-    servo_prepare(&x->servo, &x->par); /* the law of a mode that is no more ends here */
+    servo_off(&x->servo); /* the law of a mode that is no more ends here */
   }
 }
 

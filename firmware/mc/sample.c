@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the cards hold at an SCLOCK, §5.3.
  *
- * All encoders come first: that is the time in which the A/Ds finish. Port C of every card is read
- * once: it tells that the card is alive, and whether its A/Ds are done.
+ * All encoders come first: that is the time in which the A/Ds finish. Port C of every card tells
+ * that the card is alive, and whether its A/Ds are done.
  */
 #include "mc_priv.h"
 
@@ -14,17 +14,18 @@ static int is_alive(struct mc *mc, int card, uint8_t port_c) {
 }
 
 /* The index latches the counter, and the first read after a latch gives that count. An index seen
- * before the pair was read came after the last read: the pair is its count. One that came while
- * it was being read is trusted only if the count before and after agree; else the next index is
- * waited for. */
-static void read_index(struct mc *mc, struct mc_sample *s, int axis, uint8_t before,
-                       uint8_t after) {
-  uint8_t mask = hw_index_bm(axis);
-  if (!mc->axis[axis].calib) return;
+ * before the pair was read came after the last read: the pair is its count, up to a whole interval
+ * old; where the axis is now tells another read. So for an axis, too, that waits for no index but
+ * whose card does. An index that came while the pair was being read is trusted only if the count
+ * before and after agree; else the next index is waited for. */
+static void read_index(struct mc *mc, struct mc_sample *s, int axis, int armed, const uint8_t *v) {
+  uint8_t mask = hw_index_bm(axis), before = v[0], after = v[5];
+  int waits = armed && mc->axis[axis].calib;
   if ((before & mask) != 0) {
     s->index[axis] = s->counter[axis];
-    s->indexed[axis] = 1;
-  } else if ((after & mask) != 0) {
+    s->indexed[axis] = (uint8_t)waits;
+    s->counter[axis] = hw_counter(mc, axis);
+  } else if ((after & mask) != 0 && waits) {
     s->index[axis] = hw_counter(mc, axis);
     if (s->index[axis] == s->counter[axis]) {
       s->indexed[axis] = 1;
@@ -34,54 +35,60 @@ static void read_index(struct mc *mc, struct mc_sample *s, int axis, uint8_t bef
   }
 }
 
-static void read_encoders(struct mc *mc, struct mc_sample *s, int card) {
-  static const uint8_t order[] = {MC_STEP(MMCS_CARD_ENC1_MSB), MC_STEP(MMCS_CARD_ENC1_LSB),
-                                  MC_STEP(MMCS_CARD_ENC2_MSB), MC_STEP(MMCS_CARD_ENC2_LSB),
-                                  MC_STEP(MMCS_CARD_PPI_C)};
-  uint8_t v[sizeof order];
+/* v: port C, both counters, port C again. 1 if the card is alive. */
+static int read_card(struct mc *mc, struct mc_sample *s, int card, const uint8_t *v) {
   int axis = 2 * card;
-  int calibrates = mc->axis[axis].calib || mc->axis[axis + 1].calib;
-  uint8_t before = calibrates ? hw_card_get(mc, card, MMCS_CARD_PPI_C) : 0;
+  s->counter[axis] = (uint16_t)(v[1] << 8 | v[2]);
+  s->counter[axis + 1] = (uint16_t)(v[3] << 8 | v[4]);
   s->indexed[axis] = s->indexed[axis + 1] = 0;
-  hw_card_get_list(mc, card, order, v, sizeof order);
-  s->counter[axis] = (uint16_t)(v[0] << 8 | v[1]);
-  s->counter[axis + 1] = (uint16_t)(v[2] << 8 | v[3]);
-  s->port_c[card] = v[4];
-  s->answers[card] = (uint8_t)is_alive(mc, card, s->port_c[card]);
-  if (!calibrates || !s->answers[card] || mc->card[card].rearm) return;
-  read_index(mc, s, axis, before, s->port_c[card]);
-  read_index(mc, s, axis + 1, before, s->port_c[card]);
+  s->port_c[card] = v[5];
+  if (!is_alive(mc, card, v[5])) return 0;
+  if (mc->axis[axis].calib || mc->axis[axis + 1].calib) {
+    int armed = !mc->card[card].rearm;
+    read_index(mc, s, axis, armed, v);
+    read_index(mc, s, axis + 1, armed, v);
+  }
+  return 1;
 }
 
-static void read_analog(struct mc *mc, struct mc_sample *s, int card) {
-  static const uint8_t order[] = {MC_STEP(MMCS_CARD_ADC1_LO), MC_STEP(MMCS_CARD_ADC2_LO),
-                                  MC_STEP(MMCS_CARD_ADC_HI)};
-  uint8_t v[sizeof order];
-  int axis = 2 * card;
-  uint8_t c = s->port_c[card];
-  for (int i = 0; i < MC_ADC_POLLS && (c & MMCS_CARD_PPI_C_ADC_READY_bm) == 0; i++) {
-    c = hw_card_get(mc, card, MMCS_CARD_PPI_C);
+/* 1: the A/Ds of a card are done. */
+static int await_analog(struct mc *mc, int card, uint8_t port_c) {
+  for (int i = 0; i < MC_ADC_POLLS && (port_c & MMCS_CARD_PPI_C_ADC_READY_bm) == 0; i++) {
+    port_c = hw_card_get(mc, card, MMCS_CARD_PPI_C);
   }
-  if ((c & MMCS_CARD_PPI_C_ADC_READY_bm) == 0) {
-    mc_count(&mc->adc_timeouts, 1);
-    if (!mc->card[card].late) text_log(mc, "A/D time-out: card", mc->card[card].dip, "");
-    mc->card[card].late = 1;
-    s->raw[axis] = mc->axis[axis].raw;
-    s->raw[axis + 1] = mc->axis[axis + 1].raw;
-    return;
+  if ((port_c & MMCS_CARD_PPI_C_ADC_READY_bm) != 0) return 1;
+  mc_count(&mc->adc_timeouts, 1);
+  if (!mc->card[card].late) text_log(mc, "A/D time-out: card", mc->card[card].dip, "");
+  return 0;
+}
+
+/* Late converters keep their old values. */
+static void read_analog(struct mc *mc, struct mc_sample *s) {
+  uint8_t values[MC_ANALOG * MC_MAX_CARDS];
+  for (int card = 0; card < mc->cards; card++) {
+    mc->card[card].late = (uint8_t)!await_analog(mc, card, s->port_c[card]);
   }
-  mc->card[card].late = 0;
-  hw_card_get_list(mc, card, order, v, sizeof order);
-  s->raw[axis] = (uint16_t)((v[2] & 0x0F) << 8 | v[0]);
-  s->raw[axis + 1] = (uint16_t)((v[2] & 0xF0) << 4 | v[1]);
+  hw_get_list(mc, mc->list.analog, values, MC_ANALOG * (unsigned)mc->cards);
+  const uint8_t *v = values;
+  uint16_t *raw = s->raw;
+  for (int card = 0; card < mc->cards; card++, v += MC_ANALOG, raw += 2) {
+    if (mc->card[card].late) {
+      raw[0] = mc->axis[2 * card].raw;
+      raw[1] = mc->axis[2 * card + 1].raw;
+    } else {
+      raw[0] = (uint16_t)((v[2] & 0x0F) << 8 | v[0]);
+      raw[1] = (uint16_t)((v[2] & 0xF0) << 4 | v[1]);
+    }
+  }
 }
 
 int sample_read(struct mc *mc, struct mc_sample *s) {
+  uint8_t v[MC_SENSE * MC_MAX_CARDS];
   int good = 1;
+  hw_get_list(mc, mc->list.sense, v, MC_SENSE * (unsigned)mc->cards);
   for (int card = 0; card < mc->cards; card++) {
-    read_encoders(mc, s, card);
-    if (!s->answers[card]) good = 0;
+    if (!read_card(mc, s, card, v + MC_SENSE * (unsigned)card)) good = 0;
   }
-  for (int card = 0; card < mc->cards && good; card++) read_analog(mc, s, card);
+  if (good) read_analog(mc, s);
   return good && !mc->fault;
 }

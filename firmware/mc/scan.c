@@ -105,6 +105,7 @@ void mc_scan(struct mc *mc) {
     mc->cards++;
   }
   mc->axes = 2 * mc->cards;
+  hw_make_lists(mc);
   mc_set_defaults(mc);
   for (int axis = 0; axis < mc->axes; axis++) find_position(mc, axis, &old, kept[axis / 2]);
 }

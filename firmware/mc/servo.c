@@ -102,6 +102,12 @@ void servo_prepare(struct servo_state *s, const struct mc_param *par) {
   for (s->top = 1u << 27; a0 + a1 + a2 >= bound && s->top > 0; s->top >>= 1) bound *= 2;
 }
 
+void servo_off(struct servo_state *s) {
+  servo_reset(s);
+  s->kind = SERVO_OFF;
+  s->top = 0;
+}
+
 /* N = b0*u: another b0 with the same u. */
 static int64_t rescale(int64_t n, int32_t from, int32_t to) {
   int32_t remainder;

@@ -64,6 +64,9 @@ void servo_prepare(struct servo_state *s, const struct mc_param *par);
 /* Forgets all history; the next sample starts at rest wherever the axis then is. */
 void servo_reset(struct servo_state *s);
 
+/* The same for an axis that goes to MD_OFF: what servo_prepare() would find for it. */
+void servo_off(struct servo_state *s);
+
 /* Adapts the state to a change of parameters: histories restart when the mode or the source of the
  * feedback changes, and keep the output where it is when only coefficients do. Prepares. */
 void servo_change(struct servo_state *s, const struct mc_param *from, const struct mc_param *to);

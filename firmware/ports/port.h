@@ -12,10 +12,9 @@
 enum mc_bus_result port_read8(void *ctx, uint16_t offset, uint8_t *value);
 enum mc_bus_result port_write8(void *ctx, uint16_t offset, uint8_t value);
 #ifdef __m68k__
-enum mc_bus_result port_read_list(void *ctx, uint16_t base, const uint8_t *step, uint8_t *values,
-                                  unsigned n);
-enum mc_bus_result port_write_list(void *ctx, uint16_t base, const uint8_t *step,
-                                   const uint8_t *values, unsigned n);
+enum mc_bus_result port_read_list(void *ctx, const uint16_t *offsets, uint8_t *values, unsigned n);
+enum mc_bus_result port_write_list(void *ctx, const uint16_t *offsets, const uint8_t *values,
+                                   unsigned n);
 #define PORT_READ_LIST port_read_list
 #define PORT_WRITE_LIST port_write_list
 #else

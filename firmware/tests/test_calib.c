@@ -32,9 +32,9 @@ static void test_arming_traffic(void) {
   m.logging = 1;
   calibrate(mc, 3);
   static const struct mock_access want[] = {
-      W(0x043, 0x01), /* index latches clear, SCLOCK off: that card only */
-      R(0x049),       R(0x04B), R(0x04D), R(0x04F), /* what SCLOCK latched is out of the way */
-      W(0x043, 0x11)};                              /* armed */
+      W(0x043, 0x01),           /* index latches clear, SCLOCK off: that card only */
+      PAIR(0x049), PAIR(0x04D), /* what SCLOCK latched is out of the way */
+      W(0x043, 0x11)};          /* armed */
   EXPECT(&m, want);
   m.used = 0;
   calibrate(mc, 3); /* it waits already */
@@ -55,8 +55,8 @@ static void test_pass_of_a_calibrating_card(void) {
   m.logging = 1;
   one_pass();
   static const struct mock_access want[] = {
-      R(0x409), W(0x409, 0x38), W(0x409, 0xB8), W(0x407, 0x80), R(0x405), R(0x405), R(0x009),
-      R(0x00B), R(0x00D),       R(0x00F),       R(0x005),                           /* card 0 */
+      R(0x409), W(0x409, 0x38), W(0x409, 0xB8), W(0x407, 0x80), R(0x405), R(0x405), R(0x005),
+      R(0x009), R(0x00B),       R(0x00D),       R(0x00F),       R(0x005),           /* card 0 */
       R(0x045), R(0x049),       R(0x04B),       R(0x04D),       R(0x04F), R(0x045), /* card 1 */
       R(0x019), R(0x01B),       R(0x01D),       R(0x059),       R(0x05B), R(0x05D), W(0x407, 0x80),
       R(0x405), R(0x405),       W(0x407, 0x80), R(0x405),       R(0x405)};

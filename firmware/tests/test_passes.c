@@ -94,11 +94,12 @@ static void test_converters_are_waited_for_40_reads(void) {
     m.card[0].adc[0] = 777;
     m.latency_us = 20;
     m.logging = 1;
-    int64_t first = m.now - (m.now - m.origin) % 2000 + 2000 + 20 + 10; /* port C after encoders */
+    int64_t first = m.now - (m.now - m.origin) % 2000 + 2000 + 20 + 11; /* port C after encoders */
     m.card[0].adc_until = first + late;
     one_pass();
     int polls = 0;
     for (int i = 0; i < m.used; i++) polls += m.log[i].offset == 0x005;
+    polls--; /* the one before the encoders */
     int ready = mc_state_of(mc, 0)->adcvai == 777;
     CHECK(polls <= 41);
     CHECK_EQ(ready, said[0] == 0);

@@ -316,15 +316,18 @@ static void test_a_card_that_lost_power_is_revived(void) {
       m.on_access = traffic_of_process;
       CHECK_EQ(enable(mc), 0);
       m.logging = 0;
-      const struct mock_access want[] = {
-          W((uint16_t)(base | 0x07), 0x89), W((uint16_t)(base | 0x01), 0x00),
-          W((uint16_t)(base | 0x03), 0x05), R((uint16_t)(base | 0x03)),
-          R((uint16_t)(base | 0x03)),       R((uint16_t)(base | 0x03)),
-          R((uint16_t)(base | 0x03)),       W((uint16_t)(base | 0x01), 0x05),
-          R((uint16_t)(base | 0x09)),       R((uint16_t)(base | 0x0B)),
-          R((uint16_t)(base | 0x09)),       R((uint16_t)(base | 0x0B)),
-          R((uint16_t)(base | 0x0D)),       R((uint16_t)(base | 0x0F)),
-          R((uint16_t)(base | 0x0D)),       R((uint16_t)(base | 0x0F))};
+      const struct mock_access want[] = {W((uint16_t)(base | 0x07), 0x89),
+                                         W((uint16_t)(base | 0x01), 0x00),
+                                         W((uint16_t)(base | 0x03), 0x05),
+                                         R((uint16_t)(base | 0x03)),
+                                         R((uint16_t)(base | 0x03)),
+                                         R((uint16_t)(base | 0x03)),
+                                         R((uint16_t)(base | 0x03)),
+                                         W((uint16_t)(base | 0x01), 0x05),
+                                         PAIR(base | 0x09),
+                                         PAIR(base | 0x09),
+                                         PAIR(base | 0x0D),
+                                         PAIR(base | 0x0D)};
       int at = 6 * lost + (part == 2 ? 2 : 1); /* B is asked if A is right */
       if (part != 2) CHECK_EQ(m.log[at].write, 1);
       memmove(m.log, m.log + at, sizeof want);

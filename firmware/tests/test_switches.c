@@ -48,7 +48,7 @@ static int moves, mover;
 
 /* The axis moves while it is being set. */
 static void creep(struct mock *mock) {
-  if (!mock->logging || mock->log[mock->used - 1].write || moves-- <= 0) return;
+  if (!mock->logging || mock->used < 4 || moves-- <= 0) return; /* from the write on */
   mock->card[mover / 2].count[mover & 1]++;
 }
 
@@ -68,7 +68,7 @@ static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
     for (int axis = 0; axis < 4; axis++) {
       if (axis != mover) CHECK_EQ(m.card[axis / 2].count[axis & 1], 0);
     }
-    CHECK_EQ(m.used, 6);
+    CHECK_EQ(m.used, 9);
     one_pass();
     one_pass();
     CHECK_EQ(mc_state_of(mc, mover)->encnow, value + moved);

@@ -17,15 +17,15 @@ static void test_pass_enabled(void) {
   m.logging = 1;
   m.latency_us = 20;
   one_pass();
-  static const struct mock_access
-      want[] = {R(0x409),       W(0x409, 0x78), W(0x409, 0xF8), /* take and clear the latches */
-                W(0x407, 0x80), R(0x405),       R(0x405),       /* timer 2 at entry */
-                R(0x009),       R(0x00B),       R(0x00D),       R(0x00F),
-                R(0x005),                                 /* encoders, port C */
-                R(0x019),       R(0x01B),       R(0x01D), /* A/D */
-                W(0x407, 0x80), R(0x405),       R(0x405), /* timer 2 after the reads */
-                W(0x011, 0x00), W(0x013, 0x08), W(0x015, 0x00), W(0x017, 0x08),
-                W(0x407, 0x80), R(0x405),       R(0x405)}; /* and after the writes */
+  static const struct mock_access want[] = {
+      R(0x409),       W(0x409, 0x78), W(0x409, 0xF8), /* take and clear the latches */
+      W(0x407, 0x80), R(0x405),       R(0x405),       /* timer 2 at entry */
+      R(0x005),       R(0x009),       R(0x00B),       R(0x00D),
+      R(0x00F),       R(0x005),                 /* port C, encoders, port C */
+      R(0x019),       R(0x01B),       R(0x01D), /* A/D */
+      W(0x407, 0x80), R(0x405),       R(0x405), /* timer 2 after the reads */
+      W(0x011, 0x00), W(0x013, 0x08), W(0x015, 0x00), W(0x017, 0x08),
+      W(0x407, 0x80), R(0x405),       R(0x405)}; /* and after the writes */
   EXPECT(&m, want);
   CHECK_EQ(m.computes, m.passes);
   CHECK_EQ(m.computed_axes, 2);
@@ -50,7 +50,7 @@ static void test_pass_length(void) {
   m.logging = 1;
   m.latency_us = 20;
   one_pass();
-  CHECK_EQ(m.used, 3 + 3 * 3 + 3 * 12);
+  CHECK_EQ(m.used, 3 + 3 * 3 + 3 * 13);
   mock_stop(&m);
 }
 
@@ -226,8 +226,9 @@ static void test_set_encoder_traffic(void) {
   unsigned arg = 0xFF9C01;
   m.logging = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &arg), 0);
-  static const struct mock_access want[] = {W(0x00D, 0xFF), W(0x00F, 0x9C), R(0x00D),
-                                            R(0x00F),       R(0x00D),       R(0x00F)};
+  static const struct mock_access want[] = {R(0x005), W(0x00D, 0xFF), W(0x00F, 0x9C), R(0x005),
+                                            R(0x00D), R(0x00F),       R(0x005),       R(0x00D),
+                                            R(0x00F)}; /* port C: a new pair */
   EXPECT(&m, want);
   mock_run(&m, 4100);
   CHECK_EQ(mc_state_of(mc, 1)->encnow, -100);

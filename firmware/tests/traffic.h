@@ -8,6 +8,10 @@
 
 #define R(offset) {0, offset, 0}
 #define W(offset, value) {1, offset, value}
+/* A counter, its high byte at `offset`: port C of its card, which begins a new pair, and the pair.
+ */
+#define PAIR(offset) \
+  R((uint16_t)(((offset) & ~0x3F) | 5)), R((uint16_t)(offset)), R((uint16_t)((offset) + 2))
 
 /* What was logged is `want`, in order. Values count for writes only. */
 static inline void traffic_check(const char *file, int line, const struct mock *m,

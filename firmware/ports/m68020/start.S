@@ -113,19 +113,16 @@ single_end:
         rts
 
 port_read_list:                         | read_list
-        move.l  8(%sp), %d0
-        add.l   #WINDOW, %d0
-        move.l  %d0, %a0
-        move.l  12(%sp), %a1
+        move.l  8(%sp), %a1             | offsets
         movem.l %d2-%d3/%a2-%a3, -(%sp)
-        move.l  32(%sp), %a2            | values
-        move.l  36(%sp), %d3            | n
+        move.l  28(%sp), %a2            | values
+        move.l  32(%sp), %d3            | n
+        move.l  #WINDOW, %a0
         moveq   #0, %d2                 | the result
         move.l  %sp, %d1
-1:      moveq   #0, %d0
-        move.b  (%a1)+, %d0
+1:      move.w  (%a1)+, %d0
 read_list:
-        move.b  (%a0, %d0.l), %d0
+        move.b  (%a0, %d0.w), %d0
         nop
 read_list_end:
         move.b  %d0, (%a2)+
@@ -136,18 +133,15 @@ read_list_end:
         rts
 
 port_write_list:                        | write_list
-        move.l  8(%sp), %d0
-        add.l   #WINDOW, %d0
-        move.l  %d0, %a0
-        move.l  12(%sp), %a1
+        move.l  8(%sp), %a1
         movem.l %d2-%d3/%a2-%a3, -(%sp)
-        move.l  32(%sp), %a2
-        move.l  36(%sp), %d3
+        move.l  28(%sp), %a2
+        move.l  32(%sp), %d3
+        move.l  #WINDOW, %a0
         moveq   #0, %d2
         move.l  %sp, %d1
-1:      moveq   #0, %d0
-        move.b  (%a1)+, %d0
-        lea     (%a0, %d0.l), %a3
+1:      move.w  (%a1)+, %d0
+        lea     (%a0, %d0.w), %a3
         move.b  (%a2)+, %d0
 write_list:
         move.b  %d0, (%a3)
