@@ -19,6 +19,23 @@ void calib_start(struct mc *mc, int axis) {
   power_apply_modes(mc);
 }
 
+/* An axis that needs its A/D value, which stands still while its card calibrates. */
+int calib_disturbs(const struct mc_param *par) {
+  if ((par->mode & (ADFB | ADDMD | ADOFF)) == 0) return 0;
+  return !mc_is_off(par) || (par->mode & POSCHK) != 0;
+}
+
+int calib_runs(const struct mc *mc, int card) {
+  return mc->axis[2 * card].calib || mc->axis[2 * card + 1].calib;
+}
+
+/* Of all axes; the caller applies the modes. */
+void calib_cancel(struct mc *mc) {
+  for (int axis = 0; axis < mc->axes; axis++) mc->axis[axis].calib = 0;
+  for (int card = 0; card < mc->cards; card++) mc->card[card].rearm = 0;
+  mc->calibrates = 0;
+}
+
 void calib_leave(struct mc *mc, int axis) {
   mc->axis[axis].calib = 0;
   power_apply_modes(mc);

@@ -86,6 +86,10 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
   if (!has_axis(mc, to->which)) return -MC_EINVAL;
   if (to->b0 == 0 || to->clkdivisor < 1) return -MC_EINVAL;
   if (to->ipole < 0 || to->ipole >= MC_FSCALE) return -MC_EINVAL;
+  if (calib_disturbs(to) && calib_runs(mc, to->which / 2)) {
+    text_log(mc, "parameters: axis", to->which, " needs its A/D, which stands still: calibration");
+    return -MC_EBUSY;
+  }
   struct mc_axis *x = &mc->axis[to->which];
   servo_change(&x->servo, &x->par, to);
   if (((to->mode ^ x->par.mode) & MD_MASK) != 0) x->code = MC_DAC_ZERO;
@@ -232,6 +236,11 @@ static int zero_stats(struct mc *mc, int client, union argument *arg) {
 static int calibrate(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, arg->value)) return -MC_EINVAL;
+  for (int axis = arg->value & ~1; axis <= (arg->value | 1); axis++) {
+    if (!calib_disturbs(&mc->axis[axis].par)) continue;
+    text_log(mc, "calibrate: axis", axis, " of that card needs its A/D, which would stand still");
+    return -MC_EBUSY;
+  }
   calib_start(mc, arg->value);
   return 0;
 }

@@ -168,7 +168,10 @@ void power_overrun(struct mc *mc);
 void power_apply_modes(struct mc *mc);
 
 /* calib.c */
+int calib_disturbs(const struct mc_param *par);
+int calib_runs(const struct mc *mc, int card);
 void calib_start(struct mc *mc, int axis);
+void calib_cancel(struct mc *mc);
 void calib_leave(struct mc *mc, int axis);
 void calib_serve(struct mc *mc, const struct mc_sample *s);
 

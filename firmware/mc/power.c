@@ -11,7 +11,7 @@ static uint8_t wanted_b(const struct mc *mc, int card) {
   unsigned b = 0;
   if ((mc->diag & M_ENDIAG) == 0) b |= MMCS_CARD_PPI_B_ENC_JOINT_bm;
   if (mc->drive && (mc->diag & M_ANDIAG) == 0) b |= MMCS_CARD_PPI_B_DAC_JOINT_bm;
-  if (mc->axis[2 * card].calib || mc->axis[2 * card + 1].calib) {
+  if (calib_runs(mc, card)) {
     if (!mc->card[card].rearm) b |= MMCS_CARD_PPI_B_INDEX_EN_bm;
   } else {
     b |= MMCS_CARD_PPI_B_SCLOCK_EN_bm;
@@ -78,7 +78,9 @@ void power_stop(struct mc *mc) {
 }
 
 void power_rest(struct mc *mc) {
+  calib_cancel(mc);
   power_stop(mc);
+  power_apply_modes(mc);
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;

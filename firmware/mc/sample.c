@@ -43,7 +43,7 @@ static int read_card(struct mc *mc, struct mc_sample *s, int card, const uint8_t
   s->indexed[axis] = s->indexed[axis + 1] = 0;
   s->port_c[card] = v[5];
   if (!is_alive(mc, card, v[5])) return 0;
-  if (mc->axis[axis].calib || mc->axis[axis + 1].calib) {
+  if (calib_runs(mc, card)) {
     int armed = !mc->card[card].rearm;
     read_index(mc, s, axis, armed, v);
     read_index(mc, s, axis + 1, armed, v);

@@ -262,7 +262,112 @@ static void test_an_index_while_not_armed_is_not_believed(void) {
   }
 }
 
+/* What the index latched is up to an interval old: the servo wants to know where the axis is. */
+// req: DRV-8 SRV-1
+static void test_the_servo_sees_where_the_axis_is(void) {
+  for (int axis = 2; axis < 4; axis++) {
+    for (int waits = 0; waits < 2; waits++) {
+      struct mc *mc = mock_open(&m, 2);
+      int passing = waits ? axis : axis ^ 1; /* or its neighbour, whose index nobody waits for */
+      for (int i = 2; i < 4; i++) {
+        struct mc_param par = {.which = i};
+        CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+        par.mode = MD_POS;
+        par.a0 = 2;
+        CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+      }
+      CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+      calibrate(mc, axis);
+      for (int pass = 0; pass < 5; pass++) {
+        uint16_t now = (uint16_t)(100 * pass);
+        pass_index(passing, now); /* goes on by 17 counts since */
+        one_pass();
+        CHECK_EQ(mc_state_of(mc, passing)->encnow, now + 17);
+        CHECK_EQ(mock_dac(&m, passing), 0x800 - 2 * (now + 17));
+        if (waits) {
+          CHECK_EQ(errcode(axis), axis << 8 | MERR_ZINDEX);
+          break;
+        }
+        CHECK_EQ(errcode(axis), 0);
+      }
+      mock_stop(&m);
+    }
+  }
+}
+
+static int try_mode(struct mc *mc, int axis, int mode) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  return mc_ioctl(mc, 0, MSETPARAM, &par);
+}
+
+/* The A/Ds of a calibrating card stand still: nobody may be led by them meanwhile. */
+// req: DRV-3 DRV-8
+static void test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other(void) {
+  static const int led[] = {MD_POS | ADFB, MD_VEL | ADDMD, MD_TORQ | ADOFF, MD_OFF | ADFB | POSCHK};
+  static const int free_[] = {MD_POS, MD_VEL | ZEROFB, MD_TEST1 | COULCOMP, MD_OFF | ADFB,
+                              MD_OFF | POSCHK};
+  for (int axis = 2; axis < 4; axis++) {
+    struct mc *mc = mock_open(&m, 2);
+    for (int i = 0; i < 8; i++) {
+      int user = 2 + (i & 1), other = axis;
+      CHECK_EQ(try_mode(mc, user, led[i / 2]), 0);
+      m.logging = 1;
+      m.used = 0;
+      CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &other), -MC_EBUSY);
+      CHECK_EQ(m.used, 0);
+      CHECK(strstr(m.last_log, "needs its A/D") != NULL);
+      CHECK_EQ(try_mode(mc, user, MD_OFF), 0);
+    }
+    CHECK_EQ(try_mode(mc, 0, MD_POS | ADFB), 0); /* of another card */
+    calibrate(mc, axis);
+    for (int i = 0; i < 8; i++) {
+      CHECK_EQ(try_mode(mc, 2 + (i & 1), led[i / 2]), -MC_EBUSY);
+      struct mc_param par = {.which = 2 + (i & 1)};
+      CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+      CHECK_EQ(par.mode, MD_OFF);
+    }
+    for (int i = 0; i < 10; i++) CHECK_EQ(try_mode(mc, 2 + (i & 1), free_[i / 2]), 0);
+    pass_index(axis, 3);
+    one_pass();
+    CHECK_EQ(try_mode(mc, axis, MD_POS | ADFB), 0); /* it is over */
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-8 DRV-9
+static void test_a_stop_gives_calibrations_up(void) {
+  for (int how = 0; how < 3; how++) {
+    for (int enabled = 0; enabled < 2; enabled++) {
+      struct mc *mc = mock_open(&m, 2);
+      int monitor = mc_open(mc, MC_O_RDONLY);
+      if (enabled) CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+      calibrate(mc, 1);
+      calibrate(mc, 2);
+      mock_run(&m, 5000);
+      CHECK(m.card[0].b & 0x10);
+      CHECK_EQ(how == 0   ? mc_ioctl(mc, 0, MSTOP, NULL)
+               : how == 1 ? mc_halt(mc)
+                          : mc_close(mc, 0),
+               0);
+      for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 5);
+      pass_index(1, 50);
+      pass_index(2, 60);
+      mock_run(&m, 10000);
+      for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
+      struct mc_state state;
+      CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
+      mock_stop(&m);
+    }
+  }
+}
+
 static const struct test tests[] = {
+    {"test_the_servo_sees_where_the_axis_is", test_the_servo_sees_where_the_axis_is},
+    {"test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other",
+     test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other},
+    {"test_a_stop_gives_calibrations_up", test_a_stop_gives_calibrations_up},
     {"test_the_doubt_of_one_axis_is_not_the_others", test_the_doubt_of_one_axis_is_not_the_others},
     {"test_an_index_while_not_armed_is_not_believed",
      test_an_index_while_not_armed_is_not_believed},
