@@ -7,7 +7,7 @@ static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->counter = counter;
   x->raw = raw;
   x->state.encnow = x->position;
-  x->state.adcvai = servo_phi(&x->par, &x->servo, raw);
+  x->state.adcvai = SERVO_PHI(&x->par, &x->law, raw);
 }
 
 /* One servo sample of one axis; returns the errors that happened. */
@@ -21,7 +21,7 @@ static uint8_t servo_axis(struct mc *mc, int axis) {
     x->setpoint = (x->par.mode & ZEROFB) != 0 ? 0 : servo_feedback(&x->par, &x->state);
   }
   x->adopt = 0;
-  int32_t current = servo_step(&x->par, &x->servo, x->setpoint, &x->state);
+  int32_t current = SERVO_STEP(&x->par, &x->law, &x->servo, x->setpoint, &x->state);
   if (mc_is_off(&x->par)) {
     x->state.inow = servo_inow(&x->par, &x->servo, x->code - MC_DAC_ZERO);
   } else {

@@ -92,6 +92,7 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
   }
   struct mc_axis *x = &mc->axis[to->which];
   servo_change(&x->servo, &x->par, to);
+  servo_prepare(&x->law, to);
   if (((to->mode ^ x->par.mode) & MD_MASK) != 0) x->code = MC_DAC_ZERO;
   if (mc->power != MC_IDLE && changes_meaning(&x->par, to)) axis_forget_demand(x);
   if (x->wait >= to->clkdivisor) x->wait = to->clkdivisor - 1;

@@ -5,7 +5,7 @@
 
 #include "mc.h"
 #include "mmcs_regs.h"
-#include "servo.h"
+#include "servo_narrow.h"
 
 #define MC_DAC_ZERO 0x800 /* D/A code of 0 V, offset binary */
 #define MC_ENC_MODE 5     /* all four edges count */
@@ -30,8 +30,9 @@ enum mc_power {
 
 struct mc_axis {
   struct mc_param par;
-  struct servo_state servo;
-  struct mc_state state; /* as read() gives it */
+  struct servo_memory servo;
+  struct servo_prepared law; /* of `par` */
+  struct mc_state state;     /* as read() gives it */
   int32_t setpoint;
   int32_t position; /* 32 bits, congruent to the counter */
   int32_t wait;     /* SCLOCKs until the next servo sample */

@@ -84,7 +84,8 @@ void power_rest(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
-    servo_off(&x->servo); /* the law of a mode that is no more ends here */
+    servo_reset(&x->servo);
+    x->law = (struct servo_prepared){0}; /* that of a mode that is no more ends here */
   }
 }
 

@@ -34,7 +34,7 @@ static void set_default(struct mc_axis *x, int which) {
   x->par = initial;
   x->par.which = which;
   servo_reset(&x->servo);
-  servo_prepare(&x->servo, &x->par);
+  servo_prepare(&x->law, &x->par);
   x->state = (struct mc_state){0};
   x->setpoint = 0;
   x->wait = 0;

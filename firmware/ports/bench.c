@@ -2,9 +2,9 @@
 /* The servo arithmetic of six axes alone, to be timed and to be compared between processors. §5.
  *
  * The caller puts profile and ticks into the parameter block and starts the image; each tick is
- * six times servo_phi() and servo_step(), which lie between the two writes to MARK, and six hash
+ * six times SERVO_PHI() and SERVO_STEP(), which lie between the two writes to MARK, and six hash
  * updates. The same file is compiled natively for the comparison. */
-#include "servo.h"
+#include "servo_narrow.h"
 
 #define AXES 6
 #ifndef BENCH_MARK
@@ -95,7 +95,8 @@ static void choose(struct mc_param *par, uint32_t profile, int axis) {
 
 struct axis {
   struct mc_param par;
-  struct servo_state state;
+  struct servo_memory state;
+  struct servo_prepared law;
   struct mc_state m;
   int32_t setpoint, current;
   uint16_t raw;
@@ -127,7 +128,7 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
   for (int n = 0; n < AXES; n++) {
     choose(&axes[n].par, profile, n);
     servo_reset(&axes[n].state);
-    servo_prepare(&axes[n].state, &axes[n].par);
+    servo_prepare(&axes[n].law, &axes[n].par);
     axes[n].m.encnow = axes[n].setpoint = 0;
     axes[n].current = 0;
   }
@@ -138,8 +139,8 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
     }
     BENCH_MARK(1);
     for (EACH(x)) {
-      x->m.adcvai = servo_phi(&x->par, &x->state, x->raw);
-      x->current = servo_step(&x->par, &x->state, x->setpoint, &x->m);
+      x->m.adcvai = SERVO_PHI(&x->par, &x->law, x->raw);
+      x->current = SERVO_STEP(&x->par, &x->law, &x->state, x->setpoint, &x->m);
     }
     BENCH_MARK(0);
     for (EACH(x)) {

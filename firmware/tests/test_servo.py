@@ -54,7 +54,8 @@ _loaded = []
 
 def library():
     if not _loaded:
-        sources = [ROOT / "firmware" / "mc" / "servo.c", Path(__file__).parent / "servo_batch.c"]
+        sources = sorted((ROOT / "firmware" / "mc").glob("servo*.c"))
+        sources.append(Path(__file__).parent / "servo_batch.c")
         path = compile_c("servo.so", sources, ["-O2", "-shared", "-fPIC"])
         ffi = cffi.FFI()
         ffi.include(mcdef.make_ffi())
@@ -83,7 +84,7 @@ def edge(rng: random.Random, bound: int) -> int:
 
 
 def narrow(rng: random.Random) -> ref.Params:
-    """About the bounds between which servo.c computes in 32 bits."""
+    """About the bounds between which servo_narrow.c computes in 32 bits."""
     p = ref.Params(b0=edge(rng, 1 << 14) or 1)
     p.a0, p.a1, p.a2 = (edge(rng, 1 << rng.choice([8, 16, 29])) for _ in range(3))
     p.b1, p.b2 = (rng.choice([0, -p.b0, edge(rng, 2 * abs(p.b0))]) for _ in range(2))
