@@ -41,7 +41,7 @@ static enum servo_kind kind_of(const struct mc_param *par, int is_power) {
   if ((par->b1 | par->b2) == 0) return par->a2 == 0 && is_power ? SERVO_PD : SERVO_SUM;
   if (par->b2 != 0) return SERVO_RECURSION;
   if (par->b1 == -(int64_t)par->b0) return SERVO_INTEGRATOR;
-  int decays = par->b1 < 0 && par->b1 > -par->b0 && par->b0 <= 1 << 10;
+  int decays = par->b0 > 0 && par->b0 <= 1 << 10 && par->b1 < 0 && par->b1 > -par->b0;
   return decays && par->a2 == 0 && is_power ? SERVO_FILTER : SERVO_RECURSION;
 }
 

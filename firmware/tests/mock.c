@@ -48,7 +48,7 @@ static void tick(struct mock_card *c) {
   for (int j = 0; j < 2; j++) {
     uint8_t *in = c->input[j];
     int changed = in[1] ^ in[2], down = (in[2] >> 1 ^ in[1]) & 1; /* A leads B: up */
-    if (c->present && (c->a & 7) == 5 && (changed == 1 || changed == 2)) {
+    if ((c->a & 7) == 5 && (changed == 1 || changed == 2)) {
       c->count[j] = (uint16_t)(c->count[j] + (down ? -1 : 1));
     }
     in[2] = in[1];
@@ -59,7 +59,9 @@ static void tick(struct mock_card *c) {
 
 static void step(struct mock *m) {
   m->now++;
-  for (int i = 0; i < 16; i++) tick(&m->card[i]);
+  for (int i = 0; i < 16; i++) {
+    if (m->card[i].present) tick(&m->card[i]);
+  }
   if (m->period > 0 && m->now > m->origin) {
     int64_t phase = (m->now - m->origin) % m->period;
     if (phase == m->period - m->low_us) {

@@ -55,7 +55,8 @@ def native():
     mc = ROOT / "firmware"
     subprocess.run(
         ["cc", "-O2", "-shared", "-fPIC", "-DBENCH_NATIVE", f"-I{mc / 'mc'}", f"-I{mc / 'include'}",
-         "-o", str(part), str(mc / "ports" / "bench.c"), *map(str, sorted((mc / "mc").glob("servo*.c")))],
+         "-o", str(part), str(mc / "ports" / "bench.c"),
+         *map(str, sorted((mc / "mc").glob("servo*.c")))],
         check=True,
     )  # fmt: skip
     part.replace(library)
