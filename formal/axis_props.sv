@@ -7,7 +7,6 @@ module axis_props (
   input wire logic       clk_i,
   input wire logic       no_reset_i,
   input wire logic       reset_i,
-  input wire logic       power_i,
   input wire logic       clk_en_i,
   input wire logic       enc_cs_ni,
   input wire logic       ior_ni,
@@ -16,7 +15,6 @@ module axis_props (
   input wire logic [7:0] d_i,
   input wire logic       dac_lo_i,
   input wire logic       dac_hi_i,
-  input wire logic       adc_read_i,
   input wire logic       latch_i,
   input wire logic       dac_update_i,
   input wire logic [2:0] enc_mode_i,
@@ -37,12 +35,10 @@ module axis_props (
   logic [15:0] drive_v;
   logic index;
   axis dut (
-    .clk_i, .rst_ni, .reset_i, .power_i, .asleep_i(1'b0), .clk_en_i, .enc_cs_ni, .ior_ni, .iow_ni,
-    .a0_i, .d_i, .dac_lo_i, .dac_hi_i, .adc_read_i, .enc_d_o(), .enc_d_oe_o(), .adc_code_o(),
+    .clk_i, .rst_ni, .reset_i, .clk_en_i, .enc_cs_ni, .ior_ni, .iow_ni,
+    .a0_i, .d_i, .dac_lo_i, .dac_hi_i, .enc_d_o(), .enc_d_oe_o(), .adc_code_o(),
     .latch_i, .dac_update_i, .enc_mode_i, .dac_double_i, .index_en_i, .loop_i, .drive_i, .a_i,
-    .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .heartbeat_o(), .index_o(index), .converting_o(),
-    .dac_stuck1_i(12'h000), .dac_stuck0_i(12'h000), .adc_stuck_i(1'b0), .clk_free_i(1'b0),
-    .due_o(), .extra_i(16'd0), .horizon_o()
+    .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .heartbeat_o(), .index_o(index), .converting_o()
   );
 
   // --- the model: what was written to the D/A, and what of it has reached the output -----------

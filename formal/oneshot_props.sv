@@ -21,11 +21,7 @@ module oneshot_props #(
     .PulseClks(PulseClks)
   ) dut (
     .clk_i, .rst_ni, .trig_i, .clr_ni,
-    .q_o(q),
-    .clk_free_i(1'b0),
-    .due_o(),
-    .extra_i(16'd0),
-    .horizon_o()
+    .q_o(q)
   );
 
   // The model: the clocks since the last trigger, while none of them was cleared.

@@ -29,8 +29,7 @@ module vme_props #(
   input wire logic        pc_power_i,
   input wire logic [ 7:0] pc_d_i,
   input wire logic        pc_wait_i,
-  input wire logic [ 7:3] pc_irq_i,
-  input wire logic        irq_lost_i
+  input wire logic [ 7:3] pc_irq_i
 );
 
   logic rst_ni = 1'b0;
@@ -59,11 +58,7 @@ module vme_props #(
     .pc_ior_no(pc_ior_n),
     .pc_iow_no(pc_iow_n),
     .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
-    .pc_d_i, .pc_wait_i, .pc_irq_i, .irq_lost_i,
-    .clk_free_i(clk_i),
-    .awake_o(),
-    .extra_i(16'd0),
-    .horizon_o()
+    .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
   logic [3:1] level_q = '0;

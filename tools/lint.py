@@ -16,7 +16,7 @@ from sources import core_arguments, sources  # noqa: E402
 TOPS = [
     ("mmcs", {}),
     ("mmcs", {"NumCards": 1, "ClkHz": 48_000_000, "SysClkMHz": 1}),
-    ("mmcs", {"NumCards": 16, "Skip": 1}),
+    ("mmcs", {"NumCards": 16}),
     ("mark1", {}),
     ("adaptor_core", {}),
     *((chip, {}) for chip in ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")),

@@ -5,8 +5,6 @@
 `default_nettype none
 
 module i8254 #(
-  parameter bit          Skip        = 1'b0,
-  parameter bit          Gate        = 1'b0,  // see rtl/mmcs.sv
   parameter bit          NmosRewrite = 1'b1,  // mode 0: first byte of a rewrite stops counting
   parameter logic [31:0] PowerUpSeed = 32'd0  // state at power-up; the chip has no reset pin
 ) (
@@ -34,12 +32,7 @@ module i8254 #(
   output      logic        out1_rise_o,
   output      logic        out1_fall_o,
   output      logic        out2_rise_o,
-  output      logic        out2_fall_o,
-  // skipping and gating
-  input  wire logic        clk_free_i,
-  output      logic        awake_o,           // more than counting happens on this clock
-  input  wire logic [15:0] extra_i,
-  output      logic [15:0] horizon_o
+  output      logic        out2_fall_o
 );
   // A seed of 0 stays 0 in every counter, any other gives each counter a state of its own.
   localparam logic [31:0] Seed1 = {PowerUpSeed[20:0], PowerUpSeed[31:21]};
@@ -60,7 +53,7 @@ module i8254 #(
       wr_q <= 1'b0;
       a_q  <= '0;
       d_q  <= '0;
-    end else if (!cs_ni || rd_q || wr_q) begin
+    end else begin
       rd_q <= rd;
       wr_q <= wr;
       if (rd || wr) a_q <= a_i;
@@ -108,19 +101,9 @@ module i8254 #(
   // ---- counters -----------------------------------------------------------------------------------
   logic        out0, out1, out2;
   logic [ 7:0] d0, d1, d2;
-  logic [15:0] h0, h1, h2;
   assign out_o = {out2, out1, out0};
-  // Only counter 0 may count through a sleep; the others must wait for OUT of another counter.
-  logic        awake0, awake1, awake2, bus;
-  assign awake_o = bus || awake0;
-  always_comb begin
-    bus = 1'b1;
-    if (!rd && !wr && !rd_q && !wr_q) bus = 1'b0;
-  end
 
   i8254_counter #(
-    .Skip       (Skip),
-    .Gate       (Gate),
     .NmosRewrite(NmosRewrite),
     .PowerUpSeed(PowerUpSeed)
   ) u_counter0 (
@@ -139,15 +122,10 @@ module i8254 #(
     .read_i        (rd),
     .read_end_i    (read_end[0]),
     .d_i           (d_q),
-    .d_o           (d0),
-    .clk_free_i    (clk_free_i),
-    .awake_o       (awake0),
-    .extra_i       (extra_i),
-    .horizon_o     (h0)
+    .d_o           (d0)
   );
 
   i8254_counter #(
-    .Skip       (Skip),
     .NmosRewrite(NmosRewrite),
     .PowerUpSeed(Seed1)
   ) u_counter1 (
@@ -166,15 +144,10 @@ module i8254 #(
     .read_i        (rd),
     .read_end_i    (read_end[1]),
     .d_i           (d_q),
-    .d_o           (d1),
-    .clk_free_i    (clk_free_i),
-    .awake_o       (awake1),
-    .extra_i       (extra_i),
-    .horizon_o     (h1)
+    .d_o           (d1)
   );
 
   i8254_counter #(
-    .Skip       (Skip),
     .NmosRewrite(NmosRewrite),
     .PowerUpSeed(Seed2)
   ) u_counter2 (
@@ -193,15 +166,8 @@ module i8254 #(
     .read_i        (rd),
     .read_end_i    (read_end[2]),
     .d_i           (d_q),
-    .d_o           (d2),
-    .clk_free_i    (clk_free_i),
-    .awake_o       (awake2),
-    .extra_i       (extra_i),
-    .horizon_o     (h2)
+    .d_o           (d2)
   );
-
-  logic unused_awake;
-  assign unused_awake = awake1 ^ awake2;
 
   // ---- reads: address 3 is no register, the idle bus reads 0xFF -----------------------------------
   assign d_oe_o = rd;
@@ -216,19 +182,6 @@ module i8254 #(
       endcase
     end
   end
-
-  generate
-    if (Skip) begin : g_skip
-      logic [15:0] h01, h012;
-      assign h01       = h0 < h1 ? h0 : h1;
-      assign h012      = h01 < h2 ? h01 : h2;
-      assign horizon_o = (rd || wr || rd_q || wr_q) ? 16'd1 : h012;
-    end else begin : g_step
-      logic unused;
-      assign unused    = &{h0, h1, h2};
-      assign horizon_o = 16'd1;
-    end
-  endgenerate
 endmodule
 
 `default_nettype wire

@@ -9,8 +9,6 @@
 // with the end of a write does not see what was written, and a latch command takes the count and
 // the status as that CLK leaves them.
 module i8254_counter #(
-  parameter bit          Skip        = 1'b0,
-  parameter bit          Gate        = 1'b0,   // see rtl/mmcs.sv
   parameter bit          NmosRewrite = 1'b1,
   parameter logic [31:0] PowerUpSeed = 32'd0   // 0: all zero; else any state, counting or not
 ) (
@@ -31,12 +29,7 @@ module i8254_counter #(
   input  wire logic        read_i,          // d_o is looked at; it is 0xFF otherwise
   input  wire logic        read_end_i,      // a read of d_o has ended
   input  wire logic [ 7:0] d_i,
-  output      logic [ 7:0] d_o,
-  // skipping and gating
-  input  wire logic        clk_free_i,
-  output      logic        awake_o,         // more than counting happens on this clock
-  input  wire logic [15:0] extra_i,
-  output      logic [15:0] horizon_o
+  output      logic [ 7:0] d_o
 );
   localparam logic [5:0] SeedCw = PowerUpSeed == 32'd0 ? 6'd0 : {1'b1, PowerUpSeed[4:0]};
 
@@ -73,47 +66,7 @@ module i8254_counter #(
   assign m5       = m_q == 3'd5;
   assign periodic = m_q[1];
 
-  // ---- sleep --------------------------------------------------------------------------------------
-  // The same conditions as of skipping, below, with a margin before the end of a count. While they
-  // hold, the counting element is all that changes. live_q counts through the sleep on the free
-  // clock; ce_q, which all logic looks at, stands then and takes the count on the first clock
-  // awake. The board wakes the chip a clock or more before anything happens on its bus.
-  logic        stirs, counts, asleep;
-  logic [15:0] live_q, live_next, ce;
-  assign counts    = loaded_q && !stop_q && (gate_i || m1 || m5);
-  assign live_next = live_q - (m3 ? 16'd2 : 16'd1);
-  assign asleep    = Gate && !stirs && !(counts && ce_q[15:3] == '0);
-  assign awake_o   = stirs || (counts && live_q[15:3] == '0);
-  always_comb begin  // a block, so that a simulator keeps the result
-    stirs = 1'b1;
-    if (clk_rise_i && clk_fall_i) begin
-      stirs = control_i || write_i || latch_count_i || latch_status_i || read_i || read_end_i ||
-              gate_i != gate_q || (!gate_i && periodic && !out_q) || fresh_q || ready_q ||
-              edge_q || trigger_q || level_q != gate_i || (loaded_q && bcd_q) ||
-              ((m4 || m5) && !out_q);
-    end
-  end
-  generate
-    if (Gate) begin : g_gate
-      always_ff @(posedge clk_free_i or negedge rst_ni) begin
-        if (!rst_ni) live_q <= PowerUpSeed[31:16];
-        else if (asleep) begin
-          if (counts) live_q <= live_next;
-        end else if (clk_fall_i) live_q <= ce;
-      end
-    end else begin : g_no_gate
-      assign live_q = ce_q;
-      logic unused_gate;
-      assign unused_gate = ^{clk_free_i, live_next};
-    end
-  endgenerate
-
   // ---- what this clock does -----------------------------------------------------------------------
-  // n CLK pulses in one step when both edges are there; n is 1 but for skipping.
-  logic [15:0] n, n2;
-  assign n  = (Skip && clk_rise_i) ? extra_i + 16'd1 : 16'd1;
-  assign n2 = {n[14:0], 1'b0};
-
   // A digit above 9, which the data sheet leaves open, counts down like any other.
   function automatic logic [15:0] bcd_minus_1(input logic [15:0] v);
     begin
@@ -137,7 +90,7 @@ module i8254_counter #(
 
   logic        gate_edge;                  // GATE rises
   logic        trigger, ready;             // what the fall will act on
-  logic [15:0] cr;
+  logic [15:0] cr, ce;
   logic        begin_load, load, count;    // the fall: begins a count, loads CE, counts
   logic        zero;                       // it counted to 0
   logic        out;
@@ -155,26 +108,26 @@ module i8254_counter #(
     zero       = 1'b0;
     ce         = ce_q;
     out        = out_q;
-    if (clk_rise_i && !asleep) begin
+    if (clk_rise_i) begin
       trigger = edge_q || gate_edge;
       if (fresh_q) begin
         ready = 1'b1;
         cr    = written_q;
       end
     end
-    if (clk_fall_i && !asleep) begin
+    if (clk_fall_i) begin
       begin_load = periodic ? trigger || (ready && !loaded_q)
                  : (m0 || m4) ? ready : trigger;
       // Mode 3 holds one more CLK at zero in the high half of an odd N.
       load  = begin_load ||
               (periodic && loaded_q && (clk_rise_i ? gate_i : level_q) &&
-               ce_q == (m2 ? 16'd1 : (odd_q && out_q) ? n2 - 16'd2 : n2));
+               ce_q == (m2 ? 16'd1 : (odd_q && out_q) ? 16'd0 : 16'd2));
       count = loaded_q && !load && (m1 || m5 || (clk_rise_i ? gate_i : level_q)) && !stop_q;
       if (load) begin
         ce = first(m2, m3, cr);
       end else if (count) begin
         if (bcd_q) ce = m3 ? bcd_minus_1(bcd_minus_1(ce_q)) : bcd_minus_1(ce_q);
-        else ce = ce_q - (m3 ? n2 : n);
+        else ce = ce_q - (m3 ? 16'd2 : 16'd1);
         zero = ce == 16'd0;
       end
       case (m_q)
@@ -214,13 +167,10 @@ module i8254_counter #(
       ready_q   <= 1'b0;
       loaded_q  <= PowerUpSeed[6];
       stop_q    <= 1'b0;
-    end else if (!asleep && (clk_rise_i || clk_fall_i || control_i || write_i ||
-                             gate_i != gate_q || !gate_i)) begin
-      out_q <= out;
-      if (gate_i != gate_q) begin
-        gate_q <= gate_i;
-        if (gate_edge) edge_q <= 1'b1;
-      end
+    end else begin
+      out_q  <= out;
+      gate_q <= gate_i;
+      if (gate_edge) edge_q <= 1'b1;
       if (clk_rise_i) begin
         level_q   <= gate_i;
         trigger_q <= trigger;
@@ -263,9 +213,7 @@ module i8254_counter #(
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) ce_q <= PowerUpSeed[31:16];
-    else if (asleep) begin
-      if (counts) ce_q <= live_next;
-    end else if (clk_fall_i) ce_q <= ce;
+    else ce_q <= ce;
   end
 
   // ---- registers: bus -----------------------------------------------------------------------------
@@ -327,41 +275,6 @@ module i8254_counter #(
   assign readable  = count_latched_q ? ol_q : ce_q;
   assign d_o       = !read_i ? 8'hFF
                    : status_latched_q ? status_q : high_byte ? readable[15:8] : readable[7:0];
-
-  // ---- skipping -----------------------------------------------------------------------------------
-  // Single edges come from another module, whose horizon covers them. Pulses on every clock count
-  // down to the next change of OUT or reload; BCD and anything under way goes clock by clock.
-  generate
-    if (Skip) begin : g_skip
-      logic [15:0] half;
-      logic        load_soon;  // the next CLK loads a waiting count, not a trigger or a reload
-      assign half = {1'b0, ce_q[15:1]};
-      assign load_soon = m0 || m4 || (periodic && !loaded_q);
-      always_comb begin
-        horizon_o = 16'hFFFF;
-        if (control_i || write_i || latch_count_i || latch_status_i || read_end_i ||
-            gate_i != gate_q || (!gate_i && periodic && !out_q)) begin
-          horizon_o = 16'd1;
-        end else if (clk_rise_i && clk_fall_i) begin
-          if (fresh_q || (ready_q && load_soon) || edge_q || trigger_q || level_q != gate_i)
-            horizon_o = 16'd1;
-          else if (!loaded_q) horizon_o = 16'hFFFF;
-          else if (bcd_q || ((m4 || m5) && !out_q)) horizon_o = 16'd1;
-          else if (stop_q || (!gate_i && !m1 && !m5)) horizon_o = 16'hFFFF;
-          else if (m2) horizon_o = ce_q == 16'd1 ? 16'd1 : ce_q - 16'd1;
-          else if (m3 && odd_q && out_q) horizon_o = half + 16'd1;
-          else if (m3) horizon_o = ce_q == 16'd0 ? 16'h8000 : half;
-          else if ((m0 || m1) && out_q) horizon_o = 16'hFFFF;
-          else if ((m4 || m5) && !strobe_q) horizon_o = 16'hFFFF;
-          else horizon_o = ce_q == 16'd0 ? 16'hFFFF : ce_q;
-        end
-      end
-    end else begin : g_step
-      logic unused;
-      assign unused    = ^extra_i;
-      assign horizon_o = 16'd1;
-    end
-  endgenerate
 
   `MMCS_ASSERT(a_armed, !(fresh_q || ready_q) || armed_q, "a count can wait only once written")
   `MMCS_ASSERT(a_trigger, !(edge_q || trigger_q) || armed_q, "no trigger before a count")

@@ -29,8 +29,7 @@ module i8255 #(
   output      logic [7:0] pb_oe_o,
   input  wire logic [7:0] pc_i,
   output      logic [7:0] pc_o,
-  output      logic [7:0] pc_oe_o,
-  output      logic       shakes_o   // a group is in mode 1 or 2: ports may change by themselves
+  output      logic [7:0] pc_oe_o
 );
   localparam logic [6:0] AllInputs = 7'h1B;  // mode word 0x9B, what RESET leaves
 
@@ -55,7 +54,6 @@ module i8255 #(
   assign a_shakes = mode_q[6] || mode_q[5];
   assign b_shakes = mode_q[2];
   assign shakes   = a_shakes || b_shakes;
-  assign shakes_o = shakes;
 
   function automatic logic a_takes(input logic [6:4] group);
     a_takes = group[6] || (group[5] && group[4]);
@@ -106,7 +104,7 @@ module i8255 #(
       b_full_q <= 1'b0;
       pa_in_q  <= '0;
       pb_in_q  <= '0;
-    end else if (!cs_ni || rd_q || wr_q || reset_i || shakes) begin
+    end else begin
       rd_q <= rd && !reset_i;
       wr_q <= wr && !reset_i;
       if (rd || wr) a_q <= a_i;

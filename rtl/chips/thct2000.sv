@@ -6,8 +6,6 @@
 `default_nettype none
 
 module thct2000 #(
-  parameter bit Skip   = 1'b0,
-  parameter bit Sleeps = 1'b0,  // asleep_i is connected
   parameter int Filter = 0      // further equal samples an input must show, 0 to 3
 ) (
   input  wire logic        clk_i,
@@ -19,7 +17,6 @@ module thct2000 #(
   input  wire logic        a_i,        // encoder, asynchronous
   input  wire logic        b_i,
   input  wire logic        latch_i,    // a rising edge latches the count on the same clock
-  input  wire logic        asleep_i,   // all pins but clk_en_i at rest long since
   // bus
   input  wire logic        cs_ni,
   input  wire logic        rd_ni,
@@ -30,10 +27,7 @@ module thct2000 #(
   output      logic        d_oe_o,
   // debug
   output      logic [15:0] count_o,
-  output      logic        illegal_o,  // sticky until reset: both inputs changed at once
-  // skipping
-  input  wire logic [15:0] extra_i,
-  output      logic [15:0] horizon_o
+  output      logic        illegal_o   // sticky until reset: both inputs changed at once
 );
   localparam logic [2:0] ModeHold      = 3'd0;  // counting off
   localparam logic [2:0] ModeX1Low     = 3'd1;  // edges of A while B is 0
@@ -46,33 +40,24 @@ module thct2000 #(
 
   // ---- inputs: two flip-flops, the filter, and the previous state --------------------------------
   logic [1:0] in, s1_q, s2_q, now, prev_q;  // {A, B}
-  logic       moving;                       // some stage differs from the next
-  logic       now_a;
 
-  assign in    = {a_i, b_i};
-  assign now_a = now[1];
+  assign in = {a_i, b_i};
 
   generate
     if (Filter == 0) begin : g_direct
-      assign now    = s2_q;
-      always_comb begin
-        moving = 1'b0;
-        if (!(Sleeps && asleep_i)) moving = in != s1_q || s1_q != s2_q || now != prev_q;
-      end
+      assign now = s2_q;
     end else begin : g_filter
       // `now` takes over an input that differed for Filter + 1 ticks running, each on its own.
       logic [1:0] kept_q;
       logic [1:0] run_a_q, run_b_q;
       assign now[1] = (s2_q[1] != kept_q[1] && run_a_q == Filter[1:0]) ? s2_q[1] : kept_q[1];
       assign now[0] = (s2_q[0] != kept_q[0] && run_b_q == Filter[1:0]) ? s2_q[0] : kept_q[0];
-      assign moving = in != s1_q || s1_q != s2_q || s2_q != kept_q || now != prev_q ||
-                      run_a_q != 2'd0 || run_b_q != 2'd0;
       always_ff @(posedge clk_i or negedge rst_ni) begin
         if (!rst_ni) begin
           kept_q  <= '0;
           run_a_q <= '0;
           run_b_q <= '0;
-        end else if (clk_en_i && moving) begin
+        end else if (clk_en_i) begin
           kept_q  <= now;
           run_a_q <= s2_q[1] == now[1] ? 2'd0 : run_a_q + 2'd1;
           run_b_q <= s2_q[0] == now[0] ? 2'd0 : run_b_q + 2'd1;
@@ -154,22 +139,6 @@ module thct2000 #(
   assign d_o = !rd ? 8'hFF : rs_i ? shown[7:0] : shown[15:8];
 
   // ---- registers ----------------------------------------------------------------------------------
-  // All of them behind one condition: a still encoder on an idle bus costs a simulator no more. A
-  // board that knows that nothing stirs says so by asleep_i and spares even the condition.
-  logic awake;
-  always_comb begin
-    awake = 1'b0;
-    if (!(Sleeps && asleep_i)) begin
-      awake = moving || !cs_ni || rd_q || wr_q || latch_i != latch_in_q || reset_i ||
-              (m_i == ModeInterval && now_a);
-    end
-  end
-
-  // When skipping, one edge carries standing inputs through the flip-flops, in the modes where nothing
-  // but the count follows from them.
-  logic carries;
-  assign carries = Filter == 0 && m_i < ModeInterval;
-
   // The latch takes the count as it stood before this clock. A write wins over a count. A latch on
   // the clock of a snapshot belongs to the next one.
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -192,7 +161,7 @@ module thct2000 #(
       latch_in_q <= 1'b0;
       illegal_q  <= 1'b0;
       count_q    <= '0;
-    end else if (awake) begin
+    end else begin
       if (clk_en_i) begin
         s1_q   <= in;
         s2_q   <= s1_q;
@@ -229,18 +198,6 @@ module thct2000 #(
           if (is_illegal(m_i, now, prev_q)) illegal_q <= 1'b1;
           count_q <= gate_closes(m_i, now, prev_q) ? 16'd0 : count_q + change(m_i, now, prev_q);
         end
-        if (Skip && extra_i != '0 && moving && clk_en_i) begin
-          s2_q   <= in;
-          prev_q <= extra_i == 16'd1 ? s1_q : in;
-          if (extra_i == 16'd1) begin
-            if (is_illegal(m_i, s1_q, s2_q)) illegal_q <= 1'b1;
-            count_q <= count_q + change(m_i, s2_q, prev_q) + change(m_i, s1_q, s2_q);
-          end else begin
-            if (is_illegal(m_i, s1_q, s2_q) || is_illegal(m_i, in, s1_q)) illegal_q <= 1'b1;
-            count_q <= count_q + change(m_i, s2_q, prev_q) + change(m_i, s1_q, s2_q) +
-                       change(m_i, in, s1_q);
-          end
-        end
         if (wr_q && !wr) begin
           if (!wr_seen_q || rs_q == wr_first_q) begin
             held_q     <= d_q;
@@ -256,22 +213,6 @@ module thct2000 #(
 
   assign count_o   = count_q;
   assign illegal_o = illegal_q;
-
-  // ---- skipping: a bus that stands leaves nothing to do, but modes 6 and 7 look at every tick -----
-  generate
-    if (Skip) begin : g_skip
-      logic acts;  // more happens than that registers take what they hold
-      assign acts = awake && ((moving && !carries) || rd != rd_q || wr != wr_q ||
-                              (wr && {rs_i, d_i} != {rs_q, d_q}) || latch_i != latch_in_q ||
-                              reset_i || (m_i == ModeInterval && now_a));
-      assign horizon_o = acts ? 16'd1 : 16'hFFFF;
-      `MMCS_ASSERT(a_skip, !acts || extra_i == '0, "a busy counter is stepped clock by clock")
-    end else begin : g_step
-      logic unused;
-      assign unused    = ^{extra_i, carries};
-      assign horizon_o = 16'd1;
-    end
-  endgenerate
 endmodule
 
 `default_nettype wire
