@@ -30,7 +30,7 @@ def _machine(scenario: str):
 
     setup = load(scenario, ())
     s = setup.scenario
-    library = ensure_library(s.cards, "speed", s.clk_hz, s.skip)
+    library = ensure_library(s.cards, "speed", s.clk_hz)
     return Sim(library, setup.config(), setup.motors(), setup.links())
 
 

@@ -79,16 +79,14 @@ def simulate(
 def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: str = "native"):
     """The setup's machine in power-on state; skip: as the scenario says, or so."""
     from mmcs import hosts
-    from mmcs.build import CLK_HZ, ensure_library
+    from mmcs.build import ensure_library
     from mmcs.sim import Sim
 
     scenario = setup.scenario
     if skip is None:
-        # Waveforms and assertions look at every clock, and a processor in the machine never rests;
-        # at other rates CLK is an event on every clock.
-        skip = scenario.skip and kind == "speed" and host != "rv32" and scenario.clk_hz == CLK_HZ
+        skip = scenario.skip and kind == "speed" and host != "rv32"
     on = hosts.config(host)
-    library = ensure_library(scenario.cards, kind, scenario.clk_hz, skip, soc=host == "rv32")
+    library = ensure_library(scenario.cards, kind, scenario.clk_hz, soc=host == "rv32")
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
 

@@ -9,9 +9,9 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
-TOP = "TOP.mmcs_sim_top"
-MACHINE = f"{TOP}.u_mmcs"
-SOC_MACHINE = f"{TOP}.u_soc.u_mmcs"  # of --host rv32
+TOP = "TOP"
+MACHINE = f"{TOP}.mmcs"
+SOC_MACHINE = f"{TOP}.mmcs_soc.u_mmcs"  # of --host rv32
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
 GROUP_BEGIN, GROUP_END = "800200", "1000200"
 
@@ -58,8 +58,8 @@ GROUPS = {
     ],
     # 0 stopped, 1 program, 2 enter, 3 read, 4 compute, 5 write, 6 publish; its instruction
     "firmware": [
-        Signal("/host_phase_i", 3, HEX),
-        Signal("/host_pc_i", 32, HEX),
+        Signal("u_host_view.phase", 3, HEX),
+        Signal("u_host_view.pc", 32, HEX),
     ],
     "SCLOCK and PANIC": [
         Signal("sclock_o"),
@@ -106,7 +106,7 @@ SOC_GROUPS = {
     ),
     "firmware": (
         "firmware",
-        [Signal("/host_phase", 3, HEX), Signal("/u_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX)],
+        [Signal("u_host_view.phase", 3, HEX), Signal("/mmcs_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX)],
     ),
 }
 

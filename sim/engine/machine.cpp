@@ -41,13 +41,20 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   sample_angles_.resize(static_cast<size_t>(axes_));
   for (int axis = 0; axis < axes_; ++axis) {
     const unsigned pins = plant_->pins(axis);
-    model_->set_encoder(axis, pins);
+    model_->pins().set_encoder(axis, pins);
     sample_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
   }
 }
 
 int64_t Machine::clocks(double seconds) const {
   return clocks_up(seconds);
+}
+
+// The register that an upset of this name hits.
+static std::string upset_path(const Input &input, int index) {
+  if (input.scope != Scope::kAxis) return input.reg;
+  return "g_card[" + std::to_string(index / 2) + "].u_card.g_axis[" + std::to_string(index % 2) +
+         "].u_axis." + input.reg;
 }
 
 // One step of physics: the drive of this instant acts for the whole step, whose edges are then
@@ -58,7 +65,7 @@ void Machine::plant_step() {
     drive_[static_cast<size_t>(axis)] = drive * (10.0 / 32768.0);
     trail_.add(static_cast<uint64_t>(static_cast<uint16_t>(drive)));
     const int16_t volts = to_pin(plant_->adc_volts(axis));
-    model_->set(Pin::kAdcV, axis, static_cast<uint16_t>(volts));
+    model_->pins().set(Pin::kAdcV, axis, static_cast<uint16_t>(volts));
   }
   const unsigned lines = model_->lines();
   const bool amp_enable = !(config_.amp_panic_cut && (lines & kLinePanic));
@@ -94,7 +101,7 @@ void Machine::apply_due() {
   if (clock_ >= next_step_) plant_step();
   while (next_edge_ < edges_.size() && step_start_ + edges_[next_edge_].clk <= clock_) {
     const PinEdge &edge = edges_[next_edge_++];
-    model_->set_encoder(edge.axis, edge.a | edge.b << 1u | edge.i << 2u);
+    model_->pins().set_encoder(edge.axis, edge.a | edge.b << 1u | edge.i << 2u);
   }
 }
 
@@ -187,7 +194,7 @@ void Machine::apply(const mmcs_event &event) {
   const unsigned value = static_cast<unsigned>(event.value);
   switch (input.action) {
     case Action::kPin:
-      model_->set(input.pin, event.index, input.inverted ? value ^ 1u : value);
+      model_->pins().set(input.pin, event.index, input.inverted ? value ^ 1u : value);
       break;
     case Action::kStall:
       stalled_until_ = clock_ + clocks_up(event.value * 1e-3);
@@ -197,7 +204,7 @@ void Machine::apply(const mmcs_event &event) {
       model_->soc_errors(value);
       break;
     case Action::kUpset:
-      model_->upset(input.reg, event.index, value);
+      model_->upset(find_register(upset_path(input, event.index)), value);
       break;
   }
 }
