@@ -58,7 +58,7 @@ def config(folder: Path, netlist: Netlist) -> None:
     seen = set()
     counters = {r["register"] for r in RULES["counter"]}
     for module in netlist.modules.values():
-        names = [(v, "rd") for v in module.registers]
+        names = [(v.rpartition(".")[2], "rd") for v in module.registers]
         if module.name in CHIPS:
             names += [(p.name, "rd") for p in module.ports]
             names.append(("clk_i", "rw"))
@@ -149,8 +149,10 @@ def boards_text(netlist: Netlist) -> str:
         for i, r in sorted(board.registers, key=lambda x: (x[0].path, x[1])):
             rule = counters.get(f"{i.module.name}.{r}", {})
             strides = [*rule.get("strides", []), 0, 0][:2]
+            scope, _, last = r.rpartition(".")
+            path = ".".join(x for x in (i.path, scope) if x)
             out.append(
-                f'  {{"{i.path}", "{r}", {i.module.vars[r].width}, {board.unit(i.path)}, '
+                f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.unit(i.path)}, '
                 f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{rule.get("unless", "")}"}},'
             )
         out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
@@ -203,8 +205,9 @@ def extra(folder: Path, netlist: Netlist) -> None:
 
     def visit(module: Module, path: str) -> None:
         for r in module.registers:
-            rows.append(f'{{"{path}", "{r}"}},')
-            lines.add(f'public_flat_rd -module "{module.name}" -var "{r}"')
+            scope, _, last = r.rpartition(".")
+            rows.append(f'{{"{path}{scope and "." + scope}", "{last}"}},')
+            lines.add(f'public_flat_rd -module "{module.name}" -var "{last}"')
         for name, key, _ in module.cells:
             below = netlist.modules[key]
             if below.name not in known:

@@ -28,22 +28,38 @@ def walk(node: dict):
         yield from walk(child)
 
 
-def _module_vars(node: dict):
-    """Variables of a module, not those of its functions and blocks."""
+def _module_vars(node: dict, scope: str = ""):
+    """Variables of a module, with the generate blocks around them; not those of its functions."""
     for child in children(node):
         if child.get("type") == "VAR":
-            yield child
+            yield scope + child["name"], child
         elif child.get("type") in ("GENBLOCK", "BEGIN"):
-            yield from _module_vars(child)
+            yield from _module_vars(child, _inner(scope, child["name"]))
+
+
+def _inner(scope: str, name: str) -> str:
+    """Generate blocks of a loop come as g_card, then g_card[0] in it: one name."""
+    if not name:
+        return scope
+    if scope and name.startswith(scope.split(".")[-2] + "["):
+        return scope[: -len(scope.split(".")[-2]) - 1] + name + "."
+    return f"{scope}{name}."
+
+
+NAMES: dict[str, str] = {}  # of variables in generate blocks, by the tree's address
+
+
+def _name(node: dict) -> str:
+    return NAMES.get(node["varp"], node["name"])
 
 
 def reads(node: dict) -> set[str]:
     """Variables that an expression looks at."""
-    return {n["name"] for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "WR"}
+    return {_name(n) for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "WR"}
 
 
 def writes(node: dict) -> set[str]:
-    return {n["name"] for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "RD"}
+    return {_name(n) for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "RD"}
 
 
 @dataclass
@@ -111,10 +127,12 @@ class Netlist:
     def _module(self, node: dict) -> Module:
         module = Module(node["origName"], node["addr"])
         functions = {n["name"]: n for n in walk(node) if n.get("type") == "FUNC"}
-        for var in _module_vars(node):
+        for name, var in _module_vars(node):
             value = (var.get("valuep") or [{}])[0].get("name")
-            module.vars.setdefault(var["name"], Var(
-                var["name"], self.width(var["dtypep"]), var["direction"],
+            if name != var["name"]:
+                NAMES[var["addr"]] = name
+            module.vars.setdefault(name, Var(
+                name, self.width(var["dtypep"]), var["direction"],
                 bool(var.get("isGParam")), value))  # fmt: skip
         self._statements(node.get("stmtsp", []), "", module, functions)
         return module
@@ -126,9 +144,7 @@ class Netlist:
                 pins = {p["name"]: (p.get("exprp") or [None])[0] for p in node["pinsp"]}
                 module.cells.append((scope + node["name"], node["modp"], pins))
             elif kind in ("GENBLOCK", "BEGIN"):
-                inner = f"{scope}{node['name']}." if node["name"] else scope
-                if scope and node["name"].startswith(scope[:-1] + "["):
-                    inner = f"{node['name']}."  # g_card, g_card[0]: one name
+                inner = _inner(scope, node["name"])
                 for value in node.values():
                     if isinstance(value, list):
                         self._statements(value, inner, module, functions)

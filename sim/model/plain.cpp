@@ -74,7 +74,9 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
                                  .registers[static_cast<size_t>(r.row)];
     std::string path = kWires.boards[static_cast<size_t>(r.board)].path;
     if (*row.path) path += std::string(".") + row.path;
-    Net net = find(path, row.name);
+    // The SoC's adaptor has no VME front.
+    Net net = find_net(context_, kTop + "." + path, row.name);
+    if (!net && !MMCS_SOC) throw std::runtime_error("the model has no " + r.name);
     net.width = r.width;
     nets_.push_back(net);
   }
@@ -249,7 +251,7 @@ void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
 void Plain::upset(int reg, uint64_t bits) {
   Verilated::threadContextp(&context_);
   const Net &net = nets_[static_cast<size_t>(reg)];
-  net.put(net.get() ^ bits);
+  if (net) net.put(net.get() ^ bits);
   board_->settle();
   look_at_lines();
 }
@@ -257,7 +259,9 @@ void Plain::upset(int reg, uint64_t bits) {
 std::vector<uint8_t> Plain::save() {
   Verilated::threadContextp(&context_);
   State state;
-  for (const Net &net : nets_) state.registers.push_back(net.get());
+  for (size_t reg = 0; reg < nets_.size(); ++reg) {
+    state.registers.push_back(read(static_cast<int>(reg)));
+  }
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
@@ -278,7 +282,9 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
     at += net.bytes;
   }
   pins_.restore(state.pins);
-  for (size_t reg = 0; reg < nets_.size(); ++reg) nets_[reg].put(state.registers[reg]);
+  for (size_t reg = 0; reg < nets_.size(); ++reg) {
+    if (nets_[reg]) nets_[reg].put(state.registers[reg]);
+  }
   clk_.put(0);
   board_->eval();
   board_->settle();

@@ -30,7 +30,10 @@ class Plain : public Model, protected Ports {
   unsigned leds(int card) const override;
   Pins &pins() override { return pins_; }
   unsigned vme_sample() override;
-  uint64_t read(int reg) override { return nets_[static_cast<size_t>(reg)].get(); }
+  uint64_t read(int reg) override {
+    const Net &net = nets_[static_cast<size_t>(reg)];
+    return net ? net.get() : 0;
+  }
   void upset(int reg, uint64_t bits) override;
   std::vector<uint8_t> save() override;
   void restore(const std::vector<uint8_t> &state) override;

@@ -288,11 +288,11 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   if (dtack_.get() == wanted) end = begin + 1;
   while (clock_ < end) {
     int64_t t = next_;
-    const bool moved = pins_.waiting() || lines_ != shown_lines_;
+    const bool moved = !skip_ || pins_.waiting() || lines_ != shown_lines_;
     if (moved) t = clock_ + 1;
     if (t > end) {
       clock_ = end;
-    } else if (!moved && skip_ && t < second_) {
+    } else if (!moved && t < second_) {
       alone(*first_, std::min(end + 1, second_));
     } else {
       step(t);
