@@ -97,9 +97,9 @@ def instance(part: Part, name: str, swapped: dict[str, str]) -> str:
     """The part with its pins on wires of the same names, outputs named after the instance."""
     pins = [f".{CLOCK}"] if CLOCK in part.inputs else []
     pins += [f".{RESET}"] if RESET in part.inputs else []
-    pins += [
-        f".{p}({swapped.get(p, p)})" for p in part.inputs if p not in (CLOCK, RESET)
-    ] + [f".{p}({name}_{p})" for p in part.outputs]
+    pins += [f".{p}({swapped.get(p, p)})" for p in part.inputs if p not in (CLOCK, RESET)] + [
+        f".{p}({name}_{p})" for p in part.outputs
+    ]
     wires = "".join(f"  wire [{w - 1}:0] {name}_{p};\n" for p, w in part.outputs.items())
     return f"{wires}  {part.name} {name} ({', '.join(pins)});\n"
 
