@@ -69,7 +69,7 @@ module ad574_props #(
     end
   end
 
-  (* hierconn *) wire [17:0] \dut.left_q ;
+  (* hierconn *) wire [$clog2(ConvClks + 1)-1:0] \dut.left_q ;
   (* hierconn *) wire [11:0] \dut.next_q , \dut.code_q ;
   (* hierconn *) wire \dut.start_q ;
 

@@ -69,7 +69,7 @@ module axis_props (
   // --- properties -----------------------------------------------------------------------------
 
   logic [11:0] code;
-  assign code = dut.dac_chip;
+  assign code = dut.dac_code;
 
   `MMCS_GIVEN(OneByte, !(dac_lo_i && dac_hi_i), "a write reaches one byte of the D/A")
   `MMCS_PROVE(Output, "5.3.3", drive_i, drive_v == {~output_q[11], output_q[10:0], 4'h0},
@@ -101,11 +101,11 @@ module axis_props (
   // --- steps on the way -----------------------------------------------------------------------
 
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
-  (* hierconn *) wire [11:0] \dut.dac_chip , \dut.u_dac.rank1_q ;
+  (* hierconn *) wire [11:0] \dut.dac_code , \dut.u_dac.rank1_q ;
   (* hierconn *) wire [15:0] \dut.u_encoder.latch_q , \dut.u_encoder.count_q ;
   (* hierconn *) wire [2:0] \dut.index_sync_q ;
   (* hierconn *) wire \dut.u_encoder.latched_q , \dut.u_encoder.latch_in_q ;
-  (* hierconn *) wire \dut.armed_index_q , \dut.index_latch_q ;
+  (* hierconn *) wire \dut.index_q , \dut.index_latch_q ;
 
   `MMCS_LEMMA(Ranks, code == output_q && dut.u_dac.rank1_q == written_q,
               "both hold the same codes")
@@ -113,7 +113,7 @@ module axis_props (
               "an index seen travels through the synchroniser")
   `MMCS_LEMMA(Third, seen_q != 2'd3 || dut.index_sync_q[2] || dut.index_latch_q,
               "the third flip-flop sets the latch")
-  `MMCS_LEMMA(Armed, !dut.armed_index_q || dut.index_latch_q, "what is armed has set the latch")
+  `MMCS_LEMMA(Armed, !dut.index_q || dut.index_latch_q, "what is armed has set the latch")
   `MMCS_LEMMA(Latched, !dut.u_encoder.latch_in_q || $past(latch_i) || dut.index_latch_q,
               "the counter's latch pin rose for the one or the other")
 

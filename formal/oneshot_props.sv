@@ -44,7 +44,7 @@ module oneshot_props #(
   end
 
   // A wire of this name is joined to the register of the design when the hierarchy is flattened.
-  (* hierconn *) wire [18:0] \dut.left_q ;
+  (* hierconn *) wire [$clog2(PulseClks + 1)-1:0] \dut.left_q ;
   (* hierconn *) wire \dut.trig_q ;
 
   `MMCS_PROVE(Lasts, "5.3.6", alive_q, q,

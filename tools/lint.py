@@ -111,6 +111,7 @@ def checks() -> list[tuple[str, list[str]]]:
     jobs.append(("registers fresh", [sys.executable, "rtl/regs/generate.py", "--check"]))
     jobs.append(("requirements covered", [sys.executable, "tools/trace.py", "--check"]))
     jobs.append(("file rules", [sys.executable, "tools/file_rules.py"]))
+    jobs.append(("rtl rules", [sys.executable, "tools/rtl_rules.py"]))
     for file in [
         f
         for f in c_files

@@ -53,8 +53,7 @@ module bench_i8255 (
       .pb_oe_o(dut_pb_oe),
       .pc_i(pc),
       .pc_o(dut_pc),
-      .pc_oe_o(dut_pc_oe),
-      .shakes_o()
+      .pc_oe_o(dut_pc_oe)
   );
 
   assign dut_resp = {
@@ -86,8 +85,7 @@ module bench_i8255 (
       .pb_oe_o(readable_pb_oe),
       .pc_i(pc),
       .pc_o(readable_pc),
-      .pc_oe_o(readable_pc_oe),
-      .shakes_o()
+      .pc_oe_o(readable_pc_oe)
   );
 
   assign readable_resp = {

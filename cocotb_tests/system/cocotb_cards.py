@@ -7,7 +7,6 @@ from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
-    ADC_LO,
     B_DOUBLE,
     B_INDEX,
     B_REAL_ENC,
@@ -613,36 +612,3 @@ async def empty_slot(dut):
     dut.dip_i.value = dip(0, 15, 2)  # card 1 as good as out
     assert await tb.crd(1, PORT_A) == 0xFF
     assert await tb.crd(0, PORT_A) == QUAD and await tb.crd(2, PORT_A) == QUAD
-
-
-@cocotb.test()
-@req("LAT-1", "JMP-1")
-async def sclock_line_open(dut):
-    """A card whose DRQ jumper is off never latches; its neighbours do."""
-    tb = await machine(dut)
-    tb.stuck(dut.g_card[1].u_card.u_latch.sclock_q, 1)  # so that no edge is seen
-    tb.inputs([0x1000] * 6)
-    await pulse(tb)
-    await tb.us(1)
-    assert [await tb.crd(c, PORT_C) & C_DONE for c in range(3)] == [0, C_DONE, 0]
-
-
-@cocotb.test()
-@req("DAC-1", "ADC-1")
-async def stuck_converters(dut):
-    """A D/A that is stuck shows it at the output; a stuck A/D converts and keeps its code."""
-    tb = await machine(dut)
-    axis = dut.g_card[1].u_card.g_axis[0].u_axis
-    stuck = tb.stuck(axis.u_dac.rank2_q, 0x901)
-    for n in (2, 3):
-        await tb.dac(n, 0x700)
-    assert tb.volts(2) == volts_of(0x901) and tb.volts(3) == volts_of(0x700)
-    stuck.cancel()
-    await tb.dac(2, 0x700)
-    assert tb.volts(2) == volts_of(0x700)
-    tb.inputs([0x2000] * 6)
-    tb.stuck(axis.u_adc.next_q, 0x900)
-    await tb.cwr(0, LATCH_ALL, 0)
-    await tb.us(CONVERT_US + 1)
-    assert [await tb.adc(n) for n in range(4)] == [0xA00, 0xA00, 0x900, 0xA00]
-    assert await tb.crd(1, ADC_LO) == 0

@@ -7,7 +7,6 @@ that the documentation states.
 """
 
 import cocotb
-from cocotb.handle import Force, Release
 from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer
 
 from cocotb_tests.lib.req import req
@@ -578,21 +577,3 @@ async def request_drops_within_two_microseconds(dut):
             await dut.vme_irq_no.value_change
         await op.wait()
         assert tb.now() / 1000 - op.end_ns < 2000
-
-
-@cocotb.test()
-@req("INT-1")
-async def lost_interrupt_fault(dut):
-    """SCLOCK runs, its edges do not reach the latch; PANIC's do."""
-    tb = await machine(dut)
-    rise = dut.u_adaptor.u_core.u_pccsr.sclock_rise
-    rise.value = Force(0)
-    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
-    await sclock_edge(tb)
-    await panic_edge(tb)
-    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
-    await panic_low(tb)
-    rise.value = Release()
-    await sclock_low(tb)
-    await sclock_edge(tb)
-    assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | PANIC_IRQ | BASE

@@ -3,7 +3,6 @@
 """Heartbeats, PANIC, brakes, e-stop, cable and power. §2.3.4, §4.3.5, §4.3.8, §5.3.6, §5.4.1"""
 
 import cocotb
-from cocotb.handle import Force, Release
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
 from cocotb_tests.lib.req import req
@@ -255,20 +254,6 @@ async def panic_does_not_cut_the_drives(dut):
     await tb.us(BEAT_US + 50)
     assert panic(tb)
     assert [tb.volts(n) for n in range(6)] == before
-
-
-@cocotb.test()
-@req("PAN-1", "JMP-1")
-async def panic_line_open(dut):
-    """A card whose IRQ jumper is off panics unheard."""
-    tb = await machine(dut, 0x0C)  # card 1 alone
-    dut.card_irq.value = Force(0)
-    await tb.us(BEAT_US + 20)
-    assert not panic(tb)
-    assert await tb.crd(1, PORT_C) & 5 == 0
-    dut.card_irq.value = Release()
-    await tb.clocks(5)
-    assert panic(tb)
 
 
 @cocotb.test()
