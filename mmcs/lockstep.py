@@ -116,6 +116,14 @@ def act(sim, action: tuple, numbers: dict[str, int]) -> object:
     return None
 
 
+def differences(pair: tuple) -> str:
+    """The registers that differ, the first few."""
+    names = list(pair[0].registers())
+    values = [[sim.register(n) for n in range(len(names))] for sim in pair]
+    found = [f"{name} {a:#x} {b:#x}" for name, a, b in zip(names, *values, strict=True) if a != b]
+    return ", ".join(found[:5]) or "no register"
+
+
 def torture(pair: tuple, seed: int, actions: int) -> int:
     """Both machines under the same stranger; the clocks that passed."""
     plain, skipping = pair
@@ -130,9 +138,10 @@ def torture(pair: tuple, seed: int, actions: int) -> int:
             raise Differs(
                 f"seed {seed}, at or up to {CHECK_EVERY} before action {number} {action}: clock "
                 f"{plain.clock} and {skipping.clock}, answers {got[0]} and {got[1]}"
+                f"; {differences(pair)}"
             )
     if plain.hash() != skipping.hash():
-        raise Differs(f"seed {seed}: the hashes differ at the end")
+        raise Differs(f"seed {seed}: the hashes differ at the end: {differences(pair)}")
     return plain.clock
 
 

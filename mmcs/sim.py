@@ -241,6 +241,17 @@ class Sim:
         """The 16-bit counter on the card, read without disturbing it."""
         return self.lib.mmcs_sim_encoder_register(self._sim, axis)
 
+    def registers(self) -> dict[str, int]:
+        """Every register of the hardware, by its name from mmcs down, and its bits."""
+        found = {}
+        while (name := self.lib.mmcs_sim_register_name(len(found))) != self.ffi.NULL:
+            found[self.ffi.string(name).decode()] = self.lib.mmcs_sim_register_width(len(found))
+        return found
+
+    def register(self, number: int) -> int:
+        """The value of one now, by its place in registers(), read without disturbing it."""
+        return self.lib.mmcs_sim_register(self._sim, number)
+
     def checkpoints(self) -> list[tuple[int, int, int, int]]:
         """Samples, clock, hash of the samples, hash of what left the machine; every 32 samples."""
         out = self.ffi.new("const mmcs_checkpoint **")

@@ -50,6 +50,30 @@ int64_t Machine::clocks(double seconds) const {
   return clocks_up(seconds);
 }
 
+// Of an upset "seu.<register>", its register; else -1.
+static int register_of(int input) {
+  static const int first = [] {
+    int n = kInputCount;
+    while (Plant::input_name(n - kInputCount)) ++n;
+    return n;
+  }();
+  return input < first || input - first >= static_cast<int>(registers().size()) ? -1
+                                                                                : input - first;
+}
+
+const char *Machine::input_name(int input) {
+  static const std::vector<std::string> upsets = [] {
+    std::vector<std::string> names;
+    for (const Register &r : registers()) names.push_back("seu." + r.name);
+    return names;
+  }();
+  if (input < 0) return nullptr;
+  if (input < kInputCount) return kInputs[input].name;
+  const int reg = register_of(input);
+  return reg >= 0 ? upsets[static_cast<size_t>(reg)].c_str()
+                  : Plant::input_name(input - kInputCount);
+}
+
 // The register that an upset of this name hits.
 static std::string upset_path(const Input &input, int index) {
   if (input.scope != Scope::kAxis) return input.reg;
@@ -158,7 +182,11 @@ std::string Machine::check_event(const mmcs_event &event) const {
   if (event.input < 0) return "no such input";
   if (!std::isfinite(event.value)) return "its value is not a number";
   if (event.input >= kInputCount) {
-    if (!Plant::input_name(event.input - kInputCount)) return "no such input";
+    if (!input_name(event.input)) return "no such input";
+    if (const int reg = register_of(event.input); reg >= 0) {
+      const double limit = std::ldexp(1.0, registers()[static_cast<size_t>(reg)].width);
+      return event.value >= 0 && event.value < limit ? "" : "value out of range";
+    }
     if (event.index < -1 || event.index >= axes_) return "no such axis";
     return "";
   }
@@ -182,10 +210,13 @@ void Machine::add_event(const mmcs_event &event) {
 void Machine::apply(const mmcs_event &event) {
   char text[100];
   const bool machine = event.input < kInputCount;
-  const char *name =
-      machine ? kInputs[event.input].name : Plant::input_name(event.input - kInputCount);
+  const char *name = input_name(event.input);
   std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
   note("fault", !machine || kInputs[event.input].scope == Scope::kAxis ? event.index : -1, text);
+  if (const int reg = register_of(event.input); reg >= 0) {
+    model_->upset(reg, static_cast<uint64_t>(event.value));
+    return;
+  }
   if (!machine) {
     plant_->set_input(event.input - kInputCount, event.index, event.value);
     return;

@@ -34,6 +34,7 @@ Block::Block(const std::string &module, VerilatedContext &c, const std::string &
     Net net = find(row.path, row.name);
     net.width = row.width;
     Unit &unit = units[static_cast<size_t>(row.unit)];
+    if (row.awake) unit.awake.push_back(net);
     if (row.strides[0] == 0) {
       unit.registers.add(base, net);
       continue;

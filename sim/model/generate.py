@@ -151,9 +151,10 @@ def boards_text(netlist: Netlist) -> str:
             strides = [*rule.get("strides", []), 0, 0][:2]
             scope, _, last = r.rpartition(".")
             path = ".".join(x for x in (i.path, scope) if x)
+            awake = any((a["module"], a["register"]) == (i.module.name, r) for a in RULES["awake"])
             out.append(
                 f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.unit(i.path)}, '
-                f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{rule.get("unless", "")}"}},'
+                f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{rule.get("unless", "")}", {int(awake)}}},'
             )
         out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
         for unit in range(len(board.chips) + 1):

@@ -14,7 +14,7 @@ Net find_net(const VerilatedContext &context, const std::string &scope, const st
   Net net;
   net.at = static_cast<char *>(v->datap());
   net.bytes = static_cast<int>(v->totalSize());
-  net.width = 8 * net.bytes;
+  net.width = static_cast<int>(v->entBits());
   return net;
 }
 

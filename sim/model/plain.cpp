@@ -191,11 +191,12 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
 
 bool Plain::failed() {
   if (!context_.gotError()) return false;
-  if (failure_.empty()) failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
+  // After an upset the machine is where no assertion expects it.
+  if (failure_.empty() && !upset_) failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
   printed.clear();
   context_.gotError(false);
   context_.gotFinish(false);
-  return true;
+  return !failure_.empty();
 }
 
 int16_t Plain::drive(int axis) const {
@@ -233,7 +234,7 @@ void Plain::cut(const std::string &board, const char *port, bool on, uint64_t va
     }
     return;
   }
-  find(board, std::string(port) + "__VforceVal").put(value ? ~uint64_t{0} : 0);
+  find(board, std::string(port) + "__VforceVal").put(value);
   enable.put(on ? ~uint64_t{0} : 0);
 }
 
@@ -252,6 +253,7 @@ void Plain::upset(int reg, uint64_t bits) {
   Verilated::threadContextp(&context_);
   const Net &net = nets_[static_cast<size_t>(reg)];
   if (net) net.put(net.get() ^ bits);
+  upset_ = true;
   board_->settle();
   look_at_lines();
 }

@@ -78,6 +78,7 @@ class Plain : public Model, protected Ports {
   int64_t clock_ = 0;
   uint64_t evals_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;
+  bool upset_ = false;  // assertions hold no more
   std::string failure_;
 };
 

@@ -367,9 +367,12 @@ void Rack::cut(const std::string &board, const char *port, bool on, uint64_t val
     slot->forced = on ? static_cast<int64_t>(value) : -1;
     if (slot->row->out) {
       wires_.put(slot->net, slot->lsb, slot->width, slot->value());
+    } else if (slot->row->heard) {
+      // Its wires back, it hears what is on them as any card does: all of it, or nothing.
+      if (on || (listening_ >> (n - 1) & 1)) show(*slot);
+      bus_moved_ = true;
     } else {
       show(*slot);
-      bus_moved_ = bus_moved_ || slot->row->heard;
     }
   }
 }

@@ -15,6 +15,7 @@ struct RegisterRow {
   int strides[2];    // of a counter, that goes down; else 0
   int margin;        // it comes to this value and below by real clocks
   const char *unless;  // the register beside it must be 0
+  bool awake;          // while it is not 0, its unit does not rest
 };
 // A net that a unit at rest watches; quiet: it does not look at it, always or under a guard.
 struct NetRow {

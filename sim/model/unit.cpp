@@ -33,10 +33,12 @@ void Unit::look_at_counters() {
   moving_ = false;
   for (Counter &c : counters) {
     const uint64_t now = c.net.get();
-    c.delta = (c.kept - now) & c.net.mask();
+    const uint64_t before = c.kept;
+    c.delta = (before - now) & c.net.mask();
     c.kept = now;
     if (c.delta == 0) continue;
-    const bool regular = (c.delta == c.strides[0] || c.delta == c.strides[1]) &&
+    // Down by a stride, not through 0.
+    const bool regular = before > now && (c.delta == c.strides[0] || c.delta == c.strides[1]) &&
                          !(c.unless && c.unless.get() != 0);
     if (!regular || now <= c.margin) {
       still_ = false;

@@ -72,6 +72,7 @@ class Unit {
   // What it looks at within the board: always, and unless it is quiet. Ports: see moved_port().
   Words inputs, quiet_inputs;
   Guard quiet;
+  std::vector<Net> awake;  // while one of these is not 0, it does not rest
 
   int64_t last = 0;  // the edge up to which the registers are
   int64_t due = 0;   // the next that it must be given
@@ -88,6 +89,7 @@ class Unit {
   void clocked(const char *base, int64_t t) {
     last = t;
     still_ = !registers.moved(base);
+    for (const Net &net : awake) still_ = still_ && net.get() == 0;
     room_ = kNever;
     if (!counters.empty()) look_at_counters();
   }
