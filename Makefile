@@ -17,40 +17,49 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: bench mutation mutation-firmware help sim test test-fast test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga
+.PHONY: bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 # --- what the targets stand on -------------------------------------------------------------
 
-INSTALL := uv pip install -q --python $(BIN)/python -c requirements.lock
+# Bytecode is compiled now: where Python may write none, every start would compile it all anew.
+INSTALL = echo "mmcs: installing $(1)"; $(BIN)/python -m uv pip install -q --compile-bytecode \
+    --python $(BIN)/python -c requirements.lock $(2) && $(BIN)/python tools/setup_venv.py
 
-$(VENV)/.sim: requirements.lock pyproject.toml tools/setup_verilator.py
+# An environment knows where it was made: one that was moved or copied with its checkout is made anew.
+PLACE := $(VENV)/.place
+ifneq ($(wildcard $(PLACE)),)
+ifneq ($(shell cat $(PLACE)),$(CURDIR))
+  $(info mmcs: this checkout was moved or copied: its .venv is made anew)
+  $(shell test -w . && rm -rf $(VENV))
+endif
+endif
+
+$(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/verilator.py
 	@tools/check_host.sh "$(PYTHON)" "$(CXX)"
-	@echo "mmcs: installing into $(VENV)"
 	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
 	@$(BIN)/python -m pip install -q --disable-pip-version-check -c requirements.lock uv
-	@$(INSTALL) -e .
-	@$(BIN)/python tools/setup_verilator.py
+	@$(call INSTALL,into $(VENV),-e .)
+	@echo "$(CURDIR)" >$(PLACE)
 	@touch $@
 
 $(VENV)/.test: $(VENV)/.sim
-	@echo "mmcs: installing the test tools"
-	@$(INSTALL) -e .[test]
-	@$(INSTALL) -e .[hosts] || echo "mmcs: no processor models: the tests of --host skip"
+	@$(call INSTALL,the test tools,-e .[test])
+	@$(call INSTALL,the processor models,-e .[hosts]) || echo "mmcs: no processor models: the tests of --host skip"
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
+	@tools/need_debian.sh gtkwave gtkwave || true
+	@tools/need_debian.sh Xvfb xvfb || true
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf || true
 	@touch $@
 
 $(VENV)/.lint: $(VENV)/.test
-	@echo "mmcs: installing the lint tools"
-	@$(INSTALL) -e .[lint]
+	@$(call INSTALL,the lint tools,-e .[lint])
 	@touch $@
 
 $(VENV)/.formal: $(VENV)/.sim
-	@echo "mmcs: installing the provers"
-	@$(INSTALL) -e .[formal]
+	@$(call INSTALL,the provers,-e .[formal])
 	@touch $@
 
 # --- the main job --------------------------------------------------------------------------
@@ -77,6 +86,9 @@ test: $(VENV)/.test ## the whole test suite
 test-fast: $(VENV)/.test ## a selection that takes under two minutes once built
 	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
 
+test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped at random moments
+	@tools/stall.py -- $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
     chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor mark1 expansion \
@@ -90,7 +102,7 @@ test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: o
 
 bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/bench.md
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python sim/bench/run.py $(BENCH)
+	@$(BIN)/python -m studies.bench.run $(BENCH)
 
 coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
 	@$(BIN)/python tools/coverage.py
@@ -112,8 +124,7 @@ mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 
 # --- firmware for real processors ----------------------------------------------------------
 
 $(VENV)/.hosts: $(VENV)/.sim
-	@echo "mmcs: installing the processor model (about a minute)"
-	@$(INSTALL) -e .[hosts]
+	@$(call INSTALL,the processor models (about a minute),-e .[hosts])
 	@touch $@
 
 firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
@@ -124,8 +135,7 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
 # --- programmable logic --------------------------------------------------------------------
 
 $(VENV)/.fpga: $(VENV)/.test $(VENV)/.hosts
-	@echo "mmcs: installing placement and routing"
-	@$(INSTALL) -e .[fpga]
+	@$(call INSTALL,placement and routing,-e .[fpga])
 	@touch $@
 
 fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow)
@@ -133,7 +143,7 @@ fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes a
 
 # --- checks and housekeeping ---------------------------------------------------------------
 
-C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'sim/*.[ch]' 'sim/*.cpp' 'sim/*.h' | grep -v mmcs_regs.h)
+C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.c' | grep -v mmcs_regs.h)
 
 lint: $(VENV)/.lint ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff; zero warnings
 	@tools/need_debian.sh iverilog iverilog
@@ -148,8 +158,11 @@ generate: $(VENV)/.test ## rewrite what is generated from the register descripti
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/trace.py
 
+release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
+	@$(BIN)/python tools/release.py
+
 clean: ## remove build/
 	@rm -rf build
 
 distclean: clean ## remove build/ and .venv
-	@rm -rf $(VENV) mmcs.egg-info
+	@rm -rf $(VENV) mmcs.egg-info dist

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`python -m mmcs` is the same command as `mmcs`."""
 
-from mmcs.cli import main
+from mmcs.cli.app import main
 
 if __name__ == "__main__":
-    main()
+    main(prog_name="mmcs")

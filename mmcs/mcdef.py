@@ -11,7 +11,7 @@ import re
 
 import cffi
 
-from mmcs import ROOT
+from mmcs.place import ROOT
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 O_RDONLY, O_WRONLY, O_RDWR = 0, 1, 2

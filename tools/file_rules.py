@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+# Whatever writes a file, a person reads it: nobody is exempt from the length for being generated.
 CODE = {".py", ".sv", ".svh", ".c", ".h", ".cpp", ".sh", ".rdl", ".toml", ".sby", ".S", ".ld"}
 LIMIT = 400
 README_LINES = 120
@@ -25,7 +26,7 @@ def main() -> int:
         head = "\n".join(lines[:12])
         if "SPDX-License-Identifier: Apache-2.0" not in head and name != "pyproject.toml":
             found.append(f"{name}: no SPDX licence line at the top")
-        if len(lines) > LIMIT and "Length:" not in head and "generated" not in head.lower():
+        if len(lines) > LIMIT and "Length:" not in head:
             found.append(f"{name}: {len(lines)} lines; split it, or say why in a 'Length:' comment")
     readme = (ROOT / "README.md").read_text().splitlines()
     if len(readme) > README_LINES:

@@ -281,10 +281,10 @@ def scenario(m: Mutant) -> str:
 
 
 def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
-    from mmcs import build
-    from mmcs.load import load
-    from mmcs.report import make_report
-    from mmcs.runner import simulate
+    from mmcs.engine import build
+    from mmcs.result.report import make_report
+    from mmcs.run.runner import simulate
+    from mmcs.scenario.load import load
 
     made: dict[int, Path] = {}
 
@@ -312,7 +312,7 @@ def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
 
 def keep_simulator() -> None:
     """Builds the simulator and keeps its parts: a later change of the sources does not meddle."""
-    from mmcs.build import ensure_library
+    from mmcs.engine.build import ensure_library
 
     shutil.rmtree(WORK / "sim", ignore_errors=True)
     for cards in CARDS:
@@ -342,7 +342,7 @@ def digest() -> str:
     files = [p for e in ("c", "h", "py") for p in (ROOT / "firmware").rglob(f"*.{e}")]
     files += [p for p in (ROOT / "sim").rglob("*") if p.suffix in {".c", ".cpp", ".h"}]
     files += [*(ROOT / "rtl").rglob("*.sv"), *(ROOT / "mmcs").rglob("*.py")]
-    files += [p for n in SCENARIOS for p in ROOT.rglob(f"{n}.toml") if "build" not in p.parts]
+    files += (ROOT / "sim" / "scenarios").rglob("*.toml")
     for path in sorted({*files, Path(__file__)}):
         sums.update(path.read_bytes())
     return sums.hexdigest()[:16]

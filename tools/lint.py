@@ -38,7 +38,7 @@ def checks() -> list[tuple[str, list[str]]]:
     all_sv = tracked("*.sv", "*.svh")
     c_files = [
         f
-        for f in tracked("firmware/*.[ch]", "sim/*.[ch]", "sim/*.cpp")
+        for f in tracked("firmware/*.[ch]", "sim/*.[ch]", "sim/*.cpp", "studies/*.c")
         if not f.endswith("mmcs_regs.h")
     ]
     waivers = [str(f) for f in [ROOT / "rtl" / "verilator.vlt"] if f.is_file()]

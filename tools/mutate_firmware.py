@@ -138,8 +138,8 @@ def main() -> int:
         print("mutation: --quick finds a lower bound; leave it out to --write", file=sys.stderr)
         return 2
     if not args.quick:
-        import mmcs.report
-        import mmcs.runner  # noqa: F401  before the first fork: a child inherits what is loaded
+        import mmcs.result.report
+        import mmcs.run.runner  # noqa: F401  before the first fork: a child inherits what is loaded
 
         fm.keep_simulator()
     started = time.monotonic()

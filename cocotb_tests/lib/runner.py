@@ -33,7 +33,7 @@ DEFAULT_SEED = 1989
 RESTARTS = 8
 # A guard against a simulator that never ends, not a measure; below pytest's own time-out, which
 # would take the whole worker along.
-HANG_S = 450
+HANG_S = 1800
 TIMESCALE = ("1ns", "1ps")
 # Nearly all the time of a build is g++; the simulations are short, so -O1 ends soonest.
 OPTIMISE = ["OPT_FAST=-O1", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]

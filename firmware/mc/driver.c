@@ -21,6 +21,7 @@ int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
   mc->opens = mc->cards = mc->axes = mc->joints = 0;
   mc->power = MC_IDLE;
   mc->grace = 0;
+  mc->stopped = 0;
   for (int i = 0; i < MC_MAX_CLIENTS; i++) mc->client[i].used = 0;
   return 0;
 }
@@ -38,6 +39,7 @@ static int start(struct mc *mc) {
     hw_put(mc, MMCS_VECTOR, mc->config.vector);
     mc->power = MC_IDLE;
     mc->adc_timeouts = 0;
+    mc->stopped = 0;
     mc->stats = (struct mc_stats){0};
     mc_scan(mc);
     result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);
@@ -68,13 +70,20 @@ int mc_open(struct mc *mc, int flags) {
   return client;
 }
 
+static int has_writer(const struct mc *mc) {
+  for (int i = 0; i < MC_MAX_CLIENTS; i++) {
+    if (mc->client[i].used && mc->client[i].can_write) return 1;
+  }
+  return 0;
+}
+
 int mc_close(struct mc *mc, int client) {
   if (!is_client(mc, client)) return -MC_EBADF;
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->client[client].used = 0;
   mc->opens--;
+  if (mc->client[client].can_write && !has_writer(mc)) power_rest(mc);
   if (mc->opens == 0) {
-    power_stop(mc);
     hw_set_pccsr(mc, 0, (uint8_t)~MMCS_PCCSR_BASE_bm);
     if (mc->adc_timeouts > 0) text_log(mc, "close, A/D time-outs:", mc->adc_timeouts, "");
   }
@@ -112,6 +121,12 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   if (n == 0) return 0;
   if (mc->os.copy_in(mc->os.ctx, values, user_buf, len) != 0) return -MC_EFAULT;
   unsigned level = mc->os.mask(mc->os.ctx);
+  if (mc->stopped) {
+    if (mc->stopped == 1) text_log(mc, "write: stopped, MENABLE first", -1, "");
+    mc->stopped = 2;
+    mc->os.unmask(mc->os.ctx, level);
+    return -MC_EIO;
+  }
   for (int axis = 0; axis < n; axis++) {
     mc->axis[axis].setpoint = values[axis];
     mc->axis[axis].written = 1;
@@ -121,12 +136,44 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   return (int)len;
 }
 
+int mc_halt(struct mc *mc) {
+  if (mc->opens == 0) return 0;
+  unsigned level = mc->os.mask(mc->os.ctx);
+  mc->fault = 0;
+  power_rest(mc);
+  mc->stopped = 1;
+  int result = mc->fault ? -MC_EIO : 0;
+  mc->os.unmask(mc->os.ctx, level);
+  return result;
+}
+
 int mc_joints(const struct mc *mc) {
   return mc->joints;
 }
 
 int32_t mc_setpoint(const struct mc *mc, int axis) {
   return mc->axis[axis].setpoint;
+}
+
+int32_t mc_demand(const struct mc *mc, int axis) {
+  const struct mc_axis *x = &mc->axis[axis];
+  return (x->par.mode & ADDMD) != 0 ? x->state.adcvai : x->setpoint;
+}
+
+int mc_current(const struct mc *mc, int axis) {
+  return mc->axis[axis].code - MC_DAC_ZERO;
+}
+
+int mc_mode(const struct mc *mc, int axis) {
+  return mc->axis[axis].par.mode;
+}
+
+int mc_is_enabled(const struct mc *mc) {
+  return mc->power == MC_RUNNING;
+}
+
+int mc_is_stopped(const struct mc *mc) {
+  return mc->stopped != 0;
 }
 
 const struct mc_state *mc_state_of(const struct mc *mc, int axis) {

@@ -97,14 +97,8 @@ static void say(struct mc *mc, const char *what, int number) {
 static int stop(struct mc *mc, int client, union argument *arg) {
   (void)client;
   (void)arg;
-  power_stop(mc);
-  for (int axis = 0; axis < mc->axes; axis++) {
-    struct mc_axis *x = &mc->axis[axis];
-    x->par.mode &= ~MD_MASK;
-    x->setpoint = 0;
-    x->written = 0;
-    servo_reset(&x->servo);
-  }
+  power_rest(mc);
+  mc->stopped = 1;
   say(mc, "stopped", -1);
   return 0;
 }

@@ -88,17 +88,31 @@ int mc_ioctl(struct mc *mc, int client, uint32_t request, void *arg);
 int mc_read(struct mc *mc, int client, void *user_buf, size_t len);
 int mc_write(struct mc *mc, int client, const void *user_buf, size_t len);
 
+/* A stop that needs no descriptor: the host's own, or that of a process which only looks on. As
+ * MSTOP: zero torque, all modes off, calibrations given up, brakes. May be called at any time but
+ * from within another call of the driver's on the same processor, interrupts masked or not. A
+ * device that nobody has open is at rest: nothing happens. 0, or -MC_EIO.
+ *
+ * A stop, this or MSTOP, is latched: write() fails with EIO until an MENABLE succeeds. One that
+ * comes while MENABLE waits makes that fail. */
+int mc_halt(struct mc *mc);
+
 /* The interrupt handler: call with the level masked, after the acknowledge cycle. Returns 1 if a
  * servo pass ran, 0 if not (panic only, or spurious). */
 int mc_interrupt(struct mc *mc);
 /* The acknowledge cycle failed: counts a spurious interrupt. */
 void mc_spurious(struct mc *mc);
 
-/* For the host's log, valid after mc_interrupt: setpoint in force and published state of an axis.
- */
+/* For the host's log, valid after every call: what is in force, and what was published last, of an
+ * axis below mc_joints(). */
 int mc_joints(const struct mc *mc);
-int32_t mc_setpoint(const struct mc *mc, int axis);
+int32_t mc_setpoint(const struct mc *mc, int axis); /* as write() or the driver set it */
+int32_t mc_demand(const struct mc *mc, int axis);   /* behind S1: the setpoint, or phi */
+int mc_current(const struct mc *mc, int axis);      /* at the D/A, without ipole's filter */
+int mc_mode(const struct mc *mc, int axis);         /* the mode word */
 const struct mc_state *mc_state_of(const struct mc *mc, int axis);
+int mc_is_enabled(const struct mc *mc); /* the servo writes the D/As */
+int mc_is_stopped(const struct mc *mc); /* a stop is latched */
 const struct mc_stats *mc_stats_of(const struct mc *mc);
 
 #endif

@@ -81,6 +81,7 @@ struct mc {
   uint8_t drive;         /* D/As are connected to the joints */
   uint8_t diag;
   uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
+  uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   int verbosity;
   int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
@@ -141,6 +142,8 @@ int power_enable(struct mc *mc);
 void power_restart_axes(struct mc *mc);
 /* Zero current on all axes, then silence: PANIC and brakes follow within 50 ms. */
 void power_stop(struct mc *mc);
+/* MSTOP, and what the last writer leaves behind: the same, and all modes off. */
+void power_rest(struct mc *mc);
 void power_panic(struct mc *mc);
 /* Ports B as power, diagnostic and buffer modes want them. */
 void power_apply_modes(struct mc *mc);

@@ -47,7 +47,7 @@ static void forget_currents(struct mc *mc) {
 /* Zero to every D/A; the low byte only where the heartbeat lives anyway (bit of port C): starting
  * a dead one would open the brakes once more. The relay then isolates all of them. */
 static void silence(struct mc *mc, const uint8_t *port_c) {
-  if (mc->power == MC_IDLE) return;
+  if (mc->power == MC_IDLE && !mc->drive) return;
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
   mc->buffered = 0;
   power_apply_modes(mc);
@@ -75,12 +75,22 @@ static void silence(struct mc *mc, const uint8_t *port_c) {
 /* Heartbeats may be dead already: after SYSRESET* no servo pass came and nobody noticed. */
 void power_stop(struct mc *mc) {
   uint8_t port_c[MC_MAX_CARDS] = {0};
-  if (mc->power == MC_IDLE) return;
+  if (mc->power == MC_IDLE && !mc->drive) return;
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
   for (int card = 0; card < mc->cards; card++) {
     port_c[card] = hw_card_get(mc, card, MMCS_CARD_PPI_C);
   }
   silence(mc, port_c);
+}
+
+void power_rest(struct mc *mc) {
+  power_stop(mc);
+  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
+    x->par.mode &= ~MD_MASK;
+    x->setpoint = 0;
+    x->written = 0;
+    servo_reset(&x->servo);
+  }
 }
 
 /* What an operator wants to know first: whose fault it is (§1.3.2). */
@@ -164,13 +174,15 @@ static void wait_for_silence(struct mc *mc) {
 
 static void connect_drives(struct mc *mc) {
   unsigned level = mc->os.mask(mc->os.ctx);
-  mc->buffered = 0;
-  power_apply_modes(mc);
-  for (int axis = 0; axis < mc->axes; axis++) hw_write_dac_high(mc, axis, MC_DAC_ZERO);
-  mc->drive = 1;
-  power_apply_modes(mc);
+  if (!mc->stopped) {
+    mc->buffered = 0;
+    power_apply_modes(mc);
+    for (int axis = 0; axis < mc->axes; axis++) hw_write_dac_high(mc, axis, MC_DAC_ZERO);
+    mc->drive = 1;
+    power_apply_modes(mc);
+  }
   mc->os.unmask(mc->os.ctx, level);
-  mc->os.delay_us(mc->os.ctx, MC_RELAY_US);
+  if (mc->drive) mc->os.delay_us(mc->os.ctx, MC_RELAY_US);
 }
 
 static void await_first_pass(struct mc *mc) {
@@ -182,8 +194,10 @@ static void await_first_pass(struct mc *mc) {
   mc->os.unmask(mc->os.ctx, level);
   /* An interrupt that waited is served here: the first pass, the longest, must not begin late. */
   level = mc->os.mask(mc->os.ctx);
-  power_restart_axes(mc);
-  mc->power = MC_STARTING;
+  if (mc->drive) { /* no stop came */
+    power_restart_axes(mc);
+    mc->power = MC_STARTING;
+  }
   mc->os.unmask(mc->os.ctx, level);
   for (uint64_t us = 0; us < limit && mc->power == MC_STARTING; us += step) {
     mc->os.delay_us(mc->os.ctx, step);
@@ -209,16 +223,9 @@ static int check_heartbeats(struct mc *mc) {
   return 0;
 }
 
-int power_enable(struct mc *mc) {
-  int result = check_cards(mc);
-  if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
-  if (mc->power == MC_RUNNING) {
-    unsigned level = mc->os.mask(mc->os.ctx);
-    if (result == 0) power_restart_axes(mc);
-    mc->os.unmask(mc->os.ctx, level);
-    return result;
-  }
-  if (result != 0) return result;
+/* Of a machine at rest whose cards answer. A stop that comes meanwhile is latched anew. */
+static int start(struct mc *mc) {
+  int result;
   wait_for_silence(mc);
   connect_drives(mc);
   await_first_pass(mc);
@@ -230,5 +237,22 @@ int power_enable(struct mc *mc) {
     hw_set_pccsr(mc, MMCS_PCCSR_PANIC_EN_bm, 0);
   }
   mc->os.unmask(mc->os.ctx, level);
+  return result;
+}
+
+int power_enable(struct mc *mc) {
+  int result = check_cards(mc);
+  if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
+  if (mc->power == MC_RUNNING) {
+    unsigned level = mc->os.mask(mc->os.ctx);
+    if (result == 0) power_restart_axes(mc);
+    mc->os.unmask(mc->os.ctx, level);
+    return result;
+  }
+  if (result != 0) return result;
+  uint8_t stopped = mc->stopped;
+  mc->stopped = 0;
+  result = start(mc);
+  if (result != 0 && !mc->stopped) mc->stopped = stopped;
   return result;
 }

@@ -3,15 +3,17 @@
  *
  * Everything but text is a 32-bit word in the processor's own byte order; the host turns them. The
  * host writes `request` while `posted == done` and then rings (MAILBOX_DOORBELL); the firmware
- * answers by setting `done` to `posted`. `axis` and `stats` are consistent whenever the firmware
- * reports MAILBOX_SAMPLED or MAILBOX_DONE, and belong to the firmware.
+ * answers by setting `done` to `posted`. `stop` needs no request and waits for none: the host
+ * counts it up and rings, the firmware stops the machine and makes `stopped` the same. `axis` and
+ * `stats` are consistent whenever the firmware reports MAILBOX_SAMPLED or MAILBOX_DONE, and belong
+ * to the firmware.
  */
 #ifndef MAILBOX_H
 #define MAILBOX_H
 
 #include <stdint.h>
 
-#define MAILBOX_VERSION 1
+#define MAILBOX_VERSION 2
 #define MAILBOX_MAGIC 0x4D4D4353 /* "MMCS", once the firmware is up */
 
 /* Where things are; the linker scripts agree. */
@@ -60,6 +62,7 @@ enum mailbox_call {
 struct mailbox_axis {
   int32_t setpoint;
   int32_t state[7]; /* struct mc_state */
+  int32_t current;  /* at the D/A */
 };
 
 struct mailbox {
@@ -77,8 +80,11 @@ struct mailbox {
   uint32_t fault_pc;
   int32_t joints;
   int32_t stats[6]; /* struct mc_stats */
-  uint32_t reserved[13];
+  uint32_t stop, stopped;
+  int32_t enabled, latched; /* mc_is_enabled(), mc_is_stopped() */
+  uint32_t reserved[9];
   struct mailbox_axis axis[MAILBOX_AXES];
+  int32_t mode[MAILBOX_AXES]; /* as the last answer or stop left it */
   uint32_t data[MAILBOX_DATA_WORDS];
   uint8_t text[MAILBOX_TEXT];
 };

@@ -87,11 +87,20 @@ static void publish(void) {
   for (const uint32_t *end = stats + 6; stats < end; stats++) *to++ = *stats;
   int joints = mc_joints(&driver);
   BOX->joints = joints;
+  BOX->enabled = mc_is_enabled(&driver);
   to = (volatile uint32_t *)BOX->axis;
   for (int axis = 0; axis < joints; axis++) {
     *to++ = (uint32_t)mc_setpoint(&driver, axis);
     to = put_state(to, mc_state_of(&driver, axis));
+    *to++ = (uint32_t)mc_current(&driver, axis);
   }
+}
+
+/* What no servo pass changes. */
+static void publish_modes(void) {
+  BOX->latched = mc_is_stopped(&driver);
+  int joints = mc_joints(&driver);
+  for (int axis = 0; axis < joints; axis++) BOX->mode[axis] = mc_mode(&driver, axis);
 }
 
 void port_servo_interrupt(void) {
@@ -106,9 +115,17 @@ void port_spurious_interrupt(void) {
   report(MAILBOX_SERVED);
 }
 
-/* Only wakes: the request is served in process context. */
+/* A stop is served here, whatever request is under way; else this only wakes, and the request is
+ * served in process context. */
 void port_doorbell_interrupt(void) {
   CONTROL(MAILBOX_DOORBELL) = 1;
+  uint32_t stop = BOX->stop;
+  if (stop == BOX->stopped) return;
+  (void)mc_halt(&driver);
+  BOX->stopped = stop;
+  publish();
+  publish_modes();
+  report(MAILBOX_SERVED);
 }
 
 void port_dead(uint32_t vector, uint32_t pc) {
@@ -142,6 +159,7 @@ void port_main(void) {
   const struct mc_config config = {8000000, PORT_VECTOR};
   (void)mc_attach(&driver, &bus, &os, &config);
   BOX->posted = BOX->done = 0;
+  BOX->stop = BOX->stopped = 0;
   BOX->version = MAILBOX_VERSION;
   BOX->magic = MAILBOX_MAGIC;
   report(MAILBOX_UP);
@@ -151,7 +169,10 @@ void port_main(void) {
     int32_t result = serve();
     (void)port_mask();
     BOX->result = result;
-    if (BOX->call != MAILBOX_WRITE && BOX->call != MAILBOX_READ) publish();
+    if (BOX->call != MAILBOX_WRITE && BOX->call != MAILBOX_READ) {
+      publish();
+      publish_modes();
+    }
     BOX->done = BOX->posted;
     report(MAILBOX_DONE);
   }

@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from mmcs import ROOT
-from mmcs.cli import main
+from mmcs.cli.app import main
 
 GOOD = """
 description = "a test"

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from mmcs import mcdef
-from mmcs.logcols import FIELDS
+from mmcs.engine.logcols import FIELDS
 
 TAU_S = 0.02
 SAMPLE_S = 0.001
@@ -18,7 +18,7 @@ class FakeSim:
     def __init__(self, axes=1, fail=None, notes=(), assert_at=None, short=0.0, late=None):
         self.axes, self.fail, self.assert_at, self.short = axes, fail or {}, assert_at, short
         self.calls, self.segments, self.events = [], [], []
-        self.rows, self._notes = [], list(notes)
+        self.rows, self.taken, self._notes, self.lost = [], [], list(notes), 0
         self.late = late or {}  # counts of a processor that is too slow; None: native
         self._phases = {} if late is None else {"pass": (1, 2000.0, 2000.0)}
         self.now, self.start = 0.0, None
@@ -93,6 +93,14 @@ class FakeSim:
     def log(self):
         return np.array(self.rows).reshape(-1, 1 + len(FIELDS) * self.axes)
 
+    def take_log(self):
+        rows, self.rows[:] = self.log(), []
+        self.taken += rows.tolist()
+        return rows
+
+    def notes_lost(self):
+        return self.lost
+
     def notes(self):
         return self._notes
 
@@ -117,4 +125,4 @@ class FakeSim:
         return "fake"
 
     def hash(self):
-        return f"0x{hash(tuple(map(tuple, self.rows))) & (2**64 - 1):016x}"
+        return f"0x{hash(tuple(map(tuple, self.taken + self.rows))) & (2**64 - 1):016x}"

@@ -10,10 +10,11 @@ import math
 
 import pytest
 
-from mmcs import logcols, reference
-from mmcs.load import load
-from mmcs.report import make_report
-from mmcs.runner import simulate
+from mmcs.engine import logcols
+from mmcs.result.report import make_report
+from mmcs.run.runner import simulate
+from mmcs.scenario.load import load
+from studies import reference
 
 # One worker measures each response once and keeps it.
 pytestmark = pytest.mark.xdist_group("closed_loop")
@@ -56,7 +57,7 @@ def test_step_response(row, compensation):
 
 def test_document_is_current():
     """After the steps above, whose results are kept: this costs nothing more."""
-    told = "docs/closed_loop.md is stale: run `python -m mmcs.reference`"
+    told = "docs/closed_loop.md is stale: run `python -m studies.reference`"
     assert reference.DOCUMENT.read_text() == reference.document(), told
 
 
@@ -104,9 +105,9 @@ def test_same_seed_same_hash_other_seed_other_hash():
 
 
 def test_names_of_inputs_are_those_of_the_engine():
-    from mmcs.build import ensure_library
-    from mmcs.inputs import INPUTS
-    from mmcs.sim import Sim
+    from mmcs.engine.build import ensure_library
+    from mmcs.engine.sim import Sim
+    from mmcs.scenario.inputs import INPUTS
 
     setup = load("lab500")
     with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from mmcs import design as ds
+from mmcs.design import synthesis as ds
 from mmcs.tests.device_bench import Bench
 
 T = 1e-3
@@ -213,7 +213,7 @@ def test_apply_without_a_server(mmcs, monkeypatch, tmp_path):
 @pytest.mark.parametrize(("method", "rings"), [("bilinear", True), ("backward", False)])
 def test_ringing_in_the_machine(tmp_path, method, rings):
     """Double-buffered D/As and the bilinear PID: the current alternates at half the sample rate."""
-    from mmcs.cli_design import _load_robot, _plant
+    from mmcs.cli.design import _load_robot, _plant
     from mmcs.mcdef import (
         MD_POS,
         MDACMODE,

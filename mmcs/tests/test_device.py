@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from mmcs import ROOT, mcdef
-from mmcs.device import Device
+from mmcs.device.client import Device
 from mmcs.tests.device_bench import Bench
 
 

@@ -26,7 +26,7 @@ def test_bounce_of_1989(bench):
     """Old-style main, absolute include, signal, sigpause(), ioctl with two arguments."""
     events = 440 if LONG else 24  # LONG: 60 s of the machine
     child = bench.start(compile_1989(EXAMPLES / "bounce.c"), f"-n{events}")
-    out, status = bench.finish(child, 900 if LONG else 60)
+    out, status = bench.finish(child)
     found = re.search(r"(\d+) limit events, (\d+) interrupts, 0 missed", out)
     assert status == 0 and found, out
     handled, interrupts = int(found[1]), int(found[2])
@@ -43,8 +43,8 @@ def test_bounce_of_1989(bench):
         assert set(codes) == {axis << 8 | mcdef.MERR_PLO, axis << 8 | mcdef.MERR_PHI}
         assert all(one != next_ for one, next_ in itertools.pairwise(codes))
     # one signal for each sample with an event; both axes may share it, and one that comes between
-    # the handler's read() and MCLEARERROR signals a second time
-    assert 0.9 * handled <= notes.count("signal") <= 1.05 * handled
+    # the handler's read() and MCLEARERROR signals a second time, as often as the program is slow
+    assert 0.5 * handled <= notes.count("signal") <= 2 * handled
     # statistics: an interrupt every millisecond; every two until the program has set its interval
     stats = bench.sim.stats()
     assert interrupts <= stats["interrupts"] <= 1e3 * bench.sim.time
@@ -108,13 +108,13 @@ while True:
 @pytest.mark.req("DRV-4", "DRV-9")
 def test_dup_and_fork_keep_the_file(bench):
     text = """
-import fcntl, os, struct, time
+import fcntl, os, struct, sys
 fd = os.open("/dev/mc0", os.O_RDWR)
 second = os.dup(fd)
 os.close(fd)
 if os.fork() == 0:
     assert len(os.read(second, 56)) == 56
-    time.sleep(0.2)
+    sys.stdin.readline()
     assert os.write(second, struct.pack("2i", 0, 0)) == 8
     print("child done", flush=True)
     os._exit(0)
@@ -123,6 +123,7 @@ os._exit(0)
     child = bench.python(text)
     bench.until(lambda: child.poll() is not None)
     assert len(bench.server.files) == 1  # the child of the fork has it
+    child.stdin.close()  # and ends now
     bench.until(lambda: not bench.server.files)
     assert child.stdout.read() == "child done\n"
 
@@ -134,13 +135,15 @@ def test_signal_reaches_those_who_hold_the_file(bench):
     text = """
 import fcntl, os, signal, time
 from mmcs import mcdef
+hold, release = os.pipe()
 got = []
 signal.signal(signal.SIGUSR1, lambda *_: got.append(1))
 watch = os.open("/dev/mc0", os.O_RDONLY)
 fd = os.open("/dev/mc0", os.O_RDWR)
 other = os.fork()  # has the file until it becomes another program: descriptors close on exec
 if other == 0:
-    os.execvp("sleep", ["sleep", "2"])
+    os.dup2(hold, 0)
+    os.execvp("cat", ["cat"])  # until the others have had their signal
 child = os.fork()
 if child == 0:
     os.close(watch)
@@ -153,13 +156,13 @@ else:
     made.plo, made.phi = 100, 200
     fcntl.ioctl(fd, mcdef.MSETPARAM, bytes(f.buffer(made)))
     fcntl.ioctl(fd, mcdef.MENABLE)
-end = time.time() + 20
-while not got and time.time() < end:
+while not got:
     time.sleep(0.01)
-print("signalled" if got else "nothing", flush=True)
+print("signalled", flush=True)
 if child == 0:
     os._exit(0)
 os.waitpid(child, 0)
+os.close(release)
 print("other", os.waitpid(other, 0)[1])
 """
     out, status = bench.finish(bench.python(text))
@@ -202,10 +205,11 @@ def test_random_calls(bench):
     """Only documented errors, and nothing changed by what is rejected."""
     seed = int(os.environ.get("MMCS_SEED", "7"))
     print("seed", seed)
-    child = bench.start(compile_program(PROGRAMS / "fuzz.c"), seed, 60 if LONG else 2)
-    out, status = bench.finish(child, 120)
+    calls = 200_000 if LONG else 20_000
+    child = bench.start(compile_program(PROGRAMS / "fuzz.c"), seed, calls)
+    out, status = bench.finish(child)
     assert status == 0, out
-    assert int(re.match(r"(\d+) calls", out)[1]) > 200
+    assert out.startswith(f"{calls} calls")
     print(out)
 
 
@@ -235,7 +239,7 @@ def test_three_processes_killed_at_random(bench):
         assert bench.sim.run(closed + 0.052)
         assert bench.sim.stats()["panic_level"] == 1
         assert all(abs(bench.sim.true(axis)["current"]) < 0.01 for axis in (0, 1))
-        bench.until(lambda: len(bench.server.selector.get_map()) == 1)  # no connection is left
+        bench.until(lambda: not bench.server.connections)  # no connection is left
 
 
 @pytest.mark.req("DRV-3", "DRV-4")
@@ -244,4 +248,4 @@ def test_threads_share_a_descriptor(bench):
     out, status = bench.finish(bench.start(compile_program(PROGRAMS / "threads.c")))
     assert (out, status) == ("200 rounds\n", 0)
     bench.until(lambda: not bench.server.files)
-    bench.until(lambda: len(bench.server.selector.get_map()) == 1)
+    bench.until(lambda: not bench.server.connections)

@@ -238,11 +238,11 @@ OPTIONS = {
     ),
     "set value": (
         ["run", "lab500", "--set", "cards=99"],
-        "sim/scenarios/lab500.toml: cards = 99: must be at most 16",
+        "sim/scenarios/basic/lab500.toml: cards = 99: must be at most 16",
     ),
     "duration": (
         ["run", "lab500", "--duration", "-1"],
-        "sim/scenarios/lab500.toml: duration = -1.0: must be more than 0",
+        "sim/scenarios/basic/lab500.toml: duration = -1.0: must be more than 0",
     ),
     "duration word": (
         ["run", "lab500", "--duration", "long"],
@@ -250,7 +250,7 @@ OPTIONS = {
     ),
     "seed": (
         ["run", "lab500", "--seed", "-1"],
-        "sim/scenarios/lab500.toml: seed = -1: must be at least 0",
+        "sim/scenarios/basic/lab500.toml: seed = -1: must be at least 0",
     ),
 }
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from mmcs import logcols
-from mmcs.film import arm_points
-from mmcs.load import load
+from mmcs.engine import logcols
+from mmcs.scenario.load import load
+from mmcs.view.film import arm_points
 
 FIRST = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
 

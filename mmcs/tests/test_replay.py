@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from mmcs import record as records
-from mmcs import snapshots
-from mmcs.cli import main
-from mmcs.record import NAME
+from mmcs.cli.app import main
+from mmcs.record import record as records
+from mmcs.record import snapshots
+from mmcs.record.record import NAME
 from mmcs.tests.conftest import GOOD
 
 EVENT = """
@@ -272,7 +272,7 @@ def changes(path, begin_ps, end_ps):
 
     found = {}
     for var in pywellen.Waveform(str(path)).all_vars():
-        name = var.full_name.removeprefix("TOP.mmcs_sim_top.u_mmcs.")
+        name = var.full_name.removeprefix("TOP.mmcs.")
         if name in SIGNALS:
             pairs = list(var.tv)
             before = [value for t, value in pairs if t <= begin_ps]

@@ -4,7 +4,7 @@
 import pytest
 
 from mmcs import ROBOTS
-from mmcs.load import load_robot
+from mmcs.scenario.load import load_robot
 from mmcs.tests.test_robot_mistakes import ROBOT
 
 FLEXIBLE = "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6"

@@ -39,11 +39,11 @@ TEXTS = {
     ),
     "table name": (
         TABLE.replace("t.csv", "t\\u0000.csv"),
-        'motion.0.file = "t\\x00.csv": is not a CSV text in UTF-8',
+        'motion.0.file = "t\\x00.csv": cannot be read: no file has such a name',
     ),
 }
 TABLES = {
-    "binary": (b"\xff\xfe\x00", "is not a CSV text in UTF-8"),
+    "binary": (b"\xff\xfe\x00", "is not UTF-8 text (byte 0)"),
     "nan": (b"1\nnan\n2\n", "line 2 leaves the 32-bit range of setpoints"),
     "infinite": (b"inf\n2\n", "line 1 leaves the 32-bit range of setpoints"),
     "far": (b"1\n5e9\n", "line 2 leaves the 32-bit range of setpoints"),
@@ -130,7 +130,7 @@ def test_folder_that_cannot_be_written(mmcs):
     ("report", "log", "expected"),
     [
         ("[]", "t_s\n1\n", "is not a run: its report.json is none of MMCS"),
-        ('{"scenario": "x", "axes": [], "hash": "0x1"}', "", "has an empty log"),
+        ('{"scenario": "x", "axes": [], "hash": "0x1"}', "", "is not a run: it has an empty log"),
     ],
 )
 def test_folder_that_is_not_a_run(mmcs, tmp_path, report, log, expected):

@@ -34,7 +34,7 @@ def test_programs_and_random_calls():
     env = {**os.environ, **OPTIONS, "MMCS_SANITIZE": "1", "LD_PRELOAD": library}
     tests = [f"mmcs/tests/{name}.py" for name in ("test_exec", "test_device", "test_serve")]
     command = [sys.executable, "-m", "pytest", "-x", "-s", "-p", "no:cacheprovider"]
-    command += ["--timeout", "300"]  # what hangs is told by name before this test itself times out
+    command += ["--timeout", "1800"]  # what hangs is told by name before this test itself times out
     command += ["-k", "not bounce"] if os.environ.get("MMCS_LONG") == "1" else []
     done = subprocess.run(
         [*command, *tests], cwd=ROOT, env=env, text=True, capture_output=True, check=False

@@ -2,15 +2,19 @@
 """A run on a fake machine: order of the requests, events, failures, report fields, judgement."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
-from mmcs import logcols, runner, session
+from mmcs.engine import logcols
 from mmcs.errors import RunError
-from mmcs.load import load
-from mmcs.report import make_report, write_log, write_report
-from mmcs.session import Session
+from mmcs.result.report import make_report, write_log, write_report
+from mmcs.run import runner
+from mmcs.scenario.load import load
+from mmcs.session import session
+from mmcs.session.session import Session
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.fake import FakeSim
 
@@ -303,3 +307,27 @@ def test_real_time_option_reaches_the_session(mmcs, scenario, fake_machine, tmp_
     status, _, err = mmcs("run", scenario(), "--realtime", "--out", tmp_path / "out")
     assert (status, err) == (0, "")
     assert sum(wall.slept) == pytest.approx(0.3)
+
+
+IN_TIME = """
+import sys
+from mmcs.scenario.load import load
+from mmcs.run.runner import simulate
+from mmcs.session.session import Session
+run = Session.run
+def watched(self, *args):
+    before = set(sys.modules)
+    result = run(self, *args)
+    print(*sorted(set(sys.modules) - before))
+    return result
+Session.run = watched
+simulate(load("lab500"))
+"""
+
+
+def test_nothing_is_imported_while_the_wall_clock_counts():
+    """The real-time factor is of the simulation alone, bytecode or not."""
+    done = subprocess.run(
+        [sys.executable, "-c", IN_TIME], text=True, capture_output=True, check=True
+    )
+    assert done.stdout.split() == []

@@ -4,10 +4,10 @@
 import pytest
 
 from mmcs import mcdef
-from mmcs.build import ensure_library
+from mmcs.engine.build import ensure_library
+from mmcs.engine.sim import Sim, declarations
 from mmcs.errors import RunError
-from mmcs.load import load
-from mmcs.sim import Sim, declarations
+from mmcs.scenario.load import load
 
 PCCSR, VECTOR, NOBODY = 0x409, 0x441, 0x408  # offsets in the window; the last is an even byte
 

@@ -2,7 +2,8 @@
 /* Lets an unmodified program use /dev/mcN and /dev/vme16 of the simulator, §2.3 and §2.4.
  *
  * Loaded by LD_PRELOAD. A device is a connected socket (wire.h), so the kernel does dup, fcntl,
- * fork, close, exit, poll and select; only the calls below differ. Everything else is passed on.
+ * fork, close, exit, poll and select; only the calls below and those in files.c differ. Everything
+ * else is passed on.
  */
 #define _GNU_SOURCE
 #include <dirent.h>
@@ -27,13 +28,13 @@
 
 #define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
-static int is_device(const char *path) {
+int device_is_path(const char *path) {
   if (path == NULL || strncmp(path, "/dev/", 5) != 0) return 0;
   return strcmp(path, "/dev/vme16") == 0 ||
-         (strncmp(path, "/dev/mc", 7) == 0 && path[7] >= '0' && path[7] <= '9');
+         (strncmp(path, "/dev/mc", 7) == 0 && path[7] >= '0' && path[7] <= '9' && path[8] == '\0');
 }
 
-static int fail(int result) {
+int device_fail(int result) {
   if (result >= 0) return result;
   errno = -result;
   return -1;
@@ -65,30 +66,44 @@ static int user_can_take(void *to, size_t length) {
   return 0;
 }
 
+/* What Fig. 2.2 includes, for a compiler that runs with this library. */
+static const char *header_or(const char *path) {
+  const char *header = getenv("MMCS_HEADER");
+  if (path == NULL || header == NULL || strcmp(path, "/usr/sys/sundev/mcdef.h") != 0) return path;
+  return header;
+}
+
 /* --- open ------------------------------------------------------------------------------ */
 
-#define OPEN_LIKE(name)                                                  \
-  int name(const char *path, int flags, ...) {                           \
-    va_list list;                                                        \
-    mode_t mode;                                                         \
-    va_start(list, flags);                                               \
-    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0; \
-    va_end(list);                                                        \
-    if (is_device(path)) return fail(wire_open(path, flags));            \
-    return NEXT(name)(path, flags, mode);                                \
+#define OPEN_LIKE(name)                                                   \
+  int name(const char *path, int flags, ...) {                            \
+    va_list list;                                                         \
+    mode_t mode;                                                          \
+    va_start(list, flags);                                                \
+    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;  \
+    va_end(list);                                                         \
+    if (device_is_path(path)) return device_fail(wire_open(path, flags)); \
+    return NEXT(name)(header_or(path), flags, mode);                      \
   }
 OPEN_LIKE(open)
 OPEN_LIKE(open64)
 
-#define OPENAT_LIKE(name)                                                \
-  int name(int folder, const char *path, int flags, ...) {               \
-    va_list list;                                                        \
-    mode_t mode;                                                         \
-    va_start(list, flags);                                               \
-    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0; \
-    va_end(list);                                                        \
-    if (is_device(path)) return fail(wire_open(path, flags));            \
-    return NEXT(name)(folder, path, flags, mode);                        \
+int creat(const char *path, mode_t mode) {
+  return open(path, O_CREAT | O_WRONLY | O_TRUNC, mode);
+}
+int creat64(const char *path, mode_t mode) {
+  return open64(path, O_CREAT | O_WRONLY | O_TRUNC, mode);
+}
+
+#define OPENAT_LIKE(name)                                                 \
+  int name(int folder, const char *path, int flags, ...) {                \
+    va_list list;                                                         \
+    mode_t mode;                                                          \
+    va_start(list, flags);                                                \
+    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;  \
+    va_end(list);                                                         \
+    if (device_is_path(path)) return device_fail(wire_open(path, flags)); \
+    return NEXT(name)(folder, header_or(path), flags, mode);              \
   }
 OPENAT_LIKE(openat)
 OPENAT_LIKE(openat64)
@@ -105,16 +120,33 @@ int __open64_2(const char *path, int flags) {
 
 /* --- read, write, ioctl ---------------------------------------------------------------- */
 
-ssize_t read(int fd, void *buffer, size_t length) {
-  char name[WIRE_NAME], data[4096];
+/* An answer is believed as far as its bytes have come, and no further than was asked for. */
+ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length) {
+  char data[4096];
   uint32_t room = sizeof(data);
   int result;
-  if (!wire_is_file(fd, name)) return syscall(SYS_read, fd, buffer, length);
   if (length > sizeof(data)) length = sizeof(data);
-  if (user_can_take(buffer, length) < 0) return fail(-EFAULT);
+  room = (uint32_t)length;
+  if (user_can_take(buffer, length) < 0) return -EFAULT;
   result = wire_call(WIRE_READ, name, length, 0, NULL, 0, data, &room);
-  if (result > 0 && copy_to_user(buffer, data, (size_t)result) < 0) result = -EFAULT;
-  return fail(result);
+  if (result > 0 && (uint32_t)result != room) return -EIO;
+  if (result > 0 && copy_to_user(buffer, data, room) < 0) return -EFAULT;
+  return result;
+}
+
+ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length) {
+  char data[4096];
+  int result;
+  if (length > sizeof(data)) return -EINVAL;
+  if (copy_from_user(data, buffer, length) < 0) return -EFAULT;
+  result = wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL);
+  return result > (int)length ? -EIO : result;
+}
+
+ssize_t read(int fd, void *buffer, size_t length) {
+  char name[WIRE_NAME];
+  if (!wire_is_file(fd, name)) return syscall(SYS_read, fd, buffer, length);
+  return device_fail((int)device_read(name, buffer, length));
 }
 
 ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size);
@@ -124,23 +156,22 @@ ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size) {
 }
 
 ssize_t write(int fd, const void *buffer, size_t length) {
-  char name[WIRE_NAME], data[4096];
+  char name[WIRE_NAME];
   if (!wire_is_file(fd, name)) return syscall(SYS_write, fd, buffer, length);
-  if (length > sizeof(data)) return fail(-EINVAL);
-  if (copy_from_user(data, buffer, length) < 0) return fail(-EFAULT);
-  return fail(wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL));
+  return device_fail((int)device_write(name, buffer, length));
 }
 
 static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
   char in[256] = {0}, out[256];
-  uint32_t size = REQUEST_SIZE(request), room = sizeof(out);
+  uint32_t size = REQUEST_SIZE(request), room = size;
   int result;
   if (size > sizeof(in)) return -ENOTTY;
   if (size > 0 && copy_from_user(in, argument, size) < 0) return -EFAULT;
   if (REQUEST_OUT(request) && user_can_take(argument, size) < 0) return -EFAULT;
   result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
-  if (result >= 0 && REQUEST_OUT(request) && copy_to_user(argument, out, room) < 0) return -EFAULT;
-  return result;
+  if (result < 0 || !REQUEST_OUT(request)) return result;
+  if (room != size) return -EIO;
+  return copy_to_user(argument, out, size) < 0 ? -EFAULT : result;
 }
 
 int ioctl(int fd, unsigned long request, ...) {
@@ -152,7 +183,7 @@ int ioctl(int fd, unsigned long request, ...) {
   va_end(list);
   if (!wire_is_file(fd, name)) return (int)syscall(SYS_ioctl, fd, request, argument);
   /* a request held in an int arrives sign-extended: its low 32 bits are the number */
-  return fail(device_ioctl(name, (uint32_t)request, argument));
+  return device_fail(device_ioctl(name, (uint32_t)request, argument));
 }
 
 /* --- fork and exec: who holds the file, for SIGUSR1. close() is the kernel's business. --- */

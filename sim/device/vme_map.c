@@ -108,6 +108,7 @@ static int transfer(struct window *w, uint8_t *at, uint32_t width, int store) {
     int result = wire_call(store ? WIRE_STORE : WIRE_LOAD, w->name, address + done, n, half,
                            store ? n : 0, half, store ? NULL : &room);
     if (result != WIRE_BUS_OK) return result < 0 ? WIRE_BUS_TIMEOUT : result;
+    if (!store && room != n) return WIRE_BUS_TIMEOUT; /* half an answer is none */
     done += n;
   }
   return WIRE_BUS_OK;

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -15,9 +16,19 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-static const char *socket_path(void) {
+#define LATE_MS 100 /* no answer for so long, and signals are let through */
+
+/* Where the server is, as the environment said when the program began: it may clear that later. */
+static char server_path[sizeof(((struct sockaddr_un *)0)->sun_path)];
+
+__attribute__((constructor(101))) static void keep_path(void) {
   const char *path = getenv("MMCS_SOCKET");
-  return path != NULL && strlen(path) < sizeof(((struct sockaddr_un *)0)->sun_path) ? path : NULL;
+  size_t length = path != NULL ? strlen(path) : sizeof(server_path);
+  if (length < sizeof(server_path)) memcpy(server_path, path, length);
+}
+
+static const char *socket_path(void) {
+  return server_path[0] != '\0' ? server_path : NULL;
 }
 
 /* The preload library interposes read, write and close; these go straight to the kernel. */
@@ -33,11 +44,26 @@ static int send_all(int fd, const void *data, size_t length) {
   return 0;
 }
 
-static int receive_all(int fd, void *data, size_t length) {
+/* Whether an answer comes before long: the server is stopped or busy otherwise. */
+static int is_late(int fd) {
+  struct pollfd wait = {.fd = fd, .events = POLLIN};
+  return poll(&wait, 1, LATE_MS) == 0;
+}
+
+/* `before` is the program's signal mask. Signals wait for a short time only: the alarm of a program
+ * whose server does not answer must reach it. A handler that says so has the call end by EINTR. */
+static int receive_all(int fd, void *data, size_t length, const sigset_t *before) {
   char *at = data;
   while (length > 0) {
-    ssize_t n = recv(fd, at, length, 0);
-    if (n < 0 && errno == EINTR) continue;
+    int late = is_late(fd), error;
+    sigset_t all;
+    ssize_t n;
+    if (late) pthread_sigmask(SIG_SETMASK, before, NULL);
+    n = recv(fd, at, length, 0);
+    error = errno;
+    sigfillset(&all);
+    if (late) pthread_sigmask(SIG_SETMASK, &all, NULL);
+    if (n < 0 && error == EINTR) return -EINTR;
     if (n <= 0) return -EIO;
     at += n;
     length -= (size_t)n;
@@ -47,6 +73,21 @@ static int receive_all(int fd, void *data, size_t length) {
 
 static void close_directly(int fd) {
   (void)syscall(SYS_close, fd);
+}
+
+/* Whoever can make a socket at our path is not yet our server. */
+static int is_mine(int fd) {
+  static int told;
+  struct ucred peer;
+  socklen_t length = sizeof(peer);
+  if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid == geteuid())
+    return 1;
+  if (!told) {
+    static const char text[] = "mmcs: the simulator's socket is another user's: not used\n";
+    (void)!syscall(SYS_write, 2, text, sizeof(text) - 1);
+  }
+  told = 1;
+  return 0;
 }
 
 /* A connection to the server; bound first, so that it has a name of its own. */
@@ -60,7 +101,7 @@ static int connect_to_server(int cloexec) {
   /* autobind: the kernel picks a free abstract address */
   if (bind(fd, (struct sockaddr *)&address, sizeof(address.sun_family)) == 0) {
     memcpy(address.sun_path, path, strlen(path) + 1);
-    if (connect(fd, (struct sockaddr *)&address, sizeof(address)) == 0) return fd;
+    if (connect(fd, (struct sockaddr *)&address, sizeof(address)) == 0 && is_mine(fd)) return fd;
   }
   close_directly(fd);
   return -ENXIO; /* as a driver answers without its hardware */
@@ -70,27 +111,31 @@ static int connect_to_server(int cloexec) {
 #define LOST (-0x10000)
 
 static int exchange(int fd, const struct wire_request *request, const void *data, void *out,
-                    uint32_t *out_length) {
+                    uint32_t *out_length, const sigset_t *before) {
   struct wire_reply reply;
   uint32_t room = out_length != NULL ? *out_length : 0;
+  int got;
   if (send_all(fd, request, sizeof(*request)) < 0) return LOST;
   if (request->length > 0 && send_all(fd, data, request->length) < 0) return LOST;
-  if (receive_all(fd, &reply, sizeof(reply)) < 0) return LOST;
-  if (reply.length > room) return LOST;
-  if (reply.length > 0 && receive_all(fd, out, reply.length) < 0) return -EIO;
+  got = receive_all(fd, &reply, sizeof(reply), before);
+  if (got == 0 && reply.length > room) return LOST;
+  if (got == 0) got = receive_all(fd, out, reply.length, before);
+  if (got < 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
   return reply.result;
 }
 
 int wire_open(const char *path, int flags) {
   struct wire_request request = {.magic = WIRE_MAGIC, .op = WIRE_OPEN, .a = (uint64_t)flags};
-  struct stat status;
+  struct statx status = {0};
+  sigset_t now;
   int result, fd = connect_to_server((flags & O_CLOEXEC) != 0);
   if (fd < 0) return fd;
-  request.b = fstat(fd, &status) == 0 ? status.st_ino : 0;
+  pthread_sigmask(SIG_SETMASK, NULL, &now);
+  if (statx(fd, "", AT_EMPTY_PATH, STATX_INO, &status) == 0) request.b = status.stx_ino;
   request.length = (uint32_t)strlen(path);
   request.pid = getpid();
-  result = exchange(fd, &request, path, NULL, NULL);
+  result = exchange(fd, &request, path, NULL, NULL, &now);
   if (result < 0) {
     close_directly(fd);
     return result == LOST ? -ENXIO : result;
@@ -118,7 +163,9 @@ int wire_is_file(int fd, char name[WIRE_NAME]) {
   return ours;
 }
 
-/* The channel of this thread: opened at its first call, closed when the thread ends. */
+/* The channel of this thread: opened at its first call, closed when the thread ends. It is taken
+ * away while a call is under way: a handler that calls meanwhile, or leaves by longjmp, opens
+ * another one, and answers never get mixed up. */
 static __thread int channel = -1;
 static __thread pid_t channel_pid;
 static __thread char channel_name[WIRE_NAME];
@@ -148,31 +195,42 @@ void wire_after_fork(void) {
   channel = -1;
 }
 
-static void open_channel(void) {
+static int take_channel(void) {
+  int fd = channel_lives() ? channel : connect_to_server(1);
+  channel = -1;
+  return fd;
+}
+
+static void put_channel(int fd) {
   char name[WIRE_NAME] = {0};
-  channel = connect_to_server(1);
+  if (channel >= 0) { /* a handler has left its own */
+    close_directly(fd);
+    return;
+  }
+  if (wire_is_file(fd, name)) memcpy(channel_name, name, WIRE_NAME);
+  channel = fd;
   channel_pid = getpid();
-  if (channel >= 0 && wire_is_file(channel, name)) memcpy(channel_name, name, WIRE_NAME);
   (void)pthread_once(&once, make_key);
   (void)pthread_setspecific(at_thread_end, &channel);
 }
 
-/* A handler of SIGUSR1 calls the driver too: no signal may come between a request and its reply. */
+/* A handler of SIGUSR1 calls the driver too: signals wait for the reply, as long as one comes. */
 int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
               uint32_t length, void *out, uint32_t *out_length) {
   struct wire_request request = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
   sigset_t all, before;
-  int result = LOST;
+  int result = LOST, fd;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (!channel_lives()) open_channel();
-  if (channel >= 0) {
+  fd = take_channel();
+  if (fd >= 0) {
     memcpy(request.name, name, WIRE_NAME);
-    request.pid = channel_pid;
-    result = exchange(channel, &request, data, out, out_length);
-    if (result == LOST) {
-      close_directly(channel);
-      channel = -1;
+    request.pid = getpid();
+    result = exchange(fd, &request, data, out, out_length, &before);
+    if (result == LOST || result == -EINTR) {
+      close_directly(fd);
+    } else {
+      put_channel(fd);
     }
   }
   pthread_sigmask(SIG_SETMASK, &before, NULL);

@@ -2,10 +2,11 @@
 /* The wire between a program under `mmcs exec` and the simulator behind `mmcs serve`.
  *
  * Two kinds of connection to one Unix stream socket. A *file* is what open("/dev/mc0") returns: the
- * kernel gives it dup, fork, close and exit for free, and the server sees the last close as end of
- * file. It carries only the opening request, its reply, and then one byte that keeps it readable
- * for poll(). A *channel* is private to one thread and carries the calls; a call names its file by
- * the abstract address that the kernel gave to the file when it was bound.
+ * kernel gives it dup, fork, close and exit for free, and the server sees the last close as a
+ * hang-up. It carries only the opening request, its reply, and then one byte that keeps it readable
+ * for poll(); bytes that a program sends on it past this library fail with EPIPE. A *channel*
+ * carries calls, one at a time; a call names its file by the abstract address that the kernel gave
+ * to the file when it was bound. Both ends ask the kernel for the user at the other one.
  *
  * All numbers are little-endian, as on the machines that can run this; structures are packed by
  * construction.
@@ -13,21 +14,30 @@
 #ifndef MMCS_WIRE_H
 #define MMCS_WIRE_H
 
+#include <stddef.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #define WIRE_MAGIC 0x31434D4Du /* "MMC1" */
 #define WIRE_NAME 16
 #define WIRE_MAX 65536u /* most bytes that one call moves either way */
 
 enum wire_op {
-  WIRE_OPEN = 1,  /* on a file: a = open flags, b = the file's inode, data = device path */
-  WIRE_IOCTL = 2, /* a = request, data = argument in; reply data = argument out */
-  WIRE_READ = 3,  /* a = bytes wanted */
-  WIRE_WRITE = 4, /* data = bytes */
-  WIRE_LOAD = 5,  /* mapped read: a = offset, b = bytes (1, 2, 4); reply data = value */
-  WIRE_STORE = 6, /* mapped write: a = offset, b = bytes, data = value */
-  WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec) */
+  WIRE_OPEN = 1,   /* on a new file: a = open flags, b = its inode, data = device path */
+  WIRE_IOCTL = 2,  /* a = request, data = argument in; reply data = argument out */
+  WIRE_READ = 3,   /* a = bytes wanted */
+  WIRE_WRITE = 4,  /* data = bytes */
+  WIRE_LOAD = 5,   /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
+  WIRE_STORE = 6,  /* mapped write: a = offset, b = bytes (1, 2), data = value */
+  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec) */
+  WIRE_CHANGE = 8, /* a = axis, data = pairs of a field's place in struct mc_param and its value:
+                      the other fields stay; reply data = struct mc_param */
+  WIRE_LEASE = 9,  /* a = 1: nobody else may change anything from now on; 0: others may again */
+  WIRE_WHY = 10,   /* on the channel of a call that failed: reply data = what the driver said */
 };
+
+/* With the flags of WIRE_OPEN: SIGUSR1 only to processes that catch it. */
+#define WIRE_GENTLE (1ull << 32)
 
 struct wire_request {
   uint32_t magic;
@@ -51,12 +61,21 @@ enum wire_bus { WIRE_BUS_OK = 0, WIRE_BUS_TIMEOUT = 1, WIRE_BUS_ERROR = 2 };
 int wire_open(const char *path, int flags);
 /* The file's name if fd is one of ours (1, name filled), else 0. errno is kept. */
 int wire_is_file(int fd, char name[WIRE_NAME]);
-/* One call. out_length: in: room, out: bytes received. Returns the result or -EIO when the server
- * is gone. */
+/* One call. out_length: in: room, out: bytes received, never more. Returns the result; -EIO when
+ * the server is gone or answers nonsense; -EINTR when it answers nothing and a signal was handled.
+ */
 int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
               uint32_t length, void *out, uint32_t *out_length);
 /* Forgets the parent's channels; call in the child of a fork. */
 void wire_after_fork(void);
+
+/* preload.c: the calls of a program on an open device. */
+ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
+ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length);
+/* 1 if the path names a device that may be opened here. */
+int device_is_path(const char *path);
+/* The result of a call, or -1 and errno from a negative one. */
+int device_fail(int result);
 
 /* vme_map.c: the mapped window of /dev/vme16. */
 void *vme_map(void *address, uint64_t length, int prot, int64_t offset, const char name[WIRE_NAME]);

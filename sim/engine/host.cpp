@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "../../firmware/ports/mailbox.h"
 
@@ -17,6 +18,8 @@ constexpr unsigned kAmDriver = 0x2D;  // short supervisory
 constexpr int kLevel = 5;             // J5, J7
 constexpr uint8_t kVector = 0x40;     // the first one free for users on a 68000
 constexpr uint32_t kSysclkHz = 8000000;
+constexpr double kPatienceS = 1.0;  // as long as a request waits at most
+constexpr double kLookS = 1e-3;
 
 }  // namespace
 
@@ -65,10 +68,7 @@ void Host::bind() {
     const double us = host.cpu_us_per_axis_ * axes;
     host.machine_.advance(host.machine_.clocks(us * 1e-6), Watch::kNothing);
   };
-  mc_os_.delay_us = [](void *ctx, uint32_t us) {
-    Host &host = of(ctx);
-    host.run_until(host.machine_.clock() + host.machine_.clocks(us * 1e-6));
-  };
+  mc_os_.delay_us = [](void *ctx, uint32_t us) { of(ctx).wait(us); };
   mc_os_.mask = [](void *ctx) {
     const unsigned previous = of(ctx).masked_;
     of(ctx).masked_ = true;
@@ -136,8 +136,12 @@ void Host::serve() {
 
 // An interrupt is over: what it found is recorded, and the process writes for the next one.
 void Host::served(bool sampled) {
-  if (sampled) recorder_.sample(mc(), machine_);
+  if (sampled) {
+    recorder_.sample(mc(), machine_);
+    machine_.tap().sample(mc(), machine_.model(), recorder_.samples(), recorder_.sample_clock());
+  }
   recorder_.errors(machine_, mc());
+  tell();
   if (sampled) write_setpoints();
 }
 
@@ -192,12 +196,41 @@ void Host::write_setpoints() {
 
 // --- /dev/mc0 ----------------------------------------------------------------------------------
 
-int Host::open(int flags) {
-  const int client = cpu_ ? cpu_->call(MAILBOX_OPEN, 0, static_cast<uint32_t>(flags), nullptr, 0, 0)
-                          : mc_open(mc(), flags);
-  if (client >= 0) signals_.at(static_cast<size_t>(client)) = 0;
+void Host::tell() {
+  if (machine_.tap().on()) machine_.tap().driver(machine_.time(), mc());
+}
+
+// A request of a process: its patience begins; interrupts that waited are served after it.
+template <class F>
+int Host::request(F f) {
+  const int64_t outer =
+      std::exchange(patience_ends_, machine_.clock() + machine_.clocks(kPatienceS));
+  const int result = f();
+  patience_ends_ = outer;
   if (!cpu_) poll();
-  return client;
+  tell();
+  return result;
+}
+
+void Host::wait(uint32_t us) {
+  const int64_t end = machine_.clock() + machine_.clocks(us * 1e-6);
+  const bool outer = std::exchange(waiting_, true);
+  while (machine_.clock() < std::min(end, patience_ends_) && !machine_.failed()) {
+    const int64_t look = machine_.clock() + machine_.clocks(kLookS);
+    run_until(std::min({end, patience_ends_, look}));
+    if (look_ && look_(look_ctx_) != 0) patience_ends_ = machine_.clock();
+  }
+  waiting_ = outer;
+}
+
+int Host::open(int flags) {
+  return request([=] {
+    const int client =
+        cpu_ ? cpu_->call(MAILBOX_OPEN, 0, static_cast<uint32_t>(flags), nullptr, 0, 0)
+             : mc_open(mc(), flags);
+    if (client >= 0) signals_.at(static_cast<size_t>(client)) = 0;
+    return client;
+  });
 }
 
 int Host::close(int client) {
@@ -205,21 +238,18 @@ int Host::close(int client) {
     motion_client_ = -1;
     motion_axes_ = 0;
   }
-  if (cpu_) return cpu_->call(MAILBOX_CLOSE, client, 0, nullptr, 0, 0);
-  const int result = mc_close(mc(), client);
-  poll();
-  return result;
+  return request([=] {
+    return cpu_ ? cpu_->call(MAILBOX_CLOSE, client, 0, nullptr, 0, 0) : mc_close(mc(), client);
+  });
 }
 
 int Host::ioctl(int client, uint32_t request, void *arg) {
-  if (cpu_) {
+  return this->request([=] {
+    if (!cpu_) return mc_ioctl(mc(), client, request, arg);
     const size_t size = request >> 16 & 0x1FFF;
     return cpu_->call(MAILBOX_IOCTL, client, request, arg, request & MC_ARG_IN ? size : 0,
                       request & MC_ARG_OUT ? size : 0);
-  }
-  const int result = mc_ioctl(mc(), client, request, arg);
-  poll();
-  return result;
+  });
 }
 
 int Host::read(int client, void *buf, size_t len) {
@@ -233,6 +263,14 @@ int Host::write(int client, const void *buf, size_t len) {
                       len, 0);
   }
   return mc_write(mc(), client, buf, len);
+}
+
+int Host::stop() {
+  if (cpu_) {
+    cpu_->stop();
+    return 0;
+  }
+  return request([=] { return mc_halt(mc()); });
 }
 
 int Host::take_signals(int client) {

@@ -37,6 +37,16 @@ class Host {
   int read(int client, void *buf, size_t len);
   int write(int client, const void *buf, size_t len);
   int take_signals(int client);
+  // Called every millisecond of the machine's time while a request waits; not 0: it waits no more,
+  // and fails. No request waits longer than a second in all.
+  void set_look(int (*look)(void *), void *ctx) {
+    look_ = look;
+    look_ctx_ = ctx;
+  }
+  // A request that waits is under way: nothing that needs an idle firmware can be done.
+  bool waits() const { return waiting_; }
+  // mc_halt(): acts before this returns, on a real processor as soon as time passes.
+  int stop();
 
   // The processor is idle until this clock; interrupts are served. False: an assertion failed.
   // `idle` is called whenever no firmware is active, before each advance and interrupt: the
@@ -74,9 +84,12 @@ class Host {
   void start_motion(int client);
 
   const Recorder &recorder() const { return recorder_; }
+  void took_log() { recorder_.took(); }
   // Of a real processor; nullptr: there is none, or it keeps none.
   const Phases *phases() const { return cpu_ ? cpu_->phases() : nullptr; }
   const struct mc_stats &stats() const { return *mc_stats_of(mc()); }
+  bool is_enabled() const { return mc_is_enabled(mc()) != 0; }
+  bool is_stopped() const { return mc_is_stopped(mc()) != 0; }
 
  private:
   struct mc *mc() { return reinterpret_cast<struct mc *>(memory_.data()); }
@@ -90,6 +103,10 @@ class Host {
   enum mc_bus_result access(bool write, uint16_t offset, uint8_t *value);
   static Host &of(void *ctx) { return *static_cast<Host *>(ctx); }
   void bind();
+  template <class F>
+  int request(F f);
+  void wait(uint32_t us);
+  void tell();
   void served(bool sampled);
 
   Machine &machine_;
@@ -110,6 +127,10 @@ class Host {
   int motion_axes_ = 0;
   std::vector<int32_t> written_;
   Recorder recorder_;
+  int (*look_)(void *) = nullptr;
+  void *look_ctx_ = nullptr;
+  int64_t patience_ends_ = 0;  // clock at which the request under way waits no more
+  bool waiting_ = false;
   std::unique_ptr<MailboxHost> cpu_;  // null: the driver is native code
 };
 

@@ -31,12 +31,13 @@ int64_t clocks_up(double seconds) {
 }  // namespace
 
 Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links)
-    : config_(config), axes_(config.axes) {
+    : config_(config), axes_(config.axes), tap_(config.cards) {
   clks_per_step_ = static_cast<int>(int64_t{Model::clk_hz()} * kStepUs / 1000000);
   // Two clocks between edges of one axis: the counter's 4 million counts a second at 8 MHz.
   plant_ = Plant::create(config, motors, links, clks_per_step_, Model::clk_hz() / 4000000);
   model_ = Model::create(config.two_evals != 0, config.skip != 0, config.seed);
   lines_ = model_->lines();
+  tap_.lines(0, lines_);
   drive_.resize(static_cast<size_t>(axes_));
   sample_angles_.resize(static_cast<size_t>(axes_));
   for (int axis = 0; axis < axes_; ++axis) {
@@ -93,6 +94,7 @@ void Machine::plant_step() {
   }
   const unsigned lines = model_->lines();
   const bool amp_enable = !(config_.amp_panic_cut && (lines & kLinePanic));
+  if (tap_.on()) tap_.lights(time(), *model_);
   plant_->step(drive_.data(), (lines & kLineBrakeRelease) != 0, amp_enable, edges_);
   next_edge_ = 0;
   step_start_ = next_step_;
@@ -167,6 +169,7 @@ void Machine::lines_changed() {
   const unsigned changed = now ^ lines_;
   lines_ = now;
   trail_.add((static_cast<uint64_t>(clock_) << 16) ^ now);
+  tap_.lines(time(), now);
   if (changed & kLinePanic) {
     note("panic", -1, now & kLinePanic ? "PANIC line goes high" : "PANIC line goes low");
   }
@@ -241,7 +244,13 @@ void Machine::apply(const mmcs_event &event) {
 }
 
 void Machine::note(const char *kind, int axis, const std::string &text) {
-  if (notes_.size() >= kMaxNotes) return;
+  // The tap tells of PANIC and errors by itself, with their values.
+  const std::string name = kind;
+  if (name != "panic" && name != "error") tap_.event(time(), kind, axis, 0, text);
+  if (notes_.size() >= kMaxNotes) {
+    ++notes_lost_;
+    return;
+  }
   mmcs_note note{};
   note.t = time();
   note.axis = axis;

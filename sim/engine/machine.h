@@ -18,6 +18,7 @@
 #include "mmcs_sim.h"
 #include "model.h"
 #include "plant.h"
+#include "tap.h"
 
 namespace mmcs {
 
@@ -50,6 +51,7 @@ class Machine {
 
   void note(const char *kind, int axis, const std::string &text);
   const std::vector<mmcs_note> &notes() const { return notes_; }
+  int64_t notes_lost() const { return notes_lost_; }
 
   // Events that concern the host: the clock until which it is stalled, bus errors to inject.
   int64_t stalled_until() const { return stalled_until_; }
@@ -70,6 +72,10 @@ class Machine {
   Hash &trail() { return trail_; }
   const Hash &trail() const { return trail_; }
 
+  // What readers beside the program are given; no part of the state.
+  Tap &tap() { return tap_; }
+  const Tap &tap() const { return tap_; }
+
   // From now on the model is traced between these times only. False: this build cannot.
   bool trace_window(const std::string &path, double from_s, double to_s);
 
@@ -86,6 +92,7 @@ class Machine {
     a(next_event_);
     a(lines_);
     a(soc_failures_);
+    a(notes_lost_);
     a(sample_angles_);
     a(trail_);
     size_t kept = notes_.size();
@@ -102,6 +109,7 @@ class Machine {
       notes_.resize(kept);
       plant_->restore(plant);
       model_->restore(model);
+      tap_.lines(time(), lines_);
     }
   }
   // The notes: the part of the past that state() leaves out.
@@ -138,10 +146,12 @@ class Machine {
   int64_t sample_clock_ = 0;
   std::vector<double> sample_angles_;
   std::vector<mmcs_note> notes_;
+  int64_t notes_lost_ = 0;  // came after the last that is kept
   std::string trace_path_;
   int64_t trace_at_ = INT64_MAX;  // clock at which tracing begins, then the one at which it ends
   int64_t trace_end_ = INT64_MAX;
   Hash trail_;
+  Tap tap_;
 };
 
 }  // namespace mmcs

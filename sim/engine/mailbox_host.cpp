@@ -86,12 +86,19 @@ void MailboxHost::post_write(int client, const std::vector<int32_t> &values) {
        4 * values.size());
 }
 
+void MailboxHost::stop() {
+  set_word(FIELD(stop), word(FIELD(stop)) + 1);
+  ring();
+}
+
 // What the firmware published, as the native driver would hold it.
 void MailboxHost::mirror() {
   mirror_->joints = static_cast<int>(word(FIELD(joints)));
   int32_t stats[6];
   for (size_t n = 0; n < 6; ++n) stats[n] = static_cast<int32_t>(word(FIELD(stats) + 4 * n));
   static_assert(sizeof stats == sizeof mirror_->stats);
+  mirror_->power = word(FIELD(enabled)) != 0 ? MC_RUNNING : MC_IDLE;
+  mirror_->stopped = word(FIELD(latched)) != 0;
   std::memcpy(&mirror_->stats, stats, sizeof stats);
   for (int axis = 0; axis < mirror_->joints && axis < MAILBOX_AXES; ++axis) {
     const size_t at = FIELD(axis) + static_cast<size_t>(axis) * sizeof(struct mailbox_axis);
@@ -99,6 +106,9 @@ void MailboxHost::mirror() {
     int32_t state[7];
     for (size_t n = 0; n < 7; ++n) state[n] = static_cast<int32_t>(word(at + 4 + 4 * n));
     std::memcpy(&mirror_->axis[axis].state, state, sizeof state);
+    mirror_->axis[axis].code = static_cast<uint16_t>(word(at + 32) + MC_DAC_ZERO);
+    mirror_->axis[axis].par.mode =
+        static_cast<int>(word(FIELD(mode) + 4 * static_cast<size_t>(axis)));
   }
 }
 

@@ -39,6 +39,9 @@ class MailboxHost {
   // A write() that nobody waits for, by a process that runs between two samples.
   void post_write(int client, const std::vector<int32_t> &values);
 
+  // Stops the machine as soon as the processor takes its interrupt, whatever request it is at.
+  void stop();
+
   // As Host::run_until().
   virtual bool run_until(int64_t clock, const std::function<void()> &idle) = 0;
 

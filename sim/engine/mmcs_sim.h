@@ -122,6 +122,8 @@ typedef struct mmcs_stats {
   int32_t bus_errors;  /* bus time-outs and errors seen by the master */
   int32_t panic_level; /* system PANIC now */
   uint64_t bus_cycles;
+  int32_t enabled; /* the servo drives the motors */
+  int32_t stopped; /* a stop is latched */
 } mmcs_stats;
 
 /* What happened, in the order it happened (PANIC, errors, signals, faults injected, messages). */
@@ -178,6 +180,13 @@ int mmcs_sim_close(mmcs_sim *sim, int client);
 int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg);
 int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len);
 int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len);
+/* MSTOP of whoever has no client: as mc_halt(). 0, or -errno. */
+int mmcs_sim_stop(mmcs_sim *sim);
+/* Called every millisecond of the machine's time while a request waits (MENABLE does); not 0: the
+ * request waits no more, and fails. It may call what is here, but for requests that wait, snapshots
+ * and mmcs_sim_run(). None waits longer than a second of the machine's time. */
+typedef int (*mmcs_look)(void *ctx);
+int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx);
 /* SIGUSR1s delivered to this client since the last call. */
 int mmcs_sim_signals(mmcs_sim *sim, int client);
 
@@ -204,9 +213,14 @@ double mmcs_sim_time(const mmcs_sim *sim);
 int64_t mmcs_sim_clock(const mmcs_sim *sim);
 
 /* The log: one row per servo sample since motion start: t_s, then per axis setpoint, encoder,
- * velocity, error, current, errcode, angle_rad. Valid until the next call that moves time. */
+ * velocity, error, current, errcode, angle_rad. Valid until the next call that moves time. Who has
+ * copied the rows may say so: they are forgotten, and a long run needs no more memory than a short
+ * one. A snapshot then counts them and does not hold them. */
 const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols);
+void mmcs_sim_log_taken(mmcs_sim *sim);
 int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes);
+/* Only so many are kept. How many have come since then: what they were is not known. */
+int64_t mmcs_sim_notes_lost(const mmcs_sim *sim);
 void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
 /* What the physics did: joint angle (rad), joint velocity, motor current (A), and encoder
  * transitions up minus down since t = 0. */
@@ -228,6 +242,38 @@ int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n);
 /* Digest of every sample so far and of the hardware state now. */
 uint64_t mmcs_sim_hash(const mmcs_sim *sim);
 int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);
+
+/* The tap: every servo sample and every change from two bounded rings, for readers that keep their
+ * own place, a position counted from the first record ever. No part of the machine's state, and
+ * without influence on it. A row is laid out as docs/protocol.md says. */
+typedef struct mmcs_tap_event {
+  int64_t n; /* its position */
+  double t;
+  char kind[16];
+  int32_t axis; /* -1: none */
+  int32_t value;
+  char text[112];
+} mmcs_tap_event;
+typedef struct mmcs_tap_read {
+  int64_t next; /* where to go on */
+  int64_t lost; /* positions that the ring no longer held */
+  int32_t count;
+} mmcs_tap_read;
+typedef struct mmcs_tap_head {
+  int64_t rows, events; /* there have been so many */
+  int32_t row_bytes;
+} mmcs_tap_head;
+/* How many of each the rings keep; no events: nothing is kept at all. 0, or -1: impossible. */
+int mmcs_sim_tap(mmcs_sim *sim, int64_t rows, int64_t events);
+int mmcs_sim_tap_head(const mmcs_sim *sim, mmcs_tap_head *head);
+/* Every n-th row from a position on, and every event; `limit` at most. 0, or -1. */
+int mmcs_sim_tap_rows(const mmcs_sim *sim, int64_t from, int32_t every, uint8_t *rows,
+                      int32_t limit, mmcs_tap_read *read);
+int mmcs_sim_tap_events(const mmcs_sim *sim, int64_t from, mmcs_tap_event *events, int32_t limit,
+                        mmcs_tap_read *read);
+/* An event of one's own among them. */
+int mmcs_sim_tap_note(mmcs_sim *sim, const char *kind, int32_t axis, int32_t value,
+                      const char *text);
 
 /* Time travel. A snapshot holds everything but client processes; after a restore the future is the
  * same to the bit. mmcs_sim_snapshot() is of now; mmcs_sim_snapshot_at() runs until t, and its

@@ -27,21 +27,29 @@ class Recorder {
     angles_ = machine.sample_angles();
   }
   int64_t sample_clock() const { return sample_clock_; }
+  int64_t samples() const { return samples_; }
   // A servo pass has published its sample.
   void sample(const struct mc *mc, const Machine &machine);
   // Notes error flags that are new since the last call.
   void errors(Machine &machine, const struct mc *mc);
 
   int cols() const { return 1 + 7 * axes_; }
-  int64_t rows() const { return static_cast<int64_t>(log_.size()) / cols(); }
+  // All rows so far; those not yet taken; and what becomes of the latter once they are.
+  int64_t rows() const { return taken_ + kept(); }
+  int64_t kept() const { return static_cast<int64_t>(log_.size()) / cols(); }
   const double *data() const { return log_.data(); }
+  void took() {
+    taken_ += kept();
+    log_.clear();
+  }
   const Hash &hash() const { return hash_; }
 
   // Every so many samples the running hashes are kept, so that a replay can tell where it parts.
   static constexpr int64_t kCheckpointEvery = 32;
   const std::vector<mmcs_checkpoint> &checkpoints() const { return checkpoints_; }
 
-  // Everything that changes; of the log and the checkpoints only how many there are.
+  // Everything that changes; of the log and the checkpoints only how many there are. Rows that
+  // have been taken are the taker's to bring back.
   template <class A>
   void state(A &a) {
     a(start_clock_);
@@ -50,21 +58,29 @@ class Recorder {
     a(angles_);
     a(errcodes_);
     a(hash_);
-    size_t values = log_.size(), points = checkpoints_.size();
-    a(values);
+    int64_t all = rows();
+    size_t points = checkpoints_.size();
+    a(all);
     a(points);
     if constexpr (A::kReads) {
-      if (values > log_.size() || points > checkpoints_.size()) {
+      if (all < 0 || all > rows() || points > checkpoints_.size()) {
         throw std::invalid_argument("the snapshot lacks its log");
       }
-      log_.resize(values);
+      if (all < taken_) taken_ = all;
+      log_.resize(static_cast<size_t>((all - taken_) * cols()));
       checkpoints_.resize(points);
     }
   }
   // The past that state() leaves out.
   template <class A>
   void history(A &a) {
+    a(taken_);
     a(log_);
+    if constexpr (A::kReads) {
+      if (taken_ < 0 || log_.size() % static_cast<size_t>(cols()) != 0) {
+        throw std::invalid_argument("the log is damaged");
+      }
+    }
     a(checkpoints_);
   }
 
@@ -73,6 +89,7 @@ class Recorder {
   int64_t start_clock_ = -1;
   int64_t sample_clock_ = -1;
   std::vector<double> angles_;
+  int64_t taken_ = 0;  // rows that are no longer here
   std::vector<double> log_;
   std::vector<int32_t> errcodes_;
   int64_t samples_ = 0;

@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI of mmcs_sim.h. No exception leaves it.
+// The C ABI of mmcs_sim.h, but for the tap's part. No exception leaves it.
 
-// The functions of this header, and nothing else, are visible outside the library.
-#pragma GCC visibility push(default)
-#include "mmcs_sim.h"
-#pragma GCC visibility pop
+#include "sim.h"
 
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <string>
-
-#include "host.h"
-#include "machine.h"
-#include "timeline.h"
-#include "vme_bus.h"
-
-struct mmcs_sim {
-  mmcs_sim(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links)
-      : axes(config.axes),
-        machine(config, motors, links),
-        bus(machine, config.bus_timeout_us),
-        host(machine, bus, config),
-        timeline(machine, bus, host, mmcs::config_digest(config, motors, links)) {}
-
-  int axes;
-  mmcs::Machine machine;
-  mmcs::VmeBus bus;
-  mmcs::Host host;
-  mmcs::Timeline timeline;
-};
 
 namespace {
 
@@ -88,20 +65,9 @@ void tell(char *err, size_t err_len, const std::string &why) {
   if (err && err_len) std::snprintf(err, err_len, "%s", why.c_str());
 }
 
-// Calls f; what it throws becomes a note and the value for failure.
-template <typename T, typename F>
-T guarded(mmcs_sim *sim, T failure, F f) {
-  if (!sim) return failure;
-  try {
-    return f();
-  } catch (const std::exception &problem) {
-    try {
-      sim->machine.note("log", -1, problem.what());
-    } catch (const std::exception &) {
-      return failure;
-    }
-    return failure;
-  }
+// No request waits: we are not called from mmcs_look.
+bool rests(const mmcs_sim *sim) {
+  return sim && !sim->host.waits();
 }
 
 bool valid(const mmcs_sim *sim, int axis) {
@@ -148,42 +114,51 @@ const char *mmcs_sim_build_id(void) {
 
 int mmcs_sim_trace(mmcs_sim *sim, const char *path) {
   if (!path) return -1;
-  return guarded(sim, -1, [=] { return sim->machine.model().trace(path) ? 0 : -1; });
+  return mmcs::guarded(sim, -1, [=] { return sim->machine.model().trace(path) ? 0 : -1; });
 }
 int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s) {
   if (!path || !is_time(from_s) || !is_time(to_s) || from_s >= to_s) return -1;
-  return guarded(sim, -1, [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
+  return mmcs::guarded(sim, -1,
+                       [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
 }
 
 int mmcs_sim_open(mmcs_sim *sim, int flags) {
-  return guarded(sim, -MC_ENXIO, [=] { return sim->host.open(flags); });
+  return mmcs::guarded(sim, -MC_ENXIO, [=] { return sim->host.open(flags); });
 }
 int mmcs_sim_close(mmcs_sim *sim, int client) {
-  return guarded(sim, -MC_EBADF, [=] { return sim->host.close(client); });
+  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.close(client); });
 }
 int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg) {
-  return guarded(sim, -MC_EBADF, [=] { return sim->host.ioctl(client, request, arg); });
+  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.ioctl(client, request, arg); });
 }
 int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len) {
-  return guarded(sim, -MC_EBADF, [=] { return sim->host.read(client, buf, len); });
+  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.read(client, buf, len); });
 }
 int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len) {
-  return guarded(sim, -MC_EBADF, [=] { return sim->host.write(client, buf, len); });
+  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.write(client, buf, len); });
+}
+int mmcs_sim_stop(mmcs_sim *sim) {
+  return mmcs::guarded(sim, -MC_EIO, [=] { return sim->host.stop(); });
+}
+int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx) {
+  if (!sim) return -1;
+  sim->host.set_look(look, ctx);
+  return 0;
 }
 int mmcs_sim_signals(mmcs_sim *sim, int client) {
-  return guarded(sim, 0, [=] { return sim->host.take_signals(client); });
+  return mmcs::guarded(sim, 0, [=] { return sim->host.take_signals(client); });
 }
 
 int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value) {
   if (!value || !valid_size(size)) return -1;
-  return guarded(sim, -1, [=] {
+  return mmcs::guarded(sim, -1, [=] {
     return static_cast<int>(
         sim->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
   });
 }
 int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value) {
   if (!valid_size(size)) return -1;
-  return guarded(sim, -1, [=] {
+  return mmcs::guarded(sim, -1, [=] {
     return static_cast<int>(
         sim->bus.write(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
   });
@@ -191,7 +166,7 @@ int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_
 
 int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment) {
   if (!segment) return -1;
-  return guarded(sim, -1, [=] {
+  return mmcs::guarded(sim, -1, [=] {
     const std::string why = sim->host.motion().add(*segment);
     if (why.empty()) return 0;
     sim->machine.note("log", segment->axis, "motion refused: " + why);
@@ -201,7 +176,7 @@ int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment) {
 
 int mmcs_sim_start_motion(mmcs_sim *sim, int client) {
   if (client < 0 || client >= MC_MAX_CLIENTS) return -MC_EBADF;
-  return guarded(sim, -MC_EBADF, [=] {
+  return mmcs::guarded(sim, -MC_EBADF, [=] {
     sim->host.start_motion(client);
     return 0;
   });
@@ -213,7 +188,7 @@ const char *mmcs_sim_input_name(int32_t input) {
 
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
   if (!event) return -1;
-  return guarded(sim, -1, [=] {
+  return mmcs::guarded(sim, -1, [=] {
     const std::string why =
         is_time(event->t) ? sim->machine.check_event(*event) : "its time is impossible";
     if (why.empty()) {
@@ -226,9 +201,9 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
 }
 
 int mmcs_sim_run(mmcs_sim *sim, double until_s) {
-  if (!is_time(until_s)) return -1;
-  return guarded(sim, -1,
-                 [=] { return sim->timeline.run_until(sim->machine.clocks(until_s)) ? 0 : -1; });
+  if (!is_time(until_s) || !rests(sim)) return -1;
+  return mmcs::guarded(
+      sim, -1, [=] { return sim->timeline.run_until(sim->machine.clocks(until_s)) ? 0 : -1; });
 }
 
 double mmcs_sim_time(const mmcs_sim *sim) {
@@ -239,15 +214,22 @@ int64_t mmcs_sim_clock(const mmcs_sim *sim) {
 }
 
 const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols) {
-  if (rows) *rows = sim ? sim->host.recorder().rows() : 0;
+  if (rows) *rows = sim ? sim->host.recorder().kept() : 0;
   if (cols) *cols = sim ? sim->host.recorder().cols() : 0;
   return sim ? sim->host.recorder().data() : nullptr;
+}
+void mmcs_sim_log_taken(mmcs_sim *sim) {
+  if (sim) sim->host.took_log();
 }
 
 int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes) {
   if (!sim || !notes) return 0;
   *notes = sim->machine.notes().data();
   return static_cast<int>(sim->machine.notes().size());
+}
+
+int64_t mmcs_sim_notes_lost(const mmcs_sim *sim) {
+  return sim ? sim->machine.notes_lost() : 0;
 }
 
 void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
@@ -267,6 +249,8 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   stats->bus_errors = sim->bus.failures() + sim->machine.soc_failures();
   stats->panic_level = sim->machine.panic();
   stats->bus_cycles = sim->bus.cycles();
+  stats->enabled = sim->host.is_enabled();
+  stats->stopped = sim->host.is_stopped();
 }
 
 double mmcs_sim_true_angle(const mmcs_sim *sim, int axis) {
@@ -337,21 +321,24 @@ int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points) {
 // --- time travel -------------------------------------------------------------------------------
 
 int64_t mmcs_sim_snapshot(mmcs_sim *sim) {
-  return guarded(sim, int64_t{-1}, [=] { return sim->timeline.take(); });
+  if (!rests(sim)) return -1;
+  return mmcs::guarded(sim, int64_t{-1}, [=] { return sim->timeline.take(); });
 }
 int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t) {
-  if (!is_time(t)) return -1;
-  return guarded(sim, int64_t{-1}, [=] { return sim->timeline.take_at(sim->machine.clocks(t)); });
+  if (!is_time(t) || !rests(sim)) return -1;
+  return mmcs::guarded(sim, int64_t{-1},
+                       [=] { return sim->timeline.take_at(sim->machine.clocks(t)); });
 }
 int mmcs_sim_restore(mmcs_sim *sim, int64_t id) {
-  return guarded(sim, -1, [=] { return sim->timeline.restore(id) ? 0 : -1; });
+  if (!rests(sim)) return -1;
+  return mmcs::guarded(sim, -1, [=] { return sim->timeline.restore(id) ? 0 : -1; });
 }
 int mmcs_sim_drop(mmcs_sim *sim, int64_t id) {
-  return guarded(sim, -1, [=] { return sim->timeline.drop(id) ? 0 : -1; });
+  return mmcs::guarded(sim, -1, [=] { return sim->timeline.drop(id) ? 0 : -1; });
 }
 int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count) {
   if (!is_time(every_s) || every_s < 0 || count < 0) return -1;
-  return guarded(sim, -1, [=] {
+  return mmcs::guarded(sim, -1, [=] {
     sim->timeline.ring(sim->machine.clocks(every_s), count);
     return 0;
   });
@@ -364,11 +351,11 @@ int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list) {
 
 int64_t mmcs_sim_snapshot_bytes(mmcs_sim *sim, int64_t id, const uint8_t **bytes) {
   if (!bytes) return -1;
-  return guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.bytes(id), bytes); });
+  return mmcs::guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.bytes(id), bytes); });
 }
 int64_t mmcs_sim_history_bytes(mmcs_sim *sim, const uint8_t **bytes) {
   if (!bytes) return -1;
-  return guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.history(), bytes); });
+  return mmcs::guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.history(), bytes); });
 }
 int mmcs_sim_restore_bytes(mmcs_sim *sim, const uint8_t *snapshot, size_t snapshot_len,
                            const uint8_t *history, size_t history_len, char *err, size_t err_len) {

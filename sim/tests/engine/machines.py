@@ -7,8 +7,8 @@ import itertools
 from contextlib import contextmanager
 
 from mmcs import mcdef
-from mmcs.build import ensure_library
-from mmcs.sim import Sim
+from mmcs.engine.build import ensure_library
+from mmcs.engine.sim import Sim
 
 CLK_HZ = 8_000_000
 # A small motor with a 500-line encoder; one D/A unit is 1.465 mA.

@@ -19,7 +19,7 @@ from machines import (
 )
 
 from mmcs import ROOT, mcdef
-from mmcs.build import ensure_library
+from mmcs.engine.build import ensure_library
 
 STEP = 200
 
@@ -302,7 +302,7 @@ def test_impossible_configurations_are_refused():
 
 
 def machine_of_one_card(axes=1, **config):
-    from mmcs.sim import Sim
+    from mmcs.engine.sim import Sim
 
     settings = {"cards": 1, "axes": axes, "seed": 1, "bus_timeout_us": 16.0, **config}
     return Sim(ensure_library(1, "speed"), settings, [machines.LAB500] * axes, [])

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Skipping against clocking every clock (mmcs/lockstep.py). MMCS_LONG=1 for 1e9 clocks."""
+"""Skipping against clocking every clock (studies/lockstep.py). MMCS_LONG=1 for 1e9 clocks."""
 
 import os
 
 import pytest
 
-from mmcs import lockstep
+from studies import lockstep
 
 LONG = os.environ.get("MMCS_LONG") == "1"
 

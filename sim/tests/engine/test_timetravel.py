@@ -10,9 +10,9 @@ import pytest
 from machines import event, input_number, machine, notes, start, step_to
 
 from mmcs import mcdef
-from mmcs.build import ensure_library
-from mmcs.load import load
-from mmcs.sim import Sim
+from mmcs.engine.build import ensure_library
+from mmcs.engine.sim import Sim
+from mmcs.scenario.load import load
 
 LONG = os.environ.get("MMCS_LONG") == "1"
 SEED = int(os.environ.get("MMCS_SEED", "5"))

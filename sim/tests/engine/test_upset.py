@@ -4,7 +4,7 @@
 import pytest
 from machines import event, machine, notes, start
 
-from mmcs.build import ensure_library
+from mmcs.engine.build import ensure_library
 
 PCCSR, VECTOR = 0x409, 0x441
 

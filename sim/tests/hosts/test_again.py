@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from mmcs import ROOT, hosts, waves
-from mmcs.cli import main
-from mmcs.load import load
-from mmcs.runner import machine
-from mmcs.session import Session
+from mmcs import ROOT
+from mmcs.cli.app import main
+from mmcs.engine import hosts
+from mmcs.scenario.load import load
+from mmcs.session.machine import machine
+from mmcs.session.session import Session
+from mmcs.view import waves
 
 NEEDS = {"m68020": ("m68k-linux-gnu-gcc", "machine68k"),
          "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex")}  # fmt: skip

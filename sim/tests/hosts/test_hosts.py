@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from studies.processors import cycles as bench
+
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.skipif(
     not (
@@ -16,9 +18,6 @@ pytestmark = pytest.mark.skipif(
     ),
     reason="a cross compiler or the processor model is missing; install them with: make firmware",
 )
-spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
-bench = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(bench)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -34,8 +33,8 @@ def test_arithmetic_equals_native(profile):
 
 @pytest.mark.req("FW-1")
 def test_lab500_ends_as_native():
-    from mmcs.load import load
-    from mmcs.runner import simulate
+    from mmcs.run.runner import simulate
+    from mmcs.scenario.load import load
 
     finals = [simulate(load("lab500", ()), host=h).log[-1] for h in ("native", "m68020")]
     assert abs(finals[0][2] - finals[1][2]) <= 1

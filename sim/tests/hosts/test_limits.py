@@ -3,16 +3,13 @@
 
 import importlib.util
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
+from studies.processors import limits
+
 ROOT = Path(__file__).resolve().parents[3]
-spec = importlib.util.spec_from_file_location("limits", ROOT / "sim" / "hosts" / "limits.py")
-limits = importlib.util.module_from_spec(spec)
-sys.modules["limits"] = limits  # dataclasses look there
-spec.loader.exec_module(limits)
 
 
 def page() -> dict[str, dict[str, str]]:

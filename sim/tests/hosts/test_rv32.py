@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mmcs import hosts
+from mmcs.engine import hosts
 from mmcs.errors import RunError
-from mmcs.load import load
-from mmcs.runner import machine, simulate
-from mmcs.session import Session
+from mmcs.run.runner import simulate
+from mmcs.scenario.load import load
+from mmcs.session.machine import machine
+from mmcs.session.session import Session
 
 ROOT = Path(__file__).resolve().parents[3]
 FIRMWARE = ROOT / "build" / "firmware" / "rv32"

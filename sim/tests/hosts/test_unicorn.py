@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from studies.processors import cycles as bench
+
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.skipif(
     not (
@@ -23,13 +25,9 @@ pytestmark = pytest.mark.skipif(
     ),
     reason="a cross compiler or a processor model is missing; install them with: make test",
 )
-spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
-bench = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(bench)
 
 TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 20_000
 RAM_BYTES = 0x20000
-LIMIT_US = 60_000_000
 # The model has no mcountinhibit, which start-up writes; the real core has.
 CSRWI_MCOUNTINHIBIT, NOP = (word.to_bytes(4, "little") for word in (0x3202D073, 0x00000013))
 STOP = {"m68020": bytes.fromhex("4E722700"), "rv32": (0x10500073).to_bytes(4, "little")}  # or WFI
@@ -63,7 +61,7 @@ def run(port: str, profile: int, ticks: int) -> int:
     cpu.mem_map(0, RAM_BYTES)
     cpu.mem_write(0, image.replace(CSRWI_MCOUNTINHIBIT, NOP) if port == "rv32" else image)
     cpu.mem_write(bench.BLOCK, profile.to_bytes(4, order) + ticks.to_bytes(4, order))
-    cpu.emu_start(start, image.index(STOP[port], start), timeout=LIMIT_US)
+    cpu.emu_start(start, image.index(STOP[port], start))
     assert int.from_bytes(cpu.mem_read(bench.DONE, 4), order) == 1, "the image did not end"
     return int.from_bytes(cpu.mem_read(bench.BLOCK + 8, 4), order)
 

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stops: whose they are, how long they last, and what they leave behind. §2.3.4, Table 2.3 */
+#include "mc_priv.h"
+#include "hear.h"
+
+static int enable(struct mc *mc, int client) {
+  return mc_ioctl(mc, client, MENABLE, NULL);
+}
+
+static void at_rest(const struct mc *mc) {
+  CHECK(!mc_is_enabled(mc));
+  for (int axis = 0; axis < mc_joints(mc); axis++) {
+    CHECK_EQ(mock_dac(&m, axis), 0x800);
+    CHECK_EQ(mc_mode(mc, axis) & MD_MASK, MD_OFF);
+    CHECK_EQ(mc_setpoint(mc, axis), 0);
+    CHECK_EQ(mc_current(mc, axis), 0);
+    CHECK_EQ(m.card[axis / 2].b & 2, 0);
+  }
+}
+
+// req: DRV-4 DRV-9
+static void test_a_stop_holds_until_an_enable(void) {
+  for (int how = 0; how < 2; how++) {
+    struct mc *mc = listening(1);
+    int32_t set[2] = {300, -300};
+    int other = mc_open(mc, MC_O_RDWR);
+    set_mode_within_100(mc, 0, MD_TORQ);
+    CHECK_EQ(mc_write(mc, 0, set, 8), 8); /* never stopped */
+    CHECK_EQ(enable(mc, 0), 0);
+    CHECK_EQ(mc_write(mc, other, set, 8), 8);
+    mock_run(&m, 4100);
+    CHECK_EQ(mc_current(mc, 0), 300);
+    CHECK_EQ(mc_demand(mc, 0), 300);
+    CHECK(!mc_is_stopped(mc) && mc_is_enabled(mc));
+    CHECK_EQ(how == 0 ? mc_halt(mc) : mc_ioctl(mc, other, MSTOP, NULL), 0);
+    at_rest(mc);
+    CHECK(mc_is_stopped(mc));
+    said[0] = 0;
+    for (int i = 0; i < 3; i++) {
+      CHECK_EQ(mc_write(mc, i & 1, set, 8), -MC_EIO);
+      CHECK_EQ(mc_write(mc, 0, set, 0), 0); /* asks nothing */
+      CHECK_EQ(mc_write(mc, 0, set, 7), -MC_EINVAL);
+    }
+    CHECK_EQ(strcmp(said, "mc: write: stopped, MENABLE first\n"), 0); /* told once */
+    CHECK_EQ(m.masked, 0);
+    CHECK_EQ(mc_setpoint(mc, 0), 0);
+    m.card[0].present = 0;
+    CHECK_EQ(enable(mc, 0), -MC_EIO);
+    CHECK_EQ(mc_write(mc, 0, set, 8), -MC_EIO); /* an enable that failed is none */
+    m.card[0].present = 1;
+    CHECK_EQ(enable(mc, other), 0);
+    CHECK(!mc_is_stopped(mc));
+    CHECK_EQ(mc_write(mc, 0, set, 8), 8);
+    CHECK_EQ(mc_close(mc, 0), 0);
+    CHECK_EQ(mc_close(mc, other), 0);
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+    CHECK(!mc_is_stopped(mc));
+    mock_stop(&m);
+  }
+}
+
+static int stop_at, waits, halts;
+
+static void stop_in_wait(void *ctx, uint32_t us) {
+  if (waits++ == stop_at && halts) CHECK_EQ(mc_halt(m.memory), 0);
+  if (waits == stop_at + 1 && !halts) CHECK_EQ(mc_ioctl(m.memory, 0, MSTOP, NULL), 0);
+  mock_run(ctx, us);
+}
+
+/* Between any two steps of an enable: it fails, nothing moves, no brake opens. */
+// req: DRV-3 DRV-9
+static void test_a_stop_ends_an_enable_under_way(void) {
+  int last = 0;
+  for (stop_at = 0; !last; stop_at++) {
+    for (int how = 0; how < 2; how++) {
+      struct mc *mc = listening(1);
+      CHECK_EQ(enable(mc, 0), 0);
+      mock_run(&m, 5000);
+      CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+      mc->os.delay_us = stop_in_wait; /* the next enable waits for the brakes first */
+      waits = 0;
+      halts = how;
+      int releases = m.releases;
+      int result = enable(mc, 0);
+      CHECK_EQ(m.masked, 0);
+      last = waits <= stop_at; /* it came too late */
+      CHECK_EQ(result, last ? 0 : -MC_EIO);
+      if (!last) {
+        at_rest(mc);
+        CHECK(mc_is_stopped(mc));
+        CHECK(strstr(said, "mc: enable: stopped by an error, PANIC or MSTOP\n") != NULL);
+        CHECK(m.releases - releases <= (waits > 55)); /* but the very last wait: it had opened */
+        mc->os.delay_us = m.os.delay_us;
+        mock_run(&m, 60000);
+        CHECK(mock_panic(&m));
+        CHECK_EQ(enable(mc, 0), 0);
+      }
+      mock_stop(&m);
+    }
+  }
+  CHECK(stop_at > 50);
+}
+
+// req: DRV-9
+static void test_a_halt_of_a_closed_or_dead_machine(void) {
+  struct mc *mc = mock_start(&m, 1);
+  m.logging = 1;
+  CHECK_EQ(mc_halt(mc), 0);
+  CHECK_EQ(m.used, 0);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  m.used = 0;
+  CHECK_EQ(mc_halt(mc), 0); /* at rest already */
+  CHECK_EQ(m.used, 0);
+  CHECK(mc_is_stopped(mc));
+  CHECK_EQ(enable(mc, 0), 0);
+  m.adaptor_dead = 1;
+  CHECK_EQ(mc_halt(mc), -MC_EIO);
+  CHECK(!mc_is_enabled(mc));
+  CHECK_EQ(m.masked, 0);
+  mock_stop(&m);
+}
+
+/* Monitors keep nothing going, and lose nothing: state goes on. */
+// req: DRV-2 DRV-9
+static void test_the_last_writer_stops_the_machine(void) {
+  struct mc *mc = listening(1);
+  int32_t set = 40;
+  struct mc_state state;
+  int monitor = mc_open(mc, MC_O_RDONLY), writer = mc_open(mc, MC_O_WRONLY);
+  set_mode_within_100(mc, 0, MD_VEL);
+  CHECK_EQ(enable(mc, 0), 0);
+  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  mock_run(&m, 10000);
+  CHECK_EQ(mc_current(mc, 0), 40); /* one writer is left */
+  CHECK_EQ(mc_close(mc, writer), 0);
+  at_rest(mc);
+  m.card[0].count[0] = 77;
+  mock_run(&m, 60000);
+  CHECK(mock_panic(&m));
+  CHECK_EQ(mc_stats_of(mc)->panics, 0);
+  CHECK_EQ(m.pccsr, 0xB8); /* samples go on */
+  CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
+  CHECK_EQ(state.encnow, 77);
+  int next = mc_open(mc, MC_O_RDWR); /* nobody stopped it: it may write at once */
+  CHECK_EQ(mc_write(mc, next, &set, 4), 4);
+  CHECK_EQ(mc_close(mc, next), 0);
+  m.logging = 1;
+  CHECK_EQ(mc_close(mc, monitor), 0);
+  static const struct mock_access want[] = {W(0x409, 0x18)};
+  EXPECT(&m, want);
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_a_stop_holds_until_an_enable", test_a_stop_holds_until_an_enable},
+    {"test_a_stop_ends_an_enable_under_way", test_a_stop_ends_an_enable_under_way},
+    {"test_a_halt_of_a_closed_or_dead_machine", test_a_halt_of_a_closed_or_dead_machine},
+    {"test_the_last_writer_stops_the_machine", test_the_last_writer_stops_the_machine},
+};
+
+MAIN(tests)

@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: one file for each family of commands.
+
+May know: design, device, engine, record, run, scenario, sweep, view.
+"""
+
+from mmcs.cli.app import main
+
+__all__ = ["main"]

@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line. Heavy imports happen inside the commands: `mmcs list` answers at once."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+from mmcs import __version__
+from mmcs.cli.again import replay, trace
+from mmcs.cli.design import design
+from mmcs.cli.device import exec_, serve
+from mmcs.cli.sweep import sweep
+from mmcs.cli.view import compare, film
+from mmcs.errors import InputError, RunError
+from mmcs.place import results
+
+STARTED = time.time()
+
+SET_HELP = "Override a key of the scenario, e.g. host.cpu_us_per_axis=0."
+
+
+class Group(click.Group):
+    """Bad input of any kind ends in one line and status 2, a failed run in status 1."""
+
+    def main(self, *args, **kwargs):
+        try:
+            return super().main(*args, **{**kwargs, "standalone_mode": False})
+        except click.exceptions.NoArgsIsHelpError as error:
+            click.echo(error.format_message())
+            sys.exit(2)
+        except click.ClickException as error:
+            _fail(" ".join(error.format_message().split()), 2)
+        except InputError as error:
+            _fail(str(error), 2)
+        except RunError as error:
+            _fail(str(error), 1)
+        except (KeyboardInterrupt, click.Abort):
+            _fail("stopped", 130)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader has seen enough
+            sys.exit(0)
+        except OSError as error:  # a disk that is full, a folder that went away
+            where = f"{error.filename}: " if error.filename else ""
+            _fail(f"{where}{error.strerror or error}", 1)
+
+
+def _fail(text: str, status: int):
+    click.echo(f"mmcs: {text}", err=True)
+    sys.exit(status)
+
+
+@click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="mmcs")
+def main() -> None:
+    """MMCS, the Modular Motor Control System, complete in simulation."""
+
+
+def _scenario(function):
+    return click.argument("scenario", metavar="SCENARIO")(function)
+
+
+@main.command("list")
+def list_() -> None:
+    """List the scenarios."""
+    from mmcs.scenario.files import description, named
+
+    found = named()
+    width = max((len(name) for name in found), default=0)
+    for name, path in found.items():
+        click.echo(f"{name:{width}}  {description(path)}")
+
+
+@main.command()
+@_scenario
+@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
+def show(scenario: str, sets: tuple[str, ...]) -> None:
+    """Show what a scenario amounts to, robot and defaults included."""
+    from mmcs.scenario.describe import show_setup
+    from mmcs.scenario.load import load
+
+    show_setup(load(scenario, sets))
+
+
+@main.command()
+@_scenario
+@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
+def check(scenario: str, sets: tuple[str, ...]) -> None:
+    """Explain every mistake in a scenario and its robot file, or in a robot file alone."""
+    from mmcs.scenario.describe import cautions
+    from mmcs.scenario.files import is_robot
+    from mmcs.scenario.load import load
+
+    if is_robot(scenario):
+        _check_robot(scenario, sets)
+        return
+
+    with _every_mistake():
+        setup = load(scenario, sets)
+    for text in cautions(setup):
+        click.echo(f"caution: {text}")
+    click.echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
+
+
+@contextmanager
+def _every_mistake():
+    try:
+        yield
+    except InputError as error:
+        for mistake in error.mistakes:
+            click.echo(f"mmcs: {mistake}", err=True)
+        sys.exit(2)
+
+
+def _check_robot(name: str, sets: tuple[str, ...]) -> None:
+    from mmcs.scenario.describe import robot_cautions
+    from mmcs.scenario.load import load_robot
+
+    if sets:
+        raise InputError.one("--set", "", None, "overrides keys of scenarios, not of robot files")
+    with _every_mistake():
+        path, robot = load_robot(name)
+    for text in robot_cautions(robot):
+        click.echo(f"caution: {text}")
+    arm = "an arm" if robot.link else "on their own"
+    click.echo(f"{path}: good; robot of {robot.axes()} axes, {arm}")
+
+
+@main.command()
+@click.argument("scenario", metavar="SCENARIO", required=False)
+@click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
+@click.option(
+    "--host", default="native", metavar="native|m68020|rv32", help="What runs the firmware."
+)
+@click.option("--trace", type=click.Path(path_type=Path), metavar="FILE.fst", help="Record waves.")
+@click.option("--realtime", is_flag=True, help="Not faster than the clock on the wall.")
+@click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
+@click.option("--no-skip", is_flag=True, help="Evaluate every clock; the same result, later.")
+@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
+@click.option("--snapshot", "times", multiple=True, type=float, metavar="T", help="Keep one of T.")
+@click.option("--from", "origin", metavar="RUN[@T]", help="Go on from a snapshot of a run.")
+def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, times, origin) -> None:
+    """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
+    _check_host(host)
+    if trace is not None and trace.suffix != ".fst":
+        raise InputError.one("--trace", "", str(trace), "must be a file name ending in .fst")
+    if origin is not None:
+        given = {
+            "SCENARIO": scenario,
+            "--host": host if host != "native" else None,
+            "--trace": trace,
+            "--seed": seed,
+            "--set": sets or None,
+            "--no-skip": no_skip or None,
+        }
+        for name, value in given.items():
+            if value is not None:
+                allowed = "not together with --from: the snapshot decides"
+                raise InputError.one(name, "", None, allowed)
+        sys.exit(0 if _run_from(origin, duration, out, realtime) else 1)
+    if no_skip:
+        sets = (*sets, "skip=false")
+    if scenario is None:
+        raise InputError.one("SCENARIO", "", None, "name one, or a snapshot with --from")
+    from functools import partial
+
+    from mmcs.run.runner import run_scenario, simulate
+    from mmcs.scenario.load import load
+
+    setup = load(scenario, sets, duration=duration, seed=seed)
+    for t in times:
+        if not 0 <= t <= setup.scenario.duration:
+            allowed = f"must be 0 to {setup.scenario.duration:g} s"
+            raise InputError.one("--snapshot", "", t, allowed)
+    folder = out or results("runs", setup.path) / setup.name
+    _check_places(folder, trace)
+    carry_out = None
+    if times:
+        carry_out = partial(simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host)
+    good = run_scenario(
+        setup, folder, trace=trace, realtime=realtime, host=host, started=STARTED,
+        carry_out=carry_out,
+    )  # fmt: skip
+    sys.exit(0 if good else 1)
+
+
+def _run_from(origin: str, duration: float | None, out: Path | None, realtime: bool) -> bool:
+    from mmcs.record.snapshots import Snapshot, resume
+    from mmcs.run.runner import run_scenario
+
+    snapshot = Snapshot(origin)
+    setup = snapshot.setup(duration)
+    folder = out or results("runs") / f"{setup.name}-from-{snapshot.t:.6f}"
+    _check_places(folder, None)
+    click.echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
+    return run_scenario(
+        setup, folder, realtime=realtime, host=snapshot.record.host, started=STARTED,
+        carry_out=lambda s: resume(s, snapshot, realtime),
+    )  # fmt: skip
+
+
+def _check_places(folder: Path, trace: Path | None) -> None:
+    """A place that cannot be written is told before the run, not after it."""
+    import tempfile
+
+    for place in [folder] + ([trace.parent] if trace else []):
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError.one(place, "", None, f"cannot be made: {error.strerror}") from None
+        try:
+            tempfile.TemporaryFile(dir=place).close()
+        except OSError as error:
+            raise InputError.one(place, "", None, f"cannot be written: {error.strerror}") from None
+    files = [folder / name for name in ("report.json", "log.csv", "plot.svg")]
+    for path in files + ([trace] if trace else []):
+        if path.is_dir():
+            raise InputError.one(path, "", None, "is a folder, and the name of a result")
+
+
+@main.command()
+@_scenario
+@click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
+@click.option("--at", type=float, metavar="S", help="Seconds of motion; where something begins.")
+@click.option("--window", type=float, default=5.0, metavar="MS", help="How much is traced; 5 ms.")
+@click.option("--whole", is_flag=True, help="Trace the whole run: some 80 MB a second.")
+@click.option("--no-viewer", is_flag=True, help="Only write the files.")
+def waves(scenario, duration, at, window, whole, no_viewer) -> None:
+    """Run a scenario, trace a window of it, and open that in a prepared view.
+
+    The window begins at the first event, or where the motion begins. The view shows its first whole
+    servo pass.
+    """
+    from functools import partial
+
+    from mmcs.run.runner import run_scenario, simulate
+    from mmcs.scenario.load import load
+    from mmcs.view.waves import open_viewer, write_views
+
+    setup = load(scenario, (), duration=duration)
+    folder = results("runs", setup.path) / setup.name
+    trace = folder / f"{setup.name}.fst"
+    end = setup.scenario.duration
+    if at is not None and not 0 <= at < end:
+        raise InputError.one("--at", "", at, f"must be from 0 to {end:g} s, when the motion ends")
+    if window <= 0:
+        raise InputError.one("--window", "", window, "must be more than 0")
+    begin = setup.moment() if at is None else at
+    begin = max(0.0, min(begin, end - window / 1000))
+    stretch = None if whole else (begin, begin + window / 1000)
+    carry_out = partial(simulate, trace=trace, stretch=stretch)
+    good = run_scenario(setup, folder, trace=trace, started=STARTED, carry_out=carry_out)
+    if stretch:
+        click.echo(f"traced from {begin:g} s of motion for {window:g} ms; --whole traces all")
+    write_views(trace)
+    if not no_viewer:
+        open_viewer(trace)
+    sys.exit(0 if good else 1)
+
+
+main.add_command(trace)
+main.add_command(replay)
+main.add_command(compare)
+main.add_command(film)
+for _command in (serve, exec_, design, sweep):
+    main.add_command(_command)
+
+
+def _check_host(host: str) -> None:
+    from mmcs.engine import hosts
+
+    hosts.check(host)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs compare` and `mmcs film`: pictures of finished runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mmcs.errors import InputError
+
+
+def _written(path: Path, default: Path) -> Path:
+    path = path or default
+    if not path.parent.is_dir():
+        raise InputError.one(path, "", None, "its folder does not exist")
+    return path
+
+
+@click.command()
+@click.argument("a", metavar="A")
+@click.argument("b", metavar="B")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.svg", help="The picture.")
+def compare(a: str, b: str, out: Path | None) -> None:
+    """Draw two runs over each other; A and B are folders, or names of scenarios that were run."""
+    from mmcs.scenario.files import short
+    from mmcs.view.compare import write_comparison
+    from mmcs.view.runs import read_run
+
+    first, second = read_run(a), read_run(b)
+    path = _written(out, second.folder / "compare.svg")
+    for seen in write_comparison(first, second, path):
+        name = f"axis {seen['axis']} {seen['name']}".strip()
+        texts = [
+            "no samples in common" if seen[k] is None else f"{k} {seen[k]:g}"
+            for k in ("encoder", "error", "current")
+        ]
+        click.echo(f"{name}: largest difference {', '.join(texts)}")
+    same = first.report["hash"] == second.report["hash"]
+    click.echo(f"{'the same run to the bit' if same else 'different runs'}; {short(path)}")
+
+
+@click.command()
+@click.argument("run", metavar="RUN")
+@click.option("--pictures", type=click.IntRange(2, 12), default=6, help="In the strip.")
+@click.option("--slower", type=click.FloatRange(0.1, 100), default=2.0, help="Times, in the GIF.")
+def film(run: str, pictures: int, slower: float) -> None:
+    """Draw the arm of a run: film.svg, a strip of pictures, and film.gif, in the run's folder."""
+    from mmcs.scenario.files import short
+    from mmcs.view.film import write_gif, write_strip
+    from mmcs.view.runs import read_run
+
+    seen = read_run(run)
+    write_strip(seen, seen.folder / "film.svg", pictures)
+    frames = write_gif(seen, seen.folder / "film.gif", slower)
+    click.echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames})")

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs.Device`: /dev/mc0 for Python programs, call by call as chapter 2.3 has it.
+
+Speaks to a running `mmcs serve` over its socket; the same calls as a C program makes under
+`mmcs exec`. Errors are OSError with the driver's errno and what it said on its console.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+from mmcs import mcdef
+from mmcs.device import wire
+from mmcs.device.sockets import connect, socket_path
+
+MC_STATE = struct.Struct("<7i")
+
+
+@dataclass(frozen=True)
+class State:
+    """struct mc_state of one axis at the latest sample."""
+
+    adcvai: int  # processed A/D value
+    encnow: int  # position, counts
+    inow: int  # current command, D/A units (times MC_FSCALE when ipole filters it)
+    error: int  # setpoint minus feedback
+    fbnow: int  # feedback, counts or processed A/D units
+    vel: int  # velocity, feedback units per servo period
+    errcode: int  # MERR_ bits, axis in bits 8-15, index count in bits 16-31
+
+
+class Device:
+    """An open /dev/mc0. Use as a context manager, or close() it: the last close stops the motors.
+
+    flags: os.O_RDWR, or os.O_RDONLY for a monitor, which may only read, get, and stop.
+    server: name given to `mmcs serve --dev`; ignored inside `mmcs exec`.
+
+    Threads and signal handlers may call it at any time, also while another call is under way: each
+    call has a channel of its own to the server. One that an exception cuts short (Ctrl-C) may or
+    may not have been carried out. SIGUSR1 comes only to a process that has a handler for it.
+    """
+
+    def __init__(self, path: str = "/dev/mc0", flags: int = os.O_RDWR, server: str = "mc0"):
+        self._where = Path(os.environ.get("MMCS_SOCKET") or socket_path(server))
+        self._idle: list[socket.socket] = []  # channels without a call; append and pop are atomic
+        self._owner = os.getpid()
+        self._file = connect(self._where)
+        try:
+            self._name = self._file.getsockname().strip(b"\0")
+            inode = os.fstat(self._file.fileno()).st_ino
+            asked = flags & 0xFFFFFFFF | wire.GENTLE
+            result, _ = _exchange(self._file, wire.OPEN, b"", asked, inode, os.fsencode(path))
+            if result < 0:
+                raise OSError(-result, os.strerror(-result), path)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def __enter__(self) -> Device:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._file.close()
+        while self._idle:
+            self._idle.pop().close()
+
+    # --- the calls ---
+
+    def ioctl(self, request: int, data: bytes = b"") -> bytes:
+        """Any request of Table 2.3 by number; the argument in, the argument out."""
+        return self._call(wire.IOCTL, request, data)[1]
+
+    def read(self, axes: int = 32) -> list[State]:
+        """The states of axes 0 to axes-1 (fewer if the driver controls fewer), of one sample."""
+        _, data = self._call(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
+        return [State(*values) for values in MC_STATE.iter_unpack(data)]
+
+    def write(self, setpoints: list[int]) -> None:
+        """Setpoints of axes 0 to n-1, in feedback units, units per period, or D/A units."""
+        values = [_checked("setpoint", value) for value in setpoints]
+        self._call(wire.WRITE, 0, struct.pack(f"<{len(values)}i", *values))
+
+    def num_cards(self) -> int:
+        """Cards found by the scan at first open."""
+        return self._get("MGETNUMCARDS")
+
+    def set_num_joints(self, joints: int) -> None:
+        """How many axes, from axis 0, the servo controls."""
+        self._set("MSETNUMJOINTS", _checked("joints", joints))
+
+    def set_interval(self, microseconds: int) -> None:
+        """The sample interval; over 50 ms the heartbeats run out between samples."""
+        self._set("MSETINTERVAL", _checked("interval", microseconds, 0, (1 << 32) - 1))
+
+    def interval(self) -> int:
+        """The actual sample interval, microseconds."""
+        return self._get("MGETINTERVAL")
+
+    def get_param(self, axis: int) -> dict[str, int]:
+        """struct mc_param of an axis."""
+        param = mcdef.new_param(_axis(axis))
+        return _fields(self.ioctl(mcdef.MGETPARAM, bytes(mcdef.make_ffi().buffer(param))))
+
+    def set_param(self, axis: int, param: dict[str, int]) -> None:
+        """Sets every parameter of an axis at once, between two samples."""
+        made = mcdef.new_param(_axis(axis))
+        for name, value in param.items():
+            if name not in _field_names():
+                raise OSError(errno.EINVAL, f"there is no parameter {name!r}")
+            if name != "which":
+                setattr(made, name, _checked(name, value))
+        self.ioctl(mcdef.MSETPARAM, bytes(mcdef.make_ffi().buffer(made)))
+
+    def change_param(self, axis: int, **values: int) -> dict[str, int]:
+        """Sets some parameters of an axis and leaves the others as they are at that moment, whoever
+        else changes them; returns all."""
+        names, data = _field_names(), b""
+        for name, value in values.items():
+            if name not in names or name == "which":
+                raise OSError(errno.EINVAL, f"there is no parameter {name!r} to change")
+            data += struct.pack("<Ii", names.index(name), _checked(name, value))
+        return _fields(self._call(wire.CHANGE, _axis(axis), data)[1])
+
+    def enable(self) -> None:
+        """Lets the servo drive the motors; PANIC clears with the servo holding."""
+        self.ioctl(mcdef.MENABLE)
+
+    def stop(self) -> None:
+        """Zero torque, all axes off, brakes on, until enable(); a monitor may, too."""
+        self.ioctl(mcdef.MSTOP)
+
+    def clear_error(self) -> None:
+        """Clears what the last read() showed."""
+        self.ioctl(mcdef.MCLEARERROR)
+
+    def set_encoder(self, axis: int, count: int) -> None:
+        """Sets the 16-bit counter of an axis."""
+        self._set("MSETENC", (_checked("count", count, -32768, 65535) & 0xFFFF) << 8 | _axis(axis))
+
+    def set_leds(self, axis: int, leds: int) -> None:
+        """The axis's software LED (bit 0)."""
+        self._set("MSETLED", _checked("leds", leds, 0, 0xFFFFFF) << 8 | _axis(axis))
+
+    def set_dac(self, axis: int, code: int) -> None:
+        """Raw 12-bit D/A code of an axis that is off; 0x800 is 0 V."""
+        self._set("MSETDAC", _checked("code", code, 0, 4095) << 8 | _axis(axis))
+
+    def set_dac_mode(self, double_buffered: bool) -> None:
+        """Double buffered: a new current appears exactly one sample later."""
+        self._set("MDACMODE", int(bool(double_buffered)))
+
+    def set_diag_mode(self, bits: int) -> None:
+        """M_ANDIAG loops D/A to A/D, M_ENDIAG feeds synthetic encoder signals."""
+        self._set("MDIAGMODE", _checked("bits", bits))
+
+    def set_verbosity(self, bits: int) -> None:
+        """What the driver says on the server's console: M_VERBOSE, M_ERRORPRINT."""
+        self._set("MSETVERBOSITY", _checked("bits", bits))
+
+    def calibrate(self, axis: int) -> None:
+        """Arms the index of an axis; MERR_ZINDEX with its count comes in errcode."""
+        self._set("MCALIB", _axis(axis))
+
+    def stats(self) -> dict[str, int]:
+        """struct mc_stats: interrupts in total, missed, overrun, and more."""
+        ffi = mcdef.make_ffi()
+        stats = ffi.new("struct mc_stats *")
+        ffi.buffer(stats)[:] = self.ioctl(mcdef.MGETSTATS)
+        return {name: getattr(stats, name) for name, _ in ffi.typeof("struct mc_stats").fields}
+
+    def zero_stats(self) -> None:
+        self.ioctl(mcdef.MZEROSTATS)
+
+    def take_lease(self) -> None:
+        """Until drop_lease() or close() nobody else may change anything (they get EBUSY), but for a
+        stop. EBUSY if somebody else has it."""
+        self._call(wire.LEASE, wire.LEASE_TAKE)
+
+    def drop_lease(self) -> None:
+        self._call(wire.LEASE, wire.LEASE_DROP)
+
+    # --- the wire ---
+
+    def _get(self, name: str) -> int:
+        return struct.unpack("<i", self.ioctl(getattr(mcdef, name)))[0]
+
+    def _set(self, name: str, value: int) -> None:
+        self.ioctl(getattr(mcdef, name), struct.pack("<I", value & 0xFFFFFFFF))
+
+    def _call(self, op: int, a: int, data: bytes = b"") -> tuple[int, bytes]:
+        if len(data) > wire.MAX_DATA:
+            raise OSError(errno.EINVAL, f"{len(data)} bytes are too many for one call")
+        channel = self._take_channel()
+        try:
+            result, out = _exchange(channel, op, self._name, a, 0, data)
+            said = _exchange(channel, wire.WHY, self._name, 0, 0, b"")[1] if result < 0 else b""
+        except BaseException:
+            channel.close()  # an answer may still come on it, which nobody waits for
+            raise
+        self._idle.append(channel)
+        if result < 0:
+            raise OSError(-result, ": ".join(filter(None, (os.strerror(-result), said.decode()))))
+        return result, out
+
+    def _take_channel(self) -> socket.socket:
+        if self._owner != os.getpid():  # the parent's channels stay the parent's
+            self._idle, self._owner = [], os.getpid()
+        try:
+            return self._idle.pop()
+        except IndexError:
+            if self._file.fileno() < 0:
+                raise OSError(errno.EBADF, "the device is closed") from None
+            return connect(self._where)
+
+
+def _field_names() -> list[str]:
+    return [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
+
+
+def _fields(data: bytes) -> dict[str, int]:
+    param = mcdef.new_param(0)
+    mcdef.make_ffi().buffer(param)[:] = data
+    return {name: getattr(param, name) for name in _field_names()}
+
+
+def _checked(what: str, value: object, low: int = -(1 << 31), high: int = (1 << 31) - 1) -> int:
+    """A whole number that fits, or OSError as the driver would give."""
+    try:
+        number = value.__index__()
+    except (AttributeError, TypeError):
+        raise OSError(errno.EINVAL, f"{what} {value!r}: must be a whole number") from None
+    if not low <= number <= high:
+        raise OSError(errno.EINVAL, f"{what} {number}: must be from {low} to {high}")
+    return number
+
+
+def _axis(axis: object) -> int:
+    return _checked("axis", axis, 0, 255)
+
+
+def _exchange(sock, op: int, name: bytes, a: int, b: int, data: bytes) -> tuple[int, bytes]:
+    try:
+        sock.sendall(wire.REQUEST.pack(wire.MAGIC, op, name, a, b, len(data), os.getpid()) + data)
+        result, length = wire.REPLY.unpack(_receive(sock, wire.REPLY.size))
+        if length > wire.MAX_DATA:
+            raise ConnectionError
+        return result, _receive(sock, length)
+    except (BrokenPipeError, ConnectionError):
+        raise OSError(errno.EIO, "the simulator is gone") from None
+
+
+def _receive(sock, length: int) -> bytes:
+    data = b""
+    while len(data) < length:
+        part = sock.recv(length - len(data))
+        if not part:
+            raise ConnectionError
+        data += part
+    return data

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs an unmodified program against the simulator: `mmcs exec -- PROGRAM`."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import shutil
+import signal
+import stat
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+from mmcs import BUILD, ROOT
+from mmcs.device.link import Link
+from mmcs.device.server import Server
+from mmcs.device.sockets import check_folder, socket_path
+from mmcs.errors import InputError, RunError
+
+DEVICE = ROOT / "sim" / "device"
+SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c")
+SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
+LIBRARY = BUILD / "device" / "libmmcs_preload.so"
+FORWARDED = (signal.SIGTERM, signal.SIGHUP)
+OF_THE_TERMINAL = (signal.SIGINT, signal.SIGQUIT)  # the program gets them by itself
+PT_INTERP = 3
+
+
+def cflags() -> list[str]:
+    """Compiler flags for a program written as chapter 2 of the report shows (gcc)."""
+    preload_library()  # the compiler runs with it
+    return [
+        "-std=gnu89",
+        "-w",
+        f"-I{DEVICE / 'include'}",
+        "-wrapper",
+        str(DEVICE / "cc_wrapper.sh"),
+    ]
+
+
+def preload_library(sanitize: bool = False) -> Path:
+    """The preload library, compiled if missing or older than its sources."""
+    library = LIBRARY.with_stem(LIBRARY.stem + "_asan") if sanitize else LIBRARY
+    inputs = [DEVICE / name for name in (*SOURCES, "wire.h")]
+    if library.exists() and library.stat().st_mtime > max(f.stat().st_mtime for f in inputs):
+        return library
+    library.parent.mkdir(parents=True, exist_ok=True)
+    fresh = library.with_suffix(f".{os.getpid()}")
+    command = ["cc", "-std=gnu11", "-O2", "-fPIC", "-shared", "-o", fresh]
+    command += [*SANITIZE, "-g"] if sanitize else []
+    command += [DEVICE / name for name in SOURCES] + ["-ldl", "-lpthread"]
+    done = subprocess.run(command, text=True, capture_output=True, check=False)
+    if done.returncode:
+        raise RunError(f"the preload library does not compile: {done.stderr.strip()[:200]}")
+    fresh.rename(library)
+    return library
+
+
+def environment(path: Path, sanitize: bool = False) -> dict[str, str]:
+    """What makes a program find the server that listens at `path`."""
+    before = os.environ.get("LD_PRELOAD", "").split(":")
+    libraries = [str(preload_library(sanitize)), *filter(None, before)]
+    if sanitize:  # the sanitizer's own library comes first, whatever else there is
+        libraries.sort(key=lambda name: "libasan" not in name)
+    return {**os.environ, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
+
+
+def run_program(command: list[str], sim=None, speed: float | None = None, name: str = "mc0") -> int:
+    """Runs a program to its end and returns its exit status, as a shell would.
+
+    With `sim` a private server runs beside it; without, the program uses the server called `name`.
+    What the driver says meanwhile comes on stderr.
+    """
+    check_program(command[0])
+    if sim is not None:
+        server = Server(sim, socket_path(f"exec-{os.getpid()}"), speed, console=say)
+        try:
+            return _run(command, environment(server.path), server.step)
+        finally:
+            server.close()
+    path = socket_path(name)
+    if not path.exists():
+        raise InputError.one(
+            "mmcs exec", "", None, "no server is running; start `mmcs serve` or give --scenario"
+        )
+    check_folder(path.parent)
+    try:
+        link = Link(path=path)
+        link.request("follow", samples=False)
+    except OSError as error:
+        raise InputError.one("mmcs exec", "", None, error.strerror) from None
+    with link:
+        return _run(command, environment(path), _Console(link).step)
+
+
+def say(text: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # nobody may be there to hear
+        print(text, file=sys.stderr, flush=True)
+
+
+class _Console:
+    """The lines of a server that runs elsewhere."""
+
+    def __init__(self, link: Link):
+        self._link: Link | None = link
+
+    def step(self) -> None:
+        if not select.select([self._link] if self._link else [], [], [], 0.05)[0]:
+            return
+        try:
+            message = self._link.receive()
+        except OSError:
+            self._link = None  # the server is gone, which the program will hear by itself
+            return
+        if isinstance(message, dict) and message.get("kind") == "log":
+            say(message["text"])
+
+
+# --- what can be given a device at all ---------------------------------------------------------
+
+
+def check_program(name: str) -> None:
+    """The library comes into a program through its loader: static and set-user-id programs have
+    none that would take it, and would only be told that there is no /dev/mc0."""
+    found = shutil.which(name)
+    if found is None:
+        return  # starting it tells why not
+    path = Path(found)
+    with contextlib.suppress(OSError):
+        status = path.stat()
+        if (status.st_mode & stat.S_ISUID and status.st_uid != os.geteuid()) or (
+            status.st_mode & stat.S_ISGID and status.st_gid != os.getegid()
+        ):
+            allowed = "is set-user-id or set-group-id, and gets no devices; run a plain copy of it"
+            raise InputError.one("mmcs exec", "", name, allowed)
+        if is_static(path):
+            allowed = "is statically linked, and gets no devices; link it dynamically"
+            raise InputError.one("mmcs exec", "", name, allowed)
+
+
+def is_static(path: Path) -> bool:
+    """An ELF program of 64 bits that names no loader."""
+    with path.open("rb") as file:
+        head = file.read(64)
+        if head[:5] != b"\x7fELF\x02" or len(head) < 64:
+            return False
+        at, size, count = (
+            struct.unpack_from("<Q", head, 32)[0],
+            *struct.unpack_from("<HH", head, 54),
+        )
+        file.seek(at)
+        table = file.read(size * count)
+    kinds = [struct.unpack_from("<I", table, n)[0] for n in range(0, len(table) - 3, size or 1)]
+    return bool(kinds) and PT_INTERP not in kinds
+
+
+# --- running -----------------------------------------------------------------------------------
+
+
+def _run(command: list[str], env: dict[str, str], step) -> int:
+    """Calls step() until the program ends. Signals to end are passed on: it shall clean up."""
+    child: subprocess.Popen | None = None
+    early: list[int] = []
+
+    def pass_on(number, _frame):
+        if child is None:
+            early.append(number)
+        else:
+            child.send_signal(number)
+
+    before = {n: signal.signal(n, pass_on) for n in FORWARDED}
+    before |= {n: signal.signal(n, lambda *_: None) for n in OF_THE_TERMINAL}
+    try:
+        child = _start(command, env)
+        for number in early:
+            child.send_signal(number)
+        while (status := child.poll()) is None:
+            step()
+    except BaseException:
+        if child is not None:
+            child.kill()
+            child.wait()
+        raise
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    return 128 - status if status < 0 else status
+
+
+def _start(command: list[str], env: dict[str, str]) -> subprocess.Popen:
+    try:
+        return subprocess.Popen(command, env=env)
+    except FileNotFoundError:
+        raise InputError.one("mmcs exec", "", command[0], "no such program") from None
+    except OSError as error:
+        raise InputError.one("mmcs exec", "", command[0], error.strerror) from None

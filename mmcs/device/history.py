@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The past of a served machine: snapshots, and going back to one.
+
+A snapshot holds the machine and its driver, but no program. So for each it is remembered who had
+the device open then; after a rewind those who have it open now have it again, and what the others
+had is closed.
+"""
+
+from __future__ import annotations
+
+EVERY_S, KEPT = 0.1, 100  # the ring of snapshots at the start
+
+
+class History:
+    def __init__(self, machine):
+        self._machine, self._sim = machine, machine.sim
+        self.asked: set[int] = set()  # snapshots that stay until dropped
+        # What holds for snapshots from this number on: driver's number -> client's; inputs.
+        self._known: list[tuple[int, dict[int, int], dict]] = []
+        self._next = 0  # number that the next snapshot will have, or less
+        self.ring(EVERY_S, KEPT)
+
+    def ring(self, every_s: float, count: int) -> None:
+        self._sim.ring(every_s, count)
+
+    # --- what a snapshot does not hold ---
+
+    def clients_changed(self) -> None:
+        self._remember()
+
+    def inputs_changed(self) -> None:
+        self._remember()
+
+    def _remember(self) -> None:
+        machine = self._machine
+        kept = self._sim.snapshots()
+        self._next = max(self._next, kept[-1]["id"] + 1 if kept else 0)
+        opens = {c.driver: c.number for c in machine.clients.values() if c.driver >= 0}
+        oldest = kept[0]["id"] if kept else self._next
+        while len(self._known) > 1 and self._known[1][0] <= oldest:
+            self._known.pop(0)  # no snapshot is as old as that
+        while self._known and self._known[-1][0] == self._next:
+            self._known.pop()
+        self._known.append((self._next, opens, dict(machine.inputs)))
+
+    # --- snapshots ---
+
+    def take(self) -> dict:
+        number = self._sim.snapshot()
+        self.asked.add(number)
+        return {"id": number, "t": self._sim.time}
+
+    def list(self) -> list[dict]:
+        return [
+            {"id": s["id"], "t": s["t"], "kept": s["id"] in self.asked}
+            for s in self._sim.snapshots()
+        ]
+
+    def drop(self, number: int) -> bool:
+        if number not in [s["id"] for s in self._sim.snapshots()]:
+            return False
+        self._sim.drop(number)
+        self.asked.discard(number)
+        return True
+
+    def last_before(self, t: float) -> int | None:
+        found = [s["id"] for s in self._sim.snapshots() if s["t"] <= t + 1e-9]
+        return found[-1] if found else None
+
+    def rewind(self, number: int) -> bool:
+        """False: there is no such snapshot."""
+        if number not in [s["id"] for s in self._sim.snapshots()]:
+            return False
+        machine = self._machine
+        self._sim.restore(number)
+        self.asked = {n for n in self.asked if n <= number}
+        self._next = max(self._next, number + 1)
+        _, had, inputs = next((k for k in reversed(self._known) if k[0] <= number), (0, {}, {}))
+        self._known = [k for k in self._known if k[0] <= number]
+        machine.inputs = dict(inputs)
+        self._settle(had)
+        self._sim.tap_note("rewind", number, f"back to snapshot {number}")
+        self._remember()
+        return True
+
+    def _settle(self, had: dict[int, int]) -> None:
+        """Those who are here get their opens; whoever is not loses his."""
+        machine = self._machine
+        here = {n: c for n, c in machine.clients.items() if c.device == "/dev/mc0"}
+        for client in here.values():
+            client.driver = -1
+        for driver, number in had.items():
+            if number in here:
+                here[number].driver = driver
+        for client in here.values():
+            if client.driver < 0:
+                client.driver = max(-1, self._sim.open(client.flags & 3))
+        for driver, number in had.items():
+            if number not in here:
+                self._sim.close(driver)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a client of the messages does to the machine from outside: lease, inputs, pace, the past."""
+
+from __future__ import annotations
+
+from mmcs.device.arguments import Arguments, Refused
+from mmcs.device.wire import EBUSY, EINVAL
+from mmcs.scenario.inputs import INPUTS
+
+# These happen once; they have no value afterwards.
+MOMENTARY = ("host_stall", "bus_error", "encoder_slip")
+MOST_S = 10.0  # that one request lets pass
+
+
+class Operations:
+    def __init__(self, server, messenger):
+        self._server, self._of = server, messenger
+        self._machine, self._client = server.machine, messenger.client
+
+    def must_control(self) -> None:
+        if self._machine.held_from(self._client):
+            raise Refused(EBUSY, f"{self._machine.lease} has the lease")
+
+    # --- lease ---
+
+    def do_lease(self, a: Arguments) -> dict:
+        machine, client = self._machine, self._client
+        if "give" in a:
+            other = machine.clients.get(a.integer("give", 0, 1 << 31))
+            if machine.lease is not client:
+                raise Refused(EBUSY, "only the holder can pass the lease on")
+            if other is None or not other.device or not other.writable:
+                raise Refused(EINVAL, "give: no such client has the device open for writing")
+            machine.set_lease(other)
+        elif "drop" in a:
+            if machine.lease is client:
+                machine.set_lease(None)
+        else:
+            a.flag("take")
+            deadman = a.number("deadman_ms", 50, 10_000) / 1000 if "deadman_ms" in a else None
+            self._of.check(machine.take_lease(client, deadman))
+        return {"lease": machine.lease.number if machine.lease else None}
+
+    def do_alive(self, a: Arguments) -> dict:
+        return {}
+
+    def do_clients(self, a: Arguments) -> dict:
+        machine = self._machine
+        rows = [
+            {"client": c.number, "name": c.name, "pid": c.pid, "kind": c.kind,
+             "mode": ("rw" if c.writable else "r") if c.device else "",
+             "lease": c is machine.lease}
+            for c in machine.clients.values()
+        ]  # fmt: skip
+        return {"clients": rows}
+
+    # --- inputs ---
+
+    def do_inputs(self, a: Arguments) -> dict:
+        now = self._machine.inputs
+        rows = [
+            {"name": name, **known._asdict(),
+             "values": {str(i): v for (n, i), v in now.items() if n == name and v != known.healthy}}
+            for name, known in INPUTS.items()
+        ]  # fmt: skip
+        return {"inputs": rows}
+
+    def do_input(self, a: Arguments) -> dict:
+        name = a.text("name")
+        if name not in INPUTS:
+            raise Refused(EINVAL, f"name: there is no input {name!r}")
+        known = INPUTS[name]
+        value = a.number("value", known.low, known.high)
+        places = {"machine": 1, "card": self._machine.cards, "axis": 2 * self._machine.cards}
+        index = a.integer("index", 0, places[known.scope] - 1, 0)
+        if (name, value) != ("estop", 1):
+            self.must_control()
+        momentary = name.startswith("seu_") or name in MOMENTARY
+        if self._machine.set_input(name, index, value, momentary) < 0:
+            raise Refused(EINVAL, "index: nothing is connected there")
+        return {"t": self._machine.sim.time}
+
+    # --- time ---
+
+    def do_pace(self, a: Arguments) -> dict:
+        self.must_control()
+        pace = self._server.pace
+        speed = pace.speed
+        if "speed" in a:
+            speed = None if a.is_null("speed") else a.number("speed", 1e-6, 1e6)
+        paused = a.flag("paused", pace.paused)
+        pace.set(speed, paused)
+        text = "paused" if paused else "as fast as it goes" if speed is None else f"speed {speed:g}"
+        self._machine.sim.tap_note("pace", 0, text)
+        return {"speed": speed, "paused": paused}
+
+    def do_advance(self, a: Arguments) -> None:
+        self.must_control()
+        if not self._server.pace.paused:
+            raise Refused(EBUSY, "time passes by itself; pause first")
+        seconds = a.number("seconds", 0, MOST_S)
+        self._server.advance(seconds, self._of, a.id)
+
+    # --- the past ---
+
+    def do_machine(self, a: Arguments) -> dict:
+        return dict(self._server.about.get("machine", {}))
+
+    def do_ring(self, a: Arguments) -> dict:
+        self.must_control()
+        self._machine.history.ring(a.number("every_s", 0.001, 3600), a.integer("count", 1, 10_000))
+        return {}
+
+    def do_snapshot(self, a: Arguments) -> dict:
+        return {"snapshot": self._machine.history.take()}
+
+    def do_snapshots(self, a: Arguments) -> dict:
+        return {"snapshots": self._machine.history.list()}
+
+    def do_drop(self, a: Arguments) -> dict:
+        self.must_control()
+        if not self._machine.history.drop(a.integer("snapshot", 0, 1 << 62)):
+            raise Refused(EINVAL, "snapshot: there is none of this number")
+        return {}
+
+    def do_rewind(self, a: Arguments) -> dict:
+        self.must_control()
+        history = self._machine.history
+        if "t" in a:
+            number = history.last_before(a.number("t", 0, 1e9))
+        else:
+            number = a.integer("snapshot", 0, 1 << 62)
+        if number is None or not history.rewind(number):
+            raise Refused(EINVAL, "snapshot: there is none of this number or time")
+        self._server.pace.restart()
+        return {"t": self._machine.sim.time, "snapshot": number}

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server's end of the wire (sim/device/wire.h): programs that open /dev/mcN and /dev/vme16."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import socket
+import struct
+
+from mmcs import mcdef
+from mmcs.device import wire
+from mmcs.device.connection import Connection
+from mmcs.device.machine import Client, Machine
+
+MANY = 64  # holders of one file before the dead among them are looked for
+USR1_BIT = 1 << (signal.SIGUSR1 - 1)
+
+
+class Holders:
+    """The processes that have a file open. The kernel knows what dup2, exec and close have left of
+    their descriptors; it is asked when it matters, so nothing is kept open for them."""
+
+    def __init__(self, inode: int, gentle: bool):
+        self._target = f"socket:[{inode}]"  # the client's end
+        self._gentle = gentle
+        self._pids: set[int] = set()
+
+    def add(self, pid: int) -> None:
+        self._pids.add(pid)
+        if len(self._pids) > MANY:
+            self._pids = {p for p in self._pids if self._is_open_in(p)}
+
+    def signal(self) -> None:
+        """SIGUSR1 to every process that has the file open at this moment."""
+        for pid in list(self._pids):
+            try:
+                handle = os.pidfd_open(pid)
+            except OSError:
+                self._pids.discard(pid)
+                continue
+            try:
+                if not self._is_open_in(pid):
+                    self._pids.discard(pid)
+                elif not self._gentle or _catches_usr1(pid):
+                    signal.pidfd_send_signal(handle, signal.SIGUSR1)
+            except ProcessLookupError:
+                self._pids.discard(pid)
+            finally:
+                os.close(handle)
+
+    def _is_open_in(self, pid: int) -> bool:
+        try:
+            for entry in os.scandir(f"/proc/{pid}/fd"):
+                with contextlib.suppress(OSError):
+                    if os.readlink(entry.path) == self._target:
+                        return True
+        except OSError:
+            return False
+        return False
+
+
+def _catches_usr1(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/status") as status:
+            masks = [line.split()[1] for line in status if line.startswith("SigCgt:")]
+    except OSError:
+        return False
+    return bool(masks) and bool(int(masks[0], 16) & USR1_BIT)
+
+
+class Program(Connection):
+    """A file, which is an open device, or a channel, which carries the calls of a thread."""
+
+    def __init__(self, sock: socket.socket, poll: select.epoll, address, server):
+        super().__init__(sock, poll)
+        self._name = bytes(address).strip(b"\0") if address else b""
+        self._machine: Machine = server.machine
+        self._files: dict[bytes, Program] = server.files
+        self.client: Client | None = None  # of a file
+        self.holders: Holders | None = None
+        self._said = ""  # by the driver, when the last call on this channel failed
+
+    def has_request(self) -> bool:
+        if len(self.data) < wire.REQUEST.size or self.ended:
+            return False
+        magic, _, _, _, _, length, _ = wire.REQUEST.unpack_from(self.data)
+        if magic != wire.MAGIC or length > wire.MAX_DATA:
+            self.end()
+            return False
+        return len(self.data) >= wire.REQUEST.size + length
+
+    def client_writes(self) -> bool:
+        file = self._files.get(wire.REQUEST.unpack_from(self.data)[2].rstrip(b"\0"))
+        return file is None or file.client.writable
+
+    def serve(self, nested: bool) -> bool:
+        _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self.data)
+        if nested and op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits:
+            return False
+        end = wire.REQUEST.size + length
+        payload = bytes(self.data[wire.REQUEST.size : end])
+        del self.data[:end]
+        self.busy = True
+        result, out = self._call(op, name.rstrip(b"\0"), a, b, payload, pid)
+        self.busy = False
+        self.send(wire.REPLY.pack(result, len(out)) + out)
+        if op == wire.OPEN and result >= 0:
+            self._become_file()
+        return True
+
+    def _become_file(self) -> None:
+        """From now on only its end is waited for: bytes that a program writes past the library
+        fail there, and poll() finds it readable, as read() never blocks."""
+        self.send(b".")
+        with contextlib.suppress(OSError):
+            self.sock.shutdown(socket.SHUT_RD)
+        self.data.clear()
+        self.watch(0)
+
+    def leave(self) -> None:
+        if self.client is not None:
+            del self._files[self._name]
+            self._machine.leave(self.client)
+
+    # --- calls ---
+
+    def _call(self, op: int, name: bytes, a: int, b: int, payload: bytes, pid: int):
+        if op != wire.WHY:
+            self._said = ""
+        if not wire.well_formed(op, a, b, len(payload)):
+            return -wire.EINVAL, b""
+        if op == wire.OPEN:
+            return self._open(payload, a, b, pid), b""
+        if op == wire.WHY:
+            return 0, self._said.encode()[: wire.MAX_DATA]
+        file = self._files.get(name)
+        if file is None:
+            return -wire.EBADF, b""
+        file.holders.add(pid)
+        result, out = self._of_file(file.client, op, a, b, payload)
+        if result < 0:
+            self._said = file.client.said or self._because(file.client, result)
+        return result, out
+
+    def _because(self, client: Client, result: int) -> str:
+        machine = self._machine
+        return (
+            f"{machine.lease} has the lease" if machine.held_from(client) and result == -16 else ""
+        )
+
+    def _of_file(self, client: Client, op: int, a: int, b: int, payload: bytes):
+        machine = self._machine
+        if op == wire.HOLD:
+            return 0, b""
+        if op in (wire.LOAD, wire.STORE):
+            if client.driver >= 0:
+                return wire.BUS_TIMEOUT, b""
+            return machine.bus(client, a, b, payload if op == wire.STORE else None)
+        if op == wire.LEASE:
+            return self._lease(client, a), b""
+        if client.driver < 0:
+            return (-wire.ENOTTY if op == wire.IOCTL else -wire.EINVAL), b""
+        if op == wire.IOCTL:
+            return machine.ioctl(client, a & 0xFFFFFFFF, payload)
+        if op == wire.READ:
+            return machine.read(client, min(a, wire.MAX_DATA))
+        if op == wire.WRITE:
+            return machine.write(client, payload), b""
+        return self._change(client, a, payload)
+
+    def _open(self, device: bytes, flags: int, inode: int, pid: int) -> int:
+        if self.client is not None or not self._name or self._name in self._files:
+            return -wire.EINVAL  # a file is opened once, and has a name of its own
+        machine = self._machine
+        client = machine.enter("device", pid)
+        client.name = _command(pid)
+        result = machine.open(client, device.decode(errors="replace"), flags & 0xFFFFFFFF)
+        if result < 0:
+            machine.leave(client)
+            return result
+        self.client = client
+        self.holders = Holders(inode, bool(flags & wire.GENTLE))
+        self.holders.add(pid)
+        self._files[self._name] = self
+        return 0
+
+    def _lease(self, client: Client, what: int) -> int:
+        machine = self._machine
+        if what == wire.LEASE_TAKE:
+            return machine.take_lease(client)
+        if machine.lease is client:
+            machine.set_lease(None)
+        return 0
+
+    def _change(self, client: Client, axis: int, payload: bytes):
+        fields = [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
+        pairs = list(struct.iter_unpack("<Ii", payload))
+        if axis > 255 or any(n >= len(fields) or n == 0 for n, _ in pairs):
+            return -wire.EINVAL, b""
+        return self._machine.change(client, axis, {fields[n]: value for n, value in pairs})
+
+
+def _command(pid: int) -> str:
+    """What the process calls itself, for others to read."""
+    try:
+        with open(f"/proc/{pid}/comm") as file:
+            return file.read().strip()
+    except OSError:
+        return ""

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulator as a server: /dev/mcN and /dev/vme16 for other processes (§2.3, §2.4), messages for
+a tool beside them, and the stop path (docs/device.md, docs/protocol.md).
+
+One thread does everything, a step at a time: the stop path, one request of each connection that has
+one, a stretch of simulated time, and what is to be sent. The stop path comes first in every step,
+and again before each request and while one waits.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import select
+import socket
+import time
+from pathlib import Path
+
+from mmcs.device.connection import GONE, IN, OUT, Connection
+from mmcs.device.machine import Machine
+from mmcs.device.messages import Messenger
+from mmcs.device.pace import IDLE_S, Pace
+from mmcs.device.programs import Program
+from mmcs.device.sockets import Name, peer_uid
+from mmcs.device.stop import StopPath
+
+MOST_CONNECTIONS = 1000
+SPARE_DESCRIPTORS = 120  # for the stop path, and everything else that the process opens
+
+
+class Server:
+    """Serves one machine. step() does a little work; run() goes on until told to stop."""
+
+    def __init__(self, sim, path: Path, speed: float | None, about: dict | None = None,
+                 console=lambda text: None):  # fmt: skip
+        """speed: simulated seconds per second; None runs as fast as it goes. about: what messages
+        tell of the machine. console: gets the lines that the driver says."""
+        self.name = Name(path)
+        self.path, self.sim, self.about = path, sim, about or {}
+        self.machine = Machine(sim, console)
+        self.pace = Pace(sim, speed)
+        self.files: dict[bytes, Program] = {}
+        self.connections: dict[int, Connection] = {}
+        self.stopping = False
+        self._target: tuple[float, Messenger, object] | None = None  # of a stretch asked for
+        self._problem: BaseException | None = None
+        self._events = 0  # of the tap: signals among them
+        self._listened = time.monotonic()
+        self._poll = select.epoll()
+        self._doors = {}
+        for suffix, kind in ((".sock", Program), (".msg", Messenger)):
+            door = self.name.listen(suffix)
+            self._doors[door.fileno()] = (door, kind)
+            self._poll.register(door, IN)
+        self.stop_path = StopPath(self.name.listen(".stop"), self.machine)
+        self._poll.register(self.stop_path, IN)
+        self._spare = os.open("/dev/null", os.O_RDONLY)
+        limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+        self.most = max(1, min(MOST_CONNECTIONS, limit - SPARE_DESCRIPTORS))
+        sim.set_look(self._look)
+
+    def close(self) -> None:
+        self.sim.set_look(lambda: 0)
+        for connection in list(self.connections.values()):
+            self._hang_up(connection)
+        self.name.release()
+        self.stop_path.close()
+        self._poll.close()
+        os.close(self._spare)
+
+    def run(self) -> None:
+        while not self.stopping:
+            self.step()
+
+    # --- a step ---
+
+    def step(self) -> None:
+        """Answers what has come in, and lets time pass if it is due."""
+        self.stop_path.serve()
+        self._listen(self._wait())
+        for connection in list(self.connections.values()):
+            if connection.has_request() and not connection.busy:
+                self.stop_path.serve()
+                if connection.client_writes():
+                    self.pace.talked()
+                connection.serve(nested=False)
+                self._after()
+        for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
+            self._hang_up(connection)
+        self.stop_path.serve()
+        self._pass_time()
+        self._send()
+
+    def _after(self) -> None:
+        """A request has been served."""
+        self._signal()
+        if self._problem is not None:
+            problem, self._problem = self._problem, None
+            raise problem
+
+    def _look(self) -> int:
+        """While a request waits: the stop path, requests of others that do not wait, signals. 1: it
+        shall not go on waiting. Nobody is hung up, for who waits may be the one."""
+        try:
+            self.stop_path.serve()
+            self._listen(0)
+            for connection in list(self.connections.values()):
+                if connection.has_request() and not connection.busy:
+                    connection.serve(nested=True)
+            self._signal()
+            self._send()
+        except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
+            self._problem = problem
+            return 1
+        return int(self.stopping)
+
+    def _wait(self) -> float:
+        if any(c.has_request() and not c.busy for c in self.connections.values()):
+            return 0.0
+        if self._target is not None:
+            return 0.0
+        if not self.machine.opens:  # without an open file time stands still
+            self.pace.restart()
+            return IDLE_S
+        return self.pace.wait()
+
+    def _pass_time(self) -> None:
+        if self._target is not None:
+            self._go_on()
+        elif self.machine.opens and self.pace.is_due():
+            self.sim.run(self.sim.time + self.pace.chunk)
+            self.pace.passed(self._signal())
+
+    def advance(self, seconds: float, asker: Messenger, id_: object) -> None:
+        """So much time passes in the steps to come; then the asker is answered."""
+        self._target = (self.sim.time + seconds, asker, id_)
+
+    def _go_on(self) -> None:
+        target, asker, id_ = self._target
+        self.sim.run(min(target, self.sim.time + self.pace.chunk))
+        self.pace.passed(self._signal())
+        if self.sim.time >= target or asker.ended:
+            self._target = None
+            asker.answer(id_, {"ok": True, "t": self.sim.time})
+
+    def _send(self) -> None:
+        now = time.monotonic()
+        self.machine.check_deadman(self._listened)
+        self.machine.tell_console()
+        for connection in self.connections.values():
+            if isinstance(connection, Messenger):
+                connection.stream(now)
+
+    def _signal(self) -> bool:
+        """Delivers SIGUSR1 where the driver sent it."""
+        events = self.sim.tap_head()[1]
+        if events == self._events:
+            return False  # each is an event as well
+        self._events, sent = events, False
+        for file in self.files.values():
+            client = file.client
+            if client.driver >= 0 and self.sim.signals(client.driver) and client.writable:
+                file.holders.signal()
+                sent = True
+        return sent
+
+    # --- connections ---
+
+    def _listen(self, wait: float) -> None:
+        """Accepts, reads and sends what the sockets are ready for; serves nothing."""
+        ready = self._poll.poll(wait)
+        self._listened = time.monotonic()
+        for fd, mask in ready:
+            if fd in self._doors:
+                while self._accept(*self._doors[fd]):
+                    pass
+            elif connection := self.connections.get(fd):
+                if mask & IN:
+                    connection.receive()
+                elif mask & GONE:
+                    connection.ended = True
+                if mask & OUT:
+                    connection.flush()
+
+    def _accept(self, door: socket.socket, kind) -> bool:
+        try:
+            sock, address = door.accept()
+        except BlockingIOError:
+            return False
+        except OSError:  # no descriptor left: use the spare one to turn him away
+            os.close(self._spare)
+            try:
+                door.accept()[0].close()
+            except OSError:
+                return False
+            finally:
+                self._spare = os.open("/dev/null", os.O_RDONLY)
+            return True
+        if len(self.connections) >= self.most or peer_uid(sock) != os.geteuid():
+            sock.close()
+            return True
+        connection = kind(sock, self._poll, address, self)
+        self.connections[sock.fileno()] = connection
+        connection.receive()
+        return True
+
+    def _hang_up(self, connection: Connection) -> None:
+        del self.connections[connection.sock.fileno()]
+        connection.close()
+        connection.leave()
+        self._signal()

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where a server listens, and how one makes sure who is at the other end.
+
+A server has a folder that is the user's alone, a lock that it holds as long as it lives, and
+sockets of mode 0600. Both ends ask the kernel for the other one's user: paths are not proof.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import socket
+import stat
+import struct
+from pathlib import Path
+
+from mmcs.errors import InputError
+
+ENXIO = 6
+BACKLOG = 64
+
+
+def socket_path(name: str) -> Path:
+    """Where the server called `name` listens: per user, nobody else may enter."""
+    base = Path(os.environ.get("XDG_RUNTIME_DIR") or "/tmp")
+    return base / f"mmcs-{os.getuid()}" / f"{name}.sock"
+
+
+def check_folder(folder: Path) -> None:
+    """A folder, no link to one, that belongs to us and lets nobody else in."""
+    try:
+        status = folder.lstat()
+    except OSError as error:
+        raise InputError.one(folder, "", None, error.strerror) from None
+    if not stat.S_ISDIR(status.st_mode):
+        raise InputError.one(folder, "", None, "not a folder; remove it and try again")
+    if status.st_uid != os.getuid() or status.st_mode & 0o077:
+        raise InputError.one(folder, "", None, "not yours alone; remove it and try again")
+
+
+def make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except FileExistsError:
+        pass  # check_folder tells what it is
+    except OSError as error:
+        raise InputError.one(folder, "", None, error.strerror) from None
+    check_folder(folder)
+
+
+def peer_uid(sock: socket.socket) -> int:
+    """The user at the other end, as the kernel knows him."""
+    size = struct.calcsize("3i")
+    _, uid, _ = struct.unpack("3i", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size))
+    return uid
+
+
+class Name:
+    """The name of a server, taken as long as this lives, and the sockets under it."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        make_folder(path.parent)
+        self._lock = os.open(
+            path.with_suffix(".lock"), os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600
+        )
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self._lock)
+            allowed = "a server of this name is running; stop it or use another"
+            raise InputError.one("--dev", "", path.stem, allowed) from None
+        self._made: list[tuple[Path, int, socket.socket]] = []
+
+    def listen(self, suffix: str) -> socket.socket:
+        """A listening socket of mode 0600. What a dead server left in its place is taken over."""
+        path = self.path.with_suffix(suffix)
+        with contextlib.suppress(FileNotFoundError):
+            if not stat.S_ISSOCK(path.lstat().st_mode):
+                raise InputError.one(path, "", None, "is not a socket; move it away and try again")
+            path.unlink()
+        server = socket.socket(socket.AF_UNIX)
+        old = os.umask(0o177)
+        try:
+            server.bind(str(path))
+        except OSError as error:
+            server.close()
+            why = error.strerror or "too long for a socket; set XDG_RUNTIME_DIR to a shorter folder"
+            raise InputError.one(path, "", None, why) from None
+        finally:
+            os.umask(old)
+        self._made.append((path, path.lstat().st_ino, server))
+        server.listen(BACKLOG)
+        server.setblocking(False)
+        return server
+
+    def release(self) -> None:
+        """Takes away what is still ours; an open socket keeps its inode from being another's."""
+        for path, inode, server in self._made:
+            with contextlib.suppress(FileNotFoundError):
+                if path.lstat().st_ino == inode:
+                    path.unlink()
+            server.close()
+        os.close(self._lock)
+
+
+def connect(path: Path, timeout: float | None = None) -> socket.socket:
+    """A connection to a server of our own; OSError with a sentence otherwise."""
+    sock = socket.socket(socket.AF_UNIX)
+    try:
+        sock.bind("")  # the kernel gives it a name of its own, which names the file later
+        sock.settimeout(timeout)
+        sock.connect(str(path))
+    except OSError:
+        sock.close()
+        text = "no simulator is serving; start `mmcs serve SCENARIO`"
+        raise OSError(ENXIO, text, "/dev/mc0") from None
+    if peer_uid(sock) != os.geteuid():
+        uid = peer_uid(sock)
+        sock.close()
+        raise OSError(ENXIO, f"user {uid} serves this socket, not you: not used", str(path))
+    return sock

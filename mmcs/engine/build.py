@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Gets the simulator library: asks make whether it is there and fresh, and builds it if not."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+from mmcs.engine.verilator import write_command
+from mmcs.errors import RunError
+from mmcs.place import BUILD, ROOT, WORK, workshop
+
+CLK_HZ = 8_000_000
+LOG = BUILD / "sim" / "build.log"
+
+
+def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
+    clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
+    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{clk}"
+    return BUILD / "sim" / name / "libmmcs_sim.so"
+
+
+def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
+    """The library of a build; kind is "speed", "trust" (assertions live) or "trace".
+
+    soc: the machine has its own processor (docs/soc.md).
+    """
+    path = library_path(cards, kind, clk_hz, soc)
+    command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
+    command += [f"CLK_HZ={clk_hz}", f"HOST={'rv32' if soc else 'vme'}"]
+    env = make_env()
+    if path.exists() and _run([*command, "-q"], env) == 0:
+        return path
+    what = f"{kind} build" + (", with its own processor" if soc else "")
+    text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {what})"
+    with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
+        status = _run(command, env, log=True)
+    if status or not path.exists():
+        log = LOG.relative_to(WORK) if WORK == ROOT else LOG
+        raise RunError(f"the simulator does not build; {_reason()}; see {log}")
+    return path
+
+
+def make_env() -> dict[str, str]:
+    """The environment of a make of its own, with the tools of the virtual environment."""
+    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    tools = Path(sys.executable).parent
+    if not (tools / "verilator").is_file():  # not a checkout's environment
+        write_command(tools := workshop() / "bin", relative=False)
+    env["PATH"] = f"{tools}:{Path(sys.executable).parent}:{env.get('PATH', '')}"
+    return env
+
+
+@contextmanager
+def one_at_a_time(lock: Path):
+    """One build at a time: parallel tests want the same files."""
+    lock.parent.mkdir(parents=True, exist_ok=True)
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _run(command: list[str], env: dict, log: bool = False) -> int:
+    if not log:
+        quiet = subprocess.DEVNULL
+        return subprocess.run(
+            command, check=False, cwd=workshop(), env=env, stdout=quiet, stderr=quiet
+        ).returncode
+    with LOG.open("w") as out:
+        return subprocess.run(
+            command, check=False, cwd=workshop(), env=env, stdout=out, stderr=subprocess.STDOUT
+        ).returncode
+
+
+def _spinner(text: str):
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if console.is_terminal:
+        return console.status(text)
+    console.print(f"mmcs: {text}", highlight=False)
+    return console.status(text)  # draws nothing when not a terminal
+
+
+def _reason() -> str:
+    """The line of the log that says most."""
+    lines = LOG.read_text(errors="replace").splitlines() if LOG.exists() else []
+    telling = [line for line in lines if "error" in line.lower() or "not found" in line]
+    return (telling or lines or ["no output"])[0].strip()[:200]

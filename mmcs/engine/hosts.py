@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What runs the firmware: native code, or a processor with its compiled image."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import subprocess
+import zlib
+
+from mmcs.engine.build import make_env, one_at_a_time
+from mmcs.errors import InputError, RunError
+from mmcs.place import BUILD, workshop
+
+HOSTS = ("native", "m68020", "rv32")
+COMPILERS = {
+    "m68020": ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu"),
+    "rv32": ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf"),
+}
+
+
+def check(host: str) -> None:
+    if host not in HOSTS:
+        raise InputError.one("--host", "", host, 'must be one of "native", "m68020", "rv32"')
+
+
+def config(host: str) -> dict:
+    """The fields of mmcs_config that choose the host; builds what it needs."""
+    check(host)
+    if host == "native":
+        return {}
+    _need(host)
+    make("firmware/Makefile", host)
+    image = {"host": HOSTS.index(host), "firmware": str(BUILD / "firmware" / host / "mc.bin")}
+    if host == "rv32":
+        return image
+    make("sim/hosts/Makefile", "all")
+    return image | {"processor": str(BUILD / "hosts" / "libm68020.so")}
+
+
+def image_digest(host: str) -> str:
+    """Of the image that a processor runs, which decides its times; "" for native code."""
+    image = BUILD / "firmware" / host / "mc.bin"
+    return f"{zlib.crc32(image.read_bytes()):08x}" if image.is_file() else ""
+
+
+def _need(host: str) -> None:
+    compiler, package = COMPILERS[host]
+    if not shutil.which(compiler):
+        raise RunError(
+            f"--host {host} needs {compiler}; install it with: sudo apt-get install {package}"
+        )
+    if host == "rv32" and importlib.util.find_spec("pythondata_cpu_ibex") is None:
+        raise RunError("--host rv32 needs its processor core; install it with: make firmware")
+
+
+def make(makefile: str, target: str) -> None:
+    """Builds a target of the firmware or of a processor; one process at a time."""
+    command = ["make", "-s", "-f", makefile, target]
+    with one_at_a_time(BUILD / "firmware.lock"):
+        done = subprocess.run(
+            command, cwd=workshop(), env=make_env(), capture_output=True, text=True, check=False
+        )
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or ["no output"]
+        raise RunError(f"{makefile} does not build: {lines[0]}")

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated machine as a Python object: a thin wrapper of sim/engine/mmcs_sim.h.
+
+The C declarations are read from that very header, so they cannot drift apart.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from pathlib import Path
+
+import cffi
+import numpy as np
+
+from mmcs import ROOT, mcdef
+from mmcs.errors import RunError
+
+HEADER = ROOT / "sim" / "engine" / "mmcs_sim.h"
+SEGMENT_KINDS = ("hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square")
+
+
+def declarations(text: str) -> str:
+    """A C header as cffi's parser wants it: no preprocessor but integer constants, no extern C."""
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    text = re.sub(r'#ifdef __cplusplus\n(extern "C" \{|\})\n#endif\n', "", text)
+    constants = re.findall(r"^#define (\w+) (0x[0-9a-fA-F]+|\d+)\s*$", text, flags=re.M)
+    body = re.sub(r"^#.*$", "", text, flags=re.M)
+    return "\n".join(f"#define {name} {value}" for name, value in constants) + body
+
+
+@functools.cache
+def make_ffi() -> cffi.FFI:
+    ffi = cffi.FFI()
+    ffi.cdef(declarations(HEADER.read_text()))
+    ffi.include(mcdef.make_ffi())
+    return ffi
+
+
+@functools.cache
+def load_library(path: Path):
+    try:
+        return make_ffi().dlopen(str(path))
+    except OSError as error:
+        raise RunError(f"{path}: the simulator library does not load: {error}") from None
+
+
+class Sim:
+    """One machine, from power-on until close(). Every call may let simulated time pass."""
+
+    def __init__(self, library: Path, config: dict, motors: list[dict], links: list[dict]):
+        self.ffi = make_ffi()
+        self.lib = load_library(library)
+        names = {
+            key: self.ffi.new("char[]", config[key].encode())
+            for key in ("processor", "firmware") if key in config
+        }  # fmt: skip
+        config = {**config, **names, "abi": self.lib.MMCS_SIM_ABI}
+        keep = self.ffi.new("mmcs_config *", config)
+        c_motors = self.ffi.new("mmcs_motor[]", motors)
+        c_links = self.ffi.new("mmcs_link[]", links) if links else self.ffi.NULL
+        err = self.ffi.new("char[]", 300)
+        self.axes = config["axes"]
+        self._sim = self.lib.mmcs_sim_create(keep, c_motors, c_links, err, 300)
+        if not self._sim:
+            text = self.ffi.string(err).decode(errors="replace")
+            raise RunError(f"the machine cannot be made: {text or 'no reason given'}")
+
+    def destroy(self) -> None:
+        if self._sim:
+            self.lib.mmcs_sim_destroy(self._sim)
+            self._sim = None
+
+    def __enter__(self) -> Sim:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.destroy()
+
+    # --- what the build is ---
+
+    def build(self) -> dict[str, int]:
+        names = ("cards", "clk_hz", "skip", "trace")
+        return {name: getattr(self.lib, f"mmcs_sim_build_{name}")() for name in names}
+
+    def trace(self, path: Path) -> None:
+        if self.lib.mmcs_sim_trace(self._sim, str(path).encode()):
+            raise RunError(f"{path}: the trace file cannot be made")
+
+    def trace_window(self, path: Path, from_s: float, to_s: float) -> None:
+        """Traces this stretch only, which lies ahead."""
+        if self.lib.mmcs_sim_trace_window(self._sim, str(path).encode(), from_s, to_s):
+            raise RunError(f"{path}: this stretch cannot be traced")
+
+    def build_id(self) -> str:
+        return self.ffi.string(self.lib.mmcs_sim_build_id()).decode()
+
+    def phases(self) -> dict[str, tuple[int, float, float]]:
+        """Parts of a servo pass on a real processor: passes, mean and longest time in us."""
+        found = self.ffi.new("mmcs_phase[]", 16)
+        count = self.lib.mmcs_sim_phases(self._sim, found, 16)
+        return {
+            self.ffi.string(p.name).decode(): (p.passes, p.mean_us, p.max_us)
+            for p in found[0:count]
+        }
+
+    # --- /dev/mc0 ---
+
+    def open(self, flags: int = 2) -> int:
+        return self.lib.mmcs_sim_open(self._sim, flags)
+
+    def close(self, client: int) -> int:
+        return self.lib.mmcs_sim_close(self._sim, client)
+
+    def ioctl(self, client: int, request: int, arg: object = None) -> int:
+        pointer = self.ffi.NULL if arg is None else self.ffi.cast("void *", arg)
+        return self.lib.mmcs_sim_ioctl(self._sim, client, request, pointer)
+
+    def write(self, client: int, setpoints: list[int]) -> int:
+        data = self.ffi.new("int32_t[]", setpoints)
+        return self.lib.mmcs_sim_write(self._sim, client, data, 4 * len(setpoints))
+
+    def read(self, client: int, axes: int | None = None) -> list[dict[str, int]]:
+        """What the driver reports: one mc_state per axis."""
+        count = self.axes if axes is None else axes
+        states = self.ffi.new("struct mc_state[]", count)
+        size = self.ffi.sizeof("struct mc_state")
+        got = self.lib.mmcs_sim_read(self._sim, client, states, count * size)
+        if got < 0:
+            raise OSError(-got, "read of /dev/mc0")
+        fields = [name for name, _ in self.ffi.typeof("struct mc_state").fields]
+        return [{f: getattr(states[n], f) for f in fields} for n in range(got // size)]
+
+    # the same three for arguments that come from another process
+
+    def ioctl_bytes(self, client: int, request: int, data: bytes) -> tuple[int, bytes]:
+        """The argument in, as long as the request number says; the argument out."""
+        size = request >> 16 & 0x1FFF
+        argument = bytearray(max(size, 256))
+        argument[: len(data)] = data
+        pointer = self.ffi.from_buffer(argument)
+        result = self.lib.mmcs_sim_ioctl(self._sim, client, request, pointer)
+        return result, bytes(argument[:size]) if result >= 0 and request & 0x40000000 else b""
+
+    def read_bytes(self, client: int, n: int) -> tuple[int, bytes]:
+        """At most n bytes of whole states."""
+        data = bytearray(min(n, 4096))
+        result = self.lib.mmcs_sim_read(self._sim, client, self.ffi.from_buffer(data), len(data))
+        return result, bytes(data[: max(result, 0)])
+
+    def write_bytes(self, client: int, data: bytes) -> int:
+        return self.lib.mmcs_sim_write(self._sim, client, data, len(data))
+
+    def signals(self, client: int) -> int:
+        return self.lib.mmcs_sim_signals(self._sim, client)
+
+    def stop(self) -> int:
+        """MSTOP of whoever has no client."""
+        return self.lib.mmcs_sim_stop(self._sim)
+
+    def set_look(self, look) -> None:
+        """look() is called every millisecond of the machine's time while a request waits; True:
+        the request gives up. It must not raise."""
+        self._look = self.ffi.callback("int(void *)", lambda _: int(look()), error=1)
+        self.lib.mmcs_sim_set_look(self._sim, self._look, self.ffi.NULL)
+
+    # --- the bus by hand ---
+
+    def bus_read(self, offset: int, am: int = 0x2D, size: int = 1) -> int:
+        """Raises TimeoutError when nobody answers, OSError on a bus error."""
+        value = self.ffi.new("uint32_t *")
+        result = self.lib.mmcs_sim_bus_read(self._sim, offset, am, size, value)
+        _bus_check(result, offset)
+        return value[0]
+
+    def bus_write(self, offset: int, value: int, am: int = 0x2D, size: int = 1) -> None:
+        result = self.lib.mmcs_sim_bus_write(self._sim, offset, am, size, value)
+        _bus_check(result, offset)
+
+    # --- motion, events, time ---
+
+    def add_segment(self, **fields) -> None:
+        """Takes the fields of mmcs_segment; the kind by name, the table as a list."""
+        table = fields.pop("table", None)
+        fields["kind"] = SEGMENT_KINDS.index(fields["kind"])
+        segment = self.ffi.new("mmcs_segment *", fields)
+        if table is not None:
+            values = self.ffi.new("double[]", list(table))
+            segment.table, segment.table_len = values, len(table)
+        if self.lib.mmcs_sim_add_segment(self._sim, segment):
+            raise RunError(f"the engine refuses a motion of axis {fields.get('axis')}")
+
+    def start_motion(self, client: int) -> int:
+        return self.lib.mmcs_sim_start_motion(self._sim, client)
+
+    def input_names(self) -> list[str]:
+        names = []
+        while (name := self.lib.mmcs_sim_input_name(len(names))) != self.ffi.NULL:
+            names.append(self.ffi.string(name).decode())
+        return names
+
+    def add_event(self, t: float, input_: int, index: int, value: float) -> None:
+        event = self.ffi.new("mmcs_event *", {"t": t, "input": input_, "index": index})
+        event.value = value
+        if self.lib.mmcs_sim_add_event(self._sim, event):
+            raise RunError(f"the engine refuses the event at {t} s")
+
+    def run(self, until_s: float) -> bool:
+        """False when an assertion of the model failed; the notes tell which."""
+        return self.lib.mmcs_sim_run(self._sim, until_s) == 0
+
+    @property
+    def time(self) -> float:
+        return self.lib.mmcs_sim_time(self._sim)
+
+    @property
+    def clock(self) -> int:
+        return self.lib.mmcs_sim_clock(self._sim)
+
+    # --- results ---
+
+    def log(self) -> np.ndarray:
+        """A copy of the log, but for what was taken: a row per servo sample, columns as in the
+        header."""
+        rows, cols = self.ffi.new("int64_t *"), self.ffi.new("int32_t *")
+        data = self.lib.mmcs_sim_log(self._sim, rows, cols)
+        if not rows[0]:
+            return np.empty((0, 1 + 7 * self.axes))
+        raw = self.ffi.buffer(data, rows[0] * cols[0] * 8)
+        return np.frombuffer(raw, dtype=np.float64).reshape(rows[0], cols[0]).copy()
+
+    def take_log(self) -> np.ndarray:
+        """The rows that have come since they were last taken; they are the caller's to keep."""
+        rows = self.log()
+        self.lib.mmcs_sim_log_taken(self._sim)
+        return rows
+
+    def notes_lost(self) -> int:
+        """How many notes have come after the last that is kept."""
+        return self.lib.mmcs_sim_notes_lost(self._sim)
+
+    def notes(self) -> list[dict]:
+        out = self.ffi.new("const mmcs_note **")
+        count = self.lib.mmcs_sim_notes(self._sim, out)
+        text = lambda chars: self.ffi.string(chars).decode(errors="replace")  # noqa: E731
+        return [
+            {"t": n.t, "kind": text(n.kind), "axis": n.axis, "text": text(n.text)}
+            for n in (out[0][i] for i in range(count))
+        ]
+
+    def stats(self) -> dict[str, float]:
+        stats = self.ffi.new("mmcs_stats *")
+        self.lib.mmcs_sim_get_stats(self._sim, stats)
+        return {name: getattr(stats, name) for name, _ in self.ffi.typeof("mmcs_stats").fields}
+
+    def true(self, axis: int) -> dict[str, float]:
+        """What the physics did: angle and velocity (joint), current, encoder transitions."""
+        names = ("angle", "velocity", "current", "count")
+        return {n: getattr(self.lib, f"mmcs_sim_true_{n}")(self._sim, axis) for n in names}
+
+    def encoder_register(self, axis: int) -> int:
+        """The 16-bit counter on the card, read without disturbing it."""
+        return self.lib.mmcs_sim_encoder_register(self._sim, axis)
+
+    def registers(self) -> dict[str, int]:
+        """Every register of the hardware, by its name from mmcs down, and its bits."""
+        found = {}
+        while (name := self.lib.mmcs_sim_register_name(len(found))) != self.ffi.NULL:
+            found[self.ffi.string(name).decode()] = self.lib.mmcs_sim_register_width(len(found))
+        return found
+
+    def register(self, number: int) -> int:
+        """The value of one now, by its place in registers(), read without disturbing it."""
+        return self.lib.mmcs_sim_register(self._sim, number)
+
+    def checkpoints(self) -> list[tuple[int, int, int, int]]:
+        """Samples, clock, hash of the samples, hash of what left the machine; every 32 samples."""
+        out = self.ffi.new("const mmcs_checkpoint **")
+        count = self.lib.mmcs_sim_checkpoints(self._sim, out)
+        return [(p.samples, p.clock, p.hash, p.trail) for p in (out[0][i] for i in range(count))]
+
+    # --- the tap: positions count from the first record ever ---
+
+    def tap(self, rows: int, events: int) -> None:
+        """From now on so many samples and events are kept for readers."""
+        if self.lib.mmcs_sim_tap(self._sim, rows, events):
+            raise RunError(f"no tap of {rows} samples and {events} events can be made")
+
+    def tap_head(self) -> tuple[int, int, int]:
+        """Samples and events there have been, bytes of a sample's row."""
+        head = self.ffi.new("mmcs_tap_head *")
+        self.lib.mmcs_sim_tap_head(self._sim, head)
+        return head.rows, head.events, head.row_bytes
+
+    def tap_rows(self, start: int, every: int, limit: int) -> tuple[bytes, int, int, int]:
+        """Rows from a position on: as bytes, how many, where to go on, and how many are lost."""
+        size = self.tap_head()[2]
+        buffer, read = bytearray(limit * size), self.ffi.new("mmcs_tap_read *")
+        self.lib.mmcs_sim_tap_rows(
+            self._sim, start, every, self.ffi.from_buffer(buffer), limit, read
+        )
+        return bytes(memoryview(buffer)[: read.count * size]), read.count, read.next, read.lost
+
+    def tap_events(self, start: int, limit: int) -> tuple[list[dict], int, int]:
+        """Events from a position on, where to go on, and how many are lost."""
+        found, read = self.ffi.new("mmcs_tap_event[]", limit), self.ffi.new("mmcs_tap_read *")
+        self.lib.mmcs_sim_tap_events(self._sim, start, found, limit, read)
+        text = lambda chars: self.ffi.string(chars).decode(errors="replace")  # noqa: E731
+        events = [
+            {"n": e.n, "t": e.t, "kind": text(e.kind), "axis": e.axis, "value": e.value,
+             "text": text(e.text)}
+            for e in found[0 : read.count]
+        ]  # fmt: skip
+        return events, read.next, read.lost
+
+    def tap_note(self, kind: str, value: int = 0, text: str = "", axis: int = -1) -> None:
+        self.lib.mmcs_sim_tap_note(self._sim, kind.encode(), axis, value, text.encode())
+
+    # --- time travel ---
+
+    def snapshot(self, at_s: float | None = None) -> int:
+        """The number of a snapshot of now; or runs until at_s, for one of that instant or of the
+        last one before it at which no firmware is active."""
+        if at_s is None:
+            number = self.lib.mmcs_sim_snapshot(self._sim)
+        else:
+            number = self.lib.mmcs_sim_snapshot_at(self._sim, at_s)
+        if number < 0:
+            raise RunError("no snapshot: an assertion of the machine has failed")
+        return number
+
+    def restore(self, number: int) -> None:
+        """Back to a snapshot; those taken later are forgotten."""
+        if self.lib.mmcs_sim_restore(self._sim, number):
+            raise RunError(f"there is no snapshot {number}")
+
+    def drop(self, number: int) -> None:
+        if self.lib.mmcs_sim_drop(self._sim, number):
+            raise RunError(f"there is no snapshot {number}")
+
+    def ring(self, every_s: float, count: int) -> None:
+        """From now on run() takes a snapshot every so often and keeps the last `count`."""
+        if self.lib.mmcs_sim_ring(self._sim, every_s, count):
+            raise RunError("impossible ring of snapshots")
+
+    def snapshots(self) -> list[dict]:
+        """Those that are kept: id, clock, t, bytes, rows."""
+        out = self.ffi.new("const mmcs_snapshot **")
+        count = self.lib.mmcs_sim_snapshots(self._sim, out)
+        names = ("id", "clock", "t", "bytes", "rows")
+        return [{n: getattr(out[0][i], n) for n in names} for i in range(count)]
+
+    def snapshot_bytes(self, number: int) -> bytes:
+        out = self.ffi.new("const uint8_t **")
+        size = self.lib.mmcs_sim_snapshot_bytes(self._sim, number, out)
+        if size < 0:
+            raise RunError(f"there is no snapshot {number}")
+        return bytes(self.ffi.buffer(out[0], size))
+
+    def history_bytes(self) -> bytes:
+        """The log and notes so far, which go with every snapshot taken so far."""
+        out = self.ffi.new("const uint8_t **")
+        size = self.lib.mmcs_sim_history_bytes(self._sim, out)
+        return bytes(self.ffi.buffer(out[0], size))
+
+    def restore_bytes(self, snapshot: bytes, history: bytes) -> None:
+        """Raises ValueError with one sentence when they come from elsewhere or are damaged."""
+        err = self.ffi.new("char[]", 300)
+        a, b = self.ffi.from_buffer(snapshot), self.ffi.from_buffer(history)
+        result = self.lib.mmcs_sim_restore_bytes(
+            self._sim, a, len(snapshot), b, len(history), err, 300
+        )
+        if result:
+            raise ValueError(self.ffi.string(err).decode(errors="replace"))
+
+    def hash(self) -> str:
+        return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
+
+
+def _bus_check(result: int, offset: int) -> None:
+    if result == 1:
+        raise TimeoutError(f"bus time-out at offset 0x{offset:03x}")
+    if result:
+        raise OSError(f"bus error at offset 0x{offset:03x}")

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where things are: the sources, what is built of them, and the results of runs.
+
+A checkout holds all three. Installed from a wheel, the sources lie inside the package and are
+built in the user's cache; so are those of a checkout that cannot be written.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+from mmcs.errors import RunError
+
+_PACKAGE = Path(__file__).resolve().parent
+IN_CHECKOUT = (_PACKAGE.parent / "sim" / "Makefile").is_file()
+ROOT = _PACKAGE.parent if IN_CHECKOUT else _PACKAGE / "source"
+SCENARIOS = ROOT / "sim" / "scenarios"
+ROBOTS = ROOT / "sim" / "robots"
+LINKED = ("rtl", "sim", "firmware", "tools", "mmcs.core")  # what the makefiles read
+
+
+def _cache() -> Path:
+    """A folder in the user's cache for these very sources."""
+    digest = ROOT / "DIGEST"  # a checkout has none: make tells by time what is old
+    told = str(ROOT) + (digest.read_text() if digest.is_file() else "")
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "mmcs" / hashlib.sha256(told.encode()).hexdigest()[:12]
+
+
+WRITABLE = IN_CHECKOUT and os.access(ROOT, os.W_OK)
+WORK = ROOT if WRITABLE else _cache()
+BUILD = WORK / "build"
+
+
+def workshop() -> Path:
+    """The folder to call make in: the checkout, or one in the cache that links to the sources."""
+    if WORK == ROOT:
+        return WORK
+    try:
+        WORK.mkdir(parents=True, exist_ok=True)
+        for name in LINKED:
+            if not (WORK / name).is_symlink():
+                (WORK / name).symlink_to(ROOT / name)
+    except FileExistsError:  # another process was quicker
+        pass
+    except OSError as error:
+        raise RunError(
+            f"{WORK}: cannot be made: {error.strerror}; set XDG_CACHE_HOME to a folder for builds"
+        ) from None
+    return WORK
+
+
+def results(kind: str, scenario: Path | None = None) -> Path:
+    """The folder of "runs" or "sweeps": build/ of the checkout, but beside a file of one's own."""
+    if scenario is not None and SCENARIOS not in scenario.resolve().parents:
+        return scenario.parent / kind
+    return BUILD / kind if WRITABLE else Path(kind)
+
+
+def run_folders(name: str) -> list[Path]:
+    """Where a run of this name may have left its results."""
+    return list(dict.fromkeys([results("runs") / name, Path("runs") / name]))

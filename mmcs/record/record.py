@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The run record, run.mmcs: a few kB from which a run can be made again, and judged.
+
+It holds the scenario as it was in force (overrides applied), robot and tables as they were, and
+what came out: the hash, running hashes at samples in between, and short digests of the log's rows
+and columns, so that a replay can say where it parts from the run.
+"""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import re
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mmcs import __version__
+from mmcs.engine import logcols
+from mmcs.engine.rows import BLOCK
+from mmcs.errors import InputError
+from mmcs.place import run_folders
+from mmcs.result.folder import settle
+from mmcs.scenario.files import is_name, loads, read_json, short
+
+NAME = "run.mmcs"
+FORMAT = 1
+MAX_POINTS = 32  # running hashes kept
+MAX_ROWS = 1024  # digests of rows kept, a byte each
+MAX_MARKS = 8  # samples at which every column has a digest
+MAX_UNPACKED = 64 << 20  # bytes of files; four times what a scenario may have
+MAX_SAMPLES = 40_000_000  # an hour of the shortest interval
+FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv")
+POINT = struct.Struct("<qqQQ")  # samples, clock, hash of samples, hash of what left the machine
+
+
+@dataclass
+class Record:
+    """What run.mmcs says; `data` is the scenario with all overrides applied."""
+
+    path: Path
+    text: dict
+    files: dict[str, str]  # the robot and tables, by the names that `data` uses
+
+    def __getattr__(self, name):
+        try:
+            return self.text[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    @property
+    def points(self) -> list[tuple[int, int, int, int]]:
+        return list(POINT.iter_unpack(base64.b64decode(self.text["checkpoints"])))
+
+    def setup(self, folder: Path):
+        """The run's setup, from files written into this folder, and checked as any."""
+        from mmcs.scenario.setup import make_setup
+
+        for name, text in self.files.items():
+            (folder / name).write_text(text)
+        return make_setup(folder / f"{self.text['scenario']}.toml", dict(self.text["data"]))
+
+
+# --- writing -----------------------------------------------------------------------------------
+
+
+def inline(data: dict) -> dict:
+    """The scenario, naming the setup's files by the plain names that they have in a record."""
+    data = json.loads(json.dumps(data)) | {"robot": "./robot.toml"}
+    for n, motion in enumerate(data.get("motion", [])):
+        if motion.get("kind") == "table":
+            motion["file"] = f"table{n}.csv"
+    return data
+
+
+def make_record(result, host: str) -> dict:
+    """What run.mmcs will say of a run."""
+    setup, log, points = result.setup, result.log, result.checkpoints
+    keep = max(1, -(-len(points) // MAX_POINTS))
+    kept = points[keep - 1 :: keep]
+    every = max(1, -(-len(log) // MAX_ROWS))
+    marks = [len(log) * n // MAX_MARKS for n in range(1, MAX_MARKS + 1)] if len(log) else []
+    packed = zlib.compress(json.dumps(setup.files).encode(), 9)
+    return {
+        "mmcs_run": FORMAT,
+        "version": __version__,
+        "build": result.build,
+        "scenario": setup.name,
+        "host": host,
+        "image": result.image,
+        "seed": setup.scenario.seed,
+        "hash": result.hash,
+        "cycles": result.cycles,
+        "clk_hz": result.clk_hz,
+        "motion_start_s": result.motion_start_s,
+        "samples": len(log),
+        "data": inline(setup.data),
+        "files": base64.b64encode(packed).decode(),
+        "checkpoints": base64.b64encode(b"".join(POINT.pack(*p) for p in kept)).decode(),
+        "rows_each": every,
+        "rows": base64.b64encode(row_digests(log, every)).decode(),
+        "marks": marks,
+        "columns": base64.b64encode(column_digests(log, marks)).decode(),
+    }
+
+
+def write_record(record: dict, folder: Path) -> Path:
+    path = folder / NAME
+    path.write_text(json.dumps(record, separators=(",", ":")).replace(',"', ',\n"') + "\n")
+    return path
+
+
+def row_digests(log: np.ndarray, every: int) -> bytes:
+    """One byte per so many rows of the log."""
+    return bytes(zlib.crc32(log[n : n + every].tobytes()) & 0xFF for n in range(0, len(log), every))
+
+
+def column_digests(log: np.ndarray, marks: list[int]) -> bytes:
+    """Two bytes per mark and column: the column up to the mark."""
+    words, digests, done = [], [0] * log.shape[1], 0
+    for mark in marks:
+        for start in range(done, mark, BLOCK):
+            rows = np.asfortranarray(log[start : min(start + BLOCK, mark)])
+            digests = [zlib.crc32(rows[:, n].tobytes(), d) for n, d in enumerate(digests)]
+        words, done = words + [d & 0xFFFF for d in digests], mark
+    return struct.pack(f"<{len(words)}H", *words)
+
+
+# --- reading -----------------------------------------------------------------------------------
+
+
+def find_run(name: str) -> Path:
+    """The record that a file, a run's folder or the name of the last run of a scenario means."""
+    candidates = [Path(name), *(folder / NAME for folder in (Path(name), *run_folders(name)))]
+    for path in candidates:
+        if path.is_file():
+            return short(path)
+    hint = f"no such run; give a {NAME}, its folder, or a scenario that has run"
+    raise InputError.one(name, "", None, hint)
+
+
+def read_record(name: str) -> Record:
+    path = find_run(name)
+    settle(path.absolute().parent)
+    try:
+        return parse(path, read_json(path))
+    except ValueError as error:
+        raise InputError.one(
+            path, "", None, f"not a run record of MMCS, or damaged: {error}"
+        ) from None
+
+
+KINDS = {
+    "version": str, "build": str, "scenario": str, "host": str, "image": str, "seed": int,
+    "hash": str, "cycles": int, "clk_hz": int, "motion_start_s": (int, float), "samples": int,
+    "data": dict, "files": str, "checkpoints": str, "rows_each": int, "rows": str, "marks": list,
+    "columns": str,
+}  # fmt: skip
+
+
+def parse(path: Path, text: dict) -> Record:
+    """Raises ValueError when this is not a record; InputError when it is of another format."""
+    if not isinstance(text, dict) or "mmcs_run" not in text:
+        raise ValueError("it is none")
+    if text["mmcs_run"] != FORMAT:
+        allowed = f"this version of mmcs reads format {FORMAT}; run the scenario again"
+        raise InputError.one(path, "mmcs_run", text["mmcs_run"], allowed)
+    for key, kind in KINDS.items():
+        if not isinstance(text.get(key), kind) or isinstance(text[key], bool):
+            raise ValueError(f"{key} is missing or wrong")
+    if not is_name(text["scenario"]):
+        raise ValueError("scenario is no name")
+    files = _unpack_files(text["files"])
+    _check_data(text["data"], files)
+    _check_digests(text)
+    return Record(path, text, files)
+
+
+def _unpack_files(packed: str) -> dict[str, str]:
+    try:
+        unpacker = zlib.decompressobj()
+        raw = unpacker.decompress(_decode(packed), MAX_UNPACKED)
+    except zlib.error:
+        raise ValueError("its files do not unpack") from None
+    if not unpacker.eof:
+        raise ValueError(f"its files are cut short, or larger than {MAX_UNPACKED >> 20} MB")
+    files = loads(raw)
+    if not isinstance(files, dict) or "robot.toml" not in files:
+        raise ValueError("it holds no robot")
+    for name, text in files.items():
+        if not FILE_NAME.fullmatch(name) or not isinstance(text, str):
+            raise ValueError("it holds a file of another kind")
+        text.encode()  # a half character is a ValueError
+    return files
+
+
+def _check_data(data: dict, files: dict[str, str]) -> None:
+    duration = data.get("duration")
+    if not isinstance(duration, int | float) or not 0 < duration <= 3600:
+        raise ValueError("the duration is wrong")
+    motions = data.get("motion", [])
+    motions = motions if isinstance(motions, list) else []
+    named = [m.get("file") for m in motions if isinstance(m, dict) and "file" in m]
+    if data.get("robot") != "./robot.toml" or not all(n in files for n in map(str, named)):
+        raise ValueError("it names a file that it does not hold")
+
+
+def _check_digests(text: dict) -> None:
+    marks, samples, each = text["marks"], text["samples"], text["rows_each"]
+    if not 0 <= text["motion_start_s"] <= 3600 or not 0 < text["clk_hz"] <= 10**9:
+        raise ValueError("a time is wrong")
+    if not 0 <= samples <= MAX_SAMPLES or not 1 <= each <= MAX_SAMPLES:
+        raise ValueError("the number of samples is wrong")
+    if len(_decode(text["rows"])) != -(-samples // each):
+        raise ValueError("rows are missing")
+    if not all(type(m) is int and 0 <= m <= samples for m in marks) or marks != sorted(marks):
+        raise ValueError("its marks are wrong")
+    if len(_decode(text["columns"])) % (2 * len(marks) or 1):
+        raise ValueError("columns are missing")
+    if len(_decode(text["checkpoints"])) % POINT.size:
+        raise ValueError("checkpoints are missing")
+
+
+def _decode(text: str) -> bytes:
+    return base64.b64decode(text, validate=True)  # binascii.Error is a ValueError
+
+
+# --- where a replay parts ----------------------------------------------------------------------
+
+
+def first_difference(record: Record, log: np.ndarray, points) -> str | None:
+    """Where this log first differs from the run's, in one sentence; None when nothing does."""
+    return (
+        _by_points(record, points, before_motion=True)
+        or _by_log_file(record, log)
+        or _by_digests(record, log)
+        or _by_points(record, points)
+    )
+
+
+def _name(column: int) -> str:
+    if column == 0:
+        return "time"
+    axis, place = divmod(column - 1, len(logcols.FIELDS))
+    return f"axis {axis}, {logcols.FIELDS[place]}"
+
+
+def _by_log_file(record: Record, log: np.ndarray) -> str | None:
+    """Exactly, with both values, when the run's log.csv still lies beside its record."""
+    width = log.shape[1]
+    rounding = np.full(width, 0.5)  # whole numbers, but for time and angles
+    rounding[0] = 0.6e-6
+    rounding[len(logcols.FIELDS) :: len(logcols.FIELDS)] = 0.6e-9
+    at, found = 0, None
+    try:
+        with record.path.with_name("log.csv").open() as file:
+            file.readline()
+            while lines := list(itertools.islice(file, BLOCK)):
+                then = np.loadtxt(lines, delimiter=",", ndmin=2)
+                now = log[at : at + len(then)]
+                if then.shape[1] != width:
+                    return None  # another run's
+                if found is None:
+                    found = _first_in(then[: len(now)], now, rounding, at)
+                at += len(then)
+    except (OSError, ValueError):
+        return None
+    return found if at == record.samples else None
+
+
+def _first_in(then: np.ndarray, now: np.ndarray, rounding: np.ndarray, at: int) -> str | None:
+    differs = np.argwhere(~(np.abs(then - now) <= rounding))
+    if not len(differs):
+        return None
+    row, column = map(int, differs[0])
+    return (
+        f"sample {at + row} (t = {now[row, 0]:.6f} s), {_name(column)}: "
+        f"{then[row, column]:.10g} in the run, {now[row, column]:.10g} now"
+    )
+
+
+def _by_digests(record: Record, log: np.ndarray) -> str | None:
+    """To within a group of rows, and to the field as far as two bytes can tell."""
+    every, width, marks = record.rows_each, log.shape[1], record.marks
+    then, now = base64.b64decode(record.rows), row_digests(log, every)
+    shared = min(record.samples, len(log))
+    whole = -(-shared // every) if record.samples == len(log) else shared // every
+    group = next((n for n in range(whole) if then[n] != now[n]), None)
+    known = [mark for mark in marks if mark <= len(log)]
+    size = 2 * width * len(known)
+    columns = np.frombuffer(base64.b64decode(record.columns)[:size], "<u2").reshape(-1, width)
+    differs = columns != np.frombuffer(column_digests(log, known), "<u2").reshape(-1, width)
+    mark = next((n for n, row in enumerate(differs) if row.any()), None)
+    if group is None and mark is None:
+        if len(log) == record.samples:
+            return None
+        return f"the end: {len(log)} samples of motion instead of {record.samples}"
+    first, last = 0, len(log) - 1
+    if mark is not None:
+        first, last = marks[mark - 1] if mark else 0, marks[mark] - 1
+    # A row's single byte may agree by chance; then the columns come first.
+    if group is not None and (mark is None or group * every <= last):
+        first, last = group * every, min((group + 1) * every, len(log)) - 1
+    names = [] if mark is None else [_name(n) for n in np.flatnonzero(differs[mark])]
+    fields = "; ".join(names[:3]) + (" and others" if len(names) > 3 else "")
+    span = f"sample {first}" if first == last else f"samples {first} to {last}"
+    return f"{span} (t = {log[first, 0]:.6f} s), {fields or 'field unknown'}"
+
+
+def _by_points(record: Record, points, before_motion: bool = False) -> str | None:
+    """Of the samples before the motion, and of what no sample shows."""
+    now = {p[0]: p for p in points}
+    before = 0
+    for samples, clock, hash_, trail in record.points:
+        if before_motion and clock > record.motion_start_s * record.clk_hz:
+            break
+        ours = now.get(samples)
+        if ours is None:
+            return f"servo sample {samples}: it never comes"
+        if ours[2] != hash_ or ours[1] != clock:
+            return f"servo samples {before} to {samples - 1} since power-on"
+        if ours[3] != trail:
+            return (
+                f"between servo samples {before} and {samples} since power-on: bus cycles, drive "
+                "voltages or lines; all samples agree"
+            )
+        before = samples
+    return None

@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Snapshots of a run: a ring of them in every run's folder, and runs that begin from one.
+
+A file of snapshots is a zip archive: the run's record, its past (log and notes), what was seen of
+the physics, and one member per snapshot. The engine checks that its own bytes come from the same
+build and the same machine.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from mmcs.engine.hosts import image_digest
+from mmcs.engine.rows import BLOCK, Rows, blocks
+from mmcs.errors import InputError, RunError
+from mmcs.place import run_folders
+from mmcs.record.record import MAX_SAMPLES, Record, parse
+from mmcs.result.folder import settle
+from mmcs.scenario.files import loads, short
+from mmcs.session.session import Session
+
+NAME = "run.mmsnap"
+RING = 16  # snapshots in the ring; they spread over the run
+MAX_MEMBER = 64 << 20  # bytes; a machine of 32 axes has a few hundred thousand
+MAX_COLUMNS = 1 + 7 * 32
+EVERY_S = 0.02  # but are not closer than this
+
+
+class Taking:
+    """A Sim that takes snapshots at these times since the start of motion, and a ring of them."""
+
+    def __init__(self, sim, times: tuple[float, ...], duration: float):
+        self._sim, self._times, self._asked = sim, sorted(times), {}
+        self._start = 0.0
+        self._every = max(EVERY_S, duration / RING)
+
+    def __getattr__(self, name):
+        return getattr(self._sim, name)
+
+    def start_motion(self, client: int) -> int:
+        self._start = self._sim.time
+        self._sim.ring(self._every, RING)
+        return self._sim.start_motion(client)
+
+    def run(self, until_s: float) -> bool:
+        try:
+            while self._times and self._start + self._times[0] <= until_s:
+                asked = self._times.pop(0)
+                self._asked[self._sim.snapshot(self._start + asked)] = asked
+        except RunError:
+            return False  # an assertion has failed
+        return self._sim.run(until_s)
+
+    def taken(self) -> list[dict]:
+        """Every snapshot that is kept, with its bytes."""
+        return [
+            {
+                "t": s["t"] - self._start,
+                "clock": s["clock"],
+                "rows": s["rows"],
+                "ring": s["id"] not in self._asked,
+                "asked": self._asked.get(s["id"]),
+                "bytes": self._sim.snapshot_bytes(s["id"]),
+            }
+            for s in self._sim.snapshots()
+        ]
+
+
+# --- files -------------------------------------------------------------------------------------
+
+
+def write_snapshots(path: Path, record: dict, result) -> None:
+    """Does nothing for a run without snapshots."""
+    taken, history = result.snapshots
+    if not taken:
+        return
+    index = {
+        "snapshots": [{k: v for k, v in s.items() if k != "bytes"} for s in taken],
+        "pots": result.pots,
+        "log": result.log.shape,
+        "truth": result.truth.shape,
+    }
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
+        file.writestr("record.json", json.dumps(record))
+        file.writestr("index.json", json.dumps(index))
+        file.writestr("history.bin", history)
+        for name in ("log", "truth"):
+            with file.open(f"{name}.bin", "w", force_zip64=True) as member:
+                for rows in blocks(getattr(result, name)):
+                    member.write(np.ascontiguousarray(rows).tobytes())
+        for n, snapshot in enumerate(taken):
+            file.writestr(f"{n}.bin", snapshot["bytes"])
+
+
+class Snapshot:
+    """One snapshot out of a file: "FILE", "RUN" or either with "@T", T since the motion began."""
+
+    def __init__(self, name: str):
+        self.name, at = _split(name)
+        self.path = _find(self.name)
+        settle(self.path.absolute().parent)
+        try:
+            with zipfile.ZipFile(self.path) as file:
+                self._read(file, at)
+        except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, OSError, EOFError,
+                NotImplementedError, RuntimeError, OverflowError):  # fmt: skip
+            raise InputError.one(
+                self.path, "", None, "not a file of snapshots of MMCS, or damaged"
+            ) from None
+        self._folder = tempfile.TemporaryDirectory()  # as long as the setup is used
+
+    def _read(self, file: zipfile.ZipFile, at: float | None) -> None:
+        """What is needed of the file, and no more of it than it may hold."""
+        index = loads(_member(file, "index.json"))
+        self.record: Record = parse(self.path, loads(_member(file, "record.json")))
+        self.pots = {int(axis): (int(v[0]), int(v[1])) for axis, v in index["pots"].items()}
+        known = index["snapshots"]
+        for one in known:
+            if not all(math.isfinite(one[k]) for k in ("t", "clock", "rows")):
+                raise ValueError("a snapshot without a time")
+        if not known:
+            raise ValueError("no snapshot")
+        n = _choose(self.path, known, at)
+        chosen = known[n]
+        self.t, self.clock, self.ring = chosen["t"], chosen["clock"], chosen["ring"]
+        self.history, self.state = _member(file, "history.bin"), _member(file, f"{n}.bin")
+        self.log = _rows(file, "log", index["log"], chosen["rows"])
+        self.truth = _rows(file, "truth", index["truth"])
+
+    def setup(self, duration: float | None = None):
+        if duration is not None:
+            if not duration > self.t:
+                allowed = f"must be beyond the snapshot, at {self.t:.6f} s"
+                raise InputError.one("--duration", "", duration, allowed)
+            self.record.text["data"]["duration"] = duration
+        setup = self.record.setup(Path(self._folder.name))
+        if setup.scenario.process:
+            raise InputError.one(
+                self.path,
+                "process",
+                None,
+                "a user's process is not part of a snapshot; use mmcs trace or mmcs replay",
+            )
+        return setup
+
+
+def _member(file: zipfile.ZipFile, name: str) -> bytes:
+    with file.open(name) as member:
+        data = member.read(MAX_MEMBER + 1)  # whatever the archive says of its size
+    if len(data) > MAX_MEMBER:
+        raise ValueError(f"{name} is too large")
+    return data
+
+
+def _rows(file: zipfile.ZipFile, name: str, shape, count: int | None = None) -> Rows:
+    """The first `count` rows, or all."""
+    length, width = shape
+    count = length if count is None else count
+    if not 0 <= count <= length <= MAX_SAMPLES or not 1 <= width <= MAX_COLUMNS:
+        raise ValueError(f"{name} has an impossible shape")
+    rows = Rows(width)
+    with file.open(f"{name}.bin") as member:
+        while len(rows) < count:
+            data = member.read(min(BLOCK, count - len(rows)) * width * 8)
+            if not data or len(data) % (8 * width):
+                raise ValueError(f"{name} is cut short")
+            rows.append(np.frombuffer(data, np.float64))
+    return rows
+
+
+def _split(name: str) -> tuple[str, float | None]:
+    head, sign, tail = name.rpartition("@")
+    if not sign:
+        return name, None
+    try:
+        return head, float(tail)
+    except ValueError:
+        allowed = "what follows @ must be a time in seconds, like lab500@0.25"
+        raise InputError.one("--from", "", name, allowed) from None
+
+
+def _find(name: str) -> Path:
+    for path in (Path(name), *(folder / NAME for folder in (Path(name), *run_folders(name)))):
+        if path.is_file():
+            return short(path)
+    hint = f"no such snapshots; give a {NAME}, a run's folder, or a scenario that has run"
+    raise InputError.one("--from", "", name, hint)
+
+
+def _choose(path: Path, known: list[dict], at: float | None) -> int:
+    """The last snapshot, or the last one that is not after `at`."""
+    if at is None:
+        return len(known) - 1
+    good = [
+        n for n, s in enumerate(known)
+        if s["t"] <= at + 1e-9 and (s["asked"] is None or s["asked"] <= at + 1e-9)
+    ]  # fmt: skip
+    if good:
+        return good[-1]
+    allowed = f"the first snapshot in {path} is at {known[0]['t']:.3f} s"
+    raise InputError.one("--from", "", f"@{at:g}", allowed)
+
+
+# --- going on from one -------------------------------------------------------------------------
+
+
+class _Restored:
+    """A Sim for a Session that believes it begins: what has happened is not done again."""
+
+    def __init__(self, sim, snapshot: Snapshot):
+        self._sim, self._snapshot = sim, snapshot
+        self._there = False  # the snapshot is in; a processor has started before
+
+    def __getattr__(self, name):
+        return getattr(self._sim, name)
+
+    @property
+    def time(self) -> float:
+        return self._sim.time if self._there else self._snapshot.record.motion_start_s
+
+    def open(self, _flags: int = 2) -> int:
+        return 0  # a session's program is the first and only one
+
+    def add_segment(self, **_fields) -> None:
+        """It is in the snapshot."""
+
+    def start_motion(self, _client: int) -> int:
+        try:
+            self._sim.restore_bytes(self._snapshot.state, self._snapshot.history)
+        except ValueError as error:
+            raise InputError.one(self._snapshot.path, "", None, str(error)) from None
+        self._there = True
+        return 0
+
+    def run(self, until_s: float) -> bool:
+        return self._sim.time >= until_s or self._sim.run(until_s)
+
+
+class ResumedSession(Session):
+    """A session from a snapshot on; its result is that of the whole run."""
+
+    def __init__(self, sim, setup, snapshot: Snapshot, realtime: bool = False):
+        super().__init__(_Restored(sim, snapshot), setup, realtime)
+        self._snapshot = snapshot
+        for rows in snapshot.log.blocks():
+            self.log.append(rows)
+
+    def _schedule(self, start: float, at_power_on: bool) -> None:
+        """Events are in the snapshot."""
+
+    def _configure(self, client: int) -> None:
+        """So is the configured driver."""
+
+    def _move(self, duration: float, progress) -> bool:
+        now = self._snapshot.t
+        for actor in self.actors:
+            done = [c for c in actor.calls if c.at < now or (self._snapshot.ring and c.at <= now)]
+            actor.calls = actor.calls[len(done) :]
+            for call in done:
+                if call.request == "MCALIB":
+                    axes = range(self.setup.axes) if call.axis == "all" else call.axis
+                    self.pots |= {a: v for a, v in self._snapshot.pots.items() if a in axes}
+        return super()._move(duration, progress)
+
+    def _watch(self, t: float) -> None:
+        seen = self._snapshot.truth
+        if t <= self._snapshot.t and len(self.truth) < len(seen):
+            self.truth.append(seen[len(self.truth)])
+        else:
+            super()._watch(t)
+
+
+def resume(setup, snapshot: Snapshot, realtime: bool = False):
+    """Carries the rest of the run out."""
+    from mmcs.session.machine import machine, progress
+
+    host = snapshot.record.host
+    with machine(setup, host=host) as sim, progress(setup.scenario.duration) as advance:
+        image = image_digest(host)
+        result = ResumedSession(sim, setup, snapshot, realtime).run(advance)
+    result.image = image
+    return result

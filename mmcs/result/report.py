@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the result of a run to report.json, log.csv and the table on the terminal."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from mmcs import __version__
+from mmcs.engine import logcols
+from mmcs.engine.rows import blocks
+from mmcs.errors import one_line
+from mmcs.result import metrics
+from mmcs.result.expect import judge
+
+FEW = 6  # more met expectations than this are not listed one by one
+
+
+def measure(result) -> list[dict]:
+    """The figures of every axis; what does not apply is None."""
+    return [_measure_axis(result, axis) for axis in range(result.setup.axes)]
+
+
+def _measure_axis(result, axis: int) -> dict:
+    log, params = result.log, result.setup.params[axis]
+    figures = {"axis": axis, "name": result.setup.robot.axis_name(axis), "mode": params["mode"]}
+    t = log[:, 0]
+    signal = "velocity" if params["mode"] == "velocity" else "encoder"
+    y, setpoint = (logcols.column(log, axis, name) for name in (signal, "setpoint"))
+    segments = [s for s in result.setup.segments if s["axis"] == axis]
+    steps = [s for s in segments if s["kind"] == "step"]
+    response = metrics.Response(steady_error_counts=metrics.steady_error(t, setpoint, y))
+    if steps and params["mode"] in ("position", "velocity"):
+        last = steps[-1]
+        later = [s["t0"] for s in segments if s["t0"] > last["t0"]]
+        window = t < (later[0] - 1e-9 if later else np.inf)
+        earlier = setpoint[t < last["t0"] - 1e-9]
+        before = float(earlier[-1]) if len(earlier) else 0.0
+        response = metrics.step_response(t[window], y[window], last["t0"], before, last["to"])
+    error, current = setpoint - y, logcols.column(log, axis, "current")
+    return figures | {
+        "rise_ms": response.rise_ms,
+        "overshoot_pct": response.overshoot_pct,
+        "settle_ms": response.settle_ms,
+        "steady_error_counts": response.steady_error_counts,
+        "rms_error_counts": round(float(np.sqrt(np.mean(error**2))), 3) if len(log) else None,
+        "final_counts": float(y[-1]) if len(log) else None,
+        "peak_current": float(np.abs(current).max()) if len(log) else None,
+    }
+
+
+def make_report(result, host: str) -> dict:
+    axes = measure(result)
+    stats = result.stats
+    names = ("interrupts", "missed", "overruns", "panics", "spurious", "clips", "bus_errors")
+    return {
+        "scenario": result.setup.name,
+        "simulated_s": round(result.simulated_s, 9),
+        "wall_s": round(result.wall_s, 4),
+        "rtf": round(result.simulated_s / result.wall_s, 3) if result.wall_s > 0 else None,
+        "clk_hz": result.clk_hz,
+        "cycles": result.cycles,
+        "hash": result.hash,
+        "host": host,
+        "cards": result.setup.scenario.cards,
+        "axes": axes,
+        "stats": {name: int(stats[name]) for name in names},
+        "events": [dict(note) for note in result.notes],
+        "events_lost": result.notes_lost,
+        "expect": judge(result, axes),
+        "processes": result.processes,
+        "links": [
+            {key: link[key] for key in ("alpha", "a", "d", "theta0")}
+            for link in result.setup.robot.links()
+        ],
+        "version": __version__,
+        "seed": result.setup.scenario.seed,
+        "interval_us": result.setup.scenario.interval_us,
+        "motion_start_s": round(result.motion_start_s, 9),
+        "evals": int(stats["evals"]),
+        "bus_cycles": int(stats["bus_cycles"]),
+    }
+
+
+def write_report(report: dict, folder: Path) -> None:
+    (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
+
+
+def write_log(result, folder: Path) -> int:
+    """One row per servo sample; whole numbers are written as such. The file's CRC-32."""
+    axes = result.setup.axes
+    kinds = ["%.6f"] + ["%d", "%d", "%d", "%d", "%d", "%d", "%.9f"] * axes
+    with (folder / "log.csv").open("wb") as file:
+        text = (",".join(logcols.header(axes)) + "\n").encode()
+        crc = zlib.crc32(text)
+        file.write(text)
+        line = ",".join(kinds) + "\n"
+        for rows in blocks(result.log):
+            text = "".join([line % tuple(row) for row in rows.tolist()]).encode()
+            crc = zlib.crc32(text, crc)
+            file.write(text)
+    return crc
+
+
+def print_report(report: dict, result, folder: Path, console) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    title = f"{report['scenario']}: {result.setup.scenario.description}"
+    table = Table(title=Text(one_line(title), "table.title"))  # no markup of the user's
+    table.title_justify = "left"
+    for heading in ("axis", "mode"):
+        table.add_column(heading)
+    for heading in ("rise\nms", "over-\nshoot\n%", "settled\nms", "steady\nerror\ncounts",
+                    "rms\nerror\ncounts", "final\ncounts"):  # fmt: skip
+        table.add_column(heading, justify="right")
+    for axis in report["axes"]:
+        table.add_row(
+            f"{axis['axis']} {axis['name']}".strip(),
+            axis["mode"],
+            _cell(axis["rise_ms"]),
+            _cell(axis["overshoot_pct"]),
+            _cell(axis["settle_ms"]),
+            _cell(axis["steady_error_counts"]),
+            _cell(axis["rms_error_counts"]),
+            _cell(axis["final_counts"]),
+        )
+    console.print(table)
+    shown = ("interrupts", "missed", "overruns", "panics")
+    counts = ", ".join(f"{report['stats'][name]} {name}" for name in shown)
+    console.print(f"{counts}; hash {report['hash']}")
+    for note in report["events"]:
+        if note["kind"] != "log":
+            where = "" if note["axis"] < 0 else f" axis {note['axis']}"
+            line = f"  {note['t']:.6f} s  {note['kind']}{where}: {note['text']}"
+            console.print(line, markup=False)
+    if report["events_lost"]:
+        console.print(f"  {report['events_lost']} further events are not kept: look into the first")
+    expected = report["expect"]
+    for item in expected:
+        if not item["ok"] or len(expected) <= FEW:
+            verdict = "ok    " if item["ok"] else "FAILED"
+            console.print(f"  {verdict}  {item['what']}", markup=False)
+    if expected:
+        met = sum(item["ok"] for item in expected)
+        console.print(f"expectations: {met} of {len(expected)} met")
+    console.print(
+        f"simulated {report['simulated_s']:.3f} s in {report['wall_s']:.2f} s: "
+        f"real-time factor {report['rtf']:.2f}"
+    )
+
+
+def _cell(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"

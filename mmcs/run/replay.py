@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs replay` and `mmcs trace`: a run made again from its record."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+from mmcs import __version__
+from mmcs.engine.hosts import HOSTS, image_digest
+from mmcs.errors import InputError
+from mmcs.record.record import Record, first_difference
+from mmcs.scenario.files import short
+
+
+def replay(record: Record) -> tuple[str, str | None]:
+    """The hash that comes out now, and where the replay first differs (None: nowhere)."""
+    from mmcs.run.runner import simulate
+
+    with tempfile.TemporaryDirectory() as folder:
+        result = simulate(record.setup(Path(folder)), host=_host(record))
+    if result.hash == record.hash:
+        return result.hash, None
+    where = first_difference(record, result.log, result.checkpoints)
+    return result.hash, where or "only in the registers at the end"
+
+
+def cautions(record: Record, build: str | None = None) -> list[str]:
+    """What may explain a difference."""
+    found = []
+    if record.version != __version__:
+        found.append(f"recorded by version {record.version}, this is {__version__}")
+    if build and record.build != build:
+        found.append(f"recorded by the build {record.build}, this one is {build}")
+    image, now = record.text.get("image", ""), image_digest(record.host)
+    if image != now:
+        found.append(f"recorded with the firmware image {image}, this one is {now}")
+    return found
+
+
+def _host(record: Record) -> str:
+    """What ran the firmware; a processor's image is compiled anew, as its run would be."""
+    if record.host not in HOSTS:
+        allowed = "must be one of " + ", ".join(f'"{h}"' for h in HOSTS)
+        raise InputError.one(record.path, "host", record.host, allowed)
+    return record.host
+
+
+# --- a stretch with waveforms ------------------------------------------------------------------
+
+
+def stretch(record: Record, at: str, window_ms: float) -> tuple[float, float]:
+    """From and to, in seconds since power-on; `at` is a time since the motion began, or the kind
+    of an event in the run's report."""
+    if not window_ms > 0:
+        raise InputError.one("--window", "", window_ms, "must be a positive number of ms")
+    try:
+        middle = record.motion_start_s + float(at)
+    except ValueError:
+        middle = _event_time(record, at)
+    half = window_ms * 5e-4
+    end = record.motion_start_s + record.data["duration"]
+    if not 0 <= middle <= end:
+        allowed = f"must be {-record.motion_start_s:.4f} to {record.data['duration']:g}"
+        raise InputError.one("--at", "", at, allowed + " s; the motion begins at 0")
+    return max(0.0, middle - half), min(end, middle + half)
+
+
+def _event_time(record: Record, kind: str) -> float:
+    file = record.path.with_name("report.json")
+    try:
+        events = json.loads(file.read_text())["events"]
+    except (OSError, ValueError, KeyError):
+        allowed = f"must be a time in seconds: {file} with the run's events is missing"
+        raise InputError.one("--at", "", kind, allowed) from None
+    times = [e["t"] for e in events if e["kind"] == kind]
+    if times:
+        return times[0]
+    kinds = ", ".join(sorted({e["kind"] for e in events})) or "none"
+    allowed = f"must be a time in seconds, or the kind of an event of this run ({kinds})"
+    raise InputError.one("--at", "", kind, allowed)
+
+
+def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
+    """Makes the run again with waveforms of this stretch; where it differs, or None.
+
+    Waveforms need a build of the model whose registers are laid out otherwise, so no snapshot of
+    the run fits it. It goes through the run from power-on instead, clock by clock, and opens the
+    trace when the stretch begins. All of it is compared with the record, which proves that
+    the waveforms are those of the run.
+    """
+    from mmcs.session.machine import machine, progress
+    from mmcs.session.session import Session
+
+    host = _host(record)
+    with tempfile.TemporaryDirectory() as folder:
+        setup = record.setup(Path(folder))
+        with (
+            machine(setup, "trace", host=host) as sim,
+            progress(setup.scenario.duration) as advance,
+        ):
+            sim.trace_window(path, from_s, to_s)
+            result = Session(sim, setup).run(advance)
+    if result.assertion:
+        notes = [n["text"] for n in result.notes if n["kind"] in ("assert", "log")]
+        return "an assertion of the model fails: " + (notes or ["no text"])[-1]
+    if result.hash == record.hash:
+        return None
+    where = first_difference(record, result.log, result.checkpoints)
+    return where or "only in the registers at the end"
+
+
+def default_path(record: Record, from_s: float, to_s: float) -> Path:
+    middle = (from_s + to_s) / 2 - record.motion_start_s
+    return short(record.path.parent) / f"{record.scenario}_{middle:.6f}.fst"

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs show` and the cautions of `mmcs check`: what a scenario amounts to."""
+
+from __future__ import annotations
+
+from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
+
+HEARTBEAT_US = 50_000
+AXIS_KEYS = ("mode", "flags", "a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg",
+             "clkdivisor", "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
+
+
+def show_setup(setup: Setup) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    scenario, robot = setup.scenario, setup.robot
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console.print(f"{setup.name}: {scenario.description}")
+    cards = f"{scenario.cards} card{'s' if scenario.cards > 1 else ''}"
+    console.print(
+        f"  robot {scenario.robot} ({robot.title}), {setup.axes} axes "
+        f"{'coupled' if scenario.dynamics == 'coupled' else 'on their own'}, {cards}"
+    )
+    buffered = "double" if scenario.double_buffer else "single"
+    console.print(
+        f"  servo every {scenario.interval_us} us, D/A {buffered}-buffered; "
+        f"{scenario.duration:g} s of motion; seed {scenario.seed}"
+    )
+    host = scenario.host
+    console.print(
+        f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
+        f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
+    )
+    table = Table("", *[f"{n} {robot.axis_name(n)}".strip() for n in range(setup.axes)], box=None)
+    for key in AXIS_KEYS:
+        values = [params[key] for params in setup.params]
+        texts = [" ".join(v) if isinstance(v, list) else str(v) for v in values]
+        if any(params[key] != SERVO_DEFAULTS[key] for params in setup.params):
+            table.add_row(key, *texts)
+    console.print(table)
+    for segment in setup.segments:
+        target = f" to {segment['to']:g}" if "to" in segment else ""
+        lasting = f" in {segment['duration']:g} s" if segment["duration"] else ""
+        console.print(
+            f"  {segment['t0']:7.3f} s  axis {segment['axis']}: {segment['kind']}{target}{lasting}"
+        )
+    for process in scenario.process:
+        console.print(
+            f"  {process.at:7.3f} s  axis {process.axis}: process {process.kind} to {process.to}"
+        )
+    for call in scenario.call:
+        where = f" axis {call.axis}" if call.request in ("MCALIB", "MSETENC") else ""
+        console.print(f"  {call.at:7.3f} s  {call.request}{where}")
+    for event in scenario.event:
+        since = " after power-on" if event.at_power_on else ""
+        console.print(f"  {event.at:7.3f} s{since}  {event.input}[{event.index}] = {event.value:g}")
+    for entry in scenario.expect:
+        fields = entry.model_dump(exclude_none=True, exclude={"kind"})
+        text = ", ".join(f"{key} {value}" for key, value in fields.items())
+        console.print(f"  expects {entry.kind}: {text}")
+
+
+def cautions(setup: Setup) -> list[str]:
+    """Legal settings that will probably disappoint, one sentence each."""
+    scenario, out = setup.scenario, []
+    if scenario.interval_us > HEARTBEAT_US:
+        out.append(
+            f"interval_us = {scenario.interval_us}: above the heartbeat's {HEARTBEAT_US} us the "
+            "machine panics by design"
+        )
+    host = scenario.host
+    busy = setup.axes * host.cpu_us_per_axis + host.latency_max_us + 9 * setup.axes
+    if busy > scenario.interval_us:
+        out.append(
+            f"interval_us = {scenario.interval_us}: the host needs up to {busy:.0f} us for "
+            f"{setup.axes} axes, so the driver will count overruns"
+        )
+    for axis, p in enumerate(setup.params):
+        limit = 2**31 // max(1, abs(p["a0"]) + abs(p["a1"]) + abs(p["a2"]))
+        if any(abs(s.get("to", 0)) > limit for s in setup.segments if s["axis"] == axis):
+            out.append(
+                f"axis {axis}: errors above {limit} counts would overflow a servo with 32-bit "
+                "sums (this one has 64)"
+            )
+        if p["mode"] == "off" and any(s["axis"] == axis for s in setup.segments):
+            out.append(f'axis {axis}: has motions but mode "off"')
+        if p["ilim"] > 2047:
+            out.append(f"axis {axis}: ilim {p['ilim']} is beyond the D/A's 2047")
+        if p["b1"] or p["b2"]:
+            continue
+        total = p["a0"] + p["a1"] + p["a2"]
+        if p["mode"] == "position" and total * p["b0"] < 0 <= p["ic_pos"]:
+            out.append(
+                f"axis {axis}: negative gain is for an encoder that counts down with positive "
+                "torque; then ic_pos and ic_neg must be negative too"
+            )
+    used = {s["axis"] for s in setup.segments}
+    for axis in range(setup.axes):
+        if axis not in used and setup.scenario.motion and setup.params[axis]["mode"] != "off":
+            out.append(f"axis {axis}: no motion, it holds its position")
+    return out
+
+
+def robot_cautions(robot) -> list[str]:
+    """Legal values of a robot file that will probably disappoint, one sentence each."""
+    out = []
+    for n, motor in enumerate(robot.axis):
+        axis = f"axis {n} {motor.name}".strip()
+        units = 2048 / (10 * abs(motor.amp_gain) * motor.km)  # D/A units per N m
+        stuck = max(motor.stiction_pos, motor.stiction_neg) * units
+        if stuck > motor.servo.ilim:
+            out.append(f"{axis}: takes {stuck:.0f} D/A units to break away, ilim is less")
+        if motor.servo.pd_1000us is None and motor.servo.pd_2000us is None:
+            out.append(f"{axis}: has no gains (servo.pd_1000us); scenarios must give them")
+        if motor.v_supply > 0:
+            top = motor.v_supply / motor.km * motor.counts_per_rev / 6.283
+            if top > 4e6:
+                out.append(f"{axis}: {top:.3g} counts a second at full speed, the card counts 4e6")
+        if motor.stop_lo < motor.stop_hi and motor.pot_v_per_rad:
+            ends = [motor.pot_offset + motor.pot_v_per_rad * q for q in
+                    (motor.stop_lo, motor.stop_hi)]  # fmt: skip
+            if max(map(abs, ends)) > 10:
+                out.append(f"{axis}: its potentiometer leaves the A/D's +-10 V")
+            lsb = 20 / 4096 / abs(motor.pot_v_per_rad) * abs(motor.gear) / 6.283
+            if lsb > 0.25:
+                out.append(f"{axis}: the potentiometer cannot tell the motor's revolutions apart")
+        for side in ("pos", "neg"):
+            ic = abs(getattr(motor.servo, f"ic_{side}"))
+            coulomb = getattr(motor, f"coulomb_{side}") * units
+            if ic > 1.1 * coulomb + 1:
+                out.append(f"{axis}: ic_{side} {ic} is above the friction ({coulomb:.0f}): it will"
+                           " hunt")  # fmt: skip
+    return out

@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scenario and its robot put together: what the engine and the driver are given.
+
+Also finds the mistakes that no single file shows: an axis that the robot lacks, a motion that
+starts after the end, segments that overlap.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from mmcs.errors import InputError, Mistake, show, suggest
+from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
+from mmcs.scenario.inputs import INPUTS
+from mmcs.scenario.robot import Robot
+from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
+from mmcs.scenario.schema import validate
+
+SERVO_DEFAULTS = {
+    # Table 2.1 of the report
+    "mode": "off", "flags": [], "a0": 1, "a1": 0, "a2": 0, "b0": 1, "b1": 0, "b2": 0,
+    "ic_pos": 0, "ic_neg": 0, "clkdivisor": 1, "ilim": 1024, "ilimax": 0,
+    "plo": -(2**31), "phi": 2**31 - 1, "adc_a": 1, "adc_b": 0, "ipole": 0,
+}  # fmt: skip
+
+
+@dataclass
+class Setup:
+    name: str
+    path: Path
+    scenario: Scenario
+    robot: Robot
+    params: list[dict]  # servo parameters per axis, complete
+    segments: list[dict]  # fields of mmcs_segment, in order of time per axis
+    data: dict  # the scenario as it is in force, overrides applied
+    files: dict[str, str]  # the robot's and the tables' texts, as "robot.toml", "table0.csv", ...
+
+    @property
+    def axes(self) -> int:
+        return len(self.params)
+
+    def config(self) -> dict:
+        """The fields of mmcs_config."""
+        scenario, host = self.scenario, self.scenario.host
+        return {
+            "cards": scenario.cards,
+            "axes": self.axes,
+            "links": len(self.links()),
+            "seed": scenario.seed,
+            "gravity": self.robot.gravity if scenario.gravity else [0.0, 0.0, 0.0],
+            "cpu_us_per_axis": host.cpu_us_per_axis,
+            "latency_max_us": host.latency_max_us,
+            "bus_timeout_us": host.bus_timeout_us,
+            "wait_states": host.wait_states,
+            "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,
+            "skip": int(scenario.skip),
+            "amp_panic_cut": int(scenario.amp_panic_cut),
+        }
+
+    def moment(self) -> float:
+        """When there is something to see, s of motion: the first event, or the first setpoint."""
+        events = [event.at for event in self.scenario.event if not event.at_power_on]
+        return min(events or [segment["t0"] for segment in self.segments], default=0.0)
+
+    def motors(self) -> list[dict]:
+        """The fields of mmcs_motor per axis."""
+        motors = self.robot.motors(coupled=self.scenario.dynamics == "coupled")
+        for motor, degrees in zip(motors, self.scenario.pose_deg, strict=False):
+            motor["angle0"] = math.radians(degrees)
+        return motors
+
+    def links(self) -> list[dict]:
+        """The fields of mmcs_link per axis; none when the axes stand alone."""
+        return self.robot.links() if self.scenario.dynamics == "coupled" else []
+
+
+def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
+    """Raises InputError with every mistake of both files.
+
+    files: those already read, for those who make many setups at once.
+    """
+    if not is_name(path.stem):
+        raise InputError.one(path, "", None, "is no name for results; rename the file")
+    files = files or Files()
+    scenario, mistakes = validate(Scenario, data, str(path))
+    robot = None
+    name = data.get("robot")
+    if isinstance(name, str) and name:
+        try:
+            robot_path = find_robot(name, path)
+            robot, wrong = validate(Robot, files.toml(robot_path), str(robot_path))
+            mistakes += wrong or (robot.mistakes(str(robot_path)) if robot else [])
+        except InputError as error:
+            where = error.mistakes[0]
+            if where.file in (f'"{name}"', str(path.parent / name)):
+                where = Mistake(str(path), "robot", show(name), where.allowed)
+            mistakes.append(where)
+    if mistakes:
+        raise InputError(*mistakes)
+    cross = _Cross(path, scenario, robot, files)
+    params, segments = cross.params(), cross.segments()
+    cross.check_rest()
+    if cross.mistakes:
+        raise InputError(*cross.mistakes)
+    texts = {"robot.toml": files.text(robot_path)} | cross.tables
+    if sum(map(len, texts.values())) > MAX_FILES:
+        allowed = f"its tables are together larger than {MAX_FILES >> 20} MB"
+        raise InputError.one(path, "motion", None, allowed)
+    return Setup(path.stem, path, scenario, robot, params, segments, data, texts)
+
+
+class _Cross:
+    """The checks that need scenario and robot together; collects mistakes as it goes."""
+
+    def __init__(self, path: Path, scenario: Scenario, robot: Robot, files: Files):
+        self.path, self.scenario, self.robot, self.files = path, scenario, robot, files
+        self.tables: dict[str, str] = {}  # texts, by the names that a record gives them
+        self.axes = robot.axes()
+        self.mistakes: list[Mistake] = []
+
+    def wrong(self, key: str, value: object, allowed: str) -> None:
+        text = None if value is None else show(value)
+        self.mistakes.append(Mistake(str(self.path), key, text, allowed))
+
+    def chosen(self, key: str, axes) -> list[int]:
+        if axes == "all":
+            return list(range(self.axes))
+        for axis in axes:
+            if axis >= self.axes:
+                self.wrong(
+                    f"{key}.axis",
+                    axis,
+                    f'robot "{self.scenario.robot}" has axes 0 to {self.axes - 1}',
+                )
+        return [axis for axis in axes if axis < self.axes]
+
+    def params(self) -> list[dict]:
+        interval = self.scenario.interval_us
+        params = [{**SERVO_DEFAULTS, **self.robot.servo(n, interval)} for n in range(self.axes)]
+        for n, entry in enumerate(self.scenario.servo):
+            key = f"servo.{n}"
+            given = entry.model_dump(exclude_none=True, exclude={"axis"})
+            for axis in self.chosen(key, entry.axis):
+                params[axis].update(given)
+            if given.get("b0") == 0:
+                self.wrong(f"{key}.b0", 0, "must not be 0: it divides the compensator's output")
+        for axis, values in enumerate(params):
+            if values["plo"] > values["phi"]:
+                self.wrong(f"axis {axis}: plo", values["plo"], f"must be <= phi ({values['phi']})")
+        return params
+
+    def segments(self) -> list[dict]:
+        segments: list[dict] = []
+        for n, motion in enumerate(self.scenario.motion):
+            key = f"motion.{n}"
+            if motion.at >= self.scenario.duration:
+                end = f"must be before the end of the run ({self.scenario.duration:g} s)"
+                self.wrong(f"{key}.at", motion.at, end)
+            chosen = self.chosen(key, motion.axis)
+            for place, axis in enumerate(chosen):
+                segments.append(self._segment(key, motion, axis, place, len(chosen)))
+        self._overlaps(segments)
+        segments.sort(key=lambda s: (s["axis"], s["t0"]))
+        return segments
+
+    def _segment(self, key: str, motion, axis: int, place: int, count: int) -> dict:
+        scale = self.robot.counts_per(motion.unit, axis)
+        segment = {"axis": axis, "kind": motion.kind, "t0": motion.at, "duration": 0.0}
+        if isinstance(motion, Step | Glide | Trapezoid):
+            segment["to"] = scale * self._pick(f"{key}.to", motion.to, place, count)
+        if isinstance(motion, Wave | Chirp):
+            segment["to"] = scale * self._pick(f"{key}.mean", motion.mean, place, count)
+            segment["amplitude"] = scale * motion.amplitude
+        if not isinstance(motion, Step):
+            segment["duration"] = motion.duration
+        if isinstance(motion, Trapezoid):
+            segment |= {"v_max": abs(scale) * motion.v_max, "a_max": abs(scale) * motion.a_max}
+        if isinstance(motion, Wave):
+            segment |= {"f0": motion.hz, "f1": motion.hz}
+        if isinstance(motion, Chirp):
+            segment |= {"f0": motion.hz_from, "f1": motion.hz_to}
+        if isinstance(motion, Table):
+            segment["table"] = [scale * v for v in self._table(key, motion, scale)]
+        peak = abs(segment.get("to", 0.0)) + abs(segment.get("amplitude", 0.0))
+        if not math.isfinite(peak) or peak >= 2**31:
+            self.wrong(f"{key}.to", None, "leaves the 32-bit range of setpoints")
+        return segment
+
+    def _pick(self, key: str, value, place: int, count: int) -> float:
+        if not isinstance(value, list):
+            return value
+        if len(value) != count:
+            if place == 0:
+                self.wrong(key, value, f"must have {count} numbers, one per axis named")
+            return 0.0
+        return value[place]
+
+    def _table(self, key: str, motion: Table, scale: float) -> list[float]:
+        import csv
+
+        def wrong(key_: str, value: str, allowed: str) -> list[float]:
+            self.wrong(f"{key}.{key_}", value, allowed)
+            return [0.0]
+
+        try:
+            text = self.files.text(self.path.parent / motion.file, MAX_TABLE)
+        except ValueError as error:
+            return wrong("file", motion.file, str(error))
+        self.tables[f"table{key.rpartition('.')[2]}.csv"] = text
+        try:
+            reader = csv.reader(text.removeprefix("\ufeff").splitlines(keepends=True))
+            rows = [(reader.line_num, row) for row in reader if row]
+        except csv.Error:
+            return wrong("file", motion.file, "is not a CSV text")
+        column = 0
+        if motion.column is not None:
+            names = [name.strip() for name in rows[0][1]] if rows else []
+            if motion.column not in names:
+                hint = suggest(motion.column, names) or "; there are: " + ", ".join(names)
+                return wrong("column", motion.column, f"no such column{hint}")
+            column, rows = names.index(motion.column), rows[1:]
+        values = []
+        for line, row in rows:
+            try:
+                values.append(float(row[column]))
+            except (ValueError, IndexError):
+                allowed = f"line {line} has no number in that column"
+                if motion.column is None and not values:
+                    allowed += '; of a table with headings, name a "column"'
+                return wrong("file", motion.file, allowed)
+            if not abs(scale * values[-1]) < 2**31:  # NaN is not
+                allowed = f"line {line} leaves the 32-bit range of setpoints"
+                return wrong("file", motion.file, allowed)
+        if len(values) < 2:
+            return wrong("file", motion.file, "must hold at least two numbers")
+        return values
+
+    def _check_input(self, key: str, event) -> None:
+        known = INPUTS.get(event.input)
+        if known is None:
+            names = suggest(event.input, INPUTS) or "; allowed: " + ", ".join(INPUTS)
+            self.wrong(f"{key}.input", event.input, "no such input" + names)
+            return
+        count = {"machine": 1, "card": self.scenario.cards, "axis": self.axes}[known.scope]
+        if event.index >= count:
+            allowed = f"must be 0 to {count - 1}, the {known.scope} that {event.input} is about"
+            self.wrong(f"{key}.index", event.index, allowed if count > 1 else "must be 0")
+        if not known.low <= event.value <= known.high:
+            allowed = f"must be {known.low:g} to {known.high:g} ({known.meaning})"
+            self.wrong(f"{key}.value", event.value, allowed)
+
+    def _overlaps(self, segments: list[dict]) -> None:
+        for axis in range(self.axes):
+            own = sorted((s for s in segments if s["axis"] == axis), key=lambda s: s["t0"])
+            for a, b in zip(own, own[1:], strict=False):
+                end = a["t0"] + a["duration"]
+                if b["t0"] < end - 1e-9:
+                    self.wrong(
+                        "motion", None,
+                        f"axis {axis}: the {b['kind']} at {b['t0']:g} s begins before the "
+                        f"{a['kind']} at {a['t0']:g} s ends ({end:g} s)",
+                    )  # fmt: skip
+
+    def _check_pose(self) -> None:
+        pose = self.scenario.pose_deg
+        if pose and len(pose) != self.axes:
+            self.wrong("pose_deg", pose, f"must have {self.axes} angles, one per axis")
+            return
+        for axis, degrees in enumerate(pose):
+            motor = self.robot.axis[axis]
+            low, high = math.degrees(motor.stop_lo), math.degrees(motor.stop_hi)
+            if low < high and not low <= degrees <= high:
+                allowed = f"must lie between the stops ({low:.4g} to {high:.4g})"
+                self.wrong(f"pose_deg.{axis}", degrees, allowed)
+
+    def _check_process(self) -> None:
+        scenario = self.scenario
+        if scenario.process and scenario.motion:
+            self.wrong("process", None, "writes setpoints itself: not together with [[motion]]")
+        for n, process in enumerate(scenario.process):
+            chosen = self.chosen(f"process.{n}", process.axis)
+            if process.at >= scenario.duration:
+                end = f"must be before the end of the run ({scenario.duration:g} s)"
+                self.wrong(f"process.{n}.at", process.at, end)
+            for place in range(len(chosen)):
+                self._pick(f"process.{n}.to", process.to, place, len(chosen))
+
+    def check_rest(self) -> None:
+        scenario = self.scenario
+        if scenario.dynamics == "coupled" and not self.robot.link:
+            self.wrong("dynamics", "coupled", f'robot "{scenario.robot}" has no [[link]]')
+        elif scenario.dynamics == "independent":
+            for n, motor in enumerate(self.robot.axis):
+                if motor.stiffness > 0 and motor.load_inertia == 0:
+                    allowed = f'axis {n} is flexible and has no load_inertia: only "coupled"'
+                    self.wrong("dynamics", "independent", allowed)
+        if self.axes > 2 * scenario.cards:
+            need = (self.axes + 1) // 2
+            self.wrong("cards", scenario.cards, f"{self.axes} axes need at least {need} cards")
+        self._check_pose()
+        self._check_process()
+        for n, call in enumerate(scenario.call):
+            self.chosen(f"call.{n}", call.axis)
+            if call.at >= scenario.duration:
+                end = f"must be before the end of the run ({scenario.duration:g} s)"
+                self.wrong(f"call.{n}.at", call.at, end)
+        for n, event in enumerate(scenario.event):
+            self._check_input(f"event.{n}", event)
+            if event.until is not None and event.until <= event.at:
+                self.wrong(f"event.{n}.until", event.until, f"must be after at ({event.at:g})")
+        for n, entry in enumerate(scenario.expect):
+            if hasattr(entry, "axis") and isinstance(entry.axis, list | str):
+                self.chosen(f"expect.{n}", entry.axis)
+            elif isinstance(getattr(entry, "axis", None), int):
+                self.chosen(f"expect.{n}", [entry.axis])
+            if getattr(entry, "after", 0.0) >= scenario.duration:
+                end = f"must be before the end of the run ({scenario.duration:g} s)"
+                self.wrong(f"expect.{n}.after", entry.after, end)
+            where = {"kind", "axis", "signal", "after", "until"}
+            if entry.kind != "event" and not entry.model_dump(exclude_none=True, exclude=where):
+                names = [k for k in type(entry).model_fields if k not in where]
+                self.wrong(f"expect.{n}", None, "expects nothing; add one of: " + ", ".join(names))

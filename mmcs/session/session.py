@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run, doing what a user's program does with /dev/mc0 (§2.3.6, Fig. 2.3)."""
+
+from __future__ import annotations
+
+import errno
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mmcs import mcdef
+from mmcs.engine.logcols import FIELDS
+from mmcs.engine.rows import Rows
+from mmcs.errors import RunError
+from mmcs.scenario.inputs import INPUTS
+from mmcs.scenario.setup import Setup
+from mmcs.session.actors import make_actors
+
+CHUNK_S = 0.02  # simulated time between looks at the clock on the wall
+WATCH_S = 0.001  # between looks at the physics, in scenarios with events
+LATE_US = 250_000  # so much in late passes, and a request that timed out had no processor
+DIED = "the firmware died"  # how the processor's end is noted
+
+
+@dataclass
+class Result:
+    """What came out of a run; everything that is written or printed is made from this."""
+
+    setup: Setup
+    log: np.ndarray | Rows
+    notes: list[dict]
+    stats: dict
+    hash: str
+    wall_s: float
+    simulated_s: float
+    motion_start_s: float
+    first_motion_wall: float | None  # time.time() when the first axis had moved
+    clk_hz: int
+    cycles: int
+    witnesses: list[dict] = field(default_factory=list)  # physics at the end of motion, per axis
+    states: list[dict] = field(default_factory=list)  # mc_state at the same instant
+    assertion: bool = False  # an assertion of the model failed
+    # The physics over time, a row per look: t_s, PANIC, then per axis angle, velocity, current.
+    truth: np.ndarray | Rows = field(default_factory=lambda: np.empty((0, 2)))
+    notes_lost: int = 0  # that came after the last of `notes`
+    pots: dict[int, tuple[int, int]] = field(default_factory=dict)  # A/D code, count, at MCALIB
+    refused: list[tuple[str, int]] = field(default_factory=list)  # requests the driver refused
+    processes: list[dict] = field(default_factory=list)
+    checkpoints: list[tuple[int, int, int, int]] = field(default_factory=list)  # see Sim
+    build: str = ""  # which build of the simulator it was
+    image: str = ""  # and which firmware a processor ran
+    snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
+
+
+class Refused(Exception):
+    """The driver said no to a request of the start, as the scenario expects."""
+
+
+class Session:
+    """Drives a Sim (or a fake of it) through a setup."""
+
+    def __init__(self, sim, setup: Setup, realtime: bool = False):
+        self.sim, self.setup, self.realtime = sim, setup, realtime
+        self.first_motion_wall: float | None = None
+        self.start = 0.0
+        self.setpoints = [0] * setup.axes
+        self.pots: dict[int, tuple[int, int]] = {}
+        self.refused: list[tuple[str, int]] = []
+        self.actors: list = []
+        self.log = Rows(1 + len(FIELDS) * setup.axes)
+        self.truth = Rows(2 + 3 * setup.axes)
+
+    def run(self, progress: Callable[[float], None] = lambda _: None) -> Result:
+        sim, setup = self.sim, self.setup
+        began = time.perf_counter()
+        self._schedule(0.0, at_power_on=True)
+        ok = True
+        client = _checked("open", sim.open(mcdef.O_RDWR))
+        try:
+            self._configure(client)
+            start = self.start = sim.time
+            self._schedule(start, at_power_on=False)
+            for segment in setup.segments:
+                sim.add_segment(**segment)
+            self._answered("start of motion", sim.start_motion(client))
+            self.actors = make_actors(self, client)
+            ok = self._move(setup.scenario.duration, progress)
+        except Refused:
+            start = self.start = sim.time
+        axes = range(setup.axes)
+        witnesses = [sim.true(n) | {"register": sim.encoder_register(n)} for n in axes]
+        states = self._last_state(client)
+        hash_ = sim.hash()
+        self.log.append(sim.take_log())
+        if ok:
+            self._answered("MSTOP", sim.ioctl(client, mcdef.MSTOP))
+        stats = sim.stats()
+        sim.close(client)
+        return Result(
+            setup=setup,
+            log=self.log.array(),
+            notes=sim.notes(),
+            notes_lost=sim.notes_lost(),
+            stats=stats,
+            hash=hash_,
+            wall_s=time.perf_counter() - began,
+            simulated_s=sim.time,
+            motion_start_s=start,
+            first_motion_wall=self.first_motion_wall,
+            clk_hz=sim.build()["clk_hz"],
+            cycles=int(stats["cycles"]),
+            witnesses=witnesses,
+            states=states,
+            assertion=not ok,
+            truth=self.truth.array(),
+            pots=self.pots,
+            refused=self.refused,
+            processes=[a.summary() for a in self.actors if hasattr(a, "summary")],
+            checkpoints=sim.checkpoints(),
+            build=sim.build_id(),
+        )
+
+    def _last_state(self, client: int) -> list:
+        try:
+            return self.sim.read(client, self.setup.axes)
+        except OSError as error:  # a processor whose firmware went wrong answers nothing
+            why = self._why_silent() or f"{error}; the driver answers no more"
+            raise RunError(f"read of the last state: {why}") from None
+
+    def _why_silent(self) -> str:
+        """Why a real processor answers no request, and the remedy; "" when that is not known."""
+        if not self.sim.phases():
+            return ""  # native code always answers
+        died = [n["text"] for n in self.sim.notes() if n["text"].startswith(DIED)]
+        if died:
+            return f"{died[0]}; only --host native goes on and gives results"
+        stats, interval_us = self.sim.stats(), self.setup.scenario.interval_us
+        late = stats["overruns"] + stats["missed"]
+        if late * interval_us < LATE_US:
+            return ""
+        return (
+            "the servo leaves the processor no time for requests"
+            f" ({stats['interrupts']} passes, {stats['overruns']} overruns,"
+            f" {stats['missed']} missed at {interval_us} us);"
+            " take fewer axes, a longer interval_us or --host native"
+        )
+
+    def _configure(self, client: int) -> None:
+        sim, setup = self.sim, self.setup
+        scenario = setup.scenario
+
+        def ioctl(name: str, arg: object = None) -> None:
+            what = name if arg is None else f"{name} {mcdef.describe(arg)}"
+            self._request(what, sim.ioctl(client, getattr(mcdef, name), arg))
+
+        if scenario.verbose:
+            ioctl("MSETVERBOSITY", mcdef.new_int(mcdef.M_VERBOSE))
+        ioctl("MSETNUMJOINTS", mcdef.new_int(setup.axes))
+        ioctl("MSETINTERVAL", mcdef.new_int(scenario.interval_us))
+        ioctl("MDACMODE", mcdef.new_int(int(scenario.double_buffer)))
+        for axis in range(setup.axes):
+            ioctl("MSETENC", mcdef.new_int(axis))  # value 0: counts are relative to the start
+        for axis, values in enumerate(setup.params):
+            param = mcdef.new_param(axis)
+            ioctl("MGETPARAM", param)
+            mcdef.fill_param(param, values)
+            ioctl("MSETPARAM", param)
+        ioctl("MENABLE")
+        self._answered("write of the setpoints", sim.write(client, [0] * setup.axes))
+
+    def _request(self, what: str, result: int) -> int:
+        """As _checked, but a refusal that the scenario expects ends the run in good order."""
+        expected = [e for e in self.setup.scenario.expect if e.kind == "refused"]
+        if result < 0 and any(e.request == what.split(maxsplit=1)[0] for e in expected):
+            self.refused.append((what.split(maxsplit=1)[0], -result))
+            raise Refused
+        return self._answered(what, result)
+
+    def _answered(self, what: str, result: int) -> int:
+        """As _checked, but tells why a processor is silent."""
+        why = self._why_silent() if result == -errno.EIO else ""
+        if why:
+            raise RunError(f"{what}: {why}")
+        return _checked(what, result)
+
+    def _schedule(self, start: float, at_power_on: bool) -> None:
+        names = self.sim.input_names()
+        for event in self.setup.scenario.event:
+            if event.at_power_on != at_power_on:
+                continue
+            number = names.index(event.input)
+            self.sim.add_event(start + event.at, number, event.index, event.value)
+            if event.until is not None:
+                healthy = INPUTS[event.input].healthy
+                self.sim.add_event(start + event.until, number, event.index, healthy)
+
+    def _move(self, duration: float, progress: Callable[[float], None]) -> bool:
+        """Runs the motion from look to look; False when an assertion of the model failed."""
+        sim = self.sim
+        rest = [sim.true(axis)["count"] for axis in range(self.setup.axes)]
+        began = time.perf_counter()
+        step = WATCH_S if self.setup.scenario.event else CHUNK_S
+        looks, look = max(1, round(duration / step)), 0
+        self._watch(0.0)
+        while look < looks:
+            next_look = duration * (look + 1) / looks
+            actor = min(self.actors, key=lambda a: a.due, default=None)
+            acts = actor is not None and actor.due < next_look
+            if not sim.run(self.start + (actor.due if acts else next_look)):
+                return False
+            if acts:
+                actor.act()
+                continue
+            look += 1
+            self._watch(next_look)
+            if self.first_motion_wall is None and any(
+                sim.true(axis)["count"] != count for axis, count in enumerate(rest)
+            ):
+                self.first_motion_wall = time.time()
+            if self.realtime:
+                time.sleep(max(0.0, began + next_look - time.perf_counter()))
+            progress(next_look)
+        return True
+
+    def _watch(self, t: float) -> None:
+        row = [t, self.sim.stats().get("panic_level", 0)]
+        for axis in range(self.setup.axes):
+            truth = self.sim.true(axis)
+            row += [truth["angle"], truth["velocity"], truth["current"]]
+        self.truth.append(np.array(row))
+        self.log.append(self.sim.take_log())
+
+
+def _checked(what: str, result: int) -> int:
+    if result < 0:
+        code = errno.errorcode.get(-result, str(result))
+        raise RunError(f"{what}: {code} ({os.strerror(-result)})")
+    return result

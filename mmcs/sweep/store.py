@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a sweep leaves: rows as they finish, then one table, a summary and a picture."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import statistics
+from pathlib import Path
+
+from mmcs.errors import InputError, one_line, show
+from mmcs.sweep.plan import Plan
+
+ROWS = "rows.jsonl"
+TABLE = "table"
+PLOT = "plot.svg"
+FORMATS = ("csv", "parquet")
+LEADING = ("status", "unmet", "why")
+
+
+def check_resume(folder: Path) -> None:
+    if not (folder / ROWS).is_file():
+        allowed = "holds no sweep to go on with; leave out --resume"
+        raise InputError.one(folder, "", None, allowed)
+
+
+class Store:
+    """The finished rows, on disk before they are counted."""
+
+    def __init__(self, folder: Path, identity: str, resume: bool):
+        self.path = folder / ROWS
+        self.rows: dict[int, dict] = {}
+        if resume:
+            self._read(identity)
+        elif self.path.exists():  # finished or not, it was somebody's hour
+            self.path.replace(self.path.with_suffix(".before.jsonl"))
+        new = not self.path.exists()
+        self._file = self.path.open("a")
+        if new:
+            self._line({"sweep": identity})
+
+    def _read(self, identity: str) -> None:
+        lines, whole = self.path.read_text().splitlines(keepends=True), 0
+        for number, line in enumerate(lines):
+            try:
+                entry = json.loads(line)
+                if number == 0 and entry["sweep"] != identity:
+                    allowed = "is another sweep (values, seed, scenario or build differ)"
+                    raise InputError.one(self.path, "", None, f"{allowed}; leave out --resume")
+                if number:
+                    self.rows[entry["n"]] = entry["row"]
+            except (ValueError, KeyError, TypeError):
+                if number == 0:
+                    allowed = "is damaged; leave out --resume"
+                    raise InputError.one(self.path, "", None, allowed) from None
+                break  # the line that was being written when the end came
+            whole += len(line.encode())
+        with self.path.open("r+b") as file:
+            file.truncate(whole)
+
+    def add(self, n: int, row: dict) -> None:
+        self._line({"n": n, "row": row})
+        self.rows[n] = row
+
+    def _line(self, entry: dict) -> None:
+        self._file.write(json.dumps(entry, separators=(",", ":")) + "\n")
+        self._file.flush()
+
+    def close(self) -> None:
+        self._file.close()
+
+
+def table(plan: Plan, rows: dict[int, dict]) -> tuple[list[str], list[list]]:
+    """Headings and lines, in the order of the rows' numbers."""
+    names: dict[str, None] = dict.fromkeys(LEADING)
+    for n in sorted(rows):
+        names |= dict.fromkeys(rows[n])
+    heading = ["run", *plan.keys, *names]
+    lines = []
+    for n in sorted(rows):
+        values = [_plain(v) for v in plan.values(n).values()]
+        lines.append([n, *values, *(rows[n].get(name) for name in names)])
+    return heading, lines
+
+
+def _plain(value: object) -> object:
+    return show(value) if isinstance(value, list | dict | bool) else value
+
+
+def write_table(folder: Path, plan: Plan, rows: dict[int, dict], form: str) -> Path:
+    heading, lines = table(plan, rows)
+    path = folder / f"{TABLE}.{form}"
+    if form == "parquet":
+        _write_parquet(path, heading, lines)
+        return path
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(heading)
+        writer.writerows(lines)
+    return path
+
+
+def check_format(form: str) -> None:
+    if form == "parquet":
+        try:
+            import pyarrow.parquet  # noqa: F401
+        except ImportError:
+            allowed = 'needs the package "pyarrow": pip install "mmcs[parquet]"'
+            raise InputError.one("--format", "", form, allowed) from None
+
+
+def _write_parquet(path: Path, heading: list[str], lines: list[list]) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = {}
+    for place, name in enumerate(heading):
+        values = [line[place] for line in lines]
+        kinds = {type(v) for v in values if v is not None}
+        if kinds == {int, float}:
+            values = [None if v is None else float(v) for v in values]
+        elif len(kinds) > 1:
+            values = [None if v is None else str(v) for v in values]
+        columns[name] = pa.array(values)
+    pq.write_table(pa.table(columns), path)
+
+
+# --- summary -----------------------------------------------------------------------------------
+
+
+def check_figure(by: str, axes: int) -> None:
+    from mmcs.errors import suggest
+    from mmcs.sweep.workers import STATS, WORST
+
+    single = [f"{name}_{axis}" for axis in range(axes) for name in WORST]
+    if by not in [*WORST, *STATS, "unmet", "events", *single]:
+        hint = suggest(by, [*WORST, *STATS, *single]) or "; there are: " + ", ".join(WORST)
+        raise InputError.one("--by", "", by, f"no such figure{hint}")
+
+
+def ranked(rows: dict[int, dict], by: str) -> list[int]:
+    """Row numbers, the best first: expectations, then the figure; None is worse than any."""
+
+    def rank(n: int):
+        row = rows[n]
+        value = row.get(by)
+        bad = math.inf if row["status"] == "failed" else row["unmet"]
+        return bad, math.inf if value is None else abs(value), n
+
+    return sorted(rows, key=rank)
+
+
+def print_summary(plan: Plan, rows: dict[int, dict], by: str, console) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from mmcs.sweep.workers import WORST
+
+    title = f"{plan.name}: {len(rows)} of {len(plan)} runs, varied: {', '.join(plan.keys)}"
+    figures = Table(title=Text(one_line(title), "table.title"), title_justify="left")
+    figures.add_column("worst axis of a run")
+    for heading in ("least", "median", "95 %", "most"):
+        figures.add_column(heading, justify="right")
+    ran = [row for row in rows.values() if row["status"] != "failed"]
+    for name in dict.fromkeys([*WORST, by]):
+        values = sorted(abs(row[name]) for row in ran if row.get(name) is not None)
+        if values:
+            high = values[min(len(values) - 1, math.ceil(0.95 * len(values)) - 1)]
+            cells = (values[0], statistics.median_low(values), high, values[-1])
+            figures.add_row(name, *("never" if v == math.inf else f"{v:.4g}" for v in cells))
+    console.print(figures)
+    order = ranked(rows, by)
+    some = Table(title=Text(f"best and worst by {by}", "table.title"), title_justify="left")
+    for heading in ("", "run", *plan.keys, by, "unmet", "why"):
+        some.add_column(heading, justify="right" if heading in ("run", by, "unmet") else "left")
+    best = order[:3]
+    worst = [n for n in reversed(order) if n not in best][:3]
+    for label, numbers in (("best", best), ("worst", worst)):
+        for place, n in enumerate(numbers):
+            row, values = rows[n], plan.values(n).values()
+            cells = [_number(v) for v in values] + [_number(row.get(by)), _number(row["unmet"])]
+            texts = ["" if place else label, str(n), *cells, row["why"][:60]]
+            some.add_row(*(Text(one_line(t)) for t in texts))
+    console.print(some)
+    if worst:
+        console.print(f"the worst again: {plan.command(worst[0])}")
+
+
+def _number(value: object) -> str:
+    if value is None:
+        return "-"
+    if value == math.inf:
+        return "never"
+    return f"{value:.6g}" if isinstance(value, float) else show(value).strip('"')
+
+
+# --- picture -----------------------------------------------------------------------------------
+
+
+def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path:
+    """One panel per key (the first six), the figure over its values; a map for a grid of two."""
+    from mmcs.view.plot import BLUE, GREY, RED, style
+
+    plt = style()
+    keys = plan.keys[:6]
+    good = [n for n in sorted(rows) if _finite(rows[n].get(by))]
+    values = {n: plan.values(n) for n in good}
+    surface = len(plan.grid) == 2 and not plan.drawn and _is_numeric(values, keys)
+    panels = 1 if surface else len(keys)
+    figure, axes = plt.subplots(
+        1, panels, squeeze=False, sharey=not surface, layout="constrained",
+        figsize=(max(6.0, 3.2 * panels), 4.2),
+    )  # fmt: skip
+    if surface:
+        _draw_map(figure, axes[0][0], plan, rows, by)
+    else:
+        for place, key in enumerate(keys):
+            for status, colour, marker in (("ok", BLUE, "o"), ("missed", RED, "x")):
+                some = [n for n in good if rows[n]["status"] == status]
+                x = [_plain(values[n][key]) for n in some]
+                x = x if _is_numeric(values, [key]) else [str(v) for v in x]
+                y = [abs(rows[n][by]) for n in some]
+                label = {"ok": "meets all expectations", "missed": "misses some"}[status]
+                if x:
+                    axes[0][place].plot(x, y, marker, color=colour, ms=4, alpha=0.7, label=label)
+            axes[0][place].set_xlabel(key)
+        axes[0][0].set_ylabel(f"{by}, worst axis" if not by[-1].isdigit() else by)
+        if good:
+            axes[0][0].legend(loc="best", frameon=False)
+    if not good:
+        axes[0][0].text(0.5, 0.5, f"no run has {by}", ha="center", color=GREY)
+    figure.suptitle(f"{plan.name}: {len(rows)} runs", x=0.01, ha="left", size=11)
+    path = folder / PLOT
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+    return path
+
+
+def _finite(value: float | None) -> bool:
+    return value is not None and math.isfinite(value)
+
+
+def _is_numeric(values: dict[int, dict], keys: list[str]) -> bool:
+    return all(
+        isinstance(v[key], int | float) and not isinstance(v[key], bool)
+        for v in values.values()
+        for key in keys
+    )
+
+
+def _draw_map(figure, cell, plan: Plan, rows: dict[int, dict], by: str) -> None:
+    import numpy as np
+
+    across, up = plan.grid
+    field = np.full((len(up.values), len(across.values)), np.nan)
+    missed = []
+    for n, row in rows.items():
+        a, b = divmod(n, len(up.values))
+        if _finite(row.get(by)):
+            field[b, a] = abs(row[by])
+        if row["status"] != "ok":
+            missed.append((a, b))
+    image = cell.imshow(field, origin="lower", aspect="auto", cmap="viridis")
+    cell.grid(False)
+    for ticks, vary, name in (
+        (cell.set_xticks, across, cell.set_xlabel),
+        (cell.set_yticks, up, cell.set_ylabel),
+    ):
+        every = max(1, len(vary.values) // 8)
+        ticks(range(0, len(vary.values), every), [f"{v:g}" for v in vary.values[::every]])
+        name(vary.key)
+    if missed:
+        cell.plot(*zip(*missed, strict=True), "x", color="#b3363e", label="misses expectations")
+        cell.legend(loc="upper right")
+    figure.colorbar(image, ax=cell, label=by)

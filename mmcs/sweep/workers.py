@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Carries out the rows of a sweep: one run in a worker, the workers here, the workers of Dask.
+
+A run leaves no files, only its figures. A worker that dies takes nothing along but the run it was
+at, which another one repeats.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import math
+import multiprocessing
+import os
+import signal
+import time
+from collections import deque
+from collections.abc import Iterator
+from multiprocessing.connection import wait
+
+import numpy as np
+
+from mmcs.engine import logcols
+from mmcs.errors import InputError, RunError
+
+CONNECT_S = 10  # to the scheduler
+ATTEMPTS = 3  # deaths of workers in one row before the row counts as failed
+WORST = (
+    "rise_ms", "overshoot_pct", "settle_ms", "steady_error_counts", "rms_error_counts",
+    "peak_error_counts", "peak_current",
+)  # fmt: skip
+RESPONSE = ("rise_ms", "settle_ms")
+STATS = ("interrupts", "missed", "overruns", "panics", "clips", "bus_errors")
+
+
+# --- one run -----------------------------------------------------------------------------------
+
+
+@functools.cache
+def _library(cards: int, clk_hz: int):
+    from mmcs.engine.build import ensure_library
+
+    return ensure_library(cards, "speed", clk_hz)
+
+
+def build_of(setup) -> str:
+    """The identity of the simulator that the setup runs on; builds it if need be."""
+    from mmcs.engine.sim import load_library, make_ffi
+
+    scenario = setup.scenario
+    library = load_library(_library(scenario.cards, scenario.clk_hz))
+    return make_ffi().string(library.mmcs_sim_build_id()).decode()
+
+
+def run_row(setup) -> dict:
+    """Runs a setup and gives its figures; what goes wrong is a row too."""
+    try:
+        return _run_row(setup)
+    except (RunError, InputError) as error:
+        return failed(str(error))
+    except Exception as error:
+        return failed(f"{type(error).__name__}: {error}")
+
+
+def failed(why: str) -> dict:
+    return {"status": "failed", "unmet": None, "why": why}
+
+
+def _run_row(setup) -> dict:
+    from mmcs.engine.sim import Sim
+    from mmcs.result.expect import judge
+    from mmcs.result.report import measure
+    from mmcs.session.session import Session
+
+    scenario = setup.scenario
+    library = _library(scenario.cards, scenario.clk_hz)
+    config = setup.config() | {"skip": int(scenario.skip), "host": 0}
+    with Sim(library, config, setup.motors(), setup.links()) as sim:
+        result = Session(sim, setup).run()
+    axes = measure(result)
+    verdicts = judge(result, axes)
+    unmet = [v["what"] for v in verdicts if not v["ok"]]
+    stepping = _stepping(setup)
+    for n, axis in enumerate(axes):
+        error = logcols.column(result.log, n, "error")
+        axis["peak_error_counts"] = float(np.abs(error).max()) if len(error) else None
+        for name in RESPONSE:  # of an axis that makes a step: None is never
+            if axis[name] is None and n in stepping:
+                axis[name] = math.inf
+    row = {
+        "status": "missed" if unmet else "ok",
+        "unmet": len(unmet),
+        "why": unmet[0] if unmet else "",
+        "hash": result.hash,
+    }
+    row |= {name: _worst([a[name] for a in axes]) for name in WORST}
+    row |= {name: int(result.stats[name]) for name in STATS}
+    row["events"] = sum(note["kind"] != "log" for note in result.notes)
+    for axis in axes:
+        row |= {f"{name}_{axis['axis']}": axis[name] for name in WORST}
+    return row
+
+
+def _stepping(setup) -> set[int]:
+    modes = [p["mode"] for p in setup.params]
+    steps = {s["axis"] for s in setup.segments if s["kind"] == "step"}
+    return {axis for axis in steps if modes[axis] in ("position", "velocity")}
+
+
+def _worst(values: list[float | None]) -> float | None:
+    """The largest magnitude of those it applies to."""
+    return max((abs(v) for v in values if v is not None), default=None)
+
+
+# --- workers on this machine -------------------------------------------------------------------
+
+
+def cores() -> int:
+    return len(os.sched_getaffinity(0))
+
+
+def _serve(pipe) -> None:
+    """What a worker process does: setups in, rows out, until the pipe closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that commands
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        pipe.send("ready")
+        while True:
+            setup = pipe.recv()
+            began = time.perf_counter()
+            row = run_row(setup)
+            pipe.send((row, time.perf_counter() - began))
+
+
+class _Worker:
+    def __init__(self, context):
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+        self.task: tuple | None = None  # (row number, setup, attempts so far)
+        self.ready = False
+
+    def give(self, task: tuple) -> None:
+        self.task = task
+        with contextlib.suppress(OSError):  # it died while idle: told by its pipe
+            self.pipe.send(task[1])
+
+    def end(self) -> None:
+        self.pipe.close()
+        self.process.kill()
+        self.process.join()
+
+
+def run_here(
+    tasks: Iterator[tuple[int, object]], workers: int
+) -> Iterator[tuple[int, dict, float]]:
+    """(row number, row, seconds) as they come. Raises RunError when no worker starts."""
+    context = multiprocessing.get_context("spawn")
+    crew: list[_Worker] = []
+    again: deque = deque()  # what dead workers were at
+    fed = False  # tasks has no more
+
+    def feed(worker: _Worker) -> None:
+        nonlocal fed
+        if again:
+            worker.give(again.popleft())
+        elif not fed:
+            n, setup = next(tasks, (None, None))
+            fed = n is None
+            if not fed:
+                worker.give((n, setup, 0))
+
+    try:
+        crew += [_Worker(context) for _ in range(workers)]
+        while not fed or again or any(w.task for w in crew):
+            pipes = {w.pipe: w for w in crew}
+            for pipe in wait(list(pipes)):
+                worker = pipes[pipe]
+                try:
+                    message = pipe.recv()
+                except (EOFError, OSError):
+                    crew.remove(worker)
+                    worker.end()
+                    if not worker.ready:
+                        raise RunError("a worker of the sweep does not start") from None
+                    if worker.task is not None:
+                        n, setup, deaths = worker.task
+                        if deaths + 1 < ATTEMPTS:
+                            again.append((n, setup, deaths + 1))
+                        else:
+                            yield n, failed(f"the worker died {ATTEMPTS} times in this run"), 0.0
+                    crew.append(_Worker(context))
+                    continue
+                if worker.ready:
+                    (n, _, _), worker.task = worker.task, None
+                    yield n, *message
+                worker.ready = True
+            for worker in crew:
+                if worker.ready and worker.task is None:
+                    feed(worker)
+    finally:
+        for worker in crew:
+            worker.end()
+
+
+# --- workers of Dask ---------------------------------------------------------------------------
+
+
+def dask_client(address: str):
+    """The client of a running scheduler. Raises InputError in one line."""
+    try:
+        from distributed import Client
+    except ImportError:
+        allowed = 'needs the package "distributed": pip install "mmcs[dask]"'
+        raise InputError.one("--dask", "", address, allowed) from None
+    import logging
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        client = Client(address, timeout=CONNECT_S, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        why = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError.one("--dask", "", address, f"no scheduler answers ({why})") from None
+    return client
+
+
+def run_timed(setup, build: str) -> tuple[dict, float]:
+    """What a Dask worker does: one run at a time in a process, on the very same simulator."""
+    with _one_at_a_time():
+        began = time.perf_counter()
+        try:
+            here = build_of(setup)
+        except RunError as error:
+            return failed(str(error)), 0.0
+        if here != build:
+            return failed(f"the worker's simulator is another build: {here}, not {build}"), 0.0
+        return run_row(setup), time.perf_counter() - began
+
+
+@functools.cache
+def _one_at_a_time():
+    import threading
+
+    return threading.Lock()
+
+
+def run_dask(
+    client, tasks: Iterator[tuple[int, object]], builds
+) -> Iterator[tuple[int, dict, float]]:
+    """As run_here(), on the scheduler's workers; Dask itself repeats what a dead one was at."""
+    from distributed import as_completed
+
+    numbers, flow = {}, as_completed(loop=client.loop)
+
+    def start(task: tuple[int, object]) -> None:
+        n, setup = task
+        future = client.submit(run_timed, setup, builds(setup), pure=False)
+        numbers[future] = n
+        flow.add(future)
+
+    try:
+        for _ in range(max(16, 4 * sum(client.nthreads().values()))):
+            if (task := next(tasks, None)) is None:
+                break
+            start(task)
+        for future in flow:
+            n = numbers.pop(future)
+            if future.status == "finished":
+                row, seconds = future.result()
+            elif future.status == "error":
+                problem = future.exception()
+                row, seconds = failed(f"{type(problem).__name__}: {problem}"), 0.0
+            else:
+                raise RunError("the Dask scheduler is gone; go on later with --resume")
+            yield n, row, seconds
+            if (task := next(tasks, None)) is not None:
+                start(task)
+    finally:
+        with contextlib.suppress(Exception):  # the scheduler may be gone
+            client.cancel(list(numbers))

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Programs at the wire in the test's own thread: every byte and every step is the test's."""
+
+import contextlib
+import os
+import socket
+import struct
+
+from mmcs import mcdef
+from mmcs.device.wire import IOCTL, MAGIC, OPEN, READ, REPLY, REQUEST, WRITE
+
+
+class Raw:
+    """A program at the wire, in the test's own thread: nothing waits for an answer."""
+
+    def __init__(self, bench, flags=os.O_RDWR, device=b"/dev/mc0"):
+        self.bench = bench
+        self.file, self.channel = self._connect(), self._connect()
+        self.rest = b""  # of a flood
+        self.name = self.file.getsockname().strip(b"\0")
+        self._send(self.file, OPEN, b"", flags, os.fstat(self.file.fileno()).st_ino, device)
+        assert self._answer(self.file) == (0, b"")
+
+    def _connect(self):
+        sock = socket.socket(socket.AF_UNIX)
+        sock.bind("")
+        sock.connect(str(self.bench.server.path))
+        sock.setblocking(False)
+        return sock
+
+    @staticmethod
+    def _send(sock, op, name, a, b, data):
+        sock.send(REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data)
+
+    def _answer(self, sock):
+        data = b""
+        while len(data) < REPLY.size or len(data) < REPLY.size + REPLY.unpack_from(data)[1]:
+            self.bench.server.step()
+            try:
+                data += sock.recv(1 << 16)
+            except BlockingIOError:
+                continue
+        result, length = REPLY.unpack_from(data)
+        return result, data[REPLY.size : REPLY.size + length]
+
+    def call(self, op, a=0, data=b""):
+        self._send(self.channel, op, self.name, a, 0, data)
+        return self._answer(self.channel)
+
+    def flood(self):
+        """As much as the socket takes of reads, writes and parameters; answers are thrown away."""
+        states = REQUEST.pack(MAGIC, READ, self.name, 56, 0, 0, os.getpid())
+        some = REQUEST.pack(MAGIC, WRITE, self.name, 0, 0, 8, os.getpid()) + struct.pack(
+            "<2i", 5, 5
+        )
+        asked = REQUEST.pack(MAGIC, IOCTL, self.name, mcdef.MGETINTERVAL, 0, 0, os.getpid())
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                self.rest = self.rest or (states + some + asked) * 50
+                self.rest = self.rest[self.channel.send(self.rest) :]
+        with contextlib.suppress(BlockingIOError):
+            while self.channel.recv(1 << 20):
+                pass
+
+    def close(self):
+        self.file.close()
+        self.channel.close()
+
+
+def stop_line(bench):
+    sock = socket.socket(socket.AF_UNIX)
+    sock.connect(str(bench.server.path.with_suffix(".stop")))
+    return sock
+
+
+def holding(bench, program):
+    """Both axes hold their position."""
+    for axis in (0, 1):
+        param = mcdef.new_param(axis)
+        mcdef.fill_param(param, {"a0": 5, "b0": 1, "clkdivisor": 1, "ilim": 1024, "adc_a": 1,
+                                 "plo": -(1 << 31), "phi": (1 << 31) - 1,
+                                 "mode": "position", "flags": []})  # fmt: skip
+        assert program.call(IOCTL, mcdef.MSETPARAM, bytes(mcdef.make_ffi().buffer(param)))[0] == 0
+    assert program.call(IOCTL, mcdef.MENABLE)[0] == 0

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`extends`: what comes from the other file, what replaces it, and whose mistake is whose."""
+
+import pytest
+
+from mmcs import SCENARIOS
+from mmcs.errors import InputError
+from mmcs.scenario.files import named, read_scenario
+from mmcs.scenario.load import load
+
+STEP = '[[motion]]\naxis = 0\nkind = "step"\nat = 0.05\nto = {}\n'
+BASE = (
+    'description = "Base"\nrobot = "lab500"\ncards = 1\nduration = 0.4\nhost.cpu_us_per_axis = 5\n'
+)
+
+
+def write(folder, **files):
+    for name, text in files.items():
+        path = folder / name.replace("__", "/")
+        path.parent.mkdir(exist_ok=True)
+        path.with_suffix(".toml").write_text(text)
+
+
+def test_keys_replace_and_tables_merge(tmp_path):
+    mine = 'description = "Mine"\nextends = "./base.toml"\nduration = 0.2\nhost.wait_states = 3\n'
+    write(tmp_path, base=BASE + STEP.format(7), mine=mine, motion=mine + STEP.format(9))
+    scenario = load(str(tmp_path / "mine.toml")).scenario
+    assert (scenario.description, scenario.duration, scenario.cards) == ("Mine", 0.2, 1)
+    assert (scenario.host.cpu_us_per_axis, scenario.host.wait_states) == (5, 3)
+    assert [m.to for m in scenario.motion] == [7]
+    assert [m.to for m in load(str(tmp_path / "motion.toml")).scenario.motion] == [9]
+
+
+def test_a_name_of_a_ready_scenario(tmp_path):
+    write(tmp_path, mine='description = "Mine"\nextends = "puma560"\nduration = 1.2\nexpect = []\n')
+    mine, ready = load(str(tmp_path / "mine.toml")), load("puma560")
+    assert mine.params == ready.params and mine.scenario.duration == 1.2
+
+
+def test_paths_count_from_the_file_they_stand_in(tmp_path):
+    robot = (SCENARIOS.parent / "robots" / "lab500.toml").read_text()
+    table = '[[motion]]\naxis = 0\nkind = "table"\nat = 0.0\nduration = 0.1\nfile = "move.csv"\n'
+    write(
+        tmp_path,
+        lib__own=robot,
+        lib__base=BASE.replace('"lab500"', '"./own.toml"') + table,
+        mine='description = "Mine"\nextends = "lib/base.toml"\n',
+    )
+    (tmp_path / "lib" / "move.csv").write_text("0\n5\n")
+    setup = load(str(tmp_path / "mine.toml"))
+    assert len(setup.segments) == 1 and setup.axes == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('extends = "lab50"', 'extends = "lab50": no such scenario; did you mean "lab500"?'),
+        ('extends = "x/y.toml"', 'extends = "x/y.toml": no such scenario file'),
+        (
+            "extends = 3",
+            "extends = 3: must be the name of a scenario, or the path of one from this",
+        ),
+        ('extends = "./mine.toml"', 'extends = "./mine.toml": extends itself, at last'),
+        ('extends = "./other.toml"', 'extends = "./mine.toml": extends itself, at last'),
+    ],
+)
+def test_mistake(tmp_path, text, told):
+    write(tmp_path, mine=text, other='extends = "./mine.toml"')
+    with pytest.raises(InputError, match=r"^[^\n]*toml: ") as caught:
+        load(str(tmp_path / "mine.toml"))
+    assert told in str(caught.value)
+
+
+def test_a_mistake_is_told_of_the_file_that_makes_it(tmp_path):
+    write(
+        tmp_path,
+        base=BASE.replace("cards = 1", "cards = 17"),
+        mine='description = "Mine"\nextends = "./base.toml"\nduration = -1\n',
+    )
+    with pytest.raises(InputError) as caught:
+        load(str(tmp_path / "mine.toml"))
+    files = {m.key: m.file.rpartition("/")[2] for m in caught.value.mistakes}
+    assert files == {"cards": "base.toml", "duration": "mine.toml"}
+    with pytest.raises(InputError, match="mine.toml: cards = 18"):
+        load(str(tmp_path / "mine.toml"), ("cards=18", "duration=1"))
+
+
+def test_an_old_path_tells_the_present_one():
+    with pytest.raises(InputError, match="no such scenario file; there is .*basic/lab500.toml"):
+        load("sim/scenarios/lab500.toml")
+
+
+def test_names_are_unique_and_no_file_is_outside_a_folder():
+    files = list(SCENARIOS.rglob("*.toml"))
+    assert len(files) == len(named()) and not list(SCENARIOS.glob("*.toml"))
+
+
+def test_faults_do_not_repeat_the_machine():
+    for name, path in named(SCENARIOS / "faults").items():
+        if name.startswith("fault_"):
+            assert "robot =" not in path.read_text(), name
+            assert read_scenario(path)[0]["robot"] == "puma560"

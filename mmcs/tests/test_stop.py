@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The stop path acts in the first step that can read it, whoever else talks (docs/protocol.md)."""
+
+import os
+import signal
+import struct
+import threading
+
+import pytest
+
+from mmcs import mcdef
+from mmcs.device.link import Link
+from mmcs.device.wire import IOCTL, WRITE
+from mmcs.tests.device_bench import Bench
+from mmcs.tests.raw import Raw, holding, stop_line
+
+ROUNDS = 10_000
+FLOODERS = 15
+
+
+@pytest.fixture
+def bench(tmp_path):
+    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # the programs are this process
+    with Bench(tmp_path) as made:
+        yield made
+    signal.signal(signal.SIGUSR1, before)
+
+
+@pytest.mark.req("DRV-9")
+def test_a_stop_acts_in_the_first_step_that_could_read_it(bench, monkeypatch):
+    """Under fifteen flooding clients, ten thousand times; each time a snapshot gives back the
+    machine as it was, under power and holding."""
+    programs = [Raw(bench) for _ in range(FLOODERS)]
+    holding(bench, programs[0])
+    sim, machine = bench.sim, bench.server.machine
+    with stop_line(bench) as line:
+        bench.server.step()
+        running = sim.snapshot()
+        served = []
+        for name in ("read", "write", "ioctl"):
+            genuine = getattr(machine, name)
+            seen = lambda *a, genuine=genuine: served.append(1) or genuine(*a)  # noqa: E731
+            monkeypatch.setattr(machine, name, seen)
+        stopped_at = []
+        machine.stop = lambda: stopped_at.append((sim.time, len(served))) or sim.stop()
+        for n in range(ROUNDS):
+            if n % 100 == 0:
+                for program in programs:
+                    program.flood()
+                assert machine.history.rewind(running)
+            else:
+                sim.restore(running)
+            assert sim.stats()["enabled"]
+            before, served[:] = sim.time, []
+            line.sendall(b"stop\n")
+            stopped_at.clear()
+            bench.server.step()
+            assert stopped_at == [(before, 0)]  # before time passed, and before any request
+            assert not sim.stats()["enabled"] and sim.stats()["stopped"]
+            assert line.recv(100).startswith(b"stopped ")
+            assert served  # they did flood
+    for program in programs:
+        program.close()
+
+
+@pytest.mark.req("DRV-9")
+def test_stop_is_latched_until_a_writers_enable(bench):
+    program = Raw(bench)
+    holding(bench, program)
+    assert program.call(WRITE, 0, struct.pack("<2i", 7, 7))[0] == 8
+    with stop_line(bench) as line:
+        line.sendall(b"stop\nstate\n")
+        bench.server.step()
+        stopped, state = line.recv(200).decode().splitlines()
+        assert stopped.startswith("stopped ") and "enabled 0 stopped 1" in state
+    assert program.call(WRITE, 0, struct.pack("<2i", 7, 7))[0] == -5
+    assert program.call(IOCTL, mcdef.MENABLE)[0] == 0
+    assert program.call(WRITE, 0, struct.pack("<2i", 7, 7))[0] == 8
+    program.close()
+
+
+@pytest.mark.req("DRV-9")
+def test_a_stop_reaches_an_enable_that_waits(bench):
+    """MENABLE waits for relay and first pass; the line is read meanwhile, and MENABLE fails."""
+    program = Raw(bench)
+    holding(bench, program)
+    assert program.call(IOCTL, mcdef.MSTOP)[0] == 0
+    with stop_line(bench) as line:
+        bench.server.step()
+        program._send(program.channel, IOCTL, program.name, mcdef.MENABLE, 0, b"")
+        looks = []
+        genuine = bench.server.stop_path.serve
+
+        def serve():
+            if bench.sim.run(bench.sim.time) is False:  # a request waits
+                looks.append(bench.sim.time)
+                if len(looks) == 3:
+                    line.sendall(b"stop\n")
+            genuine()
+
+        bench.server.stop_path.serve = serve
+        assert program._answer(program.channel)[0] == -5
+        assert len(looks) > 3
+        assert not bench.sim.stats()["enabled"]
+    program.close()
+
+
+@pytest.mark.req("PAN-1")
+def test_the_button(bench):
+    program = Raw(bench)
+    holding(bench, program)
+    with stop_line(bench) as line:
+        line.sendall(b"press\n")
+        bench.server.step()
+        assert line.recv(100).startswith(b"pressed ")
+        assert bench.sim.stats()["panic_level"] == 1
+        line.sendall(b"release\nsing\n")
+        bench.server.step()
+        answers = line.recv(200).decode().splitlines()
+        assert answers[0].startswith("released ") and answers[1].startswith("what?")
+    program.close()
+
+
+def test_a_monitor_may_stop(bench):
+    program, monitor = Raw(bench), Raw(bench, os.O_RDONLY)
+    holding(bench, program)
+    assert monitor.call(IOCTL, mcdef.MENABLE)[0] == -9
+    assert monitor.call(IOCTL, mcdef.MSTOP)[0] == 0
+    assert not bench.sim.stats()["enabled"]
+    for raw in (program, monitor):
+        raw.close()
+
+
+def test_sleepers_on_the_stop_path_keep_nobody_out(bench):
+    sleepers = []
+    for _ in range(10):
+        sleepers += [stop_line(bench) for _ in range(20)]
+        bench.server.step()
+    sleepers += [stop_line(bench) for _ in range(20)]
+    with stop_line(bench) as line:
+        line.sendall(b"stop\n")
+        bench.server.step()
+        line.setblocking(False)
+        assert line.recv(100).startswith(b"stopped ")
+    for sock in sleepers:
+        sock.close()
+
+
+def test_a_link_may_stop_too(bench):
+    program = Raw(bench)
+    holding(bench, program)
+    with Threaded(bench) as ask:
+        ask(lambda link: link.request("stop"))
+    assert not bench.sim.stats()["enabled"]
+    program.close()
+
+
+class Threaded:
+    """A Link in the test's thread while another one serves."""
+
+    def __init__(self, bench):
+        self.bench = bench
+
+    def __enter__(self):
+        self.thread = threading.Thread(target=self.bench.server.run)
+        self.thread.start()
+        self.link = Link(path=self.bench.server.path)
+        return lambda use: use(self.link)
+
+    def __exit__(self, *_):
+        self.link.close()
+        self.bench.server.stopping = True
+        self.thread.join()
+        self.bench.server.stopping = False

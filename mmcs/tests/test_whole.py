@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results are of one run and whole, whatever ends it; a record is of what was loaded."""
+
+import os
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from mmcs import ROBOTS
+from mmcs.engine.rows import Rows
+from mmcs.errors import InputError
+from mmcs.record.record import read_record
+from mmcs.result.folder import RESULTS, reading, writing
+from mmcs.run import runner
+from mmcs.session.session import Session
+from mmcs.tests.conftest import GOOD
+from mmcs.tests.fake import FakeSim
+
+
+def results(folder, generation, names=RESULTS):
+    with writing(folder) as stage:
+        for name in names:
+            (stage / name).write_text(f"{generation} {name}")
+
+
+def generations(folder):
+    """What a reader finds: the generations of all files, and how many there are."""
+    with reading(folder):
+        texts = [(folder / name).read_text() for name in RESULTS if (folder / name).exists()]
+    return {text.split()[0] for text in texts}, len(texts)
+
+
+def killed_at(step, folder, generation, names):
+    """Writes in a process that ends at its so manyth step, as by SIGKILL; how it ended."""
+    child = os.fork()
+    if child == 0:
+        count = 0
+
+        def hook(event, _):
+            nonlocal count
+            count += event in ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir")
+            if count > step:
+                os._exit(9)
+
+        sys.addaudithook(hook)
+        results(folder, generation, names)
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+@pytest.mark.parametrize("names", [RESULTS, RESULTS[:3]], ids=["all", "fewer than before"])
+def test_killed_at_every_step(tmp_path, names):
+    results(tmp_path, "old")
+    seen, step, ended = [], 0, 9
+    while ended:
+        ended = killed_at(step, tmp_path, f"new{step}", names)
+        seen.append(generations(tmp_path))
+        assert seen[-1] in [({f"new{step}"}, len(names)), *seen[-2:-1], ({"old"}, len(RESULTS))]
+        step += 1
+    assert step > 15 and seen[-1] == ({f"new{step - 1}"}, len(names))
+    left = {p.name for p in tmp_path.iterdir()} - set(RESULTS)
+    assert left == {".lock"}
+
+
+def test_nothing_before_the_first_run_is_whole(tmp_path):
+    assert killed_at(8, tmp_path, "new", RESULTS) == 9
+    assert generations(tmp_path) == (set(), 0)
+
+
+def test_a_run_that_fails_leaves_what_was_there(tmp_path):
+    results(tmp_path, "old")
+    with pytest.raises(ZeroDivisionError), writing(tmp_path) as stage:
+        (stage / "report.json").write_text("new")
+        raise ZeroDivisionError
+    assert generations(tmp_path) == ({"old"}, len(RESULTS))
+
+
+def test_one_run_at_a_time(tmp_path):
+    results(tmp_path, "old")
+    with writing(tmp_path):
+        with pytest.raises(InputError, match="another run is writing here"):
+            results(tmp_path, "new")
+        assert generations(tmp_path) == ({"old"}, len(RESULTS))  # who reads does not wait
+    results(tmp_path, "new", ())
+    assert generations(tmp_path) == (set(), 0)
+
+
+def test_readers_see_one_run_while_others_write(tmp_path):
+    results(tmp_path, "0")
+    done = threading.Event()
+
+    def write():
+        for n in range(1, 60):
+            results(tmp_path, str(n))
+        done.set()
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    looks = 0
+    while not done.is_set():
+        found, count = generations(tmp_path)
+        assert len(found) == 1 and count == len(RESULTS)
+        looks += 1
+    writer.join()
+    assert looks > 1
+
+
+@pytest.fixture
+def run(mmcs, scenario, tmp_path, monkeypatch):
+    """Runs a scenario on the fake machine, into tmp_path/out."""
+
+    def call(text, sim=FakeSim, lost=0, **options):
+        def simulate(setup, trace=None, realtime=False, host="native"):
+            fake = sim(setup.axes, **options)
+            fake.lost = lost
+            return Session(fake, setup, realtime).run()
+
+        monkeypatch.setattr(runner, "simulate", simulate)
+        return mmcs("run", scenario(text), "--out", tmp_path / "out")
+
+    return call
+
+
+def test_log_of_another_run_is_refused(mmcs, run, scenario, tmp_path):
+    assert run(GOOD)[0] == 0
+    log = tmp_path / "out" / "log.csv"
+    text = log.read_text()
+    log.write_text(text.replace("0.002000,", "0.002001,", 1))
+    status, _, err = mmcs("compare", tmp_path / "out", tmp_path / "out")
+    assert status == 2 and "damaged, or of another run than its report.json" in err
+    log.write_text(text)
+    assert mmcs("compare", tmp_path / "out", tmp_path / "out")[0] == 0
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_what_cannot_be_decided_is_not_met(run, tmp_path, seen):
+    """Events beyond those that are kept may have been panics or not."""
+    expect = f'[[expect]]\nkind = "event"\nevent = "panic"\nseen = {str(seen).lower()}\n'
+    notes = [{"t": 0.1, "kind": "fault", "axis": 0, "text": "x"}]
+    status, out, _ = run(GOOD + expect, notes=notes, lost=7)
+    assert status == 1
+    assert "cannot be decided, only the first 1 of 8 events are kept, up to 0.100 s" in out
+    assert "7 further events are not kept" in out
+    status, out, _ = run(GOOD + expect, notes=notes, lost=0)
+    assert (status == 0) is (not seen) and "not kept" not in out
+
+
+def test_text_that_was_cut_decides_nothing(run):
+    expect = '[[expect]]\nkind = "event"\nevent = "log"\ntext = "needle"\nseen = false\n'
+    note = {"t": 0.1, "kind": "log", "axis": -1, "text": "x" * 98}
+    assert run(GOOD + expect, notes=[note])[0] == 0
+    status, out, _ = run(GOOD + expect, notes=[note | {"text": "x" * 99}])
+    assert status == 1 and "an event's text is cut after 99 characters" in out
+
+
+def test_window_after_the_end_decides_nothing(mmcs, scenario):
+    expect = '[[expect]]\nkind = "event"\nevent = "panic"\nafter = 0.3\nseen = false\n'
+    status, _, err = mmcs("check", scenario(GOOD + expect))
+    assert status == 2 and "expect.0.after = 0.3: must be before the end of the run" in err
+
+
+def test_record_is_of_what_was_loaded(run, tmp_path):
+    """Robot and table are edited, or gone, while the run goes on."""
+    robot, table = tmp_path / "mine.toml", tmp_path / "t.csv"
+    before = (ROBOTS / "lab500.toml").read_text()
+    robot.write_text(before)
+    table.write_text("0\n10\n")
+    text = GOOD.replace('"lab500"', '"./mine.toml"') + (
+        '[[motion]]\naxis = 0\nkind = "table"\nat = 0.2\nduration = 0.1\nfile = "t.csv"\n'
+    )
+
+    def edit(self, client):
+        robot.write_text("rubbish")
+        table.unlink()
+        return FakeSim.start_motion(self, client)
+
+    class Editing(FakeSim):
+        start_motion = edit
+
+    assert run(text, sim=Editing)[0] == 0
+    record = read_record(str(tmp_path / "out"))
+    assert record.files == {"robot.toml": before, "table1.csv": "0\n10\n"}
+    again = tmp_path / "again"
+    again.mkdir()
+    assert record.setup(again).axes == 1
+
+
+# --- rows --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("in_memory", [0, 1 << 20], ids=["file", "memory"])
+def test_rows_are_an_array(in_memory):
+    rows, whole = Rows(3, in_memory), np.arange(30_000.0).reshape(-1, 3)
+    for start in range(0, 10_000, 7):
+        rows.append(whole[start : start + 7])
+    assert isinstance(rows.array(), np.ndarray) is bool(in_memory)
+    assert rows.shape == whole.shape and rows.size == whole.size
+    for key in (
+        slice(None), slice(10, 20), slice(0, 9_000, 800), slice(5, 5), slice(9_990, 20_000),
+        (slice(None), 2), (slice(8_000, 9_500), 1), (slice(0, 10_000, 3), 0), 17, -1, (-1, 2),
+        (slice(4, 9), slice(1, 3)), (slice(7, 7), 0),
+    ):  # fmt: skip
+        assert np.array_equal(rows[key], whole[key]), key
+    assert np.array_equal(np.concatenate(list(rows.blocks())), whole)

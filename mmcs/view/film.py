@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs film RUN`: the arm in three dimensions, as a strip of pictures and as an animation."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from mmcs.errors import InputError
+from mmcs.view.plot import BLUE, GREY, ORANGE, style
+from mmcs.view.runs import Run
+
+GIF_FPS = 20
+MAX_FRAMES = 200
+VIEW = {"elev": 22, "azim": -60}
+
+
+def arm_points(links: list[dict], angles: np.ndarray) -> np.ndarray:
+    """Corners of the arm in the base frame, m: base, then two per link (along d, then along a)."""
+    frame, points = np.eye(4), [np.zeros(3)]
+    for link, q in zip(links, angles, strict=True):
+        angle = q + link["theta0"]
+        c, s = math.cos(angle), math.sin(angle)
+        ca, sa = math.cos(link["alpha"]), math.sin(link["alpha"])
+        points.append((frame @ np.array([0, 0, link["d"], 1]))[:3])
+        frame = frame @ np.array([
+            [c, -s * ca, s * sa, link["a"] * c],
+            [s, c * ca, -c * sa, link["a"] * s],
+            [0, sa, ca, link["d"]],
+            [0, 0, 0, 1],
+        ])  # fmt: skip
+        points.append(frame[:3, 3].copy())
+    # The flange has no length of its own; a short tool shows which way it points.
+    points.append((frame @ np.array([0, 0, 0.1, 1]))[:3])
+    return np.array(points)
+
+
+def poses(run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Times, and the arm's corners at each of them."""
+    links = run.report.get("links") or []
+    if not links:
+        raise InputError.one(run.folder, "", None, "its robot has no [[link]]: there is no arm")
+    angles = np.column_stack([run.column(axis, "angle_rad") for axis in range(run.axes)])
+    return run.log[:, 0], np.array([arm_points(links, row) for row in angles])
+
+
+def write_strip(run: Run, path: Path, pictures: int = 6) -> None:
+    plt = style()
+    t, arm = poses(run)
+    figure = plt.figure(figsize=(2.6 * pictures, 3.4))
+    for n in range(pictures):
+        k = round(n * (len(t) - 1) / max(1, pictures - 1))
+        cell = figure.add_subplot(1, pictures, n + 1, projection="3d")
+        _draw(cell, arm, k)
+        cell.set_title(f"{t[k]:.2f} s", size=10)
+    figure.subplots_adjust(0, 0, 1, 0.92, 0, 0)
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+
+
+def write_gif(run: Run, path: Path, slower: float = 1.0) -> int:
+    """Returns the number of pictures; `slower` = 4 shows a second in four."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    style()
+    t, arm = poses(run)
+    frames = max(2, min(MAX_FRAMES, round((t[-1] - t[0]) * slower * GIF_FPS)))
+    figure = Figure(figsize=(4.2, 4.2), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+    cell = figure.add_axes((0, 0, 1, 0.95), projection="3d")
+    images = []
+    for k in np.linspace(0, len(t) - 1, frames).round().astype(int):
+        cell.clear()
+        _draw(cell, arm, int(k))
+        cell.set_title(f"{t[k]:.3f} s", size=10)
+        canvas.draw()
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("P"))
+    duration = round((t[-1] - t[0]) * slower * 1000 / frames)
+    images[0].save(path, save_all=True, append_images=images[1:], duration=duration, loop=0)
+    return frames
+
+
+def _draw(cell, arm: np.ndarray, k: int) -> None:
+    """The arm at sample k, where it began in grey, and the way of its flange."""
+    reach = float(np.abs(arm[:, :, :2]).max()) * 1.05
+    height = max(float(arm[:, :, 2].max()) * 1.05, reach)
+    cell.plot(*arm[0].T, color=GREY, lw=1.2, alpha=0.6)
+    cell.plot(*arm[: k + 1, -1].T, color=ORANGE, lw=1.0)
+    corners = arm[k]
+    cell.plot(*corners.T, color=BLUE, lw=4, solid_capstyle="round", solid_joinstyle="round")
+    cell.plot(*corners[:-1:2].T, ls="", marker="o", ms=4, color="white", mec=BLUE)
+    shadow = corners.copy()
+    shadow[:, 2] = 0
+    cell.plot(*shadow.T, color="#d0d3d8", lw=2)
+    cell.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(0, height))
+    cell.set_box_aspect((2 * reach, 2 * reach, height), zoom=1.25)
+    cell.view_init(**VIEW)
+    for axis in (cell.xaxis, cell.yaxis, cell.zaxis):
+        axis.set_ticklabels([])
+        axis.set_pane_color((1, 1, 1, 0))

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When what happens in a trace: the first whole servo pass, from SCLOCK to the last D/A write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Pass(NamedTuple):
+    """Times in units of the trace."""
+
+    sclock: int
+    acknowledge: int
+    first_read: int
+    last_write: int
+
+
+def first_pass(trace: Path, machine: str, soc: bool = False) -> Pass | None:
+    """The first servo pass in the trace from its SCLOCK to the next one; None: there is none.
+
+    soc: the machine has its own processor, whose interrupt knows no acknowledge cycle.
+    """
+    import pywellen
+
+    found = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
+
+    def edges(path: str, to: int) -> list[int]:
+        changes = [(time, int(value)) for time, value in found[f"{machine}.{path}"].tv]
+        pairs = zip(changes, changes[1:], strict=False)
+        return [time for (_, before), (time, after) in pairs if before != after == to]
+
+    clocks = edges("sclock_o", 1)
+    acks = [] if soc else edges("u_adaptor.vme_iackin_ni", 0)
+    reads, writes = edges("pc_ior_n", 0), edges("pc_iow_n", 1)
+    for begin, end in zip(clocks, clocks[1:], strict=False):
+        ack = next((t for t in acks if begin <= t < end), begin if soc else None)
+        if ack is None:
+            continue
+        read = next((t for t in reads if ack <= t < end), None)
+        last = next((t for t in reversed(writes) if ack <= t < end), None)
+        if read is not None and last is not None and read < last:
+            return Pass(begin, ack, read, last)
+    return None

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of a run: setpoint and position, joint angle, error and current of every axis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from mmcs.engine import logcols
+
+BLUE, ORANGE, GREY, RED = "#1f5fa8", "#d9822b", "#8a8f98", "#b3363e"
+MAX_POINTS = 4000
+ROWS = ("position", "angle", "error", "current")
+LABELS = ("position\ncounts", "joint angle\ndeg", "error\ncounts", "current\nD/A units")
+
+
+def style():
+    """pyplot, set up so that the same data draws the same SVG file."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    matplotlib.rcParams.update(
+        {
+            "font.size": 9,
+            "font.family": "sans-serif",
+            "svg.fonttype": "none",
+            "svg.hashsalt": "mmcs",  # the same run draws the same file
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.edgecolor": GREY,
+            "text.parse_math": False,  # a $ in a description is a $
+            "axes.grid": True,
+            "grid.color": "#e4e6ea",
+            "grid.linewidth": 0.6,
+        }
+    )
+    import matplotlib.pyplot as plt
+
+    return plt
+
+
+def write_plot(result, path: Path) -> None:
+    plt = style()
+    axes = result.setup.axes
+    figure, grid = plt.subplots(
+        len(ROWS), axes, sharex=True, squeeze=False,
+        figsize=(max(7.0, 3.0 * axes), 7.4), height_ratios=[2.2, 1.2, 1.2, 1.2],
+        layout="constrained",
+    )  # fmt: skip
+    for axis in range(axes):
+        _draw_axis(result, axis, grid[:, axis])
+    for row, label in enumerate(LABELS):
+        grid[row][0].set_ylabel(label)
+    grid[0][0].legend(loc="best", frameon=False)
+    figure.align_ylabels(grid[:, 0])
+    scenario = result.setup.scenario
+    figure.suptitle(f"{result.setup.name}: {scenario.description}", x=0.01, ha="left", size=11)
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+
+
+def _draw_axis(result, axis: int, cells) -> None:
+    log = result.log
+    stride = max(1, len(log) // MAX_POINTS)
+    log = log[::stride]
+    t = log[:, 0]
+    setpoint, encoder, velocity, error, current, errcode, angle = (
+        logcols.column(log, axis, name) for name in logcols.FIELDS
+    )
+    params = result.setup.params[axis]
+    in_velocity = params["mode"] == "velocity"
+    what, y = ("velocity", velocity) if in_velocity else ("encoder", encoder)
+    top, arm, wrong, amps = cells
+    name = result.setup.robot.axis_name(axis)
+    top.set_title(f"axis {axis}" + (f" ({name})" if name else ""), loc="left", size=10)
+    top.step(t, setpoint, where="post", color=ORANGE, lw=1.2, label="setpoint")
+    top.plot(t, y, color=BLUE, lw=1.2, label=what)
+    if in_velocity:
+        top.set_ylabel("counts/sample")
+    arm.plot(t, np.degrees(angle), color=BLUE, lw=1.0)
+    wrong.plot(t, error, color=RED, lw=0.8)
+    wrong.axhline(0, color=GREY, lw=0.6)
+    amps.step(t, current, where="post", color=BLUE, lw=0.7)
+    if np.abs(current).max(initial=0) > 0.9 * params["ilim"]:
+        for limit in (-params["ilim"], params["ilim"]):
+            amps.axhline(limit, color=GREY, lw=0.8, ls=":")
+    for when in t[np.flatnonzero(np.diff(errcode) > 0) + 1]:
+        top.axvline(when, color=RED, lw=0.8, ls="--")
+    amps.set_xlabel("s")

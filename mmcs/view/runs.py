@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads the folder of a finished run."""
+
+from __future__ import annotations
+
+import itertools
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mmcs.engine import logcols
+from mmcs.engine.rows import BLOCK, Rows
+from mmcs.errors import InputError
+from mmcs.place import run_folders
+from mmcs.result.folder import reading
+from mmcs.scenario.files import read_json
+
+
+@dataclass
+class Run:
+    folder: Path
+    report: dict
+    log: np.ndarray | Rows  # columns as in log.csv
+
+    @property
+    def axes(self) -> int:
+        return (self.log.shape[1] - 1) // len(logcols.FIELDS)
+
+    def column(self, axis: int, name: str) -> np.ndarray:
+        return logcols.column(self.log, axis, name)
+
+
+def read_run(name: str) -> Run:
+    """A folder with report.json and log.csv, or the name of a scenario that was run."""
+    folder = Path(name)
+    if not folder.is_dir() and "/" not in name:
+        folder = next((f for f in run_folders(name) if f.is_dir()), folder)
+    if not folder.is_dir():
+        raise InputError.one(name, "", None, "no such run; make it with `mmcs run`")
+    try:
+        with reading(folder):
+            return _read(folder)
+    except OSError as error:
+        why = "its results are not there; run the scenario again"
+        why = why if isinstance(error, FileNotFoundError) else str(error)
+        raise InputError.one(folder, "", None, f"is not a run: {why}") from None
+    except ValueError as error:
+        raise InputError.one(folder, "", None, f"is not a run: {error}") from None
+
+
+def _read(folder: Path) -> Run:
+    """Raises ValueError with a sentence."""
+    report = read_json(folder / "report.json")
+    if not isinstance(report, dict) or not {"scenario", "axes", "hash"} <= report.keys():
+        raise ValueError("its report.json is none of MMCS")
+    if not isinstance(report["scenario"], str) or not isinstance(report["axes"], list):
+        raise ValueError("its report.json is damaged")
+    crc, rows, width = 0, None, 0
+    with (folder / "log.csv").open("rb") as file:
+        crc = zlib.crc32(file.readline(), crc)
+        while lines := list(itertools.islice(file, BLOCK)):
+            for line in lines:
+                crc = zlib.crc32(line, crc)
+            block = np.loadtxt(lines, delimiter=",", ndmin=2)
+            rows, width = rows or Rows(block.shape[1]), block.shape[1]
+            if width != rows.columns:
+                raise ValueError("its log.csv is damaged")
+            rows.append(block)
+    if crc != report.get("log_crc32", crc):
+        raise ValueError("its log.csv is damaged, or of another run than its report.json")
+    if rows is None:
+        raise ValueError("it has an empty log")
+    if width != 1 + len(logcols.FIELDS) * len(report["axes"]):
+        raise ValueError("its log.csv has other axes than its report.json")
+    return Run(folder, report, rows.array())

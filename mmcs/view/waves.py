@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A prepared view of a trace, for GTKWave (.gtkw) and Surfer (.sucl), beside the trace.
+
+It opens on one servo pass, with markers at its SCLOCK, acknowledge, first read and last D/A write.
+States, registers and parts of the pass have names, counts and D/As are drawn as curves. GTKWave's
+view is checked on its screen; Surfer's was never tried.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import NamedTuple
+
+from mmcs.view.moments import Pass, first_pass
+from mmcs.view.names import write_tables
+
+TOP = "TOP"
+MACHINE = f"{TOP}.mmcs"
+SOC_MACHINE = f"{TOP}.mmcs_soc.u_mmcs"  # of --host rv32
+CPU = "/mmcs_soc.u_host.u_cpu.u_ibex_core"
+BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
+STATE = "100000028"  # by the names of its enumeration, which is in the trace
+GROUP_BEGIN, GROUP_END = "800200", "1000200"
+NAMED, CURVE, ROOM = 0x2000, 0x8000, "20000"  # a table of names; drawn in steps; height for it
+CURVE_LINES = 3
+PIXELS, FRAME = 900, 200  # across which the servo pass is spread; GTKWave's zoom counts frames
+MARKERS = ("SCLOCK", "acknowledge", "first read", "last D/A write")
+
+
+class Signal(NamedTuple):
+    path: str  # below the machine, or with / below what holds it
+    width: int = 1
+    form: str = BIN
+    low: int = 0  # its lowest bit
+    names: str = ""  # a table of names.TABLES
+    curve: bool = False
+
+    def full(self, machine: str = MACHINE) -> str:
+        return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{machine}.{self.path}"
+
+    def gtkwave(self, machine: str = MACHINE) -> str:
+        return self.full(machine) + (
+            f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else ""
+        )
+
+    def lines(self, machine: str, folder: Path, tables: dict[str, int]) -> list[str]:
+        """Of a .gtkw file, which numbers its tables as they come."""
+        flags = int(self.form, 16) | (NAMED if self.names else 0) | (CURVE if self.curve else 0)
+        number = tables.setdefault(self.names, len(tables) + 1) if self.names else 0
+        return [
+            f"@{flags:x}",
+            *([f"^{number} {folder / self.names}.txt"] if self.names else ()),
+            self.gtkwave(machine),
+            *([f"@{ROOM}", *["-"] * CURVE_LINES] if self.curve else ()),
+        ]
+
+
+GROUPS = {
+    "SCLOCK and PANIC": [
+        Signal("sclock_o"),
+        Signal("panic_o"),
+        Signal("brake_release_o"),
+        Signal("led_irq_o"),
+    ],
+    "VME": [
+        Signal("u_adaptor.vme_a_i", 15, HEX, 1, names="registers"),
+        Signal("u_adaptor.vme_am_i", 6, HEX),
+        Signal("u_adaptor.vme_as_ni"),
+        Signal("u_adaptor.vme_ds_ni", 2, BIN),
+        Signal("u_adaptor.vme_write_ni"),
+        Signal("u_adaptor.vme_d_i", 8, HEX),
+        Signal("u_adaptor.vme_d_o", 8, HEX),
+        Signal("u_adaptor.vme_d_oe_o"),
+        Signal("u_adaptor.vme_dtack_no"),
+        Signal("u_adaptor.vme_irq_no", 7, BIN, 1),
+        Signal("u_adaptor.vme_iack_ni"),
+        Signal("u_adaptor.vme_iackin_ni"),
+        Signal("u_adaptor.vme_iackout_no"),
+        Signal("u_adaptor.g_vme.u_slave.state_q", 2, STATE),
+        Signal("u_adaptor.g_vme.u_interrupter.state_q", 2, STATE),
+        Signal("u_adaptor.u_core.state_q", 2, STATE),
+    ],
+    "PC bus": [
+        Signal("pc_a", 16, HEX),
+        Signal("pc_aen"),
+        Signal("pc_ior_n"),
+        Signal("pc_iow_n"),
+        Signal("pc_wdata", 8, HEX),
+        Signal("pc_rdata", 8, HEX),
+        Signal("pc_reset_drv"),
+        Signal("u_adaptor.u_core.u_master.state_q", 2, STATE),
+    ],
+    "axis 0": [
+        Signal("g_card[0].u_card.g_axis[0].u_axis.latch_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.a_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.b_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.u_encoder.count_q", 16, SIGNED, curve=True),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_lo_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_hi_i"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.drive_v_o", 16, SIGNED, curve=True),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_v_i", 16, SIGNED),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_code_o", 12, HEX),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.converting_o"),
+        Signal("g_card[0].u_card.g_axis[0].u_axis.heartbeat_o"),
+    ],
+    # the part of a pass, and the instruction, of a processor
+    "firmware": [
+        Signal("u_host_view.phase", 3, HEX, names="phases"),
+        Signal("u_host_view.pc", 32, HEX),
+    ],
+    "card 0": [
+        Signal("g_card[0].u_card.leds_o", 11, BIN),
+        Signal("g_card[0].u_card.enc_a_i", 2, BIN),
+        Signal("g_card[0].u_card.enc_b_i", 2, BIN),
+        Signal("g_card[0].u_card.enc_i_i", 2, BIN),
+        Signal("g_card[0].u_card.axis_enable_i", 2, BIN),
+        Signal("g_card[0].u_card.bus_busy"),
+    ],
+}
+
+
+# What takes the place of these groups where the machine has its own processor.
+SOC_GROUPS = {
+    "VME": (
+        "host port",
+        [
+            Signal("hp_req_i"),
+            Signal("hp_write_i"),
+            Signal("hp_a_i", 10, HEX, 1),
+            Signal("hp_wdata_i", 8, HEX),
+            Signal("hp_rdata_o", 8, HEX),
+            Signal("hp_ack_o"),
+        ],
+    ),
+    "firmware": (
+        "firmware",
+        [
+            Signal("u_host_view.phase", 3, HEX, names="phases"),
+            Signal("/mmcs_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX),
+        ],
+    ),
+}
+
+
+def view(host: str = "native") -> tuple[str, dict[str, list[Signal]]]:
+    """The machine's place in a trace, and the groups of its prepared view."""
+    if host != "rv32":
+        return MACHINE, GROUPS
+    return SOC_MACHINE, dict(SOC_GROUPS.get(name, (name, g)) for name, g in GROUPS.items())
+
+
+def write_views(trace: Path, host: str = "native") -> tuple[Path, Path]:
+    """Writes the two view files beside the trace, and the tables of names."""
+    gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
+    machine, groups = view(host)
+    names = trace.resolve().with_suffix(".names")
+    write_tables(names)
+    seen = first_pass(trace, machine, soc=host == "rv32")
+    gtkw.write_text(_gtkwave(trace, machine, groups, names, seen))
+    sucl.write_text(_surfer(machine, groups, seen))
+    return gtkw, sucl
+
+
+def _gtkwave(
+    trace: Path, machine: str, groups: dict[str, list[Signal]], names: Path, seen: Pass | None
+) -> str:
+    lines, tables = [f'[dumpfile] "{trace.resolve()}"'], {}
+    if seen:
+        span = seen.last_write - seen.sclock
+        begin = max(0, seen.sclock - span // 20)
+        zoom = -math.log2(span * 1.15 / PIXELS * FRAME)
+        times = [*seen, *[-1] * (26 - len(seen))]
+        lines += [f"[timestart] {begin}", f"*{zoom:.6f} {seen.sclock} {' '.join(map(str, times))}"]
+        letters = zip("ABCD", MARKERS, strict=True)
+        lines += [f"[markername] {letter}{name}" for letter, name in letters]
+    lines += ["[sst_expanded] 1"]
+    for name, signals in groups.items():
+        lines += [f"@{GROUP_BEGIN}", f"-{name}"]
+        for signal in signals:
+            lines += signal.lines(machine, names, tables)
+        lines += [f"@{GROUP_END}", f"-{name}"]
+    return "\n".join(lines) + "\n"
+
+
+def _surfer(machine: str, groups: dict[str, list[Signal]], seen: Pass | None) -> str:
+    lines = []
+    for name, signals in groups.items():
+        lines.append(f"divider_add {name}")
+        lines += [f"variable_add {signal.full(machine)}" for signal in signals]
+    lines += ["zoom_fit", *([f"cursor_set {seen.sclock}"] if seen else ())]
+    return "\n".join(lines) + "\n"
+
+
+def open_viewer(trace: Path) -> None:
+    """Opens GTKWave or Surfer when there is one and a display; else says what to type."""
+    import click
+
+    gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
+    commands = {"gtkwave": [str(trace), str(gtkw)], "surfer": ["-c", str(sucl), str(trace)]}
+    found = next((name for name in commands if shutil.which(name)), None)
+    if found and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        quiet = subprocess.DEVNULL
+        subprocess.Popen(
+            [found, *commands[found]], stdout=quiet, stderr=quiet, start_new_session=True
+        )
+        return
+    click.echo(f"to look at it: gtkwave {trace} {gtkw}")
+    click.echo(f"           or: surfer -c {sucl} {trace}   (untried)")

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Puts the sources that a run is built of into the package: RTL, firmware, engine, scenarios."""
+
+import hashlib
+import shutil
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+TREES = ("rtl", "sim", "firmware")
+FILES = ("mmcs.core", "tools/sources.py")
+LEFT_OUT = {"tests", "__pycache__"}
+
+
+def sources() -> list[str]:
+    """Names of the files, from the top of the checkout."""
+    found = [path for tree in TREES for path in (HERE / tree).rglob("*") if path.is_file()]
+    names = [path.relative_to(HERE) for path in found]
+    return [*FILES, *(str(name) for name in sorted(names) if not LEFT_OUT & set(name.parts))]
+
+
+def copy_sources(target: Path) -> None:
+    digest = hashlib.sha256()
+    for name in sources():
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(HERE / name, target / name)
+        digest.update(f"{name}\n".encode() + (HERE / name).read_bytes())
+    (target / "DIGEST").write_text(digest.hexdigest() + "\n")
+
+
+def main() -> None:
+    from setuptools import setup
+    from setuptools.command.build_py import build_py
+
+    class BuildWithSources(build_py):
+        def run(self):
+            super().run()
+            if not self.editable_mode:
+                copy_sources(Path(self.build_lib) / "mmcs" / "source")
+
+    setup(cmdclass={"build_py": BuildWithSources})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The device by every call that a C program may use for a file, §2.3: a line for each that went
+ * wrong, and "done". */
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include "mcdef.h"
+
+#define EXPECT(truth) \
+  if (!(truth)) printf("line %d: %s (errno %d)\n", __LINE__, #truth, errno)
+
+static void paths(void) {
+  struct stat status;
+  EXPECT(stat("/dev/mc0", &status) == 0 && S_ISCHR(status.st_mode));
+  EXPECT(lstat("/dev/vme16", &status) == 0 && S_ISCHR(status.st_mode));
+  EXPECT(fstatat(AT_FDCWD, "/dev/mc0", &status, 0) == 0 && S_ISCHR(status.st_mode));
+  EXPECT(stat("/dev/null", &status) == 0 && stat("/dev/mcx", &status) < 0);
+  EXPECT(access("/dev/mc0", R_OK | W_OK) == 0);
+  EXPECT(access("/dev/mc0", X_OK) < 0 && errno == EACCES);
+  EXPECT(faccessat(AT_FDCWD, "/dev/mc0", R_OK, 0) == 0);
+}
+
+static void vectors(int fd) {
+  int one[2] = {30, 0}, none[64] = {0};
+  struct mc_state a, b;
+  struct iovec out[2] = {{&one[0], 4}, {&one[1], 4}}, in[2] = {{&a, sizeof(a)}, {&b, sizeof(b)}};
+  struct stat status;
+  EXPECT(fstat(fd, &status) == 0 && S_ISCHR(status.st_mode));
+  EXPECT(writev(fd, out, 2) == 8);
+  out[1].iov_base = none;
+  out[1].iov_len = sizeof(none);
+  EXPECT(writev(fd, out, 2) < 0 && errno == EINVAL);
+  EXPECT(readv(fd, in, 2) == 2 * (ssize_t)sizeof(a) && b.errcode == 0);
+  EXPECT(pwrite(fd, one, 8, 100) == 8);
+  EXPECT(pread(fd, &a, sizeof(a), 100) == sizeof(a));
+  EXPECT(dprintf(fd, "12345678") == 8);
+  EXPECT(dprintf(fd, "not a setpoint") < 0 && errno == EINVAL);
+}
+
+static void streams(void) {
+  struct mc_state state[2];
+  int setpoints[2] = {10, 20}, cards = 0, three[3] = {0};
+  FILE *file = fopen("/dev/mc0", "r+");
+  EXPECT(file != NULL);
+  EXPECT(fwrite(setpoints, sizeof(int), 2, file) == 2 && fflush(file) == 0);
+  EXPECT(fread(state, sizeof(state[0]), 2, file) == 2 && state[1].errcode == 0);
+  EXPECT(ioctl(fileno(file), MGETNUMCARDS, &cards) == 0 && cards == 1);
+  EXPECT(fwrite(three, sizeof(int), 3, file) == 3 && fflush(file) == EOF && ferror(file));
+  (void)fclose(file);
+  file = fdopen(open("/dev/mc0", O_RDWR), "w");
+  EXPECT(file != NULL && fwrite(setpoints, sizeof(int), 2, file) == 2 && fclose(file) == 0);
+  EXPECT(fopen("/dev/mc7", "r") == NULL && errno == ENXIO);
+}
+
+int main(void) {
+  int fd, number = 5;
+  (void)signal(SIGPIPE, SIG_IGN);
+  paths();
+  fd = open("/dev/mc0", O_RDWR);
+  vectors(fd);
+  streams();
+  (void)clearenv();
+  EXPECT(ioctl(fd, MGETNUMCARDS, &number) == 0 && number == 1);
+  number = open("/dev/mc0", O_RDONLY);
+  EXPECT(number >= 0);
+  /* what goes past the library is not lost in silence */
+  EXPECT(syscall(SYS_write, fd, &number, 4) < 0 && errno == EPIPE);
+  EXPECT(ioctl(fd, MGETNUMCARDS, &number) == 0);
+  printf("done\n");
+  return 0;
+}

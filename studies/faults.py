@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The fault table: `python -m studies.faults` runs every fault scenario and writes docs/faults.md.
+
+A fault scenario has a [fault] table; its first event is the fault. Each one runs twice: as built in
+1989, and with the amplifiers' enable taken away by PANIC (amp_panic_cut).
+"""
+
+from __future__ import annotations
+
+import errno
+from typing import NamedTuple
+
+from mmcs import ROOT, mcdef
+from mmcs.result import expect_plant as plant
+from mmcs.scenario.inputs import INPUTS
+
+DOCUMENT = ROOT / "docs" / "faults.md"
+OPEN_LOOP = ("estop", "cable", "pc_power")  # open the PANIC line themselves
+REGISTERS = {
+    "seu_encoder": "`thct2000` `count_q`: the counter of the encoder",
+    "seu_dac_input": "`ad667` `rank1_q`: what was written to the D/A and waits",
+    "seu_dac_output": "`ad667` `rank2_q`: what the D/A puts out",
+    "seu_index_latch": "`axis` `index_latch_q`: the index has come",
+    "seu_heartbeat": "`oneshot` `run_q`: the heartbeat runs",
+    "seu_pccsr": "`pccsr` `csr_q`: PCCSR bits 7 to 0",
+    "seu_vector": "`adaptor_core` `vector_q`: the interrupt vector",
+}
+
+
+class Row(NamedTuple):
+    name: str
+    scenario: str
+    why: str
+    detected: str  # by what
+    after_ms: float | None
+    moved: list[float]  # degrees per joint, farthest from where it was at the fault
+    cut: list[float]  # the same with amp_panic_cut
+    state: str  # what it ends in
+
+
+def fault_scenarios() -> list:
+    """(name, setup) of those with a [fault] table, in the order of their names."""
+    from mmcs.scenario.files import scenario_names
+    from mmcs.scenario.load import load
+
+    setups = [(name, load(name, ("skip=true",))) for name in scenario_names()]
+    return [(name, setup) for name, setup in setups if setup.scenario.fault]
+
+
+def measure(name: str, setup) -> Row:
+    from mmcs.run.runner import simulate
+    from mmcs.scenario.load import load
+
+    result = simulate(setup)
+    detected, after_ms = detection(result)
+    fault = setup.scenario.fault
+    cut = load(name, ("skip=true", "amp_panic_cut=true"))
+    panics = any(n["kind"] == "panic" and "high" in n["text"] for n in result.notes)
+    return Row(
+        fault.name,
+        name,
+        fault.why,
+        detected,
+        after_ms,
+        moved(result),
+        moved(simulate(cut)) if panics else [],
+        final_state(result),
+    )
+
+
+def fault_time(result) -> float:
+    """Seconds after the start of motion."""
+    events = result.setup.scenario.event
+    faults = [n["t"] for n in result.notes if n["kind"] == "fault"]
+    if not events or not faults:
+        return 0.0
+    # Where the first event only prepares (a jumper set wrong), the last one is the fault.
+    late = [t for t in faults if t > result.motion_start_s]
+    return max(0.0, (late[-1] if late and not events[-1].until else faults[0])
+               - result.motion_start_s)  # fmt: skip
+
+
+def detection(result) -> tuple[str, float | None]:
+    began = result.motion_start_s + fault_time(result)
+    inputs = [event.input for event in result.setup.scenario.event]
+    reason = ""
+    for note in result.notes:
+        if note["t"] < began:
+            continue
+        after = (note["t"] - began) * 1e3
+        if note["kind"] == "log" and "PANIC: " in note["text"]:
+            reason = reason or note["text"].partition("PANIC: ")[2]
+        if note["kind"] == "panic" and "high" in note["text"]:
+            own = any(name in OPEN_LOOP for name in inputs)
+            return ("PANIC line" if own else "heartbeats, PANIC line"), after
+        if note["kind"] == "error":
+            flags = int(note["text"].split()[1], 16) & 0xFF
+            if flags & (mcdef.MERR_PLO | mcdef.MERR_PHI):
+                return "driver: position limit", after
+            if flags & mcdef.MERR_ILIM:
+                return "driver: current overload", after
+            if flags & mcdef.MERR_PANIC:
+                lost = "button" in reason  # says no more than that no cause shows on the cards
+                return "driver: " + ("a read failed" if lost else reason), after
+    if result.refused:
+        name, number = result.refused[0]
+        return f"driver: {name} says {errno.errorcode[number]}", None
+    stats = result.stats
+    if stats["missed"] or stats["overruns"]:
+        return f"statistics: {stats['missed']} missed, {stats['overruns']} overruns", None
+    return "nothing", None
+
+
+def moved(result) -> list[float]:
+    if not len(result.truth):
+        return []
+    began = fault_time(result)
+    return [round(plant.moved_deg(result, n, began), 1) for n in range(result.setup.axes)]
+
+
+def final_state(result) -> str:
+    if result.refused:
+        return "yes: nothing has moved"
+    began = fault_time(result)
+    rests = [plant.rest_ms(result, n, began) for n in range(result.setup.axes)]
+    names = [result.setup.robot.axis_name(n) for n, rest in enumerate(rests) if rest is None]
+    moving = f"; {', '.join(names)} still moving" if names else ""
+    resting = [rest for rest in rests if rest is not None]
+    if result.truth[-1, 1]:
+        high = [n["t"] for n in result.notes if n["kind"] == "panic" and "high" in n["text"]]
+        after = (high[-1] - result.motion_start_s - began) * 1e3
+        braked = all(rest is not None for rest in rests[:3])
+        good = "yes" if not names else "J1 to J3" if braked else "no"
+        rest = f", at rest after {max(resting):.0f} ms" if resting else ""
+        return f"{good}: brakes after {after:.0f} ms{rest}{moving}"
+    if any(n["kind"] == "error" and int(n["text"].split()[1], 16) & ~mcdef.MERR_ZINDEX & 0xFF
+           for n in result.notes):  # fmt: skip
+        return f"no: zero current, brakes open{moving}"
+    return "no: the servo goes on"
+
+
+def write_document() -> None:
+    rows = [measure(name, setup) for name, setup in fault_scenarios()]
+    DOCUMENT.write_text(document(rows, healthy()))
+
+
+def healthy() -> list[float]:
+    """What the joints move after 0.1 s when nothing is wrong."""
+    from mmcs.run.runner import simulate
+    from mmcs.scenario.load import load
+
+    # An event that changes nothing, so that the physics is watched.
+    nothing = 'event=[{at=0.1, input="estop", value=0}]'
+    return moved(simulate(load("fault_estop", ("skip=true", "duration=0.4", nothing))))
+
+
+def document(rows: list[Row], sound: list[float]) -> str:
+    lines = [
+        "# What can go wrong, and what happens then",
+        "",
+        "Generated by `python -m studies.faults` from the `fault_` scenarios: each row is a run on",
+        "the simulated machine, the coupled PUMA 560 in the middle of a move (a longer one where",
+        "it calibrates). *Moved*: how far each joint J1 to J6 came from where it was at the fault,",
+        "in degrees, until the end of the run 0.3 to 0.8 s later. *Amplifiers cut*: the same if",
+        "PANIC also took the amplifiers' enable away, which the design of 1989 does not do. J4 to",
+        "J6 have no brakes. Run one yourself: `mmcs run fault_estop`.",
+        "",
+        "| fault | detected by | after, ms | moved | amplifiers cut | safe state |",
+        "|---|---|---|---|---|---|",
+        f"| *none* | - | - | {_degrees(sound)} | - | - |",
+    ]
+    for row in rows:
+        after = "-" if row.after_ms is None else f"{row.after_ms:.1f}"
+        cells = (row.name, row.detected, after, _degrees(row.moved), _degrees(row.cut), row.state)
+        lines.append("| " + " | ".join(cells) + " |")
+    lines += ["", "## What the design cannot detect", ""]
+    lines += [
+        "Nothing but the user's own care finds these. `ilimax` and `POSCHK` are the driver's means",
+        "against a joint that runs away; a robot should not be run without them.",
+        "",
+    ]
+    lines += [f"* {row.name}" for row in rows if row.detected == "nothing"]
+    lines += [
+        "",
+        "There is no sensor on a brake, no way to read a D/A or a drive back while the arm is",
+        "live, no check of the encoder's wires, and no path from PANIC to the amplifiers. After a",
+        "stop the driver writes zero once; if that does not arrive, the D/A keeps its last torque.",
+        "",
+        "## Particles",
+        "",
+        "A particle flips bits of a register once, when an `[[event]]` says so; what the logic",
+        "does with it from there on is its own affair. `value` is the mask of bits.",
+        "",
+        "| input | register | one per | bits |",
+        "|---|---|---|---|",
+        *(
+            f"| `{name}` | {REGISTERS[name]} | {i.scope} | {int(i.high).bit_length()} |"
+            for name, i in INPUTS.items()
+            if name.startswith("seu_")
+        ),
+        "",
+        "## Why",
+        "",
+    ]
+    for row in rows:
+        lines.append(f"* **{row.name}** (`{row.scenario}`). {row.why}")
+    return "\n".join(lines) + "\n"
+
+
+def _degrees(values: list[float]) -> str:
+    return " ".join(f"{v:.1f}" for v in values) if values else "-"
+
+
+if __name__ == "__main__":
+    write_document()

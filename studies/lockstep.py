@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compares boards that rest with the plain machine: `python -m studies.lockstep [--clocks N]`.
+
+Two machines do the same: rtl/mmcs.sv as a whole, every clock, asserted, and the boards of the speed
+build. A random stranger sets registers, switches, wires and flips bits; then scenarios run from end
+to end. After every stretch clock, data read and hash, which covers every register, must agree.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import time
+
+from mmcs.errors import RunError
+from mmcs.scenario.files import scenario_names
+from mmcs.scenario.load import load
+from mmcs.session.machine import machine
+from mmcs.session.session import Session
+
+CLK_HZ = 8_000_000
+CHECK_EVERY = 50  # actions between two looks at the hash: it reads every register
+CARD_SELECT, CARD_LATCH, CARD_LATCH_ALL = 0x18 << 5, 0x10, 0x12
+PIT, PCCSR, VECTOR = 0x401, 0x409, 0x441
+
+# name: highest value. Those of the machine, then those of the plant.
+SWITCHES = {"estop": 1, "cable": 1, "pc_power": 1, "sysreset": 1, "axis_enable": 1,
+            "card_absent": 1, "sclock_open": 1, "panic_open": 1, "dip_xor": 15, "dac_stuck1": 4095,
+            "dac_stuck0": 4095, "adc_stuck": 1, "irq_lost": 1, "bus_error": 2,
+            "seu_encoder": 65535, "seu_dac_input": 4095, "seu_dac_output": 4095,
+            "seu_index_latch": 1, "seu_heartbeat": 1, "seu_pccsr": 255, "seu_vector": 255,
+            "encoder_a_cut": 2, "encoder_swap": 1, "encoder_slip": 40, "encoder_glitch": 20000,
+            "index_glitch": 20000, "motor_jam": 1, "pot_cut": 1}  # fmt: skip
+RARE = {"cable", "pc_power", "sysreset", "estop"}  # they put much else to rest: ended soon
+HEALTHY_1 = {"cable", "pc_power", "axis_enable"}
+GLOBAL = RARE | {"irq_lost", "bus_error", "seu_pccsr", "seu_vector"}
+BY_CARD = {"card_absent", "sclock_open", "panic_open", "dip_xor"}
+
+
+class Differs(RunError):
+    """The two machines part."""
+
+
+def stranger(seed: int, cards: int, axes: int, actions: int):
+    """Random actions on a machine: ("read", offset, am, size), ("write", ..., value),
+    ("event", after_s, name, index, value), ("run", clocks)."""
+    rng = random.Random(seed)
+
+    def card_offset() -> int:
+        card = rng.randrange(cards + (rng.random() < 0.05))
+        register = rng.choice((0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, CARD_LATCH,
+                               CARD_LATCH_ALL, rng.randrange(32)))  # fmt: skip
+        return (card & 15) << 6 | register << 1 | 1
+
+    def offset() -> int:
+        which = rng.random()
+        if which < 0.72:
+            return card_offset()
+        if which < 0.84:
+            return PIT + 2 * rng.randrange(4)
+        if which < 0.94:
+            return rng.choice((PCCSR, PCCSR, VECTOR))
+        return rng.randrange(0x800)
+
+    def value(at: int) -> int:
+        if at == PCCSR:  # the base address of the cards stays, mostly
+            return rng.choice((0xF8, 0xB8, 0xD8, 0x98, 0x18, rng.randrange(256)))
+        if PIT <= at < PIT + 8 and rng.random() < 0.5:
+            return rng.choice((0x34, 0x74, 0xB4, 0x36, 0x76, 0x30, 0x10, 0x14, 0, 1, 2, 3, 40))
+        return rng.choice((rng.randrange(256), rng.randrange(256), 0, 0xFF, 0x80, 0x8B, 1 << 3))
+
+    yield ("write", PCCSR, 0x2D, 1, 0xF8)  # the cards answer
+    for _ in range(actions):
+        what = rng.random()
+        if what < 0.42:
+            at = offset()
+            yield ("write", at, rng.choice((0x2D, 0x2D, 0x2D, 0x29, 0x39)), 1, value(at))
+        elif what < 0.68:
+            size = rng.choice((1, 1, 1, 1, 2, 4))
+            at = offset() if size == 1 else rng.randrange(0x200) * 4
+            yield ("read", at, 0x2D, size)
+        elif what < 0.80:
+            name = rng.choice(list(SWITCHES))
+            if name in RARE and rng.random() < 0.7:
+                name = rng.choice(("axis_enable", "dip_xor", "encoder_glitch"))
+            count = 1 if name in GLOBAL else cards if name in BY_CARD else axes
+            index = rng.randrange(count)
+            after = rng.choice((0, rng.randrange(40), rng.randrange(4000)))
+            worst = rng.randint(0, SWITCHES[name])
+            yield ("event", after / CLK_HZ, name, index, worst)
+            if name in RARE or rng.random() < 0.5:
+                healthy = int(name in HEALTHY_1)
+                after += rng.choice((1, 2, 3, rng.randrange(1, 3000)))
+                yield ("event", after / CLK_HZ, name, index, healthy)
+        else:
+            yield ("run", rng.choice((1, 2, 3, rng.randrange(1, 30), rng.randrange(1, 600),
+                                      round(10 ** rng.uniform(1, 4.6)))))  # fmt: skip
+
+
+def act(sim, action: tuple, numbers: dict[str, int]) -> object:
+    """What the machine answers; numbers: of its inputs, by name."""
+    what, *rest = action
+    try:
+        if what == "read":
+            return sim.bus_read(*rest)
+        if what == "write":
+            offset, am, size, value = rest
+            sim.bus_write(offset, value, am, size)
+        elif what == "event":
+            after, name, index, value = rest
+            sim.add_event(sim.time + after, numbers[name], index, value)
+        else:
+            sim.run((sim.clock + rest[0] - 0.5) / CLK_HZ)
+    except OSError as error:  # no answer, or BERR*
+        return type(error).__name__
+    return None
+
+
+def differences(pair: tuple) -> str:
+    """The registers that differ, the first few."""
+    names = list(pair[0].registers())
+    values = [[sim.register(n) for n in range(len(names))] for sim in pair]
+    found = [f"{name} {a:#x} {b:#x}" for name, a, b in zip(names, *values, strict=True) if a != b]
+    return ", ".join(found[:5]) or "no register"
+
+
+def torture(pair: tuple, seed: int, actions: int) -> int:
+    """Both machines under the same stranger; the clocks that passed."""
+    plain, skipping = pair
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    cards = plain.build()["cards"]
+    for number, action in enumerate(stranger(seed, cards, plain.axes, actions)):
+        got = [act(sim, action, numbers) for sim in pair]
+        same = got[0] == got[1] and plain.clock == skipping.clock
+        if same and number % CHECK_EVERY == 0:
+            same = plain.hash() == skipping.hash()
+        if not same:
+            raise Differs(
+                f"seed {seed}, at or up to {CHECK_EVERY} before action {number} {action}: clock "
+                f"{plain.clock} and {skipping.clock}, answers {got[0]} and {got[1]}"
+                f"; {differences(pair)}"
+            )
+    if plain.hash() != skipping.hash():
+        raise Differs(f"seed {seed}: the hashes differ at the end: {differences(pair)}")
+    return plain.clock
+
+
+def machines(name: str, overrides: tuple[str, ...] = ()):
+    setup = load(name, overrides)
+    return setup, machine(setup, "trust"), machine(setup)
+
+
+def lockstep_torture(seed: int, actions: int, name: str = "puma560") -> int:
+    _, plain, skipping = machines(name)
+    with plain, skipping:
+        return torture((plain, skipping), seed, actions)
+
+
+def lockstep_scenario(name: str) -> int:
+    """One scenario from end to end in both builds; the clocks compared."""
+    setup, *pair = machines(name)
+    results = []
+    for sim in pair:
+        with sim:
+            results.append(Session(sim, setup).run())
+    plain, skipping = results
+    if (plain.hash, plain.cycles) != (skipping.hash, skipping.cycles):
+        raise Differs(f"scenario {name}: {plain.hash} plain, {skipping.hash} skipping")
+    return plain.cycles
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m studies.lockstep", description=__doc__)
+    parser.add_argument("--clocks", type=float, default=1e9, help="compare at least so many")
+    parser.add_argument("--seed", type=int, default=1989)
+    parser.add_argument("--actions", type=int, default=20_000, help="of the stranger, each time")
+    options = parser.parse_args(arguments)
+    began, clocks, seed = time.monotonic(), 0, options.seed
+    scenarios = scenario_names()
+    try:
+        while clocks < options.clocks:
+            for name in ("puma560", "lab500"):
+                clocks += lockstep_torture(seed, options.actions, name)
+                seed += 1
+            name = scenarios[((seed - options.seed) // 2 - 1) % len(scenarios)]
+            clocks += lockstep_scenario(name)
+            print(f"{clocks:.3g} clocks equal, the last of {name}; "
+                  f"{time.monotonic() - began:.0f} s", flush=True)  # fmt: skip
+    except RunError as error:
+        print(f"mmcs: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

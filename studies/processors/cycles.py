@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the servo arithmetic (firmware/ports/bench.c) natively, on the 68020 and on RV32; times it.
+
+As a program it rewrites the tables of docs/processors.md.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FIRMWARE = ROOT / "build" / "firmware"
+BLOCK = 0x1E000
+MARK, DONE = BLOCK + 16, BLOCK + 12
+MHZ = 50 / 3
+RV32_MHZ = 24  # CPU_CLKS of sim/Makefile times 8 MHz
+PROFILES = ("P", "PD, gains of the PUMA 560", "PID, friction, filter, limits", "velocity",
+            "torque, A/D offset", "A/D feedback, 2nd order", "triangle",
+            "A/D demand, open loop, b0 = 19", "PD, limits, saturated",
+            "PD of numbers beyond 32 bits")  # fmt: skip
+
+READ = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_uint32, c.c_int, c.POINTER(c.c_uint32))
+WRITE = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_uint32, c.c_int, c.c_uint32)
+ACK = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_int)
+
+
+class Bus(c.Structure):
+    _fields_ = [("ctx", c.c_void_p), ("read", READ), ("write", WRITE), ("acknowledge", ACK)]
+
+
+class Timing(c.Structure):
+    _fields_ = [("cache", c.c_int32), ("wait_states", c.c_int32)]
+
+
+def build(*hosts: str) -> None:
+    """Compiles what is not up to date, for all processors or those named."""
+    from mmcs.engine.hosts import make
+
+    for host in hosts or ("m68020", "rv32"):
+        make("firmware/Makefile", host)
+    if "m68020" in (hosts or ("m68020",)):
+        make("sim/hosts/Makefile", "all")
+
+
+def native():
+    """bench(profile, ticks) of this machine."""
+    library = FIRMWARE / "bench_native.so"
+    part = library.with_suffix(f".{os.getpid()}")
+    mc = ROOT / "firmware"
+    subprocess.run(
+        ["cc", "-O2", "-shared", "-fPIC", "-DBENCH_NATIVE", f"-I{mc / 'mc'}", f"-I{mc / 'include'}",
+         "-o", str(part), str(mc / "ports" / "bench.c"), str(mc / "mc" / "servo.c")],
+        check=True,
+    )  # fmt: skip
+    part.replace(library)
+    function = c.CDLL(str(library)).bench
+    function.restype, function.argtypes = c.c_uint32, (c.c_uint32, c.c_uint32)
+    return function
+
+
+def iss():
+    lib = c.CDLL(str(ROOT / "build" / "hosts" / "libm68020.so"))
+    lib.iss_create.restype = c.c_void_p
+    lib.iss_create.argtypes = (c.c_uint32, c.c_char_p, c.c_size_t, c.POINTER(Bus),
+                               c.POINTER(Timing))  # fmt: skip
+    lib.iss_cycles.restype = c.c_int64
+    for name in ("iss_cycles", "iss_destroy"):
+        getattr(lib, name).argtypes = (c.c_void_p,)
+    lib.iss_run.argtypes = (c.c_void_p, c.c_int)
+    return lib
+
+
+def on_68020(profile: int, ticks: int, cache: int = 0, waits: int = 0):
+    """(hash, cycles per tick: mean and worst) of the compiled firmware."""
+    lib = iss()
+    words = {BLOCK: profile, BLOCK + 4: ticks, BLOCK + 8: 0, DONE: 0, MARK: 0}
+    spans: list[int] = []
+    begin = [0]
+
+    def read(_, address, size, value):
+        if size != 4 or address not in words:
+            return 1
+        value[0] = words[address]
+        return 0
+
+    def write(_, address, size, value):
+        if size != 4 or address not in words:
+            return 1
+        words[address] = value
+        if address == MARK and value:
+            begin[0] = lib.iss_cycles(cpu)
+        elif address == MARK:
+            spans.append(lib.iss_cycles(cpu) - begin[0])
+        return 0
+
+    bus = Bus(None, READ(read), WRITE(write), ACK(lambda *_: -2))
+    image = (FIRMWARE / "m68020" / "bench.bin").read_bytes()
+    timing = Timing(cache, waits)
+    cpu = lib.iss_create(BLOCK, image, len(image), bus, timing)
+    try:
+        for _ in range(10 * ticks + 10):
+            if words[DONE]:
+                break
+            lib.iss_run(cpu, 100_000)
+    finally:
+        lib.iss_destroy(cpu)
+    assert words[DONE] == 1, f"the image did not end: {words}"
+    return words[BLOCK + 8], sum(spans) / len(spans), max(spans)
+
+
+def on_rv32(ticks: int) -> list[tuple[int, float, int]]:
+    """For each profile as on_68020(), counted by the core of the SoC itself, in the RTL."""
+    from mmcs.engine import hosts
+    from mmcs.engine.build import ensure_library
+    from mmcs.engine.sim import Sim
+    from mmcs.scenario.load import load
+
+    setup = load("lab500", ())
+    config = setup.config() | {"skip": 0, "host": hosts.HOSTS.index("rv32"),
+                               "firmware": str(FIRMWARE / "rv32" / "timing.bin")}  # fmt: skip
+    library = ensure_library(setup.scenario.cards, "speed", soc=True)
+    found = []
+    with Sim(library, config, setup.motors(), setup.links()) as sim:
+        for profile in range(len(PROFILES)):
+            total = sim.close(profile + 16 * ticks)  # the requests of firmware/ports/timing.c
+            worst, hash_ = sim.close(1 << 28), sim.close(2 << 28)
+            assert 0 < worst <= total, "the core does not answer"
+            found.append((hash_ & 0xFFFFFFFF, total / ticks, worst))
+    return found
+
+
+TABLE = [("all fetches cached", 0, 0), ("256 B cache, 0 waits", 1, 0),
+         ("256 B cache, 1 wait", 1, 1), ("256 B cache, 2 waits", 1, 2)]  # fmt: skip
+
+
+def table(ticks: int = 100) -> str:
+    columns = [f"68020, {name}" for name, *_ in TABLE] + [f"RV32, {RV32_MHZ} MHz"]
+    lines = ["| six axes | " + " | ".join(columns) + " |", "|---|" + "---|" * len(columns)]
+    rv32 = on_rv32(ticks)
+    for profile, name in enumerate(PROFILES):
+        cells = []
+        for _, cache, waits in TABLE:
+            _, mean, worst = on_68020(profile, ticks, cache, waits)
+            cells.append(f"{mean:.0f} = {mean / MHZ / 1000:.3f} ms (worst {worst})")
+        _, mean, worst = rv32[profile]
+        cells.append(f"{mean:.0f} = {mean / RV32_MHZ / 1000:.3f} ms (worst {worst})")
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+PASS_PARTS = ("latency", "enter", "read", "compute", "write", "publish", "pass")
+
+
+def passes(scenario: str, host: str, cache: int, waits: int):
+    """What one servo pass of the compiled driver takes beside the RTL, and how it ended."""
+    from mmcs.scenario.load import load
+    from mmcs.session.machine import machine
+    from mmcs.session.session import Session
+
+    bytes_ = '"256 bytes"' if cache else '"ideal"'
+    sets = ("duration=0.3", "interval_us=2000", "motion=[]", "expect=[]",
+            f"host.wait_states={waits}", f"host.instruction_cache={bytes_}")  # fmt: skip
+    setup = load(scenario, sets)
+    with machine(setup, host=host) as sim:
+        Session(sim, setup).run(lambda *_: None)
+        return sim.phases(), sim.stats()
+
+
+def pass_table() -> str:
+    lines = ["| | " + " | ".join((*PASS_PARTS, "longest")) + " |"]
+    lines += ["|---|" + "---|" * (len(PASS_PARTS) + 1)]
+    hosts = [(f"68020, {name}", "m68020", *memory) for name, *memory in TABLE]
+    hosts += [(f"RV32, {RV32_MHZ} MHz", "rv32", 0, 0)]
+    for scenario, axes in (("lab500", 2), ("puma560", 6)):
+        for name, *host in hosts:
+            # slow enough for the slowest: what a pass takes does not depend on it
+            phases, stats = passes(scenario, *host)
+            assert stats["overruns"] == 0, "a pass takes more than 2 ms"
+            cells = [f"{phases[part][1]:.0f}" for part in PASS_PARTS]
+            cells.append(f"{phases['pass'][2]:.0f}")
+            lines.append(f"| {axes} axes, {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def replace(text: str, name: str, content: str) -> str:
+    begin, end = f"<!-- generated: {name} -->\n", f"<!-- end of {name} -->"
+    head, rest = text.split(begin)
+    return head + begin + content + "\n" + rest[rest.index(end) :]
+
+
+def main(names: list[str]) -> None:
+    """Rewrites the tables named, or all."""
+    from studies.processors import limits
+
+    build()
+    path = ROOT / "docs" / "processors.md"
+    for name, make in {"cycles": table, "passes": pass_table, "limits": limits.table}.items():
+        if not names or name in names:
+            content = make()
+            path.write_text(replace(path.read_text(), name, content))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`make release`: wheel and sdist into dist/, both tried outside the checkout.
+
+Each is installed into an empty environment in a folder of its own, with no way to the checkout, and
+runs `mmcs run SCENARIO` there, with no network where the system lets us take it away. Both runs
+must have the hash that the checkout's own run has.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from mmcs import __version__  # noqa: E402
+
+UV = [sys.executable, "-m", "uv"]
+
+
+def versions() -> dict[str, str]:
+    """The version, wherever it is written."""
+    log = (ROOT / "CHANGELOG.md").read_text()
+    project = (ROOT / "pyproject.toml").read_text()
+    return {
+        "mmcs/__init__.py": __version__,
+        "pyproject.toml": re.search(r'^version = "([^"]+)"', project, re.M)[1],
+        "CHANGELOG.md": re.search(r"^## \[(\d[^]]*)\]", log, re.M)[1],
+    }
+
+
+def run(command: list, **options) -> str:
+    done = subprocess.run(
+        [str(part) for part in command], text=True, capture_output=True, check=False, **options
+    )
+    if done.returncode:
+        said = (done.stderr or done.stdout).strip().splitlines() or ["no output"]
+        raise SystemExit(f"release: {' '.join(map(str, command[:4]))}: {said[-1]}")
+    return done.stdout
+
+
+def alone() -> list[str]:
+    """What to begin a command with, so that it has no network; nothing where that cannot be had."""
+    if not shutil.which("unshare"):
+        return []
+    done = subprocess.run(["unshare", "-rn", "true"], capture_output=True, check=False)
+    return ["unshare", "-rn"] if done.returncode == 0 else []
+
+
+def hash_of(folder: Path) -> str:
+    return json.loads((folder / "report.json").read_text())["hash"]
+
+
+def tried(package: Path, scenario: str, folder: Path) -> str:
+    """The hash of a run of the package, installed into an empty environment in the folder."""
+    venv = folder / "venv"
+    run([*UV, "venv", "-q", "--python", sys.executable, venv])
+    run([*UV, "pip", "install", "-q", "--compile-bytecode", "--python", venv / "bin" / "python",
+         "-c", ROOT / "requirements.lock", package])  # fmt: skip
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL", "MMCS"))}
+    env |= {"XDG_CACHE_HOME": str(folder / "cache"), "PATH": "/usr/lib/ccache:/usr/bin:/bin"}
+    run([*alone(), venv / "bin" / "mmcs", "run", scenario], cwd=folder, env=env)
+    where = run([venv / "bin" / "python", "-c", "import mmcs; print(mmcs.ROOT)"], cwd=folder)
+    if not Path(where.strip()).is_relative_to(folder):
+        raise SystemExit(f"release: {package.name} runs the code in {where.strip()}")
+    return hash_of(folder / "runs" / scenario)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenario", default="puma560")
+    parser.add_argument("--dist", type=Path, default=ROOT / "dist")
+    arguments = parser.parse_args()
+    told = versions()
+    if len(set(told.values())) > 1:
+        print(f"release: versions differ: {told}", file=sys.stderr)
+        return 1
+    shutil.rmtree(arguments.dist, ignore_errors=True)
+    run([*UV, "build", "-q", "--out-dir", arguments.dist, ROOT])
+    with tempfile.TemporaryDirectory() as place:
+        own = Path(place) / "own"
+        run([sys.executable, "-m", "mmcs", "run", arguments.scenario, "--out", own], cwd=ROOT)
+        expected = hash_of(own)
+        for package in sorted(arguments.dist.glob("mmcs-*")):
+            folder = Path(place) / package.suffix[1:]
+            folder.mkdir()
+            found = tried(package, arguments.scenario, folder)
+            print(f"{package.name}: {arguments.scenario} has hash {found}")
+            if found != expected:
+                print(f"release: in the checkout it is {expected}", file=sys.stderr)
+                return 1
+    print(f"tag it with: git tag -a v{__version__} -m 'MMCS {__version__}'")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rooms of mmcs/ and the arrows between them, from the imports, into docs/architecture.md.
+
+A room is a folder of mmcs/. The docstring of its __init__.py says what it holds and, in the line
+"May know: a, b.", which other rooms it may import. What lies in mmcs/ itself (errors, mcdef, regs)
+is the threshold: everybody may know it, and it knows no room, but for the door, mmcs/__init__.py
+and __main__.py, which only hand on public names.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+DOC = ROOT / "docs" / "architecture.md"
+DOOR = ("mmcs", "mmcs.__main__")
+
+
+def modules(root: Path = ROOT, package: str = "mmcs") -> dict[str, Path]:
+    """Every module of the package by its full name, tests left out."""
+    found = {}
+    for path in sorted((root / package).rglob("*.py")):
+        parts = path.relative_to(root).with_suffix("").parts
+        if "tests" not in parts:
+            found[".".join(parts).removesuffix(".__init__")] = path
+    return found
+
+
+def imports(path: Path) -> set[str]:
+    """Full names of what a file imports, at its top or within a function."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {f"{node.module}.{alias.name}" for alias in node.names} | {node.module}
+    return found
+
+
+def arrows(found: dict[str, Path]) -> dict[str, set[str]]:
+    """Which module knows which other; a package's own __init__ does not count as one it knows."""
+    out = {}
+    for name, path in found.items():
+        known = {other for other in imports(path) if other in found and other != name}
+        packages = {other for other in known if found[other].name == "__init__.py"}
+        out[name] = known - packages
+    return out
+
+
+def room(module: str, found: dict[str, Path]) -> str:
+    """The room a module lies in; "" for the threshold."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 2 or (found[module].name == "__init__.py" and parts[1:]) else ""
+
+
+def room_arrows(found: dict[str, Path]) -> dict[str, set[str]]:
+    """Which room knows which other room."""
+    out = {room(name, found): set() for name in found}
+    for name, known in arrows(found).items():
+        if name not in DOOR:
+            out[room(name, found)] |= {room(other, found) for other in known}
+    return {name: known - {name, ""} for name, known in out.items()}
+
+
+def told(name: str, root: Path = ROOT) -> tuple[str, set[str]]:
+    """(first sentence, rooms that it may know), as the room itself says."""
+    text = ast.get_docstring(ast.parse((root / "mmcs" / name / "__init__.py").read_text())) or ""
+    line = re.search(r"^May know: ([^.]+)\.", text, re.M)
+    if not line:
+        raise ValueError(f'mmcs/{name}/__init__.py has no line "May know: ...."')
+    known = {word.strip() for word in line[1].split(",")} - {"nothing"}
+    return text.splitlines()[0], known
+
+
+def circle(known: dict[str, set[str]]) -> list[str]:
+    """A way that ends where it begins, or nothing."""
+    done: set[str] = set()
+
+    def walk(name: str, path: list[str]) -> list[str]:
+        if name in path:
+            return [*path[path.index(name) :], name]
+        if name in done:
+            return []
+        for other in sorted(known.get(name, ())):
+            if way := walk(other, [*path, name]):
+                return way
+        done.add(name)
+        return []
+
+    for name in sorted(known):
+        if way := walk(name, []):
+            return way
+    return []
+
+
+def table() -> str:
+    """The rooms from the lowest floor to the highest, with what each knows."""
+    all_known = room_arrows(modules())
+    known = {name: set(others) for name, others in all_known.items() if name}
+    lines = ["| room | holds | knows |", "|---|---|---|"]
+    while known:
+        floor = sorted(name for name in known if not known[name] & set(known))
+        for name in floor:
+            others = ", ".join(f"`{other}`" for other in sorted(all_known[name]))
+            lines.append(f"| `{name}/` | {told(name)[0]} | {others or '–'} |")
+        for name in floor:
+            del known[name]
+    return "\n".join(lines)
+
+
+def counts() -> str:
+    known = room_arrows(modules())
+    return f"{len(known) - 1} rooms, {sum(map(len, known.values()))} arrows, no circle."
+
+
+def page(text: str) -> str:
+    begin, end = "<!-- generated: rooms -->\n", "<!-- end of rooms -->"
+    head, rest = text.split(begin)
+    return f"{head}{begin}{counts()}\n\n{table()}\n{rest[rest.index(end) :]}"
+
+
+if __name__ == "__main__":
+    DOC.write_text(page(DOC.read_text()))

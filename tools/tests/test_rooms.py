@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The arrows between the rooms of mmcs/: only those that a room announces, and no circle."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+import rooms  # noqa: E402
+
+FOUND = rooms.modules()
+KNOWN = rooms.room_arrows(FOUND)
+ROOMS = sorted(set(KNOWN) - {""})
+
+
+@pytest.mark.parametrize("name", ROOMS)
+def test_a_room_knows_whom_it_says_it_knows(name):
+    assert KNOWN[name] == rooms.told(name)[1]
+
+
+def test_the_threshold_knows_no_room():
+    assert KNOWN[""] == set()
+
+
+def test_no_circle():
+    assert rooms.circle(KNOWN) == []
+    inner = rooms.arrows(FOUND)
+    assert rooms.circle({name: inner[name] for name in inner if name not in rooms.DOOR}) == []
+
+
+def test_the_product_knows_nobody_above_it():
+    """Studies, tests and tools look at the product; it does not know them."""
+    above = ("studies", "cocotb_tests", "tools", "bridges", "mmcs.tests")
+    for name, path in FOUND.items():
+        known = [other for other in rooms.imports(path) if other.split(".")[0] in above]
+        assert not known and "mmcs.tests" not in rooms.imports(path), name
+
+
+def test_a_circle_and_an_unannounced_arrow_are_found(tmp_path):
+    for name, text in {
+        "a/__init__.py": '"""One.\n\nMay know: nothing.\n"""',
+        "a/x.py": "from mmcs.b import y",
+        "b/__init__.py": '"""Two.\n\nMay know: a.\n"""',
+        "b/y.py": "def f():\n    import mmcs.a.x",
+    }.items():
+        path = tmp_path / "mmcs" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    found = rooms.modules(tmp_path)
+    known = rooms.room_arrows(found)
+    assert known == {"a": {"b"}, "b": {"a"}}
+    assert rooms.circle(known) == ["a", "b", "a"]
+    assert rooms.circle(rooms.arrows(found)) == ["mmcs.a.x", "mmcs.b.y", "mmcs.a.x"]
+    assert rooms.told("a", tmp_path)[1] != known["a"]
+
+
+def test_the_page_shows_the_present_arrows():
+    text = rooms.DOC.read_text()
+    assert rooms.page(text) == text, "docs/architecture.md is stale: run python tools/rooms.py"
