@@ -19,7 +19,7 @@ def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: s
 
     scenario = setup.scenario
     if skip is None:
-        # Waveforms and assertions look at every clock, and so does a machine with a processor in it.
+        # Waveforms and assertions look at every clock, and so does a machine with a processor.
         skip = scenario.skip and kind == "speed" and host != "rv32"
     on = hosts.config(host)
     library = ensure_library(scenario.cards, kind, scenario.clk_hz, soc=host == "rv32")

@@ -40,8 +40,10 @@ const Input kInputs[] = {
     {"seu_dac_output", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, "u_dac.rank2_q"},
     {"seu_index_latch", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, "index_latch_q"},
     {"seu_heartbeat", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, "u_heartbeat.run_q"},
-    {"seu_pccsr", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false, "u_adaptor.u_core.u_pccsr.csr_q"},
-    {"seu_vector", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false, "u_adaptor.u_core.vector_q"},
+    {"seu_pccsr", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false,
+     "u_adaptor.u_core.u_pccsr.csr_q"},
+    {"seu_vector", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false,
+     "u_adaptor.u_core.vector_q"},
 };
 const int kInputCount = sizeof kInputs / sizeof kInputs[0];
 

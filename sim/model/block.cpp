@@ -58,8 +58,8 @@ Block::Block(const std::string &module, VerilatedContext &c, const std::string &
   for (size_t g = 0; g < table.guard_count; ++g) {
     const GuardRow &row = table.guards[g];
     if (row.unit < 0) continue;
-    units[static_cast<size_t>(row.unit)].quiet.nets.emplace_back(
-        find(row.path, row.name), static_cast<uint64_t>(row.value));
+    units[static_cast<size_t>(row.unit)].quiet.nets.emplace_back(find(row.path, row.name),
+                                                                 static_cast<uint64_t>(row.value));
   }
 }
 

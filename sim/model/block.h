@@ -62,10 +62,10 @@ struct Block {
   std::vector<Unit> units;
   std::vector<Slot *> outs;
   Words out_words;
-  int64_t next = 0;       // due(), kept
-  bool stale = true;      // inputs or counters were written, and nothing has followed
-  bool reset = false;     // among them one that resets without a clock
-  bool touched = false;   // in the list of those to look at
+  int64_t next = 0;      // due(), kept
+  bool stale = true;     // inputs or counters were written, and nothing has followed
+  bool reset = false;    // among them one that resets without a clock
+  bool touched = false;  // in the list of those to look at
   struct Poke {
     Net net;
     uint64_t clear, set;

@@ -18,7 +18,7 @@ std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
 #else
   static_cast<void>(two_evals);
   static_cast<void>(skip);
-  #if MMCS_SOC
+#if MMCS_SOC
   return std::make_unique<SocPlain>(seed);
 #else
   return std::make_unique<Plain>(seed);

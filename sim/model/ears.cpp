@@ -56,7 +56,8 @@ uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow
   if (entry.key != key) {
     entry = {key, 0};
     for (size_t n = 0; n < dips.size(); ++n) {
-      if (hears(address, aen, ior_n, iow_n, static_cast<unsigned>(dips[n].get()))) entry.cards |= 1u << n;
+      if (hears(address, aen, ior_n, iow_n, static_cast<unsigned>(dips[n].get())))
+        entry.cards |= 1u << n;
     }
   }
   return entry.cards;

@@ -63,11 +63,10 @@ def config(folder: Path, netlist: Netlist) -> None:
             names += [(p.name, "rd") for p in module.ports]
             names.append(("clk_i", "rw"))
         for name, access in names:
-            if f"{module.name}.{name}" in counters:
-                access = "rw"
-            if (module.name, name, access) not in seen:
-                seen.add((module.name, name, access))
-                lines.append(f'public_flat_{access} -module "{module.name}" -var "{name}"')
+            written = "rw" if f"{module.name}.{name}" in counters else access
+            if (module.name, name, written) not in seen:
+                seen.add((module.name, name, written))
+                lines.append(f'public_flat_{written} -module "{module.name}" -var "{name}"')
     text = ["`verilator_config", *sorted(set(lines))]
     (folder / "registers.vlt").write_text("\n".join(text) + "\n")
     # The whole machine has one clock, and its registers may be written between clocks.
@@ -151,10 +150,11 @@ def boards_text(netlist: Netlist) -> str:
             strides = [*rule.get("strides", []), 0, 0][:2]
             scope, _, last = r.rpartition(".")
             path = ".".join(x for x in (i.path, scope) if x)
+            unless = rule.get("unless", "")
             awake = any((a["module"], a["register"]) == (i.module.name, r) for a in RULES["awake"])
             out.append(
                 f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.unit(i.path)}, '
-                f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{rule.get("unless", "")}", {int(awake)}}},'
+                f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{unless}", {int(awake)}}},'
             )
         out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
         for unit in range(len(board.chips) + 1):
@@ -194,7 +194,7 @@ def boards_text(netlist: Netlist) -> str:
             idle = rule["without"].get(p.name, 0)
             out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, 0, '
                        f'{int(p.name in rule["inputs"])}, {idle}}},')  # fmt: skip
-        out += ["};", f'#define MMCS_DECODER V{decoder.module.name}']
+        out += ["};", f"#define MMCS_DECODER V{decoder.module.name}"]
     out += ["static const BoardTable kBoards[] = {", *rows, "};"]
     return "\n".join(out) + "\n"
 

@@ -37,7 +37,7 @@ class Model {
 
   static int cards();
   static int clk_hz();
-  static bool skip();    // this build can
+  static bool skip();  // this build can
   static bool traced();
   static bool soc();  // the machine has its own processor, and no VME bus
 

@@ -8,10 +8,10 @@
 namespace mmcs {
 
 const char *const kPortNames[kPorts] = {
-    "vme_a_i",       "vme_am_i",   "vme_as_ni",       "vme_ds_ni",     "vme_write_ni",
-    "vme_lword_ni",  "vme_d_i",    "vme_iack_ni",     "vme_iackin_ni", "vme_sysreset_ni",
-    "estop_closed_i", "cable_ok_i", "pc_power_i",      "enc_a_i",       "enc_b_i",
-    "enc_i_i",       "axis_enable_i", "dip_i",         "adc_v_i"};
+    "vme_a_i",        "vme_am_i",      "vme_as_ni",   "vme_ds_ni",     "vme_write_ni",
+    "vme_lword_ni",   "vme_d_i",       "vme_iack_ni", "vme_iackin_ni", "vme_sysreset_ni",
+    "estop_closed_i", "cable_ok_i",    "pc_power_i",  "enc_a_i",       "enc_b_i",
+    "enc_i_i",        "axis_enable_i", "dip_i",       "adc_v_i"};
 
 namespace {
 
@@ -114,10 +114,9 @@ void Pins::fault(Pin pin, int index, uint64_t value) {
       return ports_.cut(card_path(index), "pc_drq_i", on, 0);
     case Pin::kDacStuck1:
     case Pin::kDacStuck0:
-      return ports_.stick(axis_path(index) + ".u_dac.rank2_q",
-                          standing(Pin::kDacStuck0, index) & kCodeMask,
-                          standing(Pin::kDacStuck1, index) & kCodeMask &
-                              ~standing(Pin::kDacStuck0, index));
+      return ports_.stick(
+          axis_path(index) + ".u_dac.rank2_q", standing(Pin::kDacStuck0, index) & kCodeMask,
+          standing(Pin::kDacStuck1, index) & kCodeMask & ~standing(Pin::kDacStuck0, index));
     case Pin::kAdcStuck: {
       const std::string code = axis_path(index) + ".u_adc.code_q";
       uint64_t &kept = codes_[static_cast<size_t>(index)];
@@ -148,8 +147,8 @@ void Pins::apply() {
 }
 
 void Pins::power_on() {
-  for (auto port : {kVmeAs, kVmeWrite, kVmeLword, kVmeIack, kVmeIackin, kEstopClosed, kCableOk,
-                    kPcPower}) {
+  for (auto port :
+       {kVmeAs, kVmeWrite, kVmeLword, kVmeIack, kVmeIackin, kEstopClosed, kCableOk, kPcPower}) {
     put(port, 0, 1, 1);
   }
   put(kVmeDs, 0, 2, 3);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inputs of a machine by name, and the hands of its VME bus master: what is set arrives at the
-// ports of rtl/mmcs.sv after the next edge, as through a wire. Faults that the hardware knows nothing of
-// are made here: a port of a board that is cut off its wire, a register with bits that stick.
+// ports of rtl/mmcs.sv after the next edge, as through a wire. Faults that the hardware knows
+// nothing of are made here: a port of a board that is cut off its wire, a register with bits that
+// stick.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +33,26 @@ enum class Pin {
 
 // Ports of rtl/mmcs.sv that move during a run; kPortNames has their names, in this order.
 enum Port {
-  kVmeA, kVmeAm, kVmeAs, kVmeDs, kVmeWrite, kVmeLword, kVmeD, kVmeIack, kVmeIackin, kVmeSysreset,
-  kEstopClosed, kCableOk, kPcPower, kEncA, kEncB, kEncI, kAxisEnable, kDip, kAdc, kPorts
+  kVmeA,
+  kVmeAm,
+  kVmeAs,
+  kVmeDs,
+  kVmeWrite,
+  kVmeLword,
+  kVmeD,
+  kVmeIack,
+  kVmeIackin,
+  kVmeSysreset,
+  kEstopClosed,
+  kCableOk,
+  kPcPower,
+  kEncA,
+  kEncB,
+  kEncI,
+  kAxisEnable,
+  kDip,
+  kAdc,
+  kPorts
 };
 extern const char *const kPortNames[kPorts];
 

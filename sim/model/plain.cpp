@@ -192,7 +192,8 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
 bool Plain::failed() {
   if (!context_.gotError()) return false;
   // After an upset the machine is where no assertion expects it.
-  if (failure_.empty() && !upset_) failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
+  if (failure_.empty() && !upset_)
+    failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
   printed.clear();
   context_.gotError(false);
   context_.gotFinish(false);

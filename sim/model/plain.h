@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/mmcs.sv Verilated whole: every clock, both its edges, as a simulator would. With assertions and
-// bus checkers, and in trace builds waveforms; in SoC builds the top is mmcs_soc (soc_plain.cpp).
+// rtl/mmcs.sv Verilated whole: every clock, both its edges, as a simulator would. With assertions
+// and bus checkers, and in trace builds waveforms; in SoC builds the top is mmcs_soc
+// (soc_plain.cpp).
 #pragma once
 
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine made of its boards, each Verilated by itself, wired as rtl/mmcs.sv wires them. A board
-// at rest gets no clock (unit.h); docs/simulator.md tells how.
+// The machine made of its boards, each Verilated by itself, wired as rtl/mmcs.sv wires them. A
+// board at rest gets no clock (unit.h); docs/simulator.md tells how.
 //
 // Time: edge t is the clock that makes clock() t. Everything sees its inputs as they stood before
 // the edge; a pin set at clock t stands at the port after edge t + 1.
@@ -72,10 +72,10 @@ class Rack final : public Model, private Ports, private Listener {
     int lsb, width;
     Slot *slot;
   };
-  std::vector<std::vector<Reader>> readers_;                // of each net
-  std::vector<std::vector<std::vector<Slot *>>> by_bit_;    // of each bit of the inputs' nets
-  std::vector<std::vector<int>> followers_;                 // logic that looks at each net
-  std::vector<char> due_;                                   // logic that must be worked out
+  std::vector<std::vector<Reader>> readers_;              // of each net
+  std::vector<std::vector<std::vector<Slot *>>> by_bit_;  // of each bit of the inputs' nets
+  std::vector<std::vector<int>> followers_;               // logic that looks at each net
+  std::vector<char> due_;                                 // logic that must be worked out
   std::vector<int> logic_;
   std::vector<Block *> touched_;
   std::vector<const Slot *> drives_, leds_;

@@ -9,7 +9,7 @@
 namespace mmcs {
 namespace {
 
-constexpr uint64_t kServoVector = 0x2C;  // machine external interrupt
+constexpr uint64_t kServoVector = 0x2C;                      // machine external interrupt
 constexpr uint64_t kTimeout = 16 * (MMCS_CLK_HZ / 1000000);  // of an access, as mmcs_soc sets it
 const std::string kHost = "TOP.mmcs_soc.u_host";
 
@@ -112,9 +112,14 @@ void SocPlain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
 
 std::vector<uint8_t> SocPlain::save() {
   std::vector<uint8_t> bytes = Plain::save();
-  const int32_t own[] = {static_cast<int32_t>(run_.wanted), rings_, errors_wanted_, errors_coming_,
-                         errors_left_, static_cast<int32_t>(run_.port.get()),
-                         static_cast<int32_t>(ring_.get()), static_cast<int32_t>(take_.get())};
+  const int32_t own[] = {static_cast<int32_t>(run_.wanted),
+                         rings_,
+                         errors_wanted_,
+                         errors_coming_,
+                         errors_left_,
+                         static_cast<int32_t>(run_.port.get()),
+                         static_cast<int32_t>(ring_.get()),
+                         static_cast<int32_t>(take_.get())};
   const uint8_t *at = reinterpret_cast<const uint8_t *>(own);
   bytes.insert(bytes.begin(), at, at + sizeof own);
   return bytes;

@@ -57,7 +57,8 @@ struct State {
  private:
   static uint64_t kind() {
     uint64_t letters = 0;
-    for (const char *at = mmcs_build_kind; *at; ++at) letters = letters << 8 | static_cast<uint8_t>(*at);
+    for (const char *at = mmcs_build_kind; *at; ++at)
+      letters = letters << 8 | static_cast<uint8_t>(*at);
     return letters;
   }
 };

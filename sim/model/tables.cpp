@@ -44,8 +44,8 @@ const std::vector<Register> &registers() {
 
 int find_register(const std::string &name) {
   const auto &list = registers();
-  const auto at = std::find_if(list.begin(), list.end(),
-                               [&name](const Register &r) { return r.name == name; });
+  const auto at =
+      std::find_if(list.begin(), list.end(), [&name](const Register &r) { return r.name == name; });
   return at == list.end() ? -1 : static_cast<int>(at - list.begin());
 }
 

@@ -11,9 +11,9 @@ namespace mmcs {
 struct RegisterRow {
   const char *path, *name;  // path: of the instance, within the board
   int width;
-  int unit;          // the board less its chips is 0
-  int strides[2];    // of a counter, that goes down; else 0
-  int margin;        // it comes to this value and below by real clocks
+  int unit;            // the board less its chips is 0
+  int strides[2];      // of a counter, that goes down; else 0
+  int margin;          // it comes to this value and below by real clocks
   const char *unless;  // the register beside it must be 0
   bool awake;          // while it is not 0, its unit does not rest
 };

@@ -108,10 +108,12 @@ class Wires:
         """(net, lsb) of an expression that is a wire, else None."""
         if expr["type"] == "VARREF":
             return self.nets[expr["name"]], 0
-        if expr["type"] == "SEL" and expr["fromp"][0]["type"] == "VARREF":
-            if expr["lsbp"][0]["type"] == "CONST":
-                return self.nets[expr["fromp"][0]["name"]], constant(expr["lsbp"][0])
-        return None
+        if expr["type"] != "SEL" or expr["fromp"][0]["type"] != "VARREF":
+            return None
+        lsb = expr["lsbp"][0]
+        return (
+            (self.nets[expr["fromp"][0]["name"]], constant(lsb)) if lsb["type"] == "CONST" else None
+        )
 
     def add_logic(self, body: list[str], sources: set[str], targets: set[str]) -> None:
         number = len(self.logic)

@@ -327,7 +327,7 @@ def _fill(traffic: Traffic) -> dict:
         "inputs": inputs, "digits": -(-inputs // 4), "entry": 32 + 4 * -(-inputs // 4),
         "in_words": -(-inputs // 32) + 1, "outputs": outputs, "words": words,
         "padded": 64 * words, "changes": traffic.changes, "cards": CARDS, "reset": RESET_CLKS,
-        "pins": "\n".join(f"    {p}" for p in pins),
+        "pins": "\n".join(f"    {p}" for p in pins).rstrip(","),
         "drive": "\n".join(f"    {d}" for d in drive),
         "collect": "\n".join(f"      {c}" for c in collect),
     }  # fmt: skip
