@@ -54,3 +54,25 @@ def film(run: str, pictures: int, slower: float) -> None:
     write_strip(seen, seen.folder / "film.svg", pictures)
     frames = write_gif(seen, seen.folder / "film.gif", slower)
     click.echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames})")
+
+
+@click.command()
+@click.argument("pattern", default="")
+@click.option("--cards", default=3, type=click.IntRange(1, 16), help="Of the machine.")
+def faults(pattern: str, cards: int) -> None:
+    """Every fault and upset that an event of a scenario can name.
+
+    With PATTERN, those whose name holds it. seu.NAME flips bits of the register NAME.
+    """
+    from mmcs.engine.build import ensure_library
+    from mmcs.engine.sim import library_registers
+    from mmcs.scenario.inputs import INPUTS, UPSET
+
+    for name, i in INPUTS.items():
+        if pattern in name:
+            click.echo(
+                f"{name:18} {i.scope:8} {i.low:g} to {i.high:g}, healthy {i.healthy:g}: {i.meaning}"
+            )
+    for name, width in library_registers(ensure_library(cards, "speed")).items():
+        if pattern in UPSET + name:
+            click.echo(f"{UPSET}{name}  {width} bit{'s' if width > 1 else ''}")

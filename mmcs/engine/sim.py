@@ -264,10 +264,7 @@ class Sim:
 
     def registers(self) -> dict[str, int]:
         """Every register of the hardware, by its name from mmcs down, and its bits."""
-        found = {}
-        while (name := self.lib.mmcs_sim_register_name(len(found))) != self.ffi.NULL:
-            found[self.ffi.string(name).decode()] = self.lib.mmcs_sim_register_width(len(found))
-        return found
+        return _registers(self.lib)
 
     def register(self, number: int) -> int:
         """The value of one now, by its place in registers(), read without disturbing it."""
@@ -375,6 +372,18 @@ class Sim:
 
     def hash(self) -> str:
         return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
+
+
+def library_registers(library: Path) -> dict[str, int]:
+    """The same of a machine that need not be made."""
+    return _registers(load_library(library))
+
+
+def _registers(lib) -> dict[str, int]:
+    found = {}
+    while (name := lib.mmcs_sim_register_name(len(found))) != make_ffi().NULL:
+        found[make_ffi().string(name).decode()] = lib.mmcs_sim_register_width(len(found))
+    return found
 
 
 def _bus_check(result: int, offset: int) -> None:

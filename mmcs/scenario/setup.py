@@ -13,7 +13,7 @@ from pathlib import Path
 
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
-from mmcs.scenario.inputs import INPUTS
+from mmcs.scenario.inputs import INPUTS, find
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate
@@ -238,7 +238,7 @@ class _Cross:
         return values
 
     def _check_input(self, key: str, event) -> None:
-        known = INPUTS.get(event.input)
+        known = find(event.input)
         if known is None:
             names = suggest(event.input, INPUTS) or "; allowed: " + ", ".join(INPUTS)
             self.wrong(f"{key}.input", event.input, "no such input" + names)

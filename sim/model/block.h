@@ -29,6 +29,7 @@ struct Slot {
   const PortRow *row;
   Look look;
   int64_t forced = -1;  // a fault holds it at this value
+  uint64_t shown = 0;   // of an output: what the net has of it
 
   uint64_t value() const { return forced >= 0 ? static_cast<uint64_t>(forced) : port.get(); }
 };

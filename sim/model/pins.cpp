@@ -63,26 +63,26 @@ void Pins::set(Pin pin, int index, unsigned value) {
 }
 
 void Pins::vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data) {
-  later(kVmeA, 0, 15, address >> 1 & 0x7FFF);
-  later(kVmeAm, 0, 6, am & 63);
-  later(kVmeWrite, 0, 1, !write);
-  later(kVmeLword, 0, 1, !lword);
-  later(kVmeD, 0, 16, data & 0xFFFF);
+  hand(kVmeA, 15, address >> 1 & 0x7FFF);
+  hand(kVmeAm, 6, am & 63);
+  hand(kVmeWrite, 1, !write);
+  hand(kVmeLword, 1, !lword);
+  hand(kVmeD, 16, data & 0xFFFF);
 }
 
 void Pins::vme_strobe(unsigned ds, bool iack) {
-  later(kVmeAs, 0, 1, 0);
-  later(kVmeDs, 0, 2, ~ds & 3);
-  later(kVmeIack, 0, 1, !iack);
+  hand(kVmeAs, 1, 0);
+  hand(kVmeDs, 2, ~ds & 3);
+  hand(kVmeIack, 1, !iack);
 }
 
 void Pins::vme_release() {
-  later(kVmeAs, 0, 1, 1);
-  later(kVmeDs, 0, 2, 3);
-  later(kVmeIack, 0, 1, 1);
-  later(kVmeIackin, 0, 1, 1);
-  later(kVmeWrite, 0, 1, 1);
-  later(kVmeLword, 0, 1, 1);
+  hand(kVmeAs, 1, 1);
+  hand(kVmeDs, 2, 3);
+  hand(kVmeIack, 1, 1);
+  hand(kVmeIackin, 1, 1);
+  hand(kVmeWrite, 1, 1);
+  hand(kVmeLword, 1, 1);
 }
 
 void Pins::put(int port, int lsb, int width, uint64_t value) {
@@ -147,11 +147,11 @@ void Pins::apply() {
 }
 
 void Pins::power_on() {
-  for (auto port :
-       {kVmeAs, kVmeWrite, kVmeLword, kVmeIack, kVmeIackin, kEstopClosed, kCableOk, kPcPower}) {
+  vme_release();
+  apply();
+  for (auto port : {kEstopClosed, kCableOk, kPcPower}) {
     put(port, 0, 1, 1);
   }
-  put(kVmeDs, 0, 2, 3);
   for (int card = 0; card < cards_; ++card) {
     put(kDip, 4 * card, 4, static_cast<unsigned>(card));
     put(kAxisEnable, 2 * card, 2, 3);
@@ -187,6 +187,10 @@ void Pins::restore(const std::vector<uint64_t> &state) {
   for (; at + 3 < state.size(); at += 4) {
     changes_.push_back({static_cast<int>(state[at]), static_cast<int>(state[at + 1]),
                         static_cast<int>(state[at + 2]), state[at + 3]});
+  }
+  for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = levels_[port][0];
+  for (const Change &c : changes_) {
+    if (c.port >= 0 && c.port < kVmeSysreset) hands_[c.port] = c.value;
   }
   const std::vector<uint64_t> codes = codes_;
   for (size_t n = 0; n < faults_.size(); ++n) {

@@ -82,7 +82,7 @@ class Pins {
   // The bus master: address, modifier, direction and data; the strobes; the daisy chain; idle.
   void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data);
   void vme_strobe(unsigned ds, bool iack);
-  void vme_iackin(bool low) { later(kVmeIackin, 0, 1, !low); }
+  void vme_iackin(bool low) { hand(kVmeIackin, 1, !low); }
   void vme_release();
 
   bool waiting() const { return !changes_.empty(); }
@@ -102,6 +102,12 @@ class Pins {
   void later(Port port, int lsb, int width, uint64_t value) {
     changes_.push_back({port, lsb, width, value});
   }
+  // A port that moves as a whole: only if it moves.
+  void hand(Port port, int width, uint64_t value) {
+    if (hands_[port] == value) return;
+    hands_[port] = value;
+    later(port, 0, width, value);
+  }
   void put(int port, int lsb, int width, uint64_t value);
   void fault(Pin pin, int index, uint64_t value);
   uint64_t &standing(Pin pin, int index);
@@ -109,6 +115,7 @@ class Pins {
   Ports &ports_;
   const int cards_;
   std::vector<Change> changes_;
+  uint64_t hands_[kVmeSysreset] = {};     // of the VME ports: as they stand or are on their way
   std::vector<uint64_t> levels_[kPorts];  // as they stand, 64 bits a word
   std::vector<uint64_t> faults_;          // by pin, then index: as they stand
   std::vector<uint64_t> codes_;           // of each axis: what its stuck A/D keeps

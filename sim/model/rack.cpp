@@ -71,9 +71,16 @@ void Rack::touch(Block &block) {
   touched_.push_back(&block);
 }
 
+// An output that has moved takes its net along.
+void Rack::drive(Slot &slot) {
+  const uint64_t value = slot.value();
+  if (value == slot.shown) return;
+  slot.shown = value;
+  wires_.put(slot.net, slot.lsb, slot.width, value);
+}
+
 void Rack::drive_nets(Block &block) {
-  if (!block.out_words.moved(block.base)) return;
-  for (const Slot *slot : block.outs) wires_.put(slot->net, slot->lsb, slot->width, slot->value());
+  for (Slot *slot : block.outs) drive(*slot);
   if (&block == adaptor_) look_at_lines();
 }
 
@@ -115,7 +122,7 @@ void Rack::settle() {
       touched_.pop_back();
       block.touched = false;
       block.look(clock_);
-      drive_nets(block);
+      if (block.out_words.moved(block.base)) drive_nets(block);
     } else if (!bus_moved_) {
       break;
     }
@@ -168,10 +175,7 @@ void Rack::alone(Block &block, int64_t end) {
     block.edge(t);
     block.look(t);
     if (block.out_words.moved(block.base)) {
-      for (const Slot *slot : block.outs) {
-        wires_.put(slot->net, slot->lsb, slot->width, slot->value());
-      }
-      if (&block == adaptor_) look_at_lines();
+      drive_nets(block);
       settle();
       break;
     }
@@ -223,9 +227,7 @@ void Rack::power_on() {
     block->board->eval();
     block->board->settle();
     block->wake(clock_);
-    for (const Slot *slot : block->outs) {
-      wires_.put(slot->net, slot->lsb, slot->width, slot->value());
-    }
+    drive_nets(*block);
   }
   settle();
   const bool skip = skip_;
@@ -268,7 +270,7 @@ void Rack::cut(const std::string &board, const char *port, bool on, uint64_t val
     if (board != kWires.boards[n].path || std::strcmp(slot->row->name, port) != 0) continue;
     slot->forced = on ? static_cast<int64_t>(value) : -1;
     if (slot->row->out) {
-      wires_.put(slot->net, slot->lsb, slot->width, slot->value());
+      drive(*slot);
     } else if (slot->row->heard) {
       // Its wires back, it hears what is on them as any card does: all of it, or nothing.
       if (on || (listening_ >> (n - 1) & 1)) show(*slot);
@@ -331,6 +333,7 @@ std::vector<uint8_t> Rack::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
+  state.evals = evals_;
   return state.pack();
 }
 
@@ -338,6 +341,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
   clock_ = state.clock;
+  evals_ = state.evals;
   pins_.restore(state.pins);
   for (size_t reg = 0; reg < registers().size(); ++reg) {
     Block *block;
@@ -347,9 +351,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
     block->board->settle();
     block->stale = block->reset = false;
     block->wake(clock_);
-    for (const Slot *slot : block->outs) {
-      wires_.put(slot->net, slot->lsb, slot->width, slot->value());
-    }
+    drive_nets(*block);
     touch(*block);
   }
   dips_moved_ = bus_moved_ = true;

@@ -51,6 +51,7 @@ class Rack final : public Model, private Ports, private Listener {
   void changed(int net, int lsb, int width) override;
   void show(Slot &slot);
   void touch(Block &block);
+  void drive(Slot &slot);
   void drive_nets(Block &block);
   void look_at_lines();
   void alone(Block &block, int64_t end);
