@@ -5,9 +5,21 @@
 // registers, and the decoder by itself, from the netlist and sim/model/counters.toml.
 `default_nettype none
 `include "mmcs_formal.svh"
-`include "part.svh"  // the module's head, the two parts, their registers and outputs
 
-  reg started = 1'b0, unheard_1, alike_1;
+module deaf_props #(
+  parameter int Registers = 1,
+  parameter int Outputs = 1
+) (
+  input wire logic                 clk_i,
+  input wire logic                 rst_ni,
+  input wire logic [Registers-1:0] registers_one,
+  input wire logic [Registers-1:0] registers_two,
+  input wire logic [  Outputs-1:0] outputs_one,
+  input wire logic [  Outputs-1:0] outputs_two,
+  input wire logic                 unheard        // both decoders say what none says
+);
+
+  logic started = 1'b0, unheard_1, alike_1;
   always @(posedge clk_i) begin
     started   <= 1'b1;
     unheard_1 <= unheard;

@@ -112,7 +112,7 @@ def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     result = Result(file.stem, task, mode, depth(file, task), "ERROR", 0.0)
     work = WORK / f"{file.stem}_{task}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
-    if "part.svh" in file.read_text():
+    if "part.sv" in file.read_text():
         standing.write(task, folder)
     command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), f"formal/{file.name}", task]
     started = time.monotonic()

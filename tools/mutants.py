@@ -172,7 +172,9 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
     target = folder / "rtl" / f"{block}.sv"
     target.write_text(
         re.sub(rf"^module {module}\b", f"module {module}_original", source, flags=re.M)
-        + "\n`default_nettype wire\n" + (ROOT / mutated).read_text()
+        + "\n`default_nettype wire\n"
+        # what Yosys knows of a case, a simulator would check in the midst of a change
+        + (ROOT / mutated).read_text().replace("// synopsys parallel_case", "")
         + f"\nmodule {module} {header}{port_list};\n"
         f"  if ({same}) begin : g_mutant\n"
         f"    int picked, file, found;\n    logic [{WIDTH - 1}:0] mutsel;\n"

@@ -2,7 +2,7 @@
 """What formal/standing_props.sv and formal/deaf_props.sv are about: the registers, counters and
 pins of a part, found in its netlist, with the counters of sim/model/counters.toml.
 
-    standing.py TASK [FOLDER]      writes build/formal/TASK.svh: prove_mark1, prove_deaf_mark1, ...
+    standing.py TASK [FOLDER]      writes build/formal/PART.sv: prove_mark1, prove_deaf_mark1, ...
 """
 
 import json
@@ -20,6 +20,7 @@ TABLE = ROOT / "sim" / "model" / "counters.toml"
 WORK = Path("build") / "formal"
 FLIP_FLOPS = ("$dff", "$adff", "$sdff", "$dffe", "$adffe", "$sdffe", "$aldff")
 CLOCK, RESET = "clk_i", "rst_ni"
+HEAD = "// Written by tools/standing.py.\n"
 
 
 class Bad(Exception):
@@ -123,7 +124,7 @@ def standing(part: Part, table: dict) -> str:
     free = {p: conditions(q.get("while", {})) for q in quiet for p in q["inputs"]}
     held = [p for p in part.inputs if p not in (*free, CLOCK, RESET)]
     strides, far, alike = [], [], []
-    text = f"module standing_props (\n  input wire {CLOCK},\n{ports(part.inputs)}\n);\n"
+    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs)}\n);\n"
     text += f"  wire {RESET} = 1'b1;\n" + instance(part, "dut", {})
     for r in part.registers:
         text += wire(f"dut.{r.name}", r.width)
@@ -140,9 +141,7 @@ def standing(part: Part, table: dict) -> str:
         far.append(f"(by{n} == 0 || (was{n}_2 > was{n}_1 && was{n}_1 > {rule['margin']}))")
         alike.append(f"(was{n}_1 - {at} == by{n})")
     watched = [w["register"] for w in table.get("awake", []) if w["module"] == part.name]
-    text += f"  localparam Counters = {len(counters)};\n"
-    text += f"  wire [{max(0, len(counters) - 1)}:0] moved = "
-    text += join([f"by{n} != 0" for n in range(len(counters))])
+    text += "  wire moved = " + (" || ".join(f"by{n} != 0" for n in range(len(counters))) or "1'b0")
     text += ";\n  wire awake = " + (" || ".join(f"\\dut.{w} " for w in watched) or "1'b0")
     text += ";\n  wire strided = " + (" && ".join(strides) or "1'b1")
     text += ";\n  wire far = " + (" && ".join(far) or "1'b1")
@@ -156,7 +155,6 @@ def standing(part: Part, table: dict) -> str:
         ("outputs", [f"dut_{p}" for p in part.outputs]),
     ):
         text += f"  wire [{widths[name] - 1}:0] {name} = {join(parts)};\n"
-        text += f"  reg [{widths[name] - 1}:0] {name}_1, {name}_2;\n"
     # an input that may change only while others have a value stands otherwise
     bound = [f"({when} || {p} == {p}_1)" for p, when in free.items() if when != "1'b1"]
     for p, when in free.items():
@@ -164,14 +162,16 @@ def standing(part: Part, table: dict) -> str:
             text += f"  reg [{part.inputs[p] - 1}:0] {p}_1;\n"
             text += f"  always @(posedge {CLOCK}) {p}_1 <= {p};\n"
     text += "  wire free = " + (" && ".join(bound) or "1'b1") + ";\n"
-    return text
+    sizes = ", ".join(f".{n.capitalize()}({w})" for n, w in widths.items())
+    text += f"  standing_props #({sizes}, .Counters({len(counters)})) u_props (.*);\n"
+    return HEAD + text + "endmodule\n"
 
 
 def deaf(part: Part, rule: dict) -> str:
     """Two of a part that differ in some inputs; what their decoders say, and say at rest."""
     swapped = {p: f"{p}_other" for p in rule["inputs"]}
     other = {f"{p}_other": part.inputs[p] for p in rule["inputs"]}
-    text = f"module deaf_props (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
+    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
     text += f"  wire {RESET} = 1'b1;\n"
     text += instance(part, "one", {}) + instance(part, "two", swapped)
     names = [r.name for r in part.registers]
@@ -202,7 +202,8 @@ def deaf(part: Part, rule: dict) -> str:
         f"\\{i}.{rule['decoder']}.{p}  == none_{p}" for i in ("one", "two") for p in inside
     )
     text += f"  wire unheard = {same};\n"
-    return text
+    text += f"  deaf_props #(.Registers({width}), .Outputs({pins})) u_props (.*);\n"
+    return HEAD + text + "endmodule\n"
 
 
 def write(task: str, folder: Path = ROOT) -> Path:
@@ -215,7 +216,7 @@ def write(task: str, folder: Path = ROOT) -> Path:
         text = deaf(part, rule | {"folder": folder})
     else:
         text = standing(read(name, folder), table)
-    out = folder / WORK / f"{name}.svh"
+    out = folder / WORK / f"{name}.sv"
     out.write_text(text)
     return out
 
