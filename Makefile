@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: tool tool-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -47,6 +47,7 @@ $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/v
 
 $(VENV)/.test: $(VENV)/.sim
 	@$(call INSTALL,the test tools,-e .[test])
+	@$(call INSTALL,the page's server,-e .[tool])
 	@$(call INSTALL,the processor models,-e .[hosts]) || echo "mmcs: no processor models: the tests of --host skip"
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
 	@tools/need_debian.sh gtkwave gtkwave || true
@@ -100,7 +101,7 @@ test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: o
 	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --sim icarus \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
 
-bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/bench.md
+bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/simulator/bench.md
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python -m studies.bench.run $(BENCH)
 
@@ -132,6 +133,26 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(MAKE) -s -f firmware/Makefile
 
+# --- mctool in the browser ------------------------------------------------------------------
+
+$(VENV)/.tool: $(VENV)/.sim web/package.json web/package-lock.json
+	@$(call INSTALL,mctool,-e .[tool])
+	@echo "mmcs: installing the page's libraries"
+	@mkdir -p $(VENV)/share/mmcs && cp web/package.json web/package-lock.json $(VENV)/share/mmcs
+	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --silent --ignore-scripts --no-audit --no-fund
+	@touch $@
+
+tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool [SCENARIO=puma560]
+	@$(BIN)/mmcs tool "$(SCENARIO)"
+
+$(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
+	@$(call INSTALL,the browser's test tools,-e .[tool-test])
+	@tools/need_debian.sh chromium chromium
+	@touch $@
+
+tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 stops, streams
+	@$(BIN)/python -m pytest web/tests
+
 # --- programmable logic --------------------------------------------------------------------
 
 $(VENV)/.fpga: $(VENV)/.test $(VENV)/.hosts
@@ -157,6 +178,8 @@ format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
 generate: $(VENV)/.test ## rewrite what is generated from the register description
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/trace.py
+	@$(BIN)/python tools/chip_pages.py
+	@$(BIN)/python tools/rooms.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts the sources that a run is built of into the package: RTL, firmware, engine, scenarios."""
+"""Puts what a run is built of into the package: RTL, firmware, engine, scenarios, pages."""
 
 import hashlib
 import shutil
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-TREES = ("rtl", "sim", "firmware")
+TREES = ("rtl", "sim", "firmware", "web")
 FILES = ("mmcs.core", "tools/sources.py")
 LEFT_OUT = {"tests", "__pycache__"}
+# The page's libraries, where `make tool` has fetched them; without them the package has no mctool.
+LIBRARIES = HERE / ".venv" / "share" / "mmcs" / "node_modules"
 
 
 def sources() -> list[str]:
@@ -24,6 +26,8 @@ def copy_sources(target: Path) -> None:
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HERE / name, target / name)
         digest.update(f"{name}\n".encode() + (HERE / name).read_bytes())
+    if LIBRARIES.is_dir():
+        shutil.copytree(LIBRARIES, target / "web" / "lib", dirs_exist_ok=True)
     (target / "DIGEST").write_text(digest.hexdigest() + "\n")
 
 

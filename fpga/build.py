@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Synthesis, placement and routing with open tools; `make fpga`. Rewrites docs/fpga.md.
+"""Synthesis, placement and routing with open tools; `make fpga`. Rewrites docs/hardware/fpga.md.
 
 `--elaborate` only reads the sources and checks the hierarchy: seconds instead of many minutes.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 from sources import CoreMissing, core, sources  # noqa: E402
 
 OUT = ROOT / "build" / "fpga"
-PAGE = ROOT / "docs" / "fpga.md"
+PAGE = ROOT / "docs" / "hardware" / "fpga.md"
 BEGIN, END = "<!-- generated: make fpga -->\n", "<!-- end -->"
 SEED = 1
 SHOWN = 15  # lines of a tool that failed

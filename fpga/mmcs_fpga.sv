@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine of rtl/mmcs.sv with its VME front and what a board ties off tied off, for small
-// devices. docs/fpga.md
+// devices. docs/hardware/fpga.md
 `default_nettype none
 
 module mmcs_fpga #(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mmcs_soc with pins that a board has: analog values and the window to the memory go through
-// shift registers, all on one clock. The top of `make fpga`; docs/fpga.md, docs/soc.md.
+// shift registers, all on one clock. The top of `make fpga`; docs/hardware/fpga.md, docs/hardware/soc.md.
 //
 // Converters: a frame of 32 NumCards clocks, MSB first, marked by conv_sync_o in its first clock;
 // what came in during one frame is in force in the next. Window: 63 bits are shifted in, MSB first,

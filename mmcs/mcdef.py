@@ -52,6 +52,14 @@ def constants() -> dict[str, int]:
     return values
 
 
+@functools.cache
+def initial() -> dict[str, int]:
+    """Table 2.1: the numbers of MC_PARAM_INITIAL, by name; what is not there is 0."""
+    body = re.search(r"#define MC_PARAM_INITIAL((?:.*\\\n)+.*)", _text())[1]
+    pairs = re.findall(r"\.(\w+) = ([^,}\\]+)", body)
+    return {name: _evaluate(number.strip(), constants().__getitem__) for name, number in pairs}
+
+
 def _evaluate(body: str, value) -> int:
     if not re.fullmatch(r"[\w\s()|+-]+", body):
         raise ValueError(body)

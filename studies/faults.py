@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fault table: `python -m studies.faults` runs every fault scenario and writes docs/faults.md.
+"""The fault table: `python -m studies.faults` runs every fault and writes docs/evidence/faults.md.
 
 A fault scenario has a [fault] table; its first event is the fault. Each one runs twice: as built in
 1989, and with the amplifiers' enable taken away by PANIC (amp_panic_cut).
@@ -14,7 +14,7 @@ from mmcs import ROOT, mcdef
 from mmcs.result import expect_plant as plant
 from mmcs.scenario.inputs import INPUTS
 
-DOCUMENT = ROOT / "docs" / "faults.md"
+DOCUMENT = ROOT / "docs" / "evidence" / "faults.md"
 OPEN_LOOP = ("estop", "cable", "pc_power")  # open the PANIC line themselves
 REGISTERS = {
     "seu_encoder": "`thct2000` `count_q`: the counter of the encoder",

@@ -13,6 +13,7 @@ import random
 import sys
 import time
 
+from mmcs import regs
 from mmcs.errors import RunError
 from mmcs.scenario.files import scenario_names
 from mmcs.scenario.load import load
@@ -21,8 +22,7 @@ from mmcs.session.session import Session
 
 CLK_HZ = 8_000_000
 CHECK_EVERY = 50  # actions between two looks at the hash: it reads every register
-CARD_SELECT, CARD_LATCH, CARD_LATCH_ALL = 0x18 << 5, 0x10, 0x12
-PIT, PCCSR, VECTOR = 0x401, 0x409, 0x441
+PIT = regs.PIT0
 
 # name: highest value. Those of the machine, then those of the plant.
 SWITCHES = {"estop": 1, "cable": 1, "pc_power": 1, "sysreset": 1, "axis_enable": 1,
@@ -49,9 +49,8 @@ def stranger(seed: int, cards: int, axes: int, actions: int):
 
     def card_offset() -> int:
         card = rng.randrange(cards + (rng.random() < 0.05))
-        register = rng.choice((0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, CARD_LATCH,
-                               CARD_LATCH_ALL, rng.randrange(32)))  # fmt: skip
-        return (card & 15) << 6 | register << 1 | 1
+        own = *range(regs.CARD_ADC_HI + 1), regs.CARD_LATCH, regs.CARD_LATCH_ALL
+        return regs.card_offset(card & 15, rng.choice((*own, rng.randrange(32))))
 
     def offset() -> int:
         which = rng.random()
@@ -60,17 +59,17 @@ def stranger(seed: int, cards: int, axes: int, actions: int):
         if which < 0.84:
             return PIT + 2 * rng.randrange(4)
         if which < 0.94:
-            return rng.choice((PCCSR, PCCSR, VECTOR))
+            return rng.choice((regs.PCCSR, regs.PCCSR, regs.VECTOR))
         return rng.randrange(0x800)
 
     def value(at: int) -> int:
-        if at == PCCSR:  # the base address of the cards stays, mostly
+        if at == regs.PCCSR:  # the base address of the cards stays, mostly
             return rng.choice((0xF8, 0xB8, 0xD8, 0x98, 0x18, rng.randrange(256)))
         if PIT <= at < PIT + 8 and rng.random() < 0.5:
             return rng.choice((0x34, 0x74, 0xB4, 0x36, 0x76, 0x30, 0x10, 0x14, 0, 1, 2, 3, 40))
         return rng.choice((rng.randrange(256), rng.randrange(256), 0, 0xFF, 0x80, 0x8B, 1 << 3))
 
-    yield ("write", PCCSR, 0x2D, 1, 0xF8)  # the cards answer
+    yield ("write", regs.PCCSR, 0x2D, 1, 0xF8)  # the cards answer
     for _ in range(actions):
         what = rng.random()
         if what < 0.42:

@@ -3,8 +3,8 @@
 
     formal.py [--fast] [--only TEXT]      prove; exit 1 unless all is proved and every cover reached
     formal.py --sabotage [--only TEXT]    break one line of RTL at a time; the named proof turns red
-    formal.py --doc                       prove all, then rewrite the tables of docs/formal.md
-    formal.py --picture                   draw the counter-example of docs/formal.md
+    formal.py --doc                       prove all, then rewrite tables of docs/evidence/formal.md
+    formal.py --picture                   draw the counter-example of docs/evidence/formal.md
 
 A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover. A .sby file that
 says `# slow: reason` is left out by --fast. Logs and traces stay in build/formal.

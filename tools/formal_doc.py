@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables and the picture of docs/formal.md, from the proofs and what they came to."""
+"""The tables and the picture of docs/evidence/formal.md, from the proofs and what they came to."""
 
 import re
 import sys
@@ -12,7 +12,7 @@ from wavedraw import Line, svg  # noqa: E402
 
 PICTURE = ROOT / "docs" / "images" / "counterexample.svg"
 STEP, CLOCK_PS = 10, 125_000  # of the trace; of a clock at 8 MHz
-DOC = ROOT / "docs" / "formal.md"
+DOC = ROOT / "docs" / "evidence" / "formal.md"
 BEGIN, END = "<!-- tools/formal.py --doc -->", "<!-- end -->"
 PROVE = re.compile(r"`MMCS_PROVE\s*\(\s*(\w+)\s*,\s*\"([^\"]*)\"\s*,")
 RULE = re.compile(r"`MMCS_RULE\(\d+, (\w+),[^`]*?\"([^\"]*)\"\)", re.S)

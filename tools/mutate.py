@@ -12,9 +12,9 @@ that make faults on nets inside (system/cocotb_faults.py) are left out: mutants 
 
 Score = killed / (all - proved equivalent). build/mutation/results.json keeps every mutant's fate,
 --resume runs again only survivors and what stands in changed RTL; --write puts the table into
-docs/mutation.md. Survivors that no test can see stand in cocotb_tests/mutants.toml, each with its
-reason. Exit 1 if the unbroken design fails its tests, with --strict also if more than a twentieth
-of the relevant mutants survives without being explained there.
+docs/evidence/mutation.md. Survivors that no test can see stand in cocotb_tests/mutants.toml, each
+with its reason. Exit 1 if the unbroken design fails its tests, with --strict also if more than a
+twentieth of the relevant mutants survives without being explained there.
 """
 
 import argparse
@@ -34,7 +34,7 @@ from mutant_runs import BATCH, baseline, fates
 from mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
 
 RESULTS = ROOT / WORK / "results.json"
-PAGE = ROOT / "docs" / "mutation.md"
+PAGE = ROOT / "docs" / "evidence" / "mutation.md"
 UNEXPLAINED = 0.05  # of the relevant mutants may survive with --strict
 EXPLAINED = ROOT / "cocotb_tests" / "mutants.toml"
 BEGIN, END = "<!-- tools/mutate.py --write -->", "<!-- end -->"

@@ -16,7 +16,7 @@ printed), `--all` every one; `--only TEXT` the files so named; `--quick` leaves 
 scenarios: a lower bound. Verdicts stay in build/mutation_firmware/results.json: what noticed a
 mutant last time is tried first, and `--resume` takes a verdict as it is if nothing it hangs on has
 changed. Survivors are listed in build/mutation_firmware/survivors.txt; `--write` puts the table
-into docs/mutation_firmware.md.
+into docs/evidence/mutation_firmware.md.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 import firmware_mutants as fm  # noqa: E402
 from firmware_mutants import Mutant  # noqa: E402
 
-PAGE = ROOT / "docs" / "mutation_firmware.md"
+PAGE = ROOT / "docs" / "evidence" / "mutation_firmware.md"
 RESULTS = fm.WORK / "results.json"
 AIM = 90
 

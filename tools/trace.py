@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Joins the requirements (docs/requirements.toml) with the tests that carry their ids.
 
-Writes docs/traceability.md. `--check` writes nothing and fails on a requirement without a test, a
-test with an unknown id, a file that is not there, or a stale page.
+Writes docs/evidence/traceability.md. `--check` writes nothing and fails on a requirement without a
+test, a test with an unknown id, a file that is not there, or a stale page.
 """
 
 import json
@@ -15,7 +15,7 @@ from collections import defaultdict
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "traceability.md"
+PAGE = ROOT / "docs" / "evidence" / "traceability.md"
 
 
 def collect() -> dict[str, list[str]]:
@@ -40,7 +40,7 @@ def test_files(nodes: list[str]) -> list[str]:
     for node in nodes:
         file, _, name = node.partition("::")
         count[file].add(re.sub(r"\[(verilator|icarus)\]$", "", name))
-    return [f"[{Path(f).name}](../{f}) ({len(names)})" for f, names in sorted(count.items())]
+    return [f"[{Path(f).name}](../../{f}) ({len(names)})" for f, names in sorted(count.items())]
 
 
 def page(requirements: dict, tests: dict[str, list[str]]) -> str:
@@ -57,7 +57,9 @@ def page(requirements: dict, tests: dict[str, list[str]]) -> str:
     for key, req in requirements.items():
         nodes = [n for n, ids in tests.items() if key in ids]
         shown = ", ".join(test_files(nodes)) or ("open" if req.get("open") else "**MISSING**")
-        files = ", ".join(f"[{Path(f).name}](../{f})" for f in req["files"] if (ROOT / f).exists())
+        files = ", ".join(
+            f"[{Path(f).name}](../../{f})" for f in req["files"] if (ROOT / f).exists()
+        )
         lines.append(f"| {key} | {req['section']} | {req['text']} | {files} | {shown} |")
     covered = sum(any(k in ids for ids in tests.values()) for k in requirements)
     lines += ["", f"{covered} of {len(requirements)} requirements have tests."]
@@ -94,7 +96,7 @@ def main() -> int:
     found = problems(requirements, tests)
     if "--check" in sys.argv:
         if not PAGE.is_file() or PAGE.read_text() != text:
-            found.append("docs/traceability.md is stale: run `make generate`")
+            found.append("docs/evidence/traceability.md is stale: run `make generate`")
     else:
         PAGE.write_text(text)
     for line in found:

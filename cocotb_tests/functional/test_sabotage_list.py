@@ -41,7 +41,7 @@ def test_every_block_is_broken_twice():
 
 
 def test_the_manual_shows_the_list():
-    page = (ROOT / "docs" / "verification.md").read_text()
+    page = (ROOT / "docs" / "evidence" / "verification.md").read_text()
     shown = page.split(BEGIN)[1].split(END)[0].strip()
-    told = "docs/verification.md is stale: put `python tools/sabotage.py --table` into it"
+    told = "docs/evidence/verification.md is stale: put `python tools/sabotage.py --table` into it"
     assert shown == sabotage.table(ENTRIES), told

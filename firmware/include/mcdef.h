@@ -18,6 +18,17 @@ struct mc_param {
   int ipole;                  /* pole of the filter on inow, times MC_FSCALE */
 };
 
+/* Table 2.1: the parameters of an axis as the first open finds them; what is not named is 0. */
+#define MC_PARAM_INITIAL   \
+  {.a0 = 1,                \
+   .b0 = 1,                \
+   .mode = 0,              \
+   .clkdivisor = 1,        \
+   .ilim = 1024,           \
+   .plo = -2147483647 - 1, \
+   .phi = 2147483647,      \
+   .adc_a = 1}
+
 /* Per joint state and status. */
 struct mc_state {
   int adcvai;  /* latest A/D value (processed) */

@@ -16,14 +16,7 @@ static int is_there(struct mc *mc, int card) {
 }
 
 static void set_default(struct mc_axis *x, int which) {
-  static const struct mc_param initial = {.a0 = 1,
-                                          .b0 = 1,
-                                          .mode = MD_OFF,
-                                          .clkdivisor = 1,
-                                          .ilim = 1024,
-                                          .plo = INT32_MIN,
-                                          .phi = INT32_MAX,
-                                          .adc_a = 1};
+  static const struct mc_param initial = MC_PARAM_INITIAL;
   x->par = initial;
   x->par.which = which;
   servo_reset(&x->servo);

@@ -66,7 +66,10 @@ static enum servo_kind kind_of(const struct mc_param *par, int is_power) {
   if (mode == MD_TEST1) return SERVO_TRIANGLE;
   if (mode != MD_POS && mode != MD_VEL) return SERVO_OFF;
   if ((par->b1 | par->b2) == 0) return par->a2 == 0 && is_power ? SERVO_PD : SERVO_SUM;
-  return par->b2 == 0 && par->b1 == -(int64_t)par->b0 ? SERVO_INTEGRATOR : SERVO_RECURSION;
+  if (par->b2 != 0) return SERVO_RECURSION;
+  if (par->b1 == -(int64_t)par->b0) return SERVO_INTEGRATOR;
+  int decays = par->b1 < 0 && par->b1 > -par->b0 && par->b0 <= 1 << 10;
+  return decays && par->a2 == 0 && is_power ? SERVO_FILTER : SERVO_RECURSION;
 }
 
 /* With errors e within top and N1, N2 within NARROW_N, N = a0*e + a1*e1 + a2*e2 - b1*N1/b0 -
@@ -283,7 +286,7 @@ static int32_t narrow_term(const struct mc_param *par, const struct servo_state 
   return b * quotient + over_b0(par, s, b * (n - quotient * par->b0));
 }
 
-/* N of any law but SERVO_PD. */
+/* N of any law but SERVO_PD and SERVO_FILTER. */
 static int32_t narrow_sum(const struct mc_param *par, struct servo_state *s, int32_t e) {
   int32_t n = par->a0 * e, n1 = (int32_t)s->n1;
   if (par->a1 != 0) n += par->a1 * s->e1;
@@ -299,11 +302,23 @@ static int32_t narrow_sum(const struct mc_param *par, struct servo_state *s, int
   return n;
 }
 
+/* The same of a filter. b1*(N1/b0) + b1*(N1 mod b0)/b0 is b1*N1/b0, truncated: b1*(N1/b0) is whole,
+ * and what is left has its sign. Up to the D/A's full scale the product has 32 bits. */
+static inline int32_t narrow_filter(const struct mc_param *par, struct servo_state *s, int32_t e) {
+  int32_t n1 = (int32_t)s->n1, n = par->a0 * e + par->a1 * s->e1;
+  n -= is_within(n1, 1u << 21) ? shifted(s, par->b1 * n1) : narrow_term(par, s, par->b1, n1);
+  if (!is_within(n, NARROW_N)) s->wide = 1;
+  return n;
+}
+
 static inline int32_t narrow_law(const struct mc_param *par, struct servo_state *s, int32_t e) {
   int32_t n, u;
   if (s->kind == SERVO_PD) {
     n = par->a0 * e;
     if (par->a1 != 0) n += par->a1 * s->e1;
+    u = shifted(s, n);
+  } else if (s->kind == SERVO_FILTER) {
+    n = narrow_filter(par, s, e);
     u = shifted(s, n);
   } else {
     n = narrow_sum(par, s, e);

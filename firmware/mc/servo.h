@@ -17,6 +17,7 @@
 enum servo_kind {
   SERVO_PD,         /* a2 = b1 = b2 = 0, b0 a power of two */
   SERVO_SUM,        /* b1 = b2 = 0 */
+  SERVO_FILTER,     /* PD with a derivative filter: a2 = b2 = 0, -b0 < b1 < 0, b0 to 1024 */
   SERVO_INTEGRATOR, /* b1 = -b0, b2 = 0 */
   SERVO_RECURSION,  /* any others */
   SERVO_TORQUE,     /* MD_TORQ, MD_TEST1, MD_OFF: no compensator */

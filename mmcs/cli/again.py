@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from mmcs.errors import InputError
+from mmcs.screen import echo
 
 _run = click.argument("run", metavar="RUN")
 
@@ -26,12 +27,12 @@ def replay(run: str) -> None:
     record = read_record(run)
     hash_, where = replays.replay(record)
     if where is None:
-        click.echo(f"{record.path}: reproduced, hash {hash_}")
+        echo(f"{record.path}: reproduced, hash {hash_}")
         return
-    click.echo(f"{record.path}: differs, hash {hash_} instead of {record.hash}")
-    click.echo(f"  first at {where}")
+    echo(f"{record.path}: differs, hash {hash_} instead of {record.hash}")
+    echo(f"  first at {where}")
     for text in replays.cautions(record):
-        click.echo(f"  {text}")
+        echo(f"  {text}")
     sys.exit(1)
 
 
@@ -58,11 +59,11 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     path = out or replays.default_path(record, from_s, to_s)
     where = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
-    click.echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
+    echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
     write_views(path, record.host)
     if where is not None:
-        click.echo(f"caution: this is not the same run; it differs first at {where}")
+        echo(f"caution: this is not the same run; it differs first at {where}")
         sys.exit(1)
-    click.echo(f"the run made again has the same hash, {record.hash}")
+    echo(f"the run made again has the same hash, {record.hash}")
     if view:
         open_viewer(path)

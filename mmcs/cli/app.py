@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
@@ -16,9 +16,11 @@ from mmcs.cli.again import replay, trace
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
 from mmcs.cli.sweep import sweep
+from mmcs.cli.tool import tool
 from mmcs.cli.view import compare, faults, film
 from mmcs.errors import InputError, RunError
 from mmcs.place import results
+from mmcs.screen import echo
 
 STARTED = time.time()
 
@@ -31,8 +33,10 @@ class Group(click.Group):
     def main(self, *args, **kwargs):
         try:
             return super().main(*args, **{**kwargs, "standalone_mode": False})
+        except MemoryError:
+            _fail("out of memory; ask for less at once", 1)
         except click.exceptions.NoArgsIsHelpError as error:
-            click.echo(error.format_message())
+            echo(error.format_message())
             sys.exit(2)
         except click.ClickException as error:
             _fail(" ".join(error.format_message().split()), 2)
@@ -51,7 +55,8 @@ class Group(click.Group):
 
 
 def _fail(text: str, status: int):
-    click.echo(f"mmcs: {text}", err=True)
+    with suppress(OSError):  # nobody hears it
+        echo(f"mmcs: {text}", err=True)
     sys.exit(status)
 
 
@@ -73,7 +78,7 @@ def list_() -> None:
     found = named()
     width = max((len(name) for name in found), default=0)
     for name, path in found.items():
-        click.echo(f"{name:{width}}  {description(path)}")
+        echo(f"{name:{width}}  {description(path)}")
 
 
 @main.command()
@@ -103,8 +108,8 @@ def check(scenario: str, sets: tuple[str, ...]) -> None:
     with _every_mistake():
         setup = load(scenario, sets)
     for text in cautions(setup):
-        click.echo(f"caution: {text}")
-    click.echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
+        echo(f"caution: {text}")
+    echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
 
 
 @contextmanager
@@ -113,7 +118,7 @@ def _every_mistake():
         yield
     except InputError as error:
         for mistake in error.mistakes:
-            click.echo(f"mmcs: {mistake}", err=True)
+            echo(f"mmcs: {mistake}", err=True)
         sys.exit(2)
 
 
@@ -126,9 +131,9 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
     with _every_mistake():
         path, robot = load_robot(name)
     for text in robot_cautions(robot):
-        click.echo(f"caution: {text}")
+        echo(f"caution: {text}")
     arm = "an arm" if robot.link else "on their own"
-    click.echo(f"{path}: good; robot of {robot.axes()} axes, {arm}")
+    echo(f"{path}: good; robot of {robot.axes()} axes, {arm}")
 
 
 @main.command()
@@ -198,7 +203,7 @@ def _run_from(origin: str, duration: float | None, out: Path | None, realtime: b
     setup = snapshot.setup(duration)
     folder = out or results("runs") / f"{setup.name}-from-{snapshot.t:.6f}"
     _check_places(folder, None)
-    click.echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
+    echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
     return run_scenario(
         setup, folder, realtime=realtime, host=snapshot.record.host, started=STARTED,
         carry_out=lambda s: resume(s, snapshot, realtime),
@@ -257,7 +262,7 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     carry_out = partial(simulate, trace=trace, stretch=stretch)
     good = run_scenario(setup, folder, trace=trace, started=STARTED, carry_out=carry_out)
     if stretch:
-        click.echo(f"traced from {begin:g} s of motion for {window:g} ms; --whole traces all")
+        echo(f"traced from {begin:g} s of motion for {window:g} ms; --whole traces all")
     write_views(trace)
     if not no_viewer:
         open_viewer(trace)
@@ -269,7 +274,7 @@ main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
 main.add_command(faults)
-for _command in (serve, exec_, design, sweep):
+for _command in (serve, exec_, design, sweep, tool):
     main.add_command(_command)
 
 

@@ -9,17 +9,22 @@ from pathlib import Path
 import click
 
 from mmcs.errors import InputError, RunError
+from mmcs.screen import echo
 
 OPTION = dict(type=float, default=0.0)
+GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 
 
 @click.command()
 @click.option("-p", "p", **OPTION, help="Proportional gain, LSB/count.")
 @click.option("-i", "i", **OPTION, help="Integral gain, LSB/(count s).")
 @click.option("-d", "d", **OPTION, help="Derivative gain, LSB s/count.")
-@click.option("--tau", **OPTION, help="Derivative filter, s; 0: none.")
+@click.option("--tau", type=float, help="Derivative filter, s; default: none.")
+@click.option("--kick", type=float, metavar="UNITS",
+              help="Instead of --tau: the filter with which one count makes the derivative move "
+              "the D/A by so much.")  # fmt: skip
 @click.option("--wn", type=float, help="Instead of gains: PD by pole placement, rad/s.")
-@click.option("--zeta", type=float, default=1.0, show_default=True, help="Damping for --wn.")
+@click.option("--zeta", type=float, help="Damping for --wn; default: 1.")
 @click.option("--method", default="backward", show_default=True, metavar="NAME",
               help="backward, bilinear, prewarp, matched, ztransform or zoh.")  # fmt: skip
 @click.option("--prewarp", **OPTION, help="Frequency that prewarp keeps exact, rad/s.")
@@ -30,20 +35,26 @@ OPTION = dict(type=float, default=0.0)
 @click.option("--axis", type=int, default=0, show_default=True, help="Axis of that robot.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--c", "as_c", is_flag=True, help="Print C for struct mc_param.")
+@click.option("--toml", "as_toml", is_flag=True, help="Print what to paste into TOML files.")
 @click.option("--plot", type=click.Path(path_type=Path), metavar="FILE", help="Bode, step, poles.")
 @click.option("--apply", "apply_to", type=int, metavar="AXIS", help="Set it on a running device.")
 @click.option("--dev", default="mc0", metavar="NAME", help="Server for --apply.")
-def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json, as_c,
-           plot, apply_to, dev) -> None:  # fmt: skip
+def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json,
+           as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.design import synthesis as ds
 
-    plant = _plant(_load_robot(robot), axis)
+    motors = _load_robot(robot)
+    if not 0 <= axis < len(motors.axis):
+        raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(motors.axis) - 1}")
+    plant = ds.plant_of(motors.axis[axis])
     t = interval * 1e-6
     try:
-        c = ds.place(plant, wn, zeta) if wn is not None else ds.Controller(p, i, d, tau)
-        if wn is None and not (p or i or d):
-            raise ds.DesignError("give gains with -p -i -d, or a bandwidth with --wn")
+        c = _controller(plant, p, i, d, tau, wn, zeta)
+        if kick is not None:
+            if tau is not None:
+                raise ds.DesignError("--kick chooses the derivative filter: leave out --tau")
+            c = ds.limit_step(c, kick, method, t, prewarp)
         k = ds.to_integers(ds.discretize(c, method, t, prewarp), t, scale)
     except ds.DesignError as error:
         raise InputError.one("mmcs design", "", None, str(error)) from None
@@ -53,15 +64,17 @@ def design(p, i, d, tau, wn, zeta, method, prewarp, interval, scale, robot, axis
     warnings = list(k.warnings)
     if not m.stable:
         warnings.append("the closed loop is unstable with double-buffered D/As")
-    if as_json:
-        click.echo(json.dumps(_report(c, k, m, method, interval, warnings), indent=2))
+    if as_toml:
+        echo(_toml(k, robot, axis, interval))
+    elif as_json:
+        echo(json.dumps(_report(c, k, m, method, interval, warnings), indent=2))
     elif as_c:
         for name, values in (("a", k.a), ("b", k.b)):
-            click.echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
+            echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
     else:
         _print(c, k, m, method, interval)
     for text in warnings:
-        click.echo(f"warning: {text}", err=True)
+        echo(f"warning: {text}", err=True)
     if plot is not None:
         from mmcs.design.plot import write_plot
 
@@ -83,18 +96,19 @@ def _load_robot(name: str):
     return robot
 
 
-def _plant(robot, axis: int):
-    """The motor as the linear design sees it: counts/s^2 per D/A unit, and B/J."""
-    import math
+def _controller(plant, p, i, d, tau, wn, zeta):
+    """Gains as given, or a PD placed."""
+    from mmcs.design import synthesis as ds
 
-    from mmcs.design.synthesis import Plant
-
-    if not 0 <= axis < len(robot.axis):
-        raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(robot.axis) - 1}")
-    motor = robot.axis[axis]
-    counts_per_rad = motor.counts_per_rev / (2 * math.pi)
-    torque_per_lsb = motor.km * motor.amp_gain * 10 / 2048
-    return Plant(counts_per_rad * torque_per_lsb / motor.inertia, motor.viscous / motor.inertia)
+    if wn is not None:
+        if p or i or d:
+            raise ds.DesignError(f"--wn: {GAINS}")
+        return ds.place(plant, wn, 1.0 if zeta is None else zeta, tau or 0.0)
+    if zeta is not None:
+        raise ds.DesignError("--zeta is the damping for --wn, which is missing")
+    if not (p or i or d):
+        raise ds.DesignError("give gains with -p -i -d, or a bandwidth with --wn")
+    return ds.Controller(p, i, d, tau or 0.0)
 
 
 def _report(c, k, m, method, interval, warnings) -> dict:
@@ -105,6 +119,7 @@ def _report(c, k, m, method, interval, warnings) -> dict:
         "gains": {"p": c.p, "i": c.i, "d": c.d, "tau": c.tau},
         **{f"a{n}": v for n, v in enumerate(k.a)},
         **{f"b{n}": v for n, v in enumerate(k.b)},
+        "count_step": _count_step(c, k),
         "gain_error": k.gain_error,
         "gain_margin_db": m.gain_db,
         "phase_margin_deg": m.phase_deg,
@@ -115,31 +130,57 @@ def _report(c, k, m, method, interval, warnings) -> dict:
     }
 
 
+def _toml(k, robot: str, axis: int, interval: int) -> str:
+    """A [[servo]] for a scenario; the same as a robot file has it, where it has the form."""
+    values = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
+    lines = ["# in a scenario:", f"interval_us = {interval}", "", "[[servo]]", f"axis = {axis}"]
+    lines += ['mode = "position"', *(f"{key} = {value}" for key, value in values.items())]
+    if k.a[2] == k.b[2] == 0 and interval in (1000, 2000):
+        gains = [k.a[0], k.a[1], k.b[0], *([k.b[1]] if k.b[1] else [])]
+        lines += ["", f"# or in the robot file, after the [[axis]] number {axis} of {robot}:"]
+        lines += ["[axis.servo]", f"pd_{interval}us = {gains}"]
+    return "\n".join(lines)
+
+
 def _print(c, k, m, method, interval) -> None:
     gains = f"P {c.p:.6g}, I {c.i:.6g}, D {c.d:.6g}" + (f", tau {c.tau:.4g} s" if c.tau else "")
-    click.echo(f"{c.form} by {method} at {interval} us: {gains}")
-    click.echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
-    click.echo("  b0 b1 b2   " + "  ".join(map(str, k.b)))
-    click.echo(f"  error by rounding {100 * k.gain_error:.3g} %")
-    click.echo(
+    echo(f"{c.form} by {method} at {interval} us: {gains}")
+    echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
+    echo("  b0 b1 b2   " + "  ".join(map(str, k.b)))
+    if c.d:
+        echo(f"  one count: the derivative makes {_count_step(c, k):.0f} D/A units of it")
+    echo(f"  error by rounding {100 * k.gain_error:.3g} %")
+    echo(
         f"  gain margin {m.gain_db:.1f} dB, phase margin {m.phase_deg:.1f} deg at "
         f"{m.crossover:.1f} rad/s, sensitivity peak {m.peak:.2f}"
     )
 
 
+def _count_step(c, k) -> float:
+    from mmcs.design.synthesis import count_step
+
+    return count_step(k.discrete(), c)
+
+
 def _apply(axis: int, k, dev: str, interval: int) -> None:
     """Only the compensator changes, between two samples; whoever runs the device keeps it."""
-    from mmcs.device.client import Device
+    from mmcs.device.link import Link
 
+    param = {f"{c}{n}": value for c, of in (("a", k.a), ("b", k.b)) for n, value in enumerate(of)}
     try:
-        with Device("/dev/mc0", server=dev) as device:
-            if interval != device.interval():
-                allowed = f"the device samples every {device.interval()} us"
+        with Link(server=dev) as link:
+            link.request("open", mode="rw")
+            others = [c for c in link.request("clients")["clients"] if c["mode"]]
+            if len(others) < 2:
+                allowed = (
+                    "no program has the device open, and the next one to open it would reset this"
+                )
+                raise InputError.one("--apply", "", axis, allowed)
+            now = link.request("call", request="MGETINTERVAL")["value"]
+            if interval != now:
+                allowed = f"the device samples every {now} us"
                 raise InputError.one("--interval", "", interval, allowed)
-            param = device.get_param(axis)
-            for n in range(3):
-                param[f"a{n}"], param[f"b{n}"] = k.a[n], k.b[n]
-            device.set_param(axis, param)
+            link.request("change", axis=axis, param=param)
     except OSError as error:
         raise RunError(f"--apply {axis}: {error.strerror}") from None
-    click.echo(f"set on axis {axis}")
+    echo(f"set on axis {axis}")

@@ -9,6 +9,7 @@ import sys
 import click
 
 from mmcs.errors import InputError
+from mmcs.screen import echo
 
 _speed = click.option("--speed", type=float, metavar="X", help="Simulated seconds per second.")
 _realtime = click.option("--realtime", is_flag=True, help="The same as --speed 1.")
@@ -33,7 +34,7 @@ def _machine(scenario: str):
     s = setup.scenario
     library = ensure_library(s.cards, "speed", s.clk_hz)
     config, motors, links = setup.config(), setup.motors(), setup.links()
-    machine = {"gravity": config["gravity"], "motors": motors, "links": links}
+    machine = {"gravity": config["gravity"], "motors": motors, "links": setup.robot.links()}
     return Sim(library, config, motors, links), {"scenario": scenario, "machine": machine}
 
 
@@ -65,7 +66,7 @@ def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
                 signal.signal(number, stop)
-        click.echo(f"serving {scenario} as {name}; run programs with: mmcs exec -- PROGRAM")
+        echo(f"serving {scenario} as {name}; run programs with: mmcs exec -- PROGRAM")
         try:
             server.run()
         finally:
@@ -78,13 +79,14 @@ def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None
 @_speed
 @click.option("--dev", "name", default="mc0", metavar="NAME", help="Name of the server to use.")
 @click.option("--cflags", "show_flags", is_flag=True, help="Print the flags for gcc and end.")
+@click.option("--modern", is_flag=True, help="With --cflags: C of today (gnu17), warnings on.")
 @click.argument("command", nargs=-1, type=click.UNPROCESSED, metavar="-- PROGRAM [ARGS...]")
-def exec_(scenario, realtime, speed, name, show_flags, command) -> None:
+def exec_(scenario, realtime, speed, name, show_flags, modern, command) -> None:
     """Run an unmodified program that opens /dev/mc0 or /dev/vme16."""
     from mmcs.device.execute import cflags, run_program
 
     if show_flags:
-        click.echo(" ".join(cflags()))
+        echo(" ".join(cflags(modern)))
         return
     pace = _pace(realtime, speed)
     if not command:

@@ -12,6 +12,8 @@ import click
 
 from mmcs.errors import InputError
 from mmcs.place import results
+from mmcs.screen import console as screen
+from mmcs.screen import echo
 
 TELL_EACH_S = 10.0  # without a terminal, a line so often
 
@@ -115,7 +117,7 @@ def _run(plan, store, client, workers: int) -> bool:
         while impossible:
             store.add(*impossible.pop())
     wall = time.perf_counter() - began
-    click.echo(f"{len(todo)} runs in {wall:.1f} s, {len(todo) / wall:.1f} a second")
+    echo(f"{len(todo)} runs in {wall:.1f} s, {len(todo) / wall:.1f} a second")
     return True
 
 
@@ -129,17 +131,16 @@ def _progress(total: int, done: int):
             nonlocal told
             if time.monotonic() > told + TELL_EACH_S:
                 told = time.monotonic()
-                click.echo(f"mmcs: {len(rows)} of {total} runs", err=True)
+                echo(f"mmcs: {len(rows)} of {total} runs", err=True)
 
         yield tell
         return
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
 
     columns = (MofNCompleteColumn(), TextColumn("runs"), BarColumn(), Remaining(),
                TextColumn("{task.fields[bad]}"))  # fmt: skip
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    bar = Progress(*columns, console=screen(stderr=True), transient=True)
     with bar:
         task = bar.add_task("sweep", total=total, completed=done, bad="")
         bad = 0
@@ -155,12 +156,11 @@ def _progress(total: int, done: int):
 
 def _finish(plan, rows: dict, folder: Path, by: str, form: str, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
-    from rich.console import Console
 
     from mmcs.scenario.files import short
     from mmcs.sweep.store import print_summary, write_plot, write_table
 
-    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console = screen()
     rows = {n: rows[n] for n in sorted(rows) if n < len(plan)}
     if rows:
         write_table(folder, plan, rows, form)

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from mmcs.errors import InputError
+from mmcs.screen import echo
 
 
 def _written(path: Path, default: Path) -> Path:
@@ -23,21 +24,24 @@ def _written(path: Path, default: Path) -> Path:
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.svg", help="The picture.")
 def compare(a: str, b: str, out: Path | None) -> None:
     """Draw two runs over each other; A and B are folders, or names of scenarios that were run."""
+    from mmcs.result.folder import whole_file
     from mmcs.scenario.files import short
     from mmcs.view.compare import write_comparison
     from mmcs.view.runs import read_run
 
     first, second = read_run(a), read_run(b)
     path = _written(out, second.folder / "compare.svg")
-    for seen in write_comparison(first, second, path):
+    with whole_file(path) as part:
+        differences = write_comparison(first, second, part)
+    for seen in differences:
         name = f"axis {seen['axis']} {seen['name']}".strip()
         texts = [
             "no samples in common" if seen[k] is None else f"{k} {seen[k]:g}"
             for k in ("encoder", "error", "current")
         ]
-        click.echo(f"{name}: largest difference {', '.join(texts)}")
+        echo(f"{name}: largest difference {', '.join(texts)}")
     same = first.report["hash"] == second.report["hash"]
-    click.echo(f"{'the same run to the bit' if same else 'different runs'}; {short(path)}")
+    echo(f"{'the same run to the bit' if same else 'different runs'}; {short(path)}")
 
 
 @click.command()
@@ -46,14 +50,17 @@ def compare(a: str, b: str, out: Path | None) -> None:
 @click.option("--slower", type=click.FloatRange(0.1, 100), default=2.0, help="Times, in the GIF.")
 def film(run: str, pictures: int, slower: float) -> None:
     """Draw the arm of a run: film.svg, a strip of pictures, and film.gif, in the run's folder."""
+    from mmcs.result.folder import whole_file
     from mmcs.scenario.files import short
     from mmcs.view.film import write_gif, write_strip
     from mmcs.view.runs import read_run
 
     seen = read_run(run)
-    write_strip(seen, seen.folder / "film.svg", pictures)
-    frames = write_gif(seen, seen.folder / "film.gif", slower)
-    click.echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames})")
+    with whole_file(seen.folder / "film.svg") as part:
+        write_strip(seen, part, pictures)
+    with whole_file(seen.folder / "film.gif") as part:
+        frames = write_gif(seen, part, slower)
+    echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames})")
 
 
 @click.command()
@@ -70,9 +77,8 @@ def faults(pattern: str, cards: int) -> None:
 
     for name, i in INPUTS.items():
         if pattern in name:
-            click.echo(
-                f"{name:18} {i.scope:8} {i.low:g} to {i.high:g}, healthy {i.healthy:g}: {i.meaning}"
-            )
+            values = f"{i.low:g} to {i.high:g}, healthy {i.healthy:g}"
+            echo(f"{name:18} {i.scope:8} {values}: {i.meaning}")
     for name, width in library_registers(ensure_library(cards, "speed")).items():
         if pattern in UPSET + name:
-            click.echo(f"{UPSET}{name}  {width} bit{'s' if width > 1 else ''}")
+            echo(f"{UPSET}{name}  {width} bit{'s' if width > 1 else ''}")

@@ -19,6 +19,7 @@ import numpy as np
 METHODS = ("backward", "bilinear", "prewarp", "matched", "ztransform", "zoh")
 INT32_MAX = 2**31 - 1
 SMALLEST_INTEGRAL = 20  # S*I*T below this rounds the integral away (or to something else)
+GOOD_ROUNDING = 1e-3  # of the gain, up to half the Nyquist frequency
 
 
 class DesignError(ValueError):
@@ -184,7 +185,7 @@ class Coefficients:
 def to_integers(d: Discrete, t: float, scale: int | None = None) -> Coefficients:
     """Scales by S = b0. Keeps an integral an integral and its gain exact to rounding.
 
-    scale None: the smallest power of two that keeps the gain error under 0.1 %.
+    scale None: the smallest power of two that keeps the gain error under 0.1 %, else the best one.
     """
     if len(d.num) > 3 or len(d.den) > 3:
         raise DesignError("the compensator has order 2 at most")
@@ -202,7 +203,7 @@ def to_integers(d: Discrete, t: float, scale: int | None = None) -> Coefficients
             break
         if best is None or found.gain_error < best.gain_error:
             best = found
-        if found.gain_error < 1e-3 and not any("integral" in w for w in found.warnings):
+        if found.gain_error < GOOD_ROUNDING and not any("integral" in w for w in found.warnings):
             return found
     return best
 
@@ -230,6 +231,8 @@ def _scaled(d: Discrete, t: float, s: int) -> Coefficients:
     z = np.exp(1j * w * t)
     made = Discrete(tuple(v / s for v in a), tuple(v / s for v in b))
     error = float(np.max(np.abs(made.at(z) / d.at(z) - 1)))
+    if error >= GOOD_ROUNDING:
+        warnings.append(f"rounding changes the gain by up to {100 * error:.2g} %")
     for pole in d.poles():
         if pole.real < -0.9 and abs(pole.imag) < 1e-9:
             warnings.append(
@@ -257,6 +260,13 @@ class Plant:
         e = math.exp(-self.lag * t)
         k, x = self.g / self.lag**2, self.lag * t
         return Discrete((0.0, k * (x - 1 + e), k * (1 - e - x * e)), (1.0, -1 - e, e))
+
+
+def plant_of(motor) -> Plant:
+    """The motor of a robot file as the linear design sees it, alone with its mean inertia."""
+    counts_per_rad = motor.counts_per_rev / (2 * math.pi)
+    torque_per_lsb = motor.km * motor.amp_gain * 10 / 2048
+    return Plant(counts_per_rad * torque_per_lsb / motor.inertia, motor.viscous / motor.inertia)
 
 
 @dataclass(frozen=True)
@@ -294,8 +304,43 @@ def margins(d: Discrete, plant: Plant, t: float, delay: int = 1) -> Margins:
     )
 
 
-def place(plant: Plant, wn: float, zeta: float = 1.0) -> Controller:
-    """PD by pole placement: closed-loop natural frequency wn (rad/s) and damping zeta."""
+def place(plant: Plant, wn: float, zeta: float = 1.0, tau: float = 0.0) -> Controller:
+    """PD by pole placement: closed-loop natural frequency wn (rad/s) and damping zeta.
+
+    The derivative filter tau is not placed: it takes phase, which the margins show.
+    """
     if wn <= 0 or zeta <= 0:
         raise DesignError("wn and zeta must be positive")
-    return Controller(p=wn**2 / plant.g, d=(2 * zeta * wn - plant.lag) / plant.g)
+    d = (2 * zeta * wn - plant.lag) / plant.g
+    if d < 0:
+        raise DesignError(f"friction alone damps more than zeta = {zeta:g}: raise --wn or --zeta")
+    return Controller(wn**2 / plant.g, 0.0, d, tau)
+
+
+def count_step(d: Discrete, c: Controller) -> float:
+    """By how much the derivative moves the output, D/A units, when the error moves by one count."""
+    return d.num[0] / d.den[0] - c.p
+
+
+def limit_step(c: Controller, most: float, method: str, t: float, prewarp: float) -> Controller:
+    """The controller with the shortest derivative filter that keeps count_step within `most`."""
+    if most <= 0:
+        raise DesignError(f"--kick {most:g}: D/A units that one count may make, above 0")
+
+    def made(tau: float) -> Controller:
+        return Controller(c.p, c.i, c.d, tau)
+
+    def fits(tau: float) -> bool:
+        return abs(count_step(discretize(made(tau), method, t, prewarp), made(tau))) <= most
+
+    if c.d == 0 or (method not in ("zoh", "ztransform") and fits(0.0)):
+        return made(0.0)
+    low, high = 0.0, t
+    while not fits(high):
+        low, high = high, 2 * high
+        if high > 1e3 * t:
+            raise DesignError(f"--kick {most:g}: not even a filter of {high:.3g} s makes that")
+    while high - low > 1e-6 * t:
+        middle = (low + high) / 2
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return made(high)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a message asks, checked before anything is done (docs/protocol.md)."""
+"""What a message asks, checked before anything is done (docs/use/protocol.md)."""
 
 from __future__ import annotations
 

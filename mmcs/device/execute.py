@@ -29,15 +29,14 @@ OF_THE_TERMINAL = (signal.SIGINT, signal.SIGQUIT)  # the program gets them by it
 PT_INTERP = 3
 
 
-def cflags() -> list[str]:
-    """Compiler flags for a program written as chapter 2 of the report shows (gcc)."""
+def cflags(modern: bool = False) -> list[str]:
+    """Compiler flags for a program written as chapter 2 of the report shows (gcc), or of today."""
     preload_library()  # the compiler runs with it
     return [
-        "-std=gnu89",
-        "-w",
+        *(("-std=gnu17", "-Wall", "-Wextra") if modern else ("-std=gnu89", "-w")),
         f"-I{DEVICE / 'include'}",
         "-wrapper",
-        str(DEVICE / "cc_wrapper.sh"),
+        f"{DEVICE / 'cc_wrapper.sh'},{LIBRARY}",
     ]
 
 

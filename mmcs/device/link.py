@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A client of the messages in Python (docs/protocol.md): for tools, recorders and tests."""
+"""A client of the messages in Python (docs/use/protocol.md): for tools, recorders and tests."""
 
 from __future__ import annotations
 
@@ -41,8 +41,9 @@ class Link:
     request() waits for its answer; what comes meanwhile is kept for receive(), in order."""
 
     def __init__(self, server: str = "mc0", path: Path | None = None, timeout: float | None = 10.0):
-        """path: of the server's device socket, if not by its name."""
-        self._sock = connect((path or socket_path(server)).with_suffix(".msg"), timeout)
+        """path: of the server's device socket, if not by its name. Inside `mmcs exec`: its own."""
+        where = path or Path(os.environ.get("MMCS_SOCKET") or socket_path(server))
+        self._sock = connect(where.with_suffix(".msg"), timeout)
         self._data = bytearray()
         self._kept: deque[dict | Samples] = deque()
         self._ids = itertools.count(1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server's end of the messages: see docs/protocol.md, whose words the names here are."""
+"""The server's end of the messages: see docs/use/protocol.md, whose words the names here are."""
 
 from __future__ import annotations
 

@@ -98,6 +98,8 @@ class Operations:
         self.must_control()
         if not self._server.pace.paused:
             raise Refused(EBUSY, "time passes by itself; pause first")
+        if self._server.advances:
+            raise Refused(EBUSY, "time passes already, as somebody asked")
         seconds = a.number("seconds", 0, MOST_S)
         self._server.advance(seconds, self._of, a.id)
 
@@ -125,6 +127,8 @@ class Operations:
 
     def do_rewind(self, a: Arguments) -> dict:
         self.must_control()
+        if self._server.advances:
+            raise Refused(EBUSY, "time passes, as somebody asked; wait for that")
         history = self._machine.history
         if "t" in a:
             number = history.last_before(a.number("t", 0, 1e9))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulator as a server: /dev/mcN and /dev/vme16 for other processes (§2.3, §2.4), messages for
-a tool beside them, and the stop path (docs/device.md, docs/protocol.md).
+a tool beside them, and the stop path (docs/use/device.md, docs/use/protocol.md).
 
 One thread does everything, a step at a time: the stop path, one request of each connection that has
 one, a stretch of simulated time, and what is to be sent. The stop path comes first in every step,
@@ -134,6 +134,10 @@ class Server:
     def advance(self, seconds: float, asker: Messenger, id_: object) -> None:
         """So much time passes in the steps to come; then the asker is answered."""
         self._target = (self.sim.time + seconds, asker, id_)
+
+    @property
+    def advances(self) -> bool:
+        return self._target is not None
 
     def _go_on(self) -> None:
         target, asker, id_ = self._target

@@ -62,16 +62,24 @@ class Name:
     def __init__(self, path: Path):
         self.path = path
         make_folder(path.parent)
-        self._lock = os.open(
-            path.with_suffix(".lock"), os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600
-        )
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(self._lock)
-            allowed = "a server of this name is running; stop it or use another"
-            raise InputError.one("--dev", "", path.stem, allowed) from None
+        self._lock_path = path.with_suffix(".lock")
+        self._lock = self._take_lock()
         self._made: list[tuple[Path, int, socket.socket]] = []
+
+    def _take_lock(self) -> int:
+        """Of a file that is still there once it is locked: an ending server takes its own away."""
+        while True:
+            lock = os.open(self._lock_path, os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600)
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                os.close(lock)
+                allowed = "a server of this name is running; stop it or use another"
+                raise InputError.one("--dev", "", self.path.stem, allowed) from None
+            with contextlib.suppress(FileNotFoundError):
+                if self._lock_path.lstat().st_ino == os.fstat(lock).st_ino:
+                    return lock
+            os.close(lock)
 
     def listen(self, suffix: str) -> socket.socket:
         """A listening socket of mode 0600. What a dead server left in its place is taken over."""
@@ -102,6 +110,9 @@ class Name:
                 if path.lstat().st_ino == inode:
                     path.unlink()
             server.close()
+        with contextlib.suppress(FileNotFoundError):
+            if self._lock_path.lstat().st_ino == os.fstat(self._lock).st_ino:
+                self._lock_path.unlink()
         os.close(self._lock)
 
 

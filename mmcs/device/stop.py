@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stop path: a socket of its own, served before anything else (docs/protocol.md).
+"""The stop path: a socket of its own, served before anything else (docs/use/protocol.md).
 
 Whoever can connect may stop the machine. A line is at most 64 bytes; of each connection one read is
 served at a time, so that nobody holds up the others.

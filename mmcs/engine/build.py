@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import os
+import re
+import shutil
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -16,6 +19,8 @@ from mmcs.place import BUILD, ROOT, WORK, workshop
 
 CLK_HZ = 8_000_000
 LOG = BUILD / "sim" / "build.log"
+# what a linker says of half a file that a kill has left
+DAMAGED = re.compile("truncated|not recognized|malformed|undefined reference|corrupt", re.I)
 
 
 def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
@@ -27,22 +32,46 @@ def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False)
 def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
     """The library of a build; kind is "speed", "trust" (assertions live) or "trace".
 
-    soc: the machine has its own processor (docs/soc.md).
+    soc: the machine has its own processor (docs/hardware/soc.md).
     """
     path = library_path(cards, kind, clk_hz, soc)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
     command += [f"CLK_HZ={clk_hz}", f"HOST={'rv32' if soc else 'vme'}"]
     env = make_env()
-    if path.exists() and _run([*command, "-q"], env) == 0:
+    if is_whole(path) and _run([*command, "-q"], env) == 0:
         return path
     what = f"{kind} build" + (", with its own processor" if soc else "")
     text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {what})"
     with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
+        if path.exists() and not is_whole(path):
+            _forget(path)
         status = _run(command, env, log=True)
+        if status and DAMAGED.search(LOG.read_text(errors="replace")) and _forget(path):
+            status = _run(command, env, log=True)
     if status or not path.exists():
         log = LOG.relative_to(WORK) if WORK == ROOT else LOG
         raise RunError(f"the simulator does not build; {_reason()}; see {log}")
     return path
+
+
+def is_whole(path: Path) -> bool:
+    """Whether it is what was built: a kill, a full disk or a bad one may have left something else,
+    and who loads that dies of SIGBUS or SIGSEGV."""
+    try:
+        told = path.with_name(f"{path.name}.sum").read_text().split()[0]
+        return hashlib.sha256(path.read_bytes()).hexdigest() == told
+    except (OSError, ValueError, IndexError):
+        return False
+
+
+def _forget(path: Path) -> bool:
+    """Removes a build and what it may be made of; whether there was anything."""
+    base = path.parent.parent
+    folders = [path.parent, *base.glob("obj*"), *base.glob("*_rack*")]
+    found = any(folder.exists() for folder in folders)
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
+    return found
 
 
 def make_env() -> dict[str, str]:
@@ -77,12 +106,12 @@ def _run(command: list[str], env: dict, log: bool = False) -> int:
 
 
 def _spinner(text: str):
-    from rich.console import Console
+    from mmcs.screen import console as screen
 
-    console = Console(stderr=True)
+    console = screen(stderr=True)
     if console.is_terminal:
         return console.status(text)
-    console.print(f"mmcs: {text}", highlight=False)
+    console.print(f"mmcs: {text}")
     return console.status(text)  # draws nothing when not a terminal
 
 

@@ -7,8 +7,9 @@ import importlib.util
 import shutil
 import subprocess
 import zlib
+from pathlib import Path
 
-from mmcs.engine.build import make_env, one_at_a_time
+from mmcs.engine.build import is_whole, make_env, one_at_a_time
 from mmcs.errors import InputError, RunError
 from mmcs.place import BUILD, workshop
 
@@ -30,11 +31,11 @@ def config(host: str) -> dict:
     if host == "native":
         return {}
     _need(host)
-    make("firmware/Makefile", host)
+    make("firmware/Makefile", host, BUILD / "firmware" / host / "mc.bin")
     image = {"host": HOSTS.index(host), "firmware": str(BUILD / "firmware" / host / "mc.bin")}
     if host == "rv32":
         return image
-    make("sim/hosts/Makefile", "all")
+    make("sim/hosts/Makefile", "all", BUILD / "hosts" / "libm68020.so")
     return image | {"processor": str(BUILD / "hosts" / "libm68020.so")}
 
 
@@ -54,10 +55,12 @@ def _need(host: str) -> None:
         raise RunError("--host rv32 needs its processor core; install it with: make firmware")
 
 
-def make(makefile: str, target: str) -> None:
+def make(makefile: str, target: str, made: Path | None = None) -> None:
     """Builds a target of the firmware or of a processor; one process at a time."""
     command = ["make", "-s", "-f", makefile, target]
     with one_at_a_time(BUILD / "firmware.lock"):
+        if made is not None and made.exists() and not is_whole(made):
+            command.insert(1, "-B")
         done = subprocess.run(
             command, cwd=workshop(), env=make_env(), capture_output=True, text=True, check=False
         )

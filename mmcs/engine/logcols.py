@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The columns of the log, in the order of mmcs_sim_log()."""
+"""The columns of the log, as the engine's header names them."""
+
+import re
 
 import numpy as np
 
-FIELDS = ("setpoint", "encoder", "velocity", "error", "current", "errcode", "angle_rad")
+from mmcs import ROOT
+
+_HEADER = (ROOT / "sim" / "engine" / "mmcs_sim.h").read_text()
+FIELDS = tuple(re.search(r'#define MMCS_SIM_LOG_FIELDS "(.*)"', _HEADER)[1].split())
 
 
 def column(log: np.ndarray, axis: int, name: str) -> np.ndarray:

@@ -7,6 +7,7 @@ The C declarations are read from that very header, so they cannot drift apart.
 from __future__ import annotations
 
 import functools
+import os
 import re
 from pathlib import Path
 
@@ -52,7 +53,7 @@ class Sim:
         self.ffi = make_ffi()
         self.lib = load_library(library)
         names = {
-            key: self.ffi.new("char[]", config[key].encode())
+            key: self.ffi.new("char[]", os.fsencode(config[key]))
             for key in ("processor", "firmware") if key in config
         }  # fmt: skip
         config = {**config, **names, "abi": self.lib.MMCS_SIM_ABI}
@@ -84,12 +85,12 @@ class Sim:
         return {name: getattr(self.lib, f"mmcs_sim_build_{name}")() for name in names}
 
     def trace(self, path: Path) -> None:
-        if self.lib.mmcs_sim_trace(self._sim, str(path).encode()):
+        if self.lib.mmcs_sim_trace(self._sim, os.fsencode(path)):
             raise RunError(f"{path}: the trace file cannot be made")
 
     def trace_window(self, path: Path, from_s: float, to_s: float) -> None:
         """Traces this stretch only, which lies ahead."""
-        if self.lib.mmcs_sim_trace_window(self._sim, str(path).encode(), from_s, to_s):
+        if self.lib.mmcs_sim_trace_window(self._sim, os.fsencode(path), from_s, to_s):
             raise RunError(f"{path}: this stretch cannot be traced")
 
     def build_id(self) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The step response of an axis in four numbers. Definitions: docs/scenarios.md, "What is measured".
+"""The step response of an axis in four numbers, defined in docs/use/scenarios.md.
 
 Everything is taken at servo samples, from the driver's own state: `y` is the encoder count of a
 position axis and the velocity estimate of a velocity axis.

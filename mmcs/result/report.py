@@ -12,7 +12,6 @@ import numpy as np
 from mmcs import __version__
 from mmcs.engine import logcols
 from mmcs.engine.rows import blocks
-from mmcs.errors import one_line
 from mmcs.result import metrics
 from mmcs.result.expect import judge
 
@@ -107,10 +106,11 @@ def write_log(result, folder: Path) -> int:
 
 def print_report(report: dict, result, folder: Path, console) -> None:
     from rich.table import Table
-    from rich.text import Text
+
+    from mmcs.screen import cell
 
     title = f"{report['scenario']}: {result.setup.scenario.description}"
-    table = Table(title=Text(one_line(title), "table.title"))  # no markup of the user's
+    table = Table(title=cell(title, "table.title"))  # no markup of the user's
     table.title_justify = "left"
     for heading in ("axis", "mode"):
         table.add_column(heading)
@@ -119,7 +119,7 @@ def print_report(report: dict, result, folder: Path, console) -> None:
         table.add_column(heading, justify="right")
     for axis in report["axes"]:
         table.add_row(
-            f"{axis['axis']} {axis['name']}".strip(),
+            cell(f"{axis['axis']} {axis['name']}".strip()),
             axis["mode"],
             _cell(axis["rise_ms"]),
             _cell(axis["overshoot_pct"]),
@@ -136,14 +136,14 @@ def print_report(report: dict, result, folder: Path, console) -> None:
         if note["kind"] != "log":
             where = "" if note["axis"] < 0 else f" axis {note['axis']}"
             line = f"  {note['t']:.6f} s  {note['kind']}{where}: {note['text']}"
-            console.print(line, markup=False)
+            console.print(line)
     if report["events_lost"]:
         console.print(f"  {report['events_lost']} further events are not kept: look into the first")
     expected = report["expect"]
     for item in expected:
         if not item["ok"] or len(expected) <= FEW:
             verdict = "ok    " if item["ok"] else "FAILED"
-            console.print(f"  {verdict}  {item['what']}", markup=False)
+            console.print(f"  {verdict}  {item['what']}")
     if expected:
         met = sum(item["ok"] for item in expected)
         console.print(f"expectations: {met} of {len(expected)} met")

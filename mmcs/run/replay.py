@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from mmcs import __version__
 from mmcs.engine.hosts import HOSTS, image_digest
 from mmcs.errors import InputError
 from mmcs.record.record import Record, first_difference
-from mmcs.scenario.files import short
+from mmcs.scenario.files import read_json, short
 
 
 def replay(record: Record) -> tuple[str, str | None]:
@@ -70,14 +69,14 @@ def stretch(record: Record, at: str, window_ms: float) -> tuple[float, float]:
 def _event_time(record: Record, kind: str) -> float:
     file = record.path.with_name("report.json")
     try:
-        events = json.loads(file.read_text())["events"]
-    except (OSError, ValueError, KeyError):
-        allowed = f"must be a time in seconds: {file} with the run's events is missing"
+        events = read_json(file)["events"]
+        times = [float(e["t"]) for e in events if e["kind"] == kind]
+        kinds = ", ".join(sorted({e["kind"] for e in events})) or "none"
+    except (ValueError, KeyError, TypeError):
+        allowed = f"must be a time in seconds: {file} with the run's events is not there"
         raise InputError.one("--at", "", kind, allowed) from None
-    times = [e["t"] for e in events if e["kind"] == kind]
     if times:
         return times[0]
-    kinds = ", ".join(sorted({e["kind"] for e in events})) or "none"
     allowed = f"must be a time in seconds, or the kind of an event of this run ({kinds})"
     raise InputError.one("--at", "", kind, allowed)
 

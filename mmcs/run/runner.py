@@ -24,12 +24,11 @@ def run_scenario(
 
     carry_out: what makes a result of the setup, when not simulate().
     """
-    from rich.console import Console
-
     from mmcs.record import record as records
     from mmcs.record import snapshots
     from mmcs.result import report as reports
     from mmcs.result.folder import writing
+    from mmcs.screen import console as screen
     from mmcs.view.plot import write_plot
 
     for place in [folder] + ([trace.parent] if trace else []):
@@ -43,7 +42,7 @@ def run_scenario(
         records.write_record(record, stage)
         snapshots.write_snapshots(stage / snapshots.NAME, record, result)
         write_plot(result, stage / "plot.svg")
-    console = Console(highlight=False, soft_wrap=True)
+    console = screen()
     reports.print_report(report, result, folder, console)
     if result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.

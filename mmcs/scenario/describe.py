@@ -5,17 +5,20 @@ from __future__ import annotations
 
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 
+LEAST_PHASE_DEG = 20
 HEARTBEAT_US = 50_000
 AXIS_KEYS = ("mode", "flags", "a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg",
              "clkdivisor", "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
 
 
 def show_setup(setup: Setup) -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from mmcs.screen import cell
+    from mmcs.screen import console as screen
+
     scenario, robot = setup.scenario, setup.robot
-    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console = screen()
     console.print(f"{setup.name}: {scenario.description}")
     cards = f"{scenario.cards} card{'s' if scenario.cards > 1 else ''}"
     console.print(
@@ -32,7 +35,9 @@ def show_setup(setup: Setup) -> None:
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
-    table = Table("", *[f"{n} {robot.axis_name(n)}".strip() for n in range(setup.axes)], box=None)
+    table = Table("", box=None)
+    for axis in range(setup.axes):
+        table.add_column(cell(f"{axis} {robot.axis_name(axis)}".strip()))
     for key in AXIS_KEYS:
         values = [params[key] for params in setup.params]
         texts = [" ".join(v) if isinstance(v, list) else str(v) for v in values]
@@ -50,7 +55,9 @@ def show_setup(setup: Setup) -> None:
             f"  {process.at:7.3f} s  axis {process.axis}: process {process.kind} to {process.to}"
         )
     for call in scenario.call:
-        where = f" axis {call.axis}" if call.request in ("MCALIB", "MSETENC") else ""
+        where = f" axis {call.axis}" if call.request in ("MCALIB", "MSETENC", "MSETPARAM") else ""
+        if call.set:
+            where += f" {call.set.model_dump(exclude_none=True, exclude={'axis'})}"
         console.print(f"  {call.at:7.3f} s  {call.request}{where}")
     for event in scenario.event:
         since = " after power-on" if event.at_power_on else ""
@@ -95,10 +102,34 @@ def cautions(setup: Setup) -> list[str]:
                 f"axis {axis}: negative gain is for an encoder that counts down with positive "
                 "torque; then ic_pos and ic_neg must be negative too"
             )
+    out += _poor_gains(setup)
     used = {s["axis"] for s in setup.segments}
     for axis in range(setup.axes):
         if axis not in used and setup.scenario.motion and setup.params[axis]["mode"] != "off":
             out.append(f"axis {axis}: no motion, it holds its position")
+    return out
+
+
+def _poor_gains(setup: Setup) -> list[str]:
+    """Position loops that the motor's own inertia makes unstable, or nearly so."""
+    from mmcs.design.synthesis import Discrete, margins, plant_of
+
+    scenario, out = setup.scenario, []
+    for axis, p in enumerate(setup.params):
+        if p["mode"] != "position" or {"adfb", "adoff"} & set(p["flags"]) or not p["b0"]:
+            continue
+        num, den = ([p[f"{k}{n}"] / p["b0"] for n in range(3)] for k in "ab")
+        plant, t = plant_of(setup.robot.axis[axis]), scenario.interval_us * p["clkdivisor"] * 1e-6
+        if sum(num) * plant.g <= 0:
+            continue  # told above, if it is a mistake
+        m = margins(Discrete(tuple(num), tuple(den)), plant, t, delay=int(scenario.double_buffer))
+        if m.stable and m.phase_deg > LEAST_PHASE_DEG:
+            continue
+        what = f"only {m.phase_deg:.0f} deg of phase margin" if m.stable else "an unstable loop"
+        out.append(
+            f"axis {axis}: its gains and this motor make {what} at {t * 1e6:.0f} us; "
+            f"`mmcs design --wn 50 --robot {scenario.robot} --axis {axis} --toml` makes others"
+        )
     return out
 
 

@@ -67,7 +67,5 @@ UPSET = "seu."  # then the name of any register, as `mmcs faults` lists them
 def find(name: str) -> Input | None:
     """The input of this name; the engine knows which registers there are, and how wide."""
     if name.startswith(UPSET) and name not in INPUTS:
-        return Input(
-            "machine", 0, 0, 2**32 - 1, "a particle flips these bits of the register, once"
-        )
+        return Input("machine", 0, 0, 2**32 - 1, "a particle flips these bits, once")
     return INPUTS.get(name)

@@ -7,7 +7,7 @@ import math
 import re
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from mmcs.errors import Mistake, show, suggest
 from mmcs.scenario.schema import Strict, is_number, refuse
@@ -28,9 +28,9 @@ def _vector(length: int, most: float):
 
 
 def _gains(value):
-    whole = isinstance(value, list) and len(value) == 3
+    whole = isinstance(value, list) and len(value) in (3, 4)
     if not whole or not all(isinstance(v, int) and abs(v) < 2**31 for v in value):
-        raise refuse("must be [a0, a1, b0], three whole numbers of 32 bits")
+        raise refuse("must be [a0, a1, b0] or [a0, a1, b0, b1], whole numbers of 32 bits")
     if value[2] == 0:
         raise refuse("b0, the third number, must not be 0")
     return value
@@ -73,20 +73,20 @@ class Motor(Strict):
 
     name: str = ""
     copies: int = Field(1, ge=1, le=32)
-    rotor_inertia: Inertia
+    rotor_inertia: Inertia  # as inertia, where it is left out
     inertia: Inertia
-    viscous: _from_0(1e6)
-    coulomb_pos: Torque
-    coulomb_neg: Torque
-    stiction_pos: Torque
-    stiction_neg: Torque
+    viscous: _from_0(1e6) = 0.0
+    coulomb_pos: Torque = 0.0
+    coulomb_neg: Torque = 0.0  # as the other direction
+    stiction_pos: Torque = 0.0  # as the Coulomb friction
+    stiction_neg: Torque = 0.0
     km: _positive(1e4)
-    resistance: _positive(1e6)
-    v_supply: _from_0(1e5)
+    resistance: _positive(1e6) = 1.0  # which only a limited supply asks for
+    v_supply: _from_0(1e5) = 0.0
     amp_gain: _within(1e4)
-    amp_max: _from_0(1e5)
-    amp_tau: Delay
-    gear: float = Field(ge=-1e6, le=1e6)
+    amp_max: _from_0(1e5) = 0.0
+    amp_tau: Delay = 0.0
+    gear: float = Field(1.0, ge=-1e6, le=1e6)
     stop_lo: Angle = 0.0
     stop_hi: Angle = 0.0
     pot_v_per_rad: _within(1e6) = 0.0
@@ -105,6 +105,23 @@ class Motor(Strict):
     encoder_offset: Angle = 0.0
     servo: RobotServo = RobotServo()
     source: dict[str, str] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _likewise(cls, data):
+        """What is left out and follows from another value."""
+        if not isinstance(data, dict):
+            return data
+        data = dict(data)
+        for key, other in (
+            ("rotor_inertia", "inertia"),
+            ("coulomb_neg", "coulomb_pos"),
+            ("stiction_pos", "coulomb_pos"),
+            ("stiction_neg", "coulomb_neg"),
+        ):
+            if key not in data and other in data:
+                data[key] = data[other]
+        return data
 
 
 def _expand(motors: list[Motor]) -> list[Motor]:
@@ -192,7 +209,7 @@ class Robot(Strict):
         gains = gains or servo.pd_1000us or servo.pd_2000us
         values = {"mode": "position", "flags": ["coulcomp"], "ilim": servo.ilim}
         values |= {"ic_pos": servo.ic_pos, "ic_neg": servo.ic_neg}
-        return values | (dict(zip(("a0", "a1", "b0"), gains, strict=True)) if gains else {})
+        return values | dict(zip(("a0", "a1", "b0", "b1"), gains or (), strict=False))
 
     def mistakes(self, file: str) -> list[Mistake]:
         """What no single field shows."""
@@ -229,7 +246,8 @@ class Robot(Strict):
             if motor.stiffness > 0 and not self.link and motor.load_inertia == 0:
                 allowed = "must be more than 0: what hangs on the flexible coupling"
                 wrong(f"{key}.load_inertia", motor.load_inertia, allowed)
-            self._check_coupling(key, motor, wrong)
+            if not self.link:
+                self._check_coupling(key, motor, wrong)
             self._check_winding(key, motor, wrong)
             for name, text in motor.source.items():
                 self._check_source(f"{key}.source.{name}", text, wrong)
@@ -239,12 +257,13 @@ class Robot(Strict):
         if self.link and len(self.link) != len(self.axis):
             allowed = f"an arm needs one [[link]] per [[axis]] ({len(self.axis)})"
             wrong("link", f"{len(self.link)} links", allowed)
+        elif self.link and not found:
+            self._check_arm(wrong)
         return found
 
     def _check_coupling(self, key: str, motor: Motor, wrong) -> None:
         """The physics takes 50 us steps; a coupling that swings faster would blow up."""
-        own = motor.rotor_inertia * motor.gear**2
-        load = own if self.link else motor.load_inertia
+        own, load = motor.rotor_inertia * motor.gear**2, motor.load_inertia
         if motor.stiffness == 0 or load == 0 or own == 0:
             return
         softness = 1 / load + 1 / own
@@ -255,6 +274,21 @@ class Robot(Strict):
         most = 0.5 / (softness * STEP_S)
         if motor.damping > most:
             wrong(f"{key}.damping", motor.damping, f"must be at most {most:.3g}: steps are 50 us")
+
+    def _check_arm(self, wrong) -> None:
+        from mmcs.scenario.arm import is_body, stiff_joints
+
+        for n, link in enumerate(self.link):
+            if not is_body(link.inertia):
+                allowed = "is the inertia of no body: it must be positive definite"
+                wrong(f"link.{n}.inertia", link.inertia, allowed)
+                return
+        for key, most in stiff_joints(self):
+            _, axis, name = key.split(".")
+            allowed = f"must be at most {most:.3g} with its load: steps are 50 us"
+            if most == 0:
+                allowed = "must be 0: in some pose the joint moves no mass"
+            wrong(key, getattr(self.axis[int(axis)], name), allowed)
 
     def _check_winding(self, key: str, motor: Motor, wrong) -> None:
         """Back-EMF over the winding brakes with km^2/resistance; within one step it would ring."""

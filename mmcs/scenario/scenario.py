@@ -100,6 +100,7 @@ class Table(_Segment):
     file: str = Field(min_length=1, description="a CSV file beside the scenario")
     column: str | None = None
     duration: Duration = Field(description="seconds")
+    to: NumberOrList | None = None  # then the column is the share of the way there, 0 to 1
 
 
 Motion = Annotated[Step | Glide | Trapezoid | Wave | Chirp | Table, Field(discriminator="kind")]
@@ -109,7 +110,7 @@ class Event(Strict):
     """A named input of the machine or the plant takes a value."""
 
     at: Seconds = Field(description="seconds after the start of motion")
-    input: str = Field(min_length=1, description="the name of an input, see docs/scenarios.md")
+    input: str = Field(min_length=1, description="the name of an input, see docs/use/scenarios.md")
     index: int = Field(0, ge=0, le=31)  # the axis or card it applies to
     value: float = Field(description="the new value of the input")
     until: Seconds | None = None  # then the input is healthy again
@@ -117,8 +118,9 @@ class Event(Strict):
 
 
 Request = Literal[
-    "MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP", "MZEROSTATS"
-]
+    "MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSETPARAM",
+    "MSTOP", "MZEROSTATS"
+]  # fmt: skip
 
 
 class Call(Strict):
@@ -126,8 +128,9 @@ class Call(Strict):
 
     at: Seconds = Field(description="seconds after the start of motion")
     request: Request
-    axis: Axes = "all"  # of MCALIB and MSETENC
+    axis: Axes = "all"  # of MCALIB, MSETENC and MSETPARAM
     value: Int32 = 0  # of MDACMODE, MSETENC, MSETINTERVAL
+    set: Servo | None = None  # of MSETPARAM: what changes
 
 
 class Loop(Strict):
@@ -156,7 +159,7 @@ Process = Annotated[Loop | Bounce, Field(discriminator="kind")]
 
 
 class Fault(Strict):
-    """What the scenario shows in the fault table, docs/faults.md."""
+    """What the scenario shows in the fault table, docs/evidence/faults.md."""
 
     name: str = Field(min_length=1, description="the fault in a few words")
     why: str = Field(min_length=1, description="what the design of 1989 does about it, and why")

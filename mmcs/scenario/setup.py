@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
 from mmcs.scenario.inputs import INPUTS, find
@@ -18,12 +19,9 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate
 
-SERVO_DEFAULTS = {
-    # Table 2.1 of the report
-    "mode": "off", "flags": [], "a0": 1, "a1": 0, "a2": 0, "b0": 1, "b1": 0, "b2": 0,
-    "ic_pos": 0, "ic_neg": 0, "clkdivisor": 1, "ilim": 1024, "ilimax": 0,
-    "plo": -(2**31), "phi": 2**31 - 1, "adc_a": 1, "adc_b": 0, "ipole": 0,
-}  # fmt: skip
+_NUMBERS = ("a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg", "clkdivisor", "ilim",
+            "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
+SERVO_DEFAULTS = {"mode": "off", "flags": []} | {n: mcdef.initial().get(n, 0) for n in _NUMBERS}
 
 
 @dataclass
@@ -163,7 +161,20 @@ class _Cross:
                 segments.append(self._segment(key, motion, axis, place, len(chosen)))
         self._overlaps(segments)
         segments.sort(key=lambda s: (s["axis"], s["t0"]))
+        self._follow_shares(segments)
         return segments
+
+    @staticmethod
+    def _follow_shares(segments: list[dict]) -> None:
+        """A table of shares leads from the end of the segment before it to its own `to`."""
+        ends: dict[int, float] = {}
+        for segment in segments:
+            table = segment.get("table")
+            if table and "to" in segment:
+                start = ends.get(segment["axis"], 0.0)
+                table = [start + (segment["to"] - start) * share for share in table]
+                segment["table"] = table
+            ends[segment["axis"]] = table[-1] if table else segment["to"]
 
     def _segment(self, key: str, motion, axis: int, place: int, count: int) -> dict:
         scale = self.robot.counts_per(motion.unit, axis)
@@ -182,6 +193,9 @@ class _Cross:
         if isinstance(motion, Chirp):
             segment |= {"f0": motion.hz_from, "f1": motion.hz_to}
         if isinstance(motion, Table):
+            if motion.to is not None:
+                segment["to"] = scale * self._pick(f"{key}.to", motion.to, place, count)
+                scale = 1.0
             segment["table"] = [scale * v for v in self._table(key, motion, scale)]
         peak = abs(segment.get("to", 0.0)) + abs(segment.get("amplitude", 0.0))
         if not math.isfinite(peak) or peak >= 2**31:
@@ -303,6 +317,9 @@ class _Cross:
         self._check_process()
         for n, call in enumerate(scenario.call):
             self.chosen(f"call.{n}", call.axis)
+            if (call.request == "MSETPARAM") != (call.set is not None):
+                allowed = "MSETPARAM, and no other request, takes set = { ... }"
+                self.wrong(f"call.{n}.set", None, allowed)
             if call.at >= scenario.duration:
                 end = f"must be before the end of the run ({scenario.duration:g} s)"
                 self.wrong(f"call.{n}.at", call.at, end)

@@ -31,6 +31,7 @@ class Caller:
     def __init__(self, session, client: int):
         self.session, self.client = session, client
         self.calls = sorted(session.setup.scenario.call, key=lambda call: call.at)
+        self.params = [dict(values) for values in session.setup.params]
 
     @property
     def due(self) -> float:
@@ -52,6 +53,13 @@ class Caller:
                 else:
                     argument = axis | (call.value & 0xFFFF) << 8
                 self._ioctl(call.request, request, mcdef.new_int(argument))
+        elif call.request == "MSETPARAM":
+            given = call.set.model_dump(exclude_none=True, exclude={"axis"})
+            for axis in range(setup.axes) if call.axis == "all" else call.axis:
+                self.params[axis] |= given
+                param = mcdef.new_param(axis)
+                mcdef.fill_param(param, self.params[axis])
+                self._ioctl(call.request, request, param)
         elif call.request in ("MDACMODE", "MSETINTERVAL"):
             self._ioctl(call.request, request, mcdef.new_int(call.value))
         else:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from mmcs.scenario.setup import Setup
+from mmcs.screen import console
 
 
 def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: str = "native"):
@@ -48,7 +49,6 @@ def progress(duration: float):
     if not sys.stderr.isatty():
         yield lambda _: None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     began, bar, task = time.monotonic(), None, None
@@ -58,7 +58,7 @@ def progress(duration: float):
         if bar is None and time.monotonic() - began > 1.0:
             columns = (TextColumn("{task.completed:.2f} s of {task.total:g} s simulated"),
                        BarColumn(), TimeRemainingColumn())  # fmt: skip
-            bar = Progress(*columns, console=Console(stderr=True), transient=True)
+            bar = Progress(*columns, console=console(stderr=True), transient=True)
             bar.start()
             task = bar.add_task("run", total=duration)
         if bar is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sweep runs: a grid or a random sample over values of a scenario. docs/sweep.md
+"""What a sweep runs: a grid or a random sample over values of a scenario. docs/use/sweep.md
 
 Every row is made from the scenario, the sweep's seed and the row's number alone, so neither the
 number of workers nor the order in which they finish shows in the results.
@@ -23,6 +23,7 @@ from mmcs.scenario.files import Files, find, parse_toml, read_scenario
 from mmcs.scenario.sets import parse_value, set_key, split_set
 
 MAX_RUNS = 1_000_000
+MAX_TRIED = 100  # values of a key before the first run
 NUMBER = r"([^\s.,:/\"\[][^\s,:/\"\[]*?|\.\d[^\s,:/\"\[]*?)"
 RANGE = re.compile(rf"\s*{NUMBER}\.\.{NUMBER}(:(log)?(\d*))?\s*")
 GRID_EXAMPLE = "axis.0.b0=80,90,100"
@@ -105,6 +106,8 @@ def _span(option: str, key: str, text: str) -> tuple[Span | None, int | None]:
             raise InputError.one(option, key, text.strip(), "needs a number on each side of ..")
         ends.append(value)
     low, high = ends
+    if match[5] and len(match[5]) > 7:
+        raise InputError.one(option, key, text.strip(), f"at most {MAX_RUNS} values")
     if low > high:
         raise InputError.one(option, key, text.strip(), "must be LOW..HIGH with low <= high")
     if match[4] and low <= 0:
@@ -186,14 +189,16 @@ class Plan:
         return make_setup(self.path, data, self._files)
 
     def check(self) -> None:
-        """Raises InputError for a value (or end of a range) that is good in no combination tried.
+        """Raises InputError for a value (or end of a range) that is good in no combination tried;
+        of very many values, some are tried.
 
         A combination that turns out bad later is a failed row.
         """
         last = len(self) - 1
         tried = [self.values(n) for n in sorted({last * n // 6 for n in range(7)})]
         for vary in self.vary:
-            for value in vary.extremes():
+            values = vary.extremes()
+            for value in values[:: -(-len(values) // MAX_TRIED)]:
                 mistake = None
                 for others in tried:
                     try:

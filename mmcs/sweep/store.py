@@ -4,18 +4,22 @@
 from __future__ import annotations
 
 import csv
+import fcntl
 import json
 import math
 import statistics
 from pathlib import Path
 
 from mmcs.errors import InputError, one_line, show
-from mmcs.sweep.plan import Plan
+from mmcs.result.folder import whole_file
+from mmcs.sweep.plan import MAX_RUNS, Plan
 
 ROWS = "rows.jsonl"
 TABLE = "table"
 PLOT = "plot.svg"
 FORMATS = ("csv", "parquet")
+LOCK = ".lock"
+MAX_LINE = 1 << 20  # bytes of a row
 LEADING = ("status", "unmet", "why")
 
 
@@ -31,8 +35,13 @@ class Store:
     def __init__(self, folder: Path, identity: str, resume: bool):
         self.path = folder / ROWS
         self.rows: dict[int, dict] = {}
+        self._lock = _locked(folder)
         if resume:
-            self._read(identity)
+            try:
+                self._read(identity)
+            except InputError:
+                self._lock.close()
+                raise
         elif self.path.exists():  # finished or not, it was somebody's hour
             self.path.replace(self.path.with_suffix(".before.jsonl"))
         new = not self.path.exists()
@@ -41,22 +50,21 @@ class Store:
             self._line({"sweep": identity})
 
     def _read(self, identity: str) -> None:
-        lines, whole = self.path.read_text().splitlines(keepends=True), 0
-        for number, line in enumerate(lines):
-            try:
-                entry = json.loads(line)
-                if number == 0 and entry["sweep"] != identity:
+        whole = 0
+        with self.path.open("r+b") as file:
+            for number, line in enumerate(iter(lambda: file.readline(MAX_LINE), b"")):
+                if not line.endswith(b"\n"):
+                    break  # it was being written when the end came
+                whole += len(line)
+                entry = _entry(line)
+                if number:
+                    self.rows |= entry
+                elif "sweep" not in entry:
+                    allowed = "is damaged; leave out --resume"
+                    raise InputError.one(self.path, "", None, allowed)
+                elif entry["sweep"] != identity:
                     allowed = "is another sweep (values, seed, scenario or build differ)"
                     raise InputError.one(self.path, "", None, f"{allowed}; leave out --resume")
-                if number:
-                    self.rows[entry["n"]] = entry["row"]
-            except (ValueError, KeyError, TypeError):
-                if number == 0:
-                    allowed = "is damaged; leave out --resume"
-                    raise InputError.one(self.path, "", None, allowed) from None
-                break  # the line that was being written when the end came
-            whole += len(line.encode())
-        with self.path.open("r+b") as file:
             file.truncate(whole)
 
     def add(self, n: int, row: dict) -> None:
@@ -69,6 +77,36 @@ class Store:
 
     def close(self) -> None:
         self._file.close()
+        self._lock.close()
+
+
+def _locked(folder: Path):
+    """Held as long as it is open. InputError when another sweep is at work in the folder."""
+    lock = (folder / LOCK).open("w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        lock.close()
+        allowed = "another sweep is writing here; wait for its end, or give another --out"
+        raise InputError.one(folder, "", None, allowed) from None
+    return lock
+
+
+def _entry(line: bytes) -> dict:
+    """{number: row}, or the first line; {} for what is neither: that row is run again."""
+    try:
+        entry = json.loads(line)
+        if isinstance(entry.get("sweep"), str):
+            return entry
+        n, row = entry["n"], entry["row"]
+        good = type(n) is int and 0 <= n < MAX_RUNS and row["status"] in ("ok", "missed", "failed")
+        good = good and (row["status"] == "failed" or type(row["unmet"]) is int)
+        for name, value in row.items():
+            text = name in ("status", "why", "hash")
+            good = good and isinstance(value, str if text else int | float | None)
+        return {n: row} if good else {}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {}
 
 
 def table(plan: Plan, rows: dict[int, dict]) -> tuple[list[str], list[list]]:
@@ -91,13 +129,14 @@ def _plain(value: object) -> object:
 def write_table(folder: Path, plan: Plan, rows: dict[int, dict], form: str) -> Path:
     heading, lines = table(plan, rows)
     path = folder / f"{TABLE}.{form}"
-    if form == "parquet":
-        _write_parquet(path, heading, lines)
-        return path
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heading)
-        writer.writerows(lines)
+    with whole_file(path) as part:
+        if form == "parquet":
+            _write_parquet(part, heading, lines)
+            return path
+        with part.open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(heading)
+            writer.writerows(lines)
     return path
 
 
@@ -230,9 +269,10 @@ def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path
             axes[0][0].legend(loc="best", frameon=False)
     if not good:
         axes[0][0].text(0.5, 0.5, f"no run has {by}", ha="center", color=GREY)
-    figure.suptitle(f"{plan.name}: {len(rows)} runs", x=0.01, ha="left", size=11)
+    figure.suptitle(one_line(f"{plan.name}: {len(rows)} runs"), x=0.01, ha="left", size=11)
     path = folder / PLOT
-    figure.savefig(path, metadata={"Date": None})
+    with whole_file(path) as part:
+        figure.savefig(part, metadata={"Date": None})
     plt.close(figure)
     return path
 

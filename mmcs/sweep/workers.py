@@ -159,6 +159,7 @@ def run_here(
     crew: list[_Worker] = []
     again: deque = deque()  # what dead workers were at
     fed = False  # tasks has no more
+    unborn = 0  # workers that died before they were ready, since the last that was not
 
     def feed(worker: _Worker) -> None:
         nonlocal fed
@@ -182,7 +183,9 @@ def run_here(
                     crew.remove(worker)
                     worker.end()
                     if not worker.ready:
-                        raise RunError("a worker of the sweep does not start") from None
+                        unborn += 1
+                        if unborn >= ATTEMPTS * workers:
+                            raise RunError("no worker of the sweep starts") from None
                     if worker.task is not None:
                         n, setup, deaths = worker.task
                         if deaths + 1 < ATTEMPTS:
@@ -191,6 +194,7 @@ def run_here(
                             yield n, failed(f"the worker died {ATTEMPTS} times in this run"), 0.0
                     crew.append(_Worker(context))
                     continue
+                unborn = 0
                 if worker.ready:
                     (n, _, _), worker.task = worker.task, None
                     yield n, *message

@@ -28,9 +28,13 @@ class Raw:
         sock.setblocking(False)
         return sock
 
-    @staticmethod
-    def _send(sock, op, name, a, b, data):
-        sock.send(REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data)
+    def _send(self, sock, op, name, a, b, data):
+        data = REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data
+        while data:
+            try:
+                data = data[sock.send(data) :]
+            except BlockingIOError:
+                self.bench.server.step()
 
     def _answer(self, sock):
         data = b""
@@ -43,8 +47,8 @@ class Raw:
         result, length = REPLY.unpack_from(data)
         return result, data[REPLY.size : REPLY.size + length]
 
-    def call(self, op, a=0, data=b""):
-        self._send(self.channel, op, self.name, a, 0, data)
+    def call(self, op, a=0, data=b"", b=0):
+        self._send(self.channel, op, self.name, a, b, data)
         return self._answer(self.channel)
 
     def flood(self):

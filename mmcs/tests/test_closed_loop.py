@@ -55,9 +55,28 @@ def test_step_response(row, compensation):
     check_witnesses(result)
 
 
+@pytest.mark.req("SRV-1", "SRV-2", "SRV-3", "SYN-1")
+@pytest.mark.parametrize("size", reference.SHIPPED)
+@pytest.mark.parametrize("axis", range(6))
+def test_shipped_gains_answer_as_the_reference_servo(axis, size):
+    assert reference.outside_shipped(axis, size) == []
+
+
+@pytest.mark.req("SYN-1", "SRV-4")
+def test_the_flagship_keeps_off_its_limits():
+    """Before: J1 is at its current limit for more than half of the move. After: no joint is."""
+    found = reference.flagship()
+    assert found["before"][0]["limited"] > 300
+    for joint in found["after"]:
+        assert joint["limited"] == 0
+        assert joint["error"] <= 60
+        assert joint["count"] <= 150.5
+    assert found["after"][0]["noise"] < found["before"][0]["noise"] / 5
+
+
 def test_document_is_current():
     """After the steps above, whose results are kept: this costs nothing more."""
-    told = "docs/closed_loop.md is stale: run `python -m studies.reference`"
+    told = "docs/evidence/closed_loop.md is stale: run `python -m studies.reference`"
     assert reference.DOCUMENT.read_text() == reference.document(), told
 
 

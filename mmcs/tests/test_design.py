@@ -213,7 +213,7 @@ def test_apply_without_a_server(mmcs, monkeypatch, tmp_path):
 @pytest.mark.parametrize(("method", "rings"), [("bilinear", True), ("backward", False)])
 def test_ringing_in_the_machine(tmp_path, method, rings):
     """Double-buffered D/As and the bilinear PID: the current alternates at half the sample rate."""
-    from mmcs.cli.design import _load_robot, _plant
+    from mmcs.cli.design import _load_robot
     from mmcs.mcdef import (
         MD_POS,
         MDACMODE,
@@ -225,7 +225,7 @@ def test_ringing_in_the_machine(tmp_path, method, rings):
         new_param,
     )
 
-    plant = _plant(_load_robot("lab500"), 0)
+    plant = ds.plant_of(_load_robot("lab500").axis[0])
     pd = ds.place(plant, 80.0)
     k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T), T)
     with Bench(tmp_path) as bench:
@@ -248,3 +248,56 @@ def test_ringing_in_the_machine(tmp_path, method, rings):
     tail = np.array(inow[-100:], dtype=float)
     alternation = abs(np.mean(tail * (-1.0) ** np.arange(100)))
     assert (alternation > 100) == rings, alternation
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--wn", "60", "-p", "3"), "--wn: pass -p, -i and -d, or let --wn"),
+        (("--zeta", "0.7", "-p", "3"), "--zeta is the damping for --wn"),
+        (("--wn", "60", "--tau", "0.001", "--kick", "50"), "leave out --tau"),
+        (("-p", "3", "-d", "0.1", "--kick", "0"), "--kick 0"),
+        (("--wn", "0.1", "--zeta", "0.1"), "friction alone damps more"),
+        (("-d", "1e300", "--kick", "1"), "--kick 1"),
+        (("--axis", "6", "-p", "1"), "axes 0 to 5"),
+    ],
+)
+def test_options_that_contradict_each_other(mmcs, arguments, told):
+    status, out, err = mmcs("design", *arguments)
+    assert (status, out) == (2, "")
+    assert told in err and len(err.splitlines()) == 1
+
+
+def test_tiny_gains_are_told_to_round(mmcs):
+    status, _, err = mmcs("design", "-p", "1e-9")
+    assert status == 0
+    assert "warning: rounding changes the gain by up to 6.9 %" in err
+    assert "rounding" not in mmcs("design", "-p", "4")[2]
+
+
+@pytest.mark.parametrize("method", ["backward", "matched", "bilinear", "zoh"])
+def test_kick_is_the_shortest_filter_that_keeps_a_count_small(method):
+    gains = ds.Controller(4.0, 0.0, 0.4)
+    made = ds.limit_step(gains, 50.0, method, T, 0.0)
+    step = ds.count_step(ds.discretize(made, method, T), made)
+    assert made.tau > 0 and step == pytest.approx(50.0, rel=1e-3)
+    without = ds.limit_step(gains, 5000.0, method, T, 0.0)
+    assert without.tau == 0 or method == "zoh"
+
+
+@pytest.mark.parametrize("interval", [1000, 2000])
+@pytest.mark.parametrize("axis", range(6))
+def test_the_robot_ships_what_design_makes(mmcs, axis, interval):
+    """The commands that sim/robots/puma560.toml names, and no kick above 150."""
+    from mmcs.cli.design import _load_robot
+
+    robot = _load_robot("puma560")
+    recipe = robot.reference[f"design_{interval}us"].split("; ")
+    chosen = next(r for r in recipe if f"J{axis + 1}" in r.split(": ")[0].split())
+    status, out, err = mmcs(*chosen.split(": ")[1].split()[1:], "--interval", str(interval),
+                            "--axis", str(axis), "--toml")  # fmt: skip
+    assert status == 0, err
+    shipped = getattr(robot.axis[axis].servo, f"pd_{interval}us")
+    assert f"pd_{interval}us = {shipped}\n" in out
+    a0, a1, b0, b1 = [*shipped, 0][:4]
+    assert a0 / b0 - (a0 + a1) / (b0 + b1) < 150.5

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/scenarios.md names every key and input, and its example is a good scenario."""
+"""docs/use/scenarios.md names every key and input, and its example is a good scenario."""
 
 import json
 import re
@@ -9,11 +9,12 @@ from fractions import Fraction
 import pytest
 
 from mmcs import ROOT
+from mmcs.engine import logcols
 from mmcs.scenario import scenario
 from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.schema import Strict
 
-TEXT = (ROOT / "docs" / "scenarios.md").read_text()
+TEXT = (ROOT / "docs" / "use" / "scenarios.md").read_text()
 SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])
 TABLES = ("servo", "motion", "event", "call", "process", "expect")
 
@@ -124,9 +125,9 @@ def test_example_is_a_good_scenario(mmcs, scenario):
 
 
 def test_ports_and_parameters_of_the_machine():
-    """docs/ports.md names each of them, and no other; widths in cards as declared."""
+    """docs/hardware/ports.md names each of them, and no other; widths in cards as declared."""
     rtl = (ROOT / "rtl" / "mmcs.sv").read_text()
-    page = (ROOT / "docs" / "ports.md").read_text()
+    page = (ROOT / "docs" / "hardware" / "ports.md").read_text()
     head = rtl[rtl.index("module mmcs") : rtl.index("\n);")]
     ports = set(re.findall(r"^  (?:in|out)put .*?(\w+),?$", head, re.M))
     parameters = dict(
@@ -147,7 +148,7 @@ def test_ports_and_parameters_of_the_machine():
 
 
 @pytest.mark.parametrize(
-    "page", sorted((ROOT / "docs" / "chips").glob("*.md")), ids=lambda p: p.stem
+    "page", sorted((ROOT / "docs" / "hardware" / "chips").glob("*.md")), ids=lambda p: p.stem
 )
 def test_conformance_names_what_is_in_the_chip(page):
     """The last column of a conformance table quotes the RTL; so do the parameters."""
@@ -158,3 +159,9 @@ def test_conformance_names_what_is_in_the_chip(page):
     assert quotes
     missing = [q for q in quotes if not re.search(rf"(?<!\w){re.escape(q)}(?!\w)", rtl)]
     assert missing == []
+
+
+def test_the_log_has_the_columns_that_the_page_names():
+    row = re.search(r"^\| `log.csv` \|.*$", TEXT, re.M)[0]
+    told = re.findall(r"`(\w+)_n`", row)
+    assert tuple(told) == logcols.FIELDS

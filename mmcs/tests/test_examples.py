@@ -9,7 +9,7 @@ from mmcs import ROOT, mcdef
 from mmcs.device.execute import cflags
 from mmcs.tests.device_bench import Bench, compile_program
 
-PAGE = (ROOT / "docs" / "driver.md").read_text()
+PAGE = (ROOT / "docs" / "use" / "driver.md").read_text()
 EXAMPLES = re.findall(r"```c\n(.*?)```", PAGE, flags=re.S)
 
 PROGRAM = """

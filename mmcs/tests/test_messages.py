@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The messages beside a program: device, lease, inputs, pace, the past, the stream."""
 
+import contextlib
 import itertools
 import json
 import os
+import random
 import re
+import signal
 import socket
 import struct
 import threading
@@ -342,8 +345,65 @@ def test_a_slow_reader_is_told_what_he_lost(tmp_path):
         sock.close()
 
 
+def odd(chance):
+    """Any value that JSON can hold."""
+    kinds = [
+        lambda: chance.choice(
+            [None, True, False, "", "rw", "r", "MENABLE", "MSETINTERVAL", "estop"]
+        ),
+        lambda: chance.choice([0, 1, -1, 5, 1000, 1 << 31, 1 << 70, -(1 << 70)]),
+        lambda: chance.choice([0.5, -1e300, 1e300, float("nan"), float("inf"), 60.0]),
+        lambda: [odd(chance) for _ in range(chance.randrange(3))],
+        lambda: {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(3))},
+        lambda: "".join(map(chr, (chance.randrange(0x3000) for _ in range(5)))),
+    ]
+    return chance.choice(kinds)()
+
+
+WORDS = (
+    "id op mode axes setpoints request value param axis a0 offset take give drop deadman_ms name "
+    "index speed paused every_s seconds count snapshot t samples events every period_ms past"
+)
+NAMES = WORDS.split()
+
+
+def test_random_requests_are_answered(tmp_path):
+    """Each with one reply, whatever they ask; then the server is as well as before."""
+    chance = random.Random(int(os.environ.get("MMCS_SEED", "3")))
+    source = "".join(
+        (ROOT / "mmcs" / "device" / f"{n}.py").read_text() for n in ("messages", "operations")
+    )
+    ops = [*re.findall(r"def do_(\w+)", source), "sing"]
+    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+    with Bench(tmp_path) as bench, socket.socket(socket.AF_UNIX) as sock:
+        sock.connect(str(bench.server.path.with_suffix(".msg")))
+        sock.setblocking(False)
+        data = bytearray()
+        for n in range(100_000 if os.environ.get("MMCS_LONG") == "1" else 3000):
+            asked = {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(5))}
+            asked |= {"id": n, "op": chance.choice(ops)}
+            text = json.dumps(asked).encode()
+            sock.send(struct.pack("<I", len(text)) + text)
+            replied = False
+            while not replied:
+                bench.server.step()
+                with contextlib.suppress(BlockingIOError):
+                    part = sock.recv(1 << 20)
+                    assert part, asked
+                    data += part
+                while len(data) >= 4 and len(data) >= 4 + struct.unpack_from("<I", data)[0]:
+                    size = struct.unpack_from("<I", data)[0]
+                    message = bytes(data[4 : 4 + size])
+                    del data[: 4 + size]
+                    if message[:1] == b"{" and json.loads(message).get("id") == n:
+                        replied = True
+            if bench.server.pace.paused or bench.server.pace.speed is not None:
+                bench.server.pace.set(None, False)
+    signal.signal(signal.SIGUSR1, before)
+
+
 def test_every_op_is_documented():
-    page = (ROOT / "docs" / "protocol.md").read_text()
+    page = (ROOT / "docs" / "use" / "protocol.md").read_text()
     told = set(re.findall(r"^\| `(\w+)`(?:, `(\w+)`)? \|", page, flags=re.M))
     told = {name for pair in told for name in pair if name}
     source = "".join(

@@ -88,7 +88,8 @@ ROBOT_CASES = {
     "gains": (
         "gear = 1.0",
         "gear = 1.0\nservo.pd_1000us = [1, 2]",
-        "axis.0.servo.pd_1000us = [1, 2]: must be [a0, a1, b0], three whole numbers of 32 bits",
+        "axis.0.servo.pd_1000us = [1, 2]: must be [a0, a1, b0] or [a0, a1, b0, b1], "
+        "whole numbers of 32 bits",
     ),
     "source": (
         "gear = 1.0",

@@ -3,13 +3,13 @@
 
 import pytest
 
-from mmcs import mcdef
+from mmcs import mcdef, regs
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim, declarations
 from mmcs.errors import RunError
 from mmcs.scenario.load import load
 
-PCCSR, VECTOR, NOBODY = 0x409, 0x441, 0x408  # offsets in the window; the last is an even byte
+PCCSR, VECTOR, NOBODY = regs.PCCSR, regs.VECTOR, 0x408  # the last is an even byte
 
 
 @pytest.fixture

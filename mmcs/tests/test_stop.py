@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stop path acts in the first step that can read it, whoever else talks (docs/protocol.md)."""
+"""The stop path acts in the first step that can read it, whoever talks (docs/use/protocol.md)."""
 
 import os
 import signal

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.errors import InputError
+from mmcs.errors import InputError, one_line
 from mmcs.view.plot import BLUE, GREY, ORANGE, style
 from mmcs.view.runs import Run
 
@@ -47,7 +47,9 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
             if signal == "encoder":
                 cell.step(a.log[:, 0], a.column(axis, "setpoint"), where="post", color=GREY, lw=0.7)
                 title = a.report["axes"][axis].get("name", "")
-                cell.set_title(f"axis {axis}" + (f" ({title})" if title else ""), loc="left")
+                cell.set_title(
+                    f"axis {axis}" + (f" ({one_line(str(title))})" if title else ""), loc="left"
+                )
             if axis == 0:
                 cell.set_ylabel(label)
         grid[-1][axis].set_xlabel("s")
@@ -59,4 +61,4 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
 
 def _label(run: Run, other: Run) -> str:
     name = run.report["scenario"]
-    return name if name != other.report["scenario"] else f"{name} in {run.folder.name}"
+    return one_line(name if name != other.report["scenario"] else f"{name} in {run.folder.name}")

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs.engine import logcols
+from mmcs.errors import one_line
 
 BLUE, ORANGE, GREY, RED = "#1f5fa8", "#d9822b", "#8a8f98", "#b3363e"
 MAX_POINTS = 4000
@@ -54,8 +55,8 @@ def write_plot(result, path: Path) -> None:
         grid[row][0].set_ylabel(label)
     grid[0][0].legend(loc="best", frameon=False)
     figure.align_ylabels(grid[:, 0])
-    scenario = result.setup.scenario
-    figure.suptitle(f"{result.setup.name}: {scenario.description}", x=0.01, ha="left", size=11)
+    title = one_line(f"{result.setup.name}: {result.setup.scenario.description}")
+    figure.suptitle(title, x=0.01, ha="left", size=11)
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
 
@@ -73,7 +74,7 @@ def _draw_axis(result, axis: int, cells) -> None:
     what, y = ("velocity", velocity) if in_velocity else ("encoder", encoder)
     top, arm, wrong, amps = cells
     name = result.setup.robot.axis_name(axis)
-    top.set_title(f"axis {axis}" + (f" ({name})" if name else ""), loc="left", size=10)
+    top.set_title(f"axis {axis}" + (f" ({one_line(name)})" if name else ""), loc="left", size=10)
     top.step(t, setpoint, where="post", color=ORANGE, lw=1.2, label="setpoint")
     top.plot(t, y, color=BLUE, lw=1.2, label=what)
     if in_velocity:

@@ -55,7 +55,9 @@ def _read(folder: Path) -> Run:
     report = read_json(folder / "report.json")
     if not isinstance(report, dict) or not {"scenario", "axes", "hash"} <= report.keys():
         raise ValueError("its report.json is none of MMCS")
-    if not isinstance(report["scenario"], str) or not isinstance(report["axes"], list):
+    axes = report["axes"]
+    good = isinstance(axes, list) and all(isinstance(axis, dict) for axis in axes)
+    if not good or not isinstance(report["scenario"], str):
         raise ValueError("its report.json is damaged")
     crc, rows, width = 0, None, 0
     with (folder / "log.csv").open("rb") as file:

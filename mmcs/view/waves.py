@@ -15,6 +15,7 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
+from mmcs.screen import echo
 from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import write_tables
 
@@ -197,7 +198,6 @@ def _surfer(machine: str, groups: dict[str, list[Signal]], seen: Pass | None) ->
 
 def open_viewer(trace: Path) -> None:
     """Opens GTKWave or Surfer when there is one and a display; else says what to type."""
-    import click
 
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     commands = {"gtkwave": [str(trace), str(gtkw)], "surfer": ["-c", str(sucl), str(trace)]}
@@ -208,5 +208,5 @@ def open_viewer(trace: Path) -> None:
             [found, *commands[found]], stdout=quiet, stderr=quiet, start_new_session=True
         )
         return
-    click.echo(f"to look at it: gtkwave {trace} {gtkw}")
-    click.echo(f"           or: surfer -c {sucl} {trace}   (untried)")
+    echo(f"to look at it: gtkwave {trace} {gtkw}")
+    echo(f"           or: surfer -c {sucl} {trace}   (untried)")

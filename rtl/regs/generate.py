@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what follows from rtl/regs/mmcs.rdl: SystemVerilog, C, Python and documentation.
+"""Writes what follows from rtl/regs/mmcs.rdl: SystemVerilog, C, Python, JavaScript and
+documentation.
 
 `generate.py` rewrites the files; `generate.py --check` exits 1 naming the first stale one.
 """
 
+import json
 import sys
 from pathlib import Path
 
@@ -260,6 +262,29 @@ def to_docs(card, adaptor, words) -> str:
     return "\n".join(out).rstrip() + "\n"
 
 
+def to_js(card, adaptor, words) -> str:
+    """A table for the page's register view; fields with more than one meaning by their first."""
+
+    def row(reg: Register, of_card: bool) -> str:
+        ways = {f.get_property("sw").name for f in reg.fields}
+        fields = [
+            {"name": f.inst_name, "low": f.low, "width": f.width,
+             "readable": f.get_property("sw").name != "w"}
+            for f in reg.fields
+        ]  # fmt: skip
+        entry = {
+            "name": reg.name, "offset": reg.address, "card": of_card, "text": reg.title,
+            "readable": bool(ways & {"r", "rw"}), "writable": bool(ways & {"w", "rw"}),
+            "fields": fields,
+        }  # fmt: skip
+        return f"  {json.dumps(entry)},"
+
+    out = [f"// {SPDX}", "// The registers of the MMCS for the page.", f"// {ORIGIN}", ""]
+    out += ["// prettier-ignore", "export const REGISTERS = ["]
+    out += [row(reg, False) for reg in adaptor] + [row(reg, True) for reg in card] + ["];", ""]
+    return "\n".join(out)
+
+
 def main() -> int:
     try:
         views = load()
@@ -270,7 +295,8 @@ def main() -> int:
         ROOT / "rtl/regs/mmcs_regs_pkg.sv": to_sv(*views),
         ROOT / "firmware/include/mmcs_regs.h": to_c(*views),
         ROOT / "mmcs/regs.py": to_python(*views),
-        ROOT / "docs/registers.md": to_docs(*views),
+        ROOT / "docs/hardware/registers.md": to_docs(*views),
+        ROOT / "web/registers_table.js": to_js(*views),
     }
     check = sys.argv[1:] == ["--check"]
     if sys.argv[1:] and not check:

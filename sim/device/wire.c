@@ -24,7 +24,7 @@ static char server_path[sizeof(((struct sockaddr_un *)0)->sun_path)];
 __attribute__((constructor(101))) static void keep_path(void) {
   const char *path = getenv("MMCS_SOCKET");
   size_t length = path != NULL ? strlen(path) : sizeof(server_path);
-  if (length < sizeof(server_path)) memcpy(server_path, path, length);
+  if (length < sizeof(server_path)) memcpy(server_path, path, length + 1);
 }
 
 static const char *socket_path(void) {

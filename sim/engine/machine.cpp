@@ -39,6 +39,7 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   lines_ = model_->lines();
   tap_.lines(0, lines_);
   drive_.resize(static_cast<size_t>(axes_));
+  step_angles_.resize(static_cast<size_t>(axes_));
   sample_angles_.resize(static_cast<size_t>(axes_));
   for (int axis = 0; axis < axes_; ++axis) {
     const unsigned pins = plant_->pins(axis);
@@ -86,6 +87,7 @@ static std::string upset_path(const Input &input, int index) {
 // played back clock by clock.
 void Machine::plant_step() {
   for (int axis = 0; axis < axes_; ++axis) {
+    step_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
     const int16_t drive = model_->drive(axis);
     drive_[static_cast<size_t>(axis)] = drive * (10.0 / 32768.0);
     trail_.add(static_cast<uint64_t>(static_cast<uint16_t>(drive)));
@@ -175,8 +177,11 @@ void Machine::lines_changed() {
   }
   if (changed & now & kLineSclock) {
     sample_clock_ = clock_;
+    // The plant is at the end of the step whose edges are being played back.
+    const double done = static_cast<double>(clock_ - step_start_) / clks_per_step_;
     for (int axis = 0; axis < axes_; ++axis) {
-      sample_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
+      const double from = step_angles_[static_cast<size_t>(axis)];
+      sample_angles_[static_cast<size_t>(axis)] = from + (plant_->angle(axis) - from) * done;
     }
   }
 }

@@ -93,6 +93,7 @@ class Machine {
     a(lines_);
     a(soc_failures_);
     a(notes_lost_);
+    a(step_angles_);
     a(sample_angles_);
     a(trail_);
     size_t kept = notes_.size();
@@ -144,6 +145,7 @@ class Machine {
   unsigned lines_ = 0;
   int32_t soc_failures_ = 0;
   int64_t sample_clock_ = 0;
+  std::vector<double> step_angles_;  // at the begin of the step
   std::vector<double> sample_angles_;
   std::vector<mmcs_note> notes_;
   int64_t notes_lost_ = 0;  // came after the last that is kept

@@ -212,10 +212,10 @@ int mmcs_sim_run(mmcs_sim *sim, double until_s);
 double mmcs_sim_time(const mmcs_sim *sim);
 int64_t mmcs_sim_clock(const mmcs_sim *sim);
 
-/* The log: one row per servo sample since motion start: t_s, then per axis setpoint, encoder,
- * velocity, error, current, errcode, angle_rad. Valid until the next call that moves time. Who has
- * copied the rows may say so: they are forgotten, and a long run needs no more memory than a short
- * one. A snapshot then counts them and does not hold them. */
+/* The log: one row per servo sample since motion start: t_s, then per axis these. Valid until the
+ * next call that moves time. Who has copied the rows may say so: they are forgotten, and a long run
+ * needs no more memory than a short one. A snapshot then counts them and does not hold them. */
+#define MMCS_SIM_LOG_FIELDS "setpoint encoder velocity error current errcode angle_rad"
 const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols);
 void mmcs_sim_log_taken(mmcs_sim *sim);
 int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes);
@@ -245,7 +245,7 @@ int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);
 
 /* The tap: every servo sample and every change from two bounded rings, for readers that keep their
  * own place, a position counted from the first record ever. No part of the machine's state, and
- * without influence on it. A row is laid out as docs/protocol.md says. */
+ * without influence on it. A row is laid out as docs/use/protocol.md says. */
 typedef struct mmcs_tap_event {
   int64_t n; /* its position */
   double t;

@@ -18,7 +18,11 @@ class Motion {
   std::string add(const mmcs_segment &segment);
   // The value that the axis has when its first segment begins.
   void start(int axis, double value) { axes_[static_cast<size_t>(axis)].from = value; }
-  bool moves(int axis) const { return !axes_[static_cast<size_t>(axis)].segments.empty(); }
+  // Of an axis without a motor: no.
+  bool moves(int axis) const {
+    const size_t n = static_cast<size_t>(axis);
+    return n < axes_.size() && !axes_[n].segments.empty();
+  }
   template <class A>
   void state(A &a) {
     for (Axis &axis : axes_) {

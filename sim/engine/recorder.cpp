@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "mmcs_sim.h"
+
 namespace mmcs {
 namespace {
 
@@ -12,6 +14,12 @@ constexpr uint32_t kFlags = 0xFF;  // bits 0-7 of errcode; the rest tells axis a
 
 uint64_t pair(int32_t a, int32_t b) {
   return (static_cast<uint64_t>(static_cast<uint32_t>(a)) << 32) | static_cast<uint32_t>(b);
+}
+
+constexpr size_t words(const char *text) {
+  size_t count = 1;
+  for (; *text; ++text) count += *text == ' ';
+  return count;
 }
 
 }  // namespace
@@ -35,6 +43,7 @@ void Recorder::sample(const struct mc *mc, const Machine &machine) {
     hash_.add(angle);
     if (!keep) continue;
     const int32_t fields[] = {setpoint, s.encnow, s.vel, s.error, s.inow, s.errcode};
+    static_assert(words(MMCS_SIM_LOG_FIELDS) == sizeof fields / sizeof *fields + 1, "and an angle");
     log_.insert(log_.end(), std::begin(fields), std::end(fields));
     log_.push_back(angle);
   }

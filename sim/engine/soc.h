@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The SoC's own processor, which is part of the model: see rtl/soc and docs/soc.md.
+// The SoC's own processor, which is part of the model: see rtl/soc and docs/hardware/soc.md.
 //
 // There is one clock loop, that of the machine; the processor runs in it. It waits at each report
 // until the report is taken, so that what it published is read as it was.

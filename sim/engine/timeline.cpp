@@ -14,7 +14,7 @@ extern "C" const char mmcs_build_id_text[];
 namespace mmcs {
 namespace {
 
-constexpr uint32_t kFormat = 2;
+constexpr uint32_t kFormat = 3;
 constexpr char kSnapshotMagic[8] = {'M', 'M', 'C', 'S', 'S', 'N', 'A', 'P'};
 constexpr char kHistoryMagic[8] = {'M', 'M', 'C', 'S', 'P', 'A', 'S', 'T'};
 // While waiting for an instant: earlier ones are too far from it to be the last idle one.

@@ -7,6 +7,7 @@
 
 #include "axis.h"
 #include "maths.h"
+#include "stiff.h"
 
 namespace mmcs {
 
@@ -90,16 +91,23 @@ void check_values(const std::string &axis, const mmcs_motor &m) {
 }
 
 // The coupling is integrated explicitly: it must be slow against the step.
-void check_coupling(const std::string &axis, const mmcs_motor &m, double load) {
-  if (m.stiffness == 0.0) {
-    if (m.backlash > 0.0) refuse(axis + "backlash needs a stiffness of the coupling");
-    return;
-  }
+void check_coupling(const std::string &axis, const mmcs_motor &m) {
+  if (m.stiffness == 0.0) return;
+  const double load = m.load_inertia;
   if (!(load > 0.0)) refuse(axis + "a flexible axis needs a load_inertia of more than 0");
   const double softness = 1.0 / load + 1.0 / (m.inertia * m.gear * m.gear);
   if (m.stiffness * softness * kStep * kStep > 0.25 || m.damping * softness * kStep > 0.5) {
     refuse(axis + "the coupling is faster than the 50 us step: make it rigid (stiffness = 0), " +
            "softer or less damped");
+  }
+}
+
+// Back-EMF over the winding brakes with km^2 / resistance: within a step it must not overshoot.
+void check_winding(const std::string &axis, const mmcs_motor &m) {
+  const double brake = m.km * m.km / m.resistance - m.viscous;
+  if (m.v_supply > 0.0 && m.inertia < brake * kStep) {
+    refuse(axis + "the winding brakes faster than the 50 us step: inertia must be larger, or the " +
+           "resistance (v_supply = 0 leaves it out)");
   }
 }
 
@@ -134,15 +142,17 @@ void check_parameters(const mmcs_config &config, const mmcs_motor *motors, const
   for (int i = 0; i < config.axes; ++i) {
     const std::string axis = "axis " + std::to_string(i) + ": ";
     check_values(axis, motors[i]);
-    // In an arm the load is the arm; its least inertia is not known here, so the bound is the
-    // motor's own.
-    const double load = config.links != 0 ? motors[i].inertia * motors[i].gear * motors[i].gear
-                                          : motors[i].load_inertia;
-    check_coupling(axis, motors[i], load);
+    // In an arm the load is the arm: check_arm() looks at that.
+    if (config.links == 0) check_coupling(axis, motors[i]);
+    if (motors[i].backlash > 0.0 && motors[i].stiffness == 0.0) {
+      refuse(axis + "backlash needs a stiffness of the coupling");
+    }
+    check_winding(axis, motors[i]);
   }
   for (int i = 0; i < config.links; ++i) {
     check_link("link " + std::to_string(i) + ": ", links[i]);
   }
+  check_arm(config, motors, links);
 }
 
 }  // namespace mmcs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plant: axes that stand alone, or axes that move an arm. docs/plant.md
+// The plant: axes that stand alone, or axes that move an arm. docs/simulator/plant.md
 #include "plant.h"
 
 #include <cstring>

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """`make bench`: how fast the simulation is, in one run, as ratios of what was taken side by side.
 
-run.py [--quick] [--sweep N] [--no-docs]: measures and writes docs/bench.md, docs/images/bench.svg
-and build/bench/bench.json. Times are CPU times; every round takes each machine once, and a figure
-is the median over the rounds, so that whatever else the computer does falls on all alike.
+run.py [--quick] [--sweep N] [--no-docs]: measures and writes docs/simulator/bench.md,
+docs/images/bench.svg and build/bench/bench.json. Times are CPU times; every round takes each
+machine once, and a figure is the median over the rounds, so that whatever else the computer does
+falls on all alike.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def main() -> int:
     print(page.console(found))
     if not given.no_docs:
         page.write(found, ROOT / "docs")
-    say("done: build/bench/bench.json" + ("" if given.no_docs else ", docs/bench.md"))
+    say("done: build/bench/bench.json" + ("" if given.no_docs else ", docs/simulator/bench.md"))
     return 0
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the servo arithmetic (firmware/ports/bench.c) natively, on the 68020 and on RV32; times it.
 
-As a program it rewrites the tables of docs/processors.md.
+As a program it rewrites the tables of docs/simulator/processors.md.
 """
 
 from __future__ import annotations
@@ -197,7 +197,7 @@ def main(names: list[str]) -> None:
     from studies.processors import limits
 
     build()
-    path = ROOT / "docs" / "processors.md"
+    path = ROOT / "docs" / "simulator" / "processors.md"
     for name, make in {"cycles": table, "passes": pass_table, "limits": limits.table}.items():
         if not names or name in names:
             content = make()

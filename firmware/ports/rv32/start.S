@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Start-up, traps and bus errors of the RV32 core of rtl/soc, §5. Memory map: docs/soc.md.
+/* Start-up, traps and bus errors of the RV32 core of rtl/soc, §5. Memory map: docs/hardware/soc.md.
  *
  * The core takes its vectors from address 0 (cause 0 and all exceptions first, interrupt n at 4 n)
  * and starts at 0x80. */

@@ -18,7 +18,7 @@ from machines import (
     step_to,
 )
 
-from mmcs import ROOT, mcdef
+from mmcs import ROOT, mcdef, regs
 from mmcs.engine.build import ensure_library
 
 STEP = 200
@@ -96,16 +96,16 @@ def test_unclaimed_cycle_ends_by_the_bus_timer():
         took_us = (sim.clock - before) / 8
         assert 16 <= took_us <= 18
         with pytest.raises(TimeoutError):
-            sim.bus_read(0x409, am=0x3D)
+            sim.bus_read(regs.PCCSR, am=0x3D)
         assert sim.stats()["bus_errors"] == 2
 
 
 @pytest.mark.req("CSR-1", "VME-5", "VME-4")
 def test_window_access_by_hand():
     with machine() as sim:
-        sim.bus_write(0x409, 0x18)
-        assert sim.bus_read(0x409) == 0x18
-        assert sim.bus_read(0x409, am=0x29) == 0x18
+        sim.bus_write(regs.PCCSR, 0x18)
+        assert sim.bus_read(regs.PCCSR) == 0x18
+        assert sim.bus_read(regs.PCCSR, am=0x29) == 0x18
         assert sim.bus_read(0x408, size=2) == 0xFF18
         assert sim.bus_read(0x441) == 0xFF  # vector: write-only
         assert sim.bus_read(0x001 + (5 << 6)) == 0xFF  # no card 5
@@ -117,16 +117,16 @@ def test_injected_bus_error_is_told_from_a_time_out():
         event(sim, 0.0, "bus_error", 1)
         sim.run(sim.time + 1e-4)
         with pytest.raises(OSError, match="bus error"):
-            sim.bus_read(0x409)
-        assert sim.bus_read(0x409) == 0
+            sim.bus_read(regs.PCCSR)
+        assert sim.bus_read(regs.PCCSR) == 0
 
 
 @pytest.mark.req("VME-1")
 def test_bus_cycle_takes_its_time():
     """A register of the adaptor within 2 us, a card's within 3 us: no free accesses."""
     with machine() as sim:
-        sim.bus_write(0x409, 0x18)
-        for offset, most in ((0x409, 16), (0x005, 24)):
+        sim.bus_write(regs.PCCSR, 0x18)
+        for offset, most in ((regs.PCCSR, 16), (0x005, 24)):
             before = sim.clock
             sim.bus_read(offset)
             assert 5 <= sim.clock - before <= most

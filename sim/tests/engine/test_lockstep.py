@@ -5,6 +5,7 @@ import os
 
 import pytest
 
+from mmcs import regs
 from studies import lockstep
 
 LONG = os.environ.get("MMCS_LONG") == "1"
@@ -31,7 +32,7 @@ def test_a_command_cut_short(name):
         for back in range(3, 20):
             for lost in (1, 2, 3):
                 actions = [
-                    ("write", lockstep.PCCSR, 0x2D, 1, 0xF8),
+                    ("write", regs.PCCSR, 0x2D, 1, 0xF8),
                     ("event", (back - lost) / lockstep.CLK_HZ, name, 0, 0),
                     ("event", back / lockstep.CLK_HZ, name, 0, 1),
                     ("read", 15, 0x2D, 1),

@@ -9,7 +9,7 @@ import machines
 import pytest
 from machines import event, input_number, machine, notes, start, step_to
 
-from mmcs import mcdef
+from mmcs import mcdef, regs
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.scenario.load import load
@@ -244,8 +244,8 @@ def test_bad_arguments_give_errors():
             assert lib.mmcs_sim_write(handle, 0, none, 4) < 0
             assert lib.mmcs_sim_close(handle, 55) < 0
             assert lib.mmcs_sim_signals(handle, -3) == 0
-            assert lib.mmcs_sim_bus_read(handle, 0x409, 0x2D, 1, none) == -1
-            assert lib.mmcs_sim_bus_write(handle, 0x409, 0x2D, 3, 0) == -1
+            assert lib.mmcs_sim_bus_read(handle, regs.PCCSR, 0x2D, 1, none) == -1
+            assert lib.mmcs_sim_bus_write(handle, regs.PCCSR, 0x2D, 3, 0) == -1
             assert lib.mmcs_sim_restore(handle, 12345) == -1
             assert lib.mmcs_sim_drop(handle, -1) == -1
             assert lib.mmcs_sim_ring(handle, -1.0, 3) == -1

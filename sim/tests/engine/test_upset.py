@@ -4,9 +4,10 @@
 import pytest
 from machines import event, machine, notes, start
 
+from mmcs import regs
 from mmcs.engine.build import ensure_library
 
-PCCSR, VECTOR = 0x409, 0x441
+PCCSR, VECTOR = regs.PCCSR, regs.VECTOR
 
 
 @pytest.fixture(params=["speed", "trust"])

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 def page() -> dict[str, dict[str, str]]:
     """By the name of its row and of its column: a cell of the page's table."""
-    text = (ROOT / "docs" / "processors.md").read_text()
+    text = (ROOT / "docs" / "simulator" / "processors.md").read_text()
     text = text.split("<!-- generated: limits -->\n")[1].split("<!-- end of limits -->")[0]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()]
     return {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows[2:]}

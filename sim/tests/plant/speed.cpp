@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints how long one 50 us step takes, for six axes alone and for the arm. Not a test: `make` runs
-// no timed tests. Build it like them, see docs/plant.md.
+// no timed tests. Build it like them, see docs/simulator/plant.md.
 #include <chrono>
 #include <cstdio>
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The encoder counter alone: ten counts upwards, every edge counted (mode 5), latched, read by bytes.
+module tb;
+  logic clk = 0, rst_n = 0, latch = 0, cs_n = 1, rd_n = 1, rs = 0, oe, illegal;
+  logic [ 1:0] ab = 0;
+  logic [ 7:0] d;
+  logic [15:0] count, read;
+
+  thct2000 dut (
+      .clk_i(clk), .rst_ni(rst_n), .reset_i(1'b0), .clk_en_i(1'b1), .m_i(3'd5), .a_i(ab[1]),
+      .b_i(ab[0]), .latch_i(latch), .cs_ni(cs_n), .rd_ni(rd_n), .wr_ni(1'b1), .rs_i(rs),
+      .d_i(8'h00), .d_o(d), .d_oe_o(oe), .count_o(count), .illegal_o(illegal)
+  );
+
+  always #5 clk = !clk;
+
+  task byte_of(input low, output [7:0] value);
+    @(negedge clk) begin cs_n = 0; rd_n = 0; rs = low; end
+    repeat (2) @(negedge clk);
+    value = d;
+    cs_n = 1; rd_n = 1;
+    repeat (2) @(negedge clk);
+  endtask
+
+  initial begin
+    repeat (2) @(negedge clk);
+    rst_n = 1;
+    repeat (8) @(negedge clk);
+    repeat (10) begin
+      ab = {!ab[0], ab[1]};  // A leads B
+      repeat (8) @(negedge clk);
+    end
+    @(negedge clk) latch = 1;
+    @(negedge clk) latch = 0;
+    byte_of(0, read[15:8]);
+    byte_of(1, read[7:0]);
+    if (!illegal && read == 10) $display("thct2000: ok");
+    else $display("thct2000: %0d, illegal %b", $signed(read), illegal);
+    $finish;
+  end
+endmodule

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What goes to the terminal: names and sentences of the user's are text and nothing else.
+
+Nothing else prints: a bracket is no markup here, an escape character no command, and a name that
+is no text at all is spelled out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import locale
+import os
+import sys
+
+import click
+
+from mmcs.errors import one_line
+
+
+def clean(text: str) -> str:
+    """The text, line by line, with what would move the cursor or break a line spelled out."""
+    return "\n".join(one_line(line) for line in text.split("\n"))
+
+
+def echo(text: str, err: bool = False) -> None:
+    click.echo(clean(text), err=err)
+
+
+def console(stderr: bool = False):
+    from rich.console import Console
+
+    class Plain(Console):
+        def print(self, *objects, **options) -> None:
+            texts = (clean(o) if isinstance(o, str) else o for o in objects)
+            super().print(*texts, **options)
+
+    return Plain(highlight=False, soft_wrap=True, markup=False, emoji=False, stderr=stderr)
+
+
+def cell(text: str, style: str = ""):
+    """Of a table."""
+    from rich.text import Text
+
+    return Text(one_line(text), style)
+
+
+def prepare() -> None:
+    """Standard files that are closed become nothing; a locale without Unicode becomes UTF-8."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:  # the next file opened would be it: a result, full of messages
+            os.open(os.devnull, os.O_RDWR)
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "r+"))  # noqa: SIM115
+    if not sys.flags.utf8_mode and locale.getpreferredencoding(False).upper() != "UTF-8":
+        sys.stdout.flush()
+        with contextlib.suppress(OSError):
+            os.execv(sys.executable, [sys.executable, "-X", "utf8", "-m", "mmcs", *sys.argv[1:]])

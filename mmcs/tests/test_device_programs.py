@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Programs in C and Python: every call for files, signals to end, alarms, threads, handlers."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from mmcs import ROOT
+from mmcs.device.client import Device
+from mmcs.device.execute import check_program, environment
+from mmcs.device.sockets import socket_path
+from mmcs.errors import InputError
+from mmcs.tests.device_bench import PROGRAMS, SANITIZED, Bench, compile_program, write_scenario
+
+
+@pytest.fixture
+def bench(tmp_path):
+    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # the programs are this process
+    with Bench(tmp_path) as made:
+        yield made
+    signal.signal(signal.SIGUSR1, before)
+
+
+@pytest.fixture
+def serving(bench, monkeypatch):
+    thread = threading.Thread(target=bench.server.run)
+    monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
+    thread.start()
+    yield bench
+    bench.server.stopping = True
+    thread.join()
+
+
+# --- programs ---
+
+
+@pytest.mark.req("DRV-1", "DRV-4")
+def test_the_device_by_every_call_for_files(bench):
+    out, status = bench.finish(bench.start(compile_program(PROGRAMS / "files.c")))
+    assert (out, status) == ("done\n", 0)
+
+
+def test_static_and_set_user_id_programs_are_refused_by_name(tmp_path, monkeypatch):
+    source = tmp_path / "plain.c"
+    source.write_text("int main(void) { return 0; }\n")
+    static = tmp_path / "static"
+    made = subprocess.run(["gcc", "-static", "-o", static, source], check=False)
+    if made.returncode == 0:
+        with pytest.raises(InputError, match="statically linked"):
+            check_program(str(static))
+    plain = tmp_path / "plain"
+    subprocess.run(["gcc", "-o", plain, source], check=True)
+    check_program(str(plain))
+    check_program(sys.executable)
+    check_program("there-is-no-such-program")
+    plain.chmod(0o4755)
+    monkeypatch.setattr("os.geteuid", lambda: 4711)
+    with pytest.raises(InputError, match="set-user-id"):
+        check_program(str(plain))
+
+
+@pytest.fixture
+def served(tmp_path, monkeypatch):
+    """A `mmcs serve` of its own, and the environment of its programs."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    command = [sys.executable, "-m", "mmcs", "serve", str(write_scenario(tmp_path))]
+    server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert "serving" in server.stdout.readline()
+    yield server, environment(socket_path("mc0"), SANITIZED)
+    server.send_signal(signal.SIGCONT)
+    server.kill()
+    server.communicate()
+
+
+def test_an_alarm_comes_through_when_the_server_is_stopped(served):
+    server, env = served
+    text = """
+import os, signal
+fd = os.open("/dev/mc0", os.O_RDWR)
+print("open", flush=True)
+input()
+signal.setitimer(signal.ITIMER_REAL, 0.01)
+os.read(fd, 56)
+"""
+    child = subprocess.Popen([sys.executable, "-c", text], env=env, text=True,
+                             stdin=subprocess.PIPE, stdout=subprocess.PIPE)  # fmt: skip
+    assert child.stdout.readline() == "open\n"
+    server.send_signal(signal.SIGSTOP)
+    child.stdin.write("\n")
+    child.stdin.flush()
+    assert child.wait(60) == -signal.SIGALRM
+    child.stdin.close()
+    child.stdout.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_the_server_ends_at_once_and_leaves_nothing(served, number):
+    """Also while programs enable again and again at an interval of minutes."""
+    server, env = served
+    text = """
+import fcntl, os, struct
+from mmcs import mcdef
+fd = os.open("/dev/mc0", os.O_RDWR)
+fcntl.ioctl(fd, mcdef.MSETINTERVAL, struct.pack("I", 500_000_000))
+print("open", flush=True)
+while True:
+    try:
+        fcntl.ioctl(fd, mcdef.MENABLE)
+    except OSError as error:
+        pass
+    if not os.path.exists(os.environ["MMCS_SOCKET"]):
+        break
+"""
+    child = subprocess.Popen(
+        [sys.executable, "-c", text], env=env, text=True, stdout=subprocess.PIPE, cwd=ROOT
+    )
+    assert child.stdout.readline() == "open\n"
+    server.send_signal(number)
+    assert server.wait(60) == 0
+    child.wait(60)
+    child.stdout.close()
+    folder = socket_path("mc0").parent
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_exec_passes_an_end_on_and_leaves_nothing(tmp_path, monkeypatch, number):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    command = [sys.executable, "-m", "mmcs", "exec", "--scenario", str(write_scenario(tmp_path)),
+               "--", "sh", "-c", "echo $$; exec sleep 1000"]  # fmt: skip
+    runner = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    pid = int(runner.stdout.readline())
+    runner.send_signal(number)
+    assert runner.wait(60) == 128 + number
+    runner.stdout.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+    folder = socket_path("mc0").parent
+    assert not list(folder.iterdir())
+
+
+# --- mmcs.Device ---
+
+
+def test_calls_from_threads_and_handlers_do_not_mix(serving):
+    """A handler calls while the call that it interrupts is under way; threads do as they like."""
+    wrong, rounds = [], [0]
+    with Device() as dev:
+
+        def handler(*_):
+            rounds[0] += 1
+            if dev.interval() != 2000:
+                wrong.append("interval")
+
+        def states():
+            while rounds[0] < 200:
+                if len(dev.read()) != 2:
+                    wrong.append("read")
+
+        before = signal.signal(signal.SIGALRM, handler)
+        signal.setitimer(signal.ITIMER_REAL, 0.001, 0.001)
+        threads = [threading.Thread(target=states) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        while rounds[0] < 200:
+            if dev.get_param(1)["which"] != 1:
+                wrong.append("param")
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+        for thread in threads:
+            thread.join()
+    assert not wrong
+
+
+def test_ctrl_c_in_a_call_harms_no_later_one(serving):
+    class Enough(BaseException):
+        pass
+
+    def handler(*_):
+        raise Enough
+
+    before = signal.signal(signal.SIGALRM, handler)
+    with Device() as dev:
+        for n in range(100):
+            try:
+                signal.setitimer(signal.ITIMER_REAL, 0.0002 * (n % 7 + 1))
+                while True:
+                    dev.read()
+            except Enough:
+                pass
+            assert dev.num_cards() == 1 and dev.interval() == 2000
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda d: d.set_dac(0, 5000), lambda d: d.set_dac(256, 0), lambda d: d.set_dac(-1, 0),
+        lambda d: d.set_encoder(256, 0), lambda d: d.set_encoder(0, 65536),
+        lambda d: d.set_encoder(0, 1.5), lambda d: d.write([1.5]), lambda d: d.write(["1"]),
+        lambda d: d.write([1 << 31]), lambda d: d.write([0] * 40), lambda d: d.set_leds(300, 1),
+        lambda d: d.calibrate(-1), lambda d: d.set_num_joints(None), lambda d: d.read(-1),
+        lambda d: d.set_interval(-5), lambda d: d.get_param(2), lambda d: d.get_param("0"),
+        lambda d: d.set_param(0, {"a7": 1}), lambda d: d.set_param(0, {"a0": 1e9}),
+        lambda d: d.change_param(0, which=1), lambda d: d.change_param(0, b0=0),
+        lambda d: d.write([0] * 100_000),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_einval(serving, call):
+    with Device() as dev, pytest.raises(OSError) as no:
+        call(dev)
+    assert no.value.errno == 22
+
+
+def test_a_python_process_without_a_handler_lives(served):
+    """Its axis is outside its limits: SIGUSR1 would end it."""
+    _, env = served
+    text = """
+import mmcs
+from mmcs import mcdef as mc
+with mmcs.Device() as dev:
+    dev.change_param(0, mode=mc.MD_POS | mc.POSCHK | mc.SOFTERR, plo=100, phi=200)
+    dev.enable()
+    while not dev.read()[0].errcode:
+        pass
+print("lives")
+"""
+    done = subprocess.run([sys.executable, "-c", text], env=env, cwd=ROOT, text=True,
+                          capture_output=True, check=False)  # fmt: skip
+    assert (done.stdout, done.returncode) == ("lives\n", 0), done.stderr

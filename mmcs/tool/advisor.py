@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the page asks of Python: designs, predictions, recordings as MCAP, and auto-tune.
+
+One JSON object a line, in on standard input, out on standard output; one process for each page.
+Replies have the request's id; {"type": "progress"} tells how an experiment gets on.
+
+  design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
+  predict  motor {g, lag}, a design, step (counts): the step and the closed loop's Bode plot
+  mcap     csv (web/recording.js): base64
+  tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
+  chirp    axis, amplitude, low, high (Hz), seconds, lender
+  alive    the page is there; without one for deadman_ms (250) an experiment is broken off
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import queue
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+
+from mmcs.design.identify import IdentifyError
+from mmcs.design.synthesis import (
+    Controller,
+    DesignError,
+    Discrete,
+    Plant,
+    discretize,
+    margins,
+    to_integers,
+)
+
+DEADMAN_MS = 250
+EXPERIMENTS = ("tune", "chirp")
+
+
+class Advisor:
+    def __init__(self, socket: Path, out=sys.stdout):
+        self.socket, self.out = socket, out
+        self.heard = time.monotonic()  # from the page
+        self.gone = threading.Event()
+        self.patience_s = DEADMAN_MS / 1000
+
+    # --- lines ---
+
+    def say(self, message: dict) -> None:
+        self.out.write(json.dumps(message) + "\n")
+        self.out.flush()
+
+    def run(self, lines) -> None:
+        """Requests one after another; `alive` at once, also in the midst of an experiment."""
+        waiting: queue.Queue[dict | None] = queue.Queue()
+
+        def listen() -> None:
+            for line in lines:
+                self.heard = time.monotonic()
+                message = json.loads(line)
+                if message.get("op") != "alive":
+                    waiting.put(message)
+            self.gone.set()
+            waiting.put(None)
+
+        threading.Thread(target=listen, daemon=True).start()
+        while (message := waiting.get()) is not None:
+            self.say({"id": message.get("id"), **self.answer(message)})
+
+    def answer(self, message: dict) -> dict:
+        serve = getattr(self, f"do_{message.get('op')}", None)
+        if serve is None:
+            return {"error": f"there is no {message.get('op')!r}"}
+        try:
+            return serve(message)
+        except (DesignError, IdentifyError, OSError, ValueError) as error:
+            return {"error": getattr(error, "strerror", None) or str(error)}
+        except (KeyError, TypeError) as error:
+            return {"error": f"{message['op']}: {error} is missing or of the wrong kind"}
+        except (OverflowError, ZeroDivisionError):
+            return {"error": "a number is out of all proportion"}
+
+    # --- designs ---
+
+    def _design(self, message: dict):
+        c = Controller(*(float(message.get(name, 0.0)) for name in ("p", "i", "d", "tau")))
+        t = float(message["interval_s"])
+        if not (c.p or c.i or c.d):
+            return to_integers(Discrete((0.0,), (1.0,)), t, 1), t
+        return to_integers(discretize(c, "backward", t), t), t
+
+    def do_design(self, message: dict) -> dict:
+        made, t = self._design(message)
+        named = {f"a{n}": v for n, v in enumerate(made.a)}
+        named |= {f"b{n}": v for n, v in enumerate(made.b)}
+        warnings = list(made.warnings)
+        kick = abs(made.a[0] / made.b[0])
+        if kick > 1024:
+            warnings.append(f"one count commands {kick:.0f} D/A units: a tick of noise is a blow")
+        return {"coefficients": named, "warnings": warnings, "gain_error": made.gain_error}
+
+    def do_predict(self, message: dict) -> dict:
+        param, t = message["param"], float(message["interval_s"])
+        b0 = param["b0"]
+        d = Discrete(
+            tuple(param[f"a{n}"] / b0 for n in range(3)),
+            tuple(param[f"b{n}"] / b0 for n in range(3)),
+        )
+        motor = message["motor"]
+        plant = Plant(abs(float(motor["g"])), max(float(motor["lag"]), 0.0))
+        m = margins(d, plant, t)
+        closed = _closed(d, plant.discrete(t))
+        rows = int(min(4.0, float(message.get("seconds", 0.4))) / t)
+        step = float(message.get("step", 1.0)) * _step(closed, rows)
+        hz = np.geomspace(0.5, min(200.0, 0.45 / t), 120)
+        response = closed.at(np.exp(2j * np.pi * hz * t))
+        return {
+            "stable": m.stable, "phase_deg": m.phase_deg, "gain_db": _finite(m.gain_db),
+            "peak": m.peak, "t": (np.arange(rows) * t).tolist(), "y": step.tolist(),
+            "hz": hz.tolist(), "bode_db": (20 * np.log10(abs(response))).tolist(),
+            "bode_deg": np.degrees(np.unwrap(np.angle(response))).tolist(),
+        }  # fmt: skip
+
+    def do_mcap(self, message: dict) -> dict:
+        from mmcs.tool.mcap_file import from_csv
+
+        return {"base64": base64.b64encode(from_csv(message["csv"])).decode()}
+
+    # --- experiments ---
+
+    def _alive(self) -> None:
+        if self.gone.is_set() or time.monotonic() - self.heard > self.patience_s:
+            raise OSError("the page has gone; the machine is stopped")
+
+    def _experiment(self, message: dict, work) -> dict:
+        """work(bench) with the lease that the page lends; a failure stops the machine."""
+        from mmcs.tool.tune import Bench, TuneError, connect
+
+        self.patience_s = float(message.get("deadman_ms", DEADMAN_MS)) / 1000
+        with connect(self.socket) as link:
+            self.say({"type": "progress", "lend": link.hello["you"]})
+            self._wait_for_lease(link)
+            try:
+                bench = Bench(link, int(message["axis"]), self._alive)
+                done = work(bench)
+            except BaseException as error:
+                link.request("stop")
+                if isinstance(error, TuneError):
+                    raise ValueError(f"{error} (the machine is stopped)") from None
+                raise
+            finally:
+                self._give_back(link, message)
+            return done
+
+    def _wait_for_lease(self, link) -> None:
+        since = time.monotonic()
+        while True:
+            self._alive()
+            mine = [
+                c for c in link.request("clients")["clients"] if c["client"] == link.hello["you"]
+            ]
+            if mine and mine[0]["lease"]:
+                return
+            if time.monotonic() - since > 2.0:
+                raise ValueError("the page has not lent its control")
+            time.sleep(0.01)
+
+    def _give_back(self, link, message: dict) -> None:
+        try:
+            link.request("lease", give=int(message["lender"]))
+        except OSError:
+            link.request("lease", drop=True)
+
+    def do_tune(self, message: dict) -> dict:
+        from mmcs.tool.tune import tune
+
+        wn, zeta = float(message["wn"]), float(message.get("zeta", 1.0))
+        half = float(message["half"])
+        if half < 100:
+            raise ValueError("half: allow at least 100 counts to each side")
+
+        def say(text: str) -> None:
+            self.say({"type": "progress", "text": text})
+
+        return self._experiment(message, lambda bench: tune(bench, wn, zeta, half, say))
+
+    def do_chirp(self, message: dict) -> dict:
+        from mmcs.tool.tune import chirp
+
+        amplitude, seconds = float(message["amplitude"]), float(message.get("seconds", 8.0))
+        low, high = float(message["low"]), float(message["high"])
+        if not (0.2 <= low < high <= 100 and 1 <= seconds <= 60):
+            raise ValueError("chirp: 0.2 Hz <= low < high <= 100 Hz, 1 to 60 s")
+        made = self._experiment(message, lambda bench: chirp(bench, amplitude, low, high, seconds))
+        return {name: getattr(made, name).tolist()
+                for name in ("hz", "gain_db", "phase_deg", "coherence")}  # fmt: skip
+
+
+def _closed(d: Discrete, g: Discrete, delay: int = 1) -> Discrete:
+    """Setpoint to position with so many samples between reading and output."""
+    num = np.convolve(np.convolve(d.num, g.num), [0.0] * delay + [1.0])
+    den = np.convolve(d.den, g.den)
+    size = max(len(num), len(den))
+    total = np.pad(num, (0, size - len(num))) + np.pad(den, (0, size - len(den)))
+    return Discrete(tuple(num / total[0]), tuple(total / total[0]))
+
+
+def _step(h: Discrete, rows: int) -> np.ndarray:
+    y = np.zeros(rows)
+    for n in range(rows):
+        past = sum(h.den[k] * y[n - k] for k in range(1, min(len(h.den), n + 1)))
+        y[n] = sum(h.num[: n + 1]) - past
+    return y
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+if __name__ == "__main__":
+    Advisor(Path(sys.argv[1])).run(sys.stdin)

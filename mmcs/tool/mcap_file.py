@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording as MCAP, for Foxglove, PlotJuggler and others: one JSON message a sample and axis."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+from mcap.writer import Writer
+
+FIXED = ("t_s", "lines")
+
+
+def from_csv(text: str) -> bytes:
+    """The CSV of web/recording.js. Topics /axis/N with the fields as numbers, and /lines."""
+    rows = csv.reader(io.StringIO(text))
+    names = next(rows, [])
+    if tuple(names[:2]) != FIXED:
+        raise ValueError("not a recording: its first line must begin with t_s,lines")
+    topics: dict[str, list[tuple[str, int]]] = {"/lines": [("lines", 1)]}
+    for column, name in enumerate(names[2:], 2):
+        field, _, axis = name.rpartition("_")
+        topics.setdefault(f"/axis/{axis}", []).append((field, column))
+    out = io.BytesIO()
+    writer = Writer(out)
+    writer.start(profile="", library="mmcs")
+    channels = {topic: _channel(writer, topic, fields) for topic, fields in topics.items()}
+    for row in rows:
+        ns = round(float(row[0]) * 1e9)
+        for topic, fields in topics.items():
+            data = json.dumps({field: int(row[column]) for field, column in fields}).encode()
+            writer.add_message(channels[topic], log_time=ns, publish_time=ns, data=data)
+    writer.finish()
+    return out.getvalue()
+
+
+def _channel(writer: Writer, topic: str, fields: list[tuple[str, int]]) -> int:
+    properties = {field: {"type": "integer"} for field, _ in fields}
+    schema = writer.register_schema(
+        name="mmcs" + topic.replace("/", "."),
+        encoding="jsonschema",
+        data=json.dumps({"type": "object", "properties": properties}).encode(),
+    )
+    return writer.register_channel(topic=topic, message_encoding="json", schema_id=schema)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files and WebSockets for one browser on this machine: what gateway and stop process share.
+
+Everything stands below the token: http://127.0.0.1:PORT/TOKEN/... Without it there is nothing, so
+that another user of the machine, who can reach the port, finds neither page nor socket. A
+WebSocket must come from an origin that the server was told; pages of other sites are turned away.
+"""
+
+from __future__ import annotations
+
+import hmac
+import http
+import mimetypes
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from mmcs import ROOT
+
+PAGES = ROOT / "web"
+LOOPBACK = "127.0.0.1"
+# What an address below lib/ means; npm's packages are fetched by `make tool`, never committed.
+LIBRARIES = {
+    "uplot": "uplot/dist",
+    "three": "three/build",
+    "three-addons": "three/examples/jsm",
+}
+
+
+def library_folder() -> Path:
+    """Where npm put the libraries: inside the Python environment; in a wheel, beside the pages."""
+    packed = PAGES / "lib"
+    return packed if packed.is_dir() else Path(sys.prefix) / "share" / "mmcs" / "node_modules"
+
+
+@dataclass(frozen=True)
+class Site:
+    """What one process shows: its token, the origins that may connect, and its policy."""
+
+    token: str
+    origins: Sequence[str]
+    policy: str  # the value of Content-Security-Policy
+    pages: frozenset[str] | None = None  # files that may be seen; None: all
+
+    def path(self, target: str) -> str | None:
+        """What is asked for below the token; None for somebody without it."""
+        first, _, rest = unquote(urlsplit(target).path).lstrip("/").partition("/")
+        same = hmac.compare_digest(first.encode(), self.token.encode())
+        return (rest or "index.html") if same else None
+
+    def answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """A file, a refusal, or None: a WebSocket may be opened."""
+        path = self.path(request.path)
+        if path is None:
+            return connection.respond(http.HTTPStatus.NOT_FOUND, "not here\n")
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            if request.headers.get("Origin") in self.origins:
+                return None
+            return connection.respond(http.HTTPStatus.FORBIDDEN, "not from that page\n")
+        if self.pages is not None and path not in self.pages:
+            return connection.respond(http.HTTPStatus.NOT_FOUND, "not here\n")
+        return self._file(connection, path)
+
+    def _file(self, connection: ServerConnection, path: str) -> Response:
+        file = _locate(path)
+        if file is None:
+            return connection.respond(http.HTTPStatus.NOT_FOUND, f"no such page: {path}\n")
+        kind = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
+        if kind.startswith("text/") or kind.endswith("javascript"):
+            kind += "; charset=utf-8"
+        body = file.read_bytes()
+        headers = Headers(
+            {
+                "Content-Type": kind,
+                "Content-Length": str(len(body)),
+                "Content-Security-Policy": self.policy,
+                "Referrer-Policy": "no-referrer",
+                "X-Content-Type-Options": "nosniff",
+                "Cache-Control": "no-store",
+                "Connection": "close",
+            }
+        )
+        return Response(200, "OK", headers, body)
+
+
+def _locate(path: str) -> Path | None:
+    """The file of an address; None if there is none, or it lies outside its folder."""
+    base, rest = PAGES, path
+    if path.startswith("lib/"):
+        package, _, rest = path.removeprefix("lib/").partition("/")
+        if package not in LIBRARIES:
+            return None
+        base = library_folder() / LIBRARIES[package]
+    file = (base / rest).resolve()
+    inside = file.is_relative_to(base.resolve())
+    return file if inside and file.is_file() else None

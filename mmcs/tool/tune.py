@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Experiments on one axis of a running machine, and gains from them: the auto-tune of mctool.
+
+A client of the messages beside the page: the page lends it the lease. Between two samples of the
+stream it sees nothing, so it asks for currents that the axis survives for that long.
+"""
+
+from __future__ import annotations
+
+import select
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mmcs.design.identify import Frequency, Motor, frequency, identify
+from mmcs.design.synthesis import Coefficients, Controller, discretize, margins, place, to_integers
+from mmcs.device.link import Link, Samples
+from mmcs.result.metrics import step_response
+
+ENCNOW, ERRCODE, SETPOINT, CURRENT = 1, 6, 7, 9  # within an axis's ten values of a row
+ENABLED, STOPPED = 4, 8  # bits of a row's lines
+PERIOD_MS = 2  # between messages of the stream
+MD_POS, MD_TORQ, COULCOMP = 1, 3, 0x10
+RAMP_LSB_S = 400.0  # of the search for the current that breaks the axis away
+MOVED = 12  # counts that count as moving
+PULSES = (1.6, 2.2, 3.0)  # currents of the relay, in break-away currents
+RELAY_S = 4.0
+BRAKE_SHARE = 0.25  # of the range: where the relay turns round
+LEAST_MARGIN_DEG = 35.0
+CHIRP_S = 0.002  # between setpoints of a chirp; what came of each is recorded with the samples
+CORNER_HZ = 4.0
+STEP_S = 0.4
+COMPENSATED = 0.8  # of the Coulomb friction: all of it would creep
+D_PER_COUNT = 150.0  # LSB that one count may cause through the derivative
+
+
+class TuneError(Exception):
+    """The experiment cannot go on; the text says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    t: np.ndarray
+    y: np.ndarray
+    w: np.ndarray  # setpoint
+    u: np.ndarray  # current, LSB
+
+
+class Bench:
+    """One axis under experiment: commands, and every sample meanwhile.
+
+    alive() is called often; it raises to end the experiment, whatever the axis does then."""
+
+    def __init__(self, link: Link, axis: int, alive=lambda: None):
+        self.link, self.axis, self.alive = link, axis, alive
+        self._rows: list[tuple[float, int, int, int]] = []
+        self._setpoints = [0] * link.hello["axes"]
+        self.joints = link.hello["axes"]
+        self._lost = 0.0
+        self._heard = time.monotonic()
+        link.request("follow", events=False, period_ms=PERIOD_MS)
+        self.wait(0.05)
+
+    @property
+    def position(self) -> int:
+        return self._rows[-1][1]
+
+    @property
+    def setpoint(self) -> int:
+        return self._rows[-1][2]
+
+    @property
+    def now(self) -> float:
+        return self._rows[-1][0]
+
+    def param(self) -> dict:
+        return self.link.request("call", request="MGETPARAM", axis=self.axis)["param"]
+
+    def change(self, **fields: int) -> None:
+        self.link.request("change", axis=self.axis, param=fields)
+
+    def mode(self, mode: int, flags: int = 0) -> None:
+        self.change(mode=mode | flags)
+
+    def write(self, value: float) -> None:
+        self._setpoints[self.axis] = round(value)
+        self.link.post("write", setpoints=self._setpoints[: self.joints])
+
+    def wait(self, seconds: float, until=lambda: False) -> bool:
+        """Lets so much time of the machine pass; True if until() came true before."""
+        end = None
+        while True:
+            if self._rows:
+                end = self.now + seconds if end is None else end
+                if until():
+                    return True
+                if self.now >= end:
+                    return False
+            self._listen()
+
+    def _listen(self) -> None:
+        self.alive()
+        if not select.select([self.link.fileno()], [], [], 0.05)[0]:
+            if time.monotonic() - self._heard > 5.0:
+                raise TuneError("the machine sends no samples; is it paused?")
+            return
+        message = self.link.receive()
+        self._heard = time.monotonic()
+        if isinstance(message, Samples):
+            self._take(message)
+        elif message.get("ok") is False:
+            raise TuneError(message["text"])
+
+    def _take(self, message: Samples) -> None:
+        if message.lost > self._lost and self._rows:
+            raise TuneError("samples were lost; is the computer too busy?")
+        self._lost = message.lost
+        for n in range(message.rows):
+            row = message.row(n)
+            values = row["axes"][self.axis]
+            if not self._rows:
+                self._setpoints = [axis[SETPOINT] for axis in row["axes"]]
+                self.joints = row["joints"]
+            self._rows.append((row["t"], values[ENCNOW], values[SETPOINT], values[CURRENT]))
+            if row["lines"] & STOPPED or not row["lines"] & ENABLED:
+                raise TuneError("the machine has been stopped, or is not enabled")
+
+    def rows(self, since: float) -> Rows:
+        """What came after a time."""
+        table = np.array([row for row in self._rows if row[0] > since])
+        return Rows(*table.T)
+
+
+def break_away(bench: Bench, sign: int, most: int) -> float:
+    """The current, LSB, at which the axis starts to move that way; torque mode, at rest."""
+    start, began = bench.position, bench.now
+    while True:
+        current = min(RAMP_LSB_S * (bench.now - began), most)
+        bench.write(sign * current)
+        if bench.wait(0.005, lambda: abs(bench.position - start) > MOVED):
+            bench.write(0)
+            return max(current, 1.0)
+        if current >= most:
+            bench.write(0)
+            raise TuneError(
+                f"{most} D/A units do not move the axis; is its brake on, its switch at disable, "
+                "or ilim too low?"
+            )
+
+
+def relay(bench: Bench, centre: int, half: float, away: float, most: int) -> Rows:
+    """Back and forth about the centre in torque mode with growing currents; what was recorded."""
+    began, sign, turns = bench.now, 1, 0
+    while bench.now < began + RELAY_S or turns < 2 * len(PULSES):
+        amplitude = min(PULSES[turns // 2 % len(PULSES)] * away, most)
+        bench.write(sign * amplitude)
+        limit = sign * BRAKE_SHARE * half
+
+        def there(s=sign, edge=limit) -> bool:
+            return s * (bench.position - centre - edge) > 0
+
+        bench.wait(1.0, there)
+        if abs(bench.position - centre) > half:
+            bench.write(0)
+            raise TuneError(
+                f"the axis left its safe range, {centre - half:.0f} to {centre + half:.0f}; allow "
+                "a wider one"
+            )
+        sign, turns = -sign, turns + 1
+        if turns > 400:
+            break
+    bench.write(0)
+    bench.wait(0.2)
+    return bench.rows(began)
+
+
+def gains(motor: Motor, wn: float, zeta: float, t: float) -> tuple[Controller, Coefficients]:
+    """PD for a closed loop of wn rad/s, its derivative filtered so that a count stays quiet."""
+    pd = place(motor.plant, wn, zeta)
+    tau = max(0.0, pd.d / D_PER_COUNT - t)  # backward difference: d / (tau + t) per count
+    controller = Controller(pd.p, 0.0, pd.d, tau)
+    made = to_integers(discretize(controller, "backward", t), t)
+    return controller, made
+
+
+def identify_axis(bench: Bench, half: float, most: int) -> tuple[Motor, float]:
+    """The motor, and its break-away current; leaves the axis at rest in torque mode."""
+    centre = bench.position
+    bench.write(0)
+    bench.wait(0.05)  # the demand is 0 before the mode can act on it
+    bench.mode(MD_TORQ)
+    bench.wait(0.1)
+    away = 0.0
+    for sign in (1, -1):
+        away = max(away, break_away(bench, sign, most))
+        bench.wait(0.3)  # it comes to rest
+    rows = relay(bench, centre, half, away, most)
+    return identify(rows.t, rows.y, rows.u), away
+
+
+def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: None) -> dict:
+    """Identifies, designs, sets the gains, and makes a step; everything as plain numbers."""
+    param = bench.param()
+    most = param["ilim"]
+    t = bench.link.request("call", request="MGETINTERVAL")["value"] * 1e-6 * param["clkdivisor"]
+    say("looking for the current that moves the axis, then back and forth")
+    motor, away = identify_axis(bench, half, most)
+    say(f"g {motor.g:.4g}, friction {motor.tc_pos:.0f}/{motor.tc_neg:.0f}: designing")
+    controller, made = gains(motor, wn, zeta, t)
+    margin = margins(made.discrete(), motor.plant, t)
+    sign = 1 if motor.g > 0 else -1
+    fields = {f"a{n}": sign * v for n, v in enumerate(made.a)}
+    fields |= {f"b{n}": v for n, v in enumerate(made.b)}
+    fields |= {
+        "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
+        "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
+    }
+    bench.write(bench.position)
+    bench.change(mode=MD_POS | COULCOMP, **fields)
+    bench.wait(0.3)
+    say("a step with the new gains")
+    step = make_step(bench, min(200.0, half / 4))
+    warnings = list(made.warnings)
+    if not margin.stable:
+        warnings.append("the loop is unstable with double-buffered D/As; take a lower bandwidth")
+    elif margin.phase_deg < LEAST_MARGIN_DEG:
+        warnings.append(
+            f"phase margin {margin.phase_deg:.0f} degrees: too fast for {t * 1e6:.0f} us"
+        )
+    return {
+        "motor": asdict(motor), "break_away": away, "param": fields, "warnings": warnings,
+        "gains": asdict(controller), "step": step,
+        "margins": {"phase_deg": margin.phase_deg, "gain_db": margin.gain_db,
+                    "crossover": margin.crossover, "peak": margin.peak},
+    }  # fmt: skip
+
+
+def make_step(bench: Bench, size: float) -> dict:
+    """A step of the setpoint there and back: rise, overshoot, settling, steady error."""
+    before, began = bench.position, bench.now
+    target = round(before + size)
+    bench.write(target)
+    if not bench.wait(10.0, lambda: bench.setpoint == target):
+        raise TuneError("the setpoint does not arrive; does somebody else write?")
+    bench.wait(STEP_S)
+    rows = bench.rows(began)
+    bench.write(before)
+    bench.wait(STEP_S)
+    at = rows.t[np.argmax(rows.w == target)]
+    response = step_response(rows.t, rows.y, at, before, target)
+    return asdict(response)
+
+
+def chirp(bench: Bench, amplitude: float, low: float, high: float, seconds: float) -> Frequency:
+    """Setpoint to position in closed loop, low to high Hz, about where the axis stands.
+
+    Above CORNER_HZ the amplitude falls with the frequency, or the current would hit its limit."""
+    centre, began = bench.position, bench.now
+    rate = (high / low) ** (1 / seconds)
+    while bench.now < began + seconds:
+        s = bench.now - began
+        turns = low * (rate**s - 1) / np.log(rate)
+        share = min(1.0, CORNER_HZ / (low * rate**s))
+        bench.write(centre + share * amplitude * np.sin(2 * np.pi * turns))
+        bench.wait(CHIRP_S)
+    bench.write(centre)
+    bench.wait(0.2)
+    rows = bench.rows(began)
+    return frequency(rows.t, rows.w, rows.y, low, high)
+
+
+def connect(socket: Path) -> Link:
+    """A client of its own with the device open for writing."""
+    link = Link(path=socket)
+    link.request("name", name="mctool tuner")
+    link.request("open", mode="rw")
+    return link

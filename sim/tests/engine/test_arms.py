@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random arms: what the physics refuses and why, that `mmcs check` refuses the same, and that those
+it accepts stay within what their energy allows."""
+
+import math
+import random
+from types import SimpleNamespace
+
+import pytest
+
+from mmcs.engine.build import ensure_library
+from mmcs.engine.sim import Sim
+from mmcs.errors import RunError
+from mmcs.scenario import arm as checks
+
+ARMS = 60
+CONFIG = {"cards": 1, "axes": 2, "links": 2, "seed": 1, "bus_timeout_us": 16.0, "skip": 1,
+          "gravity": [0.0, -9.81, 0.0]}  # fmt: skip
+
+
+def exponent(chance, low, high):
+    return 10 ** chance.uniform(low, high)
+
+
+def random_arm(chance):
+    motors = [{
+        "rotor_inertia": exponent(chance, -5, -3), "viscous": exponent(chance, -5, -3),
+        "coulomb_pos": 0.0, "coulomb_neg": 0.0, "stiction_pos": 0.0, "stiction_neg": 0.0,
+        "km": 0.1, "resistance": exponent(chance, -2, 1), "v_supply": 40.0, "amp_gain": 1.0,
+        "amp_max": 5.0, "gear": chance.choice([1.0, -60.0, 100.0]), "stop_lo": 0.0,
+        "stop_hi": 0.0, "angle0": chance.uniform(-1, 1), "counts_per_rev": 1000,
+        "stiffness": chance.choice([0.0, exponent(chance, 1, 6)]), "damping": 0.0,
+    } for _ in range(2)]  # fmt: skip
+    for motor in motors:
+        if motor["stiffness"]:
+            motor["damping"] = chance.choice([0.0, exponent(chance, -2, 3)])
+    links = [{
+        "alpha": chance.choice([0.0, math.pi / 2]), "a": chance.uniform(0.05, 0.5), "d": 0.0,
+        "theta0": 0.0, "mass": exponent(chance, -2, 1), "com": [-0.1, chance.uniform(-0.1, 0.1), 0],
+        "inertia": [exponent(chance, -5, -1) for _ in range(3)] +
+        [chance.choice([0.0, exponent(chance, -5, -2)]), 0.0, 0.0],
+    } for _ in range(2)]  # fmt: skip
+    return motors, links
+
+
+def told(motors, links):
+    """What `mmcs check` says of it."""
+    for m in motors:
+        if m["rotor_inertia"] < (m["km"] ** 2 / m["resistance"] - m["viscous"]) * checks.STEP_S:
+            return "winding"
+    if not all(checks.is_body(link["inertia"]) for link in links):
+        return "body"
+    robot = SimpleNamespace(
+        axis=[SimpleNamespace(**m) for m in motors], link=[SimpleNamespace(**x) for x in links]
+    )
+    found = [key.rpartition(".")[2] for key, _ in checks.stiff_joints(robot)]
+    return found[0] if found else "good"
+
+
+def made(library, motors, links):
+    """The machine, or why there is none."""
+    given = [{k: v for k, v in m.items() if k != "rotor_inertia"} | {"inertia": m["rotor_inertia"]}
+             for m in motors]  # fmt: skip
+    try:
+        return Sim(library, CONFIG, given, links), "good"
+    except RunError as error:
+        words = {"body": "no body", "winding": "winding", "damping": "less damped",
+                 "stiffness": "rigid"}  # fmt: skip
+        return None, next(k for k, word in words.items() if word in str(error))
+
+
+def energy_speed(motors, links):
+    """Faster than this in one second under gravity and full current no joint of it can be."""
+    drive = sum(abs(m["gear"]) * m["km"] * m["amp_max"] for m in motors)
+    fall = sum(link["mass"] for link in links) * 9.81 * 2
+    own = [m["rotor_inertia"] * m["gear"] ** 2 for m in motors]
+    least = min(min(link["inertia"][:3]) for link in links)
+    return 1e3 + 10 * (drive + fall) / min(*own, max(least, 1e-5))
+
+
+def test_random_arms():
+    chance, library = random.Random(1989), ensure_library(1, "speed", skip=True)
+    seen, differ = {}, 0
+    for _ in range(ARMS):
+        motors, links = random_arm(chance)
+        python, (sim, engine) = told(motors, links), made(library, motors, links)
+        seen[engine] = seen.get(engine, 0) + 1
+        # the engine's bound is up to a quarter on the safe side, and its poses are others
+        differ += python != engine
+        assert python == engine or {python, engine} <= {"good", "stiffness", "damping"}
+        if sim is None:
+            continue
+        with sim:
+            assert sim.run(0.1)
+            for axis in range(2):
+                truth = sim.true(axis)
+                assert math.isfinite(truth["angle"])
+                assert abs(truth["velocity"]) < energy_speed(motors, links), (motors, links)
+    print(f"{ARMS} random arms: {seen}, told otherwise by check: {differ}")
+    assert differ <= ARMS // 20
+    assert set(seen) >= {"good", "stiffness", "winding", "body"} and seen["good"] >= 10
+
+
+def flexible(**changes):
+    motor = {
+        "inertia": 1e-4, "km": 0.1, "resistance": 1.0, "amp_gain": 1.0, "gear": 60.0,
+        "counts_per_rev": 1000, "stiffness": 1e4, "damping": 0.1,
+    }  # fmt: skip
+    return motor | changes
+
+
+LINK = {"alpha": 0.0, "a": 0.3, "d": 0.0, "theta0": 0.0, "mass": 2.0, "com": [-0.15, 0, 0],
+        "inertia": [0.01, 0.02, 0.02, 0, 0, 0]}  # fmt: skip
+
+
+@pytest.mark.parametrize(("motor", "link", "why"), [
+    ({}, {}, None),
+    ({"stiffness": 1e7}, {}, "axis 1: with its load the flexible joint is faster"),
+    ({}, {"mass": 1e-3, "inertia": [1e-5] * 3 + [0.0] * 3}, "axis 1: with its load"),
+    ({"damping": 2e3}, {}, "axis 1: with its load"),
+    ({}, {"mass": 0.0, "inertia": [0.0] * 6}, "a flexible joint moves nothing"),
+    ({}, {"inertia": [0.01, 0.02, 0.02, 0.1, 0, 0]}, "link 1: inertia is that of no body"),
+    ({"v_supply": 40.0, "resistance": 1e-4}, {}, "axis 1: the winding brakes faster"),
+])  # fmt: skip
+def test_what_explodes_is_refused(motor, link, why):
+    library = ensure_library(1, "speed", skip=True)
+    arguments = CONFIG, [flexible(stiffness=0.0, damping=0.0), flexible(**motor)], [
+        LINK, LINK | link]  # fmt: skip
+    if why is None:
+        Sim(library, *arguments).destroy()
+        return
+    with pytest.raises(RunError, match=why):
+        Sim(library, *arguments)
+
+
+def test_angle_and_encoder_are_of_one_instant():
+    """The log's angle is that of the SCLOCK edge, as the encoder is."""
+    library = ensure_library(1, "speed", skip=True)
+    motor = {"inertia": 1e-4, "km": 0.1, "resistance": 1.0, "amp_gain": 1.0, "gear": 1.0,
+             "counts_per_rev": 8000, "viscous": 1e-5}  # fmt: skip
+    config = CONFIG | {"axes": 1, "links": 0, "gravity": [0.0] * 3}
+    with Sim(library, config, [motor], []) as sim:
+        client = sim.open(2)
+        sim.add_event(sim.time, sim.input_names().index("load_torque"), 0, -0.05)
+        sim.start_motion(client)
+        assert sim.run(sim.time + 0.2)
+        log = sim.log()
+        assert log[-1, 3] != 0 or log[-1, 2] > 5000
+        turned = log[:, 7] * 8000 / (2 * math.pi) - log[:, 2]
+        assert abs(turned - turned[0]).max() <= 1.001

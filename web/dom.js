@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small helpers for pages: elements, numbers as people type them.
+
+/** An element: el("button", {title: "…", onclick: f}, "text", child). */
+export function el(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (name in element && name !== "list") element[name] = value;
+    else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+/** A select with [value, text] options. */
+export function choice(options, attributes = {}) {
+  return el(
+    "select",
+    attributes,
+    ...options.map(([value, text]) => el("option", { value, textContent: text })),
+  );
+}
+
+/** A control with its name before it. */
+export function labelled(text, control, unit = "") {
+  return el("label", {}, el("span", { textContent: text }), control, unit && el("i", {}, unit));
+}
+
+/**
+ * A number as typed; null if it is none. A comma is the decimal sign when it is the only sign
+ * ("1,5"); what could be either ("1,234", "1.234,5") is refused rather than guessed.
+ */
+export function parseNumber(text) {
+  const plain = text.trim().replace(/^\+/, "");
+  if (/^-?\d+([.]\d+)?(e[-+]?\d+)?$/i.test(plain)) return Number(plain);
+  if (/^-?\d+,\d{1,2}$|^-?\d+,\d{4,}$|^-?0,\d+$/.test(plain)) return Number(plain.replace(",", "."));
+  return null;
+}
+
+/** As above, for whole numbers within bounds; throws one sentence. */
+export function parseInteger(text, low, high, name) {
+  const value = parseNumber(text);
+  if (value === null || !Number.isInteger(value) || value < low || value > high)
+    throw new Error(`${name}: "${text}" is not a whole number from ${low} to ${high}`);
+  return value;
+}
+
+/** Sets text only when it differs: screen readers and layout stay at rest. */
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Calls f at most once per frame however often the result is called. */
+export function perFrame(f) {
+  let asked = false;
+  return () => {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(() => {
+      asked = false;
+      f();
+    });
+  };
+}
+
+/** Saves bytes or text as a file of the reader's. */
+export function download(name, content, type) {
+  const url = URL.createObjectURL(new Blob([content], { type }));
+  el("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

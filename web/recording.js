@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples as a file and back: CSV, one row a sample, every field of every axis.
+//
+// First line: "t_s,lines,encnow_0,…"; times in seconds with 9 digits, everything else whole numbers.
+
+/** Rows [from, to) of a history. */
+export function toCsv(history, from, to) {
+  const columns = [["lines", history.linesColumn]];
+  for (let axis = 0; axis < history.axes; axis++)
+    for (const field of history.fields) columns.push([`${field}_${axis}`, history.column(axis, field)]);
+  const lines = [["t_s", ...columns.map(([name]) => name)].join(",")];
+  for (let row = from; row < to; row++) {
+    const values = columns.map(([, column]) => history.value(row, column));
+    lines.push([history.time(row).toFixed(9), ...values].join(","));
+  }
+  return `${lines.join("\n")}\n`;
+}
+
+/** A recording that was saved: the reading half of History. Throws one sentence. */
+export class Recording {
+  constructor(text, name) {
+    this.name = name;
+    const lines = text.split(/\r?\n/).filter((line) => line);
+    const names = lines.length ? lines[0].split(",") : [];
+    if (names[0] !== "t_s" || names[1] !== "lines")
+      throw new Error(`${name}: not a recording; its first line must begin with t_s,lines`);
+    const parts = names.slice(2).map((n) => /^([a-z]+)_(\d+)$/.exec(n));
+    if (parts.some((part) => !part)) throw new Error(`${name}: a column is no field of an axis`);
+    this.fields = [...new Set(parts.map((part) => part[1]))];
+    this.axes = Math.max(-1, ...parts.map((part) => Number(part[2]))) + 1;
+    if (this.fields.length * this.axes !== parts.length)
+      throw new Error(`${name}: an axis lacks a field`);
+    this.first = 0;
+    this.end = lines.length - 1;
+    this.linesColumn = 0;
+    this.width = names.length - 1;
+    this.times = new Float64Array(this.end);
+    this.ints = new Int32Array(this.end * this.width);
+    for (let row = 0; row < this.end; row++) {
+      const values = lines[row + 1].split(",").map(Number);
+      if (values.length !== names.length || values.some(Number.isNaN))
+        throw new Error(`${name}: line ${row + 2} is damaged`);
+      this.times[row] = values[0];
+      this.ints.set(values.slice(1), row * this.width);
+    }
+  }
+
+  time(row) {
+    return this.times[row];
+  }
+  value(row, column) {
+    return this.ints[row * this.width + column];
+  }
+  column(axis, field) {
+    return 1 + axis * this.fields.length + this.fields.indexOf(field);
+  }
+  find(t) {
+    let low = 0;
+    let high = this.end;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.times[middle] < t) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The registers of the MMCS for the page.
+// Generated from rtl/regs/mmcs.rdl by rtl/regs/generate.py; do not edit.
+
+// prettier-ignore
+export const REGISTERS = [
+  {"name": "PIT0", "offset": 1025, "card": false, "text": "Timer 0: divides the system clock", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "PIT1", "offset": 1027, "card": false, "text": "Timer 1: clocked by timer 0, its output is SCLOCK", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "PIT2", "offset": 1029, "card": false, "text": "Timer 2: counts SCLOCK", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "PIT_CONTROL", "offset": 1031, "card": false, "text": "Timer control word", "readable": false, "writable": true, "fields": [{"name": "SC", "low": 6, "width": 2, "readable": false}, {"name": "RW", "low": 4, "width": 2, "readable": false}, {"name": "MODE", "low": 1, "width": 3, "readable": false}, {"name": "BCD", "low": 0, "width": 1, "readable": false}]},
+  {"name": "PCCSR", "offset": 1033, "card": false, "text": "PC control and status", "readable": true, "writable": true, "fields": [{"name": "LATCH_EN", "low": 7, "width": 1, "readable": true}, {"name": "PANIC_EN", "low": 6, "width": 1, "readable": false}, {"name": "PANIC_LATCHED", "low": 6, "width": 1, "readable": true}, {"name": "SCLOCK_EN", "low": 5, "width": 1, "readable": false}, {"name": "SCLOCK_LATCHED", "low": 5, "width": 1, "readable": true}, {"name": "BASE", "low": 0, "width": 5, "readable": true}]},
+  {"name": "VECTOR", "offset": 1089, "card": false, "text": "Interrupt vector", "readable": false, "writable": true, "fields": [{"name": "NUMBER", "low": 0, "width": 8, "readable": false}]},
+  {"name": "CARD_PPI_A", "offset": 0, "card": true, "text": "PPI port A", "readable": true, "writable": true, "fields": [{"name": "SYN_I", "low": 7, "width": 1, "readable": true}, {"name": "SYN_B", "low": 6, "width": 1, "readable": true}, {"name": "SYN_A", "low": 5, "width": 1, "readable": true}, {"name": "LED2", "low": 4, "width": 1, "readable": true}, {"name": "LED1", "low": 3, "width": 1, "readable": true}, {"name": "ENC_MODE", "low": 0, "width": 3, "readable": true}]},
+  {"name": "CARD_PPI_B", "offset": 1, "card": true, "text": "PPI port B", "readable": true, "writable": true, "fields": [{"name": "INDEX_EN", "low": 4, "width": 1, "readable": true}, {"name": "DAC_DOUBLE", "low": 3, "width": 1, "readable": true}, {"name": "SCLOCK_EN", "low": 2, "width": 1, "readable": true}, {"name": "DAC_JOINT", "low": 1, "width": 1, "readable": true}, {"name": "ENC_JOINT", "low": 0, "width": 1, "readable": true}]},
+  {"name": "CARD_PPI_C", "offset": 2, "card": true, "text": "PPI port C", "readable": true, "writable": false, "fields": [{"name": "ADC_READY", "low": 4, "width": 1, "readable": true}, {"name": "INDEX2", "low": 3, "width": 1, "readable": true}, {"name": "HEARTBEAT2", "low": 2, "width": 1, "readable": true}, {"name": "INDEX1", "low": 1, "width": 1, "readable": true}, {"name": "HEARTBEAT1", "low": 0, "width": 1, "readable": true}]},
+  {"name": "CARD_PPI_CONTROL", "offset": 3, "card": true, "text": "PPI control word", "readable": false, "writable": true, "fields": [{"name": "WORD", "low": 0, "width": 8, "readable": false}]},
+  {"name": "CARD_ENC1_MSB", "offset": 4, "card": true, "text": "Encoder counter, joint 1, high byte", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "CARD_ENC1_LSB", "offset": 5, "card": true, "text": "Encoder counter, joint 1, low byte", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "CARD_ENC2_MSB", "offset": 6, "card": true, "text": "Encoder counter, joint 2, high byte", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "CARD_ENC2_LSB", "offset": 7, "card": true, "text": "Encoder counter, joint 2, low byte", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
+  {"name": "CARD_DAC1_LO", "offset": 8, "card": true, "text": "D/A, joint 1, low byte", "readable": false, "writable": true, "fields": [{"name": "CODE", "low": 0, "width": 8, "readable": false}]},
+  {"name": "CARD_DAC1_HI", "offset": 9, "card": true, "text": "D/A, joint 1, high nibble", "readable": false, "writable": true, "fields": [{"name": "CODE", "low": 0, "width": 4, "readable": false}]},
+  {"name": "CARD_DAC2_LO", "offset": 10, "card": true, "text": "D/A, joint 2, low byte", "readable": false, "writable": true, "fields": [{"name": "CODE", "low": 0, "width": 8, "readable": false}]},
+  {"name": "CARD_DAC2_HI", "offset": 11, "card": true, "text": "D/A, joint 2, high nibble", "readable": false, "writable": true, "fields": [{"name": "CODE", "low": 0, "width": 4, "readable": false}]},
+  {"name": "CARD_ADC1_LO", "offset": 12, "card": true, "text": "A/D, joint 1, low byte", "readable": true, "writable": false, "fields": [{"name": "CODE", "low": 0, "width": 8, "readable": true}]},
+  {"name": "CARD_ADC2_LO", "offset": 13, "card": true, "text": "A/D, joint 2, low byte", "readable": true, "writable": false, "fields": [{"name": "CODE", "low": 0, "width": 8, "readable": true}]},
+  {"name": "CARD_ADC_HI", "offset": 14, "card": true, "text": "A/D, high nibbles", "readable": true, "writable": false, "fields": [{"name": "CODE2", "low": 4, "width": 4, "readable": true}, {"name": "CODE1", "low": 0, "width": 4, "readable": true}]},
+  {"name": "CARD_LATCH", "offset": 16, "card": true, "text": "Software latch, this card", "readable": false, "writable": true, "fields": [{"name": "ANY", "low": 0, "width": 8, "readable": false}]},
+  {"name": "CARD_LATCH_ALL", "offset": 18, "card": true, "text": "Software latch, all cards", "readable": false, "writable": true, "fields": [{"name": "ANY", "low": 0, "width": 8, "readable": false}]},
+];

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stop button, in a frame and a process of its own: STOP and the hand-held button.
+//
+// Talks to the stop process alone (mmcs/tool/stopper.py). The page around it may ask for a stop by
+// a message ("stop"); it can ask for nothing else.
+
+const RETRY_MS = 250;
+const stop = document.getElementById("stop");
+const press = document.getElementById("press");
+const said = document.getElementById("said");
+
+let socket = null;
+let pending = 0; // instant of the last order, ms of this page
+let last = ""; // what became of it
+
+function connect() {
+  const address = new URL("stop", location.href);
+  address.protocol = "ws:";
+  socket = new WebSocket(address);
+  socket.onopen = () => document.body.classList.remove("gone");
+  socket.onclose = () => {
+    document.body.classList.add("gone");
+    say("No stop path: the stop process is gone. Use the switch of your power supply.");
+    setTimeout(connect, RETRY_MS);
+  };
+  socket.onmessage = (message) => hear(JSON.parse(message.data));
+}
+
+function order(what) {
+  pending = performance.now();
+  last = `${what} sent`;
+  if (socket.readyState === WebSocket.OPEN) socket.send(what);
+  say(last);
+}
+
+function hear(message) {
+  if (message.failed) {
+    last = `${message.order}: ${message.failed}`;
+    say(last);
+  } else if (message.answer) {
+    const [done, at] = message.answer.split(" ");
+    const late = pending ? performance.now() - pending : message.ms;
+    pending = 0;
+    last = `${done} at ${Number(at).toFixed(3)} s, ${late.toFixed(0)} ms after the press`;
+    say(last);
+    document.body.dataset.count = String(Number(document.body.dataset.count ?? 0) + 1);
+    document.body.dataset.late = late.toFixed(1);
+  } else if ("state" in message) {
+    show(message.state);
+  }
+}
+
+function show(state) {
+  document.body.classList.toggle("stopped", Boolean(state?.stopped));
+  if (!state) return say("The machine does not answer.");
+  press.setAttribute("aria-pressed", String(Boolean(state.button)));
+  press.textContent = state.button ? "Release the button" : "Hand-held button";
+  const now = state.enabled ? "servo on" : state.stopped ? "stopped" : "servo off";
+  if (!pending) say(last ? `${now}; last: ${last}` : now);
+}
+
+function say(text) {
+  if (said.textContent !== text) said.textContent = text;
+}
+
+stop.addEventListener("pointerdown", () => order("stop"));
+stop.addEventListener("keydown", (event) => {
+  if (event.key === "Enter") order("stop");
+});
+press.addEventListener("click", () =>
+  order(press.getAttribute("aria-pressed") === "true" ? "release" : "press"),
+);
+document.addEventListener("keydown", (event) => {
+  if (event.code === "Space") {
+    event.preventDefault();
+    order("stop");
+  }
+});
+window.addEventListener("message", (event) => {
+  if (event.source === window.parent && event.data === "stop") order("stop");
+});
+
+connect();

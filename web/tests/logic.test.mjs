@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page computes, without a browser: node --test.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { parseInteger, parseNumber } from "../dom.js";
+import { errorWords, gainsOf, setpointScale } from "../panel.js";
+import { Recording, toCsv } from "../recording.js";
+import { cardOffset, fieldsText } from "../registers.js";
+import { REGISTERS } from "../registers_table.js";
+import { decode, envelope, History } from "../samples.js";
+import { findTrigger } from "../trigger.js";
+
+const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
+  "current"];  // prettier-ignore
+
+/** A message of samples: rows of {t, lines, axes: [[10 values]]}, one card. */
+function message(rows, { lost = 0, axes = 2 } = {}) {
+  const rowBytes = 24 + 4 * (10 * axes + 1) + 4;
+  const buffer = new ArrayBuffer(32 + rows.length * rowBytes);
+  const view = new DataView(buffer);
+  view.setUint8(0, 0x53);
+  view.setUint8(1, 0x31);
+  view.setUint32(4, rows.length, true);
+  view.setUint32(8, rowBytes, true);
+  view.setUint16(12, axes, true);
+  view.setUint16(14, 1, true);
+  view.setFloat64(16, lost, true);
+  rows.forEach((row, n) => {
+    const at = 32 + n * rowBytes;
+    view.setFloat64(at + 8, row.t, true);
+    view.setInt32(at + 16, row.lines ?? 0, true);
+    view.setInt32(at + 20, axes, true);
+    row.axes.flat().forEach((value, k) => view.setInt32(at + 24 + 4 * k, value, true));
+  });
+  return buffer;
+}
+
+const row = (t, count, more = {}) => {
+  const axis = new Array(10).fill(0);
+  axis[1] = count;
+  axis[6] = more.errcode ?? 0;
+  return { t, lines: more.lines ?? 0, axes: [axis, new Array(10).fill(-1)] };
+};
+
+function ramp(rows, step = 0.001) {
+  const history = new History(FIELDS);
+  history.append(message(Array.from({ length: rows }, (_, n) => row(n * step, n * n))));
+  return history;
+}
+
+test("samples are decoded, kept in order and found by time", () => {
+  const history = ramp(20_000);
+  assert.equal(history.end - history.first, 20_000);
+  assert.equal(history.value(12_345, history.column(0, "encnow")), 12_345 ** 2);
+  assert.equal(history.value(7, history.column(1, "current")), -1);
+  assert.equal(history.find(0.0125), 13);
+  assert.equal(history.joints, 2);
+  assert.throws(() => decode(new ArrayBuffer(8)), /not samples/);
+  assert.throws(() => decode(message([row(0, 0)]).slice(0, 40)), /cut short/);
+});
+
+test("the oldest rows are forgotten beyond the capacity, and numbers stay", () => {
+  const history = new History(FIELDS, 16_384);
+  for (let n = 0; n < 30; n++)
+    history.append(message(Array.from({ length: 1000 }, (_, k) => row(n + k / 1000, n))));
+  assert.ok(history.first > 0);
+  assert.equal(history.end, 30_000);
+  assert.ok(history.end - history.first >= 16_384 - 8192);
+  assert.equal(history.value(history.end - 1, history.column(0, "encnow")), 29);
+});
+
+test("going back forgets what is later", () => {
+  const history = ramp(10_000);
+  history.rewind(8.5);
+  assert.ok(history.time(history.end - 1) <= 8.5);
+  assert.equal(history.end, 8501);
+});
+
+test("an envelope holds every extreme, and sampled values only", () => {
+  const history = new History(FIELDS);
+  history.append(message(Array.from({ length: 5000 }, (_, n) => row(n / 1000, n === 3210 ? 999 : 0))));
+  const [times, values] = envelope(history, history.column(0, "encnow"), 0, 5000, 50);
+  assert.ok(values.length <= 100);
+  assert.equal(times[values.indexOf(999)], 3.21);
+});
+
+test("triggers fire at the first row of rise, fall, error and PANIC", () => {
+  const rows = [0, 5, 10, 4, 3].map((count, n) =>
+    row(n, count, { errcode: n === 3 ? 4 : 0, lines: n >= 4 ? 1 : 0 }),
+  );
+  const history = new History(FIELDS);
+  history.append(message(rows));
+  const at = (kind, level) => findTrigger(history, { kind, axis: 0, field: "encnow", level }, 0, 5);
+  assert.equal(at("rise", 7), 2);
+  assert.equal(at("rise", 50), -1);
+  assert.equal(at("fall", 4), 3);
+  assert.equal(at("error"), 3);
+  assert.equal(at("panic"), 4);
+});
+
+test("a recording saved is the same when reopened; damage is told by its line", () => {
+  const history = ramp(300);
+  const text = toCsv(history, 0, 300);
+  const again = new Recording(text, "a.csv");
+  assert.equal(again.end, 300);
+  assert.equal(again.axes, 2);
+  assert.equal(again.value(17, again.column(0, "encnow")), 289);
+  assert.equal(again.find(0.1), 100);
+  assert.throws(() => new Recording("x,y\n1,2", "b.csv"), /b.csv: not a recording/);
+  assert.throws(() => new Recording(text.replace("\n0.001", "\nzero"), "c.csv"), /line 3 is damaged/);
+});
+
+test("gains come back from integers: P, PD, PID, PD with a filter, and no other", () => {
+  const close = (made, wanted) =>
+    Object.entries(wanted).forEach(([k, v]) => assert.ok(Math.abs(made[k] - v) < 1e-6, `${k} ${made[k]}`));
+  const T = 0.001;
+  close(gainsOf({ a0: 7, a1: 0, a2: 0, b0: 1, b1: 0, b2: 0 }, T), { p: 7, i: 0, d: 0 });
+  close(gainsOf({ a0: 104, a1: -100, a2: 0, b0: 1, b1: 0, b2: 0 }, T), { p: 4, i: 0, d: 0.1 });
+  // P 4, I 1000 (IT 1), D 0.1 (D/T 100)
+  close(gainsOf({ a0: 105, a1: -204, a2: 100, b0: 1, b1: -1, b2: 0 }, T), { p: 4, i: 1000, d: 0.1 });
+  // P 4, D 0.1, tau 3 ms: pole 0.75, D/(tau+T) 25
+  const filtered = { a0: 29_000, a1: -28_000, a2: 0, b0: 1000, b1: -750, b2: 0 };
+  close(gainsOf(filtered, T), { p: 4, d: 0.1, tau: 0.003 });
+  assert.equal(gainsOf({ a0: 1, a1: 0, a2: 0, b0: 1, b1: 0, b2: 5 }, T), null);
+});
+
+test("numbers as people type them: a decimal comma is understood, or refused, never misread", () => {
+  assert.equal(parseNumber("1.5"), 1.5);
+  assert.equal(parseNumber("1,5"), 1.5);
+  assert.equal(parseNumber("0,125"), 0.125);
+  assert.equal(parseNumber(" -12 "), -12);
+  for (const text of ["1,234", "1.234,5", "1,234.5", "", "1e", "0x10", "twelve", "--1"])
+    assert.equal(parseNumber(text), null, text);
+  assert.throws(() => parseInteger("2.5", 0, 9, "ilim"), /ilim: "2.5" is not a whole number from 0 to 9/);
+});
+
+test("labels and ranges of the setpoint follow the mode", () => {
+  const param = { mode: 0, plo: -100, phi: 200, ilim: 928 };
+  assert.deepEqual(setpointScale("pos", param), { name: "Position", unit: "counts", low: -100, high: 200 });
+  assert.equal(setpointScale("vel", param).unit, "counts/sample");
+  assert.equal(setpointScale("torq", param).high, 928);
+  assert.equal(setpointScale("off", param), null);
+  assert.equal(setpointScale("pos", { ...param, mode: 0x20 }).unit, "A/D units");
+  assert.equal(errorWords(0x09), "low position limit, PANIC");
+});
+
+test("registers: addresses of a card, fields by name", () => {
+  assert.equal(cardOffset(2, 0x04), 0x89);
+  const pccsr = REGISTERS.find((register) => register.name === "PCCSR");
+  assert.match(fieldsText(pccsr, 0x98), /LATCH_EN 1/);
+  assert.match(fieldsText(pccsr, 0x98), /BASE 24/);
+});

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Chapter 3, control by control: each changes what the driver reads back."""
+
+from __future__ import annotations
+
+import pytest
+
+from conftest import picture
+
+POS, VEL, TORQ, TEST1 = 1, 2, 3, 4
+CURRENTS = """(() => {
+  const { history } = mctool.machine;
+  const rows = Array.from({ length: 600 }, (_, n) => Math.max(history.first, history.end - 1 - n));
+  return rows.map((row) => history.value(row, history.column(4, "current")));
+})()"""
+FLAGS = {"COULCOMP": 0x10, "ADFB": 0x20, "ZEROFB": 0x40, "ADDMD": 0x80}
+
+
+def choose(desk, what: str, value: str, want, axis: int = 0) -> None:
+    """Chooses, and waits until the driver's mode word is as wanted."""
+    desk.page.select_option(f'[id="axis{axis}-{what}"]', value)
+    desk.eventually(lambda: want(desk.param(axis)["mode"]))
+
+
+def enter(page, selector: str, text: str) -> None:
+    page.fill(selector, text)
+    page.press(selector, "Enter")
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_panel_for_each_axis_and_nothing_written_at_the_start(desk):
+    assert desk.page.locator(".panel").count() == 6
+    for axis in range(6):
+        param = desk.param(axis)
+        assert (param["a0"], param["b0"], param["mode"], param["ilim"]) == (1, 1, 0, 1024)
+    assert not desk.state()["enabled"]
+
+
+@pytest.mark.req("TOOL-1")
+def test_modes_sources_feedback_and_switches(desk):
+    for name, word in (("pos", POS), ("vel", VEL), ("torq", TORQ), ("test1", TEST1), ("off", 0)):
+        choose(desk, "mode", name, lambda mode, word=word: mode & 0xF == word)
+    choose(desk, "mode", "vel", lambda mode: mode & 0xF == VEL)
+    setpoint = desk.page.locator("#axis0-panel .setpoint")
+    assert "counts/sample" in setpoint.inner_text()
+    choose(desk, "setpoint source", "ad", lambda mode: mode & FLAGS["ADDMD"])
+    choose(desk, "setpoint source", "square", lambda mode: not mode & FLAGS["ADDMD"])
+    desk.eventually(lambda: "Amplitude" in setpoint.inner_text())
+    choose(desk, "feedback", "ad", lambda mode: mode & FLAGS["ADFB"])
+    choose(desk, "feedback", "zero", lambda mode: mode & FLAGS["ZEROFB"])
+    desk.page.check('[id="axis0-Coulomb compensation"]')
+    desk.eventually(lambda: desk.param(0)["mode"] & FLAGS["COULCOMP"])
+    desk.page.check("#axis3-LED")
+    desk.until("() => (mctool.machine.history.value(mctool.machine.history.end - 1, "
+               "mctool.machine.history.lightsColumn(1)) >> 9) & 1")  # fmt: skip
+
+
+@pytest.mark.req("TOOL-1", "SYN-1")
+def test_gains_in_percent_and_every_parameter_by_number(desk):
+    page = desk.page
+    enter(page, '[id="axis1-P gain"]', "4000")
+    desk.eventually(lambda: desk.param(1)["a0"] == 40 * desk.param(1)["b0"])
+    enter(page, '[id="axis1-D gain"]', "20,5")
+    desk.eventually(lambda: desk.param(1)["a1"] < 0)
+    param = desk.param(1)
+    assert (param["a0"] + param["a1"]) / param["b0"] == pytest.approx(40, rel=0.01)
+    assert -param["a1"] / param["b0"] * 0.002 == pytest.approx(0.205, rel=0.01)
+    page.click("#axis1-panel summary")
+    for name, value in (("ilim", 500), ("plo", -7000), ("clkdivisor", 2), ("ic_neg", 33)):
+        enter(page, f"#axis1-{name}", str(value))
+        desk.eventually(lambda name=name, value=value: desk.param(1)[name] == value)
+    enter(page, "#axis1-b0", "0")  # the driver refuses: what is shown is what it has
+    desk.eventually(lambda: page.input_value("#axis1-b0") == str(desk.param(1)["b0"]) != "0")
+    enter(page, "#axis1-ilim", "1,234")
+    desk.eventually(lambda: "whole number" in page.inner_text("#said"))
+    assert desk.param(1)["ilim"] == 500
+
+
+@pytest.mark.req("TOOL-1")
+def test_interval_diagnostics_and_double_buffering(desk):
+    page = desk.page
+    enter(page, "#interval", "1000")
+    desk.eventually(lambda: desk.link.request("call", request="MGETINTERVAL")["value"] == 1000)
+
+    def port_b() -> int:
+        return desk.link.request("load", offset=0x03)["value"]
+
+    page.select_option("#diag", "2")
+    desk.eventually(lambda: port_b() & 1 == 0)  # the synthetic encoder lines
+    page.select_option("#diag", "0")
+    page.check("#double")
+    desk.eventually(lambda: port_b() & 0x09 == 0x09)
+
+
+@pytest.mark.req("TOOL-1", "SRV-6")
+def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
+    page = desk.page
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    page.select_option("#axis2-mode", "diag")
+    enter(page, "#axis2-setpoint", "120")
+    desk.until("() => mctool.machine.history.latest(2).current === 120")
+    page.click("#axis4-panel summary")
+    enter(page, "#axis4-ilim", "60")
+    page.select_option("#axis4-mode", "test1")
+    for peak in (60, -60):
+        desk.until("value => " + CURRENTS + ".includes(value)", peak)
+    assert desk.page.evaluate(f"() => Math.max(...{CURRENTS}.map(Math.abs))") == 60
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_monitor_writes_nothing_and_cannot(browser, desk):
+    other = desk.open()
+    assert other.is_disabled("#enable")
+    assert other.is_disabled("#axis0-mode")
+    assert "Controlled by another" in other.inner_text("#control")
+    choose(desk, "mode", "torq", lambda mode: mode == TORQ)
+    assert other.errors == []
+    other.close()
+    desk.eventually(lambda: len(desk.link.request("clients")["clients"]) == 2)
+    assert desk.param(0)["mode"] == TORQ  # the monitor's end stops nobody
+
+
+@pytest.mark.req("TOOL-1")
+def test_everything_by_keyboard(desk):
+    page = desk.page
+    page.select_option("#axis1-mode", "torq")
+    page.click("#tab-log")
+    page.keyboard.press("e")
+    page.keyboard.press("Enter")
+    desk.until("() => mctool.machine.enabled")
+    page.keyboard.press("1")
+    assert page.evaluate("() => document.activeElement.id") == "axis1-panel"
+    page.keyboard.press("ArrowRight")
+    desk.until("() => mctool.machine.history.latest(1).setpoint > 0")
+    page.keyboard.press("Space")
+    desk.until("() => !mctool.machine.enabled")
+
+
+@pytest.mark.deadman
+@pytest.mark.req("TOOL-1", "DRV-9")
+def test_the_page_closed_in_mid_move_stops_the_machine(desk):
+    desk.page.select_option("#axis0-mode", "torq")
+    desk.page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    enter(desk.page, "#axis0-setpoint", "700")
+    desk.until("() => mctool.machine.history.latest(0).vel > 2")
+    before = desk.state()["time"]
+    desk.page.close()
+    while desk.state()["enabled"]:
+        assert desk.state()["time"] - before < 5  # of the machine: it is far less
+    desk.page = desk.open()
+
+
+@pytest.mark.req("TOOL-1")
+def test_pictures_for_the_manual(desk):
+    page = desk.page
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    page.click("#tab-tune")
+    page.fill("#tune-wn", "50")
+    page.click("#tune-go")
+    page.wait_for_selector("#tune-result table")
+    page.click("#step-go")
+    page.wait_for_selector(".plots .uplot")
+    picture(page, "tune")
+    page.click("#tab-scope")
+    page.wait_for_timeout(500)
+    picture(page, "scope")
+    page.click("#tab-machine")
+    page.wait_for_timeout(1500)
+    picture(page, "machine")
+    old = desk.open("&theme=1989")
+    old.wait_for_timeout(500)
+    picture(old, "1989")
+    old.close()

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""STOP works while the page hangs, the page's server is stopped, or samples flood."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import pytest
+
+from conftest import PICTURES
+
+HANG_MS = 700
+
+
+def enable(desk) -> None:
+    """In control and enabled; a starved page may have to take control again."""
+    while not desk.page.evaluate("() => mctool.machine.enabled && mctool.machine.controls"):
+        desk.page.evaluate("() => mctool.machine.reclaim()")
+        desk.page.evaluate("() => mctool.machine.try(mctool.machine.link.call('MENABLE'))")
+        desk.page.wait_for_timeout(50)
+
+
+def press(desk) -> float:
+    """Presses STOP and waits until the frame shows that it took effect; how late, ms."""
+    frame = desk.stop_frame
+    before = int(frame.evaluate("() => document.body.dataset.count ?? 0"))
+    frame.evaluate("() => document.getElementById('stop').dispatchEvent(new Event('pointerdown'))")
+    frame.wait_for_function("n => Number(document.body.dataset.count ?? 0) > n", arg=before)
+    assert desk.state()["stopped"]
+    assert not desk.state()["enabled"]
+    return float(frame.evaluate("() => document.body.dataset.late"))
+
+
+@pytest.mark.req("TOOL-1", "DRV-9")
+def test_a_hundred_stops(desk):
+    """Sixty with the page well, twenty while its scripts hang, twenty with its server stopped."""
+    late: dict[str, list[float]] = {"page well": [], "page hung": [], "server stopped": []}
+    gateway = desk.tool.processes["gateway"].pid
+    for n in range(100):
+        enable(desk)
+        kind = "page hung" if n % 5 == 3 else "server stopped" if n % 5 == 4 else "page well"
+        if kind == "page hung":
+            hang = (
+                "ms => setTimeout(() => { const t = Date.now(); while (Date.now() - t < ms); }, 0)"
+            )
+            desk.page.evaluate(hang, HANG_MS)
+        if kind == "server stopped":
+            os.kill(gateway, signal.SIGSTOP)
+        try:
+            late[kind].append(press(desk))
+        finally:
+            os.kill(gateway, signal.SIGCONT)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    lines = ["| | stops | median, ms | 90 %, ms | greatest, ms |", "|---|---|---|---|---|"]
+    for kind, values in late.items():
+        values.sort()
+        middle, most = values[len(values) // 2], values[int(len(values) * 0.9)]
+        lines.append(f"| {kind} | {len(values)} | {middle:.0f} | {most:.0f} | {values[-1]:.0f} |")
+    (PICTURES / "stops.md").write_text("\n".join(lines) + "\n")
+    assert [len(values) for values in late.values()] == [60, 20, 20]
+
+
+@pytest.mark.req("TOOL-1", "PAN-1")
+def test_the_hand_held_button_and_the_space_bar(desk):
+    enable(desk)
+    frame = desk.stop_frame
+    frame.click("#press")
+    desk.until("() => mctool.machine.history.value(mctool.machine.history.end - 1, 4) & 1")
+    frame.wait_for_function(
+        "() => document.getElementById('press').textContent.startsWith('Release')"
+    )
+    desk.page.click("#tab-machine")
+    desk.until("() => document.getElementById('panic-cause').textContent.includes('button')")
+    frame.click("#press")
+    frame.wait_for_function("() => document.getElementById('press').textContent.startsWith('Hand')")
+    desk.page.click("#clear")
+    enable(desk)
+    desk.page.focus("#axis0-mode")
+    desk.page.keyboard.press("Space")
+    desk.until("() => !mctool.machine.enabled")
+
+
+@pytest.mark.deadman
+@pytest.mark.req("TOOL-1")
+def test_a_hung_page_in_control_stops_the_machine_by_itself(desk):
+    enable(desk)
+    desk.page.evaluate(
+        "() => setTimeout(() => { const t = Date.now(); while (Date.now() - t < 2000); }, 0)"
+    )
+    since = desk.state()["time"]
+    while desk.state()["enabled"]:
+        assert desk.state()["time"] - since < 1.9
+
+
+@pytest.mark.req("TOOL-1")
+def test_strangers_reach_neither_page_nor_socket(desk):
+    import urllib.error
+    import urllib.request
+
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import connect
+
+    address = desk.tool.address.split("?")[0]
+    base = address.rsplit("/", 2)[0]
+    outside = ("../pyproject.toml", "%2e%2e/pyproject.toml", "lib/three/../../../pyproject.toml")
+    for url in (f"{base}/", f"{base}/wrong/index.html", *(address + path for path in outside)):
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(url)
+        assert refused.value.code == 404
+    ws = address.replace("http", "ws") + "machine"
+    for origin in ("http://evil.example", None):
+        with pytest.raises(InvalidStatus):
+            connect(ws, origin=origin)
+    connect(ws, origin=base).close()

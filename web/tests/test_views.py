@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scope, faults, registers, the past, and a stream without a loss, in a real browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from conftest import PICTURES
+
+STREAM_S = 60.0
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time that a process has had."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / 100
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
+    page = desk.page
+    page.fill("#interval", "1000")
+    page.press("#interval", "Enter")
+    desk.eventually(lambda: desk.link.request("call", request="MGETINTERVAL")["value"] == 1000)
+    start = desk.state()["time"]
+    pids = {name: process.pid for name, process in desk.tool.processes.items()}
+    before = {name: cpu_s(pid) for name, pid in pids.items()}
+    first = page.evaluate("() => mctool.machine.history.end")
+    desk.page.set_default_timeout(600_000)
+    desk.until(
+        f"() => mctool.machine.history.time(mctool.machine.history.end - 1) > {start + STREAM_S}"
+    )
+    rows = page.evaluate("() => mctool.machine.history.end") - first
+    assert page.evaluate("() => mctool.machine.history.lost") == 0
+    assert rows >= (STREAM_S - 1) * 1000
+    numbers = page.evaluate("() => mctool.machine.history.lost")
+    assert numbers == 0
+    lines = ["| process | share of a core |", "|---|---|"]
+    for name, pid in pids.items():
+        lines.append(f"| {name} | {100 * (cpu_s(pid) - before[name]) / STREAM_S:.0f} % |")
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    (PICTURES / "stream.md").write_text("\n".join(lines) + "\n")
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_path):
+    page = desk.page
+    page.select_option("#scope-trigger", "panic")
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    page.click("#tab-scope")
+    page.wait_for_timeout(1500)  # something to be seen before the fault
+    desk.stop_frame.click("#press")
+    desk.until("() => document.querySelector('.scope').dataset.fired")
+    fired = float(page.evaluate("() => document.querySelector('.scope').dataset.fired"))
+    with page.expect_download() as saved:
+        page.click("#scope-save")
+    path = tmp_path / "saved.csv"
+    saved.value.save_as(path)
+    rows = path.read_text().splitlines()
+    times = [float(row.split(",")[0]) for row in rows[1:]]
+    assert times[0] < fired - 0.2 and times[-1] >= fired
+    lines = [int(row.split(",")[1]) for row in rows[1:]]
+    at = next(n for n, t in enumerate(times) if t >= fired - 1e-9)
+    assert lines[at] & 1 and not lines[at - 1] & 1
+    page.set_input_files("input[type=file]", path)
+    desk.until("() => document.querySelector('.u-legend').textContent.includes('saved.csv')")
+    with page.expect_download() as saved:
+        page.click("#scope-mcap")
+    saved.value.save_as(tmp_path / "saved.mcap")
+    assert (tmp_path / "saved.mcap").read_bytes()[:5] == b"\x89MCAP"
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_fault_from_the_menu_is_told_and_healed(desk):
+    page = desk.page
+    page.click("#tab-faults")
+    desk.until("() => document.getElementById('fault-name').options.length > 10")
+    page.select_option("#fault-name", "cable")
+    page.click("#fault-apply")
+    desk.until("() => document.querySelector('.faults ul').textContent.includes('cable')")
+    page.click("#tab-machine")
+    desk.until("() => document.getElementById('panic-cause').textContent.includes('cable is out')")
+    page.click("#tab-faults")
+    page.click("#fault-heal")
+    desk.until("() => document.querySelector('.faults ul').textContent === 'nothing'")
+
+
+@pytest.mark.req("TOOL-1")
+def test_registers_are_read_by_name_and_written_with_control(desk):
+    page = desk.page
+    page.click("#tab-registers")
+    row = page.locator("tr", has=page.get_by_role("button", name="CARD_PPI_A", exact=True))
+    row.get_by_role("button").click()
+    desk.eventually(lambda: "ENC_MODE 5" in row.inner_text())
+    row.locator("input").fill("0x0D")
+    row.locator("input").press("Enter")
+    desk.eventually(lambda: "LED1 1" in row.inner_text())
+
+
+@pytest.mark.req("TOOL-1")
+def test_back_to_a_moment_and_on_from_there(desk):
+    page = desk.page
+    page.click("#tab-time")
+    desk.until("() => Number(document.getElementById('rewind').max) > 20")
+    page.click("#pause")
+    desk.until("() => mctool.machine.messages.some((m) => m.kind === 'pace')")
+    then = desk.state()["time"]
+    page.evaluate("() => { const s = document.getElementById('rewind'); s.value = 3; "
+                  "s.dispatchEvent(new Event('input')); }")  # fmt: skip
+    page.click("#rewind-go")
+    desk.eventually(lambda: desk.state()["time"] < then - 0.5)
+    back = desk.state()["time"]
+    page.click("#step")
+    desk.eventually(lambda: desk.state()["time"] > back)
+    page.click("#go")
+    desk.eventually(lambda: desk.state()["time"] > then)
