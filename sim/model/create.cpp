@@ -4,8 +4,10 @@
 #include "model.h"
 #if MMCS_SOC
 #include "soc_plain.h"
-#elif MMCS_PLAIN
+#elif MMCS_TRACE
 #include "plain.h"
+#elif MMCS_PLAIN
+#include "checked.h"
 #else
 #include "rack.h"
 #endif
@@ -20,8 +22,10 @@ std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
   static_cast<void>(skip);
 #if MMCS_SOC
   return std::make_unique<SocPlain>(seed);
-#else
+#elif MMCS_TRACE
   return std::make_unique<Plain>(seed);
+#else
+  return std::make_unique<Checked>(seed);
 #endif
 #endif
 }

@@ -59,6 +59,7 @@ void Pins::set(Pin pin, int index, unsigned value) {
       return later(kAdc, 16 * index, 16, value & 0xFFFF);
     default:
       changes_.push_back({-1, static_cast<int>(pin), index, value});
+      if (also_) also_->changes_.push_back(changes_.back());
   }
 }
 

@@ -85,6 +85,9 @@ class Pins {
   void vme_iackin(bool low) { hand(kVmeIackin, 1, !low); }
   void vme_release();
 
+  // What comes from now on comes there, too.
+  void also(Pins &other) { also_ = &other; }
+
   bool waiting() const { return !changes_.empty(); }
   void apply();     // they arrive
   void power_on();  // everything at its idle level, at once
@@ -101,6 +104,7 @@ class Pins {
   };
   void later(Port port, int lsb, int width, uint64_t value) {
     changes_.push_back({port, lsb, width, value});
+    if (also_) also_->changes_.push_back(changes_.back());
   }
   // A port that moves as a whole: only if it moves.
   void hand(Port port, int width, uint64_t value) {
@@ -114,6 +118,7 @@ class Pins {
 
   Ports &ports_;
   const int cards_;
+  Pins *also_ = nullptr;
   std::vector<Change> changes_;
   uint64_t hands_[kVmeSysreset] = {};     // of the VME ports: as they stand or are on their way
   std::vector<uint64_t> levels_[kPorts];  // as they stand, 64 bits a word

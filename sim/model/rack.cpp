@@ -282,12 +282,17 @@ void Rack::cut(const std::string &board, const char *port, bool on, uint64_t val
 }
 
 Net Rack::find(int reg, Block **block) {
-  const Register &r = registers()[static_cast<size_t>(reg)];
-  *block = blocks_[static_cast<size_t>(r.board)].get();
-  const RegisterRow &row = (*block)->table.registers[r.row];
-  Net net = (*block)->find(row.path, row.name);
-  net.width = r.width;
-  return net;
+  if (nets_.empty()) {
+    for (const Register &r : registers()) {
+      Block *of = blocks_[static_cast<size_t>(r.board)].get();
+      const RegisterRow &row = of->table.registers[r.row];
+      nets_.emplace_back(of->find(row.path, row.name), of);
+      nets_.back().first.width = r.width;
+    }
+  }
+  const auto &found = nets_[static_cast<size_t>(reg)];
+  *block = found.second;
+  return found.first;
 }
 
 void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {

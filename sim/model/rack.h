@@ -59,6 +59,7 @@ class Rack final : public Model, private Ports, private Listener {
   void listen();
   void plan();
   Net find(int reg, Block **block);
+  std::vector<std::pair<Net, Block *>> nets_;  // of registers()
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void cut(const std::string &board, const char *port, bool on, uint64_t value) override;

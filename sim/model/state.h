@@ -20,8 +20,8 @@ struct State {
   std::vector<uint8_t> own;  // what only this kind of build understands
 
   std::vector<uint8_t> pack() const {
-    std::vector<uint64_t> words = {static_cast<uint64_t>(clock), lines, registers.size(),
-                                   pins.size(), kind(), evals};
+    std::vector<uint64_t> words = {
+        static_cast<uint64_t>(clock), lines, registers.size(), pins.size(), kind(), evals};
     words.insert(words.end(), registers.begin(), registers.end());
     words.insert(words.end(), pins.begin(), pins.end());
     std::vector<uint8_t> bytes(words.size() * sizeof words[0]);
