@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+// Length: the law, and the way of a 32-bit processor, which is to have a file of its own.
 /* The servo law: see servo.h. §2.1-§2.2.
  *
  * It is there twice. wide_step() takes all numbers that there may be, in 64 bits that saturate: on

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: one message a test, all against the same server.
 """The messages beside a program: device, lease, inputs, pace, the past, the stream."""
 
 import contextlib
