@@ -17,11 +17,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
+from pages import rewrite  # noqa: E402
 from sources import CoreMissing, core, sources  # noqa: E402
 
 OUT = ROOT / "build" / "fpga"
 PAGE = ROOT / "docs" / "hardware" / "fpga.md"
-BEGIN, END = "<!-- generated: make fpga -->\n", "<!-- end -->"
 SEED = 1
 SHOWN = 15  # lines of a tool that failed
 
@@ -146,9 +146,7 @@ def main() -> int:
         print(f"fpga: {error}", file=sys.stderr)
         return 1
     print(table, end="")
-    text = PAGE.read_text()
-    before, rest = text.split(BEGIN)
-    PAGE.write_text(before + BEGIN + table + END + rest.split(END)[1])
+    rewrite(PAGE, "sizes", table, "make fpga")
     return 0
 
 

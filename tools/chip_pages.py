@@ -2,12 +2,16 @@
 """Writes "Use it alone" into the chips' pages: ports (from the RTL), tie-offs, a bench."""
 
 import re
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from tools.pages import splice  # noqa: E402
+
 PAGES = ROOT / "docs" / "hardware" / "chips"
 BENCHES = PAGES.relative_to(ROOT)
-BEGIN, END = "<!-- generated: alone -->\n", "<!-- end of alone -->"
 TIES = {
     "ad574": "`mode12_i` at 1 gives all bits at once, `span10_i` at 0 is ±10 V; with `cs_ni` at 0,"
     " `ce_i` alone starts and reads.",
@@ -52,8 +56,7 @@ def section(name: str) -> str:
 
 
 def page(name: str, text: str) -> str:
-    head, rest = text.split(BEGIN)
-    return head + BEGIN + section(name) + rest[rest.index(END) :]
+    return splice(text, "alone", section(name))
 
 
 def names() -> list[str]:

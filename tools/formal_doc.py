@@ -8,12 +8,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
+from pages import rewrite  # noqa: E402
 from wavedraw import Line, svg  # noqa: E402
 
 PICTURE = ROOT / "docs" / "images" / "counterexample.svg"
 STEP, CLOCK_PS = 10, 125_000  # of the trace; of a clock at 8 MHz
 DOC = ROOT / "docs" / "evidence" / "formal.md"
-BEGIN, END = "<!-- tools/formal.py --doc -->", "<!-- end -->"
 PROVE = re.compile(r"`MMCS_PROVE\s*\(\s*(\w+)\s*,\s*\"([^\"]*)\"\s*,")
 RULE = re.compile(r"`MMCS_RULE\(\d+, (\w+),[^`]*?\"([^\"]*)\"\)", re.S)
 TEXT = re.compile(r"\"([^\"]*)\"\s*\)\s*$", re.M)
@@ -78,13 +78,7 @@ def table(files: list[Path], results: list, took: float, cpu: float) -> str:
 
 
 def write_doc(files: list[Path], results: list, took: float, cpu: float) -> None:
-    text = DOC.read_text()
-    if BEGIN not in text or END not in text:
-        print(f"formal: {DOC.name} has no {BEGIN} ... {END}", file=sys.stderr)
-        raise SystemExit(2)
-    head, rest = text.split(BEGIN, 1)
-    tail = rest.split(END, 1)[1]
-    DOC.write_text(f"{head}{BEGIN}\n\n{table(files, results, took, cpu)}{END}{tail}")
+    rewrite(DOC, "proofs", table(files, results, took, cpu))
 
 
 def givens(sby: Path) -> list[str]:

@@ -32,12 +32,12 @@ from dataclasses import asdict
 
 from mutant_runs import BATCH, baseline, fates
 from mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
+from pages import rewrite
 
 RESULTS = ROOT / WORK / "results.json"
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"
 UNEXPLAINED = 0.05  # of the relevant mutants may survive with --strict
 EXPLAINED = ROOT / "cocotb_tests" / "mutants.toml"
-BEGIN, END = "<!-- tools/mutate.py --write -->", "<!-- end -->"
 
 
 def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:
@@ -111,10 +111,8 @@ def survivors(mutants: list[Mutant]) -> str:
 
 
 def write_page(head: str, mutants: list[Mutant]) -> None:
-    text = PAGE.read_text()
-    first, rest = text.split(BEGIN, 1)
-    body = f"{BEGIN}\n\n{head}\n\n{table(mutants)}\n\nSurvivors:\n\n{survivors(mutants)}\n\n"
-    PAGE.write_text(first + body + END + rest.split(END, 1)[1])
+    body = f"{head}\n\n{table(mutants)}\n\nSurvivors:\n\n{survivors(mutants)}"
+    rewrite(PAGE, "score", body)
 
 
 def arguments() -> argparse.Namespace:

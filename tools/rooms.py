@@ -16,6 +16,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+
+from tools.pages import splice  # noqa: E402
+
 DOC = ROOT / "docs" / "architecture.md"
 DOOR = ("mmcs", "mmcs.__main__")
 
@@ -118,9 +121,7 @@ def counts() -> str:
 
 
 def page(text: str) -> str:
-    begin, end = "<!-- generated: rooms -->\n", "<!-- end of rooms -->"
-    head, rest = text.split(begin)
-    return f"{head}{begin}{counts()}\n\n{table()}\n{rest[rest.index(end) :]}"
+    return splice(text, "rooms", f"{counts()}\n\n{table()}")
 
 
 if __name__ == "__main__":

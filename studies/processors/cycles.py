@@ -12,6 +12,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tools.pages import rewrite
+
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "build" / "firmware"
 BLOCK = 0x1E000
@@ -186,12 +188,6 @@ def pass_table() -> str:
     return "\n".join(lines)
 
 
-def replace(text: str, name: str, content: str) -> str:
-    begin, end = f"<!-- generated: {name} -->\n", f"<!-- end of {name} -->"
-    head, rest = text.split(begin)
-    return head + begin + content + "\n" + rest[rest.index(end) :]
-
-
 def main(names: list[str]) -> None:
     """Rewrites the tables named, or all."""
     from studies.processors import limits
@@ -200,8 +196,7 @@ def main(names: list[str]) -> None:
     path = ROOT / "docs" / "simulator" / "processors.md"
     for name, make in {"cycles": table, "passes": pass_table, "limits": limits.table}.items():
         if not names or name in names:
-            content = make()
-            path.write_text(replace(path.read_text(), name, content))
+            rewrite(path, name, make(), f"make -f sim/hosts/Makefile table TABLES={name}")
 
 
 if __name__ == "__main__":

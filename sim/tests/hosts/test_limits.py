@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from studies.processors import limits
+from tools.pages import part
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -15,8 +16,8 @@ ROOT = Path(__file__).resolve().parents[3]
 def page() -> dict[str, dict[str, str]]:
     """By the name of its row and of its column: a cell of the page's table."""
     text = (ROOT / "docs" / "simulator" / "processors.md").read_text()
-    text = text.split("<!-- generated: limits -->\n")[1].split("<!-- end of limits -->")[0]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()]
+    lines = [line for line in part(text, "limits").splitlines() if line.startswith("|")]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     return {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows[2:]}
 
 
