@@ -119,7 +119,6 @@ GROUPS = {
         Signal("g_card[0].u_card.enc_b_i", 2, BIN),
         Signal("g_card[0].u_card.enc_i_i", 2, BIN),
         Signal("g_card[0].u_card.axis_enable_i", 2, BIN),
-        Signal("g_card[0].u_card.bus_busy"),
     ],
 }
 
