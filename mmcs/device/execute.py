@@ -88,11 +88,14 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
     check_folder(path.parent)
     try:
         link = Link(path=path)
-        link.request("follow", samples=False)
+        link.request("follow", samples=False, period_ms=0)
     except OSError as error:
         raise InputError.one("mmcs exec", "", None, error.strerror) from None
+    console = _Console(link)
     with link:
-        return _run(command, environment(path), _Console(link).step)
+        status = _run(command, environment(path), console.step)
+        console.finish()
+    return status
 
 
 def say(text: str) -> None:
@@ -114,6 +117,20 @@ class _Console:
         except OSError:
             self._link = None  # the server is gone, which the program will hear by itself
             return
+        self._show(message)
+
+    def finish(self) -> None:
+        """What was said before the program ended is on its way: by the second answer it is here."""
+        if self._link is None:
+            return
+        with contextlib.suppress(OSError):
+            self._link.request("alive")
+            self._link.request("alive")
+        for message in self._link.kept():
+            self._show(message)
+
+    @staticmethod
+    def _show(message) -> None:
         if isinstance(message, dict) and message.get("kind") == "log":
             say(message["text"])
 

@@ -84,6 +84,11 @@ class Link:
         """The next message that is no answer to request()."""
         return self._kept.popleft() if self._kept else self._next()
 
+    def kept(self) -> list[dict | Samples]:
+        """What came while request() waited, without waiting for more."""
+        kept, self._kept = list(self._kept), deque()
+        return kept
+
     def _next(self) -> dict | Samples:
         (length,) = LENGTH.unpack(self._take(LENGTH.size))
         message = self._take(length)

@@ -259,7 +259,7 @@ class Quiet:
 
 def test_a_socket_of_another_user_is_not_used(serving, monkeypatch):
     monkeypatch.setattr(sockets.os, "geteuid", lambda: 4711)
-    for use in (Device, lambda: Link(path=serving.server.path)):
+    for use in (Device, lambda: Link(path=serving.server.path, timeout=None)):
         with pytest.raises(OSError, match="serves this socket, not you"):
             use()
 

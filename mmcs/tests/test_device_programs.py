@@ -143,6 +143,24 @@ def test_exec_passes_an_end_on_and_leaves_nothing(tmp_path, monkeypatch, number)
     assert not list(folder.iterdir())
 
 
+@pytest.mark.req("DRV-5")
+def test_what_the_driver_says_reaches_those_who_run_programs(served):
+    """At a server that runs elsewhere, up to the last line before the program ended."""
+    _, env = served
+    text = """
+import fcntl, os, struct
+from mmcs import mcdef
+fd = os.open("/dev/mc0", os.O_RDWR)
+fcntl.ioctl(fd, mcdef.MSETVERBOSITY, struct.pack("i", mcdef.M_VERBOSE))
+fcntl.ioctl(fd, mcdef.MENABLE)
+fcntl.ioctl(fd, mcdef.MSTOP)
+"""
+    command = [sys.executable, "-m", "mmcs", "exec", "--", sys.executable, "-c", text]
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    assert (done.stdout, done.returncode) == ("", 0)
+    assert done.stderr.splitlines() == ["mc: cards: 1", "mc: enabled, axes: 2", "mc: stopped"]
+
+
 # --- mmcs.Device ---
 
 
@@ -155,6 +173,8 @@ def test_calls_from_threads_and_handlers_do_not_mix(serving):
             rounds[0] += 1
             if dev.interval() != 2000:
                 wrong.append("interval")
+            if rounds[0] < 200:
+                signal.setitimer(signal.ITIMER_REAL, 0.001)
 
         def states():
             while rounds[0] < 200:
@@ -162,7 +182,7 @@ def test_calls_from_threads_and_handlers_do_not_mix(serving):
                     wrong.append("read")
 
         before = signal.signal(signal.SIGALRM, handler)
-        signal.setitimer(signal.ITIMER_REAL, 0.001, 0.001)
+        signal.setitimer(signal.ITIMER_REAL, 0.001)
         threads = [threading.Thread(target=states) for _ in range(3)]
         for thread in threads:
             thread.start()

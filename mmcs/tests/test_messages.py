@@ -34,7 +34,7 @@ def serving(tmp_path, monkeypatch):
 
 @pytest.fixture
 def link(serving):
-    with Link(path=serving.server.path) as made:
+    with Link(path=serving.server.path, timeout=None) as made:
         yield made
 
 
@@ -157,7 +157,7 @@ def test_parameters_change_one_at_a_time_without_racing(serving):
 
 def test_the_lease(serving, link):
     link.request("name", name="mctool")
-    with Device() as dev, Link(path=serving.server.path) as other:
+    with Device() as dev, Link(path=serving.server.path, timeout=None) as other:
         dev.write([0])
         assert refused(link, "lease", take=True)[0] == 9  # nothing is open
         link.request("open", mode="rw")
@@ -191,7 +191,7 @@ def test_the_lease(serving, link):
 def test_a_silent_holder_stops_the_machine(serving, link):
     link.request("open", mode="rw")
     hold(link)
-    with Link(path=serving.server.path) as watch:
+    with Link(path=serving.server.path, timeout=None) as watch:
         watch.request("follow", samples=False)
         link.request("lease", take=True, deadman_ms=60)
         seen = event(watch, "stopped")
@@ -200,10 +200,10 @@ def test_a_silent_holder_stops_the_machine(serving, link):
 
 
 def test_a_holder_who_hangs_up_stops_the_machine(serving):
-    with Device() as dev, Link(path=serving.server.path) as watch:
+    with Device() as dev, Link(path=serving.server.path, timeout=None) as watch:
         dev.read()
         watch.request("follow", samples=False)
-        with Link(path=serving.server.path) as holder:
+        with Link(path=serving.server.path, timeout=None) as holder:
             holder.request("open", mode="rw")
             hold(holder)
             holder.request("lease", take=True, deadman_ms=10000)

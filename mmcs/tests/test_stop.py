@@ -164,7 +164,7 @@ class Threaded:
     def __enter__(self):
         self.thread = threading.Thread(target=self.bench.server.run)
         self.thread.start()
-        self.link = Link(path=self.bench.server.path)
+        self.link = Link(path=self.bench.server.path, timeout=None)
         return lambda use: use(self.link)
 
     def __exit__(self, *_):
