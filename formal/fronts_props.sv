@@ -189,7 +189,7 @@ module fronts_props #(
                   "Wishbone classic: the answer comes under a strobe that stood before, and once.")
     end
     `MMCS_PROVE(NeverWedged, "4.2.1", 1'b1, waited_q < Longest,
-                "Wishbone: every access is accepted and answered in time, after others given up, too.")
+                "Wishbone: every access is answered in time, after others given up, too.")
     `MMCS_REACH(Refuses, err, "an access that is refused")
     `MMCS_REACH(GivesUp, hp_ack && !also_i, "an access given up is finished at the host port")
   end

@@ -164,7 +164,8 @@ module bench_hosts #(
 
   adaptor_apb #(.DataWidth(8)) u_apb8 (
     .clk_i, .rst_ni,
-    .apb_psel(apb8_psel), .apb_penable(apb8_penable), .apb_pwrite(apb8_pwrite), .apb_paddr(apb8_paddr),
+    .apb_psel(apb8_psel), .apb_penable(apb8_penable), .apb_pwrite(apb8_pwrite),
+    .apb_paddr(apb8_paddr),
     .apb_pprot(apb8_pprot), .apb_pstrb(apb8_pstrb), .apb_pwdata(apb8_pwdata),
     .apb_prdata(apb8_prdata), .apb_pready(apb8_pready), .apb_pslverr(apb8_pslverr),
     .hp_req_o(req[6]), .hp_write_o(write[6]), .hp_a_o(a[6]), .hp_wdata_o(wdata[6]),

@@ -24,6 +24,8 @@ class Refused(Exception):
     """The bus's own error."""
 
 
+WB_PINS = {"cyc": "cyc_i", "stb": "stb_i", "we": "we_i", "adr": "adr_i", "sel": "sel_i",
+           "datwr": "dat_i", "datrd": "dat_o", "ack": "ack_o", "err": "err_o"}  # fmt: skip
 clocks: list = []  # of this test: they start once, however many fronts follow
 
 
@@ -64,12 +66,10 @@ class Front(Tb):
             self.apb.return_int = True
             self.apb.log.setLevel(logging.WARNING)
         else:
-            names = {"cyc": "cyc_i", "stb": "stb_i", "we": "we_i", "adr": "adr_i", "sel": "sel_i",
-                     "datwr": "dat_i", "datrd": "dat_o", "ack": "ack_o", "err": "err_o"}  # fmt: skip
-            if front == WB_PIPELINED:
-                names["stall"] = "stall_o"
-            self.wb = WishboneMaster(dut, prefix, dut.clk_i, timeout=200, width=self.width,
-                                     signals_dict=names)  # fmt: skip
+            pins = WB_PINS | ({"stall": "stall_o"} if front == WB_PIPELINED else {})
+            self.wb = WishboneMaster(
+                dut, prefix, dut.clk_i, timeout=200, width=self.width, signals_dict=pins
+            )
         await self.clocks(4)
 
     async def raw(self, address: int, value: int | None = None, strobe: int | None = None) -> int:
