@@ -19,6 +19,9 @@ TOPS = [
     ("mmcs", {"NumCards": 16}),
     ("mark1", {}),
     ("adaptor_core", {}),
+    *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
+    *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),
+    ("adaptor_wb", {"Pipelined": 1}),
     *((chip, {}) for chip in ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")),
 ]
 INCLUDE = ROOT / "rtl"

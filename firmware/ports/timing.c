@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The arithmetic of bench.c on the SoC's own core, which counts its cycles. docs/simulator/processors.md.
+/* The arithmetic of bench.c on the SoC's own core, which counts its cycles.
+ * docs/simulator/processors.md.
  *
  * The mailbox serves one request, MAILBOX_CLOSE, whose client is profile + 16 * ticks + what << 28:
  * what = 0 runs and gives the cycles of all passes together, 1 those of the longest pass of the run

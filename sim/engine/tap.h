@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tap: every servo sample and every change, for readers beside the program (docs/use/protocol.md).
+// The tap: every servo sample and every change, for readers beside the program; laid out as in
+// docs/use/protocol.md.
 //
 // Two bounded rings of plain records, one of samples and one of events; each reader keeps its own
 // place. Looking costs the machine neither a bus cycle nor time, and is no part of its state: with

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One axis: amplifier, motor, friction, stops, brake, sensors. docs/simulator/plant.md has the equations.
+// One axis: amplifier, motor, friction, stops, brake, sensors. docs/simulator/plant.md has the
+// equations.
 #include "axis.h"
 
 #include <algorithm>
