@@ -335,6 +335,11 @@ class _Cross:
             if getattr(entry, "after", 0.0) >= scenario.duration:
                 end = f"must be before the end of the run ({scenario.duration:g} s)"
                 self.wrong(f"expect.{n}.after", entry.after, end)
+            if entry.kind == "path":
+                count = len(self.chosen(f"expect.{n}", entry.axis))
+                if len(entry.counts) != count:
+                    allowed = f"must be {count} lists, one for each axis named"
+                    self.wrong(f"expect.{n}.counts", entry.counts, allowed)
             where = {"kind", "axis", "signal", "after", "until"}
             if entry.kind != "event" and not entry.model_dump(exclude_none=True, exclude=where):
                 names = [k for k in type(entry).model_fields if k not in where]
