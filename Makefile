@@ -112,6 +112,9 @@ sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn re
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python tools/sabotage.py
 
+falsify: $(VENV)/.test ## which scenarios notice wrong physics, a score; ONLY=TEXT; WRITE=1: write their paths
+	@$(BIN)/python -m studies.falsify $(if $(WRITE),--write) --only "$(ONLY)"
+
 formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABOTAGE=1: break the RTL; ONLY=TEXT
 	@JOBS=$(JOBS) $(BIN)/python tools/formal.py $(if $(FAST),--fast) $(if $(SABOTAGE),--sabotage) \
 	    --only "$(ONLY)"

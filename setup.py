@@ -8,7 +8,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 TREES = ("rtl", "sim", "firmware", "web")
 FILES = ("mmcs.core", "tools/sources.py")
-LEFT_OUT = {"tests", "__pycache__"}
+LEFT_OUT = {"tests", "__pycache__", "node_modules"}
 # The page's libraries, where `make tool` has fetched them; without them the package has no mctool.
 LIBRARIES = HERE / ".venv" / "share" / "mmcs" / "node_modules"
 

@@ -14,8 +14,7 @@ module ad574_props #(
   input wire logic               a0_i,
   input wire logic               mode12_i,
   input wire logic               span10_i,
-  input wire logic signed [15:0] vin_i,
-  input wire logic               hold_i
+  input wire logic signed [15:0] vin_i
 );
 
   logic rst_ni, started = 1'b0;
@@ -31,11 +30,7 @@ module ad574_props #(
     .sts_o(sts),
     .db_o(db),
     .db_oe_o(oe),
-    .span10_i, .vin_i, .hold_i,
-    .clk_free_i(1'b0),
-    .due_o(),
-    .extra_i(16'd0),
-    .horizon_o()
+    .span10_i, .vin_i
   );
 
   // The model: the clocks since the start, the input at the start, and the code that it lies
@@ -63,7 +58,7 @@ module ad574_props #(
         age_q <= age_q + 1;
         if (age_q == length) begin
           busy_q <= 1'b0;
-          if (!hold_i) code_q <= short_q ? {sampled_q[11:4], 4'h0} : sampled_q;
+          code_q <= short_q ? {sampled_q[11:4], 4'h0} : sampled_q;
         end
       end else if (convert && !convert_q) begin
         busy_q    <= 1'b1;
@@ -74,7 +69,7 @@ module ad574_props #(
     end
   end
 
-  (* hierconn *) wire [17:0] \dut.left_q ;
+  (* hierconn *) wire [$clog2(ConvClks + 1)-1:0] \dut.left_q ;
   (* hierconn *) wire [11:0] \dut.next_q , \dut.code_q ;
   (* hierconn *) wire \dut.start_q ;
 

@@ -7,7 +7,6 @@ module axis_props (
   input wire logic       clk_i,
   input wire logic       no_reset_i,
   input wire logic       reset_i,
-  input wire logic       power_i,
   input wire logic       clk_en_i,
   input wire logic       enc_cs_ni,
   input wire logic       ior_ni,
@@ -16,7 +15,6 @@ module axis_props (
   input wire logic [7:0] d_i,
   input wire logic       dac_lo_i,
   input wire logic       dac_hi_i,
-  input wire logic       adc_read_i,
   input wire logic       latch_i,
   input wire logic       dac_update_i,
   input wire logic [2:0] enc_mode_i,
@@ -37,12 +35,10 @@ module axis_props (
   logic [15:0] drive_v;
   logic index;
   axis dut (
-    .clk_i, .rst_ni, .reset_i, .power_i, .asleep_i(1'b0), .clk_en_i, .enc_cs_ni, .ior_ni, .iow_ni,
-    .a0_i, .d_i, .dac_lo_i, .dac_hi_i, .adc_read_i, .enc_d_o(), .enc_d_oe_o(), .adc_code_o(),
+    .clk_i, .rst_ni, .reset_i, .clk_en_i, .enc_cs_ni, .ior_ni, .iow_ni,
+    .a0_i, .d_i, .dac_lo_i, .dac_hi_i, .enc_d_o(), .enc_d_oe_o(), .adc_code_o(),
     .latch_i, .dac_update_i, .enc_mode_i, .dac_double_i, .index_en_i, .loop_i, .drive_i, .a_i,
-    .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .heartbeat_o(), .index_o(index), .converting_o(),
-    .dac_stuck1_i(12'h000), .dac_stuck0_i(12'h000), .adc_stuck_i(1'b0), .clk_free_i(1'b0),
-    .due_o(), .extra_i(16'd0), .horizon_o()
+    .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .heartbeat_o(), .index_o(index), .converting_o()
   );
 
   // --- the model: what was written to the D/A, and what of it has reached the output -----------
@@ -73,7 +69,7 @@ module axis_props (
   // --- properties -----------------------------------------------------------------------------
 
   logic [11:0] code;
-  assign code = dut.dac_chip;
+  assign code = dut.dac_code;
 
   `MMCS_GIVEN(OneByte, !(dac_lo_i && dac_hi_i), "a write reaches one byte of the D/A")
   `MMCS_PROVE(Output, "5.3.3", drive_i, drive_v == {~output_q[11], output_q[10:0], 4'h0},
@@ -105,11 +101,11 @@ module axis_props (
   // --- steps on the way -----------------------------------------------------------------------
 
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
-  (* hierconn *) wire [11:0] \dut.dac_chip , \dut.u_dac.rank1_q ;
+  (* hierconn *) wire [11:0] \dut.dac_code , \dut.u_dac.rank1_q ;
   (* hierconn *) wire [15:0] \dut.u_encoder.latch_q , \dut.u_encoder.count_q ;
   (* hierconn *) wire [2:0] \dut.index_sync_q ;
   (* hierconn *) wire \dut.u_encoder.latched_q , \dut.u_encoder.latch_in_q ;
-  (* hierconn *) wire \dut.armed_index_q , \dut.index_latch_q ;
+  (* hierconn *) wire \dut.index_q , \dut.index_latch_q ;
 
   `MMCS_LEMMA(Ranks, code == output_q && dut.u_dac.rank1_q == written_q,
               "both hold the same codes")
@@ -117,7 +113,7 @@ module axis_props (
               "an index seen travels through the synchroniser")
   `MMCS_LEMMA(Third, seen_q != 2'd3 || dut.index_sync_q[2] || dut.index_latch_q,
               "the third flip-flop sets the latch")
-  `MMCS_LEMMA(Armed, !dut.armed_index_q || dut.index_latch_q, "what is armed has set the latch")
+  `MMCS_LEMMA(Armed, !dut.index_q || dut.index_latch_q, "what is armed has set the latch")
   `MMCS_LEMMA(Latched, !dut.u_encoder.latch_in_q || $past(latch_i) || dut.index_latch_q,
               "the counter's latch pin rose for the one or the other")
 

@@ -29,8 +29,7 @@ module i8254_counter_props #(
   i8254_counter #(.NmosRewrite(NmosRewrite)) dut (
     .clk_i, .rst_ni, .clk_rise_i(rise_i), .clk_fall_i(fall_i), .gate_i, .out_o(out),
     .out_rise_o(up), .out_fall_o(down), .control_i, .latch_count_i, .latch_status_i, .write_i,
-    .read_i, .read_end_i, .d_i, .d_o(d), .clk_free_i(1'b0), .awake_o(), .extra_i(16'd0),
-    .horizon_o()
+    .read_i, .read_end_i, .d_i, .d_o(d)
   );
 
   logic golden_out;

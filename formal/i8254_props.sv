@@ -27,7 +27,7 @@ module i8254_props (
     .clk0_rise_i(rise_i[0]), .clk0_fall_i(fall_i[0]), .clk1_rise_i(rise_i[1]),
     .clk1_fall_i(fall_i[1]), .clk2_rise_i(rise_i[2]), .clk2_fall_i(fall_i[2]), .gate_i,
     .out_o(), .out0_rise_o(), .out0_fall_o(), .out1_rise_o(), .out1_fall_o(), .out2_rise_o(),
-    .out2_fall_o(), .clk_free_i(1'b0), .awake_o(), .extra_i(16'd0), .horizon_o()
+    .out2_fall_o()
   );
 
   // The last clock of each strobe, and what stood on the bus then. A read with a write is a read.

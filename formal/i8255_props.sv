@@ -22,11 +22,11 @@ module i8255_props (
   assign rst_ni = started & no_reset_i;
 
   logic [7:0] d, pa, pa_oe, pb, pb_oe, pc, pc_oe;
-  logic oe, shakes;
+  logic oe;
   i8255 dut (
     .clk_i, .rst_ni, .reset_i, .cs_ni, .rd_ni, .wr_ni, .a_i, .d_i, .d_o(d), .d_oe_o(oe), .pa_i,
     .pa_o(pa), .pa_oe_o(pa_oe), .pb_i, .pb_o(pb), .pb_oe_o(pb_oe), .pc_i, .pc_o(pc),
-    .pc_oe_o(pc_oe), .shakes_o(shakes)
+    .pc_oe_o(pc_oe)
   );
 
   // --- the model: a write acts when its strobe ends, unless RESET came ------------------------
@@ -101,12 +101,11 @@ module i8255_props (
   `MMCS_PROVE(InputB, "5.3.1", mode_q[1], pb_oe == 8'h00, "port B as an input drives nothing")
   `MMCS_PROVE(BothWays, "5.3.1", mode_a == 2'd2, pa == a_q && pa_oe == {8{!pc_i[6]}},
               "in mode 2 port A drives only while it is acknowledged")
-  `MMCS_PROVE(Shakes, "5.3.1", !simple, shakes, "a group with handshakes is told")
   `MMCS_PROVE(Clears, "5.3.1", $past(sets_mode || reset_i) && $past(rst_ni),
               {pa, pb, a_q, b_q, c_q, enable_q} == '0 && (!simple || pc == 8'h00),
               "setting the mode, or RESET, clears every output latch")
   `MMCS_PROVE(AllInputs, "5.3.1", $past(reset_i) && $past(rst_ni),
-              {pa_oe, pb_oe, pc_oe} == '0 && !shakes, "RESET makes all ports inputs")
+              {pa_oe, pb_oe, pc_oe} == '0, "RESET makes all ports inputs")
   `MMCS_PROVE(OneBit, "5.3.1", $past(sets_bit) && $past(rst_ni) && simple && pc != $past(pc),
               pc == ($past(data_q[0]) ? $past(pc | one) : $past(pc & ~one)) &&
               {pa, pb} == $past({pa, pb}),

@@ -32,8 +32,7 @@ module interrupter_props #(
     .vme_iackout_no(iackout_n),
     .vme_irq_no(irq_n),
     .d_oe_o(d_oe),
-    .dtack_o(dtack),
-    .idle_o()
+    .dtack_o(dtack)
   );
 
   // Whose an acknowledge is, decided by ourselves: by the request in the clock in which IACKIN* is

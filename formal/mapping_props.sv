@@ -49,12 +49,7 @@ module mapping_props (
     .pc_iow_no(iow_n),
     .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
     .pc_d_i, .pc_wait_i,
-    .pc_irq_i('0),
-    .irq_lost_i(1'b0),
-    .clk_free_i(clk_i),
-    .awake_o(),
-    .extra_i(16'd0),
-    .horizon_o()
+    .pc_irq_i('0)
   );
 
   // What the host does: a request stands until it is answered.
@@ -122,15 +117,8 @@ module mapping_props (
       .dip_i(n == 0 ? dip0_i : dip1_i),
       .axis_enable_i(2'b11),
       .power_i(1'b1),
-      .asleep_i(1'b0),
       .enc_a_i('0), .enc_b_i('0), .enc_i_i('0), .adc_v_i('0),
-      .drive_v_o(), .leds_o(),
-      .absent_i(1'b0), .sclock_open_i(1'b0), .panic_open_i(1'b0),
-      .dac_stuck1_i('0), .dac_stuck0_i('0), .adc_stuck_i('0),
-      .clk_free_i(clk_i),
-      .awake_o(),
-      .extra_i(16'd0),
-      .horizon_o()
+      .drive_v_o(), .leds_o()
     );
   end
 

@@ -21,11 +21,7 @@ module oneshot_props #(
     .PulseClks(PulseClks)
   ) dut (
     .clk_i, .rst_ni, .trig_i, .clr_ni,
-    .q_o(q),
-    .clk_free_i(1'b0),
-    .due_o(),
-    .extra_i(16'd0),
-    .horizon_o()
+    .q_o(q)
   );
 
   // The model: the clocks since the last trigger, while none of them was cleared.
@@ -48,7 +44,7 @@ module oneshot_props #(
   end
 
   // A wire of this name is joined to the register of the design when the hierarchy is flattened.
-  (* hierconn *) wire [18:0] \dut.left_q ;
+  (* hierconn *) wire [$clog2(PulseClks + 1)-1:0] \dut.left_q ;
   (* hierconn *) wire \dut.trig_q ;
 
   `MMCS_PROVE(Lasts, "5.3.6", alive_q, q,

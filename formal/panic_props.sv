@@ -14,7 +14,7 @@ module panic_props (
   logic rst_ni = 1'b0;
   always @(posedge clk_i) rst_ni <= 1'b1;
 
-  logic panic, brake, cable, power, settled;
+  logic panic, brake, cable, power;
 
   panic dut (
     .clk_i, .rst_ni,
@@ -22,8 +22,7 @@ module panic_props (
     .panic_o(panic),
     .brake_release_o(brake),
     .cable_ok_o(cable),
-    .pc_power_o(power),
-    .settled_o(settled)
+    .pc_power_o(power)
   );
 
   // The inputs as they were one, two and three clocks ago.

@@ -2,7 +2,7 @@
 // PANIC of the whole machine with two cards. §2.3.4, §4.3.5, §5.3.6
 //
 // The front on the VMEbus, timers, PPIs, encoder counters, converters and relays are cut out: what
-// they do is free. What is left is the PC bus, decoders, heartbeats, sleeping, wiring and PANIC.
+// they do is free. What is left is the PC bus, decoders, heartbeats, wiring and PANIC.
 // The heartbeat has its real 50 ms in the proof (400,000 clocks) and 32 clocks in the covers.
 `default_nettype none
 `include "mmcs_formal.svh"
@@ -15,7 +15,6 @@ module panic_system_props #(
   input wire logic       cable_ok_i,
   input wire logic       pc_power_i,
   input wire logic [3:0] axis_enable_i,
-  input wire logic [1:0] card_absent_i,
   input wire logic       sysreset_ni
 );
 
@@ -39,21 +38,16 @@ module panic_system_props #(
     .brake_release_o(brake),
     .panic_o(panic),
     .enc_a_i('0), .enc_b_i('0), .enc_i_i('0),
-    .axis_enable_i, .adc_v_i('0),
+    .axis_enable_i, .dip_i(8'h10), .adc_v_i('0),
     .pcx_a_o(pc_a),
     .pcx_iow_no(iow_n),
     .pcx_ior_no(ior_n),
-    .pcx_d_i('0), .pcx_d_oe_i(1'b0), .pcx_wait_i(1'b0), .pcx_irq_i('0),
-    .card_absent_i,
-    .dip_xor_i('0), .sclock_open_i('0), .panic_open_i('0), .dac_stuck1_i('0), .dac_stuck0_i('0),
-    .adc_stuck_i('0), .irq_lost_i(1'b0),
-    .clk_adaptor_i(1'b0), .clk_cards_i(1'b0),
-    .skip_extra_i('0)
+    .pcx_d_i('0), .pcx_d_oe_i(1'b0), .pcx_wait_i(1'b0), .pcx_irq_i('0)
   );
 
   // Wires of the inside, joined by the script.
   logic [ 3:0] f_heartbeat, f_enable, f_trigger;   // card 1 axis 2 ... card 0 axis 1
-  logic [ 1:0] f_absent, f_line;
+  logic [ 1:0] f_line;
   logic [20:0] f_left0, f_left1, f_left2, f_left3;
   logic        f_power;
   logic [ 5:0] f_sync;   // {button, cable, power} in the synchroniser's two stages
@@ -75,7 +69,7 @@ module panic_system_props #(
   logic [3:0] late, expired;
   for (genvar n = 0; n < 4; n++) begin : g_axis
     localparam logic [15:0] Address = {2'b00, 4'(n / 2), 5'b11000, 5'(8 + 2 * (n % 2))};
-    assign write[n] = !iow_n && pc_a == Address && !f_absent[n/2] && safe1_q[0];
+    assign write[n] = !iow_n && pc_a == Address && safe1_q[0];
     always @(posedge clk_i) begin
       if (!rst_ni) begin
         since_q[n] <= 21'h1FFFFF;
@@ -100,12 +94,11 @@ module panic_system_props #(
 
   // --- what should be -------------------------------------------------------------------------
 
-  logic [3:0] counts, counts_q = '0, late_q = '0, beat_q = '0;
+  logic [3:0] enable_q = '0, late_q = '0, beat_q = '0;
   logic safe_q = 1'b0, fresh_q = 1'b0;
-  assign counts = f_enable & {{2{~f_absent[1]}}, {2{~f_absent[0]}}};   // enabled, card present
   always @(posedge clk_i) begin
     if (rst_ni) begin
-      counts_q <= counts;
+      enable_q <= f_enable;
       late_q   <= late;
       beat_q   <= f_heartbeat;
       safe_q   <= &safe1_q;
@@ -113,20 +106,20 @@ module panic_system_props #(
     end
   end
 
-  `MMCS_PROVE(LowMeansGood, "4.3.5", !panic && fresh_q, safe_q && (counts_q & ~beat_q) == 4'd0,
-          "PANIC is low only if all enabled axes of present cards beat; button, cable, power good")
-  `MMCS_PROVE(GoodMeansLow, "4.3.5", safe_q && (counts_q & ~beat_q) == 4'd0 && fresh_q, !panic,
+  `MMCS_PROVE(LowMeansGood, "4.3.5", !panic && fresh_q, safe_q && (enable_q & ~beat_q) == 4'd0,
+          "PANIC is low only if all enabled axes beat; button, cable and power are good")
+  `MMCS_PROVE(GoodMeansLow, "4.3.5", safe_q && (enable_q & ~beat_q) == 4'd0 && fresh_q, !panic,
               "and it is low if they are: nothing else panics")
   `MMCS_PROVE(BeatExact, "5.3.6", f_heartbeat != 4'd0, (f_heartbeat & late) == 4'd0,
               "a heartbeat lives 50 ms from the last write of the D/A low byte, not a clock longer")
   `MMCS_PROVE(BeatLives, "5.3.6", safe1_q[0] && written_q == 4'hF && ~late != 4'd0,
               (f_heartbeat | late) == 4'hF,
               "and not a clock shorter, power given")
-  `MMCS_PROVE(PanicIn50ms, "5.3.6", (counts & counts_q & expired) != 4'd0 && fresh_q, panic,
+  `MMCS_PROVE(PanicIn50ms, "5.3.6", (f_enable & enable_q & expired) != 4'd0 && fresh_q, panic,
               "50 ms after an enabled D/A's last low-byte write PANIC is high within one clock")
   `MMCS_PROVE(BrakesHold, "4.2.1", panic, !brake, "no brake is released while PANIC is high")
-  `MMCS_REACH(Released, brake && (&counts_q), "all four axes beat and the brakes are released")
-  `MMCS_REACH(RunsOut, panic && safe_q && (&counts_q) && late_q == 4'b0001 && beat_q == 4'b1110,
+  `MMCS_REACH(Released, brake && (&enable_q), "all four axes beat and the brakes are released")
+  `MMCS_REACH(RunsOut, panic && safe_q && (&enable_q) && late_q == 4'b0001 && beat_q == 4'b1110,
               "one heartbeat of four runs out")
 
   // --- steps of the induction -----------------------------------------------------------------
@@ -140,9 +133,9 @@ module panic_system_props #(
   `MMCS_LEMMA(Left1, !f_heartbeat[1] || (f_left1 + since_q[1] == 21'(Pulse) && f_left1 != 0), "-")
   `MMCS_LEMMA(Left2, !f_heartbeat[2] || (f_left2 + since_q[2] == 21'(Pulse) && f_left2 != 0), "-")
   `MMCS_LEMMA(Left3, !f_heartbeat[3] || (f_left3 + since_q[3] == 21'(Pulse) && f_left3 != 0), "-")
-  `MMCS_LEMMA(Line0, f_line[0] == (|(f_enable[1:0] & ~f_heartbeat[1:0]) & f_power & ~f_absent[0]),
+  `MMCS_LEMMA(Line0, f_line[0] == (|(f_enable[1:0] & ~f_heartbeat[1:0]) & f_power),
               "-")
-  `MMCS_LEMMA(Line1, f_line[1] == (|(f_enable[3:2] & ~f_heartbeat[3:2]) & f_power & ~f_absent[1]),
+  `MMCS_LEMMA(Line1, f_line[1] == (|(f_enable[3:2] & ~f_heartbeat[3:2]) & f_power),
               "-")
 
 endmodule

@@ -9,8 +9,7 @@ module pccsr_props (
   input wire logic       write_i,
   input wire logic [7:0] wdata_i,
   input wire logic       sclock_i,
-  input wire logic       panic_i,
-  input wire logic       irq_lost_i
+  input wire logic       panic_i
 );
 
   logic rst_ni = 1'b0;
@@ -24,14 +23,9 @@ module pccsr_props (
     .clk_i, .rst_ni, .sys_reset_i, .write_i, .wdata_i,
     .rdata_o(rdata),
     .sclock_i, .panic_i,
-    .irq_lost_i(1'b0),   // a fault of the simulator, not of the machine
     .base_o(base),
-    .irq_req_o(irq),
-    .settled_o()
+    .irq_req_o(irq)
   );
-
-  logic unused;
-  assign unused = irq_lost_i;
 
   // What was written last, with 0 after either reset; the inputs and the register one clock ago.
   logic [7:0] csr_q = '0, rdata_q = '0;

@@ -19,9 +19,7 @@ module same_clock_props (
   input wire logic        pc_power_i,
   input wire logic [ 3:0] enc_a_i,
   input wire logic [ 3:0] enc_b_i,
-  input wire logic [ 3:0] enc_i_i,
-  input wire logic [ 1:0] card_absent_i,
-  input wire logic [ 1:0] sclock_open_i
+  input wire logic [ 3:0] enc_i_i
 );
 
   logic rst_ni = 1'b0;
@@ -35,39 +33,30 @@ module same_clock_props (
     .vme_d_i, .vme_d_o(), .vme_d_oe_o(), .vme_dtack_no(), .vme_iack_ni, .vme_iackin_ni,
     .vme_iackout_no(), .vme_irq_no(), .vme_sysreset_ni, .estop_closed_i(1'b1), .cable_ok_i,
     .pc_power_i, .brake_release_o(), .panic_o(), .sclock_o(), .led_irq_o(), .enc_a_i, .enc_b_i,
-    .enc_i_i, .axis_enable_i(4'h0), .adc_v_i(64'd0), .drive_v_o(), .card_leds_o(),
+    .enc_i_i, .axis_enable_i(4'h0), .dip_i(8'h10), .adc_v_i(64'd0), .drive_v_o(), .card_leds_o(),
     .pcx_a_o(pc_a), .pcx_d_o(), .pcx_ior_no(ior_n), .pcx_iow_no(iow_n), .pcx_aen_o(aen),
     .pcx_clk_en_o(), .pcx_reset_drv_o(), .pcx_drq_o(drq), .pcx_d_i(8'hFF), .pcx_d_oe_i(1'b0),
-    .pcx_wait_i(1'b0), .pcx_irq_i(5'd0), .card_absent_i, .dip_xor_i(8'h00), .sclock_open_i,
-    .panic_open_i(2'b00), .dac_stuck1_i(48'd0), .dac_stuck0_i(48'd0), .adc_stuck_i(4'h0),
-    .irq_lost_i(1'b0), .clk_adaptor_i(1'b0), .clk_cards_i(1'b0), .adaptor_awake_o(),
-    .cards_awake_o(), .skip_extra_i(16'd0), .skip_horizon_o()
+    .pcx_wait_i(1'b0), .pcx_irq_i(5'd0)
   );
 
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
   (* hierconn *) wire \dut.g_card[0].u_card.latch_pulse , \dut.g_card[1].u_card.latch_pulse ;
   (* hierconn *) wire \dut.g_card[0].u_card.dac_update , \dut.g_card[1].u_card.dac_update ;
-  (* hierconn *) wire \dut.g_card[0].u_card.asleep , \dut.g_card[1].u_card.asleep ;
   (* hierconn *) wire \dut.g_card[0].u_card.u_latch.sclock_q ;
   (* hierconn *) wire \dut.g_card[1].u_card.u_latch.sclock_q ;
   (* hierconn *) wire \dut.g_card[0].u_card.u_latch.sw_latch_q ;
   (* hierconn *) wire \dut.g_card[1].u_card.u_latch.sw_latch_q ;
   (* hierconn *) wire [7:0] \dut.g_card[0].u_card.pb , \dut.g_card[1].u_card.pb ;
-  (* hierconn *) wire [1:0] \dut.sclock_open_q , \dut.absent_q ;
-  (* hierconn *) wire [3:1] \dut.drq_q ;
-  (* hierconn *) wire [2:0] \dut.settle_q ;
   (* hierconn *) wire \dut.pc_power ;
 
-  logic [1:0] latch, update, enabled, double, sclock_q, sw_q, asleep;
+  logic [1:0] latch, update, enabled, double, sclock_q, sw_q;
   assign latch    = {\dut.g_card[1].u_card.latch_pulse , \dut.g_card[0].u_card.latch_pulse };
   assign update   = {\dut.g_card[1].u_card.dac_update , \dut.g_card[0].u_card.dac_update };
-  assign asleep   = {\dut.g_card[1].u_card.asleep , \dut.g_card[0].u_card.asleep };
   assign sclock_q = {\dut.g_card[1].u_card.u_latch.sclock_q ,
                      \dut.g_card[0].u_card.u_latch.sclock_q };
   assign sw_q     = {\dut.g_card[1].u_card.u_latch.sw_latch_q ,
                      \dut.g_card[0].u_card.u_latch.sw_latch_q };
-  assign enabled  = {\dut.g_card[1].u_card.pb [2], \dut.g_card[0].u_card.pb [2]} &
-                    ~dut.sclock_open_q;
+  assign enabled  = {\dut.g_card[1].u_card.pb [2], \dut.g_card[0].u_card.pb [2]};
   assign double   = {\dut.g_card[1].u_card.pb [3], \dut.g_card[0].u_card.pb [3]};
 
   // SCLOCK, an access to the register that latches all cards, and what was a clock ago.
@@ -84,22 +73,17 @@ module same_clock_props (
   assign presses = all && idle_was && dut.pc_power && power_was;
 
   `MMCS_PROVE(SclockOfAll, "5.3.2", rises, (latch & enabled) == enabled,
-              "every card that is enabled and connected samples in the clock in which SCLOCK rises")
+              "every card that is enabled samples in the clock in which SCLOCK rises")
   `MMCS_PROVE(OutputsOfAll, "5.3.3", rises, (update & enabled & double) == (enabled & double),
               "and its D/As in double-buffer mode put out what was written")
-  `MMCS_PROVE(SoftwareOfAll, "5.3.2", presses && dut.absent_q == 2'b00, latch == 2'b11,
+  `MMCS_PROVE(SoftwareOfAll, "5.3.2", presses, latch == 2'b11,
               "the software latch of all cards reaches all cards in one clock")
-  `MMCS_PROVE(NothingElse, "5.3.2", !rises && ior_n && iow_n && dut.pc_power && power_was &&
-              dut.sclock_open_q == $past(dut.sclock_open_q),
+  `MMCS_PROVE(NothingElse, "5.3.2", !rises && ior_n && iow_n && dut.pc_power && power_was,
               latch == 2'b00, "without SCLOCK or a bus access no card samples")
-  `MMCS_PROVE(AsleepNoLatch, "5.3.2", |asleep, !rises && (latch & asleep) == 2'b00,
-              "no card sleeps while SCLOCK rises")
 
-  `MMCS_LEMMA(Drq, dut.drq_q[3] == drq_was, "the machine's sleep sees each change of SCLOCK")
-  `MMCS_LEMMA(Follows, dut.settle_q == 3'd7 || !dut.pc_power ||
-              (sclock_q == ({2{drq_was}} & ~dut.sclock_open_q) && sw_q == 2'b00),
-              "once settled the cards have seen SCLOCK as it is")
-  `MMCS_LEMMA(Awake, asleep == 2'b00 || dut.settle_q == 3'd0, "who sleeps has settled")
+  `MMCS_LEMMA(Follows, !power_was || !dut.pc_power ||
+              (sclock_q == {2{drq_was}} && (!idle_was || sw_q == 2'b00)),
+              "the cards have seen SCLOCK and commands as they were a clock ago")
 
 endmodule
 

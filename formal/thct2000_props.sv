@@ -29,14 +29,11 @@ module thct2000_props (
 
   thct2000 dut (
     .clk_i, .rst_ni, .reset_i, .clk_en_i, .m_i, .a_i, .b_i, .latch_i,
-    .asleep_i(1'b0),
     .cs_ni, .rd_ni, .wr_ni, .rs_i, .d_i,
     .d_o(d),
     .d_oe_o(oe),
     .count_o(count),
-    .illegal_o(illegal),
-    .extra_i(16'd0),
-    .horizon_o()
+    .illegal_o(illegal)
   );
 
   // --- the model: inputs ----------------------------------------------------------------------

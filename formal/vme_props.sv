@@ -29,8 +29,7 @@ module vme_props #(
   input wire logic        pc_power_i,
   input wire logic [ 7:0] pc_d_i,
   input wire logic        pc_wait_i,
-  input wire logic [ 7:3] pc_irq_i,
-  input wire logic        irq_lost_i
+  input wire logic [ 7:3] pc_irq_i
 );
 
   logic rst_ni = 1'b0;
@@ -59,11 +58,7 @@ module vme_props #(
     .pc_ior_no(pc_ior_n),
     .pc_iow_no(pc_iow_n),
     .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
-    .pc_d_i, .pc_wait_i, .pc_irq_i, .irq_lost_i,
-    .clk_free_i(clk_i),
-    .awake_o(),
-    .extra_i(16'd0),
-    .horizon_o()
+    .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
   logic [3:1] level_q = '0;
@@ -76,7 +71,7 @@ module vme_props #(
   logic [4:0] down_q = '0;       // clocks of SYSRESET*
   logic dtack_q = 1'b0, iackin_q = 1'b1, strobed;
   logic [7:0] f_master_bad;   // wires of the inside, joined by the script
-  logic f_slave_dtack, f_request, f_slave_idle, f_ack, f_irq, f_sys_reset;
+  logic f_slave_dtack, f_request, f_ack, f_irq, f_sys_reset;
   logic [7:0] f_rdata, f_vector;
 
   vme_master_checker #(
@@ -156,7 +151,6 @@ module vme_props #(
   logic       rested_q = 1'b0;   // at rest when the present cycle began
   logic       clean_q = 1'b0;    // the strobes have been high since SYSRESET*
   logic [2:0] up_q = '0;         // clocks without SYSRESET*
-  logic       idle_q = 1'b0;
 
   assign quiet = &up_q;
 
@@ -188,7 +182,6 @@ module vme_props #(
       else if (rest_q != '1) rest_q <= rest_q + 1'b1;
       if (!strobed) rested_q <= (&rest_q) & quiet;
       else if (!cycle || !vme_sysreset_ni) rested_q <= 1'b0;
-      idle_q <= f_slave_idle;
     end
   end
 
@@ -214,7 +207,7 @@ module vme_props #(
               "begun at rest, a cycle of ours has DTACK* within 24 clocks (3 us), IOCHRDY and all")
   `MMCS_PROVE(NoWedge, "4.3.1", held_q >= 7'(Longest), !dtack_n,
               "whatever went on since SYSRESET*, a cycle of ours is answered within 47 clocks")
-  `MMCS_PROVE(ComesToRest, "4.3.1", rest_q >= 5'd25, f_slave_idle && dtack_n && !d_oe,
+  `MMCS_PROVE(ComesToRest, "4.3.1", rest_q >= 5'd25, !f_request && dtack_n && !d_oe,
               "25 clocks after the strobes the slave is at rest, whatever went on before")
 
   end

@@ -35,6 +35,7 @@ module mmcs_fpga #(
   input  wire logic [ 2*NumCards-1:0] enc_b_i,
   input  wire logic [ 2*NumCards-1:0] enc_i_i,
   input  wire logic [ 2*NumCards-1:0] axis_enable_i,
+  input  wire logic [ 4*NumCards-1:0] dip_i,
   input  wire logic [32*NumCards-1:0] adc_v_i,
   output logic      [32*NumCards-1:0] drive_v_o,
   output logic      [11*NumCards-1:0] card_leds_o
@@ -54,7 +55,7 @@ module mmcs_fpga #(
     .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
     .vme_sysreset_ni,
     .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .panic_o, .sclock_o, .led_irq_o,
-    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .adc_v_i, .drive_v_o, .card_leds_o,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
     .pcx_a_o(),
     .pcx_d_o(),
     .pcx_ior_no(),
@@ -67,26 +68,12 @@ module mmcs_fpga #(
     .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0),
     .pcx_irq_i('0),
-    .card_absent_i('0),
-    .dip_xor_i('0),
-    .sclock_open_i('0),
-    .panic_open_i('0),
-    .dac_stuck1_i('0),
-    .dac_stuck0_i('0),
-    .adc_stuck_i('0),
-    .irq_lost_i(1'b0),
     .hp_req_i(1'b0),
     .hp_write_i(1'b0),
     .hp_a_i('0),
     .hp_wdata_i('0),
     .hp_ack_o(),
-    .hp_rdata_o(),
-    .clk_adaptor_i(1'b0),
-    .clk_cards_i(1'b0),
-    .adaptor_awake_o(),
-    .cards_awake_o(),
-    .skip_extra_i('0),
-    .skip_horizon_o()
+    .hp_rdata_o()
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

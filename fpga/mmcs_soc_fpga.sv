@@ -37,6 +37,7 @@ module mmcs_soc_fpga #(
   input  wire logic [ 2*NumCards-1:0] enc_b_i,
   input  wire logic [ 2*NumCards-1:0] enc_i_i,
   input  wire logic [ 2*NumCards-1:0] axis_enable_i,
+  input  wire logic [ 4*NumCards-1:0] dip_i,
   output logic                        conv_sync_o,
   input  wire logic                   adc_sd_i,
   output logic                        dac_sd_o,
@@ -115,26 +116,10 @@ module mmcs_soc_fpga #(
     .ring_i, .report_valid_o, .report_o, .report_take_i,
     .sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i,
     .brake_release_o, .panic_o, .sclock_o, .led_irq_o,
-    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i,
     .adc_v_i(adc_q),
     .drive_v_o(drive),
-    .card_leds_o,
-    .bus_error_i(1'b0),
-    .bus_error_taken_o(),
-    .irq_open_i(1'b0),
-    .card_absent_i('0),
-    .dip_xor_i('0),
-    .sclock_open_i('0),
-    .panic_open_i('0),
-    .dac_stuck1_i('0),
-    .dac_stuck0_i('0),
-    .adc_stuck_i('0),
-    .irq_lost_i(1'b0),
-    .clk_adaptor_i(1'b0),
-    .clk_cards_i(1'b0),
-    .adaptor_awake_o(),
-    .cards_awake_o(),
-    .cpu_awake_o()
+    .card_leds_o
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

@@ -2,10 +2,8 @@
 // The machine: VME adaptor, Mark I cards, and the lines wired between them. §4, §5
 //
 // Axis n = 2 * card + joint - 1; vectors are packed with axis or card 0 in the low bits. Every
-// input after axis_enable_i, adc_v_i is inert at 0. Per-card jumpers take one hexadecimal digit
-// per card.
+// input after adc_v_i is inert at 0. Per-card jumpers take one hexadecimal digit per card.
 `default_nettype none
-`include "mmcs_assert.svh"
 `include "mmcs_require.svh"
 
 module mmcs #(
@@ -18,8 +16,7 @@ module mmcs #(
   parameter int SysClkMHz = 8,
   parameter int SclockDrq = 3,
   parameter int PanicIrq = 7,
-  // Switches and jumpers of the cards
-  parameter logic [63:0] CardDip = 64'hFEDC_BA98_7654_3210,
+  // Jumpers of the cards
   parameter logic [63:0] CardSclockDrq = 64'h3333_3333_3333_3333,
   parameter logic [63:0] CardPanicIrq = 64'h7777_7777_7777_7777,
   parameter logic [15:0] SoftLatchDac = 16'hFFFF,
@@ -34,9 +31,7 @@ module mmcs #(
   // What the report leaves open
   parameter logic [7:0] PpiFloatB = 8'h00,
   parameter bit RandomPowerUp = 1'b0,
-  parameter bit HostPort = 1'b0,         // the host port comes out in place of the VME front
-  parameter bit Gate = 1'b0,             // see "gating" below
-  parameter bit Skip = 1'b0
+  parameter bit HostPort = 1'b0          // the host port comes out in place of the VME front
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_ni,
@@ -69,6 +64,7 @@ module mmcs #(
   input  wire logic [ 2*NumCards-1:0] enc_b_i,
   input  wire logic [ 2*NumCards-1:0] enc_i_i,
   input  wire logic [ 2*NumCards-1:0] axis_enable_i,
+  input  wire logic [ 4*NumCards-1:0] dip_i,        // address switches, a number per card
   input  wire logic [32*NumCards-1:0] adc_v_i,
   output logic      [32*NumCards-1:0] drive_v_o,
   output logic      [11*NumCards-1:0] card_leds_o,
@@ -85,30 +81,13 @@ module mmcs #(
   input  wire logic                   pcx_d_oe_i,
   input  wire logic                   pcx_wait_i,
   input  wire logic [            7:3] pcx_irq_i,
-  // Faults
-  input  wire logic [   NumCards-1:0] card_absent_i,
-  input  wire logic [ 4*NumCards-1:0] dip_xor_i,
-  input  wire logic [   NumCards-1:0] sclock_open_i,
-  input  wire logic [   NumCards-1:0] panic_open_i,
-  input  wire logic [24*NumCards-1:0] dac_stuck1_i,
-  input  wire logic [24*NumCards-1:0] dac_stuck0_i,
-  input  wire logic [ 2*NumCards-1:0] adc_stuck_i,
-  input  wire logic                   irq_lost_i,
   // Host port; left open and ignored if HostPort = 0
   input  wire logic                   hp_req_i,
   input  wire logic                   hp_write_i,
   input  wire logic [           10:1] hp_a_i,
   input  wire logic [            7:0] hp_wdata_i,
   output logic                        hp_ack_o,
-  output logic      [            7:0] hp_rdata_o,
-  // Gating; left open and ignored if Gate = 0
-  input  wire logic                   clk_adaptor_i,
-  input  wire logic                   clk_cards_i,
-  output logic                        adaptor_awake_o,
-  output logic                        cards_awake_o,
-  // Skipping
-  input  wire logic [           15:0] skip_extra_i,
-  output logic      [           15:0] skip_horizon_o
+  output logic      [            7:0] hp_rdata_o
 );
 
   // --- parameters that cannot be ------------------------------------------------------------
@@ -137,17 +116,6 @@ module mmcs #(
                   "mmcs: CardPanicIrq must be 3 to 7 for each card")
   end
 
-  // --- gating -------------------------------------------------------------------------------
-
-  // Gate = 1 is for fast simulation only; hardware and tests have one clock. Then the simulator
-  // withholds an edge of clk_i from clk_adaptor_i or clk_cards_i where the logic said before that
-  // edge, by *_awake_o = 0, that nothing but counters would change. Those counters, ends of
-  // timers aside, run on clk_i, which reaches them as clk_free_i. An input must not change unless
-  // both clocks run then and for two clocks more.
-  logic clk_adaptor, clk_cards;
-  assign clk_adaptor = Gate ? clk_adaptor_i : clk_i;
-  assign clk_cards = Gate ? clk_cards_i : clk_i;
-
   // --- adaptor ------------------------------------------------------------------------------
 
   logic [15:0] pc_a;
@@ -156,7 +124,6 @@ module mmcs #(
   logic [3:1] pc_drq;
   logic [7:3] pc_irq;
   logic [7:0] vme_d;
-  logic [15:0] adaptor_horizon;
 
   adaptor_vme #(
     .ClkHz(ClkHz),
@@ -169,11 +136,9 @@ module mmcs #(
     .CmdNs(CmdNs),
     .IochrdyLimitClks(IochrdyLimitClks),
     .RandomPowerUp(RandomPowerUp),
-    .HostPort(HostPort),
-    .Gate(Gate),
-    .Skip(Skip)
+    .HostPort(HostPort)
   ) u_adaptor (
-    .clk_i(clk_adaptor), .rst_ni,
+    .clk_i, .rst_ni,
     .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni,
     .vme_d_i(vme_d_i[7:0]),
     .vme_d_o(vme_d),
@@ -192,12 +157,7 @@ module mmcs #(
     .pc_power_o(pc_power),
     .pc_d_i(pc_rdata),
     .pc_wait_i(pcx_wait_i),
-    .pc_irq_i(pc_irq),
-    .irq_lost_i,
-    .clk_free_i(clk_i),
-    .awake_o(adaptor_awake_o),
-    .extra_i(skip_extra_i),
-    .horizon_o(adaptor_horizon)
+    .pc_irq_i(pc_irq)
   );
 
   // D15-D08 have no driver: the bus reads 1 there.
@@ -205,86 +165,11 @@ module mmcs #(
   logic unused_upper;
   assign unused_upper = ^vme_d_i[15:8];
 
-  // --- switches and faults ------------------------------------------------------------------
-
-  // They change seldom and by hand: a register each keeps them out of the combinational paths,
-  // which is what makes an idle clock cheap to simulate.
-  logic [   NumCards-1:0] absent_q, sclock_open_q, panic_open_q;
-  logic [ 4*NumCards-1:0] dip_xor_q;
-  logic [ 2*NumCards-1:0] axis_enable_q, adc_stuck_q;
-  logic [24*NumCards-1:0] dac_stuck1_q, dac_stuck0_q;
-
-  logic changed;
-  assign changed = card_absent_i != absent_q || sclock_open_i != sclock_open_q ||
-                   panic_open_i != panic_open_q || dip_xor_i != dip_xor_q ||
-                   axis_enable_i != axis_enable_q || adc_stuck_i != adc_stuck_q ||
-                   dac_stuck1_i != dac_stuck1_q || dac_stuck0_i != dac_stuck0_q;
-
-  always_ff @(posedge clk_cards or negedge rst_ni) begin
-    if (!rst_ni) begin
-      absent_q      <= '0;
-      sclock_open_q <= '0;
-      panic_open_q  <= '0;
-      dip_xor_q     <= '0;
-      axis_enable_q <= '0;
-      adc_stuck_q   <= '0;
-      dac_stuck1_q  <= '0;
-      dac_stuck0_q  <= '0;
-    end else if (changed) begin
-      absent_q      <= card_absent_i;
-      sclock_open_q <= sclock_open_i;
-      panic_open_q  <= panic_open_i;
-      dip_xor_q     <= dip_xor_i;
-      axis_enable_q <= axis_enable_i;
-      adc_stuck_q   <= adc_stuck_i;
-      dac_stuck1_q  <= dac_stuck1_i;
-      dac_stuck0_q  <= dac_stuck0_i;
-    end
-  end
-
   // --- cards --------------------------------------------------------------------------------
 
-  logic card_rst_n;   // a card without power is a card in reset
-  logic [ 8*NumCards-1:0] card_d;
-  logic [ 5*NumCards-1:0] card_irq;
-  logic [16*NumCards-1:0] card_horizon;
-  logic [   NumCards-1:0] card_d_oe;
-
-  assign card_rst_n = rst_ni & pc_power;
-
-  // --- sleep --------------------------------------------------------------------------------
-
-  // Most of the time nothing stirs: worked out once for all cards. The last change of a pin is
-  // followed by so many ticks of the PC's clock that every synchroniser on a card has settled.
-  localparam logic [2:0] SettleTicks = 3'd7;
-  logic [2*NumCards-1:0] enc_a_q, enc_b_q, enc_i_q;
-  logic [3:1] drq_q;
-  logic [2:0] settle_q;
-  logic stirs, asleep;
-  logic [NumCards-1:0] card_awake;
-
-  assign stirs = changed || enc_a_i != enc_a_q || enc_b_i != enc_b_q || enc_i_i != enc_i_q ||
-                 pc_drq != drq_q || !pc_ior_n || !pc_iow_n || pc_reset_drv || !pc_power;
-  assign asleep = !stirs && settle_q == '0;
-  assign cards_awake_o = |card_awake;
-
-  always_ff @(posedge clk_cards or negedge rst_ni) begin
-    if (!rst_ni) begin
-      enc_a_q  <= '0;
-      enc_b_q  <= '0;
-      enc_i_q  <= '0;
-      drq_q    <= '0;
-      settle_q <= SettleTicks;
-    end else if (stirs) begin
-      enc_a_q  <= enc_a_i;
-      enc_b_q  <= enc_b_i;
-      enc_i_q  <= enc_i_i;
-      drq_q    <= pc_drq;
-      settle_q <= SettleTicks;
-    end else if (settle_q != '0 && pc_clk_en) begin
-      settle_q <= settle_q - 1'b1;
-    end
-  end
+  logic [8*NumCards-1:0] card_d;
+  logic [5*NumCards-1:0] card_irq;
+  logic [  NumCards-1:0] card_d_oe;
 
   for (genvar n = 0; n < NumCards; n++) begin : g_card
     mark1 #(
@@ -298,13 +183,9 @@ module mmcs #(
       .RelayUs(RelayUs),
       .HeartbeatUs(HeartbeatUs),
       .PpiFloatB(PpiFloatB),
-      .RandomPowerUp(RandomPowerUp),
-      .Sleeps(1'b1),
-      .Gate(Gate),
-      .Skip(Skip)
+      .RandomPowerUp(RandomPowerUp)
     ) u_card (
-      .clk_i(clk_cards),
-      .rst_ni(card_rst_n),
+      .clk_i, .rst_ni,
       .pc_clk_en_i(pc_clk_en),
       .pc_reset_drv_i(pc_reset_drv),
       .pc_a_i(pc_a),
@@ -316,26 +197,15 @@ module mmcs #(
       .pc_d_oe_o(card_d_oe[n]),
       .pc_drq_i(pc_drq),
       .pc_irq_o(card_irq[5*n+:5]),
-      .dip_i(CardDip[4*n+:4] ^ dip_xor_q[4*n+:4]),
-      .axis_enable_i(axis_enable_q[2*n+:2]),
+      .dip_i(dip_i[4*n+:4]),
+      .axis_enable_i(axis_enable_i[2*n+:2]),
       .power_i(pc_power),
-      .asleep_i(asleep),
       .enc_a_i(enc_a_i[2*n+:2]),
       .enc_b_i(enc_b_i[2*n+:2]),
       .enc_i_i(enc_i_i[2*n+:2]),
       .adc_v_i(adc_v_i[32*n+:32]),
       .drive_v_o(drive_v_o[32*n+:32]),
-      .leds_o(card_leds_o[11*n+:11]),
-      .absent_i(absent_q[n]),
-      .sclock_open_i(sclock_open_q[n]),
-      .panic_open_i(panic_open_q[n]),
-      .dac_stuck1_i(dac_stuck1_q[24*n+:24]),
-      .dac_stuck0_i(dac_stuck0_q[24*n+:24]),
-      .adc_stuck_i(adc_stuck_q[2*n+:2]),
-      .clk_free_i(clk_i),
-      .awake_o(card_awake[n]),
-      .extra_i(skip_extra_i),
-      .horizon_o(card_horizon[16*n+:16])
+      .leds_o(card_leds_o[11*n+:11])
     );
   end
 
@@ -344,12 +214,9 @@ module mmcs #(
   // Undriven data lines read 1; two drivers at once give their AND. PANIC and the other interrupt
   // lines are a wired OR.
   always_comb begin
-    pc_rdata = 8'hFF;
-    if (!pc_ior_n) begin
-      if (pcx_d_oe_i) pc_rdata = pcx_d_i;
-      for (int n = 0; n < NumCards; n++) begin
-        if (card_d_oe[n]) pc_rdata = pc_rdata & card_d[8*n+:8];
-      end
+    pc_rdata = pcx_d_oe_i ? pcx_d_i : 8'hFF;
+    for (int n = 0; n < NumCards; n++) begin
+      if (card_d_oe[n]) pc_rdata = pc_rdata & card_d[8*n+:8];
     end
   end
 
@@ -366,24 +233,6 @@ module mmcs #(
   assign pcx_clk_en_o = pc_clk_en;
   assign pcx_reset_drv_o = pc_reset_drv;
   assign pcx_drq_o = pc_drq;
-
-  // --- skipping -----------------------------------------------------------------------------
-
-  if (Skip) begin : g_skip
-    always_comb begin
-      skip_horizon_o = adaptor_horizon;
-      for (int n = 0; n < NumCards; n++) begin
-        if (card_horizon[16*n+:16] < skip_horizon_o) skip_horizon_o = card_horizon[16*n+:16];
-      end
-    end
-  end else begin : g_step
-    assign skip_horizon_o = 16'd1;
-    logic unused;
-    assign unused = ^{adaptor_horizon, card_horizon};
-  end
-
-  `MMCS_ASSERT(CompleteAccess, skip_extra_i < skip_horizon_o,
-               "an edge stands for at most skip_horizon_o clocks")
 
 endmodule
 

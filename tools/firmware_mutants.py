@@ -317,7 +317,7 @@ def keep_simulator() -> None:
 
     shutil.rmtree(WORK / "sim", ignore_errors=True)
     for cards in CARDS:
-        library = ensure_library(cards, "speed", skip=True)
+        library = ensure_library(cards, "speed")
         folder = WORK / "sim" / f"{cards}.cards"
         folder.mkdir(parents=True)
         shutil.copy(library.parent / "build_id.o", folder / "build_id.obj")

@@ -16,9 +16,12 @@ from sources import core_arguments, sources  # noqa: E402
 TOPS = [
     ("mmcs", {}),
     ("mmcs", {"NumCards": 1, "ClkHz": 48_000_000, "SysClkMHz": 1}),
-    ("mmcs", {"NumCards": 16, "Skip": 1}),
+    ("mmcs", {"NumCards": 16}),
     ("mark1", {}),
     ("adaptor_core", {}),
+    *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
+    *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),
+    ("adaptor_wb", {"Pipelined": 1}),
     *((chip, {}) for chip in ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")),
 ]
 INCLUDE = ROOT / "rtl"
@@ -111,6 +114,7 @@ def checks() -> list[tuple[str, list[str]]]:
     jobs.append(("registers fresh", [sys.executable, "rtl/regs/generate.py", "--check"]))
     jobs.append(("requirements covered", [sys.executable, "tools/trace.py", "--check"]))
     jobs.append(("file rules", [sys.executable, "tools/file_rules.py"]))
+    jobs.append(("rtl rules", [sys.executable, "tools/rtl_rules.py"]))
     for file in [
         f
         for f in c_files

@@ -63,7 +63,7 @@ def groups(top: str) -> list[Group]:
                 continue
             only = getattr(it.func, marks.VARIANTS, None)
             slow = getattr(it.func, marks.SLOW, False)
-            if (not only or variant in only) and not slow and "skipping" not in attribute:
+            if (not only or variant in only) and not slow:
                 group.tests.append((module.__name__, attribute))
     return list(found.values())
 

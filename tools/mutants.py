@@ -22,10 +22,6 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 WORK = Path("build") / "mutation"  # relative: this Yosys sees the folder it is started in
 SEED = 1989
 WIDTH = 12  # bits of the number that picks a mutant
-SIMULATION_ONLY = ("due_o", "awake_o", "horizon_o", "adaptor_awake_o", "cards_awake_o")
-# these are looked at by horizons
-SIMULATION_ONLY += ("skip_horizon_o", "settled_o", "idle_o", "busy_o")
-SIMULATION_ONLY_OF_BOXES = ("extra_i", "clk_free_i")
 SHORT = {"HeartbeatUs": 100, "RelayUs": 20}
 
 # file, the parameters of the instance that is mutated (others: their defaults), how many mutants.
@@ -171,13 +167,14 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
     source = (ROOT / "rtl" / f"{block}.sv").read_text()
     header, defaults, port_list = ports(source, module)
     given = ", ".join(f".{n}({n})" for n in defaults)
-    wanted = {k: v for k, v in {**defaults, **parameters}.items() if k != "Sleeps"}  # no function
-    same = " && ".join(f"{k} == {v}" for k, v in wanted.items()) or "1"
+    same = " && ".join(f"{k} == {v}" for k, v in {**defaults, **parameters}.items()) or "1"
     lines = (ROOT / listed).read_text().splitlines()
     target = folder / "rtl" / f"{block}.sv"
     target.write_text(
         re.sub(rf"^module {module}\b", f"module {module}_original", source, flags=re.M)
-        + "\n`default_nettype wire\n" + (ROOT / mutated).read_text()
+        + "\n`default_nettype wire\n"
+        # what Yosys knows of a case, a simulator would check in the midst of a change
+        + (ROOT / mutated).read_text().replace("// synopsys parallel_case", "")
         + f"\nmodule {module} {header}{port_list};\n"
         f"  if ({same}) begin : g_mutant\n"
         f"    int picked, file, found;\n    logic [{WIDTH - 1}:0] mutsel;\n"
@@ -227,8 +224,6 @@ def equivalent(mutant: Mutant, seconds: int) -> bool:
     """
     module, base = mutant.module, WORK / mutant.top / f"equal_{mutant.number}"
     what = mutant.what.replace(f"-module {module}", "-module gate")
-    hide = "".join(f"delete -output gold/w:{p} gate/w:{p}\n" for p in SIMULATION_ONLY)
-    boxed = "".join(f"delete -output gold/w:*.{p} gate/w:*.{p}\n" for p in SIMULATION_ONLY_OF_BOXES)
     (ROOT / WORK / "started.v").write_text(STARTED)
     (ROOT / f"{base}.abc").write_text(ABC.format(base, seconds))
     (ROOT / f"{base}.v").write_text("module g (input a, b, output y); assign y = a & b; endmodule")
@@ -238,8 +233,8 @@ def equivalent(mutant: Mutant, seconds: int) -> bool:
     # The boxes inside a module become pins.
     script = (
         f"read_rtlil {WORK}/{mutant.top}/{module}.il\nsetundef -zero\n"
-        f"copy {module} gold\ncopy {module} gate\nmutate {what}\n{hide}"
-        f"select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n{boxed}"
+        f"copy {module} gold\ncopy {module} gate\nmutate {what}\n"
+        f"select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n"
         "miter -equiv -flatten gold gate miter\nhierarchy -top miter\n"
         "memory_map\nopt -full -nodffe -nosdff\n"
         f"techmap -autoproc -map {WORK}/started.v\nasync2sync\ntechmap\nopt -fast\ndffunmap\n"

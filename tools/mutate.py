@@ -5,9 +5,8 @@ Yosys mutates the netlist of every module (an inverted bit, a stuck one, one tha
 another); all mutants of a test top go into one Verilator build, and a plusarg picks one. Each meets
 the block's own cocotb tests and the tests of what it is built into, the quickest first, until one
 fails. The model without a mutant must pass first. A mutant that survives is looked at by ABC: if it
-proves that the mutant can never be told from the original by its pins, it does not count. Pins that
-only the fast simulation has (horizons, wake-up calls) are no pins here; tests that compare the
-skipping chip with the plain one are left out, for only the plain one is mutated.
+proves that the mutant can never be told from the original by its pins, it does not count. Tests
+that make faults on nets inside (system/cocotb_faults.py) are left out: mutants have other nets.
 
     mutate.py [--sample N] [--seed S] [--only TEXT] [--resume] [--strict] [--write]
 

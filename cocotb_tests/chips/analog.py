@@ -13,7 +13,7 @@ PINS = (
 OUTS = (("db", 12), ("oe", 1), ("sts", 1), ("code", 12), ("q", 1))
 IDLE = {
     "ad_ce": 0, "ad_cs_n": 1, "ad_rc_n": 1, "ad_a0": 0, "ad_mode12": 1, "ad_span10": 0,
-    "ad_hold": 0, "ad_vin": 0, "da_cs_n": 1, "da_a_n": 15, "da_d": 0, "os_trig": 0, "os_clr_n": 1,
+    "ad_vin": 0, "da_cs_n": 1, "da_a_n": 15, "da_d": 0, "os_trig": 0, "os_clr_n": 1,
 }  # fmt: skip
 IN = Layout(PINS)
 
@@ -27,9 +27,9 @@ class Models:
         self.shot = oneshot.OneShot(PULSE)
 
     def clock(self, word: int) -> dict:
-        seen = self.ad.clock(word & 0x7FFFFF)
-        seen["code"] = self.da.clock(word >> 23 & 0x1FFFF)
-        seen["q"] = self.shot.clock(word >> 40)
+        seen = self.ad.clock(word & 0x3FFFFF)
+        seen["code"] = self.da.clock(word >> 22 & 0x1FFFF)
+        seen["q"] = self.shot.clock(word >> 39)
         return seen
 
     def run(self, words: list[int]) -> list[dict]:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 8254 under replayed pins: the NMOS part, the CHMOS part and the skipping one.
+// The 8254 under replayed pins: the NMOS part and the CHMOS part.
 `default_nettype none
 
 module bench_i8254 (
@@ -9,22 +9,15 @@ module bench_i8254 (
     input wire go_i,
     input wire [31:0] id_i,
     input wire [31:0] length_i,
-    input wire [3:0] pick_i,  // bit 0 lock-step, 1 CHMOS part, 2 CLK1 = OUT0 and CLK2 = OUT1
+    input wire [1:0] pick_i,  // bit 0 CHMOS part, 1 CLK1 = OUT0 and CLK2 = OUT1
     output wire done_o
 );
   localparam int InBits = 22;
   localparam int OutBits = 18;
-  localparam int EdgeBits = 6;
   localparam logic [InBits-1:0] Idle = 22'h381C00;
 
-  logic [InBits-1:0] replay_stim, lock_stim, stim;
-  logic [OutBits-1:0] dut_resp, fast_resp, chmos_resp;
-  logic [EdgeBits-1:0] dut_edge, fast_edge;
-  logic [15:0] extra, horizon;
-  logic replay_done, lock_done, fast_clk;
-
-  assign stim = pick_i[0] ? lock_stim : replay_stim;
-  assign done_o = pick_i[0] ? lock_done : replay_done;
+  logic [InBits-1:0] stim;
+  logic [OutBits-1:0] dut_resp, chmos_resp;
 
   bench_replay #(
       .InBits(InBits),
@@ -32,33 +25,12 @@ module bench_i8254 (
       .Idle(Idle)
   ) u_replay (
       .clk_i,
-      .go_i(go_i && !pick_i[0]),
+      .go_i,
       .id_i,
       .length_i,
-      .stim_o(replay_stim),
-      .resp_i(pick_i[1] ? chmos_resp : dut_resp),
-      .done_o(replay_done)
-  );
-
-  bench_lockstep #(
-      .InBits(InBits),
-      .OutBits(OutBits),
-      .EdgeBits(EdgeBits),
-      .Idle(Idle)
-  ) u_lockstep (
-      .clk_i,
-      .go_i(go_i && pick_i[0]),
-      .id_i,
-      .length_i,
-      .stim_o(lock_stim),
-      .extra_o(extra),
-      .fast_clk_o(fast_clk),
-      .horizon_i(horizon),
-      .slow_i({6'd0, dut_resp[11:0]}),  // without the edges, which belong to a clock
-      .fast_i({6'd0, fast_resp[11:0]}),
-      .slow_edge_i(dut_edge),
-      .fast_edge_i(fast_edge),
-      .done_o(lock_done)
+      .stim_o(stim),
+      .resp_i(pick_i[0] ? chmos_resp : dut_resp),
+      .done_o
   );
 
   logic [7:0] d;
@@ -86,10 +58,10 @@ module bench_i8254 (
       .d_oe_o(dut_oe),
       .clk0_rise_i(rise[0]),
       .clk0_fall_i(fall[0]),
-      .clk1_rise_i(pick_i[2] ? dut_rise0 : rise[1]),
-      .clk1_fall_i(pick_i[2] ? dut_fall0 : fall[1]),
-      .clk2_rise_i(pick_i[2] ? dut_rise1 : rise[2]),
-      .clk2_fall_i(pick_i[2] ? dut_fall1 : fall[2]),
+      .clk1_rise_i(pick_i[1] ? dut_rise0 : rise[1]),
+      .clk1_fall_i(pick_i[1] ? dut_fall0 : fall[1]),
+      .clk2_rise_i(pick_i[1] ? dut_rise1 : rise[2]),
+      .clk2_fall_i(pick_i[1] ? dut_fall1 : fall[2]),
       .gate_i(gate),
       .out_o(dut_out),
       .out0_rise_o(dut_rise0),
@@ -97,18 +69,11 @@ module bench_i8254 (
       .out1_rise_o(dut_rise1),
       .out1_fall_o(dut_fall1),
       .out2_rise_o(dut_rise2),
-      .out2_fall_o(dut_fall2),
-      .clk_free_i(1'b0),
-      .awake_o(),
-      .extra_i(16'd0),
-      .horizon_o()
+      .out2_fall_o(dut_fall2)
   );
 
   assign dut_resp = {
     dut_fall2, dut_fall1, dut_fall0, dut_rise2, dut_rise1, dut_rise0, dut_out, dut_oe, dut_d
-  };
-  assign dut_edge = {
-    dut_fall2, dut_fall1, dut_fall0, dut_rise2, dut_rise1, dut_rise0
   };
 
   logic [7:0] chmos_d;
@@ -129,10 +94,10 @@ module bench_i8254 (
       .d_oe_o(chmos_oe),
       .clk0_rise_i(rise[0]),
       .clk0_fall_i(fall[0]),
-      .clk1_rise_i(pick_i[2] ? chmos_rise0 : rise[1]),
-      .clk1_fall_i(pick_i[2] ? chmos_fall0 : fall[1]),
-      .clk2_rise_i(pick_i[2] ? chmos_rise1 : rise[2]),
-      .clk2_fall_i(pick_i[2] ? chmos_fall1 : fall[2]),
+      .clk1_rise_i(pick_i[1] ? chmos_rise0 : rise[1]),
+      .clk1_fall_i(pick_i[1] ? chmos_fall0 : fall[1]),
+      .clk2_rise_i(pick_i[1] ? chmos_rise1 : rise[2]),
+      .clk2_fall_i(pick_i[1] ? chmos_fall1 : fall[2]),
       .gate_i(gate),
       .out_o(chmos_out),
       .out0_rise_o(chmos_rise0),
@@ -140,60 +105,12 @@ module bench_i8254 (
       .out1_rise_o(chmos_rise1),
       .out1_fall_o(chmos_fall1),
       .out2_rise_o(chmos_rise2),
-      .out2_fall_o(chmos_fall2),
-      .clk_free_i(1'b0),
-      .awake_o(),
-      .extra_i(16'd0),
-      .horizon_o()
+      .out2_fall_o(chmos_fall2)
   );
 
   assign chmos_resp = {
     chmos_fall2, chmos_fall1, chmos_fall0, chmos_rise2, chmos_rise1, chmos_rise0, chmos_out,
     chmos_oe, chmos_d
-  };
-
-  logic [7:0] fast_d;
-  logic [2:0] fast_out;
-  logic fast_rise0, fast_fall0, fast_rise1, fast_fall1, fast_rise2, fast_fall2, fast_oe;
-
-  i8254 #(
-      .Skip(1'b1)
-  ) u_fast (
-      .clk_i(fast_clk),
-      .rst_ni,
-      .cs_ni(cs_n),
-      .rd_ni(rd_n),
-      .wr_ni(wr_n),
-      .a_i(a),
-      .d_i(d),
-      .d_o(fast_d),
-      .d_oe_o(fast_oe),
-      .clk0_rise_i(rise[0]),
-      .clk0_fall_i(fall[0]),
-      .clk1_rise_i(pick_i[2] ? fast_rise0 : rise[1]),
-      .clk1_fall_i(pick_i[2] ? fast_fall0 : fall[1]),
-      .clk2_rise_i(pick_i[2] ? fast_rise1 : rise[2]),
-      .clk2_fall_i(pick_i[2] ? fast_fall1 : fall[2]),
-      .gate_i(gate),
-      .out_o(fast_out),
-      .out0_rise_o(fast_rise0),
-      .out0_fall_o(fast_fall0),
-      .out1_rise_o(fast_rise1),
-      .out1_fall_o(fast_fall1),
-      .out2_rise_o(fast_rise2),
-      .out2_fall_o(fast_fall2),
-      .clk_free_i(1'b0),
-      .awake_o(),
-      .extra_i(extra),
-      .horizon_o(horizon)
-  );
-
-  assign fast_resp = {
-    fast_fall2, fast_fall1, fast_fall0, fast_rise2, fast_rise1, fast_rise0, fast_out,
-    fast_oe, fast_d
-  };
-  assign fast_edge = {
-    fast_fall2, fast_fall1, fast_fall0, fast_rise2, fast_rise1, fast_rise0
   };
 endmodule
 

@@ -9,7 +9,7 @@ module bench_i8255 (
     input wire go_i,
     input wire [31:0] id_i,
     input wire [31:0] length_i,
-    input wire [3:0] pick_i,  // bit 1 the part whose control word can be read
+    input wire [1:0] pick_i,  // bit 0: the part whose control word can be read
     output wire done_o
 );
   logic reset, cs_n, rd_n, wr_n;
@@ -27,7 +27,7 @@ module bench_i8255 (
       .id_i,
       .length_i,
       .stim_o({pc, pb, pa, d, a, wr_n, rd_n, cs_n, reset}),
-      .resp_i(pick_i[1] ? readable_resp : dut_resp),
+      .resp_i(pick_i[0] ? readable_resp : dut_resp),
       .done_o
   );
 
@@ -53,8 +53,7 @@ module bench_i8255 (
       .pb_oe_o(dut_pb_oe),
       .pc_i(pc),
       .pc_o(dut_pc),
-      .pc_oe_o(dut_pc_oe),
-      .shakes_o()
+      .pc_oe_o(dut_pc_oe)
   );
 
   assign dut_resp = {
@@ -86,8 +85,7 @@ module bench_i8255 (
       .pb_oe_o(readable_pb_oe),
       .pc_i(pc),
       .pc_o(readable_pc),
-      .pc_oe_o(readable_pc_oe),
-      .shakes_o()
+      .pc_oe_o(readable_pc_oe)
   );
 
   assign readable_resp = {

@@ -13,7 +13,7 @@ from cocotb_tests.lib.req import req
 from cocotb_tests.models import ad574
 
 TOPLEVEL = "bench_analog"
-SOURCES = ("bench_analog.sv", "bench_replay.sv", "bench_lockstep.sv")
+SOURCES = ("bench_analog.sv", "bench_replay.sv")
 PARAMETERS = {"ConvClks": CONV, "PulseClks": PULSE}
 
 
@@ -193,20 +193,6 @@ async def ad_short_conversion_is_no_longer(dut):
 
 
 @cocotb.test()
-@req("ADC-1")
-async def ad_hold_fault_keeps_the_code(dut):
-    s = Analog()
-    s.convert(16384)
-    s.start(-16384, ad_hold=1)
-    s.expect("it converts", sts=1)
-    s.step(CONV + 2)
-    s.result(0xC00, "the old code")
-    s.convert(-16384, ad_hold=0)
-    s.result(0x400)
-    await s.run(dut)
-
-
-@cocotb.test()
 @req("DAC-1", "ANA-1")
 async def da_power_up_is_zero_volt(dut):
     s = Analog()
@@ -376,8 +362,6 @@ def random_words(seed: str, clocks: int) -> list[int]:
             pins.update(ad_ce=int(level or rng.random() < 0.5), ad_cs_n=int(not level))
             pins.update(ad_rc_n=int(rng.random() < 0.7), ad_span10=rng.getrandbits(1))
             pins.update(ad_vin=rng.choice((rng.getrandbits(16), rng.getrandbits(14))))
-            if rng.random() < 0.05:
-                pins["ad_hold"] ^= 1
             pins["ad_mode12"] = rng.getrandbits(1)
             pins["ad_a0"] = rng.getrandbits(1) if pins["ad_rc_n"] else 0
         elif kind < 0.65:
@@ -425,20 +409,3 @@ async def ad_transfer_function_sweep(dut):
             s.convert(vin, span10)
             s.result(ad574.code(vin, span10), f"{vin} span10={span10}")
     await s.run(dut)
-
-
-@cocotb.test()
-@req("ADC-1", "HB-1")
-async def skipping_equals_single_clocks(dut):
-    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-analog-skip"
-    rng = random.Random(seed)
-    segments, words = [], random_words(seed, 30_000)
-    while words:
-        run = 1
-        while run < len(words) and words[run] == words[0]:
-            run += 1
-        run += rng.choice((0, 0, 0, 300))
-        segments.append((words[0], run, rng.choice((0xFFFF, 0xFFFF, 3, 20))))
-        del words[: max(1, next((k for k, w in enumerate(words) if w != words[0]), len(words)))]
-    clocks, steps = await Bench(dut).lockstep(segments, IN.width, f"seed {seed}")
-    assert steps < clocks // 4, f"{steps} steps for {clocks} clocks"

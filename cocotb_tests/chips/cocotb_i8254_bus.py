@@ -8,7 +8,7 @@ from cocotb_tests.chips.pit import BOTH, LSB, MSB, Pit, bcd
 from cocotb_tests.lib.req import req
 
 TOPLEVEL = "bench_i8254"
-SOURCES = ("bench_i8254.sv", "bench_replay.sv", "bench_lockstep.sv")
+SOURCES = ("bench_i8254.sv", "bench_replay.sv")
 PARAMETERS: dict = {}
 
 

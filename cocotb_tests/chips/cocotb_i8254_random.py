@@ -17,7 +17,7 @@ from cocotb_tests.lib.req import req
 from cocotb_tests.models import i8254
 
 TOPLEVEL = "bench_i8254"
-SOURCES = ("bench_i8254.sv", "bench_replay.sv", "bench_lockstep.sv")
+SOURCES = ("bench_i8254.sv", "bench_replay.sv")
 PARAMETERS: dict = {}
 
 IDLE = 0x1C00  # CS#, RD#, WR# high
@@ -225,71 +225,3 @@ async def random_chmos_part(dut):
 @req("PIT-1", "PIT-2")
 async def random_cascade(dut):
     await compare(dut, (0, 2, 2, 2, 3, 3, 4), "cascade", QUICK_OPS // 2, CASCADE)
-
-
-def skip_segments(seed: str, count: int, clocks: int) -> list[tuple[int, int, int]]:
-    """Random operations between which the pins rest, with CLK in every clock or in none."""
-    rng = random.Random(seed)
-    stimulus = Stimulus(seed, (0, 1, 2, 2, 3, 3, 4, 5), count)
-    segments, running = [], RISES | FALLS
-    for at, clocked in enumerate(stimulus.words):
-        word = clocked & ~(RISES | FALLS)
-        if rng.random() < 0.02:
-            running = rng.choice((RISES | FALLS, RISES | FALLS, 0, 0x12000, 0x24000))
-        cap = rng.choice((0xFFFF, 0xFFFF, 0xFFFF, 1, 2, 3, 7, 50))
-        segments.append((word | running, 1 + (rng.randrange(clocks) if at % 3 == 0 else 0), cap))
-    return segments
-
-
-@cocotb.test()
-@req("PIT-1")
-async def skipping_equals_single_clocks(dut):
-    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-skip"
-    segments = skip_segments(seed, 3000, 60)
-    clocks, steps = await Bench(dut).lockstep(segments, 22, f"seed {seed}")
-    assert steps < clocks * 0.9, f"{steps} steps for {clocks} clocks skip too little"
-
-
-@cocotb.test()
-@req("PIT-1", "PIT-2")
-async def skipping_a_cascade_equals_single_clocks(dut):
-    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-skip-cascade"
-    segments = skip_segments(seed, 2000, 60)
-    segments = [(w | RISES & 0x2000 | FALLS & 0x10000, n, cap) for w, n, cap in segments]
-    await Bench(dut).lockstep(segments, 22, f"seed {seed}", CASCADE)
-
-
-async def far(dut, counters, clocks: int, at_most: int) -> None:
-    """(mode, count) of the three counters, then CLK in every clock: how many steps it takes."""
-    word = IDLE | 7 << 19 | RISES | FALLS
-    program = []
-    for n, (mode, count) in enumerate(counters):
-        for addr, data in ((3, n << 6 | 0x30 | mode << 1), (n, count & 255), (n, count >> 8)):
-            program += [(word & ~CS & ~WR | addr << 8 | data, 1, 1), (word, 1, 1)]
-    segments = [*program, (word, clocks, 0xFFFF)]
-    clocks, steps = await Bench(dut).lockstep(segments, 22, str(counters))
-    assert steps < at_most, f"{steps} steps for {clocks} clocks: the horizon is too near"
-
-
-@cocotb.test()
-@req("PIT-1")
-async def skipping_reaches_far(dut):
-    """A step per event, not per clock."""
-    await far(dut, ((2, 1000), (0, 0), (4, 50)), 50_000, 200)
-    await far(dut, ((3, 5000), (3, 0), (2, 0)), 100_000, 120)
-
-
-@cocotb.test()
-@req("PIT-1")
-async def skipping_waits_for_a_trigger(dut):
-    """Modes 1 and 5 before their trigger: nothing ahead, nothing to stop for."""
-    await far(dut, ((1, 9), (5, 9), (1, 0)), 50_000, 60)
-
-
-@cocotb.test()
-@req("PIT-1")
-async def skipping_rests_unprogrammed(dut):
-    word = IDLE | 7 << 19 | RISES | FALLS
-    segments = [(word, 1, 1), (word, 50_000, 0xFFFF)]
-    clocks, steps = await Bench(dut).lockstep(segments, 22, "power-up")
-    assert steps < 20, f"{steps} steps for {clocks} clocks: the horizon is too near"

@@ -13,7 +13,7 @@ from cocotb_tests.lib.req import req
 from cocotb_tests.models import thct2000
 
 TOPLEVEL = "bench_thct2000"
-SOURCES = ("bench_thct2000.sv", "bench_replay.sv", "bench_lockstep.sv")
+SOURCES = ("bench_thct2000.sv", "bench_replay.sv")
 PARAMETERS: dict = {}
 
 
@@ -667,24 +667,3 @@ async def random_against_the_model(dut):
             assert not wrong, f"seed {seed}-{piece} clock {at}: {wrong}; pins {IN.unpack(word)}"
             compared += "d_o" in want
     assert compared > QUICK_OPS
-
-
-@cocotb.test()
-@req("ENC-1", "ENC-2")
-async def skipping_equals_single_clocks(dut):
-    seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-thct2000-skip"
-    rng = random.Random(seed)
-    segments = []
-    for word in Walk(seed, 3000).words:
-        wait = rng.choice((0, 0, 5, 300)) if rng.random() < 0.3 else 0
-        segments.append((word, 1 + wait, rng.choice((0xFFFF, 0xFFFF, 2, 9))))
-    clocks, steps = await Bench(dut).lockstep(segments, IN.width, f"seed {seed}")
-    assert steps < clocks * 0.6, f"{steps} steps for {clocks} clocks"
-
-
-@cocotb.test()
-@req("ENC-1")
-async def skipping_an_idle_counter_reaches_far(dut):
-    word = IN.pack(IDLE)
-    clocks, steps = await Bench(dut).lockstep([(word, 10, 1), (word, 200_000, 0xFFFF)], 20, "idle")
-    assert steps < 40, f"{steps} steps for {clocks} clocks"

@@ -11,7 +11,7 @@ from pathlib import Path
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
 
-LOCKSTEP, VARIANT, CASCADE = 1, 2, 4  # bits of pick_i
+VARIANT, CASCADE = 1, 2  # bits of pick_i
 QUICK_OPS = int(os.environ.get("MMCS_RANDOM_OPS", "5000"))  # full depth: 100000
 
 
@@ -84,21 +84,6 @@ class Bench:
         except ValueError:
             at, line = next((n, t) for n, t in enumerate(lines) if set(t) & set("xzXZ"))
             raise AssertionError(f"undefined outputs {line} at clock {at}") from None
-
-    async def lockstep(self, segments, width: int, what: str, pick: int = 0) -> tuple[int, int]:
-        """Segments (pins, clocks, cap) on a plain and a skipping instance; (clocks, steps)."""
-        lines = [f"{(cap << 32 | clocks) << width | pins:x}" for pins, clocks, cap in segments]
-        clocks = steps = 0
-        for at, line in enumerate(await self._start(lines, pick | LOCKSTEP)):
-            step, slow, fast, early, slow_edge, fast_edge = (int(t, 16) for t in line.split())
-            clocks += step
-            steps += 1
-            where = f"{what}: step {at} of {step} clocks, ending at clock {clocks}"
-            assert slow == fast, f"{where}: single clocks give {slow:x}, one step gives {fast:x}"
-            assert not early, f"{where}: output edge {early:x} inside a step"
-            assert slow_edge == fast_edge, f"{where}: edges {slow_edge:x} against {fast_edge:x}"
-        assert clocks == sum(s[1] for s in segments), f"{what}: {clocks} clocks"
-        return clocks, steps
 
 
 def mismatch(layout: Layout, want, got: int) -> str | None:

@@ -19,7 +19,7 @@ for _name in ("analog", "i8254_bus", "i8254_modes", "i8255", "thct2000"):
         _func = getattr(_test, "func", None)
         if _func is None or not inspect.iscoroutinefunction(_func):
             continue
-        if not _func.__name__.startswith(("random", "skipping")):
+        if not _func.__name__.startswith("random"):
             _ids = getattr(_func, REQ, ())
             CASES.append(
                 pytest.param(_func, id=f"{_name}-{_func.__name__}", marks=pytest.mark.req(*_ids))

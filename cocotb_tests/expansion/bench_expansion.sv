@@ -59,6 +59,7 @@ module bench_expansion #(
     .panic_o, .sclock_o,
     .led_irq_o(),
     .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+    .dip_i('0),
     .adc_v_i(32'h0),
     .drive_v_o(),
     .card_leds_o(),
@@ -70,22 +71,8 @@ module bench_expansion #(
     .pcx_d_oe_i(dio_oe),
     .pcx_wait_i(dio_wait),
     .pcx_irq_i({dio_irq, 4'h0}),
-    .card_absent_i(1'b0),
-    .dip_xor_i(4'h0),
-    .sclock_open_i(1'b0),
-    .panic_open_i(1'b0),
-    .dac_stuck1_i(24'h0),
-    .dac_stuck0_i(24'h0),
-    .adc_stuck_i(2'b00),
-    .irq_lost_i(1'b0),
     .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i('0), .hp_wdata_i('0),
-    .hp_ack_o(), .hp_rdata_o(),
-    .clk_adaptor_i(1'b0),
-    .clk_cards_i(1'b0),
-    .adaptor_awake_o(),
-    .cards_awake_o(),
-    .skip_extra_i(16'h0),
-    .skip_horizon_o()
+    .hp_ack_o(), .hp_rdata_o()
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

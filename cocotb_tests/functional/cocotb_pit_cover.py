@@ -9,11 +9,7 @@ from cocotb_tests.functional import cover
 from cocotb_tests.lib.req import req
 
 TOPLEVEL = "bench_i8254"
-SOURCES = (
-    "../chips/bench_i8254.sv",
-    "../chips/bench_replay.sv",
-    "../chips/bench_lockstep.sv",
-)
+SOURCES = ("../chips/bench_i8254.sv", "../chips/bench_replay.sv")
 PARAMETERS: dict = {}
 
 

@@ -42,6 +42,8 @@ COUNTING = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dpi.o")
 # Only with these tops do the bus checkers find what they are bound to.
 CHECKED_TOPS = ("mmcs", "bench_expansion")
+# The nets that tests break: Verilator wants to know them beforehand.
+FORCEABLE = ROOT / "cocotb_tests/lib/forceable.vlt"
 
 
 class BuildError(Exception):
@@ -141,9 +143,9 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
     if job.toplevel in CHECKED_TOPS and job.sim == "verilator":
         files += [f for f in sources("checkers") if f.is_file()]
     folder = next(p for p in rtl[0].parents if p.name == "rtl")
-    waivers = folder / "verilator.vlt"
-    if job.sim == "verilator" and waivers.is_file():
-        files = [waivers, *files]
+    if job.sim == "verilator":
+        waivers = folder / "verilator.vlt"  # a mutant's own
+        files = [FORCEABLE, *([waivers] if waivers.is_file() else []), *files]
     return files, [folder]
 
 

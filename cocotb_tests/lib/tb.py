@@ -7,7 +7,7 @@ import random
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import RisingEdge, Timer
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 from cocotb_tests.lib.encoder import EncoderSource, Pins
@@ -30,6 +30,11 @@ QUAD = 5
 LEDS = ("a1", "b1", "i1", "a2", "b2", "i2", "beat1", "beat2", "gp1", "gp2", "power")
 
 
+def dip(*numbers: int) -> int:
+    """The address switches of all cards, set to these numbers."""
+    return sum(number << 4 * card for card, number in enumerate(numbers))
+
+
 def parameters() -> dict:
     return ast.literal_eval(os.environ.get("MMCS_PARAMETERS", "{}"))
 
@@ -50,6 +55,8 @@ class Tb:
             handle = getattr(self.dut, name)
             high = name in HEALTHY or name.endswith(ACTIVE_LOW)
             handle.value = (1 << len(handle)) - 1 if high else 0
+            if name == "dip_i":  # each card its own number
+                handle.value = dip(*range(len(handle) // 4))
 
     def _inputs(self):
         return [
@@ -92,6 +99,16 @@ class Tb:
         n = round(ps / self.period)
         assert abs(ps - n * self.period) < self.period / 8, f"{ps} ps is no count of clocks"
         return n
+
+    def stuck(self, register, value: int):
+        """A register that keeps a value whatever is clocked into it; the task ends it."""
+
+        async def hold():
+            while True:
+                register.value = value
+                await FallingEdge(self.dut.clk_i)
+
+        return cocotb.start_soon(hold())
 
     def encoders(self, count: int, lines: int = 0) -> list[EncoderSource]:
         dut = self.dut

@@ -2,8 +2,7 @@
 """Reference model of the AD574A converter: transfer function, start, busy, outputs. §5.3.2."""
 
 PINS = (
-    ("ce", 1), ("cs_n", 1), ("rc_n", 1), ("a0", 1), ("mode12", 1), ("span10", 1), ("hold", 1),
-    ("vin", 16),
+    ("ce", 1), ("cs_n", 1), ("rc_n", 1), ("a0", 1), ("mode12", 1), ("span10", 1), ("vin", 16),
 )  # fmt: skip
 OUTS = (("db", 12), ("oe", 1), ("sts", 1))
 
@@ -24,12 +23,11 @@ class Ad574:
         self.start = False
         self.result = None
         self.next = None
-        self.hold = 0
 
     def clock(self, word: int) -> dict:
         ce, cs_n, rc_n = word & 1, (word >> 1) & 1, (word >> 2) & 1
         a0, mode12, span10 = (word >> 3) & 1, (word >> 4) & 1, (word >> 5) & 1
-        hold, vin = (word >> 6) & 1, (word >> 7) & 0xFFFF
+        vin = (word >> 6) & 0xFFFF
         if vin & 0x8000:
             vin -= 0x10000
         sts = 1 if self.left else 0
@@ -47,12 +45,10 @@ class Ad574:
         start = bool(ce and not cs_n and not rc_n)
         if self.left:
             self.left -= 1
-            if hold != self.hold:  # the fault came or went on the way: either code will do
-                self.hold = None
-            if not self.left and self.hold != 1:
-                self.result = None if self.hold is None else self.next
+            if not self.left:
+                self.result = self.next
         elif start and not self.start:
             self.left = self.conv
-            self.next, self.hold = code(vin, span10), hold
+            self.next = code(vin, span10)
         self.start = start
         return seen

@@ -18,8 +18,6 @@ module bench_bridge #(
   output logic      [31:0] rdata_o,
   output logic             err_o,
   input  wire logic [31:0] us_i,
-  input  wire logic        fault_i,
-  output logic             fault_taken_o,
   input  wire logic        deaf_i,        // the adaptor's answers are lost
   input  wire logic [ 7:0] pc_d_i,
   output logic             irq_o,
@@ -30,7 +28,7 @@ module bench_bridge #(
   output logic      [10:1] last_a_o
 );
 
-  logic hp_req, hp_write, hp_ack, ack, awake, far_awake, deaf_q;
+  logic hp_req, hp_write, hp_ack, ack, deaf_q;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata;
 
@@ -39,7 +37,6 @@ module bench_bridge #(
   ) u_bridge (
     .clk_i(cpu_clk_i),
     .rst_ni, .start_i, .clock_i, .write_i, .a_i, .wdata_i, .busy_o, .done_o, .rdata_o, .err_o,
-    .awake_o(awake),
     .far_clk_i(clk_i),
     .far_rst_ni(rst_ni),
     .us_i,
@@ -48,9 +45,7 @@ module bench_bridge #(
     .hp_a_o(hp_a),
     .hp_wdata_o(hp_wdata),
     .hp_ack_i(ack),
-    .hp_rdata_i(hp_rdata),
-    .fault_i, .fault_taken_o,
-    .far_awake_o(far_awake)
+    .hp_rdata_i(hp_rdata)
   );
 
   // An adaptor that is deaf sees nothing; one that hears again answers what still stands there.
@@ -102,17 +97,9 @@ module bench_bridge #(
     .pc_power_o(),
     .pc_d_i,
     .pc_wait_i(1'b0),
-    .pc_irq_i('0),
-    .irq_lost_i(1'b0),
-    .clk_free_i(clk_i),
-    .awake_o(),
-    .extra_i('0),
-    .horizon_o()
+    .pc_irq_i('0)
   );
   /* verilator lint_on PINCONNECTEMPTY */
-
-  logic unused;
-  assign unused = awake ^ far_awake;
 
 endmodule
 

@@ -25,8 +25,7 @@ module soc_cpu (
   input  wire logic [31:0] data_rdata_i,
   input  wire logic        data_err_i,
   input  wire logic        irq_external_i,
-  input  wire logic        irq_software_i,
-  output logic             sleep_o
+  input  wire logic        irq_software_i
 );
 
   localparam logic [31:0] Mailbox = 32'h0001_E000;
@@ -94,7 +93,6 @@ module soc_cpu (
   assign data_req_o = rst_ni && !wait_q;
   assign data_be_o = data_req_o ? 4'hF : 4'h0;  // of no account without a request
   assign instr_req_o = rst_ni;
-  assign sleep_o = 1'b0;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

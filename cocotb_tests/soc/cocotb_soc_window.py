@@ -36,12 +36,11 @@ class Above:
     async def start(self, run):
         dut = self.dut
         for name in ("box_req_i", "box_write_i", "box_a_i", "box_wdata_i", "ring_i", "irq_i",
-                     "report_take_i", "hp_ack_i", "hp_rdata_i", "fault_i"):  # fmt: skip
+                     "report_take_i", "hp_ack_i", "hp_rdata_i"):  # fmt: skip
             getattr(dut, name).value = 0
         dut.run_i.value = run
         dut.rst_ni.value = 0
-        for clock in (dut.clk_i, dut.clk_free_i):
-            cocotb.start_soon(Clock(clock, MACHINE_NS, unit="ns").start())
+        cocotb.start_soon(Clock(dut.clk_i, MACHINE_NS, unit="ns").start())
         cocotb.start_soon(Clock(dut.cpu_clk_i, self.cpu_ns, unit="ns").start())
         await Timer(5 * MACHINE_NS, "ns")
         await FallingEdge(dut.clk_i)

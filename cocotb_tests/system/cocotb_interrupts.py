@@ -577,16 +577,3 @@ async def request_drops_within_two_microseconds(dut):
             await dut.vme_irq_no.value_change
         await op.wait()
         assert tb.now() / 1000 - op.end_ns < 2000
-
-
-@cocotb.test()
-@req("INT-1")
-async def lost_interrupt_fault(dut):
-    """The fault input: SCLOCK runs, its latch is never set, PANIC's still is."""
-    tb = await machine(dut)
-    dut.irq_lost_i.value = 1
-    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
-    await sclock_edge(tb)
-    await panic_edge(tb)
-    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
-    await panic_low(tb)

@@ -22,6 +22,7 @@ from cocotb_tests.lib.tb import (
     SCLOCK_IRQ,
     VECTOR,
     Machine,
+    dip,
 )
 from cocotb_tests.lib.vme import BusTimeout, VmeInterruptHandler
 from cocotb_tests.system.machine import SHORT
@@ -38,7 +39,6 @@ VARIANTS = {
         "CardSclockDrq": "64'h1111111111111111",
         "PanicIrq": 4,
         "CardPanicIrq": "64'h4444444444444444",
-        "CardDip": "64'h00000000000000A6",
         "SoftLatchDac": "16'h0001",
         "AdcSpan10": "32'h00000003",
         "DacSpan10": "32'h00000006",
@@ -64,6 +64,10 @@ class Moved(Machine):
     """The `moved` variant: base 0xB000, cards at DIP settings 6 and 10."""
 
     base = 0xB000
+
+    def inputs_idle(self) -> None:
+        super().inputs_idle()
+        self.dut.dip_i.value = dip(6, 10)
 
     @staticmethod
     def creg(card: int, register: int) -> int:

@@ -257,20 +257,6 @@ async def panic_does_not_cut_the_drives(dut):
 
 
 @cocotb.test()
-@req("PAN-1", "JMP-1")
-async def panic_line_open(dut):
-    """A card whose IRQ jumper is off panics unheard."""
-    tb = await machine(dut, 0x0C)  # card 1 alone
-    dut.panic_open_i.value = 0b010
-    await tb.us(BEAT_US + 20)
-    assert not panic(tb)
-    assert await tb.crd(1, PORT_C) & 5 == 0
-    dut.panic_open_i.value = 0
-    await tb.clocks(5)
-    assert panic(tb)
-
-
-@cocotb.test()
 @req("PAN-2")
 async def cable_pulled(dut):
     """Cards keep state and D/A values and take no stray latch; reads give 0xFF; VME side lives."""

@@ -17,7 +17,7 @@ from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
 from mmcs.cli.sweep import sweep
 from mmcs.cli.tool import tool
-from mmcs.cli.view import compare, film
+from mmcs.cli.view import compare, faults, film
 from mmcs.errors import InputError, RunError
 from mmcs.place import results
 from mmcs.screen import echo
@@ -273,6 +273,7 @@ main.add_command(trace)
 main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
+main.add_command(faults)
 for _command in (serve, exec_, design, sweep, tool):
     main.add_command(_command)
 

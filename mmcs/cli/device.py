@@ -32,7 +32,7 @@ def _machine(scenario: str):
 
     setup = load(scenario, ())
     s = setup.scenario
-    library = ensure_library(s.cards, "speed", s.clk_hz, s.skip)
+    library = ensure_library(s.cards, "speed", s.clk_hz)
     config, motors, links = setup.config(), setup.motors(), setup.links()
     machine = {"gravity": config["gravity"], "motors": motors, "links": setup.robot.links()}
     return Sim(library, config, motors, links), {"scenario": scenario, "machine": machine}

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from mmcs.errors import InputError
+from mmcs.screen import echo
 
 
 @click.command()
@@ -47,9 +48,9 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, port, no_brow
     if socket is None:
         load(scenario, ())  # its mistakes are told here, in one line
     with start(scenario, socket, options, port) as running:
-        click.echo(running.address)
+        echo(running.address)
         if not no_browser and not open_browser(running.address):
-            click.echo("open this address in a browser on this machine; Ctrl-C ends the tool")
+            echo("open this address in a browser on this machine; Ctrl-C ends the tool")
         running.wait()
 
 

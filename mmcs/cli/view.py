@@ -61,3 +61,24 @@ def film(run: str, pictures: int, slower: float) -> None:
     with whole_file(seen.folder / "film.gif") as part:
         frames = write_gif(seen, part, slower)
     echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames})")
+
+
+@click.command()
+@click.argument("pattern", default="")
+@click.option("--cards", default=3, type=click.IntRange(1, 16), help="Of the machine.")
+def faults(pattern: str, cards: int) -> None:
+    """Every fault and upset that an event of a scenario can name.
+
+    With PATTERN, those whose name holds it. seu.NAME flips bits of the register NAME.
+    """
+    from mmcs.engine.build import ensure_library
+    from mmcs.engine.sim import library_registers
+    from mmcs.scenario.inputs import INPUTS, UPSET
+
+    for name, i in INPUTS.items():
+        if pattern in name:
+            values = f"{i.low:g} to {i.high:g}, healthy {i.healthy:g}"
+            echo(f"{name:18} {i.scope:8} {values}: {i.meaning}")
+    for name, width in library_registers(ensure_library(cards, "speed")).items():
+        if pattern in UPSET + name:
+            echo(f"{UPSET}{name}  {width} bit{'s' if width > 1 else ''}")

@@ -23,25 +23,20 @@ LOG = BUILD / "sim" / "build.log"
 DAMAGED = re.compile("truncated|not recognized|malformed|undefined reference|corrupt", re.I)
 
 
-def library_path(
-    cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False, soc: bool = False
-) -> Path:
+def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
-    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{clk}{'_skip' if skip else ''}"
+    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{clk}"
     return BUILD / "sim" / name / "libmmcs_sim.so"
 
 
-def ensure_library(
-    cards: int, kind: str, clk_hz: int = CLK_HZ, skip: bool = False, soc: bool = False
-) -> Path:
+def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
     """The library of a build; kind is "speed", "trust" (assertions live) or "trace".
 
-    soc: the machine has its own processor (docs/hardware/soc.md); it cannot skip.
+    soc: the machine has its own processor (docs/hardware/soc.md).
     """
-    skip = skip and not soc
-    path = library_path(cards, kind, clk_hz, skip, soc)
+    path = library_path(cards, kind, clk_hz, soc)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
-    command += [f"CLK_HZ={clk_hz}", f"SKIP={int(skip)}", f"HOST={'rv32' if soc else 'vme'}"]
+    command += [f"CLK_HZ={clk_hz}", f"HOST={'rv32' if soc else 'vme'}"]
     env = make_env()
     if is_whole(path) and _run([*command, "-q"], env) == 0:
         return path

@@ -263,6 +263,14 @@ class Sim:
         """The 16-bit counter on the card, read without disturbing it."""
         return self.lib.mmcs_sim_encoder_register(self._sim, axis)
 
+    def registers(self) -> dict[str, int]:
+        """Every register of the hardware, by its name from mmcs down, and its bits."""
+        return _registers(self.lib)
+
+    def register(self, number: int) -> int:
+        """The value of one now, by its place in registers(), read without disturbing it."""
+        return self.lib.mmcs_sim_register(self._sim, number)
+
     def checkpoints(self) -> list[tuple[int, int, int, int]]:
         """Samples, clock, hash of the samples, hash of what left the machine; every 32 samples."""
         out = self.ffi.new("const mmcs_checkpoint **")
@@ -365,6 +373,18 @@ class Sim:
 
     def hash(self) -> str:
         return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
+
+
+def library_registers(library: Path) -> dict[str, int]:
+    """The same of a machine that need not be made."""
+    return _registers(load_library(library))
+
+
+def _registers(lib) -> dict[str, int]:
+    found = {}
+    while (name := lib.mmcs_sim_register_name(len(found))) != make_ffi().NULL:
+        found[make_ffi().string(name).decode()] = lib.mmcs_sim_register_width(len(found))
+    return found
 
 
 def _bus_check(result: int, offset: int) -> None:

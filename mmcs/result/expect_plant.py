@@ -10,7 +10,13 @@ import numpy as np
 
 from mmcs import mcdef
 from mmcs.engine import logcols
-from mmcs.scenario.scenario import CalibrationExpect, PhysicsExpect, RefusedExpect, SignalExpect
+from mmcs.scenario.scenario import (
+    CalibrationExpect,
+    PathExpect,
+    PhysicsExpect,
+    RefusedExpect,
+    SignalExpect,
+)
 
 AT_REST = 1e-3  # rad/s of the joint
 ADC_ZERO, ADC_VOLTS = 2048, 10 / 2048
@@ -52,6 +58,20 @@ def signal(entry: SignalExpect, result) -> list[dict]:
                 value = round(float(figure(values)), 3) if len(values) else None
                 what = f"axis {axis} {entry.signal} {name} {band_text(band)}"
                 verdicts.append(verdict(what, value, band))
+    return verdicts
+
+
+def path(entry: PathExpect, result) -> list[dict]:
+    """The farthest that an axis is from the counts given, at their instants."""
+    verdicts, t = [], result.log[:, 0]
+    for axis, counts in zip(axes_of(entry, result), entry.counts, strict=True):
+        values = logcols.column(result.log, axis, "encoder")
+        places = np.searchsorted(t, entry.every * np.arange(1, len(counts) + 1) - 1e-9)
+        value = None
+        if counts and places[-1] < len(values):
+            value = float(np.abs(values[places] - counts).max())
+        band = [-entry.within, entry.within]
+        verdicts.append(verdict(f"axis {axis} off its path {band_text(band)} counts", value, band))
     return verdicts
 
 

@@ -60,3 +60,12 @@ INPUTS = {
     "load_torque": Input("axis", 0, -_ANY, _ANY, "N m at the motor, against positive turning"),
     "motor_jam": Input("axis", 0, 0, 1, "1: the shaft is blocked"),
 }
+
+UPSET = "seu."  # then the name of any register, as `mmcs faults` lists them
+
+
+def find(name: str) -> Input | None:
+    """The input of this name; the engine knows which registers there are, and how wide."""
+    if name.startswith(UPSET) and name not in INPUTS:
+        return Input("machine", 0, 0, 2**32 - 1, "a particle flips these bits, once")
+    return INPUTS.get(name)

@@ -230,6 +230,16 @@ class PhysicsExpect(Strict):
     off_counts: Limit | None = None  # true position minus encoder count at the end
 
 
+class PathExpect(Strict):
+    """About where axes are on their way: what falsified physics cannot keep to."""
+
+    kind: Literal["path"]
+    axis: Axes = "all"
+    every: float = Field(ge=1e-3, le=3600, description="seconds from one count to the next")
+    counts: list[list[Int32]] = Field(min_length=1, description="a list of counts for each axis")
+    within: float = Field(10.0, ge=0)  # counts
+
+
 class CalibrationExpect(Strict):
     """About the absolute position found with potentiometer and index."""
 
@@ -260,6 +270,7 @@ Expect = Annotated[
     | EventExpect
     | SignalExpect
     | PhysicsExpect
+    | PathExpect
     | CalibrationExpect
     | RefusedExpect
     | HashExpect,

@@ -14,7 +14,7 @@ from pathlib import Path
 from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
-from mmcs.scenario.inputs import INPUTS
+from mmcs.scenario.inputs import INPUTS, find
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate
@@ -252,7 +252,7 @@ class _Cross:
         return values
 
     def _check_input(self, key: str, event) -> None:
-        known = INPUTS.get(event.input)
+        known = find(event.input)
         if known is None:
             names = suggest(event.input, INPUTS) or "; allowed: " + ", ".join(INPUTS)
             self.wrong(f"{key}.input", event.input, "no such input" + names)
@@ -335,6 +335,11 @@ class _Cross:
             if getattr(entry, "after", 0.0) >= scenario.duration:
                 end = f"must be before the end of the run ({scenario.duration:g} s)"
                 self.wrong(f"expect.{n}.after", entry.after, end)
+            if entry.kind == "path":
+                count = len(self.chosen(f"expect.{n}", entry.axis))
+                if len(entry.counts) != count:
+                    allowed = f"must be {count} lists, one for each axis named"
+                    self.wrong(f"expect.{n}.counts", entry.counts, allowed)
             where = {"kind", "axis", "signal", "after", "until"}
             if entry.kind != "event" and not entry.model_dump(exclude_none=True, exclude=where):
                 names = [k for k in type(entry).model_fields if k not in where]

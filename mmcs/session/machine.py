@@ -15,16 +15,15 @@ from mmcs.screen import console
 def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: str = "native"):
     """The setup's machine in power-on state; skip: as the scenario says, or so."""
     from mmcs.engine import hosts
-    from mmcs.engine.build import CLK_HZ, ensure_library
+    from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
 
     scenario = setup.scenario
     if skip is None:
-        # Waveforms and assertions look at every clock, and a processor in the machine never rests;
-        # at other rates CLK is an event on every clock.
-        skip = scenario.skip and kind == "speed" and host != "rv32" and scenario.clk_hz == CLK_HZ
+        # Waveforms and assertions look at every clock, and so does a machine with a processor.
+        skip = scenario.skip and kind == "speed" and host != "rv32"
     on = hosts.config(host)
-    library = ensure_library(scenario.cards, kind, scenario.clk_hz, skip, soc=host == "rv32")
+    library = ensure_library(scenario.cards, kind, scenario.clk_hz, soc=host == "rv32")
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
 

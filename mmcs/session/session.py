@@ -14,8 +14,8 @@ import numpy as np
 from mmcs import mcdef
 from mmcs.engine.logcols import FIELDS
 from mmcs.engine.rows import Rows
-from mmcs.errors import RunError
-from mmcs.scenario.inputs import INPUTS
+from mmcs.errors import RunError, suggest
+from mmcs.scenario.inputs import find
 from mmcs.scenario.setup import Setup
 from mmcs.session.actors import make_actors
 
@@ -191,10 +191,13 @@ class Session:
         for event in self.setup.scenario.event:
             if event.at_power_on != at_power_on:
                 continue
+            if event.input not in names:
+                hint = suggest(event.input, names) or "; `mmcs faults` lists them"
+                raise RunError(f"there is no input {event.input}{hint}")
             number = names.index(event.input)
             self.sim.add_event(start + event.at, number, event.index, event.value)
             if event.until is not None:
-                healthy = INPUTS[event.input].healthy
+                healthy = find(event.input).healthy
                 self.sim.add_event(start + event.until, number, event.index, healthy)
 
     def _move(self, duration: float, progress: Callable[[float], None]) -> bool:

@@ -37,10 +37,10 @@ STATS = ("interrupts", "missed", "overruns", "panics", "clips", "bus_errors")
 
 
 @functools.cache
-def _library(cards: int, clk_hz: int, skip: bool):
+def _library(cards: int, clk_hz: int):
     from mmcs.engine.build import ensure_library
 
-    return ensure_library(cards, "speed", clk_hz, skip)
+    return ensure_library(cards, "speed", clk_hz)
 
 
 def build_of(setup) -> str:
@@ -48,7 +48,7 @@ def build_of(setup) -> str:
     from mmcs.engine.sim import load_library, make_ffi
 
     scenario = setup.scenario
-    library = load_library(_library(scenario.cards, scenario.clk_hz, scenario.skip))
+    library = load_library(_library(scenario.cards, scenario.clk_hz))
     return make_ffi().string(library.mmcs_sim_build_id()).decode()
 
 
@@ -73,7 +73,7 @@ def _run_row(setup) -> dict:
     from mmcs.session.session import Session
 
     scenario = setup.scenario
-    library = _library(scenario.cards, scenario.clk_hz, scenario.skip)
+    library = _library(scenario.cards, scenario.clk_hz)
     config = setup.config() | {"skip": int(scenario.skip), "host": 0}
     with Sim(library, config, setup.motors(), setup.links()) as sim:
         result = Session(sim, setup).run()

@@ -41,7 +41,7 @@ def write_scenario(folder):
 
 def make_sim(folder) -> Sim:
     setup = load(str(write_scenario(folder)))
-    library = ensure_library(1, "asan" if SANITIZED else "speed", skip=True)
+    library = ensure_library(1, "asan" if SANITIZED else "speed")
     return Sim(library, setup.config(), setup.motors(), setup.links())
 
 

@@ -123,7 +123,9 @@ async def main(config: dict) -> None:
     ) as server:
         port = server.sockets[0].getsockname()[1]
         origins.append(f"http://localhost:{port}")
-        print(json.dumps({"address": f"{origins[0]}/{config['token']}/stop.html"}), flush=True)
+        told = json.dumps({"address": f"{origins[0]}/{config['token']}/stop.html"})
+        sys.stdout.write(told + "\n")  # for the program that started this one
+        sys.stdout.flush()
         origins.append((await asyncio.to_thread(sys.stdin.readline)).strip())
         watching = asyncio.create_task(button.watch())
         await asyncio.to_thread(sys.stdin.read)

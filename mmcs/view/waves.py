@@ -19,10 +19,10 @@ from mmcs.screen import echo
 from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import write_tables
 
-TOP = "TOP.mmcs_sim_top"
-MACHINE = f"{TOP}.u_mmcs"
-SOC_MACHINE = f"{TOP}.u_soc.u_mmcs"  # of --host rv32
-CPU = "/u_soc.u_host.u_cpu.u_ibex_core"
+TOP = "TOP"
+MACHINE = f"{TOP}.mmcs"
+SOC_MACHINE = f"{TOP}.mmcs_soc.u_mmcs"  # of --host rv32
+CPU = "/mmcs_soc.u_host.u_cpu.u_ibex_core"
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
 STATE = "100000028"  # by the names of its enumeration, which is in the trace
 GROUP_BEGIN, GROUP_END = "800200", "1000200"
@@ -110,8 +110,8 @@ GROUPS = {
     ],
     # the part of a pass, and the instruction, of a processor
     "firmware": [
-        Signal("/host_phase_i", 3, HEX, names="phases"),
-        Signal("/host_pc_i", 32, HEX),
+        Signal("u_host_view.phase", 3, HEX, names="phases"),
+        Signal("u_host_view.pc", 32, HEX),
     ],
     "card 0": [
         Signal("g_card[0].u_card.leds_o", 11, BIN),
@@ -119,7 +119,6 @@ GROUPS = {
         Signal("g_card[0].u_card.enc_b_i", 2, BIN),
         Signal("g_card[0].u_card.enc_i_i", 2, BIN),
         Signal("g_card[0].u_card.axis_enable_i", 2, BIN),
-        Signal("g_card[0].u_card.bus_busy"),
     ],
 }
 
@@ -140,8 +139,8 @@ SOC_GROUPS = {
     "firmware": (
         "firmware",
         [
-            Signal("/host_phase", 3, HEX, names="phases"),
-            Signal("/u_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX),
+            Signal("u_host_view.phase", 3, HEX, names="phases"),
+            Signal("/mmcs_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX),
         ],
     ),
 }

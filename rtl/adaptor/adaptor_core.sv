@@ -12,9 +12,7 @@ module adaptor_core #(
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
   parameter int ResetDrvUs = 50,   // RESET DRV after the PC side's power returns
-  parameter bit RandomPowerUp = 1'b0,
-  parameter bit Gate = 1'b0,       // see rtl/mmcs.sv
-  parameter bit Skip = 1'b0
+  parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -49,13 +47,7 @@ module adaptor_core #(
   output logic             pc_power_o,
   input  wire logic [ 7:0] pc_d_i,
   input  wire logic        pc_wait_i,
-  input  wire logic [ 7:3] pc_irq_i,
-  // Faults and skipping
-  input  wire logic        irq_lost_i,
-  input  wire logic        clk_free_i,
-  output logic             awake_o,         // more than counting happens on this clock
-  input  wire logic [15:0] extra_i,
-  output logic      [15:0] horizon_o
+  input  wire logic [ 7:3] pc_irq_i
 );
 
   localparam int ClkMHz = ClkHz / 1_000_000;
@@ -84,18 +76,41 @@ module adaptor_core #(
     StDone     // strobe over: writes take effect, the host is answered
   } state_e;
 
-  state_e                  state_q;
-  logic   [LocalWidth-1:0] timer_q;
-  logic   [           7:0] local_rdata_q;
+  state_e                  state_d, state_q;
+  logic   [LocalWidth-1:0] timer_d, timer_q;  // clocks of the strobe after the present one
+  logic   [           7:0] local_rdata_d, local_rdata_q;
   logic   [           7:0] vector_q;
-  logic   [7:0] pit_rdata, pccsr_rdata;
-  logic   [LocalWidth-1:0] extra;         // what this edge stands for beyond one clock
-  logic                    local_write;   // the clock in which a written register changes
+  logic   [           7:0] pit_rdata, pccsr_rdata;
   logic                    strobe;
+  logic                    local_write;       // the clock in which a written register changes
 
-  assign extra = Skip ? LocalWidth'(extra_i) : '0;
   assign strobe = (state_q == StStrobe);
   assign local_write = (state_q == StDone) & hp_write_i;
+
+  always_comb begin
+    state_d       = state_q;
+    timer_d       = timer_q;
+    local_rdata_d = local_rdata_q;
+    case (state_q)
+      StIdle: begin
+        if (hp_req_i && !sel_pc) begin
+          state_d = StStrobe;
+          timer_d = LocalWidth'(LocalClks - 1);
+        end
+      end
+      StStrobe: begin
+        if (timer_q != '0) begin
+          timer_d = timer_q - 1'b1;
+        end else begin
+          state_d = StDone;
+          local_rdata_d = 8'hFF;
+          if (!hp_write_i && sel_pit) local_rdata_d = pit_rdata;
+          if (!hp_write_i && sel_pccsr) local_rdata_d = pccsr_rdata;
+        end
+      end
+      default: state_d = StIdle;
+    endcase
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -103,22 +118,10 @@ module adaptor_core #(
       timer_q       <= '0;
       local_rdata_q <= 8'hFF;
       vector_q      <= mmcs_regs_pkg::VECTOR_RESET;
-    end else if (state_q == StIdle) begin
-      if (hp_req_i && !sel_pc) begin
-        state_q <= StStrobe;
-        timer_q <= LocalWidth'(LocalClks - 1);
-      end
-    end else if (timer_q != extra) begin
-      timer_q <= timer_q - extra - 1'b1;
-    end else if (strobe) begin
-      state_q <= StDone;
-      timer_q <= '0;
-      if (hp_write_i) local_rdata_q <= 8'hFF;
-      else if (sel_pit) local_rdata_q <= pit_rdata;
-      else if (sel_pccsr) local_rdata_q <= pccsr_rdata;
-      else local_rdata_q <= 8'hFF;
     end else begin
-      state_q <= StIdle;
+      state_q       <= state_d;
+      timer_q       <= timer_d;
+      local_rdata_q <= local_rdata_d;
       if (local_write && sel_vector) vector_q <= hp_wdata_i;
     end
   end
@@ -128,17 +131,15 @@ module adaptor_core #(
   // --- PC bus -----------------------------------------------------------------------------
 
   logic sys_rise, sys_fall;
-  logic bus_done, bus_idle, link_ok, cable_ok;
+  logic bus_done, link_ok, cable_ok;
   logic [4:0] base;
   logic [7:0] bus_rdata;
   logic ior_n, iow_n;
-  logic [15:0] master_horizon;
 
   pcbus_master #(
     .ClkHz(ClkHz),
     .CmdNs(CmdNs),
-    .IochrdyLimitClks(IochrdyLimitClks),
-    .Skip(Skip)
+    .IochrdyLimitClks(IochrdyLimitClks)
   ) u_master (
     .clk_i, .rst_ni,
     .start_i(hp_req_i & sel_pc),
@@ -147,15 +148,12 @@ module adaptor_core #(
     .wdata_i(hp_wdata_i),
     .done_o(bus_done),
     .rdata_o(bus_rdata),
-    .idle_o(bus_idle),
     .link_ok_i(link_ok),
     .clk_en_i(sys_rise),
     .pc_a_o, .pc_d_o,
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
-    .pc_d_i, .pc_wait_i,
-    .extra_i,
-    .horizon_o(master_horizon)
+    .pc_d_i, .pc_wait_i
   );
 
   assign hp_ack_o = bus_done | (state_q == StDone);
@@ -177,21 +175,18 @@ module adaptor_core #(
 
   logic [2:0] out;
   logic out0_rise, out0_fall, out1_rise, out1_fall;
-  logic [15:0] pit_horizon;
 
   sysclk #(
     .ClkHz(ClkHz),
     .SysClkMHz(SysClkMHz)
   ) u_sysclk (
-    .clk_i(Gate ? clk_free_i : clk_i), .rst_ni,
+    .clk_i, .rst_ni,
     .rise_o(sys_rise),
     .fall_o(sys_fall)
   );
 
   /* verilator lint_off PINCONNECTEMPTY */  // nothing follows timer 2; the bus is never shared
   i8254 #(
-    .Skip(Skip),
-    .Gate(Gate),
     .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 : 32'h0)
   ) u_pit (
     .clk_i, .rst_ni,
@@ -215,11 +210,7 @@ module adaptor_core #(
     .out1_rise_o(out1_rise),
     .out1_fall_o(out1_fall),
     .out2_rise_o(),
-    .out2_fall_o(),
-    .clk_free_i,
-    .awake_o(pit_awake),
-    .extra_i,
-    .horizon_o(pit_horizon)
+    .out2_fall_o()
   );
   /* verilator lint_on PINCONNECTEMPTY */
 
@@ -238,7 +229,6 @@ module adaptor_core #(
 
   // --- panic, resets, interrupts ----------------------------------------------------------
 
-  logic panic_settled, csr_settled;
   logic [1:0] sys_reset_q;
   logic [ResetWidth-1:0] power_timer_q;
 
@@ -248,8 +238,7 @@ module adaptor_core #(
     .estop_closed_i, .cable_ok_i, .pc_power_i,
     .panic_o, .brake_release_o,
     .cable_ok_o(cable_ok),
-    .pc_power_o,
-    .settled_o(panic_settled)
+    .pc_power_o
   );
 
   assign link_ok = cable_ok & pc_power_o;
@@ -276,41 +265,9 @@ module adaptor_core #(
     .rdata_o(pccsr_rdata),
     .sclock_i(sclock_o),
     .panic_i(panic_o),
-    .irq_lost_i,
     .base_o(base),
-    .irq_req_o,
-    .settled_o(csr_settled)
+    .irq_req_o
   );
-
-  // --- skipping ---------------------------------------------------------------------------
-
-  logic busy, moves, pit_awake;
-  logic sys_reset_moves;
-  assign sys_reset_moves = sys_reset_q != '0;
-  always_comb begin  // a block, so that a simulator keeps the result
-    moves = 1'b0;
-    if (!panic_settled || !csr_settled || sys_reset_moves || power_timer_q != '0 ||
-        (link_ok && !sclock_o && !sclock_armed_q)) moves = 1'b1;
-  end
-  assign busy = hp_req_i || state_q != StIdle || !bus_idle || moves;
-  assign awake_o = ClkMHz != SysClkMHz || busy || pit_awake;
-
-  if (Skip && ClkMHz == SysClkMHz) begin : g_skip
-    // An access goes on by timers; the host port stands still meanwhile.
-    always_comb begin
-      horizon_o = pit_horizon;
-      if (busy) begin
-        if (master_horizon < horizon_o) horizon_o = master_horizon;
-        if (state_q != StIdle && 16'(timer_q) < horizon_o) horizon_o = 16'(timer_q) + 16'd1;
-        if (moves || (state_q == StIdle && hp_req_i && !sel_pc)) horizon_o = 16'd1;
-      end
-    end
-  end else begin : g_step
-    // A divided system clock moves at its own pace: no skipping.
-    assign horizon_o = 16'd1;
-    logic unused;
-    assign unused = ^{pit_horizon, master_horizon, moves};
-  end
 
   logic unused_out;
   assign unused_out = ^{out[2], out[0]};

@@ -16,9 +16,7 @@ module adaptor_vme #(
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
   parameter bit RandomPowerUp = 1'b0,
-  parameter bit HostPort = 1'b0,
-  parameter bit Gate = 1'b0,       // see rtl/mmcs.sv
-  parameter bit Skip = 1'b0
+  parameter bit HostPort = 1'b0
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -65,22 +63,13 @@ module adaptor_vme #(
   output logic             pc_power_o,
   input  wire logic [ 7:0] pc_d_i,
   input  wire logic        pc_wait_i,
-  input  wire logic [ 7:3] pc_irq_i,
-  // Faults and skipping
-  input  wire logic        irq_lost_i,
-  input  wire logic        clk_free_i,
-  output logic             awake_o,         // more than counting happens on this clock
-  input  wire logic [15:0] extra_i,
-  output logic      [15:0] horizon_o
+  input  wire logic [ 7:3] pc_irq_i
 );
 
   logic hp_req, hp_write, hp_ack;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata, vector;
-  logic sys_reset, irq_req, slave_idle, slave_d_oe, slave_dtack;
-  logic int_idle, int_d_oe, int_dtack;
-  logic [15:0] core_horizon, slave_horizon, int_horizon;
-  logic core_awake;
+  logic sys_reset, irq_req, slave_d_oe, slave_dtack, int_d_oe, int_dtack;
 
   if (HostPort) begin : g_port
     assign hp_req = hp_req_i;
@@ -88,7 +77,6 @@ module adaptor_vme #(
     assign hp_a = hp_a_i;
     assign hp_wdata = hp_wdata_i;
     assign {slave_d_oe, slave_dtack, int_d_oe, int_dtack} = '0;
-    assign {slave_idle, int_idle, slave_horizon, int_horizon} = '1;
     assign vme_iackout_no = 1'b1;
     assign vme_irq_no = '1;
     logic unused_vme;
@@ -96,8 +84,7 @@ module adaptor_vme #(
                           vme_d_i, vme_iack_ni, vme_iackin_ni, sys_reset};
   end else begin : g_vme
     vme_slave #(
-      .BaseA15A11(BaseA15A11),
-      .Skip(Skip)
+      .BaseA15A11(BaseA15A11)
     ) u_slave (
       .clk_i, .rst_ni,
       .sys_reset_i(sys_reset),
@@ -109,16 +96,12 @@ module adaptor_vme #(
       .hp_write_o(hp_write),
       .hp_a_o(hp_a),
       .hp_wdata_o(hp_wdata),
-      .hp_ack_i(hp_ack),
-      .idle_o(slave_idle),
-      .extra_i,
-      .horizon_o(slave_horizon)
+      .hp_ack_i(hp_ack)
     );
 
     vme_interrupter #(
       .IrqLevel(IrqLevel),
-      .AckLevel(AckLevel),
-      .Skip(Skip)
+      .AckLevel(AckLevel)
     ) u_interrupter (
       .clk_i, .rst_ni,
       .sys_reset_i(sys_reset),
@@ -126,10 +109,7 @@ module adaptor_vme #(
       .vme_a_i(vme_a_i[3:1]),
       .vme_as_ni, .vme_ds_ni, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
       .d_oe_o(int_d_oe),
-      .dtack_o(int_dtack),
-      .idle_o(int_idle),
-      .extra_i,
-      .horizon_o(int_horizon)
+      .dtack_o(int_dtack)
     );
     logic unused_port;
     assign unused_port = ^{hp_req_i, hp_write_i, hp_a_i, hp_wdata_i};
@@ -142,9 +122,7 @@ module adaptor_vme #(
     .PanicIrq(PanicIrq),
     .CmdNs(CmdNs),
     .IochrdyLimitClks(IochrdyLimitClks),
-    .RandomPowerUp(RandomPowerUp),
-    .Gate(Gate),
-    .Skip(Skip)
+    .RandomPowerUp(RandomPowerUp)
   ) u_core (
     .clk_i, .rst_ni,
     .hp_req_i(hp_req),
@@ -159,11 +137,7 @@ module adaptor_vme #(
     .sys_reset_o(sys_reset),
     .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .sclock_o,
     .pc_a_o, .pc_aen_o, .pc_d_o, .pc_ior_no, .pc_iow_no, .pc_clk_en_o, .pc_reset_drv_o,
-    .pc_drq_o, .pc_power_o, .pc_d_i, .pc_wait_i, .pc_irq_i,
-    .irq_lost_i, .clk_free_i,
-    .awake_o(core_awake),
-    .extra_i,
-    .horizon_o(core_horizon)
+    .pc_drq_o, .pc_power_o, .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
   assign hp_ack_o = hp_ack;
@@ -172,25 +146,6 @@ module adaptor_vme #(
   assign vme_dtack_no = ~(slave_dtack | int_dtack);
   assign vme_d_oe_o = slave_d_oe | int_d_oe;
   assign vme_d_o = int_d_oe ? vector : (slave_d_oe ? hp_rdata : 8'hFF);
-
-  logic busy;
-  assign awake_o = busy || core_awake;
-  always_comb begin
-    busy = 1'b1;
-    if (slave_idle && int_idle) busy = 1'b0;
-  end
-
-  if (Skip) begin : g_skip
-    always_comb begin
-      horizon_o = core_horizon;
-      if (slave_horizon < horizon_o) horizon_o = slave_horizon;
-      if (int_horizon < horizon_o) horizon_o = int_horizon;
-    end
-  end else begin : g_step
-    assign horizon_o = 16'd1;
-    logic unused;
-    assign unused = ^{core_horizon, slave_horizon, int_horizon};
-  end
 
 endmodule
 

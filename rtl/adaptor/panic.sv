@@ -15,16 +15,13 @@ module panic (
   output logic      panic_o,
   output logic      brake_release_o,
   output logic      cable_ok_o,        // synchronised
-  output logic      pc_power_o,        // synchronised
-  output logic      settled_o
+  output logic      pc_power_o         // synchronised
 );
 
   // {hand-held button, cable, power}; healthy until shown otherwise, so that a machine that is
   // healthy when it starts makes no edge.
   logic [2:0] sync0_q, sync1_q;
-  logic panic_d, panic_q;
-
-  assign panic_d = bus_panic_i | ~(&sync1_q);
+  logic panic_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -34,7 +31,7 @@ module panic (
     end else begin
       sync0_q <= {estop_closed_i, cable_ok_i, pc_power_i};
       sync1_q <= sync0_q;
-      panic_q <= panic_d;
+      panic_q <= bus_panic_i | ~(&sync1_q);
     end
   end
 
@@ -42,7 +39,6 @@ module panic (
   assign brake_release_o = ~panic_q;
   assign cable_ok_o = sync1_q[1];
   assign pc_power_o = sync1_q[0];
-  assign settled_o = (sync0_q == sync1_q) && (panic_d == panic_q);
 
   `MMCS_ASSERT(BrakesHold, !(brake_release_o && panic_o),
                "the brakes are never released while PANIC stands")

@@ -10,8 +10,7 @@
 module pcbus_master #(
   parameter int ClkHz = 8_000_000,
   parameter int CmdNs = 500,
-  parameter int IochrdyLimitClks = 10,
-  parameter bit Skip = 1'b0
+  parameter int IochrdyLimitClks = 10
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -20,9 +19,8 @@ module pcbus_master #(
   input  wire logic        write_i,
   input  wire logic [15:0] a_i,
   input  wire logic [ 7:0] wdata_i,
-  output logic             done_o,   // one clock, rdata_o is valid and stays
+  output logic             done_o,      // one clock, rdata_o is valid and stays
   output logic      [ 7:0] rdata_o,
-  output logic             idle_o,
   // State of the link
   input  wire logic        link_ok_i,   // cable plugged and PC side powered
   input  wire logic        clk_en_i,    // one per period of CLK
@@ -32,10 +30,7 @@ module pcbus_master #(
   output logic             pc_ior_no,
   output logic             pc_iow_no,
   input  wire logic [ 7:0] pc_d_i,      // 0xFF where nobody drives
-  input  wire logic        pc_wait_i,   // 1: IOCHRDY is pulled low
-  // Skipping; ignored if Skip = 0
-  input  wire logic [15:0] extra_i,
-  output logic      [15:0] horizon_o
+  input  wire logic        pc_wait_i    // 1: IOCHRDY is pulled low
 );
 
   localparam int ClkMHz = ClkHz / 1_000_000;
@@ -52,89 +47,80 @@ module pcbus_master #(
     StHold      // command over, address and data still stand
   } state_e;
 
-  state_e                  state_q;
-  logic   [TimerWidth-1:0] timer_q;
-  logic   [ WaitWidth-1:0] waits_q;
-  logic                    write_q;
-  logic   [TimerWidth-1:0] extra;      // what this edge stands for beyond one clock
-  logic                    waiting;
-  logic                    timed_out;
+  state_e                  state_d, state_q;
+  logic   [TimerWidth-1:0] timer_d, timer_q;  // clocks of this state after the present one
+  logic   [ WaitWidth-1:0] waits_d, waits_q;  // periods of CLK that IOCHRDY has stretched
+  logic                    write_q, ior_nq, iow_nq;
+  logic   [          15:0] a_q;
+  logic   [           7:0] d_q, rdata_q;
+  logic                    start, last, waiting;
 
+  assign start = (state_q == StIdle) && start_i;
+  assign last = (timer_q == '0);
   assign waiting = pc_wait_i & link_ok_i;
-  assign extra = Skip ? TimerWidth'(extra_i) : '0;
-  assign timed_out = (waits_q == WaitWidth'(IochrdyLimitClks));
+
+  always_comb begin
+    state_d = state_q;
+    timer_d = last ? '0 : timer_q - 1'b1;
+    waits_d = waits_q;
+    case (state_q)
+      StIdle: begin
+        if (start_i) begin
+          state_d = StSetup;
+          timer_d = TimerWidth'(SideClks - 1);
+        end
+      end
+      StSetup: begin
+        if (last) begin
+          state_d = StCommand;
+          timer_d = TimerWidth'(CmdClks - 1);
+          waits_d = '0;
+        end
+      end
+      StCommand: begin
+        if (last && waiting && waits_q != WaitWidth'(IochrdyLimitClks)) begin
+          if (clk_en_i) waits_d = waits_q + 1'b1;
+        end else if (last) begin
+          state_d = StHold;
+          timer_d = TimerWidth'(SideClks - 1);
+        end
+      end
+      default: if (last) state_d = StIdle;
+    endcase
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      state_q   <= StIdle;
-      timer_q   <= '0;
-      waits_q   <= '0;
-      write_q   <= 1'b0;
-      pc_a_o    <= '0;
-      pc_d_o    <= 8'hFF;
-      pc_ior_no <= 1'b1;
-      pc_iow_no <= 1'b1;
-      rdata_o   <= 8'hFF;
-    end else if (state_q == StIdle) begin
-      if (start_i) begin
-        state_q <= StSetup;
-        timer_q <= TimerWidth'(SideClks - 1) - extra;
-        write_q <= write_i;
-        if (extra == TimerWidth'(SideClks)) begin  // only when skipping: the command begins too
-          state_q   <= StCommand;
-          timer_q   <= TimerWidth'(CmdClks - 1);
-          waits_q   <= '0;
-          pc_ior_no <= write_i;
-          pc_iow_no <= ~write_i;
-        end
-        pc_a_o  <= a_i;
-        if (write_i) pc_d_o <= wdata_i;
-      end
-    end else if (timer_q != extra) begin
-      timer_q <= timer_q - extra - 1'b1;
-    end else begin
+      state_q <= StIdle;
       timer_q <= '0;
-      case (state_q)
-        StSetup: begin
-          state_q   <= StCommand;
-          timer_q   <= TimerWidth'(CmdClks - 1);
-          waits_q   <= '0;
-          pc_ior_no <= write_q;
-          pc_iow_no <= ~write_q;
-        end
-        StCommand: begin
-          if (waiting && !timed_out) begin
-            if (clk_en_i) waits_q <= waits_q + 1'b1;
-          end else begin
-            state_q   <= StHold;
-            timer_q   <= TimerWidth'(SideClks - 1);
-            pc_ior_no <= 1'b1;
-            pc_iow_no <= 1'b1;
-            rdata_o   <= (write_q || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
-          end
-        end
-        default: state_q <= StIdle;
-      endcase
+      waits_q <= '0;
+      write_q <= 1'b0;
+      a_q     <= '0;
+      d_q     <= 8'hFF;
+      ior_nq  <= 1'b1;
+      iow_nq  <= 1'b1;
+      rdata_q <= 8'hFF;
+    end else begin
+      state_q <= state_d;
+      timer_q <= timer_d;
+      waits_q <= waits_d;
+      if (start) write_q <= write_i;
+      if (start) a_q <= a_i;
+      if (start && write_i) d_q <= wdata_i;
+      ior_nq <= (state_d != StCommand) || write_q;
+      iow_nq <= (state_d != StCommand) || !write_q;
+      if (state_q == StCommand && state_d == StHold) begin
+        rdata_q <= (write_q || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
+      end
     end
   end
 
-  assign done_o = (state_q == StHold) && (timer_q == '0);
-  assign idle_o = (state_q == StIdle);
-
-  if (Skip) begin : g_skip
-    // Until the command begins, or the timer has run out: meanwhile nobody looks at the bus.
-    always_comb begin
-      horizon_o = 16'hFFFF;
-      if (state_q == StHold && timer_q != '0) horizon_o = 16'(timer_q);  // then it is done
-      else if (state_q != StIdle) horizon_o = 16'(timer_q) + 16'd1;
-      else if (start_i) horizon_o = 16'(SideClks) + 16'd1;
-    end
-  end else begin : g_step
-    assign horizon_o = 16'd1;
-  end
-
-  logic unused_extra;  // what no horizon reaches
-  assign unused_extra = ^extra_i;
+  assign pc_a_o = a_q;
+  assign pc_d_o = d_q;
+  assign pc_ior_no = ior_nq;
+  assign pc_iow_no = iow_nq;
+  assign rdata_o = rdata_q;
+  assign done_o = (state_q == StHold) && last;
 
   `MMCS_ASSERT(OneCommand, pc_ior_no || pc_iow_no, "IOR# and IOW# are never low together")
   `MMCS_ASSERT(CommandInState, (state_q == StCommand) || (pc_ior_no && pc_iow_no),

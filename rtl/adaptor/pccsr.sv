@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // PC control and status register with the two interrupt latches. §4.3.3, §4.3.6, Table 4.1
 //
-// A latch is set by the rising edge of its signal while bit 7 is 1 and held clear while it is 0.
-// An edge that falls on the very clock edge that sets bit 7 counts; one clock earlier it is lost.
+// A latch is set by the rising edge of its signal while LATCH_EN is 1 and held clear while it is 0.
+// An edge that falls on the very clock edge that sets LATCH_EN counts; one clock earlier it is lost.
 `default_nettype none
 `include "mmcs_assert.svh"
 
@@ -17,15 +17,19 @@ module pccsr (
   // Signals that interrupt
   input  wire logic       sclock_i,
   input  wire logic       panic_i,
-  input  wire logic       irq_lost_i,    // fault: edges of SCLOCK are not seen
   // What it controls
   output logic      [4:0] base_o,        // PC address bits A09-A05
-  output logic            irq_req_o,
-  output logic            settled_o      // no edge is on its way into a latch
+  output logic            irq_req_o
 );
 
+  localparam int Base = mmcs_regs_pkg::PCCSR_BASE;
+  localparam int SclockEn = mmcs_regs_pkg::PCCSR_SCLOCK_EN;
+  localparam int PanicEn = mmcs_regs_pkg::PCCSR_PANIC_EN;
+  localparam int LatchEn = mmcs_regs_pkg::PCCSR_LATCH_EN;
+
   logic [7:0] csr_q;
-  logic sclock_q, panic_q;
+  logic sclock_q, panic_q;               // a clock ago
+  logic sclock_rise, panic_rise;
   logic sclock_latch_q, panic_latch_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -34,6 +38,9 @@ module pccsr (
     else if (write_i) csr_q <= wdata_i;
   end
 
+  assign sclock_rise = sclock_i & ~sclock_q;
+  assign panic_rise = panic_i & ~panic_q;
+
   // Starting at 1, a level that is high from the beginning is no edge.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -41,25 +48,23 @@ module pccsr (
       panic_q        <= 1'b1;
       sclock_latch_q <= 1'b0;
       panic_latch_q  <= 1'b0;
-    end else if (!settled_o) begin
-      sclock_q <= sclock_i;
-      panic_q  <= panic_i;
-      if (!csr_q[mmcs_regs_pkg::PCCSR_LATCH_EN]) begin
-        sclock_latch_q <= 1'b0;
-        panic_latch_q  <= 1'b0;
-      end else begin
-        if (sclock_i && !sclock_q && !irq_lost_i) sclock_latch_q <= 1'b1;
-        if (panic_i && !panic_q) panic_latch_q <= 1'b1;
-      end
+    end else begin
+      sclock_q       <= sclock_i;
+      panic_q        <= panic_i;
+      sclock_latch_q <= csr_q[LatchEn] & (sclock_latch_q | sclock_rise);
+      panic_latch_q  <= csr_q[LatchEn] & (panic_latch_q | panic_rise);
     end
   end
 
-  assign base_o = csr_q[4:0];
-  assign rdata_o = {csr_q[7], panic_latch_q, sclock_latch_q, csr_q[4:0]};
-  assign irq_req_o = (sclock_latch_q & csr_q[mmcs_regs_pkg::PCCSR_SCLOCK_EN]) |
-                     (panic_latch_q & csr_q[mmcs_regs_pkg::PCCSR_PANIC_EN]);
-  assign settled_o = (sclock_i == sclock_q) && (panic_i == panic_q) &&
-                     (csr_q[mmcs_regs_pkg::PCCSR_LATCH_EN] || !(sclock_latch_q || panic_latch_q));
+  // The latches are read where their enables are written.
+  always_comb begin
+    rdata_o = csr_q;
+    rdata_o[mmcs_regs_pkg::PCCSR_SCLOCK_LATCHED] = sclock_latch_q;
+    rdata_o[mmcs_regs_pkg::PCCSR_PANIC_LATCHED] = panic_latch_q;
+  end
+
+  assign base_o = csr_q[Base+:5];
+  assign irq_req_o = (sclock_latch_q & csr_q[SclockEn]) | (panic_latch_q & csr_q[PanicEn]);
 
   `MMCS_ASSERT(RequestHasLatch, !irq_req_o || sclock_latch_q || panic_latch_q,
                "an interrupt is requested only by a latch that is set")

@@ -9,8 +9,7 @@
 
 module vme_interrupter #(
   parameter int IrqLevel = 5,  // J5: the line that is pulled
-  parameter int AckLevel = 5,  // J7: the level that is answered
-  parameter bit Skip = 1'b0
+  parameter int AckLevel = 5   // J7: the level that is answered
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -25,11 +24,7 @@ module vme_interrupter #(
   output logic             vme_iackout_no,
   output logic      [ 7:1] vme_irq_no,
   output logic             d_oe_o,        // drive the vector on D07-D00
-  output logic             dtack_o,       // pull DTACK* low
-  output logic             idle_o,
-  // Skipping; ignored if Skip = 0
-  input  wire logic [15:0] extra_i,
-  output logic      [15:0] horizon_o
+  output logic             dtack_o        // pull DTACK* low
 );
 
   typedef enum logic [1:0] {
@@ -46,16 +41,8 @@ module vme_interrupter #(
   logic cycle_q;                // AS* low
   logic req_q;                  // the request when iackin0_q was taken
   logic strobed, ready, dtack_q;
-  logic awake, pending_q;
 
   assign strobed = ~(&vme_ds_ni);
-  // At rest every stage shows an idle bus and nothing moves.
-  assign awake = strobed | ~vme_as_ni | ~vme_iackin_ni | pending_q | (irq_req_i != req_q);
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) pending_q <= 1'b1;
-    else if (awake) pending_q <= strobed | ~vme_as_ni | ~vme_iackin_ni | iackin0_q | strobe0_q |
-                                 ~both_high_q | cycle_q | dtack_q | (state_q != StIdle);
-  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -66,11 +53,11 @@ module vme_interrupter #(
       both_high_q <= 1'b1;
       cycle_q     <= 1'b0;
       req_q       <= 1'b0;
-    end else if (awake) begin
+    end else begin
       iackin0_q   <= ~vme_iackin_ni;
       iackin1_q   <= iackin0_q;
       strobe0_q   <= ~vme_ds_ni[0];
-      strobe1_q   <= Skip && extra_i != '0 ? ~vme_ds_ni[0] : strobe0_q;
+      strobe1_q   <= strobe0_q;
       both_high_q <= ~strobed;
       cycle_q     <= ~vme_as_ni;
       req_q       <= irq_req_i;
@@ -81,7 +68,7 @@ module vme_interrupter #(
     if (!rst_ni) begin
       state_q <= StIdle;
       dtack_q <= 1'b0;
-    end else if (awake) begin
+    end else begin
       case (state_q)
         StIdle: begin
           if (iackin0_q && !iackin1_q) begin
@@ -118,21 +105,6 @@ module vme_interrupter #(
   assign ready = (state_q == StRespond) && iackin0_q && strobe1_q && strobe0_q;
   assign d_oe_o = (dtack_q | ready) & strobed & ~vme_iack_ni;
   assign dtack_o = dtack_q;
-  assign idle_o = (state_q == StIdle) && (iackin0_q == iackin1_q) && (strobe0_q == strobe1_q) &&
-                  (req_q == irq_req_i);
-
-  if (Skip) begin : g_skip
-    // At rest the strobes of other cycles pass through the stages without effect.
-    always_comb begin
-      horizon_o = 16'hFFFF;
-      if (state_q != StIdle || iackin0_q == vme_iackin_ni || iackin0_q != iackin1_q ||
-          req_q != irq_req_i) horizon_o = 16'd1;
-    end
-  end else begin : g_step
-    assign horizon_o = 16'd1;
-    logic unused;
-    assign unused = ^extra_i;
-  end
 
   `MMCS_ASSERT(OneFate, !(dtack_q && !vme_iackout_no),
                "an acknowledge is answered or passed on, never both")

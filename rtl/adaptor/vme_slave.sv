@@ -8,8 +8,7 @@
 `include "mmcs_assert.svh"
 
 module vme_slave #(
-  parameter logic [4:0] BaseA15A11 = 5'b01100,
-  parameter bit Skip = 1'b0
+  parameter logic [4:0] BaseA15A11 = 5'b01100
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -30,11 +29,7 @@ module vme_slave #(
   output logic             hp_write_o,
   output logic      [10:1] hp_a_o,
   output logic      [ 7:0] hp_wdata_o,
-  input  wire logic        hp_ack_i,
-  output logic             idle_o,
-  // Skipping; ignored if Skip = 0
-  input  wire logic [15:0] extra_i,
-  output logic      [15:0] horizon_o
+  input  wire logic        hp_ack_i
 );
 
   localparam logic [5:0] AmShortUser = 6'h29;
@@ -54,18 +49,15 @@ module vme_slave #(
   logic both_high2_q;
   logic strobed;       // raw: a data strobe is low
   logic dtack_q, gone_q;
-  logic awake;         // at rest nothing moves until a data strobe falls
+  logic strobe, ours;
+  logic      [10:1] hp_a_q;
+  logic      [ 7:0] hp_wdata_q;
+  logic             hp_write_q;
 
-  // This edge stands for two clocks at least, for three: only when skipping.
-  logic two, three, strobe, ours;
-  assign two = Skip && extra_i != '0;
-  assign three = Skip && extra_i > 16'd1;
+  assign strobed = ~(&vme_ds_ni);
   assign strobe = ~(vme_as_ni | vme_ds_ni[0]);
   assign ours = vme_iack_ni && vme_lword_ni && (vme_a_i[15:11] == BaseA15A11) &&
                 (vme_am_i == AmShortUser || vme_am_i == AmShortSupervisor);
-
-  assign strobed = ~(&vme_ds_ni);
-  assign awake = strobed | gone_q | ~idle_o;
 
   // Address and data are taken on the edge before the one that acts on them, so that a strobe that
   // is still there when the edge acts was there when they were taken.
@@ -76,22 +68,22 @@ module vme_slave #(
       both_high2_q <= 1'b1;
       fresh_q      <= 1'b0;
       ours_q       <= 1'b0;
-      hp_a_o       <= '0;
-      hp_wdata_o   <= '0;
-      hp_write_o   <= 1'b0;
-    end else if (awake) begin
+      hp_a_q       <= '0;
+      hp_wdata_q   <= '0;
+      hp_write_q   <= 1'b0;
+    end else begin
       strobe_q     <= strobe;
       both_high_q  <= ~strobed;
-      both_high2_q <= two ? ~strobed : both_high_q;
+      both_high2_q <= both_high_q;
       // not in SYSRESET*: what is taken there may be gone when it ends
-      fresh_q      <= (two ? strobe : strobe_q) && (state_q == StIdle) && !sys_reset_i;
+      fresh_q      <= strobe_q && (state_q == StIdle) && !sys_reset_i;
       // Taken again while the cycle is not ours: the strobes may be high between two cycles for
       // less than a clock, and nothing but the address tells that the second has come.
-      if ((two ? strobe : strobe_q) && !(fresh_q && ours_q) && state_q == StIdle) begin
+      if (strobe_q && !(fresh_q && ours_q) && state_q == StIdle) begin
         ours_q     <= ours;
-        hp_a_o     <= vme_a_i[10:1];
-        hp_wdata_o <= vme_d_i;
-        hp_write_o <= ~vme_write_ni;
+        hp_a_q     <= vme_a_i[10:1];
+        hp_wdata_q <= vme_d_i;
+        hp_write_q <= ~vme_write_ni;
       end
     end
   end
@@ -101,13 +93,11 @@ module vme_slave #(
       state_q <= StIdle;
       dtack_q <= 1'b0;
       gone_q  <= 1'b0;
-    end else if (awake) begin
+    end else begin
       case (state_q)
         StIdle: begin
           gone_q <= 1'b0;
-          if (!sys_reset_i && (three ? strobe && ours : fresh_q && strobe_q && ours_q)) begin
-            state_q <= StRequest;
-          end
+          if (fresh_q && strobe_q && ours_q && !sys_reset_i) state_q <= StRequest;
         end
         StRequest: begin
           if (both_high_q || sys_reset_i) gone_q <= 1'b1;
@@ -117,7 +107,7 @@ module vme_slave #(
           end
         end
         default: begin
-          if (both_high_q || sys_reset_i || (two && !strobed)) dtack_q <= 1'b0;
+          if (both_high_q || sys_reset_i) dtack_q <= 1'b0;
           // gone_q: the strobe that may be there now belongs to another cycle
           if (gone_q || both_high2_q) state_q <= StIdle;
         end
@@ -129,42 +119,10 @@ module vme_slave #(
   assign dtack_o = dtack_q;
   // not in the clock after DTACK*, nor after strobes withdrawn early: a strobe there is already the
   // next cycle's
-  assign d_oe_o = (state_q == StRequest | dtack_q) & ~hp_write_o & ~gone_q & ~both_high_q & strobed;
-  assign idle_o = (state_q == StIdle) && !strobe_q && !fresh_q && both_high_q && both_high2_q;
-
-  if (Skip) begin : g_skip
-    // A strobe that falls at rest needs three clocks to become a request, one that rises under
-    // DTACK* two to end it. Else what changes is looked at clock by clock.
-    always_comb begin
-      horizon_o = 16'hFFFF;
-      if (awake) begin
-        case (state_q)
-          StIdle: begin
-            if (strobe && !strobe_q && !fresh_q && !gone_q && !sys_reset_i) horizon_o = 16'd3;
-            else if (strobe_q != strobe || fresh_q != (strobe_q && !sys_reset_i) || gone_q ||
-                     both_high_q == strobed || both_high2_q == strobed ||
-                     (fresh_q && !sys_reset_i && (ours || ours_q))) horizon_o = 16'd1;
-          end
-          StRequest: begin
-            if (strobe_q != strobe || fresh_q ||
-                both_high_q == strobed || both_high2_q == strobed ||
-                ((both_high_q || sys_reset_i) && !gone_q) || hp_ack_i) horizon_o = 16'd1;
-          end
-          default: begin
-            if (dtack_q && !both_high_q && !strobed && !gone_q && !sys_reset_i && strobe_q)
-              horizon_o = 16'd2;
-            else if (strobe_q != strobe || fresh_q || both_high_q == strobed ||
-                     both_high2_q == strobed || gone_q || both_high2_q || dtack_q == sys_reset_i)
-              horizon_o = 16'd1;
-          end
-        endcase
-      end
-    end
-  end else begin : g_step
-    assign horizon_o = 16'd1;
-    logic unused;
-    assign unused = ^extra_i;
-  end
+  assign d_oe_o = (state_q == StRequest | dtack_q) & ~hp_write_q & ~gone_q & ~both_high_q & strobed;
+  assign hp_write_o = hp_write_q;
+  assign hp_a_o = hp_a_q;
+  assign hp_wdata_o = hp_wdata_q;
 
   `MMCS_ASSERT(DtackAfterRequest, !dtack_q || state_q == StAnswer,
                "DTACK* is low only while an access is being answered")

@@ -1,56 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
-// 8254 programmable interval timer: the bus and three counters.
-// §4.3.4
-
+// 8254 programmable interval timer: the bus and three counters. §4.3.4
 `default_nettype none
 
 module i8254 #(
-  parameter bit          Skip        = 1'b0,
-  parameter bit          Gate        = 1'b0,  // see rtl/mmcs.sv
-  parameter bit          NmosRewrite = 1'b1,  // mode 0: first byte of a rewrite stops counting
+  parameter bit NmosRewrite = 1'b1,           // mode 0: first byte of a rewrite stops counting
   parameter logic [31:0] PowerUpSeed = 32'd0  // state at power-up; the chip has no reset pin
 ) (
-  input  wire logic        clk_i,
-  input  wire logic        rst_ni,
-  // bus
-  input  wire logic        cs_ni,
-  input  wire logic        rd_ni,
-  input  wire logic        wr_ni,
-  input  wire logic [ 1:0] a_i,
-  input  wire logic [ 7:0] d_i,
-  output      logic [ 7:0] d_o,
-  output      logic        d_oe_o,
-  // counters: edges of CLK that fall into this clock, the rise before the fall
-  input  wire logic        clk0_rise_i,
-  input  wire logic        clk0_fall_i,
-  input  wire logic        clk1_rise_i,
-  input  wire logic        clk1_fall_i,
-  input  wire logic        clk2_rise_i,
-  input  wire logic        clk2_fall_i,
-  input  wire logic [ 2:0] gate_i,
-  output      logic [ 2:0] out_o,
-  output      logic        out0_rise_o,       // OUT will rise on this clock: for cascades
-  output      logic        out0_fall_o,
-  output      logic        out1_rise_o,
-  output      logic        out1_fall_o,
-  output      logic        out2_rise_o,
-  output      logic        out2_fall_o,
-  // skipping and gating
-  input  wire logic        clk_free_i,
-  output      logic        awake_o,           // more than counting happens on this clock
-  input  wire logic [15:0] extra_i,
-  output      logic [15:0] horizon_o
+  input  wire logic       clk_i,
+  input  wire logic       rst_ni,
+  // Bus
+  input  wire logic       cs_ni,
+  input  wire logic       rd_ni,
+  input  wire logic       wr_ni,
+  input  wire logic [1:0] a_i,
+  input  wire logic [7:0] d_i,
+  output logic      [7:0] d_o,
+  output logic            d_oe_o,
+  // Counters: edges of CLK that fall into this clock, the rise before the fall
+  input  wire logic       clk0_rise_i,
+  input  wire logic       clk0_fall_i,
+  input  wire logic       clk1_rise_i,
+  input  wire logic       clk1_fall_i,
+  input  wire logic       clk2_rise_i,
+  input  wire logic       clk2_fall_i,
+  input  wire logic [2:0] gate_i,
+  output logic      [2:0] out_o,
+  output logic            out0_rise_o,  // OUT will rise on this clock: for cascades
+  output logic            out0_fall_o,
+  output logic            out1_rise_o,
+  output logic            out1_fall_o,
+  output logic            out2_rise_o,
+  output logic            out2_fall_o
 );
+
   // A seed of 0 stays 0 in every counter, any other gives each counter a state of its own.
   localparam logic [31:0] Seed1 = {PowerUpSeed[20:0], PowerUpSeed[31:21]};
   localparam logic [31:0] Seed2 = {PowerUpSeed[9:0], PowerUpSeed[31:10]};
 
-  // ---- bus: a write acts when its strobe ends, so does what a read changes ------------------------
-  logic       rd, wr, rd_q, wr_q, wr_end, rd_end;
+  // --- bus: a write acts when its strobe ends, so does what a read changes --------------------
+
+  logic rd, wr, rd_q, wr_q, wr_end, rd_end;
   logic [1:0] a_q;
   logic [7:0] d_q;
-  assign rd     = !cs_ni && !rd_ni;
-  assign wr     = !cs_ni && !wr_ni && rd_ni;
+
+  assign rd = !cs_ni && !rd_ni;
+  assign wr = !cs_ni && !wr_ni && rd_ni;
   assign wr_end = wr_q && !wr;
   assign rd_end = rd_q && !rd;
 
@@ -60,7 +54,7 @@ module i8254 #(
       wr_q <= 1'b0;
       a_q  <= '0;
       d_q  <= '0;
-    end else if (!cs_ni || rd_q || wr_q) begin
+    end else begin
       rd_q <= rd;
       wr_q <= wr;
       if (rd || wr) a_q <= a_i;
@@ -68,167 +62,111 @@ module i8254 #(
     end
   end
 
-  // ---- commands -----------------------------------------------------------------------------------
-  logic [2:0] write, read_end, control, latch_count, latch_status;
-  logic [2:0] chosen, at;  // one bit per counter: SC of the control word, address
-  logic [1:0] sc, rw;
-  logic [2:0] selected;    // of a read-back
-  logic       count_n, status_n;
-  assign sc       = d_q[7:6];
-  assign rw       = d_q[5:4];
-  assign selected = d_q[3:1];
-  assign count_n  = d_q[5];
-  assign status_n = d_q[4];
-  always_comb begin
-    write        = 3'b000;
-    read_end     = 3'b000;
-    control      = 3'b000;
-    latch_count  = 3'b000;
-    latch_status = 3'b000;
-    chosen       = 3'b000;
-    at           = 3'b000;
-    if (wr_end || rd_end) begin
-      chosen = sc == 2'd3 ? 3'b000 : 3'b001 << sc;
-      at     = a_q == 2'd3 ? 3'b000 : 3'b001 << a_q;
-      if (rd_end) begin
-        read_end = at;
-      end else if (a_q != 2'd3) begin
-        write = at;
-      end else if (sc == 2'd3) begin  // read-back
-        if (!count_n) latch_count = selected;
-        if (!status_n) latch_status = selected;
-      end else if (rw == 2'd0) begin  // counter latch
-        latch_count = chosen;
-      end else begin
-        control = chosen;
-      end
-    end
-  end
+  // --- commands, one bit per counter ----------------------------------------------------------
 
-  // ---- counters -----------------------------------------------------------------------------------
-  logic        out0, out1, out2;
-  logic [ 7:0] d0, d1, d2;
-  logic [15:0] h0, h1, h2;
-  assign out_o = {out2, out1, out0};
-  // Only counter 0 may count through a sleep; the others must wait for OUT of another counter.
-  logic        awake0, awake1, awake2, bus;
-  assign awake_o = bus || awake0;
-  always_comb begin
-    bus = 1'b1;
-    if (!rd && !wr && !rd_q && !wr_q) bus = 1'b0;
-  end
+  logic to_control, read_back;
+  logic [2:0] at, chosen, selected;  // by the address, by SC of a control word, by a read-back
+  logic [2:0] write, read_end, control, latch_count, latch_status;
+  logic [1:0] sc, rw;
+
+  assign sc = d_q[7:6];
+  assign rw = d_q[5:4];
+  assign at = a_q == 2'd3 ? 3'b000 : 3'b001 << a_q;
+  assign chosen = sc == 2'd3 ? 3'b000 : 3'b001 << sc;
+  assign selected = d_q[3:1];
+  assign to_control = wr_end && a_q == 2'd3;
+  assign read_back = to_control && sc == 2'd3;
+
+  assign write = wr_end ? at : 3'b000;
+  assign read_end = rd_end ? at : 3'b000;
+  assign control = (to_control && rw != 2'd0) ? chosen : 3'b000;
+  assign latch_count = (read_back && !d_q[5]) ? selected
+                     : (to_control && rw == 2'd0) ? chosen : 3'b000;
+  assign latch_status = (read_back && !d_q[4]) ? selected : 3'b000;
+
+  // --- counters -------------------------------------------------------------------------------
+
+  logic [7:0] d0, d1, d2;
 
   i8254_counter #(
-    .Skip       (Skip),
-    .Gate       (Gate),
     .NmosRewrite(NmosRewrite),
     .PowerUpSeed(PowerUpSeed)
   ) u_counter0 (
-    .clk_i         (clk_i),
-    .rst_ni        (rst_ni),
-    .clk_rise_i    (clk0_rise_i),
-    .clk_fall_i    (clk0_fall_i),
-    .gate_i        (gate_i[0]),
-    .out_o         (out0),
-    .out_rise_o    (out0_rise_o),
-    .out_fall_o    (out0_fall_o),
-    .control_i     (control[0]),
-    .latch_count_i (latch_count[0]),
+    .clk_i, .rst_ni,
+    .clk_rise_i(clk0_rise_i),
+    .clk_fall_i(clk0_fall_i),
+    .gate_i(gate_i[0]),
+    .out_o(out_o[0]),
+    .out_rise_o(out0_rise_o),
+    .out_fall_o(out0_fall_o),
+    .control_i(control[0]),
+    .latch_count_i(latch_count[0]),
     .latch_status_i(latch_status[0]),
-    .write_i       (write[0]),
-    .read_i        (rd),
-    .read_end_i    (read_end[0]),
-    .d_i           (d_q),
-    .d_o           (d0),
-    .clk_free_i    (clk_free_i),
-    .awake_o       (awake0),
-    .extra_i       (extra_i),
-    .horizon_o     (h0)
+    .write_i(write[0]),
+    .read_i(rd),
+    .read_end_i(read_end[0]),
+    .d_i(d_q),
+    .d_o(d0)
   );
 
   i8254_counter #(
-    .Skip       (Skip),
     .NmosRewrite(NmosRewrite),
     .PowerUpSeed(Seed1)
   ) u_counter1 (
-    .clk_i         (clk_i),
-    .rst_ni        (rst_ni),
-    .clk_rise_i    (clk1_rise_i),
-    .clk_fall_i    (clk1_fall_i),
-    .gate_i        (gate_i[1]),
-    .out_o         (out1),
-    .out_rise_o    (out1_rise_o),
-    .out_fall_o    (out1_fall_o),
-    .control_i     (control[1]),
-    .latch_count_i (latch_count[1]),
+    .clk_i, .rst_ni,
+    .clk_rise_i(clk1_rise_i),
+    .clk_fall_i(clk1_fall_i),
+    .gate_i(gate_i[1]),
+    .out_o(out_o[1]),
+    .out_rise_o(out1_rise_o),
+    .out_fall_o(out1_fall_o),
+    .control_i(control[1]),
+    .latch_count_i(latch_count[1]),
     .latch_status_i(latch_status[1]),
-    .write_i       (write[1]),
-    .read_i        (rd),
-    .read_end_i    (read_end[1]),
-    .d_i           (d_q),
-    .d_o           (d1),
-    .clk_free_i    (clk_free_i),
-    .awake_o       (awake1),
-    .extra_i       (extra_i),
-    .horizon_o     (h1)
+    .write_i(write[1]),
+    .read_i(rd),
+    .read_end_i(read_end[1]),
+    .d_i(d_q),
+    .d_o(d1)
   );
 
   i8254_counter #(
-    .Skip       (Skip),
     .NmosRewrite(NmosRewrite),
     .PowerUpSeed(Seed2)
   ) u_counter2 (
-    .clk_i         (clk_i),
-    .rst_ni        (rst_ni),
-    .clk_rise_i    (clk2_rise_i),
-    .clk_fall_i    (clk2_fall_i),
-    .gate_i        (gate_i[2]),
-    .out_o         (out2),
-    .out_rise_o    (out2_rise_o),
-    .out_fall_o    (out2_fall_o),
-    .control_i     (control[2]),
-    .latch_count_i (latch_count[2]),
+    .clk_i, .rst_ni,
+    .clk_rise_i(clk2_rise_i),
+    .clk_fall_i(clk2_fall_i),
+    .gate_i(gate_i[2]),
+    .out_o(out_o[2]),
+    .out_rise_o(out2_rise_o),
+    .out_fall_o(out2_fall_o),
+    .control_i(control[2]),
+    .latch_count_i(latch_count[2]),
     .latch_status_i(latch_status[2]),
-    .write_i       (write[2]),
-    .read_i        (rd),
-    .read_end_i    (read_end[2]),
-    .d_i           (d_q),
-    .d_o           (d2),
-    .clk_free_i    (clk_free_i),
-    .awake_o       (awake2),
-    .extra_i       (extra_i),
-    .horizon_o     (h2)
+    .write_i(write[2]),
+    .read_i(rd),
+    .read_end_i(read_end[2]),
+    .d_i(d_q),
+    .d_o(d2)
   );
 
-  logic unused_awake;
-  assign unused_awake = awake1 ^ awake2;
+  // --- reads: address 3 is no register, the idle bus reads 0xFF -------------------------------
 
-  // ---- reads: address 3 is no register, the idle bus reads 0xFF -----------------------------------
   assign d_oe_o = rd;
+
   always_comb begin
     d_o = 8'hFF;
     if (rd) begin
       case (a_i)
-        2'd0:    d_o = d0;
-        2'd1:    d_o = d1;
-        2'd2:    d_o = d2;
+        2'd0: d_o = d0;
+        2'd1: d_o = d1;
+        2'd2: d_o = d2;
         default: d_o = 8'hFF;
       endcase
     end
   end
 
-  generate
-    if (Skip) begin : g_skip
-      logic [15:0] h01, h012;
-      assign h01       = h0 < h1 ? h0 : h1;
-      assign h012      = h01 < h2 ? h01 : h2;
-      assign horizon_o = (rd || wr || rd_q || wr_q) ? 16'd1 : h012;
-    end else begin : g_step
-      logic unused;
-      assign unused    = &{h0, h1, h2};
-      assign horizon_o = 16'd1;
-    end
-  endgenerate
 endmodule
 
 `default_nettype wire

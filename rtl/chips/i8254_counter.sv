@@ -1,118 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// One counter of the 8254: six modes, binary and BCD, latches, status, null count.
-// §4.3.4
-
-`include "mmcs_assert.svh"
-`default_nettype none
-
+// One counter of the 8254: six modes, binary and BCD, latches, status, null count. §4.3.4
+//
 // Order within one clk_i: first the rise of CLK, then its fall, then the bus. So a CLK that comes
 // with the end of a write does not see what was written, and a latch command takes the count and
 // the status as that CLK leaves them.
+`default_nettype none
+`include "mmcs_assert.svh"
+
 module i8254_counter #(
-  parameter bit          Skip        = 1'b0,
-  parameter bit          Gate        = 1'b0,   // see rtl/mmcs.sv
-  parameter bit          NmosRewrite = 1'b1,
+  parameter bit NmosRewrite = 1'b1,            // mode 0: first byte of a rewrite stops counting
   parameter logic [31:0] PowerUpSeed = 32'd0   // 0: all zero; else any state, counting or not
 ) (
-  input  wire logic        clk_i,
-  input  wire logic        rst_ni,
-  // pins
-  input  wire logic        clk_rise_i,
-  input  wire logic        clk_fall_i,
-  input  wire logic        gate_i,
-  output      logic        out_o,
-  output      logic        out_rise_o,      // OUT will rise on this clock
-  output      logic        out_fall_o,
-  // bus: each for one clock
-  input  wire logic        control_i,       // control word in d_i, RW not 00
-  input  wire logic        latch_count_i,
-  input  wire logic        latch_status_i,
-  input  wire logic        write_i,         // a byte of the count in d_i
-  input  wire logic        read_i,          // d_o is looked at; it is 0xFF otherwise
-  input  wire logic        read_end_i,      // a read of d_o has ended
-  input  wire logic [ 7:0] d_i,
-  output      logic [ 7:0] d_o,
-  // skipping and gating
-  input  wire logic        clk_free_i,
-  output      logic        awake_o,         // more than counting happens on this clock
-  input  wire logic [15:0] extra_i,
-  output      logic [15:0] horizon_o
+  input  wire logic       clk_i,
+  input  wire logic       rst_ni,
+  // Pins
+  input  wire logic       clk_rise_i,
+  input  wire logic       clk_fall_i,
+  input  wire logic       gate_i,
+  output logic            out_o,
+  output logic            out_rise_o,      // OUT will rise on this clock
+  output logic            out_fall_o,
+  // Bus: each for one clock
+  input  wire logic       control_i,       // control word in d_i, RW not 00
+  input  wire logic       latch_count_i,
+  input  wire logic       latch_status_i,
+  input  wire logic       write_i,         // a byte of the count in d_i
+  input  wire logic       read_i,          // d_o is looked at; it is 0xFF otherwise
+  input  wire logic       read_end_i,      // a read of d_o has ended
+  input  wire logic [7:0] d_i,
+  output logic      [7:0] d_o
 );
-  localparam logic [5:0] SeedCw = PowerUpSeed == 32'd0 ? 6'd0 : {1'b1, PowerUpSeed[4:0]};
 
-  // ---- state --------------------------------------------------------------------------------------
-  logic [ 1:0] rw_q;         // 01 low byte, 10 high byte, 11 low then high
-  logic [ 2:0] m_q;          // mode as written
-  logic        bcd_q;
-  logic [15:0] written_q;    // count as written; takes part from the next CLK rise on
-  logic [15:0] cr_q;         // count register
-  logic [15:0] ce_q;         // counting element
-  logic [15:0] ol_q;         // output latch
-  logic [ 7:0] low_q;        // first byte of a two-byte write
-  logic [ 7:0] status_q;     // status latch
-  logic        half_write_q, half_read_q;
-  logic        count_latched_q, status_latched_q;
-  logic        armed_q;      // a whole count was written since the control word
-  logic        fresh_q;      // a count waits for a CLK rise
-  logic        ready_q;      // a count waits to be loaded
-  logic        loaded_q;     // CE was loaded since the control word
-  logic        stop_q;       // mode 0: first byte of a rewrite seen
-  logic        odd_q;        // mode 3: parity of N as loaded
-  logic        strobe_q;     // modes 4, 5: the one strobe of this load is still to come
-  logic        gate_q, level_q;        // GATE a clock ago; GATE at the last CLK rise
-  logic        edge_q, trigger_q;      // GATE rose; GATE rise seen by the last CLK rise
-  logic        out_q;
-
-  // ---- mode ---------------------------------------------------------------------------------------
-  logic m0, m1, m2, m3, m4, m5, periodic;
-  assign m0       = m_q == 3'd0;
-  assign m1       = m_q == 3'd1;
-  assign m2       = m_q[1:0] == 2'd2;
-  assign m3       = m_q[1:0] == 2'd3;
-  assign m4       = m_q == 3'd4;
-  assign m5       = m_q == 3'd5;
-  assign periodic = m_q[1];
-
-  // ---- sleep --------------------------------------------------------------------------------------
-  // The same conditions as of skipping, below, with a margin before the end of a count. While they
-  // hold, the counting element is all that changes. live_q counts through the sleep on the free
-  // clock; ce_q, which all logic looks at, stands then and takes the count on the first clock
-  // awake. The board wakes the chip a clock or more before anything happens on its bus.
-  logic        stirs, counts, asleep;
-  logic [15:0] live_q, live_next, ce;
-  assign counts    = loaded_q && !stop_q && (gate_i || m1 || m5);
-  assign live_next = live_q - (m3 ? 16'd2 : 16'd1);
-  assign asleep    = Gate && !stirs && !(counts && ce_q[15:3] == '0);
-  assign awake_o   = stirs || (counts && live_q[15:3] == '0);
-  always_comb begin  // a block, so that a simulator keeps the result
-    stirs = 1'b1;
-    if (clk_rise_i && clk_fall_i) begin
-      stirs = control_i || write_i || latch_count_i || latch_status_i || read_i || read_end_i ||
-              gate_i != gate_q || (!gate_i && periodic && !out_q) || fresh_q || ready_q ||
-              edge_q || trigger_q || level_q != gate_i || (loaded_q && bcd_q) ||
-              ((m4 || m5) && !out_q);
-    end
-  end
-  generate
-    if (Gate) begin : g_gate
-      always_ff @(posedge clk_free_i or negedge rst_ni) begin
-        if (!rst_ni) live_q <= PowerUpSeed[31:16];
-        else if (asleep) begin
-          if (counts) live_q <= live_next;
-        end else if (clk_fall_i) live_q <= ce;
-      end
-    end else begin : g_no_gate
-      assign live_q = ce_q;
-      logic unused_gate;
-      assign unused_gate = ^{clk_free_i, live_next};
-    end
-  endgenerate
-
-  // ---- what this clock does -----------------------------------------------------------------------
-  // n CLK pulses in one step when both edges are there; n is 1 but for skipping.
-  logic [15:0] n, n2;
-  assign n  = (Skip && clk_rise_i) ? extra_i + 16'd1 : 16'd1;
-  assign n2 = {n[14:0], 1'b0};
+  localparam logic [5:0] SeedControl = PowerUpSeed == 32'd0 ? 6'd0 : {1'b1, PowerUpSeed[4:0]};
 
   // A digit above 9, which the data sheet leaves open, counts down like any other.
   function automatic logic [15:0] bcd_minus_1(input logic [15:0] v);
@@ -135,146 +54,179 @@ module i8254_counter #(
     end
   endfunction
 
-  logic        gate_edge;                  // GATE rises
-  logic        trigger, ready;             // what the fall will act on
-  logic [15:0] cr;
-  logic        begin_load, load, count;    // the fall: begins a count, loads CE, counts
-  logic        zero;                       // it counted to 0
-  logic        out;
-  logic        to_m0;
-  assign to_m0     = d_i[3:1] == 3'd0;
-  assign gate_edge = gate_i && !gate_q && armed_q;
+  // --- state ----------------------------------------------------------------------------------
+
+  logic [1:0] rw_q;                      // 01 low byte, 10 high byte, 11 low then high
+  logic [2:0] m_q;                       // mode as written
+  logic bcd_q;
+  logic [15:0] written_q;                // count as written; takes part from the next CLK rise on
+  logic [15:0] cr_d, cr_q;               // count register
+  logic [15:0] ce_d, ce_q;               // counting element
+  logic [15:0] ol_q;                     // output latch
+  logic [7:0] low_q;                     // first byte of a two-byte write
+  logic [7:0] status_q;                  // status latch
+  logic half_write_q, half_read_q;
+  logic count_latched_q, status_latched_q;
+  logic armed_d, armed_q;                // a whole count was written since the control word
+  logic fresh_d, fresh_q;                // a count waits for a CLK rise
+  logic ready_d, ready_q;                // a count waits to be loaded
+  logic loaded_d, loaded_q;              // CE was loaded since the control word
+  logic stop_d, stop_q;                  // mode 0: first byte of a rewrite seen
+  logic odd_d, odd_q;                    // mode 3: parity of N as loaded
+  logic strobe_d, strobe_q;              // modes 4, 5: the one strobe of this load is yet to come
+  logic gate_q, level_d, level_q;        // GATE a clock ago; GATE at the last CLK rise
+  logic edge_d, edge_q;                  // GATE rose
+  logic trigger_d, trigger_q;            // its rise was seen by the last CLK rise
+  logic out_d, out_q;
+
+  logic m0, m1, m2, m3, m4, m5, periodic;
+
+  assign m0 = m_q == 3'd0;
+  assign m1 = m_q == 3'd1;
+  assign m2 = m_q[1:0] == 2'd2;
+  assign m3 = m_q[1:0] == 2'd3;
+  assign m4 = m_q == 3'd4;
+  assign m5 = m_q == 3'd5;
+  assign periodic = m_q[1];
+
+  // --- what this clock does -------------------------------------------------------------------
+
+  logic whole;                    // the byte that is written completes a count
+  logic to_m0;                    // the control word says mode 0
+  logic restart, load, count;     // the fall of CLK: begins a count, loads CE, counts
+  logic zero;                     // it counted to 0
+  logic [15:0] last;              // the count of a period after which CE is loaded again
+
+  assign whole = write_i && (rw_q != 2'b11 || half_write_q);
+  assign to_m0 = d_i[3:1] == 3'd0;
+  // Mode 3 holds one more CLK at zero in the high half of an odd N.
+  assign last = m2 ? 16'd1 : (odd_q && out_q) ? 16'd0 : 16'd2;
 
   always_comb begin
-    trigger    = trigger_q;
-    ready      = ready_q;
-    cr         = cr_q;
-    begin_load = 1'b0;
-    load       = 1'b0;
-    count      = 1'b0;
-    zero       = 1'b0;
-    ce         = ce_q;
-    out        = out_q;
-    if (clk_rise_i && !asleep) begin
-      trigger = edge_q || gate_edge;
+    cr_d      = cr_q;
+    ce_d      = ce_q;
+    armed_d   = armed_q;
+    fresh_d   = fresh_q;
+    ready_d   = ready_q;
+    loaded_d  = loaded_q;
+    stop_d    = stop_q;
+    odd_d     = odd_q;
+    strobe_d  = strobe_q;
+    level_d   = level_q;
+    edge_d    = edge_q || (gate_i && !gate_q && armed_q);
+    trigger_d = trigger_q;
+    out_d     = out_q;
+    restart   = 1'b0;
+    load      = 1'b0;
+    count     = 1'b0;
+    zero      = 1'b0;
+
+    if (clk_rise_i) begin
+      level_d   = gate_i;
+      trigger_d = edge_d;
+      edge_d    = 1'b0;
       if (fresh_q) begin
-        ready = 1'b1;
-        cr    = written_q;
+        cr_d    = written_q;
+        fresh_d = 1'b0;
+        ready_d = 1'b1;
       end
     end
-    if (clk_fall_i && !asleep) begin
-      begin_load = periodic ? trigger || (ready && !loaded_q)
-                 : (m0 || m4) ? ready : trigger;
-      // Mode 3 holds one more CLK at zero in the high half of an odd N.
-      load  = begin_load ||
-              (periodic && loaded_q && (clk_rise_i ? gate_i : level_q) &&
-               ce_q == (m2 ? 16'd1 : (odd_q && out_q) ? n2 - 16'd2 : n2));
-      count = loaded_q && !load && (m1 || m5 || (clk_rise_i ? gate_i : level_q)) && !stop_q;
+
+    if (clk_fall_i) begin
+      if (periodic) restart = trigger_d || (ready_d && !loaded_q);
+      else restart = (m0 || m4) ? ready_d : trigger_d;
+      load  = restart || (periodic && loaded_q && level_d && ce_q == last);
+      count = !load && loaded_q && !stop_q && (level_d || m1 || m5);
       if (load) begin
-        ce = first(m2, m3, cr);
+        ce_d     = first(m2, m3, cr_d);
+        ready_d  = 1'b0;
+        loaded_d = 1'b1;
+        stop_d   = stop_q && half_write_q;  // a first byte stops this count too
+        odd_d    = (cr_d & 16'd1) != 16'd0 && cr_d != 16'd1;
+        strobe_d = 1'b1;
       end else if (count) begin
-        if (bcd_q) ce = m3 ? bcd_minus_1(bcd_minus_1(ce_q)) : bcd_minus_1(ce_q);
-        else ce = ce_q - (m3 ? n2 : n);
-        zero = ce == 16'd0;
+        if (bcd_q) ce_d = m3 ? bcd_minus_1(bcd_minus_1(ce_q)) : bcd_minus_1(ce_q);
+        else ce_d = ce_q - (m3 ? 16'd2 : 16'd1);
+        zero = ce_d == 16'd0;
+        if (zero) strobe_d = 1'b0;
       end
+      trigger_d = 1'b0;
       case (m_q)
-        3'd0:       if (zero && !fresh_q && !half_write_q) out = 1'b1;
-        3'd1:       if (load) out = 1'b0;
-                    else if (zero) out = 1'b1;
-        3'd2, 3'd6: if (load) out = 1'b1;
-                    else if (count && ce == 16'd1) out = 1'b0;
-        3'd3, 3'd7: if (load) out = begin_load || !out_q;
-        default:    out = !(strobe_q && zero);
+        3'd0:       if (zero && !fresh_q && !half_write_q) out_d = 1'b1;
+        3'd1:       if (load) out_d = 1'b0;
+                    else if (zero) out_d = 1'b1;
+        3'd2, 3'd6: if (load) out_d = 1'b1;
+                    else if (count && ce_d == 16'd1) out_d = 1'b0;
+        3'd3, 3'd7: if (load) out_d = restart || !out_q;
+        default:    out_d = !(strobe_q && zero);
       endcase
     end
-    if (!gate_i && periodic) out = 1'b1;
-    if (control_i) out = !to_m0;
-    else if (write_i && m0) out = 1'b0;
-  end
-  assign out_o      = out_q;
-  assign out_rise_o = out && !out_q;
-  assign out_fall_o = !out && out_q;
+    if (!gate_i && periodic) out_d = 1'b1;
 
-  // ---- registers: CLK and GATE --------------------------------------------------------------------
-  logic full_write;  // the byte completes a count
-  assign full_write = write_i && (rw_q != 2'b11 || half_write_q);
+    if (control_i) begin
+      edge_d    = 1'b0;
+      trigger_d = 1'b0;
+      armed_d   = 1'b0;
+      fresh_d   = 1'b0;
+      ready_d   = 1'b0;
+      loaded_d  = 1'b0;
+      stop_d    = 1'b0;
+      odd_d     = 1'b0;
+      out_d     = !to_m0;
+    end else if (write_i) begin
+      if (whole) armed_d = 1'b1;
+      if (whole) fresh_d = 1'b1;
+      else if (m0 && NmosRewrite) stop_d = 1'b1;
+      if (m0) out_d = 1'b0;
+    end
+  end
+
+  assign out_o = out_q;
+  assign out_rise_o = out_d && !out_q;
+  assign out_fall_o = !out_d && out_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      gate_q    <= 1'b1;
-      level_q   <= 1'b0;
-      edge_q    <= 1'b0;
-      trigger_q <= 1'b0;
       cr_q      <= '0;
-      out_q     <= PowerUpSeed[5];
-      odd_q     <= 1'b0;
-      strobe_q  <= 1'b0;
+      ce_q      <= PowerUpSeed[31:16];
       armed_q   <= 1'b0;
       fresh_q   <= 1'b0;
       ready_q   <= 1'b0;
       loaded_q  <= PowerUpSeed[6];
       stop_q    <= 1'b0;
-    end else if (!asleep && (clk_rise_i || clk_fall_i || control_i || write_i ||
-                             gate_i != gate_q || !gate_i)) begin
-      out_q <= out;
-      if (gate_i != gate_q) begin
-        gate_q <= gate_i;
-        if (gate_edge) edge_q <= 1'b1;
-      end
-      if (clk_rise_i) begin
-        level_q   <= gate_i;
-        trigger_q <= trigger;
-        edge_q    <= 1'b0;
-        if (fresh_q) begin
-          cr_q    <= written_q;
-          fresh_q <= 1'b0;
-          ready_q <= 1'b1;
-        end
-      end
-      if (clk_fall_i) begin
-        trigger_q <= 1'b0;
-        if (load) begin
-          ready_q  <= 1'b0;
-          loaded_q <= 1'b1;
-          stop_q   <= stop_q && half_write_q;  // a first byte stops this count too
-          odd_q    <= cr[0] && cr != 16'd1;
-          strobe_q <= 1'b1;
-        end else if (zero) begin
-          strobe_q <= 1'b0;
-        end
-      end
-      if (control_i) begin
-        edge_q    <= 1'b0;
-        trigger_q <= 1'b0;
-        armed_q   <= 1'b0;
-        fresh_q   <= 1'b0;
-        ready_q   <= 1'b0;
-        loaded_q  <= 1'b0;
-        stop_q    <= 1'b0;
-        odd_q     <= 1'b0;
-      end else if (full_write) begin
-        armed_q <= 1'b1;
-        fresh_q <= 1'b1;
-      end else if (write_i && m0 && NmosRewrite) begin
-        stop_q <= 1'b1;
-      end
+      odd_q     <= 1'b0;
+      strobe_q  <= 1'b0;
+      gate_q    <= 1'b1;
+      level_q   <= 1'b0;
+      edge_q    <= 1'b0;
+      trigger_q <= 1'b0;
+      out_q     <= PowerUpSeed[5];
+    end else begin
+      cr_q      <= cr_d;
+      ce_q      <= ce_d;
+      armed_q   <= armed_d;
+      fresh_q   <= fresh_d;
+      ready_q   <= ready_d;
+      loaded_q  <= loaded_d;
+      stop_q    <= stop_d;
+      odd_q     <= odd_d;
+      strobe_q  <= strobe_d;
+      gate_q    <= gate_i;
+      level_q   <= level_d;
+      edge_q    <= edge_d;
+      trigger_q <= trigger_d;
+      out_q     <= out_d;
     end
   end
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) ce_q <= PowerUpSeed[31:16];
-    else if (asleep) begin
-      if (counts) ce_q <= live_next;
-    end else if (clk_fall_i) ce_q <= ce;
-  end
+  // --- bus: formats, latches, bytes -----------------------------------------------------------
 
-  // ---- registers: bus -----------------------------------------------------------------------------
   logic null_count;
-  assign null_count = !(loaded_q || load) || (fresh_q && !clk_rise_i) || (ready && !load);
+  assign null_count = !loaded_d || fresh_d || ready_d;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      {rw_q, m_q, bcd_q} <= SeedCw;
+      {rw_q, m_q, bcd_q} <= SeedControl;
       written_q          <= '0;
       low_q              <= '0;
       ol_q               <= '0;
@@ -292,7 +244,7 @@ module i8254_counter #(
       status_latched_q   <= 1'b0;
     end else if (write_i) begin
       case (rw_q)
-        2'b10:   written_q <= {d_i, 8'h00};
+        2'b10: written_q <= {d_i, 8'h00};
         2'b11: begin
           half_write_q <= !half_write_q;
           if (half_write_q) written_q <= {d_i, low_q};
@@ -302,11 +254,11 @@ module i8254_counter #(
       endcase
     end else if (latch_count_i || latch_status_i) begin
       if (latch_count_i && !count_latched_q) begin
-        ol_q            <= ce;
+        ol_q            <= ce_d;
         count_latched_q <= 1'b1;
       end
       if (latch_status_i && !status_latched_q) begin
-        status_q         <= {out, null_count, rw_q, m_q, bcd_q};
+        status_q         <= {out_d, null_count, rw_q, m_q, bcd_q};
         status_latched_q <= 1'b1;
       end
     end else if (read_end_i) begin
@@ -321,51 +273,21 @@ module i8254_counter #(
     end
   end
 
-  logic        high_byte;
+  logic high_byte;
   logic [15:0] readable;
+
   assign high_byte = rw_q == 2'b10 || (rw_q == 2'b11 && half_read_q);
-  assign readable  = count_latched_q ? ol_q : ce_q;
-  assign d_o       = !read_i ? 8'hFF
-                   : status_latched_q ? status_q : high_byte ? readable[15:8] : readable[7:0];
+  assign readable = count_latched_q ? ol_q : ce_q;
+  assign d_o = !read_i ? 8'hFF
+             : status_latched_q ? status_q : high_byte ? readable[15:8] : readable[7:0];
 
-  // ---- skipping -----------------------------------------------------------------------------------
-  // Single edges come from another module, whose horizon covers them. Pulses on every clock count
-  // down to the next change of OUT or reload; BCD and anything under way goes clock by clock.
-  generate
-    if (Skip) begin : g_skip
-      logic [15:0] half;
-      logic        load_soon;  // the next CLK loads a waiting count, not a trigger or a reload
-      assign half = {1'b0, ce_q[15:1]};
-      assign load_soon = m0 || m4 || (periodic && !loaded_q);
-      always_comb begin
-        horizon_o = 16'hFFFF;
-        if (control_i || write_i || latch_count_i || latch_status_i || read_end_i ||
-            gate_i != gate_q || (!gate_i && periodic && !out_q)) begin
-          horizon_o = 16'd1;
-        end else if (clk_rise_i && clk_fall_i) begin
-          if (fresh_q || (ready_q && load_soon) || edge_q || trigger_q || level_q != gate_i)
-            horizon_o = 16'd1;
-          else if (!loaded_q) horizon_o = 16'hFFFF;
-          else if (bcd_q || ((m4 || m5) && !out_q)) horizon_o = 16'd1;
-          else if (stop_q || (!gate_i && !m1 && !m5)) horizon_o = 16'hFFFF;
-          else if (m2) horizon_o = ce_q == 16'd1 ? 16'd1 : ce_q - 16'd1;
-          else if (m3 && odd_q && out_q) horizon_o = half + 16'd1;
-          else if (m3) horizon_o = ce_q == 16'd0 ? 16'h8000 : half;
-          else if ((m0 || m1) && out_q) horizon_o = 16'hFFFF;
-          else if ((m4 || m5) && !strobe_q) horizon_o = 16'hFFFF;
-          else horizon_o = ce_q == 16'd0 ? 16'hFFFF : ce_q;
-        end
-      end
-    end else begin : g_step
-      logic unused;
-      assign unused    = ^extra_i;
-      assign horizon_o = 16'd1;
-    end
-  endgenerate
+  `MMCS_ASSERT(WaitingWasWritten, !(fresh_q || ready_q) || armed_q,
+               "a count can wait only once it was written")
+  `MMCS_ASSERT(TriggerAfterCount, !(edge_q || trigger_q) || armed_q,
+               "there is no trigger before a count")
+  `MMCS_ASSERT(Mode3CountsEven, !(m3 && loaded_q && armed_q && !bcd_q) || !ce_q[0],
+               "mode 3 counts even numbers")
 
-  `MMCS_ASSERT(a_armed, !(fresh_q || ready_q) || armed_q, "a count can wait only once written")
-  `MMCS_ASSERT(a_trigger, !(edge_q || trigger_q) || armed_q, "no trigger before a count")
-  `MMCS_ASSERT(a_even, !(m3 && loaded_q && armed_q && !bcd_q) || !ce_q[0], "mode 3 counts evens")
 endmodule
 
 `default_nettype wire

@@ -1,182 +1,157 @@
 // SPDX-License-Identifier: Apache-2.0
-// THCT2000: 16-bit encoder counter with direction discriminator, latch and 8-bit bus.
-// §5.3.2
-
-`include "mmcs_assert.svh"
+// THCT2000: 16-bit encoder counter with direction discriminator, latch and 8-bit bus. §5.3.2
+//
+// A 16-bit value crosses the 8-bit bus as one sample. The byte address read first after a reset
+// becomes the snapshot address: a read of it samples the value, the other byte comes from there.
+// Likewise the byte written first after a reset waits for the other, which stores both.
 `default_nettype none
+`include "mmcs_require.svh"
 
 module thct2000 #(
-  parameter bit Skip   = 1'b0,
-  parameter bit Sleeps = 1'b0,  // asleep_i is connected
-  parameter int Filter = 0      // further equal samples an input must show, 0 to 3
+  parameter int Filter = 0  // further equal samples an input must show, 0 to 3
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
-  // pins
+  // Pins
   input  wire logic        reset_i,    // RESET DRV
   input  wire logic        clk_en_i,   // a tick of the chip's CLK
   input  wire logic [ 2:0] m_i,        // mode
   input  wire logic        a_i,        // encoder, asynchronous
   input  wire logic        b_i,
   input  wire logic        latch_i,    // a rising edge latches the count on the same clock
-  input  wire logic        asleep_i,   // all pins but clk_en_i at rest long since
-  // bus
+  // Bus
   input  wire logic        cs_ni,
   input  wire logic        rd_ni,
   input  wire logic        wr_ni,
   input  wire logic        rs_i,       // 0 = high byte, 1 = low byte
   input  wire logic [ 7:0] d_i,
-  output      logic [ 7:0] d_o,
-  output      logic        d_oe_o,
-  // debug
-  output      logic [15:0] count_o,
-  output      logic        illegal_o,  // sticky until reset: both inputs changed at once
-  // skipping
-  input  wire logic [15:0] extra_i,
-  output      logic [15:0] horizon_o
+  output logic      [ 7:0] d_o,
+  output logic             d_oe_o,
+  // Debugging
+  output logic      [15:0] count_o,
+  output logic             illegal_o   // sticky until reset: both inputs changed at once
 );
-  localparam logic [2:0] ModeHold      = 3'd0;  // counting off
-  localparam logic [2:0] ModeX1Low     = 3'd1;  // edges of A while B is 0
-  localparam logic [2:0] ModeX1High    = 3'd2;  // edges of A while B is 1
-  localparam logic [2:0] ModeX2A       = 3'd3;  // both edges of A
-  localparam logic [2:0] ModeX2B       = 3'd4;  // both edges of B
-  localparam logic [2:0] ModeX4        = 3'd5;  // all edges
-  localparam logic [2:0] ModeInterval  = 3'd6;  // CLK ticks while A is 1
+
+  `MMCS_REQUIRE(ReqFilter, Filter >= 0 && Filter <= 3, "thct2000: Filter must be 0 to 3")
+
+  localparam logic [2:0] ModeHold = 3'd0;       // counting off
+  localparam logic [2:0] ModeX1Low = 3'd1;      // edges of A while B is 0
+  localparam logic [2:0] ModeX1High = 3'd2;     // edges of A while B is 1
+  localparam logic [2:0] ModeX2A = 3'd3;        // both edges of A
+  localparam logic [2:0] ModeX2B = 3'd4;        // both edges of B
+  localparam logic [2:0] ModeX4 = 3'd5;         // all edges
+  localparam logic [2:0] ModeInterval = 3'd6;   // CLK ticks while A is 1
   localparam logic [2:0] ModeFrequency = 3'd7;  // rises of A while B is 1
 
-  // ---- inputs: two flip-flops, the filter, and the previous state --------------------------------
+  // --- inputs: two flip-flops, the filter, and the tick before --------------------------------
+
   logic [1:0] in, s1_q, s2_q, now, prev_q;  // {A, B}
-  logic       moving;                       // some stage differs from the next
-  logic       now_a;
+  logic a, b, a_prev, b_prev;
 
-  assign in    = {a_i, b_i};
-  assign now_a = now[1];
+  assign in = {a_i, b_i};
+  assign {a, b} = now;
+  assign {a_prev, b_prev} = prev_q;
 
-  generate
-    if (Filter == 0) begin : g_direct
-      assign now    = s2_q;
-      always_comb begin
-        moving = 1'b0;
-        if (!(Sleeps && asleep_i)) moving = in != s1_q || s1_q != s2_q || now != prev_q;
-      end
-    end else begin : g_filter
-      // `now` takes over an input that differed for Filter + 1 ticks running, each on its own.
-      logic [1:0] kept_q;
-      logic [1:0] run_a_q, run_b_q;
-      assign now[1] = (s2_q[1] != kept_q[1] && run_a_q == Filter[1:0]) ? s2_q[1] : kept_q[1];
-      assign now[0] = (s2_q[0] != kept_q[0] && run_b_q == Filter[1:0]) ? s2_q[0] : kept_q[0];
-      assign moving = in != s1_q || s1_q != s2_q || s2_q != kept_q || now != prev_q ||
-                      run_a_q != 2'd0 || run_b_q != 2'd0;
-      always_ff @(posedge clk_i or negedge rst_ni) begin
-        if (!rst_ni) begin
-          kept_q  <= '0;
-          run_a_q <= '0;
-          run_b_q <= '0;
-        end else if (clk_en_i && moving) begin
-          kept_q  <= now;
-          run_a_q <= s2_q[1] == now[1] ? 2'd0 : run_a_q + 2'd1;
-          run_b_q <= s2_q[0] == now[0] ? 2'd0 : run_b_q + 2'd1;
-        end
-      end
-    end
-    if (Filter < 0 || Filter > 3) begin : g_bad
-      initial $fatal(1, "thct2000: Filter must be 0 to 3");
-    end
-  endgenerate
-
-  // ---- decode: what a tick does to the count ------------------------------------------------------
-  // Functions, so that nothing is decoded while the inputs are still.
-  function automatic logic is_step(input logic [2:0] m);  // the modes that count steps of A and B
-    is_step = m != ModeHold && m != ModeInterval && m != ModeFrequency;
-  endfunction
-
-  function automatic logic is_illegal(input logic [2:0] m, input logic [1:0] to,
-                                      input logic [1:0] from);
-    is_illegal = is_step(m) && to[1] != from[1] && to[0] != from[0];
-  endfunction
-
-  // A leads B counts up.
-  function automatic logic [15:0] change(input logic [2:0] m, input logic [1:0] to,
-                                         input logic [1:0] from);
-    logic edge_a, edge_b, up;  // up is meant for exactly one edge
-    begin
-      edge_a = to[1] != from[1];
-      edge_b = to[0] != from[0];
-      up     = edge_a == (to[1] != to[0]);
-      change = 16'd0;
-      case (m)
-        ModeInterval:  change[0] = to[1];
-        ModeFrequency: change[0] = edge_a && to == 2'b11;
-        ModeX1Low, ModeX1High, ModeX2A, ModeX2B, ModeX4: begin
-          if (edge_a != edge_b && (m == ModeX4 || (m == ModeX2B ? edge_b : edge_a)) &&
-              !(m == ModeX1Low && to[0]) && !(m == ModeX1High && !to[0])) begin
-            change = up ? 16'd1 : 16'hFFFF;
-          end
-        end
-        default: ;  // ModeHold
-      endcase
-    end
-  endfunction
-
-  // The gate of modes 6 and 7 closes: the count goes to the latch.
-  function automatic logic gate_closes(input logic [2:0] m, input logic [1:0] to,
-                                       input logic [1:0] from);
-    gate_closes = (m == ModeInterval && from[1] && !to[1]) ||
-                  (m == ModeFrequency && from[0] && !to[0]);
-  endfunction
-
-  // ---- bus ----------------------------------------------------------------------------------------
-  // A 16-bit value crosses the 8-bit bus as one sample. The byte address read first after a reset
-  // becomes the snapshot address: a read of it samples the value, the other byte comes from there.
-  // Likewise the byte written first after a reset waits for the other, which stores both.
-  logic        rd, wr, rd_q, wr_q;
-  logic        rd_seen_q, rd_snap_q, wr_seen_q, wr_first_q;
-  logic        rs_q;
-  logic [ 7:0] d_q, held_q;
-  logic        take;        // this clock begins a read at the snapshot address
-  logic [15:0] shown;       // to a read: a fresh sample or what is left of the last
-  logic [15:0] snap_q;
-  logic [15:0] count_q, latch_q;
-  logic        latched_q, latch_in_q, illegal_q;
-
-  assign rd     = !cs_ni && !rd_ni;
-  assign wr     = !cs_ni && !wr_ni;
-  assign d_oe_o = rd;
-
-  always_comb begin
-    take  = 1'b0;
-    shown = snap_q;
-    if (rd) begin
-      take = !rd_q && (!rd_seen_q || rs_i == rd_snap_q);
-      if (take) shown = latched_q ? latch_q : count_q;
-    end
-  end
-  assign d_o = !rd ? 8'hFF : rs_i ? shown[7:0] : shown[15:8];
-
-  // ---- registers ----------------------------------------------------------------------------------
-  // All of them behind one condition: a still encoder on an idle bus costs a simulator no more. A
-  // board that knows that nothing stirs says so by asleep_i and spares even the condition.
-  logic awake;
-  always_comb begin
-    awake = 1'b0;
-    if (!(Sleeps && asleep_i)) begin
-      awake = moving || !cs_ni || rd_q || wr_q || latch_i != latch_in_q || reset_i ||
-              (m_i == ModeInterval && now_a);
-    end
-  end
-
-  // When skipping, one edge carries standing inputs through the flip-flops, in the modes where nothing
-  // but the count follows from them.
-  logic carries;
-  assign carries = Filter == 0 && m_i < ModeInterval;
-
-  // The latch takes the count as it stood before this clock. A write wins over a count. A latch on
-  // the clock of a snapshot belongs to the next one.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      s1_q       <= '0;
-      s2_q       <= '0;
-      prev_q     <= '0;
+      s1_q   <= '0;
+      s2_q   <= '0;
+      prev_q <= '0;
+    end else if (clk_en_i) begin
+      s1_q   <= in;
+      s2_q   <= s1_q;
+      prev_q <= now;
+    end
+  end
+
+  if (Filter == 0) begin : g_direct
+    assign now = s2_q;
+  end else begin : g_filter
+    // `now` takes over an input that differed for Filter + 1 ticks running, each on its own.
+    logic [1:0] kept_q, run_a_q, run_b_q;
+
+    assign now[1] = (s2_q[1] != kept_q[1] && run_a_q == 2'(Filter)) ? s2_q[1] : kept_q[1];
+    assign now[0] = (s2_q[0] != kept_q[0] && run_b_q == 2'(Filter)) ? s2_q[0] : kept_q[0];
+
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) begin
+        kept_q  <= '0;
+        run_a_q <= '0;
+        run_b_q <= '0;
+      end else if (clk_en_i) begin
+        kept_q  <= now;
+        run_a_q <= s2_q[1] == now[1] ? 2'd0 : run_a_q + 2'd1;
+        run_b_q <= s2_q[0] == now[0] ? 2'd0 : run_b_q + 2'd1;
+      end
+    end
+  end
+
+  // --- what a tick does to the count ----------------------------------------------------------
+
+  logic a_edge, b_edge, up;     // up is meant for exactly one edge: A leads B
+  logic by_steps, counted;      // the mode counts steps of A and B; this one
+  logic illegal, gate_closes;   // both at once; the gate of modes 6 and 7
+  logic [15:0] change;
+
+  assign a_edge = a != a_prev;
+  assign b_edge = b != b_prev;
+  assign up = a_edge == (a != b);
+  assign by_steps = m_i != ModeHold && m_i != ModeInterval && m_i != ModeFrequency;
+  assign illegal = by_steps && a_edge && b_edge;
+
+  always_comb begin
+    case (m_i)
+      ModeX1Low: counted = a_edge && !b_edge && !b;
+      ModeX1High: counted = a_edge && !b_edge && b;
+      ModeX2A: counted = a_edge && !b_edge;
+      ModeX2B: counted = b_edge && !a_edge;
+      ModeX4: counted = a_edge != b_edge;
+      ModeInterval: counted = a;
+      ModeFrequency: counted = a_edge && a && b;
+      default: counted = 1'b0;  // ModeHold
+    endcase
+  end
+
+  assign change = !counted ? 16'd0 : (by_steps && !up) ? 16'hFFFF : 16'd1;
+  assign gate_closes = (m_i == ModeInterval && a_prev && !a) ||
+                       (m_i == ModeFrequency && b_prev && !b);
+
+  // --- bus ------------------------------------------------------------------------------------
+
+  logic rd, wr, rd_q, wr_q;
+  logic rd_seen_q, rd_snap_q;   // a byte was read since the reset; the first one's address
+  logic wr_seen_q, wr_first_q;  // the same of writes
+  logic rs_q;                   // the write under way
+  logic [7:0] d_q, held_q;
+  logic sample;                 // this clock begins a read at the snapshot address
+  logic wr_end, wr_whole;       // a write ends; it is the second byte of two
+  logic [15:0] shown, snap_q;
+  logic [15:0] count_d, count_q, latch_q;
+  logic latch_in_q, latched_q, illegal_q;
+
+  assign rd = !cs_ni && !rd_ni;
+  assign wr = !cs_ni && !wr_ni;
+  assign sample = rd && !rd_q && (!rd_seen_q || rs_i == rd_snap_q);
+  assign shown = !sample ? snap_q : latched_q ? latch_q : count_q;
+  assign wr_end = wr_q && !wr;
+  assign wr_whole = wr_end && wr_seen_q && rs_q != wr_first_q;
+
+  assign d_oe_o = rd;
+  assign d_o = !rd ? 8'hFF : rs_i ? shown[7:0] : shown[15:8];
+
+  // --- count, latch and snapshot --------------------------------------------------------------
+
+  // A write wins over a count.
+  always_comb begin
+    count_d = count_q;
+    if (clk_en_i) count_d = gate_closes ? 16'd0 : count_q + change;
+    if (wr_whole) count_d = wr_first_q ? {d_q, held_q} : {held_q, d_q};
+  end
+
+  // The latch takes the count as it stood before this clock. One on the clock of a snapshot belongs
+  // to the next snapshot.
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
       rd_q       <= 1'b0;
       wr_q       <= 1'b0;
       rs_q       <= 1'b0;
@@ -192,12 +167,7 @@ module thct2000 #(
       latch_in_q <= 1'b0;
       illegal_q  <= 1'b0;
       count_q    <= '0;
-    end else if (awake) begin
-      if (clk_en_i) begin
-        s1_q   <= in;
-        s2_q   <= s1_q;
-        prev_q <= now;
-      end
+    end else begin
       rd_q       <= rd;
       wr_q       <= wr;
       latch_in_q <= latch_i;
@@ -215,63 +185,30 @@ module thct2000 #(
         illegal_q <= 1'b0;
         count_q   <= '0;
       end else begin
-        if (take) begin
+        count_q <= count_d;
+        if (clk_en_i && illegal) illegal_q <= 1'b1;
+        if (sample) begin
           snap_q    <= shown;
           rd_seen_q <= 1'b1;
           rd_snap_q <= rs_i;
           latched_q <= 1'b0;
         end
-        if ((latch_i && !latch_in_q) || (clk_en_i && gate_closes(m_i, now, prev_q))) begin
+        if ((latch_i && !latch_in_q) || (clk_en_i && gate_closes)) begin
           latch_q   <= count_q;
           latched_q <= 1'b1;
         end
-        if (clk_en_i) begin
-          if (is_illegal(m_i, now, prev_q)) illegal_q <= 1'b1;
-          count_q <= gate_closes(m_i, now, prev_q) ? 16'd0 : count_q + change(m_i, now, prev_q);
-        end
-        if (Skip && extra_i != '0 && moving && clk_en_i) begin
-          s2_q   <= in;
-          prev_q <= extra_i == 16'd1 ? s1_q : in;
-          if (extra_i == 16'd1) begin
-            if (is_illegal(m_i, s1_q, s2_q)) illegal_q <= 1'b1;
-            count_q <= count_q + change(m_i, s2_q, prev_q) + change(m_i, s1_q, s2_q);
-          end else begin
-            if (is_illegal(m_i, s1_q, s2_q) || is_illegal(m_i, in, s1_q)) illegal_q <= 1'b1;
-            count_q <= count_q + change(m_i, s2_q, prev_q) + change(m_i, s1_q, s2_q) +
-                       change(m_i, in, s1_q);
-          end
-        end
-        if (wr_q && !wr) begin
-          if (!wr_seen_q || rs_q == wr_first_q) begin
-            held_q     <= d_q;
-            wr_seen_q  <= 1'b1;
-            wr_first_q <= rs_q;
-          end else begin
-            count_q <= wr_first_q ? {d_q, held_q} : {held_q, d_q};
-          end
+        if (wr_end && !wr_whole) begin
+          held_q     <= d_q;
+          wr_seen_q  <= 1'b1;
+          wr_first_q <= rs_q;
         end
       end
     end
   end
 
-  assign count_o   = count_q;
+  assign count_o = count_q;
   assign illegal_o = illegal_q;
 
-  // ---- skipping: a bus that stands leaves nothing to do, but modes 6 and 7 look at every tick -----
-  generate
-    if (Skip) begin : g_skip
-      logic acts;  // more happens than that registers take what they hold
-      assign acts = awake && ((moving && !carries) || rd != rd_q || wr != wr_q ||
-                              (wr && {rs_i, d_i} != {rs_q, d_q}) || latch_i != latch_in_q ||
-                              reset_i || (m_i == ModeInterval && now_a));
-      assign horizon_o = acts ? 16'd1 : 16'hFFFF;
-      `MMCS_ASSERT(a_skip, !acts || extra_i == '0, "a busy counter is stepped clock by clock")
-    end else begin : g_step
-      logic unused;
-      assign unused    = ^{extra_i, carries};
-      assign horizon_o = 16'd1;
-    end
-  endgenerate
 endmodule
 
 `default_nettype wire

@@ -16,18 +16,20 @@ module decode (
   output logic      [ 1:0] dac_lo_o,
   output logic      [ 1:0] dac_hi_o,
   output logic             adc_read_o,
-  output logic             sw_latch_o,  // software latch: this card's, or that of all cards
-  output logic             busy_o       // a command is low, whoever it is for
+  output logic             sw_latch_o   // software latch: this card's, or that of all cards
 );
 
   localparam logic [13:0] CardMask = 14'h03E0;
   localparam logic [13:0] DipMask = 14'h3C00;
 
-  logic ours, board;
+  logic command, board, ours;
   logic [4:0] register;
 
   assign register = pc_a_i[4:0];
-  assign busy_o = ~(pc_ior_ni & pc_iow_ni);
+  assign command = ~(pc_ior_ni & pc_iow_ni);
+  assign board = command && !pc_aen_i &&
+                 (pc_a_i & CardMask) == {4'b0000, mmcs_regs_pkg::CARD_SELECT, 5'b00000};
+  assign ours = board && (pc_a_i & DipMask) == {dip_i, 10'b0};
 
   always_comb begin
     ppi_cs_no  = 1'b1;
@@ -36,30 +38,22 @@ module decode (
     dac_hi_o   = 2'b00;
     adc_read_o = 1'b0;
     sw_latch_o = 1'b0;
-    board = 1'b0;
-    ours  = 1'b0;
-    if (busy_o) begin
-      board = !pc_aen_i && (pc_a_i & CardMask) == {4'b0000, mmcs_regs_pkg::CARD_SELECT, 5'b00000};
-      ours  = (pc_a_i & DipMask) == {dip_i, 10'b0};
-    end
-    if (board) begin
-      if (register == mmcs_regs_pkg::CARD_LATCH_ALL) sw_latch_o = 1'b1;
-      if (ours) begin
-        case (register)
-          mmcs_regs_pkg::CARD_PPI_A, mmcs_regs_pkg::CARD_PPI_B, mmcs_regs_pkg::CARD_PPI_C,
-          mmcs_regs_pkg::CARD_PPI_CONTROL: ppi_cs_no = 1'b0;
-          mmcs_regs_pkg::CARD_ENC1_MSB, mmcs_regs_pkg::CARD_ENC1_LSB: enc_cs_no[0] = 1'b0;
-          mmcs_regs_pkg::CARD_ENC2_MSB, mmcs_regs_pkg::CARD_ENC2_LSB: enc_cs_no[1] = 1'b0;
-          mmcs_regs_pkg::CARD_DAC1_LO: dac_lo_o[0] = ~pc_iow_ni;
-          mmcs_regs_pkg::CARD_DAC1_HI: dac_hi_o[0] = ~pc_iow_ni;
-          mmcs_regs_pkg::CARD_DAC2_LO: dac_lo_o[1] = ~pc_iow_ni;
-          mmcs_regs_pkg::CARD_DAC2_HI: dac_hi_o[1] = ~pc_iow_ni;
-          mmcs_regs_pkg::CARD_ADC1_LO, mmcs_regs_pkg::CARD_ADC2_LO,
-          mmcs_regs_pkg::CARD_ADC_HI: adc_read_o = ~pc_ior_ni;
-          mmcs_regs_pkg::CARD_LATCH: sw_latch_o = 1'b1;
-          default: ;
-        endcase
-      end
+    if (board && register == mmcs_regs_pkg::CARD_LATCH_ALL) sw_latch_o = 1'b1;
+    if (ours) begin
+      case (register)
+        mmcs_regs_pkg::CARD_PPI_A, mmcs_regs_pkg::CARD_PPI_B, mmcs_regs_pkg::CARD_PPI_C,
+        mmcs_regs_pkg::CARD_PPI_CONTROL: ppi_cs_no = 1'b0;
+        mmcs_regs_pkg::CARD_ENC1_MSB, mmcs_regs_pkg::CARD_ENC1_LSB: enc_cs_no[0] = 1'b0;
+        mmcs_regs_pkg::CARD_ENC2_MSB, mmcs_regs_pkg::CARD_ENC2_LSB: enc_cs_no[1] = 1'b0;
+        mmcs_regs_pkg::CARD_DAC1_LO: dac_lo_o[0] = ~pc_iow_ni;
+        mmcs_regs_pkg::CARD_DAC1_HI: dac_hi_o[0] = ~pc_iow_ni;
+        mmcs_regs_pkg::CARD_DAC2_LO: dac_lo_o[1] = ~pc_iow_ni;
+        mmcs_regs_pkg::CARD_DAC2_HI: dac_hi_o[1] = ~pc_iow_ni;
+        mmcs_regs_pkg::CARD_ADC1_LO, mmcs_regs_pkg::CARD_ADC2_LO,
+        mmcs_regs_pkg::CARD_ADC_HI: adc_read_o = ~pc_ior_ni;
+        mmcs_regs_pkg::CARD_LATCH: sw_latch_o = 1'b1;
+        default: ;
+      endcase
     end
   end
 

@@ -9,7 +9,6 @@ module latch #(
 ) (
   input  wire logic clk_i,
   input  wire logic rst_ni,
-  input  wire logic asleep_i,       // nothing can have changed
   input  wire logic sclock_i,
   input  wire logic sw_latch_i,
   // Port B
@@ -17,37 +16,26 @@ module latch #(
   input  wire logic dac_double_i,
   // One clock each
   output logic      latch_o,        // encoders latch, A/Ds start
-  output logic      dac_update_o,   // D/A outputs take what was written
-  output logic      settled_o
+  output logic      dac_update_o    // D/A outputs take what was written
 );
 
   logic sclock_q, sw_latch_q;
-  logic sclock_rise, sw_rise;
+  logic sclock_rise, sw_latch_rise;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       sclock_q   <= 1'b1;
       sw_latch_q <= 1'b0;
-    end else if (!settled_o) begin
+    end else begin
       sclock_q   <= sclock_i;
       sw_latch_q <= sw_latch_i;
     end
   end
 
-  always_comb begin
-    sclock_rise  = 1'b0;
-    sw_rise      = 1'b0;
-    latch_o      = 1'b0;
-    dac_update_o = 1'b0;
-    settled_o    = 1'b1;
-    if (!asleep_i) begin
-      settled_o    = (sclock_i == sclock_q) && (sw_latch_i == sw_latch_q);
-      sclock_rise  = sclock_i & ~sclock_q & sclock_en_i;
-      sw_rise      = sw_latch_i & ~sw_latch_q;
-      latch_o      = sclock_rise | sw_rise;
-      dac_update_o = dac_double_i & (sclock_rise | (sw_rise & SoftLatchDac));
-    end
-  end
+  assign sclock_rise = sclock_i & ~sclock_q & sclock_en_i;
+  assign sw_latch_rise = sw_latch_i & ~sw_latch_q;
+  assign latch_o = sclock_rise | sw_latch_rise;
+  assign dac_update_o = dac_double_i & (sclock_rise | (sw_latch_rise & SoftLatchDac));
 
 endmodule
 

@@ -13,8 +13,7 @@ module mmcs_soc #(
   parameter int AdcConvNs = 25_000,
   parameter int RelayUs = 1_000,
   parameter int HeartbeatUs = 50_000,
-  parameter bit RandomPowerUp = 1'b0,
-  parameter bit Gate = 1'b0             // see rtl/mmcs.sv; cpu_clk_i may then be withheld, too
+  parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   cpu_clk_i,
@@ -45,36 +44,15 @@ module mmcs_soc #(
   input  wire logic [ 2*NumCards-1:0] enc_b_i,
   input  wire logic [ 2*NumCards-1:0] enc_i_i,
   input  wire logic [ 2*NumCards-1:0] axis_enable_i,
+  input  wire logic [ 4*NumCards-1:0] dip_i,
   input  wire logic [32*NumCards-1:0] adc_v_i,
   output logic      [32*NumCards-1:0] drive_v_o,
-  output logic      [11*NumCards-1:0] card_leds_o,
-  // Faults; all 0 in health
-  input  wire logic                   bus_error_i,        // accesses to the adaptor fail
-  output logic                        bus_error_taken_o,  // one clock: this one did
-  input  wire logic                   irq_open_i,         // interrupts do not reach the core
-  input  wire logic [   NumCards-1:0] card_absent_i,
-  input  wire logic [ 4*NumCards-1:0] dip_xor_i,
-  input  wire logic [   NumCards-1:0] sclock_open_i,
-  input  wire logic [   NumCards-1:0] panic_open_i,
-  input  wire logic [24*NumCards-1:0] dac_stuck1_i,
-  input  wire logic [24*NumCards-1:0] dac_stuck0_i,
-  input  wire logic [ 2*NumCards-1:0] adc_stuck_i,
-  input  wire logic                   irq_lost_i,
-  // Gating; left open and ignored if Gate = 0
-  input  wire logic                   clk_adaptor_i,
-  input  wire logic                   clk_cards_i,
-  output logic                        adaptor_awake_o,
-  output logic                        cards_awake_o,
-  output logic                        cpu_awake_o
+  output logic      [11*NumCards-1:0] card_leds_o
 );
-
-  logic clk_adaptor;
-  assign clk_adaptor = Gate ? clk_adaptor_i : clk_i;
 
   logic hp_req, hp_write, hp_ack;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata;
-  logic machine_awake, host_awake;
 
   soc_host #(
     .ClkHz(ClkHz),
@@ -82,27 +60,19 @@ module mmcs_soc #(
     .InitFile(InitFile),
     .TimeoutClks(16 * (ClkHz / 1_000_000))
   ) u_host (
-    .clk_i(clk_adaptor),
-    .clk_free_i(clk_i),
-    .cpu_clk_i, .rst_ni, .run_i,
+    .clk_i, .cpu_clk_i, .rst_ni, .run_i,
     .box_req_i, .box_write_i, .box_a_i, .box_wdata_i, .box_ack_o, .box_rdata_o,
     .ring_i, .report_valid_o, .report_o, .report_take_i,
-    .irq_i(led_irq_o && !irq_open_i),
+    .irq_i(led_irq_o),
     .hp_req_o(hp_req),
     .hp_write_o(hp_write),
     .hp_a_o(hp_a),
     .hp_wdata_o(hp_wdata),
     .hp_ack_i(hp_ack),
-    .hp_rdata_i(hp_rdata),
-    .fault_i(bus_error_i),
-    .fault_taken_o(bus_error_taken_o),
-    .awake_o(host_awake),
-    .cpu_awake_o
+    .hp_rdata_i(hp_rdata)
   );
 
-  assign adaptor_awake_o = machine_awake || host_awake;
-
-  /* verilator lint_off PINCONNECTEMPTY */  // no VME, no expansion card, no skipping
+  /* verilator lint_off PINCONNECTEMPTY */  // no VME, no expansion card
   mmcs #(
     .NumCards(NumCards),
     .ClkHz(ClkHz),
@@ -110,8 +80,7 @@ module mmcs_soc #(
     .RelayUs(RelayUs),
     .HeartbeatUs(HeartbeatUs),
     .RandomPowerUp(RandomPowerUp),
-    .HostPort(1'b1),
-    .Gate(Gate)
+    .HostPort(1'b1)
   ) u_mmcs (
     .clk_i, .rst_ni,
     .vme_a_i('0),
@@ -130,7 +99,7 @@ module mmcs_soc #(
     .vme_irq_no(),
     .vme_sysreset_ni(sysreset_ni),
     .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .panic_o, .sclock_o, .led_irq_o,
-    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .adc_v_i, .drive_v_o, .card_leds_o,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
     .pcx_a_o(),
     .pcx_d_o(),
     .pcx_ior_no(),
@@ -143,19 +112,12 @@ module mmcs_soc #(
     .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0),
     .pcx_irq_i('0),
-    .card_absent_i, .dip_xor_i, .sclock_open_i, .panic_open_i,
-    .dac_stuck1_i, .dac_stuck0_i, .adc_stuck_i, .irq_lost_i,
     .hp_req_i(hp_req),
     .hp_write_i(hp_write),
     .hp_a_i(hp_a),
     .hp_wdata_i(hp_wdata),
     .hp_ack_o(hp_ack),
-    .hp_rdata_o(hp_rdata),
-    .clk_adaptor_i, .clk_cards_i,
-    .adaptor_awake_o(machine_awake),
-    .cards_awake_o,
-    .skip_extra_i('0),
-    .skip_horizon_o()
+    .hp_rdata_o(hp_rdata)
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

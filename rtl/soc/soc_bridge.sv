@@ -25,7 +25,6 @@ module soc_bridge #(
   output logic             done_o,     // one clock, with rdata_o and err_o
   output logic      [31:0] rdata_o,
   output logic             err_o,
-  output logic             awake_o,
   // Adaptor's clock
   input  wire logic        far_clk_i,
   input  wire logic        far_rst_ni,
@@ -35,10 +34,7 @@ module soc_bridge #(
   output logic      [10:1] hp_a_o,
   output logic      [ 7:0] hp_wdata_o,
   input  wire logic        hp_ack_i,
-  input  wire logic [ 7:0] hp_rdata_i,
-  input  wire logic        fault_i,    // accesses end in an error and reach nothing
-  output logic             fault_taken_o, // one clock: this one did
-  output logic             far_awake_o
+  input  wire logic [ 7:0] hp_rdata_i
 );
 
   localparam int TimerWidth = $clog2(TimeoutClks + 1);
@@ -69,14 +65,13 @@ module soc_bridge #(
     end
   end
 
-  logic far_req, finish, cross_far_awake;
+  logic far_req, finish;
 
   soc_cross u_cross (
-    .clk_i, .rst_ni, .start_i, .busy_o, .done_o, .awake_o,
+    .clk_i, .rst_ni, .start_i, .busy_o, .done_o,
     .far_clk_i, .far_rst_ni,
     .far_req_o(far_req),
-    .far_finish_i(finish),
-    .far_awake_o(cross_far_awake)
+    .far_finish_i(finish)
   );
 
   // --- adaptor's side ---------------------------------------------------------------------
@@ -88,18 +83,17 @@ module soc_bridge #(
   logic expired;
 
   assign expired = (timer_q == TimerWidth'(TimeoutClks));
-  // A request is refused at once, timed out, answered at the host port, or is for the clock.
+  // A request is timed out, answered at the host port, or is for the clock.
   always_comb begin
     finish = 1'b0;
     if (far_req) begin
       case (state_q)
-        StIdle: finish = fault_i || clock_q || expired;  // spent waiting: it reaches nothing
+        StIdle: finish = clock_q || expired;  // spent waiting: it reaches nothing
         StAccess: finish = hp_ack_i || expired;
         default: finish = clock_q || expired;
       endcase
     end
   end
-  assign fault_taken_o = far_req && fault_i && !clock_q && (state_q == StIdle);
 
   always_ff @(posedge far_clk_i or negedge far_rst_ni) begin
     if (!far_rst_ni) begin
@@ -137,7 +131,6 @@ module soc_bridge #(
 
   assign rdata_o = answer_q;
   assign err_o = err_q;
-  assign far_awake_o = cross_far_awake || state_q != StIdle || timer_q != '0;
 
 endmodule
 

@@ -24,15 +24,12 @@ module soc_cpu (
   input  wire logic [31:0] data_rdata_i,
   input  wire logic        data_err_i,
   input  wire logic        irq_external_i,
-  input  wire logic        irq_software_i,
-  output logic             sleep_o         // in WFI, nothing is under way
+  input  wire logic        irq_software_i
 );
 
   logic [4:0] rf_raddr_a, rf_raddr_b, rf_waddr;
   logic rf_we;
   logic [31:0] rf_wdata, rf_rdata_a, rf_rdata_b;
-  logic irq_pending, busy_q;
-  ibex_pkg::ibex_mubi_t busy;
 
   /* verilator lint_off PINCONNECTEMPTY */  // no debugger, no cache, no integrity codes, no alerts
   ibex_core #(
@@ -84,7 +81,7 @@ module soc_cpu (
     .irq_external_i,
     .irq_fast_i('0),
     .irq_nm_i(1'b0),
-    .irq_pending_o(irq_pending),
+    .irq_pending_o(),
     .debug_req_i(1'b0),
     .crash_dump_o(),
     .double_fault_seen_o(),
@@ -92,7 +89,7 @@ module soc_cpu (
     .alert_minor_o(),
     .alert_major_internal_o(),
     .alert_major_bus_o(),
-    .core_busy_o(busy)
+    .core_busy_o()
   );
 
   ibex_register_file_fpga u_registers (
@@ -111,15 +108,6 @@ module soc_cpu (
     .err_o()
   );
   /* verilator lint_on PINCONNECTEMPTY */
-
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) busy_q <= 1'b0;
-    else busy_q <= busy[0];
-  end
-  assign sleep_o = !busy_q && !irq_pending;
-
-  logic unused;
-  assign unused = ^busy[3:1];
 
 endmodule
 

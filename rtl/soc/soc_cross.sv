@@ -14,13 +14,11 @@ module soc_cross (
   input  wire logic start_i,      // one clock; only while busy_o is 0
   output logic      busy_o,       // from the clock after start_i to that of done_o
   output logic      done_o,       // one clock: the answer stands
-  output logic      awake_o,      // the flip-flops of this side will change
   // The side that serves
   input  wire logic far_clk_i,
   input  wire logic far_rst_ni,
   output logic      far_req_o,    // a request waits, until the clock after finish
-  input  wire logic far_finish_i, // one clock
-  output logic      far_awake_o
+  input  wire logic far_finish_i  // one clock
 );
 
   logic ask_q, answer_q;        // each side's own flip-flop; equal: nothing is under way
@@ -45,7 +43,6 @@ module soc_cross (
 
   assign busy_o = busy_q;
   assign done_o = busy_q && (answer_sync_q[1] == ask_q);
-  assign awake_o = (answer_sync_q != {2{answer_q}}) || done_o;
 
   always_ff @(posedge far_clk_i or negedge far_rst_ni) begin
     if (!far_rst_ni) begin
@@ -58,7 +55,6 @@ module soc_cross (
   end
 
   assign far_req_o = (ask_sync_q[1] != answer_q);
-  assign far_awake_o = (ask_sync_q != {2{ask_q}}) || far_req_o;
 
   `MMCS_ASSERT(OneAtATime, !(start_i && busy_q), "a request starts only when the last is answered")
 

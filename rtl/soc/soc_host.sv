@@ -15,7 +15,6 @@ module soc_host #(
   parameter int TimeoutClks = 128
 ) (
   input  wire logic        clk_i,
-  input  wire logic        clk_free_i,     // clk_i without gaps (rtl/mmcs.sv, "gating")
   input  wire logic        cpu_clk_i,
   input  wire logic        rst_ni,
   // Window: memory, one word at a time, while the processor runs or not. a is held until ack.
@@ -37,12 +36,7 @@ module soc_host #(
   output logic      [10:1] hp_a_o,
   output logic      [ 7:0] hp_wdata_o,
   input  wire logic        hp_ack_i,
-  input  wire logic [ 7:0] hp_rdata_i,
-  input  wire logic        fault_i,        // accesses to the adaptor end in a bus error
-  output logic             fault_taken_o,
-  // For gating: the next edge matters
-  output logic             awake_o,        // of clk_i
-  output logic             cpu_awake_o     // of cpu_clk_i
+  input  wire logic [ 7:0] hp_rdata_i
 );
 
   localparam int RamWidth = $clog2(RamWords);
@@ -50,8 +44,6 @@ module soc_host #(
   localparam logic [31:4] ControlPage = 28'h00F0000;
   localparam int ClkMHz = ClkHz / 1_000_000;
   localparam int PreWidth = $clog2(ClkMHz + 1);
-  // A core that waits for a slow answer has nothing left to fetch or compute after so many clocks.
-  localparam logic [3:0] SettleClks = 4'd15;
 
   // --- resets and lines into the processor's clock ----------------------------------------
 
@@ -60,8 +52,6 @@ module soc_host #(
   logic ring_far_q;                  // flips with each ring
   logic rst_first_q, cpu_rst_n, core_rst_nq, doorbell_q;
   logic slow_q;
-  logic up_q;                        // the reset is over on this side, too
-  logic started_q;                   // and the core has left its own: until then it seems asleep
 
   always_ff @(posedge cpu_clk_i or negedge rst_ni) begin
     if (!rst_ni) {cpu_rst_n, rst_first_q} <= '0;
@@ -81,11 +71,7 @@ module soc_host #(
       ring_q      <= '0;
       core_rst_nq <= 1'b0;
       doorbell_q  <= 1'b0;
-      up_q        <= 1'b0;
-      started_q   <= 1'b0;
     end else begin
-      up_q      <= 1'b1;
-      started_q <= core_rst_nq;
       run_q  <= {run_q[0], run_i};
       irq_q  <= {irq_q[0], irq_i};
       ring_q <= {ring_q[1:0], ring_far_q};
@@ -98,7 +84,7 @@ module soc_host #(
 
   // --- processor --------------------------------------------------------------------------
 
-  logic instr_req, instr_rvalid_q, instr_err_q, sleep;
+  logic instr_req, instr_rvalid_q, instr_err_q;
   logic [31:0] instr_addr, instr_rdata;
   logic data_req, data_gnt, data_rvalid, data_we, data_err;
   logic [3:0] data_be;
@@ -122,8 +108,7 @@ module soc_host #(
     .data_rdata_i(data_rdata),
     .data_err_i(data_err),
     .irq_external_i(irq_q[1]),
-    .irq_software_i(doorbell_q),
-    .sleep_o(sleep)
+    .irq_software_i(doorbell_q)
   );
 
   // --- memory -----------------------------------------------------------------------------
@@ -175,8 +160,8 @@ module soc_host #(
   logic good;                        // memory, or a register that answers at once
   logic whole, is_reg, is_control, accepted;
   logic quick_q, quick_err_q;        // an answer in this clock
-  logic bridge_done, bridge_err, bridge_awake, bridge_busy, bridge_far_awake;
-  logic report_done, report_awake, report_busy, report_far_awake, report_far_req;
+  logic bridge_done, bridge_err, bridge_busy;
+  logic report_done, report_busy, report_far_req;
   logic [31:0] bridge_rdata;
 
   assign whole = (data_be == 4'hF) || (data_be == 4'h1);
@@ -225,7 +210,7 @@ module soc_host #(
   logic [PreWidth-1:0] pre_q;
   logic [31:0] us_q;
 
-  always_ff @(posedge clk_free_i or negedge rst_ni) begin
+  always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       pre_q <= '0;
       us_q  <= '0;
@@ -251,13 +236,10 @@ module soc_host #(
     .done_o(bridge_done),
     .rdata_o(bridge_rdata),
     .err_o(bridge_err),
-    .awake_o(bridge_awake),
     .far_clk_i(clk_i),
     .far_rst_ni(rst_ni),
     .us_i(us_q),
-    .hp_req_o, .hp_write_o, .hp_a_o, .hp_wdata_o, .hp_ack_i, .hp_rdata_i,
-    .fault_i, .fault_taken_o,
-    .far_awake_o(bridge_far_awake)
+    .hp_req_o, .hp_write_o, .hp_a_o, .hp_wdata_o, .hp_ack_i, .hp_rdata_i
   );
 
   // --- reports ----------------------------------------------------------------------------
@@ -276,19 +258,17 @@ module soc_host #(
     .start_i(report_start),
     .busy_o(report_busy),
     .done_o(report_done),
-    .awake_o(report_awake),
     .far_clk_i(clk_i),
     .far_rst_ni(rst_ni),
     .far_req_o(report_far_req),
-    .far_finish_i(report_far_req && report_take_i),
-    .far_awake_o(report_far_awake)
+    .far_finish_i(report_far_req && report_take_i)
   );
 
   assign report_valid_o = report_far_req;
 
   // --- window -----------------------------------------------------------------------------
 
-  logic box_start, box_busy, box_done, box_awake, box_far_awake;
+  logic box_start, box_busy, box_done;
 
   // not in the clock of its ack: the request there is still the old one
   assign box_start = box_req_i && !box_busy && !box_ack_o;
@@ -314,12 +294,10 @@ module soc_host #(
     .start_i(box_start),
     .busy_o(box_busy),
     .done_o(box_done),
-    .awake_o(box_awake),
     .far_clk_i(cpu_clk_i),
     .far_rst_ni(cpu_rst_n),
     .far_req_o(box_far_req),
-    .far_finish_i(box_used_q),
-    .far_awake_o(box_far_awake)
+    .far_finish_i(box_used_q)
   );
 
   always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
@@ -335,27 +313,6 @@ module soc_host #(
   logic unused;
   assign unused = ^{bridge_busy, report_busy, box_a_i[31:RamWidth+2], instr_addr[1:0],
                     data_addr[1:0]};
-
-  // --- gating -----------------------------------------------------------------------------
-
-  logic [3:0] waited_q;
-  logic lines_move, core_awake;
-
-  assign lines_move = !up_q || run_q != {2{run_i}} || irq_q != {2{irq_i}} ||
-                      ring_q != {3{ring_far_q}} || core_rst_nq != run_q[1] ||
-                      started_q != core_rst_nq;
-
-  always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
-    if (!cpu_rst_n) waited_q <= '0;
-    else if (!slow_q || lines_move || box_far_req) waited_q <= '0;
-    else if (waited_q != SettleClks) waited_q <= waited_q + 1'b1;
-  end
-
-  assign core_awake = core_rst_nq && !sleep && !(slow_q && waited_q == SettleClks);
-  assign cpu_awake_o = lines_move || core_awake || quick_q || bridge_awake || report_awake ||
-                       box_far_awake || box_used_q;
-  assign awake_o = bridge_far_awake || report_far_awake || box_awake || box_busy || box_req_i ||
-                   box_ack_o || ring_i;
 
 endmodule
 

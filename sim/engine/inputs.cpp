@@ -35,13 +35,15 @@ const Input kInputs[] = {
     // so many of the next bus cycles end in BERR*
     {"bus_error", Action::kBusError, Scope::kGlobal, Pin::kCount, 1000000, false},
     // a particle flips these bits of a register, once
-    {"seu_encoder", Action::kUpset, Scope::kAxis, Pin::kCount, 65535, false, Register::kEncoder},
-    {"seu_dac_input", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, Register::kDacRank1},
-    {"seu_dac_output", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, Register::kDacRank2},
-    {"seu_index_latch", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, Register::kIndexLatch},
-    {"seu_heartbeat", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, Register::kHeartbeat},
-    {"seu_pccsr", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false, Register::kPccsr},
-    {"seu_vector", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false, Register::kVector},
+    {"seu_encoder", Action::kUpset, Scope::kAxis, Pin::kCount, 65535, false, "u_encoder.count_q"},
+    {"seu_dac_input", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, "u_dac.rank1_q"},
+    {"seu_dac_output", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, "u_dac.rank2_q"},
+    {"seu_index_latch", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, "index_latch_q"},
+    {"seu_heartbeat", Action::kUpset, Scope::kAxis, Pin::kCount, 1, false, "u_heartbeat.run_q"},
+    {"seu_pccsr", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false,
+     "u_adaptor.u_core.u_pccsr.csr_q"},
+    {"seu_vector", Action::kUpset, Scope::kGlobal, Pin::kCount, 255, false,
+     "u_adaptor.u_core.vector_q"},
 };
 const int kInputCount = sizeof kInputs / sizeof kInputs[0];
 

@@ -15,9 +15,9 @@ struct Input {
   Action action;
   Scope scope;
   Pin pin;
-  unsigned mask;  // values allowed: 0..mask
-  bool inverted;  // the pin is 1 when the value is 0 (healthy at 1)
-  Register reg = Register::kNone;
+  unsigned mask;              // values allowed: 0..mask
+  bool inverted;              // the pin is 1 when the value is 0 (healthy at 1)
+  const char *reg = nullptr;  // that is upset: its path, from the axis or from mmcs down
 };
 
 // The machine's inputs, kInputCount of them.

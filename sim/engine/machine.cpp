@@ -43,13 +43,44 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   sample_angles_.resize(static_cast<size_t>(axes_));
   for (int axis = 0; axis < axes_; ++axis) {
     const unsigned pins = plant_->pins(axis);
-    model_->set_encoder(axis, pins);
+    model_->pins().set_encoder(axis, pins);
     sample_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
   }
 }
 
 int64_t Machine::clocks(double seconds) const {
   return clocks_up(seconds);
+}
+
+// Of an upset "seu.<register>", its register; else -1.
+static int register_of(int input) {
+  static const int first = [] {
+    int n = kInputCount;
+    while (Plant::input_name(n - kInputCount)) ++n;
+    return n;
+  }();
+  return input < first || input - first >= static_cast<int>(registers().size()) ? -1
+                                                                                : input - first;
+}
+
+const char *Machine::input_name(int input) {
+  static const std::vector<std::string> upsets = [] {
+    std::vector<std::string> names;
+    for (const Register &r : registers()) names.push_back("seu." + r.name);
+    return names;
+  }();
+  if (input < 0) return nullptr;
+  if (input < kInputCount) return kInputs[input].name;
+  const int reg = register_of(input);
+  return reg >= 0 ? upsets[static_cast<size_t>(reg)].c_str()
+                  : Plant::input_name(input - kInputCount);
+}
+
+// The register that an upset of this name hits.
+static std::string upset_path(const Input &input, int index) {
+  if (input.scope != Scope::kAxis) return input.reg;
+  return "g_card[" + std::to_string(index / 2) + "].u_card.g_axis[" + std::to_string(index % 2) +
+         "].u_axis." + input.reg;
 }
 
 // One step of physics: the drive of this instant acts for the whole step, whose edges are then
@@ -61,7 +92,7 @@ void Machine::plant_step() {
     drive_[static_cast<size_t>(axis)] = drive * (10.0 / 32768.0);
     trail_.add(static_cast<uint64_t>(static_cast<uint16_t>(drive)));
     const int16_t volts = to_pin(plant_->adc_volts(axis));
-    model_->set(Pin::kAdcV, axis, static_cast<uint16_t>(volts));
+    model_->pins().set(Pin::kAdcV, axis, static_cast<uint16_t>(volts));
   }
   const unsigned lines = model_->lines();
   const bool amp_enable = !(config_.amp_panic_cut && (lines & kLinePanic));
@@ -98,7 +129,7 @@ void Machine::apply_due() {
   if (clock_ >= next_step_) plant_step();
   while (next_edge_ < edges_.size() && step_start_ + edges_[next_edge_].clk <= clock_) {
     const PinEdge &edge = edges_[next_edge_++];
-    model_->set_encoder(edge.axis, edge.a | edge.b << 1u | edge.i << 2u);
+    model_->pins().set_encoder(edge.axis, edge.a | edge.b << 1u | edge.i << 2u);
   }
 }
 
@@ -159,7 +190,11 @@ std::string Machine::check_event(const mmcs_event &event) const {
   if (event.input < 0) return "no such input";
   if (!std::isfinite(event.value)) return "its value is not a number";
   if (event.input >= kInputCount) {
-    if (!Plant::input_name(event.input - kInputCount)) return "no such input";
+    if (!input_name(event.input)) return "no such input";
+    if (const int reg = register_of(event.input); reg >= 0) {
+      const double limit = std::ldexp(1.0, registers()[static_cast<size_t>(reg)].width);
+      return event.value >= 0 && event.value < limit ? "" : "value out of range";
+    }
     if (event.index < -1 || event.index >= axes_) return "no such axis";
     return "";
   }
@@ -183,10 +218,13 @@ void Machine::add_event(const mmcs_event &event) {
 void Machine::apply(const mmcs_event &event) {
   char text[100];
   const bool machine = event.input < kInputCount;
-  const char *name =
-      machine ? kInputs[event.input].name : Plant::input_name(event.input - kInputCount);
+  const char *name = input_name(event.input);
   std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
   note("fault", !machine || kInputs[event.input].scope == Scope::kAxis ? event.index : -1, text);
+  if (const int reg = register_of(event.input); reg >= 0) {
+    model_->upset(reg, static_cast<uint64_t>(event.value));
+    return;
+  }
   if (!machine) {
     plant_->set_input(event.input - kInputCount, event.index, event.value);
     return;
@@ -195,7 +233,7 @@ void Machine::apply(const mmcs_event &event) {
   const unsigned value = static_cast<unsigned>(event.value);
   switch (input.action) {
     case Action::kPin:
-      model_->set(input.pin, event.index, input.inverted ? value ^ 1u : value);
+      model_->pins().set(input.pin, event.index, input.inverted ? value ^ 1u : value);
       break;
     case Action::kStall:
       stalled_until_ = clock_ + clocks_up(event.value * 1e-3);
@@ -205,7 +243,7 @@ void Machine::apply(const mmcs_event &event) {
       model_->soc_errors(value);
       break;
     case Action::kUpset:
-      model_->upset(input.reg, event.index, value);
+      model_->upset(find_register(upset_path(input, event.index)), value);
       break;
   }
 }

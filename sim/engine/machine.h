@@ -43,6 +43,8 @@ class Machine {
   const Model &model() const { return *model_; }
   const Plant &plant() const { return *plant_; }
 
+  // Named inputs of the machine, then of the plant, then an upset of each register; or null.
+  static const char *input_name(int input);
   void add_event(const mmcs_event &event);
   // "" or why the event is impossible.
   std::string check_event(const mmcs_event &event) const;

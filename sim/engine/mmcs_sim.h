@@ -200,6 +200,11 @@ int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment);
 int mmcs_sim_start_motion(mmcs_sim *sim, int client);
 /* Named inputs: NULL past the last. Events are in simulated time from t = 0. */
 const char *mmcs_sim_input_name(int32_t input);
+/* Every register of the hardware: its name from rtl/mmcs.sv down, or NULL; its bits; its value now.
+ * The input "seu.<name>" flips bits of it. */
+const char *mmcs_sim_register_name(int32_t reg);
+int32_t mmcs_sim_register_width(int32_t reg);
+uint64_t mmcs_sim_register(mmcs_sim *sim, int32_t reg);
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event);
 
 /* Runs until simulated time t (s). 0, or -1 when the model raised an assertion (see the notes). */

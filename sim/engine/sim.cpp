@@ -183,9 +183,7 @@ int mmcs_sim_start_motion(mmcs_sim *sim, int client) {
 }
 
 const char *mmcs_sim_input_name(int32_t input) {
-  if (input < 0) return nullptr;
-  return input < mmcs::kInputCount ? mmcs::kInputs[input].name
-                                   : mmcs::Plant::input_name(input - mmcs::kInputCount);
+  return mmcs::Machine::input_name(input);
 }
 
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
@@ -270,6 +268,18 @@ int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis) {
 int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis) {
   if (!sim || axis < 0 || axis >= 2 * mmcs::Model::cards()) return 0;
   return sim->machine.model().encoder_register(axis);
+}
+
+const char *mmcs_sim_register_name(int32_t reg) {
+  return reg < 0 || static_cast<size_t>(reg) >= mmcs::registers().size()
+             ? nullptr
+             : mmcs::registers()[static_cast<size_t>(reg)].name.c_str();
+}
+int32_t mmcs_sim_register_width(int32_t reg) {
+  return mmcs_sim_register_name(reg) ? mmcs::registers()[static_cast<size_t>(reg)].width : 0;
+}
+uint64_t mmcs_sim_register(mmcs_sim *sim, int32_t reg) {
+  return sim && mmcs_sim_register_name(reg) ? sim->machine.model().read(reg) : 0;
 }
 
 int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n) {

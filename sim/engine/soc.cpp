@@ -75,7 +75,7 @@ void Soc::step(int64_t limit) {
   const bool stalled = machine_.clock() < machine_.stalled_until();
   if (stalled != irq_open_) {
     irq_open_ = stalled;
-    model.set(Pin::kIrqOpen, 0, stalled);
+    model.pins().set(Pin::kIrqOpen, 0, stalled);
   }
   if (stalled) limit = std::min(limit, machine_.stalled_until());
   if (limit > machine_.clock()) machine_.advance(limit - machine_.clock(), Watch::kReport);

@@ -20,7 +20,7 @@ VmeBus::VmeBus(Machine &machine, double timeout_us)
     : machine_(machine), timeout_clks_(machine.clocks((timeout_us > 0 ? timeout_us : 16) * 1e-6)) {}
 
 void VmeBus::release() {
-  machine_.model().vme_release();
+  machine_.model().pins().vme_release();
   machine_.advance(kReleaseClks, Watch::kDtackHigh);
   machine_.advance(1, Watch::kNothing);
 }
@@ -37,9 +37,9 @@ BusResult VmeBus::fail(BusResult result, uint32_t address) {
 BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
   Model &model = machine_.model();
   ++cycles_;
-  model.vme_address(c.address, c.am, c.write, false, c.data);
+  model.pins().vme_address(c.address, c.am, c.write, false, c.data);
   machine_.advance(1, Watch::kNothing);
-  model.vme_strobe(c.ds, false);
+  model.pins().vme_strobe(c.ds, false);
   if (machine_.take_bus_error()) {
     machine_.advance(kInjectedErrorClks, Watch::kNothing);
     release();
@@ -89,11 +89,11 @@ BusResult VmeBus::acknowledge(int level, uint8_t *vector) {
   Model &model = machine_.model();
   const uint32_t address = static_cast<uint32_t>(level) << 1;
   ++cycles_;
-  model.vme_address(address, kAmAcknowledge, false, false, 0xFFFF);
+  model.pins().vme_address(address, kAmAcknowledge, false, false, 0xFFFF);
   machine_.advance(1, Watch::kNothing);
-  model.vme_strobe(1, true);
+  model.pins().vme_strobe(1, true);
   machine_.advance(1, Watch::kNothing);
-  model.vme_iackin(true);
+  model.pins().vme_iackin(true);
   const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
   *vector = static_cast<uint8_t>(model.vme_sample());
   machine_.trail().add(static_cast<uint64_t>(machine_.clock()) << 8 | (answered ? *vector : 0u));

@@ -170,7 +170,7 @@ class Remote:
 
     def __init__(self, machine: Machine):
         self.machine = machine
-        library = ensure_library(machine.cards, "speed", skip=machine.skip)
+        library = ensure_library(machine.cards, "speed")
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs, machine, library), daemon=True)

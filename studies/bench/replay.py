@@ -23,11 +23,11 @@ from studies.bench.machines import LEAST_CPU_S, Machine, start
 CARDS, LOAD = 3, "typical"
 RECORD_S = 0.012  # of which 3.4 ms until the motion starts
 FOLDER = BUILD / "bench" / "replay"
-MACHINE = "TOP.mmcs_sim_top.u_mmcs."
+MACHINE = "TOP.mmcs."
 OUTPUTS = ("vme_d_o", "vme_d_oe_o", "vme_dtack_no", "vme_iackout_no", "vme_irq_no",
            "brake_release_o", "panic_o", "sclock_o", "led_irq_o", "drive_v_o",
            "card_leds_o")  # fmt: skip
-IGNORED = ("clk_i", "rst_ni", "clk_adaptor_i", "clk_cards_i", "skip_extra_i")
+IGNORED = ("clk_i", "rst_ni")
 MASK = (1 << 64) - 1
 MOST_RUNS = 5  # of one simulator in a measurement
 PS_PER_CLOCK = 125_000
@@ -175,7 +175,6 @@ module bench_replay;
   mmcs #(.NumCards(%(cards)d)) u_mmcs (
     .clk_i(clk), .rst_ni(rst_n),
 %(pins)s
-    .clk_adaptor_i(clk), .clk_cards_i(clk), .skip_extra_i(16'd0)
   );
 
   initial begin
@@ -328,7 +327,7 @@ def _fill(traffic: Traffic) -> dict:
         "inputs": inputs, "digits": -(-inputs // 4), "entry": 32 + 4 * -(-inputs // 4),
         "in_words": -(-inputs // 32) + 1, "outputs": outputs, "words": words,
         "padded": 64 * words, "changes": traffic.changes, "cards": CARDS, "reset": RESET_CLKS,
-        "pins": "\n".join(f"    {p}" for p in pins),
+        "pins": "\n".join(f"    {p}" for p in pins).rstrip(","),
         "drive": "\n".join(f"    {d}" for d in drive),
         "collect": "\n".join(f"      {c}" for c in collect),
     }  # fmt: skip

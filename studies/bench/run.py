@@ -150,7 +150,7 @@ class Whole:
 
     def __init__(self, skip: bool):
         self.machine = Machine(replay.CARDS, skip)
-        self.library = ensure_library(self.machine.cards, "speed", skip=skip)
+        self.library = ensure_library(self.machine.cards, "speed")
 
     def clocks_per_s(self) -> float:
         from mmcs.engine.sim import Sim

@@ -39,12 +39,12 @@ def library(machine: Machine) -> Path:
     cxx, cc = env.get("CXX", "g++"), env.get("CC", "cc")
     command = ["make", "-s", "-f", "sim/Makefile", f"B={place.relative_to(ROOT)}",
                f"CXX={cxx} -g1", f"CC={cc} -g1", f"CARDS={machine.cards}", "KIND=speed",
-               f"SKIP={int(machine.skip)}"]  # fmt: skip
+               ]  # fmt: skip
     done = subprocess.run(command, cwd=ROOT, env=env, text=True, capture_output=True, check=False)
     found = sorted(place.glob("*/libmmcs_sim.so"), key=lambda p: p.stat().st_mtime)
     if done.returncode or not found:
         raise RuntimeError(f"the measuring build failed: {done.stderr.strip()[-300:]}")
-    suffix = f"speed_c{machine.cards}{'_skip' if machine.skip else ''}"
+    suffix = f"speed_c{machine.cards}"
     named = [p for p in found if p.parent.name == suffix]
     return (named or found)[-1]
 

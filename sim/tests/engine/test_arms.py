@@ -79,7 +79,7 @@ def energy_speed(motors, links):
 
 
 def test_random_arms():
-    chance, library = random.Random(1989), ensure_library(1, "speed", skip=True)
+    chance, library = random.Random(1989), ensure_library(1, "speed")
     seen, differ = {}, 0
     for _ in range(ARMS):
         motors, links = random_arm(chance)
@@ -123,7 +123,7 @@ LINK = {"alpha": 0.0, "a": 0.3, "d": 0.0, "theta0": 0.0, "mass": 2.0, "com": [-0
     ({"v_supply": 40.0, "resistance": 1e-4}, {}, "axis 1: the winding brakes faster"),
 ])  # fmt: skip
 def test_what_explodes_is_refused(motor, link, why):
-    library = ensure_library(1, "speed", skip=True)
+    library = ensure_library(1, "speed")
     arguments = CONFIG, [flexible(stiffness=0.0, damping=0.0), flexible(**motor)], [
         LINK, LINK | link]  # fmt: skip
     if why is None:
@@ -135,7 +135,7 @@ def test_what_explodes_is_refused(motor, link, why):
 
 def test_angle_and_encoder_are_of_one_instant():
     """The log's angle is that of the SCLOCK edge, as the encoder is."""
-    library = ensure_library(1, "speed", skip=True)
+    library = ensure_library(1, "speed")
     motor = {"inertia": 1e-4, "km": 0.1, "resistance": 1.0, "amp_gain": 1.0, "gear": 1.0,
              "counts_per_rev": 8000, "viscous": 1e-5}  # fmt: skip
     config = CONFIG | {"axes": 1, "links": 0, "gravity": [0.0] * 3}

@@ -61,7 +61,7 @@ def test_one_eval_equals_two():
 @pytest.mark.req("API-1")
 def test_skipping_equals_plain_clocking(monkeypatch):
     """Far fewer evaluations, the same hash: of samples, bus cycles to the clock, registers."""
-    library = ensure_library(1, "speed", skip=True)
+    library = ensure_library(1, "speed")
     monkeypatch.setattr(machines, "ensure_library", lambda *_: library)
     plain, skipped = run_step(skip=0), run_step(skip=1)
     assert skipped[0] == plain[0]

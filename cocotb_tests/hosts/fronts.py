@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One way to each front: rd(offset), wr(offset, value) by the offsets of the VME window, and raw().
+
+The masters are packages that others wrote, so that both sides of a handshake are not ours.
+"""
+
+import logging
+
+from cocotb.triggers import RisingEdge
+from cocotbext.apb import ApbBus, ApbMaster
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster
+from cocotbext.wishbone.driver import WBOp, WishboneMaster
+
+from cocotb_tests.lib.tb import Tb
+from cocotb_tests.lib.vme import VmeBus, VmeMaster
+
+VME, AXIL, WB, WB_PIPELINED, APB, WB_BYTES, APB_BYTES = range(7)
+NAMES = ("VME", "AXI4-Lite", "Wishbone classic", "Wishbone pipelined", "APB",
+         "Wishbone classic, 8 bits", "APB, 8 bits")  # fmt: skip
+PREFIX = {WB: "wb", WB_PIPELINED: "wbp", WB_BYTES: "wb8", APB: "apb", APB_BYTES: "apb8"}
+
+
+class Refused(Exception):
+    """The bus's own error."""
+
+
+WB_PINS = {"cyc": "cyc_i", "stb": "stb_i", "we": "we_i", "adr": "adr_i", "sel": "sel_i",
+           "datwr": "dat_i", "datrd": "dat_o", "ack": "ack_o", "err": "err_o"}  # fmt: skip
+clocks: list = []  # of this test: they start once, however many fronts follow
+
+
+class Front(Tb):
+    """The bench behind the master of its front."""
+
+    limit_ms = 200
+
+    def __init__(self, dut, front: int):
+        super().__init__(dut)
+        self.front, self.width = front, 8 if front in (WB_BYTES, APB_BYTES) else 32
+
+    async def start(self) -> None:
+        dut, front = self.dut, self.front
+        if not clocks:
+            clocks.append(True)
+            await super().start()
+        self.inputs_idle()
+        dut.rst_ni.value = 0
+        for name in ("awvalid", "wvalid", "arvalid", "bready", "rready"):
+            getattr(dut, f"s_axil_{name}").value = 0
+        for name in ("apb", "apb8"):
+            getattr(dut, f"{name}_psel").value = 0
+            getattr(dut, f"{name}_penable").value = 0
+        dut.front_i.value, dut.axis_enable_i.value = front or AXIL, 3
+        self.enc = self.encoders(2)
+        await self.clocks(4)
+        dut.rst_ni.value = 1
+        await self.clocks(4)
+        prefix = PREFIX.get(front)
+        if front == VME:
+            self.vme = VmeMaster(VmeBus.from_prefix(dut, "vme"))
+        elif front == AXIL:
+            bus = AxiLiteBus.from_prefix(dut, "s_axil")
+            self.axil = AxiLiteMaster(bus, dut.clk_i, dut.rst_ni, reset_active_level=False)
+        elif front in (APB, APB_BYTES):
+            self.apb = ApbMaster(ApbBus.from_prefix(dut, prefix), dut.clk_i)
+            self.apb.return_int = True
+            self.apb.log.setLevel(logging.WARNING)
+        else:
+            pins = WB_PINS | ({"stall": "stall_o"} if front == WB_PIPELINED else {})
+            self.wb = WishboneMaster(
+                dut, prefix, dut.clk_i, timeout=200, width=self.width, signals_dict=pins
+            )
+        await self.clocks(4)
+
+    async def raw(self, address: int, value: int | None = None, strobe: int | None = None) -> int:
+        """An access as the bus has it: byte address, byte lanes; Refused if it ends in an error."""
+        whole = (1 << self.width // 8) - 1
+        lanes = whole if strobe is None else strobe
+        if self.front == AXIL:
+            return await self._axil(address, value, lanes)
+        if self.front in (APB, APB_BYTES):
+            return await self._apb(address, value, lanes)
+        (result,) = await self.wb.send_cycle([WBOp(address, value, sel=lanes)])
+        if result.ack == 2:
+            raise Refused
+        return int(result.datrd) if value is None else 0
+
+    async def _axil(self, address: int, value: int | None, lanes: int) -> int:
+        if value is None:
+            got = await self.axil.read(address, 4)
+            if got.resp:
+                raise Refused(got.resp.name)
+            return int.from_bytes(got.data, "little")
+        low = (lanes & -lanes).bit_length() - 1 if lanes else 0
+        data = value.to_bytes(4, "little")[: lanes.bit_length() - low or 1]
+        done = await self.axil.write(address + low, data)
+        if done.resp:
+            raise Refused(done.resp.name)
+        return 0
+
+    async def _apb(self, address: int, value: int | None, lanes: int) -> int:
+        # The package compares with what is expected, in a coroutine of its own, and fails the test.
+        expected = self.expects_error(address, lanes, value is not None)
+        if value is None:
+            got = await self.apb.read(address, error_expected=expected)
+        else:
+            got = await self.apb.write(address, value, strb=lanes, error_expected=expected)
+        await RisingEdge(self.dut.clk_i)
+        if expected:
+            raise Refused("PSLVERR")
+        return got or 0
+
+    def expects_error(self, address: int, lanes: int, write: bool) -> bool:
+        """What the documentation says of an access."""
+        if self.width == 8:
+            return address >= 1 << 11 or address % 2 == 0
+        bad = write and lanes not in (0, 1, 15)
+        return address >= 1 << 12 or address % 4 != 0 or bad
+
+    def place(self, offset: int) -> int:
+        """Byte address of the register at this offset of the VME window."""
+        return offset if self.width == 8 else offset // 2 * 4
+
+    async def rd(self, offset: int) -> int:
+        if self.front == VME:
+            return await self.vme.read(0x6000 | offset)
+        return await self.raw(self.place(offset))
+
+    async def wr(self, offset: int, value: int) -> None:
+        if self.front == VME:
+            await self.vme.write(0x6000 | offset, value)
+        else:
+            await self.raw(self.place(offset), value)

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// One Verilated board: its registers and ports by name, and the ways to evaluate it.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "verilated.h"
+
+class VerilatedFstC;
+
+namespace mmcs {
+
+// A variable of a model, as long as a machine word at most.
+struct Net {
+  char *at = nullptr;
+  int bytes = 0, width = 0;
+
+  explicit operator bool() const { return at != nullptr; }
+  uint64_t mask() const { return width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1; }
+  uint64_t get() const {
+    switch (bytes) {
+      case 1:
+        return *reinterpret_cast<const uint8_t *>(at);
+      case 2:
+        return *reinterpret_cast<const uint16_t *>(at);
+      case 4:
+        return *reinterpret_cast<const uint32_t *>(at);
+      default:
+        return *reinterpret_cast<const uint64_t *>(at);
+    }
+  }
+  void put(uint64_t value) const {
+    value &= mask();
+    switch (bytes) {
+      case 1:
+        *reinterpret_cast<uint8_t *>(at) = static_cast<uint8_t>(value);
+        break;
+      case 2:
+        *reinterpret_cast<uint16_t *>(at) = static_cast<uint16_t>(value);
+        break;
+      case 4:
+        *reinterpret_cast<uint32_t *>(at) = static_cast<uint32_t>(value);
+        break;
+      default:
+        *reinterpret_cast<uint64_t *>(at) = value;
+    }
+  }
+};
+
+// The variable of this name in a scope of the context; at is null if there is none.
+// A longer one has its size in bytes, and may be copied as bytes only.
+Net find_net(const VerilatedContext &context, const std::string &scope, const std::string &name);
+
+class Board {
+ public:
+  // module: as in rtl/. Throws when this build has no such model.
+  static std::unique_ptr<Board> create(const std::string &module, VerilatedContext &context,
+                                       const std::string &name);
+  virtual ~Board() = default;
+
+  // The slow way, as Verilator offers it: what follows from all that has changed, edges included.
+  virtual void eval() = 0;
+
+  // The fast way (fast.cpp). What follows from inputs and counters without a clock; the registers
+  // behind these clocks, with what follows; all that follows from registers that were written.
+  virtual void inputs() = 0;
+  virtual void registers(uint64_t triggers) = 0;
+  virtual void settle() = 0;
+  // The bit of a clock in `triggers`, by its name in Verilator's own table.
+  virtual uint64_t trigger(const std::string &clock) const = 0;
+
+  // A port; at is null if there is none of this name.
+  virtual Net port(const std::string &name) = 0;
+  // Waveforms, where the build has them.
+  virtual void trace(VerilatedFstC *) {}
+  // Where the model's variables lie, and how many bytes they are.
+  virtual char *base() = 0;
+  virtual size_t size() const = 0;
+};
+
+}  // namespace mmcs

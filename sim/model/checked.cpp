@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// See checked.h.
+
+#include "checked.h"
+
+namespace mmcs {
+namespace {
+
+// Runs between two looks at all registers: a look brings the counters up, and so ends no rest, but
+// a rest is to be long sometimes.
+constexpr unsigned kEvery = 64;
+
+}  // namespace
+
+Stop Checked::run(int64_t n, int dtack, int64_t *ran) {
+  const Stop stop = Plain::run(n, dtack, ran);
+  int64_t also = 0;
+  if (stop == Stop::kFailed || !failure_.empty()) return stop;
+  const Stop other = rack_.run(*ran, dtack, &also);
+  if (also != *ran || (other != stop && *ran == n)) {
+    failure_ = "the boards stop after " + std::to_string(also) + " clocks, the machine after " +
+               std::to_string(*ran);
+  } else if (rack_.lines() != lines_ || rack_.dtack() != Plain::dtack()) {
+    failure_ = "the boards have other lines than the machine";
+  } else if (++runs_ % kEvery == 0) {
+    compare();
+  }
+  return failure_.empty() ? stop : Stop::kFailed;
+}
+
+void Checked::compare() {
+  for (size_t n = 0; n < registers().size(); ++n) {
+    const int reg = static_cast<int>(n);
+    if (rack_.read(reg) != read(reg)) {
+      failure_ = "a part at rest: " + registers()[n].name + " is " +
+                 std::to_string(rack_.read(reg)) + ", in the machine " + std::to_string(read(reg));
+      return;
+    }
+  }
+}
+
+void Checked::upset(int reg, uint64_t bits) {
+  Plain::upset(reg, bits);
+  rack_.upset(reg, bits);
+}
+
+void Checked::restore(const std::vector<uint8_t> &state) {
+  Plain::restore(state);
+  rack_.restore(state);
+}
+
+}  // namespace mmcs

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The machine as a whole and the boards beside it, doing the same: parts at rest are compared with
+// what is clocked at every clock. The first difference is a failed assertion.
+#pragma once
+
+#include "plain.h"
+#include "rack.h"
+
+namespace mmcs {
+
+class Checked final : public Plain {
+ public:
+  explicit Checked(uint64_t seed) : Plain(seed), rack_(false, true, seed) {
+    pins_.also(rack_.pins());
+  }
+
+  Stop run(int64_t n, int dtack, int64_t *ran) override;
+  void upset(int reg, uint64_t bits) override;
+  void restore(const std::vector<uint8_t> &state) override;
+
+ private:
+  void compare();
+
+  Rack rack_;
+  unsigned runs_ = 0;
+};
+
+}  // namespace mmcs

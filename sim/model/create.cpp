@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which machine a build has.
+
+#include "model.h"
+#if MMCS_SOC
+#include "soc_plain.h"
+#elif MMCS_TRACE
+#include "plain.h"
+#elif MMCS_PLAIN
+#include "checked.h"
+#else
+#include "rack.h"
+#endif
+
+namespace mmcs {
+
+std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
+#if !MMCS_SOC && !MMCS_PLAIN
+  return std::make_unique<Rack>(two_evals, skip, seed);
+#else
+  static_cast<void>(two_evals);
+  static_cast<void>(skip);
+#if MMCS_SOC
+  return std::make_unique<SocPlain>(seed);
+#elif MMCS_TRACE
+  return std::make_unique<Plain>(seed);
+#else
+  return std::make_unique<Checked>(seed);
+#endif
+#endif
+}
+
+bool Model::skip() {
+  return !MMCS_SOC && !MMCS_PLAIN;
+}
+
+bool Model::traced() {
+  return MMCS_TRACE;
+}
+
+bool Model::soc() {
+  return MMCS_SOC;
+}
+
+}  // namespace mmcs

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// See ears.h.
+
+#include "ears.h"
+
+#include "Vdecode.h"
+#include "tables.h"
+
+namespace mmcs {
+namespace {
+
+constexpr size_t kKnown = 4096;  // 12 bits of a hash
+
+// Everything that a decoder says, as one number to compare.
+template <class T>
+uint64_t join(uint64_t before, const T &value, int width) {
+  return before << width | value;
+}
+
+}  // namespace
+
+struct Ears::Decoder {
+  VerilatedContext context;
+  Vdecode top{&context, "EARS"};
+};
+
+Ears::Ears() : decoder_(std::make_unique<Decoder>()), known_(kKnown) {}
+Ears::~Ears() = default;
+
+bool Ears::hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n, unsigned dip) {
+  Vdecode &d = decoder_->top;
+  const auto said = [&d] {
+    d.eval();
+    uint64_t all = 0;
+    all = join(all, d.ppi_cs_no, 1);
+    all = join(all, d.enc_cs_no, 2);
+    all = join(all, d.dac_lo_o, 2);
+    all = join(all, d.dac_hi_o, 2);
+    all = join(all, d.adc_read_o, 1);
+    return join(all, d.sw_latch_o, 1);
+  };
+  d.pc_a_i = static_cast<SData>(address & 0x3FFF);
+  d.pc_aen_i = aen & 1;
+  d.dip_i = dip & 15;
+  d.pc_ior_ni = d.pc_iow_ni = 1;
+  const uint64_t silent = said();
+  d.pc_ior_ni = ior_n & 1;
+  d.pc_iow_ni = iow_n & 1;
+  return said() != silent;
+}
+
+uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
+                    const std::vector<Net> &dips) {
+  const uint32_t key = address << 3 | aen << 2 | ior_n << 1 | iow_n;
+  Entry &entry = known_[key * 2654435761u >> 20];
+  if (entry.key != key) {
+    entry = {key, 0};
+    for (size_t n = 0; n < dips.size(); ++n) {
+      if (hears(address, aen, ior_n, iow_n, static_cast<unsigned>(dips[n].get())))
+        entry.cards |= 1u << n;
+    }
+  }
+  return entry.cards;
+}
+
+void Ears::forget() {
+  known_.assign(kKnown, {});
+}
+
+}  // namespace mmcs

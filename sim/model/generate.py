@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes of the design what the model needs: `generate.py boards|wires|extra|triggers ...`.
+
+boards DIR    registers.vlt (what Verilator keeps visible), *.args (parameters of the boards)
+              plain.vlt: the same for rtl/mmcs.sv as a whole, where wires can be cut
+              boards.inc: registers, inputs and counters of each board, by name
+wires DIR N   wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
+extra DIR N HOST  extra.inc, extra.vlt: registers outside the boards, of the machine as a whole
+triggers DIR  triggers.inc: which bit stands for which clock, from Verilator's own words
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+sys.path[:0] = [str(HERE), str(ROOT / "tools")]
+
+from netlist import Instance, Module, Netlist, depends, instances, reached  # noqa: E402
+from wires import wires_text  # noqa: E402
+
+RULES = tomllib.loads((HERE / "counters.toml").read_text())
+CHIPS = RULES["chips"]
+
+
+def read_design(folder: Path, cards: int, clk_hz: str, top: str = "mmcs",
+                sets: tuple[str, ...] = ("rtl",)) -> Netlist:  # fmt: skip
+    from sources import core_arguments, sources
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [str(f) for name in sets for f in sources(name)]
+    subprocess.run(
+        ["verilator", "--json-only", "--no-timing", "-Wno-fatal", "-Wno-lint", "--quiet",
+         f"-GNumCards={cards}", f"-GClkHz={clk_hz}", "--top-module", top, "--prefix", "Vtree",
+         f"-I{ROOT / 'rtl'}", "-Mdir", str(folder), "-DMMCS_NO_ASSERT", "-DMMCS_NO_BUS_TIMES",
+         *(core_arguments() if "soc" in sets else []), *files],
+        check=True)  # fmt: skip
+    return Netlist(folder / "Vtree.tree.json")
+
+
+def boards(netlist: Netlist) -> dict[str, Module]:
+    """The modules that mmcs.sv is made of, one of a name."""
+    found: dict[str, Module] = {}
+    for _, key, _ in netlist.top.cells:
+        module = netlist.modules[key]
+        if found.setdefault(module.name, module) is not module:
+            raise SystemExit(f"generate: boards {module.name} of different parameters")
+    return found
+
+
+def config(folder: Path, netlist: Netlist) -> None:
+    lines = []
+    seen = set()
+    counters = {r["register"] for r in RULES["counter"]}
+    for module in netlist.modules.values():
+        names = [(v.rpartition(".")[2], "rd") for v in module.registers]
+        if module.name in CHIPS:
+            names += [(p.name, "rd") for p in module.ports]
+            names.append(("clk_i", "rw"))
+        for name, access in names:
+            written = "rw" if f"{module.name}.{name}" in counters else access
+            if (module.name, name, written) not in seen:
+                seen.add((module.name, name, written))
+                lines.append(f'public_flat_{written} -module "{module.name}" -var "{name}"')
+    text = ["`verilator_config", *sorted(set(lines))]
+    (folder / "registers.vlt").write_text("\n".join(text) + "\n")
+    # The whole machine has one clock, and its registers may be written between clocks.
+    plain = [line.replace("flat_rw", "flat_rd") for line in text if '"clk_i"' not in line]
+    plain += [f'forceable -module "{c["module"]}" -var "{p}"' for c in RULES["cut"]
+              for p in c["ports"]]  # fmt: skip
+    (folder / "plain.vlt").write_text("\n".join(plain) + "\n")
+    for name, module in boards(netlist).items():
+        ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)
+        (folder / f"{name}.ports").write_text(ports)
+        values = [v for v in module.vars.values() if v.is_param and v.value is not None]
+        (folder / f"{name}.args").write_text(
+            "\n".join(f"-G{v.name}={_literal(v.value)}" for v in values) + "\n"
+        )
+
+
+def _literal(value: str) -> str:
+    return value.replace("'sh", "'h")
+
+
+class Board:
+    """A board's parts, as the tables name them: unit 0 is the board less its chips."""
+
+    def __init__(self, netlist: Netlist, module: Module):
+        self.module = module
+        self.all = list(instances(netlist, module))
+        self.chips = [i for i in self.all if i.module.name in CHIPS]
+        self.forward = depends(netlist, module)
+        self.registers = [(i, r) for i in self.all for r in i.module.registers]
+
+    def unit(self, path: str) -> int:
+        for number, chip in enumerate(self.chips, 1):
+            if path == chip.path or path.startswith(chip.path + "."):
+                return number
+        return 0
+
+    def looks(self, unit: int) -> list[tuple[Instance, str]]:
+        """Nets whose change concerns the registers of a unit."""
+        ends = {(i.path, r) for i, r in self.registers}
+        own = {(i.path, r) for i, r in self.registers if self.unit(i.path) == unit}
+        top = self.all[0]
+        if unit:
+            chip = self.chips[unit - 1]
+            return [(chip, p.name) for p in chip.module.ports
+                    if p.direction == "INPUT" and p.name not in ("clk_i", "rst_ni")]  # fmt: skip
+        nets = [(top, p.name) for p in self.module.ports if p.direction == "INPUT"]
+        nets += [(c, p.name) for c in self.chips for p in c.module.ports
+                 if p.direction == "OUTPUT"]  # fmt: skip
+        return [(i, n) for i, n in nets if own & self._reached((i.path, n), ends)]
+
+    def _reached(self, start, ends):
+        return reached(self.forward, start, ends)
+
+    def asynchronous(self) -> list[str]:
+        """Inputs that reset registers without a clock."""
+        found = set()
+        for p in self.module.ports:
+            if p.direction != "INPUT" or p.name == "clk_i":
+                continue
+            seen, todo = {("", p.name)}, [("", p.name)]
+            while todo:
+                at = todo.pop()
+                if at[1] in ("rst_ni", "rst_n") or at[1].endswith("rst_ni"):
+                    found.add(p.name)
+                for target in self.forward.get(at, ()):
+                    if target not in seen:
+                        seen.add(target)
+                        todo.append(target)
+        return sorted(found)
+
+
+def boards_text(netlist: Netlist) -> str:
+    out = ["// Made by sim/model/generate.py."]
+    counters = {r["register"]: r for r in RULES["counter"]}
+    rows = []
+    for name, module in boards(netlist).items():
+        board = Board(netlist, module)
+        out.append(f"static const RegisterRow k_{name}_registers[] = {{")
+        for i, r in sorted(board.registers, key=lambda x: (x[0].path, x[1])):
+            rule = counters.get(f"{i.module.name}.{r}", {})
+            strides = [*rule.get("strides", []), 0, 0][:2]
+            scope, _, last = r.rpartition(".")
+            path = ".".join(x for x in (i.path, scope) if x)
+            unless = rule.get("unless", "")
+            awake = any((a["module"], a["register"]) == (i.module.name, r) for a in RULES["awake"])
+            out.append(
+                f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.unit(i.path)}, '
+                f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{unless}", {int(awake)}}},'
+            )
+        out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
+        for unit in range(len(board.chips) + 1):
+            for i, n in board.looks(unit):
+                quiet, guard = 0, 0
+                for number, rule in enumerate(RULES["quiet"], 1):
+                    if rule["module"] == i.module.name and n in rule["inputs"]:
+                        quiet, guard = 1, number if "while" in rule else 0
+                out.append(f'  {{"{i.path}", "{n}", {unit}, {quiet}, {guard}}},')
+        out += ["};", f"static const GuardRow k_{name}_guards[] = {{"]
+        for unit, i in enumerate([board.all[0], *board.chips]):
+            for number, rule in enumerate(RULES["quiet"], 1):
+                if rule["module"] == i.module.name:
+                    for n, value in rule.get("while", {}).items():
+                        out.append(f'  {{"{i.path}", "{n}", {unit}, {number}, {value}}},')
+        out += ['  {"", "", -1, 0, 0},', "};", f"static const PortRow k_{name}_ports[] = {{"]
+        slow = board.asynchronous()
+        heard = next((d["inputs"] for d in RULES["deaf"] if d["module"] == name), [])
+        always = {n for r in RULES["quiet"] if r["module"] == name and "while" not in r
+                  for n in r["inputs"]}  # fmt: skip
+        for p in module.ports:
+            out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, '
+                       f"{int(p.name in slow)}, {int(p.name in heard)}, "
+                       f"{int(p.name in always)}}},")  # fmt: skip
+        out += ["};", f"static const char *const k_{name}_units[] = {{"]
+        out += [f'  "{c.path}",' for c in [board.all[0], *board.chips]]
+        out += ["};"]
+        rows.append(f'  {{"{name}", k_{name}_registers, k_{name}_nets, k_{name}_guards, '
+                    f"k_{name}_ports, k_{name}_units, MMCS_COUNT(k_{name}_registers), "
+                    f"MMCS_COUNT(k_{name}_nets), MMCS_COUNT(k_{name}_guards), "
+                    f"MMCS_COUNT(k_{name}_ports), MMCS_COUNT(k_{name}_units)}},")  # fmt: skip
+    for rule in RULES["deaf"]:
+        decoder = next(i for i in instances(netlist, boards(netlist)[rule["module"]])
+                       if i.path == rule["decoder"])  # fmt: skip
+        out.append("static const PortRow k_decoder_ports[] = {")
+        for p in decoder.module.ports:
+            idle = rule["without"].get(p.name, 0)
+            out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, 0, '
+                       f'{int(p.name in rule["inputs"])}, {idle}}},')  # fmt: skip
+        out += ["};", f"#define MMCS_DECODER V{decoder.module.name}"]
+    out += ["static const BoardTable kBoards[] = {", *rows, "};"]
+    return "\n".join(out) + "\n"
+
+
+def extra(folder: Path, netlist: Netlist) -> None:
+    """Registers outside the boards: those of bus checkers, or of a SoC's processor."""
+    known = {"adaptor_vme", "mark1"}
+    rows, lines = [], set()
+
+    def visit(module: Module, path: str) -> None:
+        for r in module.registers:
+            scope, _, last = r.rpartition(".")
+            rows.append(f'{{"{path}{scope and "." + scope}", "{last}"}},')
+            lines.add(f'public_flat_rd -module "{module.name}" -var "{last}"')
+        for name, key, _ in module.cells:
+            below = netlist.modules[key]
+            if below.name not in known:
+                visit(below, f"{path}.{name}")
+
+    visit(netlist.top, f"TOP.{netlist.top.name}")
+    for module in {m.name for m in netlist.modules.values()} & set(RULES["soc"]):
+        lines |= {f'public_flat_rd -module "{module}" -var "{n}"' for n in RULES["soc"][module]}
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "extra.inc").write_text("\n".join(rows) + "\n")
+    (folder / "extra.vlt").write_text("\n".join(["`verilator_config", *sorted(lines)]) + "\n")
+    ports = "".join(f"MMCS_PORT({p.name})\n" for p in netlist.top.ports)
+    (folder / "mmcs.ports").write_text(ports)
+
+
+def triggers_text(folder: Path) -> str:
+    """Verilator's tables of triggers: index of each clock and reset, by its expression."""
+    out = ["// Made by sim/model/generate.py."]
+    for path in sorted(folder.glob("v/V*__Slow.cpp")):
+        text = path.read_text()
+        for model in set(re.findall(r"(V\w+?)___024root___dump_triggers__act", text)):
+            body = text.split(f"{model}___024root___dump_triggers__act", 1)[1].split("\n}", 1)[0]
+            found = re.findall(r"trigger index (\d+) is active: @\((\w+) ([^)]+)\)", body)
+            for index, edge, name in found:
+                out.append(f'{{"{model}", {index}, {int(edge == "posedge")}, "{name}"}},')
+    return "\n".join(sorted(set(out))) + "\n"
+
+
+def main() -> int:
+    what, folder, *rest = sys.argv[1:]
+    out = Path(folder)
+    clk_hz = rest[-1] if what != "triggers" else ""
+    if what == "triggers":
+        (out / "triggers.inc").write_text(triggers_text(out))
+    elif what == "extra":
+        soc = rest[1] == "rv32"
+        top, sets = ("mmcs_soc", ("rtl", "soc")) if soc else ("mmcs", ("rtl", "checkers"))
+        extra(out, read_design(out / "tree", int(rest[0]), clk_hz, top, sets))
+    elif what == "wires":
+        netlist = read_design(out / "tree", int(rest[0]), clk_hz)
+        (out / "wires.cpp").write_text(wires_text(netlist, int(rest[0])))
+    else:
+        netlist = read_design(out / "tree", 1, clk_hz)
+        config(out, netlist)
+        (out / "boards.inc").write_text(boards_text(netlist))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

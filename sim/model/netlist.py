@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The design as Verilator reads it: instances, variables, registers, and who depends on whom.
+
+Everything is taken from the tree that `verilator --json-only` writes after it has elaborated the
+design; nothing about the hardware is typed here.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+class NetlistError(Exception):
+    """The design holds something that this reader does not understand."""
+
+
+def children(node: dict):
+    for value in node.values():
+        if isinstance(value, list):
+            yield from (child for child in value if isinstance(child, dict))
+
+
+def walk(node: dict):
+    yield node
+    for child in children(node):
+        yield from walk(child)
+
+
+def _module_vars(node: dict, scope: str = ""):
+    """Variables of a module, with the generate blocks around them; not those of its functions."""
+    for child in children(node):
+        if child.get("type") == "VAR":
+            yield scope + child["name"], child
+        elif child.get("type") in ("GENBLOCK", "BEGIN"):
+            yield from _module_vars(child, _inner(scope, child["name"]))
+
+
+def _inner(scope: str, name: str) -> str:
+    """Generate blocks of a loop come as g_card, then g_card[0] in it: one name."""
+    if not name:
+        return scope
+    if scope and name.startswith(scope.split(".")[-2] + "["):
+        return scope[: -len(scope.split(".")[-2]) - 1] + name + "."
+    return f"{scope}{name}."
+
+
+NAMES: dict[str, str] = {}  # of variables in generate blocks, by the tree's address
+
+
+def _name(node: dict) -> str:
+    return NAMES.get(node["varp"], node["name"])
+
+
+def reads(node: dict) -> set[str]:
+    """Variables that an expression looks at."""
+    return {_name(n) for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "WR"}
+
+
+def writes(node: dict) -> set[str]:
+    return {_name(n) for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "RD"}
+
+
+@dataclass
+class Assign:
+    """One assignment: what it writes, what it looks at, conditions around it included."""
+
+    target: set[str]
+    sources: set[str]
+    clocked: bool
+
+
+@dataclass
+class Var:
+    name: str
+    width: int
+    direction: str  # INPUT, OUTPUT, NONE
+    is_param: bool
+    value: str | None
+
+
+@dataclass
+class Module:
+    name: str  # as in the source
+    key: str
+    vars: dict[str, Var] = field(default_factory=dict)
+    cells: list[tuple[str, str, dict]] = field(default_factory=list)  # name, module, port: expr
+    assigns: list[Assign] = field(default_factory=list)
+    blocks: list[dict] = field(default_factory=list)  # the always statements themselves
+
+    @property
+    def registers(self) -> list[str]:
+        found = set().union(*(a.target for a in self.assigns if a.clocked))
+        return sorted(found)
+
+    @property
+    def ports(self) -> list[Var]:
+        return [v for v in self.vars.values() if v.direction != "NONE" and not v.is_param]
+
+
+class Netlist:
+    def __init__(self, path: Path):
+        tree = json.loads(path.read_text())
+        self._types = {t["addr"]: t for t in tree["miscsp"][0]["typesp"]}
+        self.modules = {
+            m["addr"]: self._module(m) for m in tree["modulesp"] if m["type"] == "MODULE"
+        }
+        self.top = next(iter(self.modules.values()))
+
+    def width(self, dtype: str) -> int:
+        kind = self._types[dtype]
+        if "range" in kind:
+            high, low = kind["range"].split(":")
+            return int(high) - int(low) + 1
+        if kind["type"] == "BASICDTYPE":
+            return {"logic": 1, "bit": 1, "int": 32, "integer": 32}.get(kind["keyword"], 0)
+        inner = kind.get("refDTypep")
+        if inner and inner != "UNLINKED":
+            per = self.width(inner)
+            if "declRange" in kind:
+                high, low = (int(x) for x in kind["declRange"].strip("[]").split(":"))
+                return per * (abs(high - low) + 1)
+            return per
+        return 0
+
+    def _module(self, node: dict) -> Module:
+        module = Module(node["origName"], node["addr"])
+        functions = {n["name"]: n for n in walk(node) if n.get("type") == "FUNC"}
+        for name, var in _module_vars(node):
+            value = (var.get("valuep") or [{}])[0].get("name")
+            if name != var["name"]:
+                NAMES[var["addr"]] = name
+            module.vars.setdefault(name, Var(
+                name, self.width(var["dtypep"]), var["direction"],
+                bool(var.get("isGParam")), value))  # fmt: skip
+        self._statements(node.get("stmtsp", []), "", module, functions)
+        return module
+
+    def _statements(self, statements: list, scope: str, module: Module, functions: dict) -> None:
+        for node in statements:
+            kind = node["type"]
+            if kind == "CELL":
+                pins = {p["name"]: (p.get("exprp") or [None])[0] for p in node["pinsp"]}
+                module.cells.append((scope + node["name"], node["modp"], pins))
+            elif kind in ("GENBLOCK", "BEGIN"):
+                inner = _inner(scope, node["name"])
+                for value in node.values():
+                    if isinstance(value, list):
+                        self._statements(value, inner, module, functions)
+            elif kind in ("ALWAYS", "INITIAL"):
+                clocked = any(c.get("type") == "SENTREE" for c in children(node))
+                module.blocks.append(node)
+                _assigns(node, set(), clocked, module.assigns, functions)
+
+
+def _assigns(node: dict, given: set[str], clocked: bool, out: list[Assign], functions: dict):
+    """Collects assignments; given: what the conditions around them look at."""
+    kind = node.get("type")
+    if kind in ("ASSIGN", "ASSIGNW", "ASSIGNDLY"):
+        left, right = node["lhsp"][0], node["rhsp"][0]
+        sources = reads(left) | reads(right) | given
+        for call in (n["name"] for n in walk(right) if n.get("type") == "FUNCREF"):
+            if call in functions:
+                sources |= reads(functions[call])
+        out.append(Assign(writes(left), sources, clocked and kind == "ASSIGNDLY"))
+        return
+    if kind in ("IF", "CASE", "LOOP"):
+        conditions = node.get("condp", []) + node.get("exprp", [])
+        conditions += [c for i in node.get("itemsp", []) for c in i.get("condsp", [])]
+        conditions += [n for n in children(node) if n.get("type") == "LOOPTEST"]
+        given = given.union(*(reads(c) for c in conditions))
+    for child in children(node):
+        _assigns(child, given, clocked, out, functions)
+
+
+@dataclass
+class Instance:
+    path: str  # "" for the top
+    module: Module
+
+
+def instances(netlist: Netlist, module: Module, path: str = ""):
+    """This instance and all below."""
+    yield Instance(path, module)
+    for name, key, _ in module.cells:
+        below = f"{path}.{name}" if path else name
+        yield from instances(netlist, netlist.modules[key], below)
+
+
+def depends(netlist: Netlist, top: Module) -> dict[tuple[str, str], set[tuple[str, str]]]:
+    """(path, variable) -> those that follow from it without a clock; registers are ends, given as
+    (path, variable) too, and are not passed through."""
+    forward: dict[tuple[str, str], set[tuple[str, str]]] = {}
+
+    def link(source, target):
+        forward.setdefault(source, set()).add(target)
+
+    def visit(path: str, module: Module):
+        for assign in module.assigns:
+            for source in assign.sources:
+                for target in assign.target:
+                    link((path, source), (path, target))
+        for name, key, pins in module.cells:
+            below = f"{path}.{name}" if path else name
+            child = netlist.modules[key]
+            for port, expr in pins.items():
+                if expr is None:
+                    continue
+                if child.vars[port].direction == "INPUT":
+                    for source in reads(expr):
+                        link((path, source), (below, port))
+                else:
+                    for target in writes(expr):
+                        link((below, port), (path, target))
+            visit(below, child)
+
+    visit("", top)
+    return forward
+
+
+def reached(forward: dict, start: tuple[str, str], registers: set[tuple[str, str]]):
+    """Registers that take something at their next clock that follows from `start`."""
+    seen, found, todo = {start}, set(), [start]
+    while todo:
+        for target in forward.get(todo.pop(), ()):
+            if target in seen:
+                continue
+            seen.add(target)
+            if target in registers:
+                found.add(target)
+            else:
+                todo.append(target)
+    return found

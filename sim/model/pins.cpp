@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// See pins.h.
+
+#include "pins.h"
+
+#include <utility>
+
+namespace mmcs {
+
+const char *const kPortNames[kPorts] = {
+    "vme_a_i",        "vme_am_i",      "vme_as_ni",   "vme_ds_ni",     "vme_write_ni",
+    "vme_lword_ni",   "vme_d_i",       "vme_iack_ni", "vme_iackin_ni", "vme_sysreset_ni",
+    "estop_closed_i", "cable_ok_i",    "pc_power_i",  "enc_a_i",       "enc_b_i",
+    "enc_i_i",        "axis_enable_i", "dip_i",       "adc_v_i"};
+
+namespace {
+
+constexpr int kFaultPins = static_cast<int>(Pin::kCount);
+constexpr uint64_t kCodeMask = 0xFFF;
+
+std::string card_path(int card) {
+  return "g_card[" + std::to_string(card) + "].u_card";
+}
+
+std::string axis_path(int axis) {
+  return card_path(axis / 2) + ".g_axis[" + std::to_string(axis % 2) + "].u_axis";
+}
+
+}  // namespace
+
+Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
+  for (int port = 0; port < kPorts; ++port) {
+    levels_[port].resize(static_cast<size_t>(port == kAdc ? (cards + 1) / 2 : 1));
+  }
+  faults_.resize(static_cast<size_t>(kFaultPins * 2 * cards));
+  codes_.resize(static_cast<size_t>(2 * cards));
+}
+
+uint64_t &Pins::standing(Pin pin, int index) {
+  return faults_[static_cast<size_t>(static_cast<int>(pin) * 2 * cards_ + index)];
+}
+
+void Pins::set(Pin pin, int index, unsigned value) {
+  const uint64_t on = value & 1;
+  switch (pin) {
+    case Pin::kSysreset:
+      return later(kVmeSysreset, 0, 1, !on);
+    case Pin::kEstop:
+      return later(kEstopClosed, 0, 1, !on);
+    case Pin::kCableCut:
+      return later(kCableOk, 0, 1, !on);
+    case Pin::kPcOff:
+      return later(kPcPower, 0, 1, !on);
+    case Pin::kAxisEnable:
+      return later(kAxisEnable, index, 1, on);
+    case Pin::kDipXor:  // a switch that is right has the number of its card
+      return later(kDip, 4 * index, 4, (static_cast<unsigned>(index) ^ value) & 15);
+    case Pin::kAdcV:
+      return later(kAdc, 16 * index, 16, value & 0xFFFF);
+    default:
+      changes_.push_back({-1, static_cast<int>(pin), index, value});
+      if (also_) also_->changes_.push_back(changes_.back());
+  }
+}
+
+void Pins::vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data) {
+  hand(kVmeA, 15, address >> 1 & 0x7FFF);
+  hand(kVmeAm, 6, am & 63);
+  hand(kVmeWrite, 1, !write);
+  hand(kVmeLword, 1, !lword);
+  hand(kVmeD, 16, data & 0xFFFF);
+}
+
+void Pins::vme_strobe(unsigned ds, bool iack) {
+  hand(kVmeAs, 1, 0);
+  hand(kVmeDs, 2, ~ds & 3);
+  hand(kVmeIack, 1, !iack);
+}
+
+void Pins::vme_release() {
+  hand(kVmeAs, 1, 1);
+  hand(kVmeDs, 2, 3);
+  hand(kVmeIack, 1, 1);
+  hand(kVmeIackin, 1, 1);
+  hand(kVmeWrite, 1, 1);
+  hand(kVmeLword, 1, 1);
+}
+
+void Pins::put(int port, int lsb, int width, uint64_t value) {
+  uint64_t &word = levels_[port][static_cast<size_t>(lsb / 64)];
+  const uint64_t mask = ((uint64_t{1} << width) - 1) << lsb % 64;
+  const uint64_t after = (word & ~mask) | (value << lsb % 64 & mask);
+  if (after == word) return;
+  word = after;
+  ports_.put(static_cast<Port>(port), lsb, width, value);
+}
+
+// A card that is pulled hears no command, and drives nothing but the 1 of a free line. A jumper
+// that is open: the line is 0 on its far side.
+void Pins::fault(Pin pin, int index, uint64_t value) {
+  standing(pin, index) = value;
+  const bool on = value != 0;
+  switch (pin) {
+    case Pin::kCardAbsent:
+      ports_.cut(card_path(index), "pc_ior_ni", on, 1);
+      ports_.cut(card_path(index), "pc_iow_ni", on, 1);
+      ports_.cut(card_path(index), "drive_v_o", on, 0);
+      ports_.cut(card_path(index), "leds_o", on, 0);
+      [[fallthrough]];
+    case Pin::kPanicOpen: {
+      const bool either = standing(Pin::kCardAbsent, index) || standing(Pin::kPanicOpen, index);
+      return ports_.cut(card_path(index), "pc_irq_o", either, 0);
+    }
+    case Pin::kSclockOpen:
+      return ports_.cut(card_path(index), "pc_drq_i", on, 0);
+    case Pin::kDacStuck1:
+    case Pin::kDacStuck0:
+      return ports_.stick(
+          axis_path(index) + ".u_dac.rank2_q", standing(Pin::kDacStuck0, index) & kCodeMask,
+          standing(Pin::kDacStuck1, index) & kCodeMask & ~standing(Pin::kDacStuck0, index));
+    case Pin::kAdcStuck: {
+      const std::string code = axis_path(index) + ".u_adc.code_q";
+      uint64_t &kept = codes_[static_cast<size_t>(index)];
+      if (on) kept = ports_.look(code);
+      return ports_.stick(code, on ? ~kept & kCodeMask : 0, on ? kept : 0);
+    }
+    case Pin::kIrqLost:  // its edge detector takes SCLOCK for high all the time
+      return ports_.stick("u_adaptor.u_core.u_pccsr.sclock_q", 0, on);
+    case Pin::kIrqOpen:
+      return ports_.stick("irq", 0, on);
+    default:
+      return;
+  }
+}
+
+void Pins::apply() {
+  std::vector<Change> now;
+  now.swap(changes_);
+  for (const Change &c : now) {
+    if (c.port >= 0) {
+      put(c.port, c.lsb, c.width, c.value);
+    } else {
+      fault(static_cast<Pin>(c.lsb), c.width, c.value);
+    }
+  }
+  now.clear();
+  if (changes_.empty()) changes_.swap(now);  // its memory is used again
+}
+
+void Pins::power_on() {
+  vme_release();
+  apply();
+  for (auto port : {kEstopClosed, kCableOk, kPcPower}) {
+    put(port, 0, 1, 1);
+  }
+  for (int card = 0; card < cards_; ++card) {
+    put(kDip, 4 * card, 4, static_cast<unsigned>(card));
+    put(kAxisEnable, 2 * card, 2, 3);
+  }
+}
+
+std::vector<uint64_t> Pins::save() const {
+  std::vector<uint64_t> out;
+  for (const auto &level : levels_) out.insert(out.end(), level.begin(), level.end());
+  out.insert(out.end(), faults_.begin(), faults_.end());
+  out.insert(out.end(), codes_.begin(), codes_.end());
+  for (const Change &c : changes_) {
+    for (int n : {c.port, c.lsb, c.width}) out.push_back(static_cast<uint64_t>(int64_t{n}));
+    out.push_back(c.value);
+  }
+  return out;
+}
+
+void Pins::restore(const std::vector<uint64_t> &state) {
+  size_t at = 0;
+  for (int port = 0; port < kPorts; ++port) {
+    for (size_t word = 0; word < levels_[port].size(); ++word) {
+      const uint64_t value = state[at++];
+      for (int half = 0; half < 2; ++half) {
+        put(port, static_cast<int>(64 * word) + 32 * half, 32, value >> 32 * half & 0xFFFFFFFF);
+      }
+    }
+  }
+  const size_t faults = at;
+  at += faults_.size();
+  for (uint64_t &code : codes_) code = state[at++];
+  changes_.clear();
+  for (; at + 3 < state.size(); at += 4) {
+    changes_.push_back({static_cast<int>(state[at]), static_cast<int>(state[at + 1]),
+                        static_cast<int>(state[at + 2]), state[at + 3]});
+  }
+  for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = levels_[port][0];
+  for (const Change &c : changes_) {
+    if (c.port >= 0 && c.port < kVmeSysreset) hands_[c.port] = c.value;
+  }
+  const std::vector<uint64_t> codes = codes_;
+  for (size_t n = 0; n < faults_.size(); ++n) {
+    if (faults_[n] == 0 && state[faults + n] == 0) continue;
+    const int pin = static_cast<int>(n) / (2 * cards_), index = static_cast<int>(n) % (2 * cards_);
+    fault(static_cast<Pin>(pin), index, state[faults + n]);
+    if (static_cast<Pin>(pin) != Pin::kAdcStuck || state[faults + n] == 0) continue;
+    // what it kept then, not what stands now
+    const uint64_t kept = codes[static_cast<size_t>(index)];
+    codes_[static_cast<size_t>(index)] = kept;
+    ports_.stick(axis_path(index) + ".u_adc.code_q", ~kept & kCodeMask, kept);
+  }
+}
+
+}  // namespace mmcs

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inputs of a machine by name, and the hands of its VME bus master: what is set arrives at the
+// ports of rtl/mmcs.sv after the next edge, as through a wire. Faults that the hardware knows
+// nothing of are made here: a port of a board that is cut off its wire, a register with bits that
+// stick.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mmcs {
+
+// Inputs of the machine. Vectors hold one bit or field per axis or card.
+enum class Pin {
+  kSysreset,
+  kEstop,
+  kCableCut,
+  kPcOff,
+  kIrqLost,  // 1 bit
+  kIrqOpen,  // 1 bit; the SoC's processor sees no interrupt
+  kAxisEnable,
+  kAdcStuck,  // 1 bit per axis
+  kCardAbsent,
+  kSclockOpen,
+  kPanicOpen,  // 1 bit per card
+  kDipXor,     // 4 bits per card
+  kDacStuck1,
+  kDacStuck0,  // 12 bits per axis
+  kAdcV,       // 16 bits per axis
+  kCount
+};
+
+// Ports of rtl/mmcs.sv that move during a run; kPortNames has their names, in this order.
+enum Port {
+  kVmeA,
+  kVmeAm,
+  kVmeAs,
+  kVmeDs,
+  kVmeWrite,
+  kVmeLword,
+  kVmeD,
+  kVmeIack,
+  kVmeIackin,
+  kVmeSysreset,
+  kEstopClosed,
+  kCableOk,
+  kPcPower,
+  kEncA,
+  kEncB,
+  kEncI,
+  kAxisEnable,
+  kDip,
+  kAdc,
+  kPorts
+};
+extern const char *const kPortNames[kPorts];
+
+// What a machine lets be done to it, between clocks.
+class Ports {
+ public:
+  virtual ~Ports() = default;
+  virtual void put(Port port, int lsb, int width, uint64_t value) = 0;
+  // A port of a board (in kWires.boards) is held at a value; without `on` it is free again.
+  virtual void cut(const std::string &board, const char *port, bool on, uint64_t value) = 0;
+  // These bits of a register are held at 0, then those at 1; none: free again.
+  virtual void stick(const std::string &reg, uint64_t clear, uint64_t set) = 0;
+  virtual uint64_t look(const std::string &reg) = 0;
+};
+
+class Pins {
+ public:
+  Pins(Ports &ports, int cards);
+
+  void set(Pin pin, int index, unsigned value);
+  // The three wires of an encoder at once: bit 0 A, bit 1 B, bit 2 index.
+  void set_encoder(int axis, unsigned pins) {
+    later(kEncA, axis, 1, pins & 1);
+    later(kEncB, axis, 1, pins >> 1 & 1);
+    later(kEncI, axis, 1, pins >> 2 & 1);
+  }
+  // The bus master: address, modifier, direction and data; the strobes; the daisy chain; idle.
+  void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data);
+  void vme_strobe(unsigned ds, bool iack);
+  void vme_iackin(bool low) { hand(kVmeIackin, 1, !low); }
+  void vme_release();
+
+  // What comes from now on comes there, too.
+  void also(Pins &other) { also_ = &other; }
+
+  bool waiting() const { return !changes_.empty(); }
+  void apply();     // they arrive
+  void power_on();  // everything at its idle level, at once
+
+  // What stands and what is on its way, for a snapshot.
+  std::vector<uint64_t> save() const;
+  void restore(const std::vector<uint64_t> &state);
+
+ private:
+  struct Change {
+    int port;  // or -1: a fault, `lsb` its Pin, `width` its index
+    int lsb, width;
+    uint64_t value;
+  };
+  void later(Port port, int lsb, int width, uint64_t value) {
+    changes_.push_back({port, lsb, width, value});
+    if (also_) also_->changes_.push_back(changes_.back());
+  }
+  // A port that moves as a whole: only if it moves.
+  void hand(Port port, int width, uint64_t value) {
+    if (hands_[port] == value) return;
+    hands_[port] = value;
+    later(port, 0, width, value);
+  }
+  void put(int port, int lsb, int width, uint64_t value);
+  void fault(Pin pin, int index, uint64_t value);
+  uint64_t &standing(Pin pin, int index);
+
+  Ports &ports_;
+  const int cards_;
+  Pins *also_ = nullptr;
+  std::vector<Change> changes_;
+  uint64_t hands_[kVmeSysreset] = {};     // of the VME ports: as they stand or are on their way
+  std::vector<uint64_t> levels_[kPorts];  // as they stand, 64 bits a word
+  std::vector<uint64_t> faults_;          // by pin, then index: as they stand
+  std::vector<uint64_t> codes_;           // of each axis: what its stuck A/D keeps
+};
+
+}  // namespace mmcs

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+// See plain.h.
+
+#include "plain.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+
+#include "state.h"
+#include "wires.h"
+
+namespace mmcs {
+
+std::unique_ptr<Board> create_Vmmcs(VerilatedContext &, const std::string &);
+
+namespace {
+
+constexpr int kResetClks = 64;
+constexpr double kPsPerClk = 1e12 / MMCS_CLK_HZ;
+#if MMCS_SOC
+const std::string kTop = "TOP.mmcs_soc.u_mmcs";
+#else
+const std::string kTop = "TOP.mmcs";
+#endif
+const std::pair<const char *, const char *> kExtra[] = {
+#include "extra.inc"
+};
+// What the model prints and where it stopped, until the run that caused it looks.
+thread_local std::string printed;
+
+uint64_t bits_of(const Net &net, int lsb, int width) {
+  uint64_t value = 0;
+  for (int bit = 0; bit < width; ++bit) {
+    const int at = lsb + bit;
+    value |= static_cast<uint64_t>(static_cast<uint8_t>(net.at[at / 8]) >> at % 8 & 1) << bit;
+  }
+  return value;
+}
+
+void put_bits(const Net &net, int lsb, int width, uint64_t value) {
+  for (int bit = 0; bit < width; ++bit) {
+    const int at = lsb + bit;
+    const char mask = static_cast<char>(1 << at % 8);
+    char &byte = net.at[at / 8];
+    byte = static_cast<char>(value >> bit & 1 ? byte | mask : byte & ~mask);
+  }
+}
+
+}  // namespace
+
+Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
+  context_.randReset(2);
+  context_.randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
+  context_.fatalOnError(false);
+  context_.traceEverOn(MMCS_TRACE);
+  context_.timeunit(-9);
+  context_.timeprecision(-12);
+  context_.assertOn(true);
+  Verilated::threadContextp(&context_);
+  board_ = create_Vmmcs(context_, "TOP");
+  clk_ = board_->port("clk_i");
+  dtack_ = board_->port("vme_dtack_no");
+  drive_ = board_->port("drive_v_o");
+  leds_ = board_->port("card_leds_o");
+  for (int port = 0; port < kPorts; ++port) {
+    ports_[port] = board_->port(kPortNames[port]);
+    if (!ports_[port] && port == kVmeSysreset) ports_[port] = board_->port("sysreset_ni");
+  }
+  for (const Register &r : registers()) {
+    const RegisterRow &row = board_table(kWires.boards[static_cast<size_t>(r.board)].module)
+                                 .registers[static_cast<size_t>(r.row)];
+    std::string path = kWires.boards[static_cast<size_t>(r.board)].path;
+    if (*row.path) path += std::string(".") + row.path;
+    // The SoC's adaptor has no VME front.
+    Net net = find_net(context_, kTop + "." + path, row.name);
+    if (!net && !MMCS_SOC) throw std::runtime_error("the model has no " + r.name);
+    net.width = r.width;
+    nets_.push_back(net);
+  }
+  for (const auto &[path, name] : kExtra) {
+    extra_.push_back(find_net(context_, path, name));
+    if (!extra_.back()) throw std::runtime_error(std::string("the model has no ") + path + name);
+  }
+  const std::pair<const char *, int> lines[] = {
+      {MMCS_SOC ? "led_irq_o" : "vme_irq_no", MMCS_SOC ? 5 : 1},
+      {"panic_o", 8},
+      {"brake_release_o", 9},
+      {"sclock_o", 10}};
+  for (const auto &[name, bit] : lines) line_nets_.emplace_back(board_->port(name), bit);
+#if !MMCS_SOC
+  power_on();
+#endif
+}
+
+Plain::~Plain() {
+  Verilated::threadContextp(&context_);
+#if MMCS_TRACE
+  if (fst_) fst_->close();
+#endif
+}
+
+Net Plain::find(const std::string &path, const std::string &name) const {
+  const Net net = find_net(context_, path.empty() ? kTop : kTop + "." + path, name);
+  if (!net) throw std::runtime_error("the model has no " + path + "." + name);
+  return net;
+}
+
+void Plain::power_on() {
+  pins_.power_on();
+  const Net reset = board_->port("rst_ni");
+  reset.put(0);
+  clock_ = -kResetClks;
+  for (int i = 0; i < kResetClks; ++i) {
+    if (i == 8) reset.put(1);
+    if (i == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
+    lines_ = shown_lines_;
+    clock_once();
+    ++clock_;
+  }
+  clock_ = 0;
+  evals_ = 0;
+  lines_ = shown_lines_;
+}
+
+void Plain::half(bool rise, double at) {
+  context_.time(static_cast<uint64_t>(at + 0.5));
+  clk_.put(rise);
+  board_->eval();
+#if MMCS_TRACE
+  if (fst_) fst_->dump(static_cast<uint64_t>(at + 0.5));
+#endif
+}
+
+// A rising edge; what sticks is put back; pins arrive; a falling edge.
+void Plain::clock_once() {
+  const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
+  before_clock();
+  half(true, t);
+  bool changed = false;
+  for (const Poke &p : pokes_) {
+    const uint64_t before = p.net.get(), after = (before & ~p.clear) | p.set;
+    changed = changed || before != after;
+    p.net.put(after);
+  }
+  if (changed) board_->settle();
+  if (pins_.waiting()) pins_.apply();
+  half(false, t + kPsPerClk / 2);
+  after_clock();
+  look_at_lines();
+}
+
+void Plain::look_at_lines() {
+  unsigned lines = 0;
+  for (const auto &[net, bit] : line_nets_) lines |= static_cast<unsigned>(net.get()) << bit;
+  shown_lines_ = MMCS_SOC ? lines : lines ^ kLineIrq;
+}
+
+Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
+  Verilated::threadContextp(&context_);
+  const int64_t begin = clock_;
+  Stop stop = Stop::kDone;
+  while (clock_ < begin + n) {
+    const bool moved = lines_ != shown_lines_;
+    lines_ = shown_lines_;
+    clock_once();
+    ++clock_;
+    ++evals_;
+    if (failed()) {
+      stop = Stop::kFailed;
+      break;
+    }
+    if (moved) {
+      stop = Stop::kLines;
+      break;
+    }
+    if (report() != 0) {
+      stop = Stop::kReport;
+      break;
+    }
+    if (dtack >= 0 && this->dtack() == (dtack == 0)) {
+      stop = Stop::kDtack;
+      break;
+    }
+  }
+  *ran = clock_ - begin;
+  return stop;
+}
+
+bool Plain::failed() {
+  if (!context_.gotError()) return false;
+  // After an upset the machine is where no assertion expects it.
+  if (failure_.empty() && !upset_)
+    failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
+  printed.clear();
+  context_.gotError(false);
+  context_.gotFinish(false);
+  return !failure_.empty();
+}
+
+int16_t Plain::drive(int axis) const {
+  if (cuts_.count({kWires.boards[static_cast<size_t>(axis / 2 + 1)].path, "drive_v_o"})) return 0;
+  return static_cast<int16_t>(bits_of(drive_, 16 * axis, 16));
+}
+
+unsigned Plain::leds(int card) const {
+  if (cuts_.count({kWires.boards[static_cast<size_t>(card + 1)].path, "leds_o"})) return 0;
+  return static_cast<unsigned>(bits_of(leds_, 11 * card, 11));
+}
+
+unsigned Plain::vme_sample() {
+  const auto port = [this](const char *name) {
+    return static_cast<unsigned>(board_->port(name).get());
+  };
+  if (MMCS_SOC) return 0x2FFFF;
+  return port("vme_iackout_no") << 17 | port("vme_d_oe_o") << 16 | port("vme_d_o");
+}
+
+void Plain::put(Port port, int lsb, int width, uint64_t value) {
+  const Net &net = ports_[port];
+  if (!net) return;
+  put_bits(net, lsb, std::min(width, 8 * net.bytes - lsb), value);
+}
+
+// Wires inside are cut by Verilator's own means (registers.vlt), those that leave outside.
+void Plain::cut(const std::string &board, const char *port, bool on, uint64_t value) {
+  const Net enable = find_net(context_, kTop + "." + board, std::string(port) + "__VforceEn");
+  if (!enable) {
+    if (on) {
+      cuts_[{board, port}] = value;
+    } else {
+      cuts_.erase({board, port});
+    }
+    return;
+  }
+  find(board, std::string(port) + "__VforceVal").put(value);
+  enable.put(on ? ~uint64_t{0} : 0);
+}
+
+void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
+  const Net net = nets_[static_cast<size_t>(find_register(reg))];
+  for (size_t n = 0; n < pokes_.size(); ++n) {
+    if (pokes_[n].net.at == net.at) pokes_.erase(pokes_.begin() + static_cast<std::ptrdiff_t>(n--));
+  }
+  if (!clear && !set) return;
+  pokes_.push_back({net, clear, set});
+  net.put((net.get() & ~clear) | set);
+  board_->settle();
+}
+
+void Plain::upset(int reg, uint64_t bits) {
+  Verilated::threadContextp(&context_);
+  const Net &net = nets_[static_cast<size_t>(reg)];
+  if (net) net.put(net.get() ^ bits);
+  upset_ = true;
+  board_->settle();
+  look_at_lines();
+}
+
+std::vector<uint8_t> Plain::save() {
+  Verilated::threadContextp(&context_);
+  State state;
+  for (size_t reg = 0; reg < nets_.size(); ++reg) {
+    state.registers.push_back(read(static_cast<int>(reg)));
+  }
+  state.pins = pins_.save();
+  state.clock = clock_;
+  state.lines = lines_;
+  state.evals = evals_;
+  for (const Net &net : extra_) state.own.insert(state.own.end(), net.at, net.at + net.bytes);
+  return state.pack();
+}
+
+// What only this build has, as checkers, is taken from its own snapshots; those of other builds
+// leave it as it is, on an idle bus.
+void Plain::restore(const std::vector<uint8_t> &bytes) {
+  Verilated::threadContextp(&context_);
+  const State state = State::unpack(bytes);
+  clock_ = state.clock;
+  evals_ = state.evals;
+  const uint8_t *at = state.own.data();
+  for (const Net &net : extra_) {
+    if (state.own.empty()) break;
+    std::memcpy(net.at, at, static_cast<size_t>(net.bytes));
+    at += net.bytes;
+  }
+  pins_.restore(state.pins);
+  for (size_t reg = 0; reg < nets_.size(); ++reg) {
+    if (nets_[reg]) nets_[reg].put(state.registers[reg]);
+  }
+  clk_.put(0);
+  board_->eval();
+  board_->settle();
+  look_at_lines();
+  lines_ = static_cast<unsigned>(state.lines);
+}
+
+void Plain::host_phase([[maybe_unused]] unsigned phase, [[maybe_unused]] uint32_t pc) {
+#if MMCS_TRACE
+  find("u_host_view", "phase").put(phase & 7);
+  find("u_host_view", "pc").put(pc);
+#endif
+}
+
+bool Plain::trace(const std::string &path) {
+#if MMCS_TRACE
+  Verilated::threadContextp(&context_);
+  if (fst_) fst_->close();
+  fst_.reset();
+  if (path.empty()) return false;
+  fst_ = std::make_unique<VerilatedFstC>();
+  board_->trace(fst_.get());
+  fst_->open(path.c_str());
+  if (!fst_->isOpen()) fst_.reset();
+  return fst_ != nullptr;
+#else
+  static_cast<void>(path);
+  return false;
+#endif
+}
+
+}  // namespace mmcs
+
+#if MMCS_ASSERTED
+// Verilator's runtime prints and stops through these; see print_hook.h.
+extern "C" int mmcs_model_print(const char *format, ...) {
+  char text[400];
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  mmcs::printed += text;
+  while (!mmcs::printed.empty() && mmcs::printed.back() == '\n') mmcs::printed.pop_back();
+  return length;
+}
+
+void vl_stop(const char *file, int line, const char *) {
+  if (mmcs::printed.empty()) mmcs::printed = std::string(file) + ":" + std::to_string(line);
+  Verilated::threadContextp()->gotError(true);
+}
+#endif

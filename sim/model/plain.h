@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// rtl/mmcs.sv Verilated whole: every clock, both its edges, as a simulator would. With assertions
+// and bus checkers, and in trace builds waveforms; in SoC builds the top is mmcs_soc
+// (soc_plain.cpp).
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "board.h"
+#include "model.h"
+#if MMCS_TRACE
+#include "verilated_fst_c.h"
+#endif
+
+namespace mmcs {
+
+class Plain : public Model, protected Ports {
+ public:
+  explicit Plain(uint64_t seed);
+  ~Plain() override;
+
+  Stop run(int64_t n, int dtack, int64_t *ran) override;
+  int64_t clock() const override { return clock_; }
+  uint64_t evals() const override { return evals_; }
+  unsigned lines() const override { return lines_; }
+  bool dtack() const override { return dtack_ && dtack_.get() == 0; }
+  int16_t drive(int axis) const override;
+  unsigned leds(int card) const override;
+  Pins &pins() override { return pins_; }
+  unsigned vme_sample() override;
+  uint64_t read(int reg) override {
+    const Net &net = nets_[static_cast<size_t>(reg)];
+    return net ? net.get() : 0;
+  }
+  void upset(int reg, uint64_t bits) override;
+  std::vector<uint8_t> save() override;
+  void restore(const std::vector<uint8_t> &state) override;
+  void host_phase(unsigned phase, uint32_t pc) override;
+  bool trace(const std::string &path) override;
+  const std::string &failure() const override { return failure_; }
+
+ protected:
+  void power_on();
+  virtual void clock_once();
+  // Around each clock of the machine: what a SoC has besides.
+  virtual void before_clock() {}
+  virtual void after_clock() {}
+  void half(bool rise, double at);
+  void look_at_lines();
+  bool failed();
+  // A variable below the top, or a port of it.
+  Net find(const std::string &path, const std::string &name) const;
+  // Ports: what pins.h does to a machine.
+  void put(Port port, int lsb, int width, uint64_t value) override;
+  void cut(const std::string &board, const char *port, bool on, uint64_t value) override;
+  void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
+  uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
+
+  VerilatedContext context_;
+  std::unique_ptr<Board> board_;
+  Pins pins_;
+  Net ports_[kPorts];
+  Net clk_, dtack_, drive_, leds_;
+  std::vector<Net> nets_;   // of registers()
+  std::vector<Net> extra_;  // other registers that only this build has
+  std::vector<std::pair<Net, int>> line_nets_;
+  struct Poke {
+    Net net;
+    uint64_t clear, set;
+  };
+  std::vector<Poke> pokes_;
+  std::map<std::pair<std::string, std::string>, uint64_t> cuts_;  // of what leaves the machine
+#if MMCS_TRACE
+  std::unique_ptr<VerilatedFstC> fst_;
+#endif
+  int64_t clock_ = 0;
+  uint64_t evals_ = 0;
+  unsigned lines_ = 0, shown_lines_ = 0;
+  bool upset_ = false;  // assertions hold no more
+  std::string failure_;
+};
+
+}  // namespace mmcs

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// The machine made of its boards, each Verilated by itself, wired as rtl/mmcs.sv wires them. A
+// board at rest gets no clock (unit.h); docs/simulator.md tells how.
+//
+// Time: edge t is the clock that makes clock() t. Everything sees its inputs as they stood before
+// the edge; a pin set at clock t stands at the port after edge t + 1.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "block.h"
+#include "ears.h"
+#include "model.h"
+#include "wires.h"
+
+namespace mmcs {
+
+class Rack final : public Model, private Ports, private Listener {
+ public:
+  Rack(bool slow, bool skip, uint64_t seed);
+  // The models take their names out of the context of the thread, which may be another machine's.
+  ~Rack() override { Verilated::threadContextp(&context_); }
+
+  Stop run(int64_t n, int dtack, int64_t *ran) override;
+  int64_t clock() const override { return clock_; }
+  uint64_t evals() const override { return evals_; }
+  unsigned lines() const override { return lines_; }
+  bool dtack() const override { return dtack_.get() == 0; }
+  int16_t drive(int axis) const override {
+    return static_cast<int16_t>(drives_[static_cast<size_t>(axis / 2)]->value() >> 16 * (axis & 1));
+  }
+  unsigned leds(int card) const override {
+    return static_cast<unsigned>(leds_[static_cast<size_t>(card)]->value());
+  }
+  Pins &pins() override { return pins_; }
+  unsigned vme_sample() override;
+
+  uint64_t read(int reg) override;
+  void upset(int reg, uint64_t bits) override;
+  std::vector<uint8_t> save() override;
+  void restore(const std::vector<uint8_t> &state) override;
+  bool trace(const std::string &) override { return false; }
+  const std::string &failure() const override { return failure_; }
+
+ private:
+  void wire();
+  void power_on();
+  void step(int64_t t);
+  void changed(int net, int lsb, int width) override;
+  void show(Slot &slot);
+  void touch(Block &block);
+  void drive(Slot &slot);
+  void drive_nets(Block &block);
+  void look_at_lines();
+  void alone(Block &block, int64_t end);
+  void settle();
+  void listen();
+  void plan();
+  Net find(int reg, Block **block);
+  std::vector<std::pair<Net, Block *>> nets_;  // of registers()
+  // Ports: what pins.h does to a machine.
+  void put(Port port, int lsb, int width, uint64_t value) override;
+  void cut(const std::string &board, const char *port, bool on, uint64_t value) override;
+  void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
+  uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
+
+  VerilatedContext context_;
+  Wires wires_;
+  std::vector<std::unique_ptr<Block>> blocks_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  struct Reader {
+    int lsb, width;
+    Slot *slot;
+  };
+  std::vector<std::vector<Reader>> readers_;              // of each net
+  std::vector<std::vector<std::vector<Slot *>>> by_bit_;  // of each bit of the inputs' nets
+  std::vector<std::vector<int>> followers_;               // logic that looks at each net
+  std::vector<char> due_;                                 // logic that must be worked out
+  std::vector<int> logic_;
+  std::vector<Block *> touched_;
+  std::vector<const Slot *> drives_, leds_;
+  int ports_[kPorts];
+  // The bus that cards hear: nets by the decoder's ports, slots by card.
+  Ears ears_;
+  int bus_[4] = {-1, -1, -1, -1};
+  std::vector<std::vector<Slot *>> heard_;
+  std::vector<Net> dips_;
+  std::vector<Block *> cards_;
+  uint32_t listening_ = 0, cut_ = 0;
+  bool bus_moved_ = false, dips_moved_ = true;
+  Pins pins_;
+  Net dtack_, iackout_, d_oe_;
+  int d_ = -1;  // the net of what the bus master reads
+  Block *adaptor_ = nullptr;
+  std::vector<std::pair<Net, int>> line_nets_;
+  int64_t clock_ = 0, next_ = 0, second_ = 0;  // the earliest edges at which boards are due
+  Block *first_ = nullptr;                     // the board that is first
+  uint64_t evals_ = 0;
+  unsigned lines_ = 0, shown_lines_ = 0;
+  bool stop_lines_ = false;
+  bool slow_, skip_;
+  std::string failure_;
+};
+
+}  // namespace mmcs

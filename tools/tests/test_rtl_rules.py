@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rule that rtl/ holds hardware only: green as it is, red for each name put back."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import rtl_rules  # noqa: E402
+
+PUT_BACK = [
+    ("rtl/mmcs.sv", "  parameter bit Skip = 1'b0,"),
+    ("rtl/mmcs.sv", "  parameter bit Gate = 1'b0,"),
+    ("rtl/mark1/mark1.sv", "  parameter bit Sleeps = 1'b0,"),
+    ("rtl/mark1/mark1.sv", "  input  wire logic asleep_i,"),
+    ("rtl/mark1/relay.sv", "  input  wire logic clk_free_i,"),
+    ("rtl/mark1/relay.sv", "  output logic due_o,"),
+    ("rtl/adaptor/adaptor_core.sv", "  output logic awake_o,"),
+    ("rtl/adaptor/panic.sv", "  output logic settled_o,"),
+    ("rtl/adaptor/pccsr.sv", "  input  wire logic irq_lost_i,"),
+    ("rtl/chips/ad574.sv", "  output logic [15:0] horizon_o,"),
+    ("rtl/chips/thct2000.sv", "  input  wire logic [15:0] extra_i,"),
+    ("rtl/mmcs.sv", "  input  wire logic [2:0] card_absent_i,"),
+    ("rtl/mmcs.sv", "  input  wire logic [2:0] sclock_open_i,"),
+    ("rtl/mmcs.sv", "  input  wire logic [11:0] dip_xor_i,"),
+    ("rtl/mmcs.sv", "  input  wire logic [71:0] dac_stuck1_i,"),
+    ("rtl/soc/soc_bridge.sv", "  input  wire logic fault_i,"),
+    ("rtl/soc/soc_host.sv", "  // when skipping, the next edge matters"),
+    ("rtl/chips/i8255.sv", "  // so that a simulator keeps the result"),
+    ("fpga/mmcs_fpga.sv", "    .skip_extra_i('0),"),
+]
+
+
+def test_the_hardware_is_hardware():
+    assert rtl_rules.complaints(rtl_rules.ROOT) == []
+
+
+@pytest.mark.parametrize(("file", "line"), PUT_BACK)
+def test_a_name_put_back_is_found(tmp_path, file, line):
+    for place in ("rtl", "fpga"):
+        shutil.copytree(rtl_rules.ROOT / place, tmp_path / place)
+    broken = tmp_path / file
+    broken.write_text(f"{broken.read_text()}\n{line}\n")
+    found = rtl_rules.complaints(tmp_path)
+    assert len(found) == 1 and found[0].startswith(f"{file}:"), found
