@@ -100,7 +100,7 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
 
 def say(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody may be there to hear
-        print(text, file=sys.stderr, flush=True)
+        print(clean(text), file=sys.stderr, flush=True)
 
 
 class _Console:
