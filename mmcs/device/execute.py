@@ -19,6 +19,7 @@ from mmcs.device.link import Link
 from mmcs.device.server import Server
 from mmcs.device.sockets import check_folder, socket_path
 from mmcs.errors import InputError, RunError
+from mmcs.screen import clean
 
 DEVICE = ROOT / "sim" / "device"
 SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c")
