@@ -133,7 +133,7 @@ def test_ports_and_parameters_of_the_machine():
     parameters = dict(
         re.findall(r"^  parameter (?:\w+ )+(?:\[.*\] )?(\w+) = ([^,\n/]+)", head, re.M)
     )
-    assert len(ports) > 50
+    assert len(ports) > 40
     cells = re.findall(r"^\| (`.*?) \|", page, re.M)
     named = [n for cell in cells for n in re.findall(r"`(\w+)`", cell)]
     assert sorted(named) == sorted(ports | set(parameters))
