@@ -129,7 +129,7 @@ def test_ports_and_parameters_of_the_machine():
     rtl = (ROOT / "rtl" / "mmcs.sv").read_text()
     page = (ROOT / "docs" / "hardware" / "ports.md").read_text()
     head = rtl[rtl.index("module mmcs") : rtl.index("\n);")]
-    ports = set(re.findall(r"^  (?:in|out)put .*?(\w+),?$", head, re.M))
+    ports = set(re.findall(r"^  (?:in|out)put .*?(\w+),?(?: *//.*)?$", head, re.M))
     parameters = dict(
         re.findall(r"^  parameter (?:\w+ )+(?:\[.*\] )?(\w+) = ([^,\n/]+)", head, re.M)
     )
