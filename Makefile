@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: tool tool-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: attack falsify tool tool-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -111,6 +111,9 @@ coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in
 sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn red each time
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python tools/sabotage.py
+
+attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
+	@$(BIN)/python tools/attack.py $(ATTACK)
 
 falsify: $(VENV)/.test ## which scenarios notice wrong physics, a score; ONLY=TEXT; WRITE=1: write their paths
 	@$(BIN)/python -m studies.falsify $(if $(WRITE),--write) --only "$(ONLY)"

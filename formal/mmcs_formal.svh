@@ -5,7 +5,7 @@
 `define MMCS_FORMAL_SVH
 
 // Contract: the formal top has clk_i, and rst_ni, which is 0 in the first clock. All are looked at
-// on rising edges out of reset. tools/formal.py reads these lines for docs/formal.md: `where` is
+// on rising edges out of reset. tools/formal.py reads these lines for docs/evidence/formal.md: `where` is
 // the section of the report, `text` its sentence in our words; both plain strings on one line or
 // two.
 

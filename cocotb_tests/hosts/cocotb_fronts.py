@@ -31,7 +31,15 @@ TOPLEVEL = "bench_hosts"
 SOURCES = ("bench_hosts.sv",)
 VARIANTS = {"vme": {"HostPort": 0}, "hosts": {"HostPort": 1}}
 CARD = [Machine.creg(0, n) for n in range(32)]
-CLOCKS = (76, 68, 68, 68, 68, 68, 68)  # interrupt to last D/A write, by front; docs/adaptor.md
+CLOCKS = (
+    76,
+    68,
+    68,
+    68,
+    68,
+    68,
+    68,
+)  # interrupt to last D/A write, by front (hardware/adaptor.md)
 INTERVAL_US = 200  # the slowest master here needs some 60 us for a pass
 
 

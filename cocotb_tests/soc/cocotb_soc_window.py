@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The computer above and the SoC's processor share its memory through the window. docs/soc.md
+"""The computer above and the SoC's processor share memory by the window. docs/hardware/soc.md
 
 The mailbox is used as firmware/ports/mailbox.h says, by words that go through the window, while a
 stand-in for the core keeps the data port as busy as can be.

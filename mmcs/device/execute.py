@@ -19,6 +19,7 @@ from mmcs.device.link import Link
 from mmcs.device.server import Server
 from mmcs.device.sockets import check_folder, socket_path
 from mmcs.errors import InputError, RunError
+from mmcs.screen import clean
 
 DEVICE = ROOT / "sim" / "device"
 SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c")
@@ -100,7 +101,7 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
 
 def say(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody may be there to hear
-        print(text, file=sys.stderr, flush=True)
+        print(clean(text), file=sys.stderr, flush=True)
 
 
 class _Console:

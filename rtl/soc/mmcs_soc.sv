@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine with its own processor: an RV32 core at the host port of the adaptor, no VMEbus
-// between. docs/soc.md; the machine's ports are those of rtl/mmcs.sv.
+// between. docs/hardware/soc.md; the machine's ports are those of rtl/mmcs.sv.
 //
 // cpu_clk_i may be clk_i itself, a multiple, or any other clock.
 `default_nettype none

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The processor side of the SoC: core, memory, bridge to the adaptor, window for a computer above.
 //
-// Memory map (docs/soc.md): memory from 0; register n of the adaptor's window at RegBase + 4 n;
+// Memory map (docs/hardware/soc.md): memory from 0; register n of the adaptor's window at RegBase + 4 n;
 // ControlBase + 0 report (write), + 4 doorbell (write: noticed), + 8 microseconds (read). Anything
 // else, and a register access of other than a word or the lowest byte, is a bus error.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a processor beside the machine is doing, for the waveform: docs/processors.md.
+// What a processor beside the machine is doing, for the waveform: docs/simulator/processors.md.
 
 `default_nettype none
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine made of its boards, each Verilated by itself, wired as rtl/mmcs.sv wires them. A
-// board at rest gets no clock (unit.h); docs/simulator.md tells how.
+// board at rest gets no clock (unit.h); docs/simulator/simulator.md tells how.
 //
 // Time: edge t is the clock that makes clock() t. Everything sees its inputs as they stood before
 // the edge; a pin set at clock t stands at the port after edge t + 1.
