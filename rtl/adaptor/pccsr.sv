@@ -26,6 +26,8 @@ module pccsr (
   localparam int SclockEn = mmcs_regs_pkg::PCCSR_SCLOCK_EN;
   localparam int PanicEn = mmcs_regs_pkg::PCCSR_PANIC_EN;
   localparam int LatchEn = mmcs_regs_pkg::PCCSR_LATCH_EN;
+  localparam logic [7:0] LatchBits = 8'((1 << mmcs_regs_pkg::PCCSR_SCLOCK_LATCHED) |
+                                        (1 << mmcs_regs_pkg::PCCSR_PANIC_LATCHED));
 
   logic [7:0] csr_q;
   logic sclock_q, panic_q;               // a clock ago
@@ -57,11 +59,10 @@ module pccsr (
   end
 
   // The latches are read where their enables are written.
-  always_comb begin
-    rdata_o = csr_q;
-    rdata_o[mmcs_regs_pkg::PCCSR_SCLOCK_LATCHED] = sclock_latch_q;
-    rdata_o[mmcs_regs_pkg::PCCSR_PANIC_LATCHED] = panic_latch_q;
-  end
+  logic [7:0] latches;
+  assign latches = (8'(sclock_latch_q) << mmcs_regs_pkg::PCCSR_SCLOCK_LATCHED) |
+                   (8'(panic_latch_q) << mmcs_regs_pkg::PCCSR_PANIC_LATCHED);
+  assign rdata_o = (csr_q & ~LatchBits) | latches;
 
   assign base_o = csr_q[Base+:5];
   assign irq_req_o = (sclock_latch_q & csr_q[SclockEn]) | (panic_latch_q & csr_q[PanicEn]);
