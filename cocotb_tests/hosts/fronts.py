@@ -26,6 +26,7 @@ class Refused(Exception):
 
 WB_PINS = {"cyc": "cyc_i", "stb": "stb_i", "we": "we_i", "adr": "adr_i", "sel": "sel_i",
            "datwr": "dat_i", "datrd": "dat_o", "ack": "ack_o", "err": "err_o"}  # fmt: skip
+LIMIT_CLOCKS = 200  # in which a Wishbone front answers: simulated time, not the wall's
 clocks: list = []  # of this test: they start once, however many fronts follow
 
 
@@ -68,7 +69,7 @@ class Front(Tb):
         else:
             pins = WB_PINS | ({"stall": "stall_o"} if front == WB_PIPELINED else {})
             self.wb = WishboneMaster(
-                dut, prefix, dut.clk_i, timeout=200, width=self.width, signals_dict=pins
+                dut, prefix, dut.clk_i, timeout=LIMIT_CLOCKS, width=self.width, signals_dict=pins
             )
         await self.clocks(4)
 

@@ -16,6 +16,7 @@ from mmcs.run.runner import simulate
 from mmcs.scenario.load import load
 from mmcs.session.machine import machine
 from mmcs.session.session import Session
+from studies.processors import cycles
 
 ROOT = Path(__file__).resolve().parents[3]
 FIRMWARE = ROOT / "build" / "firmware" / "rv32"
@@ -68,14 +69,11 @@ def test_every_sample_as_native(lab500, rv32):
 @pytest.mark.req("SRV-7", "SOC-3")
 def test_arithmetic_equals_native():
     """All option profiles on the core itself, which also counts its cycles."""
-    spec = importlib.util.spec_from_file_location("bench", ROOT / "sim" / "hosts" / "bench.py")
-    bench = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(bench)
-    bench.build("rv32")
-    native = bench.native()
-    for profile, (found, mean, _) in enumerate(bench.on_rv32(50)):
-        assert found == native(profile, 50), bench.PROFILES[profile]
-        assert 300 < mean < 10_000, bench.PROFILES[profile]
+    cycles.build("rv32")
+    native = cycles.native()
+    for profile, (found, mean, _) in enumerate(cycles.on_rv32(50)):
+        assert found == native(profile, 50), cycles.PROFILES[profile]
+        assert 300 < mean < 10_000, cycles.PROFILES[profile]
 
 
 @pytest.mark.req("SOC-3")
