@@ -188,8 +188,12 @@ def test_m68020_goes_back_and_on(sets):
             Session(Halting(sim, at, lambda t: call(sim, t)), setup).run(lambda *_: None)
             return [sim.snapshot_bytes(s["id"]) for s in sim.snapshots()], sim.history_bytes()
 
+    def end(sim):  # not how many evaluations it took: what is at rest is found out anew
+        stats = {name: value for name, value in sim.stats().items() if name != "evals"}
+        return sim.hash(), sim.clock, stats
+
     whole = []
-    run([END], lambda sim, t: (sim.run(t), whole.append((sim.hash(), sim.clock, sim.stats()))))
+    run([END], lambda sim, t: (sim.run(t), whole.append(end(sim))))
     states, past = run(TIMES, lambda sim, t: sim.snapshot(t))
     assert len(states) == len(TIMES) and len(set(states)) == len(TIMES)
     with machine(setup, host="m68020") as other:
@@ -199,7 +203,7 @@ def test_m68020_goes_back_and_on(sets):
             for _ in range(2):
                 other.restore(here)
                 assert other.run(END)
-                assert (other.hash(), other.clock, other.stats()) == whole[0]
+                assert end(other) == whole[0]
 
 
 @pytest.mark.req("SW-1", "FW-1")
