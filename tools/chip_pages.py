@@ -50,7 +50,8 @@ def section(name: str) -> str:
     return "\n".join([
         "| port | | width | |", "|---|---|---|---|", *rows, "",
         f"**Tie-offs.** {TIES[name]} Outputs may stay open.", "",
-        "```sh", f"iverilog -g2012 -Irtl -s tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
+        "```sh",
+        f"iverilog -g2012 -Irtl -s {name}_tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
         "```", "", "```systemverilog", bench.rstrip(), "```", "",
     ])  # fmt: skip
 

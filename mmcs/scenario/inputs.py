@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What can be switched, or go wrong, during a run: the inputs that `event` entries name.
 
-The engine has the same list (mmcs_sim_input_name); a test compares the two.
+The engine has the same list (mmcs_sim_input_name), and after it an upset of each register of the
+hardware; a test compares the two.
 """
 
 from __future__ import annotations

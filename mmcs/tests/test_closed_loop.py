@@ -126,11 +126,11 @@ def test_same_seed_same_hash_other_seed_other_hash():
 def test_names_of_inputs_are_those_of_the_engine():
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
-    from mmcs.scenario.inputs import INPUTS
+    from mmcs.scenario.inputs import INPUTS, UPSET
 
     setup = load("lab500")
     with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:
-        assert sim.input_names() == list(INPUTS)
+        assert sim.input_names() == [*INPUTS, *(UPSET + name for name in sim.registers())]
 
 
 @pytest.mark.req("SRV-1")

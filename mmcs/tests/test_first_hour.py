@@ -75,7 +75,7 @@ def test_every_method_of_the_device_is_in_the_table():
 def test_bench_of_the_chip(name, tmp_path):
     program = tmp_path / "tb"
     sources = [*chip_pages.files(name).split(), f"docs/hardware/chips/{name}_tb.sv"]
-    command = ["iverilog", "-g2012", "-Irtl", "-s", "tb", "-o", program, *sources]
+    command = ["iverilog", "-g2012", "-Irtl", "-s", f"{name}_tb", "-o", program, *sources]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     said = subprocess.run(["vvp", program], check=True, text=True, capture_output=True).stdout
     assert f"{name}: ok\n" in said

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The A/D alone: start a conversion of 5 V on the range of +-10 V, wait, read twelve bits.
-module tb;
+module ad574_tb;
   logic clk = 0, rst_n = 0, ce = 0, rc_n = 1, sts, oe;
   logic [11:0] db;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The D/A alone: a byte, then a nibble into the first rank, then all twelve bits at once.
-module tb;
+module ad667_tb;
   logic clk = 0, rst_n = 0, cs_n = 1;
   logic [ 3:0] a_n = 4'b1111;
   logic [11:0] d = 0, code;
@@ -9,7 +9,7 @@ module tb;
 
   always #5 clk = !clk;
 
-  task write(input [3:0] select_n, input [11:0] value);
+  task automatic write(input logic [3:0] select_n, input logic [11:0] value);
     @(negedge clk) begin cs_n = 0; a_n = select_n; d = value; end
     repeat (3) @(negedge clk);
     cs_n = 1; a_n = 4'b1111;

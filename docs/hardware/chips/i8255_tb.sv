@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The 8255 alone: ports A and B out, C in; a write shows on the pins, a read shows the pins of C.
-module tb;
+module i8255_tb;
   logic clk = 0, rst_n = 0, cs_n = 1, rd_n = 1, wr_n = 1, oe;
   logic [1:0] a = 0;
   logic [7:0] din = 0, dout, pa, pa_oe, pb, pb_oe, pc, pc_oe, seen;
@@ -13,7 +13,7 @@ module tb;
 
   always #5 clk = !clk;
 
-  task write(input [1:0] where, input [7:0] value);
+  task automatic write(input logic [1:0] where, input logic [7:0] value);
     @(negedge clk) begin cs_n = 0; a = where; din = value; wr_n = 0; end
     repeat (3) @(negedge clk);
     wr_n = 1;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The heartbeat's one-shot alone: a pulse, and one that a second trigger makes longer.
-module tb;
+module oneshot_tb;
   logic clk = 0, rst_n = 0, trig = 0, q;
   int   high = 0;
 
-  oneshot #(.PulseClks(10)) dut (.clk_i(clk), .rst_ni(rst_n), .trig_i(trig), .clr_ni(1'b1), .q_o(q));
+  oneshot #(.PulseClks(10)) dut (
+      .clk_i(clk), .rst_ni(rst_n), .trig_i(trig), .clr_ni(1'b1), .q_o(q)
+  );
 
   always #5 clk = !clk;
   always @(posedge clk) if (q) high = high + 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The encoder counter alone: ten counts upwards, every edge counted (mode 5), latched, read by bytes.
-module tb;
+module thct2000_tb;
   logic clk = 0, rst_n = 0, latch = 0, cs_n = 1, rd_n = 1, rs = 0, oe, illegal;
   logic [ 1:0] ab = 0;
   logic [ 7:0] d;
@@ -14,7 +14,7 @@ module tb;
 
   always #5 clk = !clk;
 
-  task byte_of(input low, output [7:0] value);
+  task automatic byte_of(input logic low, output logic [7:0] value);
     @(negedge clk) begin cs_n = 0; rd_n = 0; rs = low; end
     repeat (2) @(negedge clk);
     value = d;
