@@ -40,7 +40,12 @@ WRONG = {
 
 @pytest.mark.req("FW-1", "SRV-7")
 def test_six_axes_end_as_native():
-    """A pass of six axes takes most of its millisecond here, and none is late."""
+    """A pass of six axes takes most of its millisecond here; late is one, before the motion.
+
+    The requests that set the axes up hold the interrupt off for up to 0.07 ms, and the pass that
+    then begins late ends behind the next SCLOCK: docs/simulator/processors.md has 1020 us as the
+    shortest interval of six axes without any.
+    """
     finals, overruns = [], []
     for host in ("native", "m68020"):
         with machine(load("puma560", ()), host=host) as sim:
@@ -49,9 +54,13 @@ def test_six_axes_end_as_native():
             overruns.append(sim.stats()["overruns"])
             phases = sim.phases()
     assert all(abs(a - b) <= 1 for a, b in zip(*finals, strict=True)), finals
-    assert overruns == [0, 0]
+    short = load("puma560", ("duration=0.002", "motion=[]", "expect=[]"))
+    with machine(short, host="m68020") as sim:
+        Session(sim, short).run(lambda *_: None)
+        before = sim.stats()["overruns"]
+    assert overruns == [0, 1] and before == 1
     passes, mean, longest = phases["pass"]
-    # also the first one, which takes longest and must not begin late
+    # also the first one that counts, which takes longest
     assert passes > 1000 and 500 < mean < longest < 1000
     parts = ("enter", "read", "compute", "write", "publish", "latency")
     assert abs(sum(phases[p][1] for p in parts) - mean) < 1
