@@ -176,7 +176,7 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
       stop = Stop::kLines;
       break;
     }
-    if (report() != 0) {
+    if (halted()) {
       stop = Stop::kReport;
       break;
     }

@@ -48,6 +48,8 @@ class Plain : public Model, protected Ports {
   // Around each clock of the machine: what a SoC has besides.
   virtual void before_clock() {}
   virtual void after_clock() {}
+  // Something happened that run() ends at, for the machine to take.
+  virtual bool halted() const { return report() != 0; }
   void half(bool rise, double at);
   void look_at_lines();
   bool failed();

@@ -34,6 +34,7 @@ SocPlain::SocPlain(uint64_t seed) : Plain(seed) {
   instr_req_ = inner("", "instr_req");
   instr_addr_ = inner("", "instr_addr");
   irq_q_ = inner("", "irq_q");
+  busy_ = inner(".u_cpu.u_ibex_core", "core_busy_o");
   const Net memory = inner(".u_ram", "memory");
   memory_ = reinterpret_cast<uint32_t *>(memory.at);
   words_ = static_cast<unsigned>(memory.bytes) / 4;
@@ -79,6 +80,7 @@ void SocPlain::after_clock() {
   if (errors_coming_ >= 0) errors_left_ = errors_coming_;
   errors_coming_ = errors_wanted_;
   errors_wanted_ = -1;
+  Plain::host_phase(busy_.get() & 1 ? phase_ : 0, 0);  // asleep it is in no phase
   cpu_clk_.put(0);
   board_->eval();
 }

@@ -20,6 +20,7 @@ class SocPlain final : public Plain {
     watcher_ = watcher;
   }
   uint32_t soc_read(unsigned word) const override { return memory_[word % words_]; }
+  void host_phase(unsigned phase, uint32_t) override { phase_ = phase; }
   void soc_write(unsigned word, uint32_t value) override { memory_[word % words_] = value; }
   unsigned report() const override { return report_; }
   void take_report() override { report_ = 0; }
@@ -30,6 +31,7 @@ class SocPlain final : public Plain {
  private:
   void before_clock() override;
   void after_clock() override;
+  bool halted() const override { return report_ != 0 || bus_error_ != 0; }
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
   void look_at_step();
   void hold_interrupt();
@@ -43,12 +45,12 @@ class SocPlain final : public Plain {
   Wire run_;
   Net cpu_clk_, ring_, take_, report_valid_, report_port_;
   Net start_, clock_i_, done_, write_q_, a_q_, clock_q_, state_q_, timer_q_, far_req_;
-  Net instr_req_, instr_addr_, irq_q_;
+  Net instr_req_, instr_addr_, irq_q_, busy_;
   uint32_t *memory_ = nullptr;
   unsigned words_ = 0;
   bool irq_open_ = false, taken_ = false;
   int rings_ = 0, errors_wanted_ = -1, errors_coming_ = -1, errors_left_ = 0;
-  unsigned report_ = 0, bus_error_ = 0;
+  unsigned report_ = 0, bus_error_ = 0, phase_ = 0;
   std::function<void(SocStep, unsigned)> watcher_;
 };
 
