@@ -217,7 +217,7 @@ void Machine::add_event(const mmcs_event &event) {
 
 void Machine::apply(const mmcs_event &event) {
   char text[100];
-  const bool machine = event.input < kInputCount;
+  const bool machine = event.input >= 0 && event.input < kInputCount;
   const char *name = input_name(event.input);
   std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
   note("fault", !machine || kInputs[event.input].scope == Scope::kAxis ? event.index : -1, text);

@@ -15,7 +15,7 @@ const char *const kPortNames[kPorts] = {
 
 namespace {
 
-constexpr int kFaultPins = static_cast<int>(Pin::kCount);
+constexpr auto kFaultPins = static_cast<size_t>(Pin::kCount);
 constexpr uint64_t kCodeMask = 0xFFF;
 
 std::string card_path(int card) {
@@ -32,12 +32,14 @@ Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
   for (int port = 0; port < kPorts; ++port) {
     levels_[port].resize(static_cast<size_t>(port == kAdc ? (cards + 1) / 2 : 1));
   }
-  faults_.resize(static_cast<size_t>(kFaultPins * 2 * cards));
-  codes_.resize(static_cast<size_t>(2 * cards));
+  const auto axes = 2 * static_cast<size_t>(cards);
+  faults_.resize(kFaultPins * axes);
+  codes_.resize(axes);
 }
 
 uint64_t &Pins::standing(Pin pin, int index) {
-  return faults_[static_cast<size_t>(static_cast<int>(pin) * 2 * cards_ + index)];
+  const auto axes = 2 * static_cast<size_t>(cards_);
+  return faults_[static_cast<size_t>(pin) * axes + static_cast<size_t>(index)];
 }
 
 void Pins::set(Pin pin, int index, unsigned value) {
