@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import LATCH_ALL, PORT_A, QUAD, Machine, dip
+from cocotb_tests.lib.tb import LATCH_ALL, PCCSR, PORT_A, QUAD, Machine, dip
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -96,3 +96,18 @@ async def every_wrong_switch_of_every_card(dut):
         dut.dip_i.value = dip(*range(tb.cards))
         await tb.clocks(3)
         assert await tb.crd(card, PORT_A) == QUAD
+
+
+@cocotb.test()
+@req("PCB-2", "VME-4")
+async def every_bit_that_another_card_drives(dut):
+    """A card in the expansion slot answers where none of ours does; every bit of it arrives."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    await tb.wr(PCCSR, 0)  # away from the cards
+    dut.pcx_d_oe_i.value = 1
+    for value in [n for bit in range(8) for n in (1 << bit, ~(1 << bit) & 0xFF)]:
+        dut.pcx_d_i.value = value
+        assert await tb.rd(0x001) == value
+    dut.pcx_d_oe_i.value = 0
+    assert await tb.rd(0x001) == 0xFF
