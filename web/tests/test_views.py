@@ -35,8 +35,6 @@ def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
     rows = page.evaluate("() => mctool.machine.history.end") - first
     assert page.evaluate("() => mctool.machine.history.lost") == 0
     assert rows >= (STREAM_S - 1) * 1000
-    numbers = page.evaluate("() => mctool.machine.history.lost")
-    assert numbers == 0
     lines = ["| process | share of a core |", "|---|---|"]
     for name, pid in pids.items():
         lines.append(f"| {name} | {100 * (cpu_s(pid) - before[name]) / STREAM_S:.0f} % |")
