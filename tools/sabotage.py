@@ -3,23 +3,21 @@
 
 cocotb_tests/sabotage.toml lists the breakages: a file, the text of one line, what replaces it, and
 the tests that must notice. First all named tests must pass on the RTL as it is. Then each breakage
-runs on a copy of the RTL below build/sabotage. `--sample N` with `--seed S` takes a random N,
-`--only TEXT` those whose name or file holds the text, `--table` prints the list for the manual. A
-breakage that does not apply, does not compile, or whose test stays green, fails.
+runs on a copy of the RTL below build/sabotage (tools/breakage.py). `--sample N` with `--seed S`
+takes a random N, `--only TEXT` those whose name or file holds the text, `--table` prints the list
+for the manual. A breakage that does not apply or compile, or whose test stays green, fails.
 """
 
 import argparse
 import os
 import random
 import re
-import shutil
 import subprocess
 import sys
-import time
-import tomllib
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
+
+import breakage
 
 ROOT = Path(__file__).resolve().parent.parent
 LIST = ROOT / "cocotb_tests" / "sabotage.toml"
@@ -47,20 +45,6 @@ def pytest(tests: list[str], sim: str, build: Path, rtl: Path | None = None, wor
     )
 
 
-def apply(entry: dict, folder: Path) -> str | None:
-    """Copies rtl/ and breaks one line in the copy; the complaint if the line is not there once."""
-    shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(ROOT / "rtl", folder / "rtl")
-    file = folder / entry["file"]
-    if not file.is_file():
-        return f"there is no {entry['file']}"
-    text = file.read_text()
-    if text.count(entry["find"]) != 1:
-        return f"the text stands {text.count(entry['find'])} times in {entry['file']}, not once"
-    file.write_text(text.replace(entry["find"], entry["replace"]))
-    return None
-
-
 def verdict(done: subprocess.CompletedProcess) -> str | None:
     """None if a test turned red by what it saw, else what happened instead."""
     out = done.stdout + done.stderr
@@ -73,16 +57,16 @@ def verdict(done: subprocess.CompletedProcess) -> str | None:
     return "the test did not run: " + (out.strip().splitlines() or ["no output"])[-1]
 
 
-def run(numbered: tuple[int, dict], sim: str) -> tuple[dict, str | None]:
-    """Entry and complaint (None: the test turned red, as it must)."""
-    number, entry = numbered
-    folder = WORK / f"{number:03d}"
-    complaint = apply(entry, folder)
-    if complaint is None:
-        with suppress(subprocess.TimeoutExpired):  # a hang is noticed too
+def judge(sim: str) -> breakage.Judge:
+    """Runs the named tests on the broken copy; a hang is noticed too."""
+
+    def look(entry: dict, folder: Path) -> tuple[str | None, str]:
+        complaint = None
+        with suppress(subprocess.TimeoutExpired):
             complaint = verdict(pytest(nodes(entry, sim), sim, folder / "build", folder / "rtl"))
-    shutil.rmtree(folder, ignore_errors=True)
-    return entry, complaint
+        return complaint, entry["test"].partition("::")[2]
+
+    return look
 
 
 def table(entries: list[dict]) -> str:
@@ -106,8 +90,7 @@ def main() -> int:
     parser.add_argument("--only", default="", help="names or files that contain this text")
     parser.add_argument("--table", action="store_true", help="print the list; run nothing")
     args = parser.parse_args()
-    entries = tomllib.loads(LIST.read_text())["break"]
-    entries = [e for e in entries if args.only in e["name"] or args.only in e["file"]]
+    entries = breakage.entries(LIST, args.only)
     if not entries:
         print(f"sabotage: no breakage is called {args.only!r}; see {LIST.name}", file=sys.stderr)
         return 2
@@ -117,7 +100,6 @@ def main() -> int:
     if args.sample:
         entries = random.Random(args.seed).sample(entries, min(args.sample, len(entries)))
         print(f"sabotage: seed {args.seed}")
-    started = time.monotonic()
     tests = sorted({t for e in entries for t in nodes(e, args.sim)})
     whole = pytest(tests, args.sim, WORK / "whole", workers=os.cpu_count() or 1)
     if whole.returncode:
@@ -125,23 +107,7 @@ def main() -> int:
         print("sabotage: the tests must pass on the RTL as it is, and do not", file=sys.stderr)
         return 1
     print(f"sabotage: {len(tests)} tests pass on the RTL as it is", flush=True)
-    green = 0
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = pool.map(lambda e: run(e, args.sim), enumerate(entries))
-        for entry, complaint in results:
-            green += complaint is not None
-            block = Path(entry["file"]).stem
-            note = complaint or entry["test"].partition("::")[2]
-            print(
-                f"{'NOT CAUGHT' if complaint else 'caught':10s} {block}: {entry['name']}: {note}",
-                flush=True,
-            )
-    blocks = len({e["file"] for e in entries})
-    print(
-        f"sabotage: {len(entries) - green} of {len(entries)} breakages caught, {blocks} files,"
-        f" {time.monotonic() - started:.0f} s"
-    )
-    return 1 if green else 0
+    return int(breakage.meet("sabotage", entries, judge(args.sim), WORK, ("rtl",)) > 0)
 
 
 if __name__ == "__main__":

@@ -5,17 +5,24 @@ That each one is caught is for `make sabotage`; this only keeps the list from go
 """
 
 import sys
-import tomllib
 
 import pytest
 
 from cocotb_tests.lib.runner import ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
+import breakage  # noqa: E402
 import sabotage  # noqa: E402
 
-ENTRIES = tomllib.loads(sabotage.LIST.read_text())["break"]
+ENTRIES = breakage.entries(sabotage.LIST)
 BEGIN, END = "<!-- tools/sabotage.py --table -->", "<!-- end of the table -->"
+
+
+def test_one_line_breaks_in_a_copy(tmp_path):
+    entry = ENTRIES[0]
+    assert breakage.broken(entry, tmp_path / "copy") is None
+    assert entry["replace"] in (tmp_path / "copy" / entry["file"]).read_text()
+    assert "stands 0 times" in breakage.broken(entry | {"find": "no such text"}, tmp_path / "copy")
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e["name"])
