@@ -59,6 +59,10 @@ static int set_num_joints(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
+static int is_too_slow(const struct mc_param *par, uint32_t interval_us) {
+  return par->clkdivisor > 1 && (uint64_t)par->clkdivisor * interval_us > MC_SERVO_US;
+}
+
 static int get_param(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, arg->param.which)) return -MC_EINVAL;
@@ -78,14 +82,20 @@ static int changes_meaning(const struct mc_param *from, const struct mc_param *t
   return (changed & (ADFB | ZEROFB)) != 0 && (to->mode & MD_MASK) != MD_TORQ;
 }
 
+/* What no servo could make sense of. A servo slower than the heartbeats that it keeps alive would
+ * be dead while they live. */
+static int is_nonsense(const struct mc *mc, const struct mc_param *par) {
+  return par->b0 == 0 || par->clkdivisor < 1 || is_too_slow(par, timer_interval_us(mc)) ||
+         par->ilim < 0 || par->ilimax < 0 || par->ipole < 0 || par->ipole >= MC_FSCALE;
+}
+
 /* Bumpless: an axis that under power enters position mode, or gets another feedback, stays where it
  * is; in other modes it gets the setpoint 0; until a process writes again. */
 static int set_param(struct mc *mc, int client, union argument *arg) {
   const struct mc_param *to = &arg->param;
   (void)client;
   if (!has_axis(mc, to->which)) return -MC_EINVAL;
-  if (to->b0 == 0 || to->clkdivisor < 1) return -MC_EINVAL;
-  if (to->ipole < 0 || to->ipole >= MC_FSCALE) return -MC_EINVAL;
+  if (is_nonsense(mc, to)) return -MC_EINVAL;
   if (calib_disturbs(to) && calib_runs(mc, to->which / 2)) {
     text_log(mc, "parameters: axis", to->which, " needs its A/D, which stands still: calibration");
     return -MC_EBUSY;
@@ -145,6 +155,11 @@ static int set_interval(struct mc *mc, int client, union argument *arg) {
   uint32_t n0 = 0, n1 = 0;
   (void)client;
   if (timer_counts(mc, arg->word, &n0, &n1) != 0) return -MC_EINVAL;
+  for (int axis = 0; axis < mc->axes; axis++) {
+    if (!is_too_slow(&mc->axis[axis].par, arg->word)) continue;
+    text_log(mc, "interval: axis", axis, " would be servoed less than every 50 ms: clkdivisor");
+    return -MC_EINVAL;
+  }
   mc->n0 = n0;
   mc->n1 = n1;
   timer_start(mc);
@@ -158,6 +173,16 @@ static int get_interval(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
+/* Another number for the place where the axis is: no movement, no error, no jump. */
+static void renumber(const struct mc *mc, struct mc_axis *x, int64_t by) {
+  int mode = x->par.mode;
+  if ((mode & ADFB) != 0) return;
+  servo_shift(&x->servo, by);
+  if (mc->power != MC_IDLE && (mode & MD_MASK) == MD_POS && (mode & ZEROFB) == 0) {
+    x->setpoint = servo_shifted(x->setpoint, by);
+  }
+}
+
 /* The pair is read twice: the first read may be what SCLOCK latched before. */
 static int set_encoder(struct mc *mc, int client, union argument *arg) {
   int axis = axis_of(arg);
@@ -166,15 +191,15 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   if (!has_axis(mc, axis)) return -MC_EINVAL;
   struct mc_axis *x = &mc->axis[axis];
   unsigned msb = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
+  (void)hw_counter(mc, axis);
+  int32_t before = servo_extend(x->position, x->counter, hw_counter(mc, axis));
   (void)hw_card_get(mc, axis / 2, MMCS_CARD_PPI_C); /* the pair begins with the next byte */
   hw_card_put(mc, axis / 2, msb, (uint8_t)(value >> 8));
   hw_card_put(mc, axis / 2, msb + 1, (uint8_t)(value & 0xFF));
   (void)hw_counter(mc, axis);
   x->counter = hw_counter(mc, axis);
   x->position = (int16_t)value + (int16_t)(uint16_t)(x->counter - value);
-  uint8_t outside = x->servo.outside;
-  servo_reset(&x->servo);
-  x->servo.outside = outside;
+  renumber(mc, x, (int64_t)(int16_t)value - before);
   return 0;
 }
 

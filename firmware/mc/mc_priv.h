@@ -13,6 +13,7 @@
 #define MC_INTERVAL_US 2000    /* after open */
 #define MC_INTERVAL_MIN_US 100 /* ruled */
 #define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */
+#define MC_SERVO_US 50000      /* longest servo period of several SCLOCKs: the one-shot's */
 #define MC_SKIP_US 25000       /* so long no servo sample: the machine stops */
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
 #define MC_ADC_POLLS 40        /* port C reads of 1 us: conversion takes at most 35 us */

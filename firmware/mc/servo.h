@@ -42,6 +42,11 @@ int32_t servo_feedback(const struct mc_param *par, const struct mc_state *m);
 /* Forgets all history; the next sample starts at rest wherever the axis then is. */
 void servo_reset(struct servo_memory *s);
 
+/* The feedback is counted from another place, `by` units away: velocity and error go on. The same
+ * of one position: */
+void servo_shift(struct servo_memory *s, int64_t by);
+int32_t servo_shifted(int32_t y, int64_t by);
+
 /* Adapts the memory to a change of parameters: histories restart when the mode or the source of the
  * feedback changes, and keep the output where it is when only coefficients do. */
 void servo_change(struct servo_memory *s, const struct mc_param *from, const struct mc_param *to);

@@ -53,6 +53,16 @@ void servo_reset(struct servo_memory *s) {
   *s = rest;
 }
 
+int32_t servo_shifted(int32_t y, int64_t by) {
+  return sat32(y + by);
+}
+
+void servo_shift(struct servo_memory *s, int64_t by) {
+  s->y1 = servo_shifted(s->y1, by);
+  s->y2 = servo_shifted(s->y2, by);
+  s->narrow = 0;
+}
+
 /* N = b0*u: another b0 with the same u. */
 static int64_t rescale(int64_t n, int32_t from, int32_t to) {
   int32_t remainder;

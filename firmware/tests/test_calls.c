@@ -101,8 +101,8 @@ static void test_read_only_may_look_only(void) {
 static void test_rejected_parameters_change_nothing(void) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param before = get(mc, 1), after;
-  struct mc_param bad[7];
-  for (int i = 0; i < 7; i++) {
+  struct mc_param bad[11];
+  for (int i = 0; i < 11; i++) {
     bad[i] = before;
     bad[i].a0 = 77;
   }
@@ -113,13 +113,43 @@ static void test_rejected_parameters_change_nothing(void) {
   bad[4].clkdivisor = -5;
   bad[5].ipole = -1;
   bad[6].ipole = MC_FSCALE;
-  for (int i = 0; i < 7; i++) {
+  bad[7].ilim = -1;
+  bad[8].ilimax = INT32_MIN;
+  bad[9].clkdivisor = 26; /* 52 ms: the heartbeats would live without a servo */
+  bad[10].clkdivisor = INT32_MAX;
+  for (int i = 0; i < 11; i++) {
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &bad[i]), -MC_EINVAL);
     after = get(mc, 1);
     CHECK(memcmp(&before, &after, sizeof before) == 0);
   }
   before.which = 2;
   CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &before), -MC_EINVAL);
+  mock_stop(&m);
+}
+
+/* Several SCLOCKs last 50 ms at most; a single one may last longer, and panics by design. */
+// req: DRV-3 HB-2
+static void test_a_servo_is_no_slower_than_its_heartbeats(void) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_param par = get(mc, 1);
+  unsigned us = 2500, got;
+  par.clkdivisor = 25;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), -MC_EINVAL);
+  CHECK(strstr(m.last_log, "axis 1") != NULL);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &got), 0);
+  CHECK_EQ(got, 2000);
+  us = 100;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  par.clkdivisor = 501;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), -MC_EINVAL);
+  par.clkdivisor = 500;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  par.clkdivisor = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  us = 60000;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
   mock_stop(&m);
 }
 
@@ -252,7 +282,8 @@ static void test_fuzz(void) {
     } else {
       got = mc_write(mc, client, &arg, (seed >> 24) % 70);
     }
-    CHECK(got >= 0 || got == -MC_EINVAL || got == -MC_EBADF || got == -MC_EIO || got == -MC_ENOTTY);
+    CHECK(got >= 0 || got == -MC_EINVAL || got == -MC_EBADF || got == -MC_EIO ||
+          got == -MC_ENOTTY || got == -MC_EBUSY);
     mock_run(&m, seed >> 20 & 127);
   }
   mock_stop(&m);
@@ -264,6 +295,8 @@ static const struct test tests[] = {
     {"test_unknown_requests_and_descriptors", test_unknown_requests_and_descriptors},
     {"test_read_only_may_look_only", test_read_only_may_look_only},
     {"test_rejected_parameters_change_nothing", test_rejected_parameters_change_nothing},
+    {"test_a_servo_is_no_slower_than_its_heartbeats",
+     test_a_servo_is_no_slower_than_its_heartbeats},
     {"test_axes_out_of_range", test_axes_out_of_range},
     {"test_read_and_write_sizes", test_read_and_write_sizes},
     {"test_state_follows_the_axis_while_off", test_state_follows_the_axis_while_off},

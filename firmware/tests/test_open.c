@@ -181,7 +181,7 @@ static void test_a_new_open_finds_the_defaults_again(void) {
   CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
   struct mc_param first = par;
   par.mode = MD_POS;
-  par.clkdivisor = 1000;
+  par.clkdivisor = 25;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &diag), 0);

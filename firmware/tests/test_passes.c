@@ -124,7 +124,7 @@ static void test_the_first_pass_is_a_sample_of_all_axes(void) {
       CHECK_EQ(state->vel, 0); /* at rest, wherever it is */
       CHECK_EQ(state->errcode, 0);
     }
-    struct mc_param par = {.which = 3, .b0 = 1, .clkdivisor = 50};
+    struct mc_param par = {.which = 3, .b0 = 1, .clkdivisor = 25};
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
     mock_run(&m, 50000);
     error_raise(mc, 2, MERR_PLO);

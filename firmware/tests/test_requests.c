@@ -126,7 +126,7 @@ static void test_joints_that_come_and_go(void) {
   for (int axis = 0; axis < 4; axis++) {
     struct mc_param par = get(mc, axis);
     par.mode = axis < 3 ? MD_TORQ : MD_POS;
-    par.clkdivisor = axis == 2 ? 100 : 1;
+    par.clkdivisor = axis == 2 ? 25 : 1;
     set(mc, par);
   }
   enable(mc);

@@ -48,7 +48,7 @@ static int moves, mover;
 
 /* The axis moves while it is being set. */
 static void creep(struct mock *mock) {
-  if (!mock->logging || mock->used < 4 || moves-- <= 0) return; /* from the write on */
+  if (!mock->logging || mock->used < 10 || moves-- <= 0) return; /* from the write on */
   mock->card[mover / 2].count[mover & 1]++;
 }
 
@@ -68,7 +68,7 @@ static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
     for (int axis = 0; axis < 4; axis++) {
       if (axis != mover) CHECK_EQ(m.card[axis / 2].count[axis & 1], 0);
     }
-    CHECK_EQ(m.used, 9);
+    CHECK_EQ(m.used, 15);
     one_pass();
     one_pass();
     CHECK_EQ(mc_state_of(mc, mover)->encnow, value + moved);
@@ -94,6 +94,49 @@ static void test_setting_an_encoder_is_no_movement_and_no_crossing(void) {
   CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PLO | MERR_PHI);
   CHECK_EQ(m.signals[0], 2);
   mock_stop(&m);
+}
+
+/* Currents, errors and speeds of axis 0 while it is moved; `renumbered` on the way. */
+static void move_along(int mode, int renumbered, int32_t seen[][3]) {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_param par = {.which = 0};
+  int32_t there = 15;
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  par.a0 = 9; /* proportional, derivative, and an integrator */
+  par.a1 = -6;
+  par.a2 = 1;
+  par.b0 = 16;
+  par.b1 = -16;
+  par.adc_b = -2040;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  enable(mc);
+  if ((mode & MD_MASK) == MD_POS) CHECK_EQ(mc_write(mc, 0, &there, 4), 4);
+  for (int pass = 0; pass < 20; pass++) {
+    m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + pass % 5);
+    if (renumbered && pass == 8) call(mc, MSETENC, (unsigned)(-3000 & 0xFFFF) << 8);
+    if (renumbered && pass == 12) call(mc, MSETENC, 32000 << 8);
+    one_pass();
+    if (pass == 10) CHECK((mc_state_of(mc, 0)->encnow < -2900) == renumbered);
+    const struct mc_state *state = mc_state_of(mc, 0);
+    seen[pass][0] = mc_current(mc, 0);
+    seen[pass][1] =
+        mode == MD_TORQ ? 0 : state->error; /* of a place; the servo has no use for it */
+    seen[pass][2] = state->vel;
+  }
+  mock_stop(&m);
+}
+
+/* Not by a single D/A unit: neither does the axis jump nor the servo forget what it holds. */
+// req: DRV-10 DRV-9 SRV-1
+static void test_another_number_for_the_place_moves_no_axis(void) {
+  static const int modes[] = {MD_POS, MD_VEL, MD_POS | ADFB, MD_POS | ZEROFB | COULCOMP, MD_TORQ};
+  int32_t plain[20][3], renumbered[20][3];
+  for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+    move_along(modes[i], 0, plain);
+    move_along(modes[i], 1, renumbered);
+    CHECK(memcmp(plain, renumbered, sizeof plain) == 0);
+  }
 }
 
 // req: DRV-12
@@ -234,6 +277,8 @@ static const struct test tests[] = {
      test_an_encoder_is_set_anywhere_and_while_it_moves},
     {"test_setting_an_encoder_is_no_movement_and_no_crossing",
      test_setting_an_encoder_is_no_movement_and_no_crossing},
+    {"test_another_number_for_the_place_moves_no_axis",
+     test_another_number_for_the_place_moves_no_axis},
     {"test_each_axis_has_its_light", test_each_axis_has_its_light},
     {"test_diagnostic_modes", test_diagnostic_modes},
     {"test_double_buffering", test_double_buffering},

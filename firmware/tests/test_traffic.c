@@ -226,9 +226,10 @@ static void test_set_encoder_traffic(void) {
   unsigned arg = 0xFF9C01;
   m.logging = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &arg), 0);
-  static const struct mock_access want[] = {R(0x005), W(0x00D, 0xFF), W(0x00F, 0x9C), R(0x005),
-                                            R(0x00D), R(0x00F),       R(0x005),       R(0x00D),
-                                            R(0x00F)}; /* port C: a new pair */
+  static const struct mock_access want[] = {
+      R(0x005), R(0x00D),       R(0x00F),       R(0x005), R(0x00D), R(0x00F), /* where it was */
+      R(0x005), W(0x00D, 0xFF), W(0x00F, 0x9C), /* port C: a new pair */
+      R(0x005), R(0x00D),       R(0x00F),       R(0x005), R(0x00D), R(0x00F)};
   EXPECT(&m, want);
   mock_run(&m, 4100);
   CHECK_EQ(mc_state_of(mc, 1)->encnow, -100);

@@ -23,6 +23,8 @@ _NUMBERS = ("a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg", "clkdivisor"
             "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
 SERVO_DEFAULTS = {"mode": "off", "flags": []} | {n: mcdef.initial().get(n, 0) for n in _NUMBERS}
 
+MOST_SERVO_US = 50_000  # as the driver has it
+
 
 @dataclass
 class Setup:
@@ -147,6 +149,10 @@ class _Cross:
         for axis, values in enumerate(params):
             if values["plo"] > values["phi"]:
                 self.wrong(f"axis {axis}: plo", values["plo"], f"must be <= phi ({values['phi']})")
+            divisor = values["clkdivisor"]
+            if divisor > 1 and divisor * interval > MOST_SERVO_US:
+                most = f"must be at most {max(1, MOST_SERVO_US // interval)} at this interval_us"
+                self.wrong(f"axis {axis}: clkdivisor", divisor, f"{most}: servo at least every 50 ms")
         return params
 
     def segments(self) -> list[dict]:
