@@ -152,7 +152,9 @@ class _Cross:
             divisor = values["clkdivisor"]
             if divisor > 1 and divisor * interval > MOST_SERVO_US:
                 most = f"must be at most {max(1, MOST_SERVO_US // interval)} at this interval_us"
-                self.wrong(f"axis {axis}: clkdivisor", divisor, f"{most}: servo at least every 50 ms")
+                self.wrong(
+                    f"axis {axis}: clkdivisor", divisor, f"{most}: servo at least every 50 ms"
+                )
         return params
 
     def segments(self) -> list[dict]:

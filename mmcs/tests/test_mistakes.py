@@ -100,7 +100,8 @@ CASES = {
     "divisor": (top("[[servo]]\nclkdivisor = 0"), "servo.0.clkdivisor = 0: must be at least 1"),
     "slow servo": (
         top("interval_us = 500\n[[servo]]\nclkdivisor = 101"),
-        "axis 0: clkdivisor = 101: must be at most 100 at this interval_us: servo at least every 50 ms",
+        "axis 0: clkdivisor = 101: must be at most 100 at this interval_us: "
+        "servo at least every 50 ms",
     ),
     "ipole": (top("[[servo]]\nipole = 1024"), "servo.0.ipole = 1024: must be at most 1023"),
     "plo above phi": (top("[[servo]]\nplo = 5\nphi = -5"), "axis 0: plo = 5: must be <= phi (-5)"),
