@@ -123,10 +123,10 @@ formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABO
 	    --only "$(ONLY)"
 
 mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (1,270 mutants); FAST=1: a fixed random 60
-	@JOBS=$(JOBS) $(BIN)/python tools/mutate.py $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
+	@JOBS=$(JOBS) $(BIN)/python tools/mutation/mutate.py $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
 
 mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 mutants, some 20 minutes)
-	@$(BIN)/python tools/mutate_firmware.py --write
+	@$(BIN)/python tools/mutation/mutate_firmware.py --write
 
 # --- firmware for real processors ----------------------------------------------------------
 

@@ -20,13 +20,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 MC = ROOT / "firmware" / "mc"
 TESTS = ROOT / "firmware" / "tests"
 WORK = ROOT / "build" / "mutation_firmware"
 FIXED, FIXED_CHECKED = WORK / "fixed", WORK / "fixed_checked"
 OBJ = ROOT / "build" / "sim" / "obj"
-EQUIVALENT = ROOT / "tools" / "firmware_equivalent.toml"
+EQUIVALENT = ROOT / "tools" / "mutation" / "excuses_firmware.toml"
 TOOL = "universalmutator==1.14.1"
 INCLUDE = [f"-I{ROOT / 'firmware' / d}" for d in ("include", "mc", "tests")]
 NO = ["-Werror=int-conversion", "-Werror=incompatible-pointer-types"]  # as in the true build

@@ -12,8 +12,8 @@ that make faults on nets inside (system/cocotb_faults.py) are left out: mutants 
 
 Score = killed / (all - proved equivalent). build/mutation/results.json keeps every mutant's fate,
 --resume runs again only survivors and what stands in changed RTL; --write puts the table into
-docs/evidence/mutation.md. Survivors that no test can see stand in cocotb_tests/mutants.toml, each
-with its reason. Exit 1 if the unbroken design fails its tests, with --strict also if more than a
+docs/evidence/mutation.md. Survivors that no test can see stand in excuses_rtl.toml, each with its
+reason. Exit 1 if the unbroken design fails its tests, with --strict also if more than a
 twentieth of the relevant mutants survives without being explained there.
 """
 
@@ -37,7 +37,7 @@ from pages import rewrite
 RESULTS = ROOT / WORK / "results.json"
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"
 UNEXPLAINED = 0.05  # of the relevant mutants may survive with --strict
-EXPLAINED = ROOT / "cocotb_tests" / "mutants.toml"
+EXPLAINED = ROOT / "tools" / "mutation" / "excuses_rtl.toml"
 
 
 def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:
