@@ -11,6 +11,8 @@ from pages import rewrite
 ROOT = Path(__file__).resolve().parent.parent
 # Whatever writes a file, a person reads it: nobody is exempt from the length for being generated.
 CODE = {".py", ".sv", ".svh", ".c", ".h", ".cpp", ".sh", ".rdl", ".toml", ".sby", ".S", ".ld"}
+CODE |= {".js", ".mjs", ".css", ".html", ".vlt", ".yaml", ".yml"}
+PAGES = {".md"}  # of the length only; their licence is the project's
 LIMIT = 400
 README_LINES = 120
 FIRST_COMMAND = 25
@@ -27,7 +29,7 @@ def table() -> str:
     rows = []
     for name in tracked():
         path = ROOT / name
-        if path.is_file() and path.suffix in CODE:
+        if path.is_file() and path.suffix in CODE | PAGES:
             lines = path.read_text().splitlines()
             reason = re.search(r"Length: (.*)", "\n".join(lines[:12]))
             if len(lines) > LIMIT and reason:
@@ -45,11 +47,12 @@ def main() -> int:
     found = []
     for name in tracked():
         path = ROOT / name
-        if not path.is_file() or path.suffix not in CODE:
+        if not path.is_file() or path.suffix not in CODE | PAGES:
             continue
         lines = path.read_text().splitlines()
         head = "\n".join(lines[:12])
-        if "SPDX-License-Identifier: Apache-2.0" not in head and name != "pyproject.toml":
+        licensed = path.suffix in PAGES or name == "pyproject.toml"
+        if "SPDX-License-Identifier: Apache-2.0" not in head and not licensed:
             found.append(f"{name}: no SPDX licence line at the top")
         if len(lines) > LIMIT and "Length:" not in head:
             found.append(f"{name}: {len(lines)} lines; split it, or say why in a 'Length:' comment")
