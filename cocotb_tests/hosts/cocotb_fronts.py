@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The host fronts, each driven by a bus model from elsewhere: registers, errors, a closed loop."""
+"""The host fronts, each driven by a bus model from elsewhere: registers, errors, our driver."""
 
 import functools
 import math
@@ -7,13 +7,11 @@ import math
 import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge
 
+from cocotb_tests.hosts.driver import Driver
 from cocotb_tests.hosts.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused, clocks
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
-    ARMED,
     BASE,
-    DAC1,
-    ENC1,
     PCCSR,
     PIT,
     PORT_A,
@@ -21,26 +19,20 @@ from cocotb_tests.lib.tb import (
     PPI_CONTROL,
     PPI_SETUP,
     QUAD,
-    SCLOCK_IRQ,
     VECTOR,
     Machine,
     Tb,
 )
+from mmcs import mcdef
 
 TOPLEVEL = "bench_hosts"
 SOURCES = ("bench_hosts.sv",)
-VARIANTS = {"vme": {"HostPort": 0}, "hosts": {"HostPort": 1}}
+BEAT = {"HeartbeatUs": 2000}
+VARIANTS = {"vme": {"HostPort": 0} | BEAT, "hosts": {"HostPort": 1} | BEAT}
 CARD = [Machine.creg(0, n) for n in range(32)]
-CLOCKS = (
-    76,
-    68,
-    68,
-    68,
-    68,
-    68,
-    68,
-)  # interrupt to last D/A write, by front (hardware/adaptor.md)
-INTERVAL_US = 200  # the slowest master here needs some 60 us for a pass
+# Interrupt to last D/A write of the driver's pass over one card, by front (hardware/adaptor.md).
+CLOCKS = (327, 314, 314, 314, 314, 314, 314)
+INTERVAL_US = 500
 
 
 def each_front(test):
@@ -117,20 +109,23 @@ async def what_is_no_register_ends_in_the_bus_error(dut, front):
         assert await tb.rd(VECTOR) == 0x5A
 
 
-def model(samples: int) -> tuple[list[int], list[int]]:
+GAIN, LEAD, SCALE, LIMIT = 140, -112, 8, 900  # a0, a1, b0, ilim of the driver's law
+STEP, STEP_AT, SAMPLES = 60, 3, 40
+
+
+def model() -> tuple[list[int], list[int]]:
     """Counts at each sample and codes computed there, in plain arithmetic."""
     counts, codes, y, v, out, e1 = [], [], 0, 0, 0, 0
-    for k in range(samples):
+    for k in range(SAMPLES):
         counts.append(y)
-        code = law((60 if k >= 3 else 0) - y, e1)
-        e1 = (60 if k >= 3 else 0) - y
-        codes.append(code)
-        y, v, out = *turn(y, v, out), code
+        e = (STEP if k >= STEP_AT else 0) - y
+        codes.append(law(e, e1))
+        y, v, out, e1 = *turn(y, v, out), codes[-1], e
     return counts, codes
 
 
 def law(e: int, e1: int) -> int:
-    return max(-900, min(900, (140 * e - 112 * e1) // 8))
+    return max(-LIMIT, min(LIMIT, int((GAIN * e + LEAD * e1) / SCALE)))
 
 
 def turn(y: int, v: int, code: int) -> tuple[int, int]:
@@ -139,52 +134,64 @@ def turn(y: int, v: int, code: int) -> tuple[int, int]:
     return y + v // 8, v
 
 
+async def motor(tb) -> None:
+    """What stands on joint 1's D/A since an SCLOCK turns it until the next."""
+    y = v = 0
+    while True:
+        await RisingEdge(tb.dut.sclock_o)
+        await tb.clocks(4)  # the card's latch, and the D/As behind it
+        drive = int(tb.dut.drive_v_o.value) & 0xFFFF
+        before, (y, v) = y, turn(y, v, (drive - 0x10000 if drive & 0x8000 else drive) // 16)
+        await tb.enc[0].move(y - before, 1000)
+
+
 @cocotb.test()
 @each_front
 @req("ADP-1", "DAC-1", "LAT-1", "INT-1")
-async def a_double_buffered_loop_is_the_same_to_the_count(dut, front):
-    """Interrupt, PCCSR, latched counter, law, D/A: 40 samples as plain arithmetic has them."""
-    tb = await ready(dut, front)
-    await tb.us(30)  # the relay
-    for register in (ENC1, ENC1 + 1):
-        await tb.wr(CARD[register], 0)
-    await tb.wr(CARD[PORT_B], 0x0F)  # joints, latched by SCLOCK, D/As double-buffered
-    await write_code(tb, 0)
-    for offset, value in ((PIT + 6, 0x34), (PIT, 8), (PIT, 0), (PIT + 6, 0x74),
-                          (PIT + 2, INTERVAL_US & 0xFF), (PIT + 2, INTERVAL_US >> 8)):  # fmt: skip
-        await tb.wr(offset, value)
-    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
-    counts, codes, took = [], [], []
-    y, v, e1 = 0, 0, 0
-    for k in range(40):
-        if not int(dut.irq_o.value):
+async def our_driver_is_the_same_to_the_count(dut, front):
+    """The mc driver on each front, double-buffered: 40 samples as plain arithmetic has them."""
+    tb = Front(dut, front)
+    await tb.start()
+    counts, codes, took, begin = [], [], [], [0.0]
+
+    def on_pass(driver):
+        if running:
+            counts.append(driver.lib.mc_state_of(driver.mc, 0).encnow)
+            codes.append(driver.lib.mc_current(driver.mc, 0))
+            took.append(math.ceil((driver.last_drive - begin[0]) / tb.period))
+
+    async def note_interrupts():
+        while True:
             await RisingEdge(dut.irq_o)
-        begin = tb.now()
-        assert await tb.rd(PCCSR) & SCLOCK_IRQ
-        await tb.wr(PCCSR, SCLOCK_IRQ | BASE)
-        await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
-        drive = int(dut.drive_v_o.value) & 0xFFFF
-        high = await tb.rd(CARD[ENC1])
-        count = high << 8 | await tb.rd(CARD[ENC1 + 1])
-        counts.append(count - 0x10000 if count & 0x8000 else count)
-        e = (60 if k >= 3 else 0) - counts[-1]
-        codes.append(law(e, e1))
-        e1 = e
-        await write_code(tb, codes[-1])
-        took.append(math.ceil((tb.now() - begin) / tb.period))
-        # what stood on the D/A since this SCLOCK turns the motor until the next
-        code = (drive - 0x10000 if drive & 0x8000 else drive) // 16
-        before, (y, v) = y, turn(y, v, code)
-        await tb.enc[0].move(y - before, 1000)
-    assert (counts, codes) == model(40)
-    assert counts[-1] in range(50, 70), "the loop works"
+            begin[0] = tb.now()
+
+    tasks = [cocotb.start_soon(motor(tb)), cocotb.start_soon(note_interrupts())]
+    running = False
+    mc = Driver(tb, on_pass)
+    client = await mc.open()
+    assert client == 0 and mc.lib.mc_joints(mc.mc) == 2, mc.log
+    for axis in range(2):
+        given = {"which": axis, "mode": mcdef.MD_POS, "a0": GAIN, "a1": LEAD, "b0": SCALE}
+        param = mc.ffi.new("struct mc_param *", mcdef.initial() | given | {"ilim": LIMIT})
+        assert await mc.ioctl(client, mcdef.MSETPARAM, param) == 0, mc.log
+    for request, value in ((mcdef.MSETINTERVAL, INTERVAL_US), (mcdef.MDACMODE, 1)):
+        assert await mc.ioctl(client, request, mc.ffi.new("int *", value)) == 0, mc.log
+    assert await mc.ioctl(client, mcdef.MENABLE) == 0, mc.log
+    running = True
+    while len(counts) < STEP_AT:
+        await mc.sleep(10)
+    assert await mc.write(client, [STEP, 0]) == 8
+    while len(counts) < SAMPLES:
+        await mc.sleep(INTERVAL_US // 2)
+    for task in tasks:
+        task.cancel()
+    assert (counts, codes) == model()
+    assert STEP - 10 < counts[-1] < STEP + 10, "the loop works"
+    stats = mc.lib.mc_stats_of(mc.mc)
+    assert (stats.missed, stats.overrun, stats.panics, stats.spurious) == (0, 0, 0, 0)
+    dut._log.info("%s: interrupt to last D/A write %d clocks", NAMES[front], max(took))
     dut._log.info("%s: interrupt to last D/A write %d clocks", NAMES[front], max(took))
     assert max(took) <= CLOCKS[front], f"{NAMES[front]}: {max(took)} clocks"
-
-
-async def write_code(tb, code: int) -> None:
-    await tb.wr(CARD[DAC1], (2048 + code) & 0xFF)
-    await tb.wr(CARD[DAC1 + 1], 2048 + code >> 8)
 
 
 @cocotb.test()

@@ -66,7 +66,8 @@ module reg_window #(
     state_d = state_q;
     case (state_q)
       StIdle: begin
-        if (start_i) state_d = (outside | ~fits | nothing) ? StDone : StRequest;
+        if (start_i && (outside || !fits || nothing)) state_d = StDone;
+        else if (start_i) state_d = StRequest;
       end
       StRequest: begin
         if (hp_ack_i) state_d = StDone;

