@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures: the command as a user calls it, scenario files made on the spot."""
+"""Fixtures: the command as a user calls it, scenario files, a server to do things to."""
+
+import signal
+import threading
 
 import pytest
 from click.testing import CliRunner
 
 from mmcs import ROOT
 from mmcs.cli.app import main
+from mmcs.tests.device_bench import Bench
 
 GOOD = """
 description = "a test"
@@ -43,3 +47,23 @@ def scenario(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def bench(tmp_path):
+    """A server that the test steps; programs are this process, so SIGUSR1 is ignored."""
+    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+    with Bench(tmp_path) as made:
+        yield made
+    signal.signal(signal.SIGUSR1, before)
+
+
+@pytest.fixture
+def serving(bench, monkeypatch):
+    """The same server, running in a thread."""
+    thread = threading.Thread(target=bench.server.run)
+    monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
+    thread.start()
+    yield bench
+    bench.server.stopping = True
+    thread.join()

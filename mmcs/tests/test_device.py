@@ -3,24 +3,11 @@
 
 import os
 import re
-import threading
 
 import pytest
 
 from mmcs import ROOT, mcdef
 from mmcs.device.client import Device
-from mmcs.tests.device_bench import Bench
-
-
-@pytest.fixture
-def serving(tmp_path, monkeypatch):
-    with Bench(tmp_path) as bench:
-        thread = threading.Thread(target=bench.server.run)
-        monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
-        thread.start()
-        yield bench
-        bench.server.stopping = True
-        thread.join()
 
 
 @pytest.mark.req("DRV-2", "DRV-3", "DRV-4")

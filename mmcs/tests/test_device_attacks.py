@@ -22,24 +22,6 @@ from mmcs.tests.device_bench import PROGRAMS, SANITIZED, Bench, compile_program
 from mmcs.tests.raw import Raw, holding, stop_line
 
 
-@pytest.fixture
-def bench(tmp_path):
-    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # the programs are this process
-    with Bench(tmp_path) as made:
-        yield made
-    signal.signal(signal.SIGUSR1, before)
-
-
-@pytest.fixture
-def serving(bench, monkeypatch):
-    thread = threading.Thread(target=bench.server.run)
-    monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
-    thread.start()
-    yield bench
-    bench.server.stopping = True
-    thread.join()
-
-
 def descriptors():
     return len(os.listdir("/proc/self/fd"))
 

@@ -14,26 +14,7 @@ from mmcs.device.client import Device
 from mmcs.device.execute import check_program, environment
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError
-from mmcs.tests.device_bench import PROGRAMS, SANITIZED, Bench, compile_program, write_scenario
-
-
-@pytest.fixture
-def bench(tmp_path):
-    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # the programs are this process
-    with Bench(tmp_path) as made:
-        yield made
-    signal.signal(signal.SIGUSR1, before)
-
-
-@pytest.fixture
-def serving(bench, monkeypatch):
-    thread = threading.Thread(target=bench.server.run)
-    monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
-    thread.start()
-    yield bench
-    bench.server.stopping = True
-    thread.join()
-
+from mmcs.tests.device_bench import PROGRAMS, SANITIZED, compile_program, write_scenario
 
 # --- programs ---
 

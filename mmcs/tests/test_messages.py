@@ -22,17 +22,6 @@ from mmcs.tests.device_bench import Bench
 
 
 @pytest.fixture
-def serving(tmp_path, monkeypatch):
-    with Bench(tmp_path) as bench:
-        thread = threading.Thread(target=bench.server.run)
-        monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
-        thread.start()
-        yield bench
-        bench.server.stopping = True
-        thread.join()
-
-
-@pytest.fixture
 def link(serving):
     with Link(path=serving.server.path, timeout=None) as made:
         yield made
