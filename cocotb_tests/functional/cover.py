@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from pathlib import Path
 
+from mmcs import regs
+
 FILE = "functional.json"
 GROUPS: dict[str, "Group"] = {}
 
@@ -79,15 +81,15 @@ VME_ADDRESS = Group(
 
 # Every modifier, and who would be addressed.
 TARGETS = {
-    "card": 0x001,
-    "other base": 0x3C1,
-    "counter 0": 0x401,
-    "counter 1": 0x403,
-    "counter 2": 0x405,
-    "control": 0x407,
-    "pccsr": 0x409,
+    "card": regs.card_offset(0, regs.CARD_PPI_A),
+    "other base": regs.card_offset(15, regs.CARD_PPI_A),
+    "counter 0": regs.PIT0,
+    "counter 1": regs.PIT1,
+    "counter 2": regs.PIT2,
+    "control": regs.PIT_CONTROL,
+    "pccsr": regs.PCCSR,
     "hole": 0x411,
-    "vector": 0x441,
+    "vector": regs.VECTOR,
     "mirror": 0x789,
 }
 VME_MODIFIER = Group(

@@ -12,20 +12,29 @@ from cocotb.utils import get_sim_time
 
 from cocotb_tests.lib.encoder import EncoderSource, Pins
 from cocotb_tests.lib.vme import VmeBus, VmeMaster
+from mmcs import regs
 
 # Inputs that are 1 in health; all others are inert at 0.
 HEALTHY = ("estop_closed_i", "cable_ok_i", "pc_power_i", "power_i")
 ACTIVE_LOW = "_ni"
 
-# Registers. §4.3.3, §5.3.1
-PIT, PCCSR, VECTOR = 0x401, 0x409, 0x441
-PORT_A, PORT_B, PORT_C, PPI_CONTROL = 0, 1, 2, 3
-ENC1, ENC2, DAC1, DAC2, ADC_LO, ADC_HI, LATCH, LATCH_ALL = 4, 6, 8, 10, 12, 14, 16, 18
-PPI_SETUP = 0x89  # A and B outputs, C inputs
-B_REAL_ENC, B_TO_JOINT, B_SCLOCK, B_DOUBLE, B_INDEX = 1, 2, 4, 8, 16
-C_BEAT1, C_INDEX1, C_BEAT2, C_INDEX2, C_DONE = 1, 2, 4, 8, 16
-ARMED, SCLOCK_IRQ, PANIC_IRQ = 0x80, 0x20, 0x40
-BASE = 0x18  # PCCSR bits 4-0 that reach the cards
+# Short names of the registers that the tests use most. §4.3.3, §5.3.1
+PIT, PCCSR, VECTOR = regs.PIT0, regs.PCCSR, regs.VECTOR
+PORT_A, PORT_B, PORT_C = regs.CARD_PPI_A, regs.CARD_PPI_B, regs.CARD_PPI_C
+PPI_CONTROL, PPI_SETUP = regs.CARD_PPI_CONTROL, regs.PPI_MODE_BOARD
+ENC1, ENC2 = regs.CARD_ENC1_MSB, regs.CARD_ENC2_MSB
+DAC1, DAC2 = regs.CARD_DAC1_LO, regs.CARD_DAC2_LO
+ADC_LO, ADC_HI = regs.CARD_ADC1_LO, regs.CARD_ADC_HI
+LATCH, LATCH_ALL = regs.CARD_LATCH, regs.CARD_LATCH_ALL
+B_REAL_ENC, B_TO_JOINT = regs.CARD_PPI_B_ENC_JOINT_BM, regs.CARD_PPI_B_DAC_JOINT_BM
+B_SCLOCK, B_DOUBLE = regs.CARD_PPI_B_SCLOCK_EN_BM, regs.CARD_PPI_B_DAC_DOUBLE_BM
+B_INDEX = regs.CARD_PPI_B_INDEX_EN_BM
+C_BEAT1, C_BEAT2 = regs.CARD_PPI_C_HEARTBEAT1_BM, regs.CARD_PPI_C_HEARTBEAT2_BM
+C_INDEX1, C_INDEX2 = regs.CARD_PPI_C_INDEX1_BM, regs.CARD_PPI_C_INDEX2_BM
+C_DONE = regs.CARD_PPI_C_ADC_READY_BM
+ARMED = regs.PCCSR_LATCH_EN_BM
+SCLOCK_IRQ, PANIC_IRQ = regs.PCCSR_SCLOCK_EN_BM, regs.PCCSR_PANIC_EN_BM
+BASE = regs.PCCSR_BASE_CARDS
 QUAD = 5
 LEDS = ("a1", "b1", "i1", "a2", "b2", "i2", "beat1", "beat2", "gp1", "gp2", "power")
 
@@ -119,7 +128,7 @@ class Tb:
 class Machine(Tb):
     """The module mmcs behind its VME connector."""
 
-    base = 0x6000
+    base = regs.WINDOW_BASE
 
     def __init__(self, dut, **master):
         super().__init__(dut)

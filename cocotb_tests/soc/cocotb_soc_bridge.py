@@ -10,12 +10,12 @@ from cocotb.handle import Force, Release
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, VECTOR
+from cocotb_tests.lib.tb import ARMED, BASE
+from mmcs.regs import CARD_PPI_B, PCCSR, PIT0, PIT1, PIT_CONTROL, VECTOR, card_offset
 
 TOPLEVEL = "bench_bridge"
 SOURCES = ["../../rtl/soc/soc_cross.sv", "../../rtl/soc/soc_bridge.sv", "bench_bridge.sv"]
-PIT0, PIT1, PIT_CONTROL = 0x401, 0x403, 0x407
-CARD = 0x003
+CARD = card_offset(0, CARD_PPI_B)
 MACHINE_NS = 126
 # the processor's clock: the machine's own, six times as fast, unrelated
 CLOCKS = {"same": 126, "six": 21, "strange": 17}
