@@ -2,8 +2,10 @@
 """Compares boards that rest with the plain machine: `python -m studies.lockstep [--clocks N]`.
 
 Two machines do the same: rtl/mmcs.sv as a whole, every clock, asserted, and the boards of the speed
-build. A random stranger sets registers, switches, wires and flips bits; then scenarios run from end
-to end. After every stretch clock, data read and hash, which covers every register, must agree.
+build. A random stranger sets registers, switches, wires, cuts power, goes back to snapshots that
+the other machine took, and, every second time, flips bits of any register, after which assertions
+that fail end nothing; then scenarios run from end to end. After every stretch clock, data read and
+hash, which covers every register, must agree.
 """
 
 from __future__ import annotations
@@ -28,23 +30,25 @@ PIT = regs.PIT0
 SWITCHES = {"estop": 1, "cable": 1, "pc_power": 1, "sysreset": 1, "axis_enable": 1,
             "card_absent": 1, "sclock_open": 1, "panic_open": 1, "dip_xor": 15, "dac_stuck1": 4095,
             "dac_stuck0": 4095, "adc_stuck": 1, "irq_lost": 1, "bus_error": 2,
-            "seu_encoder": 65535, "seu_dac_input": 4095, "seu_dac_output": 4095,
-            "seu_index_latch": 1, "seu_heartbeat": 1, "seu_pccsr": 255, "seu_vector": 255,
             "encoder_a_cut": 2, "encoder_swap": 1, "encoder_slip": 40, "encoder_glitch": 20000,
             "index_glitch": 20000, "motor_jam": 1, "pot_cut": 1}  # fmt: skip
 RARE = {"cable", "pc_power", "sysreset", "estop"}  # they put much else to rest: ended soon
 HEALTHY_1 = {"cable", "pc_power", "axis_enable"}
-GLOBAL = RARE | {"irq_lost", "bus_error", "seu_pccsr", "seu_vector"}
+GLOBAL = RARE | {"irq_lost", "bus_error"}
 BY_CARD = {"card_absent", "sclock_open", "panic_open", "dip_xor"}
+# Mode words of the three counters: binary, and in BCD; then what counts are made of.
+PIT_VALUES = (0x34, 0x74, 0xB4, 0x36, 0x76, 0x30, 0x31, 0x71, 0xB1, 0x35, 0x75, 0xB5, 0x37, 0x77,
+              0x10, 0x14, 0, 1, 2, 3, 0x10, 0x40, 0x99)  # fmt: skip
 
 
 class Differs(RunError):
     """The two machines part."""
 
 
-def stranger(seed: int, cards: int, axes: int, actions: int):
+def stranger(seed: int, cards: int, axes: int, actions: int, registers: dict[str, int]):
     """Random actions on a machine: ("read", offset, am, size), ("write", ..., value),
-    ("event", after_s, name, index, value), ("run", clocks)."""
+    ("event", after_s, name, index, value), ("run", clocks), ("snapshot",), ("back",). registers:
+    those whose bits may flip, by name, with their width."""
     rng = random.Random(seed)
 
     def card_offset() -> int:
@@ -66,7 +70,7 @@ def stranger(seed: int, cards: int, axes: int, actions: int):
         if at == regs.PCCSR:  # the base address of the cards stays, mostly
             return rng.choice((0xF8, 0xB8, 0xD8, 0x98, 0x18, rng.randrange(256)))
         if PIT <= at < PIT + 8 and rng.random() < 0.5:
-            return rng.choice((0x34, 0x74, 0xB4, 0x36, 0x76, 0x30, 0x10, 0x14, 0, 1, 2, 3, 40))
+            return rng.choice(PIT_VALUES)
         return rng.choice((rng.randrange(256), rng.randrange(256), 0, 0xFF, 0x80, 0x8B, 1 << 3))
 
     yield ("write", regs.PCCSR, 0x2D, 1, 0xF8)  # the cards answer
@@ -79,6 +83,10 @@ def stranger(seed: int, cards: int, axes: int, actions: int):
             size = rng.choice((1, 1, 1, 1, 2, 4))
             at = offset() if size == 1 else rng.randrange(0x200) * 4
             yield ("read", at, 0x2D, size)
+        elif what < 0.71 and registers:
+            name, width = rng.choice(list(registers.items()))
+            bits = rng.choice((1 << rng.randrange(width), rng.randrange(1, 1 << width)))
+            yield ("event", rng.randrange(400) / CLK_HZ, f"seu.{name}", 0, bits)
         elif what < 0.80:
             name = rng.choice(list(SWITCHES))
             if name in RARE and rng.random() < 0.7:
@@ -92,9 +100,13 @@ def stranger(seed: int, cards: int, axes: int, actions: int):
                 healthy = int(name in HEALTHY_1)
                 after += rng.choice((1, 2, 3, rng.randrange(1, 3000)))
                 yield ("event", after / CLK_HZ, name, index, healthy)
+        elif what < 0.81:
+            yield ("snapshot",)
+        elif what < 0.813:
+            yield ("back",)
         else:
             yield ("run", rng.choice((1, 2, 3, rng.randrange(1, 30), rng.randrange(1, 600),
-                                      round(10 ** rng.uniform(1, 4.6)))))  # fmt: skip
+                                      round(10 ** rng.uniform(1, 5.2)))))  # fmt: skip
 
 
 def act(sim, action: tuple, numbers: dict[str, int]) -> object:
@@ -109,11 +121,26 @@ def act(sim, action: tuple, numbers: dict[str, int]) -> object:
         elif what == "event":
             after, name, index, value = rest
             sim.add_event(sim.time + after, numbers[name], index, value)
-        else:
-            sim.run((sim.clock + rest[0] - 0.5) / CLK_HZ)
+        elif not sim.run((sim.clock + rest[0] - 0.5) / CLK_HZ):
+            return failure(sim)
     except OSError as error:  # no answer, or BERR*
         return type(error).__name__
     return None
+
+
+def failure(sim) -> str:
+    """The assertion that has failed."""
+    found = (n["text"] for n in reversed(sim.notes()) if n["kind"] == "assert")
+    return next((text for text in found if not text.startswith("after an upset")), "")
+
+
+def cross(pair: tuple, kept: list, what: str) -> None:
+    """Snapshots of both are kept; or both go back, each to the one that the other took."""
+    if what == "snapshot":
+        kept[:] = [(sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()) for sim in pair]
+    elif kept:
+        for sim, snapshot in zip(pair, reversed(kept), strict=True):
+            sim.restore_bytes(*snapshot)
 
 
 def differences(pair: tuple) -> str:
@@ -124,25 +151,34 @@ def differences(pair: tuple) -> str:
     return ", ".join(found[:5]) or "no register"
 
 
-def torture(pair: tuple, seed: int, actions: int) -> int:
-    """Both machines under the same stranger; the clocks that passed."""
+def torture(pair: tuple, seed: int, actions: int, upsets: bool = True) -> int:
+    """Both machines under the same stranger; the clocks that each of them made."""
     plain, skipping = pair
     numbers = {name: number for number, name in enumerate(plain.input_names())}
-    cards = plain.build()["cards"]
-    for number, action in enumerate(stranger(seed, cards, plain.axes, actions)):
-        got = [act(sim, action, numbers) for sim in pair]
+    cards, registers = plain.build()["cards"], plain.registers() if upsets else {}
+    kept: list = []
+    again = 0  # clocks that were made once more, after going back
+    for number, action in enumerate(stranger(seed, cards, plain.axes, actions, registers)):
+        if action[0] in ("snapshot", "back"):
+            again += plain.clock
+            cross(pair, kept, action[0])
+            again -= plain.clock
+            got = [sim.hash() for sim in pair]
+        else:
+            got = [act(sim, action, numbers) for sim in pair]
         same = got[0] == got[1] and plain.clock == skipping.clock
         if same and number % CHECK_EVERY == 0:
             same = plain.hash() == skipping.hash()
         if not same:
             raise Differs(
                 f"seed {seed}, at or up to {CHECK_EVERY} before action {number} {action}: clock "
-                f"{plain.clock} and {skipping.clock}, answers {got[0]} and {got[1]}"
+                f"{plain.clock} and {skipping.clock}, answers {got[0]} and {got[1]} "
+                f"{failure(plain)}"
                 f"; {differences(pair)}"
             )
     if plain.hash() != skipping.hash():
         raise Differs(f"seed {seed}: the hashes differ at the end: {differences(pair)}")
-    return plain.clock
+    return plain.clock + again
 
 
 def machines(name: str, overrides: tuple[str, ...] = ()):
@@ -150,10 +186,10 @@ def machines(name: str, overrides: tuple[str, ...] = ()):
     return setup, machine(setup, "trust"), machine(setup)
 
 
-def lockstep_torture(seed: int, actions: int, name: str = "puma560") -> int:
+def lockstep_torture(seed: int, actions: int, name: str = "puma560", upsets: bool = True) -> int:
     _, plain, skipping = machines(name)
     with plain, skipping:
-        return torture((plain, skipping), seed, actions)
+        return torture((plain, skipping), seed, actions, upsets)
 
 
 def lockstep_scenario(name: str) -> int:
@@ -180,9 +216,10 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         while clocks < options.clocks:
             for name in ("puma560", "lab500"):
-                clocks += lockstep_torture(seed, options.actions, name)
-                seed += 1
-            name = scenarios[((seed - options.seed) // 2 - 1) % len(scenarios)]
+                for upsets in (False, True):
+                    clocks += lockstep_torture(seed, options.actions, name, upsets)
+                    seed += 1
+            name = scenarios[((seed - options.seed) // 4 - 1) % len(scenarios)]
             clocks += lockstep_scenario(name)
             print(f"{clocks:.3g} clocks equal, the last of {name}; "
                   f"{time.monotonic() - began:.0f} s", flush=True)  # fmt: skip

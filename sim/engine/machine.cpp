@@ -149,6 +149,10 @@ bool Machine::advance(int64_t n, Watch watch) {
     int64_t ran = 0;
     const Stop stop = model_->run(next_stop(limit) - clock_, dtack, &ran);
     clock_ += ran;
+    if (failed()) note("assert", -1, model_->failure());
+    if (const std::string doubt = model_->take_doubt(); !doubt.empty()) {
+      note("assert", -1, "after an upset: " + doubt);
+    }
     bool irq_changed = false;
     if (stop == Stop::kLines) {
       irq_changed = ((model_->lines() ^ lines_) & kLineIrq) != 0;

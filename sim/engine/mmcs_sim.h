@@ -129,7 +129,7 @@ typedef struct mmcs_stats {
 /* What happened, in the order it happened (PANIC, errors, signals, faults injected, messages). */
 typedef struct mmcs_note {
   double t;
-  char kind[16]; /* "panic", "error", "signal", "fault", "log", "bus" */
+  char kind[16]; /* "panic", "error", "signal", "fault", "log", "bus", "assert" */
   int32_t axis;  /* -1: none */
   char text[100];
 } mmcs_note;

@@ -88,6 +88,8 @@ class Model {
   virtual bool trace(const std::string &path) = 0;
   // The sentence of the first assertion that failed, or empty.
   virtual const std::string &failure() const = 0;
+  // The first that failed since the last upset, which run() does not end at; asking forgets it.
+  virtual std::string take_doubt() { return ""; }
 };
 
 }  // namespace mmcs

@@ -31,6 +31,14 @@ const std::pair<const char *, const char *> kExtra[] = {
 // What the model prints and where it stopped, until the run that caused it looks.
 thread_local std::string printed;
 
+// Of what Verilator says of a failed assertion: its name and its sentence.
+std::string sentence(const std::string &said) {
+  const std::string before = "Assertion failed in TOP.";
+  const size_t at = said.rfind(before);
+  if (at != std::string::npos) return said.substr(at + before.size());
+  return said.empty() ? "an assertion of the RTL failed" : said;
+}
+
 uint64_t bits_of(const Net &net, int lsb, int width) {
   uint64_t value = 0;
   for (int bit = 0; bit < width; ++bit) {
@@ -191,9 +199,12 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
 
 bool Plain::failed() {
   if (!context_.gotError()) return false;
-  // After an upset the machine is where no assertion expects it.
-  if (failure_.empty() && !upset_)
-    failure_ = printed.empty() ? "an assertion of the RTL failed" : printed;
+  const std::string text = sentence(printed);
+  if (!upset_ && failure_.empty()) failure_ = text;
+  if (upset_ && !doubted_) {
+    doubt_ = text;
+    doubted_ = true;
+  }
   printed.clear();
   context_.gotError(false);
   context_.gotFinish(false);
@@ -255,6 +266,7 @@ void Plain::upset(int reg, uint64_t bits) {
   const Net &net = nets_[static_cast<size_t>(reg)];
   if (net) net.put(net.get() ^ bits);
   upset_ = true;
+  doubted_ = false;
   board_->settle();
   look_at_lines();
 }

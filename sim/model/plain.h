@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "board.h"
@@ -41,6 +42,7 @@ class Plain : public Model, protected Ports {
   void host_phase(unsigned phase, uint32_t pc) override;
   bool trace(const std::string &path) override;
   const std::string &failure() const override { return failure_; }
+  std::string take_doubt() override { return std::exchange(doubt_, ""); }
 
  protected:
   void power_on();
@@ -81,8 +83,9 @@ class Plain : public Model, protected Ports {
   int64_t clock_ = 0;
   uint64_t evals_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;
-  bool upset_ = false;  // assertions hold no more
-  std::string failure_;
+  bool upset_ = false;    // the machine may be where no assertion expects it: they only tell
+  bool doubted_ = false;  // one has told since
+  std::string failure_, doubt_;
 };
 
 }  // namespace mmcs

@@ -302,8 +302,7 @@ void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   pokes.erase(std::remove_if(pokes.begin(), pokes.end(),
                              [&](const Block::Poke &p) { return p.net.at == net.at; }),
               pokes.end());
-  if (!clear && !set) return;
-  pokes.push_back({net, clear, set});
+  if (clear || set) pokes.push_back({net, clear, set});
   block->catch_up(clock_);
   net.put((net.get() & ~clear) | set);
   block->board->settle();

@@ -54,6 +54,7 @@ void Unit::renew(int64_t t) {
   still_ = moving_ = false;
   last = t;
   due = t + 1;
+  moved_ = -kNever;  // t may be earlier than what has been
   for (Counter &c : counters) {
     c.kept = c.net.get();
     c.delta = 0;

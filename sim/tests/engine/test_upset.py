@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A particle hits a register: the bits flip at that instant, and what depends on them follows."""
 
+import re
+
 import pytest
 from machines import event, machine, notes, start
 
@@ -71,6 +73,16 @@ def test_wrong_vector_is_spurious(sim):
     event(sim, 0.0, "seu_vector", 0x80)
     sim.run(sim.time + 0.005)
     assert sim.stats()["spurious"] >= 3
+
+
+@pytest.mark.req("API-1")
+def test_an_assertion_that_an_upset_breaks_is_told_and_ends_nothing():
+    """A one-shot that runs with no clock left: no trigger can bring it there."""
+    with machine(kind="trust") as sim:
+        event(sim, 0.0, "seu_heartbeat", 1, 0)
+        assert sim.run(sim.time + 0.002)
+        told = [n["text"] for n in notes(sim, "assert")]
+        assert len(told) == 1 and re.match("after an upset: .*u_heartbeat.PulseHasClocks", told[0])
 
 
 @pytest.mark.req("API-1")
