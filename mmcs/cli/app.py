@@ -13,6 +13,7 @@ import click
 
 from mmcs import __version__
 from mmcs.cli.again import replay, trace
+from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
 from mmcs.cli.sweep import sweep
@@ -274,7 +275,7 @@ main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
 main.add_command(faults)
-for _command in (serve, exec_, design, sweep, tool):
+for _command in (serve, exec_, design, sweep, campaign, tool):
     main.add_command(_command)
 
 

@@ -55,7 +55,7 @@ def sweep(
     folder = out or results("sweeps", plan.path) / first.name
     if resume:
         check_resume(folder)
-    _check_folder(folder)
+    check_folder(folder)
     from mmcs.sweep.workers import build_of, cores, dask_client
 
     client = dask_client(dask) if dask else None
@@ -71,7 +71,7 @@ def sweep(
     sys.exit(_finish(plan, store.rows, folder, by, form, whole))
 
 
-def _check_folder(folder: Path) -> None:
+def check_folder(folder: Path) -> None:
     import tempfile
 
     try:
@@ -104,7 +104,7 @@ def _run(plan, store, client, workers: int) -> bool:
     else:
         flow = run_dask(client, tasks(), build_of)
     began = time.perf_counter()
-    with _progress(len(plan), len(store.rows)) as advance:
+    with progress(len(plan), len(store.rows)) as advance:
         try:
             for n, row, _ in flow:
                 store.add(n, row)
@@ -122,7 +122,7 @@ def _run(plan, store, client, workers: int) -> bool:
 
 
 @contextmanager
-def _progress(total: int, done: int):
+def progress(total: int, done: int, what: str = "runs"):
     """A bar if somebody watches, else a line now and then."""
     if not sys.stderr.isatty():
         told = time.monotonic()
@@ -131,14 +131,14 @@ def _progress(total: int, done: int):
             nonlocal told
             if time.monotonic() > told + TELL_EACH_S:
                 told = time.monotonic()
-                echo(f"mmcs: {len(rows)} of {total} runs", err=True)
+                echo(f"mmcs: {len(rows)} of {total} {what}", err=True)
 
         yield tell
         return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
 
-    columns = (MofNCompleteColumn(), TextColumn("runs"), BarColumn(), Remaining(),
+    columns = (MofNCompleteColumn(), TextColumn(what), BarColumn(), Remaining(),
                TextColumn("{task.fields[bad]}"))  # fmt: skip
     bar = Progress(*columns, console=screen(stderr=True), transient=True)
     with bar:

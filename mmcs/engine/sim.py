@@ -371,6 +371,10 @@ class Sim:
         if result:
             raise ValueError(self.ffi.string(err).decode(errors="replace"))
 
+    def future(self) -> int:
+        """Digest of all that decides what comes, time included, and of nothing that has been."""
+        return self.lib.mmcs_sim_future(self._sim)
+
     def hash(self) -> str:
         return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
 

@@ -80,16 +80,10 @@ class Session:
         ok = True
         client = _checked("open", sim.open(mcdef.O_RDWR))
         try:
-            self._configure(client)
-            start = self.start = sim.time
-            self._schedule(start, at_power_on=False)
-            for segment in setup.segments:
-                sim.add_segment(**segment)
-            self._answered("start of motion", sim.start_motion(client))
-            self.actors = make_actors(self, client)
+            self.begin(client)
             ok = self._move(setup.scenario.duration, progress)
         except Refused:
-            start = self.start = sim.time
+            self.start = sim.time
         axes = range(setup.axes)
         witnesses = [sim.true(n) | {"register": sim.encoder_register(n)} for n in axes]
         states = self._last_state(client)
@@ -108,7 +102,7 @@ class Session:
             hash=hash_,
             wall_s=time.perf_counter() - began,
             simulated_s=sim.time,
-            motion_start_s=start,
+            motion_start_s=self.start,
             first_motion_wall=self.first_motion_wall,
             clk_hz=sim.build()["clk_hz"],
             cycles=int(stats["cycles"]),
@@ -122,6 +116,16 @@ class Session:
             checkpoints=sim.checkpoints(),
             build=sim.build_id(),
         )
+
+    def begin(self, client: int) -> None:
+        """Configures the driver and starts the motion."""
+        self._configure(client)
+        self.start = self.sim.time
+        self._schedule(self.start, at_power_on=False)
+        for segment in self.setup.segments:
+            self.sim.add_segment(**segment)
+        self._answered("start of motion", self.sim.start_motion(client))
+        self.actors = make_actors(self, client)
 
     def _last_state(self, client: int) -> list:
         try:

@@ -23,19 +23,20 @@ MAX_LINE = 1 << 20  # bytes of a row
 LEADING = ("status", "unmet", "why")
 
 
-def check_resume(folder: Path) -> None:
+def check_resume(folder: Path, what: str = "sweep") -> None:
     if not (folder / ROWS).is_file():
-        allowed = "holds no sweep to go on with; leave out --resume"
+        allowed = f"holds no {what} to go on with; leave out --resume"
         raise InputError.one(folder, "", None, allowed)
 
 
 class Store:
     """The finished rows, on disk before they are counted."""
 
-    def __init__(self, folder: Path, identity: str, resume: bool):
-        self.path = folder / ROWS
+    def __init__(self, folder: Path, identity: str, resume: bool, what: str = "sweep", good=None):
+        """good: whether a dictionary may be a row of this; that of a sweep, if not said."""
+        self.path, self._what, self._good = folder / ROWS, what, good or is_row
         self.rows: dict[int, dict] = {}
-        self._lock = _locked(folder)
+        self._lock = _locked(folder, what)
         if resume:
             try:
                 self._read(identity)
@@ -56,14 +57,14 @@ class Store:
                 if not line.endswith(b"\n"):
                     break  # it was being written when the end came
                 whole += len(line)
-                entry = _entry(line)
+                entry = _entry(line, self._good)
                 if number:
                     self.rows |= entry
                 elif "sweep" not in entry:
                     allowed = "is damaged; leave out --resume"
                     raise InputError.one(self.path, "", None, allowed)
                 elif entry["sweep"] != identity:
-                    allowed = "is another sweep (values, seed, scenario or build differ)"
+                    allowed = f"is another {self._what} (values, seed, scenario or build differ)"
                     raise InputError.one(self.path, "", None, f"{allowed}; leave out --resume")
             file.truncate(whole)
 
@@ -80,31 +81,36 @@ class Store:
         self._lock.close()
 
 
-def _locked(folder: Path):
-    """Held as long as it is open. InputError when another sweep is at work in the folder."""
+def _locked(folder: Path, what: str):
+    """Held as long as it is open. InputError when another one is at work in the folder."""
     lock = (folder / LOCK).open("w")
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         lock.close()
-        allowed = "another sweep is writing here; wait for its end, or give another --out"
+        allowed = f"another {what} is writing here; wait for its end, or give another --out"
         raise InputError.one(folder, "", None, allowed) from None
     return lock
 
 
-def _entry(line: bytes) -> dict:
+def is_row(row: dict) -> bool:
+    """Whether a dictionary may be a sweep's row. KeyError, TypeError: it is none."""
+    good = row["status"] in ("ok", "missed", "failed")
+    good = good and (row["status"] == "failed" or type(row["unmet"]) is int)
+    for name, value in row.items():
+        text = name in ("status", "why", "hash")
+        good = good and isinstance(value, str if text else int | float | None)
+    return good
+
+
+def _entry(line: bytes, good=is_row) -> dict:
     """{number: row}, or the first line; {} for what is neither: that row is run again."""
     try:
         entry = json.loads(line)
         if isinstance(entry.get("sweep"), str):
             return entry
         n, row = entry["n"], entry["row"]
-        good = type(n) is int and 0 <= n < MAX_RUNS and row["status"] in ("ok", "missed", "failed")
-        good = good and (row["status"] == "failed" or type(row["unmet"]) is int)
-        for name, value in row.items():
-            text = name in ("status", "why", "hash")
-            good = good and isinstance(value, str if text else int | float | None)
-        return {n: row} if good else {}
+        return {n: row} if type(n) is int and 0 <= n < MAX_RUNS and good(row) else {}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
 

@@ -43,12 +43,16 @@ def _library(cards: int, clk_hz: int):
     return ensure_library(cards, "speed", clk_hz)
 
 
+def library_of(setup):
+    """The simulator's library that the setup runs on; builds it if need be."""
+    return _library(setup.scenario.cards, setup.scenario.clk_hz)
+
+
 def build_of(setup) -> str:
-    """The identity of the simulator that the setup runs on; builds it if need be."""
+    """Its identity."""
     from mmcs.engine.sim import load_library, make_ffi
 
-    scenario = setup.scenario
-    library = load_library(_library(scenario.cards, scenario.clk_hz))
+    library = load_library(library_of(setup))
     return make_ffi().string(library.mmcs_sim_build_id()).decode()
 
 
@@ -72,10 +76,8 @@ def _run_row(setup) -> dict:
     from mmcs.result.report import measure
     from mmcs.session.session import Session
 
-    scenario = setup.scenario
-    library = _library(scenario.cards, scenario.clk_hz)
-    config = setup.config() | {"skip": int(scenario.skip), "host": 0}
-    with Sim(library, config, setup.motors(), setup.links()) as sim:
+    config = setup.config() | {"skip": int(setup.scenario.skip), "host": 0}
+    with Sim(library_of(setup), config, setup.motors(), setup.links()) as sim:
         result = Session(sim, setup).run()
     axes = measure(result)
     verdicts = judge(result, axes)
@@ -119,25 +121,25 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def _serve(pipe) -> None:
-    """What a worker process does: setups in, rows out, until the pipe closes."""
+def _serve(pipe, work) -> None:
+    """What a worker process does: tasks in, rows out, until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that commands
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         pipe.send("ready")
         while True:
-            setup = pipe.recv()
+            task = pipe.recv()
             began = time.perf_counter()
-            row = run_row(setup)
+            row = work(task)
             pipe.send((row, time.perf_counter() - began))
 
 
 class _Worker:
-    def __init__(self, context):
+    def __init__(self, context, work):
         self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self.process = context.Process(target=_serve, args=(theirs, work), daemon=True)
         self.process.start()
         theirs.close()
-        self.task: tuple | None = None  # (row number, setup, attempts so far)
+        self.task: tuple | None = None  # (row number, what it is given, attempts so far)
         self.ready = False
 
     def give(self, task: tuple) -> None:
@@ -152,9 +154,10 @@ class _Worker:
 
 
 def run_here(
-    tasks: Iterator[tuple[int, object]], workers: int
-) -> Iterator[tuple[int, dict, float]]:
-    """(row number, row, seconds) as they come. Raises RunError when no worker starts."""
+    tasks: Iterator[tuple[object, object]], workers: int, work=run_row
+) -> Iterator[tuple[object, dict, float]]:
+    """(number, row, seconds) of each (number, task), as they come; work: a function of a module
+    that makes rows of tasks. Raises RunError when no worker starts."""
     context = multiprocessing.get_context("spawn")
     crew: list[_Worker] = []
     again: deque = deque()  # what dead workers were at
@@ -166,13 +169,13 @@ def run_here(
         if again:
             worker.give(again.popleft())
         elif not fed:
-            n, setup = next(tasks, (None, None))
+            n, given = next(tasks, (None, None))
             fed = n is None
             if not fed:
-                worker.give((n, setup, 0))
+                worker.give((n, given, 0))
 
     try:
-        crew += [_Worker(context) for _ in range(workers)]
+        crew += [_Worker(context, work) for _ in range(workers)]
         while not fed or again or any(w.task for w in crew):
             pipes = {w.pipe: w for w in crew}
             for pipe in wait(list(pipes)):
@@ -187,12 +190,12 @@ def run_here(
                         if unborn >= ATTEMPTS * workers:
                             raise RunError("no worker of the sweep starts") from None
                     if worker.task is not None:
-                        n, setup, deaths = worker.task
+                        n, given, deaths = worker.task
                         if deaths + 1 < ATTEMPTS:
-                            again.append((n, setup, deaths + 1))
+                            again.append((n, given, deaths + 1))
                         else:
                             yield n, failed(f"the worker died {ATTEMPTS} times in this run"), 0.0
-                    crew.append(_Worker(context))
+                    crew.append(_Worker(context, work))
                     continue
                 unborn = 0
                 if worker.ready:
@@ -228,7 +231,7 @@ def dask_client(address: str):
     return client
 
 
-def run_timed(setup, build: str) -> tuple[dict, float]:
+def run_timed(setup, build: str, work, task) -> tuple[dict, float]:
     """What a Dask worker does: one run at a time in a process, on the very same simulator."""
     with _one_at_a_time():
         began = time.perf_counter()
@@ -238,7 +241,7 @@ def run_timed(setup, build: str) -> tuple[dict, float]:
             return failed(str(error)), 0.0
         if here != build:
             return failed(f"the worker's simulator is another build: {here}, not {build}"), 0.0
-        return run_row(setup), time.perf_counter() - began
+        return work(task), time.perf_counter() - began
 
 
 @functools.cache
@@ -249,16 +252,18 @@ def _one_at_a_time():
 
 
 def run_dask(
-    client, tasks: Iterator[tuple[int, object]], builds
-) -> Iterator[tuple[int, dict, float]]:
-    """As run_here(), on the scheduler's workers; Dask itself repeats what a dead one was at."""
+    client, tasks: Iterator[tuple[object, object]], builds, work=run_row, setup_of=lambda task: task
+) -> Iterator[tuple[object, dict, float]]:
+    """As run_here(), on the scheduler's workers; Dask itself repeats what a dead one was at.
+    setup_of: the setup in a task, which says what simulator it wants."""
     from distributed import as_completed
 
     numbers, flow = {}, as_completed(loop=client.loop)
 
-    def start(task: tuple[int, object]) -> None:
-        n, setup = task
-        future = client.submit(run_timed, setup, builds(setup), pure=False)
+    def start(numbered: tuple[object, object]) -> None:
+        n, task = numbered
+        setup = setup_of(task)
+        future = client.submit(run_timed, setup, builds(setup), work, task, pure=False)
         numbers[future] = n
         flow.add(future)
 

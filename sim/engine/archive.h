@@ -18,6 +18,7 @@ using Bytes = std::vector<uint8_t>;
 class Writer {
  public:
   static constexpr bool kReads = false;
+  static constexpr bool kFutureOnly = false;
   template <typename T>
   void operator()(const T &value) {
     static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
@@ -39,10 +40,24 @@ class Writer {
   Bytes out_;
 };
 
+// Writes what decides the future, and nothing that only tells of the past: two runs of which it
+// makes the same bytes are the same from there on.
+class FutureWriter : public Writer {
+ public:
+  static constexpr bool kFutureOnly = true;
+};
+
+// A member that tells of the past: counts, running hashes, what has been noted.
+template <class A, typename T>
+void past(A &a, T &value) {
+  if constexpr (!A::kFutureOnly) a(value);
+}
+
 // Throws std::invalid_argument when the bytes end too early.
 class Reader {
  public:
   static constexpr bool kReads = true;
+  static constexpr bool kFutureOnly = false;
   Reader(const uint8_t *data, size_t size) : at_(data), end_(data + size) {}
   template <typename T>
   void operator()(T &value) {

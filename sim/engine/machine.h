@@ -5,6 +5,7 @@
 // exact clocks; the plant steps every kStepUs; events happen at the clock of their time.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -82,23 +83,31 @@ class Machine {
   // Everything that changes, RTL and plant included; of the notes only how many there are.
   template <class A>
   void state(A &a) {
-    for (auto *clock :
-         {&clock_, &next_step_, &step_start_, &stalled_until_, &bus_errors_, &sample_clock_}) {
+    for (auto *clock : {&clock_, &next_step_, &step_start_, &bus_errors_, &sample_clock_}) {
       a(*clock);
     }
     a(edges_);
     a(next_edge_);
-    a(events_);
-    a(next_event_);
+    if constexpr (A::kFutureOnly) {
+      a(std::max(stalled_until_, clock_));
+      a(std::vector<mmcs_event>(events_.begin() + static_cast<std::ptrdiff_t>(next_event_),
+                                events_.end()));
+    } else {
+      a(stalled_until_);
+      a(events_);
+      a(next_event_);
+    }
     a(lines_);
-    a(soc_failures_);
-    a(notes_lost_);
+    past(a, soc_failures_);
+    past(a, notes_lost_);
     a(step_angles_);
     a(sample_angles_);
-    a(trail_);
+    past(a, trail_);
     size_t kept = notes_.size();
-    a(kept);
+    past(a, kept);
     Bytes model, plant;
+    uint64_t evals = model_->evals();
+    past(a, evals);
     if constexpr (!A::kReads) {
       model = model_->save();
       plant = plant_->save();
@@ -110,6 +119,7 @@ class Machine {
       notes_.resize(kept);
       plant_->restore(plant);
       model_->restore(model);
+      model_->set_evals(evals);
       tap_.lines(time(), lines_);
     }
   }

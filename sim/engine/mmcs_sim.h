@@ -287,6 +287,9 @@ int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
 int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count);
 /* Those that are kept, in order of time. Valid until the next call, as are the bytes below. */
 int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list);
+/* Digest of all that decides the future, time included; no counts, logs or hashes of what has been.
+ * Of two simulations of the same machine with equal ones, the rest is the same to the bit. */
+uint64_t mmcs_sim_future(mmcs_sim *sim);
 /* For a file: the state, and the past (log, notes) that all snapshots of a run share. Number of
  * bytes, or -1. Another build or another machine refuses them: -1 and one sentence in err. */
 int64_t mmcs_sim_snapshot_bytes(mmcs_sim *sim, int64_t id, const uint8_t **bytes);

@@ -54,14 +54,14 @@ class Recorder {
   void state(A &a) {
     a(start_clock_);
     a(sample_clock_);
-    a(samples_);
+    past(a, samples_);
     a(angles_);
     a(errcodes_);
-    a(hash_);
+    past(a, hash_);
     int64_t all = rows();
     size_t points = checkpoints_.size();
-    a(all);
-    a(points);
+    past(a, all);
+    past(a, points);
     if constexpr (A::kReads) {
       if (all < 0 || all > rows() || points > checkpoints_.size()) {
         throw std::invalid_argument("the snapshot lacks its log");

@@ -343,6 +343,9 @@ int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count) {
     return 0;
   });
 }
+uint64_t mmcs_sim_future(mmcs_sim *sim) {
+  return mmcs::guarded(sim, uint64_t{0}, [=] { return sim->timeline.future(); });
+}
 int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list) {
   if (!sim || !list) return 0;
   *list = sim->timeline.list().data();

@@ -14,7 +14,7 @@ extern "C" const char mmcs_build_id_text[];
 namespace mmcs {
 namespace {
 
-constexpr uint32_t kFormat = 3;
+constexpr uint32_t kFormat = 4;
 constexpr char kSnapshotMagic[8] = {'M', 'M', 'C', 'S', 'S', 'N', 'A', 'P'};
 constexpr char kHistoryMagic[8] = {'M', 'M', 'C', 'S', 'P', 'A', 'S', 'T'};
 // While waiting for an instant: earlier ones are too far from it to be the last idle one.
@@ -124,6 +124,13 @@ int64_t Timeline::add(bool of_ring) {
         static_cast<size_t>(std::find(of_ring_.begin(), of_ring_.end(), true) - of_ring_.begin()));
   }
   return next_id_ - 1;
+}
+
+uint64_t Timeline::future() {
+  FutureWriter writer;
+  state(writer);
+  const Bytes bytes = writer.take();
+  return digest(bytes.data(), bytes.size());
 }
 
 int64_t Timeline::take_at(int64_t clock) {

@@ -27,6 +27,9 @@ class Timeline {
   bool run_until(int64_t clock);
   // A snapshot of now; its number, or -1 when an assertion has failed.
   int64_t take() { return add(false); }
+  // Digest of all that decides the future: equal at the same clock, two runs are the same from
+  // there on, whatever has happened before.
+  uint64_t future();
   // Runs until the clock. The snapshot is of that instant, or, when the firmware is active then,
   // of the last instant before at which it was not.
   int64_t take_at(int64_t clock);

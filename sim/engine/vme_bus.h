@@ -25,8 +25,8 @@ class VmeBus {
 
   template <class A>
   void state(A &a) {
-    a(cycles_);
-    a(failures_);
+    past(a, cycles_);
+    past(a, failures_);
   }
 
  private:

@@ -46,6 +46,7 @@ class Model {
   virtual Stop run(int64_t n, int dtack, int64_t *ran) = 0;
   virtual int64_t clock() const = 0;
   virtual uint64_t evals() const = 0;
+  virtual void set_evals(uint64_t) = 0;  // a count, and no part of the state
   virtual unsigned lines() const = 0;
   virtual bool dtack() const = 0;  // DTACK* is low
 

@@ -26,6 +26,7 @@ class Plain : public Model, protected Ports {
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   int64_t clock() const override { return clock_; }
   uint64_t evals() const override { return evals_; }
+  void set_evals(uint64_t evals) override { evals_ = evals; }
   unsigned lines() const override { return lines_; }
   bool dtack() const override { return dtack_ && dtack_.get() == 0; }
   int16_t drive(int axis) const override;

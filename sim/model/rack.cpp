@@ -337,7 +337,6 @@ std::vector<uint8_t> Rack::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
-  state.evals = evals_;
   return state.pack();
 }
 
@@ -345,7 +344,6 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
   clock_ = state.clock;
-  evals_ = state.evals;
   pins_.restore(state.pins);
   for (size_t reg = 0; reg < registers().size(); ++reg) {
     Block *block;

@@ -267,3 +267,38 @@ def test_bad_arguments_give_errors():
         for to in (float("nan"), float("inf")):
             with pytest.raises(Exception, match="refuses"):
                 sim.add_segment(axis=0, kind="step", t0=0.0, duration=0.0, to=to)
+
+
+# --- what decides the future -------------------------------------------------------------------
+
+
+def test_future_is_equal_where_only_the_past_differs():
+    """An upset that is gone leaves counts and hashes different, and nothing that will matter."""
+    with machine() as sim:
+        start(sim)
+        sim.run(sim.time + 0.02)
+        began, id_ = sim.time, sim.snapshot()
+        plain = [sim.future() for n in range(8) if sim.run(began + 0.001 * n)]
+        end = sim.hash()
+        assert len(set(plain)) == len(plain)  # time is part of it
+        sim.restore(id_)
+        path = "seu.g_card[0].u_card.g_axis[0].u_axis.u_encoder.snap_q"
+        sim.add_event(began + 1e-6, input_number(sim, path), 0, 1 << 5)
+        seen = [sim.future() for n in range(8) if sim.run(began + 0.001 * n)]
+        assert seen[0] != plain[0] and seen[2:] == plain[2:]
+        assert sim.hash() == end  # nothing of it was read
+        sim.restore(id_)
+        event(sim, 1e-6, "bus_error", 1)
+        seen = [sim.future() for n in range(8) if sim.run(began + 0.001 * n)]
+        assert seen[7] != plain[7]  # the driver has stopped
+
+
+def test_future_knows_what_is_still_to_come():
+    with machine() as sim:
+        start(sim)
+        id_ = sim.snapshot()
+        before = sim.future()
+        event(sim, 0.5, "estop", 1)
+        assert sim.future() != before
+        sim.restore(id_)
+        assert sim.future() == before

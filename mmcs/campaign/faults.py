@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a campaign injects: a seed and a number make one fault, whatever ran before it.
+
+A fault is an entry for the scenario's [[event]] or [[call]], so that `mmcs run` makes it, too.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+import shlex
+from dataclasses import dataclass, field
+
+from mmcs.errors import toml
+from mmcs.scenario.inputs import INPUTS, UPSET, find
+
+SORTS = ("register", "line", "pin", "message", "kill")
+SHORTEST_S, LONGEST_S = 50e-6, 50e-3  # of what passes by itself
+DIGITS = 7  # of a time: less than a clock
+
+# One of an input's values is drawn: from a tuple, or (low, high) of a magnitude on a log scale,
+# with either sign where the input takes both. Registers have a sort of their own.
+_SWITCH = (1,)
+VALUES = {
+    "estop": _SWITCH, "axis_enable": (0,), "card_absent": _SWITCH, "dip_xor": tuple(range(1, 16)),
+    "sclock_open": _SWITCH, "panic_open": _SWITCH,
+    "dac_stuck1": tuple(1 << n for n in range(12)), "dac_stuck0": tuple(1 << n for n in range(12)),
+    "adc_stuck": _SWITCH, "encoder_a_cut": (1, 2), "encoder_b_cut": (1, 2),
+    "encoder_index_cut": (1, 2), "encoder_swap": _SWITCH, "index_missing": _SWITCH,
+    "pot_cut": _SWITCH, "amp_dead": _SWITCH, "amp_saturated": (-1, 1), "brake_stuck": (1, 2),
+    "motor_jam": _SWITCH, "cable": (0,), "pc_power": (0,), "sysreset": _SWITCH,
+    "irq_lost": _SWITCH,
+}  # fmt: skip
+SPANS = {
+    "encoder_glitch": (10.0, 1e5), "index_glitch": (10.0, 1e5), "encoder_slip": (1.0, 2000.0),
+    "pot_noise": (0.01, 5.0), "drive_offset": (0.05, 10.0), "load_torque": (0.01, 1.0),
+    "host_stall": (1.0, 1000.0), "bus_error": (1.0, 100.0),
+}  # fmt: skip
+PINS = (
+    "estop", "axis_enable", "card_absent", "dip_xor", "sclock_open", "panic_open", "dac_stuck1",
+    "dac_stuck0", "adc_stuck", "encoder_a_cut", "encoder_b_cut", "encoder_index_cut",
+    "encoder_swap", "encoder_glitch", "index_glitch", "encoder_slip", "index_missing", "pot_noise",
+    "pot_cut", "amp_dead", "amp_saturated", "drive_offset", "brake_stuck", "load_torque",
+    "motor_jam",
+)  # fmt: skip
+LINES = ("irq_lost", "bus_error")
+KILLS = ("host_stall", "sysreset", "pc_power", "cable")
+ONCE = ("host_stall", "bus_error")  # an act, not a state
+PARAMETERS = ("a0", "a1", "b0", "b1", "ic_pos", "ic_neg", "ilim", "clkdivisor")
+REQUESTS = ("MSTOP", "MENABLE", "MZEROSTATS", "MCALIB", "MCLEARERROR", "MDACMODE", "MSETENC",
+            "MSETINTERVAL", "MSETPARAM")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault in one motion: entries for the scenario, and what it is to be counted as."""
+
+    n: int
+    motion: str
+    sort: str
+    what: str  # register, input or request, without the number of card and axis
+    at: float
+    event: dict | None = None
+    call: dict | None = None
+
+    @property
+    def lasts(self) -> bool:
+        """It does not pass by itself."""
+        return self.event is not None and "until" not in self.event and self.sort != "register"
+
+    def sets(self, calls: list[dict]) -> list[str]:
+        """For --set, beside the scenario's own calls."""
+        if self.event:
+            return ["event=" + toml([self.event])]
+        return ["call=" + toml([*calls, self.call])]
+
+    def command(self, calls: list[dict], typed: tuple[str, ...] = ()) -> str:
+        words = [w for text in (*typed, *self.sets(calls)) for w in ("--set", text)]
+        return shlex.join(["mmcs", "run", self.motion, *words])
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What faults can hit in a scenario: its registers, axes, cards, parameters."""
+
+    name: str
+    until: float  # faults begin before this, seconds of motion
+    registers: tuple[tuple[str, int], ...]  # and their bits
+    axes: int
+    cards: int
+    interval_us: int = 1000
+    parameters: tuple[dict, ...] = field(default=())  # of the servo, per axis
+
+
+def draw(seed: int, n: int, sorts: tuple[str, ...], motions: tuple[Motion, ...]) -> Fault:
+    """Fault number n. Motions take turns, everything else is drawn."""
+    dice = random.Random(f"{seed}/{n}")
+    motion = motions[n % len(motions)]
+    sort = dice.choice(sorts)
+    at = round(dice.random() * motion.until, DIGITS)
+    if sort == "message":
+        return _message(dice, n, motion, at)
+    if sort == "register":
+        name, bit = _bit(dice, motion.registers)
+        event = {"at": at, "input": UPSET + name, "value": 1 << bit}
+        return Fault(n, motion.name, sort, plain(name), at, event=event)
+    name = dice.choice({"pin": PINS, "line": LINES, "kill": KILLS}[sort])
+    event = {"at": at, "input": name, "value": _value(dice, name)}
+    count = {"machine": 1, "card": motion.cards, "axis": motion.axes}[find(name).scope]
+    if count > 1:
+        event["index"] = dice.randrange(count)
+    if name not in ONCE and dice.random() < 0.5:
+        event["until"] = round(at + _log(dice, SHORTEST_S, LONGEST_S), DIGITS)
+    return Fault(n, motion.name, sort, name, at, event=event)
+
+
+def plain(register: str) -> str:
+    """The same name for every card and axis."""
+    return re.sub(r"g_(card|axis)\[\d+\]\.", "", register).removeprefix("u_")
+
+
+def _bit(dice: random.Random, registers) -> tuple[str, int]:
+    """Every flip-flop is as likely as any other."""
+    place = dice.randrange(sum(width for _, width in registers))
+    for name, width in registers:
+        if place < width:
+            return name, place
+        place -= width
+    raise AssertionError("a bit beyond the last register")
+
+
+def _log(dice: random.Random, low: float, high: float) -> float:
+    return low * (high / low) ** dice.random()
+
+
+def _value(dice: random.Random, name: str) -> float:
+    if name in VALUES:
+        return dice.choice(VALUES[name])
+    value = float(f"{_log(dice, *SPANS[name]):.3g}")
+    if name in ONCE or name == "encoder_slip":
+        value = round(value)
+    return -value if INPUTS[name].low < 0 and dice.random() < 0.5 else value
+
+
+def _message(dice: random.Random, n: int, motion: Motion, at: float) -> Fault:
+    """A request that nobody meant: of the right form, at the wrong time or with a wrong bit."""
+    request = dice.choice(REQUESTS)
+    call: dict = {"at": at, "request": request}
+    axis = dice.randrange(motion.axes)
+    what = request
+    if request in ("MCALIB", "MSETENC", "MSETPARAM"):
+        call["axis"] = axis
+    if request == "MDACMODE":
+        call["value"] = dice.randrange(2)
+    elif request == "MSETENC":
+        call["value"] = dice.randrange(1 << 16)
+    elif request == "MSETINTERVAL":
+        call["value"] = motion.interval_us ^ 1 << dice.randrange(17)
+    elif request == "MSETPARAM":
+        name = dice.choice(PARAMETERS)
+        flipped = (motion.parameters[axis][name] & 0xFFFFFFFF) ^ 1 << dice.randrange(32)
+        call["set"] = {name: flipped - (flipped >> 31 << 32)}
+        if name in ("ilim", "clkdivisor"):  # the scenario takes no negative one
+            call["set"][name] = flipped & 0x7FFFFFFF
+        what = f"MSETPARAM {name}"
+    return Fault(n, motion.name, "message", what, at, call=call)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which faults a campaign makes of which motions, and the rows that they become."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+
+from mmcs import __version__
+from mmcs.campaign.classes import CLASSES, judge
+from mmcs.campaign.faults import SORTS, Fault, Motion, draw
+from mmcs.errors import InputError, RunError
+from mmcs.scenario.load import load
+from mmcs.scenario.setup import Setup
+from mmcs.sweep.workers import failed, library_of
+
+WATCH_S = 0.25  # after the scenario's end, so that the last fault, too, shows what it does
+CHUNK = 40  # faults that a worker is given at once
+TWINS = 6  # that a worker keeps
+MOTIONS = ("arm_move", "arm_calibrate", "puma560_hold", "puma560_velocity")
+
+
+@dataclass
+class Plan:
+    """Fault n depends on the seed, its number, the motions and the sorts alone."""
+
+    names: tuple[str, ...]
+    setups: dict[str, Setup]
+    motions: tuple[Motion, ...]
+    sorts: tuple[str, ...]
+    seed: int
+    typed: tuple[str, ...]  # of --set
+
+    def fault(self, n: int) -> Fault:
+        return draw(self.seed, n, self.sorts, self.motions)
+
+    def command(self, n: int) -> str:
+        """What makes fault n alone."""
+        fault = self.fault(n)
+        scenario = self.setups[fault.motion].scenario
+        sets = (*self.typed, f"duration={scenario.duration!r}")
+        return fault.command(self.calls(fault.motion), sets)
+
+    def calls(self, motion: str) -> list[dict]:
+        return [_entry(call) for call in self.setups[motion].scenario.call]
+
+    def chunks(self, todo: list[int]) -> Iterator[tuple[tuple[int, ...], tuple]]:
+        """(their numbers, what a worker is given): each chunk of one motion."""
+        for place, name in enumerate(self.names):
+            own = [n for n in todo if n % len(self.names) == place]
+            for at in range(0, len(own), CHUNK):
+                numbers = tuple(own[at : at + CHUNK])
+                yield numbers, self.task(name, numbers)
+
+    def task(self, name: str, numbers: tuple[int, ...]) -> tuple:
+        return self.setups[name], [self.fault(n) for n in numbers]
+
+    def identity(self, build: str) -> str:
+        """What a campaign must share with an earlier one to go on with it: all but how many."""
+        parts = [__version__, build, self.seed, self.sorts, [asdict(m) for m in self.motions],
+                 [(s.data, s.files) for s in self.setups.values()]]  # fmt: skip
+        return hashlib.sha256(json.dumps(parts, default=str).encode()).hexdigest()[:16]
+
+
+def _entry(call) -> dict:
+    """A [[call]] as the file has it."""
+    return call.model_dump(exclude_none=True, exclude_defaults=True)
+
+
+def make_plan(
+    names: tuple[str, ...], sorts: tuple[str, ...], seed: int, sets: tuple[str, ...] = ()
+) -> Plan:
+    """Raises InputError for what no campaign can be made of."""
+    names, sorts = names or MOTIONS, sorts or SORTS
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError.one("mmcs campaign", "", name, "is named twice")
+    for sort in sorts:
+        if sort not in SORTS:
+            allowed = "must be one of " + ", ".join(SORTS)
+            raise InputError.one("--sort", "", sort, allowed)
+    setups, motions = {}, []
+    for name in names:
+        until = load(name, sets).scenario.duration
+        setup = load(name, (*sets, f"duration={until + WATCH_S!r}"))
+        for key in ("event", "process"):
+            if getattr(setup.scenario, key):
+                allowed = "a campaign wants a motion without events and processes"
+                raise InputError.one(setup.path, key, None, allowed)
+        setups[name] = setup
+        motions.append(_motion(name, setup, until))
+    return Plan(tuple(names), setups, tuple(motions), tuple(sorts), seed, sets)
+
+
+def _motion(name: str, setup: Setup, until: float) -> Motion:
+    from mmcs.engine.sim import library_registers
+
+    scenario = setup.scenario
+    registers = tuple(library_registers(library_of(setup)).items())
+    return Motion(
+        name, until, registers, setup.axes, scenario.cards, scenario.interval_us,
+        tuple(setup.params),
+    )  # fmt: skip
+
+
+# --- what a worker does ------------------------------------------------------------------------
+
+
+@functools.lru_cache(maxsize=TWINS)
+def _twin(key: str):
+    from mmcs.campaign.twin import Twin
+
+    return Twin(_given[key])
+
+
+_given: dict[str, Setup] = {}
+
+
+def twin_of(setup: Setup):
+    """The setup's twin, which this process keeps."""
+    parts = [str(setup.path), setup.data, setup.files]
+    key = hashlib.sha256(json.dumps(parts, default=str).encode()).hexdigest()
+    _given[key] = setup
+    try:
+        return _twin(key)
+    finally:
+        del _given[key]
+
+
+def run_chunk(task: tuple[Setup, list[Fault]]) -> dict:
+    """{"status", "rows"} of some faults in one motion."""
+    setup, faults = task
+    try:
+        twin = twin_of(setup)
+        return {"status": "ok", "rows": [run_fault(twin, fault) for fault in faults]}
+    except (RunError, InputError) as error:
+        return failed(str(error))
+    except Exception as error:
+        return failed(f"{type(error).__name__}: {error}")
+
+
+def run_fault(twin, fault: Fault, whole: bool = False) -> dict:
+    """The row of one fault; whole: with the hash that `mmcs run` must find."""
+    seen, more = twin.run(fault, whole)
+    after = None if seen.detected_s is None else round(1e3 * seen.detected_s, 4)
+    return {
+        "status": "ok",
+        "class": judge(seen),
+        "motion": fault.motion,
+        "sort": fault.sort,
+        "what": fault.what,
+        "at": fault.at,
+        "lasts": fault.lasts,
+        "off": round(seen.off, 2),
+        "beyond": round(seen.beyond, 2),
+        "after_ms": after,
+        **more,
+    }
+
+
+def is_row(row: dict) -> bool:
+    """Whether a line of a file may be one: the class and the texts that tables are made of."""
+    if row["status"] == "failed":
+        return isinstance(row["why"], str)
+    texts = ("motion", "sort", "what", "by", "told")
+    numbers = ("at", "off", "beyond")
+    return (
+        row["status"] == "ok"
+        and row["class"] in CLASSES
+        and all(isinstance(row[k], str) for k in texts)
+        and all(isinstance(row[k], int | float) and abs(row[k]) < 1e12 for k in numbers)
+        and isinstance(row["after_ms"], int | float | None)
+    )

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a campaign found: counts by class, where and when, with 95 % confidence intervals."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+
+from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE
+from mmcs.result.folder import whole_file
+
+Z = 1.959964  # 95 %
+PARTS = 10  # of a motion, in the table by time
+HOLES = 25
+SHORT = dict(zip(CLASSES, ("masked", "safe", "late", "harmless", "dangerous"), strict=True))
+COLOURS = dict(zip(CLASSES, ("#d7dce1", "#7fa8d1", "#e0a040", "#b9c9a8", "#b3363e"), strict=True))
+REPORT, WHERE, WHEN = "report.md", "where.svg", "when.svg"
+
+
+def wilson(k: int, n: int) -> tuple[float, float]:
+    """The 95 % interval of a share, k of n seen."""
+    if n == 0:
+        return 0.0, 1.0
+    p, z2 = k / n, Z * Z
+    middle = (p + z2 / (2 * n)) / (1 + z2 / n)
+    half = Z * math.sqrt(p * (1 - p) / n + z2 / (4 * n * n)) / (1 + z2 / n)
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def per_million(k: int, n: int) -> str:
+    """Of a million faults: what was seen, and between what it lies."""
+    low, high = (round(1e6 * share, -2) for share in wilson(k, n))
+    return f"{round(1e6 * k / n, -2) if n else 0:,.0f} ({low:,.0f} to {high:,.0f})"
+
+
+class Counts:
+    """Rows by some key, each with its classes."""
+
+    def __init__(self, rows, key):
+        self.by: dict[object, Counter] = {}
+        for row in rows:
+            self.by.setdefault(key(row), Counter())[row["class"]] += 1
+
+    def total(self, name) -> int:
+        return sum(self.by[name].values())
+
+    def table(self, heading: str, names, shown=str) -> list[str]:
+        lines = [
+            f"| {heading} | faults | " + " | ".join(CLASSES) + " | dangerous per million |",
+            "|---|" + "---:|" * (len(CLASSES) + 2),
+        ]
+        for name in names:
+            own, total = self.by[name], self.total(name)
+            cells = [f"{own[c]:,}" for c in CLASSES]
+            lines.append(
+                f"| {shown(name)} | {total:,} | {' | '.join(cells)} | "
+                f"{per_million(own[DANGEROUS], total)} |"
+            )
+        return lines
+
+
+def good(rows: dict[int, dict]) -> list[dict]:
+    """Those that ran, in the order of their numbers."""
+    return [rows[n] for n in sorted(rows) if rows[n]["status"] == "ok"]
+
+
+def holes(rows: list[dict]) -> list[tuple[tuple[str, str], int]]:
+    """(sort, what) and how many silent and dangerous ones, the most first."""
+    found = Counter((r["sort"], r["what"]) for r in rows if r["class"] == DANGEROUS)
+    return sorted(found.items(), key=lambda item: (-item[1], item[0]))
+
+
+def tables(plan, rows: list[dict]) -> list[str]:
+    """Markdown, the same for the same rows."""
+    everything = Counts(rows, lambda _: "all")
+    sorts = Counts(rows, lambda r: r["sort"])
+    lines = ["## By sort", ""]
+    lines += sorts.table("sort", [s for s in plan.sorts if s in sorts.by])
+    lines += everything.table("sort", everything.by)[2:]
+    lines += ["", "## Where it is deaf", ""]
+    lines += [
+        "The registers (one name for all cards and axes), inputs and requests with the most silent",
+        "and dangerous faults. Every flip-flop is as likely as any other; inputs and requests are",
+        "drawn evenly.",
+        "",
+    ]
+    where = Counts(rows, lambda r: (r["sort"], r["what"]))
+    names = [name for name, _ in holes(rows)[:HOLES]]
+    lines += where.table("what", names, lambda name: f"`{name[1]}`")
+    lines += ["", "## Told too late", ""]
+    late = Counter((r["sort"], r["what"]) for r in rows if r["class"] == LATE)
+    worst = sorted(late, key=lambda name: (-late[name], name))[:PARTS]
+    lines += where.table("what", worst, lambda name: f"`{name[1]}`")
+    lines += ["", "## When", ""]
+    part = {m.name: m.until / PARTS for m in plan.motions}
+    when = Counts(rows, lambda r: (r["motion"], int(r["at"] / part[r["motion"]])))
+    shown = lambda name: (  # noqa: E731
+        f"{name[0]}, {1e3 * name[1] * part[name[0]]:.0f} to "
+        f"{1e3 * (name[1] + 1) * part[name[0]]:.0f} ms"
+    )
+    lines += when.table("motion", sorted(when.by, key=lambda k: (plan.names.index(k[0]), k[1])),
+                        shown)  # fmt: skip
+    return lines
+
+
+def told(rows: list[dict]) -> str:
+    """How many of the silent and dangerous ones a look at the statistics would have shown."""
+    own = [r for r in rows if r["class"] == DANGEROUS]
+    seen = sum(bool(r["told"]) for r in own)
+    return (
+        f"{seen:,} of the {len(own):,} silent and dangerous faults leave a trace in the driver's"
+        " statistics (missed, overruns, spurious, bus errors) for a program that looks there."
+    )
+
+
+def examples(plan, rows: dict[int, dict], each: int = 2) -> list[str]:
+    """Commands that make faults of each class again, and the hash that they must find."""
+    from mmcs.campaign.plan import run_fault, twin_of
+
+    lines = []
+    for name in CLASSES:
+        own = [n for n in sorted(rows) if rows[n].get("class") == name]
+        for n in own[:each]:
+            fault = plan.fault(n)
+            row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
+            after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"
+            lines += [
+                f"* **{name}**: fault {n}, `{fault.what}`, off by {row['off']:g} counts{after}; "
+                f"hash {row['hash']}",
+                "",
+                f"  `{plan.command(n)}`",
+            ]
+    return lines
+
+
+def write_report(folder: Path, plan, rows: dict[int, dict], command: str) -> Path:
+    some = good(rows)
+    lost = len(rows) - len(some)
+    lines = [f"# {len(some):,} faults", "", f"`{command}`", ""]
+    if lost:
+        lines += [f"{lost} faults could not be run: their rows tell why.", ""]
+    lines += [*tables(plan, some), "", told(some), "", "## Again", "", *examples(plan, rows)]
+    path = folder / REPORT
+    with whole_file(path) as part:
+        part.write_text("\n".join(lines) + "\n")
+    return path
+
+
+# --- maps --------------------------------------------------------------------------------------
+
+
+def write_maps(folder: Path, plan, rows: dict[int, dict]) -> list[Path]:
+    """Register x outcome and time x outcome."""
+    some = good(rows)
+    return [_where(folder / WHERE, some), _when(folder / WHEN, plan, some)]
+
+
+def _where(path: Path, rows: list[dict]) -> Path:
+    """Of every register, input and request that did any harm: the share of each class."""
+    counts = Counts(rows, lambda r: (r["sort"], r["what"]))
+    harm = lambda name: counts.by[name][DANGEROUS] + counts.by[name][LATE]  # noqa: E731
+    names = sorted((n for n in counts.by if harm(n)), key=lambda n: (n[0], harm(n)))[-60:]
+    figure, axes, plt = _bars(len(names))
+    _stack(axes, counts, names, lambda name: name[1])
+    return _save(path, figure, plt, "where it hits")
+
+
+def _when(path: Path, plan, rows: list[dict]) -> Path:
+    part = {m.name: m.until / PARTS for m in plan.motions}
+    counts = Counts(rows, lambda r: (r["motion"], int(r["at"] / part[r["motion"]])))
+    names = sorted(counts.by, key=lambda k: (plan.names.index(k[0]), k[1]), reverse=True)
+    figure, axes, plt = _bars(len(names))
+    _stack(axes, counts, names, lambda k: f"{k[0]} {1e3 * k[1] * part[k[0]]:.0f} ms")
+    return _save(path, figure, plt, "when it hits")
+
+
+def _bars(count: int):
+    from mmcs.view.plot import style
+
+    plt = style()
+    figure, axes = plt.subplots(figsize=(9, max(2.0, 1.2 + 0.19 * count)), layout="constrained")
+    return figure, axes, plt
+
+
+def _stack(axes, counts: Counts, names: list, shown) -> None:
+    left = [0.0] * len(names)
+    for name in CLASSES:
+        shares = [100 * counts.by[n][name] / counts.total(n) for n in names]
+        axes.barh(range(len(names)), shares, left=left, color=COLOURS[name], label=name)
+        left = [a + b for a, b in zip(left, shares, strict=True)]
+    axes.set_yticks(range(len(names)), [shown(n) for n in names], fontsize=7)
+    axes.set_xlim(0, 100)
+    axes.set_xlabel("%")
+    if names:
+        axes.set_ylim(-0.6, len(names) - 0.4)
+
+
+def _save(path: Path, figure, plt, title: str) -> Path:
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
+                  ncols=len(CLASSES), frameon=False, fontsize=7, title=title)  # fmt: skip
+    with whole_file(path) as part:
+        figure.savefig(part, metadata={"Date": None})
+    plt.close(figure)
+    return path
+
+
+def print_summary(plan, rows: dict[int, dict], console) -> None:
+    from rich.table import Table
+
+    counts = Counts(good(rows), lambda r: r["sort"])
+    shown = Table(title=f"{len(rows)} faults in {', '.join(plan.names)}", title_justify="left")
+    shown.add_column("sort")
+    for name in CLASSES:
+        shown.add_column(name, justify="right")
+    for sort in plan.sorts:
+        if sort in counts.by:
+            shown.add_row(sort, *(str(counts.by[sort][name]) for name in CLASSES))
+    console.print(shown)

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A motion without faults, and faulty runs that begin from its snapshots.
+
+The twin runs once. A fault begins at the last snapshot before its moment, and its run ends as soon
+as its state is the twin's of the same clock: from there on nothing can differ.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mmcs import mcdef
+from mmcs.campaign.classes import Seen
+from mmcs.campaign.faults import Fault
+from mmcs.scenario.inputs import find
+from mmcs.scenario.scenario import Call
+from mmcs.scenario.setup import Setup
+from mmcs.session.actors import Caller
+from mmcs.session.machine import machine
+from mmcs.session.session import Session
+
+LOOK_S = 1e-3  # between looks at the twin's physics and state
+EVERY = 5  # looks from one snapshot to the next
+STEP = 2  # looks from one to the next of a faulty run
+OFTEN = 20  # looks for which the state is compared at each, then every EVERY * STEP
+PROMISE_S = 0.050  # the heartbeats': a stop that comes later is late
+
+
+class Twin:
+    """One motion on one simulated machine, which then makes all its faulty runs."""
+
+    def __init__(self, setup: Setup):
+        self.setup, self.axes = setup, range(setup.axes)
+        self.scale = np.array([abs(setup.robot.counts_per_rad(n)) for n in self.axes])
+        self.calls = sorted(setup.scenario.call, key=lambda call: call.at)
+        self.sim = machine(setup)
+        self.session = Session(self.sim, setup)
+        self.client = self.sim.open(mcdef.O_RDWR)
+        self.session.begin(self.client)
+        self.start = self.session.start
+        self.inputs = {name: n for n, name in enumerate(self.sim.input_names())}
+        self.looks = round(setup.scenario.duration / LOOK_S)
+        self._stops: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self._go()
+
+    def close(self) -> None:
+        self.sim.destroy()
+
+    def _go(self) -> None:
+        sim, actor = self.sim, self._caller(self.calls)
+        times, angles, futures, taken = [], [], [], []
+        for look in range(self.looks + 1):
+            self._run_to(look, actor)
+            times.append(sim.time)
+            angles.append(self._angles())
+            futures.append(sim.future())
+            sim.take_log()
+            if look % EVERY == 0:
+                number = sim.snapshot()
+                taken.append(sim.snapshot_bytes(number))
+                sim.drop(number)
+        self.times, self.angles, self.futures = np.array(times), np.array(angles), futures
+        self.snapshots, self.history = taken, sim.history_bytes()
+        self.refused = len(self.session.refused)
+        self.told = {(n["kind"], n["text"]) for n in sim.notes() if n["t"] >= self.start}
+
+    def _caller(self, calls: list) -> Caller:
+        actor = Caller(self.session, self.client)
+        actor.calls = sorted(calls, key=lambda call: call.at)
+        return actor
+
+    def _run_to(self, look: int, actor: Caller) -> bool:
+        """As a session does it: a call whose time has come before the look."""
+        due = LOOK_S * look
+        while actor.due < due:
+            if not self.sim.run(self.start + actor.due):
+                return False
+            actor.act()
+        return self.sim.run(self.start + due)
+
+    def _angles(self) -> np.ndarray:
+        true = self.sim.lib.mmcs_sim_true_angle
+        return np.array([true(self.sim._sim, axis) for axis in self.axes]) * self.scale
+
+    def _restore(self, at: float) -> int:
+        """The last snapshot not after a time of the motion; its look."""
+        late = self.start + at
+        place = min(int(at / LOOK_S) // EVERY, len(self.snapshots) - 1)
+        while place > 0 and self.times[place * EVERY] > late:
+            place -= 1
+        self.sim.restore_bytes(self.snapshots[place], self.history)
+        self.session.refused.clear()
+        return place * EVERY
+
+    # --- a faulty run ---
+
+    def run(self, fault: Fault, whole: bool = False) -> tuple[Seen, dict]:
+        """What is seen of it, and what else is told; whole: to the end, for its hash."""
+        sim, calls = self.sim, list(self.calls)
+        look = self._restore(fault.at)
+        if fault.event:
+            self._add(fault.event)
+        else:
+            calls.append(Call.model_validate(fault.call))
+        actor = self._caller([call for call in calls if call.at >= LOOK_S * look])
+        before = sim.stats()
+        began = len(sim.notes())
+        times, angles, same, since = [], [], False, 0
+        while look < self.looks and (whole or not same):
+            look = min(look + STEP, self.looks)
+            if not self._run_to(look, actor):
+                break
+            if LOOK_S * look <= fault.at:
+                continue
+            times.append(sim.time)
+            angles.append(self._angles())
+            since += 1
+            if since <= OFTEN or look % (EVERY * STEP) == 0:
+                same = same or sim.future() == self.futures[look]
+        detected, by = self._detected(sim.notes()[began:], fault.at)
+        told = self._statistics(before, sim.stats())
+        times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
+        off = self._off(times, angles)
+        more = {"by": by, "told": told}
+        if whole:
+            more["hash"] = sim.hash()
+        beyond = self._beyond(fault.at, angles) if detected is not None and off > 0 else 0.0
+        return Seen(same, detected, off, beyond), more
+
+    def _add(self, event: dict) -> None:
+        number, index = self.inputs[event["input"]], event.get("index", 0)
+        self.sim.add_event(self.start + event["at"], number, index, event["value"])
+        if "until" in event:
+            healthy = find(event["input"]).healthy
+            self.sim.add_event(self.start + event["until"], number, index, healthy)
+
+    def _detected(self, notes: list[dict], at: float) -> tuple[float | None, str]:
+        """Seconds after the fault until the machine told by itself, and what it told."""
+        known = mcdef.MERR_PLO | mcdef.MERR_PHI | mcdef.MERR_ILIM | mcdef.MERR_PANIC
+        for note in notes:
+            if (note["kind"], note["text"]) in self.told:
+                continue
+            after = note["t"] - self.start - at
+            if note["kind"] == "panic" and "high" in note["text"]:
+                return after, "PANIC"
+            if note["kind"] == "error" and int(note["text"].split()[1], 16) & known:
+                return after, "error code"
+        if len(self.session.refused) > self.refused:
+            return self.sim.time - self.start - at, f"{self.session.refused[-1][0]} refused"
+        return None, ""
+
+    def _statistics(self, before: dict, after: dict) -> str:
+        """What a program that looks at the driver's statistics could have seen."""
+        names = ("missed", "overruns", "spurious", "bus_errors")
+        return " ".join(name for name in names if after[name] != before[name])
+
+    def _off(self, times: np.ndarray, angles: np.ndarray) -> float:
+        """The farthest that a joint was from the twin's, counts, at the very times."""
+        if not len(times):
+            return 0.0
+        return max(
+            float(np.abs(angles[:, n] - np.interp(times, self.times, self.angles[:, n])).max())
+            for n in self.axes
+        )
+
+    def _beyond(self, at: float, angles: np.ndarray) -> float:
+        """The farthest beyond where the joint would have been: on its way, or in a stop pressed at
+        the fault (at the snapshots around it) or when the heartbeats' promise ends."""
+        first = min(int(at / LOOK_S), self.looks)
+        low, high = self.angles[first:].min(axis=0), self.angles[first:].max(axis=0)
+        ticks, step = round(at * 1e7), round(LOOK_S * EVERY * 1e7)
+        late = ticks + round(PROMISE_S * 1e7)
+        for place in (ticks // step, -(-ticks // step), -(-late // step)):
+            if place < len(self.snapshots):
+                stop_low, stop_high = self._stop(place)
+                low, high = np.minimum(low, stop_low), np.maximum(high, stop_high)
+        return max(0.0, float((low - angles).max()), float((angles - high).max()))
+
+    def _stop(self, place: int) -> tuple[np.ndarray, np.ndarray]:
+        """Where the joints go when the button is pressed at a snapshot: least and most."""
+        if place not in self._stops:
+            self.sim.restore_bytes(self.snapshots[place], self.history)
+            self.sim.add_event(self.sim.time, self.inputs["estop"], 0, 1)
+            seen = [self._angles()]
+            for look in range(place * EVERY, self.looks + 1, STEP):
+                self.sim.run(self.start + LOOK_S * look)
+                seen.append(self._angles())
+            self._stops[place] = (np.min(seen, axis=0), np.max(seen, axis=0))
+        return self._stops[place]

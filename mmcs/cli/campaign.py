@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`mmcs campaign`: very many faults in some motions, each beside its fault-free twin."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from pathlib import Path
+
+import click
+
+from mmcs.cli.sweep import check_folder, progress
+from mmcs.errors import InputError
+from mmcs.place import results
+from mmcs.screen import console as screen
+from mmcs.screen import echo
+
+
+@click.command()
+@click.argument("motions", nargs=-1, metavar="[SCENARIO]...")
+@click.option("--faults", "count", type=int, default=1000, metavar="N", help="How many; 1000.")
+@click.option("--seed", type=int, default=1, metavar="S", help="Seed of the faults; 1.")
+@click.option("--sort", "sorts", metavar="A,B", help="register, line, pin, message, kill; all.")
+@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="As of `mmcs run`.")
+@click.option("--workers", type=int, metavar="N", help="Processes; as many as there are cores.")
+@click.option("--dask", metavar="ADDRESS", help="Run on the workers of this Dask scheduler.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
+@click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
+@click.option("--show", type=int, metavar="N", help="Only tell of fault N, and how to make it.")
+def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show) -> None:
+    """Flip, break, kill: what becomes of it, and does anybody notice? Status 0 done, 2 bad input.
+
+    Fault N is the same in every campaign of the same seed, motions and sorts.
+    """
+    from mmcs.campaign.plan import is_row, make_plan
+    from mmcs.sweep.plan import MAX_RUNS
+    from mmcs.sweep.store import Store, check_resume
+
+    if not 1 <= count <= MAX_RUNS:
+        raise InputError.one("--faults", "", count, f"must be 1 to {MAX_RUNS}")
+    if show is not None and not 0 <= show < MAX_RUNS:
+        raise InputError.one("--show", "", show, f"must be 0 to {MAX_RUNS - 1}")
+    if workers is not None and not 1 <= workers <= 256:
+        raise InputError.one("--workers", "", workers, "must be 1 to 256")
+    if workers is not None and dask:
+        raise InputError.one("--workers", "", workers, "is of this machine: not with --dask")
+    chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
+    plan = make_plan(motions, chosen, seed, sets)
+    if show is not None:
+        _show(plan, show)
+        return
+    folder = out or results("campaigns") / "-".join(motions or ["all"])[:100]
+    if resume:
+        check_resume(folder, "campaign")
+    check_folder(folder)
+    from mmcs.sweep.workers import build_of, cores, dask_client
+
+    client = dask_client(dask) if dask else None
+    try:
+        build = build_of(plan.setups[plan.names[0]])
+        store = Store(folder, plan.identity(build), resume, "campaign", is_row)
+        try:
+            whole = _run(plan, store, client, workers or cores(), count)
+        finally:
+            store.close()
+    finally:
+        if client is not None:
+            client.close()
+    command = ["mmcs", "campaign", *motions, "--faults", str(count), "--seed", str(seed)]
+    command += ["--sort", sorts] if sorts else []
+    command += [word for text in sets for word in ("--set", text)]
+    sys.exit(_finish(plan, store.rows, folder, shlex.join(command), whole))
+
+
+def _show(plan, n: int) -> None:
+    from mmcs.campaign.plan import run_fault, twin_of
+
+    fault = plan.fault(n)
+    row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
+    after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"
+    echo(f"fault {n}: {row['class']}, off by {row['off']:g} counts{after}; hash {row['hash']}")
+    echo(plan.command(n))
+
+
+def _run(plan, store, client, workers: int, count: int) -> bool:
+    """Runs what is not yet in the store; False when stopped by hand."""
+    from mmcs.campaign.plan import run_chunk
+    from mmcs.sweep.workers import build_of, run_dask, run_here
+
+    todo = [n for n in range(count) if n not in store.rows]
+    began, cost = time.perf_counter(), 0.0
+    chunks = list(plan.chunks(todo))
+    with progress(count, len(store.rows), "faults") as advance:
+        while chunks:
+            if client is None:
+                flow = run_here(iter(chunks), min(workers, len(chunks)), run_chunk)
+            else:
+                flow = run_dask(client, iter(chunks), build_of, run_chunk, lambda task: task[0])
+            single = []  # the faults of a chunk that did not end: one of them may be the cause
+            try:
+                for numbers, answer, seconds in flow:
+                    cost += seconds
+                    if answer["status"] == "ok":
+                        for n, row in zip(numbers, answer["rows"], strict=True):
+                            store.add(n, row)
+                    elif len(numbers) > 1:
+                        single += [((n,), plan.task(plan.fault(n).motion, (n,))) for n in numbers]
+                        continue
+                    else:
+                        store.add(numbers[0], answer)
+                    advance(store.rows)
+            except KeyboardInterrupt:
+                flow.close()
+                return False
+            chunks = single
+    if todo:
+        wall = time.perf_counter() - began
+        each = 1e3 * cost / len(todo)
+        echo(f"{len(todo)} faults in {wall:.1f} s, {each:.0f} ms of a worker each")
+    return True
+
+
+def _finish(plan, rows: dict[int, dict], folder: Path, command: str, whole: bool) -> int:
+    """Writes and prints what there is; the exit status."""
+    from mmcs.campaign.report import REPORT, WHEN, WHERE, print_summary, write_maps, write_report
+    from mmcs.scenario.files import short
+
+    console = screen()
+    rows = {n: rows[n] for n in sorted(rows)}
+    if rows:
+        write_report(folder, plan, rows, command)
+        write_maps(folder, plan, rows)
+        print_summary(plan, rows, console)
+    lost = sum(row["status"] == "failed" for row in rows.values())
+    if lost:
+        console.print(f"{lost} of {len(rows)} faults could not be run")
+    console.print(f"results in {short(folder)}: {REPORT}, {WHERE}, {WHEN}")
+    if not whole:
+        console.print(f"stopped after {len(rows)} faults; go on with --resume")
+        return 130
+    return 1 if lost else 0

@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: Apache-2.0
+"""mmcs campaign: each class of fault is known where it must be, and every claim can be repeated."""
+
+import json
+import shlex
+from collections import Counter
+
+import pytest
+
+from mmcs.campaign import plan as plans
+from mmcs.campaign.classes import (
+    CLASSES,
+    DANGEROUS,
+    HARMLESS,
+    LATE,
+    MASKED,
+    NEAR,
+    SAFE,
+    Seen,
+    judge,
+)
+from mmcs.campaign.faults import KILLS, LINES, PINS, SORTS, Fault, plain
+from mmcs.campaign.plan import make_plan, run_fault, twin_of
+from mmcs.campaign.report import wilson
+from mmcs.scenario.inputs import INPUTS
+from mmcs.sweep.store import ROWS
+
+CARD, AXIS = "seu.g_card[1].u_card", "seu.g_card[1].u_card.g_axis[0].u_axis"
+SIZE = 100
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return make_plan(("arm_move", "puma560_hold"), SORTS, 1)
+
+
+@pytest.fixture(scope="module")
+def rows(plan):
+    """A small campaign, every fault once."""
+    return [run_fault(twin_of(plan.setups[f.motion]), f) for f in map(plan.fault, range(SIZE))]
+
+
+def one(plan, motion, event=None, call=None):
+    entry = event or call
+    fault = Fault(0, motion, "pin", "test", entry["at"], event=event, call=call)
+    return run_fault(twin_of(plan.setups[motion]), fault)
+
+
+# --- classes -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seen", "name"),
+    [
+        (Seen(True, None, 0.0, 0.0), MASKED),
+        (Seen(True, None, NEAR, 0.0), MASKED),
+        (Seen(True, None, NEAR + 0.1, 0.0), DANGEROUS),  # back again, but it was away
+        (Seen(False, None, NEAR, 0.0), HARMLESS),
+        (Seen(False, None, NEAR + 0.1, 0.0), DANGEROUS),
+        (Seen(False, 0.0, 1e4, NEAR), SAFE),  # stopped on its way
+        (Seen(False, 0.0, 1e4, NEAR + 0.1), LATE),
+        (Seen(False, 0.2, 0.0, 0.0), SAFE),
+    ],
+)
+def test_class_follows_from_what_was_seen(seen, name):
+    assert judge(seen) == name
+
+
+KNOWN = [
+    # (motion, what happens, class)
+    ("arm_move", {"at": 0.1, "input": f"{AXIS}.u_encoder.snap_q", "value": 64}, MASKED),
+    ("arm_move", {"at": 0.1, "input": f"{AXIS}.u_adc.next_q", "value": 1}, MASKED),
+    ("puma560_hold", {"at": 0.1, "input": "encoder_swap", "index": 4, "value": 1, "until": 0.1001},
+     MASKED),
+    ("arm_move", {"at": 0.1, "input": "estop", "value": 1}, SAFE),
+    ("arm_move", {"at": 0.2, "input": "pc_power", "value": 0}, SAFE),
+    ("puma560_hold", {"at": 0.1, "input": "cable", "value": 0}, SAFE),
+    # a PANIC that passes: the brakes open again, and nobody drives J2
+    ("puma560_hold", {"at": 0.1, "input": "estop", "value": 1, "until": 0.1005}, LATE),
+    ("puma560_hold", {"at": 0.2, "input": "sysreset", "value": 1, "until": 0.201}, LATE),
+    ("arm_move", {"at": 0.1, "input": "index_missing", "index": 2, "value": 1}, HARMLESS),
+    ("arm_move", {"at": 0.1, "input": f"{CARD}.u_ppi.inte_q", "value": 1}, HARMLESS),
+    ("puma560_hold", {"at": 0.1, "input": "panic_open", "index": 0, "value": 1}, HARMLESS),
+    ("arm_move", {"at": 0.1, "input": f"{AXIS}.u_encoder.count_q", "value": 512}, DANGEROUS),
+    ("arm_move", {"at": 0.1, "input": "encoder_swap", "index": 4, "value": 1}, DANGEROUS),
+    ("arm_move", {"at": 0.05, "input": "motor_jam", "index": 0, "value": 1}, DANGEROUS),
+    ("puma560_hold", {"at": 0.1, "input": "amp_dead", "index": 1, "value": 1}, DANGEROUS),
+]  # fmt: skip
+
+
+@pytest.mark.req("SW-1")
+@pytest.mark.parametrize(("motion", "event", "name"), KNOWN)
+def test_known_faults_get_their_class(plan, motion, event, name):
+    row = one(plan, motion, event)
+    assert row["class"] == name, row
+
+
+def test_message_that_nobody_meant(plan):
+    wrong = {"at": 0.1, "request": "MSETPARAM", "axis": [3], "set": {"ic_pos": 2000}}
+    assert one(plan, "arm_move", call=wrong)["class"] == DANGEROUS
+    assert one(plan, "arm_move", call={"at": 0.1, "request": "MZEROSTATS"})["class"] == HARMLESS
+
+
+def test_detection_is_told_with_its_time_and_its_means(plan):
+    row = one(plan, "arm_move", {"at": 0.1, "input": "estop", "value": 1})
+    assert row["by"] == "PANIC" and 0 <= row["after_ms"] < 0.01
+    row = one(plan, "arm_move", {"at": 0.1, "input": "host_stall", "value": 1000.0})
+    assert row["by"] == "PANIC" and 40 < row["after_ms"] < 51  # the heartbeats
+
+
+# --- a small campaign --------------------------------------------------------------------------
+
+
+def test_small_campaign_finds_every_class(rows):
+    found = Counter(row["class"] for row in rows)
+    assert set(found) == set(CLASSES), found
+    assert all(row["off"] <= NEAR for row in rows if row["class"] in (MASKED, HARMLESS))
+
+
+def test_what_ends_early_would_have_gone_as_the_twin(plan, rows):
+    """A run that is cut short as masked, made to its end, is the twin to the bit."""
+    masked = [n for n, row in enumerate(rows) if row["class"] == MASKED]
+    assert len(masked) >= 10
+    for n in masked[:10]:
+        fault = plan.fault(n)
+        twin = twin_of(plan.setups[fault.motion])
+        row = run_fault(twin, fault, whole=True)
+        assert twin.sim.future() == twin.futures[-1]
+        assert {k: row[k] for k in ("class", "off")} == {k: rows[n][k] for k in ("class", "off")}
+
+
+def test_order_does_not_matter(plan, rows):
+    """What a fault has left in the machine is gone before the next one."""
+    for n in (SIZE - 1, 7, 42, 0):
+        fault = plan.fault(n)
+        assert run_fault(twin_of(plan.setups[fault.motion]), fault) == rows[n]
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize("name", CLASSES)
+def test_example_of_each_class_is_made_again_by_the_command_it_prints(
+    plan, rows, mmcs, tmp_path, name
+):
+    n = next(n for n, row in enumerate(rows) if row["class"] == name)
+    fault = plan.fault(n)
+    row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
+    command = shlex.split(plan.command(n))
+    assert command[0] == "mmcs"
+    status, out, err = mmcs(*command[1:], "--out", tmp_path / "run")
+    assert status in (0, 1), err
+    assert json.loads((tmp_path / "run" / "report.json").read_text())["hash"] == row["hash"]
+    status, out, _ = mmcs("replay", tmp_path / "run")
+    assert status == 0 and row["hash"] in out
+
+
+def campaign(mmcs, folder, count, *more):
+    arguments = ("--faults", count, "--seed", 1, "--out", folder, *more)
+    return mmcs("campaign", "arm_move", "puma560_hold", *arguments)
+
+
+@pytest.mark.slow  # four workers start, each with twins of its own
+def test_rows_depend_on_nothing_but_the_plan(mmcs, rows, tmp_path):
+    """Nor on the number of workers, nor on a stop half-way."""
+    status, out, err = campaign(mmcs, tmp_path / "a", SIZE, "--workers", 2)
+    assert status == 0, err
+    lines = (tmp_path / "a" / ROWS).read_text().splitlines(keepends=True)
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / ROWS).write_text("".join(lines[:31]) + lines[31][:20])
+    status, out, err = campaign(mmcs, tmp_path / "b", SIZE, "--workers", 1, "--resume")
+    assert status == 0, err
+    assert out.startswith(f"{SIZE - 30} faults in")
+    for folder in "ab":
+        kept = {}
+        for line in (tmp_path / folder / ROWS).read_text().splitlines()[1:]:
+            kept[json.loads(line)["n"]] = json.loads(line)["row"]
+        assert [kept[n] for n in range(SIZE)] == rows
+    reports = [(tmp_path / folder / "report.md").read_bytes() for folder in "ab"]
+    assert reports[0] == reports[1]
+    text = reports[0].decode()
+    for name in CLASSES:
+        share = sum(row["class"] == name for row in rows)
+        assert f"* **{name}**" in text and f" {share:,} |" in text
+    status, _, err = campaign(mmcs, tmp_path / "b", SIZE, "--resume", "--sort", "pin")
+    assert status == 2 and "is another campaign" in err
+
+
+def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
+    """One impossible fault takes no other one along."""
+
+    def here(tasks, workers, work):
+        for numbers, (_, faults) in tasks:
+            bad = 5 in numbers
+            rows = [
+                {"status": "ok", "class": MASKED, "motion": f.motion, "sort": f.sort, "at": f.at,
+                 "what": f.what, "lasts": False, "off": 0, "beyond": 0, "after_ms": None, "by": "",
+                 "told": ""}
+                for f in faults
+            ]  # fmt: skip
+            answer = {"status": "failed", "why": "no"} if bad else {"status": "ok", "rows": rows}
+            yield numbers, answer, 0.0
+
+    monkeypatch.setattr("mmcs.sweep.workers.run_here", here)
+    status, out, _ = campaign(mmcs, tmp_path, 20)
+    assert status == 1 and "1 of 20 faults could not be run" in out
+    lines = [json.loads(line) for line in (tmp_path / ROWS).read_text().splitlines()[1:]]
+    assert sorted(line["n"] for line in lines) == list(range(20))
+    assert [line["n"] for line in lines if line["row"]["status"] == "failed"] == [5]
+
+
+def test_show_tells_of_one_fault(mmcs, plan):
+    status, out, err = mmcs("campaign", "arm_move", "puma560_hold", "--show", 3)
+    assert status == 0, err
+    assert plan.command(3) in out and out.startswith("fault 3: ")
+
+
+# --- what is drawn -----------------------------------------------------------------------------
+
+
+def test_every_input_has_its_sort():
+    assert {*PINS, *LINES, *KILLS} == {n for n in INPUTS if not n.startswith("seu_")}
+    assert len({*PINS, *LINES, *KILLS}) == len(PINS) + len(LINES) + len(KILLS)
+
+
+def test_every_bit_and_input_is_drawn_as_often_as_any_other(plan):
+    count = 40_000
+    faults = [plan.fault(n) for n in range(count)]
+    assert faults[:50] == [plan.fault(n) for n in range(50)]
+    assert all(
+        abs(n / count - 1 / len(SORTS)) < 0.01 for n in Counter(f.sort for f in faults).values()
+    )
+    bits = sum(width for _, width in plan.motions[0].registers)
+    drawn = [f.event for f in faults if f.sort == "register"]
+    name, width = max(plan.motions[0].registers, key=lambda r: r[1])
+    hits = sum(e["input"] == f"seu.{name}" for e in drawn)
+    mean = len(drawn) * width / bits
+    assert abs(hits - mean) < 5 * mean**0.5
+    assert {e["value"] for e in drawn} == {1 << n for n in range(width)}
+    assert {f.event["input"] for f in faults if f.sort == "pin"} == set(PINS)
+    assert all(0 <= f.at < 0.4 for f in faults)
+    tenths = Counter(int(f.at / 0.04) for f in faults)
+    assert all(abs(n / count - 0.1) < 0.01 for n in tenths.values()) and len(tenths) == 10
+
+
+def test_every_fault_drawn_is_one_that_a_scenario_takes(plan):
+    from mmcs.scenario.files import Files
+    from mmcs.scenario.setup import make_setup
+
+    files = Files()
+    for n in range(600):
+        fault, data = plan.fault(n), dict(plan.setups["arm_move"].data)
+        data |= {"event": [fault.event]} if fault.event else {"call": [fault.call]}
+        make_setup(plan.setups["arm_move"].path, data, files)
+
+
+def test_register_has_one_name_for_all_cards_and_axes():
+    assert plain("g_card[2].u_card.g_axis[1].u_axis.u_dac.rank1_q") == "card.u_axis.u_dac.rank1_q"
+
+
+@pytest.mark.parametrize(
+    ("k", "n", "low", "high"),
+    [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0), (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)],
+)
+def test_wilson(k, n, low, high):
+    assert wilson(k, n) == pytest.approx((low, high), abs=1e-4)
+
+
+# --- bad input ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--faults", 0), "--faults = 0: must be 1 to 1000000"),
+        (("--sort", "pins"), 'must be one of register, line, pin, message, kill'),
+        (("arm_move", "arm_move"), "is named twice"),
+        (("fault_estop",), "a campaign wants a motion without events and processes"),
+        (("user_loop",), "a campaign wants a motion without events and processes"),
+        (("--workers", 0), "must be 1 to 256"),
+        (("--workers", 1, "--dask", "tcp://x"), "not with --dask"),
+        (("--show", -1), "must be 0 to 999999"),
+        (("--resume", "--out", "/nowhere"), "holds no campaign to go on with"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_told_in_one_line(mmcs, arguments, told):
+    status, out, err = mmcs("campaign", *arguments)
+    assert status == 2 and told in err and err.count("\n") == 1, err
+
+
+def test_damaged_rows_are_run_again():
+    from mmcs.sweep.store import _entry
+
+    good = {
+        "status": "ok",
+        "class": MASKED,
+        "motion": "m",
+        "sort": "pin",
+        "what": "w",
+        "at": 0.1,
+        "lasts": True,
+        "off": 0.0,
+        "beyond": 0.0,
+        "after_ms": None,
+        "by": "",
+        "told": "",
+    }
+    line = lambda row: json.dumps({"n": 3, "row": row}).encode()  # noqa: E731
+    assert _entry(line(good), plans.is_row) == {3: good}
+    for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", [])]:
+        assert _entry(line(good | {name: value}), plans.is_row) == {}
+    del good["told"]
+    assert _entry(line(good), plans.is_row) == {}
