@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: attack falsify tool tool-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -156,8 +156,19 @@ $(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
 	@tools/need_debian.sh chromium chromium
 	@touch $@
 
-tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 stops, streams
-	@$(BIN)/python -m pytest web/tests
+tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 stops; WRITE=1: into the manual
+	@$(BIN)/python -m pytest web/tests --ignore web/tests/site
+	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
+
+# --- the machine in a page ------------------------------------------------------------------
+
+web: $(VENV)/.tool ## the whole machine as a static site in build/web, for any file server
+	@tools/need_debian.sh em++ emscripten
+	@$(BIN)/python tools/website.py
+
+web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records, offline, a telephone
+	@$(BIN)/python -m pytest web/tests/site
+	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
 
 # --- programmable logic --------------------------------------------------------------------
 

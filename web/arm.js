@@ -112,6 +112,7 @@ export class Arm {
     this.#tubes(this.solid, frames(this.links, angles("encnow")), SOLID, false);
     this.#tubes(this.wire, frames(this.links, angles("demand")), WIRE, true);
     const { around, above, away } = this.turn;
+    this.element.dataset.away = away.toFixed(2); // seen by tests
     this.camera.position.set(
       away * Math.cos(above) * Math.cos(around),
       away * Math.cos(above) * Math.sin(around),

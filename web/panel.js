@@ -149,6 +149,9 @@ export class Panel {
 
   /** Shows what the driver has; `all`: also where somebody is typing. */
   async load(all = false) {
+    const { joints } = this.page.machine.history;
+    this.element.hidden = joints > 0 && this.axis >= joints; // the servo does not control it
+    if (this.element.hidden) return;
     const param = await this.page.machine.try(this.page.machine.param(this.axis));
     if (param) this.show(param, all);
   }

@@ -28,7 +28,7 @@ export function decode(buffer) {
 
 /** Every sample of every axis, the oldest forgotten beyond `capacity` rows. */
 export class History {
-  #chunks = []; // {times, ints, used}
+  #chunks = []; // {numbers, times, ints, used}
   #first = 0; // rows forgotten
 
   constructor(fields, capacity = 600_000) {
@@ -61,6 +61,7 @@ export class History {
     for (let row = 0; row < message.rows; row++) {
       let chunk = this.#chunks.at(-1);
       if (!chunk || chunk.used === CHUNK_ROWS) chunk = this.#grow();
+      chunk.numbers[chunk.used] = message.floats[(row * message.rowBytes) / 8];
       chunk.times[chunk.used] = message.floats[(row * message.rowBytes) / 8 + 1];
       chunk.ints.set(
         message.ints.subarray(row * rowInts, (row + 1) * rowInts),
@@ -77,6 +78,7 @@ export class History {
       this.#first += CHUNK_ROWS;
     }
     const chunk = {
+      numbers: new Float64Array(CHUNK_ROWS),
       times: new Float64Array(CHUNK_ROWS),
       ints: new Int32Array(CHUNK_ROWS * this.rowInts),
       used: 0,
@@ -103,6 +105,12 @@ export class History {
   #place(row) {
     const at = row - this.#first;
     return [this.#chunks[Math.floor(at / CHUNK_ROWS)], at % CHUNK_ROWS];
+  }
+
+  /** The machine's number of the sample: without gaps unless some are lost. */
+  number(row) {
+    const [chunk, at] = this.#place(row);
+    return chunk.numbers[at];
   }
 
   time(row) {

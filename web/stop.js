@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stop button, in a frame and a process of its own: STOP and the hand-held button.
 //
-// Talks to the stop process alone (mmcs/tool/stopper.py). The page around it may ask for a stop by
-// a message ("stop"); it can ask for nothing else.
+// Talks to the stop process alone (mmcs/tool/stopper.py); in a page with a machine of its own
+// (?worker), to that machine's Worker through a port of its own. The page around it may ask for a stop
+// by a message ("stop"); it can ask for nothing else.
 
 const RETRY_MS = 250;
+const LOOK_MS = 100;
 const stop = document.getElementById("stop");
 const press = document.getElementById("press");
 const said = document.getElementById("said");
@@ -12,6 +14,18 @@ const said = document.getElementById("said");
 let socket = null;
 let pending = 0; // instant of the last order, ms of this page
 let last = ""; // what became of it
+
+/** The port to the Worker comes from the page around, which has no other part in it. */
+function connectWorker() {
+  window.addEventListener("message", ({ source, data, ports }) => {
+    if (source !== window.parent || data !== "port" || socket) return;
+    const [port] = ports;
+    socket = { readyState: WebSocket.OPEN, send: (text) => port.postMessage(text) };
+    port.onmessage = (message) => hear(JSON.parse(message.data));
+    setInterval(() => port.postMessage("state"), LOOK_MS);
+  });
+  window.parent.postMessage("stop frame", location.origin);
+}
 
 function connect() {
   const address = new URL("stop", location.href);
@@ -29,7 +43,7 @@ function connect() {
 function order(what) {
   pending = performance.now();
   last = `${what} sent`;
-  if (socket.readyState === WebSocket.OPEN) socket.send(what);
+  if (socket?.readyState === WebSocket.OPEN) socket.send(what);
   say(last);
 }
 
@@ -80,4 +94,5 @@ window.addEventListener("message", (event) => {
   if (event.source === window.parent && event.data === "stop") order("stop");
 });
 
-connect();
+if (new URLSearchParams(location.search).has("worker")) connectWorker();
+else connect();

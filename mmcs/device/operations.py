@@ -119,6 +119,18 @@ class Operations:
     def do_snapshots(self, a: Arguments) -> dict:
         return {"snapshots": self._machine.history.list()}
 
+    def do_export(self, a: Arguments) -> dict:
+        """The past of a snapshot as a file beside the socket, for a machine of any build
+        (mmcs/tool/moment.py)."""
+        number = a.integer("snapshot", 0, 1 << 62)
+        sim = self._machine.sim
+        if number not in [s["id"] for s in sim.snapshots()]:
+            raise Refused(EINVAL, "snapshot: there is none of this number")
+        path = self._server.path.with_suffix(".past")
+        snapshot, past = sim.snapshot_bytes(number), sim.history_bytes()
+        path.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)
+        return {"file": str(path)}
+
     def do_drop(self, a: Arguments) -> dict:
         self.must_control()
         if not self._machine.history.drop(a.integer("snapshot", 0, 1 << 62)):

@@ -38,6 +38,7 @@ class Server:
         self.name = Name(path)
         self.path, self.sim, self.about = path, sim, about or {}
         self.machine = Machine(sim, console)
+        self._half_clock = 0.5 / sim.build()["clk_hz"]  # times are whole clocks
         self.pace = Pace(sim, speed)
         self.files: dict[bytes, Program] = {}
         self.connections: dict[int, Connection] = {}
@@ -143,7 +144,7 @@ class Server:
         target, asker, id_ = self._target
         self.sim.run(min(target, self.sim.time + self.pace.chunk))
         self.pace.passed(self._signal())
-        if self.sim.time >= target or asker.ended:
+        if self.sim.time >= target - self._half_clock or asker.ended:
             self._target = None
             asker.answer(id_, {"ok": True, "t": self.sim.time})
 

@@ -19,7 +19,7 @@ from mmcs.device.client import Device
 from mmcs.device.execute import environment
 from mmcs.device.link import Link
 from mmcs.tests.device_bench import PROGRAMS, SANITIZED, Bench, compile_program
-from mmcs.tests.raw import Raw, holding, stop_line
+from mmcs.tests.raw import Raw, stop_line
 
 
 def descriptors():
@@ -189,51 +189,6 @@ def test_others_are_served_while_one_enables(bench):
     assert answered[-1]
     for raw in (program, other):
         raw.close()
-
-
-@pytest.mark.req("TOOL-1")
-def test_a_monitor_changes_nothing(tmp_path):
-    """Every bus cycle, sample and signal is the same with a monitor and a reader of the stream."""
-
-    def run(folder, watched):
-        folder.mkdir(mode=0o700)
-        with Bench(folder) as bench:
-            program = Raw(bench)
-            monitor = Raw(bench, os.O_RDONLY) if watched else None
-            link = Quiet(bench) if watched else None
-            bench.server.pace.paused = True  # time passes as the test says, steps or no steps
-            bench.sim.run(0.01)
-            holding(bench, program)
-            for n in range(40):
-                program.call(wire.WRITE, 0, struct.pack("<2i", 5 * n, -5 * n))
-                if watched:
-                    assert monitor.call(wire.READ, 56)[0] == 56
-                    assert monitor.call(wire.IOCTL, mcdef.MGETSTATS)[0] == 0
-                    link.drain()
-                assert bench.sim.run(0.2 + 0.01 * n)
-            return bench.sim.hash(), bench.sim.stats()["bus_cycles"], bench.sim.signals(0)
-
-    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-    assert run(tmp_path / "a", watched=False) == run(tmp_path / "b", watched=True)
-    signal.signal(signal.SIGUSR1, before)
-
-
-class Quiet:
-    """Follows everything, in the test's own thread."""
-
-    def __init__(self, bench):
-        self.sock = socket.socket(socket.AF_UNIX)
-        self.sock.connect(str(bench.server.path.with_suffix(".msg")))
-        self.sock.setblocking(False)
-        text = b'{"id":1,"op":"follow","period_ms":0}'
-        self.sock.send(struct.pack("<I", len(text)) + text)
-
-    def drain(self):
-        try:
-            while self.sock.recv(1 << 20):
-                pass
-        except BlockingIOError:
-            pass
 
 
 # --- impostors ---

@@ -9,6 +9,7 @@ Replies have the request's id; {"type": "progress"} tells how an experiment gets
   mcap     csv (web/recording.js): base64
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
   chirp    axis, amplitude, low, high (Hz), seconds, lender
+  waves    snapshot, ms: waveforms from that moment on: file, view
   alive    the page is there; without one for deadman_ms (250) an experiment is broken off
 """
 
@@ -34,6 +35,7 @@ from mmcs.design.synthesis import (
     margins,
     to_integers,
 )
+from mmcs.errors import InputError, RunError
 
 DEADMAN_MS = 250
 EXPERIMENTS = ("tune", "chirp")
@@ -75,7 +77,7 @@ class Advisor:
             return {"error": f"there is no {message.get('op')!r}"}
         try:
             return serve(message)
-        except (DesignError, IdentifyError, OSError, ValueError) as error:
+        except (DesignError, IdentifyError, InputError, OSError, RunError, ValueError) as error:
             return {"error": getattr(error, "strerror", None) or str(error)}
         except (KeyError, TypeError) as error:
             return {"error": f"{message['op']}: {error} is missing or of the wrong kind"}
@@ -127,6 +129,13 @@ class Advisor:
         from mmcs.tool.mcap_file import from_csv
 
         return {"base64": base64.b64encode(from_csv(message["csv"])).decode()}
+
+    def do_waves(self, message: dict) -> dict:
+        from mmcs.tool.moment import waves
+
+        number, ms = int(message["snapshot"]), float(message.get("ms", 2.0))
+        self.say({"type": "progress", "text": "tracing; the first time builds a machine for it"})
+        return waves(self.socket, number, ms)
 
     # --- experiments ---
 

@@ -28,6 +28,7 @@ class Tool:
 
     processes: dict[str, subprocess.Popen] = field(default_factory=dict)
     address: str = ""
+    socket: Path | None = None  # of the machine
 
     def __enter__(self) -> Tool:
         return self
@@ -59,6 +60,7 @@ def start(scenario: str, socket: Path | None, options: dict[str, str], port: int
             socket = socket_path(name)
             tool.processes["machine"] = _serve(scenario, name, socket)
             options = {"control": "1", **options}
+        tool.socket = socket
         messages, stop = socket.with_suffix(".msg"), socket.with_suffix(".stop")
         for path in (messages, stop):
             if not path.is_socket():

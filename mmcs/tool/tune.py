@@ -27,7 +27,7 @@ RAMP_LSB_S = 400.0  # of the search for the current that breaks the axis away
 MOVED = 12  # counts that count as moving
 PULSES = (1.6, 2.2, 3.0)  # currents of the relay, in break-away currents
 RELAY_S = 4.0
-BRAKE_SHARE = 0.25  # of the range: where the relay turns round
+REACH = 0.8  # of the range: how far the relay may let an axis run on
 LEAST_MARGIN_DEG = 35.0
 CHIRP_S = 0.002  # between setpoints of a chirp; what came of each is recorded with the samples
 CORNER_HZ = 4.0
@@ -53,6 +53,8 @@ class Bench:
 
     alive() is called often; it raises to end the experiment, whatever the axis does then."""
 
+    period_ms = PERIOD_MS
+
     def __init__(self, link: Link, axis: int, alive=lambda: None):
         self.link, self.axis, self.alive = link, axis, alive
         self._rows: list[tuple[float, int, int, int]] = []
@@ -60,7 +62,7 @@ class Bench:
         self.joints = link.hello["axes"]
         self._lost = 0.0
         self._heard = time.monotonic()
-        link.request("follow", events=False, period_ms=PERIOD_MS)
+        link.request("follow", events=False, period_ms=self.period_ms)
         self.wait(0.05)
 
     @property
@@ -133,15 +135,16 @@ class Bench:
         return Rows(*table.T)
 
 
-def break_away(bench: Bench, sign: int, most: int) -> float:
-    """The current, LSB, at which the axis starts to move that way; torque mode, at rest."""
+def break_away(bench: Bench, sign: int, most: int) -> tuple[float, int]:
+    """The current, LSB, at which the axis starts to move that way, from rest in torque mode; and
+    whether it counts with the current (1) or against it (-1)."""
     start, began = bench.position, bench.now
     while True:
         current = min(RAMP_LSB_S * (bench.now - began), most)
         bench.write(sign * current)
         if bench.wait(0.005, lambda: abs(bench.position - start) > MOVED):
             bench.write(0)
-            return max(current, 1.0)
+            return max(current, 1.0), 1 if sign * (bench.position - start) > 0 else -1
         if current >= most:
             bench.write(0)
             raise TuneError(
@@ -150,30 +153,68 @@ def break_away(bench: Bench, sign: int, most: int) -> float:
             )
 
 
-def relay(bench: Bench, centre: int, half: float, away: float, most: int) -> Rows:
+class Range:
+    """The counts that are safe; to be asked at every look, wherever the axis is."""
+
+    def __init__(self, bench: Bench, centre: int, half: float):
+        self.bench, self.centre, self.half = bench, centre, half
+        self.sense = 1  # -1: the axis counts against the current
+
+    def check(self) -> None:
+        if abs(self.bench.position - self.centre) > self.half:
+            raise TuneError(
+                f"the axis left its safe range, {self.centre - self.half:.0f} to "
+                f"{self.centre + self.half:.0f}; allow a wider one"
+            )
+
+    def along(self, sign: int) -> int:
+        """Counts from the centre, in the direction that a current of this sign drives to."""
+        self.check()
+        return sign * self.sense * (self.bench.position - self.centre)
+
+
+def relay(bench: Bench, safe: Range, away: float, most: int) -> Rows:
     """Back and forth about the centre in torque mode with growing currents; what was recorded."""
     began, sign, turns = bench.now, 1, 0
+    amplitudes = [min(share * away, most) for share in PULSES]
     while bench.now < began + RELAY_S or turns < 2 * len(PULSES):
-        amplitude = min(PULSES[turns // 2 % len(PULSES)] * away, most)
-        bench.write(sign * amplitude)
-        limit = sign * BRAKE_SHARE * half
-
-        def there(s=sign, edge=limit) -> bool:
-            return s * (bench.position - centre - edge) > 0
-
-        bench.wait(1.0, there)
-        if abs(bench.position - centre) > half:
-            bench.write(0)
-            raise TuneError(
-                f"the axis left its safe range, {centre - half:.0f} to {centre + half:.0f}; allow "
-                "a wider one"
-            )
+        now, then = (amplitudes[n // 2 % len(PULSES)] for n in (turns, turns + 1))
+        bench.write(sign * now)
+        stroke(bench, safe, sign, max(1.0, now / then))
         sign, turns = -sign, turns + 1
         if turns > 400:
             break
+    rows = bench.rows(began)
+    brake(bench, safe, sign, now)
+    return rows
+
+
+def stroke(bench: Bench, safe: Range, sign: int, longer: float) -> None:
+    """Waits until it is time to turn: friction helps to stop an axis, so it runs on no farther than
+    it ran to get its speed, and so many times as far with a current so many times smaller."""
+    lowest = [safe.along(sign)]
+
+    def is_time() -> bool:
+        at = safe.along(sign)
+        lowest[0] = min(lowest[0], at)
+        return at + longer * (at - lowest[0]) >= REACH * safe.half
+
+    bench.wait(1.0, is_time)
+
+
+def brake(bench: Bench, safe: Range, sign: int, current: float) -> None:
+    """Brings the axis to rest: a current that way until it turns round, then none."""
+    bench.write(sign * current)
+    last = [bench.position]
+
+    def turned() -> bool:
+        safe.check()
+        before, last[0] = last[0], bench.position
+        return sign * safe.sense * (last[0] - before) > 0
+
+    bench.wait(1.0, turned)
     bench.write(0)
-    bench.wait(0.2)
-    return bench.rows(began)
+    bench.wait(0.3, lambda: safe.check() or False)
 
 
 def gains(motor: Motor, wn: float, zeta: float, t: float) -> tuple[Controller, Coefficients]:
@@ -187,16 +228,17 @@ def gains(motor: Motor, wn: float, zeta: float, t: float) -> tuple[Controller, C
 
 def identify_axis(bench: Bench, half: float, most: int) -> tuple[Motor, float]:
     """The motor, and its break-away current; leaves the axis at rest in torque mode."""
-    centre = bench.position
+    safe = Range(bench, bench.position, half)
     bench.write(0)
     bench.wait(0.05)  # the demand is 0 before the mode can act on it
     bench.mode(MD_TORQ)
     bench.wait(0.1)
     away = 0.0
     for sign in (1, -1):
-        away = max(away, break_away(bench, sign, most))
+        current, safe.sense = break_away(bench, sign, most)
+        away = max(away, current)
         bench.wait(0.3)  # it comes to rest
-    rows = relay(bench, centre, half, away, most)
+    rows = relay(bench, safe, away, most)
     return identify(rows.t, rows.y, rows.u), away
 
 

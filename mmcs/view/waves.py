@@ -195,9 +195,8 @@ def _surfer(machine: str, groups: dict[str, list[Signal]], seen: Pass | None) ->
     return "\n".join(lines) + "\n"
 
 
-def open_viewer(trace: Path) -> None:
-    """Opens GTKWave or Surfer when there is one and a display; else says what to type."""
-
+def start_viewer(trace: Path) -> bool:
+    """Opens GTKWave or Surfer when there is one and a display."""
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     commands = {"gtkwave": [str(trace), str(gtkw)], "surfer": ["-c", str(sucl), str(trace)]}
     found = next((name for name in commands if shutil.which(name)), None)
@@ -206,6 +205,14 @@ def open_viewer(trace: Path) -> None:
         subprocess.Popen(
             [found, *commands[found]], stdout=quiet, stderr=quiet, start_new_session=True
         )
+        return True
+    return False
+
+
+def open_viewer(trace: Path) -> None:
+    """The same, or says what to type."""
+    gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
+    if start_viewer(trace):
         return
     echo(f"to look at it: gtkwave {trace} {gtkw}")
     echo(f"           or: surfer -c {sucl} {trace}   (untried)")

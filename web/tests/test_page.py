@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 import pytest
-
-from conftest import picture
+from bench import picture
 
 POS, VEL, TORQ, TEST1 = 1, 2, 3, 4
 CURRENTS = """(() => {

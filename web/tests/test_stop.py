@@ -7,8 +7,7 @@ import os
 import signal
 
 import pytest
-
-from conftest import PICTURES
+from bench import PICTURES
 
 HANG_MS = 700
 

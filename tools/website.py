@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`make web`: the machine as a static site in build/web, carried by any file server.
+
+The pages are those of mctool (web/), the engine is compiled to WebAssembly by Debian's emscripten,
+and what Python knows of scenarios and structures is written beside them as JSON.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+from mmcs import ROOT, __version__, mcdef
+from mmcs.engine.sim import make_ffi
+from mmcs.place import BUILD, SCENARIOS
+from mmcs.record.record import inline
+from mmcs.scenario.files import find, named
+from mmcs.scenario.inputs import INPUTS
+from mmcs.scenario.inputs import find as find_input
+from mmcs.scenario.load import load
+from mmcs.tool.pages import LIBRARIES, library_folder
+
+SITE = BUILD / "web"
+CARDS = (1, 3)  # machines of these sizes are built
+PAGES = ROOT / "web"
+SKIPPED = {"tests", "package.json", "package-lock.json", "site.html", "lib"}
+STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_segment", "mmcs_event", "mmcs_stats",
+              "mmcs_checkpoint", "mmcs_snapshot", "mmcs_tap_head", "mmcs_tap_read",
+              "mmcs_tap_event",
+              "struct mc_param", "struct mc_state", "struct mc_stats")  # fmt: skip
+FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")
+# name of a C type: letter for web/engine/sim.js, bytes where pointers have four
+KINDS = {"double": ("d", 8), "int32_t": ("i", 4), "int": ("i", 4), "uint32_t": ("u", 4),
+         "int64_t": ("q", 8), "uint64_t": ("q", 8), "size_t": ("u", 4),
+         "char": ("s", 1)}  # fmt: skip
+
+
+def main() -> None:
+    build()
+    write()
+    sizes = {path.name: path.stat().st_size for path in sorted(SITE.rglob("*.wasm"))}
+    packed = {name: len(zlib.compress((SITE / "engine" / name).read_bytes(), 9)) for name in sizes}
+    for name, size in sizes.items():
+        print(f"{name}: {size // 1000} kB, {packed[name] // 1000} kB as it is sent")
+    print(f"to look at it: python3 -m http.server -d {os.path.relpath(SITE)}")
+
+
+def build() -> None:
+    """The engine, once for each size of machine."""
+    env = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    for cards in CARDS:
+        command = [
+            "make",
+            "-s",
+            "-f",
+            "sim/Makefile",
+            "KIND=web",
+            f"CARDS={cards}",
+            "CXX=em++",
+            "CC=emcc",
+        ]
+        if subprocess.run(command, cwd=ROOT, env=env, check=False).returncode:
+            raise SystemExit("mmcs: the engine does not compile to WebAssembly; see above")
+
+
+def write() -> None:
+    """Everything into a folder of its own, which then takes the place of the old one."""
+    fresh = SITE.with_name("web.new")
+    shutil.rmtree(fresh, ignore_errors=True)
+    fresh.mkdir(parents=True)
+    for path in PAGES.iterdir():
+        if path.name in SKIPPED:
+            continue
+        target = fresh / path.name
+        shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
+    shutil.copy(PAGES / "site.html", fresh / "index.html")
+    for name in ("uplot", "three"):
+        shutil.copytree(library_folder() / LIBRARIES[name], fresh / "lib" / name, ignore=_big)
+    for cards in CARDS:
+        made = BUILD / "sim" / f"web_c{cards}"
+        shutil.copy(made / "mmcs_sim.wasm", fresh / "engine" / f"machine{cards}.wasm")
+        text = (made / "mmcs_sim.mjs").read_text()
+        (fresh / "engine" / f"machine{cards}.mjs").write_text(
+            text.replace("mmcs_sim.wasm", f"machine{cards}.wasm")
+        )
+    (fresh / "engine" / "knowledge.json").write_text(json.dumps(knowledge()))
+    (fresh / "engine" / "setups").mkdir()
+    found = scenarios()
+    for one in found:
+        (fresh / "engine" / "setups" / f"{one['name']}.json").write_text(json.dumps(one))
+    listed = [{k: one[k] for k in ("name", "folder", "description")} for one in found]
+    (fresh / "engine" / "scenarios.json").write_text(json.dumps(listed))
+    _write_cache(fresh)
+    shutil.rmtree(SITE, ignore_errors=True)
+    fresh.rename(SITE)
+
+
+def _big(folder: str, names: list[str]) -> list[str]:
+    """What a page does not load of a library."""
+    wanted = {"uPlot.esm.js", "uPlot.min.css", "three.module.js", "three.core.js"}
+    return [name for name in names if name not in wanted]
+
+
+def _write_cache(folder: Path) -> None:
+    """The names of all files, for the service worker: the site then works without a network."""
+    files = sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
+    digest = hashlib.sha256(b"".join((folder / name).read_bytes() for name in files)).hexdigest()[
+        :12
+    ]
+    text = (folder / "offline.js").read_text()
+    text = text.replace('"FILES"', json.dumps(["./", *files])).replace("VERSION", digest)
+    (folder / "offline.js").write_text(text)
+
+
+# --- what Python knows -------------------------------------------------------------------------
+
+
+def knowledge() -> dict:
+    """Structures as a WebAssembly machine lays them out, and the numbers of mcdef.h."""
+    constants = {n: v for n, v in mcdef.constants().items() if -(2**31) <= v < 2**32}
+    inputs = [{"name": name, **known._asdict()} for name, known in INPUTS.items()]
+    return {
+        "version": __version__,
+        "layouts": {name.removeprefix("struct "): layout(name) for name in STRUCTURES},
+        "constants": {**constants, "MODES": mcdef.MODES, "FLAGS": FLAGS},
+        "inputs": inputs,
+    }
+
+
+def layout(name: str) -> dict:
+    """{size, fields: {name: [offset, letter, bytes of an element]}}."""
+    at, widest, fields = 0, 1, {}
+    for field, info in make_ffi().typeof(name).fields:
+        kind, count = info.type, 1
+        if kind.kind == "array":
+            kind, count = kind.item, kind.length
+        letter, size = ("u", 4) if kind.kind == "pointer" else KINDS[kind.cname]
+        at = -(-at // size) * size
+        fields[field] = [at, letter, size]
+        at, widest = at + count * size, max(widest, size)
+    return {"size": -(-at // widest) * widest, "fields": fields}
+
+
+def scenarios() -> list[dict]:
+    """Those that a page can carry out, as the native session does."""
+    found = [setup(name) for name in sorted(named())]
+    return [one for one in found if one]
+
+
+def setup(name: str) -> dict | None:
+    made = load(name, ())
+    scenario = made.scenario
+    kinds = {process.kind for process in scenario.process}
+    if scenario.cards not in CARDS or scenario.clk_hz != 8_000_000 or not kinds <= {"bounce"}:
+        return None
+    packed = zlib.compress(json.dumps(made.files).encode(), 9)
+    events = [e.model_dump() | {"healthy": find_input(e.input).healthy} for e in scenario.event]
+    return {
+        "name": made.name,
+        "folder": find(name).resolve().relative_to(SCENARIOS).parts[0],
+        "description": scenario.description,
+        "config": made.config(),
+        "motors": made.motors(),
+        "links": made.links(),
+        "arm": made.robot.links(),
+        "params": made.params,
+        "segments": made.segments,
+        "events": events,
+        "calls": [_call(call) for call in scenario.call],
+        "processes": [process.model_dump() for process in scenario.process],
+        "refusals": [e.request for e in scenario.expect if e.kind == "refused"],
+        "interval_us": scenario.interval_us,
+        "double_buffer": scenario.double_buffer,
+        "verbose": scenario.verbose,
+        "duration": scenario.duration,
+        "data": inline(made.data),
+        "files": base64.b64encode(packed).decode(),
+    }
+
+
+def _call(call) -> dict:
+    made = {"at": call.at, "request": call.request, "axis": call.axis, "value": call.value}
+    if call.set is not None:
+        made["set"] = call.set.model_dump(exclude_none=True, exclude={"axis"})
+    return made
+
+
+if __name__ == "__main__":
+    main()

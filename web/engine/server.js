@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+// The machine's messages (docs/use/protocol.md) inside a page: what mmcs/device/ is for a socket, for
+// one page and the frame of STOP. The scenario's own program is client 1.
+
+const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
+  "current"];  // prettier-ignore
+const ROWS_AT_ONCE = 256;
+const HEAD_BYTES = 32;
+const KEPT_ROWS = 8192;
+const KEPT_EVENTS = 4096;
+const EVERY_S = 0.1;
+const KEPT = 100;
+const [EPERM_BADF, EBUSY, EINVAL, EIO, ENOSYS] = [9, 16, 22, 5, 38];
+const NAMES = { 1: "EPERM", 5: "EIO", 6: "ENXIO", 9: "EBADF", 16: "EBUSY", 22: "EINVAL", 38: "ENOSYS" };
+const PROGRAM = 1;
+const PAGE = 2;
+const MOMENTARY = ["host_stall", "bus_error", "encoder_slip"];
+// What a record can hold of a person's requests, as [[call]].
+const RECORDED = ["MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP",
+  "MZEROSTATS"];  // prettier-ignore
+
+class Refused extends Error {
+  constructor(errno, text) {
+    super(text);
+    this.errno = errno;
+  }
+}
+
+export class Server {
+  /** say(message) carries a text (object) or samples (ArrayBuffer) to the page. */
+  constructor(sim, setup, session, C, say) {
+    Object.assign(this, { sim, setup, session, C, say });
+    sim.tap(KEPT_ROWS, KEPT_EVENTS);
+    sim.ring(EVERY_S, KEPT);
+    this.speed = 1;
+    this.paused = false;
+    this.lease = null;
+    this.deadman_s = null;
+    this.heard = 0;
+    this.page = -1; // the driver's number of the page's open device
+    this.writable = false;
+    this.follow = null;
+    this.inputs = new Map();
+    this.asked = new Set();
+    this.spoiled = ""; // why the record would not replay
+    this.target = null; // of `advance`
+  }
+
+  hello() {
+    const { sim } = this;
+    const stats = sim.stats();
+    return { protocol: 1, you: PAGE, server: "page", scenario: this.setup.name, axes: 2 * sim.cards,
+      cards: sim.cards, time: sim.time, speed: this.speed, paused: this.paused, opens: 1,
+      lease: this.lease, sample: { fields: FIELDS, row_bytes: sim.tapHead().row_bytes },
+      enabled: Boolean(stats.enabled), stopped: Boolean(stats.stopped),
+      panic: Boolean(stats.panic_level), button: Boolean(this.inputs.get("estop 0")) };  // prettier-ignore
+  }
+
+  /** One request of the page. */
+  async hear(message, now) {
+    this.heard = now;
+    const { id, op } = message;
+    const serve = Object.hasOwn(OPERATIONS, op) ? OPERATIONS[op] : null;
+    let reply;
+    try {
+      if (!serve) throw new Refused(ENOSYS, `op: there is no ${op} in this page`);
+      reply = { ok: true, ...(await serve(this, message)) };
+    } catch (no) {
+      const errno = no.errno ?? EIO;
+      reply = { ok: false, errno, error: NAMES[errno] ?? String(errno), text: no.message };
+    }
+    this.say({ type: "reply", id, ...reply });
+  }
+
+  /** A line of the stop path. */
+  hearStop(line) {
+    const { sim } = this;
+    const t = () => sim.time.toFixed(6);
+    if (line === "stop") return `${this.stop() >= 0 ? "stopped" : "failed"} ${t()}`;
+    if (line === "press" || line === "release") {
+      this.setInput("estop", 0, Number(line === "press"));
+      return `${line === "press" ? "pressed" : "released"} ${t()}`;
+    }
+    const { enabled, stopped, panic, button } = this.hello();
+    return { state: { t: sim.time, enabled, stopped, panic, button } };
+  }
+
+  stop() {
+    if (this.session.playing) this.spoil("the machine was stopped by hand");
+    return this.sim.stop();
+  }
+
+  spoil(why) {
+    if (!this.session.playing || this.spoiled) return;
+    this.spoiled = why;
+    this.sim.tapNote("log", 0, `no record of this run: ${why}`);
+  }
+
+  checkDeadman(now) {
+    if (this.lease !== PAGE || this.deadman_s === null) return;
+    if (now - this.heard <= this.deadman_s) return;
+    this.sim.tapNote("log", 0, "the page is silent: stopped");
+    this.stop();
+    this.setLease(null);
+  }
+
+  setLease(client, deadman_s = null) {
+    this.lease = client;
+    this.deadman_s = deadman_s;
+    const text = client ? `client ${client} has the lease` : "nobody has the lease";
+    this.sim.tapNote("lease", client ?? -1, text);
+  }
+
+  mustControl() {
+    if (this.lease !== null && this.lease !== PAGE) throw new Refused(EBUSY, "another has the lease");
+  }
+
+  mustBeOpen(writing = false) {
+    if (this.page < 0 || (writing && !this.writable))
+      throw new Refused(EPERM_BADF, `the device is not open${writing ? " for writing" : ""}`);
+  }
+
+  check(result) {
+    if (result >= 0) return result;
+    const { events } = this.sim.tapEvents(Math.max(0, this.sim.tapHead().events - 8));
+    const said = events.filter((e) => e.kind === "log").map((e) => e.text.replace(/^mc: /, ""));
+    throw new Refused(-result, said.at(-1) ?? "the driver refuses");
+  }
+
+  setInput(name, index, value) {
+    const { sim, session } = this;
+    const momentary = name.startsWith("seu_") || MOMENTARY.includes(name);
+    const result = session.playing
+      ? session.personSets(name, index, value)
+      : sim.addEvent(sim.time, name, index, value) ? 0 : -EINVAL;  // prettier-ignore
+    if (result < 0) throw new Refused(EINVAL, `there is no input ${name} ${index}`);
+    if (!momentary) this.inputs.set(`${name} ${index}`, value);
+    if (!session.playing) sim.run(sim.time + 1 / sim.clk_hz);
+  }
+
+  /** What the page follows and has not seen. */
+  stream(now) {
+    const f = this.follow;
+    if (!f || now < f.due) return;
+    f.due = now + f.period_s;
+    if (f.events) {
+      const { events, next, lost } = this.sim.tapEvents(f.event);
+      f.event = next;
+      if (lost) this.say({ type: "lost", events: lost });
+      for (const event of events) this.say({ type: "event", ...event });
+    }
+    while (f.samples) {
+      const { bytes, count, next, lost } = this.sim.tapRows(f.row, f.every, ROWS_AT_ONCE);
+      f.row = next;
+      f.lost += lost;
+      if (!count) break;
+      this.say(this.#message(bytes, count, f));
+    }
+  }
+
+  #message(bytes, count, f) {
+    const whole = new Uint8Array(HEAD_BYTES + bytes.length);
+    const head = new DataView(whole.buffer);
+    whole.set([0x53, 0x31]);
+    head.setUint32(4, count, true);
+    head.setUint32(8, bytes.length / count, true);
+    head.setUint16(12, 2 * this.sim.cards, true);
+    head.setUint16(14, this.sim.cards, true);
+    head.setFloat64(16, f.lost, true);
+    head.setFloat64(24, f.row - count * f.every, true);
+    whole.set(bytes, HEAD_BYTES);
+    return whole.buffer;
+  }
+
+  // --- the device ---
+
+  ioctl(name, argument) {
+    return this.sim.ioctl(this.page, this.C[name], argument);
+  }
+
+  param(axis) {
+    const [result, param] = this.sim.getParam(this.page, this.C.MGETPARAM, axis);
+    this.check(result);
+    return param;
+  }
+
+  async change(axis, wanted) {
+    const { sim, session, C } = this;
+    if (!session.playing || axis >= sim.axes) {
+      const param = { ...this.param(axis), ...wanted };
+      this.check(this.ioctl("MSETPARAM", sim.pack("mc_param", param))[0]);
+      return param;
+    }
+    const { mode, ...set } = wanted;
+    if (mode !== undefined) Object.assign(set, named(mode, C));
+    const result = await session.do(() => session.personCalls({ request: "MSETPARAM", axis, set }));
+    this.check(result);
+    return this.param(axis);
+  }
+
+  async call({ request, value, axis, param }) {
+    this.mustBeOpen();
+    const { C, sim, session } = this;
+    const number = C[request];
+    if (number === undefined || !request.startsWith("M") || request.startsWith("MC_"))
+      throw new Refused(25, `request: there is no ${request}`);
+    const reads = ["MGETNUMCARDS", "MGETPARAM", "MGETVERBOSITY", "MGETINTERVAL", "MGETSTATS"];
+    if (!reads.includes(request)) {
+      this.mustControl();
+      this.mustBeOpen(request !== "MSTOP");
+    }
+    if (request === "MGETPARAM") return { param: this.param(axis) };
+    if (request === "MSETPARAM") return { param: await this.change(axis, param) };
+    if (session.playing && RECORDED.includes(request)) {
+      const call = ["MSETENC", "MCALIB"].includes(request)
+        ? { request, axis: value & 0xff, value: value >> 8 }
+        : value === undefined ? { request } : { request, value };  // prettier-ignore
+      this.check(await session.do(() => session.personCalls(call)));
+      return {};
+    }
+    if (!reads.includes(request)) this.spoil(`${request} by hand`);
+    const argument = value === undefined ? undefined : new Uint8Array(new Int32Array([value]).buffer);
+    const [result, out] = sim.ioctl(this.page, number, argument);
+    this.check(result);
+    if (!((number >>> 30) & 1) || !out.length) return {};
+    if (out.length === 4) return { value: new Int32Array(out.buffer.slice(0, 4))[0] };
+    return { stats: sim.unpack("mc_stats", out) };
+  }
+}
+
+/** A mode word as a record has it. */
+function named(word, C) {
+  const mode = Object.keys(C.MODES).find((name) => C[C.MODES[name]] === (word & 0xf));
+  return { mode, flags: C.FLAGS.filter((flag) => word & C[flag.toUpperCase()]) };
+}
+
+function integer(message, name, low, high, fallback) {
+  const value = message[name] ?? fallback;
+  if (!Number.isInteger(value) || value < low || value > high)
+    throw new Refused(EINVAL, `${name}: a whole number from ${low} to ${high}`);
+  return value;
+}
+
+const bus = (s, value) => {
+  if (value === -1) throw new Refused(EIO, "bus time-out");
+  if (value < 0) throw new Refused(EIO, "bus error");
+  return value;
+};
+
+const OPERATIONS = {
+  hello: (s) => s.hello(),
+  name: () => ({}),
+  alive: () => ({}),
+  open: (s, { mode }) => {
+    if (s.page >= 0) throw new Refused(EBUSY, "the device is open already");
+    s.page = s.check(s.sim.open(mode === "rw" ? 2 : 0));
+    s.writable = mode === "rw";
+    return {};
+  },
+  close: (s) => {
+    s.mustBeOpen();
+    if (s.lease === PAGE) s.setLease(null);
+    s.sim.close(s.page);
+    s.page = -1;
+    return {};
+  },
+  read: (s, { axes = 2 * s.sim.cards }) => {
+    s.mustBeOpen();
+    const states = s.sim.read(s.page, axes);
+    if (!Array.isArray(states)) s.check(states);
+    return { states: states.map((state) => Object.values(state)) };
+  },
+  write: (s, { setpoints }) => {
+    s.mustBeOpen(true);
+    s.mustControl();
+    if (s.session.playing) throw new Refused(EBUSY, "the scenario's program writes the setpoints until its motion ends");
+    s.check(s.sim.write(s.page, setpoints));
+    return {};
+  },
+  call: (s, message) => s.call(message),
+  change: async (s, { axis, param }) => {
+    s.mustBeOpen(true);
+    s.mustControl();
+    return { param: await s.change(axis, param) };
+  },
+  load: (s, message) => {
+    s.spoil("a register was read by hand");
+    return { value: bus(s, s.sim.load(integer(message, "offset", 0, 0x7ff))) };
+  },
+  store: (s, message) => {
+    s.mustControl();
+    s.spoil("a register was written by hand");
+    bus(s, s.sim.store(integer(message, "offset", 0, 0x7ff), integer(message, "value", 0, 255)));
+    return {};
+  },
+  stop: (s) => {
+    s.check(s.stop());
+    return { t: s.sim.time };
+  },
+  lease: (s, { take, drop, deadman_ms }) => {
+    if (drop) {
+      if (s.lease === PAGE) s.setLease(null);
+    } else if (take) {
+      s.mustControl();
+      s.mustBeOpen(true);
+      s.setLease(PAGE, deadman_ms ? deadman_ms / 1000 : null);
+    } else throw new Refused(EINVAL, "lease: there is nobody else here");
+    return { lease: s.lease };
+  },
+  clients: (s) => ({
+    clients: [
+      { client: PROGRAM, name: s.setup.name, pid: 0, kind: "device", mode: "rw", lease: false },
+      { client: PAGE, name: "mctool", pid: 0, kind: "message", mode: s.writable ? "rw" : "r", lease: s.lease === PAGE },
+    ],
+  }),
+  inputs: (s) => ({
+    inputs: s.setup.inputs.map((known) => {
+      const values = {};
+      for (const [at, value] of s.inputs) {
+        const [name, index] = at.split(" ");
+        if (name === known.name && value !== known.healthy) values[index] = value;
+      }
+      return { ...known, values };
+    }),
+  }),
+  input: async (s, message) => {
+    const { name, value } = message;
+    const known = s.setup.inputs.find((i) => i.name === name);
+    if (!known) throw new Refused(EINVAL, `name: there is no input ${name}`);
+    if (typeof value !== "number" || !(value >= known.low && value <= known.high))
+      throw new Refused(EINVAL, `value: a number from ${known.low} to ${known.high}`);
+    const places = { machine: 1, card: s.sim.cards, axis: 2 * s.sim.cards };
+    const index = integer(message, "index", 0, places[known.scope] - 1, 0);
+    if (name !== "estop" || value !== 1) s.mustControl();
+    if (s.session.playing) await s.session.do(() => s.setInput(name, index, value));
+    else s.setInput(name, index, value);
+    return { t: s.sim.time };
+  },
+  pace: (s, { speed, paused }) => {
+    s.mustControl();
+    if (speed !== undefined) s.speed = speed;
+    if (paused !== undefined) s.paused = paused;
+    s.restart?.();
+    s.sim.tapNote("pace", 0, s.paused ? "paused" : s.speed === null ? "as fast as it goes" : `speed ${s.speed}`);
+    return { speed: s.speed, paused: s.paused };
+  },
+  advance: (s, { seconds }) => {
+    s.mustControl();
+    if (!s.paused) throw new Refused(EBUSY, "time passes by itself; pause first");
+    if (!(seconds >= 0 && seconds <= 10)) throw new Refused(EINVAL, "seconds: a number from 0 to 10");
+    return new Promise((done) => {
+      s.target = { t: s.sim.time + seconds, done: () => done({ t: s.sim.time }) };
+    });
+  },
+  machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
+  ring: (s, { every_s, count }) => {
+    s.sim.ring(every_s, count);
+    return {};
+  },
+  snapshot: (s) => {
+    const id = s.sim.snapshot();
+    s.asked.add(id);
+    return { snapshot: { id, t: s.sim.time } };
+  },
+  snapshots: (s) => ({
+    snapshots: s.sim.snapshots().map(({ id, t }) => ({ id, t, kept: s.asked.has(id) })),
+  }),
+  drop: (s, { snapshot }) => {
+    if (!s.sim.drop(snapshot)) throw new Refused(EINVAL, "snapshot: there is none of this number");
+    return {};
+  },
+  rewind: (s, { snapshot, t }) => {
+    s.mustControl();
+    const kept = s.sim.snapshots();
+    const found = t === undefined ? kept.find((k) => k.id === snapshot) : kept.findLast((k) => k.t <= t + 1e-9);
+    if (!found) throw new Refused(EINVAL, "snapshot: there is none of this number or time");
+    s.spoil("time was turned back");
+    s.endSession?.();
+    s.sim.restore(found.id);
+    s.sim.tapNote("rewind", found.id, `back to snapshot ${found.id}`);
+    s.restart?.();
+    return { t: s.sim.time, snapshot: found.id };
+  },
+  follow: (s, { samples = true, events = true, every = 1, period_ms = 20, past = 0 }) => {
+    const head = s.sim.tapHead();
+    s.follow = { samples, events, every, period_s: period_ms / 1000, row: Math.max(0, head.rows - past),
+      event: head.events, lost: 0, due: 0 };  // prettier-ignore
+    return {};
+  },
+  memory: (s) => ({ bytes: s.sim.memory }),
+  unfollow: (s) => {
+    s.follow = null;
+    return {};
+  },
+};

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+// The simulated machine in a page: sim/engine/mmcs_sim.h in WebAssembly, as mmcs/engine/sim.py is for
+// Python. The layouts of its structures come from the header (tools/website.py).
+
+const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
+const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
+const SEGMENTS = ["hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square"];
+const EVENTS_AT_ONCE = 256;
+const ROOM = 1 << 17; // bytes for arguments and what comes back
+
+export class Sim {
+  #m; // the module
+  #at; // its machine
+  #room; // memory for arguments
+
+  /** module: the loaded WebAssembly; setup: as tools/website.py writes it. Throws one sentence. */
+  constructor(module, layouts, setup) {
+    this.#m = module;
+    this.layouts = layouts;
+    this.#room = module._malloc(ROOM);
+    const { config, motors, links } = setup;
+    const size = (name) => layouts[name].size;
+    const at = this.#room + 512;
+    const motorsAt = at + size("mmcs_config");
+    const linksAt = motorsAt + motors.length * size("mmcs_motor");
+    new Uint8Array(module.HEAPU8.buffer, this.#room, ROOM).fill(0);
+    this.#put(at, "mmcs_config", { ...config, abi: 1, host: 0 });
+    motors.forEach((motor, n) => this.#put(motorsAt + n * size("mmcs_motor"), "mmcs_motor", motor));
+    links.forEach((link, n) => this.#put(linksAt + n * size("mmcs_link"), "mmcs_link", link));
+    this.#at = module._mmcs_sim_create(at, motorsAt, links.length ? linksAt : 0, this.#room, 300);
+    if (!this.#at) throw new Error(`the machine cannot be made: ${module.UTF8ToString(this.#room)}`);
+    this.axes = config.axes;
+    this.cards = config.cards;
+    this.clk_hz = module._mmcs_sim_build_clk_hz();
+    this.build_id = module.UTF8ToString(module._mmcs_sim_build_id());
+    this.inputs = [];
+    for (let n = 0, name; (name = module._mmcs_sim_input_name(n)); n++)
+      this.inputs.push(module.UTF8ToString(name));
+  }
+
+  /** Bytes that the machine has taken from the page, ever. */
+  get memory() {
+    return this.#m.HEAPU8.length;
+  }
+
+  destroy() {
+    this.#m._mmcs_sim_destroy(this.#at);
+    this.#m._free(this.#room);
+  }
+
+  // --- structures ---
+
+  get #view() {
+    return new DataView(this.#m.HEAPU8.buffer); // anew: memory may have grown
+  }
+
+  #put(at, name, values) {
+    const view = this.#view;
+    for (const [field, value] of Object.entries(values)) {
+      const place = this.layouts[name].fields[field];
+      if (!place) throw new Error(`${name} has no ${field}`);
+      const [offset, kind, step] = place;
+      [value].flat().forEach((one, n) =>
+        view[WRITERS[kind]](at + offset + n * step, kind === "q" ? BigInt(one) : one, true),
+      );
+    }
+  }
+
+  #get(at, name) {
+    const view = this.#view;
+    const read = ([offset, kind]) => {
+      if (kind === "s") return this.#m.UTF8ToString(at + offset);
+      const value = view[READERS[kind]](at + offset, true);
+      return kind === "q" ? Number(value) : value;
+    };
+    const { fields } = this.layouts[name];
+    return Object.fromEntries(Object.entries(fields).map(([field, place]) => [field, read(place)]));
+  }
+
+  #bytes(at, length) {
+    return this.#m.HEAPU8.slice(at, at + length);
+  }
+
+  // --- /dev/mc0 ---
+
+  open(flags = 2) {
+    return this.#m._mmcs_sim_open(this.#at, flags);
+  }
+  close(client) {
+    return this.#m._mmcs_sim_close(this.#at, client);
+  }
+
+  /** The argument in as bytes; [result, the argument out]. */
+  ioctl(client, request, argument = new Uint8Array()) {
+    const size = Math.max((request >>> 16) & 0x1fff, 256);
+    this.#m.HEAPU8.fill(0, this.#room, this.#room + size);
+    this.#m.HEAPU8.set(argument, this.#room);
+    const result = this.#m._mmcs_sim_ioctl(this.#at, client, request, this.#room);
+    return [result, this.#bytes(this.#room, (request >>> 16) & 0x1fff)];
+  }
+
+  ioctlInt(client, request, value) {
+    return this.ioctl(client, request, new Uint8Array(new Int32Array([value]).buffer))[0];
+  }
+
+  /** [result, parameters by name] of MGETPARAM. */
+  getParam(client, request, axis) {
+    const [result, out] = this.ioctl(client, request, this.pack("mc_param", { which: axis }));
+    return [result, this.unpack("mc_param", out)];
+  }
+
+  pack(name, values) {
+    const { size } = this.layouts[name];
+    this.#m.HEAPU8.fill(0, this.#room, this.#room + size);
+    this.#put(this.#room, name, values);
+    return this.#bytes(this.#room, size);
+  }
+
+  unpack(name, bytes) {
+    this.#m.HEAPU8.set(bytes.subarray(0, this.layouts[name].size), this.#room);
+    return this.#get(this.#room, name);
+  }
+
+  write(client, setpoints) {
+    new Int32Array(this.#m.HEAPU8.buffer, this.#room, setpoints.length).set(setpoints);
+    return this.#m._mmcs_sim_write(this.#at, client, this.#room, 4 * setpoints.length);
+  }
+
+  /** What the driver reports, by axis; a negative number when it refuses. */
+  read(client, axes) {
+    const { size } = this.layouts.mc_state;
+    const got = this.#m._mmcs_sim_read(this.#at, client, this.#room, axes * size);
+    if (got < 0) return got;
+    const states = [];
+    for (let n = 0; n < got / size; n++) states.push(this.#get(this.#room + n * size, "mc_state"));
+    return states;
+  }
+
+  stop() {
+    return this.#m._mmcs_sim_stop(this.#at);
+  }
+  signals(client) {
+    return this.#m._mmcs_sim_signals(this.#at, client);
+  }
+
+  // --- the bus by hand: a value; -1 nobody answers, -2 a bus error ---
+
+  load(offset) {
+    const result = this.#m._mmcs_sim_bus_read(this.#at, offset, 0x29, 1, this.#room);
+    return result ? -result : this.#view.getUint32(this.#room, true);
+  }
+  store(offset, value) {
+    return -this.#m._mmcs_sim_bus_write(this.#at, offset, 0x29, 1, value);
+  }
+
+  // --- motion, events, time ---
+
+  addSegment({ kind, table, ...fields }) {
+    const { size } = this.layouts.mmcs_segment;
+    const m = this.#m;
+    const values = table ? m._malloc(8 * table.length) : 0;
+    if (table) new Float64Array(m.HEAPU8.buffer, values, table.length).set(table);
+    m.HEAPU8.fill(0, this.#room, this.#room + size);
+    this.#put(this.#room, "mmcs_segment", {
+      kind: SEGMENTS.indexOf(kind), table: values, table_len: table?.length ?? 0, ...fields });  // prettier-ignore
+    const result = m._mmcs_sim_add_segment(this.#at, this.#room);
+    if (values) m._free(values);
+    if (result) throw new Error(`the engine refuses a motion of axis ${fields.axis}`);
+  }
+  startMotion(client) {
+    return this.#m._mmcs_sim_start_motion(this.#at, client);
+  }
+  /** An input takes a value at a time; false: there is none of this name or index. */
+  addEvent(t, name, index, value) {
+    const input = this.inputs.indexOf(name);
+    if (input < 0) return false;
+    this.#put(this.#room, "mmcs_event", { t, input, index, value });
+    return this.#m._mmcs_sim_add_event(this.#at, this.#room) === 0;
+  }
+  /** False when an assertion of the machine failed. */
+  run(until) {
+    return this.#m._mmcs_sim_run(this.#at, until) === 0;
+  }
+  get time() {
+    return this.#m._mmcs_sim_time(this.#at);
+  }
+  get clock() {
+    return Number(this.#m._mmcs_sim_clock(this.#at));
+  }
+
+  // --- results ---
+
+  stats() {
+    this.#m._mmcs_sim_get_stats(this.#at, this.#room);
+    return this.#get(this.#room, "mmcs_stats");
+  }
+  hash() {
+    const value = BigInt.asUintN(64, this.#m._mmcs_sim_hash(this.#at));
+    return `0x${value.toString(16).padStart(16, "0")}`;
+  }
+  /** Rows of the log since they were last taken: {rows, cols, bytes of float64}. */
+  takeLog() {
+    const data = this.#m._mmcs_sim_log(this.#at, this.#room, this.#room + 8);
+    const rows = Number(this.#view.getBigInt64(this.#room, true));
+    const cols = this.#view.getInt32(this.#room + 8, true);
+    const bytes = this.#bytes(data, rows * cols * 8);
+    this.#m._mmcs_sim_log_taken(this.#at);
+    return { rows, cols, bytes };
+  }
+  /** Bytes of all checkpoints, as run.mmcs keeps them (mmcs/record/record.py, POINT). */
+  checkpoints() {
+    const count = this.#m._mmcs_sim_checkpoints(this.#at, this.#room);
+    return this.#bytes(this.#view.getUint32(this.#room, true), count * this.layouts.mmcs_checkpoint.size);
+  }
+  trueCount(axis) {
+    return this.#m._mmcs_sim_true_count(this.#at, axis);
+  }
+
+  // --- the tap ---
+
+  tap(rows, events) {
+    this.#m._mmcs_sim_tap(this.#at, BigInt(rows), BigInt(events));
+  }
+  tapHead() {
+    this.#m._mmcs_sim_tap_head(this.#at, this.#room);
+    return this.#get(this.#room, "mmcs_tap_head");
+  }
+  /** Rows from a position on: their bytes, and {next, lost, count}. */
+  tapRows(from, every, limit) {
+    const size = this.tapHead().row_bytes;
+    const most = Math.min(limit, Math.floor((ROOM - 64) / size));
+    const at = this.#room + 64;
+    this.#m._mmcs_sim_tap_rows(this.#at, BigInt(from), every, at, most, this.#room);
+    const read = this.#get(this.#room, "mmcs_tap_read");
+    return { ...read, bytes: this.#bytes(at, read.count * size) };
+  }
+  tapEvents(from) {
+    const { size } = this.layouts.mmcs_tap_event;
+    const at = this.#room + 64;
+    this.#m._mmcs_sim_tap_events(this.#at, BigInt(from), at, EVENTS_AT_ONCE, this.#room);
+    const read = this.#get(this.#room, "mmcs_tap_read");
+    const events = [];
+    for (let n = 0; n < read.count; n++) events.push(this.#get(at + n * size, "mmcs_tap_event"));
+    return { ...read, events };
+  }
+  tapNote(kind, value = 0, text = "", axis = -1) {
+    this.#m.stringToUTF8(kind, this.#room, 64);
+    this.#m.stringToUTF8(text, this.#room + 64, 200);
+    this.#m._mmcs_sim_tap_note(this.#at, this.#room, axis, value, this.#room + 64);
+  }
+
+  // --- time travel ---
+
+  snapshot() {
+    return Number(this.#m._mmcs_sim_snapshot(this.#at));
+  }
+  restore(number) {
+    return this.#m._mmcs_sim_restore(this.#at, BigInt(number)) === 0;
+  }
+  drop(number) {
+    return this.#m._mmcs_sim_drop(this.#at, BigInt(number)) === 0;
+  }
+  ring(every_s, count) {
+    this.#m._mmcs_sim_ring(this.#at, every_s, count);
+  }
+  snapshots() {
+    const count = this.#m._mmcs_sim_snapshots(this.#at, this.#room);
+    const at = this.#view.getUint32(this.#room, true);
+    const { size } = this.layouts.mmcs_snapshot;
+    return Array.from({ length: count }, (_, n) => this.#get(at + n * size, "mmcs_snapshot"));
+  }
+}

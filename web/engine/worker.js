@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Worker: the machine, its scenario and the messages; and time, which follows the clock on the wall.
+//
+// In: {start: {setup, module, layouts, constants, plays, paused, version}}, {stopPort}, texts of
+// docs/use/protocol.md, {record: true}. Out: those texts, samples as ArrayBuffers, {told: {...}}.
+
+import { makeRecord, Log } from "./record.js";
+import { Server } from "./server.js";
+import { Session } from "./session.js";
+import { Sim } from "./sim.js";
+
+const CHUNK_S = 0.002; // of the machine's time between looks at the clock
+const TURN_MS = 12; // of work between looks at what has come in
+const BEHIND_S = 0.5;
+const TOLD_MS = 250;
+
+let server = null;
+let session = null;
+let motion = null; // what is left of the scenario's own motion
+let log = new Log();
+let clock = { wall: 0, simulated: 0 };
+let work = { ms: 0, s: 0 }; // spent on how much time of the machine
+let ended = null; // {hash, record}
+let version = "";
+
+const now = () => performance.now() / 1000;
+const say = (message) => {
+  if (message instanceof ArrayBuffer) postMessage(message, [message]);
+  else postMessage(JSON.stringify(message));
+};
+
+async function start({ setup, module, layouts, constants, plays, paused, version: told }) {
+  version = told;
+  const { default: load } = await import(module);
+  const sim = new Sim(await load(), layouts, setup);
+  session = new Session(sim, setup, constants);
+  server = new Server(sim, setup, session, constants, say);
+  server.restart = restart;
+  server.paused = paused;
+  server.endSession = () => {
+    motion = null;
+    session.playing = false;
+  };
+  if (plays && session.begin()) motion = session.move();
+  else if (session.client < 0) session.client = sim.open(0);
+  postMessage(JSON.stringify({ type: "hello", ...server.hello() }));
+  restart();
+  turn();
+}
+
+function restart() {
+  clock = { wall: now(), simulated: server.sim.time };
+}
+
+/** How much time of the machine may pass now, s. */
+function due() {
+  if (server.paused) return 0;
+  if (server.speed === null) return Infinity;
+  const left = (now() - clock.wall) * server.speed - (server.sim.time - clock.simulated);
+  if (left > BEHIND_S * Math.max(1, server.speed)) {
+    restart(); // who cannot keep up does not run after more than this
+    return CHUNK_S;
+  }
+  return left;
+}
+
+function pass() {
+  const { sim } = server;
+  const before = sim.time;
+  const began = performance.now();
+  if (motion) {
+    const { done } = motion.next();
+    log.append(sim.takeLog());
+    if (done) finish();
+  } else {
+    sim.run(before + CHUNK_S);
+    if (sim.time - before < CHUNK_S / 2) server.paused = true; // an assertion failed
+    sim.takeLog();
+  }
+  work.ms += performance.now() - began;
+  work.s += sim.time - before;
+}
+
+/** The scenario's motion is over: its hash, and its record if it can be made again. */
+function finish() {
+  motion = null;
+  const hash = server.sim.hash();
+  const record = server.spoiled ? null : makeRecord(session, log, hash, version);
+  ended = { hash, record, spoiled: server.spoiled };
+  tell();
+}
+
+function tell() {
+  const speed = work.ms ? (1000 * work.s) / work.ms : 0;
+  postMessage(JSON.stringify({ type: "told", time: server.sim.time, playing: Boolean(motion),
+    reached: session.reached ?? 0, duration: session.setup.duration, start: session.start, speed,
+    hash: ended?.hash ?? null, recorded: Boolean(ended?.record), spoiled: server.spoiled }));  // prettier-ignore
+}
+
+let toldAt = 0;
+function turn() {
+  const began = performance.now();
+  const t = now();
+  server.checkDeadman(t);
+  if (server.target) {
+    while (server.target && performance.now() - began < TURN_MS) {
+      pass();
+      if (server.sim.time >= server.target.t - 1e-9) {
+        const { done } = server.target;
+        server.target = null;
+        done();
+      }
+    }
+  } else while (due() > 0 && performance.now() - began < TURN_MS) pass();
+  server.stream(t);
+  if (began - toldAt > TOLD_MS) {
+    toldAt = began;
+    tell();
+  }
+  setTimeout(turn, server.paused || due() <= 0 ? 4 : 0);
+}
+
+function hearStop(port) {
+  port.onmessage = ({ data }) => {
+    const answer = server?.hearStop(data);
+    if (answer === undefined) return;
+    const said = typeof answer === "string" ? { order: data, answer } : answer;
+    port.postMessage(JSON.stringify(said));
+  };
+}
+
+onmessage = async ({ data }) => {
+  try {
+    if (typeof data === "string") await server?.hear(JSON.parse(data), now());
+    else if (data.stopPort) hearStop(data.stopPort);
+    else if (data.start) await start(data.start);
+    else if (data.record) postMessage(JSON.stringify({ type: "record", record: ended?.record ?? null,
+      csv: log.csv(), wanted: data.record }));  // prettier-ignore
+  } catch (error) {
+    postMessage(JSON.stringify({ type: "failed", text: error.message ?? String(error) }));
+  }
+};

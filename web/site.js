@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page that holds its own machine: a Worker instead of a socket. docs/use/web.md
+//
+// Address: ?scenario=NAME&seed=N (what is run), plays=0 (the machine alone, nobody moves it), paused=1 (until
+// `Run on`), speed=S (of the clock on the wall; 0: as fast as it goes), and what app.js says.
+
+import { run } from "./app.js";
+import { choice, download, el, labelled, parseInteger, setText } from "./dom.js";
+import { PageAdvice } from "./engine/design.js";
+import { readRecord, setupOf } from "./engine/record.js";
+
+const FIRST = "puma560";
+const DEADMAN_MS = 2000; // a page that nobody looks at has its timers once a second
+const asked = new URLSearchParams(location.search);
+const said = document.getElementById("said");
+const json = async (name) => (await fetch(`engine/${name}.json`)).json();
+const [knowledge, scenarios] = await Promise.all([json("knowledge"), json("scenarios")]);
+const worker = new Worker("engine/worker.js", { type: "module" });
+let page = null;
+let expected = null; // hash of the record that is replayed
+
+async function setupNamed(name) {
+  if (scenarios.some((one) => one.name === name)) return json(`setups/${name}`);
+  throw new Error(`there is no scenario ${name} here; choose one above`);
+}
+
+/** The setup that the address, or a record kept for this tab, asks for. Throws one sentence. */
+async function chosen() {
+  const kept = asked.has("record") && sessionStorage.getItem("record");
+  if (kept) {
+    const record = readRecord(kept);
+    const found = setupOf(record, await setupNamed(record.scenario), knowledge.inputs);
+    expected = found.hash;
+    return found.setup;
+  }
+  const setup = await setupNamed(asked.get("scenario") ?? FIRST);
+  if (asked.has("seed")) {
+    setup.config.seed = parseInteger(asked.get("seed"), 0, Number.MAX_SAFE_INTEGER, "seed");
+    setup.data.seed = setup.config.seed;
+  }
+  return setup;
+}
+
+/** A carrier of the messages (link.js) through the Worker. */
+function workerCarrier() {
+  const carrier = { onText() {}, onBytes() {}, onClose() {}, close: () => worker.terminate() };
+  carrier.send = (text) => worker.postMessage(text);
+  worker.onmessage = ({ data }) => {
+    if (data instanceof ArrayBuffer) return carrier.onBytes(data);
+    const message = JSON.parse(data);
+    if (message.type === "told") return show(message);
+    if (message.type === "record") return save(message);
+    if (message.type === "failed") return fail(message.text);
+    return carrier.onText(data);
+  };
+  worker.onerror = ({ message }) => fail(message || "the Worker does not start");
+  return carrier;
+}
+
+function fail(text) {
+  said.textContent = text;
+  document.body.dataset.failed = text;
+}
+
+// --- the bench: what is run, what came of it ---
+
+const link = (changes) => {
+  const made = new URLSearchParams(asked);
+  made.delete("record");
+  for (const [name, value] of Object.entries(changes)) made.set(name, value);
+  return `${location.pathname}?${made}`;
+};
+const go = (changes) => location.assign(link(changes));
+const groups = Map.groupBy ? Map.groupBy(scenarios, (s) => s.folder) : null;
+const scenario = choice([], { id: "scenario", "aria-label": "scenario",
+  onchange: () => go({ scenario: scenario.value }) });  // prettier-ignore
+for (const folder of new Set(scenarios.map((s) => s.folder))) {
+  const own = groups?.get(folder) ?? scenarios.filter((s) => s.folder === folder);
+  scenario.append(el("optgroup", { label: folder },
+    ...own.map((s) => el("option", { value: s.name, textContent: s.name, title: s.description }))));  // prettier-ignore
+}
+const seed = el("input", { id: "seed", type: "text", size: 5, inputMode: "numeric",
+  onchange: () => go({ seed: seed.value }) });  // prettier-ignore
+const again = el("button", { id: "again", type: "button", textContent: "Run again", onclick: () => go({}) });
+const alone = el("button", { id: "alone", type: "button", textContent: asked.get("plays") === "0" ? "With its motion" : "Without its motion",
+  title: "the machine as `mmcs tool` starts it: nobody moves it but you",
+  onclick: () => go({ plays: asked.get("plays") === "0" ? 1 : 0 }) });  // prettier-ignore
+const permalink = el("a", { id: "permalink", textContent: "link" });
+const progress = el("output", { id: "progress" });
+const hash = el("output", { id: "hash", title: "digest of every sample and of the hardware at the end" });
+const record = el("button", { id: "record", type: "button", textContent: "Save record", disabled: true,
+  title: "run.mmcs, for `mmcs replay`", onclick: () => worker.postMessage({ record: "record" }) });  // prettier-ignore
+const log = el("button", { id: "log", type: "button", textContent: "Save log", disabled: true,
+  onclick: () => worker.postMessage({ record: "csv" }) });  // prettier-ignore
+const file = el("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
+  onchange: async () => {
+    sessionStorage.setItem("record", await file.files[0].text());
+    location.assign("?record");
+  } });  // prettier-ignore
+const open = el("button", { type: "button", textContent: "Replay a record", onclick: () => file.click() });
+document.getElementById("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), again,
+  alone, permalink, record, log, open, file, progress, hash);  // prettier-ignore
+
+function show(told) {
+  const { playing, reached, duration, speed, recorded, spoiled } = told;
+  const now = playing ? `${reached.toFixed(2)} of ${duration} s` : told.hash ? "motion done" : "";
+  setText(progress, `${now}${speed ? `, ${speed.toFixed(1)} × real time is possible` : ""}`);
+  record.disabled = !recorded;
+  log.disabled = !told.hash;
+  if (!told.hash) return;
+  if (!document.body.dataset.hash) takeOver();
+  const same = expected === null ? "" : told.hash === expected ? ", as recorded" : `, recorded ${expected}`;
+  setText(hash, spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}`);
+  document.body.dataset.hash = told.hash;
+  document.body.dataset.speed = speed;
+}
+
+/** The scenario's program writes no more: from here on the page does, and begins with what stands. */
+function takeOver() {
+  page.adoptSetpoints();
+  for (const panel of page.panels) panel.load();
+}
+
+function save({ record: made, csv, wanted }) {
+  if (wanted === "csv") download("log.csv", csv, "text/csv");
+  else if (made) download("run.mmcs", `${JSON.stringify(made)}\n`, "application/json");
+}
+
+// --- start ---
+
+/** STOP has a way of its own to the Worker: it works while this page's stream floods. */
+function connectStop() {
+  const frame = document.getElementById("stop");
+  window.addEventListener("message", ({ source, data }) => {
+    if (source !== frame.contentWindow || data !== "stop frame") return;
+    const { port1, port2 } = new MessageChannel();
+    worker.postMessage({ stopPort: port1 }, [port1]);
+    frame.contentWindow.postMessage("port", location.origin, [port2]);
+  });
+  frame.src = "stop.html?worker";
+}
+
+try {
+  const setup = await chosen();
+  scenario.value = setup.name;
+  seed.value = String(setup.config.seed);
+  permalink.href = link({ scenario: setup.name, seed: setup.config.seed });
+  connectStop();
+  page = run(workerCarrier(), new PageAdvice(), true, DEADMAN_MS);
+  setup.inputs = knowledge.inputs;
+  worker.postMessage({ start: { setup, module: `./machine${setup.config.cards}.mjs`,
+    layouts: knowledge.layouts, constants: knowledge.constants, version: knowledge.version,
+    paused: asked.has("paused"), plays: asked.get("plays") !== "0" } });  // prettier-ignore
+  if (asked.has("speed")) {
+    const speed = Number(asked.get("speed")) || null;
+    page.machine.addEventListener("control", () => page.machine.link.request("pace", { speed }), { once: true });
+  }
+} catch (error) {
+  fail(error.message);
+}
+if ("serviceWorker" in navigator && location.protocol !== "file:")
+  navigator.serviceWorker.register("offline.js").catch(() => {}); // without one it needs its server

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of pages share: a running tool with a page, pictures and tables for the manual."""
+
+from __future__ import annotations
+
+import json
+
+from mmcs import BUILD
+from mmcs.device.link import Link
+
+PICTURES = BUILD / "tool"
+
+
+class Desk:
+    """A running tool with one page open, and a link of the test's own to the same machine."""
+
+    def __init__(self, browser, tool, options: str = ""):
+        self.browser, self.tool = browser, tool
+        self.page = self.open(options)
+        self.link = Link(path=tool.socket)
+        self.link.request("open", mode="r")
+
+    def open(self, options: str = ""):
+        page = self.browser.new_page(viewport={"width": 1280, "height": 800})
+        page.set_default_timeout(240_000)  # a loaded computer is slow, not wrong
+        page.errors = []
+        page.on("pageerror", lambda error: page.errors.append(str(error)))
+        page.goto(self.tool.address + options)
+        page.wait_for_selector("body.ready")
+        return page
+
+    @property
+    def stop_frame(self):
+        return self.page.frames[1]
+
+    def param(self, axis: int) -> dict:
+        return self.link.request("call", request="MGETPARAM", axis=axis)["param"]
+
+    def latest(self, axis: int) -> dict:
+        return self.page.evaluate("n => mctool.machine.history.latest(n)", axis)
+
+    def state(self) -> dict:
+        return self.link.request("hello")
+
+    def until(self, what: str, argument=None) -> None:
+        """Waits for a condition in the page."""
+        self.page.wait_for_function(what, arg=argument)
+
+    def eventually(self, true) -> None:
+        """Waits, working the page, until the check holds; the test's own limit ends it else."""
+        while not true():
+            self.page.wait_for_timeout(20)
+
+    def close(self) -> None:
+        self.link.close()
+        self.page.close()
+        self.tool.__exit__()
+
+
+def picture(page, name: str) -> None:
+    """A screenshot for the manual."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=PICTURES / f"{name}.png")
+
+
+def note(table: str, row: str, line: str) -> None:
+    """A line of a table of the manual; the lines of other tests stay."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    path = PICTURES / f"{table}.json"
+    rows = json.loads(path.read_text()) if path.exists() else {}
+    path.write_text(json.dumps(rows | {row: line}, indent=1))

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Puts what the tests measured and photographed into the manual: `make tool-test WRITE=1`."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+
+from bench import PICTURES
+
+from mmcs import ROOT
+
+HEADS = {
+    "autotune": "| | g, counts/s² per D/A unit | Coulomb +/− | break-away | phase margin "
+                "| −3 dB, rad/s | rise, ms | overshoot | steady error | farthest |\n"
+                + "|---" * 10 + "|",
+    "web": "| scenario | hash | in WebAssembly | native | ratio |\n|---|---|---|---|---|",
+}  # fmt: skip
+PAGES = [ROOT / "docs" / "use" / name for name in ("tool.md", "web.md")]
+
+
+def tables() -> dict[str, str]:
+    made = {p.stem: p.read_text().rstrip() for p in PICTURES.glob("*.md")}
+    for path in PICTURES.glob("*.json"):
+        rows = json.loads(path.read_text())
+        lines = rows.values()
+        made[path.stem] = "\n".join([HEADS[path.stem], *lines] if path.stem in HEADS else lines)
+    return made
+
+
+def main() -> None:
+    found = tables()
+    for page in PAGES:
+        text = page.read_text()
+        for name, table in found.items():
+            between = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
+            text = re.sub(between, lambda m, t=table: m[1] + t + "\n" + m[2], text, flags=re.S)
+        page.write_text(text)
+    for picture in PICTURES.glob("*.png"):
+        name = picture.name if picture.name.startswith("web") else f"tool_{picture.name}"
+        target = ROOT / "docs" / "images" / name
+        if any(name in page.read_text() for page in PAGES):
+            shutil.copy(picture, target)
+
+
+if __name__ == "__main__":
+    main()

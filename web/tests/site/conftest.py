@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The static site in a real browser, carried by Python's own file server."""
+
+from __future__ import annotations
+
+import functools
+import threading
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+
+import pytest
+
+from mmcs.place import BUILD
+
+SITE = BUILD / "web"
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *_) -> None:
+        pass
+
+
+@pytest.fixture(scope="session")
+def address():
+    assert (SITE / "index.html").is_file(), "build/web is not there; `make web` makes it"
+    server = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=SITE))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}/"
+    server.shutdown()
+
+
+@pytest.fixture
+def opened(browser, address):
+    """opened("?scenario=…") is a page; none of them may have raised anything at the end."""
+    pages = []
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+
+    def go(query: str, **more):
+        own = browser.new_context(**more) if more else context
+        page = own.new_page()
+        page.set_default_timeout(240_000)  # a loaded computer is slow, not wrong
+        page.errors = []
+        page.on("pageerror", lambda error: page.errors.append(str(error)))
+        page.goto(address + query)
+        page.wait_for_selector("body.ready, body[data-failed]")
+        pages.append(page)
+        return page
+
+    yield go
+    errors = [error for page in pages for error in page.errors]
+    for page in pages:
+        page.context.close()
+    assert errors == []

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine in a page: to the bit the native one, offline, on a telephone, for a minute."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from bench import note, picture
+
+from mmcs.place import BUILD
+from mmcs.record.record import make_record, parse, write_record
+from mmcs.run.replay import replay
+from mmcs.run.runner import simulate
+from mmcs.scenario.load import load
+
+NODE = Path(sys.executable).with_name("node")
+SITE = BUILD / "web"
+RATIO = Path(__file__).with_name("ratio.mjs")
+SCENARIOS = ["lab500", "puma560", "puma560_bounce"]
+MINUTE_S = 60.0
+DONE = "() => document.body.dataset.hash || document.body.dataset.failed"
+
+
+def native(name: str, sets: tuple[str, ...] = ()):
+    return simulate(load(name, sets))
+
+
+def finished(page) -> str:
+    page.wait_for_function(DONE)
+    return page.evaluate(DONE)
+
+
+def saved(page, tmp_path, button: str = "record"):
+    page.wait_for_selector(f"#{button}:not([disabled])")
+    with page.expect_download() as download:
+        page.click(f"#{button}")
+    path = tmp_path / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
+
+
+def record_of(path):
+    return parse(path, json.loads(path.read_text()))
+
+
+@pytest.mark.req("TOOL-1", "SIM-3")
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_page_s_hash_is_the_native_one(opened, name):
+    result = native(name)
+    page = opened(f"?scenario={name}&speed=0")
+    assert finished(page) == result.hash
+    # processor time of both, one after the other: a loaded computer changes their ratio little
+    began = time.process_time()
+    assert native(name).hash == result.hash
+    own = time.process_time() - began
+    found = json.loads(subprocess.check_output([NODE, RATIO, SITE, name], text=True))
+    assert found["hash"] == result.hash
+    note("web", name, (
+        f"| {name} | `{result.hash}` | {result.simulated_s / found['cpu_s']:.1f} "
+        f"| {result.simulated_s / own:.1f} | {own / found['cpu_s']:.2f} |"
+    ))  # fmt: skip
+
+
+@pytest.mark.req("TOOL-1", "SIM-3")
+def test_a_record_of_the_page_replays_natively_with_what_a_person_did(opened, tmp_path):
+    """Gains and faults while it runs are in the record, as [[call]] and [[event]]."""
+    page = opened("?scenario=puma560&seed=7&paused=1")
+    page.wait_for_function("() => mctool.machine.controls && mctool.machine.enabled")
+    page.evaluate("""async () => {
+      const { machine } = mctool;
+      const first = [
+        machine.change(1, { a0: 4000, b0: 64 }),
+        machine.link.request("input", { name: "pot_noise", index: 0, value: 0.01 }),
+        machine.link.call("MDACMODE", { value: 0 }),
+      ];
+      await machine.link.request("pace", { paused: false });
+      await Promise.all(first);
+      await machine.change(2, { ilim: 700 });
+      await machine.link.request("pace", { speed: null });
+    }""")
+    hash_ = finished(page)
+    path = saved(page, tmp_path)
+    record = record_of(path)
+    assert record.hash == hash_ and record.data["seed"] == 7
+    assert [call["request"] for call in record.data["call"]] == [
+        "MSETPARAM",
+        "MDACMODE",
+        "MSETPARAM",
+    ]
+    assert record.data["event"][-1]["input"] == "pot_noise"
+    assert replay(record) == (hash_, None)
+    header, first = saved(page, tmp_path, "log").read_text().splitlines()[:2]
+    assert header.startswith("t_s,setpoint_0,encoder_0") and first.startswith("0.")
+
+
+@pytest.mark.req("TOOL-1", "SIM-3")
+def test_a_native_record_replays_in_the_page(opened, tmp_path):
+    result = native("puma560_bounce", ("seed=3",))
+    path = write_record(make_record(result, "native"), tmp_path)
+    page = opened("?scenario=lab500")
+    page.set_input_files("#record-file", path)
+    page.wait_for_function(
+        "() => document.getElementById('hash')?.textContent.includes('as recorded')"
+    )
+    assert page.input_value("#seed") == "3"
+    assert finished(page) == result.hash
+    strange = json.loads(path.read_text())
+    strange["data"]["cards"] = 5
+    path.write_text(json.dumps(strange))
+    page.set_input_files("#record-file", path)
+    page.wait_for_selector("body[data-failed]")
+    assert "the record changes cards" in page.inner_text("#said")
+
+
+@pytest.mark.req("TOOL-1", "DRV-9")
+def test_stop_works_and_a_hung_page_stops_the_machine(opened):
+    page = opened("?scenario=puma560&plays=0&deadman=1000")
+    page.click("#enable")
+    page.wait_for_function("() => mctool.machine.enabled")
+    frame = page.frames[1]
+    frame.click("#stop")
+    page.wait_for_function("() => !mctool.machine.enabled")
+    frame.wait_for_function("() => Number(document.body.dataset.count) > 0")
+    frame.click("#press")
+    page.click("#tab-machine")
+    page.wait_for_function(
+        "() => document.getElementById('panic-cause').textContent.includes('button')"
+    )
+    frame.click("#press")
+    frame.wait_for_function("() => document.getElementById('press').textContent.startsWith('Hand')")
+    page.click("#clear")
+    page.click("#enable")
+    page.wait_for_function("() => mctool.machine.enabled")
+    page.evaluate("() => { const t = Date.now(); while (Date.now() - t < 4000); }")
+    page.wait_for_function("() => !mctool.machine.enabled && !mctool.machine.controls")
+
+
+@pytest.mark.req("TOOL-1")
+def test_registers_faults_and_the_past(opened):
+    page = opened("?scenario=lab500&plays=0")
+    page.click("#tab-registers")
+    row = page.locator("tr", has=page.get_by_role("button", name="CARD_PPI_A", exact=True))
+    row.get_by_role("button").click()
+    page.wait_for_function(
+        "() => document.querySelector('.registers').textContent.includes('ENC_MODE 5')"
+    )
+    page.click("#tab-faults")
+    page.wait_for_function("() => document.getElementById('fault-name').options.length > 10")
+    page.select_option("#fault-name", "cable")
+    page.click("#fault-apply")
+    page.wait_for_function(
+        "() => document.querySelector('.faults ul').textContent.includes('cable')"
+    )
+    page.click("#fault-heal")
+    page.wait_for_function("() => document.querySelector('.faults ul').textContent === 'nothing'")
+    page.click("#tab-time")
+    page.wait_for_function("() => Number(document.getElementById('rewind').max) > 5")
+    page.click("#pause")
+    before = page.evaluate("() => mctool.machine.history.time(mctool.machine.history.end - 1)")
+    page.evaluate("() => { document.getElementById('rewind').value = 2; }")
+    page.click("#rewind-go")
+    page.wait_for_function(
+        "t => mctool.machine.history.time(mctool.machine.history.end - 1) < t", arg=before
+    )
+    page.click("#go")
+    page.wait_for_function(
+        "t => mctool.machine.history.time(mctool.machine.history.end - 1) > t", arg=before
+    )
+
+
+@pytest.mark.req("TOOL-1")
+def test_it_works_without_a_network(opened):
+    page = opened("?scenario=lab500&speed=0")
+    page.evaluate("() => navigator.serviceWorker.ready")
+    page.wait_for_function("() => caches.keys().then((names) => names.length === 1)")
+    page.reload()
+    page.context.set_offline(True)
+    page.goto(page.url.split("?")[0] + "?scenario=puma560_bounce&speed=0")
+    assert finished(page) == native("puma560_bounce").hash
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_minute_of_motion_without_an_exception_and_without_growth(opened):
+    """A wrist swings to and fro; memory is looked at when the rings are full, and at the end."""
+    page = opened("?scenario=puma560&plays=0")
+    page.click("#enable")
+    page.wait_for_function("() => mctool.machine.enabled")
+    page.evaluate("() => mctool.machine.change(4, { ilim: 200, mode: 4 })")  # Test1
+    page.evaluate("() => mctool.machine.link.request('pace', { speed: null })")
+    time_is = "t => mctool.machine.history.time(mctool.machine.history.end - 1) > t"
+    page.wait_for_function(time_is, arg=MINUTE_S / 2)
+    half = page.evaluate("() => mctool.machine.link.request('memory').then((m) => m.bytes)")
+    page.wait_for_function(time_is, arg=MINUTE_S)
+    full = page.evaluate("() => mctool.machine.link.request('memory').then((m) => m.bytes)")
+    assert full == half
+    assert page.evaluate("() => mctool.machine.history.lost") == 0
+    assert page.evaluate("() => mctool.machine.enabled")
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_telephone_can_be_used(opened):
+    page = opened(
+        "?scenario=puma560", viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+    )
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    box = page.locator("#stop").bounding_box()
+    assert box["y"] >= 0 and box["y"] + box["height"] <= 844
+    frame = page.frames[1]
+    stop = frame.locator("#stop").bounding_box()
+    assert min(stop["width"], stop["height"]) >= 44  # a finger
+    page.locator("#tab-faults").tap()
+    page.wait_for_function("() => document.getElementById('fault-name').options.length > 10")
+    picture(page, "web_telephone")
+    frame.locator("#stop").tap()
+    page.wait_for_function("() => !mctool.machine.enabled")
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_first_motion_comes_soon(opened):
+    began = time.monotonic()
+    page = opened("?scenario=puma560")
+    page.wait_for_function("""() => {
+      const { history } = mctool.machine;
+      const at = (row, n) => history.value(row, history.column(n, 'encnow'));
+      return history.end > history.first && [0, 1, 2, 3, 4, 5].some((n) =>
+        Math.abs(at(history.end - 1, n) - at(history.first, n)) > 2);
+    }""")
+    note("web_first", "first", f"{time.monotonic() - began:.1f}")
+    page.click("#tab-machine")
+    page.wait_for_timeout(800)
+    picture(page, "web")

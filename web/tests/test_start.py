@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the tool starts: switches, a machine that others drive, two pages, screen readers."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+
+import pytest
+from bench import Desk, picture
+
+from mmcs.device.execute import cflags, environment
+from mmcs.device.link import Link
+from mmcs.device.sockets import socket_path
+from mmcs.place import BUILD, ROOT
+from mmcs.tool.launch import _end, _serve, start
+
+VIEWS = ("scope", "tune", "machine", "registers", "faults", "time", "log")
+NAMED = {"button", "textbox", "combobox", "slider", "checkbox", "spinbutton", "tab", "Iframe"}
+
+
+@pytest.mark.req("TOOL-1")
+def test_interval_zeroed_encoders_and_frozen_numbers(browser):
+    desk = Desk(browser, start("puma560", None, {"t": "3", "z": "1", "u": "1"}))
+    try:
+        assert desk.link.request("call", request="MGETINTERVAL")["value"] == 3000
+        assert desk.page.input_value("#interval") == "3000"
+        desk.until("() => mctool.machine.history.latest(0)?.encnow === 0")
+        desk.page.wait_for_timeout(500)
+        assert desk.page.inner_text("#axis0-count") == ""  # -u: the panel does not follow
+        assert not desk.state()["enabled"]
+    finally:
+        desk.close()
+
+
+@pytest.mark.req("TOOL-1")
+def test_it_looks_as_under_sunview(browser, desk):
+    old = desk.open("&theme=1989")
+    assert old.evaluate("() => getComputedStyle(document.body).fontFamily").find("Mono") > 0
+    colours = old.evaluate(
+        "() => [...document.querySelectorAll('button, .panel, h2')].map((e) => "
+        "getComputedStyle(e).color + getComputedStyle(e).borderTopColor)"
+    )
+    grey = [c for c in colours if len(set(c.replace("rgb(", "").split(")")[0].split(", "))) > 1]
+    assert grey == []  # black and white, nothing else
+    picture(old, "1989")
+    old.close()
+
+
+def look(link, rows: int) -> dict:
+    """The driver's statistics after so many samples, none of which is missing."""
+    link.request("follow", events=False, period_ms=50)
+    last, seen = None, 0
+    while seen < rows:
+        message = link.receive()
+        for n in range(message.rows):
+            number = message.row(n)["number"]
+            assert last is None or number == last + 1
+            last, seen = number, seen + 1
+    link.request("unfollow")
+    return link.request("call", request="MGETSTATS")["stats"]
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_page_beside_the_program_bounce_looks_on(browser):
+    """`--attach`: the program of chapter 2 drives, a page comes and goes. That it changes
+    nothing is shown to the bit in mmcs/tests/test_monitor.py."""
+    name = f"attach-{os.getpid()}"
+    socket = socket_path(name)
+    machine = _serve("puma560", name, socket)
+    program = BUILD / "device" / "bounce"
+    program.parent.mkdir(parents=True, exist_ok=True)
+    source = ROOT / "firmware" / "examples" / "bounce.c"
+    subprocess.run(["gcc", *cflags(), "-o", program, source], check=True)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    bounce = subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet)
+    link = Link(path=socket)
+    try:
+        link.request("open", mode="r")
+        alone = look(link, 1000)
+        desk = Desk(browser, start("", socket, {}))
+        assert desk.page.inner_text("#control") == "Take control"
+        assert desk.page.is_disabled("#enable") and desk.page.is_disabled("#axis0-mode")
+        desk.until("() => mctool.machine.history.latest(0).setpoint !== 0")
+        beside = look(link, 1000)
+        assert (beside["missed"], beside["overrun"]) == (alone["missed"], alone["overrun"])
+        desk.page.close()
+        desk.link.close()
+        for process in ("gateway", "stopper"):
+            _end(desk.tool.processes[process])
+        assert link.request("hello")["enabled"] and bounce.poll() is None
+    finally:
+        bounce.kill()
+        bounce.wait()
+        link.close()
+        _end(machine)
+
+
+@pytest.mark.req("TOOL-1")
+def test_two_pages_at_once_one_in_control(desk):
+    other = desk.open()
+    assert desk.page.inner_text("#control") == "Give control back"
+    desk.page.click("#control")
+    other.wait_for_function(
+        "() => document.getElementById('control').textContent === 'Take control'"
+    )
+    other.click("#control")
+    desk.until("() => document.getElementById('control').textContent.startsWith('Controlled')")
+    other.select_option("#axis3-mode", "vel")
+    desk.eventually(lambda: desk.param(3)["mode"] & 0xF == 2)
+    assert desk.page.is_disabled("#axis3-mode") and not other.is_disabled("#axis3-mode")
+    assert other.errors == []
+    other.close()
+
+
+@pytest.mark.req("TOOL-1")
+def test_every_control_has_a_name_for_screen_readers(desk):
+    """By the browser's own accessibility tree, in every view and in the frame of STOP."""
+    page = desk.page
+    tree = page.context.new_cdp_session(page)
+    seen = 0
+    for view in VIEWS:
+        page.click(f"#tab-{view}")
+        for summary in page.query_selector_all("#axis0-panel summary"):
+            summary.click()
+        nodes = tree.send("Accessibility.getFullAXTree")["nodes"]
+        controls = [n for n in nodes if not n.get("ignored") and _value(n, "role") in NAMED]
+        nameless = [_value(n, "role") for n in controls if not _value(n, "name").strip()]
+        assert nameless == [], view
+        seen += len(controls)
+    assert seen > 700
+    frame = desk.stop_frame
+    assert frame.get_by_role("button", name="STOP", exact=True).count() == 1
+    assert frame.get_by_role("button", name="Hand-held button").count() == 1
+    assert frame.get_by_role("status").count() == 1
+
+
+def _value(node: dict, key: str) -> str:
+    return str(node.get(key, {}).get("value", ""))
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_wheel_changes_no_number_and_turns_the_arm_nearer(desk):
+    page = desk.page
+    page.select_option("#axis0-mode", "torq")
+    desk.eventually(lambda: desk.param(0)["mode"] & 0xF == 3)
+    before = desk.param(0)
+    for control in ("setpoint slider", "setpoint", "P gain slider", "P gain"):
+        page.hover(f'[id="axis0-{control}"]')
+        page.focus(f'[id="axis0-{control}"]')
+        page.mouse.wheel(0, 240)
+    page.wait_for_timeout(200)
+    assert desk.param(0) == before and desk.latest(0)["setpoint"] == 0
+    page.click("#tab-machine")
+    page.wait_for_selector(".arm canvas")
+    page.hover(".arm")
+    size = "() => document.querySelector('.arm').dataset.away"
+    page.mouse.wheel(0, -400)
+    desk.until(f"() => Number(({size})()) < 2.5")
