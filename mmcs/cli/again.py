@@ -46,7 +46,7 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     """Waveforms of a stretch of a run that was not traced.
 
     RUN is a run.mmcs, its folder, or the name of a scenario that has run. The run is made again
-    with all assertions live; the waveforms are of the stretch only.
+    from the nearest of its snapshots, in the stretch clock by clock with all assertions live.
     """
     from mmcs.record.record import read_record
     from mmcs.run import replay as replays
@@ -57,9 +57,11 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     record = read_record(run)
     from_s, to_s = replays.stretch(record, at, window)
     path = out or replays.default_path(record, from_s, to_s)
-    where = replays.trace(record, path, from_s, to_s)
+    snapshot, where = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
     echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
+    origin = "power-on" if snapshot is None else f"the snapshot at {snapshot:.6f} s"
+    echo(f"made again from {origin}")
     write_views(path, record.host)
     if where is not None:
         echo(f"caution: this is not the same run; it differs first at {where}")

@@ -81,14 +81,50 @@ def _event_time(record: Record, kind: str) -> float:
     raise InputError.one("--at", "", kind, allowed)
 
 
-def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
-    """Makes the run again with waveforms of this stretch; where it differs, or None.
+def trace(
+    record: Record, path: Path, from_s: float, to_s: float
+) -> tuple[float | None, str | None]:
+    """Makes the run again with waveforms of this stretch: the snapshot's time of motion that it
+    began at (None: at power-on), and where it differs (None: nowhere).
 
-    Waveforms need a build of the model whose registers are laid out otherwise, so no snapshot of
-    the run fits it. It goes through the run from power-on instead, clock by clock, and opens the
-    trace when the stretch begins. All of it is compared with the record, which proves that
-    the waveforms are those of the run.
+    The nearest snapshot of the run is gone on from without waveforms; the stretch is the trace
+    build's, clock by clock, with assertions; the rest is without them again. The hash at the end
+    is of all of it, which proves that the waveforms are those of the run.
     """
+    snapshot = _nearest(record, from_s)
+    try:
+        result = _traced(record, path, (from_s, to_s), snapshot)
+    except InputError:
+        if snapshot is None:
+            raise
+        snapshot = None  # of another build of the simulator
+        result = _traced(record, path, (from_s, to_s), None)
+    began = None if snapshot is None else snapshot.t
+    if result.assertion:
+        notes = [n["text"] for n in result.notes if n["kind"] == "assert"]
+        return began, "an assertion of the model fails: " + (notes or ["no text"])[-1]
+    if result.hash == record.hash:
+        return began, None
+    where = first_difference(record, result.log, result.checkpoints)
+    return began, where or "only in the registers at the end"
+
+
+def _nearest(record: Record, from_s: float):
+    """The last snapshot of the run before this; None without one. Client processes are in none."""
+    from mmcs.record.snapshots import NAME, Snapshot
+
+    if from_s < record.motion_start_s or record.data.get("process"):
+        return None
+    try:
+        found = Snapshot(f"{record.path.with_name(NAME)}@{from_s - record.motion_start_s}")
+    except InputError:
+        return None
+    return found if found.record.hash == record.hash else None
+
+
+def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
+    from mmcs.record.snapshots import ResumedSession
+    from mmcs.run.stretch import Changing
     from mmcs.session.machine import machine, progress
     from mmcs.session.session import Session
 
@@ -96,18 +132,13 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         setup = record.setup(Path(folder))
         with (
-            machine(setup, "trace", host=host) as sim,
+            machine(setup, host=host) as quick,
+            machine(setup, "trace", host=host) as traced,
             progress(setup.scenario.duration) as advance,
         ):
-            sim.trace_window(path, from_s, to_s)
-            result = Session(sim, setup).run(advance)
-    if result.assertion:
-        notes = [n["text"] for n in result.notes if n["kind"] in ("assert", "log")]
-        return "an assertion of the model fails: " + (notes or ["no text"])[-1]
-    if result.hash == record.hash:
-        return None
-    where = first_difference(record, result.log, result.checkpoints)
-    return where or "only in the registers at the end"
+            sim = Changing(quick, traced, path, stretch, record.motion_start_s)
+            session = ResumedSession(sim, setup, snapshot) if snapshot else Session(sim, setup)
+            return session.run(advance)
 
 
 def default_path(record: Record, from_s: float, to_s: float) -> Path:

@@ -280,6 +280,7 @@ std::vector<uint8_t> Plain::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
+  state.upset = upset_;
   for (const Net &net : extra_) state.own.insert(state.own.end(), net.at, net.at + net.bytes);
   return state.pack();
 }
@@ -290,6 +291,7 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
   clock_ = state.clock;
+  upset_ = state.upset;
   const uint8_t *at = state.own.data();
   for (const Net &net : extra_) {
     if (state.own.empty()) break;

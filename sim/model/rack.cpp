@@ -320,6 +320,7 @@ uint64_t Rack::read(int reg) {
 void Rack::upset(int reg, uint64_t bits) {
   Block *block;
   const Net net = find(reg, &block);
+  upset_ = true;
   block->catch_up(clock_);
   net.put(net.get() ^ bits);
   block->board->settle();
@@ -337,6 +338,7 @@ std::vector<uint8_t> Rack::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
+  state.upset = upset_;
   return state.pack();
 }
 
@@ -344,6 +346,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
   clock_ = state.clock;
+  upset_ = state.upset;
   pins_.restore(state.pins);
   for (size_t reg = 0; reg < registers().size(); ++reg) {
     Block *block;

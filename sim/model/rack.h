@@ -102,6 +102,7 @@ class Rack final : public Model, private Ports, private Listener {
   unsigned lines_ = 0, shown_lines_ = 0;
   bool stop_lines_ = false;
   bool slow_, skip_;
+  bool upset_ = false;
   std::string failure_;
 };
 

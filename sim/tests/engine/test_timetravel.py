@@ -185,6 +185,30 @@ def test_bytes_continue_in_another_simulation(skip, monkeypatch):
 
 
 @pytest.mark.req("API-1")
+@pytest.mark.parametrize(("first", "then"), [("speed", "trust"), ("speed", "trace"),
+                                             ("trust", "speed"), ("trace", "trust")])  # fmt: skip
+def test_bytes_continue_in_another_build(first, then):
+    """Upset, faults that stand, faults on their way, a strange seed: all in the snapshot."""
+    with machine(kind=first, seed=77) as sim:
+        busy(sim)
+        for after, name, value in ((0.01, "seu_dac_input", 64), (0.02, "irq_lost", 1),
+                                   (0.021, "adc_stuck", 1), (0.022, "dac_stuck1", 8),
+                                   (0.023, "panic_open", 1), (0.024, "dip_xor", 2),
+                                   (0.0251, "irq_lost", 0), (0.026, "adc_stuck", 0),
+                                   (0.027, "dip_xor", 0), (0.031, "seu_heartbeat", 1)):  # fmt: skip
+            event(sim, after, name, value)
+        sim.snapshot(sim.time + 0.025)
+        state = sim.snapshot_bytes(sim.snapshots()[-1]["id"])
+        goal = sim.time + 0.03
+        assert sim.run(goal)
+        past, expected = sim.history_bytes(), (sim.hash(), sim.log().tobytes(), sim.checkpoints())
+    with machine(kind=then, seed=77) as other:
+        other.restore_bytes(state, past)
+        assert other.run(goal), notes(other, "assert")
+        assert (other.hash(), other.log().tobytes(), other.checkpoints()) == expected
+
+
+@pytest.mark.req("API-1")
 def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
     with machine() as sim:
         busy(sim)
