@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: linuxcnc-test attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -169,6 +169,15 @@ web: $(VENV)/.tool ## the whole machine as a static site in build/web, for any f
 web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records, offline, a telephone
 	@$(BIN)/python -m pytest web/tests/site
 	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
+
+# --- bridges to what others use -------------------------------------------------------------
+
+linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; PLOT=1: draws it into docs
+	@tools/need_debian.sh halcompile linuxcnc-uspace-dev
+	@cd build && halcompile --install ../bridges/linuxcnc/mmcs.comp >linuxcnc.log 2>&1 || \
+	  { cat linuxcnc.log; echo "mmcs: the component goes into LinuxCNC's own folder: run this as root"; exit 2; }
+	@$(BIN)/python -m pytest bridges/linuxcnc/tests
+	@$(if $(PLOT),$(BIN)/python bridges/linuxcnc/plot.py)
 
 # --- programmable logic --------------------------------------------------------------------
 
