@@ -299,11 +299,14 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
     at += net.bytes;
   }
   pins_.restore(state.pins);
-  for (size_t reg = 0; reg < nets_.size(); ++reg) {
-    if (nets_[reg]) nets_[reg].put(state.registers[reg]);
-  }
   clk_.put(0);
-  board_->eval();
+  // Twice: a reset without a clock that falls with the snapshot's pins is over by then.
+  for (int round = 0; round < 2; ++round) {
+    for (size_t reg = 0; reg < nets_.size(); ++reg) {
+      if (nets_[reg]) nets_[reg].put(state.registers[reg]);
+    }
+    if (round == 0) board_->eval();
+  }
   board_->settle();
   look_at_lines();
   lines_ = static_cast<unsigned>(state.lines);
