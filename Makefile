@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: linuxcnc-test attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: learn-test linuxcnc-test attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -171,6 +171,10 @@ web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records,
 	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
 
 # --- bridges to what others use -------------------------------------------------------------
+
+learn-test: $(VENV)/.test ## the Gymnasium environment, installed and tested
+	@$(call INSTALL,Gymnasium,-e .[learn])
+	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
 linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; PLOT=1: draws it into docs
 	@tools/need_debian.sh halcompile linuxcnc-uspace-dev

@@ -11,13 +11,15 @@ mpl.rcParams |= {"svg.hashsalt": "mmcs", "font.size": 8}
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+EVERY = 4  # samples to a point: a smaller picture
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def main() -> None:
     rows = np.loadtxt(ROOT / "build" / "linuxcnc" / "samples.txt")
     rows = rows[rows[:, 12] > 0]
-    t = np.arange(len(rows)) * 1e-3
+    t = np.arange(len(rows))[::EVERY] * 1e-3
+    rows = rows[::EVERY]
     figure, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(6.4, 4.2))
     for n in range(6):
         top.plot(t, rows[:, n], label=f"joint {n + 1}", lw=1)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Iterable
 
 from mcap.writer import Writer
 
@@ -18,25 +19,31 @@ def from_csv(text: str) -> bytes:
     names = next(rows, [])
     if tuple(names[:2]) != FIXED:
         raise ValueError("not a recording: its first line must begin with t_s,lines")
-    topics: dict[str, list[tuple[str, int]]] = {"/lines": [("lines", 1)]}
-    for column, name in enumerate(names[2:], 2):
+    return from_rows(names, ([float(row[0]), *map(int, row[1:])] for row in rows))
+
+
+def from_rows(names: list[str], rows: Iterable[list], kind: str = "integer") -> bytes:
+    """Columns t_s, then lines or FIELD_AXIS; kind: of their values, as JSON schema calls it."""
+    topics: dict[str, list[tuple[str, int]]] = {}
+    for column, name in enumerate(names[1:], 1):
         field, _, axis = name.rpartition("_")
-        topics.setdefault(f"/axis/{axis}", []).append((field, column))
+        topic = f"/axis/{axis}" if field else f"/{name}"
+        topics.setdefault(topic, []).append((field or name, column))
     out = io.BytesIO()
     writer = Writer(out)
     writer.start(profile="", library="mmcs")
-    channels = {topic: _channel(writer, topic, fields) for topic, fields in topics.items()}
+    channels = {topic: _channel(writer, topic, fields, kind) for topic, fields in topics.items()}
     for row in rows:
-        ns = round(float(row[0]) * 1e9)
+        ns = round(row[0] * 1e9)
         for topic, fields in topics.items():
-            data = json.dumps({field: int(row[column]) for field, column in fields}).encode()
+            data = json.dumps({field: row[column] for field, column in fields}).encode()
             writer.add_message(channels[topic], log_time=ns, publish_time=ns, data=data)
     writer.finish()
     return out.getvalue()
 
 
-def _channel(writer: Writer, topic: str, fields: list[tuple[str, int]]) -> int:
-    properties = {field: {"type": "integer"} for field, _ in fields}
+def _channel(writer: Writer, topic: str, fields: list[tuple[str, int]], kind: str) -> int:
+    properties = {field: {"type": kind} for field, _ in fields}
     schema = writer.register_schema(
         name="mmcs" + topic.replace("/", "."),
         encoding="jsonschema",

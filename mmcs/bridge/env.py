@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine as a Gymnasium environment: torque in, encoders out, the whole loop between.
+
+    env = gymnasium.make("MMCS/Reach-v0", scenario="lab500")
+    envs = gymnasium.make_vec("MMCS/Reach-v0", num_envs=4, vectorization_mode="async")
+
+What acts is a user's program that closes the loop itself (§1.3.1): each step writes torques
+through the driver, lets some servo intervals pass, and reads what the driver published. Importing
+this module registers the environment.
+"""
+
+from __future__ import annotations
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from mmcs import mcdef
+from mmcs.errors import InputError, RunError
+
+ID = "MMCS/Reach-v0"
+CLIP = 10.0  # of observations, in their units
+
+
+class ReachEnv(gymnasium.Env):
+    """Bring every axis to a target, drawn anew for each episode, and hold it.
+
+    Action: torque of each axis, -1 to 1 of its current limit. Observation, three numbers an axis:
+    target - position and speed, in ranges and ranges per second, and the last action. Reward: minus
+    the mean square of the first, less a tenth of that of the actions. terminated: the driver has
+    shut the machine down (a limit, PANIC).
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012  (as the base class has it)
+
+    def __init__(self, scenario: str = "lab500", step_intervals: int = 5, episode_steps: int = 200,
+                 reach_counts: int = 500, render_mode: str | None = None):  # fmt: skip
+        """reach_counts: targets are drawn from so far to either side; it is the range above."""
+        from mmcs.scenario.load import load
+        from mmcs.session.machine import machine
+
+        for name, value in (("step_intervals", step_intervals), ("episode_steps", episode_steps),
+                            ("reach_counts", reach_counts)):  # fmt: skip
+            if not isinstance(value, int) or value < 1:
+                raise InputError.one(name, "", value, "must be a whole number of at least 1")
+        self.render_mode = render_mode
+        self.setup = load(scenario, ())
+        self.axes, self.reach = self.setup.axes, reach_counts
+        self.step_s = step_intervals * self.setup.scenario.interval_us * 1e-6
+        self.episode_steps = episode_steps
+        self.limits = np.array([values["ilim"] for values in self.setup.params])
+        self.action_space = spaces.Box(-1.0, 1.0, (self.axes,), np.float32)
+        self.observation_space = spaces.Box(-CLIP, CLIP, (3 * self.axes,), np.float32)
+        self.sim = machine(self.setup)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Switched on and at rest: where every episode starts, to the bit."""
+        sim = self.sim
+        self.client = sim.open(mcdef.O_RDWR)
+        self._ask("MSETNUMJOINTS", mcdef.new_int(self.axes))
+        self._ask("MSETINTERVAL", mcdef.new_int(self.setup.scenario.interval_us))
+        for axis, values in enumerate(self.setup.params):
+            self._ask("MSETENC", mcdef.new_int(axis))
+            param = mcdef.new_param(axis)
+            mcdef.fill_param(param, {**values, "mode": "torque", "flags": []})
+            self._ask("MSETPARAM", param)
+        self._ask("MENABLE")
+        self.start = sim.snapshot()
+
+    def _ask(self, request: str, argument=None) -> None:
+        result = self.sim.ioctl(self.client, getattr(mcdef, request), argument)
+        if result < 0:
+            raise RunError(f"{request} fails with {-result}: no use can be made of this machine")
+
+    def reset(self, *, seed: int | None = None, options: dict | None = None):
+        super().reset(seed=seed)
+        self.sim.restore(self.start)
+        self.target = self.np_random.integers(-self.reach, self.reach, self.axes, endpoint=True)
+        self.action = np.zeros(self.axes, np.float32)
+        self.counts = self._counts()
+        self.steps = 0
+        return self._observe(np.zeros(self.axes)), self._info()
+
+    def _counts(self) -> np.ndarray:
+        return np.array([state["encnow"] for state in self.sim.read(self.client)])
+
+    def step(self, action):
+        self.action = np.clip(np.asarray(action, np.float32), -1.0, 1.0)
+        sim = self.sim
+        sim.write(self.client, [round(u) for u in (self.action * self.limits).tolist()])
+        if not sim.run(sim.time + self.step_s):
+            raise RunError("an assertion of the machine has failed")
+        before, self.counts = self.counts, self._counts()
+        self.steps += 1
+        observation = self._observe((self.counts - before) / self.step_s)
+        error = (self.target - self.counts) / self.reach
+        reward = -float(np.mean(error**2)) - 0.1 * float(np.mean(self.action**2))
+        stopped = not sim.stats()["enabled"]
+        return observation, reward, stopped, self.steps >= self.episode_steps, self._info()
+
+    def _observe(self, speed: np.ndarray) -> np.ndarray:
+        parts = (self.target - self.counts) / self.reach, speed / self.reach, self.action
+        return np.clip(np.concatenate(parts), -CLIP, CLIP).astype(np.float32)
+
+    def _info(self) -> dict:
+        return {"counts": self.counts.copy(), "target": self.target.copy(), "time": self.sim.time}
+
+    def close(self) -> None:
+        self.sim.destroy()
+
+
+gymnasium.register(ID, entry_point="mmcs.bridge.env:ReachEnv")

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A served machine live into PlotJuggler: one JSON object a sample, by UDP, time under "timestamp".
+
+PlotJuggler: Streaming, UDP Server, port 9870, protocol JSON, "use field as timestamp" on.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+
+from mmcs.device.link import Link, Samples
+from mmcs.device.messages import FIELDS
+
+PORT = 9870  # PlotJuggler's own
+LINES = ("panic", "brakes_released", "enabled", "stopped", "irq")
+
+
+def message(row: dict) -> bytes:
+    """A row as Samples.row() has it."""
+    axes = {
+        f"axis{n}": dict(zip(FIELDS, values, strict=True)) for n, values in enumerate(row["axes"])
+    }
+    lines = {name: row["lines"] >> bit & 1 for bit, name in enumerate(LINES)}
+    return json.dumps({"timestamp": row["t"], "mmcs": axes | {"lines": lines}}).encode()
+
+
+def send(link: Link, address: tuple[str, int], every: int = 1, samples: int | None = None) -> int:
+    """Every n-th sample from now on, until the machine is gone or so many are sent; how many."""
+    sent = 0
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        link.request("follow", every=every, events=False)
+        while samples is None or sent < samples:
+            got = link.receive()
+            if not isinstance(got, Samples):
+                continue
+            for n in range(got.rows if samples is None else min(got.rows, samples - sent)):
+                out.sendto(message(got.row(n)), address)
+                sent += 1
+    return sent
