@@ -21,6 +21,8 @@ DIGITS = 7  # of a time: less than a clock
 # One of an input's values is drawn: from a tuple, or (low, high) of a magnitude on a log scale,
 # with either sign where the input takes both. Registers have a sort of their own.
 _SWITCH = (1,)
+BUSES = ("vme_a", "vme_am", "vme_d", "vme_control", "pc_a", "pc_d", "pc_control")
+STUCK = tuple(f"{bus}_stuck{level}" for bus in BUSES for level in (0, 1))  # one line of them
 VALUES = {
     "estop": _SWITCH, "axis_enable": (0,), "card_absent": _SWITCH, "dip_xor": tuple(range(1, 16)),
     "sclock_open": _SWITCH, "panic_open": _SWITCH,
@@ -29,12 +31,14 @@ VALUES = {
     "encoder_index_cut": (1, 2), "encoder_swap": _SWITCH, "index_missing": _SWITCH,
     "pot_cut": _SWITCH, "amp_dead": _SWITCH, "amp_saturated": (-1, 1), "brake_stuck": (1, 2),
     "motor_jam": _SWITCH, "cable": (0,), "pc_power": (0,), "sysreset": _SWITCH,
-    "irq_lost": _SWITCH,
+    "irq_lost": _SWITCH, "host_dead": _SWITCH,
+    "write_flip": tuple(1 << n for n in range(32)),
+    **{name: tuple(1 << n for n in range(int(INPUTS[name].high).bit_length())) for name in STUCK},
 }  # fmt: skip
 SPANS = {
     "encoder_glitch": (10.0, 1e5), "index_glitch": (10.0, 1e5), "encoder_slip": (1.0, 2000.0),
     "pot_noise": (0.01, 5.0), "drive_offset": (0.05, 10.0), "load_torque": (0.01, 1.0),
-    "host_stall": (1.0, 1000.0), "bus_error": (1.0, 100.0),
+    "host_stall": (1.0, 1000.0), "bus_error": (1.0, 100.0), "writes_lost": (1.0, 1000.0),
 }  # fmt: skip
 PINS = (
     "estop", "axis_enable", "card_absent", "dip_xor", "sclock_open", "panic_open", "dac_stuck1",
@@ -43,9 +47,11 @@ PINS = (
     "pot_cut", "amp_dead", "amp_saturated", "drive_offset", "brake_stuck", "load_torque",
     "motor_jam",
 )  # fmt: skip
-LINES = ("irq_lost", "bus_error")
-KILLS = ("host_stall", "sysreset", "pc_power", "cable")
-ONCE = ("host_stall", "bus_error")  # an act, not a state
+LINES = ("irq_lost", "bus_error", *STUCK)
+KILLS = ("host_stall", "host_dead", "sysreset", "pc_power", "cable")
+MESSAGES = ("writes_lost", "write_flip")  # beside requests
+ONCE = ("host_stall", "host_dead", "bus_error", *MESSAGES)  # an act, not a state
+LASTING = tuple(n for n in (*PINS, *LINES, *KILLS) if n not in ONCE)
 PARAMETERS = ("a0", "a1", "b0", "b1", "ic_pos", "ic_neg", "ilim", "clkdivisor")
 REQUESTS = ("MSTOP", "MENABLE", "MZEROSTATS", "MCALIB", "MCLEARERROR", "MDACMODE", "MSETENC",
             "MSETINTERVAL", "MSETPARAM")  # fmt: skip
@@ -66,7 +72,7 @@ class Fault:
     @property
     def lasts(self) -> bool:
         """It does not pass by itself."""
-        return self.event is not None and "until" not in self.event and self.sort != "register"
+        return bool(self.event) and "until" not in self.event and self.event["input"] in LASTING
 
     def sets(self, calls: list[dict]) -> list[str]:
         """For --set, beside the scenario's own calls."""
@@ -98,20 +104,21 @@ def draw(seed: int, n: int, sorts: tuple[str, ...], motions: tuple[Motion, ...])
     motion = motions[n % len(motions)]
     sort = dice.choice(sorts)
     at = round(dice.random() * motion.until, DIGITS)
-    if sort == "message":
-        return _message(dice, n, motion, at)
+    if sort == "message" and dice.random() < 0.75:
+        return _request(dice, n, motion, at)
     if sort == "register":
         name, bit = _bit(dice, motion.registers)
         event = {"at": at, "input": UPSET + name, "value": 1 << bit}
         return Fault(n, motion.name, sort, plain(name), at, event=event)
-    name = dice.choice({"pin": PINS, "line": LINES, "kill": KILLS}[sort])
+    name = dice.choice({"pin": PINS, "line": LINES, "kill": KILLS, "message": MESSAGES}[sort])
     event = {"at": at, "input": name, "value": _value(dice, name)}
     count = {"machine": 1, "card": motion.cards, "axis": motion.axes}[find(name).scope]
     if count > 1:
         event["index"] = dice.randrange(count)
     if name not in ONCE and dice.random() < 0.5:
         event["until"] = round(at + _log(dice, SHORTEST_S, LONGEST_S), DIGITS)
-    return Fault(n, motion.name, sort, name, at, event=event)
+    what = f"{name} {event['value'].bit_length() - 1}" if name in STUCK else name
+    return Fault(n, motion.name, sort, what, at, event=event)
 
 
 def plain(register: str) -> str:
@@ -137,12 +144,12 @@ def _value(dice: random.Random, name: str) -> float:
     if name in VALUES:
         return dice.choice(VALUES[name])
     value = float(f"{_log(dice, *SPANS[name]):.3g}")
-    if name in ONCE or name == "encoder_slip":
+    if name in ("host_stall", "bus_error", "writes_lost", "encoder_slip"):
         value = round(value)
     return -value if INPUTS[name].low < 0 and dice.random() < 0.5 else value
 
 
-def _message(dice: random.Random, n: int, motion: Motion, at: float) -> Fault:
+def _request(dice: random.Random, n: int, motion: Motion, at: float) -> Fault:
     """A request that nobody meant: of the right form, at the wrong time or with a wrong bit."""
     request = dice.choice(REQUESTS)
     call: dict = {"at": at, "request": request}

@@ -19,6 +19,7 @@ class Input(NamedTuple):
 
 
 _ANY = 1e9
+_CONTROL = "AS*, DS0*, DS1*, WRITE*, LWORD*, IACK*, IACKIN*"
 INPUTS = {
     # the machine
     "estop": Input("machine", 0, 0, 1, "1: the hand-held button is pressed"),
@@ -36,6 +37,25 @@ INPUTS = {
     "irq_lost": Input("machine", 0, 0, 1, "1: SCLOCK edges do not reach the interrupt latch"),
     "host_stall": Input("machine", 0, 0, 1e6, "the host takes no interrupt for so many ms"),
     "bus_error": Input("machine", 0, 0, 1e6, "so many of the next bus cycles end in BERR*"),
+    "vme_a_stuck0": Input(
+        "machine", 0, 0, 0x7FFF, "VME lines A01 (bit 0) to A15 that are held at 0"
+    ),
+    "vme_a_stuck1": Input("machine", 0, 0, 0x7FFF, "those held at 1"),
+    "vme_am_stuck0": Input("machine", 0, 0, 63, "lines AM0 to AM5 that are held at 0"),
+    "vme_am_stuck1": Input("machine", 0, 0, 63, "those held at 1"),
+    "vme_d_stuck0": Input("machine", 0, 0, 0xFFFF, "lines D00 to D15 that are held at 0"),
+    "vme_d_stuck1": Input("machine", 0, 0, 0xFFFF, "those held at 1"),
+    "vme_control_stuck0": Input("machine", 0, 0, 127, f"of {_CONTROL}, those held at 0"),
+    "vme_control_stuck1": Input("machine", 0, 0, 127, "those held at 1"),
+    "pc_a_stuck0": Input("machine", 0, 0, 0x3FF, "address lines of the ribbon that are held at 0"),
+    "pc_a_stuck1": Input("machine", 0, 0, 0x3FF, "those held at 1"),
+    "pc_d_stuck0": Input("machine", 0, 0, 255, "its data lines that are held at 0"),
+    "pc_d_stuck1": Input("machine", 0, 0, 255, "those held at 1"),
+    "pc_control_stuck0": Input("machine", 0, 0, 3, "of IOR#, IOW#, those held at 0"),
+    "pc_control_stuck1": Input("machine", 0, 0, 3, "those held at 1"),
+    "host_dead": Input("machine", 0, 0, 1, "1: the host executes nothing any more, for good"),
+    "writes_lost": Input("machine", 0, 0, 1e6, "so many of the program's next writes are lost"),
+    "write_flip": Input("axis", 0, 0, 2**32 - 1, "bits that are wrong in the program's next write"),
     "seu_encoder": Input("axis", 0, 0, 65535, "a particle flips these bits of the counter, once"),
     "seu_dac_input": Input("axis", 0, 0, 4095, "the same in the D/A's input latch"),
     "seu_dac_output": Input("axis", 0, 0, 4095, "the same in the D/A's output latch"),

@@ -19,7 +19,7 @@ from mmcs.campaign.classes import (
     Seen,
     judge,
 )
-from mmcs.campaign.faults import KILLS, LINES, PINS, SORTS, Fault, plain
+from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, plain
 from mmcs.campaign.plan import make_plan, run_fault, twin_of
 from mmcs.campaign.report import wilson
 from mmcs.scenario.inputs import INPUTS
@@ -78,12 +78,16 @@ KNOWN = [
     # a PANIC that passes: the brakes open again, and nobody drives J2
     ("puma560_hold", {"at": 0.1, "input": "estop", "value": 1, "until": 0.1005}, LATE),
     ("puma560_hold", {"at": 0.2, "input": "sysreset", "value": 1, "until": 0.201}, LATE),
+    # D/As are written to nobody, and keep their last torque until the heartbeats end
+    ("arm_move", {"at": 0.1, "input": "host_dead", "value": 1}, LATE),
     ("arm_move", {"at": 0.1, "input": "index_missing", "index": 2, "value": 1}, HARMLESS),
     ("arm_move", {"at": 0.1, "input": f"{CARD}.u_ppi.inte_q", "value": 1}, HARMLESS),
     ("puma560_hold", {"at": 0.1, "input": "panic_open", "index": 0, "value": 1}, HARMLESS),
     ("arm_move", {"at": 0.1, "input": f"{AXIS}.u_encoder.count_q", "value": 512}, DANGEROUS),
     ("arm_move", {"at": 0.1, "input": "encoder_swap", "index": 4, "value": 1}, DANGEROUS),
     ("arm_move", {"at": 0.05, "input": "motor_jam", "index": 0, "value": 1}, DANGEROUS),
+    ("arm_move", {"at": 0.1, "input": "writes_lost", "value": 1000}, DANGEROUS),
+    ("arm_move", {"at": 0.1, "input": "pc_d_stuck1", "value": 64}, DANGEROUS),
     ("puma560_hold", {"at": 0.1, "input": "amp_dead", "index": 1, "value": 1}, DANGEROUS),
 ]  # fmt: skip
 
@@ -217,8 +221,8 @@ def test_show_tells_of_one_fault(mmcs, plan):
 
 
 def test_every_input_has_its_sort():
-    assert {*PINS, *LINES, *KILLS} == {n for n in INPUTS if not n.startswith("seu_")}
-    assert len({*PINS, *LINES, *KILLS}) == len(PINS) + len(LINES) + len(KILLS)
+    sorts = [*PINS, *LINES, *KILLS, *MESSAGES]
+    assert sorted(sorts) == sorted(n for n in INPUTS if not n.startswith("seu_"))
 
 
 def test_every_bit_and_input_is_drawn_as_often_as_any_other(plan):

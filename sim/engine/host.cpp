@@ -59,12 +59,16 @@ void Host::bind() {
     return of(ctx).access(true, offset, &value);
   };
   mc_os_.signal = [](void *ctx, int client) {
+    if (of(ctx).machine_.host_dead()) return;
     ++of(ctx).signals_.at(static_cast<size_t>(client));
     of(ctx).machine_.note("signal", -1, "SIGUSR1 to client " + std::to_string(client));
   };
-  mc_os_.log = [](void *ctx, const char *text) { of(ctx).machine_.note("log", -1, text); };
+  mc_os_.log = [](void *ctx, const char *text) {
+    if (!of(ctx).machine_.host_dead()) of(ctx).machine_.note("log", -1, text);
+  };
   mc_os_.compute = [](void *ctx, unsigned axes) {
     Host &host = of(ctx);
+    if (host.machine_.host_dead()) return;
     const double us = host.cpu_us_per_axis_ * axes;
     host.machine_.advance(host.machine_.clocks(us * 1e-6), Watch::kNothing);
   };
@@ -108,7 +112,7 @@ void Host::track_request() {
 
 bool Host::due() const {
   return requested_ && !masked_ && !serving_ && machine_.clock() >= due_clock_ &&
-         machine_.clock() >= machine_.stalled_until();
+         machine_.clock() >= machine_.stalled_until() && !machine_.host_dead();
 }
 
 void Host::poll() {
@@ -136,6 +140,7 @@ void Host::serve() {
 
 // An interrupt is over: what it found is recorded, and the process writes for the next one.
 void Host::served(bool sampled) {
+  if (machine_.host_dead()) return;  // in the midst of it: what the driver did then was no more
   if (sampled) {
     recorder_.sample(mc(), machine_);
     machine_.tap().sample(mc(), machine_.model(), recorder_.samples(), recorder_.sample_clock());
@@ -151,7 +156,7 @@ bool Host::run_until(int64_t clock, const std::function<void()> &idle) {
     if (idle) idle();
     poll();
     int64_t until = clock;
-    if (requested_ && !masked_) {
+    if (requested_ && !masked_ && !machine_.host_dead()) {
       until = std::min(until, std::max(due_clock_, machine_.stalled_until()));
     }
     if (until > machine_.clock()) machine_.advance(until - machine_.clock(), Watch::kIrq);
@@ -189,7 +194,8 @@ void Host::write_setpoints() {
   if (cpu_) {
     cpu_->post_write(motion_client_, values);
   } else {
-    mc_write(mc(), motion_client_, values.data(), 4 * values.size());
+    std::vector<int32_t> sent = values;
+    if (machine_.pass_write(sent)) mc_write(mc(), motion_client_, sent.data(), 4 * sent.size());
   }
   written_.swap(values);
 }
@@ -203,6 +209,7 @@ void Host::tell() {
 // A request of a process: its patience begins; interrupts that waited are served after it.
 template <class F>
 int Host::request(F f) {
+  if (machine_.host_dead()) return 0;  // who could hear another answer?
   const int64_t outer =
       std::exchange(patience_ends_, machine_.clock() + machine_.clocks(kPatienceS));
   const int result = f();

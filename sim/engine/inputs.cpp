@@ -34,6 +34,27 @@ const Input kInputs[] = {
     {"host_stall", Action::kStall, Scope::kGlobal, Pin::kCount, 1000000, false},
     // so many of the next bus cycles end in BERR*
     {"bus_error", Action::kBusError, Scope::kGlobal, Pin::kCount, 1000000, false},
+    // lines of the VME bus, then of the ribbon, that are held at 0 or 1: masks
+    {"vme_a_stuck0", Action::kPin, Scope::kGlobal, Pin::kVmeA0, 32767, false},
+    {"vme_a_stuck1", Action::kPin, Scope::kGlobal, Pin::kVmeA1, 32767, false},
+    {"vme_am_stuck0", Action::kPin, Scope::kGlobal, Pin::kVmeAm0, 63, false},
+    {"vme_am_stuck1", Action::kPin, Scope::kGlobal, Pin::kVmeAm1, 63, false},
+    {"vme_d_stuck0", Action::kPin, Scope::kGlobal, Pin::kVmeD0, 65535, false},
+    {"vme_d_stuck1", Action::kPin, Scope::kGlobal, Pin::kVmeD1, 65535, false},
+    {"vme_control_stuck0", Action::kPin, Scope::kGlobal, Pin::kVmeControl0, 127, false},
+    {"vme_control_stuck1", Action::kPin, Scope::kGlobal, Pin::kVmeControl1, 127, false},
+    {"pc_a_stuck0", Action::kPin, Scope::kGlobal, Pin::kPcA0, 1023, false},
+    {"pc_a_stuck1", Action::kPin, Scope::kGlobal, Pin::kPcA1, 1023, false},
+    {"pc_d_stuck0", Action::kPin, Scope::kGlobal, Pin::kPcD0, 255, false},
+    {"pc_d_stuck1", Action::kPin, Scope::kGlobal, Pin::kPcD1, 255, false},
+    {"pc_control_stuck0", Action::kPin, Scope::kGlobal, Pin::kPcControl0, 3, false},
+    {"pc_control_stuck1", Action::kPin, Scope::kGlobal, Pin::kPcControl1, 3, false},
+    // the host executes nothing any more, in the middle of whatever it does: 1
+    {"host_dead", Action::kHostDead, Scope::kGlobal, Pin::kCount, 1, false},
+    // so many of the program's next writes of setpoints are lost
+    {"writes_lost", Action::kWritesLost, Scope::kGlobal, Pin::kCount, 1000000, false},
+    // bits that are wrong in its next write
+    {"write_flip", Action::kWriteFlip, Scope::kAxis, Pin::kCount, 0xFFFFFFFF, false},
     // a particle flips these bits of a register, once
     {"seu_encoder", Action::kUpset, Scope::kAxis, Pin::kCount, 65535, false, "u_encoder.count_q"},
     {"seu_dac_input", Action::kUpset, Scope::kAxis, Pin::kCount, 4095, false, "u_dac.rank1_q"},

@@ -8,7 +8,7 @@ namespace mmcs {
 
 // Inputs of the machine come first, those of the plant follow.
 enum class Scope { kGlobal, kCard, kAxis };
-enum class Action { kPin, kStall, kBusError, kUpset };
+enum class Action { kPin, kStall, kBusError, kUpset, kHostDead, kWritesLost, kWriteFlip };
 
 struct Input {
   const char *name;

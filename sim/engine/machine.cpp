@@ -39,6 +39,7 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   lines_ = model_->lines();
   tap_.lines(0, lines_);
   drive_.resize(static_cast<size_t>(axes_));
+  write_flips_.resize(2 * static_cast<size_t>(config.cards));
   step_angles_.resize(static_cast<size_t>(axes_));
   sample_angles_.resize(static_cast<size_t>(axes_));
   for (int axis = 0; axis < axes_; ++axis) {
@@ -208,6 +209,9 @@ std::string Machine::check_event(const mmcs_event &event) const {
                                                   : 1;
   if (event.index < 0 || event.index >= limit) return "no such axis or card";
   if (event.value < 0 || event.value > input.mask) return "value out of range";
+  if (input.action >= Action::kHostDead && config_.host != MMCS_HOST_NATIVE) {
+    return "a real processor has no such input";
+  }
   return "";
 }
 
@@ -245,6 +249,15 @@ void Machine::apply(const mmcs_event &event) {
     case Action::kBusError:
       bus_errors_ = value;
       model_->soc_errors(value);
+      break;
+    case Action::kHostDead:
+      host_dead_ = host_dead_ || value != 0;
+      break;
+    case Action::kWritesLost:
+      writes_lost_ = value;
+      break;
+    case Action::kWriteFlip:
+      write_flips_[static_cast<size_t>(event.index)] = value;
       break;
     case Action::kUpset:
       model_->upset(find_register(upset_path(input, event.index)), value);

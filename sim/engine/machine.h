@@ -11,6 +11,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "archive.h"
@@ -62,6 +63,21 @@ class Machine {
     return true;
   }
 
+  // The host is no more: no access, no interrupt, no write.
+  bool host_dead() const { return host_dead_ != 0; }
+  // What becomes of the program's write now: false: it is lost.
+  bool pass_write(std::vector<int32_t> &values) {
+    if (writes_lost_ > 0) {
+      --writes_lost_;
+      return false;
+    }
+    for (size_t axis = 0; axis < values.size(); ++axis) {
+      values[axis] = static_cast<int32_t>(static_cast<uint32_t>(values[axis]) ^
+                                          std::exchange(write_flips_[axis], 0));
+    }
+    return true;
+  }
+
   // Accesses that failed at the SoC's bridge.
   int32_t soc_failures() const { return soc_failures_; }
 
@@ -83,7 +99,8 @@ class Machine {
   // Everything that changes, RTL and plant included; of the notes only how many there are.
   template <class A>
   void state(A &a) {
-    for (auto *clock : {&clock_, &next_step_, &step_start_, &bus_errors_, &sample_clock_}) {
+    for (auto *clock : {&clock_, &next_step_, &step_start_, &bus_errors_, &sample_clock_,
+                        &host_dead_, &writes_lost_}) {
       a(*clock);
     }
     a(edges_);
@@ -98,6 +115,7 @@ class Machine {
       a(next_event_);
     }
     a(lines_);
+    a(write_flips_);
     past(a, soc_failures_);
     past(a, notes_lost_);
     a(step_angles_);
@@ -108,6 +126,8 @@ class Machine {
     Bytes model, plant;
     uint64_t evals = model_->evals();
     past(a, evals);
+    bool upset = model_->was_upset();
+    past(a, upset);
     if constexpr (!A::kReads) {
       model = model_->save();
       plant = plant_->save();
@@ -120,6 +140,7 @@ class Machine {
       plant_->restore(plant);
       model_->restore(model);
       model_->set_evals(evals);
+      model_->set_upset(upset);
       tap_.lines(time(), lines_);
     }
   }
@@ -152,6 +173,9 @@ class Machine {
   size_t next_event_ = 0;
   int64_t stalled_until_ = 0;
   int64_t bus_errors_ = 0;
+  int64_t host_dead_ = 0;
+  int64_t writes_lost_ = 0;
+  std::vector<uint32_t> write_flips_;  // by axis
   unsigned lines_ = 0;
   int32_t soc_failures_ = 0;
   int64_t sample_clock_ = 0;

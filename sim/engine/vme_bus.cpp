@@ -35,6 +35,7 @@ BusResult VmeBus::fail(BusResult result, uint32_t address) {
 }
 
 BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
+  if (machine_.host_dead()) return BusResult::kTimeout;
   Model &model = machine_.model();
   ++cycles_;
   model.pins().vme_address(c.address, c.am, c.write, false, c.data);
@@ -46,7 +47,7 @@ BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
     return fail(BusResult::kError, c.address);
   }
   const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
-  *data = model.vme_sample() & 0xFFFF;
+  *data = model.pins().vme_data(model.vme_sample() & 0xFFFF);
   Hash &trail = machine_.trail();
   trail.add(static_cast<uint64_t>(machine_.clock()));
   trail.add((static_cast<uint64_t>(c.address) << 32) | (uint64_t{c.write} << 63) |
@@ -95,7 +96,7 @@ BusResult VmeBus::acknowledge(int level, uint8_t *vector) {
   machine_.advance(1, Watch::kNothing);
   model.pins().vme_iackin(true);
   const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
-  *vector = static_cast<uint8_t>(model.vme_sample());
+  *vector = static_cast<uint8_t>(model.pins().vme_data(model.vme_sample() & 0xFFFF));
   machine_.trail().add(static_cast<uint64_t>(machine_.clock()) << 8 | (answered ? *vector : 0u));
   release();
   if (answered) return BusResult::kOk;

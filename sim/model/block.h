@@ -28,10 +28,11 @@ struct Slot {
   int net, lsb, width;
   const PortRow *row;
   Look look;
-  int64_t forced = -1;  // a fault holds it at this value
-  uint64_t shown = 0;   // of an output: what the net has of it
+  uint64_t held = 0, at = 0;  // bits that a fault holds, and at what
+  uint64_t shown = 0;         // of an output: what the net has of it
 
-  uint64_t value() const { return forced >= 0 ? static_cast<uint64_t>(forced) : port.get(); }
+  uint64_t through(uint64_t value) const { return (value & ~held) | at; }
+  uint64_t value() const { return through(port.get()); }
 };
 
 struct Block {

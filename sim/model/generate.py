@@ -71,8 +71,9 @@ def config(folder: Path, netlist: Netlist) -> None:
     (folder / "registers.vlt").write_text("\n".join(text) + "\n")
     # The whole machine has one clock, and its registers may be written between clocks.
     plain = [line.replace("flat_rw", "flat_rd") for line in text if '"clk_i"' not in line]
+    own = {module.name for module in netlist.modules.values()}
     plain += [f'forceable -module "{c["module"]}" -var "{p}"' for c in RULES["cut"]
-              for p in c["ports"]]  # fmt: skip
+              if c["module"] in own for p in c["ports"]]  # fmt: skip
     (folder / "plain.vlt").write_text("\n".join(plain) + "\n")
     for name, module in boards(netlist).items():
         ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)

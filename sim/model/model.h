@@ -47,6 +47,10 @@ class Model {
   virtual int64_t clock() const = 0;
   virtual uint64_t evals() const = 0;
   virtual void set_evals(uint64_t) = 0;  // a count, and no part of the state
+  // There has been an upset, or a line that was held: assertions end nothing any more. No part of
+  // the state either.
+  virtual bool was_upset() const = 0;
+  virtual void set_upset(bool) = 0;
   virtual unsigned lines() const = 0;
   virtual bool dtack() const = 0;  // DTACK* is low
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr auto kFaultPins = static_cast<size_t>(Pin::kCount);
 constexpr uint64_t kCodeMask = 0xFFF;
+constexpr int kVmeWidths[kVmeSysreset] = {15, 6, 1, 2, 1, 1, 16, 1, 1};
 
 std::string card_path(int card) {
   return "g_card[" + std::to_string(card) + "].u_card";
@@ -35,6 +36,10 @@ Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
   const auto axes = 2 * static_cast<size_t>(cards);
   faults_.resize(kFaultPins * axes);
   codes_.resize(axes);
+}
+
+uint64_t Pins::standing(Pin pin) const {
+  return faults_[static_cast<size_t>(pin) * 2 * static_cast<size_t>(cards_)];
 }
 
 uint64_t &Pins::standing(Pin pin, int index) {
@@ -88,7 +93,48 @@ void Pins::vme_release() {
   hand(kVmeLword, 1, 1);
 }
 
+// Lines of the VME bus: those held low win.
+void Pins::hold(Port port, uint64_t low, uint64_t high) {
+  low_[port] = low;
+  high_[port] = high & ~low;
+  if (low | high) ports_.disturb();
+  put(port, 0, kVmeWidths[port], free_[port]);
+}
+
+// AS*, DS0*, DS1*, WRITE*, LWORD*, IACK*, IACKIN*.
+void Pins::hold_control() {
+  const uint64_t low = standing(Pin::kVmeControl0), high = standing(Pin::kVmeControl1);
+  int bit = 0;
+  for (Port port : {kVmeAs, kVmeDs, kVmeWrite, kVmeLword, kVmeIack, kVmeIackin}) {
+    const uint64_t mask = (uint64_t{1} << kVmeWidths[port]) - 1;
+    hold(port, low >> bit & mask, high >> bit & mask);
+    bit += kVmeWidths[port];
+  }
+}
+
+// Lines of the ribbon: what the adaptor puts on them, and what it hears.
+void Pins::hold_pc(Pin low, const char *out, const char *in) {
+  const uint64_t zeros = standing(low);
+  const uint64_t ones = standing(static_cast<Pin>(static_cast<int>(low) + 1)) & ~zeros;
+  if (zeros | ones) ports_.disturb();
+  ports_.cut("u_adaptor", out, zeros | ones, ones);
+  if (in) ports_.cut("u_adaptor", in, zeros | ones, ones);
+}
+
+// IOR# and IOW#.
+void Pins::hold_pc_control() {
+  const uint64_t zeros = standing(Pin::kPcControl0), ones = standing(Pin::kPcControl1) & ~zeros;
+  const uint64_t held = zeros | ones;
+  if (held) ports_.disturb();
+  ports_.cut("u_adaptor", "pc_ior_no", held & 1, ones & 1);
+  ports_.cut("u_adaptor", "pc_iow_no", held >> 1 & 1, ones >> 1 & 1);
+}
+
 void Pins::put(int port, int lsb, int width, uint64_t value) {
+  if (port < kVmeSysreset) {
+    free_[port] = value;
+    value = through(port, value);
+  }
   uint64_t &word = levels_[port][static_cast<size_t>(lsb / 64)];
   const uint64_t mask = ((uint64_t{1} << width) - 1) << lsb % 64;
   const uint64_t after = (word & ~mask) | (value << lsb % 64 & mask);
@@ -102,19 +148,20 @@ void Pins::put(int port, int lsb, int width, uint64_t value) {
 void Pins::fault(Pin pin, int index, uint64_t value) {
   standing(pin, index) = value;
   const bool on = value != 0;
+  const uint64_t all = on ? ~uint64_t{0} : 0;
   switch (pin) {
     case Pin::kCardAbsent:
-      ports_.cut(card_path(index), "pc_ior_ni", on, 1);
-      ports_.cut(card_path(index), "pc_iow_ni", on, 1);
-      ports_.cut(card_path(index), "drive_v_o", on, 0);
-      ports_.cut(card_path(index), "leds_o", on, 0);
+      ports_.cut(card_path(index), "pc_ior_ni", all, 1);
+      ports_.cut(card_path(index), "pc_iow_ni", all, 1);
+      ports_.cut(card_path(index), "drive_v_o", all, 0);
+      ports_.cut(card_path(index), "leds_o", all, 0);
       [[fallthrough]];
     case Pin::kPanicOpen: {
       const bool either = standing(Pin::kCardAbsent, index) || standing(Pin::kPanicOpen, index);
-      return ports_.cut(card_path(index), "pc_irq_o", either, 0);
+      return ports_.cut(card_path(index), "pc_irq_o", either ? ~uint64_t{0} : 0, 0);
     }
     case Pin::kSclockOpen:
-      return ports_.cut(card_path(index), "pc_drq_i", on, 0);
+      return ports_.cut(card_path(index), "pc_drq_i", all, 0);
     case Pin::kDacStuck1:
     case Pin::kDacStuck0:
       return ports_.stick(
@@ -130,6 +177,27 @@ void Pins::fault(Pin pin, int index, uint64_t value) {
       return ports_.stick("u_adaptor.u_core.u_pccsr.sclock_q", 0, on);
     case Pin::kIrqOpen:
       return ports_.stick("irq", 0, on);
+    case Pin::kVmeA0:
+    case Pin::kVmeA1:
+      return hold(kVmeA, standing(Pin::kVmeA0), standing(Pin::kVmeA1));
+    case Pin::kVmeAm0:
+    case Pin::kVmeAm1:
+      return hold(kVmeAm, standing(Pin::kVmeAm0), standing(Pin::kVmeAm1));
+    case Pin::kVmeD0:
+    case Pin::kVmeD1:
+      return hold(kVmeD, standing(Pin::kVmeD0), standing(Pin::kVmeD1));
+    case Pin::kVmeControl0:
+    case Pin::kVmeControl1:
+      return hold_control();
+    case Pin::kPcA0:
+    case Pin::kPcA1:
+      return hold_pc(Pin::kPcA0, "pc_a_o", nullptr);
+    case Pin::kPcD0:
+    case Pin::kPcD1:
+      return hold_pc(Pin::kPcD0, "pc_d_o", "pc_d_i");
+    case Pin::kPcControl0:
+    case Pin::kPcControl1:
+      return hold_pc_control();
     default:
       return;
   }
@@ -163,7 +231,13 @@ void Pins::power_on() {
 
 std::vector<uint64_t> Pins::save() const {
   std::vector<uint64_t> out;
-  for (const auto &level : levels_) out.insert(out.end(), level.begin(), level.end());
+  for (int port = 0; port < kPorts; ++port) {
+    if (port < kVmeSysreset) {
+      out.push_back(free_[port]);
+    } else {
+      out.insert(out.end(), levels_[port].begin(), levels_[port].end());
+    }
+  }
   out.insert(out.end(), faults_.begin(), faults_.end());
   out.insert(out.end(), codes_.begin(), codes_.end());
   for (const Change &c : changes_) {
@@ -178,6 +252,10 @@ void Pins::restore(const std::vector<uint64_t> &state) {
   for (int port = 0; port < kPorts; ++port) {
     for (size_t word = 0; word < levels_[port].size(); ++word) {
       const uint64_t value = state[at++];
+      if (port < kVmeSysreset) {
+        put(port, 0, kVmeWidths[port], value);
+        continue;
+      }
       for (int half = 0; half < 2; ++half) {
         put(port, static_cast<int>(64 * word) + 32 * half, 32, value >> 32 * half & 0xFFFFFFFF);
       }
@@ -191,7 +269,7 @@ void Pins::restore(const std::vector<uint64_t> &state) {
     changes_.push_back({static_cast<int>(state[at]), static_cast<int>(state[at + 1]),
                         static_cast<int>(state[at + 2]), state[at + 3]});
   }
-  for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = levels_[port][0];
+  for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = free_[port];
   for (const Change &c : changes_) {
     if (c.port >= 0 && c.port < kVmeSysreset) hands_[c.port] = c.value;
   }

@@ -27,7 +27,22 @@ enum class Pin {
   kDipXor,     // 4 bits per card
   kDacStuck1,
   kDacStuck0,  // 12 bits per axis
-  kAdcV,       // 16 bits per axis
+  // lines that are held at a level: bits of a bus
+  kVmeA0,
+  kVmeA1,
+  kVmeAm0,
+  kVmeAm1,
+  kVmeD0,
+  kVmeD1,
+  kVmeControl0,
+  kVmeControl1,
+  kPcA0,
+  kPcA1,
+  kPcD0,
+  kPcD1,
+  kPcControl0,
+  kPcControl1,
+  kAdcV,  // 16 bits per axis
   kCount
 };
 
@@ -61,11 +76,13 @@ class Ports {
  public:
   virtual ~Ports() = default;
   virtual void put(Port port, int lsb, int width, uint64_t value) = 0;
-  // A port of a board (in kWires.boards) is held at a value; without `on` it is free again.
-  virtual void cut(const std::string &board, const char *port, bool on, uint64_t value) = 0;
+  // Bits of a port of a board (in kWires.boards) are held at those of a value; the others are free.
+  virtual void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) = 0;
   // These bits of a register are held at 0, then those at 1; none: free again.
   virtual void stick(const std::string &reg, uint64_t clear, uint64_t set) = 0;
   virtual uint64_t look(const std::string &reg) = 0;
+  // A line of a bus breaks its rules from now on: checkers have nothing to say any more.
+  virtual void disturb() {}
 };
 
 class Pins {
@@ -84,6 +101,9 @@ class Pins {
   void vme_strobe(unsigned ds, bool iack);
   void vme_iackin(bool low) { hand(kVmeIackin, 1, !low); }
   void vme_release();
+
+  // What the bus master reads of D15..D00 through lines that are held.
+  unsigned vme_data(unsigned data) const { return static_cast<unsigned>(through(kVmeD, data)); }
 
   // What comes from now on comes there, too.
   void also(Pins &other) { also_ = &other; }
@@ -115,15 +135,25 @@ class Pins {
   void put(int port, int lsb, int width, uint64_t value);
   void fault(Pin pin, int index, uint64_t value);
   uint64_t &standing(Pin pin, int index);
+  uint64_t standing(Pin pin) const;
+  void hold(Port port, uint64_t low, uint64_t high);
+  void hold_control();
+  void hold_pc(Pin low, const char *out, const char *in);
+  void hold_pc_control();
+  uint64_t through(int port, uint64_t value) const {
+    return port < kVmeSysreset ? (value & ~low_[port]) | high_[port] : value;
+  }
 
   Ports &ports_;
   const int cards_;
   Pins *also_ = nullptr;
   std::vector<Change> changes_;
-  uint64_t hands_[kVmeSysreset] = {};     // of the VME ports: as they stand or are on their way
-  std::vector<uint64_t> levels_[kPorts];  // as they stand, 64 bits a word
-  std::vector<uint64_t> faults_;          // by pin, then index: as they stand
-  std::vector<uint64_t> codes_;           // of each axis: what its stuck A/D keeps
+  uint64_t hands_[kVmeSysreset] = {};  // of the VME ports: as they stand or are on their way
+  uint64_t free_[kVmeSysreset] = {};   // as they would stand if no line were held
+  uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
+  std::vector<uint64_t> levels_[kPorts];                       // as they stand, 64 bits a word
+  std::vector<uint64_t> faults_;                               // by pin, then index: as they stand
+  std::vector<uint64_t> codes_;  // of each axis: what its stuck A/D keeps
 };
 
 }  // namespace mmcs

@@ -236,10 +236,10 @@ void Plain::put(Port port, int lsb, int width, uint64_t value) {
 }
 
 // Wires inside are cut by Verilator's own means (registers.vlt), those that leave outside.
-void Plain::cut(const std::string &board, const char *port, bool on, uint64_t value) {
+void Plain::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
   const Net enable = find_net(context_, kTop + "." + board, std::string(port) + "__VforceEn");
   if (!enable) {
-    if (on) {
+    if (mask) {
       cuts_[{board, port}] = value;
     } else {
       cuts_.erase({board, port});
@@ -247,7 +247,7 @@ void Plain::cut(const std::string &board, const char *port, bool on, uint64_t va
     return;
   }
   find(board, std::string(port) + "__VforceVal").put(value);
-  enable.put(on ? ~uint64_t{0} : 0);
+  enable.put(mask);
 }
 
 void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
@@ -280,7 +280,6 @@ std::vector<uint8_t> Plain::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
-  state.upset = upset_;
   for (const Net &net : extra_) state.own.insert(state.own.end(), net.at, net.at + net.bytes);
   return state.pack();
 }
@@ -291,7 +290,6 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
   clock_ = state.clock;
-  upset_ = state.upset;
   const uint8_t *at = state.own.data();
   for (const Net &net : extra_) {
     if (state.own.empty()) break;

@@ -53,8 +53,7 @@ void Rack::changed(int net, int lsb, int width) {
 
 // The net's value at an input.
 void Rack::show(Slot &slot) {
-  const uint64_t value = slot.forced >= 0 ? static_cast<uint64_t>(slot.forced)
-                                          : wires_.get(slot.net, slot.lsb, slot.width);
+  const uint64_t value = slot.through(wires_.get(slot.net, slot.lsb, slot.width));
   if (slot.port.get() == value) return;
   slot.port.put(value);
   Block &block = *slot.block;
@@ -261,19 +260,21 @@ void Rack::put(Port port, int lsb, int width, uint64_t value) {
   }
 }
 
-void Rack::cut(const std::string &board, const char *port, bool on, uint64_t value) {
+void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
   for (const auto &slot : slots_) {
     const size_t n =
         static_cast<size_t>(std::find_if(blocks_.begin(), blocks_.end(),
                                          [&](const auto &b) { return b.get() == slot->block; }) -
                             blocks_.begin());
     if (board != kWires.boards[n].path || std::strcmp(slot->row->name, port) != 0) continue;
-    slot->forced = on ? static_cast<int64_t>(value) : -1;
+    const uint64_t own = (uint64_t{1} << slot->width) - 1;
+    slot->held = mask & own;
+    slot->at = value & slot->held;
     if (slot->row->out) {
       drive(*slot);
     } else if (slot->row->heard) {
       // Its wires back, it hears what is on them as any card does: all of it, or nothing.
-      if (on || (listening_ >> (n - 1) & 1)) show(*slot);
+      if (mask || (listening_ >> (n - 1) & 1)) show(*slot);
       bus_moved_ = true;
     } else {
       show(*slot);
@@ -338,7 +339,6 @@ std::vector<uint8_t> Rack::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
-  state.upset = upset_;
   return state.pack();
 }
 
@@ -346,7 +346,6 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
   clock_ = state.clock;
-  upset_ = state.upset;
   pins_.restore(state.pins);
   for (size_t reg = 0; reg < registers().size(); ++reg) {
     Block *block;

@@ -27,6 +27,8 @@ class Rack final : public Model, private Ports, private Listener {
   int64_t clock() const override { return clock_; }
   uint64_t evals() const override { return evals_; }
   void set_evals(uint64_t evals) override { evals_ = evals; }
+  bool was_upset() const override { return upset_; }
+  void set_upset(bool upset) override { upset_ = upset; }
   unsigned lines() const override { return lines_; }
   bool dtack() const override { return dtack_.get() == 0; }
   int16_t drive(int axis) const override {
@@ -63,7 +65,8 @@ class Rack final : public Model, private Ports, private Listener {
   std::vector<std::pair<Net, Block *>> nets_;  // of registers()
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
-  void cut(const std::string &board, const char *port, bool on, uint64_t value) override;
+  void disturb() override { upset_ = true; }
+  void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 

@@ -16,13 +16,12 @@ namespace mmcs {
 struct State {
   int64_t clock = 0;
   uint64_t lines = 0;
-  bool upset = false;  // there has been one: assertions end nothing any more
   std::vector<uint64_t> registers, pins;
   std::vector<uint8_t> own;  // what only this kind of build understands
 
   std::vector<uint8_t> pack() const {
-    std::vector<uint64_t> words = {
-        static_cast<uint64_t>(clock), lines, registers.size(), pins.size(), kind(), upset};
+    std::vector<uint64_t> words = {static_cast<uint64_t>(clock), lines, registers.size(),
+                                   pins.size(), kind()};
     words.insert(words.end(), registers.begin(), registers.end());
     words.insert(words.end(), pins.begin(), pins.end());
     std::vector<uint8_t> bytes(words.size() * sizeof words[0]);
@@ -32,7 +31,7 @@ struct State {
   }
 
   static State unpack(const std::vector<uint8_t> &bytes) {
-    constexpr size_t kHead = 6, kWord = sizeof(uint64_t);
+    constexpr size_t kHead = 5, kWord = sizeof(uint64_t);
     uint64_t head[kHead];
     if (bytes.size() < sizeof head) throw std::invalid_argument("a snapshot of another machine");
     std::memcpy(head, bytes.data(), sizeof head);
@@ -45,7 +44,6 @@ struct State {
     State state;
     state.clock = static_cast<int64_t>(head[0]);
     state.lines = head[1];
-    state.upset = head[5] != 0;
     const auto middle = words.begin() + static_cast<std::ptrdiff_t>(head[2]);
     state.registers.assign(words.begin(), middle);
     state.pins.assign(middle, words.end());
