@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-TREES = ("rtl", "sim", "firmware", "web")
+TREES = ("rtl", "sim", "firmware", "web", "docs/labs")
 FILES = ("mmcs.core", "tools/sources.py")
 LEFT_OUT = {"tests", "__pycache__", "node_modules"}
 # The page's libraries, where `make tool` has fetched them; without them the package has no mctool.

@@ -17,6 +17,7 @@ from mmcs.cli.bridge import live, mcap
 from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
+from mmcs.cli.lab import lab
 from mmcs.cli.sweep import sweep
 from mmcs.cli.tool import tool
 from mmcs.cli.view import compare, faults, film
@@ -278,7 +279,7 @@ main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
 main.add_command(faults)
-for _command in (serve, exec_, design, sweep, campaign, tool):
+for _command in (serve, exec_, design, sweep, campaign, tool, lab):
     main.add_command(_command)
 
 

@@ -79,7 +79,7 @@ def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     runpy.run_path(str(ROOT / "setup.py"))["copy_sources"](tmp_path)
     held = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
     tracked = subprocess.run(
-        ["git", "ls-files", "rtl", "sim", "firmware", "web", "mmcs.core"],
+        ["git", "ls-files", "rtl", "sim", "firmware", "web", "docs/labs", "mmcs.core"],
         cwd=ROOT, text=True, capture_output=True, check=True,
     ).stdout.split()  # fmt: skip
     wanted = {name for name in tracked if "/tests/" not in name and (ROOT / name).is_file()}

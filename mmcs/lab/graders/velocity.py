@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sheet 1: what the rounding of an encoder does to a velocity."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from mmcs.lab.marks import Question, Verdict, near
+from mmcs.scenario.schema import Strict
+
+STEADY = (0.1, 0.27)
+SLOW = "motion.0.to=65"
+MOST_RMS, MOST_LAG_MS = 100.0, 5.0
+COUNTS_PER_RAD = 2000 / (2 * np.pi)
+
+
+class Answer(Strict):
+    unit_cps: float | None = None
+    zero_share: Annotated[float, Field(ge=0, le=1)] | None = None
+    mean_cps: float | None = None
+    weights: Annotated[list[float], Field(min_length=2, max_length=16)] | None = None
+    lag_ms: float | None = None
+
+
+def unit(answer, run) -> Verdict:
+    seen = run("speed.toml")
+    step = np.diff(np.unique(seen.column("velocity"))).min()
+    per_second = 1e6 / seen.result.setup.scenario.interval_us
+    how = "the least step between two values of velocity_0, by the samples of a second"
+    return near(answer.unit_cps, step * per_second, 0.5, "counts/s", how)
+
+
+def zero_share(answer, run) -> Verdict:
+    seen = run("speed.toml", SLOW)
+    true = float(np.mean(seen.column("velocity", 0, *STEADY) == 0))
+    return near(answer.zero_share, true, 0.03, "of the samples", seen.command)
+
+
+def mean(answer, run) -> Verdict:
+    seen = run("speed.toml")
+    true = 1000 * float(np.mean(seen.column("velocity", 0, *STEADY)))
+    return near(answer.mean_cps, true, 60, "counts/s", "the mean of velocity_0, times 1000")
+
+
+def estimate(weights: list[float], seen) -> np.ndarray:
+    """Of every sample, counts/s; those before the first are as the first."""
+    y = np.concatenate([np.zeros(len(weights) - 1), seen.column("encoder")])
+    return np.convolve(y, weights, "valid")
+
+
+def own(answer, run) -> Verdict:
+    for to in (650, 858):
+        seen = run("speed.toml", f"motion.0.to={to}")
+        steady = (seen.t >= STEADY[0]) & (seen.t < STEADY[1])
+        error = estimate(answer.weights, seen)[steady] - to / 0.26
+        rms = float(np.sqrt(np.mean(error**2)))
+        if not rms <= MOST_RMS:
+            return False, f"wrong by {rms:.0f} counts/s rms at {to / 0.26:.0f} counts/s; 100 may be"
+    lag = true_lag(answer, run)
+    if lag > MOST_LAG_MS:
+        return False, f"{lag:.2f} ms old; 5 ms may be: fewer weights"
+    return True, f"wrong by no more than 100 counts/s rms, and {lag:.2f} ms old"
+
+
+def true_lag(answer, run) -> float:
+    seen = run("swing.toml")
+    speed, made = seen.true_speed() * COUNTS_PER_RAD, estimate(answer.weights, seen)
+    inside = (seen.t > 0.1) & (seen.t < 0.45)
+
+    def misfit(ms: float) -> float:
+        then = np.interp(seen.t[inside] - ms / 1e3, seen.t, speed)
+        return float(np.sum((made[inside] - then) ** 2))
+
+    return float(min(np.arange(0, 16.01, 0.05), key=misfit))
+
+
+def lag(answer, run) -> Verdict:
+    if answer.weights is None:
+        return False, "needs your weights"
+    how = "where your estimate of swing.toml fits the true speed best"
+    return near(answer.lag_ms, true_lag(answer, run), 0.25, "ms", how)
+
+
+QUESTIONS = (
+    Question("unit_cps", 1, unit),
+    Question("zero_share", 1, zero_share),
+    Question("mean_cps", 2, mean),
+    Question("weights", 4, own),
+    Question("lag_ms", 2, lag),
+)

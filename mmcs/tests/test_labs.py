@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every lab sheet from beginning to end: its commands as printed, a good student and a bad one."""
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from mmcs import ROOT
+from mmcs.cli.app import main
+from mmcs.lab.marks import _grader
+from mmcs.lab.sheets import LABS, sheets
+
+STUDENTS = Path(__file__).parent / "labs"
+ALL = sheets()
+
+
+def call(*args):
+    result = CliRunner().invoke(main, [str(a) for a in args])
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.fixture(params=ALL, ids=[sheet.name for sheet in ALL])
+def sheet(request):
+    return request.param
+
+
+@pytest.fixture
+def folder(sheet, tmp_path, monkeypatch):
+    """What `mmcs lab start` gives."""
+    monkeypatch.chdir(tmp_path)
+    assert call("lab", "start", sheet.number, "work")[0] == 0
+    monkeypatch.chdir(tmp_path / "work")
+    return tmp_path / "work"
+
+
+def text(sheet):
+    return (sheet.folder / "sheet.md").read_text()
+
+
+def test_commands_of_the_sheet(sheet, folder):
+    blocks = re.findall(r"^ *```sh\n(.*?)^ *```", text(sheet), re.M | re.S)
+    commands = [line.strip() for block in blocks for line in block.splitlines()]
+    assert commands
+    for command in commands:
+        program, *args = shlex.split(command)
+        assert program == "mmcs"
+        status, out, err = call(*args)
+        assert status == 0, (command, out, err)
+
+
+def test_good_student(sheet, folder):
+    status, out, err = call("lab", "check", sheet.number, STUDENTS / f"{sheet.name}_good.toml")
+    assert (status, err) == (0, ""), out + err
+    assert re.search(r"^(\d+) of \1 points$", out, re.M)
+
+
+def test_bad_student(sheet, folder):
+    """No point, and for each question the reason that stands beside the answer."""
+    path = STUDENTS / f"{sheet.name}_bad.toml"
+    status, out, err = call("lab", "check", sheet.number, path)
+    assert (status, err) == (1, ""), out + err
+    told = dict(re.findall(r"^(\w+) = .*# told: (.*)$", path.read_text(), re.M))
+    keys = [question.key for question in _grader(sheet).QUESTIONS]
+    assert list(told) == keys
+    lines = {line.split(":")[0].split()[-1]: line for line in out.splitlines() if " of " in line}
+    for key in keys:
+        assert lines[key].startswith("  0 of ") and told[key] in lines[key], lines[key]
+
+
+def test_the_empty_answer_is_good_input(sheet, folder):
+    status, out, _ = call("lab", "check", sheet.number, "answer.toml")
+    assert status == 1 and out.count("no answer yet") == len(_grader(sheet).QUESTIONS)
+
+
+def test_the_sheet_asks_what_is_graded(sheet):
+    """Keys and points of the sheet, of the answer file and of the grader are the same."""
+    questions = _grader(sheet).QUESTIONS
+    asked = re.findall(
+        r"^\d\. ((?:`\w+`,? ?(?:and )?)+)\((\d) points?( each)?\)", text(sheet), re.M
+    )
+    told = [(key, int(points)) for keys, points, _ in asked for key in re.findall(r"\w+", keys)]
+    assert [(key, points) for key, points in told if key != "and"] == [
+        (question.key, question.points) for question in questions
+    ]
+    assert sum(question.points for question in questions) == 10
+    answer = (sheet.folder / "answer.toml").read_text()
+    keys = re.findall(r"^# (\w+) = ", answer, re.M)
+    assert keys == [question.key for question in questions]
+    filled = tomllib.loads(re.sub(r"^# (?=\w+ = )", "", answer, flags=re.M))
+    assert set(filled) == set(_grader(sheet).Answer.model_fields)
+
+
+def test_sheets_have_no_links_and_their_headings(sheet):
+    """A copy stands alone in the student's folder."""
+    assert "](" not in text(sheet)
+    assert re.findall(r"^## (.*)$", text(sheet), re.M) == ["Steps", "Questions"]
+    assert "**Goal.**" in text(sheet)
+    assert f"`mmcs lab check {sheet.number} answer.toml` grades." in text(sheet)
+    assert f"[{sheet.number}]({sheet.folder.name}/sheet.md)" in (LABS / "README.md").read_text()
+
+
+DESIGNS = [
+    (path, line.removeprefix("# mmcs "))
+    for path in sorted(LABS.glob("*/*.toml"))
+    for line in path.read_text().splitlines()
+    if line.startswith("# mmcs design")
+] + [
+    (
+        LABS / "02_sampling" / "sheet.md",
+        "design -p 4.4 -d 0.11 --robot lab500 --interval 3000 --toml",
+    ),
+    (LABS / "04_windup" / "sheet.md", "design -p 4.4 -d 0.11 --robot lab500 --toml"),
+]
+
+
+@pytest.mark.parametrize("path, command", DESIGNS, ids=lambda v: getattr(v, "parent", v))
+def test_integers_are_those_of_the_design(path, command):
+    """Of the scenario that names the command, or of the sheet's `--set`."""
+    status, out, _ = call(*shlex.split(command))
+    made = dict(re.findall(r"^([ab]\d) = (-?\d+)$", out, re.M))
+    stands = dict(re.findall(r"\b([ab]\d) ?= ?(-?\d+)", path.read_text()))
+    assert status == 0 and len(made) == 6
+    assert stands == {key: made[key] for key in stands} and len(stands) >= 3
+
+
+def test_solutions_are_not_in_the_package():
+    names = [path.name for path in (ROOT / "docs" / "labs").rglob("*")]
+    assert not [name for name in names if re.search("good|bad|solution", name)]
+
+
+# --- the command -------------------------------------------------------------------------------
+
+
+def test_list():
+    status, out, _ = call("lab")
+    assert status == 0
+    assert [line.split()[:2] for line in out.splitlines()] == [
+        [str(sheet.number), sheet.name] for sheet in ALL
+    ]
+
+
+def test_start_overwrites_nothing(tmp_path):
+    (tmp_path / "answer.toml").write_text("mine")
+    status, _, err = call("lab", "start", 1, tmp_path)
+    assert status == 2 and "is there already, perhaps with your work; name another folder" in err
+    assert (tmp_path / "answer.toml").read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(
+    "number, answer, told",
+    [
+        (11, "", '"11": no such lab sheet; there are: 1 velocity'),
+        ("x", "", '"x": no such lab sheet'),
+        (1, "lag = 1", 'lag: unknown key; did you mean "lag_ms"?'),
+        (1, 'lag_ms = "late"', 'lag_ms = "late": must be a number'),
+        (1, "zero_share = 2", "zero_share = 2: must be at most 1"),
+        (1, "weights = [1]", "weights: must have at least 2 entries"),
+        (1, "lag_ms = ", "not valid TOML"),
+        (2, "gains = { a0 = 1 }", "gains.b0: is missing"),
+        (2, "last_us = 700", "last_us = 700: must be a multiple of 500"),
+    ],
+)
+def test_bad_input_is_one_error(number, answer, told, tmp_path):
+    path = tmp_path / "answer.toml"
+    path.write_text(answer)
+    status, out, err = call("lab", "check", number, path)
+    assert (status, out) == (2, "") and err.count("\n") == 1 and told in err, err
+
+
+def test_no_answer_file_is_one_error(tmp_path):
+    status, _, err = call("lab", "check", 1, tmp_path / "none.toml")
+    assert status == 2 and err.count("\n") == 1 and "cannot be read: No such file" in err
+
+
+def test_what_cannot_be_run_is_no_point_but_a_reason(tmp_path):
+    (tmp_path / "answer.toml").write_text("gains = { a0 = 1, b0 = 0 }")
+    status, out, _ = call("lab", "check", 2, tmp_path)
+    assert status == 1 and "0 of 3  gains: cannot be run: " in out
