@@ -153,7 +153,7 @@ def test_start_overwrites_nothing(tmp_path):
 @pytest.mark.parametrize(
     "number, answer, told",
     [
-        (11, "", '"11": no such lab sheet; there are: 1 velocity'),
+        (99, "", '"99": no such lab sheet; there are: 1 velocity'),
         ("x", "", '"x": no such lab sheet'),
         (1, "lag = 1", 'lag: unknown key; did you mean "lag_ms"?'),
         (1, 'lag_ms = "late"', 'lag_ms = "late": must be a number'),
