@@ -162,9 +162,14 @@ tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 
 
 # --- the machine in a page ------------------------------------------------------------------
 
-web: $(VENV)/.tool ## the whole machine as a static site in build/web, for any file server
+$(VENV)/.book: $(VENV)/.tool
+	@$(call INSTALL,the book's generator,-e .[book])
+	@touch $@
+
+web: $(VENV)/.book ## the whole machine and the book as a static site in build/web, for any file server
 	@tools/need_debian.sh em++ emscripten
 	@$(BIN)/python tools/website.py
+	@$(BIN)/python tools/book.py
 
 web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records, offline, a telephone
 	@$(BIN)/python -m pytest web/tests/site

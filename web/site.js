@@ -6,6 +6,7 @@
 
 import { run } from "./app.js";
 import { choice, download, el, labelled, parseInteger, setText } from "./dom.js";
+import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice } from "./engine/design.js";
 import { readRecord, setupOf } from "./engine/record.js";
 
@@ -13,9 +14,8 @@ const FIRST = "puma560";
 const DEADMAN_MS = 2000; // a page that nobody looks at has its timers once a second
 const asked = new URLSearchParams(location.search);
 const said = document.getElementById("said");
-const json = async (name) => (await fetch(`engine/${name}.json`)).json();
 const [knowledge, scenarios] = await Promise.all([json("knowledge"), json("scenarios")]);
-const worker = new Worker("engine/worker.js", { type: "module" });
+let worker = null;
 let page = null;
 let expected = null; // hash of the record that is replayed
 
@@ -41,20 +41,11 @@ async function chosen() {
   return setup;
 }
 
-/** A carrier of the messages (link.js) through the Worker. */
-function workerCarrier() {
-  const carrier = { onText() {}, onBytes() {}, onClose() {}, close: () => worker.terminate() };
-  carrier.send = (text) => worker.postMessage(text);
-  worker.onmessage = ({ data }) => {
-    if (data instanceof ArrayBuffer) return carrier.onBytes(data);
-    const message = JSON.parse(data);
-    if (message.type === "told") return show(message);
-    if (message.type === "record") return save(message);
-    if (message.type === "failed") return fail(message.text);
-    return carrier.onText(data);
-  };
-  worker.onerror = ({ message }) => fail(message || "the Worker does not start");
-  return carrier;
+/** What the Worker tells beside the messages. */
+function hear(message) {
+  if (message.type === "told") show(message);
+  else if (message.type === "record") save(message);
+  else fail(message.text);
 }
 
 function fail(text) {
@@ -145,12 +136,11 @@ try {
   scenario.value = setup.name;
   seed.value = String(setup.config.seed);
   permalink.href = link({ scenario: setup.name, seed: setup.config.seed });
+  const options = { paused: asked.has("paused"), plays: asked.get("plays") !== "0" };
+  const started = await startMachine(setup, options, hear);
+  worker = started.worker;
   connectStop();
-  page = run(workerCarrier(), new PageAdvice(), true, DEADMAN_MS);
-  setup.inputs = knowledge.inputs;
-  worker.postMessage({ start: { setup, module: `./machine${setup.config.cards}.mjs`,
-    layouts: knowledge.layouts, constants: knowledge.constants, version: knowledge.version,
-    paused: asked.has("paused"), plays: asked.get("plays") !== "0" } });  // prettier-ignore
+  page = run(started.carrier, new PageAdvice(), true, DEADMAN_MS);
   if (asked.has("speed")) {
     const speed = Number(asked.get("speed")) || null;
     page.machine.addEventListener("control", () => page.machine.link.request("pace", { speed }), { once: true });

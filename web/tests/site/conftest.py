@@ -34,14 +34,15 @@ def opened(browser, address):
     pages = []
     context = browser.new_context(viewport={"width": 1280, "height": 800})
 
-    def go(query: str, **more):
+    def go(query: str, ready: bool = True, **more):
         own = browser.new_context(**more) if more else context
         page = own.new_page()
         page.set_default_timeout(240_000)  # a loaded computer is slow, not wrong
         page.errors = []
         page.on("pageerror", lambda error: page.errors.append(str(error)))
         page.goto(address + query)
-        page.wait_for_selector("body.ready, body[data-failed]")
+        if ready:
+            page.wait_for_selector("body.ready, body[data-failed]")
         pages.append(page)
         return page
 

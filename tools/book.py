@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The docs as a searchable site in build/web/book, every link checked; part of `make web`.
+
+The chapters are those of docs/ in the order of docs/README.md. Files of the sources that a chapter
+names are pages of the book as well, and a mark like <!-- live: panic --> becomes the machine itself
+(web/live.html).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from mmcs import ROOT
+from mmcs.place import BUILD
+
+DOCS = ROOT / "docs"
+STAGE = BUILD / "book"
+BOOK = BUILD / "web" / "book"
+LINK = re.compile(r"(\]\()([^)\s]+)(\))")
+LIVE = re.compile(r"<!-- live: (\w+) -->")
+LANGUAGES = {".sv": "systemverilog", ".svh": "systemverilog", ".py": "python", ".c": "c", ".h": "c",
+             ".cpp": "cpp", ".toml": "toml", ".js": "javascript", ".sh": "bash",
+             ".S": "gas"}  # fmt: skip
+CONFIG = """\
+site_name: MMCS
+site_description: The motor controller of 1989, rebuilt
+docs_dir: src
+site_dir: site
+use_directory_urls: false
+theme:
+  name: material
+  font: false
+  features: [navigation.tabs, navigation.top, search.highlight, content.code.copy]
+  palette: [{scheme: default, primary: black, accent: deep orange}]
+plugins: [search]
+markdown_extensions:
+  - tables
+  - attr_list
+  - md_in_html
+  - pymdownx.superfences
+  - pymdownx.highlight: {linenums: true}
+  - toc:
+      permalink: true
+      slugify: !!python/object/apply:pymdownx.slugs.slugify {kwds: {case: lower}}
+validation:
+  nav: {omitted_files: ignore, not_found: warn}
+  links: {not_found: warn, anchors: warn, unrecognized_links: warn}
+nav:
+"""
+
+
+def main() -> None:
+    shutil.rmtree(STAGE, ignore_errors=True)
+    source = STAGE / "src"
+    shutil.copytree(DOCS, source)
+    wanted: set[Path] = set()  # files and folders outside docs/ that chapters name
+    for page in sorted(source.rglob("*.md")):
+        original = DOCS / page.relative_to(source)
+        page.write_text(chapter(original.read_text(), original, wanted))
+    for name in ("CONTRIBUTING.md", "CHANGELOG.md"):
+        wanted.add(ROOT / name)
+    done: set[Path] = set()
+    while todo := wanted - done:
+        for path in sorted(todo):
+            write_source(path, source, wanted)
+        done |= todo
+    (STAGE / "mkdocs.yml").write_text(CONFIG + nav())
+    build()
+
+
+def chapter(text: str, original: Path, wanted: set[Path]) -> str:
+    """The text with links that hold in the book."""
+
+    def link(match: re.Match) -> str:
+        target, _, anchor = match[2].partition("#")
+        if not target or re.match(r"\w+:", target):
+            return match[0]
+        path = (original.parent / target).resolve()
+        if not (path.is_relative_to(DOCS) and path.is_file()):
+            wanted.add(path)
+        to = os.path.relpath(place(path), start(original))
+        place_ = f"#{anchor}" if anchor and path.suffix == ".md" else ""
+        return f"{match[1]}{to}{place_}{match[3]}"
+
+    parts = re.split(r"(^```.*?^```)", text, flags=re.M | re.S)
+    parts[::2] = [LINK.sub(link, part) for part in parts[::2]]
+    up = "../" * (len(original.relative_to(DOCS).parts) if original.is_relative_to(DOCS) else 1)
+    frame = f'<iframe src="{up}live.html?demo=\\1" title="the machine itself" loading="lazy" ' \
+            'style="width: 100%; height: 300px; border: 1px solid #ccc"></iframe>'  # fmt: skip
+    return LIVE.sub(frame, "".join(parts))
+
+
+def start(original: Path) -> Path:
+    """The folder of a page in the book."""
+    return place(original).parent
+
+
+def place(path: Path) -> Path:
+    """Where a file is in the book, from its top."""
+    if path.is_relative_to(DOCS) and path.is_file():
+        return path.relative_to(DOCS)
+    if path.is_dir():
+        inside = (
+            path.relative_to(DOCS)
+            if path.is_relative_to(DOCS)
+            else Path("source") / path.relative_to(ROOT)
+        )
+        return inside / "index.md"
+    name = path.relative_to(ROOT)
+    return Path("source") / (name if path.suffix == ".md" else name.with_name(name.name + ".md"))
+
+
+def write_source(path: Path, source: Path, wanted: set[Path]) -> None:
+    """A file of the sources as a page, a folder as a list of what it holds."""
+    target = source / place(path)
+    if target.exists():
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_dir():
+        files = sorted(p for p in path.iterdir() if p.is_file() and not p.name.startswith("."))
+        wanted.update(p for p in files if not p.is_relative_to(DOCS))
+        lines = [f"* [{p.name}]({os.path.relpath(place(p), place(path).parent)})" for p in files]
+        target.write_text(f"# {path.relative_to(ROOT)}\n\n" + "\n".join(lines) + "\n")
+    elif path.suffix == ".md":
+        target.write_text(chapter(path.read_text(), path, wanted))
+    else:
+        language = LANGUAGES.get(path.suffix, "text")
+        fence = "~~~~~~"
+        head = f"---\nsearch:\n  exclude: true\n---\n# {path.relative_to(ROOT)}\n\n"
+        target.write_text(f"{head}{fence} {language}\n{path.read_text()}\n{fence}\n")
+
+
+def nav() -> str:
+    """The parts and chapters of docs/README.md, in its order."""
+    lines, seen = ["  - The book: README.md"], {"README.md"}
+    part = None
+    for line in (DOCS / "README.md").read_text().splitlines():
+        if line.startswith("## "):
+            part = line[3:]
+            lines.append(f"  - {part}:")
+        for text, target in re.findall(r"\[([^\]]+)\]\(([^)#\s]+)\)", line):
+            if target in seen or not line.startswith("|") and part:
+                continue
+            path = DOCS / target
+            seen.add(target)
+            inside = "      " if part else "  "
+            if path.is_dir():
+                lines.append(f"{inside}- {text}:")
+                lines += [
+                    f"{inside}    - {p.stem}: {target}{p.name}" for p in sorted(path.glob("*.md"))
+                ]
+            elif path.resolve().is_relative_to(DOCS):
+                lines.append(f"{inside}- {text}: {target}")
+    lines += [
+        "  - More:",
+        "      - contributing: source/CONTRIBUTING.md",
+        "      - changes: source/CHANGELOG.md",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def build() -> None:
+    """Any link that leads nowhere ends it."""
+    made = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", STAGE / "mkdocs.yml"],
+        text=True, capture_output=True, check=False,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1", "DISABLE_MKDOCS_2_WARNING": "true"},
+    )  # fmt: skip
+    if made.returncode:
+        sys.stderr.write(made.stdout + made.stderr)
+        raise SystemExit("mmcs: the book does not build; see above")
+    shutil.rmtree(BOOK, ignore_errors=True)
+    BOOK.parent.mkdir(parents=True, exist_ok=True)
+    (STAGE / "site").rename(BOOK)
+
+
+if __name__ == "__main__":
+    main()

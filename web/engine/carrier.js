@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A machine of the page's own: a Worker that carries the messages (link.js), started by its setup.
+
+export const json = async (name) => (await fetch(`engine/${name}.json`)).json();
+
+/** Starts the Worker with a setup of the site: {worker, carrier}. told(message) hears what is no
+ * message of the protocol: how the run gets on, records, failures. */
+export async function startMachine(setup, options, told) {
+  const knowledge = await json("knowledge");
+  const worker = new Worker("engine/worker.js", { type: "module" });
+  const carrier = { onText() {}, onBytes() {}, onClose() {}, close: () => worker.terminate() };
+  carrier.send = (text) => worker.postMessage(text);
+  worker.onmessage = ({ data }) => {
+    if (data instanceof ArrayBuffer) return carrier.onBytes(data);
+    const message = JSON.parse(data);
+    if (["told", "record", "failed"].includes(message.type)) return told(message);
+    return carrier.onText(data);
+  };
+  worker.onerror = ({ message }) =>
+    told({ type: "failed", text: message || "the Worker does not start" });
+  const { layouts, constants, inputs, version } = knowledge;
+  const module = `./machine${setup.config.cards}.mjs`;
+  worker.postMessage({
+    start: { setup: { ...setup, inputs }, module, layouts, constants, version, ...options },
+  });
+  return { worker, carrier };
+}
