@@ -38,7 +38,8 @@ def near(given: float, true: float, within: float, unit: str, how: str) -> Verdi
     if abs(given - true) <= within:
         return True, f"{given:g} {unit} agrees: {how}"
     way = "high" if given > true else "low"
-    return False, f"{given:g} {unit} is too {way}, by more than {within:g}: {how}"
+    by = f", by more than {within:g}" if within else ""
+    return False, f"{given:g} {unit} is too {way}{by}: {how}"
 
 
 def read_answer(sheet: Sheet, path: Path) -> Strict:

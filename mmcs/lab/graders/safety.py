@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sheet 7: who notices a fault, how soon, and what the brakes do."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from mmcs.lab.marks import Question, Verdict, near
+from mmcs.result.expect_plant import moved_deg, rest_ms
+from mmcs.scenario.schema import Strict
+
+FAULT = 0.1  # s of motion
+JOINTS = range(6)
+BRAKED_MS = 60.0
+MOST_DEG = 3.5
+
+
+class Limit(Strict):
+    ilim: Annotated[int, Field(ge=0, le=100_000)]
+    ilimax: Annotated[int, Field(ge=0, le=100_000)]
+
+
+class Answer(Strict):
+    stall_ms: float | None = None
+    told_ms: float | None = None
+    rest_ms: float | None = None
+    coasting: Annotated[list[int], Field(max_length=6)] | None = None
+    cable_deg: float | None = None
+    limit: Limit | None = None
+
+
+def stall(answer, run) -> Verdict:
+    true = run("stall.toml").after("panic", "high", FAULT)
+    return near(answer.stall_ms, true, 0.5, "ms", "PANIC goes high in stall.toml")
+
+
+def told(answer, run) -> Verdict:
+    true = run("estop.toml").after("signal", "", FAULT)
+    return near(answer.told_ms, true, 0.05, "ms", "SIGUSR1 in estop.toml")
+
+
+def rest(answer, run) -> Verdict:
+    true = rest_ms(run("estop.toml").result, 0, FAULT)
+    return near(answer.rest_ms, true, 3, "ms", "angle_rad_0 in estop.toml")
+
+
+def coasting(answer, run) -> Verdict:
+    result = run("estop.toml").result
+    true = [n for n in JOINTS if (rest_ms(result, n, FAULT) or 1e9) > BRAKED_MS]
+    for n in sorted(set(answer.coasting) - set(true)):
+        return False, f"axis {n} is at rest {BRAKED_MS:g} ms after the button"
+    good = set(answer.coasting) == set(true)
+    return good, "they coast, the others have brakes" if good else "there are more that coast"
+
+
+def cable(answer, run) -> Verdict:
+    true = max(moved_deg(run("cable.toml").result, n, FAULT) for n in JOINTS)
+    return near(answer.cable_deg, true, 2, "degrees", "angle_rad_n in cable.toml")
+
+
+def limit(answer, run) -> Verdict:
+    sets = tuple(f"axis.0.{key}={value}" for key, value in answer.limit.model_dump().items())
+    clean = run("move.toml", *sets).after("error", "", 0.0)
+    if clean is not None:
+        return False, f"a false alarm {clean:.0f} ms into move.toml, where nothing fails"
+    seen = run("cut.toml", *sets)
+    moved, error = moved_deg(seen.result, 0, FAULT), seen.after("error", "", FAULT)
+    when = "never" if error is None else f"after {error:.0f} ms"
+    why = f"the wire's cut is noticed {when}, joint 1 moves by {moved:.2f} degrees"
+    return moved <= MOST_DEG, f"{why}; {MOST_DEG:g} may be"
+
+
+QUESTIONS = (
+    Question("stall_ms", 1, stall),
+    Question("told_ms", 1, told),
+    Question("rest_ms", 1, rest),
+    Question("coasting", 1, coasting),
+    Question("cable_deg", 2, cable),
+    Question("limit", 4, limit),
+)
