@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One Verilated board: its registers and ports by name, and the ways to evaluate it.
+// One Verilated board or chip: its registers and ports by name, and the ways to evaluate it.
 #pragma once
 
 #include <cstdint>
@@ -61,16 +61,15 @@ class Board {
                                        const std::string &name);
   virtual ~Board() = default;
 
+  virtual std::string name() const = 0;
   // The slow way, as Verilator offers it: what follows from all that has changed, edges included.
   virtual void eval() = 0;
 
-  // The fast way (fast.cpp). What follows from inputs and counters without a clock; the registers
-  // behind these clocks, with what follows; all that follows from registers that were written.
-  virtual void inputs() = 0;
-  virtual void registers(uint64_t triggers) = 0;
+  // The fast way (fast.cpp). What follows from inputs and counters; true if registers followed
+  // without a clock. One clock, with what follows. What follows from registers that were written.
+  virtual bool inputs() = 0;
+  virtual void clock() = 0;
   virtual void settle() = 0;
-  // The bit of a clock in `triggers`, by its name in Verilator's own table.
-  virtual uint64_t trigger(const std::string &clock) const = 0;
 
   // A port; at is null if there is none of this name.
   virtual Net port(const std::string &name) = 0;

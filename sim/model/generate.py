@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes of the design what the model needs: `generate.py boards|wires|extra|triggers ...`.
 
-boards DIR    registers.vlt (what Verilator keeps visible), *.args (parameters of the boards)
-              plain.vlt: the same for rtl/mmcs.sv as a whole, where wires can be cut
+boards DIR    registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
+              shells.sv, shells.vlt: what stands for the chips in the boards
+              plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
               boards.inc: registers, inputs and counters of each board, by name
 wires DIR N   wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
 extra DIR N HOST  extra.inc, extra.vlt: registers outside the boards, of the machine as a whole
@@ -21,7 +22,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
-from netlist import Instance, Module, Netlist, depends, instances, reached  # noqa: E402
+from netlist import Instance, Module, Netlist, Var, depends, instances, reached  # noqa: E402
 from wires import wires_text  # noqa: E402
 
 RULES = tomllib.loads((HERE / "counters.toml").read_text())
@@ -53,35 +54,54 @@ def boards(netlist: Netlist) -> dict[str, Module]:
     return found
 
 
+def chips(netlist: Netlist) -> dict[str, Module]:
+    """The chips that are models of their own, one of a name."""
+    found: dict[str, Module] = {}
+    for board in boards(netlist).values():
+        for i in instances(netlist, board):
+            if i.module.name in CHIPS and found.setdefault(i.module.name, i.module) is not i.module:
+                raise SystemExit(f"generate: chips {i.module.name} of different parameters")
+    return found
+
+
 def config(folder: Path, netlist: Netlist) -> None:
-    lines = []
-    seen = set()
     counters = {r["register"] for r in RULES["counter"]}
+    lines, rules = set(), set()
     for module in netlist.modules.values():
-        names = [(v.rpartition(".")[2], "rd") for v in module.registers]
-        if module.name in CHIPS:
-            names += [(p.name, "rd") for p in module.ports]
-            names.append(("clk_i", "rw"))
-        for name, access in names:
-            written = "rw" if f"{module.name}.{name}" in counters else access
-            if (module.name, name, written) not in seen:
-                seen.add((module.name, name, written))
-                lines.append(f'public_flat_{written} -module "{module.name}" -var "{name}"')
-    text = ["`verilator_config", *sorted(set(lines))]
-    (folder / "registers.vlt").write_text("\n".join(text) + "\n")
-    # The whole machine has one clock, and its registers may be written between clocks.
-    plain = [line.replace("flat_rw", "flat_rd") for line in text if '"clk_i"' not in line]
+        for name in (v.rpartition(".")[2] for v in module.registers):
+            access = "rw" if f"{module.name}.{name}" in counters else "rd"
+            lines.add(f'public_flat_{access} -module "{module.name}" -var "{name}"')
+    for chip in chips(netlist).values():
+        rules |= {f'public_flat_{"rw" if p.direction == "OUTPUT" else "rd"} '
+                  f'-module "{chip.name}" -var "{p.name}"' for p in linked(chip)}  # fmt: skip
+    # The whole machine's registers may be written between clocks.
+    plain = [line.replace("flat_rw", "flat_rd") for line in sorted(lines)]
     own = {module.name for module in netlist.modules.values()}
     plain += [f'forceable -module "{c["module"]}" -var "{p}"' for c in RULES["cut"]
               if c["module"] in own for p in c["ports"]]  # fmt: skip
-    (folder / "plain.vlt").write_text("\n".join(plain) + "\n")
-    for name, module in boards(netlist).items():
+    for name, text in ("registers", sorted(lines)), ("shells", sorted(rules)), ("plain", plain):
+        (folder / f"{name}.vlt").write_text("\n".join(["`verilator_config", *text]) + "\n")
+    (folder / "shells.sv").write_text("\n".join(map(shell, chips(netlist).values())))
+    for name, module in (boards(netlist) | chips(netlist)).items():
         ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)
         (folder / f"{name}.ports").write_text(ports)
         values = [v for v in module.vars.values() if v.is_param and v.value is not None]
         (folder / f"{name}.args").write_text(
             "\n".join(f"-G{v.name}={_literal(v.value)}" for v in values) + "\n"
         )
+
+
+def linked(chip: Module) -> list[Var]:
+    """Ports of a chip that lead to the board around it."""
+    return [p for p in chip.ports if p.name != "clk_i"]
+
+
+def shell(chip: Module) -> str:
+    """A chip without contents: its outputs are written by the model."""
+    parameters = ", ".join(f"parameter {v.name} = 0" for v in chip.vars.values() if v.is_param)
+    ports = ",\n".join(f"  {p.direction.lower()} logic [{p.width - 1}:0] {p.name}"
+                       for p in chip.ports)  # fmt: skip
+    return f"module {chip.name} #({parameters}) (\n{ports}\n);\nendmodule\n"
 
 
 def _literal(value: str) -> str:
@@ -118,25 +138,14 @@ class Board:
                  if p.direction == "OUTPUT"]  # fmt: skip
         return [(i, n) for i, n in nets if own & self._reached((i.path, n), ends)]
 
+    def links(self, chip: Instance) -> list[Var]:
+        """Ports of a chip on wires of the board."""
+        pins = next(pins for i in self.all for name, _, pins in i.module.cells
+                    if f"{i.path}.{name}".lstrip(".") == chip.path)  # fmt: skip
+        return [p for p in linked(chip.module) if pins.get(p.name) is not None]
+
     def _reached(self, start, ends):
         return reached(self.forward, start, ends)
-
-    def asynchronous(self) -> list[str]:
-        """Inputs that reset registers without a clock."""
-        found = set()
-        for p in self.module.ports:
-            if p.direction != "INPUT" or p.name == "clk_i":
-                continue
-            seen, todo = {("", p.name)}, [("", p.name)]
-            while todo:
-                at = todo.pop()
-                if at[1] in ("rst_ni", "rst_n") or at[1].endswith("rst_ni"):
-                    found.add(p.name)
-                for target in self.forward.get(at, ()):
-                    if target not in seen:
-                        seen.add(target)
-                        todo.append(target)
-        return sorted(found)
 
 
 def boards_text(netlist: Netlist) -> str:
@@ -172,16 +181,23 @@ def boards_text(netlist: Netlist) -> str:
                     for n, value in rule.get("while", {}).items():
                         out.append(f'  {{"{i.path}", "{n}", {unit}, {number}, {value}}},')
         out += ['  {"", "", -1, 0, 0},', "};", f"static const PortRow k_{name}_ports[] = {{"]
-        slow = board.asynchronous()
         heard = next((d["inputs"] for d in RULES["deaf"] if d["module"] == name), [])
         always = {n for r in RULES["quiet"] if r["module"] == name and "while" not in r
                   for n in r["inputs"]}  # fmt: skip
         for p in module.ports:
             out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, '
-                       f"{int(p.name in slow)}, {int(p.name in heard)}, "
+                       f"{int(p.name in heard)}, "
                        f"{int(p.name in always)}}},")  # fmt: skip
-        out += ["};", f"static const char *const k_{name}_units[] = {{"]
-        out += [f'  "{c.path}",' for c in [board.all[0], *board.chips]]
+        out.append("};")
+        for unit, chip in enumerate(board.chips, 1):
+            out.append(f"static const LinkRow k_{name}_links{unit}[] = {{")
+            out += [f'  {{"{p.name}", {int(p.direction == "OUTPUT")}}},' for p in board.links(chip)]
+            out.append("};")
+        out.append(f"static const UnitRow k_{name}_units[] = {{")
+        out.append(f'  {{"", "{name}", nullptr, 0}},')
+        out += [f'  {{"{c.path}", "{c.module.name}", k_{name}_links{unit}, '
+                f"MMCS_COUNT(k_{name}_links{unit})}},"
+                for unit, c in enumerate(board.chips, 1)]  # fmt: skip
         out += ["};"]
         rows.append(f'  {{"{name}", k_{name}_registers, k_{name}_nets, k_{name}_guards, '
                     f"k_{name}_ports, k_{name}_units, MMCS_COUNT(k_{name}_registers), "
@@ -193,7 +209,7 @@ def boards_text(netlist: Netlist) -> str:
         out.append("static const PortRow k_decoder_ports[] = {")
         for p in decoder.module.ports:
             idle = rule["without"].get(p.name, 0)
-            out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, 0, '
+            out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, '
                        f'{int(p.name in rule["inputs"])}, {idle}}},')  # fmt: skip
         out += ["};", f"#define MMCS_DECODER V{decoder.module.name}"]
     out += ["static const BoardTable kBoards[] = {", *rows, "};"]

@@ -36,6 +36,7 @@ Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
   const auto axes = 2 * static_cast<size_t>(cards);
   faults_.resize(kFaultPins * axes);
   codes_.resize(axes);
+  encoders_.resize(axes);
 }
 
 uint64_t Pins::standing(Pin pin) const {
@@ -270,8 +271,18 @@ void Pins::restore(const std::vector<uint64_t> &state) {
                         static_cast<int>(state[at + 2]), state[at + 3]});
   }
   for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = free_[port];
+  for (int n = 0; n < 3; ++n) {
+    for (size_t axis = 0; axis < encoders_.size(); ++axis) {
+      const unsigned level = levels_[kEncA + n][0] >> axis & 1;
+      encoders_[axis] = (encoders_[axis] & ~(1u << n)) | level << n;
+    }
+  }
   for (const Change &c : changes_) {
     if (c.port >= 0 && c.port < kVmeSysreset) hands_[c.port] = c.value;
+    if (c.port < kEncA || c.port > kEncI) continue;
+    unsigned &encoder = encoders_[static_cast<size_t>(c.lsb)];
+    const unsigned bit = 1u << (c.port - kEncA);
+    encoder = c.value ? encoder | bit : encoder & ~bit;
   }
   const std::vector<uint64_t> codes = codes_;
   for (size_t n = 0; n < faults_.size(); ++n) {

@@ -92,9 +92,12 @@ class Pins {
   void set(Pin pin, int index, unsigned value);
   // The three wires of an encoder at once: bit 0 A, bit 1 B, bit 2 index.
   void set_encoder(int axis, unsigned pins) {
-    later(kEncA, axis, 1, pins & 1);
-    later(kEncB, axis, 1, pins >> 1 & 1);
-    later(kEncI, axis, 1, pins >> 2 & 1);
+    unsigned &before = encoders_[static_cast<size_t>(axis)];
+    const unsigned moved = before ^ pins;
+    before = pins;
+    if (moved & 1) later(kEncA, axis, 1, pins & 1);
+    if (moved & 2) later(kEncB, axis, 1, pins >> 1 & 1);
+    if (moved & 4) later(kEncI, axis, 1, pins >> 2 & 1);
   }
   // The bus master: address, modifier, direction and data; the strobes; the daisy chain; idle.
   void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data);
@@ -151,9 +154,10 @@ class Pins {
   uint64_t hands_[kVmeSysreset] = {};  // of the VME ports: as they stand or are on their way
   uint64_t free_[kVmeSysreset] = {};   // as they would stand if no line were held
   uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
-  std::vector<uint64_t> levels_[kPorts];                       // as they stand, 64 bits a word
-  std::vector<uint64_t> faults_;                               // by pin, then index: as they stand
-  std::vector<uint64_t> codes_;  // of each axis: what its stuck A/D keeps
+  std::vector<unsigned> encoders_;        // of each axis: as set_encoder() was told last
+  std::vector<uint64_t> levels_[kPorts];  // as they stand, 64 bits a word
+  std::vector<uint64_t> faults_;          // by pin, then index: as they stand
+  std::vector<uint64_t> codes_;           // of each axis: what its stuck A/D keeps
 };
 
 }  // namespace mmcs

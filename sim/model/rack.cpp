@@ -7,8 +7,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "state.h"
-
 namespace mmcs {
 namespace {
 
@@ -24,7 +22,9 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
   for (size_t n = 0; n < kWires.boards.size(); ++n) {
     blocks_.push_back(
         std::make_unique<Block>(kWires.boards[n].module, context_, "B" + std::to_string(n)));
+    blocks_.back()->number = n;
   }
+  due_at_.resize(blocks_.size());
   wire();
   power_on();
 }
@@ -40,28 +40,42 @@ void Rack::changed(int net, int lsb, int width) {
       logic_.push_back(l);
     }
   }
-  if (width <= 2 && !by_bit_[n].empty()) {
-    for (int bit = lsb; bit < lsb + width; ++bit) {
-      for (Slot *slot : by_bit_[n][static_cast<size_t>(bit)]) show(*slot);
-    }
-    return;
-  }
-  for (const Reader &r : readers_[n]) {
-    if (r.lsb < lsb + width && lsb < r.lsb + r.width) show(*r.slot);
-  }
+  for_readers(net, lsb, width, [this](const Reader &r) { show(*r.slot); });
 }
 
 // The net's value at an input.
 void Rack::show(Slot &slot) {
-  const uint64_t value = slot.through(wires_.get(slot.net, slot.lsb, slot.width));
+  arrive(slot, slot.through(wires_.get(slot.net, slot.lsb, slot.width)));
+}
+
+void Rack::arrive(Slot &slot, uint64_t value) {
   if (slot.port.get() == value) return;
-  slot.port.put(value);
   Block &block = *slot.block;
-  block.stale = true;
-  if (slot.row->slow) block.reset = true;
-  if (slot.row->quiet || (slot.look.quiet && slot.look.quiet->holds())) return;
-  if (slot.look.unit) slot.look.unit->moved_port();
+  if (block.behind() && !slot.row->quiet) {
+    block.catch_up(clock_);
+    touch(block);
+  }
+  slot.port.put(value);
+  block.board().stale = true;
+  if (slot.row->quiet || (slot.quiet && slot.quiet->holds())) return;
+  if (slot.wakes) block.board().wake(clock_);
   touch(block);
+}
+
+// An input of the machine that nothing but ports of boards is on.
+void Rack::arrive_directly(const Reader &reader, int lsb, int width, uint64_t value) {
+  Slot &slot = *reader.slot;
+  const int low = std::max(lsb, reader.lsb);
+  const int bits = std::min(lsb + width, reader.lsb + reader.width) - low;
+  const uint64_t mask = ((uint64_t{1} << bits) - 1) << (low - reader.lsb);
+  const uint64_t after = (slot.shown & ~mask) | (value >> (low - lsb) << (low - reader.lsb) & mask);
+  if (after == slot.shown) return;
+  slot.shown = after;
+  if (slot.late && skip_ && !(listening_ >> (slot.block->number - 1) & 1)) {
+    slot.block->defer(clock_, slot, after);
+  } else {
+    arrive(slot, after);
+  }
 }
 
 void Rack::touch(Block &block) {
@@ -78,9 +92,16 @@ void Rack::drive(Slot &slot) {
   wires_.put(slot.net, slot.lsb, slot.width, value);
 }
 
-void Rack::drive_nets(Block &block) {
+// What of a board's outputs has moved goes where it is seen; false if none has.
+bool Rack::outputs(Block &block) {
+  const char *base = block.board().base;
+  if (!block.out_words.moved(base)) return false;
+  if (&block == adaptor_) {
+    if (line_words_.moved(base)) look_at_lines();
+    if (!net_words_.moved(base)) return true;
+  }
   for (Slot *slot : block.outs) drive(*slot);
-  if (&block == adaptor_) look_at_lines();
+  return true;
 }
 
 void Rack::look_at_lines() {
@@ -110,8 +131,9 @@ void Rack::listen() {
 // Until nothing follows any more, after edge clock_.
 void Rack::settle() {
   for (;;) {
-    if (bus_moved_) listen();
-    if (!logic_.empty()) {
+    if (bus_moved_) {
+      listen();
+    } else if (!logic_.empty()) {
       const int l = logic_.back();
       logic_.pop_back();
       due_[static_cast<size_t>(l)] = 0;
@@ -121,28 +143,31 @@ void Rack::settle() {
       touched_.pop_back();
       block.touched = false;
       block.look(clock_);
-      if (block.out_words.moved(block.base)) drive_nets(block);
-    } else if (!bus_moved_) {
-      break;
+      plan(block);
+      outputs(block);
+    } else {
+      return;
     }
   }
 }
 
 // --- time ------------------------------------------------------------------------------------
 
-void Rack::plan() {
-  int64_t first = kNever, second = kNever;
-  for (const auto &block : blocks_) {
-    if (block->next < first) {
-      second = first;
-      first = block->next;
-      first_ = block.get();
-    } else if (block->next < second) {
-      second = block->next;
-    }
+// A board may be due at another edge than before.
+void Rack::plan(const Block &block) {
+  const int64_t edge = block.due();
+  int64_t &before = due_at_[block.number];
+  if (&block != adaptor_ && edge != before) cards_moved_ = true;
+  before = edge;
+}
+
+// The first edge at which a card is due.
+int64_t Rack::cards_due() {
+  if (cards_moved_) {
+    cards_moved_ = false;
+    cards_due_ = *std::min_element(due_at_.begin() + 1, due_at_.end());
   }
-  next_ = first;
-  second_ = second;
+  return cards_due_;
 }
 
 void Rack::step(int64_t t) {
@@ -150,37 +175,35 @@ void Rack::step(int64_t t) {
   ++evals_;
   stop_lines_ = lines_ != shown_lines_;
   lines_ = shown_lines_;
-  for (const auto &block : blocks_) {
-    if (skip_ && block->next > t) continue;
+  const size_t boards = !skip_ || cards_due() <= t ? blocks_.size() : 1;
+  for (size_t n = 0; n < boards; ++n) {
+    if (skip_ && due_at_[n] > t) continue;
+    Block &block = *blocks_[n];
     if (slow_) {
-      block->whole_edge(t);
+      block.whole_edge(t);
     } else {
-      if (!skip_) block->wake(t - 1);
-      block->edge(t);
+      if (!skip_) block.renew(t - 1);
+      if (block.behind()) block.catch_up(t - 1);
+      block.edge(t);
     }
-    touch(*block);
+    touch(block);
   }
   if (pins_.waiting()) pins_.apply();
   settle();
-  plan();
 }
 
-// Clocks of one board while nothing else is due before `end`, and as long as none of its outputs
+// Clocks of the adaptor while nothing else is due before `end`, and as long as none of its outputs
 // moves.
-void Rack::alone(Block &block, int64_t end) {
-  for (;;) {
-    const int64_t t = clock_ = block.next;
+void Rack::alone(int64_t end) {
+  Block &block = *adaptor_;
+  do {
+    const int64_t t = clock_ = due_at_[0];
     ++evals_;
     block.edge(t);
     block.look(t);
-    if (block.out_words.moved(block.base)) {
-      drive_nets(block);
-      settle();
-      break;
-    }
-    if (block.next >= end) break;
-  }
-  plan();
+    due_at_[0] = block.due();
+  } while (!outputs(block) && due_at_[0] < end);
+  settle();
 }
 
 Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
@@ -191,13 +214,14 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   // Clock by clock the level would be seen after the first.
   if (dtack_.get() == wanted) end = begin + 1;
   while (clock_ < end) {
-    int64_t t = next_;
+    const int64_t cards = cards_due();
+    int64_t t = std::min(due_at_[0], cards);
     const bool moved = !skip_ || pins_.waiting() || lines_ != shown_lines_;
     if (moved) t = clock_ + 1;
     if (t > end) {
       clock_ = end;
-    } else if (!moved && t < second_) {
-      alone(*first_, std::min(end + 1, second_));
+    } else if (!moved && t < cards) {
+      alone(std::min(end + 1, cards));
     } else {
       step(t);
       if (stop_lines_) {
@@ -223,15 +247,14 @@ void Rack::power_on() {
   pins_.set(Pin::kSysreset, 0, 1);
   pins_.apply();
   for (const auto &block : blocks_) {
-    block->board->eval();
-    block->board->settle();
-    block->wake(clock_);
-    drive_nets(*block);
+    for (Unit &unit : block->units) unit.model->eval();
+    block->written(clock_);
+    touch(*block);
+    outputs(*block);
   }
   settle();
   const bool skip = skip_;
   skip_ = false;
-  plan();
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) {
       wires_.put(reset, 0, 1, 1);
@@ -242,127 +265,6 @@ void Rack::power_on() {
   }
   skip_ = skip;
   evals_ = 0;
-}
-
-// --- looks and hands -------------------------------------------------------------------------
-
-unsigned Rack::vme_sample() {
-  return static_cast<unsigned>(iackout_.get() << 17 | d_oe_.get() << 16 | wires_.get(d_, 0, 16));
-}
-
-void Rack::put(Port port, int lsb, int width, uint64_t value) {
-  const int n = ports_[port];
-  const int rest = kWires.nets[static_cast<size_t>(n)].width - lsb;
-  if (rest <= 0) return;
-  wires_.put(n, lsb, std::min(width, rest), value);
-  if (port == kDip) {
-    dips_moved_ = bus_moved_ = true;
-  }
-}
-
-void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
-  for (const auto &slot : slots_) {
-    const size_t n =
-        static_cast<size_t>(std::find_if(blocks_.begin(), blocks_.end(),
-                                         [&](const auto &b) { return b.get() == slot->block; }) -
-                            blocks_.begin());
-    if (board != kWires.boards[n].path || std::strcmp(slot->row->name, port) != 0) continue;
-    const uint64_t own = (uint64_t{1} << slot->width) - 1;
-    slot->held = mask & own;
-    slot->at = value & slot->held;
-    if (slot->row->out) {
-      drive(*slot);
-    } else if (slot->row->heard) {
-      // Its wires back, it hears what is on them as any card does: all of it, or nothing.
-      if (mask || (listening_ >> (n - 1) & 1)) show(*slot);
-      bus_moved_ = true;
-    } else {
-      show(*slot);
-    }
-  }
-}
-
-Net Rack::find(int reg, Block **block) {
-  if (nets_.empty()) {
-    for (const Register &r : registers()) {
-      Block *of = blocks_[static_cast<size_t>(r.board)].get();
-      const RegisterRow &row = of->table.registers[r.row];
-      nets_.emplace_back(of->find(row.path, row.name), of);
-      nets_.back().first.width = r.width;
-    }
-  }
-  const auto &found = nets_[static_cast<size_t>(reg)];
-  *block = found.second;
-  return found.first;
-}
-
-void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
-  Block *block;
-  const Net net = find(find_register(reg), &block);
-  auto &pokes = block->pokes;
-  pokes.erase(std::remove_if(pokes.begin(), pokes.end(),
-                             [&](const Block::Poke &p) { return p.net.at == net.at; }),
-              pokes.end());
-  if (clear || set) pokes.push_back({net, clear, set});
-  block->catch_up(clock_);
-  net.put((net.get() & ~clear) | set);
-  block->board->settle();
-  block->wake(clock_);
-  touch(*block);
-}
-
-uint64_t Rack::read(int reg) {
-  Block *block;
-  const Net net = find(reg, &block);
-  block->catch_up(clock_);
-  return net.get();
-}
-
-void Rack::upset(int reg, uint64_t bits) {
-  Block *block;
-  const Net net = find(reg, &block);
-  upset_ = true;
-  block->catch_up(clock_);
-  net.put(net.get() ^ bits);
-  block->board->settle();
-  block->wake(clock_);
-  touch(*block);
-  settle();
-  plan();
-}
-
-std::vector<uint8_t> Rack::save() {
-  State state;
-  for (size_t reg = 0; reg < registers().size(); ++reg) {
-    state.registers.push_back(read(static_cast<int>(reg)));
-  }
-  state.pins = pins_.save();
-  state.clock = clock_;
-  state.lines = lines_;
-  return state.pack();
-}
-
-void Rack::restore(const std::vector<uint8_t> &bytes) {
-  Verilated::threadContextp(&context_);
-  const State state = State::unpack(bytes);
-  clock_ = state.clock;
-  pins_.restore(state.pins);
-  for (size_t reg = 0; reg < registers().size(); ++reg) {
-    Block *block;
-    find(static_cast<int>(reg), &block).put(state.registers[reg]);
-  }
-  for (const auto &block : blocks_) {
-    block->board->settle();
-    block->stale = block->reset = false;
-    block->wake(clock_);
-    drive_nets(*block);
-    touch(*block);
-  }
-  dips_moved_ = bus_moved_ = true;
-  settle();
-  look_at_lines();
-  lines_ = static_cast<unsigned>(state.lines);
-  plan();
 }
 
 }  // namespace mmcs

@@ -53,14 +53,19 @@ class Rack final : public Model, private Ports, private Listener {
   void step(int64_t t);
   void changed(int net, int lsb, int width) override;
   void show(Slot &slot);
+  void arrive(Slot &slot, uint64_t value);
+  struct Reader;
+  void arrive_directly(const Reader &reader, int lsb, int width, uint64_t value);
   void touch(Block &block);
   void drive(Slot &slot);
-  void drive_nets(Block &block);
+  bool outputs(Block &block);
   void look_at_lines();
-  void alone(Block &block, int64_t end);
+  void alone(int64_t end);
   void settle();
+  void catch_up(Block &block);
   void listen();
-  void plan();
+  void plan(const Block &block);
+  int64_t cards_due();
   Net find(int reg, Block **block);
   std::vector<std::pair<Net, Block *>> nets_;  // of registers()
   // Ports: what pins.h does to a machine.
@@ -79,13 +84,23 @@ class Rack final : public Model, private Ports, private Listener {
     Slot *slot;
   };
   std::vector<std::vector<Reader>> readers_;              // of each net
-  std::vector<std::vector<std::vector<Slot *>>> by_bit_;  // of each bit of the inputs' nets
-  std::vector<std::vector<int>> followers_;               // logic that looks at each net
-  std::vector<char> due_;                                 // logic that must be worked out
+  std::vector<std::vector<std::vector<Reader>>> by_bit_;  // of each bit of the inputs' nets
+  // Does something for each port that is on these bits of a net.
+  template <class F>
+  void for_readers(int net, int lsb, int width, F f) {
+    const size_t n = static_cast<size_t>(net);
+    const bool one = width == 1 && !by_bit_[n].empty();
+    for (const Reader &r : one ? by_bit_[n][static_cast<size_t>(lsb)] : readers_[n]) {
+      if (r.lsb < lsb + width && lsb < r.lsb + r.width) f(r);
+    }
+  }
+  std::vector<std::vector<int>> followers_;  // logic that looks at each net
+  std::vector<char> due_;                    // logic that must be worked out
   std::vector<int> logic_;
   std::vector<Block *> touched_;
   std::vector<const Slot *> drives_, leds_;
   int ports_[kPorts];
+  bool direct_[kPorts];  // nothing but ports of boards is on this net: it has no value of its own
   // The bus that cards hear: nets by the decoder's ports, slots by card.
   Ears ears_;
   int bus_[4] = {-1, -1, -1, -1};
@@ -96,11 +111,16 @@ class Rack final : public Model, private Ports, private Listener {
   bool bus_moved_ = false, dips_moved_ = true;
   Pins pins_;
   Net dtack_, iackout_, d_oe_;
-  int d_ = -1;  // the net of what the bus master reads
+  int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
+  std::vector<int> d_logic_;
+  std::vector<Slot *> d_slots_;
   Block *adaptor_ = nullptr;
   std::vector<std::pair<Net, int>> line_nets_;
-  int64_t clock_ = 0, next_ = 0, second_ = 0;  // the earliest edges at which boards are due
-  Block *first_ = nullptr;                     // the board that is first
+  Words line_words_, net_words_;  // these; outputs that go to cards
+  int64_t clock_ = 0;
+  std::vector<int64_t> due_at_;  // the next edge of each board
+  int64_t cards_due_ = 0;        // the earliest of those of cards, unless one has moved
+  bool cards_moved_ = true;
   uint64_t evals_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;
   bool stop_lines_ = false;

@@ -32,10 +32,10 @@ void Rack::wire() {
     slot->net = info.net;
     slot->lsb = info.lsb;
     slot->width = info.width;
-    slot->look = block.look_of(info.port);
     for (size_t p = 0; p < block.table.port_count; ++p) {
       if (std::strcmp(block.table.ports[p].name, info.port) == 0) slot->row = &block.table.ports[p];
     }
+    block.look_of(*slot);
     const size_t net = static_cast<size_t>(info.net);
     const int card = info.board - 1;  // the cards follow the adaptor in rtl/mmcs.sv
     if (slot->row->out) {
@@ -55,9 +55,19 @@ void Rack::wire() {
     if (std::strcmp(info.port, "leds_o") == 0) leds_.push_back(slot.get());
     slots_.push_back(std::move(slot));
   }
-  // Logic that nobody looks at need not be worked out.
+  // Logic that nobody looks at need not be worked out, and what the bus master reads when it does.
   d_ = Wires::find("vme_d_o");
-  read[static_cast<size_t>(d_)] = 1;
+  for (size_t l = 0; l < kWires.logic.size(); ++l) {
+    const LogicInfo &logic = kWires.logic[l];
+    if (std::count(logic.targets.begin(), logic.targets.end(), d_) == 0) continue;
+    d_logic_.push_back(static_cast<int>(l));
+    for (const auto &slot : slots_) {
+      if (slot->row->out &&
+          std::count(logic.sources.begin(), logic.sources.end(), slot->net) != 0) {
+        d_slots_.push_back(slot.get());
+      }
+    }
+  }
   for (size_t round = 0; round < kWires.logic.size(); ++round) {
     for (size_t l = 0; l < kWires.logic.size(); ++l) {
       const LogicInfo &logic = kWires.logic[l];
@@ -79,10 +89,12 @@ void Rack::wire() {
     auto &bits = by_bit_[static_cast<size_t>(n)];
     bits.resize(static_cast<size_t>(kWires.nets[static_cast<size_t>(n)].width));
     for (const Reader &r : readers_[static_cast<size_t>(n)]) {
+      r.slot->port.put(0);
       for (int bit = r.lsb; bit < r.lsb + r.width; ++bit) {
-        bits[static_cast<size_t>(bit)].push_back(r.slot);
+        bits[static_cast<size_t>(bit)].push_back(r);
       }
     }
+    direct_[port] = followers_[static_cast<size_t>(n)].empty();
   }
   // An output matters to its board's neighbours if a pin or logic is on its net.
   adaptor_ = blocks_[0].get();
@@ -95,7 +107,7 @@ void Rack::wire() {
                                 return !read[n];
                               }),
                outs.end());
-    for (const Slot *s : outs) block->out_words.add(block->base, s->port);
+    for (const Slot *s : outs) block->out_words.add(block->board().base, s->port);
   }
   iackout_ = adaptor_->find("", "vme_iackout_no");
   d_oe_ = adaptor_->find("", "vme_d_oe_o");
@@ -104,9 +116,11 @@ void Rack::wire() {
       {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) {
     line_nets_.emplace_back(adaptor_->find("", name), bit);
-    adaptor_->out_words.add(adaptor_->base, line_nets_.back().first);
+    line_words_.add(adaptor_->board().base, line_nets_.back().first);
+    adaptor_->out_words.add(adaptor_->board().base, line_nets_.back().first);
   }
-  adaptor_->out_words.add(adaptor_->base, dtack_);
+  for (const Slot *s : adaptor_->outs) net_words_.add(adaptor_->board().base, s->port);
+  adaptor_->out_words.add(adaptor_->board().base, dtack_);
 }
 
 }  // namespace mmcs

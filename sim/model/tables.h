@@ -11,7 +11,7 @@ namespace mmcs {
 struct RegisterRow {
   const char *path, *name;  // path: of the instance, within the board
   int width;
-  int unit;            // the board less its chips is 0
+  int unit;
   int strides[2];      // of a counter, that goes down; else 0
   int margin;          // it comes to this value and below by real clocks
   const char *unless;  // the register beside it must be 0
@@ -32,9 +32,19 @@ struct PortRow {
   const char *name;
   int width;
   bool out;
-  bool slow;   // resets without a clock
   bool heard;  // only while the decoder says so
   int quiet;   // at rest it is not looked at; of the decoder: its value without a command
+};
+// A port of a chip on a wire of its board.
+struct LinkRow {
+  const char *name;
+  bool out;
+};
+// Unit 0 is the board less its chips; the others are chips, each a model of its own.
+struct UnitRow {
+  const char *path, *module;
+  const LinkRow *links;
+  size_t link_count;
 };
 struct BoardTable {
   const char *module;
@@ -42,7 +52,7 @@ struct BoardTable {
   const NetRow *nets;
   const GuardRow *guards;
   const PortRow *ports;
-  const char *const *units;  // paths of the instances with a clock of their own
+  const UnitRow *units;
   size_t register_count, net_count, guard_count, port_count, unit_count;
 };
 

@@ -19,17 +19,19 @@ void Words::add(const char *base, const Net &net) {
             [](const Word &a, const Word &b) { return a.offset < b.offset; });
 }
 
-bool Unit::count(int64_t clocks) {
+void Unit::count(int64_t clocks) {
   for (Counter &c : counters) {
     if (c.delta == 0) continue;
     c.kept = (c.kept - c.delta * static_cast<uint64_t>(clocks)) & c.net.mask();
     c.net.put(c.kept);
   }
   if (room_ != kNever) room_ -= clocks;
-  return true;
+  stale = true;
 }
 
-void Unit::look_at_counters() {
+// True if each stood or went down by a stride; then room_ is how often it may.
+bool Unit::look_at_counters() {
+  bool still = true;
   moving_ = false;
   for (Counter &c : counters) {
     const uint64_t now = c.net.get();
@@ -41,24 +43,34 @@ void Unit::look_at_counters() {
     const bool regular = before > now && (c.delta == c.strides[0] || c.delta == c.strides[1]) &&
                          !(c.unless && c.unless.get() != 0);
     if (!regular || now <= c.margin) {
-      still_ = false;
+      still = false;
       c.delta = 0;
       continue;
     }
     moving_ = true;
     room_ = std::min(room_, static_cast<int64_t>((now - c.margin) / c.delta));
   }
+  return still;
 }
 
 void Unit::renew(int64_t t) {
-  still_ = moving_ = false;
-  last = t;
+  moving_ = false;
+  last_ = t;
   due = t + 1;
-  moved_ = -kNever;  // t may be earlier than what has been
   for (Counter &c : counters) {
     c.kept = c.net.get();
     c.delta = 0;
   }
+}
+
+void Unit::poke() {
+  bool changed = false;
+  for (const Poke &p : pokes) {
+    const uint64_t before = p.net.get(), after = (before & ~p.clear) | p.set;
+    changed = changed || before != after;
+    p.net.put(after);
+  }
+  if (changed) model->settle();
 }
 
 }  // namespace mmcs

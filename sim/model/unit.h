@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part of a board with a clock of its own in the model, and when it needs the next one.
+// A Verilated part, board or chip, and when it needs its next clock.
 //
 // At rest: one clock with inputs that stood left all registers as they were, and each counter stood
 // or moved by a stride that counters.toml declares. Then the next clock does the same, until a
@@ -9,6 +9,9 @@
 #include <climits>
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "board.h"
@@ -33,7 +36,6 @@ class Words {
     }
     return (difference[0] | difference[1]) != 0;
   }
-  bool empty() const { return words_.empty(); }
 
  private:
   typedef uint64_t Bits __attribute__((vector_size(16)));
@@ -64,65 +66,84 @@ struct Guard {
   }
 };
 
+// Bits of a register that a fault holds.
+struct Poke {
+  Net net;
+  uint64_t clear, set;
+};
+
 class Unit {
  public:
-  uint64_t trigger = 0;
+  explicit Unit(std::unique_ptr<Board> m) : model(std::move(m)), base(model->base()) {
+    model->port("clk_i").put(1);
+  }
+
+  std::unique_ptr<Board> model;
+  char *base;
   Words registers;
   std::vector<Counter> counters;
-  // What it looks at within the board: always, and unless it is quiet. Ports: see moved_port().
-  Words inputs, quiet_inputs;
-  Guard quiet;
   std::vector<Net> awake;  // while one of these is not 0, it does not rest
+  std::vector<Poke> pokes;
+  int64_t due = 0;    // the next edge that it must be given
+  bool stale = true;  // inputs or counters were written, and nothing has followed
+  bool fresh = true;  // evaluated since its outputs were last looked at
 
-  int64_t last = 0;  // the edge up to which the registers are
-  int64_t due = 0;   // the next that it must be given
-
-  // Counters up to edge t, of a unit at rest; true if any moved.
-  bool catch_up(int64_t t) {
-    const int64_t clocks = t - last;
-    last = t;
-    return clocks > 0 && moving_ && count(clocks);
+  // Counters up to edge t, of a unit at rest.
+  void catch_up(int64_t t) {
+    const int64_t clocks = t - last_;
+    last_ = t;
+    if (clocks > 0 && moving_) count(clocks);
   }
-  // A port of the board that it looks at has moved since the last look().
-  void moved_port() { port_moved_ = true; }
-  // After a clock, edge t: what it changed.
-  void clocked(const char *base, int64_t t) {
-    last = t;
-    still_ = !registers.moved(base);
-    for (const Net &net : awake) still_ = still_ && net.get() == 0;
-    room_ = kNever;
-    if (!counters.empty()) look_at_counters();
+  // After edge t an input has moved that concerns its registers.
+  void wake(int64_t t) {
+    catch_up(t);
+    due = t + 1;
   }
-  // After everything else of edge t: do the inputs stand? Sets due; true if counters were brought
-  // up to t, and what follows from them is stale.
-  bool look(const char *base, int64_t t) {
-    if (port_moved_ || inputs.moved(base) ||
-        (!quiet_inputs.empty() && !quiet.holds() && quiet_inputs.moved(base))) {
-      port_moved_ = false;
-      const bool counted = catch_up(t);
-      moved_ = t;
+  // What follows from its inputs as they are after edge t.
+  void follow(int64_t t) {
+    catch_up(t);
+    stale = false;
+    fresh = true;
+    if (model->inputs()) renew(t);
+  }
+  // Edge t, with inputs and counters as they were after the one before; what it changed.
+  void clock(int64_t t) {
+    model->clock();
+    if (!pokes.empty()) poke();
+    fresh = true;
+    last_ = t;
+    for (const Net &net : awake) {
+      if (net.get() == 0) continue;
+      known_ = moving_ = false;
       due = t + 1;
-      return counted;
+      return;
     }
-    if (last == t && moved_ != t) {
-      due = !still_ || room_ < kWorth ? t + 1 : room_ == kNever ? kNever : t + room_ + 1;
-    }
-    return false;
+    bool still = !registers.moved(base) && known_;
+    known_ = true;
+    room_ = kNever;
+    if (!counters.empty()) still = look_at_counters() && still;
+    due = !still || room_ < kWorth ? t + 1 : room_ == kNever ? kNever : t + room_ + 1;
   }
-  // Somebody wrote its registers: nothing is known.
+  // Somebody wrote its registers: what follows from them; of rest nothing is known.
+  void written(int64_t t) {
+    model->settle();
+    fresh = true;
+    renew(t);
+  }
+  // At each clock, whatever it does.
   void renew(int64_t t);
+  void poke();
 
  private:
   // Fewer clocks than this are not worth a rest: waking costs as much.
   static constexpr int64_t kWorth = 4;
 
-  bool count(int64_t clocks);
-  void look_at_counters();
+  void count(int64_t clocks);
+  bool look_at_counters();
 
-  int64_t moved_ = -kNever;  // the last edge after which inputs moved
-  bool port_moved_ = false;
+  int64_t last_ = 0;     // the edge up to which the registers are
+  bool known_ = false;   // `registers` has the last clock's
   bool moving_ = false;  // a counter moved with the last clock
-  bool still_ = false;   // that clock changed nothing but counters
   int64_t room_ = 0;     // so many more clocks are like it
 };
 
