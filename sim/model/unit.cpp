@@ -54,7 +54,7 @@ bool Unit::look_at_counters() {
 }
 
 void Unit::renew(int64_t t) {
-  moving_ = false;
+  known_ = moving_ = false;
   last_ = t;
   due = t + 1;
   for (Counter &c : counters) {
