@@ -9,7 +9,7 @@
 namespace mmcs {
 namespace {
 
-constexpr size_t kKnown = 4096;  // 12 bits of a hash
+constexpr size_t kKnown = 1 << 16;  // bits of a hash
 
 // Everything that a decoder says, as one number to compare.
 template <class T>
@@ -52,7 +52,7 @@ bool Ears::hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
 uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
                     const std::vector<Net> &dips) {
   const uint32_t key = address << 3 | aen << 2 | ior_n << 1 | iow_n;
-  Entry &entry = known_[key * 2654435761u >> 20];
+  Entry &entry = known_[key * 2654435761u >> 16];
   if (entry.key != key) {
     entry = {key, 0};
     for (size_t n = 0; n < dips.size(); ++n) {
