@@ -119,6 +119,7 @@ static int servo_pass(struct mc *mc) {
     if (!skip_pass(mc) && mc->power == MC_RUNNING) hw_write_dacs(mc);
     return 0;
   }
+  if (guard_trips(mc)) return 0;
   mc->skipped = 0;
   servo_all(mc);
   if (mc->power != MC_IDLE) {

@@ -46,6 +46,7 @@ static int get_num_cards(struct mc *mc, int client, union argument *arg) {
 static int set_num_joints(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (arg->value < 0 || arg->value > mc->axes) return -MC_EINVAL;
+  if (guard_locks(mc)) return -MC_EBUSY;
   int low = arg->value < mc->joints ? arg->value : mc->joints;
   int high = arg->value < mc->joints ? mc->joints : arg->value;
   for (int axis = low; axis < high; axis++) {
@@ -127,7 +128,7 @@ static int stop(struct mc *mc, int client, union argument *arg) {
 static int enable(struct mc *mc, int client, union argument *arg) {
   (void)client;
   (void)arg;
-  int result = power_enable(mc);
+  int result = guard_locks(mc) ? -MC_EBUSY : power_enable(mc);
   if (result == 0) say(mc, "enabled, axes:", mc->axes);
   return result;
 }
@@ -154,6 +155,7 @@ static int clear_error(struct mc *mc, int client, union argument *arg) {
 static int set_interval(struct mc *mc, int client, union argument *arg) {
   uint32_t n0 = 0, n1 = 0;
   (void)client;
+  if (guard_locks(mc)) return -MC_EBUSY;
   if (timer_counts(mc, arg->word, &n0, &n1) != 0) return -MC_EINVAL;
   for (int axis = 0; axis < mc->axes; axis++) {
     if (!is_too_slow(&mc->axis[axis].par, arg->word)) continue;
@@ -240,6 +242,7 @@ static int set_dac(struct mc *mc, int client, union argument *arg) {
 
 static int dac_mode(struct mc *mc, int client, union argument *arg) {
   (void)client;
+  if (guard_locks(mc)) return -MC_EBUSY;
   mc->double_buffer = arg->value != 0;
   mc->buffered = mc->double_buffer;
   power_apply_modes(mc);

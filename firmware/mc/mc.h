@@ -58,9 +58,20 @@ struct mc_os {
   int (*copy_out)(void *ctx, void *to_user, const void *from, size_t len);
 };
 
+/* Checks that the report does not have; what is 0 is off. What one finds stops the machine as a
+ * PANIC does. */
+struct mc_guard {
+  int32_t jump;     /* counts that a counter may move in an SCLOCK interval */
+  int32_t follow;   /* counts that an axis in position mode may be off its demand, */
+  uint32_t samples; /* for so many samples in a row */
+  uint32_t missed;  /* SCLOCKs in a row, and one more, that no pass may serve */
+  uint8_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MSETNUMJOINTS give EBUSY */
+};
+
 struct mc_config {
   uint32_t sysclk_hz; /* rate of the system clock that feeds timer 0: 8, 4, 2 or 1 MHz */
   uint8_t vector;     /* interrupt vector number written to 0x441 */
+  struct mc_guard guard;
 };
 
 #define MC_MAX_CARDS 16

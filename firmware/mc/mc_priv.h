@@ -37,6 +37,7 @@ struct mc_axis {
   int32_t setpoint;
   int32_t position; /* 32 bits, congruent to the counter */
   int32_t wait;     /* SCLOCKs until the next servo sample */
+  uint32_t astray;  /* samples in a row that were too far off the demand */
   uint16_t index;   /* count at the last index */
   uint16_t counter; /* the 16-bit counter at the last sample */
   uint16_t raw;     /* A/D at the last sample */
@@ -166,6 +167,8 @@ void power_rest(struct mc *mc);
 void power_panic(struct mc *mc);
 /* Passes go by without a servo sample: a PANIC of our own. */
 void power_overrun(struct mc *mc);
+/* The same for what else cannot go on: with one line that says why. */
+void power_trip(struct mc *mc, const char *what, int number, const char *more);
 /* Ports B as power, diagnostic and buffer modes want them. */
 void power_apply_modes(struct mc *mc);
 
@@ -191,6 +194,10 @@ void error_unseen(struct mc *mc, int client, int axes, const struct mc_state *sh
 void error_clear(struct mc *mc, int client);
 void error_signal(struct mc *mc);
 void mc_count(int *counter, unsigned by);
+
+/* guard.c */
+int guard_trips(struct mc *mc);
+int guard_locks(const struct mc *mc); /* 1: a request that disturbs the servo is refused now */
 
 /* text.c: one line for the console out of words and a number; "" and -1 leave out. */
 void text_log(struct mc *mc, const char *what, int number, const char *more);

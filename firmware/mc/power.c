@@ -31,6 +31,7 @@ void power_restart_axes(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;
+    x->astray = 0;
     axis_forget_demand(x);
   }
 }
@@ -121,10 +122,14 @@ static void tell_all(struct mc *mc) {
   error_signal(mc);
 }
 
-void power_overrun(struct mc *mc) {
+void power_trip(struct mc *mc, const char *what, int number, const char *more) {
   power_stop(mc);
   tell_all(mc);
-  text_log(mc, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms", -1, "");
+  text_log(mc, what, number, more);
+}
+
+void power_overrun(struct mc *mc) {
+  power_trip(mc, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms", -1, "");
 }
 
 void power_panic(struct mc *mc) {

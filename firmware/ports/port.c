@@ -156,7 +156,7 @@ static int32_t serve(void) {
 
 /* Entered with everything masked. */
 void port_main(void) {
-  const struct mc_config config = {8000000, PORT_VECTOR};
+  const struct mc_config config = {8000000, PORT_VECTOR, {0}};
   (void)mc_attach(&driver, &bus, &os, &config);
   BOX->posted = BOX->done = 0;
   BOX->stop = BOX->stopped = 0;

@@ -167,7 +167,7 @@ def _request(dice: random.Random, n: int, motion: Motion, at: float) -> Fault:
         name = dice.choice(PARAMETERS)
         flipped = (motion.parameters[axis][name] & 0xFFFFFFFF) ^ 1 << dice.randrange(32)
         call["set"] = {name: flipped - (flipped >> 31 << 32)}
-        if name in ("ilim", "clkdivisor"):  # the scenario takes no negative one
-            call["set"][name] = flipped & 0x7FFFFFFF
+        if name in ("ilim", "clkdivisor"):  # a scenario takes no negative one, and no divisor 0
+            call["set"][name] = (flipped & 0x7FFFFFFF) or 2
         what = f"MSETPARAM {name}"
     return Fault(n, motion.name, "message", what, at, call=call)

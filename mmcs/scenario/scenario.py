@@ -24,6 +24,12 @@ class Host(Strict):
     cpu_us_per_axis: float = Field(430 / 6, ge=0, le=10_000)  # a Sun 3/160: 430 us for six
     latency_max_us: float = Field(100.0, ge=0, le=100_000)
     bus_timeout_us: float = Field(16.0, ge=2, le=1000)
+    # checks that the report does not have (struct mc_guard); --host native only
+    guard_jump: int = Field(0, ge=0, le=32767)
+    guard_follow: int = Field(0, ge=0, le=INT_MAX)
+    guard_samples: int = Field(5, ge=0, le=INT_MAX)
+    guard_missed: int = Field(0, ge=0, le=INT_MAX)
+    guard_lock: bool = False
     # --host m68020 only
     wait_states: int = Field(0, ge=0, le=100)
     instruction_cache: Literal["ideal", "256 bytes"] = "ideal"

@@ -34,7 +34,11 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       motion_(config.axes),
       recorder_(config.axes) {
   bind();
-  const struct mc_config mc_config = {kSysclkHz, kVector};
+  const struct mc_config mc_config = {
+      kSysclkHz,
+      kVector,
+      {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
+       static_cast<uint32_t>(config.guard_missed), config.guard_lock != 0}};
   if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
     throw std::runtime_error("the driver refuses its configuration");
   }

@@ -74,8 +74,10 @@ typedef struct mmcs_config {
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
   int32_t instruction_cache; /* bytes of it that are modelled: 256, or 0 if every fetch hits */
-  const char *processor;     /* file names for a real processor: its library, */
-  const char *firmware;      /* and the image that it runs */
+  /* struct mc_guard of the native driver, all 0: as the report has it */
+  int32_t guard_jump, guard_follow, guard_samples, guard_missed, guard_lock;
+  const char *processor; /* file names for a real processor: its library, */
+  const char *firmware;  /* and the image that it runs */
 } mmcs_config;
 enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1, MMCS_HOST_RV32 = 2 };
 

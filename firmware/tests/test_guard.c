@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The checks of struct mc_guard: each finds what it is for, at its limit, and only when asked. */
+#include "mc_priv.h"
+#include "hear.h"
+
+/* Two axes under power in position mode, at rest, 1 ms. */
+static struct mc *guarded(struct mc_guard guard) {
+  struct mc *mc = listening(1);
+  unsigned us = 1000;
+  mc->config.guard = guard;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  for (int axis = 0; axis < 2; axis++) {
+    struct mc_param par = {.which = axis};
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    par.mode = MD_POS;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  }
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  mock_run(&m, 20000);
+  CHECK(mc_is_enabled(mc));
+  said[0] = 0;
+  m.signals[0] = 0;
+  return mc;
+}
+
+static void check_stopped(struct mc *mc, const char *why) {
+  CHECK(!mc_is_enabled(mc));
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
+  CHECK_EQ(mc_state_of(mc, 1)->errcode, 1 << 8 | MERR_PANIC);
+  CHECK_EQ(mock_dac(&m, 0), 0x800);
+  CHECK_EQ(mock_dac(&m, 1), 0x800);
+  CHECK_EQ(m.signals[0], 1);
+  CHECK_EQ(strcmp(said, why), 0);
+  mock_stop(&m);
+}
+
+static void check_goes_on(struct mc *mc) {
+  mock_run(&m, 20000);
+  CHECK(mc_is_enabled(mc));
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_counter_that_jumps(void) {
+  for (int sign = -1; sign <= 1; sign += 2) {
+    struct mc *mc = guarded((struct mc_guard){.jump = 100});
+    m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + sign * 100);
+    check_goes_on(mc);
+    mc = guarded((struct mc_guard){.jump = 100});
+    m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + sign * 101);
+    mock_run(&m, 2000);
+    check_stopped(mc, "mc: PANIC: axis 1: its counter jumps\n");
+  }
+}
+
+/* As often as SCLOCKs have passed, so often may it have moved. */
+// req: DRV-9
+static void test_counter_that_nobody_read_for_a_while(void) {
+  struct mc *mc = guarded((struct mc_guard){.jump = 100});
+  m.latency_us = 3300;
+  m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 290);
+  mock_run(&m, 4000);
+  m.latency_us = 0;
+  check_goes_on(mc);
+}
+
+// req: DRV-9
+static void test_axis_that_does_not_follow(void) {
+  int32_t far[2] = {51, 0}, near[2] = {50, 0};
+  struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
+  CHECK_EQ(mc_write(mc, 0, near, 8), 8);
+  check_goes_on(mc);
+  mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
+  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  mock_run(&m, 5000); /* five samples are allowed */
+  CHECK(mc_is_enabled(mc));
+  CHECK_EQ(mc_write(mc, 0, near, 8), 8); /* and after a good one, five again */
+  mock_run(&m, 1000);
+  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  mock_run(&m, 5000);
+  CHECK(mc_is_enabled(mc));
+  mock_run(&m, 2000);
+  check_stopped(mc, "mc: PANIC: axis 0 does not follow\n");
+}
+
+// req: DRV-9
+static void test_sclocks_that_nobody_served(void) {
+  struct mc *mc = guarded((struct mc_guard){.missed = 3});
+  m.latency_us = 2300; /* every third is served */
+  mock_run(&m, 3000);
+  m.latency_us = 0;
+  check_goes_on(mc);
+  mc = guarded((struct mc_guard){.missed = 3});
+  m.latency_us = 4300;
+  mock_run(&m, 6000);
+  CHECK(strstr(said, "PANIC: SCLOCKs that no pass served") != NULL);
+  CHECK(!mc_is_enabled(mc));
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_requests_that_wait_until_the_servo_rests(void) {
+  unsigned us = 2000, one = 1;
+  for (int lock = 0; lock < 2; lock++) {
+    struct mc *mc = guarded((struct mc_guard){.lock = (uint8_t)lock});
+    int refused = lock ? -MC_EBUSY : 0;
+    CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &one), refused);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), refused);
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), refused);
+    CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), refused);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    mock_stop(&m);
+  }
+}
+
+/* The driver of the report does none of it. */
+// req: DRV-9
+static void test_nothing_is_checked_that_was_not_asked_for(void) {
+  int32_t far[2] = {20000, -20000};
+  struct mc *mc = guarded((struct mc_guard){0});
+  m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);
+  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  m.latency_us = 20300;
+  mock_run(&m, 30000);
+  m.latency_us = 0;
+  check_goes_on(mc);
+}
+
+int main(int argc, char **argv) {
+  static const struct test tests[] = {
+      {"test_counter_that_jumps", test_counter_that_jumps},
+      {"test_counter_that_nobody_read_for_a_while", test_counter_that_nobody_read_for_a_while},
+      {"test_axis_that_does_not_follow", test_axis_that_does_not_follow},
+      {"test_sclocks_that_nobody_served", test_sclocks_that_nobody_served},
+      {"test_requests_that_wait_until_the_servo_rests",
+       test_requests_that_wait_until_the_servo_rests},
+      {"test_nothing_is_checked_that_was_not_asked_for",
+       test_nothing_is_checked_that_was_not_asked_for},
+  };
+  return run_tests(tests, sizeof tests / sizeof tests[0], argc, argv);
+}
