@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: learn-test linuxcnc-test attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: fusesoc-test learn-test linuxcnc-test attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -185,6 +185,12 @@ learn-test: $(VENV)/.test ## the Gymnasium environment, installed and tested
 	@$(call INSTALL,Gymnasium,-e .[learn])
 	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
+fusesoc-test: $(VENV)/.test ## FuseSoC lints, simulates and synthesises each core
+	@$(call INSTALL,FuseSoC,-e .[fusesoc])
+	@tools/need_debian.sh iverilog iverilog
+	@tools/need_debian.sh yosys yosys
+	@$(BIN)/python -m pytest bridges/fusesoc/tests
+
 linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; PLOT=1: draws it into docs
 	@tools/need_debian.sh halcompile linuxcnc-uspace-dev
 	@cd build && halcompile --install ../bridges/linuxcnc/mmcs.comp >linuxcnc.log 2>&1 || \
@@ -219,6 +225,7 @@ generate: $(VENV)/.test ## rewrite what is generated from the register descripti
 	@$(BIN)/python tools/trace.py
 	@$(BIN)/python tools/chip_pages.py
 	@$(BIN)/python tools/rooms.py
+	@$(BIN)/python tools/cores.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the FuseSoC core of each chip, from mmcs.core and the chip's own text; `make generate`.
+
+tools/cores.py                    rewrites the cores of the chips, <chip>.core
+tools/cores.py --check            fails where one is not fresh
+tools/cores.py --provider URL     prints mmcs.core with a provider entry, for a core library
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+CHIPS = ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")
+HEAD = "CAPI=2:\n# SPDX-License-Identifier: Apache-2.0\n"
+
+
+def manifest() -> dict:
+    return yaml.safe_load((ROOT / "mmcs.core").read_text().split("\n", 1)[1])
+
+
+def needs(chip: str, files: list) -> list:
+    """The files of the manifest that a chip is made of, its include files first."""
+    names = {Path(f).stem: f for f in files if isinstance(f, str)}
+    includes = [f for f in files if not isinstance(f, str)]
+    found, todo = set(), [chip]
+    while todo:
+        name = todo.pop()
+        if name not in found:
+            found.add(name)
+            text = (ROOT / names[name]).read_text()
+            used = re.findall(r"^\s*(\w+) (?:#\(|u_\w+)|(\w+)::", text, re.M)
+            todo += [word for pair in used for word in pair if word in names]
+    return [*includes, *(f for f in files if isinstance(f, str) and Path(f).stem in found)]
+
+
+def core(chip: str) -> str:
+    """The chip alone, and its bench of docs/hardware/chips."""
+    whole = manifest()
+    text = (ROOT / "rtl" / "chips" / f"{chip}.sv").read_text()
+    purpose = text.splitlines()[1].removeprefix("// ").partition(". ")[0].rstrip(".")
+    data = {
+        "name": f"mmcs:chips:{chip}:{whole['name'].split(':')[-1]}",
+        "description": purpose,
+        "filesets": {
+            "rtl": {
+                "files": needs(chip, whole["filesets"]["rtl"]["files"]),
+                "file_type": "systemVerilogSource",
+            },
+            "bench": {
+                "files": [f"docs/hardware/chips/{chip}_tb.sv"],
+                "file_type": "systemVerilogSource",
+            },
+        },
+        "targets": {
+            "default": {"filesets": ["rtl"], "toplevel": chip},
+            "lint": whole["targets"]["lint"] | {"filesets": ["rtl"], "toplevel": chip},
+            "sim": {
+                "filesets": ["rtl", "bench"],
+                "toplevel": f"{chip}_tb",
+                "flow": "sim",
+                "flow_options": {"tool": "icarus", "iverilog_options": ["-g2012"]},
+            },
+            "synth": whole["targets"]["synth"] | {"filesets": ["rtl"], "toplevel": chip},
+        },
+    }
+    for target in data["targets"].values():
+        target.pop("parameters", None)
+    by = "# Written by tools/cores.py from mmcs.core: change that, and run `make generate`.\n"
+    return HEAD + by + yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
+
+
+def main() -> int:
+    if sys.argv[1:2] == ["--provider"] and len(sys.argv) == 3:
+        entry = {"provider": {"name": "url", "url": sys.argv[2], "filetype": "tar"}}
+        print(
+            (ROOT / "mmcs.core").read_text() + "\n" + yaml.safe_dump(entry, sort_keys=False), end=""
+        )
+        return 0
+    stale = [c for c in CHIPS if not (p := ROOT / f"{c}.core").exists() or p.read_text() != core(c)]
+    if sys.argv[1:] == ["--check"]:
+        if stale:
+            print(f"cores: {', '.join(stale)}: not fresh; run `make generate`", file=sys.stderr)
+        return 1 if stale else 0
+    for chip in stale:
+        (ROOT / f"{chip}.core").write_text(core(chip))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The cores of the chips are what mmcs.core makes of them."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+import cores  # noqa: E402
+
+
+def test_they_are_fresh_and_a_stale_one_is_named():
+    done = subprocess.run([sys.executable, "tools/cores.py", "--check"], cwd=ROOT, check=False)
+    assert done.returncode == 0
+
+
+def test_a_chip_has_what_it_is_made_of():
+    files = cores.manifest()["filesets"]["rtl"]["files"]
+    found = [f for f in cores.needs("i8254", files) if isinstance(f, str)]
+    assert found == ["rtl/chips/i8254_counter.sv", "rtl/chips/i8254.sv"]
