@@ -4,6 +4,7 @@
 import { el } from "./dom.js";
 import { faultsView } from "./faults.js";
 import { frontView } from "./front.js";
+import { lawView } from "./law.js";
 import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
 import { timeView } from "./time.js";
@@ -13,6 +14,7 @@ export function tabs(page, log) {
   const views = [
     scopeView(page),
     tuneView(page),
+    lawView(page),
     frontView(page),
     registersView(page),
     faultsView(page),

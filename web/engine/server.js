@@ -2,6 +2,9 @@
 // The machine's messages (docs/use/protocol.md) inside a page: what mmcs/device/ is for a socket, for
 // one page and the frame of STOP. The scenario's own program is client 1.
 
+import { OPERATIONS } from "./operations.js";
+import { E, nameOf, PAGE, Refused } from "./refused.js";
+
 const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
   "current"];  // prettier-ignore
 const ROWS_AT_ONCE = 256;
@@ -10,21 +13,10 @@ const KEPT_ROWS = 8192;
 const KEPT_EVENTS = 4096;
 const EVERY_S = 0.1;
 const KEPT = 100;
-const [EPERM_BADF, EBUSY, EINVAL, EIO, ENOSYS] = [9, 16, 22, 5, 38];
-const NAMES = { 1: "EPERM", 5: "EIO", 6: "ENXIO", 9: "EBADF", 16: "EBUSY", 22: "EINVAL", 38: "ENOSYS" };
-const PROGRAM = 1;
-const PAGE = 2;
 const MOMENTARY = ["host_stall", "bus_error", "encoder_slip"];
 // What a record can hold of a person's requests, as [[call]].
 const RECORDED = ["MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP",
   "MZEROSTATS"];  // prettier-ignore
-
-class Refused extends Error {
-  constructor(errno, text) {
-    super(text);
-    this.errno = errno;
-  }
-}
 
 export class Server {
   /** say(message) carries a text (object) or samples (ArrayBuffer) to the page. */
@@ -44,6 +36,7 @@ export class Server {
     this.asked = new Set();
     this.spoiled = ""; // why the record would not replay
     this.target = null; // of `advance`
+    this.law = null; // of a person's own (law.js)
   }
 
   hello() {
@@ -63,11 +56,11 @@ export class Server {
     const serve = Object.hasOwn(OPERATIONS, op) ? OPERATIONS[op] : null;
     let reply;
     try {
-      if (!serve) throw new Refused(ENOSYS, `op: there is no ${op} in this page`);
+      if (!serve) throw new Refused(E.ENOSYS, `op: there is no ${op} in this page`);
       reply = { ok: true, ...(await serve(this, message)) };
     } catch (no) {
-      const errno = no.errno ?? EIO;
-      reply = { ok: false, errno, error: NAMES[errno] ?? String(errno), text: no.message };
+      const errno = no.errno ?? E.EIO;
+      reply = { ok: false, errno, error: nameOf(errno), text: no.message };
     }
     this.say({ type: "reply", id, ...reply });
   }
@@ -112,12 +105,12 @@ export class Server {
   }
 
   mustControl() {
-    if (this.lease !== null && this.lease !== PAGE) throw new Refused(EBUSY, "another has the lease");
+    if (this.lease !== null && this.lease !== PAGE) throw new Refused(E.EBUSY, "another has the lease");
   }
 
   mustBeOpen(writing = false) {
     if (this.page < 0 || (writing && !this.writable))
-      throw new Refused(EPERM_BADF, `the device is not open${writing ? " for writing" : ""}`);
+      throw new Refused(E.EBADF, `the device is not open${writing ? " for writing" : ""}`);
   }
 
   check(result) {
@@ -132,8 +125,8 @@ export class Server {
     const momentary = name.startsWith("seu_") || MOMENTARY.includes(name);
     const result = session.playing
       ? session.personSets(name, index, value)
-      : sim.addEvent(sim.time, name, index, value) ? 0 : -EINVAL;  // prettier-ignore
-    if (result < 0) throw new Refused(EINVAL, `there is no input ${name} ${index}`);
+      : sim.addEvent(sim.time, name, index, value) ? 0 : -E.EINVAL;  // prettier-ignore
+    if (result < 0) throw new Refused(E.EINVAL, `there is no input ${name} ${index}`);
     if (!momentary) this.inputs.set(`${name} ${index}`, value);
     if (!session.playing) sim.run(sim.time + 1 / sim.clk_hz);
   }
@@ -170,6 +163,17 @@ export class Server {
     head.setFloat64(24, f.row - count * f.every, true);
     whole.set(bytes, HEAD_BYTES);
     return whole.buffer;
+  }
+
+  /** The setpoints in force, from the last sample; of an axis with a law, none. */
+  setpoints() {
+    const { sim } = this;
+    const head = sim.tapHead();
+    const { bytes, count } = sim.tapRows(Math.max(0, head.rows - 1), 1, 1);
+    const ints = new Int32Array(bytes.buffer, 0, bytes.length >> 2);
+    const joints = count ? ints[5] : sim.axes;
+    const at = (axis) => (count ? ints[6 + axis * FIELDS.length + FIELDS.indexOf("setpoint")] : 0);
+    return Array.from({ length: joints }, (_, n) => (n === this.law?.axis ? 0 : at(n)));
   }
 
   // --- the device ---
@@ -233,163 +237,3 @@ function named(word, C) {
   const mode = Object.keys(C.MODES).find((name) => C[C.MODES[name]] === (word & 0xf));
   return { mode, flags: C.FLAGS.filter((flag) => word & C[flag.toUpperCase()]) };
 }
-
-function integer(message, name, low, high, fallback) {
-  const value = message[name] ?? fallback;
-  if (!Number.isInteger(value) || value < low || value > high)
-    throw new Refused(EINVAL, `${name}: a whole number from ${low} to ${high}`);
-  return value;
-}
-
-const bus = (s, value) => {
-  if (value === -1) throw new Refused(EIO, "bus time-out");
-  if (value < 0) throw new Refused(EIO, "bus error");
-  return value;
-};
-
-const OPERATIONS = {
-  hello: (s) => s.hello(),
-  name: () => ({}),
-  alive: () => ({}),
-  open: (s, { mode }) => {
-    if (s.page >= 0) throw new Refused(EBUSY, "the device is open already");
-    s.page = s.check(s.sim.open(mode === "rw" ? 2 : 0));
-    s.writable = mode === "rw";
-    return {};
-  },
-  close: (s) => {
-    s.mustBeOpen();
-    if (s.lease === PAGE) s.setLease(null);
-    s.sim.close(s.page);
-    s.page = -1;
-    return {};
-  },
-  read: (s, { axes = 2 * s.sim.cards }) => {
-    s.mustBeOpen();
-    const states = s.sim.read(s.page, axes);
-    if (!Array.isArray(states)) s.check(states);
-    return { states: states.map((state) => Object.values(state)) };
-  },
-  write: (s, { setpoints }) => {
-    s.mustBeOpen(true);
-    s.mustControl();
-    if (s.session.playing) throw new Refused(EBUSY, "the scenario's program writes the setpoints until its motion ends");
-    s.check(s.sim.write(s.page, setpoints));
-    return {};
-  },
-  call: (s, message) => s.call(message),
-  change: async (s, { axis, param }) => {
-    s.mustBeOpen(true);
-    s.mustControl();
-    return { param: await s.change(axis, param) };
-  },
-  load: (s, message) => {
-    s.spoil("a register was read by hand");
-    return { value: bus(s, s.sim.load(integer(message, "offset", 0, 0x7ff))) };
-  },
-  store: (s, message) => {
-    s.mustControl();
-    s.spoil("a register was written by hand");
-    bus(s, s.sim.store(integer(message, "offset", 0, 0x7ff), integer(message, "value", 0, 255)));
-    return {};
-  },
-  stop: (s) => {
-    s.check(s.stop());
-    return { t: s.sim.time };
-  },
-  lease: (s, { take, drop, deadman_ms }) => {
-    if (drop) {
-      if (s.lease === PAGE) s.setLease(null);
-    } else if (take) {
-      s.mustControl();
-      s.mustBeOpen(true);
-      s.setLease(PAGE, deadman_ms ? deadman_ms / 1000 : null);
-    } else throw new Refused(EINVAL, "lease: there is nobody else here");
-    return { lease: s.lease };
-  },
-  clients: (s) => ({
-    clients: [
-      { client: PROGRAM, name: s.setup.name, pid: 0, kind: "device", mode: "rw", lease: false },
-      { client: PAGE, name: "mctool", pid: 0, kind: "message", mode: s.writable ? "rw" : "r", lease: s.lease === PAGE },
-    ],
-  }),
-  inputs: (s) => ({
-    inputs: s.setup.inputs.map((known) => {
-      const values = {};
-      for (const [at, value] of s.inputs) {
-        const [name, index] = at.split(" ");
-        if (name === known.name && value !== known.healthy) values[index] = value;
-      }
-      return { ...known, values };
-    }),
-  }),
-  input: async (s, message) => {
-    const { name, value } = message;
-    const known = s.setup.inputs.find((i) => i.name === name);
-    if (!known) throw new Refused(EINVAL, `name: there is no input ${name}`);
-    if (typeof value !== "number" || !(value >= known.low && value <= known.high))
-      throw new Refused(EINVAL, `value: a number from ${known.low} to ${known.high}`);
-    const places = { machine: 1, card: s.sim.cards, axis: 2 * s.sim.cards };
-    const index = integer(message, "index", 0, places[known.scope] - 1, 0);
-    if (name !== "estop" || value !== 1) s.mustControl();
-    if (s.session.playing) await s.session.do(() => s.setInput(name, index, value));
-    else s.setInput(name, index, value);
-    return { t: s.sim.time };
-  },
-  pace: (s, { speed, paused }) => {
-    s.mustControl();
-    if (speed !== undefined) s.speed = speed;
-    if (paused !== undefined) s.paused = paused;
-    s.restart?.();
-    s.sim.tapNote("pace", 0, s.paused ? "paused" : s.speed === null ? "as fast as it goes" : `speed ${s.speed}`);
-    return { speed: s.speed, paused: s.paused };
-  },
-  advance: (s, { seconds }) => {
-    s.mustControl();
-    if (!s.paused) throw new Refused(EBUSY, "time passes by itself; pause first");
-    if (!(seconds >= 0 && seconds <= 10)) throw new Refused(EINVAL, "seconds: a number from 0 to 10");
-    return new Promise((done) => {
-      s.target = { t: s.sim.time + seconds, done: () => done({ t: s.sim.time }) };
-    });
-  },
-  machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
-  ring: (s, { every_s, count }) => {
-    s.sim.ring(every_s, count);
-    return {};
-  },
-  snapshot: (s) => {
-    const id = s.sim.snapshot();
-    s.asked.add(id);
-    return { snapshot: { id, t: s.sim.time } };
-  },
-  snapshots: (s) => ({
-    snapshots: s.sim.snapshots().map(({ id, t }) => ({ id, t, kept: s.asked.has(id) })),
-  }),
-  drop: (s, { snapshot }) => {
-    if (!s.sim.drop(snapshot)) throw new Refused(EINVAL, "snapshot: there is none of this number");
-    return {};
-  },
-  rewind: (s, { snapshot, t }) => {
-    s.mustControl();
-    const kept = s.sim.snapshots();
-    const found = t === undefined ? kept.find((k) => k.id === snapshot) : kept.findLast((k) => k.t <= t + 1e-9);
-    if (!found) throw new Refused(EINVAL, "snapshot: there is none of this number or time");
-    s.spoil("time was turned back");
-    s.endSession?.();
-    s.sim.restore(found.id);
-    s.sim.tapNote("rewind", found.id, `back to snapshot ${found.id}`);
-    s.restart?.();
-    return { t: s.sim.time, snapshot: found.id };
-  },
-  follow: (s, { samples = true, events = true, every = 1, period_ms = 20, past = 0 }) => {
-    const head = s.sim.tapHead();
-    s.follow = { samples, events, every, period_s: period_ms / 1000, row: Math.max(0, head.rows - past),
-      event: head.events, lost: 0, due: 0 };  // prettier-ignore
-    return {};
-  },
-  memory: (s) => ({ bytes: s.sim.memory }),
-  unfollow: (s) => {
-    s.follow = null;
-    return {};
-  },
-};

@@ -4,6 +4,7 @@
 // In: {start: {setup, module, layouts, constants, plays, paused, version}}, {stopPort}, texts of
 // docs/use/protocol.md, {record: true}. Out: those texts, samples as ArrayBuffers, {told: {...}}.
 
+import { PERIOD_S } from "./law.js";
 import { makeRecord, Log } from "./record.js";
 import { Server } from "./server.js";
 import { Session } from "./session.js";
@@ -72,6 +73,10 @@ function pass() {
     const { done } = motion.next();
     log.append(sim.takeLog());
     if (done) finish();
+  } else if (server.law) {
+    sim.run(before + PERIOD_S);
+    if (!server.law.turn()) server.law = null;
+    sim.takeLog();
   } else {
     sim.run(before + CHUNK_S);
     if (sim.time - before < CHUNK_S / 2) server.paused = true; // an assertion failed

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from bench import PICTURES
 
+from mmcs.engine.build import ensure_library
+
 STREAM_S = 60.0
 # By the machine's own numbers of its samples, whatever the stream says of itself.
 NUMBERS = """(first) => {
@@ -108,6 +110,7 @@ def test_registers_are_read_by_name_and_written_with_control(desk):
 @pytest.mark.req("TOOL-1")
 def test_back_to_a_moment_and_on_from_there(desk):
     page = desk.page
+    ensure_library(3, "trace")  # the page would wait for it, too, but not the test
     page.click("#tab-time")
     desk.until("() => Number(document.getElementById('rewind').max) > 20")
     page.click("#pause")

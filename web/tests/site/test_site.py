@@ -234,3 +234,29 @@ def test_the_first_motion_comes_soon(opened):
     page.click("#tab-machine")
     page.wait_for_timeout(800)
     picture(page, "web")
+
+
+@pytest.mark.req("TOOL-1", "SYN-1")
+def test_a_compensator_and_a_law_as_typed(opened):
+    page = opened("?scenario=lab500&plays=0")
+    page.click("#enable")
+    page.wait_for_function("() => mctool.machine.enabled")
+    page.click("#tab-law")
+    page.fill("#law-dz", "(110*z - 106)/z")
+    page.click("#law-set")
+    page.wait_for_function(
+        "() => document.getElementById('law-said').textContent.includes('a 110 -106 0')"
+    )
+    page.fill("#law-text", "fetch(1)")
+    page.click("#law-go")
+    page.wait_for_function(
+        "() => document.getElementById('law-said').textContent.includes('no fetch()')"
+    )
+    page.fill("#law-text", "4*e - 100*v + 60*sign(e)")
+    page.click("#law-go")
+    page.wait_for_function("() => Math.abs(mctool.machine.history.latest(0).encnow - 500) < 25")
+    page.wait_for_function(
+        "() => document.getElementById('law-cost').textContent.includes('bus cycles')"
+    )
+    page.click("#law-end")
+    page.wait_for_function("() => mctool.machine.history.latest(0).current === 0")
