@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: fusesoc-test learn-test linuxcnc-test attack falsify tool tool-test web web-test bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: fusesoc-test learn-test linuxcnc-test attack falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -173,6 +173,9 @@ $(VENV)/.book: $(VENV)/.tool
 web: $(VENV)/.book ## the whole machine and the book as a static site in build/web, for any file server
 	@tools/need_debian.sh em++ emscripten
 	@$(BIN)/python tools/website.py
+	@$(BIN)/python tools/book.py
+
+book: $(VENV)/.book ## the book alone, in build/web/book; a link that leads nowhere ends it
 	@$(BIN)/python tools/book.py
 
 web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records, offline, a telephone

@@ -154,6 +154,11 @@ def nav() -> str:
                 lines += [
                     f"{inside}    - {p.stem}: {target}{p.name}" for p in sorted(path.glob("*.md"))
                 ]
+            elif path.name == "README.md" and path.parent != DOCS:
+                pages = re.findall(r"\]\(([^)#\s]+\.md)\)", path.read_text())
+                lines.append(f"{inside}- {text}:")
+                lines += [f"{inside}    - {path.parent.relative_to(DOCS) / p}"
+                          for p in ("README.md", *pages)]  # fmt: skip
             elif path.resolve().is_relative_to(DOCS):
                 lines.append(f"{inside}- {text}: {target}")
     lines += [

@@ -95,7 +95,7 @@ def test_the_sheet_asks_what_is_graded(sheet):
     """Keys and points of the sheet, of the answer file and of the grader are the same."""
     questions = _grader(sheet).QUESTIONS
     asked = re.findall(
-        r"^\d\. ((?:`\w+`,? ?(?:and )?)+)\((\d) points?( each)?\)", text(sheet), re.M
+        r"^\d\.  ((?:`\w+`,? ?(?:and )?)+)\((\d) points?( each)?\)", text(sheet), re.M
     )
     told = [(key, int(points)) for keys, points, _ in asked for key in re.findall(r"\w+", keys)]
     assert [(key, points) for key, points in told if key != "and"] == [
