@@ -208,6 +208,19 @@ def test_bad_input_is_one_error(number, answer, told, tmp_path):
     assert (status, out) == (2, "") and err.count("\n") == 1 and told in err, err
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("number", ["0", "-1", "9999", "2147483647", "1e300"])
+def test_any_number_is_graded_or_refused(sheet, number, tmp_path):
+    """In every place of the answer file that has one, each key by itself."""
+    path = tmp_path / "answer.toml"
+    for line in (sheet.folder / "answer.toml").read_text().splitlines():
+        if answer := re.match(r"# (\w+ = [^#]*)", line):
+            path.write_text(re.sub(r"(?<![\w.])\d+(\.\d+)?", number, answer[1]))
+            status, out, err = call("lab", "check", sheet.number, path)
+            graded = status in (0, 1) and " of 10 points" in out and "nan" not in out
+            assert graded or (status, out, err.count("\n")) == (2, "", 1), (answer[1], out, err)
+
+
 def test_no_answer_file_is_one_error(tmp_path):
     status, _, err = call("lab", "check", 1, tmp_path / "none.toml")
     assert status == 2 and err.count("\n") == 1 and "cannot be read: No such file" in err

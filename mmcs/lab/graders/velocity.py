@@ -15,13 +15,14 @@ STEADY = (0.1, 0.27)
 SLOW = "motion.0.to=65"
 MOST_RMS, MOST_LAG_MS = 100.0, 5.0
 COUNTS_PER_RAD = 2000 / (2 * np.pi)
+Weight = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 
 class Answer(Strict):
     unit_cps: float | None = None
     zero_share: Annotated[float, Field(ge=0, le=1)] | None = None
     mean_cps: float | None = None
-    weights: Annotated[list[float], Field(min_length=2, max_length=16)] | None = None
+    weights: Annotated[list[Weight], Field(min_length=2, max_length=16)] | None = None
     lag_ms: float | None = None
 
 
