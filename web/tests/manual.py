@@ -15,7 +15,7 @@ HEADS = {
     "autotune": "| | g, counts/s² per D/A unit | Coulomb +/− | break-away | phase margin "
                 "| −3 dB, rad/s | rise, ms | overshoot | steady error | farthest |\n"
                 + "|---" * 10 + "|",
-    "web": "| scenario | hash | in WebAssembly | native | ratio |\n|---|---|---|---|---|",
+    "web": "| scenario | in WebAssembly | native | ratio |\n|---|---|---|---|",
 }  # fmt: skip
 PAGES = [ROOT / "docs" / "use" / name for name in ("tool.md", "web.md")]
 

@@ -61,7 +61,7 @@ def test_the_page_s_hash_is_the_native_one(opened, name):
     found = json.loads(subprocess.check_output([NODE, RATIO, SITE, name], text=True))
     assert found["hash"] == result.hash
     note("web", name, (
-        f"| {name} | `{result.hash}` | {result.simulated_s / found['cpu_s']:.1f} "
+        f"| {name} | {result.simulated_s / found['cpu_s']:.1f} "
         f"| {result.simulated_s / own:.1f} | {own / found['cpu_s']:.2f} |"
     ))  # fmt: skip
 
