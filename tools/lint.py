@@ -32,7 +32,7 @@ NEED_BUILD = (
         f"sim/model/{name}.cpp"
         for name in (
             *("block", "checked", "create", "ears", "fast", "model", "net", "plain", "rack"),
-            *("rack_hands", "rack_wire", "soc_plain", "tables", "unit"),
+            *("rack_hands", "rack_host", "rack_wire", "soc_core", "tables", "unit"),
         )
     ),
 )

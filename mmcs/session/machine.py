@@ -20,8 +20,7 @@ def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: s
 
     scenario = setup.scenario
     if skip is None:
-        # Waveforms and assertions look at every clock, and so does a machine with a processor.
-        skip = scenario.skip and kind == "speed" and host != "rv32"
+        skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
     library = ensure_library(scenario.cards, kind, scenario.clk_hz, soc=host == "rv32")
     config = setup.config() | {"skip": int(skip)} | on

@@ -3,7 +3,10 @@
 
 #include "model.h"
 #if MMCS_SOC
-#include "soc_plain.h"
+#include "soc_core.h"
+#endif
+#if MMCS_SOC && MMCS_PLAIN
+#include "plain.h"
 #elif MMCS_TRACE
 #include "plain.h"
 #elif MMCS_PLAIN
@@ -15,13 +18,15 @@
 namespace mmcs {
 
 std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
-#if !MMCS_SOC && !MMCS_PLAIN
+#if MMCS_SOC && !MMCS_PLAIN
+  return std::make_unique<SocModel<Rack>>(two_evals, skip, seed);
+#elif !MMCS_PLAIN
   return std::make_unique<Rack>(two_evals, skip, seed);
 #else
   static_cast<void>(two_evals);
   static_cast<void>(skip);
 #if MMCS_SOC
-  return std::make_unique<SocPlain>(seed);
+  return std::make_unique<SocModel<Plain>>(seed);
 #elif MMCS_TRACE
   return std::make_unique<Plain>(seed);
 #else
@@ -31,7 +36,7 @@ std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
 }
 
 bool Model::skip() {
-  return !MMCS_SOC && !MMCS_PLAIN;
+  return !MMCS_PLAIN;
 }
 
 bool Model::traced() {

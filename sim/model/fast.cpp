@@ -59,11 +59,25 @@ class Fast final : public Board {
 #if MMCS_PLAIN  // the machine as a whole goes the slow way
   bool inputs() override { return eval(), true; }
   void clock() override { eval(); }
+  void clocks(uint64_t) override { eval(); }
+  uint64_t trigger(const std::string &) const override { return 0; }
 #else
   bool inputs() override {
     root_->__VicoTriggered[0] = 1;
     MMCS_ICO(root_);
     return follow();
+  }
+  void clocks(uint64_t triggers) override {
+    root_->__VnbaTriggered[0] = triggers;
+    MMCS_NBA(root_);
+  }
+  uint64_t trigger(const std::string &clock) const override {
+    for (const TriggerRow &row : kTriggers) {
+      if (row.rises && clock == row.clock && std::strcmp(row.model, MMCS_TEXT(MMCS_MODEL)) == 0) {
+        return uint64_t{1} << row.index;
+      }
+    }
+    return 0;
   }
   void clock() override {
     root_->__VnbaTriggered[0] = clock_;

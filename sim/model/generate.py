@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes of the design what the model needs: `generate.py boards|wires|extra|triggers ...`.
 
-boards DIR    registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
-              shells.sv, shells.vlt: what stands for the chips in the boards
-              plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
-              boards.inc: registers, inputs and counters of each board, by name
-wires DIR N   wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
-extra DIR N HOST  extra.inc, extra.vlt: registers outside the boards, of the machine as a whole
-triggers DIR  triggers.inc: which bit stands for which clock, from Verilator's own words
+boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
+                      shells.sv, shells.vlt: what stands for the chips in the boards
+                      plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
+                      boards.inc: registers, inputs and counters of each board, by name
+wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
+extra DIR HOST CLK N  extra.inc, extra.vlt: registers outside the boards: bus checkers', a SoC's
+triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
+
+With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one board more.
 """
 
 from __future__ import annotations
@@ -64,10 +66,20 @@ def chips(netlist: Netlist) -> dict[str, Module]:
     return found
 
 
+def machine(netlist: Netlist) -> tuple[Netlist, tuple | None]:
+    """The netlist with mmcs at its top; and, in a SoC, its host: path, module, pins by port, and
+    the pins of mmcs."""
+    cells = {path: (netlist.modules[key], pins) for path, key, pins in netlist.top.cells}
+    if "u_mmcs" not in cells:
+        return netlist, None
+    netlist.top, outer = cells["u_mmcs"]
+    return netlist, ("u_host", *cells["u_host"], outer)
+
+
 def config(folder: Path, netlist: Netlist) -> None:
     counters = {r["register"] for r in RULES["counter"]}
     lines, rules = set(), set()
-    for module in netlist.modules.values():
+    for module in {i.module.key: i.module for i in instances(netlist, netlist.top)}.values():
         for name in (v.rpartition(".")[2] for v in module.registers):
             access = "rw" if f"{module.name}.{name}" in counters else "rd"
             lines.add(f'public_flat_{access} -module "{module.name}" -var "{name}"')
@@ -83,12 +95,17 @@ def config(folder: Path, netlist: Netlist) -> None:
         (folder / f"{name}.vlt").write_text("\n".join(["`verilator_config", *text]) + "\n")
     (folder / "shells.sv").write_text("\n".join(map(shell, chips(netlist).values())))
     for name, module in (boards(netlist) | chips(netlist)).items():
-        ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)
-        (folder / f"{name}.ports").write_text(ports)
-        values = [v for v in module.vars.values() if v.is_param and v.value is not None]
-        (folder / f"{name}.args").write_text(
-            "\n".join(f"-G{v.name}={_literal(v.value)}" for v in values) + "\n"
-        )
+        write_ports(folder / name, module)
+
+
+def write_ports(path: Path, module: Module) -> None:
+    """A module's ports, and the parameters that it has in this design."""
+    ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)
+    path.with_name(f"{path.name}.ports").write_text(ports)
+    values = [v for v in module.vars.values() if v.is_param and "'" in (v.value or "")]
+    path.with_name(f"{path.name}.args").write_text(
+        "\n".join(f"-G{v.name}={_literal(v.value)}" for v in values) + "\n"
+    )
 
 
 def linked(chip: Module) -> list[Var]:
@@ -148,7 +165,7 @@ class Board:
         return reached(self.forward, start, ends)
 
 
-def boards_text(netlist: Netlist) -> str:
+def boards_text(netlist: Netlist, soc: bool) -> str:
     out = ["// Made by sim/model/generate.py."]
     counters = {r["register"]: r for r in RULES["counter"]}
     rows = []
@@ -212,8 +229,20 @@ def boards_text(netlist: Netlist) -> str:
             out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, '
                        f'{int(p.name in rule["inputs"])}, {idle}}},')  # fmt: skip
         out += ["};", f"#define MMCS_DECODER V{decoder.module.name}"]
+    if soc:
+        rows.append('  {"soc_host", nullptr, nullptr, nullptr, k_soc_host_ports, '
+                    "k_soc_host_units, 0, 0, 0, MMCS_COUNT(k_soc_host_ports), 1},")  # fmt: skip
     out += ["static const BoardTable kBoards[] = {", *rows, "};"]
     return "\n".join(out) + "\n"
+
+
+def host_text(module: Module) -> str:
+    """The table of a SoC's host: ports only, as it rests by rules of its own (soc_core.cpp)."""
+    out = ['static const UnitRow k_soc_host_units[] = {{"", "soc_host", nullptr, 0}};',
+           "static const PortRow k_soc_host_ports[] = {"]  # fmt: skip
+    out += [f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, 0, 0}},'
+            for p in module.ports]  # fmt: skip
+    return "\n".join([*out, "};"]) + "\n"
 
 
 def extra(folder: Path, netlist: Netlist) -> None:
@@ -237,8 +266,10 @@ def extra(folder: Path, netlist: Netlist) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "extra.inc").write_text("\n".join(rows) + "\n")
     (folder / "extra.vlt").write_text("\n".join(["`verilator_config", *sorted(lines)]) + "\n")
-    ports = "".join(f"MMCS_PORT({p.name})\n" for p in netlist.top.ports)
-    (folder / "mmcs.ports").write_text(ports)
+    write_ports(folder / "mmcs", netlist.top)
+    for module in (netlist.modules[key] for _, key, _ in netlist.top.cells):
+        if module.name == "soc_host":
+            write_ports(folder / module.name, module)
 
 
 def triggers_text(folder: Path) -> str:
@@ -257,20 +288,23 @@ def triggers_text(folder: Path) -> str:
 def main() -> int:
     what, folder, *rest = sys.argv[1:]
     out = Path(folder)
-    clk_hz = rest[-1] if what != "triggers" else ""
     if what == "triggers":
         (out / "triggers.inc").write_text(triggers_text(out))
-    elif what == "extra":
-        soc = rest[1] == "rv32"
-        top, sets = ("mmcs_soc", ("rtl", "soc")) if soc else ("mmcs", ("rtl", "checkers"))
-        extra(out, read_design(out / "tree", int(rest[0]), clk_hz, top, sets))
-    elif what == "wires":
-        netlist = read_design(out / "tree", int(rest[0]), clk_hz)
-        (out / "wires.cpp").write_text(wires_text(netlist, int(rest[0])))
+        return 0
+    host, clk_hz, *number = rest
+    cards = int(number[0]) if number else 1
+    top, sets = ("mmcs_soc", ("rtl", "soc")) if host == "rv32" else ("mmcs", ("rtl",))
+    if what == "extra":
+        sets = sets if host == "rv32" else ("rtl", "checkers")
+        extra(out, read_design(out / "tree", cards, clk_hz, top, sets))
+        return 0
+    netlist, soc = machine(read_design(out / "tree", cards, clk_hz, top, sets))
+    if what == "wires":
+        (out / "wires.cpp").write_text(wires_text(netlist, cards, soc))
     else:
-        netlist = read_design(out / "tree", 1, clk_hz)
         config(out, netlist)
-        (out / "boards.inc").write_text(boards_text(netlist))
+        table = host_text(soc[1]) if soc else ""
+        (out / "boards.inc").write_text(table + boards_text(netlist, soc is not None))
     return 0
 
 

@@ -25,9 +25,11 @@ const std::string kTop = "TOP.mmcs_soc.u_mmcs";
 #else
 const std::string kTop = "TOP.mmcs";
 #endif
+#if !MMCS_SOC
 const std::pair<const char *, const char *> kExtra[] = {
 #include "extra.inc"
 };
+#endif
 // What the model prints and where it stopped, until the run that caused it looks.
 thread_local std::string printed;
 
@@ -82,16 +84,17 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
                                  .registers[static_cast<size_t>(r.row)];
     std::string path = kWires.boards[static_cast<size_t>(r.board)].path;
     if (*row.path) path += std::string(".") + row.path;
-    // The SoC's adaptor has no VME front.
     Net net = find_net(context_, kTop + "." + path, row.name);
-    if (!net && !MMCS_SOC) throw std::runtime_error("the model has no " + r.name);
+    if (!net) throw std::runtime_error("the model has no " + r.name);
     net.width = r.width;
     nets_.push_back(net);
   }
+#if !MMCS_SOC
   for (const auto &[path, name] : kExtra) {
     extra_.push_back(find_net(context_, path, name));
     if (!extra_.back()) throw std::runtime_error(std::string("the model has no ") + path + name);
   }
+#endif
   const std::pair<const char *, int> lines[] = {
       {MMCS_SOC ? "led_irq_o" : "vme_irq_no", MMCS_SOC ? 5 : 1},
       {"panic_o", 8},
@@ -264,7 +267,7 @@ void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
 void Plain::upset(int reg, uint64_t bits) {
   Verilated::threadContextp(&context_);
   const Net &net = nets_[static_cast<size_t>(reg)];
-  if (net) net.put(net.get() ^ bits);
+  net.put(net.get() ^ bits);
   upset_ = true;
   doubted_ = false;
   board_->settle();
@@ -300,9 +303,7 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
   clk_.put(0);
   // Twice: a reset without a clock that falls with the snapshot's pins is over by then.
   for (int round = 0; round < 2; ++round) {
-    for (size_t reg = 0; reg < nets_.size(); ++reg) {
-      if (nets_[reg]) nets_[reg].put(state.registers[reg]);
-    }
+    for (size_t reg = 0; reg < nets_.size(); ++reg) nets_[reg].put(state.registers[reg]);
     if (round == 0) board_->eval();
   }
   board_->settle();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // rtl/mmcs.sv Verilated whole: every clock, both its edges, as a simulator would. With assertions
-// and bus checkers, and in trace builds waveforms; in SoC builds the top is mmcs_soc
-// (soc_plain.cpp).
+// and bus checkers, and in trace builds waveforms; in SoC builds the top is mmcs_soc (soc_core.h).
 #pragma once
 
 #include <map>
@@ -35,10 +34,7 @@ class Plain : public Model, protected Ports {
   unsigned leds(int card) const override;
   Pins &pins() override { return pins_; }
   unsigned vme_sample() override;
-  uint64_t read(int reg) override {
-    const Net &net = nets_[static_cast<size_t>(reg)];
-    return net ? net.get() : 0;
-  }
+  uint64_t read(int reg) override { return nets_[static_cast<size_t>(reg)].get(); }
   void upset(int reg, uint64_t bits) override;
   std::vector<uint8_t> save() override;
   void restore(const std::vector<uint8_t> &state) override;
@@ -60,6 +56,15 @@ class Plain : public Model, protected Ports {
   bool failed();
   // A variable below the top, or a port of it.
   Net find(const std::string &path, const std::string &name) const;
+  // A SoC's host is a part of it, and has every clock (soc_core.h).
+  Board &host_board() { return *board_; }
+  static std::string host_scope() { return "TOP.mmcs_soc.u_host"; }
+  void wake_host() {}
+  void catch_up_host() {}
+  static bool host_alone() { return false; }
+  virtual void host_edge() {}
+  virtual bool host_rests() { return false; }
+  virtual void host_pass(int64_t) {}
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void disturb() override { upset_ = true; }

@@ -26,7 +26,7 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
   }
   due_at_.resize(blocks_.size());
   wire();
-  power_on();
+  if (!host_) power_on();
 }
 
 // --- nets ------------------------------------------------------------------------------------
@@ -107,7 +107,7 @@ bool Rack::outputs(Block &block) {
 void Rack::look_at_lines() {
   unsigned lines = 0;
   for (const auto &[n, bit] : line_nets_) lines |= static_cast<unsigned>(n.get()) << bit;
-  shown_lines_ = lines ^ kLineIrq;
+  shown_lines_ = host_ ? lines : lines ^ kLineIrq;
 }
 
 // Which cards hear the bus now; those that heard it until now see it end.
@@ -155,6 +155,7 @@ void Rack::settle() {
 
 // A board may be due at another edge than before.
 void Rack::plan(const Block &block) {
+  if (&block == host_) return plan_host(true);
   const int64_t edge = block.due();
   int64_t &before = due_at_[block.number];
   if (&block != adaptor_ && edge != before) cards_moved_ = true;
@@ -171,6 +172,11 @@ int64_t Rack::cards_due() {
 }
 
 void Rack::step(int64_t t) {
+  const bool host = host_ && (!skip_ || due_at_[host_->number] <= t);
+  if (host) {
+    clock_ = t - 1;
+    host_clocks();
+  }
   clock_ = t;
   ++evals_;
   stop_lines_ = lines_ != shown_lines_;
@@ -179,6 +185,7 @@ void Rack::step(int64_t t) {
   for (size_t n = 0; n < boards; ++n) {
     if (skip_ && due_at_[n] > t) continue;
     Block &block = *blocks_[n];
+    if (&block == host_) continue;
     if (slow_) {
       block.whole_edge(t);
     } else {
@@ -188,8 +195,18 @@ void Rack::step(int64_t t) {
     }
     touch(block);
   }
+  if (host) {
+    host_edge();
+    host_clock_ = t;
+    plan_host(false);
+    outputs(*host_);
+  }
   if (pins_.waiting()) pins_.apply();
   settle();
+  if (host) {
+    after_clock();
+    if (!host_rests()) plan_host(true);
+  }
 }
 
 // Clocks of the adaptor while nothing else is due before `end`, and as long as none of its outputs
@@ -227,6 +244,10 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
       if (stop_lines_) {
         stop_lines_ = false;
         stop = Stop::kLines;
+        break;
+      }
+      if (host_ && halted()) {
+        stop = Stop::kReport;
         break;
       }
     }

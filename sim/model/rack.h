@@ -17,7 +17,7 @@
 
 namespace mmcs {
 
-class Rack final : public Model, private Ports, private Listener {
+class Rack : public Model, protected Ports, private Listener {
  public:
   Rack(bool slow, bool skip, uint64_t seed);
   // The models take their names out of the context of the thread, which may be another machine's.
@@ -47,9 +47,28 @@ class Rack final : public Model, private Ports, private Listener {
   bool trace(const std::string &) override { return false; }
   const std::string &failure() const override { return failure_; }
 
+ protected:
+  void power_on();
+  // A SoC's host is a board, too (soc_core.h). Around each clock of the machine that it gets:
+  virtual void before_clock() {}
+  virtual void host_edge() {}
+  virtual void after_clock() {}
+  virtual bool halted() const { return false; }
+  // The last one changed nothing but what counts for ever; so many more were like it.
+  virtual bool host_rests() { return false; }
+  virtual void host_pass(int64_t) {}
+  Board &host_board() { return *host_->board().model; }
+  std::string host_scope() const { return host_->units[0].model->name() + ".soc_host"; }
+  bool host_alone() const { return !slow_; }
+  void wake_host();
+  void catch_up_host();
+  void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
+  VerilatedContext context_;
+
  private:
   void wire();
-  void power_on();
+  void host_clocks();
+  void plan_host(bool due);
   void step(int64_t t);
   void changed(int net, int lsb, int width) override;
   void show(Slot &slot);
@@ -72,10 +91,8 @@ class Rack final : public Model, private Ports, private Listener {
   void put(Port port, int lsb, int width, uint64_t value) override;
   void disturb() override { upset_ = true; }
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
-  void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 
-  VerilatedContext context_;
   Wires wires_;
   std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<std::unique_ptr<Slot>> slots_;
@@ -114,7 +131,8 @@ class Rack final : public Model, private Ports, private Listener {
   int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
   std::vector<int> d_logic_;
   std::vector<Slot *> d_slots_;
-  Block *adaptor_ = nullptr;
+  Block *adaptor_ = nullptr, *host_ = nullptr;
+  int64_t host_clock_ = 0;  // the edge up to which the host is
   std::vector<std::pair<Net, int>> line_nets_;
   Words line_words_, net_words_;  // these; outputs that go to cards
   int64_t clock_ = 0;

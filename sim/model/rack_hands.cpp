@@ -9,6 +9,7 @@
 namespace mmcs {
 
 unsigned Rack::vme_sample() {
+  if (host_) return 0x2FFFF;  // no bus
   for (Slot *slot : d_slots_) drive(*slot);
   for (int l : d_logic_) kWires.logic[static_cast<size_t>(l)].run(wires_);
   return static_cast<unsigned>(iackout_.get() << 17 | d_oe_.get() << 16 | wires_.get(d_, 0, 16));
@@ -124,7 +125,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
     block->catch_up(clock_);
     block->renew(state.clock);
   }
-  clock_ = state.clock;
+  clock_ = host_clock_ = state.clock;
   pins_.restore(state.pins);
   // A reset without a clock that falls with these pins is over before the registers come.
   for (const auto &block : blocks_) {

@@ -99,7 +99,8 @@ void Rack::wire() {
   // An output matters to its board's neighbours if a pin or logic is on its net.
   adaptor_ = blocks_[0].get();
   for (auto &block : blocks_) {
-    if (block.get() != adaptor_) cards_.push_back(block.get());
+    if (std::strcmp(block->table.module, "mark1") == 0) cards_.push_back(block.get());
+    if (std::strcmp(block->table.module, "soc_host") == 0) host_ = block.get();
     auto &outs = block->outs;
     outs.erase(std::remove_if(outs.begin(), outs.end(),
                               [&](const Slot *s) {
@@ -112,8 +113,10 @@ void Rack::wire() {
   iackout_ = adaptor_->find("", "vme_iackout_no");
   d_oe_ = adaptor_->find("", "vme_d_oe_o");
   dtack_ = adaptor_->find("", "vme_dtack_no");
-  const std::pair<const char *, int> lines[] = {
-      {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
+  const std::pair<const char *, int> lines[] = {{host_ ? "led_irq_o" : "vme_irq_no", host_ ? 5 : 1},
+                                                {"panic_o", 8},
+                                                {"brake_release_o", 9},
+                                                {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) {
     line_nets_.emplace_back(adaptor_->find("", name), bit);
     line_words_.add(adaptor_->board().base, line_nets_.back().first);
