@@ -73,7 +73,7 @@ export class Scope {
     this.lost = el("output", { id: "scope-lost" });
     this.reading = el("pre", { className: "cursors", role: "status" });
     this.screen = el("div", { className: "screen" });
-    const open = el("input", { type: "file", accept: ".csv", multiple: true, hidden: true,
+    const open = el("input", { type: "file", accept: ".csv,.mcap", multiple: true, hidden: true,
       onchange: () => this.#open(open.files) });  // prettier-ignore
     const button = (text, onclick, id = "") => el("button", { type: "button", textContent: text, onclick, id });
     this.element = el("div", { className: "scope" },
@@ -330,11 +330,19 @@ export class Scope {
   async #open(files) {
     for (const file of files) {
       try {
-        this.overlay(new Recording(await file.text(), file.name));
+        this.overlay(new Recording(await this.#text(file), file.name));
       } catch (error) {
         this.page.machine.say("error", error.message);
       }
     }
+  }
+
+  /** The CSV that a file is, or that the designer makes of an MCAP file. */
+  async #text(file) {
+    if (!file.name.endsWith(".mcap")) return file.text();
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    const base64 = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
+    return (await this.page.advice.request("csv", { base64 })).csv;
   }
 
   /** Lays a recording over the view, its beginning at the view's. */

@@ -141,6 +141,24 @@ def test_a_recording_becomes_mcap_that_readers_read():
     found = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in reader.iter_messages()]
     assert ("/axis/1", 2_000_000, {"encnow": 8, "error": -2}) in found
     assert len(found) == 6
+    (back,) = advise({"id": 2, "op": "csv", "base64": made["base64"]})
+    assert back["csv"] == text
+
+
+@pytest.mark.req("TOOL-1")
+def test_what_is_no_mcap_of_ours_is_told():
+    from mcap.writer import Writer
+
+    strange = io.BytesIO()
+    writer = Writer(strange)
+    writer.start()
+    schema = writer.register_schema(name="x", encoding="jsonschema", data=b"{}")
+    channel = writer.register_channel(topic="/else", message_encoding="json", schema_id=schema)
+    writer.add_message(channel, log_time=1, publish_time=1, data=b'{"a": 1}')
+    writer.finish()
+    for data in (b"", b"t_s,lines\n", strange.getvalue(), strange.getvalue()[:60]):
+        (made,) = advise({"id": 1, "op": "csv", "base64": base64.b64encode(data).decode()})
+        assert "MCAP" in made["error"]
 
 
 @pytest.mark.req("TOOL-1")

@@ -7,6 +7,7 @@ Replies have the request's id; {"type": "progress"} tells how an experiment gets
   design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
   predict  motor {g, lag}, a design, step (counts): the step and the closed loop's Bode plot
   mcap     csv (web/recording.js): base64
+  csv      base64 of such an MCAP file: csv
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
   chirp    axis, amplitude, low, high (Hz), seconds, lender
   waves    snapshot, ms: waveforms from that moment on: file, view
@@ -129,6 +130,11 @@ class Advisor:
         from mmcs.tool.mcap_file import from_csv
 
         return {"base64": base64.b64encode(from_csv(message["csv"])).decode()}
+
+    def do_csv(self, message: dict) -> dict:
+        from mmcs.tool.mcap_file import to_csv
+
+        return {"csv": to_csv(base64.b64decode(message["base64"], validate=True))}
 
     def do_waves(self, message: dict) -> dict:
         from mmcs.tool.moment import waves

@@ -78,6 +78,8 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
         page.click("#scope-mcap")
     saved.value.save_as(tmp_path / "saved.mcap")
     assert (tmp_path / "saved.mcap").read_bytes()[:5] == b"\x89MCAP"
+    page.set_input_files("input[type=file]", tmp_path / "saved.mcap")
+    desk.until("() => document.querySelector('.u-legend').textContent.includes('saved.mcap')")
 
 
 @pytest.mark.req("TOOL-1")
