@@ -17,6 +17,7 @@ from pathlib import Path
 
 from mmcs import ROOT
 from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE, SAFE
+from mmcs.campaign.faults import line_name
 from mmcs.campaign.plan import make_plan, run_fault, twin_of
 from mmcs.campaign.report import (
     WHEN,
@@ -35,6 +36,34 @@ IMAGES = ROOT / "docs" / "images"
 HARMLESS_ONES = 200  # that are run again with each remedy
 GUARD = ("host.guard_jump=50", "host.guard_follow=300", "host.guard_missed=5",
          "host.guard_lock=true")  # fmt: skip
+WHY = {
+    "card.u_axis.u_encoder.count_q": "no parity: the servo takes counts back that never were",
+    "card.u_ppi.pb_q": "a mode bit of the card, which the driver wrote once and never looks at",
+    "card.u_ppi.mode_q": "the same: ports become inputs",
+    "adaptor.u_core.u_pit.u_counter1.cr_q": "another SCLOCK, and nobody measures it",
+    "adaptor.u_core.power_timer_q": "RESET DRV: all cards forget their modes",
+    "writes_lost": "the driver holds the last setpoint, however old",
+    "write_flip": "any 32 bits are a setpoint",
+    "MSETENC": "renumbers the axis under a program that goes on in the old numbers",
+    "MENABLE": "under power begins the servo's memory anew",
+    "MSETINTERVAL": "under power makes all gains wrong",
+    "MSETPARAM b0": "any number is a gain",
+    "host_stall": "below 50 ms no heartbeat ends, and the D/As keep their torque",
+    "irq_lost": "the same",
+    "axis_enable": "the switch isolates the drive, and no bit tells the host",
+    "sclock_open": "the D/As of the card wait for a latch that never comes",
+    "encoder_a_cut": "no check of the wires: the axis seems to stand",
+    "encoder_b_cut": "no check of the wires: the axis seems to stand",
+    "encoder_swap": "the loop pushes away from its goal",
+    "encoder_slip": "what the disc says is the truth",
+    "amp_dead": "nothing reads the current back",
+    "amp_saturated": "nothing reads the current back",
+    "motor_jam": "the error grows to the current limit, and that is allowed",
+    "load_torque": "the same",
+    "brake_stuck": "no sensor on a brake",
+    "drive_offset": "the loop leans against it, some counts off",
+    "pc_control_stuck0 1": "a write that never ends: what is on the bus goes on",
+}
 REMEDIES = {
     "PANIC cuts the amplifiers": ("amp_panic_cut=true",),
     "guard: counters that jump": GUARD[:1],
@@ -113,8 +142,8 @@ def remedy_table(rows: dict[int, dict], measured: dict[str, dict]) -> list[str]:
 def hole_table(rows: dict[int, dict], measured: dict[str, dict]) -> list[str]:
     """The ten worst holes: how many of their dangerous faults each remedy leaves so."""
     lines = [
-        "| hole | silent and dangerous | " + " | ".join(measured) + " |",
-        "|---|---:|" + "---:|" * len(measured),
+        "| hole | why | silent and dangerous | " + " | ".join(measured) + " |",
+        "|---|---|---:|" + "---:|" * len(measured),
     ]
     for (sort, what), count in holes(good(rows))[:10]:
         of_it = [n for n, r in rows.items() if (r.get("sort"), r.get("what")) == (sort, what)]
@@ -123,7 +152,8 @@ def hole_table(rows: dict[int, dict], measured: dict[str, dict]) -> list[str]:
         for found in measured.values():
             again = [found["harm"][n] for n in own if n in found["harm"]]
             cells.append(f"{again.count(DANGEROUS)} of {len(again)}")
-        lines.append(f"| `{what}` | {count} | " + " | ".join(cells) + " |")
+        why = WHY.get(what, "")
+        lines.append(f"| `{line_name(what)}` | {why} | {count} | " + " | ".join(cells) + " |")
     return lines
 
 
@@ -157,6 +187,12 @@ def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str)
         "lock.",
         "",
         *remedy_table(rows, measured),
+        "",
+        "*Too late* is mostly one thing: after a PANIC that passes by itself, and after each stop",
+        "of the driver's own, the brakes are open and the D/As at zero until the heartbeats end,",
+        "and J2 sinks. A PANIC that keeps the brakes until the next MENABLE would help, and is a",
+        "change of the RTL that is not measured here. Nor is one for a program that falls silent",
+        "(`writes_lost`): a lease on setpoints, as the [protocol](../use/protocol.md) has it.",
         "",
         "The ten worst holes, and how many of their silent and dangerous faults stay so:",
         "",

@@ -22,6 +22,10 @@ DIGITS = 7  # of a time: less than a clock
 # with either sign where the input takes both. Registers have a sort of their own.
 _SWITCH = (1,)
 BUSES = ("vme_a", "vme_am", "vme_d", "vme_control", "pc_a", "pc_d", "pc_control")
+CONTROL = {
+    "vme_control": ("AS*", "DS0*", "DS1*", "WRITE*", "LWORD*", "IACK*", "IACKIN*"),
+    "pc_control": ("IOR#", "IOW#"),
+}
 STUCK = tuple(f"{bus}_stuck{level}" for bus in BUSES for level in (0, 1))  # one line of them
 VALUES = {
     "estop": _SWITCH, "axis_enable": (0,), "card_absent": _SWITCH, "dip_xor": tuple(range(1, 16)),
@@ -124,6 +128,18 @@ def draw(seed: int, n: int, sorts: tuple[str, ...], motions: tuple[Motion, ...])
 def plain(register: str) -> str:
     """The same name for every card and axis."""
     return re.sub(r"g_(card|axis)\[\d+\]\.", "", register).removeprefix("u_")
+
+
+def line_name(what: str) -> str:
+    """A line that is held, as it is called on its bus; other names as they are."""
+    head, _, number = what.partition(" ")
+    if head not in STUCK:
+        return what
+    bus, level = head.removesuffix("_stuck0").removesuffix("_stuck1"), head[-1]
+    names = CONTROL.get(bus)
+    kind = bus.partition("_")[2].upper()
+    line = names[int(number)] if names else f"{kind}{int(number) + (bus == 'vme_a')}"  # no A0
+    return f"{'ribbon' if bus.startswith('pc_') else 'VME'} {line} at {level}"
 
 
 def _bit(dice: random.Random, registers) -> tuple[str, int]:

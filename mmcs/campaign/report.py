@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE
+from mmcs.campaign.faults import line_name
 from mmcs.result.folder import whole_file
 
 Z = 1.959964  # 95 %
@@ -87,11 +88,11 @@ def tables(plan, rows: list[dict]) -> list[str]:
     ]
     where = Counts(rows, lambda r: (r["sort"], r["what"]))
     names = [name for name, _ in holes(rows)[:HOLES]]
-    lines += where.table("what", names, lambda name: f"`{name[1]}`")
+    lines += where.table("what", names, lambda name: f"`{line_name(name[1])}`")
     lines += ["", "## Told too late", ""]
     late = Counter((r["sort"], r["what"]) for r in rows if r["class"] == LATE)
     worst = sorted(late, key=lambda name: (-late[name], name))[:PARTS]
-    lines += where.table("what", worst, lambda name: f"`{name[1]}`")
+    lines += where.table("what", worst, lambda name: f"`{line_name(name[1])}`")
     lines += ["", "## When", ""]
     part = {m.name: m.until / PARTS for m in plan.motions}
     when = Counts(rows, lambda r: (r["motion"], int(r["at"] / part[r["motion"]])))
@@ -122,11 +123,11 @@ def examples(plan, rows: dict[int, dict], each: int = 2) -> list[str]:
     for name in CLASSES:
         own = [n for n in sorted(rows) if rows[n].get("class") == name]
         for n in own[:each]:
-            fault = plan.fault(n)
+            fault, what = plan.fault(n), line_name(plan.fault(n).what)
             row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
             after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"
             lines += [
-                f"* **{name}**: fault {n}, `{fault.what}`, off by {row['off']:g} counts{after}; "
+                f"* **{name}**: fault {n}, `{what}`, off by {row['off']:g} counts{after}; "
                 f"hash {row['hash']}",
                 "",
                 f"  `{plan.command(n)}`",
@@ -162,7 +163,7 @@ def _where(path: Path, rows: list[dict]) -> Path:
     harm = lambda name: counts.by[name][DANGEROUS] + counts.by[name][LATE]  # noqa: E731
     names = sorted((n for n in counts.by if harm(n)), key=lambda n: (n[0], harm(n)))[-60:]
     figure, axes, plt = _bars(len(names))
-    _stack(axes, counts, names, lambda name: name[1])
+    _stack(axes, counts, names, lambda name: line_name(name[1]))
     return _save(path, figure, plt, "where it hits")
 
 

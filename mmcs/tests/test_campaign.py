@@ -19,7 +19,7 @@ from mmcs.campaign.classes import (
     Seen,
     judge,
 )
-from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, plain
+from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
 from mmcs.campaign.plan import make_plan, run_fault, twin_of
 from mmcs.campaign.report import wilson
 from mmcs.scenario.inputs import INPUTS
@@ -275,6 +275,17 @@ def test_every_fault_drawn_is_one_that_a_scenario_takes(plan):
 
 def test_register_has_one_name_for_all_cards_and_axes():
     assert plain("g_card[2].u_card.g_axis[1].u_axis.u_dac.rank1_q") == "card.u_axis.u_dac.rank1_q"
+
+
+@pytest.mark.parametrize(
+    ("what", "name"),
+    [("vme_a_stuck0 0", "VME A1 at 0"), ("vme_am_stuck1 5", "VME AM5 at 1"),
+     ("vme_control_stuck0 3", "VME WRITE* at 0"), ("pc_d_stuck1 7", "ribbon D7 at 1"),
+     ("pc_a_stuck0 9", "ribbon A9 at 0"), ("pc_control_stuck1 1", "ribbon IOW# at 1"),
+     ("MSETPARAM a0", "MSETPARAM a0")],
+)  # fmt: skip
+def test_lines_have_the_names_of_their_bus(what, name):
+    assert line_name(what) == name
 
 
 @pytest.mark.parametrize(
