@@ -23,7 +23,7 @@ INSTEAD = {
     "RUN": "own", "RUN@0.25": "own@0.25", "NAME": "lab500", "...": "axis.all.b0=80..110",
     "/tmp/slow": "slow", "puma560_double_buffer": "own", "puma560_single_buffer": "own",
 }  # fmt: skip
-FEWER = {"--samples": "2"}
+FEWER = {"--samples": "2", "--faults": "4"}
 # Only read by the command's own parser: option, or command, and why it is not run here.
 ONLY_READ = {
     "serve": "ends when it is stopped", "exec": "tests of exec run programs", "tool": "the same",
@@ -87,7 +87,7 @@ def test_mmcs(folder, tmp_path, line):
         name, command = words[0], main.commands[words[0]]
         command.make_context(name, words[1:])  # an unknown option would raise
         return
-    if words[0] == "run" and "--out" not in words:  # others may be running this scenario
+    if words[0] in ("run", "campaign") and "--out" not in words:  # others may be running this scenario
         words += ["--out", str(tmp_path / "out")]
     result = run(words, folder)
     assert result.exit_code in (0, 1), result.output  # 1: changed settings miss expectations
