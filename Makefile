@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: fusesoc-test learn-test linuxcnc-test attack falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: litex-test fusesoc-test learn-test linuxcnc-test attack falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -193,6 +193,11 @@ fusesoc-test: $(VENV)/.test ## FuseSoC lints, simulates and synthesises each cor
 	@tools/need_debian.sh iverilog iverilog
 	@tools/need_debian.sh yosys yosys
 	@$(BIN)/python -m pytest bridges/fusesoc/tests
+
+litex-test: $(VENV)/.test ## a LiteX SoC whose processor runs the driver and moves a motor
+	@$(call INSTALL,LiteX,-e .[litex])
+	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
+	@$(BIN)/python -m pytest bridges/litex/tests
 
 linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; PLOT=1: draws it into docs
 	@tools/need_debian.sh halcompile linuxcnc-uspace-dev
