@@ -11,12 +11,6 @@ namespace {
 
 constexpr size_t kKnown = 1 << 16;  // bits of a hash
 
-// Everything that a decoder says, as one number to compare.
-template <class T>
-uint64_t join(uint64_t before, const T &value, int width) {
-  return before << width | value;
-}
-
 }  // namespace
 
 struct Ears::Decoder {
@@ -31,13 +25,11 @@ bool Ears::hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
   Vdecode &d = decoder_->top;
   const auto said = [&d] {
     d.eval();
-    uint64_t all = 0;
-    all = join(all, d.ppi_cs_no, 1);
-    all = join(all, d.enc_cs_no, 2);
-    all = join(all, d.dac_lo_o, 2);
-    all = join(all, d.dac_hi_o, 2);
-    all = join(all, d.adc_read_o, 1);
-    return join(all, d.sw_latch_o, 1);
+    uint64_t all = 0;  // everything that a decoder says, as one number to compare
+#define MMCS_SAYS(output, width) all = all << width | d.output;
+#include "decoder.inc"
+#undef MMCS_SAYS
+    return all;
   };
   d.pc_a_i = static_cast<SData>(address & 0x3FFF);
   d.pc_aen_i = aen & 1;

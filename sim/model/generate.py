@@ -5,6 +5,7 @@ boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (para
                       shells.sv, shells.vlt: what stands for the chips in the boards
                       plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
                       boards.inc: registers, inputs and counters of each board, by name
+                      decoder.inc: what a card's decoder says
 wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
 extra DIR HOST CLK N  extra.inc, extra.vlt: registers outside the boards: bus checkers', a SoC's
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
@@ -220,15 +221,6 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
                     f"k_{name}_ports, k_{name}_units, MMCS_COUNT(k_{name}_registers), "
                     f"MMCS_COUNT(k_{name}_nets), MMCS_COUNT(k_{name}_guards), "
                     f"MMCS_COUNT(k_{name}_ports), MMCS_COUNT(k_{name}_units)}},")  # fmt: skip
-    for rule in RULES["deaf"]:
-        decoder = next(i for i in instances(netlist, boards(netlist)[rule["module"]])
-                       if i.path == rule["decoder"])  # fmt: skip
-        out.append("static const PortRow k_decoder_ports[] = {")
-        for p in decoder.module.ports:
-            idle = rule["without"].get(p.name, 0)
-            out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, '
-                       f'{int(p.name in rule["inputs"])}, {idle}}},')  # fmt: skip
-        out += ["};", f"#define MMCS_DECODER V{decoder.module.name}"]
     if soc:
         rows.append('  {"soc_host", nullptr, nullptr, nullptr, k_soc_host_ports, '
                     "k_soc_host_units, 0, 0, 0, MMCS_COUNT(k_soc_host_ports), 1},")  # fmt: skip
@@ -243,6 +235,15 @@ def host_text(module: Module) -> str:
     out += [f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, 0, 0}},'
             for p in module.ports]  # fmt: skip
     return "\n".join([*out, "};"]) + "\n"
+
+
+def decoder_text(netlist: Netlist) -> str:
+    """All that the decoder says by which a board hears."""
+    rule = RULES["deaf"][0]
+    decoder = next(i for i in instances(netlist, boards(netlist)[rule["module"]])
+                   if i.path == rule["decoder"])  # fmt: skip
+    outputs = (p for p in decoder.module.ports if p.direction == "OUTPUT")
+    return "".join(f"MMCS_SAYS({p.name}, {p.width})\n" for p in outputs)
 
 
 def extra(folder: Path, netlist: Netlist) -> None:
@@ -305,6 +306,7 @@ def main() -> int:
         config(out, netlist)
         table = host_text(soc[1]) if soc else ""
         (out / "boards.inc").write_text(table + boards_text(netlist, soc is not None))
+        (out / "decoder.inc").write_text(decoder_text(netlist))
     return 0
 
 

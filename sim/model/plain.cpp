@@ -156,11 +156,17 @@ void Plain::clock_once() {
     changed = changed || before != after;
     p.net.put(after);
   }
-  if (changed) board_->settle();
+  if (changed) written();
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
   after_clock();
   look_at_lines();
+}
+
+// What follows from registers that were written: nets, and what these clear.
+void Plain::written() {
+  board_->settle();
+  board_->eval();
 }
 
 void Plain::look_at_lines() {
@@ -261,7 +267,7 @@ void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   if (!clear && !set) return;
   pokes_.push_back({net, clear, set});
   net.put((net.get() & ~clear) | set);
-  board_->settle();
+  written();
 }
 
 void Plain::upset(int reg, uint64_t bits) {
@@ -270,7 +276,7 @@ void Plain::upset(int reg, uint64_t bits) {
   net.put(net.get() ^ bits);
   upset_ = true;
   doubted_ = false;
-  board_->settle();
+  written();
   look_at_lines();
 }
 
@@ -301,12 +307,12 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
   }
   pins_.restore(state.pins);
   clk_.put(0);
-  // Twice: a reset without a clock that falls with the snapshot's pins is over by then.
+  // Twice: a clear without a clock that falls with the snapshot's pins is over by then.
   for (int round = 0; round < 2; ++round) {
     for (size_t reg = 0; reg < nets_.size(); ++reg) nets_[reg].put(state.registers[reg]);
+    board_->settle();
     if (round == 0) board_->eval();
   }
-  board_->settle();
   look_at_lines();
   lines_ = static_cast<unsigned>(state.lines);
 }

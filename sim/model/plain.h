@@ -53,6 +53,7 @@ class Plain : public Model, protected Ports {
   virtual bool halted() const { return report() != 0; }
   void half(bool rise, double at);
   void look_at_lines();
+  void written();
   bool failed();
   // A variable below the top, or a port of it.
   Net find(const std::string &path, const std::string &name) const;

@@ -132,12 +132,15 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
     block->catch_up(clock_);
     block->look(clock_);
   }
-  for (size_t reg = 0; reg < registers().size(); ++reg) {
-    Block *block;
-    find(static_cast<int>(reg), &block).put(state.registers[reg]);
+  // Twice: what the registers seem to clear as they come is no edge.
+  for (int twice = 0; twice < 2; ++twice) {
+    for (size_t reg = 0; reg < registers().size(); ++reg) {
+      Block *block;
+      find(static_cast<int>(reg), &block).put(state.registers[reg]);
+    }
+    for (const auto &block : blocks_) block->written(clock_);
   }
   for (const auto &block : blocks_) {
-    block->written(clock_);
     outputs(*block);
     touch(*block);
   }

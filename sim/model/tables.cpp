@@ -49,9 +49,4 @@ int find_register(const std::string &name) {
   return at == list.end() ? -1 : static_cast<int>(at - list.begin());
 }
 
-const PortRow *decoder_ports(size_t *count) {
-  *count = MMCS_COUNT(k_decoder_ports);
-  return k_decoder_ports;
-}
-
 }  // namespace mmcs

@@ -33,7 +33,7 @@ struct PortRow {
   int width;
   bool out;
   bool heard;  // only while the decoder says so
-  int quiet;   // at rest it is not looked at; of the decoder: its value without a command
+  int quiet;   // at rest it is not looked at
 };
 // A port of a chip on a wire of its board.
 struct LinkRow {

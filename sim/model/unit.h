@@ -124,9 +124,11 @@ class Unit {
     if (!counters.empty()) still = look_at_counters() && still;
     due = !still || room_ < kWorth ? t + 1 : room_ == kNever ? kNever : t + room_ + 1;
   }
-  // Somebody wrote its registers: what follows from them; of rest nothing is known.
+  // Somebody wrote its registers: what follows from them, clears without a clock included; of rest
+  // nothing is known.
   void written(int64_t t) {
     model->settle();
+    model->inputs();
     fresh = true;
     renew(t);
   }
