@@ -112,6 +112,10 @@ endif
 coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
 	@$(BIN)/python tools/coverage.py
 
+.PHONY: edges
+edges: $(VENV)/.test ## sweep the asynchronous inputs, into docs/evidence/edges.md
+	@$(BIN)/python tools/edges.py --doc
+
 sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn red each time
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python tools/sabotage.py

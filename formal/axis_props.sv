@@ -8,6 +8,7 @@ module axis_props (
   input wire logic       no_reset_i,
   input wire logic       reset_i,
   input wire logic       clk_en_i,
+  input wire logic       card_i,
   input wire logic       enc_cs_ni,
   input wire logic       ior_ni,
   input wire logic       iow_ni,
@@ -35,7 +36,7 @@ module axis_props (
   logic [15:0] drive_v;
   logic index;
   axis dut (
-    .clk_i, .rst_ni, .reset_i, .clk_en_i, .enc_cs_ni, .ior_ni, .iow_ni,
+    .clk_i, .rst_ni, .reset_i, .clk_en_i, .card_i, .enc_cs_ni, .ior_ni, .iow_ni,
     .a0_i, .d_i, .dac_lo_i, .dac_hi_i, .enc_d_o(), .enc_d_oe_o(), .adc_code_o(),
     .latch_i, .dac_update_i, .enc_mode_i, .dac_double_i, .index_en_i, .loop_i, .drive_i, .a_i,
     .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .heartbeat_o(), .index_o(index), .converting_o()
@@ -94,9 +95,12 @@ module axis_props (
   `MMCS_PROVE(IndexCleared, "5.3.2", $past(!index_en_i && rst_ni), !index,
               "disarming clears the index latch")
   `MMCS_PROVE(IndexLatches, "5.3.2",
-              $past(rst_ni && !reset_i) && index && !$past(index) && !$past(latch_i, 2),
+              $past(rst_ni && !reset_i) && index && !$past(index),
               dut.u_encoder.latched_q && dut.u_encoder.latch_q == $past(dut.u_encoder.count_q),
-              "when the index latch sets, the counter latches its count, unless it did a clock ago")
+              "when the index latch sets, the counter latches its count, whatever it did before")
+  `MMCS_PROVE(LatchLatches, "5.3.2", $past(rst_ni && !reset_i && latch_i),
+              dut.u_encoder.latched_q && dut.u_encoder.latch_q == $past(dut.u_encoder.count_q),
+              "every latch of the card takes the count of its clock")
 
   // --- steps on the way -----------------------------------------------------------------------
 
@@ -104,8 +108,7 @@ module axis_props (
   (* hierconn *) wire [11:0] \dut.dac_code , \dut.u_dac.rank1_q ;
   (* hierconn *) wire [15:0] \dut.u_encoder.latch_q , \dut.u_encoder.count_q ;
   (* hierconn *) wire [2:0] \dut.index_sync_q ;
-  (* hierconn *) wire \dut.u_encoder.latched_q , \dut.u_encoder.latch_in_q ;
-  (* hierconn *) wire \dut.index_q , \dut.index_latch_q ;
+  (* hierconn *) wire \dut.u_encoder.latched_q , \dut.index_q , \dut.index_latch_q ;
 
   `MMCS_LEMMA(Ranks, code == output_q && dut.u_dac.rank1_q == written_q,
               "both hold the same codes")
@@ -114,8 +117,6 @@ module axis_props (
   `MMCS_LEMMA(Third, seen_q != 2'd3 || dut.index_sync_q[2] || dut.index_latch_q,
               "the third flip-flop sets the latch")
   `MMCS_LEMMA(Armed, !dut.index_q || dut.index_latch_q, "what is armed has set the latch")
-  `MMCS_LEMMA(Latched, !dut.u_encoder.latch_in_q || $past(latch_i) || dut.index_latch_q,
-              "the counter's latch pin rose for the one or the other")
 
 endmodule
 

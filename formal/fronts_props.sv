@@ -8,8 +8,8 @@
 
 module fronts_props #(
   parameter int Front = 1,      // 1 AXI4-Lite, 2 Wishbone classic, 3 pipelined, 4 APB
-  parameter int Slowest = 17,   // clocks of a request at the host port
-  parameter int Longest = 40    // clocks from an access to its answer, one other before it
+  parameter int Slowest = 19,   // clocks of a request at the host port
+  parameter int Longest = 44    // clocks from an access to its answer, one other before it
 ) (
   input wire logic        clk_i,
   input wire logic [15:0] a_i,
@@ -70,7 +70,7 @@ module fronts_props #(
   end
 
   `MMCS_PROVE(CoreAnswers, "4.2.1", hp_req, asked_q < 8'(Slowest),
-              "The core answers a request within 17 clocks, whatever IOCHRDY and the link do.")
+              "The core answers a request within 19 clocks, whatever IOCHRDY and the link do.")
   `MMCS_PROVE(AnswersAsked, "4.2.1", hp_ack, hp_req, "The core answers what it is asked.")
   `MMCS_PROVE(RequestHeld, "4.2.1", req_q && !ack_q,
               hp_req && hp_a == a_q && hp_write == write_q && hp_wdata == wdata_q,

@@ -4,7 +4,8 @@
 `include "mmcs_formal.svh"
 
 module i8254_counter_props #(
-  parameter bit NmosRewrite = 1'b1
+  parameter bit NmosRewrite = 1'b1,
+  parameter bit SplitCr = 1'b1
 ) (
   input wire logic       clk_i,
   input wire logic       no_reset_i,
@@ -26,17 +27,18 @@ module i8254_counter_props #(
 
   logic out, up, down;
   logic [7:0] d;
-  i8254_counter #(.NmosRewrite(NmosRewrite)) dut (
+  i8254_counter #(.NmosRewrite(NmosRewrite), .SplitCr(SplitCr)) dut (
     .clk_i, .rst_ni, .clk_rise_i(rise_i), .clk_fall_i(fall_i), .gate_i, .out_o(out),
     .out_rise_o(up), .out_fall_o(down), .control_i, .latch_count_i, .latch_status_i, .write_i,
     .read_i, .read_end_i, .d_i, .d_o(d)
   );
 
   logic golden_out;
-  logic [7:0] golden_d, status, low_byte, flags, events;
+  logic [7:0] golden_d, status, low_byte, flags;
+  logic [8:0] events;
   logic [5:0] control;
   logic [15:0] written, cr, ce, latched;
-  i8254_golden #(.NmosRewrite(NmosRewrite)) golden (
+  i8254_golden #(.NmosRewrite(NmosRewrite), .SplitCr(SplitCr)) golden (
     .clk_i, .rst_ni, .rise_i, .fall_i, .gate_i, .control_i, .latch_count_i, .latch_status_i,
     .write_i, .read_end_i, .d_i, .d_o(golden_d), .out(golden_out), .control, .written, .cr, .ce,
     .latched, .status, .low_byte, .flags, .events
@@ -68,6 +70,7 @@ module i8254_counter_props #(
   (* hierconn *) wire [2:0] \dut.m_q ;
   (* hierconn *) wire [7:0] \dut.low_q , \dut.status_q ;
   (* hierconn *) wire [15:0] \dut.written_q , \dut.cr_q , \dut.ce_q , \dut.ol_q ;
+  (* hierconn *) wire \dut.rolled_q ;
   (* hierconn *) wire \dut.bcd_q , \dut.half_write_q , \dut.half_read_q , \dut.count_latched_q ;
   (* hierconn *) wire \dut.status_latched_q , \dut.armed_q , \dut.fresh_q , \dut.ready_q ;
   (* hierconn *) wire \dut.loaded_q , \dut.stop_q , \dut.odd_q , \dut.strobe_q , \dut.gate_q ;
@@ -80,7 +83,8 @@ module i8254_counter_props #(
   `MMCS_LEMMA(Flags, flags == {dut.half_write_q, dut.half_read_q, dut.count_latched_q,
               dut.status_latched_q, dut.loaded_q, !dut.loaded_q || dut.fresh_q || dut.ready_q,
               dut.stop_q, dut.odd_q}, "both are in the same phase")
-  `MMCS_LEMMA(Events, events == {dut.fresh_q, dut.ready_q, dut.armed_q, dut.gate_q, dut.level_q,
+  `MMCS_LEMMA(Events, events == {dut.rolled_q, dut.fresh_q, dut.ready_q, dut.armed_q, dut.gate_q,
+              dut.level_q,
               dut.edge_q, dut.trigger_q, dut.strobe_q}, "both wait for the same")
   `MMCS_LEMMA(Even, mode[1:0] != 2'd3 || !flags[3] || !ce[0], "mode 3 counts evens")
   `MMCS_LEMMA(Stop, !flags[1] || mode == 3'd0, "only mode 0 is stopped by half a count")

@@ -4,7 +4,8 @@
 
 // In one clock of clk_i: GATE, the rise of CLK, the fall of CLK, one event of the bus.
 module i8254_golden #(
-  parameter bit NmosRewrite = 1'b1
+  parameter bit NmosRewrite = 1'b1,
+  parameter bit SplitCr = 1'b1
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -21,7 +22,7 @@ module i8254_golden #(
   output logic             out,
   // state, for the proof
   output logic      [ 5:0] control,      // RW, mode, BCD
-  output logic      [15:0] written,      // the last whole count
+  output logic      [15:0] written,      // the count register as the bus has left it
   output logic      [15:0] cr,           // of that, what a rise of CLK has seen
   output logic      [15:0] ce,           // counting element
   output logic      [15:0] latched,      // count latch
@@ -29,15 +30,15 @@ module i8254_golden #(
   output logic      [ 7:0] low_byte,     // first byte of two
   output logic      [ 7:0] flags,        // {high_next_w, high_next_r, count_held, status_held,
                                          //  counts, null_count, stopped, odd}
-  output logic      [ 7:0] events        // {unseen, waits, programmed, gate, level, rose, trigger,
-                                         //  strobe}
+  output logic      [ 8:0] events        // {rolled, unseen, waits, programmed, gate, level, rose,
+                                         //  trigger, strobe}
 );
 
   logic high_next_w, high_next_r, count_held, status_held, counts, null_count, stopped, odd;
-  logic unseen, waits, programmed, gate, level, rose, trigger, strobe;
+  logic rolled, unseen, waits, programmed, gate, level, rose, trigger, strobe;
   assign flags  = {high_next_w, high_next_r, count_held, status_held, counts, null_count, stopped,
                    odd};
-  assign events = {unseen, waits, programmed, gate, level, rose, trigger, strobe};
+  assign events = {rolled, unseen, waits, programmed, gate, level, rose, trigger, strobe};
 
   logic [1:0] rw;
   logic [2:0] mode;
@@ -66,7 +67,7 @@ module i8254_golden #(
       control = 6'd0;
       {written, cr, ce, latched, status, low_byte} = '0;
       {high_next_w, high_next_r, count_held, status_held, counts, stopped, odd} = '0;
-      {unseen, waits, programmed, level, rose, trigger, strobe} = '0;
+      {rolled, unseen, waits, programmed, level, rose, trigger, strobe} = '0;
       {fills, starts, ends, steps, reaches_zero} = '0;
       null_count = 1'b1;
       gate = 1'b1;
@@ -81,8 +82,8 @@ module i8254_golden #(
         level = gate_i;
         trigger = rose;
         rose = 1'b0;
+        cr = written;
         if (unseen) begin
-          cr = written;
           waits = 1'b1;
           unseen = 1'b0;
         end
@@ -110,8 +111,10 @@ module i8254_golden #(
           waits = 1'b0;
           counts = 1'b1;
           null_count = unseen;
+          rolled = 1'b0;
           if (!high_next_w) stopped = 1'b0;
         end else if (steps) begin
+          if (ce == 16'd0) rolled = 1'b1;
           ce = less(ce, bcd);
           if (mode == 3'd3 || mode == 3'd7) ce = less(ce, bcd);
         end
@@ -143,8 +146,9 @@ module i8254_golden #(
         if (mode == 3'd0) out = 1'b0;
         if (rw == 2'b11 && !high_next_w) begin
           low_byte = d_i;
+          if (SplitCr) written[7:0] = d_i;
           high_next_w = 1'b1;
-          if (mode == 3'd0 && NmosRewrite) stopped = 1'b1;
+          if (mode == 3'd0 && (NmosRewrite || !rolled)) stopped = 1'b1;
         end else begin
           written = rw == 2'b11 ? {d_i, low_byte} : rw == 2'b10 ? {d_i, 8'h00} : {8'h00, d_i};
           high_next_w = 1'b0;

@@ -38,10 +38,11 @@ module i8255_props (
   assign acts   = strobe_q == 2'd2 && (cs_ni || !rd_ni || wr_ni) && !reset_i;
 
   // What group A and B do: 0 plain, 1 strobed, 2 both ways. Bits of port C that are plain: a write
-  // to port C reaches these. Bits that hold an interrupt enable instead of a latch.
+  // to port C reaches these. Bits that hold an interrupt enable, or IBF, OBF# or INTR, instead of a
+  // latch.
   logic [6:0] mode_q;
   logic [1:0] mode_a;
-  logic [7:0] enables, plain;
+  logic [7:0] enables, plain, flags;
   assign mode_a = mode_q[6] ? 2'd2 : {1'b0, mode_q[5]};
   assign plain  = {{5{mode_a == 2'd0}}, {3{!mode_q[2]}}};
   always_comb begin
@@ -49,6 +50,7 @@ module i8255_props (
     enables[6] = mode_a == 2'd2 || (mode_a == 2'd1 && !mode_q[4]);
     enables[4] = mode_a == 2'd2 || (mode_a == 2'd1 && mode_q[4]);
     enables[2] = mode_q[2];
+    flags = {enables[6], 1'b0, enables[4], 1'b0, mode_a != 2'd0, 1'b0, {2{mode_q[2]}}};
   end
 
   logic sets_mode, sets_bit;
@@ -71,6 +73,8 @@ module i8255_props (
         mode_q <= reset_i ? 7'h1B : data_q[6:0];
       end else if (sets_bit && (enables & one) != 8'h00) begin
         enable_q <= data_q[0] ? enable_q | one : enable_q & ~one;
+      end else if (sets_bit && (flags & one) != 8'h00) begin
+        // what the handshakes make of it is not modelled: SetsFlag
       end else if (sets_bit) begin
         c_q <= data_q[0] ? c_q | one : c_q & ~one;
       end else if (acts) begin
@@ -110,6 +114,9 @@ module i8255_props (
               pc == ($past(data_q[0]) ? $past(pc | one) : $past(pc & ~one)) &&
               {pa, pb} == $past({pa, pb}),
               "bit set and reset touches the one bit that it names")
+  `MMCS_PROVE(SetsFlag, "5.3.1", $past(sets_bit && (flags & one & 8'hA2) != 8'h00 && (&pc_i)) &&
+              $past(rst_ni), ((pc & $past(one)) != 8'h00) == $past(data_q[0]),
+              "set and reset writes IBF and OBF# too, while nobody shakes hands")
   `MMCS_PROVE(Stays, "5.3.1", !$past(acts) && !$past(reset_i) && $past(rst_ni) && simple,
               {pa, pb, pc, pa_oe, pb_oe, pc_oe} == $past({pa, pb, pc, pa_oe, pb_oe, pc_oe}),
               "in mode 0 nothing but a write changes a port")

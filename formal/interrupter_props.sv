@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interrupter in its daisy chain, for all inputs. §4.3.6
+// The interrupter in its daisy chain: every step is an instant, and the board's clock rises when it
+// likes. So gaps and phases of every length are meant. §4.3.6
 `default_nettype none
 `include "mmcs_formal.svh"
 
@@ -7,9 +8,9 @@ module interrupter_props #(
   parameter int IrqLevel = 5,
   parameter int AckLevel = 5
 ) (
-  input wire logic       clk_i,
-  input wire logic       sys_reset_i,
-  input wire logic       irq_req_i,
+  input wire logic       board_clk_i,
+  input wire logic       reset_any_i,   // become synchronous below
+  input wire logic       req_any_i,
   input wire logic [3:1] vme_a_i,
   input wire logic       vme_as_ni,
   input wire logic [1:0] vme_ds_ni,
@@ -17,8 +18,13 @@ module interrupter_props #(
   input wire logic       vme_iackin_ni
 );
 
+  (* gclk *) logic clk_i;               // the instants
+
   logic rst_ni = 1'b0;
   always @(posedge clk_i) rst_ni <= 1'b1;
+
+  logic sys_reset_q = 1'b0, req_q = 1'b0;
+  always @(posedge board_clk_i) {sys_reset_q, req_q} <= {reset_any_i, req_any_i};
 
   logic iackout_n, d_oe, dtack;
   logic [7:1] irq_n;
@@ -27,75 +33,114 @@ module interrupter_props #(
     .IrqLevel(IrqLevel),
     .AckLevel(AckLevel)
   ) dut (
-    .clk_i, .rst_ni, .sys_reset_i, .irq_req_i, .vme_a_i, .vme_as_ni, .vme_ds_ni, .vme_iack_ni,
-    .vme_iackin_ni,
+    .clk_i(board_clk_i), .rst_ni,
+    .sys_reset_i(sys_reset_q),
+    .irq_req_i(req_q),
+    .vme_a_i, .vme_as_ni, .vme_ds_ni, .vme_iack_ni, .vme_iackin_ni,
     .vme_iackout_no(iackout_n),
     .vme_irq_no(irq_n),
     .d_oe_o(d_oe),
     .dtack_o(dtack)
   );
 
-  // Whose an acknowledge is, decided by ourselves: by the request in the clock in which IACKIN* is
-  // first seen low, and by the level in the clock after.
-  logic iackin_q = 1'b1, fell_q = 1'b0, req_q = 1'b0, own_q = 1'b0;
-  logic level, stands;
-  logic [2:0] rest_q = '0;    // clocks that chain and strobes have been high
-  logic [2:0] low_q = '0;     // clocks that IACKIN* and AS* have been low since
-  logic [3:0] wait_q = '0;    // clocks that DS0* has been low in our own acknowledge
-  logic rested_q = 1'b0, strobed_q = 1'b0;
+  // --- the acknowledge, seen from the bus -----------------------------------------------------
 
+  logic strobed, level, low, rises, clk_q = 1'b1;
+  logic iackin_q = 1'b1, low_q = 1'b0, dtack_q = 1'b0, oe_q = 1'b0, high_q = 1'b1;
+  logic level_q = 1'b0, strobed_q = 1'b0, reset_q = 1'b0, awake_q = 1'b0, rst_q = 1'b0;
+  logic asked, asked_q = 1'b0;          // we asked when IACKIN* fell
+  logic passed_q = 1'b0, answered_q = 1'b0;   // since it fell
+  logic good, good_q = 1'b0;            // DS0* fell in an acknowledge and still stands
+  logic quiet_q = 1'b0;                 // no SYSRESET* and no answer still standing since then
+  logic [1:0] falls_q = '0;             // of DS0* in this clock of the board
+  logic [2:0] edges_q = '0;             // clocks of the board that IACKIN* and AS* have been low
+  logic [2:0] waits_q = '0;             // that DS0* has been low as well
+  logic spoilt_q = 1'b0;                // the strobe was withdrawn: IACKIN* is answered once
+  assign strobed = ~(&vme_ds_ni);
   assign level = !vme_iack_ni && vme_a_i == 3'(AckLevel);
-  assign stands = own_q && !vme_iackin_ni && !vme_ds_ni[0] && !vme_iack_ni && !sys_reset_i;
+  assign low = !vme_iackin_ni && !vme_as_ni && (iackin_q || low_q);   // since IACKIN* fell
+  assign rises = board_clk_i && !clk_q;
+  assign asked = !vme_iackin_ni && (iackin_q ? req_q : asked_q);
+  assign good = !vme_ds_ni[0] &&
+                ((high_q && !vme_iack_ni) || good_q);
 
   always @(posedge clk_i) begin
+    clk_q <= board_clk_i;
+    rst_q <= rst_ni;
+    high_q <= vme_ds_ni[0] & rst_ni;
+    if (rises && rst_q) awake_q <= 1'b1;
     if (rst_ni) begin
-      iackin_q  <= vme_iackin_ni;
-      fell_q    <= iackin_q && !vme_iackin_ni;
-      if (iackin_q && !vme_iackin_ni) req_q <= irq_req_i;
-      strobed_q <= ~vme_ds_ni[0];
-      if (fell_q) begin
-        own_q <= req_q && level && !sys_reset_i && rested_q && !(strobed_q && vme_ds_ni[0]);
-      end else if (sys_reset_i || vme_iack_ni || (vme_ds_ni[0] && strobed_q)) own_q <= 1'b0;
-      if (vme_iackin_ni && vme_as_ni && (&vme_ds_ni)) begin
-        if (rest_q != '1) rest_q <= rest_q + 1'b1;
-        rested_q <= rest_q >= 3'd4;
-      end else begin
-        rest_q <= '0;
-        if (!iackin_q && (vme_iackin_ni || vme_as_ni)) rested_q <= 1'b0;   // it is over
+      iackin_q   <= vme_iackin_ni;
+      low_q      <= low;
+      dtack_q    <= dtack;
+      oe_q       <= d_oe;
+      strobed_q  <= strobed;
+      reset_q    <= sys_reset_q;
+      level_q    <= level;
+      if (rises) falls_q <= {1'b0, vme_ds_ni[0] < $past(vme_ds_ni[0])};
+      else if (vme_ds_ni[0] < $past(vme_ds_ni[0]) && falls_q != '1) falls_q <= falls_q + 1'b1;
+      asked_q    <= asked;
+      good_q     <= good;
+      passed_q   <= !vme_iackin_ni && (passed_q || !iackout_n);
+      answered_q <= !vme_iackin_ni && (answered_q || (dtack && !dtack_q));
+      if (!low || sys_reset_q || dtack) edges_q <= '0;
+      else if (rises && low_q && !vme_iackin_ni && !iackin_q && edges_q != '1) begin
+        edges_q <= edges_q + 1'b1;
       end
-      if (vme_iackin_ni || vme_as_ni) low_q <= '0;
-      else if (low_q != '1) low_q <= low_q + 1'b1;
-      if (!stands) wait_q <= '0;
-      else if (wait_q != '1) wait_q <= wait_q + 1'b1;
+      quiet_q <= !vme_iackin_ni && !sys_reset_q && (iackin_q ? !dtack : quiet_q);
+      spoilt_q <= !vme_iackin_ni && (spoilt_q || (vme_ds_ni[0] && !high_q));
+      if (!low || !good || !quiet_q || spoilt_q) waits_q <= '0;
+      else if (rises && low_q && good_q && !iackin_q && waits_q != '1) waits_q <= waits_q + 1'b1;
     end
   end
 
-  // Only our own: since IACKIN* fell last it was decided that it is ours.
-  logic ours_q = 1'b0;
-  always @(posedge clk_i) begin
-    if (rst_ni) begin
-      if (fell_q && !dtack) ours_q <= req_q && level && !sys_reset_i;
-    end
-  end
+  // --- what the bus keeps to ------------------------------------------------------------------
 
-  `MMCS_PROVE(LineExact, "4.3.6", irq_req_i, irq_n == ~(7'd1 << (IrqLevel - 1)),
+  `MMCS_GIVEN(AddressStands, vme_as_ni || $past(vme_as_ni) || dtack || dtack_q ||
+              {vme_a_i, vme_iack_ni} == {$past(vme_a_i), $past(vme_iack_ni)},
+              "level and IACK* stand while AS* is low and nobody has answered")
+  `MMCS_GIVEN(PowerOn, (awake_q || vme_ds_ni[0] || !vme_iack_ni) && (rst_q || vme_ds_ni[0]),
+              "until the first clock after power-on nobody else uses the bus")
+  `MMCS_GIVEN(Pace, falls_q < 2'd2 || vme_ds_ni[0] || $past(vme_iack_ni) == vme_iack_ni,
+              "two strobes and an address pipelined under the second do not fit one clock")
+
+  // A wire of this name is joined to the register when the hierarchy is flattened.
+  (* hierconn *) wire \dut.u_strobe.seen_q ;
+  `MMCS_GIVEN(Holds, !good_q || vme_ds_ni[0] || $past(dut.u_strobe.seen_q) || !vme_iack_ni,
+              "the address stands until the strobe has been seen, since DTACK* comes later")
+
+  `MMCS_GIVEN(Waits, !dtack_q || (vme_ds_ni | ~$past(vme_ds_ni)) == 2'b11,
+              "no strobe falls before DTACK* of the cycle before is high")
+
+  // --- properties -----------------------------------------------------------------------------
+
+  `MMCS_PROVE(LineExact, "4.3.6", req_q, irq_n == ~(7'd1 << (IrqLevel - 1)),
               "a request pulls its jumpered line and no other")
-  `MMCS_PROVE(LineQuiet, "4.3.6", !irq_req_i, &irq_n, "without a request no line is pulled")
-  `MMCS_PROVE(VectorOwn, "4.3.6", d_oe, ours_q && !vme_iack_ni && !(&vme_ds_ni),
-              "the vector is driven only in an acknowledge of our level that found us asking")
-  `MMCS_PROVE(VectorFresh, "4.3.6", d_oe && !dtack, !iackin_q && strobed_q,
-              "before DTACK* it is driven only if the last clock still saw that acknowledge")
-  `MMCS_PROVE(AnswerOwn, "4.3.6", dtack, ours_q,
-              "DTACK* is given only to an acknowledge of our level that found us asking")
+  `MMCS_PROVE(LineQuiet, "4.3.6", !req_q, &irq_n, "without a request no line is pulled")
+  `MMCS_PROVE(NeverBoth, "4.3.6", !iackout_n, !dtack && !answered_q && !d_oe,
+              "an acknowledge that is passed on is not answered")
+  `MMCS_PROVE(NeverBoth2, "4.3.6", dtack && !dtack_q, !passed_q && iackout_n,
+              "an acknowledge that is answered has not been passed on")
   `MMCS_PROVE(PassInside, "4.3.6", !iackout_n, !vme_iackin_ni && !vme_as_ni,
-              "IACKOUT* is low only inside the cycle: it rises with AS* without a clock")
-  `MMCS_PROVE(NeverBlocks, "4.3.6",
-              rested_q && low_q >= 3'd3 && !ours_q && !vme_iackin_ni && !vme_as_ni, !iackout_n,
-              "an acknowledge that is not ours is passed on within three clocks")
-  `MMCS_PROVE(OwnKept, "4.3.6", ours_q && own_q && !fell_q && !vme_iackin_ni, iackout_n,
+              "IACKOUT* is low only while IACKIN* and AS* are: it needs no clock to rise")
+  `MMCS_PROVE(OnlyAsked, "4.3.6", dtack && !dtack_q, IrqLevel == AckLevel && asked_q && level_q,
+              "DTACK* is given only in an acknowledge of our level whose IACKIN* found us asking")
+  `MMCS_PROVE(OnlyStrobed, "4.3.6", dtack && !dtack_q, good_q && !$past(vme_as_ni || vme_iackin_ni),
+              "DTACK* falls only for a strobe that fell in this acknowledge and still stands")
+  `MMCS_PROVE(DtackStays, "4.3.6", dtack_q && !dtack && !reset_q, !strobed_q || !strobed,
+              "DTACK* does not rise before both data strobes")
+  `MMCS_PROVE(DriversOff, "4.3.6", d_oe, strobed, "the vector goes with the data strobes, at once")
+  `MMCS_PROVE(DataFirst, "4.3.6", dtack && !dtack_q, oe_q && (d_oe || !strobed),
+              "the vector stands before DTACK* falls")
+  `MMCS_PROVE(NeverNeither, "4.3.6",
+              low && edges_q >= 3'd4 && !dtack && !answered_q &&
+              !(asked && level && IrqLevel == AckLevel), !iackout_n,
+              "an acknowledge that is not ours is passed on within four edges of the clock")
+  `MMCS_PROVE(OwnKept, "4.3.6", asked && level && quiet_q && low && IrqLevel == AckLevel, iackout_n,
               "an acknowledge that is ours is not passed on")
-  `MMCS_PROVE(OwnAnswered, "4.3.6", wait_q >= 4'd5, dtack,
-              "an acknowledge that is ours is answered within five clocks of its strobe")
+  `MMCS_PROVE(OwnAnswered, "4.3.6", waits_q >= 3'd4 && low && good && asked && level &&
+              IrqLevel == AckLevel, dtack,
+              "an acknowledge that is ours is answered within four edges of clock after its strobe")
 
 endmodule
 

@@ -126,7 +126,7 @@ module mapping_props (
   pcbus_checker #(
     .SideClks(1),
     .CmdClks(4),
-    .MaxClks(15),
+    .MaxClks(17),
     .NumCards(2)
   ) u_pcbus_rules (
     .clk_i, .rst_ni,

@@ -34,8 +34,8 @@ module panic_props (
     end
   end
 
-  `MMCS_PROVE(BusPanics, "4.3.5", bus_q[1], panic,
-              "PANIC of a card is system PANIC one clock later")
+  `MMCS_PROVE(BusPanics, "4.3.5", bus_q[3], panic,
+              "PANIC of the PC bus is system PANIC three clocks later")
   `MMCS_PROVE(LoopPanics, "4.3.5", fault_q[3], panic,
               "button open, cable out or no power is system PANIC three clocks later")
   `MMCS_PROVE(BrakesHold, "4.2.1", panic, !brake,

@@ -80,7 +80,7 @@ module panic_system_props #(
       end
     end
     assign late[n] = since_q[n] >= 21'(Pulse);         // 50 ms have passed
-    assign expired[n] = since_q[n] >= 21'(Pulse + 1);  // and one clock
+    assign expired[n] = since_q[n] >= 21'(Pulse + 3);  // and three clocks
   end
 
   // Written since power came: the one-shots are held cleared without it.
@@ -94,32 +94,37 @@ module panic_system_props #(
 
   // --- what should be -------------------------------------------------------------------------
 
+  // The PC bus as it was three clocks ago, the rest a clock ago; of that three clocks at once.
   logic [3:0] enable_q = '0, late_q = '0, beat_q = '0;
-  logic safe_q = 1'b0, fresh_q = 1'b0;
+  logic [3:0] enable1_q = '0, late1_q = '0, beat1_q = '0;
+  logic [3:0] enable2_q = '0, late2_q = '0, beat2_q = '0;
+  logic [2:0] safe_q = '0, fresh_q = '0;
   always @(posedge clk_i) begin
     if (rst_ni) begin
-      enable_q <= f_enable;
-      late_q   <= late;
-      beat_q   <= f_heartbeat;
-      safe_q   <= &safe1_q;
-      fresh_q  <= 1'b1;
+      {enable_q, enable2_q, enable1_q} <= {enable2_q, enable1_q, f_enable};
+      {late_q, late2_q, late1_q}       <= {late2_q, late1_q, late};
+      {beat_q, beat2_q, beat1_q}       <= {beat2_q, beat1_q, f_heartbeat};
+      safe_q  <= {safe_q[1:0], &safe1_q};
+      fresh_q <= {fresh_q[1:0], 1'b1};
     end
   end
 
-  `MMCS_PROVE(LowMeansGood, "4.3.5", !panic && fresh_q, safe_q && (enable_q & ~beat_q) == 4'd0,
+  `MMCS_PROVE(LowMeansGood, "4.3.5", !panic && (&fresh_q),
+              (&safe_q) && (enable_q & ~beat_q) == 4'd0,
           "PANIC is low only if all enabled axes beat; button, cable and power are good")
-  `MMCS_PROVE(GoodMeansLow, "4.3.5", safe_q && (enable_q & ~beat_q) == 4'd0 && fresh_q, !panic,
+  `MMCS_PROVE(GoodMeansLow, "4.3.5",
+              (&safe_q) && (enable_q & ~beat_q) == 4'd0 && (&fresh_q), !panic,
               "and it is low if they are: nothing else panics")
   `MMCS_PROVE(BeatExact, "5.3.6", f_heartbeat != 4'd0, (f_heartbeat & late) == 4'd0,
               "a heartbeat lives 50 ms from the last write of the D/A low byte, not a clock longer")
   `MMCS_PROVE(BeatLives, "5.3.6", safe1_q[0] && written_q == 4'hF && ~late != 4'd0,
               (f_heartbeat | late) == 4'hF,
               "and not a clock shorter, power given")
-  `MMCS_PROVE(PanicIn50ms, "5.3.6", (f_enable & enable_q & expired) != 4'd0 && fresh_q, panic,
-              "50 ms after an enabled D/A's last low-byte write PANIC is high within one clock")
+  `MMCS_PROVE(PanicIn50ms, "5.3.6", (enable_q & expired) != 4'd0 && (&fresh_q), panic,
+              "50 ms after an enabled D/A's last low-byte write PANIC is high in three clocks")
   `MMCS_PROVE(BrakesHold, "4.2.1", panic, !brake, "no brake is released while PANIC is high")
   `MMCS_REACH(Released, brake && (&enable_q), "all four axes beat and the brakes are released")
-  `MMCS_REACH(RunsOut, panic && safe_q && (&enable_q) && late_q == 4'b0001 && beat_q == 4'b1110,
+  `MMCS_REACH(RunsOut, panic && safe_q[0] && (&enable_q) && late_q == 4'b0001 && beat_q == 4'b1110,
               "one heartbeat of four runs out")
 
   // --- steps of the induction -----------------------------------------------------------------

@@ -12,6 +12,7 @@ module thct2000_props (
   input wire logic       a_i,
   input wire logic       b_i,
   input wire logic       latch_i,
+  input wire logic       other_i,
   input wire logic       cs_ni,
   input wire logic       rd_ni,
   input wire logic       wr_ni,
@@ -28,7 +29,7 @@ module thct2000_props (
   logic [15:0] count;
 
   thct2000 dut (
-    .clk_i, .rst_ni, .reset_i, .clk_en_i, .m_i, .a_i, .b_i, .latch_i,
+    .clk_i, .rst_ni, .reset_i, .clk_en_i, .m_i, .a_i, .b_i, .latch_i, .other_i,
     .cs_ni, .rd_ni, .wr_ni, .rs_i, .d_i,
     .d_o(d),
     .d_oe_o(oe),
@@ -76,7 +77,7 @@ module thct2000_props (
 
   logic step_mode, up, down, closes, ticks;
   logic [15:0] count_q, latch_q, next;
-  logic latched_q, illegal_q, latch_seen_q;
+  logic latched_q, illegal_q;
   assign step_mode = m_i != 3'd0 && m_i < 3'd6;
   assign apart  = place(seen2_q) - place(seen3_q);
   assign up     = apart == 2'd1 && passes(m_i, place(seen3_q));
@@ -88,36 +89,42 @@ module thct2000_props (
 
   // --- the model: bus -------------------------------------------------------------------------
 
-  logic rd, wr, rd_q, wr_q, snaps, store;
-  logic read_q, read_first_q, written_q, write_first_q, wr_rs_q;
+  // open_q: what came last was the first byte of a pair that the other byte may still complete.
+  logic rd, wr, rd_q, wr_q, snaps, store, both;
+  logic open_q, open_wr_q, open_rs_q, wr_rs_q;
+  logic [2:0] mode_q;
   logic [7:0] wr_d_q, waits_q;
-  logic [15:0] sample, sample_q;
+  logic [15:0] sample, sample_q, kept;
   assign rd    = !cs_ni && !rd_ni;
   assign wr    = !cs_ni && !wr_ni;
-  assign snaps = rd && !rd_q && (!read_q || rs_i == read_first_q);
+  assign snaps = rd && !rd_q && !(open_q && !open_wr_q && rs_i != open_rs_q);
   assign sample = !snaps ? sample_q : latched_q ? latch_q : count_q;
-  assign store = wr_q && !wr && written_q && wr_rs_q != write_first_q;
+  assign store = wr_q && !wr;
+  assign both  = open_q && open_wr_q && wr_rs_q != open_rs_q;
+  assign kept  = both ? {2{waits_q}} : clk_en_i ? next : count_q;   // the byte not written now
 
   always @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      {rd_q, wr_q, latch_seen_q, wr_rs_q, wr_d_q} <= '0;
-      {read_q, read_first_q, written_q, write_first_q, waits_q, sample_q} <= '0;
+      {rd_q, wr_q, mode_q, wr_rs_q, wr_d_q} <= '0;
+      {open_q, open_wr_q, open_rs_q, waits_q, sample_q} <= '0;
       {count_q, latch_q, latched_q, illegal_q} <= '0;
     end else begin
-      {rd_q, wr_q, latch_seen_q} <= {rd, wr, latch_i};
+      {rd_q, wr_q, mode_q} <= {rd, wr, m_i};
       if (wr) {wr_rs_q, wr_d_q} <= {rs_i, d_i};
       if (reset_i) begin
-        {read_q, written_q, waits_q, sample_q} <= '0;
+        {open_q, waits_q, sample_q} <= '0;
         {count_q, latch_q, latched_q, illegal_q} <= '0;
       end else begin
-        if (snaps) {read_q, read_first_q, sample_q, latched_q} <= {1'b1, rs_i, sample, 1'b0};
-        if ((latch_i && !latch_seen_q) || (clk_en_i && closes)) begin
+        if (rd && !rd_q) {open_q, open_wr_q, open_rs_q} <= {snaps, 1'b0, rs_i};
+        if (snaps) {sample_q, latched_q} <= {sample, 1'b0};
+        if (latch_i || (clk_en_i && closes)) begin
           {latched_q, latch_q} <= {1'b1, count_q};
         end
         if (clk_en_i && step_mode && apart == 2'd2) illegal_q <= 1'b1;
-        if (wr_q && !wr && !store) {written_q, write_first_q, waits_q} <= {1'b1, wr_rs_q, wr_d_q};
-        if (store) count_q <= wr_rs_q ? {waits_q, wr_d_q} : {wr_d_q, waits_q};
+        if (store) {open_q, open_wr_q, open_rs_q, waits_q} <= {!both, 1'b1, wr_rs_q, wr_d_q};
+        if (store) count_q <= wr_rs_q ? {kept[15:8], wr_d_q} : {wr_d_q, kept[7:0]};
         else if (clk_en_i) count_q <= next;
+        if (other_i || m_i != mode_q) open_q <= 1'b0;
       end
     end
   end
@@ -143,21 +150,28 @@ module thct2000_props (
   `MMCS_PROVE(Latched, "5.3.2", snaps && latched_q, sample == latch_q && {d, d} == (rs_i ?
               {2{latch_q[7:0]}} : {2{latch_q[15:8]}}),
               "the first read after a latch shows the count at the latch")
+  `MMCS_PROVE(Fresh, "5.3.2", rd && !rd_q && $past(other_i || reset_i || !rst_ni), snaps,
+              "after another access to the board, or RESET, a read takes a sample of its own")
+  `MMCS_PROVE(StoredWhole, "5.3.2", $past(store && both && rst_ni && !reset_i),
+              count == ($past(wr_rs_q) ? {$past(waits_q), $past(wr_d_q)} :
+                                         {$past(wr_d_q), $past(waits_q)}),
+              "the second byte written stores both, whatever was counted in between")
   `MMCS_PROVE(Idle, "5.3.2", !rd, !oe, "the chip drives the bus only when it is read")
-  `MMCS_REACH(BothBytes, rd && rd_q && read_q && rs_i != read_first_q && sample[15:8] != 8'h00 &&
-              sample != count_q, "a second byte of an older sample is read")
+  `MMCS_REACH(BothBytes, rd && !rd_q && !snaps && sample[15:8] != 8'h00 && sample != count_q,
+              "a second byte of an older sample is read")
 
   // --- steps on the way -----------------------------------------------------------------------
 
   // Wires of these names are joined to the registers when the hierarchy is flattened.
   (* hierconn *) wire [1:0] \dut.s1_q , \dut.s2_q , \dut.prev_q ;
-  (* hierconn *) wire \dut.rd_q , \dut.wr_q , \dut.rs_q , \dut.latch_in_q , \dut.latched_q ;
-  (* hierconn *) wire \dut.rd_seen_q , \dut.rd_snap_q , \dut.wr_seen_q , \dut.wr_first_q ;
+  (* hierconn *) wire \dut.rd_q , \dut.wr_q , \dut.rs_q , \dut.latched_q ;
+  (* hierconn *) wire \dut.pair_q , \dut.pair_wr_q , \dut.pair_rs_q ;
+  (* hierconn *) wire [2:0] \dut.m_q ;
   (* hierconn *) wire [7:0] \dut.d_q , \dut.held_q ;
   (* hierconn *) wire [15:0] \dut.snap_q , \dut.latch_q ;
 
   `MMCS_LEMMA(Inputs, {dut.s1_q, dut.s2_q, dut.prev_q} == {seen1_q, seen2_q, seen3_q} &&
-              {dut.rd_q, dut.wr_q, dut.latch_in_q} == {rd_q, wr_q, latch_seen_q},
+              {dut.rd_q, dut.wr_q, dut.m_q} == {rd_q, wr_q, mode_q},
               "both see the same pins")
   `MMCS_LEMMA(Sums, sum_q - sum1_q == (seen1_q == seen2_q ? 16'd0 :
               place(seen1_q) - place(seen2_q) == 2'd1 ? 16'd1 :
@@ -166,10 +180,8 @@ module thct2000_props (
               "the sums differ by the steps between the samples")
   `MMCS_LEMMA(Latches, dut.latched_q == latched_q && dut.latch_q == latch_q &&
               dut.snap_q == sample_q, "both hold the same latch and sample")
-  `MMCS_LEMMA(Reads, dut.rd_seen_q == read_q && (!read_q || dut.rd_snap_q == read_first_q),
-              "both know the byte that takes the sample")
-  `MMCS_LEMMA(Writes, dut.wr_seen_q == written_q &&
-              (!written_q || dut.wr_first_q == write_first_q) && dut.held_q == waits_q &&
+  `MMCS_LEMMA(Pairs, dut.pair_q == open_q && dut.held_q == waits_q &&
+              {dut.pair_wr_q, dut.pair_rs_q} == {open_wr_q, open_rs_q} &&
               (!wr_q || {dut.rs_q, dut.d_q} == {wr_rs_q, wr_d_q}),
               "both know the byte that waits for the other")
 

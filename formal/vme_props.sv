@@ -61,12 +61,10 @@ module vme_props #(
     .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
-  logic [3:1] level_q = '0;
-  logic [22:0] cycle_q = '0;
   logic [2:0] reset_q = '0;
+  logic [3:0] ack_level_q = '0;
   logic [7:0] rdata_q = '1, vector_q = 8'h0F;
   logic request_q = 1'b0, ack_q = 1'b0;
-  logic strobed_q = 1'b0;
   logic [4:0] asked_q = '0;      // clocks of the present request
   logic [4:0] down_q = '0;       // clocks of SYSRESET*
   logic dtack_q = 1'b0, iackin_q = 1'b1, strobed;
@@ -100,13 +98,13 @@ module vme_props #(
 
   if (Keeps) begin : g_keeps
     `MMCS_GIVEN(MasterKeeps, f_master_bad == '0, "the master keeps the rules of its checker")
-    `MMCS_GIVEN(NoPipeline, !(strobed && strobed_q) || f_slave_dtack ||
-                {vme_a_i, vme_am_i, vme_lword_ni, vme_iack_ni} == cycle_q,
-                "no next address before the strobes of another's cycle are high: see findings.md")
     `MMCS_GIVEN(ChainWaits, vme_iackin_ni || !iackin_q || (dtack_n && !dtack_q),
                 "an acknowledge starts down the chain when DTACK* of the cycle before is high")
-    `MMCS_GIVEN(ChainGap, vme_iackin_ni || iackin_q || (level_q == vme_a_i[3:1] && !vme_iack_ni),
-                "IACKIN* is high for a clock at least between two acknowledges")
+    `MMCS_GIVEN(LevelStands, vme_iackin_ni || iackin_q || vme_as_ni || !dtack_n || dtack_q ||
+                ack_level_q == {vme_a_i[3:1], vme_iack_ni},
+                "level and IACK* stand while IACKIN* and AS* are low and nobody has answered")
+    `MMCS_GIVEN(DtackFirst, (dtack_n && !dtack_q) || (~vme_ds_ni & ds_q) == 2'b00,
+                "no strobe falls before DTACK* of the cycle before is high")
     `MMCS_GIVEN(ResetLasts, !(vme_sysreset_ni && down_q != 5'd0 && down_q < 5'd31),
                 "SYSRESET* lasts 31 clocks at least (the bus says 200 ms)")
     `MMCS_GIVEN(ResetEnds, !(strobed && down_q > 5'd16), "SYSRESET* makes the master let go")
@@ -145,7 +143,8 @@ module vme_props #(
                 ((vme_am_i == 6'h29) | (vme_am_i == 6'h2D));
   assign cycle = strobe & ours;
 
-  logic [6:0] held_q = '0;       // clocks that a cycle of ours has stood without a break
+  logic [1:0] ds_q = '1;
+  logic [6:0] held_q = '0;       // clocks that a strobe of ours has stood since it fell
   logic [6:0] foreign_q = '0;    // clocks that none of ours has been seen
   logic [4:0] rest_q = '0;       // clocks that both data strobes have been high
   logic       rested_q = 1'b0;   // at rest when the present cycle began
@@ -158,23 +157,22 @@ module vme_props #(
     if (rst_ni) begin
       dtack_q <= ~dtack_n;
       iackin_q <= vme_iackin_ni;
-      strobed_q <= strobed;
-      cycle_q <= {vme_a_i, vme_am_i, vme_lword_ni, vme_iack_ni};
       reset_q <= {reset_q[1:0], ~vme_sysreset_ni};
+      ack_level_q <= {vme_a_i[3:1], vme_iack_ni};
       rdata_q <= f_rdata;
       vector_q <= f_vector;
       request_q <= f_request;
       ack_q <= f_ack;
       if (!f_request || f_ack) asked_q <= '0;
       else if (asked_q != '1) asked_q <= asked_q + 1'b1;
-      level_q <= vme_a_i[3:1];
       if (vme_sysreset_ni) down_q <= '0;
       else if (down_q != '1) down_q <= down_q + 1'b1;
       if (!vme_sysreset_ni) up_q <= '0;
       else if (!quiet) up_q <= up_q + 1'b1;
       if (!vme_sysreset_ni) clean_q <= 1'b0;
       else if (quiet && !strobed) clean_q <= 1'b1;
-      if (!cycle || !clean_q || !quiet) held_q <= '0;
+      ds_q <= vme_ds_ni;
+      if (!cycle || !clean_q || !quiet || (held_q == '0 && !ds_q[0])) held_q <= '0;
       else if (held_q != '1) held_q <= held_q + 1'b1;
       if (cycle) foreign_q <= '0;
       else if (foreign_q != '1) foreign_q <= foreign_q + 1'b1;

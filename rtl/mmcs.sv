@@ -183,7 +183,7 @@ module mmcs #(
       .RelayUs(RelayUs),
       .HeartbeatUs(HeartbeatUs),
       .PpiFloatB(PpiFloatB),
-      .RandomPowerUp(RandomPowerUp)
+      .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 + 32'(n) : 32'h0)
     ) u_card (
       .clk_i, .rst_ni,
       .pc_clk_en_i(pc_clk_en),

@@ -20,8 +20,8 @@ TIES = {
     " it; `gate_i` at 3'b111 lets all count.",
     "i8255": "Ports that are not inputs may be tied to 0; `p*_oe_o` tells which pins it drives.",
     "oneshot": "`clr_ni` at 1.",
-    "thct2000": "`clk_en_i` at 1 counts at the system clock; `latch_i` at 0 if nobody latches;"
-    " `m_i` at 5 counts every edge.",
+    "thct2000": "`clk_en_i` at 1 counts at the system clock; `latch_i` at 0 if nobody latches,"
+    " `other_i` at 0 on a bus of its own; `m_i` at 5 counts every edge.",
 }
 
 

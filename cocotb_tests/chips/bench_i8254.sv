@@ -81,7 +81,8 @@ module bench_i8254 (
   logic chmos_rise0, chmos_fall0, chmos_rise1, chmos_fall1, chmos_rise2, chmos_fall2, chmos_oe;
 
   i8254 #(
-      .NmosRewrite(1'b0)
+      .NmosRewrite(1'b0),
+      .SplitCr(1'b0)
   ) u_chmos (
       .clk_i(clk_i),
       .rst_ni,

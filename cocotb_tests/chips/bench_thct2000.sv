@@ -12,9 +12,9 @@ module bench_thct2000 (
     input wire [1:0] pick_i,  // bit 0: the part with Filter = 2
     output wire done_o
 );
-  localparam int InBits = 20;
+  localparam int InBits = 21;
   localparam int OutBits = 26;
-  localparam logic [InBits-1:0] Idle = 20'h00702;
+  localparam logic [InBits-1:0] Idle = 21'h000702;
 
   logic [InBits-1:0] stim;
   logic [OutBits-1:0] dut_resp, filter_resp;
@@ -33,11 +33,11 @@ module bench_thct2000 (
       .done_o
   );
 
-  logic reset, clk_en, a, b, latch, cs_n, rd_n, wr_n, rs;
+  logic reset, clk_en, a, b, latch, other, cs_n, rd_n, wr_n, rs;
   logic [2:0] m;
   logic [7:0] d;
 
-  assign {d, rs, wr_n, rd_n, cs_n, latch, b, a, m, clk_en, reset} = stim;
+  assign {other, d, rs, wr_n, rd_n, cs_n, latch, b, a, m, clk_en, reset} = stim;
 
   logic [7:0] dut_d;
   logic [15:0] dut_count;
@@ -52,6 +52,7 @@ module bench_thct2000 (
       .a_i(a),
       .b_i(b),
       .latch_i(latch),
+      .other_i(other),
       .cs_ni(cs_n),
       .rd_ni(rd_n),
       .wr_ni(wr_n),
@@ -80,6 +81,7 @@ module bench_thct2000 (
       .a_i(a),
       .b_i(b),
       .latch_i(latch),
+      .other_i(other),
       .cs_ni(cs_n),
       .rd_ni(rd_n),
       .wr_ni(wr_n),

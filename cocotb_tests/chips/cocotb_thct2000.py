@@ -292,26 +292,69 @@ async def written_lsb_first(dut):
 
 @cocotb.test()
 @req("ENC-2")
-async def one_byte_written_changes_nothing_yet(dut):
+async def a_byte_written_is_stored_at_once(dut):
     s = Encoder()
     s.init(0x1111)
     s.write(MSB, 0x22)
-    s.expect(count=0x1111)
+    s.expect(count=0x2211)
+    s.other()
     s.write(LSB, 0x33)
     s.expect(count=0x2233)
+    s.turn(1)
+    s.settle()
+    s.write(LSB, 0x44)
+    s.expect("again the same byte", count=0x2244)
     await s.run(dut)
 
 
 @cocotb.test()
 @req("ENC-2")
-async def write_order_is_fixed_by_the_first_after_reset(dut):
-    """A stray first byte is replaced by the next one; it never shifts later pairs."""
-    s = Encoder()
-    s.init(0x1111)
-    s.write(MSB, 0x44)
-    s.init(0x2345)
-    s.expect(count=0x2345)
-    await s.run(dut)
+async def a_count_between_two_written_bytes_does_not_tear_them(dut):
+    for first, value in ((MSB, 0x12FF), (LSB, 0x1300)):
+        s = Encoder()
+        s.init(0x00FF if first == MSB else 0x0100)
+        s.other()
+        s.write(first, value & 0xFF if first else value >> 8)
+        s.turn(1 if first == MSB else -1)
+        s.settle()
+        s.write(1 - first, value >> 8 if first else value & 0xFF)
+        s.expect("both as written", count=value)
+        await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def a_byte_written_leaves_the_other_one_counting(dut):
+    """On the very clock of a carry the other byte counts on by itself."""
+    for gap in range(8):
+        s = Encoder()
+        s.init(0x10FF)
+        s.other()
+        s.step(2, cs_n=0, wr_n=0, rs=MSB, d=0x20)
+        s.step(max(gap, 1), a=int(gap > 0))
+        s.step(4, cs_n=1, wr_n=1, rs=LSB, a=1, d=0)
+        s.settle()
+        s.expect(f"edge {gap} clocks before", count=0x2000 if gap > 1 else 0x2100)
+        await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def a_stray_byte_written_shifts_no_later_pair(dut):
+    for stray in (MSB, LSB):
+        for first in (MSB, LSB):
+            for between in (True, False):
+                s = Encoder()
+                s.write(stray, 0x44)
+                if between:
+                    s.other()
+                s.init(0x2345, first=first)
+                s.expect(f"stray {stray}, first {first}", count=0x2345)
+                s.turn(1)
+                s.settle()
+                s.init(0x6789, first=first)
+                s.expect(count=0x6789)
+                await s.run(dut)
 
 
 @cocotb.test()
@@ -359,47 +402,110 @@ async def data_stands_still_during_a_read(dut):
 
 @cocotb.test()
 @req("ENC-2")
-async def snapshot_byte_read_again_samples_again(dut):
+async def a_byte_read_again_samples_again(dut):
     s = Encoder()
-    s.init(0x1000)
+    s.init(0x10FF)
     s.read(MSB, 0x10)
-    s.init(0x2000)
-    s.read(MSB, 0x20)
-    s.init(0x3044)
+    s.turn(1)
+    s.settle()
+    s.read(MSB, 0x11)
+    s.turn(-1)
+    s.settle()
     s.read(LSB, 0x00, "of the second sample")
-    s.value(0x3044)
+    s.value(0x10FF)
     await s.run(dut)
 
 
 @cocotb.test()
 @req("ENC-2")
-async def stray_byte_read_leaves_nothing_stale(dut):
+async def a_stray_byte_leaves_nothing_stale(dut):
+    """A lone byte, read or written, first after RESET or later, and then something else."""
+    for later in (False, True):
+        for stray in (MSB, LSB):
+            for kind in ("read", "write"):
+                for first in (MSB, LSB):
+                    s = Encoder()
+                    if later:
+                        s.init(0x1234)
+                        s.value(0x1234)
+                    if kind == "read":
+                        s.read(stray, (0x34, 0x12)[1 - stray] if later else 0)
+                    else:
+                        s.write(stray, 0x77)
+                    s.other()
+                    s.init(0x5678, first=first)
+                    for want in (0x5678, 0x5679, 0x567A):
+                        s.value(want, f"{kind} of {stray}, then {first} first", first=first)
+                        s.turn(1)
+                        s.settle()
+                    await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def what_ends_a_pair_and_what_does_not(dut):
+    """Any other access, a mode set and RESET do; a latch does not."""
+
+    def other(s):
+        s.other()
+
+    def mode(s):
+        s.step(m=4)
+        s.step(2, m=5)
+
+    def write(s):
+        s.write(LSB, 0x01)
+
+    for ends in (other, mode, write):
+        s = Encoder()
+        s.init(0x30FF)
+        s.read(MSB, 0x30)
+        s.turn(2)
+        s.settle()
+        ends(s)
+        s.read(LSB, 0x01, ends.__name__)
+        await s.run(dut)
     s = Encoder()
-    s.value(0)
-    s.init(0x1234)
-    s.read(MSB, 0x12)
-    s.init(0x5678)
-    s.value(0x5678)
-    s.init(0x9ABC)
-    s.read(LSB, 0x78, "the other byte alone is of the last sample")
-    s.value(0x9ABC)
+    s.init(0x30FF)
+    s.read(MSB, 0x30)
+    s.turn(2)
+    s.settle()
+    s.latch()
+    s.read(LSB, 0xFF, "a latch leaves the pair one sample")
+    s.value(0x3101, "and is there for the next")
     await s.run(dut)
 
 
 @cocotb.test()
 @req("ENC-2")
-async def reset_lets_the_order_change(dut):
+async def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(dut):
+    """What remains: nothing came between to tell that they are no pair."""
     s = Encoder()
-    s.init(0x1234)
-    s.value(0x1234)
-    s.step(3, reset=1)
-    s.step(2, reset=0)
-    s.expect("RESET DRV clears the count", count=0)
-    s.init(0x5600, first=LSB)
-    s.read(LSB, 0x00)
-    s.init(0x78FF, first=LSB)
-    s.read(MSB, 0x56, "snapshot on the LSB now")
+    s.init(0x40FF)
+    s.read(LSB, 0xFF)
+    s.turn(1)
+    s.settle()
+    s.read(MSB, 0x40, "of the lone byte's sample")
+    s.read(LSB, 0x00, "a new pair")
+    s.read(MSB, 0x41)
     await s.run(dut)
+
+
+@cocotb.test()
+@req("ENC-2")
+async def reset_ends_a_pair(dut):
+    for stray in (MSB, LSB):
+        s = Encoder()
+        s.init(0x1234)
+        s.read(stray, 0x34 if stray else 0x12)
+        s.write(stray, 0x99)
+        s.step(3, reset=1)
+        s.step(2, reset=0)
+        s.expect("RESET DRV clears the count", count=0)
+        s.init(0x5601, first=1 - stray)
+        s.expect(count=0x5601)
+        s.value(0x5601, first=1 - stray)
+        await s.run(dut)
 
 
 @cocotb.test()
@@ -433,18 +539,19 @@ async def second_latch_overwrites(dut):
 
 @cocotb.test()
 @req("ENC-2")
-async def latch_acts_on_its_rising_edge(dut):
+async def latches_of_neighbouring_clocks_both_act(dut):
+    """Each clock of the latch input is an event of its own: the later one stands."""
     s = Encoder()
     s.init(50)
+    s.turn(1, clocks=3)
     s.step(latch=1)
-    s.turn(4)
+    s.step(latch=1)
+    s.step(latch=0)
     s.settle()
-    s.value(50)
-    s.value(54, "held high: no further latch")
-    s.step(3, latch=0)
-    s.turn(1)
+    s.value(51, "the second, which saw the edge")
+    s.turn(3)
     s.settle()
-    s.value(55, "its fall latches nothing")
+    s.value(54, "live")
     await s.run(dut)
 
 
@@ -647,7 +754,10 @@ class Walk:
         elif kind < 0.89:
             self._put(rng.choice((1, 3)), reset=1)
             self._put(reset=0)
-        elif kind < 0.91:
+        elif kind < 0.97:
+            self._put(rng.choice((1, 4)), other=1)
+            self._put(other=0)
+        elif kind < 0.985:
             self.slow = not self.slow
             self.pins["clk_en"] = 1
         self._put(rng.choice((0, 1, 2, 6)))

@@ -6,7 +6,7 @@ from cocotb_tests.models import thct2000
 
 IDLE = {
     "reset": 0, "clk_en": 1, "m": 5, "a": 0, "b": 0, "latch": 0, "cs_n": 1, "rd_n": 1, "wr_n": 1,
-    "rs": 0, "d": 0,
+    "rs": 0, "d": 0, "other": 0,
 }  # fmt: skip
 IN = Layout(thct2000.PINS)
 MSB, LSB = 0, 1
@@ -64,6 +64,11 @@ class Encoder(Script):
     def init(self, value: int, first: int = MSB) -> None:
         for rs in (first, 1 - first):
             self.write(rs, value & 0xFF if rs else value >> 8)
+
+    def other(self) -> None:
+        """The board is accessed, this chip is not."""
+        self.step(4, other=1)
+        self.step(1, other=0)
 
     def latch(self) -> None:
         self.step(latch=1)

@@ -22,7 +22,8 @@ class Pit(Script):
         self.rw = [0, 0, 0]
 
     def model(self):
-        return i8254.I8254(nmos=not self.chmos, cascade=self.cascade)
+        # the bench's CHMOS part takes both bytes of a count together
+        return i8254.I8254(not self.chmos, self.cascade, split=not self.chmos)
 
     def outputs(self, response) -> dict:
         seen = super().outputs(response)

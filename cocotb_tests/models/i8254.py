@@ -24,8 +24,9 @@ def _bcd_minus_one(value: int) -> int:
 class Counter:
     """One of the three counters: CR, CE, OL, the two byte flip-flops and the control logic."""
 
-    def __init__(self, nmos: bool = True) -> None:
+    def __init__(self, nmos: bool = True, split: bool = True) -> None:
         self.nmos = nmos
+        self.split = split  # CR_L takes the first of two bytes at once
         self.cw = 0  # D5..D0 of the control word as last written
         self.mode = 0
         self.rw = 0
@@ -49,6 +50,7 @@ class Counter:
         self.gate_sampled = False
         self.odd = False  # mode 3: parity of the count at its load
         self.stopped = False  # mode 0: the first byte of a pair stops counting until the load
+        self.rolled = False  # the count has gone below 0 since its load
         self.strobe_due = False  # modes 4, 5: one strobe for each load
         self.strobing = False  # and it is being given
         self.gate = 0
@@ -89,7 +91,8 @@ class Counter:
         if not self.cr_late:
             self.null = 0
         self.loaded = True
-        self.stopped = self.nmos and self.write_msb and mode == 0
+        self.stopped = self.stopped and self.write_msb
+        self.rolled = False
         if mode == 1:
             self.out = 0
         elif mode != 0:
@@ -98,6 +101,8 @@ class Counter:
         self.strobing = False
 
     def _down(self) -> None:
+        if self.ce == 0:
+            self.rolled = True
         if self.bcd:
             self.ce = _bcd_minus_one(self.ce)
         else:
@@ -156,9 +161,12 @@ class Counter:
         if self.rw == 3 and not self.write_msb:
             self.write_msb = True
             self.cr_low = data
+            if self.split:
+                self.cr = self.cr & 0xFF00 | data
             if self.mode == 0:
                 self.out = 0
-                self.stopped = self.nmos
+                if self.nmos or not self.rolled:
+                    self.stopped = True
             return
         self.cr = data if self.rw == 1 else data << 8 | (self.cr_low if self.rw == 3 else 0)
         self.cr_late = True
@@ -202,8 +210,8 @@ class Counter:
 class I8254:
     """The chip: three counters and the bus. `run` takes packed pins, one word per clock."""
 
-    def __init__(self, nmos: bool = True, cascade: bool = False) -> None:
-        self.counters = [Counter(nmos) for _ in range(3)]
+    def __init__(self, nmos: bool = True, cascade: bool = False, split: bool = True) -> None:
+        self.counters = [Counter(nmos, split) for _ in range(3)]
         self.cascade = cascade  # CLK1 = OUT0, CLK2 = OUT1, all in the same clock
         self._write = None  # (address, data) captured while WR# is low
         self._read = None  # address captured while RD# is low

@@ -3,7 +3,8 @@
 
 It is a function of settled pins: every call of `settle` is one state of the pins, held long enough
 for handshakes to come to rest; successive calls differ by one strobe. Handshake outputs are the
-level equations of the data sheet (INTR = OBF.INTE.ACK.WR + IBF.INTE.STB.RD).
+level equations of the data sheet (INTR = OBF.INTE.ACK.WR + IBF.INTE.STB.RD). Bit set/reset writes
+IBF, OBF# and INTR too; INTR keeps what was written until its equation changes or it is served.
 """
 
 PINS = (
@@ -29,6 +30,8 @@ class Group:
         self.obf_n = 1
         self.inte_in = 0
         self.inte_out = 0
+        self.intr_set = None  # written by bit set/reset
+        self.intr = 0  # by its equation
 
 
 class I8255:
@@ -130,6 +133,18 @@ class I8255:
             self.b.inte_in = value
         if bit == 2 and b_out:
             self.b.inte_out = value
+        if a_in and bit == 5:
+            self.a.ibf = value
+        if a_out and bit == 7:
+            self.a.obf_n = value
+        if bit == 1 and b_in:
+            self.b.ibf = value
+        if bit == 1 and b_out:
+            self.b.obf_n = value
+        if bit == 3 and (a_in or a_out):
+            self.a.intr_set = value
+        if bit == 0 and (b_in or b_out):
+            self.b.intr_set = value
         if not (self._handshake() >> bit) & 1:
             self.pc = (self.pc & ~(1 << bit)) | (value << bit)
 
@@ -176,6 +191,13 @@ class I8255:
         if b_out and not pc & 0x04:
             self.b.obf_n = 1
 
+    @staticmethod
+    def _intr(group: Group, by_equation: bool, served: bool) -> bool:
+        if by_equation != group.intr or served:
+            group.intr_set = None
+        group.intr = by_equation
+        return by_equation if group.intr_set is None else bool(group.intr_set)
+
     def _outputs(self, pins: dict, reading: bool, writing: bool) -> dict:
         a_in, a_out, b_in, b_out = self._strobed()
         pc_in, addr, a, b = pins["pc"], pins["a"], self.a, self.b
@@ -187,6 +209,9 @@ class I8255:
         intr_b = (b_in and b.ibf and b.inte_in and pc_in & 4 and not read_b) or (
             b_out and b.obf_n and b.inte_out and pc_in & 4 and not write_b
         )
+        served_a = (a_in and read_a) or (a_out and write_a)
+        intr_a = self._intr(a, bool(intr_a), served_a)
+        intr_b = self._intr(b, bool(intr_b), (b_in and read_b) or (b_out and write_b))
         # Port C pins driven, and what a read of port C shows (INTE where the strobes come in).
         out = self._plain_outputs()
         pc, status = self.pc & out, (self.pc & out) | (pc_in & ~out & 0xFF)

@@ -3,7 +3,7 @@
 
 PINS = (
     ("reset", 1), ("clk_en", 1), ("m", 3), ("a", 1), ("b", 1), ("latch", 1), ("cs_n", 1),
-    ("rd_n", 1), ("wr_n", 1), ("rs", 1), ("d", 8),
+    ("rd_n", 1), ("wr_n", 1), ("rs", 1), ("d", 8), ("other", 1),
 )  # fmt: skip
 OUTS = (("d_o", 8), ("oe", 1), ("count", 16), ("illegal", 1))
 
@@ -17,11 +17,10 @@ class Thct2000:
         self.count = self.latch = self.buffer = 0
         self.latched = False
         self.illegal = 0
-        self.snapshot_at = None  # byte address read first after RESET
-        self.write_first = None
+        self.pair = None  # the first access of a pair: (kind, byte address)
         self.write_byte = 0
+        self.mode = 0
         self.sync = [0, 0, 0]
-        self.latch_pin = 0
         self.captured = False  # modes 6, 7 handed a count over in this clock
         self._read = None
         self._write = None
@@ -55,7 +54,13 @@ class Thct2000:
         reset, clk_en, mode = word & 1, (word >> 1) & 1, (word >> 2) & 7
         pins = ((word >> 5) & 1) << 1 | (word >> 6) & 1
         latch, cs_n = (word >> 7) & 1, (word >> 8) & 1
-        rd_n, wr_n, rs, data = (word >> 9) & 1, (word >> 10) & 1, (word >> 11) & 1, word >> 12
+        rd_n, wr_n, rs, data = (
+            (word >> 9) & 1,
+            (word >> 10) & 1,
+            (word >> 11) & 1,
+            word >> 12 & 0xFF,
+        )
+        other = word >> 20
         reading, writing = not (cs_n or rd_n), not (cs_n or wr_n)
         seen = {"oe": int(reading), "count": self.count, "illegal": self.illegal}
         if not reading:
@@ -63,23 +68,22 @@ class Thct2000:
         elif self._read == rs and not reset:
             seen["d_o"] = self.buffer & 0xFF if rs else self.buffer >> 8
 
-        latch_edge = latch and not self.latch_pin
-        self.latch_pin = latch
         before = self.count, self.latch, self.latched
         self.captured = False
         if clk_en:
             self._tick(mode, pins)
         if reading and self._read is None:
             self._read = rs
-            if self.snapshot_at is None:
-                self.snapshot_at = rs
-            if rs == self.snapshot_at:
+            if self.pair == ("read", 1 - rs):
+                self.pair = None
+            else:
+                self.pair = ("read", rs)
                 self.buffer = before[1] if before[2] else before[0]
                 if not self.captured:
                     self.latched = False
         elif not reading:
             self._read = None
-        if latch_edge:
+        if latch:
             self.latch, self.latched = before[0], True
         if writing:
             self._write = (rs, data)
@@ -89,15 +93,14 @@ class Thct2000:
         if reset:
             self.count = self.latch = self.buffer = 0
             self.latched, self.illegal = False, 0
-            self.snapshot_at = self.write_first = None
+        if reset or other or mode != self.mode:
+            self.pair = None
+        self.mode = mode
         return seen
 
     def _finish_write(self, rs: int, data: int) -> None:
-        if self.write_first is None:
-            self.write_first = rs
-        if rs == self.write_first:
-            self.write_byte = data
-        elif rs:
-            self.count = self.write_byte << 8 | data
-        else:
-            self.count = data << 8 | self.write_byte
+        both = self.pair == ("write", 1 - rs)
+        rest = self.write_byte if both else self.count & 0xFF if rs == 0 else self.count >> 8
+        self.count = rest << 8 | data if rs else data << 8 | rest
+        self.write_byte = data
+        self.pair = None if both else ("write", rs)

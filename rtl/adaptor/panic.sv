@@ -7,8 +7,8 @@ module panic (
   input  wire logic clk_i,
   input  wire logic rst_ni,
   // What can go wrong
-  input  wire logic bus_panic_i,       // the jumpered line of the PC bus, synchronous
-  input  wire logic estop_closed_i,    // asynchronous, like the next two
+  input  wire logic bus_panic_i,       // the jumpered line of the PC bus; all four asynchronous
+  input  wire logic estop_closed_i,
   input  wire logic cable_ok_i,
   input  wire logic pc_power_i,
   // Result
@@ -21,17 +21,24 @@ module panic (
   // {hand-held button, cable, power}; healthy until shown otherwise, so that a machine that is
   // healthy when it starts makes no edge.
   logic [2:0] sync0_q, sync1_q;
-  logic panic_q;
+  logic bus0_q, bus1_q;   // the PC bus is heard only while the rest is good: no gap in between
+  logic panic_q, safe;
+
+  assign safe = &sync1_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       sync0_q <= '1;
       sync1_q <= '1;
+      bus0_q  <= 1'b0;
+      bus1_q  <= 1'b0;
       panic_q <= 1'b1;
     end else begin
       sync0_q <= {estop_closed_i, cable_ok_i, pc_power_i};
       sync1_q <= sync0_q;
-      panic_q <= bus_panic_i | ~(&sync1_q);
+      bus0_q  <= bus_panic_i | ~safe;
+      bus1_q  <= bus0_q | ~safe;
+      panic_q <= bus1_q | ~safe;
     end
   end
 

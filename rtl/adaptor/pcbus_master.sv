@@ -30,7 +30,7 @@ module pcbus_master #(
   output logic             pc_ior_no,
   output logic             pc_iow_no,
   input  wire logic [ 7:0] pc_d_i,      // 0xFF where nobody drives
-  input  wire logic        pc_wait_i    // 1: IOCHRDY is pulled low
+  input  wire logic        pc_wait_i    // 1: IOCHRDY is pulled low; asynchronous
 );
 
   localparam int ClkMHz = ClkHz / 1_000_000;
@@ -53,11 +53,14 @@ module pcbus_master #(
   logic                    write_q, ior_nq, iow_nq;
   logic   [          15:0] a_q;
   logic   [           7:0] d_q, rdata_q;
-  logic                    start, last, waiting;
+  logic                    start, last, waiting, counts;
+  logic   [           1:0] wait_q;            // IOCHRDY is two clocks late here, and
+  logic   [           1:0] counts_q;          // as late begins the count of its periods
 
   assign start = (state_q == StIdle) && start_i;
   assign last = (timer_q == '0);
-  assign waiting = pc_wait_i & link_ok_i;
+  assign waiting = wait_q[1] & link_ok_i;
+  assign counts = clk_en_i & counts_q[1];
 
   always_comb begin
     state_d = state_q;
@@ -79,7 +82,7 @@ module pcbus_master #(
       end
       StCommand: begin
         if (last && waiting && waits_q != WaitWidth'(IochrdyLimitClks)) begin
-          if (clk_en_i) waits_d = waits_q + 1'b1;
+          if (counts) waits_d = waits_q + 1'b1;
         end else if (last) begin
           state_d = StHold;
           timer_d = TimerWidth'(SideClks - 1);
@@ -91,24 +94,28 @@ module pcbus_master #(
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      state_q <= StIdle;
-      timer_q <= '0;
-      waits_q <= '0;
-      write_q <= 1'b0;
-      a_q     <= '0;
-      d_q     <= 8'hFF;
-      ior_nq  <= 1'b1;
-      iow_nq  <= 1'b1;
-      rdata_q <= 8'hFF;
+      state_q  <= StIdle;
+      timer_q  <= '0;
+      waits_q  <= '0;
+      wait_q   <= '0;
+      counts_q <= '0;
+      write_q  <= 1'b0;
+      a_q      <= '0;
+      d_q      <= 8'hFF;
+      ior_nq   <= 1'b1;
+      iow_nq   <= 1'b1;
+      rdata_q  <= 8'hFF;
     end else begin
-      state_q <= state_d;
-      timer_q <= timer_d;
-      waits_q <= waits_d;
+      state_q  <= state_d;
+      timer_q  <= timer_d;
+      waits_q  <= waits_d;
+      wait_q   <= {wait_q[0], pc_wait_i};
+      counts_q <= {counts_q[0], state_q == StCommand && last && waiting};
       if (start) write_q <= write_i;
       if (start) a_q <= a_i;
       if (start && write_i) d_q <= wdata_i;
-      ior_nq <= (state_d != StCommand) || write_q;
-      iow_nq <= (state_d != StCommand) || !write_q;
+      ior_nq   <= (state_d != StCommand) || write_q;
+      iow_nq   <= (state_d != StCommand) || !write_q;
       if (state_q == StCommand && state_d == StHold) begin
         rdata_q <= (write_q || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
       end

@@ -27,87 +27,93 @@ module vme_interrupter #(
   output logic             dtack_o        // pull DTACK* low
 );
 
-  typedef enum logic [1:0] {
-    StIdle,     // waits for IACKIN* to fall
-    StRespond,  // the cycle is ours: wait for DS0*, then answer
-    StAnswer,   // vector and DTACK* until the strobes go
-    StPass      // not ours: IACKOUT* until the cycle ends
-  } state_e;
-
-  state_e state_q;
-  logic iackin0_q, iackin1_q;   // active high, two stages
-  logic strobe0_q, strobe1_q;   // DS0* low
-  logic both_high_q;            // first stage: both data strobes high; DTACK* is the second
-  logic cycle_q;                // AS* low
-  logic req_q;                  // the request when iackin0_q was taken
-  logic strobed, ready, dtack_q;
+  logic strobed, seen;          // raw: a data strobe is low; first stage: DS0* of an acknowledge
+  logic in0_q, in1_q;           // two stages: IACKIN* is low, and has not been high since
+  logic req_q;                  // the request when in0_q was taken
+  logic decides, mine;          // now; and for us
+  logic claim_q;                // decided so, waits for DS0*
+  logic pass_q;                 // decided against us: IACKOUT*
+  logic ready_d, ready_q;       // the strobe has come
+  logic own_q, own1_q;          // neither IACKIN*, AS* nor DS0* has gone since; a clock ago
+  logic answer_q, busy;
+  logic low0_q, low1_q;         // two stages: a data strobe is low, and has not been high since
 
   assign strobed = ~(&vme_ds_ni);
 
+  vme_strobe u_strobe (
+    .clk_i, .rst_ni,
+    .as_ni(vme_as_ni),
+    .ds0_ni(vme_ds_ni[0]),
+    .ours_i(~vme_iack_ni),
+    .seen_o(seen)
+  );
+
+  // --- flip-flops that the bus clears, however short a line is high --------------------------
+
+  logic in_n, pass_n, own_n, low_n;
+  assign in_n = rst_ni & ~vme_iackin_ni;
+  assign pass_n = rst_ni & ~vme_iackin_ni & ~vme_as_ni;
+  assign own_n = rst_ni & ((~vme_iackin_ni & ~vme_as_ni & ~vme_ds_ni[0]) | answer_q);
+  assign low_n = rst_ni & strobed;
+
+  always_ff @(posedge clk_i or negedge in_n) begin
+    if (!in_n) in0_q <= 1'b0;
+    else in0_q <= 1'b1;
+  end
+
+  always_ff @(posedge clk_i or negedge pass_n) begin
+    if (!pass_n) {pass_q, claim_q} <= 2'b00;
+    else if (decides) {pass_q, claim_q} <= {~mine, mine};
+    else if (busy || sys_reset_i) claim_q <= 1'b0;
+  end
+
+  always_ff @(posedge clk_i or negedge own_n) begin
+    if (!own_n) own_q <= 1'b0;
+    else if (sys_reset_i) own_q <= 1'b0;
+    else if (answer_q && !low1_q) own_q <= 1'b0;
+    else if (!answer_q && !ready_q) own_q <= ready_d;
+  end
+
+  always_ff @(posedge clk_i or negedge low_n) begin
+    if (!low_n) low0_q <= 1'b0;
+    else low0_q <= 1'b1;
+  end
+
+  // --- decision and answer ------------------------------------------------------------------
+
+  // A fall of IACKIN* that comes while another one is still answered waits for the end of that.
+  assign busy = ready_q | answer_q;
+  assign decides = in0_q & ~in1_q & ~busy;
+  assign mine = (IrqLevel == AckLevel) && req_q && !sys_reset_i && !vme_iack_ni &&
+                vme_a_i == 3'(AckLevel);
+  assign ready_d = (decides ? mine : claim_q) & seen & ~busy & ~sys_reset_i;
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      iackin0_q   <= 1'b0;
-      iackin1_q   <= 1'b0;
-      strobe0_q   <= 1'b0;
-      strobe1_q   <= 1'b0;
-      both_high_q <= 1'b1;
-      cycle_q     <= 1'b0;
-      req_q       <= 1'b0;
+      in1_q    <= 1'b0;
+      req_q    <= 1'b0;
+      ready_q  <= 1'b0;
+      own1_q   <= 1'b0;
+      low1_q   <= 1'b0;
+      answer_q <= 1'b0;
     end else begin
-      iackin0_q   <= ~vme_iackin_ni;
-      iackin1_q   <= iackin0_q;
-      strobe0_q   <= ~vme_ds_ni[0];
-      strobe1_q   <= strobe0_q;
-      both_high_q <= ~strobed;
-      cycle_q     <= ~vme_as_ni;
-      req_q       <= irq_req_i;
+      in1_q   <= in0_q & (in1_q | ~busy);
+      if (!in0_q) req_q <= irq_req_i;
+      ready_q <= ready_d;
+      own1_q  <= own_q;
+      low1_q  <= low0_q;
+      if (answer_q) answer_q <= low1_q & own1_q & ~sys_reset_i;
+      else answer_q <= ready_q & ~sys_reset_i;
     end
   end
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      state_q <= StIdle;
-      dtack_q <= 1'b0;
-    end else begin
-      case (state_q)
-        StIdle: begin
-          if (iackin0_q && !iackin1_q) begin
-            state_q <= (req_q && !vme_iack_ni && !sys_reset_i &&
-                        vme_a_i == 3'(AckLevel)) ? StRespond : StPass;
-          end
-        end
-        StRespond: begin
-          if (!iackin0_q || sys_reset_i) begin
-            state_q <= StIdle;
-          end else if (strobe1_q && strobe0_q) begin
-            state_q <= StAnswer;
-            dtack_q <= strobed && !vme_iack_ni;  // else withdrawn: the strobe is another cycle's
-          end
-        end
-        StAnswer: begin
-          if (both_high_q || sys_reset_i) dtack_q <= 1'b0;
-          if (!dtack_q) state_q <= StIdle;
-        end
-        default: begin
-          if (!iackin0_q || !cycle_q) state_q <= StIdle;
-        end
-      endcase
-    end
-  end
-
-  // IACKOUT* follows AS* without a clock: it must be high 40 ns after it.
-  assign vme_iackout_no = ~(state_q == StPass) | vme_as_ni | vme_iackin_ni;
-
+  assign vme_iackout_no = ~pass_q;
   assign vme_irq_no = ~({6'b0, irq_req_i} << (IrqLevel - 1));
+  assign dtack_o = answer_q & own_q;
+  // Not after both strobes were high: a strobe there is already the next cycle's.
+  assign d_oe_o = own_q & low0_q & low1_q & strobed;
 
-  // Before DTACK* only while the last edge still saw our acknowledge: what is there after a cycle
-  // broken off is another's.
-  assign ready = (state_q == StRespond) && iackin0_q && strobe1_q && strobe0_q;
-  assign d_oe_o = (dtack_q | ready) & strobed & ~vme_iack_ni;
-  assign dtack_o = dtack_q;
-
-  `MMCS_ASSERT(OneFate, !(dtack_q && !vme_iackout_no),
-               "an acknowledge is answered or passed on, never both")
+  `MMCS_ASSERT(OneFate, !(own_q && pass_q), "an acknowledge is answered or passed on, never both")
 
 endmodule
 

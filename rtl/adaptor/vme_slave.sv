@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A16 D08(O) slave: turns VME data cycles into requests at the host port. §4.3.1
 //
-// DTACK* never comes without a strobe and never goes before both data strobes are high; the data
-// drivers go off with the strobes, combinationally. A strobe withdrawn early lets the request
-// finish unanswered.
+// DTACK* never comes without the strobe that asked for it and never goes before both data strobes
+// are high; the data drivers go off with the strobes, combinationally. A strobe withdrawn early
+// lets the request finish unanswered.
 `default_nettype none
 `include "mmcs_assert.svh"
 
@@ -42,45 +42,62 @@ module vme_slave #(
   } state_e;
 
   state_e state_q;
-  logic strobe_q;      // first stage: AS* and DS0* low
-  logic fresh_q;       // second stage: a strobe was seen one clock ago, with what it addressed
-  logic ours_q;
-  logic both_high_q;   // first stage: both data strobes high; DTACK* itself is the second
-  logic both_high2_q;
-  logic strobed;       // raw: a data strobe is low
-  logic dtack_q, gone_q;
-  logic strobe, ours;
-  logic      [10:1] hp_a_q;
-  logic      [ 7:0] hp_wdata_q;
-  logic             hp_write_q;
+  logic ours, strobed;         // raw: the cycle is ours; a data strobe is low
+  logic seen, live;            // first stage: our strobe; and its address still stands
+  logic seen_q;                // second stage: the address below is that strobe's
+  logic own_q;                 // its strobe has not gone since; holds while it is answered
+  logic own1_q;                // the same a clock ago, for the state machine
+  logic answer_q;
+  logic low0_q, low1_q;        // two stages: a data strobe is low, and has not been high since
+  logic [10:1] hp_a_q;
+  logic [ 7:0] hp_wdata_q;
+  logic hp_write_q;
 
   assign strobed = ~(&vme_ds_ni);
-  assign strobe = ~(vme_as_ni | vme_ds_ni[0]);
   assign ours = vme_iack_ni && vme_lword_ni && (vme_a_i[15:11] == BaseA15A11) &&
                 (vme_am_i == AmShortUser || vme_am_i == AmShortSupervisor);
 
-  // Address and data are taken on the edge before the one that acts on them, so that a strobe that
-  // is still there when the edge acts was there when they were taken.
+  vme_strobe u_strobe (
+    .clk_i, .rst_ni,
+    .as_ni(vme_as_ni),
+    .ds0_ni(vme_ds_ni[0]),
+    .ours_i(ours),
+    .seen_o(seen)
+  );
+
+  assign live = seen & ours & ~vme_as_ni;
+
+  // Cleared by the strobes themselves, however short they are high.
+  logic own_n, low_n;
+  assign own_n = rst_ni & (~vme_ds_ni[0] | answer_q);
+  assign low_n = rst_ni & strobed;
+
+  always_ff @(posedge clk_i or negedge own_n) begin
+    if (!own_n) own_q <= 1'b0;
+    else if (sys_reset_i) own_q <= 1'b0;
+    else if (state_q == StIdle) own_q <= live;
+    else if (state_q == StAnswer && !low1_q) own_q <= 1'b0;
+  end
+
+  always_ff @(posedge clk_i or negedge low_n) begin
+    if (!low_n) low0_q <= 1'b0;
+    else low0_q <= 1'b1;
+  end
+
+  // Address and data have stood since the clock before, or `seen` had been cleared.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      strobe_q     <= 1'b0;
-      both_high_q  <= 1'b1;
-      both_high2_q <= 1'b1;
-      fresh_q      <= 1'b0;
-      ours_q       <= 1'b0;
-      hp_a_q       <= '0;
-      hp_wdata_q   <= '0;
-      hp_write_q   <= 1'b0;
+      low1_q     <= 1'b0;
+      own1_q     <= 1'b0;
+      seen_q     <= 1'b0;
+      hp_a_q     <= '0;
+      hp_wdata_q <= '0;
+      hp_write_q <= 1'b0;
     end else begin
-      strobe_q     <= strobe;
-      both_high_q  <= ~strobed;
-      both_high2_q <= both_high_q;
-      // not in SYSRESET*: what is taken there may be gone when it ends
-      fresh_q      <= strobe_q && (state_q == StIdle) && !sys_reset_i;
-      // Taken again while the cycle is not ours: the strobes may be high between two cycles for
-      // less than a clock, and nothing but the address tells that the second has come.
-      if (strobe_q && !(fresh_q && ours_q) && state_q == StIdle) begin
-        ours_q     <= ours;
+      low1_q <= low0_q;
+      own1_q <= own_q;
+      seen_q <= live && state_q == StIdle && !sys_reset_i;  // in SYSRESET* none is taken
+      if (live && !seen_q && state_q == StIdle) begin
         hp_a_q     <= vme_a_i[10:1];
         hp_wdata_q <= vme_d_i;
         hp_write_q <= ~vme_write_ni;
@@ -90,41 +107,36 @@ module vme_slave #(
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      state_q <= StIdle;
-      dtack_q <= 1'b0;
-      gone_q  <= 1'b0;
+      state_q  <= StIdle;
+      answer_q <= 1'b0;
     end else begin
       case (state_q)
-        StIdle: begin
-          gone_q <= 1'b0;
-          if (fresh_q && strobe_q && ours_q && !sys_reset_i) state_q <= StRequest;
-        end
+        StIdle: if (seen_q && !sys_reset_i) state_q <= StRequest;
         StRequest: begin
-          if (both_high_q || sys_reset_i) gone_q <= 1'b1;
           if (hp_ack_i) begin
-            state_q <= StAnswer;
-            dtack_q <= strobed && !both_high_q && !gone_q && !sys_reset_i;
+            state_q  <= StAnswer;
+            answer_q <= !sys_reset_i;
           end
         end
         default: begin
-          if (both_high_q || sys_reset_i) dtack_q <= 1'b0;
-          // gone_q: the strobe that may be there now belongs to another cycle
-          if (gone_q || both_high2_q) state_q <= StIdle;
+          if (!low1_q || !own1_q || sys_reset_i) begin
+            state_q  <= StIdle;
+            answer_q <= 1'b0;
+          end
         end
       endcase
     end
   end
 
   assign hp_req_o = (state_q == StRequest);
-  assign dtack_o = dtack_q;
-  // not in the clock after DTACK*, nor after strobes withdrawn early: a strobe there is already the
-  // next cycle's
-  assign d_oe_o = (state_q == StRequest | dtack_q) & ~hp_write_q & ~gone_q & ~both_high_q & strobed;
-  assign hp_write_o = hp_write_q;
   assign hp_a_o = hp_a_q;
   assign hp_wdata_o = hp_wdata_q;
+  assign hp_write_o = hp_write_q;
+  assign dtack_o = answer_q & own_q;
+  // Not after both strobes were high: a strobe there is already the next cycle's.
+  assign d_oe_o = (state_q != StIdle) & own_q & ~hp_write_q & low0_q & low1_q & strobed;
 
-  `MMCS_ASSERT(DtackAfterRequest, !dtack_q || state_q == StAnswer,
+  `MMCS_ASSERT(DtackAfterRequest, !answer_q || state_q == StAnswer,
                "DTACK* is low only while an access is being answered")
 
 endmodule

@@ -41,6 +41,26 @@ bind mmcs vme_claim_checker #(
   .broken_o()
 );
 
+bind mmcs vme_edge_checker #(
+  .BaseA15A11(BaseA15A11),
+  .IrqLevel(IrqLevel),
+  .AckLevel(AckLevel)
+) u_vme_edge_checker (
+  .rst_ni,
+  .vme_a_i,
+  .vme_am_i,
+  .vme_as_ni,
+  .vme_ds_ni,
+  .vme_lword_ni,
+  .vme_iack_ni,
+  .vme_iackin_ni,
+  .vme_sysreset_ni,
+  .vme_iackout_no,
+  .vme_d_oe_o,
+  .vme_dtack_no,
+  .broken_o()
+);
+
 bind mmcs vme_master_checker #(
   .BaseA15A11(BaseA15A11),
   .BusTimerClks(16 * (ClkHz / 1_000_000)),
@@ -65,7 +85,7 @@ bind mmcs vme_master_checker #(
 bind mmcs pcbus_checker #(
   .SideClks(ClkHz / 8_000_000),
   .CmdClks((CmdNs * (ClkHz / 1_000_000) + 999) / 1000),
-  .MaxClks((CmdNs * (ClkHz / 1_000_000) + 999) / 1000 + 1 +
+  .MaxClks((CmdNs * (ClkHz / 1_000_000) + 999) / 1000 + 3 +
            IochrdyLimitClks * (ClkHz / 1_000_000 / SysClkMHz)),
   .NumCards(NumCards)
 ) u_pcbus_checker (
@@ -104,7 +124,7 @@ bind mmcs vme_timing u_vme_timing (
 
 bind mmcs pcbus_timing #(
   .CmdNs(CmdNs),
-  .LongestNs(CmdNs + 125 + IochrdyLimitClks * 1000 / SysClkMHz)
+  .LongestNs(CmdNs + 375 + IochrdyLimitClks * 1000 / SysClkMHz)
 ) u_pcbus_timing (
   .rst_ni,
   .link_ok_i(cable_ok_i && pc_power_i && u_adaptor.u_core.link_ok),

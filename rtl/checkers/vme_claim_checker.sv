@@ -30,7 +30,7 @@ module vme_claim_checker #(
 
   logic [6:0] bad;
   logic data_cycle, ack_cycle, level;
-  logic ours_q, dtack_q, iackin_q, fresh_ours_q;
+  logic ours_q, dtack_q, iackin_q, as_q, fresh_ours_q;
   logic ack_q;            // an acknowledge of our level
   logic asked_q;          // we were asking when IACKIN* fell, with our level on the bus
   logic [2:0] reset_q;    // clocks of SYSRESET*, saturating
@@ -50,6 +50,7 @@ module vme_claim_checker #(
       ours_q       <= 1'b0;
       dtack_q      <= 1'b0;
       iackin_q     <= 1'b0;
+      as_q         <= 1'b0;
       fresh_ours_q <= 1'b0;
       ack_q        <= 1'b0;
       asked_q      <= 1'b0;
@@ -62,6 +63,7 @@ module vme_claim_checker #(
       fresh_ours_q <= ours_q;
       dtack_q      <= ~vme_dtack_no;
       iackin_q     <= ~vme_iackin_ni;
+      as_q         <= ~vme_as_ni;
       ack_q        <= ack_cycle;
       if (!vme_iackin_ni && !iackin_q) asked_q <= level && !vme_irq_no[IrqLevel];
       if (vme_sysreset_ni) reset_q <= '0;
@@ -83,7 +85,9 @@ module vme_claim_checker #(
              "data is driven only in a cycle that is ours")
   `MMCS_RULE(2, AnswerAsked, !(answers && ack_q) || asked_q,
              "an acknowledge is answered only if we asked when IACKIN* fell")
-  `MMCS_RULE(3, PassInChain, vme_iackout_no || !(vme_iackin_ni || vme_as_ni),
+  // Lines that rise with the clock are vme_edge_checker's business.
+  `MMCS_RULE(3, PassInChain,
+             vme_iackout_no || !((vme_iackin_ni && !iackin_q) || (vme_as_ni && !as_q)),
              "IACKOUT* is low only while IACKIN* and AS* are")
   `MMCS_RULE(4, PassOthers,
              vme_iackout_no || !(asked_q && iackin_q && level && calm_q && vme_sysreset_ni),

@@ -58,8 +58,8 @@ module vme_slave_checker #(
              "DTACK* rises one or two clocks after both data strobes")
   `MMCS_RULE(3, DriversOff, !(vme_d_oe_o && !strobed),
              "the data drivers are off as soon as both data strobes are high")
-  `MMCS_RULE(4, NoDriveOnWrite, !(vme_d_oe_o && vme_iack_ni && !vme_write_ni),
-             "the slave does not drive data in a write cycle")
+  `MMCS_RULE(4, NoDriveOnWrite, !(vme_d_oe_o && !oe_q && vme_iack_ni && !vme_write_ni),
+             "the slave does not begin to drive data in a write cycle")
   `MMCS_RULE(5, DataStands, !(dtack_q && oe_q && strobed && vme_d_oe_o) || (vme_d_o == d_q),
              "read data stands until the strobes rise")
   `MMCS_RULE(6, OneFate, vme_dtack_no || vme_iackout_no,

@@ -8,7 +8,8 @@
 `include "mmcs_require.svh"
 
 module ad574 #(
-  parameter int ConvClks = 200  // 12-bit conversion: 25 us at 8 MHz; 8-bit takes 16/25 of it
+  parameter int          ConvClks = 200,   // 12 bits: 25 us at 8 MHz; 8 bits take 16/25 of it
+  parameter logic [11:0] PowerUp  = 12'h0  // what a read gives before the first conversion
 ) (
   input  wire logic               clk_i,
   input  wire logic               rst_ni,
@@ -74,7 +75,7 @@ module ad574 #(
       busy_q  <= 1'b0;
       left_q  <= '0;
       next_q  <= '0;
-      code_q  <= '0;
+      code_q  <= PowerUp;
     end else begin
       start_q <= start;
       busy_q  <= busy_d;

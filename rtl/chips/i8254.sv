@@ -3,7 +3,8 @@
 `default_nettype none
 
 module i8254 #(
-  parameter bit NmosRewrite = 1'b1,           // mode 0: first byte of a rewrite stops counting
+  parameter bit NmosRewrite = 1'b1,           // see i8254_counter
+  parameter bit SplitCr = 1'b1,
   parameter logic [31:0] PowerUpSeed = 32'd0  // state at power-up; the chip has no reset pin
 ) (
   input  wire logic       clk_i,
@@ -90,6 +91,7 @@ module i8254 #(
 
   i8254_counter #(
     .NmosRewrite(NmosRewrite),
+    .SplitCr(SplitCr),
     .PowerUpSeed(PowerUpSeed)
   ) u_counter0 (
     .clk_i, .rst_ni,
@@ -111,6 +113,7 @@ module i8254 #(
 
   i8254_counter #(
     .NmosRewrite(NmosRewrite),
+    .SplitCr(SplitCr),
     .PowerUpSeed(Seed1)
   ) u_counter1 (
     .clk_i, .rst_ni,
@@ -132,6 +135,7 @@ module i8254 #(
 
   i8254_counter #(
     .NmosRewrite(NmosRewrite),
+    .SplitCr(SplitCr),
     .PowerUpSeed(Seed2)
   ) u_counter2 (
     .clk_i, .rst_ni,

@@ -8,7 +8,12 @@
 `include "mmcs_assert.svh"
 
 module i8254_counter #(
-  parameter bit NmosRewrite = 1'b1,            // mode 0: first byte of a rewrite stops counting
+  // Mode 0, first byte of a new two-byte count. 1: it stops the count, as on the 8254. 0: only while
+  // the count has not rolled over, as on the 82C54.
+  parameter bit NmosRewrite = 1'b1,
+  // 1: CR_L takes the first of two bytes at once, as the sheet says: a trigger or reload before the
+  // second loads the mix. 0: both bytes are taken with the second.
+  parameter bit SplitCr = 1'b1,
   parameter logic [31:0] PowerUpSeed = 32'd0   // 0: all zero; else any state, counting or not
 ) (
   input  wire logic       clk_i,
@@ -74,6 +79,7 @@ module i8254_counter #(
   logic stop_d, stop_q;                  // mode 0: first byte of a rewrite seen
   logic odd_d, odd_q;                    // mode 3: parity of N as loaded
   logic strobe_d, strobe_q;              // modes 4, 5: the one strobe of this load is yet to come
+  logic rolled_d, rolled_q;              // CE has counted below 0 since it was loaded
   logic gate_q, level_d, level_q;        // GATE a clock ago; GATE at the last CLK rise
   logic edge_d, edge_q;                  // GATE rose
   logic trigger_d, trigger_q;            // its rise was seen by the last CLK rise
@@ -112,6 +118,7 @@ module i8254_counter #(
     stop_d    = stop_q;
     odd_d     = odd_q;
     strobe_d  = strobe_q;
+    rolled_d  = rolled_q;
     level_d   = level_q;
     edge_d    = edge_q || (gate_i && !gate_q && armed_q);
     trigger_d = trigger_q;
@@ -125,8 +132,8 @@ module i8254_counter #(
       level_d   = gate_i;
       trigger_d = edge_d;
       edge_d    = 1'b0;
+      cr_d      = written_q;
       if (fresh_q) begin
-        cr_d    = written_q;
         fresh_d = 1'b0;
         ready_d = 1'b1;
       end
@@ -144,7 +151,9 @@ module i8254_counter #(
         stop_d   = stop_q && half_write_q;  // a first byte stops this count too
         odd_d    = (cr_d & 16'd1) != 16'd0 && cr_d != 16'd1;
         strobe_d = 1'b1;
+        rolled_d = 1'b0;
       end else if (count) begin
+        if (ce_q == 16'd0) rolled_d = 1'b1;
         if (bcd_q) ce_d = m3 ? bcd_minus_1(bcd_minus_1(ce_q)) : bcd_minus_1(ce_q);
         else ce_d = ce_q - (m3 ? 16'd2 : 16'd1);
         zero = ce_d == 16'd0;
@@ -176,7 +185,7 @@ module i8254_counter #(
     end else if (write_i) begin
       if (whole) armed_d = 1'b1;
       if (whole) fresh_d = 1'b1;
-      else if (m0 && NmosRewrite) stop_d = 1'b1;
+      else if (m0 && (NmosRewrite || !rolled_d)) stop_d = 1'b1;
       if (m0) out_d = 1'b0;
     end
   end
@@ -196,6 +205,7 @@ module i8254_counter #(
       stop_q    <= 1'b0;
       odd_q     <= 1'b0;
       strobe_q  <= 1'b0;
+      rolled_q  <= 1'b0;
       gate_q    <= 1'b1;
       level_q   <= 1'b0;
       edge_q    <= 1'b0;
@@ -211,6 +221,7 @@ module i8254_counter #(
       stop_q    <= stop_d;
       odd_q     <= odd_d;
       strobe_q  <= strobe_d;
+      rolled_q  <= rolled_d;
       gate_q    <= gate_i;
       level_q   <= level_d;
       edge_q    <= edge_d;
@@ -247,8 +258,12 @@ module i8254_counter #(
         2'b10: written_q <= {d_i, 8'h00};
         2'b11: begin
           half_write_q <= !half_write_q;
-          if (half_write_q) written_q <= {d_i, low_q};
-          else low_q <= d_i;
+          if (half_write_q) begin
+            written_q <= {d_i, low_q};
+          end else begin
+            low_q <= d_i;
+            if (SplitCr) written_q[7:0] <= d_i;
+          end
         end
         default: written_q <= {8'h00, d_i};
       endcase

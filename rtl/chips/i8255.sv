@@ -75,6 +75,7 @@ module i8255 #(
   logic a_mode1, a_mode2, a_strobed, a_strobed_in, a_strobed_out;
   logic b_strobed, b_strobed_in, b_strobed_out;
   logic [7:0] inte_bits;  // of port C: set/reset reaches the flag instead of the latch
+  logic [7:0] flag_bits;  // IBF, OBF# and INTR: likewise
 
   assign {a_mode2, a_mode1, a_in, c_up_in, b_strobed, b_in, c_low_in} = mode_q;
   assign a_strobed = a_mode2 || a_mode1;
@@ -82,6 +83,7 @@ module i8255 #(
   assign a_strobed_out = a_mode2 || (a_mode1 && !a_in);
   assign b_strobed_in = b_strobed && b_in;
   assign b_strobed_out = b_strobed && !b_in;
+  assign flag_bits = {a_strobed_out, 1'b0, a_strobed_in, 1'b0, a_strobed, 1'b0, {2{b_strobed}}};
   assign inte_bits = {1'b0, a_strobed_out, 1'b0, a_strobed_in, 1'b0, b_strobed, 2'b00};
 
   // --- output latches and INTE ----------------------------------------------------------------
@@ -113,9 +115,9 @@ module i8255 #(
         PortA: pa_q <= d_q;
         PortB: pb_q <= d_q;
         PortC: pc_q <= merge(pc_q, d_q, pc_mask);
-        default: begin
+        default: begin  // set/reset: INTE, or the latch if no flag drives the line
           if ((inte_bits & bit_mask) != 8'h00) inte_q <= merge(inte_q, {8{d_q[0]}}, bit_mask);
-          else pc_q <= merge(pc_q, {8{d_q[0]}}, bit_mask);
+          else pc_q <= merge(pc_q, {8{d_q[0]}}, bit_mask & ~flag_bits);
         end
       endcase
     end
@@ -123,10 +125,18 @@ module i8255 #(
 
   // --- handshakes -----------------------------------------------------------------------------
 
+  // Bit set/reset writes all of them, as it does every port C line that is an output.
   // IBF: set by STB# low, reset by the end of a read. Output full (OBF# low): set by the end of a
   // write, reset by ACK# low. The input latch follows the port while STB# is low.
   logic a_ibf_q, a_full_q, b_ibf_q, b_full_q;
   logic [7:0] pa_in_q, pb_in_q;
+  logic c7_set, c5_set, c3_set, c1_set, c0_set;   // set/reset of that line, to `value`
+  logic value;
+  logic [2:0] unused;
+
+  assign {c7_set, unused[2], c5_set, unused[1], c3_set, unused[0], c1_set, c0_set} =
+         (wr_end && a_q == 2'd3) ? bit_mask : 8'h00;
+  assign value = d_q[0];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -144,30 +154,54 @@ module i8255 #(
     end else begin
       if (a_strobed_in && !pc_i[4]) a_ibf_q <= 1'b1;
       else if (rd_end && a_q == PortA) a_ibf_q <= 1'b0;
+      else if (c5_set) a_ibf_q <= value;
       if (a_strobed_in && !pc_i[4]) pa_in_q <= pa_i;
 
       if (a_strobed_out && wr_end && a_q == PortA) a_full_q <= 1'b1;
       else if (!pc_i[6]) a_full_q <= 1'b0;
+      else if (c7_set) a_full_q <= !value;
 
       if (b_strobed_in && !pc_i[2]) b_ibf_q <= 1'b1;
       else if (rd_end && a_q == PortB) b_ibf_q <= 1'b0;
+      else if (c1_set && b_in) b_ibf_q <= value;
       if (b_strobed_in && !pc_i[2]) pb_in_q <= pb_i;
 
       if (b_strobed_out && wr_end && a_q == PortB) b_full_q <= 1'b1;
       else if (!pc_i[2]) b_full_q <= 1'b0;
+      else if (c1_set && !b_in) b_full_q <= !value;
     end
   end
 
-  // INTR falls with the strobe that serves it, not with its end.
+  // INTR falls with the strobe that serves it, not with its end. Written by set/reset it stays the
+  // other way round until its conditions change or a strobe serves it.
   logic a_reading, a_writing, b_reading, b_writing, a_intr, b_intr;
+  logic a_asks, b_asks, a_asks_q, b_asks_q, a_served, b_served, a_flip_q, b_flip_q;
 
   assign a_reading = (rd && a_i == PortA) || (rd_q && a_q == PortA);
   assign a_writing = (wr && a_i == PortA) || (wr_q && a_q == PortA);
   assign b_reading = (rd && a_i == PortB) || (rd_q && a_q == PortB);
   assign b_writing = (wr && a_i == PortB) || (wr_q && a_q == PortB);
-  assign a_intr = (a_strobed_in && inte_q[4] && a_ibf_q && pc_i[4] && !a_reading) ||
-                  (a_strobed_out && inte_q[6] && !a_full_q && pc_i[6] && !a_writing);
-  assign b_intr = inte_q[2] && pc_i[2] && (b_in ? b_ibf_q && !b_reading : !b_full_q && !b_writing);
+  assign a_asks = (a_strobed_in && inte_q[4] && a_ibf_q && pc_i[4] && !a_reading) ||
+                 (a_strobed_out && inte_q[6] && !a_full_q && pc_i[6] && !a_writing);
+  assign b_asks = inte_q[2] && pc_i[2] && (b_in ? b_ibf_q && !b_reading : !b_full_q && !b_writing);
+  assign a_served = (a_strobed_in && a_reading) || (a_strobed_out && a_writing);
+  assign b_served = b_in ? b_reading : b_writing;
+  assign a_intr = a_asks ^ (a_flip_q && !a_served);
+  assign b_intr = b_asks ^ (b_flip_q && !b_served);
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      {a_asks_q, a_flip_q} <= '0;
+      {b_asks_q, b_flip_q} <= '0;
+    end else begin
+      a_asks_q <= a_asks;
+      b_asks_q <= b_asks;
+      if (reset_i || set_mode || a_asks != a_asks_q || a_served) a_flip_q <= 1'b0;
+      else if (c3_set) a_flip_q <= value != a_asks;
+      if (reset_i || set_mode || b_asks != b_asks_q || b_served) b_flip_q <= 1'b0;
+      else if (c0_set) b_flip_q <= value != b_asks;
+    end
+  end
 
   // --- pins -----------------------------------------------------------------------------------
 

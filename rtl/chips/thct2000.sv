@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // THCT2000: 16-bit encoder counter with direction discriminator, latch and 8-bit bus. §5.3.2
 //
-// A 16-bit value crosses the 8-bit bus as one sample. The byte address read first after a reset
-// becomes the snapshot address: a read of it samples the value, the other byte comes from there.
-// Likewise the byte written first after a reset waits for the other, which stores both.
+// A 16-bit value crosses the 8-bit bus as one sample. A read samples all of it; the other byte, if
+// it is read next, comes from that sample. A byte written is stored at once; the other byte, if it
+// is written next, stores both again, so that no count in between tears them. Every other access,
+// a mode set and RESET end such a pair; a latch does not.
 `default_nettype none
 `include "mmcs_require.svh"
 
 module thct2000 #(
-  parameter int Filter = 0  // further equal samples an input must show, 0 to 3
+  parameter int Filter = 0,                 // further equal samples an input must show, 0 to 3
+  parameter logic [15:0] PowerUp = 16'h0000 // the count before the first RESET
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -18,7 +20,8 @@ module thct2000 #(
   input  wire logic [ 2:0] m_i,        // mode
   input  wire logic        a_i,        // encoder, asynchronous
   input  wire logic        b_i,
-  input  wire logic        latch_i,    // a rising edge latches the count on the same clock
+  input  wire logic        latch_i,    // one clock for each event: latches the count
+  input  wire logic        other_i,    // the board is accessed, but not this chip
   // Bus
   input  wire logic        cs_ni,
   input  wire logic        rd_ni,
@@ -119,65 +122,66 @@ module thct2000 #(
   // --- bus ------------------------------------------------------------------------------------
 
   logic rd, wr, rd_q, wr_q;
-  logic rd_seen_q, rd_snap_q;   // a byte was read since the reset; the first one's address
-  logic wr_seen_q, wr_first_q;  // the same of writes
+  logic pair_q;                 // the last access was the first byte of a pair
+  logic pair_wr_q, pair_rs_q;   // a write; its address
   logic rs_q;                   // the write under way
+  logic [2:0] m_q;
   logic [7:0] d_q, held_q;
-  logic sample;                 // this clock begins a read at the snapshot address
-  logic wr_end, wr_whole;       // a write ends; it is the second byte of two
+  logic sample;                 // this clock begins a read that is no second byte
+  logic wr_end, wr_second;      // a write ends; it is the second byte of a pair
   logic [15:0] shown, snap_q;
   logic [15:0] count_d, count_q, latch_q;
-  logic latch_in_q, latched_q, illegal_q;
+  logic latched_q, illegal_q;
 
   assign rd = !cs_ni && !rd_ni;
   assign wr = !cs_ni && !wr_ni;
-  assign sample = rd && !rd_q && (!rd_seen_q || rs_i == rd_snap_q);
+  assign sample = rd && !rd_q && !(pair_q && !pair_wr_q && rs_i != pair_rs_q);
   assign shown = !sample ? snap_q : latched_q ? latch_q : count_q;
   assign wr_end = wr_q && !wr;
-  assign wr_whole = wr_end && wr_seen_q && rs_q != wr_first_q;
+  assign wr_second = pair_q && pair_wr_q && rs_q != pair_rs_q;
 
   assign d_oe_o = rd;
   assign d_o = !rd ? 8'hFF : rs_i ? shown[7:0] : shown[15:8];
 
   // --- count, latch and snapshot --------------------------------------------------------------
 
-  // A write wins over a count.
-  always_comb begin
-    count_d = count_q;
-    if (clk_en_i) count_d = gate_closes ? 16'd0 : count_q + change;
-    if (wr_whole) count_d = wr_first_q ? {d_q, held_q} : {held_q, d_q};
-  end
+  // A write wins over a count, in the bytes that it stores.
+  logic [15:0] ticked;
+  logic [7:0] high, low;   // the byte that is not written now
 
-  // The latch takes the count as it stood before this clock. One on the clock of a snapshot belongs
-  // to the next snapshot.
+  assign ticked = !clk_en_i ? count_q : gate_closes ? 16'd0 : count_q + change;
+  assign high = wr_second ? held_q : ticked[15:8];
+  assign low = wr_second ? held_q : ticked[7:0];
+  assign count_d = !wr_end ? ticked : rs_q ? {high, d_q} : {d_q, low};
+
+  // The latch takes the count as it stood before this clock. One on the clock of a sample belongs to
+  // the next sample.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      rd_q       <= 1'b0;
-      wr_q       <= 1'b0;
-      rs_q       <= 1'b0;
-      d_q        <= '0;
-      held_q     <= '0;
-      snap_q     <= '0;
-      rd_seen_q  <= 1'b0;
-      rd_snap_q  <= 1'b0;
-      wr_seen_q  <= 1'b0;
-      wr_first_q <= 1'b0;
-      latch_q    <= '0;
-      latched_q  <= 1'b0;
-      latch_in_q <= 1'b0;
-      illegal_q  <= 1'b0;
-      count_q    <= '0;
+      rd_q      <= 1'b0;
+      wr_q      <= 1'b0;
+      rs_q      <= 1'b0;
+      d_q       <= '0;
+      held_q    <= '0;
+      snap_q    <= '0;
+      pair_q    <= 1'b0;
+      pair_wr_q <= 1'b0;
+      pair_rs_q <= 1'b0;
+      m_q       <= '0;
+      latch_q   <= '0;
+      latched_q <= 1'b0;
+      illegal_q <= 1'b0;
+      count_q   <= PowerUp;
     end else begin
-      rd_q       <= rd;
-      wr_q       <= wr;
-      latch_in_q <= latch_i;
+      rd_q <= rd;
+      wr_q <= wr;
+      m_q  <= m_i;
       if (wr) begin
         rs_q <= rs_i;
         d_q  <= d_i;
       end
       if (reset_i) begin
-        rd_seen_q <= 1'b0;
-        wr_seen_q <= 1'b0;
+        pair_q    <= 1'b0;
         held_q    <= '0;
         snap_q    <= '0;
         latch_q   <= '0;
@@ -187,21 +191,26 @@ module thct2000 #(
       end else begin
         count_q <= count_d;
         if (clk_en_i && illegal) illegal_q <= 1'b1;
+        if (rd && !rd_q) begin
+          pair_q    <= sample;
+          pair_wr_q <= 1'b0;
+          pair_rs_q <= rs_i;
+        end
         if (sample) begin
           snap_q    <= shown;
-          rd_seen_q <= 1'b1;
-          rd_snap_q <= rs_i;
           latched_q <= 1'b0;
         end
-        if ((latch_i && !latch_in_q) || (clk_en_i && gate_closes)) begin
+        if (latch_i || (clk_en_i && gate_closes)) begin
           latch_q   <= count_q;
           latched_q <= 1'b1;
         end
-        if (wr_end && !wr_whole) begin
-          held_q     <= d_q;
-          wr_seen_q  <= 1'b1;
-          wr_first_q <= rs_q;
+        if (wr_end) begin
+          held_q    <= d_q;
+          pair_q    <= !wr_second;
+          pair_wr_q <= 1'b1;
+          pair_rs_q <= rs_q;
         end
+        if (other_i || m_i != m_q) pair_q <= 1'b0;
       end
     end
   end

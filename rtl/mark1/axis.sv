@@ -8,13 +8,17 @@ module axis #(
   parameter bit DacSpan10 = 1'b0,            // E007-E008
   parameter int ConvClks = 200,
   parameter int HeartbeatClks = 400_000,
-  parameter logic [11:0] DacPowerUp = 12'h800
+  // What stands in the chips before they are told anything
+  parameter logic [11:0] DacPowerUp = 12'h800,
+  parameter logic [11:0] AdcPowerUp = 12'h000,
+  parameter logic [15:0] CountPowerUp = 16'h0000
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
   input  wire logic        reset_i,          // RESET DRV
   // Bus: strobes are high while their command is low
   input  wire logic        clk_en_i,
+  input  wire logic        card_i,           // this card is accessed
   input  wire logic        enc_cs_ni,
   input  wire logic        ior_ni,
   input  wire logic        iow_ni,
@@ -71,11 +75,14 @@ module axis #(
   // --- encoder counter ----------------------------------------------------------------------
 
   /* verilator lint_off PINCONNECTEMPTY */  // debugging outputs
-  thct2000 u_encoder (
+  thct2000 #(
+    .PowerUp(CountPowerUp)
+  ) u_encoder (
     .clk_i, .rst_ni, .reset_i, .clk_en_i,
     .m_i(enc_mode_i),
     .a_i, .b_i,
     .latch_i(latch_i | (index & ~index_q)),
+    .other_i(card_i & enc_cs_ni),
     .cs_ni(enc_cs_ni),
     .rd_ni(ior_ni),
     .wr_ni(iow_ni),
@@ -117,7 +124,8 @@ module axis #(
   assign adc_v = loop_i ? dac_v : adc_v_i;
 
   ad574 #(
-    .ConvClks(ConvClks)
+    .ConvClks(ConvClks),
+    .PowerUp(AdcPowerUp)
   ) u_adc (
     .clk_i, .rst_ni,
     .ce_i(1'b1),
@@ -133,7 +141,7 @@ module axis #(
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) adc_code_q <= 12'h000;
+    if (!rst_ni) adc_code_q <= AdcPowerUp;
     else adc_code_q <= adc_code_o;
   end
 

@@ -16,7 +16,8 @@ module decode (
   output logic      [ 1:0] dac_lo_o,
   output logic      [ 1:0] dac_hi_o,
   output logic             adc_read_o,
-  output logic             sw_latch_o   // software latch: this card's, or that of all cards
+  output logic             sw_latch_o,  // software latch: this card's, or that of all cards
+  output logic             ours_o       // a command for this card, whatever it is for
 );
 
   localparam logic [13:0] CardMask = 14'h03E0;
@@ -30,6 +31,8 @@ module decode (
   assign board = command && !pc_aen_i &&
                  (pc_a_i & CardMask) == {4'b0000, mmcs_regs_pkg::CARD_SELECT, 5'b00000};
   assign ours = board && (pc_a_i & DipMask) == {dip_i, 10'b0};
+
+  assign ours_o = ours;
 
   always_comb begin
     ppi_cs_no  = 1'b1;

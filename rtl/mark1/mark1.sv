@@ -16,7 +16,7 @@ module mark1 #(
   parameter int RelayUs = 1_000,
   parameter int HeartbeatUs = 50_000,
   parameter logic [7:0] PpiFloatB = 8'h00,      // what the board sees while port B floats
-  parameter bit RandomPowerUp = 1'b0
+  parameter logic [31:0] PowerUpSeed = 32'h0    // else chips without reset wake with contents of it
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -58,21 +58,29 @@ module mark1 #(
   localparam int Led2 = mmcs_regs_pkg::CARD_PPI_A_LED2;
 
   localparam int ClkMHz = ClkHz / 1_000_000;
-  // Two different arbitrary codes, one per axis.
-  localparam logic [23:0] DacPowerUp = RandomPowerUp ? {12'h3D6, 12'hB29} : {12'h800, 12'h800};
+  // What an unpowered chip wakes with; two numbers, so that no code follows from another.
+  localparam logic [63:0] Random1 = {32'h0, PowerUpSeed} * 64'h9E37_79B9_7F4A_7C15;
+  localparam logic [63:0] Random2 = {32'h0, PowerUpSeed} * 64'hD1B5_4A32_D192_ED03;
+  localparam logic [23:0] DacPowerUp = PowerUpSeed == '0 ? {12'h800, 12'h800} : Random1[47:24];
+  localparam logic [23:0] AdcPowerUp = PowerUpSeed == '0 ? 24'h0 : Random2[47:24];
+  localparam logic [31:0] CountPowerUp = PowerUpSeed == '0 ? 32'h0
+                                                             : Random1[63:32] ^ Random2[63:32];
 
   // --- power and switches -------------------------------------------------------------------
 
   logic rst_n;   // a card without power is a card in reset
   assign rst_n = rst_ni & power_i;
 
-  // A switch has no state but its own, hence no reset.
-  logic [1:0] axis_enable_q;
-  always_ff @(posedge clk_i) axis_enable_q <= axis_enable_i;
+  // A switch is asynchronous and has no state but its own, hence no reset.
+  logic [1:0] axis_enable0_q, axis_enable_q;
+  always_ff @(posedge clk_i) begin
+    axis_enable0_q <= axis_enable_i;
+    axis_enable_q  <= axis_enable0_q;
+  end
 
   // --- bus ----------------------------------------------------------------------------------
 
-  logic ppi_cs_n, adc_read, sw_latch;
+  logic ppi_cs_n, adc_read, sw_latch, ours;
   logic [1:0] enc_cs_n, dac_lo, dac_hi;
 
   decode u_decode (
@@ -84,7 +92,8 @@ module mark1 #(
     .dac_lo_o(dac_lo),
     .dac_hi_o(dac_hi),
     .adc_read_o(adc_read),
-    .sw_latch_o(sw_latch)
+    .sw_latch_o(sw_latch),
+    .ours_o(ours)
   );
 
   // --- PPI ----------------------------------------------------------------------------------
@@ -168,12 +177,15 @@ module mark1 #(
       .DacSpan10(DacSpan10[j]),
       .ConvClks((AdcConvNs * ClkMHz + 999) / 1000),
       .HeartbeatClks(HeartbeatUs * ClkMHz),
-      .DacPowerUp(DacPowerUp[12*j+:12])
+      .DacPowerUp(DacPowerUp[12*j+:12]),
+      .AdcPowerUp(AdcPowerUp[12*j+:12]),
+      .CountPowerUp(CountPowerUp[16*j+:16])
     ) u_axis (
       .clk_i,
       .rst_ni(rst_n),
       .reset_i(pc_reset_drv_i),
       .clk_en_i(pc_clk_en_i),
+      .card_i(ours),
       .enc_cs_ni(enc_cs_n[j]),
       .ior_ni(pc_ior_ni),
       .iow_ni(pc_iow_ni),

@@ -8,8 +8,8 @@ module thct2000_tb;
 
   thct2000 dut (
       .clk_i(clk), .rst_ni(rst_n), .reset_i(1'b0), .clk_en_i(1'b1), .m_i(3'd5), .a_i(ab[1]),
-      .b_i(ab[0]), .latch_i(latch), .cs_ni(cs_n), .rd_ni(rd_n), .wr_ni(1'b1), .rs_i(rs),
-      .d_i(8'h00), .d_o(d), .d_oe_o(oe), .count_o(count), .illegal_o(illegal)
+      .b_i(ab[0]), .latch_i(latch), .other_i(1'b0), .cs_ni(cs_n), .rd_ni(rd_n), .wr_ni(1'b1),
+      .rs_i(rs), .d_i(8'h00), .d_o(d), .d_oe_o(oe), .count_o(count), .illegal_o(illegal)
   );
 
   always #5 clk = !clk;

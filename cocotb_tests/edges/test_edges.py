@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sample of `make edges`; and a sweep that a broken flip-flop turns red."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+import edges  # noqa: E402
+
+SAMPLE = 101  # prime: no sweep's inner loops divide it
+
+
+@pytest.mark.parametrize("bench", list(edges.BENCHES))
+@pytest.mark.req("VME-3", "INT-2", "ENC-2", "LAT-1", "CAL-1", "PAN-2")
+def test_a_sample_of_every_sweep(bench):
+    scenes = edges.run(bench, SAMPLE)
+    assert len(scenes) >= 10
+    for scene in scenes:
+        assert scene.cases >= 3, scene
+        assert scene.failures == 0, scene
+
+
+BROKEN = {  # file, what is broken, which sweep must see it
+    "DTACK* of a withdrawn strobe": (
+        "adaptor/vme_slave.sv", "assign dtack_o = answer_q & own_q;",
+        "assign dtack_o = answer_q & strobed;", "vme", "withdrawn"),
+    "the old strobe taken for ours": (
+        "adaptor/vme_strobe.sv", "if (!as_ni && ours_i && !stray) seen_q <= 1'b1;",
+        "if (!as_ni && ours_i) seen_q <= 1'b1;", "vme", "pipeline"),
+    "the pass not cleared by IACKIN*": (
+        "adaptor/vme_interrupter.sv", "assign in_n = rst_ni & ~vme_iackin_ni;",
+        "assign in_n = rst_ni & ~(vme_iackin_ni & ~in1_q);", "vme", "chain"),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(BROKEN))
+@pytest.mark.req("VME-3", "INT-2")
+def test_a_broken_one_is_seen(name, tmp_path, monkeypatch):
+    file, old, new, bench, scene = BROKEN[name]
+    shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
+    path = tmp_path / "rtl" / file
+    text = path.read_text()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+    monkeypatch.setenv("MMCS_RTL", str(tmp_path / "rtl"))
+    monkeypatch.setenv("MMCS_BUILD", str(tmp_path / "build"))
+    assert sum(s.failures for s in edges.run(bench, 7, scene)) > 0
