@@ -205,6 +205,21 @@ def test_rows_depend_on_nothing_but_the_plan(mmcs, rows, tmp_path):
     assert status == 2 and "is another campaign" in err
 
 
+@pytest.mark.slow  # a scheduler and a worker start
+def test_same_rows_from_dask(mmcs, plan, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    cluster = distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+        silence_logs=50,
+    )  # fmt: skip
+    with cluster:
+        status, _, err = campaign(mmcs, tmp_path, 12, "--dask", cluster.scheduler_address)
+    assert status == 0, err
+    lines = [json.loads(line) for line in (tmp_path / ROWS).read_text().splitlines()[1:]]
+    here = [run_fault(twin_of(plan.setups[f.motion]), f) for f in map(plan.fault, range(12))]
+    assert {line["n"]: line["row"] for line in lines} == dict(enumerate(here))
+
+
 def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
     """One impossible fault takes no other one along."""
 
