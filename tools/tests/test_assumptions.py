@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every assumption of a proof stands in docs/evidence/edges.md, with what allows it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+HEAD = "## What the proofs take for granted"
+
+
+def named(text: str) -> set[str]:
+    """Words of the second column of the table: the names are among them."""
+    rows = [row.split("|") for row in text.split(HEAD, 1)[1].splitlines() if row.startswith("|")]
+    return {word for row in rows if row[3].strip() for word in re.findall(r"\w+", row[2])}
+
+
+def missing(sources: dict[str, str], page: str) -> list[str]:
+    """Assumptions that the page does not name, and bare ones, which have no name."""
+    found = []
+    for name, text in sources.items():
+        given = re.findall(r"`MMCS_GIVEN\((\w+)", text)
+        found += [f"{name}: {given}" for given in sorted(set(given) - named(page))]
+        if re.search(r"\bassume\b", re.sub(r"//.*", "", text)) and not name.endswith(".svh"):
+            found.append(f"{name}: assume without MMCS_GIVEN")
+    return found
+
+
+def proofs() -> dict[str, str]:
+    return {f.name: f.read_text() for f in sorted((ROOT / "formal").glob("*.sv*"))}
+
+
+def test_each_has_its_sentence():
+    assert missing(proofs(), (ROOT / "docs" / "evidence" / "edges.md").read_text()) == []
+
+
+@pytest.mark.parametrize("line", ['`MMCS_GIVEN(NoTrouble, 1, "")', "always assume (quiet);"])
+def test_one_without_is_named(line):
+    page = (ROOT / "docs" / "evidence" / "edges.md").read_text()
+    assert missing({"new_props.sv": line}, page)[0].startswith("new_props.sv: ")
