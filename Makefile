@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: litex-test fusesoc-test learn-test linuxcnc-test attack falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -122,6 +122,16 @@ sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn re
 
 attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
 	@$(BIN)/python tools/attack.py $(ATTACK)
+
+$(VENV)/.fuzz: $(VENV)/.test
+	@$(call INSTALL,the fuzzer of Python,-e .[fuzz])
+	@touch $@
+
+N ?= 100000
+
+fuzz: $(VENV)/.fuzz ## inputs led by coverage for every parser, with sanitizers: N=10000000, ONLY=TEXT
+	@tools/need_debian.sh clang-16 clang-16 libclang-rt-16-dev
+	@$(BIN)/python tools/fuzz.py --inputs $(N) --only "$(ONLY)"
 
 falsify: $(VENV)/.test ## which scenarios notice wrong physics, a score; ONLY=TEXT; WRITE=1: write their paths
 	@$(BIN)/python -m studies.falsify $(if $(WRITE),--write) --only "$(ONLY)"

@@ -8,13 +8,14 @@ attack.py [--inputs N] [--seed S]
 from __future__ import annotations
 
 import argparse
-import json
 import random
 import subprocess
 import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
+
+from parsers import parsers
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTS = [f"mmcs/tests/test_{name}.py" for name in (
@@ -38,57 +39,24 @@ def damaged(data: bytes, chance: random.Random) -> bytes:
     return bytes(out)
 
 
-def parsers(folder: Path):
-    """(name, a good input, what takes a damaged one) of every parser in Python."""
-    from mmcs import ROBOTS
-    from mmcs.record.record import KINDS, parse
-    from mmcs.scenario.files import loads, scenario_names
-    from mmcs.scenario.load import load, load_robot
-    from mmcs.sweep.plan import parse_grid
-    from mmcs.sweep.store import _entry
-
-    def scenario(data):
-        (folder / "s.toml").write_bytes(data)
-        load(str(folder / "s.toml"))
-
-    def robot(data):
-        (folder / "r.toml").write_bytes(data)
-        load_robot(str(folder / "r.toml"))
-
-    record = {"mmcs_run": 1} | {
-        key: kind() for key, kind in KINDS.items() if isinstance(kind, type)
-    }
-    row = {"n": 3, "row": {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}}
-    from mmcs.scenario.files import find
-
-    yield "scenario", find(scenario_names()[0]).read_bytes(), scenario
-    yield "robot", (ROBOTS / "lab500.toml").read_bytes(), robot
-    yield "record", json.dumps(record).encode(), lambda d: parse(folder / "x", loads(d))
-    yield "rows", json.dumps(row).encode(), _entry
-    yield "grid", b"axis.0.b0=80..100:5", lambda d: parse_grid(d.decode(errors="replace"))
-
-
 def fuzz(inputs: int, seed: int) -> int:
     """Damaged inputs for each parser; how many ended in neither a result nor a sentence."""
-    from mmcs.errors import InputError
-
     wrong = 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, good, take in parsers(Path(folder)):
-            allowed = (InputError, ValueError) if name == "record" else InputError
-            chance, ends = random.Random(f"{seed}/{name}"), Counter()
+        for parser in parsers(Path(folder)):
+            chance, ends = random.Random(f"{seed}/{parser.name}"), Counter()
             for n in range(inputs):
-                data = damaged(good, chance)
+                data = damaged(parser.good, chance)
                 try:
-                    take(data)
+                    parser.take(data)
                     ends["taken"] += 1
-                except allowed:
+                except parser.refusals:
                     ends["refused"] += 1
                 except Exception as error:
                     ends["wrong"] += 1
-                    print(f"attack: {name}, input {n}: {error!r}", flush=True)
+                    print(f"attack: {parser.name}, input {n}: {error!r}", flush=True)
             wrong += ends["wrong"]
-            print(f"attack: {name}: {inputs} inputs, {dict(ends)}", flush=True)
+            print(f"attack: {parser.name}: {inputs} inputs, {dict(ends)}", flush=True)
     return wrong
 
 

@@ -85,7 +85,7 @@ void power_rest(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
-    servo_reset(&x->servo);
+    x->servo.primed = 0; /* at rest from now on; all else ends at MENABLE, which has the time */
     x->law = (struct servo_prepared){0}; /* that of a mode that is no more ends here */
   }
 }

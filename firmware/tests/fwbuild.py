@@ -28,3 +28,10 @@ def compile_c(name: str, sources: list[Path], extra: list[str]) -> Path:
     assert done.returncode == 0, done.stderr
     part.replace(out)
     return out
+
+
+def random_calls() -> Path:
+    """random_calls.c with driver and mock, sanitizers on."""
+    driver = sorted((ROOT / "firmware" / "mc").glob("*.c"))
+    here = ROOT / "firmware" / "tests"
+    return compile_c("random_calls", [here / "random_calls.c", here / "mock.c", *driver], SANITIZE)

@@ -44,7 +44,7 @@ def cflags(modern: bool = False) -> list[str]:
 def preload_library(sanitize: bool = False) -> Path:
     """The preload library, compiled if missing or older than its sources."""
     library = LIBRARY.with_stem(LIBRARY.stem + "_asan") if sanitize else LIBRARY
-    inputs = [DEVICE / name for name in (*SOURCES, "wire.h")]
+    inputs = [DEVICE / name for name in (*SOURCES, "wire.h", "include/sys/mmcs.h")]
     if library.exists() and library.stat().st_mtime > max(f.stat().st_mtime for f in inputs):
         return library
     library.parent.mkdir(parents=True, exist_ok=True)

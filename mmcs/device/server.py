@@ -79,6 +79,8 @@ class Server:
         """Answers what has come in, and lets time pass if it is due."""
         self.stop_path.serve()
         self._listen(self._wait())
+        for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
+            self._hang_up(connection)  # first: whoever closes and then asks has closed
         for connection in list(self.connections.values()):
             if connection.has_request() and not connection.busy:
                 self.stop_path.serve()
@@ -86,8 +88,6 @@ class Server:
                     self.pace.talked()
                 connection.serve(nested=False)
                 self._after()
-        for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
-            self._hang_up(connection)
         self.stop_path.serve()
         self._pass_time()
         self._send()
@@ -204,9 +204,8 @@ class Server:
         if len(self.connections) >= self.most or peer_uid(sock) != os.geteuid():
             sock.close()
             return True
-        connection = kind(sock, self._poll, address, self)
-        self.connections[sock.fileno()] = connection
-        connection.receive()
+        # what it asks is heard together with the ends that came before it
+        self.connections[sock.fileno()] = kind(sock, self._poll, address, self)
         return True
 
     def _hang_up(self, connection: Connection) -> None:

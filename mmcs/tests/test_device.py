@@ -51,4 +51,5 @@ def test_nobody_serves(tmp_path, monkeypatch):
 def test_example_of_the_manual(serving, capsys):
     text = (ROOT / "docs" / "use" / "device.md").read_text()
     exec(re.search(r"```python\n(.*?)```", text, flags=re.S)[1], {})
-    assert abs(int(capsys.readouterr().out)) < 300
+    # however long it looked away: undamped, it comes to twice the step at most
+    assert abs(int(capsys.readouterr().out)) <= 400

@@ -9,7 +9,7 @@ import signal
 
 import pytest
 
-from mmcs import mcdef
+from mmcs import ROOT, mcdef
 from mmcs.tests.device_bench import EXAMPLES, PROGRAMS, Bench, compile_1989, compile_program
 
 LONG = os.environ.get("MMCS_LONG") == "1"
@@ -134,7 +134,7 @@ def test_signal_reaches_those_who_hold_the_file(bench):
     do not (the default action would end them)."""
     text = """
 import fcntl, os, signal, time
-from mmcs import mcdef
+from mmcs import ROOT, mcdef
 hold, release = os.pipe()
 got = []
 signal.signal(signal.SIGUSR1, lambda *_: got.append(1))
@@ -173,7 +173,7 @@ print("other", os.waitpid(other, 0)[1])
 def test_bad_pointers_and_read_only(bench):
     text = """
 import ctypes, errno, os
-from mmcs import mcdef
+from mmcs import ROOT, mcdef
 libc = ctypes.CDLL(None, use_errno=True)
 def call(name, *args):
     result = getattr(libc, name)(*args)
@@ -198,6 +198,19 @@ call("open", b"/dev/null", 2)
         "EFAULT", "EFAULT", "EFAULT", "EFAULT", "EBADF", "EBADF", "ENOTTY", "EINVAL", "ENXIO",
     ]  # fmt: skip
     assert "-1" not in out.splitlines()[-1]
+
+
+@pytest.mark.req("DRV-2")
+def test_a_close_has_happened_when_it_returns(bench):
+    child = bench.start(compile_program(PROGRAMS / "reopen.c"))
+    assert bench.finish(child) == ("200\n", 0)
+
+
+@pytest.mark.req("DRV-3")
+def test_a_program_takes_the_lease(bench):
+    include = (f"-I{ROOT / d}" for d in ("firmware/include", "sim/device/include"))
+    child = bench.start(compile_program(PROGRAMS / "lease.c", "-Wall", "-Wextra", *include))
+    assert bench.finish(child) == ("done\n", 0)
 
 
 @pytest.mark.req("DRV-3", "DRV-4")

@@ -19,6 +19,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include "include/sys/mmcs.h"
 #include "wire.h"
 
 /* The size and direction that mcdef.h puts into a request number, as 4.2BSD did. */
@@ -161,10 +162,18 @@ ssize_t write(int fd, const void *buffer, size_t length) {
   return device_fail((int)device_write(name, buffer, length));
 }
 
+static int lease(const char name[WIRE_NAME], const int *argument) {
+  int take;
+  if (copy_from_user(&take, argument, sizeof(take)) < 0) return -EFAULT;
+  if (take != 0 && take != 1) return -EINVAL;
+  return wire_call(WIRE_LEASE, name, (uint64_t)take, 0, NULL, 0, NULL, NULL);
+}
+
 static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
   char in[256] = {0}, out[256];
   uint32_t size = REQUEST_SIZE(request), room = size;
   int result;
+  if (request == MLEASE) return lease(name, argument);
   if (size > sizeof(in)) return -ENOTTY;
   if (size > 0 && copy_from_user(in, argument, size) < 0) return -EFAULT;
   if (REQUEST_OUT(request) && user_can_take(argument, size) < 0) return -EFAULT;

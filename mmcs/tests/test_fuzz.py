@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sample of `make fuzz`: damaged inputs for every parser end in a result or in a sentence."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from mmcs import ROOT
+
+FUZZ = ROOT / "sim" / "tests" / "fuzz"
+SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "firmware" / "tests")]
+from attack import fuzz  # noqa: E402
+from fwbuild import random_calls  # noqa: E402
+
+
+def compiled(tmp_path, *command):
+    program = tmp_path / "program"
+    subprocess.run([*map(str, command), "-o", program], check=True, cwd=ROOT)
+    return program
+
+
+def said(*command, **env):
+    env = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0", **env}
+    done = subprocess.run(
+        [*map(str, command)], env=env, text=True, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_every_parser_in_python(capsys):
+    assert fuzz(100, seed=7) == 0, capsys.readouterr().out
+
+
+@pytest.mark.req("DRV-3", "DRV-4")
+def test_any_call_of_the_driver():
+    assert said(random_calls(), 100_000, 7) == "100000 calls\n"
+
+
+def test_whatever_a_server_answers(tmp_path):
+    program = compiled(
+        tmp_path, "cc", *SANITIZE, f"-I{ROOT}/sim/device", FUZZ / "client.c", FUZZ / "sample.c",
+        "-ldl", "-lpthread",
+    )  # fmt: skip
+    assert said(program, 20_000) == "20000 inputs\n"

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What programs may ask of the devices here that the report does not have. */
+#ifndef MMCS_H
+#define MMCS_H
+
+/* int, by pointer: 1 takes the lease, 0 gives it up, as the end of the open does. Who has it
+ * changes things, nobody else does but by a stop. EBUSY: another has it; EBADF: not open for
+ * writing. */
+#define MLEASE 0x80044D40
+
+#endif

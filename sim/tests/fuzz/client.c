@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Coverage-guided fuzzing of the client's end of the wire, §2.3: whatever a server answers, a call
+ * writes nothing beyond what the program asked for, and returns what read(2) and its like may.
+ *
+ * Input: the call, how the bytes come, the call's length, then the answer's bytes. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#define FD 1000
+#define GUARD 64
+
+static const uint8_t *answer; /* what is left of it */
+static size_t left, part;
+static int breaks; /* how it ends: closed, reset, interrupted */
+
+/* --- the kernel under wire.c: one socket, whose other end is the input ------------------- */
+
+static int no_socket(int family, int type, int protocol) {
+  (void)family, (void)type, (void)protocol;
+  return FD;
+}
+
+static int no_bind(int fd, const void *address, socklen_t length) {
+  (void)fd, (void)address, (void)length;
+  return 0;
+}
+
+static int no_option(int fd, int level, int name, void *value, socklen_t *length) {
+  struct ucred me = {.uid = geteuid()};
+  (void)fd, (void)level, (void)name;
+  memcpy(value, &me, *length);
+  return 0;
+}
+
+static ssize_t no_send(int fd, const void *data, size_t length, int flags) {
+  (void)fd, (void)data, (void)flags;
+  return (ssize_t)length;
+}
+
+static ssize_t no_recv(int fd, void *data, size_t length, int flags) {
+  size_t n = length < left ? length : left;
+  (void)fd, (void)flags;
+  if (part > 0 && n > part) n = part;
+  if (n == 0 && length > 0 && breaks != 0) {
+    errno = breaks == 1 ? ECONNRESET : EINTR;
+    return -1;
+  }
+  memcpy(data, answer, n);
+  answer += n;
+  left -= n;
+  return (ssize_t)n;
+}
+
+static int no_poll(struct pollfd *wait, nfds_t count, int ms) {
+  (void)wait, (void)count, (void)ms;
+  return breaks != 2; /* late before it is interrupted */
+}
+
+static int no_name(int fd, void *address, socklen_t *length);
+
+#define socket no_socket
+#define bind no_bind
+#define connect no_bind
+#define getsockopt no_option
+#define send no_send
+#define recv no_recv
+#define poll(wait, count, ms) no_poll(wait, count, ms)
+#define getpeername no_name
+#define getsockname no_name
+/* what preload.c would take from the fuzzer itself */
+#define open dev_open
+#define open64 dev_open64
+#define creat dev_creat
+#define creat64 dev_creat64
+#define openat dev_openat
+#define openat64 dev_openat64
+#define __open_2 dev_open_2
+#define __open64_2 dev_open64_2
+#define read dev_read
+#define __read_chk dev_read_chk
+#define write dev_write
+#define ioctl dev_ioctl
+#define mmap dev_mmap
+#define mmap64 dev_mmap64
+#define munmap dev_munmap
+#include "../../device/preload.c"
+#include "../../device/wire.c"
+
+/* The device's path at the far end, a name that the kernel picked at this one. */
+static int no_name(int fd, void *address, socklen_t *length) {
+  struct sockaddr_un name = {.sun_family = AF_UNIX};
+  (void)fd;
+  memcpy(name.sun_path, server_path, sizeof(name.sun_path));
+  memcpy(address, &name, *length < sizeof(name) ? *length : sizeof(name));
+  *length = sizeof(name);
+  return 0;
+}
+
+/* of vme_map.c, which these calls do not reach */
+void *vme_map(void *address, uint64_t length, int prot, int64_t offset, const char *name) {
+  (void)address, (void)length, (void)prot, (void)offset, (void)name;
+  return MAP_FAILED;
+}
+int vme_unmap(void *address, uint64_t length) {
+  (void)address, (void)length;
+  return 0;
+}
+
+/* --- a call ------------------------------------------------------------------------------ */
+
+static void expect(int truth, const char *what) {
+  if (truth) return;
+  fprintf(stderr, "client: %s\n", what);
+  abort();
+}
+
+static const char name[WIRE_NAME] = "name";
+
+static long call(unsigned which, uint8_t *room, size_t length, uint32_t request) {
+  uint32_t size = (uint32_t)length;
+  switch (which % 6) {
+    case 0:
+      return device_read(name, room, length);
+    case 1:
+      return device_write(name, room, length);
+    case 2:
+      return device_ioctl(name, (request & ~0x1FFF0000u) | (uint32_t)(length & 255) << 16, room);
+    case 3:
+      return wire_call(WIRE_LOAD, name, request, 2, NULL, 0, room, &size);
+    case 4:
+      return wire_open("/dev/mc0", O_RDWR);
+    default:
+      return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
+  }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  static uint8_t room[4096 + 2 * GUARD];
+  uint32_t request;
+  if (size < 8) return 0;
+  unsigned which = data[0];
+  size_t length = (data[2] | (size_t)data[3] << 8) % 4097;
+  memcpy(&request, data + 4, 4);
+  if (which % 6 == 2) length &= 255;
+  part = data[1] >> 2;
+  breaks = data[1] % 3;
+  answer = data + 8;
+  left = size - 8;
+  memcpy(server_path, "/x", 3);
+  memset(room, 0x5A, sizeof(room));
+  long result = call(which, room + GUARD, length, request);
+  for (int i = 0; i < GUARD; i++)
+    expect(room[i] == 0x5A && room[GUARD + length + (size_t)i] == 0x5A, "bytes beyond the buffer");
+  if (which % 6 < 2) expect(result <= (long)length, "more than was asked for");
+  if (channel >= 0) channel = -1;
+  return 0;
+}

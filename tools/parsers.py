@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every parser in Python with a good input, for those who damage inputs: attack.py and fuzz.py."""
+
+from __future__ import annotations
+
+import io
+import json
+import select
+import socket
+import struct
+import zipfile
+from pathlib import Path
+
+from mmcs import ROBOTS, ROOT
+from mmcs.errors import InputError
+
+
+class Parser:
+    """good: an input that is taken; take(bytes): parses; refusals: how it may end."""
+
+    def __init__(self, name: str, good: bytes, take, refusals=(InputError,)):
+        self.name, self.good, self.take, self.refusals = name, good, take, refusals
+
+
+def parsers(folder: Path) -> list[Parser]:
+    """Files go into this folder."""
+    return [
+        _scenario(folder), _robot(folder), _record(folder), _snapshot(folder), _rows(), _grid(),
+        _wire(folder), _messages(folder), _stop(folder),
+    ]  # fmt: skip
+
+
+def _written(path: Path, data: bytes) -> str:
+    path.write_bytes(data)
+    return str(path)
+
+
+def _scenario(folder: Path) -> Parser:
+    from mmcs.scenario.files import find, scenario_names
+    from mmcs.scenario.load import load
+
+    path = folder / "s.toml"
+    good = find(scenario_names()[0]).read_bytes()
+    return Parser("scenario", good, lambda data: load(_written(path, data)))
+
+
+def _robot(folder: Path) -> Parser:
+    from mmcs.scenario.load import load_robot
+
+    path = folder / "r.toml"
+    good = (ROBOTS / "lab500.toml").read_bytes()
+    return Parser("robot", good, lambda data: load_robot(_written(path, data)))
+
+
+def _good_record() -> dict:
+    """Of a run that was never made: enough for what reads records."""
+    import base64
+    import zlib
+
+    from mmcs.record.record import KINDS
+
+    files = {"robot.toml": (ROBOTS / "lab500.toml").read_text()}
+    packed = base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
+    plain = {key: kind() for key, kind in KINDS.items() if isinstance(kind, type)}
+    return {"mmcs_run": 1} | plain | {
+        "scenario": "lab500", "motion_start_s": 0.1, "clk_hz": 8_000_000, "rows_each": 8,
+        "files": packed, "data": {"robot": "./robot.toml", "duration": 0.3},
+    }  # fmt: skip
+
+
+def _record(folder: Path) -> Parser:
+    from mmcs.record.record import parse
+    from mmcs.scenario.files import loads
+
+    good = json.dumps(_good_record()).encode()
+    refusals = (InputError, ValueError)  # whose sentence read_record() tells
+    return Parser("record", good, lambda data: parse(folder / "x", loads(data)), refusals)
+
+
+def _snapshot(folder: Path) -> Parser:
+    from mmcs.record.snapshots import Snapshot
+
+    one = {"t": 0.0, "clock": 800, "rows": 2, "ring": True, "asked": None}
+    index = {"snapshots": [one], "pots": {"0": [1, 2]}, "log": [2, 8], "truth": [1, 3]}
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as file:
+        file.writestr("record.json", json.dumps(_good_record()))
+        file.writestr("index.json", json.dumps(index))
+        for name, size in (("history", 64), ("0", 64), ("log", 128), ("truth", 24)):
+            file.writestr(f"{name}.bin", bytes(size))
+    path = folder / "run.mmsnap"
+    return Parser("snapshot", packed.getvalue(), lambda data: Snapshot(_written(path, data)))
+
+
+def _rows() -> Parser:
+    from mmcs.sweep.store import _entry
+
+    row = {"n": 3, "row": {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}}
+    return Parser("rows", json.dumps(row).encode(), _entry, ())
+
+
+def _grid() -> Parser:
+    from mmcs.sweep.plan import parse_grid
+
+    return Parser("grid", b"axis.0.b0=80..100:5", lambda d: parse_grid(d.decode(errors="replace")))
+
+
+# --- what comes over sockets: nothing at all may come out of it --------------------------------
+
+
+class _Served:
+    """A server whose connections are given bytes by hand; their answers go nowhere."""
+
+    def __init__(self, folder: Path, name: str):
+        from mmcs.device.server import Server
+        from mmcs.engine.build import ensure_library
+        from mmcs.engine.sim import Sim
+        from mmcs.scenario.load import load
+
+        text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
+        setup = load(_written(folder / f"{name}.toml", text))
+        library = ensure_library(setup.scenario.cards, "speed")
+        sim = Sim(library, setup.config(), setup.motors(), setup.links())
+        self.server = Server(sim, folder / name / "mc0.sock", None)
+        self._poll, self._numbers = select.epoll(), 0
+
+    def connect(self, kind):
+        mine, theirs = socket.socketpair()
+        mine.close()  # what is sent there is lost
+        self._numbers += 1
+        return kind(theirs, self._poll, b"\0fuzz%d" % self._numbers, self.server)
+
+    def feed(self, connection, data: bytes) -> None:
+        connection.flush = connection._out.clear
+        connection.data += data
+        while connection.has_request() and connection.serve(nested=False):
+            if connection.busy:  # answered later: not waited for
+                break
+
+    def end(self, connection) -> None:
+        connection.close()
+        connection.leave()
+
+
+def _wire(folder: Path) -> Parser:
+    from mmcs import mcdef
+    from mmcs.device import wire
+    from mmcs.device.programs import Program
+
+    served: list[_Served] = []
+
+    def request(op, name, a, b, data=b""):
+        return wire.REQUEST.pack(wire.MAGIC, op, name, a, b, len(data), 1) + data
+
+    def take(data: bytes) -> None:
+        if not served:
+            served.append(_Served(folder, "wire"))
+            file = served[0].connect(Program)  # stays open, in whatever state inputs leave it
+            served[0].feed(file, request(wire.OPEN, b"", 2, 1, b"/dev/mc0"))
+            served[0].server.files[b"file"] = file
+        channel = served[0].connect(Program)
+        served[0].feed(channel, data)
+        served[0].end(channel)
+
+    good = request(wire.READ, b"file", 56, 0) + request(wire.WRITE, b"file", 0, 0, bytes(4))
+    good += request(wire.IOCTL, b"file", mcdef.MSETINTERVAL, 0, struct.pack("<I", 1000))
+    good += request(wire.LEASE, b"file", 1, 0)
+    return Parser("wire", good, take, ())
+
+
+def _messages(folder: Path) -> Parser:
+    from mmcs.device.messages import LENGTH, Messenger
+
+    served: list[_Served] = []
+
+    def take(data: bytes) -> None:
+        if not served:
+            served.append(_Served(folder, "messages"))
+        link = served[0].connect(Messenger)
+        link.ended = False
+        for text in data.split(b"\n"):
+            served[0].feed(link, LENGTH.pack(len(text)) + text if text else b"")
+        served[0].end(link)
+
+    asked = [
+        {"id": 1, "op": "open", "mode": "rw"},
+        {"id": 2, "op": "call", "request": "MSETINTERVAL", "value": 1000},
+        {"id": 3, "op": "change", "axis": 0, "param": {"a0": 5}},
+        {"id": 4, "op": "write", "setpoints": [1]},
+        {"id": 5, "op": "input", "name": "estop", "value": 1},
+        {"id": 6, "op": "follow", "every": 2, "past": 3},
+        {"id": 7, "op": "snapshot"},
+        {"id": 8, "op": "rewind", "t": 0.1},
+    ]
+    return Parser("messages", b"\n".join(json.dumps(a).encode() for a in asked), take, ())
+
+
+def _stop(folder: Path) -> Parser:
+    served: list[_Served] = []
+
+    def take(data: bytes) -> None:
+        if not served:
+            served.append(_Served(folder, "stop"))
+        near, far = socket.socketpair()
+        with near, far:
+            far.setblocking(False)
+            kept = bytearray()
+            path = served[0].server.stop_path
+            path._hang_up = lambda sock: None
+            near.sendall(data[:4096])
+            for _ in range(1 + len(data[:4096]) // 64):
+                path._read(far, kept)
+
+    return Parser("stop", b"state\nstop\npress\nrelease\n", take, ())
