@@ -8,7 +8,7 @@ import random
 import cocotb
 
 from cocotb_tests.chips.analog import CONV, IDLE, IN, OUTS, PULSE, Analog, Models
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, mismatch
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, mismatch, script
 from cocotb_tests.lib.req import req
 from cocotb_tests.models import ad574
 
@@ -17,19 +17,14 @@ SOURCES = ("bench_analog.sv", "bench_replay.sv")
 PARAMETERS = {"ConvClks": CONV, "PulseClks": PULSE}
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_power_up_is_not_busy(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_power_up_is_not_busy(s):
     s.step(3)
     s.expect(sts=0, oe=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_busy_for_exactly_the_conversion(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_busy_for_exactly_the_conversion(s):
     s.start(0)
     s.seen("the clock that starts", sts=0)
     s.expect("one clock later", sts=1)
@@ -37,79 +32,58 @@ async def ad_busy_for_exactly_the_conversion(dut):
     s.expect("last clock", sts=1)
     s.step()
     s.expect("over", sts=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_zero_volt_is_mid_scale(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_zero_volt_is_mid_scale(s):
     for span10 in (0, 1):
         s.convert(0, span10)
         s.result(0x800)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_end_points_20_v(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_end_points_20_v(s):
     for vin, code in ((-32768, 0), (32767, 0xFFF), (32736, 0xFFE), (-32752, 1), (16384, 0xC00)):
         s.convert(vin)
         s.result(code, f"{vin}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_half_lsb_transitions_20_v(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_half_lsb_transitions_20_v(s):
     for vin, code in (
         (-32761, 0), (-32760, 1), (-9, 0x7FF), (-8, 0x800), (7, 0x800), (8, 0x801),
         (32743, 0xFFE), (32744, 0xFFF),
     ):  # fmt: skip
         s.convert(vin)
         s.result(code, f"{vin}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_half_lsb_transitions_10_v(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_half_lsb_transitions_10_v(s):
     for vin, code in (
         (-16384, 0), (-16381, 0), (-16380, 1), (-5, 0x7FF), (-4, 0x800), (3, 0x800), (4, 0x801),
         (16371, 0xFFE), (16372, 0xFFF),
     ):  # fmt: skip
         s.convert(vin, 1)
         s.result(code, f"{vin}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_clamps_beyond_10_v_span(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_clamps_beyond_10_v_span(s):
     for vin, code in ((-32768, 0), (-20000, 0), (20000, 0xFFF), (32767, 0xFFF)):
         s.convert(vin, 1)
         s.result(code, f"{vin}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_samples_at_the_start(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_samples_at_the_start(s):
     s.start(16384)
     s.step(CONV + 2, ad_vin=0x8000)
     s.result(0xC00)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_start_while_busy_is_ignored(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_start_while_busy_is_ignored(s):
     s.start(16384)
     s.step(50)
     s.start(-16384)
@@ -118,13 +92,10 @@ async def ad_start_while_busy_is_ignored(dut):
     s.step(1)
     s.expect("not prolonged", sts=0)
     s.result(0xC00)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_start_held_gives_one_conversion(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_start_held_gives_one_conversion(s):
     s.step(3 * CONV, ad_ce=1, ad_cs_n=0, ad_rc_n=0)
     s.expect(sts=0)
     s.step(ad_rc_n=1)
@@ -132,13 +103,10 @@ async def ad_start_held_gives_one_conversion(dut):
     s.expect("a new edge starts again", sts=1)
     s.step(CONV + 1)
     s.result(0xC00)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_any_of_the_three_pins_may_start(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_any_of_the_three_pins_may_start(s):
     on = {"ad_ce": 1, "ad_cs_n": 0, "ad_rc_n": 0}
     off = {"ad_ce": 0, "ad_cs_n": 1, "ad_rc_n": 1}
     for last, level in on.items():
@@ -148,13 +116,10 @@ async def ad_any_of_the_three_pins_may_start(dut):
         s.step(**{last: level})
         s.expect(last, sts=1)
         s.step(CONV + 1, **off)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_needs_ce_and_cs(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_needs_ce_and_cs(s):
     s.step(3, ad_ce=0, ad_cs_n=0, ad_rc_n=0)
     s.expect(sts=0)
     s.step(3, ad_rc_n=1)
@@ -162,26 +127,20 @@ async def ad_needs_ce_and_cs(dut):
     s.expect(sts=0)
     s.step(3, ad_rc_n=1)
     s.seen("not selected", oe=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_8_bit_bus_is_left_justified(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_8_bit_bus_is_left_justified(s):
     s.convert(5 * 16)
     s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0, ad_a0=0)
     s.seen("high byte", byte=0x80, oe=1)
     s.step(2, ad_a0=1)
     s.seen("low nibble and zeros", byte=0x50, oe=1)
     s.step(ad_cs_n=1, ad_a0=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_short_conversion_is_no_longer(dut):
-    s = Analog()
+@script(Analog, "ADC-1")
+def ad_short_conversion_is_no_longer(s):
     s.start(16384, ad_a0=1)
     s.expect(sts=1)
     s.step(CONV, ad_a0=0)
@@ -189,88 +148,64 @@ async def ad_short_conversion_is_no_longer(dut):
     s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0)
     s.seen("eight good bits", byte=0xC0)
     s.step(ad_cs_n=1)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1", "ANA-1")
-async def da_power_up_is_zero_volt(dut):
-    s = Analog()
+@script(Analog, "DAC-1", "ANA-1")
+def da_power_up_is_zero_volt(s):
     s.expect(code=0x800)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1")
-async def da_first_rank_waits(dut):
-    s = Analog()
+@script(Analog, "DAC-1")
+def da_first_rank_waits(s):
     s.load(0b1110, 0xFFF)
     s.load(0b1101, 0xFFF)
     s.load(0b1011, 0xFFF)
     s.expect("rank 2 untouched", code=0x800)
     s.load(0b0111, 0x000)
     s.expect("rank 2 from rank 1", code=0xFFF)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1")
-async def da_nibbles_are_apart(dut):
-    s = Analog()
+@script(Analog, "DAC-1")
+def da_nibbles_are_apart(s):
     for a_n, want in ((0b1110, 0x805), (0b1101, 0x855), (0b1011, 0x555)):
         s.load(a_n, 0x555)
         s.load(0b0111, 0xAAA)
         s.expect(code=want)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1")
-async def da_all_transparent(dut):
-    s = Analog()
+@script(Analog, "DAC-1")
+def da_all_transparent(s):
     for value in (0x123, 0xFED, 0x000):
         s.step(2, da_cs_n=0, da_a_n=0, da_d=value)
         s.expect(code=value)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1")
-async def da_rank_2_sees_a_coincident_first_rank(dut):
-    s = Analog()
+@script(Analog, "DAC-1")
+def da_rank_2_sees_a_coincident_first_rank(s):
     s.load(0b1100, 0x034)
     s.expect(code=0x800)
     s.load(0b0011, 0xA00)
     s.expect("high nibble and transfer in one write", code=0xA34)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1")
-async def da_nothing_without_chip_select(dut):
-    s = Analog()
+@script(Analog, "DAC-1")
+def da_nothing_without_chip_select(s):
     s.step(3, da_cs_n=1, da_a_n=0, da_d=0x123)
     s.step(da_a_n=15)
     s.expect(code=0x800)
     s.step(3, da_cs_n=0, da_a_n=15, da_d=0x123)
     s.expect("no rank enabled", code=0x800)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("DAC-1")
-async def da_value_holds_after_the_strobe(dut):
-    s = Analog()
+@script(Analog, "DAC-1")
+def da_value_holds_after_the_strobe(s):
     s.load(0, 0x3C3)
     s.step(20, da_d=0xFFF)
     s.expect(code=0x3C3)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("HB-1")
-async def shot_lasts_exactly(dut):
-    s = Analog()
+@script(Analog, "HB-1")
+def shot_lasts_exactly(s):
     s.expect("low at power-up", q=0)
     s.step(os_trig=1)
     s.seen(q=0)
@@ -279,24 +214,18 @@ async def shot_lasts_exactly(dut):
     s.expect("last clock", q=1)
     s.step()
     s.expect("over", q=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("HB-1")
-async def shot_triggers_on_the_edge_only(dut):
-    s = Analog()
+@script(Analog, "HB-1")
+def shot_triggers_on_the_edge_only(s):
     s.step(PULSE, os_trig=1)
     s.expect(q=1)
     s.step(3)
     s.expect("level does not prolong", q=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("HB-1")
-async def shot_retrigger_extends(dut):
-    s = Analog()
+@script(Analog, "HB-1")
+def shot_retrigger_extends(s):
     s.step(os_trig=1)
     s.step(9, os_trig=0)
     s.step(os_trig=1)
@@ -304,13 +233,10 @@ async def shot_retrigger_extends(dut):
     s.expect("full length from the last trigger", q=1)
     s.step()
     s.expect(q=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("HB-1")
-async def shot_trigger_in_the_last_clock_has_no_glitch(dut):
-    s = Analog()
+@script(Analog, "HB-1")
+def shot_trigger_in_the_last_clock_has_no_glitch(s):
     s.step(os_trig=1)
     s.step(PULSE - 1, os_trig=0)
     s.step(os_trig=1)
@@ -318,25 +244,19 @@ async def shot_trigger_in_the_last_clock_has_no_glitch(dut):
         s.expect("no glitch", q=1)
         s.step(os_trig=0)
     s.expect(q=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("HB-1")
-async def shot_trigger_one_clock_late_drops_once(dut):
-    s = Analog()
+@script(Analog, "HB-1")
+def shot_trigger_one_clock_late_drops_once(s):
     s.step(os_trig=1)
     s.step(PULSE, os_trig=0)
     s.expect(q=0)
     s.step(os_trig=1)
     s.expect(q=1)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("HB-1")
-async def shot_clear_ends_and_inhibits(dut):
-    s = Analog()
+@script(Analog, "HB-1")
+def shot_clear_ends_and_inhibits(s):
     s.step(os_trig=1)
     s.step(3, os_trig=0)
     s.step(os_clr_n=0)
@@ -348,7 +268,6 @@ async def shot_clear_ends_and_inhibits(dut):
     s.expect(q=0)
     s.step(os_trig=1)
     s.expect("works again", q=1)
-    await s.run(dut)
 
 
 def random_words(seed: str, clocks: int) -> list[int]:
@@ -397,15 +316,12 @@ async def random_against_the_models(dut):
     assert len(codes) > 20, f"only {len(codes)} different conversions were read"
 
 
-@cocotb.test()
-@req("ADC-1")
-async def ad_transfer_function_sweep(dut):
+@script(Analog, "ADC-1")
+def ad_transfer_function_sweep(s):
     """A thousand voltages in both spans against the formula."""
-    s = Analog()
     rng = random.Random(os.environ.get("COCOTB_RANDOM_SEED", "1989"))
     for _ in range(500):
         for span10 in (0, 1):
             vin = rng.randrange(-32768, 32768)
             s.convert(vin, span10)
             s.result(ad574.code(vin, span10), f"{vin} span10={span10}")
-    await s.run(dut)

@@ -5,6 +5,7 @@
 import cocotb
 
 from cocotb_tests.chips.pit import BOTH, LSB, MSB, Pit, bcd
+from cocotb_tests.chips.replay import script
 from cocotb_tests.lib.req import req
 
 TOPLEVEL = "bench_i8254"
@@ -12,30 +13,22 @@ SOURCES = ("bench_i8254.sv", "bench_replay.sv")
 PARAMETERS: dict = {}
 
 
-@cocotb.test()
-@req("PIT-1")
-async def power_up_is_quiet(dut):
+@script(Pit, "PIT-1")
+def power_up_is_quiet(s):
     """Seed 0: everything zero; nothing counts before it is programmed."""
-    s = Pit()
     s.expect(out=0, d_o=0xFF, oe=0)
     s.pulse(5, mask=7)
     s.expect(out=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1", "VME-5")
-async def register_3_reads_ff(dut):
-    s = Pit()
+@script(Pit, "PIT-1", "VME-5")
+def register_3_reads_ff(s):
     s.program(2, 5)
     s.read(3, 0xFF)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def bus_floats_unless_read(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def bus_floats_unless_read(s):
     s.program(2, 5)
     s.step(rd_n=0, a=0)
     s.seen("CS# high", d_o=0xFF, oe=0)
@@ -43,99 +36,75 @@ async def bus_floats_unless_read(dut):
     s.step(cs_n=0)
     s.seen("RD# high", d_o=0xFF, oe=0)
     s.step(cs_n=1)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def write_needs_chip_select(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def write_needs_chip_select(s):
     s.program(2, 3)
     s.step(2, wr_n=0, a=3, d=0x30)
     s.step(2, wr_n=1)
     s.out(1, note="the mode 0 word went elsewhere")
     s.golden("1:3 1:2 0:1")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def write_takes_effect_when_the_strobe_ends(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def write_takes_effect_when_the_strobe_ends(s):
     s.program(2, 3)
     s.step(3, cs_n=0, wr_n=0, a=3, d=0x30)
     s.out(1, note="WR# still low")
     s.step(cs_n=1, wr_n=1)
     s.out(0, note="mode 0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def write_ends_with_chip_select_too(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def write_ends_with_chip_select_too(s):
     s.program(2, 3)
     s.step(2, cs_n=0, wr_n=0, a=3, d=0x30)
     s.step(cs_n=1)
     s.out(0)
     s.step(wr_n=1)
     s.out(0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def last_data_of_the_strobe_counts(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def last_data_of_the_strobe_counts(s):
     s.cw(0, 4, rw=LSB)
     s.step(2, cs_n=0, wr_n=0, a=0, d=9)
     s.step(1, d=2)
     s.step(cs_n=1, wr_n=1, d=0)
     s.golden("1:2 1:1 0:0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def lsb_only_format(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def lsb_only_format(s):
     s.program(2, 0x12, rw=LSB)
     s.pulse()
     s.read(0, 0x12)
     s.read(0, 0x12, "again the LSB")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def msb_only_format(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def msb_only_format(s):
     s.program(2, 0x3400, rw=MSB)
     s.pulse()
     s.read(0, 0x34)
     s.pulse()
     s.read(0, 0x33, "3400h - 1")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def two_byte_format_alternates(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def two_byte_format_alternates(s):
     s.program(2, 0x1234)
     s.pulse()
     s.read(0, 0x34)
     s.read(0, 0x12)
     s.read(0, 0x34)
     s.read(0, 0x12)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def control_word_clears_the_other_byte(dut):
+@script(Pit, "PIT-1")
+def control_word_clears_the_other_byte(s):
     """After 1234h in both bytes, an LSB-only count has MSB 0 and an MSB-only one LSB 0."""
-    s = Pit()
     s.program(2, 0x1234)
     s.pulse(2)
     s.program(4, 0x02, rw=LSB)
@@ -147,13 +116,10 @@ async def control_word_clears_the_other_byte(dut):
     s.read(0, 0x01)
     s.pulse()
     s.read(0, 0x00, "0100h - 1")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def control_word_resets_the_byte_flip_flops(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def control_word_resets_the_byte_flip_flops(s):
     s.program(2, 0x1234)
     s.pulse()
     s.read(0, 0x34)
@@ -163,14 +129,11 @@ async def control_word_resets_the_byte_flip_flops(dut):
     s.pulse()
     s.read(0, 0x06)
     s.read(0, 0x05)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def reads_and_writes_interleave(dut):
+@script(Pit, "PIT-1")
+def reads_and_writes_interleave(s):
     """rd LSB, wr LSB, rd MSB, wr MSB of one counter is legal."""
-    s = Pit()
     s.program(4, 0x1234)
     s.pulse()
     s.read(0, 0x34)
@@ -178,13 +141,10 @@ async def reads_and_writes_interleave(dut):
     s.read(0, 0x12)
     s.write(0, 0x56)
     s.golden("1:5678 1:5677")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def counters_program_in_any_order(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def counters_program_in_any_order(s):
     s.cw(0, 2)
     s.cw(1, 4)
     s.cw(2, 3)
@@ -197,26 +157,20 @@ async def counters_program_in_any_order(dut):
     s.golden("1:3 1:2 0:1 1:3")
     s.golden("1:2 1:1 0:0", n=1)
     s.golden("1:4 1:2 0:4", n=2)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def count_latch_holds_until_read(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def count_latch_holds_until_read(s):
     s.program(2, 0x1234)
     s.pulse(5)
     s.latch(0)
     s.pulse(0x40)
     s.value(0, 0x1230)
     s.value(0, 0x11F0, "live again")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def second_count_latch_is_ignored(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def second_count_latch_is_ignored(s):
     s.program(2, 0x1234)
     s.pulse(5)
     s.latch(0)
@@ -224,13 +178,10 @@ async def second_count_latch_is_ignored(dut):
     s.latch(0)
     s.value(0, 0x1230)
     s.value(0, 0x122D)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def latch_waits_for_both_bytes(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def latch_waits_for_both_bytes(s):
     s.program(2, 0x1234)
     s.pulse(5)
     s.latch(0)
@@ -239,41 +190,32 @@ async def latch_waits_for_both_bytes(dut):
     s.latch(0)
     s.read(0, 0x12)
     s.value(0, 0x11F0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def latch_in_single_byte_format(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def latch_in_single_byte_format(s):
     s.program(2, 0x50, rw=LSB)
     s.pulse(2)
     s.latch(0)
     s.pulse()
     s.read(0, 0x4F)
     s.read(0, 0x4E)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def latch_does_not_change_the_mode(dut):
+@script(Pit, "PIT-1")
+def latch_does_not_change_the_mode(s):
     """The low bits of a latch command are don't-care."""
-    s = Pit()
     s.program(2, 3)
     s.pulse()
     s.write(3, 0x0B)
     s.value(0, 3)
     s.golden("1:2 0:1 1:3")
     s.status(0, 1, 0, 0x34)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def latch_between_the_bytes_of_a_read(dut):
+@script(Pit, "PIT-1")
+def latch_between_the_bytes_of_a_read(s):
     """The flip-flop stays: the next byte is the MSB of the new latch, which frees it."""
-    s = Pit()
     s.program(2, 0x1234)
     s.pulse()
     s.read(0, 0x34)
@@ -281,13 +223,10 @@ async def latch_between_the_bytes_of_a_read(dut):
     s.pulse(0x40)
     s.read(0, 0x12)
     s.value(0, 0x11F4)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def latches_of_three_counters_are_apart(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def latches_of_three_counters_are_apart(s):
     for n, value in enumerate((0x1111, 0x2222, 0x3333)):
         s.program(2, value, n=n)
     s.pulse(mask=7)
@@ -298,26 +237,20 @@ async def latches_of_three_counters_are_apart(dut):
     s.value(1, 0x2220)
     s.value(2, 0x3332)
     s.value(0, 0x1111)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def control_word_releases_the_latches(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def control_word_releases_the_latches(s):
     s.program(2, 0x1234)
     s.pulse()
     s.read_back(0, count=True, status=True)
     s.program(4, 0x0042)
     s.pulse()
     s.value(0, 0x0042)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def read_back_latches_several_counts(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def read_back_latches_several_counts(s):
     for n, value in enumerate((0x1111, 0x2222, 0x3333)):
         s.program(2, value, n=n)
     s.pulse(mask=7)
@@ -326,13 +259,10 @@ async def read_back_latches_several_counts(dut):
     s.value(0, 0x1111)
     s.value(1, 0x2221, "counter 1 was not selected")
     s.value(2, 0x3333)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def read_back_status_then_count(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def read_back_status_then_count(s):
     s.program(3, 0x0104)
     s.pulse()
     s.read_back(0, count=True, status=True)
@@ -341,27 +271,21 @@ async def read_back_status_then_count(dut):
     s.read(0, 0x04)
     s.read(0, 0x01)
     s.read(0, 0x02, "live")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def status_comes_first_whatever_was_latched_first(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def status_comes_first_whatever_was_latched_first(s):
     s.program(2, 0x0105)
     s.pulse()
     s.latch(0)
     s.read_back(0, status=True)
     s.read(0, 0xB4, "status")
     s.value(0, 0x0105)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def status_between_two_bytes(dut):
+@script(Pit, "PIT-1")
+def status_between_two_bytes(s):
     """Reading status neither moves the byte flip-flop nor frees the latched count."""
-    s = Pit()
     s.program(2, 0x1234)
     s.pulse()
     s.latch(0)
@@ -370,40 +294,31 @@ async def status_between_two_bytes(dut):
     s.pulse(0x80)
     s.read(0, 0x12, "still the latched MSB")
     s.value(0, 0x11B4)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def second_status_latch_is_ignored(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def second_status_latch_is_ignored(s):
     s.program(2, 3)
     s.read_back(0, status=True)
     s.outs("110")
     s.read_back(0, status=True)
     s.read(0, 0xF4, "OUT and null count as of the first")
     s.status(0, 0, 0, 0x34)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def read_back_of_nothing(dut):
+@script(Pit, "PIT-1")
+def read_back_of_nothing(s):
     """COUNT# and STATUS# both high: no latch."""
-    s = Pit()
     s.program(2, 0x0205)
     s.pulse()
     s.write(3, 0xFE)
     s.pulse()
     s.value(0, 0x0204)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def read_back_table_of_the_data_sheet(dut):
+@script(Pit, "PIT-1")
+def read_back_table_of_the_data_sheet(s):
     """Six read-back commands in order; what a latch already holds is not replaced."""
-    s = Pit()
     for n, value in enumerate((0x1010, 0x2020, 0x3030)):
         s.program(2, value, n=n)
     s.pulse(mask=7)
@@ -416,50 +331,38 @@ async def read_back_table_of_the_data_sheet(dut):
     s.value(2, 0x302D, "count 2 as of D8h")
     s.read(0, 0xB4, "status 0 as of C2h")
     s.value(0, 0x1010, "count 0 as of C2h")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def status_returns_the_control_word(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def status_returns_the_control_word(s):
     for rw in (LSB, MSB, BOTH):
         for mode in range(8):
             for bcd_bit in (0, 1):
                 s.cw(1, mode, rw, bcd_bit)
                 low = rw << 4 | mode << 1 | bcd_bit
                 s.status(1, int(mode != 0), 1, low, f"status of {low:#x}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def null_count_rises_and_falls(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def null_count_rises_and_falls(s):
     s.cw(0, 2)
     s.status(0, 1, 1, 0x34, "after the control word")
     s.count(0, 3)
     s.status(0, 1, 1, 0x34, "after the count")
     s.pulse()
     s.status(0, 1, 0, 0x34, "after the load")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def status_latched_with_the_load(dut):
+@script(Pit, "PIT-1")
+def status_latched_with_the_load(s):
     """The clock that loads the count is the one that latches: it is loaded."""
-    s = Pit()
     s.program(2, 3)
     s.write(3, 0xE2, rise=1, fall=1)
     s.read(0, 0xB4, "null count is 0 already")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def null_count_needs_the_second_byte(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def null_count_needs_the_second_byte(s):
     s.program(4, 0x0105)
     s.pulse()
     s.write(0, 7)
@@ -468,13 +371,10 @@ async def null_count_needs_the_second_byte(dut):
     s.status(0, 1, 1, 0x38, "both")
     s.pulse()
     s.status(0, 1, 0, 0x38, "loaded")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def null_count_waits_for_the_reload(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def null_count_waits_for_the_reload(s):
     s.program(2, 3)
     s.pulse(2)
     s.count(0, 4)
@@ -483,26 +383,20 @@ async def null_count_waits_for_the_reload(dut):
     s.status(0, 0, 1, 0x34, "the period is not over")
     s.pulse()
     s.status(0, 1, 0, 0x34, "reloaded")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def null_count_waits_for_a_trigger(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def null_count_waits_for_a_trigger(s):
     s.program(1, 3)
     s.pulse(4)
     s.status(0, 1, 1, 0x32)
     s.trigger()
     s.pulse()
     s.status(0, 0, 0, 0x32)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def count_while_null_is_the_old_one(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def count_while_null_is_the_old_one(s):
     s.program(2, 0x0050)
     s.pulse(3)
     s.cw(0, 2)
@@ -511,28 +405,21 @@ async def count_while_null_is_the_old_one(dut):
     s.value(0, 0x004E)
     s.pulse()
     s.value(0, 0x0099)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def control_word_disarms_counting(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def control_word_disarms_counting(s):
     s.program(2, 0x0050)
     s.pulse(3)
     s.cw(0, 2)
     s.golden("1:4E 1:4E 1:4E")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def initial_out_of_each_mode(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def initial_out_of_each_mode(s):
     for mode in (0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 7):
         s.cw(0, mode)
         s.out(int(mode != 0), note=f"mode {mode}, no CLK")
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -550,11 +437,9 @@ async def control_word_in_the_low_phase(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def mode0_first_byte_stops_counting(dut):
+@script(Pit, "PIT-1")
+def mode0_first_byte_stops_counting(s):
     """The NMOS part: OUT falls and counting stops with the first byte."""
-    s = Pit()
     s.program(0, 5)
     s.golden("0:5 0:4")
     s.write(0, 3)
@@ -564,27 +449,21 @@ async def mode0_first_byte_stops_counting(dut):
     s.write(0, 2)
     s.out(0, note="OUT falls with the first byte")
     s.golden("0:0 0:0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def mode0_first_byte_stops_after_a_late_load(dut):
+@script(Pit, "PIT-1")
+def mode0_first_byte_stops_after_a_late_load(s):
     """A count still waiting for its CLK is loaded, but the first byte of the next one stops it."""
-    s = Pit()
     s.program(0, 5)
     s.write(0, 3)
     s.golden("0:3 0:3 0:3")  # CR_L has it already
     s.write(0, 0)
     s.golden("0:3 0:2 0:1 1:0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def mode0_first_byte_in_chmos(dut):
+@script(Pit, "PIT-1", chmos=True)
+def mode0_first_byte_in_chmos(s):
     """The CHMOS part: OUT falls with the first byte; counting stops, but not after a rollover."""
-    s = Pit(chmos=True)
     s.program(0, 5)
     s.golden("0:5 0:4")
     s.write(0, 9)
@@ -601,7 +480,6 @@ async def mode0_first_byte_in_chmos(dut):
     s.golden("0:FFFE 0:FFFD")
     s.write(0, 0)
     s.golden("0:7 0:6")
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -623,11 +501,9 @@ async def first_of_two_bytes_is_in_the_count_register_at_once(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def reload_between_the_bytes_takes_the_mix(dut):
+@script(Pit, "PIT-1")
+def reload_between_the_bytes_takes_the_mix(s):
     """Modes 2 and 3 reload at the end of a period whatever CR holds then; NULL tells nothing."""
-    s = Pit()
     s.program(2, 0x0103)
     s.cw(0, 2)
     s.count(0, 3)
@@ -639,14 +515,11 @@ async def reload_between_the_bytes_takes_the_mix(dut):
     s.status(0, 1, 1, 0x34)
     s.golden("1:3 1:2 0:1 1:5")
     s.status(0, 1, 0, 0x34)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def mode0_count_written_as_the_old_one_ends(dut):
+@script(Pit, "PIT-1")
+def mode0_count_written_as_the_old_one_ends(s):
     """Written while the last CLK is high: its fall ends the old count, and OUT stays low."""
-    s = Pit()
     s.program(0, 2, rw=LSB)
     s.pulse(2)
     s.rise()
@@ -654,49 +527,37 @@ async def mode0_count_written_as_the_old_one_ends(dut):
     s.fall()
     s.out(0, note="the old count is over")
     s.outs("00011")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def mode0_count_written_twice(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def mode0_count_written_twice(s):
     s.program(0, 9)
     s.count(0, 2)
     s.golden("0:2 0:1 1:0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def load_needs_a_full_pulse(dut):
+@script(Pit, "PIT-1")
+def load_needs_a_full_pulse(s):
     """A count written after the CLK rise waits for the next rise and fall."""
-    s = Pit()
     s.cw(0, 4)
     s.rise()
     s.count(0, 2)
     s.fall()
     s.status(0, 1, 1, 0x38, "half a pulse is none")
     s.golden("1:2 1:1 0:0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def write_in_the_clock_of_the_rise_waits(dut):
+@script(Pit, "PIT-1")
+def write_in_the_clock_of_the_rise_waits(s):
     """The write that ends in the very clock of a CLK pulse does not see that pulse."""
-    s = Pit()
     s.cw(0, 4)
     s.count(0, 2, rise=1, fall=1)
     s.status(0, 1, 1, 0x38)
     s.golden("1:2 1:1 0:0")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def count_moves_on_the_fall(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def count_moves_on_the_fall(s):
     s.program(2, 9)
     s.pulse()
     s.rise()
@@ -705,13 +566,10 @@ async def count_moves_on_the_fall(dut):
     s.fall()
     s.latch(0)
     s.value(0, 8, "after the fall")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def gate_is_sampled_on_the_rise(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def gate_is_sampled_on_the_rise(s):
     s.program(0, 9)
     s.pulse()
     s.rise()
@@ -724,13 +582,10 @@ async def gate_is_sampled_on_the_rise(dut):
     s.fall()
     s.latch(0)
     s.value(0, 8, "GATE rose after the rise")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def bcd_borrows_through_all_digits(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def bcd_borrows_through_all_digits(s):
     s.program(4, bcd(1000), bcd=1)
     s.golden("1:1000 1:0999 1:0998")
     s.program(4, bcd(2), bcd=1)
@@ -739,13 +594,10 @@ async def bcd_borrows_through_all_digits(dut):
     s.pulse(12)
     s.latch(0)
     s.value(0, bcd(4999))
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def live_count_is_seen_while_rd_is_low(dut):
-    s = Pit()
+@script(Pit, "PIT-1")
+def live_count_is_seen_while_rd_is_low(s):
     s.program(2, 0x42, rw=LSB)
     s.pulse()
     s.step(cs_n=0, rd_n=0, a=0, rise=1, fall=1)
@@ -753,14 +605,11 @@ async def live_count_is_seen_while_rd_is_low(dut):
         s.step()
         s.seen(d_o=want)
     s.step(cs_n=1, rd_n=1, rise=0, fall=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1")
-async def edge_outputs_announce_out(dut):
+@script(Pit, "PIT-1")
+def edge_outputs_announce_out(s):
     """out_rise and out_fall are 1 in the very clock whose edge moves OUT."""
-    s = Pit()
     s.program(2, 2)
     s.pulse()
     s.seen(out=1, out_rise=0, out_fall=0)
@@ -771,14 +620,11 @@ async def edge_outputs_announce_out(dut):
     s.pulse()
     s.cw(0, 2)
     s.seen("a control word moves OUT without CLK", out=0, out_rise=1)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1", "PIT-2")
-async def cascade_golden(dut):
+@script(Pit, "PIT-1", "PIT-2", cascade=True)
+def cascade_golden(s):
     """Modes 2 and 2, 4 times 3. OUT1 changes only where OUT0 falls."""
-    s = Pit(cascade=True)
     s.program(2, 3, n=1)
     s.program(2, 4, n=0)
     pairs = "11 11 11 01 11 11 11 01 11 11 11 00 10 10 10 01 11 11 11 01 11 11 11 00 10 10 10 01"
@@ -786,28 +632,22 @@ async def cascade_golden(dut):
         s.pulse()
         s.out(int(pair[0]), 0, f"OUT0 after CLK {at + 1}")
         s.out(int(pair[1]), 1, f"OUT1 after CLK {at + 1}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1", "PIT-2")
-async def cascade_needs_a_rise_after_the_count(dut):
+@script(Pit, "PIT-1", "PIT-2", cascade=True)
+def cascade_needs_a_rise_after_the_count(s):
     """Counter 1 programmed last: OUT0 is high already, so its first fall does not load yet."""
-    s = Pit(cascade=True)
     s.program(2, 4, n=0)
     s.program(2, 3, n=1)
     s.pulse(15)
     s.out(1, 1)
     s.pulse()
     s.out(0, 1, "one OUT0 period later than in the golden sequence")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("PIT-1", "PIT-2")
-async def cascade_of_three_moves_in_one_clock(dut):
+@script(Pit, "PIT-1", "PIT-2", cascade=True)
+def cascade_of_three_moves_in_one_clock(s):
     """Timer 2 counts SCLOCK: all three chains of OUT edges fall into one clock."""
-    s = Pit(cascade=True)
     s.program(2, 0, n=2)
     s.program(2, 2, n=1)
     s.program(2, 2, n=0)
@@ -815,4 +655,3 @@ async def cascade_of_three_moves_in_one_clock(dut):
     s.latch(2)
     first = 0x10000 - 5
     s.value(2, first & 0xFFFF, "count after six SCLOCKs, the first loads")
-    await s.run(dut)

@@ -8,7 +8,7 @@ import random
 import cocotb
 
 from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, mismatch
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, mismatch, script
 from cocotb_tests.lib.req import req
 from cocotb_tests.models import thct2000
 
@@ -17,75 +17,55 @@ SOURCES = ("bench_thct2000.sv", "bench_replay.sv")
 PARAMETERS: dict = {}
 
 
-@cocotb.test()
-@req("ENC-1")
-async def mode5_counts_up_when_a_leads(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def mode5_counts_up_when_a_leads(s):
     s.turn(8)
     s.count(8)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def mode5_counts_down_when_b_leads(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def mode5_counts_down_when_b_leads(s):
     s.turn(-8)
     s.count(-8)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def mode5_every_edge_counts_once(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def mode5_every_edge_counts_once(s):
     for n in range(1, 10):
         s.turn(1)
         s.count(n)
     for n in range(8, -5, -1):
         s.turn(-1)
         s.count(n)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def four_million_counts_a_second(dut):
+@script(Encoder, "ENC-1")
+def four_million_counts_a_second(s):
     """A transition every other clock of 8 MHz, both ways, none lost."""
-    s = Encoder()
     s.turn(2000, clocks=2)
     s.count(2000)
     s.turn(-3000, clocks=2)
     s.count(-1000)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def wraps_upward(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def wraps_upward(s):
     s.init(0xFFFE)
     for want in (0xFFFF, 0, 1):
         s.turn(1)
         s.count(want)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def wraps_downward(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def wraps_downward(s):
     s.init(1)
     for want in (0, 0xFFFF, 0xFFFE):
         s.turn(-1)
         s.count(want)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def both_inputs_at_once_count_nothing(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def both_inputs_at_once_count_nothing(s):
     s.expect(illegal=0)
     for _ in range(4):
         s.step(3, a=1, b=1)
@@ -97,14 +77,11 @@ async def both_inputs_at_once_count_nothing(dut):
     s.step(2, reset=1)
     s.step(1, reset=0)
     s.expect("until RESET", illegal=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def both_inputs_at_once_are_legal_where_no_steps_are_counted(dut):
+@script(Encoder, "ENC-1")
+def both_inputs_at_once_are_legal_where_no_steps_are_counted(s):
     """Holding, and in the modes that measure an interval or a frequency; not in any other."""
-    s = Encoder()
     for mode in range(8):
         s.step(4, m=mode)
         s.step(4, a=1, b=1)
@@ -112,13 +89,10 @@ async def both_inputs_at_once_are_legal_where_no_steps_are_counted(dut):
         s.expect(f"mode {mode}", illegal=int(mode not in (0, 6, 7)))
         s.step(2, reset=1)
         s.step(1, reset=0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def all_illegal_transitions(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def all_illegal_transitions(s):
     want = 0
     for first in range(4):
         while s.phase != first:
@@ -128,7 +102,6 @@ async def all_illegal_transitions(dut):
         s.step(4, a=1 - a, b=1 - b)
         s.step(4, a=a, b=b)
         s.count(want, f"from {GREY[first]}")
-    await s.run(dut)
 
 
 async def discriminator(dut, mode: int, up: tuple[int, int, int, int]) -> None:
@@ -213,23 +186,18 @@ async def mode7_measures_a_frequency(dut):
     await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def mode_change_keeps_the_count(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def mode_change_keeps_the_count(s):
     s.turn(7)
     for mode in (0, 1, 2, 3, 4, 5):
         s.settle()
         s.step(5, m=mode)
         s.count(7, f"mode {mode}")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def counts_on_its_clock_only(dut):
+@script(Encoder, "ENC-1")
+def counts_on_its_clock_only(s):
     """Slower CLK: the inputs are looked at on its ticks."""
-    s = Encoder()
     s.step(20, clk_en=0, a=1)
     s.expect("no tick, no count", count=0)
     s.phase = 1
@@ -246,18 +214,14 @@ async def counts_on_its_clock_only(dut):
         s.step(clk_en=1)
         s.step(clk_en=0)
     s.expect(count=9)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def written_value_is_read(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def written_value_is_read(s):
     for value in (0x1234, 0xFFFF, 0x8001, 0):
         s.init(value)
         s.expect(count=value)
         s.value(value)
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -280,20 +244,15 @@ async def data_are_there_at_once(dut):
     await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def written_lsb_first(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def written_lsb_first(s):
     for value in (0x1234, 0xA55A):
         s.init(value, first=LSB)
         s.value(value, first=LSB)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def a_byte_written_is_stored_at_once(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def a_byte_written_is_stored_at_once(s):
     s.init(0x1111)
     s.write(MSB, 0x22)
     s.expect(count=0x2211)
@@ -304,7 +263,6 @@ async def a_byte_written_is_stored_at_once(dut):
     s.settle()
     s.write(LSB, 0x44)
     s.expect("again the same byte", count=0x2244)
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -357,37 +315,29 @@ async def a_stray_byte_written_shifts_no_later_pair(dut):
                 await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def read_while_running_is_coherent(dut):
+@script(Encoder, "ENC-2")
+def read_while_running_is_coherent(s):
     """MSB read, then the count passes a byte border, then LSB: both of one sample."""
-    s = Encoder()
     s.init(0x12FF)
     s.read(MSB, 0x12)
     s.turn(3)
     s.settle()
     s.read(LSB, 0xFF)
     s.value(0x1302, "live")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def read_lsb_first_is_coherent(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def read_lsb_first_is_coherent(s):
     s.init(0x1300)
     s.read(LSB, 0x00)
     s.turn(-1)
     s.settle()
     s.read(MSB, 0x13)
     s.value(0x12FF, first=LSB)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def data_stands_still_during_a_read(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def data_stands_still_during_a_read(s):
     s.init(0x00FE)
     s.read(MSB, 0)
     s.read(LSB, 0xFE)
@@ -397,13 +347,10 @@ async def data_stands_still_during_a_read(dut):
         s.seen("while the count runs", d_o=0)
     s.step(2, cs_n=1, rd_n=1)
     s.read(LSB, 0xFE)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def a_byte_read_again_samples_again(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def a_byte_read_again_samples_again(s):
     s.init(0x10FF)
     s.read(MSB, 0x10)
     s.turn(1)
@@ -413,7 +360,6 @@ async def a_byte_read_again_samples_again(dut):
     s.settle()
     s.read(LSB, 0x00, "of the second sample")
     s.value(0x10FF)
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -476,11 +422,9 @@ async def what_ends_a_pair_and_what_does_not(dut):
     await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(dut):
+@script(Encoder, "ENC-2")
+def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(s):
     """What remains: nothing came between to tell that they are no pair."""
-    s = Encoder()
     s.init(0x40FF)
     s.read(LSB, 0xFF)
     s.turn(1)
@@ -488,7 +432,6 @@ async def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(dut):
     s.read(MSB, 0x40, "of the lone byte's sample")
     s.read(LSB, 0x00, "a new pair")
     s.read(MSB, 0x41)
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -508,23 +451,18 @@ async def reset_ends_a_pair(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def first_read_after_a_latch_gives_the_latched_count(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def first_read_after_a_latch_gives_the_latched_count(s):
     s.init(100)
     s.latch()
     s.turn(7)
     s.settle()
     s.value(100, "latched")
     s.value(107, "live")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def second_latch_overwrites(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def second_latch_overwrites(s):
     s.init(100)
     s.latch()
     s.turn(5)
@@ -534,14 +472,11 @@ async def second_latch_overwrites(dut):
     s.settle()
     s.value(105)
     s.value(110)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def latches_of_neighbouring_clocks_both_act(dut):
+@script(Encoder, "ENC-2")
+def latches_of_neighbouring_clocks_both_act(s):
     """Each clock of the latch input is an event of its own: the later one stands."""
-    s = Encoder()
     s.init(50)
     s.turn(1, clocks=3)
     s.step(latch=1)
@@ -552,13 +487,10 @@ async def latches_of_neighbouring_clocks_both_act(dut):
     s.turn(3)
     s.settle()
     s.value(54, "live")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def latch_between_the_bytes_waits_for_the_next_pair(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def latch_between_the_bytes_waits_for_the_next_pair(s):
     s.init(0x10FF)
     s.read(MSB, 0x10)
     s.turn(1)
@@ -569,13 +501,10 @@ async def latch_between_the_bytes_waits_for_the_next_pair(dut):
     s.read(LSB, 0xFF)
     s.value(0x1100, "the latched one")
     s.value(0x1105, "live")
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def latch_during_a_read_is_not_lost(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def latch_during_a_read_is_not_lost(s):
     s.init(0x2000)
     s.read(MSB, 0x20)
     s.read(LSB, 0x00)
@@ -587,7 +516,6 @@ async def latch_during_a_read_is_not_lost(dut):
     s.settle()
     s.value(0x2000, "latched during the read")
     s.value(0x2003)
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -605,22 +533,17 @@ async def latch_takes_the_count_of_its_clock(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
-async def write_touches_no_latch(dut):
-    s = Encoder()
+@script(Encoder, "ENC-2")
+def write_touches_no_latch(s):
     s.init(77)
     s.latch()
     s.init(500)
     s.value(77, "the latch survives a write")
     s.value(500)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def reset_clears(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def reset_clears(s):
     s.init(0x1234)
     s.latch()
     s.step(4, reset=1)
@@ -629,7 +552,6 @@ async def reset_clears(dut):
     s.turn(2)
     s.settle()
     s.value(2, "the latch flag is gone too")
-    await s.run(dut)
 
 
 @cocotb.test()
@@ -645,29 +567,23 @@ async def reset_with_steady_inputs_counts_nothing(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def turning_in_reset_counts_nothing(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def turning_in_reset_counts_nothing(s):
     s.step(2, reset=1)
     s.turn(5, clocks=2)
     s.settle()
     s.step(2, reset=0)
     s.count(0)
-    await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
-async def bus_floats_unless_read(dut):
-    s = Encoder()
+@script(Encoder, "ENC-1")
+def bus_floats_unless_read(s):
     s.init(0)
     s.step(2, cs_n=1, rd_n=0)
     s.seen(oe=0, d_o=0xFF)
     s.step(2, cs_n=0, rd_n=1)
     s.seen(oe=0, d_o=0xFF)
     s.step(cs_n=1)
-    await s.run(dut)
 
 
 @cocotb.test()

@@ -6,10 +6,15 @@ every directed case checks both.
 """
 
 import os
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 
+import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
+
+from cocotb_tests.lib.req import req
 
 VARIANT, CASCADE = 1, 2  # bits of pick_i
 QUICK_OPS = int(os.environ.get("MMCS_RANDOM_OPS", "5000"))  # full depth: 100000
@@ -142,3 +147,18 @@ class Script:
     def outputs(self, response) -> dict:
         """A response as named outputs; the model's is a dict already where parts are undefined."""
         return response if isinstance(response, dict) else self.layout_out.unpack(response)
+
+
+def script(kind: type[Script], *ids: str, **settings) -> Callable:
+    """Makes a cocotb test of a function that fills a script; `ids` are those of `req`."""
+
+    def make(fill: Callable[[Script], None]):
+        @wraps(fill)
+        async def play(dut) -> None:
+            s = kind(**settings)
+            fill(s)
+            await s.run(dut)
+
+        return cocotb.test()(req(*ids)(play))
+
+    return make
