@@ -30,7 +30,7 @@ class Backplane : public World<Vbench_edges_vme> {
   Backplane();
   void reset() override;
 
-  // The parts of a cycle, at this instant. Minima as a slave sees them: docs/timing.md.
+  // The parts of a cycle, at this instant. Minima as a slave sees them: docs/hardware/timing.md.
   void put(const Cycle &cycle);          // address, modifier, IACK*, WRITE*, data
   void put_address(const Cycle &cycle);  // without WRITE* and data: address pipelining
   void as(bool low);
