@@ -110,19 +110,23 @@ void Rack::look_at_lines() {
   shown_lines_ = host_ ? lines : lines ^ kLineIrq;
 }
 
-// Which cards hear the bus now; those that heard it until now see it end.
+// Which cards hear the bus now; those that heard it until now see it end. A deaf card keeps what it
+// saw last, which may be a command that its switches made it deaf to: when one moves, all look.
 void Rack::listen() {
   bus_moved_ = false;
   const unsigned ior_n = static_cast<unsigned>(wires_.get(bus_[2], 0, 1));
   const unsigned iow_n = static_cast<unsigned>(wires_.get(bus_[3], 0, 1));
-  uint32_t now = 0;
-  if (!(ior_n && iow_n)) {
-    if (dips_moved_) ears_.forget();
+  uint32_t now = 0, looking = listening_;
+  if (dips_moved_) {
     dips_moved_ = false;
+    ears_.forget();
+    looking = (1u << heard_.size()) - 1;
+  }
+  if (!(ior_n && iow_n)) {
     now = ears_.hear(static_cast<unsigned>(wires_.get(bus_[0], 0, 16)),
                      static_cast<unsigned>(wires_.get(bus_[1], 0, 1)), ior_n, iow_n, dips_);
   }
-  for (uint32_t rest = now | listening_; rest; rest &= rest - 1) {
+  for (uint32_t rest = now | looking; rest; rest &= rest - 1) {
     for (Slot *slot : heard_[static_cast<size_t>(__builtin_ctz(rest))]) show(*slot);
   }
   listening_ = now;

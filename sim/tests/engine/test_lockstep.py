@@ -66,6 +66,30 @@ def test_a_command_cut_short(name):
     assert answers == {0, 0xFF}
 
 
+@pytest.mark.req("API-1", "CRD-1")
+@pytest.mark.parametrize("name", ["lab500", "puma560"])
+def test_a_switch_moves_within_a_command(name):
+    """The card's address leaves and comes back, at every clock of a write and after it: what the
+    card did not hear in between is over for it, too."""
+    _, plain, skipping = lockstep.machines(name)
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    with plain, skipping:
+        for away in range(1, 18):
+            for back in (away + 1, 60):
+                actions = [
+                    ("write", regs.PCCSR, 0x2D, 1, 0xF8),
+                    ("event", away / lockstep.CLK_HZ, "dip_xor", 0, 8),
+                    ("event", back / lockstep.CLK_HZ, "dip_xor", 0, 0),
+                    ("write", regs.card_offset(0, regs.CARD_ENC1_MSB), 0x2D, 1, away),
+                    ("run", 100),
+                ]
+                for action in actions:
+                    got = [lockstep.act(sim, action, numbers) for sim in (plain, skipping)]
+                    assert got[0] == got[1], (away, back, lockstep.failure(plain))
+                assert plain.hash() == skipping.hash(), (away, back)
+        assert not lockstep.failure(plain)
+
+
 @pytest.mark.req("API-1")
 def test_a_difference_is_found():
     """One machine has a bit of a counter flipped, which no access reads: the hash tells."""
