@@ -21,8 +21,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "fuzz"
-CC = "clang-16"
+CC, CXX = "clang-16", "clang++-16"
 SANITIZE = ["-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=undefined"]
+ENGINE = [
+    "make", "-f", "sim/Makefile", "KIND=asan", "CARDS=1", f"CC={CC}", f"CXX={CXX}", "WARN=-w",
+    "B=build/fuzz/sim", f"PYTHON={sys.executable}", "UNDEFINED=-fsanitize=undefined,fuzzer-no-link "
+    "-fno-sanitize-recover=undefined",
+]  # fmt: skip
 OPTIONS = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
 LIMITS = ["-timeout=60", "-rss_limit_mb=4096", "-max_len=40000"]
 
@@ -37,6 +42,16 @@ def made(name: str, *command) -> Path:
 def client() -> Path:
     source = "sim/tests/fuzz/client.c"
     return made("client", CC, *SANITIZE, "-Isim/device", source, "-ldl", "-lpthread")
+
+
+def snapshot() -> Path:
+    subprocess.run(ENGINE, cwd=ROOT, check=True)
+    folder = BUILD / "sim" / "asan_c1"
+    return made(
+        "snapshot", CXX, "-std=c++17", *SANITIZE, "-Isim/engine", "-Ifirmware/include",
+        "sim/tests/fuzz/snapshot.cpp", folder / "libmmcs_sim.so", "-latomic",
+        f"-Wl,-rpath,{folder}",
+    )  # fmt: skip
 
 
 def calls() -> Path:
@@ -110,6 +125,9 @@ def main() -> int:
     every = {
         "calls": random_calls,
         "client": lambda n: fuzz("client", [client()], n),
+        "engine": lambda n: fuzz("engine", [snapshot()], n, SEEDS=str(corpus("engine"))),
+        "resumed": lambda n: fuzz(
+            "resumed", [snapshot()], n // 10, GOES_ON="1", SEEDS=str(corpus("resumed"))),
     } | {
         name: lambda n, name=name: fuzz(name, [sys.executable, __file__, name, "--"], n // 100)
         for name in names

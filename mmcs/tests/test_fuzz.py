@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from mmcs import ROOT
+from mmcs.engine.build import ensure_library
 
 FUZZ = ROOT / "sim" / "tests" / "fuzz"
 SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
@@ -46,3 +47,17 @@ def test_whatever_a_server_answers(tmp_path):
         "-ldl", "-lpthread",
     )  # fmt: skip
     assert said(program, 20_000) == "20000 inputs\n"
+
+
+def test_whatever_a_snapshot_holds(tmp_path):
+    library = ensure_library(1, "speed")
+    sample = compiled(tmp_path, "cc", "-c", FUZZ / "sample.c")
+    sample.rename(tmp_path / "sample.o")
+    program = compiled(
+        tmp_path, "c++", "-std=c++17", f"-I{ROOT}/sim/engine", f"-I{ROOT}/firmware/include",
+        FUZZ / "snapshot.cpp", tmp_path / "sample.o", library, f"-Wl,-rpath,{library.parent}",
+    )  # fmt: skip
+    said(program, 0, SEEDS=str(tmp_path))
+    seeds = sorted(tmp_path.glob("seed*"))
+    assert len(seeds) == 4
+    assert said(program, 10_000, *seeds, GOES_ON="1") == "10000 inputs\n"

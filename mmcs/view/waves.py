@@ -82,7 +82,9 @@ GROUPS = {
         Signal("u_adaptor.vme_iackin_ni"),
         Signal("u_adaptor.vme_iackout_no"),
         Signal("u_adaptor.g_vme.u_slave.state_q", 2, STATE),
-        Signal("u_adaptor.g_vme.u_interrupter.state_q", 2, STATE),
+        Signal("u_adaptor.g_vme.u_interrupter.claim_q"),
+        Signal("u_adaptor.g_vme.u_interrupter.pass_q"),
+        Signal("u_adaptor.g_vme.u_interrupter.answer_q"),
         Signal("u_adaptor.u_core.state_q", 2, STATE),
     ],
     "PC bus": [

@@ -30,6 +30,11 @@ class Writer {
     (*this)(static_cast<uint64_t>(values.size()));
     raw(values.data(), values.size() * sizeof(T));
   }
+  // One whose length the machine gives.
+  template <typename T>
+  void same(const std::vector<T> &values) {
+    (*this)(values);
+  }
   void raw(const void *data, size_t size) {
     const uint8_t *from = static_cast<const uint8_t *>(data);
     out_.insert(out_.end(), from, from + size);
@@ -53,7 +58,8 @@ void past(A &a, T &value) {
   if constexpr (!A::kFutureOnly) a(value);
 }
 
-// Throws std::invalid_argument when the bytes end too early.
+// Throws std::invalid_argument when the bytes end too early, or hold what no machine holds: files
+// come from anywhere, and a digest is no signature.
 class Reader {
  public:
   static constexpr bool kReads = true;
@@ -72,6 +78,26 @@ class Reader {
     if (count > static_cast<uint64_t>(end_ - at_) / sizeof(T)) cut();
     values.resize(count);
     raw(values.data(), values.size() * sizeof(T));
+  }
+  template <typename T>
+  void same(std::vector<T> &values) {
+    const size_t count = values.size();
+    (*this)(values);
+    expect(values.size() == count);
+  }
+  void operator()(bool &value) {
+    uint8_t byte = 0;
+    raw(&byte, 1);
+    expect(byte <= 1);
+    value = byte != 0;
+  }
+  // Things that follow, of at least so many bytes each.
+  void count(size_t &count, size_t bytes) {
+    (*this)(count);
+    if (count > static_cast<size_t>(end_ - at_) / bytes) cut();
+  }
+  static void expect(bool possible) {
+    if (!possible) throw std::invalid_argument("the snapshot holds what no machine holds");
   }
   void raw(void *data, size_t size) {
     if (size > static_cast<size_t>(end_ - at_)) cut();

@@ -57,16 +57,21 @@ class Host {
   template <class A>
   void state(A &a) {
     driver_state(a, memory_);
+    if constexpr (A::kReads) A::expect(cpu_ || driver_is_possible(memory_));
     a(random_);
     a(masked_);
     a(requested_);
     a(due_clock_);
-    a(signals_);
+    a.same(signals_);
     motion_.state(a);
     a(motion_client_);
     a(motion_axes_);
     a(written_);
     recorder_.state(a);
+    if constexpr (A::kReads) {
+      A::expect(motion_axes_ >= 0 && motion_axes_ <= MC_MAX_AXES);
+      A::expect(motion_client_ >= -1 && motion_client_ < MC_MAX_CLIENTS);
+    }
     if (!cpu_) return;
     if constexpr (A::kReads) {
       cpu_->restore(a);

@@ -115,11 +115,11 @@ class Machine {
       a(next_event_);
     }
     a(lines_);
-    a(write_flips_);
+    a.same(write_flips_);
     past(a, soc_failures_);
     past(a, notes_lost_);
-    a(step_angles_);
-    a(sample_angles_);
+    a.same(step_angles_);
+    a.same(sample_angles_);
     past(a, trail_);
     size_t kept = notes_.size();
     past(a, kept);
@@ -137,8 +137,10 @@ class Machine {
     if constexpr (A::kReads) {
       if (kept > notes_.size()) throw std::invalid_argument("the snapshot lacks its notes");
       notes_.resize(kept);
+      A::expect(is_possible());
       plant_->restore(plant);
       model_->restore(model);
+      A::expect(model_->clock() == clock_);
       model_->set_evals(evals);
       model_->set_upset(upset);
       tap_.lines(time(), lines_);
@@ -151,6 +153,7 @@ class Machine {
   }
 
  private:
+  bool is_possible() const;  // what a snapshot has brought
   void lines_changed();
   void plant_step();
   void apply(const mmcs_event &event);

@@ -69,7 +69,10 @@ void MailboxHost::collect(Request &request) {
   request.done = true;
   request.result = static_cast<int>(word(FIELD(result)));
   if (request.result < 0 || !request.data) return;
-  if (request.what == MAILBOX_READ) request.out = static_cast<size_t>(request.result);
+  if (request.what == MAILBOX_READ) {
+    request.out = std::min(request.out, static_cast<size_t>(request.result));
+  }
+  request.out = std::min(request.out, sizeof(uint32_t) * MAILBOX_DATA_WORDS);
   for (size_t at = 0; at + 4 <= request.out; at += 4) {
     const uint32_t value = word(FIELD(data) + at);
     std::memcpy(static_cast<uint8_t *>(request.data) + at, &value, 4);

@@ -89,14 +89,27 @@ double Motion::value(const Segment &segment, double from, double t) {
   }
 }
 
-std::string Motion::add(const mmcs_segment &segment) {
-  if (segment.axis < 0 || static_cast<size_t>(segment.axis) >= axes_.size()) return "no such axis";
+static std::string check(const mmcs_segment &segment) {
   if (segment.kind < MMCS_SEG_HOLD || segment.kind > MMCS_SEG_SQUARE) return "unknown kind";
   if (!(segment.t0 >= 0) || !(segment.duration >= 0)) return "a time is negative";
   for (double x : {segment.t0, segment.duration, segment.to, segment.amplitude, segment.f0,
                    segment.f1, segment.v_max, segment.a_max}) {
     if (!std::isfinite(x)) return "a value is not a number";
   }
+  return "";
+}
+
+bool Motion::is_possible(const Axis &axis) {
+  for (const Segment &segment : axis.segments) {
+    if (!check(segment.s).empty()) return false;
+    if (segment.s.kind == MMCS_SEG_TABLE && segment.table.empty()) return false;
+  }
+  return axis.next <= axis.segments.size();
+}
+
+std::string Motion::add(const mmcs_segment &segment) {
+  if (segment.axis < 0 || static_cast<size_t>(segment.axis) >= axes_.size()) return "no such axis";
+  if (const std::string why = check(segment); !why.empty()) return why;
   Segment kept{segment, {}};
   if (segment.kind == MMCS_SEG_TABLE) {
     if (!segment.table || segment.table_len < 1) return "the table is empty";

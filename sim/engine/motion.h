@@ -27,14 +27,19 @@ class Motion {
   void state(A &a) {
     for (Axis &axis : axes_) {
       size_t count = axis.segments.size();
-      a(count);
-      if constexpr (A::kReads) axis.segments.resize(count);
+      if constexpr (A::kReads) {
+        a.count(count, sizeof(mmcs_segment));
+        axis.segments.resize(count);
+      } else {
+        a(count);
+      }
       for (Segment &segment : axis.segments) {
         a(segment.s);
         a(segment.table);
       }
       a(axis.next);
       a(axis.from);
+      if constexpr (A::kReads) A::expect(is_possible(axis));
     }
   }
   // Value at t; t must not go back. Before the first segment: the start value.
@@ -50,6 +55,7 @@ class Motion {
     size_t next = 0;    // segments before this one have begun
     double from = 0.0;  // value at the beginning of segment next - 1, or the start value
   };
+  static bool is_possible(const Axis &axis);
   static double value(const Segment &segment, double from, double t);
 
   std::vector<Axis> axes_;

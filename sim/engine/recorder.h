@@ -14,7 +14,8 @@ namespace mmcs {
 
 class Recorder {
  public:
-  explicit Recorder(int axes) : axes_(axes), errcodes_(static_cast<size_t>(axes)) {}
+  explicit Recorder(int axes)
+      : axes_(axes), angles_(static_cast<size_t>(axes)), errcodes_(static_cast<size_t>(axes)) {}
 
   // Rows are kept for samples from this clock on; t_s counts from it.
   void start(int64_t clock) { start_clock_ = clock; }
@@ -55,8 +56,8 @@ class Recorder {
     a(start_clock_);
     a(sample_clock_);
     past(a, samples_);
-    a(angles_);
-    a(errcodes_);
+    a.same(angles_);
+    a.same(errcodes_);
     past(a, hash_);
     int64_t all = rows();
     size_t points = checkpoints_.size();

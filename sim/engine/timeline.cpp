@@ -220,10 +220,21 @@ std::string Timeline::restore_bytes(const uint8_t *snapshot, size_t size, const 
   std::string why = check(snapshot, size, kSnapshotMagic, config_digest_);
   if (why.empty()) why = check(past_data, past_size, kHistoryMagic, config_digest_);
   if (!why.empty()) return why;
-  Reader before(past_data + sizeof(Header), past_size - sizeof(Header));
-  past(before);
-  Reader now(snapshot + sizeof(Header), size - sizeof(Header));
-  state(now);
+  Writer own_past, own;
+  past(own_past);
+  state(own);
+  try {
+    Reader before(past_data + sizeof(Header), past_size - sizeof(Header));
+    past(before);
+    Reader now(snapshot + sizeof(Header), size - sizeof(Header));
+    state(now);
+  } catch (...) {  // nothing has happened
+    const Bytes kept_past = own_past.take(), kept = own.take();
+    Reader before(kept_past.data(), kept_past.size()), now(kept.data(), kept.size());
+    past(before);
+    state(now);
+    throw;
+  }
   infos_.clear();
   states_.clear();
   of_ring_.clear();

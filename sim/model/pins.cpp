@@ -3,7 +3,10 @@
 
 #include "pins.h"
 
+#include <stdexcept>
 #include <utility>
+
+#include "model.h"
 
 namespace mmcs {
 
@@ -18,6 +21,7 @@ namespace {
 constexpr auto kFaultPins = static_cast<size_t>(Pin::kCount);
 constexpr uint64_t kCodeMask = 0xFFF;
 constexpr int kVmeWidths[kVmeSysreset] = {15, 6, 1, 2, 1, 1, 16, 1, 1};
+constexpr int kVmeControlLines = 7, kPcAddressLines = 10, kPcDataLines = 8, kPcControlLines = 2;
 
 std::string card_path(int card) {
   return "g_card[" + std::to_string(card) + "].u_card";
@@ -248,8 +252,60 @@ std::vector<uint64_t> Pins::save() const {
   return out;
 }
 
+bool Pins::is_possible(Pin pin, int index, uint64_t value) const {
+  switch (pin) {
+    case Pin::kCardAbsent:
+    case Pin::kPanicOpen:
+    case Pin::kSclockOpen:
+      return index >= 0 && index < cards_ && value <= 1;
+    case Pin::kDacStuck1:
+    case Pin::kDacStuck0:
+      return index >= 0 && index < 2 * cards_ && value <= kCodeMask;
+    case Pin::kAdcStuck:
+      return index >= 0 && index < 2 * cards_ && value <= 1;
+    case Pin::kIrqLost:
+      return index == 0 && value <= 1;
+    case Pin::kIrqOpen:
+      return index == 0 && value <= (Model::soc() ? 1 : 0);
+    case Pin::kVmeA0:
+    case Pin::kVmeA1:
+      return index == 0 && value >> kVmeWidths[kVmeA] == 0;
+    case Pin::kVmeAm0:
+    case Pin::kVmeAm1:
+      return index == 0 && value >> kVmeWidths[kVmeAm] == 0;
+    case Pin::kVmeD0:
+    case Pin::kVmeD1:
+      return index == 0 && value >> kVmeWidths[kVmeD] == 0;
+    case Pin::kVmeControl0:
+    case Pin::kVmeControl1:
+      return index == 0 && value >> kVmeControlLines == 0;
+    case Pin::kPcA0:
+    case Pin::kPcA1:
+      return index == 0 && value >> kPcAddressLines == 0;
+    case Pin::kPcD0:
+    case Pin::kPcD1:
+      return index == 0 && value >> kPcDataLines == 0;
+    case Pin::kPcControl0:
+    case Pin::kPcControl1:
+      return index == 0 && value >> kPcControlLines == 0;
+    default:
+      return value == 0;
+  }
+}
+
+bool Pins::is_possible(const Change &c) const {
+  if (c.port == -1) return is_possible(static_cast<Pin>(c.lsb), c.width, c.value);
+  return c.port >= 0 && c.port < kPorts && c.lsb >= 0 && c.width > 0 && c.width < 64 &&
+         c.lsb % 64 + c.width <= 64 && static_cast<size_t>(c.lsb / 64) < levels_[c.port].size();
+}
+
 void Pins::restore(const std::vector<uint64_t> &state) {
-  size_t at = 0;
+  size_t at = faults_.size() + codes_.size();
+  for (const auto &level : levels_) at += level.size();
+  if (state.size() < at || (state.size() - at) % 4 != 0) {
+    throw std::invalid_argument("a snapshot of another machine");
+  }
+  at = 0;
   for (int port = 0; port < kPorts; ++port) {
     for (size_t word = 0; word < levels_[port].size(); ++word) {
       const uint64_t value = state[at++];
@@ -264,11 +320,20 @@ void Pins::restore(const std::vector<uint64_t> &state) {
   }
   const size_t faults = at;
   at += faults_.size();
+  for (size_t n = 0; n < faults_.size(); ++n) {
+    const int pin = static_cast<int>(n) / (2 * cards_), index = static_cast<int>(n) % (2 * cards_);
+    if (state[faults + n] != 0 && !is_possible(static_cast<Pin>(pin), index, state[faults + n])) {
+      throw std::invalid_argument("a snapshot of another machine");
+    }
+  }
   for (uint64_t &code : codes_) code = state[at++];
   changes_.clear();
   for (; at + 3 < state.size(); at += 4) {
     changes_.push_back({static_cast<int>(state[at]), static_cast<int>(state[at + 1]),
                         static_cast<int>(state[at + 2]), state[at + 3]});
+    if (!is_possible(changes_.back())) {
+      throw std::invalid_argument("a snapshot of another machine");
+    }
   }
   for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = free_[port];
   for (int n = 0; n < 3; ++n) {

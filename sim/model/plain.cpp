@@ -298,7 +298,15 @@ std::vector<uint8_t> Plain::save() {
 void Plain::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
+  if (state.registers.size() != registers().size()) {
+    throw std::invalid_argument("a snapshot of another machine");
+  }
   clock_ = state.clock;
+  size_t own = 0;
+  for (const Net &net : extra_) own += static_cast<size_t>(net.bytes);
+  if (!state.own.empty() && state.own.size() != own) {
+    throw std::invalid_argument("a snapshot of another machine");
+  }
   const uint8_t *at = state.own.data();
   for (const Net &net : extra_) {
     if (state.own.empty()) break;

@@ -2,6 +2,7 @@
 // What is done to a rack from outside: ports, faults, registers read and flipped, snapshots.
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "rack.h"
 #include "state.h"
@@ -121,6 +122,9 @@ std::vector<uint8_t> Rack::save() {
 void Rack::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
+  if (state.registers.size() != registers().size()) {
+    throw std::invalid_argument("a snapshot of another machine");
+  }
   for (const auto &block : blocks_) {
     block->catch_up(clock_);
     block->renew(state.clock);

@@ -35,12 +35,13 @@ struct State {
     uint64_t head[kHead];
     if (bytes.size() < sizeof head) throw std::invalid_argument("a snapshot of another machine");
     std::memcpy(head, bytes.data(), sizeof head);
-    const size_t count = head[2] + head[3];
-    if (count > bytes.size() / kWord || bytes.size() < (kHead + count) * kWord) {
+    const size_t room = bytes.size() / kWord - kHead;
+    if (head[2] > room || head[3] > room - head[2]) {
       throw std::invalid_argument("a snapshot of another machine");
     }
+    const size_t count = head[2] + head[3];
     std::vector<uint64_t> words(count);
-    std::memcpy(words.data(), bytes.data() + sizeof head, count * kWord);
+    if (count) std::memcpy(words.data(), bytes.data() + sizeof head, count * kWord);
     State state;
     state.clock = static_cast<int64_t>(head[0]);
     state.lines = head[1];

@@ -32,7 +32,8 @@ static size_t damage(uint8_t *data, size_t size) {
       data[at] = (uint8_t)chance(256);
       size++;
     } else if (kind == 2 && size >= 8) {
-      memset(data + (at & ~(size_t)7) % (size - 7), corners[chance(5)], 8);
+      memset(data + ((at & ~(size_t)7) + 1) % (size - 7), corners[chance(5)],
+             8); /* behind a kind */
     } else if (at < size) {
       data[at] = kind == 3 ? corners[chance(5)] : (uint8_t)(data[at] ^ 1u << chance(8));
     }
