@@ -136,20 +136,21 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
     block->catch_up(clock_);
     block->look(clock_);
   }
-  // Twice: what the registers seem to clear as they come is no edge.
+  // Twice: what the registers seem to clear as they come, on other boards too, is no edge.
+  dips_moved_ = true;
   for (int twice = 0; twice < 2; ++twice) {
     for (size_t reg = 0; reg < registers().size(); ++reg) {
       Block *block;
       find(static_cast<int>(reg), &block).put(state.registers[reg]);
     }
     for (const auto &block : blocks_) block->written(clock_);
+    for (const auto &block : blocks_) {
+      outputs(*block);
+      touch(*block);
+    }
+    bus_moved_ = true;
+    settle();
   }
-  for (const auto &block : blocks_) {
-    outputs(*block);
-    touch(*block);
-  }
-  dips_moved_ = bus_moved_ = true;
-  settle();
   look_at_lines();
   lines_ = static_cast<unsigned>(state.lines);
 }

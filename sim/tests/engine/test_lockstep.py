@@ -91,6 +91,27 @@ def test_a_switch_moves_within_a_command(name):
 
 
 @pytest.mark.req("API-1")
+def test_a_way_back_into_a_card_without_power():
+    """A bit of the D/A that is stuck stands against the reset of a card without power; so it does
+    after a way back, which must not let the reset fall anew."""
+    _, plain, skipping = lockstep.machines("lab500")
+    pair = plain, skipping
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    actions = [("event", 1e-6, "dac_stuck1", 0, 615), ("event", 1e-6, "pc_power", 0, 0),
+               ("run", 100), ("snapshot",), ("event", 1e-6, "pc_power", 0, 1), ("run", 5000),
+               ("back",)]  # fmt: skip
+    kept: list = []
+    with plain, skipping:
+        for action in actions:
+            if action[0] in ("snapshot", "back"):
+                lockstep.cross(pair, kept, action[0])
+            else:
+                for sim in pair:
+                    lockstep.act(sim, action, numbers)
+        assert lockstep.differences(pair) == "no register"
+
+
+@pytest.mark.req("API-1")
 def test_a_difference_is_found():
     """One machine has a bit of a counter flipped, which no access reads: the hash tells."""
     _, plain, skipping = lockstep.machines("lab500")
