@@ -22,7 +22,8 @@ static int strays(const struct mc *mc, struct mc_axis *x) {
 /* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
 int guard_trips(struct mc *mc) {
   const struct mc_guard *g = &mc->config.guard;
-  if (mc->power != MC_RUNNING) return 0;
+  int asked = g->jump > 0 || g->follow != 0 || g->missed > 0;
+  if (!asked || mc->power != MC_RUNNING) return 0;
   if (g->missed > 0 && mc->skipped > g->missed) {
     power_trip(mc, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
     return 1;
