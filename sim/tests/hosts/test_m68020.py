@@ -43,7 +43,7 @@ def test_six_axes_end_as_native():
     """A pass of six axes takes most of its millisecond here; late is one, after the motion.
 
     It waits for MSTOP, which holds the level, and drives nothing any more; a run of 2 ms without a
-    motion has the same one. docs/simulator/processors.md has 1020 us as the shortest interval of
+    motion has the same one. docs/simulator/processors.md has 990 us as the shortest interval of
     six axes without any.
     """
     finals, overruns = [], []
