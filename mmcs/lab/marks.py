@@ -42,6 +42,14 @@ def near(given: float, true: float, within: float, unit: str, how: str) -> Verdi
     return False, f"{given:g} {unit} is too {way}{by}: {how}"
 
 
+def arrives(figures: dict, overshoot_pct: float, rise_ms: float) -> Verdict:
+    """A step of a motor with the student's gains, by the figures that `mmcs run` prints."""
+    pct, rise = figures["overshoot_pct"], figures["rise_ms"]
+    told = f"overshoot {pct:.1f} %, rise {'never' if rise is None else f'{rise:.1f} ms'}"
+    good = pct <= overshoot_pct and rise is not None and rise <= rise_ms
+    return good, f"{told}; at most {overshoot_pct:g} % and {rise_ms:g} ms"
+
+
 def read_answer(sheet: Sheet, path: Path) -> Strict:
     """Raises InputError with every mistake of the file."""
     path = path / ANSWER if path.is_dir() else path

@@ -3,6 +3,7 @@
 // every machine agrees.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -25,6 +26,19 @@ class Hash {
  private:
   uint64_t state_ = 0xCBF29CE484222325ull;
 };
+
+// Of bytes: eight at a time, then what is left.
+inline uint64_t digest(const uint8_t *data, size_t size) {
+  Hash hash;
+  size_t at = 0;
+  for (; at + 8 <= size; at += 8) {
+    uint64_t word;
+    std::memcpy(&word, data + at, 8);
+    hash.add(word);
+  }
+  for (; at < size; ++at) hash.add(uint64_t{data[at]});
+  return hash.value();
+}
 
 // SplitMix64.
 class Random {

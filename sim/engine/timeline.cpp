@@ -30,18 +30,6 @@ struct Header {
   uint64_t digest;
 };
 
-uint64_t digest(const uint8_t *data, size_t size) {
-  Hash hash;
-  size_t at = 0;
-  for (; at + 8 <= size; at += 8) {
-    uint64_t word;
-    std::memcpy(&word, data + at, 8);
-    hash.add(word);
-  }
-  for (; at < size; ++at) hash.add(uint64_t{data[at]});
-  return hash.value();
-}
-
 // The image that a real processor runs is part of the machine.
 uint64_t file_digest(const char *name) {
   std::ifstream file(name, std::ios::binary);

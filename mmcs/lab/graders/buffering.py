@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, near
+from mmcs.lab.marks import Question, Verdict, arrives, near
 from mmcs.scenario.schema import Strict
 
 SINGLE = "double_buffer=false"
@@ -74,11 +74,7 @@ def ring(answer, run) -> Verdict:
 
 
 def own(answer, run) -> Verdict:
-    figures = run("step.toml", *answer.gains.sets()).axes[0]
-    pct, rise = figures["overshoot_pct"], figures["rise_ms"]
-    told = f"overshoot {pct:.1f} %, rise {'never' if rise is None else f'{rise:.1f} ms'}"
-    good = pct <= OWN_PCT and rise is not None and rise <= OWN_RISE_MS
-    return good, f"{told}; at most {OWN_PCT:g} % and {OWN_RISE_MS:g} ms"
+    return arrives(run("step.toml", *answer.gains.sets()).axes[0], OWN_PCT, OWN_RISE_MS)
 
 
 QUESTIONS = (

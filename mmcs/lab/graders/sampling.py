@@ -10,7 +10,7 @@ from pydantic import Field
 
 from mmcs.design.synthesis import Controller, discretize, margins, plant_of, to_integers
 from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, near
+from mmcs.lab.marks import Question, Verdict, arrives, near
 from mmcs.scenario.load import load_robot
 from mmcs.scenario.schema import Strict
 
@@ -72,11 +72,8 @@ def last(answer, run) -> Verdict:
 
 def own(answer, run) -> Verdict:
     seen = run("step.toml", f"interval_us={OWN_US}", *answer.gains.sets())
-    figures = seen.axes[0]
-    over, rise = figures["overshoot_pct"], figures["rise_ms"]
-    told = f"overshoot {over:.1f} %, rise {'never' if rise is None else f'{rise:.1f} ms'}"
-    good = over <= OWN_PCT and rise is not None and rise <= OWN_RISE_MS
-    return good, f"{told}; at most {OWN_PCT:g} % and {OWN_RISE_MS:g} ms: {seen.command}"
+    good, told = arrives(seen.axes[0], OWN_PCT, OWN_RISE_MS)
+    return good, f"{told}: {seen.command}"
 
 
 QUESTIONS = (

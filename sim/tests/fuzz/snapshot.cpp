@@ -27,21 +27,9 @@ mmcs_sim *sim;
 Bytes good[2];  // a state and its past, as files hold them
 bool goes_on;
 
-uint64_t digest(const uint8_t *data, size_t size) {
-  mmcs::Hash hash;
-  size_t at = 0;
-  for (; at + 8 <= size; at += 8) {
-    uint64_t word;
-    std::memcpy(&word, data + at, 8);
-    hash.add(word);
-  }
-  for (; at < size; ++at) hash.add(uint64_t{data[at]});
-  return hash.value();
-}
-
 Bytes with_header(const Bytes &like, const uint8_t *content, size_t size) {
   Bytes out(like.begin(), like.begin() + kHeader);
-  const uint64_t length = size, sum = digest(content, size);
+  const uint64_t length = size, sum = mmcs::digest(content, size);
   std::memcpy(out.data() + kSize, &length, 8);
   std::memcpy(out.data() + kDigest, &sum, 8);
   out.insert(out.end(), content, content + size);
