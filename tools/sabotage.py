@@ -75,7 +75,7 @@ def table(entries: list[dict]) -> str:
         block = Path(e["file"]).stem
         tests = ", ".join(
             f"`{Path(t.partition('::')[0]).stem.removeprefix('cocotb_')}::"
-            f"{re.sub(r'[[].*', '', t.partition('::')[2])}`"
+            f"{t.partition('::')[2].partition('[')[0]}`"
             for t in e["test"].split()
         )
         lines.append(f"| {block} | {e['name']} | {tests} |")
