@@ -242,12 +242,13 @@ format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
 	@ruff format -q .
 	@ruff check -q --fix .
 
-generate: $(VENV)/.test ## rewrite what is generated from the register description
+generate: $(VENV)/.test ## rewrite what is generated: registers, tables, cores
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/trace.py
 	@$(BIN)/python tools/chip_pages.py
 	@$(BIN)/python tools/rooms.py
 	@$(BIN)/python tools/cores.py
+	@$(BIN)/python tools/runs.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

@@ -17,13 +17,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tools"))
+from pages import rewrite  # noqa: E402
 from sources import sources  # noqa: E402
 
 from cocotb_tests.lib.runner import needed  # noqa: E402
 
 HERE = ROOT / "cocotb_tests" / "edges"
 DOC = ROOT / "docs" / "evidence" / "edges.md"
-BEGIN, END = "<!-- tools/edges.py --doc -->", "<!-- end -->"
 BENCHES = {"vme": ("vme.cpp", "vme_chain.cpp", "vme_power.cpp", "vme_scenes.cpp"),
            "card": ("card_scenes.cpp",)}  # fmt: skip
 NOTE = "EDGES "
@@ -98,9 +98,7 @@ def main() -> int:
         return 2
     print(table(scenes))
     if args.doc:
-        text = DOC.read_text()
-        head, rest = text.split(BEGIN, 1)
-        DOC.write_text(f"{head}{BEGIN}\n\n{table(scenes)}\n\n{END}{rest.split(END, 1)[1]}")
+        rewrite(DOC, "sweeps", table(scenes), "make edges")
     return 1 if any(s.failures for s in scenes) else 0
 
 

@@ -4,8 +4,8 @@
 cocotb_tests/sabotage.toml lists the breakages: a file, the text of one line, what replaces it, and
 the tests that must notice. First all named tests must pass on the RTL as it is. Then each breakage
 runs on a copy of the RTL below build/sabotage (tools/breakage.py). `--sample N` with `--seed S`
-takes a random N, `--only TEXT` those whose name or file holds the text, `--table` prints the list
-for the manual. A breakage that does not apply or compile, or whose test stays green, fails.
+takes a random N, `--only TEXT` those whose name or file holds the text, `--table` writes the
+list into the manual. A breakage that does not apply or compile, or whose test stays green, fails.
 """
 
 import argparse
@@ -18,8 +18,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import breakage
+from pages import rewrite
 
 ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "evidence" / "verification.md"
 LIST = ROOT / "cocotb_tests" / "sabotage.toml"
 WORK = ROOT / "build" / "sabotage"
 LIMIT_S = 900  # a guard against what hangs, not a measure
@@ -88,14 +90,16 @@ def main() -> int:
     parser.add_argument("--sample", type=int, default=0, metavar="N")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="names or files that contain this text")
-    parser.add_argument("--table", action="store_true", help="print the list; run nothing")
+    parser.add_argument(
+        "--table", action="store_true", help="write the list into the manual; run nothing"
+    )
     args = parser.parse_args()
     entries = breakage.entries(LIST, args.only)
     if not entries:
         print(f"sabotage: no breakage is called {args.only!r}; see {LIST.name}", file=sys.stderr)
         return 2
     if args.table:
-        print(table(entries))
+        rewrite(PAGE, "breakages", table(entries))
         return 0
     if args.sample:
         entries = random.Random(args.seed).sample(entries, min(args.sample, len(entries)))
