@@ -11,9 +11,12 @@ hash, which covers every register, must agree.
 from __future__ import annotations
 
 import argparse
+import itertools
+import json
 import random
 import sys
 import time
+from pathlib import Path
 
 from mmcs import regs
 from mmcs.errors import RunError
@@ -25,6 +28,7 @@ from mmcs.session.session import Session
 CLK_HZ = 8_000_000
 CHECK_EVERY = 50  # actions between two looks at the hash: it reads every register
 PIT = regs.PIT0
+MANY = 10  # differences that end it
 
 # name: highest value. Those of the machine, then those of the plant.
 SWITCHES = {"estop": 1, "cable": 1, "pc_power": 1, "sysreset": 1, "axis_enable": 1,
@@ -205,28 +209,61 @@ def lockstep_scenario(name: str) -> int:
     return plain.cycles
 
 
+def library_id(setup) -> str:
+    """A digest of all that the machine is made of."""
+    with machine(setup) as sim:
+        return sim.build_id()
+
+
+def runs(seed: int):
+    """Endless: (name, seed, upsets) of the stranger, then a scenario's (name, seed, None)."""
+    for number, scenario in enumerate(itertools.cycle(scenario_names())):
+        first = seed + 4 * number
+        yield from (("puma560", first, False), ("puma560", first + 1, True),
+                    ("lab500", first + 2, False), ("lab500", first + 3, True))  # fmt: skip
+        yield scenario, first, None
+
+
+def made(path: Path | None) -> list[dict]:
+    """What the log of earlier goes holds."""
+    return [json.loads(x) for x in path.read_text().splitlines()] if path and path.is_file() else []
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m studies.lockstep", description=__doc__)
     parser.add_argument("--clocks", type=float, default=1e9, help="compare at least so many")
     parser.add_argument("--seed", type=int, default=1989)
     parser.add_argument("--actions", type=int, default=20_000, help="of the stranger, each time")
+    parser.add_argument("--log", type=Path, help="a line a run; those there are not repeated")
     options = parser.parse_args(arguments)
-    began, clocks, seed = time.monotonic(), 0, options.seed
-    scenarios = scenario_names()
-    try:
-        while clocks < options.clocks:
-            for name in ("puma560", "lab500"):
-                for upsets in (False, True):
-                    clocks += lockstep_torture(seed, options.actions, name, upsets)
-                    seed += 1
-            name = scenarios[((seed - options.seed) // 4 - 1) % len(scenarios)]
-            clocks += lockstep_scenario(name)
-            print(f"{clocks:.3g} clocks equal, the last of {name}; "
-                  f"{time.monotonic() - began:.0f} s", flush=True)  # fmt: skip
-    except RunError as error:
-        print(f"mmcs: {error}", file=sys.stderr)
-        return 1
-    return 0
+    began, found = time.monotonic(), made(options.log)
+    build = library_id(load("lab500"))
+    done = {(run["name"], run["seed"], run["upsets"]) for run in found}
+    for run in runs(options.seed):
+        # Only what this very machine has done counts.
+        same = [r for r in found if r["build"] == build]
+        clocks = sum(r["clocks"] for r in same)
+        differ = [r["differs"] for r in same if r["differs"]]
+        if clocks >= options.clocks or len(differ) == MANY:
+            break
+        if run in done:
+            continue
+        name, seed, upsets = run
+        entry = {"name": name, "seed": seed, "upsets": upsets, "build": build}
+        try:
+            made_clocks = (lockstep_scenario(name) if upsets is None
+                           else lockstep_torture(seed, options.actions, name, upsets))  # fmt: skip
+            entry |= {"clocks": made_clocks, "differs": ""}
+        except RunError as error:
+            print(f"mmcs: {error}", file=sys.stderr)
+            entry |= {"clocks": 0, "differs": str(error)}
+        found.append(entry)
+        if options.log:
+            with options.log.open("a") as log:
+                log.write(json.dumps(entry) + "\n")
+        print(f"{clocks + entry['clocks']:.3g} clocks equal, the last of {name}, seed {seed}; "
+              f"{time.monotonic() - began:.0f} s", flush=True)  # fmt: skip
+    return 1 if differ else 0
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (para
                       boards.inc: registers, inputs and counters of each board, by name
                       decoder.inc: what a card's decoder says
 wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
-extra DIR HOST CLK N  extra.inc, extra.vlt: registers outside the boards: bus checkers', a SoC's
+extra DIR HOST CLK N  extra.inc, extra.vlt: registers of a SoC outside the boards
+                      checkers.inc, extra.vlt: the bus checkers, whose reset can be forced
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
 
 With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one board more.
@@ -247,8 +248,11 @@ def decoder_text(netlist: Netlist) -> str:
 
 
 def extra(folder: Path, netlist: Netlist) -> None:
-    """Registers outside the boards: those of bus checkers, or of a SoC's processor."""
+    """What there is outside the boards: bus checkers, or the registers of a SoC's processor."""
     known = {"adaptor_vme", "mark1"}
+    soc = netlist.top.name == "mmcs_soc"
+    checkers = [(name, netlist.modules[key].name) for name, key, _ in netlist.top.cells
+                if not soc and netlist.modules[key].name not in known]  # fmt: skip
     rows, lines = [], set()
 
     def visit(module: Module, path: str) -> None:
@@ -261,11 +265,14 @@ def extra(folder: Path, netlist: Netlist) -> None:
             if below.name not in known:
                 visit(below, f"{path}.{name}")
 
-    visit(netlist.top, f"TOP.{netlist.top.name}")
+    if soc:
+        visit(netlist.top, f"TOP.{netlist.top.name}")
+    lines |= {f'forceable -module "{module}" -var "rst_ni"' for _, module in checkers}
     for module in {m.name for m in netlist.modules.values()} & set(RULES["soc"]):
         lines |= {f'public_flat_rd -module "{module}" -var "{n}"' for n in RULES["soc"][module]}
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "extra.inc").write_text("\n".join(rows) + "\n")
+    (folder / "checkers.inc").write_text("".join(f'"{name}",\n' for name, _ in checkers))
     (folder / "extra.vlt").write_text("\n".join(["`verilator_config", *sorted(lines)]) + "\n")
     write_ports(folder / "mmcs", netlist.top)
     for module in (netlist.modules[key] for _, key, _ in netlist.top.cells):

@@ -26,10 +26,12 @@ const std::string kTop = "TOP.mmcs_soc.u_mmcs";
 const std::string kTop = "TOP.mmcs";
 #endif
 #if !MMCS_SOC
-const std::pair<const char *, const char *> kExtra[] = {
-#include "extra.inc"
+const char *const kCheckers[] = {
+#include "checkers.inc"
 };
 #endif
+// After a way back the bus checkers begin anew when the buses have been idle for so long.
+constexpr int kIdleClks = 16;
 // What the model prints and where it stopped, until the run that caused it looks.
 thread_local std::string printed;
 
@@ -73,6 +75,7 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
   board_ = create_Vmmcs(context_, "TOP");
   clk_ = board_->port("clk_i");
   dtack_ = board_->port("vme_dtack_no");
+  d_oe_ = board_->port("vme_d_oe_o");
   drive_ = board_->port("drive_v_o");
   leds_ = board_->port("card_leds_o");
   for (int port = 0; port < kPorts; ++port) {
@@ -90,10 +93,11 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
     nets_.push_back(net);
   }
 #if !MMCS_SOC
-  for (const auto &[path, name] : kExtra) {
-    extra_.push_back(find_net(context_, path, name));
-    if (!extra_.back()) throw std::runtime_error(std::string("the model has no ") + path + name);
+  for (const char *path : kCheckers) {
+    find(path, "rst_ni__VforceVal").put(0);
+    checkers_.push_back(find(path, "rst_ni__VforceEn"));
   }
+  master_ = find_register("u_adaptor.u_core.u_master.state_q");
 #endif
   const std::pair<const char *, int> lines[] = {
       {MMCS_SOC ? "led_irq_o" : "vme_irq_no", MMCS_SOC ? 5 : 1},
@@ -160,6 +164,7 @@ void Plain::clock_once() {
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
   after_clock();
+  if (held_ && (idle_clks_ = idle() ? idle_clks_ + 1 : 0) == kIdleClks) hold_checkers(false);
   look_at_lines();
 }
 
@@ -167,6 +172,20 @@ void Plain::clock_once() {
 void Plain::written() {
   board_->settle();
   board_->eval();
+}
+
+void Plain::hold_checkers(bool held) {
+  idle_clks_ = 0;
+  held_ = held;
+  for (const Net &reset : checkers_) reset.put(held);
+}
+
+// No cycle under way on either bus, nor the end of one.
+bool Plain::idle() const {
+  const bool vme = ports_[kVmeAs].get() == 1 && ports_[kVmeDs].get() == 3 &&
+                   ports_[kVmeIack].get() == 1 && ports_[kVmeIackin].get() == 1 &&
+                   ports_[kVmeSysreset].get() == 1 && !dtack() && d_oe_.get() == 0;
+  return vme && nets_[static_cast<size_t>(master_)].get() == 0;
 }
 
 void Plain::look_at_lines() {
@@ -289,12 +308,10 @@ std::vector<uint8_t> Plain::save() {
   state.pins = pins_.save();
   state.clock = clock_;
   state.lines = lines_;
-  for (const Net &net : extra_) state.own.insert(state.own.end(), net.at, net.at + net.bytes);
   return state.pack();
 }
 
-// What only this build has, as checkers, is taken from its own snapshots; those of other builds
-// leave it as it is, on an idle bus.
+// What the bus checkers remember is of the time before: they begin anew, as after power-on.
 void Plain::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
   const State state = State::unpack(bytes);
@@ -302,19 +319,9 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
     throw std::invalid_argument("a snapshot of another machine");
   }
   clock_ = state.clock;
-  size_t own = 0;
-  for (const Net &net : extra_) own += static_cast<size_t>(net.bytes);
-  if (!state.own.empty() && state.own.size() != own) {
-    throw std::invalid_argument("a snapshot of another machine");
-  }
-  const uint8_t *at = state.own.data();
-  for (const Net &net : extra_) {
-    if (state.own.empty()) break;
-    std::memcpy(net.at, at, static_cast<size_t>(net.bytes));
-    at += net.bytes;
-  }
   pins_.restore(state.pins);
   clk_.put(0);
+  hold_checkers(!checkers_.empty());
   // Twice: a clear without a clock that falls with the snapshot's pins is over by then.
   for (int round = 0; round < 2; ++round) {
     for (size_t reg = 0; reg < nets_.size(); ++reg) nets_[reg].put(state.registers[reg]);

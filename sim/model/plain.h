@@ -53,6 +53,8 @@ class Plain : public Model, protected Ports {
   virtual bool halted() const { return report() != 0; }
   void half(bool rise, double at);
   void look_at_lines();
+  void hold_checkers(bool held);
+  bool idle() const;
   void written();
   bool failed();
   // A variable below the top, or a port of it.
@@ -77,9 +79,9 @@ class Plain : public Model, protected Ports {
   std::unique_ptr<Board> board_;
   Pins pins_;
   Net ports_[kPorts];
-  Net clk_, dtack_, drive_, leds_;
-  std::vector<Net> nets_;   // of registers()
-  std::vector<Net> extra_;  // other registers that only this build has
+  Net clk_, dtack_, d_oe_, drive_, leds_;
+  std::vector<Net> nets_;      // of registers()
+  std::vector<Net> checkers_;  // what forces the reset of each
   std::vector<std::pair<Net, int>> line_nets_;
   struct Poke {
     Net net;
@@ -91,6 +93,8 @@ class Plain : public Model, protected Ports {
   std::unique_ptr<VerilatedFstC> fst_;
 #endif
   int64_t clock_ = 0;
+  bool held_ = false;  // the checkers are in reset
+  int idle_clks_ = 0, master_ = 0;
   uint64_t evals_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;
   bool upset_ = false;    // the machine may be where no assertion expects it: they only tell

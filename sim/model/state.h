@@ -8,30 +8,25 @@
 #include <stdexcept>
 #include <vector>
 
-// Made by the Makefile: speed, trust, trace.
-extern "C" const char mmcs_build_kind[];
-
 namespace mmcs {
 
 struct State {
   int64_t clock = 0;
   uint64_t lines = 0;
   std::vector<uint64_t> registers, pins;
-  std::vector<uint8_t> own;  // what only this kind of build understands
 
   std::vector<uint8_t> pack() const {
     std::vector<uint64_t> words = {static_cast<uint64_t>(clock), lines, registers.size(),
-                                   pins.size(), kind()};
+                                   pins.size()};
     words.insert(words.end(), registers.begin(), registers.end());
     words.insert(words.end(), pins.begin(), pins.end());
     std::vector<uint8_t> bytes(words.size() * sizeof words[0]);
     std::memcpy(bytes.data(), words.data(), bytes.size());
-    bytes.insert(bytes.end(), own.begin(), own.end());
     return bytes;
   }
 
   static State unpack(const std::vector<uint8_t> &bytes) {
-    constexpr size_t kHead = 5, kWord = sizeof(uint64_t);
+    constexpr size_t kHead = 4, kWord = sizeof(uint64_t);
     uint64_t head[kHead];
     if (bytes.size() < sizeof head) throw std::invalid_argument("a snapshot of another machine");
     std::memcpy(head, bytes.data(), sizeof head);
@@ -48,19 +43,7 @@ struct State {
     const auto middle = words.begin() + static_cast<std::ptrdiff_t>(head[2]);
     state.registers.assign(words.begin(), middle);
     state.pins.assign(middle, words.end());
-    if (head[4] == kind()) {
-      state.own.assign(bytes.begin() + static_cast<std::ptrdiff_t>((kHead + count) * kWord),
-                       bytes.end());
-    }
     return state;
-  }
-
- private:
-  static uint64_t kind() {
-    uint64_t letters = 0;
-    for (const char *at = mmcs_build_kind; *at; ++at)
-      letters = letters << 8 | static_cast<uint8_t>(*at);
-    return letters;
   }
 };
 

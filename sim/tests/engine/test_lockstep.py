@@ -122,10 +122,30 @@ def test_a_difference_is_found():
 
 
 @pytest.mark.req("API-1")
-def test_the_command_compares_scenarios_too(monkeypatch, capsys):
+def test_the_command_goes_on_where_it_was(monkeypatch, capsys, tmp_path):
+    """The stranger, then a scenario; a difference is kept with the rest; nothing is done twice."""
+    asked = []
+
+    def torture(seed, actions, name, upsets):
+        asked.append((seed, actions, name, upsets))
+        if seed == 3:
+            raise lockstep.Differs("seed 3: they part")
+        return 2
+
     monkeypatch.setattr(lockstep, "scenario_names", lambda: ["lab500"])
-    assert lockstep.main(["--clocks", "1", "--actions", "50"]) == 0
-    assert "clocks equal" in capsys.readouterr().out
+    monkeypatch.setattr(lockstep, "lockstep_torture", torture)
+    log = tmp_path / "runs"
+    arguments = ["--seed", "1", "--actions", "50", "--log", str(log), "--clocks"]
+    assert lockstep.main([*arguments, "7"]) == 1
+    out, err = capsys.readouterr()
+    assert "clocks equal, the last of lab500, seed 4" in out and "they part" in err
+    assert asked == [(1, 50, "puma560", False), (2, 50, "puma560", True), (3, 50, "lab500", False),
+                     (4, 50, "lab500", True)]  # fmt: skip
+    *_, scenario = lockstep.made(log)
+    assert scenario["upsets"] is None and scenario["clocks"] > 1e6 and not scenario["differs"]
+    assert lockstep.main([*arguments, "7"]) == 1
+    assert lockstep.main([*arguments, str(scenario["clocks"] + 7)]) == 1
+    assert [seed for seed, *_ in asked] == [1, 2, 3, 4, 5]
 
 
 if LONG:

@@ -209,6 +209,37 @@ def test_bytes_continue_in_another_build(first, then):
 
 
 @pytest.mark.req("API-1")
+@pytest.mark.parametrize("first", ["speed", "trust"])
+def test_bus_checkers_begin_anew_after_a_way_back(first):
+    """Into the middle of a command on the PC bus, of which they know nothing: no false alarm. From
+    the next idle bus on they see what is wrong."""
+    card, other = (regs.card_offset(number, regs.CARD_DAC1_HI) for number in (0, 1))
+    taken = []
+    with machine(kind=first) as sim:
+        sim.bus_write(regs.PCCSR, 0xF8)
+        for clocks in range(12):
+            event(sim, 0.0, "bus_error", 1)
+            with pytest.raises(OSError, match="bus"):
+                sim.bus_write(card, 0x80)  # BERR* ends it; the PC bus goes on
+            assert sim.run((sim.clock + clocks - 0.5) / machines.CLK_HZ)
+            taken.append((sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()))
+            assert sim.run((sim.clock + 100) / machines.CLK_HZ)
+    seen = []
+    with machine(kind="trust") as sim:
+        a_q = "seu.u_adaptor.u_core.u_master.a_q"
+        for number, snapshot in enumerate(taken):
+            sim.bus_write(regs.PCCSR, 0xF8)
+            sim.bus_read(other)
+            sim.restore_bytes(*snapshot)
+            assert sim.run((sim.clock + 40) / machines.CLK_HZ), (number, notes(sim, "assert"))
+            sim.add_event((sim.clock + 8) / machines.CLK_HZ, input_number(sim, a_q), 0, 1)
+            sim.bus_write(card, 0x80)
+            assert sim.run((sim.clock + 40) / machines.CLK_HZ)
+            seen += [note["text"] for note in notes(sim, "assert")][-1:]
+    assert len(seen) == len(taken) and all("u_pcbus_checker" in text for text in seen), seen
+
+
+@pytest.mark.req("API-1")
 def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
     with machine() as sim:
         busy(sim)
