@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
+import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
@@ -48,12 +49,15 @@ class Plan:
         return [_entry(call) for call in self.setups[motion].scenario.call]
 
     def chunks(self, todo: list[int]) -> Iterator[tuple[tuple[int, ...], tuple]]:
-        """(their numbers, what a worker is given): each chunk of one motion."""
+        """(their numbers, what a worker is given): each chunk of one motion, motions in turn, so
+        that a campaign that is stopped has done as many of each."""
+        found = []
         for place, name in enumerate(self.names):
             own = [n for n in todo if n % len(self.names) == place]
-            for at in range(0, len(own), CHUNK):
-                numbers = tuple(own[at : at + CHUNK])
-                yield numbers, self.task(name, numbers)
+            cut = [tuple(own[at : at + CHUNK]) for at in range(0, len(own), CHUNK)]
+            found += [(numbers, name) for numbers in cut]
+        for numbers, name in sorted(found):
+            yield numbers, self.task(name, numbers)
 
     def task(self, name: str, numbers: tuple[int, ...]) -> tuple:
         return self.setups[name], [self.fault(n) for n in numbers]
@@ -131,11 +135,13 @@ def twin_of(setup: Setup):
 
 
 def run_chunk(task: tuple[Setup, list[Fault]]) -> dict:
-    """{"status", "rows"} of some faults in one motion."""
+    """{"status", "rows", "core_s"} of some faults in one motion."""
     setup, faults = task
+    began = time.process_time()
     try:
         twin = twin_of(setup)
-        return {"status": "ok", "rows": [run_fault(twin, fault) for fault in faults]}
+        rows = [run_fault(twin, fault) for fault in faults]
+        return {"status": "ok", "rows": rows, "core_s": time.process_time() - began}
     except (RunError, InputError) as error:
         return failed(str(error))
     except Exception as error:

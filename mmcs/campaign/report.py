@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from pathlib import Path
@@ -17,6 +18,16 @@ HOLES = 25
 SHORT = dict(zip(CLASSES, ("masked", "safe", "late", "harmless", "dangerous"), strict=True))
 COLOURS = dict(zip(CLASSES, ("#d7dce1", "#7fa8d1", "#e0a040", "#b9c9a8", "#b3363e"), strict=True))
 REPORT, WHERE, WHEN = "report.md", "where.svg", "when.svg"
+COST = "cost.json"
+
+
+def cost_of(folder: Path) -> tuple[int, float]:
+    """(faults, seconds of a core for them) of what a folder's campaign has cost so far."""
+    try:
+        kept = json.loads((folder / COST).read_text())
+        return int(kept["faults"]), float(kept["core_s"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return 0, 0.0
 
 
 def wilson(k: int, n: int) -> tuple[float, float]:

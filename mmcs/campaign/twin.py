@@ -121,11 +121,14 @@ class Twin:
         told = self._statistics(before, sim.stats())
         times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
         off = self._off(times, angles)
-        more = {"by": by, "told": told}
+        beyond = np.zeros(len(self.axes))
+        if detected is not None and off.any():
+            beyond = self._beyond(fault.at, angles)
+        worst = beyond if beyond.any() else off
+        more = {"by": by, "told": told, "joint": 1 + int(worst.argmax()) if worst.any() else 0}
         if whole:
             more["hash"] = sim.hash()
-        beyond = self._beyond(fault.at, angles) if detected is not None and off > 0 else 0.0
-        return Seen(same, detected, off, beyond), more
+        return Seen(same, detected, float(off.max()), float(beyond.max())), more
 
     def _add(self, event: dict) -> None:
         number, index = self.inputs[event["input"]], event.get("index", 0)
@@ -154,17 +157,15 @@ class Twin:
         names = ("missed", "overruns", "spurious", "bus_errors")
         return " ".join(name for name in names if after[name] != before[name])
 
-    def _off(self, times: np.ndarray, angles: np.ndarray) -> float:
-        """The farthest that a joint was from the twin's, counts, at the very times."""
+    def _off(self, times: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """The farthest that each joint was from the twin's, counts, at the very times."""
         if not len(times):
-            return 0.0
-        return max(
-            float(np.abs(angles[:, n] - np.interp(times, self.times, self.angles[:, n])).max())
-            for n in self.axes
-        )
+            return np.zeros(len(self.axes))
+        own = [np.interp(times, self.times, self.angles[:, n]) for n in self.axes]
+        return np.abs(angles - np.transpose(own)).max(axis=0)
 
-    def _beyond(self, at: float, angles: np.ndarray) -> float:
-        """The farthest beyond where the joint would have been: on its way, or in a stop pressed at
+    def _beyond(self, at: float, angles: np.ndarray) -> np.ndarray:
+        """The farthest beyond where each joint would have been: on its way, or in a stop pressed at
         the fault (at the snapshots around it) or when the heartbeats' promise ends."""
         first = min(int(at / LOOK_S), self.looks)
         low, high = self.angles[first:].min(axis=0), self.angles[first:].max(axis=0)
@@ -174,7 +175,7 @@ class Twin:
             if place < len(self.snapshots):
                 stop_low, stop_high = self._stop(place)
                 low, high = np.minimum(low, stop_low), np.maximum(high, stop_high)
-        return max(0.0, float((low - angles).max()), float((angles - high).max()))
+        return np.maximum(0.0, np.maximum(low - angles, angles - high).max(axis=0))
 
     def _stop(self, place: int) -> tuple[np.ndarray, np.ndarray]:
         """Where the joints go when the button is pressed at a snapshot: least and most."""

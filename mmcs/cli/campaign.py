@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import sys
 import time
@@ -89,7 +90,7 @@ def _run(plan, store, client, workers: int, count: int) -> bool:
     from mmcs.sweep.workers import build_of, run_dask, run_here
 
     todo = [n for n in range(count) if n not in store.rows]
-    began, cost = time.perf_counter(), 0.0
+    began, done, core = time.perf_counter(), 0, 0.0
     chunks = list(plan.chunks(todo))
     with progress(count, len(store.rows), "faults") as advance:
         while chunks:
@@ -99,9 +100,9 @@ def _run(plan, store, client, workers: int, count: int) -> bool:
                 flow = run_dask(client, iter(chunks), build_of, run_chunk, lambda task: task[0])
             single = []  # the faults of a chunk that did not end: one of them may be the cause
             try:
-                for numbers, answer, seconds in flow:
-                    cost += seconds
+                for numbers, answer, _ in flow:
                     if answer["status"] == "ok":
+                        done, core = done + len(numbers), core + answer["core_s"]
                         for n, row in zip(numbers, answer["rows"], strict=True):
                             store.add(n, row)
                     elif len(numbers) > 1:
@@ -112,13 +113,25 @@ def _run(plan, store, client, workers: int, count: int) -> bool:
                     advance(store.rows)
             except KeyboardInterrupt:
                 flow.close()
+                _cost(store.path.parent, done, core, began)
                 return False
             chunks = single
-    if todo:
-        wall = time.perf_counter() - began
-        each = 1e3 * cost / len(todo)
-        echo(f"{len(todo)} faults in {wall:.1f} s, {each:.0f} ms of a worker each")
+    _cost(store.path.parent, done, core, began)
     return True
+
+
+def _cost(folder: Path, done: int, core: float, began: float) -> None:
+    """Tells what a fault cost, and adds it to what is known of the campaign."""
+    from mmcs.campaign.report import COST, cost_of
+    from mmcs.result.folder import whole_file
+
+    if not done:
+        return
+    wall = time.perf_counter() - began
+    echo(f"{done} faults in {wall:.1f} s, {1e3 * core / done:.0f} ms of a core each")
+    faults, core_s = cost_of(folder)
+    with whole_file(folder / COST) as part:
+        part.write_text(json.dumps({"faults": faults + done, "core_s": round(core_s + core, 3)}))
 
 
 def _finish(plan, rows: dict[int, dict], folder: Path, command: str, whole: bool) -> int:

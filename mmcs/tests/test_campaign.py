@@ -20,8 +20,8 @@ from mmcs.campaign.classes import (
     judge,
 )
 from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
-from mmcs.campaign.plan import make_plan, run_fault, twin_of
-from mmcs.campaign.report import wilson
+from mmcs.campaign.plan import CHUNK, Plan, make_plan, run_fault, twin_of
+from mmcs.campaign.report import cost_of, wilson
 from mmcs.scenario.inputs import INPUTS
 from mmcs.sweep.store import ROWS
 
@@ -232,7 +232,8 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
                  "told": ""}
                 for f in faults
             ]  # fmt: skip
-            answer = {"status": "failed", "why": "no"} if bad else {"status": "ok", "rows": rows}
+            done = {"status": "ok", "rows": rows, "core_s": 0.25}
+            answer = {"status": "failed", "why": "no"} if bad else done
             yield numbers, answer, 0.0
 
     monkeypatch.setattr("mmcs.sweep.workers.run_here", here)
@@ -241,6 +242,19 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
     lines = [json.loads(line) for line in (tmp_path / ROWS).read_text().splitlines()[1:]]
     assert sorted(line["n"] for line in lines) == list(range(20))
     assert [line["n"] for line in lines if line["row"]["status"] == "failed"] == [5]
+    assert cost_of(tmp_path) == (19, 0.25 * (1 + 9))  # a chunk of ten, then nine of one
+
+
+def test_motions_take_turns():
+    """A campaign that is stopped has done as many faults of each."""
+    names = ("a", "b", "c")
+    plan = Plan(names, dict.fromkeys(names), (), (), 1, ())
+    plan.fault = lambda n: n
+    order = [numbers for numbers, _ in plan.chunks(list(range(1000)))]
+    assert sorted(n for numbers in order for n in numbers) == list(range(1000))
+    for done in range(1, len(order)):
+        each = Counter(n % 3 for numbers in order[:done] for n in numbers)
+        assert max(each.values()) - min(each[m] for m in range(3)) <= CHUNK
 
 
 def test_show_tells_of_one_fault(mmcs, plan):

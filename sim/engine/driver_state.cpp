@@ -57,4 +57,11 @@ bool driver_is_possible(const std::vector<uint64_t> &memory) {
   return true;
 }
 
+bool mirror_is_possible(const std::vector<uint64_t> &memory) {
+  const struct mc &mc = *reinterpret_cast<const struct mc *>(memory.data());
+  int power;
+  std::memcpy(&power, &mc.power, sizeof power);
+  return within(mc.joints, 0, MC_MAX_AXES) && within(power, MC_IDLE, MC_RUNNING);
+}
+
 }  // namespace mmcs

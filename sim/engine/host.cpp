@@ -239,6 +239,7 @@ int Host::open(int flags) {
     const int client =
         cpu_ ? cpu_->call(MAILBOX_OPEN, 0, static_cast<uint32_t>(flags), nullptr, 0, 0)
              : mc_open(mc(), flags);
+    if (client >= MC_MAX_CLIENTS) return -MC_EIO;  // a firmware may answer anything
     if (client >= 0) signals_.at(static_cast<size_t>(client)) = 0;
     return client;
   });

@@ -57,7 +57,8 @@ class Host {
   template <class A>
   void state(A &a) {
     driver_state(a, memory_);
-    if constexpr (A::kReads) A::expect(cpu_ || driver_is_possible(memory_));
+    if constexpr (A::kReads)
+      A::expect(cpu_ ? mirror_is_possible(memory_) : driver_is_possible(memory_));
     a(random_);
     a(masked_);
     a(requested_);

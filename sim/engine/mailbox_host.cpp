@@ -70,7 +70,8 @@ void MailboxHost::collect(Request &request) {
   request.result = static_cast<int>(word(FIELD(result)));
   if (request.result < 0 || !request.data) return;
   if (request.what == MAILBOX_READ) {
-    request.out = std::min(request.out, static_cast<size_t>(request.result));
+    if (static_cast<size_t>(request.result) > request.out) request.result = -MC_EIO;
+    request.out = std::min(request.out, static_cast<size_t>(std::max(request.result, 0)));
   }
   request.out = std::min(request.out, sizeof(uint32_t) * MAILBOX_DATA_WORDS);
   for (size_t at = 0; at + 4 <= request.out; at += 4) {
@@ -96,7 +97,7 @@ void MailboxHost::stop() {
 
 // What the firmware published, as the native driver would hold it.
 void MailboxHost::mirror() {
-  mirror_->joints = static_cast<int>(word(FIELD(joints)));
+  mirror_->joints = static_cast<int>(std::min<uint32_t>(word(FIELD(joints)), MAILBOX_AXES));
   int32_t stats[6];
   for (size_t n = 0; n < 6; ++n) stats[n] = static_cast<int32_t>(word(FIELD(stats) + 4 * n));
   static_assert(sizeof stats == sizeof mirror_->stats);
@@ -138,7 +139,9 @@ void MailboxHost::report(uint32_t what) {
       }
       break;
     case MAILBOX_SIGNAL:
-      events_.signal(static_cast<int>(word(FIELD(signal_client))));
+      if (word(FIELD(signal_client)) < MC_MAX_CLIENTS) {
+        events_.signal(static_cast<int>(word(FIELD(signal_client))));
+      }
       break;
     case MAILBOX_LOG:
       events_.log(text());

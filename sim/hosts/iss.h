@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define MMCS_ISS_ABI 1
+#define MMCS_ISS_ABI 2
 
 #ifdef __cplusplus
 extern "C" {
@@ -47,7 +47,8 @@ uint8_t *iss_memory(struct iss *iss);
 /* Registers and cache as bytes without addresses of this process, for snapshots. */
 size_t iss_state_size(void);
 void iss_get_state(struct iss *iss, uint8_t *bytes);
-void iss_set_state(struct iss *iss, const uint8_t *bytes);
+/* 0, or 1 for what no processor of this kind is in: nothing has changed then. */
+int iss_set_state(struct iss *iss, const uint8_t *bytes);
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,7 @@ namespace mmcs {
 // A variable of a model, as long as a machine word at most.
 struct Net {
   char *at = nullptr;
-  int bytes = 0, width = 0;
+  int bytes = 0, width = 0, entry = 0;  // entry: bytes of one of an array
 
   explicit operator bool() const { return at != nullptr; }
   uint64_t mask() const { return width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1; }
@@ -46,6 +46,15 @@ struct Net {
         break;
       default:
         *reinterpret_cast<uint64_t *>(at) = value;
+    }
+  }
+  // All bytes of it. Bits that it does not have are dropped: the model trusts them to be 0.
+  void load(const uint8_t *from) const {
+    std::memcpy(at, from, static_cast<size_t>(bytes));
+    for (int place = 0; place < bytes; place += entry) {
+      for (int bit = width; bit < 8 * entry; ++bit) {
+        at[place + bit / 8] = static_cast<char>(at[place + bit / 8] & ~(1 << bit % 8));
+      }
     }
   }
 };

@@ -15,6 +15,7 @@ Net find_net(const VerilatedContext &context, const std::string &scope, const st
   net.at = static_cast<char *>(v->datap());
   net.bytes = static_cast<int>(v->totalSize());
   net.width = static_cast<int>(v->entBits());
+  net.entry = static_cast<int>(v->entSize());
   return net;
 }
 

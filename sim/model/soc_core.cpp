@@ -12,6 +12,7 @@ namespace {
 constexpr uint64_t kServoVector = 0x2C;  // machine external interrupt
 constexpr uint64_t kClkMhz = MMCS_CLK_HZ / 1000000;
 constexpr uint64_t kTimeout = 16 * kClkMhz;  // of an access, as mmcs_soc sets it
+constexpr int32_t kMostRings = 1000;
 const std::string kWhole = "TOP.mmcs_soc.u_host";
 const std::pair<const char *, const char *> kRegisters[] = {
 #include "extra.inc"
@@ -183,6 +184,13 @@ size_t SocCore::restore(const std::vector<uint8_t> &state) {
   for (const Net &net : registers_) size += static_cast<size_t>(net.bytes);
   if (state.size() < size) throw std::invalid_argument("a snapshot of another machine");
   std::memcpy(own, state.data(), sizeof own);
+  const int32_t most[] = {1, kMostRings, INT32_MAX, INT32_MAX, INT32_MAX, 1, 1, 1};
+  for (int n = 0; n < 8; ++n) {
+    const int32_t least = n >= 2 && n <= 3 ? -1 : 0;  // of errors that nobody wants
+    if (own[n] < least || own[n] > most[n]) {
+      throw std::invalid_argument("a snapshot of another machine");
+    }
+  }
   kept_.assign(state.begin() + sizeof own, state.begin() + static_cast<std::ptrdiff_t>(size));
   run_.wanted = static_cast<unsigned>(own[0]);
   rings_ = own[1];
@@ -200,7 +208,7 @@ size_t SocCore::restore(const std::vector<uint8_t> &state) {
 void SocCore::put() {
   const uint8_t *at = kept_.data();
   for (const Net &net : registers_) {
-    std::memcpy(net.at, at, static_cast<size_t>(net.bytes));
+    net.load(at);
     at += net.bytes;
   }
   board_.settle();
