@@ -319,20 +319,6 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
     throw std::invalid_argument("a snapshot of another machine");
   }
   clock_ = state.clock;
-<<<<<<< HEAD
-=======
-  size_t own = 0;
-  for (const Net &net : extra_) own += static_cast<size_t>(net.bytes);
-  if (!state.own.empty() && state.own.size() != own) {
-    throw std::invalid_argument("a snapshot of another machine");
-  }
-  const uint8_t *at = state.own.data();
-  for (const Net &net : extra_) {
-    if (state.own.empty()) break;
-    net.load(at);
-    at += net.bytes;
-  }
->>>>>>> c8f420e (A crafted snapshot of a real processor leads nowhere; campaigns in turns)
   pins_.restore(state.pins);
   clk_.put(0);
   hold_checkers(!checkers_.empty());
