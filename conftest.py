@@ -3,9 +3,14 @@
 
 import json
 import os
+import sys
 from pathlib import Path
 
 import pytest
+
+# What tests import is compiled once and kept: the suite starts Python some hundred times.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 def pytest_addoption(parser):
@@ -14,9 +19,14 @@ def pytest_addoption(parser):
     )
 
 
-@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """The long tests begin first, so that no worker is left alone with one at the end."""
+    """Tests that share something costly share a worker, or each worker would make it. The long
+    tests begin first, so that no worker is left alone with one at the end."""
+    for item in items:
+        made = getattr(item, "_fixtureinfo", None)
+        shared = made and any(d[-1].scope == "module" for d in made.name2fixturedefs.values())
+        if shared and not item.get_closest_marker("xdist_group"):
+            item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 

@@ -8,7 +8,6 @@ Each sweep is a program in C++ around one Verilated bench of cocotb_tests/edges.
 """
 
 import argparse
-import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 from pages import rewrite  # noqa: E402
 from sources import sources  # noqa: E402
 
-from cocotb_tests.lib.runner import needed  # noqa: E402
+from cocotb_tests.lib.runner import digest_of, locked, needed  # noqa: E402
 
 HERE = ROOT / "cocotb_tests" / "edges"
 DOC = ROOT / "docs" / "evidence" / "edges.md"
@@ -43,13 +42,23 @@ class Scene:
 
 
 def build(name: str) -> Path:
-    """The program of one sweep; make knows what is old."""
+    """The program of one sweep: a build for each RTL, broken ones too, made again if old."""
     top = f"bench_edges_{name}"
-    out = Path(os.environ.get("MMCS_BUILD", ROOT / "build")).resolve() / "edges" / name
-    out.mkdir(parents=True, exist_ok=True)
     rtl = sources("rtl")
     files = needed(top, [*rtl, HERE / f"{top}.sv"])
     include = next(p for p in rtl[0].parents if p.name == "rtl")
+    hardware = digest_of([*files, *sorted(include.rglob("*.svh"))]).hexdigest()[:12]
+    out = ROOT / "build" / "edges" / f"{name}-{hardware}"
+    with locked(out.with_suffix(".lock")):
+        return _built(name, top, files, include, out)
+
+
+def _built(name: str, top: str, files: list[Path], include: Path, out: Path) -> Path:
+    program, note = out / "sweep", out / "built"
+    now = digest_of([*sorted(HERE.glob("*.cpp")), *sorted(HERE.glob("*.h")), Path(__file__)])
+    if program.is_file() and note.is_file() and note.read_text() == now.hexdigest():
+        return program
+    out.mkdir(parents=True, exist_ok=True)
     command = ["verilator", "--cc", "--exe", "--build", "-j", "2", "--no-timing", "--assert", "-O3",
                "-CFLAGS", "-O2 -std=c++17", f"-I{include}", "--top-module", top, "--Mdir", str(out),
                "-o", "sweep", *map(str, files)]  # fmt: skip
@@ -57,7 +66,8 @@ def build(name: str) -> Path:
     done = subprocess.run(command, text=True, capture_output=True, check=False)
     if done.returncode:
         raise BuildError(f"edges: {top} does not build\n{(done.stdout + done.stderr)[-3000:]}")
-    return out / "sweep"
+    note.write_text(now.hexdigest())
+    return program
 
 
 def run(name: str, sample: int = 1, only: str = "") -> list[Scene]:

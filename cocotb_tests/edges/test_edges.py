@@ -48,5 +48,4 @@ def test_a_broken_one_is_seen(name, tmp_path, monkeypatch):
     assert text.count(old) == 1
     path.write_text(text.replace(old, new))
     monkeypatch.setenv("MMCS_RTL", str(tmp_path / "rtl"))
-    monkeypatch.setenv("MMCS_BUILD", str(tmp_path / "build"))
     assert sum(s.failures for s in edges.run(bench, 7, scene)) > 0

@@ -158,7 +158,7 @@ def _arguments(job: Job) -> list[str]:
 
 
 @contextmanager
-def _locked(path: Path):
+def locked(path: Path):
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w") as handle:
         fcntl.flock(handle, fcntl.LOCK_EX)
@@ -186,7 +186,7 @@ def _keep_objects(folder: Path, coverage: bool) -> None:
             os.replace(store / f"{name}.{os.getpid()}", store / name)
 
 
-def _digest(files: list[Path]):
+def digest_of(files: list[Path]):
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.name.encode() + file.read_bytes())
@@ -198,7 +198,7 @@ def is_current(folder: Path) -> bool:
     built = folder / "built"
     before, *files = (built.is_file() and built.read_text().splitlines()) or [""]
     paths = [Path(file) for file in files]
-    return all(p.is_file() for p in paths) and _digest(paths).hexdigest() == before
+    return all(p.is_file() for p in paths) and digest_of(paths).hexdigest() == before
 
 
 def build(job: Job):
@@ -208,7 +208,7 @@ def build(job: Job):
     files, includes = _design(job)
     arguments = _arguments(job)
     files_read = [*files, *sorted(includes[0].rglob("*.svh"))]
-    digest = _digest(files_read)
+    digest = digest_of(files_read)
     text = "".join(f"{file}\n" for file in (digest.hexdigest(), *files_read))
     digest.update(repr((job.toplevel, job.sim, job.parameters, arguments, OPTIMISE)).encode())
     digest.update(sys.version.encode() + sys.prefix.encode())
@@ -217,7 +217,7 @@ def build(job: Job):
     if job.coverage:
         runner.optimise = COUNTING
     log = folder.with_suffix(".log")
-    with _locked(folder.with_suffix(".lock")):
+    with locked(folder.with_suffix(".lock")):
         if not (folder / "built").is_file():
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True)

@@ -17,7 +17,7 @@ def test_a_build_of_other_sources_is_not_current(tmp_path):
     assert not runner.is_current(folder), "never built"
     (folder / "built").touch()
     assert not runner.is_current(folder), "built from what nobody noted"
-    (folder / "built").write_text(f"{runner._digest([source]).hexdigest()}\n{source}\n")
+    (folder / "built").write_text(f"{runner.digest_of([source]).hexdigest()}\n{source}\n")
     assert runner.is_current(folder)
     source.write_text("module a; wire b; endmodule\n")
     assert not runner.is_current(folder)

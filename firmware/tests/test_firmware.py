@@ -6,11 +6,14 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 from fwbuild import ROOT, SANITIZE, WARN, compile_c
+
+from tools.compiled import compiled, written
 
 HERE = Path(__file__).parent
 
@@ -51,27 +54,21 @@ def test_every_function_is_in_its_table():
     ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu", ["-m68020", "-msoft-float"]),
     ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", ["-march=rv32im", "-mabi=ilp32"]),
 ])  # fmt: skip
-def test_compiles_freestanding(compiler, package, flags, tmp_path):
+def test_compiles_freestanding(compiler, package, flags):
+    if not shutil.which(compiler):
+        pytest.skip(f"{compiler} is missing; install it with: sudo apt-get install {package}")
     for source in DRIVER:
-        out = tmp_path / f"{source.stem}.o"
         command = [compiler, *WARN, *flags, "-ffreestanding", "-O2",
-                   f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware/mc", "-c", str(source),
-                   "-o", str(out)]  # fmt: skip
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-        except FileNotFoundError:
-            pytest.skip(f"{compiler} is missing; install it with: sudo apt-get install {package}")
-        assert done.returncode == 0, done.stderr
+                   f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware/mc", "-c"]  # fmt: skip
+        compiled(f"{source.stem}.o", command, [source])
 
 
 @pytest.mark.req("DRV-1")
-def test_header_is_old_style_c_too(tmp_path):
-    program = tmp_path / "old.c"
-    program.write_text(
+def test_header_is_old_style_c_too():
+    program = written(
+        "old.c",
         '#include "mcdef.h"\nint r;\nmain() { struct mc_param p; '
-        "r = MSETPARAM; p.which = MD_POS | COULCOMP; return sizeof(p) != 72; }\n"
+        "r = MSETPARAM; p.which = MD_POS | COULCOMP; return sizeof(p) != 72; }\n",
     )
-    old = tmp_path / "old"
-    subprocess.run(["cc", "-std=gnu89", "-w", f"-I{ROOT}/firmware/include", str(program), "-o",
-                    str(old)], check=True)  # fmt: skip
+    old = compiled("old", ["cc", "-std=gnu89", "-w", f"-I{ROOT}/firmware/include"], [program])
     assert subprocess.run([old], check=False).returncode == 0

@@ -7,12 +7,13 @@ import os
 import subprocess
 import sys
 
-from mmcs import BUILD, ROOT
-from mmcs.device.execute import cflags, environment
+from mmcs import ROOT
+from mmcs.device.execute import LIBRARY, cflags, environment
 from mmcs.device.server import Server
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.scenario.load import load
+from tools.compiled import compiled
 
 PROGRAMS = ROOT / "sim" / "tests" / "device"
 EXAMPLES = ROOT / "firmware" / "examples"
@@ -47,13 +48,9 @@ def make_sim(folder) -> Sim:
 
 def compile_program(source, *flags):
     """A program of our own, or one of 1989 with the flags that `mmcs exec --cflags` prints."""
-    target = BUILD / "device" / source.stem
-    target.parent.mkdir(parents=True, exist_ok=True)
     flags = flags or ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware' / 'include'}")
-    fresh = target.with_suffix(f".{os.getpid()}")  # tests run side by side
-    subprocess.run(["gcc", *flags, "-o", fresh, source, "-lpthread"], check=True, text=True)
-    fresh.rename(target)
-    return target
+    seen = [ROOT / "firmware" / "include" / "mcdef.h", LIBRARY]  # where it was in 1989, and by whom
+    return compiled(source.stem, ["gcc", *flags], [source], ["-lpthread"], seen)
 
 
 def compile_1989(source):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Programs in C and Python: every call for files, signals to end, alarms, threads, handlers."""
 
+import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,6 +17,7 @@ from mmcs.device.execute import check_program, environment
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError
 from mmcs.tests.device_bench import PROGRAMS, SANITIZED, compile_program, write_scenario
+from tools.compiled import CompileError, compiled, written
 
 # --- programs ---
 
@@ -26,15 +29,13 @@ def test_the_device_by_every_call_for_files(bench):
 
 
 def test_static_and_set_user_id_programs_are_refused_by_name(tmp_path, monkeypatch):
-    source = tmp_path / "plain.c"
-    source.write_text("int main(void) { return 0; }\n")
-    static = tmp_path / "static"
-    made = subprocess.run(["gcc", "-static", "-o", static, source], check=False)
-    if made.returncode == 0:
+    source = written("plain.c", "int main(void) { return 0; }\n")
+    with contextlib.suppress(CompileError):  # no static library of C here
+        static = compiled("static", ["gcc", "-static"], [source])
         with pytest.raises(InputError, match="statically linked"):
             check_program(str(static))
     plain = tmp_path / "plain"
-    subprocess.run(["gcc", "-o", plain, source], check=True)
+    shutil.copy(compiled("plain", ["gcc"], [source]), plain)
     check_program(str(plain))
     check_program(sys.executable)
     check_program("there-is-no-such-program")

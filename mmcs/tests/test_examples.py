@@ -8,6 +8,7 @@ import pytest
 from mmcs import ROOT, mcdef
 from mmcs.device.execute import cflags
 from mmcs.tests.device_bench import Bench, compile_program
+from tools.compiled import written
 
 PAGE = (ROOT / "docs" / "use" / "driver.md").read_text()
 EXAMPLES = re.findall(r"```c\n(.*?)```", PAGE, flags=re.S)
@@ -45,8 +46,7 @@ def title(example):
 @pytest.mark.req("DRV-1", "DRV-3")
 @pytest.mark.parametrize("example", EXAMPLES, ids=title)
 def test_example(tmp_path, example):
-    source = tmp_path / f"example_{title(example)}.c"
-    source.write_text(PROGRAM.replace("EXAMPLE", example))
+    source = written(f"example_{title(example)}.c", PROGRAM.replace("EXAMPLE", example))
     with Bench(tmp_path) as bench:
         out, status = bench.finish(bench.start(compile_program(source, *cflags())))
     assert (out, status) == ("", 0)

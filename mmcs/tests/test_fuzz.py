@@ -16,11 +16,7 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "firmware" / "tests")]
 from attack import fuzz  # noqa: E402
 from fwbuild import random_calls  # noqa: E402
 
-
-def compiled(tmp_path, *command):
-    program = tmp_path / "program"
-    subprocess.run([*map(str, command), "-o", program], check=True, cwd=ROOT)
-    return program
+from tools.compiled import compiled  # noqa: E402
 
 
 def said(*command, **env):
@@ -41,22 +37,19 @@ def test_any_call_of_the_driver():
     assert said(random_calls(), 100_000, 7) == "100000 calls\n"
 
 
-def test_whatever_a_server_answers(tmp_path):
-    program = compiled(
-        tmp_path, "cc", *SANITIZE, f"-I{ROOT}/sim/device", FUZZ / "client.c", FUZZ / "sample.c",
-        "-ldl", "-lpthread",
-    )  # fmt: skip
+def test_whatever_a_server_answers():
+    command = ["cc", *SANITIZE, f"-I{ROOT}/sim/device"]
+    sources = [FUZZ / "client.c", FUZZ / "sample.c"]
+    program = compiled("fuzz_client", command, sources, ["-ldl", "-lpthread"])
     assert said(program, 20_000) == "20000 inputs\n"
 
 
 def test_whatever_a_snapshot_holds(tmp_path):
     library = ensure_library(1, "speed")
-    sample = compiled(tmp_path, "cc", "-c", FUZZ / "sample.c")
-    sample.rename(tmp_path / "sample.o")
-    program = compiled(
-        tmp_path, "c++", "-std=c++17", f"-I{ROOT}/sim/engine", f"-I{ROOT}/firmware/include",
-        FUZZ / "snapshot.cpp", tmp_path / "sample.o", library, f"-Wl,-rpath,{library.parent}",
-    )  # fmt: skip
+    sample = compiled("sample.o", ["cc", "-c"], [FUZZ / "sample.c"])
+    command = ["c++", "-std=c++17", f"-I{ROOT}/sim/engine", f"-I{ROOT}/firmware/include"]
+    after = [library, f"-Wl,-rpath,{library.parent}"]
+    program = compiled("fuzz_snapshot", command, [FUZZ / "snapshot.cpp", sample], after)
     said(program, 0, SEEDS=str(tmp_path))
     seeds = sorted(tmp_path.glob("seed*"))
     assert len(seeds) == 4

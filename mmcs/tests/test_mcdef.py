@@ -7,24 +7,24 @@ import subprocess
 import pytest
 
 from mmcs import mcdef
+from tools.compiled import compiled, written
 
 
 @pytest.mark.req("DRV-1")
-def test_constants_and_sizes_equal_those_of_the_compiler(tmp_path):
+def test_constants_and_sizes_equal_those_of_the_compiler():
     names = sorted(mcdef.constants())
     assert len(names) > 45
     structs = ["mc_param", "mc_state", "mc_stats"]
     lines = [f'  printf("%u\\n", (unsigned)({name}));' for name in names]
     lines += [f'  printf("%u\\n", (unsigned)sizeof(struct {name}));' for name in structs]
-    source = tmp_path / "all.cpp"
-    source.write_text(
+    source = written(
+        "all.cpp",
         f'#include <cstdio>\n#include "{mcdef.HEADER}"\nint main() {{\n'
         + "\n".join(lines)
-        + "\n}\n"
+        + "\n}\n",
     )
-    compiler = os.environ.get("CXX", "g++")
-    subprocess.run([compiler, "-o", tmp_path / "all", source], check=True)
-    printed = subprocess.run([tmp_path / "all"], check=True, capture_output=True, text=True).stdout
+    program = compiled("all", [os.environ.get("CXX", "g++")], [source])
+    printed = subprocess.run([program], check=True, capture_output=True, text=True).stdout
     sizes = [mcdef.make_ffi().sizeof(f"struct {name}") for name in structs]
     expected = [mcdef.constants()[name] for name in names] + sizes
     assert [int(line) for line in printed.split()] == expected

@@ -9,10 +9,10 @@ import subprocess
 import pytest
 from bench import Desk, picture
 
-from mmcs.device.execute import cflags, environment
+from mmcs.device.execute import environment
 from mmcs.device.link import Link
 from mmcs.device.sockets import socket_path
-from mmcs.place import BUILD, ROOT
+from mmcs.tests.device_bench import EXAMPLES, compile_1989
 from mmcs.tool.launch import _end, _serve, start
 
 VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "time", "log")
@@ -68,10 +68,7 @@ def test_a_page_beside_the_program_bounce_looks_on(browser):
     name = f"attach-{os.getpid()}"
     socket = socket_path(name)
     machine = _serve("puma560", name, socket)
-    program = BUILD / "device" / "bounce"
-    program.parent.mkdir(parents=True, exist_ok=True)
-    source = ROOT / "firmware" / "examples" / "bounce.c"
-    subprocess.run(["gcc", *cflags(), "-o", program, source], check=True)
+    program = compile_1989(EXAMPLES / "bounce.c")
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     bounce = subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet)
     link = Link(path=socket)

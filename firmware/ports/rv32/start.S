@@ -9,8 +9,8 @@
 #define port_doorbell_interrupt fatal
 #endif
 
-        .option arch, +zicsr
-        .option norvc
+#include "../riscv.S"
+
         .set    MIE, 8                  /* mstatus: interrupts on */
         .set    SOURCES, 0x808          /* mie: external 11, software 3 */
 
@@ -33,67 +33,29 @@
 start:  csrw    mie, zero
         csrwi   mcountinhibit, 5        /* nobody reads the counters: they stand */
         la      sp, stack_top
-        la      t0, bss_start
-        la      t1, bss_end
-1:      bgeu    t0, t1, 2f
-        sw      zero, 0(t0)
-        addi    t0, t0, 4
-        j       1b
-2:      li      t0, SOURCES
+        clear_bss
+        li      t0, SOURCES
         csrw    mie, t0
         call    ENTRY
-3:      wfi
-        j       3b
+1:      wfi
+        j       1b
 
         .text
         .balign 4
-/* What C does not save, around a C function. Interrupts do not nest, but a bus error within one
- * does: it takes mepc and the stack of mstatus, which are kept here, too. */
+/* Around a C function. Interrupts do not nest, but a bus error within one does: it takes mepc and
+ * the stack of mstatus, which are kept here, too. */
         .macro  interrupt function
-        addi    sp, sp, -80
-        sw      ra, 0(sp)
-        sw      t0, 4(sp)
+        enter_interrupt 80
         csrr    t0, mepc
         sw      t0, 64(sp)
         csrr    t0, mstatus
         sw      t0, 68(sp)
-        sw      t1, 8(sp)
-        sw      t2, 12(sp)
-        sw      a0, 16(sp)
-        sw      a1, 20(sp)
-        sw      a2, 24(sp)
-        sw      a3, 28(sp)
-        sw      a4, 32(sp)
-        sw      a5, 36(sp)
-        sw      a6, 40(sp)
-        sw      a7, 44(sp)
-        sw      t3, 48(sp)
-        sw      t4, 52(sp)
-        sw      t5, 56(sp)
-        sw      t6, 60(sp)
         call    \function
         lw      t0, 68(sp)
         csrw    mstatus, t0
         lw      t0, 64(sp)
         csrw    mepc, t0
-        lw      ra, 0(sp)
-        lw      t0, 4(sp)
-        lw      t1, 8(sp)
-        lw      t2, 12(sp)
-        lw      a0, 16(sp)
-        lw      a1, 20(sp)
-        lw      a2, 24(sp)
-        lw      a3, 28(sp)
-        lw      a4, 32(sp)
-        lw      a5, 36(sp)
-        lw      a6, 40(sp)
-        lw      a7, 44(sp)
-        lw      t3, 48(sp)
-        lw      t4, 52(sp)
-        lw      t5, 56(sp)
-        lw      t6, 60(sp)
-        addi    sp, sp, 80
-        mret
+        leave_interrupt 80
         .endm
 
 servo:  interrupt port_servo_interrupt

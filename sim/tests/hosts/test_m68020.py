@@ -4,10 +4,10 @@
 import contextlib
 import importlib.util
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
+from sick import PASSES, sick_firmware
 
 from mmcs.engine import hosts
 from mmcs.errors import RunError
@@ -26,7 +26,6 @@ pytestmark = [
     ),
 ]
 PANIC_S = 0.050
-PASSES = 150  # the firmware goes wrong in this one
 CODES = (6, 13)  # errcode of the first two axes in a row of the log
 
 # What goes wrong in the servo's interrupt: (C statement, what the host is told)
@@ -122,37 +121,12 @@ def test_bus_error_while_servoing():
     assert stopped >= 2
 
 
-def sick_firmware(statement: str, folder: Path) -> Path:
-    """The firmware whose servo interrupt executes the statement once, in pass PASSES."""
-    firmware = ROOT / "firmware"
-    wrong, inner = folder / "wrong.c", folder / "inner.o"
-    wrong.write_text(
-        f"int sane(void *);\nint mc_interrupt(void *mc);\nint mc_interrupt(void *mc) {{\n"
-        f"  static int n;\n  if (++n == {PASSES}) {{ {statement} }}\n  return sane(mc);\n}}\n"
-    )
-    gcc = ["m68k-linux-gnu-gcc", "-m68020", "-msoft-float", "-O2", "-ffreestanding", "-fno-pic",
-           "-fno-tree-loop-distribute-patterns", "-nostdlib", "-static", "-w",
-           "-Wl,--build-id=none",
-           *(f"-I{firmware / d}" for d in ("mc", "include", "ports"))]  # fmt: skip
-    renamed = firmware / "mc" / "interrupt.c"
-    subprocess.run([*gcc, "-Dmc_interrupt=sane", "-c", "-o", inner, renamed], check=True)
-    sources = [f for f in (firmware / "mc").glob("*.c") if f != renamed]
-    sources += [firmware / "ports" / "port.c", firmware / "ports" / "memory.c", wrong]
-    start = ["-DIMAGE_mc", "-DENTRY=port_main", "-DFATAL=port_dead",
-             firmware / "ports/m68020/start.S", "-T",
-             firmware / "ports/m68020/link.ld"]  # fmt: skip
-    elf, image = folder / "mc.elf", folder / "mc.bin"
-    subprocess.run([*gcc, "-o", elf, *start, *sources, inner, "-lgcc"], check=True)
-    subprocess.run(["m68k-linux-gnu-objcopy", "-O", "binary", elf, image], check=True)
-    return image
-
-
 @pytest.mark.req("FW-1")
 @pytest.mark.parametrize("what", WRONG)
 def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     statement, told = WRONG[what]
     config = hosts.config("m68020")
-    config["firmware"] = str(sick_firmware(statement, tmp_path))
+    config["firmware"] = str(sick_firmware("m68020", statement, tmp_path))
     monkeypatch.setattr(hosts, "config", lambda host: config)
     setup = load("lab500", ("duration=0.25", "expect=[]"))
     with machine(setup, host="m68020") as sim:

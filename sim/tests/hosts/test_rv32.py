@@ -4,11 +4,11 @@
 import contextlib
 import importlib.util
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from sick import PASSES, sick_firmware
 
 from mmcs.engine import hosts
 from mmcs.errors import RunError
@@ -32,7 +32,6 @@ pytestmark = [
     ),
 ]
 PANIC_S = 0.050
-PASSES = 150  # the firmware goes wrong in this one
 
 # What goes wrong in the servo's interrupt: (C statement, what the host is told)
 WRONG = {
@@ -89,35 +88,12 @@ def test_withheld_clocks_change_nothing(lab500, rv32):
         assert Session(sim, lab500, False).run(lambda _: None).hash == rv32.hash
 
 
-def sick_firmware(statement: str, folder: Path) -> Path:
-    """The firmware whose servo interrupt executes the statement once, in pass PASSES."""
-    firmware = ROOT / "firmware"
-    wrong, inner = folder / "wrong.c", folder / "inner.o"
-    wrong.write_text(
-        f"int sane(void *);\nint mc_interrupt(void *mc);\nint mc_interrupt(void *mc) {{\n"
-        f"  static int n;\n  if (++n == {PASSES}) {{ {statement} }}\n  return sane(mc);\n}}\n"
-    )
-    gcc = ["riscv64-unknown-elf-gcc", "-march=rv32im", "-mabi=ilp32", "-O2", "-ffreestanding",
-           "-fno-tree-loop-distribute-patterns", "-nostdlib", "-static", "-w",
-           *(f"-I{firmware / d}" for d in ("mc", "include", "ports"))]  # fmt: skip
-    renamed = firmware / "mc" / "interrupt.c"
-    subprocess.run([*gcc, "-Dmc_interrupt=sane", "-c", "-o", inner, renamed], check=True)
-    sources = [f for f in (firmware / "mc").glob("*.c") if f != renamed]
-    sources += [firmware / "ports" / "port.c", firmware / "ports" / "memory.c", wrong]
-    start = ["-DIMAGE_mc", "-DENTRY=port_main", "-DFATAL=port_dead",
-             firmware / "ports/rv32/start.S", "-T", firmware / "ports/rv32/link.ld"]  # fmt: skip
-    elf, image = folder / "mc.elf", folder / "mc.bin"
-    subprocess.run([*gcc, "-o", elf, *start, *sources, inner, "-lgcc"], check=True)
-    subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", elf, image], check=True)
-    return image
-
-
 @pytest.mark.req("SOC-2", "SOC-3")
 @pytest.mark.parametrize("what", WRONG)
 def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     statement, told = WRONG[what]
     config = hosts.config("rv32")
-    config["firmware"] = str(sick_firmware(statement, tmp_path))
+    config["firmware"] = str(sick_firmware("rv32", statement, tmp_path))
     monkeypatch.setattr(hosts, "config", lambda host: config)
     setup = load("lab500", ())
     with machine(setup, host="rv32") as sim:

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from test_plant import ROOT, build
 
-rtb = pytest.importorskip(
-    "roboticstoolbox",
-    reason="roboticstoolbox is missing; install it with: uv pip install -e .[test]",
-)
 SEED = 1989
 STATES = 500
 
 
 @pytest.fixture(scope="module")
 def puma():
+    rtb = pytest.importorskip(
+        "roboticstoolbox",
+        reason="roboticstoolbox is missing; install it with: uv pip install -e .[test]",
+    )
     return rtb.models.DH.Puma560()
 
 

@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 from robots_header import ROOT, header
 
+from tools.compiled import compiled
+
 HERE = Path(__file__).resolve().parent
+PLANT = sorted((ROOT / "sim" / "plant").glob("*.cpp"))
 OUT = ROOT / "build" / "plant-tests"
 FLAGS = ["-std=c++17", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
 INCLUDES = [ROOT / "sim" / "engine", ROOT / "sim" / "plant", HERE, OUT]
@@ -29,31 +32,15 @@ def write_if_new(path: Path, text: str):
         path.write_text(text)
 
 
-def compile_new(target: Path, sources: list[Path], headers: list[Path], link: bool):
-    newest = max(f.stat().st_mtime_ns for f in [*sources, *headers])
-    if target.is_file() and target.stat().st_mtime_ns > newest:
-        return
-    includes = [f"-I{d}" for d in INCLUDES]
-    what = [] if link else ["-c"]
-    command = [os.environ.get("CXX", "g++"), *FLAGS, *includes, *what, *sources, "-o", target]
-    done = subprocess.run(command, text=True, capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr
-
-
 def build(name: str) -> Path:
-    """The test program `name`, up to date. Two workers take turns."""
+    """The test program `name`; the plant is compiled once for all. Two workers take turns."""
     OUT.mkdir(parents=True, exist_ok=True)
     with (OUT / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         write_if_new(OUT / "robots.h", header())
-        plant_headers = [INCLUDES[0] / "mmcs_sim.h", *INCLUDES[1].glob("*.h")]
-        headers = [*plant_headers, *HERE.glob("*.h"), OUT / "robots.h"]
-        objects = []
-        for source in sorted((ROOT / "sim" / "plant").glob("*.cpp")):
-            objects.append(OUT / f"{source.stem}.o")
-            compile_new(objects[-1], [source], plant_headers, link=False)
-        compile_new(OUT / name, [HERE / f"{name}.cpp", *objects], headers, link=True)
-    return OUT / name
+    command = [os.environ.get("CXX", "g++"), *FLAGS, *(f"-I{d}" for d in INCLUDES)]
+    plant = compiled("plant.o", [*command, "-r"], PLANT)
+    return compiled(name, command, [HERE / f"{name}.cpp", plant])
 
 
 @pytest.mark.parametrize(("program", "name"), list(found()))
@@ -65,14 +52,11 @@ def test_cpp(program, name):
 def test_same_bits_at_every_optimisation():
     """The state path does not depend on what a compiler makes of it."""
     fast = build("digest")
-    slow = OUT / f"digest_o0_{os.getpid()}"
-    sources = [HERE / "digest.cpp", *(ROOT / "sim" / "plant").glob("*.cpp")]
     flags = ["-std=c++17", "-O0", "-ffp-contract=off", "-fsanitize=undefined"]
-    command = [os.environ.get("CXX", "g++"), *flags, *(f"-I{d}" for d in INCLUDES), *sources]
-    subprocess.run([*command, "-o", slow], check=True)
+    command = [os.environ.get("CXX", "g++"), *flags, *(f"-I{d}" for d in INCLUDES)]
+    slow = compiled("digest_o0", command, [HERE / "digest.cpp", *PLANT])
     runs = [
         subprocess.run([p], text=True, capture_output=True, check=True) for p in (fast, slow, fast)
     ]
-    slow.unlink()
     assert all(run.stderr == "" for run in runs), runs[1].stderr
     assert len({run.stdout for run in runs}) == 1, [run.stdout for run in runs]

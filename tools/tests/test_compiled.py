@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is compiled for tests is made anew when anything that it reads changes, and only then."""
+
+import subprocess
+
+import pytest
+
+from tools import compiled as module
+from tools.compiled import CompileError, compiled
+
+
+@pytest.fixture
+def program(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "STORE", tmp_path / "store")
+    (tmp_path / "said.h").write_text('#define SAID "one"\n')
+    (tmp_path / "a.c").write_text(
+        '#include <stdio.h>\n#include "said.h"\nint main(void) { return puts(SAID) < 0; }\n'
+    )
+
+    def make(*flags):
+        return compiled("program", ["cc", *flags], [tmp_path / "a.c"])
+
+    return make
+
+
+def said(path):
+    return subprocess.run([path], text=True, capture_output=True, check=True).stdout
+
+
+def test_nothing_is_made_twice(program, monkeypatch):
+    path = program()
+    monkeypatch.setattr(module.subprocess, "run", None)
+    assert program() == path
+
+
+def test_a_header_changes(program, tmp_path):
+    assert said(program()) == "one\n"
+    (tmp_path / "said.h").write_text('#define SAID "two"\n')
+    assert said(program()) == "two\n"
+
+
+def test_a_flag_changes(program):
+    assert program() != program("-O1")
+
+
+def test_half_a_store_is_made_anew(program):
+    path = program()
+    (path.parent / "made_of.json").write_text("{")
+    assert said(program()) == "one\n"
+
+
+def test_what_is_refused_is_refused_again(program, tmp_path):
+    program()
+    (tmp_path / "a.c").write_text("int main(void) { return x; }\n")
+    for _ in range(2):
+        with pytest.raises(CompileError, match="error: .x. undeclared"):
+            program()
+
+
+def test_no_such_compiler():
+    with pytest.raises(FileNotFoundError, match="no-such-cc"):
+        compiled("x", ["no-such-cc"], [])
