@@ -10,6 +10,7 @@
 
 /* Out of the way of the usual path. */
 #define RARE __attribute__((noinline))
+#define USUAL(condition) __builtin_expect(condition, 1)
 #define NO_SHIFT 32
 
 /* What narrow_step() takes; |v| <= bound, or -bound <= v < bound. */
@@ -28,7 +29,9 @@ RARE static int32_t wide_phi(const struct mc_param *par, uint16_t raw) {
 
 /* Narrow factors have 16 bits, whose product takes the 68020 half the time of one of 32. */
 int32_t servo_narrow_phi(const struct mc_param *par, const struct servo_prepared *p, uint16_t raw) {
-  return p->narrow_phi ? (int16_t)par->adc_a * (int16_t)raw + par->adc_b : wide_phi(par, raw);
+  if (p->phi == SERVO_PHI_WIDE) return wide_phi(par, raw);
+  int32_t product = p->phi == SERVO_PHI_LINE ? (int16_t)par->adc_a * (int16_t)raw : raw;
+  return product + par->adc_b;
 }
 
 /* --- parameters ------------------------------------------------------------------------------ */
@@ -57,7 +60,10 @@ void servo_prepare(struct servo_prepared *p, const struct mc_param *par) {
   if (par->b0 < 0 || 1u << p->shift != base) p->shift = NO_SHIFT;
   p->kind = (uint8_t)kind_of(par, p->shift != NO_SHIFT);
   p->limit = par->ilimax == 0 ? servo_clip_limit(par) : SERVO_DAC_MAX;
-  p->narrow_phi = (uint8_t)(is_within(par->adc_a, 1u << 14) && is_within(par->adc_b, 1u << 30));
+  p->phi = SERVO_PHI_WIDE;
+  if (is_within(par->adc_a, 1u << 14) && is_within(par->adc_b, 1u << 30)) {
+    p->phi = par->adc_a == 1 ? SERVO_PHI_OFFSET : SERVO_PHI_LINE;
+  }
   p->top = 0;
   if (p->kind == SERVO_OFF) return;
   if (!is_within(par->ic_pos, NARROW_FRICTION) || !is_within(par->ic_neg, NARROW_FRICTION)) return;
@@ -69,7 +75,8 @@ void servo_prepare(struct servo_prepared *p, const struct mc_param *par) {
       magnitude(par->b1) > NARROW_RATIO * base || magnitude(par->b2) > NARROW_RATIO * base) {
     return;
   }
-  uint32_t bound = p->kind > SERVO_SUM || base == 1 ? 1u << 2 : 1u << 4;
+  int direct = p->kind == SERVO_PD || p->kind == SERVO_SUM;
+  uint32_t bound = !direct || base == 1 ? 1u << 2 : 1u << 4;
   for (p->top = 1u << 27; a0 + a1 + a2 >= bound && p->top > 0; p->top >>= 1) bound *= 2;
 }
 
@@ -86,7 +93,10 @@ static inline int32_t limit_narrow(const struct mc_param *par, const struct serv
   } else {
     s->over = 0;
   }
-  if (size <= p->limit) return i;
+  if (size <= p->limit) {
+    s->clipped = 0;
+    return i;
+  }
   s->clipped = 1;
   return i < 0 ? -p->limit : p->limit;
 }
@@ -106,52 +116,52 @@ static int32_t narrow_term(const struct mc_param *par, const struct servo_prepar
   return b * quotient + over_b0(par, p, b * (n - quotient * par->b0));
 }
 
-/* N of any law but SERVO_PD and SERVO_FILTER. */
+/* Any law but SERVO_PD and SERVO_FILTER. */
 static int32_t narrow_sum(const struct mc_param *par, const struct servo_prepared *p,
                           struct servo_memory *s, int32_t e) {
   int32_t n = par->a0 * e, n1 = (int32_t)s->n1;
   if (par->a1 != 0) n += par->a1 * s->e1;
   if (par->a2 != 0) n += par->a2 * s->e2;
-  if (p->kind == SERVO_INTEGRATOR) {
-    n += n1;
-  } else if (p->kind == SERVO_RECURSION) {
+  if (p->kind == SERVO_INTEGRATOR) n += n1;
+  if (p->kind == SERVO_RECURSION) {
     n -= narrow_term(par, p, par->b1, n1) + narrow_term(par, p, par->b2, (int32_t)s->n2);
-  } else {
-    return n;
   }
-  if (!is_within(n, NARROW_N)) s->narrow = 0;
-  return n;
-}
-
-/* The same of a filter. b1*(N1/b0) + b1*(N1 mod b0)/b0 is b1*N1/b0, truncated: b1*(N1/b0) is whole,
- * and what is left has its sign. Up to the D/A's full scale the product has 32 bits. */
-static inline int32_t narrow_filter(const struct mc_param *par, const struct servo_prepared *p,
-                                    struct servo_memory *s, int32_t e) {
-  int32_t n1 = (int32_t)s->n1, n = par->a0 * e + par->a1 * s->e1;
-  n -= is_within(n1, 1u << 21) ? shifted(p, par->b1 * n1) : narrow_term(par, p, par->b1, n1);
-  if (!is_within(n, NARROW_N)) s->narrow = 0;
-  return n;
-}
-
-static inline int32_t narrow_law(const struct mc_param *par, const struct servo_prepared *p,
-                                 struct servo_memory *s, int32_t e) {
-  int32_t n, u;
-  if (p->kind == SERVO_PD) {
-    n = par->a0 * e;
-    if (par->a1 != 0) n += par->a1 * s->e1;
-    u = shifted(p, n);
-  } else if (p->kind == SERVO_FILTER) {
-    n = narrow_filter(par, p, s, e);
-    u = shifted(p, n);
-  } else {
-    n = narrow_sum(par, p, s, e);
-    u = over_b0(par, p, n);
-  }
+  if (p->kind != SERVO_SUM && !is_within(n, NARROW_N)) s->narrow = 0;
   s->e2 = s->e1;
   s->e1 = e;
   s->n2 = s->n1;
   s->n1 = n;
-  return u;
+  return over_b0(par, p, n);
+}
+
+/* Of SERVO_FILTER: b1*(N1/b0) + b1*(N1 mod b0)/b0 is b1*N1/b0, truncated, as b1*(N1/b0) is whole
+ * and what is left has its sign. Up to the D/A's full scale the product has 32 bits. */
+RARE static int32_t filter_term_of_large(const struct mc_param *par, const struct servo_prepared *p,
+                                         int32_t n1) {
+  int32_t quotient = shifted(p, n1);
+  return par->b1 * quotient + shifted(p, par->b1 * (n1 - quotient * par->b0));
+}
+
+static inline int32_t filter_term(const struct mc_param *par, const struct servo_prepared *p,
+                                  int32_t n1) {
+  return is_within(n1, 1u << 21) ? shifted(p, par->b1 * n1) : filter_term_of_large(par, p, n1);
+}
+
+/* PD, with a derivative filter or without. */
+static inline int32_t narrow_pd(const struct mc_param *par, const struct servo_prepared *p,
+                                struct servo_memory *s, int32_t e) {
+  int32_t e1 = s->e1, n1 = (int32_t)s->n1;
+  s->n2 = s->n1;
+  s->e2 = e1;
+  s->e1 = e;
+  int32_t n = par->a0 * e;
+  if (USUAL(par->a1 != 0)) n += par->a1 * e1;
+  if (p->kind == SERVO_FILTER) {
+    n -= filter_term(par, p, n1);
+    if (!is_within(n, NARROW_N)) s->narrow = 0;
+  }
+  s->n1 = n;
+  return shifted(p, n);
 }
 
 static inline int32_t narrow_friction(const struct mc_param *par, int32_t vel, int32_t u) {
@@ -197,9 +207,9 @@ static inline int narrow_step(const struct mc_param *par, const struct servo_pre
   m->fbnow = fb;
   m->vel = vel;
   m->error = error;
-  s->clipped = 0;
   s->events = (flags & POSCHK) != 0 ? servo_check_position(par, s, fb) : 0;
-  int32_t i = p->kind < SERVO_TORQUE    ? narrow_law(par, p, s, error)
+  int32_t i = p->kind <= SERVO_FILTER   ? narrow_pd(par, p, s, error)
+              : p->kind < SERVO_TORQUE  ? narrow_sum(par, p, s, error)
               : p->kind == SERVO_TORQUE ? demand
                                         : servo_triangle(par, s);
   if ((flags & (COULCOMP | ADOFF)) != 0) {

@@ -11,8 +11,8 @@
 /* What a set of parameters asks for. */
 enum servo_kind {
   SERVO_PD,         /* a2 = b1 = b2 = 0, b0 a power of two */
-  SERVO_SUM,        /* b1 = b2 = 0 */
   SERVO_FILTER,     /* PD with a derivative filter: a2 = b2 = 0, -b0 < b1 < 0, b0 to 1024 */
+  SERVO_SUM,        /* b1 = b2 = 0 */
   SERVO_INTEGRATOR, /* b1 = -b0, b2 = 0 */
   SERVO_RECURSION,  /* any others */
   SERVO_TORQUE,     /* MD_TORQ, MD_TEST1, MD_OFF: no compensator */
@@ -20,13 +20,20 @@ enum servo_kind {
   SERVO_OFF
 };
 
+/* What phi asks for. */
+enum servo_phi {
+  SERVO_PHI_WIDE,   /* 64 bits */
+  SERVO_PHI_OFFSET, /* adc_a = 1: a sum */
+  SERVO_PHI_LINE
+};
+
 /* What servo_prepare() works out. All zero: nothing is known, all samples are in 64 bits. */
 struct servo_prepared {
-  uint8_t kind;       /* enum servo_kind */
-  uint8_t narrow_phi; /* adc_a and adc_b need 32 bits only */
-  uint8_t shift;      /* b0 is 2 to this, or 32 */
-  uint32_t top;       /* 32 bits are enough for errors of -top..top-1 */
-  int32_t limit;      /* largest current */
+  uint8_t kind;  /* enum servo_kind */
+  uint8_t phi;   /* enum servo_phi */
+  int32_t shift; /* b0 is 2 to this, or 32 */
+  uint32_t top;  /* 32 bits are enough for errors of -top..top-1 */
+  int32_t limit; /* largest current */
 };
 
 /* After every change of parameters, and of the memory by servo_change() or servo_reset(). */

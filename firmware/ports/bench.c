@@ -33,11 +33,16 @@ static void mix(uint32_t word) {
   hash ^= hash >> 15;
 }
 
-/* 0 P; 1 PD with the gains of the PUMA's first joint; 2 PID with friction, filter and limits, and
- * from it 3 velocity, 4 torque with offset from the A/D, 5 A/D feedback, second order, 6 triangle,
- * 7 open loop from the A/D with a divisor that is no power of two; 8 PD with limits, 9 PD of
- * numbers that leave 32 bits. The setpoints of 0 and 1 stay near, all others saturate the current.
- */
+/* pd_1000us of the axes of sim/robots/puma560.toml: a0, a1, b0, b1. */
+static const int32_t puma[AXES][4] = {{40967, -39751, 512, -431}, {43696, -42057, 256, -177},
+                                      {41633, -39970, 256, -124}, {4820, -4583, 32, 0},
+                                      {18309, -17407, 128, 0},    {20155, -19173, 128, 0}};
+
+/* 0 P; 1 PD with the gains of the PUMA, three of them with a derivative filter; 2 PID with
+ * friction, filter and limits, and from it 3 velocity, 4 torque with offset from the A/D, 5 A/D
+ * feedback, second order, 6 triangle, 7 open loop from the A/D with a divisor that is no power of
+ * two; 8 PD with limits, 9 PD of numbers that leave 32 bits, 10 PD of a high gain. The
+ * setpoints of 0, 1 and 10 stay near, all others saturate the current. */
 static void choose(struct mc_param *par, uint32_t profile, int axis) {
   struct mc_param p = {0};
   p.which = axis;
@@ -50,11 +55,17 @@ static void choose(struct mc_param *par, uint32_t profile, int axis) {
   p.phi = INT32_MAX;
   p.adc_a = 1;
   if (profile == 1) {
+    p.a0 = puma[axis][0];
+    p.a1 = puma[axis][1];
+    p.b0 = puma[axis][2];
+    p.b1 = puma[axis][3];
+  }
+  if (profile == 10) {
     p.a0 = 63339 + axis;
     p.a1 = -60879;
     p.b0 = 64;
   }
-  if (profile >= 2) {
+  if (profile >= 2 && profile < 10) {
     p.a0 = 300 + axis;
     p.a1 = -280;
     p.b0 = 16;
@@ -114,7 +125,7 @@ static void move(struct axis *x, uint32_t profile, uint32_t chance, int new_setp
   uint16_t to = (uint16_t)(from + (chance >> 20 & 0x3F) + (uint32_t)x->current / 64u);
   x->m.encnow = servo_extend(x->m.encnow, from, to);
   x->raw = (uint16_t)(chance >> 8 & 0xFFF);
-  if (profile < 2) {
+  if (profile < 2 || profile == 10) {
     x->setpoint = x->m.encnow + (int32_t)(chance >> 12 & 31) - 16;
   } else if (new_setpoint) {
     x->setpoint = (int32_t)(chance >> 16) - 32768;

@@ -154,7 +154,7 @@ class Program(Connection):
     def _of_file(self, client: Client, op: int, a: int, b: int, payload: bytes):
         machine = self._machine
         if op == wire.HOLD:
-            return 0, b""
+            return int(client.driver < 0), b""
         if op in (wire.LOAD, wire.STORE):
             if client.driver >= 0:
                 return wire.BUS_TIMEOUT, b""

@@ -67,7 +67,10 @@ def is_whole(path: Path) -> bool:
 def _forget(path: Path) -> bool:
     """Removes a build and what it may be made of; whether there was anything."""
     base = path.parent.parent
-    folders = [path.parent, *base.glob("obj*"), *base.glob("*_rack*")]
+    folders = [
+        path.parent,
+        *(f for kind in ("obj", "boards", "wires") for f in base.glob(f"{kind}*")),
+    ]
     found = any(folder.exists() for folder in folders)
     for folder in folders:
         shutil.rmtree(folder, ignore_errors=True)

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The devices as files, for the calls that never reach open(), read() and write() of preload.c:
- * stat and access of the path, stdio (which calls the kernel by itself), and vectors of buffers,
- * §2.3.
+ * stat and access of the path, stdio (which calls the kernel by itself), vectors of buffers and
+ * places, §2.3.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -32,16 +33,13 @@ static dev_t number_of(const char *path) {
   return makedev(is_vme ? VME_MAJOR : MC_MAJOR, is_vme ? 0u : (unsigned)(path[7] - '0'));
 }
 
-static int stat_path(const char *path, struct stat *status) {
-  memset(status, 0, sizeof(*status));
-  status->st_mode = MODE;
-  status->st_nlink = 1;
-  status->st_uid = getuid();
-  status->st_gid = getgid();
-  status->st_rdev = number_of(path);
-  status->st_ino = status->st_rdev;
-  status->st_blksize = MOST;
-  return 0;
+static struct stat stat_path(const char *path) {
+  struct stat status = {.st_mode = MODE, .st_nlink = 1, .st_blksize = MOST};
+  status.st_uid = getuid();
+  status.st_gid = getgid();
+  status.st_rdev = number_of(path);
+  status.st_ino = status.st_rdev;
+  return status;
 }
 
 /* The inode stays: it names the file to the server. */
@@ -50,13 +48,16 @@ static int stat_open(int fd, struct stat *status) {
   if (syscall(SYS_fstat, fd, status) < 0) return -1;
   if (wire_is_file(fd, name)) {
     status->st_mode = MODE;
-    status->st_rdev = makedev(MC_MAJOR, 0);
+    status->st_rdev = makedev(device_is_vme(name) ? VME_MAJOR : MC_MAJOR, 0);
   }
   return 0;
 }
 
 static int stat_at(int folder, const char *path, struct stat *status, int flags) {
-  if (device_is_path(path)) return stat_path(path, status);
+  if (device_is_path(path)) {
+    struct stat found = stat_path(path);
+    return device_fail(device_copy_out(status, &found, sizeof(found)));
+  }
   if ((flags & AT_EMPTY_PATH) && path != NULL && *path == '\0') return stat_open(folder, status);
   return (int)syscall(SYS_newfstatat, folder, path, status, flags);
 }
@@ -105,19 +106,17 @@ int __fxstat(int version, int fd, struct stat *status) {
 
 int statx(int folder, const char *restrict path, int flags, unsigned mask,
           struct statx *restrict status) {
+  struct statx found = {.stx_mode = MODE, .stx_nlink = 1};
   struct stat plain;
   if (!device_is_path(path)) return (int)syscall(SYS_statx, folder, path, flags, mask, status);
-  (void)stat_path(path, &plain);
-  memset(status, 0, sizeof(*status));
-  status->stx_mask = STATX_TYPE | STATX_MODE | STATX_NLINK | STATX_UID | STATX_GID | STATX_INO;
-  status->stx_mode = MODE;
-  status->stx_nlink = 1;
-  status->stx_uid = plain.st_uid;
-  status->stx_gid = plain.st_gid;
-  status->stx_ino = plain.st_ino;
-  status->stx_rdev_major = major(plain.st_rdev);
-  status->stx_rdev_minor = minor(plain.st_rdev);
-  return 0;
+  plain = stat_path(path);
+  found.stx_mask = STATX_TYPE | STATX_MODE | STATX_NLINK | STATX_UID | STATX_GID | STATX_INO;
+  found.stx_uid = plain.st_uid;
+  found.stx_gid = plain.st_gid;
+  found.stx_ino = plain.st_ino;
+  found.stx_rdev_major = major(plain.st_rdev);
+  found.stx_rdev_minor = minor(plain.st_rdev);
+  return device_fail(device_copy_out(status, &found, sizeof(found)));
 }
 
 static int access_device(int mode) {
@@ -143,33 +142,78 @@ int eaccess(const char *path, int mode) {
 
 /* --- vectors, places ------------------------------------------------------------------- */
 
-ssize_t writev(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME], data[MOST];
+/* The program's vector, and the sum of its lengths; or a negative errno. */
+static ssize_t take_vector(struct iovec taken[IOV_MAX], const struct iovec *vector, int count) {
   size_t length = 0;
-  if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
+  if (count < 0 || count > IOV_MAX) return -EINVAL;
+  if (device_copy_in(taken, vector, (size_t)count * sizeof(*vector)) < 0) return -EFAULT;
   for (int i = 0; i < count; i++) {
-    if (vector[i].iov_len > sizeof(data) - length) return device_fail(-EINVAL);
-    memcpy(data + length, vector[i].iov_base, vector[i].iov_len);
-    length += vector[i].iov_len;
+    if (taken[i].iov_len > SSIZE_MAX - length) return -EINVAL;
+    length += taken[i].iov_len;
   }
-  return device_fail((int)device_write(name, data, length));
+  return (ssize_t)length;
+}
+
+static ssize_t write_vector(const char name[WIRE_NAME], const struct iovec *vector, int count) {
+  struct iovec v[IOV_MAX];
+  char data[MOST], *at = data;
+  ssize_t length = take_vector(v, vector, count);
+  if (length < 0) return length;
+  if (length > MOST) return -EINVAL;
+  for (int i = 0; i < count; at += v[i++].iov_len)
+    if (device_copy_in(at, v[i].iov_base, v[i].iov_len) < 0) return -EFAULT;
+  return device_write(name, data, (size_t)length);
+}
+
+static ssize_t read_vector(const char name[WIRE_NAME], const struct iovec *vector, int count) {
+  struct iovec v[IOV_MAX];
+  char data[MOST];
+  ssize_t got, done = 0, length = take_vector(v, vector, count);
+  if (length < 0) return length;
+  for (int i = 0; i < count; i++) {
+    size_t room = (size_t)(MOST - done);
+    if (v[i].iov_len > room) v[i].iov_len = room;
+    if (device_can_take(v[i].iov_base, v[i].iov_len) < 0) return -EFAULT;
+    done += (ssize_t)v[i].iov_len;
+  }
+  got = device_read(name, data, (size_t)done);
+  done = 0;
+  for (int i = 0; i < count && done < got; done += (ssize_t)v[i++].iov_len) {
+    size_t part = (size_t)(got - done);
+    if (part > v[i].iov_len) part = v[i].iov_len;
+    if (device_copy_out(v[i].iov_base, data + done, part) < 0) return -EFAULT;
+  }
+  return got;
+}
+
+ssize_t writev(int fd, const struct iovec *vector, int count) {
+  char name[WIRE_NAME];
+  if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
+  return device_fail((int)write_vector(name, vector, count));
 }
 
 ssize_t readv(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME], data[MOST];
-  size_t length = 0, done = 0;
-  ssize_t got;
+  char name[WIRE_NAME];
   if (!wire_is_file(fd, name)) return syscall(SYS_readv, fd, vector, count);
-  for (int i = 0; i < count && length < sizeof(data); i++)
-    length += vector[i].iov_len < sizeof(data) - length ? vector[i].iov_len : sizeof(data) - length;
-  got = device_read(name, data, length);
-  for (int i = 0; i < count && got > 0 && done < (size_t)got; i++) {
-    size_t part = vector[i].iov_len < (size_t)got - done ? vector[i].iov_len : (size_t)got - done;
-    memcpy(vector[i].iov_base, data + done, part);
-    done += part;
-  }
-  return device_fail((int)got);
+  return device_fail((int)read_vector(name, vector, count));
 }
+
+/* The same at a place, which a device does not have; with flags, under the second name. */
+#define VECTOR_AT(call, call2, plain)                                               \
+  ssize_t call(int fd, const struct iovec *vector, int count, off_t at) {           \
+    char name[WIRE_NAME];                                                           \
+    if (!wire_is_file(fd, name)) return NEXT(call)(fd, vector, count, at);          \
+    return device_fail((int)plain(name, vector, count));                            \
+  }                                                                                 \
+  ssize_t call2(int fd, const struct iovec *vector, int count, off_t at, int how) { \
+    char name[WIRE_NAME];                                                           \
+    if (!wire_is_file(fd, name)) return NEXT(call2)(fd, vector, count, at, how);    \
+    return device_fail((int)plain(name, vector, count));                            \
+  }
+VECTOR_AT(pwritev, pwritev2, write_vector)
+VECTOR_AT(pwritev64, pwritev64v2, write_vector)
+VECTOR_AT(preadv, preadv2, read_vector)
+VECTOR_AT(preadv64, preadv64v2, read_vector)
 
 /* A device has no places: as read() and write(). */
 ssize_t pread(int fd, void *buffer, size_t length, off_t at) {
@@ -208,6 +252,14 @@ static ssize_t stream_write(void *cookie, const char *buffer, size_t length) {
   return n < 0 ? 0 : n; /* as fopencookie() wants to hear it; errno stands */
 }
 
+/* To any place: what was read ahead is old then, and the next read takes a new sample. */
+static int stream_seek(void *cookie, off64_t *place, int whence) {
+  (void)cookie;
+  (void)whence;
+  *place = 0;
+  return 0;
+}
+
 static int stream_close(void *cookie) {
   struct stream *s = cookie;
   int fd = s->fd;
@@ -216,7 +268,7 @@ static int stream_close(void *cookie) {
 }
 
 static FILE *make_stream(int fd, const char *mode) {
-  static const cookie_io_functions_t calls = {stream_read, stream_write, NULL, stream_close};
+  static const cookie_io_functions_t calls = {stream_read, stream_write, stream_seek, stream_close};
   for (struct stream *s = streams; s < streams + STREAMS; s++) {
     FILE *free_place = NULL;
     FILE *file;
@@ -240,7 +292,7 @@ static int flags_of(const char *mode) {
 }
 
 static FILE *open_stream(const char *path, const char *mode) {
-  int fd = device_fail(wire_open(path, flags_of(mode)));
+  int fd = device_fail(strchr("rwa", *mode) && *mode ? wire_open(path, flags_of(mode)) : -EINVAL);
   FILE *file = fd < 0 ? NULL : make_stream(fd, mode);
   if (fd >= 0 && file == NULL) (void)close(fd);
   return file;

@@ -42,26 +42,26 @@ int device_fail(int result) {
 }
 
 /* A user's pointer may be bad: copying through the kernel tells, a memcpy would crash. */
-static int copy_from_user(void *to, const void *from, size_t length) {
+int device_copy_in(void *to, const void *from, size_t length) {
   struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
   ssize_t n = length == 0 ? 0 : process_vm_readv(getpid(), &local, 1, &remote, 1, 0);
   return n == (ssize_t)length ? 0 : -EFAULT;
 }
 
-static int copy_to_user(void *to, const void *from, size_t length) {
+int device_copy_out(void *to, const void *from, size_t length) {
   struct iovec local = {(void *)(uintptr_t)from, length}, remote = {to, length};
   ssize_t n = length == 0 ? 0 : process_vm_writev(getpid(), &local, 1, &remote, 1, 0);
   return n == (ssize_t)length ? 0 : -EFAULT;
 }
 
 /* The same two probes, before the server does something that cannot be undone. */
-static int user_can_take(void *to, size_t length) {
+int device_can_take(void *to, size_t length) {
   char kept[256];
   size_t done = 0;
   while (done < length) {
     size_t n = length - done < sizeof(kept) ? length - done : sizeof(kept);
-    if (copy_from_user(kept, (char *)to + done, n) < 0) return -EFAULT;
-    if (copy_to_user((char *)to + done, kept, n) < 0) return -EFAULT;
+    if (device_copy_in(kept, (char *)to + done, n) < 0) return -EFAULT;
+    if (device_copy_out((char *)to + done, kept, n) < 0) return -EFAULT;
     done += n;
   }
   return 0;
@@ -128,10 +128,10 @@ ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length) {
   int result;
   if (length > sizeof(data)) length = sizeof(data);
   room = (uint32_t)length;
-  if (user_can_take(buffer, length) < 0) return -EFAULT;
+  if (device_can_take(buffer, length) < 0) return -EFAULT;
   result = wire_call(WIRE_READ, name, length, 0, NULL, 0, data, &room);
   if (result > 0 && (uint32_t)result != room) return -EIO;
-  if (result > 0 && copy_to_user(buffer, data, room) < 0) return -EFAULT;
+  if (result > 0 && device_copy_out(buffer, data, room) < 0) return -EFAULT;
   return result;
 }
 
@@ -139,7 +139,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
   char data[4096];
   int result;
   if (length > sizeof(data)) return -EINVAL;
-  if (copy_from_user(data, buffer, length) < 0) return -EFAULT;
+  if (device_copy_in(data, buffer, length) < 0) return -EFAULT;
   result = wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL);
   return result > (int)length ? -EIO : result;
 }
@@ -164,7 +164,7 @@ ssize_t write(int fd, const void *buffer, size_t length) {
 
 static int lease(const char name[WIRE_NAME], const int *argument) {
   int take;
-  if (copy_from_user(&take, argument, sizeof(take)) < 0) return -EFAULT;
+  if (device_copy_in(&take, argument, sizeof(take)) < 0) return -EFAULT;
   if (take != 0 && take != 1) return -EINVAL;
   return wire_call(WIRE_LEASE, name, (uint64_t)take, 0, NULL, 0, NULL, NULL);
 }
@@ -175,12 +175,12 @@ static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argu
   int result;
   if (request == MLEASE) return lease(name, argument);
   if (size > sizeof(in)) return -ENOTTY;
-  if (size > 0 && copy_from_user(in, argument, size) < 0) return -EFAULT;
-  if (REQUEST_OUT(request) && user_can_take(argument, size) < 0) return -EFAULT;
+  if (size > 0 && device_copy_in(in, argument, size) < 0) return -EFAULT;
+  if (REQUEST_OUT(request) && device_can_take(argument, size) < 0) return -EFAULT;
   result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
   if (result < 0 || !REQUEST_OUT(request)) return result;
   if (room != size) return -EIO;
-  return copy_to_user(argument, out, size) < 0 ? -EFAULT : result;
+  return device_copy_out(argument, out, size) < 0 ? -EFAULT : result;
 }
 
 int ioctl(int fd, unsigned long request, ...) {
@@ -211,10 +211,14 @@ static void each_file(void (*use)(int fd, const char name[WIRE_NAME], void *arg)
   closedir(folder);
 }
 
+int device_is_vme(const char name[WIRE_NAME]) {
+  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL) == 1;
+}
+
 static void hold(int fd, const char name[WIRE_NAME], void *arg) {
   (void)fd;
   (void)arg;
-  (void)wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
+  (void)device_is_vme(name);
 }
 
 static void child_of_fork(void) {
@@ -233,7 +237,9 @@ void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offs
   char name[WIRE_NAME];
   if (fd < 0 || (flags & MAP_ANONYMOUS) || !wire_is_file(fd, name))
     return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
-  return vme_map(address, length, prot, offset, name);
+  if (device_is_vme(name)) return vme_map(address, length, prot, offset, name);
+  errno = ENODEV;
+  return MAP_FAILED;
 }
 
 void *mmap64(void *address, size_t length, int prot, int flags, int fd, off64_t offset) {

@@ -29,7 +29,7 @@ enum wire_op {
   WIRE_WRITE = 4,  /* data = bytes */
   WIRE_LOAD = 5,   /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
   WIRE_STORE = 6,  /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec) */
+  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
   WIRE_CHANGE = 8, /* a = axis, data = pairs of a field's place in struct mc_param and its value:
                       the other fields stay; reply data = struct mc_param */
   WIRE_LEASE = 9,  /* a = 1: nobody else may change anything from now on; 0: others may again */
@@ -72,6 +72,12 @@ void wire_after_fork(void);
 /* preload.c: the calls of a program on an open device. */
 ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
 ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length);
+/* Of the program's memory, which may not be there: 0, or -EFAULT. */
+int device_copy_in(void *to, const void *from, size_t length);
+int device_copy_out(void *to, const void *from, size_t length);
+int device_can_take(void *to, size_t length);
+/* 1 if an open device is /dev/vme16. */
+int device_is_vme(const char name[WIRE_NAME]);
 /* 1 if the path names a device that may be opened here. */
 int device_is_path(const char *path);
 /* The result of a call, or -1 and errno from a negative one. */

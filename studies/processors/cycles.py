@@ -23,7 +23,7 @@ RV32_MHZ = 24  # CPU_CLKS of sim/Makefile times 8 MHz
 PROFILES = ("P", "PD, gains of the PUMA 560", "PID, friction, filter, limits", "velocity",
             "torque, A/D offset", "A/D feedback, 2nd order", "triangle",
             "A/D demand, open loop, b0 = 19", "PD, limits, saturated",
-            "PD of numbers beyond 32 bits")  # fmt: skip
+            "PD of numbers beyond 32 bits", "PD without a filter")  # fmt: skip
 
 READ = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_uint32, c.c_int, c.POINTER(c.c_uint32))
 WRITE = c.CFUNCTYPE(c.c_int, c.c_void_p, c.c_uint32, c.c_int, c.c_uint32)

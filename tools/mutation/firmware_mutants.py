@@ -25,7 +25,6 @@ MC = ROOT / "firmware" / "mc"
 TESTS = ROOT / "firmware" / "tests"
 WORK = ROOT / "build" / "mutation_firmware"
 FIXED, FIXED_CHECKED = WORK / "fixed", WORK / "fixed_checked"
-OBJ = ROOT / "build" / "sim" / "obj"
 EQUIVALENT = ROOT / "tools" / "mutation" / "excuses_firmware.toml"
 TOOL = "universalmutator==1.14.1"
 INCLUDE = [f"-I{ROOT / 'firmware' / d}" for d in ("include", "mc", "tests")]
@@ -292,8 +291,9 @@ def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
     def with_mutant(cards, *_args, **_more) -> Path:
         if cards not in made:
             made[cards] = mutated.with_suffix(f".{cards}.so")
-            objects = [o for o in (WORK / "sim").glob("*/*.o") if o.stem != stem]
-            objects += [*(WORK / "sim" / f"{cards}.cards").glob("*.obj"), mutated]
+            kept = sorted((WORK / "sim" / f"{cards}.cards").glob("*.o"))
+            objects = [o for o in kept if o.name != f"mc.{stem}.o"] + [mutated]
+            assert len(objects) == len(kept), f"the simulator is not linked of mc/{stem}.o"
             command = ["g++", "-shared", "-Wl,-Bsymbolic", "-o", made[cards], *objects, "-pthread"]
             subprocess.run(command, check=True)
         return made[cards]
@@ -313,18 +313,19 @@ def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
 
 def keep_simulator() -> None:
     """Builds the simulator and keeps its parts: a later change of the sources does not meddle."""
-    from mmcs.engine.build import ensure_library
+    from mmcs.engine.build import ensure_library, make_env
 
     shutil.rmtree(WORK / "sim", ignore_errors=True)
     for cards in CARDS:
-        library = ensure_library(cards, "speed")
+        ensure_library(cards, "speed")
+        command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", "KIND=speed", "parts"]
+        parts = subprocess.run(
+            command, cwd=ROOT, env=make_env(), check=True, stdout=subprocess.PIPE
+        )
         folder = WORK / "sim" / f"{cards}.cards"
         folder.mkdir(parents=True)
-        shutil.copy(library.parent / "build_id.o", folder / "build_id.obj")
-        # one model serves machines of all sizes
-        shutil.copy(library.parents[1] / "speed_rack" / "model.o", folder / "model.obj")
-    for part in ("engine", "plant", "mc", "runtime"):
-        shutil.copytree(OBJ / part, WORK / "sim" / part)
+        for part in map(Path, parts.stdout.decode().split()):
+            shutil.copy(ROOT / part, folder / f"{part.parent.name}.{part.name}")
 
 
 def judge(m: Mutant, table: dict[str, str], quick: bool) -> Mutant:

@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device by every call that a C program may use for a file, §2.3: a line for each that went
  * wrong, and "done". */
+#define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
@@ -17,6 +21,8 @@
 
 #define EXPECT(truth) \
   if (!(truth)) printf("line %d: %s (errno %d)\n", __LINE__, #truth, errno)
+
+#define BAD ((void *)16)
 
 static void paths(void) {
   struct stat status;
@@ -40,10 +46,31 @@ static void vectors(int fd) {
   out[1].iov_len = sizeof(none);
   EXPECT(writev(fd, out, 2) < 0 && errno == EINVAL);
   EXPECT(readv(fd, in, 2) == 2 * (ssize_t)sizeof(a) && b.errcode == 0);
+  EXPECT(pwritev(fd, out, 1, 100) == 4 && preadv(fd, in, 1, 100) == sizeof(a));
+  EXPECT(pwritev2(fd, out, 1, -1, 0) == 4 && preadv2(fd, in, 1, -1, 0) == sizeof(a));
   EXPECT(pwrite(fd, one, 8, 100) == 8);
   EXPECT(pread(fd, &a, sizeof(a), 100) == sizeof(a));
   EXPECT(dprintf(fd, "12345678") == 8);
   EXPECT(dprintf(fd, "not a setpoint") < 0 && errno == EINVAL);
+}
+
+/* As the kernel answers: nothing is touched, and nothing asked of the driver. */
+static void bad_pointers(int fd) {
+  int one = 30;
+  struct mc_state a;
+  struct iovec out[2] = {{&one, 4}, {BAD, 4}}, in[2] = {{&a, sizeof(a)}, {BAD, sizeof(a)}};
+  struct iovec constant = {(void *)(uintptr_t)"constant, which no state may overwrite", sizeof(a)};
+  EXPECT(writev(fd, out, 2) < 0 && errno == EFAULT);
+  EXPECT(readv(fd, in, 2) < 0 && errno == EFAULT);
+  EXPECT(readv(fd, &constant, 1) < 0 && errno == EFAULT);
+  EXPECT(writev(fd, BAD, 1) < 0 && errno == EFAULT);
+  EXPECT(writev(fd, out, -1) < 0 && errno == EINVAL);
+  EXPECT(readv(fd, in, IOV_MAX + 1) < 0 && errno == EINVAL);
+  out[0].iov_len = in[0].iov_len = SIZE_MAX;
+  EXPECT(writev(fd, out, 1) < 0 && errno == EINVAL);
+  EXPECT(readv(fd, in, 1) < 0 && errno == EINVAL);
+  EXPECT(stat("/dev/mc0", BAD) < 0 && errno == EFAULT);
+  EXPECT(statx(AT_FDCWD, "/dev/mc0", 0, STATX_TYPE, BAD) < 0 && errno == EFAULT);
 }
 
 static void streams(void) {
@@ -54,20 +81,30 @@ static void streams(void) {
   EXPECT(fwrite(setpoints, sizeof(int), 2, file) == 2 && fflush(file) == 0);
   EXPECT(fread(state, sizeof(state[0]), 2, file) == 2 && state[1].errcode == 0);
   EXPECT(ioctl(fileno(file), MGETNUMCARDS, &cards) == 0 && cards == 1);
+  EXPECT(fread(state, sizeof(state[0]), 1, file) == 1); /* both were read ahead */
+  EXPECT(fwrite(setpoints, sizeof(int), 2, file) == 2 && fflush(file) == 0);
+  EXPECT(fseek(file, 0, SEEK_SET) == 0 && fread(state, sizeof(state[0]), 2, file) == 2);
   EXPECT(fwrite(three, sizeof(int), 3, file) == 3 && fflush(file) == EOF && ferror(file));
   (void)fclose(file);
   file = fdopen(open("/dev/mc0", O_RDWR), "w");
   EXPECT(file != NULL && fwrite(setpoints, sizeof(int), 2, file) == 2 && fclose(file) == 0);
   EXPECT(fopen("/dev/mc7", "r") == NULL && errno == ENXIO);
+  EXPECT(fopen("/dev/mc0", "q") == NULL && errno == EINVAL);
 }
 
 int main(void) {
   int fd, number = 5;
+  struct stat status, named;
   (void)signal(SIGPIPE, SIG_IGN);
   paths();
   fd = open("/dev/mc0", O_RDWR);
   vectors(fd);
+  bad_pointers(fd);
   streams();
+  EXPECT(mmap(NULL, 4096, PROT_READ, MAP_SHARED, fd, 0) == MAP_FAILED && errno == ENODEV);
+  number = open("/dev/vme16", O_RDWR);
+  EXPECT(fstat(number, &status) == 0 && stat("/dev/vme16", &named) == 0 &&
+         status.st_rdev == named.st_rdev);
   (void)clearenv();
   EXPECT(ioctl(fd, MGETNUMCARDS, &number) == 0 && number == 1);
   number = open("/dev/mc0", O_RDONLY);

@@ -2,7 +2,9 @@
 """The servo on a 68020 equals native: its arithmetic to the bit, a scenario within a count. §5."""
 
 import importlib.util
+import re
 import shutil
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -29,6 +31,20 @@ def built():
 @pytest.mark.parametrize("profile", range(len(bench.PROFILES)))
 def test_arithmetic_equals_native(profile):
     assert bench.on_68020(profile, 20_000)[0] == bench.native()(profile, 20_000)
+
+
+@pytest.mark.req("FW-1")
+def test_pd_of_six_axes_takes_0_26_ms_at_most():
+    """Ideal cache; with the gains that ship, which the image has a copy of."""
+    source = (ROOT / "firmware" / "ports" / "bench.c").read_text()
+    table = source[source.index("puma[AXES][4] = {") :].split(";")[0].split("=")[1]
+    robot = tomllib.loads((ROOT / "sim" / "robots" / "puma560.toml").read_text())
+    shipped = [(axis["servo"]["pd_1000us"] + [0])[:4] for axis in robot["axis"]]
+    assert [int(n) for n in re.findall(r"-?\d+", table)] == sum(shipped, [])
+    for profile, name in enumerate(bench.PROFILES):
+        if name.startswith("PD") and "32 bits" not in name:
+            _, cycles, _ = bench.on_68020(profile, 100)
+            assert cycles / bench.MHZ <= 260, name
 
 
 @pytest.mark.req("FW-1")
