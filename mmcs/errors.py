@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass
 
 
@@ -35,6 +36,15 @@ class InputError(Exception):
 
 class RunError(Exception):
     """The run could not be carried out although the input was good: exit status 1."""
+
+
+def out_of_memory(error: BaseException) -> bool:
+    """Also a library that finds no room, wherever it is imported."""
+    if isinstance(error, OSError):
+        return error.errno == errno.ENOMEM
+    told = ("failed to map segment", "annot allocate memory", "annot apply additional memory")
+    crowded = isinstance(error, ImportError) and any(words in str(error) for words in told)
+    return crowded or isinstance(error, MemoryError)
 
 
 def one_line(text: str) -> str:

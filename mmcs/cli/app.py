@@ -21,7 +21,7 @@ from mmcs.cli.lab import lab
 from mmcs.cli.sweep import sweep
 from mmcs.cli.tool import tool
 from mmcs.cli.view import compare, faults, film
-from mmcs.errors import InputError, RunError
+from mmcs.errors import InputError, RunError, out_of_memory
 from mmcs.place import results
 from mmcs.screen import echo
 
@@ -36,8 +36,6 @@ class Group(click.Group):
     def main(self, *args, **kwargs):
         try:
             return super().main(*args, **{**kwargs, "standalone_mode": False})
-        except MemoryError:
-            _fail("out of memory; ask for less at once", 1)
         except click.exceptions.NoArgsIsHelpError as error:
             echo(error.format_message())
             sys.exit(2)
@@ -52,7 +50,12 @@ class Group(click.Group):
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader has seen enough
             sys.exit(0)
-        except OSError as error:  # a disk that is full, a folder that went away
+        except (MemoryError, ImportError, OSError) as error:
+            if out_of_memory(error):
+                _fail("out of memory; ask for less at once", 1)
+            if not isinstance(error, OSError):
+                raise
+            # a disk that is full, a folder that went away
             where = f"{error.filename}: " if error.filename else ""
             _fail(f"{where}{error.strerror or error}", 1)
 

@@ -56,6 +56,9 @@ def judge(result, axes: list[dict]) -> list[dict]:
         verdicts.append(
             {"what": f"no assertion of the machine fails: {text}".rstrip(": "), "ok": False}
         )
+    if result.ended:
+        what = f"the run goes to its end: {result.ended} at {result.simulated_s:.3f} s"
+        verdicts.append({"what": what, "ok": False})
     return verdicts
 
 

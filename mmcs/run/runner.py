@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from mmcs.errors import InputError
+from mmcs.errors import InputError, out_of_memory
 from mmcs.scenario.files import short
 from mmcs.scenario.setup import Setup
 
@@ -29,7 +29,6 @@ def run_scenario(
     from mmcs.result import report as reports
     from mmcs.result.folder import writing
     from mmcs.screen import console as screen
-    from mmcs.view.plot import write_plot
 
     for place in [folder] + ([trace.parent] if trace else []):
         _make_folder(place)
@@ -40,16 +39,41 @@ def run_scenario(
         reports.write_report(report, stage)
         record = records.make_record(result, host)
         records.write_record(record, stage)
-        snapshots.write_snapshots(stage / snapshots.NAME, record, result)
-        write_plot(result, stage / "plot.svg")
+        lacking = [
+            *_spared(
+                stage / snapshots.NAME,
+                lambda path: snapshots.write_snapshots(path, record, result),
+            ),
+            *_spared(stage / "plot.svg", lambda path: _draw(result, path)),
+        ]
     console = screen()
     reports.print_report(report, result, folder, console)
     if result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
         began = float(os.environ.get("MMCS_STARTED") or started)
         console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
+    if lacking:
+        console.print(f"out of memory: without {' and '.join(lacking)}")
     console.print(f"results in {short(folder)}" + (f", trace {short(trace)}" if trace else ""))
     return all(item["ok"] for item in report["expect"])
+
+
+def _spared(path: Path, write) -> list[str]:
+    """Writes what results can do without; its name if there is no memory left for it."""
+    try:
+        write(path)
+    except (MemoryError, ImportError, OSError) as error:
+        if not out_of_memory(error):
+            raise
+        path.unlink(missing_ok=True)
+        return [path.name]
+    return []
+
+
+def _draw(result, path: Path) -> None:
+    from mmcs.view.plot import write_plot
+
+    write_plot(result, path)
 
 
 def simulate(

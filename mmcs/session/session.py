@@ -43,6 +43,7 @@ class Result:
     witnesses: list[dict] = field(default_factory=list)  # physics at the end of motion, per axis
     states: list[dict] = field(default_factory=list)  # mc_state at the same instant
     assertion: bool = False  # an assertion of the model failed
+    ended: str = ""  # what else kept the run from its end
     # The physics over time, a row per look: t_s, PANIC, then per axis angle, velocity, current.
     truth: np.ndarray | Rows = field(default_factory=lambda: np.empty((0, 2)))
     notes_lost: int = 0  # that came after the last of `notes`
@@ -53,6 +54,9 @@ class Result:
     build: str = ""  # which build of the simulator it was
     image: str = ""  # and which firmware a processor ran
     snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
+
+
+NO_MEMORY = "out of memory"
 
 
 class Refused(Exception):
@@ -77,13 +81,17 @@ class Session:
         sim, setup = self.sim, self.setup
         began = time.perf_counter()
         self._schedule(0.0, at_power_on=True)
-        ok = True
+        ok, ended = True, ""
         client = _checked("open", sim.open(mcdef.O_RDWR))
         try:
             self.begin(client)
             ok = self._move(setup.scenario.duration, progress)
         except Refused:
             self.start = sim.time
+        except MemoryError:  # what there is until now is kept
+            ok, ended = False, NO_MEMORY
+        if not ok and not ended:
+            ended = self._why_ended()
         axes = range(setup.axes)
         witnesses = [sim.true(n) | {"register": sim.encoder_register(n)} for n in axes]
         states = self._last_state(client)
@@ -108,7 +116,8 @@ class Session:
             cycles=int(stats["cycles"]),
             witnesses=witnesses,
             states=states,
-            assertion=not ok,
+            assertion=not ok and not ended,
+            ended=ended,
             truth=self.truth.array(),
             pots=self.pots,
             refused=self.refused,
@@ -133,6 +142,13 @@ class Session:
         except OSError as error:  # a processor whose firmware went wrong answers nothing
             why = self._why_silent() or f"{error}; the driver answers no more"
             raise RunError(f"read of the last state: {why}") from None
+
+    def _why_ended(self) -> str:
+        """What the engine tells of its end; "" if it was an assertion."""
+        notes = [n for n in self.sim.notes() if n["kind"] in ("assert", "log")]
+        if any(n["kind"] == "assert" for n in notes):
+            return ""
+        return notes[-1]["text"] if notes else NO_MEMORY
 
     def _why_silent(self) -> str:
         """Why a real processor answers no request, and the remedy; "" when that is not known."""

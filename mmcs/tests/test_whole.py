@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Results are of one run and whole, whatever ends it; a record is of what was loaded."""
 
+import errno
 import os
 import sys
 import threading
@@ -185,6 +186,46 @@ def test_record_is_of_what_was_loaded(run, tmp_path):
     again = tmp_path / "again"
     again.mkdir()
     assert record.setup(again).axes == 1
+
+
+# --- out of memory -----------------------------------------------------------------------------
+
+
+class FullAt(FakeSim):
+    """A machine for which there is no memory any more, in Python or in the engine."""
+
+    def run(self, until_s):
+        if self.now > 0.15:
+            if self.short:
+                self._notes.append({"t": self.now, "kind": "log", "axis": -1, "text": "no room"})
+                return False
+            raise MemoryError
+        return super().run(until_s)
+
+
+@pytest.mark.parametrize(("engine", "why"), [(0.0, "out of memory"), (1.0, "no room")])
+def test_results_until_memory_was_full(run, tmp_path, engine, why):
+    status, out, err = run(GOOD, sim=FullAt, short=engine)
+    assert status == 1 and "Traceback" not in err
+    assert f"the run goes to its end: {why} at 0.1" in out
+    rows = (tmp_path / "out" / "log.csv").read_text().splitlines()
+    assert len(rows) > 100 and (tmp_path / "out" / "run.mmcs").exists()
+
+
+@pytest.mark.parametrize("error", [
+    MemoryError(), ImportError("libx.so: failed to map segment from shared object"),
+    OSError(errno.ENOMEM, "Cannot allocate memory"),
+])  # fmt: skip
+def test_no_memory_for_the_picture(run, monkeypatch, tmp_path, error):
+    def draw(result, path):
+        path.write_text("half a picture")
+        raise error
+
+    monkeypatch.setattr(runner, "_draw", draw)
+    status, out, err = run(GOOD)
+    assert (status, err) == (0, "") and "out of memory: without plot.svg" in out
+    left = {p.name for p in (tmp_path / "out").iterdir()}
+    assert left == {".lock", "report.json", "log.csv", "run.mmcs"}
 
 
 # --- rows --------------------------------------------------------------------------------------

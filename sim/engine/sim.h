@@ -8,6 +8,7 @@
 #pragma GCC visibility pop
 
 #include <exception>
+#include <new>
 
 #include "host.h"
 #include "machine.h"
@@ -38,8 +39,9 @@ T guarded(mmcs_sim *sim, T failure, F f) {
   try {
     return f();
   } catch (const std::exception &problem) {
+    const bool full = dynamic_cast<const std::bad_alloc *>(&problem) != nullptr;
     try {
-      sim->machine.note("log", -1, problem.what());
+      sim->machine.note("log", -1, full ? "out of memory" : problem.what());
     } catch (const std::exception &) {
       return failure;
     }
