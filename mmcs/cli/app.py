@@ -13,7 +13,7 @@ import click
 
 from mmcs import __version__
 from mmcs.cli.again import replay, trace
-from mmcs.cli.bridge import live, mcap
+from mmcs.cli.bridge import fmu, live, mcap
 from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
@@ -275,6 +275,7 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     sys.exit(0 if good else 1)
 
 
+main.add_command(fmu)
 main.add_command(live)
 main.add_command(mcap)
 main.add_command(trace)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`mmcs live` and `mmcs mcap`: samples for the viewers that others wrote."""
+"""`mmcs live`, `mmcs mcap`, `mmcs fmu`: samples and machines for tools that others wrote."""
 
 from __future__ import annotations
 
@@ -47,4 +47,25 @@ def mcap(run: str, out: Path | None) -> None:
         raise InputError.one(path, "", None, "its folder does not exist")
     with whole_file(path) as part:
         part.write_bytes(from_run(seen))
+    echo(f"mmcs: {short(path)}")
+
+
+@click.command()
+@click.argument("scenario", default="lab500", metavar="SCENARIO")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.fmu", help="The file.")
+def fmu(scenario: str, out: Path | None) -> None:
+    """Write a scenario's machine as a co-simulation unit, FMI 3.0, for this kind of computer."""
+    from mmcs.bridge.fmu import write
+    from mmcs.result.folder import whole_file
+    from mmcs.scenario.files import short
+    from mmcs.scenario.load import load
+
+    setup = load(scenario, ())
+    path = out or Path(f"{setup.name}.fmu")
+    if path.suffix != ".fmu":
+        raise InputError.one("--out", "", str(path), "must end in .fmu")
+    if not path.parent.is_dir():
+        raise InputError.one(path, "", None, "its folder does not exist")
+    with whole_file(path) as part:
+        write(setup, part)
     echo(f"mmcs: {short(path)}")
