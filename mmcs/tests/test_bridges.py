@@ -40,6 +40,7 @@ class Hal:
         return flags, *m.AXIS_OUT.unpack_from(out, m.ANSWER.size)
 
 
+@pytest.mark.req("DRV-4", "DRV-9")
 def test_hal_enables_moves_stops_and_goes_on():
     setup = load("lab500", ())
     with make_machine(setup) as sim:
@@ -63,6 +64,7 @@ def test_hal_enables_moves_stops_and_goes_on():
             hal.bridge.exchange(bytes(16))
 
 
+@pytest.mark.req("SYN-1")
 def test_a_linear_plant_moves_as_the_machine_does(tmp_path):
     """A step of the D/A, friction taken out of the robot: within one part in a hundred."""
     import control
@@ -104,6 +106,7 @@ def test_a_linear_plant_moves_as_the_machine_does(tmp_path):
         state_space("lab500", axis=2)
 
 
+@pytest.mark.req("TOOL-1")
 def test_what_plotjuggler_is_sent():
     """Each datagram one JSON object with its time, as PlotJuggler's own example client does."""
     from mmcs.bridge.live import message, send
@@ -130,6 +133,7 @@ def test_what_plotjuggler_is_sent():
     assert seen[3]["timestamp"] == 0.5 and seen[3]["mmcs"]["axis0"]["current"] == 9
 
 
+@pytest.mark.req("TOOL-1")
 def test_a_run_as_mcap():
     import io
 

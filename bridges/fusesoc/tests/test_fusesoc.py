@@ -42,6 +42,7 @@ def fusesoc(folder: Path, *words: str, roots: tuple[Path, ...] = (ROOT,)) -> str
     return done.stdout
 
 
+@pytest.mark.req("PIT-1", "PPI-1", "ENC-1", "ADC-1", "DAC-1", "HB-1")
 @pytest.mark.parametrize("chip", CHIPS)
 def test_each_chip_alone(chip, tmp_path):
     fusesoc(tmp_path, "--target=lint", f"mmcs:chips:{chip}")
@@ -50,6 +51,7 @@ def test_each_chip_alone(chip, tmp_path):
     assert list(tmp_path.rglob("*.json"))
 
 
+@pytest.mark.req("PIT-2")
 def test_the_machine(tmp_path):
     fusesoc(tmp_path, "--target=lint", "mmcs:machine:mmcs")
     said = fusesoc(tmp_path, "--target=sim", "mmcs:machine:mmcs")

@@ -175,6 +175,7 @@ def moved(folder):
     return [row for row in rows if row[-1]], host.log, scale
 
 
+@pytest.mark.req("DRV-4", "SRV-1")
 def test_the_arm_follows_a_trajectory(moved):
     rows, _, scale = moved
     assert len(rows) > 1500
@@ -186,6 +187,7 @@ def test_the_arm_follows_a_trajectory(moved):
         assert abs(short) <= HELD_OFF, f"joint {n + 1} stands {short:.0f} counts off"
 
 
+@pytest.mark.req("DRV-10", "ENC-1")
 def test_host_counter_and_physics_agree(moved):
     """What HAL was told, what the counter holds, how the joint stands."""
     rows, log, scale = moved
@@ -207,6 +209,7 @@ start
 """
 
 
+@pytest.mark.req("PAN-1", "DRV-6", "DRV-9")
 def test_the_stop_chain(folder):
     """The host's contact opens: brakes, amplifier fault, no e-stop loop closed; and on again."""
     with Host("lab500", folder, ONE_AXIS):
@@ -228,6 +231,7 @@ def test_the_stop_chain(folder):
         assert abs(float(get("mmcs.position-fb.0")) - 100) <= 6
 
 
+@pytest.mark.req("CAL-1", "DRV-8")
 def test_index_enable(folder):
     """The axis passes its index: from there on it counts from 0, and index-enable is false."""
     with Host("lab500", folder, ONE_AXIS) as host:
@@ -251,6 +255,7 @@ def test_index_enable(folder):
     assert abs((end - 50 + offset + turn / 2) % turn - turn / 2) <= 8
 
 
+@pytest.mark.req("DRV-4", "SRV-6")
 def test_velocity_interface(folder, tmp_path):
     """A velocity servo follows counts per second, exact in the mean though its counts are whole."""
     text = f'extends = "{ROOT}/sim/scenarios/basic/lab500.toml"\nexpect = []\nmotion = []\n'

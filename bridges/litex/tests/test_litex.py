@@ -25,12 +25,14 @@ def sources(tmp_path_factory) -> list[Path]:
     return [Path(line) for line in done.stdout.splitlines() if line.endswith((".v", ".sv"))]
 
 
+@pytest.mark.req("ADP-1")
 def test_the_headers_are_litex_own(sources):
     generated = sources[0].parent / "generated"
     assert "#define MMCS_BASE" in (generated / "mem.h").read_text()
     assert "#define MMCS_INTERRUPT" in (generated / "soc.h").read_text()
 
 
+@pytest.mark.req("ADP-1", "INT-1", "DRV-7", "FW-1")
 def test_litex_moves_a_motor(sources, monkeypatch):
     folder = sources[0].parent
     monkeypatch.delenv("PYTEST_CURRENT_TEST")  # the runner would end the process
@@ -52,6 +54,7 @@ def test_litex_moves_a_motor(sources, monkeypatch):
     assert len(cases) == 1 and not bad, (folder / "sim.log").read_text()[-3000:]
 
 
+@pytest.mark.req("ADP-1")
 def test_what_cannot_be_is_told():
     code = "from mmcs_litex import MMCS; MMCS(None, 10e6)"
     done = subprocess.run([sys.executable, "-c", code], cwd=HERE, text=True, capture_output=True,

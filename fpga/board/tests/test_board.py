@@ -1,27 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The card on a board, simulated with the chips beside it; cocotb_board.py has the tests."""
+"""The boards' tops, simulated with the chips beside them; cocotb_board.py has the tests."""
 
-import sys
-from pathlib import Path
+import functools
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
-from cocotb_tests.lib import runner  # noqa: E402
+from fpga.board.tests.board import TESTS, simulate
 
-FILES = ("uart_host", "spi_converters", "mmcs_board")
-TESTS = ("registers_over_the_serial_line", "converters_and_encoder", "the_stop_loop")
-
-
-@pytest.fixture(scope="module")
-def outcomes():
-    extra = tuple(ROOT / f"fpga/board/{name}.sv" for name in FILES)
-    job = runner.Job("fpga.board.tests.cocotb_board", "mmcs_board", "verilator", (), extra)
-    return runner.run(job, list(TESTS), runner.DEFAULT_SEED)
+outcomes = functools.cache(simulate)
 
 
 @pytest.mark.slow
+@pytest.mark.req("ADP-1", "ENC-1", "DAC-1", "ADC-1", "PAN-1")
+@pytest.mark.xdist_group("board")
+@pytest.mark.parametrize("board", ["ulx3s", "icebreaker"])
 @pytest.mark.parametrize("name", TESTS)
-def test_the_card_on_a_board(name, outcomes):
-    assert outcomes[name].passed, outcomes[name].text
+def test_the_card_on_a_board(name, board):
+    outcome = outcomes(board)[name]
+    assert outcome.passed, outcome.text

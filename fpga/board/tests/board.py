@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each board's top in the tests of cocotb_board.py: its RTL, or what was synthesised of it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT))
+from cocotb_tests.lib import runner  # noqa: E402
+
+HERE = Path(__file__).parent
+RTL = ("uart_host", "spi_converters", "mmcs_board")
+TESTS = ("registers_over_the_serial_line", "converters_and_encoder", "the_stop_loop")
+
+
+def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Outcome]:
+    """The outcome of each test; netlist: in place of the RTL, the vendor's cells last."""
+    bench = (HERE / f"bench_{board}.sv", *sorted(HERE.glob("cells/*.sv")))
+    rtl = tuple(ROOT / f"fpga/board/{name}.sv" for name in (*RTL, board))
+    job = runner.Job(
+        "fpga.board.tests.cocotb_board", f"bench_{board}", "verilator",
+        (), (*bench, *(() if netlist else rtl)), netlist=netlist,
+    )  # fmt: skip
+    return runner.run(job, list(TESTS), runner.DEFAULT_SEED)

