@@ -27,6 +27,7 @@ from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.inputs import find as find_input
 from mmcs.scenario.load import load
 from mmcs.tool.pages import LIBRARIES, library_folder
+from mmcs.view.watched import groups
 
 SITE = BUILD / "web"
 CARDS = (1, 3)  # machines of these sizes are built
@@ -34,7 +35,7 @@ PAGES = ROOT / "web"
 SKIPPED = {"tests", "package.json", "package-lock.json", "site.html", "lib"}
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_segment", "mmcs_event", "mmcs_stats",
               "mmcs_checkpoint", "mmcs_snapshot", "mmcs_tap_head", "mmcs_tap_read",
-              "mmcs_tap_event",
+              "mmcs_tap_event", "mmcs_change",
               "struct mc_param", "struct mc_state", "struct mc_stats")  # fmt: skip
 FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")
 # name of a C type: letter for web/engine/sim.js, bytes where pointers have four
@@ -132,6 +133,7 @@ def knowledge() -> dict:
         "layouts": {name.removeprefix("struct "): layout(name) for name in STRUCTURES},
         "constants": {**constants, "MODES": mcdef.MODES, "FLAGS": FLAGS},
         "inputs": inputs,
+        "waves": groups(),
     }
 
 

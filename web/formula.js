@@ -2,8 +2,8 @@
 // Formulas as people type them: D(z) as a quotient of polynomials, or a control law. Read by a grammar
 // of their own, so that a text can compute and do nothing else.
 //
-//   sum: term {+|- term}   term: power {*|/ power}   power: sign [^ whole number]
-//   sign: [-] atom         atom: number, name, name(sum, ...), (sum)
+//   sum: term {+|- term}   term: sign {*|/ sign}   sign: {-} power
+//   power: atom [^ whole number]   atom: number, name, name(sum, ...), (sum)
 
 import { convolve } from "./engine/design.js";
 
@@ -66,9 +66,8 @@ export function parse(text) {
     if (list.length !== count) throw new Error(`${token}() takes ${count} values, not ${list.length}`);
     return ["call", token, ...list];
   };
-  const signed = () => (take("-") ? ["neg", signed()] : atom());
   const power = () => {
-    const base = signed();
+    const base = atom();
     if (!take("^")) return base;
     const minus = take("-") ? -1 : 1;
     const n = minus * Number(tokens[next++]);
@@ -76,7 +75,8 @@ export function parse(text) {
       throw new Error(`^ takes a whole number from -${MOST_POWER} to ${MOST_POWER}`);
     return ["power", base, n];
   };
-  const term = chain(["*", "/"], power);
+  const signed = () => (take("-") ? ["neg", signed()] : power());
+  const term = chain(["*", "/"], signed);
   const sum = chain(["+", "-"], term);
   const tree = sum();
   if (next < tokens.length) throw new Error(`"${tokens[next]}" stands where the formula should end`);
@@ -124,6 +124,7 @@ function reduced({ num, den }) {
   let [a, b] = [trimmed(num), trimmed(den)];
   if (!b.length) throw new Error("D(z) divides by nothing");
   while (a.length && Math.abs(a[0]) < 1e-14 && Math.abs(b[0]) < 1e-14) [a, b] = [a.slice(1), b.slice(1)];
+  if (!a.length) return over([0], [1]);
   const common = divisor(a, b);
   if (common.length > 1) [a, b] = [quotient(a, common), quotient(b, common)];
   if (Math.abs(b[0]) < 1e-14) throw new Error("D(z) needs a sample that has not come yet: more zeros than poles");

@@ -29,7 +29,8 @@ export function keys(page, global) {
         return;
       }
       const typing = event.target.matches?.("input:not([type=range]):not([type=checkbox]), textarea");
-      if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+      const own = event.target.closest?.(".own-keys"); // it has keys of its own
+      if (typing || own || event.ctrlKey || event.metaKey || event.altKey) return;
       const digit = /^Digit(\d)$/.exec(event.code);
       if (digit) {
         axis = Math.min(Number(digit[1]) + (event.shiftKey ? 10 : 0), page.panels.length - 1);

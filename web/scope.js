@@ -16,6 +16,7 @@ const WINDOWS = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60];
 
 export function scopeView(page) {
   const scope = new Scope(page);
+  page.scope = scope;
   return {
     title: "Scope",
     element: scope.element,
@@ -89,9 +90,11 @@ export class Scope {
       this.list, this.screen, this.reading);  // prettier-ignore
     this.screen.tabIndex = 0;
     this.screen.setAttribute("aria-label",
-      "scope screen: A and B set the cursors where the pointer is; drag to zoom, double-click to zoom out");  // prettier-ignore
+      "scope screen: A and B set the cursors where the pointer is, W shows waveforms; drag to zoom, double-click to zoom out");  // prettier-ignore
     this.screen.addEventListener("keydown", ({ key }) => {
       const mark = { a: 0, b: 1 }[key.toLowerCase()];
+      if (key.toLowerCase() === "w" && this.plot?.cursor.left >= 0)
+        this.page.showWaves(this.plot.posToVal(this.plot.cursor.left, "x"));
       if (mark !== undefined && this.plot?.cursor.left >= 0) {
         this.marks[mark] = this.plot.posToVal(this.plot.cursor.left, "x");
         this.draw();
@@ -177,6 +180,12 @@ export class Scope {
     this.held = { from, to };
     this.draw();
     this.held = null;
+  }
+
+  /** What waveforms are asked of: cursor A, or the middle of a view that stands; null: neither. */
+  moment() {
+    if (this.marks[0] !== null) return this.marks[0];
+    return this.held ? (this.held.from + this.held.to) / 2 : null;
   }
 
   // --- drawing ---

@@ -9,6 +9,7 @@ import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
 import { timeView } from "./time.js";
 import { tuneView } from "./tune.js";
+import { wavesView } from "./waves.js";
 
 export function tabs(page, log) {
   const views = [
@@ -19,6 +20,7 @@ export function tabs(page, log) {
     registersView(page),
     faultsView(page),
     timeView(page),
+    wavesView(page),
     { title: "Log", element: log.list },
   ];
   const bar = document.getElementById("tabs");
@@ -32,6 +34,9 @@ export function tabs(page, log) {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     const at = buttons.indexOf(event.target);
     if (step && at >= 0) buttons[(at + step + views.length) % views.length].focus();
+  });
+  views.forEach((view, n) => {
+    view.open = () => show(n);
   });
   const show = (chosen) => {
     views.forEach((view, n) => {

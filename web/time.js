@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The past and the pace: pause, speed, and back to any moment that a snapshot holds.
 
-import { choice, el, labelled, parseNumber, setText } from "./dom.js";
+import { choice, el, labelled, setText } from "./dom.js";
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 2, 5];
 const STEP_S = 0.01;
@@ -37,20 +37,11 @@ export function timeView(page) {
     await refresh();
   }
 
-  /** A traced machine of its own goes on from there (mmcs/tool/moment.py); this one runs on. */
-  async function waveforms() {
+  const waves = () => {
     const snapshot = snapshots[slider.value];
-    const length = parseNumber(ms.value);
-    if (!snapshot || length === null) return machine.say("error", `"${ms.value}" is no time in ms`);
-    setText(traced, "tracing; the first time a machine is built for it");
-    const made = await machine.try(page.advice.request("waves", { snapshot: snapshot.id, ms: length }));
-    if (!made) return setText(traced, "");
-    const from = `${length} ms from ${made.t.toFixed(3)} s`;
-    return setText(traced, made.opened ? `${from}: opened` : `${from}: gtkwave ${made.file} ${made.view}`);
-  }
+    if (snapshot) page.showWaves(snapshot.t);
+  };
 
-  const ms = el("input", { type: "text", size: 4, value: "2", id: "waves-ms" });
-  const traced = el("output", { id: "waves-said", role: "status" });
   const element = el("div", { className: "time" },
     el("div", { className: "row" }, button("pause", "Pause", () => ask("pace", { paused: true })),
       button("go", "Run on", () => ask("pace", { paused: false })),
@@ -59,9 +50,7 @@ export function timeView(page) {
       button("rewind-go", "Go back", back), button("snapshot", "Keep this moment", async () => {
         await ask("snapshot", {});
         await refresh();
-      })),
-    el("div", { className: "row" }, button("waves", "Waveforms from there", waveforms),
-      labelled("for", ms, "ms"), traced),
+      }), button("waves", "Waveforms there", waves)),
     el("p", {}, "Going back pauses; programs that hold the device keep it. Run on from there, or look at the past in the scope."));  // prettier-ignore
   const timer = setInterval(() => view.visible && refresh(), 500);
   machine.addEventListener("closed", () => clearInterval(timer));

@@ -230,7 +230,9 @@ def _scaled(d: Discrete, t: float, s: int) -> Coefficients:
     w = np.geomspace(1e-3, 0.5, 60) * math.pi / t
     z = np.exp(1j * w * t)
     made = Discrete(tuple(v / s for v in a), tuple(v / s for v in b))
-    error = float(np.max(np.abs(made.at(z) / d.at(z) - 1)))
+    wanted = d.at(z)
+    off = np.abs(made.at(z) - wanted)[wanted != 0] / np.abs(wanted[wanted != 0])
+    error = float(off.max(initial=0.0))
     if error >= GOOD_ROUNDING:
         warnings.append(f"rounding changes the gain by up to {100 * error:.2g} %")
     for pole in d.poles():

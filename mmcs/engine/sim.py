@@ -15,6 +15,7 @@ import cffi
 import numpy as np
 
 from mmcs import ROOT, mcdef
+from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 
 HEADER = ROOT / "sim" / "engine" / "mmcs_sim.h"
@@ -46,7 +47,7 @@ def load_library(path: Path):
         raise RunError(f"{path}: the simulator library does not load: {error}") from None
 
 
-class Sim:
+class Sim(Watching):
     """One machine, from power-on until close(). Every call may let simulated time pass."""
 
     def __init__(self, library: Path, config: dict, motors: list[dict], links: list[dict]):
@@ -294,9 +295,8 @@ class Sim:
         """Rows from a position on: as bytes, how many, where to go on, and how many are lost."""
         size = self.tap_head()[2]
         buffer, read = bytearray(limit * size), self.ffi.new("mmcs_tap_read *")
-        self.lib.mmcs_sim_tap_rows(
-            self._sim, start, every, self.ffi.from_buffer(buffer), limit, read
-        )
+        data = self.ffi.from_buffer(buffer)
+        self.lib.mmcs_sim_tap_rows(self._sim, start, every, data, limit, read)
         return bytes(memoryview(buffer)[: read.count * size]), read.count, read.next, read.lost
 
     def tap_events(self, start: int, limit: int) -> tuple[list[dict], int, int]:

@@ -244,8 +244,9 @@ def test_bad_arguments_are_one_line(arguments, word):
 
 
 @pytest.mark.req("TOOL-1")
-def test_the_pages_logic():
+@pytest.mark.parametrize("name", ["logic", "waves"])
+def test_the_pages_logic(name):
     node = Path(sys.executable).with_name("node")
-    script = ROOT / "web" / "tests" / "logic.test.mjs"
+    script = ROOT / "web" / "tests" / f"{name}.test.mjs"
     ended = subprocess.run([node, "--test", script], capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stdout

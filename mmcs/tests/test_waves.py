@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 
 from mmcs import ROOT, regs
-from mmcs.view import waves
+from mmcs.errors import RunError
+from mmcs.view import watched, waves
 from mmcs.view.moments import first_pass
 from mmcs.view.names import registers
 
 sys.path.insert(0, str(ROOT / "tools"))
 import screenshot  # noqa: E402
+
+SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +26,7 @@ def trace(tmp_path_factory):
     from mmcs.scenario.load import load
 
     path = tmp_path_factory.mktemp("trace") / "lab500.fst"
-    sets = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
-    simulate(load("lab500", sets), trace=path, stretch=(0.004, 0.009))
+    simulate(load("lab500", SETS), trace=path, stretch=(0.004, 0.009))
     return path
 
 
@@ -64,6 +66,78 @@ def test_a_window_is_traced_not_the_run(trace):
     clock = next(v for v in pywellen.Waveform(str(trace)).all_vars() if v.name == "sclock_o")
     times = [time for time, _ in clock.tv]
     assert times[-1] - times[0] < 5.1e9  # ps
+
+
+PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before power-on
+
+
+def _watched() -> np.ndarray:
+    """What the same run's nets do in a machine without traces."""
+    from mmcs.scenario.load import load
+    from mmcs.session.machine import machine
+    from mmcs.session.session import Session
+
+    setup = load("lab500", SETS)
+    with machine(setup, skip=False) as sim:
+        sim.watch(watched.nets())
+        Session(sim, setup).run()
+        return sim.changes()
+
+
+def test_nets_watched_clock_by_clock_are_those_of_the_trace(trace):
+    """Each net that a page draws: the same values at the same clocks, over 5 ms of motion."""
+    import pywellen
+
+    traced = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
+    sclock = traced[f"{waves.MACHINE}.sclock_o"].tv
+    first, last = ([t for t, _ in sclock][n] // PS_PER_CLK - BEFORE_CLKS for n in (0, -1))
+    changes = _watched()
+    signals = [s for group, found in waves.GROUPS.items() if group != "firmware" for s in found]
+    busy = 0
+    for number, signal in enumerate(signals):
+        mask = (1 << signal.width) - 1
+        seen = [(int(c), int(v) & mask) for c, n, v in changes if n == number]
+        kept = _settled(
+            (t // PS_PER_CLK - BEFORE_CLKS, int(v)) for t, v in traced[signal.full()].tv
+        )
+        assert _from(seen, first, last) == _from(kept, first, last), signal.path
+        busy += len(_from(seen, first, last)) > 2
+    assert busy > 20
+
+
+def _settled(values) -> list[tuple[int, int]]:
+    """The last value of each clock."""
+    return list(dict(values).items())
+
+
+def _from(values: list[tuple[int, int]], first: int, last: int) -> list[tuple[int, int]]:
+    """Changes after a clock up to another, behind the value that it began with."""
+    before = [(first, v) for c, v in values if c <= first][-1:]
+    made = [*before, *((c, v) for c, v in values if first < c <= last)]
+    return [made[0], *(b for a, b in zip(made, made[1:], strict=False) if a[1] != b[1])]
+
+
+def test_a_machine_that_skips_has_nothing_to_watch():
+    from mmcs.scenario.load import load
+    from mmcs.session.machine import machine
+
+    setup = load("lab500", SETS)
+    with machine(setup, skip=True) as sim, pytest.raises(RunError, match="sees? each clock"):
+        sim.watch(watched.nets()[:1])
+    with machine(setup, skip=False) as sim:
+        for name in ("u_adaptor.nobody_o", f"{waves.CARD}.pc_a_i", "", "."):
+            with pytest.raises(RunError):
+                sim.watch([name])
+
+
+def test_states_and_registers_have_names():
+    names = {s["net"]: s["names"] for g in watched.groups() for s in g["signals"] if s["names"]}
+    assert names["u_adaptor.u_core.u_master.state_q"] == {
+        "0": "idle", "1": "setup", "2": "command", "3": "hold"
+    }  # fmt: skip
+    states = [s for found in waves.GROUPS.values() for s in found if s.form == waves.STATE]
+    assert all(s.state_of and names[s.path] for s in states)
+    assert names["u_adaptor.vme_a_i"][str((regs.WINDOW_BASE + regs.PCCSR) >> 1)] == "PCCSR"
 
 
 def test_registers_by_address():

@@ -10,7 +10,8 @@ Replies have the request's id; {"type": "progress"} tells how an experiment gets
   csv      base64 of such an MCAP file: csv
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
   chirp    axis, amplitude, low, high (Hz), seconds, lender
-  waves    snapshot, ms: waveforms from that moment on: file, view
+  waves    t (s), ms: what nets do around that moment, as web/waves.js draws it
+  trace    t, ms: the same as a file: file, view, opened (in gtkwave)
   alive    the page is there; without one for deadman_ms (250) an experiment is broken off
 """
 
@@ -139,9 +140,13 @@ class Advisor:
     def do_waves(self, message: dict) -> dict:
         from mmcs.tool.moment import waves
 
-        number, ms = int(message["snapshot"]), float(message.get("ms", 2.0))
+        return waves(self.socket, float(message["t"]), float(message.get("ms", 2.0)))
+
+    def do_trace(self, message: dict) -> dict:
+        from mmcs.tool.moment import trace
+
         self.say({"type": "progress", "text": "tracing; the first time builds a machine for it"})
-        return waves(self.socket, number, ms)
+        return trace(self.socket, float(message["t"]), float(message.get("ms", 2.0)))
 
     # --- experiments ---
 

@@ -1,44 +1,91 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Waveforms from a moment of the past of a served machine.
+"""Waveforms around a moment of the past of a served machine.
 
-The machine goes on meanwhile: one of its trace build is made beside it, put into the snapshot's
-state and run for some milliseconds. It is the same machine to the bit, but nobody writes to it.
+The machine goes on meanwhile: another is made beside it, put into the state of the last snapshot
+before and run through those milliseconds. It is the same machine to the bit, but nobody writes to
+it: what programs have done since the snapshot, at most 0.1 s before, is missing.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 from mmcs.device.link import Link
 from mmcs.place import BUILD
+from mmcs.scenario.setup import Setup
 
 MOST_MS = 20.0
+BUSY_S = 0.001  # a servo pass is over by then
 
 
-def waves(socket: Path, snapshot: int, ms: float) -> dict:
-    """The trace and its view; opened in gtkwave where there is a display. Raises ValueError."""
+class Moment(NamedTuple):
+    """A stretch of time, and the machine of the last snapshot before it."""
+
+    setup: Setup
+    snapshot: bytes
+    past: bytes
+    from_s: float
+    to_s: float
+
+
+def find(socket: Path, t: float, ms: float) -> Moment:
+    """Raises ValueError with one sentence."""
+    from mmcs.scenario.load import load
+
     if not 0 < ms <= MOST_MS:
         raise ValueError(f"waveforms: take up to {MOST_MS:g} ms, not {ms:g}")
     with Link(path=socket) as link:
+        kept = link.request("snapshots")["snapshots"]
+        now = link.request("hello")["time"]
+        first = kept[0]["t"] if kept else now
+        if not first <= t <= now:
+            raise ValueError(
+                f"waveforms: take a moment that is still known, {first:.3f} to {now:.3f} s"
+            )
+        begin = max(first, t - ms / 2000)
+        last = max((s for s in kept if s["t"] <= begin - BUSY_S), key=_time, default=kept[0])
         scenario = link.hello["scenario"]
-        data = Path(link.request("export", snapshot=snapshot)["file"]).read_bytes()
+        data = Path(link.request("export", snapshot=last["id"])["file"]).read_bytes()
     size = int.from_bytes(data[:8], "little")
-    return trace(scenario, data[8 : 8 + size], data[8 + size :], ms)
+    state, past = data[8 : 8 + size], data[8 + size :]
+    return Moment(load(scenario, ()), state, past, begin, min(now, t + ms / 2000))
 
 
-def trace(scenario: str, snapshot: bytes, past: bytes, ms: float) -> dict:
-    from mmcs.scenario.load import load
+def _time(snapshot: dict) -> float:
+    return snapshot["t"]
+
+
+def waves(socket: Path, t: float, ms: float) -> dict:
+    """What the nets of the prepared view do, as web/wave_data.js has it."""
+    from mmcs.session.machine import machine
+    from mmcs.view.watched import changes, groups, nets
+
+    moment = find(socket, t, ms)
+    with machine(moment.setup, skip=False) as sim:
+        sim.restore_bytes(moment.snapshot, moment.past)
+        sim.run(moment.from_s - BUSY_S)
+        sim.watch(nets())
+        begun, hz = sim.clock, sim.build()["clk_hz"]
+        sim.run(moment.to_s)
+        begin, end = max(begun, round(moment.from_s * hz)), round(moment.to_s * hz)
+        found = changes(sim.changes(), begin, end)
+    return {"clk_hz": hz, "from": begin, "to": end, "groups": groups(), "nets": found}
+
+
+def trace(socket: Path, t: float, ms: float) -> dict:
+    """A trace and its view; opened in gtkwave where there is a display."""
     from mmcs.session.machine import machine
     from mmcs.view.waves import start_viewer, write_views
 
-    setup = load(scenario, ())
+    moment = find(socket, t, ms)
     folder = BUILD / "tool"
     folder.mkdir(parents=True, exist_ok=True)
-    with machine(setup, "trace") as sim:
-        sim.restore_bytes(snapshot, past)
-        began = sim.time
-        path = folder / f"{setup.name}_{began:.6f}.fst"
+    path = folder / f"{moment.setup.name}_{t:.6f}.fst"
+    with machine(moment.setup, "trace") as sim:
+        sim.restore_bytes(moment.snapshot, moment.past)
+        sim.run(moment.from_s)
         sim.trace(path)
-        sim.run(began + ms / 1000)
+        sim.run(moment.to_s)
     view, _ = write_views(path)
-    return {"file": str(path), "view": str(view), "t": began, "opened": start_viewer(path)}
+    return {"file": str(path), "view": str(view), "opened": start_viewer(path)}

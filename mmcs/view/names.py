@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from mmcs import regs
+from mmcs import ROOT, regs
 
 PHASES = ("stopped", "program", "enter", "read", "compute", "write", "publish")
 
@@ -23,6 +23,14 @@ def registers() -> dict[int, str]:
                 address = (regs.WINDOW_BASE + regs.card_offset(card, number)) >> 1
                 found.setdefault(address, f"{card}:{name.removeprefix('CARD_')}")
     return found
+
+
+def states(module: str) -> dict[int, str]:
+    """Of the state machine that a module of rtl/ is: number and name."""
+    text = next((ROOT / "rtl").rglob(f"{module}.sv")).read_text()
+    body = re.search(r"typedef enum[^{]*\{(.*?)\} *state_e;", text, flags=re.S)[1]
+    names = re.findall(r"\w+", re.sub(r"//.*", "", body))
+    return dict(enumerate(name.removeprefix("St").lower() for name in names))
 
 
 TABLES = {

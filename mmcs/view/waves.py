@@ -21,6 +21,8 @@ from mmcs.view.names import write_tables
 
 TOP = "TOP"
 MACHINE = f"{TOP}.mmcs"
+CARD = "g_card[0].u_card"
+AXIS = f"{CARD}.g_axis[0].u_axis"
 SOC_MACHINE = f"{TOP}.mmcs_soc.u_mmcs"  # of --host rv32
 CPU = "/mmcs_soc.u_host.u_cpu.u_ibex_core"
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
@@ -39,6 +41,8 @@ class Signal(NamedTuple):
     low: int = 0  # its lowest bit
     names: str = ""  # a table of names.TABLES
     curve: bool = False
+    state_of: str = ""  # the module whose states it has
+    port: str = ""  # of a board, that holds it from bit 0 on: what stands for it without a trace
 
     def full(self, machine: str = MACHINE) -> str:
         return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{machine}.{self.path}"
@@ -62,10 +66,10 @@ class Signal(NamedTuple):
 
 GROUPS = {
     "SCLOCK and PANIC": [
-        Signal("sclock_o"),
-        Signal("panic_o"),
-        Signal("brake_release_o"),
-        Signal("led_irq_o"),
+        Signal("u_adaptor.sclock_o"),
+        Signal("u_adaptor.panic_o"),
+        Signal("u_adaptor.brake_release_o"),
+        Signal("u_adaptor.led_irq_o"),
     ],
     "VME": [
         Signal("u_adaptor.vme_a_i", 15, HEX, 1, names="registers"),
@@ -81,34 +85,34 @@ GROUPS = {
         Signal("u_adaptor.vme_iack_ni"),
         Signal("u_adaptor.vme_iackin_ni"),
         Signal("u_adaptor.vme_iackout_no"),
-        Signal("u_adaptor.g_vme.u_slave.state_q", 2, STATE),
+        Signal("u_adaptor.g_vme.u_slave.state_q", 2, STATE, state_of="vme_slave"),
         Signal("u_adaptor.g_vme.u_interrupter.claim_q"),
         Signal("u_adaptor.g_vme.u_interrupter.pass_q"),
         Signal("u_adaptor.g_vme.u_interrupter.answer_q"),
-        Signal("u_adaptor.u_core.state_q", 2, STATE),
+        Signal("u_adaptor.u_core.state_q", 2, STATE, state_of="adaptor_core"),
     ],
     "PC bus": [
-        Signal("pc_a", 16, HEX),
-        Signal("pc_aen"),
-        Signal("pc_ior_n"),
-        Signal("pc_iow_n"),
-        Signal("pc_wdata", 8, HEX),
-        Signal("pc_rdata", 8, HEX),
-        Signal("pc_reset_drv"),
-        Signal("u_adaptor.u_core.u_master.state_q", 2, STATE),
+        Signal("u_adaptor.pc_a_o", 16, HEX),
+        Signal("u_adaptor.pc_aen_o"),
+        Signal("u_adaptor.pc_ior_no"),
+        Signal("u_adaptor.pc_iow_no"),
+        Signal("u_adaptor.pc_d_o", 8, HEX),
+        Signal("u_adaptor.pc_d_i", 8, HEX),
+        Signal("u_adaptor.pc_reset_drv_o"),
+        Signal("u_adaptor.u_core.u_master.state_q", 2, STATE, state_of="pcbus_master"),
     ],
     "axis 0": [
-        Signal("g_card[0].u_card.g_axis[0].u_axis.latch_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.a_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.b_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.u_encoder.count_q", 16, SIGNED, curve=True),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_lo_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.dac_hi_i"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.drive_v_o", 16, SIGNED, curve=True),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_v_i", 16, SIGNED),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.adc_code_o", 12, HEX),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.converting_o"),
-        Signal("g_card[0].u_card.g_axis[0].u_axis.heartbeat_o"),
+        Signal(f"{AXIS}.u_encoder.latch_i"),
+        Signal(f"{AXIS}.u_encoder.a_i"),
+        Signal(f"{AXIS}.u_encoder.b_i"),
+        Signal(f"{AXIS}.u_encoder.count_q", 16, SIGNED, curve=True),
+        Signal(f"{AXIS}.u_dac.rank1_q", 12, HEX),
+        Signal(f"{AXIS}.u_dac.rank2_q", 12, HEX),
+        Signal(f"{AXIS}.drive_v_o", 16, SIGNED, curve=True, port="drive_v_o"),
+        Signal(f"{AXIS}.adc_v_i", 16, SIGNED, curve=True, port="adc_v_i"),
+        Signal(f"{AXIS}.adc_code_q", 12, HEX),
+        Signal(f"{AXIS}.u_adc.busy_q"),
+        Signal(f"{AXIS}.u_heartbeat.run_q"),
     ],
     # the part of a pass, and the instruction, of a processor
     "firmware": [
@@ -116,11 +120,11 @@ GROUPS = {
         Signal("u_host_view.pc", 32, HEX),
     ],
     "card 0": [
-        Signal("g_card[0].u_card.leds_o", 11, BIN),
-        Signal("g_card[0].u_card.enc_a_i", 2, BIN),
-        Signal("g_card[0].u_card.enc_b_i", 2, BIN),
-        Signal("g_card[0].u_card.enc_i_i", 2, BIN),
-        Signal("g_card[0].u_card.axis_enable_i", 2, BIN),
+        Signal(f"{CARD}.leds_o", 11, BIN),
+        Signal(f"{CARD}.enc_a_i", 2, BIN),
+        Signal(f"{CARD}.enc_b_i", 2, BIN),
+        Signal(f"{CARD}.enc_i_i", 2, BIN),
+        Signal(f"{CARD}.axis_enable_i", 2, BIN),
     ],
 }
 

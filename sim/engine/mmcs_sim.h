@@ -175,6 +175,19 @@ int mmcs_sim_trace(mmcs_sim *sim, const char *path);
  * and fast. The file appears when the stretch begins. */
 int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s);
 
+/* Waveforms without a file: from now on, after each clock, whatever of these nets has changed. A
+ * net is a register, or a port of a board or chip, of 32 bits at most, by its name from rtl/mmcs.sv
+ * down. Only a machine that does not skip sees every clock, and a trace build has traces. */
+typedef struct mmcs_change {
+  int64_t clock;
+  int32_t net;
+  uint32_t value;
+} mmcs_change;
+/* The number of the net, whose first value is a change, too; -1: there is no such, or no way. */
+int mmcs_sim_watch(mmcs_sim *sim, const char *name);
+/* How many there have been since the first net. Valid until the next call that moves time. */
+int64_t mmcs_sim_changes(const mmcs_sim *sim, const mmcs_change **changes);
+
 /* /dev/mc0 as a process sees it. open: flags as open(2) (0 read-only, 1 write-only, 2 both);
  * returns a client number >= 0 or -errno. Time passes while they run. */
 int mmcs_sim_open(mmcs_sim *sim, int flags);

@@ -127,6 +127,17 @@ int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double
                        [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
 }
 
+int mmcs_sim_watch(mmcs_sim *sim, const char *name) {
+  if (!name) return -1;
+  return mmcs::guarded(sim, -1, [=] { return sim->machine.model().watch(name); });
+}
+int64_t mmcs_sim_changes(const mmcs_sim *sim, const mmcs_change **changes) {
+  if (!sim || !changes) return 0;
+  const auto &found = sim->machine.model().changes();
+  *changes = found.data();
+  return static_cast<int64_t>(found.size());
+}
+
 int mmcs_sim_open(mmcs_sim *sim, int flags) {
   return mmcs::guarded(sim, -MC_ENXIO, [=] { return sim->host.open(flags); });
 }

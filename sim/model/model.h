@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "mmcs_sim.h"
 #include "pins.h"
 #include "tables.h"
 
@@ -91,10 +92,17 @@ class Model {
 
   // Starts a trace now, ends one that runs; "" only ends it.
   virtual bool trace(const std::string &path) = 0;
+  // After each clock, what of these nets has changed; -1: there is no such net, or no way
+  // (mmcs_sim.h).
+  virtual int watch(const std::string &) { return -1; }
+  const std::vector<mmcs_change> &changes() const { return changes_; }
   // The sentence of the first assertion that failed, or empty.
   virtual const std::string &failure() const = 0;
   // The first that failed since the last upset, which run() does not end at; asking forgets it.
   virtual std::string take_doubt() { return ""; }
+
+ protected:
+  std::vector<mmcs_change> changes_;
 };
 
 }  // namespace mmcs

@@ -211,6 +211,7 @@ void Rack::step(int64_t t) {
     after_clock();
     if (!host_rests()) plan_host(true);
   }
+  if (!watched_.empty()) look_at_watched();
 }
 
 // Clocks of the adaptor while nothing else is due before `end`, and as long as none of its outputs

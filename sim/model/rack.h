@@ -45,6 +45,7 @@ class Rack : public Model, protected Ports, private Listener {
   std::vector<uint8_t> save() override;
   void restore(const std::vector<uint8_t> &state) override;
   bool trace(const std::string &) override { return false; }
+  int watch(const std::string &name) override;
   const std::string &failure() const override { return failure_; }
 
  protected:
@@ -86,6 +87,13 @@ class Rack : public Model, protected Ports, private Listener {
   void plan(const Block &block);
   int64_t cards_due();
   Net find(int reg, Block **block);
+  Net find_watched(const std::string &name);
+  void look_at_watched();
+  struct Watched {
+    Net net;
+    uint32_t seen;
+  };
+  std::vector<Watched> watched_;
   std::vector<std::pair<Net, Block *>> nets_;  // of registers()
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;

@@ -108,6 +108,52 @@ void Rack::upset(int reg, uint64_t bits) {
   settle();
 }
 
+// A register, or a port of a board or of one of its chips. A card that does not listen has no bus
+// to look at: its ports of it do not count.
+Net Rack::find_watched(const std::string &name) {
+  if (const int reg = find_register(name); reg >= 0) {
+    Block *block;
+    return find(reg, &block);
+  }
+  for (size_t n = 0; n < blocks_.size(); ++n) {
+    const std::string board = std::string(kWires.boards[n].path) + ".";
+    if (name.compare(0, board.size(), board) != 0) continue;
+    const std::string inner = name.substr(board.size());
+    const size_t dot = inner.rfind('.');
+    const std::string path = dot == std::string::npos ? "" : inner.substr(0, dot);
+    const BoardTable &table = blocks_[n]->table;
+    for (size_t u = 0; u < table.unit_count; ++u) {
+      if (path != (u ? table.units[u].path : "")) continue;
+      const std::string port = dot == std::string::npos ? inner : inner.substr(dot + 1);
+      for (const auto &slot : slots_) {
+        const bool heard = slot->block == blocks_[n].get() && slot->row->heard;
+        if (u == 0 && heard && port == slot->row->name) return {};
+      }
+      return blocks_[n]->units[u].model->port(port);
+    }
+  }
+  return {};
+}
+
+int Rack::watch(const std::string &name) {
+  const Net net = find_watched(name);
+  if (skip_ || !net || net.bytes > 4) return -1;
+  const int number = static_cast<int>(watched_.size());
+  const uint32_t value = static_cast<uint32_t>(net.get());
+  watched_.push_back({net, value});
+  changes_.push_back({clock_, number, value});
+  return number;
+}
+
+void Rack::look_at_watched() {
+  for (size_t n = 0; n < watched_.size(); ++n) {
+    const uint32_t value = static_cast<uint32_t>(watched_[n].net.get());
+    if (value == watched_[n].seen) continue;
+    watched_[n].seen = value;
+    changes_.push_back({clock_, static_cast<int>(n), value});
+  }
+}
+
 std::vector<uint8_t> Rack::save() {
   State state;
   for (size_t reg = 0; reg < registers().size(); ++reg) {

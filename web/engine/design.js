@@ -48,6 +48,22 @@ function at({ num, den }, angle) {
   return [(a * c + b * d) / size, (b * c - a * d) / size];
 }
 
+/** As %.3g of Python. */
+function told(x, digits) {
+  const [mantissa, power] = x.toExponential(digits - 1).split("e");
+  const exponent = Number(power);
+  if (exponent >= -4 && exponent < digits) return String(Number(x.toPrecision(digits)));
+  return `${Number(mantissa)}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
+}
+
+/** Real roots of den, in z. */
+function realPoles([one, b = 0, c = 0]) {
+  const square = b * b - 4 * one * c;
+  if (square < 0) return [];
+  const roots = [(-b + Math.sqrt(square)) / (2 * one), (-b - Math.sqrt(square)) / (2 * one)];
+  return c ? roots : [-b / one];
+}
+
 const even = (x) => (Math.abs(x % 1) === 0.5 ? 2 * Math.round(x / 2) : Math.round(x));
 
 /** The integers at scale s: {a, b, gain_error, warnings}. Throws a sentence. */
@@ -63,7 +79,7 @@ function scaled(d, s) {
     const rounded = even(total(num));
     a[1] = rounded - a[0] - a[2];
     if (Math.abs(total(num)) < SMALLEST_INTEGRAL)
-      warnings.push(`S*I*T = ${total(num).toPrecision(3)} rounds the integral to ${rounded}; take a larger scale`);
+      warnings.push(`S*I*T = ${told(total(num), 3)} rounds the integral to ${rounded}; take a larger scale`);
   }
   if (Math.max(...[...a, ...b].map(Math.abs)) > INT32_MAX)
     throw new Error(`scale = ${s}: a coefficient exceeds 32 bits; take a smaller scale`);
@@ -78,7 +94,10 @@ function scaled(d, s) {
     const size = u * u + v * v;
     error = Math.max(error, Math.hypot((x * u + y * v) / size - 1, (y * u - x * v) / size));
   }
-  if (error >= GOOD_ROUNDING) warnings.push(`rounding changes the gain by up to ${(100 * error).toPrecision(2)} %`);
+  if (error >= GOOD_ROUNDING) warnings.push(`rounding changes the gain by up to ${told(100 * error, 2)} %`);
+  for (const pole of realPoles(d.den))
+    if (pole < -0.9)
+      warnings.push(`pole at z = ${told(pole, 3)}: the loop rings with double-buffered D/As; take the backward difference`);
   return { a, b, gain_error: error, warnings };
 }
 
@@ -102,19 +121,22 @@ export function toIntegers(d) {
 
 const named = ({ a, b, warnings, gain_error }) => {
   const kick = Math.abs(a[0] / b[0]);
-  const more = kick > KICK ? [`one count commands ${kick.toFixed(0)} D/A units: a tick of noise is a blow`] : [];
+  const more = kick > KICK ? [`one count commands ${even(kick)} D/A units: a tick of noise is a blow`] : [];
   const coefficients = { a0: a[0], a1: a[1], a2: a[2], b0: b[0], b1: b[1], b2: b[2] };
   return { coefficients, warnings: [...warnings, ...more], gain_error };
 };
 
+const NOTHING = () => named({ a: [0, 0, 0], b: [1, 0, 0], warnings: [], gain_error: 0 });
+
 /** As the designer of `mmcs tool` answers "design". */
 export function design({ interval_s, ...gains }) {
-  if (!gains.p && !gains.i && !gains.d) return named({ a: [0, 0, 0], b: [1, 0, 0], warnings: [], gain_error: 0 });
+  if (!gains.p && !gains.i && !gains.d) return NOTHING();
   return named(toIntegers(backward(gains, interval_s)));
 }
 
 /** As above, of a D(z) of one's own (web/engine/formula.js). */
 export function designOf(d) {
+  if (d.num.every((v) => v === 0)) return NOTHING();
   return named(toIntegers(d));
 }
 

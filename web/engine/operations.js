@@ -125,11 +125,11 @@ export const OPERATIONS = {
   },
   machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
   ring: (s, { every_s, count }) => {
-    s.sim.ring(every_s, count);
+    s.past.ring(every_s, count);
     return {};
   },
   snapshot: (s) => {
-    const id = s.sim.snapshot();
+    const id = s.past.keep();
     s.asked.add(id);
     return { snapshot: { id, t: s.sim.time } };
   },
@@ -148,6 +148,7 @@ export const OPERATIONS = {
     s.spoil("time was turned back");
     s.endSession?.();
     s.sim.restore(found.id);
+    s.past.restored(found.id);
     s.sim.tapNote("rewind", found.id, `back to snapshot ${found.id}`);
     s.restart?.();
     return { t: s.sim.time, snapshot: found.id };
@@ -175,6 +176,7 @@ export const OPERATIONS = {
     return {};
   },
   cost: (s) => ({ cycles: s.sim.stats().bus_cycles, samples: s.sim.tapHead().rows }),
+  waves: (s, { t, ms = 2 }) => s.waves(t, ms),
   memory: (s) => ({ bytes: s.sim.memory }),
   unfollow: (s) => {
     s.follow = null;

@@ -3,6 +3,7 @@
 // one page and the frame of STOP. The scenario's own program is client 1.
 
 import { OPERATIONS } from "./operations.js";
+import { MOST_MS, Past } from "./past.js";
 import { E, nameOf, PAGE, Refused } from "./refused.js";
 
 const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
@@ -11,19 +12,17 @@ const ROWS_AT_ONCE = 256;
 const HEAD_BYTES = 32;
 const KEPT_ROWS = 8192;
 const KEPT_EVENTS = 4096;
-const EVERY_S = 0.1;
-const KEPT = 100;
 const MOMENTARY = ["host_stall", "bus_error", "encoder_slip"];
 // What a record can hold of a person's requests, as [[call]].
 const RECORDED = ["MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP",
   "MZEROSTATS"];  // prettier-ignore
 
 export class Server {
-  /** say(message) carries a text (object) or samples (ArrayBuffer) to the page. */
-  constructor(sim, setup, session, C, say) {
-    Object.assign(this, { sim, setup, session, C, say });
+  /** say(message) carries a text (object) or samples (ArrayBuffer) to the page; past: of the machine;
+   * groups: its nets that can be drawn (mmcs/view/watched.py). */
+  constructor(sim, setup, session, C, say, past, groups) {
+    Object.assign(this, { sim, setup, session, C, say, past, groups });
     sim.tap(KEPT_ROWS, KEPT_EVENTS);
-    sim.ring(EVERY_S, KEPT);
     this.speed = 1;
     this.paused = false;
     this.lease = null;
@@ -44,7 +43,7 @@ export class Server {
     const stats = sim.stats();
     return { protocol: 1, you: PAGE, server: "page", scenario: this.setup.name, axes: 2 * sim.cards,
       cards: sim.cards, time: sim.time, speed: this.speed, paused: this.paused, opens: 1,
-      lease: this.lease, sample: { fields: FIELDS, row_bytes: sim.tapHead().row_bytes },
+      lease: this.lease, waves: true, sample: { fields: FIELDS, row_bytes: sim.tapHead().row_bytes },
       enabled: Boolean(stats.enabled), stopped: Boolean(stats.stopped),
       panic: Boolean(stats.panic_level), button: Boolean(this.inputs.get("estop 0")) };  // prettier-ignore
   }
@@ -174,6 +173,21 @@ export class Server {
     const joints = count ? ints[5] : sim.axes;
     const at = (axis) => (count ? ints[6 + axis * FIELDS.length + FIELDS.indexOf("setpoint")] : 0);
     return Array.from({ length: joints }, (_, n) => (n === this.law?.axis ? 0 : at(n)));
+  }
+
+  /** Waveforms of so many ms around a moment, as far as the past and the present go. */
+  waves(t, ms) {
+    const { past, sim, groups } = this;
+    const [begin, end] = [past.begin, sim.clock];
+    const at = t * sim.clk_hz;
+    if (!(ms > 0 && ms <= MOST_MS)) throw new Refused(E.EINVAL, `ms: a number above 0, up to ${MOST_MS}`);
+    if (!(at >= begin - 1 && at <= end + 1))
+      throw new Refused(E.EINVAL, `t: a moment that is still known, ${begin / sim.clk_hz} to ${end / sim.clk_hz} s`);
+    const half = (ms / 2000) * sim.clk_hz;
+    const names = groups.flatMap(({ signals }) => signals.map(({ net }) => net));
+    const from = Math.max(begin, Math.round(at - half));
+    const to = Math.min(end, Math.round(at + half));
+    return { clk_hz: sim.clk_hz, groups, ...past.waves(names, from, to) };
   }
 
   // --- the device ---

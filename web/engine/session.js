@@ -229,7 +229,7 @@ class Bouncer {
 }
 
 /** As Python rounds. */
-function roundHalfEven(x) {
+export function roundHalfEven(x) {
   const low = Math.floor(x);
   if (x - low !== 0.5) return Math.round(x);
   return low % 2 ? low + 1 : low;

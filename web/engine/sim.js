@@ -12,6 +12,7 @@ export class Sim {
   #m; // the module
   #at; // its machine
   #room; // memory for arguments
+  tell = null; // of whatever is done to the machine: its name and arguments (past.js)
 
   /** module: the loaded WebAssembly; setup: as tools/website.py writes it. Throws one sentence. */
   constructor(module, layouts, setup) {
@@ -84,14 +85,17 @@ export class Sim {
   // --- /dev/mc0 ---
 
   open(flags = 2) {
+    this.tell?.("open", [flags]);
     return this.#m._mmcs_sim_open(this.#at, flags);
   }
   close(client) {
+    this.tell?.("close", [client]);
     return this.#m._mmcs_sim_close(this.#at, client);
   }
 
   /** The argument in as bytes; [result, the argument out]. */
   ioctl(client, request, argument = new Uint8Array()) {
+    this.tell?.("ioctl", [client, request, argument.slice()]);
     const size = Math.max((request >>> 16) & 0x1fff, 256);
     this.#m.HEAPU8.fill(0, this.#room, this.#room + size);
     this.#m.HEAPU8.set(argument, this.#room);
@@ -122,12 +126,14 @@ export class Sim {
   }
 
   write(client, setpoints) {
+    this.tell?.("write", [client, [...setpoints]]);
     new Int32Array(this.#m.HEAPU8.buffer, this.#room, setpoints.length).set(setpoints);
     return this.#m._mmcs_sim_write(this.#at, client, this.#room, 4 * setpoints.length);
   }
 
   /** What the driver reports, by axis; a negative number when it refuses. */
   read(client, axes) {
+    this.tell?.("read", [client, axes]);
     const { size } = this.layouts.mc_state;
     const got = this.#m._mmcs_sim_read(this.#at, client, this.#room, axes * size);
     if (got < 0) return got;
@@ -137,6 +143,7 @@ export class Sim {
   }
 
   stop() {
+    this.tell?.("stop", []);
     return this.#m._mmcs_sim_stop(this.#at);
   }
   signals(client) {
@@ -146,16 +153,20 @@ export class Sim {
   // --- the bus by hand: a value; -1 nobody answers, -2 a bus error ---
 
   load(offset) {
+    this.tell?.("load", [offset]);
     const result = this.#m._mmcs_sim_bus_read(this.#at, offset, 0x29, 1, this.#room);
     return result ? -result : this.#view.getUint32(this.#room, true);
   }
   store(offset, value) {
+    this.tell?.("store", [offset, value]);
     return -this.#m._mmcs_sim_bus_write(this.#at, offset, 0x29, 1, value);
   }
 
   // --- motion, events, time ---
 
-  addSegment({ kind, table, ...fields }) {
+  addSegment(segment) {
+    this.tell?.("addSegment", [segment]);
+    const { kind, table, ...fields } = segment;
     const { size } = this.layouts.mmcs_segment;
     const m = this.#m;
     const values = table ? m._malloc(8 * table.length) : 0;
@@ -168,18 +179,23 @@ export class Sim {
     if (result) throw new Error(`the engine refuses a motion of axis ${fields.axis}`);
   }
   startMotion(client) {
+    this.tell?.("startMotion", [client]);
     return this.#m._mmcs_sim_start_motion(this.#at, client);
   }
   /** An input takes a value at a time; false: there is none of this name or index. */
   addEvent(t, name, index, value) {
     const input = this.inputs.indexOf(name);
     if (input < 0) return false;
+    this.tell?.("addEvent", [t, name, index, value]);
     this.#put(this.#room, "mmcs_event", { t, input, index, value });
     return this.#m._mmcs_sim_add_event(this.#at, this.#room) === 0;
   }
   /** False when an assertion of the machine failed. */
   run(until) {
     return this.#m._mmcs_sim_run(this.#at, until) === 0;
+  }
+  runTo(clock) {
+    return this.run(clock / this.clk_hz);
   }
   get time() {
     return this.#m._mmcs_sim_time(this.#at);
@@ -260,13 +276,49 @@ export class Sim {
   drop(number) {
     return this.#m._mmcs_sim_drop(this.#at, BigInt(number)) === 0;
   }
-  ring(every_s, count) {
-    this.#m._mmcs_sim_ring(this.#at, every_s, count);
-  }
   snapshots() {
     const count = this.#m._mmcs_sim_snapshots(this.#at, this.#room);
     const at = this.#view.getUint32(this.#room, true);
     const { size } = this.layouts.mmcs_snapshot;
     return Array.from({ length: count }, (_, n) => this.#get(at + n * size, "mmcs_snapshot"));
+  }
+
+  /** Copies, for a machine like this one. */
+  snapshotBytes(number) {
+    const length = Number(this.#m._mmcs_sim_snapshot_bytes(this.#at, BigInt(number), this.#room));
+    if (length < 0) throw new Error(`there is no snapshot ${number}`);
+    return this.#bytes(this.#view.getUint32(this.#room, true), length);
+  }
+  historyBytes() {
+    const length = Number(this.#m._mmcs_sim_history_bytes(this.#at, this.#room));
+    return this.#bytes(this.#view.getUint32(this.#room, true), length);
+  }
+  restoreBytes(snapshot, history) {
+    const m = this.#m;
+    const at = m._malloc(snapshot.length + history.length);
+    m.HEAPU8.set(snapshot, at);
+    m.HEAPU8.set(history, at + snapshot.length);
+    const result = m._mmcs_sim_restore_bytes(
+      this.#at, at, snapshot.length, at + snapshot.length, history.length, this.#room, 300);  // prettier-ignore
+    m._free(at);
+    if (result) throw new Error(m.UTF8ToString(this.#room));
+  }
+  /** Digest of all that decides what comes. */
+  future() {
+    return BigInt.asUintN(64, this.#m._mmcs_sim_future(this.#at));
+  }
+
+  // --- waveforms ---
+
+  watch(name) {
+    this.#m.stringToUTF8(name, this.#room, 200);
+    if (this.#m._mmcs_sim_watch(this.#at, this.#room) < 0) throw new Error(`there is no net ${name}`);
+  }
+  /** Since the first net was watched: {clock, net, value}. */
+  changes() {
+    const count = Number(this.#m._mmcs_sim_changes(this.#at, this.#room));
+    const at = this.#view.getUint32(this.#room, true);
+    const { size } = this.layouts.mmcs_change;
+    return Array.from({ length: count }, (_, n) => this.#get(at + n * size, "mmcs_change"));
   }
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Worker: the machine, its scenario and the messages; and time, which follows the clock on the wall.
 //
-// In: {start: {setup, module, layouts, constants, plays, paused, version}}, {stopPort}, texts of
+// In: {start: {setup, module, layouts, constants, waves, plays, paused, version}}, {stopPort}, texts of
 // docs/use/protocol.md, {record: true}. Out: those texts, samples as ArrayBuffers, {told: {...}}.
 
 import { PERIOD_S } from "./law.js";
+import { Past } from "./past.js";
 import { makeRecord, Log } from "./record.js";
 import { Server } from "./server.js";
 import { Session } from "./session.js";
@@ -30,12 +31,15 @@ const say = (message) => {
   else postMessage(JSON.stringify(message));
 };
 
-async function start({ setup, module, layouts, constants, plays, paused, version: told }) {
+async function start({ setup, module, layouts, constants, waves, plays, paused, version: told }) {
   version = told;
   const { default: load } = await import(module);
-  const sim = new Sim(await load(), layouts, setup);
+  const engine = await load();
+  const sim = new Sim(engine, layouts, setup);
+  const another = (skip) => new Sim(engine, layouts, { ...setup, config: { ...setup.config, skip } });
   session = new Session(sim, setup, constants);
-  server = new Server(sim, setup, session, constants, say);
+  const past = new Past(sim, another);
+  server = new Server(sim, setup, session, constants, say, past, waves);
   server.restart = restart;
   server.paused = paused;
   server.endSession = () => {
@@ -82,6 +86,7 @@ function pass() {
     if (sim.time - before < CHUNK_S / 2) server.paused = true; // an assertion failed
     sim.takeLog();
   }
+  server.past.look();
   work.ms += performance.now() - began;
   work.s += sim.time - before;
 }

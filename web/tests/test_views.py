@@ -124,10 +124,15 @@ def test_back_to_a_moment_and_on_from_there(desk):
     desk.eventually(lambda: desk.state()["time"] < then - 0.5)
     back = desk.state()["time"]
     page.click("#waves")
+    desk.until("() => document.querySelector('.waves').dataset.from")
+    assert float(page.input_value("#waves-t")) == pytest.approx(back, abs=1e-6)
+    page.fill("#waves-ms", "3")
+    page.click("#waves-trace")
     desk.until("() => document.getElementById('waves-said').textContent.includes('.fst')")
     said = page.inner_text("#waves-said").split()
-    assert f"{back:.3f}" in said and Path(said[-2]).stat().st_size > 10_000
+    assert f"{back:.6f}" in said[-2] and Path(said[-2]).stat().st_size > 10_000
     assert Path(said[-1]).suffix == ".gtkw"
+    page.click("#tab-time")
     page.click("#step")
     desk.eventually(lambda: desk.state()["time"] > back)
     page.click("#go")

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The nets of the prepared view as a page draws them, clock by clock and without a trace file.
+
+They come from a machine that skips nothing (mmcs_sim_watch); web/waves.js draws them.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from mmcs.view.names import TABLES, states
+from mmcs.view.waves import CARD, GROUPS, HEX, SIGNED, Signal
+
+ABSENT = ("firmware",)  # of a trace only
+FORMS = {HEX: "hex", SIGNED: "signed"}
+
+
+def groups() -> list[dict]:
+    """By group: each signal, the net that holds it, and how it is shown."""
+    return [
+        {"name": name, "signals": [_signal(signal) for signal in signals]}
+        for name, signals in GROUPS.items()
+        if name not in ABSENT
+    ]
+
+
+def nets() -> list[str]:
+    """What is watched, in the order in which changes are numbered."""
+    return [signal["net"] for group in groups() for signal in group["signals"]]
+
+
+def changes(found: np.ndarray, begin: int, end: int) -> list[dict]:
+    """Of each net between two clocks: clocks and values, the first as it was at the begin."""
+    made = []
+    for number in range(len(nets())):
+        of = found[(found["net"] == number) & (found["clock"] <= end)]
+        of = of[max(0, int(np.searchsorted(of["clock"], begin, side="right")) - 1) :]
+        made.append({"clocks": of["clock"].tolist(), "values": of["value"].tolist()})
+    return made
+
+
+def _signal(signal: Signal) -> dict:
+    names = {}
+    if signal.names:
+        names = TABLES[signal.names]()
+    elif signal.state_of:
+        names = states(signal.state_of)
+    return {
+        "name": re.sub(r"^.*(u_axis|u_card|g_vme)\.|^u_adaptor\.", "", signal.path),
+        "net": f"{CARD}.{signal.port}" if signal.port else signal.path,
+        "width": signal.width,
+        "form": FORMS.get(signal.form, "bits"),
+        "curve": signal.curve,
+        "names": {str(value): text for value, text in sorted(names.items())},
+    }

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Waveforms in the page: those of a native trace of the same run; by keyboard, on a telephone."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from bench import picture
+
+from mmcs.place import BUILD
+from mmcs.record.record import parse
+from mmcs.run.replay import replay, trace
+from mmcs.view import waves
+
+PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before power-on
+HZ = 8_000_000
+SITE = BUILD / "web"
+READING = "() => document.getElementById('waves-reading').textContent"
+ASK = "wanted => mctool.machine.link.request('waves', wanted)"
+
+
+def drawn(page) -> None:
+    page.wait_for_function("() => document.querySelector('.waves')?.dataset.from")
+
+
+def changes(values, begin: int, end: int, mask: int) -> list[tuple[int, int]]:
+    """Changes from one clock to another, the first as it was at the begin; one for each clock."""
+    last = {max(clock, begin): value & mask for clock, value in values if clock <= end}
+    pairs = itertools.pairwise([(-1, None), *last.items()])
+    return [(clock, value) for (_, before), (clock, value) in pairs if value != before]
+
+
+@pytest.mark.req("TOOL-1", "SIM-3")
+def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path):
+    """Just after a person has changed gains, amid what the scenario's own process does."""
+    import pywellen
+
+    page = opened("?scenario=puma560_bounce&paused=1")
+    page.wait_for_function("() => mctool.machine.controls && mctool.machine.enabled")
+    page.evaluate("""async () => {
+      const { machine } = mctool;
+      await machine.link.request("pace", { paused: false });
+      await machine.link.request("pace", { paused: true });
+      const change = machine.change(0, { ilim: 20 });
+      await machine.link.request("pace", { paused: false });
+      await change;
+    }""")
+    page.wait_for_selector("#record:not([disabled])")
+    page.evaluate("() => mctool.machine.link.request('pace', { paused: true })")
+    with page.expect_download() as download:
+        page.click("#record")
+    path = tmp_path / "run.mmcs"
+    download.value.save_as(path)
+    record = parse(path, json.loads(path.read_text()))
+    at = record.motion_start_s + record.data["call"][-1]["at"] + 0.001
+    made = page.evaluate(ASK, {"t": at, "ms": 2})
+    assert (made["from"], made["to"]) == (round((at - 1e-3) * HZ), round((at + 1e-3) * HZ))
+
+    traced = tmp_path / "run.fst"
+    assert trace(record, traced, at - 1.5e-3, at + 1.5e-3)[1] is None
+    assert replay(record)[1] is None
+    found = {var.full_name: var for var in pywellen.Waveform(str(traced)).all_vars()}
+    signals = [s for name, group in waves.GROUPS.items() if name != "firmware" for s in group]
+    busy = 0
+    for signal, net in zip(signals, made["nets"], strict=True):
+        span = (made["from"], made["to"], (1 << signal.width) - 1)
+        seen = changes(zip(net["clocks"], net["values"], strict=True), *span)
+        tv = found[signal.full()].tv
+        assert seen == changes(((t // PS_PER_CLK - BEFORE_CLKS, int(v)) for t, v in tv), *span), (
+            signal.path
+        )
+        busy += len(seen) > 1
+    assert busy > 20
+
+
+@pytest.mark.req("TOOL-1", "SIM-3")
+@pytest.mark.parametrize("name,steps", [("lab500", 400), ("puma560_bounce", 150)])
+def test_the_past_is_made_again_to_the_bit_whatever_was_done(name, steps):
+    """Requests, registers by hand, faults, STOP, going back, at random: no hair of difference."""
+    node, past = Path(sys.executable).with_name("node"), Path(__file__).with_name("past.mjs")
+    ended = subprocess.run(
+        [node, past, SITE, name, str(steps)], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    found = json.loads(ended.stdout)
+    assert found["same"] >= steps / 10 and found["drawn"] > 5000
+
+
+@pytest.mark.req("TOOL-1")
+def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
+    page = opened("?scenario=puma560")
+    page.wait_for_function("() => document.body.dataset.hash")
+    page.click("#tab-time")
+    page.wait_for_function("() => Number(document.getElementById('rewind').max) > 5")
+    page.click("#pause")
+    page.evaluate("""() => {
+      const slider = document.getElementById('rewind');
+      slider.value = 5;
+      slider.dispatchEvent(new Event('input'));
+    }""")
+    page.click("#waves")
+    drawn(page)
+    at = page.evaluate("() => Number(document.getElementById('waves-t').value)")
+    page.click("#tab-scope")
+    page.click("#scope-run")
+    page.hover(".u-over")
+    page.focus(".screen")
+    page.keyboard.press("a")
+    page.click("#tab-waves")
+    page.click("#waves-scope")
+    page.wait_for_function(
+        "t => Math.abs(document.querySelector('.waves').dataset.from - t) > 0.01", arg=at
+    )
+    by_scope = float(page.input_value("#waves-t"))
+    answer = page.evaluate(ASK, {"t": by_scope, "ms": 2})
+    setpoints = page.evaluate("() => [...mctool.page.setpoints]")
+    page.focus("#waves-canvas")
+    page.keyboard.press("ArrowDown")  # panic_o, brake_release_o, led_irq_o, then the address
+    for _ in range(3):
+        page.keyboard.press("ArrowDown")
+    names = [s["name"] for group in answer["groups"] for s in group["signals"]]
+    address = answer["nets"][names.index("vme_a_i")]
+    zero = round(by_scope * HZ)
+    later = [clock for clock in address["clocks"] if clock > zero]
+    page.keyboard.press("a")
+    for clock in later[:2]:
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function(f"{READING[6:]}.startsWith('{clock / HZ:.7f} s: vme_a_i')")
+    page.keyboard.press("b")
+    page.wait_for_function(f"{READING[6:]}.includes('Δ')")
+    for key in "+++-":
+        page.keyboard.press(key)
+    page.keyboard.press("Shift+ArrowLeft")
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(f"{READING[6:]}.startsWith('{later[0] / HZ:.7f} s')")
+    page.wait_for_timeout(300)
+    picture(page, "web_waves")
+    assert page.evaluate("() => [...mctool.page.setpoints]") == setpoints  # nothing was nudged
+    known = "still known"
+    for t, ms, said in (
+        *(("1e9", "2", known), ("soon", "2", "no time"), ("1", "two", "no time")),
+        *(("1", ms, "up to 20") for ms in ("21", "-1")),
+    ):
+        page.fill("#waves-t", t)
+        page.fill("#waves-ms", ms)
+        page.press("#waves-ms", "Enter")
+        page.wait_for_function("said => document.getElementById('said').textContent.includes(said)",
+                               arg=said)  # fmt: skip
+
+
+@pytest.mark.req("TOOL-1")
+def test_waveforms_on_a_telephone(opened):
+    page = opened(
+        "?scenario=lab500", viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+    )
+    page.wait_for_function("() => document.body.dataset.hash")
+    page.locator("#tab-waves").tap()
+    page.locator("#waves-now").tap()
+    drawn(page)
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    before = page.evaluate(READING)
+    canvas = page.locator("#waves-canvas")
+    canvas.scroll_into_view_if_needed()
+    canvas.tap(position={"x": 300, "y": 120})
+    page.wait_for_function(f"before => {READING[6:]} !== before", arg=before)
+    page.locator("#waves-in").tap()
+    page.locator("#waves-a").tap()
+    page.wait_for_function(f"{READING[6:]}.includes('A ')")

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// Waveforms of the milliseconds around a moment: VME, PC bus, card 0, from a machine that goes through
+// them again with its nets watched (web/engine/past.js; of a served machine, mmcs/tool/moment.py).
+
+import { el, labelled, parseNumber, perFrame, setText } from "./dom.js";
+import { duration, Waves } from "./wave_data.js";
+import { HEAD, layOut, WaveScreen } from "./wave_screen.js";
+
+const HELP = "left and right: from change to change of the chosen net; with shift: move; up and down: "
+  + "another net; + and -: zoom; 0: all of it; A and B: cursors; drag moves, the wheel zooms";  // prettier-ignore
+const ZOOM = 1.5;
+const LEAST_CLKS = 8;
+const CLICK_PX = 4;
+
+export function wavesView(page) {
+  const view = new WavesView(page);
+  page.showWaves = (t) => {
+    view.ask(t);
+    view.open();
+  };
+  return view;
+}
+
+class WavesView {
+  title = "Waves";
+  visible = false;
+
+  constructor(page) {
+    this.page = page;
+    this.waves = null;
+    this.hidden = new Set();
+    this.marks = [null, null];
+    this.pointers = new Map();
+    this.#build();
+    this.redraw = perFrame(() => this.draw());
+    new ResizeObserver(this.redraw).observe(this.sheet);
+  }
+
+  #build() {
+    const button = (id, text, f, title = "") =>
+      el("button", { type: "button", id, textContent: text, onclick: f, title });
+    const submit = (event) => {
+      if (event.key === "Enter") this.draws();
+    };
+    this.t = el("input", { type: "text", size: 11, id: "waves-t", inputMode: "decimal", onkeydown: submit });
+    this.ms = el("input", { type: "text", size: 4, value: "2", id: "waves-ms", inputMode: "decimal", onkeydown: submit });
+    this.said = el("output", { id: "waves-said", role: "status" });
+    this.reading = el("output", { id: "waves-reading", role: "status" });
+    this.chips = el("div", { className: "row", id: "waves-groups" });
+    this.canvas = el("canvas", { id: "waves-canvas", tabIndex: 0, className: "own-keys", title: HELP });
+    this.canvas.setAttribute("role", "application");
+    this.canvas.setAttribute("aria-label", `waveforms; ${HELP}`);
+    this.sheet = el("div", { className: "sheet" }, this.canvas);
+    this.screen = new WaveScreen(this.canvas);
+    const served = !this.page.machine.hello.waves;
+    const trace = button("waves-trace", "As a file for gtkwave", () => this.trace(),
+      "by the trace build, which is made if need be");  // prettier-ignore
+    this.element = el("div", { className: "waves" },
+      el("div", { className: "row" }, labelled("Around", this.t, "s"), labelled("for", this.ms, "ms"),
+        button("waves-draw", "Draw", () => this.draws()),
+        button("waves-scope", "At the scope's A", () => this.fromScope()),
+        button("waves-now", "Now", () => this.ask(this.#now())), served ? trace : "", this.said),
+      el("div", { className: "row" }, button("waves-back", "◀", () => this.pan(-0.3), "earlier"),
+        button("waves-on", "▶", () => this.pan(0.3), "later"), button("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
+        button("waves-out", "−", () => this.zoom(ZOOM), "zoom out"), button("waves-all", "All", () => this.all()),
+        button("waves-a", "A", () => this.mark(0), "cursor A here"), button("waves-b", "B", () => this.mark(1), "cursor B here"),
+        this.chips),
+      this.reading, this.sheet);  // prettier-ignore
+    this.sheet.addEventListener("scroll", () => this.redraw());
+    this.canvas.addEventListener("keydown", (event) => this.#key(event));
+    this.canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    this.canvas.addEventListener("dblclick", () => this.all());
+    for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"])
+      this.canvas.addEventListener(type, (event) => this.#pointer(event));
+  }
+
+  #now() {
+    const { history } = this.page.machine;
+    return history.end > history.first ? history.time(history.end - 1) : 0;
+  }
+
+  shown() {
+    if (!this.t.value) this.t.value = (this.page.scope?.moment() ?? this.#now()).toFixed(6);
+    this.redraw();
+  }
+
+  // --- what is drawn ---
+
+  fromScope() {
+    const t = this.page.scope?.moment();
+    if (t === null || t === undefined)
+      return this.page.machine.say("error", "the scope has no cursor A, and does not hold: set one there");
+    return this.ask(t);
+  }
+
+  ask(t) {
+    this.t.value = t.toFixed(6);
+    return this.draws();
+  }
+
+  #wanted() {
+    const [t, ms] = [parseNumber(this.t.value), parseNumber(this.ms.value)];
+    if (t !== null && ms !== null) return { t, ms };
+    const [text, what] = t === null ? [this.t.value, "s"] : [this.ms.value, "ms"];
+    this.page.machine.say("error", `waveforms: "${text}" is no time in ${what}`);
+    return null;
+  }
+
+  #request(op, wanted) {
+    const { machine, advice } = this.page;
+    const by = machine.hello.waves ? machine.link : advice;
+    return machine.try(by.request(op, wanted));
+  }
+
+  async draws() {
+    const wanted = this.#wanted();
+    if (!wanted) return;
+    setText(this.said, "…");
+    const made = await this.#request("waves", wanted);
+    setText(this.said, "");
+    if (made) this.show(new Waves(made), wanted.t);
+  }
+
+  async trace() {
+    const wanted = this.#wanted();
+    if (!wanted) return;
+    setText(this.said, "tracing; the first time a machine is built for it");
+    const made = await this.#request("trace", wanted);
+    if (!made) return setText(this.said, "");
+    return setText(this.said, made.opened ? "opened" : `gtkwave ${made.file} ${made.view}`);
+  }
+
+  show(waves, t) {
+    this.waves = waves;
+    this.zero = Math.min(Math.max(Math.round(t * waves.clk_hz), waves.from), waves.to);
+    this.at = this.zero;
+    this.marks = [null, null];
+    this.chips.replaceChildren(...waves.groups.map(({ name }) => {
+      const box = el("input", { type: "checkbox", checked: !this.hidden.has(name), onchange: () => {
+        if (box.checked) this.hidden.delete(name);
+        else this.hidden.add(name);
+        this.redraw();
+      } });
+      return labelled(name, box);
+    }));  // prettier-ignore
+    this.selected = waves.groups[0].nets[0];
+    this.all();
+    this.element.dataset.from = String(waves.seconds(waves.from));
+  }
+
+  draw() {
+    if (!this.waves || !this.visible || !this.canvas.clientWidth) return;
+    this.laid = layOut(this.waves, this.hidden);
+    this.screen.draw(this);
+    const { selected, at, waves, marks } = this;
+    const said = [`${waves.seconds(at).toFixed(7)} s: ${selected.name} ${selected.text(selected.at(at))}`];
+    marks.forEach((clock, n) => {
+      if (clock === null) return;
+      said.push(`${"AB"[n]} ${duration((clock - this.zero) / waves.clk_hz)}: ${selected.text(selected.at(clock))}`);
+    });
+    if (marks[0] !== null && marks[1] !== null) said.push(`Δ ${duration((marks[1] - marks[0]) / waves.clk_hz)}`);
+    setText(this.reading, said.join("   "));
+  }
+
+  // --- moving about ---
+
+  all() {
+    if (!this.waves) return;
+    const { from, to } = this.waves;
+    this.view = { from, to: Math.max(to, from + LEAST_CLKS) };
+    this.redraw();
+  }
+
+  /** The view, kept within what there is. */
+  #look(from, width) {
+    const { waves } = this;
+    const all = Math.max(waves.to - waves.from, LEAST_CLKS);
+    const kept = Math.min(Math.max(width, LEAST_CLKS), all);
+    const begin = Math.min(Math.max(from, waves.from), waves.from + all - kept);
+    this.view = { from: begin, to: begin + kept };
+    this.redraw();
+  }
+
+  pan(part) {
+    if (!this.waves) return;
+    const width = this.view.to - this.view.from;
+    this.#look(this.view.from + part * width, width);
+  }
+
+  zoom(factor, about = this.at) {
+    if (!this.waves) return;
+    const { from, to } = this.view;
+    const fixed = about >= from && about <= to ? about : (from + to) / 2;
+    this.#look(fixed - (fixed - from) * factor, (to - from) * factor);
+  }
+
+  mark(n) {
+    if (!this.waves) return;
+    this.marks[n] = this.at;
+    this.redraw();
+  }
+
+  #goTo(clock) {
+    this.at = Math.min(Math.max(Math.round(clock), this.waves.from), this.waves.to);
+    const { from, to } = this.view;
+    if (this.at < from || this.at > to) this.#look(this.at - (to - from) / 2, to - from);
+    this.redraw();
+  }
+
+  #choose(step) {
+    const nets = this.laid.rows.filter(({ net }) => net);
+    const at = nets.findIndex(({ net }) => net === this.selected);
+    const row = nets[Math.min(Math.max(at + step, 0), nets.length - 1)];
+    if (!row) return;
+    this.selected = row.net;
+    const [above, below] = [row.top - HEAD, row.top + row.height - this.sheet.clientHeight];
+    this.sheet.scrollTop = Math.min(Math.max(this.sheet.scrollTop, below), above);
+    this.redraw();
+  }
+
+  #key(event) {
+    if (!this.waves || event.ctrlKey || event.metaKey || event.altKey) return;
+    const change = (forward) => {
+      const found = this.selected.next(this.at, forward);
+      if (found !== null) this.#goTo(found);
+    };
+    const acts = {
+      ArrowLeft: () => (event.shiftKey ? this.pan(-0.2) : change(false)),
+      ArrowRight: () => (event.shiftKey ? this.pan(0.2) : change(true)),
+      ArrowUp: () => this.#choose(-1),
+      ArrowDown: () => this.#choose(1),
+      "+": () => this.zoom(1 / ZOOM),
+      "=": () => this.zoom(1 / ZOOM),
+      "-": () => this.zoom(ZOOM),
+      0: () => this.all(),
+      a: () => this.mark(0),
+      b: () => this.mark(1),
+    };
+    const act = acts[event.key] ?? acts[event.key.toLowerCase()];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  }
+
+  #wheel(event) {
+    if (!this.waves || event.offsetX < this.screen.namesWidth) return; // over the names it scrolls
+    event.preventDefault();
+    this.zoom(event.deltaY > 0 ? ZOOM : 1 / ZOOM, this.screen.clock(event.offsetX));
+  }
+
+  /** A click sets the cursor and chooses a net; one finger moves, two zoom. */
+  #pointer(event) {
+    if (!this.waves) return;
+    const { type, pointerId: id, offsetX: x, offsetY: y } = event;
+    const was = this.pointers.get(id);
+    if (type === "pointerdown") {
+      this.canvas.setPointerCapture(id);
+      this.pointers.set(id, { x, y, began: x, moved: false });
+    } else if (type === "pointermove" && was) {
+      const others = [...this.pointers.entries()].filter(([other]) => other !== id);
+      const { from, to } = this.view;
+      if (others.length) {
+        const fixed = others[0][1].x;
+        const factor = Math.abs(was.x - fixed) / Math.max(1, Math.abs(x - fixed));
+        this.zoom(factor, this.screen.clock(fixed));
+      } else if (was.moved || Math.abs(x - was.began) > CLICK_PX) {
+        this.#look(from + this.screen.clock(was.x) - this.screen.clock(x), to - from);
+      }
+      this.pointers.set(id, { ...was, x, y, moved: was.moved || Math.abs(x - was.began) > CLICK_PX });
+    } else if (was) {
+      this.pointers.delete(id);
+      if (type === "pointerup" && !was.moved) this.#click(x, y);
+    }
+  }
+
+  #click(x, y) {
+    const row = this.laid.rows.find(({ net, top, height }) => net && y >= top && y < top + height);
+    if (row) this.selected = row.net;
+    if (x >= this.screen.namesWidth) this.#goTo(this.screen.clock(x));
+    this.redraw();
+  }
+}
