@@ -32,7 +32,9 @@ from mmcs.view.watched import groups
 SITE = BUILD / "web"
 CARDS = (1, 3)  # machines of these sizes are built
 PAGES = ROOT / "web"
-SKIPPED = {"tests", "package.json", "package-lock.json", "site.html", "lib"}
+SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html", "lib"}
+# of mctool's page, what the site's own has instead
+OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_segment", "mmcs_event", "mmcs_stats",
               "mmcs_checkpoint", "mmcs_snapshot", "mmcs_tap_head", "mmcs_tap_read",
               "mmcs_tap_event", "mmcs_change",
@@ -82,7 +84,11 @@ def write() -> None:
             continue
         target = fresh / path.name
         shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
-    shutil.copy(PAGES / "site.html", fresh / "index.html")
+    page = (PAGES / "index.html").read_text()
+    for theirs, ours in OWN_PAGE.items():
+        assert theirs in page, theirs
+        page = page.replace(theirs, ours)
+    (fresh / "index.html").write_text(page)
     for name in ("uplot", "three"):
         shutil.copytree(library_folder() / LIBRARIES[name], fresh / "lib" / name, ignore=_big)
     for cards in CARDS:
