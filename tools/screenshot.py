@@ -29,8 +29,8 @@ def missing() -> str:
     return " ".join(name for name in ("gtkwave", "Xvfb") if not shutil.which(name))
 
 
-def shoot(trace: Path, view: Path) -> Image.Image:
-    """The screen when it no longer changes and is not empty."""
+def shoot(trace: Path, view: Path, whole=lambda image: True) -> Image.Image:
+    """The screen when it no longer changes, is not empty, and is whole, or the last one."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with tempfile.TemporaryDirectory() as folder:
         read, write = os.pipe()
@@ -53,7 +53,8 @@ def shoot(trace: Path, view: Path) -> Image.Image:
                 for _ in range(TRIES):
                     time.sleep(0.5)
                     image = read_xwd((Path(folder) / "Xvfb_screen0").read_bytes())
-                    if image.tobytes() == before and len(image.getcolors(1 << 24)) > 8:
+                    drawn = image.tobytes() == before and len(image.getcolors(1 << 24)) > 8
+                    if drawn and whole(image):
                         return image
                     before = image.tobytes()
                 return image
