@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import select
 import shutil
@@ -18,6 +19,7 @@ from mmcs import BUILD, ROOT
 from mmcs.device.link import Link
 from mmcs.device.server import Server
 from mmcs.device.sockets import check_folder, socket_path
+from mmcs.engine.build import is_whole
 from mmcs.errors import InputError, RunError
 from mmcs.screen import clean
 
@@ -42,10 +44,11 @@ def cflags(modern: bool = False) -> list[str]:
 
 
 def preload_library(sanitize: bool = False) -> Path:
-    """The preload library, compiled if missing or older than its sources."""
+    """The preload library, compiled if missing, damaged or older than its sources."""
     library = LIBRARY.with_stem(LIBRARY.stem + "_asan") if sanitize else LIBRARY
     inputs = [DEVICE / name for name in (*SOURCES, "wire.h", "include/sys/mmcs.h")]
-    if library.exists() and library.stat().st_mtime > max(f.stat().st_mtime for f in inputs):
+    newest = max(f.stat().st_mtime for f in inputs)
+    if is_whole(library) and library.stat().st_mtime > newest:
         return library
     library.parent.mkdir(parents=True, exist_ok=True)
     fresh = library.with_suffix(f".{os.getpid()}")
@@ -55,7 +58,10 @@ def preload_library(sanitize: bool = False) -> Path:
     done = subprocess.run(command, text=True, capture_output=True, check=False)
     if done.returncode:
         raise RunError(f"the preload library does not compile: {done.stderr.strip()[:200]}")
+    digest = fresh.with_suffix(f"{fresh.suffix}.sum")
+    digest.write_text(hashlib.sha256(fresh.read_bytes()).hexdigest() + "\n")
     fresh.rename(library)
+    digest.rename(library.with_name(f"{library.name}.sum"))
     return library
 
 

@@ -335,3 +335,21 @@ def test_damaged_build_is_made_again(tmp_path, monkeypatch):
         assert build.ensure_library(1, "speed") == library and library.read_bytes() == b"good"
         assert len(made) == before + 1
     assert build.ensure_library(1, "speed") == library and len(made) == 5
+
+
+def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
+    """Who has it in front of his program would die of it."""
+    from mmcs.device import execute
+
+    library = tmp_path / "device" / "libmmcs_preload.so"
+    monkeypatch.setattr(execute, "LIBRARY", library)
+    good = execute.preload_library().read_bytes()
+    for damage in (good[:-1], bytes([good[0] ^ 1]) + good[1:], b""):
+        library.write_bytes(damage)
+        assert execute.preload_library().read_bytes() == good
+    library.with_name(f"{library.name}.sum").unlink()
+    assert execute.preload_library().read_bytes() == good
+    before = library.stat().st_ino
+    execute.preload_library()
+    assert library.stat().st_ino == before
+    assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
