@@ -220,15 +220,23 @@ def dask_client(address: str):
     except ImportError:
         allowed = 'needs the package "distributed": pip install "mmcs[dask]"'
         raise InputError.one("--dask", "", address, allowed) from None
-    import logging
-
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    _quiet()
     try:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         why = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError.one("--dask", "", address, f"no scheduler answers ({why})") from None
     return client
+
+
+def _quiet() -> None:
+    """What goes wrong is told in one line by who calls: not by its own loggers, some of which have
+    levels of their own."""
+    import logging
+
+    for name in ("distributed", "tornado", *logging.root.manager.loggerDict):
+        if name.split(".")[0] in ("distributed", "tornado", "asyncio"):
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def run_timed(setup, build: str, work, task) -> tuple[dict, float]:
