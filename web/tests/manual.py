@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 
 from bench import PICTURES
 
 from mmcs import ROOT
+from tools.pages import marks, splice
 
 HEADS = {
     "autotune": "| | g, counts/s² per D/A unit | Coulomb +/− | break-away | phase margin "
@@ -34,8 +34,8 @@ def main() -> None:
     for page in PAGES:
         text = page.read_text()
         for name, table in found.items():
-            between = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
-            text = re.sub(between, lambda m, t=table: m[1] + t + "\n" + m[2], text, flags=re.S)
+            if marks(name)[0] in text:
+                text = splice(text, name, table)
         page.write_text(text)
     for picture in PICTURES.glob("*.png"):
         name = picture.name if picture.name.startswith("web") else f"tool_{picture.name}"
