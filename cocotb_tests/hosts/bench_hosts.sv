@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine with one card behind each of its host fronts. §4.2.1
 //
-// HostPort 0: VME. 1: front_i chooses 1 AXI4-Lite, 2 Wishbone classic, 3 pipelined, 4 APB; of 8 bits
-// 5 Wishbone classic, 6 APB.
+// HostPort 0: VME. 1: front_i chooses 1 AXI4-Lite, 2 Wishbone classic, 3 pipelined, 4 APB; of 8
+// bits 5 Wishbone classic, 6 APB. The fronts of one bus share its pins.
 `default_nettype none
 
 module bench_hosts #(
@@ -56,26 +56,6 @@ module bench_hosts #(
   output logic             wb_ack_o,
   output logic             wb_err_o,
   output logic             wb_stall_o,
-  input  wire logic        wbp_cyc_i,
-  input  wire logic        wbp_stb_i,
-  input  wire logic        wbp_we_i,
-  input  wire logic [15:0] wbp_adr_i,
-  input  wire logic [ 3:0] wbp_sel_i,
-  input  wire logic [31:0] wbp_dat_i,
-  output logic      [31:0] wbp_dat_o,
-  output logic             wbp_ack_o,
-  output logic             wbp_err_o,
-  output logic             wbp_stall_o,
-  input  wire logic        wb8_cyc_i,
-  input  wire logic        wb8_stb_i,
-  input  wire logic        wb8_we_i,
-  input  wire logic [15:0] wb8_adr_i,
-  input  wire logic [ 0:0] wb8_sel_i,
-  input  wire logic [ 7:0] wb8_dat_i,
-  output logic      [ 7:0] wb8_dat_o,
-  output logic             wb8_ack_o,
-  output logic             wb8_err_o,
-  output logic             wb8_stall_o,
   input  wire logic        apb_psel,
   input  wire logic        apb_penable,
   input  wire logic        apb_pwrite,
@@ -86,16 +66,6 @@ module bench_hosts #(
   output logic      [31:0] apb_prdata,
   output logic             apb_pready,
   output logic             apb_pslverr,
-  input  wire logic        apb8_psel,
-  input  wire logic        apb8_penable,
-  input  wire logic        apb8_pwrite,
-  input  wire logic [15:0] apb8_paddr,
-  input  wire logic [ 2:0] apb8_pprot,
-  input  wire logic [ 0:0] apb8_pstrb,
-  input  wire logic [ 7:0] apb8_pwdata,
-  output logic      [ 7:0] apb8_prdata,
-  output logic             apb8_pready,
-  output logic             apb8_pslverr,
   // The machine
   input  wire logic        estop_closed_i,
   input  wire logic        cable_ok_i,
@@ -126,50 +96,49 @@ module bench_hosts #(
     .hp_ack_i(hp_ack & front_i == 1), .hp_rdata_i(hp_rdata)
   );
 
-  adaptor_wb #() u_wb (
-    .clk_i, .rst_ni,
-    .wb_cyc_i(wb_cyc_i), .wb_stb_i(wb_stb_i), .wb_we_i(wb_we_i),
-    .wb_adr_i(wb_adr_i), .wb_sel_i(wb_sel_i), .wb_dat_i(wb_dat_i), .wb_dat_o(wb_dat_o),
-    .wb_ack_o(wb_ack_o), .wb_err_o(wb_err_o), .wb_stall_o(wb_stall_o),
-    .hp_req_o(req[2]), .hp_write_o(write[2]), .hp_a_o(a[2]), .hp_wdata_o(wdata[2]),
-    .hp_ack_i(hp_ack & front_i == 2), .hp_rdata_i(hp_rdata)
+  // Whose answer the shared pins are
+  logic [6:2] ack, err, stall;
+  logic [6:2][31:0] dat;
+  assign {wb_dat_o, apb_prdata} = {2{dat[front_i]}};
+  assign {wb_ack_o, apb_pready} = {2{ack[front_i]}};
+  assign {wb_err_o, apb_pslverr} = {2{err[front_i]}};
+  assign wb_stall_o = stall[front_i];
+  assign {stall[6], stall[4], dat[6][31:8], dat[5][31:8]} = '0;
+
+  adaptor_wb u_wb (
+    .clk_i, .rst_ni, .wb_cyc_i(wb_cyc_i & front_i == 2), .wb_stb_i, .wb_we_i, .wb_adr_i,
+    .wb_sel_i, .wb_dat_i, .wb_dat_o(dat[2]), .wb_ack_o(ack[2]), .wb_err_o(err[2]),
+    .wb_stall_o(stall[2]), .hp_req_o(req[2]), .hp_write_o(write[2]), .hp_a_o(a[2]),
+    .hp_wdata_o(wdata[2]), .hp_ack_i(hp_ack & front_i == 2), .hp_rdata_i(hp_rdata)
   );
 
   adaptor_wb #(.Pipelined(1'b1)) u_wbp (
-    .clk_i, .rst_ni,
-    .wb_cyc_i(wbp_cyc_i), .wb_stb_i(wbp_stb_i), .wb_we_i(wbp_we_i),
-    .wb_adr_i(wbp_adr_i), .wb_sel_i(wbp_sel_i), .wb_dat_i(wbp_dat_i), .wb_dat_o(wbp_dat_o),
-    .wb_ack_o(wbp_ack_o), .wb_err_o(wbp_err_o), .wb_stall_o(wbp_stall_o),
-    .hp_req_o(req[3]), .hp_write_o(write[3]), .hp_a_o(a[3]), .hp_wdata_o(wdata[3]),
-    .hp_ack_i(hp_ack & front_i == 3), .hp_rdata_i(hp_rdata)
+    .clk_i, .rst_ni, .wb_cyc_i(wb_cyc_i & front_i == 3), .wb_stb_i, .wb_we_i, .wb_adr_i,
+    .wb_sel_i, .wb_dat_i, .wb_dat_o(dat[3]), .wb_ack_o(ack[3]), .wb_err_o(err[3]),
+    .wb_stall_o(stall[3]), .hp_req_o(req[3]), .hp_write_o(write[3]), .hp_a_o(a[3]),
+    .hp_wdata_o(wdata[3]), .hp_ack_i(hp_ack & front_i == 3), .hp_rdata_i(hp_rdata)
   );
 
   adaptor_apb #(.DataWidth(32)) u_apb (
-    .clk_i, .rst_ni,
-    .apb_psel(apb_psel), .apb_penable(apb_penable), .apb_pwrite(apb_pwrite), .apb_paddr(apb_paddr),
-    .apb_pprot(apb_pprot), .apb_pstrb(apb_pstrb), .apb_pwdata(apb_pwdata),
-    .apb_prdata(apb_prdata), .apb_pready(apb_pready), .apb_pslverr(apb_pslverr),
-    .hp_req_o(req[4]), .hp_write_o(write[4]), .hp_a_o(a[4]), .hp_wdata_o(wdata[4]),
-    .hp_ack_i(hp_ack & front_i == 4), .hp_rdata_i(hp_rdata)
+    .clk_i, .rst_ni, .apb_psel(apb_psel & front_i == 4), .apb_penable, .apb_pwrite, .apb_paddr,
+    .apb_pprot, .apb_pstrb, .apb_pwdata, .apb_prdata(dat[4]),
+    .apb_pready(ack[4]), .apb_pslverr(err[4]), .hp_req_o(req[4]), .hp_write_o(write[4]),
+    .hp_a_o(a[4]), .hp_wdata_o(wdata[4]), .hp_ack_i(hp_ack & front_i == 4), .hp_rdata_i(hp_rdata)
   );
 
   adaptor_wb #(.DataWidth(8)) u_wb8 (
-    .clk_i, .rst_ni,
-    .wb_cyc_i(wb8_cyc_i), .wb_stb_i(wb8_stb_i), .wb_we_i(wb8_we_i),
-    .wb_adr_i(wb8_adr_i), .wb_sel_i(wb8_sel_i), .wb_dat_i(wb8_dat_i), .wb_dat_o(wb8_dat_o),
-    .wb_ack_o(wb8_ack_o), .wb_err_o(wb8_err_o), .wb_stall_o(wb8_stall_o),
-    .hp_req_o(req[5]), .hp_write_o(write[5]), .hp_a_o(a[5]), .hp_wdata_o(wdata[5]),
+    .clk_i, .rst_ni, .wb_cyc_i(wb_cyc_i & front_i == 5), .wb_stb_i, .wb_we_i, .wb_adr_i,
+    .wb_sel_i(wb_sel_i[0]), .wb_dat_i(wb_dat_i[7:0]), .wb_dat_o(dat[5][7:0]),
+    .wb_ack_o(ack[5]), .wb_err_o(err[5]), .wb_stall_o(stall[5]), .hp_req_o(req[5]),
+    .hp_write_o(write[5]), .hp_a_o(a[5]), .hp_wdata_o(wdata[5]),
     .hp_ack_i(hp_ack & front_i == 5), .hp_rdata_i(hp_rdata)
   );
 
   adaptor_apb #(.DataWidth(8)) u_apb8 (
-    .clk_i, .rst_ni,
-    .apb_psel(apb8_psel), .apb_penable(apb8_penable), .apb_pwrite(apb8_pwrite),
-    .apb_paddr(apb8_paddr),
-    .apb_pprot(apb8_pprot), .apb_pstrb(apb8_pstrb), .apb_pwdata(apb8_pwdata),
-    .apb_prdata(apb8_prdata), .apb_pready(apb8_pready), .apb_pslverr(apb8_pslverr),
-    .hp_req_o(req[6]), .hp_write_o(write[6]), .hp_a_o(a[6]), .hp_wdata_o(wdata[6]),
-    .hp_ack_i(hp_ack & front_i == 6), .hp_rdata_i(hp_rdata)
+    .clk_i, .rst_ni, .apb_psel(apb_psel & front_i == 6), .apb_penable, .apb_pwrite, .apb_paddr,
+    .apb_pprot, .apb_pstrb(apb_pstrb[0]), .apb_pwdata(apb_pwdata[7:0]), .apb_prdata(dat[6][7:0]),
+    .apb_pready(ack[6]), .apb_pslverr(err[6]), .hp_req_o(req[6]), .hp_write_o(write[6]),
+    .hp_a_o(a[6]), .hp_wdata_o(wdata[6]), .hp_ack_i(hp_ack & front_i == 6), .hp_rdata_i(hp_rdata)
   );
 
   /* verilator lint_off PINCONNECTEMPTY */

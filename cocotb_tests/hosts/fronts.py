@@ -17,7 +17,7 @@ from cocotb_tests.lib.vme import VmeBus, VmeMaster
 VME, AXIL, WB, WB_PIPELINED, APB, WB_BYTES, APB_BYTES = range(7)
 NAMES = ("VME", "AXI4-Lite", "Wishbone classic", "Wishbone pipelined", "APB",
          "Wishbone classic, 8 bits", "APB, 8 bits")  # fmt: skip
-PREFIX = {WB: "wb", WB_PIPELINED: "wbp", WB_BYTES: "wb8", APB: "apb", APB_BYTES: "apb8"}
+PREFIX = {WB: "wb", WB_PIPELINED: "wb", WB_BYTES: "wb", APB: "apb", APB_BYTES: "apb"}
 
 
 class Refused(Exception):
@@ -48,9 +48,7 @@ class Front(Tb):
         dut.rst_ni.value = 0
         for name in ("awvalid", "wvalid", "arvalid", "bready", "rready"):
             getattr(dut, f"s_axil_{name}").value = 0
-        for name in ("apb", "apb8"):
-            getattr(dut, f"{name}_psel").value = 0
-            getattr(dut, f"{name}_penable").value = 0
+        dut.apb_psel.value = dut.apb_penable.value = 0
         dut.front_i.value, dut.axis_enable_i.value = front or AXIL, 3
         self.enc = self.encoders(2)
         await self.clocks(4)
