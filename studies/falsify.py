@@ -148,7 +148,8 @@ def path_of(name: str) -> str:
 
     setup = load(name)
     axes, _, t = run(name, None)
-    every = round(setup.scenario.duration / (POINTS + 1), 3)
+    told = min(setup.scenario.duration, float(t[-1]))  # a driver that has stopped records no more
+    every = round(told / (POINTS + 1), 3)
     step = round(every * 1e6 / setup.scenario.interval_us)
     every = step * setup.scenario.interval_us / 1e6
     places = np.searchsorted(t, every * np.arange(1, POINTS + 1) - 1e-9)
