@@ -45,8 +45,8 @@ $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/v
 	@echo "$(CURDIR)" >$(PLACE)
 	@touch $@
 
-$(VENV)/.test: $(VENV)/.sim
-	@$(call INSTALL,the test tools,-e .[test])
+$(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
+	@$(call INSTALL,the test tools,-e .[test] -e ./bfm)
 	@$(call INSTALL,the page's server,-e .[tool])
 	@$(call INSTALL,the processor models,-e .[hosts]) || echo "mmcs: no processor models: the tests of --host skip"
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
@@ -264,4 +264,4 @@ clean: ## remove build/
 	@rm -rf build
 
 distclean: clean ## remove build/ and .venv
-	@rm -rf $(VENV) mmcs.egg-info dist
+	@rm -rf $(VENV) mmcs.egg-info bfm/*.egg-info dist

@@ -157,7 +157,7 @@ def nav() -> str:
             elif path.name == "README.md" and path.parent != DOCS:
                 pages = re.findall(r"\]\(([^)#\s]+\.md)\)", path.read_text())
                 lines.append(f"{inside}- {text}:")
-                lines += [f"{inside}    - {path.parent.relative_to(DOCS) / p}"
+                lines += [f"{inside}    - {place((path.parent / p).resolve())}"
                           for p in ("README.md", *pages)]  # fmt: skip
             elif path.resolve().is_relative_to(DOCS):
                 lines.append(f"{inside}- {text}: {target}")

@@ -93,6 +93,8 @@ def checks() -> list[tuple[str, list[str]]]:
         if top not in ("mmcs_soc", "mmcs_soc_fpga"):
             command = [c for c in command if "rtl/soc" not in c]
         jobs.append((f"verilator {top}", command))
+    for example in tracked("bfm/examples/*.sv"):
+        jobs.append((f"verilator {example}", ["verilator", "--lint-only", "-Wall", example]))
     jobs.append(
         (
             "icarus mmcs",

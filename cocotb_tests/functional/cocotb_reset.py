@@ -3,6 +3,7 @@
 
 import cocotb
 from cocotb.triggers import FallingEdge, Timer
+from cocotbext.vme import VmeMaster
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
@@ -25,7 +26,6 @@ from cocotb_tests.lib.tb import (
     Machine,
     Tb,
 )
-from cocotb_tests.lib.vme import VmeMaster
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"

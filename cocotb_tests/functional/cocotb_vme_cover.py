@@ -3,11 +3,11 @@
 
 import cocotb
 from cocotb.triggers import FallingEdge
+from cocotbext.vme import VmeTiming
 
 from cocotb_tests.functional import cover
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import PCCSR, PIT, Machine
-from cocotb_tests.lib.vme import VmeTiming
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"

@@ -140,8 +140,7 @@ async def motor(tb) -> None:
     while True:
         await RisingEdge(tb.dut.sclock_o)
         await tb.clocks(4)  # the card's latch, and the D/As behind it
-        drive = int(tb.dut.drive_v_o.value) & 0xFFFF
-        before, (y, v) = y, turn(y, v, (drive - 0x10000 if drive & 0x8000 else drive) // 16)
+        before, (y, v) = y, turn(y, v, tb.volts(0) // 16)
         await tb.enc[0].move(y - before, 1000)
 
 

@@ -9,10 +9,10 @@ import logging
 from cocotb.triggers import RisingEdge
 from cocotbext.apb import ApbBus, ApbMaster
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster
+from cocotbext.vme import VmeBus, VmeMaster
 from cocotbext.wishbone.driver import WBOp, WishboneMaster
 
 from cocotb_tests.lib.tb import Tb
-from cocotb_tests.lib.vme import VmeBus, VmeMaster
 
 VME, AXIL, WB, WB_PIPELINED, APB, WB_BYTES, APB_BYTES = range(7)
 NAMES = ("VME", "AXI4-Lite", "Wishbone classic", "Wishbone pipelined", "APB",

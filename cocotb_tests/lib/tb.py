@@ -4,14 +4,19 @@
 import ast
 import os
 import random
+from functools import cached_property
+from itertools import zip_longest
 
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotb.utils import get_sim_time
+from cocotbext.analog import AnalogSink, AnalogSource
+from cocotbext.mmcs import Pins
+from cocotbext.pcbus import PcBus, PcBusMonitor
+from cocotbext.quadrature import QuadratureSource
+from cocotbext.vme import VmeBus, VmeMaster
 
-from cocotb_tests.lib.encoder import EncoderSource, Pins
-from cocotb_tests.lib.vme import VmeBus, VmeMaster
 from mmcs import regs
 
 # Inputs that are 1 in health; all others are inert at 0.
@@ -119,10 +124,26 @@ class Tb:
 
         return cocotb.start_soon(hold())
 
-    def encoders(self, count: int, lines: int = 0) -> list[EncoderSource]:
+    def encoders(self, count: int, lines: int = 0) -> list[QuadratureSource]:
         dut = self.dut
         pins = [Pins(h) for h in (dut.enc_a_i, dut.enc_b_i, dut.enc_i_i)]
-        return [EncoderSource(*pins, axis, lines=lines) for axis in range(count)]
+        return [QuadratureSource(*pins, axis, lines=lines) for axis in range(count)]
+
+    # -- analog pins ---------------------------------------------------------------------------
+
+    @cached_property
+    def _analog(self) -> list[AnalogSource]:
+        pins = Pins(self.dut.adc_v_i, width=16)
+        return [AnalogSource(pins, axis) for axis in range(pins.lanes)]
+
+    def inputs(self, volts: list[int]) -> None:
+        """adc_v_i of all axes, 32768 = 10 V; those beyond the list at 0."""
+        for source, value in zip_longest(self._analog, volts, fillvalue=0):
+            source.raw(value)
+
+    def volts(self, axis: int) -> int:
+        """drive_v_o of an axis, signed, 32768 = 10 V."""
+        return AnalogSink(self.dut.drive_v_o, axis).raw()
 
 
 class Machine(Tb):
@@ -136,7 +157,7 @@ class Machine(Tb):
         self.bus = VmeBus.from_prefix(dut, "vme")
         self.master_options = master
         self.vme: VmeMaster | None = None
-        self.enc: list[EncoderSource] = []
+        self.enc: list[QuadratureSource] = []
 
     async def start(self, *, base: int = BASE, setup: bool = False, beat: bool = False) -> None:
         """Out of reset, the cards reachable; `setup` programs all PPIs, `beat` writes all D/As."""
@@ -216,14 +237,9 @@ class Machine(Tb):
 
     # -- pins ----------------------------------------------------------------------------------
 
-    def volts(self, axis: int) -> int:
-        """drive_v_o of an axis, signed, 32768 = 10 V."""
-        raw = int(self.dut.drive_v_o.value) >> 16 * axis & 0xFFFF
-        return raw - 0x10000 if raw & 0x8000 else raw
-
-    def inputs(self, volts: list[int]) -> None:
-        """adc_v_i of all axes."""
-        self.dut.adc_v_i.value = sum((v & 0xFFFF) << 16 * n for n, v in enumerate(volts))
+    def pc_monitor(self, **limits) -> PcBusMonitor:
+        """What comes out on the expansion connector."""
+        return PcBusMonitor(PcBus.from_prefix(self.dut, "pcx"), **limits)
 
     def led(self, card: int, name: str) -> int:
         return int(self.dut.card_leds_o.value) >> (11 * card + LEDS.index(name)) & 1

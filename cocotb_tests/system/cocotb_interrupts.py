@@ -8,10 +8,10 @@ that the documentation states.
 
 import cocotb
 from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer
+from cocotbext.vme import BusTimeout, VmeInterruptHandler, VmeTiming
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Machine
-from cocotb_tests.lib.vme import BusTimeout, VmeInterruptHandler, VmeTiming
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"

@@ -3,6 +3,7 @@
 
 import cocotb
 from cocotb.triggers import Timer
+from cocotbext.vme import BusTimeout, VmeInterruptHandler
 
 from cocotb_tests.lib.req import req, variants
 from cocotb_tests.lib.tb import (
@@ -24,7 +25,6 @@ from cocotb_tests.lib.tb import (
     Machine,
     dip,
 )
-from cocotb_tests.lib.vme import BusTimeout, VmeInterruptHandler
 from cocotb_tests.system.machine import SHORT
 
 TOPLEVEL = "mmcs"

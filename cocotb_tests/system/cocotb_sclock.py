@@ -4,7 +4,6 @@
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
-from cocotb_tests.lib.pcbus import PcBusMonitor
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
     ADC_LO,
@@ -136,7 +135,7 @@ async def command_and_conversion_are_real_time(dut):
     """Whatever clk_i and CLK: 500 ns of command, 25 us of conversion."""
     tb = Machine(dut)
     await tb.start(setup=True)
-    monitor = PcBusMonitor(dut, setup_ns=124)
+    monitor = tb.pc_monitor(setup_ns=124)
     await tb.crd(0, ADC_LO)
     await tb.cwr(0, LATCH, 0)
     start = tb.now()

@@ -4,17 +4,17 @@
 
 import cocotb
 from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
-
-from cocotb_tests.lib.pcbus import PcBusMonitor
-from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
-from cocotb_tests.lib.vme import (
+from cocotbext.vme import (
     AM_SUPERVISOR,
     AM_USER,
     BusTimeout,
     ProtocolError,
+    VmeMonitor,
     VmeTiming,
 )
+
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -34,7 +34,7 @@ async def every_pc_address_reads(dut):
     """All 512 odd offsets with A10 = 0 become one PC read each, at the address of Figure 4.2."""
     tb = Machine(dut)
     await tb.start()
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     offsets = list(range(1, 0x400, 2))
     for offset in offsets:
         await tb.rd(offset)
@@ -49,7 +49,7 @@ async def every_pc_address_writes(dut):
     """The same for writes, outside the cards' base so that nothing changes, data and all."""
     tb = Machine(dut)
     await tb.start(base=0x07)
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     expected = []
     for offset in range(1, 0x400, 2):
         value = tb.random.getrandbits(8)
@@ -63,7 +63,7 @@ async def every_pc_address_writes(dut):
 async def pccsr_gives_address_bits_5_to_9(dut):
     tb = Machine(dut)
     await tb.start()
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     for base in range(32):
         await tb.wr(PCCSR, base)
         assert await tb.rd(PCCSR) == base
@@ -77,7 +77,7 @@ async def every_adaptor_address_reads(dut):
     """All 512 odd offsets with A10 = 1: A09-A07 do not matter, holes and the vector read 0xFF."""
     tb = Machine(dut)
     await tb.start()
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     for n in range(3):  # counts that stand still: mode 1 waits for a gate that never comes
         await tb.timer(n, 0x1111 * (n + 1), 1)
     await tb.wr(VECTOR, 0x42)
@@ -100,7 +100,7 @@ async def every_adaptor_address_writes(dut):
     """A write to any hole changes neither PCCSR nor vector nor timer; the mirrors do."""
     tb = Machine(dut)
     await tb.start()
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     for offset in range(0x401, 0x800, 2):
         low = offset & 0x7F
         value = offset >> 1 & 0x1F
@@ -203,6 +203,7 @@ async def random_legal_timing(dut, skew):
     """A mixed stream with random skew; every read is checked against a model of the registers."""
     tb = Machine(dut, skew=skew, timing=VmeTiming(ds_skew=10))
     await tb.start(setup=True)
+    monitor, before = VmeMonitor(tb.bus, at="master"), tb.vme.count
     model = {(c, r): v for c in range(3) for r, v in ((0, 5), (1, 7))}
     pccsr, reads = BASE, 0
     for _ in range(150):
@@ -225,6 +226,8 @@ async def random_legal_timing(dut, skew):
             assert await tb.crd(card, register) == model[card, register]
             reads += 1
     assert reads > 40
+    assert len(monitor.cycles) == tb.vme.count - before
+    assert {c.outcome for c in monitor.cycles} == {"DTACK*"}
 
 
 @cocotb.test()
@@ -284,7 +287,7 @@ async def no_dtack_without_a_strobe(dut):
     """Address, AS* and WRITE* alone start nothing; DTACK* comes only after DS0*."""
     tb = Machine(dut)
     await tb.start()
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     dut.vme_a_i.value = 0x6001 >> 1
     dut.vme_am_i.value = AM_USER
     dut.vme_as_ni.value = 0
@@ -309,7 +312,7 @@ async def master_that_holds_the_strobes(dut):
     """However long the strobes stay, there is one PC cycle, and data and DTACK* stand."""
     tb = Machine(dut)
     await tb.start(setup=True)
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     tb.vme.timing.release = 5000
     assert await tb.crd(2, PORT_A) == 5
     await tb.cwr(2, PORT_A, 6)
@@ -425,7 +428,7 @@ async def write_data_is_captured_first(dut):
     """Data changed after DTACK* does not reach the card; nor does it change before the hold."""
     tb = Machine(dut)
     await tb.start(setup=True)
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     for _ in range(20):
         value = tb.random.getrandbits(8)
         await tb.cwr(0, PORT_A, value)
@@ -439,7 +442,7 @@ async def iack_cycle_is_no_data_cycle(dut):
     """IACK* low with the slave's address on the bus: no register is touched, nothing answers."""
     tb = Machine(dut)
     await tb.start()
-    monitor = PcBusMonitor(dut)
+    monitor = tb.pc_monitor()
     for am in (AM_USER, AM_SUPERVISOR):
         op = tb.vme.init_iack(5)
         op.address, op.am = 0x6409, am

@@ -11,6 +11,7 @@ from pathlib import Path
 import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotb.utils import get_sim_time
+from cocotbext.vme import BusTimeout
 
 from cocotb_tests.lib.tb import (
     ARMED,
@@ -28,7 +29,6 @@ from cocotb_tests.lib.tb import (
     VECTOR,
     Machine,
 )
-from cocotb_tests.lib.vme import BusTimeout
 
 TOPLEVEL = "mmcs"
 PARAMETERS = {"NumCards": 1, "HeartbeatUs": 400, "RelayUs": 20}

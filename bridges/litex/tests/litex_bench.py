@@ -4,8 +4,8 @@
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
-
-from cocotb_tests.lib.encoder import EncoderSource, Pins
+from cocotbext.analog import AnalogSink
+from cocotbext.quadrature import Pins, QuadratureSource
 
 GOAL, NEAR, GP1, LIMIT = 200, 4, 8, 300  # SCLOCKs in which the program must be done
 
@@ -14,7 +14,7 @@ GOAL, NEAR, GP1, LIMIT = 200, 4, 8, 300  # SCLOCKs in which the program must be 
 async def the_processor_moves_the_motor(dut):
     """LiteX's CPU runs the driver: interrupt, Wishbone, card, D/A, encoder, and back."""
     dut.rst.value, dut.axis_enable.value = 1, 3
-    encoder = EncoderSource(*(Pins(h) for h in (dut.enc_a, dut.enc_b, dut.enc_i)), 0)
+    encoder = QuadratureSource(*(Pins(h) for h in (dut.enc_a, dut.enc_b, dut.enc_i)), 0)
     Clock(dut.clk, 125, "ns").start()
     await ClockCycles(dut.clk, 8)
     dut.rst.value = 0
@@ -22,8 +22,7 @@ async def the_processor_moves_the_motor(dut):
     for n in range(LIMIT):
         await RisingEdge(dut.sclock)
         await ClockCycles(dut.clk, 4)
-        drive = int(dut.drive_v.value) & 0xFFFF
-        drive -= (drive & 0x8000) << 1
+        drive = AnalogSink(dut.drive_v).raw()
         drives.add(drive)
         v = max(-160, min(160, v + drive // 256 - v // 8))
         await encoder.move(v // 8, 1000)

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Models of the 8-bit PC I/O bus for cocotb: master, slave, monitor. See README.md."""
+
+from cocotbext.pcbus.bus import BusTimeout, PcBus, ProtocolError
+from cocotbext.pcbus.master import PcBusMaster
+from cocotbext.pcbus.monitor import PcBusMonitor, PcCycle
+from cocotbext.pcbus.slave import PcBusSlave
+
+__all__ = [
+    "BusTimeout",
+    "PcBus",
+    "PcBusMaster",
+    "PcBusMonitor",
+    "PcBusSlave",
+    "PcCycle",
+    "ProtocolError",
+]

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The signals of a slot of the 8-bit PC bus."""
+
+from cocotbext.mmcs import find, pin
+
+# By the pins of a card: d goes to it, q comes from it. A host has the same the other way round.
+CARD = {"a": "a_i", "aen": "aen_i", "ior_n": "ior_ni", "iow_n": "iow_ni", "d": "d_i", "q": "d_o",
+        "q_oe": "d_oe_o", "clk_en": "clk_en_i", "reset_drv": "reset_drv_i", "drq": "drq_i",
+        "irq": "irq_o", "iochrdy": "iochrdy_o", "wait": "wait_o"}  # fmt: skip
+HOST = {"a": "a_o", "aen": "aen_o", "ior_n": "ior_no", "iow_n": "iow_no", "d": "d_o", "q": "d_i",
+        "q_oe": "d_oe_i", "clk_en": "clk_en_o", "reset_drv": "reset_drv_o", "drq": "drq_o",
+        "irq": "irq_i", "iochrdy": "iochrdy_i", "wait": "wait_i"}  # fmt: skip
+OPTIONAL = {"aen", "q", "q_oe", "clk_en", "reset_drv", "drq", "irq", "iochrdy", "wait"}
+
+
+class BusTimeout(Exception):
+    """A card has held IOCHRDY low beyond the limit."""
+
+
+class ProtocolError(AssertionError):
+    """A rule of the bus was broken."""
+
+
+class PcBus:
+    """The signals of one slot by their short names; those that the design lacks are None.
+
+    `iochrdy` is low while a card asks for wait states; `wait`, where a design has that instead, is
+    high.
+    """
+
+    def __init__(self, **handles):
+        unknown = sorted(handles.keys() - CARD.keys())
+        if unknown:
+            raise TypeError(f"PcBus has no signal {unknown[0]}: it has {', '.join(CARD)}")
+        missing = sorted(CARD.keys() - OPTIONAL - handles.keys())
+        if missing:
+            raise TypeError(f"PcBus needs the signal {missing[0]}")
+        for name in CARD:
+            setattr(self, name, handles.get(name))
+
+    @classmethod
+    def from_prefix(cls, dut, prefix: str) -> "PcBus":
+        """PREFIX_ior_ni and so on of a card, PREFIX_ior_no of a host."""
+        names = HOST if hasattr(dut, f"{prefix}_ior_no") else CARD
+        return cls(**find(dut, prefix, names, OPTIONAL))
+
+    def idle(self) -> None:
+        """What a host that does nothing drives; CLK ticks with every clock of the design."""
+        for name in ("aen", "reset_drv", "drq"):
+            if (handle := getattr(self, name)) is not None:
+                handle.value = 0
+        self.a.value = 0
+        self.ior_n.value = self.iow_n.value = 1
+        if self.clk_en is not None:
+            self.clk_en.value = 1
+        self.d.value = 0xFF
+
+    def silent(self) -> None:
+        """What cards that do nothing drive."""
+        for name, value in (("q", 0xFF), ("q_oe", 0), ("irq", 0)):
+            if (handle := getattr(self, name)) is not None:
+                handle.value = value
+        self.stretch(False)
+
+    def data(self) -> int:
+        """What the host reads: 0xFF where no card drives."""
+        if self.q_oe is not None and not int(self.q_oe.value):
+            return 0xFF
+        if self.q is None:
+            raise ValueError("this bus has no signal q, which a read needs")
+        value = self.q.value
+        if not value.is_resolvable:
+            raise ProtocolError(f"the read data is {value}: not driven, or not known")
+        return int(value)
+
+    def can_stretch(self) -> bool:
+        return self.iochrdy is not None or self.wait is not None
+
+    def stretch(self, wait: bool) -> None:
+        """A card asks for wait states, or no more."""
+        if self.iochrdy is not None:
+            self.iochrdy.value = int(not wait)
+        if self.wait is not None:
+            self.wait.value = int(wait)
+
+    def stretched(self) -> bool:
+        if self.wait is not None:
+            return bool(pin(self.wait))
+        return self.iochrdy is not None and not pin(self.iochrdy)
