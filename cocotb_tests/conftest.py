@@ -6,7 +6,7 @@ dictionary) and `SOURCES` (further files beside it). The simulation of a module 
 variant and simulator with all selected tests; the items read their result.
 """
 
-import importlib
+import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -38,6 +38,8 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
+    if importlib.util.find_spec("cocotbext.vme") is None:
+        pytest.exit("the bus models of bfm/ are not installed: run `make .venv/.test`", 4)
     config.addinivalue_line("markers", "slow: left out of make test-fast")
     config.addinivalue_line("markers", "xdist_group(name): tests of one simulation")
 
