@@ -79,6 +79,9 @@ def main() -> int:
             (ROOT / "mmcs.core").read_text() + "\n" + yaml.safe_dump(entry, sort_keys=False), end=""
         )
         return 0
+    if sys.argv[1:] not in ([], ["--check"]):
+        print("cores: usage: tools/cores.py [--check | --provider URL]", file=sys.stderr)
+        return 2
     stale = [c for c in CHIPS if not (p := ROOT / f"{c}.core").exists() or p.read_text() != core(c)]
     if sys.argv[1:] == ["--check"]:
         if stale:

@@ -199,22 +199,24 @@ def main() -> int:
     given = parser.parse_args()
     try:
         setup = load(given.scenario, ())
+        if given.path.exists() and not given.path.is_socket():
+            raise InputError.one("--path", "", str(given.path), "is there and is no socket")
         with machine(setup) as sim, socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as door:
+            file = given.log.open("w", newline="") if given.log else None
             given.path.unlink(missing_ok=True)
             door.bind(str(given.path))
             door.listen(1)
             print(f"mmcs: {setup.name}, {setup.axes} axes, at {given.path}", flush=True)
-            host = door.accept()[0]
-            file = given.log.open("w", newline="") if given.log else None
-            with host:
-                serve(Bridge(sim, setup), host, csv.writer(file) if file else None)
-            if file:
-                file.close()
+            try:
+                with door.accept()[0] as host:
+                    serve(Bridge(sim, setup), host, csv.writer(file) if file else None)
+            finally:
+                given.path.unlink(missing_ok=True)
+                if file:
+                    file.close()
     except (InputError, RunError, OSError) as error:
         print(f"mmcs: {error}", file=sys.stderr)
         return 2
-    finally:
-        given.path.unlink(missing_ok=True)
     return 0
 
 

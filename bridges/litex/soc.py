@@ -5,11 +5,17 @@
 """
 
 import contextlib
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-from litex.build.generic_platform import GenericPlatform, Pins
+try:
+    from litex.build.generic_platform import GenericPlatform, Pins
+except ImportError:
+    sys.exit(
+        "mmcs: LiteX is not installed; `make litex-test` installs it, or pip install -e .[litex]"
+    )
 from litex.build.io import CRG
 from litex.soc.integration import export
 from litex.soc.integration.common import get_mem_data
@@ -18,6 +24,7 @@ from litex.soc.integration.soc_core import SoCCore
 from mmcs_litex import MMCS, ROOT
 
 CLK_HZ = 8_000_000
+GCC = "riscv64-unknown-elf-gcc"
 HERE = Path(__file__).resolve().parent
 PINS = {"enc_a": 2, "enc_b": 2, "enc_i": 2, "axis_enable": 2, "drive_v": 32, "card_leds": 11,
         "sclock": 1, "clk": 1, "rst": 1}  # fmt: skip
@@ -59,7 +66,7 @@ def compile_firmware(soc: Soc, folder: Path) -> Path:
     files = [HERE / "start.S", HERE / "main.c", firmware / "ports/window.c"]
     files += [firmware / "ports/memory.c", *sorted((firmware / "mc").glob("*.c"))]
     include = [f"-I{d}" for d in (folder, *(firmware / d for d in ("include", "mc", "ports")))]
-    gcc = ["riscv64-unknown-elf-gcc", "-march=rv32im", "-mabi=ilp32", "-Os", "-std=gnu11",
+    gcc = [GCC, "-march=rv32im", "-mabi=ilp32", "-Os", "-std=gnu11",
            "-ffreestanding", "-nostdlib", "-static", "-fno-builtin", "-ffunction-sections",
            "-fno-tree-loop-distribute-patterns", "-Wl,--gc-sections,--build-id=none",
            "-DSERVO_NARROW", "-T", str(HERE / "link.ld")]  # fmt: skip
@@ -85,4 +92,6 @@ def make(folder: Path) -> list[Path]:
 
 
 if __name__ == "__main__":
+    if not shutil.which(GCC):
+        sys.exit(f"mmcs: {GCC} is missing; sudo apt-get install gcc-riscv64-unknown-elf")
     print("\n".join(map(str, make(Path(sys.argv[1] if len(sys.argv) > 1 else "build/litex")))))

@@ -11,7 +11,10 @@ this module registers the environment.
 
 from __future__ import annotations
 
-import gymnasium
+try:
+    import gymnasium
+except ImportError:
+    raise ImportError("Gymnasium is not installed; pip install -e '.[learn]'") from None
 import numpy as np
 from gymnasium import spaces
 

@@ -31,8 +31,10 @@ def matrices(motor: dict) -> tuple[list, list, list, list]:
 
 def state_space(scenario: str, axis: int = 0, interval_s: float | None = None):
     """control.StateSpace of an axis of a scenario; interval_s: sampled so, with the D/A's hold."""
-    import control
-
+    try:
+        import control
+    except ImportError:
+        raise ImportError("python-control is not installed; pip install -e '.[learn]'") from None
     from mmcs.scenario.load import load
 
     setup = load(scenario, ())
