@@ -8,7 +8,7 @@ import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from cocotb_tests.hosts.driver import Driver
-from cocotb_tests.hosts.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused, clocks
+from cocotb_tests.hosts.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused, clocks, masters
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
     BASE,
@@ -32,7 +32,7 @@ VARIANTS = {"vme": {"HostPort": 0} | BEAT, "hosts": {"HostPort": 1} | BEAT}
 CARD = [Machine.creg(0, n) for n in range(32)]
 # Interrupt to last D/A write of the driver's pass over one card, by front (hardware/adaptor.md).
 CLOCKS = (327, 314, 314, 314, 314, 314, 314)
-INTERVAL_US = 500
+INTERVAL_US = 200
 
 
 def each_front(test):
@@ -41,6 +41,7 @@ def each_front(test):
     @functools.wraps(test)
     async def all_of_them(dut):
         clocks.clear()
+        masters.clear()
         for front in fronts(dut):
             await test(dut, front)
 

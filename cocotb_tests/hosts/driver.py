@@ -7,8 +7,6 @@ There, as on a processor, an interrupt that is not masked is served between two 
 
 import functools
 import re
-import subprocess
-from pathlib import Path
 
 import cffi
 from cocotb.task import bridge, resume
@@ -17,6 +15,7 @@ from cocotb.triggers import First, RisingEdge, Timer
 from cocotb_tests.hosts.fronts import VME, Refused
 from cocotb_tests.lib.runner import ROOT
 from cocotb_tests.lib.tb import DAC1, Machine
+from tools.compiled import compiled
 
 SYSCLK_HZ, IRQ_LEVEL, IRQ_VECTOR = 8_000_000, 5, 0x40
 RDWR = 2
@@ -31,13 +30,12 @@ def text_of(header: str) -> str:
 
 @functools.cache
 def load():
-    """The driver and its port as a library, in the folder of this simulation."""
+    """The driver and its port as a library."""
     firmware = ROOT / "firmware"
-    out = Path("libmc_window.so").resolve()
     sources = [*sorted((firmware / "mc").glob("*.c")), firmware / "ports" / "window.c"]
     include = [f"-I{firmware / d}" for d in ("include", "mc", "ports")]
     flags = ["-std=c11", "-O1", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", *include]
-    subprocess.run(["cc", *flags, "-o", str(out), *map(str, sources)], check=True)
+    out = compiled("libmc_window.so", ["cc", *flags], sources)
     ffi = cffi.FFI()
     for header in ("include/mcdef.h", "mc/mc.h", "ports/window.h"):
         ffi.cdef(text_of(header))

@@ -6,6 +6,7 @@ The masters are packages that others wrote, so that both sides of a handshake ar
 
 import logging
 
+import cocotb
 from cocotb.triggers import RisingEdge
 from cocotbext.apb import ApbBus, ApbMaster
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster
@@ -28,6 +29,7 @@ WB_PINS = {"cyc": "cyc_i", "stb": "stb_i", "we": "we_i", "adr": "adr_i", "sel": 
            "datwr": "dat_i", "datrd": "dat_o", "ack": "ack_o", "err": "err_o"}  # fmt: skip
 LIMIT_CLOCKS = 200  # in which a Wishbone front answers: simulated time, not the wall's
 clocks: list = []  # of this test: they start once, however many fronts follow
+masters: list = []  # tasks of the last front's master, which would go on beside the next one
 
 
 class Front(Tb):
@@ -54,7 +56,18 @@ class Front(Tb):
         await self.clocks(4)
         dut.rst_ni.value = 1
         await self.clocks(4)
-        prefix = PREFIX.get(front)
+        while masters:
+            masters.pop().cancel()
+        start_soon = cocotb.start_soon
+        cocotb.start_soon = lambda coroutine: masters.append(start_soon(coroutine)) or masters[-1]
+        try:
+            self._take_master(PREFIX.get(front))
+        finally:
+            cocotb.start_soon = start_soon
+        await self.clocks(4)
+
+    def _take_master(self, prefix: str | None) -> None:
+        dut, front = self.dut, self.front
         if front == VME:
             self.vme = VmeMaster(VmeBus.from_prefix(dut, "vme"))
         elif front == AXIL:
@@ -69,7 +82,6 @@ class Front(Tb):
             self.wb = WishboneMaster(
                 dut, prefix, dut.clk_i, timeout=LIMIT_CLOCKS, width=self.width, signals_dict=pins
             )
-        await self.clocks(4)
 
     async def raw(self, address: int, value: int | None = None, strobe: int | None = None) -> int:
         """An access as the bus has it: byte address, byte lanes; Refused if it ends in an error."""

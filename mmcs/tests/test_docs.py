@@ -165,3 +165,11 @@ def test_the_log_has_the_columns_that_the_page_names():
     row = re.search(r"^\| `log.csv` \|.*$", TEXT, re.M)[0]
     told = re.findall(r"`(\w+)_n`", row)
     assert tuple(told) == logcols.FIELDS
+
+
+def test_the_reading_order_names_every_file_of_the_hardware():
+    order = (ROOT / "docs" / "README.md").read_text().partition("**Reading the hardware")[2]
+    named = set(re.findall(r"`(?:rtl/)?(?:\w+/)?(\w+)(?:\.sv)?`", order))
+    for folder in ("adaptor", "mark1", "chips"):
+        files = {path.stem for path in (ROOT / "rtl" / folder).glob("*.sv")}
+        assert files <= named, sorted(files - named)
