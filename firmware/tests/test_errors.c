@@ -172,6 +172,13 @@ static void test_a_failed_read_has_seen_nothing(void) {
   CHECK_EQ(m.masked, 0);
   clear(mc, other); /* as if it had never read */
   CHECK_EQ(errcode(0), 0);
+  error_raise(mc, 0, MERR_PHI);
+  CHECK_EQ(mc_read(mc, 0, buf, sizeof buf), -MC_EFAULT);
+  m.bad_pointer = 0;
+  look(mc, other, 2);
+  clear(mc, other);
+  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(shown(mc, 0, 0), MERR_PLO | MERR_PHI); /* the failed read has not shown it */
   mock_stop(&m);
 }
 

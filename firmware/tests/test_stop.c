@@ -225,7 +225,25 @@ static void test_enable_moves_nothing_before_a_new_demand(void) {
   }
 }
 
+// req: DRV-6 DRV-8
+static void test_an_error_gives_no_calibration_up(void) {
+  struct mc *mc = listening(2);
+  int axis = 1;
+  set_mode_within_100(mc, 2, MD_POS | POSCHK);
+  CHECK_EQ(enable(mc, 0), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+  m.card[1].count[0] = 101;
+  mock_run(&m, 70000);
+  CHECK_EQ(mc_is_enabled(mc), 0);
+  m.card[0].latched[axis] = 50;
+  m.card[0].has_latch[axis] = m.card[0].index[axis] = 1;
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_state_of(mc, axis)->errcode, 50 << 16 | axis << 8 | MERR_ZINDEX);
+  mock_stop(&m);
+}
+
 static const struct test tests[] = {
+    {"test_an_error_gives_no_calibration_up", test_an_error_gives_no_calibration_up},
     {"test_enable_moves_nothing_before_a_new_demand",
      test_enable_moves_nothing_before_a_new_demand},
     {"test_no_error_of_the_old_mode_after_a_stop", test_no_error_of_the_old_mode_after_a_stop},

@@ -76,7 +76,8 @@ class Device:
 
     def ioctl(self, request: int, data: bytes = b"") -> bytes:
         """Any request of Table 2.3 by number; the argument in, the argument out."""
-        return self._call(wire.IOCTL, request, data)[1]
+        number = _checked("request", request, -(1 << 31), (1 << 32) - 1) & 0xFFFFFFFF
+        return self._call(wire.IOCTL, number, data)[1]
 
     def read(self, axes: int = 32) -> list[State]:
         """The states of axes 0 to axes-1 (fewer if the driver controls fewer), of one sample."""

@@ -211,7 +211,7 @@ def test_ctrl_c_in_a_call_harms_no_later_one(serving):
         lambda d: d.set_interval(-5), lambda d: d.get_param(2), lambda d: d.get_param("0"),
         lambda d: d.set_param(0, {"a7": 1}), lambda d: d.set_param(0, {"a0": 1e9}),
         lambda d: d.change_param(0, which=1), lambda d: d.change_param(0, b0=0),
-        lambda d: d.write([0] * 100_000),
+        lambda d: d.write([0] * 100_000), lambda d: d.ioctl(1 << 32), lambda d: d.ioctl("MSTOP"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_einval(serving, call):
