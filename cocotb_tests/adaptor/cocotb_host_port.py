@@ -278,7 +278,12 @@ async def safety_by_the_port(dut):
         assert await tb.rd(0x001) == (0x33 if linked else 0xFF)
         dut.pc_wait_i.value = 0
         assert await tb.rd(PCCSR) == 0
+        await FallingEdge(dut.clk_i)
         pin.value = 1
+        # Two flip-flops of the pin, two of the PC bus, which is heard again from now on, and PANIC.
+        for clocks_left in (4, 3, 2, 1, 0):
+            await FallingEdge(dut.clk_i)
+            assert int(dut.panic_o.value) == (clocks_left > 0)
         await tb.us(60)
         assert not int(dut.panic_o.value)
 

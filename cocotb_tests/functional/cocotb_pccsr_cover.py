@@ -72,6 +72,19 @@ async def every_transition(dut):
 
 
 @cocotb.test()
+@req("CSR-1", "INT-1", "INT-2")
+async def enables_beside_every_base(dut):
+    """Latches and enables as wanted, whatever stands in the bits beside them."""
+    tb = Csr(dut)
+    await tb.start()
+    for enables in range(4):
+        for base in range(32):
+            await tb.enter(0b10011)
+            await tb.wr(PCCSR, 4 << 5 | enables << 5 | base)
+            await tb.expect(0b10011 | enables << 2, base)
+
+
+@cocotb.test()
 @req("CSR-1", "MAP-1")
 async def every_base_after_every_other(dut):
     tb = Csr(dut)

@@ -11,6 +11,8 @@ namespace mmcs {
 class Checked final : public Plain {
  public:
   explicit Checked(uint64_t seed) : Plain(seed), rack_(false, true, seed) {
+    power_on();
+    rack_.power_on();
     pins_.also(rack_.pins());
   }
 

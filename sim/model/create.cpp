@@ -21,14 +21,18 @@ std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
 #if MMCS_SOC && !MMCS_PLAIN
   return std::make_unique<SocModel<Rack>>(two_evals, skip, seed);
 #elif !MMCS_PLAIN
-  return std::make_unique<Rack>(two_evals, skip, seed);
+  auto rack = std::make_unique<Rack>(two_evals, skip, seed);
+  rack->power_on();
+  return rack;
 #else
   static_cast<void>(two_evals);
   static_cast<void>(skip);
 #if MMCS_SOC
   return std::make_unique<SocModel<Plain>>(seed);
 #elif MMCS_TRACE
-  return std::make_unique<Plain>(seed);
+  auto plain = std::make_unique<Plain>(seed);
+  plain->power_on();
+  return plain;
 #else
   return std::make_unique<Checked>(seed);
 #endif

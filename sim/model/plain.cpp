@@ -4,6 +4,7 @@
 #include "plain.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -86,9 +87,8 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
     const RegisterRow &row = board_table(kWires.boards[static_cast<size_t>(r.board)].module)
                                  .registers[static_cast<size_t>(r.row)];
     std::string path = kWires.boards[static_cast<size_t>(r.board)].path;
-    if (*row.path) path += std::string(".") + row.path;
-    Net net = find_net(context_, kTop + "." + path, row.name);
-    if (!net) throw std::runtime_error("the model has no " + r.name);
+    if (*row.path) path.append(".").append(row.path);
+    Net net = find(path, row.name);
     net.width = r.width;
     nets_.push_back(net);
   }
@@ -105,9 +105,6 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
       {"brake_release_o", 9},
       {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) line_nets_.emplace_back(board_->port(name), bit);
-#if !MMCS_SOC
-  power_on();
-#endif
 }
 
 Plain::~Plain() {
@@ -141,11 +138,12 @@ void Plain::power_on() {
 }
 
 void Plain::half(bool rise, double at) {
-  context_.time(static_cast<uint64_t>(at + 0.5));
+  const uint64_t now = static_cast<uint64_t>(std::llround(at));
+  context_.time(now);
   clk_.put(rise);
   board_->eval();
 #if MMCS_TRACE
-  if (fst_) fst_->dump(static_cast<uint64_t>(at + 0.5));
+  if (fst_) fst_->dump(now);
 #endif
 }
 
@@ -154,6 +152,20 @@ void Plain::clock_once() {
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
   before_clock();
   half(true, t);
+  put_back();
+  if (pins_.waiting()) pins_.apply();
+  half(false, t + kPsPerClk / 2);
+  put_back();  // a pin may have begun a reset
+  after_clock();
+  if (held_) {
+    idle_clks_ = idle() ? idle_clks_ + 1 : 0;
+    if (idle_clks_ == kIdleClks) hold_checkers(false);
+  }
+  look_at_lines();
+}
+
+// What sticks, as it sticks.
+void Plain::put_back() {
   bool changed = false;
   for (const Poke &p : pokes_) {
     const uint64_t before = p.net.get(), after = (before & ~p.clear) | p.set;
@@ -161,11 +173,6 @@ void Plain::clock_once() {
     p.net.put(after);
   }
   if (changed) written();
-  if (pins_.waiting()) pins_.apply();
-  half(false, t + kPsPerClk / 2);
-  after_clock();
-  if (held_ && (idle_clks_ = idle() ? idle_clks_ + 1 : 0) == kIdleClks) hold_checkers(false);
-  look_at_lines();
 }
 
 // What follows from registers that were written: nets, and what these clear.
@@ -240,12 +247,12 @@ bool Plain::failed() {
 }
 
 int16_t Plain::drive(int axis) const {
-  if (cuts_.count({kWires.boards[static_cast<size_t>(axis / 2 + 1)].path, "drive_v_o"})) return 0;
+  if (cuts_.count({kWires.boards[static_cast<size_t>(axis) / 2 + 1].path, "drive_v_o"})) return 0;
   return static_cast<int16_t>(bits_of(drive_, 16 * axis, 16));
 }
 
 unsigned Plain::leds(int card) const {
-  if (cuts_.count({kWires.boards[static_cast<size_t>(card + 1)].path, "leds_o"})) return 0;
+  if (cuts_.count({kWires.boards[static_cast<size_t>(card) + 1].path, "leds_o"})) return 0;
   return static_cast<unsigned>(bits_of(leds_, 11 * card, 11));
 }
 

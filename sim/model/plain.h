@@ -22,6 +22,7 @@ class Plain : public Model, protected Ports {
   explicit Plain(uint64_t seed);
   ~Plain() override;
 
+  void power_on();
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   int64_t clock() const override { return clock_; }
   uint64_t evals() const override { return evals_; }
@@ -44,7 +45,6 @@ class Plain : public Model, protected Ports {
   std::string take_doubt() override { return std::exchange(doubt_, ""); }
 
  protected:
-  void power_on();
   virtual void clock_once();
   // Around each clock of the machine: what a SoC has besides.
   virtual void before_clock() {}
@@ -55,6 +55,7 @@ class Plain : public Model, protected Ports {
   void look_at_lines();
   void hold_checkers(bool held);
   bool idle() const;
+  void put_back();
   void written();
   bool failed();
   // A variable below the top, or a port of it.

@@ -26,7 +26,6 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
   }
   due_at_.resize(blocks_.size());
   wire();
-  if (!host_) power_on();
 }
 
 // --- nets ------------------------------------------------------------------------------------

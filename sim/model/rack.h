@@ -23,6 +23,7 @@ class Rack : public Model, protected Ports, private Listener {
   // The models take their names out of the context of the thread, which may be another machine's.
   ~Rack() override { Verilated::threadContextp(&context_); }
 
+  void power_on();
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   int64_t clock() const override { return clock_; }
   uint64_t evals() const override { return evals_; }
@@ -49,7 +50,6 @@ class Rack : public Model, protected Ports, private Listener {
   const std::string &failure() const override { return failure_; }
 
  protected:
-  void power_on();
   // A SoC's host is a board, too (soc_core.h). Around each clock of the machine that it gets:
   virtual void before_clock() {}
   virtual void host_edge() {}

@@ -35,6 +35,7 @@ void Rack::wire() {
     for (size_t p = 0; p < block.table.port_count; ++p) {
       if (std::strcmp(block.table.ports[p].name, info.port) == 0) slot->row = &block.table.ports[p];
     }
+    if (!slot->row) throw std::runtime_error(std::string("a board has no port ") + info.port);
     block.look_of(*slot);
     const size_t net = static_cast<size_t>(info.net);
     const int card = info.board - 1;  // the cards follow the adaptor in rtl/mmcs.sv

@@ -104,7 +104,9 @@ class Unit {
     catch_up(t);
     stale = false;
     fresh = true;
-    if (model->inputs()) renew(t);
+    if (!model->inputs()) return;
+    poke();  // a reset does not move what sticks
+    renew(t);
   }
   // Edge t, with inputs and counters as they were after the one before; what it changed.
   void clock(int64_t t) {

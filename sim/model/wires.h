@@ -49,12 +49,12 @@ class Listener {
 class Wires {
  public:
   explicit Wires(Listener &listener) : listener_(listener) {
-    int words = 0;
+    size_t words = 0;
     for (const NetInfo &net : kWires.nets) {
       at_.push_back(words);
-      words += net.width / 64 + 2;
+      words += static_cast<size_t>(net.width) / 64 + 2;
     }
-    bits_.resize(static_cast<size_t>(words));
+    bits_.resize(words);
     held_.resize(kWires.nets.size());
     before_.resize(kWires.nets.size());
   }
@@ -67,7 +67,7 @@ class Wires {
   }
 
   uint64_t get(int net, int lsb, int width) const {
-    const uint64_t *word = &bits_[static_cast<size_t>(at_[static_cast<size_t>(net)] + lsb / 64)];
+    const uint64_t *word = &bits_[at(net, lsb)];
     const int shift = lsb % 64;
     uint64_t value = word[0] >> shift;
     if (shift + width > 64) value |= word[1] << (64 - shift);
@@ -78,7 +78,7 @@ class Wires {
     const uint64_t mask = width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1;
     value &= mask;
     if (get(net, lsb, width) == value) return;
-    uint64_t *word = &bits_[static_cast<size_t>(at_[static_cast<size_t>(net)] + lsb / 64)];
+    uint64_t *word = &bits_[at(net, lsb)];
     const int shift = lsb % 64;
     word[0] = (word[0] & ~(mask << shift)) | value << shift;
     if (shift + width > 64) {
@@ -105,8 +105,12 @@ class Wires {
     return width < 64 ? width : 64;
   }
 
+  size_t at(int net, int lsb) const {
+    return at_[static_cast<size_t>(net)] + static_cast<size_t>(lsb) / 64;
+  }
+
   Listener &listener_;
-  std::vector<int> at_;
+  std::vector<size_t> at_;  // a net's first word
   std::vector<uint64_t> bits_, before_;
   std::vector<char> held_;
 };

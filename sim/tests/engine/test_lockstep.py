@@ -112,6 +112,30 @@ def test_a_way_back_into_a_card_without_power():
 
 
 @pytest.mark.req("API-1")
+@pytest.mark.parametrize("name", ["pc_power", "cable", "sysreset"])
+def test_what_sticks_stands_against_a_reset(name):
+    """A card's reset that comes and goes within clocks leaves bits of the D/A where they stick, at
+    every clock."""
+    _, plain, skipping = lockstep.machines("lab500")
+    pair = plain, skipping
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    rank = "g_card[0].u_card.g_axis[0].u_axis.u_dac.rank2_q"
+    values = set()
+    healthy = int(name != "sysreset")
+    events = [("dac_stuck1", 10, 839), (name, 20, 1 - healthy), (name, 21, healthy)]
+    with plain, skipping:
+        for sim in pair:
+            for what, clock, value in events:
+                sim.add_event(clock / lockstep.CLK_HZ, numbers[what], 0, value)
+        for _ in range(60):
+            for sim in pair:
+                assert lockstep.act(sim, ("run", 1), numbers) is None
+            assert lockstep.differences(pair) == "no register", plain.clock
+            values.add(plain.register(list(plain.registers()).index(rank)))
+    assert values == {2048, 2048 | 839}
+
+
+@pytest.mark.req("API-1")
 def test_a_difference_is_found():
     """One machine has a bit of a counter flipped, which no access reads: the hash tells."""
     _, plain, skipping = lockstep.machines("lab500")
