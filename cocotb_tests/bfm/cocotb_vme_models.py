@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The VME models against each other: widths, spaces, errors, the chain."""
 
+from types import SimpleNamespace
+
 import cocotb
 from cocotb.triggers import Timer
 from cocotbext.vme import (
@@ -133,6 +135,35 @@ async def two_on_the_chain(dut):
     await Timer(5, "us")
     assert taken == [0x33, 0x66] and handler.spurious == 0
     assert not monitor.broken
+    handler.stop()
+    far.request()
+    far.stop()
+    await Timer(10, "ns")
+    assert int(dut.irq_n.value) == 0x7F
+    assert near.passed == 3
+    with raises(BusTimeout):
+        await vme.iack(3)
+    assert (near.passed, far.passed, far.acknowledged) == (4, 1, 2)
+
+
+@cocotb.test()
+async def the_pins_of_a_master_are_found(dut):
+    """What a slave hears, a master drives: the same lines by the names of the other side."""
+    pins = {"a_o": dut.a, "am_o": dut.am, "as_no": dut.as_n, "ds_no": dut.ds_n, "d_o": dut.d,
+            "d_i": dut.q, "write_no": dut.write_n, "dtack_ni": dut.dtack_n,
+            "berr_ni": dut.berr_n, "irq_ni": dut.irq_n, "iack_no": dut.iack_n}  # fmt: skip
+    design = SimpleNamespace(_path="cpu", **{f"vme_{name}": pin for name, pin in pins.items()})
+    bus, host = VmeBus.from_prefix(design, "vme"), await wires(dut)
+    assert (bus.d, bus.q, bus.q_oe, bus.lword_n) == (dut.d, dut.q, None, None)
+    slave, cards = VmeSlave(bus, base=0x40, size=8), VmeInterrupter(bus, 2, 0x22)
+    vme = VmeMaster(host)
+    await vme.write(0x42, 0x5AA5, size=2)
+    assert slave.memory[2:4] == b"\x5a\xa5"
+    del pins["dtack_ni"]
+    with raises(AttributeError, "cpu has no signal vme_dtack_ni"):
+        del design.vme_dtack_ni
+        VmeBus.from_prefix(design, "vme")
+    cards.stop()
 
 
 @cocotb.test()

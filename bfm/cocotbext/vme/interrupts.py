@@ -45,6 +45,7 @@ class VmeInterruptHandler:
                 continue
             self.taken.append((level, vector))
             await self.on_interrupt(level, vector)
+            await Timer(1, "ps")  # a request withdrawn at this instant is gone
 
     def stop(self) -> None:
         self._task.cancel()
@@ -87,6 +88,11 @@ class VmeInterrupter:
     def withdraw(self) -> None:
         self.pending = False
         self.bus.pull("irq_n", self, False, self.level - 1)
+
+    def stop(self) -> None:
+        """Answers nothing any more and asks for nothing; it passes nothing on, either."""
+        self._task.cancel()
+        self.withdraw()
 
     async def _run(self) -> None:
         bus = self.bus
