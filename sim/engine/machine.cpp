@@ -102,6 +102,17 @@ void Machine::plant_step() {
   next_edge_ = 0;
   step_start_ = next_step_;
   next_step_ += clks_per_step_;
+  expect_edges();
+}
+
+void Machine::expect_edges() {
+  coming_.clear();
+  for (size_t n = next_edge_; n < edges_.size(); ++n) {
+    const PinEdge &e = edges_[n];
+    coming_.push_back(
+        {step_start_ + e.clk, e.axis, static_cast<unsigned>(e.a | e.b << 1 | e.i << 2)});
+  }
+  expected_ = model_->expect(coming_);
 }
 
 bool Machine::trace_window(const std::string &path, double from_s, double to_s) {
@@ -128,7 +139,8 @@ void Machine::apply_due() {
     apply(events_[next_event_++]);
   }
   if (clock_ >= next_step_) plant_step();
-  while (next_edge_ < edges_.size() && step_start_ + edges_[next_edge_].clk <= clock_) {
+  while (!expected_ && next_edge_ < edges_.size() &&
+         step_start_ + edges_[next_edge_].clk <= clock_) {
     const PinEdge &edge = edges_[next_edge_++];
     model_->pins().set_encoder(edge.axis, edge.a | edge.b << 1u | edge.i << 2u);
   }
@@ -136,7 +148,8 @@ void Machine::apply_due() {
 
 int64_t Machine::next_stop(int64_t limit) const {
   int64_t stop = std::min(std::min(limit, next_step_), trace_at_);
-  if (next_edge_ < edges_.size()) stop = std::min(stop, step_start_ + edges_[next_edge_].clk);
+  if (!expected_ && next_edge_ < edges_.size())
+    stop = std::min(stop, step_start_ + edges_[next_edge_].clk);
   if (next_event_ < events_.size()) stop = std::min(stop, clocks_up(events_[next_event_].t));
   return stop;
 }
@@ -150,6 +163,10 @@ bool Machine::advance(int64_t n, Watch watch) {
     int64_t ran = 0;
     const Stop stop = model_->run(next_stop(limit) - clock_, dtack, &ran);
     clock_ += ran;
+    while (expected_ && next_edge_ < edges_.size() &&
+           step_start_ + edges_[next_edge_].clk < clock_) {
+      ++next_edge_;
+    }
     if (failed()) note("assert", -1, model_->failure());
     if (const std::string doubt = model_->take_doubt(); !doubt.empty()) {
       note("assert", -1, "after an upset: " + doubt);

@@ -143,6 +143,7 @@ class Machine {
       A::expect(model_->clock() == clock_);
       model_->set_evals(evals);
       model_->set_upset(upset);
+      expect_edges();
       tap_.lines(time(), lines_);
     }
   }
@@ -156,6 +157,7 @@ class Machine {
   bool is_possible() const;  // what a snapshot has brought
   void lines_changed();
   void plant_step();
+  void expect_edges();
   void apply(const mmcs_event &event);
   void apply_due();
   void trace_due();
@@ -171,6 +173,8 @@ class Machine {
   int64_t step_start_ = 0;
   std::vector<PinEdge> edges_;
   size_t next_edge_ = 0;
+  std::vector<EncoderEdge> coming_;
+  bool expected_ = false;  // the model knows them, and needs no stop at each
   std::vector<double> drive_;
   std::vector<mmcs_event> events_;  // sorted by time; events_[next_event_] is the next
   size_t next_event_ = 0;

@@ -47,7 +47,7 @@ Block::Block(const std::string &module, VerilatedContext &c, const std::string &
     const RegisterRow &row = table.registers[r];
     const Net net = find(row);
     Unit &unit = units[static_cast<size_t>(row.unit)];
-    if (row.awake) unit.awake.push_back(net);
+    if (row.awake) unit.awake.add(unit.base, net);
     if (row.strides[0] == 0) {
       unit.registers.add(unit.base, net);
       continue;
@@ -72,7 +72,10 @@ Block::Block(const std::string &module, VerilatedContext &c, const std::string &
         chip.out.add(chip.unit->base, inner, outer, row_of(row.path, port, 0) != nullptr);
       } else {
         const NetRow *net = row_of(row.path, port, u);
-        chip.in.add(board().base, outer, inner, !net || !net->quiet);  // none: a reset
+        const bool wakes = !net || !net->quiet;  // none: a reset
+        chip.in.add(board().base, outer, inner, wakes);
+        chip_words_.add(board().base, outer);
+        if (wakes) waking_words_.add(board().base, outer);
       }
     }
     chips.push_back(std::move(chip));
@@ -136,6 +139,23 @@ void Block::edge(int64_t t) {
   }
 }
 
+int64_t Block::edges(int64_t t, int64_t end) {
+  Unit &own = board();
+  waking_words_.moved(own.base);
+  edge(t);
+  for (const Chip &chip : chips) {
+    if (chip.unit->fresh || !chip.quiet.holds()) return t;
+    end = chip.unit->due < end ? chip.unit->due : end;
+  }
+  while (own.due == t + 1 && own.due < end && !waking_words_.moved(own.base) &&
+         !(outs_moved = out_words.moved(own.base))) {
+    ++t;
+    own.model->clock();
+    own.judge(t);
+  }
+  return t;
+}
+
 void Block::whole_edge(int64_t t) {
   for (uint64_t level = 0; level < 2; ++level) {
     for (Unit &u : units) {
@@ -155,12 +175,12 @@ void Block::look(int64_t t) {
   Unit &own = board();
   do {
     if (own.stale) own.follow(t);
-    const bool fresh = own.fresh;
+    const bool told = own.fresh && chip_words_.moved(own.base);
     own.fresh = false;
     for (Chip &chip : chips) {
       Unit &unit = *chip.unit;
       bool woken;
-      if (fresh && chip.in.take(own.base, &woken)) {
+      if (told && chip.in.take(own.base, &woken)) {
         unit.stale = true;
         if (woken || !chip.quiet.holds()) unit.wake(t);
       }

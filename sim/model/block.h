@@ -83,6 +83,9 @@ struct Block {
   bool behind() const { return !deferred_.empty(); }
   // Edge t for those units that are due.
   void edge(int64_t t);
+  // Edge t, and those after it before `end` at which the board alone is due, until something moves
+  // that its chips look at or its neighbours see; the last.
+  int64_t edges(int64_t t, int64_t end);
   // The slow way: all of it, both edges of the clock, by Verilator's own eval().
   void whole_edge(int64_t t);
   // What inputs and registers mean after edge t, between the board and its chips.
@@ -106,7 +109,8 @@ struct Block {
   Guard quiet;  // of the board's own inputs
   std::vector<Slot *> outs;
   Words out_words;
-  bool touched = false;  // in the list of those to look at
+  bool outs_moved = false;  // they did, and nobody has been told
+  bool touched = false;     // in the list of those to look at
 
  private:
   struct Change {
@@ -116,6 +120,7 @@ struct Block {
   };
   void run(int64_t t);
   std::vector<Change> deferred_;
+  Words chip_words_, waking_words_;  // what chips see of the board, at rest and quiet
 
   const NetRow *row_of(const char *path, const char *port, size_t unit) const;
 };

@@ -5,8 +5,12 @@
 //   ___eval_triggers_vec__act, __VactTriggered which clocks and resets have had their edge
 //   ___eval_settle                             what follows from registers
 //   ___dump_triggers__act                      read by generate.py: which bit is which clock
+//   __Vtrigprevexpr...                         what a clock or reset was when last looked at; the
+//                                              same, MMCS_EDGES its file
 // Compiled once a board, behind its generated code, with MMCS_MODEL its class. Verilator's eval()
 // does the same more slowly; `slow` in the configuration takes that way, and a test compares them.
+
+#include <string_view>
 
 #include "board.h"
 #if MMCS_TRACE
@@ -29,27 +33,29 @@ namespace mmcs {
 namespace {
 
 struct TriggerRow {
-  const char *model;
+  std::string_view model;
   int index;
   bool rises;
-  const char *clock;
+  std::string_view clock;
 };
-const TriggerRow kTriggers[] = {
+constexpr TriggerRow kTriggers[] = {
 #include "triggers.inc"
 };
+
+// The place of a clock among the triggers; 0: there is none of this name.
+constexpr uint64_t trigger_of(std::string_view clock) {
+  for (const TriggerRow &row : kTriggers) {
+    if (row.rises && row.clock == clock && row.model == MMCS_TEXT(MMCS_MODEL)) {
+      return uint64_t{1} << row.index;
+    }
+  }
+  return 0;
+}
 
 class Fast final : public Board {
  public:
   Fast(VerilatedContext &context, const std::string &name) : top_(&context, name.c_str()) {
     root_ = top_.rootp;
-#if !MMCS_PLAIN
-    for (const TriggerRow &row : kTriggers) {
-      if (std::strcmp(row.model, MMCS_TEXT(MMCS_MODEL)) != 0) continue;
-      const bool clock = row.rises && std::strcmp(row.clock, "clk_i") == 0;
-      if (clock) clock_ = uint64_t{1} << row.index;
-      others_ += !clock;
-    }
-#endif
   }
   std::string name() const override { return top_.name(); }
   void eval() override {
@@ -64,29 +70,25 @@ class Fast final : public Board {
 #else
   bool inputs() override {
     root_->__VicoTriggered[0] = 1;
-    MMCS_ICO(root_);
+    if (usual()) {
+      usual_inputs(root_);
+    } else {
+      MMCS_ICO(root_);
+    }
     return follow();
   }
   void clocks(uint64_t triggers) override {
     root_->__VnbaTriggered[0] = triggers;
     MMCS_NBA(root_);
   }
-  uint64_t trigger(const std::string &clock) const override {
-    for (const TriggerRow &row : kTriggers) {
-      if (row.rises && clock == row.clock && std::strcmp(row.model, MMCS_TEXT(MMCS_MODEL)) == 0) {
-        return uint64_t{1} << row.index;
-      }
-    }
-    return 0;
-  }
+  uint64_t trigger(const std::string &clock) const override { return trigger_of(clock); }
   void clock() override {
-    root_->__VnbaTriggered[0] = clock_;
-    if (root_->rst_ni) {
-      running(root_);
+    if (usual()) {
+      usual_clock(root_);
     } else {
-      MMCS_NBA(root_);
+      clocks(kClock);
     }
-    if (others_ > 1) follow();  // besides the reset, which follows from inputs alone
+    follow();
   }
 #endif
   void settle() override { MMCS_SETTLE(root_); }
@@ -107,23 +109,49 @@ class Fast final : public Board {
   MMCS_MODEL top_;
   MMCS_ROOT *root_;
 #if !MMCS_PLAIN
+  // Has a clock or reset moved since it was last looked at?
+  bool moved() const {
+    unsigned moved = 0;
+#define MMCS_EDGE(before, net) moved |= root_->before ^ root_->net;
+#include MMCS_EDGES_OF
+#undef MMCS_EDGE
+    return moved != 0;
+  }
   // Registers that are set or reset without the clock; true if there were any.
   bool follow() {
-    for (bool any = false;; any = true) {
+    bool any = false;
+    while (moved()) {
       MMCS_EDGES(root_);
-      if (root_->__VactTriggered[0] == 0) return any;
-      root_->__VnbaTriggered[0] = root_->__VactTriggered[0];
-      MMCS_NBA(root_);
+      if (root_->__VactTriggered[0] == 0) break;
+      clocks(root_->__VactTriggered[0]);
+      any = true;
     }
+    return any;
   }
-  // A clock out of reset, all of it in one piece: much of the generated code is about reset.
-  __attribute__((flatten)) static void running(MMCS_ROOT *root) {
-    if (!root->rst_ni) __builtin_unreachable();
+  // While registers and inputs have their usual values (counters.toml), a clock and what follows
+  // from inputs are in one piece and nothing else: much of the generated code is about what seldom
+  // happens.
+  bool usual() const {
+    unsigned differs = 0;
+#define MMCS_USUAL(net, value) differs |= root_->net ^ unsigned{value};
+#include MMCS_USUAL_OF
+#undef MMCS_USUAL
+    return differs == 0;
+  }
+#define MMCS_USUAL(net, value) \
+  if (root->net != (value)) __builtin_unreachable();
+  __attribute__((flatten)) static void usual_clock(MMCS_ROOT *root) {
+#include MMCS_USUAL_OF
+    root->__VnbaTriggered[0] = kClock;
     MMCS_NBA(root);
   }
+  __attribute__((flatten)) static void usual_inputs(MMCS_ROOT *root) {
+#include MMCS_USUAL_OF
+    MMCS_ICO(root);
+  }
+#undef MMCS_USUAL
 
-  uint64_t clock_ = 0;
-  int others_ = 0;  // triggers besides the clock
+  static constexpr uint64_t kClock = trigger_of("clk_i");
 #endif
 };
 

@@ -27,6 +27,13 @@ inline constexpr unsigned kLineSclock = 1u << 10;
 // begins, or has read or written.
 enum class SocStep { kInterrupt, kAccess, kRead, kWrite };
 
+// The three wires of an encoder from a clock on, as Pins::set_encoder() is told.
+struct EncoderEdge {
+  int64_t clock;
+  int axis;
+  unsigned pins;
+};
+
 enum class Stop { kDone, kLines, kDtack, kReport, kFailed };
 
 class Model {
@@ -56,6 +63,8 @@ class Model {
   virtual bool dtack() const = 0;  // DTACK* is low
 
   virtual Pins &pins() = 0;
+  // All edges of encoders that come from now on, in order. False: each is to be set at its clock.
+  virtual bool expect(std::vector<EncoderEdge> &) { return false; }
   virtual int16_t drive(int axis) const = 0;
   virtual unsigned leds(int card) const = 0;
 

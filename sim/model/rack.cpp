@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace mmcs {
 namespace {
@@ -94,7 +95,7 @@ void Rack::drive(Slot &slot) {
 // What of a board's outputs has moved goes where it is seen; false if none has.
 bool Rack::outputs(Block &block) {
   const char *base = block.board().base;
-  if (!block.out_words.moved(base)) return false;
+  if (!std::exchange(block.outs_moved, false) && !block.out_words.moved(base)) return false;
   if (&block == adaptor_) {
     if (line_words_.moved(base)) look_at_lines();
     if (!net_words_.moved(base)) return true;
@@ -204,7 +205,7 @@ void Rack::step(int64_t t) {
     plan_host(false);
     outputs(*host_);
   }
-  if (pins_.waiting()) pins_.apply();
+  arrive_until(t);
   settle();
   if (host) {
     after_clock();
@@ -213,15 +214,30 @@ void Rack::step(int64_t t) {
   if (!watched_.empty()) look_at_watched();
 }
 
+bool Rack::expect(std::vector<EncoderEdge> &edges) {
+  if (host_ || !skip_) return false;
+  coming_.swap(edges);
+  next_coming_ = 0;
+  return true;
+}
+
+// What stands at the ports after edge t arrives.
+void Rack::arrive_until(int64_t t) {
+  for (; coming_at() <= t; ++next_coming_) {
+    pins_.set_encoder(coming_[next_coming_].axis, coming_[next_coming_].pins);
+  }
+  if (pins_.waiting()) pins_.apply();
+}
+
 // Clocks of the adaptor while nothing else is due before `end`, and as long as none of its outputs
 // moves.
 void Rack::alone(int64_t end) {
   Block &block = *adaptor_;
   do {
-    const int64_t t = clock_ = due_at_[0];
-    ++evals_;
-    block.edge(t);
-    block.look(t);
+    const int64_t t = due_at_[0];
+    clock_ = block.edges(t, end);
+    evals_ += static_cast<uint64_t>(clock_ - t + 1);
+    block.look(clock_);
     due_at_[0] = block.due();
   } while (!outputs(block) && due_at_[0] < end);
   settle();
@@ -235,14 +251,18 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   // Clock by clock the level would be seen after the first.
   if (dtack_.get() == wanted) end = begin + 1;
   while (clock_ < end) {
-    const int64_t cards = cards_due();
+    const int64_t cards = cards_due(), coming = coming_at();
     int64_t t = std::min(due_at_[0], cards);
     const bool moved = !skip_ || pins_.waiting() || lines_ != shown_lines_;
     if (moved) t = clock_ + 1;
-    if (t > end) {
+    if (!moved && coming < t && coming <= end) {
+      clock_ = coming;
+      arrive_until(coming);
+      settle();
+    } else if (t > end) {
       clock_ = end;
-    } else if (!moved && t < cards) {
-      alone(std::min(end + 1, cards));
+    } else if (!moved && t < cards && t < coming) {
+      alone(std::min(end + 1, std::min(cards, coming)));
     } else {
       step(t);
       if (stop_lines_) {

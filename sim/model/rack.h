@@ -39,6 +39,7 @@ class Rack : public Model, protected Ports, private Listener {
     return static_cast<unsigned>(leds_[static_cast<size_t>(card)]->value());
   }
   Pins &pins() override { return pins_; }
+  bool expect(std::vector<EncoderEdge> &edges) override;
   unsigned vme_sample() override;
 
   uint64_t read(int reg) override;
@@ -71,6 +72,7 @@ class Rack : public Model, protected Ports, private Listener {
   void host_clocks();
   void plan_host(bool due);
   void step(int64_t t);
+  void arrive_until(int64_t t);
   void changed(int net, int lsb, int width) override;
   void show(Slot &slot);
   void arrive(Slot &slot, uint64_t value);
@@ -135,6 +137,12 @@ class Rack : public Model, protected Ports, private Listener {
   uint32_t listening_ = 0, cut_ = 0;
   bool bus_moved_ = false, dips_moved_ = true;
   Pins pins_;
+  std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on
+  size_t next_coming_ = 0;
+  // The edge after which the next of them stands at the ports.
+  int64_t coming_at() const {
+    return next_coming_ < coming_.size() ? coming_[next_coming_].clock + 1 : kNever;
+  }
   Net dtack_, iackout_, d_oe_;
   int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
   std::vector<int> d_logic_;

@@ -177,6 +177,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   }
   clock_ = host_clock_ = state.clock;
   pins_.restore(state.pins);
+  coming_.clear();
   // A reset without a clock that falls with these pins is over before the registers come.
   for (const auto &block : blocks_) {
     block->catch_up(clock_);

@@ -6,17 +6,20 @@
 #include <algorithm>
 
 namespace mmcs {
+Words::Word &Words::at(size_t offset) {
+  auto found = std::find_if(words_.begin(), words_.end(),
+                            [offset](const Word &w) { return w.offset >= offset; });
+  if (found == words_.end() || found->offset != offset) {
+    found = words_.insert(found, Word{{0, 0}, {0, 0}, offset});
+  }
+  return *found;
+}
+
 void Words::add(const char *base, const Net &net) {
   for (int n = 0; n < net.bytes; ++n) {
-    const size_t at = static_cast<size_t>(net.at - base) + static_cast<size_t>(n);
-    const size_t offset = at & ~size_t{15};
-    auto found = std::find_if(words_.begin(), words_.end(),
-                              [offset](const Word &w) { return w.offset == offset; });
-    if (found == words_.end()) found = words_.insert(found, Word{{0, 0}, {0, 0}, offset});
-    found->mask[at % 16 / 8] |= uint64_t{0xFF} << 8 * (at % 8);
+    const size_t byte = static_cast<size_t>(net.at - base) + static_cast<size_t>(n);
+    at(byte & ~size_t{15}).mask[byte % 16 / 8] |= uint64_t{0xFF} << 8 * (byte % 8);
   }
-  std::sort(words_.begin(), words_.end(),
-            [](const Word &a, const Word &b) { return a.offset < b.offset; });
 }
 
 void Unit::count(int64_t clocks) {

@@ -36,6 +36,16 @@ class Words {
     }
     return (difference[0] | difference[1]) != 0;
   }
+  // Is any of them not 0?
+  bool any(const char *base) const {
+    Bits found = {0, 0};
+    for (const Word &word : words_) {
+      Bits now;
+      std::memcpy(&now, base + word.offset, sizeof now);
+      found |= now & word.mask;
+    }
+    return (found[0] | found[1]) != 0;
+  }
 
  private:
   typedef uint64_t Bits __attribute__((vector_size(16)));
@@ -43,6 +53,8 @@ class Words {
     Bits mask, kept;
     size_t offset;
   };
+  Word &at(size_t offset);
+
   std::vector<Word> words_;
 };
 
@@ -82,7 +94,7 @@ class Unit {
   char *base;
   Words registers;
   std::vector<Counter> counters;
-  std::vector<Net> awake;  // while one of these is not 0, it does not rest
+  Words awake;  // while one of these is not 0, it does not rest
   std::vector<Poke> pokes;
   int64_t due = 0;    // the next edge that it must be given
   bool stale = true;  // inputs or counters were written, and nothing has followed
@@ -111,11 +123,14 @@ class Unit {
   // Edge t, with inputs and counters as they were after the one before; what it changed.
   void clock(int64_t t) {
     model->clock();
+    judge(t);
+  }
+  // After edge t: when it needs the next one.
+  void judge(int64_t t) {
     if (!pokes.empty()) poke();
     fresh = true;
     last_ = t;
-    for (const Net &net : awake) {
-      if (net.get() == 0) continue;
+    if (awake.any(base)) {
       known_ = moving_ = false;
       due = t + 1;
       return;
