@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import shlex
 import shutil
 import struct
 import subprocess
@@ -104,7 +105,8 @@ def compile_unit(engine: Path, folder: Path) -> tuple[Path, Path]:
     name = hashlib.sha256(engine.read_bytes()).hexdigest()[:16]
     unit, alone = folder / "mmcs.so", folder / f"libmmcs_{name}.so"
     shutil.copy(engine, alone)
-    command = [os.environ.get("CC", "cc"), "-std=gnu11", "-O2", "-shared", "-fPIC",
+    compiler = shlex.split(os.environ.get("CC", "cc")) or ["cc"]
+    command = [*compiler, "-std=gnu11", "-O2", "-shared", "-fPIC",
                "-fvisibility=hidden", f"-I{ROOT / 'sim/engine'}", f"-I{ROOT / 'firmware/include'}",
                "-o", str(unit), str(ROOT / "sim/fmu/fmu.c"), f"-L{folder}", f"-lmmcs_{name}",
                "-Wl,-rpath,$ORIGIN", "-lm"]  # fmt: skip

@@ -8,6 +8,8 @@ import json
 import re
 import socket
 import struct
+import subprocess
+import sys
 
 import pytest
 
@@ -149,3 +151,12 @@ def test_a_run_as_mcap():
     assert sorted({channel.topic for _, channel, _ in found}) == ["/axis/0", "/axis/1"]
     assert len(found) == 4 and found[0][2].log_time == 0
     assert json.loads(found[-1][2].data)["angle_rad"] == log[1, 14]
+
+
+def test_the_socket_of_hal_takes_no_file_of_the_users(tmp_path):
+    kept = tmp_path / "kept"
+    kept.write_text("mine")
+    command = [sys.executable, ROOT / "bridges/linuxcnc/machine.py", "lab500", "--path", kept]
+    done = subprocess.run(command, text=True, capture_output=True, check=False)
+    assert done.returncode == 2 and "is there and is no socket" in done.stderr
+    assert kept.read_text() == "mine"
