@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE
 from mmcs.campaign.faults import line_name
 from mmcs.result.folder import whole_file
+from mmcs.scenario.files import read_json
 
 Z = 1.959964  # 95 %
 PARTS = 10  # of a motion, in the table by time
@@ -24,9 +24,9 @@ COST = "cost.json"
 def cost_of(folder: Path) -> tuple[int, float]:
     """(faults, seconds of a core for them) of what a folder's campaign has cost so far."""
     try:
-        kept = json.loads((folder / COST).read_text())
+        kept = read_json(folder / COST)
         return int(kept["faults"]), float(kept["core_s"])
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, OverflowError):
         return 0, 0.0
 
 

@@ -25,7 +25,7 @@ from mmcs.engine.rows import BLOCK
 from mmcs.errors import InputError
 from mmcs.place import run_folders
 from mmcs.result.folder import settle
-from mmcs.scenario.files import is_name, loads, read_json, short
+from mmcs.scenario.files import is_name, loads, open_file, read_json, short
 
 NAME = "run.mmcs"
 FORMAT = 1
@@ -257,7 +257,7 @@ def _by_log_file(record: Record, log: np.ndarray) -> str | None:
     rounding[len(logcols.FIELDS) :: len(logcols.FIELDS)] = 0.6e-9
     at, found = 0, None
     try:
-        with record.path.with_name("log.csv").open() as file:
+        with open_file(record.path.with_name("log.csv")) as file:
             file.readline()
             while lines := list(itertools.islice(file, BLOCK)):
                 then = np.loadtxt(lines, delimiter=",", ndmin=2)

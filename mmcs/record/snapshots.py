@@ -23,7 +23,7 @@ from mmcs.errors import InputError, RunError
 from mmcs.place import run_folders
 from mmcs.record.record import MAX_SAMPLES, Record, parse
 from mmcs.result.folder import settle
-from mmcs.scenario.files import loads, short
+from mmcs.scenario.files import loads, open_file, short
 from mmcs.session.session import Session
 
 NAME = "run.mmsnap"
@@ -107,7 +107,7 @@ class Snapshot:
         self.path = _find(self.name)
         settle(self.path.absolute().parent)
         try:
-            with zipfile.ZipFile(self.path) as file:
+            with open_file(self.path) as data, zipfile.ZipFile(data) as file:
                 self._read(file, at)
         except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, OSError, EOFError,
                 NotImplementedError, RuntimeError, OverflowError):  # fmt: skip

@@ -17,6 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from mmcs.errors import InputError
+from mmcs.scenario.files import read_json
 
 RESULTS = ("report.json", "log.csv", "plot.svg", "run.mmcs", "run.mmsnap")
 STAGE, WHOLE, LOCK = ".new", "whole.json", ".lock"
@@ -25,12 +26,7 @@ STAGE, WHOLE, LOCK = ".new", "whole.json", ".lock"
 @contextmanager
 def writing(folder: Path) -> Iterator[Path]:
     """Where this run may put its results. InputError when another run is at work here."""
-    with (folder / LOCK).open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            allowed = "another run is writing here; wait for its end, or give another --out"
-            raise InputError.one(folder, "", None, allowed) from None
+    with lock(folder, "run"):
         settle(folder)
         stage = folder / STAGE
         shutil.rmtree(stage, ignore_errors=True)
@@ -52,10 +48,9 @@ def settle(folder: Path) -> None:
         return
     with _locked(folder, fcntl.LOCK_EX):
         stage = folder / STAGE
-        try:
-            names = json.loads((stage / WHOLE).read_text())
-        except FileNotFoundError:  # somebody else has done it
+        if not (stage / WHOLE).exists():  # somebody else has done it
             return
+        names = _names(stage)
         for name in set(RESULTS) - set(names):  # of an earlier run
             (folder / name).unlink(missing_ok=True)
         for name in names:
@@ -63,6 +58,31 @@ def settle(folder: Path) -> None:
                 os.replace(stage / name, folder / name)
         (stage / WHOLE).unlink()
         shutil.rmtree(stage, ignore_errors=True)
+
+
+def _names(stage: Path) -> list[str]:
+    """Of what is whole. Folders come from anywhere, and so does what they say of themselves."""
+    try:
+        names = read_json(stage / WHOLE)
+    except ValueError:
+        names = None
+    if not isinstance(names, list) or not all(name in RESULTS for name in names):
+        shutil.rmtree(stage, ignore_errors=True)
+        raise InputError.one(stage, "", None, "was not written by MMCS; it is removed")
+    return names
+
+
+def lock(folder: Path, what: str):
+    """Held as long as it is open. InputError when another one is at work in the folder."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+    held = open(os.open(folder / LOCK, flags, 0o666), "r+b", buffering=0)  # noqa: SIM115
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        held.close()
+        allowed = f"another {what} is writing here; wait for its end, or give another --out"
+        raise InputError.one(folder, "", None, allowed) from None
+    return held
 
 
 @contextmanager

@@ -60,14 +60,22 @@ def short(path: Path) -> Path:
         return path
 
 
+def open_file(path: Path):
+    """A file of the user's, to read its bytes. ValueError with one sentence for what is none: who
+    waits for the other end of a pipe waits for ever."""
+    file = open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")  # noqa: SIM115
+    if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        file.close()
+        raise ValueError("cannot be read: it is a pipe, a device or a folder")
+    return file
+
+
 def read_bytes(path: Path, most: int) -> bytes:
-    """A file of the user's, if it is one and not endless. ValueError with one sentence."""
+    """The same whole, if it is not endless."""
     if "\0" in str(path):
         raise ValueError("cannot be read: no file has such a name")
     try:
-        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise ValueError("cannot be read: it is a pipe, a device or a folder")
+        with open_file(path) as file:
             data = file.read(most + 1)
     except OSError as error:
         raise ValueError(f"cannot be read: {error.strerror}") from None

@@ -4,21 +4,19 @@
 from __future__ import annotations
 
 import csv
-import fcntl
 import json
 import math
 import statistics
 from pathlib import Path
 
 from mmcs.errors import InputError, one_line, show
-from mmcs.result.folder import whole_file
+from mmcs.result.folder import lock, whole_file
 from mmcs.sweep.plan import MAX_RUNS, Plan
 
 ROWS = "rows.jsonl"
 TABLE = "table"
 PLOT = "plot.svg"
 FORMATS = ("csv", "parquet")
-LOCK = ".lock"
 MAX_LINE = 1 << 20  # bytes of a row
 LEADING = ("status", "unmet", "why")
 
@@ -36,7 +34,7 @@ class Store:
         """good: whether a dictionary may be a row of this; that of a sweep, if not said."""
         self.path, self._what, self._good = folder / ROWS, what, good or is_row
         self.rows: dict[int, dict] = {}
-        self._lock = _locked(folder, what)
+        self._lock = lock(folder, what)
         if resume:
             try:
                 self._read(identity)
@@ -79,18 +77,6 @@ class Store:
     def close(self) -> None:
         self._file.close()
         self._lock.close()
-
-
-def _locked(folder: Path, what: str):
-    """Held as long as it is open. InputError when another one is at work in the folder."""
-    lock = (folder / LOCK).open("w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        lock.close()
-        allowed = f"another {what} is writing here; wait for its end, or give another --out"
-        raise InputError.one(folder, "", None, allowed) from None
-    return lock
 
 
 def is_row(row: dict) -> bool:

@@ -302,6 +302,44 @@ def test_damaged_report(mmcs, good_run, tmp_path, report):
     one_clear_line(mmcs("trace", folder, "--at", "panic"))
 
 
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+@pytest.mark.parametrize("name", ["report.json", "log.csv", "run.mmcs", "run.mmsnap", ".lock"])
+def test_results_that_are_no_files(mmcs, good_run, tmp_path, name, kind):
+    """Who waits for the other end of a pipe, or for the end of a device, waits for ever."""
+    folder = tmp_path / "run"
+    shutil.copytree(good_run, folder)
+    (folder / name).unlink(missing_ok=True)
+    if kind == "pipe":
+        os.mkfifo(folder / name)
+    elif kind == "device":
+        (folder / name).symlink_to("/dev/zero")
+    else:
+        (folder / name).mkdir()
+    told = {"report.json": ("compare", folder, good_run), "log.csv": ("compare", folder, good_run),
+            "run.mmcs": ("replay", folder), "run.mmsnap": ("run", "--from", folder)}  # fmt: skip
+    if name != ".lock":
+        one_clear_line(mmcs(*told[name]))
+    elif kind != "pipe":  # a pipe can be locked like a file
+        one_clear_line(mmcs("run", "lab500", "--out", folder), status=1)
+
+
+def test_folder_that_reaches_beyond_itself(mmcs, good_run, tmp_path):
+    """What a folder of results says of itself moves nothing elsewhere, and empties nothing."""
+    folder, mine = tmp_path / "a" / "run", tmp_path / "a" / "mine"
+    shutil.copytree(good_run, folder)
+    mine.write_text("mine")
+    for text in ('["../../mine"]', '["report.json", "/etc/passwd"]', '{"a": 1}', "[[", "7", '[""]'):
+        (folder / ".new").mkdir()
+        (folder / ".new" / "whole.json").write_text(text)
+        one_clear_line(mmcs("compare", folder, good_run), "was not written by MMCS; it is removed")
+        assert mine.read_text() == "mine" and not (folder / ".new").exists()
+        assert mmcs("compare", folder, good_run, "--out", tmp_path / "c.svg")[0] == 0
+    (folder / ".lock").unlink(missing_ok=True)
+    (folder / ".lock").symlink_to(mine)
+    one_clear_line(mmcs("run", "lab500", "--out", folder), ".lock: ", status=1)
+    assert mine.read_text() == "mine"
+
+
 # --- the build cache ---------------------------------------------------------------------------
 
 

@@ -15,7 +15,7 @@ from mmcs.engine.rows import BLOCK, Rows
 from mmcs.errors import InputError
 from mmcs.place import run_folders
 from mmcs.result.folder import reading
-from mmcs.scenario.files import read_json
+from mmcs.scenario.files import open_file, read_json
 
 
 @dataclass
@@ -50,6 +50,13 @@ def read_run(name: str) -> Run:
         raise InputError.one(folder, "", None, f"is not a run: {error}") from None
 
 
+def _log_file(folder: Path):
+    try:
+        return open_file(folder / "log.csv")
+    except ValueError as error:
+        raise ValueError(f"its log.csv {error}") from None
+
+
 def _read(folder: Path) -> Run:
     """Raises ValueError with a sentence."""
     report = read_json(folder / "report.json")
@@ -60,7 +67,7 @@ def _read(folder: Path) -> Run:
     if not good or not isinstance(report["scenario"], str):
         raise ValueError("its report.json is damaged")
     crc, rows, width = 0, None, 0
-    with (folder / "log.csv").open("rb") as file:
+    with _log_file(folder) as file:
         crc = zlib.crc32(file.readline(), crc)
         while lines := list(itertools.islice(file, BLOCK)):
             for line in lines:
