@@ -6,7 +6,6 @@ import importlib.util
 import random
 import shutil
 import struct
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -14,6 +13,7 @@ import pytest
 from mmcs.engine import hosts
 from mmcs.scenario.load import load
 from mmcs.session.machine import machine
+from tools.compiled import compiled, written
 
 ROOT = Path(__file__).resolve().parents[3]
 HEADER, DIGEST = 104, 96  # bytes of a snapshot's header; where it says what follows it
@@ -33,19 +33,18 @@ def needs(host):
 class Crafted:
     """A machine with its snapshot, whose content is to be changed."""
 
-    def __init__(self, host, tmp_path):
+    def __init__(self, host):
         self.sim = machine(load("lab500", ("duration=0.06", "expect=[]")), host=host)
         self.sim.run(0.0203)
         self.state = self.sim.snapshot_bytes(self.sim.snapshot())
         self.past, self.before = self.sim.history_bytes(), self.sim.hash()
-        library = tmp_path / "digest.so"
-        text = (
+        source = written(
+            "digest.cpp",
             '#include "hash.h"\nextern "C" uint64_t of(const uint8_t *data, size_t size) '
-            "{ return mmcs::digest(data, size); }\n"
+            "{ return mmcs::digest(data, size); }\n",
         )
-        command = ["c++", "-std=c++17", "-shared", "-fPIC", f"-I{ROOT}/sim/engine", "-x", "c++",
-                   "-", "-o", library]  # fmt: skip
-        subprocess.run(command, input=text, text=True, check=True)
+        command = ["c++", "-std=c++17", "-shared", "-fPIC", f"-I{ROOT}/sim/engine"]
+        library = compiled("digest.so", command, [source])
         self.of = ctypes.CDLL(str(library)).of
         self.of.restype = ctypes.c_uint64
 
@@ -88,8 +87,8 @@ class Crafted:
 
 
 @pytest.fixture
-def crafted(request, tmp_path):
-    one = Crafted(getattr(request, "param", "m68020"), tmp_path)
+def crafted(request):
+    one = Crafted(getattr(request, "param", "m68020"))
     yield one
     one.sim.destroy()
 
