@@ -5,6 +5,7 @@
 // encoders), u=1 (do not update counts, A/D, current), theme=1989, deadman=MS (how long the page may
 // be silent while it controls: 250).
 
+import { askedNumber } from "./dom.js";
 import { Global } from "./global.js";
 import { keys } from "./keys.js";
 import { Link } from "./link.js";
@@ -16,14 +17,17 @@ import { tabs } from "./tabs.js";
 
 const FIRST_SAMPLE_MS = 1000;
 const UPDATES_MS = 100; // numbers of the panels; the report has 200
+const LONGEST_MS = 600_000;
 
 const asked = new URLSearchParams(location.search);
 
 /** The page of a machine: carrier of its messages, designer, whether to take control at once, and how
- * long the page may then be silent. */
+ * long the page may then be silent. Throws one sentence. */
 export function run(carrier, advice, control, deadman_ms = 250) {
   document.body.dataset.theme = asked.get("theme") ?? "";
-  const machine = new Machine(new Link(carrier), Number(asked.get("deadman") ?? deadman_ms));
+  const silence_ms = askedNumber(asked, "deadman", 1, LONGEST_MS, deadman_ms);
+  const interval_ms = askedNumber(asked, "t", 0, 1000, null);
+  const machine = new Machine(new Link(carrier), silence_ms);
   const page = new Page(machine, advice);
   const global = new Global(page);
   document.getElementById("global").append(global.element);
@@ -41,7 +45,7 @@ export function run(carrier, advice, control, deadman_ms = 250) {
     keys(page, global);
     setInterval(() => update(page, global), UPDATES_MS);
     // last: from here on a page that is busy for 250 ms stops the machine
-    if (control && machine.hello.lease === null) await begin(machine, global);
+    if (control && machine.hello.lease === null) await begin(machine, global, interval_ms);
     document.body.classList.add("ready");
   });
   machine.addEventListener("closed", () => document.body.classList.add("gone"));
@@ -50,11 +54,11 @@ export function run(carrier, advice, control, deadman_ms = 250) {
   return page;
 }
 
-async function begin(machine, global) {
+async function begin(machine, global, interval_ms) {
   await machine.try(machine.takeControl());
-  if (asked.has("t")) await setInterval_ms(machine, Number(asked.get("t")));
+  if (interval_ms !== null) await setInterval_ms(machine, interval_ms);
   if (asked.has("z")) await zeroEncoders(machine);
-  if (asked.has("t") || asked.has("z")) await global.load();
+  if (interval_ms !== null || asked.has("z")) await global.load();
 }
 
 /** A machine that stands still sends none. */

@@ -46,6 +46,15 @@ export function parseInteger(text, low, high, name) {
   return value;
 }
 
+/** A number of the address; the fallback if it is not there. Throws one sentence. */
+export function askedNumber(asked, name, low, high, fallback) {
+  if (!asked.has(name)) return fallback;
+  const value = parseNumber(asked.get(name));
+  if (value === null || value < low || value > high)
+    throw new Error(`address: ${name}="${asked.get(name)}" is not a number from ${low} to ${high}`);
+  return value;
+}
+
 /** Sets text only when it differs: screen readers and layout stay at rest. */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;

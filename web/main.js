@@ -15,4 +15,8 @@ const socket = (name) => {
   address.protocol = address.protocol.replace("http", "ws");
   return address.href.split("?")[0];
 };
-run(socketCarrier(socket("machine")), new Advice(socket("advice")), asked.has("control"));
+try {
+  run(socketCarrier(socket("machine")), new Advice(socket("advice")), asked.has("control"));
+} catch ({ message }) {
+  document.getElementById("said").textContent = message;
+}

@@ -5,12 +5,13 @@
 // `Run on`), speed=S (of the clock on the wall; 0: as fast as it goes), and what app.js says.
 
 import { run } from "./app.js";
-import { choice, download, el, labelled, parseInteger, setText } from "./dom.js";
+import { askedNumber, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice } from "./engine/design.js";
 import { readRecord, setupOf } from "./engine/record.js";
 
 const FIRST = "puma560";
+const FASTEST = 1000;
 const DEADMAN_MS = 2000; // a page that nobody looks at has its timers once a second
 const asked = new URLSearchParams(location.search);
 const said = document.getElementById("said");
@@ -61,7 +62,8 @@ const link = (changes) => {
   for (const [name, value] of Object.entries(changes)) made.set(name, value);
   return `${location.pathname}?${made}`;
 };
-const go = (changes) => location.assign(link(changes));
+const go = (changes) => location.assign(link({ scenario: scenario.value, ...changes }));
+const repeat = () => (asked.has("record") ? location.reload() : go({}));
 const groups = Map.groupBy ? Map.groupBy(scenarios, (s) => s.folder) : null;
 const scenario = choice([], { id: "scenario", "aria-label": "scenario",
   onchange: () => go({ scenario: scenario.value }) });  // prettier-ignore
@@ -72,7 +74,7 @@ for (const folder of new Set(scenarios.map((s) => s.folder))) {
 }
 const seed = el("input", { id: "seed", type: "text", size: 5, inputMode: "numeric",
   onchange: () => go({ seed: seed.value }) });  // prettier-ignore
-const again = el("button", { id: "again", type: "button", textContent: "Run again", onclick: () => go({}) });
+const again = el("button", { id: "again", type: "button", textContent: "Run again", onclick: repeat });
 const alone = el("button", { id: "alone", type: "button", textContent: asked.get("plays") === "0" ? "With its motion" : "Without its motion",
   title: "the machine as `mmcs tool` starts it: nobody moves it but you",
   onclick: () => go({ plays: asked.get("plays") === "0" ? 1 : 0 }) });  // prettier-ignore
@@ -132,19 +134,19 @@ function connectStop() {
 }
 
 try {
+  const speed = askedNumber(asked, "speed", 0, FASTEST, 1);
   const setup = await chosen();
   scenario.value = setup.name;
   seed.value = String(setup.config.seed);
+  permalink.hidden = expected !== null; // what a record changes is in no address
   permalink.href = link({ scenario: setup.name, seed: setup.config.seed });
   const options = { paused: asked.has("paused"), plays: asked.get("plays") !== "0" };
   const started = await startMachine(setup, options, hear);
   worker = started.worker;
   connectStop();
   page = run(started.carrier, new PageAdvice(), true, DEADMAN_MS);
-  if (asked.has("speed")) {
-    const speed = Number(asked.get("speed")) || null;
-    page.machine.addEventListener("control", () => page.machine.link.request("pace", { speed }), { once: true });
-  }
+  const paced = () => page.machine.link.request("pace", { speed: speed || null });
+  if (asked.has("speed")) page.machine.addEventListener("control", paced, { once: true });
 } catch (error) {
   fail(error.message);
 }

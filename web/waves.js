@@ -38,7 +38,7 @@ class WavesView {
 
   #build() {
     const button = (id, text, f, title = "") =>
-      el("button", { type: "button", id, textContent: text, onclick: f, title });
+      el("button", { type: "button", id, textContent: text, onclick: f, title, "aria-label": title || text });
     const submit = (event) => {
       if (event.key === "Enter") this.draws();
     };

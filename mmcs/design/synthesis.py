@@ -222,7 +222,8 @@ def _scaled(d: Discrete, t: float, s: int) -> Coefficients:
                 f"S*I*T = {num.sum():.3g} rounds the integral to {total}; take a larger scale"
             )
     if max(map(abs, a + b)) > INT32_MAX:
-        raise DesignError(f"scale = {s}: a coefficient exceeds 32 bits; take a smaller scale")
+        remedy = "a smaller scale" if s > 1 else "smaller gains"
+        raise DesignError(f"scale = {s}: a coefficient exceeds 32 bits; take {remedy}")
     if sum(map(abs, a)) * 65535 > INT32_MAX:
         warnings.append(
             "a full-range error overflows 32-bit sums (a host of 1989); ours are 64-bit"

@@ -82,7 +82,7 @@ function scaled(d, s) {
       warnings.push(`S*I*T = ${told(total(num), 3)} rounds the integral to ${rounded}; take a larger scale`);
   }
   if (Math.max(...[...a, ...b].map(Math.abs)) > INT32_MAX)
-    throw new Error(`scale = ${s}: a coefficient exceeds 32 bits; take a smaller scale`);
+    throw new Error(`scale = ${s}: a coefficient exceeds 32 bits; take ${s > 1 ? "a smaller scale" : "smaller gains"}`);
   if (total(a.map(Math.abs)) * 65535 > INT32_MAX)
     warnings.push("a full-range error overflows 32-bit sums (a host of 1989); ours are 64-bit");
   const made = { num: a, den: b };

@@ -124,8 +124,10 @@ export const OPERATIONS = {
     });
   },
   machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
-  ring: (s, { every_s, count }) => {
-    s.past.ring(every_s, count);
+  ring: (s, message) => {
+    const { every_s } = message;
+    if (!(every_s >= 0.001 && every_s <= 3600)) throw new Refused(E.EINVAL, "every_s: a number from 0.001 to 3600");
+    s.past.ring(every_s, integer(message, "count", 0, 1000));
     return {};
   },
   snapshot: (s) => {

@@ -5,6 +5,7 @@ const MAX_POINTS = 32;
 const MAX_ROWS = 1024;
 const MAX_MARKS = 8;
 const POINT_BYTES = 32;
+const LONGEST_S = 3600;
 const FIELDS = 7; // of an axis in a row of the log
 // What a record may say of a scenario otherwise than the site's own file: the rest is Python's work.
 const OWN = ["seed", "duration", "event", "call", "expect", "description"];
@@ -133,7 +134,7 @@ export function readRecord(text) {
     throw new Error("this is no run.mmcs");
   }
   const { mmcs_run, data, scenario, host } = record ?? {};
-  if (mmcs_run !== 1 || typeof data !== "object" || typeof scenario !== "string")
+  if (mmcs_run !== 1 || !isTable(data) || typeof scenario !== "string")
     throw new Error("this is no run.mmcs of format 1");
   if (host !== "native") throw new Error(`it ran on ${host}; replay it with mmcs replay`);
   return record;
@@ -147,7 +148,15 @@ export function setupOf(record, setup, inputs) {
     if (JSON.stringify(sorted(record.data[name])) !== JSON.stringify(sorted(setup.data[name])))
       throw new Error(`the record changes ${name}, which this page cannot; replay it with mmcs replay`);
   }
-  const { seed = 1, duration, event = [], call = [] } = record.data;
+  const { seed = 1, duration = setup.duration, event = [], call = [] } = record.data;
+  const must = (good, name) => {
+    if (!good) throw new Error(`this is no run.mmcs: its ${name} cannot be`);
+  };
+  const within = (t) => typeof t === "number" && t >= 0 && t <= LONGEST_S;
+  must(Number.isInteger(seed) && seed >= 0, "seed");
+  must(within(duration) && duration > 0, "duration");
+  must(Array.isArray(event) && event.every((e) => isTable(e) && within(e.at) && within(e.until ?? 0)), "events");
+  must(Array.isArray(call) && call.every((c) => isTable(c) && within(c.at) && isRequest(c, setup)), "calls");
   const made = { ...setup, config: { ...setup.config, seed } };
   made.data = record.data;
   made.duration = duration;
@@ -155,6 +164,14 @@ export function setupOf(record, setup, inputs) {
   made.events = event.map((e) => ({ index: 0, until: null, at_power_on: false, ...e,
     healthy: inputs.find((known) => known.name === e.input)?.healthy ?? 0 }));  // prettier-ignore
   return { setup: made, hash: record.hash };
+}
+
+const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+
+function isRequest({ request, axis = "all", set = {} }, { params }) {
+  const axes = axis === "all" ? [] : [axis].flat();
+  return typeof request === "string" && isTable(set)
+    && axes.every((n) => Number.isInteger(n) && n >= 0 && n < params.length);  // prettier-ignore
 }
 
 function sorted(value) {

@@ -116,7 +116,7 @@ export class Server {
     if (result >= 0) return result;
     const { events } = this.sim.tapEvents(Math.max(0, this.sim.tapHead().events - 8));
     const said = events.filter((e) => e.kind === "log").map((e) => e.text.replace(/^mc: /, ""));
-    throw new Refused(-result, said.at(-1) ?? "the driver refuses");
+    throw new Refused(-result, said.at(-1) ?? `the driver refuses: ${nameOf(-result)}`);
   }
 
   setInput(name, index, value) {

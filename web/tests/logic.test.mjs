@@ -4,8 +4,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { parseInteger, parseNumber } from "../dom.js";
+import { askedNumber, parseInteger, parseNumber } from "../dom.js";
 import { design } from "../engine/design.js";
+import { readRecord, setupOf } from "../engine/record.js";
 import { law, transfer } from "../formula.js";
 import { errorWords, gainsOf, setpointScale } from "../panel.js";
 import { Recording, toCsv } from "../recording.js";
@@ -192,4 +193,32 @@ test("gains to integers, as Python makes them", () => {
   const total = pid.coefficients.a0 + pid.coefficients.a1 + pid.coefficients.a2;
   assert.equal(total / pid.coefficients.b0, 1);
   assert.match(design({ p: 4, d: 2, interval_s: 0.001 }).warnings.join(" "), /a tick of noise is a blow/);
+});
+
+test("numbers of an address are told when they are none, never taken as nothing", () => {
+  const asked = new URLSearchParams("a=2,5&b=x&c=&d=-1&e=1e3");
+  assert.equal(askedNumber(asked, "a", 0, 9, 1), 2.5);
+  assert.equal(askedNumber(asked, "gone", 0, 9, 1), 1);
+  assert.equal(askedNumber(asked, "e", 0, 1000, 1), 1000);
+  for (const name of ["b", "c", "d"])
+    assert.throws(() => askedNumber(asked, name, 0, 9, 1), new RegExp(`address: ${name}=".*" is not a number from 0 to 9`));
+});
+
+test("a record that cannot be is one sentence", () => {
+  const setup = { params: [{}, {}], config: {}, data: { cards: 1 }, duration: 2 };
+  const record = (data, more = {}) => ({ mmcs_run: 1, host: "native", scenario: "x", hash: "0x1", data, ...more });
+  const good = { cards: 1, seed: 7, duration: 1, call: [{ at: 0.1, request: "MSETPARAM", axis: [1], set: {} }],
+    event: [{ at: 0, input: "estop", value: 1 }] };  // prettier-ignore
+  assert.equal(setupOf(record(good), setup, []).setup.config.seed, 7);
+  assert.equal(setupOf(record({ cards: 1 }), setup, []).setup.duration, 2);
+  for (const text of ["", "{", "null", "[]", "7", '"x"', "{}", '{"mmcs_run":1}', '{"mmcs_run":1,"data":null,"scenario":"x"}',
+    '{"mmcs_run":1,"data":[],"scenario":"x","host":"native"}', '{"mmcs_run":2,"data":{},"scenario":"x"}'])
+    assert.throws(() => readRecord(text), /this is no run.mmcs/, text);
+  for (const change of [{ seed: -1 }, { seed: "7" }, { seed: 1.5 }, { seed: null }, { duration: 0 }, { duration: "1" },
+    { duration: 1e9 }, { duration: null }, { call: {} }, { call: [null] }, { call: [{ at: 0, request: 7 }] },
+    { call: [{ at: -1, request: "MSTOP" }] }, { call: [{ at: 0, request: "MCALIB", axis: 9 }] },
+    { call: [{ at: 0, request: "MSETPARAM", axis: 0, set: 7 }] }, { event: "x" }, { event: [{ input: "estop" }] },
+    { event: [{ at: 0, until: "later" }] }])
+    assert.throws(() => setupOf(record({ ...good, ...change }), setup, []), /cannot be$/, JSON.stringify(change));
+  assert.throws(() => setupOf(record({ ...good, cards: 5 }), setup, []), /the record changes cards/);
 });
