@@ -16,7 +16,7 @@ DONE = "() => document.body.dataset.hash"
 
 
 @pytest.mark.req("TOOL-1")
-@pytest.mark.parametrize("address,said", [
+@pytest.mark.parametrize("query,said", [
     ("?scenario=../../x", "there is no scenario"),
     ("?scenario=%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E", "there is no scenario <img"),
     ("?seed=seven", 'seed: "seven" is not a whole number'),
@@ -27,13 +27,13 @@ DONE = "() => document.body.dataset.hash"
     ("?deadman=never", 'address: deadman="never" is not'),
     ("?t=soon", 'address: t="soon" is not'),
 ])  # fmt: skip
-def test_an_address_that_cannot_be_is_told_and_left(opened, address, said):
-    page = opened(address)
+def test_an_address_that_cannot_be_is_told_and_left(opened, query, said):
+    page = opened(query)
     assert page.evaluate("() => document.body.dataset.failed").startswith(said)
     assert said in page.inner_text("#said")
     page.select_option("#scenario", "lab500")
     page.wait_for_url("**scenario=lab500**")
-    if "scenario" in address:  # else the address still holds what was wrong
+    if "scenario" in query:  # else the address still holds what was wrong
         page.wait_for_selector("body.ready")
 
 
