@@ -5,7 +5,7 @@ The bus checkers of the whole machine would stop such a bus, so the adaptor stan
 """
 
 import cocotb
-from cocotb.triggers import FallingEdge, First, Timer
+from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
 from cocotbext.vme import VmeBus, VmeMaster
 
 from cocotb_tests.lib.req import req
@@ -85,3 +85,62 @@ async def iackin_that_lingers_passes_nothing_on(dut):
             await Timer(ns, "ns")
             assert int(dut.vme_iackout_no.value), f"AS* {level}"
         await tb.end()
+
+
+OURS, NEIGHBOUR = (0x6000 | PCCSR) >> 1, (0x2000 | PCCSR) >> 1
+
+
+async def answered(dut, ns: int) -> bool:
+    await First(FallingEdge(dut.vme_dtack_no), Timer(ns, "ns"))
+    return not int(dut.vme_dtack_no.value)
+
+
+@cocotb.test()
+@req("VME-3")
+async def strobe_of_a_neighbour_under_our_address(dut):
+    """Address pipelining: its strobe, which stands for long, is not ours; the next one is, after as
+    little as 30 ns, whatever the phase of the clock."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus = tb.bus
+    bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
+    for phase in range(0, 125, 7):
+        await RisingEdge(dut.clk_i)
+        await Timer(phase * 1000 + 1, "ps")
+        bus.a.value = NEIGHBOUR
+        await Timer(30, "ns")
+        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        await Timer(300, "ns")
+        bus.as_n.value = 1
+        await Timer(30, "ns")
+        bus.a.value = OURS
+        await Timer(30, "ns")
+        bus.as_n.value = 0
+        assert not await answered(dut, 1200), f"a neighbour's strobe, {phase} ns after the clock"
+        bus.ds_n.value = 0b11
+        await Timer(30, "ns")
+        bus.ds_n.value = 0b10
+        assert await answered(dut, 1200), f"ours, {phase} ns after the clock"
+        await Timer(50, "ns")
+        bus.ds_n.value, bus.as_n.value = 0b11, 1
+        await tb.clocks(4)
+
+
+@cocotb.test()
+@req("VME-3")
+async def address_strobe_that_comes_last(dut):
+    """AS* may be a clock edge later than DS0* here, by skew: the cycle is answered all the same."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus = tb.bus
+    bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
+    for before in (1, 10, 60, 130, 300):
+        await RisingEdge(dut.clk_i)
+        await Timer(500 - before, "ns")
+        bus.ds_n.value = 0b10
+        await Timer(before + 5, "ns")
+        bus.as_n.value = 0
+        assert await answered(dut, 1200), f"DS0* {before} ns before the clock"
+        await Timer(50, "ns")
+        bus.ds_n.value, bus.as_n.value = 0b11, 1
+        await tb.clocks(4)
