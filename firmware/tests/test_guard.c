@@ -99,6 +99,36 @@ static void test_sclocks_that_nobody_served(void) {
   mock_stop(&m);
 }
 
+/* The first finding ends the pass; the machine is stopped once, and the reason is one line. */
+// req: DRV-9
+static void test_one_finding_stops_the_machine(void) {
+  int32_t far[2] = {51, 51};
+  struct mc *mc = guarded((struct mc_guard){.jump = 1});
+  m.card[0].count[0]++;
+  m.card[0].count[1]++;
+  mock_run(&m, 2000);
+  CHECK(mc_is_enabled(mc));
+  m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 2);
+  m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + 2);
+  mock_run(&m, 2000);
+  check_stopped(mc, "mc: PANIC: axis 0: its counter jumps\n");
+  mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
+  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  mock_run(&m, 8000);
+  check_stopped(mc, "mc: PANIC: axis 0 does not follow\n");
+}
+
+// req: DRV-9
+static void test_a_machine_at_rest_may_be_moved(void) {
+  struct mc *mc = guarded((struct mc_guard){.jump = 100, .follow = 50, .missed = 3});
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
+  CHECK_EQ(m.signals[0], 0);
+  mock_stop(&m);
+}
+
 // req: DRV-9
 static void test_requests_that_wait_until_the_servo_rests(void) {
   unsigned us = 2000, one = 1;
@@ -135,6 +165,8 @@ int main(int argc, char **argv) {
       {"test_counter_that_nobody_read_for_a_while", test_counter_that_nobody_read_for_a_while},
       {"test_axis_that_does_not_follow", test_axis_that_does_not_follow},
       {"test_sclocks_that_nobody_served", test_sclocks_that_nobody_served},
+      {"test_one_finding_stops_the_machine", test_one_finding_stops_the_machine},
+      {"test_a_machine_at_rest_may_be_moved", test_a_machine_at_rest_may_be_moved},
       {"test_requests_that_wait_until_the_servo_rests",
        test_requests_that_wait_until_the_servo_rests},
       {"test_nothing_is_checked_that_was_not_asked_for",
