@@ -124,7 +124,7 @@ def test_stretch_with_waveforms(mmcs, runs, host, tmp_path):
     enters = [n for n, (_, v) in enumerate(phase) if v == ENTER]
     whole = [n for n in enters if n + 5 < len(phase)]
     assert len(whole) >= 2
-    strobe = next(s for s in groups["axis 0"] if s.path.endswith("dac_hi_i"))
+    strobe = waves.Signal(f"{waves.AXIS}.dac_hi_i")
     writes = [t for t, v in signals[strobe.full(machine_)].tv if v]
     pc = list(signals[groups["firmware"][1].full(machine_)].tv)
     for n in whole:
