@@ -119,7 +119,7 @@ def test_a_native_record_replays_in_the_page(opened, tmp_path):
 
 @pytest.mark.req("TOOL-1", "DRV-9")
 def test_stop_works_and_a_hung_page_stops_the_machine(opened):
-    page = opened("?scenario=puma560&plays=0&deadman=1000")
+    page = opened("?scenario=puma560&plays=0&deadman=60000")  # starved, it is silent for long
     page.click("#enable")
     page.wait_for_function("() => mctool.machine.enabled")
     frame = page.frames[1]
@@ -136,7 +136,13 @@ def test_stop_works_and_a_hung_page_stops_the_machine(opened):
     page.click("#clear")
     page.click("#enable")
     page.wait_for_function("() => mctool.machine.enabled")
-    page.evaluate("() => { const t = Date.now(); while (Date.now() - t < 4000); }")
+    page.evaluate("""async () => {
+      const { machine } = mctool;
+      await machine.dropControl();
+      machine.deadman_ms = 1000;
+      await machine.takeControl();
+      for (const t = Date.now(); Date.now() - t < 4000; );
+    }""")
     page.wait_for_function("() => !mctool.machine.enabled && !mctool.machine.controls")
 
 
