@@ -259,6 +259,19 @@ def _one_at_a_time():
     return threading.Lock()
 
 
+def _answer(future) -> tuple[dict, float]:
+    """Of a run that ended. Raises RunError when it did because the scheduler has."""
+    from concurrent.futures import CancelledError
+
+    with contextlib.suppress(OSError, CancelledError):  # it went while this was fetched
+        if future.status == "finished":
+            return future.result()
+        if future.status == "error":
+            problem = future.exception()
+            return failed(f"{type(problem).__name__}: {problem}"), 0.0
+    raise RunError("the Dask scheduler is gone; go on later with --resume")
+
+
 def run_dask(
     client, tasks: Iterator[tuple[object, object]], builds, work=run_row, setup_of=lambda task: task
 ) -> Iterator[tuple[object, dict, float]]:
@@ -282,13 +295,7 @@ def run_dask(
             start(task)
         for future in flow:
             n = numbers.pop(future)
-            if future.status == "finished":
-                row, seconds = future.result()
-            elif future.status == "error":
-                problem = future.exception()
-                row, seconds = failed(f"{type(problem).__name__}: {problem}"), 0.0
-            else:
-                raise RunError("the Dask scheduler is gone; go on later with --resume")
+            row, seconds = _answer(future)
             yield n, row, seconds
             if (task := next(tasks, None)) is not None:
                 start(task)

@@ -10,10 +10,12 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 
 import pytest
 
 from mmcs import ROOT
+from mmcs.errors import RunError
 from mmcs.scenario.load import load
 from mmcs.sweep import workers as sweep_run
 from mmcs.sweep.plan import make_plan, parse_grid, parse_random
@@ -372,3 +374,15 @@ def test_killed_scheduler_is_one_line(undisturbed, tmp_path):
     lines = (tmp_path / "2.log").read_text().splitlines()
     told = [line for line in lines if not re.fullmatch(r"mmcs: \d+ of \d+ runs", line)]
     assert told == ["mmcs: the Dask scheduler is gone; go on later with --resume"]
+
+
+@pytest.mark.parametrize("gone", [OSError("reset"), CancelledError(), "cancelled", "lost"])
+def test_scheduler_that_goes_while_an_answer_is_fetched(gone):
+    class Future:
+        status = gone if isinstance(gone, str) else "finished"
+
+        def result(self):
+            raise gone
+
+    with pytest.raises(RunError, match="the Dask scheduler is gone; go on later with --resume"):
+        sweep_run._answer(Future())
