@@ -84,7 +84,7 @@ endif
 test: $(VENV)/.test ## the whole test suite
 	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
-test-fast: $(VENV)/.test ## all but the slow tests: about two minutes once built
+test-fast: $(VENV)/.test ## all but the slow tests: some minutes once built
 	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
 
 test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped at random moments

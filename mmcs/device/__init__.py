@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine for other programs: server, client, and programs run against it.
 
-May know: scenario.
+May know: engine, scenario.
 """
