@@ -243,7 +243,7 @@ bool Machine::is_possible() const {
   }
   if (next_edge_ > edges_.size() || next_event_ > events_.size()) return false;
   for (const PinEdge &edge : edges_) {
-    if (edge.axis < 0 || edge.axis >= axes_ || edge.clk < 0) return false;
+    if (edge.axis >= axes_ || edge.clk < 0) return false;
   }
   const double last = static_cast<double>(kLongest) / Model::clk_hz();
   for (const mmcs_event &event : events_) {

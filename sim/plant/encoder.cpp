@@ -31,7 +31,7 @@ Encoder::Encoder(const mmcs_motor &motor, int axis, int clks_per_step, int min_g
       offset_(motor.encoder_offset * counts_per_rad_),
       counts_per_rev_(motor.counts_per_rev),
       index_(motor.index_per_rev != 0),
-      axis_(static_cast<int16_t>(axis)),
+      axis_(static_cast<uint8_t>(axis)),
       clks_(clks_per_step),
       min_gap_(min_gap) {}
 

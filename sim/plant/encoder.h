@@ -55,7 +55,7 @@ class Encoder {
   double offset_ = 0;  // counts
   int64_t counts_per_rev_ = 4;
   bool index_ = false;
-  int16_t axis_ = 0;
+  uint8_t axis_ = 0;
   int64_t clks_ = 1;
   int64_t min_gap_ = 1;
 };

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "mmcs_sim.h"
@@ -21,9 +22,10 @@ inline constexpr int kStepUs = 50;
 // New levels of one axis' encoder pins, `clk` clocks after the start of the step (0-based).
 struct PinEdge {
   int32_t clk;
-  int16_t axis;
-  uint8_t a, b, i;
+  uint8_t axis, a, b, i;
 };
+// Snapshots hold them and digests are made of these: no byte of them may be nobody's.
+static_assert(std::has_unique_object_representations_v<PinEdge>);
 
 class Plant {
  public:
