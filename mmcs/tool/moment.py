@@ -17,6 +17,7 @@ from mmcs.scenario.setup import Setup
 
 MOST_MS = 20.0
 BUSY_S = 0.001  # a servo pass is over by then
+ROUNDED_S = 1e-6  # the page tells times in whole microseconds, rounded up or down
 
 
 class Moment(NamedTuple):
@@ -39,10 +40,11 @@ def find(socket: Path, t: float, ms: float) -> Moment:
         kept = link.request("snapshots")["snapshots"]
         now = link.request("hello")["time"]
         first = kept[0]["t"] if kept else now
-        if not first <= t <= now:
+        if not first - ROUNDED_S <= t <= now + ROUNDED_S:
             raise ValueError(
                 f"waveforms: take a moment that is still known, {first:.3f} to {now:.3f} s"
             )
+        t = min(max(t, first), now)
         begin = max(first, t - ms / 2000)
         last = max((s for s in kept if s["t"] <= begin - BUSY_S), key=_time, default=kept[0])
         scenario = link.hello["scenario"]

@@ -12,6 +12,7 @@ const ROWS_AT_ONCE = 256;
 const HEAD_BYTES = 32;
 const KEPT_ROWS = 8192;
 const KEPT_EVENTS = 4096;
+const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
 const MOMENTARY = ["host_stall", "bus_error", "encoder_slip"];
 // What a record can hold of a person's requests, as [[call]].
 const RECORDED = ["MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP",
@@ -179,9 +180,9 @@ export class Server {
   waves(t, ms) {
     const { past, sim, groups } = this;
     const [begin, end] = [past.begin, sim.clock];
-    const at = t * sim.clk_hz;
+    const at = Math.min(Math.max(t * sim.clk_hz, begin), end);
     if (!(ms > 0 && ms <= MOST_MS)) throw new Refused(E.EINVAL, `ms: a number above 0, up to ${MOST_MS}`);
-    if (!(at >= begin - 1 && at <= end + 1))
+    if (!(Math.abs(t * sim.clk_hz - at) <= ROUNDED_S * sim.clk_hz))
       throw new Refused(E.EINVAL, `t: a moment that is still known, ${begin / sim.clk_hz} to ${end / sim.clk_hz} s`);
     const half = (ms / 2000) * sim.clk_hz;
     const names = groups.flatMap(({ signals }) => signals.map(({ net }) => net));
