@@ -15,6 +15,11 @@ namespace mmcs {
 
 using Bytes = std::vector<uint8_t>;
 
+// Whether each byte belongs to a member: padding holds anything, and digests are made of what is
+// written. A struct with floating-point members says so beside its use.
+template <typename T>
+inline constexpr bool kFull = !std::is_class_v<T> || std::has_unique_object_representations_v<T>;
+
 class Writer {
  public:
   static constexpr bool kReads = false;
@@ -22,11 +27,13 @@ class Writer {
   template <typename T>
   void operator()(const T &value) {
     static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    static_assert(kFull<T>);
     raw(&value, sizeof value);
   }
   template <typename T>
   void operator()(const std::vector<T> &values) {
     static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+    static_assert(kFull<T>);
     (*this)(static_cast<uint64_t>(values.size()));
     raw(values.data(), values.size() * sizeof(T));
   }

@@ -24,6 +24,14 @@
 
 namespace mmcs {
 
+template <>
+inline constexpr bool kFull<mmcs_event> =
+    sizeof(mmcs_event) == 2 * sizeof(double) + 2 * sizeof(int32_t);
+template <>
+inline constexpr bool kFull<mmcs_note> =
+    sizeof(mmcs_note) ==
+    sizeof(double) + sizeof(int32_t) + sizeof(mmcs_note::kind) + sizeof(mmcs_note::text);
+
 // What advance() may end on before its clocks are up.
 enum class Watch { kNothing, kIrq, kDtackLow, kDtackHigh, kReport };
 

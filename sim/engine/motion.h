@@ -34,7 +34,11 @@ class Motion {
         a(count);
       }
       for (Segment &segment : axis.segments) {
-        a(segment.s);
+        mmcs_segment &s = segment.s;  // its table stands beside it
+        for (int32_t *value : {&s.axis, &s.kind, &s.table_len}) a(*value);
+        for (double *value :
+             {&s.t0, &s.duration, &s.to, &s.amplitude, &s.f0, &s.f1, &s.v_max, &s.a_max})
+          a(*value);
         a(segment.table);
       }
       a(axis.next);

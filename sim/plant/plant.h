@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "mmcs_sim.h"
@@ -24,8 +23,6 @@ struct PinEdge {
   int32_t clk;
   uint8_t axis, a, b, i;
 };
-// Snapshots hold them and digests are made of these: no byte of them may be nobody's.
-static_assert(std::has_unique_object_representations_v<PinEdge>);
 
 class Plant {
  public:
