@@ -34,8 +34,8 @@ static void mix(uint32_t word) {
 }
 
 /* pd_1000us of the axes of sim/robots/puma560.toml: a0, a1, b0, b1. */
-static const int32_t puma[AXES][4] = {{40967, -39751, 512, -431}, {43696, -42057, 256, -177},
-                                      {41633, -39970, 256, -124}, {4820, -4583, 32, 0},
+static const int32_t puma[AXES][4] = {{40935, -39719, 512, -431}, {43696, -42057, 256, -177},
+                                      {41596, -39934, 256, -124}, {4820, -4583, 32, 0},
                                       {18309, -17407, 128, 0},    {20155, -19173, 128, 0}};
 
 /* 0 P; 1 PD with the gains of the PUMA, three of them with a derivative filter; 2 PID with

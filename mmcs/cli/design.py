@@ -51,11 +51,12 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
     t = interval * 1e-6
     try:
         c = _controller(plant, p, i, d, tau, wn, zeta)
-        if kick is not None:
-            if tau is not None:
-                raise ds.DesignError("--kick chooses the derivative filter: leave out --tau")
-            c = ds.limit_step(c, kick, method, t, prewarp)
-        k = ds.to_integers(ds.discretize(c, method, t, prewarp), t, scale)
+        if kick is None:
+            k = ds.to_integers(ds.discretize(c, method, t, prewarp), t, scale)
+        elif tau is None:
+            c, k = ds.limited_integers(c, kick, method, t, prewarp, scale)
+        else:
+            raise ds.DesignError("--kick chooses the derivative filter: leave out --tau")
     except ds.DesignError as error:
         raise InputError.one("mmcs design", "", None, str(error)) from None
     except (OverflowError, ValueError, ZeroDivisionError):

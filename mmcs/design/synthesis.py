@@ -322,7 +322,8 @@ def place(plant: Plant, wn: float, zeta: float = 1.0, tau: float = 0.0) -> Contr
 
 def count_step(d: Discrete, c: Controller) -> float:
     """By how much the derivative moves the output, D/A units, when the error moves by one count."""
-    return d.num[0] / d.den[0] - c.p
+    rest = c.p if c.i or not sum(d.den) else sum(d.num) / sum(d.den)
+    return d.num[0] / d.den[0] - rest
 
 
 def limit_step(c: Controller, most: float, method: str, t: float, prewarp: float) -> Controller:
@@ -347,3 +348,18 @@ def limit_step(c: Controller, most: float, method: str, t: float, prewarp: float
         middle = (low + high) / 2
         low, high = (low, middle) if fits(middle) else (middle, high)
     return made(high)
+
+
+def limited_integers(
+    c: Controller, most: float, method: str, t: float, prewarp: float, scale: int | None
+) -> tuple[Controller, Coefficients]:
+    """limit_step and to_integers, such that the integers too keep count_step within `most`.
+
+    Rounding moves the step either way: the filter is made for a little less until it fits.
+    """
+    for share in (0.0, *(2.0**-n for n in range(10, 0, -1))):
+        filtered = limit_step(c, most * (1 - share), method, t, prewarp)
+        k = to_integers(discretize(filtered, method, t, prewarp), t, scale)
+        if abs(count_step(k.discrete(), filtered)) <= most:
+            return filtered, k
+    raise DesignError(f"--kick {most:g}: rounding moves it by more; take a larger --scale")

@@ -4,6 +4,7 @@
 import ast
 import json
 import math
+import random
 import sys
 
 import numpy as np
@@ -285,6 +286,27 @@ def test_kick_is_the_shortest_filter_that_keeps_a_count_small(method):
     assert without.tau == 0 or method == "zoh"
 
 
+@pytest.mark.parametrize("scale", [None, 64, 256, 4096])
+@pytest.mark.parametrize("method", ["backward", "matched", "bilinear", "zoh"])
+def test_rounded_gains_obey_the_limit(method, scale):
+    """Many gains and limits: what MSETPARAM gets, not what was rounded, keeps below."""
+    draw, filtered = random.Random(150), 0
+    for _ in range(60):
+        gains = ds.Controller(draw.uniform(1, 30), 0.0, draw.uniform(0.02, 1.0))
+        most = draw.uniform(0.05, 0.9) * gains.d / T
+        made, k = ds.limited_integers(gains, most, method, T, 0.0, scale)
+        step = k.a[0] / k.b[0] - sum(k.a) / sum(k.b)
+        assert 0.4 * most < step <= most, (gains, most, k)
+        filtered += made.tau > 0
+    assert filtered > 50
+
+
+def test_a_scale_too_coarse_for_the_limit(mmcs):
+    status, out, err = mmcs("design", "-p", "3.4", "-d", "0.01", "--kick", "0.04", "--scale", "4")
+    assert (status, out) == (2, "")
+    assert "--kick 0.04: rounding moves it by more; take a larger --scale" in err
+
+
 @pytest.mark.parametrize("interval", [1000, 2000])
 @pytest.mark.parametrize("axis", range(6))
 def test_the_robot_ships_what_design_makes(mmcs, axis, interval):
@@ -300,4 +322,4 @@ def test_the_robot_ships_what_design_makes(mmcs, axis, interval):
     shipped = getattr(robot.axis[axis].servo, f"pd_{interval}us")
     assert f"pd_{interval}us = {shipped}\n" in out
     a0, a1, b0, b1 = [*shipped, 0][:4]
-    assert a0 / b0 - (a0 + a1) / (b0 + b1) < 150.5
+    assert a0 / b0 - (a0 + a1) / (b0 + b1) <= 150
