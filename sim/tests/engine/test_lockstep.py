@@ -6,6 +6,8 @@ import os
 import pytest
 
 from mmcs import regs
+from mmcs.scenario.load import load
+from mmcs.session.machine import machine
 from studies import lockstep
 
 LONG = os.environ.get("MMCS_LONG") == "1"
@@ -143,6 +145,30 @@ def test_a_difference_is_found():
         skipping.add_event(1e-5, plain.input_names().index("seu_encoder"), 0, 4)
         with pytest.raises(lockstep.Differs, match="seed 1"):
             lockstep.torture((plain, skipping), 1, 200)
+
+
+@pytest.mark.req("API-1", "ENC-1")
+@pytest.mark.parametrize("name", ["lab500", "puma560"])
+def test_the_stranger_keeps_encoders_busy(name):
+    """At many of its actions an edge is between the first and the second flip-flop of a counter, so
+    that one which comes a clock late, or is lost, shows; and all counters have counted."""
+    sim = machine(load(name))
+    with sim:
+        numbers = {name: number for number, name in enumerate(sim.input_names())}
+        names, cards = list(sim.registers()), sim.build()["cards"]
+        first, second, counts = ([names.index(n) for n in names if n.endswith(f"u_encoder.{q}")]
+                                 for q in ("s1_q", "s2_q", "count_q"))  # fmt: skip
+        under_way, counted = [], [set() for _ in counts]
+        strange = lockstep.stranger(1, cards, sim.axes, 1600, {})
+        for action in lockstep.lively(1, cards, sim.axes, strange):
+            if action[0] not in ("snapshot", "back"):
+                lockstep.act(sim, action, numbers)
+            under_way.append(any(sim.register(a) != sim.register(b)
+                                 for a, b in zip(first, second, strict=True)))  # fmt: skip
+            for number, seen in zip(counts, counted, strict=True):
+                seen.add(sim.register(number))
+    assert sum(under_way) > len(under_way) / 10
+    assert min(len(seen) for seen in counted) > 20
 
 
 @pytest.mark.req("API-1")
