@@ -67,6 +67,7 @@ class Sim(Watching):
         if not self._sim:
             text = self.ffi.string(err).decode(errors="replace")
             raise RunError(f"the machine cannot be made: {text or 'no reason given'}")
+        self.caution = self.ffi.string(err).decode(errors="replace")
 
     def destroy(self) -> None:
         if self._sim:

@@ -9,7 +9,6 @@ and columns, so that a replay can say where it parts from the run.
 from __future__ import annotations
 
 import base64
-import itertools
 import json
 import re
 import struct
@@ -25,7 +24,7 @@ from mmcs.engine.rows import BLOCK
 from mmcs.errors import InputError
 from mmcs.place import run_folders
 from mmcs.result.folder import settle
-from mmcs.scenario.files import is_name, loads, open_file, read_json, short
+from mmcs.scenario.files import is_name, loads, log_lines, open_file, read_json, short
 
 NAME = "run.mmcs"
 FORMAT = 1
@@ -258,8 +257,8 @@ def _by_log_file(record: Record, log: np.ndarray) -> str | None:
     at, found = 0, None
     try:
         with open_file(record.path.with_name("log.csv")) as file:
-            file.readline()
-            while lines := list(itertools.islice(file, BLOCK)):
+            next(log_lines(file, 1), None)
+            for lines in log_lines(file, BLOCK):
                 then = np.loadtxt(lines, delimiter=",", ndmin=2)
                 now = log[at : at + len(then)]
                 if then.shape[1] != width:

@@ -20,6 +20,13 @@ def is_body(inertia: list[float]) -> bool:
     return bool(np.linalg.eigvalsh(matrix)[0] >= -1e-9 * max(np.trace(matrix), 1e-300))
 
 
+def has_mass_distribution(inertia: list[float]) -> bool:
+    """Where the mass lies: its second moments, which no body has less than none of either. They are
+    what makes the greatest moment of inertia at most the sum of the other two."""
+    half = sum(inertia[:3]) / 2
+    return is_body([half - own for own in inertia[:3]] + [-product for product in inertia[3:]])
+
+
 def mass_matrix(links, q) -> np.ndarray:
     """By the Jacobians of the links' centres of mass."""
     frame, n = np.eye(4), len(links)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from mmcs.scenario.arm import has_mass_distribution
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 
 LEAST_PHASE_DEG = 20
@@ -162,4 +163,10 @@ def robot_cautions(robot) -> list[str]:
             if ic > 1.1 * coulomb + 1:
                 out.append(f"{axis}: ic_{side} {ic} is above the friction ({coulomb:.0f}): it will"
                            " hunt")  # fmt: skip
+    for n, link in enumerate(robot.link[1:], 1):  # of the first, one axis alone matters
+        if not has_mass_distribution(link.inertia):
+            out.append(
+                f"link {n}: its greatest principal inertia is more than the sum of the other two, "
+                "which no body has"
+            )
     return out

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 import json
 import os
 import re
 import stat
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 from mmcs import ROBOTS, SCENARIOS
@@ -15,6 +18,7 @@ from mmcs.errors import InputError, suggest
 
 MAX_TOML = 1 << 20  # bytes of a file; the longest of ours has twenty thousand
 MAX_TABLE = 8 << 20
+MAX_LINE = 16 << 10  # of a log; one of 32 axes has three thousand
 MAX_JSON = 96 << 20
 MAX_FILES = 16 << 20  # of a scenario, together
 DEEPEST = 10  # levels of tables and lists in a file; a good one has four
@@ -68,6 +72,16 @@ def open_file(path: Path):
         file.close()
         raise ValueError("cannot be read: it is a pipe, a device or a folder")
     return file
+
+
+def log_lines(file, most: int) -> Iterator[list[bytes]]:
+    """The lines of an open log.csv, so many at once. ValueError with one sentence for a line that
+    does not end."""
+    lines = iter(functools.partial(file.readline, MAX_LINE), b"")
+    while group := list(itertools.islice(lines, most)):
+        if len(max(group, key=len)) == MAX_LINE:
+            raise ValueError(f"its log.csv has a line of more than {MAX_LINE >> 10} KB")
+        yield group
 
 
 def read_bytes(path: Path, most: int) -> bytes:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import itertools
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from mmcs.engine.rows import BLOCK, Rows
 from mmcs.errors import InputError
 from mmcs.place import run_folders
 from mmcs.result.folder import reading
-from mmcs.scenario.files import open_file, read_json
+from mmcs.scenario.files import log_lines, open_file, read_json
 
 
 @dataclass
@@ -66,10 +65,10 @@ def _read(folder: Path) -> Run:
     good = isinstance(axes, list) and all(isinstance(axis, dict) for axis in axes)
     if not good or not isinstance(report["scenario"], str):
         raise ValueError("its report.json is damaged")
-    crc, rows, width = 0, None, 0
+    rows, width = None, 0
     with _log_file(folder) as file:
-        crc = zlib.crc32(file.readline(), crc)
-        while lines := list(itertools.islice(file, BLOCK)):
+        crc = zlib.crc32(b"".join(next(log_lines(file, 1), [])))
+        for lines in log_lines(file, BLOCK):
             for line in lines:
                 crc = zlib.crc32(line, crc)
             block = np.loadtxt(lines, delimiter=",", ndmin=2)

@@ -156,7 +156,8 @@ typedef struct mmcs_snapshot {
 
 typedef struct mmcs_sim mmcs_sim;
 
-/* Creates a machine in power-on state at t = 0. NULL on error, with one sentence in err. */
+/* Creates a machine in power-on state at t = 0. NULL on error, with one sentence in err; of a
+   machine that was made err is a caution, or empty. */
 mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
                           const mmcs_link *links, char *err, size_t err_len);
 void mmcs_sim_destroy(mmcs_sim *sim);

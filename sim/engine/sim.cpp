@@ -9,6 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "stiff.h"
+
 namespace {
 
 constexpr uint32_t kWindow = 0x6000;
@@ -88,7 +90,9 @@ mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
   std::string why = check(config, motors, links);
   if (why.empty()) {
     try {
-      return new mmcs_sim(*config, motors, links);
+      auto *sim = new mmcs_sim(*config, motors, links);
+      tell(err, err_len, mmcs::arm_caution(links, config->links));
+      return sim;
     } catch (const std::exception &problem) {
       why = problem.what();
     }

@@ -45,8 +45,8 @@ uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow
                     const std::vector<Net> &dips) {
   const uint32_t key = address << 3 | aen << 2 | ior_n << 1 | iow_n;
   Entry &entry = known_[key * 2654435761u >> 16];
-  if (entry.key != key) {
-    entry = {key, 0};
+  if (entry.key != key || entry.age != age_) {
+    entry = {key, 0, age_};
     for (size_t n = 0; n < dips.size(); ++n) {
       if (hears(address, aen, ior_n, iow_n, static_cast<unsigned>(dips[n].get())))
         entry.cards |= 1u << n;
@@ -56,7 +56,7 @@ uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow
 }
 
 void Ears::forget() {
-  known_.assign(kKnown, {});
+  ++age_;  // emptied instead, it would be most of what a restore costs
 }
 
 }  // namespace mmcs

@@ -25,11 +25,13 @@ class Ears {
   struct Decoder;
   struct Entry {
     uint32_t key = UINT32_MAX, cards = 0;
+    uint32_t age = 0;  // of the switches that it was asked under
   };
   bool hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n, unsigned dip);
 
   std::unique_ptr<Decoder> decoder_;
   std::vector<Entry> known_;
+  uint32_t age_ = 0;
 };
 
 }  // namespace mmcs

@@ -113,24 +113,46 @@ void check_pose(const Arm &arm, const mmcs_motor *motors, const std::vector<size
       (swing > 0.25 ? "rigid (stiffness = 0), softer or its links heavier" : "less damped"));
 }
 
-// Inertias of a body: no axis through the centre of mass may have less than none.
-void check_body(size_t link, const mmcs_link &l) {
-  const double *i = l.inertia;
+// Whether no axis has less than none of it, to rounding: xx yy zz xy yz xz.
+bool semidefinite(const double *i) {
   const double size = i[0] + i[1] + i[2], least = -1e-9;
+  if (size == 0.0) return i[3] == 0.0 && i[4] == 0.0 && i[5] == 0.0;
   const double xx = i[0] / size, yy = i[1] / size, zz = i[2] / size;
   const double xy = i[3] / size, yz = i[4] / size, xz = i[5] / size;
   const double determinant =
       xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  const bool none = size == 0.0 && i[3] == 0.0 && i[4] == 0.0 && i[5] == 0.0;
-  const bool good = xx * yy - xy * xy >= least && yy * zz - yz * yz >= least &&
-                    xx * zz - xz * xz >= least && determinant >= least;
-  if (!none && !good) {
+  return xx * yy - xy * xy >= least && yy * zz - yz * yz >= least && xx * zz - xz * xz >= least &&
+         determinant >= least;
+}
+
+void check_body(size_t link, const mmcs_link &l) {
+  if (!semidefinite(l.inertia)) {
     throw std::invalid_argument("link " + std::to_string(link) +
                                 ": inertia is that of no body: it must be positive definite");
   }
 }
 
+// Where the mass lies: its second moments, which no body has less than none of either. They are
+// what makes the greatest moment of inertia at most the sum of the other two.
+bool has_mass_distribution(const mmcs_link &l) {
+  const double *i = l.inertia, half = (i[0] + i[1] + i[2]) / 2;
+  const double moments[6] = {half - i[0], half - i[1], half - i[2], -i[3], -i[4], -i[5]};
+  return moments[0] >= -1e-9 * half && moments[1] >= -1e-9 * half && moments[2] >= -1e-9 * half &&
+         semidefinite(moments);
+}
+
 }  // namespace
+
+std::string arm_caution(const mmcs_link *links, int count) {
+  for (int i = 1; i < count; ++i) {  // the first turns about one axis, of which alone it tells
+    if (!has_mass_distribution(links[i])) {
+      return "link " + std::to_string(i) +
+             ": its greatest principal inertia is more than the sum of the other two, which no "
+             "body has";
+    }
+  }
+  return "";
+}
 
 void check_arm(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links) {
   std::vector<size_t> flexible;

@@ -13,6 +13,8 @@ from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.errors import RunError
 from mmcs.scenario import arm as checks
+from mmcs.scenario.describe import robot_cautions
+from mmcs.scenario.load import load_robot
 
 ARMS = 60
 CONFIG = {"cards": 1, "axes": 2, "links": 2, "seed": 1, "bus_timeout_us": 16.0, "skip": 1,
@@ -140,6 +142,27 @@ def test_what_explodes_is_refused(motor, link, why):
         return
     with pytest.raises(RunError, match=why):
         Sim(library, *arguments)
+
+
+@pytest.mark.parametrize(("inertia", "body"), [
+    ([0.01, 0.02, 0.03, 0, 0, 0], True),  # a plate
+    ([0.01, 0.02, 0.031, 0, 0, 0], False),
+    ([0.02, 0.02, 0.02, 0.011, 0, 0], False),  # 0.009, 0.031, 0.02: turned by 45 degrees
+    ([0.02, 0.02, 0.02, 0.005, 0, 0], True),  # 0.015, 0.025, 0.02
+    ([0.02, 0.02, 0.005, 0.015, 0, 0], False),  # 0.005, 0.035, 0.005
+])  # fmt: skip
+def test_inertia_beyond_the_triangle_is_told(inertia, body):
+    """It can be integrated, and published ones are so: a caution, the same in both."""
+    links = [LINK | {"inertia": [0.0, 0.35, 0.0, 0, 0, 0]}, LINK | {"inertia": inertia}]
+    with Sim(ensure_library(1, "speed"), CONFIG, [flexible(stiffness=0.0, damping=0.0)] * 2,
+             links) as sim:  # fmt: skip
+        told = sim.caution
+    assert told.startswith("link 1: its greatest principal inertia") is not body, told
+    robot = load_robot("puma560")[1]
+    robot.link[1].inertia = inertia
+    robot.link[2].inertia = [0.01] * 3 + [0.0] * 3
+    cautions = [text for text in robot_cautions(robot) if text.startswith("link")]
+    assert cautions == ([] if body else [told])
 
 
 def test_angle_and_encoder_are_of_one_instant():
