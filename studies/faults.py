@@ -7,6 +7,7 @@ A fault scenario has a [fault] table; its first event is the fault. Each one run
 
 from __future__ import annotations
 
+import argparse
 import errno
 from typing import NamedTuple
 
@@ -212,4 +213,5 @@ def _degrees(values: list[float]) -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     write_document()

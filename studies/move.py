@@ -10,6 +10,8 @@ joints) is learned from runs on the machine as a disturbance in D/A units.
 
 from __future__ import annotations
 
+import argparse
+
 import numpy as np
 
 T, N, KNOT, WAY = 1e-3, 500, 10, 4000
@@ -119,4 +121,5 @@ def main(rounds: int = 4) -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     main()

@@ -9,6 +9,7 @@ come from one_axis.py.
 
 from __future__ import annotations
 
+import argparse
 import functools
 import math
 import tomllib
@@ -296,4 +297,5 @@ def _cell(figures: tuple) -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     DOCUMENT.write_text(document())

@@ -7,19 +7,18 @@ that nobody needs, told to write its verdict to a file, and the verdict is print
 wants to read it. Used by the engine `abc pdr` (property-directed reachability).
 """
 
+import argparse
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 STATUS, SCRIPT, GATE = Path("abc_status.log"), Path("abc_script.abc"), Path("abc_gate.v")
 
 
 def main() -> int:
-    if len(sys.argv) != 3 or sys.argv[1] != "-c":
-        print("abc_for_sby: usage: abc_for_sby.py -c COMMANDS", file=sys.stderr)
-        return 2
-    commands = sys.argv[2].replace("pdr -v -l", "pdr")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-c", dest="commands", required=True, help="ABC's commands")
+    commands = parser.parse_args().commands.replace("pdr -v -l", "pdr")
     before, found, after = commands.partition("; write_cex")
     STATUS.unlink(missing_ok=True)
     SCRIPT.write_text(f"{before}; write_status {STATUS}{found}{after}\n")

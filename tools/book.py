@@ -8,6 +8,7 @@ names are pages of the book as well, and a mark like <!-- live: panic --> become
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import shutil
@@ -55,6 +56,7 @@ nav:
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     shutil.rmtree(STAGE, ignore_errors=True)
     source = STAGE / "src"
     shutil.copytree(DOCS, source)

@@ -1,6 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Says in one line what this machine lacks; silent when all is there. Usage: check_host.sh PYTHON CXX
+# Says in one line what this machine lacks; silent when all is there.
+# Usage: check_host.sh PYTHON CXX
+case ${1:---help} in -h|--help) sed -n '3,4s/^# //p' "$0"; exit 0 ;; esac
 python=$1
 cxx=$2
 say() { echo "mmcs: $1" >&2; exit 2; }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes "Use it alone" into the chips' pages: ports (from the RTL), tie-offs, a bench."""
 
+import argparse
 import re
 import sys
 from pathlib import Path
@@ -65,6 +66,7 @@ def names() -> list[str]:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     for chip in names():
         path = PAGES / f"{chip}.md"
         path.write_text(page(chip, path.read_text()))

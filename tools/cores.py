@@ -1,11 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the FuseSoC core of each chip, from mmcs.core and the chip's own text; `make generate`.
+"""Writes the FuseSoC core of each chip, from mmcs.core and the chip's own text; `make generate`."""
 
-tools/cores.py                    rewrites the cores of the chips, <chip>.core
-tools/cores.py --check            fails where one is not fresh
-tools/cores.py --provider URL     prints mmcs.core with a provider entry, for a core library
-"""
-
+import argparse
 import re
 import sys
 from pathlib import Path
@@ -73,17 +69,19 @@ def core(chip: str) -> str:
 
 
 def main() -> int:
-    if sys.argv[1:2] == ["--provider"] and len(sys.argv) == 3:
-        entry = {"provider": {"name": "url", "url": sys.argv[2], "filetype": "tar"}}
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--check", action="store_true", help="write nothing; fail if one is stale")
+    way.add_argument("--provider", metavar="URL", help="print mmcs.core for a core library")
+    options = parser.parse_args()
+    if options.provider:
+        entry = {"provider": {"name": "url", "url": options.provider, "filetype": "tar"}}
         print(
             (ROOT / "mmcs.core").read_text() + "\n" + yaml.safe_dump(entry, sort_keys=False), end=""
         )
         return 0
-    if sys.argv[1:] not in ([], ["--check"]):
-        print("cores: usage: tools/cores.py [--check | --provider URL]", file=sys.stderr)
-        return 2
     stale = [c for c in CHIPS if not (p := ROOT / f"{c}.core").exists() or p.read_text() != core(c)]
-    if sys.argv[1:] == ["--check"]:
+    if options.check:
         if stale:
             print(f"cores: {', '.join(stale)}: not fresh; run `make generate`", file=sys.stderr)
         return 1 if stale else 0

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules for files as files: licence line, length, README's shape."""
 
+import argparse
 import re
 import subprocess
 import sys
@@ -40,7 +41,9 @@ def table() -> str:
 
 
 def main() -> int:
-    if sys.argv[1:] == ["--table"]:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--table", action="store_true", help="write the table of long files")
+    if parser.parse_args().table:
         page = ROOT / "docs" / "architecture.md"
         rewrite(page, "lengths", table(), "tools/file_rules.py --table")
         return 0

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """All static checks of the project; `make lint`. Zero warnings: any output of a check fails it."""
 
+import argparse
 import os
 import subprocess
 import sys
@@ -178,6 +179,7 @@ def run(job: tuple[str, list[str]]) -> tuple[str, bool, str, float]:
 
 
 def main() -> int:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     failed = 0
     jobs = checks()
     with ThreadPoolExecutor(os.cpu_count()) as pool:

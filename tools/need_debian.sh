@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Makes sure a command is there, installing its Debian package when allowed.
 # Usage: need_debian.sh COMMAND PACKAGE [PACKAGE...]
+case ${1:---help} in -h|--help) sed -n '3,4s/^# //p' "$0"; exit 0 ;; esac
 command=$1
 shift
 command -v "$command" >/dev/null 2>&1 && exit 0

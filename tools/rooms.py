@@ -9,6 +9,7 @@ and __main__.py, which only hand on public names.
 
 from __future__ import annotations
 
+import argparse
 import ast
 import re
 import sys
@@ -125,4 +126,5 @@ def page(text: str) -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     DOC.write_text(page(DOC.read_text()))

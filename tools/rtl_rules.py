@@ -5,6 +5,7 @@ What is read, proved, covered, mutated and put on an FPGA is what runs; speed an
 outside. rtl/checkers watches buses in simulation and may say so.
 """
 
+import argparse
 import re
 import sys
 from pathlib import Path
@@ -62,6 +63,7 @@ def complaints(root: Path) -> list[str]:
 
 
 def main() -> int:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     found = complaints(ROOT)
     for line in found:
         print(f"rtl rules: {line}", file=sys.stderr)

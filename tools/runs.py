@@ -7,6 +7,7 @@ runs this; a test holds the pages fresh.
 
 from __future__ import annotations
 
+import argparse
 import datetime
 import re
 import sys
@@ -63,5 +64,6 @@ def pages(tables: dict[str, list[dict]]) -> dict[Path, str]:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     for page, whole in pages(load(DATA.read_text())).items():
         page.write_text(whole)

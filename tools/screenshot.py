@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What GTKWave shows of a view, without a display: `screenshot.py FILE.fst FILE.gtkw OUT.png`."""
+"""What GTKWave shows of a view, without a display."""
 
+import argparse
 import os
 import shutil
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -69,4 +69,8 @@ def shoot(trace: Path, view: Path, whole=lambda image: True) -> Image.Image:
 
 
 if __name__ == "__main__":
-    shoot(Path(sys.argv[1]), Path(sys.argv[2])).save(sys.argv[3])
+    parser = argparse.ArgumentParser(description=__doc__)
+    for name, text in (("trace", "FILE.fst"), ("view", "FILE.gtkw"), ("picture", "OUT.png")):
+        parser.add_argument(name, type=Path, help=text)
+    options = parser.parse_args()
+    shoot(options.trace, options.view).save(options.picture)

@@ -11,6 +11,7 @@
 Run again at will; it changes nothing twice.
 """
 
+import argparse
 import compileall
 import re
 import sys
@@ -40,6 +41,7 @@ exec "$(dirname "$(realpath "$0")")/python" -P -m mmcs "$@"
 
 
 def main() -> int:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     bin_folder, site = Path(sys.prefix) / "bin", Path(sysconfig.get_path("purelib"))
     makefile = home() / "include" / "verilated.mk"
     if not makefile.is_file():

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The RTL files in compile order, from mmcs.core: `sources.py [--set rtl|soc|checkers] [--abs]`.
+"""The RTL files in compile order, from mmcs.core; or the arguments for the SoC's processor core,
+which is not ours: the installed package pythondata-cpu-ibex holds it."""
 
-`sources.py --core` prints the arguments that Verilator wants for the SoC's processor core, which is
-not ours: the installed package pythondata-cpu-ibex holds it.
-"""
-
+import argparse
 import importlib.util
 import os
 import sys
@@ -66,27 +64,20 @@ def core_arguments() -> list[str]:
 
 
 def main() -> int:
-    arguments = sys.argv[1:]
-    if arguments == ["--core"]:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--set", default="rtl", metavar="NAME", help="rtl, soc or checkers")
+    parser.add_argument("--abs", action="store_true", help="absolute paths")
+    parser.add_argument("--core", action="store_true", help="Verilator's arguments for the core")
+    options = parser.parse_args()
+    if options.core:
         try:
             print("\n".join(core_arguments()))
         except CoreMissing as error:
             print(f"sources: {error}", file=sys.stderr)
             return 2
         return 0
-    absolute = "--abs" in arguments
-    arguments = [a for a in arguments if a != "--abs"]
-    if arguments[:1] == ["--set"] and len(arguments) == 2:
-        name = arguments[1]
-    elif not arguments:
-        name = "rtl"
-    else:
-        print(
-            "sources: usage: sources.py [--set rtl|soc|checkers] [--abs] | --core", file=sys.stderr
-        )
-        return 2
     try:
-        for path in sources(name, None if absolute else Path()):
+        for path in sources(options.set, None if options.abs else Path()):
             print(path)
     except KeyError as error:
         print(f"sources: {error.args[0]}", file=sys.stderr)

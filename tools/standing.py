@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What formal/standing_props.sv and formal/deaf_props.sv are about: the registers, counters and
 pins of a part, found in its netlist, with the counters of sim/model/counters.toml.
-
-    standing.py TASK [FOLDER]      writes build/formal/PART.sv: prove_mark1, prove_deaf_mark1, ...
 """
 
+import argparse
 import json
 import subprocess
 import sys
@@ -222,8 +221,12 @@ def write(task: str, folder: Path = ROOT) -> Path:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=f"Writes build/formal/PART.sv: {__doc__}")
+    parser.add_argument("task", help="prove_mark1, prove_deaf_mark1, ...")
+    parser.add_argument("folder", nargs="?", type=Path, default=ROOT, help="of the RTL")
+    options = parser.parse_args()
     try:
-        print(write(sys.argv[1], Path(sys.argv[2]).resolve() if sys.argv[2:] else ROOT))
+        print(write(options.task, options.folder.resolve()))
     except Bad as error:
         print(f"standing: {error}", file=sys.stderr)
         return 2

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Joins the requirements (docs/requirements.toml) with the tests that carry their ids.
 
-Writes docs/evidence/traceability.md. `--check` writes nothing and fails on a requirement without a
-test, a test with an unknown id, a file that is not there, or a stale page.
+Writes docs/evidence/traceability.md; fails on a requirement without a test, a test with an unknown
+id, or a file that is not there.
 """
 
+import argparse
 import json
 import re
 import subprocess
@@ -90,11 +91,14 @@ def problems(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; a stale page fails")
+    check = parser.parse_args().check
     requirements = tomllib.loads((ROOT / "docs" / "requirements.toml").read_text())
     tests = collect()
     text = page(requirements, tests)
     found = problems(requirements, tests)
-    if "--check" in sys.argv:
+    if check:
         if not PAGE.is_file() or PAGE.read_text() != text:
             found.append("docs/evidence/traceability.md is stale: run `make generate`")
     else:

@@ -8,6 +8,7 @@ and what Python knows of scenarios and structures is written beside them as JSON
 
 from __future__ import annotations
 
+import argparse
 import base64
 import hashlib
 import json
@@ -47,6 +48,7 @@ KINDS = {"double": ("d", 8), "int32_t": ("i", 4), "int": ("i", 4), "uint32_t": (
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     build()
     write()
     sizes = {path.name: path.stat().st_size for path in sorted(SITE.rglob("*.wasm"))}

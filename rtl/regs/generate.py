@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes what follows from rtl/regs/mmcs.rdl: SystemVerilog, C, Python, JavaScript and
-documentation.
+documentation."""
 
-`generate.py` rewrites the files; `generate.py --check` exits 1 naming the first stale one.
-"""
-
+import argparse
 import json
 import sys
 from pathlib import Path
@@ -286,6 +284,9 @@ def to_js(card, adaptor, words) -> str:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; name a stale file")
+    check = parser.parse_args().check
     try:
         views = load()
     except RDLCompileError:
@@ -298,10 +299,6 @@ def main() -> int:
         ROOT / "docs/hardware/registers.md": to_docs(*views),
         ROOT / "web/registers_table.js": to_js(*views),
     }
-    check = sys.argv[1:] == ["--check"]
-    if sys.argv[1:] and not check:
-        print(f"generate: unknown option {sys.argv[1]}; use none, or --check", file=sys.stderr)
-        return 2
     for path, text in files.items():
         if check and (not path.is_file() or path.read_text() != text):
             name = path.relative_to(ROOT)

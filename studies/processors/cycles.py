@@ -6,10 +6,10 @@ As a program it rewrites the tables of docs/simulator/processors.md.
 
 from __future__ import annotations
 
+import argparse
 import ctypes as c
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 from tools.pages import rewrite
@@ -201,4 +201,6 @@ def main(names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tables", nargs="*", help="cycles, passes, limits; all without any")
+    main(parser.parse_args().tables)
