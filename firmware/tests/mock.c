@@ -43,6 +43,10 @@ int mock_panic(const struct mock *m) {
   return 0;
 }
 
+static uint8_t level(const struct mock_card *c, int j) {
+  return (uint8_t)((c->b & 1) != 0 ? c->joint[j] : (c->a >> 4 & 2) | (c->a >> 6 & 1));
+}
+
 /* A tick of CLK, 1 MHz here: the slowest that there is. */
 static void tick(struct mock_card *c) {
   for (int j = 0; j < 2; j++) {
@@ -53,7 +57,7 @@ static void tick(struct mock_card *c) {
     }
     in[2] = in[1];
     in[1] = in[0];
-    in[0] = (uint8_t)((c->b & 1) != 0 ? c->joint[j] : (c->a >> 4 & 2) | (c->a >> 6 & 1));
+    in[0] = level(c, j);
   }
 }
 
@@ -62,13 +66,11 @@ static void step(struct mock *m) {
   for (int i = 0; i < 16; i++) {
     if (m->card[i].present) tick(&m->card[i]);
   }
-  if (m->period > 0 && m->now > m->origin) {
-    int64_t phase = (m->now - m->origin) % m->period;
-    if (phase == m->period - m->low_us) {
-      fall(m);
-    } else if (phase == 0) {
-      sclock_rise(m);
-    }
+  if (m->period > 0) {
+    if (++m->phase == m->period) m->phase = 0;
+    int falls = m->phase == m->period - m->low_us;
+    if (falls) fall(m);
+    if (m->phase == 0 && !falls) sclock_rise(m);
   }
   int panic = mock_panic(m);
   if (panic && !m->panic && (m->pccsr & 0x80)) m->panic_latch = 1;
@@ -98,12 +100,43 @@ static void poll(struct mock *m) {
   m->serving = m->masked = 0;
 }
 
+static int64_t earlier(int64_t a, int64_t b) {
+  return a < b ? a : b;
+}
+
+/* How many us pass in which nobody does anything, at most `most`. */
+static int64_t quiet(const struct mock *m, int64_t most) {
+  if (requests(m) || m->irq_since >= 0 || m->panic != mock_panic(m)) return 0;
+  for (int i = 0; i < 16; i++) {
+    const struct mock_card *c = &m->card[i];
+    for (int j = 0; j < 2 && c->present; j++) {
+      const uint8_t *in = c->input[j];
+      if (in[0] != level(c, j) || in[1] != in[0] || in[2] != in[1]) return 0;
+      int64_t beat = c->beat_until[j] - m->now;
+      if (c->enabled[j] && beat > 0) most = earlier(most, beat - 1);
+    }
+  }
+  if (m->period == 0) return most;
+  int64_t falls = m->period - m->low_us - m->phase;
+  return earlier(most, (falls > 0 ? falls : m->period - m->phase) - 1);
+}
+
+/* To the next moment at which something may happen, at most so far. */
+static void advance(struct mock *m, int64_t most) {
+  int64_t us = quiet(m, most - 1);
+  m->now += us;
+  m->phase += us;
+  step(m);
+  poll(m);
+}
+
 void mock_run(struct mock *m, int64_t us) {
   int64_t until = m->now + us;
-  while (m->now < until) {
-    step(m);
-    poll(m);
-  }
+  while (m->now < until) advance(m, until - m->now);
+}
+
+void mock_pass(struct mock *m) {
+  for (int passes = m->passes; m->passes == passes;) advance(m, INT64_MAX);
 }
 
 /* --- timers ----------------------------------------------------------------------------- */
@@ -138,6 +171,7 @@ static void count(struct mock *m, int timer, uint8_t v) {
   m->period = (int64_t)n0 * n1 / 8;
   m->low_us = n0 / 8;
   m->origin = m->now;
+  m->phase = 0;
 }
 
 static uint8_t read_timer(struct mock *m, int timer) {

@@ -51,7 +51,7 @@ struct mock {
   uint16_t latch2;
   int has_status, has_latch2;
   int load2, fresh2; /* a count waits; and no rise of SCLOCK has come since it was written */
-  int64_t period, origin, low_us, falls;
+  int64_t period, phase, origin, low_us, falls;
   int level_high;
   /* host */
   int masked, serving, ack_broken;
@@ -71,6 +71,8 @@ struct mock {
 struct mc *mock_start(struct mock *m, int cards);
 void mock_stop(struct mock *m);
 void mock_run(struct mock *m, int64_t us);
+/* To the end of the next pass. */
+void mock_pass(struct mock *m);
 /* A driver opened for reading and writing: client 0. */
 struct mc *mock_open(struct mock *m, int cards);
 /* Level of the heartbeats and everything else that makes PANIC. */

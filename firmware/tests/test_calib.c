@@ -20,11 +20,6 @@ static void pass_index(int axis, uint16_t at) {
   c->count[axis & 1] = (uint16_t)(at + 17);
 }
 
-static void one_pass(void) {
-  int64_t total = mc_stats_of(m.memory)->total;
-  while (mc_stats_of(m.memory)->total == total) mock_run(&m, 1);
-}
-
 // req: DRV-8 CAL-1
 static void test_arming_traffic(void) {
   struct mc *mc = mock_open(&m, 3);
@@ -51,9 +46,9 @@ static void test_pass_of_a_calibrating_card(void) {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 2);
   m.latency_us = 20;
-  one_pass();
+  mock_pass(&m);
   m.logging = 1;
-  one_pass();
+  mock_pass(&m);
   static const struct mock_access want[] = {
       R(0x409), W(0x409, 0x38), W(0x409, 0xB8), W(0x407, 0x80), R(0x405), R(0x405), R(0x005),
       R(0x009), R(0x00B),       R(0x00D),       R(0x00F),       R(0x005),           /* card 0 */
@@ -75,7 +70,7 @@ static void test_every_axis_finds_its_own_index(void) {
     for (int i = 0; i < 6; i++) CHECK_EQ(errcode(i), 0);
     CHECK_EQ(m.card[axis / 2].b, 0x11);
     pass_index(axis, (uint16_t)(0xFF00 + axis));
-    one_pass();
+    mock_pass(&m);
     for (int i = 0; i < 6; i++) {
       uint32_t want = (0xFF00u + (unsigned)i) << 16 | (unsigned)i << 8 | MERR_ZINDEX;
       CHECK_EQ(errcode(i), i == axis ? (int32_t)want : 0);
@@ -100,14 +95,14 @@ static void test_two_axes_of_a_card_one_after_the_other(void) {
     CHECK_EQ(m.card[0].b, 0x0D);
     CHECK_EQ(m.card[1].b, 0x11);
     pass_index(2 + first, 50);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(errcode(2 + first), 50 << 16 | (2 + first) << 8 | MERR_ZINDEX);
     CHECK_EQ(errcode(2 + second), 0);
     CHECK_EQ(m.card[1].b, 0x11); /* the other still waits */
     mock_run(&m, 10000);
     CHECK_EQ(m.signals[0], 1);
     pass_index(2 + second, 60);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(errcode(2 + second), 60 << 16 | (2 + second) << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 0x0D); /* latched by SCLOCK and double-buffered again */
     CHECK_EQ(m.signals[0], 2);
@@ -122,7 +117,7 @@ static void test_two_at_once_are_one_signal(void) {
   calibrate(mc, 2);
   pass_index(1, 11);
   pass_index(2, 22);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(errcode(1), 11 << 16 | 1 << 8 | MERR_ZINDEX);
   CHECK_EQ(errcode(2), 22 << 16 | 2 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.signals[0], 1);
@@ -139,7 +134,7 @@ static void test_both_indexes_of_a_live_card_are_no_absence(void) {
   mock_run(&m, 200);
   pass_index(0, 11);
   pass_index(1, 22);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(errcode(0), 11 << 16 | MERR_ZINDEX);
   CHECK_EQ(errcode(1), 22 << 16 | 1 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.card[0].b, 7);
@@ -169,33 +164,33 @@ static void test_a_doubtful_index_is_dropped_and_the_next_one_taken(void) {
     calibrate(mc, 3);
     m.card[1].count[1] = 70;
     m.latency_us = 20;
-    one_pass();
+    mock_pass(&m);
     m.logging = 1;
     struck = 0;
     struck_axis = 3;
     m.on_access = strike;
-    one_pass();
+    mock_pass(&m);
     m.on_access = NULL;
     CHECK(struck);
     if (m.card[1].b == 0x01) { /* in doubt: dropped */
       doubts++;
       CHECK_EQ(errcode(3), 0);
       CHECK_EQ(m.card[1].index[1], 0);
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(errcode(3), 0);
       CHECK_EQ(m.card[1].b, 0x11); /* armed again, one SCLOCK later */
       pass_index(3, 1070);
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(errcode(3), 1070 << 16 | 3 << 8 | MERR_ZINDEX);
     } else {
       found += errcode(3) != 0;
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(errcode(3), 70 << 16 | 3 << 8 | MERR_ZINDEX);
     }
     CHECK_EQ(errcode(2), 0);
     CHECK_EQ(m.card[1].b, 0x11); /* axis 2 still waits */
     pass_index(2, 5);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(errcode(2), 5 << 16 | 2 << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 5);
     CHECK_EQ(m.signals[0], 2);
@@ -216,20 +211,20 @@ static void test_the_doubt_of_one_axis_is_not_the_others(void) {
       calibrate(mc, 2);
       calibrate(mc, 3);
       m.latency_us = 20;
-      one_pass();
+      mock_pass(&m);
       pass_index(sure, 300);
       m.card[1].count[other & 1] = 70;
       m.logging = 1;
       struck_axis = other;
       m.on_access = strike;
-      one_pass();
+      mock_pass(&m);
       m.on_access = NULL;
       CHECK_EQ(errcode(sure), 300 << 16 | sure << 8 | MERR_ZINDEX);
       if (m.card[1].b == 0x01) {
         doubts++;
         CHECK_EQ(errcode(other), 0);
       } else {
-        one_pass();
+        mock_pass(&m);
         CHECK_EQ(errcode(other), 70 << 16 | other << 8 | MERR_ZINDEX);
       }
       mock_stop(&m);
@@ -245,15 +240,15 @@ static void test_an_index_while_not_armed_is_not_believed(void) {
     struct mc *mc = mock_open(&m, 2);
     calibrate(mc, 3);
     m.latency_us = 20;
-    one_pass();
+    mock_pass(&m);
     m.logging = 1;
     struck_axis = 3;
     m.on_access = strike;
-    one_pass();
+    mock_pass(&m);
     m.on_access = NULL;
     if (m.card[1].b == 0x01) {
       m.card[1].index[1] = 1;
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(errcode(3), 0);
       CHECK_EQ(m.signals[0], 0);
       CHECK_EQ(m.card[1].b, 0x11);
@@ -281,7 +276,7 @@ static void test_the_servo_sees_where_the_axis_is(void) {
       for (int pass = 0; pass < 5; pass++) {
         uint16_t now = (uint16_t)(100 * pass);
         pass_index(passing, now); /* goes on by 17 counts since */
-        one_pass();
+        mock_pass(&m);
         CHECK_EQ(mc_state_of(mc, passing)->encnow, now + 17);
         CHECK_EQ(mock_dac(&m, passing), 0x800 - 2 * (now + 17));
         if (waits) {
@@ -330,7 +325,7 @@ static void test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_oth
     }
     for (int i = 0; i < 10; i++) CHECK_EQ(try_mode(mc, 2 + (i & 1), free_[i / 2]), 0);
     pass_index(axis, 3);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(try_mode(mc, axis, MD_POS | ADFB), 0); /* it is over */
     mock_stop(&m);
   }

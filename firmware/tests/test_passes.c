@@ -3,11 +3,6 @@
 #include "mc_priv.h"
 #include "hear.h"
 
-static void one_pass(void) {
-  int passes = m.passes;
-  while (m.passes == passes) mock_run(&m, 1);
-}
-
 // req: DRV-7 DRV-11
 static void test_every_axis_gets_its_own_numbers(void) {
   struct mc *mc = listening(3);
@@ -20,8 +15,8 @@ static void test_every_axis_gets_its_own_numbers(void) {
   }
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   CHECK_EQ(mc_write(mc, 0, values, 24), 24);
-  one_pass();
-  one_pass();
+  mock_pass(&m);
+  mock_pass(&m);
   for (int axis = 0; axis < 6; axis++) {
     const struct mc_state *state = mc_state_of(mc, axis);
     CHECK_EQ(state->encnow, 1000 * axis - 2500);
@@ -43,7 +38,7 @@ static void test_converters_share_their_high_nibbles(void) {
     for (unsigned k = 0; k < sizeof codes / sizeof codes[0]; k++) {
       m.card[0].adc[0] = codes[i];
       m.card[0].adc[1] = codes[k];
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(mc_state_of(mc, 0)->adcvai, codes[i]);
       CHECK_EQ(mc_state_of(mc, 1)->adcvai, codes[k]);
     }
@@ -55,30 +50,30 @@ static void test_converters_share_their_high_nibbles(void) {
 static void test_late_converters_keep_the_old_values_of_their_card(void) {
   struct mc *mc = listening(3);
   for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(100 + axis);
-  one_pass();
-  one_pass();
+  mock_pass(&m);
+  mock_pass(&m);
   for (int round = 1; round < 3; round++) {
     m.card[1].adc_until = INT64_MAX;
     for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(200 + axis);
-    one_pass();
-    one_pass();
+    mock_pass(&m);
+    mock_pass(&m);
     for (int axis = 0; axis < 6; axis++) {
       CHECK_EQ(mc_state_of(mc, axis)->adcvai, axis / 2 == 1 ? 100 + axis : 200 + axis);
     }
     CHECK_EQ(strcmp(said, "mc: A/D time-out: card 1\n"), 0); /* once each time it begins */
     said[0] = 0;
     m.card[1].adc_until = 0;
-    one_pass();
+    mock_pass(&m);
     for (int axis = 0; axis < 6; axis++) CHECK_EQ(mc_state_of(mc, axis)->adcvai, 200 + axis);
     for (int axis = 2; axis < 4; axis++) m.card[1].adc[axis & 1] = (uint16_t)(100 + axis);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(said[0], 0);
   }
   CHECK_EQ(mc_close(mc, 0), 0);
   CHECK_EQ(strcmp(said, "mc: close, A/D time-outs: 4\n"), 0);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0); /* counted from the open on; no value yet: 0 */
   for (int card = 0; card < 3; card++) m.card[card].adc_until = INT64_MAX;
-  one_pass();
+  mock_pass(&m);
   for (int axis = 0; axis < 6; axis++) CHECK_EQ(mc_state_of(mc, axis)->adcvai, 0);
   CHECK_EQ(mc_close(mc, 0), 0);
   CHECK(strstr(said, "mc: close, A/D time-outs: 3\n") != NULL);
@@ -90,13 +85,13 @@ static void test_late_converters_keep_the_old_values_of_their_card(void) {
 static void test_converters_are_waited_for_40_reads(void) {
   for (int late = 38; late < 45; late++) {
     struct mc *mc = listening(1);
-    one_pass();
+    mock_pass(&m);
     m.card[0].adc[0] = 777;
     m.latency_us = 20;
     m.logging = 1;
     int64_t first = m.now - (m.now - m.origin) % 2000 + 2000 + 20 + 11; /* port C after encoders */
     m.card[0].adc_until = first + late;
-    one_pass();
+    mock_pass(&m);
     int polls = 0;
     for (int i = 0; i < m.used; i++) polls += m.log[i].offset == 0x005;
     polls--; /* the one before the encoders */
@@ -116,7 +111,7 @@ static void test_the_first_pass_is_a_sample_of_all_axes(void) {
     for (int axis = 0; axis < 4; axis++) {
       m.card[axis / 2].count[axis & 1] = (uint16_t)(300 * (round + 1) + axis);
     }
-    one_pass();
+    mock_pass(&m);
     for (int axis = 0; axis < 4; axis++) {
       const struct mc_state *state = mc_state_of(mc, axis);
       CHECK_EQ(state->fbnow, 300 * (round + 1) + axis);
@@ -151,7 +146,7 @@ static void test_events_of_any_axis(void) {
         if (crossed >> axis & 1)
           m.card[axis / 2].count[axis & 1] = (uint16_t)(axis & 2 ? 101 : -101);
       }
-      one_pass();
+      mock_pass(&m);
       for (int axis = 0; axis < 4; axis++) {
         int flag = axis & 2 ? MERR_PHI : MERR_PLO;
         CHECK_EQ(mc_state_of(mc, axis)->errcode, crossed >> axis & 1 ? axis << 8 | flag : 0);
@@ -201,7 +196,7 @@ static void test_axes_are_off_by_default(void) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   for (int i = 1; i < 5; i++) {
     for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 * i);
-    one_pass();
+    mock_pass(&m);
     for (int axis = 0; axis < 4; axis++) {
       const struct mc_state *state = mc_state_of(mc, axis);
       CHECK_EQ(state->fbnow, 100 * i);
@@ -228,7 +223,7 @@ static void test_overruns_of_any_length(void) {
     mock_run(&m, 10000);
     int before = mc_stats_of(mc)->overrun;
     m.compute_us = length;
-    one_pass();
+    mock_pass(&m);
     m.compute_us = 0;
     CHECK_EQ(mc_stats_of(mc)->overrun - before, length >= 1000);
   }

@@ -34,11 +34,6 @@ static void put(struct mc *mc, int32_t a, int32_t b) {
   CHECK_EQ(mc_write(mc, 0, values, sizeof values), (int)sizeof values);
 }
 
-static void one_pass(void) {
-  int passes = m.passes;
-  while (m.passes == passes) mock_run(&m, 1);
-}
-
 /* --- the call itself ------------------------------------------------------------------------- */
 
 static int masks, ins, outs;
@@ -136,7 +131,7 @@ static void test_joints_that_come_and_go(void) {
   for (int axis = 0; axis < 3; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
   call(mc, MSETNUMJOINTS, 1);
   CHECK_EQ(mc_joints(mc), 1);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 100);
   for (int axis = 1; axis < 4; axis++) {
     CHECK_EQ(mock_dac(&m, axis), 0x800);
@@ -151,12 +146,12 @@ static void test_joints_that_come_and_go(void) {
   call(mc, MSETNUMJOINTS, 4);
   for (int axis = 1; axis < 3; axis++) CHECK_EQ(mc_setpoint(mc, axis), 0); /* no old demand */
   CHECK_EQ(mc_write(mc, 0, values, 12), 12);
-  one_pass(); /* at once, whatever its divisor */
+  mock_pass(&m); /* at once, whatever its divisor */
   for (int axis = 0; axis < 3; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
   CHECK_EQ(mc_setpoint(mc, 3), 60); /* position axes hold where they are */
   CHECK_EQ(m.computed_axes, 4);
   call(mc, MSETNUMJOINTS, 0);
-  one_pass();
+  mock_pass(&m);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800);
   CHECK(!mock_panic(&m)); /* enabled all the same */
   mock_stop(&m);
@@ -173,11 +168,11 @@ static void test_joints_that_stay_notice_nothing(void) {
   }
   enable(mc);
   put(mc, 1, 2);
-  one_pass();
+  mock_pass(&m);
   int32_t a = mc_state_of(mc, 0)->inow, b = mc_state_of(mc, 1)->inow;
   for (int i = 1; i < 8; i++) {
     call(mc, MSETNUMJOINTS, 2 + i % 3);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(mc_state_of(mc, 0)->inow, a + i); /* the integrators go on */
     CHECK_EQ(mc_state_of(mc, 1)->inow, b + 2 * i);
   }
@@ -196,30 +191,30 @@ static void test_a_change_of_mode_forgets_the_setpoint_under_power_only(void) {
   enable(mc);
   for (int axis = 0; axis < 2; axis++) CHECK_EQ(mc_setpoint(mc, axis), 0); /* but of no force */
   put(mc, 70, 80);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 70);
   set_mode(mc, 0, MD_TORQ | SOFTERR); /* no other mode */
   CHECK_EQ(mc_setpoint(mc, 0), 70);
   set_mode(mc, 0, MD_VEL);
   CHECK_EQ(mc_setpoint(mc, 0), 0);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), 0);
   m.card[0].count[0] = 400;
   mock_run(&m, 8000);
   set_mode(mc, 0, MD_POS);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), 400);
   m.card[0].count[0] = 500; /* pushed: it comes back, a second time it is not asked */
   mock_run(&m, 4000);
   CHECK_EQ(mc_setpoint(mc, 0), 400);
   enable(mc); /* a new start: all of them stay where they are */
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), 500);
   CHECK_EQ(mc_setpoint(mc, 1), 0);
   set_mode(mc, 0, MD_VEL);
   set_mode(mc, 0, MD_POS);
   put(mc, -3, 80); /* before the next sample */
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), -3);
   mock_stop(&m);
 }
@@ -243,13 +238,13 @@ static void test_a_change_of_feedback_does_not_jump(void) {
     set_mode(mc, 0, changes[i][1]);
     set_mode(mc, 1, MD_TORQ | ADFB | ZEROFB);
     for (int pass = 0; pass < 5; pass++) {
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(mock_dac(&m, 0), 0x800);
       CHECK_EQ(mc_state_of(mc, 0)->error, 0);
       CHECK_EQ(mock_dac(&m, 1), 0x800 + 20);
     }
     put(mc, 10, 20);
-    one_pass();
+    mock_pass(&m);
     CHECK(mock_dac(&m, 0) != 0x800);
     mock_stop(&m);
   }
@@ -265,19 +260,19 @@ static void test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample(vo
       set(mc, par);
       while (mc_state_of(mc, 0)->fbnow == mc_state_of(mc, 0)->encnow) { /* right after a sample */
         m.card[0].count[0]++;
-        one_pass();
+        mock_pass(&m);
       }
-      while (mc_state_of(mc, 0)->fbnow != mc_state_of(mc, 0)->encnow) one_pass();
-      for (int i = 0; i < passed; i++) one_pass();
+      while (mc_state_of(mc, 0)->fbnow != mc_state_of(mc, 0)->encnow) mock_pass(&m);
+      for (int i = 0; i < passed; i++) mock_pass(&m);
       par.clkdivisor = to;
       set(mc, par);
       m.card[0].count[0] = 999;
       int due = 7 - passed < to - 1 ? 7 - passed : to - 1;
       for (int i = 0; i < due; i++) {
-        one_pass();
+        mock_pass(&m);
         CHECK(mc_state_of(mc, 0)->fbnow != 999);
       }
-      one_pass();
+      mock_pass(&m);
       CHECK_EQ(mc_state_of(mc, 0)->fbnow, 999);
       mock_stop(&m);
     }
@@ -298,7 +293,7 @@ static void test_axes_wait_each_by_itself(void) {
   enable(mc);
   for (int axis = 0; axis < 4; axis++) samples[axis] = mc_state_of(mc, axis)->inow;
   for (int pass = 1; pass <= 60; pass++) {
-    one_pass();
+    mock_pass(&m);
     int due = 0;
     for (int axis = 0; axis < 4; axis++) due += pass % divisors[axis] == 0;
     CHECK_EQ(m.computed_axes, due);
@@ -319,16 +314,16 @@ static void test_a_code_is_for_axes_that_are_off(void) {
     set_mode(mc, 1, MD_OFF);
     set_mode(mc, 1, mode | ZEROFB);
     CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), off ? 0 : -MC_EINVAL);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(mock_dac(&m, 1), off ? 0x123 : 0x800);
     CHECK_EQ(mc_state_of(mc, 1)->inow, off ? 0x123 - 0x800 : 0);
     CHECK_EQ(mock_dac(&m, 0), 0x800);
     set_mode(mc, 1, mode | ZEROFB | POSCHK); /* the same mode: held */
-    one_pass();
+    mock_pass(&m);
     if (off) CHECK_EQ(mock_dac(&m, 1), 0x123);
     set_mode(mc, 1, mode ^ 15); /* another one: let go */
     set_mode(mc, 1, MD_OFF);
-    one_pass();
+    mock_pass(&m);
     CHECK_EQ(mock_dac(&m, 1), 0x800);
   }
   mock_stop(&m);

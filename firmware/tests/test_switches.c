@@ -14,11 +14,6 @@ static void enable(struct mc *mc) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
 }
 
-static void one_pass(void) {
-  int passes = m.passes;
-  while (m.passes == passes) mock_run(&m, 1);
-}
-
 // req: DRV-6 DRV-9
 static void test_a_new_interval_keeps_the_grace_of_a_stop(void) {
   static const unsigned intervals[] = {100, 500, 2000, 9000, 100000};
@@ -69,8 +64,8 @@ static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
       if (axis != mover) CHECK_EQ(m.card[axis / 2].count[axis & 1], 0);
     }
     CHECK_EQ(m.used, 15);
-    one_pass();
-    one_pass();
+    mock_pass(&m);
+    mock_pass(&m);
     CHECK_EQ(mc_state_of(mc, mover)->encnow, value + moved);
     mock_stop(&m);
   }
@@ -85,12 +80,12 @@ static void test_setting_an_encoder_is_no_movement_and_no_crossing(void) {
   mock_run(&m, 8000);
   CHECK_EQ(m.signals[0], 1);
   call(mc, MSETENC, 250 << 8); /* beyond the same limit */
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_state_of(mc, 0)->fbnow, 250);
   CHECK_EQ(mc_state_of(mc, 0)->vel, 0);
   CHECK_EQ(m.signals[0], 1);
   call(mc, MSETENC, (unsigned)(-250 & 0xFFFF) << 8); /* beyond the other */
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PLO | MERR_PHI);
   CHECK_EQ(m.signals[0], 2);
   mock_stop(&m);
@@ -116,7 +111,7 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
     m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + pass % 5);
     if (renumbered && pass == 8) call(mc, MSETENC, (unsigned)(-3000 & 0xFFFF) << 8);
     if (renumbered && pass == 12) call(mc, MSETENC, 32000 << 8);
-    one_pass();
+    mock_pass(&m);
     if (pass == 10) CHECK((mc_state_of(mc, 0)->encnow < -2900) == renumbered);
     const struct mc_state *state = mc_state_of(mc, 0);
     seen[pass][0] = mc_current(mc, 0);
@@ -254,11 +249,11 @@ static void test_every_counter_of_the_statistics(void) {
   enable(mc);
   int32_t values[2] = {1024, 1025}; /* ilim is 1024: one of them is clipped */
   CHECK_EQ(mc_write(mc, 0, values, 8), 8);
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
   CHECK(memcmp(&stats, &none, sizeof none) == 0);
-  for (int i = 0; i < 5; i++) one_pass();
+  for (int i = 0; i < 5; i++) mock_pass(&m);
   mc_spurious(mc);
   m.estop_open = 1;
   mock_run(&m, 10);

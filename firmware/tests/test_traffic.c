@@ -4,11 +4,6 @@
 
 static struct mock m;
 
-static void one_pass(void) {
-  int passes = m.passes;
-  while (m.passes == passes) mock_run(&m, 1);
-}
-
 // req: DRV-7 SRV-1 DRV-11
 static void test_pass_enabled(void) {
   struct mc *mc = mock_open(&m, 1);
@@ -16,7 +11,7 @@ static void test_pass_enabled(void) {
   mock_run(&m, 500);
   m.logging = 1;
   m.latency_us = 20;
-  one_pass();
+  mock_pass(&m);
   static const struct mock_access want[] = {
       R(0x409),       W(0x409, 0x78), W(0x409, 0xF8), /* take and clear the latches */
       W(0x407, 0x80), R(0x405),       R(0x405),       /* timer 2 at entry */
@@ -49,7 +44,7 @@ static void test_pass_length(void) {
   mock_run(&m, 500);
   m.logging = 1;
   m.latency_us = 20;
-  one_pass();
+  mock_pass(&m);
   CHECK_EQ(m.used, 3 + 3 * 3 + 3 * 13);
   mock_stop(&m);
 }
@@ -193,12 +188,12 @@ static void test_adc_times_out(void) {
   m.card[0].adc[0] = 1000;
   m.card[0].adc_until = INT64_MAX;
   int64_t before = m.now;
-  one_pass();
+  mock_pass(&m);
   CHECK(m.now - before < 2200);
   CHECK_EQ(mc_state_of(m.memory, 0)->adcvai, 3000);
   CHECK(strcmp(m.last_log, "mc: A/D time-out: card 0") == 0);
   int logs = m.logs;
-  one_pass(); /* told once, counted on */
+  mock_pass(&m); /* told once, counted on */
   CHECK_EQ(m.logs, logs);
   CHECK_EQ(mc_close(m.memory, 0), 0);
   CHECK(strcmp(m.last_log, "mc: close, A/D time-outs: 2") == 0);
