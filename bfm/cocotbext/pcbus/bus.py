@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The signals of a slot of the 8-bit PC bus."""
 
-from cocotbext.mmcs import find, pin
+from cocotbext.mmcs import pin
+from cocotbext.mmcs.bus import Bus
 
 # By the pins of a card: d goes to it, q comes from it. A host has the same the other way round.
 CARD = {"a": "a_i", "aen": "aen_i", "ior_n": "ior_ni", "iow_n": "iow_ni", "d": "d_i", "q": "d_o",
@@ -17,32 +18,14 @@ class BusTimeout(Exception):
     """A card has held IOCHRDY low beyond the limit."""
 
 
-class ProtocolError(AssertionError):
-    """A rule of the bus was broken."""
-
-
-class PcBus:
+class PcBus(Bus):
     """The signals of one slot by their short names; those that the design lacks are None.
 
     `iochrdy` is low while a card asks for wait states; `wait`, where a design has that instead, is
-    high.
+    high. from_prefix: PREFIX_ior_ni and so on of a card, PREFIX_ior_no of a host.
     """
 
-    def __init__(self, **handles):
-        unknown = sorted(handles.keys() - CARD.keys())
-        if unknown:
-            raise TypeError(f"PcBus has no signal {unknown[0]}: it has {', '.join(CARD)}")
-        missing = sorted(CARD.keys() - OPTIONAL - handles.keys())
-        if missing:
-            raise TypeError(f"PcBus needs the signal {missing[0]}")
-        for name in CARD:
-            setattr(self, name, handles.get(name))
-
-    @classmethod
-    def from_prefix(cls, dut, prefix: str) -> "PcBus":
-        """PREFIX_ior_ni and so on of a card, PREFIX_ior_no of a host."""
-        names = HOST if hasattr(dut, f"{prefix}_ior_no") else CARD
-        return cls(**find(dut, prefix, names, OPTIONAL))
+    PINS, FACING, OPTIONAL, STROBE = CARD, HOST, OPTIONAL, "ior_n"
 
     def idle(self) -> None:
         """What a host that does nothing drives; CLK ticks with every clock of the design."""
@@ -61,17 +44,6 @@ class PcBus:
             if (handle := getattr(self, name)) is not None:
                 handle.value = value
         self.stretch(False)
-
-    def data(self) -> int:
-        """What the host reads: 0xFF where no card drives."""
-        if self.q_oe is not None and not int(self.q_oe.value):
-            return 0xFF
-        if self.q is None:
-            raise ValueError("this bus has no signal q, which a read needs")
-        value = self.q.value
-        if not value.is_resolvable:
-            raise ProtocolError(f"the read data is {value}: not driven, or not known")
-        return int(value)
 
     def can_stretch(self) -> bool:
         return self.iochrdy is not None or self.wait is not None

@@ -3,7 +3,8 @@
 
 from cocotb.triggers import ClockCycles
 from cocotbext.mmcs import logger, whole
-from cocotbext.pcbus.bus import BusTimeout, PcBus, ProtocolError
+from cocotbext.mmcs.bus import ProtocolError
+from cocotbext.pcbus.bus import BusTimeout, PcBus
 
 
 class PcBusMaster:

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A monitor of the PC I/O bus: records every cycle and holds it against the rules.
-
-It looks once at every instant at which some pin has moved, after all has settled.
-"""
+"""A monitor of the PC I/O bus: records every cycle and holds it against the rules."""
 
 from dataclasses import dataclass
 
-import cocotb
-from cocotb.utils import get_sim_time
-from cocotbext.mmcs import Watch, logger, number, one_of
-from cocotbext.pcbus.bus import PcBus, ProtocolError
+from cocotbext.mmcs import number
+from cocotbext.mmcs.monitor import Monitor
+from cocotbext.pcbus.bus import PcBus
 
 RULES = {
     "one_command": "IOR# and IOW# are never low together",
@@ -37,64 +33,35 @@ class PcCycle:
     command: float = 0.0
 
 
-class PcBusMonitor:
+class PcBusMonitor(Monitor):
     """`cycles` is what was seen, `broken` the rules that were broken, as (rule, ns, sentence).
 
     With `fail` a broken rule fails the test at once. Rules named in `allow` are not judged.
     """
 
+    KIND, RULES = "pcbus", RULES
+    WATCHED = ("a", "d", "q", "q_oe", "ior_n", "iow_n", "aen")
+    cycles: list[PcCycle]
+
     def __init__(
         self, bus: PcBus, *, setup_ns: float = 125, command_ns: float = 500, hold_ns: float = 20,
         recovery_ns: float = 0, longest_ns: float = float("inf"), fail: bool = True, allow=(),
     ):  # fmt: skip
-        self.bus, self.fail = bus, fail
         self.limits = {"setup": setup_ns, "command": command_ns, "hold": hold_ns,
                        "recovery": recovery_ns, "longest": longest_ns}  # fmt: skip
         for name, ns in self.limits.items():
             number(f"{name}_ns", ns, 0, float("inf"))
-        self.allow = {one_of("a rule to allow", rule, tuple(RULES)) for rule in allow}
-        self.cycles: list[PcCycle] = []
-        self.broken: list[tuple[str, float, str]] = []
-        self.log = logger("pcbus", bus.ior_n)
-        self._now = get_sim_time("ns")
         self._address_at = self._ended = float("-inf")
         self._open: PcCycle | None = None
-        names = ("a", "d", "q", "q_oe", "ior_n", "iow_n", "aen")
-        handles = [h for name in names if (h := getattr(bus, name)) is not None]
-        self._watch = Watch(*handles)
-        self._task = cocotb.start_soon(self._run())
-
-    def stop(self) -> None:
-        self._watch.stop()
-        self._task.cancel()
+        super().__init__(bus, fail=fail, allow=allow)
 
     def _look(self) -> dict:
         bus, seen = self.bus, {}
-        for name in ("a", "d", "q", "q_oe", "ior_n", "iow_n", "aen"):
+        for name in self.WATCHED:
             handle = getattr(bus, name)
             known = handle is not None and handle.value.is_resolvable
             seen[name] = int(handle.value) if known else int(name.endswith("_n"))
         return seen
-
-    async def _run(self) -> None:
-        await self._watch.rest()
-        was = self._look()
-        while True:
-            self._now = await self._watch.settled()
-            now = self._look()
-            self._judge(was, now)
-            if was["a"] != now["a"]:
-                self._address_at = self._now
-            was = now
-
-    def _rule(self, name: str, held: bool, detail: str = "") -> None:
-        if held or name in self.allow:
-            return
-        sentence = RULES[name] + (f": {detail}" if detail else "")
-        self.broken.append((name, self._now, sentence))
-        self.log.warning("%s: %s", name, sentence)
-        if self.fail:
-            raise ProtocolError(f"{name} at {self._now} ns: {sentence}")
 
     def _judge(self, was: dict, now: dict) -> None:
         now_low = not (now["ior_n"] and now["iow_n"])
@@ -117,6 +84,8 @@ class PcBusMonitor:
             self._end(was, now)
         if now["q_oe"] and now["ior_n"]:
             self._rule("drive_in_read", False)
+        if was["a"] != now["a"]:
+            self._address_at = self._now
 
     def _begin(self, was: dict, now: dict, gone: float) -> None:
         kind = "write" if now["ior_n"] else "read"

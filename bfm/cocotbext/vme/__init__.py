@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """VMEbus models for cocotb: master, slave, interrupts, monitor. See README.md."""
 
+from cocotbext.mmcs.bus import ProtocolError
 from cocotbext.vme.bus import (
     AM_A24_SUPERVISOR,
     AM_A24_USER,
@@ -14,7 +15,6 @@ from cocotbext.vme.bus import (
     DS_ODD,
     BusError,
     BusTimeout,
-    ProtocolError,
     VmeBus,
     VmeTiming,
 )

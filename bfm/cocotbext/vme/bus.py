@@ -3,7 +3,8 @@
 
 from dataclasses import dataclass
 
-from cocotbext.mmcs import find, pin, whole
+from cocotbext.mmcs import whole
+from cocotbext.mmcs.bus import Bus
 
 # {DS1*, DS0*}
 DS_BOTH, DS_ODD, DS_EVEN, DS_NONE = 0b00, 0b10, 0b01, 0b11
@@ -34,32 +35,20 @@ class BusTimeout(BusError):
     """Nobody answered: the backplane's bus timer drove BERR*."""
 
 
-class ProtocolError(AssertionError):
-    """A rule of the bus was broken."""
+class VmeBus(Bus):
+    """The signals of one slot by their short names; those that the design lacks are None.
 
+    from_prefix: PREFIX_as_ni and so on of a slave, PREFIX_as_no of a master.
+    """
 
-class VmeBus:
-    """The signals of one slot by their short names; those that the design lacks are None."""
+    PINS, FACING, OPTIONAL, STROBE = SLAVE, MASTER, OPTIONAL, "as_n"
 
     def __init__(self, **handles):
-        unknown = sorted(handles.keys() - SLAVE.keys())
-        if unknown:
-            raise TypeError(f"VmeBus has no signal {unknown[0]}: it has {', '.join(SLAVE)}")
-        missing = sorted(SLAVE.keys() - OPTIONAL - handles.keys())
-        if missing:
-            raise TypeError(f"VmeBus needs the signal {missing[0]}")
-        for name in SLAVE:
-            setattr(self, name, handles.get(name))
+        super().__init__(**handles)
         self.data_width, self.address_width = len(self.d), len(self.a) + 1
         if self.data_width not in (8, 16, 32):
             raise ValueError(f"data of 8, 16 or 32 lines, not {self.data_width}")
         self._held: dict[tuple[str, int], set] = {}
-
-    @classmethod
-    def from_prefix(cls, dut, prefix: str) -> "VmeBus":
-        """PREFIX_as_ni and so on of a slave, PREFIX_as_no of a master."""
-        names = MASTER if hasattr(dut, f"{prefix}_as_no") else SLAVE
-        return cls(**find(dut, prefix, names, OPTIONAL))
 
     def idle(self) -> None:
         """What a master that does nothing drives."""
@@ -77,19 +66,6 @@ class VmeBus:
         self.q.value = (1 << len(self.q)) - 1
         if self.q_oe is not None:
             self.q_oe.value = 0
-
-    def driven(self) -> bool | None:
-        """Whether a slave drives the data lines; None where no pin tells."""
-        return None if self.q_oe is None else bool(pin(self.q_oe))
-
-    def data(self) -> int:
-        """The data as a master sees it: the terminators pull up what nobody drives."""
-        if self.driven() is False:
-            return (1 << len(self.q)) - 1
-        value = self.q.value
-        if not value.is_resolvable:
-            raise ProtocolError(f"the read data is {value}: not driven, or not known")
-        return int(value)
 
     def pull(self, name: str, who: object, low: bool, bit: int = 0) -> None:
         """An open-collector line: low while anybody of those who ever pulled it still does."""

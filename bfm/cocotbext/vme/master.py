@@ -15,6 +15,7 @@ import cocotb
 from cocotb.triggers import Event, FallingEdge, First, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 from cocotbext.mmcs import logger, one_of, pin, seeded, whole
+from cocotbext.mmcs.bus import ProtocolError
 from cocotbext.vme.bus import (
     AM_SUPERVISOR,
     DS_BOTH,
@@ -24,7 +25,6 @@ from cocotbext.vme.bus import (
     SPACES,
     BusError,
     BusTimeout,
-    ProtocolError,
     VmeBus,
     VmeTiming,
 )

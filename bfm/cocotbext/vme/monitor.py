@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A VME monitor: records every cycle on the pins and holds both sides against the rules.
-
-It looks once at every instant at which some pin has moved, after all has settled, so that neither
-the simulator's order nor that of the coroutines matters.
-"""
+"""A VME monitor: records every cycle on the pins and holds both sides against the rules."""
 
 from dataclasses import dataclass
 
-import cocotb
-from cocotb.utils import get_sim_time
-from cocotbext.mmcs import Watch, logger, one_of, whole
-from cocotbext.vme.bus import DS_BOTH, DS_EVEN, DS_NONE, ProtocolError, VmeBus
+from cocotbext.mmcs import one_of, whole
+from cocotbext.mmcs.monitor import Monitor
+from cocotbext.vme.bus import DS_BOTH, DS_EVEN, DS_NONE, VmeBus
 
 # ns: what the standard asks of a master at its own pins, and what is left of it at a slave's
 LIMITS = {
@@ -67,37 +62,28 @@ class VmeCycle:
     outcome: str = "none"  # DTACK*, BERR*, none
 
 
-class VmeMonitor:
+class VmeMonitor(Monitor):
     """`cycles` is what was seen, `broken` the rules that were broken, as (rule, ns, sentence).
 
     With `fail` a broken rule fails the test at once. `at` says whose limits hold: "slave", or
     "master" for the pins of a master. Rules named in `allow` are not judged.
     """
 
+    KIND, RULES = "vme", RULES
+    WATCHED = ("a", "am", "as_n", "ds_n", "write_n", "lword_n", "d", "q", "q_oe", "dtack_n",
+               "berr_n", "iack_n", "iackin_n", "iackout_n")  # fmt: skip
+    cycles: list[VmeCycle]
+
     def __init__(
         self, bus: VmeBus, *, at: str = "slave", fail: bool = True, allow=(),
         bus_timer: int = 16_000,
     ):  # fmt: skip
-        self.bus, self.fail = bus, fail
         self.limits = LIMITS[one_of("at", at, tuple(LIMITS))]
-        self.allow = {one_of("a rule to allow", rule, tuple(RULES)) for rule in allow}
         self.bus_timer = whole("bus_timer", bus_timer, 1)
-        self.cycles: list[VmeCycle] = []
-        self.broken: list[tuple[str, float, str]] = []
-        self.log = logger("vme", bus.as_n)
-        self._now = get_sim_time("ns")
         self._moved = dict.fromkeys(("as", "cycle", "write", "d", "ds", "last"), float("-inf"))
         self._open: VmeCycle | None = None
         self._late_as = False
-        names = ("a", "am", "as_n", "ds_n", "write_n", "lword_n", "d", "q", "q_oe", "dtack_n",
-                 "berr_n", "iack_n", "iackin_n", "iackout_n")  # fmt: skip
-        handles = [h for name in names if (h := getattr(bus, name)) is not None]
-        self._watch = Watch(*handles)
-        self._task = cocotb.start_soon(self._run())
-
-    def stop(self) -> None:
-        self._watch.stop()
-        self._task.cancel()
+        super().__init__(bus, fail=fail, allow=allow)
 
     # -- looking -------------------------------------------------------------------------------
 
@@ -117,29 +103,14 @@ class VmeMonitor:
         seen["cycle"] = (seen["a"], seen["am"], seen["lword_n"], seen["iack_n"])
         return seen
 
-    async def _run(self) -> None:
-        await self._watch.rest()
-        was = self._look()
-        while True:
-            self._now = await self._watch.settled()
-            now = self._look()
-            self._master(was, now)
-            self._slave(was, now)
-            self._record(was, now)
-            for name, key in (("as", "as_n"), ("cycle", "cycle"), ("write", "write_n"),
-                              ("d", "d"), ("ds", "ds_n")):  # fmt: skip
-                if was[key] != now[key]:
-                    self._moved[name] = self._now
-            was = now
-
-    def _rule(self, name: str, held: bool, detail: str = "") -> None:
-        if held or name in self.allow:
-            return
-        sentence = RULES[name] + (f": {detail}" if detail else "")
-        self.broken.append((name, self._now, sentence))
-        self.log.warning("%s: %s", name, sentence)
-        if self.fail:
-            raise ProtocolError(f"{name} at {self._now} ns: {sentence}")
+    def _judge(self, was: dict, now: dict) -> None:
+        self._master(was, now)
+        self._slave(was, now)
+        self._record(was, now)
+        for name, key in (("as", "as_n"), ("cycle", "cycle"), ("write", "write_n"),
+                          ("d", "d"), ("ds", "ds_n")):  # fmt: skip
+            if was[key] != now[key]:
+                self._moved[name] = self._now
 
     def _after(self, name: str, since: str) -> None:
         """That at least the limit of this name has passed since something moved."""
