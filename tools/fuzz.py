@@ -29,7 +29,7 @@ ENGINE = [
     "-fno-sanitize-recover=undefined",
 ]  # fmt: skip
 OPTIONS = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
-LIMITS = ["-timeout=60", "-rss_limit_mb=4096", "-max_len=40000"]
+LIMITS = ["-timeout=300", "-rss_limit_mb=4096", "-max_len=40000"]
 
 
 def made(name: str, *command) -> Path:

@@ -38,6 +38,13 @@ class Plan:
     def fault(self, n: int) -> Fault:
         return draw(self.seed, n, self.sorts, self.motions)
 
+    def is_of(self, n: int, row: dict) -> bool:
+        """Whether a row that was read is of the fault that has its number."""
+        fault = self.fault(n)
+        return row["status"] == "failed" or all(
+            row[key] == getattr(fault, key) for key in ("motion", "sort", "what", "at")
+        )
+
     def command(self, n: int) -> str:
         """What makes fault n alone."""
         fault = self.fault(n)

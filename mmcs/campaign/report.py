@@ -21,13 +21,14 @@ REPORT, WHERE, WHEN = "report.md", "where.svg", "when.svg"
 COST = "cost.json"
 
 
-def cost_of(folder: Path) -> tuple[int, float]:
-    """(faults, seconds of a core for them) of what a folder's campaign has cost so far."""
+def cost_of(folder: Path) -> tuple[int, float, float]:
+    """(faults, seconds of a core for them, seconds by the clock) of what a folder's campaign has
+    cost so far."""
     try:
         kept = read_json(folder / COST)
-        return int(kept["faults"]), float(kept["core_s"])
+        return int(kept["faults"]), float(kept["core_s"]), float(kept["wall_s"])
     except (ValueError, KeyError, TypeError, OverflowError):
-        return 0, 0.0
+        return 0, 0.0, 0.0
 
 
 def wilson(k: int, n: int) -> tuple[float, float]:

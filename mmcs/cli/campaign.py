@@ -61,6 +61,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     try:
         build = build_of(plan.setups[plan.names[0]])
         store = Store(folder, plan.identity(build), resume, "campaign", is_row)
+        store.rows = {n: row for n, row in store.rows.items() if plan.is_of(n, row)}
         try:
             whole = _run(plan, store, client, workers or cores(), count)
         finally:
@@ -129,9 +130,10 @@ def _cost(folder: Path, done: int, core: float, began: float) -> None:
         return
     wall = time.perf_counter() - began
     echo(f"{done} faults in {wall:.1f} s, {1e3 * core / done:.0f} ms of a core each")
-    faults, core_s = cost_of(folder)
+    faults, core_s, wall_s = cost_of(folder)
+    kept = {"faults": faults + done, "core_s": core_s + core, "wall_s": wall_s + wall}
     with whole_file(folder / COST) as part:
-        part.write_text(json.dumps({"faults": faults + done, "core_s": round(core_s + core, 3)}))
+        part.write_text(json.dumps(kept))
 
 
 def _finish(plan, rows: dict[int, dict], folder: Path, command: str, whole: bool) -> int:

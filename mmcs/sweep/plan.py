@@ -118,6 +118,9 @@ def _span(option: str, key: str, text: str) -> tuple[Span | None, int | None]:
 
 
 def _evenly(span: Span, count: int) -> Iterator[float]:
+    if span.whole and not span.log and count == span.high - span.low + 1:
+        yield from range(span.low, span.high + 1)  # quick: there may be a million
+        return
     for n in range(count):
         share = n / max(1, count - 1)
         if span.log:
