@@ -3,7 +3,9 @@
 
 import os
 import random
+import subprocess
 from contextlib import contextmanager
+from pathlib import Path
 
 import machines
 import pytest
@@ -14,6 +16,7 @@ from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.scenario.load import load
 
+ROOT = Path(__file__).resolve().parents[3]
 LONG = os.environ.get("MMCS_LONG") == "1"
 SEED = int(os.environ.get("MMCS_SEED", "5"))
 
@@ -237,6 +240,19 @@ def test_bus_checkers_begin_anew_after_a_way_back(first):
             assert sim.run((sim.clock + 40) / machines.CLK_HZ)
             seen += [note["text"] for note in notes(sim, "assert")][-1:]
     assert len(seen) == len(taken) and all("u_pcbus_checker" in text for text in seen), seen
+
+
+@pytest.mark.req("API-1")
+def test_the_digest_is_of_every_source():
+    """Two builds that differ in a file of the model, the engine, the plant or the driver have other
+    digests: a snapshot of one is none of the other."""
+    show = "--eval=show: ; @echo $(ID_FILES)"
+    made = subprocess.run(["make", "-s", "-f", "sim/Makefile", show, "show"], cwd=ROOT, text=True,
+                          capture_output=True, check=True).stdout.split()  # fmt: skip
+    folders = ("sim/model", "sim/engine", "sim/plant", "firmware/mc")
+    files = [p for folder in folders for p in (ROOT / folder).iterdir()]
+    named = {str(p.relative_to(ROOT)) for p in files if p.suffix in (".c", ".cpp", ".h")}
+    assert named - set(made) == {"sim/model/web_threads.c"}  # threads of a browser: no machine
 
 
 @pytest.mark.req("API-1")
