@@ -27,6 +27,7 @@ from mmcs.screen import echo
 
 STARTED = time.time()
 
+LONGEST = 200  # letters of a word in a message
 SET_HELP = "Override a key of the scenario, e.g. host.cpu_us_per_axis=0."
 
 
@@ -40,7 +41,8 @@ class Group(click.Group):
             echo(error.format_message())
             sys.exit(2)
         except click.ClickException as error:
-            _fail(" ".join(error.format_message().split()), 2)
+            words = error.format_message().split()
+            _fail(" ".join(w if len(w) <= LONGEST else w[:LONGEST] + "..." for w in words), 2)
         except InputError as error:
             _fail(str(error), 2)
         except RunError as error:

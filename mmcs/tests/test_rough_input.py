@@ -152,3 +152,11 @@ def test_description_with_markup(mmcs, scenario, tmp_path):
     assert status == 0
     assert out.startswith("test: a [b] $x_{$ [/none] \\x1b[31m\n")
     assert "shoot" in out and "…" not in out
+
+
+@pytest.mark.parametrize(
+    "args", [("campaign", "--seed", "9" * 5000), ("run", "lab500", "x" * 5000)]
+)
+def test_words_without_end_are_cut(mmcs, args):
+    status, out, err = mmcs(*args)
+    assert (status, out, err.count("\n")) == (2, "", 1) and len(err) < 400, err
