@@ -34,7 +34,7 @@ SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1"]
 CARDS = (1, 3)  # what the scenarios below need
 CPU_S = 3  # ends endless loops; a whole test program takes a tenth of a second
 CHILD_CPU_S = 30  # the same for the servo's reference and for the scenarios, a few seconds each
-LIMIT_S = 600  # ends what sleeps for ever, not what waits for a processor
+LIMIT_S = 3600  # ends what sleeps for ever, not what waits for a processor
 # Together they use every call, mode, limit and error of the driver.
 SCENARIOS = [
     "lab500", "lab500_torque", "fault_estop", "fault_encoder_cut_ilim", "fault_host_stall",
