@@ -119,17 +119,6 @@ uint16_t hw_counter(struct mc *mc, int axis) {
   return (uint16_t)(high << 8 | hw_card_get(mc, axis / 2, reg + 1));
 }
 
-void hw_write_dac_high(struct mc *mc, int axis, uint16_t code) {
-  unsigned reg = (axis & 1) != 0 ? MMCS_CARD_DAC2_HI : MMCS_CARD_DAC1_HI;
-  hw_card_put(mc, axis / 2, reg, (uint8_t)(code >> 8));
-}
-
-void hw_write_dac(struct mc *mc, int axis, uint16_t code) {
-  unsigned reg = (axis & 1) != 0 ? MMCS_CARD_DAC2_LO : MMCS_CARD_DAC1_LO;
-  hw_card_put(mc, axis / 2, reg, (uint8_t)(code & 0xFF));
-  hw_write_dac_high(mc, axis, code);
-}
-
 void hw_write_dacs(struct mc *mc) {
   uint8_t values[MC_DRIVE * MC_MAX_CARDS], *v = values;
   const struct mc_axis *end = mc->axis + mc->axes;

@@ -126,11 +126,8 @@ void hw_init_ppi(struct mc *mc, int card);
 /* Writes a pattern to port A and reads it back, then restores it. 1 if the card is there. */
 int hw_answers(struct mc *mc, int card);
 uint16_t hw_counter(struct mc *mc, int axis);
-void hw_write_dac(struct mc *mc, int axis, uint16_t code);
 /* All, in the order of such writes. */
 void hw_write_dacs(struct mc *mc);
-/* Only the high nibble: does not start the heartbeat. */
-void hw_write_dac_high(struct mc *mc, int axis, uint16_t code);
 uint8_t hw_heartbeat_bm(int axis);
 uint8_t hw_index_bm(int axis);
 

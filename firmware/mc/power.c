@@ -45,22 +45,31 @@ static void forget_currents(struct mc *mc) {
 }
 
 /* Zero to every D/A; the low byte only where the heartbeat lives anyway (bit of port C): starting
- * a dead one would open the brakes once more. The relay then isolates all of them. */
+ * a dead one would open the brakes once more. One list, since the level is masked. 1: one lives. */
+static int write_zeros(struct mc *mc, const uint8_t *port_c) {
+  uint16_t offsets[MC_DRIVE * MC_MAX_CARDS];
+  uint8_t values[MC_DRIVE * MC_MAX_CARDS];
+  const uint16_t *of = mc->list.drive; /* low byte and high byte of each axis */
+  unsigned n = 0, axes = (unsigned)mc->axes;
+  for (int axis = 0; axis < mc->axes; axis++, of += 2) {
+    if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
+      offsets[n] = of[0];
+      values[n++] = MC_DAC_ZERO & 0xFF;
+    }
+    offsets[n] = of[1];
+    values[n++] = MC_DAC_ZERO >> 8;
+  }
+  hw_put_list(mc, offsets, values, n);
+  return n > axes;
+}
+
+/* The relay isolates all D/As once they are at zero. */
 static void silence(struct mc *mc, const uint8_t *port_c) {
   if (mc->power == MC_IDLE && !mc->drive) return;
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
   mc->buffered = 0;
   power_apply_modes(mc);
-  int living = 0;
-  for (int axis = 0; axis < mc->axes; axis++) {
-    if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
-      hw_write_dac(mc, axis, MC_DAC_ZERO);
-      living = 1;
-    } else {
-      hw_write_dac_high(mc, axis, MC_DAC_ZERO);
-    }
-  }
-  if (living) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+  if (write_zeros(mc, port_c)) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
   mc->power = MC_IDLE;
   mc->drive = 0;
   power_apply_modes(mc);
@@ -85,8 +94,9 @@ void power_rest(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
-    x->servo.primed = 0; /* at rest from now on; all else ends at MENABLE, which has the time */
-    x->law = (struct servo_prepared){0}; /* that of a mode that is no more ends here */
+    x->servo.primed = 0;     /* at rest from now on; all else ends at MENABLE, which has the time */
+    x->law.kind = SERVO_OFF; /* as servo_prepare() has it of this mode */
+    x->law.top = 0;
   }
 }
 
@@ -188,7 +198,7 @@ static void connect_drives(struct mc *mc) {
   if (!mc->stopped) {
     mc->buffered = 0;
     power_apply_modes(mc);
-    for (int axis = 0; axis < mc->axes; axis++) hw_write_dac_high(mc, axis, MC_DAC_ZERO);
+    (void)write_zeros(mc, NULL); /* no heartbeat lives */
     mc->drive = 1;
     power_apply_modes(mc);
   }

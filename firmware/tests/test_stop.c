@@ -242,7 +242,30 @@ static void test_an_error_gives_no_calibration_up(void) {
   mock_stop(&m);
 }
 
+/* What the law has prepared is of the mode that a stop leaves, no less: else each sample after it
+ * is in 64 bits, and on a 68020 too long. */
+// req: DRV-9 SRV-1
+static void test_a_stop_prepares_what_a_mode_of_off_has(void) {
+  static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_OFF};
+  for (int i = 0; i < 5; i++) {
+    struct mc *mc = listening(1);
+    struct servo_prepared *law = &mc->axis[0].law, stopped;
+    set_mode_within_100(mc, 0, modes[i]);
+    CHECK_EQ(enable(mc, 0), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+    stopped = *law;
+    servo_prepare(law, &mc->axis[0].par);
+    CHECK_EQ(stopped.kind, law->kind);
+    CHECK_EQ(stopped.phi, law->phi);
+    CHECK_EQ(stopped.shift, law->shift);
+    CHECK_EQ(stopped.top, law->top);
+    CHECK_EQ(stopped.limit, law->limit);
+    mock_stop(&m);
+  }
+}
+
 static const struct test tests[] = {
+    {"test_a_stop_prepares_what_a_mode_of_off_has", test_a_stop_prepares_what_a_mode_of_off_has},
     {"test_an_error_gives_no_calibration_up", test_an_error_gives_no_calibration_up},
     {"test_enable_moves_nothing_before_a_new_demand",
      test_enable_moves_nothing_before_a_new_demand},

@@ -12,21 +12,14 @@ static void test_registers_of_every_axis(void) {
   struct mc *mc = mock_open(&m, 3);
   m.logging = 1;
   for (unsigned axis = 0; axis < 6; axis++) {
-    uint16_t base = (uint16_t)((axis / 2) << 6), dac = (uint16_t)(base | (axis & 1 ? 0x15 : 0x11)),
-             enc = (uint16_t)(base | (axis & 1 ? 0x0D : 0x09));
+    uint16_t base = (uint16_t)((axis / 2) << 6), enc = (uint16_t)(base | (axis & 1 ? 0x0D : 0x09));
     m.used = 0;
     m.card[axis / 2].count[axis & 1] = (uint16_t)(0xA1F0 + axis);
     m.card[axis / 2].has_latch[axis & 1] = 0;
     CHECK_EQ(hw_counter(mc, (int)axis), 0xA1F0 + axis);
-    hw_write_dac_high(mc, (int)axis, 0xABC);
-    hw_write_dac(mc, (int)axis, 0x123);
     const struct mock_access want[] = {
         R((uint16_t)(base | 5)), /* another byte, then the high one */
-        R(enc),
-        R((uint16_t)(enc + 2)),
-        W((uint16_t)(dac + 2), 0x0A),
-        W(dac, 0x23),
-        W((uint16_t)(dac + 2), 0x01)};
+        R(enc), R((uint16_t)(enc + 2))};
     EXPECT(&m, want);
     CHECK_EQ(hw_heartbeat_bm((int)axis), axis & 1 ? 0x04 : 0x01);
     CHECK_EQ(hw_index_bm((int)axis), axis & 1 ? 0x08 : 0x02);
