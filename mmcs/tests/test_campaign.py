@@ -22,6 +22,7 @@ from mmcs.campaign.classes import (
 from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
 from mmcs.campaign.plan import CHUNK, Plan, make_plan, run_fault, twin_of
 from mmcs.campaign.report import cost_of, wilson
+from mmcs.campaign.twin import Twin
 from mmcs.scenario.inputs import INPUTS
 from mmcs.sweep.store import ROWS
 
@@ -164,7 +165,9 @@ def test_example_of_each_class_is_made_again_by_the_command_it_prints(
 ):
     n = next(n for n, row in enumerate(rows) if row["class"] == name)
     fault = plan.fault(n)
-    row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
+    fresh = Twin(plan.setups[fault.motion])  # one that has yet to press the button beside it
+    row = run_fault(fresh, fault, whole=True)
+    fresh.close()
     command = shlex.split(plan.command(n))
     assert command[0] == "mmcs"
     status, out, err = mmcs(*command[1:], "--out", tmp_path / "run")
