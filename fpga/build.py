@@ -96,7 +96,7 @@ def read_command(target: Target) -> str:
     own = read_files(target)
     if not target.soc:
         cells = f"read_verilog -lib +/{CELLS[target.synth.split()[0]]}; " if target.pins else ""
-        return f"{cells}read_verilog -sv -Irtl {' '.join(map(near, own))}"
+        return f"{cells}read_verilog -sv -Irtl -Ifpga/board {' '.join(map(near, own))}"
     files, libraries, includes = core()
     words = ["read_slang", "--threads", "1", "--allow-use-before-declare", "--ignore-assertions"]
     words += ["-D", "SYNTHESIS", "--top", target.top, "-I", "rtl"]
@@ -119,7 +119,8 @@ def made_once(target: Target, script: str, key: Path):
     """Whether the script is to be run: its sources or the tools are not those of the last time."""
     OUT.mkdir(parents=True, exist_ok=True)
     digest = hashlib.sha256(script.encode())
-    for file in [*read_files(target), *sorted((ROOT / "rtl").glob("*.svh"))]:
+    includes = [f for d in ("rtl", "fpga/board") for f in sorted((ROOT / d).glob("*.svh"))]
+    for file in [*read_files(target), *includes]:
         digest.update(file.read_bytes())
     digest.update((ROOT / "requirements.lock").read_bytes())
     stale = not (key.is_file() and key.read_text() == digest.hexdigest())

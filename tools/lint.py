@@ -55,7 +55,12 @@ def tracked(*patterns: str) -> list[str]:
 def board_files(board: str) -> list[str]:
     """A board's top with its bench, which stands in for its PLL."""
     tops = [f"fpga/board/{n}.sv" for n in ("uart_host", "spi_converters", "mmcs_board", board)]
-    return [*tops, *tracked("fpga/board/tests/cells/*.sv"), f"fpga/board/tests/bench_{board}.sv"]
+    return [
+        "-Ifpga/board",
+        *tops,
+        *tracked("fpga/board/tests/cells/*.sv"),
+        f"fpga/board/tests/bench_{board}.sv",
+    ]
 
 
 def checks() -> list[tuple[str, list[str]]]:

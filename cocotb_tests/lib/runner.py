@@ -63,6 +63,7 @@ class Job:
     extra: tuple[Path, ...] = ()
     coverage: bool = False
     netlist: tuple[Path, ...] = ()  # in place of the RTL: what was synthesised, and its cells
+    includes: tuple[Path, ...] = ()  # further folders of include files
 
 
 @dataclass
@@ -148,7 +149,7 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
         ports = build_root() / f"{job.toplevel}_ports.vlt"
         ports.parent.mkdir(parents=True, exist_ok=True)
         ports.write_text(PORTS.format(top=job.toplevel))
-        return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent]
+        return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent, *job.includes]
     rtl = sources("rtl")
     files = needed(job.toplevel, [*rtl, *job.extra])
     if job.toplevel in CHECKED_TOPS and job.sim == "verilator":
@@ -157,7 +158,7 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
     if job.sim == "verilator":
         waivers = folder / "verilator.vlt"  # a mutant's own
         files = [FORCEABLE, *([waivers] if waivers.is_file() else []), *files]
-    return files, [folder]
+    return files, [folder, *job.includes]
 
 
 def _arguments(job: Job) -> list[str]:
@@ -220,7 +221,7 @@ def build(job: Job):
         raise BuildError(MISSING[job.sim])
     files, includes = _design(job)
     arguments = _arguments(job)
-    files_read = [*files, *sorted(includes[0].rglob("*.svh"))]
+    files_read = [*files, *(f for folder in includes for f in sorted(folder.rglob("*.svh")))]
     digest = digest_of(files_read)
     text = "".join(f"{file}\n" for file in (digest.hexdigest(), *files_read))
     digest.update(repr((job.toplevel, job.sim, job.parameters, arguments, OPTIMISE)).encode())

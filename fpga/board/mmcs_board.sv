@@ -2,45 +2,41 @@
 // One card on a board: a serial line is the host, SPI converters are the analog side, encoders,
 // switches, lights and the e-stop loop are pins. docs/hardware/fpga.md
 `default_nettype none
+`include "board_pins.svh"
 
 module mmcs_board #(
   parameter int ClkHz = 24_000_000,
   parameter int Baud = 1_000_000
 ) (
   input  wire logic       clk_i,
-  input  wire logic       rst_ni,
-  input  wire logic       rx_i,
-  output logic            tx_o,
-  output logic            sclk_o,
-  output logic            adc_cs_no,
-  output logic            adc_din_o,
-  input  wire logic       adc_dout_i,
-  output logic            dac_sync_no,
-  output logic            dac_din_o,
-  input  wire logic [1:0] enc_a_i,
-  input  wire logic [1:0] enc_b_i,
-  input  wire logic [1:0] enc_i_i,
-  input  wire logic [1:0] axis_enable_i,
-  input  wire logic       estop_closed_i,
-  output logic            brake_release_o,
+  input  wire logic       locked_i,       // the PLL has
+  input  wire logic       button_ni,      // reset while pressed
   output logic            panic_o,
   output logic            sclock_o,
-  output logic      [1:0] beat_o          // heartbeats: the servo light of each axis
+  output logic      [1:0] beat_o,         // heartbeats: the servo light of each axis
+  `BOARD_PINS
 );
 
   localparam int BeatLed = 6;   // of card_leds, Table 5.2
 
+  logic rst_n;
+  logic [3:0] reset_q;
   logic hp_req, hp_write, hp_ack;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata;
   logic [31:0] drive, adc;
   logic [10:0] leds;
 
+  always_ff @(posedge clk_i or negedge locked_i) begin
+    if (!locked_i) {rst_n, reset_q} <= '0;
+    else {rst_n, reset_q} <= {&reset_q, reset_q[2:0], button_ni};
+  end
+
   uart_host #(
     .ClkHz(ClkHz),
     .Baud(Baud)
   ) u_host (
-    .clk_i, .rst_ni, .rx_i, .tx_o,
+    .clk_i, .rst_ni(rst_n), .rx_i(ftdi_txd), .tx_o(ftdi_rxd),
     .hp_req_o(hp_req), .hp_write_o(hp_write), .hp_a_o(hp_a), .hp_wdata_o(hp_wdata),
     .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata)
   );
@@ -48,7 +44,10 @@ module mmcs_board #(
   spi_converters #(
     .ClkHz(ClkHz)
   ) u_converters (
-    .clk_i, .rst_ni, .sclk_o, .adc_cs_no, .adc_din_o, .adc_dout_i, .dac_sync_no, .dac_din_o,
+    .clk_i, .rst_ni(rst_n),
+    .sclk_o(spi_sclk),
+    .adc_cs_no(adc_cs_n), .adc_din_o(adc_din), .adc_dout_i(adc_dout),
+    .dac_sync_no(dac_sync_n), .dac_din_o(dac_din),
     .drive_v_i(drive),
     .adc_v_o(adc)
   );
@@ -59,17 +58,17 @@ module mmcs_board #(
     .ClkHz(ClkHz),
     .HostPort(1'b1)
   ) u_mmcs (
-    .clk_i, .rst_ni,
+    .clk_i, .rst_ni(rst_n),
     .vme_a_i('0), .vme_am_i('0), .vme_as_ni(1'b1), .vme_ds_ni('1), .vme_write_ni(1'b1),
     .vme_lword_ni(1'b1), .vme_d_i('0), .vme_d_o(), .vme_d_oe_o(), .vme_dtack_no(),
     .vme_iack_ni(1'b1), .vme_iackin_ni(1'b1), .vme_iackout_no(), .vme_irq_no(),
     .vme_sysreset_ni(1'b1),
-    .estop_closed_i,
+    .estop_closed_i(~estop_n),
     .cable_ok_i(1'b1),
     .pc_power_i(1'b1),
-    .brake_release_o, .panic_o, .sclock_o,
+    .brake_release_o(brake_release), .panic_o, .sclock_o,
     .led_irq_o(),
-    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+    .enc_a_i(enc_a), .enc_b_i(enc_b), .enc_i_i(enc_i), .axis_enable_i(~enable_n),
     .dip_i('0),
     .adc_v_i(adc),
     .drive_v_o(drive),

@@ -22,5 +22,6 @@ def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Out
     job = runner.Job(
         "fpga.board.tests.cocotb_board", f"bench_{board}", "verilator",
         (), (*bench, *(() if netlist else rtl)), netlist=netlist,
+        includes=(HERE.parent,),
     )  # fmt: skip
     return runner.run(job, list(TESTS), runner.DEFAULT_SEED)

@@ -2,6 +2,8 @@
 """The card on a board: a serial line for a host, converters on SPI, pins for all else. §5"""
 
 import cocotb
+from cocotbext.mmcs import Pins
+from cocotbext.quadrature import QuadratureSource
 
 from cocotb_tests.lib.tb import (
     ADC_HI,
@@ -33,9 +35,12 @@ class Board(Tb):
         self.pc = SerialHost(dut, BAUD)
         self.adc = Mcp3208(dut, [0x800] * 8)
         self.dac = Dac8568(dut)
+        self.encoder = QuadratureSource(*map(Pins, (dut.enc_a, dut.enc_b, dut.enc_i)), 0)
+        dut.estop_n.value = dut.enable_n.value = 0
+        dut.ftdi_txd.value = 0  # during the reset: half a request
         await self.start()
-        dut.rx_i.value, dut.axis_enable_i.value = 1, 3
-        await self.us(FORGET_US)  # the line was low during the reset: half a request
+        dut.ftdi_txd.value = 1
+        await self.us(FORGET_US)
         await self.pc.wr(PCCSR, BASE)
         for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
             await self.pc.wr(CARD[register], value)
@@ -74,8 +79,7 @@ async def converters_and_encoder(dut):
             low = await tb.pc.rd(CARD[ADC_LO + joint])
             assert (high >> 4 * joint & 15) << 8 | low == code
     assert set(tb.adc.reads) == {0, 1}
-    encoder = tb.encoders(1)[0]
-    await encoder.move(300, 500)
+    await tb.encoder.move(300, 500)
     await tb.pc.rd(CARD[LATCH])
     high = await tb.pc.rd(CARD[4])
     assert high << 8 | await tb.pc.rd(CARD[5]) == 300
@@ -86,12 +90,12 @@ async def the_stop_loop(dut):
     """An open loop is PANIC and brakes; closed, with both D/As written, they are released."""
     tb = Board(dut)
     await tb.begin()
-    assert int(dut.panic_o.value) and not int(dut.brake_release_o.value)
+    assert int(dut.panic_o.value) and not int(dut.brake_release.value)
     for register in (8, 9, 10, 11):
         await tb.pc.wr(CARD[register], 0x08 if register % 2 else 0)
     await tb.us(5)
-    assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
+    assert not int(dut.panic_o.value) and int(dut.brake_release.value)
     assert int(dut.beat_o.value) == 3
-    dut.estop_closed_i.value = 0
+    dut.estop_n.value = 1
     await tb.us(5)
-    assert int(dut.panic_o.value) and not int(dut.brake_release_o.value)
+    assert int(dut.panic_o.value) and not int(dut.brake_release.value)

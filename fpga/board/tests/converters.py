@@ -10,26 +10,26 @@ class Mcp3208:
 
     def __init__(self, dut, codes):
         self.dut, self.codes, self.reads = dut, codes, []
-        dut.adc_dout_i.value = 0
+        dut.adc_dout.value = 0
         self._task = cocotb.start_soon(self._run())
 
     async def _run(self):
         dut = self.dut
         while True:
-            await FallingEdge(dut.adc_cs_no)
+            await FallingEdge(dut.adc_cs_n)
             head = []
             while len(head) < 5:  # the start bit is the first 1; DIN is taken as SCLK rises
-                await RisingEdge(dut.sclk_o)
-                bit = int(dut.adc_din_o.value)
+                await RisingEdge(dut.spi_sclk)
+                bit = int(dut.adc_din.value)
                 if head or bit:
                     head.append(bit)
             assert head[1] == 1, "single-ended"
             channel = head[2] << 2 | head[3] << 1 | head[4]
-            await RisingEdge(dut.sclk_o)  # it samples
+            await RisingEdge(dut.spi_sclk)  # it samples
             code = self.codes[channel]
             for place in range(12, -1, -1):  # the null bit first, each as SCLK falls
-                await FallingEdge(dut.sclk_o)
-                dut.adc_dout_i.value = 0 if place == 12 else code >> place & 1
+                await FallingEdge(dut.spi_sclk)
+                dut.adc_dout.value = 0 if place == 12 else code >> place & 1
             self.reads.append(channel)
 
 
@@ -43,12 +43,12 @@ class Dac8568:
     async def _run(self):
         dut = self.dut
         while True:
-            await FallingEdge(dut.dac_sync_no)
+            await FallingEdge(dut.dac_sync_n)
             word = 0
             for _ in range(32):
-                await FallingEdge(dut.sclk_o)
-                assert not int(dut.dac_sync_no.value), "SYNC rises within a word"
-                word = word << 1 | int(dut.dac_din_o.value)
+                await FallingEdge(dut.spi_sclk)
+                assert not int(dut.dac_sync_n.value), "SYNC rises within a word"
+                word = word << 1 | int(dut.dac_din.value)
             if word == 0x0800_0001:
                 self.reference = True
             else:
@@ -61,21 +61,21 @@ class SerialHost:
 
     def __init__(self, dut, baud: int):
         self.dut, self.bit_ps = dut, round(1e12 / baud)
-        dut.rx_i.value = 1
+        dut.ftdi_txd.value = 1
 
     async def _send(self, byte: int):
         for bit in (0, *(byte >> n & 1 for n in range(8)), 1):
-            self.dut.rx_i.value = bit
+            self.dut.ftdi_txd.value = bit
             await Timer(self.bit_ps // 2 * 2, "ps")
 
     async def _answer(self) -> int:
-        await FallingEdge(self.dut.tx_o)
+        await FallingEdge(self.dut.ftdi_rxd)
         await Timer(self.bit_ps * 3 // 4 * 2, "ps")
         byte = 0
         for n in range(8):
-            byte |= int(self.dut.tx_o.value) << n
+            byte |= int(self.dut.ftdi_rxd.value) << n
             await Timer(self.bit_ps // 2 * 2, "ps")
-        assert int(self.dut.tx_o.value), "the stop bit"
+        assert int(self.dut.ftdi_rxd.value), "the stop bit"
         return byte
 
     async def _ask(self, *request: int) -> int:
