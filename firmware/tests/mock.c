@@ -127,16 +127,14 @@ static void advance(struct mock *m, int64_t most) {
   m->now += us;
   m->phase += us;
   step(m);
-  poll(m);
 }
 
 void mock_run(struct mock *m, int64_t us) {
-  int64_t until = m->now + us;
-  while (m->now < until) advance(m, until - m->now);
+  for (int64_t until = m->now + us; m->now < until; poll(m)) advance(m, until - m->now);
 }
 
 void mock_pass(struct mock *m) {
-  for (int passes = m->passes; m->passes == passes;) advance(m, INT64_MAX);
+  for (int passes = m->passes; m->passes == passes; poll(m)) advance(m, INT64_MAX);
 }
 
 /* --- timers ----------------------------------------------------------------------------- */
@@ -342,7 +340,8 @@ static void os_compute(void *ctx, unsigned axes) {
   struct mock *m = ctx;
   m->computes++;
   m->computed_axes = (int)axes;
-  for (int64_t i = 0; i < m->compute_us * axes; i++) step(m);
+  int64_t until = m->now + m->compute_us * axes;
+  while (m->now < until) advance(m, until - m->now);
 }
 
 static void os_delay(void *ctx, uint32_t us) {
