@@ -86,6 +86,17 @@ static void streams(void) {
   EXPECT(fseek(file, 0, SEEK_SET) == 0 && fread(state, sizeof(state[0]), 2, file) == 2);
   EXPECT(fwrite(three, sizeof(int), 3, file) == 3 && fflush(file) == EOF && ferror(file));
   (void)fclose(file);
+  file = fopen("/dev/mc0", "r");
+  EXPECT(setvbuf(file, NULL, _IONBF, 0) == 0);
+  for (int i = 0; i < 2; i++) {
+    EXPECT(fread(state, sizeof(state[0]), 2, file) == 2 && !ferror(file));
+    EXPECT(fread(state, sizeof(state[0]), 1, file) == 1);
+    EXPECT(fread(state, sizeof(state[0]) - 1, 1, file) == 0 && errno == EINVAL && ferror(file));
+    clearerr(file);
+    EXPECT(getc(file) == EOF && errno == EINVAL);
+    clearerr(file);
+  }
+  (void)fclose(file);
   file = fdopen(open("/dev/mc0", O_RDWR), "w");
   EXPECT(file != NULL && fwrite(setpoints, sizeof(int), 2, file) == 2 && fclose(file) == 0);
   EXPECT(fopen("/dev/mc7", "r") == NULL && errno == ENXIO);
