@@ -6,6 +6,7 @@ The bus checkers of the whole machine would stop such a bus, so the adaptor stan
 
 import cocotb
 from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
+from cocotb.utils import get_sim_time
 from cocotbext.vme import VmeBus, VmeMaster
 
 from cocotb_tests.lib.req import req
@@ -144,3 +145,29 @@ async def address_strobe_that_comes_last(dut):
         await Timer(50, "ns")
         bus.ds_n.value, bus.as_n.value = 0b11, 1
         await tb.clocks(4)
+
+
+@cocotb.test()
+@req("VME-3")
+async def the_later_strobe_begins_the_cycle(dut):
+    """DS0* alone under our address begins nothing, however long it stands. When AS* comes, it
+    passes as many flip-flops as DS0* does: the answer takes as long from the later one."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus, took = tb.bus, []
+    bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
+    for ds_first in (False, True):
+        await tb.clocks(4)
+        if ds_first:
+            bus.ds_n.value = 0b10
+            assert not await answered(dut, 2000)
+        else:
+            bus.as_n.value = 0
+        await RisingEdge(dut.clk_i)
+        await Timer(40, "ns")
+        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        began = get_sim_time("ns")
+        assert await answered(dut, 1200)
+        took.append(get_sim_time("ns") - began)
+        bus.ds_n.value, bus.as_n.value = 0b11, 1
+    assert took[0] == took[1], took
