@@ -106,7 +106,9 @@ static int64_t earlier(int64_t a, int64_t b) {
 
 /* How many us pass in which nobody does anything, at most `most`. */
 static int64_t quiet(const struct mock *m, int64_t most) {
-  if (requests(m) || m->irq_since >= 0 || m->panic != mock_panic(m)) return 0;
+  if (requests(m) != (m->irq_since >= 0) || m->panic != mock_panic(m)) return 0;
+  int64_t wait = m->irq_since + m->latency_us - m->now - 1;
+  if (m->irq_since >= 0 && !m->masked && !m->serving) most = earlier(most, wait > 0 ? wait : 0);
   for (int i = 0; i < 16; i++) {
     const struct mock_card *c = &m->card[i];
     for (int j = 0; j < 2 && c->present; j++) {
