@@ -6,7 +6,6 @@ from __future__ import annotations
 from pathlib import Path
 
 LOADS = {"rest": "at rest", "typical": "typical move", "full": "full speed"}
-TEST_ROW = ("`make test` from a warm build", "10 min", "5 min", None)
 
 
 def find(found: dict, cards: int, load: str, skip: bool, arm: bool = False) -> dict | None:
@@ -38,7 +37,6 @@ def must_show(found: dict) -> list[tuple[str, str, str, str, str]]:
     many = f"{minutes:.1f} min (from {found['sweep']['runs']} runs; {cpu:.1f} min of CPU)"
     rows.append(("1,000 random 2 s six-axis runs by `mmcs sweep`", "6 min", "2 min", many,
                  _verdict(-minutes, -6, -2)))  # fmt: skip
-    rows.append((*TEST_ROW[:3], "not part of this run", ""))
     return rows
 
 
