@@ -10,9 +10,6 @@
 // Compiled once a board, behind its generated code, with MMCS_MODEL its class. Verilator's eval()
 // does the same more slowly; `slow` in the configuration takes that way, and a test compares them.
 
-#include <algorithm>
-#include <cstddef>
-#include <cstring>
 #include <string_view>
 
 #include "board.h"
@@ -29,13 +26,6 @@
 #define MMCS_EDGES MMCS_JOIN(MMCS_MODEL, ___024root___eval_triggers_vec__act)
 #define MMCS_NBA MMCS_JOIN(MMCS_MODEL, ___024root___eval_nba)
 #define MMCS_SETTLE MMCS_JOIN(MMCS_MODEL, ___024root___eval_settle)
-
-#if MMCS_RECORD
-#include "record.h"
-#define MMCS_NOTE(kind) record.add(kind, root_)
-#else
-#define MMCS_NOTE(kind)
-#endif
 
 void MMCS_SETTLE(MMCS_ROOT *);
 
@@ -62,94 +52,6 @@ constexpr uint64_t trigger_of(std::string_view clock) {
   return 0;
 }
 
-#if !MMCS_PLAIN
-using Root = MMCS_ROOT;
-
-void clocks(Root *root, uint64_t triggers) {
-  root->__VnbaTriggered[0] = triggers;
-  MMCS_NBA(root);
-}
-
-// Registers that are set or reset without the clock; false if there were none.
-bool follow_once(Root *root) {
-  unsigned moved = 0;
-#define MMCS_EDGE(before, net) moved |= root->before ^ root->net;
-#include MMCS_EDGES_OF
-#undef MMCS_EDGE
-  if (moved == 0) return false;
-  MMCS_EDGES(root);
-  if (root->__VactTriggered[0] == 0) return false;
-  clocks(root, root->__VactTriggered[0]);
-  return true;
-}
-__attribute__((noinline)) void follow_more(Root *root) {
-  while (follow_once(root)) continue;
-}
-inline bool follow(Root *root) {
-  const bool any = follow_once(root);
-  if (any) follow_more(root);
-  return any;
-}
-inline bool one_clock(Root *root) {
-  clocks(root, trigger_of("clk_i"));
-  return follow(root);
-}
-inline bool one_inputs(Root *root) {
-  root->__VicoTriggered[0] = 1;
-  MMCS_ICO(root);
-  return follow(root);
-}
-
-// The same for states in which the part often is, compiled by themselves (usual.py): what a
-// variable of the model is in one of them.
-struct Value {
-  uint16_t state, offset, size, value;
-};
-#include MMCS_USUAL_OF
-
-template <class Usual>
-class States {
- public:
-  States() {
-    for (const Value &v : Usual::kValues) {
-      if (v.size == 0) continue;
-      std::memset(reinterpret_cast<char *>(states_[v.state].mask) + v.offset, 0xFF, v.size);
-      reinterpret_cast<char *>(states_[v.state].bits)[v.offset] = static_cast<char>(v.value);
-    }
-  }
-  // The state that the part is in, by all its values; kStates if it is none of these.
-  size_t find(const Root *root) const {
-    if (Usual::kStates == 0) return 0;
-    const size_t guess = Usual::guess(root), last = Usual::kStates - 1;
-    return is(guess, root) ? guess : is(last, root) ? last : Usual::kStates;
-  }
-
- private:
-  typedef uint64_t Bits __attribute__((vector_size(16)));
-  static constexpr size_t bits() {
-    size_t bytes = 0;
-    for (const Value &v : Usual::kValues) bytes = std::max<size_t>(bytes, v.offset + v.size);
-    return (bytes + sizeof(Bits) - 1) / sizeof(Bits);
-  }
-  static constexpr size_t kBits = bits();
-  bool is(size_t state, const Root *root) const {
-    Bits differs = {0, 0};
-#pragma GCC unroll 32
-    for (size_t n = 0; n < kBits; ++n) {
-      Bits now;
-      std::memcpy(&now, reinterpret_cast<const char *>(root) + n * sizeof now, sizeof now);
-      differs |= (now & states_[state].mask[n]) ^ states_[state].bits[n];
-    }
-    return (differs[0] | differs[1]) == 0;
-  }
-  struct {
-    Bits mask[kBits + 1] = {}, bits[kBits + 1] = {};
-  } states_[Usual::kStates + 1];
-};
-const States<Usual_clock> kUsualClocks;
-const States<Usual_inputs> kUsualInputs;
-#endif
-
 class Fast final : public Board {
  public:
   Fast(VerilatedContext &context, const std::string &name) : top_(&context, name.c_str()) {
@@ -167,17 +69,27 @@ class Fast final : public Board {
   uint64_t trigger(const std::string &) const override { return 0; }
 #else
   bool inputs() override {
-    MMCS_NOTE(1);
-    const size_t state = kUsualInputs.find(root_);
-    return state < Usual_inputs::kStates ? Usual_inputs::run(state, root_) : one_inputs(root_);
+    root_->__VicoTriggered[0] = 1;
+    if (usual()) {
+      usual_inputs(root_);
+    } else {
+      MMCS_ICO(root_);
+    }
+    return follow();
   }
-  void clock() override {
-    MMCS_NOTE(0);
-    const size_t state = kUsualClocks.find(root_);
-    state < Usual_clock::kStates ? Usual_clock::run(state, root_) : one_clock(root_);
+  void clocks(uint64_t triggers) override {
+    root_->__VnbaTriggered[0] = triggers;
+    MMCS_NBA(root_);
   }
-  void clocks(uint64_t triggers) override { mmcs::clocks(root_, triggers); }
   uint64_t trigger(const std::string &clock) const override { return trigger_of(clock); }
+  void clock() override {
+    if (usual()) {
+      usual_clock(root_);
+    } else {
+      clocks(kClock);
+    }
+    follow();
+  }
 #endif
   void settle() override { MMCS_SETTLE(root_); }
   Net port(const std::string &name) override {
@@ -196,6 +108,51 @@ class Fast final : public Board {
  private:
   MMCS_MODEL top_;
   MMCS_ROOT *root_;
+#if !MMCS_PLAIN
+  // Has a clock or reset moved since it was last looked at?
+  bool moved() const {
+    unsigned moved = 0;
+#define MMCS_EDGE(before, net) moved |= root_->before ^ root_->net;
+#include MMCS_EDGES_OF
+#undef MMCS_EDGE
+    return moved != 0;
+  }
+  // Registers that are set or reset without the clock; true if there were any.
+  bool follow() {
+    bool any = false;
+    while (moved()) {
+      MMCS_EDGES(root_);
+      if (root_->__VactTriggered[0] == 0) break;
+      clocks(root_->__VactTriggered[0]);
+      any = true;
+    }
+    return any;
+  }
+  // While registers and inputs have their usual values (counters.toml), a clock and what follows
+  // from inputs are in one piece and nothing else: much of the generated code is about what seldom
+  // happens.
+  bool usual() const {
+    unsigned differs = 0;
+#define MMCS_USUAL(net, value) differs |= root_->net ^ unsigned{value};
+#include MMCS_USUAL_OF
+#undef MMCS_USUAL
+    return differs == 0;
+  }
+#define MMCS_USUAL(net, value) \
+  if (root->net != (value)) __builtin_unreachable();
+  __attribute__((flatten)) static void usual_clock(MMCS_ROOT *root) {
+#include MMCS_USUAL_OF
+    root->__VnbaTriggered[0] = kClock;
+    MMCS_NBA(root);
+  }
+  __attribute__((flatten)) static void usual_inputs(MMCS_ROOT *root) {
+#include MMCS_USUAL_OF
+    MMCS_ICO(root);
+  }
+#undef MMCS_USUAL
+
+  static constexpr uint64_t kClock = trigger_of("clk_i");
+#endif
 };
 
 }  // namespace

@@ -6,12 +6,12 @@ boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (para
                       plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
                       boards.inc: registers, inputs and counters of each board, by name
                       decoder.inc: what a card's decoder says
+                      *.usual: values that registers and inputs have nearly always
 wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
 extra DIR HOST CLK N  extra.inc, extra.vlt: registers of a SoC outside the boards
                       checkers.inc, extra.vlt: the bus checkers, whose reset can be forced
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
                       V*.edges: the nets whose edges are looked for, and their values before
-                      V*.usual: code for the states in which a part often is
 
 With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one board more.
 """
@@ -29,11 +29,9 @@ ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
 from netlist import Instance, Module, Netlist, Var, depends, instances, reached  # noqa: E402
-from usual import members, usual_text  # noqa: E402
 from wires import wires_text  # noqa: E402
 
 RULES = tomllib.loads((HERE / "counters.toml").read_text())
-USUAL = tomllib.loads((HERE / "usual.toml").read_text())
 CHIPS = RULES["chips"]
 
 
@@ -101,11 +99,30 @@ def config(folder: Path, netlist: Netlist) -> None:
         (folder / f"{name}.vlt").write_text("\n".join(["`verilator_config", *text]) + "\n")
     (folder / "shells.sv").write_text("\n".join(map(shell, chips(netlist).values())))
     for name, module in (boards(netlist) | chips(netlist)).items():
-        write_ports(folder / name, module)
+        write_ports(folder / name, module, usual(netlist, module))
 
 
-def write_ports(path: Path, module: Module) -> None:
-    """A module's ports, and the parameters that it has in this design."""
+def usual(netlist: Netlist, part: Module) -> str:
+    """Registers and inputs of a part that have their usual values, as its model names them."""
+    out = []
+    inside = [i.path for i in instances(netlist, part) if i.module.name in CHIPS and i.path]
+    for i in instances(netlist, part):
+        if any(f"{i.path}.".startswith(f"{chip}.") for chip in inside):
+            continue
+        path = f"{part.name}.{i.path}.".replace("..", ".")
+        ports = {p.name for p in part.ports if p.direction == "INPUT" and i.module is part}
+        for name, value in RULES["usual"].get(i.module.name, {}).items():
+            if name not in ports and name not in i.module.registers:
+                raise SystemExit(f"generate: counters.toml: {i.module.name} has no {name}")
+            net = name if name in ports else f"{path}{name}"
+            net = net.replace(".", "__DOT__").replace("[", "__BRA__").replace("]", "__KET__")
+            out.append(f"MMCS_USUAL({net}, {value})\n")
+    return "".join(out)
+
+
+def write_ports(path: Path, module: Module, usual: str = "") -> None:
+    """A module's ports, the parameters that it has in this design, and its usual values."""
+    path.with_name(f"{path.name}.usual").write_text(usual)
     ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)
     path.with_name(f"{path.name}.ports").write_text(ports)
     values = [v for v in module.vars.values() if v.is_param and "'" in (v.value or "")]
@@ -314,13 +331,7 @@ def main() -> int:
         for model in out.glob("v/V*___024root__*[0-9].cpp"):
             if "void" in model.read_text().partition("___eval_triggers_vec__act(")[0][-60:]:
                 name = model.name.partition("___024root")[0]
-                edges = edges_text(model)
-                (out / f"{name}.edges").write_text(edges)
-                root = out / "v" / f"{name}___024root.h"
-                states = USUAL.get(name[1:], {})
-                found = "".join(f"MMCS_MEMBER({n})\n" for n in members(root))
-                (out / f"{name}.members").write_text(found)
-                (out / f"{name}.usual").write_text(usual_text(name[1:], states, root, edges))
+                (out / f"{name}.edges").write_text(edges_text(model))
         return 0
     host, clk_hz, *number = rest
     cards = int(number[0]) if number else 1
