@@ -19,14 +19,17 @@ def pytest_addoption(parser):
     )
 
 
+def pytest_itemcollected(item):
+    """Tests that share something costly share a worker, or each worker would make it. Marked before
+    xdist looks for groups."""
+    made = getattr(item, "_fixtureinfo", None)
+    shared = made and any(d[-1].scope == "module" for d in made.name2fixturedefs.values())
+    if shared and not item.get_closest_marker("xdist_group"):
+        item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
+
+
 def pytest_collection_modifyitems(items):
-    """Tests that share something costly share a worker, or each worker would make it. The long
-    tests begin first, so that no worker is left alone with one at the end."""
-    for item in items:
-        made = getattr(item, "_fixtureinfo", None)
-        shared = made and any(d[-1].scope == "module" for d in made.name2fixturedefs.values())
-        if shared and not item.get_closest_marker("xdist_group"):
-            item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
+    """The long tests begin first, so that no worker is left alone with one at the end."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests that share something costly run in one worker: xdist's groups are heeded.
+
+With pytest 9.2 the pytest-xdist of the lock file loses them without a word: then every worker
+makes the fixtures of a module, and simulates each bench of cocotb, for itself.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+TESTS = '''
+import pytest
+
+@pytest.fixture(scope="module")
+def costly():
+    return 1
+
+@pytest.mark.parametrize("n", range(8))
+def test_shares(n, costly):
+    pass
+
+@pytest.mark.xdist_group("a")
+@pytest.mark.parametrize("n", range(8))
+def test_of_a_group(n):
+    pass
+'''
+
+
+def test_groups_stay_together(tmp_path):
+    (tmp_path / "test_it.py").write_text(TESTS)
+    (tmp_path / "conftest.py").write_text((ROOT / "conftest.py").read_text())
+    command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup", "-v"]
+    kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")}
+    done = subprocess.run(command, cwd=tmp_path, env=kept, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for name in ("test_shares", "test_of_a_group"):
+        workers = re.findall(rf"\[(gw\d)\].* PASSED \S+{name}", done.stdout)
+        assert len(workers) == 8, done.stdout
+        assert len(set(workers)) == 1, f"{name} ran in {workers}"
