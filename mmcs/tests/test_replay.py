@@ -290,12 +290,20 @@ def changes(path, begin_ps, end_ps):
     """Of every signal: the value when the stretch begins, and every change in it."""
     import pywellen
 
-    found = {}
+    found, made = {}, {}  # most nets have a name in several modules: each is read once
     for var in pywellen.Waveform(str(path)).all_vars():
-        pairs = list(var.tv)
-        before = [value for t, value in pairs if t <= begin_ps]
-        inside = [(t, value) for t, value in pairs if begin_ps < t <= end_ps]
-        found[var.full_name.removeprefix("TOP.mmcs.")] = before[-1], inside
+        net = str(var.signal_ref)
+        if net not in made:
+            before, inside = None, []
+            for t, value in var.tv:
+                if t > end_ps:
+                    break
+                if t <= begin_ps:
+                    before = value
+                else:
+                    inside.append((t, value))
+            made[net] = before, inside
+        found[var.full_name.removeprefix("TOP.mmcs.")] = made[net]
     return found
 
 
