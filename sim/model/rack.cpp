@@ -34,6 +34,7 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
 void Rack::changed(int net, int lsb, int width) {
   const size_t n = static_cast<size_t>(net);
   if (net == bus_[0] || net == bus_[1] || net == bus_[2] || net == bus_[3]) bus_moved_ = true;
+  if (net == bus_[4] && listening_) bus_moved_ = true;  // data that an upset moves in a command
   for (int l : followers_[n]) {
     if (!due_[static_cast<size_t>(l)]) {
       due_[static_cast<size_t>(l)] = 1;
@@ -245,12 +246,12 @@ void Rack::alone(int64_t end) {
 
 Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   const int64_t begin = clock_;
-  int64_t end = begin + n;
   Stop stop = Stop::kDone;
   const unsigned wanted = dtack < 0 ? 2u : static_cast<unsigned>(dtack);
-  // Clock by clock the level would be seen after the first.
-  if (dtack_.get() == wanted) end = begin + 1;
-  while (clock_ < end) {
+  // A level that stands already is seen after the first clock, if it stands then, too.
+  const bool stands = dtack_.get() == wanted;
+  while (clock_ < begin + n) {
+    const int64_t end = begin + (stands && clock_ == begin ? 1 : n);
     const int64_t cards = cards_due(), coming = coming_at();
     int64_t t = std::min(due_at_[0], cards);
     const bool moved = !skip_ || pins_.waiting() || lines_ != shown_lines_;

@@ -130,7 +130,7 @@ class Rack : public Model, protected Ports, private Listener {
   bool direct_[kPorts];  // nothing but ports of boards is on this net: it has no value of its own
   // The bus that cards hear: nets by the decoder's ports, slots by card.
   Ears ears_;
-  int bus_[4] = {-1, -1, -1, -1};
+  int bus_[5] = {-1, -1, -1, -1, -1};
   std::vector<std::vector<Slot *>> heard_;
   std::vector<Net> dips_;
   std::vector<Block *> cards_;

@@ -10,7 +10,7 @@
 namespace mmcs {
 namespace {
 
-const char *const kBus[] = {"pc_a_i", "pc_aen_i", "pc_ior_ni", "pc_iow_ni"};
+const char *const kBus[] = {"pc_a_i", "pc_aen_i", "pc_ior_ni", "pc_iow_ni", "pc_d_i"};
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void Rack::wire() {
       block.outs.push_back(slot.get());
     } else if (slot->row->heard) {
       heard_[static_cast<size_t>(card)].push_back(slot.get());
-      for (int n = 0; n < 4; ++n) {
+      for (int n = 0; n < 5; ++n) {
         if (std::strcmp(kBus[n], info.port) == 0) bus_[n] = info.net;
       }
       read[net] = 2;

@@ -92,6 +92,31 @@ def test_a_switch_moves_within_a_command(name):
         assert not lockstep.failure(plain)
 
 
+@pytest.mark.req("API-1", "CRD-1")
+@pytest.mark.parametrize("name", ["lab500", "puma560"])
+def test_data_move_within_a_command(name):
+    """A bit of the bus master's data register flips at every clock of a write: the card sees it."""
+    _, plain, skipping = lockstep.machines(name)
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    port, seen = regs.card_offset(0, regs.CARD_PPI_A), set()
+    with plain, skipping:
+        for after in range(1, 18):
+            actions = [
+                ("write", regs.PCCSR, 0x2D, 1, 0xF8),
+                ("write", regs.card_offset(0, regs.CARD_PPI_CONTROL), 0x2D, 1, 0x80),
+                ("event", after / lockstep.CLK_HZ, "seu.u_adaptor.u_core.u_master.d_q", 0, 16),
+                ("write", port, 0x2D, 1, 1),
+                ("run", 100),
+                ("read", port, 0x2D, 1),
+            ]
+            for action in actions:
+                got = [lockstep.act(sim, action, numbers) for sim in (plain, skipping)]
+                assert got[0] == got[1], (after, action)
+            assert plain.hash() == skipping.hash(), after
+            seen.add(got[0])
+    assert seen == {1, 17}
+
+
 @pytest.mark.req("API-1")
 def test_a_way_back_into_a_card_without_power():
     """A bit of the D/A that is stuck stands against the reset of a card without power; so it does
