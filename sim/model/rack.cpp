@@ -72,11 +72,15 @@ void Rack::arrive_directly(const Reader &reader, int lsb, int width, uint64_t va
   const uint64_t after = (slot.shown & ~mask) | (value >> (low - lsb) << (low - reader.lsb) & mask);
   if (after == slot.shown) return;
   slot.shown = after;
-  if (slot.late && skip_ && !(listening_ >> (slot.block->number - 1) & 1)) {
-    slot.block->defer(clock_, slot, after);
-  } else {
-    arrive(slot, after);
+  Block &block = *slot.block;
+  if (slot.late && skip_ && !(listening_ >> (block.number - 1) & 1)) {
+    return block.defer(clock_, slot, after);
   }
+  if (slot.late && block.behind()) {  // its port shows less than the wire has done
+    block.catch_up(clock_);
+    touch(block);
+  }
+  arrive(slot, after);
 }
 
 void Rack::touch(Block &block) {
