@@ -13,6 +13,7 @@ import argparse
 import ast
 import re
 import sys
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -36,8 +37,13 @@ def modules(root: Path = ROOT, package: str = "mmcs") -> dict[str, Path]:
 
 def imports(path: Path) -> set[str]:
     """Full names of what a file imports, at its top or within a function."""
+    return _imports(path.read_text())
+
+
+@cache
+def _imports(text: str) -> set[str]:
     found = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -108,6 +114,8 @@ def table() -> str:
     lines = ["| room | holds | knows |", "|---|---|---|"]
     while known:
         floor = sorted(name for name in known if not known[name] & set(known))
+        if not floor:
+            raise ValueError(f"a circle of rooms: {' knows '.join(circle(known))}")
         for name in floor:
             others = ", ".join(f"`{other}`" for other in sorted(all_known[name]))
             lines.append(f"| `{name}/` | {told(name)[0]} | {others or '–'} |")

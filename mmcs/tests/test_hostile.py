@@ -173,11 +173,19 @@ def packed(files):
     return base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
 
 
-BOMB = base64.b64encode(zlib.compress(b" " * (400 << 20), 9)).decode()
+def bomb(megabytes):
+    """So many of spaces: one packed after another's end, since to pack them all takes seconds."""
+    packer = zlib.compressobj(9)
+    first, next_ = (
+        packer.compress(b" " * (1 << 20)) + packer.flush(zlib.Z_FULL_FLUSH) for _ in range(2)
+    )
+    return base64.b64encode(first + next_ * (megabytes - 1)).decode()
+
+
 RECORDS = {
     "another format": {"mmcs_run": 99}, "no hash": {"hash": None}, "list": {"data": []},
     "number": {"scenario": 7}, "way out": {"scenario": "../../x"}, "dots": {"scenario": ".."},
-    "bomb": {"files": BOMB}, "not base64": {"files": "ä"}, "not packed": {"files": "AAAA"},
+    "bomb": {"files": bomb(400)}, "not base64": {"files": "ä"}, "not packed": {"files": "AAAA"},
     "robot is a number": {"files": packed({"robot.toml": 1})},
     "half a character": {"files": packed({"robot.toml": "\ud800"})},
     "path": {"files": packed({"robot.toml": "", "../x": ""})},

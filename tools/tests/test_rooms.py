@@ -12,21 +12,25 @@ sys.path.insert(0, str(ROOT / "tools"))
 import rooms  # noqa: E402
 
 FOUND = rooms.modules()
-KNOWN = rooms.room_arrows(FOUND)
-ROOMS = sorted(set(KNOWN) - {""})
+ROOMS = sorted({rooms.room(name, FOUND) for name in FOUND} - {""})
+
+
+@pytest.fixture(scope="module")
+def known():
+    return rooms.room_arrows(FOUND)
 
 
 @pytest.mark.parametrize("name", ROOMS)
-def test_a_room_knows_whom_it_says_it_knows(name):
-    assert KNOWN[name] == rooms.told(name)[1]
+def test_a_room_knows_whom_it_says_it_knows(name, known):
+    assert known[name] == rooms.told(name)[1]
 
 
-def test_the_threshold_knows_no_room():
-    assert KNOWN[""] == set()
+def test_the_threshold_knows_no_room(known):
+    assert known[""] == set()
 
 
-def test_no_circle():
-    assert rooms.circle(KNOWN) == []
+def test_no_circle(known):
+    assert rooms.circle(known) == []
     inner = rooms.arrows(FOUND)
     assert rooms.circle({name: inner[name] for name in inner if name not in rooms.DOOR}) == []
 
