@@ -28,7 +28,9 @@ ENGINE = [
     "B=build/fuzz/sim", f"PYTHON={sys.executable}", "UNDEFINED=-fsanitize=undefined,fuzzer-no-link "
     "-fno-sanitize-recover=undefined",
 ]  # fmt: skip
-OPTIONS = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
+OPTIONS = {
+    "ASAN_OPTIONS": "detect_leaks=0:quarantine_size_mb=16", "UBSAN_OPTIONS": "print_stacktrace=1",
+}  # fmt: skip
 LIMITS = ["-timeout=300", "-rss_limit_mb=4096", "-max_len=40000"]
 
 

@@ -35,6 +35,15 @@ def test_a_missing_simulator_is_named(monkeypatch, sim, words):
     assert words in outcome.text
 
 
+def test_a_simulator_that_never_ends_is_ended_by_the_time_it_uses(monkeypatch):
+    monkeypatch.setattr(runner, "HANG_S", 1)
+    simulator = runner._Runner()
+    simulator.env = dict(os.environ)
+    simulator._execute_cmds([[sys.executable, "-c", "import time; time.sleep(1.5)"]], None)
+    with pytest.raises(RuntimeError, match=r"ended with -"):
+        simulator._execute_cmds([[sys.executable, "-c", "while True: pass"]], None)
+
+
 @pytest.mark.parametrize("ci,status,words", [("true", 1, "get it with: apt"), ("", 0, "1 skipped")])
 @pytest.mark.parametrize("how", ["in_test", "in_module"])
 def test_a_skip_fails_in_ci(tmp_path, ci, status, words, how):

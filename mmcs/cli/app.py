@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -36,7 +38,8 @@ class Group(click.Group):
 
     def main(self, *args, **kwargs):
         try:
-            return super().main(*args, **{**kwargs, "standalone_mode": False})
+            with _ends_like_ctrl_c():
+                return super().main(*args, **{**kwargs, "standalone_mode": False})
         except click.exceptions.NoArgsIsHelpError as error:
             echo(error.format_message())
             sys.exit(2)
@@ -47,8 +50,9 @@ class Group(click.Group):
             _fail(str(error), 2)
         except RunError as error:
             _fail(str(error), 1)
-        except (KeyboardInterrupt, click.Abort):
-            _fail("stopped", 130)
+        except (KeyboardInterrupt, click.Abort) as error:
+            number = (error.__cause__ or error).args or (signal.SIGINT,)
+            _fail("stopped", 128 + number[0])
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader has seen enough
             sys.exit(0)
@@ -60,6 +64,25 @@ class Group(click.Group):
             # a disk that is full, a folder that went away
             where = f"{error.filename}: " if error.filename else ""
             _fail(f"{where}{error.strerror or error}", 1)
+
+
+@contextmanager
+def _ends_like_ctrl_c():
+    """So do SIGTERM and SIGHUP: what is half done is cleared away, what is done is kept."""
+
+    def end(number, _frame):
+        raise KeyboardInterrupt(number)
+
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) == signal.SIG_DFL:  # not as under nohup
+                before[number] = signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _fail(text: str, status: int):

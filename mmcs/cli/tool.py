@@ -26,8 +26,9 @@ from mmcs.screen import echo
 def tool(scenario, attach, interval, frozen, zero, theme, deadman, port, no_browser) -> None:
     """Tune and watch the machine: starts it in real time and opens one page.
 
-    Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C.
+    Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
     """
+    from mmcs.engine.build import ensure_library
     from mmcs.scenario.load import load
     from mmcs.tool.launch import open_browser, start
 
@@ -46,7 +47,8 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, port, no_brow
         options["theme"] = theme
     socket = _socket(attach)
     if socket is None:
-        load(scenario, ())  # its mistakes are told here, in one line
+        made = load(scenario, ()).scenario  # its mistakes are told here, in one line
+        ensure_library(made.cards, "speed", made.clk_hz)  # and that it has to be built
     with start(scenario, socket, options, port) as running:
         echo(running.address)
         if not no_browser and not open_browser(running.address):

@@ -49,15 +49,16 @@ def test_static_and_set_user_id_programs_are_refused_by_name(tmp_path, monkeypat
 def served(tmp_path, monkeypatch):
     """A `mmcs serve` of its own, and the environment of its programs."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    env = environment(socket_path("mc0"), SANITIZED)  # first: nothing may end this with a server
     # Tests in the background or under nohup ignore some signals, and their children inherit that.
     command = ["env", "--default-signal=INT,HUP", sys.executable, "-m", "mmcs", "serve",
                str(write_scenario(tmp_path))]  # fmt: skip
-    server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    assert "serving" in server.stdout.readline()
-    yield server, environment(socket_path("mc0"), SANITIZED)
-    server.send_signal(signal.SIGCONT)
-    server.kill()
-    server.communicate()
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert "serving" in server.stdout.readline()
+            yield server, env
+        finally:
+            server.kill()
 
 
 def test_an_alarm_comes_through_when_the_server_is_stopped(served):

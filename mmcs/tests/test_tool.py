@@ -17,9 +17,16 @@ import pytest
 from mmcs import ROOT
 from mmcs.design.identify import IdentifyError, frequency, identify
 from mmcs.design.synthesis import discretize, margins
+from mmcs.device.client import Device
+from mmcs.device.sockets import socket_path
+from mmcs.mcdef import M_VERBOSE
+from mmcs.tests.device_bench import write_scenario
 from mmcs.tool import pages, tune
 from mmcs.tool.advisor import Advisor
+from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button, StopPath
+
+PIPE = 65536  # bytes that a pipe holds
 
 
 def recording(g=150.0, lag=3.0, pos=300.0, neg=350.0, seconds=4.0, dt=1e-3, sign=1):
@@ -226,6 +233,22 @@ def test_a_machine_that_does_not_answer_is_told(tmp_path):
         assert said == [{"order": "stop", "failed": "the machine does not answer"}]
 
     asyncio.run(play())
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_machine_waits_for_nobody_to_hear_the_driver(tmp_path, monkeypatch):
+    """It said so much that a pipe that nobody reads is full: not even STOP would come through."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    socket = socket_path("talking")
+    machine = _serve(str(write_scenario(tmp_path)), "talking", socket)
+    try:
+        with Device(server="talking") as dev:
+            dev.set_verbosity(M_VERBOSE)
+            for _ in range(PIPE // len("mc: stopped")):
+                dev.stop()
+        assert machine.poll() is None
+    finally:
+        _end(machine)
 
 
 @pytest.mark.req("TOOL-1")

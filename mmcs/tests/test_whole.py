@@ -3,13 +3,16 @@
 
 import errno
 import os
+import signal
+import subprocess
 import sys
 import threading
+import time
 
 import numpy as np
 import pytest
 
-from mmcs import ROBOTS
+from mmcs import ROBOTS, ROOT
 from mmcs.engine.rows import Rows
 from mmcs.errors import InputError
 from mmcs.record.record import read_record
@@ -76,6 +79,21 @@ def test_a_run_that_fails_leaves_what_was_there(tmp_path):
         (stage / "report.json").write_text("new")
         raise ZeroDivisionError
     assert generations(tmp_path) == ({"old"}, len(RESULTS))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_run_that_is_stopped_leaves_what_was_there(tmp_path, number):
+    results(tmp_path, "old")
+    command = ["env", "--default-signal=INT,HUP", sys.executable, "-m", "mmcs", "run", "lab500",
+               "--duration", "3600", "--out", str(tmp_path)]  # fmt: skip
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as process:
+        while not (tmp_path / ".new").exists():
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(number)
+        told = process.communicate()[1].strip()
+    assert (process.returncode, told) == (128 + number, "mmcs: stopped")
+    assert generations(tmp_path) == ({"old"}, len(RESULTS)) and not (tmp_path / ".new").exists()
 
 
 def test_one_run_at_a_time(tmp_path):

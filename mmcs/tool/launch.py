@@ -9,8 +9,10 @@ import os
 import secrets
 import subprocess
 import sys
+import threading
 import time
 import webbrowser
+from collections import deque
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlencode
@@ -19,7 +21,7 @@ from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError, RunError
 from mmcs.tool.pages import library_folder
 
-START_S = 60.0  # for the machine, whose library may have to be built
+LINES = 20  # of the machine's words that are kept
 
 
 @dataclass
@@ -101,19 +103,24 @@ def open_browser(address: str) -> bool:
 
 
 def _serve(scenario: str, name: str, socket: Path) -> subprocess.Popen:
+    """However long it takes: its library may have to be built."""
     command = [sys.executable, "-m", "mmcs", "serve", scenario, "--realtime", "--dev", name]
     machine = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     )
-    since = time.monotonic()
-    while not socket.with_suffix(".stop").is_socket():
-        if machine.poll() is not None:
-            said = machine.stderr.read().strip().removeprefix("mmcs: ")
-            raise RunError(said or "the machine did not start")
-        if time.monotonic() - since > START_S:
-            _end(machine)
-            raise RunError(f"the machine did not start in {START_S:.0f} s")
-        time.sleep(0.02)
+    try:
+        said: deque[str] = deque(maxlen=LINES)
+        reader = threading.Thread(target=lambda: said.extend(machine.stderr), daemon=True)
+        reader.start()  # and goes on: the machine waits for nobody to hear the driver
+        while not socket.with_suffix(".stop").is_socket():
+            if machine.poll() is not None:
+                reader.join()
+                told = "".join(said).strip().removeprefix("mmcs: ")
+                raise RunError(told or "the machine did not start")
+            time.sleep(0.02)
+    except BaseException:
+        _end(machine)
+        raise
     return machine
 
 

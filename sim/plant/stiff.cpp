@@ -137,8 +137,7 @@ void check_body(size_t link, const mmcs_link &l) {
 bool has_mass_distribution(const mmcs_link &l) {
   const double *i = l.inertia, half = (i[0] + i[1] + i[2]) / 2;
   const double moments[6] = {half - i[0], half - i[1], half - i[2], -i[3], -i[4], -i[5]};
-  return moments[0] >= -1e-9 * half && moments[1] >= -1e-9 * half && moments[2] >= -1e-9 * half &&
-         semidefinite(moments);
+  return semidefinite(moments);
 }
 
 }  // namespace

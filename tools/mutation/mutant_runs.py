@@ -6,7 +6,6 @@ import os
 import re
 import resource
 import shutil
-import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
@@ -155,7 +154,7 @@ def simulate(top: str, group: Group, numbers: list[int], half: int = 0) -> Path:
             log_file=folder / "sim.log",
             extra_env={"MMCS_SIM": job.sim, "MMCS_PARAMETERS": repr(dict(job.parameters))},
         )
-    except (RuntimeError, SystemExit, subprocess.TimeoutExpired):
+    except (RuntimeError, SystemExit):
         pass
     finally:
         sys.path.remove(str(folder))

@@ -17,7 +17,6 @@ CLOCK = re.compile(
 )
 # what a line that is found may be, and why
 ALLOWED = {
-    "cocotb_tests/lib/runner.py": "HANG_S ends a simulator that never does",
     "mmcs/tests/test_sanitizers.py": "an inner pytest tells what hangs before the outer one",
 }
 

@@ -67,10 +67,10 @@ def test_a_page_beside_the_program_bounce_looks_on(browser):
     nothing is shown to the bit in mmcs/tests/test_monitor.py."""
     name = f"attach-{os.getpid()}"
     socket = socket_path(name)
+    program, env = compile_1989(EXAMPLES / "bounce.c"), environment(socket)
     machine = _serve("puma560", name, socket)
-    program = compile_1989(EXAMPLES / "bounce.c")
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    bounce = subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet)
+    bounce = subprocess.Popen([program, "-n100000"], env=env, **quiet)
     link = Link(path=socket)
     try:
         link.request("open", mode="r")

@@ -131,6 +131,8 @@ LINK = {"alpha": 0.0, "a": 0.3, "d": 0.0, "theta0": 0.0, "mass": 2.0, "com": [-0
     ({"damping": 2e3}, {}, "axis 1: with its load"),
     ({}, {"mass": 0.0, "inertia": [0.0] * 6}, "a flexible joint moves nothing"),
     ({}, {"inertia": [0.01, 0.02, 0.02, 0.1, 0, 0]}, "link 1: inertia is that of no body"),
+    ({}, {"inertia": [0.01] * 3 + [0.02] * 3}, "link 1: inertia is that of no body"),  # two below 0
+    ({}, {"inertia": [0.01] * 3 + [-0.008] * 3}, "link 1: inertia is that of no body"),  # one
     ({"v_supply": 40.0, "resistance": 1e-4}, {}, "axis 1: the winding brakes faster"),
 ])  # fmt: skip
 def test_what_explodes_is_refused(motor, link, why):
