@@ -31,6 +31,7 @@ def parsers(folder: Path) -> list[Parser]:
 
 
 def _written(path: Path, data: bytes) -> str:
+    path.unlink(missing_ok=True)  # a file that is written over waits for the disk
     path.write_bytes(data)
     return str(path)
 

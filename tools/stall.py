@@ -55,13 +55,18 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1989)
     parser.add_argument("command", nargs="+")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    child = None
     busy = [
         subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(options.loops)
     ]
     try:
         child = subprocess.Popen(options.command, start_new_session=True)
         stops = stall(child, random.Random(options.seed))
-    finally:
+    finally:  # nothing is left behind, nor left stopped, if this one is stopped
+        for process in living(child.pid) if child else []:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
         for loop in busy:
             loop.kill()
             loop.wait()
