@@ -140,6 +140,26 @@ def test_a_wire_comes_back_while_a_pulled_card_is_asked():
 
 
 @pytest.mark.req("API-1")
+def test_an_answer_comes_as_the_waiting_ends():
+    """SYSRESET* ends so late in a read that DTACK* comes in the clock in which the master gives up:
+    the level that it then waits for may go within the clock that shows it."""
+    _, plain, skipping = lockstep.machines("lab500")
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    seen = set()
+    with plain, skipping:
+        for after in range(110, 135):
+            actions = [("event", 0, "sysreset", 0, 1), ("run", 10),
+                       ("event", after / lockstep.CLK_HZ, "sysreset", 0, 0),
+                       ("read", regs.PCCSR, 0x2D, 1), ("run", 300)]  # fmt: skip
+            for action in actions:
+                got = [lockstep.act(sim, action, numbers) for sim in (plain, skipping)]
+                assert got[0] == got[1] and plain.clock == skipping.clock, (after, got)
+                seen.add(got[0])
+            assert plain.hash() == skipping.hash()
+    assert {"TimeoutError", 0} <= seen
+
+
+@pytest.mark.req("API-1")
 def test_a_way_back_into_a_card_without_power():
     """A bit of the D/A that is stuck stands against the reset of a card without power; so it does
     after a way back, which must not let the reset fall anew."""
