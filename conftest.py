@@ -30,6 +30,10 @@ def pytest_itemcollected(item):
 
 def pytest_collection_modifyitems(items):
     """The long tests begin first, so that no worker is left alone with one at the end."""
+    for item in items:
+        for mark in item.iter_markers("xdist_group"):
+            if "]" in mark.args[0]:  # xdist would take it for the end of the test's own name
+                raise pytest.UsageError(f"{item.nodeid}: a group's name holds no ]: {mark.args[0]}")
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 

@@ -95,7 +95,8 @@ class CocotbItem(pytest.Item):
             self.add_marker(pytest.mark.req(*ids))
         if getattr(test.func, marks.SLOW, False):
             self.add_marker(pytest.mark.slow)
-        self.add_marker(pytest.mark.xdist_group(f"{job.module}-{self.name.split('[')[-1]}"))
+        variant = self.name.rpartition("[")[2].rstrip("]")
+        self.add_marker(pytest.mark.xdist_group(f"{job.module}-{variant}"))
 
     def runtest(self):
         done = self.session.__dict__.setdefault("mmcs_outcomes", {})

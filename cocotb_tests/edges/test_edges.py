@@ -48,4 +48,5 @@ def test_a_broken_one_is_seen(name, tmp_path, monkeypatch):
     assert text.count(old) == 1
     path.write_text(text.replace(old, new))
     monkeypatch.setenv("MMCS_RTL", str(tmp_path / "rtl"))
-    assert sum(s.failures for s in edges.run(bench, 7, scene)) > 0
+    failures = sum(s.failures for s in edges.run(bench, SAMPLE, scene))
+    assert failures > 0, "the sample of make test does not see it"

@@ -30,16 +30,26 @@ def test_of_a_group(n):
 """
 
 
-def test_groups_stay_together(tmp_path):
-    (tmp_path / "test_it.py").write_text(TESTS)
-    (tmp_path / "conftest.py").write_text((ROOT / "conftest.py").read_text())
-    command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup", "-v"]
+def pytest_in(folder, tests, *options):
+    (folder / "test_it.py").write_text(tests)
+    (folder / "conftest.py").write_text((ROOT / "conftest.py").read_text())
     kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")}
-    done = subprocess.run(
-        command, check=False, cwd=tmp_path, env=kept, capture_output=True, text=True
-    )
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", *options],
+        check=False, cwd=folder, env=kept, capture_output=True, text=True,
+    )  # fmt: skip
+
+
+def test_groups_stay_together(tmp_path):
+    done = pytest_in(tmp_path, TESTS, "-n", "2", "--dist", "loadgroup", "-v")
     assert done.returncode == 0, done.stdout + done.stderr
     for name in ("test_shares", "test_of_a_group"):
         workers = re.findall(rf"\[(gw\d)\].* PASSED \S+{name}", done.stdout)
         assert len(workers) == 8, done.stdout
         assert len(set(workers)) == 1, f"{name} ran in {workers}"
+
+
+def test_a_group_that_xdist_would_not_see_is_refused(tmp_path):
+    """Each bench of cocotb was simulated by every worker: their groups' names ended with ]."""
+    done = pytest_in(tmp_path, TESTS.replace('"a"', '"a]"'), "--collect-only", "-q")
+    assert done.returncode != 0 and "a group's name holds no ]: a]" in done.stdout + done.stderr
