@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs.errors import InputError, one_line
-from mmcs.view.plot import BLUE, GREY, ORANGE, style
+from mmcs.view.plot import BLUE, GREY, ORANGE, place, style
 from mmcs.view.runs import Run
 
 ROWS = (("encoder", "position\ncounts"), ("error", "error\ncounts"), ("current", "current\nD/A"))
@@ -35,7 +35,7 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
     plt = style()
     figure, grid = plt.subplots(
         len(ROWS), a.axes, sharex=True, squeeze=False,
-        figsize=(max(7.0, 3.0 * a.axes), 6.0), layout="constrained",
+        figsize=(max(7.0, 3.0 * a.axes), 6.0),
     )  # fmt: skip
     names = [_label(a, b), _label(b, a)]
     for axis in range(a.axes):
@@ -54,6 +54,7 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
                 cell.set_ylabel(label)
         grid[-1][axis].set_xlabel("s")
     grid[0][0].legend(loc="best", frameon=False)
+    place(figure, grid)
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
     return differences(a, b)
