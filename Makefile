@@ -8,8 +8,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 export CXX
-# Tests run two at a time: the machines they are meant for have two cores.
+# Builds run two at a time: the machines they are meant for have two cores. Tests wait now and then for
+# a clock or another process, so one more of them.
 JOBS ?= 2
+WORKERS ?= $(shell expr $(JOBS) + 1)
 
 ifneq ($(words $(CURDIR)),1)
   $(error mmcs: the path of this folder holds a space, which make cannot build in: move it)
@@ -82,13 +84,13 @@ endif
 # --- tests ---------------------------------------------------------------------------------
 
 test: $(VENV)/.test ## the whole test suite
-	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
 test-fast: $(VENV)/.test ## all but the slow tests: some minutes once built
-	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
+	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not slow"
 
 test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped at random moments
-	@tools/stall.py -- $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+	@tools/stall.py -- $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
@@ -98,7 +100,7 @@ ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb
 
 test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: one file for each block
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --sim icarus \
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim icarus \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
 
 bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/simulator/bench.md; BASE=commit: against it
