@@ -237,16 +237,16 @@ def last_words(log: Path) -> str:
 
 
 def fates(mutants: list[Mutant], made: list[Group]) -> list[Mutant]:
-    """The quick tests, then a proof that takes a second or two, then the slow tests."""
+    """The quick tests, a proof that takes a second or two, the slow tests, a longer proof."""
 
-    def prove(seconds: int) -> list[Mutant]:
+    def prove(seconds: int, whole: bool) -> list[Mutant]:
         left = [m for m in mutants if m.fate == "survived"]
         for m in left:
-            m.fate = "equivalent" if equivalent(m, seconds) else "survived"
+            m.fate = "equivalent" if equivalent(m, seconds, whole) else "survived"
         return [m for m in left if m.fate == "survived"]
 
     meet(made, mutants, 0)
-    if left := prove(2):
+    if left := prove(2, False):
         meet(made, left, 1)
-        prove(PROOF_S)
+        prove(PROOF_S, True)
     return mutants

@@ -64,16 +64,23 @@ TOPS = {
     ),
 }  # fmt: skip
 
-# A register with asynchronous reset as one that starts as the reset leaves it: what comes before
-# the first reset is not compared. (One that has lost its reset starts as it likes.)
+# Every register, as one that starts as its reset leaves it: what comes before the first reset is
+# not compared. (One that has lost its reset starts as it likes.) A step of the proof is any change
+# of the pins; the clock is a pin, too, 1 in steps that end with its edge. So a reset by the bus
+# acts however short it is, between two clocks as well.
 STARTED = """
 (* techmap_celltype = "$adff" *)
-module started #(parameter WIDTH = 1, CLK_POLARITY = 1, ARST_POLARITY = 1, ARST_VALUE = 0)
+module reset #(parameter WIDTH = 1, CLK_POLARITY = 1, ARST_POLARITY = 1, ARST_VALUE = 0)
     (input CLK, ARST, input [WIDTH-1:0] D, output [WIDTH-1:0] Q);
-  reg [WIDTH-1:0] q = ARST_VALUE;
+  (* init = ARST_VALUE *) wire [WIDTH-1:0] q;
   wire off = ARST == ARST_POLARITY;
-  always @(posedge CLK) q <= off ? ARST_VALUE : D;
   assign Q = off ? ARST_VALUE : q;
+  \\$ff #(.WIDTH(WIDTH)) ff (.D(CLK && !off ? D : Q), .Q(q));
+endmodule
+(* techmap_celltype = "$dff" *)
+module plain #(parameter WIDTH = 1, CLK_POLARITY = 1)
+    (input CLK, input [WIDTH-1:0] D, output [WIDTH-1:0] Q);
+  \\$ff #(.WIDTH(WIDTH)) ff (.D(CLK ? D : Q), .Q(Q));
 endmodule
 """
 ABC = """read_aiger {0}.aig; strash; scorr; dc2; scorr -F 2; dc2; scorr; pdr -T {1}
@@ -218,27 +225,37 @@ def prepare(top: str) -> list[Mutant]:
     return mutants
 
 
-def equivalent(mutant: Mutant, seconds: int) -> bool:
+def equivalent(mutant: Mutant, seconds: int, whole: bool) -> bool:
     """Whether ABC proves, in that time, that the pins never tell the mutant from the original.
 
-    From the reset on; what comes before the first is not compared.
+    From the reset on; what comes before the first is not compared. The blocks inside become pins,
+    or are put in, as they are with these parameters (`whole`).
     """
+    file = next(b for b in TOPS[mutant.top][1] if b.rsplit("/", 1)[-1] == mutant.module)
+    others = [str(f) for f in sources() if f != Path("rtl") / f"{file}.sv"]
+    if whole:
+        inside = f"delete =A:blackbox\nread_verilog -sv -Irtl {' '.join(others)}\n"
+        return proved(mutant, seconds, inside, "")
+    boxes = "select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n"
+    return proved(mutant, seconds, "", boxes)
+
+
+def proved(mutant: Mutant, seconds: int, before: str, after: str) -> bool:
+    """The same, with what Yosys does before it breaks the netlist, and after."""
     module, base = mutant.module, WORK / mutant.top / f"equal_{mutant.number}"
     what = mutant.what.replace(f"-module {module}", "-module gate")
-    (ROOT / WORK / "started.v").write_text(STARTED)
+    (ROOT / f"{base}_map.v").write_text(STARTED)
     (ROOT / f"{base}.abc").write_text(ABC.format(base, seconds))
     (ROOT / f"{base}.v").write_text("module g (input a, b, output y); assign y = a & b; endmodule")
     status, left = ROOT / f"{base}.status", ROOT / f"{base}_left.aig"
     status.unlink(missing_ok=True)
     left.unlink(missing_ok=True)
-    # The boxes inside a module become pins.
     script = (
-        f"read_rtlil {WORK}/{mutant.top}/{module}.il\nsetundef -zero\n"
-        f"copy {module} gold\ncopy {module} gate\nmutate {what}\n"
-        f"select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n"
-        "miter -equiv -flatten gold gate miter\nhierarchy -top miter\n"
-        "memory_map\nopt -full -nodffe -nosdff\n"
-        f"techmap -autoproc -map {WORK}/started.v\nasync2sync\ntechmap\nopt -fast\ndffunmap\n"
+        f"read_rtlil {WORK}/{mutant.top}/{module}.il\n{before}setundef -zero {module}\n"
+        f"copy {module} gold\ncopy {module} gate\nmutate {what}\n{after}"
+        "miter -equiv gold gate miter\nhierarchy -top miter\nproc\nflatten\n"
+        "memory_map\nsetundef -zero\nopt -full -nodffe -nosdff\n"
+        f"techmap -autoproc -map {base}_map.v\ntechmap\nopt -fast\n"
         "opt_clean\naigmap\nopt_clean\n"
         f"write_aiger -zinit {base}.aig\n"
         f"design -reset\nread_verilog {base}.v\nsimplemap\nabc -script {base}.abc\n"

@@ -8,13 +8,13 @@ fails. The model without a mutant must pass first. A mutant that survives is loo
 proves that the mutant can never be told from the original by its pins, it does not count. Tests
 that make faults on nets inside (system/cocotb_faults.py) are left out: mutants have other nets.
 
-    mutate.py [--sample N] [--seed S] [--only TEXT] [--resume] [--strict] [--write]
+    mutate.py [--sample N] [--seed S] [--only TEXT] [--resume | --report] [--strict] [--write]
 
 Score = killed / (all - proved equivalent). build/mutation/results.json keeps every mutant's fate,
---resume runs again only survivors and what stands in changed RTL; --write puts the table into
-docs/evidence/mutation.md. Survivors that no test can see stand in excuses_rtl.toml, each with its
-reason. Exit 1 if the unbroken design fails its tests, with --strict also if more than a
-twentieth of the relevant mutants survives without being explained there.
+--resume runs again only survivors and what stands in changed RTL, --report runs nothing; --write
+puts the table into docs/evidence/mutation.md. Survivors that no test can see stand in
+excuses_rtl.toml, each with its reason. Exit 1 if the unbroken design fails its tests, with --strict
+also if more than a twentieth of the relevant mutants survives without being explained there.
 """
 
 import argparse
@@ -123,6 +123,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--only", default="", metavar="TEXT", help="tops or modules so called")
     parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--report", action="store_true", help="of what has been run")
     parser.add_argument("--strict", action="store_true")
     parser.add_argument("--write", action="store_true")
     return parser.parse_args()
@@ -149,10 +150,12 @@ def main() -> int:
         if args.sample:
             mutants = random.Random(args.seed).sample(mutants, min(args.sample, len(mutants)))
             mutants.sort(key=lambda m: (list(TOPS).index(m.top), m.number))
-        for m in mutants if args.resume else ():
+        for m in mutants if args.resume or args.report else ():
             old = before.get(m.key)
-            if old and old.fate != "survived":  # tests may be better
+            if old and (args.report or old.fate != "survived"):  # tests may be better
                 m.fate, m.by, m.seconds = old.fate, old.by, old.seconds
+        if args.report:
+            mutants = [m for m in mutants if m.fate]
 
         def keep():
             every = before | {m.key: m for m in mutants if m.fate}
