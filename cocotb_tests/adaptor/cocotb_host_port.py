@@ -269,6 +269,9 @@ async def safety_by_the_port(dut):
     await tb.us(2)
     dut.pc_d_i.value = 0x33
     assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
+    await tb.clocks(1)
+    assert await tb.rd(0x001) == 0x33
+    full_speed = tb.took
     for pin in (dut.estop_closed_i, dut.cable_ok_i, dut.pc_power_i):
         pin.value = 0
         await tb.clocks(5)
@@ -276,6 +279,7 @@ async def safety_by_the_port(dut):
         linked = pin is dut.estop_closed_i
         dut.pc_wait_i.value = int(not linked)  # a dead card cannot hold the bus
         assert await tb.rd(0x001) == (0x33 if linked else 0xFF)
+        assert tb.took == full_speed
         dut.pc_wait_i.value = 0
         assert await tb.rd(PCCSR) == 0
         await FallingEdge(dut.clk_i)
@@ -328,6 +332,23 @@ async def timers_by_the_port(dut):
     for (t0, v0), (t1, v1) in zip(values, values[1:], strict=False):
         ticks = (t1 - t0) / 1e6 * mhz
         assert abs(((v0 - v1) & 0xFFFF) - ticks) <= 1
+
+
+@cocotb.test()
+@req("PIT-1", "PIT-2")
+async def a_count_is_loaded_by_a_whole_pulse(dut):
+    """Timer 1, written while its clock OUT0 is high: the next fall is of a pulse that began before,
+    the second one loads, the third one ends a count of 1."""
+    tb = HostPort(dut)
+    await tb.start()
+    await tb.wr(0x407, 0x14)  # timer 0, mode 2: OUT0 rises
+    await tb.wr(0x407, 0x50)  # timer 1, low byte, mode 0: SCLOCK falls
+    await tb.wr(0x403, 1)
+    for ended in (False, False, True):
+        await tb.wr(0x407, 0x10)  # timer 0, mode 0: OUT0 falls
+        await tb.clocks(4)
+        assert bool(int(dut.sclock_o.value)) == ended
+        await tb.wr(0x407, 0x14)
 
 
 @cocotb.test()

@@ -127,6 +127,149 @@ async def strobe_of_a_neighbour_under_our_address(dut):
         await tb.clocks(4)
 
 
+async def neighbours(tb: Adaptor, n: int) -> None:
+    """Transfers of a neighbour, the last of which has begun."""
+    bus = tb.bus
+    bus.a.value = NEIGHBOUR
+    await Timer(20, "ns")
+    bus.as_n.value = 0
+    for left in range(n, 0, -1):
+        bus.ds_n.value = 0b10
+        await Timer(40, "ns")
+        if left > 1:
+            bus.ds_n.value = 0b11
+            await Timer(40, "ns")
+
+
+@cocotb.test()
+@cocotb.parametrize(n=[1, 2, 3, 4, 5])
+@req("VME-3")
+async def fast_strobes_of_a_neighbour(dut, n):
+    """Transfers of 80 ns, and our address under the last strobe, or a strobe of our own 40 ns after
+    it: the former is no cycle of ours, the latter is answered."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus = tb.bus
+    bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
+    for phase in range(0, 125, 4):
+        for high in (True, True, False, False):  # each of them before each of the two watches
+            await tb.clocks(2)
+            await Timer(phase * 1000 + 1, "ps")
+            await neighbours(tb, n)
+            bus.ds_n.value = 0b11 if high else 0b10
+            bus.as_n.value = 1
+            await Timer(10, "ns")
+            bus.a.value = OURS
+            await Timer(30, "ns")
+            bus.as_n.value, bus.ds_n.value = 0, 0b10
+            assert await answered(dut, 1500) == high, f"{phase} ns after the clock"
+            if not high:
+                bus.ds_n.value = 0b11
+                await Timer(30, "ns")
+                bus.ds_n.value = 0b10
+                assert await answered(dut, 1500), f"ours, {phase} ns after the clock"
+            await Timer(50, "ns")
+            bus.ds_n.value, bus.as_n.value = 0b11, 1
+
+
+@cocotb.test()
+@cocotb.parametrize(line=["ds_n", "as_n", "iackin_n"])
+@req("INT-2")
+async def acknowledge_that_goes_before_the_answer(dut, line):
+    """DS0*, AS* or IACKIN* may rise at any time before DTACK* falls; then it does not fall."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus, early = tb.bus, 0
+    for ns in range(126, 500, 5):  # never with the clock
+        await tb.acknowledge(5)
+        await RisingEdge(dut.clk_i)
+        bus.ds_n.value = 0b10
+        if await answered(dut, ns):
+            break
+        early += 1
+        getattr(bus, line).value = 0b11 if line == "ds_n" else 1
+        assert not await answered(dut, 500), f"{line} rose {ns} ns after DS0* fell"
+        await tb.end()
+    assert early > 20
+    await Timer(30, "ns")
+    await tb.end()
+
+
+@cocotb.test()
+@req("INT-2")
+async def strobe_of_a_transfer_under_our_acknowledge(dut):
+    """A neighbour's strobe that still stands when IACKIN* comes is not the acknowledge's: the
+    vector waits for the next one."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus = tb.bus
+    bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
+    for phase in range(0, 125, 12):
+        await RisingEdge(dut.clk_i)
+        await Timer(phase * 1000 + 1, "ps")
+        bus.a.value = NEIGHBOUR
+        await Timer(30, "ns")
+        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        await Timer(300, "ns")
+        bus.as_n.value = 1
+        await Timer(30, "ns")
+        await tb.acknowledge(5)
+        assert not await answered(dut, 800), f"a neighbour's strobe, {phase} ns after the clock"
+        bus.ds_n.value = 0b11
+        await Timer(30, "ns")
+        bus.ds_n.value = 0b10
+        assert await answered(dut, 1200), f"the acknowledge's, {phase} ns after the clock"
+        await Timer(50, "ns")
+        await tb.end()
+
+
+@cocotb.test()
+@req("INT-2")
+async def iackin_without_iack_is_not_ours(dut):
+    """A neighbour that pulls IACKIN* in a transfer: passed on, whatever the address, and if IACK*
+    comes after, that was decided."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus = tb.bus
+    bus.a.value, bus.lword_n.value, bus.write_n.value = 5, 1, 1
+    await Timer(40, "ns")
+    bus.as_n.value, bus.iackin_n.value = 0, 0
+    await Timer(400, "ns")
+    assert not int(dut.vme_iackout_no.value)
+    bus.iack_n.value = 0
+    await Timer(40, "ns")
+    bus.ds_n.value = 0b10
+    assert not await answered(dut, 1200)
+    await tb.end()
+
+
+@cocotb.test()
+@req("VME-3")
+async def nothing_is_taken_in_sysreset(dut):
+    """A write that begins in SYSRESET* and ends in it is neither answered nor carried out."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus, acts = tb.bus, []
+
+    async def watch(line):
+        await FallingEdge(line)
+        acts.append(line._name)
+
+    for line in (dut.vme_dtack_no, dut.pc_iow_no):
+        cocotb.start_soon(watch(line))
+    bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 0, 0x6001 >> 1
+    for lasts in (200, 400, 1500):
+        dut.vme_sysreset_ni.value = 0
+        await tb.clocks(4)
+        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        await Timer(lasts, "ns")
+        bus.as_n.value, bus.ds_n.value = 1, 0b11
+        await tb.clocks(4)
+        dut.vme_sysreset_ni.value = 1
+        await Timer(1500, "ns")
+        assert not acts, f"begun in SYSRESET*, {lasts} ns long"
+
+
 @cocotb.test()
 @req("VME-3")
 async def address_strobe_that_comes_last(dut):

@@ -4,7 +4,7 @@
 from cocotb_tests.chips.replay import Layout, Script
 from cocotb_tests.models import ad574, ad667, oneshot
 
-CONV, PULSE = 200, 20
+CONV, PULSE = 201, 20  # odd, and odd for 8 bits: what turns over in every clock shows
 PINS = (
     *((f"ad_{n}", w) for n, w in ad574.PINS),
     *((f"da_{n}", w) for n, w in ad667.PINS),

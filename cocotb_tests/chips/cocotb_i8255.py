@@ -198,6 +198,20 @@ def write_needs_chip_select(s):
 
 
 @script(Ppi, "PPI-1")
+def write_needs_its_strobe(s):
+    """Selected and left alone: nothing is written, and a write is over when WR# rises."""
+    s.mode()
+    s.write(A, 0x12)
+    s.step(SETTLE, cs_n=0, a=A, d=0x99)
+    s.step(SETTLE, cs_n=1)
+    s.pins(pa=0x12)
+    s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x34)
+    s.step(SETTLE, wr_n=1, d=0x99)
+    s.step(SETTLE, cs_n=1)
+    s.pins(pa=0x34)
+
+
+@script(Ppi, "PPI-1")
 def write_takes_effect_when_wr_rises(s):
     s.mode()
     s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x55)
