@@ -173,3 +173,12 @@ def test_the_reading_order_names_every_file_of_the_hardware():
     for folder in ("adaptor", "mark1", "chips"):
         files = {path.stem for path in (ROOT / "rtl" / folder).glob("*.sv")}
         assert files <= named, sorted(files - named)
+
+
+def test_the_manual_page_names_every_command():
+    from mmcs.cli.app import main
+
+    page = (ROOT / "docs" / "man" / "mmcs.1").read_text()
+    told = set(re.findall(r"\w+", " ".join(re.findall(r"^\.It Cm (.*)$", page, re.M))))
+    commands = set(main.list_commands(None))
+    assert commands <= told, sorted(commands - told)
