@@ -51,6 +51,10 @@ bool driver_is_possible(const std::vector<uint64_t> &memory) {
   const uint32_t hz = mc.config.sysclk_hz;
   if (hz != 8000000 && hz != 4000000 && hz != 2000000 && hz != 1000000) return false;
   if (opens > 0 && !has_timers(mc)) return false;
+  const struct mc_stats &s = mc.stats;
+  for (int count : {s.total, s.missed, s.overrun, s.panics, s.spurious, s.clips, mc.adc_timeouts}) {
+    if (count < 0) return false;
+  }
   for (int axis = 0; axis < mc.axes; ++axis) {
     if (!is_possible(mc.axis[axis], axis)) return false;
   }

@@ -16,7 +16,7 @@ constexpr size_t kMaxNotes = 10000;
 // Volts to the 16-bit units of the pins, 32768 = 10 V.
 int16_t to_pin(double volts) {
   const double units = volts * 3276.8;
-  if (units >= 32767.0) return 32767;
+  if (!(units < 32767.0)) return 32767;  // no number, either
   if (units <= -32768.0) return -32768;
   return static_cast<int16_t>(units < 0 ? units - 0.5 : units + 0.5);
 }
@@ -218,7 +218,7 @@ std::string Machine::check_event(const mmcs_event &event) const {
       return event.value >= 0 && event.value < limit ? "" : "value out of range";
     }
     if (event.index < -1 || event.index >= axes_) return "no such axis";
-    return "";
+    return std::abs(event.value) <= kLargestInput ? "" : "value out of range";
   }
   const Input &input = kInputs[event.input];
   const int limit = input.scope == Scope::kAxis   ? 2 * config_.cards

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Snapshots of a real processor that somebody made up: refused, or a machine that goes on."""
+"""Snapshots that somebody made up, of physics and of a real processor: refused, or a machine that
+goes on."""
 
 import ctypes
 import importlib.util
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from mmcs import mcdef
 from mmcs.engine import hosts
 from mmcs.scenario.load import load
 from mmcs.session.machine import machine
@@ -157,3 +159,53 @@ def test_whatever_an_rv32_is_said_to_be_in(crafted):
             content[at] = dice.randrange(256) if n % 2 else content[at] ^ 1 << dice.randrange(8)
         ends[crafted.taken(crafted.sealed(content))] += 1
     assert min(ends.values()) > 5, ends
+
+
+NOT = float("nan")
+PLANT = {  # members of AxisState, eight bytes each, and what none of them can be
+    **{n: (NOT, float("inf"), -1e13) for n in range(6)},  # angles, speeds, current, A/D
+    6: (2, -1), 7: (-1, 1 << 40), 8: (2,),  # brake, its steps, whether the encoder is faulty
+    10: (1 << 61, -1 << 63), 11: (1 << 62,), 12: (-1, 1 << 20), 13: (-1 << 40, 1 << 40),
+    14: (8, -1), 15: (2,), 16: (2,), 17: (NOT, 1e300), 19: (-1 << 40, 1 << 40), 22: (2,),
+    25: (1e300,), 40: (NOT, -1e10),  # inputs
+}  # fmt: skip
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize("crafted", ["native"], indirect=True)
+def test_physics_of_no_machine_are_refused(crafted):
+    """They went on to what is no number, or no whole one."""
+    sim = crafted.sim
+    sim.add_event(sim.time, sim.input_names().index("drive_offset"), 0, 5.0)
+    sim.run(sim.time + 0.01)
+    crafted.state, crafted.past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+    crafted.before = sim.hash()
+    truth = sim.true(0)
+    assert truth["velocity"] > 0
+    joint = struct.pack("<dd", truth["angle"], truth["velocity"])
+    content = crafted.state[HEADER:]
+    place = content.rindex(joint) - 16  # after the motor's own, which may be the same
+    assert crafted.taken(crafted.changed(place + 24, struct.pack("<d", truth["velocity"] * 2)))
+    for member, values in PLANT.items():
+        for value in values:
+            form = "<d" if isinstance(value, float) else "<q"
+            changed = crafted.changed(place + 8 * member, struct.pack(form, value))
+            assert not crafted.taken(changed), (member, value)
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize("crafted", ["native"], indirect=True)
+def test_statistics_below_nothing_are_refused(crafted):
+    """The driver counts on, and stops at the largest number: from below 0 it went beyond that."""
+    sim = crafted.sim
+    client = sim.open(2)
+    assert sim.ioctl(client, mcdef.MENABLE) == 0
+    sim.run(sim.time + 0.02)
+    crafted.state, crafted.past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+    crafted.before = sim.hash()
+    stats = sim.ioctl_bytes(client, mcdef.MGETSTATS, b"")[1]
+    assert struct.unpack_from("<i", stats)[0] > 5
+    place = crafted.state[HEADER:].index(stats)
+    for n in range(6):
+        assert crafted.taken(crafted.changed(place + 4 * n, struct.pack("<i", 2**31 - 1)))
+        assert not crafted.taken(crafted.changed(place + 4 * n, struct.pack("<i", -1))), n
