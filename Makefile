@@ -142,7 +142,7 @@ formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABO
 	@JOBS=$(JOBS) $(BIN)/python tools/formal.py $(if $(FAST),--fast) $(if $(SABOTAGE),--sabotage) \
 	    --only "$(ONLY)"
 
-mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (1,270 mutants); FAST=1: a fixed random 60
+mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (1,310 mutants); FAST=1: a fixed random 60
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/mutate.py $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
 
 mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 mutants, some 20 minutes)

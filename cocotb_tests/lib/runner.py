@@ -101,6 +101,12 @@ def needed(toplevel: str, files: list[Path]) -> list[Path]:
     return [f for f in files if f in reached]
 
 
+def _limit_s() -> int:
+    """HANG_S, or what is left to this process, which may have a lower limit (tools/sabotage.py)."""
+    most = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    return HANG_S if most == resource.RLIM_INFINITY else min(HANG_S, most)
+
+
 class _Runner:
     """What both simulators share: output to a file, an end to hanging."""
 
@@ -109,7 +115,7 @@ class _Runner:
             if place:
                 self._between()
             done = subprocess.run(
-                ["prlimit", f"--cpu={HANG_S}", *cmd],
+                ["prlimit", f"--cpu={_limit_s()}", *cmd],
                 cwd=cwd,
                 env=self.env,
                 check=False,

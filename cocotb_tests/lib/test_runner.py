@@ -44,6 +44,16 @@ def test_a_simulator_that_never_ends_is_ended_by_the_time_it_uses(monkeypatch):
         simulator._execute_cmds([[sys.executable, "-c", "while True: pass"]], None)
 
 
+def test_a_simulator_runs_under_a_lower_limit():
+    """As tools/sabotage.py sets one: a limit cannot be raised again."""
+    script = (
+        "import os, resource, sys; resource.setrlimit(resource.RLIMIT_CPU, (60, 60));"
+        "from cocotb_tests.lib import runner; simulator = runner._Runner();"
+        "simulator.env = dict(os.environ); simulator._execute_cmds([['true']], None)"
+    )
+    subprocess.run([sys.executable, "-c", script], cwd=runner.ROOT, check=True)
+
+
 @pytest.mark.parametrize("ci,status,words", [("true", 1, "get it with: apt"), ("", 0, "1 skipped")])
 @pytest.mark.parametrize("how", ["in_test", "in_module"])
 def test_a_skip_fails_in_ci(tmp_path, ci, status, words, how):
