@@ -17,6 +17,7 @@ from cocotb_tests.lib.tb import (
     C_DONE,
     C_INDEX1,
     DAC1,
+    ENC1,
     LATCH,
     PORT_A,
     PORT_B,
@@ -202,6 +203,38 @@ async def the_relay_takes_the_same_time_each_time(dut):
         await dut.drive_v_o.value_change
         times.add(tb.clks(tb.now() - begin))
     assert len(times) == 1 and clocks - 3 <= times.pop() <= clocks + 1
+
+
+@cocotb.test()
+@req("CAL-1")
+async def an_index_that_stays_latches_once(dut):
+    tb = Card(dut)
+    await tb.start(RUN | B_INDEX)
+    await tb.preset(0, 100)
+    tb.enc[0].lines = 0
+    dut.enc_i_i.value = 1
+    await tb.us(1)
+    await tb.enc[0].move(7, 300)
+    await tb.us(1)
+    assert [await tb.encoder(0) for _ in range(2)] == [100, 107]
+    dut.enc_i_i.value = 0
+
+
+@cocotb.test()
+@req("ENC-2")
+async def another_register_ends_a_pair(dut):
+    """After it a lone low byte is that of the present count, not of the high byte's."""
+    tb = Card(dut)
+    await tb.start(RUN)
+    for between in (None, PORT_A):
+        await tb.preset(0, 0x1234)
+        assert await tb.pc.read(ENC1) == 0x12
+        await tb.enc[0].move(5, 300)
+        await tb.us(1)
+        if between is not None:
+            await tb.pc.read(between)
+        assert await tb.pc.read(ENC1 + 1) == (0x34 if between is None else 0x39)
+        await tb.encoder(0)
 
 
 @cocotb.test()
