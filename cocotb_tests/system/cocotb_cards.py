@@ -242,6 +242,12 @@ async def synthetic_encoder(dut):
         await tb.cwr(0, PORT_A, QUAD | a << 5 | b << 6)
     assert [await tb.encoder(a) for a in (0, 1)] == [53, 53]
     assert (tb.led(0, "a1"), tb.led(0, "b1")) == (1, 0), "the LEDs show the joint"
+    await tb.cwr(0, PORT_A, 4 | 1 << 6)  # x2
+    for axis in (0, 1):
+        await tb.preset(axis, 50)
+    for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+        await tb.cwr(0, PORT_A, 4 | a << 5 | b << 6)
+    assert [await tb.encoder(a) for a in (0, 1)] == [52, 52]
 
 
 @cocotb.test()
