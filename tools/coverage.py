@@ -58,8 +58,8 @@ def parse(path: Path):
         text, count = raw[3:].rsplit("' ", 1)
         fields = dict(part.split("\x02", 1) for part in text.split("\x01") if "\x02" in part)
         kind = fields.get("page", "").split("/")[0].removeprefix("v_")
-        if kind in GOALS and "/rtl/" in fields["f"]:
-            name = "rtl/" + fields["f"].rsplit("/rtl/", 1)[1]
+        name = fields["f"].removeprefix(f"{ROOT}/")
+        if kind in GOALS and name.startswith("rtl/"):
             what = f"{fields.get('n', '')} {fields.get('o', '')}".strip()
             yield name, int(fields["l"]), kind, what, int(count)
 

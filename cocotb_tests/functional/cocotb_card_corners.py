@@ -206,6 +206,19 @@ async def the_relay_takes_the_same_time_each_time(dut):
 
 
 @cocotb.test()
+@req("PPI-1")
+async def a_write_to_open_ports_reaches_nothing(dut):
+    """The latches behind inputs take it; the board sees open pins."""
+    tb = Card(dut)
+    await tb.start(RUN)
+    await tb.pc.write(PPI_CONTROL, 0x9B)  # all inputs
+    for data in (0xFF, 0x04, 0x20):
+        for port in (PORT_A, PORT_B):
+            await tb.pc.write(port, data)
+        assert [await tb.pc.read(port) for port in (PORT_A, PORT_B)] == [0, 0]
+
+
+@cocotb.test()
 @req("CAL-1")
 async def an_index_that_stays_latches_once(dut):
     tb = Card(dut)
