@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 import resource
 import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,9 @@ from mmcs import BUILD, ROOT
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from studies.bench.machines import LEAST_CPU_S, Machine, start
+
+sys.path.insert(0, str(ROOT / "tools"))
+from sources import sources  # noqa: E402
 
 CARDS, LOAD = 3, "typical"
 RECORD_S = 0.012  # of which 3.4 ms until the motion starts
@@ -341,8 +345,6 @@ def _word(name: str, width: int, n: int) -> str:
 
 def build(traffic: Traffic) -> dict[str, list[str]]:
     """Compiles both; the command of each, but for the number of clocks."""
-    from sources import sources
-
     fill = _fill(traffic)
     bench = _write("bench_replay.sv", VERILOG % fill)
     main = _write("main.cpp", CPP % fill)
