@@ -21,7 +21,6 @@ def must_show(found: dict) -> list[tuple[str, str, str, str, str]]:
     rates = [
         ("6 axes, coupled PUMA, typical move, skipping on", 12, 20, (3, "typical", True, True)),
         ("6 axes, coupled PUMA, full joint speed, skipping on", 5, 9, (3, "full", True, True)),
-        ("6 axes, coupled PUMA, typical move, skipping off", 2, 3, (3, "typical", False, True)),
         ("32 axes, typical move, skipping on", 1, 3, (16, "typical", True, False)),
     ]
     rows = []
