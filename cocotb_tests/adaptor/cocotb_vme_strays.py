@@ -96,6 +96,19 @@ async def answered(dut, ns: int) -> bool:
     return not int(dut.vme_dtack_no.value)
 
 
+async def long_strobe_of_a_neighbour(tb: Adaptor, phase: int) -> None:
+    """So many ns after a clock; AS* is high again, and the strobe stands."""
+    bus = tb.bus
+    await RisingEdge(tb.dut.clk_i)
+    await Timer(phase * 1000 + 1, "ps")
+    bus.a.value = NEIGHBOUR
+    await Timer(30, "ns")
+    bus.as_n.value, bus.ds_n.value = 0, 0b10
+    await Timer(300, "ns")
+    bus.as_n.value = 1
+    await Timer(30, "ns")
+
+
 @cocotb.test()
 @req("VME-3")
 async def strobe_of_a_neighbour_under_our_address(dut):
@@ -106,14 +119,7 @@ async def strobe_of_a_neighbour_under_our_address(dut):
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 7):
-        await RisingEdge(dut.clk_i)
-        await Timer(phase * 1000 + 1, "ps")
-        bus.a.value = NEIGHBOUR
-        await Timer(30, "ns")
-        bus.as_n.value, bus.ds_n.value = 0, 0b10
-        await Timer(300, "ns")
-        bus.as_n.value = 1
-        await Timer(30, "ns")
+        await long_strobe_of_a_neighbour(tb, phase)
         bus.a.value = OURS
         await Timer(30, "ns")
         bus.as_n.value = 0
@@ -205,14 +211,7 @@ async def strobe_of_a_transfer_under_our_acknowledge(dut):
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 12):
-        await RisingEdge(dut.clk_i)
-        await Timer(phase * 1000 + 1, "ps")
-        bus.a.value = NEIGHBOUR
-        await Timer(30, "ns")
-        bus.as_n.value, bus.ds_n.value = 0, 0b10
-        await Timer(300, "ns")
-        bus.as_n.value = 1
-        await Timer(30, "ns")
+        await long_strobe_of_a_neighbour(tb, phase)
         await tb.acknowledge(5)
         assert not await answered(dut, 800), f"a neighbour's strobe, {phase} ns after the clock"
         bus.ds_n.value = 0b11
