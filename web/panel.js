@@ -74,6 +74,7 @@ export class Panel {
     this.page = page;
     this.axis = axis;
     this.param = null;
+    this.turn = Promise.resolve(); // the last change that was asked for
     this.diag = false; // Diag is MD_OFF and MSETDAC
     this.source = "slider";
     this.square = { amplitude: 0, half: 0, sign: 1 };
@@ -87,18 +88,20 @@ export class Panel {
     this.mode = choice(
       [["off", "Off"], ["pos", "Pos"], ["vel", "Vel"], ["torq", "Torq"], ["test1", "Test1"],
        ["diag", "Diag"]],  // prettier-ignore
-      named("mode", { onchange: () => this.#setMode(this.mode.value) }),
+      named("mode", { onchange: () => this.#inTurn(this.#setMode, this.mode.value) }),
     );
     this.sourceSelect = choice(
       [["slider", "Slider"], ["ad", "A/D"], ["square", "Square wave"]],
-      named("setpoint source", { onchange: () => this.#setSource(this.sourceSelect.value) }),
+      named("setpoint source", {
+        onchange: () => this.#inTurn(this.#setSource, this.sourceSelect.value),
+      }),
     );
     this.feedback = choice(
       [["encoder", "Encoder"], ["ad", "A/D"], ["zero", "None"]],
-      named("feedback", { onchange: () => this.#setFeedback(this.feedback.value) }),
+      named("feedback", { onchange: () => this.#inTurn(this.#setFeedback, this.feedback.value) }),
     );
     this.coulomb = el("input", named("Coulomb compensation", { type: "checkbox",
-      onchange: () => this.#flag("COULCOMP", this.coulomb.checked) }));  // prettier-ignore
+      onchange: () => this.#inTurn(this.#flag, "COULCOMP", this.coulomb.checked) }));  // prettier-ignore
     this.led = el("input", named("LED", { type: "checkbox", onchange: () => this.#setLed() }));
     this.slider = el("input", named("setpoint slider", { type: "range", step: 1,
       oninput: () => this.#slide(this.slider.value) }));  // prettier-ignore
@@ -115,9 +118,9 @@ export class Panel {
     this.gains = {};
     const gainRows = [["p", 30000], ["i", 100000], ["d", 300]].map(([g, most]) => {  // prettier-ignore
       const slide = el("input", named(`${g.toUpperCase()} gain slider`, { type: "range", min: 0,
-        max: most, oninput: () => this.#setGain(g, slide.value) }));  // prettier-ignore
+        max: most, oninput: () => this.#drag(g, slide.value) }));  // prettier-ignore
       const number = el("input", named(`${g.toUpperCase()} gain`, { type: "text", size: 6,
-        onchange: () => this.#setGain(g, number.value) }));  // prettier-ignore
+        onchange: () => this.#inTurn(this.#setGain, g, number.value) }));  // prettier-ignore
       this.gains[g] = { slide, number };
       return el("div", { className: "row" }, el("b", {}, g.toUpperCase()), slide, number, "%");
     });
@@ -126,7 +129,7 @@ export class Panel {
     this.fields = {};
     const table = el("div", { className: "fields" }, ...[...COEFFICIENTS, ...OTHERS].map((name) => {
       this.fields[name] = el("input", named(name === "mode" ? "mode word" : name, { type: "text", size: 9,
-        onchange: () => this.#setField(name) }));  // prettier-ignore
+        onchange: () => this.#inTurn(this.#setField, name, this.fields[name].value) }));  // prettier-ignore
       return labelled(name, this.fields[name]);
     }));  // prettier-ignore
     this.element = el("section", { className: "panel", id: id("panel"), tabIndex: -1,
@@ -147,8 +150,18 @@ export class Panel {
     for (const control of this.element.querySelectorAll("input, select")) control.disabled = !may;
   }
 
-  /** Shows what the driver has; `all`: also where somebody is typing. */
-  async load(all = false) {
+  /** One change after another: each begins with what the one before it left in the driver. */
+  #inTurn(change, ...args) {
+    this.turn = this.turn.finally(() => change.apply(this, args));
+    return this.turn;
+  }
+
+  /** Shows what the driver has, once it has what was asked for; `all`: also where somebody types. */
+  load(all = false) {
+    return this.#inTurn(this.#load, all);
+  }
+
+  async #load(all) {
     const { joints } = this.page.machine.history;
     this.element.hidden = joints > 0 && this.axis >= joints; // the servo does not control it
     if (this.element.hidden) return;
@@ -202,7 +215,7 @@ export class Panel {
   async #change(param) {
     const now = await this.page.machine.try(this.page.machine.change(this.axis, param));
     if (now) this.show(now);
-    else await this.load(true); // refused
+    else await this.#load(true); // refused
   }
 
   #modeWord(bits, on) {
@@ -239,13 +252,21 @@ export class Panel {
     await this.page.machine.try(this.page.machine.link.call("MSETLED", { value }));
   }
 
-  async #setField(name) {
+  async #setField(name, text) {
     try {
-      await this.#change({ [name]: parseInteger(this.fields[name].value, INT_MIN, INT_MAX, name) });
+      await this.#change({ [name]: parseInteger(text, INT_MIN, INT_MAX, name) });
     } catch (error) {
       this.page.machine.say("error", `axis ${this.axis}, ${error.message}`);
       this.fields[name].value = String(this.param[name]);
     }
+  }
+
+  /** Of a slider that is dragged only the last place counts. */
+  #drag(name, text) {
+    this.gains[name].dragged = text;
+    return this.#inTurn(async () => {
+      if (this.gains[name].dragged === text) await this.#setGain(name, text);
+    });
   }
 
   async #setGain(name, text) {

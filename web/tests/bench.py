@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import json
+import time
 
 from mmcs import BUILD
 from mmcs.device.link import Link
 
 PICTURES = BUILD / "tool"
+PATIENCE_S = 240  # a loaded computer is slow, not wrong
 
 
 class Desk:
@@ -22,7 +24,7 @@ class Desk:
 
     def open(self, options: str = ""):
         page = self.browser.new_page(viewport={"width": 1280, "height": 800})
-        page.set_default_timeout(240_000)  # a loaded computer is slow, not wrong
+        page.set_default_timeout(PATIENCE_S * 1000)
         page.errors = []
         page.on("pageerror", lambda error: page.errors.append(str(error)))
         page.goto(self.tool.address + options)
@@ -47,8 +49,12 @@ class Desk:
         self.page.wait_for_function(what, arg=argument)
 
     def eventually(self, true) -> None:
-        """Waits, working the page, until the check holds; the test's own limit ends it else."""
+        """Waits, working the page, until the check holds."""
+        end = time.monotonic() + PATIENCE_S
         while not true():
+            if time.monotonic() > end:
+                said = self.page.inner_text("#said")
+                raise AssertionError(f"not so within {PATIENCE_S} s; the page says: {said}")
             self.page.wait_for_timeout(20)
 
     def close(self) -> None:

@@ -54,6 +54,29 @@ def test_modes_sources_feedback_and_switches(desk):
                "mctool.machine.history.lightsColumn(1)) >> 9) & 1")  # fmt: skip
 
 
+@pytest.mark.req("TOOL-1")
+def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
+    page = desk.page
+    page.evaluate(
+        """() => {
+          const { link } = mctool.machine;
+          const ask = link.request.bind(link);
+          link.request = async (...args) => {
+            const reply = await ask(...args);
+            await new Promise((done) => setTimeout(done, 300));
+            return reply;
+          };
+        }"""
+    )
+    for what, value in (("mode", "pos"), ("setpoint source", "ad"), ("feedback", "ad"),
+                        ("mode", "vel"), ("setpoint source", "square")):  # fmt: skip
+        page.select_option(f'[id="axis0-{what}"]', value)
+    page.evaluate("() => mctool.page.panels[0].load()")  # ends after all of them
+    assert "Amplitude" in page.locator("#axis0-panel .setpoint").inner_text()
+    assert page.input_value('[id="axis0-setpoint source"]') == "square"
+    assert desk.param(0)["mode"] == VEL | FLAGS["ADFB"]
+
+
 @pytest.mark.req("TOOL-1", "SYN-1")
 def test_gains_in_percent_and_every_parameter_by_number(desk):
     page = desk.page

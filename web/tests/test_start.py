@@ -25,6 +25,7 @@ def test_interval_zeroed_encoders_and_frozen_numbers(browser):
     try:
         assert desk.link.request("call", request="MGETINTERVAL")["value"] == 3000
         assert desk.page.input_value("#interval") == "3000"
+        assert desk.page.evaluate("() => mctool.machine.deadman_ms") == 250
         desk.until("() => mctool.machine.history.latest(0)?.encnow === 0")
         desk.page.wait_for_timeout(500)
         assert desk.page.inner_text("#axis0-count") == ""  # -u: the panel does not follow
