@@ -163,6 +163,7 @@ def test_everything_by_keyboard(desk):
 def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     """By its end, not by its silence, which would be allowed to last ten seconds."""
     desk.page.select_option("#axis0-mode", "torq")
+    desk.page.select_option('[id="axis0-setpoint source"]', "square")  # to and fro: it never rests
     desk.page.click("#enable")
     desk.until("() => mctool.machine.enabled")
     enter(desk.page, "#axis0-setpoint", "700")
