@@ -123,6 +123,7 @@ def _matched(c: Controller, t: float) -> Discrete:
     return Discrete((c.p,), (1.0,))
 
 
+@np.errstate(all="ignore")  # what is out of proportion becomes inf or nan: no integer is that
 def discretize(c: Controller, method: str, t: float, prewarp: float = 0.0) -> Discrete:
     """D(z) for sample time t (s); prewarp is the frequency (rad/s) that must come out exactly."""
     if method not in METHODS:

@@ -71,6 +71,11 @@ ARGS = {
     ),
     "design nan": (["design", "--wn", "nan"], "mmcs design: a number is out of all proportion\n"),
     "design far": (["design", "--wn", "1e300"], "mmcs design: a number is out of all proportion\n"),
+    "design far d": (["design", "-d", "1e308"], "mmcs design: a number is out of all proportion\n"),
+    "design far tau": (
+        ["design", "-d", "1", "--tau", "1e308"],
+        "mmcs design: a number is out of all proportion\n",
+    ),
     "two lines": (["run", "lab500", "--seed", "1\n2"], "Invalid value for '--seed': "),
 }
 
@@ -103,6 +108,7 @@ def test_table_with_a_byte_order_mark_and_carriage_returns(mmcs, scenario):
     assert mmcs("check", path)[0] == 0
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")  # people would read of it, too
 @pytest.mark.parametrize("case", ARGS)
 def test_rough_argument(mmcs, case):
     args, expected = ARGS[case]

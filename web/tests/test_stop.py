@@ -119,4 +119,5 @@ def test_strangers_reach_neither_page_nor_socket(desk):
     for origin in ("http://evil.example", None):
         with pytest.raises(InvalidStatus):
             connect(ws, origin=origin)
-    connect(ws, origin=base).close()
+    with connect(ws, origin=base):
+        pass
