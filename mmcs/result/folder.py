@@ -30,8 +30,8 @@ def writing(folder: Path) -> Iterator[Path]:
         settle(folder)
         stage = folder / STAGE
         shutil.rmtree(stage, ignore_errors=True)
-        stage.mkdir()
-        try:
+        try:  # a signal may come with the folder just made
+            stage.mkdir()
             yield stage
             names = sorted(path.name for path in stage.iterdir())
             with whole_file(stage / WHOLE) as path:

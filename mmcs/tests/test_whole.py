@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -79,6 +80,19 @@ def test_a_run_that_fails_leaves_what_was_there(tmp_path):
         (stage / "report.json").write_text("new")
         raise ZeroDivisionError
     assert generations(tmp_path) == ({"old"}, len(RESULTS))
+
+
+def test_a_run_stopped_with_its_folder_just_made_leaves_none(tmp_path, monkeypatch):
+    make = Path.mkdir
+
+    def stopped(path, *args, **more):
+        make(path, *args, **more)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "mkdir", stopped)
+    with pytest.raises(KeyboardInterrupt), writing(tmp_path):
+        pass
+    assert not (tmp_path / ".new").exists()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
