@@ -7,6 +7,7 @@
 import { History } from "./samples.js";
 
 const ALIVE_MS = 80;
+const LOST = { axis: -1, text: "as it is after the loss" };
 
 export class Machine extends EventTarget {
   constructor(link, deadman_ms = 250) {
@@ -25,7 +26,10 @@ export class Machine extends EventTarget {
       this.tell("samples");
     });
     link.addEventListener("event", ({ detail }) => this.#event(detail));
-    link.addEventListener("lost", ({ detail }) => this.say("lost", `${detail.events} events lost`));
+    link.addEventListener("lost", ({ detail }) => {
+      this.say("lost", `${detail.events} events lost`);
+      this.#askAgain();
+    });
     link.addEventListener("closed", ({ detail }) => {
       this.controls = false;
       clearInterval(this.#alive);
@@ -44,6 +48,14 @@ export class Machine extends EventTarget {
     await this.try(this.link.request("name", { name: "mctool" }));
     await this.try(this.link.request("follow", { past: 8000, period_ms: 25 }));
     this.tell("hello");
+  }
+
+  /** What lost events may have told: who controls, and whether the servo is on. */
+  async #askAgain() {
+    const hello = await this.try(this.link.request("hello"));
+    if (!hello) return;
+    this.#event({ ...LOST, t: hello.time, kind: "enabled", value: hello.enabled });
+    this.#event({ ...LOST, t: hello.time, kind: "lease", value: hello.lease ?? -1 });
   }
 
   #event(event) {

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from websockets.asyncio.client import connect
+from websockets.asyncio.connection import Connection
 
 from mmcs import ROOT
 from mmcs.design.identify import IdentifyError, frequency, identify
@@ -185,6 +187,33 @@ def test_no_address_leads_out_of_the_pages():
     ):
         assert pages._locate(path) is None, path
     assert pages._locate("index.html") == ROOT / "web" / "index.html"
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_page_too_slow_to_answer_a_ping_is_not_hung_up_on(monkeypatch):
+    """As if each had been late at once."""
+
+    async def late(connection):
+        connection.transport.abort()
+
+    async def echo(page):
+        async for message in page:
+            await asyncio.sleep(0)
+            await page.send(message)
+
+    async def play():
+        origin = "http://127.0.0.1:1"
+        async with pages.listen(echo, pages.Site("secret", (origin,), ""), 0, 64) as server:
+            port = server.sockets[0].getsockname()[1]
+            async with connect(
+                f"ws://127.0.0.1:{port}/secret/x", origin=origin, ping_interval=None
+            ) as page:
+                for n in range(3):
+                    await page.send(str(n))
+                    assert await page.recv() == str(n)
+
+    monkeypatch.setattr(Connection, "keepalive", late)
+    asyncio.run(play())
 
 
 async def fake_stop_path(folder: Path, answers: dict[str, str], pause: float = 0.0):

@@ -14,10 +14,10 @@ import struct
 import sys
 from pathlib import Path
 
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
-from mmcs.tool.pages import LOOPBACK, Site
+from mmcs.tool.pages import LOOPBACK, Site, listen
 
 LENGTH = struct.Struct("<I")
 MAX_MESSAGE = 1 << 26  # from the machine: samples of the whole ring
@@ -117,15 +117,7 @@ async def main(config: dict) -> None:
             elif where == "advice":
                 await advise(connection, path)
 
-    async with serve(
-        page,
-        LOOPBACK,
-        config.get("port", 0),
-        process_request=site.answer,
-        max_size=MAX_RECORDING,
-        compression=None,
-        server_header=None,
-    ) as server:
+    async with listen(page, site, config.get("port", 0), MAX_RECORDING) as server:
         port = server.sockets[0].getsockname()[1]
         origins.append(f"http://{LOOPBACK}:{port}")
         address = f"{origins[0]}/{config['token']}/?stop={stop}"

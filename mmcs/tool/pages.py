@@ -12,12 +12,12 @@ import hmac
 import http
 import mimetypes
 import sys
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-from websockets.asyncio.server import ServerConnection
+from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
@@ -87,6 +87,27 @@ class Site:
             }
         )
         return Response(200, "OK", headers, body)
+
+
+def listen(
+    client: Callable[[ServerConnection], Awaitable[None]], site: Site, port: int, max_size: int
+) -> serve:
+    """Serves a site on this computer alone; `client` has each WebSocket, messages up to max_size
+    bytes.
+
+    Nobody is hung up on for a late pong: that of a page that is starved, or stopped in a debugger,
+    waits behind samples unread. A page that is gone has closed its connection, and one that is
+    silent while it controls is the dead man's business."""
+    return serve(
+        client,
+        LOOPBACK,
+        port,
+        process_request=site.answer,
+        max_size=max_size,
+        compression=None,
+        server_header=None,
+        ping_interval=None,
+    )
 
 
 def _locate(path: str) -> Path | None:

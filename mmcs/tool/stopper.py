@@ -15,13 +15,14 @@ import sys
 import time
 from pathlib import Path
 
-from websockets.asyncio.server import ServerConnection, broadcast, serve
+from websockets.asyncio.server import ServerConnection, broadcast
 from websockets.exceptions import ConnectionClosed
 
-from mmcs.tool.pages import LOOPBACK, Site
+from mmcs.tool.pages import Site, listen
 
 FRAME = frozenset({"stop.html", "stop.js", "stop.css"})
 ORDERS = frozenset({"stop", "press", "release"})
+MAX_ORDER = 64  # bytes
 WATCH_S = 0.1  # between looks at the machine's state
 PATIENCE_S = 2.0  # without an answer the machine is told as not answering
 
@@ -112,15 +113,7 @@ async def main(config: dict) -> None:
 
     site = Site(config["token"], origins, policy, FRAME)
 
-    async with serve(
-        client,
-        LOOPBACK,
-        config.get("port", 0),
-        process_request=site.answer,
-        max_size=64,
-        compression=None,
-        server_header=None,
-    ) as server:
+    async with listen(client, site, config.get("port", 0), MAX_ORDER) as server:
         port = server.sockets[0].getsockname()[1]
         origins.append(f"http://localhost:{port}")
         told = json.dumps({"address": f"{origins[0]}/{config['token']}/stop.html"})

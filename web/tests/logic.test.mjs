@@ -8,6 +8,7 @@ import { askedNumber, parseInteger, parseNumber } from "../dom.js";
 import { design } from "../engine/design.js";
 import { readRecord, setupOf } from "../engine/record.js";
 import { law, transfer } from "../formula.js";
+import { Machine } from "../machine.js";
 import { errorWords, gainsOf, setpointScale } from "../panel.js";
 import { Recording, toCsv } from "../recording.js";
 import { cardOffset, fieldsText } from "../registers.js";
@@ -221,4 +222,24 @@ test("a record that cannot be is one sentence", () => {
     { event: [{ at: 0, until: "later" }] }])
     assert.throws(() => setupOf(record({ ...good, ...change }), setup, []), /cannot be$/, JSON.stringify(change));
   assert.throws(() => setupOf(record({ ...good, cards: 5 }), setup, []), /the record changes cards/);
+});
+
+test("what lost events had told is asked for: the servo, and who controls", async (t) => {
+  const now = { lease: 1, enabled: true, time: 1, you: 1, sample: { fields: FIELDS } };
+  const link = new EventTarget();
+  link.request = async () => now;
+  const hear = async (type, detail) => {
+    link.dispatchEvent(new CustomEvent(type, { detail }));
+    await new Promise((done) => setTimeout(done));
+  };
+  const machine = new Machine(link);
+  t.after(() => hear("closed", "")); // nothing is left that says "alive"
+  await hear("hello", now);
+  await machine.takeControl();
+  Object.assign(now, { lease: 2, enabled: false });
+  await hear("lost", { events: 9 });
+  assert.deepEqual([machine.enabled, machine.controls, machine.holder], [false, false, 2]);
+  now.lease = null;
+  await hear("lost", { events: 1 });
+  assert.equal(machine.holder, null);
 });
