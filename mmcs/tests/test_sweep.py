@@ -358,7 +358,7 @@ def test_killed_scheduler_is_one_line(undisturbed, tmp_path):
     try:
         scheduler = start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", 0,
                           "--no-dashboard", "--scheduler-file", place)  # fmt: skip
-        wait(place.exists)
+        wait(lambda: place.exists() and place.read_text().endswith("\n}"))  # whole
         start("distributed.cli.dask_worker", "--scheduler-file", place, "--nthreads", 1,
               "--no-dashboard", "--no-nanny")  # fmt: skip
         address = json.loads(place.read_text())["address"]
