@@ -166,6 +166,8 @@ def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     desk.page.select_option('[id="axis0-setpoint source"]', "square")  # to and fro: it never rests
     desk.page.click("#enable")
     desk.until("() => mctool.machine.enabled")
+    setpoint = desk.page.locator("#axis0-panel .setpoint")
+    desk.eventually(lambda: "Amplitude" in setpoint.inner_text())
     enter(desk.page, "#axis0-setpoint", "700")
     desk.until("() => mctool.machine.history.latest(0).vel > 2")
     before = desk.state()["time"]
