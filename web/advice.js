@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The designer's messages (mmcs/tool/advisor.py): requests with ids, replies, progress.
 
+const GONE = "the designer is gone; load the page again";
+
 export class Advice extends EventTarget {
   #waiting = new Map();
   #next = 1;
@@ -15,7 +17,7 @@ export class Advice extends EventTarget {
     };
     this.#socket.onmessage = ({ data }) => this.#hear(JSON.parse(data));
     this.#socket.onclose = () => {
-      for (const { reject } of this.#waiting.values()) reject(new Error("the designer is gone"));
+      for (const { reject } of this.#waiting.values()) reject(new Error(GONE));
       this.#waiting.clear();
     };
   }
@@ -32,7 +34,7 @@ export class Advice extends EventTarget {
     const text = JSON.stringify(message);
     if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(text);
     else if (this.#socket.readyState === WebSocket.CONNECTING) this.#queue.push(text);
-    else this.#waiting.get(message.id)?.reject(new Error("the designer is gone"));
+    else this.#waiting.get(message.id)?.reject(new Error(GONE));
   }
 
   #hear(message) {

@@ -22,10 +22,12 @@ export function timeView(page) {
   async function refresh() {
     const reply = await ask("snapshots", {});
     if (!reply) return;
-    snapshots = reply.snapshots;
+    const chosen = snapshots[slider.value]?.id;
     const atEnd = Number(slider.value) === Number(slider.max);
+    snapshots = reply.snapshots;
     slider.max = Math.max(0, snapshots.length - 1);
-    if (atEnd) slider.value = slider.max;
+    // The moment stays that was chosen, while the oldest are dropped; gone, it is the oldest kept.
+    slider.value = atEnd ? slider.max : Math.max(0, snapshots.findIndex(({ id }) => id === chosen));
     show();
   }
 

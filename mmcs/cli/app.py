@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sys
@@ -275,6 +276,7 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     """
     from functools import partial
 
+    from mmcs.run.replay import LEAST_MS
     from mmcs.run.runner import run_scenario, simulate
     from mmcs.scenario.load import load
     from mmcs.view.waves import open_viewer, write_views
@@ -285,8 +287,8 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     end = setup.scenario.duration
     if at is not None and not 0 <= at < end:
         raise InputError.one("--at", "", at, f"must be from 0 to {end:g} s, when the motion ends")
-    if window <= 0:
-        raise InputError.one("--window", "", window, "must be more than 0")
+    if not LEAST_MS <= window < math.inf:
+        raise InputError.one("--window", "", window, f"must be {LEAST_MS:g} ms or more")
     begin = setup.moment() if at is None else at
     begin = max(0.0, min(begin, end - window / 1000))
     stretch = None if whole else (begin, begin + window / 1000)

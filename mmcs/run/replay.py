@@ -12,6 +12,8 @@ from mmcs.errors import InputError
 from mmcs.record.record import Record, first_difference
 from mmcs.scenario.files import read_json, short
 
+LEAST_MS = 0.001  # a trace of no clock at all is no file that a viewer reads
+
 
 def replay(record: Record) -> tuple[str, str | None]:
     """The hash that comes out now, and where the replay first differs (None: nowhere)."""
@@ -52,8 +54,8 @@ def _host(record: Record) -> str:
 def stretch(record: Record, at: str, window_ms: float) -> tuple[float, float]:
     """From and to, in seconds since power-on; `at` is a time since the motion began, or the kind
     of an event in the run's report."""
-    if not window_ms > 0:
-        raise InputError.one("--window", "", window_ms, "must be a positive number of ms")
+    if not window_ms >= LEAST_MS:
+        raise InputError.one("--window", "", window_ms, f"must be {LEAST_MS:g} ms or more")
     try:
         middle = record.motion_start_s + float(at)
     except ValueError:

@@ -357,7 +357,9 @@ def test_bad_stretches_are_refused_in_one_line(mmcs, ran):
     cases = {
         ("--at", "boom"): "the kind of an event of this run",
         ("--at", 9): '--at = "9": must be -',
-        ("--at", 0.1, "--window", 0): "must be a positive number",
+        ("--at", 0.1, "--window", 0): "must be 0.001 ms or more",
+        ("--at", 0.1, "--window", 1e-9): "must be 0.001 ms or more",
+        ("--at", 0.1, "--window", "nan"): "must be 0.001 ms or more",
         ("--at", 0.1, "--out", "x.vcd"): "ending in .fst",
     }
     for args, says in cases.items():

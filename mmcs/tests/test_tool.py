@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from websockets.asyncio.client import connect
 from websockets.asyncio.connection import Connection
+from websockets.exceptions import ConnectionClosed
 
 from mmcs import ROOT
 from mmcs.design.identify import IdentifyError, frequency, identify
@@ -23,7 +24,7 @@ from mmcs.device.client import Device
 from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
 from mmcs.tests.device_bench import write_scenario
-from mmcs.tool import pages, tune
+from mmcs.tool import gateway, moment, pages, tune
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button, StopPath
@@ -127,6 +128,41 @@ def test_the_designer_answers_in_order_and_survives_nonsense():
     assert ((c["a0"] + c["a1"]) / c["b0"], -c["a1"] / c["b0"]) == (4, 100)
     assert all("error" in reply for reply in (*replies[1:4], replies[5]))
     assert replies[4]["coefficients"]["a0"] == 0
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_mistake_of_ours_is_told_and_the_designer_goes_on(monkeypatch):
+    def broken(self, message):
+        raise RuntimeError("unknown file format")
+
+    monkeypatch.setattr(Advisor, "do_trace", broken)
+    first, second = advise({"id": 1, "op": "trace"}, {"id": 2, "op": "dance"})
+    assert first == {"id": 1, "error": "trace: RuntimeError: unknown file format"}
+    assert second["id"] == 2
+
+
+@pytest.mark.req("TOOL-1")
+def test_no_file_is_made_of_a_moment_before_which_nothing_is_known(monkeypatch):
+    """Gone back to the first snapshot, and nothing after it has happened yet."""
+    monkeypatch.setattr(moment, "find", lambda *_: moment.Moment(None, b"", b"", 0.3, 0.3))
+    *_, reply = advise({"id": 1, "op": "trace", "t": 0.3, "ms": 2})
+    assert "nothing has happened yet around 0.300000 s" in reply["error"]
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_page_is_told_when_its_designer_dies(monkeypatch):
+    async def play():
+        origin = "http://127.0.0.1:1"
+        site = pages.Site("secret", (origin,), "")
+        async with pages.listen(lambda page: gateway.advise(page, Path()), site, 0, 64) as server:
+            port = server.sockets[0].getsockname()[1]
+            async with connect(f"ws://127.0.0.1:{port}/secret/x", origin=origin) as page:
+                with pytest.raises(ConnectionClosed):
+                    await asyncio.wait_for(page.recv(), 240)
+                return page.close_code, page.close_reason
+
+    monkeypatch.setattr(gateway.sys, "executable", "true")
+    assert asyncio.run(play()) == (gateway.GONE, "the designer is gone; load the page again")
 
 
 @pytest.mark.req("TOOL-1")

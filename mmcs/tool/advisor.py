@@ -23,6 +23,7 @@ import queue
 import sys
 import threading
 import time
+import traceback
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,9 @@ class Advisor:
             return {"error": f"{message['op']}: {error} is missing or of the wrong kind"}
         except (OverflowError, ZeroDivisionError):
             return {"error": "a number is out of all proportion"}
+        except Exception as error:  # a mistake of ours: the page must not wait for ever
+            traceback.print_exc()
+            return {"error": f"{message['op']}: {type(error).__name__}: {error}"}
 
     # --- designs ---
 

@@ -68,7 +68,7 @@ async def carry(page: ServerConnection, path: Path) -> None:
 async def advise(page: ServerConnection, socket: Path) -> None:
     """Design and tuning for one page: a process of its own, one line a message.
 
-    It ends with the page, and stops what it had begun."""
+    It ends with the page, and stops what it had begun; should it end before, the page is told."""
     worker = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "mmcs.tool.advisor", str(socket)),
         stdin=asyncio.subprocess.PIPE,
@@ -77,8 +77,10 @@ async def advise(page: ServerConnection, socket: Path) -> None:
     )
 
     async def back() -> None:
-        async for line in worker.stdout:
-            await page.send(line.decode())
+        with contextlib.suppress(ConnectionClosed, ValueError):  # too long a line
+            async for line in worker.stdout:
+                await page.send(line.decode())
+            await page.close(GONE, "the designer is gone; load the page again")
 
     answers = asyncio.create_task(back())
     with contextlib.suppress(ConnectionClosed, BrokenPipeError, ConnectionResetError):

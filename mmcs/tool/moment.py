@@ -16,6 +16,7 @@ from mmcs.place import BUILD
 from mmcs.scenario.setup import Setup
 
 MOST_MS = 20.0
+LEAST_S = 1e-6  # a trace of no clock at all is no file that a viewer reads
 BUSY_S = 0.001  # a servo pass is over by then
 ROUNDED_S = 1e-6  # the page tells times in whole microseconds, rounded up or down
 
@@ -81,6 +82,11 @@ def trace(socket: Path, t: float, ms: float) -> dict:
     from mmcs.view.waves import start_viewer, write_views
 
     moment = find(socket, t, ms)
+    if moment.to_s - moment.from_s < LEAST_S:
+        raise ValueError(
+            f"waveforms: nothing has happened yet around {t:.6f} s that a file could show; "
+            "let the machine go on, or take more ms"
+        )
     folder = BUILD / "tool"
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{moment.setup.name}_{t:.6f}.fst"

@@ -20,6 +20,13 @@ NUMBERS = """(first) => {
   return { gaps, rows: history.end - first };
 }"""
 
+CHOOSE = """(n) => {
+  const slider = document.getElementById("rewind");
+  slider.value = n;
+  slider.dispatchEvent(new Event("input"));
+  return document.getElementById("rewind-time").textContent;
+}"""
+
 
 def cpu_s(pid: int) -> float:
     """Processor time that a process has had."""
@@ -114,12 +121,19 @@ def test_back_to_a_moment_and_on_from_there(desk):
     page = desk.page
     ensure_library(3, "trace")  # the page would wait for it, too, but not the test
     page.click("#tab-time")
-    desk.until("() => Number(document.getElementById('rewind').max) > 20")
+    page.evaluate("() => mctool.machine.link.request('ring', { every_s: 0.1, count: 40 })")
+    desk.until("() => Number(document.getElementById('rewind').max) > 38")
+    chosen = page.evaluate(CHOOSE, 30)
+    snapshots = desk.link.request("snapshots")["snapshots"]
+    oldest = snapshots[0]["t"]
+    desk.eventually(lambda: desk.link.request("snapshots")["snapshots"][0]["t"] > oldest + 1)
+    desk.until("() => Number(document.getElementById('rewind').value) < 25")
+    assert page.inner_text("#rewind-time") == chosen, "the list moved on under the chosen moment"
     page.click("#pause")
     desk.until("() => mctool.machine.messages.some((m) => m.kind === 'pace')")
     then = desk.state()["time"]
-    page.evaluate("() => { const s = document.getElementById('rewind'); s.value = 3; "
-                  "s.dispatchEvent(new Event('input')); }")  # fmt: skip
+    fourth = desk.link.request("snapshots")["snapshots"][3]["t"]
+    desk.eventually(lambda: page.evaluate(CHOOSE, 3) == f"{fourth:.3f} s")
     page.click("#rewind-go")
     desk.eventually(lambda: desk.state()["time"] < then - 0.5)
     back = desk.state()["time"]
