@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a campaign found and what remedies are worth: writes docs/evidence/campaign.md.
 
-`python -m studies.campaign BASE [--remedies] [--write]`: BASE is the folder of `mmcs campaign`,
-done or stopped. --remedies runs its faults again with each remedy: all that did harm, and some that
-did none, to see whether the remedy does. --write makes the page and its maps of what is there.
+`python -m studies.campaign BASE [--remedies [NAME...]] [--write]`: BASE is the folder of
+`mmcs campaign`, done or stopped. --remedies runs its faults again with each remedy: all that did
+harm, and some that did none, to see whether the remedy does. --write makes the page and its maps
+of what is there.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ IMAGES = ROOT / "docs" / "images"
 HARMLESS_ONES = 200  # that are run again with each remedy
 GOAL, CORES, HOURS = 100_000, 2, 3
 GUARD = ("host.guard_jump=50", "host.guard_follow=300", "host.guard_missed=5",
-         "host.guard_lock=true")  # fmt: skip
+         "host.guard_lock=true", "host.guard_lease=10")  # fmt: skip
 WHY = {
     "card.u_axis.u_encoder.count_q": "no parity: the servo takes counts back that never were",
     "card.u_ppi.pb_q": "a mode bit of the card, which the driver wrote once and never looks at",
@@ -72,7 +73,8 @@ REMEDIES = {
     "guard: counters that jump": GUARD[:1],
     "guard: axes that do not follow": GUARD[1:2],
     "guard: SCLOCKs that nobody serves": GUARD[2:3],
-    "guard: requests under power": GUARD[3:],
+    "guard: requests under power": GUARD[3:4],
+    "guard: setpoints that nobody renews": GUARD[4:],
     "overload is an error (`ilimax`, of the report)": ("axis.all.ilimax=20",),
     "all of them": ("amp_panic_cut=true", *GUARD, "axis.all.ilimax=20"),
 }
@@ -207,7 +209,17 @@ def lateness(rows: dict[int, dict]) -> str:
     )
 
 
-def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str) -> str:
+def measured_at(measured: dict[str, dict], base: str) -> str:
+    """The commits that the figures are of."""
+    others: dict[str, list[str]] = {}
+    for name, found in measured.items():
+        if (at := found.get("at", base)) != base:
+            others.setdefault(at, []).append(f"*{name}*")
+    later = "".join(f", those of {' and '.join(names)} of {at}" for at, names in others.items())
+    return f"Figures, fault numbers and hashes are those of commit {base}{later}."
+
+
+def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str, base: str) -> str:
     plan = make_plan((), (), seed)
     some = good(rows)
     before = Counter(row["class"] for row in some)
@@ -220,7 +232,7 @@ def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str)
         "then `python -m studies.campaign`. What is drawn, and what the classes mean, is in",
         "[campaigns](../use/campaign.md).",
         "",
-        f"{note} Figures, fault numbers and hashes are those of commit {commit()}.",
+        f"{note} {measured_at(measured, base)}",
         "",
         f"Silent and dangerous, per million: {per_million(before[DANGEROUS], count)}; detected too",
         f"late: {per_million(before[LATE], count)} (95 %). {told(some)}",
@@ -234,7 +246,7 @@ def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str)
         "All keep the register map and are off unless asked for. Each ran the same faults again:",
         "those that did harm (as many as are named, drawn at random from those known by then), and",
         "some that did none. The guard is the [driver's](../use/driver.md): jump 50, follow 300,",
-        "samples 5, missed 5, lock.",
+        "samples 5, missed 5, lock, lease 10.",
         "",
         *remedy_table(rows, measured),
         "",
@@ -244,8 +256,7 @@ def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str)
         "have no brakes.",
         lateness(rows),
         "A PANIC that keeps the brakes until the next MENABLE would help with the first, and is a",
-        "change of the RTL that is not measured here. Nor is one for a program that falls silent",
-        "(`writes_lost`): a lease on setpoints, as the [protocol](../use/protocol.md) has it.",
+        "change of the RTL that is not measured here.",
         "",
         "The ten worst holes, and how many of their silent and dangerous faults stay so:",
         "",
@@ -264,18 +275,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("base", type=Path)
     parser.add_argument("--seed", type=int, default=1, help="of the campaign")
-    parser.add_argument("--remedies", action="store_true")
+    parser.add_argument("--remedies", nargs="*", metavar="NAME", choices=list(REMEDIES),
+                        help="to run the faults again with; without a name all")  # fmt: skip
     parser.add_argument("--seconds", type=float, default=1e9, help="for each remedy")
+    parser.add_argument("--at", metavar="COMMIT", help="of the campaign, if not this one")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     rows, kept = base_rows(options.base), options.base / "remedies.json"
     measured = json.loads(kept.read_text()) if kept.exists() else {}
-    if options.remedies:
-        for name in REMEDIES:
-            measured[name] = remedy(name, rows, options.seed, options.seconds)
+    if options.remedies is not None:
+        for name in options.remedies or REMEDIES:
+            measured[name] = remedy(name, rows, options.seed, options.seconds) | {"at": commit()}
             kept.write_text(json.dumps(measured))
+    measured = {name: measured[name] for name in REMEDIES if name in measured}
     if options.write:
-        PAGE.write_text(page(rows, measured, options.seed, cost(options.base)))
+        note = cost(options.base)
+        PAGE.write_text(page(rows, measured, options.seed, note, options.at or commit()))
         for path in write_maps(options.base, make_plan((), (), options.seed), rows):
             (IMAGES / f"campaign_{path.name}").write_bytes(path.read_bytes())
 

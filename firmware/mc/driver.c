@@ -136,6 +136,7 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
     mc->axis[axis].setpoint = values[axis];
     mc->axis[axis].adopt = 0;
   }
+  guard_written(mc);
   mc->os.unmask(mc->os.ctx, level);
   return (int)len;
 }

@@ -19,13 +19,35 @@ static int strays(const struct mc *mc, struct mc_axis *x) {
   return x->astray > g->samples;
 }
 
+static int all_off(const struct mc *mc) {
+  int axis = 0;
+  while (axis < mc->joints && mc_is_off(&mc->axis[axis].par)) axis++;
+  return axis == mc->joints;
+}
+
+/* A program that has begun to write goes on, or lets all modes off: a setpoint grows old. */
+static int lapses(struct mc *mc) {
+  if (mc->unwritten > 0 && all_off(mc)) mc->unwritten = 0;
+  if (mc->unwritten > mc->config.guard.lease) return 1;
+  if (mc->unwritten > 0) mc->unwritten += mc->skipped;
+  return 0;
+}
+
+void guard_written(struct mc *mc) {
+  if (mc->config.guard.lease > 0) mc->unwritten = 1;
+}
+
 /* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
 int guard_trips(struct mc *mc) {
   const struct mc_guard *g = &mc->config.guard;
-  int asked = g->jump > 0 || g->follow != 0 || g->missed > 0;
+  int asked = g->jump > 0 || g->follow != 0 || g->missed > 0 || g->lease > 0;
   if (!asked || mc->power != MC_RUNNING) return 0;
   if (g->missed > 0 && mc->skipped > g->missed) {
     power_trip(mc, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
+    return 1;
+  }
+  if (lapses(mc)) {
+    power_trip(mc, "PANIC: SCLOCKs without a setpoint", (int)(mc->unwritten - 1), "");
     return 1;
   }
   for (int axis = 0; axis < mc->joints; axis++) {

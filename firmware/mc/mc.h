@@ -65,6 +65,7 @@ struct mc_guard {
   int32_t follow;   /* counts that an axis in position mode may be off its demand, */
   uint32_t samples; /* for so many samples in a row */
   uint32_t missed;  /* SCLOCKs in a row, and one more, that no pass may serve */
+  uint32_t lease;   /* SCLOCKs that a write() holds; before they are over, another must come */
   uint8_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MSETNUMJOINTS give EBUSY */
 };
 

@@ -102,6 +102,7 @@ struct mc {
   uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
   uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
   uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
+  uint32_t unwritten; /* SCLOCKs since the last write(), from 1; 0: none, or no lease */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   int verbosity;
   int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
@@ -194,6 +195,7 @@ void mc_count(int *counter, unsigned by);
 
 /* guard.c */
 int guard_trips(struct mc *mc);
+void guard_written(struct mc *mc);    /* setpoints have come */
 int guard_locks(const struct mc *mc); /* 1: a request that disturbs the servo is refused now */
 
 /* text.c: one line for the console out of words and a number; "" and -1 leave out. */

@@ -28,6 +28,7 @@ void power_apply_modes(struct mc *mc) {
 }
 
 void power_restart_axes(struct mc *mc) {
+  mc->unwritten = 0;
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;

@@ -3,18 +3,22 @@
 #include "mc_priv.h"
 #include "hear.h"
 
+static void set_modes(struct mc *mc, int mode) {
+  for (int axis = 0; axis < 2; axis++) {
+    struct mc_param par = {.which = axis};
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    par.mode = mode;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  }
+}
+
 /* Two axes under power in position mode, at rest, 1 ms. */
 static struct mc *guarded(struct mc_guard guard) {
   struct mc *mc = listening(1);
   unsigned us = 1000;
   mc->config.guard = guard;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
-  for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = {.which = axis};
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-    par.mode = MD_POS;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  }
+  set_modes(mc, MD_POS);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 20000);
   CHECK(mc_is_enabled(mc));
@@ -99,6 +103,56 @@ static void test_sclocks_that_nobody_served(void) {
   mock_stop(&m);
 }
 
+// req: DRV-9
+static void test_program_that_falls_silent(void) {
+  int32_t here[2] = {0, 0};
+  struct mc *mc = guarded((struct mc_guard){.lease = 5});
+  for (int n = 0; n < 3; n++) {
+    CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+    mock_run(&m, 5000); /* five passes are allowed */
+    CHECK(mc_is_enabled(mc));
+  }
+  CHECK_EQ(mc_write(mc, 0, here, 3), -MC_EINVAL); /* and what is refused is no setpoint */
+  mock_run(&m, 1000);
+  check_stopped(mc, "mc: PANIC: SCLOCKs without a setpoint 5\n");
+  mc = guarded((struct mc_guard){.lease = 5});
+  CHECK_EQ(mc_write(mc, 0, here, 4), 4);
+  m.latency_us = 7300; /* a late pass cannot blame the program for its own delay, */
+  mock_run(&m, 8000);
+  CHECK(mc_is_enabled(mc));
+  m.latency_us = 0;
+  mock_run(&m, 1000); /* but the next one counts all SCLOCKs */
+  CHECK(!mc_is_enabled(mc));
+  mock_stop(&m);
+}
+
+// req: DRV-9
+static void test_program_that_owes_no_setpoint(void) {
+  int32_t here[2] = {0, 0};
+  struct mc *mc = guarded((struct mc_guard){.lease = 5});
+  check_goes_on(mc); /* it never wrote any */
+  mc = guarded((struct mc_guard){.lease = 5});
+  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0); /* begins anew */
+  check_goes_on(mc);
+  mc = guarded((struct mc_guard){.lease = 5});
+  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  set_modes(mc, 0);
+  mock_run(&m, 20000);
+  CHECK(mc_is_enabled(mc));
+  set_modes(mc, MD_POS);
+  check_goes_on(mc);
+  mc = guarded((struct mc_guard){.lease = 5});
+  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  struct mc_param par = {.which = 1};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  mock_run(&m, 7000); /* the other is on */
+  CHECK(!mc_is_enabled(mc));
+  mock_stop(&m);
+}
+
 /* The first finding ends the pass; the machine is stopped once, and the reason is one line. */
 // req: DRV-9
 static void test_one_finding_stops_the_machine(void) {
@@ -165,6 +219,8 @@ int main(int argc, char **argv) {
       {"test_counter_that_nobody_read_for_a_while", test_counter_that_nobody_read_for_a_while},
       {"test_axis_that_does_not_follow", test_axis_that_does_not_follow},
       {"test_sclocks_that_nobody_served", test_sclocks_that_nobody_served},
+      {"test_program_that_falls_silent", test_program_that_falls_silent},
+      {"test_program_that_owes_no_setpoint", test_program_that_owes_no_setpoint},
       {"test_one_finding_stops_the_machine", test_one_finding_stops_the_machine},
       {"test_a_machine_at_rest_may_be_moved", test_a_machine_at_rest_may_be_moved},
       {"test_requests_that_wait_until_the_servo_rests",

@@ -29,6 +29,7 @@ class Host(Strict):
     guard_follow: int = Field(0, ge=0, le=INT_MAX)
     guard_samples: int = Field(5, ge=0, le=INT_MAX)
     guard_missed: int = Field(0, ge=0, le=INT_MAX)
+    guard_lease: int = Field(0, ge=0, le=INT_MAX)
     guard_lock: bool = False
     # --host m68020 only
     wait_states: int = Field(0, ge=0, le=100)

@@ -57,6 +57,7 @@ class Setup:
             "guard_follow": host.guard_follow,
             "guard_samples": host.guard_samples if host.guard_follow else 0,
             "guard_missed": host.guard_missed,
+            "guard_lease": host.guard_lease,
             "guard_lock": int(host.guard_lock),
             "wait_states": host.wait_states,
             "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,

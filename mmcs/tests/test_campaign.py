@@ -105,6 +105,7 @@ GUARDED = [
     ("host.guard_jump=200", {"input": "motor_jam", "index": 0, "value": 1}, DANGEROUS),
     ("host.guard_follow=60", {"input": "motor_jam", "index": 0, "value": 1}, SAFE),
     ("host.guard_missed=5", {"input": "irq_lost", "value": 1, "until": 0.13}, SAFE),
+    ("host.guard_lease=10", {"input": "writes_lost", "value": 1000}, LATE),
 ]
 
 

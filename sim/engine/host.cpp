@@ -32,13 +32,15 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       cpu_us_per_axis_(config.cpu_us_per_axis),
       signals_(MC_MAX_CLIENTS),
       motion_(config.axes),
+      rewrites_(config.guard_lease > 0),
       recorder_(config.axes) {
   bind();
   const struct mc_config mc_config = {
       kSysclkHz,
       kVector,
       {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
-       static_cast<uint32_t>(config.guard_missed), config.guard_lock != 0}};
+       static_cast<uint32_t>(config.guard_missed), static_cast<uint32_t>(config.guard_lease),
+       config.guard_lock != 0}};
   if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
     throw std::runtime_error("the driver refuses its configuration");
   }
@@ -194,7 +196,7 @@ void Host::write_setpoints() {
     values[static_cast<size_t>(axis)] =
         motion_.moves(axis) ? motion_.at(axis, t) : mc_setpoint(mc(), axis);
   }
-  if (values == written_) return;
+  if (values == written_ && !rewrites_) return;
   if (cpu_) {
     cpu_->post_write(motion_client_, values);
   } else {

@@ -132,6 +132,7 @@ class Host {
   int motion_client_ = -1;
   int motion_axes_ = 0;
   std::vector<int32_t> written_;
+  const bool rewrites_;  // at every sample, since the driver's guard asks for it
   Recorder recorder_;
   int (*look_)(void *) = nullptr;
   void *look_ctx_ = nullptr;

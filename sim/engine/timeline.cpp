@@ -75,7 +75,7 @@ uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
     hash.add(x);
   }
   for (int32_t n : {config.guard_jump, config.guard_follow, config.guard_samples,
-                    config.guard_missed, config.guard_lock}) {
+                    config.guard_missed, config.guard_lease, config.guard_lock}) {
     hash.add(static_cast<uint64_t>(n));
   }
   if (config.host != MMCS_HOST_NATIVE) {
