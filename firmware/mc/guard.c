@@ -13,7 +13,7 @@ static int jumps(const struct mc *mc, int axis) {
 /* The error of the last sample, in a row of samples that were no better. */
 static int strays(const struct mc *mc, struct mc_axis *x) {
   const struct mc_guard *g = &mc->config.guard;
-  if (g->follow == 0 || (x->par.mode & MD_MASK) != MD_POS) return 0;
+  if (g->follow <= 0 || (x->par.mode & MD_MASK) != MD_POS) return 0;
   int far = x->state.error > g->follow || x->state.error < -g->follow;
   x->astray = far ? x->astray + 1 : 0;
   return x->astray > g->samples;
@@ -40,7 +40,7 @@ void guard_written(struct mc *mc) {
 /* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
 int guard_trips(struct mc *mc) {
   const struct mc_guard *g = &mc->config.guard;
-  int asked = g->jump > 0 || g->follow != 0 || g->missed > 0 || g->lease > 0;
+  int asked = g->jump > 0 || g->follow > 0 || g->missed > 0 || g->lease > 0;
   if (!asked || mc->power != MC_RUNNING) return 0;
   if (g->missed > 0 && mc->skipped > g->missed) {
     power_trip(mc, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");

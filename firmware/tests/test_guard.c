@@ -38,6 +38,17 @@ static void check_stopped(struct mc *mc, const char *why) {
   mock_stop(&m);
 }
 
+/* Until the machine stops; the pass that stopped it computes and drives nothing. */
+static void run_until_stopped(struct mc *mc) {
+  int passes = m.passes;
+  while (mc_is_enabled(mc)) {
+    passes = m.passes;
+    mock_run(&m, 1000);
+    CHECK(m.passes - passes <= 1);
+  }
+  CHECK_EQ(m.passes, passes);
+}
+
 static void check_goes_on(struct mc *mc) {
   mock_run(&m, 20000);
   CHECK(mc_is_enabled(mc));
@@ -53,7 +64,7 @@ static void test_counter_that_jumps(void) {
     check_goes_on(mc);
     mc = guarded((struct mc_guard){.jump = 100});
     m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + sign * 101);
-    mock_run(&m, 2000);
+    run_until_stopped(mc);
     check_stopped(mc, "mc: PANIC: axis 1: its counter jumps\n");
   }
 }
@@ -84,8 +95,73 @@ static void test_axis_that_does_not_follow(void) {
   CHECK_EQ(mc_write(mc, 0, far, 8), 8);
   mock_run(&m, 5000);
   CHECK(mc_is_enabled(mc));
-  mock_run(&m, 2000);
+  run_until_stopped(mc);
   check_stopped(mc, "mc: PANIC: axis 0 does not follow\n");
+}
+
+/* To either side, and beyond one count. */
+// req: DRV-9
+static void test_least_error_that_is_too_much(void) {
+  for (int sign = -1; sign <= 1; sign += 2) {
+    int32_t near[2] = {0, sign}, far[2] = {0, 2 * sign};
+    struct mc *mc = guarded((struct mc_guard){.follow = 1});
+    CHECK_EQ(mc_write(mc, 0, near, 8), 8);
+    check_goes_on(mc);
+    mc = guarded((struct mc_guard){.follow = 1});
+    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    run_until_stopped(mc);
+    check_stopped(mc, "mc: PANIC: axis 1 does not follow\n");
+  }
+}
+
+// req: DRV-9
+static void test_only_position_has_to_be_followed(void) {
+  static const int modes[] = {MD_VEL, MD_TORQ, 0};
+  int32_t far[2] = {5000, 5000};
+  for (unsigned n = 0; n < sizeof modes / sizeof modes[0]; n++) {
+    struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
+    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    mock_run(&m, 6000); /* the next sample would be too much */
+    set_modes(mc, modes[n]);
+    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    mock_run(&m, 20000);
+    CHECK(mc_is_enabled(mc));
+    CHECK_EQ(m.signals[0], 0);
+    mock_stop(&m);
+  }
+}
+
+/* What is asked for alone is watched, of the axes that there are for programs. */
+// req: DRV-9
+static void test_one_check_is_not_another(void) {
+  static const struct mc_guard alone[] = {
+      {.jump = 32767}, {.follow = 30000}, {.missed = 30}, {.lease = 100}, {.lock = 1}};
+  int32_t far[2] = {20000, -20000};
+  for (unsigned n = 0; n < sizeof alone / sizeof alone[0]; n++) {
+    struct mc *mc = guarded(alone[n]);
+    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + 9000);
+    m.latency_us = 20300;
+    mock_run(&m, 30000);
+    m.latency_us = 0;
+    check_goes_on(mc);
+  }
+  struct mc *mc = guarded((struct mc_guard){.jump = 100});
+  unsigned one = 1;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
+  m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + 9000);
+  check_goes_on(mc);
+}
+
+// req: DRV-9
+static void test_no_limit_is_negative(void) {
+  struct mock other;
+  struct mc *mc = mock_start(&other, 1);
+  struct mc_config config = {.sysclk_hz = 8000000, .guard = {.jump = -1}};
+  CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
+  config.guard = (struct mc_guard){.follow = -1};
+  CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
+  mock_stop(&other);
 }
 
 // req: DRV-9
@@ -97,10 +173,12 @@ static void test_sclocks_that_nobody_served(void) {
   check_goes_on(mc);
   mc = guarded((struct mc_guard){.missed = 3});
   m.latency_us = 4300;
-  mock_run(&m, 6000);
-  CHECK(strstr(said, "PANIC: SCLOCKs that no pass served") != NULL);
-  CHECK(!mc_is_enabled(mc));
-  mock_stop(&m);
+  run_until_stopped(mc);
+  check_stopped(mc, "mc: PANIC: SCLOCKs that no pass served 4\n");
+  mc = guarded((struct mc_guard){.missed = 1});
+  m.latency_us = 1300;
+  run_until_stopped(mc);
+  check_stopped(mc, "mc: PANIC: SCLOCKs that no pass served 1\n");
 }
 
 // req: DRV-9
@@ -113,8 +191,14 @@ static void test_program_that_falls_silent(void) {
     CHECK(mc_is_enabled(mc));
   }
   CHECK_EQ(mc_write(mc, 0, here, 3), -MC_EINVAL); /* and what is refused is no setpoint */
-  mock_run(&m, 1000);
+  run_until_stopped(mc);
   check_stopped(mc, "mc: PANIC: SCLOCKs without a setpoint 5\n");
+  mc = guarded((struct mc_guard){.lease = 1});
+  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  mock_run(&m, 1000);
+  CHECK(mc_is_enabled(mc));
+  run_until_stopped(mc);
+  check_stopped(mc, "mc: PANIC: SCLOCKs without a setpoint 1\n");
   mc = guarded((struct mc_guard){.lease = 5});
   CHECK_EQ(mc_write(mc, 0, here, 4), 4);
   m.latency_us = 7300; /* a late pass cannot blame the program for its own delay, */
@@ -138,7 +222,7 @@ static void test_program_that_owes_no_setpoint(void) {
   mc = guarded((struct mc_guard){.lease = 5});
   CHECK_EQ(mc_write(mc, 0, here, 8), 8);
   set_modes(mc, 0);
-  mock_run(&m, 20000);
+  mock_run(&m, 1000); /* a single pass, and it owes none any more */
   CHECK(mc_is_enabled(mc));
   set_modes(mc, MD_POS);
   check_goes_on(mc);
@@ -218,6 +302,10 @@ int main(int argc, char **argv) {
       {"test_counter_that_jumps", test_counter_that_jumps},
       {"test_counter_that_nobody_read_for_a_while", test_counter_that_nobody_read_for_a_while},
       {"test_axis_that_does_not_follow", test_axis_that_does_not_follow},
+      {"test_least_error_that_is_too_much", test_least_error_that_is_too_much},
+      {"test_only_position_has_to_be_followed", test_only_position_has_to_be_followed},
+      {"test_one_check_is_not_another", test_one_check_is_not_another},
+      {"test_no_limit_is_negative", test_no_limit_is_negative},
       {"test_sclocks_that_nobody_served", test_sclocks_that_nobody_served},
       {"test_program_that_falls_silent", test_program_that_falls_silent},
       {"test_program_that_owes_no_setpoint", test_program_that_owes_no_setpoint},
