@@ -211,12 +211,9 @@ def lateness(rows: dict[int, dict]) -> str:
 
 def measured_at(measured: dict[str, dict], base: str) -> str:
     """The commits that the figures are of."""
-    others: dict[str, list[str]] = {}
-    for name, found in measured.items():
-        if (at := found.get("at", base)) != base:
-            others.setdefault(at, []).append(f"*{name}*")
-    later = "".join(f", those of {' and '.join(names)} of {at}" for at, names in others.items())
-    return f"Figures, fault numbers and hashes are those of commit {base}{later}."
+    later = sorted({found.get("at", base) for found in measured.values()} - {base})
+    remedies = f"; remedies were measured on {' and '.join(later)}" if later else ""
+    return f"Figures, fault numbers and hashes are those of commit {base}{remedies}."
 
 
 def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str, base: str) -> str:
