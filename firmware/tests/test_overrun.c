@@ -114,10 +114,39 @@ static void test_late_passes_that_compute_go_on(void) {
   mock_stop(&m);
 }
 
+/* A pass without a sample counts for axes that wait, and keeps the heartbeat while none is due. */
+// req: DRV-7 DRV-9
+static void test_waiting_axes_wait_on_in_a_pass_without_a_sample(void) {
+  struct mc *mc = started(MD_VEL, MD_VEL, 4);
+  unsigned us = 1000;
+  int passes = 0;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  mock_run(&m, 5000);
+  do {
+    mock_pass(&m);
+  } while (m.computed_axes == 0);
+  int64_t beat = m.card[0].beat_until[0];
+  int before = mc_stats_of(mc)->overrun;
+  slow = 1100;
+  while (mc_stats_of(mc)->overrun == before) mock_run(&m, 10);
+  slow = 0;
+  CHECK(m.card[0].beat_until[0] > beat + 500);
+  do {
+    mock_pass(&m);
+    passes++;
+  } while (m.computed_axes == 0);
+  CHECK_EQ(passes, 3);
+  CHECK_EQ(m.computed_axes, 2);
+  CHECK_EQ(mc_stats_of(mc)->overrun, before + 1);
+  mock_stop(&m);
+}
+
 static const struct test tests[] = {
     {"test_a_servo_that_computes_no_more_stops_the_machine",
      test_a_servo_that_computes_no_more_stops_the_machine},
     {"test_a_break_in_time_is_forgiven", test_a_break_in_time_is_forgiven},
+    {"test_waiting_axes_wait_on_in_a_pass_without_a_sample",
+     test_waiting_axes_wait_on_in_a_pass_without_a_sample},
     {"test_axes_that_are_off_are_not_due", test_axes_that_are_off_are_not_due},
     {"test_late_passes_that_compute_go_on", test_late_passes_that_compute_go_on},
 };

@@ -230,7 +230,36 @@ static void test_overruns_of_any_length(void) {
   mock_stop(&m);
 }
 
+/* At rest, and beyond the joints, an axis is only looked at. */
+// req: DRV-7
+static void test_only_joints_under_power_are_servoed(void) {
+  struct mc *mc = listening(2);
+  int32_t far[4] = {40, 40, 40, 40};
+  int joints = 2;
+  for (int axis = 0; axis < 4; axis++) set_mode_within_100(mc, axis, MD_POS);
+  CHECK_EQ(mc_write(mc, 0, far, 16), 16);
+  mock_pass(&m);
+  mock_pass(&m);
+  for (int axis = 0; axis < 4; axis++) {
+    CHECK_EQ(mc_state_of(mc, axis)->error, 0);
+    CHECK_EQ(mc_state_of(mc, axis)->inow, 0);
+  }
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &joints), 0);
+  mock_pass(&m);
+  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = 50;
+  mock_pass(&m);
+  mock_pass(&m);
+  for (int axis = 0; axis < 4; axis++) {
+    CHECK_EQ(mc_state_of(mc, axis)->encnow, 50);
+    CHECK_EQ(mc_state_of(mc, axis)->error != 0, axis < joints);
+    CHECK_EQ(mock_dac(&m, axis) != 0x800, axis < joints);
+  }
+  mock_stop(&m);
+}
+
 static const struct test tests[] = {
+    {"test_only_joints_under_power_are_servoed", test_only_joints_under_power_are_servoed},
     {"test_overruns_of_any_length", test_overruns_of_any_length},
     {"test_axes_are_off_by_default", test_axes_are_off_by_default},
     {"test_every_axis_gets_its_own_numbers", test_every_axis_gets_its_own_numbers},
