@@ -41,7 +41,9 @@ static void check_stopped(struct mc *mc, const char *why) {
 /* Until the machine stops; the pass that stopped it computes and drives nothing. */
 static void run_until_stopped(struct mc *mc) {
   int passes = m.passes;
+  int64_t from = m.now;
   while (mc_is_enabled(mc)) {
+    CHECK(m.now - from < 50000);
     passes = m.passes;
     mock_run(&m, 1000);
     CHECK(m.passes - passes <= 1);

@@ -129,16 +129,21 @@ static void test_waiting_axes_wait_on_in_a_pass_without_a_sample(void) {
   mock_run(&m, 5000);
   do {
     mock_pass(&m);
+    CHECK(++passes < 10);
   } while (m.computed_axes == 0);
+  passes = 0;
   int64_t beat = m.card[0].beat_until[0];
   int before = mc_stats_of(mc)->overrun;
   slow = 1100;
-  while (mc_stats_of(mc)->overrun == before) mock_run(&m, 10);
+  while (mc_stats_of(mc)->overrun == before) {
+    CHECK(m.now < m.card[0].beat_until[0]);
+    mock_run(&m, 10);
+  }
   slow = 0;
   CHECK(m.card[0].beat_until[0] > beat + 500);
   do {
     mock_pass(&m);
-    passes++;
+    CHECK(++passes < 10);
   } while (m.computed_axes == 0);
   CHECK_EQ(passes, 3);
   CHECK_EQ(m.computed_axes, 2);

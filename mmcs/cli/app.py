@@ -276,9 +276,9 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     """
     from functools import partial
 
-    from mmcs.run.replay import LEAST_MS
     from mmcs.run.runner import run_scenario, simulate
     from mmcs.scenario.load import load
+    from mmcs.view.moments import LEAST_MS
     from mmcs.view.waves import open_viewer, write_views
 
     setup = load(scenario, (), duration=duration)

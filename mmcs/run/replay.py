@@ -11,8 +11,7 @@ from mmcs.engine.hosts import HOSTS, image_digest
 from mmcs.errors import InputError
 from mmcs.record.record import Record, first_difference
 from mmcs.scenario.files import read_json, short
-
-LEAST_MS = 0.001  # a trace of no clock at all is no file that a viewer reads
+from mmcs.view.moments import LEAST_MS
 
 
 def replay(record: Record) -> tuple[str, str | None]:

@@ -16,7 +16,6 @@ from mmcs.place import BUILD
 from mmcs.scenario.setup import Setup
 
 MOST_MS = 20.0
-LEAST_S = 1e-6  # a trace of no clock at all is no file that a viewer reads
 BUSY_S = 0.001  # a servo pass is over by then
 ROUNDED_S = 1e-6  # the page tells times in whole microseconds, rounded up or down
 
@@ -79,10 +78,11 @@ def waves(socket: Path, t: float, ms: float) -> dict:
 def trace(socket: Path, t: float, ms: float) -> dict:
     """A trace and its view; opened in gtkwave where there is a display."""
     from mmcs.session.machine import machine
+    from mmcs.view.moments import LEAST_MS
     from mmcs.view.waves import start_viewer, write_views
 
     moment = find(socket, t, ms)
-    if moment.to_s - moment.from_s < LEAST_S:
+    if 1000 * (moment.to_s - moment.from_s) < LEAST_MS:
         raise ValueError(
             f"waveforms: nothing has happened yet around {t:.6f} s that a file could show; "
             "let the machine go on, or take more ms"

@@ -6,6 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+LEAST_MS = 0.001  # of a trace: one of no clock at all is no file that a viewer reads
+
 
 class Pass(NamedTuple):
     """Times in units of the trace."""
