@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga test-netlist release
+.PHONY: dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga test-netlist release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -27,8 +27,10 @@ help: ## print the targets
 # --- what the targets stand on -------------------------------------------------------------
 
 # Bytecode is compiled now: where Python may write none, every start would compile it all anew.
-INSTALL = echo "mmcs: installing $(1)"; $(BIN)/python -m uv pip install -q --compile-bytecode \
-    --python $(BIN)/python -c requirements.lock $(2) && $(BIN)/python tools/setup_venv.py
+INSTALL = echo "mmcs: installing $(1)"; { $(BIN)/python -m uv pip install -q --compile-bytecode \
+    --python $(BIN)/python -c requirements.lock $(2) || $(OFFLINE); } && $(BIN)/python tools/setup_venv.py
+OFFLINE = { echo "mmcs: not installed, see above. Packages come from the network (PyPI), or from the index that" \
+    "PIP_INDEX_URL and UV_INDEX_URL name" >&2; false; }
 
 # An environment knows where it was made: one that was moved or copied with its checkout is made anew.
 PLACE := $(VENV)/.place
@@ -42,24 +44,37 @@ endif
 $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/verilator.py
 	@tools/check_host.sh "$(PYTHON)" "$(CXX)"
 	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
-	@$(BIN)/python -m pip install -q --disable-pip-version-check -c requirements.lock uv
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -c requirements.lock uv || $(OFFLINE)
 	@$(call INSTALL,into $(VENV),-e .)
 	@echo "$(CURDIR)" >$(PLACE)
 	@touch $@
 
+# What a machine cannot have: the tests that need it skip, and say so. Under CI nothing may be missing.
+ELSE_SKIP := || test -z "$$CI"
+
 $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@$(call INSTALL,the test tools,-e .[test] -e ./bfm)
 	@$(call INSTALL,the page's server,-e .[tool])
-	@$(call INSTALL,the processor models,-e .[hosts]) || echo "mmcs: no processor models: the tests of --host skip"
-	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu || true
-	@tools/need_debian.sh gtkwave gtkwave || true
-	@tools/need_debian.sh Xvfb xvfb || true
-	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf || true
+	@$(call INSTALL,the processor models,-e .[hosts]) $(ELSE_SKIP)
+	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu $(ELSE_SKIP)
+	@tools/need_debian.sh gtkwave gtkwave $(ELSE_SKIP)
+	@tools/need_debian.sh clang++ clang $(ELSE_SKIP)
+	@tools/need_debian.sh Xvfb xvfb $(ELSE_SKIP)
+	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf $(ELSE_SKIP)
+	@tools/need_debian.sh iverilog iverilog $(ELSE_SKIP)
 	@touch $@
 
 $(VENV)/.lint: $(VENV)/.test
 	@$(call INSTALL,the lint tools,-e .[lint])
 	@touch $@
+
+# The bridges: what their tests need beyond that.
+$(VENV)/.with-%: $(VENV)/.test
+	@$(call INSTALL,for the bridge's tests: $*,-e .[$*])
+	@touch $@
+
+# All that the suites of .ci/run need of Python and Node, so that none of them installs beside another.
+installed: $(addprefix $(VENV)/.,lint formal hosts tool-test book with-learn with-fmu with-fusesoc with-litex)
 
 $(VENV)/.formal: $(VENV)/.sim
 	@$(call INSTALL,the provers,-e .[formal])
@@ -81,10 +96,16 @@ waves: $(VENV)/.sim ## the run traced to FST with a prepared view; TEST=NAME: a 
 	@$(BIN)/mmcs waves "$(SCENARIO)"
 endif
 
+dpi: $(VENV)/.sim ## a scenario through DPI, by a testbench of SystemVerilog; TRACE=1: waveforms
+	@$(BIN)/python tools/dpi.py "$(SCENARIO)" $(if $(TRACE),--trace)
+
 # --- tests ---------------------------------------------------------------------------------
 
 test: $(VENV)/.test ## the whole test suite
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
+
+test-all: ## every suite, whole: .ci/run without its samples (some hours)
+	@.ci/run --all
 
 test-fast: $(VENV)/.test ## all but the slow tests: some minutes once built
 	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not slow"
@@ -97,6 +118,13 @@ ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb
     chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor mark1 expansion hosts \
     system/cocotb_cards.py system/cocotb_interrupts.py system/cocotb_vme.py \
     functional/test_simulators_agree.py)
+
+SIM ?= verilator
+
+.PHONY: cocotb
+cocotb: $(VENV)/.test ## the cocotb regression; SIM=icarus, SIM=both: on another simulator
+	@$(if $(filter verilator,$(SIM)),,tools/need_debian.sh iverilog iverilog)
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim "$(SIM)" cocotb_tests
 
 test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: one file for each block
 	@tools/need_debian.sh iverilog iverilog
@@ -165,7 +193,7 @@ $(VENV)/.tool: $(VENV)/.sim web/package.json web/package-lock.json
 	@$(call INSTALL,mctool,-e .[tool])
 	@echo "mmcs: installing the page's libraries"
 	@mkdir -p $(VENV)/share/mmcs && cp web/package.json web/package-lock.json $(VENV)/share/mmcs
-	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --silent --ignore-scripts --no-audit --no-fund
+	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --omit=dev --silent --ignore-scripts --no-audit --no-fund
 	@touch $@
 
 tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool [SCENARIO=puma560]
@@ -173,6 +201,7 @@ tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool
 
 $(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
 	@$(call INSTALL,the browser's test tools,-e .[tool-test])
+	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --silent --ignore-scripts --no-audit --no-fund
 	@tools/need_debian.sh chromium chromium
 	@touch $@
 
@@ -200,22 +229,18 @@ web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records,
 
 # --- bridges to what others use -------------------------------------------------------------
 
-learn-test: $(VENV)/.test ## the Gymnasium environment, installed and tested
-	@$(call INSTALL,Gymnasium,-e .[learn])
+learn-test: $(VENV)/.with-learn ## the Gymnasium environment, installed and tested
 	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
-fmu-test: $(VENV)/.test ## the machine as an FMU 3.0, checked and run by FMPy
-	@$(call INSTALL,FMPy,-e .[fmu])
+fmu-test: $(VENV)/.with-fmu ## the machine as an FMU 3.0, checked and run by FMPy
 	@$(BIN)/python -m pytest bridges/fmu/tests
 
-fusesoc-test: $(VENV)/.test ## FuseSoC lints, simulates and synthesises each core
-	@$(call INSTALL,FuseSoC,-e .[fusesoc])
+fusesoc-test: $(VENV)/.with-fusesoc ## FuseSoC lints, simulates and synthesises each core
 	@tools/need_debian.sh iverilog iverilog
 	@tools/need_debian.sh yosys yosys
 	@$(BIN)/python -m pytest bridges/fusesoc/tests
 
-litex-test: $(VENV)/.test ## a LiteX SoC whose processor runs the driver and moves a motor
-	@$(call INSTALL,LiteX,-e .[litex])
+litex-test: $(VENV)/.with-litex ## a LiteX SoC whose processor runs the driver and moves a motor
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(BIN)/python -m pytest bridges/litex/tests
 
@@ -240,7 +265,7 @@ test-netlist: $(VENV)/.test ## the synthesised netlists in the tests of the RTL,
 
 # --- checks and housekeeping ---------------------------------------------------------------
 
-C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.c' | grep -v mmcs_regs.h)
+C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'bridges/*.c' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.c' | grep -v mmcs_regs.h)
 
 lint: $(VENV)/.lint ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff; zero warnings
 	@tools/need_debian.sh iverilog iverilog

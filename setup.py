@@ -10,6 +10,7 @@ TREES = ("rtl", "sim", "firmware", "web", "docs/labs")
 FILES = ("mmcs.core", "tools/sources.py")
 LEFT_OUT = {"tests", "__pycache__", "node_modules"}
 # The page's libraries, where `make tool` has fetched them; without them the package has no mctool.
+UNSHIPPED = shutil.ignore_patterns("axe-core")  # of the tests
 LIBRARIES = HERE / ".venv" / "share" / "mmcs" / "node_modules"
 
 
@@ -27,7 +28,7 @@ def copy_sources(target: Path) -> None:
         shutil.copy(HERE / name, target / name)
         digest.update(f"{name}\n".encode() + (HERE / name).read_bytes())
     if LIBRARIES.is_dir():
-        shutil.copytree(LIBRARIES, target / "web" / "lib", dirs_exist_ok=True)
+        shutil.copytree(LIBRARIES, target / "web" / "lib", ignore=UNSHIPPED, dirs_exist_ok=True)
     (target / "DIGEST").write_text(digest.hexdigest() + "\n")
 
 

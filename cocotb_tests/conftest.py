@@ -2,8 +2,9 @@
 """pytest collects every cocotb_*.py here: one item for each test x variant x simulator.
 
 A module says `TOPLEVEL`, and if it likes `PARAMETERS` (one dictionary) or `VARIANTS` (name:
-dictionary) and `SOURCES` (further files beside it). The simulation of a module runs once for each
-variant and simulator with all selected tests; the items read their result.
+dictionary) and `SOURCES` (further files beside it), and by variant what runs behind `DPI`. The
+simulation of a module runs once for each variant and simulator with all selected tests; the items
+read their result.
 """
 
 import importlib.util
@@ -74,6 +75,7 @@ class CocotbFile(pytest.File):
                     tuple(sorted(parameters.items())),
                     extra,
                     self.config.getoption("--rtl-coverage") and sim == "verilator",
+                    dpi=getattr(module, "DPI", {}).get(variant, ""),
                 )
                 label = f"{variant}-{sim}" if variant else sim
                 for generator in generators:
@@ -95,6 +97,8 @@ class CocotbItem(pytest.Item):
             self.add_marker(pytest.mark.req(*ids))
         if getattr(test.func, marks.SLOW, False):
             self.add_marker(pytest.mark.slow)
+        if job.dpi and job.sim == "icarus":
+            self.add_marker(pytest.mark.skip(reason=runner.NO_DPI))
         variant = self.name.rpartition("[")[2].rstrip("]")
         self.add_marker(pytest.mark.xdist_group(f"{job.module}-{variant}"))
 

@@ -87,7 +87,6 @@ module axis_props (
   `MMCS_PROVE(LowWaits, "5.3.3", $past(dac_lo_i && !dac_update_i && rst_ni),
               code == $past(code),
               "a low byte by itself changes no output")
-  `MMCS_PROVE(Isolated, "5.3.5", !drive_i, drive_v == 16'd0, "a joint that is isolated gets 0 V")
   `MMCS_PROVE(IndexCaught, "5.3.2", $past(seen_q == 2'd3 && index_en_i && rst_ni), index,
               "an index that any tick of the clock has seen sets its latch while armed")
   `MMCS_PROVE(IndexStays, "5.3.2", $past(index && index_en_i && rst_ni), index,

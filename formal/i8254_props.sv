@@ -92,9 +92,6 @@ module i8254_props (
   `MMCS_PROVE(Reads, "4.3.4", strobe == 2'd1 && a_i != 2'd3,
               oe && d == (a_i == 2'd0 ? dut.d0 : a_i == 2'd1 ? dut.d1 : dut.d2),
               "a read shows the counter that it names")
-  `MMCS_PROVE(NoRegister, "4.3.4", strobe == 2'd1 && a_i == 2'd3, d == 8'hFF,
-              "the address of the control word reads as 0xFF")
-  `MMCS_PROVE(Quiet, "4.3.4", strobe != 2'd1, !oe, "the chip drives the bus only when it is read")
 
   `MMCS_LEMMA(Bus, {dut.wr_q, dut.rd_q} == strobe_q && dut.a_q == at_q &&
               (!dut.wr_q || dut.d_q == data_q), "both see the same strobes")

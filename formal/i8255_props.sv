@@ -124,7 +124,6 @@ module i8255_props (
               (a_i == 2'd0 ? (mode_q[4] ? pa_i : a_q) : a_i == 2'd1 ? (mode_q[1] ? pb_i : b_q) :
                a_i == 2'd2 ? (c_out & c_q) | (~c_out & pc_i) : 8'hFF),
               "a read shows the latches of outputs and the pins of inputs")
-  `MMCS_PROVE(Quiet, "5.3.1", cs_ni || rd_ni, !oe, "the chip drives the bus only when it is read")
 
   // --- steps on the way -----------------------------------------------------------------------
 

@@ -47,12 +47,16 @@ module interrupter_props #(
 
   logic strobed, level, low, rises, clk_q = 1'b1;
   logic iackin_q = 1'b1, low_q = 1'b0, dtack_q = 1'b0, oe_q = 1'b0, high_q = 1'b1;
-  logic level_q = 1'b0, strobed_q = 1'b0, reset_q = 1'b0, awake_q = 1'b0, rst_q = 1'b0;
+  logic level_q = 1'b0, strobed_q = 1'b0, reset_q = 1'b0, as_q = 1'b1, rst_q = 1'b0;
+  logic req0_q = 1'b0;                  // our request an instant ago
   logic asked, asked_q = 1'b0;          // we asked when IACKIN* fell
   logic passed_q = 1'b0, answered_q = 1'b0;   // since it fell
+  logic ack, ack_q = 1'b0, iack_q = 1'b0;     // AS* fell with IACK* low
+  logic old, old_q = 1'b1;              // DS0* stood as AS* rose: it is the last cycle's
   logic good, good_q = 1'b0;            // DS0* fell in an acknowledge and still stands
   logic quiet_q = 1'b0;                 // no SYSRESET* and no answer still standing since then
-  logic [1:0] falls_q = '0;             // of DS0* in this clock of the board
+  logic told_q = 1'b0;                  // DTACK* was given in this address cycle
+  logic [1:0] ends_q = '0;              // of AS* while IACKIN* stayed low
   logic [2:0] edges_q = '0;             // clocks of the board that IACKIN* and AS* have been low
   logic [2:0] waits_q = '0;             // that DS0* has been low as well
   logic spoilt_q = 1'b0;                // the strobe was withdrawn: IACKIN* is answered once
@@ -60,15 +64,15 @@ module interrupter_props #(
   assign level = !vme_iack_ni && vme_a_i == 3'(AckLevel);
   assign low = !vme_iackin_ni && !vme_as_ni && (iackin_q || low_q);   // since IACKIN* fell
   assign rises = board_clk_i && !clk_q;
-  assign asked = !vme_iackin_ni && (iackin_q ? req_q : asked_q);
-  assign good = !vme_ds_ni[0] &&
-                ((high_q && !vme_iack_ni) || good_q);
+  assign asked = !vme_iackin_ni && (iackin_q ? req0_q : asked_q);
+  assign ack = !vme_as_ni && (as_q ? iack_q : ack_q);
+  assign old = !vme_ds_ni[0] && (old_q || (vme_as_ni && !as_q));
+  assign good = !vme_ds_ni[0] && !old && ack;
 
   always @(posedge clk_i) begin
     clk_q <= board_clk_i;
     rst_q <= rst_ni;
     high_q <= vme_ds_ni[0] & rst_ni;
-    if (rises && rst_q) awake_q <= 1'b1;
     if (rst_ni) begin
       iackin_q   <= vme_iackin_ni;
       low_q      <= low;
@@ -77,9 +81,12 @@ module interrupter_props #(
       strobed_q  <= strobed;
       reset_q    <= sys_reset_q;
       level_q    <= level;
-      if (rises) falls_q <= {1'b0, vme_ds_ni[0] < $past(vme_ds_ni[0])};
-      else if (vme_ds_ni[0] < $past(vme_ds_ni[0]) && falls_q != '1) falls_q <= falls_q + 1'b1;
+      {as_q, iack_q, ack_q, old_q} <= {vme_as_ni, !vme_iack_ni, ack, old};
+      told_q <= !vme_as_ni && (told_q || dtack);
+      if (vme_iackin_ni) ends_q <= '0;
+      else if (vme_as_ni && !as_q) ends_q <= ends_q + 1'b1;
       asked_q    <= asked;
+      req0_q     <= req_q;
       good_q     <= good;
       passed_q   <= !vme_iackin_ni && (passed_q || !iackout_n);
       answered_q <= !vme_iackin_ni && (answered_q || (dtack && !dtack_q));
@@ -99,24 +106,22 @@ module interrupter_props #(
   `MMCS_GIVEN(AddressStands, vme_as_ni || $past(vme_as_ni) || dtack || dtack_q ||
               {vme_a_i, vme_iack_ni} == {$past(vme_a_i), $past(vme_iack_ni)},
               "level and IACK* stand while AS* is low and nobody has answered")
-  `MMCS_GIVEN(PowerOn, (awake_q || vme_ds_ni[0] || !vme_iack_ni) && (rst_q || vme_ds_ni[0]),
-              "until the first clock after power-on nobody else uses the bus")
-  `MMCS_GIVEN(Pace, falls_q < 2'd2 || vme_ds_ni[0] || $past(vme_iack_ni) == vme_iack_ni,
-              "two strobes and an address pipelined under the second do not fit one clock")
-
-  // A wire of this name is joined to the register when the hierarchy is flattened.
-  (* hierconn *) wire \dut.u_strobe.seen_q ;
-  `MMCS_GIVEN(Holds, !good_q || vme_ds_ni[0] || $past(dut.u_strobe.seen_q) || !vme_iack_ni,
-              "the address stands until the strobe has been seen, since DTACK* comes later")
-
+  `MMCS_GIVEN(PowerOn, rst_q || (vme_ds_ni[0] && vme_iackin_ni && vme_as_ni),
+              "nobody uses the bus in reset")
+  `MMCS_GIVEN(SetUp, vme_as_ni || !as_q ||
+              {vme_a_i, vme_iack_ni} == {$past(vme_a_i), $past(vme_iack_ni)},
+              "address, modifier, LWORD* and IACK* stand 10 ns before AS* falls")
+  `MMCS_GIVEN(Apart, !(vme_as_ni && !as_q && !vme_ds_ni[0] && high_q),
+              "no data strobe falls as AS* rises, high for 30 ns: DS* falls 10 ns before it does")
+  `MMCS_GIVEN(ChainEnds, vme_iackin_ni || !(vme_as_ni && !as_q) || ends_q < 2'd3,
+              "IACKIN* rises before AS* has risen four times: each driver has 30 ns from AS*")
+  `MMCS_GIVEN(ChainAfter, vme_iackin_ni || !iackin_q || !(as_q || vme_as_ni || told_q),
+              "the driver of the chain waits for AS* and DS*, and drives once under an AS*")
   `MMCS_GIVEN(Waits, !dtack_q || (vme_ds_ni | ~$past(vme_ds_ni)) == 2'b11,
               "no strobe falls before DTACK* of the cycle before is high")
 
   // --- properties -----------------------------------------------------------------------------
 
-  `MMCS_PROVE(LineExact, "4.3.6", req_q, irq_n == ~(7'd1 << (IrqLevel - 1)),
-              "a request pulls its jumpered line and no other")
-  `MMCS_PROVE(LineQuiet, "4.3.6", !req_q, &irq_n, "without a request no line is pulled")
   `MMCS_PROVE(NeverBoth, "4.3.6", !iackout_n, !dtack && !answered_q && !d_oe,
               "an acknowledge that is passed on is not answered")
   `MMCS_PROVE(NeverBoth2, "4.3.6", dtack && !dtack_q, !passed_q && iackout_n,

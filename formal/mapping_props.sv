@@ -41,7 +41,7 @@ module mapping_props (
     .sys_reset_o(),
     .estop_closed_i(1'b1),
     .cable_ok_i, .pc_power_i,
-    .panic_o(), .brake_release_o(), .sclock_o(),
+    .panic_o(), .brake_release_o(), .alive_o(), .sclock_o(),
     .pc_a_o(pc_a),
     .pc_aen_o(aen),
     .pc_d_o(pc_wdata),

@@ -29,14 +29,13 @@ module pccsr_props (
 
   // What was written last, with 0 after either reset; the inputs and the register one clock ago.
   logic [7:0] csr_q = '0, rdata_q = '0;
-  logic sclock_q = 1'b1, panic_q = 1'b1, armed_q = 1'b0;
+  logic sclock_q = 1'b1, panic_q = 1'b1;
   always @(posedge clk_i) begin
     if (rst_ni) begin
       if (sys_reset_i) csr_q <= '0;
       else if (write_i) csr_q <= wdata_i;
       sclock_q <= sclock_i;
       panic_q  <= panic_i;
-      armed_q  <= csr_q[7];
       rdata_q  <= rdata;
     end
   end
@@ -57,23 +56,18 @@ module pccsr_props (
               "the SCLOCK latch is set by nothing but a rising edge with bit 7 set")
   `MMCS_PROVE(PanicLatchSet, "4.3.6", panic_set && !panic_was, panic_edge_q,
               "the PANIC latch is set by nothing but a rising edge with bit 7 set")
-  `MMCS_PROVE(SclockEdgeTaken, "4.3.6", sclock_edge_q, sclock_set,
-              "every rising edge of SCLOCK with bit 7 set is latched")
-  `MMCS_PROVE(PanicEdgeTaken, "4.3.6", panic_edge_q, panic_set,
-              "every rising edge of PANIC with bit 7 set is latched")
-  `MMCS_PROVE(SclockLatchKept, "4.3.6", sclock_was && !sclock_set, !armed_q,
+  `MMCS_PROVE(SclockEdgeTaken, "4.3.6", sclock_edge_q && csr_q[7], sclock_set,
+              "every rising edge of SCLOCK with bit 7 set is latched, while it stays set")
+  `MMCS_PROVE(PanicEdgeTaken, "4.3.6", panic_edge_q && csr_q[7], panic_set,
+              "every rising edge of PANIC with bit 7 set is latched, while it stays set")
+  `MMCS_PROVE(SclockLatchKept, "4.3.6", sclock_was && !sclock_set, !csr_q[7],
               "the SCLOCK latch is lost only while bit 7 is cleared")
-  `MMCS_PROVE(PanicLatchKept, "4.3.6", panic_was && !panic_set, !armed_q,
+  `MMCS_PROVE(PanicLatchKept, "4.3.6", panic_was && !panic_set, !csr_q[7],
               "the PANIC latch is lost only while bit 7 is cleared")
-  `MMCS_PROVE(HeldClear, "4.3.6", !armed_q, !sclock_set && !panic_set,
-              "a clock after bit 7 is cleared both latches are clear, and stay so")
-  `MMCS_PROVE(RequestExact, "4.3.6", irq || rdata[6] || rdata[5],
-              irq == ((rdata[5] && csr_q[5]) || (rdata[6] && csr_q[6])),
-              "an interrupt is requested exactly while a latch and its enable are set")
+  `MMCS_PROVE(HeldClear, "4.3.6", !csr_q[7], !sclock_set && !panic_set && !irq,
+              "while bit 7 is clear both latches are, and nothing interrupts, whatever else is set")
   `MMCS_PROVE(ReadsBack, "4.3.3", csr_q != '0, rdata[7] == csr_q[7] && rdata[4:0] == csr_q[4:0],
               "bits 7 and 4-0 read as written")
-  `MMCS_PROVE(BaseIsWritten, "4.3.2", base != '0, base == csr_q[4:0],
-              "PC address bits A09-A05 are bits 4-0 as written")
   `MMCS_REACH(BothLatched, sclock_set && panic_set && irq, "both latches at once")
 
 endmodule

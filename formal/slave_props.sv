@@ -45,55 +45,67 @@ module slave_props (
 
   // --- the cycle, seen from the bus -----------------------------------------------------------
 
-  // A wire of this name is joined to the register when the hierarchy is flattened.
-  (* hierconn *) wire [1:0] \dut.state_q ;
-  logic strobed, ours, rises, good;
-  logic clk_q = 1'b1, rst_q = 1'b0, awake_q = 1'b0, high_q = 1'b1, strobed_q = 1'b0;
+  // Wires of these names are joined to the registers when the hierarchy is flattened.
+  (* hierconn *) wire \dut.busy_q ;
+  logic strobed, ours, mine, old, rises, fresh, good;
+  logic clk_q = 1'b1, as_q = 1'b1, rst_q = 1'b0, ours_q = 1'b0, strobed_q = 1'b0;
+  logic [1:0] ds_q = '1;
+  logic mine_q = 1'b0;                   // AS* fell under our address
+  logic old_q = 1'b1;                    // DS0* stood as AS* rose: it is the last cycle's
   logic good_q = 1'b0;                   // DS0* fell in a cycle of ours and still stands
-  logic dtack_q = 1'b0, oe_q = 1'b0, req_q = 1'b0, reset_q = 1'b0, reset_seen_q = 1'b0;
+  logic dtack_q = 1'b0, oe_q = 1'b0, req_q = 1'b0, reset_q = 1'b0, done_q = 1'b0;
   logic since_q = 1'b0;                  // the present request began under the present strobe
-  logic [1:0] falls_q = '0;              // of DS0* in this clock of the board
   logic rest_q = 1'b0;                   // the slave was at rest when this strobe fell
   logic [2:0] waits_q = '0;              // clocks that it has stood since
-  logic [10:1] a_q = '0;                 // what that strobe addressed
-  logic [7:0] d_q = '0;
-  logic write_q = 1'b0;
+  logic [1:0] resets_q = '0;             // clocks of SYSRESET*
+  logic [10:1] a_q = '0, bus_a_q = '0;   // what that strobe addressed; the pins an instant ago
+  logic [7:0] d_q = '0, bus_d_q = '0;
+  logic write_q = 1'b0, bus_write_q = 1'b0;
   assign strobed = ~(&vme_ds_ni);
   assign ours = ours_any_i && vme_a_i[15:11] == 5'b01100;
   assign rises = board_clk_i && !clk_q;
-  assign good = !vme_ds_ni[0] && ((high_q && ours) || good_q);
+  assign mine = !vme_as_ni && (as_q ? ours_q : mine_q);
+  assign old = !vme_ds_ni[0] && (old_q || (vme_as_ni && !as_q));
+  assign fresh = !vme_ds_ni[0] && !old && mine;
+  assign good = !vme_ds_ni[0] && (fresh || good_q);
 
   always @(posedge clk_i) begin
     clk_q <= board_clk_i;
     rst_q <= rst_ni;
-    high_q <= vme_ds_ni[0] & rst_ni;
-    if (rises && rst_q) awake_q <= 1'b1;
     if (rst_ni) begin
-      good_q    <= good;
+      {as_q, ds_q, ours_q, mine_q, old_q, good_q} <= {vme_as_ni, vme_ds_ni, ours, mine, old, good};
+      {bus_a_q, bus_d_q, bus_write_q} <= {vme_a_i[10:1], vme_d_i, ~vme_write_ni};
       strobed_q <= strobed;
       dtack_q   <= dtack;
       oe_q      <= d_oe;
       req_q     <= hp_req;
       reset_q   <= sys_reset_q;
-      if (rises) falls_q <= {1'b0, vme_ds_ni[0] < $past(vme_ds_ni[0])};
-      else if (vme_ds_ni[0] < $past(vme_ds_ni[0]) && falls_q != '1) falls_q <= falls_q + 1'b1;
-      if (good && !good_q) {a_q, d_q, write_q} <= {vme_a_i[10:1], vme_d_i, ~vme_write_ni};
+      if (!sys_reset_q) resets_q <= '0;
+      else if (rises && resets_q != '1) resets_q <= resets_q + 1'b1;
+      done_q    <= good && !sys_reset_q && (done_q || dtack);
+      if (as_q && !vme_as_ni) a_q <= bus_a_q;
+      if (ds_q[0] && !vme_ds_ni[0]) {d_q, write_q} <= {bus_d_q, bus_write_q};
       since_q <= good && (since_q || (hp_req && !req_q));
-      rest_q    <= good && (good_q ? rest_q : dut.state_q == 2'd0 && !dtack);
+      rest_q  <= good && (good_q ? rest_q : !dut.busy_q && !dtack);
       if (!good || vme_as_ni || sys_reset_q || !rest_q) waits_q <= '0;
-      else if (rises && good_q && !$past(vme_as_ni) && waits_q != '1) waits_q <= waits_q + 1'b1;
+      else if (rises && good_q && !as_q && waits_q != '1) waits_q <= waits_q + 1'b1;
     end
   end
 
   // --- what the bus keeps to ------------------------------------------------------------------
 
-  `MMCS_GIVEN(Holds, !good_q || vme_ds_ni[0] || dtack || dtack_q || (ours &&
-              {vme_a_i[10:1], vme_d_i, ~vme_write_ni} == {a_q, d_q, write_q}),
-              "address, WRITE* and data stand until DTACK*, or until the strobe is withdrawn")
-  `MMCS_GIVEN(PowerOn, (awake_q || vme_ds_ni[0] || ours) && (rst_q || vme_ds_ni[0]),
-              "until the first clock after power-on nobody else uses the bus")
-  `MMCS_GIVEN(Pace, falls_q < 2'd2 || vme_ds_ni[0] || $past(ours) == ours,
-              "two strobes and an address pipelined under the second do not fit one clock")
+  `MMCS_GIVEN(PowerOn, rst_q || (vme_ds_ni[0] && vme_as_ni), "nobody uses the bus in reset")
+  `MMCS_GIVEN(SetUp, vme_as_ni || !as_q || {ours, vme_a_i[10:1]} == {ours_q, bus_a_q},
+              "address, modifier, LWORD* and IACK* stand 10 ns before AS* falls")
+  `MMCS_GIVEN(DataSetUp, vme_ds_ni[0] || !ds_q[0] ||
+              {vme_d_i, ~vme_write_ni} == {bus_d_q, bus_write_q},
+              "WRITE* and data stand 10 ns before the first data strobe falls")
+  `MMCS_GIVEN(Apart, !(vme_as_ni && !as_q && !vme_ds_ni[0] && ds_q[0]),
+              "no data strobe falls as AS* rises, high for 30 ns: DS* falls 10 ns before it does")
+  `MMCS_GIVEN(AsStands, !(vme_as_ni && !as_q && good_q && !vme_ds_ni[0]) || done_q || dtack,
+              "AS* stands until DTACK*, or until the strobe is withdrawn")
+  `MMCS_GIVEN(ResetLasts, !reset_q || sys_reset_q || resets_q == 2'd3,
+              "SYSRESET* lasts three clocks at least (the bus says 200 ms)")
   `MMCS_GIVEN(Waits, !dtack_q || (vme_ds_ni | ~$past(vme_ds_ni)) == 2'b11,
               "no strobe falls before DTACK* of the cycle before is high")
 

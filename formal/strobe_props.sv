@@ -15,47 +15,51 @@ module strobe_props (
   logic rst_ni = 1'b0;
   always @(posedge clk_i) rst_ni <= 1'b1;
 
-  logic seen;
-  vme_strobe dut (.clk_i(board_clk_i), .rst_ni, .as_ni, .ds0_ni, .ours_i, .seen_o(seen));
+  logic seen, cycle;
+  logic [1:0] number;
+  vme_strobe dut (
+    .clk_i(board_clk_i), .rst_ni, .as_ni, .ds0_ni, .ours_i,
+    .number_o(number), .cycle_o(cycle), .seen_o(seen)
+  );
 
-  // The strobe that is low now: under our address since it fell; clocks that it has stood so.
-  logic good_q = 1'b0, good, clk_q = 1'b1, stands, stands_q = 1'b0, rises, high_q = 1'b1;
-  logic awake_q = 1'b0, rst_q = 1'b0;            // the first clock after power-on has come
+  // The cycle under AS* is ours by its address as AS* fell; the strobe is another's if it stood as
+  // AS* rose; clocks that a strobe of ours has stood.
+  logic rst_q = 1'b0, as_q = 1'b1, ds0_q = 1'b1, clk_q = 1'b1, ours_q = 1'b0, mine_q = 1'b0, mine;
+  logic old_q = 1'b1, old, good, good_q = 1'b0, rises;
   logic [1:0] edges_q = '0;
-  logic [1:0] falls_q = '0;        // of the strobe in this clock of the board
-  assign rises  = board_clk_i && !clk_q;
-  assign good   = !ds0_ni && ours_i && (high_q || good_q);
-  assign stands = good && !as_ni;
+  assign rises = board_clk_i && !clk_q;
+  assign mine  = !as_ni && (as_q ? ours_q : mine_q);
+  assign old   = !ds0_ni && (old_q || (as_ni && !as_q));
+  assign good  = !ds0_ni && !old && mine;
 
   always @(posedge clk_i) begin
     clk_q <= board_clk_i;
     rst_q <= rst_ni;
-    high_q <= ds0_ni;
-    if (rises && rst_q) awake_q <= 1'b1;
-    if (rises) falls_q <= {1'b0, !ds0_ni && high_q};
-    else if (!ds0_ni && high_q && falls_q != '1) falls_q <= falls_q + 1'b1;
     if (rst_ni) begin
-      good_q <= good;
-      stands_q <= stands;
-      if (!stands) edges_q <= '0;
-      else if (rises && stands_q && edges_q != '1) edges_q <= edges_q + 1'b1;
+      {as_q, ds0_q, ours_q, mine_q, old_q, good_q} <= {as_ni, ds0_ni, ours_i, mine, old, good};
+      if (!good) edges_q <= '0;
+      else if (rises && good_q && edges_q != '1) edges_q <= edges_q + 1'b1;
     end
   end
 
-  `MMCS_GIVEN(Pace, falls_q < 2'd2 || ds0_ni || $past(ours_i) == ours_i,
-              "two strobes and an address pipelined under the second do not fit one clock")
-  `MMCS_GIVEN(PowerOn, (awake_q || ds0_ni || ours_i) && (rst_q || ds0_ni),
-              "until the first clock after power-on nobody else uses the bus")
-  `MMCS_GIVEN(Holds, !good_q || ds0_ni || $past(seen) || ours_i,
-              "the address stands until the strobe has been seen, since DTACK* comes later")
-  `MMCS_PROVE(Ours, "4.3.1", seen && !$past(seen), $past(good) && !ds0_ni,
-              "a strobe is seen only if it fell under our address and has stood since")
+  `MMCS_GIVEN(PowerOn, rst_q || (ds0_ni && as_ni), "nobody uses the bus in reset")
+  `MMCS_GIVEN(SetUp, as_ni || !as_q || ours_i == ours_q,
+              "address, modifier, LWORD* and IACK* stand 10 ns before AS* falls")
+  `MMCS_GIVEN(Apart, !(as_ni && !as_q && !ds0_ni && ds0_q),
+              "no data strobe falls as AS* rises, high for 30 ns: DS* falls 10 ns before it does")
+  `MMCS_GIVEN(AsStands, !(as_ni && !as_q && good_q && !ds0_ni) || $past(seen),
+              "AS* stands until DTACK*, which comes after the strobe has been seen")
+  `MMCS_PROVE(Ours, "4.3.1", seen && !$past(seen), $past(good),
+              "a strobe is seen only if it fell in a cycle of ours and stands")
   `MMCS_PROVE(Gone, "4.3.1", ds0_ni, !seen,
               "a strobe that is high, for however short, is forgotten at once")
-  `MMCS_PROVE(Kept, "4.3.1", $past(seen) && !ds0_ni && !$past(ds0_ni), seen,
+  `MMCS_PROVE(Kept, "4.3.1", $past(seen) && good && good_q, seen,
               "once seen it is seen until it rises")
-  `MMCS_PROVE(Caught, "4.3.1", stands && edges_q != 2'd0, seen,
-              "a strobe of ours is seen at the first edge of the clock at which AS* is low too")
+  `MMCS_PROVE(Caught, "4.3.1", good && edges_q >= 2'd2, seen,
+              "a strobe of ours is seen at the second edge of the clock")
+  `MMCS_PROVE(Cycle, "4.3.6", cycle, mine, "a cycle is ours by the address under which AS* fell")
+  `MMCS_PROVE(Number, "4.3.6", number != $past(number), as_ni && $past(!as_ni),
+              "the number of the cycle changes as AS* rises, and then only")
 
 endmodule
 

@@ -156,7 +156,6 @@ module thct2000_props (
               count == ($past(wr_rs_q) ? {$past(waits_q), $past(wr_d_q)} :
                                          {$past(wr_d_q), $past(waits_q)}),
               "the second byte written stores both, whatever was counted in between")
-  `MMCS_PROVE(Idle, "5.3.2", !rd, !oe, "the chip drives the bus only when it is read")
   `MMCS_REACH(BothBytes, rd && !rd_q && !snaps && sample[15:8] != 8'h00 && sample != count_q,
               "a second byte of an older sample is read")
 

@@ -51,7 +51,7 @@ module vme_props #(
     .vme_iackout_no(iackout_n),
     .vme_irq_no(irq_n),
     .vme_sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i,
-    .panic_o(), .brake_release_o(), .sclock_o(), .led_irq_o(),
+    .panic_o(), .brake_release_o(), .alive_o(), .sclock_o(), .led_irq_o(),
     .pc_a_o(pc_a),
     .pc_aen_o(pc_aen),
     .pc_d_o(pc_wdata),
@@ -65,6 +65,9 @@ module vme_props #(
   logic [3:0] ack_level_q = '0;
   logic [7:0] rdata_q = '1, vector_q = 8'h0F;
   logic request_q = 1'b0, ack_q = 1'b0;
+  logic moves, moved_q = 1'b0;   // the address, under AS*
+  logic told_q = 1'b0;           // DTACK* fell in this address cycle
+  logic [16:0] data_q = '0;      // WRITE* and data a clock ago
   logic [4:0] asked_q = '0;      // clocks of the present request
   logic [4:0] down_q = '0;       // clocks of SYSRESET*
   logic dtack_q = 1'b0, iackin_q = 1'b1, strobed;
@@ -100,9 +103,18 @@ module vme_props #(
     `MMCS_GIVEN(MasterKeeps, f_master_bad == '0, "the master keeps the rules of its checker")
     `MMCS_GIVEN(ChainWaits, vme_iackin_ni || !iackin_q || (dtack_n && !dtack_q),
                 "an acknowledge starts down the chain when DTACK* of the cycle before is high")
+    `MMCS_GIVEN(ChainAfter, vme_iackin_ni || !iackin_q ||
+                !(as_q || vme_as_ni || moves || moved_q),
+                "the driver of the chain waits for AS*, whose address stands, and a data strobe")
+    `MMCS_GIVEN(OneAddress, !(moves || moved_q) || (ds_q & ~vme_ds_ni) == 2'b00,
+                "every strobe under one AS* has the address with which AS* fell")
+    `MMCS_GIVEN(DataSetUp, vme_ds_ni[0] || !ds_q[0] || {vme_write_ni, vme_d_i} == data_q,
+                "WRITE* and data stand before the first data strobe falls")
     `MMCS_GIVEN(LevelStands, vme_iackin_ni || iackin_q || vme_as_ni || !dtack_n || dtack_q ||
                 ack_level_q == {vme_a_i[3:1], vme_iack_ni},
                 "level and IACK* stand while IACKIN* and AS* are low and nobody has answered")
+    `MMCS_GIVEN(AddressStands, told_q || (!dtack_n && !dtack_q) || !moves,
+                "address, modifier, LWORD* and IACK* stand from before AS* falls until DTACK*")
     `MMCS_GIVEN(DtackFirst, (dtack_n && !dtack_q) || (~vme_ds_ni & ds_q) == 2'b00,
                 "no strobe falls before DTACK* of the cycle before is high")
     `MMCS_GIVEN(ResetLasts, !(vme_sysreset_ni && down_q != 5'd0 && down_q < 5'd31),
@@ -136,12 +148,17 @@ module vme_props #(
 
   // --- what the bus shows, by ourselves -----------------------------------------------------
 
-  logic strobe, ours, cycle, quiet;
+  logic strobe, ours, mine, old, cycle, quiet;
+  logic as_q = 1'b1, ours_q = 1'b0, mine_q = 1'b0;   // AS* fell under our address, a clock before
+  logic old_q = 1'b1;            // DS0* stood as AS* rose
   assign strobed = ~(&vme_ds_ni);
   assign strobe = ~vme_as_ni & ~vme_ds_ni[0];
   assign ours = vme_iack_ni & vme_lword_ni & (vme_a_i[15:11] == 5'b01100) &
                 ((vme_am_i == 6'h29) | (vme_am_i == 6'h2D));
-  assign cycle = strobe & ours;
+  assign moves = !vme_as_ni && (ours != ours_q || ack_level_q != {vme_a_i[3:1], vme_iack_ni});
+  assign mine = ~vme_as_ni & (as_q ? ours_q : mine_q);
+  assign old = ~vme_ds_ni[0] & (old_q | (vme_as_ni & ~as_q));
+  assign cycle = strobe & mine & ~old;
 
   logic [1:0] ds_q = '1;
   logic [6:0] held_q = '0;       // clocks that a strobe of ours has stood since it fell
@@ -156,6 +173,9 @@ module vme_props #(
   always @(posedge clk_i) begin
     if (rst_ni) begin
       dtack_q <= ~dtack_n;
+      data_q <= {vme_write_ni, vme_d_i};
+      moved_q <= !vme_as_ni && (moved_q || moves);
+      told_q <= !vme_as_ni && (told_q || (!dtack_n && !dtack_q));
       iackin_q <= vme_iackin_ni;
       reset_q <= {reset_q[1:0], ~vme_sysreset_ni};
       ack_level_q <= {vme_a_i[3:1], vme_iack_ni};
@@ -172,6 +192,7 @@ module vme_props #(
       if (!vme_sysreset_ni) clean_q <= 1'b0;
       else if (quiet && !strobed) clean_q <= 1'b1;
       ds_q <= vme_ds_ni;
+      {as_q, ours_q, mine_q, old_q} <= {vme_as_ni, ours, mine, old};
       if (!cycle || !clean_q || !quiet || (held_q == '0 && !ds_q[0])) held_q <= '0;
       else if (held_q != '1) held_q <= held_q + 1'b1;
       if (cycle) foreign_q <= '0;

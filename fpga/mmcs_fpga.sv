@@ -28,6 +28,7 @@ module mmcs_fpga #(
   input  wire logic                   cable_ok_i,
   input  wire logic                   pc_power_i,
   output logic                        brake_release_o,
+  output logic                        alive_o,
   output logic                        panic_o,
   output logic                        sclock_o,
   output logic                        led_irq_o,
@@ -42,19 +43,23 @@ module mmcs_fpga #(
 );
 
   logic [7:0] upper;
+  logic rst_n;   // begins at once, ends with the clock
+  sync u_reset (.clk_i, .rst_ni, .d_i(1'b1), .q_o(rst_n));
 
   /* verilator lint_off PINCONNECTEMPTY */
   mmcs #(
     .NumCards(NumCards),
     .ClkHz(ClkHz)
   ) u_mmcs (
-    .clk_i, .rst_ni,
+    .clk_i,
+    .rst_ni(rst_n),
     .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni,
     .vme_d_i({8'hFF, vme_d_i}),
     .vme_d_o({upper, vme_d_o}),
     .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
     .vme_sysreset_ni,
-    .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .panic_o, .sclock_o, .led_irq_o,
+    .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .alive_o, .panic_o, .sclock_o,
+    .led_irq_o,
     .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
     .pcx_a_o(),
     .pcx_d_o(),

@@ -4,13 +4,16 @@
 from mmcs.place import BUILD, ROBOTS, ROOT, SCENARIOS
 
 __version__ = "0.1.0"
-__all__ = ["BUILD", "ROBOTS", "ROOT", "SCENARIOS", "Device"]
+__all__ = [  # noqa: F822  (those of the front come when they are asked for)
+    "BUILD", "ROBOTS", "ROOT", "SCENARIOS",
+    "Device", "InputError", "Machine", "Run", "RunError", "compare", "load", "run", "sweep",
+]  # fmt: skip
 
 
 def __getattr__(name: str):
-    """mmcs.Device, loaded when it is asked for."""
-    if name == "Device":
-        from mmcs.device.client import Device
+    """The names of mmcs/front.py, loaded when they are asked for."""
+    if name in __all__:
+        from mmcs import front
 
-        return Device
+        return getattr(front, name)
     raise AttributeError(f"module 'mmcs' has no attribute {name!r}")

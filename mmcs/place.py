@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import stat
 from pathlib import Path
 
 from mmcs.errors import RunError
@@ -39,7 +40,8 @@ def workshop() -> Path:
     if WORK == ROOT:
         return WORK
     try:
-        WORK.mkdir(parents=True, exist_ok=True)
+        WORK.mkdir(mode=0o700, parents=True, exist_ok=True)
+        _check_owner(WORK)
         for name in LINKED:
             if not (WORK / name).is_symlink():
                 (WORK / name).symlink_to(ROOT / name)
@@ -50,6 +52,18 @@ def workshop() -> Path:
             f"{WORK}: cannot be made: {error.strerror}; set XDG_CACHE_HOME to a folder for builds"
         ) from None
     return WORK
+
+
+def _check_owner(folder: Path) -> None:
+    """What is built there runs as this user: nobody else may write into it. Raises RunError."""
+    for place in (folder, folder.parent, folder.parent.parent):
+        info = place.stat()
+        shared = info.st_mode & 0o022 and not info.st_mode & stat.S_ISVTX
+        if info.st_uid not in (os.geteuid(), 0) or shared:
+            raise RunError(
+                f"{place}: another user may write there, and builds in it would run as you; "
+                "set XDG_CACHE_HOME to a folder of your own"
+            )
 
 
 def results(kind: str, scenario: Path | None = None) -> Path:

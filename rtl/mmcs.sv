@@ -56,6 +56,7 @@ module mmcs #(
   input  wire logic                   cable_ok_i,
   input  wire logic                   pc_power_i,
   output logic                        brake_release_o,
+  output logic                        alive_o,      // toggles while the clock runs
   output logic                        panic_o,
   output logic                        sclock_o,
   output logic                        led_irq_o,
@@ -145,7 +146,8 @@ module mmcs #(
     .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
     .vme_sysreset_ni,
     .hp_req_i, .hp_write_i, .hp_a_i, .hp_wdata_i, .hp_ack_o, .hp_rdata_o,
-    .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .sclock_o, .led_irq_o,
+    .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .alive_o, .sclock_o,
+    .led_irq_o,
     .pc_a_o(pc_a),
     .pc_aen_o(pc_aen),
     .pc_d_o(pc_wdata),

@@ -82,7 +82,7 @@ def run(name: str, what: str | None):
     from mmcs.errors import RunError
     from mmcs.result.expect import judge
     from mmcs.result.report import measure
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     setup = load(name, ("skip=true",))

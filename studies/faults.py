@@ -49,7 +49,7 @@ def fault_scenarios() -> list:
 
 
 def measure(name: str, setup) -> Row:
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     result = simulate(setup)
@@ -147,7 +147,7 @@ def write_document() -> None:
 
 def healthy() -> list[float]:
     """What the joints move after 0.1 s when nothing is wrong."""
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     # An event that changes nothing, so that the physics is watched.

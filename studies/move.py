@@ -98,7 +98,7 @@ def learn(count: np.ndarray, current: np.ndarray, plant: tuple[float, float]) ->
 
 def main(rounds: int = 4) -> None:
     from mmcs.engine import logcols
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.files import find
     from mmcs.scenario.load import load
 

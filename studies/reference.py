@@ -76,7 +76,7 @@ def units_per_nm(motor) -> float:
 def measure(robot: str, interval_us: int, size: int, compensation: str):
     """All axes of the robot make the step at once, each on its own; the result and its report."""
     from mmcs.result.report import make_report
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     base = "puma560" if robot == "puma560" else "lab500"
@@ -135,7 +135,7 @@ def outside(row: Row, compensation: str) -> list[str]:
 def shipped(size: int):
     """The report of a step of all six joints of the PUMA with the gains of its file."""
     from mmcs.result.report import make_report
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     motion = f'motion=[{{axis="all", kind="step", at=0.05, to={size}}}]'
@@ -173,7 +173,7 @@ def outside_shipped(axis: int, size: int) -> list[str]:
 def flagship() -> dict[str, list[dict]]:
     """What the move of puma560_coupled takes of each joint, before and after."""
     from mmcs.engine import logcols
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     quintic = (

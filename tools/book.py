@@ -27,6 +27,7 @@ LIVE = re.compile(r"<!-- live: (\w+) -->")
 LANGUAGES = {".sv": "systemverilog", ".svh": "systemverilog", ".py": "python", ".c": "c", ".h": "c",
              ".cpp": "cpp", ".toml": "toml", ".js": "javascript", ".sh": "bash",
              ".S": "gas"}  # fmt: skip
+LOOK = ("look.css", "book.css")  # the same as of the tool and the page
 CONFIG = """\
 site_name: MMCS
 site_description: The motor controller of 1989, rebuilt
@@ -37,7 +38,10 @@ theme:
   name: material
   font: false
   features: [navigation.tabs, navigation.top, search.highlight, content.code.copy]
-  palette: [{scheme: default, primary: black, accent: deep orange}]
+  palette:
+    - {scheme: default, media: "(prefers-color-scheme: light)"}
+    - {scheme: slate, media: "(prefers-color-scheme: dark)"}
+extra_css: [look.css, book.css]
 plugins: [search]
 markdown_extensions:
   - tables
@@ -60,6 +64,8 @@ def main() -> None:
     shutil.rmtree(STAGE, ignore_errors=True)
     source = STAGE / "src"
     shutil.copytree(DOCS, source)
+    for name in LOOK:
+        shutil.copy(ROOT / "web" / name, source)
     wanted: set[Path] = set()  # files and folders outside docs/ that chapters name
     for page in sorted(source.rglob("*.md")):
         original = DOCS / page.relative_to(source)

@@ -7,7 +7,7 @@ python=$1
 cxx=$2
 say() { echo "mmcs: $1" >&2; exit 2; }
 test -w . ||
-  say "this folder cannot be written: copy it to where you may write, or install a wheel (make release)"
+  say "this folder cannot be written: copy it to where you may write, as by 'cp -r . ~/mmcs && make -C ~/mmcs sim'"
 command -v "$python" >/dev/null 2>&1 ||
   say "no '$python' found: install Python 3.11 or newer, or name one with 'make PYTHON=/path/to/python3'"
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null ||

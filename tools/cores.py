@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the FuseSoC core of each chip, from mmcs.core and the chip's own text; `make generate`."""
+"""Writes what other tools read in place of mmcs.core: the FuseSoC core of each chip, and the list
+of files of sim/dpi/mmcs_tb.sv; `make generate`."""
 
 import argparse
 import re
@@ -10,6 +11,8 @@ import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
 CHIPS = ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")
+BENCH = "sim/dpi/mmcs_tb.f"
+BY = "Written by tools/cores.py from mmcs.core: change that, and run `make generate`."
 HEAD = "CAPI=2:\n# SPDX-License-Identifier: Apache-2.0\n"
 
 
@@ -64,8 +67,27 @@ def core(chip: str) -> str:
     }
     for target in data["targets"].values():
         target.pop("parameters", None)
-    by = "# Written by tools/cores.py from mmcs.core: change that, and run `make generate`.\n"
-    return HEAD + by + yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
+    return HEAD + f"# {BY}\n" + yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
+
+
+def bench() -> str:
+    """The testbench for any simulator: options and files that all of them know."""
+    sets = manifest()["filesets"]
+    files = [f for name in ("rtl", "checkers") for f in sets[name]["files"] if isinstance(f, str)]
+    lines = [
+        "// SPDX-License-Identifier: Apache-2.0",
+        f"// {BY}",
+        "// SIMULATOR -f sim/dpi/mmcs_tb.f, from the top of the checkout; see docs/use/dpi.md.",
+        "+incdir+rtl",
+        "+define+MMCS_NO_BUS_TIMES",  # pins move with the clock
+        *files,
+        "sim/dpi/mmcs_tb.sv",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def written() -> dict[str, str]:
+    return {f"{chip}.core": core(chip) for chip in CHIPS} | {BENCH: bench()}
 
 
 def main() -> int:
@@ -80,13 +102,14 @@ def main() -> int:
             (ROOT / "mmcs.core").read_text() + "\n" + yaml.safe_dump(entry, sort_keys=False), end=""
         )
         return 0
-    stale = [c for c in CHIPS if not (p := ROOT / f"{c}.core").exists() or p.read_text() != core(c)]
+    texts = written()
+    stale = [f for f in texts if not (p := ROOT / f).exists() or p.read_text() != texts[f]]
     if options.check:
         if stale:
             print(f"cores: {', '.join(stale)}: not fresh; run `make generate`", file=sys.stderr)
         return 1 if stale else 0
-    for chip in stale:
-        (ROOT / f"{chip}.core").write_text(core(chip))
+    for file in stale:
+        (ROOT / file).write_text(texts[file])
     return 0
 
 

@@ -24,7 +24,8 @@ from cocotb_tests.lib.runner import digest_of, locked, needed  # noqa: E402
 HERE = ROOT / "cocotb_tests" / "edges"
 DOC = ROOT / "docs" / "evidence" / "edges.md"
 BENCHES = {"vme": ("vme.cpp", "vme_chain.cpp", "vme_power.cpp", "vme_scenes.cpp"),
-           "card": ("card_scenes.cpp",)}  # fmt: skip
+           "card": ("card_scenes.cpp",), "front": ("front.cpp",)}  # fmt: skip
+MODELS = {"front": HERE / "metastable"}  # files in the place of those of rtl/ of the same name
 NOTE = "EDGES "
 
 
@@ -45,7 +46,9 @@ def build(name: str) -> Path:
     """The program of one sweep: a build for each RTL, broken ones too, made again if old."""
     top = f"bench_edges_{name}"
     rtl = sources("rtl")
-    files = needed(top, [*rtl, HERE / f"{top}.sv"])
+    models = sorted(MODELS[name].glob("*.sv")) if name in MODELS else []
+    kept = [f for f in rtl if f.name not in {m.name for m in models}]
+    files = needed(top, [*models, *kept, HERE / f"{top}.sv"])
     include = next(p for p in rtl[0].parents if p.name == "rtl")
     hardware = digest_of([*files, *sorted(include.rglob("*.svh"))]).hexdigest()[:12]
     out = ROOT / "build" / "edges" / f"{name}-{hardware}"
@@ -60,7 +63,8 @@ def _built(name: str, top: str, files: list[Path], include: Path, out: Path) -> 
         return program
     out.mkdir(parents=True, exist_ok=True)
     command = ["verilator", "--cc", "--exe", "--build", "-j", "2", "--no-timing", "--assert", "-O3",
-               "-CFLAGS", "-O2 -std=c++17", f"-I{include}", "--top-module", top, "--Mdir", str(out),
+               "--timescale", "1ps/1ps", "-CFLAGS", "-O2 -std=c++17", f"-I{include}",
+               "--top-module", top, "--Mdir", str(out),
                "-o", "sweep", *map(str, files)]  # fmt: skip
     command += [str(HERE / file) for file in BENCHES[name]]
     done = subprocess.run(command, text=True, capture_output=True, check=False)

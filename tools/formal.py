@@ -3,11 +3,11 @@
 
     formal.py [--fast] [--only TEXT]      prove; exit 1 unless all is proved and every cover reached
     formal.py --sabotage [--only TEXT]    break one line of RTL at a time; the named proof turns red
-    formal.py --doc                       prove all, then rewrite tables of docs/evidence/formal.md
+    formal.py --doc [--only TEXT]         prove, then rewrite their tables of the docs
     formal.py --picture                   draw the counter-example of docs/evidence/formal.md
 
-A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover. A .sby file that
-says `# slow: reason` is left out by --fast. Logs and traces stay in build/formal.
+A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover. What a .sby file
+calls `# slow task NAME: reason` is left out by --fast. Logs and traces stay in build/formal.
 """
 
 import argparse
@@ -137,9 +137,14 @@ def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     return result
 
 
-def prove(files: list[Path], task: str) -> list[Result]:
+def slow(file: Path) -> list[str]:
+    """Tasks that --fast leaves out."""
+    return re.findall(r"^# slow task (\w+):", file.read_text(), re.M)
+
+
+def prove(files: list[Path], task: str, fast: bool = False) -> list[Result]:
     """All tasks of the files, two at a time, each printed as it ends."""
-    jobs = [(f, t) for f in files for t in tasks(f) if task in t]
+    jobs = [(f, t) for f in files for t in tasks(f) if task in t and not (fast and t in slow(f))]
     results = []
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         for result in pool.map(lambda j: run(*j), jobs):
@@ -204,7 +209,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--fast", action="store_true", help="without the files marked slow")
+    parser.add_argument("--fast", action="store_true", help="without the tasks marked slow")
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--task", default="", metavar="TEXT")
     parser.add_argument("--sabotage", action="store_true")
@@ -220,13 +225,11 @@ def main() -> int:
     if args.picture:
         return draw()
     files = [f for f in groups() if args.only in f.stem]
-    if args.fast:
-        files = [f for f in files if not re.search(r"^# slow:", f.read_text(), re.M)]
     if not files:
         print(f"formal: no formal/*.sby is called {args.only!r}", file=sys.stderr)
         return 2
     started = time.monotonic()
-    results = prove(files, args.task)
+    results = prove(files, args.task, args.fast)
     took = time.monotonic() - started
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = used.ru_utime + used.ru_stime
@@ -240,8 +243,8 @@ def main() -> int:
         f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
         f" {len(results)} tasks pass, {took:.0f} s, processors {cpu:.0f} s"
     )
-    if args.doc and not args.only and not args.task and not args.fast:
-        write_doc(files, results, took, cpu)
+    if args.doc and not args.task and not args.fast:
+        write_doc(files, results, took, cpu, whole=not args.only)
     return 1 if bad or vacuous(files) else 0
 
 

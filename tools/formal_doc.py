@@ -27,7 +27,8 @@ def property_files(sby: Path) -> list[Path]:
 def properties(sby: Path) -> list[tuple[str, str, str]]:
     """(name, section, sentence) of every property that a .sby file proves.
 
-    `# rules:` in the .sby file names the bus checkers whose rules are proved as well.
+    `# rules:` in the .sby file names the bus checkers whose rules are proved as well, `# wires:`
+    those of them that a wire of the design fulfils by itself: they are no properties.
     """
     out = []
     for file in property_files(sby):
@@ -35,11 +36,13 @@ def properties(sby: Path) -> list[tuple[str, str, str]]:
         for begin in PROVE.finditer(text):
             end = TEXT.search(text, begin.end())
             out.append((begin[1], begin[2], end[1] if end else ""))
+    wires = re.findall(r"\w+", "".join(re.findall(r"^# wires: (.*)$", sby.read_text(), re.M)))
     named = re.search(r"^# rules: (.*)$", sby.read_text(), re.M)
     for checker in named[1].split() if named else []:
         text = (ROOT / "rtl" / "checkers" / f"{checker}.sv").read_text()
         section = re.search(r"§([\d.]+)", text)
-        out += [(f"{checker}: {n}", section[1], t) for n, t in RULE.findall(text)]
+        told = [(n, t) for n, t in RULE.findall(text) if n not in wires]
+        out += [(f"{checker}: {n}", section[1], t) for n, t in told]
     return out
 
 
@@ -56,29 +59,37 @@ def status(results: list, name: str) -> tuple[str, str]:
     return how, f"clock {min(covers)}" if covers else "-"
 
 
-def table(files: list[Path], results: list, took: float, cpu: float) -> str:
-    lines = []
-    total = 0
+def sections(files: list[Path], results: list) -> dict[str, str]:
+    """What the page says of each group."""
+    out = {}
     for file in files:
         mine = [r for r in results if r.group == file.stem]
-        title = re.search(r"^# (?!SPDX|slow|rules)(.*)$", file.read_text(), re.M)
+        title = re.search(r"^# (?!SPDX|slow|rules|wires)(.*)$", file.read_text(), re.M)
         seconds = sum(r.seconds for r in mine)
-        lines += [f"### {file.stem}", "", f"{title[1] if title else ''} ({seconds:.0f} s)", ""]
+        lines = [f"### {file.stem}", "", f"{title[1] if title else ''} ({seconds:.0f} s)", ""]
         lines += ["| property | § | says | status | cover |", "|---|---|---|---|---|"]
         for name, section, text in properties(file):
             how, cover = status(mine, name)
             lines.append(f"| {name} | {section} | {text} | {how} | {cover} |")
-            total += 1
-        lines += ["", *(f"* Given: {text}." for text in givens(file)), ""]
-    head = (
-        f"{total} properties in {len(files)} groups. The whole run of {date.today()} took"
-        f" {took:.0f} s on a machine that had other work, {cpu:.0f} s of processor time."
-    )
-    return "\n".join([head, "", *lines])
+        out[file.stem] = "\n".join([*lines, "", *(f"* Given: {x}." for x in givens(file)), ""])
+    return out
 
 
-def write_doc(files: list[Path], results: list, took: float, cpu: float) -> None:
-    rewrite(DOC, "proofs", table(files, results, took, cpu))
+def write_doc(files: list[Path], results: list, took: float, cpu: float, whole: bool) -> None:
+    """The sections of these groups; those of others stay as they were written."""
+    page = DOC.read_text().partition("<!-- generated: proofs -->\n")[2]
+    head, *old = page.partition("<!-- end of proofs")[0].split("\n### ")
+    every = {x.partition("\n")[0]: "### " + x for x in old} | sections(files, results)
+    groups = sorted((ROOT / "formal").glob("*.sby"))
+    if whole:
+        head = (
+            f"The whole run of {date.today()} took {took:.0f} s on a machine that had other work,"
+        )
+        head += f" {cpu:.0f} s of processor time."
+    said = head[head.index("The whole run") :].rstrip("\n")
+    total = sum(len(properties(g)) for g in groups)
+    head = f"{total} properties in {len(groups)} groups. {said}\n"
+    rewrite(DOC, "proofs", "\n".join([head, *(every[g.stem] for g in groups if g.stem in every)]))
 
 
 def givens(sby: Path) -> list[str]:

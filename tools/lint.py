@@ -18,6 +18,7 @@ TOPS = [
     ("mmcs", {}),
     ("mmcs", {"NumCards": 1, "ClkHz": 48_000_000, "SysClkMHz": 1}),
     ("mmcs", {"NumCards": 16}),
+    ("sync", {"Width": 3}),
     ("mark1", {}),
     ("adaptor_core", {}),
     *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
@@ -68,7 +69,7 @@ def checks() -> list[tuple[str, list[str]]]:
     all_sv = tracked("*.sv", "*.svh")
     c_files = [
         f
-        for f in tracked("firmware/*.[ch]", "sim/*.[ch]", "sim/*.cpp", "studies/*.c")
+        for f in tracked("firmware/*.[ch]", "bridges/*.c", "sim/*.[ch]", "sim/*.cpp", "studies/*.c")
         if not f.endswith("mmcs_regs.h")
     ]
     model_of = {host: model_flags(host) for host in ("vme", "rv32")}
@@ -106,6 +107,18 @@ def checks() -> list[tuple[str, list[str]]]:
         if top not in ("mmcs_soc", "mmcs_soc_fpga"):
             command = [c for c in command if "rtl/soc" not in c]
         jobs.append((f"verilator {top}", command))
+    # A testbench leaves pins open, keeps what its call returned, has room for 16 cards, begins with
+    # pins at rest and samples by its clock what others take without one; modules without a
+    # timescale take its own.
+    waived = ("PINCONNECTEMPTY", "BLKSEQ", "UNUSEDSIGNAL", "PROCASSINIT", "SYNCASYNCNET",
+              "TIMESCALEMOD")  # fmt: skip
+    listed = (ROOT / "sim/dpi/mmcs_tb.f").read_text().split("\n")
+    bench = [word for word in listed if word.startswith(("+", "rtl/", "sim/"))]
+    for top, more in (("mmcs_tb", []), ("example_tb", ["sim/dpi/example/example_tb.sv"])):
+        command = ["verilator", "--lint-only", "-Wall", "--assert", "--timing"]
+        command += [*(f"-Wno-{name}" for name in waived), "--top-module", top, *bench, *more]
+        jobs.append((f"verilator {top}", command))
+    jobs.append(("slang", [sys.executable, "tools/slang.py"]))
     for example in tracked("bfm/examples/*.sv"):
         jobs.append((f"verilator {example}", ["verilator", "--lint-only", "-Wall", example]))
     jobs.append(
@@ -150,7 +163,9 @@ def checks() -> list[tuple[str, list[str]]]:
         f
         for f in c_files
         if f.endswith((".c", ".cpp"))
-        and not f.startswith(("sim/tests", "firmware/tests", "firmware/examples", *NEED_PACKAGE))
+        and not f.startswith(
+            ("sim/tests", "firmware/tests", "firmware/examples", "bridges", *NEED_PACKAGE)
+        )
     ]:
         flags = ["-std=c11"] if file.endswith(".c") else ["-std=c++17"]
         if file.startswith("sim/model/") and file.endswith(".cpp"):

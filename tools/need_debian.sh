@@ -11,6 +11,8 @@ if command -v apt-get >/dev/null 2>&1; then
   if [ "$sudo" != no ]; then
     echo "mmcs: installing $*"
     log=$(mktemp)
+    exec 9>"${TMPDIR:-/tmp}/mmcs-apt-$(id -u).lock"
+    flock 9 # two suites may want packages at a time, and the system's own lock makes one of them fail
     { $sudo apt-get install -y -q "$@" || { $sudo apt-get update -q && $sudo apt-get install -y -q "$@"; }; } \
       >"$log" 2>&1 </dev/null && command -v "$command" >/dev/null 2>&1 && { rm -f "$log"; exit 0; }
     tail -n 3 "$log" >&2

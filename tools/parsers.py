@@ -94,14 +94,14 @@ def _snapshot(folder: Path) -> Parser:
 
 
 def _rows() -> Parser:
-    from mmcs.sweep.store import _entry
+    from mmcs.sweeps.store import _entry
 
     row = {"n": 3, "row": {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}}
     return Parser("rows", json.dumps(row).encode(), _entry, ())
 
 
 def _grid() -> Parser:
-    from mmcs.sweep.plan import parse_grid
+    from mmcs.sweeps.plan import parse_grid
 
     return Parser("grid", b"axis.0.b0=80..100:5", lambda d: parse_grid(d.decode(errors="replace")))
 

@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT))
 from tools.pages import splice  # noqa: E402
 
 DOC = ROOT / "docs" / "architecture.md"
-DOOR = ("mmcs", "mmcs.__main__")
+DOOR = ("mmcs", "mmcs.__main__", "mmcs.front")
 
 
 def modules(root: Path = ROOT, package: str = "mmcs") -> dict[str, Path]:

@@ -17,6 +17,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "evidence" / "traceability.md"
+NONE = {"files": []}
+# Tests that hold no RTL, and what they hold: of a requirement of rtl/ they show nothing.
+WITHOUT_RTL = {
+    "cocotb_tests/chips/test_models.py": "the reference models",
+    "firmware/tests/test_firmware.py": "the driver before a mock",
+    "firmware/tests/test_processors.py": "the same on two processors",
+    "mmcs/tests/test_design.py": "control design",
+    "mmcs/tests/test_regs.py": "the files that the register map generates",
+}
 
 
 def collect() -> dict[str, list[str]]:
@@ -44,6 +53,22 @@ def test_files(nodes: list[str]) -> list[str]:
     return [f"[{Path(f).name}](../../{f}) ({len(names)})" for f, names in sorted(count.items())]
 
 
+def in_rtl(requirement: dict) -> bool:
+    return any(f.startswith("rtl") for f in requirement["files"])
+
+
+def holds_rtl(node: str) -> bool:
+    return node.partition("::")[0] not in WITHOUT_RTL
+
+
+def shown(requirement: dict, nodes: list[str]) -> str:
+    """The tests of a requirement; if it is one of rtl/, those without RTL apart."""
+    rest = [n for n in nodes if in_rtl(requirement) and not holds_rtl(n)]
+    held = ", ".join(test_files([n for n in nodes if n not in rest]))
+    held = held or ("open" if requirement.get("open") else "**MISSING**")
+    return held + (f"; without RTL: {', '.join(test_files(rest))}" if rest else "")
+
+
 def page(requirements: dict, tests: dict[str, list[str]]) -> str:
     lines = [
         "# Traceability",
@@ -57,19 +82,34 @@ def page(requirements: dict, tests: dict[str, list[str]]) -> str:
     ]
     for key, req in requirements.items():
         nodes = [n for n, ids in tests.items() if key in ids]
-        shown = ", ".join(test_files(nodes)) or ("open" if req.get("open") else "**MISSING**")
         files = ", ".join(
             f"[{Path(f).name}](../../{f})" for f in req["files"] if (ROOT / f).exists()
         )
-        lines.append(f"| {key} | {req['section']} | {req['text']} | {files} | {shown} |")
+        row = (key, req["section"], req["text"], files, shown(req, nodes))
+        lines.append(f"| {' | '.join(row)} |")
     covered = sum(any(k in ids for ids in tests.values()) for k in requirements)
-    lines += ["", f"{covered} of {len(requirements)} requirements have tests."]
+    entries = [n for n, ids in tests.items() for i in ids if in_rtl(requirements.get(i, NONE))]
+    without = sum(not holds_rtl(n) for n in entries)
+    lines += [
+        "",
+        f"{covered} of {len(requirements)} requirements have tests. Of {len(entries)} entries of",
+        f"requirements in `rtl/` {without} hold no RTL and do not count:",
+        "",
+        *(f"* `{file}` holds {what}" for file, what in WITHOUT_RTL.items()),
+    ]
     return "\n".join(lines) + "\n"
 
 
 def problems(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
     used = {i for ids in tests.values() for i in ids}
+    held = {i for node, ids in tests.items() if holds_rtl(node) for i in ids}
     out = [
+        f"{k}: no test that holds RTL carries this id"
+        for k, r in requirements.items()
+        if k in used - held and in_rtl(r)
+    ]
+    out += [f"{f} is not there: WITHOUT_RTL" for f in WITHOUT_RTL if not (ROOT / f).is_file()]
+    out += [
         f"{k}: no test carries this id"
         for k, r in requirements.items()
         if k not in used and not r.get("open")

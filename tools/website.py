@@ -33,7 +33,7 @@ from mmcs.view.watched import groups
 SITE = BUILD / "web"
 CARDS = (1, 3)  # machines of these sizes are built
 PAGES = ROOT / "web"
-SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html", "lib"}
+SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html", "lib", "book.css"}
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_segment", "mmcs_event", "mmcs_stats",
@@ -91,8 +91,7 @@ def write() -> None:
         assert theirs in page, theirs
         page = page.replace(theirs, ours)
     (fresh / "index.html").write_text(page)
-    for name in ("uplot", "three"):
-        shutil.copytree(library_folder() / LIBRARIES[name], fresh / "lib" / name, ignore=_big)
+    shutil.copytree(library_folder() / LIBRARIES["uplot"], fresh / "lib" / "uplot", ignore=_big)
     for cards in CARDS:
         made = BUILD / "sim" / f"web_c{cards}"
         shutil.copy(made / "mmcs_sim.wasm", fresh / "engine" / f"machine{cards}.wasm")
@@ -114,7 +113,7 @@ def write() -> None:
 
 def _big(folder: str, names: list[str]) -> list[str]:
     """What a page does not load of a library."""
-    wanted = {"uPlot.esm.js", "uPlot.min.css", "three.module.js", "three.core.js"}
+    wanted = {"uPlot.esm.js", "uPlot.min.css"}
     return [name for name in names if name not in wanted]
 
 
@@ -191,7 +190,7 @@ def setup(name: str) -> dict | None:
         "double_buffer": scenario.double_buffer,
         "verbose": scenario.verbose,
         "duration": scenario.duration,
-        "data": inline(made.data),
+        "data": inline(made.data, made.path.parent),
         "files": base64.b64encode(packed).decode(),
     }
 

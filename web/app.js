@@ -5,6 +5,7 @@
 // encoders), u=1 (do not update counts, A/D, current), theme=1989, deadman=MS (how long the page may
 // be silent while it controls: 250).
 
+import { Arm } from "./arm.js";
 import { askedNumber } from "./dom.js";
 import { Global } from "./global.js";
 import { keys } from "./keys.js";
@@ -13,13 +14,19 @@ import { Log } from "./log.js";
 import { Machine } from "./machine.js";
 import { Page } from "./page.js";
 import { Panel } from "./panel.js";
+import { statusBar } from "./status.js";
 import { tabs } from "./tabs.js";
+import { tiles } from "./tiles.js";
+import { timeBar } from "./time.js";
 
 const FIRST_SAMPLE_MS = 1000;
-const UPDATES_MS = 100; // numbers of the panels; the report has 200
+const LEAST_MS = 80; // between pictures of the page; the report has 200
+const FRAME_MS = 17;
+const REST = 6; // a picture is followed by so many times its own time without one
 const LONGEST_MS = 600_000;
 
 const asked = new URLSearchParams(location.search);
+const room = (id) => document.getElementById(id);
 
 /** The page of a machine: carrier of its messages, designer, whether to take control at once, and how
  * long the page may then be silent. Throws one sentence. */
@@ -30,61 +37,87 @@ export function run(carrier, advice, control, deadman_ms = 250) {
   const machine = new Machine(new Link(carrier), silence_ms);
   const page = new Page(machine, advice);
   const global = new Global(page);
-  document.getElementById("global").append(global.element);
-  const log = new Log(machine, document.getElementById("said"));
+  room("global").append(global.element);
+  const log = new Log(machine, room("said"));
+  const status = statusBar(page, room("banner"));
   machine.addEventListener("hello", async () => {
-    for (let axis = 0; axis < machine.hello.axes; axis++) page.panels.push(new Panel(page, axis));
-    document.getElementById("panels").append(...page.panels.map((panel) => panel.element));
-    await machine.try(machine.open("r"));
     await firstSample(machine);
-    page.adoptSetpoints();
-    await global.load();
-    for (const panel of page.panels) await panel.load();
-    global.allow();
-    tabs(page, log);
+    const about = await machine.try(machine.link.request("machine"));
+    page.units.motors = about?.motors ?? [];
+    for (let axis = 0; axis < machine.hello.axes; axis++) page.panels.push(new Panel(page, axis));
+    room("panels").append(...page.panels.map((panel) => panel.element));
+    const arm = new Arm(page);
+    room("arm").append(arm.element);
+    arm.about = about ?? {};
+    const pictures = [tiles(page, room("tiles")), (row) => arm.draw(row)];
+    const views = tabs(page, log);
+    pictures.push((row) => views.forEach((view) => view.visible && view.update?.(row)));
+    const time = timeBar(page, room("timebar"));
     keys(page, global);
-    setInterval(() => update(page, global), UPDATES_MS);
+    const choose = () => page.panels.forEach((panel, n) => panel.element.classList.toggle("chosen", n === page.axis));
+    page.addEventListener("choose", choose);
+    choose();
+    page.render = () => {
+      status();
+      time();
+      for (const panel of page.panels) if (panel.element.offsetParent) panel.render(!asked.has("u"));
+      const { row } = page;
+      if (row < 0) return;
+      const { history } = machine;
+      global.update(history.time(row), history.value(row, history.linesColumn));
+      for (const picture of pictures) picture(row);
+    };
+    for (const kind of ["driver", "control", "enabled", "inputs"]) machine.addEventListener(kind, page.render);
+    for (const kind of ["choose", "look"]) page.addEventListener(kind, page.render);
+    page.units.addEventListener("change", page.render);
+    machine.addEventListener("samples", () => squares(page));
+    global.render();
+    go(page);
     // last: from here on a page that is busy for 250 ms stops the machine
-    if (control && machine.hello.lease === null) await begin(machine, global, interval_ms);
+    if (control && machine.hello.lease === null) await begin(machine, interval_ms);
     document.body.classList.add("ready");
-  });
-  machine.addEventListener("closed", () => document.body.classList.add("gone"));
+  }, { once: true });  // prettier-ignore
+  machine.addEventListener("closed", status);
   // For tests and for people who look under the hood.
   window.mctool = { machine, page };
   return page;
 }
 
-async function begin(machine, global, interval_ms) {
+/** A picture now and then: where scripts or drawing take long, seldom; STOP comes first. What drawing
+ * takes is seen by when the browser asks for the next two frames. */
+function go(page) {
+  const began = performance.now();
+  page.render();
+  const spent = performance.now() - began;
+  requestAnimationFrame((first) =>
+    requestAnimationFrame(() => {
+      const drawn = Math.max(0, performance.now() - first - FRAME_MS);
+      setTimeout(() => go(page), Math.max(LEAST_MS, REST * (spent + drawn)));
+    }),
+  );
+}
+
+/** Square waves go by the machine's time, also of panels that are not shown. */
+function squares(page) {
+  const { history } = page.machine;
+  const t = history.time(history.end - 1);
+  for (const panel of page.panels) panel.tick(t);
+}
+
+async function begin(machine, interval_ms) {
   await machine.try(machine.takeControl());
-  if (interval_ms !== null) await setInterval_ms(machine, interval_ms);
-  if (asked.has("z")) await zeroEncoders(machine);
-  if (interval_ms !== null || asked.has("z")) await global.load();
+  if (interval_ms !== null) {
+    const value = Math.round(interval_ms * 1000);
+    await machine.try(machine.link.call("MSETINTERVAL", { value }));
+  }
+  for (let axis = 0; asked.has("z") && axis < machine.hello.axes; axis++)
+    await machine.try(machine.link.call("MSETENC", { value: axis }));
+  await machine.read();
 }
 
 /** A machine that stands still sends none. */
 async function firstSample(machine) {
+  if (machine.history.end > machine.history.first) return;
   const arrived = new Promise((done) => machine.addEventListener("samples", done, { once: true }));
   await Promise.race([arrived, new Promise((done) => setTimeout(done, FIRST_SAMPLE_MS))]);
-}
-
-async function setInterval_ms(machine, ms) {
-  const value = Math.round(ms * 1000);
-  await machine.try(machine.link.call("MSETINTERVAL", { value }));
-}
-
-async function zeroEncoders(machine) {
-  for (let axis = 0; axis < machine.hello.axes; axis++)
-    await machine.try(machine.link.call("MSETENC", { value: axis }));
-}
-
-function update(page, global) {
-  const { history } = page.machine;
-  if (history.end === history.first) return;
-  const row = history.end - 1;
-  const t = history.time(row);
-  global.update(t, history.value(row, history.linesColumn));
-  for (const panel of page.panels) {
-    if (!asked.has("u")) panel.update(history.latest(panel.axis));
-    panel.tick(t);
-  }
 }

@@ -1,31 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arm in three dimensions from the robot file's own Denavit-Hartenberg numbers: where the
-// encoders say it is (solid), and where it is told to be (wire).
+// The arm from the robot file's own Denavit-Hartenberg numbers: where the encoders say it is (solid),
+// and where it is told to be (dashed). A machine without links is drawn as its motors' dials.
+//
+// Drawn on a plain canvas: a picture costs a millisecond, and none is drawn while nothing moves.
 
-import * as THREE from "./lib/three/three.module.js";
 import { el } from "./dom.js";
 
-const TUBE_M = 0.04;
-const SOLID = 0x0072b2;
-const WIRE = 0xd55e00;
+const TUBE_M = 0.05;
+const FLOOR_M = -0.67; // a PUMA's shoulder stands so high above it
+const MIDDLE_M = 0.15; // what the eye looks at
+const MOST_ABOVE = 1.5;
 
-/** Positions of the joints' frames, m: the base, then one per link. angles: rad. */
+const multiply = (a, b) =>
+  Array.from({ length: 12 }, (_, n) => {
+    const [row, column] = [n >> 2, n & 3];
+    const sum = [0, 1, 2].reduce((s, k) => s + a[4 * row + k] * b[4 * k + column], 0);
+    return sum + (column === 3 ? a[4 * row + 3] : 0);
+  });
+
+/** Positions of the joints' frames, m: the base, then two per link (its bend, its end). angles: rad. */
 export function frames(links, angles) {
-  const at = new THREE.Matrix4();
-  const places = [new THREE.Vector3()];
+  let at = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+  const places = [[0, 0, 0]];
   links.forEach(({ alpha, a, d, theta0 }, n) => {
     const [ct, st] = [Math.cos(theta0 + angles[n]), Math.sin(theta0 + angles[n])];
     const [ca, sa] = [Math.cos(alpha), Math.sin(alpha)];
-    const bend = new THREE.Vector3(0, 0, d).applyMatrix4(at);
-    at.multiply(
-      new THREE.Matrix4().set(
-        ct, -st * ca, st * sa, a * ct,
-        st, ct * ca, -ct * sa, a * st,
-        0, sa, ca, d,
-        0, 0, 0, 1,
-      ),
-    );  // prettier-ignore
-    places.push(bend, new THREE.Vector3().setFromMatrixPosition(at));
+    places.push([0, 4, 8].map((row) => at[row + 2] * d + at[row + 3]));
+    at = multiply(at, [ct, -st * ca, st * sa, a * ct, st, ct * ca, -ct * sa, a * st, 0, sa, ca, d]);
+    places.push([at[3], at[7], at[11]]);
   });
   return places;
 }
@@ -36,108 +38,168 @@ export function jointAngle(motor, count) {
 }
 
 export class Arm {
-  constructor(machine) {
-    this.machine = machine;
-    this.element = el("div", { className: "arm", tabIndex: 0, role: "img",
-      "aria-label": "the arm; arrow keys turn the view" });  // prettier-ignore
-    this.turn = { around: 0.8, above: 0.4, away: 3 };
-    machine.try(machine.link.request("machine")).then((about) => this.#build(about));
+  #drawn = "";
+  #colours = null;
+
+  constructor(page) {
+    this.page = page;
+    this.canvas = el("canvas", {});
+    this.element = el("div", { className: "arm own-keys", tabIndex: 0, role: "img",
+      "aria-label": "the arm; arrow keys turn the view" }, this.canvas);  // prettier-ignore
+    this.turn = { around: 0.8, above: 0.35, away: 2.6 };
+    this.#listen();
+    new ResizeObserver(() => this.again()).observe(this.element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.again());
   }
 
-  #build(about) {
-    if (!about?.links?.length) {
-      this.element.replaceChildren("This machine is no arm: its robot file has no links.");
-      return;
-    }
-    this.links = about.links;
-    this.motors = about.motors;
-    this.scene = new THREE.Scene();
-    this.scene.background = new THREE.Color(0xf4f4f2);
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x777766, 3));
-    const floor = new THREE.GridHelper(2, 10);
-    floor.rotateX(Math.PI / 2);
-    floor.position.z = -0.67; // a PUMA's shoulder stands so high above it
-    this.scene.add(floor);
-    this.camera = new THREE.PerspectiveCamera(40, 1, 0.05, 20);
-    this.camera.up.set(0, 0, 1);
-    this.solid = new THREE.Group();
-    this.wire = new THREE.Group();
-    this.scene.add(this.solid, this.wire);
-    try {
-      this.renderer = new THREE.WebGLRenderer({ antialias: true });
-    } catch {
-      this.element.replaceChildren("This browser draws no three-dimensional pictures (WebGL).");
-      return;
-    }
-    this.element.append(this.renderer.domElement);
-    this.#listen();
-    this.resize();
+  set about({ motors = [], links = [] }) {
+    Object.assign(this, { motors, links });
+    this.again();
+  }
+
+  again() {
+    this.#drawn = "";
+    this.#colours = null;
   }
 
   #listen() {
+    const move = (around, above) => {
+      this.turn.around += around;
+      this.turn.above = Math.max(-MOST_ABOVE, Math.min(MOST_ABOVE, this.turn.above + above));
+      this.draw();
+    };
     this.element.addEventListener("pointermove", (event) => {
-      if (!event.buttons) return;
-      this.turn.around -= event.movementX / 150;
-      this.turn.above = Math.max(-1.5, Math.min(1.5, this.turn.above + event.movementY / 150));
-      this.update();
+      if (event.buttons) move(-event.movementX / 150, event.movementY / 150);
     });
     this.element.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.turn.away = Math.max(0.8, Math.min(6, this.turn.away * Math.exp(event.deltaY / 800)));
-      this.update();
+      this.draw();
     });
-    this.element.addEventListener("keydown", ({ key }) => {
-      const by = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[key];
+    this.element.addEventListener("keydown", (event) => {
+      const by = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
       if (!by) return;
-      this.turn.around += by[0];
-      this.turn.above = Math.max(-1.5, Math.min(1.5, this.turn.above + by[1]));
-      this.update();
+      event.preventDefault();
+      move(...by);
     });
   }
 
-  resize() {
-    const { clientWidth: width, clientHeight: height } = this.element;
-    if (!this.renderer || !width || !height) return;
-    this.renderer.setSize(width, height);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
-    this.update();
+  /** The picture of a row of the history, if it differs from the one that is there. */
+  draw(row = this.row) {
+    const { motors, canvas } = this;
+    const { history } = this.page.machine;
+    this.row = row;
+    if (!motors || row === undefined || row < history.first) return;
+    const counts = (field) => motors.map((_, n) => history.value(row, history.column(n, field)));
+    const [now, told] = [counts("encnow"), counts("demand")];
+    const { clientWidth: width, clientHeight: height } = canvas;
+    const key = [now, told, width, height, Object.values(this.turn)].join();
+    if (key === this.#drawn || !width) return;
+    this.#drawn = key;
+    this.element.dataset.away = this.turn.away.toFixed(2); // seen by tests
+    const sharp = Math.min(2, devicePixelRatio);
+    if (canvas.width !== width * sharp) canvas.width = width * sharp;
+    if (canvas.height !== height * sharp) canvas.height = height * sharp;
+    const pen = canvas.getContext("2d", { willReadFrequently: true });
+    pen.setTransform(sharp, 0, 0, sharp, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.lineCap = pen.lineJoin = "round";
+    const angles = (values) => motors.map((m, n) => jointAngle(m, values[n]));
+    if (this.links.length) this.#arm(pen, width, height, angles(now), angles(told));
+    else this.#dials(pen, width, height, angles(now), angles(told));
   }
 
-  update() {
-    if (!this.renderer) return;
-    const latest = this.motors.map((_, axis) => this.machine.history.latest(axis));
-    if (latest.some((values) => values === null)) return;
-    const angles = (field) => this.motors.map((m, n) => jointAngle(m, latest[n][field]));
-    this.#tubes(this.solid, frames(this.links, angles("encnow")), SOLID, false);
-    this.#tubes(this.wire, frames(this.links, angles("demand")), WIRE, true);
+  #colour(name) {
+    this.#colours ??= getComputedStyle(this.element);
+    return this.#colours.getPropertyValue(name);
+  }
+
+  #eye(width, height) {
     const { around, above, away } = this.turn;
-    this.element.dataset.away = away.toFixed(2); // seen by tests
-    this.camera.position.set(
-      away * Math.cos(above) * Math.cos(around),
-      away * Math.cos(above) * Math.sin(around),
-      away * Math.sin(above) + 0.2,
-    );
-    this.camera.lookAt(0, 0, 0.2);
-    this.renderer.render(this.scene, this.camera);
+    const [ca, sa, ce, se] = [Math.cos(around), Math.sin(around), Math.cos(above), Math.sin(above)];
+    const zoom = Math.min(width, height) * 1.3;
+    return ([x, y, z]) => {
+      const [right, ahead] = [-sa * x + ca * y, ca * x + sa * y];
+      const depth = away - (ce * ahead + se * (z - MIDDLE_M));
+      const up = ce * (z - MIDDLE_M) - se * ahead;
+      const scale = zoom / Math.max(0.2, depth);
+      return { x: width / 2 + right * scale, y: height / 2 - up * scale, scale, depth };
+    };
   }
 
-  #tubes(group, places, colour, wireframe) {
-    for (const mesh of group.children) mesh.geometry.dispose();
-    group.clear();
-    const material = new THREE.MeshLambertMaterial({ color: colour, wireframe });
+  #arm(pen, width, height, angles, told) {
+    const see = this.#eye(width, height);
+    const line = (points, colour, thick, dash = []) => {
+      pen.strokeStyle = colour;
+      pen.lineWidth = thick;
+      pen.setLineDash(dash);
+      pen.beginPath();
+      points.map(see).forEach(({ x, y }) => pen.lineTo(x, y));
+      pen.stroke();
+    };
+    for (let n = -4; n <= 4; n++)
+      for (const points of [[[n / 4, -1, FLOOR_M], [n / 4, 1, FLOOR_M]], [[-1, n / 4, FLOOR_M], [1, n / 4, FLOOR_M]]])
+        line(points, this.#colour("--line"), 1);  // prettier-ignore
+    const places = frames(this.links, angles);
+    line(places.map(([x, y]) => [x, y, FLOOR_M]), this.#colour("--shade"), 9);  // its shadow
+    const tubes = [{ from: [0, 0, FLOOR_M], to: [0, 0, 0], r: TUBE_M * 1.5 }];
     for (let n = 1; n < places.length; n++) {
       const [from, to] = [places[n - 1], places[n]];
-      const length = from.distanceTo(to);
-      if (length < 1e-4) continue;
-      const radius = TUBE_M * (1 - (0.7 * n) / places.length) * (wireframe ? 1.1 : 1);
-      const tube = new THREE.Mesh(new THREE.CapsuleGeometry(radius, length, 3, 10), material);
-      tube.position.copy(from).lerp(to, 0.5);
-      tube.quaternion.setFromUnitVectors(
-        new THREE.Vector3(0, 1, 0),
-        to.clone().sub(from).divideScalar(length),
-      );
-      group.add(tube);
+      if (Math.hypot(...from.map((v, k) => v - to[k])) > 1e-4)
+        tubes.push({ from, to, r: TUBE_M * (1.15 - (0.8 * n) / places.length) });
     }
+    const depth = ({ from, to }) => see(from.map((v, k) => (v + to[k]) / 2)).depth;
+    for (const { from, to, r } of tubes.sort((a, b) => depth(b) - depth(a))) {
+      const thick = 2 * r * see(from).scale;
+      line([from, to], this.#colour("--arm-edge"), thick + 2);
+      line([from, to], this.#colour("--arm"), thick);
+      line([from, to], this.#colour("--arm-light"), thick * 0.3);
+      this.#joint(pen, see(to), r * 0.9);
+    }
+    line(frames(this.links, told), this.#colour("--told"), 2, [5, 4]);
+  }
+
+  #joint(pen, { x, y, scale }, r) {
+    pen.fillStyle = this.#colour("--arm-edge");
+    pen.beginPath();
+    pen.arc(x, y, r * scale, 0, 2 * Math.PI);
+    pen.fill();
+  }
+
+  #dials(pen, width, height, angles, told) {
+    const room = width / angles.length;
+    const r = Math.min(room, height) * 0.38;
+    angles.forEach((angle, n) => {
+      const [x, y] = [room * (n + 0.5), height / 2];
+      const hand = (turn, colour, thick, dash) => {
+        pen.strokeStyle = colour;
+        pen.lineWidth = thick;
+        pen.setLineDash(dash);
+        pen.beginPath();
+        pen.moveTo(x, y);
+        pen.lineTo(x + r * 0.92 * Math.sin(turn), y - r * 0.92 * Math.cos(turn));
+        pen.stroke();
+      };
+      pen.setLineDash([]);
+      pen.strokeStyle = this.#colour("--arm-edge");
+      pen.fillStyle = this.#colour("--sheet");
+      pen.lineWidth = 3;
+      pen.beginPath();
+      pen.arc(x, y, r, 0, 2 * Math.PI);
+      pen.fill();
+      pen.stroke();
+      for (let k = 0; k < 36; k++) {
+        const [s, c, long] = [Math.sin((k * Math.PI) / 18), Math.cos((k * Math.PI) / 18), k % 9 ? 0.06 : 0.14];
+        pen.lineWidth = 1;
+        pen.beginPath();
+        pen.moveTo(x + r * s, y - r * c);
+        pen.lineTo(x + r * (1 - long) * s, y - r * (1 - long) * c);
+        pen.stroke();
+      }
+      hand(told[n], this.#colour("--told"), 2, [5, 4]);
+      hand(angle, this.#colour("--arm"), 7, []);
+      pen.fillStyle = this.#colour("--ink");
+      pen.fillText(`motor ${n}`, x - 20, y + r + 14);
+    });
   }
 }

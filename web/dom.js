@@ -4,6 +4,7 @@
 /** An element: el("button", {title: "…", onclick: f}, "text", child). */
 export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
+  if (tag === "output") element.setAttribute("aria-live", "off"); // numbers that change all the time
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
     else if (name in element && name !== "list") element[name] = value;
@@ -71,6 +72,11 @@ export function perFrame(f) {
       f();
     });
   };
+}
+
+/** A colour of look.css as it is now. */
+export function colour(name) {
+  return getComputedStyle(document.body).getPropertyValue(name).trim();
 }
 
 /** Saves bytes or text as a file of the reader's. */

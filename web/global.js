@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The topmost panel of chapter 3: enable, interval, diagnostics, who controls, and the great lamps.
+// Renders what the driver has, as panel.js does.
 
 import { choice, el, labelled, parseInteger, setText } from "./dom.js";
+import { Drafts } from "./draft.js";
 import { LINES } from "./samples.js";
 
 const M_ANDIAG = 1;
@@ -10,97 +12,111 @@ const M_ENDIAG = 2;
 export class Global {
   constructor(page) {
     this.page = page;
+    this.asked = false; // Enable was pressed although the button is
     const { machine } = page;
-    const id = (name, more) => ({ id: name, ...more });
-    this.control = el("button", id("control", { type: "button", onclick: () => this.#control() }));
-    this.enable = el("button", id("enable", { type: "button", textContent: "Enable",
-      title: "E, then Enter", onclick: () => this.toEnable() }));  // prettier-ignore
-    this.clear = el("button", id("clear", { type: "button", textContent: "Clear errors",
-      onclick: () => machine.try(machine.link.call("MCLEARERROR")) }));  // prettier-ignore
-    this.interval = el("input", id("interval", { type: "text", size: 6,
-      onchange: () => this.#setInterval() }));  // prettier-ignore
-    this.diag = choice(
-      [[0, "None"], [M_ANDIAG, "Analog loop"], [M_ENDIAG, "Encoder"], [3, "Both"]],
-      id("diag", { onchange: () => this.#call("MDIAGMODE", this.diag.value) }),
-    );  // prettier-ignore
-    this.buffer = el("input", id("double", { type: "checkbox",
-      onchange: () => this.#call("MDACMODE", this.buffer.checked) }));  // prettier-ignore
+    this.drafts = new Drafts(
+      (error) => machine.say("error", error.message),
+      () => this.render(),
+    );
+    const call = (request) => async (value) => {
+      await machine.link.call(request, { value: Number(value) });
+      await machine.read();
+    };
+    const watched = (control, take) => {
+      this.drafts.watch(control, take);
+      return control;
+    };
+    const button = (id, textContent, onclick, more = {}) =>
+      el("button", { id, type: "button", textContent, onclick, ...more });
+    this.control = button("control", "", () => this.toControl());
+    this.enable = button("enable", "Enable", () => this.toEnable(), { title: "E, then Enter" });
+    this.clear = button("clear", "Clear errors", () => machine.try(machine.link.call("MCLEARERROR")));
+    this.interval = watched(el("input", { id: "interval", type: "text", size: 6 }), async (text) => {
+      const value = parseInteger(text, 1, 1e9, "interval");
+      await machine.link.call("MSETINTERVAL", { value });
+      await machine.read();
+    });
+    this.diag = watched(choice([[0, "None"], [M_ANDIAG, "Analog loop"], [M_ENDIAG, "Encoder"], [3, "Both"]],
+      { id: "diag" }), call("MDIAGMODE"));  // prettier-ignore
+    this.buffer = watched(el("input", { id: "double", type: "checkbox" }), call("MDACMODE"));
+    this.units = el("button", { id: "units", type: "button",
+      title: "counts and D/A units, or degrees and amperes",
+      onclick: () => page.units.set(!page.units.physical) });  // prettier-ignore
     this.name = el("h1", {}, "mctool");
     this.time = el("output", { id: "time" });
     this.lamps = Object.fromEntries(
       ["servo", "PANIC", "brakes", "stopped"].map((name) => [name, el("span", { className: "lamp" })]),
     );
-    this.element = el("div", {}, this.name, this.control, this.enable, this.clear,
-      labelled("Interval", this.interval, "µs"), labelled("Diag", this.diag),
-      labelled("Double D/A", this.buffer), ...Object.values(this.lamps), this.time);  // prettier-ignore
-    machine.addEventListener("control", () => this.allow());
-    machine.addEventListener("lease", () => this.allow());
-    this.allow();
+    this.element = el("div", {},
+      el("div", { className: "row" }, this.name, ...Object.values(this.lamps), this.time,
+        el("span", { className: "grow" }), this.units),
+      el("div", { className: "row" }, this.control, this.enable, this.clear,
+        labelled("Interval", this.interval, "µs"), labelled("Diag", this.diag),
+        labelled("Double D/A", this.buffer)));  // prettier-ignore
+    for (const kind of ["control", "lease", "driver", "enabled", "closed", "hello"])
+      machine.addEventListener(kind, () => this.render());
+    // a question waits for its answer until what it was about has changed
+    for (const kind of ["inputs", "enabled", "lease"])
+      machine.addEventListener(kind, () => {
+        this.asked = false;
+      });
+    page.units.addEventListener("change", () => this.render());
   }
 
-  allow() {
-    const { machine, panels } = this.page;
+  render() {
+    const { machine, units } = this.page;
+    if (!machine.hello) return;
     const may = machine.controls;
     for (const control of [this.enable, this.clear, this.interval, this.diag, this.buffer])
       control.disabled = !may;
-    for (const panel of panels) panel.allow(may);
     const other = machine.holder !== null && !may;
-    setText(this.control, may ? "Give control back" : other ? "Controlled by another" : "Take control");
-    this.control.disabled = other;
+    const give = machine.enabled ? "Stop and give control back" : "Give control back";
+    setText(this.control, may ? give : other ? "Controlled by another" : "Take control");
+    this.control.disabled = other || !machine.connected;
     document.body.classList.toggle("controls", may);
-  }
-
-  async load() {
-    const { machine } = this.page;
     setText(this.name, `${machine.hello.scenario ?? machine.hello.server}`);
-    const interval = await machine.try(machine.link.call("MGETINTERVAL"));
-    if (!interval) return;
-    this.interval.value = String(interval.value);
-    this.page.interval_s = interval.value * 1e-6;
+    const { interval_us, diag, double_buffer } = machine.driver;
+    this.drafts.show(this.interval, interval_us);
+    this.drafts.show(this.diag, diag);
+    this.drafts.show(this.buffer, double_buffer);
+    setText(this.units, units.physical ? "Units: °, A" : "Units: counts, D/A");
+    this.units.setAttribute("aria-pressed", String(units.physical));
   }
 
-  async #control() {
+  /** Takes control, or gives it back; that stops a machine under power. */
+  async toControl() {
     const { machine } = this.page;
     if (machine.controls) await machine.dropControl();
     else await machine.try(machine.takeControl());
-    this.page.adoptSetpoints();
-    for (const panel of this.page.panels) await panel.load();
-    this.allow();
   }
 
+  /** The driver cannot see a button that is pressed already (DRV-9), this page can. */
   async toEnable() {
     const { machine } = this.page;
-    await machine.try(machine.link.call("MENABLE"));
-    this.page.adoptSetpoints();
-  }
-
-  async #setInterval() {
-    try {
-      const us = parseInteger(this.interval.value, 1, 1e9, "interval");
-      await this.#call("MSETINTERVAL", us);
-    } catch (error) {
-      this.page.machine.say("error", error.message);
+    if (machine.input("estop") && !this.asked) {
+      this.asked = true;
+      machine.say("help", "The hand-held button is pressed: the machine would drive and its brakes "
+        + "open when it is released. Release it first, or Enable again to do so all the same.");  // prettier-ignore
+      return;
     }
-    await this.load();
-    for (const panel of this.page.panels) await panel.load();
-  }
-
-  async #call(request, value) {
-    const { machine } = this.page;
-    await machine.try(machine.link.call(request, { value: Number(value) }));
+    this.asked = false;
+    await machine.try(machine.link.call("MENABLE"));
   }
 
   /** From the latest sample. */
   update(t, lines) {
     setText(this.time, `${t.toFixed(2)} s`);
-    const show = (name, on, text, bad) => {
-      setText(this.lamps[name], text);
-      this.lamps[name].className = `lamp ${on ? (bad ? "bad" : "good") : "dark"}`;
-    };
     const on = (bit) => Boolean(lines & bit);
-    show("servo", on(LINES.enabled), on(LINES.enabled) ? "● servo on" : "○ servo off");
-    show("PANIC", on(LINES.panic), on(LINES.panic) ? "▲ PANIC" : "△ no panic", true);
-    show("brakes", on(LINES.brakes), on(LINES.brakes) ? "◇ brakes off" : "◆ brakes on");
-    show("stopped", on(LINES.stopped), on(LINES.stopped) ? "■ stop latched" : "", true);
+    const show = (name, text, kind) => {
+      setText(this.lamps[name], text);
+      this.lamps[name].className = `lamp ${kind}`;
+    };
+    const drives = on(LINES.enabled);
+    const panic = on(LINES.panic);
+    show("servo", drives ? "● servo on" : "○ servo off", drives ? "good" : "dark");
+    // without heartbeats PANIC is up: at rest that is as it should be
+    show("PANIC", panic ? "▲ PANIC" : "△ no PANIC", panic ? (drives ? "bad" : "dark") : "dark");
+    show("brakes", on(LINES.brakes) ? "◇ brakes off" : "◆ brakes on", on(LINES.brakes) ? "good" : "dark");
+    show("stopped", on(LINES.stopped) ? "■ stop latched" : "", "dark");
   }
 }

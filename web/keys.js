@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything by keyboard. The space bar stops, from anywhere; the stop frame has it by itself too.
+// Everything by keyboard. Space and Escape stop; the stop frame has them by itself too.
 //
-//   space stop · 0-9 axis (shift: +10) · arrows nudge · e, then Enter: enable · c control · ? help
+//   Escape stop, from anywhere · space stop, but where it types or chooses (a text field, check box,
+//   radio, select); on a button it stops too, Enter presses · 0-9 axis (shift: +10) · arrows nudge ·
+//   e, then Enter: enable · c: take control · ? help
 
 const DECIDE_MS = 3000; // "e" waits so long for its Enter
+const TEXTS = "input:not([type=range]):not([type=checkbox]):not([type=radio]):not([type=button]), textarea";
+const OWN_SPACE = `${TEXTS}, input[type=checkbox], input[type=radio], select`; // TOOL-1
 
-export const HELP =
-  "space: stop · 0-9: axis · ←/→ nudge, with shift ten times · e Enter: enable · c: control · ?: this";
+export const HELP = "space, Escape: stop · 0-9: axis · ←/→ nudge, with shift ten times · "
+  + "e Enter: enable · c: take control · ?: this";  // prettier-ignore
 
 export function keys(page, global) {
   const { machine } = page;
   const frame = document.getElementById("stop");
-  let axis = 0;
-  let armed = 0;
+  let armed = -Infinity;
 
   const stop = () => {
     frame.contentWindow?.postMessage("stop", new URL(frame.src).origin);
@@ -22,33 +25,43 @@ export function keys(page, global) {
   document.addEventListener(
     "keydown",
     (event) => {
-      if (event.code === "Space") {
-        event.preventDefault();
-        event.stopPropagation();
-        stop();
+      const at = event.target;
+      const spaceStops = event.code === "Space" && !at.matches?.(OWN_SPACE);
+      if (spaceStops || event.key === "Escape") {
+        if (spaceStops) {
+          event.preventDefault();
+          event.stopPropagation();
+        }
+        if (!event.repeat) stop();
         return;
       }
-      const typing = event.target.matches?.("input:not([type=range]):not([type=checkbox]), textarea");
-      const own = event.target.closest?.(".own-keys"); // it has keys of its own
+      const typing = at.matches?.(TEXTS);
+      const own = at.closest?.(".own-keys"); // it has keys of its own
       if (typing || own || event.ctrlKey || event.metaKey || event.altKey) return;
       const digit = /^Digit(\d)$/.exec(event.code);
       if (digit) {
-        axis = Math.min(Number(digit[1]) + (event.shiftKey ? 10 : 0), page.panels.length - 1);
-        page.panels[axis].element.focus();
+        page.choose(Number(digit[1]) + (event.shiftKey ? 10 : 0));
+        page.panel.element.focus();
       } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
-        if (event.target.matches?.("input, select, [role=tab]")) return;
+        if (at.matches?.("input, select, [role=tab]")) return;
         event.preventDefault();
-        page.panels[axis].nudge((event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1));
+        page.panel.nudge((event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1));
       } else if (event.key === "e") {
         armed = performance.now();
         machine.say("help", "enable: press Enter");
       } else if (event.key === "Enter" && performance.now() - armed < DECIDE_MS) {
-        armed = 0;
+        armed = -Infinity;
         event.preventDefault();
         if (machine.controls) global.toEnable();
-      } else if (event.key === "c") global.control.click();
-      else if (event.key === "?") machine.say("help", HELP);
+      } else if (event.key === "c") {
+        if (!machine.controls) global.toControl();
+        else machine.say("help", "this page has control; the button above gives it back");
+      } else if (event.key === "?") machine.say("help", HELP);
     },
     true,
   );
+  // A button would be pressed by the space that has stopped the machine, when it comes up again.
+  document.addEventListener("keyup", (event) => {
+    if (event.code === "Space" && event.target.matches?.("button, summary, [role=tab]")) event.preventDefault();
+  });
 }

@@ -33,9 +33,8 @@ export function lawView(page) {
   };
 
   const setCompensator = attempt(async (n) => {
-    const interval_s = page.interval_s * page.panels[n].param.clkdivisor;
-    const made = designOf(transfer(dz.value, interval_s));
-    page.panels[n].show(await machine.change(n, made.coefficients), true);
+    const made = designOf(transfer(dz.value, page.interval_s(n)));
+    await machine.change(n, made.coefficients);
     const { a0, a1, a2, b0, b1, b2 } = made.coefficients;
     return `a ${a0} ${a1} ${a2}  b ${b0} ${b1} ${b2}. ${made.warnings.join(" ")}`;
   });
@@ -45,7 +44,6 @@ export function lawView(page) {
     if (r === null) throw new Error(`"${goal.value}" is no number of counts`);
     law(text.value, LAW_NAMES); // what is wrong is said here
     await machine.link.request("law", { axis: n, text: text.value, r });
-    await page.panels[n].load(true);
     return "the law runs; Test, Pos or any other mode ends it, and STOP";
   });
 

@@ -16,11 +16,13 @@ export class Link extends EventTarget {
   #carrier;
   #waiting = new Map();
   #next = 1;
+  #open = false;
 
   constructor(carrier) {
     super();
     this.#carrier = carrier;
     this.hello = null;
+    this.#open = true;
     carrier.onText = (text) => this.#hear(JSON.parse(text));
     carrier.onBytes = (buffer) => this.#tell("samples", buffer);
     carrier.onClose = (reason) => this.#end(reason);
@@ -28,6 +30,7 @@ export class Link extends EventTarget {
 
   /** One request of docs/use/protocol.md; resolves to the reply, rejects with a MachineError. */
   request(op, args = {}) {
+    if (!this.#open) return Promise.reject(new Error("the machine is not connected"));
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject });
@@ -44,6 +47,14 @@ export class Link extends EventTarget {
     this.#carrier.close();
   }
 
+  /** Whether a connection that was lost can be tried again; and that. A hello says that it stands. */
+  get canConnect() {
+    return Boolean(this.#carrier.connect);
+  }
+  connect() {
+    this.#carrier.connect();
+  }
+
   #hear(message) {
     if (message.type === "reply") {
       const waiter = this.#waiting.get(message.id);
@@ -51,12 +62,16 @@ export class Link extends EventTarget {
       if (message.ok) waiter?.resolve(message);
       else waiter?.reject(new MachineError(message));
     } else {
-      if (message.type === "hello") this.hello = message;
+      if (message.type === "hello") {
+        this.hello = message;
+        this.#open = true;
+      }
       this.#tell(message.type, message);
     }
   }
 
   #end(reason) {
+    this.#open = false;
     for (const { reject } of this.#waiting.values()) reject(new Error(reason));
     this.#waiting.clear();
     this.#tell("closed", reason);
@@ -67,22 +82,25 @@ export class Link extends EventTarget {
   }
 }
 
-/** A carrier over a WebSocket. */
+/** A carrier over a WebSocket; connect() makes another when it is lost. */
 export function socketCarrier(address) {
-  const socket = new WebSocket(address);
+  let socket = null;
   const carrier = {
     onText: () => {},
     onBytes: () => {},
     onClose: () => {},
-    send: (text) => {
-      if (socket.readyState === WebSocket.OPEN) socket.send(text);
-      else carrier.onClose("the connection to the machine is closed");
-    },
+    send: (text) => socket.readyState === WebSocket.OPEN && socket.send(text),
     close: () => socket.close(),
+    connect: () => {
+      if (socket && socket.readyState !== WebSocket.CLOSED) return;
+      const fresh = new WebSocket(address);
+      socket = fresh;
+      fresh.binaryType = "arraybuffer";
+      fresh.onmessage = ({ data }) =>
+        typeof data === "string" ? carrier.onText(data) : carrier.onBytes(data);
+      fresh.onclose = ({ reason }) => carrier.onClose(reason || "the page's server is gone");
+    },
   };
-  socket.binaryType = "arraybuffer";
-  socket.onmessage = ({ data }) =>
-    typeof data === "string" ? carrier.onText(data) : carrier.onBytes(data);
-  socket.onclose = ({ reason }) => carrier.onClose(reason || "the page's server is gone");
+  carrier.connect();
   return carrier;
 }

@@ -7,7 +7,7 @@ import { el, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { Link } from "./link.js";
 import { Machine } from "./machine.js";
-import { errorWords } from "./panel.js";
+import { errorWords } from "./params.js";
 import { cardOffset, fieldsText } from "./registers.js";
 import { REGISTERS } from "./registers_table.js";
 import { LINES } from "./samples.js";

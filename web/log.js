@@ -5,7 +5,7 @@ import { el } from "./dom.js";
 
 const SHOWN = ["error", "panic", "stopped", "enabled", "log", "fault", "lost", "bus", "signal",
   "lease", "client", "pace", "rewind", "heartbeat", "brake", "help"];  // prettier-ignore
-const LOUD = ["error", "panic", "stopped", "lost", "help"];
+const LOUD = ["error", "panic", "lost", "help"];
 
 export class Log {
   constructor(machine, line) {
@@ -20,6 +20,8 @@ export class Log {
     const text = `${event.t.toFixed(3)} s  ${event.kind}${event.axis >= 0 ? ` axis ${event.axis}` : ""}: ${event.text}`;
     this.list.append(el("li", { className: event.kind, textContent: text }));
     if (this.list.children.length > 1000) this.list.firstChild.remove();
-    if (LOUD.includes(event.kind)) this.line.textContent = text;
+    // without heartbeats PANIC is up: at rest that is no news
+    const quiet = event.kind === "panic" && !(event.value && this.machine.enabled);
+    if (LOUD.includes(event.kind) && !quiet) this.line.textContent = text;
   }
 }

@@ -1,28 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine as the page knows it: the link, its history, who controls, and what is said to people.
+// The machine as the page knows it: the link, its history, who controls, what the driver has.
 //
-// Control is the lease (docs/use/protocol.md): without it the page writes nothing. While it is held the
-// page says so every 80 ms; 250 ms of silence stop the machine (deadman_ms, docs/use/tool.md).
+// Whatever a panel shows comes from here: `driver` is read back from the driver whenever it changed,
+// by whomever; setpoints come with the samples. Control is the lease (docs/use/protocol.md): without
+// it the page writes nothing. While it is held the page says so every 80 ms; 250 ms of silence stop the
+// machine (deadman_ms, docs/use/tool.md).
+//
+// Events: hello (also when connected again), driver, samples, event and each kind of event, control,
+// closed.
 
 import { History } from "./samples.js";
 
 const ALIVE_MS = 80;
+const SEEN_MS = 500;
+const AGAIN_MS = 1000; // between attempts to connect
 const LOST = { axis: -1, text: "as it is after the loss" };
+
+/** Calls f every 80 ms, also in a page that nobody looks at; returns what ends it. */
+function everyTick(f) {
+  if (typeof document === "undefined") {
+    const timer = setInterval(f, ALIVE_MS);
+    return () => clearInterval(timer);
+  }
+  const worker = new Worker("ticks.js");
+  worker.onmessage = f;
+  return () => worker.terminate();
+}
 
 export class Machine extends EventTarget {
   constructor(link, deadman_ms = 250) {
     super();
     this.link = link;
     this.deadman_ms = deadman_ms;
+    this.connected = false;
     this.controls = false;
     this.hello = null;
     this.history = null;
     this.enabled = false;
+    this.paused = false;
     this.holder = null;
+    this.heard = 0; // when samples came last, ms of this page
+    this.driver = { params: [], interval_us: 2000, diag: 0, double_buffer: false };
+    this.inputs = []; // of the machine, as `inputs` tells them
     this.messages = []; // {t, kind, text, axis}: errors stay readable after a clear
     link.addEventListener("hello", ({ detail }) => this.#welcome(detail));
     link.addEventListener("samples", ({ detail }) => {
       this.history?.append(detail);
+      this.heard = performance.now();
       this.tell("samples");
     });
     link.addEventListener("event", ({ detail }) => this.#event(detail));
@@ -30,37 +54,58 @@ export class Machine extends EventTarget {
       this.say("lost", `${detail.events} events lost`);
       this.#askAgain();
     });
-    link.addEventListener("closed", ({ detail }) => {
-      this.controls = false;
-      clearInterval(this.#alive);
-      this.say("error", detail);
-      this.tell("closed");
-    });
+    link.addEventListener("closed", ({ detail }) => this.#closed(detail));
   }
-  #alive = 0;
+  #endTicks = () => {};
   #mode = "";
+  #dirty = new Set(); // axes to be read again; -1: everything
+  #reading = null;
+  #taken = new Map(); // axis -> {value, t}: setpoints that the driver took
+  #again = 0;
 
   async #welcome(hello) {
+    clearInterval(this.#again);
     this.hello = hello;
     this.enabled = hello.enabled;
+    this.paused = hello.paused;
     this.holder = hello.lease;
-    this.history = new History(hello.sample.fields);
+    this.history ??= new History(hello.sample.fields);
+    this.#mode = "";
     await this.try(this.link.request("name", { name: "mctool" }));
-    await this.try(this.link.request("follow", { past: 8000, period_ms: 25 }));
+    await this.try(this.open("r"));
+    const past = this.connected === null ? 0 : 8000;
+    this.connected = true;
+    await this.try(this.link.request("follow", { past, period_ms: 25 }));
+    await Promise.all([this.read(), this.#readInputs()]);
     this.tell("hello");
   }
 
-  /** What lost events may have told: who controls, and whether the servo is on. */
+  #closed(reason) {
+    if (this.connected === null) return;
+    if (this.controls) this.#lose();
+    this.connected = null; // it was
+    this.say("error", reason);
+    this.tell("closed");
+    if (this.link.canConnect) this.#again = setInterval(() => this.link.connect(), AGAIN_MS);
+  }
+
+  /** What lost events may have told: who controls, whether the servo is on, and all that it has. */
   async #askAgain() {
     const hello = await this.try(this.link.request("hello"));
     if (!hello) return;
     this.#event({ ...LOST, t: hello.time, kind: "enabled", value: hello.enabled });
     this.#event({ ...LOST, t: hello.time, kind: "lease", value: hello.lease ?? -1 });
+    this.paused = hello.paused;
+    this.read();
   }
 
   #event(event) {
-    if (event.kind === "rewind") this.history?.rewind(event.t);
+    if (event.kind === "rewind") {
+      this.history?.rewind(event.t);
+      this.#taken.clear();
+    }
     if (event.kind === "enabled") this.enabled = Boolean(event.value);
+    if (event.kind === "pace") this.paused = event.text === "paused";
     if (event.kind === "lease") {
       this.holder = event.value < 0 ? null : event.value;
       if (this.controls && this.holder !== this.hello.you) {
@@ -68,15 +113,106 @@ export class Machine extends EventTarget {
         if (this.holder === null) this.say("error", "control lost: the page was silent; stopped");
       }
     }
+    if (event.kind === "param") this.read(event.axis);
+    if (event.kind === "setting" || event.kind === "rewind") this.read();
+    if (event.kind === "fault" || event.kind === "rewind") this.#readInputs();
     this.messages.push(event);
     if (this.messages.length > 5000) this.messages.splice(0, 1000);
     this.dispatchEvent(new CustomEvent("event", { detail: event }));
     this.tell(event.kind);
   }
 
+  // --- what the driver has ---
+
+  /** Reads back an axis, or everything (-1); changes that come meanwhile are read after it. */
+  read(axis = -1) {
+    this.#dirty.add(axis);
+    this.#reading ??= this.#readDirty().finally(() => {
+      this.#reading = null;
+    });
+    return this.#reading;
+  }
+
+  async #readDirty() {
+    while (this.#dirty.size && this.connected) {
+      const all = this.#dirty.has(-1);
+      const axes = all ? Array.from({ length: this.hello.axes }, (_, n) => n) : [...this.#dirty];
+      this.#dirty.clear();
+      const settings = all ? this.link.request("hello") : Promise.resolve(null);
+      await Promise.all([
+        settings.then((told) => told && this.#settle(told)).catch(() => {}),
+        ...axes.map((n) => this.#param(n)),
+      ]);
+      this.tell("driver");
+    }
+  }
+
+  /** Resolves when a sample shows it, or none has for a while: the machine may be paused. */
+  seen(predicate) {
+    return new Promise((done) => {
+      const look = () => predicate() && end();
+      const timer = setTimeout(() => end(), SEEN_MS);
+      const end = () => {
+        clearTimeout(timer);
+        this.removeEventListener("samples", look);
+        done();
+      };
+      this.addEventListener("samples", look);
+    });
+  }
+
+  #settle({ interval_us, diag, double_buffer }) {
+    Object.assign(this.driver, { interval_us, diag, double_buffer });
+  }
+
+  /** An axis that the servo does not control has no parameters. */
+  async #param(axis) {
+    const told = await this.link.call("MGETPARAM", { axis }).catch(() => null);
+    this.driver.params[axis] = told?.param ?? null;
+  }
+
+  async #readInputs() {
+    const told = await this.link.request("inputs").catch(() => null);
+    if (!told) return;
+    this.inputs = told.inputs;
+    this.tell("inputs");
+  }
+
+  /** An input of the whole machine as it is now. */
+  input(name) {
+    const found = this.inputs.find((one) => one.name === name);
+    return found ? (found.values[0] ?? found.healthy) : undefined;
+  }
+
+  /** The setpoint in force: what the driver took last, or the latest sample's. */
+  setpoint(axis) {
+    const { history } = this;
+    const taken = this.#taken.get(axis);
+    const row = history.end - 1;
+    if (row < history.first) return taken?.value ?? 0;
+    if (taken && taken.t >= history.time(row)) return taken.value;
+    return history.value(row, history.column(axis, "setpoint"));
+  }
+
+  /** Resolves once the driver has taken it; the other axes keep theirs. */
+  async setSetpoint(axis, value) {
+    const { t } = await this.link.request("setpoint", { axis, value });
+    this.#taken.set(axis, { value, t });
+  }
+
+  /** Changes some fields of an axis's parameters; resolves once the driver has taken them. */
+  async change(axis, param) {
+    const told = await this.link.request("change", { axis, param });
+    this.driver.params[axis] = told.param;
+    this.tell("driver");
+    return told.param;
+  }
+
+  // --- control ---
+
   #lose() {
     this.controls = false;
-    clearInterval(this.#alive);
+    this.#endTicks();
     this.tell("control");
   }
 
@@ -87,14 +223,18 @@ export class Machine extends EventTarget {
     this.#mode = "";
     await this.link.request("open", { mode });
     this.#mode = mode;
-    this.tell("open");
+    if (mode === "rw") this.read(); // the first writer finds Table 2.1
   }
 
   async takeControl() {
     await this.open("rw");
     await this.link.request("lease", { take: true, deadman_ms: this.deadman_ms });
     this.controls = true;
-    this.#alive = setInterval(() => this.link.request("alive").catch(() => {}), ALIVE_MS);
+    this.#endTicks();
+    this.#endTicks = everyTick(() => {
+      this.link.request("alive").catch(() => {});
+      this.tell("tick");
+    });
     this.tell("control");
   }
 
@@ -109,19 +249,14 @@ export class Machine extends EventTarget {
     await this.try(this.takeControl());
   }
 
+  /** A machine under power is stopped first: nobody would be there to stop it. */
   async dropControl() {
+    if (this.enabled) await this.try(this.link.request("stop"));
     this.#lose();
     await this.try(this.link.request("lease", { drop: true }));
   }
 
-  /** Changes some fields of an axis's parameters; resolves to all of them. */
-  async change(axis, param) {
-    return (await this.link.request("change", { axis, param })).param;
-  }
-
-  async param(axis) {
-    return (await this.link.call("MGETPARAM", { axis })).param;
-  }
+  // --- words ---
 
   /** Awaits; a refusal becomes a line that people read, and null. */
   async try(promise) {

@@ -1,53 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the panels and views share: the machine, its setpoints, and designs asked for.
+// What the panels and views share: the machine, the chosen axis, units, and designs asked for.
 
-const WRITE_MS = 20; // a slider that is dragged writes at most so often
+import { Units } from "./units.js";
 
-export class Page {
+export class Page extends EventTarget {
   constructor(machine, advice) {
+    super();
     this.machine = machine;
     this.advice = advice; // null: no designer (docs/use/tool.md)
-    this.interval_s = 0.002;
-    this.setpoints = [];
+    this.units = new Units();
     this.panels = [];
-    this.writing = null;
+    this.axis = 0; // the chosen one
+    this.moment = null; // s: the whole page shows this one; null: the latest
+    machine.addEventListener("rewind", () => this.look(null));
   }
 
-  /** The setpoints in force, from the latest sample. */
-  adoptSetpoints() {
-    const { history, hello } = this.machine;
-    this.setpoints = Array.from({ length: hello.axes }, (_, n) => history.latest(n)?.setpoint ?? 0);
+  look(t) {
+    this.moment = t;
+    this.dispatchEvent(new CustomEvent("look"));
   }
 
-  /** A mode is entered: where it begins moves nothing. */
-  async adopt(axis, mode) {
-    const latest = this.machine.history.latest(axis);
-    this.setpoint(axis, mode === "pos" ? (latest?.fbnow ?? 0) : 0, false);
-    await this.writing;
+  /** The row of the history that is shown; -1: there is none. */
+  get row() {
+    const { history } = this.machine;
+    if (history.end === history.first) return -1;
+    return this.moment === null ? history.end - 1 : Math.min(history.end - 1, history.find(this.moment));
   }
 
-  setpoint(axis, value, diag) {
-    if (!this.machine.controls) return;
-    if (diag) {
-      const code = (Math.max(-2048, Math.min(2047, value)) + 2048) << 8;
-      this.machine.try(this.machine.link.call("MSETDAC", { value: code | axis }));
-      return;
-    }
-    this.setpoints[axis] = value;
-    this.writing ??= new Promise((done) => setTimeout(done, WRITE_MS)).then(async () => {
-      this.writing = null;
-      const joints = this.machine.history.joints || this.setpoints.length;
-      const setpoints = this.setpoints.slice(0, joints);
-      await this.machine.try(this.machine.link.request("write", { setpoints }));
-    });
+  choose(axis) {
+    this.axis = Math.max(0, Math.min(axis, this.panels.length - 1));
+    this.dispatchEvent(new CustomEvent("choose"));
   }
 
-  /** {coefficients, warnings} of continuous gains; null and a line for people if there are none. */
+  get panel() {
+    return this.panels[this.axis];
+  }
+
+  /** Seconds between servo samples of an axis. */
+  interval_s(axis) {
+    const { interval_us, params } = this.machine.driver;
+    return interval_us * 1e-6 * (params[axis]?.clkdivisor ?? 1);
+  }
+
+  /** {coefficients, warnings} of continuous gains. Rejects with a line for people. */
   async design(gains, interval_s) {
-    if (!this.advice) {
-      this.machine.say("error", "there is no designer here; set a2 … b0 by number");
-      return null;
-    }
-    return this.machine.try(this.advice.request("design", { ...gains, interval_s }));
+    if (!this.advice) throw new Error("there is no designer here; set a2 … b0 by number");
+    return this.advice.request("design", { ...gains, interval_s });
   }
 }

@@ -3,6 +3,9 @@
 //
 // First line: "t_s,lines,encnow_0,…"; times in seconds with 9 digits, everything else whole numbers.
 
+const NUMBER = /^-?\d+(\.\d+)?$/;
+const MOST = 2 ** 31;
+
 /** Rows [from, to) of a history. */
 export function toCsv(history, from, to) {
   const columns = [["lines", history.linesColumn]];
@@ -37,8 +40,10 @@ export class Recording {
     this.times = new Float64Array(this.end);
     this.ints = new Int32Array(this.end * this.width);
     for (let row = 0; row < this.end; row++) {
-      const values = lines[row + 1].split(",").map(Number);
-      if (values.length !== names.length || values.some(Number.isNaN))
+      const cells = lines[row + 1].split(",");
+      const values = cells.map((cell) => (NUMBER.test(cell) ? Number(cell) : NaN));
+      const fits = values.slice(1).every((value) => Number.isInteger(value) && Math.abs(value) <= MOST);
+      if (values.length !== names.length || !Number.isFinite(values[0]) || !fits)
         throw new Error(`${name}: line ${row + 2} is damaged`);
       this.times[row] = values[0];
       this.ints.set(values.slice(1), row * this.width);

@@ -129,8 +129,8 @@ export class History {
   }
 
   value(row, column) {
-    const [chunk, at] = this.#place(row);
-    return chunk.ints[at * this.rowInts + column];
+    const at = row - this.#first;
+    return this.#chunks[(at / CHUNK_ROWS) | 0].ints[(at % CHUNK_ROWS) * this.rowInts + column];
   }
 
   /** The first row not before t. */
@@ -145,18 +145,26 @@ export class History {
     return low;
   }
 
+  /** Bits of a card's lights in the latest sample. */
+  lights(card) {
+    return this.end > this.#first ? this.value(this.end - 1, this.lightsColumn(card)) : 0;
+  }
+
   /** Axes that the servo controls; 0 before the first sample. */
   get joints() {
     return this.end > this.first ? this.value(this.end - 1, this.jointsColumn) : 0;
   }
 
-  /** The latest values of an axis by field name; null before the first sample. */
-  latest(axis) {
-    if (this.end === this.first || axis >= this.axes) return null;
-    const row = this.end - 1;
+  /** The values of an axis by field name. */
+  at(axis, row) {
     return Object.fromEntries(
       this.fields.map((field) => [field, this.value(row, this.column(axis, field))]),
     );
+  }
+
+  /** The latest; null before the first sample. */
+  latest(axis) {
+    return this.end === this.first || axis >= this.axes ? null : this.at(axis, this.end - 1);
   }
 }
 

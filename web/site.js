@@ -17,7 +17,6 @@ const asked = new URLSearchParams(location.search);
 const said = document.getElementById("said");
 const [knowledge, scenarios] = await Promise.all([json("knowledge"), json("scenarios")]);
 let worker = null;
-let page = null;
 let expected = null; // hash of the record that is replayed
 
 async function setupNamed(name) {
@@ -101,17 +100,10 @@ function show(told) {
   record.disabled = !recorded;
   log.disabled = !told.hash;
   if (!told.hash) return;
-  if (!document.body.dataset.hash) takeOver();
   const same = expected === null ? "" : told.hash === expected ? ", as recorded" : `, recorded ${expected}`;
   setText(hash, spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}`);
   document.body.dataset.hash = told.hash;
   document.body.dataset.speed = speed;
-}
-
-/** The scenario's program writes no more: from here on the page does, and begins with what stands. */
-function takeOver() {
-  page.adoptSetpoints();
-  for (const panel of page.panels) panel.load();
 }
 
 function save({ record: made, csv, wanted }) {
@@ -144,7 +136,7 @@ try {
   const started = await startMachine(setup, options, hear);
   worker = started.worker;
   connectStop();
-  page = run(started.carrier, new PageAdvice(), true, DEADMAN_MS);
+  const page = run(started.carrier, new PageAdvice(), true, DEADMAN_MS);
   const paced = () => page.machine.link.request("pace", { speed: speed || null });
   if (asked.has("speed")) page.machine.addEventListener("control", paced, { once: true });
 } catch (error) {

@@ -85,10 +85,12 @@ press.addEventListener("click", () =>
   order(press.getAttribute("aria-pressed") === "true" ? "release" : "press"),
 );
 document.addEventListener("keydown", (event) => {
-  if (event.code === "Space") {
-    event.preventDefault();
-    order("stop");
-  }
+  if (event.code !== "Space" && event.key !== "Escape") return;
+  event.preventDefault();
+  if (!event.repeat) order("stop");
+});
+document.addEventListener("keyup", (event) => {
+  if (event.code === "Space") event.preventDefault(); // it would press the button that has the focus
 });
 window.addEventListener("message", (event) => {
   if (event.source === window.parent && event.data === "stop") order("stop");

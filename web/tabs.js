@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views at the right, one at a time. A view is {title, element, shown()}.
+// The views at the right, one at a time. A view is {title, element, shown(), update(row)}.
 
 import { el } from "./dom.js";
 import { faultsView } from "./faults.js";
@@ -7,7 +7,6 @@ import { frontView } from "./front.js";
 import { lawView } from "./law.js";
 import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
-import { timeView } from "./time.js";
 import { tuneView } from "./tune.js";
 import { wavesView } from "./waves.js";
 
@@ -19,16 +18,18 @@ export function tabs(page, log) {
     frontView(page),
     registersView(page),
     faultsView(page),
-    timeView(page),
     wavesView(page),
-    { title: "Log", element: log.list },
+    { title: "Log", element: el("div", {}, log.list) },
   ];
   const bar = document.getElementById("tabs");
   const room = document.getElementById("views");
-  const buttons = views.map((view, n) =>
-    el("button", { type: "button", role: "tab", id: `tab-${view.title.toLowerCase()}`,
-      textContent: view.title, onclick: () => show(n) }),
-  );  // prettier-ignore
+  const buttons = views.map((view, n) => {
+    const id = `tab-${view.title.toLowerCase()}`;
+    view.element.id ||= `view-${view.title.toLowerCase()}`;
+    view.element.setAttribute("aria-labelledby", id);
+    if (!view.element.role) view.element.role = "tabpanel";
+    return el("button", { type: "button", role: "tab", id, textContent: view.title, onclick: () => show(n) });
+  });
   bar.append(...buttons);
   bar.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
@@ -41,10 +42,12 @@ export function tabs(page, log) {
   const show = (chosen) => {
     views.forEach((view, n) => {
       buttons[n].setAttribute("aria-selected", String(n === chosen));
+      buttons[n].tabIndex = n === chosen ? 0 : -1; // arrows go from tab to tab
       view.visible = n === chosen;
     });
     room.replaceChildren(views[chosen].element);
     views[chosen].shown?.();
   };
   show(0);
+  return views;
 }

@@ -1,61 +1,100 @@
 // SPDX-License-Identifier: Apache-2.0
-// The past and the pace: pause, speed, and back to any moment that a snapshot holds.
+// The past and the pace, under everything: one slider over the time that is known. Moving it shows the
+// whole page that moment; the machine goes on meanwhile, unless it is sent back there.
 
 import { choice, el, labelled, setText } from "./dom.js";
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 2, 5];
 const STEP_S = 0.01;
+const STEPS = 1000; // of the slider
+const LOOK_MS = 500;
+const MARKS = { stopped: "■", error: "▲", panic: "▲", fault: "◆", mode: "|", enabled: "●", rewind: "↶" };
+const MOST_MARKS = 80;
 
-export function timeView(page) {
+export function timeBar(page, room) {
   const { machine } = page;
-  let snapshots = [];
+  let oldest = 0; // of the snapshots
+  let marked = "";
   const where = el("output", { id: "rewind-time" });
-  const slider = el("input", { type: "range", min: 0, max: 0, step: 1, id: "rewind",
-    "aria-label": "moment to go back to", oninput: () => show() });  // prettier-ignore
+  const slider = el("input", { type: "range", min: 0, max: STEPS, step: 1, value: STEPS, id: "rewind",
+    "aria-label": "moment shown", oninput: () => look() });  // prettier-ignore
+  const marks = el("div", { className: "marks", "aria-hidden": "true" });
   const speed = choice(SPEEDS.map((s) => [s, `${s} ×`]), { id: "speed",
     onchange: () => ask("pace", { speed: Number(speed.value) }) });  // prettier-ignore
   speed.value = "1";
-  const button = (id, text, f) => el("button", { type: "button", id, textContent: text, onclick: f });
+  const button = (id, text, onclick, more = {}) =>
+    el("button", { type: "button", id, textContent: text, onclick, ...more });
   const ask = (op, args) => machine.try(machine.link.request(op, args));
-  const show = () => setText(where, snapshots.length ? `${snapshots[slider.value].t.toFixed(3)} s` : "none yet");
+  const pause = button("pause", "Pause", () => ask("pace", { paused: !machine.paused }));
+  const step = button("step", "10 ms on", () => ask("advance", { seconds: STEP_S }));
+  const now = button("now", "Now", () => page.look(null), { hidden: true });
+  const back = button("rewind-go", "Go back there", goBack, { hidden: true });
+  const waves = button("waves", "Waveforms there", () => page.showWaves(page.moment), { hidden: true });
+  room.append(el("div", { className: "row" }, pause, step, labelled("Speed", speed),
+    button("snapshot", "Keep this moment", () => ask("snapshot", {})), el("span", { className: "grow" }),
+    where, now, back, waves), el("div", { className: "track" }, marks, slider));  // prettier-ignore
 
-  async function refresh() {
-    const reply = await ask("snapshots", {});
-    if (!reply) return;
-    const chosen = snapshots[slider.value]?.id;
-    const atEnd = Number(slider.value) === Number(slider.max);
-    snapshots = reply.snapshots;
-    slider.max = Math.max(0, snapshots.length - 1);
-    // The moment stays that was chosen, while the oldest are dropped; gone, it is the oldest kept.
-    slider.value = atEnd ? slider.max : Math.max(0, snapshots.findIndex(({ id }) => id === chosen));
-    show();
-  }
-
-  async function back() {
-    const snapshot = snapshots[slider.value];
-    if (!snapshot) return;
-    await ask("pace", { paused: true });
-    await ask("rewind", { snapshot: snapshot.id });
-    await refresh();
-  }
-
-  const waves = () => {
-    const snapshot = snapshots[slider.value];
-    if (snapshot) page.showWaves(snapshot.t);
+  const span = () => {
+    const { history } = machine;
+    const to = history.time(history.end - 1);
+    return [Math.min(to, Math.max(0, oldest)), to];
   };
 
-  const element = el("div", { className: "time" },
-    el("div", { className: "row" }, button("pause", "Pause", () => ask("pace", { paused: true })),
-      button("go", "Run on", () => ask("pace", { paused: false })),
-      button("step", "10 ms on", () => ask("advance", { seconds: STEP_S })), labelled("Speed", speed)),
-    el("div", { className: "row wide" }, labelled("Back to", slider), where,
-      button("rewind-go", "Go back", back), button("snapshot", "Keep this moment", async () => {
-        await ask("snapshot", {});
-        await refresh();
-      }), button("waves", "Waveforms there", waves)),
-    el("p", {}, "Going back pauses; programs that hold the device keep it. Run on from there, or look at the past in the scope."));  // prettier-ignore
-  const timer = setInterval(() => view.visible && refresh(), 500);
-  machine.addEventListener("closed", () => clearInterval(timer));
-  const view = { title: "Time", element, visible: false, shown: refresh };
-  return view;
+  function look() {
+    const [from, to] = span();
+    const share = Number(slider.value) / STEPS;
+    page.look(share >= 1 ? null : from + share * (to - from));
+  }
+
+  async function goBack() {
+    const t = page.moment;
+    if (t === null) return;
+    await ask("pace", { paused: true });
+    if (await ask("rewind", { t })) page.look(null);
+  }
+
+  async function refresh() {
+    if (!machine.connected) return;
+    const told = await machine.link.request("snapshots").catch(() => null);
+    if (told?.snapshots.length) oldest = told.snapshots[0].t;
+  }
+
+  /** Stops, faults and changes of mode: what is in the span, the latest of them. */
+  function renderMarks(from, to) {
+    const found = machine.messages
+      .filter(({ kind, t, value }) => MARKS[kind] && t >= from && t <= to && (kind !== "stopped" || value))
+      .slice(-MOST_MARKS);
+    const key = found.map(({ t, kind }) => `${kind}${t}`).join() + from.toFixed(1) + to.toFixed(1);
+    if (key === marked) return;
+    marked = key;
+    marks.replaceChildren(...found.map(({ t, kind, axis, text }) => {
+      const mark = el("i", { className: `mark ${kind}`, textContent: MARKS[kind],
+        title: `${t.toFixed(3)} s  ${kind}${axis >= 0 ? ` axis ${axis}` : ""}: ${text}` });  // prettier-ignore
+      mark.style.left = `${(100 * (t - from)) / Math.max(1e-9, to - from)}%`;
+      return mark;
+    }));  // prettier-ignore
+  }
+
+  let asked = 0;
+  machine.addEventListener("hello", refresh);
+  return () => {
+    const { history } = machine;
+    const may = machine.controls;
+    for (const control of [pause, speed, back]) control.disabled = !may;
+    step.disabled = !may || !machine.paused;
+    setText(pause, machine.paused ? "Run on" : "Pause");
+    if (history.end === history.first) return;
+    if (performance.now() - asked > LOOK_MS) {
+      asked = performance.now();
+      refresh();
+    }
+    const [from, to] = span();
+    const t = page.moment;
+    for (const one of [now, back, waves]) one.hidden = t === null;
+    setText(where, t === null ? "" : `${t.toFixed(3)} s is shown`);
+    const place = t === null ? STEPS : Math.round((STEPS * (t - from)) / Math.max(1e-9, to - from));
+    if (document.activeElement !== slider || t === null) slider.value = place;
+    slider.setAttribute("aria-valuetext", `${(t ?? to).toFixed(3)} s${t === null ? ", now" : ""}`);
+    renderMarks(from, to);
+  };
 }

@@ -2,7 +2,7 @@
 // Step response, Bode plot and auto-tune of one axis, beside what the design predicts.
 
 import uPlot from "./lib/uplot/uPlot.esm.js";
-import { choice, el, labelled, parseNumber, setText } from "./dom.js";
+import { choice, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
 
 const ALIVE_MS = 80; // the experiment is broken off after 250 ms of silence
 
@@ -15,10 +15,13 @@ export function tuneView(page) {
   const wn = number("tune-wn", "50", "bandwidth, rad/s");
   const zeta = number("tune-zeta", "1", "damping");
   const half = number("tune-half", "2000", "safe counts to each side");
-  const result = el("div", { id: "tune-result", role: "status" });
+  const result = el("div", { id: "tune-result" });
   const progress = el("p", { id: "tune-progress", role: "status" });
   const plots = el("div", { className: "plots" });
-  const motors = new Map(); // axis -> identified motor
+  const verdict = el("p", { id: "tune-verdict", className: "verdict", role: "status" });
+  const motors = new Map(); // axis -> {motor, away}: as identified
+  let before = null; // {axis, param}: what auto-tune found
+  let tuned = null; // and what it left
   advice.addEventListener("progress", ({ detail }) => {
     if (detail.text) setText(progress, detail.text);
     if (detail.lend) machine.lend(detail.lend);
@@ -27,7 +30,9 @@ export function tuneView(page) {
   async function experiment(op, args) {
     if (!machine.controls) return machine.say("error", "take control first");
     if (!machine.enabled) return machine.say("error", "enable the machine first");
-    const alive = setInterval(() => advice.send({ op: "alive" }), ALIVE_MS);
+    const alive = () => advice.send({ op: "alive" });
+    const ticks = setInterval(alive, ALIVE_MS);
+    machine.addEventListener("tick", alive); // also in a page that nobody looks at
     try {
       return await machine.try(advice.request(op, {
         ...args,
@@ -35,11 +40,11 @@ export function tuneView(page) {
         deadman_ms: machine.deadman_ms,
       }));
     } finally {
-      clearInterval(alive);
+      clearInterval(ticks);
+      machine.removeEventListener("tick", alive);
       setText(progress, "");
       await machine.reclaim();
-      page.adoptSetpoints();
-      for (const panel of page.panels) await panel.load();
+      await machine.read();
     }
   }
 
@@ -52,20 +57,42 @@ export function tuneView(page) {
       half: parseNumber(half.value),
     });
     if (!done) return;
-    motors.set(chosen, done.motor);
-    const { motor, step, margins, gains, warnings } = done;
+    motors.set(chosen, { motor: done.motor, away: done.break_away });
+    const { motor, step, predicted, margins, gains, warnings } = done;
+    before = { axis: chosen, param: done.before };
+    tuned = { axis: chosen, param: done.param };
+    undo.hidden = save.hidden = false;
+    verdict.className = `verdict ${done.fine ? "good" : "bad"}`;
+    setText(verdict, `${done.fine ? "✓" : "✗"} ${done.verdict}`);
     table({
+      ...stepRows(step, predicted),
       "g, counts/s² per D/A unit": motor.g.toFixed(2),
       "viscous, 1/s": motor.lag.toFixed(2),
-      "Coulomb +/−, D/A units": `${motor.tc_pos.toFixed(0)} / ${motor.tc_neg.toFixed(0)}`,
-      "break-away, D/A units": done.break_away.toFixed(0),
+      "Coulomb +/−, break-away, D/A units": `${motor.tc_pos.toFixed(0)} / ${motor.tc_neg.toFixed(0)}, ${done.break_away.toFixed(0)}`,
       "fit of the motion": motor.fit.toFixed(3),
-      "P, D, filter": `${gains.p.toFixed(2)}, ${gains.d.toFixed(3)}, ${(gains.tau * 1000).toFixed(2)} ms`,
+      "P, I, D, filter": `${gains.p.toFixed(2)}, ${gains.i.toFixed(1)}, ${gains.d.toFixed(3)}, ${(gains.tau * 1000).toFixed(2)} ms`,
       "phase margin": `${margins.phase_deg.toFixed(0)}°`,
-      ...stepRows(step),
       warnings: warnings.join(" ") || "none",
     });
-    await predictedStep(chosen, 200);
+    plots.replaceChildren();
+    beside(step, predicted);
+  }
+
+  /** The parameters as they were before auto-tune. */
+  async function takeBack() {
+    if (!machine.controls) return machine.say("error", "take control first");
+    const { which, ...param } = before.param;
+    if ((await machine.try(machine.change(before.axis, param))) === null) return undefined;
+    verdict.className = "verdict";
+    undo.hidden = save.hidden = true;
+    return setText(verdict, `Axis ${before.axis} has its old parameters again.`);
+  }
+
+  /** As a scenario has them: [[servo]] of docs/use/scenarios.md. */
+  function toml() {
+    const { mode, ...numbers } = tuned.param;
+    const lines = Object.entries(numbers).map(([name, value]) => `${name} = ${value}`);
+    return ["[[servo]]", `axis = ${tuned.axis}`, 'mode = "position"', 'flags = ["coulcomp"]', ...lines, ""].join("\n");
   }
 
   /** A step there, recorded from the stream, beside the prediction. */
@@ -77,32 +104,27 @@ export function tuneView(page) {
     const { history } = machine;
     const from = history.latest(chosen).setpoint;
     const start = history.time(history.end - 1);
-    page.setpoint(chosen, from + counts, false);
+    if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
     await until(() => history.time(history.end - 1) > start + 0.6);
     const rows = stepResponse(history, chosen, start, from, counts);
-    table(stepRows(rows));
-    return predictedStep(chosen, counts, rows);
+    const known = motors.get(chosen);
+    const param = machine.driver.params[chosen];
+    const interval_s = page.interval_s(chosen);
+    const made = known && (await machine.try(
+      advice.request("predict", { param, ...known, interval_s, step: counts, seconds: rows.t.at(-1) })));
+    table(stepRows(rows, made));
+    plots.replaceChildren();
+    return beside(rows, made);
   }
 
-  async function predictedStep(chosen, counts, measured = null) {
-    const motor = motors.get(chosen);
-    if (!motor && !measured) return;
-    const { param } = page.panels[chosen];
-    const interval_s = page.interval_s * param.clkdivisor;
-    const tables = [];
-    const series = [];
-    if (measured) {
-      tables.push([measured.t, measured.y]);
-      series.push({ label: "measured", stroke: "#0072b2" });
+  /** The measured step and the predicted one, limit and friction in it. */
+  function beside(measured, predicted) {
+    const tables = [[measured.t, measured.y]];
+    const series = [{ label: "measured", stroke: colour("--c0") }];
+    if (predicted) {
+      tables.push([predicted.t, predicted.y]);
+      series.push({ label: "predicted", stroke: colour("--c1"), dash: [6, 3] });
     }
-    if (motor) {
-      const made = await machine.try(advice.request("predict", { param, motor, interval_s, step: counts }));
-      if (made) {
-        tables.push([made.t, made.y]);
-        series.push({ label: "predicted, no friction", stroke: "#d55e00", dash: [6, 3] });
-      }
-    }
-    plots.replaceChildren();
     draw(plots, "counts", uPlot.join(tables), series);
   }
 
@@ -112,17 +134,17 @@ export function tuneView(page) {
       low: 1, high: 40, seconds: 12 });  // prettier-ignore
     if (!made) return;
     plots.replaceChildren();
-    const motor = motors.get(chosen);
-    const { param } = page.panels[chosen];
-    const interval_s = page.interval_s * param.clkdivisor;
-    const model = motor && (await machine.try(advice.request("predict", { param, motor, interval_s })));
+    const known = motors.get(chosen);
+    const param = machine.driver.params[chosen];
+    const interval_s = page.interval_s(chosen);
+    const model = known && (await machine.try(advice.request("predict", { param, ...known, interval_s })));
     for (const [unit, measured, predicted] of [["dB", made.gain_db, model?.bode_db],
       ["°", made.phase_deg, model?.bode_deg]]) {  // prettier-ignore
       const tables = [[made.hz, measured]];
-      const series = [{ label: `measured, ${unit}`, stroke: "#0072b2", points: { show: true } }];
+      const series = [{ label: `measured, ${unit}`, stroke: colour("--c0"), points: { show: true } }];
       if (predicted) {
         tables.push([model.hz, predicted]);
-        series.push({ label: "model", stroke: "#d55e00", dash: [6, 3] });
+        series.push({ label: "model", stroke: colour("--c1"), dash: [6, 3] });
       }
       draw(plots, unit, uPlot.join(tables), series, true);
     }
@@ -134,14 +156,18 @@ export function tuneView(page) {
   }
 
   const button = (id, text, f) => el("button", { type: "button", id, textContent: text, onclick: f });
+  const undo = button("tune-undo", "Undo", takeBack);
+  const save = button("tune-save", "Save as TOML", () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
+  undo.hidden = save.hidden = true;
+  page.addEventListener("choose", () => { axis.value = page.axis; });
   const element = el("div", { className: "tune" },
     el("div", { className: "row" }, labelled("Axis", axis), labelled("Step", size, "counts"),
       button("step-go", "Step", step), button("bode-go", "Bode plot", bode)),
     el("div", { className: "row" }, labelled("Bandwidth", wn, "rad/s"), labelled("Damping", zeta),
-      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune)),
+      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, save),
     el("p", {}, "Auto-tune moves the axis within the safe range about where it stands, in torque " +
       "mode; STOP ends it. It sets gains and friction compensation and leaves the axis in Pos."),
-    progress, result, plots);  // prettier-ignore
+    progress, verdict, result, plots);  // prettier-ignore
   return { title: "Tune", element };
 
   function until(done) {
@@ -161,7 +187,8 @@ function draw(room, unit, data, series, logarithmic = false) {
       width: room.clientWidth || 500,
       height: 220,
       scales: { x: { time: false, distr: logarithmic ? 3 : 1 } },
-      axes: [{ label: logarithmic ? "Hz" : "s" }, { label: unit, size: 60 }],
+      axes: [{ label: logarithmic ? "Hz" : "s" }, { label: unit, size: 60 }].map((axis) => ({
+        ...axis, stroke: colour("--soft"), grid: { stroke: colour("--shade") }, ticks: { stroke: colour("--shade") } })),
       series: [{}, ...series.map((s) => ({ spanGaps: true, ...s }))],
     },
     data,
@@ -169,13 +196,15 @@ function draw(room, unit, data, series, logarithmic = false) {
   );
 }
 
-function stepRows({ rise_ms, overshoot_pct, settle_ms, steady_error_counts }) {
+function stepRows(measured, predicted) {
   const say = (value, unit) => (value === null || value === undefined ? "never" : `${value} ${unit}`);
+  const row = (name, unit) =>
+    say(measured[name], unit) + (predicted && name in predicted ? `  (${say(predicted[name], unit)} predicted)` : "");
   return {
-    rise: say(rise_ms, "ms"),
-    overshoot: say(overshoot_pct, "%"),
-    settling: say(settle_ms, "ms"),
-    "steady error": say(steady_error_counts, "counts"),
+    rise: row("rise_ms", "ms"),
+    overshoot: row("overshoot_pct", "%"),
+    settling: row("settle_ms", "ms"),
+    "steady error": row("steady_error_counts", "counts"),
   };
 }
 

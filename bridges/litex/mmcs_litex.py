@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """MMCS in a LiteX SoC: a module with a Wishbone slave and an interrupt. docs/use/bridges.md
 
-    self.mmcs = MMCS(platform, sys_clk_freq, cards=3)
+    self.mmcs = MMCS(platform, sys_clk_freq, cards=3, estop_closed=platform.request("estop_closed"),
+                     cable_ok=Constant(1), pc_power=platform.request("pc_power"))
     self.bus.add_slave("mmcs", self.mmcs.bus, SoCRegion(size=MMCS.SIZE, cached=False))
     self.irq.add("mmcs")
 
@@ -23,16 +24,24 @@ from sources import sources  # noqa: E402
 
 PINS_IN = {"enc_a": 2, "enc_b": 2, "enc_i": 2, "axis_enable": 2, "adc_v": 32}  # bits of a card
 PINS_OUT = {"drive_v": 32, "card_leds": 11}
-HEALTHY = ("estop_closed", "cable_ok", "pc_power")
+SAFETY = ("estop_closed", "cable_ok", "pc_power")
 
 
 class MMCS(LiteXModule):
-    """Adaptor and cards. The joints' pins are signals of the same names; estop_closed, cable_ok and
-    pc_power are 1 unless somebody drives them."""
+    """Adaptor and cards. The joints' pins are signals of the same names. What closes the brakes has
+    no default: estop_closed, cable_ok, pc_power are the pins' signals, or Constant(1) for what
+    there is not. brake_release and alive belong to the brakes' circuit (docs/hardware/fpga.md)."""
 
     SIZE = 0x10000  # the window is the first 4 KiB; beyond it the bus gets its error
 
-    def __init__(self, platform, sys_clk_freq: float, cards: int = 1):
+    def __init__(self, platform, sys_clk_freq: float, cards: int = 1, **safety):
+        for name in SAFETY:
+            if safety.get(name) is None:
+                raise ValueError(
+                    f"mmcs: {name} is missing; give its pin, or Constant(1) if there is none"
+                )
+        if unknown := set(safety) - set(SAFETY):
+            raise ValueError(f"mmcs: {min(unknown)} is no pin; there are {', '.join(SAFETY)}")
         hz = int(sys_clk_freq)
         if hz != sys_clk_freq or hz % 8_000_000 or not 8_000_000 <= hz <= 80_000_000:
             raise ValueError(f"mmcs: sys_clk_freq {sys_clk_freq:g} must be 8 to 80 MHz, in 8 MHz")
@@ -44,15 +53,14 @@ class MMCS(LiteXModule):
         self.ev.finalize()
         for name, width in (PINS_IN | PINS_OUT).items():
             setattr(self, name, Signal(width * cards, name=f"mmcs_{name}"))
-        for name in HEALTHY:
-            setattr(self, name, Signal(reset=1, name=f"mmcs_{name}"))
-        self.brake_release, self.panic, self.sclock = Signal(), Signal(), Signal()
-        self._add(hz, cards)
+        self.brake_release, self.alive = Signal(), Signal()
+        self.panic, self.sclock = Signal(), Signal()
+        self._add(hz, cards, safety)
         for file in sources("rtl"):
             platform.add_source(str(file))
         platform.add_verilog_include_path(str(ROOT / "rtl"))
 
-    def _add(self, hz: int, cards: int) -> None:
+    def _add(self, hz: int, cards: int, safety: dict) -> None:
         port = {"req": 1, "write": 1, "a": 10, "wdata": 8, "ack": 1, "rdata": 8}
         hp = {name: Signal(width, name=f"mmcs_hp_{name}") for name, width in port.items()}
         reset = {"i_clk_i": ClockSignal("sys"), "i_rst_ni": ~ResetSignal("sys")}
@@ -68,14 +76,16 @@ class MMCS(LiteXModule):
         idle_low = {"as": 1, "ds": 3, "write": 1, "lword": 1, "iack": 1, "iackin": 1, "sysreset": 1}
         ports = {f"i_vme_{n}_i": Constant(v, w) for n, (w, v) in idle.items()}
         ports |= {f"i_vme_{n}_ni": Constant(v, v.bit_length()) for n, v in idle_low.items()}
-        ports |= {f"i_{n}_i": getattr(self, n) for n in (*PINS_IN, *HEALTHY)}
+        ports |= {f"i_{n}_i": getattr(self, n) for n in PINS_IN}
+        ports |= {f"i_{n}_i": pin for n, pin in safety.items()}
         ports |= {f"o_{n}_o": getattr(self, n) for n in PINS_OUT}
         ports |= {f"i_pcx_{n}_i": Constant(0, w) for n, w in
                   {"d": 8, "d_oe": 1, "wait": 1, "irq": 5}.items()}  # fmt: skip
         self.specials += Instance(
             "mmcs", **reset, **ports, p_NumCards=cards, p_ClkHz=hz, p_HostPort=1,
             i_dip_i=Cat(*(Constant(n, 4) for n in range(cards))),
-            o_brake_release_o=self.brake_release, o_panic_o=self.panic, o_sclock_o=self.sclock,
+            o_brake_release_o=self.brake_release, o_alive_o=self.alive, o_panic_o=self.panic,
+            o_sclock_o=self.sclock,
             o_led_irq_o=self.ev.request.trigger, i_hp_req_i=hp["req"],
             i_hp_write_i=hp["write"], i_hp_a_i=hp["a"], i_hp_wdata_i=hp["wdata"],
             o_hp_ack_o=hp["ack"], o_hp_rdata_o=hp["rdata"],

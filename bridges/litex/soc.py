@@ -21,18 +21,24 @@ from litex.soc.integration import export
 from litex.soc.integration.common import get_mem_data
 from litex.soc.integration.soc import SoCRegion
 from litex.soc.integration.soc_core import SoCCore
+from migen import Constant
 from mmcs_litex import MMCS, ROOT
 
 CLK_HZ = 8_000_000
 GCC = "riscv64-unknown-elf-gcc"
 HERE = Path(__file__).resolve().parent
+SAFETY = ("estop_closed", "pc_power")
 PINS = {"enc_a": 2, "enc_b": 2, "enc_i": 2, "axis_enable": 2, "drive_v": 32, "card_leds": 11,
-        "sclock": 1, "clk": 1, "rst": 1}  # fmt: skip
+        "sclock": 1, "brake_release": 1, "alive": 1, "clk": 1, "rst": 1}  # fmt: skip
 
 
 class Platform(GenericPlatform):
     def __init__(self):
-        super().__init__("sim", [(n, 0, Pins(w)) for n, w in PINS.items()], name="soc")
+        super().__init__(
+            "sim",
+            [(n, 0, Pins(w)) for n, w in (PINS | dict.fromkeys(SAFETY, 1)).items()],
+            name="soc",
+        )
 
 
 class Soc(SoCCore):
@@ -44,12 +50,13 @@ class Soc(SoCCore):
             integrated_sram_size=0x8000, ident="MMCS", ident_version=False,
         )  # fmt: skip
         self.crg = CRG(platform.request("clk"), platform.request("rst"))
-        self.mmcs = MMCS(platform, CLK_HZ)
+        pins = {name: platform.request(name) for name in SAFETY}
+        self.mmcs = MMCS(platform, CLK_HZ, cable_ok=Constant(1), **pins)  # the cards are inside
         self.bus.add_slave("mmcs", self.mmcs.bus, SoCRegion(size=MMCS.SIZE, cached=False))
         self.irq.add("mmcs")
         for name in ("enc_a", "enc_b", "enc_i", "axis_enable"):
             self.comb += getattr(self.mmcs, name).eq(platform.request(name))
-        for name in ("drive_v", "card_leds", "sclock"):
+        for name in ("drive_v", "card_leds", "sclock", "brake_release", "alive"):
             self.comb += platform.request(name).eq(getattr(self.mmcs, name))
 
 

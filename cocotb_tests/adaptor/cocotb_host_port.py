@@ -6,7 +6,7 @@ from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.pcbus import PcBus, PcBusSlave
 
 from cocotb_tests.lib.req import req, variants
-from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Tb
+from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_core"
 VARIANTS = {
@@ -255,7 +255,7 @@ async def interrupts_by_the_port(dut):
     await tb.clocks(5)
     assert int(dut.irq_req_o.value) and int(dut.panic_o.value)
     dut.pc_irq_i.value = 0
-    await tb.clocks(5)
+    await tb.clocks(HEALTH_CLKS)
     assert int(dut.irq_req_o.value) and not int(dut.panic_o.value)
     assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
 
@@ -284,8 +284,8 @@ async def safety_by_the_port(dut):
         assert await tb.rd(PCCSR) == 0
         await FallingEdge(dut.clk_i)
         pin.value = 1
-        # Two flip-flops of the pin, two of the PC bus, which is heard again from now on, and PANIC.
-        for clocks_left in (4, 3, 2, 1, 0):
+        # What the pin set is cleared, two flip-flops, four clocks of health, and PANIC.
+        for clocks_left in (7, 6, 5, 4, 3, 2, 1, 0):
             await FallingEdge(dut.clk_i)
             assert int(dut.panic_o.value) == (clocks_left > 0)
         await tb.us(60)

@@ -56,3 +56,15 @@ def test_the_script_runs_an_example(tmp_path):
         pytest.skip(runner.MISSING["icarus"])
     done = run(tmp_path, "pc_port")
     assert done.returncode == 0 and "PASS=1 FAIL=0" in done.stdout, done.stdout + done.stderr
+
+
+def test_a_time_step_that_is_too_coarse_is_told(tmp_path):
+    if not shutil.which("iverilog"):
+        pytest.skip(runner.MISSING["icarus"])
+    for file in (BFM / "examples").glob("pc_port.*"):
+        shutil.copy(file, tmp_path)
+    script = (BFM / "examples" / "run.py").read_text().replace('"1ps"', '"1ns"')
+    (tmp_path / "run.py").write_text(script)
+    command = [sys.executable, "run.py", "pc_port"]
+    done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True, check=False)
+    assert "the simulator's time step is 1e-9 s, but these models need 1 ps" in done.stdout

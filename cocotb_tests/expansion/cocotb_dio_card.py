@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, PORT_A, QUAD, Machine
+from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, PORT_A, QUAD, Machine
 
 TOPLEVEL = "bench_expansion"
 SOURCES = ["dio_card.sv", "bench_expansion.sv"]
@@ -89,7 +89,7 @@ async def its_interrupt_line(dut):
     assert int(dut.panic_o.value)
     assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | DIO_BASE
     dut.dio_i.value = 0
-    await tb.clocks(5)
+    await tb.clocks(HEALTH_CLKS)
     assert not int(dut.panic_o.value)
 
 

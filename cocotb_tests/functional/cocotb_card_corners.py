@@ -266,7 +266,7 @@ async def another_register_ends_a_pair(dut):
 @cocotb.test()
 @req("CAL-1", "PCB-1")
 async def an_index_of_one_sample_latches(dut):
-    """A sample is a tick of the PC's CLK: between two ticks an index is not seen."""
+    """A sample is a tick of the PC's CLK: an index between two ticks is kept for the next one."""
     tb = Card(dut)
     await tb.start(RUN | B_INDEX)
     await tb.preset(0, 100)
@@ -295,7 +295,10 @@ async def an_index_of_one_sample_latches(dut):
             dut.pc_clk_en_i.value = 0
             await tb.clocks(2)
         dut.pc_clk_en_i.value = 1
-        assert not await tb.pc.read(PORT_C) & C_INDEX1, f"between ticks, {tick}"
+        assert await tb.pc.read(PORT_C) & C_INDEX1, f"between ticks, {tick}"
+        await tb.pc.write(PORT_B, RUN)
+        assert not await tb.pc.read(PORT_C) & C_INDEX1
+        await tb.pc.write(PORT_B, RUN | B_INDEX)
     for wait in range(4):
         await tb.pc.write(PORT_B, RUN)
         await tb.pc.write(PORT_B, RUN | B_INDEX)

@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import LATCH_ALL, PCCSR, PORT_A, QUAD, Machine, dip
+from cocotb_tests.lib.tb import HEALTH_CLKS, LATCH_ALL, PCCSR, PORT_A, QUAD, Machine, dip
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -58,7 +58,7 @@ async def every_axis_switch_by_itself(dut):
     for _ in range(2):
         for switches in [0] + [n for a in range(2 * tb.cards) for n in (1 << a, 0)]:
             dut.axis_enable_i.value = switches
-            await tb.clocks(6)
+            await tb.clocks(HEALTH_CLKS)
             assert int(dut.panic_o.value) == int(switches != 0), f"switches {switches:06b}"
 
 

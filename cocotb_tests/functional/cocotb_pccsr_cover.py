@@ -6,7 +6,7 @@ import cocotb
 from cocotb_tests.adaptor.cocotb_host_port import HostPort
 from cocotb_tests.functional import cover
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import PCCSR, PIT
+from cocotb_tests.lib.tb import HEALTH_CLKS, PCCSR, PIT
 
 TOPLEVEL = "adaptor_core"
 PARAMETERS: dict = {}
@@ -20,7 +20,7 @@ class Csr(HostPort):
 
     async def panic(self, level: int) -> None:
         self.dut.estop_closed_i.value = not level
-        await self.clocks(6)
+        await self.clocks(HEALTH_CLKS)
         assert int(self.dut.panic_o.value) == level
 
     async def enter(self, state: int) -> None:

@@ -153,6 +153,7 @@ module bench_hosts #(
     .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
     .vme_sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i,
     .brake_release_o(),
+    .alive_o(),
     .panic_o(),
     .sclock_o,
     .led_irq_o(irq_o),

@@ -10,6 +10,7 @@ import hashlib
 import os
 import re
 import resource
+import shlex
 import shutil
 import subprocess
 import sys
@@ -23,6 +24,8 @@ from cocotb_tools.runner import Icarus, Verilator
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
 from sources import sources  # noqa: E402
+
+from mmcs.engine.build import ensure_library  # noqa: E402
 
 SIMULATORS = ("verilator", "icarus")
 MISSING = {
@@ -40,9 +43,13 @@ OPTIMISE = ["OPT_FAST=-O1", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 COUNTING = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dpi.o")
 # Only with these tops do the bus checkers find what they are bound to.
-CHECKED_TOPS = ("mmcs", "bench_expansion")
+CHECKED_TOPS = ("mmcs", "bench_expansion", "mmcs_tb")
+TESTBENCH = ROOT / "sim/dpi/mmcs_tb.sv"  # with the engine behind it
+NO_DPI = "Icarus has no DPI-C: docs/use/dpi.md"
 # Of a netlist tests see the ports alone: all its nets would make ten times the code.
 PORTS = '`verilator_config\npublic_flat_rw -module "{top}" -var "*"\n'
+# Of a long run behind DPI, the machine's wires.
+WIRES = PORTS.format(top="mmcs") + 'public_flat_rw -module "mmcs_tb" -var "done"\n'
 # The nets that tests break: Verilator wants to know them beforehand.
 FORCEABLE = ROOT / "cocotb_tests/lib/forceable.vlt"
 
@@ -63,6 +70,8 @@ class Job:
     coverage: bool = False
     netlist: tuple[Path, ...] = ()  # in place of the RTL: what was synthesised, and its cells
     includes: tuple[Path, ...] = ()  # further folders of include files
+    dpi: str = ""  # the scenario behind sim/dpi/mmcs_tb.sv, as words for `mmcs run`
+    environment: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass
@@ -150,22 +159,34 @@ class _Verilator(_Runner, Verilator):
 def _design(job: Job) -> tuple[list[Path], list[Path]]:
     """Sources and include folders of a job."""
     if job.netlist:
-        ports = build_root() / f"{job.toplevel}_ports.vlt"
-        ports.parent.mkdir(parents=True, exist_ok=True)
-        ports.write_text(PORTS.format(top=job.toplevel))
+        ports = _written(f"{job.toplevel}_ports.vlt", PORTS.format(top=job.toplevel))
         return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent, *job.includes]
     rtl = sources("rtl")
-    files = needed(job.toplevel, [*rtl, *job.extra])
+    testbench = [TESTBENCH] if job.dpi and not job.extra else []
+    files = needed(job.toplevel, [*rtl, *job.extra, *testbench])
     if job.toplevel in CHECKED_TOPS and job.sim == "verilator":
         files += [f for f in sources("checkers") if f.is_file()]
     folder = next(p for p in rtl[0].parents if p.name == "rtl")
     if job.sim == "verilator":
         waivers = folder / "verilator.vlt"  # a mutant's own
-        files = [FORCEABLE, *([waivers] if waivers.is_file() else []), *files]
+        ours = _written(f"{job.toplevel}_wires.vlt", WIRES) if job.dpi else FORCEABLE
+        files = [ours, *([waivers] if waivers.is_file() else []), *files]
     return files, [folder, *job.includes]
 
 
+def _written(name: str, text: str) -> Path:
+    path = build_root() / name
+    if not path.is_file() or path.read_text() != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return path
+
+
 def _arguments(job: Job) -> list[str]:
+    if job.dpi:
+        # its own clock, pins that move with it, no timescale but the testbench's
+        args = ["--assert", "--timing", "-DMMCS_NO_BUS_TIMES", "-Wno-TIMESCALEMOD"]
+        return [*args, "-LDFLAGS", str(ensure_library(1, "dpi"))]
     if job.sim == "icarus":
         return ["-Wall", "-Wno-timescale"]
     if job.netlist:  # written by a program, and cells written by others
@@ -234,7 +255,7 @@ def build(job: Job):
     runner = (_Verilator if job.sim == "verilator" else _Icarus)()
     if job.coverage:
         runner.optimise = COUNTING
-    if job.netlist:
+    if job.netlist or job.dpi:
         runner.ports_only = True
     log = folder.with_suffix(".log")
     with locked(folder.with_suffix(".lock")):
@@ -322,7 +343,13 @@ def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
             timescale=TIMESCALE,
             parameters=dict(job.parameters),
             log_file=log,
-            extra_env={"MMCS_SIM": job.sim, "MMCS_PARAMETERS": repr(dict(job.parameters))},
+            plusargs=[f"+scenario={job.dpi}"] if job.dpi else [],
+            extra_env={
+                "MMCS": f"{shlex.quote(sys.executable)} -m mmcs",
+                "MMCS_SIM": job.sim,
+                "MMCS_PARAMETERS": repr(dict(job.parameters)),
+                **dict(job.environment),
+            },
         )
     except (RuntimeError, SystemExit) as error:
         note = f"the simulation ended early: {error}"

@@ -41,6 +41,7 @@ ARMED = regs.PCCSR_LATCH_EN_BM
 SCLOCK_IRQ, PANIC_IRQ = regs.PCCSR_SCLOCK_EN_BM, regs.PCCSR_PANIC_EN_BM
 BASE = regs.PCCSR_BASE_CARDS
 QUAD = 5
+HEALTH_CLKS = 16  # from the end of the last fault to the end of PANIC, and more
 LEDS = ("a1", "b1", "i1", "a2", "b2", "i2", "beat1", "beat2", "gp1", "gp2", "power")
 
 
@@ -89,7 +90,8 @@ class Tb:
         cocotb.start_soon(self._watchdog())
         self.inputs_idle()
         self.dut.rst_ni.value = 0
-        Clock(self.dut.clk_i, self.period, "ps", impl="gpi").start()
+        self.clock = Clock(self.dut.clk_i, self.period, "ps", impl="gpi")
+        self.clock.start()
         await self.clocks(4)
         self.dut.rst_ni.value = 1
         await self.clocks(4)

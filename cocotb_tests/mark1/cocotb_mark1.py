@@ -578,7 +578,7 @@ async def real_heartbeat_relay_and_conversion(dut):
     await tb.us(49_900)
     assert not tb.panic()
     await tb.led_edge("beat1", 0)
-    await tb.clocks(1)
+    await tb.clocks(2)
     assert tb.panic()
     task = cocotb.start_soon(tb.pc.write(DAC1, 0))
     begin = await tb.led_edge("beat1", 1)

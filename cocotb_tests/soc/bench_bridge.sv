@@ -85,6 +85,7 @@ module bench_bridge #(
     .pc_power_i(1'b1),
     .panic_o(),
     .brake_release_o(),
+    .alive_o(),
     .sclock_o(),
     .pc_a_o(),
     .pc_aen_o(),

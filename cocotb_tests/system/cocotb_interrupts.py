@@ -7,11 +7,20 @@ that the documentation states.
 """
 
 import cocotb
-from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer
+from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer, ValueChange
 from cocotbext.vme import BusTimeout, VmeInterruptHandler, VmeTiming
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import ARMED, BASE, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Machine
+from cocotb_tests.lib.tb import (
+    ARMED,
+    BASE,
+    HEALTH_CLKS,
+    PANIC_IRQ,
+    PCCSR,
+    SCLOCK_IRQ,
+    VECTOR,
+    Machine,
+)
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -51,7 +60,7 @@ async def panic_edge(tb: Machine) -> None:
 
 async def panic_low(tb: Machine) -> None:
     tb.dut.estop_closed_i.value = 1
-    await tb.clocks(7)  # the PC bus is heard from when the button is seen closed
+    await tb.clocks(HEALTH_CLKS)
     assert not int(tb.dut.panic_o.value)
 
 
@@ -105,6 +114,33 @@ async def latch_and_enable(dut, source):
         await tb.wr(PCCSR, BASE)
         assert await tb.rd(PCCSR) == BASE
         await low(tb)
+
+
+@cocotb.test()
+@cocotb.parametrize(source=["sclock", "panic"])
+@req("INT-1", "INT-2")
+async def clearing_bit_7_pulls_no_line(dut, source):
+    """A latch that is set and not enabled: the write that clears bit 7 and enables it."""
+    tb = await machine(dut)
+    edge, low, bit = {
+        "sclock": (sclock_edge, sclock_low, SCLOCK_IRQ),
+        "panic": (panic_edge, panic_low, PANIC_IRQ),
+    }[source]
+    await tb.wr(PCCSR, ARMED | BASE)
+    await edge(tb)
+    assert await tb.rd(PCCSR) == ARMED | BASE | bit
+    fell = []
+
+    async def watch():
+        await ValueChange(dut.vme_irq_no)
+        fell.append(tb.now())
+
+    task = cocotb.start_soon(watch())
+    await tb.wr(PCCSR, BASE | SCLOCK_IRQ | PANIC_IRQ)
+    await tb.us(2)
+    assert not fell and await tb.rd(PCCSR) == BASE
+    task.cancel()
+    await low(tb)
 
 
 @cocotb.test()
@@ -303,6 +339,24 @@ async def acknowledge_gives_the_vector(dut):
         await tb.wr(PCCSR, BASE)
         await tb.clocks(4)
         assert irq(tb) == 0
+
+
+@cocotb.test()
+@req("INT-2", "VME-6")
+async def iack_jumper_left_in(dut):
+    """The backplane's jumper bypasses the slot: IACKIN* never falls, the bus timer ends it."""
+    tb = await machine(dut)
+    await tb.wr(VECTOR, 0xA5)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await sclock_edge(tb)
+    bus = tb.vme.bus
+    iackin, bus.iackin_n = bus.iackin_n, None
+    op = await tb.vme.init_iack(5).wait()
+    assert isinstance(op.error, BusTimeout) and irq(tb) == 1 << 5
+    assert int(dut.vme_iackout_no.value) == 1
+    bus.iackin_n = iackin
+    op = await tb.vme.init_iack(5).wait()
+    assert op.data == 0xA5, "without the jumper it is answered"
 
 
 @cocotb.test()

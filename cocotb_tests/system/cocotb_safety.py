@@ -3,7 +3,7 @@
 """Heartbeats, PANIC, brakes, e-stop, cable and power. §2.3.4, §4.3.5, §4.3.8, §5.3.6, §5.4.1"""
 
 import cocotb
-from cocotb.triggers import FallingEdge, RisingEdge, Timer
+from cocotb.triggers import FallingEdge, RisingEdge, Timer, ValueChange
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
@@ -15,6 +15,7 @@ from cocotb_tests.lib.tb import (
     BASE,
     C_DONE,
     DAC1,
+    HEALTH_CLKS,
     PANIC_IRQ,
     PCCSR,
     PORT_A,
@@ -41,7 +42,7 @@ async def machine(dut, enabled: int = 0x3F) -> Machine:
     await tb.wr(0x407, 0x70)
     await tb.us(25)
     await tb.beat()
-    await tb.clocks(5)
+    await tb.clocks(HEALTH_CLKS)
     return tb
 
 
@@ -67,7 +68,7 @@ async def panic_stands_until_every_da_is_written(dut):
     for axis in range(6):
         assert panic(tb)
         await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
-        await tb.clocks(5)
+        await tb.clocks(HEALTH_CLKS)
     assert not panic(tb)
 
 
@@ -85,7 +86,7 @@ async def any_axis_panics(dut, axis):
         int(a != axis) for a in range(6)
     ]
     await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
-    await tb.clocks(5)
+    await tb.clocks(HEALTH_CLKS)
     assert not panic(tb)
 
 
@@ -113,15 +114,19 @@ async def heartbeat_to_the_clock(dut):
     """The pulse is exactly HeartbeatUs long, whenever it was triggered."""
     tb = await machine(dut, 0x01)
     clocks = BEAT_US * tb.clk_hz // 1_000_000
+
+    async def light(level: int) -> float:
+        while tb.led(0, "beat1") != level:
+            await ValueChange(dut.card_leds_o)
+        return tb.now()
+
     await RisingEdge(dut.panic_o)
     for n in range(3):
         await tb.us(3 * n)
         write = cocotb.start_soon(tb.cwr(0, DAC1, n))
-        await FallingEdge(dut.panic_o)
-        start = tb.now()
+        start = await light(1)
         await write
-        await RisingEdge(dut.panic_o)
-        assert tb.clks(tb.now() - start) == clocks
+        assert tb.clks(await light(0) - start) == clocks
 
 
 @cocotb.test()
@@ -238,7 +243,7 @@ async def sources_overlap(dut):
     await tb.us(2)
     assert panic(tb), "a card still panics"
     dut.axis_enable_i.value = 0
-    await tb.clocks(8)
+    await tb.clocks(HEALTH_CLKS)
     assert not panic(tb)
 
 
@@ -340,7 +345,7 @@ async def pc_power_lost_and_back(dut):
     assert await tb.crd(0, PORT_C) & 5 == 0
     assert tb.volts(0) == 0, "the relay has let go"
     await tb.beat()
-    await tb.clocks(5)
+    await tb.clocks(HEALTH_CLKS)
     assert not panic(tb)
     assert await tb.vme.iack(5) == 0x77, "the latch and the vector stand"
 
@@ -405,8 +410,7 @@ async def short_outages(dut):
             pin.value = 1
             await tb.us(60)
             assert not panic(tb)
-            latched = bool(await tb.rd(PCCSR) & PANIC_IRQ)
-            assert latched or ns < 130, f"an outage of {ns} ns was missed"
+            assert await tb.rd(PCCSR) & PANIC_IRQ, f"an outage of {ns} ns was missed"
 
 
 @cocotb.test()

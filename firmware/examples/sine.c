@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A sine of 200 counts at 2 Hz on axis 0, and what the axis made of it: C of today, no threads, no
- * timers. The driver's count of interrupts is the clock: a line for each sample that it catches.
+ * timers. MWAIT is its clock: a line for each servo sample.
  *
  *	cc $(mmcs exec --cflags --modern) sine.c -o sine -lm
- *	mmcs exec --scenario lab500 -- ./sine > sine.csv          as fast as it goes
- *	mmcs exec --scenario lab500 --realtime -- ./sine          in real time
+ *	mmcs exec --lockstep --scenario lab500 -- ./sine > sine.csv    the same to the bit each time
+ *	mmcs exec --realtime --scenario lab500 -- ./sine               in real time
  */
 #include <fcntl.h>
 #include <math.h>
@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <sys/ioctl.h>
 #include <sys/mcdef.h>
+#include <sys/mmcs.h>
 #include <unistd.h>
 
 #define INTERVAL_US 1000
@@ -26,11 +27,11 @@ static void check(int result, const char *what) {
   exit(1);
 }
 
-/* Interrupts since the device was opened: passes once per servo sample. */
-static int samples(void) {
-  struct mc_stats stats;
-  check(ioctl(fd, MGETSTATS, &stats), "MGETSTATS");
-  return stats.total;
+/* Waits for the next servo sample: its number. */
+static int sample(void) {
+  int number;
+  check(ioctl(fd, MWAIT, &number), "MWAIT");
+  return number;
 }
 
 int main(void) {
@@ -52,11 +53,9 @@ int main(void) {
   check(ioctl(fd, MENABLE), "MENABLE");
 
   printf("sample,setpoint,encoder,current\n");
-  for (int begin = samples(), now = begin, last = begin - 1; now - begin < SAMPLES; now = samples()) {
+  for (int begin = sample(), now = begin; now - begin < SAMPLES; now = sample()) {
     struct mc_state state;
     int setpoint = (int)lround(200 * sin(turn * hz * (now - begin) * INTERVAL_US * 1e-6));
-    if (now == last) continue;
-    last = now;
     check((int)write(fd, &setpoint, sizeof setpoint), "write");
     check((int)read(fd, &state, sizeof state), "read");
     printf("%d,%d,%d,%d\n", now - begin, setpoint, state.encnow, state.inow);

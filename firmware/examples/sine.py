@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A sine of 200 counts at 2 Hz on axis 0, and what the axis made of it.
 
-mmcs exec --scenario lab500 -- python firmware/examples/sine.py > sine.csv
+mmcs exec --lockstep --scenario lab500 -- python firmware/examples/sine.py > sine.csv
 """
 
 import math
@@ -20,13 +20,11 @@ with mmcs.Device("/dev/mc0") as dev:
     dev.write([0])
     dev.enable()
     print("sample,setpoint,encoder,current")
-    begin = last = dev.stats()["total"]  # the driver's count of samples is the clock
-    while (now := dev.stats()["total"]) - begin < SAMPLES:
-        if now == last:
-            continue
-        last = now
+    begin = now = dev.wait()  # the number of a servo sample
+    while now - begin < SAMPLES:
         setpoint = round(200 * math.sin(2 * math.pi * HZ * (now - begin) * INTERVAL_US * 1e-6))
         dev.write([setpoint])
         state = dev.read(1)[0]
         print(f"{now - begin},{setpoint},{state.encnow},{state.inow}")
+        now = dev.wait()
     dev.stop()

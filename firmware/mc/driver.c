@@ -2,6 +2,8 @@
 /* Open, close, read, write: see mc.h, §2.3. */
 #include "mc_priv.h"
 
+_Static_assert(sizeof(struct mc) <= MC_WORDS * sizeof(uint64_t), "MC_WORDS in mc.h is too small");
+
 size_t mc_size(void) {
   return sizeof(struct mc);
 }
@@ -40,6 +42,7 @@ static int start(struct mc *mc) {
     hw_put(mc, MMCS_VECTOR, mc->config.vector);
     mc->power = MC_IDLE;
     mc->adc_timeouts = 0;
+    mc->crowded = 0;
     mc->stopped = 0;
     mc->stats = (struct mc_stats){0};
     mc_scan(mc);
@@ -170,8 +173,8 @@ int mc_current(const struct mc *mc, int axis) {
   return mc->axis[axis].code - MC_DAC_ZERO;
 }
 
-int mc_mode(const struct mc *mc, int axis) {
-  return mc->axis[axis].par.mode;
+const struct mc_param *mc_param_of(const struct mc *mc, int axis) {
+  return &mc->axis[axis].par;
 }
 
 int mc_is_enabled(const struct mc *mc) {
@@ -180,6 +183,18 @@ int mc_is_enabled(const struct mc *mc) {
 
 int mc_is_stopped(const struct mc *mc) {
   return mc->stopped != 0;
+}
+
+uint32_t mc_interval(const struct mc *mc) {
+  return timer_interval_us(mc);
+}
+
+int mc_diag(const struct mc *mc) {
+  return mc->diag;
+}
+
+int mc_double_buffer(const struct mc *mc) {
+  return mc->double_buffer;
 }
 
 const struct mc_state *mc_state_of(const struct mc *mc, int axis) {

@@ -76,7 +76,10 @@ static int heartbeats_live(const struct mc *mc) {
 /* Counts what was missed. 0: this SCLOCK has been served by a pass that began late. */
 static int enter(struct mc *mc) {
   unsigned passed = timer_enter(mc);
-  if (passed == 0) return 0;
+  if (passed == 0) {
+    mc->overran++; /* no pass: the next one may still follow the last that overran */
+    return 0;
+  }
   mc_count(&mc->stats.missed, passed - 1);
   mc->grace -= passed < mc->grace ? passed : mc->grace;
   mc->skipped += passed;
@@ -105,6 +108,21 @@ static int skip_pass(struct mc *mc) {
   return 1;
 }
 
+/* The next SCLOCK rose before the end of this pass. On a processor of its own nothing but passes
+ * runs while that goes on: no program, and no MENABLE comes to its end. Passes that end in time pay
+ * nothing for the count. */
+static void overran(struct mc *mc) {
+  mc_count(&mc->stats.overrun, 1);
+  uint32_t total = (uint32_t)mc->stats.total;
+  int follows = total - mc->overran == 1;
+  mc->overran = total;
+  if (mc->crowded == UINT32_MAX) return;
+  mc->crowded = follows ? mc->crowded + 1 : 1;
+  if ((uint64_t)mc->crowded * timer_interval_us(mc) < MC_CROWDED_US) return;
+  mc->crowded = UINT32_MAX;
+  text_log(mc, "passes outlast SCLOCK, programs get no time: the interval is too short", -1, "");
+}
+
 static int servo_pass(struct mc *mc) {
   if (!enter(mc)) return 0;
   int good = sample_read(mc, &mc->sample);
@@ -115,7 +133,7 @@ static int servo_pass(struct mc *mc) {
   int straddled = timer_moved(mc);
   calib_serve(mc, &mc->sample);
   if (straddled) {
-    mc_count(&mc->stats.overrun, 1);
+    overran(mc);
     if (!skip_pass(mc) && mc->power == MC_RUNNING) hw_write_dacs(mc);
     return 0;
   }
@@ -126,7 +144,7 @@ static int servo_pass(struct mc *mc) {
     hw_write_dacs(mc);
     mc->power = MC_RUNNING;
   }
-  if (timer_moved(mc)) mc_count(&mc->stats.overrun, 1);
+  if (timer_moved(mc)) overran(mc);
   return 1;
 }
 

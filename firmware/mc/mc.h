@@ -82,11 +82,15 @@ struct mc_config {
 /* Open flags, as open(2). */
 enum { MC_O_RDONLY = 0, MC_O_WRONLY = 1, MC_O_RDWR = 2 };
 
-struct mc; /* defined in mc_priv.h; a host that must place it uses mc_size() bytes, zeroed */
+/* Defined in mc_priv.h. A host gives it zeroed memory: mc_size() bytes, or, where nothing can be
+ * allocated, `static uint64_t memory[MC_WORDS]`, which is enough on every processor. */
+struct mc;
+#define MC_WORDS 1152
 
 size_t mc_size(void);
 
-/* Binds bus, host and configuration; touches no hardware. 0, or -MC_EINVAL. */
+/* Binds bus, host and configuration; touches no hardware. 0, or -MC_EINVAL. All members of all
+ * three are looked at: name those that are meant in an initializer, so that the others are 0. */
 int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
               const struct mc_config *config);
 
@@ -120,10 +124,13 @@ int mc_joints(const struct mc *mc);
 int32_t mc_setpoint(const struct mc *mc, int axis); /* as write() or the driver set it */
 int32_t mc_demand(const struct mc *mc, int axis);   /* behind S1: the setpoint, or phi */
 int mc_current(const struct mc *mc, int axis);      /* at the D/A, without ipole's filter */
-int mc_mode(const struct mc *mc, int axis);         /* the mode word */
+const struct mc_param *mc_param_of(const struct mc *mc, int axis);
 const struct mc_state *mc_state_of(const struct mc *mc, int axis);
-int mc_is_enabled(const struct mc *mc); /* the servo writes the D/As */
-int mc_is_stopped(const struct mc *mc); /* a stop is latched */
+int mc_is_enabled(const struct mc *mc);    /* the servo writes the D/As */
+int mc_is_stopped(const struct mc *mc);    /* a stop is latched */
+uint32_t mc_interval(const struct mc *mc); /* us between SCLOCKs */
+int mc_diag(const struct mc *mc);          /* as MDIAGMODE asked */
+int mc_double_buffer(const struct mc *mc); /* as MDACMODE asked */
 const struct mc_stats *mc_stats_of(const struct mc *mc);
 
 #endif

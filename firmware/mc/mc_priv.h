@@ -15,6 +15,7 @@
 #define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */
 #define MC_SERVO_US 50000      /* longest servo period of several SCLOCKs: the one-shot's */
 #define MC_SKIP_US 25000       /* so long no servo sample: the machine stops */
+#define MC_CROWDED_US 50000    /* so long one pass after the other: the console is told */
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
 #define MC_ADC_POLLS 40        /* port C reads of 1 us: conversion takes at most 35 us */
 
@@ -105,6 +106,8 @@ struct mc {
   uint32_t unwritten; /* SCLOCKs since the last write(), from 1; 0: none, or no lease */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   int verbosity;
+  uint32_t crowded; /* passes in a row that outlasted an SCLOCK; UINT32_MAX: was told */
+  uint32_t overran; /* stats.total at the last of them */
   int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
 };
 

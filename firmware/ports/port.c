@@ -100,7 +100,9 @@ static void publish(void) {
 static void publish_modes(void) {
   BOX->latched = mc_is_stopped(&driver);
   int joints = mc_joints(&driver);
-  for (int axis = 0; axis < joints; axis++) BOX->mode[axis] = mc_mode(&driver, axis);
+  for (int axis = 0; axis < joints; axis++) {
+    BOX->mode[axis] = mc_param_of(&driver, axis)->mode;
+  }
 }
 
 void port_servo_interrupt(void) {

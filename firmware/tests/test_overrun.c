@@ -107,14 +107,50 @@ static void test_axes_that_are_off_are_not_due(void) {
   }
 }
 
-/* Late, but computed: counted, and on it goes. */
+static const char crowded[] =
+    "mc: passes outlast SCLOCK, programs get no time: the interval is too short\n";
+
+/* Late, but computed: counted, told once, and on it goes. */
 // req: DRV-7 DRV-9
 static void test_late_passes_that_compute_go_on(void) {
   struct mc *mc = started(MD_VEL, MD_POS, 1);
   m.compute_us = 1200;
-  mock_run(&m, 400000);
+  mock_run(&m, 49000);
+  CHECK_EQ(said[0], 0);
+  mock_run(&m, 351000);
+  CHECK_EQ(strcmp(said, crowded), 0);
   CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
   CHECK(mc_is_enabled(mc) && !mock_panic(&m));
+  CHECK(mc_stats_of(mc)->overrun > 90);
+  mock_stop(&m);
+}
+
+/* A port whose processor is too slow for its interval: MENABLE would not return there, since
+ * nothing but passes runs. Every open tells it once. */
+// req: DRV-7
+static void test_a_processor_that_is_too_slow_is_told_at_rest(void) {
+  struct mc *mc = listening(1);
+  for (int n = 0; n < 2; n++) {
+    m.compute_us = 1200;
+    mock_run(&m, 80000);
+    CHECK_EQ(strcmp(said, crowded), 0);
+    m.compute_us = 0;
+    mock_run(&m, 10000);
+    m.compute_us = 1200;
+    mock_run(&m, 200000);
+    CHECK_EQ(strcmp(said, crowded), 0);
+    m.compute_us = 0;
+    CHECK_EQ(mc_close(mc, 0), 0);
+    said[0] = 0;
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  }
+  for (int n = 0; n < 10; n++) { /* programs had time in between */
+    m.compute_us = 1200;
+    mock_run(&m, 40000);
+    m.compute_us = 0;
+    mock_run(&m, 10000);
+  }
+  CHECK_EQ(said[0], 0);
   CHECK(mc_stats_of(mc)->overrun > 90);
   mock_stop(&m);
 }
@@ -159,6 +195,8 @@ static const struct test tests[] = {
      test_waiting_axes_wait_on_in_a_pass_without_a_sample},
     {"test_axes_that_are_off_are_not_due", test_axes_that_are_off_are_not_due},
     {"test_late_passes_that_compute_go_on", test_late_passes_that_compute_go_on},
+    {"test_a_processor_that_is_too_slow_is_told_at_rest",
+     test_a_processor_that_is_too_slow_is_told_at_rest},
 };
 
 MAIN(tests)

@@ -11,7 +11,7 @@ static void at_rest(const struct mc *mc) {
   CHECK(!mc_is_enabled(mc));
   for (int axis = 0; axis < mc_joints(mc); axis++) {
     CHECK_EQ(mock_dac(&m, axis), 0x800);
-    CHECK_EQ(mc_mode(mc, axis) & MD_MASK, MD_OFF);
+    CHECK_EQ(mc_param_of(mc, axis)->mode & MD_MASK, MD_OFF);
     CHECK_EQ(mc_setpoint(mc, axis), 0);
     CHECK_EQ(mc_current(mc, axis), 0);
     CHECK_EQ(m.card[axis / 2].b & 2, 0);

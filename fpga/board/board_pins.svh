@@ -16,11 +16,14 @@
   input  wire logic       adc_dout, \
   output logic            dac_sync_n, \
   output logic            dac_din, \
+  output logic            dac_clr_n, \
+  output logic            dac_ldac_n, \
   input  wire logic [1:0] enc_a, \
   input  wire logic [1:0] enc_b, \
   input  wire logic [1:0] enc_i, \
   input  wire logic [1:0] enable_n, \
   input  wire logic       estop_n, \
-  output logic            brake_release
+  output logic            brake_release, \
+  output logic            alive
 
 `endif

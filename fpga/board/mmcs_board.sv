@@ -21,6 +21,7 @@ module mmcs_board #(
 
   logic rst_n;
   logic [3:0] reset_q;
+  logic locked0_q, locked_q;    // the converters' reset: with the PLL, not with the button
   logic hp_req, hp_write, hp_ack;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata;
@@ -28,8 +29,13 @@ module mmcs_board #(
   logic [10:0] leds;
 
   always_ff @(posedge clk_i or negedge locked_i) begin
-    if (!locked_i) {rst_n, reset_q} <= '0;
-    else {rst_n, reset_q} <= {&reset_q, reset_q[2:0], button_ni};
+    if (!locked_i) begin
+      {rst_n, reset_q}      <= '0;
+      {locked_q, locked0_q} <= '0;
+    end else begin
+      {rst_n, reset_q}      <= {&reset_q, reset_q[2:0], button_ni};
+      {locked_q, locked0_q} <= {locked0_q, 1'b1};
+    end
   end
 
   uart_host #(
@@ -44,10 +50,13 @@ module mmcs_board #(
   spi_converters #(
     .ClkHz(ClkHz)
   ) u_converters (
-    .clk_i, .rst_ni(rst_n),
+    .clk_i,
+    .rst_ni(locked_q),
+    .run_i(rst_n),
     .sclk_o(spi_sclk),
     .adc_cs_no(adc_cs_n), .adc_din_o(adc_din), .adc_dout_i(adc_dout),
-    .dac_sync_no(dac_sync_n), .dac_din_o(dac_din),
+    .dac_sync_no(dac_sync_n), .dac_din_o(dac_din), .dac_clr_no(dac_clr_n),
+    .dac_ldac_no(dac_ldac_n),
     .drive_v_i(drive),
     .adc_v_o(adc)
   );
@@ -66,7 +75,7 @@ module mmcs_board #(
     .estop_closed_i(~estop_n),
     .cable_ok_i(1'b1),
     .pc_power_i(1'b1),
-    .brake_release_o(brake_release), .panic_o, .sclock_o,
+    .brake_release_o(brake_release), .alive_o(alive), .panic_o, .sclock_o,
     .led_irq_o(),
     .enc_a_i(enc_a), .enc_b_i(enc_b), .enc_i_i(enc_i), .axis_enable_i(~enable_n),
     .dip_i('0),

@@ -18,8 +18,7 @@ except ImportError:
 import numpy as np
 from gymnasium import spaces
 
-from mmcs import mcdef
-from mmcs.errors import InputError, RunError
+from mmcs import InputError, Machine, load
 
 ID = "MMCS/Reach-v0"
 CLIP = 10.0  # of observations, in their units
@@ -39,67 +38,41 @@ class ReachEnv(gymnasium.Env):
     def __init__(self, scenario: str = "lab500", step_intervals: int = 5, episode_steps: int = 200,
                  reach_counts: int = 500, render_mode: str | None = None):  # fmt: skip
         """reach_counts: targets are drawn from so far to either side; it is the range above."""
-        from mmcs.scenario.load import load
-        from mmcs.session.machine import machine
-
         for name, value in (("step_intervals", step_intervals), ("episode_steps", episode_steps),
                             ("reach_counts", reach_counts)):  # fmt: skip
             if not isinstance(value, int) or value < 1:
                 raise InputError.one(name, "", value, "must be a whole number of at least 1")
         self.render_mode = render_mode
-        self.setup = load(scenario, ())
+        self.setup = load(scenario)
         self.axes, self.reach = self.setup.axes, reach_counts
+        self.step_intervals = step_intervals
         self.step_s = step_intervals * self.setup.scenario.interval_us * 1e-6
         self.episode_steps = episode_steps
         self.limits = np.array([values["ilim"] for values in self.setup.params])
         self.action_space = spaces.Box(-1.0, 1.0, (self.axes,), np.float32)
         self.observation_space = spaces.Box(-CLIP, CLIP, (3 * self.axes,), np.float32)
-        self.sim = machine(self.setup)
-        self._begin()
-
-    def _begin(self) -> None:
-        """Switched on and at rest: where every episode starts, to the bit."""
-        sim = self.sim
-        self.client = sim.open(mcdef.O_RDWR)
-        self._ask("MSETNUMJOINTS", mcdef.new_int(self.axes))
-        self._ask("MSETINTERVAL", mcdef.new_int(self.setup.scenario.interval_us))
-        for axis, values in enumerate(self.setup.params):
-            self._ask("MSETENC", mcdef.new_int(axis))
-            param = mcdef.new_param(axis)
-            mcdef.fill_param(param, {**values, "mode": "torque", "flags": []})
-            self._ask("MSETPARAM", param)
-        self._ask("MENABLE")
-        self.start = sim.snapshot()
-
-    def _ask(self, request: str, argument=None) -> None:
-        result = self.sim.ioctl(self.client, getattr(mcdef, request), argument)
-        if result < 0:
-            raise RunError(f"{request} fails with {-result}: no use can be made of this machine")
+        self.machine = Machine(self.setup, mode="torque")
+        self.start = self.machine.save()  # where every episode begins, to the bit
 
     def reset(self, *, seed: int | None = None, options: dict | None = None):
         super().reset(seed=seed)
-        self.sim.restore(self.start)
+        self.machine.restore(self.start)
         self.target = self.np_random.integers(-self.reach, self.reach, self.axes, endpoint=True)
         self.action = np.zeros(self.axes, np.float32)
-        self.counts = self._counts()
+        self.counts = self.machine.read()["encnow"]
         self.steps = 0
         return self._observe(np.zeros(self.axes)), self._info()
 
-    def _counts(self) -> np.ndarray:
-        return np.array([state["encnow"] for state in self.sim.read(self.client)])
-
     def step(self, action):
         self.action = np.clip(np.asarray(action, np.float32), -1.0, 1.0)
-        sim = self.sim
-        sim.write(self.client, [round(u) for u in (self.action * self.limits).tolist()])
-        if not sim.run(sim.time + self.step_s):
-            raise RunError("an assertion of the machine has failed")
-        before, self.counts = self.counts, self._counts()
+        before = self.counts
+        torques = np.rint(self.action * self.limits)
+        self.counts = self.machine.step(torques, self.step_intervals)["encnow"]
         self.steps += 1
         observation = self._observe((self.counts - before) / self.step_s)
         error = (self.target - self.counts) / self.reach
         reward = -float(np.mean(error**2)) - 0.1 * float(np.mean(self.action**2))
-        stopped = not sim.stats()["enabled"]
+        stopped = not self.machine.enabled
         return observation, reward, stopped, self.steps >= self.episode_steps, self._info()
 
     def _observe(self, speed: np.ndarray) -> np.ndarray:
@@ -107,10 +80,14 @@ class ReachEnv(gymnasium.Env):
         return np.clip(np.concatenate(parts), -CLIP, CLIP).astype(np.float32)
 
     def _info(self) -> dict:
-        return {"counts": self.counts.copy(), "target": self.target.copy(), "time": self.sim.time}
+        return {
+            "counts": self.counts.copy(),
+            "target": self.target.copy(),
+            "time": self.machine.time,
+        }
 
     def close(self) -> None:
-        self.sim.destroy()
+        self.machine.close()
 
 
 gymnasium.register(ID, entry_point="mmcs.bridge.env:ReachEnv")

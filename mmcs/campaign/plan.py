@@ -16,7 +16,7 @@ from mmcs.campaign.faults import SORTS, Fault, Motion, draw
 from mmcs.errors import InputError, RunError
 from mmcs.scenario.load import load
 from mmcs.scenario.setup import Setup
-from mmcs.sweep.workers import failed, library_of
+from mmcs.sweeps.workers import failed, library_of
 
 WATCH_S = 0.25  # after the scenario's end, so that the last fault, too, shows what it does
 CHUNK = 40  # faults that a worker is given at once
@@ -97,9 +97,9 @@ def make_plan(
     for name in names:
         until = load(name, sets).scenario.duration
         setup = load(name, (*sets, f"duration={until + WATCH_S!r}"))
-        for key in ("event", "process"):
+        for key in ("event", "process", "program"):
             if getattr(setup.scenario, key):
-                allowed = "a campaign wants a motion without events and processes"
+                allowed = "a campaign wants a motion without events, processes and programs"
                 raise InputError.one(setup.path, key, None, allowed)
         setups[name] = setup
         motions.append(_motion(name, setup, until))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: one file for each family of commands.
 
-May know: bridge, campaign, design, device, engine, lab, record, result, run, scenario, sweep,
+May know: bridge, campaign, design, device, engine, lab, record, result, runs, scenario, sweeps,
 tool, view.
 """
 

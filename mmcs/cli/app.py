@@ -182,9 +182,15 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 @click.option("--snapshot", "times", multiple=True, type=float, metavar="T", help="Keep one of T.")
 @click.option("--from", "origin", metavar="RUN[@T]", help="Go on from a snapshot of a run.")
-def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, times, origin) -> None:
+@click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
+@click.option("--dpi", type=int, hidden=True)
+def run(
+    scenario, duration, out, host, trace, realtime, seed, no_skip, sets, times, origin, bus, dpi
+) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     _check_host(host)
+    if dpi is not None:
+        _check_dpi(host, trace, times, origin)
     if trace is not None and trace.suffix != ".fst":
         raise InputError.one("--trace", "", str(trace), "must be a file name ending in .fst")
     if origin is not None:
@@ -195,6 +201,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, tim
             "--seed": seed,
             "--set": sets or None,
             "--no-skip": no_skip or None,
+            "--bus": bus or None,
         }
         for name, value in given.items():
             if value is not None:
@@ -207,7 +214,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, tim
         raise InputError.one("SCENARIO", "", None, "name one, or a snapshot with --from")
     from functools import partial
 
-    from mmcs.run.runner import run_scenario, simulate
+    from mmcs.runs.runner import run_scenario, simulate
     from mmcs.scenario.load import load
 
     setup = load(scenario, sets, duration=duration, seed=seed)
@@ -217,19 +224,28 @@ def run(scenario, duration, out, host, trace, realtime, seed, no_skip, sets, tim
             raise InputError.one("--snapshot", "", t, allowed)
     folder = out or results("runs", setup.path) / setup.name
     _check_places(folder, trace)
-    carry_out = None
-    if times:
-        carry_out = partial(simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host)
-    good = run_scenario(
-        setup, folder, trace=trace, realtime=realtime, host=host, started=STARTED,
-        carry_out=carry_out,
-    )  # fmt: skip
+    carry_out = partial(
+        simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host, bus=bus, dpi=dpi
+    )
+    good = run_scenario(setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out)
     sys.exit(0 if good else 1)
+
+
+def _check_dpi(host, trace, times, origin) -> None:
+    """What needs a hand inside the hardware, or another host, a testbench does not have."""
+    for name, value, why in (
+        ("--host", host if host != "native" else None, "the driver runs as native code"),
+        ("--trace", trace, "the simulator draws waveforms: +trace=FILE"),
+        ("--snapshot", times or None, "no register can be read"),
+        ("--from", origin, "no register can be written"),
+    ):
+        if value is not None:
+            raise InputError.one(name, "", None, f"not through DPI: {why}")
 
 
 def _run_from(origin: str, duration: float | None, out: Path | None, realtime: bool) -> bool:
     from mmcs.record.snapshots import Snapshot, resume
-    from mmcs.run.runner import run_scenario
+    from mmcs.runs.runner import run_scenario
 
     snapshot = Snapshot(origin)
     setup = snapshot.setup(duration)
@@ -276,7 +292,7 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     """
     from functools import partial
 
-    from mmcs.run.runner import run_scenario, simulate
+    from mmcs.runs.runner import run_scenario, simulate
     from mmcs.scenario.load import load
     from mmcs.view.moments import LEAST_MS
     from mmcs.view.waves import open_viewer, write_views

@@ -35,8 +35,8 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
     from mmcs.campaign.plan import is_row, make_plan
-    from mmcs.sweep.plan import MAX_RUNS
-    from mmcs.sweep.store import Store, check_resume
+    from mmcs.sweeps.plan import MAX_RUNS
+    from mmcs.sweeps.store import Store, check_resume
 
     if not 1 <= count <= MAX_RUNS:
         raise InputError.one("--faults", "", count, f"must be 1 to {MAX_RUNS}")
@@ -55,7 +55,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     if resume:
         check_resume(folder, "campaign")
     check_folder(folder)
-    from mmcs.sweep.workers import build_of, cores, dask_client
+    from mmcs.sweeps.workers import build_of, cores, dask_client
 
     client = dask_client(dask) if dask else None
     try:
@@ -88,7 +88,7 @@ def _show(plan, n: int) -> None:
 def _run(plan, store, client, workers: int, count: int) -> bool:
     """Runs what is not yet in the store; False when stopped by hand."""
     from mmcs.campaign.plan import run_chunk
-    from mmcs.sweep.workers import build_of, run_dask, run_here
+    from mmcs.sweeps.workers import build_of, run_dask, run_here
 
     todo = [n for n in range(count) if n not in store.rows]
     began, done, core = time.perf_counter(), 0, 0.0

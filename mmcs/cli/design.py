@@ -43,11 +43,13 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
            as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.design import synthesis as ds
+    from mmcs.design.motor import compensation, friction_and_limit, plant_of
 
     motors = _load_robot(robot)
     if not 0 <= axis < len(motors.axis):
         raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(motors.axis) - 1}")
-    plant = ds.plant_of(motors.axis[axis])
+    motor = motors.axis[axis]
+    plant, ic = plant_of(motor), compensation(motor)
     t = interval * 1e-6
     try:
         c = _controller(plant, p, i, d, tau, wn, zeta)
@@ -66,14 +68,17 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
     if not m.stable:
         warnings.append("the closed loop is unstable with double-buffered D/As")
     if as_toml:
-        echo(_toml(k, robot, axis, interval))
+        echo(_toml(k, ic, robot, axis, interval))
     elif as_json:
-        echo(json.dumps(_report(c, k, m, method, interval, warnings), indent=2))
+        echo(json.dumps(_report(c, k, ic, m, method, interval, warnings), indent=2))
     elif as_c:
         for name, values in (("a", k.a), ("b", k.b)):
             echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
+        echo(f"par.ic_pos = {ic[0]}; par.ic_neg = {ic[1]}; par.mode |= COULCOMP;")
     else:
-        _print(c, k, m, method, interval)
+        _print(c, k, ic, m, method, interval)
+        for text in friction_and_limit(k, motor):
+            echo(f"  {text}")
     for text in warnings:
         echo(f"warning: {text}", err=True)
     if plot is not None:
@@ -112,7 +117,7 @@ def _controller(plant, p, i, d, tau, wn, zeta):
     return ds.Controller(p, i, d, tau or 0.0)
 
 
-def _report(c, k, m, method, interval, warnings) -> dict:
+def _report(c, k, ic, m, method, interval, warnings) -> dict:
     return {
         "form": c.form,
         "method": method,
@@ -120,6 +125,8 @@ def _report(c, k, m, method, interval, warnings) -> dict:
         "gains": {"p": c.p, "i": c.i, "d": c.d, "tau": c.tau},
         **{f"a{n}": v for n, v in enumerate(k.a)},
         **{f"b{n}": v for n, v in enumerate(k.b)},
+        "ic_pos": ic[0],
+        "ic_neg": ic[1],
         "count_step": _count_step(c, k),
         "gain_error": k.gain_error,
         "gain_margin_db": m.gain_db,
@@ -131,23 +138,27 @@ def _report(c, k, m, method, interval, warnings) -> dict:
     }
 
 
-def _toml(k, robot: str, axis: int, interval: int) -> str:
+def _toml(k, ic, robot: str, axis: int, interval: int) -> str:
     """A [[servo]] for a scenario; the same as a robot file has it, where it has the form."""
     values = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
     lines = ["# in a scenario:", f"interval_us = {interval}", "", "[[servo]]", f"axis = {axis}"]
     lines += ['mode = "position"', *(f"{key} = {value}" for key, value in values.items())]
+    friction = [f"ic_pos = {ic[0]}", f"ic_neg = {ic[1]}"] if any(ic) else []
+    lines += ['flags = ["coulcomp"]', *friction] if friction else []
     if k.a[2] == k.b[2] == 0 and interval in (1000, 2000):
         gains = [k.a[0], k.a[1], k.b[0], *([k.b[1]] if k.b[1] else [])]
         lines += ["", f"# or in the robot file, after the [[axis]] number {axis} of {robot}:"]
-        lines += ["[axis.servo]", f"pd_{interval}us = {gains}"]
+        lines += ["[axis.servo]", f"pd_{interval}us = {gains}", *friction]
     return "\n".join(lines)
 
 
-def _print(c, k, m, method, interval) -> None:
+def _print(c, k, ic, m, method, interval) -> None:
     gains = f"P {c.p:.6g}, I {c.i:.6g}, D {c.d:.6g}" + (f", tau {c.tau:.4g} s" if c.tau else "")
     echo(f"{c.form} by {method} at {interval} us: {gains}")
     echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
     echo("  b0 b1 b2   " + "  ".join(map(str, k.b)))
+    if any(ic):
+        echo(f"  ic_pos {ic[0]}, ic_neg {ic[1]}: 80 % of the motor's Coulomb friction")
     if c.d:
         echo(f"  one count: the derivative makes {_count_step(c, k):.0f} D/A units of it")
     echo(f"  error by rounding {100 * k.gain_error:.3g} %")

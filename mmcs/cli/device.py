@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from pathlib import Path
 
 import click
 
@@ -13,24 +14,38 @@ from mmcs.screen import echo
 
 _speed = click.option("--speed", type=float, metavar="X", help="Simulated seconds per second.")
 _realtime = click.option("--realtime", is_flag=True, help="The same as --speed 1.")
+_lockstep = click.option(
+    "--lockstep", is_flag=True, help="Time passes only while every program waits: runs repeat."
+)
 
 
-def _pace(realtime: bool, speed: float | None) -> float | None:
+def _pace(realtime: bool, speed: float | None, lockstep: bool) -> float | None:
     if speed is not None and not speed > 0:
         raise InputError.one("--speed", "", speed, "must be a positive number")
     if realtime and speed is not None:
         raise InputError.one("--speed", "", speed, "not together with --realtime")
+    if lockstep and (realtime or speed is not None):
+        raise InputError.one("--lockstep", "", None, "not together with --speed or --realtime")
     return 1.0 if realtime else speed
 
 
-def _machine(scenario: str):
+def _with_results(scenario: str, sets: tuple[str, ...], command: list[str], out: Path) -> int:
+    from mmcs.device.execute import check_program
+    from mmcs.runs import runner
+    from mmcs.scenario.load import load
+
+    check_program(command[0])
+    return runner.run_program(load(scenario, sets), command, out)
+
+
+def _machine(scenario: str, sets: tuple[str, ...] = ()):
     """The powered machine of a scenario, and what is told of it; nothing is configured, that is the
     program's job."""
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
     from mmcs.scenario.load import load
 
-    setup = load(scenario, ())
+    setup = load(scenario, sets)
     s = setup.scenario
     library = ensure_library(s.cards, "speed", s.clk_hz)
     config, motors, links = setup.config(), setup.motors(), setup.links()
@@ -42,8 +57,9 @@ def _machine(scenario: str):
 @click.argument("scenario", metavar="SCENARIO")
 @_realtime
 @_speed
+@_lockstep
 @click.option("--dev", "name", default="mc0", metavar="NAME", help="Name of the server.")
-def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None:
+def serve(scenario: str, realtime: bool, speed: float | None, lockstep: bool, name: str) -> None:
     """Offer /dev/mc0 and /dev/vme16 of a scenario's machine to other processes.
 
     Time passes while a program holds a device open. What the driver says comes on stderr. Ends with
@@ -53,12 +69,12 @@ def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None
     from mmcs.device.server import Server
     from mmcs.device.sockets import socket_path
 
-    pace = _pace(realtime, speed)
+    pace = _pace(realtime, speed, lockstep)
     if not name.replace("-", "").replace("_", "").isalnum():
         raise InputError.one("--dev", "", name, "must be letters, digits, - and _")
     sim, about = _machine(scenario)
     with sim:
-        server = Server(sim, socket_path(name), pace, about, console=say)
+        server = Server(sim, socket_path(name), pace, about, console=say, lockstep=lockstep)
 
         def stop(*_):
             server.stopping = True
@@ -77,25 +93,34 @@ def serve(scenario: str, realtime: bool, speed: float | None, name: str) -> None
 @click.option("--scenario", metavar="S", help="Run a machine of one's own, not a server's.")
 @_realtime
 @_speed
+@_lockstep
 @click.option("--dev", "name", default="mc0", metavar="NAME", help="Name of the server to use.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Results, as of a run.")
+@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Override a key.")
 @click.option("--cflags", "show_flags", is_flag=True, help="Print the flags for gcc and end.")
 @click.option("--modern", is_flag=True, help="With --cflags: C of today (gnu17), warnings on.")
 @click.argument("command", nargs=-1, type=click.UNPROCESSED, metavar="-- PROGRAM [ARGS...]")
-def exec_(scenario, realtime, speed, name, show_flags, modern, command) -> None:
+def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, modern, command):
     """Run an unmodified program that opens /dev/mc0 or /dev/vme16."""
     from mmcs.device.execute import cflags, run_program
 
     if show_flags:
         echo(" ".join(cflags(modern)))
         return
-    pace = _pace(realtime, speed)
+    pace = _pace(realtime, speed, lockstep)
     if not command:
         raise InputError.one("mmcs exec", "", None, "name the program to run after --")
     if scenario is None:
-        if pace is not None:
+        if pace is not None or lockstep:
             raise InputError.one("mmcs exec", "", None, "the pace is the server's; give --scenario")
+        if out or sets:
+            raise InputError.one("mmcs exec", "", None, "--out and --set go with --scenario")
         sys.exit(run_program(list(command), name=name))
-    sim, _ = _machine(scenario)
+    if out is not None:
+        if pace is not None:
+            raise InputError.one("--out", "", str(out), "a run with results is in lock-step")
+        sys.exit(_with_results(scenario, sets, list(command), out))
+    sim, _ = _machine(scenario, sets)
     with sim:
-        status = run_program(list(command), sim, pace)
+        status = run_program(list(command), sim, pace, lockstep=lockstep)
     sys.exit(status)

@@ -39,8 +39,8 @@ def sweep(
 
     --grid combines all values of all grids; --random draws, the same draws at every grid point.
     """
-    from mmcs.sweep.plan import make_plan
-    from mmcs.sweep.store import FORMATS, Store, check_figure, check_format, check_resume
+    from mmcs.sweeps.plan import make_plan
+    from mmcs.sweeps.store import FORMATS, Store, check_figure, check_format, check_resume
 
     if form not in FORMATS:
         raise InputError.one("--format", "", form, "must be csv or parquet")
@@ -50,13 +50,15 @@ def sweep(
         raise InputError.one("--workers", "", workers, "is of this machine: not with --dask")
     check_format(form)
     plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
+    for text in plan.cautions():
+        echo(f"caution: {text}")
     first = plan.first()
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
     if resume:
         check_resume(folder)
     check_folder(folder)
-    from mmcs.sweep.workers import build_of, cores, dask_client
+    from mmcs.sweeps.workers import build_of, cores, dask_client
 
     client = dask_client(dask) if dask else None
     try:
@@ -83,7 +85,7 @@ def check_folder(folder: Path) -> None:
 
 def _run(plan, store, client, workers: int) -> bool:
     """Runs what is not yet in the store; False when stopped by hand."""
-    from mmcs.sweep.workers import build_of, failed, run_dask, run_here
+    from mmcs.sweeps.workers import build_of, failed, run_dask, run_here
 
     todo = [n for n in range(len(plan)) if n not in store.rows]
     impossible = []  # combinations that are no good together
@@ -158,7 +160,7 @@ def _finish(plan, rows: dict, folder: Path, by: str, form: str, whole: bool) -> 
     """Writes and prints what there is; the exit status."""
 
     from mmcs.scenario.files import short
-    from mmcs.sweep.store import print_summary, write_plot, write_table
+    from mmcs.sweeps.store import print_summary, write_plot, write_table
 
     console = screen()
     rows = {n: rows[n] for n in sorted(rows) if n < len(plan)}

@@ -266,13 +266,6 @@ class Plant:
         return Discrete((0.0, k * (x - 1 + e), k * (1 - e - x * e)), (1.0, -1 - e, e))
 
 
-def plant_of(motor) -> Plant:
-    """The motor of a robot file as the linear design sees it, alone with its mean inertia."""
-    counts_per_rad = motor.counts_per_rev / (2 * math.pi)
-    torque_per_lsb = motor.km * motor.amp_gain * 10 / 2048
-    return Plant(counts_per_rad * torque_per_lsb / motor.inertia, motor.viscous / motor.inertia)
-
-
 @dataclass(frozen=True)
 class Margins:
     gain_db: float  # inf: never
@@ -308,17 +301,21 @@ def margins(d: Discrete, plant: Plant, t: float, delay: int = 1) -> Margins:
     )
 
 
-def place(plant: Plant, wn: float, zeta: float = 1.0, tau: float = 0.0) -> Controller:
+def place(
+    plant: Plant, wn: float, zeta: float = 1.0, tau: float = 0.0, slow: float = 0.0
+) -> Controller:
     """PD by pole placement: closed-loop natural frequency wn (rad/s) and damping zeta.
 
-    The derivative filter tau is not placed: it takes phase, which the margins show.
+    With `slow` PID: the pole that the integral adds is there (rad/s), the other two stay. The
+    derivative filter tau is not placed: it takes phase, which the margins show.
     """
     if wn <= 0 or zeta <= 0:
         raise DesignError("wn and zeta must be positive")
-    d = (2 * zeta * wn - plant.lag) / plant.g
+    d = (2 * zeta * wn + slow - plant.lag) / plant.g
     if d < 0:
         raise DesignError(f"friction alone damps more than zeta = {zeta:g}: raise --wn or --zeta")
-    return Controller(wn**2 / plant.g, 0.0, d, tau)
+    p = wn * (wn + 2 * zeta * slow) / plant.g
+    return Controller(p, wn**2 * slow / plant.g, d, tau)
 
 
 def count_step(d: Discrete, c: Controller) -> float:

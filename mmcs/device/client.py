@@ -7,7 +7,9 @@ Speaks to a running `mmcs serve` over its socket; the same calls as a C program 
 
 from __future__ import annotations
 
+import array
 import errno
+import fcntl
 import os
 import socket
 import struct
@@ -16,6 +18,7 @@ from pathlib import Path
 
 from mmcs import mcdef
 from mmcs.device import wire
+from mmcs.device.line import OwnLine, ask, sample_of, take, take_async
 from mmcs.device.sockets import connect, socket_path
 
 MC_STATE = struct.Struct("<7i")
@@ -39,16 +42,21 @@ class Device:
 
     flags: os.O_RDWR, or os.O_RDONLY for a monitor, which may only read, get, and stop.
     server: name given to `mmcs serve --dev`; ignored inside `mmcs exec`.
+    lockstep: machine time passes only in wait(); needs `mmcs serve --lockstep`, and goes without
+    saying inside `mmcs exec --lockstep`, where every call that sleeps waits as well.
 
     Threads and signal handlers may call it at any time, also while another call is under way: each
     call has a channel of its own to the server. One that an exception cuts short (Ctrl-C) may or
     may not have been carried out. SIGUSR1 comes only to a process that has a handler for it.
     """
 
-    def __init__(self, path: str = "/dev/mc0", flags: int = os.O_RDWR, server: str = "mc0"):
+    def __init__(self, path: str = "/dev/mc0", flags: int = os.O_RDWR, server: str = "mc0",
+                 lockstep: bool = False):  # fmt: skip
         self._where = Path(os.environ.get("MMCS_SOCKET") or socket_path(server))
         self._idle: list[socket.socket] = []  # channels without a call; append and pop are atomic
         self._owner = os.getpid()
+        self._attached = "MMCS_LOCKSTEP" in os.environ  # by the library that every thread has
+        self._line = OwnLine(self._where) if lockstep and not self._attached else None
         self._file = connect(self._where)
         try:
             self._name = self._file.getsockname().strip(b"\0")
@@ -71,6 +79,8 @@ class Device:
         self._file.close()
         while self._idle:
             self._idle.pop().close()
+        if self._line is not None:
+            self._line.close()
 
     # --- the calls ---
 
@@ -88,6 +98,30 @@ class Device:
         """Setpoints of axes 0 to n-1, in feedback units, units per period, or D/A units."""
         values = [_checked("setpoint", value) for value in setpoints]
         self._call(wire.WRITE, 0, struct.pack(f"<{len(values)}i", *values))
+
+    def wait(self) -> int:
+        """Waits for the next servo sample; its number since power-on."""
+        if self._line is not None:
+            return self._line.wait()
+        if self._attached:
+            number = array.array("I", [0])
+            fcntl.ioctl(self._file.fileno(), wire.MWAIT, number)
+            return number[0]
+        return sample_of(self._call(wire.SAMPLE, 0))
+
+    async def next_sample(self) -> int:
+        """wait() for an event loop, whose other tasks go on meanwhile."""
+        if self._line is not None:
+            return await self._line.next_sample()
+        channel = self._take_channel()
+        try:
+            ask(channel, wire.SAMPLE, 0, name=self._name)
+            number = sample_of(await take_async(channel))
+        except BaseException:
+            channel.close()
+            raise
+        self._idle.append(channel)
+        return number
 
     def num_cards(self) -> int:
         """Cards found by the scan at first open."""
@@ -112,13 +146,7 @@ class Device:
 
     def set_param(self, axis: int, param: dict[str, int]) -> None:
         """Sets every parameter of an axis at once, between two samples."""
-        made = mcdef.new_param(_axis(axis))
-        for name, value in param.items():
-            if name not in _field_names():
-                raise OSError(errno.EINVAL, f"there is no parameter {name!r}")
-            if name != "which":
-                setattr(made, name, _checked(name, value))
-        self.ioctl(mcdef.MSETPARAM, bytes(mcdef.make_ffi().buffer(made)))
+        self.ioctl(mcdef.MSETPARAM, _bytes(_axis(axis), param))
 
     def change_param(self, axis: int, **values: int) -> dict[str, int]:
         """Sets some parameters of an axis and leaves the others as they are at that moment, whoever
@@ -199,6 +227,11 @@ class Device:
     def _call(self, op: int, a: int, data: bytes = b"") -> tuple[int, bytes]:
         if len(data) > wire.MAX_DATA:
             raise OSError(errno.EINVAL, f"{len(data)} bytes are too many for one call")
+        if self._attached:
+            try:
+                return self._call_libc(op, a, data)
+            except OSError as error:
+                raise OSError(error.errno, _sentence(error.errno, self._why())) from None
         channel = self._take_channel()
         try:
             result, out = _exchange(channel, op, self._name, a, 0, data)
@@ -208,8 +241,35 @@ class Device:
             raise
         self._idle.append(channel)
         if result < 0:
-            raise OSError(-result, ": ".join(filter(None, (os.strerror(-result), said.decode()))))
+            raise OSError(-result, _sentence(-result, said.decode()))
         return result, out
+
+    def _call_libc(self, op: int, a: int, data: bytes) -> tuple[int, bytes]:
+        """As a C program makes it: in lock-step the library knows of every call, and its signals
+        wait until it is over."""
+        fd = self._file.fileno()
+        if op == wire.READ:
+            out = os.read(fd, a)
+            return len(out), out
+        if op == wire.WRITE:
+            return os.write(fd, data), b""
+        if op == wire.LEASE:
+            return 0, fcntl.ioctl(fd, wire.MLEASE, struct.pack("<i", a))
+        if op == wire.CHANGE:  # nobody else runs meanwhile
+            param = self.get_param(a)
+            param |= {_field_names()[n]: value for n, value in struct.iter_unpack("<Ii", data)}
+            self.set_param(a, param)
+            return 0, _bytes(a, param)
+        size = a >> 16 & 0x1FFF
+        out = fcntl.ioctl(fd, a, data.ljust(size, b"\0") if size else 0)
+        return 0, out if size and a & mcdef.MC_ARG_OUT else b""
+
+    def _why(self) -> str:
+        text = bytes(wire.MWHY_SIZE)
+        try:
+            return fcntl.ioctl(self._file.fileno(), wire.MWHY, text).split(b"\0")[0].decode()
+        except OSError:
+            return ""
 
     def _take_channel(self) -> socket.socket:
         if self._owner != os.getpid():  # the parent's channels stay the parent's
@@ -222,8 +282,22 @@ class Device:
             return connect(self._where)
 
 
+def _sentence(error: int, why: str) -> str:
+    return ": ".join(filter(None, (os.strerror(error), why)))
+
+
 def _field_names() -> list[str]:
     return [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
+
+
+def _bytes(axis: int, param: dict[str, int]) -> bytes:
+    made = mcdef.new_param(axis)
+    for name, value in param.items():
+        if name not in _field_names():
+            raise OSError(errno.EINVAL, f"there is no parameter {name!r}")
+        if name != "which":
+            setattr(made, name, _checked(name, value))
+    return bytes(mcdef.make_ffi().buffer(made))
 
 
 def _fields(data: bytes) -> dict[str, int]:
@@ -248,21 +322,5 @@ def _axis(axis: object) -> int:
 
 
 def _exchange(sock, op: int, name: bytes, a: int, b: int, data: bytes) -> tuple[int, bytes]:
-    try:
-        sock.sendall(wire.REQUEST.pack(wire.MAGIC, op, name, a, b, len(data), os.getpid()) + data)
-        result, length = wire.REPLY.unpack(_receive(sock, wire.REPLY.size))
-        if length > wire.MAX_DATA:
-            raise ConnectionError
-        return result, _receive(sock, length)
-    except (BrokenPipeError, ConnectionError):
-        raise OSError(errno.EIO, "the simulator is gone") from None
-
-
-def _receive(sock, length: int) -> bytes:
-    data = b""
-    while len(data) < length:
-        part = sock.recv(length - len(data))
-        if not part:
-            raise ConnectionError
-        data += part
-    return data
+    ask(sock, op, a, data, name, b)
+    return take(sock)

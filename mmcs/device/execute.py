@@ -25,6 +25,7 @@ from mmcs.screen import clean
 
 DEVICE = ROOT / "sim" / "device"
 SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c")
+LOCKSTEP = (*SOURCES, "lockstep.c", "waits.c", "sync.c", "clocks.c")
 SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
 LIBRARY = BUILD / "device" / "libmmcs_preload.so"
 FORWARDED = (signal.SIGTERM, signal.SIGHUP)
@@ -43,10 +44,12 @@ def cflags(modern: bool = False) -> list[str]:
     ]
 
 
-def preload_library(sanitize: bool = False) -> Path:
+def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
     """The preload library, compiled if missing, damaged or older than its sources."""
-    library = LIBRARY.with_stem(LIBRARY.stem + "_asan") if sanitize else LIBRARY
-    inputs = [DEVICE / name for name in (*SOURCES, "wire.h", "include/sys/mmcs.h")]
+    stem = LIBRARY.stem + ("_lockstep" if lockstep else "") + ("_asan" if sanitize else "")
+    library, sources = LIBRARY.with_stem(stem), LOCKSTEP if lockstep else SOURCES
+    headers = ("wire.h", "lockstep.h", "include/sys/mmcs.h")
+    inputs = [DEVICE / name for name in (*sources, *headers)]
     newest = max(f.stat().st_mtime for f in inputs)
     if is_whole(library) and library.stat().st_mtime > newest:
         return library
@@ -54,7 +57,7 @@ def preload_library(sanitize: bool = False) -> Path:
     fresh = library.with_suffix(f".{os.getpid()}")
     command = ["cc", "-std=gnu11", "-O2", "-fPIC", "-shared", "-o", fresh]
     command += [*SANITIZE, "-g"] if sanitize else []
-    command += [DEVICE / name for name in SOURCES] + ["-ldl", "-lpthread"]
+    command += [DEVICE / name for name in sources] + ["-ldl", "-lpthread"]
     done = subprocess.run(command, text=True, capture_output=True, check=False)
     if done.returncode:
         raise RunError(f"the preload library does not compile: {done.stderr.strip()[:200]}")
@@ -65,16 +68,18 @@ def preload_library(sanitize: bool = False) -> Path:
     return library
 
 
-def environment(path: Path, sanitize: bool = False) -> dict[str, str]:
+def environment(path: Path, sanitize: bool = False, lockstep: bool = False) -> dict[str, str]:
     """What makes a program find the server that listens at `path`."""
     before = os.environ.get("LD_PRELOAD", "").split(":")
-    libraries = [str(preload_library(sanitize)), *filter(None, before)]
+    libraries = [str(preload_library(sanitize, lockstep)), *filter(None, before)]
     if sanitize:  # the sanitizer's own library comes first, whatever else there is
         libraries.sort(key=lambda name: "libasan" not in name)
-    return {**os.environ, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
+    more = {"MMCS_LOCKSTEP": "1", "PYTHONHASHSEED": "0"} if lockstep else {}
+    return {**os.environ, **more, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
 
 
-def run_program(command: list[str], sim=None, speed: float | None = None, name: str = "mc0") -> int:
+def run_program(command: list[str], sim=None, speed: float | None = None, name: str = "mc0",
+                lockstep: bool = False) -> int:  # fmt: skip
     """Runs a program to its end and returns its exit status, as a shell would.
 
     With `sim` a private server runs beside it; without, the program uses the server called `name`.
@@ -82,9 +87,10 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
     """
     check_program(command[0])
     if sim is not None:
-        server = Server(sim, socket_path(f"exec-{os.getpid()}"), speed, console=say)
+        path = socket_path(f"exec-{os.getpid()}")
+        server = Server(sim, path, speed, console=say, lockstep=lockstep)
         try:
-            return _run(command, environment(server.path), server.step)
+            return serve_program(server, command)
         finally:
             server.close()
     path = socket_path(name)
@@ -100,9 +106,19 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
         raise InputError.one("mmcs exec", "", None, error.strerror) from None
     console = _Console(link)
     with link:
-        status = _run(command, environment(path), console.step)
+        env = environment(path, lockstep=link.hello["lockstep"])
+        status = _run(command, env, console.step)
         console.finish()
     return status
+
+
+def serve_program(server: Server, command: list[str]) -> int:
+    """As run_program(), beside a server of one's own."""
+    steps = server.lockstep
+    env = environment(server.path, lockstep=steps.on)
+    if not steps.on:
+        return _run(command, env, server.step)
+    return _run(command, env, server.step, steps.expect, steps.has)
 
 
 def say(text: str) -> None:
@@ -183,7 +199,8 @@ def is_static(path: Path) -> bool:
 # --- running -----------------------------------------------------------------------------------
 
 
-def _run(command: list[str], env: dict[str, str], step) -> int:
+def _run(command: list[str], env: dict[str, str], step, started=lambda pid: None,
+         goes_on=lambda pid: False) -> int:  # fmt: skip
     """Calls step() until the program ends. Signals to end are passed on: it shall clean up."""
     child: subprocess.Popen | None = None
     early: list[int] = []
@@ -198,9 +215,10 @@ def _run(command: list[str], env: dict[str, str], step) -> int:
     before |= {n: signal.signal(n, lambda *_: None) for n in OF_THE_TERMINAL}
     try:
         child = _start(command, env)
+        started(child.pid)
         for number in early:
             child.send_signal(number)
-        while (status := child.poll()) is None:
+        while (status := child.poll()) is None or goes_on(child.pid):
             step()
     except BaseException:
         if child is not None:

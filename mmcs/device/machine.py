@@ -7,6 +7,7 @@ a number as the driver does, negative for an errno.
 
 from __future__ import annotations
 
+import struct
 import time
 from dataclasses import dataclass
 
@@ -61,6 +62,7 @@ class Machine:
         self.history = History(self)
         self._numbers = 0
         self._told = 0  # events that the console has seen
+        self._adopted = 0.0  # from this time on every axis has the demand that its mode begins with
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
         self._reads = {getattr(mcdef, name) for name in READS}
         self.waits = {getattr(mcdef, name) for name in WAITS}
@@ -112,6 +114,9 @@ class Machine:
         self.history.clients_changed()
         return 0
 
+    def went_back(self) -> None:
+        self._adopted = 0.0
+
     # --- the lease ---
 
     def set_lease(self, client: Client | None, deadman_s: float | None = None) -> None:
@@ -147,7 +152,8 @@ class Machine:
 
     def state(self) -> dict:
         stats = self.sim.stats()
-        now = {k: bool(stats[k]) for k in ("enabled", "stopped")}
+        now = {k: bool(stats[k]) for k in ("enabled", "stopped", "double_buffer")}
+        now |= {k: stats[k] for k in ("interval_us", "diag")}
         return now | {"panic": bool(stats["panic_level"]), "button": self.is_pressed()}
 
     # --- stop: everybody's right ---
@@ -171,7 +177,19 @@ class Machine:
         before = self.sim.tap_head()[1]
         result, out = self.sim.ioctl_bytes(client.driver, request, argument)
         client.said = "" if result >= 0 else self.said_since(before)
+        if request == mcdef.MSETPARAM and result >= 0:
+            param = mcdef.make_ffi().from_buffer("struct mc_param *", argument)
+            interval_s = self.sim.stats()["interval_us"] * 1e-6
+            self._adopted = self.sim.time + (param.clkdivisor + 1) * interval_s
         return result, out
+
+    def joints(self, client: Client) -> int:
+        """Those that the servo controls now; asking takes no time."""
+        for axis in range(2 * self.cards):
+            param = bytes(mcdef.make_ffi().buffer(mcdef.new_param(axis)))
+            if self.sim.ioctl_bytes(client.driver, mcdef.MGETPARAM, param)[0] < 0:
+                return axis
+        return 2 * self.cards
 
     def read(self, client: Client, size: int) -> tuple[int, bytes]:
         return self.sim.read_bytes(client.driver, size)
@@ -183,6 +201,16 @@ class Machine:
         result = self.sim.write_bytes(client.driver, data)
         client.said = "" if result >= 0 else self.said_since(before)
         return result
+
+    def setpoint(self, client: Client, axis: int, value: int) -> int:
+        """The setpoint of one axis; the others keep what they have at this moment.
+
+        An axis whose mode was changed adopts what it feeds back at its next servo sample, and a
+        write() before that would be its first demand: so long the machine goes on first."""
+        if self.sim.time < self._adopted and not self.held_from(client):
+            self.sim.run(self._adopted)
+        values = [self.sim.setpoint(n) for n in range(axis)] + [value]
+        return self.write(client, struct.pack(f"<{len(values)}i", *values))
 
     def change(self, client: Client, axis: int, values: dict[str, int]) -> tuple[int, bytes]:
         """Some parameters of an axis; the others stay what they are at this moment."""

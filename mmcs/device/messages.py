@@ -27,6 +27,8 @@ FIELDS = ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode",
 MC_STATE = struct.Struct("<7i")
 ROWS_AT_ONCE, EVENTS_AT_ONCE = 512, 256
 ENOSYS, EIO, ENOTTY = 38, 5, 25
+# Not served while somebody else's request waits: they let time pass, or do away with it.
+WAITING = ("close", "snapshot", "rewind", "advance", "ring", "drop", "lease", "setpoint")
 
 
 class Stream:
@@ -124,7 +126,7 @@ class Messenger(Connection):
     def _waits(self, op: object, message: dict) -> bool:
         if op == "call":
             return getattr(mcdef, str(message.get("request")), 0) in self.machine.waits
-        return op in ("close", "snapshot", "rewind", "advance", "ring", "drop", "lease")
+        return op in WAITING
 
     def _reply(self, op: object, message: dict) -> dict | None:
         """None: it comes later."""
@@ -182,7 +184,8 @@ class Messenger(Connection):
             "type": "hello", "protocol": PROTOCOL, "you": self.client.number,
             "server": server.name.path.stem, "scenario": server.about.get("scenario"),
             "axes": 2 * machine.cards, "cards": machine.cards, "time": machine.sim.time,
-            "speed": server.pace.speed, "paused": server.pace.paused, "opens": machine.opens,
+            "speed": server.pace.speed, "paused": server.pace.paused,
+            "lockstep": server.lockstep.on, "opens": machine.opens,
             "lease": machine.lease.number if machine.lease else None, "sample": sample,
             **machine.state(),
         }  # fmt: skip
@@ -221,6 +224,13 @@ class Messenger(Connection):
         values = a.integers("setpoints", 2 * self.machine.cards)
         self.check(self.machine.write(self.client, struct.pack(f"<{len(values)}i", *values)))
         return {}
+
+    def do_setpoint(self, a: Arguments) -> dict:
+        self._must_be_open(writing=True)
+        axis = a.integer("axis", 0, 2 * self.machine.cards - 1)
+        value = a.integer("value", -(1 << 31), (1 << 31) - 1)
+        self.check(self.machine.setpoint(self.client, axis, value))
+        return {"t": self.machine.sim.time}
 
     def do_call(self, a: Arguments) -> dict:
         self._must_be_open()

@@ -11,10 +11,11 @@ import socket
 import struct
 
 from mmcs import mcdef
-from mmcs.device import wire
+from mmcs.device import reasons, wire
 from mmcs.device.connection import Connection
 from mmcs.device.machine import Client, Machine
 
+MOST_SAID = 1000  # bytes of why a call was refused
 MANY = 64  # holders of one file before the dead among them are looked for
 USR1_BIT = 1 << (signal.SIGUSR1 - 1)
 
@@ -33,8 +34,9 @@ class Holders:
         if len(self._pids) > MANY:
             self._pids = {p for p in self._pids if self._is_open_in(p)}
 
-    def signal(self) -> None:
-        """SIGUSR1 to every process that has the file open at this moment."""
+    def signal(self) -> list[int]:
+        """SIGUSR1 to every process that has the file open at this moment; those processes."""
+        told = []
         for pid in list(self._pids):
             try:
                 handle = os.pidfd_open(pid)
@@ -46,10 +48,12 @@ class Holders:
                     self._pids.discard(pid)
                 elif not self._gentle or _catches_usr1(pid):
                     signal.pidfd_send_signal(handle, signal.SIGUSR1)
+                    told.append(pid)
             except ProcessLookupError:
                 self._pids.discard(pid)
             finally:
                 os.close(handle)
+        return told
 
     def _is_open_in(self, pid: int) -> bool:
         try:
@@ -63,12 +67,7 @@ class Holders:
 
 
 def _catches_usr1(pid: int) -> bool:
-    try:
-        with open(f"/proc/{pid}/status") as status:
-            masks = [line.split()[1] for line in status if line.startswith("SigCgt:")]
-    except OSError:
-        return False
-    return bool(masks) and bool(int(masks[0], 16) & USR1_BIT)
+    return bool(wire.signal_masks(pid, "SigCgt") & USR1_BIT)
 
 
 class Program(Connection):
@@ -82,6 +81,8 @@ class Program(Connection):
         self.client: Client | None = None  # of a file
         self.holders: Holders | None = None
         self._said = ""  # by the driver, when the last call on this channel failed
+        self._lockstep = server.lockstep
+        self.line = None  # of a thread in lock-step
 
     def has_request(self) -> bool:
         if len(self.data) < wire.REQUEST.size or self.ended:
@@ -104,12 +105,48 @@ class Program(Connection):
         payload = bytes(self.data[wire.REQUEST.size : end])
         del self.data[:end]
         self.busy = True
+        if op >= wire.SAMPLE:
+            self.busy = False
+            self._wait_or_tell(op, a, b, payload, pid)
+            return True
         result, out = self._call(op, name.rstrip(b"\0"), a, b, payload, pid)
         self.busy = False
-        self.send(wire.REPLY.pack(result, len(out)) + out)
+        if self._lockstep.on:
+            self._lockstep.signal()  # its own is there before the call returns
+        self.reply(result, out)
         if op == wire.OPEN and result >= 0:
             self._become_file()
         return True
+
+    def reply(self, result: int, out: bytes = b"") -> None:
+        self.send(wire.REPLY.pack(result, len(out)) + out)
+
+    def _wait_or_tell(self, op: int, a: int, b: int, payload: bytes, pid: int) -> None:
+        """Samples, and what a line asks: some of it is answered later."""
+        steps, line = self._lockstep, self.line
+        if not wire.well_formed(op, a, b, len(payload)):
+            self.reply(-wire.EINVAL)
+        elif op == wire.SAMPLE:
+            steps.watch(self, pid)
+        elif op == wire.LINE and line is None and steps.on:
+            self.line = steps.open_line(self, a, b, pid)
+        elif line is None:
+            self.reply(-wire.EINVAL)
+        elif op == wire.WAIT:
+            steps.wait(line, wire.Wait.of(payload))
+        elif op == wire.CANCEL:
+            steps.cancel(line)
+        elif op == wire.WAKE:
+            self.reply(steps.wake(line, a, b))
+        elif op == wire.TIMER_OP:
+            self.reply(0, steps.timer(line, a, wire.TIMER.unpack(payload) if payload else None))
+        elif op == wire.FIRED_OP:
+            self.reply(0, steps.fired(line))
+        elif op == wire.NOW:
+            self.reply(0, steps.now())
+        else:
+            (steps.poke(a) if op == wire.POKE else steps.spawn(line, a, bool(b)))
+            self.reply(0)
 
     def _become_file(self) -> None:
         """From now on only its end is waited for: bytes that a program writes past the library
@@ -121,6 +158,8 @@ class Program(Connection):
         self.watch(0)
 
     def leave(self) -> None:
+        if self.line is not None:
+            self._lockstep.leave(self.line)
         if self.client is not None:
             del self._files[self._name]
             self._machine.leave(self.client)
@@ -135,21 +174,29 @@ class Program(Connection):
         if op == wire.OPEN:
             return self._open(payload, a, b, pid), b""
         if op == wire.WHY:
-            return 0, self._said.encode()[: wire.MAX_DATA]
+            return 0, self._said.encode()[:MOST_SAID]
         file = self._files.get(name)
         if file is None:
             return -wire.EBADF, b""
         file.holders.add(pid)
         result, out = self._of_file(file.client, op, a, b, payload)
         if result < 0:
-            self._said = file.client.said or self._because(file.client, result)
+            self._said = file.client.said or self._because(file.client, -result, op, a, payload)
         return result, out
 
-    def _because(self, client: Client, result: int) -> str:
+    def _because(self, client: Client, error: int, op: int, a: int, payload: bytes) -> str:
+        """Of a call that the driver said nothing about."""
         machine = self._machine
-        return (
-            f"{machine.lease} has the lease" if machine.held_from(client) and result == -16 else ""
-        )
+        if error == wire.EBUSY and machine.held_from(client):
+            return f"{machine.lease} has the lease"
+        if client.driver < 0 or op not in (wire.IOCTL, wire.READ, wire.WRITE):
+            return ""
+        joints = machine.joints(client)
+        if op == wire.READ:
+            return reasons.of_read(error, a)
+        if op == wire.WRITE:
+            return reasons.of_write(error, len(payload), joints)
+        return reasons.of_ioctl(error, a & 0xFFFFFFFF, payload, joints, 2 * machine.cards)
 
     def _of_file(self, client: Client, op: int, a: int, b: int, payload: bytes):
         machine = self._machine
@@ -176,7 +223,7 @@ class Program(Connection):
             return -wire.EINVAL  # a file is opened once, and has a name of its own
         machine = self._machine
         client = machine.enter("device", pid)
-        client.name = _command(pid)
+        client.name = wire.command(pid)
         result = machine.open(client, device.decode(errors="replace"), flags & 0xFFFFFFFF)
         if result < 0:
             machine.leave(client)
@@ -201,12 +248,3 @@ class Program(Connection):
         if axis > 255 or any(n >= len(fields) or n == 0 for n, _ in pairs):
             return -wire.EINVAL, b""
         return self._machine.change(client, axis, {fields[n]: value for n, value in pairs})
-
-
-def _command(pid: int) -> str:
-    """What the process calls itself, for others to read."""
-    try:
-        with open(f"/proc/{pid}/comm") as file:
-            return file.read().strip()
-    except OSError:
-        return ""

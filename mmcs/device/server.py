@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 from mmcs.device.connection import GONE, IN, OUT, Connection
+from mmcs.device.lockstep import Lockstep
 from mmcs.device.machine import Machine
 from mmcs.device.messages import Messenger
 from mmcs.device.pace import IDLE_S, Pace
@@ -25,6 +26,7 @@ from mmcs.device.sockets import Name, peer_uid
 from mmcs.device.stop import StopPath
 
 MOST_CONNECTIONS = 1000
+TURNS = 64  # of lock-step between looks at everything else
 SPARE_DESCRIPTORS = 120  # for the stop path, and everything else that the process opens
 
 
@@ -32,13 +34,13 @@ class Server:
     """Serves one machine. step() does a little work; run() goes on until told to stop."""
 
     def __init__(self, sim, path: Path, speed: float | None, about: dict | None = None,
-                 console=lambda text: None):  # fmt: skip
+                 console=lambda text: None, lockstep: bool = False):  # fmt: skip
         """speed: simulated seconds per second; None runs as fast as it goes. about: what messages
         tell of the machine. console: gets the lines that the driver says."""
         self.name = Name(path)
         self.path, self.sim, self.about = path, sim, about or {}
         self.machine = Machine(sim, console)
-        self._half_clock = 0.5 / sim.build()["clk_hz"]  # times are whole clocks
+        self._hz = sim.build()["clk_hz"]
         self.pace = Pace(sim, speed)
         self.files: dict[bytes, Program] = {}
         self.connections: dict[int, Connection] = {}
@@ -48,6 +50,8 @@ class Server:
         self._events = 0  # of the tap: signals among them
         self._listened = time.monotonic()
         self._poll = select.epoll()
+        self.lockstep = Lockstep(sim, self._poll, self._signal, console)
+        self.lockstep.on = lockstep
         self._doors = {}
         for suffix, kind in ((".sock", Program), (".msg", Messenger)):
             door = self.name.listen(suffix)
@@ -64,6 +68,7 @@ class Server:
         self.sim.set_look(lambda: 0)
         for connection in list(self.connections.values()):
             self._hang_up(connection)
+        self.lockstep.close()
         self.name.release()
         self.stop_path.close()
         self._poll.close()
@@ -77,7 +82,10 @@ class Server:
 
     def step(self) -> None:
         """Answers what has come in, and lets time pass if it is due."""
-        self.stop_path.serve()
+        if self.stop_path.serve():
+            self._send()  # everybody hears of a stop before time goes on
+        elif self.lockstep.on and not self.pace.paused and self._target is None:
+            self._attend()
         self._listen(self._wait())
         for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
             self._hang_up(connection)  # first: whoever closes and then asks has closed
@@ -88,9 +96,26 @@ class Server:
                     self.pace.talked()
                 connection.serve(nested=False)
                 self._after()
-        self.stop_path.serve()
-        self._pass_time()
+        if not self.stop_path.serve():
+            self._pass_time()
         self._send()
+
+    def _attend(self) -> None:
+        """The usual course of lock-step: the one program that runs is all there is to hear. What
+        else comes, the stop path first of all, ends it."""
+        steps, events = self.lockstep, self._events
+        for _ in range(TURNS):
+            if not steps.busy:
+                steps.turn()
+            ready = self._poll.poll(IDLE_S) if steps.busy else ()
+            connection = self.connections.get(ready[0][0]) if len(ready) == 1 else None
+            if not isinstance(connection, Program) or ready[0][1] != IN or connection.busy:
+                return
+            connection.receive()
+            if connection.has_request():
+                connection.serve(nested=False)
+            if self._problem is not None or self._events != events or connection.ended:
+                return
 
     def _after(self) -> None:
         """A request has been served."""
@@ -120,6 +145,8 @@ class Server:
             return 0.0
         if self._target is not None:
             return 0.0
+        if self.lockstep.on:
+            return IDLE_S if self.lockstep.rests or self.pace.paused else 0.0
         if not self.machine.opens:  # without an open file time stands still
             self.pace.restart()
             return IDLE_S
@@ -128,9 +155,18 @@ class Server:
     def _pass_time(self) -> None:
         if self._target is not None:
             self._go_on()
+        elif self.lockstep.on:
+            if not self.pace.paused:
+                self.lockstep.turn()
         elif self.machine.opens and self.pace.is_due():
-            self.sim.run(self.sim.time + self.pace.chunk)
-            self.pace.passed(self._signal())
+            self._run(self.sim.time + self.pace.chunk)
+
+    def _run(self, until: float) -> None:
+        """Not past the next sample, if somebody waits for it."""
+        clock, before = round(until * self._hz), self.sim.samples
+        self.sim.run_to(max(clock, self.sim.clock + 1), self.lockstep.watched)
+        self.pace.passed(bool(self._signal()))
+        self.lockstep.answer_watchers(self.sim.samples != before)
 
     def advance(self, seconds: float, asker: Messenger, id_: object) -> None:
         """So much time passes in the steps to come; then the asker is answered."""
@@ -142,9 +178,8 @@ class Server:
 
     def _go_on(self) -> None:
         target, asker, id_ = self._target
-        self.sim.run(min(target, self.sim.time + self.pace.chunk))
-        self.pace.passed(self._signal())
-        if self.sim.time >= target - self._half_clock or asker.ended:
+        self._run(min(target, self.sim.time + self.pace.chunk))
+        if self.sim.clock >= round(target * self._hz) or asker.ended:
             self._target = None
             asker.answer(id_, {"ok": True, "t": self.sim.time})
 
@@ -156,17 +191,17 @@ class Server:
             if isinstance(connection, Messenger):
                 connection.stream(now)
 
-    def _signal(self) -> bool:
-        """Delivers SIGUSR1 where the driver sent it."""
-        events = self.sim.tap_head()[1]
+    def _signal(self) -> list[int]:
+        """Delivers SIGUSR1 where the driver sent it; the processes that get one."""
+        events, sent = self.sim.tap_head()[1], []
         if events == self._events:
-            return False  # each is an event as well
-        self._events, sent = events, False
+            return sent  # each is an event as well
+        self._events = events
         for file in self.files.values():
             client = file.client
             if client.driver >= 0 and self.sim.signals(client.driver) and client.writable:
-                file.holders.signal()
-                sent = True
+                sent += file.holders.signal()
+        self.lockstep.signalled(sent)
         return sent
 
     # --- connections ---
@@ -179,6 +214,8 @@ class Server:
             if fd in self._doors:
                 while self._accept(*self._doors[fd]):
                     pass
+            elif self.lockstep.heard(fd):
+                pass
             elif connection := self.connections.get(fd):
                 if mask & IN:
                     connection.receive()

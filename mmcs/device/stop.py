@@ -34,14 +34,16 @@ class StopPath:
             self._hang_up(sock)
         self._poll.close()
 
-    def serve(self) -> None:
-        """Everything that can be read now."""
-        for fd, _ in self._poll.poll(0):
+    def serve(self) -> bool:
+        """Everything that can be read now; True: there was something."""
+        ready = self._poll.poll(0)
+        for fd, _ in ready:
             if fd == self._listener.fileno():
                 while self._accept():
                     pass
             elif fd in self._open:
                 self._read(*self._open[fd])
+        return bool(ready)
 
     def _accept(self) -> bool:
         try:

@@ -4,18 +4,75 @@
 from __future__ import annotations
 
 import struct
+from typing import NamedTuple
 
 MAGIC = 0x31434D4D
 REQUEST = struct.Struct("<II16sQQIi")
 REPLY = struct.Struct("<iI")
-OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, CHANGE, LEASE, WHY = range(1, 11)
+OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, CHANGE, LEASE, WHY, SAMPLE = range(1, 12)
+LINE, WAIT, WAKE, SPAWN, TIMER_OP, FIRED_OP, NOW, POKE, CANCEL = range(12, 21)  # lock-step
 GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
 LEASE_DROP, LEASE_TAKE = range(2)
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = range(3)
+MLEASE, MWAIT, MWHY = 0x80044D40, 0x40044D41, 0x40804D42  # <sys/mmcs.h>
+MWHY_SIZE = 128
+LINE_PROGRAM, LINE_THREAD, LINE_CHILD = range(3)
+WAIT_SAMPLE, WAIT_KEY, WAIT_FILES, WAIT_CHILD, WAIT_DEAF, WAIT_THREAD, WAIT_AGAIN = (
+    1 << n for n in range(7)
+)
+CAUSE_DUE, CAUSE_WOKEN, CAUSE_SIGNAL, CAUSE_OUTSIDE = range(4)
+NEVER = (1 << 64) - 1
+WAIT_HEAD = struct.Struct("<QQQQII")
+NOW_DATA = struct.Struct("<QII")
+TIMER = struct.Struct("<QQQii")
+FIRED = struct.Struct("<ii")
 MAX_DATA = 65536
 MAX_PATH = 256
 
-ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 6, 9, 16, 22, 25
+EIO, ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 5, 6, 9, 16, 22, 25
+
+
+class Wait(NamedTuple):
+    """struct wire_wait."""
+
+    until: int
+    key: int
+    mask: int
+    pending: int
+    what: int
+    files: tuple[int, ...]
+
+    @classmethod
+    def of(cls, data: bytes) -> Wait:
+        *head, count = WAIT_HEAD.unpack_from(data)
+        return cls(*head, struct.unpack_from(f"<{count}i", data, WAIT_HEAD.size))
+
+
+def command(pid: int) -> str:
+    """What the process calls itself, for others to read."""
+    try:
+        with open(f"/proc/{pid}/comm") as file:
+            return file.read().strip()
+    except OSError:
+        return ""
+
+
+def signal_masks(pid: int, *names: str) -> int:
+    """The sum of such lines of the process's status; 0 without it."""
+    try:
+        with open(f"/proc/{pid}/status") as status:
+            rows = [line.split() for line in status]
+    except OSError:
+        return 0
+    found = 0
+    for row in rows:
+        if row and row[0].rstrip(":") in names:
+            found |= int(row[1], 16)
+    return found
+
+
+def pending_signals(pid: int) -> int:
+    return signal_masks(pid, "SigPnd", "ShdPnd")
 
 
 def well_formed(op: int, a: int, b: int, size: int) -> bool:
@@ -32,4 +89,8 @@ def well_formed(op: int, a: int, b: int, size: int) -> bool:
         return size == 0 and b in (1, 2)
     if op == CHANGE:
         return size > 0 and size % 8 == 0
-    return op in (READ, HOLD, LEASE, WHY) and size == 0
+    if op == WAIT:
+        return size >= WAIT_HEAD.size and (size - WAIT_HEAD.size) % 4 == 0
+    if op == TIMER_OP:
+        return size in (0, TIMER.size)
+    return OPEN < op <= CANCEL and size == 0

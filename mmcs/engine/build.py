@@ -19,18 +19,25 @@ from mmcs.place import BUILD, ROOT, WORK, workshop
 
 CLK_HZ = 8_000_000
 LOG = BUILD / "sim" / "build.log"
-# what a linker says of half a file that a kill has left
-DAMAGED = re.compile("truncated|not recognized|malformed|undefined reference|corrupt", re.I)
+# what linker and make say of files that a kill or a full disk has cut
+DAMAGED = re.compile(
+    r"truncated|not recognized|malformed|undefined reference|corrupt|file too short|bad magic"
+    r"|\.d:\d+: \*\*\*|No rule to make target",
+    re.I,
+)
 
 
 def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
+    if kind == "dpi":
+        return BUILD / "sim" / "dpi" / "libmmcs_dpi.so"
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
     name = f"{kind}_c{cards}{'_rv32' if soc else ''}{clk}"
     return BUILD / "sim" / name / "libmmcs_sim.so"
 
 
 def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
-    """The library of a build; kind is "speed", "trust" (assertions live) or "trace".
+    """The library of a build; kind is "speed", "trust" (assertions live), "trace", or
+    "dpi" (no machine: a simulator has it).
 
     soc: the machine has its own processor (docs/hardware/soc.md).
     """
@@ -40,6 +47,7 @@ def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = Fals
     env = make_env()
     if is_whole(path) and _run([*command, "-q"], env) == 0:
         return path
+    check_tools(env)
     what = f"{kind} build" + (", with its own processor" if soc else "")
     text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {what})"
     with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
@@ -77,6 +85,18 @@ def _forget(path: Path) -> bool:
     return found
 
 
+def check_tools(env: dict) -> None:
+    """What a build needs and this machine may lack. Raises RunError."""
+    compiler = env.get("CXX") or "g++"
+    for tool, package, other in (
+        ("make", "make", ""),
+        (compiler.split()[0], "g++", ", or name one with CXX=..."),
+    ):
+        if not shutil.which(tool, path=env["PATH"]):
+            install = f"install it (Debian, Ubuntu: apt-get install {package}){other}"
+            raise RunError(f"no '{tool}' found, and the simulator must be built: {install}")
+
+
 def make_env() -> dict[str, str]:
     """The environment of a make of its own, with the tools of the virtual environment."""
     env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
@@ -84,6 +104,7 @@ def make_env() -> dict[str, str]:
     if not (tools / "verilator").is_file():  # not a checkout's environment
         write_command(tools := workshop() / "bin", relative=False)
     env["PATH"] = f"{tools}:{Path(sys.executable).parent}:{env.get('PATH', '')}"
+    env["PYTHON"] = sys.executable  # not the one that a make above was told to install with
     return env
 
 

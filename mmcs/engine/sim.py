@@ -50,9 +50,9 @@ def load_library(path: Path):
 class Sim(Watching):
     """One machine, from power-on until close(). Every call may let simulated time pass."""
 
-    def __init__(self, library: Path, config: dict, motors: list[dict], links: list[dict]):
+    def __init__(self, library, config: dict, motors: list[dict], links: list[dict]):
         self.ffi = make_ffi()
-        self.lib = load_library(library)
+        self.lib = load_library(library) if isinstance(library, Path) else library
         names = {
             key: self.ffi.new("char[]", os.fsencode(config[key]))
             for key in ("processor", "firmware") if key in config
@@ -63,6 +63,7 @@ class Sim(Watching):
         c_links = self.ffi.new("mmcs_link[]", links) if links else self.ffi.NULL
         err = self.ffi.new("char[]", 300)
         self.axes = config["axes"]
+        self._head = self.ffi.new("mmcs_tap_head *")
         self._sim = self.lib.mmcs_sim_create(keep, c_motors, c_links, err, 300)
         if not self._sim:
             text = self.ffi.string(err).decode(errors="replace")
@@ -116,8 +117,8 @@ class Sim(Watching):
         return self.lib.mmcs_sim_close(self._sim, client)
 
     def ioctl(self, client: int, request: int, arg: object = None) -> int:
-        pointer = self.ffi.NULL if arg is None else self.ffi.cast("void *", arg)
-        return self.lib.mmcs_sim_ioctl(self._sim, client, request, pointer)
+        argument = self.ffi.NULL if arg is None else arg
+        return self.lib.mmcs_sim_ioctl(self._sim, client, request, argument)
 
     def write(self, client: int, setpoints: list[int]) -> int:
         data = self.ffi.new("int32_t[]", setpoints)
@@ -206,7 +207,8 @@ class Sim(Watching):
         event = self.ffi.new("mmcs_event *", {"t": t, "input": input_, "index": index})
         event.value = value
         if self.lib.mmcs_sim_add_event(self._sim, event):
-            raise RunError(f"the engine refuses the event at {t} s")
+            name = dict(enumerate(self.input_names())).get(input_, f"input {input_}")
+            raise RunError(f"{name} at {t:.6f} s: {self.notes()[-1]['text']}")
 
     def run(self, until_s: float) -> bool:
         """False when an assertion of the model failed; the notes tell which."""
@@ -256,6 +258,10 @@ class Sim(Watching):
         self.lib.mmcs_sim_get_stats(self._sim, stats)
         return {name: getattr(stats, name) for name, _ in self.ffi.typeof("mmcs_stats").fields}
 
+    def setpoint(self, axis: int) -> int:
+        """As write() or the driver set it last."""
+        return self.lib.mmcs_sim_setpoint(self._sim, axis)
+
     def true(self, axis: int) -> dict[str, float]:
         """What the physics did: angle and velocity (joint), current, encoder transitions."""
         names = ("angle", "velocity", "current", "count")
@@ -278,42 +284,6 @@ class Sim(Watching):
         out = self.ffi.new("const mmcs_checkpoint **")
         count = self.lib.mmcs_sim_checkpoints(self._sim, out)
         return [(p.samples, p.clock, p.hash, p.trail) for p in (out[0][i] for i in range(count))]
-
-    # --- the tap: positions count from the first record ever ---
-
-    def tap(self, rows: int, events: int) -> None:
-        """From now on so many samples and events are kept for readers."""
-        if self.lib.mmcs_sim_tap(self._sim, rows, events):
-            raise RunError(f"no tap of {rows} samples and {events} events can be made")
-
-    def tap_head(self) -> tuple[int, int, int]:
-        """Samples and events there have been, bytes of a sample's row."""
-        head = self.ffi.new("mmcs_tap_head *")
-        self.lib.mmcs_sim_tap_head(self._sim, head)
-        return head.rows, head.events, head.row_bytes
-
-    def tap_rows(self, start: int, every: int, limit: int) -> tuple[bytes, int, int, int]:
-        """Rows from a position on: as bytes, how many, where to go on, and how many are lost."""
-        size = self.tap_head()[2]
-        buffer, read = bytearray(limit * size), self.ffi.new("mmcs_tap_read *")
-        data = self.ffi.from_buffer(buffer)
-        self.lib.mmcs_sim_tap_rows(self._sim, start, every, data, limit, read)
-        return bytes(memoryview(buffer)[: read.count * size]), read.count, read.next, read.lost
-
-    def tap_events(self, start: int, limit: int) -> tuple[list[dict], int, int]:
-        """Events from a position on, where to go on, and how many are lost."""
-        found, read = self.ffi.new("mmcs_tap_event[]", limit), self.ffi.new("mmcs_tap_read *")
-        self.lib.mmcs_sim_tap_events(self._sim, start, found, limit, read)
-        text = lambda chars: self.ffi.string(chars).decode(errors="replace")  # noqa: E731
-        events = [
-            {"n": e.n, "t": e.t, "kind": text(e.kind), "axis": e.axis, "value": e.value,
-             "text": text(e.text)}
-            for e in found[0 : read.count]
-        ]  # fmt: skip
-        return events, read.next, read.lost
-
-    def tap_note(self, kind: str, value: int = 0, text: str = "", axis: int = -1) -> None:
-        self.lib.mmcs_sim_tap_note(self._sim, kind.encode(), axis, value, text.encode())
 
     # --- time travel ---
 

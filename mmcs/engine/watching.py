@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nets watched clock by clock: the part of a Sim that draws waveforms without a file."""
+"""The parts of a Sim that look on: nets clock by clock and the cycles of the VME bus, for waveforms
+without a file; sample by sample, for programs in lock-step."""
 
 from __future__ import annotations
 
@@ -8,6 +9,9 @@ import numpy as np
 from mmcs.errors import RunError
 
 CHANGE = np.dtype([("clock", "i8"), ("net", "i4"), ("value", "u4")])  # mmcs_change
+# mmcs_bus_cycle
+_WORDS = ("address", "data", "am", "strobes", "kind", "answer")
+CYCLE = np.dtype([(n, "i8") for n in ("begin", "end")] + [(n, "i4") for n in _WORDS])
 
 
 class Watching:
@@ -25,3 +29,61 @@ class Watching:
         count = self.lib.mmcs_sim_changes(self._sim, out)
         raw = self.ffi.buffer(out[0], count * CHANGE.itemsize) if count else b""
         return np.frombuffer(raw, CHANGE).copy()
+
+    def run_to(self, clock: int, samples: bool) -> bool:
+        """As run() up to a clock, or to the next SIGUSR1, or if asked servo sample, before it."""
+        return self.lib.mmcs_sim_run_to(self._sim, clock, samples) == 0
+
+    @property
+    def samples(self) -> int:
+        """Servo samples since power-on."""
+        return self.lib.mmcs_sim_samples(self._sim)
+
+    def bus_watch(self) -> None:
+        """From now on bus_cycles() has every cycle of the VME bus."""
+        if self.lib.mmcs_sim_bus_watch(self._sim):
+            raise RunError("a machine with its own processor has no VME bus to watch")
+
+    def bus_cycles(self) -> np.ndarray:
+        """Those since the last call, a row each, columns as CYCLE has them."""
+        out = self.ffi.new("const mmcs_bus_cycle **")
+        count = self.lib.mmcs_sim_bus_cycles(self._sim, out)
+        raw = self.ffi.buffer(out[0], count * CYCLE.itemsize) if count else b""
+        found = np.frombuffer(raw, CYCLE)
+        return np.column_stack([found[name] for name in CYCLE.names]).astype(np.float64)
+
+    # --- the tap: positions count from the first record ever ---
+
+    def tap(self, rows: int, events: int) -> None:
+        """From now on so many samples and events are kept for readers."""
+        if self.lib.mmcs_sim_tap(self._sim, rows, events):
+            raise RunError(f"no tap of {rows} samples and {events} events can be made")
+
+    def tap_head(self) -> tuple[int, int, int]:
+        """Samples and events there have been, bytes of a sample's row."""
+        head = self._head
+        self.lib.mmcs_sim_tap_head(self._sim, head)
+        return head.rows, head.events, head.row_bytes
+
+    def tap_rows(self, start: int, every: int, limit: int) -> tuple[bytes, int, int, int]:
+        """Rows from a position on: as bytes, how many, where to go on, and how many are lost."""
+        size = self.tap_head()[2]
+        buffer, read = bytearray(limit * size), self.ffi.new("mmcs_tap_read *")
+        data = self.ffi.from_buffer(buffer)
+        self.lib.mmcs_sim_tap_rows(self._sim, start, every, data, limit, read)
+        return bytes(memoryview(buffer)[: read.count * size]), read.count, read.next, read.lost
+
+    def tap_events(self, start: int, limit: int) -> tuple[list[dict], int, int]:
+        """Events from a position on, where to go on, and how many are lost."""
+        found, read = self.ffi.new("mmcs_tap_event[]", limit), self.ffi.new("mmcs_tap_read *")
+        self.lib.mmcs_sim_tap_events(self._sim, start, found, limit, read)
+        text = lambda chars: self.ffi.string(chars).decode(errors="replace")  # noqa: E731
+        events = [
+            {"n": e.n, "t": e.t, "kind": text(e.kind), "axis": e.axis, "value": e.value,
+             "text": text(e.text)}
+            for e in found[0 : read.count]
+        ]  # fmt: skip
+        return events, read.next, read.lost
+
+    def tap_note(self, kind: str, value: int = 0, text: str = "", axis: int = -1) -> None:
+        self.lib.mmcs_sim_tap_note(self._sim, kind.encode(), axis, value, text.encode())

@@ -75,7 +75,7 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
     from mmcs.engine.sim import Sim
     from mmcs.scenario.load import load
     from mmcs.session.session import Session
-    from mmcs.sweep.workers import library_of
+    from mmcs.sweeps.workers import library_of
 
     words = [word for text in sets for word in ("--set", text)]
     command = shlex.join(["mmcs", "run", name, *words])

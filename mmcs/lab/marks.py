@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from mmcs.errors import InputError, RunError
 from mmcs.lab.bench import run
-from mmcs.lab.sheets import ANSWER, Sheet
+from mmcs.lab.sheets import ANSWER, GRADER, LABS, Sheet
 from mmcs.scenario.files import read_toml
 from mmcs.scenario.schema import Strict, validate
 
@@ -59,6 +62,31 @@ def read_answer(sheet: Sheet, path: Path) -> Strict:
     return answer
 
 
+def answers(sheet: Sheet, folder: Path) -> dict[str, Path]:
+    """The answers of a class by student: NAME.toml, or NAME/answer.toml. Raises InputError."""
+    found = {path.stem: path for path in folder.glob("*.toml")}
+    found |= {path.parent.name: path for path in folder.glob(f"*/{ANSWER}")}
+    if not found:
+        allowed = f"holds no answers: no NAME.toml and no NAME/{ANSWER} is there"
+        raise InputError.one(folder, "", None, allowed)
+    return dict(sorted(found.items()))
+
+
+def grade_class(sheet: Sheet, folder: Path) -> dict[str, list[Mark] | str]:
+    """By student: the marks, or why the file cannot be graded."""
+    graded: dict[str, list[Mark] | str] = {}
+    for name, path in answers(sheet, folder).items():
+        try:
+            graded[name] = grade(sheet, read_answer(sheet, path))
+        except InputError as error:
+            graded[name] = "; ".join(f"{m.key}: {m.allowed}".lstrip(": ") for m in error.mistakes)
+    return graded
+
+
+def questions(sheet: Sheet) -> list[Question]:
+    return _grader(sheet).QUESTIONS
+
+
 def grade(sheet: Sheet, answer: Strict) -> list[Mark]:
     return [_mark(sheet, question, answer) for question in _grader(sheet).QUESTIONS]
 
@@ -69,9 +97,22 @@ def _mark(sheet: Sheet, question: Question, answer: Strict) -> Mark:
     try:
         good, why = question.judge(answer, partial(run, sheet.folder))
     except RunError as error:
-        good, why = False, f"cannot be run: {error}"
+        text = re.sub(r"^axis\.\d+\.", f"{question.key}.", str(error))  # the student's own name
+        good, why = False, f"cannot be run: {text}"
     return Mark(question.key, question.points if good else 0, question.points, why)
 
 
 def _grader(sheet: Sheet):
-    return import_module(f"mmcs.lab.graders.{sheet.name}")
+    """The sheet's module: Answer, a model, and QUESTIONS. A teacher's own lies in its folder."""
+    if sheet.folder.parent == LABS:
+        return import_module(f"mmcs.lab.graders.{sheet.name}")
+    path = sheet.folder / GRADER
+    spec = spec_from_file_location(f"grader_of_{sheet.name}", path)
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module  # models of pydantic look there for their types
+    try:
+        spec.loader.exec_module(module)
+        _ = module.Answer, module.QUESTIONS
+    except Exception as error:
+        raise InputError.one(path, "", None, f"{type(error).__name__}: {error}") from None
+    return module

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Finds the lab sheets, docs/labs/NN_name/, and makes folders to work in."""
+"""The lab sheets, NN_name/ in docs/labs or in a folder of the teacher's, and folders to work in."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mmcs.errors import InputError
 from mmcs.place import ROOT
 
 LABS = ROOT / "docs" / "labs"
-ANSWER, SHEET = "answer.toml", "sheet.md"
+ANSWER, SHEET, GRADER = "answer.toml", "sheet.md", "grader.py"
 
 
 @dataclass(frozen=True)
@@ -22,21 +22,34 @@ class Sheet:
     folder: Path
 
     @property
+    def files(self) -> list[Path]:
+        """What a student is given."""
+        return [p for p in sorted(self.folder.iterdir()) if p.is_file() and p.name != GRADER]
+
+    @property
     def title(self) -> str:
         return (self.folder / SHEET).read_text().splitlines()[0].removeprefix("# ")
 
 
-def sheets() -> list[Sheet]:
+def sheets(folder: Path = LABS) -> list[Sheet]:
+    """The sheets of a folder. Raises InputError."""
     found = []
-    for path in sorted(LABS.glob(f"*/{SHEET}")):
+    for path in sorted(folder.glob(f"*/{SHEET}")):
         number, _, name = path.parent.name.partition("_")
+        if not re.fullmatch(r"\d{1,3}", number) or not name:
+            raise InputError.one(path.parent, "", None, "a sheet's folder is called NN_name")
+        for needed in (ANSWER,) if folder == LABS else (ANSWER, GRADER):
+            if not (path.parent / needed).is_file():
+                raise InputError.one(path.parent, "", None, f"a sheet needs a file {needed}")
         found.append(Sheet(int(number), name, path.parent))
+    if not found:
+        raise InputError.one(folder, "", None, f"holds no sheets: no NN_name/{SHEET} is there")
     return found
 
 
-def find_sheet(text: str) -> Sheet:
+def find_sheet(text: str, folder: Path = LABS) -> Sheet:
     """By number or name."""
-    known = sheets()
+    known = sheets(folder)
     for sheet in known:
         if text == sheet.name or re.fullmatch(f"0*{sheet.number}", text):
             return sheet
@@ -46,15 +59,12 @@ def find_sheet(text: str) -> Sheet:
 
 def start(sheet: Sheet, folder: Path) -> list[Path]:
     """Copies the sheet's files into the folder; what is there already is left alone."""
-    for path in sorted(sheet.folder.iterdir()):
+    for path in sheet.files:
         if (folder / path.name).exists():
             allowed = "is there already, perhaps with your work; name another folder"
             raise InputError.one(folder / path.name, "", None, allowed)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return [
-            Path(shutil.copyfile(path, folder / path.name))
-            for path in sorted(sheet.folder.iterdir())
-        ]
+        return [Path(shutil.copyfile(path, folder / path.name)) for path in sheet.files]
     except OSError as error:
         raise InputError.one(folder, "", None, f"cannot be made: {error.strerror}") from None

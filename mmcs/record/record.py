@@ -25,6 +25,7 @@ from mmcs.errors import InputError
 from mmcs.place import run_folders
 from mmcs.result.folder import settle
 from mmcs.scenario.files import is_name, loads, log_lines, open_file, read_json, short
+from mmcs.session.programs import absolute, digest
 
 NAME = "run.mmcs"
 FORMAT = 1
@@ -67,12 +68,15 @@ class Record:
 # --- writing -----------------------------------------------------------------------------------
 
 
-def inline(data: dict) -> dict:
+def inline(data: dict, folder: Path) -> dict:
     """The scenario, naming the setup's files by the plain names that they have in a record."""
     data = json.loads(json.dumps(data)) | {"robot": "./robot.toml"}
     for n, motion in enumerate(data.get("motion", [])):
         if motion.get("kind") == "table":
             motion["file"] = f"table{n}.csv"
+    for program in data.get("program", []):
+        program["run"] = absolute(program["run"], folder)
+        program["digest"] = digest(program["run"])
     return data
 
 
@@ -97,7 +101,7 @@ def make_record(result, host: str) -> dict:
         "clk_hz": result.clk_hz,
         "motion_start_s": result.motion_start_s,
         "samples": len(log),
-        "data": inline(setup.data),
+        "data": inline(setup.data, setup.path.parent),
         "files": base64.b64encode(packed).decode(),
         "checkpoints": base64.b64encode(b"".join(POINT.pack(*p) for p in kept)).decode(),
         "rows_each": every,

@@ -252,10 +252,10 @@ class ResumedSession(Session):
         for rows in snapshot.log.blocks():
             self.log.append(rows)
 
-    def _schedule(self, start: float, at_power_on: bool) -> None:
+    def schedule(self, start: float, at_power_on: bool) -> None:
         """Events are in the snapshot."""
 
-    def _configure(self, client: int) -> None:
+    def configure(self, client: int) -> None:
         """So is the configured driver."""
 
     def _move(self, duration: float, progress) -> bool:

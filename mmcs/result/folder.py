@@ -19,7 +19,7 @@ from pathlib import Path
 from mmcs.errors import InputError
 from mmcs.scenario.files import read_json
 
-RESULTS = ("report.json", "log.csv", "plot.svg", "run.mmcs", "run.mmsnap")
+RESULTS = ("report.json", "log.csv", "bus.csv", "plot.svg", "run.mmcs", "run.mmsnap")
 STAGE, WHOLE, LOCK = ".new", "whole.json", ".lock"
 
 

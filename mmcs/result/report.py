@@ -15,6 +15,10 @@ from mmcs.engine.rows import blocks
 from mmcs.result import metrics
 from mmcs.result.expect import judge
 
+CYCLES = ("read", "write", "acknowledge")  # MMCS_BUS_...
+STROBES = ("", "DS0", "DS1", "DS0+DS1")
+ANSWERS = ("DTACK", "none", "BERR")
+MOST_CURRENT = 2047  # of the D/A
 FEW = 6  # more met expectations than this are not listed one by one
 
 
@@ -48,7 +52,15 @@ def _measure_axis(result, axis: int) -> dict:
         "rms_error_counts": round(float(np.sqrt(np.mean(error**2))), 3) if len(log) else None,
         "final_counts": float(y[-1]) if len(log) else None,
         "peak_current": float(np.abs(current).max()) if len(log) else None,
+        "limited_samples": int(limited(current, params).sum()),
     }
+
+
+def limited(current: np.ndarray, params: dict) -> np.ndarray:
+    """The samples in which the limit cut the current: ilim, or the D/A's own if ilimax > 0."""
+    limit = params["ilim"] if params["ilimax"] == 0 else MOST_CURRENT
+    cut = np.abs(current) >= min(limit, MOST_CURRENT)
+    return cut & (params["mode"] != "off") & (limit > 0)
 
 
 def make_report(result, host: str) -> dict:
@@ -104,6 +116,19 @@ def write_log(result, folder: Path) -> int:
     return crc
 
 
+def write_bus(cycles, folder: Path) -> None:
+    """One row per cycle of the VME bus; clocks count from power-on."""
+    with (folder / "bus.csv").open("w") as file:
+        file.write("begin_clock,end_clock,cycle,address,am,strobes,data,answer\n")
+        for rows in blocks(cycles):
+            for row in rows.tolist():
+                begin, end, address, data, am, strobes, kind, answer = map(int, row)
+                file.write(
+                    f"{begin},{end},{CYCLES[kind]},{address:04X},{am:02X},{STROBES[strobes]},"
+                    f"{data:04X},{ANSWERS[answer]}\n"
+                )
+
+
 def print_report(report: dict, result, folder: Path, console) -> None:
     from rich.table import Table
 
@@ -131,7 +156,12 @@ def print_report(report: dict, result, folder: Path, console) -> None:
     console.print(table)
     shown = ("interrupts", "missed", "overruns", "panics")
     counts = ", ".join(f"{report['stats'][name]} {name}" for name in shown)
-    console.print(f"{counts}; hash {report['hash']}")
+    known = f"hash {report['hash']}" if report["hash"] else "no hash: no register can be read"
+    console.print(f"{counts}; {known}")
+    for axis in report["axes"]:
+        if axis["limited_samples"]:
+            console.print(f"axis {axis['axis']}: the limit cut the current in "
+                          f"{axis['limited_samples']} of {len(result.log)} samples")  # fmt: skip
     for note in report["events"]:
         if note["kind"] != "log":
             where = "" if note["axis"] < 0 else f" axis {note['axis']}"

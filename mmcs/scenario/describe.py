@@ -103,7 +103,9 @@ def cautions(setup: Setup) -> list[str]:
                 f"axis {axis}: negative gain is for an encoder that counts down with positive "
                 "torque; then ic_pos and ic_neg must be negative too"
             )
-    out += _poor_gains(setup)
+    for axis, text in poor_gains(setup).items():
+        command = f"mmcs design --wn 50 --robot {scenario.robot} --axis {axis} --toml"
+        out.append(f"{text}; `{command}` makes others")
     used = {s["axis"] for s in setup.segments}
     for axis in range(setup.axes):
         if axis not in used and setup.scenario.motion and setup.params[axis]["mode"] != "off":
@@ -111,11 +113,12 @@ def cautions(setup: Setup) -> list[str]:
     return out
 
 
-def _poor_gains(setup: Setup) -> list[str]:
-    """Position loops that the motor's own inertia makes unstable, or nearly so."""
-    from mmcs.design.synthesis import Discrete, margins, plant_of
+def poor_gains(setup: Setup) -> dict[int, str]:
+    """By axis: position loops that the motor's own inertia makes unstable, or nearly so."""
+    from mmcs.design.motor import plant_of
+    from mmcs.design.synthesis import Discrete, margins
 
-    scenario, out = setup.scenario, []
+    scenario, out = setup.scenario, {}
     for axis, p in enumerate(setup.params):
         if p["mode"] != "position" or {"adfb", "adoff"} & set(p["flags"]) or not p["b0"]:
             continue
@@ -127,10 +130,7 @@ def _poor_gains(setup: Setup) -> list[str]:
         if m.stable and m.phase_deg > LEAST_PHASE_DEG:
             continue
         what = f"only {m.phase_deg:.0f} deg of phase margin" if m.stable else "an unstable loop"
-        out.append(
-            f"axis {axis}: its gains and this motor make {what} at {t * 1e6:.0f} us; "
-            f"`mmcs design --wn 50 --robot {scenario.robot} --axis {axis} --toml` makes others"
-        )
+        out[axis] = f"axis {axis}: its gains and this motor make {what} at {t * 1e6:.0f} us"
     return out
 
 

@@ -53,6 +53,7 @@ INPUTS = {
     "pc_d_stuck1": Input("machine", 0, 0, 255, "those held at 1"),
     "pc_control_stuck0": Input("machine", 0, 0, 3, "of IOR#, IOW#, those held at 0"),
     "pc_control_stuck1": Input("machine", 0, 0, 3, "those held at 1"),
+    "clock_stop": Input("machine", 0, 0, 1, "1: the clock of adaptor and cards has stopped"),
     "host_dead": Input("machine", 0, 0, 1, "1: the host executes nothing any more, for good"),
     "writes_lost": Input("machine", 0, 0, 1e6, "so many of the program's next writes are lost"),
     "write_flip": Input("axis", 0, 0, 2**32 - 1, "bits that are wrong in the program's next write"),

@@ -19,7 +19,7 @@ def load(name: str, sets: tuple[str, ...] = (), **overrides):
     """The checked setup. Raises InputError holding every mistake found."""
     path = find(name)
     data, origins = read_scenario(path)
-    apply_sets(data, sets)
+    typed = apply_sets(data, sets)
     given = {key: value for key, value in overrides.items() if value is not None}
     data.update(given)
     for key in (*given, *(item.partition("=")[0] for item in sets)):
@@ -27,11 +27,15 @@ def load(name: str, sets: tuple[str, ...] = (), **overrides):
     try:
         return make_setup(path, data)
     except InputError as error:
-        raise InputError(*(_of(mistake, path, origins) for mistake in error.mistakes)) from None
+        told = (_of(mistake, path, origins, typed) for mistake in error.mistakes)
+        raise InputError(*told) from None
 
 
-def _of(mistake: Mistake, path: Path, origins: dict[str, Path]) -> Mistake:
-    """The mistake, in the file that it was inherited from."""
+def _of(mistake: Mistake, path: Path, origins: dict[str, Path], typed: dict[str, str]) -> Mistake:
+    """The mistake, in the file that it was inherited from, or by the name that --set gave."""
+    entry, dot, key = mistake.key.rpartition(".")
+    if entry in typed:
+        return replace(mistake, file="--set", key=f"{typed[entry]}{dot}{key}")
     origin = origins.get(mistake.key.partition(".")[0])
     if mistake.file != str(path) or origin is None:
         return mistake

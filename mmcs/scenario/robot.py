@@ -7,12 +7,13 @@ import math
 import re
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from mmcs.errors import Mistake, show, suggest
-from mmcs.scenario.schema import Strict, is_number, refuse
+from mmcs.scenario.schema import Axes, Strict, is_number, refuse
 
 STEP_S = 50e-6
+FRICTION = ("coulomb_pos", "coulomb_neg", "stiction_pos", "stiction_neg")
 CONFIDENCE = re.compile(r"[ABCD] (\S+)")
 
 
@@ -124,6 +125,25 @@ class Motor(Strict):
         return data
 
 
+def with_values(data: dict, entries: list[dict]) -> dict:
+    """The robot file's data with values replaced. An entry has "axis" (numbers, or "all") and
+    keys of Motor. `friction` stands for sliding and static friction in both directions.
+    """
+    motors = []
+    for motor in data["axis"]:
+        count, name = motor.get("copies", 1), motor.get("name", "")
+        for n in range(count):
+            motors.append(motor | {"copies": 1, "name": f"{name}{n + 1}" if count > 1 else name})
+    for entry in entries:
+        values = {key: value for key, value in entry.items() if key not in ("axis", "friction")}
+        if "friction" in entry:
+            values = dict.fromkeys(FRICTION, entry["friction"]) | values
+        axes = range(len(motors)) if entry["axis"] == "all" else entry["axis"]
+        for axis in axes:
+            motors[axis] |= values
+    return data | {"axis": motors}
+
+
 def _expand(motors: list[Motor]) -> list[Motor]:
     """An axis with `copies` stands for so many equal ones."""
     if sum(motor.copies for motor in motors) > 32:
@@ -135,6 +155,20 @@ def _expand(motors: list[Motor]) -> list[Motor]:
             name = f"{motor.name}{n + 1}" if many else motor.name
             out.append(motor.model_copy(update={"copies": 1, "name": name}))
     return out
+
+
+# A [[motor]] of a scenario: values in place of the robot file's, all of Motor's but its names.
+MotorValues = create_model(
+    "MotorValues",
+    __base__=Strict,
+    axis=(Axes, Field("all", description="an axis number, a list of them or 'all'")),
+    friction=(Torque | None, None),
+    **{
+        name: (field.rebuild_annotation() | None, None)
+        for name, field in Motor.model_fields.items()
+        if name not in ("name", "copies", "servo", "source")
+    },
+)
 
 
 class Link(Strict):

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from mmcs.scenario.robot import MotorValues
 from mmcs.scenario.schema import Axes, Count, Hash, Limit, NumberOrList, Pair, Strict
 
 INT_MIN, INT_MAX = -(2**31), 2**31 - 1
@@ -165,6 +166,13 @@ class Bounce(Strict):
 Process = Annotated[Loop | Bounce, Field(discriminator="kind")]
 
 
+class Program(Strict):
+    """A program of one's own, run in lock-step; it configures the driver itself."""
+
+    run: str = Field(min_length=1, max_length=4096, description="a command, words as in a shell")
+    digest: str = ""  # of the files it names, when a record was made
+
+
 class Fault(Strict):
     """What the scenario shows in the fault table, docs/evidence/faults.md."""
 
@@ -303,10 +311,12 @@ class Scenario(Strict):
     skip: bool = True  # pass over clocks in which nothing happens
     verbose: bool = False
     host: Host = Host()
+    motor: list[MotorValues] = []
     servo: list[Servo] = []
     motion: list[Motion] = []
     event: list[Event] = []
     call: list[Call] = []
     process: list[Process] = []
+    program: list[Program] = []
     fault: Fault | None = None
     expect: list[Expect] = []

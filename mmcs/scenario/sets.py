@@ -7,14 +7,30 @@ import tomllib
 
 from mmcs.errors import InputError, show, suggest
 from mmcs.scenario.files import DEEPEST, parse_toml
+from mmcs.scenario.robot import MotorValues
 from mmcs.scenario.scenario import Servo
 
+# Of a table that a key without its entry number reaches: model, what its keys begin with, a key.
+TABLES = {
+    "servo": (Servo, "", "servo parameter", "b0"),
+    "motor": (MotorValues, "robot.", "value of a robot's axis", "inertia"),
+}
 
-def apply_sets(data: dict, sets: tuple[str, ...]) -> None:
-    """Applies `--set key.path=value`; a value is TOML, or a bare word taken as a string."""
+
+def apply_sets(data: dict, sets: tuple[str, ...]) -> dict[str, str]:
+    """Applies `--set key.path=value`; a value is TOML, or a bare word taken as a string.
+
+    Returns what was typed for the entries that it made: {"servo.4": "axis.0"}.
+    """
+    typed = {}
     for item in sets:
         key, text = split_set(item)
         set_key(data, key, parse_value(text, key))
+        for table, (_, prefix, *_) in TABLES.items():
+            parts = [part.strip() for part in key.split(".")]
+            if parts[: len(prefix.split("."))] == [*prefix.split(".")[:-1], "axis"]:
+                typed[f"{table}.{len(data[table]) - 1}"] = ".".join(parts[:-1])
+    return typed
 
 
 def split_set(item: str, option: str = "--set", example: str = "servo.0.ilim=500"):
@@ -35,13 +51,19 @@ def parse_value(text: str, key: str, option: str = "--set") -> object:
 
 
 def set_key(data: dict, key: str, value: object, option: str = "--set") -> None:
-    """Puts a value where the key says; `axis.N.KEY` and `axis.all.KEY` are servo parameters."""
+    """Puts a value where the key says.
+
+    `axis.N.KEY` is a servo parameter, `robot.axis.N.KEY` a value of the robot file; N may be `all`.
+    """
     parts = [part.strip() for part in key.split(".")]
     if len(parts) > DEEPEST:
         raise InputError.one(option, "", key, f"names more than {DEEPEST} levels")
     item = f"{key}={show(value)}"
     if parts[0] == "axis" and "axis" not in data:
-        _set_servo(data, parts, value, option)
+        _add_entry(data, "servo", parts, value, option)
+        return
+    if parts[:2] == ["robot", "axis"]:
+        _add_entry(data, "motor", parts[1:], value, option)
         return
     *heads, last = parts
     for part in heads:
@@ -57,22 +79,24 @@ def set_key(data: dict, key: str, value: object, option: str = "--set") -> None:
         data[last] = value
 
 
-def _set_servo(data: dict, parts: list[str], value: object, option: str) -> None:
-    """A servo entry of its own, after those of the file: the last one counts."""
-    key = ".".join(parts)
-    names = [name for name in Servo.model_fields if name != "axis"]
+def _add_entry(data: dict, table: str, parts: list[str], value: object, option: str) -> None:
+    """A new entry in [[servo]] or [[motor]], after those of the file: the last one counts."""
+    model, prefix, what, example = TABLES[table]
+    key = prefix + ".".join(parts)
+    names = [name for name in model.model_fields if name != "axis"]
     if len(parts) != 3 or not (parts[1] == "all" or parts[1].isascii() and parts[1].isdigit()):
-        raise InputError.one(
-            option, key, None, "must be axis.N.KEY or axis.all.KEY, like axis.0.b0"
+        allowed = (
+            f"must be {prefix}axis.N.KEY or {prefix}axis.all.KEY, like {prefix}axis.0.{example}"
         )
+        raise InputError.one(option, key, None, allowed)
     if parts[2] not in names:
         hint = suggest(parts[2], names) or "; there are: " + ", ".join(names)
-        raise InputError.one(option, key, None, f"no such servo parameter{hint}")
-    servo = data.setdefault("servo", [])
-    if not isinstance(servo, list):
-        raise InputError.one(option, key, None, '"servo" is a value and has no keys')
+        raise InputError.one(option, key, None, f"no such {what}{hint}")
+    entries = data.setdefault(table, [])
+    if not isinstance(entries, list):
+        raise InputError.one(option, key, None, f'"{table}" is a value and has no keys')
     axis = "all" if parts[1] == "all" else int(parts[1][:9])
-    servo.append({"axis": axis, parts[2]: value})
+    entries.append({"axis": axis, parts[2]: value})
 
 
 def _index(data: list, part: str, item: str, option: str) -> int:

@@ -8,6 +8,7 @@ starts after the end, segments that overlap.
 from __future__ import annotations
 
 import math
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
 from mmcs.scenario.inputs import INPUTS, find
-from mmcs.scenario.robot import Robot
+from mmcs.scenario.robot import Robot, with_values
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate
 
@@ -96,8 +97,8 @@ def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     if isinstance(name, str) and name:
         try:
             robot_path = find_robot(name, path)
-            robot, wrong = validate(Robot, files.toml(robot_path), str(robot_path))
-            mistakes += wrong or (robot.mistakes(str(robot_path)) if robot else [])
+            robot, wrong = _check_robot(files.toml(robot_path), str(robot_path))
+            mistakes += wrong
         except InputError as error:
             where = error.mistakes[0]
             if where.file in (f'"{name}"', str(path.parent / name)):
@@ -106,6 +107,13 @@ def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     if mistakes:
         raise InputError(*mistakes)
     cross = _Cross(path, scenario, robot, files)
+    if scenario.motor and not (mistakes := cross.motors()):
+        entries = [entry.model_dump(exclude_none=True) for entry in scenario.motor]
+        data_of_robot = with_values(files.toml(robot_path), entries)
+        robot, mistakes = _check_robot(data_of_robot, f"{path}: [[motor]]")
+        cross.robot = robot
+    if mistakes:
+        raise InputError(*mistakes)
     params, segments = cross.params(), cross.segments()
     cross.check_rest()
     if cross.mistakes:
@@ -115,6 +123,11 @@ def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
         allowed = f"its tables are together larger than {MAX_FILES >> 20} MB"
         raise InputError.one(path, "motion", None, allowed)
     return Setup(path.stem, path, scenario, robot, params, segments, data, texts)
+
+
+def _check_robot(data: dict, file: str) -> tuple[Robot | None, list[Mistake]]:
+    robot, mistakes = validate(Robot, data, file)
+    return robot, mistakes or robot.mistakes(file)
 
 
 class _Cross:
@@ -141,6 +154,12 @@ class _Cross:
                     f'robot "{self.scenario.robot}" has axes 0 to {self.axes - 1}',
                 )
         return [axis for axis in axes if axis < self.axes]
+
+    def motors(self) -> list[Mistake]:
+        """Mistakes of the axis numbers in [[motor]]."""
+        for n, entry in enumerate(self.scenario.motor):
+            self.chosen(f"motor.{n}", entry.axis)
+        return self.mistakes
 
     def params(self) -> list[dict]:
         interval = self.scenario.interval_us
@@ -315,6 +334,20 @@ class _Cross:
             for place in range(len(chosen)):
                 self._pick(f"process.{n}.to", process.to, place, len(chosen))
 
+    def _check_program(self) -> None:
+        scenario = self.scenario
+        for n, program in enumerate(scenario.program):
+            try:
+                words = shlex.split(program.run)
+            except ValueError as error:
+                words = self.wrong(f"program.{n}.run", program.run, f"{error}")
+            if words == []:
+                self.wrong(f"program.{n}.run", program.run, "must name a program")
+        for key in ("motion", "call", "process", "servo"):
+            if scenario.program and getattr(scenario, key):
+                allowed = f"a [[program]] does that itself: not together with [[{key}]]"
+                self.wrong("program", None, allowed)
+
     def check_rest(self) -> None:
         scenario = self.scenario
         if scenario.dynamics == "coupled" and not self.robot.link:
@@ -329,6 +362,7 @@ class _Cross:
             self.wrong("cards", scenario.cards, f"{self.axes} axes need at least {need} cards")
         self._check_pose()
         self._check_process()
+        self._check_program()
         for n, call in enumerate(scenario.call):
             self.chosen(f"call.{n}", call.axis)
             if (call.request == "MSETPARAM") != (call.set is not None):

@@ -8,23 +8,54 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+from mmcs.errors import RunError
 from mmcs.scenario.setup import Setup
 from mmcs.screen import console
 
 
-def machine(setup: Setup, kind: str = "speed", skip: bool | None = None, host: str = "native"):
-    """The setup's machine in power-on state; skip: as the scenario says, or so."""
+def machine(
+    setup: Setup,
+    kind: str = "speed",
+    skip: bool | None = None,
+    host: str = "native",
+    dpi: int | None = None,
+):
+    """The setup's machine in power-on state; skip: as the scenario says, or so.
+
+    dpi: the line to a simulator that has the machine, and not a build of ours.
+    """
     from mmcs.engine import hosts
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
 
     scenario = setup.scenario
+    if dpi is not None:
+        return _machine_of_simulator(setup, dpi)
     if skip is None:
         skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
     library = ensure_library(scenario.cards, kind, scenario.clk_hz, soc=host == "rv32")
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
+
+
+def _machine_of_simulator(setup: Setup, line: int):
+    from mmcs.engine.build import ensure_library
+    from mmcs.engine.dpi import DpiSim, Line
+    from mmcs.scenario.inputs import UPSET
+
+    for event in setup.scenario.event:
+        if event.input.startswith(UPSET):
+            raise RunError(f"{event.input}: through DPI no register can be read or written")
+    scenario = setup.scenario
+    testbench = Line(line, ensure_library(scenario.cards, "dpi"))
+    for what, has, wanted in (
+        ("NumCards", testbench.mmcs_sim_build_cards(), scenario.cards),
+        ("ClkHz", testbench.mmcs_sim_build_clk_hz(), scenario.clk_hz),
+    ):
+        if has != wanted:
+            raise RunError(f"the testbench has {what}={has}, and {setup.name} needs {wanted}")
+    return DpiSim(testbench, setup.config() | {"skip": 0}, setup.motors(), setup.links())
 
 
 class Tracing:

@@ -14,6 +14,7 @@ import numpy as np
 from mmcs import mcdef
 from mmcs.engine.logcols import FIELDS
 from mmcs.engine.rows import Rows
+from mmcs.engine.watching import CYCLE
 from mmcs.errors import RunError, suggest
 from mmcs.scenario.inputs import find
 from mmcs.scenario.setup import Setup
@@ -33,7 +34,7 @@ class Result:
     log: np.ndarray | Rows
     notes: list[dict]
     stats: dict
-    hash: str
+    hash: str  # "" where no register can be read
     wall_s: float
     simulated_s: float
     motion_start_s: float
@@ -54,6 +55,7 @@ class Result:
     build: str = ""  # which build of the simulator it was
     image: str = ""  # and which firmware a processor ran
     snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
+    bus: np.ndarray | Rows | None = None  # cycles of the VME bus, if they were asked for
 
 
 NO_MEMORY = "out of memory"
@@ -66,7 +68,7 @@ class Refused(Exception):
 class Session:
     """Drives a Sim (or a fake of it) through a setup."""
 
-    def __init__(self, sim, setup: Setup, realtime: bool = False):
+    def __init__(self, sim, setup: Setup, realtime: bool = False, bus: bool = False):
         self.sim, self.setup, self.realtime = sim, setup, realtime
         self.first_motion_wall: float | None = None
         self.start = 0.0
@@ -76,11 +78,14 @@ class Session:
         self.actors: list = []
         self.log = Rows(1 + len(FIELDS) * setup.axes)
         self.truth = Rows(2 + 3 * setup.axes)
+        self.bus = Rows(len(CYCLE)) if bus else None
 
     def run(self, progress: Callable[[float], None] = lambda _: None) -> Result:
         sim, setup = self.sim, self.setup
         began = time.perf_counter()
-        self._schedule(0.0, at_power_on=True)
+        if self.bus is not None:
+            sim.bus_watch()
+        self.schedule(0.0, at_power_on=True)
         ok, ended = True, ""
         client = _checked("open", sim.open(mcdef.O_RDWR))
         try:
@@ -101,6 +106,7 @@ class Session:
             self._answered("MSTOP", sim.ioctl(client, mcdef.MSTOP))
         stats = sim.stats()
         sim.close(client)
+        self._take_cycles()
         return Result(
             setup=setup,
             log=self.log.array(),
@@ -124,13 +130,14 @@ class Session:
             processes=[a.summary() for a in self.actors if hasattr(a, "summary")],
             checkpoints=sim.checkpoints(),
             build=sim.build_id(),
+            bus=self.bus,
         )
 
     def begin(self, client: int) -> None:
         """Configures the driver and starts the motion."""
-        self._configure(client)
+        self.configure(client)
         self.start = self.sim.time
-        self._schedule(self.start, at_power_on=False)
+        self.schedule(self.start, at_power_on=False)
         for segment in self.setup.segments:
             self.sim.add_segment(**segment)
         self._answered("start of motion", self.sim.start_motion(client))
@@ -168,7 +175,7 @@ class Session:
             " take fewer axes, a longer interval_us or --host native"
         )
 
-    def _configure(self, client: int) -> None:
+    def configure(self, client: int) -> None:
         sim, setup = self.sim, self.setup
         scenario = setup.scenario
 
@@ -206,7 +213,7 @@ class Session:
             raise RunError(f"{what}: {why}")
         return _checked(what, result)
 
-    def _schedule(self, start: float, at_power_on: bool) -> None:
+    def schedule(self, start: float, at_power_on: bool) -> None:
         names = self.sim.input_names()
         for event in self.setup.scenario.event:
             if event.at_power_on != at_power_on:
@@ -255,6 +262,11 @@ class Session:
             row += [truth["angle"], truth["velocity"], truth["current"]]
         self.truth.append(np.array(row))
         self.log.append(self.sim.take_log())
+        self._take_cycles()
+
+    def _take_cycles(self) -> None:
+        if self.bus is not None:
+            self.bus.append(self.sim.bus_cycles())
 
 
 def _checked(what: str, result: int) -> int:

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from mmcs import ROOT
-from mmcs.device.execute import LIBRARY, cflags, environment
+from mmcs.device.execute import LIBRARY, cflags, environment, serve_program
 from mmcs.device.server import Server
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
@@ -50,7 +50,7 @@ def compile_program(source, *flags):
     """A program of our own, or one of 1989 with the flags that `mmcs exec --cflags` prints."""
     flags = flags or ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware' / 'include'}")
     seen = [ROOT / "firmware" / "include" / "mcdef.h", LIBRARY]  # where it was in 1989, and by whom
-    return compiled(source.stem, ["gcc", *flags], [source], ["-lpthread"], seen)
+    return compiled(source.stem, ["gcc", *flags], [source], ["-lpthread", "-lm"], seen)
 
 
 def compile_1989(source):
@@ -98,3 +98,16 @@ class Bench:
             child.stdin.close()
         self.server.close()
         self.sim.destroy()
+
+
+def run_in_lockstep(folder, *command, said=None):
+    """A run of a program from power-on, in lock-step: its status, and the machine's hash."""
+    folder.mkdir(mode=0o700, exist_ok=True)
+    with make_sim(folder) as sim:
+        tell = (lambda text: None) if said is None else said.append
+        server = Server(sim, folder / "mc0.sock", None, console=tell, lockstep=True)
+        try:
+            status = serve_program(server, [str(c) for c in command])
+            return status, sim.hash()
+        finally:
+            server.close()

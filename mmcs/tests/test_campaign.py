@@ -24,7 +24,7 @@ from mmcs.campaign.plan import CHUNK, Plan, make_plan, run_fault, twin_of
 from mmcs.campaign.report import cost_of, wilson
 from mmcs.campaign.twin import Twin
 from mmcs.scenario.inputs import INPUTS
-from mmcs.sweep.store import ROWS
+from mmcs.sweeps.store import ROWS
 
 CARD, AXIS = "seu.g_card[1].u_card", "seu.g_card[1].u_card.g_axis[0].u_axis"
 SIZE = 100
@@ -241,7 +241,7 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
             answer = {"status": "failed", "why": "no"} if bad else done
             yield numbers, answer, 0.0
 
-    monkeypatch.setattr("mmcs.sweep.workers.run_here", here)
+    monkeypatch.setattr("mmcs.sweeps.workers.run_here", here)
     status, out, _ = campaign(mmcs, tmp_path, 20)
     assert status == 1 and "1 of 20 faults could not be run" in out
     lines = [json.loads(line) for line in (tmp_path / ROWS).read_text().splitlines()[1:]]
@@ -275,7 +275,8 @@ def test_show_tells_of_one_fault(mmcs, plan):
 
 def test_every_input_has_its_sort():
     sorts = [*PINS, *LINES, *KILLS, *MESSAGES]
-    assert sorted(sorts) == sorted(n for n in INPUTS if not n.startswith("seu_"))
+    others = {"clock_stop"}  # one more in a sort would draw the campaigns anew that were measured
+    assert sorted(sorts) == sorted(n for n in INPUTS.keys() - others if not n.startswith("seu_"))
 
 
 def test_every_bit_and_input_is_drawn_as_often_as_any_other(plan):
@@ -341,8 +342,8 @@ def test_wilson(k, n, low, high):
         (("--faults", 0), "--faults = 0: must be 1 to 1000000"),
         (("--sort", "pins"), 'must be one of register, line, pin, message, kill'),
         (("arm_move", "arm_move"), "is named twice"),
-        (("fault_estop",), "a campaign wants a motion without events and processes"),
-        (("user_loop",), "a campaign wants a motion without events and processes"),
+        (("fault_estop",), "a campaign wants a motion without events, processes and programs"),
+        (("user_loop",), "a campaign wants a motion without events, processes and programs"),
         (("--workers", 0), "must be 1 to 256"),
         (("--workers", 1, "--dask", "tcp://x"), "not with --dask"),
         (("--show", -1), "must be 0 to 999999"),
@@ -368,7 +369,7 @@ def test_rows_of_other_faults_are_run_again():
 
 
 def test_damaged_rows_are_run_again():
-    from mmcs.sweep.store import _entry
+    from mmcs.sweeps.store import _entry
 
     good = {
         "status": "ok",

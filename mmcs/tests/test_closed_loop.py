@@ -12,7 +12,7 @@ import pytest
 
 from mmcs.engine import logcols
 from mmcs.result.report import make_report
-from mmcs.run.runner import simulate
+from mmcs.runs.runner import simulate
 from mmcs.scenario.load import load
 from studies import reference
 

@@ -5,12 +5,15 @@ import ast
 import json
 import math
 import random
+import re
 import sys
 
 import numpy as np
 import pytest
 
 from mmcs.design import synthesis as ds
+from mmcs.design.motor import compensation, plant_of
+from mmcs.scenario.load import load_robot
 from mmcs.tests.device_bench import Bench
 
 T = 1e-3
@@ -139,6 +142,16 @@ def test_margins_same_as_control():
     assert found.phase_deg == pytest.approx(phase, abs=0.2)
 
 
+@pytest.mark.parametrize("slow", [0.0, 7.5])
+def test_an_integral_adds_a_pole_and_leaves_the_others(slow):
+    """Of 1 + C(s) G(s): PD has two, PID a third where it was asked for."""
+    plant, wn, zeta = ds.Plant(1000.0, 0.24), 60.0, 0.8
+    c = ds.place(plant, wn, zeta, slow=slow)
+    found = np.poly1d([1.0, plant.lag + plant.g * c.d, plant.g * c.p, plant.g * c.i])
+    pair = np.poly1d([1.0, 2 * zeta * wn, wn * wn])
+    assert found.coeffs == pytest.approx((pair * np.poly1d([1.0, slow])).coeffs)
+
+
 def test_command(mmcs, tmp_path):
     status, out, err = mmcs("design", "--wn", "60", "--json", "--plot", tmp_path / "d.svg")
     assert status == 0, err
@@ -226,7 +239,7 @@ def test_ringing_in_the_machine(tmp_path, method, rings):
         new_param,
     )
 
-    plant = ds.plant_of(_load_robot("lab500").axis[0])
+    plant = plant_of(_load_robot("lab500").axis[0])
     pd = ds.place(plant, 80.0)
     k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T), T)
     with Bench(tmp_path) as bench:
@@ -323,3 +336,33 @@ def test_the_robot_ships_what_design_makes(mmcs, axis, interval):
     assert f"pd_{interval}us = {shipped}\n" in out
     a0, a1, b0, b1 = [*shipped, 0][:4]
     assert a0 / b0 - (a0 + a1) / (b0 + b1) <= 150
+
+
+@pytest.mark.parametrize("robot", ["lab500", "puma560"])
+def test_compensation_is_that_of_the_robot_files(robot):
+    motors = load_robot(robot)[1].axis
+    for motor in motors:
+        pos, neg = compensation(motor)
+        assert abs(pos - motor.servo.ic_pos) <= 1 and abs(neg - motor.servo.ic_neg) <= 1
+    reversed_axis = motors[0].model_copy(update={"amp_gain": -motors[0].amp_gain})
+    assert compensation(reversed_axis) == tuple(-ic for ic in compensation(motors[0]))
+
+
+def test_the_design_says_where_the_machine_rests(mmcs, tmp_path):
+    """The bounds that the program prints hold in the machine, and are not far from what it does."""
+    status, said, _ = mmcs("design", "--wn", "80", "--robot", "lab500")
+    bounds = re.search(r"may rest (\d+) counts off its setpoint, (\d+) without", said)
+    first = re.search(r"a step of more than (\d+) counts begins at ilim 1024", said)
+    assert status == 0 and "ic_pos 84, ic_neg 84" in said and first
+    for flags, bound in (('["coulcomp"]', bounds[1]), ("[]", bounds[2])):
+        out = tmp_path / bound
+        mmcs("run", "lab500", "--set", f"axis.0.flags={flags}", "--out", str(out))
+        error = json.loads((out / "report.json").read_text())["axes"][0]["steady_error_counts"]
+        assert 0.3 * int(bound) - 1 <= error <= int(bound) + 1
+    for step, cut in ((int(first[1]) - 1, False), (int(first[1]) + 2, True)):
+        out = tmp_path / f"step{step}"
+        said = mmcs("run", "lab500", "--set", f"motion.0.to={step}", "--out", str(out))[1]
+        assert ("the limit cut the current" in said) == cut
+        assert (
+            json.loads((out / "report.json").read_text())["axes"][0]["limited_samples"] > 0
+        ) == cut

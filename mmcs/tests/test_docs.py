@@ -16,7 +16,7 @@ from mmcs.scenario.schema import Strict
 
 TEXT = (ROOT / "docs" / "use" / "scenarios.md").read_text()
 SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])
-TABLES = ("servo", "motion", "event", "call", "process", "expect")
+TABLES = ("motor", "servo", "motion", "event", "call", "process", "program", "expect")
 
 
 def models():

@@ -145,7 +145,7 @@ def test_numbers_of_thousands_of_digits(mmcs, tmp_path, args):
 
 
 def test_very_many_values_are_not_all_tried_beforehand(monkeypatch):
-    from mmcs.sweep.plan import Plan, make_plan
+    from mmcs.sweeps.plan import Plan, make_plan
 
     tried, setup = [], Plan.setup
     monkeypatch.setattr(Plan, "setup", lambda s, v: tried.append(v) or setup(s, v))
@@ -266,7 +266,7 @@ def test_damaged_snapshots(good_run, tmp_path):
 
 def test_damaged_rows(mmcs, tmp_path):
     from mmcs.errors import InputError
-    from mmcs.sweep.store import Store
+    from mmcs.sweeps.store import Store
 
     store = Store(tmp_path, "me", False)
     row = {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every lab sheet from beginning to end: its commands as printed, a good student and a bad one."""
 
+import csv
+import json
 import re
 import shlex
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -230,3 +233,75 @@ def test_what_cannot_be_run_is_no_point_but_a_reason(tmp_path):
     (tmp_path / "answer.toml").write_text("gains = { a0 = 1, b0 = 0 }")
     status, out, _ = call("lab", "check", 2, tmp_path)
     assert status == 1 and "0 of 3  gains: cannot be run: " in out
+
+
+@pytest.fixture
+def own(tmp_path):
+    """The sheet of a teacher's own that the book shows."""
+    folder = tmp_path / "sheets" / "01_gain"
+    folder.mkdir(parents=True)
+    page = (LABS / "README.md").read_text()
+    for name, body in re.findall(r"^```\w+ (\w+\.\w+)\n(.*?)^```", page, re.M | re.S):
+        (folder / name).write_text(body)
+    (folder / "sheet.md").write_text("# A gain\n")
+    return tmp_path / "sheets"
+
+
+def test_a_sheet_of_ones_own(own, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert call("lab", "--sheets", own) == (0, " 1  gain            A gain\n", "")
+    assert call("lab", "--sheets", own, "start", 1, "work")[0] == 0
+    given = {path.name for path in (tmp_path / "work").iterdir()}
+    assert given == {"sheet.md", "answer.toml", "scenario.toml"}
+    check = ("lab", "--sheets", own, "check", 1, "work")
+    assert "0 of 10 points" in call(*check)[1]
+    good = "final = 195\ngains = { a0 = 29236, a1 = -28108, b0 = 128 }\n"
+    (tmp_path / "work" / "answer.toml").write_text(good)
+    status, out, _ = call(*check)
+    assert "  4 of 4  final: 195 counts agrees" in out
+    (tmp_path / "work" / "answer.toml").write_text("gains = { a0 = 1, b0 = 0 }\n")
+    assert "0 of 6  gains: cannot be run: gains.b0: must not be 0" in call(*check)[1]
+
+
+BROKEN_SHEETS = {
+    "no grader": ("grader.py", None, "a sheet needs a file grader.py"),
+    "no answer": ("answer.toml", None, "a sheet needs a file answer.toml"),
+    "wrong grader": ("grader.py", "import nowhere", "ModuleNotFoundError: No module named"),
+    "no questions": ("grader.py", "Answer = 1", "no attribute 'QUESTIONS'"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN_SHEETS.values(), ids=BROKEN_SHEETS.keys())
+def test_a_broken_sheet_is_told(own, case):
+    name, text, expected = case
+    path = own / "01_gain" / name
+    path.unlink() if text is None else path.write_text(text)
+    status, _, err = call("lab", "--sheets", own, "check", 1, own / "01_gain" / "answer.toml")
+    assert status == 2 and expected in err and err.count("\n") == 1
+
+
+def test_an_empty_folder_holds_no_sheets(tmp_path):
+    status, _, err = call("lab", "--sheets", tmp_path, "start", 1)
+    assert status == 2 and "holds no sheets" in err
+
+
+def test_a_class(tmp_path):
+    """Answers by file and by folder, one of them damaged; a row for each student."""
+    status, _, err = call("lab", "check", 1, tmp_path)
+    assert status == 2 and "holds no answers" in err
+    (tmp_path / "anna").mkdir()
+    shutil.copy(STUDENTS / "velocity_bad.toml", tmp_path / "anna" / "answer.toml")
+    shutil.copy(STUDENTS / "velocity_good.toml", tmp_path / "bert.toml")
+    (tmp_path / "carl.toml").write_text("unit_cps = ")
+    status, out, _ = call("lab", "check", 1, tmp_path)
+    assert status == 1 and out.splitlines()[:2] == ["anna: 0 of 10 points", "bert: 10 of 10 points"]
+    assert "carl: 0 of 10 points  line 1, column 12: not valid TOML" in out
+    rows = list(csv.DictReader(call("lab", "check", 1, tmp_path, "--csv")[1].splitlines()))
+    assert [(row["student"], row["points"]) for row in rows] == [
+        ("anna", "0"), ("bert", "10"), ("carl", "0"),
+    ]  # fmt: skip
+    assert sum(int(rows[1][q.key]) for q in _grader(find_sheet("1")).QUESTIONS) == 10
+    told = json.loads(call("lab", "check", 1, tmp_path, "--json")[1])
+    assert all(mark["why"] for row in told[:2] for mark in row["marks"].values())
+    one = call("lab", "check", 1, tmp_path / "bert.toml", "--csv")
+    assert one[0] == 0 and "bert," in one[1]

@@ -61,10 +61,67 @@ def test_the_device(link):
     link.request("close")
 
 
+@pytest.mark.req("DRV-4", "DRV-9")
+def test_one_setpoint_leaves_the_others_and_what_an_axis_adopts(link):
+    """Also that of an axis which has just entered position mode, and begins where it is."""
+    link.request("open", mode="rw")
+    for axis in (0, 1):
+        hold(link, axis)
+    link.request("write", setpoints=[300, 0])
+    link.request("setpoint", axis=1, value=70)
+    assert [row[7] for row in setpoints_after(link)] == [300, 70]
+    link.request("change", axis=0, param={"mode": mcdef.MD_TORQ})
+    link.request("change", axis=0, param={"mode": mcdef.MD_POS})
+    link.request("setpoint", axis=1, value=71)  # at once: axis 0 has adopted nothing yet
+    first, second = setpoints_after(link)
+    assert second[7] == 71 and first[7] not in (0, 300)  # where it was when it entered the mode
+    link.request("stop")
+    assert refused(link, "setpoint", axis=1, value=1)[0] == 5
+    link.request("close")
+
+
+def setpoints_after(link) -> list[list[int]]:
+    """The axes of a sample that comes after now."""
+    since = link.request("hello")["time"] + 0.02
+    link.request("follow", events=False, period_ms=0)
+    while not (isinstance(message := link.receive(), Samples) and message.row(0)["t"] > since):
+        pass
+    link.request("unfollow")
+    return message.row(0)["axes"]
+
+
+@pytest.mark.req("TOOL-1")
+def test_whatever_changes_in_the_driver_is_told(link):
+    link.request("open", mode="rw")
+    link.request("follow", samples=False, period_ms=0)
+    told: list[tuple[str, int]] = []
+
+    def heard(kind: str, axis: int) -> bool:
+        while (kind, axis) not in told:
+            message = link.receive()
+            if isinstance(message, dict) and message.get("type") == "event":
+                told.append((message["kind"], message["axis"]))
+        told.clear()
+        return True
+
+    link.request("change", axis=1, param={"ilimax": 7})
+    assert heard("param", 1)
+    for request, value, key in (("MSETINTERVAL", 1000, "interval_us"), ("MDIAGMODE", 2, "diag"),
+                                ("MDACMODE", 1, "double_buffer"),
+                                ("MSETNUMJOINTS", 1, None)):  # fmt: skip
+        link.request("call", request=request, value=value)
+        assert heard("setting", -1)
+        assert key is None or link.request("hello")[key] == value
+    link.request("close")
+
+
 @pytest.mark.parametrize(
     ("op", "arguments", "number", "name"),
     [
         ("sing", {}, 38, "op"),
+        ("setpoint", {"axis": 0}, 22, "value"),
+        ("setpoint", {"axis": 0, "value": 1 << 31}, 22, "value"),
+        ("setpoint", {"axis": 2, "value": 0}, 22, "axis"),
         ("write", {"setpoints": [1.5]}, 22, "setpoints"),
         ("write", {"setpoints": [1 << 31]}, 22, "setpoints"),
         ("write", {"setpoints": [0] * 3}, 22, "setpoints"),

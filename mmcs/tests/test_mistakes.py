@@ -97,6 +97,14 @@ CASES = {
         top("[[servo]]\nb0 = 0"),
         "servo.0.b0 = 0: must not be 0: it divides the compensator's output",
     ),
+    "motor unknown": (
+        top("[[motor]]\nfricton = 1"),
+        'motor.0.fricton: unknown key; did you mean "friction"?',
+    ),
+    "motor's axis": (
+        top("[[motor]]\naxis = 3\nviscous = 1e-6"),
+        'motor.0.axis = 3: robot "lab500" has axes 0 to 0',
+    ),
     "divisor": (top("[[servo]]\nclkdivisor = 0"), "servo.0.clkdivisor = 0: must be at least 1"),
     "slow servo": (
         top("interval_us = 500\n[[servo]]\nclkdivisor = 101"),
@@ -244,6 +252,14 @@ OPTIONS = {
     "set value": (
         ["run", "lab500", "--set", "cards=99"],
         "sim/scenarios/basic/lab500.toml: cards = 99: must be at most 16",
+    ),
+    "set of a servo": (
+        ["run", "lab500", "--set", "axis.0.ilim=5", "--set", "axis.0.b0=0"],
+        "--set: axis.0.b0 = 0: must not be 0: it divides the compensator's output",
+    ),
+    "set of a motor": (
+        ["run", "lab500", "--set", "robot.axis.all.km=-1"],
+        "--set: robot.axis.all.km = -1: must be at least 1e-12",
     ),
     "duration": (
         ["run", "lab500", "--duration", "-1"],

@@ -47,6 +47,23 @@ def test_a_checkout_that_cannot_be_written_builds_in_the_cache(tmp_path):
     assert read_only(tmp_path).returncode == 0  # a second time
 
 
+@pytest.mark.parametrize("mode", [0o770, 0o777])
+def test_a_cache_that_others_may_write_is_refused(tmp_path, mode):
+    """A Makefile that somebody else put there would run as this user."""
+    (tmp_path / "mmcs").mkdir()
+    (tmp_path / "mmcs").chmod(mode)
+    done = read_only(tmp_path)
+    assert done.returncode == 1 and "another user may write there" in done.stderr
+    assert "set XDG_CACHE_HOME to a folder of your own" in done.stderr
+    assert not any(path.is_symlink() for path in tmp_path.rglob("*"))
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
+def test_a_cache_of_another_user_is_refused(tmp_path):
+    os.chown(tmp_path, 12345, -1)
+    assert "another user may write there" in read_only(tmp_path).stderr
+
+
 def test_no_cache_either_is_told(tmp_path):
     (tmp_path / "mmcs").write_text("a file")
     done = read_only(tmp_path)

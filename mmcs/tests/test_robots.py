@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Robot files: `mmcs check` of one alone, flexible axes, copies."""
+"""Robot files: `mmcs check` of one alone, flexible axes, copies, motors drawn by a sweep."""
 
 import pytest
 
 from mmcs import ROBOTS
 from mmcs.scenario.load import load_robot
 from mmcs.tests.test_robot_mistakes import ROBOT
+from mmcs.tests.test_sweep import SHORT, rows_of
 
 FLEXIBLE = "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6"
 
@@ -79,3 +80,18 @@ def test_cautions(mmcs, scenario):
 def test_robot_files_take_no_set(mmcs):
     status, _, err = mmcs("check", "sim/robots/lab500.toml", "--set", "a=1")
     assert (status, err) == (2, "mmcs: --set: overrides keys of scenarios, not of robot files\n")
+
+
+def test_motors_are_drawn(mmcs, scenario, tmp_path):
+    out = tmp_path / "out"
+    drawn = ("--random", "robot.axis.all.friction=0.001..0.004", "--samples", "3")
+    status, said, _ = mmcs("sweep", scenario(SHORT), "--out", out, *drawn)
+    assert len({row["hash"] for row in rows_of(out)}) == 3
+    assert status in (0, 1) and "caution" not in said
+
+
+def test_an_unstable_corner_is_cautioned(mmcs, scenario, tmp_path):
+    wide = ("--grid", "axis.0.b0=64,10", "--grid", "axis.0.a1=-7027,-7026")
+    _, said, _ = mmcs("sweep", scenario(SHORT), "--out", tmp_path / "out", *wide)
+    assert "caution: axis 0: its gains and this motor make an unstable loop at 1000 us, at" in said
+    assert "axis.0.b0 = 10" in said and said.count("caution") == 1

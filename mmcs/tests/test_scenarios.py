@@ -9,7 +9,7 @@ import pytest
 
 from mmcs.result.expect_plant import index_counts
 from mmcs.result.report import make_report
-from mmcs.run.runner import simulate
+from mmcs.runs.runner import simulate
 from mmcs.scenario.files import scenario_names
 from mmcs.scenario.load import load
 

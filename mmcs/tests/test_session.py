@@ -11,7 +11,7 @@ import pytest
 from mmcs.engine import logcols
 from mmcs.errors import RunError
 from mmcs.result.report import make_report, write_log, write_report
-from mmcs.run import runner
+from mmcs.runs import runner
 from mmcs.scenario.load import load
 from mmcs.session import session
 from mmcs.session.session import Session
@@ -112,7 +112,7 @@ def fake_machine(monkeypatch):
     """`mmcs run` on a fake; options of FakeSim go into the dictionary."""
     options = {}
 
-    def simulate(setup, trace=None, realtime=False, host="native"):
+    def simulate(setup, trace=None, realtime=False, host="native", **_):
         return Session(FakeSim(setup.axes, **options), setup, realtime).run()
 
     monkeypatch.setattr(runner, "simulate", simulate)
@@ -312,7 +312,7 @@ def test_real_time_option_reaches_the_session(mmcs, scenario, fake_machine, tmp_
 IN_TIME = """
 import sys
 from mmcs.scenario.load import load
-from mmcs.run.runner import simulate
+from mmcs.runs.runner import simulate
 from mmcs.session.session import Session
 run = Session.run
 def watched(self, *args):

@@ -17,8 +17,8 @@ import pytest
 from mmcs import ROOT
 from mmcs.errors import RunError
 from mmcs.scenario.load import load
-from mmcs.sweep import workers as sweep_run
-from mmcs.sweep.plan import make_plan, parse_grid, parse_random
+from mmcs.sweeps import workers as sweep_run
+from mmcs.sweeps.plan import make_plan, parse_grid, parse_random
 from mmcs.tests.conftest import GOOD
 
 SHORT = GOOD.replace("duration = 0.3", "duration = 0.08")
@@ -97,6 +97,8 @@ MISTAKES = {
     "bad value": (["--grid", "axis.0.b0=100,0"], "servo.0.b0 = 0: must not be 0"),
     "bad word": (["--grid", "axis.0.b0=100,x"], 'servo.0.b0 = "x": must be a whole number'),
     "bad axis": (["--random", "axis.5.b0=1..9"], "servo.0.axis = 5"),
+    "unknown of a motor": (["--grid", "robot.axis.0.inertai=1,2"], 'did you mean "inertia"?'),
+    "bad motor": (["--grid", "robot.axis.0.gear=1,0"], "[[motor]]: axis.0.gear = 0.0: must not"),
     "bad end": (["--random", "axis.0.ilim=-5..9"], "servo.0.ilim = -5: must be at least 0"),
     "upside down": (["--random", "seed=9..1"], "must be LOW..HIGH with low <= high"),
     "no number": (["--random", "seed=a..b"], "needs a number on each side of .."),
@@ -311,7 +313,7 @@ def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
 def test_same_table_from_dask_with_a_worker_killed(mmcs, undisturbed, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     path, folder, _ = undisturbed
-    from mmcs.sweep import store as sweep_store
+    from mmcs.sweeps import store as sweep_store
 
     cluster = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,

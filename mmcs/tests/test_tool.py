@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mctool without a browser: pages, stop process, designer, identification, recordings."""
+"""mctool without a browser: pages, stop process, designer, recordings."""
 
 from __future__ import annotations
 
@@ -7,99 +7,30 @@ import asyncio
 import base64
 import io
 import json
+import socketserver
 import subprocess
 import sys
+import urllib.error
+import urllib.request
 from pathlib import Path
 
-import numpy as np
 import pytest
 from websockets.asyncio.client import connect
 from websockets.asyncio.connection import Connection
 from websockets.exceptions import ConnectionClosed
 
 from mmcs import ROOT
-from mmcs.design.identify import IdentifyError, frequency, identify
-from mmcs.design.synthesis import discretize, margins
+from mmcs.design.identify import Motor
 from mmcs.device.client import Device
 from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
 from mmcs.tests.device_bench import write_scenario
-from mmcs.tool import gateway, moment, pages, tune
+from mmcs.tool import gateway, judge, launch, moment, pages
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button, StopPath
 
 PIPE = 65536  # bytes that a pipe holds
-
-
-def recording(g=150.0, lag=3.0, pos=300.0, neg=350.0, seconds=4.0, dt=1e-3, sign=1):
-    """A motor driven back and forth in torque mode, integrated finely; counts as an encoder has."""
-    t, y, u, at, v, current, sub = [], [], [], 0.0, 0.0, 0.0, 20
-    for n in range(int(seconds / dt)):
-        t.append(n * dt)
-        y.append(int(np.floor(sign * at)))
-        current = (500, 800, 1200)[n // 300 % 3] * (1 if n // 150 % 2 else -1)
-        u.append(current)
-        for _ in range(sub):
-            drag = pos if v > 0 else -neg if v < 0 else float(np.clip(current, -neg, pos))
-            after = v + (g * (current - drag) - lag * v) * dt / sub
-            v = 0.0 if v * after < 0 else after
-            at += v * dt / sub
-    return np.array(t), np.array(y), np.array(u)
-
-
-@pytest.mark.req("TOOL-1", "SYN-1")
-@pytest.mark.parametrize(
-    "g,lag,pos,neg", [(150, 3, 300, 350), (760, 2, 70, 106), (1450, 0.3, 105, 105)]
-)
-def test_the_motor_is_found_in_its_motion(g, lag, pos, neg):
-    motor = identify(*recording(g, lag, pos, neg))
-    assert motor.g == pytest.approx(g, rel=0.02)
-    assert motor.lag == pytest.approx(lag, abs=1.0)
-    assert motor.tc_pos == pytest.approx(pos, abs=12)
-    assert motor.tc_neg == pytest.approx(neg, abs=12)
-
-
-@pytest.mark.req("TOOL-1")
-def test_what_a_recording_does_not_tell_is_said():
-    t, y, u = recording()
-    with pytest.raises(IdentifyError, match="too few"):
-        identify(t[:50], y[:50], u[:50])
-    with pytest.raises(IdentifyError, match="hardly moves"):
-        identify(t, y * 0, u)
-    with pytest.raises(IdentifyError, match="one way"):
-        identify(t, np.cumsum(np.arange(len(t))) // 50, u)
-    with pytest.raises(IdentifyError, match="does not follow"):
-        rng = np.random.default_rng(1)
-        walk = np.cumsum(np.cumsum(rng.integers(-40, 41, len(t))))
-        identify(t, walk, u)
-    reversed_ = identify(*recording(sign=-1))
-    assert reversed_.g < 0
-
-
-@pytest.mark.req("TOOL-1")
-def test_a_measured_frequency_response_is_that_of_the_system():
-    t = np.arange(20000) * 1e-3
-    w = 100 * np.sin(2 * np.pi * np.cumsum(1 + 1.5 * t) * 1e-3)
-    y, a = np.zeros_like(w), 0.9
-    for n in range(1, len(w)):
-        y[n] = a * y[n - 1] + (1 - a) * w[n]
-    made = frequency(t, w, y, 2, 25)
-    z = np.exp(2j * np.pi * made.hz * 1e-3)
-    truth = (1 - a) / (1 - a / z)
-    assert len(made.hz) > 20
-    assert np.max(np.abs(made.gain_db - 20 * np.log10(abs(truth)))) < 0.3
-    assert np.max(np.abs(made.phase_deg - np.degrees(np.angle(truth)))) < 3
-
-
-@pytest.mark.req("TOOL-1", "SYN-1")
-def test_tuned_gains_keep_a_count_quiet_and_the_loop_stable():
-    motor = identify(*recording())
-    controller, made = tune.gains(motor, 50.0, 1.0, 1e-3)
-    assert abs(made.a[0] / made.b[0]) < tune.D_PER_COUNT + controller.p + 1
-    assert controller.tau > 0
-    assert margins(made.discrete(), motor.plant, 1e-3).stable
-    assert discretize(controller, "backward", 1e-3).poles().real.min() > -0.9
 
 
 class Said(io.StringIO):
@@ -338,3 +269,73 @@ def test_the_pages_logic(name):
     script = ROOT / "web" / "tests" / f"{name}.test.mjs"
     ended = subprocess.run([node, "--test", script], capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stdout
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_page_s_server_answers_get_alone_and_tells_of_a_port_in_use():
+    config = {"token": "secret", "socket": "/nowhere", "stop": "http://localhost:1/s/stop.html"}
+    gate = launch._python("mmcs.tool.gateway", config)
+    try:
+        address = launch._address(gate, "page's server").split("?")[0]
+        for path, data, status in (("%00", None, 404), ("a%00b", None, 404), ("", b"", 405)):
+            with pytest.raises(urllib.error.HTTPError) as refused:
+                urllib.request.urlopen(address + path, data)
+            assert refused.value.code == status
+        assert urllib.request.urlopen(address).status == 200
+        port = int(address.split(":")[2].split("/")[0])
+        second = launch._python("mmcs.tool.gateway", config | {"port": port})
+        with pytest.raises(OSError, match="in use"):
+            launch._address(second, "page's server")
+        _end(second)
+    finally:
+        _end(gate)
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_port_in_use_is_one_line(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    with socketserver.TCPServer(("127.0.0.1", 0), None) as other:
+        port = str(other.server_address[1])
+        command = [sys.executable, "-m", "mmcs", "tool", "--no-browser", "--port", port]
+        command.append(str(write_scenario(tmp_path)))
+        ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    assert ended.stderr.strip().splitlines()[-1].startswith(f"mmcs: --port = {port}: is in use")
+    assert "Traceback" not in ended.stderr
+
+
+PD = {"a0": 4526, "a1": -4416, "a2": 0, "b0": 64, "b1": 0, "b2": 0, "ic_pos": 0, "ic_neg": 0,
+      "ilim": 1024, "mode": 1}  # fmt: skip
+
+
+@pytest.mark.req("TOOL-1", "SYN-1")
+def test_a_predicted_step_knows_limit_and_friction():
+    motor = Motor(1450.0, 0.3, 100.0, 100.0, 1.0)
+
+    def rise(**changes) -> float | None:
+        return judge.predict(motor, PD | changes, 0.001, 200, 1.0, 140.0)["rise_ms"]
+
+    compensated = {"mode": 0x11, "ic_pos": 100, "ic_neg": 100}
+    free, bound = rise(**compensated), rise(**compensated, ilim=150)
+    assert free is not None and bound is not None and bound > 1.1 * free
+    off = judge.predict(motor, PD, 0.001, 200, 1.0, 140.0)["steady_error_counts"]
+    assert 0 < off <= 140 / ((PD["a0"] + PD["a1"]) / PD["b0"]) + 1  # friction holds it off
+    assert rise(ilim=90) is None  # less than the friction: it stays where it is
+    turned, law = Motor(-1450.0, 0.3, -100.0, -100.0, 1.0), PD | {"a0": -4526, "a1": 4416}
+    back = judge.predict(turned, law, 0.001, 200, 1.0, 140.0)
+    assert back["steady_error_counts"] == pytest.approx(off, abs=1)
+
+
+@pytest.mark.req("TOOL-1")
+@pytest.mark.parametrize("changes,word", [
+    ({}, "As designed"),
+    ({"rise_ms": None}, "does not arrive"),
+    ({"rise_ms": 80.0}, "rises in 80 ms instead of 30"),
+    ({"overshoot_pct": 14.0}, "overshoots by 14 %"),
+    ({"steady_error_counts": -14.0}, "ends 14 counts off"),
+])  # fmt: skip
+def test_auto_tune_judges_what_came_of_it(changes, word):
+    predicted = {"rise_ms": 30.0, "overshoot_pct": 1.0, "steady_error_counts": 1.0}
+    measured = {"rise_ms": 33.0, "overshoot_pct": 2.0, "steady_error_counts": 1.0, "size": 200}
+    fine, verdict = judge.judge(measured | changes, predicted)
+    assert word in verdict and fine == (not changes)

@@ -22,7 +22,7 @@ SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 
 @pytest.fixture(scope="module")
 def trace(tmp_path_factory):
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     path = tmp_path_factory.mktemp("trace") / "lab500.fst"

@@ -18,7 +18,7 @@ from mmcs.engine.rows import Rows
 from mmcs.errors import InputError
 from mmcs.record.record import read_record
 from mmcs.result.folder import RESULTS, reading, writing
-from mmcs.run import runner
+from mmcs.runs import runner
 from mmcs.session.session import Session
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.fake import FakeSim
@@ -145,7 +145,7 @@ def run(mmcs, scenario, tmp_path, monkeypatch):
     """Runs a scenario on the fake machine, into tmp_path/out."""
 
     def call(text, sim=FakeSim, lost=0, **options):
-        def simulate(setup, trace=None, realtime=False, host="native"):
+        def simulate(setup, trace=None, realtime=False, host="native", **_):
             fake = sim(setup.axes, **options)
             fake.lost = lost
             return Session(fake, setup, realtime).run()

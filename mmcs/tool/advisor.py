@@ -5,7 +5,8 @@ One JSON object a line, in on standard input, out on standard output; one proces
 Replies have the request's id; {"type": "progress"} tells how an experiment gets on.
 
   design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
-  predict  motor {g, lag}, a design, step (counts): the step and the closed loop's Bode plot
+  predict  motor {g, lag, …}, param, interval_s, step (counts), away: the step with limit and
+           friction, and the closed loop's Bode plot
   mcap     csv (web/recording.js): base64
   csv      base64 of such an MCAP file: csv
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
@@ -24,11 +25,12 @@ import sys
 import threading
 import time
 import traceback
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
-from mmcs.design.identify import IdentifyError
+from mmcs.design.identify import IdentifyError, Motor
 from mmcs.design.synthesis import (
     Controller,
     DesignError,
@@ -121,12 +123,19 @@ class Advisor:
         m = margins(d, plant, t)
         closed = _closed(d, plant.discrete(t))
         rows = int(min(4.0, float(message.get("seconds", 0.4))) / t)
-        step = float(message.get("step", 1.0)) * _step(closed, rows)
+        size = float(message.get("step", 1.0))
+        if "tc_pos" in motor and abs(size) >= 1:
+            from mmcs.tool.judge import predict
+
+            whole = Motor(**{f.name: float(motor[f.name]) for f in fields(Motor)})
+            step = np.array(predict(whole, param, t, size, rows * t, float(message["away"]))["y"])
+        else:
+            step = size * _step(closed, rows)
         hz = np.geomspace(0.5, min(200.0, 0.45 / t), 120)
         response = closed.at(np.exp(2j * np.pi * hz * t))
         return {
             "stable": m.stable, "phase_deg": m.phase_deg, "gain_db": _finite(m.gain_db),
-            "peak": m.peak, "t": (np.arange(rows) * t).tolist(), "y": step.tolist(),
+            "peak": m.peak, "t": (np.arange(len(step)) * t).tolist(), "y": step.tolist(),
             "hz": hz.tolist(), "bode_db": (20 * np.log10(abs(response))).tolist(),
             "bode_deg": np.degrees(np.unwrap(np.angle(response))).tolist(),
         }  # fmt: skip

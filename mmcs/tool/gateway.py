@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import json
+import os
 import struct
 import sys
 from pathlib import Path
@@ -119,7 +121,14 @@ async def main(config: dict) -> None:
             elif where == "advice":
                 await advise(connection, path)
 
-    async with listen(page, site, config.get("port", 0), MAX_RECORDING) as server:
+    try:
+        listening = await listen(page, site, config.get("port", 0), MAX_RECORDING)
+    except OSError as error:
+        used = "is in use by another program; 0 takes a free one"
+        words = used if error.errno == errno.EADDRINUSE else os.strerror(error.errno)
+        print(json.dumps({"error": words}), flush=True)
+        return
+    async with listening as server:
         port = server.sockets[0].getsockname()[1]
         origins.append(f"http://{LOOPBACK}:{port}")
         address = f"{origins[0]}/{config['token']}/?stop={stop}"

@@ -20,6 +20,7 @@ from urllib.parse import urlencode
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError, RunError
 from mmcs.tool.pages import library_folder
+from mmcs.tool.urgent import prefer
 
 LINES = 20  # of the machine's words that are kept
 
@@ -61,6 +62,7 @@ def start(scenario: str, socket: Path | None, options: dict[str, str], port: int
             name = f"tool-{os.getpid()}"
             socket = socket_path(name)
             tool.processes["machine"] = _serve(scenario, name, socket)
+            prefer(tool.processes["machine"].pid)
             options = {"control": "1", **options}
         tool.socket = socket
         messages, stop = socket.with_suffix(".msg"), socket.with_suffix(".stop")
@@ -70,13 +72,17 @@ def start(scenario: str, socket: Path | None, options: dict[str, str], port: int
         tokens = secrets.token_urlsafe(24), secrets.token_urlsafe(24)
         button = _python("mmcs.tool.stopper", {"token": tokens[0], "socket": str(stop)})
         tool.processes["stopper"] = button
+        prefer(button.pid, sleeps=True)
         frame = _address(button, "stop process")
         gate = _python(
             "mmcs.tool.gateway",
             {"token": tokens[1], "socket": str(messages), "stop": frame, "port": port},
         )
         tool.processes["gateway"] = gate
-        address = _address(gate, "page's server")
+        try:
+            address = _address(gate, "page's server")
+        except OSError as error:
+            raise InputError.one("--port", "", port, str(error)) from None
         button.stdin.write(address.split("/" + tokens[1])[0] + "\n")
         button.stdin.flush()
         tool.address = f"{address}&{urlencode(options)}" if options else address
@@ -104,9 +110,14 @@ def open_browser(address: str) -> bool:
 
 def _serve(scenario: str, name: str, socket: Path) -> subprocess.Popen:
     """However long it takes: its library may have to be built."""
-    command = [sys.executable, "-m", "mmcs", "serve", scenario, "--realtime", "--dev", name]
+    command = [sys.executable, "-m", "mmcs.tool.urgent", "serve", scenario, "--realtime"]
+    command += ["--dev", name]
     machine = subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Linux gives turns by sessions; it ends with us all the same
     )
     try:
         said: deque[str] = deque(maxlen=LINES)
@@ -141,7 +152,10 @@ def _address(process: subprocess.Popen, what: str) -> str:
     line = process.stdout.readline()
     if not line:
         raise RunError(f"the {what} did not start (status {process.wait()})")
-    return json.loads(line)["address"]
+    told = json.loads(line)
+    if "error" in told:
+        raise OSError(told["error"])
+    return told["address"]
 
 
 def _end(process: subprocess.Popen) -> None:

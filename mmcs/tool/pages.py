@@ -28,8 +28,6 @@ LOOPBACK = "127.0.0.1"
 # What an address below lib/ means; npm's packages are fetched by `make tool`, never committed.
 LIBRARIES = {
     "uplot": "uplot/dist",
-    "three": "three/build",
-    "three-addons": "three/examples/jsm",
 }
 
 
@@ -57,7 +55,9 @@ class Site:
     def answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """A file, a refusal, or None: a WebSocket may be opened."""
         path = self.path(request.path)
-        if path is None:
+        if request.method != "GET":
+            return connection.respond(http.HTTPStatus.METHOD_NOT_ALLOWED, "GET alone\n")
+        if path is None or "\0" in path:
             return connection.respond(http.HTTPStatus.NOT_FOUND, "not here\n")
         if request.headers.get("Upgrade", "").lower() == "websocket":
             if request.headers.get("Origin") in self.origins:

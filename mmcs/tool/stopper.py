@@ -20,7 +20,7 @@ from websockets.exceptions import ConnectionClosed
 
 from mmcs.tool.pages import Site, listen
 
-FRAME = frozenset({"stop.html", "stop.js", "stop.css"})
+FRAME = frozenset({"stop.html", "stop.js", "stop.css", "look.css"})
 ORDERS = frozenset({"stop", "press", "release"})
 MAX_ORDER = 64  # bytes
 WATCH_S = 0.1  # between looks at the machine's state

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import select
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from mmcs.design.identify import Frequency, Motor, frequency, identify
+from mmcs.design.motor import COMPENSATED
 from mmcs.design.synthesis import Coefficients, Controller, discretize, margins, place, to_integers
 from mmcs.device.link import Link, Samples
 from mmcs.result.metrics import step_response
+from mmcs.tool.judge import HELD_OFF, MORE_OVERSHOOT, judge, predict
 
 ENCNOW, ERRCODE, SETPOINT, CURRENT = 1, 6, 7, 9  # within an axis's ten values of a row
 ENABLED, STOPPED = 4, 8  # bits of a row's lines
@@ -32,7 +34,8 @@ LEAST_MARGIN_DEG = 35.0
 CHIRP_S = 0.002  # between setpoints of a chirp; what came of each is recorded with the samples
 CORNER_HZ = 4.0
 STEP_S = 0.4
-COMPENSATED = 0.8  # of the Coulomb friction: all of it would creep
+INTEGRALS = (8.0, 24.0)  # so many times below the bandwidth is the pole of one that is tried
+LONG_STEP_S = 1.2  # the integral takes its time
 D_PER_COUNT = 150.0  # LSB that one count may cause through the derivative
 
 
@@ -217,11 +220,14 @@ def brake(bench: Bench, safe: Range, sign: int, current: float) -> None:
     bench.wait(0.3, lambda: safe.check() or False)
 
 
-def gains(motor: Motor, wn: float, zeta: float, t: float) -> tuple[Controller, Coefficients]:
-    """PD for a closed loop of wn rad/s, its derivative filtered so that a count stays quiet."""
-    pd = place(motor.plant, wn, zeta)
-    tau = max(0.0, pd.d / D_PER_COUNT - t)  # backward difference: d / (tau + t) per count
-    controller = Controller(pd.p, 0.0, pd.d, tau)
+def gains(
+    motor: Motor, wn: float, zeta: float, t: float, slow: float = 0.0
+) -> tuple[Controller, Coefficients]:
+    """PD for a closed loop of wn rad/s, its derivative filtered so that a count stays quiet; with
+    `slow` PID, whose integral adds a pole there and leaves the bandwidth."""
+    placed = place(motor.plant, wn, zeta, slow=slow)
+    tau = max(0.0, placed.d / D_PER_COUNT - t)  # backward difference: d / (tau + t) per count
+    controller = replace(placed, tau=tau)
     made = to_integers(discretize(controller, "backward", t), t)
     return controller, made
 
@@ -259,11 +265,30 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
         "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
         "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
     }
+    fields["mode"] = MD_POS | COULCOMP
     bench.write(bench.position)
-    bench.change(mode=MD_POS | COULCOMP, **fields)
+    bench.change(**fields)
     bench.wait(0.3)
     say("a step with the new gains")
-    step = make_step(bench, min(200.0, half / 4))
+    size = min(200.0, half / 4)
+    step = make_step(bench, size)
+    tried = ""
+    if abs(step["steady_error_counts"]) > HELD_OFF:
+        say(f"friction holds it {step['steady_error_counts']:.0f} counts off: an integral is tried")
+        found, how = (controller, made, fields, step), ""
+        for share in INTEGRALS:
+            found, how = _with_integral(bench, found, gains(motor, wn, zeta, t, wn / share), sign)
+            if abs(found[3]["steady_error_counts"]) <= HELD_OFF:
+                break
+        off = abs(step["steady_error_counts"])
+        controller, made, fields, step = found
+        now = abs(step["steady_error_counts"])
+        tried = f"With an integral it {how}: none was taken."
+        if controller.i:
+            tried = f"An integral ends {now:.0f} counts off instead of {off:.0f}."
+        margin = margins(made.discrete(), motor.plant, t)
+    fresh = bench.param()
+    predicted = predict(motor, fresh, t, step["size"], step["t"][-1], away)
     warnings = list(made.warnings)
     if not margin.stable:
         warnings.append("the loop is unstable with double-buffered D/As; take a lower bandwidth")
@@ -271,28 +296,55 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
         warnings.append(
             f"phase margin {margin.phase_deg:.0f} degrees: too fast for {t * 1e6:.0f} us"
         )
+    fine, verdict = judge(step, predicted)
     return {
-        "motor": asdict(motor), "break_away": away, "param": fields, "warnings": warnings,
-        "gains": asdict(controller), "step": step,
+        "motor": asdict(motor), "break_away": away, "param": fields, "before": param,
+        "warnings": warnings, "gains": asdict(controller), "step": step, "predicted": predicted,
+        "fine": fine, "verdict": f"{verdict} {tried}".strip(),
         "margins": {"phase_deg": margin.phase_deg, "gain_db": margin.gain_db,
                     "crossover": margin.crossover, "peak": margin.peak},
     }  # fmt: skip
 
 
-def make_step(bench: Bench, size: float) -> dict:
-    """A step of the setpoint there and back: rise, overshoot, settling, steady error."""
-    before, began = bench.position, bench.now
+def _with_integral(
+    bench: Bench, held: tuple, placed: tuple[Controller, Coefficients], sign: int
+) -> tuple[tuple, str]:
+    """The gains with an integral, if that brings the axis nearer and does not swing; else as they
+    were, and what was wrong with it."""
+    pid, made = placed
+    _, _, fields, step = held
+    law = {f"a{n}": sign * v for n, v in enumerate(made.a)}
+    law |= {f"b{n}": v for n, v in enumerate(made.b)}
+    bench.change(**law)
+    bench.wait(0.3)
+    better = make_step(bench, step["size"], LONG_STEP_S)
+    off, now = (abs(s["steady_error_counts"]) for s in (step, better))
+    if now < off and better["overshoot_pct"] <= step["overshoot_pct"] + MORE_OVERSHOOT:
+        return (pid, made, fields | law, better), ""
+    bench.change(**{name: fields[name] for name in law})
+    bench.wait(0.3)
+    return held, "swings" if now < off else "ends no nearer"
+
+
+def make_step(bench: Bench, size: float, seconds: float = STEP_S) -> dict:
+    """A step of the setpoint there and back: rise, overshoot, settling, steady error; t and y."""
+    before, began = bench.setpoint, bench.now
     target = round(before + size)
     bench.write(target)
     if not bench.wait(10.0, lambda: bench.setpoint == target):
         raise TuneError("the setpoint does not arrive; does somebody else write?")
-    bench.wait(STEP_S)
+    bench.wait(seconds)
     rows = bench.rows(began)
     bench.write(before)
-    bench.wait(STEP_S)
-    at = rows.t[np.argmax(rows.w == target)]
+    bench.wait(seconds)
+    first = int(np.argmax(rows.w == target))
+    at = rows.t[first]
     response = step_response(rows.t, rows.y, at, before, target)
-    return asdict(response)
+    return asdict(response) | {
+        "size": target - before,
+        "t": (rows.t[first:] - at).tolist(),
+        "y": (rows.y[first:] - before).tolist(),
+    }
 
 
 def chirp(bench: Bench, amplitude: float, low: float, high: float, seconds: float) -> Frequency:

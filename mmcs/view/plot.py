@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from mmcs.engine import logcols
@@ -42,7 +40,8 @@ def style():
     return plt
 
 
-def write_plot(result, path: Path) -> None:
+def write_plot(result, path, form: str | None = None) -> None:
+    """path: of a file, whose ending says the format, or a stream with `form`."""
     plt = style()
     axes = result.setup.axes
     figure, grid = plt.subplots(
@@ -57,7 +56,7 @@ def write_plot(result, path: Path) -> None:
     place(figure, grid)
     title = one_line(f"{result.setup.name}: {result.setup.scenario.description}")
     figure.suptitle(title, x=0.01, ha="left", size=11)
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, format=form, metadata={} if form == "png" else {"Date": None})
     plt.close(figure)
 
 

@@ -12,6 +12,7 @@ module adaptor_core #(
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
   parameter int ResetDrvUs = 50,   // RESET DRV after the PC side's power returns
+  parameter int AliveUs = 500,     // between two edges of alive_o
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic        clk_i,
@@ -34,6 +35,7 @@ module adaptor_core #(
   input  wire logic        pc_power_i,
   output logic             panic_o,
   output logic             brake_release_o,
+  output logic             alive_o,
   output logic             sclock_o,
   // PC bus, as the cards see it
   output logic      [15:0] pc_a_o,
@@ -232,11 +234,13 @@ module adaptor_core #(
   logic [1:0] sys_reset_q;
   logic [ResetWidth-1:0] power_timer_q;
 
-  panic u_panic (
+  panic #(
+    .AliveClks(AliveUs * ClkMHz)
+  ) u_panic (
     .clk_i, .rst_ni,
     .bus_panic_i(pc_irq_i[PanicIrq]),
     .estop_closed_i, .cable_ok_i, .pc_power_i,
-    .panic_o, .brake_release_o,
+    .panic_o, .brake_release_o, .alive_o,
     .cable_ok_o(cable_ok),
     .pc_power_o
   );

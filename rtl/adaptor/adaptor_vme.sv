@@ -49,6 +49,7 @@ module adaptor_vme #(
   input  wire logic        pc_power_i,
   output logic             panic_o,
   output logic             brake_release_o,
+  output logic             alive_o,
   output logic             sclock_o,
   output logic             led_irq_o,
   // PC bus
@@ -135,7 +136,8 @@ module adaptor_vme #(
     .vector_o(vector),
     .sys_reset_i(~vme_sysreset_ni),
     .sys_reset_o(sys_reset),
-    .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .sclock_o,
+    .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .alive_o,
+    .sclock_o,
     .pc_a_o, .pc_aen_o, .pc_d_o, .pc_ior_no, .pc_iow_no, .pc_clk_en_o, .pc_reset_drv_o,
     .pc_drq_o, .pc_power_o, .pc_d_i, .pc_wait_i, .pc_irq_i
   );

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // System PANIC and the brakes, fail-safe: whatever is missing asserts it. §2.3.4, §4.3.5
+//
+// The pins themselves close the brakes, clock or no clock; only registers release them. That the
+// clock runs is shown outside: alive_o feeds a charge pump that gates the brakes' supply.
 `default_nettype none
-`include "mmcs_assert.svh"
 
-module panic (
+module panic #(
+  parameter int AliveClks = 4000       // clocks between two edges of alive_o
+) (
   input  wire logic clk_i,
   input  wire logic rst_ni,
   // What can go wrong
@@ -14,41 +18,79 @@ module panic (
   // Result
   output logic      panic_o,
   output logic      brake_release_o,
+  output logic      alive_o,
   output logic      cable_ok_o,        // synchronised
   output logic      pc_power_o         // synchronised
 );
 
-  // {hand-held button, cable, power}; healthy until shown otherwise, so that a machine that is
-  // healthy when it starts makes no edge.
-  logic [2:0] sync0_q, sync1_q;
-  logic bus0_q, bus1_q;   // the PC bus is heard only while the rest is good: no gap in between
-  logic panic_q, safe;
+  // --- PANIC ------------------------------------------------------------------------------
 
-  assign safe = &sync1_q;
+  // PANIC goes when all has been good for so many clocks: what power that returns lets a card say
+  // has come through its flip-flop and the synchroniser by then, so that there is no gap.
+  localparam int Hold = 4;
+
+  logic bad, tripped;
+  logic trip_q;              // set by the pins, however short; cleared when it has become PANIC
+  logic [Hold-1:0] hold_q;   // clocks that all was good
+  logic panic_q;
+
+  assign bad = ~(rst_ni & estop_closed_i & cable_ok_i & pc_power_i) | bus_panic_i;
+
+  always_ff @(posedge clk_i or posedge bad) begin
+    if (bad) trip_q <= 1'b1;
+    else if (tripped && panic_q) trip_q <= 1'b0;
+  end
+
+  sync #(
+    .ResetValue(1'b1)
+  ) u_trip (
+    .clk_i, .rst_ni,
+    .d_i(trip_q),
+    .q_o(tripped)
+  );
+
+  sync #(
+    .Width(2),
+    .ResetValue(2'b11)
+  ) u_link (
+    .clk_i, .rst_ni,
+    .d_i({cable_ok_i, pc_power_i}),
+    .q_o({cable_ok_o, pc_power_o})
+  );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      sync0_q <= '1;
-      sync1_q <= '1;
-      bus0_q  <= 1'b0;
-      bus1_q  <= 1'b0;
+      hold_q  <= '0;
       panic_q <= 1'b1;
     end else begin
-      sync0_q <= {estop_closed_i, cable_ok_i, pc_power_i};
-      sync1_q <= sync0_q;
-      bus0_q  <= bus_panic_i | ~safe;
-      bus1_q  <= bus0_q | ~safe;
-      panic_q <= bus1_q | ~safe;
+      hold_q  <= tripped ? '0 : {hold_q[Hold-2:0], 1'b1};
+      panic_q <= tripped | ~hold_q[Hold-1];
     end
   end
 
   assign panic_o = panic_q;
-  assign brake_release_o = ~panic_q;
-  assign cable_ok_o = sync1_q[1];
-  assign pc_power_o = sync1_q[0];
+  // One of the two is set without a break from the pin's fault to the end of PANIC.
+  assign brake_release_o = ~(trip_q | panic_q);
 
-  `MMCS_ASSERT(BrakesHold, !(brake_release_o && panic_o),
-               "the brakes are never released while PANIC stands")
+  // --- sign of life -----------------------------------------------------------------------
+
+  localparam int Width = $clog2(AliveClks);
+  localparam logic [Width-1:0] Last = Width'(AliveClks - 1);
+
+  logic [Width-1:0] left_q;  // clocks until alive_o changes
+  logic alive_q;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      left_q  <= Last;
+      alive_q <= 1'b0;
+    end else begin
+      left_q  <= (left_q == '0) ? Last : left_q - 1'b1;
+      alive_q <= alive_q ^ (left_q == '0);
+    end
+  end
+
+  assign alive_o = alive_q;
 
 endmodule
 

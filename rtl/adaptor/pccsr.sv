@@ -3,6 +3,7 @@
 //
 // A latch is set by the rising edge of its signal while LATCH_EN is 1 and held clear while it is 0.
 // An edge that falls on the very clock edge that sets LATCH_EN counts; one clock earlier it is lost.
+// The write that clears LATCH_EN clears them at once, and no request comes of what else it sets.
 `default_nettype none
 `include "mmcs_assert.svh"
 
@@ -29,32 +30,41 @@ module pccsr (
   localparam logic [7:0] LatchBits = 8'((1 << mmcs_regs_pkg::PCCSR_SCLOCK_LATCHED) |
                                         (1 << mmcs_regs_pkg::PCCSR_PANIC_LATCHED));
 
-  logic [7:0] csr_q;
+  logic [7:0] csr_d, csr_q;
   logic sclock_q, panic_q;               // a clock ago
   logic sclock_rise, panic_rise;
-  logic sclock_latch_q, panic_latch_q;
+  logic armed;                           // before and after the clock
+  logic sclock_latch_d, sclock_latch_q, panic_latch_d, panic_latch_q;
+  logic irq_req_q;                       // a flip-flop: IRQ* must not glitch
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) csr_q <= mmcs_regs_pkg::PCCSR_RESET;
-    else if (sys_reset_i) csr_q <= mmcs_regs_pkg::PCCSR_RESET;
-    else if (write_i) csr_q <= wdata_i;
+  always_comb begin
+    csr_d = csr_q;
+    if (sys_reset_i) csr_d = mmcs_regs_pkg::PCCSR_RESET;
+    else if (write_i) csr_d = wdata_i;
   end
 
   assign sclock_rise = sclock_i & ~sclock_q;
   assign panic_rise = panic_i & ~panic_q;
+  assign armed = csr_q[LatchEn] & csr_d[LatchEn];
+  assign sclock_latch_d = armed & (sclock_latch_q | sclock_rise);
+  assign panic_latch_d = armed & (panic_latch_q | panic_rise);
 
   // Starting at 1, a level that is high from the beginning is no edge.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
+      csr_q          <= mmcs_regs_pkg::PCCSR_RESET;
       sclock_q       <= 1'b1;
       panic_q        <= 1'b1;
       sclock_latch_q <= 1'b0;
       panic_latch_q  <= 1'b0;
+      irq_req_q      <= 1'b0;
     end else begin
+      csr_q          <= csr_d;
       sclock_q       <= sclock_i;
       panic_q        <= panic_i;
-      sclock_latch_q <= csr_q[LatchEn] & (sclock_latch_q | sclock_rise);
-      panic_latch_q  <= csr_q[LatchEn] & (panic_latch_q | panic_rise);
+      sclock_latch_q <= sclock_latch_d;
+      panic_latch_q  <= panic_latch_d;
+      irq_req_q      <= (sclock_latch_d & csr_d[SclockEn]) | (panic_latch_d & csr_d[PanicEn]);
     end
   end
 
@@ -65,7 +75,7 @@ module pccsr (
   assign rdata_o = (csr_q & ~LatchBits) | latches;
 
   assign base_o = csr_q[Base+:5];
-  assign irq_req_o = (sclock_latch_q & csr_q[SclockEn]) | (panic_latch_q & csr_q[PanicEn]);
+  assign irq_req_o = irq_req_q;
 
   `MMCS_ASSERT(RequestHasLatch, !irq_req_o || sclock_latch_q || panic_latch_q,
                "an interrupt is requested only by a latch that is set")

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // D08(O) interrupter on one level, with the IACK* daisy chain. §4.3.6
 //
-// Who answers is decided once per falling edge of IACKIN*, by the request as it stood then: a
-// request that comes later does not steal the cycle. The request is released by the register
+// Who answers is decided by one flip-flop, which IACKIN* clocks as it falls: a request that comes
+// later does not steal the cycle. The request is released by the register
 // (PCCSR bit 7), not by the acknowledge. J5 and J7 set apart, no acknowledge is ever answered.
 `default_nettype none
-`include "mmcs_assert.svh"
 
 module vme_interrupter #(
   parameter int IrqLevel = 5,  // J5: the line that is pulled
@@ -27,16 +26,13 @@ module vme_interrupter #(
   output logic             dtack_o        // pull DTACK* low
 );
 
-  logic strobed, seen;          // raw: a data strobe is low; first stage: DS0* of an acknowledge
-  logic in0_q, in1_q;           // two stages: IACKIN* is low, and has not been high since
-  logic req_q;                  // the request when in0_q was taken
-  logic decides, mine;          // now; and for us
-  logic claim_q;                // decided so, waits for DS0*
-  logic pass_q;                 // decided against us: IACKOUT*
-  logic ready_d, ready_q;       // the strobe has come
-  logic own_q, own1_q;          // neither IACKIN*, AS* nor DS0* has gone since; a clock ago
-  logic answer_q, busy;
-  logic low0_q, low1_q;         // two stages: a data strobe is low, and has not been high since
+  logic strobed, low;           // a data strobe is low: the pins; synchronised
+  logic level, seen;            // an acknowledge of our level; its DS0*
+  logic [1:0] number, number_q; // of the bus cycle; of that in which IACKIN* fell
+  logic mine_q;                 // it found us asking: answered, else passed on
+  logic in_low, in, here;       // IACKIN* is low; synchronised; in the same bus cycle still
+  logic void_q;                 // answered already, or SYSRESET* came in between
+  logic answers, answer_q;
 
   assign strobed = ~(&vme_ds_ni);
 
@@ -44,76 +40,40 @@ module vme_interrupter #(
     .clk_i, .rst_ni,
     .as_ni(vme_as_ni),
     .ds0_ni(vme_ds_ni[0]),
-    .ours_i(~vme_iack_ni),
+    .ours_i(~vme_iack_ni && vme_a_i == 3'(AckLevel)),
+    .number_o(number),
+    .cycle_o(level),
     .seen_o(seen)
   );
 
-  // --- flip-flops that the bus clears, however short a line is high --------------------------
-
-  logic in_n, pass_n, own_n, low_n;
-  assign in_n = rst_ni & ~vme_iackin_ni;
-  assign pass_n = rst_ni & ~vme_iackin_ni & ~vme_as_ni;
-  assign own_n = rst_ni & ((~vme_iackin_ni & ~vme_as_ni & ~vme_ds_ni[0]) | answer_q);
-  assign low_n = rst_ni & strobed;
-
-  always_ff @(posedge clk_i or negedge in_n) begin
-    if (!in_n) in0_q <= 1'b0;
-    else in0_q <= 1'b1;
+  always_ff @(negedge vme_iackin_ni or negedge rst_ni) begin
+    if (!rst_ni) {mine_q, number_q} <= '0;
+    else {mine_q, number_q} <= {IrqLevel == AckLevel && irq_req_i && level, number};
   end
 
-  always_ff @(posedge clk_i or negedge pass_n) begin
-    if (!pass_n) {pass_q, claim_q} <= 2'b00;
-    else if (decides) {pass_q, claim_q} <= {~mine, mine};
-    else if (busy || sys_reset_i) claim_q <= 1'b0;
-  end
+  // Low with IACKIN* high, at once.
+  assign in_low = ~vme_iackin_ni;
+  sync u_in (.clk_i, .rst_ni(in_low), .d_i(1'b1), .q_o(in));
+  sync u_low (.clk_i, .rst_ni, .d_i(strobed), .q_o(low));
 
-  always_ff @(posedge clk_i or negedge own_n) begin
-    if (!own_n) own_q <= 1'b0;
-    else if (sys_reset_i) own_q <= 1'b0;
-    else if (answer_q && !low1_q) own_q <= 1'b0;
-    else if (!answer_q && !ready_q) own_q <= ready_d;
-  end
-
-  always_ff @(posedge clk_i or negedge low_n) begin
-    if (!low_n) low0_q <= 1'b0;
-    else low0_q <= 1'b1;
-  end
-
-  // --- decision and answer ------------------------------------------------------------------
-
-  // A fall of IACKIN* that comes while another one is still answered waits for the end of that.
-  assign busy = ready_q | answer_q;
-  assign decides = in0_q & ~in1_q & ~busy;
-  assign mine = (IrqLevel == AckLevel) && req_q && !sys_reset_i && !vme_iack_ni &&
-                vme_a_i == 3'(AckLevel);
-  assign ready_d = (decides ? mine : claim_q) & seen & ~busy & ~sys_reset_i;
+  assign here = in & (number_q == number);
+  assign answers = here & mine_q & ~void_q & seen & low & ~sys_reset_i;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      in1_q    <= 1'b0;
-      req_q    <= 1'b0;
-      ready_q  <= 1'b0;
-      own1_q   <= 1'b0;
-      low1_q   <= 1'b0;
+      void_q   <= 1'b0;
       answer_q <= 1'b0;
     end else begin
-      in1_q   <= in0_q & (in1_q | ~busy);
-      if (!in0_q) req_q <= irq_req_i;
-      ready_q <= ready_d;
-      own1_q  <= own_q;
-      low1_q  <= low0_q;
-      if (answer_q) answer_q <= low1_q & own1_q & ~sys_reset_i;
-      else answer_q <= ready_q & ~sys_reset_i;
+      void_q   <= sys_reset_i | answer_q | (void_q & in);
+      answer_q <= answer_q ? (low & ~sys_reset_i) : answers;
     end
   end
 
-  assign vme_iackout_no = ~pass_q;
+  assign vme_iackout_no = ~(here & ~mine_q & ~answer_q & ~vme_as_ni);
   assign vme_irq_no = ~({6'b0, irq_req_i} << (IrqLevel - 1));
-  assign dtack_o = answer_q & own_q;
+  assign dtack_o = answer_q & low;
   // Not after both strobes were high: a strobe there is already the next cycle's.
-  assign d_oe_o = own_q & low0_q & low1_q & strobed;
-
-  `MMCS_ASSERT(OneFate, !(own_q && pass_q), "an acknowledge is answered or passed on, never both")
+  assign d_oe_o = (answers | answer_q) & low & strobed;
 
 endmodule
 

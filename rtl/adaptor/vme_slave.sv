@@ -3,7 +3,8 @@
 //
 // DTACK* never comes without the strobe that asked for it and never goes before both data strobes
 // are high; the data drivers go off with the strobes, combinationally. A strobe withdrawn early
-// lets the request finish unanswered.
+// lets the request finish unanswered. AS* takes the address, DS0* the data; the clock reads both
+// when the strobe has been seen, and they stand until the next fall.
 `default_nettype none
 `include "mmcs_assert.svh"
 
@@ -35,108 +36,83 @@ module vme_slave #(
   localparam logic [5:0] AmShortUser = 6'h29;
   localparam logic [5:0] AmShortSupervisor = 6'h2D;
 
-  typedef enum logic [1:0] {
-    StIdle,     // looks for a strobe
-    StRequest,  // the host port works
-    StAnswer    // DTACK* until the strobes go
-  } state_e;
-
-  state_e state_q;
-  logic ours, strobed;         // raw: the cycle is ours; a data strobe is low
-  logic seen, live;            // first stage: our strobe; and its address still stands
-  logic seen_q;                // second stage: the address below is that strobe's
-  logic own_q;                 // its strobe has not gone since; holds while it is answered
-  logic own1_q;                // the same a clock ago, for the state machine
-  logic answer_q;
-  logic low0_q, low1_q;        // two stages: a data strobe is low, and has not been high since
-  logic [10:1] hp_a_q;
-  logic [ 7:0] hp_wdata_q;
-  logic hp_write_q;
+  logic ours, strobed, ds0_n, ds0, seen;
+  logic low;                   // a data strobe is low, synchronised
+  logic busy_q;                // a strobe was taken: this flip-flop decides
+  logic done_q;                // the host port has answered
+  logic own_q;                 // neither DS0* high nor SYSRESET* since it was taken
+  logic answer_q;              // DTACK*, if it had not been high when the host port answered
+  logic keep;
+  logic [10:1] bus_a_q, hp_a_q;
+  logic [ 7:0] bus_d_q, hp_wdata_q;
+  logic bus_write_q, hp_write_q;
 
   assign strobed = ~(&vme_ds_ni);
+  assign ds0_n = vme_ds_ni[0];
+  assign ds0 = ~ds0_n;
   assign ours = vme_iack_ni && vme_lword_ni && (vme_a_i[15:11] == BaseA15A11) &&
                 (vme_am_i == AmShortUser || vme_am_i == AmShortSupervisor);
 
+  /* verilator lint_off PINCONNECTEMPTY */
   vme_strobe u_strobe (
     .clk_i, .rst_ni,
     .as_ni(vme_as_ni),
-    .ds0_ni(vme_ds_ni[0]),
+    .ds0_ni(ds0_n),
     .ours_i(ours),
+    .number_o(),
+    .cycle_o(),
     .seen_o(seen)
   );
+  /* verilator lint_on PINCONNECTEMPTY */
 
-  assign live = seen & ours & ~vme_as_ni;
+  sync u_low (.clk_i, .rst_ni, .d_i(strobed), .q_o(low));
 
-  // Cleared by the strobes themselves, however short they are high.
-  logic own_n, low_n;
-  assign own_n = rst_ni & (~vme_ds_ni[0] | answer_q);
-  assign low_n = rst_ni & strobed;
-
-  always_ff @(posedge clk_i or negedge own_n) begin
-    if (!own_n) own_q <= 1'b0;
-    else if (sys_reset_i) own_q <= 1'b0;
-    else if (state_q == StIdle) own_q <= live;
-    else if (state_q == StAnswer && !low1_q) own_q <= 1'b0;
+  always_ff @(negedge vme_as_ni or negedge rst_ni) begin
+    if (!rst_ni) bus_a_q <= '0;
+    else bus_a_q <= vme_a_i[10:1];
   end
 
-  always_ff @(posedge clk_i or negedge low_n) begin
-    if (!low_n) low0_q <= 1'b0;
-    else low0_q <= 1'b1;
+  always_ff @(negedge ds0_n or negedge rst_ni) begin
+    if (!rst_ni) {bus_write_q, bus_d_q} <= '0;
+    else {bus_write_q, bus_d_q} <= {~vme_write_ni, vme_d_i};
   end
 
-  // Address and data have stood since the clock before, or `seen` had been cleared.
+  always_ff @(posedge clk_i or negedge ds0) begin
+    if (!ds0) own_q <= 1'b0;
+    else own_q <= (own_q | ~busy_q) & ~sys_reset_i;
+  end
+
+  assign keep = answer_q & low & ~sys_reset_i;
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      low1_q     <= 1'b0;
-      own1_q     <= 1'b0;
-      seen_q     <= 1'b0;
+      busy_q     <= 1'b0;
+      done_q     <= 1'b0;
+      answer_q   <= 1'b0;
       hp_a_q     <= '0;
       hp_wdata_q <= '0;
       hp_write_q <= 1'b0;
     end else begin
-      low1_q <= low0_q;
-      own1_q <= own_q;
-      seen_q <= live && state_q == StIdle && !sys_reset_i;  // in SYSRESET* none is taken
-      if (live && !seen_q && state_q == StIdle) begin
-        hp_a_q     <= vme_a_i[10:1];
-        hp_wdata_q <= vme_d_i;
-        hp_write_q <= ~vme_write_ni;
+      busy_q   <= busy_q ? (~done_q | keep) : (seen & low & ~sys_reset_i);
+      done_q   <= done_q ? keep : (busy_q & hp_ack_i);
+      answer_q <= done_q ? keep : (busy_q & hp_ack_i & own_q & ~sys_reset_i);
+      if (!busy_q) begin
+        hp_a_q     <= bus_a_q;
+        hp_wdata_q <= bus_d_q;
+        hp_write_q <= bus_write_q;
       end
     end
   end
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      state_q  <= StIdle;
-      answer_q <= 1'b0;
-    end else begin
-      case (state_q)
-        StIdle: if (seen_q && !sys_reset_i) state_q <= StRequest;
-        StRequest: begin
-          if (hp_ack_i) begin
-            state_q  <= StAnswer;
-            answer_q <= !sys_reset_i;
-          end
-        end
-        default: begin
-          if (!low1_q || !own1_q || sys_reset_i) begin
-            state_q  <= StIdle;
-            answer_q <= 1'b0;
-          end
-        end
-      endcase
-    end
-  end
-
-  assign hp_req_o = (state_q == StRequest);
+  assign hp_req_o = busy_q & ~done_q;
   assign hp_a_o = hp_a_q;
   assign hp_wdata_o = hp_wdata_q;
   assign hp_write_o = hp_write_q;
-  assign dtack_o = answer_q & own_q;
+  assign dtack_o = answer_q & low;
   // Not after both strobes were high: a strobe there is already the next cycle's.
-  assign d_oe_o = (state_q != StIdle) & own_q & ~hp_write_q & low0_q & low1_q & strobed;
+  assign d_oe_o = busy_q & (own_q | answer_q) & ~hp_write_q & low & strobed;
 
-  `MMCS_ASSERT(DtackAfterRequest, !answer_q || state_q == StAnswer,
+  `MMCS_ASSERT(DtackAfterRequest, !answer_q || done_q,
                "DTACK* is low only while an access is being answered")
 
 endmodule

@@ -1,70 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
-// DS0* as one clock may see it: low without a break since it fell in a cycle of ours. §4.3.1
+// A strobe DS0* of a cycle of ours, as one clock may see it. §4.3.1
 //
-// A strobe may be high for 30 ns between two cycles, and with address pipelining the strobe of
-// another board's transfer still stands when our address is already on the bus. Neither is to be
-// seen by sampling every 125 ns, so the flip-flops here are cleared by the bus itself; docs/evidence/edges.md
-// lists them. The order of two such events within one clock is kept by two flip-flops, of which the
-// second is cleared only after the first.
+// Several cycles may pass within one clock, and with address pipelining the strobe of another
+// board's transfer still stands when our address is already on the bus. So the strobes themselves
+// clock what tells cycles apart, as they did in TTL: each rise of AS* numbers the next cycle; its
+// fall takes the address, which has stood for 10 ns by then, the fall of DS0* the number. DS0* may
+// fall 10 ns before AS*, but never within 20 ns of the rise of AS*.
+//
+// The numbers differ in one bit from one to the next and each takes a step at a time, so that no
+// comparison of two has a glitch, however long the wires.
 `default_nettype none
 
 module vme_strobe (
-  input  wire logic clk_i,
-  input  wire logic rst_ni,
+  input  wire logic       clk_i,
+  input  wire logic       rst_ni,
   // Asynchronous
-  input  wire logic as_ni,
-  input  wire logic ds0_ni,
-  input  wire logic ours_i,   // the cycle that the address lines show is of our kind
-  // First stage: synchronise it once more
-  output logic      seen_o
+  input  wire logic       as_ni,
+  input  wire logic       ds0_ni,
+  input  wire logic       ours_i,    // the cycle that the address lines show is of our kind
+  output logic      [1:0] number_o,  // of the cycle; changes as AS* rises
+  output logic            cycle_o,   // the cycle is ours, from the fall of AS* to its rise
+  // Synchronised; low with DS0* high, at once: it has one reader
+  output logic            seen_o
 );
 
-  // Two watches take turns: one that has seen something is set again while the other one looks.
-  logic watch_q;              // which one looks
-  logic [1:0] ours_only;      // 0: the strobe was low in another's cycle
-  logic [1:0] not_since;      // 0: it has been high after that
-  logic stray_q;              // the strobe that is low now fell in another's cycle
-  logic stray, seen_q, low_n;
+  logic [1:0] number_q;  // of this cycle: 0, 1, 3, 2
+  logic [1:0] ours_q;    // at the fall of AS*: the number if the cycle was ours, else its opposite
+  logic [1:0] strobe_q;  // at the fall of DS0*: the number
+  logic       old_q;     // this strobe stood as AS* rose, were it four cycles ago
 
-  assign low_n = rst_ni & ~ds0_ni;   // low clears: reset, or DS0* high
-  assign stray = stray_q | (~ours_only[watch_q] & not_since[watch_q]);
-
-  for (genvar n = 0; n < 2; n++) begin : g_watch
-    logic looks, ours_n, since_n;
-    logic ours_q, since_q;
-    assign looks = watch_q == 1'(n);
-    assign ours_n = rst_ni & ~(looks & ~stray_q & ~seen_q & ~ds0_ni & ~ours_i);
-    assign since_n = rst_ni & ~(looks & ds0_ni & ~ours_q);
-    assign ours_only[n] = ours_q;
-    assign not_since[n] = since_q;
-
-    always_ff @(posedge clk_i or negedge ours_n) begin
-      if (!ours_n) ours_q <= 1'b0;
-      else ours_q <= 1'b1;
-    end
-
-    always_ff @(posedge clk_i or negedge since_n) begin
-      if (!since_n) since_q <= 1'b0;
-      else since_q <= 1'b1;
-    end
+  always_ff @(posedge as_ni or negedge rst_ni) begin
+    if (!rst_ni) number_q <= 2'b00;
+    else number_q <= {number_q[0], ~number_q[1]};
   end
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) watch_q <= 1'b0;
-    else watch_q <= watch_q ^ ~ours_only[watch_q];
+  always_ff @(negedge as_ni or negedge rst_ni) begin
+    if (!rst_ni) ours_q <= 2'b11;
+    else ours_q <= ours_i ? number_q : ~number_q;
   end
 
-  always_ff @(posedge clk_i or negedge low_n) begin
-    if (!low_n) begin
-      stray_q <= 1'b0;
-      seen_q  <= 1'b0;
-    end else begin
-      if (stray || !ours_i) stray_q <= 1'b1;
-      if (!as_ni && ours_i && !stray) seen_q <= 1'b1;
-    end
+  always_ff @(negedge ds0_ni or negedge rst_ni) begin
+    if (!rst_ni) strobe_q <= 2'b10;  // a strobe that stands through reset is old
+    else strobe_q <= number_q;
   end
 
-  assign seen_o = seen_q;
+  logic low;
+  assign low = ~ds0_ni;
+
+  always_ff @(posedge as_ni or negedge low) begin
+    if (!low) old_q <= 1'b0;
+    else old_q <= 1'b1;
+  end
+
+  assign number_o = number_q;
+  assign cycle_o = (ours_q == number_q);
+
+  // The second flip-flop is high only if DS0* has been low without a break since the first took it.
+  sync u_seen (
+    .clk_i,
+    .rst_ni(low),
+    .d_i(cycle_o & (strobe_q == number_q) & ~old_q & ~ds0_ni),
+    .q_o(seen_o)
+  );
 
 endmodule
 

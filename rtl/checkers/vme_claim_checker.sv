@@ -33,6 +33,7 @@ module vme_claim_checker #(
   logic ours_q, dtack_q, iackin_q, as_q, fresh_ours_q;
   logic ack_q;            // an acknowledge of our level
   logic asked_q;          // we were asking when IACKIN* fell, with our level on the bus
+  logic irq_q, either_q;  // asking a clock ago; asking in only one of the two, which may be either
   logic [2:0] reset_q;    // clocks of SYSRESET*, saturating
   logic [2:0] up_q;       // the last clocks were without it
   logic calm_q;           // no SYSRESET* since before IACKIN* fell
@@ -54,6 +55,8 @@ module vme_claim_checker #(
       fresh_ours_q <= 1'b0;
       ack_q        <= 1'b0;
       asked_q      <= 1'b0;
+      irq_q        <= 1'b0;
+      either_q     <= 1'b0;
       reset_q      <= '0;
       up_q         <= '1;
       calm_q       <= 1'b0;
@@ -65,7 +68,11 @@ module vme_claim_checker #(
       iackin_q     <= ~vme_iackin_ni;
       as_q         <= ~vme_as_ni;
       ack_q        <= ack_cycle;
-      if (!vme_iackin_ni && !iackin_q) asked_q <= level && !vme_irq_no[IrqLevel];
+      irq_q <= !vme_irq_no[IrqLevel];
+      if (!vme_iackin_ni && !iackin_q) begin
+        asked_q  <= level && !vme_irq_no[IrqLevel] && irq_q;
+        either_q <= level && (!vme_irq_no[IrqLevel] || irq_q);
+      end
       if (vme_sysreset_ni) reset_q <= '0;
       else if (reset_q != '1) reset_q <= reset_q + 1'b1;
       up_q <= {up_q[1:0], vme_sysreset_ni};
@@ -83,7 +90,7 @@ module vme_claim_checker #(
   `MMCS_RULE(1, DriveOurs,
              !vme_d_oe_o || data_cycle || level || vme_dtack_no == 1'b0 || ours_q,
              "data is driven only in a cycle that is ours")
-  `MMCS_RULE(2, AnswerAsked, !(answers && ack_q) || asked_q,
+  `MMCS_RULE(2, AnswerAsked, !(answers && ack_q) || either_q,
              "an acknowledge is answered only if we asked when IACKIN* fell")
   // Lines that rise with the clock are vme_edge_checker's business.
   `MMCS_RULE(3, PassInChain,

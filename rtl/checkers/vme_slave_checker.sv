@@ -23,7 +23,7 @@ module vme_slave_checker #(
 );
 
   logic [7:0] bad;
-  logic strobed, strobed_q, dtack_q, oe_q, reset_q;
+  logic strobed, strobed_q, strobed2_q, dtack_q, oe_q, reset_q;
   logic [7:0] d_q;
   logic [2:0] released_q;   // clocks since both strobes went high with DTACK* still low
 
@@ -32,6 +32,7 @@ module vme_slave_checker #(
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       strobed_q  <= 1'b0;
+      strobed2_q <= 1'b0;
       dtack_q    <= 1'b0;
       oe_q       <= 1'b0;
       reset_q    <= 1'b0;
@@ -40,6 +41,7 @@ module vme_slave_checker #(
       broken_o   <= '0;
     end else begin
       strobed_q  <= strobed;
+      strobed2_q <= strobed_q;
       dtack_q    <= ~vme_dtack_no;
       oe_q       <= vme_d_oe_o;
       reset_q    <= ~vme_sysreset_ni;
@@ -50,7 +52,8 @@ module vme_slave_checker #(
     end
   end
 
-  `MMCS_RULE(0, NoDtackAlone, vme_dtack_no || dtack_q || strobed_q,
+  // One that is withdrawn as the clock rises looks withdrawn before; vme_edge_checker knows better.
+  `MMCS_RULE(0, NoDtackAlone, vme_dtack_no || dtack_q || strobed_q || strobed2_q,
              "DTACK* falls only while a data strobe is low")
   `MMCS_RULE(1, NoEarlyRelease, !(vme_dtack_no && dtack_q && strobed && strobed_q && !reset_q),
              "DTACK* does not rise before both data strobes are high")

@@ -190,7 +190,8 @@ module vme_timing #(
         end
         t_read = now;
       end
-      if (!vme_dtack_no && dtack_q) begin
+      // Not if the strobes were withdrawn at this very instant: nobody can tell them apart.
+      if (!vme_dtack_no && dtack_q && !(vme_ds_ni == 2'b11 && t_ds_rise == now)) begin
         if (vme_ds_ni == 2'b11) begin
           measure(DsToDtack, -1.0);
         end else begin

@@ -41,13 +41,15 @@ module i8254 #(
   // --- bus: a write acts when its strobe ends, so does what a read changes --------------------
 
   logic rd, wr, rd_q, wr_q, wr_end, rd_end;
-  logic [1:0] a_q;
-  logic [7:0] d_q;
+  logic [1:0] a_d, a_q;
+  logic [7:0] d_d, d_q;
 
   assign rd = !cs_ni && !rd_ni;
   assign wr = !cs_ni && !wr_ni && rd_ni;
   assign wr_end = wr_q && !wr;
   assign rd_end = rd_q && !rd;
+  assign a_d = (rd || wr) ? a_i : a_q;
+  assign d_d = wr ? d_i : d_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -58,8 +60,8 @@ module i8254 #(
     end else begin
       rd_q <= rd;
       wr_q <= wr;
-      if (rd || wr) a_q <= a_i;
-      if (wr) d_q <= d_i;
+      a_q  <= a_d;
+      d_q  <= d_d;
     end
   end
 

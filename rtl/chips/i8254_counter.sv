@@ -61,17 +61,17 @@ module i8254_counter #(
 
   // --- state ----------------------------------------------------------------------------------
 
-  logic [1:0] rw_q;                      // 01 low byte, 10 high byte, 11 low then high
-  logic [2:0] m_q;                       // mode as written
-  logic bcd_q;
-  logic [15:0] written_q;                // count as written; takes part from the next CLK rise on
+  logic [1:0] rw_d, rw_q;                // 01 low byte, 10 high byte, 11 low then high
+  logic [2:0] m_d, m_q;                  // mode as written
+  logic bcd_d, bcd_q;
+  logic [15:0] written_d, written_q;     // count as written; takes part from the next CLK rise on
   logic [15:0] cr_d, cr_q;               // count register
   logic [15:0] ce_d, ce_q;               // counting element
-  logic [15:0] ol_q;                     // output latch
-  logic [7:0] low_q;                     // first byte of a two-byte write
-  logic [7:0] status_q;                  // status latch
-  logic half_write_q, half_read_q;
-  logic count_latched_q, status_latched_q;
+  logic [15:0] ol_d, ol_q;               // output latch
+  logic [7:0] low_d, low_q;              // first byte of a two-byte write
+  logic [7:0] status_d, status_q;        // status latch
+  logic half_write_d, half_write_q, half_read_d, half_read_q;
+  logic count_latched_d, count_latched_q, status_latched_d, status_latched_q;
   logic armed_d, armed_q;                // a whole count was written since the control word
   logic fresh_d, fresh_q;                // a count waits for a CLK rise
   logic ready_d, ready_q;                // a count waits to be loaded
@@ -233,58 +233,86 @@ module i8254_counter #(
   // --- bus: formats, latches, bytes -----------------------------------------------------------
 
   logic null_count;
+  logic [5:0] control;
+  logic [7:0] written_high;
+
+  assign control = d_i[5:0];
+  assign written_high = written_q[15:8];
   assign null_count = !loaded_d || fresh_d || ready_d;
+
+  always_comb begin
+    {rw_d, m_d, bcd_d} = {rw_q, m_q, bcd_q};
+    written_d        = written_q;
+    low_d            = low_q;
+    ol_d             = ol_q;
+    status_d         = status_q;
+    half_write_d     = half_write_q;
+    half_read_d      = half_read_q;
+    count_latched_d  = count_latched_q;
+    status_latched_d = status_latched_q;
+    if (control_i) begin
+      {rw_d, m_d, bcd_d} = control;
+      written_d        = '0;
+      half_write_d     = 1'b0;
+      half_read_d      = 1'b0;
+      count_latched_d  = 1'b0;
+      status_latched_d = 1'b0;
+    end else if (write_i) begin
+      case (rw_q)
+        2'b10: written_d = {d_i, 8'h00};
+        2'b11: begin
+          half_write_d = !half_write_q;
+          if (half_write_q) begin
+            written_d = {d_i, low_q};
+          end else begin
+            low_d = d_i;
+            if (SplitCr) written_d = {written_high, d_i};
+          end
+        end
+        default: written_d = {8'h00, d_i};
+      endcase
+    end else if (latch_count_i || latch_status_i) begin
+      if (latch_count_i && !count_latched_q) begin
+        ol_d            = ce_d;
+        count_latched_d = 1'b1;
+      end
+      if (latch_status_i && !status_latched_q) begin
+        status_d         = {out_d, null_count, rw_q, m_q, bcd_q};
+        status_latched_d = 1'b1;
+      end
+    end else if (read_end_i) begin
+      if (status_latched_q) begin
+        status_latched_d = 1'b0;
+      end else if (rw_q == 2'b11) begin
+        half_read_d = !half_read_q;
+        if (half_read_q) count_latched_d = 1'b0;
+      end else begin
+        count_latched_d = 1'b0;
+      end
+    end
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       {rw_q, m_q, bcd_q} <= SeedControl;
-      written_q          <= '0;
-      low_q              <= '0;
-      ol_q               <= '0;
-      status_q           <= '0;
-      half_write_q       <= 1'b0;
-      half_read_q        <= 1'b0;
-      count_latched_q    <= 1'b0;
-      status_latched_q   <= 1'b0;
-    end else if (control_i) begin
-      {rw_q, m_q, bcd_q} <= d_i[5:0];
-      written_q          <= '0;
-      half_write_q       <= 1'b0;
-      half_read_q        <= 1'b0;
-      count_latched_q    <= 1'b0;
-      status_latched_q   <= 1'b0;
-    end else if (write_i) begin
-      case (rw_q)
-        2'b10: written_q <= {d_i, 8'h00};
-        2'b11: begin
-          half_write_q <= !half_write_q;
-          if (half_write_q) begin
-            written_q <= {d_i, low_q};
-          end else begin
-            low_q <= d_i;
-            if (SplitCr) written_q[7:0] <= d_i;
-          end
-        end
-        default: written_q <= {8'h00, d_i};
-      endcase
-    end else if (latch_count_i || latch_status_i) begin
-      if (latch_count_i && !count_latched_q) begin
-        ol_q            <= ce_d;
-        count_latched_q <= 1'b1;
-      end
-      if (latch_status_i && !status_latched_q) begin
-        status_q         <= {out_d, null_count, rw_q, m_q, bcd_q};
-        status_latched_q <= 1'b1;
-      end
-    end else if (read_end_i) begin
-      if (status_latched_q) begin
-        status_latched_q <= 1'b0;
-      end else if (rw_q == 2'b11) begin
-        half_read_q <= !half_read_q;
-        if (half_read_q) count_latched_q <= 1'b0;
-      end else begin
-        count_latched_q <= 1'b0;
-      end
+      written_q        <= '0;
+      low_q            <= '0;
+      ol_q             <= '0;
+      status_q         <= '0;
+      half_write_q     <= 1'b0;
+      half_read_q      <= 1'b0;
+      count_latched_q  <= 1'b0;
+      status_latched_q <= 1'b0;
+    end else begin
+      {rw_q, m_q, bcd_q} <= {rw_d, m_d, bcd_d};
+      written_q        <= written_d;
+      low_q            <= low_d;
+      ol_q             <= ol_d;
+      status_q         <= status_d;
+      half_write_q     <= half_write_d;
+      half_read_q      <= half_read_d;
+      count_latched_q  <= count_latched_d;
+      status_latched_q <= status_latched_d;
     end
   end
 

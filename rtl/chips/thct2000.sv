@@ -48,10 +48,14 @@ module thct2000 #(
 
   // --- inputs: two flip-flops, the filter, and the tick before --------------------------------
 
-  logic [1:0] in, s1_q, s2_q, now, prev_q;  // {A, B}
+  logic [1:0] in, s1_d, s1_q, s2_d, s2_q;  // {A, B}
+  logic [1:0] now, prev_d, prev_q;
   logic a, b, a_prev, b_prev;
 
   assign in = {a_i, b_i};
+  assign s1_d = clk_en_i ? in : s1_q;
+  assign s2_d = clk_en_i ? s1_q : s2_q;
+  assign prev_d = clk_en_i ? now : prev_q;
   assign {a, b} = now;
   assign {a_prev, b_prev} = prev_q;
 
@@ -60,10 +64,10 @@ module thct2000 #(
       s1_q   <= '0;
       s2_q   <= '0;
       prev_q <= '0;
-    end else if (clk_en_i) begin
-      s1_q   <= in;
-      s2_q   <= s1_q;
-      prev_q <= now;
+    end else begin
+      s1_q   <= s1_d;
+      s2_q   <= s2_d;
+      prev_q <= prev_d;
     end
   end
 
@@ -71,20 +75,28 @@ module thct2000 #(
     assign now = s2_q;
   end else begin : g_filter
     // `now` takes over an input that differed for Filter + 1 ticks running, each on its own.
-    logic [1:0] kept_q, run_a_q, run_b_q;
+    logic [1:0] kept_d, kept_q;
+    logic [3:0] run_d, run_q;   // ticks that each has differed
 
-    assign now[1] = (s2_q[1] != kept_q[1] && run_a_q == 2'(Filter)) ? s2_q[1] : kept_q[1];
-    assign now[0] = (s2_q[0] != kept_q[0] && run_b_q == 2'(Filter)) ? s2_q[0] : kept_q[0];
+    always_comb begin
+      kept_d = kept_q;
+      run_d  = run_q;
+      for (int n = 0; n < 2; n++) begin
+        now[n] = (s2_q[n] != kept_q[n] && run_q[2*n+:2] == 2'(Filter)) ? s2_q[n] : kept_q[n];
+        if (clk_en_i) begin
+          kept_d[n]     = now[n];
+          run_d[2*n+:2] = s2_q[n] == now[n] ? 2'd0 : run_q[2*n+:2] + 2'd1;
+        end
+      end
+    end
 
     always_ff @(posedge clk_i or negedge rst_ni) begin
       if (!rst_ni) begin
-        kept_q  <= '0;
-        run_a_q <= '0;
-        run_b_q <= '0;
-      end else if (clk_en_i) begin
-        kept_q  <= now;
-        run_a_q <= s2_q[1] == now[1] ? 2'd0 : run_a_q + 2'd1;
-        run_b_q <= s2_q[0] == now[0] ? 2'd0 : run_b_q + 2'd1;
+        kept_q <= '0;
+        run_q  <= '0;
+      end else begin
+        kept_q <= kept_d;
+        run_q  <= run_d;
       end
     end
   end
@@ -122,16 +134,17 @@ module thct2000 #(
   // --- bus ------------------------------------------------------------------------------------
 
   logic rd, wr, rd_q, wr_q;
-  logic pair_q;                 // the last access was the first byte of a pair
-  logic pair_wr_q, pair_rs_q;   // a write; its address
-  logic rs_q;                   // the write under way
+  logic pair_d, pair_q;             // the last access was the first byte of a pair
+  logic pair_wr_d, pair_wr_q;       // a write
+  logic pair_rs_d, pair_rs_q;       // its address
+  logic rs_d, rs_q;                 // the write under way
   logic [2:0] m_q;
-  logic [7:0] d_q, held_q;
-  logic sample;                 // this clock begins a read that is no second byte
-  logic wr_end, wr_second;      // a write ends; it is the second byte of a pair
-  logic [15:0] shown, snap_q;
-  logic [15:0] count_d, count_q, latch_q;
-  logic latched_q, illegal_q;
+  logic [7:0] d_d, d_q, held_d, held_q;
+  logic sample;                     // this clock begins a read that is no second byte
+  logic wr_end, wr_second;          // a write ends; it is the second byte of a pair
+  logic [15:0] shown, snap_d, snap_q;
+  logic [15:0] count_d, count_q, latch_d, latch_q;
+  logic latched_d, latched_q, illegal_d, illegal_q;
 
   assign rd = !cs_ni && !rd_ni;
   assign wr = !cs_ni && !wr_ni;
@@ -143,75 +156,95 @@ module thct2000 #(
   assign d_oe_o = rd;
   assign d_o = !rd ? 8'hFF : rs_i ? shown[7:0] : shown[15:8];
 
+  assign rs_d = wr ? rs_i : rs_q;
+  assign d_d = wr ? d_i : d_q;
+
   // --- count, latch and snapshot --------------------------------------------------------------
 
   // A write wins over a count, in the bytes that it stores.
-  logic [15:0] ticked;
+  logic [15:0] ticked, written;
   logic [7:0] high, low;   // the byte that is not written now
 
   assign ticked = !clk_en_i ? count_q : gate_closes ? 16'd0 : count_q + change;
   assign high = wr_second ? held_q : ticked[15:8];
   assign low = wr_second ? held_q : ticked[7:0];
-  assign count_d = !wr_end ? ticked : rs_q ? {high, d_q} : {d_q, low};
+  assign written = rs_q ? {high, d_q} : {d_q, low};
 
   // The latch takes the count as it stood before this clock. One on the clock of a sample belongs to
   // the next sample.
+  always_comb begin
+    count_d   = wr_end ? written : ticked;
+    illegal_d = illegal_q || (clk_en_i && illegal);
+    held_d    = wr_end ? d_q : held_q;
+    snap_d    = snap_q;
+    latch_d   = latch_q;
+    latched_d = latched_q;
+    pair_d    = pair_q;
+    pair_wr_d = pair_wr_q;
+    pair_rs_d = pair_rs_q;
+    if (rd && !rd_q) begin
+      pair_d    = sample;
+      pair_wr_d = 1'b0;
+      pair_rs_d = rs_i;
+    end
+    if (sample) begin
+      snap_d    = shown;
+      latched_d = 1'b0;
+    end
+    if (latch_i || (clk_en_i && gate_closes)) begin
+      latch_d   = count_q;
+      latched_d = 1'b1;
+    end
+    if (wr_end) begin
+      pair_d    = !wr_second;
+      pair_wr_d = 1'b1;
+      pair_rs_d = rs_q;
+    end
+    if (other_i || m_i != m_q) pair_d = 1'b0;
+    if (reset_i) begin
+      count_d   = '0;
+      illegal_d = 1'b0;
+      held_d    = '0;
+      snap_d    = '0;
+      latch_d   = '0;
+      latched_d = 1'b0;
+      pair_d    = 1'b0;
+      pair_wr_d = pair_wr_q;
+      pair_rs_d = pair_rs_q;
+    end
+  end
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       rd_q      <= 1'b0;
       wr_q      <= 1'b0;
+      m_q       <= '0;
       rs_q      <= 1'b0;
       d_q       <= '0;
+      count_q   <= PowerUp;
+      illegal_q <= 1'b0;
       held_q    <= '0;
       snap_q    <= '0;
+      latch_q   <= '0;
+      latched_q <= 1'b0;
       pair_q    <= 1'b0;
       pair_wr_q <= 1'b0;
       pair_rs_q <= 1'b0;
-      m_q       <= '0;
-      latch_q   <= '0;
-      latched_q <= 1'b0;
-      illegal_q <= 1'b0;
-      count_q   <= PowerUp;
     end else begin
-      rd_q <= rd;
-      wr_q <= wr;
-      m_q  <= m_i;
-      if (wr) begin
-        rs_q <= rs_i;
-        d_q  <= d_i;
-      end
-      if (reset_i) begin
-        pair_q    <= 1'b0;
-        held_q    <= '0;
-        snap_q    <= '0;
-        latch_q   <= '0;
-        latched_q <= 1'b0;
-        illegal_q <= 1'b0;
-        count_q   <= '0;
-      end else begin
-        count_q <= count_d;
-        if (clk_en_i && illegal) illegal_q <= 1'b1;
-        if (rd && !rd_q) begin
-          pair_q    <= sample;
-          pair_wr_q <= 1'b0;
-          pair_rs_q <= rs_i;
-        end
-        if (sample) begin
-          snap_q    <= shown;
-          latched_q <= 1'b0;
-        end
-        if (latch_i || (clk_en_i && gate_closes)) begin
-          latch_q   <= count_q;
-          latched_q <= 1'b1;
-        end
-        if (wr_end) begin
-          held_q    <= d_q;
-          pair_q    <= !wr_second;
-          pair_wr_q <= 1'b1;
-          pair_rs_q <= rs_q;
-        end
-        if (other_i || m_i != m_q) pair_q <= 1'b0;
-      end
+      rd_q      <= rd;
+      wr_q      <= wr;
+      m_q       <= m_i;
+      rs_q      <= rs_d;
+      d_q       <= d_d;
+      count_q   <= count_d;
+      illegal_q <= illegal_d;
+      held_q    <= held_d;
+      snap_q    <= snap_d;
+      latch_q   <= latch_d;
+      latched_q <= latched_d;
+      pair_q    <= pair_d;
+      pair_wr_q <= pair_wr_d;
+      pair_rs_q <= pair_rs_d;
     end
   end
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Mark I motor interface card: two axes on a PC I/O bus. §5.3
 //
-// Complete in itself: it needs an 8-bit PC bus, not the adaptor.
+// Complete in itself: it needs an 8-bit PC bus, not the adaptor. The bus moves with clk_i, as the
+// adaptor's does; in a slot with a clock of its own, commands and what goes with them go through
+// `sync` first. Times hold at any ClkHz, rounded up to a clock.
 `default_nettype none
 `include "mmcs_assert.svh"
 
@@ -57,7 +59,10 @@ module mark1 #(
   localparam int Led1 = mmcs_regs_pkg::CARD_PPI_A_LED1;
   localparam int Led2 = mmcs_regs_pkg::CARD_PPI_A_LED2;
 
-  localparam int ClkMHz = ClkHz / 1_000_000;
+  localparam logic [63:0] Hz = 64'(ClkHz);
+  localparam int RelayClks = int'((64'(RelayUs) * Hz + 64'd999_999) / 64'd1_000_000);
+  localparam int BeatClks = int'((64'(HeartbeatUs) * Hz + 64'd999_999) / 64'd1_000_000);
+  localparam int ConvClks = int'((64'(AdcConvNs) * Hz + 64'd999_999_999) / 64'd1_000_000_000);
   // What an unpowered chip wakes with; two numbers, so that no code follows from another.
   localparam logic [63:0] Random1 = {32'h0, PowerUpSeed} * 64'h9E37_79B9_7F4A_7C15;
   localparam logic [63:0] Random2 = {32'h0, PowerUpSeed} * 64'hD1B5_4A32_D192_ED03;
@@ -152,7 +157,7 @@ module mark1 #(
   );
 
   relay #(
-    .SettleClks(RelayUs * ClkMHz)
+    .SettleClks(RelayClks)
   ) u_relay (
     .clk_i,
     .rst_ni(rst_n),
@@ -164,19 +169,28 @@ module mark1 #(
   // --- two axes -----------------------------------------------------------------------------
 
   logic [15:0] enc_d;
-  logic [1:0] enc_d_oe, mux_a, mux_b, mux_i;
+  logic [1:0] enc_d_oe, mux_a, mux_b, mux_i, index;
   logic [23:0] adc_code;
 
   assign mux_a = pb[EncJoint] ? enc_a_i : {2{pa[SynA]}};
   assign mux_b = pb[EncJoint] ? enc_b_i : {2{pa[SynB]}};
-  assign mux_i = pb[EncJoint] ? enc_i_i : {2{pa[SynI]}};
+  assign mux_i = pb[EncJoint] ? index : {2{pa[SynI]}};
 
   for (genvar j = 0; j < 2; j++) begin : g_axis
+    // Set by the pin, however short; the clock of the counters takes it back once it has seen it.
+    logic index_pin, index_q;
+    assign index_pin = enc_i_i[j];
+    always_ff @(posedge clk_i or posedge index_pin) begin
+      if (index_pin) index_q <= 1'b1;
+      else if (pc_clk_en_i) index_q <= 1'b0;
+    end
+    assign index[j] = index_q;
+
     axis #(
       .AdcSpan10(AdcSpan10[j]),
       .DacSpan10(DacSpan10[j]),
-      .ConvClks((AdcConvNs * ClkMHz + 999) / 1000),
-      .HeartbeatClks(HeartbeatUs * ClkMHz),
+      .ConvClks(ConvClks),
+      .HeartbeatClks(BeatClks),
       .DacPowerUp(DacPowerUp[12*j+:12]),
       .AdcPowerUp(AdcPowerUp[12*j+:12]),
       .CountPowerUp(CountPowerUp[16*j+:16])
@@ -228,10 +242,14 @@ module mark1 #(
 
   // --- PANIC and lights ---------------------------------------------------------------------
 
-  logic panic;
+  // From a flip-flop: whoever hears the line takes any pulse of it, however short.
+  logic panic_q;
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) panic_q <= 1'b0;
+    else panic_q <= |(axis_enable_q & ~heartbeat);
+  end
 
-  assign panic = |(axis_enable_q & ~heartbeat) & power_i;
-  assign pc_irq_o = {4'b0000, panic} << (PanicIrq - 3);
+  assign pc_irq_o = {4'b0000, panic_q} << (PanicIrq - 3);
   assign leds_o = {1'b1, pa[Led2], pa[Led1], heartbeat[1], heartbeat[0], enc_i_i[1], enc_b_i[1],
                    enc_a_i[1], enc_i_i[0], enc_b_i[0], enc_a_i[0]} & {11{power_i}};
 

@@ -10,6 +10,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -28,6 +29,9 @@
 #define REQUEST_OUT(r) (((r) & 0x40000000u) != 0)
 
 #define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
+void (*device_await)(int fd, short events);
+int (*device_sample)(uint32_t *number);
 
 int device_is_path(const char *path) {
   if (path == NULL || strncmp(path, "/dev/", 5) != 0) return 0;
@@ -146,7 +150,10 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
 
 ssize_t read(int fd, void *buffer, size_t length) {
   char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return syscall(SYS_read, fd, buffer, length);
+  if (!wire_is_file(fd, name)) {
+    if (device_await != NULL) device_await(fd, POLLIN);
+    return syscall(SYS_read, fd, buffer, length);
+  }
   return device_fail((int)device_read(name, buffer, length));
 }
 
@@ -158,7 +165,10 @@ ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size) {
 
 ssize_t write(int fd, const void *buffer, size_t length) {
   char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return syscall(SYS_write, fd, buffer, length);
+  if (!wire_is_file(fd, name)) {
+    if (device_await != NULL) device_await(fd, POLLOUT);
+    return syscall(SYS_write, fd, buffer, length);
+  }
   return device_fail((int)device_write(name, buffer, length));
 }
 
@@ -169,11 +179,38 @@ static int lease(const char name[WIRE_NAME], const int *argument) {
   return wire_call(WIRE_LEASE, name, (uint64_t)take, 0, NULL, 0, NULL, NULL);
 }
 
+/* DRV-4: read() never blocks, this does. */
+static int next_sample(const char name[WIRE_NAME], int *argument) {
+  struct wire_now now = {0};
+  uint32_t room = sizeof(now);
+  int result;
+  if (device_can_take(argument, sizeof(*argument)) < 0) return -EFAULT;
+  if (device_sample != NULL) {
+    result = device_sample(&now.sample);
+  } else {
+    result = wire_call(WIRE_SAMPLE, name, 0, 0, NULL, 0, &now, &room);
+  }
+  return result < 0 ? result : device_copy_out(argument, &now.sample, sizeof(*argument));
+}
+
+/* A call that is refused here, for a bad pointer say, has no sentence but its errno's. */
+static int why(const char name[WIRE_NAME], char *argument) {
+  char text[1024] = {0};
+  uint32_t room = sizeof(text);
+  int result;
+  if (device_can_take(argument, MWHY_SIZE) < 0) return -EFAULT;
+  result = wire_call(WIRE_WHY, name, 0, 0, NULL, 0, text, &room);
+  text[MWHY_SIZE - 1] = 0;
+  return result < 0 ? result : device_copy_out(argument, text, MWHY_SIZE);
+}
+
 static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
   char in[256] = {0}, out[256];
   uint32_t size = REQUEST_SIZE(request), room = size;
   int result;
   if (request == MLEASE) return lease(name, argument);
+  if (request == MWHY) return why(name, argument);
+  if (request == MWAIT) return next_sample(name, argument);
   if (size > sizeof(in)) return -ENOTTY;
   if (size > 0 && device_copy_in(in, argument, size) < 0) return -EFAULT;
   if (REQUEST_OUT(request) && device_can_take(argument, size) < 0) return -EFAULT;

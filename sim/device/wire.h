@@ -14,6 +14,7 @@
 #ifndef MMCS_WIRE_H
 #define MMCS_WIRE_H
 
+#include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -23,17 +24,67 @@
 #define WIRE_MAX 65536u /* most bytes that one call moves either way */
 
 enum wire_op {
-  WIRE_OPEN = 1,   /* on a new file: a = open flags, b = its inode, data = device path */
-  WIRE_IOCTL = 2,  /* a = request, data = argument in; reply data = argument out */
-  WIRE_READ = 3,   /* a = bytes wanted */
-  WIRE_WRITE = 4,  /* data = bytes */
-  WIRE_LOAD = 5,   /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
-  WIRE_STORE = 6,  /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
-  WIRE_CHANGE = 8, /* a = axis, data = pairs of a field's place in struct mc_param and its value:
-                      the other fields stay; reply data = struct mc_param */
-  WIRE_LEASE = 9,  /* a = 1: nobody else may change anything from now on; 0: others may again */
-  WIRE_WHY = 10,   /* on the channel of a call that failed: reply data = what the driver said */
+  WIRE_OPEN = 1,    /* on a new file: a = open flags, b = its inode, data = device path */
+  WIRE_IOCTL = 2,   /* a = request, data = argument in; reply data = argument out */
+  WIRE_READ = 3,    /* a = bytes wanted */
+  WIRE_WRITE = 4,   /* data = bytes */
+  WIRE_LOAD = 5,    /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
+  WIRE_STORE = 6,   /* mapped write: a = offset, b = bytes (1, 2), data = value */
+  WIRE_HOLD = 7,    /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
+  WIRE_CHANGE = 8,  /* a = axis, data = pairs of a field's place in struct mc_param and its value:
+                       the other fields stay; reply data = struct mc_param */
+  WIRE_LEASE = 9,   /* a = 1: nobody else may change anything from now on; 0: others may again */
+  WIRE_WHY = 10,    /* on the channel of a call that failed: reply data = what the driver said */
+  WIRE_SAMPLE = 11, /* answered behind the next servo sample; reply data = struct wire_now */
+  /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
+  WIRE_LINE = 12,   /* a = enum wire_line, b = thread: this is its line. Answered when it may run */
+  WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors; answered when it may run again: result
+                       = enum wire_cause, data = struct wire_now */
+  WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
+  WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
+  WIRE_TIMER = 16,  /* a = number, data = struct wire_timer, or none; reply data = what was left */
+  WIRE_FIRED = 17,  /* reply data = pairs of a timer's descriptor and how often it has run out */
+  WIRE_NOW = 18,    /* reply data = struct wire_now */
+  WIRE_POKE = 19,   /* a = pid: this thread has sent it a signal */
+  WIRE_CANCEL = 20, /* on a line that waits: a signal from outside has come. It has no answer */
+};
+
+enum wire_line { LINE_PROGRAM = 0, LINE_THREAD = 1, LINE_CHILD = 2 };
+
+/* What ends a wait, beside its time and (but for WAIT_DEAF) a signal. */
+enum wire_what {
+  WAIT_SAMPLE = 1, /* a servo sample */
+  WAIT_KEY = 2,    /* WIRE_WAKE with its key */
+  WAIT_FILES = 4,  /* others have run: descriptors may be ready */
+  WAIT_CHILD = 8,  /* a process has ended */
+  WAIT_DEAF = 16,
+  WAIT_AGAIN = 64, /* as before: nobody else need look again */
+  WAIT_THREAD = 32 /* the end of the thread that has the key */
+};
+/* Of what WIRE_WAIT answers. OUTSIDE: nobody attached can end it; time stands still meanwhile. */
+enum wire_cause { CAUSE_DUE = 0, CAUSE_WOKEN = 1, CAUSE_SIGNAL = 2, CAUSE_OUTSIDE = 3 };
+
+#define WIRE_NEVER UINT64_MAX
+
+struct wire_wait {
+  uint64_t until; /* ns of machine time */
+  uint64_t key;
+  uint64_t mask, pending; /* signals: blocked while it waits; come already */
+  uint32_t what;
+  uint32_t files; /* descriptors that follow, 32 bits each */
+};
+
+struct wire_now {
+  uint64_t ns;     /* machine time */
+  uint32_t sample; /* since power-on */
+  uint32_t fired;  /* WIRE_FIRED has something */
+};
+
+struct wire_timer {
+  uint64_t first, interval; /* ns; first = machine time, 0: off */
+  uint64_t value;           /* goes with the signal */
+  int32_t signal;           /* 0: none */
+  int32_t fd;               /* -1: none */
 };
 
 /* With the flags of WIRE_OPEN: SIGUSR1 only to processes that catch it. */
@@ -68,6 +119,14 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
               uint32_t length, void *out, uint32_t *out_length);
 /* Forgets the parent's channels; call in the child of a fork. */
 void wire_after_fork(void);
+/* A connection that is neither file nor channel, or a negative errno; all of some bytes: 0, -1. */
+int wire_connect(void);
+int wire_send(int fd, const void *data, size_t length);
+int wire_take(int fd, void *data, size_t length);
+/* What a call that takes long lets through, if not all that the program does (lockstep.c). */
+extern const sigset_t *(*wire_late)(const sigset_t *before);
+/* How many calls this process has made: each may have taken machine time. */
+extern unsigned long wire_calls;
 
 /* preload.c: the calls of a program on an open device. */
 ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
@@ -82,6 +141,11 @@ int device_is_vme(const char name[WIRE_NAME]);
 int device_is_path(const char *path);
 /* The result of a call, or -1 and errno from a negative one. */
 int device_fail(int result);
+
+/* lockstep.c, if it is there; else null. Before a descriptor is read or written: waits until that
+ * does not block. The next sample: its number, or a negative errno. */
+extern void (*device_await)(int fd, short events);
+extern int (*device_sample)(uint32_t *number);
 
 /* vme_map.c: the mapped window of /dev/vme16. */
 void *vme_map(void *address, uint64_t length, int prot, int64_t offset, const char name[WIRE_NAME]);

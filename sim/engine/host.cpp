@@ -20,6 +20,7 @@ constexpr uint8_t kVector = 0x40;     // the first one free for users on a 68000
 constexpr uint32_t kSysclkHz = 8000000;
 constexpr double kPatienceS = 1.0;  // as long as a request waits at most
 constexpr double kLookS = 1e-3;
+constexpr double kSliceS = 20e-6;  // between looks for what ends a stretch on a real processor
 
 }  // namespace
 
@@ -67,6 +68,7 @@ void Host::bind() {
   mc_os_.signal = [](void *ctx, int client) {
     if (of(ctx).machine_.host_dead()) return;
     ++of(ctx).signals_.at(static_cast<size_t>(client));
+    if (of(ctx).ends_ != Ends::kAtClock) of(ctx).ended_ = true;
     of(ctx).machine_.note("signal", -1, "SIGUSR1 to client " + std::to_string(client));
   };
   mc_os_.log = [](void *ctx, const char *text) {
@@ -153,14 +155,23 @@ void Host::served(bool sampled) {
   }
   recorder_.errors(machine_, mc());
   tell();
+  if (sampled && ends_ == Ends::kAtSample) ended_ = true;
   if (sampled) write_setpoints();
 }
 
 bool Host::run_until(int64_t clock, const std::function<void()> &idle) {
-  if (cpu_) return cpu_->run_until(clock, idle);
+  if (cpu_ && ends_ == Ends::kAtClock) return cpu_->run_until(clock, idle);
+  if (cpu_) {
+    bool good = true;
+    while (good && !ended_ && machine_.clock() < clock) {
+      good = cpu_->run_until(std::min(clock, machine_.clock() + machine_.clocks(kSliceS)), idle);
+    }
+    return good;
+  }
   while (machine_.clock() < clock && !machine_.failed()) {
     if (idle) idle();
     poll();
+    if (ended_) return !machine_.failed();
     int64_t until = clock;
     if (requested_ && !masked_ && !machine_.host_dead()) {
       until = std::min(until, std::max(due_clock_, machine_.stalled_until()));

@@ -52,6 +52,12 @@ class Host {
   // `idle` is called whenever no firmware is active, before each advance and interrupt: the
   // instants at which state() is complete.
   bool run_until(int64_t clock, const std::function<void()> &idle = nullptr);
+  // From now on it also ends behind each SIGUSR1, and each sample if asked.
+  enum class Ends { kAtClock, kAtSignal, kAtSample };
+  void set_ends(Ends ends) {
+    ends_ = ends;
+    ended_ = false;
+  }
 
   // Everything that changes in the host, the driver included, as long as no firmware is active.
   template <class A>
@@ -94,8 +100,7 @@ class Host {
   // Of a real processor; nullptr: there is none, or it keeps none.
   const Phases *phases() const { return cpu_ ? cpu_->phases() : nullptr; }
   const struct mc_stats &stats() const { return *mc_stats_of(mc()); }
-  bool is_enabled() const { return mc_is_enabled(mc()) != 0; }
-  bool is_stopped() const { return mc_is_stopped(mc()) != 0; }
+  const struct mc *driver() const { return mc(); }
 
  private:
   struct mc *mc() { return reinterpret_cast<struct mc *>(memory_.data()); }
@@ -138,6 +143,8 @@ class Host {
   void *look_ctx_ = nullptr;
   int64_t patience_ends_ = 0;  // clock at which the request under way waits no more
   bool waiting_ = false;
+  Ends ends_ = Ends::kAtClock;
+  bool ended_ = false;                // what ends_ asks for has come
   std::unique_ptr<MailboxHost> cpu_;  // null: the driver is native code
 };
 

@@ -49,6 +49,8 @@ const Input kInputs[] = {
     {"pc_d_stuck1", Action::kPin, Scope::kGlobal, Pin::kPcD1, 255, false},
     {"pc_control_stuck0", Action::kPin, Scope::kGlobal, Pin::kPcControl0, 3, false},
     {"pc_control_stuck1", Action::kPin, Scope::kGlobal, Pin::kPcControl1, 3, false},
+    // the clock of adaptor and cards has stopped: 1
+    {"clock_stop", Action::kPin, Scope::kGlobal, Pin::kClockStop, 1, false},
     // the host executes nothing any more, in the middle of whatever it does: 1
     {"host_dead", Action::kHostDead, Scope::kGlobal, Pin::kCount, 1, false},
     // so many of the program's next writes of setpoints are lost

@@ -12,6 +12,8 @@ namespace mmcs {
 namespace {
 
 constexpr size_t kMaxNotes = 10000;
+// The charge pump holds the brakes open for so many steps after an edge of the sign of life: 10 ms.
+constexpr int64_t kPumpSteps = 10000 / kStepUs;
 
 // Volts to the 16-bit units of the pins, 32768 = 10 V.
 int16_t to_pin(double volts) {
@@ -98,7 +100,10 @@ void Machine::plant_step() {
   const unsigned lines = model_->lines();
   const bool amp_enable = !(config_.amp_panic_cut && (lines & kLinePanic));
   if (tap_.on()) tap_.lights(time(), *model_);
-  plant_->step(drive_.data(), (lines & kLineBrakeRelease) != 0, amp_enable, edges_);
+  pump_ = model_->alive() != (alive_ != 0) ? kPumpSteps : std::max<int64_t>(pump_ - 1, 0);
+  alive_ = model_->alive();
+  const bool release = (lines & kLineBrakeRelease) != 0 && pump_ > 0;
+  plant_->step(drive_.data(), release, amp_enable, edges_);
   next_edge_ = 0;
   step_start_ = next_step_;
   next_step_ += clks_per_step_;
@@ -221,6 +226,7 @@ std::string Machine::check_event(const mmcs_event &event) const {
     return std::abs(event.value) <= kLargestInput ? "" : "value out of range";
   }
   const Input &input = kInputs[event.input];
+  if (input.pin == Pin::kClockStop && Model::soc()) return "its processor would stop with it";
   const int limit = input.scope == Scope::kAxis   ? 2 * config_.cards
                     : input.scope == Scope::kCard ? config_.cards
                                                   : 1;
@@ -229,11 +235,13 @@ std::string Machine::check_event(const mmcs_event &event) const {
   if (input.action >= Action::kHostDead && config_.host != MMCS_HOST_NATIVE) {
     return "a real processor has no such input";
   }
-  return "";
+  if (input.action == Action::kPin) return model_->cannot(input.pin);
+  return input.action == Action::kUpset ? model_->cannot(Pin::kCount) : "";
 }
 
 bool Machine::is_possible() const {
   constexpr int64_t kLongest = int64_t{1} << 50;  // clocks
+  if (pump_ < 0 || pump_ > kPumpSteps || (alive_ | 1) != 1) return false;
   for (int64_t clock : {clock_, next_step_, step_start_, stalled_until_, bus_errors_, sample_clock_,
                         writes_lost_}) {
     if (clock < 0 || clock > kLongest) return false;

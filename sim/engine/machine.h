@@ -108,7 +108,7 @@ class Machine {
   template <class A>
   void state(A &a) {
     for (auto *clock : {&clock_, &next_step_, &step_start_, &bus_errors_, &sample_clock_,
-                        &host_dead_, &writes_lost_}) {
+                        &host_dead_, &writes_lost_, &pump_, &alive_}) {
       a(*clock);
     }
     a(edges_);
@@ -190,6 +190,8 @@ class Machine {
   int64_t bus_errors_ = 0;
   int64_t host_dead_ = 0;
   int64_t writes_lost_ = 0;
+  int64_t pump_ = 0;                   // steps for which the charge pump still feeds the brakes
+  int64_t alive_ = 0;                  // the sign of life, as it was a step ago
   std::vector<uint32_t> write_flips_;  // by axis
   unsigned lines_ = 0;
   int32_t soc_failures_ = 0;

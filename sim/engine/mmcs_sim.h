@@ -124,8 +124,9 @@ typedef struct mmcs_stats {
   int32_t bus_errors;  /* bus time-outs and errors seen by the master */
   int32_t panic_level; /* system PANIC now */
   uint64_t bus_cycles;
-  int32_t enabled; /* the servo drives the motors */
-  int32_t stopped; /* a stop is latched */
+  int32_t enabled;                          /* the servo drives the motors */
+  int32_t stopped;                          /* a stop is latched */
+  int32_t interval_us, diag, double_buffer; /* as the driver has them */
 } mmcs_stats;
 
 /* What happened, in the order it happened (PANIC, errors, signals, faults injected, messages). */
@@ -210,6 +211,19 @@ int mmcs_sim_signals(mmcs_sim *sim, int client);
  * 0, or 1 bus time-out, 2 bus error. */
 int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value);
 int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value);
+/* A cycle of the VME bus, from the clock at which its address goes out to that of its answer. */
+enum { MMCS_BUS_READ = 0, MMCS_BUS_WRITE = 1, MMCS_BUS_IACK = 2 };
+typedef struct mmcs_bus_cycle {
+  int64_t begin, end; /* clocks */
+  uint32_t address, data;
+  int32_t am, strobes; /* strobes: bit 0 DS0*, bit 1 DS1* */
+  int32_t kind;        /* MMCS_BUS_... */
+  int32_t answer;      /* 0 DTACK*, 1 none, 2 BERR* */
+} mmcs_bus_cycle;
+/* From now on every cycle is kept; those since the last call, valid until the next. -1: this host
+ * has no VME bus. */
+int mmcs_sim_bus_watch(mmcs_sim *sim);
+int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles);
 
 /* Motions start counting their t0 from the moment of mmcs_sim_start_motion. */
 int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment);
@@ -225,6 +239,11 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event);
 
 /* Runs until simulated time t (s). 0, or -1 when the model raised an assertion (see the notes). */
 int mmcs_sim_run(mmcs_sim *sim, double until_s);
+/* The same up to a clock, but it ends behind each SIGUSR1 before that, and behind each servo sample
+ * if asked. */
+int mmcs_sim_run_to(mmcs_sim *sim, int64_t clock, int samples);
+/* Servo samples since power-on. */
+int64_t mmcs_sim_samples(const mmcs_sim *sim);
 double mmcs_sim_time(const mmcs_sim *sim);
 int64_t mmcs_sim_clock(const mmcs_sim *sim);
 
@@ -243,6 +262,8 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
 double mmcs_sim_true_angle(const mmcs_sim *sim, int axis);
 double mmcs_sim_true_velocity(const mmcs_sim *sim, int axis);
 double mmcs_sim_true_current(const mmcs_sim *sim, int axis);
+/* What write() or the driver set last; 0 beyond the joints. */
+int32_t mmcs_sim_setpoint(const mmcs_sim *sim, int axis);
 int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis);
 /* The 16-bit counter of the axis on its card, read without disturbing it. */
 int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis);

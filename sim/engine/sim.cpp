@@ -4,7 +4,6 @@
 #include "sim.h"
 
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <memory>
 #include <string>
@@ -52,29 +51,8 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
   return "";
 }
 
-constexpr double kLongestS = 1e9;  // clocks of it fit 64 bits with room to spare
-
 bool valid_size(int bytes) {
   return bytes == 1 || bytes == 2 || bytes == 4;
-}
-
-int64_t given(const mmcs::Bytes *bytes, const uint8_t **data) {
-  if (!bytes) return -1;
-  *data = bytes->data();
-  return static_cast<int64_t>(bytes->size());
-}
-
-bool is_time(double s) {
-  return s >= -kLongestS && s <= kLongestS;  // and is a number
-}
-
-void tell(char *err, size_t err_len, const std::string &why) {
-  if (err && err_len) std::snprintf(err, err_len, "%s", why.c_str());
-}
-
-// No request waits: we are not called from mmcs_look.
-bool rests(const mmcs_sim *sim) {
-  return sim && !sim->host.waits();
 }
 
 bool valid(const mmcs_sim *sim, int axis) {
@@ -91,13 +69,13 @@ mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
   if (why.empty()) {
     try {
       auto *sim = new mmcs_sim(*config, motors, links);
-      tell(err, err_len, mmcs::arm_caution(links, config->links));
+      mmcs::tell(err, err_len, mmcs::arm_caution(links, config->links));
       return sim;
     } catch (const std::exception &problem) {
       why = problem.what();
     }
   }
-  tell(err, err_len, why);
+  mmcs::tell(err, err_len, why);
   return nullptr;
 }
 
@@ -126,7 +104,7 @@ int mmcs_sim_trace(mmcs_sim *sim, const char *path) {
   return mmcs::guarded(sim, -1, [=] { return sim->machine.model().trace(path) ? 0 : -1; });
 }
 int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s) {
-  if (!path || !is_time(from_s) || !is_time(to_s) || from_s >= to_s) return -1;
+  if (!path || !mmcs::is_time(from_s) || !mmcs::is_time(to_s) || from_s >= to_s) return -1;
   return mmcs::guarded(sim, -1,
                        [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
 }
@@ -210,7 +188,7 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
   if (!event) return -1;
   return mmcs::guarded(sim, -1, [=] {
     const std::string why =
-        is_time(event->t) ? sim->machine.check_event(*event) : "its time is impossible";
+        mmcs::is_time(event->t) ? sim->machine.check_event(*event) : "its time is impossible";
     if (why.empty()) {
       sim->machine.add_event(*event);
       return 0;
@@ -221,9 +199,23 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
 }
 
 int mmcs_sim_run(mmcs_sim *sim, double until_s) {
-  if (!is_time(until_s) || !rests(sim)) return -1;
+  if (!mmcs::is_time(until_s) || !mmcs::rests(sim)) return -1;
   return mmcs::guarded(
       sim, -1, [=] { return sim->timeline.run_until(sim->machine.clocks(until_s)) ? 0 : -1; });
+}
+
+int mmcs_sim_run_to(mmcs_sim *sim, int64_t clock, int samples) {
+  if (clock < 0 || !mmcs::rests(sim)) return -1;
+  using Ends = mmcs::Host::Ends;
+  sim->host.set_ends(samples ? Ends::kAtSample : Ends::kAtSignal);
+  const int result =
+      mmcs::guarded(sim, -1, [=] { return sim->timeline.run_until(clock) ? 0 : -1; });
+  sim->host.set_ends(Ends::kAtClock);
+  return result;
+}
+
+int64_t mmcs_sim_samples(const mmcs_sim *sim) {
+  return sim ? sim->host.recorder().samples() : 0;
 }
 
 double mmcs_sim_time(const mmcs_sim *sim) {
@@ -269,8 +261,17 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   stats->bus_errors = sim->bus.failures() + sim->machine.soc_failures();
   stats->panic_level = sim->machine.panic();
   stats->bus_cycles = sim->bus.cycles();
-  stats->enabled = sim->host.is_enabled();
-  stats->stopped = sim->host.is_stopped();
+  const struct mc *mc = sim->host.driver();
+  stats->enabled = mc_is_enabled(mc);
+  stats->stopped = mc_is_stopped(mc);
+  stats->interval_us = static_cast<int32_t>(mc_interval(mc));
+  stats->diag = mc_diag(mc);
+  stats->double_buffer = mc_double_buffer(mc);
+}
+
+int32_t mmcs_sim_setpoint(const mmcs_sim *sim, int axis) {
+  if (!sim || axis < 0 || axis >= mc_joints(sim->host.driver())) return 0;
+  return mc_setpoint(sim->host.driver(), axis);
 }
 
 double mmcs_sim_true_angle(const mmcs_sim *sim, int axis) {
@@ -336,63 +337,6 @@ int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points) {
   if (!sim || !points) return 0;
   *points = sim->host.recorder().checkpoints().data();
   return static_cast<int>(sim->host.recorder().checkpoints().size());
-}
-
-// --- time travel -------------------------------------------------------------------------------
-
-int64_t mmcs_sim_snapshot(mmcs_sim *sim) {
-  if (!rests(sim)) return -1;
-  return mmcs::guarded(sim, int64_t{-1}, [=] { return sim->timeline.take(); });
-}
-int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t) {
-  if (!is_time(t) || !rests(sim)) return -1;
-  return mmcs::guarded(sim, int64_t{-1},
-                       [=] { return sim->timeline.take_at(sim->machine.clocks(t)); });
-}
-int mmcs_sim_restore(mmcs_sim *sim, int64_t id) {
-  if (!rests(sim)) return -1;
-  return mmcs::guarded(sim, -1, [=] { return sim->timeline.restore(id) ? 0 : -1; });
-}
-int mmcs_sim_drop(mmcs_sim *sim, int64_t id) {
-  return mmcs::guarded(sim, -1, [=] { return sim->timeline.drop(id) ? 0 : -1; });
-}
-int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count) {
-  if (!is_time(every_s) || every_s < 0 || count < 0) return -1;
-  return mmcs::guarded(sim, -1, [=] {
-    sim->timeline.ring(sim->machine.clocks(every_s), count);
-    return 0;
-  });
-}
-uint64_t mmcs_sim_future(mmcs_sim *sim) {
-  return mmcs::guarded(sim, uint64_t{0}, [=] { return sim->timeline.future(); });
-}
-int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list) {
-  if (!sim || !list) return 0;
-  *list = sim->timeline.list().data();
-  return static_cast<int>(sim->timeline.list().size());
-}
-
-int64_t mmcs_sim_snapshot_bytes(mmcs_sim *sim, int64_t id, const uint8_t **bytes) {
-  if (!bytes) return -1;
-  return mmcs::guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.bytes(id), bytes); });
-}
-int64_t mmcs_sim_history_bytes(mmcs_sim *sim, const uint8_t **bytes) {
-  if (!bytes) return -1;
-  return mmcs::guarded(sim, int64_t{-1}, [=] { return given(sim->timeline.history(), bytes); });
-}
-int mmcs_sim_restore_bytes(mmcs_sim *sim, const uint8_t *snapshot, size_t snapshot_len,
-                           const uint8_t *history, size_t history_len, char *err, size_t err_len) {
-  std::string why = "no simulation given";
-  if (sim) {
-    try {
-      why = sim->timeline.restore_bytes(snapshot, snapshot_len, history, history_len);
-    } catch (const std::exception &problem) {
-      why = problem.what();
-    }
-  }
-  if (why.empty()) return 0;
-  tell(err, err_len, why);
-  return -1;
 }
 
 }  // extern "C"

@@ -7,8 +7,10 @@
 #include "mmcs_sim.h"
 #pragma GCC visibility pop
 
+#include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "host.h"
 #include "machine.h"
@@ -31,6 +33,21 @@ struct mmcs_sim {
 };
 
 namespace mmcs {
+
+constexpr double kLongestS = 1e9;  // clocks of it fit 64 bits with room to spare
+
+inline bool is_time(double s) {
+  return s >= -kLongestS && s <= kLongestS;  // and is a number
+}
+
+// No request waits: we are not called from mmcs_look.
+inline bool rests(const mmcs_sim *sim) {
+  return sim && !sim->host.waits();
+}
+
+inline void tell(char *err, size_t err_len, const std::string &why) {
+  if (err && err_len) std::snprintf(err, err_len, "%s", why.c_str());
+}
 
 // Calls f; what it throws becomes a note and the value for failure.
 template <typename T, typename F>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI of mmcs_sim.h: the tap.
+// The C ABI of mmcs_sim.h: the tap, and the cycles of the VME bus.
 
 #include "sim.h"
 
@@ -45,6 +45,18 @@ int mmcs_sim_tap_note(mmcs_sim *sim, const char *kind, int32_t axis, int32_t val
     sim->machine.tap().event(sim->machine.time(), kind, axis, value, text);
     return 0;
   });
+}
+
+int mmcs_sim_bus_watch(mmcs_sim *sim) {
+  if (!sim || mmcs::Model::soc()) return -1;
+  sim->bus.watch();
+  return 0;
+}
+int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles) {
+  if (!sim || !cycles) return 0;
+  const auto &taken = sim->bus.take();
+  *cycles = taken.data();
+  return static_cast<int64_t>(taken.size());
 }
 
 }  // extern "C"

@@ -47,7 +47,7 @@ void Tap::keep(int64_t rows, int64_t events) {
   row_ring_.assign(static_cast<size_t>(rows * row_bytes_), 0);
   event_ring_.assign(static_cast<size_t>(events), mmcs_tap_event{});
   lights_.assign(static_cast<size_t>(cards_), 0);
-  modes_.assign(static_cast<size_t>(axes_), 0);
+  params_.assign(static_cast<size_t>(axes_), mc_param{});
   errcodes_.assign(static_cast<size_t>(axes_), 0);
 }
 
@@ -125,11 +125,15 @@ void Tap::driver(double t, const struct mc *mc) {
   const int joints = std::min(mc_joints(mc), axes_);
   for (int axis = 0; axis < joints; ++axis) {
     errors(t, mc, axis);
-    const int32_t mode = mc_mode(mc, axis);
-    int32_t &known = modes_[static_cast<size_t>(axis)];
-    if (mode != known) event(t, "mode", axis, mode, "");
-    known = mode;
+    const struct mc_param &now = *mc_param_of(mc, axis);
+    struct mc_param &known = params_[static_cast<size_t>(axis)];
+    if (now.mode != known.mode) event(t, "mode", axis, now.mode, "");
+    if (std::memcmp(&now, &known, sizeof now) != 0) event(t, "param", axis, now.mode, "");
+    known = now;
   }
+  const Settings now{mc_interval(mc), mc_diag(mc), mc_double_buffer(mc), joints};
+  if (std::memcmp(&now, &settings_, sizeof now) != 0) event(t, "setting", -1, 0, "");
+  settings_ = now;
   const int enabled = mc_is_enabled(mc), stopped = mc_is_stopped(mc);
   if (enabled != enabled_) event(t, "enabled", -1, enabled, enabled ? "enabled" : "at rest");
   if (stopped != stopped_) event(t, "stopped", -1, stopped, stopped ? "stop latched" : "no stop");

@@ -60,7 +60,12 @@ class Tap {
   unsigned lines_ = 0;
   int enabled_ = 0, stopped_ = 0;
   std::vector<unsigned> lights_;
-  std::vector<int32_t> modes_, errcodes_;
+  std::vector<int32_t> errcodes_;
+  std::vector<struct mc_param> params_;
+  struct Settings {
+    uint32_t interval_us;
+    int diag, double_buffer, joints;
+  } settings_{};
 };
 
 }  // namespace mmcs

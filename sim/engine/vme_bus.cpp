@@ -34,15 +34,24 @@ BusResult VmeBus::fail(BusResult result, uint32_t address) {
   return result;
 }
 
+void VmeBus::keep(int64_t begin, int kind, const Cycle &c, BusResult answer) {
+  if (!watched_) return;
+  kept_.push_back({begin, machine_.clock(), c.address, c.data, static_cast<int32_t>(c.am),
+                   static_cast<int32_t>(c.ds), kind, static_cast<int32_t>(answer)});
+}
+
 BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
   if (machine_.host_dead()) return BusResult::kTimeout;
   Model &model = machine_.model();
+  const int64_t begin = machine_.clock();
+  const int kind = c.write ? MMCS_BUS_WRITE : MMCS_BUS_READ;
   ++cycles_;
   model.pins().vme_address(c.address, c.am, c.write, false, c.data);
   machine_.advance(1, Watch::kNothing);
-  model.pins().vme_strobe(c.ds, false);
+  model.pins().vme_strobe(c.ds);
   if (machine_.take_bus_error()) {
     machine_.advance(kInjectedErrorClks, Watch::kNothing);
+    keep(begin, kind, c, BusResult::kError);
     release();
     return fail(BusResult::kError, c.address);
   }
@@ -54,6 +63,8 @@ BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
             (c.write    ? c.data
              : answered ? *data
                         : 0x10000u));
+  keep(begin, kind, {c.address, c.am, c.ds, c.write, c.write ? c.data : *data},
+       answered ? BusResult::kOk : BusResult::kTimeout);
   release();
   return answered ? BusResult::kOk : fail(BusResult::kTimeout, c.address);
 }
@@ -89,15 +100,18 @@ BusResult VmeBus::write(uint32_t address, unsigned am, int size, uint32_t value)
 BusResult VmeBus::acknowledge(int level, uint8_t *vector) {
   Model &model = machine_.model();
   const uint32_t address = static_cast<uint32_t>(level) << 1;
+  const int64_t begin = machine_.clock();
   ++cycles_;
-  model.pins().vme_address(address, kAmAcknowledge, false, false, 0xFFFF);
+  model.pins().vme_address(address, kAmAcknowledge, false, false, 0xFFFF, true);
   machine_.advance(1, Watch::kNothing);
-  model.pins().vme_strobe(1, true);
+  model.pins().vme_strobe(1);
   machine_.advance(1, Watch::kNothing);
   model.pins().vme_iackin(true);
   const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
   *vector = static_cast<uint8_t>(model.pins().vme_data(model.vme_sample() & 0xFFFF));
   machine_.trail().add(static_cast<uint64_t>(machine_.clock()) << 8 | (answered ? *vector : 0u));
+  keep(begin, MMCS_BUS_IACK, {address, kAmAcknowledge, 1, false, *vector},
+       answered ? BusResult::kOk : BusResult::kTimeout);
   release();
   if (answered) return BusResult::kOk;
   ++failures_;

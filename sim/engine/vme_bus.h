@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "machine.h"
 
@@ -23,6 +24,15 @@ class VmeBus {
   uint64_t cycles() const { return cycles_; }
   int32_t failures() const { return failures_; }
 
+  // From now on every cycle is kept until it is taken; no part of the state.
+  void watch() { watched_ = true; }
+  // Those since the last call; valid until the next.
+  const std::vector<mmcs_bus_cycle> &take() {
+    taken_.clear();
+    taken_.swap(kept_);
+    return taken_;
+  }
+
   template <class A>
   void state(A &a) {
     past(a, cycles_);
@@ -39,12 +49,15 @@ class VmeBus {
   };
   BusResult cycle(const Cycle &c, unsigned *data);
   BusResult fail(BusResult result, uint32_t address);
+  void keep(int64_t begin, int kind, const Cycle &c, BusResult answer);
   void release();
 
   Machine &machine_;
   int64_t timeout_clks_;
   uint64_t cycles_ = 0;
   int32_t failures_ = 0;
+  bool watched_ = false;
+  std::vector<mmcs_bus_cycle> kept_, taken_;
 };
 
 }  // namespace mmcs

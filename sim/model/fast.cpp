@@ -112,7 +112,7 @@ class Fast final : public Board {
   // Has a clock or reset moved since it was last looked at?
   bool moved() const {
     unsigned moved = 0;
-#define MMCS_EDGE(before, net) moved |= root_->before ^ root_->net;
+#define MMCS_EDGE(before, now) moved |= root_->before ^ (now);
 #include MMCS_EDGES_OF
 #undef MMCS_EDGE
     return moved != 0;

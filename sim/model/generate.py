@@ -11,7 +11,7 @@ wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the
 extra DIR HOST CLK N  extra.inc, extra.vlt: registers of a SoC outside the boards
                       checkers.inc, extra.vlt: the bus checkers, whose reset can be forced
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
-                      V*.edges: the nets whose edges are looked for, and their values before
+                      V*.edges: values before and now of what edges are looked for
 
 With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one board more.
 """
@@ -302,12 +302,13 @@ def extra(folder: Path, netlist: Netlist) -> None:
 
 
 def edges_text(model: Path) -> str:
-    """The nets whose edges a model looks for, the clock apart, each with its value before."""
+    """The values whose edges a model looks for, the clock apart, each with that before."""
     text = model.read_text().split("___eval_triggers_vec__act(", 1)[1].split("\n}", 1)[0]
-    pairs = re.findall(r"vlSelfRef\.(__Vtrigprev\w+)\s*=\s*vlSelfRef\.(\w+);", text)
+    pairs = re.findall(r"vlSelfRef\.(__Vtrigprev\w+)\s*=\s*([^;,]+);", text)
     if len(pairs) != len(re.findall(r"__Vtrigprev\w+\s*=", text)):
-        raise SystemExit(f"generate: {model.name} looks for the edges of an expression")
-    return "".join(f"MMCS_EDGE({old}, {new})\n" for old, new in pairs if new != "clk_i")
+        raise SystemExit(f"generate: {model.name} looks for edges that are not understood")
+    found = {old: " ".join(new.replace("vlSelfRef.", "root_->").split()) for old, new in pairs}
+    return "".join(f"MMCS_EDGE({o}, {n})\n" for o, n in found.items() if n != "root_->clk_i")
 
 
 def triggers_text(folder: Path) -> str:

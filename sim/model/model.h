@@ -61,8 +61,11 @@ class Model {
   virtual void set_upset(bool) = 0;
   virtual unsigned lines() const = 0;
   virtual bool dtack() const = 0;  // DTACK* is low
+  virtual bool alive() const = 0;  // level of the adaptor's sign of life
 
   virtual Pins &pins() = 0;
+  // "" or why this machine has no such input; Pin::kCount: an upset.
+  virtual std::string cannot(Pin) const { return ""; }
   // All edges of encoders that come from now on, in order. False: each is to be set at its clock.
   virtual bool expect(std::vector<EncoderEdge> &) { return false; }
   virtual int16_t drive(int axis) const = 0;

@@ -149,9 +149,11 @@ class Netlist:
                     if isinstance(value, list):
                         self._statements(value, inner, module, functions)
             elif kind in ("ALWAYS", "INITIAL"):
-                clocked = any(c.get("type") == "SENTREE" for c in children(node))
+                edges = [c for c in children(node) if c.get("type") == "SENTREE"]
                 module.blocks.append(node)
-                _assigns(node, set(), clocked, module.assigns, functions)
+                # Strobes that clock a register concern it as what it takes does; a clock does not.
+                strobes = {n for edge in edges for n in reads(edge) if "clk" not in n}
+                _assigns(node, strobes, bool(edges), module.assigns, functions)
 
 
 def _assigns(node: dict, given: set[str], clocked: bool, out: list[Assign], functions: dict):

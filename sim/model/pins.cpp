@@ -33,6 +33,21 @@ std::string axis_path(int axis) {
 
 }  // namespace
 
+bool pin_is_port(Pin pin) {
+  switch (pin) {
+    case Pin::kSysreset:
+    case Pin::kEstop:
+    case Pin::kCableCut:
+    case Pin::kPcOff:
+    case Pin::kAxisEnable:
+    case Pin::kDipXor:
+    case Pin::kAdcV:
+      return true;
+    default:
+      return pin >= Pin::kVmeA0 && pin <= Pin::kVmeControl1;
+  }
+}
+
 Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
   for (int port = 0; port < kPorts; ++port) {
     levels_[port].resize(static_cast<size_t>(port == kAdc ? (cards + 1) / 2 : 1));
@@ -75,18 +90,19 @@ void Pins::set(Pin pin, int index, unsigned value) {
   }
 }
 
-void Pins::vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data) {
+void Pins::vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data,
+                       bool iack) {
   hand(kVmeA, 15, address >> 1 & 0x7FFF);
   hand(kVmeAm, 6, am & 63);
   hand(kVmeWrite, 1, !write);
   hand(kVmeLword, 1, !lword);
   hand(kVmeD, 16, data & 0xFFFF);
+  hand(kVmeIack, 1, !iack);
 }
 
-void Pins::vme_strobe(unsigned ds, bool iack) {
+void Pins::vme_strobe(unsigned ds) {
   hand(kVmeAs, 1, 0);
   hand(kVmeDs, 2, ~ds & 3);
-  hand(kVmeIack, 1, !iack);
 }
 
 void Pins::vme_release() {
@@ -182,6 +198,9 @@ void Pins::fault(Pin pin, int index, uint64_t value) {
       return ports_.stick("u_adaptor.u_core.u_pccsr.sclock_q", 0, on);
     case Pin::kIrqOpen:
       return ports_.stick("irq", 0, on);
+    case Pin::kClockStop:
+      if (on) ports_.disturb();
+      return ports_.stop_clock(on);
     case Pin::kVmeA0:
     case Pin::kVmeA1:
       return hold(kVmeA, standing(Pin::kVmeA0), standing(Pin::kVmeA1));
@@ -265,6 +284,8 @@ bool Pins::is_possible(Pin pin, int index, uint64_t value) const {
       return index >= 0 && index < 2 * cards_ && value <= 1;
     case Pin::kIrqLost:
       return index == 0 && value <= 1;
+    case Pin::kClockStop:  // a SoC's processor would stop with it
+      return index == 0 && value <= (Model::soc() ? 0 : 1);
     case Pin::kIrqOpen:
       return index == 0 && value <= (Model::soc() ? 1 : 0);
     case Pin::kVmeA0:

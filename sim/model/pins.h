@@ -42,7 +42,8 @@ enum class Pin {
   kPcD1,
   kPcControl0,
   kPcControl1,
-  kAdcV,  // 16 bits per axis
+  kClockStop,  // 1 bit
+  kAdcV,       // 16 bits per axis
   kCount
 };
 
@@ -71,6 +72,9 @@ enum Port {
 };
 extern const char *const kPortNames[kPorts];
 
+// Whether it is moved from outside the machine: by a port, not by a hand within.
+bool pin_is_port(Pin pin);
+
 // What a machine lets be done to it, between clocks.
 class Ports {
  public:
@@ -83,6 +87,7 @@ class Ports {
   virtual uint64_t look(const std::string &reg) = 0;
   // A line of a bus breaks its rules from now on: checkers have nothing to say any more.
   virtual void disturb() {}
+  virtual void stop_clock(bool stopped) = 0;
 };
 
 class Pins {
@@ -99,9 +104,11 @@ class Pins {
     if (moved & 2) later(kEncB, axis, 1, pins >> 1 & 1);
     if (moved & 4) later(kEncI, axis, 1, pins >> 2 & 1);
   }
-  // The bus master: address, modifier, direction and data; the strobes; the daisy chain; idle.
-  void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data);
-  void vme_strobe(unsigned ds, bool iack);
+  // The bus master: address, modifier, direction and data, of an acknowledge IACK* with them; the
+  // strobes; the daisy chain; idle.
+  void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data,
+                   bool iack = false);
+  void vme_strobe(unsigned ds);
   void vme_iackin(bool low) { hand(kVmeIackin, 1, !low); }
   void vme_release();
 

@@ -79,6 +79,7 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
   d_oe_ = board_->port("vme_d_oe_o");
   drive_ = board_->port("drive_v_o");
   leds_ = board_->port("card_leds_o");
+  alive_ = board_->port("alive_o");
   for (int port = 0; port < kPorts; ++port) {
     ports_[port] = board_->port(kPortNames[port]);
     if (!ports_[port] && port == kVmeSysreset) ports_[port] = board_->port("sysreset_ni");
@@ -149,6 +150,11 @@ void Plain::half(bool rise, double at) {
 
 // A rising edge; what sticks is put back; pins arrive; a falling edge.
 void Plain::clock_once() {
+  if (stopped_) {
+    if (pins_.waiting()) pins_.apply();
+    board_->eval();
+    return look_at_lines();
+  }
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
   before_clock();
   half(true, t);

@@ -31,6 +31,7 @@ class Plain : public Model, protected Ports {
   void set_upset(bool upset) override { upset_ = upset; }
   unsigned lines() const override { return lines_; }
   bool dtack() const override { return dtack_ && dtack_.get() == 0; }
+  bool alive() const override { return alive_.get() != 0; }
   int16_t drive(int axis) const override;
   unsigned leds(int card) const override;
   Pins &pins() override { return pins_; }
@@ -72,6 +73,7 @@ class Plain : public Model, protected Ports {
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void disturb() override { upset_ = true; }
+  void stop_clock(bool stopped) override { stopped_ = stopped; }
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
@@ -80,7 +82,7 @@ class Plain : public Model, protected Ports {
   std::unique_ptr<Board> board_;
   Pins pins_;
   Net ports_[kPorts];
-  Net clk_, dtack_, d_oe_, drive_, leds_;
+  Net clk_, dtack_, d_oe_, drive_, leds_, alive_;
   std::vector<Net> nets_;      // of registers()
   std::vector<Net> checkers_;  // what forces the reset of each
   std::vector<std::pair<Net, int>> line_nets_;
@@ -94,7 +96,8 @@ class Plain : public Model, protected Ports {
   std::unique_ptr<VerilatedFstC> fst_;
 #endif
   int64_t clock_ = 0;
-  bool held_ = false;  // the checkers are in reset
+  bool held_ = false;     // the checkers are in reset
+  bool stopped_ = false;  // no clock comes
   int idle_clks_ = 0, master_ = 0;
   uint64_t evals_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;

@@ -73,7 +73,7 @@ void Rack::arrive_directly(const Reader &reader, int lsb, int width, uint64_t va
   if (after == slot.shown) return;
   slot.shown = after;
   Block &block = *slot.block;
-  if (slot.late && skip_ && !(listening_ >> (block.number - 1) & 1)) {
+  if (slot.late && skip_ && !stopped_ && !(listening_ >> (block.number - 1) & 1)) {
     return block.defer(clock_, slot, after);
   }
   if (slot.late && block.behind()) {  // its port shows less than the wire has done
@@ -190,7 +190,7 @@ void Rack::step(int64_t t) {
   ++evals_;
   stop_lines_ = lines_ != shown_lines_;
   lines_ = shown_lines_;
-  const size_t boards = !skip_ || cards_due() <= t ? blocks_.size() : 1;
+  const size_t boards = stopped_ ? 0 : !skip_ || cards_due() <= t ? blocks_.size() : 1;
   for (size_t n = 0; n < boards; ++n) {
     if (skip_ && due_at_[n] > t) continue;
     Block &block = *blocks_[n];
@@ -217,6 +217,17 @@ void Rack::step(int64_t t) {
     if (!host_rests()) plan_host(true);
   }
   if (!watched_.empty()) look_at_watched();
+}
+
+// No board gets a clock, and no counter goes on; what pins do without one is done.
+void Rack::stop_clock(bool stopped) {
+  if (stopped == stopped_) return;
+  stopped_ = stopped;
+  for (const auto &block : blocks_) {
+    block->catch_up(clock_);
+    block->renew(clock_);
+    touch(*block);
+  }
 }
 
 bool Rack::expect(std::vector<EncoderEdge> &edges) {
@@ -257,8 +268,8 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   while (clock_ < begin + n) {
     const int64_t end = begin + (stands && clock_ == begin ? 1 : n);
     const int64_t cards = cards_due(), coming = coming_at();
-    int64_t t = std::min(due_at_[0], cards);
-    const bool moved = !skip_ || pins_.waiting() || lines_ != shown_lines_;
+    int64_t t = stopped_ ? kNever : std::min(due_at_[0], cards);
+    const bool moved = (!skip_ && !stopped_) || pins_.waiting() || lines_ != shown_lines_;
     if (moved) t = clock_ + 1;
     if (!moved && coming < t && coming <= end) {
       clock_ = coming;

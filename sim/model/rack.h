@@ -32,6 +32,7 @@ class Rack : public Model, protected Ports, private Listener {
   void set_upset(bool upset) override { upset_ = upset; }
   unsigned lines() const override { return lines_; }
   bool dtack() const override { return dtack_.get() == 0; }
+  bool alive() const override { return alive_.get() != 0; }
   int16_t drive(int axis) const override {
     return static_cast<int16_t>(drives_[static_cast<size_t>(axis / 2)]->value() >> 16 * (axis & 1));
   }
@@ -100,6 +101,7 @@ class Rack : public Model, protected Ports, private Listener {
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void disturb() override { upset_ = true; }
+  void stop_clock(bool stopped) override;
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 
@@ -143,7 +145,7 @@ class Rack : public Model, protected Ports, private Listener {
   int64_t coming_at() const {
     return next_coming_ < coming_.size() ? coming_[next_coming_].clock + 1 : kNever;
   }
-  Net dtack_, iackout_, d_oe_;
+  Net dtack_, iackout_, d_oe_, alive_;
   int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
   std::vector<int> d_logic_;
   std::vector<Slot *> d_slots_;
@@ -160,6 +162,7 @@ class Rack : public Model, protected Ports, private Listener {
   bool stop_lines_ = false;
   bool slow_, skip_;
   bool upset_ = false;
+  bool stopped_ = false;  // no clock comes
   std::string failure_;
 };
 

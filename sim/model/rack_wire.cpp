@@ -112,6 +112,7 @@ void Rack::wire() {
     for (const Slot *s : outs) block->out_words.add(block->board().base, s->port);
   }
   iackout_ = adaptor_->find("", "vme_iackout_no");
+  alive_ = adaptor_->find("", "alive_o");
   d_oe_ = adaptor_->find("", "vme_d_oe_o");
   dtack_ = adaptor_->find("", "vme_dtack_no");
   const std::pair<const char *, int> lines[] = {{host_ ? "led_irq_o" : "vme_irq_no", host_ ? 5 : 1},

@@ -102,7 +102,7 @@ def start(sim, setup) -> tuple[int, float]:
     """Opens the driver and starts the motion, as a session does: (client, time of the start)."""
     session = Session(sim, setup)
     client = sim.open(mcdef.O_RDWR)
-    session._configure(client)
+    session.configure(client)
     begin = sim.time
     for segment in setup.segments:
         sim.add_segment(**segment)

@@ -130,8 +130,7 @@ times are CPU times of one core. Machines were measured in turn, {found["rounds"
 is the median, a ratio the median of the ratios within each round. "Real time" is simulated seconds
 in a second. The clock is 8 MHz, the servo interval 1 ms; bench motors turn at a constant speed, the
 coupled PUMA 560 makes the half-second move of `puma560_coupled` or runs every joint towards the
-limit speed of its motor. What the profile shows, and what was tried to go faster, is told in
-[simulator](simulator.md), *What was tried*.
+limit speed of its motor.
 
 {table(["must show", "floor", "aim", "measured", ""], [list(r) for r in must_show(found)])}
 

@@ -283,7 +283,7 @@ def scenario(m: Mutant) -> str:
 def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
     from mmcs.engine import build
     from mmcs.result.report import make_report
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     made: dict[int, Path] = {}

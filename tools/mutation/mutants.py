@@ -75,14 +75,22 @@ module reset #(parameter WIDTH = 1, CLK_POLARITY = 1, ARST_POLARITY = 1, ARST_VA
   (* init = ARST_VALUE *) wire [WIDTH-1:0] q;
   wire off = ARST == ARST_POLARITY;
   assign Q = off ? ARST_VALUE : q;
-  \\$ff #(.WIDTH(WIDTH)) ff (.D(CLK && !off ? D : Q), .Q(q));
+  TAKES
+  \\$ff #(.WIDTH(WIDTH)) ff (.D(takes && !off ? D : Q), .Q(q));
 endmodule
 (* techmap_celltype = "$dff" *)
 module plain #(parameter WIDTH = 1, CLK_POLARITY = 1)
     (input CLK, input [WIDTH-1:0] D, output [WIDTH-1:0] Q);
-  \\$ff #(.WIDTH(WIDTH)) ff (.D(CLK ? D : Q), .Q(Q));
+  TAKES
+  \\$ff #(.WIDTH(WIDTH)) ff (.D(takes ? D : Q), .Q(Q));
 endmodule
 """
+CLOCKED = STARTED.replace("TAKES", "wire takes = CLK;")
+# A strobe of the bus is a level that others see, too: its edge lies between two steps. What it
+# clocks changes a step later.
+STROBED = STARTED.replace("TAKES", """(* init = 1'b1 *) wire before;
+  wire now = CLK == CLK_POLARITY, takes = now && !before;
+  \\$ff #(.WIDTH(1)) level (.D(now), .Q(before));""")  # fmt: skip
 ABC = """read_aiger {0}.aig; strash; scorr; dc2; scorr -F 2; dc2; scorr; pdr -T {1}
 write_status {0}.status; write_aiger {0}_left.aig
 """
@@ -244,7 +252,8 @@ def proved(mutant: Mutant, seconds: int, before: str, after: str) -> bool:
     """The same, with what Yosys does before it breaks the netlist, and after."""
     module, base = mutant.module, WORK / mutant.top / f"equal_{mutant.number}"
     what = mutant.what.replace(f"-module {module}", "-module gate")
-    (ROOT / f"{base}_map.v").write_text(STARTED)
+    (ROOT / f"{base}_clocked.v").write_text(CLOCKED)
+    (ROOT / f"{base}_strobed.v").write_text(STROBED)
     (ROOT / f"{base}.abc").write_text(ABC.format(base, seconds))
     (ROOT / f"{base}.v").write_text("module g (input a, b, output y); assign y = a & b; endmodule")
     status, left = ROOT / f"{base}.status", ROOT / f"{base}_left.aig"
@@ -255,7 +264,9 @@ def proved(mutant: Mutant, seconds: int, before: str, after: str) -> bool:
         f"copy {module} gold\ncopy {module} gate\nmutate {what}\n{after}"
         "miter -equiv gold gate miter\nhierarchy -top miter\nproc\nflatten\n"
         "memory_map\nsetundef -zero\nopt -full -nodffe -nosdff\n"
-        f"techmap -autoproc -map {base}_map.v\ntechmap\nopt -fast\n"
+        "select -set strobed t:$adff t:$dff %u w:in_clk_i %co1:+[CLK] %d\n"
+        f"techmap -autoproc -map {base}_strobed.v @strobed\n"
+        f"techmap -autoproc -map {base}_clocked.v\ntechmap\nopt -fast\n"
         "opt_clean\naigmap\nopt_clean\n"
         f"write_aiger -zinit {base}.aig\n"
         f"design -reset\nread_verilog {base}.v\nsimplemap\nabc -script {base}.abc\n"

@@ -140,7 +140,7 @@ def main() -> int:
         return 2
     if not args.quick:
         import mmcs.result.report
-        import mmcs.run.runner  # noqa: F401  before the first fork: a child inherits what is loaded
+        import mmcs.runs.runner  # noqa: F401  before the first fork: a child inherits what is loaded
 
         fm.keep_simulator()
     started = time.monotonic()

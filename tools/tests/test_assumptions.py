@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every assumption of a proof stands in docs/evidence/edges.md, with what allows it."""
+"""Every assumption of a proof, and every pin it ties, stands in docs/evidence/edges.md."""
 
 import re
 from pathlib import Path
@@ -27,12 +27,33 @@ def missing(sources: dict[str, str], page: str) -> list[str]:
     return found
 
 
+def tied(sources: dict[str, str], page: str) -> list[str]:
+    """Input pins that a formal top ties to a constant and no row of its group names."""
+    rows = [row.split("|") for row in page.split(HEAD, 1)[1].splitlines() if row.startswith("|")]
+    found = []
+    for name, text in sources.items():
+        group = name.removesuffix("_props.sv")
+        listed = {w for r in rows if f"`{group}`" in r[1] for w in re.findall(r"`(\w+)`", r[2])}
+        pins = re.findall(r"\.([a-z]\w+)\((?:\d*'[bdh]\w+|'[01])\)", text)
+        found += [f"{group}: {pin}" for pin in sorted(set(pins) - listed)]
+    return found
+
+
 def proofs() -> dict[str, str]:
     return {f.name: f.read_text() for f in sorted((ROOT / "formal").glob("*.sv*"))}
 
 
 def test_each_has_its_sentence():
     assert missing(proofs(), (ROOT / "docs" / "evidence" / "edges.md").read_text()) == []
+
+
+def test_each_tied_pin_is_listed():
+    assert tied(proofs(), (ROOT / "docs" / "evidence" / "edges.md").read_text()) == []
+
+
+def test_a_tied_pin_without_row_is_named():
+    page = f"{HEAD}\n| `new` | tied: `a_i` | - |\n"
+    assert tied({"new_props.sv": ".a_i(1'b0), .b_ni(2'b11), .c_i"}, page) == ["new: b_ni"]
 
 
 @pytest.mark.parametrize("line", ['`MMCS_GIVEN(NoTrouble, 1, "")', "always assume (quiet);"])

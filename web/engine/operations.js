@@ -48,6 +48,15 @@ export const OPERATIONS = {
     s.check(s.sim.write(s.page, setpoints));
     return {};
   },
+  setpoint: (s, message) => {
+    const axis = integer(message, "axis", 0, s.sim.axes - 1);
+    const value = integer(message, "value", -(2 ** 31), 2 ** 31 - 1);
+    const { interval_us } = s.sim.stats();
+    if (s.sim.time < s.changed + 2e-6 * interval_us) s.sim.run(s.changed + 2e-6 * interval_us); // it adopts a demand
+    const others = Array.from({ length: axis }, (_, n) => s.sim.setpoint(n));
+    OPERATIONS.write(s, { setpoints: [...others, value] });
+    return { t: s.sim.time };
+  },
   call: (s, message) => s.call(message),
   change: async (s, { axis, param }) => {
     s.mustBeOpen(true);

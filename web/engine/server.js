@@ -32,6 +32,7 @@ export class Server {
     this.page = -1; // the driver's number of the page's open device
     this.writable = false;
     this.follow = null;
+    this.changed = -1; // when parameters were changed last
     this.inputs = new Map();
     this.asked = new Set();
     this.spoiled = ""; // why the record would not replay
@@ -46,6 +47,7 @@ export class Server {
       cards: sim.cards, time: sim.time, speed: this.speed, paused: this.paused, opens: 1,
       lease: this.lease, waves: true, sample: { fields: FIELDS, row_bytes: sim.tapHead().row_bytes },
       enabled: Boolean(stats.enabled), stopped: Boolean(stats.stopped),
+      interval_us: stats.interval_us, diag: stats.diag, double_buffer: Boolean(stats.double_buffer),
       panic: Boolean(stats.panic_level), button: Boolean(this.inputs.get("estop 0")) };  // prettier-ignore
   }
 
@@ -208,6 +210,7 @@ export class Server {
     if (!session.playing || axis >= sim.axes) {
       const param = { ...this.param(axis), ...wanted };
       this.check(this.ioctl("MSETPARAM", sim.pack("mc_param", param))[0]);
+      this.changed = sim.time;
       return param;
     }
     const { mode, ...set } = wanted;

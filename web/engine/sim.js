@@ -228,6 +228,9 @@ export class Sim {
     const count = this.#m._mmcs_sim_checkpoints(this.#at, this.#room);
     return this.#bytes(this.#view.getUint32(this.#room, true), count * this.layouts.mmcs_checkpoint.size);
   }
+  setpoint(axis) {
+    return this.#m._mmcs_sim_setpoint(this.#at, axis);
+  }
   trueCount(axis) {
     return this.#m._mmcs_sim_true_count(this.#at, axis);
   }

@@ -9,7 +9,7 @@ import { design, designOf } from "../engine/design.js";
 import { crc32, Log } from "../engine/record.js";
 import { roundHalfEven } from "../engine/session.js";
 import { law, transfer } from "../formula.js";
-import { gainsOf } from "../panel.js";
+import { gainsOf } from "../params.js";
 
 const base64 = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 const FUNCTIONS = {

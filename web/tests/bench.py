@@ -35,6 +35,10 @@ class Desk:
     def stop_frame(self):
         return self.page.frames[1]
 
+    def choose(self, axis: int, page=None) -> None:
+        """The panel of that axis is the one shown."""
+        (page or self.page).click(f"#tile{axis}")
+
     def param(self, axis: int) -> dict:
         return self.link.request("call", request="MGETPARAM", axis=axis)["param"]
 
@@ -48,13 +52,13 @@ class Desk:
         """Waits for a condition in the page."""
         self.page.wait_for_function(what, arg=argument)
 
-    def eventually(self, true) -> None:
+    def eventually(self, true, patience_s: float = PATIENCE_S) -> None:
         """Waits, working the page, until the check holds."""
-        end = time.monotonic() + PATIENCE_S
+        end = time.monotonic() + patience_s
         while not true():
             if time.monotonic() > end:
                 said = self.page.inner_text("#said")
-                raise AssertionError(f"not so within {PATIENCE_S} s; the page says: {said}")
+                raise AssertionError(f"not so within {patience_s} s; the page says: {said}")
             self.page.wait_for_timeout(20)
 
     def close(self) -> None:

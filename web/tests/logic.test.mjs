@@ -9,12 +9,14 @@ import { design } from "../engine/design.js";
 import { readRecord, setupOf } from "../engine/record.js";
 import { law, transfer } from "../formula.js";
 import { Machine } from "../machine.js";
-import { errorWords, gainsOf, setpointScale } from "../panel.js";
+import { errorWords, gainsOf, setpointScale } from "../params.js";
 import { Recording, toCsv } from "../recording.js";
 import { cardOffset, fieldsText } from "../registers.js";
 import { REGISTERS } from "../registers_table.js";
 import { decode, envelope, History } from "../samples.js";
+import { causeOf } from "../status.js";
 import { findTrigger } from "../trigger.js";
+import { Units } from "../units.js";
 
 const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
   "current"];  // prettier-ignore
@@ -114,6 +116,26 @@ test("a recording saved is the same when reopened; damage is told by its line", 
   assert.equal(again.find(0.1), 100);
   assert.throws(() => new Recording("x,y\n1,2", "b.csv"), /b.csv: not a recording/);
   assert.throws(() => new Recording(text.replace("\n0.001", "\nzero"), "c.csv"), /line 3 is damaged/);
+  for (const cell of ["", "1e99", "0x10", "4e9", "3000000000", "1.5", " "])
+    assert.throws(() => new Recording(text.replace(",289,", `,${cell},`), "d.csv"), /line 19 is damaged/, cell);
+});
+
+test("degrees and amperes of a motor, and back to the driver's units", () => {
+  const units = new Units([{ counts_per_rev: 2000, gear: -60, amp_gain: 0.883 }]);
+  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["500", "counts"]);
+  units.set(true);
+  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["-1.500", "°"]);
+  assert.equal(units.show(0, "current", 1024), "4.415");
+  assert.equal(units.show(0, "code", -2048), "-10.000");
+});
+
+test("why the power went is the first that explains it", () => {
+  const at = (t, kind, value, text) => ({ t, kind, value, text });
+  const button = [at(1, "fault", 1, "estop 1"), at(1.001, "panic", 1, ""), at(1.002, "error", 0x08, "axis 0: hardware PANIC")];
+  assert.equal(causeOf(button, 1.002), "the hand-held button was pressed");
+  assert.equal(causeOf([at(1, "error", 2, "axis 2: high position limit crossed")], 1), "axis 2: high position limit crossed");
+  assert.equal(causeOf([at(1, "log", 0, "client 3 is silent: stopped")], 1), "client 3 is silent: stopped");
+  assert.equal(causeOf([at(0.5, "error", 2, "long ago"), at(1, "stopped", 1, "")], 1), "STOP");
 });
 
 test("gains come back from integers: P, PD, PID, PD with a filter, and no other", () => {
@@ -142,11 +164,11 @@ test("numbers as people type them: a decimal comma is understood, or refused, ne
 
 test("labels and ranges of the setpoint follow the mode", () => {
   const param = { mode: 0, plo: -100, phi: 200, ilim: 928 };
-  assert.deepEqual(setpointScale("pos", param), { name: "Position", unit: "counts", low: -100, high: 200 });
-  assert.equal(setpointScale("vel", param).unit, "counts/sample");
+  assert.deepEqual(setpointScale("pos", param), { name: "Position", quantity: "position", low: -100, high: 200 });
+  assert.equal(setpointScale("vel", param).per, "sample");
   assert.equal(setpointScale("torq", param).high, 928);
   assert.equal(setpointScale("off", param), null);
-  assert.equal(setpointScale("pos", { ...param, mode: 0x20 }).unit, "A/D units");
+  assert.equal(setpointScale("pos", { ...param, mode: 0x20 }).quantity, "adc");
   assert.equal(errorWords(0x09), "low position limit, PANIC");
 });
 

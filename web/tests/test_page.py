@@ -17,6 +17,7 @@ FLAGS = {"COULCOMP": 0x10, "ADFB": 0x20, "ZEROFB": 0x40, "ADDMD": 0x80}
 
 def choose(desk, what: str, value: str, want, axis: int = 0) -> None:
     """Chooses, and waits until the driver's mode word is as wanted."""
+    desk.choose(axis)
     desk.page.select_option(f'[id="axis{axis}-{what}"]', value)
     desk.eventually(lambda: want(desk.param(axis)["mode"]))
 
@@ -41,7 +42,7 @@ def test_modes_sources_feedback_and_switches(desk):
         choose(desk, "mode", name, lambda mode, word=word: mode & 0xF == word)
     choose(desk, "mode", "vel", lambda mode: mode & 0xF == VEL)
     setpoint = desk.page.locator("#axis0-panel .setpoint")
-    assert "counts/sample" in setpoint.inner_text()
+    desk.eventually(lambda: "counts/sample" in setpoint.inner_text())
     choose(desk, "setpoint source", "ad", lambda mode: mode & FLAGS["ADDMD"])
     choose(desk, "setpoint source", "square", lambda mode: not mode & FLAGS["ADDMD"])
     desk.eventually(lambda: "Amplitude" in setpoint.inner_text())
@@ -49,6 +50,7 @@ def test_modes_sources_feedback_and_switches(desk):
     choose(desk, "feedback", "zero", lambda mode: mode & FLAGS["ZEROFB"])
     desk.page.check('[id="axis0-Coulomb compensation"]')
     desk.eventually(lambda: desk.param(0)["mode"] & FLAGS["COULCOMP"])
+    desk.choose(3)
     desk.page.check("#axis3-LED")
     desk.until("() => (mctool.machine.history.value(mctool.machine.history.end - 1, "
                "mctool.machine.history.lightsColumn(1)) >> 9) & 1")  # fmt: skip
@@ -71,7 +73,7 @@ def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
     for what, value in (("mode", "pos"), ("setpoint source", "ad"), ("feedback", "ad"),
                         ("mode", "vel"), ("setpoint source", "square")):  # fmt: skip
         page.select_option(f'[id="axis0-{what}"]', value)
-    page.evaluate("() => mctool.page.panels[0].load()")  # ends after all of them
+    page.evaluate("() => mctool.page.panels[0].drafts.settled")
     assert "Amplitude" in page.locator("#axis0-panel .setpoint").inner_text()
     assert page.input_value('[id="axis0-setpoint source"]') == "square"
     assert desk.param(0)["mode"] == VEL | FLAGS["ADFB"]
@@ -80,6 +82,7 @@ def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
 @pytest.mark.req("TOOL-1", "SYN-1")
 def test_gains_in_percent_and_every_parameter_by_number(desk):
     page = desk.page
+    desk.choose(1)
     enter(page, '[id="axis1-P gain"]', "4000")
     desk.eventually(lambda: desk.param(1)["a0"] == 40 * desk.param(1)["b0"])
     enter(page, '[id="axis1-D gain"]', "20,5")
@@ -119,9 +122,11 @@ def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
     page = desk.page
     page.click("#enable")
     desk.until("() => mctool.machine.enabled")
+    desk.choose(2)
     page.select_option("#axis2-mode", "diag")
     enter(page, "#axis2-setpoint", "120")
     desk.until("() => mctool.machine.history.latest(2).current === 120")
+    desk.choose(4)
     page.click("#axis4-panel summary")
     enter(page, "#axis4-ilim", "60")
     page.select_option("#axis4-mode", "test1")
@@ -146,6 +151,7 @@ def test_a_monitor_writes_nothing_and_cannot(browser, desk):
 @pytest.mark.req("TOOL-1")
 def test_everything_by_keyboard(desk):
     page = desk.page
+    desk.choose(1)
     page.select_option("#axis1-mode", "torq")
     page.click("#tab-log")
     page.keyboard.press("e")
@@ -185,17 +191,52 @@ def test_pictures_for_the_manual(desk):
     page.click("#tab-tune")
     page.fill("#tune-wn", "50")
     page.click("#tune-go")
-    page.wait_for_selector("#tune-result table")
-    page.click("#step-go")
-    page.wait_for_selector(".plots .uplot")
+    desk.eventually(lambda: page.inner_text("#tune-verdict") != "")
     picture(page, "tune")
     page.click("#tab-scope")
-    page.wait_for_timeout(500)
+    page.select_option('[id="axis0-setpoint source"]', "square")
+    desk.eventually(lambda: "Amplitude" in page.inner_text("#axis0-panel .setpoint"))
+    enter(page, "#axis0-setpoint", "4000")
+    desk.until("() => mctool.machine.history.latest(0).setpoint < -2000")
+    desk.until("() => mctool.machine.history.latest(0).setpoint > 2000")
+    page.wait_for_timeout(300)
     picture(page, "scope")
-    page.click("#tab-machine")
-    page.wait_for_timeout(1500)
-    picture(page, "machine")
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_timeout(700)
+    picture(page, "dark")
+    page.emulate_media(color_scheme="light")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_timeout(700)
+    picture(page, "telephone")
+    page.keyboard.press("Escape")
+    page.set_viewport_size({"width": 1280, "height": 800})
     old = desk.open("&theme=1989")
     old.wait_for_timeout(500)
     picture(old, "1989")
     old.close()
+
+
+@pytest.mark.req("TOOL-1")
+def test_auto_tune_is_judged_undone_and_exported(desk):
+    import tomllib
+
+    page = desk.page
+    desk.choose(4)
+    enter(page, "#interval", "1000")
+    before = desk.param(4)
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    page.click("#tab-tune")
+    page.click("#tune-go")
+    desk.eventually(lambda: page.inner_text("#tune-verdict")[:1] in ("✓", "✗"))
+    table = page.inner_text("#tune-result")
+    assert "predicted" in table and "P, I, D" in table
+    assert page.locator(".plots .uplot").count() == 1
+    tuned = desk.param(4)
+    assert tuned["a0"] != before["a0"] and page.input_value("#axis4-a0") == str(tuned["a0"])
+    with page.expect_download() as saved:
+        page.click("#tune-save")
+    (servo,) = tomllib.loads(saved.value.path().read_text())["servo"]
+    assert (servo["axis"], servo["a0"], servo["b0"]) == (4, tuned["a0"], tuned["b0"])
+    page.click("#tune-undo")
+    desk.eventually(lambda: desk.param(4) == before)

@@ -15,7 +15,7 @@ from mmcs.device.sockets import socket_path
 from mmcs.tests.device_bench import EXAMPLES, compile_1989
 from mmcs.tool.launch import _end, _serve, start
 
-VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "time", "waves", "log")
+VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "waves", "log")
 NAMED = {"button", "textbox", "combobox", "slider", "checkbox", "spinbutton", "tab", "Iframe"}
 
 
@@ -104,6 +104,8 @@ def test_two_pages_at_once_one_in_control(desk):
     )
     other.click("#control")
     desk.until("() => document.getElementById('control').textContent.startsWith('Controlled')")
+    desk.choose(3, other)
+    desk.choose(3)
     other.select_option("#axis3-mode", "vel")
     desk.eventually(lambda: desk.param(3)["mode"] & 0xF == 2)
     assert desk.page.is_disabled("#axis3-mode") and not other.is_disabled("#axis3-mode")
@@ -126,7 +128,7 @@ def test_every_control_has_a_name_for_screen_readers(desk):
         nameless = [_value(n, "role") for n in controls if not _value(n, "name").strip()]
         assert nameless == [], view
         seen += len(controls)
-    assert seen > 700
+    assert seen > 400
     frame = desk.stop_frame
     assert frame.get_by_role("button", name="STOP", exact=True).count() == 1
     assert frame.get_by_role("button", name="Hand-held button").count() == 1

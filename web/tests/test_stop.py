@@ -86,7 +86,7 @@ def test_the_hand_held_button_and_the_space_bar(desk):
     desk.page.evaluate("() => mctool.machine.reclaim()")  # starved by the picture of the arm
     desk.page.click("#clear")
     enable(desk)
-    desk.page.focus("#axis0-mode")
+    desk.page.focus("#clear")
     desk.page.keyboard.press("Space")
     desk.until("() => !mctool.machine.enabled")
 
@@ -111,7 +111,7 @@ def test_strangers_reach_neither_page_nor_socket(desk):
 
     address = desk.tool.address.split("?")[0]
     base = address.rsplit("/", 2)[0]
-    outside = ("../pyproject.toml", "%2e%2e/pyproject.toml", "lib/three/../../../pyproject.toml")
+    outside = ("../pyproject.toml", "%2e%2e/pyproject.toml", "lib/uplot/../../../pyproject.toml")
     for url in (f"{base}/", f"{base}/wrong/index.html", *(address + path for path in outside)):
         with pytest.raises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(url)

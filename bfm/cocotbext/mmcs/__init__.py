@@ -43,6 +43,16 @@ def span(what: str, value, least: int = 0) -> tuple[int, int]:
     return low, high
 
 
+def check_time_step() -> None:
+    """The models wait for picoseconds: a simulator with coarser steps cannot."""
+    exponent = cocotb.simulator.get_precision()
+    if exponent > -12:
+        raise RuntimeError(
+            f"the simulator's time step is 1e{exponent} s, but these models need 1 ps: give the "
+            'design `timescale 1ns/1ps, or cocotb\'s runner timescale=("1ns", "1ps")'
+        )
+
+
 def seeded(seed) -> random.Random:
     """A generator of its own; without a seed that of the cocotb run."""
     return random.Random(cocotb.RANDOM_SEED if seed is None else whole("seed", seed, 0))
@@ -105,6 +115,7 @@ class Pins:
     """A packed input of the design: `width` bits for each lane, lanes of different models."""
 
     def __init__(self, handle, value: int = 0, *, width: int = 1):
+        check_time_step()
         self.lanes = len(handle) // whole("width", width, 1, len(handle))
         self.handle, self.width = handle, width
         self.value = whole("value", value, 0, (1 << len(handle)) - 1)

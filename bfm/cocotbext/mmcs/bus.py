@@ -3,7 +3,7 @@
 
 from typing import ClassVar, Self
 
-from cocotbext.mmcs import find, pin
+from cocotbext.mmcs import check_time_step, find, pin
 
 
 class ProtocolError(AssertionError):
@@ -23,6 +23,7 @@ class Bus:
     STROBE: ClassVar[str]
 
     def __init__(self, **handles):
+        check_time_step()
         kind = type(self).__name__
         unknown = sorted(handles.keys() - self.PINS.keys())
         if unknown:

@@ -54,9 +54,19 @@ def test_litex_moves_a_motor(sources, monkeypatch):
     assert len(cases) == 1 and not bad, (folder / "sim.log").read_text()[-3000:]
 
 
-@pytest.mark.req("ADP-1")
-def test_what_cannot_be_is_told():
-    code = "from mmcs_litex import MMCS; MMCS(None, 10e6)"
+GOOD = "estop_closed=Constant(1), cable_ok=Constant(1), pc_power=Constant(1)"
+
+
+@pytest.mark.req("ADP-1", "PAN-1")
+@pytest.mark.parametrize(("arguments", "what"), [
+    (f"10e6, {GOOD}", "sys_clk_freq 1e+07 must be 8 to 80 MHz, in 8 MHz"),
+    ("8e6", "mmcs: estop_closed is missing; give its pin, or Constant(1) if there is none"),
+    ("8e6, estop_closed=Constant(1), pc_power=Constant(1)", "mmcs: cable_ok is missing"),
+    ("8e6, estop_closed=Constant(1), cable_ok=Constant(1), pc_power=None", "pc_power is missing"),
+    (f"8e6, estop=Constant(1), {GOOD}", "mmcs: estop is no pin; there are estop_closed"),
+])  # fmt: skip
+def test_what_cannot_be_is_told(arguments, what):
+    code = f"from migen import Constant; from mmcs_litex import MMCS; MMCS(None, {arguments})"
     done = subprocess.run([sys.executable, "-c", code], cwd=HERE, text=True, capture_output=True,
                           check=False)  # fmt: skip
-    assert "sys_clk_freq 1e+07 must be 8 to 80 MHz, in 8 MHz" in done.stderr
+    assert what in done.stderr

@@ -12,7 +12,8 @@ from cocotb_tests.lib import runner  # noqa: E402
 
 HERE = Path(__file__).parent
 RTL = ("uart_host", "spi_converters", "mmcs_board")
-TESTS = ("registers_over_the_serial_line", "converters_and_encoder", "the_stop_loop")
+TESTS = ("registers_over_the_serial_line", "a_disturbed_line", "converters_and_encoder",
+         "the_stop_loop", "a_reset_takes_the_torque_away", "the_board_is_alive")  # fmt: skip
 
 
 def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Outcome]:

@@ -2,6 +2,7 @@
 """The card on a board: a serial line for a host, converters on SPI, pins for all else. §5"""
 
 import cocotb
+from cocotb.triggers import Timer, ValueChange
 from cocotbext.mmcs import Pins
 from cocotbext.quadrature import QuadratureSource
 
@@ -19,7 +20,7 @@ from cocotb_tests.lib.tb import (
     Machine,
     Tb,
 )
-from fpga.board.tests.converters import Dac8568, Mcp3208, SerialHost
+from fpga.board.tests.converters import Dac8568, Mcp3208, SerialHost, crc8
 
 CLK_HZ, BAUD = 24_000_000, 1_000_000
 CARD = [Machine.creg(0, n) for n in range(32)]
@@ -55,6 +56,35 @@ async def registers_over_the_serial_line(dut):
         assert await tb.pc.rd(CARD[PORT_A]) == value
     assert await tb.pc.rd(PCCSR) == BASE
     assert await tb.pc.rd(0x411) == 0xFF
+
+
+@cocotb.test()
+async def a_disturbed_line(dut):
+    """Wrong bits, cut requests and glitches for start bits reach no register and get no answer."""
+    tb = Board(dut)
+    await tb.begin()
+    await tb.pc.wr(CARD[PORT_A], 0x15)
+    good = (0x80 | CARD[PORT_A] >> 8, CARD[PORT_A] & 0xFF, 0x2A)
+    good = (*good, crc8(bytes(good)))
+    for bit in range(32):
+        bad = list(good)
+        bad[bit // 8] ^= 1 << bit % 8
+        await tb.pc.send(*bad)
+        for _ in range(25):
+            await tb.us(1)
+            assert int(dut.ftdi_rxd.value), f"an answer to a request with bit {bit} wrong"
+    for length in (1, 2, 3):
+        await tb.pc.send(*good[:length])
+        await tb.us(FORGET_US)
+        assert await tb.pc.rd(CARD[PORT_A]) == 0x15
+    dut.ftdi_txd.value = 0  # less than half a bit
+    await Timer(400, "ns")
+    dut.ftdi_txd.value = 1
+    await tb.us(2)
+    assert await tb.pc.rd(CARD[PORT_A]) == 0x15
+    await tb.pc.send(*good)
+    await tb.us(30)
+    assert await tb.pc.rd(CARD[PORT_A]) == 0x2A
 
 
 @cocotb.test()
@@ -99,3 +129,40 @@ async def the_stop_loop(dut):
     dut.estop_n.value = 1
     await tb.us(5)
     assert int(dut.panic_o.value) and not int(dut.brake_release.value)
+
+
+@cocotb.test()
+async def a_reset_takes_the_torque_away(dut):
+    """At once, both joints, and they stay at zero; PANIC does not: no path leads there."""
+    tb = Board(dut)
+    await tb.begin()
+    await tb.us(1200)  # the relay
+    assert tb.dac.value == {0: 0x8000, 1: 0x8000}, "by the reset of the beginning"
+    for joint, code in ((0, 0x123), (1, 0xEDC)):
+        await tb.pc.wr(CARD[8 + 2 * joint], code & 0xFF)
+        await tb.pc.wr(CARD[9 + 2 * joint], code >> 8)
+    await tb.us(SLOTS_US)
+    torque = {0: 0x1230, 1: 0xEDC0}
+    assert tb.dac.value == torque
+    dut.estop_n.value = 1
+    await tb.us(SLOTS_US)
+    assert int(dut.panic_o.value) and tb.dac.value == torque
+    dut.rst_ni.value = 0
+    await tb.us(1)
+    assert tb.dac.value == {0: 0x8000, 1: 0x8000}
+    await tb.us(2 * SLOTS_US)
+    assert tb.dac.value == {0: 0x8000, 1: 0x8000}
+    dut.rst_ni.value = 1
+    for _ in range(20):
+        await tb.us(SLOTS_US / 10)
+        assert tb.dac.value == {0: 0x8000, 1: 0x8000}
+
+
+@cocotb.test()
+async def the_board_is_alive(dut):
+    tb = Board(dut)
+    await tb.begin()
+    await ValueChange(dut.alive)
+    before = tb.now()
+    await ValueChange(dut.alive)
+    assert round((tb.now() - before) / 1e6) == 500

@@ -34,11 +34,27 @@ class Mcp3208:
 
 
 class Dac8568:
-    """32 bits as SCLK falls while SYNC is low: prefix, control, address, data, feature."""
+    """32 bits as SCLK falls while SYNC is low: prefix, control, address, data, feature. Input
+    registers go out as LDAC falls; as CLR falls all take the clear code, the lowest at first. It
+    keeps its power from one test to the next, and its contents."""
+
+    reference, value, _input, _clear = False, {0: 0x8000, 1: 0x8000}, {}, 0x0000
 
     def __init__(self, dut):
-        self.dut, self.value, self.reference = dut, {}, False
-        self._task = cocotb.start_soon(self._run())
+        self.dut = dut
+        self._tasks = [cocotb.start_soon(t) for t in (self._run(), self._ldac(), self._clr())]
+
+    async def _ldac(self):
+        while True:
+            await FallingEdge(self.dut.dac_ldac_n)
+            if int(self.dut.dac_clr_n.value):
+                Dac8568.value = self.value | self._input
+
+    async def _clr(self):
+        while True:
+            await FallingEdge(self.dut.dac_clr_n)
+            Dac8568.value = dict.fromkeys(self.value, self._clear)
+            Dac8568._input = dict(self.value)
 
     async def _run(self):
         dut = self.dut
@@ -50,10 +66,22 @@ class Dac8568:
                 assert not int(dut.dac_sync_n.value), "SYNC rises within a word"
                 word = word << 1 | int(dut.dac_din.value)
             if word == 0x0800_0001:
-                self.reference = True
+                Dac8568.reference = True
+            elif word >> 24 == 0x05:
+                Dac8568._clear = {0: 0x0000, 1: 0x8000, 2: 0xFFFF}[word & 3]
             else:
-                assert word >> 24 == 0x03, f"{word:08X} is no write and update"
-                self.value[word >> 20 & 15] = word >> 4 & 0xFFFF
+                assert word >> 24 == 0x00, f"{word:08X} is no write to an input register"
+                self._input[word >> 20 & 15] = word >> 4 & 0xFFFF
+
+
+def crc8(message: bytes) -> int:
+    """Polynomial 0x07, from 0xFF."""
+    check = 0xFF
+    for byte in message:
+        check ^= byte
+        for _ in range(8):
+            check = check << 1 & 0xFF ^ (7 if check & 0x80 else 0)
+    return check
 
 
 class SerialHost:
@@ -78,17 +106,22 @@ class SerialHost:
         assert int(self.dut.ftdi_rxd.value), "the stop bit"
         return byte
 
+    async def send(self, *request: int) -> None:
+        for byte in request:
+            await self._send(byte)
+
     async def _ask(self, *request: int) -> int:
         """The answer begins before the last stop bit has ended."""
-        for byte in request[:-1]:
-            await self._send(byte)
-        task = cocotb.start_soon(self._send(request[-1]))
+        check = crc8(bytes(request))
+        await self.send(*request)
+        task = cocotb.start_soon(self._send(check))
         answer = await self._answer()
+        assert await self._answer() == crc8(bytes([*request, answer])), "the check of the answer"
         await task
         return answer
 
     async def rd(self, offset: int) -> int:
-        return await self._ask(offset >> 8, offset & 0xFF)
+        return await self._ask(offset >> 8, offset & 0xFF, 0)
 
     async def wr(self, offset: int, value: int) -> None:
         assert await self._ask(0x80 | offset >> 8, offset & 0xFF, value) == 0

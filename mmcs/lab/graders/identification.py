@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.design.synthesis import plant_of
+from mmcs.design.motor import plant_of
 from mmcs.lab.bench import Gains
 from mmcs.lab.marks import Question, Verdict, near
 from mmcs.scenario.schema import Strict

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from mmcs.design import synthesis as ds
+from mmcs.design.motor import plant_of
 from mmcs.lab.bench import Gains
 from mmcs.lab.marks import Question, Verdict
 from mmcs.scenario.load import load_robot
@@ -46,7 +47,7 @@ def made(law: ds.Controller, method: str, t: float) -> tuple[ds.Coefficients, Ga
 
 
 def margins_of(method: str) -> ds.Margins:
-    plant = ds.plant_of(load_robot("lab500")[1].axis[0])
+    plant = plant_of(load_robot("lab500")[1].axis[0])
     return ds.margins(made(LAW, method, T)[0].discrete(), plant, T)
 
 

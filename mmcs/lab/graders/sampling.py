@@ -8,7 +8,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mmcs.design.synthesis import Controller, discretize, margins, plant_of, to_integers
+from mmcs.design.motor import plant_of
+from mmcs.design.synthesis import Controller, discretize, margins, to_integers
 from mmcs.lab.bench import Gains
 from mmcs.lab.marks import Question, Verdict, arrives, near
 from mmcs.scenario.load import load_robot

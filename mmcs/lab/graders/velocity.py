@@ -14,6 +14,7 @@ from mmcs.scenario.schema import Strict
 STEADY = (0.1, 0.27)
 SLOW = "motion.0.to=65"
 MOST_RMS, MOST_LAG_MS = 100.0, 5.0
+MOST_MISFIT = 0.5  # of the speed's own square
 COUNTS_PER_RAD = 2000 / (2 * np.pi)
 Weight = Annotated[float, Field(ge=-1e6, le=1e6)]
 
@@ -61,12 +62,15 @@ def own(answer, run) -> Verdict:
         if not rms <= MOST_RMS:
             return False, f"wrong by {rms:.0f} counts/s rms at {to / 0.26:.0f} counts/s; 100 may be"
     lag = true_lag(answer, run)
+    if lag is None:
+        return False, "no estimate of the speed of swing.toml, whatever its lag"
     if lag > MOST_LAG_MS:
         return False, f"{lag:.2f} ms old; 5 ms may be: fewer weights"
     return True, f"wrong by no more than 100 counts/s rms, and {lag:.2f} ms old"
 
 
-def true_lag(answer, run) -> float:
+def true_lag(answer, run) -> float | None:
+    """None: it is no estimate of that speed, however old."""
     seen = run("swing.toml")
     speed, made = seen.true_speed() * COUNTS_PER_RAD, estimate(answer.weights, seen)
     inside = (seen.t > 0.1) & (seen.t < 0.45)
@@ -75,14 +79,18 @@ def true_lag(answer, run) -> float:
         then = np.interp(seen.t[inside] - ms / 1e3, seen.t, speed)
         return float(np.sum((made[inside] - then) ** 2))
 
-    return float(min(np.arange(0, 16.01, 0.05), key=misfit))
+    best = float(min(np.arange(0, 16.01, 0.05), key=misfit))
+    return best if misfit(best) < MOST_MISFIT * float(np.sum(speed[inside] ** 2)) else None
 
 
 def lag(answer, run) -> Verdict:
     if answer.weights is None:
         return False, "needs your weights"
+    true = true_lag(answer, run)
+    if true is None:
+        return False, "your weights estimate no speed: none fits that of swing.toml"
     how = "where your estimate of swing.toml fits the true speed best"
-    return near(answer.lag_ms, true_lag(answer, run), 0.25, "ms", how)
+    return near(answer.lag_ms, true, 0.25, "ms", how)
 
 
 QUESTIONS = (

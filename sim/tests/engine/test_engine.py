@@ -216,6 +216,28 @@ def test_stopped_heartbeat_panics_and_brakes():
         assert raised and 0.049 <= raised[0] - began <= 0.052
 
 
+@pytest.mark.req("PAN-1")
+@pytest.mark.parametrize("how", [{"skip": 1}, {"skip": 0}, {"two_evals": 1}])
+def test_a_clock_that_stops_closes_the_brakes(how):
+    """By the charge pump, in 10 ms and the brake's delay; the button does it at once."""
+    motor = {"brake_torque": 1.0, "brake_delay": 0.001, "brake_release_delay": 0.001}
+    for button in (False, True):
+        with machine(axes=1, motor=motor, **how) as sim:
+            start(sim)
+            sim.run(sim.time + 0.05)
+            event(sim, 0.0, "load_torque", -0.05)
+            event(sim, 0.0, "clock_stop", 1)
+            if button:
+                event(sim, 0.0005, "estop", 1)
+            sim.run(sim.time + 0.0045)
+            assert (abs(sim.true(0)["velocity"]) < 0.01) is button
+            sim.run(sim.time + 0.015)
+            assert abs(sim.true(0)["velocity"]) < 0.01
+            angle = sim.true(0)["angle"]
+            sim.run(sim.time + 0.1)
+            assert sim.true(0)["angle"] == pytest.approx(angle, abs=1e-6)
+
+
 @pytest.mark.req("DRV-5", "PAN-1")
 def test_estop_is_an_error_on_every_axis():
     with machine() as sim:
@@ -278,7 +300,7 @@ def test_inputs_have_names_and_bounds():
         )
         for bad in ((0, 5, 1), (0, 0, 7), (len(names), 0, 0), (-1, 0, 0)):
             number, index, value = bad
-            with pytest.raises(Exception, match="refuses"):
+            with pytest.raises(Exception, match="event refused"):
                 sim.add_event(sim.time, number, index, value)
         assert input_number(sim, "estop") == 0
 

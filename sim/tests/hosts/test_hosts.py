@@ -49,7 +49,7 @@ def test_pd_of_six_axes_takes_0_26_ms_at_most():
 
 @pytest.mark.req("FW-1")
 def test_lab500_ends_as_native():
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
     finals = [simulate(load("lab500", ()), host=h).log[-1] for h in ("native", "m68020")]

@@ -12,7 +12,7 @@ from sick import PASSES, sick_firmware
 from mmcs.engine import hosts
 from mmcs.errors import RunError
 from mmcs.result.report import make_report
-from mmcs.run.runner import simulate
+from mmcs.runs.runner import simulate
 from mmcs.scenario.load import load
 from mmcs.session.machine import machine
 from mmcs.session.session import Session

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mmcs.record.record import make_record, write_record
-from mmcs.run.runner import simulate
+from mmcs.runs.runner import simulate
 from mmcs.scenario.load import load
 
 DONE = "() => document.body.dataset.hash"

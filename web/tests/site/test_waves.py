@@ -14,7 +14,7 @@ from bench import picture
 
 from mmcs.place import BUILD
 from mmcs.record.record import parse
-from mmcs.run.replay import replay, trace
+from mmcs.runs.replay import replay, trace
 from mmcs.view import waves
 
 PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before power-on
@@ -40,7 +40,7 @@ def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path)
     """Just after a person has changed gains, amid what the scenario's own process does."""
     import pywellen
 
-    page = opened("?scenario=puma560_bounce&paused=1")
+    page = opened("?scenario=puma560_bounce&paused=1&deadman=60000")
     page.wait_for_function("() => mctool.machine.controls && mctool.machine.enabled")
     page.evaluate("""async () => {
       const { machine } = mctool;
@@ -93,22 +93,21 @@ def test_the_past_is_made_again_to_the_bit_whatever_was_done(name, steps):
 
 @pytest.mark.req("TOOL-1")
 def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
-    page = opened("?scenario=puma560")
+    page = opened("?scenario=puma560&deadman=60000")  # starved, it is silent for long
     page.wait_for_function("() => document.body.dataset.hash")
-    page.click("#tab-time")
-    page.wait_for_function("() => Number(document.getElementById('rewind').max) > 5")
     page.click("#pause")
     page.evaluate("""() => {
-      const slider = document.getElementById('rewind');
-      slider.value = 5;
-      slider.dispatchEvent(new Event('input'));
+      const { history } = mctool.machine;
+      mctool.page.look(history.time(history.end - 1) - 0.2);
     }""")
     page.click("#waves")
     drawn(page)
     at = page.evaluate("() => Number(document.getElementById('waves-t').value)")
     page.click("#tab-scope")
     page.click("#scope-run")
-    page.hover(".u-over")
+    screen = page.locator(".u-over").first
+    width = screen.bounding_box()["width"]
+    screen.hover(position={"x": 0.4 * width, "y": 10})  # before the moment, which is in the middle
     page.focus(".screen")
     page.keyboard.press("a")
     page.click("#tab-waves")
@@ -118,7 +117,7 @@ def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     )
     by_scope = float(page.input_value("#waves-t"))
     answer = page.evaluate(ASK, {"t": by_scope, "ms": 2})
-    setpoints = page.evaluate("() => [...mctool.page.setpoints]")
+    setpoints = page.evaluate("() => [0, 1, 2, 3, 4, 5].map((n) => mctool.machine.setpoint(n))")
     page.focus("#waves-canvas")
     page.keyboard.press("ArrowDown")  # panic_o, brake_release_o, led_irq_o, then the address
     for _ in range(3):
@@ -140,7 +139,10 @@ def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     page.wait_for_function(f"{READING[6:]}.startsWith('{later[0] / HZ:.7f} s')")
     page.wait_for_timeout(300)
     picture(page, "web_waves")
-    assert page.evaluate("() => [...mctool.page.setpoints]") == setpoints  # nothing was nudged
+    assert (
+        page.evaluate("() => [0, 1, 2, 3, 4, 5].map((n) => mctool.machine.setpoint(n))")
+        == setpoints
+    )  # nothing was nudged
     known = "still known"
     for t, ms, said in (
         *(("1e9", "2", known), ("soon", "2", "no time"), ("1", "two", "no time")),

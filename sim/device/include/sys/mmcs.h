@@ -8,4 +8,12 @@
  * writing. */
 #define MLEASE 0x80044D40
 
+/* int, by pointer: waits for the next servo sample and gives its number since power-on. */
+#define MWAIT 0x40044D41
+
+/* char[MWHY_SIZE]: why this thread's last call on an open device was refused, as one sentence;
+ * empty if its errno says all there is. */
+#define MWHY_SIZE 128
+#define MWHY 0x40804D42
+
 #endif

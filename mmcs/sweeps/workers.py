@@ -74,11 +74,11 @@ def _run_row(setup) -> dict:
     from mmcs.engine.sim import Sim
     from mmcs.result.expect import judge
     from mmcs.result.report import measure
-    from mmcs.session.session import Session
+    from mmcs.session.programs import session_of
 
     config = setup.config() | {"skip": int(setup.scenario.skip), "host": 0}
     with Sim(library_of(setup), config, setup.motors(), setup.links()) as sim:
-        result = Session(sim, setup).run()
+        result = session_of(sim, setup).run()
     axes = measure(result)
     verdicts = judge(result, axes)
     unmet = [v["what"] for v in verdicts if not v["ok"]]

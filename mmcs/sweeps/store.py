@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mmcs.errors import InputError, one_line, show
 from mmcs.result.folder import lock, whole_file
-from mmcs.sweep.plan import MAX_RUNS, Plan
+from mmcs.sweeps.plan import MAX_RUNS, Plan
 
 ROWS = "rows.jsonl"
 TABLE = "table"
@@ -162,7 +162,7 @@ def _write_parquet(path: Path, heading: list[str], lines: list[list]) -> None:
 
 def check_figure(by: str, axes: int) -> None:
     from mmcs.errors import suggest
-    from mmcs.sweep.workers import STATS, WORST
+    from mmcs.sweeps.workers import STATS, WORST
 
     single = [f"{name}_{axis}" for axis in range(axes) for name in WORST]
     if by not in [*WORST, *STATS, "unmet", "events", *single]:
@@ -186,7 +186,7 @@ def print_summary(plan: Plan, rows: dict[int, dict], by: str, console) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from mmcs.sweep.workers import WORST
+    from mmcs.sweeps.workers import WORST
 
     title = f"{plan.name}: {len(rows)} of {len(plan)} runs, varied: {', '.join(plan.keys)}"
     figures = Table(title=Text(one_line(title), "table.title"), title_justify="left")

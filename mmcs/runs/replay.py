@@ -11,12 +11,13 @@ from mmcs.engine.hosts import HOSTS, image_digest
 from mmcs.errors import InputError
 from mmcs.record.record import Record, first_difference
 from mmcs.scenario.files import read_json, short
+from mmcs.session.programs import digest
 from mmcs.view.moments import LEAST_MS
 
 
 def replay(record: Record) -> tuple[str, str | None]:
     """The hash that comes out now, and where the replay first differs (None: nowhere)."""
-    from mmcs.run.runner import simulate
+    from mmcs.runs.runner import simulate
 
     with tempfile.TemporaryDirectory() as folder:
         result = simulate(record.setup(Path(folder)), host=_host(record))
@@ -33,6 +34,9 @@ def cautions(record: Record, build: str | None = None) -> list[str]:
         found.append(f"recorded by version {record.version}, this is {__version__}")
     if build and record.build != build:
         found.append(f"recorded by the build {record.build}, this one is {build}")
+    for program in record.data.get("program", []):
+        if program.get("digest") != digest(program["run"]):
+            found.append(f"recorded with other files than {program['run']!r} names now")
     image, now = record.text.get("image", ""), image_digest(record.host)
     if image != now:
         found.append(f"recorded with the firmware image {image}, this one is {now}")
@@ -114,7 +118,7 @@ def _nearest(record: Record, from_s: float):
     """The last snapshot of the run before this; None without one. Client processes are in none."""
     from mmcs.record.snapshots import NAME, Snapshot
 
-    if from_s < record.motion_start_s or record.data.get("process"):
+    if from_s < record.motion_start_s or {"process", "program"} & set(record.data):
         return None
     try:
         found = Snapshot(f"{record.path.with_name(NAME)}@{from_s - record.motion_start_s}")
@@ -125,9 +129,9 @@ def _nearest(record: Record, from_s: float):
 
 def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
     from mmcs.record.snapshots import ResumedSession
-    from mmcs.run.stretch import Changing
+    from mmcs.runs.stretch import Changing
     from mmcs.session.machine import machine, progress
-    from mmcs.session.session import Session
+    from mmcs.session.programs import session_of
 
     host = _host(record)
     with tempfile.TemporaryDirectory() as folder:
@@ -138,7 +142,7 @@ def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
             progress(setup.scenario.duration) as advance,
         ):
             sim = Changing(quick, traced, path, stretch, record.motion_start_s)
-            session = ResumedSession(sim, setup, snapshot) if snapshot else Session(sim, setup)
+            session = ResumedSession(sim, setup, snapshot) if snapshot else session_of(sim, setup)
             return session.run(advance)
 
 

@@ -3,12 +3,18 @@
 
 from __future__ import annotations
 
+import math
 import os
+import shlex
+from dataclasses import replace
 from pathlib import Path
 
 from mmcs.errors import InputError, out_of_memory
 from mmcs.scenario.files import short
-from mmcs.scenario.setup import Setup
+from mmcs.scenario.setup import Setup, make_setup
+from mmcs.session.programs import absolute
+
+LONGEST_S = 3600.0  # of a scenario
 
 
 def run_scenario(
@@ -19,10 +25,11 @@ def run_scenario(
     host: str = "native",
     started: float | None = None,
     carry_out=None,
+    stderr: bool = False,
 ) -> bool:
     """Runs, writes folder and prints the table; True when every expectation held.
 
-    carry_out: what makes a result of the setup, when not simulate().
+    carry_out: what makes a result of the setup, when not simulate(). stderr: prints there.
     """
     from mmcs.record import record as records
     from mmcs.record import snapshots
@@ -37,16 +44,17 @@ def run_scenario(
         report = reports.make_report(result, host)
         report["log_crc32"] = reports.write_log(result, stage)
         reports.write_report(report, stage)
-        record = records.make_record(result, host)
-        records.write_record(record, stage)
-        lacking = [
-            *_spared(
+        if result.bus is not None:
+            reports.write_bus(result.bus, stage)
+        lacking = _spared(stage / "plot.svg", lambda path: _draw(result, path))
+        if result.hash:  # else nothing could tell that it was made again
+            record = records.make_record(result, host)
+            records.write_record(record, stage)
+            lacking += _spared(
                 stage / snapshots.NAME,
                 lambda path: snapshots.write_snapshots(path, record, result),
-            ),
-            *_spared(stage / "plot.svg", lambda path: _draw(result, path)),
-        ]
-    console = screen()
+            )
+    console = screen(stderr=stderr)
     reports.print_report(report, result, folder, console)
     if result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
@@ -83,24 +91,57 @@ def simulate(
     snapshots_at: tuple[float, ...] = (),
     host: str = "native",
     stretch: tuple[float, float] | None = None,
+    bus: bool = False,
+    dpi: int | None = None,
 ):
-    """Carries the setup out on the real machine; stretch: of the motion, to trace only that."""
+    """Carries the setup out on the real machine.
+
+    stretch: of the motion, to trace only that; bus: keep the cycles of the VME bus; dpi: the line
+    to a simulator that has the machine.
+    """
     from mmcs.engine.hosts import image_digest
     from mmcs.record.snapshots import Taking
     from mmcs.session.machine import Tracing, machine, progress
-    from mmcs.session.session import Session
+    from mmcs.session.programs import session_of
 
     duration = setup.scenario.duration
     kind = "trace" if trace else "speed"
-    with machine(setup, kind, host=host) as sim, progress(duration) as advance:
+    with machine(setup, kind, host=host, dpi=dpi) as sim, progress(duration) as advance:
         image = image_digest(host)
         traced = Tracing(sim, trace, stretch) if trace and stretch else sim
         if trace and not stretch:
             sim.trace(trace)
+        if dpi is not None:  # no snapshots there
+            return session_of(sim, setup, realtime, bus).run(advance)
         taking = Taking(traced, snapshots_at, duration)
-        result = Session(taking, setup, realtime).run(advance)
+        result = session_of(taking, setup, realtime, bus).run(advance)
         result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())
         return result
+
+
+def run_program(setup: Setup, command: list[str], folder: Path) -> int:
+    """Runs a program on the setup's machine, with its events and, if the motions were not its own,
+    its expectations, and writes folder. The program's status; 1 if that is 0 and one is not met."""
+    statuses: list[int] = []
+
+    def carry_out(made: Setup):
+        result = simulate(made)
+        statuses.append(result.processes[0]["status"])
+        result.setup = _with(made, duration=math.ceil(result.simulated_s * 1e3) / 1e3)
+        return result
+
+    own = {"motion", "call", "process", "servo"}
+    dropped = own | ({"expect"} if setup.scenario.motion or setup.scenario.process else set())
+    data = {key: value for key, value in setup.data.items() if key not in dropped}
+    data |= {"program": [{"run": absolute(shlex.join(command), Path.cwd())}]}
+    made = make_setup(setup.path, data | {"duration": LONGEST_S})
+    good = run_scenario(made, folder, carry_out=carry_out, stderr=True)
+    return statuses[0] or int(not good)
+
+
+def _with(setup: Setup, **values) -> Setup:
+    scenario = setup.scenario.model_copy(update=values)
+    return replace(setup, scenario=scenario, data=setup.data | values)
 
 
 def _make_folder(folder: Path) -> None:

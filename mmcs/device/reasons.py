@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a call was refused, as one sentence: what the driver's errno alone does not tell (§2.3)."""
+
+from __future__ import annotations
+
+import struct
+
+from mmcs import mcdef
+from mmcs.device.wire import EBADF, EINVAL, EIO, ENOTTY
+
+STATE_BYTES, INTERVAL_MIN_US, SERVO_US = 28, 100, 50_000
+OF_AXIS = ("MSETENC", "MSETLED", "MSETDAC")  # in the low 8 bits
+NAMES = {value: name for name, value in mcdef.constants().items()
+         if value & 0xFF00 == mcdef.MC_GROUP and not name.startswith("MC_")}  # fmt: skip
+
+
+def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) -> str:
+    """Of a request that failed with this errno; "" if there is nothing to add."""
+    name = NAMES.get(request, "")
+    if error == ENOTTY or not name:
+        return f"there is no request 0x{request:08x}"
+    if error == EBADF:
+        return f"{name}: the device is open for reading only"
+    if error == EIO and name == "MSETDAC":
+        return f"{name}: the machine is not enabled"
+    if error != EINVAL:
+        return ""
+    if name in ("MGETPARAM", "MSETPARAM"):
+        return _of_param(name, argument, joints)
+    (value,) = struct.unpack_from("<I", argument.ljust(4, b"\0"))
+    if name == "MSETNUMJOINTS":
+        return f"{name}: {_signed(value)} joints: must be 0 to {axes}"
+    if name == "MSETINTERVAL":
+        allowed = (
+            f"must be {INTERVAL_MIN_US} or more, exact to 0.1 %, and at most 50 ms by clkdivisor"
+        )
+        return f"{name}: {value} us: {allowed}"
+    if name == "MDIAGMODE":
+        return f"{name}: {_signed(value)}: must be M_ANDIAG, M_ENDIAG, both or 0"
+    axis = value & 0xFF if name in OF_AXIS else _signed(value)
+    if not 0 <= axis < joints:
+        return _of_axis(name, axis, joints)
+    return f"{name}: axis {axis} is not off; a raw code needs MD_OFF" if name == "MSETDAC" else ""
+
+
+def _of_param(name: str, argument: bytes, joints: int) -> str:
+    param = mcdef.new_param(0)
+    ffi = mcdef.make_ffi()
+    ffi.buffer(param)[:] = argument.ljust(ffi.sizeof("struct mc_param"), b"\0")
+    if not 0 <= param.which < joints:
+        return _of_axis(name, param.which, joints)
+    allowed = (
+        ("b0", param.b0 != 0, "must not be 0: it divides"),
+        ("clkdivisor", param.clkdivisor >= 1, f"must be 1 or more, and at most {SERVO_US} us"),
+        ("ilim", param.ilim >= 0, "must not be negative"),
+        ("ilimax", param.ilimax >= 0, "must not be negative"),
+        ("ipole", 0 <= param.ipole < mcdef.MC_FSCALE, f"must be 0 to {mcdef.MC_FSCALE - 1}"),
+    )
+    for field, good, what in allowed:
+        if not good:
+            return f"{name}: axis {param.which}: {field} {getattr(param, field)}: {what}"
+    return f"{name}: axis {param.which}: clkdivisor {param.clkdivisor}: longer than {SERVO_US} us"
+
+
+def _of_axis(name: str, axis: int, joints: int) -> str:
+    return f"{name}: axis {axis}: must be 0 to {joints - 1}" if joints else f"{name}: no joints"
+
+
+def of_read(error: int, size: int) -> str:
+    if error == EBADF:
+        return "read: the device is open for writing only"
+    return f"read: {size} bytes: a state has {STATE_BYTES}" if error == EINVAL else ""
+
+
+def of_write(error: int, size: int, joints: int) -> str:
+    if error == EBADF:
+        return "write: the device is open for reading only"
+    if error != EINVAL:
+        return ""
+    return f"write: {size} bytes: must be 4 for each of at most {joints} joints"
+
+
+def _signed(value: int) -> int:
+    return value - (1 << 32) if value >> 31 else value

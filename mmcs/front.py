@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The front door of the package: what studies, notebooks and other programs import as `mmcs`.
+
+    run = mmcs.run("lab500", "axis.0.b0=72")        # a scenario, with values as of `mmcs run --set`
+    with mmcs.Machine("lab500") as machine:         # in this process, in lock-step
+        machine.step([200])
+
+Positions are encoder counts, currents D/A units (2048 = 10 V at the card), times seconds. Bad input
+raises InputError, a machine that cannot go on RunError; both have one sentence for each mistake.
+docs/use/python.md
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from mmcs import mcdef
+from mmcs.device.client import Device
+from mmcs.engine import logcols
+from mmcs.errors import InputError, RunError
+from mmcs.scenario.load import load as _load
+from mmcs.scenario.setup import Setup
+
+MODES = ("off", "position", "velocity", "torque", "test1")
+STATE = np.dtype([(name, np.int32) for name in
+                  ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode")])  # fmt: skip
+
+
+def load(scenario: str | Path | Setup, *sets: str, **values) -> Setup:
+    """A checked scenario: name, path, or one that is loaded already.
+
+    sets: as of `mmcs run --set`; values: keys of the top level, like seed=3, duration=0.5.
+    """
+    if isinstance(scenario, Setup):
+        if not sets and not values:
+            return scenario
+        raise InputError.one(scenario.name, "", None, "is loaded: give values where it is loaded")
+    return _load(str(scenario), tuple(sets), **values)
+
+
+class Run:
+    """What came out of a run; in a notebook it shows its plot."""
+
+    def __init__(self, result, host: str):
+        self.result, self._host = result, host
+
+    @cached_property
+    def report(self) -> dict:
+        """What `mmcs run` writes into report.json."""
+        from mmcs.result.report import make_report
+
+        return make_report(self.result, self._host)
+
+    @property
+    def hash(self) -> str:
+        return self.result.hash
+
+    @property
+    def ok(self) -> bool:
+        """Every expectation of the scenario was met."""
+        return all(item["ok"] for item in self.report["expect"])
+
+    @property
+    def log(self) -> np.ndarray:
+        """(samples, 1 + 7 axes): the columns of log.csv."""
+        return np.asarray(self.result.log)
+
+    @property
+    def axes(self) -> int:
+        return self.result.setup.axes
+
+    def column(self, axis: int, name: str) -> np.ndarray:
+        """setpoint, encoder, velocity, error, current, errcode or angle_rad of an axis."""
+        return logcols.column(self.log, axis, name)
+
+    def frame(self):
+        """The log as a pandas frame, by time in s."""
+        names = logcols.header(self.axes)
+        return _pandas().DataFrame(self.log, columns=names).set_index(names[0])
+
+    def plot(self, path: Path | str) -> None:
+        """Draws position, error and current of each axis; the name's ending says in what format."""
+        from mmcs.view.plot import write_plot
+
+        write_plot(self.result, Path(path))
+
+    def _repr_png_(self) -> bytes:
+        from mmcs.view.plot import write_plot
+
+        picture = io.BytesIO()
+        write_plot(self.result, picture, "png")
+        return picture.getvalue()
+
+    def __repr__(self) -> str:
+        return f"<run of {self.result.setup.name}: {len(self.log)} samples, hash {self.hash}>"
+
+
+def run(scenario: str | Path | Setup, *sets: str, host: str = "native", **values) -> Run:
+    """Carries a scenario out, without files."""
+    from mmcs.runs.runner import simulate
+
+    return Run(simulate(load(scenario, *sets, **values), host=host), host)
+
+
+def compare(a: Run, b: Run) -> list[dict]:
+    """Per axis: the largest difference of encoder, error and current at the samples of both."""
+    from mmcs.view.compare import differences
+
+    return differences(a, b)
+
+
+def sweep(scenario: str, *sets: str, grid: dict | None = None, random: dict | None = None,
+          samples: int | None = None, seed: int = 1, workers: int | None = None):  # fmt: skip
+    """A pandas frame with a row for each run of `mmcs sweep`: the values, then the figures.
+
+    grid, random: values by key, {"axis.0.b0": [56, 64]} or as typed, {"seed": "1..100"}.
+    """
+    from mmcs.sweeps.plan import make_plan
+    from mmcs.sweeps.workers import cores, run_here
+
+    def typed(vary: dict | None) -> tuple[str, ...]:
+        texts = {
+            k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in (vary or {}).items()
+        }
+        return tuple(f"{key}={text}" for key, text in texts.items())
+
+    plan = make_plan(str(scenario), typed(grid), typed(random), samples, seed, sets)
+    tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
+    done = {n: row for n, row, _ in run_here(tasks, min(workers or cores(), len(plan)))}
+    return _pandas().DataFrame([plan.values(n) | done[n] for n in range(len(plan))])
+
+
+class Machine:
+    """A scenario's machine in this process, switched on, its driver open: time passes in step() and
+    wait() only, so that a program and the machine share one clock.
+
+    mode: of all axes, in place of the scenario's. Motions of the scenario are left out; its events
+    count from the moment at which the machine is ready.
+    """
+
+    def __init__(self, scenario: str | Path | Setup, *sets: str, mode: str | None = None, **values):
+        from mmcs.session.machine import machine
+        from mmcs.session.session import Session
+
+        if mode is not None and mode not in MODES:
+            raise InputError.one("mode", "", mode, f"must be one of {', '.join(MODES)}")
+        setup = load(scenario, *sets, **values)
+        if mode is not None:
+            bare = {"mode": mode, "flags": []}
+            setup = replace(setup, params=[params | bare for params in setup.params])
+        self.setup, self.axes = setup, setup.axes
+        self.interval_s = setup.scenario.interval_us * 1e-6
+        self.sim = machine(setup)
+        session = Session(self.sim, setup)
+        try:
+            session.schedule(0.0, at_power_on=True)
+            self._client = self.sim.open(mcdef.O_RDWR)
+            session.configure(self._client)
+            self._start = self.sim.time
+            session.schedule(self._start, at_power_on=False)
+            self._ask("start of the log", self.sim.start_motion, self._client)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def time(self) -> float:
+        """Seconds since the machine was ready."""
+        return self.sim.time - self._start
+
+    @property
+    def enabled(self) -> bool:
+        """The servo writes the D/As: no stop, no PANIC."""
+        return bool(self.sim.stats()["enabled"])
+
+    def write(self, setpoints) -> None:
+        """Setpoints of the axes from 0: counts, counts per sample or D/A units, by their modes."""
+        values = [int(value) for value in np.atleast_1d(setpoints)]
+        self._ask("write", self.sim.write, self._client, values)
+
+    def read(self) -> np.ndarray:
+        """struct mc_state of every axis, all of one sample: fields encnow, vel, error, inow, ..."""
+        states = self.sim.read(self._client, self.axes)
+        return np.array([tuple(state[name] for name in STATE.names) for state in states], STATE)
+
+    def wait(self, samples: int = 1) -> None:
+        """Lets so many servo intervals pass."""
+        if not isinstance(samples, int | np.integer) or samples < 1:
+            raise InputError.one("samples", "", samples, "must be a whole number of at least 1")
+        if not self.sim.run(self.sim.time + int(samples) * self.interval_s):
+            raise RunError("an assertion of the machine has failed")
+
+    def step(self, setpoints, samples: int = 1) -> np.ndarray:
+        """write(), wait() and read()."""
+        self.write(setpoints)
+        self.wait(samples)
+        return self.read()
+
+    def enable(self) -> None:
+        """MENABLE, after a stop."""
+        self._ask("MENABLE", self.sim.ioctl, self._client, mcdef.MENABLE)
+
+    def stop(self) -> None:
+        """MSTOP: no current, brakes."""
+        self._ask("MSTOP", self.sim.ioctl, self._client, mcdef.MSTOP)
+
+    def joint(self, axis: int) -> dict[str, float]:
+        """The physics, which no register tells: angle and velocity of the joint, current."""
+        return self.sim.true(axis)
+
+    def save(self) -> int:
+        """A snapshot of this instant, for restore()."""
+        return self.sim.snapshot()
+
+    def restore(self, number: int) -> None:
+        """Back to a snapshot, to the bit; those taken later are forgotten."""
+        self.sim.restore(number)
+
+    @property
+    def log(self) -> np.ndarray:
+        """A row for each servo sample so far, as of Run.log."""
+        return self.sim.log()
+
+    def frame(self):
+        """The log so far as a pandas frame, by time in s."""
+        names = logcols.header(self.axes)
+        return _pandas().DataFrame(self.log, columns=names).set_index(names[0])
+
+    def close(self) -> None:
+        self.sim.destroy()
+
+    def __enter__(self) -> Machine:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def _ask(self, what: str, request, *arguments) -> None:
+        """A request of the driver; RunError with the driver's own reason, where it gives one."""
+        known = len(self.sim.notes())
+        result = request(*arguments)
+        if result < 0:
+            told = [note["text"] for note in self.sim.notes()[known:] if note["kind"] == "log"]
+            why = told[-1] if told else os.strerror(-result)
+            raise RunError(f"{what}: {errno.errorcode.get(-result, -result)}: {why}")
+
+
+def _pandas():
+    try:
+        import pandas
+    except ImportError:
+        raise RunError("pandas is not installed: pip install 'mmcs[study]'") from None
+    return pandas
+
+
+__all__ = ["Device", "InputError", "Machine", "Run", "RunError", "compare", "load", "run", "sweep"]

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run whose user's side is programs, in lock-step: a scenario's [[program]] entries (§2.3)."""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+import struct
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from mmcs.device.execute import check_program, environment, say
+from mmcs.device.server import Server
+from mmcs.errors import InputError, RunError
+from mmcs.scenario.setup import Setup
+from mmcs.session.session import CHUNK_S, WATCH_S, Result, Session
+
+FIELDS = ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode")
+
+
+class ProgramSession(Session):
+    """Time 0 is power-on, and the programs begin then; events count from there. The run ends with
+    the last program, or with the duration, which ends them."""
+
+    def run(self, progress=lambda _: None) -> Result:
+        sim, programs = self.sim, self.setup.scenario.program
+        began = time.perf_counter()
+        if self.bus is not None:
+            sim.bus_watch()
+        self.schedule(0.0, at_power_on=True)
+        sim.start_motion(0)
+        self.schedule(0.0, at_power_on=False)
+        with tempfile.TemporaryDirectory(prefix="mmcs-") as folder:
+            server = Server(sim, Path(folder) / "run.sock", None, console=say, lockstep=True)
+            sim.ring(0.0, 0)
+            children: list[subprocess.Popen] = []
+            try:
+                env = environment(server.path, lockstep=True)
+                for program in programs:
+                    command = absolute(program.run, self.setup.path.parent)
+                    children.append(_start(command, env))
+                    server.lockstep.expect(children[-1].pid)
+                good = self._serve(server, children, progress)
+                ended = "" if good else self._why_ended()
+                result = self._result(began, ended, good)
+            finally:
+                statuses = [_end(child) for child in children]
+                server.close()
+        result.processes = [
+            {"kind": "program", "run": program.run, "status": status}
+            for program, status in zip(programs, statuses, strict=True)
+        ]
+        return result
+
+    def _serve(self, server: Server, children: list[subprocess.Popen], progress) -> bool:
+        """From look to look at the physics; False when an assertion of the model failed."""
+        steps, duration = server.lockstep, self.setup.scenario.duration
+        step = WATCH_S if self.setup.scenario.event else CHUNK_S
+        looks = max(1, round(duration / step))
+        self._watch(0.0)
+        for look in range(1, looks + 1):
+            t = duration * look / looks
+            steps.limit = round(t * self.sim.build()["clk_hz"])
+            while self.sim.clock < steps.limit or steps.busy:
+                if not any(steps.has(child.pid) for child in children):
+                    return steps.good
+                server.step()
+            if not steps.good:
+                return False
+            self._watch(t)
+            progress(t)
+        return True
+
+    def _result(self, began: float, ended: str, good: bool) -> Result:
+        sim, setup, stats = self.sim, self.setup, self.sim.stats()
+        axes = range(setup.axes)
+        self.log.append(sim.take_log())
+        return Result(
+            setup=setup,
+            log=self.log.array(),
+            notes=sim.notes(),
+            notes_lost=sim.notes_lost(),
+            stats=stats,
+            hash=sim.hash(),
+            wall_s=time.perf_counter() - began,
+            simulated_s=sim.time,
+            motion_start_s=self.start,
+            first_motion_wall=None,
+            clk_hz=sim.build()["clk_hz"],
+            cycles=int(stats["cycles"]),
+            witnesses=[sim.true(n) | {"register": sim.encoder_register(n)} for n in axes],
+            states=self._states(),
+            assertion=not good and not ended,
+            ended=ended,
+            truth=self.truth.array(),
+            bus=self.bus,
+            checkpoints=sim.checkpoints(),
+            build=sim.build_id(),
+        )
+
+    def _states(self) -> list[dict]:
+        """Of the last sample: the programs may have closed the device since."""
+        rows = self.sim.tap_head()[0]
+        row = self.sim.tap_rows(rows - 1, 1, 1)[0] if rows else bytes(self.sim.tap_head()[2])
+        of_axis = struct.Struct("<10i")
+        return [
+            dict(zip(FIELDS, of_axis.unpack_from(row, 24 + of_axis.size * n), strict=False))
+            for n in range(self.setup.axes)
+        ]
+
+
+def session_of(sim, setup: Setup, realtime: bool = False, bus: bool = False) -> Session:
+    """What carries the setup out: programs, or what stands for one."""
+    if not setup.scenario.program:
+        return Session(sim, setup, realtime, bus)
+    if realtime:
+        raise RunError("a [[program]] runs in lock-step, and not by the clock on the wall")
+    return ProgramSession(sim, setup, bus=bus)
+
+
+def _start(command: str, env: dict[str, str]) -> subprocess.Popen:
+    words = shlex.split(command)
+    check_program(words[0])
+    try:
+        return subprocess.Popen(words, env=env)
+    except OSError as error:
+        raise InputError.one("program", "run", words[0], error.strerror) from None
+
+
+def _end(child: subprocess.Popen) -> int:
+    """Its status, as a shell would give it; the run is over, and whoever waits for it is killed."""
+    status = child.poll()
+    if status is None:
+        child.kill()
+        status = child.wait()
+    return 128 - status if status < 0 else status
+
+
+def absolute(command: str, folder: Path) -> str:
+    """The command with files of the scenario's folder by their whole paths."""
+    words = [
+        str((folder / word).absolute()) if (folder / word).is_file() else word
+        for word in shlex.split(command)
+    ]
+    return shlex.join(words)
+
+
+def digest(command: str) -> str:
+    """Of the files that a command names: who replays it hears when they are others."""
+    found = hashlib.sha256()
+    for word in shlex.split(command):
+        if Path(word).is_file():
+            found.update(Path(word).read_bytes())
+    return found.hexdigest()[:16]

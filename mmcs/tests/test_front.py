@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The names of `mmcs` for studies: runs, sweeps and a machine in lock-step. docs/use/python.md"""
+
+import ast
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import mmcs
+from mmcs import ROOT
+
+PAGE = (ROOT / "docs" / "use" / "python.md").read_text()
+NOTEBOOK = json.loads((ROOT / "docs" / "use" / "study.ipynb").read_text())
+
+
+@pytest.fixture(scope="module")
+def lab500():
+    return mmcs.run("lab500")
+
+
+def test_a_run_is_that_of_the_command(lab500, tmp_path, mmcs):
+    status, *_ = mmcs("run", "lab500", "--out", tmp_path)
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert status == 0 and lab500.ok and lab500.hash == report["hash"]
+    assert lab500.report["axes"] == report["axes"]
+    log = np.loadtxt(tmp_path / "log.csv", delimiter=",", skiprows=1)
+    assert np.allclose(lab500.log, log, atol=1e-6)
+    frame = lab500.frame()
+    assert list(frame.columns)[:2] == ["setpoint_0", "encoder_0"] and len(frame) == len(log)
+    assert (frame["encoder_0"].to_numpy() == lab500.column(0, "encoder")).all()
+
+
+def test_a_run_shows_itself(lab500, tmp_path):
+    assert lab500._repr_png_().startswith(b"\x89PNG") and lab500.hash in repr(lab500)
+    lab500.plot(tmp_path / "step.svg")
+    assert "<svg" in (tmp_path / "step.svg").read_text()
+
+
+def test_values_of_a_scenario(lab500):
+    other = mmcs.run("lab500", "robot.axis.0.inertia=1e-5", seed=7)
+    assert other.report["seed"] == 7 and other.hash != lab500.hash
+    (difference,) = mmcs.compare(lab500, mmcs.run("lab500", "robot.axis.0.inertia=1e-5"))
+    assert difference["encoder"] > 1 and mmcs.compare(lab500, lab500)[0]["encoder"] == 0
+    with pytest.raises(mmcs.InputError, match="give values where it is loaded"):
+        mmcs.run(mmcs.load("lab500"), seed=3)
+
+
+@pytest.mark.req("DRV-4", "DRV-9")
+def test_the_machine_waits_for_the_program():
+    with mmcs.Machine("lab500") as machine:
+        start = machine.save()
+        assert machine.axes == 1 and machine.time == 0 and machine.enabled
+        states = [machine.step([200])["encnow"][0] for _ in range(300)]
+        assert abs(states[-1] - 200) <= 6 and machine.time == pytest.approx(0.3, abs=1e-4)
+        assert len(machine.log) == 300 and len(machine.frame()) == 300
+        counts = machine.joint(0)["angle"] * 2000 / (2 * np.pi)
+        assert abs(counts - states[-1]) <= 1
+        machine.restore(start)
+        assert [machine.step([200])["encnow"][0] for _ in range(300)] == states
+
+
+def test_torques_in_and_a_stop():
+    with mmcs.Machine("lab500", mode="torque") as machine:
+        machine.step(300, 20)
+        assert machine.read()["inow"][0] == 300 and machine.read()["vel"][0] > 2
+        machine.stop()
+        assert not machine.enabled
+        with pytest.raises(mmcs.RunError, match="write: EIO: mc: write: stopped, MENABLE first"):
+            machine.write([1])
+        machine.enable()
+        with pytest.raises(mmcs.RunError, match="write: EINVAL: Invalid argument"):
+            machine.write([1, 2, 3])
+        with pytest.raises(mmcs.InputError, match="samples = 0: must be a whole number"):
+            machine.wait(0)
+    with pytest.raises(mmcs.InputError, match="mode"):
+        mmcs.Machine("lab500", mode="fast")
+
+
+def test_the_machine_has_the_scenarios_faults():
+    """arm_move with its button opened: the machine stops by itself."""
+    with mmcs.Machine("fault_estop") as machine:
+        when = min(event.at for event in machine.setup.scenario.event)
+        machine.wait(round(when / machine.interval_s) - 2)
+        assert machine.enabled
+        machine.wait(120)
+        assert not machine.enabled
+
+
+def test_a_sweep_is_a_frame():
+    frame = mmcs.sweep("lab500", grid={"axis.0.b0": [56, 64]}, random={"seed": "1..99"}, samples=2)
+    assert len(frame) == 4 and set(frame["axis.0.b0"]) == {56, 64}
+    assert frame["hash"].nunique() == 4 and (frame["status"] == "ok").all()
+
+
+@pytest.mark.parametrize("block", re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S))
+def test_a_block_of_the_page_runs(block, tmp_path):
+    done = subprocess.run([sys.executable, "-c", block], cwd=tmp_path, text=True,
+                          capture_output=True, check=False)  # fmt: skip
+    assert done.returncode == 0 and done.stdout, done.stderr
+
+
+def test_the_notebook_runs_and_shows_something():
+    scope, shown = {}, []
+    for cell in NOTEBOOK["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        assert cell["outputs"] == [], "a notebook is kept without outputs"
+        tree = ast.parse("".join(cell["source"]))
+        last = tree.body.pop()
+        exec(compile(tree, "study.ipynb", "exec"), scope)
+        assert isinstance(last, ast.Expr), "each cell ends with what it shows"
+        shown.append(eval(compile(ast.Expression(last.value), "study.ipynb", "eval"), scope))
+    assert len(shown) == 5 and shown[0]._repr_png_()
+    steady = shown[2][1]
+    assert steady[0] < 8 and steady[1] > 20, "friction shows"
+    assert len(shown[3]) == 6 and 150 < shown[4] < 250

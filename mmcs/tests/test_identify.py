@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What auto-tune finds of a motor in its recorded motion, and the gains made of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mmcs.design.identify import IdentifyError, frequency, identify
+from mmcs.design.synthesis import discretize, margins
+from mmcs.tool import tune
+
+
+def recording(g=150.0, lag=3.0, pos=300.0, neg=350.0, seconds=4.0, dt=1e-3, sign=1):
+    """A motor driven back and forth in torque mode, integrated finely; counts as an encoder has."""
+    t, y, u, at, v, current, sub = [], [], [], 0.0, 0.0, 0.0, 20
+    for n in range(int(seconds / dt)):
+        t.append(n * dt)
+        y.append(int(np.floor(sign * at)))
+        current = (500, 800, 1200)[n // 300 % 3] * (1 if n // 150 % 2 else -1)
+        u.append(current)
+        for _ in range(sub):
+            drag = pos if v > 0 else -neg if v < 0 else float(np.clip(current, -neg, pos))
+            after = v + (g * (current - drag) - lag * v) * dt / sub
+            v = 0.0 if v * after < 0 else after
+            at += v * dt / sub
+    return np.array(t), np.array(y), np.array(u)
+
+
+@pytest.mark.req("TOOL-1", "SYN-1")
+@pytest.mark.parametrize(
+    "g,lag,pos,neg", [(150, 3, 300, 350), (760, 2, 70, 106), (1450, 0.3, 105, 105)]
+)
+def test_the_motor_is_found_in_its_motion(g, lag, pos, neg):
+    motor = identify(*recording(g, lag, pos, neg))
+    assert motor.g == pytest.approx(g, rel=0.02)
+    assert motor.lag == pytest.approx(lag, abs=1.0)
+    assert motor.tc_pos == pytest.approx(pos, abs=12)
+    assert motor.tc_neg == pytest.approx(neg, abs=12)
+
+
+@pytest.mark.req("TOOL-1")
+def test_what_a_recording_does_not_tell_is_said():
+    t, y, u = recording()
+    with pytest.raises(IdentifyError, match="too few"):
+        identify(t[:50], y[:50], u[:50])
+    with pytest.raises(IdentifyError, match="hardly moves"):
+        identify(t, y * 0, u)
+    with pytest.raises(IdentifyError, match="one way"):
+        identify(t, np.cumsum(np.arange(len(t))) // 50, u)
+    with pytest.raises(IdentifyError, match="does not follow"):
+        rng = np.random.default_rng(1)
+        walk = np.cumsum(np.cumsum(rng.integers(-40, 41, len(t))))
+        identify(t, walk, u)
+    reversed_ = identify(*recording(sign=-1))
+    assert reversed_.g < 0
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_measured_frequency_response_is_that_of_the_system():
+    t = np.arange(20000) * 1e-3
+    w = 100 * np.sin(2 * np.pi * np.cumsum(1 + 1.5 * t) * 1e-3)
+    y, a = np.zeros_like(w), 0.9
+    for n in range(1, len(w)):
+        y[n] = a * y[n - 1] + (1 - a) * w[n]
+    made = frequency(t, w, y, 2, 25)
+    z = np.exp(2j * np.pi * made.hz * 1e-3)
+    truth = (1 - a) / (1 - a / z)
+    assert len(made.hz) > 20
+    assert np.max(np.abs(made.gain_db - 20 * np.log10(abs(truth)))) < 0.3
+    assert np.max(np.abs(made.phase_deg - np.degrees(np.angle(truth)))) < 3
+
+
+@pytest.mark.req("TOOL-1", "SYN-1")
+def test_tuned_gains_keep_a_count_quiet_and_the_loop_stable():
+    motor = identify(*recording())
+    controller, made = tune.gains(motor, 50.0, 1.0, 1e-3)
+    assert abs(made.a[0] / made.b[0]) < tune.D_PER_COUNT + controller.p + 1
+    assert controller.tau > 0
+    assert margins(made.discrete(), motor.plant, 1e-3).stable
+    assert discretize(controller, "backward", 1e-3).poles().real.min() > -0.9

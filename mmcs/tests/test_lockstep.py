@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lock-step: time passes only while every attached program waits, so that programs repeat."""
+
+import asyncio
+import os
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from mmcs import ROOT
+from mmcs.device import lockstep
+from mmcs.device.client import Device
+from mmcs.device.server import Server
+from mmcs.device.wire import MWAIT
+from mmcs.tests.device_bench import (
+    EXAMPLES,
+    PROGRAMS,
+    Bench,
+    compile_1989,
+    compile_program,
+    make_sim,
+    run_in_lockstep,
+)
+
+INCLUDES = [f"-I{ROOT / folder}" for folder in ("firmware/include", "sim/device/include")]
+
+
+def python(text, capture=None):
+    """A command that runs it; its output goes to a file."""
+    return ["sh", "-c", f'exec "$0" -c "$1" > {capture or "/dev/null"}', sys.executable, text]
+
+
+@pytest.mark.req("DRV-4")
+def test_every_wait_takes_its_time_of_the_machine(tmp_path):
+    program = compile_program(PROGRAMS / "waits.c", "-Wall", "-Wextra", "-O1")
+    outs = []
+    for n in range(2):
+        out = tmp_path / f"out{n}"
+        status, _ = run_in_lockstep(tmp_path / "m", "sh", "-c", f"exec {program} > {out}")
+        assert status == 0
+        outs.append(out.read_text())
+    assert outs[0] == outs[1]
+    first, *lines = outs[0].splitlines()
+    assert first == "begin 599616000 599616000 0"
+    took = [tuple(map(int, line.split()[-2:])) for line in lines if "runs out" not in line]
+    expected = [
+        (0, 1500), (0, 5000), (0, 5000), (0, 500), (0, 1_000_000), (0, 5000), (0, 4000), (0, 5000),
+        (0, 3000), (0, 5000), (0, 6000), (0, 0),
+        (-1, 2000), (-1, 1_000_000), (-1, 2000), (0, 2000), (14, 2000), (-1, 5000),
+        (-1, 1000), (-1, 3000), (1, 1000), (8, 0), (8, 2500),
+        (0, 2900), (0, 1000), (110, 1000), (0, 1000), (-1, 1000), (0, 0), (0, 4000),
+        (1, 8000), (1, 0), (0, 250_000),
+    ]  # fmt: skip
+    assert "runs out 3" in outs[0]
+    for line, got, want in zip(lines, took, expected, strict=False):
+        assert got[0] == want[0] and abs(got[1] - want[1]) <= 1, (line, want)
+    assert len(took) == len(expected)
+
+
+PAIR = """
+import os, signal, sys, time
+import mmcs
+from mmcs import mcdef as mc
+said = []
+signal.signal(signal.SIGUSR1, lambda *_: said.append(round(time.monotonic(), 6)))
+name = sys.argv[1] if len(sys.argv) > 1 else "a"
+with mmcs.Device() as dev:
+    if name == "a" and os.fork() == 0:
+        name = "b"
+    for turn in range(20):
+        number = dev.wait()
+        print(name, number, round(time.monotonic(), 6), flush=True)
+        if name == "b" and turn % 3 == 0:
+            time.sleep(0.0025)
+        if name == "a" and turn == 7:
+            dev.set_param(0, {**dev.get_param(0), "mode": mc.MD_VEL | mc.POSCHK | mc.SOFTERR,
+                              "plo": 5, "phi": 9})
+            dev.enable()
+print(name, said)
+if name == "a":
+    os.wait()
+"""
+
+
+def test_several_processes_have_an_order(tmp_path):
+    """Who sleeps, who waits for samples, who is signalled: the same to the bit, each time."""
+    runs = set()
+    for n in range(3):
+        out = tmp_path / f"out{n}"
+        status, hash_ = run_in_lockstep(tmp_path / "m", *python(PAIR, out))
+        assert status == 0
+        runs.add((out.read_text(), hash_))
+    assert len(runs) == 1
+    text = runs.pop()[0]
+    lines = [line.split() for line in text.splitlines()]
+    rows = [(who, int(number)) for who, number, *rest in lines if number.isdigit()]
+    assert len(rows) == 40
+    # both see a sample in the same order, the parent first
+    shared = {n for who, n in rows if who == "a"} & {n for who, n in rows if who == "b"}
+    assert len(shared) > 10
+    for number in shared:
+        assert rows.index(("a", number)) < rows.index(("b", number))
+    heard = [line for line in text.splitlines() if line.startswith(("a [", "b ["))]
+    assert len(heard) == 2 and heard[0][2:] == heard[1][2:] != "[]"
+
+
+def test_a_pipe_between_programs(tmp_path):
+    """Who reads it waits for who writes, who sleeps; stdio at both ends."""
+    tail = (
+        "import sys, time; [print(line.strip(), round(time.time() % 60, 6)) for line in sys.stdin]"
+    )
+    head = "import time; [(time.sleep(0.01), print(n, flush=True)) for n in range(5)]"
+    for n in range(2):
+        out = tmp_path / f"out{n}"
+        command = f"{sys.executable} -c '{head}' | {sys.executable} -c '{tail}' > {out}"
+        assert run_in_lockstep(tmp_path / "m", "sh", "-c", command)[0] == 0
+        rows = [line.split() for line in out.read_text().splitlines()]
+        assert rows == [[str(n), f"{(n + 1) / 100:g}"] for n in range(5)]
+
+
+EXAMPLES_RUN = sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))
+
+
+def example(path):
+    if path.suffix == ".py":
+        return [sys.executable, path]
+    if path.stem in ("bounce", "readregs"):
+        return [compile_1989(path)]
+    return [compile_program(path, "-Wall", "-Wextra", "-O1", *INCLUDES)]
+
+
+@pytest.mark.parametrize("path", EXAMPLES_RUN, ids=lambda p: p.name)
+def test_an_example_runs_alike_on_a_busy_machine(path, tmp_path):
+    """Three times beside nothing, three times beside four busy loops: one hash."""
+    command = example(path)
+    out = tmp_path / "out"
+    command = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
+    runs = set()
+    for busy in (0, 0, 0, 4, 4, 4):
+        loops = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(busy)]
+        try:
+            status, hash_ = run_in_lockstep(tmp_path / "m", *command)
+        finally:
+            for loop in loops:
+                loop.kill()
+                loop.wait()
+        assert status == 0, out.read_text()
+        runs.add((hash_, out.read_text()))
+    assert len(runs) == 1
+
+
+@pytest.mark.parametrize("text, why", [
+    ("import os; os.read(0, 1)", "waits for the outside world"),
+    ("import sys; sys.stdin.readline()", "waits for the outside world"),
+    ("import select; select.select([0], [], [])", "waits for the outside world"),
+    ("import socket; s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); s.accept()",
+     "waits for the outside world"),
+    ("while True: pass", "without a call that waits"),
+    ("import mmcs\nd = mmcs.Device()\nwhile True: d.read(1)", "without a call that waits"),
+])  # fmt: skip
+def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeypatch):
+    monkeypatch.setattr(lockstep, "SILENT_S", 0.5)
+    monkeypatch.setattr(lockstep, "OUTSIDE_S", 0.1)
+    here, there = os.pipe()  # that nobody attached has
+    said = []
+    with make_sim(tmp_path) as sim:
+        server = Server(sim, tmp_path / "mc0.sock", None, console=said.append, lockstep=True)
+        env = bench_environment(server)
+        child = subprocess.Popen([sys.executable, "-c", text], env=env, stdin=here)
+        try:
+            server.lockstep.expect(child.pid)
+            while not any("lock-step" in line for line in said) and child.poll() is None:
+                server.step()
+            stood = sim.clock
+            for _ in range(3):
+                server.step()
+            assert child.poll() is None and "mmcs" not in text or sim.clock - stood < 1e4
+        finally:
+            child.kill()
+            child.wait()
+            server.close()
+            os.close(here)
+            os.close(there)
+    assert len([line for line in said if why in line]) == 1, said
+    assert "machine time stands still" in said[-1]
+
+
+def bench_environment(server):
+    from mmcs.device.execute import environment
+
+    return environment(server.path, lockstep=True)
+
+
+@pytest.fixture
+def served(tmp_path):
+    """A server in lock-step beside the test, which is a program by itself."""
+    with make_sim(tmp_path) as sim:
+        server = Server(sim, tmp_path / "mc0.sock", None, lockstep=True)
+        thread = threading.Thread(target=server.run)
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.stopping = True
+            thread.join()
+            server.close()
+
+
+def test_a_python_program_joins_by_itself(served, monkeypatch):
+    monkeypatch.setenv("MMCS_SOCKET", str(served.path))
+
+    async def some(dev):
+        return [await dev.next_sample() for _ in range(5)]
+
+    with Device(lockstep=True) as dev:
+        first = dev.wait()
+        assert [dev.wait() for _ in range(20)] == list(range(first + 1, first + 21))
+        clock = served.sim.clock
+        assert sum(range(100_000)) and served.sim.clock == clock  # nothing passes by itself
+        assert asyncio.run(some(dev)) == list(range(first + 21, first + 26))
+
+
+def test_mwait_without_lockstep(tmp_path):
+    text = f"""
+import array, asyncio, fcntl, os
+import mmcs
+fd = os.open("/dev/mc0", os.O_RDWR)
+seen = []
+for n in range(10):
+    number = array.array("I", [0])
+    fcntl.ioctl(fd, {MWAIT}, number)
+    seen.append(number[0])
+with mmcs.Device() as dev:
+    seen += [dev.wait() for n in range(10)]
+    async def some():
+        return [await dev.next_sample() for n in range(10)]
+    seen += asyncio.run(some())
+assert seen == sorted(set(seen)), seen
+print(seen[-1] - seen[0])
+"""
+    with Bench(tmp_path) as bench:
+        out, status = bench.finish(bench.python(text))
+    assert status == 0 and int(out) >= 29, out
+
+
+def test_lockstep_of_a_server_that_is_not(tmp_path):
+    with Bench(tmp_path) as bench:
+        out, status = bench.finish(bench.python("import mmcs; mmcs.Device(lockstep=True)"))
+    assert status == 1 and "the machine is not in lock-step; start `mmcs serve --lockstep" in out

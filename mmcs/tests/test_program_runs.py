@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A program as a scenario: [[program]], `mmcs exec --out`, replay, sweep."""
+
+import json
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+from mmcs.cli.app import main
+from mmcs.errors import InputError
+from mmcs.scenario.load import load
+from mmcs.sweeps.workers import run_row
+from mmcs.tests.device_bench import write_scenario
+
+STEP = """
+import sys
+import mmcs
+from mmcs import mcdef as mc
+with mmcs.Device() as dev:
+    dev.set_param(0, {**dev.get_param(0), "mode": mc.MD_POS, "a0": 7309, "a1": -7027, "b0": 64})
+    dev.enable()
+    for n in range(300):
+        dev.wait()
+        dev.write([min(n, int(sys.argv[1]))])
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    write_scenario(tmp_path)
+    (tmp_path / "step.py").write_text(STEP)
+    (tmp_path / "whole.toml").write_text(f"""
+extends = "device.toml"
+[[program]]
+run = "{sys.executable} step.py 200"
+[[event]]
+at = 0.5
+input = "estop"
+value = 1
+[[expect]]
+kind = "event"
+event = "panic"
+text = "high"
+after = 0.5
+within_ms = 1
+[[expect]]
+kind = "signal"
+signal = "encoder"
+axis = 0
+after = 0.45
+until = 0.5
+mean = [150, 250]
+""")
+    return tmp_path
+
+
+def mmcs(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def test_a_program_is_a_scenario(folder):
+    """Report, record and expectations; the record replays, and says when the program is another."""
+    out = folder / "out"
+    done = mmcs("run", folder / "whole.toml", "--out", out)
+    assert done.exit_code == 0, done.output
+    report = json.loads((out / "report.json").read_text())
+    assert [e["ok"] for e in report["expect"]] == [True, True]
+    assert report["processes"][0]["status"] == 0
+    assert {"report.json", "log.csv", "plot.svg", "run.mmcs"} <= {p.name for p in out.iterdir()}
+    again = mmcs("replay", out)
+    assert again.exit_code == 0 and f"reproduced, hash {report['hash']}" in again.output
+    (folder / "step.py").write_text(STEP.replace("200", "100").replace("min(n,", "min(n // 2,"))
+    other = mmcs("replay", out)
+    assert other.exit_code == 1 and "recorded with other files than" in other.output
+
+
+def test_exec_leaves_results(folder):
+    """`--set` counts, the program's status is that of the command, and its record replays."""
+    out = folder / "out"
+    words = ["exec", "--scenario", folder / "device.toml", "--out", out, "--set", "seed=3", "--"]
+    done = mmcs(*words, sys.executable, folder / "step.py", 200)
+    assert done.exit_code == 0, done.output
+    record = json.loads((out / "run.mmcs").read_text())
+    assert record["seed"] == 3 and 0.4 < record["data"]["duration"] < 1.0
+    assert mmcs("replay", out).exit_code == 0
+    assert mmcs(*words, sys.executable, "-c", "raise SystemExit(7)").exit_code == 7
+
+
+def test_a_sweep_takes_one(folder):
+    rows = [run_row(load(str(folder / "whole.toml"), (f"seed={n}",))) for n in (1, 1, 2)]
+    assert [row["status"] for row in rows] == ["ok"] * 3
+    assert rows[0]["hash"] == rows[1]["hash"] != rows[2]["hash"]
+
+
+def test_the_duration_ends_who_goes_on(folder):
+    (folder / "long.toml").write_text("""
+extends = "device.toml"
+duration = 0.05
+[[program]]
+run = "sleep 100"
+""")
+    from mmcs.runs.runner import simulate
+
+    result = simulate(load(str(folder / "long.toml")))
+    assert result.processes == [{"kind": "program", "run": "sleep 100", "status": 137}]
+    assert result.simulated_s == pytest.approx(0.05, abs=1e-6)
+
+
+@pytest.mark.parametrize("text, why", [
+    ("[[program]]\nrun = \"'\"", "No closing quotation"),
+    ('[[program]]\nrun = " "', "must name a program"),
+    ('[[program]]\nrun = "x"\n[[motion]]\nkind = "step"\naxis = 0\nat = 0.1\nto = 5',
+     "not together with [[motion]]"),
+])  # fmt: skip
+def test_mistakes(text, why, folder):
+    (folder / "wrong.toml").write_text(f'extends = "device.toml"\n{text}\n')
+    with pytest.raises(InputError) as caught:
+        load(str(folder / "wrong.toml"))
+    assert why in str(caught.value)

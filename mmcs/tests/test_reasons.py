@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every call that is refused says why, in Python's exception and by MWHY."""
+
+import sys
+
+import pytest
+
+from mmcs import ROOT
+from mmcs.tests.device_bench import PROGRAMS, Bench, compile_program, run_in_lockstep
+
+REFUSED = """
+import os, sys
+import mmcs
+from mmcs import mcdef as mc
+dev, mon = mmcs.Device(), mmcs.Device(flags=os.O_RDONLY)
+par = dev.get_param(0)
+calls = [
+    lambda: dev.set_num_joints(3), lambda: dev.set_interval(50), lambda: dev.get_param(7),
+    lambda: dev.set_param(0, {**par, "b0": 0}), lambda: dev.set_param(0, {**par, "clkdivisor": 0}),
+    lambda: dev.set_param(0, {**par, "clkdivisor": 60}),
+    lambda: dev.set_param(0, {**par, "ipole": 1024}), lambda: dev.set_param(1, {**par, "ilim": -1}),
+    lambda: dev.set_encoder(9, 0), lambda: dev.set_leds(2, 1), lambda: dev.calibrate(5),
+    lambda: dev.set_diag_mode(8), lambda: dev.write([1, 2, 3]), lambda: dev.ioctl(0x4D99),
+    lambda: mon.enable(), lambda: mon.write([1]), lambda: mon.set_num_joints(1),
+    lambda: dev.set_dac(0, 5), lambda: (dev.stop(), dev.write([1])),
+]
+for call in calls:
+    try:
+        call()
+        print("nothing")
+    except OSError as error:
+        print(error.strerror.partition(": ")[2] or "nothing")
+"""
+SAID = """MSETNUMJOINTS: 3 joints: must be 0 to 2
+MSETINTERVAL: 50 us: must be 100 or more, exact to 0.1 %, and at most 50 ms by clkdivisor
+MGETPARAM: axis 7: must be 0 to 1
+MSETPARAM: axis 0: b0 0: must not be 0: it divides
+MSETPARAM: axis 0: clkdivisor 0: must be 1 or more, and at most 50000 us
+MSETPARAM: axis 0: clkdivisor 60: longer than 50000 us
+MSETPARAM: axis 0: ipole 1024: must be 0 to 1023
+MSETPARAM: axis 1: ilim -1: must not be negative
+MSETENC: axis 9: must be 0 to 1
+MSETLED: axis 2: must be 0 to 1
+MCALIB: axis 5: must be 0 to 1
+MDIAGMODE: 8: must be M_ANDIAG, M_ENDIAG, both or 0
+write: 12 bytes: must be 4 for each of at most 2 joints
+there is no request 0x00004d99
+MENABLE: the device is open for reading only
+write: the device is open for reading only
+MSETNUMJOINTS: the device is open for reading only
+MSETDAC: the machine is not enabled
+write: stopped, MENABLE first
+"""
+
+
+@pytest.mark.req("DRV-3")
+def test_every_refusal_has_a_sentence(tmp_path):
+    with Bench(tmp_path) as bench:
+        out, status = bench.finish(bench.python(REFUSED))
+    assert status == 0 and out.splitlines() == SAID.splitlines()
+
+
+def test_in_lockstep_too(tmp_path):
+    out = tmp_path / "out"
+    command = ["sh", "-c", f'exec "$0" -c "$1" > {out}', sys.executable, REFUSED]
+    assert run_in_lockstep(tmp_path / "m", *command)[0] == 0
+    assert out.read_text().splitlines() == SAID.splitlines()
+
+
+def test_a_c_program_asks(tmp_path):
+    include = (f"-I{ROOT / d}" for d in ("firmware/include", "sim/device/include"))
+    with Bench(tmp_path) as bench:
+        child = bench.start(compile_program(PROGRAMS / "why.c", "-Wall", "-Wextra", *include))
+        assert bench.finish(child) == ("[] MSETNUMJOINTS: 99 joints: must be 0 to 2\n", 0)

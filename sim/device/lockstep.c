@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lock-step (lockstep.h): lines, waiting, signals, processes. */
+#define _GNU_SOURCE
+#include "lockstep.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+/* Whoever waits for them gets these whenever they come: they are the user's, not the machine's. */
+static const int outside[] = {SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGTSTP};
+#define OUTSIDE (sizeof(outside) / sizeof(outside[0]))
+
+static int enabled; /* until the server is gone */
+static __thread int line = -1;
+static __thread pid_t line_pid;
+static uint64_t now_ns;
+static uint32_t now_sample;
+static unsigned long now_calls; /* wire_calls when now_ns was told */
+static pthread_key_t at_end;
+
+/* Where a name has two versions, the oldest is found first. */
+void lock_find(void **real, const char *name) {
+  static const char *const versions[] = {"GLIBC_2.34", "GLIBC_2.30", "GLIBC_2.3.3", "GLIBC_2.3.2"};
+  for (unsigned n = 0; *real == NULL && n < sizeof(versions) / sizeof(versions[0]); n++)
+    *real = dlvsym(RTLD_NEXT, name, versions[n]);
+  if (*real == NULL) *real = dlsym(RTLD_NEXT, name);
+}
+
+int lock_on(void) {
+  return enabled && line >= 0 && line_pid == getpid();
+}
+
+static void close_line(void) {
+  if (line >= 0) (void)syscall(SYS_close, line);
+  line = -1;
+}
+
+static void learn(const struct wire_now *now);
+
+static int request(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length) {
+  struct wire_request head = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
+  head.pid = getpid();
+  if (wire_send(line, &head, sizeof(head)) < 0) return -1;
+  return length > 0 ? wire_send(line, data, length) : 0;
+}
+
+/* The result, or -EIO when the server is gone: then nothing here is in lock-step any more. */
+static int answer(void *out, uint32_t *room) {
+  struct wire_reply reply;
+  uint32_t most = room != NULL ? *room : 0;
+  if (wire_take(line, &reply, sizeof(reply)) < 0 || reply.length > most ||
+      wire_take(line, out, reply.length) < 0) {
+    enabled = 0;
+    close_line();
+    return -EIO;
+  }
+  if (room != NULL) *room = reply.length;
+  return reply.result;
+}
+
+int lock_ask(uint32_t op, uint64_t a, const void *data, uint32_t length, void *out,
+             uint32_t *out_length) {
+  sigset_t all, before;
+  int result = -EIO, saved = errno;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  if (request(op, a, 0, data, length) == 0) result = answer(out, out_length);
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  errno = saved;
+  return result;
+}
+
+int lock_tell(uint32_t op, uint64_t a, uint64_t b) {
+  sigset_t all, before;
+  int result = -EIO, saved = errno;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  if (request(op, a, b, NULL, 0) == 0) result = answer(NULL, NULL);
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  errno = saved;
+  return result;
+}
+
+/* --- time ------------------------------------------------------------------------------ */
+
+/* Expired timers with a descriptor become readable: it is an eventfd in truth. */
+static void fire(void) {
+  struct {
+    int32_t fd, count;
+  } fired[64];
+  uint32_t room = sizeof(fired);
+  if (lock_ask(WIRE_FIRED, 0, NULL, 0, fired, &room) < 0) return;
+  for (uint32_t n = 0; n < room / sizeof(fired[0]); n++) {
+    uint64_t count = (uint64_t)fired[n].count;
+    (void)!syscall(SYS_write, fired[n].fd, &count, sizeof(count));
+  }
+}
+
+static void learn(const struct wire_now *now) {
+  now_ns = now->ns;
+  now_sample = now->sample;
+  now_calls = wire_calls;
+  if (now->fired) fire();
+}
+
+uint64_t lock_now(void) {
+  struct wire_now now;
+  uint32_t room = sizeof(now);
+  if (now_calls != wire_calls && lock_ask(WIRE_NOW, 0, NULL, 0, &now, &room) >= 0) learn(&now);
+  return now_ns;
+}
+
+uint64_t lock_after(uint64_t ns) {
+  uint64_t now = lock_now();
+  return ns < WIRE_NEVER - now ? now + ns : WIRE_NEVER - 1;
+}
+
+uint64_t lock_until(clockid_t clock, const struct timespec *at) {
+  int64_t seconds = at->tv_sec - (clock == CLOCK_REALTIME ? (int64_t)EPOCH : 0);
+  if (seconds < 0) return 0;
+  if (seconds > INT32_MAX) return WIRE_NEVER - 1;
+  return (uint64_t)seconds * SECOND + (uint64_t)at->tv_nsec;
+}
+
+/* --- waiting --------------------------------------------------------------------------- */
+
+static uint64_t bits_of(const sigset_t *set) {
+  uint64_t bits = 0;
+  for (int n = 1; n <= 64; n++) bits |= (uint64_t)(sigismember(set, n) == 1) << (n - 1);
+  return bits;
+}
+
+static uint64_t pending(void) {
+  sigset_t set;
+  sigpending(&set);
+  return bits_of(&set);
+}
+
+/* Of these signals: will one that is let through be noticed? */
+static int is_heard(uint64_t signals) {
+  for (int n = 1; n <= 64; n++) {
+    struct sigaction action;
+    if ((signals >> (n - 1) & 1) == 0 || sigaction(n, NULL, &action) != 0) continue;
+    if (action.sa_handler == SIG_IGN) continue;
+    if (action.sa_handler != SIG_DFL || (n != SIGCHLD && n != SIGURG && n != SIGWINCH)) return 1;
+  }
+  return 0;
+}
+
+/* All but what comes from outside and `mask` lets through. */
+static const sigset_t *only_outside(const sigset_t *mask) {
+  static __thread sigset_t others;
+  sigfillset(&others);
+  for (unsigned n = 0; n < OUTSIDE; n++)
+    if (!sigismember(mask, outside[n])) sigdelset(&others, outside[n]);
+  return &others;
+}
+
+/* Until the answer is there; meanwhile what comes from outside is let through. 1: that came. */
+static int await_answer(const sigset_t *mask) {
+  struct pollfd wait = {.fd = line, .events = POLLIN};
+  if (REAL(ppoll)(&wait, 1, NULL, only_outside(mask)) >= 0 || errno != EINTR) return 0;
+  (void)request(WIRE_CANCEL, 0, 0, NULL, 0);
+  return 1;
+}
+
+static int wait_once(const struct wire_wait *head, const int *files, const sigset_t *mask,
+                     int *heard) {
+  char data[sizeof(*head) + 4 * 64];
+  struct wire_now now = {0};
+  uint32_t room = sizeof(now), length = (uint32_t)sizeof(*head) + 4 * head->files;
+  int result;
+  memcpy(data, head, sizeof(*head));
+  if (head->files > 0) memcpy(data + sizeof(*head), files, 4 * head->files);
+  if (request(WIRE_WAIT, 0, 0, data, length) < 0) return -EIO;
+  *heard = await_answer(mask);
+  result = answer(&now, &room);
+  if (result >= 0) learn(&now);
+  return *heard && result >= 0 ? CAUSE_SIGNAL : result;
+}
+
+int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, unsigned count,
+              const sigset_t *mask, int keep) {
+  struct wire_wait head = {.until = until, .key = (uint64_t)(uintptr_t)key, .what = what};
+  sigset_t all, before, meanwhile;
+  int cause, heard = 0, saved = errno;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  meanwhile = mask != NULL ? *mask : before;
+  head.mask = bits_of(&meanwhile);
+  head.files = count < 64 ? count : 64;
+  for (;;) {
+    uint64_t come;
+    head.pending = pending();
+    cause = (head.pending & ~head.mask) != 0 && !(what & WAIT_DEAF)
+                ? CAUSE_SIGNAL
+                : wait_once(&head, files, &meanwhile, &heard);
+    if (cause != CAUSE_SIGNAL || keep) break;
+    come = pending() & ~head.mask;
+    pthread_sigmask(SIG_SETMASK, &meanwhile, NULL);
+    pthread_sigmask(SIG_SETMASK, &all, NULL);
+    if (heard || is_heard(come)) break;
+    if (what & (WAIT_FILES | WAIT_CHILD)) { /* what it waits for may have come as well */
+      cause = CAUSE_WOKEN;
+      break;
+    }
+  }
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  errno = saved;
+  return cause < 0 ? CAUSE_OUTSIDE : cause;
+}
+
+void lock_wake(const void *key, unsigned count) {
+  (void)lock_tell(WIRE_WAKE, (uint64_t)(uintptr_t)key, count);
+}
+
+static int sample(uint32_t *number) {
+  if (!lock_on()) return -EIO;
+  if (lock_wait(WAIT_SAMPLE, WIRE_NEVER, NULL, NULL, 0, NULL, 0) == CAUSE_SIGNAL) return -EINTR;
+  *number = now_sample;
+  return 0;
+}
+
+/* --- lines ----------------------------------------------------------------------------- */
+
+static void open_line(enum wire_line kind) {
+  struct wire_now now = {0};
+  uint32_t room = sizeof(now);
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  line = wire_connect();
+  line_pid = getpid();
+  if (line < 0 || request(WIRE_LINE, (uint64_t)kind, (uint64_t)pthread_self(), NULL, 0) < 0 ||
+      answer(&now, &room) < 0) {
+    enabled = 0;
+  } else {
+    learn(&now);
+    (void)pthread_setspecific(at_end, &line);
+  }
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+/* Whoever joins this thread may go on: the server sees the line's end. */
+static void end_thread(void *unused) {
+  (void)unused;
+  if (line_pid == getpid()) close_line();
+}
+
+void lock_begin_thread(void) {
+  open_line(LINE_THREAD);
+}
+
+static void child_of_fork(void) {
+  close_line(); /* the parent's */
+  if (enabled) open_line(LINE_CHILD);
+}
+
+void (*lock_at_start)(void);
+
+__attribute__((constructor(102))) static void attach(void) {
+  if (getenv("MMCS_LOCKSTEP") == NULL) return;
+  enabled = 1;
+  (void)pthread_key_create(&at_end, end_thread);
+  (void)pthread_atfork(NULL, NULL, child_of_fork);
+  open_line(LINE_PROGRAM);
+  device_sample = sample;
+  wire_late = only_outside;
+  if (lock_at_start != NULL) lock_at_start();
+}

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lock-step: threads, and what they wait for of each other. One runs at a time, so that a lock is
+ * taken or waited for; what others wait for is known here by its address. Not between processes. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <stdlib.h>
+
+#include "lockstep.h"
+
+/* How many threads of this process wait with a key: most wakes wake nobody and go unsaid. */
+#define PLACES 1024
+static unsigned waiting[PLACES];
+
+static unsigned *place_of(const void *key) {
+  return &waiting[((uintptr_t)key >> 3) % PLACES];
+}
+
+/* 0, or ETIMEDOUT. Signals are handled; who waits goes on waiting. */
+static int wait_for(const void *key, uint64_t until) {
+  if (lock_now() >= until) return ETIMEDOUT;
+  __atomic_add_fetch(place_of(key), 1, __ATOMIC_SEQ_CST);
+  (void)lock_wait(WAIT_KEY, until, key, NULL, 0, NULL, 0);
+  __atomic_sub_fetch(place_of(key), 1, __ATOMIC_SEQ_CST);
+  return 0;
+}
+
+static void wake(const void *key, unsigned count) {
+  if (*place_of(key) > 0 && lock_on()) lock_wake(key, count);
+}
+
+/* --- threads --------------------------------------------------------------------------- */
+
+struct start {
+  void *(*run)(void *);
+  void *argument;
+};
+
+static void *run_thread(void *given) {
+  struct start start = *(struct start *)given;
+  free(given);
+  lock_begin_thread();
+  return start.run(start.argument);
+}
+
+int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *arg) {
+  struct start *start;
+  int result;
+  if (!lock_on()) return REAL(pthread_create)(thread, how, run, arg);
+  start = malloc(sizeof(*start));
+  if (start == NULL) return EAGAIN;
+  *start = (struct start){run, arg};
+  (void)lock_tell(WIRE_SPAWN, 0, 0);
+  result = REAL(pthread_create)(thread, how, run_thread, start);
+  if (result == 0) return 0;
+  free(start);
+  (void)lock_tell(WIRE_SPAWN, 0, 1);
+  return result;
+}
+
+static int await_thread(pthread_t thread, uint64_t until) {
+  while (lock_wait(WAIT_THREAD, until, (void *)thread, NULL, 0, NULL, 0) == CAUSE_SIGNAL) continue;
+  return lock_now() >= until ? ETIMEDOUT : 0;
+}
+
+int pthread_join(pthread_t thread, void **result) {
+  if (lock_on()) (void)await_thread(thread, WIRE_NEVER);
+  return REAL(pthread_join)(thread, result);
+}
+
+int pthread_clockjoin_np(pthread_t thread, void **result, clockid_t clock,
+                         const struct timespec *at) {
+  if (!lock_on()) return REAL(pthread_clockjoin_np)(thread, result, clock, at);
+  if (at != NULL && await_thread(thread, lock_until(clock, at)) != 0) return ETIMEDOUT;
+  return pthread_join(thread, result);
+}
+int pthread_timedjoin_np(pthread_t thread, void **result, const struct timespec *at) {
+  return pthread_clockjoin_np(thread, result, CLOCK_REALTIME, at);
+}
+
+/* --- mutexes, read-write locks, semaphores --------------------------------------------- */
+
+/* `attempt` until it is not busy; r is its last result. */
+#define UNTIL_FREE(attempt, busy, key, until) \
+  ({                                          \
+    int r_ = (attempt);                       \
+    while (r_ == (busy)) {                    \
+      r_ = wait_for((key), (until));          \
+      if (r_ != 0) break;                     \
+      r_ = (attempt);                         \
+    }                                         \
+    r_;                                       \
+  })
+
+static int is_own(const pthread_mutex_t *m) {
+  return (m->__data.__kind & 3) == PTHREAD_MUTEX_ERRORCHECK_NP && m->__data.__owner == gettid();
+}
+
+int pthread_mutex_clocklock(pthread_mutex_t *m, clockid_t clock, const struct timespec *at) {
+  if (!lock_on()) return REAL(pthread_mutex_clocklock)(m, clock, at);
+  if (is_own(m)) return EDEADLK;
+  return UNTIL_FREE(pthread_mutex_trylock(m), EBUSY, m, lock_until(clock, at));
+}
+int pthread_mutex_timedlock(pthread_mutex_t *m, const struct timespec *at) {
+  if (!lock_on()) return REAL(pthread_mutex_timedlock)(m, at);
+  return pthread_mutex_clocklock(m, CLOCK_REALTIME, at);
+}
+int pthread_mutex_lock(pthread_mutex_t *m) {
+  if (!lock_on()) return REAL(pthread_mutex_lock)(m);
+  if (is_own(m)) return EDEADLK;
+  return UNTIL_FREE(pthread_mutex_trylock(m), EBUSY, m, WIRE_NEVER);
+}
+int pthread_mutex_unlock(pthread_mutex_t *m) {
+  int result = REAL(pthread_mutex_unlock)(m);
+  wake(m, 1);
+  return result;
+}
+
+#define RWLOCK(kind)                                                                     \
+  int pthread_rwlock_##kind##lock(pthread_rwlock_t *l) {                                 \
+    if (!lock_on()) return REAL(pthread_rwlock_##kind##lock)(l);                         \
+    return UNTIL_FREE(pthread_rwlock_try##kind##lock(l), EBUSY, l, WIRE_NEVER);          \
+  }                                                                                      \
+  int pthread_rwlock_clock##kind##lock(pthread_rwlock_t *l, clockid_t c,                 \
+                                       const struct timespec *at) {                      \
+    if (!lock_on()) return REAL(pthread_rwlock_clock##kind##lock)(l, c, at);             \
+    return UNTIL_FREE(pthread_rwlock_try##kind##lock(l), EBUSY, l, lock_until(c, at));   \
+  }                                                                                      \
+  int pthread_rwlock_timed##kind##lock(pthread_rwlock_t *l, const struct timespec *at) { \
+    if (!lock_on()) return REAL(pthread_rwlock_timed##kind##lock)(l, at);                \
+    return pthread_rwlock_clock##kind##lock(l, CLOCK_REALTIME, at);                      \
+  }
+RWLOCK(rd)
+RWLOCK(wr)
+int pthread_rwlock_unlock(pthread_rwlock_t *l) {
+  int result = REAL(pthread_rwlock_unlock)(l);
+  wake(l, UINT32_MAX);
+  return result;
+}
+
+static int take(sem_t *s, uint64_t until) {
+  int result = UNTIL_FREE(sem_trywait(s) == 0 ? 0 : errno, EAGAIN, s, until);
+  if (result == 0) return 0;
+  errno = result;
+  return -1;
+}
+int sem_wait(sem_t *s) {
+  return lock_on() ? take(s, WIRE_NEVER) : REAL(sem_wait)(s);
+}
+int sem_timedwait(sem_t *s, const struct timespec *at) {
+  return lock_on() ? take(s, lock_until(CLOCK_REALTIME, at)) : REAL(sem_timedwait)(s, at);
+}
+int sem_clockwait(sem_t *s, clockid_t clock, const struct timespec *at) {
+  return lock_on() ? take(s, lock_until(clock, at)) : REAL(sem_clockwait)(s, clock, at);
+}
+int sem_post(sem_t *s) {
+  int result = REAL(sem_post)(s);
+  wake(s, 1);
+  return result;
+}
+
+/* --- conditions, barriers -------------------------------------------------------------- */
+
+int pthread_cond_signal(pthread_cond_t *c) {
+  if (!lock_on()) return REAL(pthread_cond_signal)(c);
+  wake(c, 1);
+  return 0;
+}
+int pthread_cond_broadcast(pthread_cond_t *c) {
+  if (!lock_on()) return REAL(pthread_cond_broadcast)(c);
+  wake(c, UINT32_MAX);
+  return 0;
+}
+
+static int await_condition(pthread_cond_t *c, pthread_mutex_t *m, uint64_t until) {
+  int late, result = pthread_mutex_unlock(m);
+  if (result != 0) return result;
+  (void)wait_for(c, until);
+  late = lock_now() >= until;
+  result = pthread_mutex_lock(m);
+  return result != 0 ? result : late ? ETIMEDOUT : 0;
+}
+int pthread_cond_wait(pthread_cond_t *c, pthread_mutex_t *m) {
+  return lock_on() ? await_condition(c, m, WIRE_NEVER) : REAL(pthread_cond_wait)(c, m);
+}
+int pthread_cond_clockwait(pthread_cond_t *c, pthread_mutex_t *m, clockid_t clock,
+                           const struct timespec *at) {
+  if (!lock_on()) return REAL(pthread_cond_clockwait)(c, m, clock, at);
+  return await_condition(c, m, lock_until(clock, at));
+}
+/* The clock that pthread_condattr_setclock() gave stands in bit 1 of this word. */
+int pthread_cond_timedwait(pthread_cond_t *c, pthread_mutex_t *m, const struct timespec *at) {
+  int monotonic = (c->__data.__wrefs & 2) != 0;
+  if (!lock_on()) return REAL(pthread_cond_timedwait)(c, m, at);
+  return await_condition(c, m, lock_until(monotonic ? CLOCK_MONOTONIC : CLOCK_REALTIME, at));
+}
+
+/* In place of the C library's, whose fields are hidden. */
+struct barrier {
+  unsigned count, arrived, turn;
+};
+_Static_assert(sizeof(struct barrier) <= sizeof(pthread_barrier_t), "it fits");
+
+int pthread_barrier_init(pthread_barrier_t *b, const pthread_barrierattr_t *how, unsigned count) {
+  if (!lock_on()) return REAL(pthread_barrier_init)(b, how, count);
+  *(struct barrier *)(void *)b = (struct barrier){count, 0, 0};
+  return count > 0 ? 0 : EINVAL;
+}
+int pthread_barrier_destroy(pthread_barrier_t *b) {
+  return lock_on() ? 0 : REAL(pthread_barrier_destroy)(b);
+}
+int pthread_barrier_wait(pthread_barrier_t *given) {
+  struct barrier *b = (struct barrier *)(void *)given;
+  unsigned turn = b->turn;
+  if (!lock_on()) return REAL(pthread_barrier_wait)(given);
+  if (++b->arrived == b->count) {
+    b->arrived = 0;
+    b->turn++;
+    wake(b, UINT32_MAX);
+    return PTHREAD_BARRIER_SERIAL_THREAD;
+  }
+  while (b->turn == turn) (void)wait_for(b, WIRE_NEVER);
+  return 0;
+}

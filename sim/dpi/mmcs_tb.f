@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Written by tools/cores.py from mmcs.core: change that, and run `make generate`.
+// SIMULATOR -f sim/dpi/mmcs_tb.f, from the top of the checkout; see docs/use/dpi.md.
++incdir+rtl
++define+MMCS_NO_BUS_TIMES
+rtl/regs/mmcs_regs_pkg.sv
+rtl/lib/sync.sv
+rtl/chips/i8254_counter.sv
+rtl/chips/i8254.sv
+rtl/chips/i8255.sv
+rtl/chips/thct2000.sv
+rtl/chips/ad574.sv
+rtl/chips/ad667.sv
+rtl/chips/oneshot.sv
+rtl/mark1/decode.sv
+rtl/mark1/latch.sv
+rtl/mark1/relay.sv
+rtl/mark1/axis.sv
+rtl/mark1/mark1.sv
+rtl/adaptor/sysclk.sv
+rtl/adaptor/pcbus_master.sv
+rtl/adaptor/pccsr.sv
+rtl/adaptor/panic.sv
+rtl/adaptor/adaptor_core.sv
+rtl/adaptor/vme_strobe.sv
+rtl/adaptor/vme_slave.sv
+rtl/adaptor/vme_interrupter.sv
+rtl/adaptor/adaptor_vme.sv
+rtl/adaptor/reg_window.sv
+rtl/adaptor/adaptor_axil.sv
+rtl/adaptor/adaptor_wb.sv
+rtl/adaptor/adaptor_apb.sv
+rtl/mmcs.sv
+rtl/checkers/vme_slave_checker.sv
+rtl/checkers/vme_claim_checker.sv
+rtl/checkers/vme_edge_checker.sv
+rtl/checkers/vme_master_checker.sv
+rtl/checkers/vme_timing.sv
+rtl/checkers/pcbus_checker.sv
+rtl/checkers/pcbus_timing.sv
+rtl/checkers/bind.sv
+sim/dpi/mmcs_tb.sv

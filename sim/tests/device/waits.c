@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lock-step: every call that sleeps or waits, one after the other; a line with what it was and how
+ * many microseconds of machine time it took. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/select.h>
+#include <sys/time.h>
+#include <sys/timerfd.h>
+#include <sys/wait.h>
+#include <threads.h>
+#include <time.h>
+#include <unistd.h>
+
+static int64_t now_us(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec * 1000000 + t.tv_nsec / 1000;
+}
+
+#define TIMED(call)                                                    \
+  do {                                                                 \
+    int64_t begin_ = now_us();                                         \
+    long result_ = (long)(call);                                       \
+    printf("%s %ld %ld\n", #call, result_, (long)(now_us() - begin_)); \
+  } while (0)
+
+static const struct timespec ms5 = {0, 5000000};
+static volatile int caught;
+static void catch(int number) {
+  caught = number;
+}
+
+static struct timespec at(clockid_t clock, int ms) {
+  struct timespec t;
+  clock_gettime(clock, &t);
+  t.tv_nsec += ms * 1000000;
+  t.tv_sec += t.tv_nsec / 1000000000;
+  t.tv_nsec %= 1000000000;
+  return t;
+}
+
+static void sleeping(void) {
+  struct timespec later = at(CLOCK_REALTIME, 12);
+  struct timeval tv = {0, 4000};
+  fd_set none;
+  int e = epoll_create1(0);
+  FD_ZERO(&none);
+  TIMED(usleep(1500));
+  TIMED(nanosleep(&ms5, NULL));
+  TIMED(clock_nanosleep(CLOCK_MONOTONIC, 0, &ms5, NULL));
+  TIMED(clock_nanosleep(CLOCK_REALTIME, TIMER_ABSTIME, &later, NULL));
+  TIMED(sleep(1));
+  TIMED(thrd_sleep(&ms5, NULL));
+  TIMED(select(0, NULL, NULL, NULL, &tv));
+  TIMED(pselect(0, &none, NULL, NULL, &ms5, NULL));
+  TIMED(poll(NULL, 0, 3));
+  TIMED(ppoll(NULL, 0, &ms5, NULL));
+  TIMED(epoll_wait(e, &(struct epoll_event){0}, 1, 6));
+  TIMED(sched_yield());
+  close(e);
+}
+
+static void signals(void) {
+  struct itimerval once = {{0, 0}, {0, 2000}};
+  struct itimerspec often = {{0, 3000000}, {0, 1000000}};
+  sigset_t set, empty;
+  timer_t id;
+  uint64_t count;
+  int number, fd = timerfd_create(CLOCK_MONOTONIC, 0);
+  struct pollfd one = {.fd = fd, .events = POLLIN};
+  signal(SIGALRM, catch);
+  setitimer(ITIMER_REAL, &once, NULL);
+  TIMED(pause());
+  alarm(1);
+  TIMED(usleep(5000000)); /* ends with the alarm */
+  sigemptyset(&empty);
+  sigemptyset(&set);
+  sigaddset(&set, SIGALRM);
+  sigprocmask(SIG_BLOCK, &set, NULL);
+  setitimer(ITIMER_REAL, &once, NULL);
+  TIMED(sigsuspend(&empty));
+  setitimer(ITIMER_REAL, &once, NULL);
+  TIMED(sigwait(&set, &number));
+  setitimer(ITIMER_REAL, &once, NULL);
+  TIMED(sigwaitinfo(&set, NULL));
+  TIMED(sigtimedwait(&set, NULL, &ms5));
+  sigprocmask(SIG_UNBLOCK, &set, NULL);
+  timer_create(CLOCK_MONOTONIC, NULL, &id);
+  timer_settime(id, 0, &often, NULL);
+  TIMED(pause());
+  TIMED(pause());
+  timer_delete(id);
+  timerfd_settime(fd, 0, &often, NULL);
+  TIMED(poll(&one, 1, -1));
+  usleep(6500);
+  TIMED(read(fd, &count, sizeof count));
+  printf("runs out %d\n", (int)count);
+  TIMED(read(fd, &count, sizeof count));
+}
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t cond = PTHREAD_COND_INITIALIZER;
+static pthread_barrier_t barrier;
+static sem_t sem;
+
+static void *other(void *arg) {
+  pthread_mutex_lock(&lock);
+  usleep(3000);
+  pthread_mutex_unlock(&lock);
+  usleep(1000);
+  pthread_mutex_lock(&lock);
+  pthread_cond_signal(&cond);
+  pthread_mutex_unlock(&lock);
+  usleep(2000);
+  sem_post(&sem);
+  usleep(1000);
+  pthread_barrier_wait(&barrier);
+  usleep(4000);
+  return arg;
+}
+
+static void threads(void) {
+  struct timespec later;
+  pthread_t t;
+  sem_init(&sem, 0, 0);
+  pthread_barrier_init(&barrier, NULL, 2);
+  pthread_create(&t, NULL, other, NULL);
+  usleep(100);
+  TIMED(pthread_mutex_lock(&lock));
+  TIMED(pthread_cond_wait(&cond, &lock));
+  later = at(CLOCK_REALTIME, 1);
+  TIMED(pthread_cond_timedwait(&cond, &lock, &later));
+  pthread_mutex_unlock(&lock);
+  TIMED(sem_wait(&sem));
+  later = at(CLOCK_REALTIME, 1);
+  TIMED(sem_timedwait(&sem, &later));
+  TIMED(pthread_barrier_wait(&barrier) == 0);
+  TIMED(pthread_join(t, NULL));
+}
+
+static void processes(void) {
+  int ends[2];
+  char byte;
+  if (pipe(ends) < 0) return;
+  if (fork() == 0) {
+    usleep(8000);
+    _exit(write(ends[1], "x", 1) == 1 ? 0 : 1);
+  }
+  TIMED(read(ends[0], &byte, 1));
+  TIMED(wait(NULL) > 0);
+  TIMED(system("sleep 0.25"));
+}
+
+int main(void) {
+  struct timeval tv;
+  gettimeofday(&tv, NULL);
+  printf("begin %ld %ld %ld\n", (long)time(NULL), (long)tv.tv_sec, (long)tv.tv_usec);
+  fflush(stdout);
+  sleeping();
+  signals();
+  threads();
+  fflush(stdout);
+  processes();
+  return 0;
+}

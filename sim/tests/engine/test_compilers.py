@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulator by another compiler, and from damaged builds: the same run, to the hash."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from mmcs import ROOT
+from mmcs.engine import build
+from mmcs.errors import RunError
+
+HASH = """
+import sys
+from pathlib import Path
+from mmcs.engine import build
+if len(sys.argv) > 1:
+    build.ensure_library = lambda *a, **k: Path(sys.argv[1])
+from mmcs.runs.runner import simulate
+from mmcs.scenario.load import load
+print(simulate(load("lab500")).hash)
+"""
+CLANG = pytest.mark.skipif(
+    not shutil.which("clang++"), reason="clang is missing: sudo apt-get install clang"
+)
+
+
+def hash_of(*library):
+    command = [sys.executable, "-c", HASH, *map(str, library)]
+    return subprocess.run(command, cwd=ROOT, text=True, check=True, capture_output=True).stdout
+
+
+@CLANG
+@pytest.mark.slow
+@pytest.mark.req("API-1")
+def test_clang_builds_the_same_machine():
+    env = build.make_env() | {"CI": "true", "CXX": "clang++", "CC": "clang"}
+    command = ["make", "-s", "-f", "sim/Makefile", "CARDS=1", "B=build/sim-clang"]
+    done = subprocess.run(command, cwd=ROOT, env=env, text=True, capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert hash_of(ROOT / "build/sim-clang/speed_c1/libmmcs_sim.so") == hash_of()
+
+
+def test_the_python_that_installed_is_not_the_one_that_builds(monkeypatch):
+    monkeypatch.setenv("PYTHON", "/usr/bin/false")  # as `make sim PYTHON=...` exports it
+    done = subprocess.run(
+        ["make", "-n", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "flags"],
+        cwd=ROOT, env=build.make_env(), text=True, capture_output=True, check=True,
+    )  # fmt: skip
+    assert sys.prefix in done.stdout
+
+
+@pytest.mark.parametrize("tool", ["make", "g++"])
+def test_a_tool_that_is_missing_is_named(monkeypatch, tmp_path, tool):
+    """As a wheel on a machine without a compiler has it."""
+    for other in {"make", "g++"} - {tool}:
+        (tmp_path / other).symlink_to("/usr/bin/true")
+    monkeypatch.delenv("CXX", raising=False)
+    with pytest.raises(
+        RunError, match=f"no '{tool}' found.*apt-get install {tool}".replace("+", r"\+")
+    ):
+        build.check_tools({"PATH": str(tmp_path)})
+
+
+SMALL = """
+O := build/sim/obj
+LIB := build/sim/speed_c1/libmmcs_sim.so
+$(LIB): $(O)/x.o
+\t@mkdir -p $(@D)
+\t@g++ -shared -o $@ $^
+\t@sha256sum <$@ >$@.sum
+$(O)/x.o: sim/x.cpp
+\t@mkdir -p $(@D)
+\t@g++ -fPIC -MMD -MP -c -o $@ $<
+-include $(O)/x.d
+"""
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """A folder in which a small library is built in place of the simulator."""
+    (tmp_path / "sim").mkdir()
+    (tmp_path / "sim" / "Makefile").write_text(SMALL)
+    (tmp_path / "sim" / "x.cpp").write_text("int x() { return 1; }\n")
+    monkeypatch.setattr(build, "BUILD", tmp_path / "build")
+    monkeypatch.setattr(build, "WORK", tmp_path)
+    monkeypatch.setattr(build, "LOG", tmp_path / "build" / "sim" / "build.log")
+    monkeypatch.setattr(build, "workshop", lambda: tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("damage", ["object", "rules", "library"])
+def test_a_damaged_build_is_made_again(small, damage):
+    """As a full disk or a kill leaves it; make, compiler and linker are real."""
+    path = build.ensure_library(1, "speed")
+    whole, objects = path.read_bytes(), small / "build" / "sim" / "obj"
+    if damage == "object":
+        os.truncate(objects / "x.o", 100)
+        path.unlink()
+    elif damage == "rules":
+        (objects / "x.d").write_bytes(b"\x00\xff garbage : : :\n\tx")
+    else:
+        os.truncate(path, 100)
+    assert build.ensure_library(1, "speed").read_bytes() == whole
+
+
+def test_an_error_of_the_source_is_told(small):
+    (small / "sim" / "x.cpp").write_text("int x() { return y; }\n")
+    with pytest.raises(RunError, match="error: .y. was not declared"):
+        build.ensure_library(1, "speed")

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scenario through DPI: builds the testbench for its machine by Verilator, and runs it; what
+follows the scenario goes to `mmcs run` as it is."""
+
+import argparse
+import resource
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from mmcs.engine.build import make_env  # noqa: E402
+from mmcs.errors import InputError, RunError  # noqa: E402
+from mmcs.place import results  # noqa: E402
+from mmcs.scenario.load import load  # noqa: E402
+
+BUILT = ROOT / "build" / "sim" / "dpi"
+
+
+def bench(cards: int, clk_hz: int = 8_000_000, trace: bool = False, **other: str) -> Path:
+    """The testbench's program; other: variables of sim/dpi/Makefile (SOURCES, with a NAME)."""
+    variables = {"CARDS": cards, "CLK_HZ": clk_hz, "TRACE": "1" if trace else "", **other}
+    command = ["make", "-s", "-f", "sim/dpi/Makefile", *(f"{k}={v}" for k, v in variables.items())]
+    done = subprocess.run(
+        command, cwd=ROOT, env=make_env(), capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        said = (done.stderr + done.stdout).strip().splitlines() or ["no output"]
+        telling = [line for line in said if "rror" in line]
+        raise RunError(f"the testbench does not build; {(telling or said)[0].strip()[:300]}")
+    clk = "" if clk_hz == 8_000_000 else f"_clk{clk_hz}"
+    name = other.get("NAME", f"c{cards}{clk}{'_trace' if trace else ''}")
+    return BUILT / name / "mmcs_tb"
+
+
+def run(program: Path, words: list[str], trace: Path | None = None, **how):
+    """Runs it on the words for `mmcs run`; as subprocess.run()."""
+    command = [program, f"+scenario={shlex.join(map(str, words))}", "+verilator+quiet"]
+    if trace:
+        command.append(f"+trace={trace}")
+    env = make_env() | {"MMCS": f"{shlex.quote(sys.executable)} -m mmcs"}
+    # $fatal, the word for a bad end, is an abort in Verilator: no core is wanted of it.
+    no_core = lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # noqa: E731
+    return subprocess.run(
+        [str(w) for w in command], cwd=ROOT, env=env, check=False, preexec_fn=no_core, **how
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scenario")
+    parser.add_argument("--trace", action="store_true", help="waveforms beside the results")
+    options, words = parser.parse_known_args()
+    try:
+        setup = load(options.scenario, ())
+        folder = results("runs", setup.path) / f"{setup.name}-dpi"
+        folder.mkdir(parents=True, exist_ok=True)
+        trace = folder / f"{setup.name}.vcd" if options.trace else None
+        program = bench(setup.scenario.cards, setup.scenario.clk_hz, options.trace)
+    except (InputError, RunError) as error:
+        print(f"mmcs: {error}", file=sys.stderr)
+        return 2
+    if not any(w == "--out" or w.startswith("--out=") for w in words):
+        words = ["--out", str(folder), *words]
+    done = run(program, [options.scenario, *words], trace)
+    if trace and done.returncode == 0:
+        print(f"trace {trace.relative_to(ROOT)}")
+    return 1 if done.returncode else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A second opinion of the language: slang parses and elaborates the testbenches of sim/dpi and all
+of rtl/, the SoC with its core; any error fails. Started at the top of the checkout."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from pyslang import driver
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from sources import core, sources  # noqa: E402
+
+# Of the processor core, which is a package of others: no assertions of its library.
+CORE_OPTIONS = ["-DSYNTHESIS", "--allow-use-before-declare"]
+
+
+def elaborates(arguments: list) -> bool:
+    """Whether slang finds no error; what it finds goes to the error output."""
+    slang = driver.Driver()
+    slang.addStandardArgs()
+    words = ["slang", "--timescale", "1ns/1ps", "-Wnone", *map(str, arguments)]
+    if not slang.parseCommandLine(" ".join(words)) or not slang.processOptions():
+        return False
+    return slang.parseAllSources() and slang.runFullCompilation(True)
+
+
+def jobs() -> dict[str, list]:
+    """By name, what slang is given: without a top, every module that nobody instantiates is one."""
+    bench = ["-f", ROOT / "sim/dpi/mmcs_tb.f"]
+    files, libraries, includes = core()
+    soc = [*CORE_OPTIONS, *(f"-I{d}" for d in [ROOT / "rtl", *includes]), *files]
+    for folder in libraries:
+        soc += ["-y", folder, "-Y", ".sv"]
+    return {
+        "mmcs_tb": bench,
+        "example_tb": [*bench, ROOT / "sim/dpi/example/example_tb.sv", "--top", "example_tb"],
+        "mmcs_soc": [*soc, *sources("rtl"), *sources("soc"), "--top", "mmcs_soc"],
+    }
+
+
+def main() -> int:
+    argparse.ArgumentParser(description=__doc__).parse_args()
+    failed = [name for name, arguments in jobs().items() if not elaborates(arguments)]
+    if failed:
+        print(f"slang: {', '.join(failed)}: see above", file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

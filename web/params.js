@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// What struct mc_param means to people: modes, errors, the setpoint's range, gains in %. Chapter 3.
+
+// mcdef.h, Tables 2.1 and 2.2
+export const MODES = { off: 0, pos: 1, vel: 2, torq: 3, test1: 4 };
+export const MODE_MASK = 0x00f;
+export const FLAGS = { COULCOMP: 0x10, ADFB: 0x20, ZEROFB: 0x40, ADDMD: 0x80, ADOFF: 0x100,
+  POSCHK: 0x200, SOFTERR: 0x400 };  // prettier-ignore
+const ERRORS = [
+  [0x01, "low position limit"],
+  [0x02, "high position limit"],
+  [0x04, "current limit too long"],
+  [0x08, "PANIC"],
+  [0x10, "index found"],
+];
+export const FIELDS = ["a2", "a1", "a0", "b2", "b1", "b0", "ic_pos", "ic_neg", "clkdivisor", "ilim",
+  "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole", "mode"];  // prettier-ignore
+export const MC_FSCALE = 1024;
+export const INT_MIN = -(2 ** 31);
+export const INT_MAX = 2 ** 31 - 1;
+
+export function errorWords(errcode) {
+  const words = ERRORS.filter(([bit]) => errcode & bit).map(([, text]) => text);
+  return words.join(", ");
+}
+
+/** The panel's name for the mode of an axis. Diag is MD_OFF with a D/A code by MSETDAC. */
+export function modeName(param, current = 0) {
+  const name = Object.keys(MODES).find((one) => MODES[one] === (param.mode & MODE_MASK)) ?? "off";
+  return name === "off" && current !== 0 ? "diag" : name;
+}
+
+/** What the setpoint means in a mode: name, range, and what it is measured in (units.js). */
+export function setpointScale(mode, param) {
+  const fed = param.mode & FLAGS.ADFB ? "adc" : "position";
+  const bounded = param.plo > INT_MIN / 2 && param.phi < INT_MAX / 2;
+  switch (mode) {
+    case "pos":
+      return {
+        name: "Position",
+        quantity: fed,
+        low: bounded ? param.plo : -20000,
+        high: bounded ? param.phi : 20000,
+      };
+    case "vel":
+      return { name: "Velocity", quantity: fed, per: "sample", low: -50, high: 50 };
+    case "torq":
+      return { name: "Torque", quantity: "current", low: -param.ilim, high: param.ilim };
+    case "diag":
+      return { name: "D/A", quantity: "code", low: -2048, high: 2047 };
+    default:
+      return null;
+  }
+}
+
+/** PID gains that the integers stand for, by the backward difference; null for another form. */
+export function gainsOf(param, interval_s) {
+  const [a0, a1, a2, b1, b2] = ["a0", "a1", "a2", "b1", "b2"].map((name) => param[name] / param.b0);
+  if (!(param.b0 > 0)) return null;
+  const integrates = param.b0 + param.b1 + param.b2 === 0; // (1 - q)(1 - pole q)
+  if (!integrates && b2 !== 0) return null;
+  const pole = integrates ? b2 : -b1;
+  if (pole < 0 || pole >= 1) return null;
+  const tau = (pole * interval_s) / (1 - pole); // the pole is tau/(tau + T)
+  if (!integrates) {
+    if (pole && a2 !== 0) return null;
+    if (!pole) return a2 ? null : { p: a0 + a1, i: 0, d: -a1 * interval_s, tau };
+    const p = (a0 + a1) / (1 - pole);
+    return { p, i: 0, d: (a0 - p) * (tau + interval_s), tau };
+  }
+  const step = (a0 + a1 + a2) / (1 - pole); // of the integral, a sample
+  const p = (a0 - a2 - step) / (1 - pole);
+  return { p, i: step / interval_s, d: (a2 - pole * p) * (tau + interval_s), tau };
+}

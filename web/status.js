@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// One banner: what the machine is in, why, and what comes next. And what Enable still lacks.
+
+import { el, setText } from "./dom.js";
+import { errorWords } from "./params.js";
+import { LINES } from "./samples.js";
+
+const FROZEN_MS = 1000;
+const BEFORE_S = 0.06; // so long before power went, its cause may have come: a heartbeat lasts 50 ms
+const POWER = 10; // a card's light
+
+/** What Enable lacks, in words; empty when it will succeed. */
+export function lacks(machine) {
+  const words = [];
+  if (!machine.controls)
+    words.push(machine.holder === null ? "control" : `control, which client ${machine.holder} has`);
+  if (machine.input("estop")) words.push("a released hand-held button");
+  if (machine.input("cable") === 0) words.push("the ribbon cable, which is out");
+  if (machine.input("pc_power") === 0) words.push("power of the card cage");
+  const absent = machine.inputs.find(({ name }) => name === "card_absent")?.values ?? {};
+  const silent = Object.keys(absent).map(Number);
+  const { history, hello } = machine;
+  if (history.end > history.first && machine.input("pc_power") !== 0)
+    for (let card = 0; card < hello.cards; card++)
+      if (!((history.lights(card) >> POWER) & 1) && !silent.includes(card)) silent.push(card);
+  if (silent.length)
+    words.push(`card${silent.length > 1 ? "s" : ""} ${silent.sort().join(" and ")}, which ${silent.length > 1 ? "are" : "is"} silent`);
+  return words;
+}
+
+/** Why PANIC is up, from what can be seen: button, cable, power, heartbeats of switched-on axes. */
+export function panicCauses(machine) {
+  const { history, hello } = machine;
+  const causes = [];
+  if (machine.input("estop")) causes.push("the hand-held button is pressed");
+  if (machine.input("cable") === 0) causes.push("the ribbon cable is out");
+  if (machine.input("pc_power") === 0) causes.push("the card cage has no power");
+  const off = machine.inputs.find(({ name }) => name === "axis_enable")?.values ?? {};
+  for (let axis = 0; axis < hello.axes; axis++)
+    if (off[axis] !== 0 && !((history.lights(axis >> 1) >> (6 + (axis & 1))) & 1))
+      causes.push(`axis ${axis} has no heartbeat`);
+  return causes;
+}
+
+const FAULTS = { estop: "the hand-held button was pressed", cable: "the ribbon cable came out",
+  pc_power: "the card cage lost its power" };  // prettier-ignore
+
+/** The first of the events before the end of power that explains it. */
+export function causeOf(events, t) {
+  const near = events.filter((e) => e.t >= t - BEFORE_S && e.t <= t + 0.001);
+  const of = (kind, wanted = () => true) => near.find((e) => e.kind === kind && wanted(e));
+  const said = of("log", ({ text }) => /silent|lease|overrun|skipped|trip/.test(text));
+  const fault = of("fault");
+  const named = fault && Object.keys(FAULTS).find((name) => fault.text.startsWith(name));
+  if (fault && of("panic")) return named ? FAULTS[named] : `a fault: ${fault.text}`;
+  const error = of("error", ({ text }) => !text.includes("PANIC")) ?? of("error");
+  if (error) return errorWords(error.value) === "PANIC" ? "PANIC" : error.text;
+  if (said) return said.text;
+  if (of("panic", ({ value }) => value)) return "PANIC";
+  if (of("client")) return "the program that had the device has closed it";
+  return "STOP";
+}
+
+/** {kind, cause, next}: kind is bad, warn, good or rest. */
+export function condition(machine, end, now) {
+  const { history } = machine;
+  if (!machine.connected)
+    return { kind: "bad", cause: "Not connected to the machine.",
+      next: "A page that controlled it has stopped it by its end. Trying again every second." };  // prettier-ignore
+  if (history.end === history.first)
+    return { kind: "rest", cause: "No sample yet.", next: "Time passes while somebody has the device open." };
+  const frozen = now - machine.heard;
+  if (!machine.paused && frozen > FROZEN_MS)
+    return { kind: "bad", cause: `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`,
+      next: "The computer may be too busy, or the server hangs; STOP has a way of its own." };  // prettier-ignore
+  const lines = history.value(history.end - 1, history.linesColumn);
+  if (lines & LINES.enabled) {
+    if (lines & LINES.panic)
+      return { kind: "bad", cause: `PANIC: ${panicCauses(machine).join("; ") || "cause unknown"}.`,
+        next: "Brakes hold. Mend the cause, then Enable." };  // prettier-ignore
+    const errors = Array.from({ length: history.axes }, (_, n) => history.latest(n).errcode & 0xff);
+    const at = errors.findIndex(Boolean);
+    if (at >= 0)
+      return { kind: "warn", cause: `Servo on; axis ${at}: ${errorWords(errors[at])}.`, next: "Clear errors once it is seen to." };
+    const tail = machine.paused ? " Time is paused: Run on." : "";
+    return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}` };
+  }
+  const missing = lacks(machine);
+  const next = missing.length ? `Enable lacks ${missing.join("; ")}.` : "Enable (E, then Enter) drives and opens the brakes.";
+  if (end) return { kind: "warn", cause: `Stopped at ${end.t.toFixed(3)} s: ${end.cause}.`, next };
+  return { kind: "rest", cause: "At rest, brakes on.", next };
+}
+
+export function statusBar(page, element) {
+  const { machine } = page;
+  const cause = el("strong", { id: "cause" });
+  const next = el("span", { id: "next" });
+  element.append(cause, next);
+  let end = null; // of the last power: {t, cause}
+  machine.addEventListener("event", ({ detail }) => {
+    if (detail.kind === "rewind") end = null;
+    if (detail.kind !== "enabled") return;
+    end = detail.value || detail.text.startsWith("as it is") ? null : { t: detail.t, cause: "" };
+  });
+  return () => {
+    if (end) end.cause = causeOf(machine.messages.slice(-400), end.t);
+    const now = condition(machine, end, performance.now());
+    element.className = now.kind;
+    setText(cause, now.cause);
+    setText(next, now.next);
+    document.body.classList.toggle("gone", !machine.connected);
+  };
+}

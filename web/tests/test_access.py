@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page for those who see little, hear it read, or have no mouse: measured by axe-core."""
+
+from __future__ import annotations
+
+import pytest
+from test_start import VIEWS
+
+from mmcs.tool.pages import library_folder
+
+RUN = """async () => {
+  const found = await axe.run(document, { resultTypes: ["violations"], iframes: false });
+  return found.violations.map(({ id, impact, nodes }) =>
+    ({ id, impact, where: nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`) }));
+}"""
+# live regions that a screen reader reads out by itself, and what Tab comes to
+TALKS = """() => [...document.querySelectorAll(
+    "[aria-live], [role=status], [role=alert], [role=log], output")]
+  .filter((e) => e.getClientRects().length && e.getAttribute("aria-live") !== "off").length"""
+STOPS = """() => [...document.querySelectorAll(
+    "a[href], button, input, select, summary, iframe, [tabindex]")]
+  .filter((e) => e.checkVisibility() && !e.disabled && e.tabIndex >= 0).length"""
+
+
+def serious(frame, source: str) -> list:
+    frame.evaluate(source + "; null")
+    return [one for one in frame.evaluate(RUN) if one["impact"] in ("serious", "critical")]
+
+
+@pytest.mark.req("TOOL-1")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_serious_finding_in_any_view(desk, scheme):
+    page = desk.page
+    source = (library_folder() / "axe-core" / "axe.min.js").read_text()
+    page.emulate_media(color_scheme=scheme)
+    assert serious(desk.stop_frame, source) == []
+    for view in VIEWS:
+        page.click(f"#tab-{view}")
+        page.evaluate("() => document.querySelectorAll('details').forEach((d) => d.open = true)")
+        assert serious(page, source) == [], view
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    assert serious(page, source) == []
+
+
+@pytest.mark.req("TOOL-1")
+def test_few_words_by_themselves_and_few_stops_of_tab(desk):
+    page = desk.page
+    for view in VIEWS:
+        page.click(f"#tab-{view}")
+        assert page.evaluate(TALKS) <= 4, view
+    page.click("#tab-scope")
+    assert page.evaluate(STOPS) <= 60
+
+
+@pytest.mark.req("TOOL-1")
+def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):
+    page = desk.page
+    wide = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
+    inside = """() => [...document.querySelectorAll("#panels *, #tiles *, header *, #timebar *")]
+      .filter((e) => e.getClientRects().length && !e.closest(".track"))
+      .filter((e) => e.getBoundingClientRect().right > innerWidth + 1)
+      .map((e) => e.id || e.className)"""
+    for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
+        page.set_viewport_size(size)
+        page.wait_for_timeout(400)
+        assert page.evaluate(wide) <= 0 and page.evaluate(inside) == []
+    order = page.evaluate(
+        "() => ['stop', 'side', 'tiles', 'axis'].map((id) => "
+        "document.getElementById(id).getBoundingClientRect().top)"
+    )
+    assert order == sorted(order)  # STOP and the scope first
+    page.set_viewport_size({"width": 1280, "height": 800})
+    assert page.locator("#rewind").bounding_box()["width"] > 600
+    panel = page.locator("#axis0-panel").bounding_box()
+    tile = page.locator("#tile0").bounding_box()
+    assert tile["y"] > 0 and panel["y"] + panel["height"] <= 800

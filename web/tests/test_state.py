@@ -1,0 +1,348 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Panels show what the driver has, whoever changed it, and nothing else; an edit is a draft."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import pytest
+from bench import Desk
+from test_page import enter
+
+from mmcs import mcdef
+from mmcs.device.link import Link
+
+POS, VEL, TORQ = 1, 2, 3
+AXIS = 2
+# every field of the panel and what it shows for these parameters
+PARAM = {
+    "a2": 300, "a1": -8000, "a0": 9000, "b2": 0, "b1": -64, "b0": 64, "ic_pos": 11, "ic_neg": 12,
+    "clkdivisor": 3, "ilim": 700, "ilimax": 5, "plo": -9000, "phi": 8000, "adc_a": 2, "adc_b": -40,
+    "ipole": 200,
+}  # fmt: skip
+SHOWN = """(axis) => {
+  const of = (id) => document.getElementById(`axis${axis}-${id}`);
+  const panel = document.getElementById(`axis${axis}-panel`);
+  const fields = [...panel.querySelectorAll(".fields input")];
+  return {
+    mode: of("mode").value,
+    source: of("setpoint source").value,
+    feedback: of("feedback").value,
+    coulomb: of("Coulomb compensation").checked,
+    led: of("LED").checked,
+    setpoint: of("setpoint").value,
+    slider: Number(of("setpoint slider").value),
+    row: of("setpoint").parentElement.hidden,
+    gains: ["P", "I", "D"].map((g) => of(`${g} gain`).value),
+    coefficients: panel.querySelector(".coefficients").textContent,
+    fields: Object.fromEntries(fields.map((f) => [f.parentElement.innerText.trim(), f.value])),
+    interval: document.getElementById("interval").value,
+    diag: document.getElementById("diag").value,
+    double: document.getElementById("double").checked,
+    drafts: document.querySelectorAll(".draft").length,
+  };
+}"""
+
+
+class Outsider:
+    """Another program at the machine that changes everything."""
+
+    def __init__(self, desk):
+        self.link = Link(path=desk.tool.socket)
+        self.link.request("open", mode="rw")
+
+    def call(self, request: str, value: int | None = None) -> None:
+        self.link.request("call", request=request, **({} if value is None else {"value": value}))
+
+    def change(self, axis: int, **param: int) -> None:
+        self.link.request("change", axis=axis, param=param)
+
+
+@pytest.fixture
+def outside(desk):
+    """The page looks on; another program has the machine."""
+    desk.page.click("#control")
+    desk.until("() => !mctool.machine.controls")
+    desk.choose(AXIS)
+    desk.page.evaluate("() => document.querySelectorAll('details').forEach((d) => d.open = true)")
+    one = Outsider(desk)
+    yield one
+    one.link.close()
+
+
+def shows(desk, **wanted) -> None:
+    def so() -> bool:
+        now = desk.page.evaluate(SHOWN, AXIS)
+        return all(now[name] == value for name, value in wanted.items()) and now["drafts"] == 0
+
+    try:
+        desk.eventually(so, 20)
+    except AssertionError:
+        now = desk.page.evaluate(SHOWN, AXIS)
+        raise AssertionError({k: (now[k], v) for k, v in wanted.items() if now[k] != v}) from None
+
+
+@pytest.mark.req("TOOL-1")
+def test_every_field_changed_by_another_program_is_shown(desk, outside):
+    outside.change(AXIS, **PARAM, mode=VEL | mcdef.COULCOMP)
+    fields = {name: str(value) for name, value in (PARAM | {"mode": VEL | mcdef.COULCOMP}).items()}
+    shows(desk, mode="vel", coulomb=True, fields=fields, row=False, source="slider",
+          coefficients="a 9000 -8000 300  b 64 -64 0")  # fmt: skip
+    interval_s = 0.002 * 3
+    p = 8000 / 64 - 2 * 300 / 64
+    gains = [p, 1300 / 64 / interval_s, 300 / 64 * interval_s]
+    shows(desk, gains=[f"{100 * g:.2f}".rstrip("0").rstrip(".") for g in gains])
+    for word, name in ((POS, "pos"), (TORQ, "torq"), (4, "test1"), (0, "off"), (VEL, "vel")):
+        outside.change(AXIS, mode=word)
+        shows(desk, mode=name, row=name in ("test1", "off"))
+    outside.change(AXIS, mode=VEL | mcdef.ADFB)
+    shows(desk, feedback="ad")
+    outside.change(AXIS, mode=VEL | mcdef.ZEROFB | mcdef.ADDMD)
+    shows(desk, feedback="zero", source="ad", row=True)
+    outside.change(AXIS, mode=TORQ)
+    outside.call("MENABLE")
+    outside.link.request("write", setpoints=[0, 0, 37])
+    shows(desk, setpoint="37", slider=37, source="slider", feedback="encoder")
+    outside.call("MSETLED", 0x100 | AXIS)
+    shows(desk, led=True)
+    for request, value, field in (("MSETINTERVAL", 1000, {"interval": "1000"}),
+                                  ("MDIAGMODE", 2, {"diag": "2"}),
+                                  ("MDACMODE", 1, {"double": True})):  # fmt: skip
+        outside.call(request, value)
+        shows(desk, **field)
+    desk.until("() => document.querySelector('.lamp').textContent.includes('servo on')")
+    outside.change(AXIS, mode=0)
+    outside.call("MSETDAC", (2048 + 55) << 8 | AXIS)
+    shows(desk, mode="diag", setpoint="55")
+    outside.link.request("stop")
+    shows(desk, mode="off", row=True)
+    assert desk.page.is_disabled(f"#axis{AXIS}-ilim")
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_way_back_in_time_and_another_page_are_shown(desk, outside):
+    outside.change(AXIS, ilim=321, mode=POS)
+    shows(desk, mode="pos")
+    moment = outside.link.request("snapshot")["snapshot"]["id"]
+    outside.change(AXIS, ilim=654, mode=VEL)
+    outside.call("MSETINTERVAL", 4000)
+    shows(desk, mode="vel", interval="4000")
+    outside.link.request("rewind", snapshot=moment)
+    shows(desk, mode="pos", interval="2000")
+    assert desk.page.input_value(f"#axis{AXIS}-ilim") == "321"
+    other = desk.open()  # and takes control, which nobody has
+    desk.choose(AXIS, other)
+    other.select_option(f"#axis{AXIS}-mode", "torq")
+    shows(desk, mode="torq")
+    other.close()
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_draft_stays_until_it_is_taken_or_left(desk):
+    page = desk.page
+    desk.choose(1)
+    page.fill('[id="axis1-P gain"]', "17")
+    page.wait_for_timeout(400)
+    assert page.input_value('[id="axis1-P gain"]') == "17" and desk.param(1)["a0"] == 1
+    assert page.eval_on_selector('[id="axis1-P gain"]', "e => e.classList.contains('draft')")
+    page.keyboard.press("Escape")
+    desk.eventually(lambda: page.input_value('[id="axis1-P gain"]') == "100")
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_refused_gain_leaves_the_others(desk):
+    page = desk.page
+    desk.choose(1)
+    enter(page, '[id="axis1-P gain"]', "4000")
+    desk.eventually(lambda: desk.param(1)["a0"] == 40 * desk.param(1)["b0"])
+    enter(page, '[id="axis1-P gain"]', "1,234")
+    desk.eventually(lambda: "no gain" in page.inner_text("#said"))
+    desk.eventually(lambda: page.input_value('[id="axis1-P gain"]') == "4000")
+    enter(page, '[id="axis1-D gain"]', "20")
+    desk.eventually(lambda: desk.param(1)["a1"] < 0)
+    param = desk.param(1)
+    assert (param["a0"] + param["a1"]) / param["b0"] == pytest.approx(40, rel=0.01)
+
+
+@pytest.mark.req("TOOL-1", "DRV-12")
+def test_off_after_diag_takes_the_code_from_the_d_a(desk):
+    page = desk.page
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    page.select_option("#axis0-mode", "diag")
+    enter(page, "#axis0-setpoint", "200")
+    desk.until("() => mctool.machine.history.latest(0).current === 200")
+    page.select_option("#axis0-mode", "off")
+    desk.until("() => mctool.machine.history.latest(0).current === 0")
+    desk.eventually(lambda: page.input_value("#axis0-mode") == "off")
+
+
+@pytest.mark.req("TOOL-1", "DRV-4")
+def test_a_setpoint_moves_its_own_axis_alone(desk):
+    page = desk.page
+    for axis in (4, 5):
+        desk.link.request("name", name="test")
+        desk.choose(axis)
+        page.select_option(f"#axis{axis}-mode", "pos")
+        desk.eventually(lambda axis=axis: desk.param(axis)["mode"] == POS)
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    desk.choose(5)
+    enter(page, "#axis5-setpoint", "694")
+    desk.until("() => mctool.machine.history.latest(5).setpoint === 694")
+    enter(page, "#axis5-setpoint", "5000000000")  # beyond 32 bits
+    desk.eventually(lambda: "no setpoint" in page.inner_text("#said"))
+    desk.choose(4)
+    enter(page, "#axis4-setpoint", "30")
+    desk.until("() => mctool.machine.history.latest(4).setpoint === 30")
+    assert desk.latest(5)["setpoint"] == 694
+    page.evaluate("() => mctool.machine.setSetpoint(4, 1000)")  # as the step of Tune
+    page.evaluate("() => mctool.page.panels[4].nudge(1)")
+    desk.until("() => mctool.machine.history.latest(4).setpoint === 1400")
+
+
+@pytest.mark.req("TOOL-1", "PAN-1")
+def test_enable_asks_while_the_button_is_pressed(desk):
+    page = desk.page
+    desk.stop_frame.click("#press")
+    desk.eventually(lambda: "released hand-held button" in page.inner_text("#banner"))
+    page.click("#enable")
+    desk.eventually(lambda: "Release it first" in page.inner_text("#said"))
+    assert not desk.state()["enabled"]
+    page.click("#enable")
+    desk.eventually(lambda: desk.state()["enabled"])
+
+
+@pytest.mark.req("TOOL-1")
+def test_control_given_back_in_mid_drive_stops(desk):
+    page = desk.page
+    page.click("#enable")
+    desk.until("() => mctool.machine.enabled")
+    page.keyboard.press("c")
+    page.wait_for_timeout(300)
+    assert desk.state()["enabled"] and desk.state()["lease"] is not None
+    page.click("#control")
+    desk.eventually(lambda: desk.state()["lease"] is None)
+    assert not desk.state()["enabled"]
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_banner_tells_the_cause_and_what_comes_next(desk):
+    page = desk.page
+    assert "At rest" in page.inner_text("#cause") and "PANIC" not in page.inner_text("#cause")
+    page.click("#enable")
+    desk.eventually(lambda: page.inner_text("#cause").startswith("Servo on"))
+    desk.stop_frame.click("#press")
+    desk.eventually(lambda: "the hand-held button was pressed" in page.inner_text("#cause"))
+    assert "lacks a released hand-held button" in page.inner_text("#next")
+    desk.stop_frame.click("#press")
+    ask = "(input) => mctool.machine.link.request('input', input)"
+    for name, index, words in (("cable", 0, "ribbon cable"), ("card_absent", 1, "card 1")):
+        healthy = 1 if name == "cable" else 0
+        page.evaluate(ask, {"name": name, "index": index, "value": 1 - healthy})
+        desk.eventually(lambda words=words: words in page.inner_text("#next"))
+        page.evaluate(ask, {"name": name, "index": index, "value": healthy})
+    desk.eventually(lambda: page.inner_text("#next").startswith("Enable (E"))
+
+
+@pytest.mark.req("TOOL-1")
+def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
+    page = desk.page
+
+    def stops(press) -> bool:
+        page.click("#enable")
+        desk.eventually(lambda: desk.state()["enabled"])
+        press()
+        page.wait_for_timeout(300)
+        return not desk.state()["enabled"]
+
+    page.click("#tab-law")
+    page.fill("#law-dz", "")
+
+    def key(where: str, name: str):
+        def press() -> None:
+            page.focus(where)
+            page.keyboard.press(name)
+
+        return press
+
+    assert not stops(key("#law-dz", "Space")) and page.input_value("#law-dz") == " "
+    box = '[id="axis0-Coulomb compensation"]'
+    assert not stops(key(box, "Space"))
+    desk.eventually(lambda: desk.param(0)["mode"] & mcdef.COULCOMP)
+    assert not stops(key("#axis0-mode", "Space"))
+    page.keyboard.press("Escape")
+    for where in ("#clear", "[id='axis0-P gain slider']", "#tab-law"):
+        assert stops(key(where, "Space")), where
+    for where in ("#law-dz", box, "#clear"):
+        assert stops(key(where, "Escape")), where
+
+
+@pytest.mark.deadman(1000)
+@pytest.mark.req("TOOL-1")
+def test_a_page_that_nobody_looks_at_keeps_control(browser, desk):
+    """A browser lets the timers of a hidden page run once a second, or once a minute."""
+    page = browser.new_page()
+    page.add_init_script(
+        "const slow = setInterval; window.setInterval = (f, ms) => slow(f, 60000);"
+    )
+    page.set_default_timeout(60_000)
+    desk.page.click("#control")
+    page.goto(desk.tool.address)
+    page.wait_for_selector("body.ready")
+    page.evaluate("() => mctool.machine.reclaim()")
+    since = desk.state()["time"]
+    page.wait_for_timeout(3000)
+    assert desk.state()["lease"] is not None and desk.state()["time"] > since
+    page.close()
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_frozen_stream_and_a_lost_connection_are_told_and_mended(desk):
+    page = desk.page
+    machine, gateway = (desk.tool.processes[name].pid for name in ("machine", "gateway"))
+    os.kill(machine, signal.SIGSTOP)
+    desk.eventually(lambda: "No sample for" in page.inner_text("#cause"))
+    os.kill(machine, signal.SIGCONT)
+    desk.eventually(lambda: "No sample" not in page.inner_text("#cause"))
+    page.evaluate("() => mctool.machine.link.close()")
+    desk.eventually(lambda: not page.evaluate("() => mctool.machine.connected"))
+    desk.eventually(lambda: page.evaluate("() => mctool.machine.connected") is True)
+    desk.choose(3)
+    page.click("#control")
+    page.select_option("#axis3-mode", "vel")
+    desk.eventually(lambda: desk.param(3)["mode"] == VEL)
+    os.kill(gateway, signal.SIGKILL)
+    desk.eventually(lambda: "Not connected" in page.inner_text("#cause"))
+    desk.eventually(lambda: page.is_disabled("#axis3-mode") and page.is_disabled("#control"))
+
+
+@pytest.mark.req("TOOL-1")
+def test_an_onlooker_s_page_shows_what_a_program_drives(browser):
+    """`bounce` drives in velocity mode: its page says so, and its gains."""
+    import subprocess
+
+    from mmcs.device.execute import environment
+    from mmcs.device.sockets import socket_path
+    from mmcs.tests.device_bench import EXAMPLES, compile_1989
+    from mmcs.tool.launch import _end, _serve, start
+
+    name = f"onlook-{os.getpid()}"
+    socket = socket_path(name)
+    machine = _serve("puma560", name, socket)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    program = compile_1989(EXAMPLES / "bounce.c")
+    bounce = subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet)
+    try:
+        desk = Desk(browser, start("", socket, {}))
+        desk.until("() => mctool.machine.history.latest(0).setpoint !== 0")
+        param = desk.param(0)
+        assert param["mode"] & 0xF == VEL
+        desk.eventually(lambda: desk.page.input_value("#axis0-mode") == "vel")
+        assert desk.page.input_value("#axis0-a0") == str(param["a0"])
+        desk.close()
+    finally:
+        bounce.kill()
+        bounce.wait()
+        _end(machine)
