@@ -6,7 +6,8 @@
 
 module mmcs_board #(
   parameter int ClkHz = 24_000_000,
-  parameter int Baud = 1_000_000
+  parameter int Baud = 1_000_000,
+  parameter int HeartbeatUs = 50_000
 ) (
   input  wire logic       clk_i,
   input  wire logic       locked_i,       // the PLL has
@@ -65,6 +66,7 @@ module mmcs_board #(
   mmcs #(
     .NumCards(1),
     .ClkHz(ClkHz),
+    .HeartbeatUs(HeartbeatUs),
     .HostPort(1'b1)
   ) u_mmcs (
     .clk_i, .rst_ni(rst_n),

@@ -16,6 +16,7 @@ import click
 
 from mmcs import __version__
 from mmcs.cli.again import replay, trace
+from mmcs.cli.board import board
 from mmcs.cli.bridge import fmu, live, mcap
 from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
@@ -326,7 +327,7 @@ main.add_command(replay)
 main.add_command(compare)
 main.add_command(film)
 main.add_command(faults)
-for _command in (serve, exec_, design, sweep, campaign, tool, lab):
+for _command in (serve, exec_, design, sweep, campaign, tool, lab, board):
     main.add_command(_command)
 
 

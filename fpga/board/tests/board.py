@@ -26,3 +26,17 @@ def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Out
         includes=(HERE.parent,),
     )  # fmt: skip
     return runner.run(job, list(TESTS), runner.DEFAULT_SEED)
+
+
+PTY_TESTS = ("self_test_over_a_pty", "a_stop_loop_that_is_open", "wrong_and_cut_bytes",
+             "a_board_that_is_in_reset")  # fmt: skip
+
+
+def over_a_pty() -> dict[str, runner.Outcome]:
+    """`mmcs board` against mmcs_board, at a clock and a heartbeat that simulate fast."""
+    job = runner.Job(
+        "fpga.board.tests.cocotb_pty", "mmcs_board", "verilator",
+        (("ClkHz", 8_000_000), ("HeartbeatUs", 5_000)),
+        tuple(ROOT / f"fpga/board/{name}.sv" for name in RTL), includes=(HERE.parent,),
+    )  # fmt: skip
+    return runner.run(job, list(PTY_TESTS), runner.DEFAULT_SEED)

@@ -5,9 +5,10 @@ import functools
 
 import pytest
 
-from fpga.board.tests.board import TESTS, simulate
+from fpga.board.tests.board import PTY_TESTS, TESTS, over_a_pty, simulate
 
 outcomes = functools.cache(simulate)
+sessions = functools.cache(over_a_pty)
 
 
 @pytest.mark.slow
@@ -17,4 +18,12 @@ outcomes = functools.cache(simulate)
 @pytest.mark.parametrize("name", TESTS)
 def test_the_card_on_a_board(name, board):
     outcome = outcomes(board)[name]
+    assert outcome.passed, outcome.text
+
+
+@pytest.mark.req("ADP-1", "HB-1", "PAN-1", "PPI-1")
+@pytest.mark.xdist_group("board")
+@pytest.mark.parametrize("name", PTY_TESTS)
+def test_mmcs_board_over_a_pty(name):
+    outcome = sessions()[name]
     assert outcome.passed, outcome.text
