@@ -49,7 +49,7 @@ static void random_ioctl(struct mc *mc, int client) {
     struct mc_stats stats;
     int32_t words[32];
   } arg;
-  uint32_t request = requests[chance(19)];
+  uint32_t request = requests[chance(sizeof requests / sizeof requests[0])];
   if (request == MENABLE && chance(50) != 0) return; /* it waits for milliseconds */
   if (request == MDIAGMODE && chance(8) != 0) return;
   for (int i = 0; i < 32; i++) arg.words[i] = number();

@@ -194,6 +194,10 @@ class Device:
         """What the driver says on the server's console: M_VERBOSE, M_ERRORPRINT."""
         self._set("MSETVERBOSITY", _checked("bits", bits))
 
+    def verbosity(self) -> int:
+        """The bits of set_verbosity()."""
+        return self._get("MGETVERBOSITY")
+
     def calibrate(self, axis: int) -> None:
         """Arms the index of an axis; MERR_ZINDEX with its count comes in errcode."""
         self._set("MCALIB", _axis(axis))

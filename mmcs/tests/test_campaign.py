@@ -276,7 +276,8 @@ def test_show_tells_of_one_fault(mmcs, plan):
 def test_every_input_has_its_sort():
     sorts = [*PINS, *LINES, *KILLS, *MESSAGES]
     others = {"clock_stop"}  # one more in a sort would draw the campaigns anew that were measured
-    assert sorted(sorts) == sorted(n for n in INPUTS.keys() - others if not n.startswith("seu_"))
+    known = sorted(n for n in INPUTS.keys() - others if not n.startswith("seu_"))
+    assert sorted(sorts) == known, "mmcs/campaign/faults.py: PINS, LINES, KILLS, MESSAGES"
 
 
 def test_every_bit_and_input_is_drawn_as_often_as_any_other(plan):

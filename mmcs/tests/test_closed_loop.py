@@ -7,9 +7,11 @@ and what the physics did. The reference responses are in mmcs/reference.py.
 
 import functools
 import math
+import re
 
 import pytest
 
+from mmcs import ROOT
 from mmcs.engine import logcols
 from mmcs.result.report import make_report
 from mmcs.runs.runner import simulate
@@ -130,7 +132,22 @@ def test_names_of_inputs_are_those_of_the_engine():
 
     setup = load("lab500")
     with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:
-        assert sim.input_names() == [*INPUTS, *(UPSET + name for name in sim.registers())]
+        known = [*INPUTS, *(UPSET + name for name in sim.registers())]
+        assert sim.input_names() == known, "sim/engine/inputs.cpp or sim/plant/plant.cpp"
+
+
+def test_every_input_has_its_effect():
+    """A wire in fault() and is_possible() of the pins, physics a number of the axis' inputs."""
+    rows, pins, plant, axis = (
+        (ROOT / "sim" / path).read_text()
+        for path in ("engine/inputs.cpp", "model/pins.cpp", "plant/plant.cpp", "plant/axis.h")
+    )
+    for pin in set(re.findall(r"Pin::(k\w+)", rows)) - {"kCount"}:
+        assert pins.count(f"case Pin::{pin}:") == 2, f"sim/model/pins.cpp: {pin}"
+    names = re.findall(r'"(\w+)"', plant[plant.index("kInputNames[kInputs]") :].partition(";")[0])
+    numbers = re.findall(r"k(\w+),", axis[axis.index("enum Input {") :].partition("kInputs")[0])
+    wanted = [name.replace("_", "") for name in names]
+    assert [n.lower() for n in numbers] == wanted, "sim/plant/axis.h and sim/plant/plant.cpp"
 
 
 @pytest.mark.req("SRV-1")

@@ -114,7 +114,27 @@ def test_input_table_is_current():
         [f"`{name}`", "" if i.scope == "machine" else i.scope, f"{i.healthy:g}", i.meaning]
         for name, i in INPUTS.items()
     ]
-    assert rows == expected
+    assert rows == expected, "docs/use/scenarios.md: between the marks inputs"
+
+
+def test_inputs_of_the_plant_are_in_its_chapter():
+    """docs/simulator/plant.md has a row of each, in the order of the engine."""
+    source = (ROOT / "sim" / "plant" / "plant.cpp").read_text()
+    table = source[source.index("kInputNames[kInputs]") :].partition(";")[0]
+    page = (ROOT / "docs" / "simulator" / "plant.md").read_text()
+    page = page.partition("## Inputs and faults\n")[2].partition("\n## ")[0]
+    told = [n for row in re.findall(r"^\| (`.*?) \|", page, re.M) for n in re.findall(r"\w+", row)]
+    assert told == re.findall(r'"(\w+)"', table), "docs/simulator/plant.md"
+
+
+def test_registers_of_the_inputs_are_in_the_fault_table():
+    from studies.faults import DOCUMENT, REGISTERS
+
+    inputs = [name for name in INPUTS if name.startswith("seu_")]
+    assert list(REGISTERS) == inputs, "studies/faults.py: REGISTERS"
+    page = DOCUMENT.read_text()
+    missing = [name for name in inputs if f"\n| `{name}` |" not in page]
+    assert not missing, f"{missing}: run `python -m studies.faults`"
 
 
 def test_example_is_a_good_scenario(mmcs, scenario):
@@ -182,3 +202,8 @@ def test_the_manual_page_names_every_command():
     told = set(re.findall(r"\w+", " ".join(re.findall(r"^\.It Cm (.*)$", page, re.M))))
     commands = set(main.list_commands(None))
     assert commands <= told, sorted(commands - told)
+
+
+def test_requests_of_a_scenario_are_documented():
+    row = re.search(r"^\| `request` \| (.*) \|$", SECTIONS["`[[call]]`"], re.M)[1]
+    assert names(row) == set(typing.get_args(scenario.Request)), "docs/use/scenarios.md"

@@ -465,5 +465,6 @@ def test_console_lines_reach_who_listens(serving, link):
     link.request("follow", samples=False)
     with Device() as dev:
         dev.set_verbosity(mcdef.M_VERBOSE)
+        assert dev.verbosity() == mcdef.M_VERBOSE
         assert event(link, "log")["text"] == "mc: cards: 1"
     assert os.getpid() in [c["pid"] for c in link.request("clients")["clients"]]

@@ -5,9 +5,13 @@ Everything else, RTL, firmware and tests alike, takes the map from rtl/regs/mmcs
 would be a slip everywhere.
 """
 
+import re
+import subprocess
+import sys
+
 import pytest
 
-from mmcs import regs
+from mmcs import ROOT, regs
 
 # §4.3.3 and figure 5.1, then table 4.1 and table 5.1
 ADDRESSES = {
@@ -51,12 +55,34 @@ def test_field(name):
 def test_nothing_else_is_on_the_map():
     chips = ("PIT_", "PPI_")  # words of the chips themselves, from their data sheets
     fields = {n[:-3] for n in vars(regs) if n.endswith("_BM") and not n.startswith(chips)}
-    assert fields == set(BITS)
+    assert fields == set(BITS), "mmcs.rdl and this file's BITS"
     others = {n for n in vars(regs) if n.isupper() and not n.endswith(("_BM", "_BP", "_GC"))}
-    assert others - {"PPI_MODE_BOARD"} == set(ADDRESSES)
+    assert others - {"PPI_MODE_BOARD"} == set(ADDRESSES), "mmcs.rdl and this file's ADDRESSES"
 
 
 @pytest.mark.req("MAP-1")
 def test_a_card_answers_to_its_number():
     assert regs.card_offset(0, 0) == 0x001
     assert regs.card_offset(15, 0x12) == 0x3C0 | 0x12 << 1 | 1
+
+
+@pytest.mark.req("MAP-1")
+def test_what_is_generated_is_fresh():
+    command = [sys.executable, "rtl/regs/generate.py", "--check"]
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.req("MAP-1")
+def test_the_hardware_uses_every_bit():
+    """Single bits of the control registers are taken by name: what is written in rtl/, what is read
+    from port C in the tests."""
+    rtl = "".join(p.read_text() for d in ("adaptor", "mark1") for p in (ROOT / "rtl" / d).glob("*"))
+    bench = (ROOT / "cocotb_tests" / "lib" / "tb.py").read_text()
+    single = [name for name, (high, low) in BITS.items() if high == low]
+    for name in single:
+        where, text, word = "rtl/", rtl, rf"\b{name}\b"
+        if name.startswith("CARD_PPI_C"):
+            where, text, word = "cocotb_tests/lib/tb.py", bench, rf"\b{name}_(BM|BP)\b"
+        assert re.search(word, text), f"nothing in {where} uses {name}"
+    assert len(single) >= 20

@@ -5,6 +5,8 @@ Run in the build that skips idle clocks; its runs are those of the plain build t
 test_skipping_changes_nothing shows on two of them.
 """
 
+import re
+
 import pytest
 
 from mmcs.result.expect_plant import index_counts
@@ -116,10 +118,13 @@ def test_fault_table_has_every_fault():
     from studies.faults import DOCUMENT, fault_scenarios
 
     text = DOCUMENT.read_text()
+    for name in re.findall(r"^\* \*\*.*\*\* \(`(\w+)`\)", text, re.M):
+        assert name in scenario_names(), f"{name}: is not there; run `python -m studies.faults`"
     for name, setup in fault_scenarios():
         fault = setup.scenario.fault
-        assert f"\n| {fault.name} |" in text
-        assert f"* **{fault.name}** (`{name}`). {fault.why}\n" in text
+        stale = f"{name}: run `python -m studies.faults`"
+        assert f"\n| {fault.name} |" in text, stale
+        assert f"* **{fault.name}** (`{name}`). {fault.why}\n" in text, stale
 
 
 @pytest.mark.req("PAN-1", "PAN-3")

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The recipes of CONTRIBUTING.md: done whole in a copy of the checkout their tests are green; with
+any step left out, a test of the row that the recipe names is red and names the place.
+
+What needs the C++ of an input compiled is done by hand: here the engine's names are compared with
+those of a list that has one more.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import pytest
+
+from mmcs import ROOT
+from mmcs.scenario.inputs import INPUTS
+from mmcs.tests import test_closed_loop
+
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("recipes")]  # some 30 starts of pytest
+PAGE = (ROOT / "CONTRIBUTING.md").read_text().partition("## How to add")[2]
+
+SHEET = "docs/labs/11_heat"  # the new one
+GENERATE = "rtl/regs/generate.py"
+GENERATED = (
+    "rtl/regs/mmcs_regs_pkg.sv", "firmware/include/mmcs_regs.h", "mmcs/regs.py",
+    "docs/hardware/registers.md", "web/registers_table.js",
+)  # fmt: skip
+
+
+class Step(NamedTuple):
+    file: str
+    before: str  # the text of the file in whose place `text` comes; "": a new file
+    text: str
+    test: str  # red without this step
+    says: str  # and why
+
+
+def behind(file, line, text, test, says):
+    return Step(file, line, f"{line}{text}", test, says)
+
+
+CLOSED_LOOP = "mmcs/tests/test_closed_loop.py::"
+DOCS, CAMPAIGN = "mmcs/tests/test_docs.py::", "mmcs/tests/test_campaign.py::"
+REQUESTS, REGS = "mmcs/tests/test_requests.py::", "mmcs/tests/test_regs.py::"
+LABS, SCENARIOS = "mmcs/tests/test_labs.py::", "mmcs/tests/test_scenarios.py::"
+
+
+def place(file, line, text):
+    """A place of a request."""
+    test = f"{REQUESTS}test_the_place_names_every_request[{file}]"
+    return behind(file, line, text, test, f"{file} has no MGETHEAT")
+
+
+def sheet(name, text, says, test="test_no_sheet_is_half_there"):
+    return Step(name, "", text, LABS + test, says)
+
+
+RECIPES = {
+    "a fault": [
+        Step(
+            "sim/scenarios/faults/fault_heat.toml",
+            "",
+            'description = "Heat"\nextends = "arm_move"\n'
+            '[fault]\nname = "Heat"\nwhy = "It is hot."\n'
+            '[[event]]\nat = 0.1\ninput = "amp_dead"\nvalue = 1\n',
+            f"{SCENARIOS}test_fault_table_has_every_fault",
+            "fault_heat: is not there",
+        ),
+        Step(
+            "docs/evidence/faults.md",
+            "## Why\n",
+            "| Heat | - |\n\n## Why\n\n* **Heat** (`fault_heat`). It is hot.\n",
+            f"{SCENARIOS}test_fault_table_has_every_fault",
+            "fault_heat: run `python -m studies.faults`",
+        ),
+    ],
+    "an input": [
+        behind("sim/engine/inputs.cpp", "const Input kInputs[] = {\n",
+               '    {"heat", Action::kPin, Scope::kGlobal, Pin::kHeat, 1, false},\n', "", ""),
+        behind("sim/model/pins.cpp", "bool Pins::is_possible",
+               "// case Pin::kHeat: case Pin::kHeat:",
+               f"{CLOSED_LOOP}test_every_input_has_its_effect", "sim/model/pins.cpp: kHeat"),
+        behind("sim/plant/axis.h", "  kMotorJam,\n", "  kMotorHeat,\n",
+               f"{CLOSED_LOOP}test_every_input_has_its_effect", "sim/plant/axis.h"),
+        behind("sim/plant/plant.cpp", '"motor_jam"', ', "motor_heat"',
+               f"{DOCS}test_inputs_of_the_plant_are_in_its_chapter", "plant.md"),
+        behind("docs/simulator/plant.md", "| `motor_jam` | 1: the shaft is seized |\n",
+               "| `motor_heat` | 1: hot |\n",
+               f"{DOCS}test_inputs_of_the_plant_are_in_its_chapter", "plant.md"),
+        behind("mmcs/scenario/inputs.py", '"1: the shaft is blocked"),\n',
+               '    "motor_heat": Input("axis", 0, 0, 1, "1: hot"),\n',
+               f"{DOCS}test_input_table_is_current", "motor_heat"),
+        behind("docs/use/scenarios.md", "| 1: the shaft is blocked |\n",
+               "| `motor_heat` | axis | 0 | 1: hot |\n",
+               f"{DOCS}test_input_table_is_current", "docs/use/scenarios.md"),
+        behind("mmcs/campaign/faults.py", '    "motor_jam",\n', '    "motor_heat",\n',
+               f"{CAMPAIGN}test_every_input_has_its_sort", "mmcs/campaign/faults.py"),
+    ],
+    "a request of the driver": [
+        behind("firmware/include/mcdef.h", "| MC_GROUP | 19)                  /* int */\n",
+               "#define MGETHEAT (MC_ARG_OUT | MC_INT | MC_GROUP | 20)\n",
+               f"{REQUESTS}test_there_are_requests", "mcdef.h has no ['MGETHEAT']"),
+        place("firmware/mc/ioctl.c", "    {MCALIB, calibrate, 1, 0},\n",
+              "    {MGETHEAT, get_num_cards, 0, 0},\n"),
+        place("firmware/tests/test_calls.c", "MGETSTATS,     MCALIB", ", MGETHEAT"),
+        place("firmware/tests/random_calls.c", "MZEROSTATS,   MCALIB", ", MGETHEAT"),
+        place("sim/tests/device/fuzz.c", "MZEROSTATS,   MCALIB, ", "MGETHEAT,"),
+        place("mmcs/device/client.py", "    # --- the wire ---\n",
+              '    def heat(self): return self._get("MGETHEAT")\n'),
+        place("docs/use/first_hour.md", "| `calibrate(axis)` |", " |\n| `heat()` | MGETHEAT |"),
+        place("docs/use/driver.md", "| MZEROSTATS | - | |\n", "| MGETHEAT | int | |\n"),
+        place("docs/man/mc.4", ".It Dv MCALIB\n", "\n.It Dv MGETHEAT\n"),
+        behind("docs/use/driver.md", "\n```c\n/* MCALIB", ", MGETHEAT",
+               f"{REQUESTS}test_every_request_has_an_example", "no example of MGETHEAT"),
+        behind("mmcs/device/machine.py", '"MGETSTATS"', ', "MGETHEAT"',
+               f"{REQUESTS}test_who_may_ask_and_what_waits_are_those_of_the_driver"
+               "[mmcs/device/machine.py]", "mmcs/device/machine.py: READS"),
+        behind("web/engine/server.js", '"MGETSTATS"', ', "MGETHEAT"',
+               f"{REQUESTS}test_who_may_ask_and_what_waits_are_those_of_the_driver"
+               "[web/engine/server.js]", "web/engine/server.js: reads"),
+        behind("mmcs/scenario/scenario.py", '"MSTOP", "MZEROSTATS"', ', "MGETHEAT"',
+               f"{REQUESTS}test_a_scenario_a_campaign_and_a_page_call_the_same", "REQUESTS"),
+        behind("mmcs/campaign/faults.py", '"MSETINTERVAL", "MSETPARAM"', ', "MGETHEAT"',
+               f"{REQUESTS}test_a_scenario_a_campaign_and_a_page_call_the_same",
+               "mmcs/campaign/faults.py: REQUESTS"),
+        behind("web/engine/server.js", '  "MZEROSTATS"', ', "MGETHEAT"',
+               f"{REQUESTS}test_a_scenario_a_campaign_and_a_page_call_the_same",
+               "web/engine/server.js: RECORDED"),
+        behind("docs/use/scenarios.md", "`MSTOP`, `MZEROSTATS`", ", `MGETHEAT`",
+               f"{DOCS}test_requests_of_a_scenario_are_documented", "MGETHEAT"),
+    ],
+    "a register bit": [
+        behind("rtl/regs/mmcs.rdl", "clears the index latches.\";} INDEX_EN[4:4];\n",
+               '    field {desc = "Heat.";} HEAT[5:5];\n',
+               f"{REGS}test_nothing_else_is_on_the_map", "mmcs.rdl and this file's BITS"),
+        Step(GENERATE, "", "", f"{REGS}test_what_is_generated_is_fresh",
+             "is stale; run `make generate`"),
+        behind("mmcs/tests/test_regs.py", '"CARD_PPI_B_INDEX_EN": (4, 4),',
+               ' "CARD_PPI_B_HEAT": (5, 5),',
+               f"{REGS}test_nothing_else_is_on_the_map", "mmcs.rdl and this file's BITS"),
+        behind("rtl/mark1/mark1.sv", "endmodule", "  // CARD_PPI_B_HEAT",
+               f"{REGS}test_the_hardware_uses_every_bit", "nothing in rtl/ uses CARD_PPI_B_HEAT"),
+    ],
+    "a lab sheet": [
+        sheet(f"{SHEET}/sheet.md",
+              "# Heat\n\n**Goal.** g\n\n## Steps\n\n## Questions\n\n1.  `t` (9 points). q\n"
+              "2.  `u` (1 point). q\n\n`mmcs lab check 11 answer.toml` grades.\n",
+              "docs/labs: a folder without sheet.md"),
+        sheet(f"{SHEET}/answer.toml", "# t = 1\n# u = 1\n",
+              "a sheet needs a file answer.toml", "test_the_sheet_asks_what_is_graded[heat]"),
+        Step("docs/labs/README.md", "\nThe grader",
+             "| [11](11_heat/sheet.md) | heat |\n\nThe grader",
+             f"{LABS}test_no_sheet_is_half_there", "docs/labs/README.md"),
+        sheet("mmcs/lab/graders/heat.py",
+              "from mmcs.lab.marks import Question\nfrom mmcs.scenario.schema import Strict\n\n\n"
+              "class Answer(Strict):\n    t: int | None = None\n    u: int | None = None\n\n\n"
+              "QUESTIONS = (Question('t', 9, None), Question('u', 1, None))\n",
+              "mmcs/lab/graders"),
+        sheet("mmcs/tests/labs/heat_good.toml", "t = 1\n", "mmcs/tests/labs"),
+        sheet("mmcs/tests/labs/heat_bad.toml", "t = 0\n", "mmcs/tests/labs"),
+    ],
+}  # fmt: skip
+CASES = [(recipe, step) for recipe, steps in RECIPES.items() for step in steps if step.test]
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The checkout's own files."""
+    to = tmp_path_factory.mktemp("copy")
+    command = ["git", "ls-files", "-co", "--exclude-standard"]
+    listed = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=True).stdout
+    for name in listed.splitlines():
+        if (ROOT / name).is_file():
+            (to / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, to / name)
+    return to
+
+
+@contextmanager
+def done(copy, steps):
+    """The steps, undone afterwards."""
+    files = {copy / file for step in steps for file in (step.file, *GENERATED)}
+    kept = {path: path.read_text() if path.is_file() else None for path in files}
+    try:
+        for step in steps:
+            path = copy / step.file
+            if step.file == GENERATE:
+                subprocess.run([sys.executable, path], check=True)
+                continue
+            path.parent.mkdir(exist_ok=True)
+            whole = path.read_text() if path.is_file() else ""
+            assert step.before in whole, f"{step.file} has changed: no {step.before!r}"
+            path.write_text(whole.replace(step.before, step.text, 1))
+        yield
+    finally:
+        for path, text in kept.items():
+            if text is not None:
+                path.write_text(text)
+            elif path.is_file():
+                path.unlink()
+                if not any(path.parent.iterdir()):
+                    path.parent.rmdir()
+
+
+def red(copy, tests):
+    """Whether pytest fails in the copy, and what it says."""
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "-o",
+               "addopts=", "--tb=short", "-q", *tests]  # fmt: skip
+    environment = {n: value for n, value in os.environ.items() if not n.startswith("PYTEST_")}
+    ran = subprocess.run(
+        command, cwd=copy, env=environment, text=True, capture_output=True, check=False
+    )
+    return ran.returncode != 0, ran.stdout + ran.stderr
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_the_whole_recipe_is_green(copy, recipe):
+    with done(copy, RECIPES[recipe]):
+        failed, said = red(copy, sorted({step.test for step in RECIPES[recipe]} - {""}))
+    assert not failed, said
+
+
+@pytest.mark.parametrize(
+    "recipe, step", CASES, ids=[f"{r.split()[-1]}-{s.file}-{n}" for n, (r, s) in enumerate(CASES)]
+)
+def test_a_step_left_out_is_red_and_named(copy, recipe, step):
+    with done(copy, [other for other in RECIPES[recipe] if other is not step]):
+        failed, said = red(copy, [step.test])
+    assert failed and step.says in said, said
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_the_recipe_names_its_files_and_its_row(recipe):
+    text = " ".join(PAGE.partition(f"**{recipe}")[2].partition("\n**")[0].split())
+    told = re.findall(r"`([^`]*)`", text)
+    row = re.search(r"Run `pytest ([^`]*)`", text)[1]
+    word = re.search(r"-k (\w+)|$", row)[1] or ""
+    for step in RECIPES[recipe]:
+        folder, _, name = (
+            step.file.replace("11_heat", "NN_name").replace("heat", "name").rpartition("/")
+        )
+        whole = f"{folder}/{name}" in told or folder in map(lambda t: t.rstrip("/"), told)
+        assert whole or name in told, f"{recipe}: {step.file} is not told"
+        file, _, test = step.test.partition("::")
+        assert not test or (file in row and word in test), (
+            f"{recipe}: {step.test} is not in its row"
+        )
+
+
+@pytest.mark.parametrize("name", ["motor_heat", "motor_jam"])
+def test_an_input_that_the_engine_alone_has_or_lacks(name, monkeypatch):
+    if name in INPUTS:
+        monkeypatch.delitem(INPUTS, name)
+    else:
+        monkeypatch.setitem(INPUTS, name, INPUTS["motor_jam"])
+    with pytest.raises(AssertionError, match=r"sim/engine/inputs\.cpp or sim/plant/plant\.cpp"):
+        test_closed_loop.test_names_of_inputs_are_those_of_the_engine()
