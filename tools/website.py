@@ -27,6 +27,7 @@ from mmcs.scenario.files import find, named
 from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.inputs import find as find_input
 from mmcs.scenario.load import load
+from mmcs.tool import labs
 from mmcs.tool.pages import LIBRARIES, library_folder
 from mmcs.view.watched import groups
 
@@ -100,6 +101,7 @@ def write() -> None:
             text.replace("mmcs_sim.wasm", f"machine{cards}.wasm")
         )
     (fresh / "engine" / "knowledge.json").write_text(json.dumps(knowledge()))
+    (fresh / "engine" / "labs.json").write_text(json.dumps(labs.everything()))
     (fresh / "engine" / "setups").mkdir()
     found = scenarios()
     for one in found:

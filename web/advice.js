@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The designer's messages (mmcs/tool/advisor.py): requests with ids, replies, progress.
+// Messages of a worker of ours (mmcs/tool/worker.py): requests with ids, replies, progress.
 
-const GONE = "the designer is gone; load the page again";
+const GONE = "the page's server is gone; load the page again";
 
 export class Advice extends EventTarget {
   #waiting = new Map();
   #next = 1;
   #socket;
   #queue = [];
+  #gone = GONE;
 
   constructor(address) {
     super();
@@ -16,8 +17,9 @@ export class Advice extends EventTarget {
       for (const text of this.#queue.splice(0)) this.#socket.send(text);
     };
     this.#socket.onmessage = ({ data }) => this.#hear(JSON.parse(data));
-    this.#socket.onclose = () => {
-      for (const { reject } of this.#waiting.values()) reject(new Error(GONE));
+    this.#socket.onclose = ({ reason }) => {
+      this.#gone = reason || GONE;
+      for (const { reject } of this.#waiting.values()) reject(new Error(this.#gone));
       this.#waiting.clear();
     };
   }
@@ -34,7 +36,7 @@ export class Advice extends EventTarget {
     const text = JSON.stringify(message);
     if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(text);
     else if (this.#socket.readyState === WebSocket.CONNECTING) this.#queue.push(text);
-    else this.#waiting.get(message.id)?.reject(new Error(GONE));
+    else this.#waiting.get(message.id)?.reject(new Error(this.#gone));
   }
 
   #hear(message) {

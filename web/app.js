@@ -28,14 +28,14 @@ const LONGEST_MS = 600_000;
 const asked = new URLSearchParams(location.search);
 const room = (id) => document.getElementById(id);
 
-/** The page of a machine: carrier of its messages, designer, whether to take control at once, and how
- * long the page may then be silent. Throws one sentence. */
-export function run(carrier, advice, control, deadman_ms = 250) {
+/** The page of a machine: carrier of its messages, its workers {advice, labs}, whether to take control at
+ * once, and how long the page may then be silent. Throws one sentence. */
+export function run(carrier, workers, control, deadman_ms = 250) {
   document.body.dataset.theme = asked.get("theme") ?? "";
   const silence_ms = askedNumber(asked, "deadman", 1, LONGEST_MS, deadman_ms);
   const interval_ms = askedNumber(asked, "t", 0, 1000, null);
   const machine = new Machine(new Link(carrier), silence_ms);
-  const page = new Page(machine, advice);
+  const page = new Page(machine, workers);
   const global = new Global(page);
   room("global").append(global.element);
   const log = new Log(machine, room("said"));

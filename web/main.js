@@ -16,7 +16,8 @@ const socket = (name) => {
   return address.href.split("?")[0];
 };
 try {
-  run(socketCarrier(socket("machine")), new Advice(socket("advice")), asked.has("control"));
+  const workers = { advice: new Advice(socket("advice")), labs: () => new Advice(socket("labs")) };
+  run(socketCarrier(socket("machine")), workers, asked.has("control"));
 } catch ({ message }) {
   document.getElementById("said").textContent = message;
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the panels and views share: the machine, the chosen axis, units, and designs asked for.
+// What the panels and views share: the machine, the chosen axis, units, designs and marks asked for.
 
 import { Units } from "./units.js";
 
 export class Page extends EventTarget {
-  constructor(machine, advice) {
+  constructor(machine, { advice, labs }) {
     super();
     this.machine = machine;
     this.advice = advice; // null: no designer (docs/use/tool.md)
+    this.labs = labs; // makes what answers for the lab sheets (web/labs.js)
     this.units = new Units();
     this.panels = [];
     this.axis = 0; // the chosen one

@@ -8,6 +8,7 @@ import { run } from "./app.js";
 import { askedNumber, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice } from "./engine/design.js";
+import { PageLabs } from "./engine/labs.js";
 import { readRecord, setupOf } from "./engine/record.js";
 
 const FIRST = "puma560";
@@ -136,7 +137,7 @@ try {
   const started = await startMachine(setup, options, hear);
   worker = started.worker;
   connectStop();
-  const page = run(started.carrier, new PageAdvice(), true, DEADMAN_MS);
+  const page = run(started.carrier, { advice: new PageAdvice(), labs: () => new PageLabs() }, true, DEADMAN_MS);
   const paced = () => page.machine.link.request("pace", { speed: speed || null });
   if (asked.has("speed")) page.machine.addEventListener("control", paced, { once: true });
 } catch (error) {

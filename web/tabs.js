@@ -4,6 +4,7 @@
 import { el } from "./dom.js";
 import { faultsView } from "./faults.js";
 import { frontView } from "./front.js";
+import { labsView } from "./labs.js";
 import { lawView } from "./law.js";
 import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
@@ -19,6 +20,7 @@ export function tabs(page, log) {
     registersView(page),
     faultsView(page),
     wavesView(page),
+    labsView(page),
     { title: "Log", element: el("div", {}, log.list) },
   ];
   const bar = document.getElementById("tabs");

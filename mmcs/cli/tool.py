@@ -21,14 +21,17 @@ from mmcs.screen import echo
 @click.option("--theme", type=click.Choice(["1989"]), help="How it looked under SunView.")
 @click.option("--deadman", type=click.IntRange(100, 10000), metavar="MS",
               help="Silence of a page in control that stops the machine; default 250.")  # fmt: skip
+@click.option("--sheets", "own", type=click.Path(path_type=Path), metavar="DIR",
+              help="Own lab sheets, as for `mmcs lab`.")  # fmt: skip
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; default: any.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
-def tool(scenario, attach, interval, frozen, zero, theme, deadman, port, no_browser) -> None:
+def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no_browser) -> None:
     """Tune and watch the machine: starts it in real time and opens one page.
 
     Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
     """
     from mmcs.engine.build import ensure_library
+    from mmcs.lab.sheets import LABS, sheets
     from mmcs.scenario.load import load
     from mmcs.tool.launch import open_browser, start
 
@@ -45,11 +48,13 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, port, no_brow
         options["deadman"] = str(deadman)
     if theme:
         options["theme"] = theme
+    folder = own.resolve() if own else LABS
+    sheets(folder)  # what is wrong with them is told here, in one line
     socket = _socket(attach)
     if socket is None:
         made = load(scenario, ()).scenario  # its mistakes are told here, in one line
         ensure_library(made.cards, "speed", made.clk_hz)  # and that it has to be built
-    with start(scenario, socket, options, port) as running:
+    with start(scenario, socket, options, port, folder) as running:
         echo(running.address)
         if not no_browser and not open_browser(running.address):
             echo("open this address in a browser on this machine; Ctrl-C ends the tool")

@@ -56,7 +56,7 @@ def arrives(figures: dict, overshoot_pct: float, rise_ms: float) -> Verdict:
 def read_answer(sheet: Sheet, path: Path) -> Strict:
     """Raises InputError with every mistake of the file."""
     path = path / ANSWER if path.is_dir() else path
-    answer, mistakes = validate(_grader(sheet).Answer, read_toml(path), str(path))
+    answer, mistakes = validate(answer_model(sheet), read_toml(path), str(path))
     if mistakes:
         raise InputError(*mistakes)
     return answer
@@ -81,6 +81,10 @@ def grade_class(sheet: Sheet, folder: Path) -> dict[str, list[Mark] | str]:
         except InputError as error:
             graded[name] = "; ".join(f"{m.key}: {m.allowed}".lstrip(": ") for m in error.mistakes)
     return graded
+
+
+def answer_model(sheet: Sheet) -> type[Strict]:
+    return _grader(sheet).Answer
 
 
 def questions(sheet: Sheet) -> list[Question]:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures: the command as a user calls it, scenario files, a server to do things to."""
 
+import re
 import signal
 import threading
 
@@ -9,6 +10,7 @@ from click.testing import CliRunner
 
 from mmcs import ROOT
 from mmcs.cli.app import main
+from mmcs.lab.sheets import LABS
 from mmcs.tests.device_bench import Bench
 
 GOOD = """
@@ -67,3 +69,15 @@ def serving(bench, monkeypatch):
     yield bench
     bench.server.stopping = True
     thread.join()
+
+
+@pytest.fixture
+def own_sheets(tmp_path):
+    """The sheet of a teacher's own that the book shows."""
+    folder = tmp_path / "sheets" / "01_gain"
+    folder.mkdir(parents=True)
+    page = (LABS / "README.md").read_text()
+    for name, body in re.findall(r"^```\w+ (\w+\.\w+)\n(.*?)^```", page, re.M | re.S):
+        (folder / name).write_text(body)
+    (folder / "sheet.md").write_text("# A gain\n")
+    return tmp_path / "sheets"

@@ -248,25 +248,13 @@ def test_what_cannot_be_run_is_no_point_but_a_reason(tmp_path):
     assert status == 1 and "0 of 3  gains: cannot be run: " in out
 
 
-@pytest.fixture
-def own(tmp_path):
-    """The sheet of a teacher's own that the book shows."""
-    folder = tmp_path / "sheets" / "01_gain"
-    folder.mkdir(parents=True)
-    page = (LABS / "README.md").read_text()
-    for name, body in re.findall(r"^```\w+ (\w+\.\w+)\n(.*?)^```", page, re.M | re.S):
-        (folder / name).write_text(body)
-    (folder / "sheet.md").write_text("# A gain\n")
-    return tmp_path / "sheets"
-
-
-def test_a_sheet_of_ones_own(own, tmp_path, monkeypatch):
+def test_a_sheet_of_ones_own(own_sheets, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert call("lab", "--sheets", own) == (0, " 1  gain            A gain\n", "")
-    assert call("lab", "--sheets", own, "start", 1, "work")[0] == 0
+    assert call("lab", "--sheets", own_sheets) == (0, " 1  gain            A gain\n", "")
+    assert call("lab", "--sheets", own_sheets, "start", 1, "work")[0] == 0
     given = {path.name for path in (tmp_path / "work").iterdir()}
     assert given == {"sheet.md", "answer.toml", "scenario.toml"}
-    check = ("lab", "--sheets", own, "check", 1, "work")
+    check = ("lab", "--sheets", own_sheets, "check", 1, "work")
     assert "0 of 10 points" in call(*check)[1]
     good = "final = 195\ngains = { a0 = 29236, a1 = -28108, b0 = 128 }\n"
     (tmp_path / "work" / "answer.toml").write_text(good)
@@ -285,11 +273,12 @@ BROKEN_SHEETS = {
 
 
 @pytest.mark.parametrize("case", BROKEN_SHEETS.values(), ids=BROKEN_SHEETS.keys())
-def test_a_broken_sheet_is_told(own, case):
+def test_a_broken_sheet_is_told(own_sheets, case):
     name, text, expected = case
-    path = own / "01_gain" / name
+    path = own_sheets / "01_gain" / name
     path.unlink() if text is None else path.write_text(text)
-    status, _, err = call("lab", "--sheets", own, "check", 1, own / "01_gain" / "answer.toml")
+    answer = own_sheets / "01_gain" / "answer.toml"
+    status, _, err = call("lab", "--sheets", own_sheets, "check", 1, answer)
     assert status == 2 and expected in err and err.count("\n") == 1
 
 

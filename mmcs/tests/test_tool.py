@@ -85,7 +85,11 @@ def test_a_page_is_told_when_its_designer_dies(monkeypatch):
     async def play():
         origin = "http://127.0.0.1:1"
         site = pages.Site("secret", (origin,), "")
-        async with pages.listen(lambda page: gateway.advise(page, Path()), site, 0, 64) as server:
+
+        def designer(page):
+            return gateway.advise(page, "designer", "mmcs.tool.advisor", "")
+
+        async with pages.listen(designer, site, 0, 64) as server:
             port = server.sockets[0].getsockname()[1]
             async with connect(f"ws://127.0.0.1:{port}/secret/x", origin=origin) as page:
                 with pytest.raises(ConnectionClosed):
@@ -273,7 +277,12 @@ def test_the_pages_logic(name):
 
 @pytest.mark.req("TOOL-1")
 def test_the_page_s_server_answers_get_alone_and_tells_of_a_port_in_use():
-    config = {"token": "secret", "socket": "/nowhere", "stop": "http://localhost:1/s/stop.html"}
+    config = {
+        "token": "secret",
+        "socket": "/nowhere",
+        "sheets": "",
+        "stop": "http://localhost:1/s/stop.html",
+    }
     gate = launch._python("mmcs.tool.gateway", config)
     try:
         address = launch._address(gate, "page's server").split("?")[0]

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the page asks of Python: designs, predictions, recordings as MCAP, and auto-tune.
 
-One JSON object a line, in on standard input, out on standard output; one process for each page.
-Replies have the request's id; {"type": "progress"} tells how an experiment gets on.
+Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experiment gets on.
 
   design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
   predict  motor {g, lag, …}, param, interval_s, step (counts), away: the step with limit and
@@ -19,12 +18,8 @@ Replies have the request's id; {"type": "progress"} tells how an experiment gets
 from __future__ import annotations
 
 import base64
-import json
-import queue
 import sys
-import threading
 import time
-import traceback
 from dataclasses import fields
 from pathlib import Path
 
@@ -40,57 +35,20 @@ from mmcs.design.synthesis import (
     margins,
     to_integers,
 )
-from mmcs.errors import InputError, RunError
+from mmcs.tool.worker import Worker, work
 
 DEADMAN_MS = 250
 EXPERIMENTS = ("tune", "chirp")
 
 
-class Advisor:
+class Advisor(Worker):
     def __init__(self, socket: Path, out=sys.stdout):
-        self.socket, self.out = socket, out
-        self.heard = time.monotonic()  # from the page
-        self.gone = threading.Event()
+        super().__init__(out)
+        self.socket = socket
         self.patience_s = DEADMAN_MS / 1000
 
-    # --- lines ---
-
-    def say(self, message: dict) -> None:
-        self.out.write(json.dumps(message) + "\n")
-        self.out.flush()
-
-    def run(self, lines) -> None:
-        """Requests one after another; `alive` at once, also in the midst of an experiment."""
-        waiting: queue.Queue[dict | None] = queue.Queue()
-
-        def listen() -> None:
-            for line in lines:
-                self.heard = time.monotonic()
-                message = json.loads(line)
-                if message.get("op") != "alive":
-                    waiting.put(message)
-            self.gone.set()
-            waiting.put(None)
-
-        threading.Thread(target=listen, daemon=True).start()
-        while (message := waiting.get()) is not None:
-            self.say({"id": message.get("id"), **self.answer(message)})
-
-    def answer(self, message: dict) -> dict:
-        serve = getattr(self, f"do_{message.get('op')}", None)
-        if serve is None:
-            return {"error": f"there is no {message.get('op')!r}"}
-        try:
-            return serve(message)
-        except (DesignError, IdentifyError, InputError, OSError, RunError, ValueError) as error:
-            return {"error": getattr(error, "strerror", None) or str(error)}
-        except (KeyError, TypeError) as error:
-            return {"error": f"{message['op']}: {error} is missing or of the wrong kind"}
-        except (OverflowError, ZeroDivisionError):
-            return {"error": "a number is out of all proportion"}
-        except Exception as error:  # a mistake of ours: the page must not wait for ever
-            traceback.print_exc()
-            return {"error": f"{message['op']}: {type(error).__name__}: {error}"}
+    # one sentence for each mistake that a person can make
+    known = (DesignError, IdentifyError)
 
     # --- designs ---
 
@@ -253,4 +211,4 @@ def _finite(value: float) -> float | None:
 
 
 if __name__ == "__main__":
-    Advisor(Path(sys.argv[1])).run(sys.stdin)
+    work(Advisor(Path(sys.argv[1])))

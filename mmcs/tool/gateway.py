@@ -67,12 +67,12 @@ async def carry(page: ServerConnection, path: Path) -> None:
         await page.close(GONE if lost else 1000, "the machine is gone" if lost else "")
 
 
-async def advise(page: ServerConnection, socket: Path) -> None:
-    """Design and tuning for one page: a process of its own, one line a message.
+async def advise(page: ServerConnection, what: str, module: str, given: str) -> None:
+    """A worker for one page (mmcs/tool/worker.py): a process of its own, one line a message.
 
     It ends with the page, and stops what it had begun; should it end before, the page is told."""
     worker = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "mmcs.tool.advisor", str(socket)),
+        *(sys.executable, "-m", module, given),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         limit=MAX_MESSAGE,
@@ -82,7 +82,7 @@ async def advise(page: ServerConnection, socket: Path) -> None:
         with contextlib.suppress(ConnectionClosed, ValueError):  # too long a line
             async for line in worker.stdout:
                 await page.send(line.decode())
-            await page.close(GONE, "the designer is gone; load the page again")
+            await page.close(GONE, f"the {what} is gone; load the page again")
 
     answers = asyncio.create_task(back())
     with contextlib.suppress(ConnectionClosed, BrokenPipeError, ConnectionResetError):
@@ -98,7 +98,8 @@ async def advise(page: ServerConnection, socket: Path) -> None:
 
 
 async def main(config: dict) -> None:
-    """config: token, socket, stop (address of the stop button's frame), port (0: any).
+    """config: token, socket, stop (address of the stop button's frame), sheets (folder of the lab
+    sheets), port (0: any).
 
     Says its address on standard output in one line and serves until standard input ends."""
     stop = config["stop"]
@@ -110,6 +111,10 @@ async def main(config: dict) -> None:
     )
     origins: list[str] = []  # known once the port is
     path = Path(config["socket"])
+    workers = {
+        "advice": ("designer", "mmcs.tool.advisor", config["socket"]),
+        "labs": ("grader", "mmcs.tool.labs", config["sheets"]),
+    }
 
     site = Site(config["token"], origins, policy)
 
@@ -118,8 +123,8 @@ async def main(config: dict) -> None:
         with contextlib.suppress(ConnectionClosed):
             if where == "machine":
                 await carry(connection, path)
-            elif where == "advice":
-                await advise(connection, path)
+            elif where in workers:
+                await advise(connection, *workers[where])
 
     try:
         listening = await listen(page, site, config.get("port", 0), MAX_RECORDING)

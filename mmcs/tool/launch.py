@@ -19,6 +19,7 @@ from urllib.parse import urlencode
 
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError, RunError
+from mmcs.lab.sheets import LABS
 from mmcs.tool.pages import library_folder
 from mmcs.tool.urgent import prefer
 
@@ -51,7 +52,13 @@ class Tool:
             time.sleep(0.2)
 
 
-def start(scenario: str, socket: Path | None, options: dict[str, str], port: int = 0) -> Tool:
+def start(
+    scenario: str,
+    socket: Path | None,
+    options: dict[str, str],
+    port: int = 0,
+    sheets: Path = LABS,
+) -> Tool:
     """scenario: of a machine of our own; socket: of a machine that others drive, instead.
 
     options go into the page's address (web/main.js)."""
@@ -76,7 +83,13 @@ def start(scenario: str, socket: Path | None, options: dict[str, str], port: int
         frame = _address(button, "stop process")
         gate = _python(
             "mmcs.tool.gateway",
-            {"token": tokens[1], "socket": str(messages), "stop": frame, "port": port},
+            {
+                "token": tokens[1],
+                "socket": str(messages),
+                "stop": frame,
+                "port": port,
+                "sheets": str(sheets),
+            },
         )
         tool.processes["gateway"] = gate
         try:

@@ -8,6 +8,7 @@ import { askedNumber, parseInteger, parseNumber } from "../dom.js";
 import { design } from "../engine/design.js";
 import { readRecord, setupOf } from "../engine/record.js";
 import { law, transfer } from "../formula.js";
+import { tomlAnswer } from "../labs.js";
 import { Machine } from "../machine.js";
 import { errorWords, gainsOf, setpointScale } from "../params.js";
 import { Recording, toCsv } from "../recording.js";
@@ -264,4 +265,15 @@ test("what lost events had told is asked for: the servo, and who controls", asyn
   now.lease = null;
   await hear("lost", { events: 1 });
   assert.equal(machine.holder, null);
+});
+
+test("an answer as it is typed becomes an answer.toml", () => {
+  const field = (key, ...members) => ({ key, members });
+  const fields = [field("far"), field("who"), field("names"), field("axes"), field("gains", "a0", "a1"), field("k", "a0")];
+  const typed = { far: " 1.5 ", who: "zoh", names: "zoh, matched", axes: "3,4", "gains.a0": "7", "gains.a1": "", "k.a0": " " };
+  assert.equal(tomlAnswer(fields, typed),
+    'far = 1.5\nwho = "zoh"\nnames = ["zoh", "matched"]\naxes = [3, 4]\ngains = { a0 = 7 }\n');  // prettier-ignore
+  const asInAFile = { who: '"zoh"', names: '["a,b"]', axes: "[ 3 ]", far: "true" };
+  assert.equal(tomlAnswer(fields, asInAFile), 'far = true\nwho = "zoh"\nnames = ["a,b"]\naxes = [ 3 ]\n');
+  assert.equal(tomlAnswer(fields, {}), "");
 });

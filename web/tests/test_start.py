@@ -15,7 +15,7 @@ from mmcs.device.sockets import socket_path
 from mmcs.tests.device_bench import EXAMPLES, compile_1989
 from mmcs.tool.launch import _end, _serve, start
 
-VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "waves", "log")
+VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "waves", "labs", "log")
 NAMED = {"button", "textbox", "combobox", "slider", "checkbox", "spinbutton", "tab", "Iframe"}
 
 

@@ -267,3 +267,18 @@ def test_a_compensator_and_a_law_as_typed(opened):
     )
     page.click("#law-end")
     page.wait_for_function("() => mctool.machine.history.latest(0).current === 0")
+
+
+@pytest.mark.req("TOOL-1")
+def test_the_lab_sheets_are_there_and_checking_names_the_command(opened):
+    page = opened("?scenario=lab500&plays=0")
+    page.click("#tab-labs")
+    page.wait_for_selector("#lab-unit_cps")
+    assert page.locator("#lab-sheet option").count() == 10
+    page.select_option("#lab-sheet", "7")
+    page.fill("#lab-stall_ms", "50")
+    page.click("#lab-check")
+    page.wait_for_function("() => document.getElementById('lab-said').textContent !== ''")
+    assert "needs Python" in page.inner_text("#lab-said")
+    assert "mmcs lab check 7 answer.toml" in page.inner_text("#lab-said")
+    assert page.is_hidden("#lab-marks")

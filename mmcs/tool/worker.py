@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A process that answers one page: the designer, the grader of the lab sheets.
+
+One JSON object a line, in on standard input, out on standard output. {"id", "op", ...} is answered
+by the method do_OP, whose reply has the request's id; what is wrong is {"id", "error"}.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import sys
+import threading
+import time
+import traceback
+
+from mmcs.errors import InputError, RunError
+
+
+class Worker:
+    known: tuple[type[Exception], ...] = ()  # whose text is a sentence for people
+
+    def __init__(self, out=sys.stdout):
+        self.out = out
+        self.heard = time.monotonic()  # from the page
+        self.gone = threading.Event()
+
+    def say(self, message: dict) -> None:
+        self.out.write(json.dumps(message) + "\n")
+        self.out.flush()
+
+    def run(self, lines) -> None:
+        """Requests one after another; `alive` at once, also in the midst of an experiment."""
+        waiting: queue.Queue[dict | None] = queue.Queue()
+
+        def listen() -> None:
+            for line in lines:
+                self.heard = time.monotonic()
+                message = json.loads(line)
+                if message.get("op") != "alive":
+                    waiting.put(message)
+            self.gone.set()
+            waiting.put(None)
+
+        threading.Thread(target=listen, daemon=True).start()
+        while (message := waiting.get()) is not None:
+            self.say({"id": message.get("id"), **self.answer(message)})
+
+    def answer(self, message: dict) -> dict:
+        serve = getattr(self, f"do_{message.get('op')}", None)
+        if serve is None:
+            return {"error": f"there is no {message.get('op')!r}"}
+        try:
+            return serve(message)
+        except (*self.known, InputError, OSError, RunError, ValueError) as error:
+            return {"error": getattr(error, "strerror", None) or str(error)}
+        except (KeyError, TypeError) as error:
+            return {"error": f"{message['op']}: {error} is missing or of the wrong kind"}
+        except (OverflowError, ZeroDivisionError):
+            return {"error": "a number is out of all proportion"}
+        except Exception as error:  # a mistake of ours: the page must not wait for ever
+            traceback.print_exc()
+            return {"error": f"{message['op']}: {type(error).__name__}: {error}"}
+
+
+def work(worker: Worker) -> None:
+    """Serves standard input and output until the page is gone."""
+    try:
+        worker.run(sys.stdin)
+    except BrokenPipeError:
+        os._exit(0)  # the page's server was gone first: nobody is left who reads

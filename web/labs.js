@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lab sheets: their text, a form for the answer, and its marks. The form makes an answer.toml, which
+// mmcs/tool/labs.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
+
+import { choice, download, el, labelled, setText } from "./dom.js";
+
+const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
+const WORDS = new Set(["true", "false", "inf", "nan"]);
+
+/** A value as people type it, as TOML has it: `zoh, matched` is a list of two names. */
+export function tomlValue(typed) {
+  const text = typed.trim();
+  if (BARE.test(text) && !WORDS.has(text)) return JSON.stringify(text);
+  if (!text.includes(",") || /^["'[{]/.test(text)) return text;
+  return `[${text.split(",").map(tomlValue).join(", ")}]`;
+}
+
+/** The text of an answer.toml; fields that are left empty are not answered. */
+export function tomlAnswer(fields, typed) {
+  const given = (key) => (typed[key] ?? "").trim() && tomlValue(typed[key]);
+  const lines = fields.map(({ key, members }) => {
+    if (!members.length) return given(key) && `${key} = ${given(key)}\n`;
+    const inside = members.filter((name) => given(`${key}.${name}`));
+    const table = inside.map((name) => `${name} = ${given(`${key}.${name}`)}`).join(", ");
+    return table && `${key} = { ${table} }\n`;
+  });
+  return lines.join("");
+}
+
+export function labsView(page) {
+  const { machine } = page;
+  const kept = new Map(); // number of a sheet: what was typed into its form
+  const list = choice([], { id: "lab-sheet", onchange: () => open() });
+  const text = el("article", { className: "lab-text", tabIndex: 0, "aria-label": "the sheet" });
+  const form = el("div", { className: "lab-form", role: "group", "aria-label": "your answers" });
+  const said = el("p", { id: "lab-said", role: "status" });
+  const rows = el("tbody");
+  const marks = el("table", { hidden: true, id: "lab-marks" }, el("thead", {},
+    el("tr", {}, ...["question", "points", "why"].map((head) => el("th", {}, head)))), rows);  // prettier-ignore
+  const check = el("button", { type: "button", id: "lab-check", textContent: "Check",
+    title: "runs the sheet's scenarios with your answers", onclick: () => grade() });  // prettier-ignore
+  const save = el("button", { type: "button", id: "lab-save", textContent: "Save answer.toml",
+    onclick: () => download("answer.toml", answer(), "text/plain") });  // prettier-ignore
+  const commands = el("p", { id: "lab-commands" });
+  let grader = null;
+  let sheet = null;
+  const ask = (op, args) => (grader ??= page.labs()).request(op, args);
+  const answer = () => tomlAnswer(sheet.fields, kept.get(sheet.number));
+
+  function typedField(name, example, label) {
+    const typed = kept.get(sheet.number);
+    const field = el("input", { type: "text", id: `lab-${name}`, value: typed[name] ?? "", "aria-label": label,
+      placeholder: example, oninput: () => (typed[name] = field.value) });  // prettier-ignore
+    return field;
+  }
+
+  /** The integers that the chosen axis has now: tuned here, answered there. */
+  function takeFrom({ key, members }) {
+    const param = machine.driver.params[page.axis];
+    for (const name of param ? members : []) {
+      const field = document.getElementById(`lab-${key}.${name}`);
+      field.value = String(param[name]);
+      field.dispatchEvent(new Event("input"));
+    }
+  }
+
+  function fieldRow(field) {
+    const { key, example, hint, members } = field;
+    const inner = members.length
+      ? members.map((name) => labelled(name, typedField(`${key}.${name}`, "", `${key} ${name}`)))
+      : [typedField(key, example, key)];
+    if (members.length && members.every((name) => name in (machine.driver.params[0] ?? {})))
+      inner.push(el("button", { type: "button", id: `lab-take-${key}`, textContent: "From the chosen axis",
+        onclick: () => takeFrom(field) }));  // prettier-ignore
+    return el("div", { className: "row" }, el("b", {}, key), ...inner, el("span", { className: "hint" }, hint));
+  }
+
+  async function open() {
+    const asked = Number(list.value);
+    const found = await ask("sheet", { number: asked });
+    if (Number(list.value) !== asked) return; // another one was chosen meanwhile
+    sheet = found;
+    if (!kept.has(asked)) kept.set(asked, {});
+    text.innerHTML = sheet.html; // made from Markdown without HTML
+    form.replaceChildren(...sheet.fields.map(fieldRow));
+    commands.replaceChildren("The scenarios to work with: ", el("code", {}, sheet.start),
+      " · the same check: ", el("code", {}, sheet.check));  // prettier-ignore
+    marks.hidden = true;
+    setText(said, "");
+  }
+
+  async function grade() {
+    const graded = sheet;
+    check.disabled = true;
+    setText(said, "Your answers are run; the first time builds a machine for them.");
+    try {
+      const { marks: found, points, of } = await ask("check", { number: graded.number, answer: answer() });
+      if (sheet !== graded) return;
+      setText(said, `${points} of ${of} points`);
+      rows.replaceChildren(...found.map((mark) => el("tr", { className: mark.points ? "good" : "bad" },
+        el("th", {}, mark.key), el("td", {}, `${mark.points ? "✓" : "✗"} ${mark.points} of ${mark.of}`), el("td", {}, mark.why))));  // prettier-ignore
+      marks.hidden = false;
+      marks.scrollIntoView({ block: "nearest" });
+    } catch ({ message }) {
+      if (sheet !== graded) return;
+      marks.hidden = true;
+      setText(said, message);
+    } finally {
+      check.disabled = false;
+    }
+  }
+
+  async function shown() {
+    if (list.options.length) return;
+    try {
+      const { sheets } = await ask("sheets");
+      list.append(...sheets.map(({ number, title }) => el("option", { value: number, textContent: `${number} ${title}` })));
+      await open();
+    } catch ({ message }) {
+      setText(said, message);
+    }
+  }
+
+  const element = el("div", { className: "labs" }, el("div", { className: "row" }, labelled("Sheet", list), commands),
+    text, form, el("div", { className: "row" }, check, save, said), marks);  // prettier-ignore
+  return { title: "Labs", element, visible: false, shown };
+}

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lab sheets in the page: text, form, and the marks that `mmcs lab check` gives."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+from mmcs.engine.build import ensure_library
+from mmcs.lab.marks import grade, read_answer
+from mmcs.lab.sheets import find_sheet, sheets
+from mmcs.tests.test_labs import STUDENTS
+
+ROWS = """() => [...document.querySelectorAll("#lab-marks tbody tr")]
+  .map((row) => [...row.cells].map((cell) => cell.textContent))"""
+
+
+def open_sheet(desk, number: int) -> None:
+    page = desk.page
+    page.click("#tab-labs")
+    desk.until("() => document.querySelectorAll('.lab-form input').length")
+    page.select_option("#lab-sheet", str(number))
+    title = find_sheet(str(number)).title
+    desk.until("t => document.querySelector('.lab-text h1').textContent === t", title)
+
+
+def fill(page, answer: dict) -> None:
+    """Types as a student does: a list without its brackets, a name without its quotes."""
+    for key, value in answer.items():
+        pairs = value.items() if isinstance(value, dict) else [("", value)]
+        for name, one in pairs:
+            text = ", ".join(map(str, one)) if isinstance(one, list) else str(one)
+            page.fill(f"[id='lab-{key}{'.' if name else ''}{name}']", text)
+
+
+def check(desk) -> str:
+    desk.page.click("#lab-check")
+    desk.until("() => !document.getElementById('lab-check').disabled")
+    return desk.page.inner_text("#lab-said")
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
+    ensure_library(1, "speed")  # the page would wait for it, too, but not the test
+    page = desk.page
+    open_sheet(desk, 1)
+    titles = page.evaluate("() => [...document.getElementById('lab-sheet')].map((o) => o.text)")
+    assert titles == [f"{sheet.number} {sheet.title}" for sheet in sheets()]
+    assert "mmcs run speed.toml" in page.inner_text(".lab-text")
+    assert "mmcs lab start 1" in page.inner_text("#lab-commands")
+    sheet = find_sheet("1")
+    for student in ("bad", "good"):
+        path = STUDENTS / f"velocity_{student}.toml"
+        fill(page, tomllib.loads(path.read_text()))
+        marks = grade(sheet, read_answer(sheet, path))
+        points = sum(mark.points for mark in marks)
+        assert check(desk) == f"{points} of 10 points" and points == {"bad": 0, "good": 10}[student]
+        assert [(row[0], row[1][2:], row[2]) for row in page.evaluate(ROWS)] == [
+            (mark.key, f"{mark.points} of {mark.of}", mark.why) for mark in marks
+        ]
+    assert page.locator(".lab-text").bounding_box()["height"] > 200
+    with page.expect_download() as saved:
+        page.click("#lab-save")
+    saved.value.save_as(tmp_path / "answer.toml")
+    assert read_answer(sheet, tmp_path) == read_answer(sheet, path)
+    page.fill("#lab-mean_cps", "1,5x")
+    assert check(desk).startswith("answer.toml: ") and page.is_hidden("#lab-marks")
+    page.select_option("#lab-sheet", "7")
+    desk.until("() => document.getElementById('lab-stall_ms')")
+    page.select_option("#lab-sheet", "1")
+    desk.until("() => document.getElementById('lab-mean_cps')")
+    assert page.input_value("#lab-mean_cps") == "1,5x"  # what was typed is kept
+    assert page.evaluate("() => mctool.machine.controls")  # grading goes on beside the machine
+
+
+@pytest.mark.req("TOOL-1")
+def test_gains_come_from_the_chosen_axis(desk):
+    page = desk.page
+    open_sheet(desk, 9)
+    desk.choose(3)
+    page.evaluate("() => mctool.machine.change(3, { a0: 7654, ic_pos: 21 })")
+    desk.until("() => mctool.machine.driver.params[3].a0 === 7654")
+    page.click("#lab-take-servo")
+    param = desk.param(3)
+    taken = page.evaluate(
+        "() => [...document.querySelectorAll('.lab-form input[id^=\"lab-servo.\"]')]"
+        ".map((e) => [e.id.slice(10), Number(e.value)])"
+    )
+    assert len(taken) == 8 and dict(taken) == {name: param[name] for name, _ in taken}
