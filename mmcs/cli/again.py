@@ -54,6 +54,8 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
 
     if out is not None and out.suffix != ".fst":
         raise InputError.one("--out", "", str(out), "must be a file name ending in .fst")
+    if out is not None and not out.parent.is_dir():
+        raise InputError.one(out, "", None, "its folder does not exist")
     record = read_record(run)
     from_s, to_s = replays.stretch(record, at, window)
     path = out or replays.default_path(record, from_s, to_s)

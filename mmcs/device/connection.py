@@ -39,6 +39,9 @@ class Connection:
         """It belongs to somebody who may move the machine: time goes slowly while he talks."""
         return True
 
+    def fail(self, why: str) -> None:
+        """The request that was being served could not be."""
+
     def leave(self) -> None:
         """It is gone."""
 

@@ -102,6 +102,9 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
     try:
         link = Link(path=path)
         link.request("follow", samples=False, period_ms=0)
+    except TimeoutError:
+        why = f"the server {path.stem} does not answer; continue it (kill -CONT) or end it"
+        raise InputError.one("mmcs exec", "", None, why) from None
     except OSError as error:
         raise InputError.one("mmcs exec", "", None, error.strerror) from None
     console = _Console(link)
@@ -126,6 +129,9 @@ def say(text: str) -> None:
         print(clean(text), file=sys.stderr, flush=True)
 
 
+FAREWELL_S = 1.0  # a server that has not answered by then is not waited for
+
+
 class _Console:
     """The lines of a server that runs elsewhere."""
 
@@ -146,6 +152,7 @@ class _Console:
         """What was said before the program ended is on its way: by the second answer it is here."""
         if self._link is None:
             return
+        self._link.set_timeout(FAREWELL_S)
         with contextlib.suppress(OSError):
             self._link.request("alive")
             self._link.request("alive")

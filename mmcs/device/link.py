@@ -58,6 +58,10 @@ class Link:
     def close(self) -> None:
         self._sock.close()
 
+    def set_timeout(self, seconds: float) -> None:
+        """How long an answer may take from now on."""
+        self._sock.settimeout(seconds)
+
     def fileno(self) -> int:
         return self._sock.fileno()
 

@@ -16,7 +16,7 @@ from mmcs.device.arguments import Arguments, Refused
 from mmcs.device.connection import Connection
 from mmcs.device.machine import KEPT_ROWS, Machine
 from mmcs.device.operations import Operations
-from mmcs.device.wire import EBADF, EBUSY
+from mmcs.device.wire import EBADF, EBUSY, EINVAL
 
 PROTOCOL = 1
 LIMIT = 65536
@@ -113,11 +113,17 @@ class Messenger(Connection):
         if nested and self._waits(op, message):
             return False
         del self.data[: LENGTH.size + length]
+        if isinstance(message.get("id"), list | dict):
+            self.answer(None, _refusal(Refused(EINVAL, "id: a number or a text")))
+            return True
         self.busy = True
         reply = self._reply(op, message)
         if reply is not None:
             self.answer(message.get("id"), reply)
         return True
+
+    def fail(self, why: str) -> None:
+        self.answer(None, _refusal(Refused(EIO, why)))
 
     def answer(self, id_: object, reply: dict) -> None:
         self.busy = False
@@ -125,21 +131,25 @@ class Messenger(Connection):
 
     def _waits(self, op: object, message: dict) -> bool:
         if op == "call":
-            return getattr(mcdef, str(message.get("request")), 0) in self.machine.waits
+            request = message.get("request")
+            return type(request) is str and mcdef.constants().get(request) in self.machine.waits
         return op in WAITING
 
     def _reply(self, op: object, message: dict) -> dict | None:
         """None: it comes later."""
-        serve = getattr(self, f"do_{op}", None) or getattr(self._operations, f"do_{op}", None)
         try:
+            asked = Arguments(message)
+            name = f"do_{asked.text('op')}"
+            serve = getattr(self, name, None) or getattr(self._operations, name, None)
             if serve is None:
                 raise Refused(ENOSYS, f"op: there is no {op!r}")
-            done = serve(Arguments(message))
+            done = serve(asked)
             return None if done is None else {"ok": True, **done}
         except Refused as no:
-            name = errno.errorcode.get(no.number, str(no.number))
-            text = no.text or os.strerror(no.number)
-            return {"ok": False, "errno": no.number, "error": name, "text": text}
+            return _refusal(no)
+        except OSError as error:  # a file: a full disk, a folder in its place
+            what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+            return _refusal(Refused(error.errno or EIO, what))
 
     def check(self, result: int) -> int:
         """The driver's answer, or Refused with what it said."""
@@ -284,6 +294,12 @@ class Messenger(Connection):
     def do_stop(self, a: Arguments) -> dict:
         self.check(self.machine.stop())
         return {"t": self.machine.sim.time}
+
+
+def _refusal(no: Refused) -> dict:
+    name = errno.errorcode.get(no.number, str(no.number))
+    text = no.text or os.strerror(no.number)
+    return {"ok": False, "errno": no.number, "error": name, "text": text}
 
 
 def _unpacked(request: int, out: bytes) -> dict:

@@ -118,6 +118,10 @@ class Program(Connection):
             self._become_file()
         return True
 
+    def fail(self, why: str) -> None:
+        self._said = why
+        self.reply(-wire.EIO)
+
     def reply(self, result: int, out: bytes = b"") -> None:
         self.send(wire.REPLY.pack(result, len(out)) + out)
 

@@ -9,11 +9,14 @@ and again before each request and while one waits.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import resource
 import select
 import socket
 import time
+import traceback
+from collections.abc import Iterator
 from pathlib import Path
 
 from mmcs.device.connection import GONE, IN, OUT, Connection
@@ -39,7 +42,7 @@ class Server:
         tell of the machine. console: gets the lines that the driver says."""
         self.name = Name(path)
         self.path, self.sim, self.about = path, sim, about or {}
-        self.machine = Machine(sim, console)
+        self.machine, self._console = Machine(sim, console), console
         self._hz = sim.build()["clk_hz"]
         self.pace = Pace(sim, speed)
         self.files: dict[bytes, Program] = {}
@@ -94,7 +97,7 @@ class Server:
                 self.stop_path.serve()
                 if connection.client_writes():
                     self.pace.talked()
-                connection.serve(nested=False)
+                self._serve(connection)
                 self._after()
         if not self.stop_path.serve():
             self._pass_time()
@@ -113,9 +116,28 @@ class Server:
                 return
             connection.receive()
             if connection.has_request():
-                connection.serve(nested=False)
+                self._serve(connection)
             if self._problem is not None or self._events != events or connection.ended:
                 return
+
+    def _serve(self, connection: Connection, nested: bool = False) -> None:
+        with self._unharmed(connection):
+            connection.serve(nested)
+
+    @contextlib.contextmanager
+    def _unharmed(self, connection: Connection) -> Iterator[None]:
+        """No error in serving one client ends the server: the client is told and hung up on, and
+        the console has a line. Signals' exceptions go on."""
+        try:
+            yield
+        except Exception as error:
+            frame = traceback.extract_tb(error.__traceback__)[-1]
+            where = f"{Path(frame.filename).name}:{frame.lineno}"
+            what = f"{type(error).__name__} at {where}: {str(error)[:200]}"
+            self._console(f"server: a request failed, its connection is closed: {what}")
+            connection.busy = False
+            connection.fail(f"the server failed at this request ({what}); connection closed")
+            connection.end()
 
     def _after(self) -> None:
         """A request has been served."""
@@ -132,7 +154,7 @@ class Server:
             self._listen(0)
             for connection in list(self.connections.values()):
                 if connection.has_request() and not connection.busy:
-                    connection.serve(nested=True)
+                    self._serve(connection, nested=True)
             self._signal()
             self._send()
         except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
@@ -188,8 +210,9 @@ class Server:
         self.machine.check_deadman(self._listened)
         self.machine.tell_console()
         for connection in self.connections.values():
-            if isinstance(connection, Messenger):
-                connection.stream(now)
+            if isinstance(connection, Messenger) and not connection.ended:
+                with self._unharmed(connection):
+                    connection.stream(now)
 
     def _signal(self) -> list[int]:
         """Delivers SIGUSR1 where the driver sent it; the processes that get one."""
@@ -248,5 +271,6 @@ class Server:
     def _hang_up(self, connection: Connection) -> None:
         del self.connections[connection.sock.fileno()]
         connection.close()
-        connection.leave()
+        with self._unharmed(connection):
+            connection.leave()
         self._signal()

@@ -2,12 +2,14 @@
 """Snapshots of a run: a ring of them in every run's folder, and runs that begin from one.
 
 A file of snapshots is a zip archive: the run's record, its past (log and notes), what was seen of
-the physics, and one member per snapshot. The engine checks that its own bytes come from the same
-build and the same machine.
+the physics, and one member per snapshot. The index has the SHA-256 of each other member, the
+archive's comment that of the index. The engine checks that its own bytes come from the same build
+and the same machine.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import tempfile
@@ -23,12 +25,13 @@ from mmcs.errors import InputError, RunError
 from mmcs.place import run_folders
 from mmcs.record.record import MAX_SAMPLES, Record, parse
 from mmcs.result.folder import settle
-from mmcs.scenario.files import loads, open_file, short
+from mmcs.scenario.files import MAX_JSON, loads, open_file, short
 from mmcs.session.session import Session
 
 NAME = "run.mmsnap"
 RING = 16  # snapshots in the ring; they spread over the run
 MAX_MEMBER = 64 << 20  # bytes; a machine of 32 axes has a few hundred thousand
+MAX_INDEX = 1 << 20  # bytes; one snapshot has some hundred
 MAX_COLUMNS = 1 + 7 * 32
 EVERY_S = 0.02  # but are not closer than this
 
@@ -87,16 +90,27 @@ def write_snapshots(path: Path, record: dict, result) -> None:
         "log": result.log.shape,
         "truth": result.truth.shape,
     }
+    sums = {}
+
+    def add(name: str, parts) -> None:
+        whole = hashlib.sha256()
+        with file.open(name, "w", force_zip64=True) as member:
+            for part in parts:
+                whole.update(part)
+                member.write(part)
+        sums[name] = whole.hexdigest()
+
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
-        file.writestr("record.json", json.dumps(record))
-        file.writestr("index.json", json.dumps(index))
-        file.writestr("history.bin", history)
+        add("record.json", [json.dumps(record).encode()])
+        add("history.bin", [history])
         for name in ("log", "truth"):
-            with file.open(f"{name}.bin", "w", force_zip64=True) as member:
-                for rows in blocks(getattr(result, name)):
-                    member.write(np.ascontiguousarray(rows).tobytes())
+            rows = blocks(getattr(result, name))
+            add(f"{name}.bin", (np.ascontiguousarray(part).tobytes() for part in rows))
         for n, snapshot in enumerate(taken):
-            file.writestr(f"{n}.bin", snapshot["bytes"])
+            add(f"{n}.bin", [snapshot["bytes"]])
+        text = json.dumps(index | {"sha256": sums})
+        file.writestr("index.json", text)
+        file.comment = hashlib.sha256(text.encode()).hexdigest().encode()
 
 
 class Snapshot:
@@ -118,8 +132,12 @@ class Snapshot:
 
     def _read(self, file: zipfile.ZipFile, at: float | None) -> None:
         """What is needed of the file, and no more of it than it may hold."""
-        index = loads(_member(file, "index.json"))
-        self.record: Record = parse(self.path, loads(_member(file, "record.json")))
+        text = _member(file, "index.json", most=MAX_INDEX)
+        if hashlib.sha256(text).hexdigest().encode() != file.comment:
+            raise ValueError("index.json was changed")
+        index = loads(text)
+        sums = index["sha256"]
+        self.record: Record = parse(self.path, loads(_member(file, "record.json", sums, MAX_JSON)))
         self.pots = {int(axis): (int(v[0]), int(v[1])) for axis, v in index["pots"].items()}
         known = index["snapshots"]
         for one in known:
@@ -130,9 +148,10 @@ class Snapshot:
         n = _choose(self.path, known, at)
         chosen = known[n]
         self.t, self.clock, self.ring = chosen["t"], chosen["clock"], chosen["ring"]
-        self.history, self.state = _member(file, "history.bin"), _member(file, f"{n}.bin")
-        self.log = _rows(file, "log", index["log"], chosen["rows"])
-        self.truth = _rows(file, "truth", index["truth"])
+        self.history = _member(file, "history.bin", sums)
+        self.state = _member(file, f"{n}.bin", sums)
+        self.log = _rows(file, "log", index["log"], sums, chosen["rows"])
+        self.truth = _rows(file, "truth", index["truth"], sums)
 
     def setup(self, duration: float | None = None):
         if duration is not None:
@@ -151,20 +170,33 @@ class Snapshot:
         return setup
 
 
-def _member(file: zipfile.ZipFile, name: str) -> bytes:
+def _member(
+    file: zipfile.ZipFile, name: str, sums: dict | None = None, most: int = MAX_MEMBER
+) -> bytes:
+    """sums: what the index has of every other member."""
     with file.open(name) as member:
-        data = member.read(MAX_MEMBER + 1)  # whatever the archive says of its size
-    if len(data) > MAX_MEMBER:
+        data = member.read(most + 1)  # whatever the archive says of its size
+    if len(data) > most:
         raise ValueError(f"{name} is too large")
+    if sums is not None and hashlib.sha256(data).hexdigest() != sums[name]:
+        raise ValueError(f"{name} was changed")
     return data
 
 
-def _rows(file: zipfile.ZipFile, name: str, shape, count: int | None = None) -> Rows:
-    """The first `count` rows, or all."""
+def _rows(file: zipfile.ZipFile, name: str, shape, sums: dict, count: int | None = None) -> Rows:
+    """The first `count` rows, or all; nothing is kept before the whole member is the index's."""
     length, width = shape
     count = length if count is None else count
     if not 0 <= count <= length <= MAX_SAMPLES or not 1 <= width <= MAX_COLUMNS:
         raise ValueError(f"{name} has an impossible shape")
+    with file.open(f"{name}.bin") as member:
+        whole = hashlib.sha256()
+        for _ in range(length):
+            if not (data := member.read(BLOCK * width * 8)):
+                break
+            whole.update(data)
+    if whole.hexdigest() != sums[f"{name}.bin"]:
+        raise ValueError(f"{name} was changed")
     rows = Rows(width)
     with file.open(f"{name}.bin") as member:
         while len(rows) < count:

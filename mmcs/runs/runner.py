@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import shlex
@@ -58,7 +59,9 @@ def run_scenario(
     reports.print_report(report, result, folder, console)
     if result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
-        began = float(os.environ.get("MMCS_STARTED") or started)
+        began = started
+        with contextlib.suppress(KeyError, ValueError):
+            began = float(os.environ["MMCS_STARTED"])
         console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
     if lacking:
         console.print(f"out of memory: without {' and '.join(lacking)}")

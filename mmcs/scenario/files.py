@@ -21,6 +21,10 @@ MAX_TABLE = 8 << 20
 MAX_LINE = 16 << 10  # of a log; one of 32 axes has three thousand
 MAX_JSON = 96 << 20
 MAX_FILES = 16 << 20  # of a scenario, together
+MOST_VALUES = 2_000_000  # of a JSON text
+LONG_KEY = re.compile(
+    r"""(?<![\w"'.-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}"""
+)
 DEEPEST = 10  # levels of tables and lists in a file; a good one has four
 
 
@@ -107,6 +111,9 @@ def read_text(path: Path, most: int = MAX_TOML) -> str:
 
 def loads(text: str | bytes) -> object:
     """JSON; ValueError with a sentence for anything else."""
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    if sum(map(text.count, "[{,")) > MOST_VALUES:  # each would take fifty times its text
+        raise ValueError(f"it holds more than {MOST_VALUES} values")
     try:
         return json.loads(text)
     except (RecursionError, ValueError):
@@ -161,6 +168,8 @@ def read_toml(path: Path, files: Files | None = None) -> dict:
 
 def parse_toml(text: str) -> dict:
     """As tomllib, which leaves open what no scenario needs: ValueError with a sentence for it."""
+    if LONG_KEY.search(text):  # for which tomllib takes a time that grows with its square
+        raise ValueError(f"nests deeper than {DEEPEST} levels")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError:

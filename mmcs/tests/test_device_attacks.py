@@ -191,6 +191,115 @@ def test_others_are_served_while_one_enables(bench):
         raw.close()
 
 
+# --- errors of our own ---
+
+
+class Client:
+    """Of the messages, in the test's own thread."""
+
+    def __init__(self, bench):
+        self._bench, self._told, self.closed = bench, b"", False
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.connect(str(bench.server.path.with_suffix(".msg")))
+        self.sock.settimeout(0)
+
+    def post(self, text):
+        self.sock.sendall(struct.pack("<I", len(text)) + text.encode())
+
+    def has_heard(self, words):
+        with contextlib.suppress(BlockingIOError):
+            part = self.sock.recv(1 << 16)
+            self._told, self.closed = self._told + part, not part
+        return words in self._told
+
+    def until(self, words):
+        """True: they were heard; False: the server has hung up before."""
+        self._bench.until(lambda: self.has_heard(words) or self.closed)
+        return words in self._told
+
+    def close(self):
+        self.sock.close()
+        self._bench.until(lambda: not self._bench.server.connections)
+
+
+@pytest.mark.parametrize("depth", [100, 800, 900, 980])
+@pytest.mark.parametrize("where", ["id", "op", "request", "param", "setpoints", "flag"])
+def test_a_deep_message_ends_nothing(bench, where, depth):
+    """So deep that Python just reads it, or cannot write it, or cannot read it."""
+    deep = "[" * depth + "]" * depth
+    op = {"setpoints": "write", "flag": "follow"}.get(where, "call")
+    fields = {"id": "1", "op": f'"{op}"', "request": '"MSETPARAM"', "axis": "0", where: deep}
+    fields["samples"] = fields.pop("flag", "true")
+    client = Client(bench)
+    client.post('{"id":0,"op":"open","mode":"rw"}')
+    assert client.until(b'"id":0,"ok":true')
+    client.post("{" + ",".join(f'"{name}":{value}' for name, value in fields.items()) + "}")
+    if client.until(b'"ok":false,"errno":22'):
+        client.post('{"id":2,"op":"read"}')
+        assert client.until(b'"id":2,"ok":true')
+    else:
+        assert depth > 800  # no JSON, as Python sees it
+    client.close()
+    is_well(bench)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+@pytest.mark.parametrize("of", ["message", "program", "stream", "end"])
+def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, waits):
+    """Whatever goes wrong in serving a client, also while another one's request waits: this client
+    is told and hung up on, the console has a line, others are served."""
+    said, client, program = [], Client(bench), Raw(bench)
+    assert client.until(b"hello")
+    monkeypatch.setattr(bench.server, "_console", said.append)
+    fault = lambda *_: 1 // 0  # noqa: E731
+    if of == "program":
+        monkeypatch.setattr(bench.server.machine, "read", fault)
+        program._send(program.channel, wire.READ, program.name, 56, 0, b"")
+    elif of == "message":
+        monkeypatch.setattr("mmcs.device.messages.Messenger.do_hello", fault)
+        client.post('{"id":1,"op":"hello"}')
+    elif of == "stream":
+        monkeypatch.setattr("mmcs.device.messages.Stream.take_events", fault)
+        client.post('{"id":1,"op":"follow","period_ms":0}')
+    else:
+        monkeypatch.setattr("mmcs.device.messages.Messenger.leave", fault)
+        client.sock.close()
+    if waits:
+        for _ in range(3):
+            assert bench.server._look() == 0
+    for _ in range(6):
+        bench.server.step()
+    monkeypatch.undo()
+    assert len(said) == 1 and "ZeroDivisionError" in said[0] and "test_device_attacks.py" in said[0]
+    if of == "program":
+        assert program._answer(program.channel)[0] == -wire.EIO
+        program.channel = program._connect()
+    elif of != "end":
+        assert client.until(b'"error":"EIO"') and client.until(b"ZeroDivisionError")
+        assert not client.until(b"no more") and client.closed
+    assert program.call(wire.IOCTL, mcdef.MGETNUMCARDS) == (0, b"\1\0\0\0")
+    program.close()
+    client.close()
+    if of != "end":
+        is_well(bench)
+
+
+@pytest.mark.parametrize("why", ["a folder", "a full disk"])
+def test_an_export_that_cannot_be_written_is_refused(serving, why):
+    past = serving.server.path.with_suffix(".past")
+    if why == "a folder":
+        past.mkdir()
+    else:
+        past.symlink_to("/dev/full")
+    with Link(path=serving.server.path, timeout=None) as link:
+        link.request("open", mode="rw")
+        number = link.request("snapshot")["snapshot"]["id"]
+        with pytest.raises(OSError, match="Is a directory|No space left") as no:
+            link.request("export", snapshot=number)
+        assert no.value.errno in (21, 28)
+        assert link.request("read")["ok"]
+
+
 # --- impostors ---
 
 

@@ -12,8 +12,10 @@ import threading
 import pytest
 
 from mmcs import ROOT
+from mmcs.device import execute
 from mmcs.device.client import Device
 from mmcs.device.execute import check_program, environment
+from mmcs.device.link import Link
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError
 from mmcs.tests.device_bench import PROGRAMS, SANITIZED, compile_program, write_scenario
@@ -144,6 +146,19 @@ fcntl.ioctl(fd, mcdef.MSTOP)
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
     assert (done.stdout, done.returncode) == ("", 0)
     assert done.stderr.splitlines() == ["mc: cards: 1", "mc: enabled, axes: 2", "mc: stopped"]
+
+
+def test_a_server_that_does_not_answer_is_told_and_not_waited_for(served, monkeypatch):
+    """Stopped while the program runs, and before it."""
+    server, _ = served
+    monkeypatch.setattr(Link.__init__, "__defaults__", ("mc0", None, 0.2))
+    monkeypatch.setattr(execute, "FAREWELL_S", 0.01)
+    try:
+        assert execute.run_program(["sh", "-c", f"kill -STOP {server.pid}"]) == 0
+        with pytest.raises(InputError, match="the server mc0 does not answer"):
+            execute.run_program(["true"])
+    finally:
+        server.send_signal(signal.SIGCONT)
 
 
 # --- mmcs.Device ---

@@ -403,8 +403,13 @@ def odd(chance):
         lambda: [odd(chance) for _ in range(chance.randrange(3))],
         lambda: {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(3))},
         lambda: "".join(map(chr, (chance.randrange(0x3000) for _ in range(5)))),
+        lambda: chance.choice([deep(30), deep(900)]),
     ]
     return chance.choice(kinds)()
+
+
+def deep(levels):
+    return json.loads("[" * levels + "]" * levels)
 
 
 WORDS = (
@@ -426,7 +431,7 @@ def test_random_requests_are_answered(tmp_path):
         sock.connect(str(bench.server.path.with_suffix(".msg")))
         sock.setblocking(False)
         data = bytearray()
-        for n in range(100_000 if os.environ.get("MMCS_LONG") == "1" else 3000):
+        for n in range(1_000_000 if os.environ.get("MMCS_LONG") == "1" else 3000):
             asked = {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(5))}
             asked |= {"id": n, "op": chance.choice(ops)}
             text = json.dumps(asked).encode()

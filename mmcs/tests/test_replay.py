@@ -18,6 +18,7 @@ from mmcs.record import record as records
 from mmcs.record import snapshots
 from mmcs.record.record import NAME
 from mmcs.tests.conftest import GOOD
+from mmcs.tests.test_hostile_files import rewritten
 
 EVENT = """
 [[event]]
@@ -237,9 +238,9 @@ def test_bad_snapshots_are_refused_in_one_line(mmcs, ran, scenario, tmp_path):
     file = out / snapshots.NAME
     broken, foreign = tmp_path / "broken.mmsnap", tmp_path / "foreign.mmsnap"
     broken.write_bytes(file.read_bytes()[:-100])
-    with zipfile.ZipFile(file) as old, zipfile.ZipFile(foreign, "w") as new:
-        for name in old.namelist():
-            new.writestr(name, old.read(name).replace(b"c1 ", b"c2 ", 1))
+    with zipfile.ZipFile(file) as old:
+        whole = {name: old.read(name).replace(b"c1 ", b"c2 ", 1) for name in old.namelist()}
+    rewritten(file, foreign, **whole)
     process = scenario(GOOD.split("[[")[0] + PROCESS)
     status, text, err = mmcs("run", process, "--out", tmp_path / "process", "--duration", 0.02)
     assert status == 0, text + err
@@ -316,6 +317,9 @@ def test_stretch_equals_the_same_stretch_of_a_traced_run(mmcs, scenario, tmp_pat
     status, text, err = mmcs("trace", out, "--at", 0.046, "--window", 3, "--out", part)
     assert status == 0, text + err
     assert "made again from the snapshot at 0.04" in text
+    nowhere = tmp_path / "no" / "x.fst"
+    status, _, err = mmcs("trace", out, "--at", 0.046, "--out", nowhere)
+    assert (status, err) == (2, f"mmcs: {nowhere}: its folder does not exist\n")
     start_s = json.loads((out / "report.json").read_text())["motion_start_s"]
     # A few clocks inside the stretch, so that both files hold it.
     begin, end = ((start_s + t) * 1e12 + 8e6 for t in (0.04451, 0.04749))

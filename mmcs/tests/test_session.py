@@ -125,8 +125,9 @@ FIELDS = {
 }  # fmt: skip
 
 
-def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path):
+def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path, monkeypatch):
     out = tmp_path / "results"
+    monkeypatch.setenv("MMCS_STARTED", "abc")  # what is no time is not looked at
     status, text, err = mmcs("run", scenario(), "--out", out, "--seed", 7)
     assert (status, err) == (0, "")
     report = json.loads((out / "report.json").read_text())

@@ -215,6 +215,49 @@ def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
 
 
 @pytest.mark.req("TOOL-1")
+def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
+    """The stop path keeps 64 connections; the oldest is hung up on."""
+    where = serving.server.path.with_suffix(".stop")
+
+    async def play():
+        path = StopPath(where)
+        assert (await path.ask("stop")).startswith("stopped")
+        others = [await asyncio.open_unix_connection(str(where)) for _ in range(70)]
+        while not path.reader.at_eof():
+            await asyncio.sleep(0.001)
+        assert (await path.ask("stop")).startswith("stopped")
+        path.hang_up()
+        for _, writer in others:
+            writer.close()
+
+    asyncio.run(play())
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path):
+    async def play():
+        path = StopPath(tmp_path / "x.stop")
+        for _ in range(2):
+            async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5"}):
+                assert await path.ask("stop") == "stopped 1.5"
+                path.writer.transport.abort()  # as the end of the machine does
+        with pytest.raises(OSError):
+            await path.ask("stop")
+
+    asyncio.run(play())
+
+
+def test_the_designer_survives_what_is_no_request():
+    lines = ["nonsense", "[]", "[" * 50_000, '{"id": [[]], "op": "design"}', '{"id": 1, "op": []}',
+             '{"id": 2, "op": "sing"}']  # fmt: skip
+    out = Said()
+    Advisor(Path("/nonexistent.sock"), out).run(line + "\n" for line in lines)
+    told = out.replies()
+    assert [t["id"] for t in told] == [None, None, None, None, 1, 2]
+    assert all(t["error"] for t in told) and told[5]["error"] == "there is no 'sing'"
+
+
+@pytest.mark.req("TOOL-1")
 def test_a_machine_that_does_not_answer_is_told(tmp_path):
     async def play():
         button = Button(tmp_path / "nowhere.stop")

@@ -35,23 +35,30 @@ class StopPath:
         self.reader = self.writer = None
 
     async def ask(self, line: str) -> str:
-        """The machine's answer; OSError or TimeoutError if there is none."""
+        """The machine's answer; OSError or TimeoutError if there is none.
+
+        A connection from before may have been closed: the machine hangs up on the oldest when too
+        many come, and may have been started again. Then the line is said on a new one."""
         async with self.lock:
             try:
                 async with asyncio.timeout(PATIENCE_S):
-                    if self.writer is None:
-                        self.reader, self.writer = await asyncio.open_unix_connection(
-                            str(self.path)
-                        )
-                    self.writer.write(line.encode() + b"\n")
-                    await self.writer.drain()
-                    answer = await self.reader.readline()
-                    if not answer.endswith(b"\n"):
-                        raise ConnectionResetError("the machine is gone")
-                    return answer.decode().strip()
+                    if self.writer is not None:
+                        with contextlib.suppress(OSError):
+                            return await self._say(line)
+                    self.hang_up()
+                    self.reader, self.writer = await asyncio.open_unix_connection(str(self.path))
+                    return await self._say(line)
             except (OSError, TimeoutError):
                 self.hang_up()  # a late answer would be taken for that of the next line
                 raise
+
+    async def _say(self, line: str) -> str:
+        self.writer.write(line.encode() + b"\n")
+        await self.writer.drain()
+        answer = await self.reader.readline()
+        if not answer.endswith(b"\n"):
+            raise ConnectionResetError("the machine is gone")
+        return answer.decode().strip()
 
     def hang_up(self) -> None:
         if self.writer is not None:
@@ -85,7 +92,7 @@ class Button:
                 words = (await self.looks.ask("state")).split()
                 state = dict(zip(words[2::2], map(int, words[3::2]), strict=True))
                 said = {"state": state | {"t": float(words[1])}}
-            except (OSError, TimeoutError, ValueError):
+            except (OSError, TimeoutError, ValueError, IndexError):
                 said = {"state": None}
             broadcast(self.clients, json.dumps(said))
 

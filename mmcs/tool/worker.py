@@ -37,7 +37,7 @@ class Worker:
         def listen() -> None:
             for line in lines:
                 self.heard = time.monotonic()
-                message = json.loads(line)
+                message = _parsed(line)
                 if message.get("op") != "alive":
                     waiting.put(message)
             self.gone.set()
@@ -48,9 +48,10 @@ class Worker:
             self.say({"id": message.get("id"), **self.answer(message)})
 
     def answer(self, message: dict) -> dict:
-        serve = getattr(self, f"do_{message.get('op')}", None)
+        op = message.get("op")
+        serve = getattr(self, f"do_{op}", None) if isinstance(op, str) else None
         if serve is None:
-            return {"error": f"there is no {message.get('op')!r}"}
+            return {"error": f"there is no {op!r}" if isinstance(op, str) else "op: a text"}
         try:
             return serve(message)
         except (*self.known, InputError, OSError, RunError, ValueError) as error:
@@ -62,6 +63,17 @@ class Worker:
         except Exception as error:  # a mistake of ours: the page must not wait for ever
             traceback.print_exc()
             return {"error": f"{message['op']}: {type(error).__name__}: {error}"}
+
+
+def _parsed(line: str) -> dict:
+    """An object with an id that can be told again; {} for a line that is none."""
+    try:
+        message = json.loads(line)
+    except (ValueError, RecursionError):
+        return {}
+    if not isinstance(message, dict) or isinstance(message.get("id"), list | dict):
+        return {}
+    return message
 
 
 def work(worker: Worker) -> None:
