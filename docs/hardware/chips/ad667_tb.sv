@@ -11,9 +11,7 @@ module ad667_tb;
 
   task automatic write(input logic [3:0] select_n, input logic [11:0] value);
     @(negedge clk) begin cs_n = 0; a_n = select_n; d = value; end
-    repeat (3) @(negedge clk);
-    cs_n = 1; a_n = 4'b1111;
-    repeat (2) @(negedge clk);
+    @(negedge clk) begin cs_n = 1; a_n = 4'b1111; end
   endtask
 
   initial begin

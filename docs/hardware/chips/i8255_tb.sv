@@ -15,10 +15,7 @@ module i8255_tb;
 
   task automatic write(input logic [1:0] where, input logic [7:0] value);
     @(negedge clk) begin cs_n = 0; a = where; din = value; wr_n = 0; end
-    repeat (3) @(negedge clk);
-    wr_n = 1;
-    @(negedge clk) cs_n = 1;
-    repeat (2) @(negedge clk);
+    @(negedge clk) begin cs_n = 1; wr_n = 1; end
   endtask
 
   initial begin
@@ -27,8 +24,7 @@ module i8255_tb;
     write(2'd3, 8'h89);
     write(2'd0, 8'h5A);
     @(negedge clk) begin cs_n = 0; a = 2'd2; rd_n = 0; end
-    repeat (2) @(negedge clk);
-    seen = dout;
+    @(negedge clk) seen = dout;
     if (pa == 8'h5A && pa_oe == 8'hFF && pc_oe == 8'h00 && seen == 8'h3C) $display("i8255: ok");
     else $display("i8255: A %h driven %h, C read %h", pa, pa_oe, seen);
     $finish;

@@ -16,10 +16,7 @@ module thct2000_tb;
 
   task automatic byte_of(input logic low, output logic [7:0] value);
     @(negedge clk) begin cs_n = 0; rd_n = 0; rs = low; end
-    repeat (2) @(negedge clk);
-    value = d;
-    cs_n = 1; rd_n = 1;
-    repeat (2) @(negedge clk);
+    @(negedge clk) begin value = d; cs_n = 1; rd_n = 1; end
   endtask
 
   initial begin
@@ -28,9 +25,10 @@ module thct2000_tb;
     repeat (8) @(negedge clk);
     repeat (10) begin
       ab = {!ab[0], ab[1]};  // A leads B
-      repeat (8) @(negedge clk);
+      repeat (2) @(negedge clk);
     end
-    @(negedge clk) latch = 1;
+    repeat (4) @(negedge clk);  // through the synchroniser
+    latch = 1;
     @(negedge clk) latch = 0;
     byte_of(0, read[15:8]);
     byte_of(1, read[7:0]);
