@@ -98,7 +98,6 @@ module adaptor_props #(
     .vme_iackout_no(iackout_n),
     .vme_irq_no(irq_n),
     .vme_sysreset_ni(sysreset_ni),
-    .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i('0), .hp_wdata_i('0), .hp_ack_o(), .hp_rdata_o(),
     .estop_closed_i, .cable_ok_i, .pc_power_i,
     .panic_o(panic),
     .brake_release_o(),

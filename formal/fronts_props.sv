@@ -40,7 +40,7 @@ module fronts_props #(
   logic [10:1] hp_a, a_q = '0;
   logic [7:0] hp_wdata, wdata_q = '0, asked_q = '0;
   logic hp_ack;
-  logic [7:0] hp_rdata;
+  logic [7:0] hp_rdata, vector;
 
   adaptor_core u_core (
     .clk_i, .rst_ni,
@@ -50,7 +50,7 @@ module fronts_props #(
     .hp_wdata_i(hp_wdata),
     .hp_ack_o(hp_ack),
     .hp_rdata_o(hp_rdata),
-    .irq_req_o(), .vector_o(),
+    .irq_req_o(), .vector_o(vector),
     .sys_reset_i, .sys_reset_o(),
     .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o(), .brake_release_o(),
     .alive_o(), .sclock_o(),
@@ -103,7 +103,7 @@ module fronts_props #(
       .s_axil_araddr(b_i), .s_axil_arprot(3'b0), .s_axil_arvalid(other_i), .s_axil_arready(arready),
       .s_axil_rdata(rdata), .s_axil_rresp(rresp), .s_axil_rvalid(rvalid), .s_axil_rready(take2_i),
       .hp_req_o(hp_req), .hp_write_o(hp_write), .hp_a_o(hp_a), .hp_wdata_o(hp_wdata),
-      .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata)
+      .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata), .vector_i(vector)
     );
 
     always @(posedge clk_i) begin
@@ -150,7 +150,7 @@ module fronts_props #(
       .apb_pprot(3'b0), .apb_pstrb(sel_i), .apb_pwdata(data_i),
       .apb_prdata(prdata), .apb_pready(pready), .apb_pslverr(pslverr),
       .hp_req_o(hp_req), .hp_write_o(hp_write), .hp_a_o(hp_a), .hp_wdata_o(hp_wdata),
-      .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata)
+      .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata), .vector_i(vector)
     );
 
     always @(posedge clk_i) begin
@@ -191,7 +191,7 @@ module fronts_props #(
       .wb_cyc_i(also_i), .wb_stb_i(want_i), .wb_we_i(write_i), .wb_adr_i(a_i), .wb_sel_i(sel_i),
       .wb_dat_i(data_i), .wb_dat_o(rdata), .wb_ack_o(ack), .wb_err_o(err), .wb_stall_o(stall),
       .hp_req_o(hp_req), .hp_write_o(hp_write), .hp_a_o(hp_a), .hp_wdata_o(hp_wdata),
-      .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata)
+      .hp_ack_i(hp_ack), .hp_rdata_i(hp_rdata), .vector_i(vector)
     );
 
     always @(posedge clk_i) begin

@@ -41,24 +41,24 @@ module same_clock_props (
   );
 
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
-  (* hierconn *) wire \dut.g_card[0].u_card.latch_pulse , \dut.g_card[1].u_card.latch_pulse ;
-  (* hierconn *) wire \dut.g_card[0].u_card.dac_update , \dut.g_card[1].u_card.dac_update ;
-  (* hierconn *) wire \dut.g_card[0].u_card.u_latch.sclock_q ;
-  (* hierconn *) wire \dut.g_card[1].u_card.u_latch.sclock_q ;
-  (* hierconn *) wire \dut.g_card[0].u_card.u_latch.sw_latch_q ;
-  (* hierconn *) wire \dut.g_card[1].u_card.u_latch.sw_latch_q ;
-  (* hierconn *) wire [7:0] \dut.g_card[0].u_card.pb , \dut.g_card[1].u_card.pb ;
+  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.latch_pulse , \dut.u_cards.g_card[1].u_card.latch_pulse ;
+  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.dac_update , \dut.u_cards.g_card[1].u_card.dac_update ;
+  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.u_latch.sclock_q ;
+  (* hierconn *) wire \dut.u_cards.g_card[1].u_card.u_latch.sclock_q ;
+  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.u_latch.sw_latch_q ;
+  (* hierconn *) wire \dut.u_cards.g_card[1].u_card.u_latch.sw_latch_q ;
+  (* hierconn *) wire [7:0] \dut.u_cards.g_card[0].u_card.pb , \dut.u_cards.g_card[1].u_card.pb ;
   (* hierconn *) wire \dut.pc_power ;
 
   logic [1:0] latch, update, enabled, double, sclock_q, sw_q;
-  assign latch    = {\dut.g_card[1].u_card.latch_pulse , \dut.g_card[0].u_card.latch_pulse };
-  assign update   = {\dut.g_card[1].u_card.dac_update , \dut.g_card[0].u_card.dac_update };
-  assign sclock_q = {\dut.g_card[1].u_card.u_latch.sclock_q ,
-                     \dut.g_card[0].u_card.u_latch.sclock_q };
-  assign sw_q     = {\dut.g_card[1].u_card.u_latch.sw_latch_q ,
-                     \dut.g_card[0].u_card.u_latch.sw_latch_q };
-  assign enabled  = {\dut.g_card[1].u_card.pb [2], \dut.g_card[0].u_card.pb [2]};
-  assign double   = {\dut.g_card[1].u_card.pb [3], \dut.g_card[0].u_card.pb [3]};
+  assign latch    = {\dut.u_cards.g_card[1].u_card.latch_pulse , \dut.u_cards.g_card[0].u_card.latch_pulse };
+  assign update   = {\dut.u_cards.g_card[1].u_card.dac_update , \dut.u_cards.g_card[0].u_card.dac_update };
+  assign sclock_q = {\dut.u_cards.g_card[1].u_card.u_latch.sclock_q ,
+                     \dut.u_cards.g_card[0].u_card.u_latch.sclock_q };
+  assign sw_q     = {\dut.u_cards.g_card[1].u_card.u_latch.sw_latch_q ,
+                     \dut.u_cards.g_card[0].u_card.u_latch.sw_latch_q };
+  assign enabled  = {\dut.u_cards.g_card[1].u_card.pb [2], \dut.u_cards.g_card[0].u_card.pb [2]};
+  assign double   = {\dut.u_cards.g_card[1].u_card.pb [3], \dut.u_cards.g_card[0].u_card.pb [3]};
 
   // SCLOCK, an access to the register that latches all cards, and what was a clock ago.
   logic drq_was, all, idle_was, power_was;

@@ -72,13 +72,7 @@ module mmcs_fpga #(
     .pcx_d_i('0),
     .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0),
-    .pcx_irq_i('0),
-    .hp_req_i(1'b0),
-    .hp_write_i(1'b0),
-    .hp_a_i('0),
-    .hp_wdata_i('0),
-    .hp_ack_o(),
-    .hp_rdata_o()
+    .pcx_irq_i('0)
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

@@ -18,6 +18,7 @@ TOPS = [
     ("mmcs", {}),
     ("mmcs", {"NumCards": 1, "ClkHz": 48_000_000, "SysClkMHz": 1}),
     ("mmcs", {"NumCards": 16}),
+    ("mmcs_core", {}),
     ("sync", {"Width": 3}),
     ("mark1", {}),
     ("adaptor_core", {}),

@@ -61,7 +61,7 @@ class MMCS(LiteXModule):
         platform.add_verilog_include_path(str(ROOT / "rtl"))
 
     def _add(self, hz: int, cards: int, safety: dict) -> None:
-        port = {"req": 1, "write": 1, "a": 10, "wdata": 8, "ack": 1, "rdata": 8}
+        port = {"req": 1, "write": 1, "a": 10, "wdata": 8, "ack": 1, "rdata": 8, "vector": 8}
         hp = {name: Signal(width, name=f"mmcs_hp_{name}") for name, width in port.items()}
         reset = {"i_clk_i": ClockSignal("sys"), "i_rst_ni": ~ResetSignal("sys")}
         bus = self.bus
@@ -71,22 +71,19 @@ class MMCS(LiteXModule):
             i_wb_sel_i=bus.sel, i_wb_dat_i=bus.dat_w, o_wb_dat_o=bus.dat_r, o_wb_ack_o=bus.ack,
             o_wb_err_o=bus.err, o_hp_req_o=hp["req"], o_hp_write_o=hp["write"], o_hp_a_o=hp["a"],
             o_hp_wdata_o=hp["wdata"], i_hp_ack_i=hp["ack"], i_hp_rdata_i=hp["rdata"],
+            i_vector_i=hp["vector"],
         )  # fmt: skip
-        idle = {"a": (15, 0), "am": (6, 0), "d": (16, 0)}
-        idle_low = {"as": 1, "ds": 3, "write": 1, "lword": 1, "iack": 1, "iackin": 1, "sysreset": 1}
-        ports = {f"i_vme_{n}_i": Constant(v, w) for n, (w, v) in idle.items()}
-        ports |= {f"i_vme_{n}_ni": Constant(v, v.bit_length()) for n, v in idle_low.items()}
-        ports |= {f"i_{n}_i": getattr(self, n) for n in PINS_IN}
+        ports = {f"i_{n}_i": getattr(self, n) for n in PINS_IN}
         ports |= {f"i_{n}_i": pin for n, pin in safety.items()}
         ports |= {f"o_{n}_o": getattr(self, n) for n in PINS_OUT}
         ports |= {f"i_pcx_{n}_i": Constant(0, w) for n, w in
                   {"d": 8, "d_oe": 1, "wait": 1, "irq": 5}.items()}  # fmt: skip
         self.specials += Instance(
-            "mmcs", **reset, **ports, p_NumCards=cards, p_ClkHz=hz, p_HostPort=1,
+            "mmcs_core", **reset, **ports, p_NumCards=cards, p_ClkHz=hz, i_sysreset_ni=Constant(1),
             i_dip_i=Cat(*(Constant(n, 4) for n in range(cards))),
             o_brake_release_o=self.brake_release, o_alive_o=self.alive, o_panic_o=self.panic,
             o_sclock_o=self.sclock,
-            o_led_irq_o=self.ev.request.trigger, i_hp_req_i=hp["req"],
+            o_irq_req_o=self.ev.request.trigger, o_vector_o=hp["vector"], i_hp_req_i=hp["req"],
             i_hp_write_i=hp["write"], i_hp_a_i=hp["a"], i_hp_wdata_i=hp["wdata"],
             o_hp_ack_o=hp["ack"], o_hp_rdata_o=hp["rdata"],
         )  # fmt: skip

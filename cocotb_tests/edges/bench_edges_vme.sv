@@ -50,8 +50,6 @@ module bench_edges_vme (
     .vme_lword_ni(lword_ni), .vme_d_i(d_i), .vme_d_o(d_o), .vme_d_oe_o(d_oe_o[1]),
     .vme_dtack_no(dtack_n), .vme_iack_ni(iack_ni), .vme_iackin_ni(iackin_ni[1]),
     .vme_iackout_no(iackout_no[1]), .vme_irq_no(), .vme_sysreset_ni(sysreset_ni),
-    .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i(10'd0), .hp_wdata_i(8'd0),
-    .hp_ack_o(), .hp_rdata_o(),
     .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o(brake_o),
     .alive_o(), .sclock_o,
     .led_irq_o(irq_o), .pc_a_o, .pc_aen_o(), .pc_d_o, .pc_ior_no, .pc_iow_no, .pc_clk_en_o(),

@@ -71,9 +71,7 @@ module bench_expansion #(
     .pcx_d_i(dio_d),
     .pcx_d_oe_i(dio_oe),
     .pcx_wait_i(dio_wait),
-    .pcx_irq_i({dio_irq, 4'h0}),
-    .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i('0), .hp_wdata_i('0),
-    .hp_ack_o(), .hp_rdata_o()
+    .pcx_irq_i({dio_irq, 4'h0})
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

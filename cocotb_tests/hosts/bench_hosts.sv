@@ -80,7 +80,7 @@ module bench_hosts #(
 );
 
   logic hp_ack;
-  logic [7:0] hp_rdata;
+  logic [7:0] hp_rdata, vector;
   logic [6:1] req, write;
   logic [6:1][10:1] a;
   logic [6:1][7:0] wdata;
@@ -93,7 +93,8 @@ module bench_hosts #(
     .s_axil_araddr, .s_axil_arprot, .s_axil_arvalid, .s_axil_arready,
     .s_axil_rdata, .s_axil_rresp, .s_axil_rvalid, .s_axil_rready,
     .hp_req_o(req[1]), .hp_write_o(write[1]), .hp_a_o(a[1]), .hp_wdata_o(wdata[1]),
-    .hp_ack_i(hp_ack & front_i == 1), .hp_rdata_i(hp_rdata)
+    .hp_ack_i(hp_ack & front_i == 1), .hp_rdata_i(hp_rdata),
+    .vector_i(vector)
   );
 
   // Whose answer the shared pins are
@@ -109,21 +110,24 @@ module bench_hosts #(
     .clk_i, .rst_ni, .wb_cyc_i(wb_cyc_i & front_i == 2), .wb_stb_i, .wb_we_i, .wb_adr_i,
     .wb_sel_i, .wb_dat_i, .wb_dat_o(dat[2]), .wb_ack_o(ack[2]), .wb_err_o(err[2]),
     .wb_stall_o(stall[2]), .hp_req_o(req[2]), .hp_write_o(write[2]), .hp_a_o(a[2]),
-    .hp_wdata_o(wdata[2]), .hp_ack_i(hp_ack & front_i == 2), .hp_rdata_i(hp_rdata)
+    .hp_wdata_o(wdata[2]), .hp_ack_i(hp_ack & front_i == 2), .hp_rdata_i(hp_rdata),
+    .vector_i(vector)
   );
 
   adaptor_wb #(.Pipelined(1'b1)) u_wbp (
     .clk_i, .rst_ni, .wb_cyc_i(wb_cyc_i & front_i == 3), .wb_stb_i, .wb_we_i, .wb_adr_i,
     .wb_sel_i, .wb_dat_i, .wb_dat_o(dat[3]), .wb_ack_o(ack[3]), .wb_err_o(err[3]),
     .wb_stall_o(stall[3]), .hp_req_o(req[3]), .hp_write_o(write[3]), .hp_a_o(a[3]),
-    .hp_wdata_o(wdata[3]), .hp_ack_i(hp_ack & front_i == 3), .hp_rdata_i(hp_rdata)
+    .hp_wdata_o(wdata[3]), .hp_ack_i(hp_ack & front_i == 3), .hp_rdata_i(hp_rdata),
+    .vector_i(vector)
   );
 
   adaptor_apb #(.DataWidth(32)) u_apb (
     .clk_i, .rst_ni, .apb_psel(apb_psel & front_i == 4), .apb_penable, .apb_pwrite, .apb_paddr,
     .apb_pprot, .apb_pstrb, .apb_pwdata, .apb_prdata(dat[4]),
     .apb_pready(ack[4]), .apb_pslverr(err[4]), .hp_req_o(req[4]), .hp_write_o(write[4]),
-    .hp_a_o(a[4]), .hp_wdata_o(wdata[4]), .hp_ack_i(hp_ack & front_i == 4), .hp_rdata_i(hp_rdata)
+    .hp_a_o(a[4]), .hp_wdata_o(wdata[4]), .hp_ack_i(hp_ack & front_i == 4), .hp_rdata_i(hp_rdata),
+    .vector_i(vector)
   );
 
   adaptor_wb #(.DataWidth(8)) u_wb8 (
@@ -131,50 +135,84 @@ module bench_hosts #(
     .wb_sel_i(wb_sel_i[0]), .wb_dat_i(wb_dat_i[7:0]), .wb_dat_o(dat[5][7:0]),
     .wb_ack_o(ack[5]), .wb_err_o(err[5]), .wb_stall_o(stall[5]), .hp_req_o(req[5]),
     .hp_write_o(write[5]), .hp_a_o(a[5]), .hp_wdata_o(wdata[5]),
-    .hp_ack_i(hp_ack & front_i == 5), .hp_rdata_i(hp_rdata)
+    .hp_ack_i(hp_ack & front_i == 5), .hp_rdata_i(hp_rdata),
+    .vector_i(vector)
   );
 
   adaptor_apb #(.DataWidth(8)) u_apb8 (
     .clk_i, .rst_ni, .apb_psel(apb_psel & front_i == 6), .apb_penable, .apb_pwrite, .apb_paddr,
     .apb_pprot, .apb_pstrb(apb_pstrb[0]), .apb_pwdata(apb_pwdata[7:0]), .apb_prdata(dat[6][7:0]),
     .apb_pready(ack[6]), .apb_pslverr(err[6]), .hp_req_o(req[6]), .hp_write_o(write[6]),
-    .hp_a_o(a[6]), .hp_wdata_o(wdata[6]), .hp_ack_i(hp_ack & front_i == 6), .hp_rdata_i(hp_rdata)
+    .hp_a_o(a[6]), .hp_wdata_o(wdata[6]), .hp_ack_i(hp_ack & front_i == 6), .hp_rdata_i(hp_rdata),
+    .vector_i(vector)
   );
 
   /* verilator lint_off PINCONNECTEMPTY */
-  mmcs #(
-    .NumCards(1),
-    .HeartbeatUs(HeartbeatUs),
-    .RelayUs(20),
-    .HostPort(HostPort)
-  ) u_mmcs (
-    .clk_i, .rst_ni,
-    .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni, .vme_d_i, .vme_d_o,
-    .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
-    .vme_sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i,
-    .brake_release_o(),
-    .alive_o(),
-    .panic_o(),
-    .sclock_o,
-    .led_irq_o(irq_o),
-    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
-    .dip_i(4'h0),
-    .adc_v_i(32'h0),
-    .drive_v_o,
-    .card_leds_o(),
-    .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
-    .pcx_reset_drv_o(), .pcx_drq_o(),
-    .pcx_d_i(8'h0),
-    .pcx_d_oe_i(1'b0),
-    .pcx_wait_i(1'b0),
-    .pcx_irq_i(5'h0),
-    .hp_req_i(|req),
-    .hp_write_i(write[front_i]),
-    .hp_a_i(a[front_i]),
-    .hp_wdata_i(wdata[front_i]),
-    .hp_ack_o(hp_ack),
-    .hp_rdata_o(hp_rdata)
-  );
+  if (HostPort) begin : g_port
+    mmcs_core #(
+      .NumCards(1),
+      .HeartbeatUs(HeartbeatUs),
+      .RelayUs(20)
+    ) u_mmcs (
+      .clk_i, .rst_ni,
+      .hp_req_i(|req),
+      .hp_write_i(write[front_i]),
+      .hp_a_i(a[front_i]),
+      .hp_wdata_i(wdata[front_i]),
+      .hp_ack_o(hp_ack),
+      .hp_rdata_o(hp_rdata),
+      .irq_req_o(irq_o),
+      .vector_o(vector),
+      .sysreset_ni(vme_sysreset_ni),
+      .estop_closed_i, .cable_ok_i, .pc_power_i,
+      .brake_release_o(),
+      .alive_o(),
+      .panic_o(),
+      .sclock_o,
+      .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+      .dip_i(4'h0),
+      .adc_v_i(32'h0),
+      .drive_v_o,
+      .card_leds_o(),
+      .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
+      .pcx_reset_drv_o(), .pcx_drq_o(),
+      .pcx_d_i(8'h0),
+      .pcx_d_oe_i(1'b0),
+      .pcx_wait_i(1'b0),
+      .pcx_irq_i(5'h0)
+    );
+    assign {vme_d_o, vme_d_oe_o} = {16'hFFFF, 1'b0};
+    assign {vme_dtack_no, vme_iackout_no, vme_irq_no} = '1;
+  end else begin : g_vme
+    mmcs #(
+      .NumCards(1),
+      .HeartbeatUs(HeartbeatUs),
+      .RelayUs(20)
+    ) u_mmcs (
+      .clk_i, .rst_ni,
+      .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni, .vme_d_i,
+      .vme_d_o, .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no,
+      .vme_irq_no, .vme_sysreset_ni,
+      .led_irq_o(irq_o),
+      .estop_closed_i, .cable_ok_i, .pc_power_i,
+      .brake_release_o(),
+      .alive_o(),
+      .panic_o(),
+      .sclock_o,
+      .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+      .dip_i(4'h0),
+      .adc_v_i(32'h0),
+      .drive_v_o,
+      .card_leds_o(),
+      .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
+      .pcx_reset_drv_o(), .pcx_drq_o(),
+      .pcx_d_i(8'h0),
+      .pcx_d_oe_i(1'b0),
+      .pcx_wait_i(1'b0),
+      .pcx_irq_i(5'h0)
+    );
+    assign {hp_ack, hp_rdata, vector} = '0;
+  end
   /* verilator lint_on PINCONNECTEMPTY */
 
 endmodule

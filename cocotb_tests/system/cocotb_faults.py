@@ -54,11 +54,11 @@ async def lost_interrupt_fault(dut):
 async def panic_line_open(dut):
     """A card whose IRQ jumper is off panics unheard."""
     tb = await safety(dut, 0x0C)  # card 1 alone
-    dut.card_irq.value = Force(0)
+    dut.u_cards.card_irq.value = Force(0)
     await tb.us(BEAT_US + 20)
     assert not panic(tb)
     assert await tb.crd(1, PORT_C) & 5 == 0
-    dut.card_irq.value = Release()
+    dut.u_cards.card_irq.value = Release()
     await tb.clocks(5)
     assert panic(tb)
 
@@ -68,7 +68,7 @@ async def panic_line_open(dut):
 async def sclock_line_open(dut):
     """A card whose DRQ jumper is off never latches; its neighbours do."""
     tb = await cards(dut)
-    tb.stuck(dut.g_card[1].u_card.u_latch.sclock_q, 1)  # so that no edge is seen
+    tb.stuck(dut.u_cards.g_card[1].u_card.u_latch.sclock_q, 1)  # so that no edge is seen
     tb.inputs([0x1000] * 6)
     await pulse(tb)
     await tb.us(1)
@@ -80,7 +80,7 @@ async def sclock_line_open(dut):
 async def stuck_converters(dut):
     """A D/A that is stuck shows it at the output; a stuck A/D converts and keeps its code."""
     tb = await cards(dut)
-    axis = dut.g_card[1].u_card.g_axis[0].u_axis
+    axis = dut.u_cards.g_card[1].u_card.g_axis[0].u_axis
     stuck = tb.stuck(axis.u_dac.rank2_q, 0x901)
     for n in (2, 3):
         await tb.dac(n, 0x700)

@@ -63,22 +63,21 @@ module mmcs_board #(
   );
 
   /* verilator lint_off PINCONNECTEMPTY */
-  mmcs #(
+  mmcs_core #(
     .NumCards(1),
     .ClkHz(ClkHz),
-    .HeartbeatUs(HeartbeatUs),
-    .HostPort(1'b1)
+    .HeartbeatUs(HeartbeatUs)
   ) u_mmcs (
     .clk_i, .rst_ni(rst_n),
-    .vme_a_i('0), .vme_am_i('0), .vme_as_ni(1'b1), .vme_ds_ni('1), .vme_write_ni(1'b1),
-    .vme_lword_ni(1'b1), .vme_d_i('0), .vme_d_o(), .vme_d_oe_o(), .vme_dtack_no(),
-    .vme_iack_ni(1'b1), .vme_iackin_ni(1'b1), .vme_iackout_no(), .vme_irq_no(),
-    .vme_sysreset_ni(1'b1),
+    .hp_req_i(hp_req), .hp_write_i(hp_write), .hp_a_i(hp_a), .hp_wdata_i(hp_wdata),
+    .hp_ack_o(hp_ack), .hp_rdata_o(hp_rdata),
+    .irq_req_o(),
+    .vector_o(),
+    .sysreset_ni(1'b1),
     .estop_closed_i(~estop_n),
     .cable_ok_i(1'b1),
     .pc_power_i(1'b1),
     .brake_release_o(brake_release), .alive_o(alive), .panic_o, .sclock_o,
-    .led_irq_o(),
     .enc_a_i(enc_a), .enc_b_i(enc_b), .enc_i_i(enc_i), .axis_enable_i(~enable_n),
     .dip_i('0),
     .adc_v_i(adc),
@@ -89,9 +88,7 @@ module mmcs_board #(
     .pcx_d_i('0),
     .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0),
-    .pcx_irq_i('0),
-    .hp_req_i(hp_req), .hp_write_i(hp_write), .hp_a_i(hp_a), .hp_wdata_i(hp_wdata),
-    .hp_ack_o(hp_ack), .hp_rdata_o(hp_rdata)
+    .pcx_irq_i('0)
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

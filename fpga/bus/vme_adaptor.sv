@@ -72,7 +72,6 @@ module vme_adaptor #(
 
   sync u_reset (.clk_i(clk), .rst_ni(rst_n), .d_i(1'b1), .q_o(rst_n_q));
 
-  /* verilator lint_off PINCONNECTEMPTY */  // no host port
   adaptor_vme #(
     .ClkHz(ClkHz),
     .IrqLevel(IrqLevel),
@@ -85,7 +84,6 @@ module vme_adaptor #(
     .vme_d_oe_o(d_oe), .vme_dtack_no(dtack_n), .vme_iack_ni(vme_iack_n),
     .vme_iackin_ni(vme_iackin_n), .vme_iackout_no(vme_iackout_n), .vme_irq_no(irq_n),
     .vme_sysreset_ni(vme_sysreset_n),
-    .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i('0), .hp_wdata_i('0), .hp_ack_o(), .hp_rdata_o(),
     .estop_closed_i(~estop_n), .cable_ok_i(~cable_n), .pc_power_i(pc_power),
     .panic_o(led_panic), .brake_release_o(brake_release), .alive_o(alive), .sclock_o(led_sclock),
     .led_irq_o(led_irq),
@@ -93,7 +91,6 @@ module vme_adaptor #(
     .pc_clk_en_o(clk_en), .pc_reset_drv_o(reset_drv), .pc_drq_o(drq), .pc_power_o(pc_on),
     .pc_d_i(rdata), .pc_wait_i(~pc_iochrdy), .pc_irq_i(pc_irq)
   );
-  /* verilator lint_on PINCONNECTEMPTY */
 
   assign vme_d_oe_n = ~d_oe;
   assign vme_dtack_oe_n = dtack_n;

@@ -34,7 +34,7 @@ def first_pass(trace: Path, machine: str, soc: bool = False) -> Pass | None:
 
     clocks = edges("sclock_o", 1)
     acks = [] if soc else edges("u_adaptor.vme_iackin_ni", 0)
-    reads, writes = edges("pc_ior_n", 0), edges("pc_iow_n", 1)
+    reads, writes = edges("pcx_ior_no", 0), edges("pcx_iow_no", 1)
     for begin, end in zip(clocks, clocks[1:], strict=False):
         ack = next((t for t in acks if begin <= t < end), begin if soc else None)
         if ack is None:

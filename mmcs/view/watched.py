@@ -48,7 +48,7 @@ def _signal(signal: Signal) -> dict:
     elif signal.state_of:
         names = states(signal.state_of)
     return {
-        "name": re.sub(r"^.*(u_axis|u_card|g_vme)\.|^u_adaptor\.", "", signal.path),
+        "name": re.sub(r"^.*(u_axis|u_card)\.|^u_adaptor\.", "", signal.path),
         "net": f"{CARD}.{signal.port}" if signal.port else signal.path,
         "width": signal.width,
         "form": FORMS.get(signal.form, "bits"),

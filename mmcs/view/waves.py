@@ -47,7 +47,10 @@ class Signal(NamedTuple):
     port: str = ""  # of a board, that holds it from bit 0 on: what stands for it without a trace
 
     def full(self, machine: str = MACHINE) -> str:
-        return TOP + "." + self.path[1:] if self.path[0] == "/" else f"{machine}.{self.path}"
+        if self.path[0] == "/":
+            return TOP + "." + self.path[1:]
+        cards = "u_cards." if self.path.startswith("g_card") else ""
+        return f"{machine}.{cards}{self.path}"
 
     def gtkwave(self, machine: str = MACHINE) -> str:
         return self.full(machine) + (
@@ -94,10 +97,10 @@ GROUPS = {
         Signal("u_adaptor.vme_iack_ni"),
         Signal("u_adaptor.vme_iackin_ni"),
         Signal("u_adaptor.vme_iackout_no"),
-        Signal("u_adaptor.g_vme.u_slave.busy_q"),
-        Signal("u_adaptor.g_vme.u_slave.own_q"),
-        Signal("u_adaptor.g_vme.u_interrupter.mine_q"),
-        Signal("u_adaptor.g_vme.u_interrupter.answer_q"),
+        Signal("u_adaptor.u_bus_slave.busy_q"),
+        Signal("u_adaptor.u_bus_slave.own_q"),
+        Signal("u_adaptor.u_bus_interrupter.mine_q"),
+        Signal("u_adaptor.u_bus_interrupter.answer_q"),
         Signal("u_adaptor.u_core.state_q", 2, STATE, state_of="adaptor_core"),
     ],
     "PC bus": [
@@ -165,7 +168,17 @@ def view(host: str = "native") -> tuple[str, dict[str, list[Signal]]]:
     """The machine's place in a trace, and the groups of its prepared view."""
     if host != "rv32":
         return MACHINE, GROUPS
-    return SOC_MACHINE, dict(SOC_GROUPS.get(name, (name, g)) for name, g in GROUPS.items())
+    return SOC_MACHINE, dict(
+        SOC_GROUPS.get(name, (name, [_of_core(signal) for signal in group]))
+        for name, group in GROUPS.items()
+    )
+
+
+def _of_core(signal: Signal) -> Signal:
+    """The same signal where the adaptor is its core alone."""
+    path = signal.path.replace("u_adaptor.u_core.", "u_adaptor.")
+    path = path.replace("u_adaptor.", "u_adaptor.u_core.").replace("led_irq_o", "irq_req_o")
+    return signal._replace(path=path)
 
 
 def write_views(trace: Path, host: str = "native") -> tuple[Path, Path]:

@@ -29,7 +29,8 @@ module adaptor_apb #(
   output logic      [           10:1] hp_a_o,
   output logic      [            7:0] hp_wdata_o,
   input  wire logic                   hp_ack_i,
-  input  wire logic [            7:0] hp_rdata_i
+  input  wire logic [            7:0] hp_rdata_i,
+  input  wire logic [            7:0] vector_i
 );
 
   logic ready, done, outside, width;
@@ -50,7 +51,8 @@ module adaptor_apb #(
     .outside_o(outside),
     .width_o(width),
     .rdata_o(rdata),
-    .hp_req_o, .hp_write_o, .hp_a_o, .hp_wdata_o, .hp_ack_i, .hp_rdata_i
+    .hp_req_o, .hp_write_o, .hp_a_o, .hp_wdata_o, .hp_ack_i, .hp_rdata_i,
+    .vector_i
   );
 
   assign apb_pready = done;

@@ -37,7 +37,8 @@ module adaptor_axil #(
   output logic      [         10:1] hp_a_o,
   output logic      [          7:0] hp_wdata_o,
   input  wire logic                 hp_ack_i,
-  input  wire logic [          7:0] hp_rdata_i
+  input  wire logic [          7:0] hp_rdata_i,
+  input  wire logic [          7:0] vector_i
 );
 
   localparam logic [1:0] Okay = 2'b00, SlvErr = 2'b10, DecErr = 2'b11;
@@ -69,7 +70,8 @@ module adaptor_axil #(
     .outside_o(outside),
     .width_o(width),
     .rdata_o(rdata),
-    .hp_req_o, .hp_write_o, .hp_a_o, .hp_wdata_o, .hp_ack_i, .hp_rdata_i
+    .hp_req_o, .hp_write_o, .hp_a_o, .hp_wdata_o, .hp_ack_i, .hp_rdata_i,
+    .vector_i
   );
 
   assign resp = outside ? DecErr : width ? SlvErr : Okay;

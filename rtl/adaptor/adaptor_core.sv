@@ -3,6 +3,7 @@
 // §4.2.1, §4.3.2-4.3.5
 `default_nettype none
 `include "mmcs_assert.svh"
+`include "mmcs_require.svh"
 
 module adaptor_core #(
   parameter int ClkHz = 8_000_000,
@@ -57,6 +58,16 @@ module adaptor_core #(
   localparam int LocalClks = ClkMHz / 4;
   localparam int LocalWidth = $clog2(LocalClks + 1);
   localparam int ResetWidth = $clog2(ResetDrvUs * ClkMHz + 1);
+
+  // --- parameters that cannot be ----------------------------------------------------------
+
+  `MMCS_REQUIRE(ReqSysClk, SysClkMHz == 8 || SysClkMHz == 4 || SysClkMHz == 2 || SysClkMHz == 1,
+                "mmcs: SysClkMHz must be 8, 4, 2 or 1")
+  `MMCS_REQUIRE(ReqDrq, SclockDrq >= 1 && SclockDrq <= 3, "mmcs: SclockDrq must be 1 to 3")
+  `MMCS_REQUIRE(ReqPanic, PanicIrq >= 3 && PanicIrq <= 7, "mmcs: PanicIrq must be 3 to 7")
+  `MMCS_REQUIRE(ReqCmd, CmdNs >= 125 && CmdNs <= 10_000, "mmcs: CmdNs must be 125 to 10000")
+  `MMCS_REQUIRE(ReqIochrdy, IochrdyLimitClks >= 1 && IochrdyLimitClks <= 100,
+                "mmcs: IochrdyLimitClks must be 1 to 100")
 
   // --- host port decode -------------------------------------------------------------------
 

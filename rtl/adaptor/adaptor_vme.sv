@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The VMEbus adaptor: the neutral core with a VME front. §4.3
-//
-// HostPort = 1 leaves the front out: the core's host port comes out as it is, and the VME side is
-// silent but for SYSRESET*.
 `default_nettype none
 
 module adaptor_vme #(
@@ -15,8 +12,7 @@ module adaptor_vme #(
   parameter int PanicIrq = 7,
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
-  parameter bit RandomPowerUp = 1'b0,
-  parameter bit HostPort = 1'b0
+  parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -36,13 +32,6 @@ module adaptor_vme #(
   output logic             vme_iackout_no,
   output logic      [ 7:1] vme_irq_no,
   input  wire logic        vme_sysreset_ni,
-  // Host port, if HostPort = 1: see adaptor_core
-  input  wire logic        hp_req_i,
-  input  wire logic        hp_write_i,
-  input  wire logic [10:1] hp_a_i,
-  input  wire logic [ 7:0] hp_wdata_i,
-  output logic             hp_ack_o,
-  output logic      [ 7:0] hp_rdata_o,
   // Safety and lights
   input  wire logic        estop_closed_i,
   input  wire logic        cable_ok_i,
@@ -72,49 +61,34 @@ module adaptor_vme #(
   logic [7:0] hp_wdata, hp_rdata, vector;
   logic sys_reset, irq_req, slave_d_oe, slave_dtack, int_d_oe, int_dtack;
 
-  if (HostPort) begin : g_port
-    assign hp_req = hp_req_i;
-    assign hp_write = hp_write_i;
-    assign hp_a = hp_a_i;
-    assign hp_wdata = hp_wdata_i;
-    assign {slave_d_oe, slave_dtack, int_d_oe, int_dtack} = '0;
-    assign vme_iackout_no = 1'b1;
-    assign vme_irq_no = '1;
-    logic unused_vme;
-    assign unused_vme = ^{vme_a_i, vme_am_i, vme_as_ni, vme_ds_ni, vme_write_ni, vme_lword_ni,
-                          vme_d_i, vme_iack_ni, vme_iackin_ni, sys_reset};
-  end else begin : g_vme
-    vme_slave #(
-      .BaseA15A11(BaseA15A11)
-    ) u_slave (
-      .clk_i, .rst_ni,
-      .sys_reset_i(sys_reset),
-      .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni, .vme_iack_ni,
-      .vme_d_i,
-      .d_oe_o(slave_d_oe),
-      .dtack_o(slave_dtack),
-      .hp_req_o(hp_req),
-      .hp_write_o(hp_write),
-      .hp_a_o(hp_a),
-      .hp_wdata_o(hp_wdata),
-      .hp_ack_i(hp_ack)
-    );
+  vme_slave #(
+    .BaseA15A11(BaseA15A11)
+  ) u_bus_slave (
+    .clk_i, .rst_ni,
+    .sys_reset_i(sys_reset),
+    .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni, .vme_iack_ni,
+    .vme_d_i,
+    .d_oe_o(slave_d_oe),
+    .dtack_o(slave_dtack),
+    .hp_req_o(hp_req),
+    .hp_write_o(hp_write),
+    .hp_a_o(hp_a),
+    .hp_wdata_o(hp_wdata),
+    .hp_ack_i(hp_ack)
+  );
 
-    vme_interrupter #(
-      .IrqLevel(IrqLevel),
-      .AckLevel(AckLevel)
-    ) u_interrupter (
-      .clk_i, .rst_ni,
-      .sys_reset_i(sys_reset),
-      .irq_req_i(irq_req),
-      .vme_a_i(vme_a_i[3:1]),
-      .vme_as_ni, .vme_ds_ni, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
-      .d_oe_o(int_d_oe),
-      .dtack_o(int_dtack)
-    );
-    logic unused_port;
-    assign unused_port = ^{hp_req_i, hp_write_i, hp_a_i, hp_wdata_i};
-  end
+  vme_interrupter #(
+    .IrqLevel(IrqLevel),
+    .AckLevel(AckLevel)
+  ) u_bus_interrupter (
+    .clk_i, .rst_ni,
+    .sys_reset_i(sys_reset),
+    .irq_req_i(irq_req),
+    .vme_a_i(vme_a_i[3:1]),
+    .vme_as_ni, .vme_ds_ni, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no, .vme_irq_no,
+    .d_oe_o(int_d_oe),
+    .dtack_o(int_dtack)
+  );
 
   adaptor_core #(
     .ClkHz(ClkHz),
@@ -142,8 +116,6 @@ module adaptor_vme #(
     .pc_drq_o, .pc_power_o, .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
-  assign hp_ack_o = hp_ack;
-  assign hp_rdata_o = hp_rdata;
   assign led_irq_o = irq_req;
   assign vme_dtack_no = ~(slave_dtack | int_dtack);
   assign vme_d_oe_o = slave_d_oe | int_d_oe;

@@ -25,13 +25,14 @@ module reg_window #(
   output logic                        outside_o, // error: beyond the window
   output logic                        width_o,   // error: not a whole register
   output logic      [            7:0] rdata_o,
-  // Host port
+  // Host port, and the vector register behind it
   output logic                        hp_req_o,
   output logic                        hp_write_o,
   output logic      [           10:1] hp_a_o,
   output logic      [            7:0] hp_wdata_o,
   input  wire logic                   hp_ack_i,
-  input  wire logic [            7:0] hp_rdata_i
+  input  wire logic [            7:0] hp_rdata_i,
+  input  wire logic [            7:0] vector_i
 );
 
   localparam int Words = (DataWidth == 32) ? 1 : 0;
@@ -50,7 +51,6 @@ module reg_window #(
   state_e state_q, state_d;
   logic outside, fits, nothing, is_vector;
   logic outside_q, width_q;
-  logic [7:0] vector_q;
 
   assign outside = a_i[AddrWidth-1:WindowWidth] != '0;
 
@@ -76,7 +76,7 @@ module reg_window #(
     endcase
   end
 
-  // There is no acknowledge cycle that would fetch the vector: its register gives it.
+  // There is no acknowledge cycle that would fetch the vector: its register is read.
   assign is_vector = hp_a_o[10] & hp_a_o[6];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -88,7 +88,6 @@ module reg_window #(
       hp_a_o     <= '0;
       hp_wdata_o <= '0;
       rdata_o    <= '1;
-      vector_q   <= mmcs_regs_pkg::VECTOR_RESET;
     end else begin
       state_q <= state_d;
       if (state_q == StIdle && start_i) begin
@@ -99,10 +98,7 @@ module reg_window #(
         hp_wdata_o <= wdata_i;
         rdata_o    <= '1;
       end
-      if (hp_req_o && hp_ack_i) begin
-        rdata_o <= is_vector ? vector_q : hp_rdata_i;
-        if (is_vector && hp_write_o) vector_q <= hp_wdata_o;
-      end
+      if (hp_req_o && hp_ack_i) rdata_o <= is_vector ? vector_i : hp_rdata_i;
     end
   end
 

@@ -92,12 +92,12 @@ bind mmcs pcbus_checker #(
   .clk_i,
   .rst_ni,
   .link_ok_i(cable_ok_i && pc_power_i && u_adaptor.u_core.link_ok),
-  .pc_a_i(pc_a),
-  .pc_d_i(pc_wdata),
-  .pc_ior_ni(pc_ior_n),
-  .pc_iow_ni(pc_iow_n),
-  .pc_aen_i(pc_aen),
-  .drivers_i({pcx_d_oe_i, card_d_oe}),
+  .pc_a_i(pcx_a_o),
+  .pc_d_i(pcx_d_o),
+  .pc_ior_ni(pcx_ior_no),
+  .pc_iow_ni(pcx_iow_no),
+  .pc_aen_i(pcx_aen_o),
+  .drivers_i({pcx_d_oe_i, u_cards.card_d_oe}),
   .conflict_o(),
   .broken_o()
 );
@@ -128,12 +128,12 @@ bind mmcs pcbus_timing #(
 ) u_pcbus_timing (
   .rst_ni,
   .link_ok_i(cable_ok_i && pc_power_i && u_adaptor.u_core.link_ok),
-  .pc_a_i(pc_a),
-  .pc_d_i(pc_wdata),
+  .pc_a_i(pcx_a_o),
+  .pc_d_i(pcx_d_o),
   .pc_rdata_i(pc_rdata),
-  .pc_ior_ni(pc_ior_n),
-  .pc_iow_ni(pc_iow_n),
-  .driven_i(|{pcx_d_oe_i, card_d_oe}),
+  .pc_ior_ni(pcx_ior_no),
+  .pc_iow_ni(pcx_iow_no),
+  .driven_i(|{pcx_d_oe_i, u_cards.card_d_oe}),
   .broken_o()
 );
 `endif

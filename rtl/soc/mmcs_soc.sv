@@ -73,53 +73,32 @@ module mmcs_soc #(
     .hp_rdata_i(hp_rdata)
   );
 
-  /* verilator lint_off PINCONNECTEMPTY */  // no VME, no expansion card
-  mmcs #(
+  /* verilator lint_off PINCONNECTEMPTY */  // no vector is fetched; no expansion card
+  mmcs_core #(
     .NumCards(NumCards),
     .ClkHz(ClkHz),
     .AdcConvNs(AdcConvNs),
     .RelayUs(RelayUs),
     .HeartbeatUs(HeartbeatUs),
-    .RandomPowerUp(RandomPowerUp),
-    .HostPort(1'b1)
+    .RandomPowerUp(RandomPowerUp)
   ) u_mmcs (
     .clk_i, .rst_ni,
-    .vme_a_i('0),
-    .vme_am_i('0),
-    .vme_as_ni(1'b1),
-    .vme_ds_ni(2'b11),
-    .vme_write_ni(1'b1),
-    .vme_lword_ni(1'b1),
-    .vme_d_i('1),
-    .vme_d_o(),
-    .vme_d_oe_o(),
-    .vme_dtack_no(),
-    .vme_iack_ni(1'b1),
-    .vme_iackin_ni(1'b1),
-    .vme_iackout_no(),
-    .vme_irq_no(),
-    .vme_sysreset_ni(sysreset_ni),
-    .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .alive_o, .panic_o, .sclock_o,
-    .led_irq_o,
-    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
-    .pcx_a_o(),
-    .pcx_d_o(),
-    .pcx_ior_no(),
-    .pcx_iow_no(),
-    .pcx_aen_o(),
-    .pcx_clk_en_o(),
-    .pcx_reset_drv_o(),
-    .pcx_drq_o(),
-    .pcx_d_i('0),
-    .pcx_d_oe_i(1'b0),
-    .pcx_wait_i(1'b0),
-    .pcx_irq_i('0),
     .hp_req_i(hp_req),
     .hp_write_i(hp_write),
     .hp_a_i(hp_a),
     .hp_wdata_i(hp_wdata),
     .hp_ack_o(hp_ack),
-    .hp_rdata_o(hp_rdata)
+    .hp_rdata_o(hp_rdata),
+    .irq_req_o(led_irq_o),
+    .vector_o(),
+    .sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .alive_o, .panic_o, .sclock_o,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
+    .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
+    .pcx_reset_drv_o(), .pcx_drq_o(),
+    .pcx_d_i('0),
+    .pcx_d_oe_i(1'b0),
+    .pcx_wait_i(1'b0),
+    .pcx_irq_i('0)
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

@@ -30,6 +30,8 @@ rtl/adaptor/reg_window.sv
 rtl/adaptor/adaptor_axil.sv
 rtl/adaptor/adaptor_wb.sv
 rtl/adaptor/adaptor_apb.sv
+rtl/mmcs_cards.sv
+rtl/mmcs_core.sv
 rtl/mmcs.sv
 rtl/checkers/vme_slave_checker.sv
 rtl/checkers/vme_claim_checker.sv

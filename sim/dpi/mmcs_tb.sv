@@ -100,19 +100,13 @@ module mmcs_tb #(
     .pcx_d_i(8'h00),
     .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0),
-    .pcx_irq_i(5'b00000),
-    .hp_req_i(1'b0),
-    .hp_write_i(1'b0),
-    .hp_a_i(10'h000),
-    .hp_wdata_i(8'h00),
-    .hp_ack_o(),
-    .hp_rdata_o()
+    .pcx_irq_i(5'b00000)
   );
 
   // A witness beside the pins: where each card believes its axes to be.
   for (genvar axis = 0; axis < Axes; axis++) begin : g_counter
     assign counters[16*axis+:16] =
-        u_mmcs.g_card[axis/2].u_card.g_axis[axis%2].u_axis.u_encoder.count_q;
+        u_mmcs.u_cards.g_card[axis/2].u_card.g_axis[axis%2].u_axis.u_encoder.count_q;
   end
 
   // --- the call -------------------------------------------------------------------------------

@@ -8,23 +8,27 @@
 
 namespace mmcs {
 
-std::unique_ptr<Board> create_Vadaptor_vme(VerilatedContext &, const std::string &);
 std::unique_ptr<Board> create_Vmark1(VerilatedContext &, const std::string &);
 std::unique_ptr<Board> create_Vi8254(VerilatedContext &, const std::string &);
 std::unique_ptr<Board> create_Vthct2000(VerilatedContext &, const std::string &);
 
 #if MMCS_SOC
+std::unique_ptr<Board> create_Vadaptor_core(VerilatedContext &, const std::string &);
 std::unique_ptr<Board> create_Vsoc_host(VerilatedContext &, const std::string &);
+#else
+std::unique_ptr<Board> create_Vadaptor_vme(VerilatedContext &, const std::string &);
 #endif
 
 std::unique_ptr<Board> Board::create(const std::string &module, VerilatedContext &context,
                                      const std::string &name) {
-  if (module == "adaptor_vme") return create_Vadaptor_vme(context, name);
   if (module == "mark1") return create_Vmark1(context, name);
   if (module == "i8254") return create_Vi8254(context, name);
   if (module == "thct2000") return create_Vthct2000(context, name);
 #if MMCS_SOC
+  if (module == "adaptor_core") return create_Vadaptor_core(context, name);
   if (module == "soc_host") return create_Vsoc_host(context, name);
+#else
+  if (module == "adaptor_vme") return create_Vadaptor_vme(context, name);
 #endif
   throw std::runtime_error("no model of the board " + module);
 }

@@ -28,7 +28,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
-from netlist import Instance, Module, Netlist, Var, depends, instances, reached  # noqa: E402
+from netlist import Instance, Module, Netlist, Var, depends, dissolve, instances, reached  # noqa: E402
 from wires import wires_text  # noqa: E402
 
 RULES = tomllib.loads((HERE / "counters.toml").read_text())
@@ -71,13 +71,15 @@ def chips(netlist: Netlist) -> dict[str, Module]:
 
 
 def machine(netlist: Netlist) -> tuple[Netlist, tuple | None]:
-    """The netlist with mmcs at its top; and, in a SoC, its host: path, module, pins by port, and
-    the pins of mmcs."""
+    """The netlist with the boards at its top; and, in a SoC, its host: path, module, pins by port,
+    and the pins of the machine."""
     cells = {path: (netlist.modules[key], pins) for path, key, pins in netlist.top.cells}
-    if "u_mmcs" not in cells:
-        return netlist, None
-    netlist.top, outer = cells["u_mmcs"]
-    return netlist, ("u_host", *cells["u_host"], outer)
+    host = None
+    if "u_mmcs" in cells:
+        netlist.top, outer = cells["u_mmcs"]
+        host = ("u_host", *cells["u_host"], outer)
+    dissolve(netlist, netlist.top, "u_cards")
+    return netlist, host
 
 
 def config(folder: Path, netlist: Netlist) -> None:
@@ -92,7 +94,7 @@ def config(folder: Path, netlist: Netlist) -> None:
                   f'-module "{chip.name}" -var "{p.name}"' for p in linked(chip)}  # fmt: skip
     # The whole machine's registers may be written between clocks.
     plain = [line.replace("flat_rw", "flat_rd") for line in sorted(lines)]
-    own = {module.name for module in netlist.modules.values()}
+    own = boards(netlist)
     plain += [f'forceable -module "{c["module"]}" -var "{p}"' for c in RULES["cut"]
               if c["module"] in own for p in c["ports"]]  # fmt: skip
     for name, text in ("registers", sorted(lines)), ("shells", sorted(rules)), ("plain", plain):
@@ -112,6 +114,8 @@ def usual(netlist: Netlist, part: Module) -> str:
         path = f"{part.name}.{i.path}.".replace("..", ".")
         ports = {p.name for p in part.ports if p.direction == "INPUT" and i.module is part}
         for name, value in RULES["usual"].get(i.module.name, {}).items():
+            if i.module is not part and any(p.name == name for p in i.module.ports):
+                continue  # of a part that is a board of its own elsewhere
             if name not in ports and name not in i.module.registers:
                 raise SystemExit(f"generate: counters.toml: {i.module.name} has no {name}")
             net = name if name in ports else f"{path}{name}"
@@ -270,7 +274,7 @@ def decoder_text(netlist: Netlist) -> str:
 
 def extra(folder: Path, netlist: Netlist) -> None:
     """What there is outside the boards: bus checkers, or the registers of a SoC's processor."""
-    known = {"adaptor_vme", "mark1"}
+    known = {"adaptor_vme", "adaptor_core", "mmcs_cards"}
     soc = netlist.top.name == "mmcs_soc"
     checkers = [(name, netlist.modules[key].name) for name, key, _ in netlist.top.cells
                 if not soc and netlist.modules[key].name not in known]  # fmt: skip

@@ -9,5 +9,6 @@ module host_view;
 endmodule
 
 bind mmcs host_view u_host_view ();
+bind mmcs_core host_view u_host_view ();  // of a SoC
 
 `default_nettype wire

@@ -176,6 +176,28 @@ def _assigns(node: dict, given: set[str], clocked: bool, out: list[Assign], func
         _assigns(child, given, clocked, out, functions)
 
 
+def dissolve(netlist: Netlist, outer: Module, name: str) -> None:
+    """What a module holds of its own becomes its surroundings': its cells keep their names."""
+    at = next(n for n, (cell, _, _) in enumerate(outer.cells) if cell == name)
+    _, key, pins = outer.cells[at]
+    inner = netlist.modules[key]
+    names = {port: expr["name"] for port, expr in pins.items() if expr is not None}
+    if any(expr["type"] != "VARREF" for expr in pins.values() if expr is not None):
+        raise NetlistError(f"{name}: a pin is no plain net")
+    for node in (n for b in inner.blocks for n in walk(b)):
+        if node.get("type") == "VARREF":
+            node["name"] = names.get(node["name"], node["name"])
+    for _, _, below in inner.cells:
+        for node in (n for expr in below.values() if expr is not None for n in walk(expr)):
+            if node.get("type") == "VARREF":
+                node["name"] = names.get(node["name"], node["name"])
+    for var in inner.vars.values():
+        if var.direction == "NONE" and not var.is_param:
+            outer.vars.setdefault(var.name, var)
+    outer.cells[at : at + 1] = inner.cells
+    outer.blocks += inner.blocks
+
+
 @dataclass
 class Instance:
     path: str  # "" for the top

@@ -23,6 +23,13 @@ constexpr uint64_t kCodeMask = 0xFFF;
 constexpr int kVmeWidths[kVmeSysreset] = {15, 6, 1, 2, 1, 1, 16, 1, 1};
 constexpr int kVmeControlLines = 7, kPcAddressLines = 10, kPcDataLines = 8, kPcControlLines = 2;
 
+// The board at whose pins the ribbon begins: in a SoC the adaptor is its core.
+#if defined(MMCS_SOC) && MMCS_SOC
+const char *const kAdaptor = "u_adaptor.u_core";
+#else
+const char *const kAdaptor = "u_adaptor";
+#endif
+
 std::string card_path(int card) {
   return "g_card[" + std::to_string(card) + "].u_card";
 }
@@ -138,8 +145,8 @@ void Pins::hold_pc(Pin low, const char *out, const char *in) {
   const uint64_t zeros = standing(low);
   const uint64_t ones = standing(static_cast<Pin>(static_cast<int>(low) + 1)) & ~zeros;
   if (zeros | ones) ports_.disturb();
-  ports_.cut("u_adaptor", out, zeros | ones, ones);
-  if (in) ports_.cut("u_adaptor", in, zeros | ones, ones);
+  ports_.cut(kAdaptor, out, zeros | ones, ones);
+  if (in) ports_.cut(kAdaptor, in, zeros | ones, ones);
 }
 
 // IOR# and IOW#.
@@ -147,8 +154,8 @@ void Pins::hold_pc_control() {
   const uint64_t zeros = standing(Pin::kPcControl0), ones = standing(Pin::kPcControl1) & ~zeros;
   const uint64_t held = zeros | ones;
   if (held) ports_.disturb();
-  ports_.cut("u_adaptor", "pc_ior_no", held & 1, ones & 1);
-  ports_.cut("u_adaptor", "pc_iow_no", held >> 1 & 1, ones >> 1 & 1);
+  ports_.cut(kAdaptor, "pc_ior_no", held & 1, ones & 1);
+  ports_.cut(kAdaptor, "pc_iow_no", held >> 1 & 1, ones >> 1 & 1);
 }
 
 void Pins::put(int port, int lsb, int width, uint64_t value) {

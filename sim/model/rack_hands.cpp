@@ -18,6 +18,7 @@ unsigned Rack::vme_sample() {
 
 void Rack::put(Port port, int lsb, int width, uint64_t value) {
   const int n = ports_[port];
+  if (n < 0) return;
   const int rest = kWires.nets[static_cast<size_t>(n)].width - lsb;
   if (rest <= 0) return;
   width = std::min(width, rest);

@@ -85,7 +85,9 @@ void Rack::wire() {
     }
   }
   for (int port = 0; port < kPorts; ++port) {
-    const int n = ports_[port] = Wires::find(kPortNames[port]);
+    const bool bare = MMCS_SOC && port == kVmeSysreset;
+    const int n = ports_[port] = Wires::find(bare ? "sysreset_ni" : kPortNames[port]);
+    if (n < 0 && MMCS_SOC && port < kVmeSysreset) continue;  // a SoC has no VMEbus
     if (n < 0) throw std::runtime_error(std::string("rtl/mmcs.sv has no port ") + kPortNames[port]);
     auto &bits = by_bit_[static_cast<size_t>(n)];
     bits.resize(static_cast<size_t>(kWires.nets[static_cast<size_t>(n)].width));
@@ -111,11 +113,16 @@ void Rack::wire() {
                outs.end());
     for (const Slot *s : outs) block->out_words.add(block->board().base, s->port);
   }
-  iackout_ = adaptor_->find("", "vme_iackout_no");
   alive_ = adaptor_->find("", "alive_o");
-  d_oe_ = adaptor_->find("", "vme_d_oe_o");
-  dtack_ = adaptor_->find("", "vme_dtack_no");
-  const std::pair<const char *, int> lines[] = {{host_ ? "led_irq_o" : "vme_irq_no", host_ ? 5 : 1},
+  static char one = 1;
+  dtack_ = {&one, 1, 1, 1};
+  if (!host_) {
+    iackout_ = adaptor_->find("", "vme_iackout_no");
+    d_oe_ = adaptor_->find("", "vme_d_oe_o");
+    dtack_ = adaptor_->find("", "vme_dtack_no");
+    adaptor_->out_words.add(adaptor_->board().base, dtack_);
+  }
+  const std::pair<const char *, int> lines[] = {{host_ ? "irq_req_o" : "vme_irq_no", host_ ? 5 : 1},
                                                 {"panic_o", 8},
                                                 {"brake_release_o", 9},
                                                 {"sclock_o", 10}};
@@ -125,7 +132,6 @@ void Rack::wire() {
     adaptor_->out_words.add(adaptor_->board().base, line_nets_.back().first);
   }
   for (const Slot *s : adaptor_->outs) net_words_.add(adaptor_->board().base, s->port);
-  adaptor_->out_words.add(adaptor_->board().base, dtack_);
 }
 
 }  // namespace mmcs

@@ -60,7 +60,8 @@ TOPS = {
          "adaptor/vme_interrupter": ({}, 50),
          "adaptor/adaptor_vme": ({}, 30),
          "adaptor/adaptor_core": ({}, 80),
-         "mmcs": ({"NumCards": 3, "HeartbeatUs": 400, "RelayUs": 20}, 60)},
+         "mmcs_cards": ({"NumCards": 3, "HeartbeatUs": 400, "RelayUs": 20}, 40),
+         "mmcs": ({"NumCards": 3, "HeartbeatUs": 400, "RelayUs": 20}, 20)},
     ),
 }  # fmt: skip
 

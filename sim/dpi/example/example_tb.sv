@@ -36,8 +36,7 @@ module example_tb;
     .adc_v_i(32'h0), .drive_v_o(drive), .card_leds_o(),
     .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
     .pcx_reset_drv_o(), .pcx_drq_o(), .pcx_d_i(8'h00), .pcx_d_oe_i(1'b0), .pcx_wait_i(1'b0),
-    .pcx_irq_i(5'b00000), .hp_req_i(1'b0), .hp_write_i(1'b0), .hp_a_i(10'h000),
-    .hp_wdata_i(8'h00), .hp_ack_o(), .hp_rdata_o()
+    .pcx_irq_i(5'b00000)
   );
 
   // A motor of sorts: its speed follows the drive within 5 ms, 8000 counts a second and volt.
