@@ -35,6 +35,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
     from mmcs.campaign.plan import is_row, make_plan
+    from mmcs.campaign.twin import Twin
     from mmcs.sweeps.plan import MAX_RUNS
     from mmcs.sweeps.store import Store, check_resume
 
@@ -48,6 +49,8 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
         raise InputError.one("--workers", "", workers, "is of this machine: not with --dask")
     chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
     plan = make_plan(motions, chosen, seed, sets)
+    for setup in plan.setups.values():
+        Twin.check(setup)
     if show is not None:
         _show(plan, show)
         return

@@ -9,6 +9,7 @@ from mmcs.scenario.inputs import INPUTS
 
 # These happen once; they have no value afterwards.
 MOMENTARY = ("host_stall", "bus_error", "encoder_slip")
+MOST_SNAPSHOTS = 100  # that are kept until dropped
 MOST_S = 10.0  # that one request lets pass
 
 
@@ -114,6 +115,8 @@ class Operations:
         return {}
 
     def do_snapshot(self, a: Arguments) -> dict:
+        if len(self._machine.history.asked) >= MOST_SNAPSHOTS:
+            raise Refused(EBUSY, f"{MOST_SNAPSHOTS} snapshots are kept already; drop one")
         return {"snapshot": self._machine.history.take()}
 
     def do_snapshots(self, a: Arguments) -> dict:

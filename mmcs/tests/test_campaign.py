@@ -348,6 +348,10 @@ def test_wilson(k, n, low, high):
         (("--workers", 0), "must be 1 to 256"),
         (("--workers", 1, "--dask", "tcp://x"), "not with --dask"),
         (("--show", -1), "must be 0 to 999999"),
+        (("puma560_hold", "--set", "host.guard_lease=10"),
+         "puma560_hold.toml: its servo stops by itself 0.011 s after it began, with no fault "
+         "(PANIC: SCLOCKs without a setpoint 10)"),
+        (("arm_calibrate", "--set", "axis.all.ilimax=20"), "stops by itself 0.044 s after it"),
         (("--resume", "--out", "/nowhere"), "holds no campaign to go on with"),
     ],
 )  # fmt: skip

@@ -282,6 +282,13 @@ def test_button_and_cable_from_outside(link):
     link.request("call", request="MENABLE")
 
 
+def test_a_monitor_cannot_keep_snapshots_without_end(link):
+    kept = [link.request("snapshot")["snapshot"]["id"] for _ in range(100)]
+    assert refused(link, "snapshot") == (16, "100 snapshots are kept already; drop one")
+    link.request("drop", snapshot=kept[0])
+    link.request("snapshot")
+
+
 def test_pause_advance_rewind(serving, link):
     link.request("open", mode="rw")
     hold(link)
