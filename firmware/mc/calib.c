@@ -37,7 +37,7 @@ void calib_cancel(struct mc *mc) {
 }
 
 void calib_leave(struct mc *mc, int axis) {
-  mc->axis[axis].calib = 0;
+  mc->axis[axis].calib = mc->axis[axis].lost = 0;
   power_apply_modes(mc);
 }
 

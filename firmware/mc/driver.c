@@ -29,21 +29,30 @@ int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
   return 0;
 }
 
-/* The first open: finds the cards, sets the defaults, starts SCLOCK and its interrupts. */
+/* The first open, and the first one for writing: finds the cards, sets the defaults, starts SCLOCK
+ * and its interrupts. If it fails, whoever only reads goes on. */
 static int start(struct mc *mc) {
   unsigned level = mc->os.mask(mc->os.ctx);
+  uint8_t before = mc->opens > 0 ? mc->pccsr : MMCS_PCCSR_BASE_CARDS;
   int result = 0;
   mc->fault = 0;
   mc->pccsr = MMCS_PCCSR_BASE_CARDS;
   hw_put(mc, MMCS_PCCSR, mc->pccsr);
   if (mc->fault || (hw_get(mc, MMCS_PCCSR) & MMCS_PCCSR_BASE_bm) != MMCS_PCCSR_BASE_CARDS) {
     result = -MC_ENXIO;
+    if (mc->opens > 0) {
+      mc->pccsr = before;
+      hw_put(mc, MMCS_PCCSR, before);
+    }
   } else {
     hw_put(mc, MMCS_VECTOR, mc->config.vector);
     mc->power = MC_IDLE;
     mc->adc_timeouts = 0;
     mc->crowded = 0;
     mc->stopped = 0;
+    mc->shut = 0;
+    mc->silent = mc->told_fault = 0;
+    mc->told_at = UINT32_MAX;
     mc->stats = (struct mc_stats){0};
     mc_scan(mc);
     result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);
@@ -55,12 +64,19 @@ static int start(struct mc *mc) {
   return result;
 }
 
+static int has_writer(const struct mc *mc) {
+  for (int i = 0; i < MC_MAX_CLIENTS; i++) {
+    if (mc->client[i].used && mc->client[i].can_write) return 1;
+  }
+  return 0;
+}
+
 int mc_open(struct mc *mc, int flags) {
   int client = 0;
   if (flags < MC_O_RDONLY || flags > MC_O_RDWR) return -MC_EINVAL;
   while (client < MC_MAX_CLIENTS && mc->client[client].used) client++;
   if (client == MC_MAX_CLIENTS) return -MC_ENFILE;
-  if (mc->opens == 0) {
+  if (mc->opens == 0 || (flags != MC_O_RDONLY && !has_writer(mc))) {
     int result = start(mc);
     if (result != 0) return result;
   }
@@ -74,22 +90,17 @@ int mc_open(struct mc *mc, int flags) {
   return client;
 }
 
-static int has_writer(const struct mc *mc) {
-  for (int i = 0; i < MC_MAX_CLIENTS; i++) {
-    if (mc->client[i].used && mc->client[i].can_write) return 1;
-  }
-  return 0;
-}
-
 int mc_close(struct mc *mc, int client) {
   if (!is_client(mc, client)) return -MC_EBADF;
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->client[client].used = 0;
   mc->opens--;
-  if (mc->client[client].can_write && !has_writer(mc)) power_rest(mc);
-  if (mc->opens == 0) {
-    mc->diag = 0;
+  if (mc->client[client].can_write && !has_writer(mc)) {
+    power_rest(mc);
+    mc->diag = mc->double_buffer = mc->buffered = 0;
     power_apply_modes(mc);
+  }
+  if (mc->opens == 0) {
     hw_set_pccsr(mc, 0, (uint8_t)~MMCS_PCCSR_BASE_bm);
     if (mc->adc_timeouts > 0) text_log(mc, "close, A/D time-outs:", mc->adc_timeouts, "");
   }
@@ -130,9 +141,11 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   if (n == 0) return 0;
   if (mc->os.copy_in(mc->os.ctx, values, user_buf, len) != 0) return -MC_EFAULT;
   unsigned level = mc->os.mask(mc->os.ctx);
-  if (mc->stopped) {
+  if (mc->stopped || mc->shut) {
     if (mc->stopped == 1) text_log(mc, "write: stopped, MENABLE first", -1, "");
-    mc->stopped = 2;
+    if (mc->shut == 1) text_log(mc, "write: shut down by an error, MENABLE first", -1, "");
+    if (mc->stopped) mc->stopped = 2;
+    if (mc->shut) mc->shut = 2;
     mc->os.unmask(mc->os.ctx, level);
     return -MC_EIO;
   }

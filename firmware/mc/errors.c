@@ -71,7 +71,7 @@ void error_clear(struct mc *mc, int client) {
   for (int axis = 0; axis < mc->axes; axis++) {
     uint8_t left = (uint8_t)(flags_of(mc, axis) & (c->has_read ? c->since[axis] : 0u));
     mc->axis[axis].state.errcode = code_of(mc, axis, left);
-    c->untold[axis] &= left;
+    c->untold[axis] &= c->has_read ? c->since[axis] : 0u; /* also what somebody else has cleared */
     remains |= left & (unsigned)~c->again[axis];
     c->again[axis] = left;
   }

@@ -59,7 +59,10 @@ static void servo_all(struct mc *mc) {
     if ((x->par.mode & SOFTERR) == 0) fatal = 1;
   }
   mc->os.compute(mc->os.ctx, due);
-  if (fatal) power_stop(mc);
+  if (fatal) {
+    power_stop(mc);
+    mc->shut = 1;
+  }
   if (raised) error_signal(mc);
 }
 
@@ -123,13 +126,24 @@ static void overran(struct mc *mc) {
   text_log(mc, "passes outlast SCLOCK, programs get no time: the interval is too short", -1, "");
 }
 
+/* What was read is no sample: nor is the first of a card that has been silent, which may have to be
+ * initialised again. */
+static int refuse_sample(struct mc *mc, int good) {
+  if (mc->fault) {
+    revive_bus_error(mc);
+  } else if (good && heartbeats_live(mc)) {
+    revive_cards(mc);
+  } else {
+    if (!good) revive_note(mc);
+    if (mc->power != MC_IDLE) power_panic(mc);
+  }
+  return 0;
+}
+
 static int servo_pass(struct mc *mc) {
   if (!enter(mc)) return 0;
   int good = sample_read(mc, &mc->sample);
-  if (!good || !heartbeats_live(mc)) {
-    if (mc->power != MC_IDLE) power_panic(mc);
-    return 0;
-  }
+  if (!good || !heartbeats_live(mc) || mc->silent) return refuse_sample(mc, good);
   int straddled = timer_moved(mc);
   calib_serve(mc, &mc->sample);
   if (straddled) {
@@ -154,7 +168,7 @@ int mc_interrupt(struct mc *mc) {
   mc->fault = 0;
   uint8_t seen = hw_take_latches(mc);
   if (mc->fault) {
-    if (mc->power != MC_IDLE) power_panic(mc);
+    revive_bus_error(mc);
     return 0;
   }
   if ((seen & MMCS_PCCSR_PANIC_LATCHED_bm) != 0) {

@@ -64,6 +64,20 @@ static int is_too_slow(const struct mc_param *par, uint32_t interval_us) {
   return par->clkdivisor > 1 && (uint64_t)par->clkdivisor * interval_us > MC_SERVO_US;
 }
 
+/* It would run away from artificial signals. */
+static int needs_encoder(const struct mc_param *par) {
+  int mode = par->mode & MD_MASK, fed_back = mode <= MD_VEL && (par->mode & ZEROFB) == 0;
+  if (mc_is_off(par) || (par->mode & ADFB) != 0) return 0;
+  return fed_back || (par->mode & POSCHK) != 0;
+}
+
+int axis_needing_encoder(const struct mc *mc) {
+  for (int axis = 0; axis < mc->joints; axis++) {
+    if (needs_encoder(&mc->axis[axis].par)) return axis;
+  }
+  return -1;
+}
+
 static int get_param(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, arg->param.which)) return -MC_EINVAL;
@@ -99,6 +113,10 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
   if (is_nonsense(mc, to)) return -MC_EINVAL;
   if (calib_disturbs(to) && calib_runs(mc, to->which / 2)) {
     text_log(mc, "parameters: axis", to->which, " needs its A/D, which stands still: calibration");
+    return -MC_EBUSY;
+  }
+  if ((mc->diag & M_ENDIAG) != 0 && mc->power != MC_IDLE && needs_encoder(to)) {
+    text_log(mc, "parameters: axis", to->which, " needs its encoder, which M_ENDIAG cuts off");
     return -MC_EBUSY;
   }
   struct mc_axis *x = &mc->axis[to->which];
@@ -201,6 +219,7 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   (void)hw_counter(mc, axis);
   x->counter = hw_counter(mc, axis);
   x->position = (int16_t)value + (int16_t)(uint16_t)(x->counter - value);
+  x->lost = 0;
   renumber(mc, x, (int64_t)(int16_t)value - before);
   return 0;
 }
@@ -222,6 +241,12 @@ static int set_led(struct mc *mc, int client, union argument *arg) {
 static int diag_mode(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if ((arg->value & ~(M_ANDIAG | M_ENDIAG)) != 0) return -MC_EINVAL;
+  if (guard_locks(mc)) return -MC_EBUSY;
+  int blind = (arg->value & M_ENDIAG) != 0 && mc->power != MC_IDLE ? axis_needing_encoder(mc) : -1;
+  if (blind >= 0) {
+    text_log(mc, "diag mode: axis", blind, " needs its encoder, which M_ENDIAG cuts off");
+    return -MC_EBUSY;
+  }
   unsigned level = mc->os.mask(mc->os.ctx);
   int relay = (mc->diag ^ arg->value) & M_ANDIAG;
   mc->diag = (uint8_t)arg->value;

@@ -66,13 +66,15 @@ struct mc_guard {
   uint32_t samples; /* for so many samples in a row */
   uint32_t missed;  /* SCLOCKs in a row, and one more, that no pass may serve */
   uint32_t lease;   /* SCLOCKs that a write() holds; before they are over, another must come */
-  uint8_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MSETNUMJOINTS give EBUSY */
+  uint8_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MDIAGMODE, MSETNUMJOINTS give
+                     * EBUSY */
 };
 
 struct mc_config {
   uint32_t sysclk_hz; /* rate of the system clock that feeds timer 0: 8, 4, 2 or 1 MHz */
   uint8_t vector;     /* interrupt vector number written to 0x441 */
   struct mc_guard guard;
+  uint32_t speed; /* of the fastest axis, counts/s; 0: not known */
 };
 
 #define MC_MAX_CARDS 16
@@ -117,6 +119,9 @@ int mc_halt(struct mc *mc);
 int mc_interrupt(struct mc *mc);
 /* The acknowledge cycle failed: counts a spurious interrupt. */
 void mc_spurious(struct mc *mc);
+/* So many microseconds no interrupt has come: a host that has a clock calls it every 50 ms or so,
+ * so that the writers are told of a SYSRESET*, which turns the interrupts off. */
+int mc_watch(struct mc *mc, uint64_t us); /* 1: they have been told */
 
 /* For the host's log, valid after every call: what is in force, and what was published last, of an
  * axis below mc_joints(). */

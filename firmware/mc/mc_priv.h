@@ -17,6 +17,8 @@
 #define MC_SKIP_US 25000       /* so long no servo sample: the machine stops */
 #define MC_CROWDED_US 50000    /* so long one pass after the other: the console is told */
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
+#define MC_QUIET_US 50000      /* so long no interrupt: something has turned them off */
+#define MC_SPEED 4000000u      /* counts/s at most, if the configuration does not know */
 #define MC_ADC_POLLS 40        /* port C reads of 1 us: conversion takes at most 35 us */
 
 /* Accesses to a card: see hw_make_lists(). */
@@ -45,14 +47,16 @@ struct mc_axis {
   uint16_t code;    /* D/A code written at every SCLOCK while enabled */
   uint8_t adopt;    /* at the next servo sample a position axis demands what is fed back */
   uint8_t calib;    /* waits for its index */
+  uint8_t lost;     /* nobody knows its 32 bits: MSETENC or an index tells */
 };
 
 struct mc_card {
   uint16_t base; /* of its registers in the window */
   uint8_t dip;
-  uint8_t a, b;  /* shadows of ports A and B */
-  uint8_t late;  /* its A/Ds did not finish at the last sample */
-  uint8_t rearm; /* the index latch is dropped (1) and armed again one SCLOCK later (2) */
+  uint8_t a, b;   /* shadows of ports A and B */
+  uint8_t late;   /* its A/Ds did not finish at the last sample */
+  uint8_t silent; /* did not answer, and has not been looked at since */
+  uint8_t rearm;  /* the index latch is dropped (1) and armed again one SCLOCK later (2) */
 };
 
 struct mc_client {
@@ -102,6 +106,10 @@ struct mc {
   uint8_t diag;
   uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
   uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
+  uint8_t shut;       /* the same of an error that shut the machine down */
+  uint8_t silent;     /* a card is */
+  uint8_t told_fault; /* a bus error in a pass was told, and no sample has come since */
+  uint32_t told_at;   /* stats.total when the end of the interrupts was told */
   uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
   uint32_t unwritten; /* SCLOCKs since the last write(), from 1; 0: none, or no lease */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
@@ -173,6 +181,14 @@ void power_trip(struct mc *mc, const char *what, int number, const char *more);
 /* Ports B as power, diagnostic and buffer modes want them. */
 void power_apply_modes(struct mc *mc);
 
+/* revive.c */
+/* 1: the card answers, and is as the driver wants it. */
+int revive_card(struct mc *mc, int card);
+void revive_note(struct mc *mc);
+void revive_cards(struct mc *mc);
+void revive_bus_error(struct mc *mc);
+int revive_lost_axis(const struct mc *mc);
+
 /* calib.c */
 int calib_disturbs(const struct mc_param *par);
 int calib_runs(const struct mc *mc, int card);
@@ -185,6 +201,7 @@ void calib_serve(struct mc *mc, const struct mc_sample *s);
 /* The demand is 0, and what a position axis has fed back at its next sample. */
 void axis_forget_demand(struct mc_axis *x);
 int mc_is_off(const struct mc_param *par);
+int axis_needing_encoder(const struct mc *mc); /* or -1 */
 
 /* errors.c */
 void error_raise(struct mc *mc, int axis, uint8_t flags);

@@ -106,6 +106,7 @@ static void diagnose(struct mc *mc, uint8_t *port_c, uint8_t *dead) {
   for (int card = 0; card < mc->cards; card++) {
     port_c[card] = hw_card_get(mc, card, MMCS_CARD_PPI_C);
     dead[card] = port_c[card] == 0xFF && hw_card_get(mc, card, MMCS_CARD_PPI_A) != mc->card[card].a;
+    if (dead[card]) mc->card[card].silent = mc->silent = 1;
   }
 }
 
@@ -128,6 +129,7 @@ static void report_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *de
 }
 
 static void tell_all(struct mc *mc) {
+  mc->shut = 1;
   mc_count(&mc->stats.panics, 1);
   for (int axis = 0; axis < mc->axes; axis++) error_raise(mc, axis, MERR_PANIC);
   error_signal(mc);
@@ -157,33 +159,32 @@ void power_panic(struct mc *mc) {
   if (started) report_panic(mc, port_c, dead);
 }
 
-/* A card that lost power has forgotten its modes and its counts. */
-static int revive_card(struct mc *mc, int card) {
-  if (hw_card_get(mc, card, MMCS_CARD_PPI_A) != mc->card[card].a ||
-      hw_card_get(mc, card, MMCS_CARD_PPI_B) != mc->card[card].b) {
-    hw_init_ppi(mc, card);
-    for (int axis = 2 * card; axis < 2 * card + 2; axis++) {
-      struct mc_axis *x = &mc->axis[axis];
-      (void)hw_counter(mc, axis);
-      x->counter = hw_counter(mc, axis);
-      x->position = (int16_t)x->counter;
-    }
-    text_log(mc, "card", mc->card[card].dip, " was reset: initialised again");
-  }
-  return hw_answers(mc, card);
-}
-
+/* Card by card, so that no pass waits for more than one of them. */
 static int check_cards(struct mc *mc) {
-  unsigned level = mc->os.mask(mc->os.ctx);
   int bad = -1;
-  mc->fault = 0;
   for (int card = 0; card < mc->cards && bad < 0; card++) {
+    unsigned level = mc->os.mask(mc->os.ctx);
+    mc->fault = 0;
     if (!revive_card(mc, card) || mc->fault) bad = card;
+    mc->os.unmask(mc->os.ctx, level);
   }
-  mc->os.unmask(mc->os.ctx, level);
   if (bad < 0) return 0;
   text_log(mc, "enable: card", mc->card[bad].dip, " does not answer");
   return -MC_EIO;
+}
+
+/* 0, or what keeps the axes from being servoed by their counts. */
+static int check_counts(struct mc *mc) {
+  int axis = revive_lost_axis(mc);
+  if (axis >= 0) {
+    text_log(mc, "enable: axis", axis, ": its count was lost: MSETENC or MCALIB first");
+    return -MC_EIO;
+  }
+  if ((mc->diag & M_ENDIAG) == 0) return 0;
+  axis = axis_needing_encoder(mc);
+  if (axis < 0) return 0;
+  text_log(mc, "enable: axis", axis, " needs its encoder, which M_ENDIAG cuts off");
+  return -MC_EBUSY;
 }
 
 /* Our own stop may still be raising PANIC: wait until all heartbeats are dead. */
@@ -264,6 +265,7 @@ static int start(struct mc *mc) {
 
 int power_enable(struct mc *mc) {
   int result = check_cards(mc);
+  if (result == 0) result = check_counts(mc);
   if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
   if (mc->power == MC_RUNNING) {
     unsigned level = mc->os.mask(mc->os.ctx);
@@ -275,6 +277,7 @@ int power_enable(struct mc *mc) {
   uint8_t stopped = mc->stopped;
   mc->stopped = 0;
   result = start(mc);
+  if (result == 0) mc->shut = 0;
   if (result != 0 && !mc->stopped) mc->stopped = stopped;
   return result;
 }

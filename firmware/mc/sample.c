@@ -42,7 +42,10 @@ static int read_card(struct mc *mc, struct mc_sample *s, int card, const uint8_t
   s->counter[axis + 1] = (uint16_t)(v[3] << 8 | v[4]);
   s->indexed[axis] = s->indexed[axis + 1] = 0;
   s->port_c[card] = v[5];
-  if (!is_alive(mc, card, v[5])) return 0;
+  if (!is_alive(mc, card, v[5])) {
+    mc->card[card].silent = 1;
+    return 0;
+  }
   if (calib_runs(mc, card)) {
     int armed = !mc->card[card].rearm;
     read_index(mc, s, axis, armed, v);

@@ -41,6 +41,7 @@ static void set_default(struct mc_axis *x, int which) {
   x->code = MC_DAC_ZERO;
   x->adopt = 0;
   x->calib = 0;
+  x->lost = 0;
 }
 
 void mc_set_defaults(struct mc *mc) {
@@ -59,6 +60,7 @@ struct memory {
   uint8_t dip[MC_MAX_CARDS];
   int32_t position[MC_MAX_AXES];
   uint16_t counter[MC_MAX_AXES];
+  uint8_t lost[MC_MAX_AXES];
 };
 
 static void remember(const struct mc *mc, struct memory *old) {
@@ -67,6 +69,7 @@ static void remember(const struct mc *mc, struct memory *old) {
     old->dip[axis / 2] = mc->card[axis / 2].dip;
     old->position[axis] = mc->axis[axis].position;
     old->counter[axis] = mc->axis[axis].counter;
+    old->lost[axis] = mc->axis[axis].lost;
   }
 }
 
@@ -80,6 +83,7 @@ static void find_position(struct mc *mc, int axis, const struct memory *old, int
     int was = 2 * card + (axis & 1);
     if (old->dip[card] != mc->card[axis / 2].dip) continue;
     x->position = servo_extend(old->position[was], old->counter[was], x->counter);
+    x->lost = old->lost[was];
   }
   x->state.encnow = x->position;
   x->raw = 0;
@@ -97,6 +101,7 @@ void mc_scan(struct mc *mc) {
     card->a = MC_ENC_MODE;
     card->b = PORT_B_REST;
     card->rearm = 0;
+    card->silent = 0;
     kept[mc->cards] = (uint8_t)counts_already(mc, mc->cards);
     if (!kept[mc->cards]) {
       if (!is_there(mc, mc->cards)) continue;

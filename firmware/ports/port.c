@@ -120,10 +120,16 @@ void port_spurious_interrupt(void) {
   report(MAILBOX_SERVED);
 }
 
-/* A stop is served here, whatever request is under way; else this only wakes, and the request is
- * served in process context. */
+/* A stop, or a look after interrupts that do not come, is served here, whatever request is under
+ * way; else this only wakes, and the request is served in process context. */
 void port_doorbell_interrupt(void) {
   CONTROL(MAILBOX_DOORBELL) = 1;
+  uint32_t quiet_us = BOX->quiet_us;
+  BOX->quiet_us = 0;
+  if (quiet_us != 0 && mc_watch(&driver, quiet_us)) {
+    publish();
+    report(MAILBOX_SERVED);
+  }
   uint32_t stop = BOX->stop;
   if (stop == BOX->stopped) return;
   (void)mc_halt(&driver);
@@ -161,10 +167,11 @@ static int32_t serve(void) {
 
 /* Entered with everything masked. */
 void port_main(void) {
-  const struct mc_config config = {8000000, PORT_VECTOR, {0}};
+  const struct mc_config config = {.sysclk_hz = 8000000, .vector = PORT_VECTOR};
   (void)mc_attach(&driver, &bus, &os, &config);
   BOX->posted = BOX->done = 0;
   BOX->stop = BOX->stopped = 0;
+  BOX->quiet_us = 0;
   BOX->version = MAILBOX_VERSION;
   BOX->magic = MAILBOX_MAGIC;
   report(MAILBOX_UP);

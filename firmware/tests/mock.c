@@ -384,7 +384,7 @@ struct mc *mock_start(struct mock *m, int cards) {
                          os_mask, os_unmask, os_copy, os_copy};
   m->memory = calloc(1, mc_size());
   m->panic = mock_panic(m);
-  struct mc_config config = {8000000, 0x40, {0}};
+  struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x40};
   if (mc_attach(m->memory, &m->bus, &m->os, &config) != 0) abort();
   return m->memory;
 }

@@ -302,26 +302,6 @@ static void test_panic_while_both_indexes_are_latched(void) {
   mock_stop(&m);
 }
 
-// req: DRV-9 DRV-12
-static void test_a_dead_adaptor_is_a_panic_of_the_enabled_only(void) {
-  struct mc *mc = listening(1);
-  m.adaptor_dead = 1;
-  CHECK_EQ(mc_interrupt(mc), 0);
-  CHECK_EQ(mc_stats_of(mc)->panics, 0);
-  CHECK_EQ(mc_stats_of(mc)->spurious, 0);
-  CHECK_EQ(m.signals[0], 0);
-  m.adaptor_dead = 0;
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  m.adaptor_dead = 1;
-  CHECK_EQ(mc_interrupt(mc), 0);
-  CHECK_EQ(mc_stats_of(mc)->panics, 1);
-  CHECK_EQ(m.signals[0], 1);
-  CHECK_EQ(errcode(1), 0x100 | MERR_PANIC);
-  CHECK_EQ(strcmp(said, "mc: PANIC: card 0 does not answer\nmc: PANIC: button, cable or power\n"),
-           0);
-  mock_stop(&m);
-}
-
 // req: DRV-6 DRV-9
 static void test_own_panic_is_forgiven_for_60_ms(void) {
   for (int after = 40; after < 80; after += 2) {
@@ -356,8 +336,6 @@ static const struct test tests[] = {
     {"test_panic_traffic", test_panic_traffic},
     {"test_panic_names_who_is_silent", test_panic_names_who_is_silent},
     {"test_panic_while_both_indexes_are_latched", test_panic_while_both_indexes_are_latched},
-    {"test_a_dead_adaptor_is_a_panic_of_the_enabled_only",
-     test_a_dead_adaptor_is_a_panic_of_the_enabled_only},
     {"test_own_panic_is_forgiven_for_60_ms", test_own_panic_is_forgiven_for_60_ms},
 };
 

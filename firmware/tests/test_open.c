@@ -11,7 +11,7 @@ static void test_attach_takes_what_the_adaptor_can_have(void) {
   static const uint32_t bad[] = {0,       1,       999999,  1000001,  3000000,
                                  6000000, 7999999, 8000001, 16000000, UINT32_MAX};
   struct mc *mc = mock_start(&m, 1);
-  struct mc_config config = {0, 0x40, {0}};
+  struct mc_config config = {.vector = 0x40};
   m.logging = 1;
   for (unsigned i = 0; i < sizeof good / sizeof good[0]; i++) {
     config.sysclk_hz = good[i];
@@ -34,7 +34,7 @@ static void test_attach_takes_what_the_adaptor_can_have(void) {
 // req: DRV-1 DRV-2
 static void test_attach_begins_anew(void) {
   struct mc *mc = mock_open(&m, 2);
-  struct mc_config config = {8000000, 0x77, {0}};
+  struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x77};
   struct mc_state state;
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, MC_O_RDWR), i);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);

@@ -20,6 +20,8 @@ constexpr uint8_t kVector = 0x40;     // the first one free for users on a 68000
 constexpr uint32_t kSysclkHz = 8000000;
 constexpr double kPatienceS = 1.0;  // as long as a request waits at most
 constexpr double kLookS = 1e-3;
+constexpr double kQuietS = 0.05;  // without an interrupt: mc_watch(),
+constexpr double kAgainS = 0.01;  // and again
 constexpr double kSliceS = 20e-6;  // between looks for what ends a stretch on a real processor
 
 }  // namespace
@@ -41,7 +43,8 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       kVector,
       {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
        static_cast<uint32_t>(config.guard_missed), static_cast<uint32_t>(config.guard_lease),
-       config.guard_lock != 0}};
+       config.guard_lock != 0},
+      static_cast<uint32_t>(config.axis_speed)};
   if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
     throw std::runtime_error("the driver refuses its configuration");
   }
@@ -149,6 +152,7 @@ void Host::serve() {
 // An interrupt is over: what it found is recorded, and the process writes for the next one.
 void Host::served(bool sampled) {
   if (machine_.host_dead()) return;  // in the midst of it: what the driver did then was no more
+  heard();
   if (sampled) {
     recorder_.sample(mc(), machine_);
     machine_.tap().sample(mc(), machine_.model(), recorder_.samples(), recorder_.sample_clock());
@@ -159,20 +163,47 @@ void Host::served(bool sampled) {
   if (sampled) write_setpoints();
 }
 
+void Host::heard() {
+  quiet_since_ = machine_.clock();
+  watch_clock_ = quiet_since_ + machine_.clocks(kQuietS);
+}
+
+// The clock of Unix: the driver is told when no interrupt has come for long.
+void Host::watch() {
+  const int64_t now = machine_.clock();
+  if (opens_ == 0 || now < watch_clock_) return;
+  watch_clock_ = std::max(now, machine_.stalled_until()) + machine_.clocks(kAgainS);
+  if (requested_ || now < machine_.stalled_until() || machine_.host_dead()) return;
+  const auto us =
+      static_cast<uint32_t>(static_cast<double>(now - quiet_since_) * 1e6 / Model::clk_hz());
+  if (cpu_) {
+    cpu_->watch(us);
+  } else {
+    mc_watch(mc(), us);
+    recorder_.errors(machine_, mc());
+    tell();
+  }
+}
+
 bool Host::run_until(int64_t clock, const std::function<void()> &idle) {
-  if (cpu_ && ends_ == Ends::kAtClock) return cpu_->run_until(clock, idle);
   if (cpu_) {
     bool good = true;
     while (good && !ended_ && machine_.clock() < clock) {
-      good = cpu_->run_until(std::min(clock, machine_.clock() + machine_.clocks(kSliceS)), idle);
+      watch();
+      int64_t end = opens_ > 0 ? std::min(clock, watch_clock_) : clock;
+      if (ends_ != Ends::kAtClock) {
+        end = std::min(end, machine_.clock() + machine_.clocks(kSliceS));
+      }
+      good = cpu_->run_until(end, idle);
     }
     return good;
   }
   while (machine_.clock() < clock && !machine_.failed()) {
     if (idle) idle();
     poll();
+    watch();
     if (ended_) return !machine_.failed();
-    int64_t until = clock;
+    int64_t until = opens_ > 0 ? std::min(clock, watch_clock_) : clock;
     if (requested_ && !masked_ && !machine_.host_dead()) {
       until = std::min(until, std::max(due_clock_, machine_.stalled_until()));
     }
@@ -253,7 +284,9 @@ int Host::open(int flags) {
         cpu_ ? cpu_->call(MAILBOX_OPEN, 0, static_cast<uint32_t>(flags), nullptr, 0, 0)
              : mc_open(mc(), flags);
     if (client >= MC_MAX_CLIENTS) return -MC_EIO;  // a firmware may answer anything
-    if (client >= 0) signals_.at(static_cast<size_t>(client)) = 0;
+    if (client < 0) return client;
+    signals_.at(static_cast<size_t>(client)) = 0;
+    if (opens_++ == 0) heard();
     return client;
   });
 }
@@ -264,7 +297,10 @@ int Host::close(int client) {
     motion_axes_ = 0;
   }
   return request([=] {
-    return cpu_ ? cpu_->call(MAILBOX_CLOSE, client, 0, nullptr, 0, 0) : mc_close(mc(), client);
+    const int result =
+        cpu_ ? cpu_->call(MAILBOX_CLOSE, client, 0, nullptr, 0, 0) : mc_close(mc(), client);
+    if (result == 0) --opens_;
+    return result;
   });
 }
 

@@ -69,6 +69,9 @@ class Host {
     a(masked_);
     a(requested_);
     a(due_clock_);
+    a(opens_);
+    a(quiet_since_);
+    a(watch_clock_);
     a.same(signals_);
     motion_.state(a);
     a(motion_client_);
@@ -76,6 +79,7 @@ class Host {
     a(written_);
     recorder_.state(a);
     if constexpr (A::kReads) {
+      A::expect(opens_ >= 0 && opens_ <= MC_MAX_CLIENTS);
       A::expect(motion_axes_ >= 0 && motion_axes_ <= MC_MAX_AXES);
       A::expect(motion_client_ >= -1 && motion_client_ < MC_MAX_CLIENTS);
     }
@@ -109,6 +113,8 @@ class Host {
   bool due() const;
   void serve();
   void poll();
+  void heard();
+  void watch();
   void write_setpoints();
 
   enum mc_bus_result access(bool write, uint16_t offset, uint8_t *value);
@@ -132,6 +138,8 @@ class Host {
   bool serving_ = false;
   bool requested_ = false;  // the request of this assertion has its due_clock_
   int64_t due_clock_ = 0;
+  int opens_ = 0;
+  int64_t quiet_since_ = 0, watch_clock_ = 0;  // the last interrupt; when to look for the next
   std::vector<int> signals_;
   Motion motion_;
   int motion_client_ = -1;

@@ -95,6 +95,11 @@ void MailboxHost::stop() {
   ring();
 }
 
+void MailboxHost::watch(uint32_t us) {
+  set_word(FIELD(quiet_us), us);
+  ring();
+}
+
 // What the firmware published, as the native driver would hold it.
 void MailboxHost::mirror() {
   mirror_->joints = static_cast<int>(std::min<uint32_t>(word(FIELD(joints)), MAILBOX_AXES));

@@ -42,6 +42,9 @@ class MailboxHost {
   // Stops the machine as soon as the processor takes its interrupt, whatever request it is at.
   void stop();
 
+  // So many microseconds no interrupt has come: mc_watch().
+  void watch(uint32_t us);
+
   // As Host::run_until().
   virtual bool run_until(int64_t clock, const std::function<void()> &idle) = 0;
 

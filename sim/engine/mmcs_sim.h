@@ -74,6 +74,7 @@ typedef struct mmcs_config {
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
   int32_t instruction_cache; /* bytes of it that are modelled: 256, or 0 if every fetch hits */
+  int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
   /* struct mc_guard of the native driver, all 0: as the report has it */
   int32_t guard_jump, guard_follow, guard_samples, guard_missed, guard_lease, guard_lock;
   const char *processor; /* file names for a real processor: its library, */

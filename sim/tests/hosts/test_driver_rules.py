@@ -57,6 +57,48 @@ def test_no_call_moves_a_count(host):
             assert [sim.encoder_register(axis) for axis in range(6)] == before
 
 
+@pytest.mark.req("DRV-13")
+@pytest.mark.parametrize("host", HOSTS)
+@pytest.mark.parametrize("enabled", [False, True])
+def test_sysreset_is_told(host, enabled):
+    """It turns the interrupts off, so that no pass can tell: the host's clock does. Once."""
+    with bench(host) as sim:
+        fd, monitor = sim.open(), sim.open(0)
+        if enabled:
+            assert ask(sim, fd, mcdef.MENABLE) == 0
+        run(sim, 0.01)
+        sim.signals(fd)
+        for value, at in ((1, 0.001), (0, 0.002)):
+            sim.add_event(sim.time + at, sim.input_names().index("sysreset"), 0, value)
+        run(sim, 0.1)
+        # a pass that was under way found the cards gone: that is told, too
+        assert 1 <= sim.signals(fd) <= 1 + enabled and sim.signals(monitor) == 0
+        assert {s["errcode"] & 0xFF for s in sim.read(fd)} == {mcdef.MERR_PANIC}
+        told = [n["text"] for n in sim.notes()]
+        assert told.count("mc: PANIC: SYSRESET*, the adaptor was reset") == 1
+        samples = sim.samples
+        run(sim, 0.1)
+        assert sim.samples - samples > 40 and sim.signals(fd) == 0
+
+
+@pytest.mark.req("DRV-2")
+@pytest.mark.parametrize("host", HOSTS)
+def test_a_monitor_hands_nothing_on(host):
+    """The next program finds the interval of Table 2.1 and no latched stop."""
+    with bench(host) as sim:
+        monitor, fd = sim.open(0), sim.open()
+        ask(sim, fd, mcdef.MSETINTERVAL, 5000)
+        ask(sim, fd, mcdef.MSTOP)
+        sim.close(fd)
+        run(sim, 0.01)
+        before = sim.read(monitor)
+        fd = sim.open()
+        interval = sim.ioctl_bytes(fd, mcdef.MGETINTERVAL, b"")[1]
+        assert (int.from_bytes(interval, "little"), sim.stats()["stopped"]) == (2000, 0)
+        assert sim.write(fd, [0, 0]) == 8
+        assert [s["encnow"] for s in sim.read(fd)] == [s["encnow"] for s in before]
+
+
 @pytest.mark.req("DRV-7", "DRV-9")
 @pytest.mark.parametrize("host", HOSTS[1:2])  # RV32 reads six axes in 0.1 ms
 def test_a_servo_that_cannot_keep_up_ends_in_panic(host):

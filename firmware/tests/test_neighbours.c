@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What one program leaves to the next and to those beside it. §2.3.1, §2.3.4 */
+#include "mc_priv.h"
+#include "hear.h"
+
+/* Everything that a program can change, as far as it outlives the program. */
+static void change_all(struct mc *mc, int client) {
+  struct mc_param par = {.which = 1};
+  int one = 1, diag = M_ANDIAG | M_ENDIAG;
+  unsigned us = 700;
+  int32_t set[1] = {123};
+  CHECK_EQ(mc_ioctl(mc, client, MGETPARAM, &par), 0);
+  par.mode = MD_VEL | POSCHK;
+  par.a0 = 9;
+  par.ilim = 5;
+  CHECK_EQ(mc_ioctl(mc, client, MSETPARAM, &par), 0);
+  CHECK_EQ(mc_ioctl(mc, client, MDACMODE, &one), 0);
+  CHECK_EQ(mc_ioctl(mc, client, MDIAGMODE, &diag), 0);
+  CHECK_EQ(mc_ioctl(mc, client, MSETVERBOSITY, &one), 0);
+  CHECK_EQ(mc_ioctl(mc, client, MSETINTERVAL, &us), 0);
+  CHECK_EQ(mc_ioctl(mc, client, MSETNUMJOINTS, &one), 0);
+  CHECK_EQ(mc_write(mc, client, set, 4), 4);
+  CHECK_EQ(mc_ioctl(mc, client, MSTOP, NULL), 0);
+}
+
+static void expect_defaults(struct mc *mc, int client) {
+  static const struct mc_param initial = MC_PARAM_INITIAL;
+  static const struct mc_stats none;
+  int32_t set[4] = {0};
+  CHECK_EQ(mc_joints(mc), 4);
+  CHECK_EQ(mc_interval(mc), 2000);
+  CHECK_EQ(mc_diag(mc), 0);
+  CHECK_EQ(mc_double_buffer(mc), 0);
+  CHECK_EQ(mc_is_stopped(mc), 0);
+  CHECK_EQ(mc->verbosity, 0);
+  CHECK(memcmp(mc_stats_of(mc), &none, sizeof none) == 0);
+  for (int axis = 0; axis < 4; axis++) {
+    struct mc_param par = initial;
+    par.which = axis;
+    CHECK(memcmp(mc_param_of(mc, axis), &par, sizeof par) == 0);
+    CHECK_EQ(mc_setpoint(mc, axis), 0);
+    CHECK_EQ(mc_state_of(mc, axis)->errcode, 0);
+  }
+  for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 5);
+  CHECK_EQ(mc_write(mc, client, set, 16), 16);
+}
+
+/* The first writer after there was none starts as if it were alone; a second one does not. */
+// req: DRV-2
+static void test_a_monitor_hands_nothing_on(void) {
+  for (int early = 0; early < 2; early++) { /* the monitor was there before the first program */
+    struct mc *mc = mock_start(&m, 2);
+    mc->os.log = hear;
+    int monitor = early ? mc_open(mc, MC_O_RDONLY) : -1, first = mc_open(mc, MC_O_RDWR);
+    if (!early) monitor = mc_open(mc, MC_O_RDONLY);
+    for (int i = 1; i <= 5; i++) {
+      m.card[1].count[0] = (uint16_t)(20000 * i);
+      mock_run(&m, 2000);
+    }
+    change_all(mc, first);
+    int second = mc_open(mc, MC_O_WRONLY); /* beside the first */
+    CHECK_EQ(mc_interval(mc), 700);
+    CHECK_EQ(mc_is_stopped(mc), 1);
+    error_raise(mc, 0, MERR_PLO);
+    CHECK_EQ(mc_close(mc, first), 0);
+    CHECK_EQ(mc_is_stopped(mc), 1);
+    CHECK_EQ(mc_close(mc, second), 0);
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_diag(mc), 0); /* the joints' encoders count again */
+    CHECK_EQ(m.card[0].b, 5);
+    m.card[1].count[0] = (uint16_t)(100000 + 30000); /* pushed by hand */
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_open(mc, MC_O_RDONLY), first); /* who only looks on changes nothing */
+    CHECK_EQ(mc_interval(mc), 700);
+    int next = mc_open(mc, MC_O_RDWR);
+    expect_defaults(mc, next);
+    CHECK_EQ(mc_state_of(mc, 2)->encnow, 130000); /* counts go on */
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_state_of(mc, 2)->encnow, 130000);
+    struct mc_state state[4];
+    CHECK_EQ(mc_read(mc, monitor, state, sizeof state), (int)sizeof state);
+    CHECK_EQ(state[0].errcode, MERR_PLO); /* the monitor had not been told */
+    CHECK_EQ(mc_read(mc, next, state, sizeof state), (int)sizeof state);
+    CHECK_EQ(state[0].errcode, 0);
+    mock_stop(&m);
+  }
+}
+
+/* The open for writing fails; the monitor goes on. */
+// req: DRV-2
+static void test_a_writer_that_cannot_open_leaves_the_monitor_alone(void) {
+  struct mc *mc = mock_start(&m, 1);
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
+  mock_run(&m, 5000);
+  m.adaptor_dead = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
+  m.adaptor_dead = 0;
+  CHECK_EQ(mc->pccsr, 0xB8);
+  m.card[0].count[0] = 99;
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_state_of(mc, 0)->encnow, 99);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
+  mock_stop(&m);
+}
+
+/* A reads; an event comes; B reads and clears it; A clears what it has read, and is told yet. */
+// req: DRV-5
+static void test_a_clear_takes_nobody_s_event(void) {
+  for (int axes = 0; axes <= 2; axes++) { /* A's read may have been of fewer axes than that */
+    struct mc *mc = mock_open(&m, 1);
+    struct mc_state state[2];
+    int a = 0, b = mc_open(mc, MC_O_RDWR);
+    if (axes > 0) CHECK_EQ(mc_read(mc, a, state, (size_t)axes * 28), axes * 28);
+    error_raise(mc, 1, MERR_PHI);
+    CHECK_EQ(mc_read(mc, b, state, 56), 56);
+    CHECK_EQ(state[1].errcode, 0x100 | MERR_PHI);
+    CHECK_EQ(mc_ioctl(mc, b, MCLEARERROR, NULL), 0);
+    CHECK_EQ(mc_ioctl(mc, a, MCLEARERROR, NULL), 0);
+    for (int round = 0; round < 2; round++) {
+      CHECK_EQ(mc_read(mc, a, state, 56), 56);
+      CHECK_EQ(state[1].errcode, axes > 0 && round == 0 ? 0x100 | MERR_PHI : 0);
+      CHECK_EQ(mc_read(mc, b, state, 56), 56);
+      CHECK_EQ(state[1].errcode, 0);
+    }
+    mock_stop(&m);
+  }
+}
+
+static void servo(struct mc *mc, int axis, int mode) {
+  set_mode_within_100(mc, axis, mode);
+}
+
+// req: DRV-6
+static void test_a_write_after_a_shutdown_is_refused(void) {
+  for (int panic = 0; panic < 2; panic++) {
+    struct mc *mc = listening(1);
+    int32_t set[2] = {10, 10};
+    CHECK_EQ(mc_write(mc, 0, set, 8), 8); /* before the first MENABLE, too */
+    servo(mc, 0, MD_POS | POSCHK);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    m.estop_open = panic;
+    m.card[0].count[0] = 200;
+    mock_run(&m, 4000);
+    CHECK_EQ(mc_is_enabled(mc), 0);
+    said[0] = 0;
+    for (int i = 0; i < 3; i++) CHECK_EQ(mc_write(mc, 0, set, 8), -MC_EIO);
+    CHECK_EQ(strcmp(said, "mc: write: shut down by an error, MENABLE first\n"), 0);
+    m.estop_open = 0;
+    mock_run(&m, 100000);
+    servo(mc, 0, MD_POS);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(mc_write(mc, 0, set, 8), 8);
+    mock_stop(&m);
+  }
+}
+
+/* Artificial signals and an axis that is servoed by its encoder exclude each other under power. */
+// req: DRV-12 DIA-2
+static void test_no_axis_is_servoed_blind(void) {
+  static const struct {
+    int mode, needs;
+  } cases[] = {{MD_OFF, 0},         {MD_POS, 1},          {MD_VEL, 1},
+               {MD_TORQ, 0},        {MD_TEST1, 0},        {MD_TORQ | POSCHK, 1},
+               {MD_POS | ADFB, 0},  {MD_VEL | ZEROFB, 0}, {MD_VEL | ZEROFB | POSCHK, 1},
+               {MD_OFF | POSCHK, 0}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    int on = M_ENDIAG, off = 0, want = cases[i].needs ? -MC_EBUSY : 0;
+    struct mc *mc = listening(1);
+    servo(mc, 1, cases[i].mode);
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), 0); /* at rest */
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), want);
+    CHECK_EQ(mc_is_enabled(mc), !want);
+    CHECK_EQ(
+        strcmp(said, want ? "mc: enable: axis 1 needs its encoder, which M_ENDIAG cuts off\n" : ""),
+        0);
+    servo(mc, 1, MD_OFF);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    struct mc_param par = *mc_param_of(mc, 1);
+    par.mode = cases[i].mode;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), want);
+    CHECK_EQ(mc_param_of(mc, 1)->mode, want ? MD_OFF : cases[i].mode);
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &off), 0);
+    servo(mc, 1, cases[i].mode);
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), want);
+    CHECK_EQ(mc_diag(mc), want ? 0 : M_ENDIAG);
+    CHECK_EQ(m.card[0].b & 1, want != 0);
+    mc->config.guard.lock = 1;
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &off), -MC_EBUSY);
+    mock_stop(&m);
+  }
+}
+
+static const struct test tests[] = {
+    {"test_a_monitor_hands_nothing_on", test_a_monitor_hands_nothing_on},
+    {"test_a_writer_that_cannot_open_leaves_the_monitor_alone",
+     test_a_writer_that_cannot_open_leaves_the_monitor_alone},
+    {"test_a_clear_takes_nobody_s_event", test_a_clear_takes_nobody_s_event},
+    {"test_a_write_after_a_shutdown_is_refused", test_a_write_after_a_shutdown_is_refused},
+    {"test_no_axis_is_servoed_blind", test_no_axis_is_servoed_blind},
+};
+
+MAIN(tests)

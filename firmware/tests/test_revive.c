@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Cards that are silent for a while, resets and bus errors: counts and who is told. §2.3.4 */
+#include "mc_priv.h"
+#include "harness.h"
+#include "hear.h"
+
+static struct mc *at(struct mc *mc, int axis, int32_t place) {
+  for (int32_t count = 20000; count < place; count += 20000) {
+    m.card[axis / 2].count[axis & 1] = (uint16_t)count;
+    mock_run(&m, 2000);
+  }
+  m.card[axis / 2].count[axis & 1] = (uint16_t)place;
+  mock_run(&m, 4000);
+  CHECK_EQ(mc_state_of(mc, axis)->encnow, place);
+  return mc;
+}
+
+static void servo(struct mc *mc, int axis, int mode) {
+  struct mc_param par = {.which = axis};
+  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par.mode = mode;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+static int enable(struct mc *mc) {
+  said[0] = 0;
+  return mc_ioctl(mc, 0, MENABLE, NULL);
+}
+
+/* The ribbon cable: no card answers, nor takes what is written. */
+static void cable(int plugged) {
+  m.card[0].present = m.card[1].present = plugged;
+  m.estop_open = !plugged;
+}
+
+static int errcode(struct mc *mc, int axis) {
+  return mc_state_of(mc, axis)->errcode;
+}
+
+// req: DRV-13 DRV-10
+static void test_a_short_silence_leaves_the_count_whole(void) {
+  for (int enabled = 0; enabled < 2; enabled++) {
+    for (int us = 500; us <= 6000; us += 500) {
+      struct mc *mc = at(listening(2), 2, 171586);
+      servo(mc, 2, MD_POS);
+      if (enabled) CHECK_EQ(enable(mc), 0);
+      mock_run(&m, 10000);
+      cable(0);
+      mock_run(&m, us);
+      cable(1);
+      m.card[1].count[0] = (uint16_t)(171586 + 30000);
+      mock_run(&m, 100000);
+      CHECK_EQ(mc_state_of(mc, 2)->encnow, 201586);
+      CHECK_EQ(m.card[1].b & 2, 0); /* what the silence swallowed was written again */
+      CHECK_EQ(enable(mc), 0);
+      CHECK_EQ(mc_setpoint(mc, 2), 201586);
+      CHECK_EQ(said[0], 0);
+      mock_stop(&m);
+    }
+  }
+}
+
+/* 32768 counts at 4 million a second. A slower robot has more time. */
+// req: DRV-13
+static void test_a_long_silence_loses_the_count(void) {
+  static const struct {
+    uint32_t speed;
+    int us, lost;
+  } cases[] = {{0, 6000, 0},        {0, 12000, 1},       {4000000, 12000, 1}, {100000, 12000, 0},
+               {100000, 320000, 0}, {100000, 335000, 1}, {8000000, 6000, 1}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (int cure = 0; cure < 3; cure++) {
+      struct mc *mc = at(listening(2), 1, 100000);
+      int encoder = 1 | 5 << 8, one = 1;
+      mc->config.speed = cases[i].speed;
+      servo(mc, 1, MD_POS);
+      cable(0);
+      mock_run(&m, cases[i].us);
+      cable(1);
+      mock_run(&m, 5000);
+      int wrong = strcmp(said,
+                         "mc: card 0 was silent for too long: its counts are lost\n"
+                         "mc: card 1 was silent for too long: its counts are lost\n");
+      CHECK_EQ(wrong == 0, cases[i].lost);
+      CHECK_EQ(enable(mc), cases[i].lost ? -MC_EIO : 0);
+      if (cases[i].lost) {
+        CHECK_EQ(strcmp(said, "mc: enable: axis 1: its count was lost: MSETENC or MCALIB first\n"),
+                 0);
+        CHECK_EQ(m.card[0].b & 2, 0);
+        if (cure == 0) CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &encoder), 0);
+        if (cure == 1) servo(mc, 1, MD_VEL); /* which needs no place */
+        if (cure == 2) {
+          CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &one), 0);
+          m.card[0].index[1] = 1;
+          mock_run(&m, 4000);
+          CHECK_EQ(errcode(mc, 1) & MERR_ZINDEX, MERR_ZINDEX);
+        }
+        CHECK_EQ(enable(mc), 0);
+      }
+      mock_stop(&m);
+    }
+  }
+}
+
+/* A reset card has forgotten modes and counts. */
+// req: DRV-13 PAN-2
+static void test_a_reset_card_needs_calibration(void) {
+  for (int mode = MD_POS; mode <= MD_TORQ; mode++) {
+    for (int seen = 0; seen < 2; seen++) { /* by a pass: it may come back between two */
+      struct mc *mc = at(listening(2), 3, 171586);
+      servo(mc, 3, mode);
+      if (seen) cable(0);
+      mock_run(&m, 2500);
+      m.card[1].a = m.card[1].b = 0;
+      m.card[1].count[1] = 77;
+      cable(1);
+      mock_run(&m, seen ? 5000 : 0);
+      if (seen) CHECK_EQ(mc_state_of(mc, 3)->encnow, 77);
+      CHECK_EQ(enable(mc), mode == MD_POS ? -MC_EIO : 0);
+      CHECK_EQ(mc_state_of(mc, 3)->encnow, seen || mode != MD_POS ? 77 : 171586);
+      mock_stop(&m);
+    }
+  }
+}
+
+/* What was not known at the last close is not known at the next open. */
+// req: DRV-13 DRV-2
+static void test_an_open_does_not_find_a_lost_count_again(void) {
+  struct mc *mc = at(listening(2), 1, 100000);
+  cable(0);
+  mock_run(&m, 20000);
+  cable(1);
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  servo(mc, 1, MD_POS);
+  CHECK_EQ(enable(mc), -MC_EIO);
+  mock_stop(&m);
+}
+
+// req: DRV-12
+static void test_enable_without_cable_says_nothing_of_a_reset(void) {
+  struct mc *mc = at(listening(2), 1, 100000);
+  cable(0);
+  mock_run(&m, 5000);
+  CHECK_EQ(enable(mc), -MC_EIO);
+  CHECK_EQ(strcmp(said, "mc: enable: card 0 does not answer\n"), 0);
+  CHECK_EQ(mc_state_of(mc, 1)->encnow, 100000);
+  mock_stop(&m);
+}
+
+// req: DRV-13
+static void test_a_bus_error_is_told_once(void) {
+  for (int enabled = 0; enabled < 2; enabled++) {
+    struct mc *mc = listening(1);
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
+    CHECK_EQ(mc_open(mc, MC_O_RDONLY), 2);
+    if (enabled) CHECK_EQ(enable(mc), 0);
+    for (int round = 1; round < 3; round++) {
+      said[0] = 0;
+      m.adaptor_dead = 1;
+      for (int i = 0; i < 5; i++) CHECK_EQ(mc_interrupt(mc), 0);
+      CHECK_EQ(strcmp(said, "mc: PANIC: bus error in a servo pass\n"), 0);
+      for (int client = 0; client < 3; client++)
+        CHECK_EQ(m.signals[client], client < 2 ? round : 0);
+      CHECK_EQ(errcode(mc, 1), 0x100 | MERR_PANIC);
+      CHECK_EQ(mc_stats_of(mc)->panics, round);
+      m.adaptor_dead = 0;
+      mock_run(&m, 100000);
+      CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
+    }
+    mock_stop(&m);
+  }
+}
+
+// req: DRV-13 PAN-2
+static void test_sysreset_is_told_and_the_state_goes_on(void) {
+  for (int enabled = 0; enabled < 2; enabled++) {
+    struct mc *mc = at(listening(2), 1, 100000);
+    CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1);
+    servo(mc, 1, MD_POS);
+    if (enabled) CHECK_EQ(enable(mc), 0);
+    mock_run(&m, 10000);
+    CHECK_EQ(mc_watch(mc, 0), 0);
+    CHECK_EQ(mc_watch(mc, 53999), 0); /* two intervals and 50 ms */
+    m.pccsr = 0;
+    for (int card = 0; card < 2; card++) {
+      m.card[card].a = m.card[card].b = 0;
+      m.card[card].count[0] = m.card[card].count[1] = 0;
+    }
+    mock_run(&m, 54000);
+    CHECK_EQ(m.signals[0], 0);
+    CHECK_EQ(mc_watch(mc, 54000), 1);
+    CHECK_EQ(m.signals[0], 1);
+    CHECK_EQ(m.signals[1], 0);
+    for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(mc, axis), axis << 8 | MERR_PANIC);
+    CHECK_EQ(strstr(said, "mc: PANIC: SYSRESET*, the adaptor was reset\n") != NULL, 1);
+    CHECK_EQ(mc_watch(mc, 100000), 0);
+    CHECK_EQ(m.signals[0], 1);
+    m.card[0].count[1] = 12;
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_state_of(mc, 1)->encnow, 12);
+    CHECK_EQ(enable(mc), -MC_EIO); /* in MD_POS, with a count that was cleared */
+    servo(mc, 1, MD_OFF);
+    CHECK_EQ(enable(mc), 0);
+    mock_stop(&m);
+  }
+}
+
+/* Cards whose counters went on alone: too long for any axis, but not for a slow one. */
+// req: DRV-13
+static void test_sysreset_may_leave_the_counts(void) {
+  for (int slow = 0; slow < 2; slow++) {
+    struct mc *mc = at(listening(2), 1, 100000);
+    mc->config.speed = slow ? 500000 : 0;
+    servo(mc, 1, MD_POS);
+    m.pccsr = 0;
+    m.card[0].count[1] = (uint16_t)(100000 + 20000);
+    mock_run(&m, 54000);
+    CHECK_EQ(mc_watch(mc, 54000), 1);
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_state_of(mc, 1)->encnow, 120000);
+    CHECK_EQ(enable(mc), slow ? 0 : -MC_EIO);
+    mock_stop(&m);
+  }
+}
+
+/* The adaptor is as it was, or gone. */
+// req: DRV-13
+static void test_the_end_of_interrupts_is_told(void) {
+  for (int dead = 0; dead < 2; dead++) {
+    for (int enabled = 0; enabled < 2; enabled++) {
+      struct mc *mc = listening(1);
+      if (enabled) CHECK_EQ(enable(mc), 0);
+      said[0] = 0;
+      m.adaptor_dead = dead;
+      int told = dead || enabled;
+      for (int i = 0; i < 3; i++) CHECK_EQ(mc_watch(mc, 60000), told && i == 0);
+      CHECK_EQ(m.signals[0], told);
+      CHECK_EQ(mc_stats_of(mc)->panics, told);
+      CHECK_EQ(strcmp(said, dead   ? "mc: PANIC: no interrupts, the adaptor does not answer\n"
+                            : told ? "mc: PANIC: no interrupts\n"
+                                   : ""),
+               0);
+      m.adaptor_dead = 0;
+      CHECK_EQ(mc_close(mc, 0), 0);
+      CHECK_EQ(mc_watch(mc, 60000), 0); /* nobody has it open */
+      CHECK_EQ(m.signals[0], told);
+      mock_stop(&m);
+    }
+  }
+}
+
+static const struct test tests[] = {
+    {"test_a_short_silence_leaves_the_count_whole", test_a_short_silence_leaves_the_count_whole},
+    {"test_a_long_silence_loses_the_count", test_a_long_silence_loses_the_count},
+    {"test_a_reset_card_needs_calibration", test_a_reset_card_needs_calibration},
+    {"test_an_open_does_not_find_a_lost_count_again",
+     test_an_open_does_not_find_a_lost_count_again},
+    {"test_enable_without_cable_says_nothing_of_a_reset",
+     test_enable_without_cable_says_nothing_of_a_reset},
+    {"test_a_bus_error_is_told_once", test_a_bus_error_is_told_once},
+    {"test_sysreset_is_told_and_the_state_goes_on", test_sysreset_is_told_and_the_state_goes_on},
+    {"test_sysreset_may_leave_the_counts", test_sysreset_may_leave_the_counts},
+    {"test_the_end_of_interrupts_is_told", test_the_end_of_interrupts_is_told},
+};
+
+MAIN(tests)
