@@ -49,6 +49,9 @@ def _machine(scenario: str, sets: tuple[str, ...] = ()):
     s = setup.scenario
     library = ensure_library(s.cards, "speed", s.clk_hz)
     config, motors, links = setup.config(), setup.motors(), setup.links()
+    if bare := list(range(setup.axes, 2 * s.cards)):
+        axes = f"axis {bare[0]} has" if len(bare) == 1 else f"axes {bare[0]} to {bare[-1]} have"
+        echo(f"mmcs: {scenario}: {axes} no motor, and will not move", err=True)
     machine = {"gravity": config["gravity"], "motors": motors, "links": setup.robot.links()}
     return Sim(library, config, motors, links), {"scenario": scenario, "machine": machine}
 
@@ -98,7 +101,7 @@ def serve(scenario: str, realtime: bool, speed: float | None, lockstep: bool, na
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Results, as of a run.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Override a key.")
 @click.option("--cflags", "show_flags", is_flag=True, help="Print the flags for gcc and end.")
-@click.option("--modern", is_flag=True, help="With --cflags: C of today (gnu17), warnings on.")
+@click.option("--modern", is_flag=True, help="With --cflags: C or C++ of today, warnings on.")
 @click.argument("command", nargs=-1, type=click.UNPROCESSED, metavar="-- PROGRAM [ARGS...]")
 def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, modern, command):
     """Run an unmodified program that opens /dev/mc0 or /dev/vme16."""

@@ -283,7 +283,10 @@ class Device:
         except IndexError:
             if self._file.fileno() < 0:
                 raise OSError(errno.EBADF, "the device is closed") from None
-            return connect(self._where)
+            try:
+                return connect(self._where)
+            except OSError:
+                raise OSError(errno.EIO, "the simulator is gone") from None
 
 
 def _sentence(error: int, why: str) -> str:

@@ -77,6 +77,8 @@ async def take_async(sock: socket.socket) -> tuple[int, bytes]:
 
 def sample_of(reply: tuple[int, bytes]) -> int:
     result, data = reply
+    if result in (-errno.EIO, wire.CAUSE_LATE):
+        raise OSError(errno.EIO, "no servo sample comes: interrupts are off")
     if result < 0:
         raise OSError(-result, os.strerror(-result))
     return wire.NOW_DATA.unpack(data)[1]

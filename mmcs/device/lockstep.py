@@ -35,6 +35,7 @@ class Line:
     key: int
     wait: wire.Wait | None = None
     cause: int | None = None
+    patience: int = 0  # the clock until which it waits for a sample
     look: bool = False  # others have run since it looked at its descriptors
     outside: bool = False  # some of them are of the outside world
 
@@ -173,6 +174,7 @@ class Lockstep:
     def wait(self, line: Line, wait: wire.Wait) -> None:
         """It runs no more, until it may go on."""
         line.wait, line.cause, line.look = wait, None, False
+        line.patience = self._last_moment()
         if self._running is line:
             self._running = None
         if not wait.what & wire.WAIT_AGAIN:
@@ -237,7 +239,10 @@ class Lockstep:
     def watch(self, connection, pid: int) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""
         self._watchers.append((connection, pid))
-        self._patience = self._sim.clock + round(NO_SAMPLE_S * self._hz)
+        self._patience = self._last_moment()
+
+    def _last_moment(self) -> int:
+        return self._sim.clock + round(NO_SAMPLE_S * self._hz)
 
     def _deliver(self, process: Process, signals: int) -> None:
         """Signals are pending in a process: the first thread that lets one through wakes."""
@@ -349,6 +354,8 @@ class Lockstep:
                 wait.until <= now or (sampled and wait.what & wire.WAIT_SAMPLE)
             ):
                 line.cause = wire.CAUSE_DUE
+            if line.wants(wire.WAIT_SAMPLE) and self._sim.clock > line.patience:
+                line.cause = wire.CAUSE_LATE
             if line.outside and wait.what & wire.WAIT_FILES:
                 line.look = True
         self.answer_watchers(sampled)

@@ -7,6 +7,8 @@ a number as the driver does, negative for an errno.
 
 from __future__ import annotations
 
+import errno
+import os
 import struct
 import time
 from dataclasses import dataclass
@@ -90,6 +92,10 @@ class Machine:
     def open(self, client: Client, device: str, flags: int) -> int:
         if client.device:
             return -EBUSY
+        if flags & os.O_DIRECTORY:
+            return -errno.ENOTDIR
+        if flags & os.O_EXCL and flags & os.O_CREAT:
+            return -errno.EEXIST
         mode = flags & O_ACCMODE
         if device == "/dev/mc0":
             driver = self.sim.open(mode)

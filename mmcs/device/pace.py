@@ -9,7 +9,7 @@ import time
 # that a free-running machine does not run away from its programs; it doubles up to the longest.
 CHUNK_MIN_S, CHUNK_MAX_S = 50e-6, 2e-3
 IDLE_S = 0.1  # longest sleep: signals are seen this often
-BEHIND_S = 1.0  # who cannot keep up does not run after more than this
+BEHIND_S = 0.02  # jitter of the computer; what is lost beyond it is not made up
 
 
 class Pace:

@@ -181,7 +181,8 @@ class Program(Connection):
             return 0, self._said.encode()[:MOST_SAID]
         file = self._files.get(name)
         if file is None:
-            return -wire.EBADF, b""
+            self._said = "the simulator that had this file open is gone"
+            return -wire.EIO, b""
         file.holders.add(pid)
         result, out = self._of_file(file.client, op, a, b, payload)
         if result < 0:

@@ -169,10 +169,15 @@ class Server:
             return 0.0
         if self.lockstep.on:
             return IDLE_S if self.lockstep.rests or self.pace.paused else 0.0
-        if not self.machine.opens:  # without an open file time stands still
+        if self._rests:
             self.pace.restart()
             return IDLE_S
         return self.pace.wait()
+
+    @property
+    def _rests(self) -> bool:
+        """Without an open file time stands still, but where it is that of the wall."""
+        return not self.machine.opens and self.pace.speed is None
 
     def _pass_time(self) -> None:
         if self._target is not None:
@@ -180,7 +185,7 @@ class Server:
         elif self.lockstep.on:
             if not self.pace.paused:
                 self.lockstep.turn()
-        elif self.machine.opens and self.pace.is_due():
+        elif not self._rests and self.pace.is_due():
             self._run(self.sim.time + self.pace.chunk)
 
     def _run(self, until: float) -> None:

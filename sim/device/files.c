@@ -318,8 +318,9 @@ static FILE *make_stream(int fd, const char *mode) {
 
 static int flags_of(const char *mode) {
   int cloexec = strchr(mode, 'e') != NULL ? O_CLOEXEC : 0;
-  if (strchr(mode, '+') != NULL) return O_RDWR | cloexec;
-  return (*mode == 'r' ? O_RDONLY : O_WRONLY) | cloexec;
+  int fresh = *mode != 'r' && strchr(mode, 'x') != NULL ? O_CREAT | O_EXCL : 0;
+  if (strchr(mode, '+') != NULL) return O_RDWR | cloexec | fresh;
+  return (*mode == 'r' ? O_RDONLY : O_WRONLY) | cloexec | fresh;
 }
 
 static FILE *open_stream(const char *path, const char *mode) {

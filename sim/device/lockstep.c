@@ -221,7 +221,9 @@ void lock_wake(const void *key, unsigned count) {
 
 static int sample(uint32_t *number) {
   if (!lock_on()) return -EIO;
-  if (lock_wait(WAIT_SAMPLE, WIRE_NEVER, NULL, NULL, 0, NULL, 0) == CAUSE_SIGNAL) return -EINTR;
+  int cause = lock_wait(WAIT_SAMPLE, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
+  if (cause == CAUSE_SIGNAL) return -EINTR;
+  if (cause == CAUSE_LATE) return -EIO;
   *number = now_sample;
   return 0;
 }

@@ -62,7 +62,13 @@ enum wire_what {
   WAIT_THREAD = 32 /* the end of the thread that has the key */
 };
 /* Of what WIRE_WAIT answers. OUTSIDE: nobody attached can end it; time stands still meanwhile. */
-enum wire_cause { CAUSE_DUE = 0, CAUSE_WOKEN = 1, CAUSE_SIGNAL = 2, CAUSE_OUTSIDE = 3 };
+enum wire_cause {
+  CAUSE_DUE = 0,
+  CAUSE_WOKEN = 1,
+  CAUSE_SIGNAL = 2,
+  CAUSE_OUTSIDE = 3,
+  CAUSE_LATE = 4 /* no servo sample came for 2.5 s of the machine */
+};
 
 #define WIRE_NEVER UINT64_MAX
 

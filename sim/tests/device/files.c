@@ -101,6 +101,9 @@ static void streams(void) {
   EXPECT(file != NULL && fwrite(setpoints, sizeof(int), 2, file) == 2 && fclose(file) == 0);
   EXPECT(fopen("/dev/mc7", "r") == NULL && errno == ENXIO);
   EXPECT(fopen("/dev/mc0", "q") == NULL && errno == EINVAL);
+  EXPECT(fopen("/dev/mc0", "wx") == NULL && errno == EEXIST);
+  EXPECT(open("/dev/mc0", O_RDWR | O_DIRECTORY) < 0 && errno == ENOTDIR);
+  EXPECT(open("/dev/vme16", O_RDWR | O_CREAT | O_EXCL, 0600) < 0 && errno == EEXIST);
 }
 
 int main(void) {
