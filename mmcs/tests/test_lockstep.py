@@ -69,6 +69,8 @@ name = sys.argv[1] if len(sys.argv) > 1 else "a"
 with mmcs.Device() as dev:
     if name == "a" and os.fork() == 0:
         name = "b"
+        inherited, dev = dev, mmcs.Device()  # of its own: signals come to it by that
+        inherited.close()
     for turn in range(20):
         number = dev.wait()
         print(name, number, round(time.monotonic(), 6), flush=True)
