@@ -98,7 +98,7 @@ def test_real_time_and_standstill(tmp_path, monkeypatch):
     with Bench(tmp_path, speed=0.5) as bench:
         clock.now += 10
         bench.server.step()
-        assert bench.sim.time == 0  # nobody holds the device
+        assert bench.sim.time <= 1.001 * pace.CHUNK_MAX_S  # those ten seconds are not run after
         bench.python("import os; os.open('/dev/mc0', 2); input()")
         bench.until(lambda: bench.server.files)
         began, simulated = clock.now, bench.sim.time
