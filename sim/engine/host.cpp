@@ -20,8 +20,8 @@ constexpr uint8_t kVector = 0x40;     // the first one free for users on a 68000
 constexpr uint32_t kSysclkHz = 8000000;
 constexpr double kPatienceS = 1.0;  // as long as a request waits at most
 constexpr double kLookS = 1e-3;
-constexpr double kQuietS = 0.05;  // without an interrupt: mc_watch(),
-constexpr double kAgainS = 0.01;  // and again
+constexpr double kQuietS = 0.05;   // without an interrupt: mc_watch(),
+constexpr double kAgainS = 0.01;   // and again
 constexpr double kSliceS = 20e-6;  // between looks for what ends a stretch on a real processor
 
 }  // namespace
