@@ -60,6 +60,17 @@ def files(name: str) -> str:
     return f"{inner}rtl/chips/{name}.sv"
 
 
+def headers(name: str) -> list[str]:
+    """Include files, and those that they include."""
+    todo, found = files(name).split(), []
+    while todo:
+        for header in re.findall(r'^`include "(.*)"', (ROOT / todo.pop()).read_text(), re.M):
+            if (path := f"rtl/{header}") not in found:
+                found.append(path)
+                todo.append(path)
+    return sorted(found)
+
+
 def section(name: str) -> str:
     rows = [f"| `{port}` | {kind} | {width} | {text} |" for port, kind, width, text in ports(name)]
     bench = (PAGES / f"{name}_tb.sv").read_text().split("\n", 1)[1]
@@ -70,6 +81,8 @@ def section(name: str) -> str:
         f"**Asynchronous inputs.** {said['asynchronous']}", "",
         f"**Tie-offs.** {said['ties']} Outputs may stay open.", "",
         *from_a_pin(name, bench),
+        f"**Files.** {', '.join(f'`{file}`' for file in [*files(name).split(), *headers(name)])};"
+        f" for FuseSoC `{name}.core` names them. The bench:", "",
         "```sh",
         f"iverilog -g2012 -Irtl -s {name}_tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
         "```", "", "```systemverilog", bench.rstrip(), "```", "",

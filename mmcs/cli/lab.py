@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shlex
 import sys
 from pathlib import Path
 
@@ -41,8 +42,10 @@ def start(own: Path, number: str, folder: Path | None) -> None:
     made = sheets.start(sheet, folder or Path(sheet.folder.name))
     for path in made:
         echo(str(path))
-    echo(f"read {made[0].parent / sheets.SHEET}; then mmcs lab check {sheet.number} "
-         f"{made[0].parent / sheets.ANSWER}")  # fmt: skip
+    answer = made[0].parent / sheets.ANSWER
+    again = ("mmcs", "lab", *(() if own == sheets.LABS else ("--sheets", str(own))), "check")
+    told = shlex.join([*again, str(sheet.number), str(answer)])
+    echo(f"read {made[0].parent / sheets.SHEET}; then {told}")
 
 
 @lab.command()
