@@ -15,6 +15,7 @@ HEADS = {
     "autotune": "| | g, counts/s² per D/A unit | Coulomb +/− | break-away | phase margin "
                 "| −3 dB, rad/s | rise, ms | overshoot | steady error | farthest |\n"
                 + "|---" * 10 + "|",
+    "stops_beside": "| | stops | missed | median, ms | 99 %, ms |\n|---|---|---|---|---|",
     "web": "| scenario | in WebAssembly | native | ratio |\n|---|---|---|---|",
 }  # fmt: skip
 PAGES = [ROOT / "docs" / "use" / name for name in ("tool.md", "web.md")]

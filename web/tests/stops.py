@@ -4,7 +4,8 @@
     .venv/bin/python web/tests/stops.py FOLDER [--stops 200]
 
 From the press of the mouse to the stop event at another client of the machine. The folder is a
-checkout of the other commit. Both have the same load in the same run; what counts is the ratio.
+checkout of the other commit, with its npm packages in web/lib. Both have the same load in the same
+run; what counts is the ratio. web/tests/manual.py puts the table into the manual.
 """
 
 from __future__ import annotations
@@ -123,7 +124,14 @@ def block(stops: int) -> list[float | None]:
     return found
 
 
+def _commit(folder: Path) -> str:
+    git = ["git", "-C", str(folder), "rev-parse", "--short", "HEAD"]
+    return subprocess.run(git, text=True, capture_output=True, check=True).stdout.strip()
+
+
 def main() -> int:
+    from bench import note  # of this tree; a block runs beside the modules of its own
+
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--stops", type=int, default=200)
@@ -145,13 +153,22 @@ def main() -> int:
     finally:
         for process in busy:
             process.kill()
-    at = {}
+    at, rows = {}, {}
     for name, values in late.items():
         seen = sorted(v for v in values if v is not None)
         at[name] = [seen[int(len(seen) * share)] for share in (0.5, 0.99)]
+        commit = "this page" if name == "now" else _commit(folder=given.folder)
+        rows[name] = (
+            f"| {commit} | {len(values)} | {len(values) - len(seen)} | {at[name][0]:.0f} "
+            f"| {at[name][1]:.0f} |"
+        )
         print(f"{name}: {len(values)} stops, {len(values) - len(seen)} missed, "
               f"p50 {at[name][0]:.1f} ms, p99 {at[name][1]:.1f} ms")  # fmt: skip
-    print("ratios:", *(f"{n / b:.2f}" for b, n in zip(at["base"], at["now"], strict=True)))
+    ratios = [f"{n / b:.2f}" for b, n in zip(at["base"], at["now"], strict=True)]
+    print("ratios:", *ratios)
+    rows["ratio"] = f"| ratio | | | {ratios[0]} | {ratios[1]} |"
+    for name, row in rows.items():
+        note("stops_beside", name, row)
     return 0
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import tomllib
 
 import pytest
+from bench import picture
 
 from mmcs.engine.build import ensure_library
 from mmcs.lab.marks import grade, read_answer
@@ -60,6 +61,7 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
             (mark.key, f"{mark.points} of {mark.of}", mark.why) for mark in marks
         ]
     assert page.locator(".lab-text").bounding_box()["height"] > 200
+    picture(page, "labs")
     with page.expect_download() as saved:
         page.click("#lab-save")
     saved.value.save_as(tmp_path / "answer.toml")
