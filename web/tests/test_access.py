@@ -57,9 +57,11 @@ def test_few_words_by_themselves_and_few_stops_of_tab(desk):
 def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):
     page = desk.page
     wide = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
+    # of its panel too: what overflows a panel that scrolls is beyond no edge of the window
     inside = """() => [...document.querySelectorAll("#panels *, #tiles *, header *, #timebar *")]
-      .filter((e) => e.getClientRects().length && !e.closest(".track"))
-      .filter((e) => e.getBoundingClientRect().right > innerWidth + 1)
+      .filter((e) => e.checkVisibility() && !e.closest(".track"))
+      .filter((e) => e.getBoundingClientRect().right > 1 +
+        Math.min(innerWidth, e.closest(".panel, body").getBoundingClientRect().right))
       .map((e) => e.id || e.className)"""
     for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
         page.set_viewport_size(size)
@@ -71,7 +73,21 @@ def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):
     )
     assert order == sorted(order)  # STOP and the scope first
     page.set_viewport_size({"width": 1280, "height": 800})
-    assert page.locator("#rewind").bounding_box()["width"] > 600
     panel = page.locator("#axis0-panel").bounding_box()
     tile = page.locator("#tile0").bounding_box()
+    assert page.locator("#rewind").bounding_box()["width"] > 600
     assert tile["y"] > 0 and panel["y"] + panel["height"] <= 800
+
+
+@pytest.mark.req("TOOL-1")
+def test_dark_is_dark_and_a_wish_for_less_motion_is_kept(desk):
+    page = desk.page
+    bright = """() => Math.max(...getComputedStyle(document.querySelector("#axis0-panel"))
+      .backgroundColor.match(/\\d+/g).slice(0, 3).map(Number))"""
+    for scheme, good in (("light", range(200, 256)), ("dark", range(100))):
+        page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+        assert page.evaluate(bright) in good, scheme
+    moving = """() => [...document.querySelectorAll("*")].map((e) => getComputedStyle(e))
+      .filter((s) => parseFloat(s.transitionDuration) > 0 || s.animationName !== "none").length"""
+    page.add_style_tag(content=".tile { transition: all 1s }")
+    assert page.evaluate(moving) == 0
