@@ -68,12 +68,24 @@ def lag(robot):
         motor.amp_tau = 1e-3
 
 
+def closing(robot):
+    for motor in robot.axis:
+        motor.brake_delay = motor.brake_release_delay
+
+
+def stops(robot):
+    for motor in robot.axis:
+        if motor.stop_lo < motor.stop_hi:
+            motor.stop_lo, motor.stop_hi = motor.stop_lo - 0.2, motor.stop_hi + 0.2
+
+
 FALSIFIED = {
     "gravity x 0.7": gravity, "inertia x 0.6": inertia(0.6), "inertia x 1.4": inertia(1.4),
     "friction x 0.6": friction(0.6), "friction x 1.4": friction(1.4),
     "motor constant x 0.8": scaled(km=0.8), "motor constant x 1.2": scaled(km=1.2),
     "mass x 1.5": mass, "amplifier lag 1 ms": lag, "brake x 0.3": scaled(brake_torque=0.3),
-    "brake delay x 3": scaled(brake_delay=3.0),
+    "brake delay x 3": scaled(brake_delay=3.0), "brake closes as slowly as it releases": closing,
+    "stops 0.2 rad away": stops,
 }  # fmt: skip
 
 
