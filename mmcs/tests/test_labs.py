@@ -251,7 +251,9 @@ def test_what_cannot_be_run_is_no_point_but_a_reason(tmp_path):
 def test_a_sheet_of_ones_own(own_sheets, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert call("lab", "--sheets", own_sheets) == (0, " 1  gain            A gain\n", "")
-    assert call("lab", "--sheets", own_sheets, "start", 1, "work")[0] == 0
+    status, out, _ = call("lab", "--sheets", own_sheets, "start", 1, "work")
+    assert status == 0
+    assert f"then mmcs lab --sheets {own_sheets} check 1 work/answer.toml\n" in out
     given = {path.name for path in (tmp_path / "work").iterdir()}
     assert given == {"sheet.md", "answer.toml", "scenario.toml"}
     check = ("lab", "--sheets", own_sheets, "check", 1, "work")
