@@ -15,6 +15,7 @@ HARMLESS = "silent and harmless"
 DANGEROUS = "silent and dangerous"
 CLASSES = (MASKED, SAFE, LATE, HARMLESS, DANGEROUS)
 NEAR = 10.0  # counts
+STEPS = (0.1, 1.0, 5.0)  # degrees of a joint, in the table of how far they went
 
 
 @dataclass(frozen=True)
@@ -35,3 +36,10 @@ def judge(seen: Seen) -> str:
     if seen.off > NEAR:
         return DANGEROUS
     return MASKED if seen.same else HARMLESS
+
+
+def agrees(row: dict) -> bool:
+    """Whether a row's class is that of its figures."""
+    detected = None if row["after_ms"] is None else row["after_ms"] / 1e3
+    seen = Seen(row["class"] == MASKED, detected, row["off"], row["beyond"])
+    return row["class"] == judge(seen)

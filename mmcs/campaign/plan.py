@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 from mmcs import __version__
-from mmcs.campaign.classes import CLASSES, judge
+from mmcs.campaign.classes import CLASSES, agrees, judge
 from mmcs.campaign.faults import SORTS, Fault, Motion, draw
 from mmcs.errors import InputError, RunError
 from mmcs.scenario.load import load
@@ -179,11 +179,12 @@ def is_row(row: dict) -> bool:
     if row["status"] == "failed":
         return isinstance(row["why"], str)
     texts = ("motion", "sort", "what", "by", "told")
-    numbers = ("at", "off", "beyond")
+    numbers = ("at", "off", "beyond", "deg")
     return (
         row["status"] == "ok"
         and row["class"] in CLASSES
         and all(isinstance(row[k], str) for k in texts)
         and all(isinstance(row[k], int | float) and abs(row[k]) < 1e12 for k in numbers)
         and isinstance(row["after_ms"], int | float | None)
+        and agrees(row)  # what was changed by hand is run again
     )

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 from collections import Counter
 from pathlib import Path
 
-from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE
+from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE, STEPS
 from mmcs.campaign.faults import line_name
 from mmcs.result.folder import whole_file
 from mmcs.scenario.files import read_json
@@ -117,6 +118,21 @@ def tables(plan, rows: list[dict]) -> list[str]:
     return lines
 
 
+def how_far(rows: list[dict]) -> list[str]:
+    """By how far the farthest joint went: from the twin's place if nothing was told, else beyond
+    its corridor."""
+    names = [f"to {deg:g}°" for deg in STEPS] + [f"beyond {STEPS[-1]:g}°"]
+    lines = ["## How far", "", f"| | faults | {' | '.join(names)} |", "|---|" + "---:|" * 5]
+    for name in (LATE, DANGEROUS):
+        far = [row["deg"] for row in rows if row["class"] == name]
+        counts = Counter(bisect.bisect_left(STEPS, deg) for deg in far)
+        cells = [per_million(counts[n], len(rows)) for n in range(len(names))]
+        lines.append(f"| {name}, per million | {len(far):,} | {' | '.join(cells)} |")
+    lines += ["", "*Per million* is a share of faults that were drawn as evenly as the tables say, "
+              "not a rate: it does not tell how often a fault comes."]  # fmt: skip
+    return lines
+
+
 def told(rows: list[dict]) -> str:
     """How many of the silent and dangerous ones a look at the statistics would have shown."""
     own = [r for r in rows if r["class"] == DANGEROUS]
@@ -153,7 +169,17 @@ def write_report(folder: Path, plan, rows: dict[int, dict], command: str) -> Pat
     lines = [f"# {len(some):,} faults", "", f"`{command}`", ""]
     if lost:
         lines += [f"{lost} faults could not be run: their rows tell why.", ""]
-    lines += [*tables(plan, some), "", told(some), "", "## Again", "", *examples(plan, rows)]
+    lines += [
+        *how_far(some),
+        "",
+        *tables(plan, some),
+        "",
+        told(some),
+        "",
+        "## Again",
+        "",
+        *examples(plan, rows),
+    ]
     path = folder / REPORT
     with whole_file(path) as part:
         part.write_text("\n".join(lines) + "\n")

@@ -152,7 +152,9 @@ class Twin:
         if detected is not None and off.any():
             beyond = self._beyond(fault.at, angles)
         worst = beyond if beyond.any() else off
-        more = {"by": by, "told": told, "joint": 1 + int(worst.argmax()) if worst.any() else 0}
+        far = np.degrees(beyond if detected is not None else off) / self.scale
+        more = {"by": by, "told": told, "joint": 1 + int(worst.argmax()) if worst.any() else 0,
+                "deg": round(float(far.max()), 3)}  # fmt: skip
         if whole:
             more["hash"] = ended
         return Seen(same, detected, float(off.max()), float(beyond.max())), more

@@ -21,7 +21,7 @@ from mmcs.campaign.classes import (
 )
 from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
 from mmcs.campaign.plan import CHUNK, Plan, make_plan, run_fault, twin_of
-from mmcs.campaign.report import cost_of, wilson
+from mmcs.campaign.report import cost_of, how_far, wilson
 from mmcs.campaign.twin import Twin
 from mmcs.scenario.inputs import INPUTS
 from mmcs.sweeps.store import ROWS
@@ -137,6 +137,9 @@ def test_detection_is_told_with_its_time_and_its_means(plan):
 def test_small_campaign_finds_every_class(rows):
     found = Counter(row["class"] for row in rows)
     assert set(found) == set(CLASSES), found
+    far = [row["deg"] for row in rows if row["class"] in (LATE, DANGEROUS)]
+    table = "\n".join(how_far(rows))
+    assert min(far) > 0.01 and max(far) > 5 and f"| {DANGEROUS}, per million | " in table
     assert all(row["off"] <= NEAR for row in rows if row["class"] in (MASKED, HARMLESS))
 
 
@@ -233,8 +236,8 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
             bad = 5 in numbers
             rows = [
                 {"status": "ok", "class": MASKED, "motion": f.motion, "sort": f.sort, "at": f.at,
-                 "what": f.what, "lasts": False, "off": 0, "beyond": 0, "after_ms": None, "by": "",
-                 "told": ""}
+                 "what": f.what, "lasts": False, "off": 0, "beyond": 0, "deg": 0, "after_ms": None,
+                 "by": "", "told": ""}
                 for f in faults
             ]  # fmt: skip
             done = {"status": "ok", "rows": rows, "core_s": 0.25}
@@ -386,13 +389,16 @@ def test_damaged_rows_are_run_again():
         "lasts": True,
         "off": 0.0,
         "beyond": 0.0,
+        "deg": 0.0,
         "after_ms": None,
         "by": "",
         "told": "",
     }
     line = lambda row: json.dumps({"n": 3, "row": row}).encode()  # noqa: E731
     assert _entry(line(good), plans.is_row) == {3: good}
-    for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", [])]:
+    for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", []),
+                        ("deg", None), ("class", DANGEROUS), ("class", SAFE), ("off", 20.0),
+                        ("after_ms", 3.0)]:  # fmt: skip
         assert _entry(line(good | {name: value}), plans.is_row) == {}
     del good["told"]
     assert _entry(line(good), plans.is_row) == {}
