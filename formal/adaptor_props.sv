@@ -107,6 +107,7 @@ module adaptor_props #(
     .pc_a_o(pc_a),
     .pc_aen_o(),
     .pc_d_o(pc_wdata),
+    .pc_d_oe_o(),
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
     .pc_clk_en_o(),

@@ -45,6 +45,7 @@ module mapping_props (
     .pc_a_o(pc_a),
     .pc_aen_o(aen),
     .pc_d_o(pc_wdata),
+    .pc_d_oe_o(),
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
     .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),

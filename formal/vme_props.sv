@@ -55,13 +55,14 @@ module vme_props #(
     .pc_a_o(pc_a),
     .pc_aen_o(pc_aen),
     .pc_d_o(pc_wdata),
+    .pc_d_oe_o(),
     .pc_ior_no(pc_ior_n),
     .pc_iow_no(pc_iow_n),
     .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
     .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
-  logic [2:0] reset_q = '0;
+  logic [2:0] reset_q = 3'b011;  // as after SYSRESET*
   logic [3:0] ack_level_q = '0;
   logic [7:0] rdata_q = '1, vector_q = 8'h0F;
   logic request_q = 1'b0, ack_q = 1'b0;

@@ -63,6 +63,7 @@ module mmcs_fpga #(
     .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
     .pcx_a_o(),
     .pcx_d_o(),
+    .pcx_d_oe_o(),
     .pcx_ior_no(),
     .pcx_iow_no(),
     .pcx_aen_o(),

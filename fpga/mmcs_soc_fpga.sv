@@ -45,6 +45,9 @@ module mmcs_soc_fpga #(
   output logic      [11*NumCards-1:0] card_leds_o
 );
 
+  logic rst_n;   // begins at once, ends with the clock
+  sync u_reset (.clk_i, .rst_ni, .d_i(1'b1), .q_o(rst_n));
+
   // --- converters -------------------------------------------------------------------------
 
   localparam int Bits = 32 * NumCards;
@@ -54,8 +57,8 @@ module mmcs_soc_fpga #(
   logic [Bits-1:0] drive, drive_q, adc_q;
   logic [Bits-2:0] adc_shift_q;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) begin
       bit_q       <= '0;
       drive_q     <= '0;
       adc_shift_q <= '0;
@@ -82,8 +85,8 @@ module mmcs_soc_fpga #(
   logic req_q, ack;
   logic [31:0] rdata;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
+  always_ff @(posedge clk_i or negedge rst_n) begin
+    if (!rst_n) begin
       host_q <= '0;
       req_q  <= 1'b0;
     end else begin
@@ -107,7 +110,8 @@ module mmcs_soc_fpga #(
   ) u_soc (
     .clk_i,
     .cpu_clk_i(clk_i),
-    .rst_ni, .run_i,
+    .rst_ni(rst_n),
+    .run_i,
     .box_req_i(req_q),
     .box_write_i(host_q[62]),
     .box_a_i(host_q[61:32]),

@@ -61,6 +61,7 @@ module mmcs_core #(
   // PC bus expansion
   output logic      [           15:0] pcx_a_o,
   output logic      [            7:0] pcx_d_o,
+  output logic                        pcx_d_oe_o,   // the adaptor drives the data of a write
   output logic                        pcx_ior_no,
   output logic                        pcx_iow_no,
   output logic                        pcx_aen_o,
@@ -99,6 +100,7 @@ module mmcs_core #(
       .pc_a_o(pcx_a_o),
       .pc_aen_o(pcx_aen_o),
       .pc_d_o(pcx_d_o),
+      .pc_d_oe_o(pcx_d_oe_o),
       .pc_ior_no(pcx_ior_no),
       .pc_iow_no(pcx_iow_no),
       .pc_clk_en_o(pcx_clk_en_o),

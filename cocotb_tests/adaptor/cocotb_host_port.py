@@ -132,15 +132,18 @@ async def cycle_timing(dut):
         fall = tb.now()
         assert fall - start >= side - 100
         assert not write or int(dut.pc_d_o.value) == 0xA0 + n
+        assert int(dut.pc_d_oe_o.value) == write, "the adaptor drives a write's data alone"
         await RisingEdge(strobe)
         rise = tb.now()
         assert tb.clks(rise - fall) == -(-command // tb.period)
         address = int(dut.pc_a_o.value)
         await Timer(side - 2 * tb.period // 10, "ps")
         assert not write or int(dut.pc_d_o.value) == 0xA0 + n, "held past IOW#"
+        assert int(dut.pc_d_oe_o.value) == write
         assert int(dut.pc_a_o.value) == address
         assert int(other.value) == 1 and int(dut.pc_aen_o.value) == 0
         await task
+        assert not int(dut.pc_d_oe_o.value)
 
 
 @cocotb.test()

@@ -63,8 +63,8 @@ class Watched:
         u = dut.u_mmcs
         self.vme = VmeMonitor(VmeBus.from_prefix(u, "vme"))
         self.pc = PcBusMonitor(
-            PcBus(a=u.pc_a, aen=u.pc_aen, ior_n=u.pc_ior_n, iow_n=u.pc_iow_n, d=u.pc_wdata,
-                  q=u.pc_rdata, q_oe=u.card_d_oe)
+            PcBus(a=u.pcx_a_o, aen=u.pcx_aen_o, ior_n=u.pcx_ior_no, iow_n=u.pcx_iow_no,
+                  d=u.pcx_d_o, q=u.pc_rdata, q_oe=u.u_cards.card_d_oe)
         )  # fmt: skip
         self.sclock, self.irq = Lines(u.sclock_o), Lines(u.vme_irq_no, LEVEL - 1)
         self.done = dut.done

@@ -68,6 +68,7 @@ module bench_expansion #(
     .pcx_clk_en_o(pcx_clk_en),
     .pcx_reset_drv_o(pcx_reset_drv),
     .pcx_drq_o(),
+    .pcx_d_oe_o(),
     .pcx_d_i(dio_d),
     .pcx_d_oe_i(dio_oe),
     .pcx_wait_i(dio_wait),

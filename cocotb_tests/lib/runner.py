@@ -49,7 +49,10 @@ NO_DPI = "Icarus has no DPI-C: docs/use/dpi.md"
 # Of a netlist tests see the ports alone: all its nets would make ten times the code.
 PORTS = '`verilator_config\npublic_flat_rw -module "{top}" -var "*"\n'
 # Of a long run behind DPI, the machine's wires.
-WIRES = PORTS.format(top="mmcs") + 'public_flat_rw -module "mmcs_tb" -var "done"\n'
+WIRES = PORTS.format(top="mmcs") + (
+    'public_flat_rw -module "mmcs_tb" -var "done"\n'
+    'public_flat_rd -module "mmcs_cards" -var "card_d_oe"\n'
+)
 # The nets that tests break: Verilator wants to know them beforehand.
 FORCEABLE = ROOT / "cocotb_tests/lib/forceable.vlt"
 

@@ -90,6 +90,7 @@ module bench_bridge #(
     .pc_a_o(),
     .pc_aen_o(),
     .pc_d_o(),
+    .pc_d_oe_o(),
     .pc_ior_no(),
     .pc_iow_no(),
     .pc_clk_en_o(),

@@ -83,7 +83,7 @@ module mmcs_board #(
     .adc_v_i(adc),
     .drive_v_o(drive),
     .card_leds_o(leds),
-    .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
+    .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
     .pcx_reset_drv_o(), .pcx_drq_o(),
     .pcx_d_i('0),
     .pcx_d_oe_i(1'b0),

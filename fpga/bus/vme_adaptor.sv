@@ -87,7 +87,7 @@ module vme_adaptor #(
     .estop_closed_i(~estop_n), .cable_ok_i(~cable_n), .pc_power_i(pc_power),
     .panic_o(led_panic), .brake_release_o(brake_release), .alive_o(alive), .sclock_o(led_sclock),
     .led_irq_o(led_irq),
-    .pc_a_o(a), .pc_aen_o(aen), .pc_d_o(wdata), .pc_ior_no(ior_n), .pc_iow_no(iow_n),
+    .pc_a_o(a), .pc_aen_o(aen), .pc_d_o(wdata), .pc_d_oe_o(), .pc_ior_no(ior_n), .pc_iow_no(iow_n),
     .pc_clk_en_o(clk_en), .pc_reset_drv_o(reset_drv), .pc_drq_o(drq), .pc_power_o(pc_on),
     .pc_d_i(rdata), .pc_wait_i(~pc_iochrdy), .pc_irq_i(pc_irq)
   );

@@ -42,6 +42,7 @@ module adaptor_core #(
   output logic      [15:0] pc_a_o,
   output logic             pc_aen_o,
   output logic      [ 7:0] pc_d_o,
+  output logic             pc_d_oe_o,
   output logic             pc_ior_no,
   output logic             pc_iow_no,
   output logic             pc_clk_en_o,
@@ -147,7 +148,7 @@ module adaptor_core #(
   logic bus_done, link_ok, cable_ok;
   logic [4:0] base;
   logic [7:0] bus_rdata;
-  logic ior_n, iow_n;
+  logic ior_n, iow_n, d_oe;
 
   pcbus_master #(
     .ClkHz(ClkHz),
@@ -164,6 +165,7 @@ module adaptor_core #(
     .link_ok_i(link_ok),
     .clk_en_i(sys_rise),
     .pc_a_o, .pc_d_o,
+    .pc_d_oe_o(d_oe),
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
     .pc_d_i, .pc_wait_i
@@ -181,6 +183,7 @@ module adaptor_core #(
   // The lines that a pulled cable lets go idle at the cards.
   assign pc_ior_no = ior_n | ~link_ok;
   assign pc_iow_no = iow_n | ~link_ok;
+  assign pc_d_oe_o = d_oe & link_ok;
   assign pc_aen_o = 1'b0;
   assign pc_clk_en_o = sys_rise & cable_ok;
 
@@ -260,7 +263,7 @@ module adaptor_core #(
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      sys_reset_q   <= '0;
+      sys_reset_q   <= '1;  // RESET DRV stands from power-on on
       power_timer_q <= '0;
     end else begin
       sys_reset_q <= {sys_reset_q[0], sys_reset_i};

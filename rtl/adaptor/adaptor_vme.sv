@@ -45,6 +45,7 @@ module adaptor_vme #(
   output logic      [15:0] pc_a_o,
   output logic             pc_aen_o,
   output logic      [ 7:0] pc_d_o,
+  output logic             pc_d_oe_o,
   output logic             pc_ior_no,
   output logic             pc_iow_no,
   output logic             pc_clk_en_o,
@@ -112,7 +113,8 @@ module adaptor_vme #(
     .sys_reset_o(sys_reset),
     .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o, .alive_o,
     .sclock_o,
-    .pc_a_o, .pc_aen_o, .pc_d_o, .pc_ior_no, .pc_iow_no, .pc_clk_en_o, .pc_reset_drv_o,
+    .pc_a_o, .pc_aen_o, .pc_d_o, .pc_d_oe_o, .pc_ior_no, .pc_iow_no, .pc_clk_en_o,
+    .pc_reset_drv_o,
     .pc_drq_o, .pc_power_o, .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 

@@ -27,6 +27,7 @@ module pcbus_master #(
   // Bus
   output logic      [15:0] pc_a_o,
   output logic      [ 7:0] pc_d_o,
+  output logic             pc_d_oe_o,   // the data of a write stand: from set-up to hold
   output logic             pc_ior_no,
   output logic             pc_iow_no,
   input  wire logic [ 7:0] pc_d_i,      // 0xFF where nobody drives
@@ -53,7 +54,7 @@ module pcbus_master #(
   logic                    write_q, ior_nq, iow_nq;
   logic   [          15:0] a_q;
   logic   [           7:0] d_q, rdata_q;
-  logic                    start, last, waiting, counts;
+  logic                    start, last, waiting, counts, command;
   logic   [           1:0] wait_q;            // IOCHRDY is two clocks late here, and
   logic   [           1:0] counts_q;          // as late begins the count of its periods
 
@@ -61,6 +62,8 @@ module pcbus_master #(
   assign last = (timer_q == '0);
   assign waiting = wait_q[1] & link_ok_i;
   assign counts = clk_en_i & counts_q[1];
+  // Once the link has failed, a command ends: a cable that bounces makes no second one.
+  assign command = (state_d == StCommand) & link_ok_i & ((state_q != StCommand) | ~(ior_nq & iow_nq));
 
   always_comb begin
     state_d = state_q;
@@ -114,16 +117,17 @@ module pcbus_master #(
       if (start) write_q <= write_i;
       if (start) a_q <= a_i;
       if (start && write_i) d_q <= wdata_i;
-      ior_nq   <= (state_d != StCommand) || write_q;
-      iow_nq   <= (state_d != StCommand) || !write_q;
+      ior_nq   <= ~command | write_q;
+      iow_nq   <= ~command | ~write_q;
       if (state_q == StCommand && state_d == StHold) begin
-        rdata_q <= (write_q || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
+        rdata_q <= (ior_nq || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
       end
     end
   end
 
   assign pc_a_o = a_q;
   assign pc_d_o = d_q;
+  assign pc_d_oe_o = write_q & (state_q != StIdle);
   assign pc_ior_no = ior_nq;
   assign pc_iow_no = iow_nq;
   assign rdata_o = rdata_q;

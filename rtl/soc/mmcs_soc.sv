@@ -93,7 +93,7 @@ module mmcs_soc #(
     .vector_o(),
     .sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i, .brake_release_o, .alive_o, .panic_o, .sclock_o,
     .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i, .dip_i, .adc_v_i, .drive_v_o, .card_leds_o,
-    .pcx_a_o(), .pcx_d_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
+    .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
     .pcx_reset_drv_o(), .pcx_drq_o(),
     .pcx_d_i('0),
     .pcx_d_oe_i(1'b0),

@@ -91,6 +91,7 @@ module mmcs_tb #(
     .card_leds_o(leds),
     .pcx_a_o(),
     .pcx_d_o(),
+    .pcx_d_oe_o(),
     .pcx_ior_no(),
     .pcx_iow_no(),
     .pcx_aen_o(),

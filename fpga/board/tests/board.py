@@ -29,7 +29,7 @@ def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Out
 
 
 PTY_TESTS = ("self_test_over_a_pty", "a_stop_loop_that_is_open", "wrong_and_cut_bytes",
-             "a_board_that_is_in_reset")  # fmt: skip
+             "a_board_that_is_in_reset", "a_pll_that_loses_its_lock")  # fmt: skip
 
 
 def over_a_pty() -> dict[str, runner.Outcome]:

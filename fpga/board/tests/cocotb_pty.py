@@ -176,3 +176,24 @@ async def a_board_that_is_in_reset(dut):
     assert (status, said) == (1, "")
     assert "no good answer for register 0x409 in 8 requests" in error
     assert error.count("\n") == 1
+
+
+@cocotb.test()
+async def a_pll_that_loses_its_lock(dut):
+    """CLR# stands until the reset after the lock has ended, once the D/A knows what it means."""
+    board = Board(dut)
+    await board.begin()
+    await Timer(300, "us")  # the words of the start
+    assert int(dut.dac_clr_n.value)
+    dut.locked_i.value = 0
+    for wait in (0.01, 50, 200):
+        await Timer(round(1000 * wait), "ns")
+        assert not int(dut.dac_clr_n.value), "no lock, no torque"
+        assert int(dut.dac_ldac_n.value) and not int(dut.brake_release.value)
+    dut.button_ni.value = 0
+    dut.locked_i.value = 1
+    await Timer(300, "us")
+    assert not int(dut.dac_clr_n.value), "the reset stands"
+    dut.button_ni.value = 1
+    await Timer(2, "us")
+    assert int(dut.dac_clr_n.value)
