@@ -379,21 +379,9 @@ def test_rows_of_other_faults_are_run_again():
 def test_damaged_rows_are_run_again():
     from mmcs.sweeps.store import _entry
 
-    good = {
-        "status": "ok",
-        "class": MASKED,
-        "motion": "m",
-        "sort": "pin",
-        "what": "w",
-        "at": 0.1,
-        "lasts": True,
-        "off": 0.0,
-        "beyond": 0.0,
-        "deg": 0.0,
-        "after_ms": None,
-        "by": "",
-        "told": "",
-    }
+    good = {"status": "ok", "class": MASKED, "motion": "m", "sort": "pin", "what": "w", "at": 0.1,
+            "lasts": True, "off": 0.0, "beyond": 0.0, "deg": 0.0, "after_ms": None, "by": "",
+            "told": ""}  # fmt: skip
     line = lambda row: json.dumps({"n": 3, "row": row}).encode()  # noqa: E731
     assert _entry(line(good), plans.is_row) == {3: good}
     for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", []),
