@@ -213,6 +213,13 @@ class Robot(Strict):
         per_rad = self.counts_per_rad(axis)
         return per_rad if unit == "rad" else per_rad * math.pi / 180
 
+    def fastest(self) -> int:
+        """Counts/s that no axis exceeds: half more than its motor does without load; 0: unknown."""
+        if not all(motor.v_supply > 0 for motor in self.axis):
+            return 0
+        turns = [m.v_supply / m.km / math.tau * m.counts_per_rev for m in self.axis]
+        return min(math.ceil(1.5 * max(turns, default=0)), 1 << 30)
+
     def motors(self, coupled: bool) -> list[dict]:
         """The fields of mmcs_motor per axis.
 

@@ -62,18 +62,10 @@ class Setup:
             "guard_lock": int(host.guard_lock),
             "wait_states": host.wait_states,
             "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,
-            "axis_speed": self.fastest(),
+            "axis_speed": self.robot.fastest(),
             "skip": int(scenario.skip),
             "amp_panic_cut": int(scenario.amp_panic_cut),
         }
-
-    def fastest(self) -> int:
-        """Counts/s that no axis exceeds: half more than its motor does without load; 0: unknown."""
-        motors = self.motors()
-        if not all(m["v_supply"] > 0 for m in motors):
-            return 0
-        turns = (m["v_supply"] / m["km"] / math.tau * m["counts_per_rev"] for m in motors)
-        return min(math.ceil(1.5 * max(turns, default=0)), 1 << 30)
 
     def moment(self) -> float:
         """When there is something to see, s of motion: the first event, or the first setpoint."""
