@@ -51,6 +51,8 @@ static int start(struct mc *mc) {
     mc->crowded = 0;
     mc->stopped = 0;
     mc->shut = 0;
+    mc->cause = MCAUSE_NONE;
+    mc->cause_of = -1;
     mc->silent = mc->told_fault = 0;
     mc->told_at = UINT32_MAX;
     mc->stats = (struct mc_stats){0};
@@ -196,6 +198,11 @@ int mc_is_enabled(const struct mc *mc) {
 
 int mc_is_stopped(const struct mc *mc) {
   return mc->stopped != 0;
+}
+
+int mc_cause(const struct mc *mc, int *number) {
+  *number = mc->cause_of;
+  return mc->cause;
 }
 
 uint32_t mc_interval(const struct mc *mc) {

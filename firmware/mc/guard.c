@@ -43,20 +43,22 @@ int guard_trips(struct mc *mc) {
   int asked = g->jump > 0 || g->follow > 0 || g->missed > 0 || g->lease > 0;
   if (!asked || mc->power != MC_RUNNING) return 0;
   if (g->missed > 0 && mc->skipped > g->missed) {
-    power_trip(mc, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
+    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
     return 1;
   }
   if (lapses(mc)) {
-    power_trip(mc, "PANIC: SCLOCKs without a setpoint", (int)(mc->unwritten - 1), "");
+    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs without a setpoint", (int)(mc->unwritten - 1), "");
     return 1;
   }
   for (int axis = 0; axis < mc->joints; axis++) {
     if (jumps(mc, axis)) {
-      power_trip(mc, "PANIC: axis", axis, ": its counter jumps");
+      power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, ": its counter jumps");
+      mc->cause_of = (int8_t)axis;
       return 1;
     }
     if (strays(mc, &mc->axis[axis])) {
-      power_trip(mc, "PANIC: axis", axis, " does not follow");
+      power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, " does not follow");
+      mc->cause_of = (int8_t)axis;
       return 1;
     }
   }

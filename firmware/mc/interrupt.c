@@ -56,13 +56,12 @@ static void servo_all(struct mc *mc) {
     error_raise(mc, axis, events);
     tell(mc, axis, events);
     raised = 1;
-    if ((x->par.mode & SOFTERR) == 0) fatal = 1;
+    if ((x->par.mode & SOFTERR) != 0) continue;
+    if (!fatal) power_blame(mc, MCAUSE_AXIS, axis);
+    fatal = 1;
   }
   mc->os.compute(mc->os.ctx, due);
-  if (fatal) {
-    power_stop(mc);
-    mc->shut = 1;
-  }
+  if (fatal) power_stop(mc);
   if (raised) error_signal(mc);
 }
 

@@ -131,8 +131,11 @@ int32_t mc_demand(const struct mc *mc, int axis);   /* behind S1: the setpoint, 
 int mc_current(const struct mc *mc, int axis);      /* at the D/A, without ipole's filter */
 const struct mc_param *mc_param_of(const struct mc *mc, int axis);
 const struct mc_state *mc_state_of(const struct mc *mc, int axis);
-int mc_is_enabled(const struct mc *mc);    /* the servo writes the D/As */
-int mc_is_stopped(const struct mc *mc);    /* a stop is latched */
+int mc_is_enabled(const struct mc *mc); /* the servo writes the D/As */
+int mc_is_stopped(const struct mc *mc); /* a stop is latched */
+/* What shut the machine down, MCAUSE_... of <sys/mmcs.h>, until an MENABLE; *number: its axis or
+ * card (DIP switch), or -1. */
+int mc_cause(const struct mc *mc, int *number);
 uint32_t mc_interval(const struct mc *mc); /* us between SCLOCKs */
 int mc_diag(const struct mc *mc);          /* as MDIAGMODE asked */
 int mc_double_buffer(const struct mc *mc); /* as MDACMODE asked */

@@ -5,6 +5,7 @@
 
 #include "mc.h"
 #include "mmcs_regs.h"
+#include "sys/mmcs.h"
 #include "servo_narrow.h"
 
 #define MC_DAC_ZERO 0x800 /* D/A code of 0 V, offset binary */
@@ -107,6 +108,8 @@ struct mc {
   uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
   uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
   uint8_t shut;       /* the same of an error that shut the machine down */
+  uint8_t cause;      /* of that, MCAUSE_... */
+  int8_t cause_of;    /* its axis or card, or -1 */
   uint8_t silent;     /* a card is */
   uint8_t told_fault; /* a bus error in a pass was told, and no sample has come since */
   uint32_t told_at;   /* stats.total when the end of the interrupts was told */
@@ -177,7 +180,9 @@ void power_panic(struct mc *mc);
 /* Passes go by without a servo sample: a PANIC of our own. */
 void power_overrun(struct mc *mc);
 /* The same for what else cannot go on: with one line that says why. */
-void power_trip(struct mc *mc, const char *what, int number, const char *more);
+void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more);
+/* Remembers what shuts the machine down: MCAUSE_..., axis or card. */
+void power_blame(struct mc *mc, int cause, int number);
 /* Ports B as power, diagnostic and buffer modes want them. */
 void power_apply_modes(struct mc *mc);
 

@@ -128,21 +128,43 @@ static void report_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *de
   }
 }
 
+/* As far as registers tell. */
+static void blame_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dead) {
+  int silent = 0;
+  power_blame(mc, MCAUSE_PASSED, -1);
+  for (int axis = mc->axes - 1; axis >= 0; axis--) {
+    if ((port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0 || dead[axis / 2]) continue;
+    power_blame(mc, MCAUSE_HEARTBEAT, axis);
+  }
+  for (int card = mc->cards - 1; card >= 0; card--) {
+    if (!dead[card]) continue;
+    power_blame(mc, MCAUSE_CARD, mc->card[card].dip);
+    silent++;
+  }
+  if (silent > 0 && silent == mc->cards) power_blame(mc, MCAUSE_SILENT, -1);
+}
+
 static void tell_all(struct mc *mc) {
-  mc->shut = 1;
   mc_count(&mc->stats.panics, 1);
   for (int axis = 0; axis < mc->axes; axis++) error_raise(mc, axis, MERR_PANIC);
   error_signal(mc);
 }
 
-void power_trip(struct mc *mc, const char *what, int number, const char *more) {
+void power_blame(struct mc *mc, int cause, int number) {
+  mc->shut = 1;
+  mc->cause = (uint8_t)cause;
+  mc->cause_of = (int8_t)number;
+}
+
+void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more) {
+  power_blame(mc, cause, -1);
   power_stop(mc);
   tell_all(mc);
   text_log(mc, what, number, more);
 }
 
 void power_overrun(struct mc *mc) {
-  power_trip(mc, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms", -1, "");
+  power_trip(mc, MCAUSE_LATE, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms", -1, "");
 }
 
 void power_panic(struct mc *mc) {
@@ -154,6 +176,7 @@ void power_panic(struct mc *mc) {
   }
   int started = mc->power == MC_RUNNING;
   diagnose(mc, port_c, dead);
+  blame_panic(mc, port_c, dead);
   silence(mc, port_c);
   tell_all(mc);
   if (started) report_panic(mc, port_c, dead);
@@ -277,7 +300,7 @@ int power_enable(struct mc *mc) {
   uint8_t stopped = mc->stopped;
   mc->stopped = 0;
   result = start(mc);
-  if (result == 0) mc->shut = 0;
+  if (result == 0) mc->shut = mc->cause = MCAUSE_NONE;
   if (result != 0 && !mc->stopped) mc->stopped = stopped;
   return result;
 }

@@ -82,7 +82,7 @@ void revive_bus_error(struct mc *mc) {
   revive_note(mc);
   if (mc->told_fault) return;
   mc->told_fault = 1;
-  power_trip(mc, "PANIC: bus error in a servo pass", -1, "");
+  power_trip(mc, MCAUSE_BUS, "PANIC: bus error in a servo pass", -1, "");
 }
 
 /* SYSRESET* has cleared PCCSR, and with it the interrupts; cards may have been reset, too. For so
@@ -107,12 +107,12 @@ int mc_watch(struct mc *mc, uint64_t us) {
   mc->fault = 0;
   int reset = ((hw_get(mc, MMCS_PCCSR) ^ mc->pccsr) & kept) != 0;
   if (mc->fault) {
-    power_trip(mc, "PANIC: no interrupts, the adaptor does not answer", -1, "");
+    power_trip(mc, MCAUSE_BUS, "PANIC: no interrupts, the adaptor does not answer", -1, "");
   } else if (reset) {
-    power_trip(mc, "PANIC: SYSRESET*, the adaptor was reset", -1, "");
+    power_trip(mc, MCAUSE_RESET, "PANIC: SYSRESET*, the adaptor was reset", -1, "");
     restart(mc, us);
   } else if (mc->power != MC_IDLE) {
-    power_trip(mc, "PANIC: no interrupts", -1, "");
+    power_trip(mc, MCAUSE_LATE, "PANIC: no interrupts", -1, "");
   } else {
     told = 0;
   }

@@ -83,7 +83,8 @@ struct mailbox {
   uint32_t stop, stopped;
   int32_t enabled, latched; /* mc_is_enabled(), mc_is_stopped() */
   uint32_t quiet_us;        /* set with a ring: mc_watch(), and 0 again */
-  uint32_t reserved[8];
+  int32_t cause, cause_of;  /* mc_cause() */
+  uint32_t reserved[6];
   struct mailbox_axis axis[MAILBOX_AXES];
   int32_t mode[MAILBOX_AXES]; /* as the last answer or stop left it */
   uint32_t data[MAILBOX_DATA_WORDS];

@@ -101,7 +101,10 @@ static void publish(void) {
 
 /* What no servo pass changes. */
 static void publish_modes(void) {
+  int number;
   BOX->latched = mc_is_stopped(&driver);
+  BOX->cause = mc_cause(&driver, &number);
+  BOX->cause_of = number;
   int joints = mc_joints(&driver);
   for (int axis = 0; axis < joints; axis++) {
     BOX->mode[axis] = mc_param_of(&driver, axis)->mode;
@@ -111,6 +114,7 @@ static void publish_modes(void) {
 void port_servo_interrupt(void) {
   int sampled = mc_interrupt(&driver);
   publish();
+  if (!sampled || !mc_is_enabled(&driver)) publish_modes();
   report(sampled ? MAILBOX_SAMPLED : MAILBOX_SERVED);
 }
 
@@ -128,6 +132,7 @@ void port_doorbell_interrupt(void) {
   BOX->quiet_us = 0;
   if (quiet_us != 0 && mc_watch(&driver, quiet_us)) {
     publish();
+    publish_modes();
     report(MAILBOX_SERVED);
   }
   uint32_t stop = BOX->stop;

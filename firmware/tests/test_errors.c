@@ -253,19 +253,22 @@ static void test_panic_traffic(void) {
 static void test_panic_names_who_is_silent(void) {
   static const struct {
     unsigned dead, gone; /* axes without heartbeat, cards that do not answer */
+    int cause, number;
     const char *text;
-  } cases[] = {
-      {0x00, 0, "mc: PANIC: button, cable or power\n"},
-      {0x01, 0, "mc: PANIC: axis 0 has no heartbeat\n"},
-      {0x02, 0, "mc: PANIC: axis 1 has no heartbeat\n"},
-      {0x28, 0, "mc: PANIC: axis 3 has no heartbeat\nmc: PANIC: axis 5 has no heartbeat\n"},
-      {0x00, 2, "mc: PANIC: card 1 does not answer\n"},
-      {0x10, 2, "mc: PANIC: card 1 does not answer\nmc: PANIC: axis 4 has no heartbeat\n"},
-      {0x0C, 2, "mc: PANIC: card 1 does not answer\n"},
-      {0x00, 3, "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"},
-      {0x00, 7,
-       "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"
-       "mc: PANIC: card 2 does not answer\nmc: PANIC: button, cable or power\n"}};
+  } cases[] = {{0x00, 0, MCAUSE_PASSED, -1, "mc: PANIC: button, cable or power\n"},
+               {0x01, 0, MCAUSE_HEARTBEAT, 0, "mc: PANIC: axis 0 has no heartbeat\n"},
+               {0x02, 0, MCAUSE_HEARTBEAT, 1, "mc: PANIC: axis 1 has no heartbeat\n"},
+               {0x28, 0, MCAUSE_HEARTBEAT, 3,
+                "mc: PANIC: axis 3 has no heartbeat\nmc: PANIC: axis 5 has no heartbeat\n"},
+               {0x00, 2, MCAUSE_CARD, 1, "mc: PANIC: card 1 does not answer\n"},
+               {0x10, 2, MCAUSE_CARD, 1,
+                "mc: PANIC: card 1 does not answer\nmc: PANIC: axis 4 has no heartbeat\n"},
+               {0x0C, 2, MCAUSE_CARD, 1, "mc: PANIC: card 1 does not answer\n"},
+               {0x00, 3, MCAUSE_CARD, 0,
+                "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"},
+               {0x00, 7, MCAUSE_SILENT, -1,
+                "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"
+                "mc: PANIC: card 2 does not answer\nmc: PANIC: button, cable or power\n"}};
   for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     struct mc *mc = enabled(3);
     for (unsigned axis = 0; axis < 6; axis++) {
@@ -275,6 +278,9 @@ static void test_panic_names_who_is_silent(void) {
     m.estop_open = 1;
     mock_run(&m, 100);
     CHECK_EQ(strcmp(said, cases[i].text), 0);
+    int number;
+    CHECK_EQ(mc_cause(mc, &number), cases[i].cause);
+    CHECK_EQ(number, cases[i].number);
     for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode(axis), axis << 8 | MERR_PANIC);
     CHECK_EQ(m.signals[0], 1);
     CHECK_EQ(mc_stats_of(mc)->panics, 1);

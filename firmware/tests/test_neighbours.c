@@ -142,6 +142,9 @@ static void test_a_write_after_a_shutdown_is_refused(void) {
     m.card[0].count[0] = 200;
     mock_run(&m, 4000);
     CHECK_EQ(mc_is_enabled(mc), 0);
+    int number;
+    CHECK_EQ(mc_cause(mc, &number), panic ? MCAUSE_PASSED : MCAUSE_AXIS);
+    CHECK_EQ(number, panic ? -1 : 0);
     said[0] = 0;
     for (int i = 0; i < 3; i++) CHECK_EQ(mc_write(mc, 0, set, 8), -MC_EIO);
     CHECK_EQ(strcmp(said, "mc: write: shut down by an error, MENABLE first\n"), 0);

@@ -33,6 +33,11 @@ static void cable(int plugged) {
   m.estop_open = !plugged;
 }
 
+static int cause(const struct mc *mc) {
+  int number;
+  return mc_cause(mc, &number);
+}
+
 static int errcode(struct mc *mc, int axis) {
   return mc_state_of(mc, axis)->errcode;
 }
@@ -165,6 +170,7 @@ static void test_a_bus_error_is_told_once(void) {
         CHECK_EQ(m.signals[client], client < 2 ? round : 0);
       CHECK_EQ(errcode(mc, 1), 0x100 | MERR_PANIC);
       CHECK_EQ(mc_stats_of(mc)->panics, round);
+      CHECK_EQ(cause(mc), MCAUSE_BUS);
       m.adaptor_dead = 0;
       mock_run(&m, 100000);
       CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
@@ -191,6 +197,7 @@ static void test_sysreset_is_told_and_the_state_goes_on(void) {
     mock_run(&m, 54000);
     CHECK_EQ(m.signals[0], 0);
     CHECK_EQ(mc_watch(mc, 54000), 1);
+    CHECK_EQ(cause(mc), MCAUSE_RESET);
     CHECK_EQ(m.signals[0], 1);
     CHECK_EQ(m.signals[1], 0);
     for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(mc, axis), axis << 8 | MERR_PANIC);
@@ -202,7 +209,9 @@ static void test_sysreset_is_told_and_the_state_goes_on(void) {
     CHECK_EQ(mc_state_of(mc, 1)->encnow, 12);
     CHECK_EQ(enable(mc), -MC_EIO); /* in MD_POS, with a count that was cleared */
     servo(mc, 1, MD_OFF);
+    CHECK_EQ(cause(mc), MCAUSE_RESET); /* until an MENABLE succeeds */
     CHECK_EQ(enable(mc), 0);
+    CHECK_EQ(cause(mc), MCAUSE_NONE);
     mock_stop(&m);
   }
 }
@@ -238,6 +247,7 @@ static void test_the_end_of_interrupts_is_told(void) {
       for (int i = 0; i < 3; i++) CHECK_EQ(mc_watch(mc, 60000), told && i == 0);
       CHECK_EQ(m.signals[0], told);
       CHECK_EQ(mc_stats_of(mc)->panics, told);
+      CHECK_EQ(cause(mc), dead ? MCAUSE_BUS : told ? MCAUSE_LATE : MCAUSE_NONE);
       CHECK_EQ(strcmp(said, dead   ? "mc: PANIC: no interrupts, the adaptor does not answer\n"
                             : told ? "mc: PANIC: no interrupts\n"
                                    : ""),

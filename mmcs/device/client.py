@@ -37,6 +37,31 @@ class State:
     errcode: int  # MERR_ bits, axis in bits 8-15, index count in bits 16-31
 
 
+# <sys/mmcs.h>, from MCAUSE_HEARTBEAT on
+CAUSES = ("axis {} has no heartbeat", "card {} does not answer", "no card answers: cable or power",
+          "button, or a cause that has passed", "an error of axis {}: see its errcode",
+          "bus error, or the adaptor does not answer", "SYSRESET*",
+          "no interrupts, or passes outlast SCLOCK", "the driver's guard")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Status:
+    """struct mmcs_status: how the machine stands."""
+
+    time_ns: int  # of the machine, since power-on
+    sample: int  # number of the last servo sample since power-on, as wait() gives it
+    enabled: bool  # the servo drives the joints
+    stopped: bool  # a stop is latched, nothing moves until enable()
+    stopped_by: int  # process that asked for it; 0: the host's stop path, or no stop
+    cause: int  # MCAUSE_... of <sys/mmcs.h>: what shut the machine down, until enable(); 0: nothing
+    number: int  # axis or card of the cause, or -1
+
+    @property
+    def why(self) -> str:
+        """The cause as a sentence; empty if there is none."""
+        return CAUSES[self.cause - 1].format(self.number) if self.cause else ""
+
+
 class Device:
     """An open /dev/mc0. Use as a context manager, or close() it: the last close stops the motors.
 
@@ -122,6 +147,11 @@ class Device:
             raise
         self._idle.append(channel)
         return number
+
+    def status(self) -> Status:
+        """How the machine stands: its time, whether it is enabled or stopped, by whom and why."""
+        time_ns, sample, enabled, stopped, *rest = wire.STATUS.unpack(self.ioctl(wire.MSTATUS))
+        return Status(time_ns, sample, bool(enabled), bool(stopped), *rest)
 
     def num_cards(self) -> int:
         """Cards found by the scan at first open."""

@@ -50,6 +50,7 @@ def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
     library, sources = LIBRARY.with_stem(stem), LOCKSTEP if lockstep else SOURCES
     headers = ("wire.h", "lockstep.h", "include/sys/mmcs.h")
     inputs = [DEVICE / name for name in (*sources, *headers)]
+    inputs.append(ROOT / "firmware" / "include" / "sys" / "mmcs.h")
     newest = max(f.stat().st_mtime for f in inputs)
     if is_whole(library) and library.stat().st_mtime > newest:
         return library

@@ -15,7 +15,17 @@ from dataclasses import dataclass
 
 from mmcs import mcdef
 from mmcs.device.history import History
-from mmcs.device.wire import BUS_ERROR, BUS_OK, BUS_TIMEOUT, EBADF, EBUSY, EINVAL, ENXIO
+from mmcs.device.wire import (
+    BUS_ERROR,
+    BUS_OK,
+    BUS_TIMEOUT,
+    EBADF,
+    EBUSY,
+    EINVAL,
+    ENXIO,
+    MSTATUS,
+    STATUS,
+)
 from mmcs.errors import RunError
 
 WINDOW_BASE, WINDOW_SIZE = 0x6000, 0x800
@@ -60,6 +70,7 @@ class Machine:
         sim.tap(KEPT_ROWS, KEPT_EVENTS)
         self.clients: dict[int, Client] = {}
         self.lease: Client | None = None
+        self._stopper = 0  # process behind the last stop
         self.inputs: dict[tuple[str, int], float] = {}
         self.history = History(self)
         self._numbers = 0
@@ -164,8 +175,17 @@ class Machine:
 
     # --- stop: everybody's right ---
 
-    def stop(self) -> int:
+    def stop(self, pid: int = 0) -> int:
+        self._stopper = pid
         return self.sim.stop()
+
+    def status(self) -> bytes:
+        """struct mmcs_status of <sys/mmcs.h>; asking takes no time."""
+        sim, stats = self.sim, self.sim.stats()
+        stopped_by = self._stopper if stats["stopped"] else 0
+        time_ns = sim.clock * 10**9 // sim.build()["clk_hz"]
+        return STATUS.pack(time_ns, sim.samples & 0xFFFFFFFF, stats["enabled"], stats["stopped"],
+                           stopped_by, stats["cause"], stats["cause_of"])  # fmt: skip
 
     def press(self, pressed: bool) -> None:
         self.set_input("estop", 0, float(pressed))
@@ -176,13 +196,17 @@ class Machine:
     # --- requests of one who has the device open ---
 
     def ioctl(self, client: Client, request: int, argument: bytes) -> tuple[int, bytes]:
+        if request == MSTATUS:
+            return 0, self.status()
         if request == mcdef.MSTOP and not client.writable:
-            return self.stop(), b""
+            return self.stop(client.pid), b""
         if request not in self._reads and request != mcdef.MSTOP and self.held_from(client):
             return -EBUSY, b""
         before = self.sim.tap_head()[1]
         result, out = self.sim.ioctl_bytes(client.driver, request, argument)
         client.said = "" if result >= 0 else self.said_since(before)
+        if request == mcdef.MSTOP and result >= 0:
+            self._stopper = client.pid
         if request == mcdef.MSETPARAM and result >= 0:
             param = mcdef.make_ffi().from_buffer("struct mc_param *", argument)
             interval_s = self.sim.stats()["interval_us"] * 1e-6

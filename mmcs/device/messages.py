@@ -292,7 +292,7 @@ class Messenger(Connection):
         return {}
 
     def do_stop(self, a: Arguments) -> dict:
-        self.check(self.machine.stop())
+        self.check(self.machine.stop(self.client.pid))
         return {"t": self.machine.sim.time}
 
 

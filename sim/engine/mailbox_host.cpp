@@ -108,6 +108,8 @@ void MailboxHost::mirror() {
   static_assert(sizeof stats == sizeof mirror_->stats);
   mirror_->power = word(FIELD(enabled)) != 0 ? MC_RUNNING : MC_IDLE;
   mirror_->stopped = word(FIELD(latched)) != 0;
+  mirror_->cause = static_cast<uint8_t>(word(FIELD(cause)));
+  mirror_->cause_of = static_cast<int8_t>(word(FIELD(cause_of)));
   std::memcpy(&mirror_->stats, stats, sizeof stats);
   for (int axis = 0; axis < mirror_->joints && axis < MAILBOX_AXES; ++axis) {
     const size_t at = FIELD(axis) + static_cast<size_t>(axis) * sizeof(struct mailbox_axis);

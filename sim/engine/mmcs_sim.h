@@ -127,6 +127,7 @@ typedef struct mmcs_stats {
   uint64_t bus_cycles;
   int32_t enabled;                          /* the servo drives the motors */
   int32_t stopped;                          /* a stop is latched */
+  int32_t cause, cause_of;                  /* mc_cause() */
   int32_t interval_us, diag, double_buffer; /* as the driver has them */
 } mmcs_stats;
 

@@ -264,6 +264,7 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   const struct mc *mc = sim->host.driver();
   stats->enabled = mc_is_enabled(mc);
   stats->stopped = mc_is_stopped(mc);
+  stats->cause = mc_cause(mc, &stats->cause_of);
   stats->interval_us = static_cast<int32_t>(mc_interval(mc));
   stats->diag = mc_diag(mc);
   stats->double_buffer = mc_double_buffer(mc);

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""MSTATUS of <sys/mmcs.h>: what a program may ask of the machine that the report does not have."""
+
+import select
+
+import pytest
+
+from mmcs import ROOT
+from mmcs.device import wire
+from mmcs.tests.device_bench import Bench, compile_program
+
+ASKED = """
+import os, sys
+import mmcs
+from mmcs import mcdef as mc
+dev, mon = mmcs.Device(), mmcs.Device(flags=os.O_RDONLY)
+say = lambda text="": print(text, flush=True)
+at = dev.status()
+number = dev.wait()
+after = mon.status()
+print(at.enabled, at.stopped, at.why == "", 0 <= after.sample - number < 1000,
+      after.time_ns > at.time_ns)
+dev.enable()
+print(mon.status().enabled)
+mon.stop()
+now = dev.status()
+print(now.enabled, now.stopped, now.stopped_by == os.getpid())
+dev.enable()
+say(dev.status().stopped)
+sys.stdin.readline()
+while dev.status().enabled:
+    pass
+say(dev.status().why)
+"""
+PANICS = [
+    ("estop", 0, 1, "button, or a cause that has passed"),
+    ("cable", 0, 0, "no card answers: cable or power"),
+]
+
+
+@pytest.mark.parametrize("name, index, value, why", PANICS)
+def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why):
+    with Bench(tmp_path) as bench:
+        child = bench.python(ASKED)
+        lines = [_line(bench, child) for _ in range(4)]
+        assert lines == ["False False True True True", "True", "False True True", "False"]
+        bench.server.machine.set_input(name, index, value)
+        child.stdin.write("\n")
+        child.stdin.flush()
+        out, status = bench.finish(child)
+    assert (out.strip(), status) == (why, 0)
+
+
+def _line(bench, child):
+    bench.until(lambda: select.select([child.stdout], [], [], 0)[0] or child.poll() is not None)
+    return child.stdout.readline().strip()
+
+
+LIMIT = """
+import mmcs
+from mmcs import mcdef as mc
+with mmcs.Device() as dev:
+    par = dev.get_param(1)
+    dev.set_param(1, {**par, "mode": mc.MD_VEL | mc.POSCHK, "plo": 5, "phi": 9})
+    try:
+        dev.enable()
+    except OSError:
+        pass
+    for n in range(3):
+        dev.wait()
+    print(dev.status().why)
+    try:
+        dev.write([1])
+    except OSError as error:
+        print(error.strerror)
+"""
+
+
+def test_an_axis_that_shut_the_machine_down(tmp_path):
+    with Bench(tmp_path) as bench:
+        out, status = bench.finish(bench.python(LIMIT))
+    first, second = out.splitlines()
+    assert (status, first) == (0, "an error of axis 1: see its errcode")
+    assert "shut down by an error" in second
+
+
+C_ASKS = """
+#include <fcntl.h>
+#include <stdio.h>
+#include <sys/ioctl.h>
+#include <sys/mcdef.h>
+#include <sys/mmcs.h>
+int main(void) {
+  struct mmcs_status s;
+  int fd = open("/dev/mc0", O_RDONLY);
+  if (sizeof s != 32 || ioctl(fd, MSTATUS, &s) < 0) return 1;
+  printf("%d %d %d %d\\n", s.enabled, s.stopped, s.cause == MCAUSE_NONE, s.number);
+  return 0;
+}
+"""
+
+
+def test_a_c_program_asks(tmp_path):
+    source = tmp_path / "asks.c"
+    source.write_text(C_ASKS)
+    assert wire.STATUS.size == 32 == wire.MSTATUS >> 16 & 0x1FFF
+    include = (f"-I{ROOT / d}" for d in ("firmware/include", "sim/device/include"))
+    with Bench(tmp_path) as bench:
+        child = bench.start(compile_program(source, "-Wall", "-Wextra", *include))
+        assert bench.finish(child) == ("0 0 1 -1\n", 0)
