@@ -64,6 +64,13 @@ async def panic_low(tb: Machine) -> None:
     assert not int(tb.dut.panic_o.value)
 
 
+# what makes an edge, what takes it back, the bit of both latch and enable
+SOURCES = {
+    "sclock": (sclock_edge, sclock_low, SCLOCK_IRQ),
+    "panic": (panic_edge, panic_low, PANIC_IRQ),
+}
+
+
 def irq(tb: Machine) -> int:
     """Levels requested, as a set of bits 1-7."""
     return ~(int(tb.dut.vme_irq_no.value) << 1) & 0xFE
@@ -89,10 +96,7 @@ async def pccsr_every_transition(dut):
 async def latch_and_enable(dut, source):
     """The latch is read whether or not enabled; the line and the red LED need the enable."""
     tb = await machine(dut)
-    edge, low, bit = {
-        "sclock": (sclock_edge, sclock_low, SCLOCK_IRQ),
-        "panic": (panic_edge, panic_low, PANIC_IRQ),
-    }[source]
+    edge, low, bit = SOURCES[source]
     for enables in (0, SCLOCK_IRQ, PANIC_IRQ, SCLOCK_IRQ | PANIC_IRQ):
         await tb.wr(PCCSR, BASE | enables)
         await tb.wr(PCCSR, ARMED | BASE | enables)
@@ -122,10 +126,7 @@ async def latch_and_enable(dut, source):
 async def clearing_bit_7_pulls_no_line(dut, source):
     """A latch that is set and not enabled: the write that clears bit 7 and enables it."""
     tb = await machine(dut)
-    edge, low, bit = {
-        "sclock": (sclock_edge, sclock_low, SCLOCK_IRQ),
-        "panic": (panic_edge, panic_low, PANIC_IRQ),
-    }[source]
+    edge, low, bit = SOURCES[source]
     await tb.wr(PCCSR, ARMED | BASE)
     await edge(tb)
     assert await tb.rd(PCCSR) == ARMED | BASE | bit
@@ -149,10 +150,7 @@ async def clearing_bit_7_pulls_no_line(dut, source):
 async def edges_while_bit_7_is_0_are_lost(dut, source):
     """And a level that is high when bit 7 rises sets nothing; its next edge does."""
     tb = await machine(dut)
-    edge, low, bit = {
-        "sclock": (sclock_edge, sclock_low, SCLOCK_IRQ),
-        "panic": (panic_edge, panic_low, PANIC_IRQ),
-    }[source]
+    edge, low, bit = SOURCES[source]
     await tb.wr(PCCSR, BASE)
     await edge(tb)
     assert await tb.rd(PCCSR) == BASE
