@@ -130,6 +130,7 @@ def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
     page.click("#axis4-panel summary")
     enter(page, "#axis4-ilim", "60")
     page.select_option("#axis4-mode", "test1")
+    desk.eventually(lambda: "triangle of ±60 " in page.inner_text("#axis4-panel .note"))
     for peak in (60, -60):
         desk.until("value => " + CURRENTS + ".includes(value)", peak)
     assert desk.page.evaluate(f"() => Math.max(...{CURRENTS}.map(Math.abs))") == 60
