@@ -50,7 +50,8 @@ module i8254_props (
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
   (* hierconn *) wire [2:0] \dut.write , \dut.read_end , \dut.control , \dut.latch_count ;
   (* hierconn *) wire [2:0] \dut.latch_status ;
-  (* hierconn *) wire [7:0] \dut.d_q , \dut.d0 , \dut.d1 , \dut.d2 ;
+  (* hierconn *) wire [7:0] \dut.d_q ;
+  (* hierconn *) wire [23:0] \dut.d ;   // what each counter shows
   (* hierconn *) wire [1:0] \dut.a_q ;
   (* hierconn *) wire \dut.rd_q , \dut.wr_q ;
 
@@ -90,7 +91,7 @@ module i8254_props (
               ((dut.latch_count | dut.latch_status) & ~(dut.control | dut.write | dut.read_end)),
               "a counter is told one thing at a time")
   `MMCS_PROVE(Reads, "4.3.4", strobe == 2'd1 && a_i != 2'd3,
-              oe && d == (a_i == 2'd0 ? dut.d0 : a_i == 2'd1 ? dut.d1 : dut.d2),
+              oe && d == (a_i == 2'd0 ? dut.d[7:0] : a_i == 2'd1 ? dut.d[15:8] : dut.d[23:16]),
               "a read shows the counter that it names")
 
   `MMCS_LEMMA(Bus, {dut.wr_q, dut.rd_q} == strobe_q && dut.a_q == at_q &&

@@ -45,7 +45,7 @@ WHY = {
     "card.u_axis.u_encoder.count_q": "no parity: the servo takes counts back that never were",
     "card.u_ppi.pb_q": "a mode bit of the card, which the driver wrote once and never looks at",
     "card.u_ppi.mode_q": "a mode bit of the card: ports become inputs",
-    "adaptor.u_core.u_pit.u_counter1.cr_q": "another SCLOCK, and nobody measures it",
+    "adaptor.u_core.u_pit.g_counter[1].u_counter.cr_q": "another SCLOCK, and nobody measures it",
     "adaptor.u_core.power_timer_q": "RESET DRV: all cards forget their modes",
     "writes_lost": "the driver holds the last setpoint, however old",
     "write_flip": "any 32 bits are a setpoint",

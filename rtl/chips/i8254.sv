@@ -34,10 +34,6 @@ module i8254 #(
   output logic            out2_fall_o
 );
 
-  // A seed of 0 stays 0 in every counter, any other gives each counter a state of its own.
-  localparam logic [31:0] Seed1 = {PowerUpSeed[20:0], PowerUpSeed[31:21]};
-  localparam logic [31:0] Seed2 = {PowerUpSeed[9:0], PowerUpSeed[31:10]};
-
   // --- bus: a write acts when its strobe ends, so does what a read changes --------------------
 
   logic rd, wr, rd_q, wr_q, wr_end, rd_end;
@@ -89,89 +85,45 @@ module i8254 #(
 
   // --- counters -------------------------------------------------------------------------------
 
-  logic [7:0] d0, d1, d2;
+  logic [23:0] d;
 
-  i8254_counter #(
-    .NmosRewrite(NmosRewrite),
-    .SplitCr(SplitCr),
-    .PowerUpSeed(PowerUpSeed)
-  ) u_counter0 (
-    .clk_i, .rst_ni,
-    .clk_rise_i(clk0_rise_i),
-    .clk_fall_i(clk0_fall_i),
-    .gate_i(gate_i[0]),
-    .out_o(out_o[0]),
-    .out_rise_o(out0_rise_o),
-    .out_fall_o(out0_fall_o),
-    .control_i(control[0]),
-    .latch_count_i(latch_count[0]),
-    .latch_status_i(latch_status[0]),
-    .write_i(write[0]),
-    .read_i(rd),
-    .read_end_i(read_end[0]),
-    .d_i(d_q),
-    .d_o(d0)
-  );
+  // In a cascade one counter's OUT is the next one's CLK: each has nets of its own.
+  for (genvar n = 0; n < 3; n++) begin : g_counter
+    logic out_rise, out_fall;
 
-  i8254_counter #(
-    .NmosRewrite(NmosRewrite),
-    .SplitCr(SplitCr),
-    .PowerUpSeed(Seed1)
-  ) u_counter1 (
-    .clk_i, .rst_ni,
-    .clk_rise_i(clk1_rise_i),
-    .clk_fall_i(clk1_fall_i),
-    .gate_i(gate_i[1]),
-    .out_o(out_o[1]),
-    .out_rise_o(out1_rise_o),
-    .out_fall_o(out1_fall_o),
-    .control_i(control[1]),
-    .latch_count_i(latch_count[1]),
-    .latch_status_i(latch_status[1]),
-    .write_i(write[1]),
-    .read_i(rd),
-    .read_end_i(read_end[1]),
-    .d_i(d_q),
-    .d_o(d1)
-  );
+    i8254_counter #(
+      .NmosRewrite(NmosRewrite),
+      .SplitCr(SplitCr),
+      // A seed of 0 stays 0 in every counter, any other gives each counter a state of its own.
+      .PowerUpSeed(PowerUpSeed << 11 * n | PowerUpSeed >> (32 - 11 * n))
+    ) u_counter (
+      .clk_i, .rst_ni,
+      .clk_rise_i(n == 0 ? clk0_rise_i : n == 1 ? clk1_rise_i : clk2_rise_i),
+      .clk_fall_i(n == 0 ? clk0_fall_i : n == 1 ? clk1_fall_i : clk2_fall_i),
+      .gate_i(gate_i[n]),
+      .out_o(out_o[n]),
+      .out_rise_o(out_rise),
+      .out_fall_o(out_fall),
+      .control_i(control[n]),
+      .latch_count_i(latch_count[n]),
+      .latch_status_i(latch_status[n]),
+      .write_i(write[n]),
+      .read_i(rd),
+      .read_end_i(read_end[n]),
+      .d_i(d_q),
+      .d_o(d[8*n+:8])
+    );
+  end
 
-  i8254_counter #(
-    .NmosRewrite(NmosRewrite),
-    .SplitCr(SplitCr),
-    .PowerUpSeed(Seed2)
-  ) u_counter2 (
-    .clk_i, .rst_ni,
-    .clk_rise_i(clk2_rise_i),
-    .clk_fall_i(clk2_fall_i),
-    .gate_i(gate_i[2]),
-    .out_o(out_o[2]),
-    .out_rise_o(out2_rise_o),
-    .out_fall_o(out2_fall_o),
-    .control_i(control[2]),
-    .latch_count_i(latch_count[2]),
-    .latch_status_i(latch_status[2]),
-    .write_i(write[2]),
-    .read_i(rd),
-    .read_end_i(read_end[2]),
-    .d_i(d_q),
-    .d_o(d2)
-  );
+  assign {out0_rise_o, out0_fall_o} = {g_counter[0].out_rise, g_counter[0].out_fall};
+  assign {out1_rise_o, out1_fall_o} = {g_counter[1].out_rise, g_counter[1].out_fall};
+  assign {out2_rise_o, out2_fall_o} = {g_counter[2].out_rise, g_counter[2].out_fall};
 
   // --- reads: address 3 is no register, the idle bus reads 0xFF -------------------------------
 
   assign d_oe_o = rd;
 
-  always_comb begin
-    d_o = 8'hFF;
-    if (rd) begin
-      case (a_i)
-        2'd0: d_o = d0;
-        2'd1: d_o = d1;
-        2'd2: d_o = d2;
-        default: d_o = 8'hFF;
-      endcase
-    end
-  end
+  assign d_o = (rd && a_i != 2'd3) ? d[8*a_i+:8] : 8'hFF;
 
 endmodule
 
