@@ -7,8 +7,10 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "fpga")]
+from build import TARGETS, memory_file  # noqa: E402
 from cocotb_tests.lib import runner  # noqa: E402
+from tools.sources import core, sources  # noqa: E402
 
 HERE = Path(__file__).parent
 RTL = ("uart_host", "spi_converters", "mmcs_board")
@@ -26,6 +28,35 @@ def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Out
         includes=(HERE.parent,),
     )  # fmt: skip
     return runner.run(job, list(TESTS), runner.DEFAULT_SEED)
+
+
+SOC_TESTS = ("servo_pass_by_itself", "the_stop_loop_opens_it")
+CPU = ("ibex_", "prim_lfsr", "prim_onehot_", "prim_secded_inv_")
+SOC = ("uart_host", "spi_converters", "soc_console", "ulx3s_soc")
+
+
+def simulate_soc() -> dict[str, runner.Outcome]:
+    """The board that closes the loop by itself, with the program that its bitstream holds."""
+    image = memory_file(next(target for target in TARGETS if target.image))
+    # a path that holds wherever the simulation runs
+    top = image.with_name("bench_ulx3s_soc.sv")
+    text = (HERE / top.name).read_text()
+    top.write_text(text.replace("ulx3s_soc u_board", f'ulx3s_soc #(.InitFile("{image}")) u_board'))
+    packages, libraries, includes = core()
+    cpu = [f for d in libraries for f in sorted(d.glob("*.sv")) if f.stem.startswith(CPU)]
+    files = [
+        ROOT / "rtl/soc/core.vlt",
+        *packages,
+        *(f for f in cpu if f not in packages and "top" not in f.stem),
+    ]
+    files += [*sources("rtl"), *sources("soc"), *(ROOT / f"fpga/board/{n}.sv" for n in SOC)]
+    bench = (top, HERE / "cells/EHXPLLL.sv")
+    job = runner.Job(
+        "fpga.board.tests.cocotb_soc", "bench_ulx3s_soc", "verilator",
+        (), bench, netlist=tuple(files),
+        includes=(HERE.parent, ROOT / "rtl", *includes),
+    )  # fmt: skip
+    return runner.run(job, list(SOC_TESTS), runner.DEFAULT_SEED)
 
 
 PTY_TESTS = ("self_test_over_a_pty", "a_stop_loop_that_is_open", "wrong_and_cut_bytes",

@@ -5,10 +5,11 @@ import functools
 
 import pytest
 
-from fpga.board.tests.board import PTY_TESTS, TESTS, over_a_pty, simulate
+from fpga.board.tests.board import PTY_TESTS, SOC_TESTS, TESTS, over_a_pty, simulate, simulate_soc
 
 outcomes = functools.cache(simulate)
 sessions = functools.cache(over_a_pty)
+soc = functools.cache(simulate_soc)
 
 
 @pytest.mark.slow
@@ -26,4 +27,13 @@ def test_the_card_on_a_board(name, board):
 @pytest.mark.parametrize("name", PTY_TESTS)
 def test_mmcs_board_over_a_pty(name):
     outcome = sessions()[name]
+    assert outcome.passed, outcome.text
+
+
+@pytest.mark.slow
+@pytest.mark.req("SOC-1", "ENC-1", "DAC-1", "HB-1", "PAN-1")
+@pytest.mark.xdist_group("board")
+@pytest.mark.parametrize("name", SOC_TESTS)
+def test_the_board_that_closes_the_loop(name):
+    outcome = soc()[name]
     assert outcome.passed, outcome.text
