@@ -36,13 +36,16 @@ module same_clock_props (
     .enc_b_i,
     .enc_i_i, .axis_enable_i(4'h0), .dip_i(8'h10), .adc_v_i(64'd0), .drive_v_o(), .card_leds_o(),
     .pcx_a_o(pc_a), .pcx_d_o(), .pcx_ior_no(ior_n), .pcx_iow_no(iow_n), .pcx_aen_o(aen),
-    .pcx_clk_en_o(), .pcx_d_oe_o(), .pcx_reset_drv_o(), .pcx_drq_o(drq), .pcx_d_i(8'hFF), .pcx_d_oe_i(1'b0),
+    .pcx_clk_en_o(), .pcx_d_oe_o(), .pcx_reset_drv_o(), .pcx_drq_o(drq), .pcx_d_i(8'hFF),
+    .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0), .pcx_irq_i(5'd0)
   );
 
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
-  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.latch_pulse , \dut.u_cards.g_card[1].u_card.latch_pulse ;
-  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.dac_update , \dut.u_cards.g_card[1].u_card.dac_update ;
+  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.latch_pulse ;
+  (* hierconn *) wire \dut.u_cards.g_card[1].u_card.latch_pulse ;
+  (* hierconn *) wire \dut.u_cards.g_card[0].u_card.dac_update ;
+  (* hierconn *) wire \dut.u_cards.g_card[1].u_card.dac_update ;
   (* hierconn *) wire \dut.u_cards.g_card[0].u_card.u_latch.sclock_q ;
   (* hierconn *) wire \dut.u_cards.g_card[1].u_card.u_latch.sclock_q ;
   (* hierconn *) wire \dut.u_cards.g_card[0].u_card.u_latch.sw_latch_q ;
@@ -51,8 +54,10 @@ module same_clock_props (
   (* hierconn *) wire \dut.pc_power ;
 
   logic [1:0] latch, update, enabled, double, sclock_q, sw_q;
-  assign latch    = {\dut.u_cards.g_card[1].u_card.latch_pulse , \dut.u_cards.g_card[0].u_card.latch_pulse };
-  assign update   = {\dut.u_cards.g_card[1].u_card.dac_update , \dut.u_cards.g_card[0].u_card.dac_update };
+  assign latch    = {\dut.u_cards.g_card[1].u_card.latch_pulse ,
+                     \dut.u_cards.g_card[0].u_card.latch_pulse };
+  assign update   = {\dut.u_cards.g_card[1].u_card.dac_update ,
+                     \dut.u_cards.g_card[0].u_card.dac_update };
   assign sclock_q = {\dut.u_cards.g_card[1].u_card.u_latch.sclock_q ,
                      \dut.u_cards.g_card[0].u_card.u_latch.sclock_q };
   assign sw_q     = {\dut.u_cards.g_card[1].u_card.u_latch.sw_latch_q ,

@@ -81,7 +81,9 @@ module mmcs_core #(
   logic pc_power;
 
   /* verilator lint_off PINCONNECTEMPTY */  // the synchronised SYSRESET* is for a front
-  if (1) begin : u_adaptor  // the path of the core's registers is the same as in mmcs
+  // The path of the core's registers is the same as in mmcs.
+  // verilog_lint: waive generate-label-prefix
+  if (1) begin : u_adaptor
     adaptor_core #(
       .ClkHz(ClkHz),
       .SysClkMHz(SysClkMHz),

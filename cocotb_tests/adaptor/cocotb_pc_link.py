@@ -49,6 +49,8 @@ async def cable_that_bounces_in_a_command(dut):
                     falls += before and not int(strobe.value)
                     before = int(strobe.value)
                     low += not before
+                    out = begin + 2 <= n < begin + 2 + length  # synchronised
+                    assert before or not out, "a command without a link"
                     dut.cable_ok_i.value = int(not begin <= n < begin + length)
                 assert falls <= 1, f"{falls} commands, cable out in clock {begin} for {length}"
                 assert await task == (0xFF if write or low < 4 else 0x33)

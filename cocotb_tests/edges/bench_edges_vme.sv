@@ -52,7 +52,8 @@ module bench_edges_vme (
     .vme_iackout_no(iackout_no[1]), .vme_irq_no(), .vme_sysreset_ni(sysreset_ni),
     .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o, .brake_release_o(brake_o),
     .alive_o(), .sclock_o,
-    .led_irq_o(irq_o), .pc_a_o, .pc_aen_o(), .pc_d_o, .pc_d_oe_o(), .pc_ior_no, .pc_iow_no, .pc_clk_en_o(),
+    .led_irq_o(irq_o), .pc_a_o, .pc_aen_o(), .pc_d_o, .pc_d_oe_o(), .pc_ior_no, .pc_iow_no,
+    .pc_clk_en_o(),
     .pc_reset_drv_o, .pc_drq_o(), .pc_power_o(), .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 

@@ -63,7 +63,8 @@ module pcbus_master #(
   assign waiting = wait_q[1] & link_ok_i;
   assign counts = clk_en_i & counts_q[1];
   // Once the link has failed, a command ends: a cable that bounces makes no second one.
-  assign command = (state_d == StCommand) & link_ok_i & ((state_q != StCommand) | ~(ior_nq & iow_nq));
+  assign command = (state_d == StCommand) & link_ok_i &
+                   ((state_q != StCommand) | ~(ior_nq & iow_nq));
 
   always_comb begin
     state_d = state_q;

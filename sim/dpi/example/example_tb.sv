@@ -34,8 +34,9 @@ module example_tb;
     .brake_release_o(), .alive_o(), .panic_o(), .sclock_o(), .led_irq_o(),
     .enc_a_i(enc_a), .enc_b_i(enc_b), .enc_i_i(2'b00), .axis_enable_i(2'b11), .dip_i(4'h0),
     .adc_v_i(32'h0), .drive_v_o(drive), .card_leds_o(),
-    .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(), .pcx_aen_o(), .pcx_clk_en_o(),
-    .pcx_reset_drv_o(), .pcx_drq_o(), .pcx_d_i(8'h00), .pcx_d_oe_i(1'b0), .pcx_wait_i(1'b0),
+    .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(),
+    .pcx_aen_o(), .pcx_clk_en_o(), .pcx_reset_drv_o(), .pcx_drq_o(), .pcx_d_i(8'h00),
+    .pcx_d_oe_i(1'b0), .pcx_wait_i(1'b0),
     .pcx_irq_i(5'b00000)
   );
 
