@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each example program beside each kind of neighbour under each fault that a program can see, in
+lock-step: nothing moves that was not asked, nobody who must know is not told (§2.3.4).
+
+A sample of the pairs runs in `make test`, all of them with MMCS_FAMILY=all (`make test-all`)."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import subprocess
+import sys
+
+import pytest
+
+from mmcs.device.execute import environment
+from mmcs.device.server import Server
+from mmcs.tests.device_bench import make_sim
+from mmcs.tests.test_lockstep import EXAMPLES_RUN, example
+
+FAULT_S, END_S = 0.5, 1.1
+
+# Of a neighbour: it has the device open all the time, and says when it is signalled.
+NEIGHBOUR = """
+import os, signal, sys, time
+import mmcs
+told = open(sys.argv[2], "a", buffering=1)
+kind = sys.argv[1]
+signal.signal(signal.SIGUSR1, lambda *_: told.write(f"signal {time.monotonic():.6f}\\n"))
+with mmcs.Device(flags=os.O_RDONLY if kind == "monitor" else os.O_RDWR) as dev:
+    for turn in range(400):
+        time.sleep(0.0037)
+        try:
+            if any(s.errcode for s in dev.read()):
+                told.write(f"errcode {time.monotonic():.6f}\\n")
+                if kind == "writer":
+                    dev.clear_error()  # what it has read: others must be told all the same
+        except OSError as error:
+            told.write(f"error {error.errno}\\n")
+        if kind == "killed" and turn == 100:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if kind == "stopped" and turn == 100:
+            signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])
+            time.sleep(2.0)
+"""
+NEIGHBOURS = ("none", "monitor", "writer", "killed", "stopped")
+# name of the input, its value, and for how long (None: for ever)
+FAULTS = {
+    "button": ("estop", 1, None),
+    "cable for a moment": ("cable", 0, 0.02),
+    "power for a moment": ("pc_power", 0, 0.02),
+    "bus error": ("bus_error", 40, None),
+    "SYSRESET*": ("sysreset", 1, 0.001),
+    "no interrupts": ("irq_lost", 1, 0.2),
+}
+# readregs.c is over within a millisecond: no fault meets it
+PROGRAMS = {p.name: p for p in EXAMPLES_RUN if p.name != "readregs.c"}
+ALL = [*itertools.product(PROGRAMS, NEIGHBOURS, FAULTS)]
+PAIRS = ALL if os.environ.get("MMCS_FAMILY") == "all" else ALL[::7]
+
+
+def run(folder, command, neighbour, fault):
+    """What happened: signals by process, notes, hash, whether power is on, and how far joints are
+    from where the shutdown left them."""
+    told = folder / "told"
+    with make_sim(folder) as sim:
+        name, value, until = FAULTS[fault]
+        number = sim.input_names().index(name)
+        sim.add_event(FAULT_S, number, 0, value)
+        if until is not None:
+            sim.add_event(FAULT_S + until, number, 0, 0 if value else 1)
+        server = Server(sim, folder / "mc0.sock", None, lockstep=True)
+        env = environment(server.path, lockstep=True)
+        words = [[str(c) for c in command]]
+        if neighbour != "none":
+            words.insert(0, [sys.executable, "-c", NEIGHBOUR, neighbour, str(told)])
+        with (folder / "out").open("w") as out:
+            children = []
+            try:
+                for line in words:
+                    children.append(subprocess.Popen(line, env=env, stdout=out, stderr=out))
+                    server.lockstep.expect(children[-1].pid)
+                program = children[-1]
+                while sim.time < END_S and any(server.lockstep.has(c.pid) for c in children):
+                    server.step()
+                program.poll()
+            finally:
+                for child in children:
+                    child.kill()
+                    child.wait()
+                server.close()
+        signals = [n["t"] for n in sim.notes() if n["kind"] == "signal" and n["t"] >= FAULT_S]
+        return {
+            "signals": signals, "enabled": sim.stats()["enabled"], "status": program.returncode,
+            "notes": [n["text"] for n in sim.notes() if n["kind"] == "log"],
+            "resting": abs(sim.true(1)["angle"]), "hash": sim.hash(),
+            "told": told.read_text() if told.exists() else "", "time": sim.time,
+        }  # fmt: skip
+
+
+@pytest.mark.req("DRV-5", "DRV-13")
+@pytest.mark.parametrize("name, neighbour, fault", PAIRS, ids=lambda v: str(v).replace(" ", "_"))
+def test_beside_a_neighbour_under_a_fault(name, neighbour, fault, tmp_path):
+    got = run(tmp_path, example(PROGRAMS[name]), neighbour, fault)
+    # who must know: every writer there is, by a signal, soon; and the console says why
+    assert got["signals"] and got["signals"][0] < FAULT_S + 0.08, got
+    assert any("PANIC" in line for line in got["notes"]), got
+    # nothing goes on by itself: power stays off, and setpoints of before are refused
+    assert not got["enabled"], got
+    if name != "bounce.c":  # whose second axis moves, too
+        assert got["status"] not in (None, 0), got  # EIO, or SIGUSR1 without a handler
+        assert got["resting"] == pytest.approx(0, abs=0.01), got
+    if neighbour == "writer":
+        assert "signal" in got["told"] and "errcode" in got["told"], got
+    if neighbour == "monitor" and got["time"] > FAULT_S + 0.1:
+        assert "signal" not in got["told"] and "errcode" in got["told"], got
