@@ -89,9 +89,10 @@ def run(folder, command, neighbour, fault):
                     child.kill()
                     child.wait()
                 server.close()
-        signals = [n["t"] for n in sim.notes() if n["kind"] == "signal" and n["t"] >= FAULT_S]
+        heard = [n for n in sim.notes() if n["kind"] == "signal" and n["t"] >= FAULT_S]
         return {
-            "signals": signals, "enabled": sim.stats()["enabled"], "status": program.returncode,
+            "signals": [n["t"] for n in heard], "clients": {n["text"] for n in heard},
+            "enabled": sim.stats()["enabled"], "status": program.returncode,
             "notes": [n["text"] for n in sim.notes() if n["kind"] == "log"],
             "resting": abs(sim.true(1)["angle"]), "hash": sim.hash(),
             "told": told.read_text() if told.exists() else "", "time": sim.time,
@@ -104,6 +105,7 @@ def test_beside_a_neighbour_under_a_fault(name, neighbour, fault, tmp_path):
     got = run(tmp_path, example(PROGRAMS[name]), neighbour, fault)
     # who must know: every writer there is, by a signal, soon; and the console says why
     assert got["signals"] and got["signals"][0] < FAULT_S + 0.08, got
+    assert len(got["clients"]) == 1 + (neighbour in ("writer", "stopped")), got
     assert any("PANIC" in line for line in got["notes"]), got
     # nothing goes on by itself: power stays off, and setpoints of before are refused
     assert not got["enabled"], got
