@@ -72,6 +72,7 @@ module vme_adaptor #(
 
   sync u_reset (.clk_i(clk), .rst_ni(rst_n), .d_i(1'b1), .q_o(rst_n_q));
 
+  /* verilator lint_off PINCONNECTEMPTY */  // the pins' own transceiver knows its direction
   adaptor_vme #(
     .ClkHz(ClkHz),
     .IrqLevel(IrqLevel),
@@ -91,6 +92,7 @@ module vme_adaptor #(
     .pc_clk_en_o(clk_en), .pc_reset_drv_o(reset_drv), .pc_drq_o(drq), .pc_power_o(pc_on),
     .pc_d_i(rdata), .pc_wait_i(~pc_iochrdy), .pc_irq_i(pc_irq)
   );
+  /* verilator lint_on PINCONNECTEMPTY */
 
   assign vme_d_oe_n = ~d_oe;
   assign vme_dtack_oe_n = dtack_n;
