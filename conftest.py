@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+# `.venv/bin/python -m pytest` finds the simulators as `make test` does.
+os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
 # What tests import is compiled once and kept: the suite starts Python some hundred times.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
@@ -17,6 +19,7 @@ def pytest_addoption(parser):
     parser.addoption(
         "--req-json", metavar="FILE", help="write which requirement ids each collected test carries"
     )
+    parser.addoption("--req", metavar="ID", help="only tests that hold this requirement: INT-1")
 
 
 def pytest_itemcollected(item):
@@ -28,8 +31,16 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
 
 
-def pytest_collection_modifyitems(items):
+def _requirements(item) -> set[str]:
+    return {i for mark in item.iter_markers("req") for i in mark.args}
+
+
+def pytest_collection_modifyitems(config, items):
     """The long tests begin first, so that no worker is left alone with one at the end."""
+    if wanted := config.getoption("--req"):
+        others = [item for item in items if wanted not in _requirements(item)]
+        config.hook.pytest_deselected(items=others)
+        items[:] = [item for item in items if wanted in _requirements(item)]
     for item in items:
         for mark in item.iter_markers("xdist_group"):
             if "]" in mark.args[0]:  # xdist would take it for the end of the test's own name
@@ -41,10 +52,7 @@ def pytest_collection_finish(session):
     target = session.config.getoption("--req-json")
     if not target or hasattr(session.config, "workerinput"):
         return
-    table = {
-        item.nodeid: sorted({i for mark in item.iter_markers("req") for i in mark.args})
-        for item in session.items
-    }
+    table = {item.nodeid: sorted(_requirements(item)) for item in session.items}
     Path(target).write_text(json.dumps(table, indent=1))
 
 

@@ -52,7 +52,7 @@ static int start(struct mc *mc) {
     mc->stopped = 0;
     mc->shut = 0;
     mc->cause = MCAUSE_NONE;
-    mc->cause_of = -1;
+    mc->cause_of = 0;
     mc->silent = mc->told_fault = 0;
     mc->told_at = UINT32_MAX;
     mc->stats = (struct mc_stats){0};
@@ -201,7 +201,7 @@ int mc_is_stopped(const struct mc *mc) {
 }
 
 int mc_cause(const struct mc *mc, int *number) {
-  *number = mc->cause_of;
+  *number = mc->cause_of - 1;
   return mc->cause;
 }
 

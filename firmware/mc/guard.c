@@ -53,12 +53,12 @@ int guard_trips(struct mc *mc) {
   for (int axis = 0; axis < mc->joints; axis++) {
     if (jumps(mc, axis)) {
       power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, ": its counter jumps");
-      mc->cause_of = (int8_t)axis;
+      mc->cause_of = (uint8_t)(axis + 1);
       return 1;
     }
     if (strays(mc, &mc->axis[axis])) {
       power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, " does not follow");
-      mc->cause_of = (int8_t)axis;
+      mc->cause_of = (uint8_t)(axis + 1);
       return 1;
     }
   }

@@ -109,7 +109,7 @@ struct mc {
   uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
   uint8_t shut;       /* the same of an error that shut the machine down */
   uint8_t cause;      /* of that, MCAUSE_... */
-  int8_t cause_of;    /* its axis or card, or -1 */
+  uint8_t cause_of;   /* 1 + its axis or card; 0: none */
   uint8_t silent;     /* a card is */
   uint8_t told_fault; /* a bus error in a pass was told, and no sample has come since */
   uint32_t told_at;   /* stats.total when the end of the interrupts was told */

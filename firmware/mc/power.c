@@ -136,10 +136,8 @@ static void blame_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dea
     if ((port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0 || dead[axis / 2]) continue;
     power_blame(mc, MCAUSE_HEARTBEAT, axis);
   }
-  for (int card = mc->cards - 1; card >= 0; card--) {
-    if (!dead[card]) continue;
-    power_blame(mc, MCAUSE_CARD, mc->card[card].dip);
-    silent++;
+  for (int card = 0; card < mc->cards; card++) {
+    if (dead[card] && silent++ == 0) power_blame(mc, MCAUSE_CARD, mc->card[card].dip);
   }
   if (silent > 0 && silent == mc->cards) power_blame(mc, MCAUSE_SILENT, -1);
 }
@@ -153,7 +151,7 @@ static void tell_all(struct mc *mc) {
 void power_blame(struct mc *mc, int cause, int number) {
   mc->shut = 1;
   mc->cause = (uint8_t)cause;
-  mc->cause_of = (int8_t)number;
+  mc->cause_of = (uint8_t)(number + 1);
 }
 
 void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more) {

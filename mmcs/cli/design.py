@@ -141,7 +141,9 @@ def _report(c, k, ic, m, method, interval, warnings) -> dict:
 def _toml(k, ic, robot: str, axis: int, interval: int) -> str:
     """A [[servo]] for a scenario; the same as a robot file has it, where it has the form."""
     values = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
-    lines = ["# in a scenario:", f"interval_us = {interval}", "", "[[servo]]", f"axis = {axis}"]
+    lines = ["# in a scenario:", "[[servo]]", f"axis = {axis}"]
+    if interval != 1000:
+        lines = [f"# above the first [[...]] of a scenario: interval_us = {interval}", *lines]
     lines += ['mode = "position"', *(f"{key} = {value}" for key, value in values.items())]
     friction = [f"ic_pos = {ic[0]}", f"ic_neg = {ic[1]}"] if any(ic) else []
     lines += ['flags = ["coulcomp"]', *friction] if friction else []

@@ -41,8 +41,8 @@ def friction_and_limit(k: Coefficients, motor) -> list[str]:
     if stuck and dc:
         off, bare = (max(0.0, stuck - ic) / abs(dc) for ic in (helped, 0))
         out.append(
-            f"friction: the axis may rest {off:.0f} counts off its setpoint, "
-            f"{bare:.0f} without Coulomb compensation"
+            f"friction: the axis may rest {math.ceil(off)} counts off its setpoint, "
+            f"{math.ceil(bare)} without Coulomb compensation"
         )
     ilim, first = motor.servo.ilim, abs(k.a[0] / k.b[0])
     drag = max(motor.coulomb_pos, motor.coulomb_neg) / unit

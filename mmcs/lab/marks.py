@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import sys
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -103,6 +104,15 @@ def _mark(sheet: Sheet, question: Question, answer: Strict) -> Mark:
     except RunError as error:
         text = re.sub(r"^axis\.\d+\.", f"{question.key}.", str(error))  # the student's own name
         good, why = False, f"cannot be run: {text}"
+    except InputError:
+        raise
+    except Exception as error:  # a mistake of the grader, not of the student
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame for frame in frames if Path(frame.filename).name == GRADER]
+        frame = (own or frames)[-1]
+        where = f"question {question.key}, {Path(frame.filename).name}:{frame.lineno}"
+        what = f"{type(error).__name__}: {error}"
+        raise InputError.one(sheet.folder / GRADER, where, None, what) from None
     return Mark(question.key, question.points if good else 0, question.points, why)
 
 

@@ -188,7 +188,10 @@ def run_here(
                     if not worker.ready:
                         unborn += 1
                         if unborn >= ATTEMPTS * workers:
-                            raise RunError("no worker of the sweep starts") from None
+                            raise RunError(
+                                "no worker of the sweep starts; in a file of your own a sweep "
+                                'stands under `if __name__ == "__main__":`'
+                            ) from None
                     if worker.task is not None:
                         n, given, deaths = worker.task
                         if deaths + 1 < ATTEMPTS:

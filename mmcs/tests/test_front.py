@@ -98,9 +98,23 @@ def test_a_sweep_is_a_frame():
 
 @pytest.mark.parametrize("block", re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S))
 def test_a_block_of_the_page_runs(block, tmp_path):
-    done = subprocess.run([sys.executable, "-c", block], cwd=tmp_path, text=True,
+    """As a file, too, whose sweep stands where the page says."""
+    if "sweep(" in block:
+        at = block.index("frame = ")
+        body = "".join(f"    {line}\n" for line in block[at:].splitlines())
+        block = f'{block[:at]}if __name__ == "__main__":\n{body}'
+    (tmp_path / "study.py").write_text(block)
+    done = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, text=True,
                           capture_output=True, check=False)  # fmt: skip
     assert done.returncode == 0 and done.stdout, done.stderr
+
+
+def test_a_sweep_at_the_top_of_a_file_is_told_where_to_stand(tmp_path):
+    text = 'import mmcs\nmmcs.sweep("lab500", random={"seed": "1..99"}, samples=2)\n'
+    (tmp_path / "study.py").write_text(text)
+    done = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, text=True,
+                          capture_output=True, check=False)  # fmt: skip
+    assert done.returncode == 1 and 'stands under `if __name__ == "__main__":`' in done.stderr
 
 
 def test_the_notebook_runs_and_shows_something():

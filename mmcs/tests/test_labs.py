@@ -266,7 +266,21 @@ def test_a_sheet_of_ones_own(own_sheets, tmp_path, monkeypatch):
     assert "0 of 6  gains: cannot be run: gains.b0: must not be 0" in call(*check)[1]
 
 
+MISTAKEN = """
+from mmcs.lab.marks import Question
+from mmcs.scenario.schema import Strict
+
+class Answer(Strict):
+    final: int = 1
+
+QUESTIONS = [Question("final", 4, lambda answer, run: answer.nothing)]
+"""
 BROKEN_SHEETS = {
+    "a mistake in a question": (
+        "grader.py",
+        MISTAKEN,
+        "final, grader.py:8: AttributeError",
+    ),
     "no grader": ("grader.py", None, "a sheet needs a file grader.py"),
     "no answer": ("answer.toml", None, "a sheet needs a file answer.toml"),
     "wrong grader": ("grader.py", "import nowhere", "ModuleNotFoundError: No module named"),

@@ -109,7 +109,7 @@ void MailboxHost::mirror() {
   mirror_->power = word(FIELD(enabled)) != 0 ? MC_RUNNING : MC_IDLE;
   mirror_->stopped = word(FIELD(latched)) != 0;
   mirror_->cause = static_cast<uint8_t>(word(FIELD(cause)));
-  mirror_->cause_of = static_cast<int8_t>(word(FIELD(cause_of)));
+  mirror_->cause_of = static_cast<uint8_t>(word(FIELD(cause_of)) + 1);
   std::memcpy(&mirror_->stats, stats, sizeof stats);
   for (int axis = 0; axis < mirror_->joints && axis < MAILBOX_AXES; ++axis) {
     const size_t at = FIELD(axis) + static_cast<size_t>(axis) * sizeof(struct mailbox_axis);
