@@ -66,7 +66,7 @@ def test_a_program_is_a_scenario(folder):
     assert done.exit_code == 0, done.output
     report = json.loads((out / "report.json").read_text())
     assert [e["ok"] for e in report["expect"]] == [True, True]
-    assert report["processes"][0]["status"] == 0
+    assert report["processes"][0]["status"] == 1  # its write() after the button is refused
     assert {"report.json", "log.csv", "plot.svg", "run.mmcs"} <= {p.name for p in out.iterdir()}
     again = mmcs("replay", out)
     assert again.exit_code == 0 and f"reproduced, hash {report['hash']}" in again.output
