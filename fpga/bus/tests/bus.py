@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tops for real buses in the tests of cocotb_bus.py."""
+"""The tops for real buses in the tests of cocotb_tops.py."""
 
 from __future__ import annotations
 
@@ -19,5 +19,5 @@ TESTS = ("no_two_drivers_meet", "data_in_time", "words_leave_the_upper_byte_alon
 
 
 def simulate() -> dict[str, runner.Outcome]:
-    job = runner.Job("fpga.bus.tests.cocotb_bus", "bench_bus", "verilator", (), FILES)
+    job = runner.Job("fpga.bus.tests.cocotb_tops", "bench_bus", "verilator", (), FILES)
     return runner.run(job, list(TESTS), runner.DEFAULT_SEED)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tops for real buses together: VME, adaptor, PC bus, two cards; tests: cocotb_bus.py."""
+"""The tops for real buses together: VME, adaptor, PC bus, two cards; tests: cocotb_tops.py."""
 
 import functools
 
