@@ -50,7 +50,7 @@ export function timeBar(page, room) {
     const t = page.moment;
     if (t === null) return;
     await ask("pace", { paused: true });
-    if (await ask("rewind", { t })) page.look(null);
+    await ask("rewind", { t }); // the page shows the latest again as soon as it hears of it
   }
 
   async function refresh() {

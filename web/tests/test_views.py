@@ -142,6 +142,7 @@ def test_back_to_a_moment_and_on_from_there(desk):
     desk.eventually(lambda: desk.state()["time"] < then - 0.5)
     back = desk.state()["time"]
     assert back == pytest.approx(max(t for t in kept if t <= wanted), abs=1e-6)
+    desk.until("() => mctool.page.moment === null")  # it has heard of it
     page.evaluate(CHOOSE, 0.99)
     page.evaluate("t => mctool.page.look(t)", back)
     page.click("#waves")
