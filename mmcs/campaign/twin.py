@@ -31,10 +31,7 @@ class Twin:
     """One motion on one simulated machine, which then makes all its faulty runs."""
 
     def __init__(self, setup: Setup):
-        self._begin(setup)
-        self._go()
-
-    def _begin(self, setup: Setup) -> None:
+        """Raises InputError for a motion that stops by itself."""
         self.setup, self.axes = setup, range(setup.axes)
         self.scale = np.array([abs(setup.robot.counts_per_rad(n)) for n in self.axes])
         self.calls = sorted(setup.scenario.call, key=lambda call: call.at)
@@ -46,6 +43,11 @@ class Twin:
         self.inputs = {name: n for n, name in enumerate(self.sim.input_names())}
         self.looks = round(setup.scenario.duration / LOOK_S)
         self._stops: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        try:
+            self._go()
+        except InputError:
+            self.close()
+            raise
 
     def close(self) -> None:
         self.sim.destroy()
@@ -55,6 +57,7 @@ class Twin:
         times, angles, futures, taken = [], [], [], []
         for look in range(self.looks + 1):
             self._run_to(look, actor)
+            self._must_run(look)
             times.append(sim.time)
             angles.append(self._angles())
             futures.append(sim.future())
@@ -68,27 +71,19 @@ class Twin:
         self.refused = len(self.session.refused)
         self.told = {(n["kind"], n["text"]) for n in sim.notes() if n["t"] >= self.start}
 
-    @classmethod
-    def check(cls, setup: Setup) -> None:
-        """InputError when the motion stops by itself, with no fault: then a campaign would tell of
-        a machine that stands."""
-        asked = any(call.request == "MSTOP" for call in setup.scenario.call)
-        twin = cls.__new__(cls)
-        twin._begin(setup)
-        try:
-            actor = twin._caller(twin.calls)
-            for look in range(twin.looks + 1):
-                twin._run_to(look, actor)
-                if not twin.sim.stats()["enabled"] and not asked:
-                    said = [n["text"] for n in twin.sim.notes() if n["kind"] == "log"]
-                    why = f" ({said[-1].removeprefix('mc: ')})" if said else ""
-                    allowed = (
-                        f"its servo stops by itself {LOOK_S * look:.3f} s after it began, with no "
-                        f"fault{why}: change what stops it, or leave this motion out"
-                    )
-                    raise InputError.one(setup.path, "", None, allowed)
-        finally:
-            twin.close()
+    def _must_run(self, look: int) -> None:
+        """InputError when the motion has stopped by itself, with no fault: then a campaign would
+        tell of a machine that stands."""
+        asked = any(call.request == "MSTOP" for call in self.calls)
+        if asked or self.sim.stats()["enabled"]:
+            return
+        said = [n["text"] for n in self.sim.notes() if n["kind"] == "log"]
+        why = f" ({said[-1].removeprefix('mc: ')})" if said else ""
+        allowed = (
+            f"its servo stops by itself {LOOK_S * look:.3f} s after it began, with no "
+            f"fault{why}: change what stops it, or leave this motion out"
+        )
+        raise InputError.one(self.setup.path, "", None, allowed)
 
     def _caller(self, calls: list) -> Caller:
         actor = Caller(self.session, self.client)

@@ -50,7 +50,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
     plan = make_plan(motions, chosen, seed, sets)
     for setup in plan.setups.values():
-        Twin.check(setup)
+        Twin(setup).close()
     if show is not None:
         _show(plan, show)
         return
