@@ -36,6 +36,16 @@ void calib_cancel(struct mc *mc) {
   mc->calibrates = 0;
 }
 
+/* Of one axis: its index is not waited for any more, its count stays what it is. */
+void calib_end(struct mc *mc, int axis) {
+  int card = axis / 2;
+  if (!mc->axis[axis].calib) return;
+  mc->axis[axis].calib = 0;
+  if (!calib_runs(mc, card)) mc->card[card].rearm = 0;
+  power_apply_modes(mc);
+  (void)hw_counter(mc, axis); /* what the index latched last is out of the way */
+}
+
 void calib_leave(struct mc *mc, int axis) {
   mc->axis[axis].calib = mc->axis[axis].lost = 0;
   power_apply_modes(mc);

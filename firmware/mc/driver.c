@@ -133,6 +133,22 @@ int mc_read(struct mc *mc, int client, void *user_buf, size_t len) {
   return -MC_EFAULT;
 }
 
+int axis_demand(struct mc *mc, int axis, int n, const int32_t *values) {
+  if (mc->stopped || mc->shut) {
+    if (mc->stopped == 1) text_log(mc, "write: stopped, MENABLE first", -1, "");
+    if (mc->shut == 1) text_log(mc, "write: shut down by an error, MENABLE first", -1, "");
+    if (mc->stopped) mc->stopped = 2;
+    if (mc->shut) mc->shut = 2;
+    return -MC_EIO;
+  }
+  for (int i = 0; i < n; i++) {
+    mc->axis[axis + i].setpoint = values[i];
+    mc->axis[axis + i].adopt = 0;
+  }
+  guard_written(mc);
+  return 0;
+}
+
 int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   int32_t values[MC_MAX_AXES];
   if (!is_client(mc, client) || !mc->client[client].can_write) return -MC_EBADF;
@@ -143,21 +159,9 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   if (n == 0) return 0;
   if (mc->os.copy_in(mc->os.ctx, values, user_buf, len) != 0) return -MC_EFAULT;
   unsigned level = mc->os.mask(mc->os.ctx);
-  if (mc->stopped || mc->shut) {
-    if (mc->stopped == 1) text_log(mc, "write: stopped, MENABLE first", -1, "");
-    if (mc->shut == 1) text_log(mc, "write: shut down by an error, MENABLE first", -1, "");
-    if (mc->stopped) mc->stopped = 2;
-    if (mc->shut) mc->shut = 2;
-    mc->os.unmask(mc->os.ctx, level);
-    return -MC_EIO;
-  }
-  for (int axis = 0; axis < n; axis++) {
-    mc->axis[axis].setpoint = values[axis];
-    mc->axis[axis].adopt = 0;
-  }
-  guard_written(mc);
+  int result = axis_demand(mc, 0, n, values);
   mc->os.unmask(mc->os.ctx, level);
-  return (int)len;
+  return result < 0 ? result : (int)len;
 }
 
 int mc_halt(struct mc *mc) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The requests of Table 2.3. A rejected one changes nothing; each is atomic to a sample. */
+/* The requests of Table 2.3 and of <sys/mmcs.h>. A rejected one changes nothing; each is atomic to a sample. */
 #include "mc_priv.h"
 
 union argument {
@@ -7,6 +7,7 @@ union argument {
   uint32_t word;
   struct mc_param param;
   struct mc_stats stats;
+  struct mmcs_setpoint setpoint;
 };
 
 struct request {
@@ -21,6 +22,7 @@ struct request {
 _Static_assert(SIZE_OF(MGETPARAM) == sizeof(struct mc_param), "mcdef.h: MC_PARAM");
 _Static_assert(SIZE_OF(MGETSTATS) == sizeof(struct mc_stats), "mcdef.h: MC_STATS");
 _Static_assert(SIZE_OF(MSETENC) == sizeof(int), "mcdef.h: MC_INT");
+_Static_assert(SIZE_OF(MSETPOINT) == sizeof(struct mmcs_setpoint), "sys/mmcs.h: MSETPOINT");
 _Static_assert(sizeof(struct mc_state) == 28, "read() counts in states of 28 bytes");
 
 int mc_is_off(const struct mc_param *par) {
@@ -299,6 +301,20 @@ static int calibrate(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
+static int calibrate_end(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  if (!has_axis(mc, arg->value)) return -MC_EINVAL;
+  calib_end(mc, arg->value);
+  return 0;
+}
+
+static int set_setpoint(struct mc *mc, int client, union argument *arg) {
+  (void)client;
+  if (!has_axis(mc, arg->setpoint.axis)) return -MC_EINVAL;
+  int32_t value = arg->setpoint.value;
+  return axis_demand(mc, arg->setpoint.axis, 1, &value);
+}
+
 static const struct request requests[] = {
     {MGETNUMCARDS, get_num_cards, 0, 0},
     {MSETNUMJOINTS, set_num_joints, 1, 0},
@@ -319,6 +335,8 @@ static const struct request requests[] = {
     {MGETSTATS, get_stats, 0, 0},
     {MZEROSTATS, zero_stats, 1, 0},
     {MCALIB, calibrate, 1, 0},
+    {MCALIBEND, calibrate_end, 1, 0},
+    {MSETPOINT, set_setpoint, 1, 0},
 };
 
 static const struct request *find(uint32_t code) {

@@ -199,12 +199,15 @@ int calib_disturbs(const struct mc_param *par);
 int calib_runs(const struct mc *mc, int card);
 void calib_start(struct mc *mc, int axis);
 void calib_cancel(struct mc *mc);
+void calib_end(struct mc *mc, int axis);
 void calib_leave(struct mc *mc, int axis);
 void calib_serve(struct mc *mc, const struct mc_sample *s);
 
 /* ioctl.c */
 /* The demand is 0, and what a position axis has fed back at its next sample. */
 void axis_forget_demand(struct mc_axis *x);
+/* Setpoints of n axes from one on; the level is masked. 0, or -MC_EIO after a stop. */
+int axis_demand(struct mc *mc, int axis, int n, const int32_t *values);
 int mc_is_off(const struct mc_param *par);
 int axis_needing_encoder(const struct mc *mc); /* or -1 */
 

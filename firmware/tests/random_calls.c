@@ -43,7 +43,7 @@ static void random_ioctl(struct mc *mc, int client) {
   static const uint32_t requests[] = {
       MGETNUMCARDS,  MSETNUMJOINTS, MGETPARAM,    MSETPARAM,    MSTOP,   MENABLE, MSETVERBOSITY,
       MGETVERBOSITY, MCLEARERROR,   MSETINTERVAL, MGETINTERVAL, MSETENC, MSETLED, MDIAGMODE,
-      MSETDAC,       MDACMODE,      MGETSTATS,    MZEROSTATS,   MCALIB};
+      MSETDAC,       MDACMODE,      MGETSTATS,    MZEROSTATS,   MCALIB,  MCALIBEND,  MSETPOINT};
   union {
     struct mc_param param;
     struct mc_stats stats;

@@ -2,13 +2,15 @@
 /* What a process sees of /dev/mc: every call with its errors. §2.3, Table 2.3 */
 #include "harness.h"
 #include "mock.h"
+#include "sys/mmcs.h"
 
 static struct mock m;
 
 static const uint32_t with_argument[] = {MGETNUMCARDS,  MSETNUMJOINTS, MGETPARAM,    MSETPARAM,
                                          MSETVERBOSITY, MGETVERBOSITY, MSETINTERVAL, MGETINTERVAL,
                                          MSETENC,       MSETLED,       MDIAGMODE,    MSETDAC,
-                                         MDACMODE,      MGETSTATS,     MCALIB};
+                                         MDACMODE,      MGETSTATS,     MCALIB,       MCALIBEND,
+                                         MSETPOINT};
 #define READS 5 /* of these, what a monitor may ask */
 static const uint32_t without[] = {MSTOP, MENABLE, MCLEARERROR, MZEROSTATS};
 
@@ -276,7 +278,7 @@ static void test_fuzz(void) {
     if (pick < COUNT(with_argument)) {
       if (with_argument[pick] == MSETINTERVAL) arg.word[0] = 200 + arg.word[0] % 4000;
       got = mc_ioctl(mc, client, with_argument[pick], &arg);
-    } else if (pick < 19) {
+    } else if (pick < COUNT(with_argument) + COUNT(without)) {
       got = mc_ioctl(mc, client, without[pick - COUNT(with_argument)], NULL);
     } else if (pick < 24) {
       got = mc_read(mc, client, &arg, seed >> 24);

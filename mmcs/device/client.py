@@ -124,6 +124,11 @@ class Device:
         values = [_checked("setpoint", value) for value in setpoints]
         self._call(wire.WRITE, 0, struct.pack(f"<{len(values)}i", *values))
 
+    def write_axis(self, axis: int, setpoint: int) -> None:
+        """The setpoint of one axis; the others keep theirs, whoever writes them."""
+        data = struct.pack("<ii", _axis(axis), _checked("setpoint", setpoint))
+        self.ioctl(wire.MSETPOINT, data)
+
     def wait(self) -> int:
         """Waits for the next servo sample; its number since power-on."""
         if self._line is not None:
@@ -231,6 +236,10 @@ class Device:
     def calibrate(self, axis: int) -> None:
         """Arms the index of an axis; MERR_ZINDEX with its count comes in errcode."""
         self._set("MCALIB", _axis(axis))
+
+    def end_calibration(self, axis: int) -> None:
+        """The axis waits for its index no longer; others go on."""
+        self.ioctl(wire.MCALIBEND, struct.pack("<i", _axis(axis)))
 
     def stats(self) -> dict[str, int]:
         """struct mc_stats: interrupts in total, missed, overrun, and more."""

@@ -73,7 +73,6 @@ class History:
             return False
         machine = self._machine
         self._sim.restore(number)
-        machine.went_back()
         self.asked = {n for n in self.asked if n <= number}
         self._next = max(self._next, number + 1)
         _, had, inputs = next((k for k in reversed(self._known) if k[0] <= number), (0, {}, {}))

@@ -23,6 +23,7 @@ from mmcs.device.wire import (
     EBUSY,
     EINVAL,
     ENXIO,
+    MSETPOINT,
     MSTATUS,
     STATUS,
 )
@@ -75,7 +76,6 @@ class Machine:
         self.history = History(self)
         self._numbers = 0
         self._told = 0  # events that the console has seen
-        self._adopted = 0.0  # from this time on every axis has the demand that its mode begins with
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
         self._reads = {getattr(mcdef, name) for name in READS}
         self.waits = {getattr(mcdef, name) for name in WAITS}
@@ -130,9 +130,6 @@ class Machine:
         client.device, client.driver = "", -1
         self.history.clients_changed()
         return 0
-
-    def went_back(self) -> None:
-        self._adopted = 0.0
 
     # --- the lease ---
 
@@ -207,10 +204,6 @@ class Machine:
         client.said = "" if result >= 0 else self.said_since(before)
         if request == mcdef.MSTOP and result >= 0:
             self._stopper = client.pid
-        if request == mcdef.MSETPARAM and result >= 0:
-            param = mcdef.make_ffi().from_buffer("struct mc_param *", argument)
-            interval_s = self.sim.stats()["interval_us"] * 1e-6
-            self._adopted = self.sim.time + (param.clkdivisor + 1) * interval_s
         return result, out
 
     def joints(self, client: Client) -> int:
@@ -233,14 +226,8 @@ class Machine:
         return result
 
     def setpoint(self, client: Client, axis: int, value: int) -> int:
-        """The setpoint of one axis; the others keep what they have at this moment.
-
-        An axis whose mode was changed adopts what it feeds back at its next servo sample, and a
-        write() before that would be its first demand: so long the machine goes on first."""
-        if self.sim.time < self._adopted and not self.held_from(client):
-            self.sim.run(self._adopted)
-        values = [self.sim.setpoint(n) for n in range(axis)] + [value]
-        return self.write(client, struct.pack(f"<{len(values)}i", *values))
+        """The setpoint of one axis; the others keep what they have at this moment."""
+        return self.ioctl(client, MSETPOINT, struct.pack("<ii", axis, value))[0]
 
     def change(self, client: Client, axis: int, values: dict[str, int]) -> tuple[int, bytes]:
         """Some parameters of an axis; the others stay what they are at this moment."""

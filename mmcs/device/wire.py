@@ -15,6 +15,7 @@ GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
 LEASE_DROP, LEASE_TAKE = range(2)
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = range(3)
 MLEASE, MWAIT, MWHY, MSTATUS = 0x80044D40, 0x40044D41, 0x40804D42, 0x40204D43  # <sys/mmcs.h>
+MCALIBEND, MSETPOINT = 0x80044D44, 0x80084D45  # the driver's own
 STATUS = struct.Struct("<QI5i")  # struct mmcs_status
 MWHY_SIZE = 128
 LINE_PROGRAM, LINE_THREAD, LINE_CHILD = range(3)

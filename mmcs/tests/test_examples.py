@@ -18,6 +18,7 @@ PROGRAM = """
 #include <signal.h>
 #include <sys/file.h>
 #include "/usr/sys/sundev/mcdef.h"
+#include <sys/mmcs.h>
 int fd;
 check(result) { if (result < 0) { perror("example"); exit(1); } }
 #define expect(truth) if (!(truth)) { printf("not so: %s\\n", #truth); exit(2); }

@@ -22,7 +22,9 @@ calls = [
     lambda: dev.set_encoder(9, 0), lambda: dev.set_leds(2, 1), lambda: dev.calibrate(5),
     lambda: dev.set_diag_mode(8), lambda: dev.write([1, 2, 3]), lambda: dev.ioctl(0x4D99),
     lambda: mon.enable(), lambda: mon.write([1]), lambda: mon.set_num_joints(1),
-    lambda: dev.set_dac(0, 5), lambda: (dev.stop(), dev.write([1])),
+    lambda: dev.write_axis(2, 5), lambda: dev.end_calibration(3), lambda: mon.write_axis(0, 5),
+    lambda: dev.set_dac(0, 5), lambda: (dev.stop(), dev.write_axis(0, 1)),
+    lambda: (dev.stop(), dev.write([1])),
 ]
 for call in calls:
     try:
@@ -48,7 +50,11 @@ there is no request 0x00004d99
 MENABLE: the device is open for reading only
 write: the device is open for reading only
 MSETNUMJOINTS: the device is open for reading only
+MSETPOINT: axis 2: must be 0 to 1
+MCALIBEND: axis 3: must be 0 to 1
+MSETPOINT: the device is open for reading only
 MSETDAC: the machine is not enabled
+write: stopped, MENABLE first
 write: stopped, MENABLE first
 """
 

@@ -39,4 +39,15 @@ struct mmcs_status {
 #define MCAUSE_LATE 8      /* no interrupts, or passes outlast SCLOCK */
 #define MCAUSE_GUARD 9     /* struct mc_guard; of axis `number`, or -1 */
 
+/* int, by pointer: gives up what MCALIB began of this axis; others go on. Nothing to give up: 0. */
+#define MCALIBEND 0x80044D44
+
+/* struct mmcs_setpoint: the setpoint of one axis; the others keep theirs, whoever writes them.
+ * Errors as of write(). */
+struct mmcs_setpoint {
+  int axis;
+  int value;
+};
+#define MSETPOINT 0x80084D45
+
 #endif

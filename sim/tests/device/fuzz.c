@@ -14,11 +14,12 @@
 #include <unistd.h>
 
 #include "mcdef.h"
+#include "sys/mmcs.h"
 
 static const unsigned requests[] = {
     MGETNUMCARDS, MSETNUMJOINTS, MGETPARAM,    MSETPARAM, MSTOP,   MSETVERBOSITY, MGETVERBOSITY,
     MCLEARERROR,  MSETINTERVAL,  MGETINTERVAL, MSETENC,   MSETLED, MDIAGMODE,     MSETDAC,
-    MDACMODE,     MGETSTATS,     MZEROSTATS,   MCALIB,    MENABLE};
+    MDACMODE,     MGETSTATS,     MZEROSTATS,   MCALIB,    MCALIBEND, MSETPOINT,   MENABLE};
 static unsigned long long seed;
 
 static unsigned next(void) {

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Requests of <sys/mmcs.h>, which the report does not have: the setpoint of one axis, the end of one
+ * axis' calibration. */
+#include "traffic.h"
+#include "sys/mmcs.h"
+
+static struct mock m;
+
+static int set(struct mc *mc, int axis, int value) {
+  struct mmcs_setpoint one = {.axis = axis, .value = value};
+  return mc_ioctl(mc, 0, MSETPOINT, &one);
+}
+
+static int end(struct mc *mc, int axis) {
+  return mc_ioctl(mc, 0, MCALIBEND, &axis);
+}
+
+static void calibrate(struct mc *mc, int axis) {
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+}
+
+static int errcode(int axis) {
+  return mc_state_of(m.memory, axis)->errcode;
+}
+
+static void pass_index(int axis, uint16_t at) {
+  struct mock_card *c = &m.card[axis / 2];
+  c->latched[axis & 1] = at;
+  c->has_latch[axis & 1] = c->index[axis & 1] = 1;
+  c->count[axis & 1] = (uint16_t)(at + 17);
+}
+
+// req: DRV-4
+static void test_a_setpoint_of_one_axis(void) {
+  struct mc *mc = mock_open(&m, 2);
+  int32_t all[4] = {10, 20, 30, 40};
+  CHECK_EQ(mc_write(mc, 0, all, 16), 16);
+  CHECK_EQ(set(mc, 2, -7), 0);
+  for (int axis = 0; axis < 4; axis++) {
+    CHECK_EQ(mc_setpoint(mc, axis), axis == 2 ? -7 : all[axis]);
+  }
+  CHECK_EQ(set(mc, 4, 1), -MC_EINVAL);
+  CHECK_EQ(set(mc, -1, 1), -MC_EINVAL);
+  mock_stop(&m);
+}
+
+/* It takes no axis but its own out of where a new mode holds it. */
+// req: DRV-4 DRV-3
+static void test_the_others_keep_where_they_are(void) {
+  struct mc *mc = mock_open(&m, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  m.card[0].count[0] = m.card[0].count[1] = 500;
+  mock_run(&m, 5000);
+  for (int axis = 0; axis < 2; axis++) {
+    struct mc_param par = {.which = axis};
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    par.mode = MD_POS;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  }
+  CHECK_EQ(set(mc, 1, 510), 0);
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_setpoint(mc, 0), 500);
+  CHECK_EQ(mc_setpoint(mc, 1), 510);
+  mock_stop(&m);
+}
+
+// req: DRV-6
+static void test_after_a_stop_it_is_refused_as_a_write_is(void) {
+  struct mc *mc = mock_open(&m, 1);
+  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
+  CHECK_EQ(set(mc, 0, 5), -MC_EIO);
+  CHECK_EQ(mc_setpoint(mc, 0), 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(set(mc, 0, 5), 0);
+  mock_stop(&m);
+}
+
+// req: DRV-8 CAL-1
+static void test_the_end_of_one_calibration(void) {
+  struct mc *mc = mock_open(&m, 2);
+  calibrate(mc, 2);
+  calibrate(mc, 3);
+  CHECK_EQ(end(mc, 2), 0);
+  CHECK_EQ(m.card[1].b, 0x11); /* the other still waits */
+  pass_index(2, 40);
+  mock_run(&m, 5000);
+  CHECK_EQ(errcode(2), 0);
+  pass_index(3, 60);
+  mock_pass(&m);
+  CHECK_EQ(errcode(3), 60 << 16 | 3 << 8 | MERR_ZINDEX);
+  CHECK_EQ(m.card[1].b, 5);
+  mock_stop(&m);
+}
+
+/* What the index has latched meanwhile is nobody's position. */
+// req: DRV-8 DRV-11
+static void test_the_end_leaves_the_position(void) {
+  struct mc *mc = mock_open(&m, 1);
+  calibrate(mc, 0);
+  mock_run(&m, 5000);
+  pass_index(0, 300);
+  m.logging = 1;
+  CHECK_EQ(end(mc, 0), 0);
+  static const struct mock_access want[] = {W(0x003, 5), PAIR(0x009)};
+  EXPECT(&m, want);
+  m.logging = 0;
+  mock_run(&m, 5000);
+  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(mc_state_of(mc, 0)->encnow, 317);
+  calibrate(mc, 0); /* and it can be asked for again */
+  pass_index(0, 320);
+  mock_run(&m, 5000);
+  CHECK_EQ(errcode(0), 320 << 16 | MERR_ZINDEX);
+  mock_stop(&m);
+}
+
+// req: DRV-3
+static void test_an_end_of_nothing(void) {
+  struct mc *mc = mock_open(&m, 1);
+  m.logging = 1;
+  CHECK_EQ(end(mc, 1), 0);
+  CHECK_EQ(m.used, 0);
+  CHECK_EQ(end(mc, 2), -MC_EINVAL);
+  CHECK_EQ(end(mc, -1), -MC_EINVAL);
+  mock_stop(&m);
+}
+
+static const struct test tests[] = {
+    {"test_a_setpoint_of_one_axis", test_a_setpoint_of_one_axis},
+    {"test_the_others_keep_where_they_are", test_the_others_keep_where_they_are},
+    {"test_after_a_stop_it_is_refused_as_a_write_is",
+     test_after_a_stop_it_is_refused_as_a_write_is},
+    {"test_the_end_of_one_calibration", test_the_end_of_one_calibration},
+    {"test_the_end_leaves_the_position", test_the_end_leaves_the_position},
+    {"test_an_end_of_nothing", test_an_end_of_nothing},
+};
+
+MAIN(tests)
