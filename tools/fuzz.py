@@ -50,7 +50,7 @@ def snapshot() -> Path:
     subprocess.run(ENGINE, cwd=ROOT, check=True)
     folder = BUILD / "sim" / "asan_c1"
     return made(
-        "snapshot", CXX, "-std=c++17", *SANITIZE, "-Isim/engine", "-Ifirmware/include",
+        "snapshot", CXX, "-std=c++17", *SANITIZE, "-Isim/abi", "-Isim/engine", "-Ifirmware/include",
         "sim/tests/fuzz/snapshot.cpp", folder / "libmmcs_sim.so", "-latomic",
         f"-Wl,-rpath,{folder}",
     )  # fmt: skip

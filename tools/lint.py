@@ -182,7 +182,8 @@ def checks() -> list[tuple[str, list[str]]]:
         if file.startswith("sim/model/") and file.endswith(".cpp"):
             flags = model_of["rv32" if "soc_" in file else "vme"]
             flags = [*flags, *OWN_FLAGS.get(file, [])]
-        dirs = ["firmware/include", "firmware/mc", "sim/engine", "sim/model", "sim/plant"]
+        sim = ["sim/abi", "sim/engine", "sim/model", "sim/plant"]
+        dirs = ["firmware/include", "firmware/mc", *sim]
         jobs.append(
             (
                 f"clang-tidy {file}",

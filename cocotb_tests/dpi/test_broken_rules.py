@@ -57,7 +57,8 @@ def test_a_rule_broken_in_the_host(tmp_path):
     source = tmp_path / "vme_bus.cpp"
     source.write_text(broken((ROOT / "sim/engine/vme_bus.cpp").read_text(), right, wrong))
     library = tmp_path / "libmmcs_dpi.so"
-    includes = [f"-I{d}" for d in ("sim/engine", "sim/model", "sim/plant", "firmware/include")]
+    folders = ("sim/abi", "sim/engine", "sim/model", "sim/plant", "firmware/include")
+    includes = [f"-I{d}" for d in folders]
     flags = ["-std=c++17", "-O1", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-shared"]
     command = [os.environ.get("CXX", "g++"), *flags, *includes, "-Ifirmware/mc", source, *parts]
     subprocess.run([*command, "-o", library], cwd=ROOT, check=True)

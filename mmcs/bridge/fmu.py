@@ -107,7 +107,7 @@ def compile_unit(engine: Path, folder: Path) -> tuple[Path, Path]:
     shutil.copy(engine, alone)
     compiler = shlex.split(os.environ.get("CC", "cc")) or ["cc"]
     command = [*compiler, "-std=gnu11", "-O2", "-shared", "-fPIC",
-               "-fvisibility=hidden", f"-I{ROOT / 'sim/engine'}", f"-I{ROOT / 'firmware/include'}",
+               "-fvisibility=hidden", f"-I{ROOT / 'sim/abi'}", f"-I{ROOT / 'firmware/include'}",
                "-o", str(unit), str(ROOT / "sim/fmu/fmu.c"), f"-L{folder}", f"-lmmcs_{name}",
                "-Wl,-rpath,$ORIGIN", "-lm"]  # fmt: skip
     try:

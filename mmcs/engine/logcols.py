@@ -7,7 +7,7 @@ import numpy as np
 
 from mmcs import ROOT
 
-_HEADER = (ROOT / "sim" / "engine" / "mmcs_sim.h").read_text()
+_HEADER = (ROOT / "sim" / "abi" / "mmcs_sim.h").read_text()
 FIELDS = tuple(re.search(r'#define MMCS_SIM_LOG_FIELDS "(.*)"', _HEADER)[1].split())
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated machine as a Python object: a thin wrapper of sim/engine/mmcs_sim.h.
+"""The simulated machine as a Python object: a thin wrapper of sim/abi/mmcs_sim.h.
 
 The C declarations are read from that very header, so they cannot drift apart.
 """
@@ -18,7 +18,7 @@ from mmcs import ROOT, mcdef
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 
-HEADER = ROOT / "sim" / "engine" / "mmcs_sim.h"
+HEADER = ROOT / "sim" / "abi" / "mmcs_sim.h"
 SEGMENT_KINDS = ("hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square")
 
 

@@ -47,7 +47,8 @@ def test_whatever_a_server_answers():
 def test_whatever_a_snapshot_holds(tmp_path):
     library = ensure_library(1, "speed")
     sample = compiled("sample.o", ["cc", "-c"], [FUZZ / "sample.c"])
-    command = ["c++", "-std=c++17", f"-I{ROOT}/sim/engine", f"-I{ROOT}/firmware/include"]
+    folders = ("sim/abi", "sim/engine", "firmware/include")
+    command = ["c++", "-std=c++17", *(f"-I{ROOT / folder}" for folder in folders)]
     after = [library, f"-Wl,-rpath,{library.parent}"]
     program = compiled("fuzz_snapshot", command, [FUZZ / "snapshot.cpp", sample], after)
     said(program, 0, SEEDS=str(tmp_path))

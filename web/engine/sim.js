@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simulated machine in a page: sim/engine/mmcs_sim.h in WebAssembly, as mmcs/engine/sim.py is for
+// The simulated machine in a page: sim/abi/mmcs_sim.h in WebAssembly, as mmcs/engine/sim.py is for
 // Python. The layouts of its structures come from the header (tools/website.py).
 
 const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };

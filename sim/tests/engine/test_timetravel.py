@@ -249,7 +249,7 @@ def test_the_digest_is_of_every_source():
     show = "--eval=show: ; @echo $(ID_FILES)"
     made = subprocess.run(["make", "-s", "-f", "sim/Makefile", show, "show"], cwd=ROOT, text=True,
                           capture_output=True, check=True).stdout.split()  # fmt: skip
-    folders = ("sim/model", "sim/engine", "sim/plant", "firmware/mc")
+    folders = ("sim/abi", "sim/model", "sim/engine", "sim/plant", "firmware/mc")
     files = [p for folder in folders for p in (ROOT / folder).iterdir()]
     named = {str(p.relative_to(ROOT)) for p in files if p.suffix in (".c", ".cpp", ".h")}
     assert named - set(made) == {"sim/model/web_threads.c"}  # threads of a browser: no machine

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 def fields() -> list[str]:
     """Names of struct mmcs_motor in their order."""
-    text = (ROOT / "sim" / "engine" / "mmcs_sim.h").read_text()
+    text = (ROOT / "sim" / "abi" / "mmcs_sim.h").read_text()
     body = re.search(r"struct mmcs_motor \{(.*?)\} mmcs_motor;", text, re.DOTALL)[1]
     body = re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
     return [n for names in re.findall(r"\w+ ([\w, ]+);", body) for n in names.split(", ")]

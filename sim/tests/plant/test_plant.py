@@ -16,7 +16,7 @@ HERE = Path(__file__).resolve().parent
 PLANT = sorted((ROOT / "sim" / "plant").glob("*.cpp"))
 OUT = ROOT / "build" / "plant-tests"
 FLAGS = ["-std=c++17", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
-INCLUDES = [ROOT / "sim" / "engine", ROOT / "sim" / "plant", HERE, OUT]
+INCLUDES = [ROOT / "sim" / "abi", ROOT / "sim" / "plant", HERE, OUT]
 TEST = re.compile(r"(?:// req: (?P<ids>[\w\- ]+)\n)?TEST\((?P<name>\w+)\)")
 
 

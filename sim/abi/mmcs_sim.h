@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The simulator as a C ABI: the only thing that the Python package knows of it.
+/* The simulator as a C ABI: all that the Python package, a page, an FMU or an own program knows of
+ * it. It includes no other header of ours; plant, model, engine and service include it.
  *
  * Python reads this very file through cffi, so it holds plain C declarations only: no macros but
  * integer constants, no conditionals but the include guard. Angles are radians, times seconds,
