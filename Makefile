@@ -283,6 +283,7 @@ generate: $(VENV)/.test ## rewrite what is generated: registers, tables, cores
 	@$(BIN)/python tools/rooms.py
 	@$(BIN)/python tools/cores.py
 	@$(BIN)/python tools/runs.py
+	@$(BIN)/python tools/tables.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

@@ -17,15 +17,6 @@ from mmcs.scenario.inputs import INPUTS
 
 DOCUMENT = ROOT / "docs" / "evidence" / "faults.md"
 OPEN_LOOP = ("estop", "cable", "pc_power")  # open the PANIC line themselves
-REGISTERS = {
-    "seu_encoder": "`thct2000` `count_q`: the counter of the encoder",
-    "seu_dac_input": "`ad667` `rank1_q`: what was written to the D/A and waits",
-    "seu_dac_output": "`ad667` `rank2_q`: what the D/A puts out",
-    "seu_index_latch": "`axis` `index_latch_q`: the index has come",
-    "seu_heartbeat": "`oneshot` `run_q`: the heartbeat runs",
-    "seu_pccsr": "`pccsr` `csr_q`: PCCSR bits 7 to 0",
-    "seu_vector": "`adaptor_core` `vector_q`: the interrupt vector",
-}
 
 
 class Row(NamedTuple):
@@ -195,9 +186,9 @@ def document(rows: list[Row], sound: list[float]) -> str:
         "| input | register | one per | bits |",
         "|---|---|---|---|",
         *(
-            f"| `{name}` | {REGISTERS[name]} | {i.scope} | {int(i.high).bit_length()} |"
+            f"| `{name}` | `{i.code}` | {i.scope} | {int(i.high).bit_length()} |"
             for name, i in INPUTS.items()
-            if name.startswith("seu_")
+            if i.made_by == "UPSET"
         ),
         "",
         "## Why",

@@ -22,6 +22,7 @@ from pathlib import Path
 from mmcs import regs
 from mmcs.errors import RunError
 from mmcs.scenario.files import scenario_names
+from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.load import load
 from mmcs.session.machine import machine
 from mmcs.session.session import Session
@@ -42,9 +43,6 @@ SWITCHES = {"estop": 1, "cable": 1, "pc_power": 1, "sysreset": 1, "axis_enable":
             "encoder_a_cut": 2, "encoder_swap": 1, "encoder_slip": 40, "encoder_glitch": 20000,
             "index_glitch": 20000, "motor_jam": 1, "pot_cut": 1}  # fmt: skip
 RARE = {"cable", "pc_power", "sysreset", "estop"}  # they put much else to rest: ended soon
-HEALTHY_1 = {"cable", "pc_power", "axis_enable"}
-GLOBAL = RARE | {"irq_lost", "bus_error"}
-BY_CARD = {"card_absent", "sclock_open", "panic_open", "dip_xor"}
 # Mode words of the three counters: binary, and in BCD; then what counts are made of.
 PIT_VALUES = (0x34, 0x74, 0xB4, 0x36, 0x76, 0x30, 0x31, 0x71, 0xB1, 0x35, 0x75, 0xB5, 0x37, 0x77,
               0x10, 0x14, 0, 1, 2, 3, 0x10, 0x40, 0x99)  # fmt: skip
@@ -100,13 +98,13 @@ def stranger(seed: int, cards: int, axes: int, actions: int, registers: dict[str
             name = rng.choice(list(SWITCHES))
             if name in RARE and rng.random() < 0.7:
                 name = rng.choice(("axis_enable", "dip_xor", "encoder_glitch"))
-            count = 1 if name in GLOBAL else cards if name in BY_CARD else axes
+            count = {"machine": 1, "card": cards, "axis": axes}[INPUTS[name].scope]
             index = rng.randrange(count)
             after = rng.choice((0, rng.randrange(40), rng.randrange(4000)))
             worst = rng.randint(0, SWITCHES[name])
             yield ("event", after / CLK_HZ, name, index, worst)
             if name in RARE or rng.random() < 0.5:
-                healthy = int(name in HEALTHY_1)
+                healthy = INPUTS[name].healthy
                 after += rng.choice((1, 2, 3, rng.randrange(1, 3000)))
                 yield ("event", after / CLK_HZ, name, index, healthy)
         elif what < 0.81:

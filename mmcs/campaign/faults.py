@@ -18,44 +18,16 @@ SORTS = ("register", "line", "pin", "message", "kill")
 SHORTEST_S, LONGEST_S = 50e-6, 50e-3  # of what passes by itself
 DIGITS = 7  # of a time: less than a clock
 
-# One of an input's values is drawn: from a tuple, or (low, high) of a magnitude on a log scale,
-# with either sign where the input takes both. Registers have a sort of their own.
-_SWITCH = (1,)
 BUSES = ("vme_a", "vme_am", "vme_d", "vme_control", "pc_a", "pc_d", "pc_control")
 CONTROL = {
     "vme_control": ("AS*", "DS0*", "DS1*", "WRITE*", "LWORD*", "IACK*", "IACKIN*"),
     "pc_control": ("IOR#", "IOW#"),
 }
 STUCK = tuple(f"{bus}_stuck{level}" for bus in BUSES for level in (0, 1))  # one line of them
-VALUES = {
-    "estop": _SWITCH, "axis_enable": (0,), "card_absent": _SWITCH, "dip_xor": tuple(range(1, 16)),
-    "sclock_open": _SWITCH, "panic_open": _SWITCH,
-    "dac_stuck1": tuple(1 << n for n in range(12)), "dac_stuck0": tuple(1 << n for n in range(12)),
-    "adc_stuck": _SWITCH, "encoder_a_cut": (1, 2), "encoder_b_cut": (1, 2),
-    "encoder_index_cut": (1, 2), "encoder_swap": _SWITCH, "index_missing": _SWITCH,
-    "pot_cut": _SWITCH, "amp_dead": _SWITCH, "amp_saturated": (-1, 1), "brake_stuck": (1, 2),
-    "motor_jam": _SWITCH, "cable": (0,), "pc_power": (0,), "sysreset": _SWITCH,
-    "irq_lost": _SWITCH, "host_dead": _SWITCH,
-    "write_flip": tuple(1 << n for n in range(32)),
-    **{name: tuple(1 << n for n in range(int(INPUTS[name].high).bit_length())) for name in STUCK},
-}  # fmt: skip
-SPANS = {
-    "encoder_glitch": (10.0, 1e5), "index_glitch": (10.0, 1e5), "encoder_slip": (1.0, 2000.0),
-    "pot_noise": (0.01, 5.0), "drive_offset": (0.05, 10.0), "load_torque": (0.01, 1.0),
-    "host_stall": (1.0, 1000.0), "bus_error": (1.0, 100.0), "writes_lost": (1.0, 1000.0),
-}  # fmt: skip
-PINS = (
-    "estop", "axis_enable", "card_absent", "dip_xor", "sclock_open", "panic_open", "dac_stuck1",
-    "dac_stuck0", "adc_stuck", "encoder_a_cut", "encoder_b_cut", "encoder_index_cut",
-    "encoder_swap", "encoder_glitch", "index_glitch", "encoder_slip", "index_missing", "pot_noise",
-    "pot_cut", "amp_dead", "amp_saturated", "drive_offset", "brake_stuck", "load_torque",
-    "motor_jam",
-)  # fmt: skip
-LINES = ("irq_lost", "bus_error", *STUCK)
-KILLS = ("host_stall", "host_dead", "sysreset", "pc_power", "cable")
-MESSAGES = ("writes_lost", "write_flip")  # beside requests
-ONCE = ("host_stall", "host_dead", "bus_error", *MESSAGES)  # an act, not a state
-LASTING = tuple(n for n in (*PINS, *LINES, *KILLS) if n not in ONCE)
+PINS, LINES, KILLS, MESSAGES = (
+    tuple(name for name, i in INPUTS.items() if i.sort == sort and i.draw != "none")
+    for sort in ("pin", "line", "kill", "message")
+)
 PARAMETERS = ("a0", "a1", "b0", "b1", "ic_pos", "ic_neg", "ilim", "clkdivisor")
 REQUESTS = ("MSTOP", "MENABLE", "MZEROSTATS", "MCALIB", "MCLEARERROR", "MDACMODE", "MSETENC",
             "MSETINTERVAL", "MSETPARAM")  # fmt: skip
@@ -76,7 +48,7 @@ class Fault:
     @property
     def lasts(self) -> bool:
         """It does not pass by itself."""
-        return bool(self.event) and "until" not in self.event and self.event["input"] in LASTING
+        return bool(self.event) and "until" not in self.event and find(self.event["input"]).lasting
 
     def sets(self, calls: list[dict]) -> list[str]:
         """For --set, beside the scenario's own calls."""
@@ -119,7 +91,7 @@ def draw(seed: int, n: int, sorts: tuple[str, ...], motions: tuple[Motion, ...])
     count = {"machine": 1, "card": motion.cards, "axis": motion.axes}[find(name).scope]
     if count > 1:
         event["index"] = dice.randrange(count)
-    if name not in ONCE and dice.random() < 0.5:
+    if find(name).lasting and dice.random() < 0.5:
         event["until"] = round(at + _log(dice, SHORTEST_S, LONGEST_S), DIGITS)
     what = f"{name} {event['value'].bit_length() - 1}" if name in STUCK else name
     return Fault(n, motion.name, sort, what, at, event=event)
@@ -157,12 +129,14 @@ def _log(dice: random.Random, low: float, high: float) -> float:
 
 
 def _value(dice: random.Random, name: str) -> float:
-    if name in VALUES:
-        return dice.choice(VALUES[name])
-    value = float(f"{_log(dice, *SPANS[name]):.3g}")
-    if name in ("host_stall", "bus_error", "writes_lost", "encoder_slip"):
+    known = INPUTS[name]
+    if values := known.drawn():
+        return dice.choice(values)
+    span, _, whole = known.draw.partition(" ")
+    value = float(f"{_log(dice, *map(float, span.split('..'))):.3g}")
+    if whole:
         value = round(value)
-    return -value if INPUTS[name].low < 0 and dice.random() < 0.5 else value
+    return -value if known.low < 0 and dice.random() < 0.5 else value
 
 
 def _request(dice: random.Random, n: int, motion: Motion, at: float) -> Fault:

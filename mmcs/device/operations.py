@@ -7,8 +7,6 @@ from mmcs.device.arguments import Arguments, Refused
 from mmcs.device.wire import EBUSY, EINVAL
 from mmcs.scenario.inputs import INPUTS
 
-# These happen once; they have no value afterwards.
-MOMENTARY = ("host_stall", "bus_error", "encoder_slip")
 MOST_SNAPSHOTS = 100  # that are kept until dropped
 MOST_S = 10.0  # that one request lets pass
 
@@ -60,7 +58,7 @@ class Operations:
     def do_inputs(self, a: Arguments) -> dict:
         now = self._machine.inputs
         rows = [
-            {"name": name, **known._asdict(),
+            {"name": name, **known.told(),
              "values": {str(i): v for (n, i), v in now.items() if n == name and v != known.healthy}}
             for name, known in INPUTS.items()
         ]  # fmt: skip
@@ -76,8 +74,7 @@ class Operations:
         index = a.integer("index", 0, places[known.scope] - 1, 0)
         if (name, value) != ("estop", 1):
             self.must_control()
-        momentary = name.startswith("seu_") or name in MOMENTARY
-        if self._machine.set_input(name, index, value, momentary) < 0:
+        if self._machine.set_input(name, index, value, not known.lasting) < 0:
             raise Refused(EINVAL, "index: nothing is connected there")
         return {"t": self._machine.sim.time}
 

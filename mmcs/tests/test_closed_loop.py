@@ -13,6 +13,7 @@ import pytest
 
 from mmcs import ROOT
 from mmcs.engine import logcols
+from mmcs.errors import RunError
 from mmcs.result.report import make_report
 from mmcs.runs.runner import simulate
 from mmcs.scenario.load import load
@@ -125,29 +126,41 @@ def test_same_seed_same_hash_other_seed_other_hash():
     assert other.hash != first.hash
 
 
-def test_names_of_inputs_are_those_of_the_engine():
+def test_python_reads_the_inputs_as_the_engine_has_them():
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
     from mmcs.scenario.inputs import INPUTS, UPSET
 
     setup = load("lab500")
     with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:
-        known = [*INPUTS, *(UPSET + name for name in sim.registers())]
-        assert sim.input_names() == known, "sim/engine/inputs.cpp or sim/plant/plant.cpp"
+        assert sim.input_names() == [*INPUTS, *(UPSET + name for name in sim.registers())]
+        rows = [sim.lib.mmcs_sim_input(n) for n in range(len(INPUTS) + 1)]
+        assert rows.pop() == sim.ffi.NULL
+        for row, (name, known) in zip(rows, INPUTS.items(), strict=True):
+            texts = [sim.ffi.string(text).decode() for text in
+                     (row.name, row.draw, row.sort, row.meaning)]  # fmt: skip
+            assert texts == [name, known.draw, known.sort, known.meaning]
+            assert (row.low, row.high, row.healthy) == (known.low, known.high, known.healthy)
+            assert row.lasting == known.lasting
+            assert ("machine", "card", "axis")[row.scope] == known.scope
+            for value in (known.low - 1, known.high + 1):
+                with pytest.raises(RunError, match="value out of range"):
+                    sim.add_event(0.0, rows.index(row), 0, value)
 
 
 def test_every_input_has_its_effect():
-    """A wire in fault() and is_possible() of the pins, physics a number of the axis' inputs."""
-    rows, pins, plant, axis = (
-        (ROOT / "sim" / path).read_text()
-        for path in ("engine/inputs.cpp", "model/pins.cpp", "plant/plant.cpp", "plant/axis.h")
-    )
-    for pin in set(re.findall(r"Pin::(k\w+)", rows)) - {"kCount"}:
-        assert pins.count(f"case Pin::{pin}:") == 2, f"sim/model/pins.cpp: {pin}"
-    names = re.findall(r'"(\w+)"', plant[plant.index("kInputNames[kInputs]") :].partition(";")[0])
-    numbers = re.findall(r"k(\w+),", axis[axis.index("enum Input {") :].partition("kInputs")[0])
-    wanted = [name.replace("_", "") for name in names]
-    assert [n.lower() for n in numbers] == wanted, "sim/plant/axis.h and sim/plant/plant.cpp"
+    """A state of the machine in pins.cpp, one of the plant in axis.cpp, an act in machine.cpp."""
+    from mmcs.scenario.inputs import INPUTS
+
+    effects = {
+        "PIN": ("sim/model/pins.cpp", "case Pin::CODE:"),
+        "HOST": ("sim/engine/machine.cpp", "case Action::CODE:"),
+        "PLANT": ("sim/plant/axis.cpp", r"\bCODE\b"),
+    }
+    for known in (i for i in INPUTS.values() if i.made_by in effects):
+        file, text = effects[known.made_by]
+        found = re.search(text.replace("CODE", known.code), (ROOT / file).read_text())
+        assert found or known.code == "kEncoderSlip", f"{file}: {known.code}"  # in plant.cpp
 
 
 @pytest.mark.req("SRV-1")

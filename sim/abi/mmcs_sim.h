@@ -231,8 +231,21 @@ int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles);
 /* Motions start counting their t0 from the moment of mmcs_sim_start_motion. */
 int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment);
 int mmcs_sim_start_motion(mmcs_sim *sim, int client);
-/* Named inputs: NULL past the last. Events are in simulated time from t = 0. */
+/* Named inputs, then the upsets of registers: NULL past the last. Events are in simulated time
+ * from t = 0. */
 const char *mmcs_sim_input_name(int32_t input);
+enum { MMCS_SCOPE_MACHINE = 0, MMCS_SCOPE_CARD = 1, MMCS_SCOPE_AXIS = 2 };
+typedef struct mmcs_input {
+  const char *name;
+  int32_t scope;   /* what the index of an event counts: one of MMCS_SCOPE_... */
+  int32_t lasting; /* 1: a state; 0: an act, which happens once */
+  double low, high, healthy;
+  const char *draw;    /* what a campaign draws: "each", "bit", a range, or "none" */
+  const char *sort;    /* "pin", "line", "kill", "message", "register": the sort of fault */
+  const char *meaning; /* of its values */
+} mmcs_input;
+/* The row of sim/abi/inputs.def: NULL past the last. */
+const mmcs_input *mmcs_sim_input(int32_t input);
 /* Every register of the hardware: its name from rtl/mmcs.sv down, or NULL; its bits; its value now.
  * The input "seu.<name>" flips bits of it. */
 const char *mmcs_sim_register_name(int32_t reg);

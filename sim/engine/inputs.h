@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The named inputs of a simulation: what can go wrong, or be switched, while it runs.
+// The table of the inputs (sim/abi/inputs.def) with what the engine does about each.
 #pragma once
 
+#include "mmcs_sim.h"
 #include "model.h"
 
 namespace mmcs {
 
-// Inputs of the machine come first, those of the plant follow.
-enum class Scope { kGlobal, kCard, kAxis };
-enum class Action { kPin, kStall, kBusError, kUpset, kHostDead, kWritesLost, kWriteFlip };
+enum class Action { kPin, kPlant, kUpset, kStall, kBusError, kHostDead, kWritesLost, kWriteFlip };
 
 struct Input {
-  const char *name;
+  mmcs_input about;
   Action action;
-  Scope scope;
-  Pin pin;
-  unsigned mask;              // values allowed: 0..mask
-  bool inverted;              // the pin is 1 when the value is 0 (healthy at 1)
-  const char *reg = nullptr;  // that is upset: its path, from the axis or from mmcs down
+  int number;       // a Pin, or an input of the plant
+  const char *reg;  // that is upset: its path, from the axis or from mmcs down
+
+  // The host's and its program's own: a real processor does not have them.
+  bool native() const { return action >= Action::kHostDead; }
 };
 
-// The machine's inputs, kInputCount of them.
 extern const Input kInputs[];
 extern const int kInputCount;
 

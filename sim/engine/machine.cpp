@@ -57,13 +57,8 @@ int64_t Machine::clocks(double seconds) const {
 
 // Of an upset "seu.<register>", its register; else -1.
 static int register_of(int input) {
-  static const int first = [] {
-    int n = kInputCount;
-    while (Plant::input_name(n - kInputCount)) ++n;
-    return n;
-  }();
-  return input < first || input - first >= static_cast<int>(registers().size()) ? -1
-                                                                                : input - first;
+  const int reg = input - kInputCount;
+  return reg < 0 || reg >= static_cast<int>(registers().size()) ? -1 : reg;
 }
 
 const char *Machine::input_name(int input) {
@@ -73,15 +68,14 @@ const char *Machine::input_name(int input) {
     return names;
   }();
   if (input < 0) return nullptr;
-  if (input < kInputCount) return kInputs[input].name;
+  if (input < kInputCount) return kInputs[input].about.name;
   const int reg = register_of(input);
-  return reg >= 0 ? upsets[static_cast<size_t>(reg)].c_str()
-                  : Plant::input_name(input - kInputCount);
+  return reg >= 0 ? upsets[static_cast<size_t>(reg)].c_str() : nullptr;
 }
 
 // The register that an upset of this name hits.
 static std::string upset_path(const Input &input, int index) {
-  if (input.scope != Scope::kAxis) return input.reg;
+  if (input.about.scope != MMCS_SCOPE_AXIS) return input.reg;
   return "g_card[" + std::to_string(index / 2) + "].u_card.g_axis[" + std::to_string(index % 2) +
          "].u_axis." + input.reg;
 }
@@ -217,26 +211,27 @@ std::string Machine::check_event(const mmcs_event &event) const {
   if (event.input < 0) return "no such input";
   if (!std::isfinite(event.value)) return "its value is not a number";
   if (event.input >= kInputCount) {
-    if (!input_name(event.input)) return "no such input";
-    if (const int reg = register_of(event.input); reg >= 0) {
-      const double limit = std::ldexp(1.0, registers()[static_cast<size_t>(reg)].width);
-      return event.value >= 0 && event.value < limit ? "" : "value out of range";
-    }
-    if (event.index < -1 || event.index >= axes_) return "no such axis";
-    return std::abs(event.value) <= kLargestInput ? "" : "value out of range";
+    const int reg = register_of(event.input);
+    if (reg < 0) return "no such input";
+    const double limit = std::ldexp(1.0, registers()[static_cast<size_t>(reg)].width);
+    return event.value >= 0 && event.value < limit ? "" : "value out of range";
   }
   const Input &input = kInputs[event.input];
-  if (input.pin == Pin::kClockStop && Model::soc()) return "its processor would stop with it";
-  const int limit = input.scope == Scope::kAxis   ? 2 * config_.cards
-                    : input.scope == Scope::kCard ? config_.cards
-                                                  : 1;
-  if (event.index < 0 || event.index >= limit) return "no such axis or card";
-  if (event.value < 0 || event.value > input.mask) return "value out of range";
-  if (input.action >= Action::kHostDead && config_.host != MMCS_HOST_NATIVE) {
+  const bool plant = input.action == Action::kPlant;  // whose index -1 is all axes
+  const int limit = plant                                  ? axes_
+                    : input.about.scope == MMCS_SCOPE_AXIS ? 2 * config_.cards
+                    : input.about.scope == MMCS_SCOPE_CARD ? config_.cards
+                                                           : 1;
+  if (event.index < (plant ? -1 : 0) || event.index >= limit) return "no such axis or card";
+  if (event.value < input.about.low || event.value > input.about.high) return "value out of range";
+  if (input.native() && config_.host != MMCS_HOST_NATIVE) {
     return "a real processor has no such input";
   }
-  if (input.action == Action::kPin) return model_->cannot(input.pin);
-  return input.action == Action::kUpset ? model_->cannot(Pin::kCount) : "";
+  if (input.action == Action::kUpset) return model_->cannot(Pin::kCount);
+  if (input.action != Action::kPin) return "";
+  const auto pin = static_cast<Pin>(input.number);
+  if (pin == Pin::kClockStop && Model::soc()) return "its processor would stop with it";
+  return model_->cannot(pin);
 }
 
 bool Machine::is_possible() const {
@@ -270,23 +265,23 @@ void Machine::add_event(const mmcs_event &event) {
 
 void Machine::apply(const mmcs_event &event) {
   char text[100];
-  const bool machine = event.input >= 0 && event.input < kInputCount;
   const char *name = input_name(event.input);
   std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
-  note("fault", !machine || kInputs[event.input].scope == Scope::kAxis ? event.index : -1, text);
+  const bool table = event.input < kInputCount;
+  const bool axis = !table || kInputs[event.input].about.scope == MMCS_SCOPE_AXIS;
+  note("fault", axis ? event.index : -1, text);
   if (const int reg = register_of(event.input); reg >= 0) {
     model_->upset(reg, static_cast<uint64_t>(event.value));
-    return;
-  }
-  if (!machine) {
-    plant_->set_input(event.input - kInputCount, event.index, event.value);
     return;
   }
   const Input &input = kInputs[event.input];
   const unsigned value = static_cast<unsigned>(event.value);
   switch (input.action) {
     case Action::kPin:
-      model_->pins().set(input.pin, event.index, input.inverted ? value ^ 1u : value);
+      model_->pins().set(static_cast<Pin>(input.number), event.index, value);
+      break;
+    case Action::kPlant:
+      plant_->set_input(input.number, event.index, event.value);
       break;
     case Action::kStall:
       stalled_until_ = clock_ + clocks_up(event.value * 1e-3);

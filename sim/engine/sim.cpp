@@ -184,6 +184,10 @@ const char *mmcs_sim_input_name(int32_t input) {
   return mmcs::Machine::input_name(input);
 }
 
+const mmcs_input *mmcs_sim_input(int32_t input) {
+  return input >= 0 && input < mmcs::kInputCount ? &mmcs::kInputs[input].about : nullptr;
+}
+
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
   if (!event) return -1;
   return mmcs::guarded(sim, -1, [=] {

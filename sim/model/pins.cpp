@@ -21,7 +21,14 @@ namespace {
 constexpr auto kFaultPins = static_cast<size_t>(Pin::kCount);
 constexpr uint64_t kCodeMask = 0xFFF;
 constexpr int kVmeWidths[kVmeSysreset] = {15, 6, 1, 2, 1, 1, 16, 1, 1};
-constexpr int kVmeControlLines = 7, kPcAddressLines = 10, kPcDataLines = 8, kPcControlLines = 2;
+// Of the pins of the table, in its order.
+constexpr struct {
+  Scope scope;
+  uint64_t highest;
+} kBounds[] = {
+#define PIN(pin, name, scope, low, high, ...) {Scope::scope, high},
+#include "inputs.def"
+};
 
 // The board at whose pins the ribbon begins: in a SoC the adaptor is its core.
 #if defined(MMCS_SOC) && MMCS_SOC
@@ -40,19 +47,24 @@ std::string axis_path(int axis) {
 
 }  // namespace
 
-bool pin_is_port(Pin pin) {
+// Moved at a port of its own.
+static bool has_port(Pin pin) {
   switch (pin) {
     case Pin::kSysreset:
     case Pin::kEstop:
-    case Pin::kCableCut:
-    case Pin::kPcOff:
+    case Pin::kCable:
+    case Pin::kPcPower:
     case Pin::kAxisEnable:
     case Pin::kDipXor:
     case Pin::kAdcV:
       return true;
     default:
-      return pin >= Pin::kVmeA0 && pin <= Pin::kVmeControl1;
+      return false;
   }
+}
+
+bool pin_is_port(Pin pin) {
+  return has_port(pin) || (pin >= Pin::kVmeA0 && pin <= Pin::kVmeControl1);
 }
 
 Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
@@ -81,10 +93,10 @@ void Pins::set(Pin pin, int index, unsigned value) {
       return later(kVmeSysreset, 0, 1, !on);
     case Pin::kEstop:
       return later(kEstopClosed, 0, 1, !on);
-    case Pin::kCableCut:
-      return later(kCableOk, 0, 1, !on);
-    case Pin::kPcOff:
-      return later(kPcPower, 0, 1, !on);
+    case Pin::kCable:
+      return later(kCableOk, 0, 1, on);
+    case Pin::kPcPower:
+      return later(kPcPower, 0, 1, on);
     case Pin::kAxisEnable:
       return later(kAxisEnable, index, 1, on);
     case Pin::kDipXor:  // a switch that is right has the number of its card
@@ -279,46 +291,12 @@ std::vector<uint64_t> Pins::save() const {
 }
 
 bool Pins::is_possible(Pin pin, int index, uint64_t value) const {
-  switch (pin) {
-    case Pin::kCardAbsent:
-    case Pin::kPanicOpen:
-    case Pin::kSclockOpen:
-      return index >= 0 && index < cards_ && value <= 1;
-    case Pin::kDacStuck1:
-    case Pin::kDacStuck0:
-      return index >= 0 && index < 2 * cards_ && value <= kCodeMask;
-    case Pin::kAdcStuck:
-      return index >= 0 && index < 2 * cards_ && value <= 1;
-    case Pin::kIrqLost:
-      return index == 0 && value <= 1;
-    case Pin::kClockStop:  // a SoC's processor would stop with it
-      return index == 0 && value <= (Model::soc() ? 0 : 1);
-    case Pin::kIrqOpen:
-      return index == 0 && value <= (Model::soc() ? 1 : 0);
-    case Pin::kVmeA0:
-    case Pin::kVmeA1:
-      return index == 0 && value >> kVmeWidths[kVmeA] == 0;
-    case Pin::kVmeAm0:
-    case Pin::kVmeAm1:
-      return index == 0 && value >> kVmeWidths[kVmeAm] == 0;
-    case Pin::kVmeD0:
-    case Pin::kVmeD1:
-      return index == 0 && value >> kVmeWidths[kVmeD] == 0;
-    case Pin::kVmeControl0:
-    case Pin::kVmeControl1:
-      return index == 0 && value >> kVmeControlLines == 0;
-    case Pin::kPcA0:
-    case Pin::kPcA1:
-      return index == 0 && value >> kPcAddressLines == 0;
-    case Pin::kPcD0:
-    case Pin::kPcD1:
-      return index == 0 && value >> kPcDataLines == 0;
-    case Pin::kPcControl0:
-    case Pin::kPcControl1:
-      return index == 0 && value >> kPcControlLines == 0;
-    default:
-      return value == 0;
-  }
+  if (has_port(pin)) return value == 0;
+  if (pin == Pin::kIrqOpen) return index == 0 && value <= (Model::soc() ? 1 : 0);
+  if (pin == Pin::kClockStop && Model::soc()) return value == 0;  // its processor would stop, too
+  const auto &[scope, highest] = kBounds[static_cast<size_t>(pin)];
+  const int count = scope == Scope::kMachine ? 1 : scope == Scope::kCard ? cards_ : 2 * cards_;
+  return index >= 0 && index < count && value <= highest;
 }
 
 bool Pins::is_possible(const Change &c) const {

@@ -11,41 +11,16 @@
 
 namespace mmcs {
 
-// Inputs of the machine. Vectors hold one bit or field per axis or card.
+// Inputs of the machine: those of the table, and two that no event names. Vectors hold one bit or
+// field per axis or card.
 enum class Pin {
-  kSysreset,
-  kEstop,
-  kCableCut,
-  kPcOff,
-  kIrqLost,  // 1 bit
+#define PIN(pin, ...) pin,
+#include "inputs.def"
   kIrqOpen,  // 1 bit; the SoC's processor sees no interrupt
-  kAxisEnable,
-  kAdcStuck,  // 1 bit per axis
-  kCardAbsent,
-  kSclockOpen,
-  kPanicOpen,  // 1 bit per card
-  kDipXor,     // 4 bits per card
-  kDacStuck1,
-  kDacStuck0,  // 12 bits per axis
-  // lines that are held at a level: bits of a bus
-  kVmeA0,
-  kVmeA1,
-  kVmeAm0,
-  kVmeAm1,
-  kVmeD0,
-  kVmeD1,
-  kVmeControl0,
-  kVmeControl1,
-  kPcA0,
-  kPcA1,
-  kPcD0,
-  kPcD1,
-  kPcControl0,
-  kPcControl1,
-  kClockStop,  // 1 bit
-  kAdcV,       // 16 bits per axis
+  kAdcV,     // 16 bits per axis
   kCount
 };
+enum class Scope { kMachine, kCard, kAxis };  // what an index of the table counts
 
 // Ports of rtl/mmcs.sv that move during a run; kPortNames has their names, in this order.
 enum Port {

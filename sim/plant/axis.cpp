@@ -15,7 +15,8 @@ constexpr double kFullScaleVolts = 10.0;
 
 EncoderFaults faults_of(const AxisState &s) {
   EncoderFaults f;
-  for (int w = 0; w < 3; ++w) f.cut[w] = static_cast<int>(s.input[kEncoderACut + w]);
+  constexpr AxisInput kCuts[] = {kEncoderACut, kEncoderBCut, kEncoderIndexCut};
+  for (int w = 0; w < 3; ++w) f.cut[w] = static_cast<int>(s.input[kCuts[w]]);
   f.swapped = s.input[kEncoderSwap] != 0.0;
   f.no_index = s.input[kIndexMissing] != 0.0;
   f.glitch_rate[0] = f.glitch_rate[1] = s.input[kEncoderGlitch];

@@ -10,25 +10,11 @@
 
 namespace mmcs {
 
-// The inputs, in the order of Plant::input_name.
-enum Input {
-  kEncoderACut,
-  kEncoderBCut,
-  kEncoderIndexCut,
-  kEncoderSwap,
-  kEncoderGlitch,
-  kIndexGlitch,
-  kEncoderSlip,
-  kIndexMissing,
-  kPotNoise,
-  kPotCut,
-  kAmpDead,
-  kAmpSaturated,
-  kDriveOffset,
-  kBrakeStuck,
-  kLoadTorque,
-  kMotorJam,
-  kInputs
+// The inputs, in the order of the table.
+enum AxisInput {
+#define PLANT(input, ...) input,
+#include "inputs.def"
+  kAxisInputs
 };
 
 // Members of eight bytes only: no padding, comparable by bytes.
@@ -44,7 +30,7 @@ struct AxisState {
   int64_t faulty;       // 1: an input of the encoder is not 0
   uint64_t random;
   EncoderState encoder;
-  double input[kInputs];
+  double input[kAxisInputs];
 };
 
 // Bounds of the resisting torque at the motor. Breaking away needs more than `stick`; a moving

@@ -15,11 +15,10 @@ namespace mmcs {
 
 namespace {
 
-constexpr const char *kInputNames[kInputs] = {
-    "encoder_a_cut",  "encoder_b_cut", "encoder_index_cut", "encoder_swap",
-    "encoder_glitch", "index_glitch",  "encoder_slip",      "index_missing",
-    "pot_noise",      "pot_cut",       "amp_dead",          "amp_saturated",
-    "drive_offset",   "brake_stuck",   "load_torque",       "motor_jam"};
+constexpr const char *kInputNames[kAxisInputs] = {
+#define PLANT(input, name, ...) name,
+#include "inputs.def"
+};
 
 bool is_encoder_input(int input) {
   return input <= kIndexMissing;
@@ -64,7 +63,8 @@ class AxesPlant : public Plant {
   }
 
   void set_input(int input, int index, double value) override {
-    if (input < 0 || input >= kInputs) throw std::invalid_argument("the plant has no such input");
+    if (input < 0 || input >= kAxisInputs)
+      throw std::invalid_argument("the plant has no such input");
     if (index < -1 || index >= axes()) {
       throw std::invalid_argument(std::string(kInputNames[input]) + ": axis must be 0 to " +
                                   std::to_string(axes() - 1) + ", or -1 for all");
@@ -77,7 +77,7 @@ class AxesPlant : public Plant {
       if (!is_encoder_input(input)) continue;
       s.encoder.refresh = 1;
       s.faulty = 0;
-      for (int k = 0; k < kInputs; ++k) {
+      for (int k = 0; k < kAxisInputs; ++k) {
         if (is_encoder_input(k) && s.input[k] != 0.0) s.faulty = 1;
       }
     }
@@ -229,7 +229,7 @@ std::unique_ptr<Plant> Plant::create(const mmcs_config &config, const mmcs_motor
 }
 
 const char *Plant::input_name(int input) {
-  return input >= 0 && input < kInputs ? kInputNames[input] : nullptr;
+  return input >= 0 && input < kAxisInputs ? kInputNames[input] : nullptr;
 }
 
 }  // namespace mmcs

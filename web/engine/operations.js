@@ -100,7 +100,8 @@ export const OPERATIONS = {
         const [name, index] = at.split(" ");
         if (name === known.name && value !== known.healthy) values[index] = value;
       }
-      return { ...known, values };
+      const { lasting, ...told } = known;  // prettier-ignore
+      return { ...told, values };
     }),
   }),
   input: async (s, message) => {

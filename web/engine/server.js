@@ -13,7 +13,6 @@ const HEAD_BYTES = 32;
 const KEPT_ROWS = 8192;
 const KEPT_EVENTS = 4096;
 const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
-const MOMENTARY = ["host_stall", "bus_error", "encoder_slip"];
 // What a record can hold of a person's requests, as [[call]].
 const RECORDED = ["MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP",
   "MZEROSTATS"];  // prettier-ignore
@@ -124,12 +123,11 @@ export class Server {
 
   setInput(name, index, value) {
     const { sim, session } = this;
-    const momentary = name.startsWith("seu_") || MOMENTARY.includes(name);
     const result = session.playing
       ? session.personSets(name, index, value)
       : sim.addEvent(sim.time, name, index, value) ? 0 : -E.EINVAL;  // prettier-ignore
     if (result < 0) throw new Refused(E.EINVAL, `there is no input ${name} ${index}`);
-    if (!momentary) this.inputs.set(`${name} ${index}`, value);
+    if (this.setup.inputs.find((known) => known.name === name)?.lasting) this.inputs.set(`${name} ${index}`, value);
     if (!session.playing) sim.run(sim.time + 1 / sim.clk_hz);
   }
 
