@@ -127,6 +127,8 @@ module slave_props (
               "data is driven only into the cycle that is ours")
   `MMCS_PROVE(DataFirst, "4.3.1", dtack && !dtack_q && !hp_write, oe_q,
               "the drivers are on before DTACK* falls")
+  `MMCS_PROVE(QuietReset, "4.3.1", hp_req && !req_q, !reset_q,
+              "no strobe becomes a request in SYSRESET*")
   `MMCS_PROVE(Taken, "4.3.1", waits_q >= 3'd4, since_q,
               "a strobe of ours that stands becomes a request within four edges of the clock")
 

@@ -18,8 +18,8 @@ module strobe_props (
   logic seen, cycle;
   logic [1:0] number;
   vme_strobe dut (
-    .clk_i(board_clk_i), .rst_ni, .as_ni, .ds0_ni, .ours_i,
-    .number_o(number), .cycle_o(cycle), .seen_o(seen)
+    .clk_i(board_clk_i), .rst_ni, .as_ni, .ds0_ni, .match_i(ours_i),
+    .cycle_number_o(number), .selected_o(cycle), .ds0_valid_o(seen)
   );
 
   // The cycle under AS* is ours by its address as AS* fell; the strobe is another's if it stood as

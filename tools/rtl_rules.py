@@ -2,7 +2,8 @@
 """rtl/ and fpga/ hold hardware only: no name and no comment there serves a simulator.
 
 What is read, proved, covered, mutated and put on an FPGA is what runs; speed and faults come from
-outside. rtl/checkers watches buses in simulation and may say so.
+outside. rtl/checkers watches buses in simulation and may say so. `always_ff` of rtl/ holds reset
+and `q <= d`: what decides stands before it.
 """
 
 import argparse
@@ -29,6 +30,9 @@ LINT = re.compile(r"verilator lint_o\w+ \w+|__ICARUS__|verilator coverage_\w+")
 NAME = re.compile(r"[A-Za-z_]\w*")
 PART = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
+MEMORY = "rtl/soc/soc_ram.sv"  # its pattern is that of a block memory
+DECIDES = re.compile(r"\b(case|for)\b|else if|<=.*([?&|^~+!=<>]|[\w)] - )")
+
 
 def of_name(name: str) -> str | None:
     """Why a name may not stand in the hardware."""
@@ -44,8 +48,32 @@ def of_name(name: str) -> str | None:
     return None
 
 
+def deciding(text: str) -> list[int]:
+    """Lines within always_ff that hold more than reset and `q <= d`."""
+    found, depth, resets = [], None, 0
+    for number, line in enumerate(text.splitlines(), 1):
+        code = line.partition("//")[0]
+        indent = len(code) - len(code.lstrip())
+        if "always_ff" in code:
+            depth, resets = indent, 0
+        elif depth is not None and code.strip():
+            if indent < depth or (indent == depth and code.strip() != "end"):
+                depth = None
+                continue
+            resets += len(re.findall(r"\bif\b", code))
+            if resets > 1 or DECIDES.search(code):
+                found.append(number)
+    return found
+
+
 def complaints(root: Path) -> list[str]:
     found = []
+    for file in sorted(root.glob("rtl/**/*.sv")):
+        name = str(file.relative_to(root))
+        if name.startswith(CHECKERS) or name == MEMORY:
+            continue
+        for number in deciding(file.read_text()):
+            found.append(f"{name}:{number}: next state within always_ff: a net of its own decides")
     for file in sorted({f for place in PLACES for f in root.glob(place)}):
         name = str(file.relative_to(root))
         for number, line in enumerate(file.read_text().splitlines(), 1):

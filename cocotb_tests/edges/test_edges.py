@@ -26,12 +26,13 @@ def test_a_sample_of_every_sweep(bench):
 
 BROKEN = {  # file, what is broken, which sweep must see it
     "DTACK* of a withdrawn strobe": (
-        "adaptor/vme_slave.sv", "hp_ack_i & own_q &", "hp_ack_i &", "vme", "withdrawn"),
+        "adaptor/vme_slave.sv", "(answered & ds0_held_q &", "(answered &", "vme", "withdrawn"),
     "the old strobe taken for ours": (
-        "adaptor/vme_strobe.sv", "cycle_o & (strobe_q == number_q) & ~old_q & ~ds0_ni",
-        "cycle_o & ~ds0_ni", "vme", "pipeline"),
+        "adaptor/vme_strobe.sv",
+        "selected_o & (ds0_number_q == cycle_number_q) & ~ds0_stale_q & ~ds0_ni",
+        "selected_o & ~ds0_ni", "vme", "pipeline"),
     "IACKIN* high for less than a clock": (
-        "adaptor/vme_interrupter.sv", ".rst_ni(in_low), .d_i(1'b1)", ".rst_ni, .d_i(in_low)",
+        "adaptor/vme_interrupter.sv", ".rst_ni(iackin), .d_i(1'b1)", ".rst_ni, .d_i(iackin)",
         "vme", "chain"),
 }  # fmt: skip
 

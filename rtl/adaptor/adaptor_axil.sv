@@ -45,10 +45,10 @@ module adaptor_axil #(
 
   logic ready, done, outside, width, free;
   logic start_write, start_read;
-  logic write_q;       // the access under way
-  logic read_next_q;   // after a write a waiting read goes first, and the other way round
-  logic bvalid_q, rvalid_q;
-  logic [1:0] resp, resp_q;
+  logic write_d, write_q;          // the access under way
+  logic read_next_d, read_next_q;  // after a write a waiting read goes first, and the reverse
+  logic bvalid_d, bvalid_q, rvalid_d, rvalid_q;
+  logic [1:0] resp_d, resp_q;
   logic [7:0] rdata;
 
   assign free = ready & ~bvalid_q & ~rvalid_q;
@@ -74,7 +74,22 @@ module adaptor_axil #(
     .vector_i
   );
 
-  assign resp = outside ? DecErr : width ? SlvErr : Okay;
+  always_comb begin
+    write_d     = write_q;
+    read_next_d = read_next_q;
+    if (start_write || start_read) begin
+      write_d     = start_write;
+      read_next_d = start_write;
+    end
+    bvalid_d = bvalid_q & ~s_axil_bready;
+    rvalid_d = rvalid_q & ~s_axil_rready;
+    resp_d   = resp_q;
+    if (done) begin
+      bvalid_d = write_q;
+      rvalid_d = ~write_q;
+      resp_d   = outside ? DecErr : width ? SlvErr : Okay;
+    end
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -84,17 +99,11 @@ module adaptor_axil #(
       rvalid_q    <= 1'b0;
       resp_q      <= Okay;
     end else begin
-      if (start_write || start_read) begin
-        write_q     <= start_write;
-        read_next_q <= start_write;
-      end
-      if (s_axil_bready) bvalid_q <= 1'b0;
-      if (s_axil_rready) rvalid_q <= 1'b0;
-      if (done) begin
-        bvalid_q <= write_q;
-        rvalid_q <= ~write_q;
-        resp_q   <= resp;
-      end
+      write_q     <= write_d;
+      read_next_q <= read_next_d;
+      bvalid_q    <= bvalid_d;
+      rvalid_q    <= rvalid_d;
+      resp_q      <= resp_d;
     end
   end
 

@@ -14,6 +14,8 @@ module adaptor_core #(
   parameter int IochrdyLimitClks = 10,
   parameter int ResetDrvUs = 50,   // RESET DRV after the PC side's power returns
   parameter int AliveUs = 500,     // between two edges of alive_o
+  parameter bit PitNmosRewrite = 1'b1,  // see i8254_counter
+  parameter bit PitSplitCr = 1'b1,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic        clk_i,
@@ -93,13 +95,14 @@ module adaptor_core #(
   state_e                  state_d, state_q;
   logic   [LocalWidth-1:0] timer_d, timer_q;  // clocks of the strobe after the present one
   logic   [           7:0] local_rdata_d, local_rdata_q;
-  logic   [           7:0] vector_q;
+  logic   [           7:0] vector_d, vector_q;
   logic   [           7:0] pit_rdata, pccsr_rdata;
   logic                    strobe;
   logic                    local_write;       // the clock in which a written register changes
 
   assign strobe = (state_q == StStrobe);
   assign local_write = (state_q == StDone) & hp_write_i;
+  assign vector_d = (local_write & sel_vector) ? hp_wdata_i : vector_q;
 
   always_comb begin
     state_d       = state_q;
@@ -136,7 +139,7 @@ module adaptor_core #(
       state_q       <= state_d;
       timer_q       <= timer_d;
       local_rdata_q <= local_rdata_d;
-      if (local_write && sel_vector) vector_q <= hp_wdata_i;
+      vector_q      <= vector_d;
     end
   end
 
@@ -173,11 +176,14 @@ module adaptor_core #(
 
   assign hp_ack_o = bus_done | (state_q == StDone);
   // The address is held until the answer is taken, and the last answer is that of the last address.
-  logic from_pc_q;
+  logic from_pc_d, from_pc_q;
+  assign from_pc_d = hp_req_i ? sel_pc : from_pc_q;
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) from_pc_q <= 1'b0;
-    else if (hp_req_i) from_pc_q <= sel_pc;
+    else from_pc_q <= from_pc_d;
   end
+
   assign hp_rdata_o = from_pc_q ? bus_rdata : local_rdata_q;
 
   // The lines that a pulled cable lets go idle at the cards.
@@ -203,6 +209,8 @@ module adaptor_core #(
 
   /* verilator lint_off PINCONNECTEMPTY */  // nothing follows timer 2; the bus is never shared
   i8254 #(
+    .NmosRewrite(PitNmosRewrite),
+    .SplitCr(PitSplitCr),
     .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 : 32'h0)
   ) u_pit (
     .clk_i, .rst_ni,
@@ -234,19 +242,20 @@ module adaptor_core #(
 
   // After a reconnection SCLOCK reaches the cards from its next low level on: a cable that comes
   // back while it is high makes no edge.
-  logic sclock_armed_q;
+  logic sclock_armed_d, sclock_armed_q;
+  assign sclock_armed_d = link_ok & (sclock_armed_q | ~sclock_o);
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) sclock_armed_q <= 1'b0;
-    else if (!link_ok) sclock_armed_q <= 1'b0;
-    else if (!sclock_o) sclock_armed_q <= 1'b1;
+    else sclock_armed_q <= sclock_armed_d;
   end
 
   assign pc_drq_o = {2'b00, sclock_o & sclock_armed_q & link_ok} << (SclockDrq - 1);
 
   // --- panic, resets, interrupts ----------------------------------------------------------
 
-  logic [1:0] sys_reset_q;
-  logic [ResetWidth-1:0] power_timer_q;
+  logic sys_reset;
+  logic [ResetWidth-1:0] power_timer_d, power_timer_q;  // clocks that RESET DRV still stands
 
   panic #(
     .AliveClks(AliveUs * ClkMHz)
@@ -261,23 +270,32 @@ module adaptor_core #(
 
   assign link_ok = cable_ok & pc_power_o;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      sys_reset_q   <= '1;  // RESET DRV stands from power-on on
-      power_timer_q <= '0;
-    end else begin
-      sys_reset_q <= {sys_reset_q[0], sys_reset_i};
-      if (!pc_power_o) power_timer_q <= ResetWidth'(ResetDrvUs * ClkMHz);
-      else if (power_timer_q != '0) power_timer_q <= power_timer_q - 1'b1;
-    end
+  // RESET DRV stands from power-on on.
+  sync #(
+    .ResetValue(1'b1)
+  ) u_sys_reset (
+    .clk_i, .rst_ni,
+    .d_i(sys_reset_i),
+    .q_o(sys_reset)
+  );
+
+  always_comb begin
+    power_timer_d = power_timer_q;
+    if (!pc_power_o) power_timer_d = ResetWidth'(ResetDrvUs * ClkMHz);
+    else if (power_timer_q != '0) power_timer_d = power_timer_q - 1'b1;
   end
 
-  assign sys_reset_o = sys_reset_q[1];
-  assign pc_reset_drv_o = (sys_reset_q[1] & cable_ok) | (power_timer_q != '0);
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) power_timer_q <= '0;
+    else power_timer_q <= power_timer_d;
+  end
+
+  assign sys_reset_o = sys_reset;
+  assign pc_reset_drv_o = (sys_reset & cable_ok) | (power_timer_q != '0);
 
   pccsr u_pccsr (
     .clk_i, .rst_ni,
-    .sys_reset_i(sys_reset_q[1]),
+    .sys_reset_i(sys_reset),
     .write_i(local_write & sel_pccsr),
     .wdata_i(hp_wdata_i),
     .rdata_o(pccsr_rdata),

@@ -35,7 +35,7 @@ module adaptor_wb #(
 );
 
   logic start, ready, done, outside, width;
-  logic wanted_q;      // the master has not given up the access under way
+  logic wanted_d, wanted_q;  // the master has not given up the access under way
   logic [7:0] rdata;
 
   // Classic: STB stays until the answer, whose own clock starts nothing.
@@ -61,10 +61,11 @@ module adaptor_wb #(
   );
 
   // Classic: the strobe, too, must stand all the time; pipelined it goes when it is accepted.
+  assign wanted_d = start | (wanted_q & wb_cyc_i & (Pipelined | wb_stb_i));
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) wanted_q <= 1'b0;
-    else if (start) wanted_q <= 1'b1;
-    else if (!wb_cyc_i || (!Pipelined && !wb_stb_i)) wanted_q <= 1'b0;
+    else wanted_q <= wanted_d;
   end
 
   logic answer;

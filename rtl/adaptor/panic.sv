@@ -30,15 +30,17 @@ module panic #(
   localparam int Hold = 4;
 
   logic bad, tripped;
-  logic trip_q;              // set by the pins, however short; cleared when it has become PANIC
-  logic [Hold-1:0] hold_q;   // clocks that all was good
-  logic panic_q;
+  logic trip_d, trip_q;      // set by the pins, however short; cleared when it has become PANIC
+  logic [Hold-1:0] hold_d, hold_q;  // clocks that all was good
+  logic panic_d, panic_q;
 
   assign bad = ~(rst_ni & estop_closed_i & cable_ok_i & pc_power_i) | bus_panic_i;
 
+  assign trip_d = trip_q & ~(tripped & panic_q);
+
   always_ff @(posedge clk_i or posedge bad) begin
     if (bad) trip_q <= 1'b1;
-    else if (tripped && panic_q) trip_q <= 1'b0;
+    else trip_q <= trip_d;
   end
 
   sync #(
@@ -58,13 +60,16 @@ module panic #(
     .q_o({cable_ok_o, pc_power_o})
   );
 
+  assign hold_d = tripped ? '0 : {hold_q[Hold-2:0], 1'b1};
+  assign panic_d = tripped | ~hold_q[Hold-1];
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       hold_q  <= '0;
       panic_q <= 1'b1;
     end else begin
-      hold_q  <= tripped ? '0 : {hold_q[Hold-2:0], 1'b1};
-      panic_q <= tripped | ~hold_q[Hold-1];
+      hold_q  <= hold_d;
+      panic_q <= panic_d;
     end
   end
 
@@ -77,16 +82,19 @@ module panic #(
   localparam int Width = $clog2(AliveClks);
   localparam logic [Width-1:0] Last = Width'(AliveClks - 1);
 
-  logic [Width-1:0] left_q;  // clocks until alive_o changes
-  logic alive_q;
+  logic [Width-1:0] left_d, left_q;  // clocks until alive_o changes
+  logic alive_d, alive_q;
+
+  assign left_d = (left_q == '0) ? Last : left_q - 1'b1;
+  assign alive_d = alive_q ^ (left_q == '0);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       left_q  <= Last;
       alive_q <= 1'b0;
     end else begin
-      left_q  <= (left_q == '0) ? Last : left_q - 1'b1;
-      alive_q <= alive_q ^ (left_q == '0);
+      left_q  <= left_d;
+      alive_q <= alive_d;
     end
   end
 

@@ -51,30 +51,40 @@ module pcbus_master #(
   state_e                  state_d, state_q;
   logic   [TimerWidth-1:0] timer_d, timer_q;  // clocks of this state after the present one
   logic   [ WaitWidth-1:0] waits_d, waits_q;  // periods of CLK that IOCHRDY has stretched
-  logic                    write_q, ior_nq, iow_nq;
-  logic   [          15:0] a_q;
-  logic   [           7:0] d_q, rdata_q;
-  logic                    start, last, waiting, counts, command;
-  logic   [           1:0] wait_q;            // IOCHRDY is two clocks late here, and
-  logic   [           1:0] counts_q;          // as late begins the count of its periods
+  logic                    write_d, write_q, ior_nd, ior_nq, iow_nd, iow_nq;
+  logic   [          15:0] a_d, a_q;
+  logic   [           7:0] d_d, d_q, rdata_d, rdata_q;
+  logic                    last, iochrdy_low, waiting, counts, command;
+  logic   [           1:0] counts_d, counts_q;  // counting begins as late as IOCHRDY is seen
 
-  assign start = (state_q == StIdle) && start_i;
+  sync u_wait (.clk_i, .rst_ni, .d_i(pc_wait_i), .q_o(iochrdy_low));
+
   assign last = (timer_q == '0);
-  assign waiting = wait_q[1] & link_ok_i;
+  assign waiting = iochrdy_low & link_ok_i;
   assign counts = clk_en_i & counts_q[1];
   // Once the link has failed, a command ends: a cable that bounces makes no second one.
   assign command = (state_d == StCommand) & link_ok_i &
                    ((state_q != StCommand) | ~(ior_nq & iow_nq));
+  assign ior_nd = ~command | write_q;
+  assign iow_nd = ~command | ~write_q;
+  assign counts_d = {counts_q[0], state_q == StCommand && last && waiting};
 
   always_comb begin
     state_d = state_q;
     timer_d = last ? '0 : timer_q - 1'b1;
     waits_d = waits_q;
+    write_d = write_q;
+    a_d     = a_q;
+    d_d     = d_q;
+    rdata_d = rdata_q;
     case (state_q)
       StIdle: begin
         if (start_i) begin
           state_d = StSetup;
           timer_d = TimerWidth'(SideClks - 1);
+          write_d = write_i;
+          a_d     = a_i;
+          if (write_i) d_d = wdata_i;
         end
       end
       StSetup: begin
@@ -90,6 +100,7 @@ module pcbus_master #(
         end else if (last) begin
           state_d = StHold;
           timer_d = TimerWidth'(SideClks - 1);
+          rdata_d = (ior_nq || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
         end
       end
       default: if (last) state_d = StIdle;
@@ -101,7 +112,6 @@ module pcbus_master #(
       state_q  <= StIdle;
       timer_q  <= '0;
       waits_q  <= '0;
-      wait_q   <= '0;
       counts_q <= '0;
       write_q  <= 1'b0;
       a_q      <= '0;
@@ -113,16 +123,13 @@ module pcbus_master #(
       state_q  <= state_d;
       timer_q  <= timer_d;
       waits_q  <= waits_d;
-      wait_q   <= {wait_q[0], pc_wait_i};
-      counts_q <= {counts_q[0], state_q == StCommand && last && waiting};
-      if (start) write_q <= write_i;
-      if (start) a_q <= a_i;
-      if (start && write_i) d_q <= wdata_i;
-      ior_nq   <= ~command | write_q;
-      iow_nq   <= ~command | ~write_q;
-      if (state_q == StCommand && state_d == StHold) begin
-        rdata_q <= (ior_nq || waiting || !link_ok_i) ? 8'hFF : pc_d_i;
-      end
+      counts_q <= counts_d;
+      write_q  <= write_d;
+      a_q      <= a_d;
+      d_q      <= d_d;
+      ior_nq   <= ior_nd;
+      iow_nq   <= iow_nd;
+      rdata_q  <= rdata_d;
     end
   end
 

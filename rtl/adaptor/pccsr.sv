@@ -35,7 +35,7 @@ module pccsr (
   logic sclock_rise, panic_rise;
   logic armed;                           // before and after the clock
   logic sclock_latch_d, sclock_latch_q, panic_latch_d, panic_latch_q;
-  logic irq_req_q;                       // a flip-flop: IRQ* must not glitch
+  logic irq_req_d, irq_req_q;            // a flip-flop: IRQ* must not glitch
 
   always_comb begin
     csr_d = csr_q;
@@ -48,6 +48,7 @@ module pccsr (
   assign armed = csr_q[LatchEn] & csr_d[LatchEn];
   assign sclock_latch_d = armed & (sclock_latch_q | sclock_rise);
   assign panic_latch_d = armed & (panic_latch_q | panic_rise);
+  assign irq_req_d = (sclock_latch_d & csr_d[SclockEn]) | (panic_latch_d & csr_d[PanicEn]);
 
   // Starting at 1, a level that is high from the beginning is no edge.
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -64,7 +65,7 @@ module pccsr (
       panic_q        <= panic_i;
       sclock_latch_q <= sclock_latch_d;
       panic_latch_q  <= panic_latch_d;
-      irq_req_q      <= (sclock_latch_d & csr_d[SclockEn]) | (panic_latch_d & csr_d[PanicEn]);
+      irq_req_q      <= irq_req_d;
     end
   end
 

@@ -50,7 +50,10 @@ module reg_window #(
 
   state_e state_q, state_d;
   logic outside, fits, nothing, is_vector;
-  logic outside_q, width_q;
+  logic outside_d, outside_q, width_d, width_q;
+  logic hp_write_d;
+  logic [10:1] hp_a_d;
+  logic [ 7:0] hp_wdata_d, rdata_d;
 
   assign outside = a_i[AddrWidth-1:WindowWidth] != '0;
 
@@ -62,22 +65,38 @@ module reg_window #(
     assign fits = a_i[0];
   end
 
+  // There is no acknowledge cycle that would fetch the vector: its register is read.
+  assign is_vector = hp_a_o[10] & hp_a_o[6];
+
   always_comb begin
-    state_d = state_q;
+    state_d    = state_q;
+    outside_d  = outside_q;
+    width_d    = width_q;
+    hp_write_d = hp_write_o;
+    hp_a_d     = hp_a_o;
+    hp_wdata_d = hp_wdata_o;
+    rdata_d    = rdata_o;
     case (state_q)
       StIdle: begin
-        if (start_i && (outside || !fits || nothing)) state_d = StDone;
-        else if (start_i) state_d = StRequest;
+        if (start_i) begin
+          state_d    = (outside || !fits || nothing) ? StDone : StRequest;
+          outside_d  = outside;
+          width_d    = ~outside & ~fits;
+          hp_write_d = write_i;
+          hp_a_d     = (Words != 0) ? a_i[11:2] : a_i[10:1];
+          hp_wdata_d = wdata_i;
+          rdata_d    = '1;
+        end
       end
       StRequest: begin
-        if (hp_ack_i) state_d = StDone;
+        if (hp_ack_i) begin
+          state_d = StDone;
+          rdata_d = is_vector ? vector_i : hp_rdata_i;
+        end
       end
       default: state_d = StIdle;
     endcase
   end
-
-  // There is no acknowledge cycle that would fetch the vector: its register is read.
-  assign is_vector = hp_a_o[10] & hp_a_o[6];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -89,16 +108,13 @@ module reg_window #(
       hp_wdata_o <= '0;
       rdata_o    <= '1;
     end else begin
-      state_q <= state_d;
-      if (state_q == StIdle && start_i) begin
-        outside_q  <= outside;
-        width_q    <= ~outside & ~fits;
-        hp_write_o <= write_i;
-        hp_a_o     <= (Words != 0) ? a_i[11:2] : a_i[10:1];
-        hp_wdata_o <= wdata_i;
-        rdata_o    <= '1;
-      end
-      if (hp_req_o && hp_ack_i) rdata_o <= is_vector ? vector_i : hp_rdata_i;
+      state_q    <= state_d;
+      outside_q  <= outside_d;
+      width_q    <= width_d;
+      hp_write_o <= hp_write_d;
+      hp_a_o     <= hp_a_d;
+      hp_wdata_o <= hp_wdata_d;
+      rdata_o    <= rdata_d;
     end
   end
 

@@ -25,11 +25,13 @@ module sysclk #(
     localparam logic [Width-1:0] Last = Width'(Div - 1);
     localparam logic [Width-1:0] Half = Width'(Div / 2);
 
-    logic [Width-1:0] phase_q;
+    logic [Width-1:0] phase_d, phase_q;
+
+    assign phase_d = (phase_q == Last) ? '0 : phase_q + 1'b1;
 
     always_ff @(posedge clk_i or negedge rst_ni) begin
       if (!rst_ni) phase_q <= '0;
-      else phase_q <= (phase_q == Last) ? '0 : phase_q + 1'b1;
+      else phase_q <= phase_d;
     end
 
     assign rise_o = (phase_q == '0);

@@ -26,54 +26,59 @@ module vme_interrupter #(
   output logic             dtack_o        // pull DTACK* low
 );
 
-  logic strobed, low;           // a data strobe is low: the pins; synchronised
-  logic level, seen;            // an acknowledge of our level; its DS0*
-  logic [1:0] number, number_q; // of the bus cycle; of that in which IACKIN* fell
-  logic mine_q;                 // it found us asking: answered, else passed on
-  logic in_low, in, here;       // IACKIN* is low; synchronised; in the same bus cycle still
-  logic void_q;                 // answered already, or SYSRESET* came in between
-  logic answers, answer_q;
+  logic ds_any, ds_any_sync;     // a data strobe is low: the pins; synchronised
+  logic level_match, ds0_valid;  // an acknowledge of our level; its DS0*
+  logic [1:0] cycle_number, iackin_number_q;  // of the bus cycle; of that in which IACKIN* fell
+  logic respond_d, respond_q;    // it found us asking: answered, else passed on
+  logic iackin, iackin_sync;     // IACKIN* is low: the pin; synchronised
+  logic iackin_valid;            // in the same bus cycle still
+  logic done_d, done_q;          // answered already, or SYSRESET* came in between
+  logic answer_start, answer_d, answer_q;
 
-  assign strobed = ~(&vme_ds_ni);
+  assign ds_any = ~(&vme_ds_ni);
 
   vme_strobe u_strobe (
     .clk_i, .rst_ni,
     .as_ni(vme_as_ni),
     .ds0_ni(vme_ds_ni[0]),
-    .ours_i(~vme_iack_ni && vme_a_i == 3'(AckLevel)),
-    .number_o(number),
-    .cycle_o(level),
-    .seen_o(seen)
+    .match_i(~vme_iack_ni && vme_a_i == 3'(AckLevel)),
+    .cycle_number_o(cycle_number),
+    .selected_o(level_match),
+    .ds0_valid_o(ds0_valid)
   );
 
+  assign respond_d = IrqLevel == AckLevel && irq_req_i && level_match;
+
   always_ff @(negedge vme_iackin_ni or negedge rst_ni) begin
-    if (!rst_ni) {mine_q, number_q} <= '0;
-    else {mine_q, number_q} <= {IrqLevel == AckLevel && irq_req_i && level, number};
+    if (!rst_ni) {respond_q, iackin_number_q} <= '0;
+    else {respond_q, iackin_number_q} <= {respond_d, cycle_number};
   end
 
   // Low with IACKIN* high, at once.
-  assign in_low = ~vme_iackin_ni;
-  sync u_in (.clk_i, .rst_ni(in_low), .d_i(1'b1), .q_o(in));
-  sync u_low (.clk_i, .rst_ni, .d_i(strobed), .q_o(low));
+  assign iackin = ~vme_iackin_ni;
+  sync u_iackin (.clk_i, .rst_ni(iackin), .d_i(1'b1), .q_o(iackin_sync));
+  sync u_ds_any (.clk_i, .rst_ni, .d_i(ds_any), .q_o(ds_any_sync));
 
-  assign here = in & (number_q == number);
-  assign answers = here & mine_q & ~void_q & seen & low & ~sys_reset_i;
+  assign iackin_valid = iackin_sync & (iackin_number_q == cycle_number);
+  assign answer_start = iackin_valid & respond_q & ~done_q & ds0_valid & ds_any_sync & ~sys_reset_i;
+  assign done_d = sys_reset_i | answer_q | (done_q & iackin_sync);
+  assign answer_d = answer_q ? (ds_any_sync & ~sys_reset_i) : answer_start;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      void_q   <= 1'b0;
+      done_q   <= 1'b0;
       answer_q <= 1'b0;
     end else begin
-      void_q   <= sys_reset_i | answer_q | (void_q & in);
-      answer_q <= answer_q ? (low & ~sys_reset_i) : answers;
+      done_q   <= done_d;
+      answer_q <= answer_d;
     end
   end
 
-  assign vme_iackout_no = ~(here & ~mine_q & ~answer_q & ~vme_as_ni);
+  assign vme_iackout_no = ~(iackin_valid & ~respond_q & ~answer_q & ~vme_as_ni);
   assign vme_irq_no = ~({6'b0, irq_req_i} << (IrqLevel - 1));
-  assign dtack_o = answer_q & low;
+  assign dtack_o = answer_q & ds_any_sync;
   // Not after both strobes were high: a strobe there is already the next cycle's.
-  assign d_oe_o = (answers | answer_q) & low & strobed;
+  assign d_oe_o = (answer_start | answer_q) & ds_any_sync & ds_any;
 
 endmodule
 

@@ -36,21 +36,21 @@ module vme_slave #(
   localparam logic [5:0] AmShortUser = 6'h29;
   localparam logic [5:0] AmShortSupervisor = 6'h2D;
 
-  logic ours, strobed, ds0_n, ds0, seen;
-  logic low;                   // a data strobe is low, synchronised
-  logic busy_q;                // a strobe was taken: this flip-flop decides
-  logic done_q;                // the host port has answered
-  logic own_q;                 // neither DS0* high nor SYSRESET* since it was taken
-  logic answer_q;              // DTACK*, if it had not been high when the host port answered
-  logic keep;
-  logic [10:1] bus_a_q, hp_a_q;
-  logic [ 7:0] bus_d_q, hp_wdata_q;
-  logic bus_write_q, hp_write_q;
+  logic match, ds0_n, ds0, ds0_valid;
+  logic ds_any, ds_any_sync;     // a data strobe is low: the pins; synchronised
+  logic busy_d, busy_q;          // a strobe was taken: this flip-flop decides
+  logic done_d, done_q;          // the host port has answered
+  logic ds0_held_d, ds0_held_q;  // neither DS0* high nor SYSRESET* since it was taken
+  logic answer_d, answer_q;      // DTACK*, if it had not been high when the host port answered
+  logic hold_answer, answered;
+  logic [10:1] bus_a_q, hp_a_d, hp_a_q;
+  logic [ 7:0] bus_d_q, hp_wdata_d, hp_wdata_q;
+  logic bus_write, bus_write_q, hp_write_d, hp_write_q;
 
-  assign strobed = ~(&vme_ds_ni);
+  assign ds_any = ~(&vme_ds_ni);
   assign ds0_n = vme_ds_ni[0];
   assign ds0 = ~ds0_n;
-  assign ours = vme_iack_ni && vme_lword_ni && (vme_a_i[15:11] == BaseA15A11) &&
+  assign match = vme_iack_ni && vme_lword_ni && (vme_a_i[15:11] == BaseA15A11) &&
                 (vme_am_i == AmShortUser || vme_am_i == AmShortSupervisor);
 
   /* verilator lint_off PINCONNECTEMPTY */
@@ -58,31 +58,41 @@ module vme_slave #(
     .clk_i, .rst_ni,
     .as_ni(vme_as_ni),
     .ds0_ni(ds0_n),
-    .ours_i(ours),
-    .number_o(),
-    .cycle_o(),
-    .seen_o(seen)
+    .match_i(match),
+    .cycle_number_o(),
+    .selected_o(),
+    .ds0_valid_o(ds0_valid)
   );
   /* verilator lint_on PINCONNECTEMPTY */
 
-  sync u_low (.clk_i, .rst_ni, .d_i(strobed), .q_o(low));
+  sync u_ds_any (.clk_i, .rst_ni, .d_i(ds_any), .q_o(ds_any_sync));
 
   always_ff @(negedge vme_as_ni or negedge rst_ni) begin
     if (!rst_ni) bus_a_q <= '0;
     else bus_a_q <= vme_a_i[10:1];
   end
 
+  assign bus_write = ~vme_write_ni;
+
   always_ff @(negedge ds0_n or negedge rst_ni) begin
     if (!rst_ni) {bus_write_q, bus_d_q} <= '0;
-    else {bus_write_q, bus_d_q} <= {~vme_write_ni, vme_d_i};
+    else {bus_write_q, bus_d_q} <= {bus_write, vme_d_i};
   end
+
+  assign ds0_held_d = (ds0_held_q | ~busy_q) & ~sys_reset_i;
 
   always_ff @(posedge clk_i or negedge ds0) begin
-    if (!ds0) own_q <= 1'b0;
-    else own_q <= (own_q | ~busy_q) & ~sys_reset_i;
+    if (!ds0) ds0_held_q <= 1'b0;
+    else ds0_held_q <= ds0_held_d;
   end
 
-  assign keep = answer_q & low & ~sys_reset_i;
+  assign hold_answer = answer_q & ds_any_sync & ~sys_reset_i;
+  assign answered = busy_q & hp_ack_i;
+  assign busy_d = busy_q ? (~done_q | hold_answer) : (ds0_valid & ds_any_sync & ~sys_reset_i);
+  assign done_d = done_q ? hold_answer : answered;
+  assign answer_d = done_q ? hold_answer : (answered & ds0_held_q & ~sys_reset_i);
+  assign {hp_a_d, hp_wdata_d, hp_write_d} = busy_q ? {hp_a_q, hp_wdata_q, hp_write_q} :
+                                                     {bus_a_q, bus_d_q, bus_write_q};
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -93,14 +103,12 @@ module vme_slave #(
       hp_wdata_q <= '0;
       hp_write_q <= 1'b0;
     end else begin
-      busy_q   <= busy_q ? (~done_q | keep) : (seen & low & ~sys_reset_i);
-      done_q   <= done_q ? keep : (busy_q & hp_ack_i);
-      answer_q <= done_q ? keep : (busy_q & hp_ack_i & own_q & ~sys_reset_i);
-      if (!busy_q) begin
-        hp_a_q     <= bus_a_q;
-        hp_wdata_q <= bus_d_q;
-        hp_write_q <= bus_write_q;
-      end
+      busy_q     <= busy_d;
+      done_q     <= done_d;
+      answer_q   <= answer_d;
+      hp_a_q     <= hp_a_d;
+      hp_wdata_q <= hp_wdata_d;
+      hp_write_q <= hp_write_d;
     end
   end
 
@@ -108,9 +116,9 @@ module vme_slave #(
   assign hp_a_o = hp_a_q;
   assign hp_wdata_o = hp_wdata_q;
   assign hp_write_o = hp_write_q;
-  assign dtack_o = answer_q & low;
+  assign dtack_o = answer_q & ds_any_sync;
   // Not after both strobes were high: a strobe there is already the next cycle's.
-  assign d_oe_o = busy_q & (own_q | answer_q) & ~hp_write_q & low & strobed;
+  assign d_oe_o = busy_q & (ds0_held_q | answer_q) & ~hp_write_q & ds_any_sync & ds_any;
 
   `MMCS_ASSERT(DtackAfterRequest, !answer_q || done_q,
                "DTACK* is low only while an access is being answered")

@@ -17,50 +17,54 @@ module vme_strobe (
   // Asynchronous
   input  wire logic       as_ni,
   input  wire logic       ds0_ni,
-  input  wire logic       ours_i,    // the cycle that the address lines show is of our kind
-  output logic      [1:0] number_o,  // of the cycle; changes as AS* rises
-  output logic            cycle_o,   // the cycle is ours, from the fall of AS* to its rise
+  input  wire logic       match_i,         // the cycle that the address lines show is of our kind
+  output logic      [1:0] cycle_number_o,  // changes as AS* rises
+  output logic            selected_o,      // the cycle is ours, from the fall of AS* to its rise
   // Synchronised; low with DS0* high, at once: it has one reader
-  output logic            seen_o
+  output logic            ds0_valid_o
 );
 
-  logic [1:0] number_q;  // of this cycle: 0, 1, 3, 2
-  logic [1:0] ours_q;    // at the fall of AS*: the number if the cycle was ours, else its opposite
-  logic [1:0] strobe_q;  // at the fall of DS0*: the number
-  logic       old_q;     // this strobe stood as AS* rose, were it four cycles ago
+  logic [1:0] cycle_number_d, cycle_number_q;  // of this cycle: 0, 1, 3, 2
+  logic [1:0] match_number_d, match_number_q;  // at the fall of AS*: the number if the cycle was
+                                               // ours, else its opposite
+  logic [1:0] ds0_number_q;                    // at the fall of DS0*: the number
+  logic       ds0_stale_q;  // this strobe stood as AS* rose, were it four cycles ago
+
+  assign cycle_number_d = {cycle_number_q[0], ~cycle_number_q[1]};
+  assign match_number_d = match_i ? cycle_number_q : ~cycle_number_q;
 
   always_ff @(posedge as_ni or negedge rst_ni) begin
-    if (!rst_ni) number_q <= 2'b00;
-    else number_q <= {number_q[0], ~number_q[1]};
+    if (!rst_ni) cycle_number_q <= 2'b00;
+    else cycle_number_q <= cycle_number_d;
   end
 
   always_ff @(negedge as_ni or negedge rst_ni) begin
-    if (!rst_ni) ours_q <= 2'b11;
-    else ours_q <= ours_i ? number_q : ~number_q;
+    if (!rst_ni) match_number_q <= 2'b11;
+    else match_number_q <= match_number_d;
   end
 
   always_ff @(negedge ds0_ni or negedge rst_ni) begin
-    if (!rst_ni) strobe_q <= 2'b10;  // a strobe that stands through reset is old
-    else strobe_q <= number_q;
+    if (!rst_ni) ds0_number_q <= 2'b10;  // a strobe that stands through reset is old
+    else ds0_number_q <= cycle_number_q;
   end
 
-  logic low;
-  assign low = ~ds0_ni;
+  logic ds0;
+  assign ds0 = ~ds0_ni;
 
-  always_ff @(posedge as_ni or negedge low) begin
-    if (!low) old_q <= 1'b0;
-    else old_q <= 1'b1;
+  always_ff @(posedge as_ni or negedge ds0) begin
+    if (!ds0) ds0_stale_q <= 1'b0;
+    else ds0_stale_q <= 1'b1;
   end
 
-  assign number_o = number_q;
-  assign cycle_o = (ours_q == number_q);
+  assign cycle_number_o = cycle_number_q;
+  assign selected_o = (match_number_q == cycle_number_q);
 
   // The second flip-flop is high only if DS0* has been low without a break since the first took it.
-  sync u_seen (
+  sync u_ds0_valid (
     .clk_i,
-    .rst_ni(low),
-    .d_i(cycle_o & (strobe_q == number_q) & ~old_q & ~ds0_ni),
-    .q_o(seen_o)
+    .rst_ni(ds0),
+    .d_i(selected_o & (ds0_number_q == cycle_number_q) & ~ds0_stale_q & ~ds0_ni),
+    .q_o(ds0_valid_o)
   );
 
 endmodule

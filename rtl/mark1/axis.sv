@@ -8,6 +8,7 @@ module axis #(
   parameter bit DacSpan10 = 1'b0,            // E007-E008
   parameter int ConvClks = 200,
   parameter int HeartbeatClks = 400_000,
+  parameter int EncoderFilter = 0,           // further equal samples that A, B and I must show
   // What stands in the chips before they are told anything
   parameter logic [11:0] DacPowerUp = 12'h800,
   parameter logic [11:0] AdcPowerUp = 12'h000,
@@ -52,11 +53,14 @@ module axis #(
   // --- index latch --------------------------------------------------------------------------
 
   // A and B pass two flip-flops in the counter and are counted at the third clock. The index passes
-  // three, so that an edge of A or B which comes with it is in the count that it latches.
-  logic [2:0] index_sync_q;
-  logic index, index_q, index_latch_q;
+  // three, so that an edge of A or B which comes with it is in the count that it latches; a filter
+  // delays both alike.
+  logic [2+EncoderFilter:0] index_sync_d, index_sync_q;
+  logic index, index_q, index_latch_d, index_latch_q;
 
-  assign index = index_sync_q[2] & index_en_i;
+  assign index = (&index_sync_q[2+EncoderFilter:2]) & index_en_i;
+  assign index_sync_d = clk_en_i ? {index_sync_q[1+EncoderFilter:0], i_i} : index_sync_q;
+  assign index_latch_d = index_en_i & (index_latch_q | index);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -64,9 +68,9 @@ module axis #(
       index_q       <= 1'b0;
       index_latch_q <= 1'b0;
     end else begin
-      if (clk_en_i) index_sync_q <= {index_sync_q[1:0], i_i};
+      index_sync_q  <= index_sync_d;
       index_q       <= index;
-      index_latch_q <= index_en_i & (index_latch_q | index);
+      index_latch_q <= index_latch_d;
     end
   end
 
@@ -76,6 +80,7 @@ module axis #(
 
   /* verilator lint_off PINCONNECTEMPTY */  // debugging outputs
   thct2000 #(
+    .Filter(EncoderFilter),
     .PowerUp(CountPowerUp)
   ) u_encoder (
     .clk_i, .rst_ni, .reset_i, .clk_en_i,

@@ -18,6 +18,7 @@ module mark1 #(
   parameter int RelayUs = 1_000,
   parameter int HeartbeatUs = 50_000,
   parameter logic [7:0] PpiFloatB = 8'h00,      // what the board sees while port B floats
+  parameter int EncoderFilter = 0,              // further equal samples of A, B and I, 0 to 3
   parameter logic [31:0] PowerUpSeed = 32'h0    // else chips without reset wake with contents of it
 ) (
   input  wire logic        clk_i,
@@ -178,11 +179,12 @@ module mark1 #(
 
   for (genvar j = 0; j < 2; j++) begin : g_axis
     // Set by the pin, however short; the clock of the counters takes it back once it has seen it.
-    logic index_pin, index_q;
+    logic index_pin, index_d, index_q;
     assign index_pin = enc_i_i[j];
+    assign index_d = index_q & ~pc_clk_en_i;
     always_ff @(posedge clk_i or posedge index_pin) begin
       if (index_pin) index_q <= 1'b1;
-      else if (pc_clk_en_i) index_q <= 1'b0;
+      else index_q <= index_d;
     end
     assign index[j] = index_q;
 
@@ -191,6 +193,7 @@ module mark1 #(
       .DacSpan10(DacSpan10[j]),
       .ConvClks(ConvClks),
       .HeartbeatClks(BeatClks),
+      .EncoderFilter(EncoderFilter),
       .DacPowerUp(DacPowerUp[12*j+:12]),
       .AdcPowerUp(AdcPowerUp[12*j+:12]),
       .CountPowerUp(CountPowerUp[16*j+:16])
@@ -243,10 +246,12 @@ module mark1 #(
   // --- PANIC and lights ---------------------------------------------------------------------
 
   // From a flip-flop: whoever hears the line takes any pulse of it, however short.
-  logic panic_q;
+  logic panic_d, panic_q;
+  assign panic_d = |(axis_enable_q & ~heartbeat);
+
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) panic_q <= 1'b0;
-    else panic_q <= |(axis_enable_q & ~heartbeat);
+    else panic_q <= panic_d;
   end
 
   assign pc_irq_o = {4'b0000, panic_q} << (PanicIrq - 3);

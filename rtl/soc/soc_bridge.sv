@@ -47,9 +47,12 @@ module soc_bridge #(
 
   // --- processor's side -------------------------------------------------------------------
 
-  logic clock_q, write_q;
-  logic [10:1] a_q;
-  logic [ 7:0] wdata_q;
+  logic clock_d, clock_q, write_d, write_q;
+  logic [10:1] a_d, a_q;
+  logic [ 7:0] wdata_d, wdata_q;
+
+  assign {clock_d, write_d, a_d, wdata_d} = start_i ? {clock_i, write_i, a_i, wdata_i} :
+                                                      {clock_q, write_q, a_q, wdata_q};
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -57,11 +60,11 @@ module soc_bridge #(
       write_q <= 1'b0;
       a_q     <= '0;
       wdata_q <= '0;
-    end else if (start_i) begin
-      clock_q <= clock_i;
-      write_q <= write_i;
-      a_q     <= a_i;
-      wdata_q <= wdata_i;
+    end else begin
+      clock_q <= clock_d;
+      write_q <= write_d;
+      a_q     <= a_d;
+      wdata_q <= wdata_d;
     end
   end
 
@@ -76,10 +79,13 @@ module soc_bridge #(
 
   // --- adaptor's side ---------------------------------------------------------------------
 
-  state_e state_q;
-  logic [TimerWidth-1:0] timer_q;
-  logic [31:0] answer_q;
-  logic err_q;
+  state_e state_d, state_q;
+  logic [TimerWidth-1:0] timer_d, timer_q;
+  logic [31:0] answer_d, answer_q;
+  logic err_d, err_q;
+  logic hp_req_d, hp_write_d;
+  logic [10:1] hp_a_d;
+  logic [ 7:0] hp_wdata_d;
   logic expired;
 
   assign expired = (timer_q == TimerWidth'(TimeoutClks));
@@ -95,6 +101,33 @@ module soc_bridge #(
     end
   end
 
+  always_comb begin
+    state_d    = state_q;
+    timer_d    = (far_req && !finish) ? timer_q + 1'b1 : '0;
+    answer_d   = answer_q;
+    err_d      = err_q;
+    hp_req_d   = hp_req_o;
+    hp_write_d = hp_write_o;
+    hp_a_d     = hp_a_o;
+    hp_wdata_d = hp_wdata_o;
+    if (finish) begin
+      answer_d = clock_q ? us_i : {24'd0, hp_rdata_i};
+      err_d    = !clock_q && !(state_q == StAccess && hp_ack_i);
+    end
+    if (hp_req_o && hp_ack_i) begin
+      hp_req_d = 1'b0;
+      state_d  = StIdle;
+    end else if (state_q == StIdle && far_req && !finish) begin
+      hp_req_d   = 1'b1;
+      hp_write_d = write_q;
+      hp_a_d     = a_q;
+      hp_wdata_d = wdata_q;
+      state_d    = StAccess;
+    end else if (state_q == StAccess && finish) begin
+      state_d = StLate;
+    end
+  end
+
   always_ff @(posedge far_clk_i or negedge far_rst_ni) begin
     if (!far_rst_ni) begin
       state_q    <= StIdle;
@@ -106,26 +139,14 @@ module soc_bridge #(
       hp_a_o     <= '0;
       hp_wdata_o <= '0;
     end else begin
-      if (!far_req || finish) timer_q <= '0;
-      else timer_q <= timer_q + 1'b1;
-
-      if (finish) begin
-        answer_q <= clock_q ? us_i : {24'd0, hp_rdata_i};
-        err_q    <= !clock_q && !(state_q == StAccess && hp_ack_i);
-      end
-
-      if (hp_req_o && hp_ack_i) begin
-        hp_req_o <= 1'b0;
-        state_q  <= StIdle;
-      end else if (state_q == StIdle && far_req && !finish) begin
-        hp_req_o   <= 1'b1;
-        hp_write_o <= write_q;
-        hp_a_o     <= a_q;
-        hp_wdata_o <= wdata_q;
-        state_q    <= StAccess;
-      end else if (state_q == StAccess && finish) begin
-        state_q <= StLate;
-      end
+      state_q    <= state_d;
+      timer_q    <= timer_d;
+      answer_q   <= answer_d;
+      err_q      <= err_d;
+      hp_req_o   <= hp_req_d;
+      hp_write_o <= hp_write_d;
+      hp_a_o     <= hp_a_d;
+      hp_wdata_o <= hp_wdata_d;
     end
   end
 

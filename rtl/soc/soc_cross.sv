@@ -21,9 +21,14 @@ module soc_cross (
   input  wire logic far_finish_i  // one clock
 );
 
-  logic ask_q, answer_q;        // each side's own flip-flop; equal: nothing is under way
+  // Each side's own flip-flop; equal: nothing is under way
+  logic ask_d, ask_q, answer_d, answer_q;
   logic [1:0] answer_sync_q, ask_sync_q;
-  logic busy_q;
+  logic busy_d, busy_q;
+
+  assign ask_d = ask_q ^ start_i;
+  assign busy_d = start_i | (busy_q & ~done_o);
+  assign answer_d = far_finish_i ? ask_sync_q[1] : answer_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -31,13 +36,9 @@ module soc_cross (
       busy_q        <= 1'b0;
       answer_sync_q <= '0;
     end else begin
+      ask_q         <= ask_d;
+      busy_q        <= busy_d;
       answer_sync_q <= {answer_sync_q[0], answer_q};
-      if (start_i) begin
-        ask_q  <= ~ask_q;
-        busy_q <= 1'b1;
-      end else if (done_o) begin
-        busy_q <= 1'b0;
-      end
     end
   end
 
@@ -49,8 +50,8 @@ module soc_cross (
       answer_q   <= 1'b0;
       ask_sync_q <= '0;
     end else begin
+      answer_q   <= answer_d;
       ask_sync_q <= {ask_sync_q[0], ask_q};
-      if (far_finish_i) answer_q <= ask_sync_q[1];
     end
   end
 

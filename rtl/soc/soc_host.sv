@@ -49,9 +49,15 @@ module soc_host #(
 
   logic [1:0] run_q, irq_q;
   logic [2:0] ring_q;
-  logic ring_far_q;                  // flips with each ring
-  logic rst_first_q, cpu_rst_n, core_rst_nq, doorbell_q;
-  logic slow_q;
+  logic ring_far_d, ring_far_q;      // flips with each ring
+  logic rst_first_q, cpu_rst_n, core_rst_nd, core_rst_nq, doorbell_d, doorbell_q;
+  logic slow_d, slow_q;
+  logic doorbell_off;
+
+  assign ring_far_d = ring_far_q ^ ring_i;
+  // never released into the answer of an access from before
+  assign core_rst_nd = run_q[1] && (core_rst_nq || !slow_q);
+  assign doorbell_d = (ring_q[2] != ring_q[1]) || (doorbell_q && !doorbell_off);
 
   always_ff @(posedge cpu_clk_i or negedge rst_ni) begin
     if (!rst_ni) {cpu_rst_n, rst_first_q} <= '0;
@@ -60,10 +66,9 @@ module soc_host #(
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) ring_far_q <= 1'b0;
-    else if (ring_i) ring_far_q <= ~ring_far_q;
+    else ring_far_q <= ring_far_d;
   end
 
-  logic doorbell_off;
   always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
     if (!cpu_rst_n) begin
       run_q       <= '0;
@@ -72,19 +77,17 @@ module soc_host #(
       core_rst_nq <= 1'b0;
       doorbell_q  <= 1'b0;
     end else begin
-      run_q  <= {run_q[0], run_i};
-      irq_q  <= {irq_q[0], irq_i};
-      ring_q <= {ring_q[1:0], ring_far_q};
-      // never released into the answer of an access from before
-      core_rst_nq <= run_q[1] && (core_rst_nq || !slow_q);
-      if (ring_q[2] != ring_q[1]) doorbell_q <= 1'b1;
-      else if (doorbell_off) doorbell_q <= 1'b0;
+      run_q       <= {run_q[0], run_i};
+      irq_q       <= {irq_q[0], irq_i};
+      ring_q      <= {ring_q[1:0], ring_far_q};
+      core_rst_nq <= core_rst_nd;
+      doorbell_q  <= doorbell_d;
     end
   end
 
   // --- processor --------------------------------------------------------------------------
 
-  logic instr_req, instr_rvalid_q, instr_err_q;
+  logic instr_req, instr_rvalid_q, instr_err_d, instr_err_q;
   logic [31:0] instr_addr, instr_rdata;
   logic data_req, data_gnt, data_rvalid, data_we, data_err;
   logic [3:0] data_be;
@@ -114,9 +117,9 @@ module soc_host #(
   // --- memory -----------------------------------------------------------------------------
 
   logic in_ram, ram_req, box_far_req, box_use, box_used_q;
-  logic [31:0] ram_rdata, box_wdata_q;
-  logic [RamWidth-1:0] box_a_q;
-  logic box_write_q;
+  logic [31:0] ram_rdata, box_wdata_d, box_wdata_q;
+  logic [RamWidth-1:0] box_a_d, box_a_q;
+  logic box_write_d, box_write_q;
 
   assign in_ram = (data_addr[31:RamWidth+2] == '0);
   // The window takes the clocks that the processor leaves.
@@ -138,13 +141,15 @@ module soc_host #(
     .rdata_o(ram_rdata)
   );
 
+  assign instr_err_d = (instr_addr[31:RamWidth+2] != '0);
+
   always_ff @(posedge cpu_clk_i or negedge core_rst_nq) begin
     if (!core_rst_nq) begin
       instr_rvalid_q <= 1'b0;
       instr_err_q    <= 1'b0;
     end else begin
       instr_rvalid_q <= instr_req;
-      instr_err_q    <= instr_addr[31:RamWidth+2] != '0;
+      instr_err_q    <= instr_err_d;
     end
   end
 
@@ -159,7 +164,7 @@ module soc_host #(
   place_e place;                     // who must answer, later
   logic good;                        // memory, or a register that answers at once
   logic whole, is_reg, is_control, accepted;
-  logic quick_q, quick_err_q;        // an answer in this clock
+  logic quick_d, quick_q, quick_err_d, quick_err_q;  // an answer in this clock
   logic bridge_done, bridge_err, bridge_busy;
   logic report_done, report_busy, report_far_req;
   logic [31:0] bridge_rdata;
@@ -187,6 +192,9 @@ module soc_host #(
   assign data_gnt = data_req && !slow_q;
   assign accepted = data_gnt;
   assign ram_req = accepted && in_ram;
+  assign quick_d = accepted && (place == PcNone);
+  assign quick_err_d = quick_d && !good;
+  assign slow_d = (accepted && (place != PcNone)) || (slow_q && !bridge_done && !report_done);
 
   always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
     if (!cpu_rst_n) begin
@@ -194,10 +202,9 @@ module soc_host #(
       quick_q     <= 1'b0;
       quick_err_q <= 1'b0;
     end else begin
-      quick_q     <= accepted && (place == PcNone);
-      quick_err_q <= accepted && (place == PcNone) && !good;
-      if (accepted && (place != PcNone)) slow_q <= 1'b1;
-      else if (bridge_done || report_done) slow_q <= 1'b0;
+      slow_q      <= slow_d;
+      quick_q     <= quick_d;
+      quick_err_q <= quick_err_d;
     end
   end
 
@@ -207,18 +214,21 @@ module soc_host #(
 
   // --- registers and clock: through the bridge --------------------------------------------
 
-  logic [PreWidth-1:0] pre_q;
-  logic [31:0] us_q;
+  logic [PreWidth-1:0] pre_d, pre_q;
+  logic [31:0] us_d, us_q;
+  logic us_ends;
+
+  assign us_ends = (pre_q == PreWidth'(ClkMHz - 1));
+  assign pre_d = us_ends ? '0 : pre_q + 1'b1;
+  assign us_d = us_q + 32'(us_ends);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       pre_q <= '0;
       us_q  <= '0;
-    end else if (pre_q == PreWidth'(ClkMHz - 1)) begin
-      pre_q <= '0;
-      us_q  <= us_q + 1'b1;
     end else begin
-      pre_q <= pre_q + 1'b1;
+      pre_q <= pre_d;
+      us_q  <= us_d;
     end
   end
 
@@ -245,11 +255,13 @@ module soc_host #(
   // --- reports ----------------------------------------------------------------------------
 
   logic report_start;
+  logic [7:0] report_d;
   assign report_start = accepted && (place == PcReport);
+  assign report_d = report_start ? data_wdata[7:0] : report_o;
 
   always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
     if (!cpu_rst_n) report_o <= '0;
-    else if (report_start) report_o <= data_wdata[7:0];
+    else report_o <= report_d;
   end
 
   soc_cross u_report (
@@ -272,6 +284,9 @@ module soc_host #(
 
   // not in the clock of its ack: the request there is still the old one
   assign box_start = box_req_i && !box_busy && !box_ack_o;
+  assign {box_write_d, box_a_d, box_wdata_d} =
+      box_start ? {box_write_i, box_a_i[RamWidth+1:2], box_wdata_i} :
+                  {box_write_q, box_a_q, box_wdata_q};
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -280,12 +295,10 @@ module soc_host #(
       box_wdata_q <= '0;
       box_ack_o   <= 1'b0;
     end else begin
-      box_ack_o <= box_done;
-      if (box_start) begin
-        box_write_q <= box_write_i;
-        box_a_q     <= box_a_i[RamWidth+1:2];
-        box_wdata_q <= box_wdata_i;
-      end
+      box_write_q <= box_write_d;
+      box_a_q     <= box_a_d;
+      box_wdata_q <= box_wdata_d;
+      box_ack_o   <= box_done;
     end
   end
 
@@ -300,13 +313,16 @@ module soc_host #(
     .far_finish_i(box_used_q)
   );
 
+  logic [31:0] box_rdata_d;
+  assign box_rdata_d = box_used_q ? ram_rdata : box_rdata_o;
+
   always_ff @(posedge cpu_clk_i or negedge cpu_rst_n) begin
     if (!cpu_rst_n) begin
       box_used_q  <= 1'b0;
       box_rdata_o <= '0;
     end else begin
-      box_used_q <= box_use;
-      if (box_used_q) box_rdata_o <= ram_rdata;
+      box_used_q  <= box_use;
+      box_rdata_o <= box_rdata_d;
     end
   end
 

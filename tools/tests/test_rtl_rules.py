@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rule that rtl/ holds hardware only: green as it is, red for each name put back."""
+"""What rtl/ may hold: green as it is, red for each name and each decision put back."""
 
 import shutil
 import sys
@@ -45,3 +45,19 @@ def test_a_name_put_back_is_found(tmp_path, file, line):
     broken.write_text(f"{broken.read_text()}\n{line}\n")
     found = rtl_rules.complaints(tmp_path)
     assert len(found) == 1 and found[0].startswith(f"{file}:"), found
+
+
+DECIDED = [  # file, what holds `q <= d`, what decides instead
+    ("rtl/adaptor/panic.sv", "else trip_q <= trip_d;", "else if (tripped) trip_q <= 1'b0;"),
+    ("rtl/adaptor/panic.sv", "hold_q  <= hold_d;", "if (tripped) hold_q <= '0;"),
+    ("rtl/adaptor/vme_slave.sv", "busy_q     <= busy_d;", "busy_q <= ds0_valid & ds_any_sync;"),
+    ("rtl/adaptor/sysclk.sv", "phase_q <= phase_d;", "phase_q <= phase_q + 1'b1;"),
+]
+
+
+@pytest.mark.parametrize(("file", "old", "new"), DECIDED)
+def test_next_state_within_always_ff_is_found(file, old, new):
+    text = (rtl_rules.ROOT / file).read_text()
+    assert text.count(old) == 1
+    line = text[: text.index(old)].count("\n") + 1
+    assert rtl_rules.deciding(text.replace(old, new))[:1] == [line]
