@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mcdef.h for Python (§2.3, Tables 2.1-2.3): structures, mode words, requests.
+"""mcdef.h and sys/mmcs.h for Python (§2.3, Tables 2.1-2.3): structures, mode words, requests.
 
-Everything is read from the header itself; nothing is repeated here.
+Everything is read from the headers themselves; nothing is repeated here.
 """
 
 from __future__ import annotations
 
 import functools
 import re
+from typing import NamedTuple
 
 import cffi
 
 from mmcs.place import ROOT
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
+EXTRA = HEADER.parent / "sys" / "mmcs.h"
+TABLE = HEADER.with_name("requests.def")
 O_RDONLY, O_WRONLY, O_RDWR = 0, 1, 2
 MODES = {"off": "MD_OFF", "position": "MD_POS", "velocity": "MD_VEL", "torque": "MD_TORQ",
          "test1": "MD_TEST1"}  # fmt: skip
@@ -21,7 +24,7 @@ MODES = {"off": "MD_OFF", "position": "MD_POS", "velocity": "MD_VEL", "torque": 
 
 @functools.cache
 def _text() -> str:
-    return re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.S)
+    return re.sub(r"/\*.*?\*/", "", HEADER.read_text() + EXTRA.read_text(), flags=re.S)
 
 
 @functools.cache
@@ -33,7 +36,7 @@ def make_ffi() -> cffi.FFI:
 
 @functools.cache
 def constants() -> dict[str, int]:
-    """Every #define of the header that stands for a number."""
+    """Every #define of the headers that stands for a number."""
     bodies = {}
     for name, body in re.findall(r"^#define (\w+)[ \t]+((?:\\\n|.)+)$", _text(), flags=re.M):
         bodies[name] = body.replace("\\\n", " ").strip()
@@ -58,6 +61,35 @@ def initial() -> dict[str, int]:
     body = re.search(r"#define MC_PARAM_INITIAL((?:.*\\\n)+.*)", _text())[1]
     pairs = re.findall(r"\.(\w+) = ([^,}\\]+)", body)
     return {name: _evaluate(number.strip(), constants().__getitem__) for name, number in pairs}
+
+
+class Request(NamedTuple):
+    """A row of requests.def."""
+
+    name: str
+    number: int  # below 64 in mcdef.h, others in sys/mmcs.h
+    argument: str  # its type; "-": none
+    way: str  # "none", "in", "out", "both"
+    changes: bool  # needs the device open for writing
+    waits: bool  # takes time of the machine
+    called: bool  # a [[call]] may ask it
+    meaning: str
+
+    @property
+    def code(self) -> int:
+        return constants()[self.name]
+
+
+@functools.cache
+def requests() -> dict[str, Request]:
+    """Every request of the driver by its name, in the order of requests.def."""
+    row = r'^REQUEST\((\w+), (\d+), "([^"]*)", (\w+), \w+, (\d), (\d), (\d),((?:\s*"[^"]*")+)\)'
+    found = {}
+    for name, number, argument, way, *flags, texts in re.findall(row, TABLE.read_text(), re.M):
+        meaning = "".join(re.findall(r'"([^"]*)"', texts))
+        changes, waits, called = (flag == "1" for flag in flags)
+        found[name] = Request(name, int(number), argument, way, changes, waits, called, meaning)
+    return found
 
 
 def _evaluate(body: str, value) -> int:

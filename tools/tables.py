@@ -1,27 +1,85 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of the manual that the product knows itself: inputs of [[event]]. `make generate`."""
+"""What the two tables of the machine say, in its other places: `make generate`.
+
+sim/abi/inputs.def: inputs of [[event]], in the manual. firmware/include/requests.def: requests, in
+mcdef.h, the manual and the manual page.
+"""
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from mmcs import mcdef  # noqa: E402
 from mmcs.scenario import inputs  # noqa: E402
 from tools.pages import splice  # noqa: E402
 
+HEADER = ROOT / "firmware" / "include" / "mcdef.h"
+DRIVER = ROOT / "docs" / "use" / "driver.md"
+MAN = ROOT / "docs" / "man" / "mc.4"
 SCENARIOS = ROOT / "docs" / "use" / "scenarios.md"
+SIZES = {"int": "MC_INT", "unsigned int": "MC_INT", "struct mc_param": "MC_PARAM",
+         "struct mc_stats": "MC_STATS", "-": ""}  # fmt: skip
+WAYS = {"none": (), "in": ("MC_ARG_IN",), "out": ("MC_ARG_OUT",),
+        "both": ("MC_ARG_IN", "MC_ARG_OUT")}  # fmt: skip
+
+
+def requests() -> list[mcdef.Request]:
+    return sorted(mcdef.requests().values(), key=lambda request: request.number)
+
+
+def defines() -> str:
+    """Those of mcdef.h, as clang-format lays them out."""
+    rows = []
+    for r in (r for r in requests() if r.number < 64):
+        parts = [*WAYS[r.way], *filter(None, [SIZES[r.argument]]), "MC_GROUP", str(r.number)]
+        told = "none" if r.argument == "-" else r.argument
+        rows.append((f"#define {r.name} ({' | '.join(parts)})", f"/* {told} */"))
+    width = max(len(code) for code, _ in rows)
+    return "\n".join(f"{code:{width}} {told}" for code, told in rows)
+
+
+def driver_table() -> str:
+    lines = ["| request | argument | | what it does, and errors |", "|---|---|---|---|"]
+    for r in requests():
+        kind = "called" if r.called else "" if r.changes else "get"
+        lines.append(f"| {r.name} | {r.argument} | {kind} | {r.meaning} |")
+    return "\n".join(lines)
+
+
+def man_list() -> str:
+    lines = []
+    for r in requests():
+        argument = "" if r.argument == "-" else f"({r.argument}) "
+        text = r.meaning.replace("`", "").replace("-", "\\-")
+        lines += [f".It Dv {r.name}", f"{argument}{text}."]
+    return "\n".join(lines)
+
+
+def between(text: str, begin: str, end: str, content: str) -> str:
+    """The text with this between two lines."""
+    pattern = re.escape(begin) + r"\n.*?" + re.escape(end)
+    return re.sub(pattern, lambda _: f"{begin}\n{content}\n{end}", text, count=1, flags=re.S)
 
 
 def pages() -> dict[Path, str]:
-    """Each page as it should be."""
-    return {SCENARIOS: splice(SCENARIOS.read_text(), "inputs", inputs.table())}
+    """Each file as it should be."""
+    begin, end = "/* generated: requests of requests.def */", "/* end of requests */"
+    man = '.\\" generated: requests', '.\\" end of requests'
+    return {
+        HEADER: between(HEADER.read_text(), begin, end, defines()),
+        DRIVER: splice(DRIVER.read_text(), "requests", driver_table()),
+        MAN: between(MAN.read_text(), *man, man_list()),
+        SCENARIOS: splice(SCENARIOS.read_text(), "inputs", inputs.table()),
+    }
 
 
 if __name__ == "__main__":
     argparse.ArgumentParser(description=__doc__).parse_args()
-    for page, whole in pages().items():
-        page.write_text(whole)
+    for path, whole in pages().items():
+        path.write_text(whole)

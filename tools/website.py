@@ -142,7 +142,13 @@ def knowledge() -> dict:
     return {
         "version": __version__,
         "layouts": {name.removeprefix("struct "): layout(name) for name in STRUCTURES},
-        "constants": {**constants, "MODES": mcdef.MODES, "FLAGS": FLAGS},
+        "constants": {
+            **constants,
+            "MODES": mcdef.MODES,
+            "FLAGS": FLAGS,
+            "READS": [r.name for r in mcdef.requests().values() if not r.changes],
+            "CALLED": [r.name for r in mcdef.requests().values() if r.called],
+        },
         "inputs": inputs,
         "waves": groups(),
     }

@@ -95,6 +95,7 @@ struct mc_stats {
 #define MC_STATS 0x180000 /* 24 bytes << 16 */
 #define MC_GROUP 0x4D00
 
+/* generated: requests of requests.def */
 #define MGETNUMCARDS (MC_ARG_OUT | MC_INT | MC_GROUP | 1)            /* int */
 #define MSETNUMJOINTS (MC_ARG_IN | MC_INT | MC_GROUP | 2)            /* int */
 #define MGETPARAM (MC_ARG_IN | MC_ARG_OUT | MC_PARAM | MC_GROUP | 3) /* struct mc_param */
@@ -104,8 +105,8 @@ struct mc_stats {
 #define MSETVERBOSITY (MC_ARG_IN | MC_INT | MC_GROUP | 7)            /* int */
 #define MGETVERBOSITY (MC_ARG_OUT | MC_INT | MC_GROUP | 8)           /* int */
 #define MCLEARERROR (MC_GROUP | 9)                                   /* none */
-#define MSETINTERVAL (MC_ARG_IN | MC_INT | MC_GROUP | 10)            /* unsigned int, us */
-#define MGETINTERVAL (MC_ARG_OUT | MC_INT | MC_GROUP | 11)           /* unsigned int, us */
+#define MSETINTERVAL (MC_ARG_IN | MC_INT | MC_GROUP | 10)            /* unsigned int */
+#define MGETINTERVAL (MC_ARG_OUT | MC_INT | MC_GROUP | 11)           /* unsigned int */
 #define MSETENC (MC_ARG_IN | MC_INT | MC_GROUP | 12)                 /* unsigned int */
 #define MSETLED (MC_ARG_IN | MC_INT | MC_GROUP | 13)                 /* int */
 #define MDIAGMODE (MC_ARG_IN | MC_INT | MC_GROUP | 14)               /* int */
@@ -114,5 +115,6 @@ struct mc_stats {
 #define MGETSTATS (MC_ARG_OUT | MC_STATS | MC_GROUP | 17)            /* struct mc_stats */
 #define MZEROSTATS (MC_GROUP | 18)                                   /* none */
 #define MCALIB (MC_ARG_IN | MC_INT | MC_GROUP | 19)                  /* int */
+/* end of requests */
 
 #endif

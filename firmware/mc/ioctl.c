@@ -316,27 +316,9 @@ static int set_setpoint(struct mc *mc, int client, union argument *arg) {
 }
 
 static const struct request requests[] = {
-    {MGETNUMCARDS, get_num_cards, 0, 0},
-    {MSETNUMJOINTS, set_num_joints, 1, 0},
-    {MGETPARAM, get_param, 0, 0},
-    {MSETPARAM, set_param, 1, 0},
-    {MSTOP, stop, 1, 0},
-    {MENABLE, enable, 1, 1},
-    {MSETVERBOSITY, set_verbosity, 1, 0},
-    {MGETVERBOSITY, get_verbosity, 0, 0},
-    {MCLEARERROR, clear_error, 1, 0},
-    {MSETINTERVAL, set_interval, 1, 0},
-    {MGETINTERVAL, get_interval, 0, 0},
-    {MSETENC, set_encoder, 1, 0},
-    {MSETLED, set_led, 1, 0},
-    {MDIAGMODE, diag_mode, 1, 1},
-    {MSETDAC, set_dac, 1, 0},
-    {MDACMODE, dac_mode, 1, 0},
-    {MGETSTATS, get_stats, 0, 0},
-    {MZEROSTATS, zero_stats, 1, 0},
-    {MCALIB, calibrate, 1, 0},
-    {MCALIBEND, calibrate_end, 1, 0},
-    {MSETPOINT, set_setpoint, 1, 0},
+#define REQUEST(name, number, argument, way, serve, changes, waits, ...) \
+  {name, serve, changes, waits},
+#include "requests.def"
 };
 
 static const struct request *find(uint32_t code) {

@@ -41,9 +41,9 @@ static void expect(int result, const char *what, uint32_t detail, const int *err
 
 static void random_ioctl(struct mc *mc, int client) {
   static const uint32_t requests[] = {
-      MGETNUMCARDS,  MSETNUMJOINTS, MGETPARAM,    MSETPARAM,    MSTOP,   MENABLE, MSETVERBOSITY,
-      MGETVERBOSITY, MCLEARERROR,   MSETINTERVAL, MGETINTERVAL, MSETENC, MSETLED, MDIAGMODE,
-      MSETDAC,       MDACMODE,      MGETSTATS,    MZEROSTATS,   MCALIB,  MCALIBEND,  MSETPOINT};
+#define REQUEST(name, ...) name,
+#include "requests.def"
+  };
   union {
     struct mc_param param;
     struct mc_stats stats;

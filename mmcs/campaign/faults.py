@@ -11,6 +11,7 @@ import re
 import shlex
 from dataclasses import dataclass, field
 
+from mmcs import mcdef
 from mmcs.errors import toml
 from mmcs.scenario.inputs import INPUTS, UPSET, find
 
@@ -29,8 +30,7 @@ PINS, LINES, KILLS, MESSAGES = (
     for sort in ("pin", "line", "kill", "message")
 )
 PARAMETERS = ("a0", "a1", "b0", "b1", "ic_pos", "ic_neg", "ilim", "clkdivisor")
-REQUESTS = ("MSTOP", "MENABLE", "MZEROSTATS", "MCALIB", "MCLEARERROR", "MDACMODE", "MSETENC",
-            "MSETINTERVAL", "MSETPARAM")  # fmt: skip
+REQUESTS = tuple(request.name for request in mcdef.requests().values() if request.called)
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,7 @@ class Device:
     def write_axis(self, axis: int, setpoint: int) -> None:
         """The setpoint of one axis; the others keep theirs, whoever writes them."""
         data = struct.pack("<ii", _axis(axis), _checked("setpoint", setpoint))
-        self.ioctl(wire.MSETPOINT, data)
+        self.ioctl(mcdef.MSETPOINT, data)
 
     def wait(self) -> int:
         """Waits for the next servo sample; its number since power-on."""
@@ -239,7 +239,7 @@ class Device:
 
     def end_calibration(self, axis: int) -> None:
         """The axis waits for its index no longer; others go on."""
-        self.ioctl(wire.MCALIBEND, struct.pack("<i", _axis(axis)))
+        self.ioctl(mcdef.MCALIBEND, struct.pack("<i", _axis(axis)))
 
     def stats(self) -> dict[str, int]:
         """struct mc_stats: interrupts in total, missed, overrun, and more."""

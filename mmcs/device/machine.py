@@ -23,7 +23,6 @@ from mmcs.device.wire import (
     EBUSY,
     EINVAL,
     ENXIO,
-    MSETPOINT,
     MSTATUS,
     STATUS,
 )
@@ -34,8 +33,6 @@ USER_AM = 0x29  # mapped accesses are non-privileged (§2.4)
 BUS_TIMEOUT_S = 16e-6
 O_ACCMODE, O_RDONLY, O_WRONLY = 3, 0, 1
 KEPT_ROWS, KEPT_EVENTS = 8192, 4096
-READS = ("MGETNUMCARDS", "MGETPARAM", "MGETVERBOSITY", "MGETINTERVAL", "MGETSTATS")
-WAITS = ("MENABLE", "MDIAGMODE")  # requests that take time of the machine
 
 
 @dataclass(eq=False)
@@ -77,8 +74,9 @@ class Machine:
         self._numbers = 0
         self._told = 0  # events that the console has seen
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
-        self._reads = {getattr(mcdef, name) for name in READS}
-        self.waits = {getattr(mcdef, name) for name in WAITS}
+        requests = mcdef.requests().values()
+        self._reads = {request.code for request in requests if not request.changes}
+        self.waits = {request.code for request in requests if request.waits}
 
     # --- clients ---
 
@@ -227,7 +225,7 @@ class Machine:
 
     def setpoint(self, client: Client, axis: int, value: int) -> int:
         """The setpoint of one axis; the others keep what they have at this moment."""
-        return self.ioctl(client, MSETPOINT, struct.pack("<ii", axis, value))[0]
+        return self.ioctl(client, mcdef.MSETPOINT, struct.pack("<ii", axis, value))[0]
 
     def change(self, client: Client, axis: int, values: dict[str, int]) -> tuple[int, bytes]:
         """Some parameters of an axis; the others stay what they are at this moment."""

@@ -6,13 +6,11 @@ from __future__ import annotations
 import struct
 
 from mmcs import mcdef
-from mmcs.device.wire import EBADF, EINVAL, EIO, ENOTTY, MCALIBEND, MSETPOINT
+from mmcs.device.wire import EBADF, EINVAL, EIO, ENOTTY
 
 STATE_BYTES, INTERVAL_MIN_US, SERVO_US = 28, 100, 50_000
 OF_AXIS = ("MSETENC", "MSETLED", "MSETDAC")  # in the low 8 bits
-NAMES = {value: name for name, value in mcdef.constants().items()
-         if value & 0xFF00 == mcdef.MC_GROUP and not name.startswith("MC_")}  # fmt: skip
-NAMES |= {MCALIBEND: "MCALIBEND", MSETPOINT: "MSETPOINT"}
+NAMES = {request.code: name for name, request in mcdef.requests().items()}
 
 
 def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) -> str:

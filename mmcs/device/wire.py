@@ -6,6 +6,8 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
+from mmcs.mcdef import MLEASE, MSTATUS, MWAIT, MWHY, MWHY_SIZE  # noqa: F401
+
 MAGIC = 0x31434D4D
 REQUEST = struct.Struct("<II16sQQIi")
 REPLY = struct.Struct("<iI")
@@ -14,10 +16,7 @@ LINE, WAIT, WAKE, SPAWN, TIMER_OP, FIRED_OP, NOW, POKE, CANCEL = range(12, 21)  
 GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
 LEASE_DROP, LEASE_TAKE = range(2)
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = range(3)
-MLEASE, MWAIT, MWHY, MSTATUS = 0x80044D40, 0x40044D41, 0x40804D42, 0x40204D43  # <sys/mmcs.h>
-MCALIBEND, MSETPOINT = 0x80044D44, 0x80084D45  # the driver's own
 STATUS = struct.Struct("<QI5i")  # struct mmcs_status
-MWHY_SIZE = 128
 LINE_PROGRAM, LINE_THREAD, LINE_CHILD = range(3)
 WAIT_SAMPLE, WAIT_KEY, WAIT_FILES, WAIT_CHILD, WAIT_DEAF, WAIT_THREAD, WAIT_AGAIN = (
     1 << n for n in range(7)

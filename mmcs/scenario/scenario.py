@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from mmcs import mcdef
 from mmcs.scenario.robot import MotorValues
 from mmcs.scenario.schema import Axes, Count, Hash, Limit, NumberOrList, Pair, Strict
 
@@ -125,10 +126,7 @@ class Event(Strict):
     at_power_on: bool = False  # it is so before the driver is opened; `at` counts from power-on
 
 
-Request = Literal[
-    "MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSETPARAM",
-    "MSTOP", "MZEROSTATS"
-]  # fmt: skip
+Request = Literal[*sorted(r.name for r in mcdef.requests().values() if r.called)]
 
 
 class Call(Strict):

@@ -19,7 +19,7 @@ def test_constants_and_sizes_equal_those_of_the_compiler():
     lines += [f'  printf("%u\\n", (unsigned)sizeof(struct {name}));' for name in structs]
     source = written(
         "all.cpp",
-        f'#include <cstdio>\n#include "{mcdef.HEADER}"\nint main() {{\n'
+        f'#include <cstdio>\n#include "{mcdef.HEADER}"\n#include "{mcdef.EXTRA}"\nint main() {{\n'
         + "\n".join(lines)
         + "\n}\n",
     )

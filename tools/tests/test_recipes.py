@@ -2,7 +2,7 @@
 """The recipes of CONTRIBUTING.md: done whole in a copy of the checkout their tests are green; with
 any step left out, a test of the row that the recipe names is red and names the place.
 
-An input's row is compiled by no test here: without one its effect does not compile.
+The row of an input or a request is compiled by no test here: without it the rest does not compile.
 """
 
 import os
@@ -25,6 +25,7 @@ GENERATE, TABLES = "rtl/regs/generate.py", "tools/tables.py"
 GENERATED = (
     "rtl/regs/mmcs_regs_pkg.sv", "firmware/include/mmcs_regs.h", "mmcs/regs.py",
     "docs/hardware/registers.md", "web/registers_table.js", "docs/use/scenarios.md",
+    "firmware/include/mcdef.h", "docs/use/driver.md", "docs/man/mc.4",
 )  # fmt: skip
 
 
@@ -41,15 +42,8 @@ def behind(file, line, text, test, says):
 
 
 CLOSED_LOOP = "mmcs/tests/test_closed_loop.py::"
-DOCS, CAMPAIGN = "mmcs/tests/test_docs.py::", "mmcs/tests/test_campaign.py::"
 REQUESTS, REGS = "mmcs/tests/test_requests.py::", "mmcs/tests/test_regs.py::"
 LABS, SCENARIOS = "mmcs/tests/test_labs.py::", "mmcs/tests/test_scenarios.py::"
-
-
-def place(file, line, text):
-    """A place of a request."""
-    test = f"{REQUESTS}test_the_place_names_every_request[{file}]"
-    return behind(file, line, text, test, f"{file} has no MGETHEAT")
 
 
 def sheet(name, text, says, test="test_no_sheet_is_half_there"):
@@ -80,41 +74,15 @@ RECIPES = {
                'PLANT(kMotorHeat, "motor_heat", kAxis, 0, 1, 0, "each", "pin", "hot")\n', "", ""),
         behind("sim/plant/axis.cpp", '#include "axis.h"\n', "// kMotorHeat\n",
                f"{CLOSED_LOOP}test_every_input_has_its_effect", "sim/plant/axis.cpp: kMotorHeat"),
-        Step(TABLES, "", "", f"{DOCS}test_tables_of_inputs_are_fresh",
+        Step(TABLES, "", "", f"{REQUESTS}test_tables_are_fresh",
              "is stale; run `make generate`"),
     ],
     "a request of the driver": [
-        behind("firmware/include/mcdef.h", "| MC_GROUP | 19)                  /* int */\n",
-               "#define MGETHEAT (MC_ARG_OUT | MC_INT | MC_GROUP | 20)\n",
-               f"{REQUESTS}test_there_are_requests", "mcdef.h has no ['MGETHEAT']"),
-        place("firmware/mc/ioctl.c", "    {MCALIB, calibrate, 1, 0},\n",
-              "    {MGETHEAT, get_num_cards, 0, 0},\n"),
-        place("firmware/tests/test_calls.c", "MGETSTATS,     MCALIB", ", MGETHEAT"),
-        place("firmware/tests/random_calls.c", "MZEROSTATS,   MCALIB", ", MGETHEAT"),
-        place("sim/tests/device/fuzz.c", "MZEROSTATS,   MCALIB, ", "MGETHEAT,"),
-        place("mmcs/device/client.py", "    # --- the wire ---\n",
-              '    def heat(self): return self._get("MGETHEAT")\n'),
-        place("docs/use/first_hour.md", "| `calibrate(axis)` |", " |\n| `heat()` | MGETHEAT |"),
-        place("docs/use/driver.md", "| MZEROSTATS | - | |\n", "| MGETHEAT | int | |\n"),
-        place("docs/man/mc.4", ".It Dv MCALIB\n", "\n.It Dv MGETHEAT\n"),
+        behind("firmware/include/requests.def", '"what MSETVERBOSITY has set")\n',
+               'REQUEST(MGETHEAT, 20, "int", out, get_num_cards, 0, 0, 0, "heat")\n', "", ""),
+        Step(TABLES, "", "", f"{REQUESTS}test_tables_are_fresh", "is stale; run `make generate`"),
         behind("docs/use/driver.md", "\n```c\n/* MCALIB", ", MGETHEAT",
                f"{REQUESTS}test_every_request_has_an_example", "no example of MGETHEAT"),
-        behind("mmcs/device/machine.py", '"MGETSTATS"', ', "MGETHEAT"',
-               f"{REQUESTS}test_who_may_ask_and_what_waits_are_those_of_the_driver"
-               "[mmcs/device/machine.py]", "mmcs/device/machine.py: READS"),
-        behind("web/engine/server.js", '"MGETSTATS"', ', "MGETHEAT"',
-               f"{REQUESTS}test_who_may_ask_and_what_waits_are_those_of_the_driver"
-               "[web/engine/server.js]", "web/engine/server.js: reads"),
-        behind("mmcs/scenario/scenario.py", '"MSTOP", "MZEROSTATS"', ', "MGETHEAT"',
-               f"{REQUESTS}test_a_scenario_a_campaign_and_a_page_call_the_same", "REQUESTS"),
-        behind("mmcs/campaign/faults.py", '"MSETINTERVAL", "MSETPARAM"', ', "MGETHEAT"',
-               f"{REQUESTS}test_a_scenario_a_campaign_and_a_page_call_the_same",
-               "mmcs/campaign/faults.py: REQUESTS"),
-        behind("web/engine/server.js", '  "MZEROSTATS"', ', "MGETHEAT"',
-               f"{REQUESTS}test_a_scenario_a_campaign_and_a_page_call_the_same",
-               "web/engine/server.js: RECORDED"),
-        behind("docs/use/scenarios.md", "`MSTOP`, `MZEROSTATS`", ", `MGETHEAT`",
-               f"{DOCS}test_requests_of_a_scenario_are_documented", "MGETHEAT"),
     ],
     "a register bit": [
         behind("rtl/regs/mmcs.rdl", "clears the index latches.\";} INDEX_EN[4:4];\n",

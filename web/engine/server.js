@@ -13,10 +13,6 @@ const HEAD_BYTES = 32;
 const KEPT_ROWS = 8192;
 const KEPT_EVENTS = 4096;
 const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
-// What a record can hold of a person's requests, as [[call]].
-const RECORDED = ["MCALIB", "MCLEARERROR", "MDACMODE", "MENABLE", "MSETENC", "MSETINTERVAL", "MSTOP",
-  "MZEROSTATS"];  // prettier-ignore
-
 export class Server {
   /** say(message) carries a text (object) or samples (ArrayBuffer) to the page; past: of the machine;
    * groups: its nets that can be drawn (mmcs/view/watched.py). */
@@ -224,14 +220,13 @@ export class Server {
     const number = C[request];
     if (number === undefined || !request.startsWith("M") || request.startsWith("MC_"))
       throw new Refused(25, `request: there is no ${request}`);
-    const reads = ["MGETNUMCARDS", "MGETPARAM", "MGETVERBOSITY", "MGETINTERVAL", "MGETSTATS"];
-    if (!reads.includes(request)) {
+    if (!this.C.READS.includes(request)) {
       this.mustControl();
       this.mustBeOpen(request !== "MSTOP");
     }
     if (request === "MGETPARAM") return { param: this.param(axis) };
     if (request === "MSETPARAM") return { param: await this.change(axis, param) };
-    if (session.playing && RECORDED.includes(request)) {
+    if (session.playing && this.C.CALLED.includes(request)) {
       const call = ["MSETENC", "MCALIB"].includes(request)
         ? { request, axis: value & 0xff, value: value >> 8 }
         : value === undefined ? { request } : { request, value };  // prettier-ignore
