@@ -82,7 +82,7 @@ def section(name: str) -> str:
         f"**Tie-offs.** {said['ties']} Outputs may stay open.", "",
         *from_a_pin(name, bench),
         f"**Files.** {', '.join(f'`{file}`' for file in [*files(name).split(), *headers(name)])};"
-        f" for FuseSoC `{name}.core` names them. The bench:", "",
+        f" for FuseSoC `rtl/{name}.core` names them. The bench:", "",
         "```sh",
         f"iverilog -g2012 -Irtl -s {name}_tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
         "```", "", "```systemverilog", bench.rstrip(), "```", "",

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what other tools read in place of mmcs.core: the FuseSoC core of each chip, and the list
-of files of sim/dpi/mmcs_tb.sv; `make generate`."""
+"""Writes what other tools read in place of mmcs.core: the FuseSoC core of each chip in rtl/, one of
+their benches, and the list of files of sim/dpi/mmcs_tb.sv; `make generate`."""
 
 import argparse
 import re
@@ -36,37 +36,57 @@ def needs(chip: str, files: list) -> list:
 
 
 def core(chip: str) -> str:
-    """The chip alone, and its bench of docs/hardware/chips."""
+    """The chip alone: rtl/CHIP.core, since FuseSoC wants a core's files below its folder."""
     whole = manifest()
     text = (ROOT / "rtl" / "chips" / f"{chip}.sv").read_text()
     purpose = text.splitlines()[1].removeprefix("// ").partition(". ")[0].rstrip(".")
+    files = [
+        file.removeprefix("rtl/")
+        if isinstance(file, str)
+        else {name.removeprefix("rtl/"): kind for name, kind in file.items()}
+        for file in needs(chip, whole["filesets"]["rtl"]["files"])
+    ]
     data = {
         "name": f"mmcs:chips:{chip}:{whole['name'].split(':')[-1]}",
         "description": purpose,
-        "filesets": {
-            "rtl": {
-                "files": needs(chip, whole["filesets"]["rtl"]["files"]),
-                "file_type": "systemVerilogSource",
-            },
-            "bench": {
-                "files": [f"docs/hardware/chips/{chip}_tb.sv"],
-                "file_type": "systemVerilogSource",
-            },
-        },
+        "filesets": {"rtl": {"files": files, "file_type": "systemVerilogSource"}},
         "targets": {
-            "default": {"filesets": ["rtl"], "toplevel": chip},
-            "lint": whole["targets"]["lint"] | {"filesets": ["rtl"], "toplevel": chip},
-            "sim": {
-                "filesets": ["rtl", "bench"],
-                "toplevel": f"{chip}_tb",
-                "flow": "sim",
-                "flow_options": {"tool": "icarus", "iverilog_options": ["-g2012"]},
-            },
-            "synth": whole["targets"]["synth"] | {"filesets": ["rtl"], "toplevel": chip},
+            name: whole["targets"][name] | {"filesets": ["rtl"], "toplevel": chip}
+            for name in ("default", "lint", "synth")
         },
     }
     for target in data["targets"].values():
         target.pop("parameters", None)
+    return _text(data)
+
+
+def benches() -> str:
+    """The benches of docs/hardware/chips: a target for each chip."""
+    data = {
+        "name": f"mmcs:chips:benches:{manifest()['name'].split(':')[-1]}",
+        "description": "A bench for each chip",
+        "filesets": {
+            chip: {
+                "files": [f"{chip}_tb.sv"],
+                "file_type": "systemVerilogSource",
+                "depend": [f"mmcs:chips:{chip}"],
+            }
+            for chip in CHIPS
+        },
+        "targets": {
+            chip: {
+                "filesets": [chip],
+                "toplevel": f"{chip}_tb",
+                "flow": "sim",
+                "flow_options": {"tool": "icarus", "iverilog_options": ["-g2012"]},
+            }
+            for chip in CHIPS
+        },
+    }
+    return _text(data)
+
+
+def _text(data: dict) -> str:
     return HEAD + f"# {BY}\n" + yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
 
 
@@ -87,7 +107,8 @@ def bench() -> str:
 
 
 def written() -> dict[str, str]:
-    return {f"{chip}.core": core(chip) for chip in CHIPS} | {BENCH: bench()}
+    cores = {f"rtl/{chip}.core": core(chip) for chip in CHIPS}
+    return cores | {"docs/hardware/chips/benches.core": benches(), BENCH: bench()}
 
 
 def main() -> int:

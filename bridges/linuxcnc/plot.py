@@ -7,9 +7,11 @@ from pathlib import Path
 import matplotlib as mpl
 
 mpl.use("svg")
-mpl.rcParams |= {"svg.hashsalt": "mmcs", "font.size": 8}
+mpl.rcParams |= {"svg.hashsalt": "mmcs", "svg.fonttype": "none", "font.size": 8}
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+
+from mmcs.view import svg  # noqa: E402
 
 EVERY = 4  # samples to a point: a smaller picture
 ROOT = Path(__file__).resolve().parents[2]
@@ -31,7 +33,7 @@ def main() -> None:
     for axes in (top, bottom):
         axes.grid(alpha=0.3)
     figure.tight_layout()
-    figure.savefig(ROOT / "docs" / "images" / "linuxcnc.svg", metadata={"Date": None})
+    svg.save(figure, ROOT / "docs" / "images" / "linuxcnc.svg")
 
 
 if __name__ == "__main__":

@@ -238,8 +238,10 @@ def _stack(axes, counts: Counts, names: list, shown) -> None:
 def _save(path: Path, figure, plt, title: str) -> Path:
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
                   ncols=len(CLASSES), frameon=False, fontsize=7, title=title)  # fmt: skip
+    from mmcs.view import svg
+
     with whole_file(path) as part:
-        figure.savefig(part, metadata={"Date": None})
+        svg.save(figure, part)
     plt.close(figure)
     return path
 

@@ -9,13 +9,12 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from mmcs.errors import InputError, RunError
 from mmcs.lab.bench import run
-from mmcs.lab.sheets import ANSWER, GRADER, LABS, Sheet
+from mmcs.lab.sheets import ANSWER, GRADER, Sheet
 from mmcs.scenario.files import read_toml
 from mmcs.scenario.schema import Strict, validate
 
@@ -117,9 +116,7 @@ def _mark(sheet: Sheet, question: Question, answer: Strict) -> Mark:
 
 
 def _grader(sheet: Sheet):
-    """The sheet's module: Answer, a model, and QUESTIONS. A teacher's own lies in its folder."""
-    if sheet.folder.parent == LABS:
-        return import_module(f"mmcs.lab.graders.{sheet.name}")
+    """The module in the sheet's folder: Answer, a model, and QUESTIONS."""
     path = sheet.folder / GRADER
     spec = spec_from_file_location(f"grader_of_{sheet.name}", path)
     module = module_from_spec(spec)

@@ -38,7 +38,7 @@ def sheets(folder: Path = LABS) -> list[Sheet]:
         number, _, name = path.parent.name.partition("_")
         if not re.fullmatch(r"\d{1,3}", number) or not name:
             raise InputError.one(path.parent, "", None, "a sheet's folder is called NN_name")
-        for needed in (ANSWER,) if folder == LABS else (ANSWER, GRADER):
+        for needed in (ANSWER, GRADER):
             if not (path.parent / needed).is_file():
                 raise InputError.one(path.parent, "", None, f"a sheet needs a file {needed}")
         found.append(Sheet(int(number), name, path.parent))

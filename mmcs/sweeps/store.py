@@ -231,6 +231,7 @@ def _number(value: object) -> str:
 
 def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path:
     """One panel per key (the first six), the figure over its values; a map for a grid of two."""
+    from mmcs.view import svg
     from mmcs.view.plot import BLUE, GREY, RED, style
 
     plt = style()
@@ -264,7 +265,7 @@ def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path
     figure.suptitle(one_line(f"{plan.name}: {len(rows)} runs"), x=0.01, ha="left", size=11)
     path = folder / PLOT
     with whole_file(path) as part:
-        figure.savefig(part, metadata={"Date": None})
+        svg.save(figure, part)
     plt.close(figure)
     return path
 

@@ -2,7 +2,6 @@
 """Graders attacked: no point for zero gains, no motion, constants, or names that are swapped."""
 
 import tomllib
-from pathlib import Path
 
 import pytest
 
@@ -10,7 +9,6 @@ from mmcs.lab.marks import _grader, grade
 from mmcs.lab.sheets import sheets
 from mmcs.scenario.schema import validate
 
-STUDENTS = Path(__file__).parent / "labs"
 ALL = sheets()
 
 
@@ -24,7 +22,7 @@ STILL = {"ilim": 0, "ilimax": 0}
 
 
 def good_answer(sheet) -> dict:
-    return tomllib.loads((STUDENTS / f"{sheet.name}_good.toml").read_text())
+    return tomllib.loads((sheet.folder / "tests" / "good.toml").read_text())
 
 
 def points(sheet, answer: dict) -> dict[str, int]:

@@ -7,12 +7,10 @@ import re
 import shlex
 import shutil
 import tomllib
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from mmcs import ROOT
 from mmcs.cli.app import main
 from mmcs.lab.marks import _grader
 from mmcs.lab.sheets import LABS, find_sheet, sheets
@@ -20,8 +18,8 @@ from mmcs.scenario.load import load_robot
 from mmcs.scenario.scenario import Host
 from mmcs.view import compare, plot
 
-STUDENTS = Path(__file__).parent / "labs"
 ALL = sheets()
+VELOCITY = LABS / "01_velocity" / "tests"
 
 
 def call(*args):
@@ -71,14 +69,14 @@ def test_commands_of_the_sheet(sheet, folder, unseen):
 
 
 def test_good_student(sheet, folder):
-    status, out, err = call("lab", "check", sheet.number, STUDENTS / f"{sheet.name}_good.toml")
+    status, out, err = call("lab", "check", sheet.number, sheet.folder / "tests" / "good.toml")
     assert status == 0, out + err
     assert re.search(r"^(\d+) of \1 points$", out, re.M)
 
 
 def test_bad_student(sheet, folder):
     """No point, and for each question the reason that stands beside the answer."""
-    path = STUDENTS / f"{sheet.name}_bad.toml"
+    path = sheet.folder / "tests" / "bad.toml"
     status, out, err = call("lab", "check", sheet.number, path)
     assert status == 1, out + err
     told = dict(re.findall(r"^(\w+) = .*# told: (.*)$", path.read_text(), re.M))
@@ -170,19 +168,17 @@ def test_no_sheet_is_half_there():
     """A folder, a grader, two students and a row of the list for each sheet, and none without."""
     folders = {path.name for path in LABS.iterdir() if path.is_dir()}
     assert folders == {sheet.folder.name for sheet in ALL}, "docs/labs: a folder without sheet.md"
-    names = sorted(sheet.name for sheet in ALL)
-    graders = sorted(p.stem for p in (ROOT / "mmcs" / "lab" / "graders").glob("[a-z]*.py"))
-    assert graders == names, "mmcs/lab/graders"
-    students = sorted(path.stem for path in STUDENTS.glob("*.toml"))
-    wanted = sorted(f"{name}_{kind}" for name in names for kind in ("bad", "good"))
-    assert students == wanted, "mmcs/tests/labs"
+    for sheet in ALL:
+        students = {path.name for path in (sheet.folder / "tests").glob("*")}
+        assert students == {"good.toml", "bad.toml"}, f"{sheet.folder}/tests"
     rows = re.findall(r"^\| \[(\d+)\]\((\w+)/", (LABS / "README.md").read_text(), re.M)
     assert rows == [(str(sheet.number), sheet.folder.name) for sheet in ALL], "docs/labs/README.md"
 
 
-def test_solutions_are_not_in_the_package():
-    names = [path.name for path in (ROOT / "docs" / "labs").rglob("*")]
-    assert not [name for name in names if re.search("good|bad|solution", name)]
+def test_a_student_is_given_neither_grader_nor_answers(folder):
+    names = [path.name for path in folder.rglob("*")]
+    assert "sheet.md" in names
+    assert not [name for name in names if re.search("good|bad|solution|grader|tests", name)]
 
 
 # --- the command -------------------------------------------------------------------------------
@@ -308,8 +304,8 @@ def test_a_class(tmp_path):
     status, _, err = call("lab", "check", 1, tmp_path)
     assert status == 2 and "holds no answers" in err
     (tmp_path / "anna").mkdir()
-    shutil.copy(STUDENTS / "velocity_bad.toml", tmp_path / "anna" / "answer.toml")
-    shutil.copy(STUDENTS / "velocity_good.toml", tmp_path / "bert.toml")
+    shutil.copy(VELOCITY / "bad.toml", tmp_path / "anna" / "answer.toml")
+    shutil.copy(VELOCITY / "good.toml", tmp_path / "bert.toml")
     (tmp_path / "carl.toml").write_text("unit_cps = ")
     status, out, _ = call("lab", "check", 1, tmp_path)
     assert status == 1 and out.splitlines()[:2] == ["anna: 0 of 10 points", "bert: 10 of 10 points"]

@@ -3,12 +3,15 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
 
+from mmcs import ROOT
 from mmcs.engine import logcols
 from mmcs.scenario.load import load
+from mmcs.view import svg
 from mmcs.view.film import arm_points
 
 FIRST = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -92,3 +95,34 @@ def test_film_of_what_is_no_arm(mmcs, folder):
     path = folder("a")
     status, _, err = mmcs("film", path)
     assert (status, err) == (2, f"mmcs: {path}: its robot has no [[link]]: there is no arm\n")
+
+
+def test_an_svg_file_holds_the_points_that_were_drawn(tmp_path):
+    from mmcs.view.plot import style
+
+    plt = style()
+    figure, axes = plt.subplots()
+    y = np.cumsum(np.random.default_rng(1).normal(size=300))
+    (line,) = axes.plot(np.arange(300), y, gid="line")
+    axes.bar([10, 200], [3.0, -2.0], color="#123456")
+    svg.save(figure, tmp_path / "a.svg")
+    drawn = line.get_transform().transform(line.get_xydata())
+    points = drawn * [1, -1] * 72 / figure.dpi + [0, 72 * figure.get_figheight()]
+    plt.close(figure)
+    text = (tmp_path / "a.svg").read_text()
+    path = re.search(r'd="(M[^"]*)"[^>]*stroke: #1f77b4', text)[1]
+    moves = [(float(x), float(y)) for x, y in re.findall(r"[Ml](\S+) ([^lM]+)", path)]
+    assert len(moves) > 250  # Matplotlib leaves out what lies on a line
+    for point in np.cumsum(moves, axis=0):
+        assert np.abs(points - point).max(axis=1).min() < 0.1
+    bars = re.search(r'd="([^"]*)"[^>]*fill: #123456', text)[1]
+    assert bars.count("z") == 2 and text.count("#123456") == 1
+    assert svg.smaller(text) == text
+
+
+def test_the_pictures_of_the_docs_are_small():
+    for path in (ROOT / "docs").rglob("*.svg"):
+        text = path.read_text()
+        assert len(text) < 60_000, path
+        if text.startswith("<?xml"):  # Matplotlib's
+            assert svg.smaller(text) == text, path

@@ -11,7 +11,7 @@ import pytest
 
 from mmcs.lab.marks import answer_model, grade, read_answer
 from mmcs.lab.sheets import LABS, find_sheet, sheets
-from mmcs.tests.test_labs import STUDENTS, call
+from mmcs.tests.test_labs import VELOCITY, call
 from mmcs.tool.labs import Labs, told
 
 ALL = sheets()
@@ -37,7 +37,7 @@ def test_the_page_is_given_what_a_student_is(sheet):
 @pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize("student", ["good", "bad"])
 def test_the_page_s_marks_are_those_of_the_command(student):
-    path = STUDENTS / f"velocity_{student}.toml"
+    path = VELOCITY / f"{student}.toml"
     found = ask(LABS, op="check", number=1, answer=path.read_text())
     sheet = find_sheet("1")
     assert found["marks"] == [asdict(mark) for mark in grade(sheet, read_answer(sheet, path))]

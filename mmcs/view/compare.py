@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs.errors import InputError, one_line
+from mmcs.view import svg
 from mmcs.view.plot import BLUE, GREY, ORANGE, place, style
 from mmcs.view.runs import Run
 
@@ -55,7 +56,7 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
         grid[-1][axis].set_xlabel("s")
     grid[0][0].legend(loc="best", frameon=False)
     place(figure, grid)
-    figure.savefig(path, metadata={"Date": None})
+    svg.save(figure, path)
     plt.close(figure)
     return differences(a, b)
 

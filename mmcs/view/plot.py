@@ -7,6 +7,7 @@ import numpy as np
 
 from mmcs.engine import logcols
 from mmcs.errors import one_line
+from mmcs.view import svg
 
 BLUE, ORANGE, GREY, RED = "#1f5fa8", "#d9822b", "#8a8f98", "#b3363e"
 MAX_POINTS = 4000
@@ -56,7 +57,7 @@ def write_plot(result, path, form: str | None = None) -> None:
     place(figure, grid)
     title = one_line(f"{result.setup.name}: {result.setup.scenario.description}")
     figure.suptitle(title, x=0.01, ha="left", size=11)
-    figure.savefig(path, format=form, metadata={} if form == "png" else {"Date": None})
+    svg.save(figure, path, form)
     plt.close(figure)
 
 

@@ -166,6 +166,7 @@ output change shows that each simulator ran the same.
 
 
 def _picture(found: dict, path: Path) -> None:
+    from mmcs.view import svg
     from mmcs.view.plot import BLUE, GREY, ORANGE, RED, style
 
     plt = style()
@@ -187,5 +188,5 @@ def _picture(found: dict, path: Path) -> None:
     cells[0].set_ylabel("simulated seconds per CPU second")
     cells[0].legend(frameon=False)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, metadata={"Date": None})
+    svg.save(figure, path)
     plt.close(figure)

@@ -10,7 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
 import pytest
@@ -106,13 +106,13 @@ RECIPES = {
         Step("docs/labs/README.md", "\nThe grader",
              "| [11](11_heat/sheet.md) | heat |\n\nThe grader",
              f"{LABS}test_no_sheet_is_half_there", "docs/labs/README.md"),
-        sheet("mmcs/lab/graders/heat.py",
+        sheet(f"{SHEET}/grader.py",
               "from mmcs.lab.marks import Question\nfrom mmcs.scenario.schema import Strict\n\n\n"
               "class Answer(Strict):\n    t: int | None = None\n    u: int | None = None\n\n\n"
               "QUESTIONS = (Question('t', 9, None), Question('u', 1, None))\n",
-              "mmcs/lab/graders"),
-        sheet("mmcs/tests/labs/heat_good.toml", "t = 1\n", "mmcs/tests/labs"),
-        sheet("mmcs/tests/labs/heat_bad.toml", "t = 0\n", "mmcs/tests/labs"),
+              "a sheet needs a file grader.py", "test_the_sheet_asks_what_is_graded[heat]"),
+        sheet(f"{SHEET}/tests/good.toml", "t = 1\n", "11_heat/tests"),
+        sheet(f"{SHEET}/tests/bad.toml", "t = 0\n", "11_heat/tests"),
     ],
 }  # fmt: skip
 CASES = [(recipe, step) for recipe, steps in RECIPES.items() for step in steps if step.test]
@@ -142,7 +142,7 @@ def done(copy, steps):
             if step.file in (GENERATE, TABLES):
                 subprocess.run([sys.executable, path], check=True)
                 continue
-            path.parent.mkdir(exist_ok=True)
+            path.parent.mkdir(parents=True, exist_ok=True)
             whole = path.read_text() if path.is_file() else ""
             assert step.before in whole, f"{step.file} has changed: no {step.before!r}"
             path.write_text(whole.replace(step.before, step.text, 1))
@@ -153,8 +153,8 @@ def done(copy, steps):
                 path.write_text(text)
             elif path.is_file():
                 path.unlink()
-                if not any(path.parent.iterdir()):
-                    path.parent.rmdir()
+                with suppress(OSError):  # not empty
+                    os.removedirs(path.parent)
 
 
 def red(copy, tests):
