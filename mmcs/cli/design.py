@@ -43,7 +43,7 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
            as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.design import synthesis as ds
-    from mmcs.design.motor import compensation, friction_and_limit, plant_of
+    from mmcs.design.motor import compensation, expected_step, friction_and_limit, plant_of
 
     motors = _load_robot(robot)
     if not 0 <= axis < len(motors.axis):
@@ -77,7 +77,8 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
         echo(f"par.ic_pos = {ic[0]}; par.ic_neg = {ic[1]}; par.mode |= COULCOMP;")
     else:
         _print(c, k, ic, m, method, interval)
-        for text in friction_and_limit(k, motor):
+        expected = [expected_step(k, motor, t)] if m.stable else []
+        for text in friction_and_limit(k, motor) + expected:
             echo(f"  {text}")
     for text in warnings:
         echo(f"warning: {text}", err=True)

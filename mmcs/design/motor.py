@@ -5,10 +5,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from mmcs.design.identify import Motor
+from mmcs.design.predict import step
 from mmcs.design.synthesis import Coefficients, Plant
 
 COMPENSATED = 0.8  # of the Coulomb friction
-STEP = 200  # counts, of which friction_and_limit() speaks
+STEP, LONGEST_S = 200, 2.0  # counts, of which friction_and_limit() and expected_step() tell
 
 
 def torque_per_lsb(motor) -> float:
@@ -52,3 +56,22 @@ def friction_and_limit(k: Coefficients, motor) -> list[str]:
         out.append(f"limit: a step of more than {ilim / first:.0f} counts begins at ilim {ilim}; "
                    f"one of {STEP} counts takes at least {1000 * least:.0f} ms")  # fmt: skip
     return out
+
+
+def expected_step(k: Coefficients, motor, t: float) -> str:
+    """A step of STEP counts by the law in integers, with Coulomb compensation, friction and limit,
+    and one sample of delay for double-buffered D/As. The linear loop must be stable."""
+    unit, ic = torque_per_lsb(motor), compensation(motor)
+    plant = plant_of(motor)
+    real = Motor(plant.g, plant.lag, motor.coulomb_pos / unit, motor.coulomb_neg / unit, 1.0)
+    law = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
+    param = law | {"mode": 0x10, "ilim": motor.servo.ilim, "ic_pos": ic[0], "ic_neg": ic[1]}
+    stuck = max(motor.stiction_pos, motor.stiction_neg) / abs(unit)
+    y = step(real, param, t, STEP, int(LONGEST_S / t) + 2, stuck, delay=1)
+    told = f"expected: a step of {STEP} counts "
+    if y.max() < 0.9 * STEP:
+        return f"{told}ends at {y[-1]:.0f}, short of 90 %"
+    low, high = (int(np.argmax(y >= share * STEP)) for share in (0.1, 0.9))
+    over = 100 * max(0.0, y.max() - STEP) / STEP
+    return (f"{told}rises in {1000 * t * (high - low):.0f} ms, overshoots by {over:.0f} %, "
+            f"ends {abs(STEP - y[-1]):.0f} counts off")  # fmt: skip
