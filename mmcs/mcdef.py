@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import cffi
 
+from mmcs.errors import RunError
 from mmcs.place import ROOT
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
@@ -77,6 +78,8 @@ class Request(NamedTuple):
 
     @property
     def code(self) -> int:
+        if self.name not in constants():
+            raise RunError(f"mcdef.h is stale, it has no {self.name}: run `make generate`")
         return constants()[self.name]
 
 

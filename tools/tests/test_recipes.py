@@ -80,7 +80,7 @@ RECIPES = {
     "a request of the driver": [
         behind("firmware/include/requests.def", '"what MSETVERBOSITY has set")\n',
                'REQUEST(MGETHEAT, 20, "int", out, get_num_cards, 0, 0, 0, "heat")\n', "", ""),
-        Step(TABLES, "", "", f"{REQUESTS}test_tables_are_fresh", "is stale; run `make generate`"),
+        Step(TABLES, "", "", f"{REQUESTS}test_tables_are_fresh", "run `make generate`"),
         behind("docs/use/driver.md", "\n```c\n/* MCALIB", ", MGETHEAT",
                f"{REQUESTS}test_every_request_has_an_example", "no example of MGETHEAT"),
     ],
