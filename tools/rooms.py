@@ -107,6 +107,33 @@ def circle(known: dict[str, set[str]]) -> list[str]:
     return []
 
 
+def c_arrows(folder: Path) -> dict[str, set[str]]:
+    """Which C file of a folder uses a function of which other, of those its headers declare."""
+    texts = {
+        path.name: re.sub(
+            r"/\*.*?\*/|//[^\n]*|\"(\\\\.|[^\"\\\\\n])*\"", "", path.read_text(), flags=re.S
+        )
+        for path in sorted(folder.glob("*.[ch]"))
+    }
+    declared = {
+        name
+        for file, text in texts.items()
+        for name in re.findall(r"^\w[\w \*]*?\b(\w+)\([^{};]*\);", text, re.M)
+        if file.endswith(".h")
+    }
+    sources = {file: text for file, text in texts.items() if file.endswith(".c")}
+    homes = {
+        name: file
+        for file, text in sources.items()
+        for name in re.findall(r"^\w[\w \*]*?\b(\w+)\([^{};]*\) \{", text, re.M)
+        if name in declared
+    }
+    return {
+        file: {homes[word] for word in re.findall(r"\w+", text) if word in homes} - {file}
+        for file, text in sources.items()
+    }
+
+
 def table() -> str:
     """The rooms from the lowest floor to the highest, with what each knows."""
     all_known = room_arrows(modules())

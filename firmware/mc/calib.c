@@ -11,28 +11,24 @@ void calib_start(struct mc *mc, int axis) {
   if (mc->axis[axis].calib) return;
   mc->calibrates = 1;
   mc->axis[axis].calib = 1;
-  mc->card[card].rearm = 1;
-  power_apply_modes(mc); /* index latches clear, SCLOCK off */
+  mc->card[card].rearm = MC_DROPPED;
+  hw_apply_modes(mc); /* index latches clear, SCLOCK off */
   (void)hw_counter(mc, axis & ~1);
   (void)hw_counter(mc, axis | 1); /* what SCLOCK latched last is out of the way */
-  mc->card[card].rearm = 0;
-  power_apply_modes(mc);
+  mc->card[card].rearm = MC_ARMED;
+  hw_apply_modes(mc);
 }
 
 /* An axis that needs its A/D value, which stands still while its card calibrates. */
 int calib_disturbs(const struct mc_param *par) {
   if ((par->mode & (ADFB | ADDMD | ADOFF)) == 0) return 0;
-  return !mc_is_off(par) || (par->mode & POSCHK) != 0;
-}
-
-int calib_runs(const struct mc *mc, int card) {
-  return mc->axis[2 * card].calib || mc->axis[2 * card + 1].calib;
+  return !axis_is_off(par) || (par->mode & POSCHK) != 0;
 }
 
 /* Of all axes; the caller applies the modes. */
 void calib_cancel(struct mc *mc) {
   for (int axis = 0; axis < mc->axes; axis++) mc->axis[axis].calib = 0;
-  for (int card = 0; card < mc->cards; card++) mc->card[card].rearm = 0;
+  for (int card = 0; card < mc->cards; card++) mc->card[card].rearm = MC_ARMED;
   mc->calibrates = 0;
 }
 
@@ -41,20 +37,21 @@ void calib_end(struct mc *mc, int axis) {
   int card = axis / 2;
   if (!mc->axis[axis].calib) return;
   mc->axis[axis].calib = 0;
-  if (!calib_runs(mc, card)) mc->card[card].rearm = 0;
-  power_apply_modes(mc);
+  if (!axis_calibrates(mc, card)) mc->card[card].rearm = MC_ARMED;
+  hw_apply_modes(mc);
   (void)hw_counter(mc, axis); /* what the index latched last is out of the way */
 }
 
 void calib_leave(struct mc *mc, int axis) {
   mc->axis[axis].calib = mc->axis[axis].lost = 0;
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
 }
 
-static void rearm(struct mc *mc, int card) {
-  if (mc->card[card].rearm == 0) return;
-  mc->card[card].rearm = mc->card[card].rearm == 1 ? 2 : 0;
-  power_apply_modes(mc);
+static void arm_again(struct mc *mc, int card) {
+  uint8_t *rearm = &mc->card[card].rearm;
+  if (*rearm == MC_ARMED) return;
+  *rearm = *rearm == MC_DROPPED ? MC_DROPPED_EARLIER : MC_ARMED;
+  hw_apply_modes(mc);
 }
 
 void calib_serve(struct mc *mc, const struct mc_sample *s) {
@@ -68,9 +65,9 @@ void calib_serve(struct mc *mc, const struct mc_sample *s) {
     found = 1;
   }
   for (int card = 0; card < mc->cards; card++) {
-    rearm(mc, card);
+    arm_again(mc, card);
     const struct mc_axis *x = &mc->axis[2 * card];
-    if (mc->card[card].rearm || x[0].calib || x[1].calib) mc->calibrates = 1;
+    if (mc->card[card].rearm != MC_ARMED || x[0].calib || x[1].calib) mc->calibrates = 1;
   }
   if (found) error_signal(mc);
 }

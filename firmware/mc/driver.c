@@ -24,7 +24,7 @@ int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
   mc->opens = mc->cards = mc->axes = mc->joints = 0;
   mc->power = MC_IDLE;
   mc->grace = 0;
-  mc->stopped = 0;
+  mc->stopped = MC_FREE;
   for (int i = 0; i < MC_MAX_CLIENTS; i++) mc->client[i].used = 0;
   return 0;
 }
@@ -49,8 +49,8 @@ static int start(struct mc *mc) {
     mc->power = MC_IDLE;
     mc->adc_timeouts = 0;
     mc->crowded = 0;
-    mc->stopped = 0;
-    mc->shut = 0;
+    mc->stopped = MC_FREE;
+    mc->shut = MC_FREE;
     mc->cause = MCAUSE_NONE;
     mc->cause_of = 0;
     mc->silent = mc->told_fault = 0;
@@ -100,7 +100,7 @@ int mc_close(struct mc *mc, int client) {
   if (mc->client[client].can_write && !has_writer(mc)) {
     power_rest(mc);
     mc->diag = mc->double_buffer = mc->buffered = 0;
-    power_apply_modes(mc);
+    hw_apply_modes(mc);
   }
   if (mc->opens == 0) {
     hw_set_pccsr(mc, 0, (uint8_t)~MMCS_PCCSR_BASE_bm);
@@ -133,22 +133,6 @@ int mc_read(struct mc *mc, int client, void *user_buf, size_t len) {
   return -MC_EFAULT;
 }
 
-int axis_demand(struct mc *mc, int axis, int n, const int32_t *values) {
-  if (mc->stopped || mc->shut) {
-    if (mc->stopped == 1) text_log(mc, "write: stopped, MENABLE first", -1, "");
-    if (mc->shut == 1) text_log(mc, "write: shut down by an error, MENABLE first", -1, "");
-    if (mc->stopped) mc->stopped = 2;
-    if (mc->shut) mc->shut = 2;
-    return -MC_EIO;
-  }
-  for (int i = 0; i < n; i++) {
-    mc->axis[axis + i].setpoint = values[i];
-    mc->axis[axis + i].adopt = 0;
-  }
-  guard_written(mc);
-  return 0;
-}
-
 int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   int32_t values[MC_MAX_AXES];
   if (!is_client(mc, client) || !mc->client[client].can_write) return -MC_EBADF;
@@ -169,7 +153,7 @@ int mc_halt(struct mc *mc) {
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->fault = 0;
   power_rest(mc);
-  mc->stopped = 1;
+  mc->stopped = MC_LATCHED;
   int result = mc->fault ? -MC_EIO : 0;
   mc->os.unmask(mc->os.ctx, level);
   return result;
@@ -201,7 +185,7 @@ int mc_is_enabled(const struct mc *mc) {
 }
 
 int mc_is_stopped(const struct mc *mc) {
-  return mc->stopped != 0;
+  return mc->stopped != MC_FREE;
 }
 
 int mc_cause(const struct mc *mc, int *number) {

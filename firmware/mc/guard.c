@@ -21,7 +21,7 @@ static int strays(const struct mc *mc, struct mc_axis *x) {
 
 static int all_off(const struct mc *mc) {
   int axis = 0;
-  while (axis < mc->joints && mc_is_off(&mc->axis[axis].par)) axis++;
+  while (axis < mc->joints && axis_is_off(&mc->axis[axis].par)) axis++;
   return axis == mc->joints;
 }
 
@@ -31,10 +31,6 @@ static int lapses(struct mc *mc) {
   if (mc->unwritten > mc->config.guard.lease) return 1;
   if (mc->unwritten > 0) mc->unwritten += mc->skipped;
   return 0;
-}
-
-void guard_written(struct mc *mc) {
-  if (mc->config.guard.lease > 0) mc->unwritten = 1;
 }
 
 /* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */

@@ -87,6 +87,26 @@ void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear) {
   }
 }
 
+static uint8_t wanted_b(const struct mc *mc, int card) {
+  unsigned b = 0;
+  if ((mc->diag & M_ENDIAG) == 0) b |= MMCS_CARD_PPI_B_ENC_JOINT_bm;
+  if (mc->drive && (mc->diag & M_ANDIAG) == 0) b |= MMCS_CARD_PPI_B_DAC_JOINT_bm;
+  if (axis_calibrates(mc, card)) {
+    if (mc->card[card].rearm == MC_ARMED) b |= MMCS_CARD_PPI_B_INDEX_EN_bm;
+  } else {
+    b |= MMCS_CARD_PPI_B_SCLOCK_EN_bm;
+    if (mc->buffered) b |= MMCS_CARD_PPI_B_DAC_DOUBLE_bm;
+  }
+  return (uint8_t)b;
+}
+
+void hw_apply_modes(struct mc *mc) {
+  for (int card = 0; card < mc->cards; card++) {
+    uint8_t b = wanted_b(mc, card);
+    if (b != mc->card[card].b) hw_set_b(mc, card, b, 0xFF);
+  }
+}
+
 /* Edges between the two writes are lost; everything else is seen now or latched for next time. */
 uint8_t hw_take_latches(struct mc *mc) {
   uint8_t seen = hw_get(mc, MMCS_PCCSR);

@@ -22,7 +22,7 @@ static uint8_t servo_axis(struct mc *mc, int axis) {
   }
   x->adopt = 0;
   int32_t current = SERVO_STEP(&x->par, &x->law, &x->servo, x->setpoint, &x->state);
-  if (mc_is_off(&x->par)) {
+  if (axis_is_off(&x->par)) {
     x->state.inow = servo_inow(&x->par, &x->servo, x->code - MC_DAC_ZERO);
   } else {
     x->code = (uint16_t)(MC_DAC_ZERO + current);
@@ -96,7 +96,7 @@ static int skip_sample(struct mc *mc) {
     struct mc_axis *x = &mc->axis[axis];
     if (x->wait > 0) {
       x->wait--;
-    } else if (axis < mc->joints && !mc_is_off(&x->par)) {
+    } else if (axis < mc->joints && !axis_is_off(&x->par)) {
       due = 1;
     }
   }
@@ -129,7 +129,7 @@ static void overran(struct mc *mc) {
  * initialised again. */
 static int refuse_sample(struct mc *mc, int good) {
   if (mc->fault) {
-    revive_bus_error(mc);
+    watch_bus_error(mc);
   } else if (good && heartbeats_live(mc)) {
     revive_cards(mc);
   } else {
@@ -167,7 +167,7 @@ int mc_interrupt(struct mc *mc) {
   mc->fault = 0;
   uint8_t seen = hw_take_latches(mc);
   if (mc->fault) {
-    revive_bus_error(mc);
+    watch_bus_error(mc);
     return 0;
   }
   if ((seen & MMCS_PCCSR_PANIC_LATCHED_bm) != 0) {

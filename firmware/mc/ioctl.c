@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The requests of Table 2.3 and of <sys/mmcs.h>. A rejected one changes nothing; each is atomic to a sample. */
+/* The requests of Table 2.3 and of <sys/mmcs.h>. A rejected one changes nothing; each is atomic to
+ * a sample. */
 #include "mc_priv.h"
 
 union argument {
@@ -24,11 +25,6 @@ _Static_assert(SIZE_OF(MGETSTATS) == sizeof(struct mc_stats), "mcdef.h: MC_STATS
 _Static_assert(SIZE_OF(MSETENC) == sizeof(int), "mcdef.h: MC_INT");
 _Static_assert(SIZE_OF(MSETPOINT) == sizeof(struct mmcs_setpoint), "sys/mmcs.h: MSETPOINT");
 _Static_assert(sizeof(struct mc_state) == 28, "read() counts in states of 28 bytes");
-
-int mc_is_off(const struct mc_param *par) {
-  int mode = par->mode & MD_MASK;
-  return mode < MD_POS || mode > MD_TEST1;
-}
 
 static int has_axis(const struct mc *mc, int32_t axis) {
   return axis >= 0 && axis < mc->joints;
@@ -66,30 +62,11 @@ static int is_too_slow(const struct mc_param *par, uint32_t interval_us) {
   return par->clkdivisor > 1 && (uint64_t)par->clkdivisor * interval_us > MC_SERVO_US;
 }
 
-/* It would run away from artificial signals. */
-static int needs_encoder(const struct mc_param *par) {
-  int mode = par->mode & MD_MASK, fed_back = mode <= MD_VEL && (par->mode & ZEROFB) == 0;
-  if (mc_is_off(par) || (par->mode & ADFB) != 0) return 0;
-  return fed_back || (par->mode & POSCHK) != 0;
-}
-
-int axis_needing_encoder(const struct mc *mc) {
-  for (int axis = 0; axis < mc->joints; axis++) {
-    if (needs_encoder(&mc->axis[axis].par)) return axis;
-  }
-  return -1;
-}
-
 static int get_param(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, arg->param.which)) return -MC_EINVAL;
   arg->param = mc->axis[arg->param.which].par;
   return 0;
-}
-
-void axis_forget_demand(struct mc_axis *x) {
-  x->setpoint = 0;
-  x->adopt = 1;
 }
 
 /* 1: the demand would mean something else. Torque is fed nothing back. */
@@ -113,11 +90,11 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, to->which)) return -MC_EINVAL;
   if (is_nonsense(mc, to)) return -MC_EINVAL;
-  if (calib_disturbs(to) && calib_runs(mc, to->which / 2)) {
+  if (calib_disturbs(to) && axis_calibrates(mc, to->which / 2)) {
     text_log(mc, "parameters: axis", to->which, " needs its A/D, which stands still: calibration");
     return -MC_EBUSY;
   }
-  if ((mc->diag & M_ENDIAG) != 0 && mc->power != MC_IDLE && needs_encoder(to)) {
+  if ((mc->diag & M_ENDIAG) != 0 && mc->power != MC_IDLE && axis_needs_encoder(to)) {
     text_log(mc, "parameters: axis", to->which, " needs its encoder, which M_ENDIAG cuts off");
     return -MC_EBUSY;
   }
@@ -140,7 +117,7 @@ static int stop(struct mc *mc, int client, union argument *arg) {
   (void)client;
   (void)arg;
   power_rest(mc);
-  mc->stopped = 1;
+  mc->stopped = MC_LATCHED;
   say(mc, "stopped", -1);
   return 0;
 }
@@ -252,7 +229,7 @@ static int diag_mode(struct mc *mc, int client, union argument *arg) {
   unsigned level = mc->os.mask(mc->os.ctx);
   int relay = (mc->diag ^ arg->value) & M_ANDIAG;
   mc->diag = (uint8_t)arg->value;
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
   mc->os.unmask(mc->os.ctx, level);
   if (relay && mc->drive) mc->os.delay_us(mc->os.ctx, MC_RELAY_US);
   return 0;
@@ -261,7 +238,7 @@ static int diag_mode(struct mc *mc, int client, union argument *arg) {
 static int set_dac(struct mc *mc, int client, union argument *arg) {
   int axis = axis_of(arg);
   (void)client;
-  if (!has_axis(mc, axis) || !mc_is_off(&mc->axis[axis].par)) return -MC_EINVAL;
+  if (!has_axis(mc, axis) || !axis_is_off(&mc->axis[axis].par)) return -MC_EINVAL;
   if (mc->power != MC_RUNNING) return -MC_EIO;
   mc->axis[axis].code = (uint16_t)(arg->word >> 8 & 0xFFF);
   return 0;
@@ -272,7 +249,7 @@ static int dac_mode(struct mc *mc, int client, union argument *arg) {
   if (guard_locks(mc)) return -MC_EBUSY;
   mc->double_buffer = arg->value != 0;
   mc->buffered = mc->double_buffer;
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
   return 0;
 }
 

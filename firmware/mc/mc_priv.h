@@ -33,6 +33,20 @@ enum mc_power {
   MC_RUNNING   /* every pass writes every D/A */
 };
 
+/* What keeps write() and the servo from going on until MENABLE. */
+enum mc_latch {
+  MC_FREE,
+  MC_LATCHED,
+  MC_LATCHED_TOLD /* a write was refused, and told so */
+};
+
+/* The index latch of a card that calibrates. */
+enum mc_rearm {
+  MC_ARMED,
+  MC_DROPPED,        /* at this sample */
+  MC_DROPPED_EARLIER /* to be armed at the next one */
+};
+
 struct mc_axis {
   struct mc_param par;
   struct servo_memory servo;
@@ -57,7 +71,7 @@ struct mc_card {
   uint8_t a, b;   /* shadows of ports A and B */
   uint8_t late;   /* its A/Ds did not finish at the last sample */
   uint8_t silent; /* did not answer, and has not been looked at since */
-  uint8_t rearm;  /* the index latch is dropped (1) and armed again one SCLOCK later (2) */
+  uint8_t rearm;  /* enum mc_rearm */
 };
 
 struct mc_client {
@@ -106,8 +120,8 @@ struct mc {
   uint8_t drive;         /* D/As are connected to the joints */
   uint8_t diag;
   uint8_t calibrates; /* 0: no axis waits for its index, no card is to be armed again */
-  uint8_t stopped;    /* a stop is latched (1), and a write was refused, which was told (2) */
-  uint8_t shut;       /* the same of an error that shut the machine down */
+  uint8_t stopped;    /* enum mc_latch: of a stop */
+  uint8_t shut;       /* enum mc_latch: of an error that shut the machine down */
   uint8_t cause;      /* of that, MCAUSE_... */
   uint8_t cause_of;   /* 1 + its axis or card; 0: none */
   uint8_t silent;     /* a card is */
@@ -135,6 +149,8 @@ void hw_make_lists(struct mc *mc);
 void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear);
 void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear);
 /* Reads and clears the interrupt latches: PCCSR as it was. */
+/* Ports B as power, diagnostic and buffer modes want them. */
+void hw_apply_modes(struct mc *mc);
 uint8_t hw_take_latches(struct mc *mc);
 /* Puts the PPI of a card into its working state from the shadows. */
 void hw_init_ppi(struct mc *mc, int card);
@@ -183,33 +199,34 @@ void power_overrun(struct mc *mc);
 void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more);
 /* Remembers what shuts the machine down: MCAUSE_..., axis or card. */
 void power_blame(struct mc *mc, int cause, int number);
-/* Ports B as power, diagnostic and buffer modes want them. */
-void power_apply_modes(struct mc *mc);
 
 /* revive.c */
 /* 1: the card answers, and is as the driver wants it. */
 int revive_card(struct mc *mc, int card);
 void revive_note(struct mc *mc);
 void revive_cards(struct mc *mc);
-void revive_bus_error(struct mc *mc);
-int revive_lost_axis(const struct mc *mc);
+
+/* watch.c */
+void watch_bus_error(struct mc *mc);
 
 /* calib.c */
 int calib_disturbs(const struct mc_param *par);
-int calib_runs(const struct mc *mc, int card);
 void calib_start(struct mc *mc, int axis);
 void calib_cancel(struct mc *mc);
 void calib_end(struct mc *mc, int axis);
 void calib_leave(struct mc *mc, int axis);
 void calib_serve(struct mc *mc, const struct mc_sample *s);
 
-/* ioctl.c */
+/* axis.c */
 /* The demand is 0, and what a position axis has fed back at its next sample. */
 void axis_forget_demand(struct mc_axis *x);
 /* Setpoints of n axes from one on; the level is masked. 0, or -MC_EIO after a stop. */
 int axis_demand(struct mc *mc, int axis, int n, const int32_t *values);
-int mc_is_off(const struct mc_param *par);
-int axis_needing_encoder(const struct mc *mc); /* or -1 */
+int axis_is_off(const struct mc_param *par);
+int axis_needs_encoder(const struct mc_param *par);
+int axis_needing_encoder(const struct mc *mc);      /* or -1 */
+int axis_with_lost_count(const struct mc *mc);      /* or -1 */
+int axis_calibrates(const struct mc *mc, int card); /* one of the card's */
 
 /* errors.c */
 void error_raise(struct mc *mc, int axis, uint8_t flags);
@@ -223,7 +240,6 @@ void mc_count(int *counter, unsigned by);
 
 /* guard.c */
 int guard_trips(struct mc *mc);
-void guard_written(struct mc *mc);    /* setpoints have come */
 int guard_locks(const struct mc *mc); /* 1: a request that disturbs the servo is refused now */
 
 /* text.c: one line for the console out of words and a number; "" and -1 leave out. */

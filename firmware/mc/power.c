@@ -7,26 +7,6 @@
  */
 #include "mc_priv.h"
 
-static uint8_t wanted_b(const struct mc *mc, int card) {
-  unsigned b = 0;
-  if ((mc->diag & M_ENDIAG) == 0) b |= MMCS_CARD_PPI_B_ENC_JOINT_bm;
-  if (mc->drive && (mc->diag & M_ANDIAG) == 0) b |= MMCS_CARD_PPI_B_DAC_JOINT_bm;
-  if (calib_runs(mc, card)) {
-    if (!mc->card[card].rearm) b |= MMCS_CARD_PPI_B_INDEX_EN_bm;
-  } else {
-    b |= MMCS_CARD_PPI_B_SCLOCK_EN_bm;
-    if (mc->buffered) b |= MMCS_CARD_PPI_B_DAC_DOUBLE_bm;
-  }
-  return (uint8_t)b;
-}
-
-void power_apply_modes(struct mc *mc) {
-  for (int card = 0; card < mc->cards; card++) {
-    uint8_t b = wanted_b(mc, card);
-    if (b != mc->card[card].b) hw_set_b(mc, card, b, 0xFF);
-  }
-}
-
 void power_restart_axes(struct mc *mc) {
   mc->unwritten = 0;
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
@@ -69,11 +49,11 @@ static void silence(struct mc *mc, const uint8_t *port_c) {
   if (mc->power == MC_IDLE && !mc->drive) return;
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
   mc->buffered = 0;
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
   if (write_zeros(mc, port_c)) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
   mc->power = MC_IDLE;
   mc->drive = 0;
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
   forget_currents(mc);
 }
 
@@ -91,7 +71,7 @@ void power_stop(struct mc *mc) {
 void power_rest(struct mc *mc) {
   calib_cancel(mc);
   power_stop(mc);
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
@@ -149,7 +129,7 @@ static void tell_all(struct mc *mc) {
 }
 
 void power_blame(struct mc *mc, int cause, int number) {
-  mc->shut = 1;
+  mc->shut = MC_LATCHED;
   mc->cause = (uint8_t)cause;
   mc->cause_of = (uint8_t)(number + 1);
 }
@@ -196,7 +176,7 @@ static int check_cards(struct mc *mc) {
 
 /* 0, or what keeps the axes from being servoed by their counts. */
 static int check_counts(struct mc *mc) {
-  int axis = revive_lost_axis(mc);
+  int axis = axis_with_lost_count(mc);
   if (axis >= 0) {
     text_log(mc, "enable: axis", axis, ": its count was lost: MSETENC or MCALIB first");
     return -MC_EIO;
@@ -218,12 +198,12 @@ static void wait_for_silence(struct mc *mc) {
 
 static void connect_drives(struct mc *mc) {
   unsigned level = mc->os.mask(mc->os.ctx);
-  if (!mc->stopped) {
+  if (mc->stopped == MC_FREE) {
     mc->buffered = 0;
-    power_apply_modes(mc);
+    hw_apply_modes(mc);
     (void)write_zeros(mc, NULL); /* no heartbeat lives */
     mc->drive = 1;
-    power_apply_modes(mc);
+    hw_apply_modes(mc);
   }
   mc->os.unmask(mc->os.ctx, level);
   if (mc->drive) mc->os.delay_us(mc->os.ctx, MC_RELAY_US);
@@ -234,7 +214,7 @@ static void await_first_pass(struct mc *mc) {
   uint32_t step = timer_interval_us(mc) < 1000 ? timer_interval_us(mc) : 1000;
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->buffered = mc->double_buffer;
-  power_apply_modes(mc);
+  hw_apply_modes(mc);
   mc->os.unmask(mc->os.ctx, level);
   /* An interrupt that waited is served here: the first pass, the longest, must not begin late. */
   level = mc->os.mask(mc->os.ctx);
@@ -296,9 +276,12 @@ int power_enable(struct mc *mc) {
   }
   if (result != 0) return result;
   uint8_t stopped = mc->stopped;
-  mc->stopped = 0;
+  mc->stopped = MC_FREE;
   result = start(mc);
-  if (result == 0) mc->shut = mc->cause = MCAUSE_NONE;
-  if (result != 0 && !mc->stopped) mc->stopped = stopped;
+  if (result == 0) {
+    mc->shut = MC_FREE;
+    mc->cause = MCAUSE_NONE;
+  }
+  if (result != 0 && mc->stopped == MC_FREE) mc->stopped = stopped;
   return result;
 }

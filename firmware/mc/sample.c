@@ -30,7 +30,7 @@ static void read_index(struct mc *mc, struct mc_sample *s, int axis, int armed, 
     if (s->index[axis] == s->counter[axis]) {
       s->indexed[axis] = 1;
     } else {
-      mc->card[axis / 2].rearm = 1;
+      mc->card[axis / 2].rearm = MC_DROPPED;
     }
   }
 }
@@ -46,8 +46,8 @@ static int read_card(struct mc *mc, struct mc_sample *s, int card, const uint8_t
     mc->card[card].silent = 1;
     return 0;
   }
-  if (calib_runs(mc, card)) {
-    int armed = !mc->card[card].rearm;
+  if (axis_calibrates(mc, card)) {
+    int armed = mc->card[card].rearm == MC_ARMED;
     read_index(mc, s, axis, armed, v);
     read_index(mc, s, axis + 1, armed, v);
   }

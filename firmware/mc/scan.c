@@ -100,7 +100,7 @@ void mc_scan(struct mc *mc) {
     card->base = MMCS_CARD_OFFSET(dip, 0);
     card->a = MC_ENC_MODE;
     card->b = PORT_B_REST;
-    card->rearm = 0;
+    card->rearm = MC_ARMED;
     card->silent = 0;
     kept[mc->cards] = (uint8_t)counts_already(mc, mc->cards);
     if (!kept[mc->cards]) {

@@ -48,7 +48,7 @@ def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
     """The preload library, compiled if missing, damaged or older than its sources."""
     stem = LIBRARY.stem + ("_lockstep" if lockstep else "") + ("_asan" if sanitize else "")
     library, sources = LIBRARY.with_stem(stem), LOCKSTEP if lockstep else SOURCES
-    headers = ("wire.h", "lockstep.h", "include/sys/mmcs.h")
+    headers = ("wire.h", "device.h", "lockstep.h", "include/sys/mmcs.h")
     inputs = [DEVICE / name for name in (*sources, *headers)]
     inputs.append(ROOT / "firmware" / "include" / "sys" / "mmcs.h")
     newest = max(f.stat().st_mtime for f in inputs)

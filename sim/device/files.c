@@ -19,7 +19,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-#include "wire.h"
+#include "device.h"
 
 #define MC_MAJOR 60 /* of those that are free for local use */
 #define VME_MAJOR 61

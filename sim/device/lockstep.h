@@ -12,7 +12,7 @@
 #include <stdint.h>
 #include <time.h>
 
-#include "wire.h"
+#include "device.h"
 
 #define SECOND 1000000000u
 #define EPOCH 599616000u /* of the clocks: machine time 0 is 1 January 1989, 0:00 UTC */

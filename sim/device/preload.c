@@ -21,7 +21,7 @@
 #include <unistd.h>
 
 #include "include/sys/mmcs.h"
-#include "wire.h"
+#include "device.h"
 
 /* The size and direction that mcdef.h puts into a request number, as 4.2BSD did. */
 #define REQUEST_SIZE(r) (((r) >> 16) & 0x1FFFu)

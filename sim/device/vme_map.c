@@ -21,7 +21,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "wire.h"
+#include "device.h"
 
 #define MAX_WINDOWS 8
 #define A16_SIZE 0x10000

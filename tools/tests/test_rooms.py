@@ -35,6 +35,19 @@ def test_no_circle(known):
     assert rooms.circle({name: inner[name] for name in inner if name not in rooms.DOOR}) == []
 
 
+@pytest.mark.parametrize("folder", ["firmware/mc", "sim/device"])
+def test_no_circle_of_c_files(folder):
+    known = rooms.c_arrows(ROOT / folder)
+    assert sum(map(len, known.values())) > 10 and rooms.circle(known) == []
+
+
+def test_a_circle_of_c_files_is_found(tmp_path):
+    (tmp_path / "x.h").write_text("int a_one(int n);\nvoid b_two(void);\n")
+    (tmp_path / "a.c").write_text("int a_one(int n) {\n  b_two();\n  return n;\n}\n")
+    (tmp_path / "b.c").write_text("void b_two(void) {\n  (void)a_one(1); /* c_x() */\n}\n")
+    assert rooms.circle(rooms.c_arrows(tmp_path)) == ["a.c", "b.c", "a.c"]
+
+
 def test_the_product_knows_nobody_above_it():
     """Studies, tests and tools look at the product; it does not know them."""
     above = ("studies", "cocotb_tests", "tools", "bridges", "mmcs.tests")
