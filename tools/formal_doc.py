@@ -131,6 +131,6 @@ def picture(entry: dict, trace: Path) -> None:
     """Draws the counter-example of one breakage."""
     lines = read_vcd(trace, entry["picture"])
     end = max(line.changes[-1][0] for line in lines) + CLOCK_PS
-    title = f"Counter-example to {entry['property']}: {entry['name']}"
+    title = f"Counter-example to {entry['proof']['property']}: {entry['name']}"
     PICTURE.write_text(svg(title, lines, 0, end))
     print(f"formal: {PICTURE.relative_to(ROOT)}")

