@@ -5,13 +5,11 @@
     run.py proofs [--only TEXT]                                       make formal SABOTAGE=1
     run.py mutants ...                                                make mutation
     run.py driver-mutants ...                                         make mutation-firmware
-    run.py table
 
 `tests` and `proofs` take the breakages of list.toml: each is one line of a copy below
 build/breakage, and the named tests of cocotb, tests of the driver or proof must turn red. What the
 list names must pass on the design as it is. The mutants of the RTL and of the driver are made by
-generators (mutate.py, mutate_firmware.py, which have options of their own). `table` writes the list
-into docs/evidence/verification.md.
+generators (mutate.py, mutate_firmware.py, which have options of their own).
 """
 
 import argparse
@@ -30,10 +28,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE), str(ROOT / "tools"), str(ROOT)]
-from pages import rewrite  # noqa: E402
 
 LIST = HERE / "list.toml"
-PAGE = ROOT / "docs" / "evidence" / "verification.md"
 WORK = Path("build") / "breakage"  # relative: the provers see the folder they are started in
 CPU_S = 900  # of processor time for a process of a broken design: it hangs, and that is noticed
 WALL_S = 4 * 3600  # a guard against what hangs without computing: that says nothing
@@ -199,19 +195,6 @@ def run_tests(args: argparse.Namespace, todo: list[dict]) -> int:
     return meet(todo, lambda e: "test" if "test" in e else "unit", judges)
 
 
-def table() -> str:
-    lines = ["| block | breakage | red test |", "|---|---|---|"]
-    for e in entries("tests"):
-        tests = ", ".join(
-            f"`{Path(t.partition('::')[0]).stem.removeprefix('cocotb_')}::"
-            f"{t.partition('::')[2].partition('[')[0]}`"
-            for t in e.get("test", "").split()
-        )
-        unit = "`" + e["unit"].replace(" ", "::") + "`" if "unit" in e else ""
-        lines.append(f"| {Path(e['file']).stem} | {e['name']} | {tests or unit} |")
-    return "\n".join(lines)
-
-
 def main() -> int:
     if sys.argv[1:2] == ["mutants"] or sys.argv[1:2] == ["driver-mutants"]:
         import mutate
@@ -222,15 +205,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("what", choices=["tests", "proofs", "mutants", "driver-mutants", "table"])
+    parser.add_argument("what", choices=["tests", "proofs", "mutants", "driver-mutants"])
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--sim", default="icarus", choices=["icarus", "verilator"])
     parser.add_argument("--sample", type=int, default=0, metavar="N")
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
-    if args.what == "table":
-        rewrite(PAGE, "breakages", table())
-        return 0
     todo = entries(args.what, args.only)
     if not todo:
         print(f"breakage: no breakage is called {args.only!r}; see {LIST.name}", file=sys.stderr)
