@@ -80,7 +80,6 @@ def checks() -> list[tuple[str, list[str]]]:
         if not f.endswith("mmcs_regs.h")
     ]
     model_of = {host: model_flags(host) for host in ("vme", "rv32")}
-    waivers = [str(f) for f in [ROOT / "rtl" / "verilator.vlt"] if f.is_file()]
     jobs = []
     for top, parameters in TOPS:
         name = top + "".join(f" {k}={v}" for k, v in parameters.items())
@@ -96,7 +95,6 @@ def checks() -> list[tuple[str, list[str]]]:
                     "--top-module",
                     top,
                     *(f"-G{k}={v}" for k, v in parameters.items()),
-                    *waivers,
                     *rtl,
                 ],
             )
@@ -114,7 +112,7 @@ def checks() -> list[tuple[str, list[str]]]:
         ("bench_bus", [*bus_files(), "fpga/bus/tests/bench_bus.sv"]),
     ):
         command = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
-        command += ["--top-module", top, *waivers, *extra, *soc]
+        command += ["--top-module", top, *extra, *soc]
         if "soc" not in top:
             command = [c for c in command if "rtl/soc" not in c]
         jobs.append((f"verilator {top}", command))
@@ -194,7 +192,6 @@ def checks() -> list[tuple[str, list[str]]]:
                     "--",
                     *flags,
                     *(f"-I{d}" for d in dirs),
-                    "-Ibuild/lint",
                 ],
             )
         )

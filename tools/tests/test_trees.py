@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who may know whom, between the trees: docs/architecture.md. For the rooms: test_rooms.py."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from mmcs import ROOT
+
+FILES = subprocess.run(
+    ["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, text=True, capture_output=True,
+    check=True,
+).stdout.splitlines()  # fmt: skip
+HEADERS = [Path(f) for f in FILES if f.endswith((".h", ".svh", ".def"))]
+C, SV = (".h", ".c", ".cpp"), (".sv", ".svh")
+# folder: endings, and the folders whose headers it may include; what is generated has no home
+MAY_INCLUDE = {
+    "rtl": (SV, ("rtl",)),
+    "firmware/mc": (C, ("firmware/mc", "firmware/include")),
+    "firmware/include": (C, ("firmware/include",)),
+    "sim/abi": (C, ()),
+    "sim/plant": (C, ("sim/plant", "sim/abi")),
+    "sim/model": (C, ("sim/model", "sim/abi")),
+    "sim/engine": (C, ("sim", "firmware")),
+}
+# tree: what of it is exempt, and the modules of ours that the rest may import
+MAY_IMPORT = {
+    "bfm": ((), ()),
+    "cocotb_tests": (
+        ("cocotb_tests/hosts/", "cocotb_tests/dpi/", "cocotb_tests/lib/runner.py"),
+        ("cocotb_tests", "mmcs", "mmcs.regs"),
+    ),
+}
+OURS = ("mmcs", "cocotb_tests", "tools", "bridges", "studies", "fpga", "firmware", "web", "sim")
+
+
+def included(path: str) -> list[str]:
+    return re.findall(r'^\s*[#`]include "([^"]+)"', (ROOT / path).read_text(), re.M)
+
+
+def is_below(folder: str, others) -> bool:
+    return any(f"{folder}/".startswith(f"{other}/") for other in others)
+
+
+@pytest.mark.parametrize("folder", MAY_INCLUDE)
+def test_headers_come_from_the_trees_that_it_knows(folder):
+    endings, known = MAY_INCLUDE[folder]
+    files = [f for f in FILES if f.startswith(f"{folder}/") and f.endswith(endings)]
+    assert files
+    for path in files:
+        for name in included(path):
+            homes = [str(h.parent) for h in HEADERS if h.name == Path(name).name]
+            assert not homes or any(is_below(home, known) for home in homes), (
+                f"{path} includes {name} of {' or '.join(homes)}"
+            )
+
+
+def test_the_driver_needs_no_library():
+    for path in (f for f in FILES if f.startswith("firmware/mc/") and f.endswith(C)):
+        system = re.findall(r"#include <([^>]+)>", (ROOT / path).read_text())
+        assert set(system) <= {"stdint.h", "stddef.h", "stdbool.h"}, path
+
+
+@pytest.mark.parametrize("tree", MAY_IMPORT)
+def test_imports_are_of_the_trees_that_it_knows(tree):
+    exempt, known = MAY_IMPORT[tree]
+    files = [f for f in FILES if f.startswith(f"{tree}/") and f.endswith(".py")]
+    assert files
+    for path in files:
+        for module in re.findall(r"^\s*(?:from|import) ([\w.]+)", (ROOT / path).read_text(), re.M):
+            if module.split(".")[0] in OURS and not path.startswith(exempt or "-"):
+                allowed = module in known or module.split(".")[0] in set(known) - {"mmcs"}
+                assert allowed, f"{path} imports {module}"
