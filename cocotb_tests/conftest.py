@@ -19,6 +19,7 @@ sys.path.insert(0, str(ROOT))
 
 from cocotb_tests.lib import req as marks  # noqa: E402
 from cocotb_tests.lib import runner  # noqa: E402
+from tools.sources import in_tree  # noqa: E402
 
 
 def pytest_addoption(parser):
@@ -64,7 +65,8 @@ class CocotbFile(pytest.File):
         variants = getattr(module, "VARIANTS", None) or {"": getattr(module, "PARAMETERS", {})}
         chosen = self.config.getoption("--sim")
         sims = runner.SIMULATORS if chosen == "both" else (chosen,)
-        extra = tuple((self.path.parent / s).resolve() for s in getattr(module, "SOURCES", ()))
+        named = ((self.path.parent / s).resolve() for s in getattr(module, "SOURCES", ()))
+        extra = tuple(in_tree(file) for file in named)
         generators = [o for o in vars(module).values() if isinstance(o, TestGenerator)]
         for variant, parameters in variants.items():
             for sim in sims:

@@ -19,8 +19,7 @@ def sources(name: str = "rtl", root: Path | None = None, includes: bool = False)
 
     `root` (or the environment's MMCS_RTL, a folder `rtl`) takes the files from another tree.
     """
-    other = os.environ.get("MMCS_RTL")
-    base = root or (Path(other).resolve().parent if other else ROOT)
+    base = root or _tree()
     sets = yaml.safe_load(CORE.read_text().split("\n", 1)[1])["filesets"]
     if name not in sets:
         raise KeyError(f"mmcs.core has no file set {name!r}; it has {', '.join(sets)}")
@@ -31,6 +30,17 @@ def sources(name: str = "rtl", root: Path | None = None, includes: bool = False)
             continue
         out.append(base / path)
     return out
+
+
+def _tree() -> Path:
+    other = os.environ.get("MMCS_RTL")
+    return Path(other).resolve().parent if other else ROOT
+
+
+def in_tree(file: Path) -> Path:
+    """A file of ours as the tree has it that the environment's MMCS_RTL names."""
+    inside = file.is_relative_to(ROOT / "rtl")
+    return _tree() / file.relative_to(ROOT) if inside else file
 
 
 # Ibex is found module by module in its folders; only its packages have an order.

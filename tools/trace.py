@@ -2,7 +2,8 @@
 """Joins the requirements (docs/requirements.toml) with the tests that carry their ids.
 
 Writes docs/evidence/traceability.md; fails on a requirement without a test, a test with an unknown
-id, or a file that is not there.
+id, a file that is not there, or a requirement of rtl/ without a breakage whose test carries its id
+(tools/breakage/list.toml).
 """
 
 import argparse
@@ -12,19 +13,23 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
+
+from breakage import run as breakages
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "evidence" / "traceability.md"
 NONE = {"files": []}
 # Tests that hold no RTL, and what they hold: of a requirement of rtl/ they show nothing.
 WITHOUT_RTL = {
+    "cocotb_tests/checkers": "the bus checkers alone",
     "cocotb_tests/chips/test_models.py": "the reference models",
     "firmware/tests/test_firmware.py": "the driver before a mock",
     "firmware/tests/test_processors.py": "the same on two processors",
     "mmcs/tests/test_design.py": "control design",
     "mmcs/tests/test_regs.py": "the files that the register map generates",
+    "tools/tests/test_fpga.py": "what elaborates, and does not run",
 }
 
 
@@ -58,7 +63,20 @@ def in_rtl(requirement: dict) -> bool:
 
 
 def holds_rtl(node: str) -> bool:
-    return node.partition("::")[0] not in WITHOUT_RTL
+    return not any(node.startswith((f"{place}::", f"{place}/")) for place in WITHOUT_RTL)
+
+
+def unbroken(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) -> list[str]:
+    """What a list of breakages lacks: a requirement of rtl/, or its id at a row's test."""
+    named = {row["req"] for row in rows}
+    out = [f"{k}: no breakage of {breakages.LIST.name} breaks it" for k, r in requirements.items()
+           if in_rtl(r) and k not in named]  # fmt: skip
+    for row in rows:
+        for test in row["test"].split():
+            ids = tests.get(re.sub(r"icarus\]$", "verilator]", test), [])
+            if row["req"] not in ids:
+                out.append(f"{row['name']}: {test} does not carry {row['req']}")
+    return out
 
 
 def shown(requirement: dict, nodes: list[str]) -> str:
@@ -69,7 +87,8 @@ def shown(requirement: dict, nodes: list[str]) -> str:
     return held + (f"; without RTL: {', '.join(test_files(rest))}" if rest else "")
 
 
-def page(requirements: dict, tests: dict[str, list[str]]) -> str:
+def page(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) -> str:
+    broken = Counter(row["req"] for row in rows)
     lines = [
         "# Traceability",
         "",
@@ -77,15 +96,15 @@ def page(requirements: dict, tests: dict[str, list[str]]) -> str:
         "each requirement comes from in the 1989 report, what implements it, what would turn red",
         "without it.",
         "",
-        "| id | report § | requirement | implemented in | tests |",
-        "|---|---|---|---|---|",
+        "| id | report § | requirement | implemented in | tests | breakages |",
+        "|---|---|---|---|---|---|",
     ]
     for key, req in requirements.items():
         nodes = [n for n, ids in tests.items() if key in ids]
         files = ", ".join(
             f"[{Path(f).name}](../../{f})" for f in req["files"] if (ROOT / f).exists()
         )
-        row = (key, req["section"], req["text"], files, shown(req, nodes))
+        row = (key, req["section"], req["text"], files, shown(req, nodes), str(broken[key] or ""))
         lines.append(f"| {' | '.join(row)} |")
     covered = sum(any(k in ids for ids in tests.values()) for k in requirements)
     entries = [n for n, ids in tests.items() for i in ids if in_rtl(requirements.get(i, NONE))]
@@ -96,11 +115,15 @@ def page(requirements: dict, tests: dict[str, list[str]]) -> str:
         f"requirements in `rtl/` {without} hold no RTL and do not count:",
         "",
         *(f"* `{file}` holds {what}" for file, what in WITHOUT_RTL.items()),
+        "",
+        f"Breakages: rows of `{breakages.LIST.relative_to(ROOT)}`, which break the RTL in that",
+        "requirement; a test that carries its id turns red (`make sabotage`). Each requirement of",
+        "`rtl/` has one at least.",
     ]
     return "\n".join(lines) + "\n"
 
 
-def problems(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
+def problems(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) -> list[str]:
     used = {i for ids in tests.values() for i in ids}
     held = {i for node, ids in tests.items() if holds_rtl(node) for i in ids}
     out = [
@@ -108,7 +131,8 @@ def problems(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
         for k, r in requirements.items()
         if k in used - held and in_rtl(r)
     ]
-    out += [f"{f} is not there: WITHOUT_RTL" for f in WITHOUT_RTL if not (ROOT / f).is_file()]
+    out += unbroken(requirements, tests, rows)
+    out += [f"{f} is not there: WITHOUT_RTL" for f in WITHOUT_RTL if not (ROOT / f).exists()]
     out += [
         f"{k}: no test carries this id"
         for k, r in requirements.items()
@@ -136,8 +160,9 @@ def main() -> int:
     check = parser.parse_args().check
     requirements = tomllib.loads((ROOT / "docs" / "requirements.toml").read_text())
     tests = collect()
-    text = page(requirements, tests)
-    found = problems(requirements, tests)
+    rows = [e for e in breakages.entries("tests") if "test" in e]
+    text = page(requirements, tests, rows)
+    found = problems(requirements, tests, rows)
     if check:
         if not PAGE.is_file() or PAGE.read_text() != text:
             found.append("docs/evidence/traceability.md is stale: run `make generate`")

@@ -119,6 +119,21 @@ async def above(dut, clock, run) -> Above:
 
 @cocotb.test()
 @cocotb.parametrize(clock=list(CLOCKS))
+@req("SOC-3")
+async def the_interrupt_reaches_the_processor(dut, clock):
+    """The level of the machine's request, and its end, within three of the processor's clocks."""
+    tb = await above(dut, clock, run=1)
+    for level in (1, 0, 1):
+        dut.irq_i.value = level
+        for _ in range(3):
+            await FallingEdge(dut.cpu_clk_i)
+        assert int(dut.u_cpu.irq_external_i.value) == level
+        await tb.clocks(4)
+        assert int(dut.u_cpu.irq_external_i.value) == level
+
+
+@cocotb.test()
+@cocotb.parametrize(clock=list(CLOCKS))
 @req("SOC-4")
 async def memory_is_filled_while_the_processor_is_held(dut, clock):
     """Every word has its place, first and last included, and nothing is written twice."""

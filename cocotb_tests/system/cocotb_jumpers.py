@@ -212,7 +212,7 @@ async def floating_port_b_seen_as_ones(dut):
 @variants("mismatch")
 @req("INT-2", "VME-6", "JMP-1")
 async def j5_and_j7_apart(dut):
-    """The line is pulled, no acknowledge is ever answered: spurious, as the report warns."""
+    """The line is pulled, no acknowledge is ever answered, of J7's level neither: spurious."""
     tb = Machine(dut)
     await tb.start(setup=True)
     dut.axis_enable_i.value = 0
@@ -228,6 +228,8 @@ async def j5_and_j7_apart(dut):
     assert handler.spurious >= 3
     handler.stop()
     await Timer(20, "us")
+    tb.vme.downstream = {4: 0x44, 5: 0x55}
+    assert [await tb.vme.iack(level) for level in (4, 5)] == [0x44, 0x55]
     assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
 
 
