@@ -79,7 +79,9 @@ class Request(NamedTuple):
     @property
     def code(self) -> int:
         if self.name not in constants():
-            raise RunError(f"mcdef.h is stale, it has no {self.name}: run `make generate`")
+            if self.number < 64:
+                raise RunError(f"mcdef.h is stale, it has no {self.name}: run `make generate`")
+            raise RunError(f"firmware/include/sys/mmcs.h defines no {self.name} ({self.number})")
         return constants()[self.name]
 
 

@@ -14,12 +14,12 @@ import hashlib
 import json
 import multiprocessing
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from mmcs.engine import logcols
+from studies import run as finish
 
 FAR = 20  # counts
 WITHIN = 10  # counts that a path allows
@@ -218,4 +218,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    finish(main)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from mmcs import ROOT, mcdef
 from mmcs.result import expect_plant as plant
 from mmcs.scenario.inputs import INPUTS
+from studies import run as finish
 
 DOCUMENT = ROOT / "docs" / "evidence" / "faults.md"
 OPEN_LOOP = ("estop", "cable", "pc_power")  # open the PANIC line themselves
@@ -205,4 +206,4 @@ def _degrees(values: list[float]) -> str:
 
 if __name__ == "__main__":
     argparse.ArgumentParser(description=__doc__).parse_args()
-    write_document()
+    finish(write_document)

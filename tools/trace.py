@@ -44,7 +44,7 @@ def collect() -> dict[str, list[str]]:
             capture_output=True,
             check=False,
         )
-        if not out.is_file():
+        if done.returncode or not out.is_file():
             sys.exit(f"trace: the tests cannot be collected\n{done.stdout[-3000:]}{done.stderr}")
         return json.loads(out.read_text())
 

@@ -44,3 +44,14 @@ def test_help_of_a_script(tool):
     done = subprocess.run([tool, "--help"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert f"Usage: {tool.name}" in done.stdout
+
+
+def test_a_study_ends_with_one_line_for_bad_input(tmp_path, capsys):
+    import studies
+    from mmcs.scenario.load import load
+
+    (tmp_path / "bad.toml").write_text('description = "x"\nrobot = "lab500"\nspeed = 1\n')
+    with pytest.raises(SystemExit) as end:
+        studies.run(lambda: load(str(tmp_path / "bad.toml")))
+    said = capsys.readouterr().err
+    assert end.value.code == 2 and said.startswith("mmcs: ") and "speed: unknown key" in said
