@@ -23,6 +23,7 @@ import numpy as np
 
 from mmcs import mcdef
 from mmcs.device.client import Device
+from mmcs.device.motion import Motion
 from mmcs.engine import logcols
 from mmcs.errors import InputError, RunError
 from mmcs.scenario.load import load as _load
@@ -260,4 +261,5 @@ def _pandas():
     return pandas
 
 
-__all__ = ["Device", "InputError", "Machine", "Run", "RunError", "compare", "load", "run", "sweep"]
+__all__ = ["Device", "InputError", "Machine", "Motion", "Run", "RunError", "compare", "load", "run",
+           "sweep"]  # fmt: skip

@@ -102,11 +102,19 @@ def serve(scenario: str, realtime: bool, speed: float | None, lockstep: bool, na
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Override a key.")
 @click.option("--cflags", "show_flags", is_flag=True, help="Print the flags for gcc and end.")
 @click.option("--modern", is_flag=True, help="With --cflags: C or C++ of today, warnings on.")
+@click.option("--robot", metavar="R", help="Print a robot's joints as a C header and end.")
+@click.option("--interval", default=1000, metavar="US", help="With --robot: servo period.")
 @click.argument("command", nargs=-1, type=click.UNPROCESSED, metavar="-- PROGRAM [ARGS...]")
-def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, modern, command):
+def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, modern, robot, interval,
+          command):  # fmt: skip
     """Run an unmodified program that opens /dev/mc0 or /dev/vme16."""
     from mmcs.device.execute import cflags, run_program
 
+    if robot is not None:
+        from mmcs.device.motion import header
+
+        echo(header(robot, interval).rstrip())
+        return
     if show_flags:
         echo(" ".join(cflags(modern)))
         return

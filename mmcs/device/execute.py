@@ -37,7 +37,11 @@ def cflags(modern: bool = False) -> list[str]:
     """Compiler flags for a program written as chapter 2 of the report shows (gcc), or of today."""
     preload_library()  # the compiler runs with it
     return [
-        *(("-Wall", "-Wextra") if modern else ("-std=gnu89", "-w", "-include", "errno.h")),
+        *(
+            ("-Wall", "-Wextra", f"-I{ROOT / 'firmware' / 'lib'}")
+            if modern
+            else ("-std=gnu89", "-w", "-include", "errno.h")
+        ),
         f"-I{DEVICE / 'include'}",
         "-wrapper",
         f"{DEVICE / 'cc_wrapper.sh'},{LIBRARY}",

@@ -350,10 +350,10 @@ class Lockstep:
                 self._run_out(process, timer, now)
         for line in lines:
             wait = line.wait
-            if line.cause is None and (
-                wait.until <= now or (sampled and wait.what & wire.WAIT_SAMPLE)
-            ):
+            if line.cause is None and wait.until <= now:
                 line.cause = wire.CAUSE_DUE
+            if sampled and wait.what & wire.WAIT_SAMPLE and line.cause in (None, wire.CAUSE_SIGNAL):
+                line.cause = wire.CAUSE_DUE  # a signal that came with the sample takes it not away
             if line.wants(wire.WAIT_SAMPLE) and self._sim.clock > line.patience:
                 line.cause = wire.CAUSE_LATE
             if line.outside and wait.what & wire.WAIT_FILES:

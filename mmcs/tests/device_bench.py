@@ -8,12 +8,13 @@ import subprocess
 import sys
 
 from mmcs import ROOT
-from mmcs.device.execute import LIBRARY, cflags, environment, serve_program
+from mmcs.device.execute import DEVICE, LIBRARY, cflags, environment, serve_program
+from mmcs.device.motion import header
 from mmcs.device.server import Server
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.scenario.load import load
-from tools.compiled import compiled
+from tools.compiled import compiled, written
 
 PROGRAMS = ROOT / "sim" / "tests" / "device"
 EXAMPLES = ROOT / "firmware" / "examples"
@@ -30,18 +31,19 @@ skip = true
 """
 
 
+_LAB = (ROOT / "sim" / "robots" / "lab500.toml").read_text()
+ROBOT = written("two.toml", _LAB.replace('name = "LAB500"', 'name = "LAB500"\ncopies = 2'))
+
+
 def write_scenario(folder):
-    robot = (ROOT / "sim" / "robots" / "lab500.toml").read_text()
-    (folder / "two.toml").write_text(
-        robot.replace('name = "LAB500"', 'name = "LAB500"\ncopies = 2')
-    )
+    (folder / "two.toml").write_text(ROBOT.read_text())
     path = folder / "device.toml"
     path.write_text(SCENARIO)
     return path
 
 
-def make_sim(folder) -> Sim:
-    setup = load(str(write_scenario(folder)))
+def make_sim(folder, sets=()) -> Sim:
+    setup = load(str(write_scenario(folder)), sets)
     library = ensure_library(1, "asan" if SANITIZED else "speed")
     return Sim(library, setup.config(), setup.motors(), setup.links())
 
@@ -55,6 +57,15 @@ def compile_program(source, *flags):
 
 def compile_1989(source):
     return compile_program(source, *cflags())
+
+
+def compile_example(source):
+    """An example of C, of 1989 or of today, for a robot of two bench motors."""
+    if source.stem in ("bounce", "readregs"):
+        return compile_1989(source)
+    table = written("robot.h", header(str(ROBOT), 1000)).parent
+    folders = (ROOT / "firmware/include", ROOT / "firmware/lib", DEVICE / "include", table)
+    return compile_program(source, "-Wall", "-Wextra", "-O1", *(f"-I{f}" for f in folders))
 
 
 class Bench:
@@ -100,10 +111,10 @@ class Bench:
         self.sim.destroy()
 
 
-def run_in_lockstep(folder, *command, said=None):
+def run_in_lockstep(folder, *command, said=None, sets=()):
     """A run of a program from power-on, in lock-step: its status, and the machine's hash."""
     folder.mkdir(mode=0o700, exist_ok=True)
-    with make_sim(folder) as sim:
+    with make_sim(folder, sets) as sim:
         tell = (lambda text: None) if said is None else said.append
         server = Server(sim, folder / "mc0.sock", None, console=tell, lockstep=True)
         try:

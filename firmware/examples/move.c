@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * All joints of a robot at once, with the motion library: there with constant acceleration, back on
+ * a polynomial of fifth order; and how far they were off.
+ *
+ *	mmcs exec --robot puma560 > robot.h
+ *	cc $(mmcs exec --cflags --modern) move.c -o move -lm
+ *	mmcs exec --lockstep --scenario puma560 -- ./move
+ */
+#include <motion.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "robot.h"
+
+static struct motion m;
+
+static void check(int result, const char *what) {
+  if (result >= 0) return;
+  perror(what);
+  exit(1);
+}
+
+/* Plays the buffer to its end; the farthest that each joint was off its demand, counts. */
+static void play(const char *name) {
+  struct mc_state state[ROBOT_AXES];
+  int most[ROBOT_AXES] = {0}, goes_on;
+  double began = motion_time(&m);
+  do {
+    check(goes_on = motion_step(&m), "step");
+    check((int)read(m.fd, state, sizeof state), "read");
+    for (int i = 0; i < m.axes; i++)
+      if (abs(state[i].error) > most[i]) most[i] = abs(state[i].error);
+  } while (goes_on);
+  printf("%s: %.3f s;", name, motion_time(&m) - began);
+  for (int i = 0; i < m.axes; i++) printf(" %s %d", robot[i].name, most[i]);
+  printf(" counts off\n");
+}
+
+int main(void) {
+  double to[ROBOT_AXES], back[ROBOT_AXES];
+  check(motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US), "/dev/mc0");
+  check(motion_enable(&m), "MENABLE");
+  for (int i = 0; i < m.axes; i++) {
+    back[i] = m.rest.position[i];
+    to[i] = back[i] + 1.0 / (2 + i); /* rad */
+  }
+  check(motion_trapezoid(&m, to, 0.2), "trapezoid");
+  play("trapezoid");
+  check(motion_quintic(&m, back, 0.2), "quintic");
+  play("quintic");
+  check(motion_close(&m), "close");
+  return 0;
+}
