@@ -66,7 +66,7 @@ WHY = {
     "load_torque": "the error grows to the current limit, and that is allowed",
     "brake_stuck": "no sensor on a brake",
     "drive_offset": "the loop leans against it, some counts off",
-    "pc_control_stuck0 1": "a write that never ends: what is on the bus goes on",
+    "pc_control_stuck0 1": "a write that never ends: the card takes what is on the bus",
 }
 REMEDIES = {
     "PANIC cuts the amplifiers": ("amp_panic_cut=true",),
@@ -222,7 +222,7 @@ def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str,
     before = Counter(row["class"] for row in some)
     count = len(some)
     lines = [
-        "# Where the design of 1989 is deaf",
+        "# Faults that the design of 1989 does not detect",
         "",
         f"{count:,} faults, each a run beside its fault-free twin: `mmcs campaign --faults {count} "
         f"--seed {seed}`,",
@@ -255,7 +255,7 @@ def page(rows: dict[int, dict], measured: dict[str, dict], seed: int, note: str,
         "A PANIC that keeps the brakes until the next MENABLE would help with the first, and is a",
         "change of the RTL that is not measured here.",
         "",
-        "The ten worst holes, and how many of their silent and dangerous faults stay so:",
+        "The ten inputs and registers with the most silent and dangerous faults, and how many of them each remedy leaves:",
         "",
         *hole_table(rows, measured),
         "",

@@ -92,7 +92,7 @@ def tables(plan, rows: list[dict]) -> list[str]:
     lines = ["## By sort", ""]
     lines += sorts.table("sort", [s for s in plan.sorts if s in sorts.by])
     lines += everything.table("sort", everything.by)[2:]
-    lines += ["", "## Where it is deaf", ""]
+    lines += ["", "## What stays undetected", ""]
     lines += [
         "The registers (one name for all cards and axes), inputs and requests with the most silent",
         "and dangerous faults. Every flip-flop is as likely as any other; inputs and requests are",
