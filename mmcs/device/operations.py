@@ -97,7 +97,7 @@ class Operations:
         if not self._server.pace.paused:
             raise Refused(EBUSY, "time passes by itself; pause first")
         if self._server.advances:
-            raise Refused(EBUSY, "time passes already, as somebody asked")
+            raise Refused(EBUSY, "another client has asked for time to pass already")
         seconds = a.number("seconds", 0, MOST_S)
         self._server.advance(seconds, self._of, a.id)
 
@@ -140,7 +140,7 @@ class Operations:
     def do_rewind(self, a: Arguments) -> dict:
         self.must_control()
         if self._server.advances:
-            raise Refused(EBUSY, "time passes, as somebody asked; wait for that")
+            raise Refused(EBUSY, "another client has asked for time to pass; wait until it has passed")
         history = self._machine.history
         if "t" in a:
             number = history.last_before(a.number("t", 0, 1e9))

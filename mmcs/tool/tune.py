@@ -332,7 +332,7 @@ def make_step(bench: Bench, size: float, seconds: float = STEP_S) -> dict:
     target = round(before + size)
     bench.write(target)
     if not bench.wait(10.0, lambda: bench.setpoint == target):
-        raise TuneError("the setpoint does not arrive; does somebody else write?")
+        raise TuneError("the setpoint does not arrive; another program may be writing")
     bench.wait(seconds)
     rows = bench.rows(began)
     bench.write(before)

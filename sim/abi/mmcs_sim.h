@@ -176,8 +176,8 @@ const char *mmcs_sim_build_id(void);
 
 /* Starts an FST trace to path. 0, or -1 if this build has no tracing or the file can't be made. */
 int mmcs_sim_trace(mmcs_sim *sim, const char *path);
-/* The same for the stretch from..to (s) only, which lies ahead; what comes before runs untraced
- * and fast. The file appears when the stretch begins. */
+/* The same for from..to (s) only, which must lie ahead; until then the run is untraced and fast.
+ * The file is created at `from`. */
 int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s);
 
 /* Waveforms without a file: from now on, after each clock, whatever of these nets has changed. A
@@ -200,11 +200,11 @@ int mmcs_sim_close(mmcs_sim *sim, int client);
 int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg);
 int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len);
 int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len);
-/* MSTOP of whoever has no client: as mc_halt(). 0, or -errno. */
+/* Stops the machine on behalf of no client, as mc_halt() does. 0, or -errno. */
 int mmcs_sim_stop(mmcs_sim *sim);
 /* Called every millisecond of the machine's time while a request waits (MENABLE does); not 0: the
- * request waits no more, and fails. It may call what is here, but for requests that wait, snapshots
- * and mmcs_sim_run(). None waits longer than a second of the machine's time. */
+ * request ends and fails. The callback may call the functions of this header, except requests that
+ * wait, snapshots and mmcs_sim_run(). No request waits longer than a second of machine time. */
 typedef int (*mmcs_look)(void *ctx);
 int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx);
 /* SIGUSR1s delivered to this client since the last call. */
@@ -223,8 +223,8 @@ typedef struct mmcs_bus_cycle {
   int32_t kind;        /* MMCS_BUS_... */
   int32_t answer;      /* 0 DTACK*, 1 none, 2 BERR* */
 } mmcs_bus_cycle;
-/* From now on every cycle is kept; those since the last call, valid until the next. -1: this host
- * has no VME bus. */
+/* The first call begins to keep bus cycles; each call gives those since the call before, valid
+ * until the next. -1: this host has no VME bus. */
 int mmcs_sim_bus_watch(mmcs_sim *sim);
 int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles);
 
@@ -264,13 +264,13 @@ double mmcs_sim_time(const mmcs_sim *sim);
 int64_t mmcs_sim_clock(const mmcs_sim *sim);
 
 /* The log: one row per servo sample since motion start: t_s, then per axis these. Valid until the
- * next call that moves time. Who has copied the rows may say so: they are forgotten, and a long run
- * needs no more memory than a short one. A snapshot then counts them and does not hold them. */
+ * next call that moves time. Dropping the rows that have been copied keeps the memory of a long run
+ * bounded; a snapshot then counts the dropped rows and does not hold them. */
 #define MMCS_SIM_LOG_FIELDS "setpoint encoder velocity error current errcode angle_rad"
 const double *mmcs_sim_log(const mmcs_sim *sim, int64_t *rows, int32_t *cols);
 void mmcs_sim_log_taken(mmcs_sim *sim);
 int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes);
-/* Only so many are kept. How many have come since then: what they were is not known. */
+/* Notes are kept up to a limit; this many later ones were not kept. */
 int64_t mmcs_sim_notes_lost(const mmcs_sim *sim);
 void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
 /* What the physics did: joint angle (rad), joint velocity, motor current (A), and encoder
@@ -290,15 +290,15 @@ typedef struct mmcs_phase {
   int64_t passes;
   double mean_us, max_us;
 } mmcs_phase;
-/* Fills up to n; how many there are, 0 where the driver is native code. */
+/* Fills up to n phases; returns how many there are, 0 where the driver is native code. */
 int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n);
 /* Digest of every sample so far and of the hardware state now. */
 uint64_t mmcs_sim_hash(const mmcs_sim *sim);
 int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);
 
-/* The tap: every servo sample and every change from two bounded rings, for readers that keep their
- * own place, a position counted from the first record ever. No part of the machine's state, and
- * without influence on it. A row is laid out as docs/use/protocol.md says. */
+/* The tap: every servo sample and every change, in two bounded rings. A reader keeps its own
+ * position, counted from the first record of the simulation. The tap is no part of the machine's
+ * state and does not influence it. The layout of a row is in docs/use/protocol.md. */
 typedef struct mmcs_tap_event {
   int64_t n; /* its position */
   double t;
@@ -308,7 +308,7 @@ typedef struct mmcs_tap_event {
   char text[112];
 } mmcs_tap_event;
 typedef struct mmcs_tap_read {
-  int64_t next; /* where to go on */
+  int64_t next; /* the position to continue from */
   int64_t lost; /* positions that the ring no longer held */
   int32_t count;
 } mmcs_tap_read;
@@ -316,7 +316,7 @@ typedef struct mmcs_tap_head {
   int64_t rows, events; /* there have been so many */
   int32_t row_bytes;
 } mmcs_tap_head;
-/* How many of each the rings keep; no events: nothing is kept at all. 0, or -1: impossible. */
+/* Sizes of the rings; 0 events switches the tap off. 0, or -1: impossible. */
 int mmcs_sim_tap(mmcs_sim *sim, int64_t rows, int64_t events);
 int mmcs_sim_tap_head(const mmcs_sim *sim, mmcs_tap_head *head);
 /* Every n-th row from a position on, and every event; `limit` at most. 0, or -1. */
@@ -324,7 +324,7 @@ int mmcs_sim_tap_rows(const mmcs_sim *sim, int64_t from, int32_t every, uint8_t 
                       int32_t limit, mmcs_tap_read *read);
 int mmcs_sim_tap_events(const mmcs_sim *sim, int64_t from, mmcs_tap_event *events, int32_t limit,
                         mmcs_tap_read *read);
-/* An event of one's own among them. */
+/* Adds an event of the caller. */
 int mmcs_sim_tap_note(mmcs_sim *sim, const char *kind, int32_t axis, int32_t value,
                       const char *text);
 
@@ -338,10 +338,10 @@ int mmcs_sim_restore(mmcs_sim *sim, int64_t id);
 int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
 /* While mmcs_sim_run() runs: one every so many seconds, of which the last `count` are kept. */
 int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count);
-/* Those that are kept, in order of time. Valid until the next call, as are the bytes below. */
+/* The snapshots that are kept, in order of time. Valid until the next call, as the bytes below. */
 int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list);
-/* Digest of all that decides the future, time included; no counts, logs or hashes of what has been.
- * Of two simulations of the same machine with equal ones, the rest is the same to the bit. */
+/* Digest of the whole state that decides the future, time included, without counts, logs and
+ * hashes of the past. Two simulations of the same machine with equal digests continue equally. */
 uint64_t mmcs_sim_future(mmcs_sim *sim);
 /* For a file: the state, and the past (log, notes) that all snapshots of a run share. Number of
  * bytes, or -1. Another build or another machine refuses them: -1 and one sentence in err. */

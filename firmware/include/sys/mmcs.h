@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What programs may ask of the devices here that the report does not have. */
+/* Requests of /dev/mc0 that the report does not have. */
 #ifndef MMCS_H
 #define MMCS_H
 
-/* int, by pointer: 1 takes the lease, 0 gives it up, as the end of the open does. Who has it
- * changes things, nobody else does but by a stop. EBUSY: another has it; EBADF: not open for
- * writing. */
+/* int, by pointer: 1 takes the lease, 0 gives it up, and so does close(). Only the holder of the
+ * lease may change the machine; a stop is allowed to all. EBUSY: another program has the lease;
+ * EBADF: not open for writing. */
 #define MLEASE 0x80044D40
 
 /* int, by pointer: waits for the next servo sample and gives its number since power-on. */
 #define MWAIT 0x40044D41
 
 /* char[MWHY_SIZE]: why this thread's last call on an open device was refused, as one sentence;
- * empty if its errno says all there is. */
+ * empty if there is nothing to add to the errno. */
 #define MWHY_SIZE 128
 #define MWHY 0x40804D42
 
-/* struct mmcs_status: how the machine stands. A read-only open may ask, too. */
+/* struct mmcs_status: the state of the machine; also for a read-only open. */
 struct mmcs_status {
   unsigned long long time_ns; /* of the machine, since power-on */
   unsigned sample;            /* number of the last servo sample since power-on, as of MWAIT */
@@ -32,18 +32,17 @@ struct mmcs_status {
 #define MCAUSE_HEARTBEAT 1 /* axis `number` has no heartbeat */
 #define MCAUSE_CARD 2      /* card `number` does not answer */
 #define MCAUSE_SILENT 3    /* no card answers: cable or power */
-#define MCAUSE_PASSED 4    /* a PANIC, and all is well now: button, or a cause that has passed */
+#define MCAUSE_PASSED 4    /* a PANIC without a present cause: button, or a cause that has passed */
 #define MCAUSE_AXIS 5      /* an error of axis `number` without SOFTERR: errcode says which */
 #define MCAUSE_BUS 6       /* bus error in a servo pass, or the adaptor does not answer */
 #define MCAUSE_RESET 7     /* SYSRESET* */
 #define MCAUSE_LATE 8      /* no interrupts, or passes outlast SCLOCK */
 #define MCAUSE_GUARD 9     /* struct mc_guard; of axis `number`, or -1 */
 
-/* int, by pointer: gives up what MCALIB began of this axis; others go on. Nothing to give up: 0. */
+/* int, by pointer: ends the calibration of this axis only; 0 also if there is none. */
 #define MCALIBEND 0x80044D44
 
-/* struct mmcs_setpoint: the setpoint of one axis; the others keep theirs, whoever writes them.
- * Errors as of write(). */
+/* struct mmcs_setpoint: the setpoint of one axis; other axes keep theirs. Errors as of write(). */
 struct mmcs_setpoint {
   int axis;
   int value;
