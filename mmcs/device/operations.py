@@ -140,7 +140,7 @@ class Operations:
     def do_rewind(self, a: Arguments) -> dict:
         self.must_control()
         if self._server.advances:
-            raise Refused(EBUSY, "another client has asked for time to pass; wait until it has passed")
+            raise Refused(EBUSY, "another client has asked for time to pass; wait for its end")
         history = self._machine.history
         if "t" in a:
             number = history.last_before(a.number("t", 0, 1e9))
