@@ -16,12 +16,20 @@ constexpr double kFullScaleVolts = 10.0;
 EncoderFaults faults_of(const AxisState &s) {
   EncoderFaults f;
   constexpr AxisInput kCuts[] = {kEncoderACut, kEncoderBCut, kEncoderIndexCut};
-  for (int w = 0; w < 3; ++w) f.cut[w] = static_cast<int>(s.input[kCuts[w]]);
+  for (int w = 0; w < 3; ++w) {  // 0 sound, 1 stuck low, 2 stuck high
+    const int cut = static_cast<int>(s.input[kCuts[w]]);
+    if (cut != 0) f.cut |= 1u << w;
+    if (cut == 2) f.high |= 1u << w;
+  }
   f.swapped = s.input[kEncoderSwap] != 0.0;
   f.no_index = s.input[kIndexMissing] != 0.0;
   f.glitch_rate[0] = f.glitch_rate[1] = s.input[kEncoderGlitch];
   f.glitch_rate[2] = s.input[kIndexGlitch];
   return f;
+}
+
+[[gnu::noinline]] double noise(AxisState &s) {
+  return s.input[kPotNoise] * random_normal(s.random);
 }
 
 int64_t steps_of(double seconds) {
@@ -90,11 +98,13 @@ double Axis::drive(AxisState &s, double volts, bool brake_release, bool amp_enab
   return m_.km * s.current - s.input[kLoadTorque];
 }
 
-Resistance Axis::resistance(const AxisState &s) const {
-  double extra = 0.0;
+double Axis::extra_friction(const AxisState &s) const {
+  if (s.input[kMotorJam] != 0.0) return kInfinity;
   const double stuck = s.input[kBrakeStuck];
-  if (stuck == 2.0 || (s.brake_on != 0 && stuck != 1.0)) extra = m_.brake_torque;
-  if (s.input[kMotorJam] != 0.0) extra = kInfinity;
+  return stuck == 2.0 || (s.brake_on != 0 && stuck != 1.0) ? m_.brake_torque : 0.0;
+}
+
+Resistance Axis::resistance(double extra) const {
   return {{m_.stiction_pos + extra, m_.stiction_neg + extra},
           {m_.coulomb_pos + extra, m_.coulomb_neg + extra}};
 }
@@ -113,18 +123,10 @@ double Axis::coupling(const AxisState &s) const {
 // its bounds brings the shaft to rest, so that a held shaft has speed 0 exactly.
 double Axis::motor_speed(const AxisState &s, double torque) const {
   const double push = m_.inertia / kStep * s.omega + torque;
-  const Resistance r = resistance(s);
+  const Resistance r = resistance(extra_friction(s));
   const double *hold = s.omega == 0.0 ? r.stick : r.slide;
   if (push <= hold[0] && push >= -hold[1]) return 0.0;
   return (push > 0.0 ? push - r.slide[0] : push + r.slide[1]) / viscous_denominator_;
-}
-
-double Axis::stop_speed(const AxisState &s, double speed) const {
-  if (m_.stop_lo >= m_.stop_hi) return speed;
-  const double next = s.q + kStep * speed;
-  if (next > m_.stop_hi) return (m_.stop_hi - s.q) / kStep;
-  if (next < m_.stop_lo) return (m_.stop_lo - s.q) / kStep;
-  return speed;
 }
 
 void Axis::move_joint(AxisState &s, double speed) const {
@@ -164,10 +166,14 @@ void Axis::step_alone(AxisState &s, double torque) const {
 void Axis::sense(AxisState &s, double theta_before, std::vector<PinEdge> &edges) const {
   double volts = m_.pot_offset + m_.pot_v_per_rad * s.q;
   if (s.input[kPotCut] != 0.0) volts = 0.0;
-  if (s.input[kPotNoise] > 0.0) volts += s.input[kPotNoise] * random_normal(s.random);
+  if (s.input[kPotNoise] > 0.0) volts += noise(s);
   s.adc = std::clamp(volts, -kFullScaleVolts, kFullScaleVolts);
-  encoder_.step(s.encoder, s.faulty != 0 ? faults_of(s) : EncoderFaults{}, theta_before, s.theta,
-                edges);
+  static const EncoderFaults kSound;
+  if (s.faulty != 0) {
+    encoder_.step(s.encoder, faults_of(s), theta_before, s.theta, edges);
+  } else {
+    encoder_.step(s.encoder, kSound, theta_before, s.theta, edges);
+  }
 }
 
 }  // namespace mmcs

@@ -10,6 +10,8 @@
 
 namespace mmcs {
 
+inline constexpr double kStep = kStepUs * 1e-6;
+
 // The inputs, in the order of the table.
 enum AxisInput {
 #define PLANT(input, ...) input,
@@ -51,13 +53,21 @@ class Axis {
 
   // The first half of a step: current, brake. Returns the torque on the shaft but for friction.
   double drive(AxisState &s, double volts, bool brake_release, bool amp_enable) const;
-  Resistance resistance(const AxisState &s) const;
+  // What the brake adds to the friction of the motor: nothing, its torque, or more than anything.
+  double extra_friction(const AxisState &s) const;
+  Resistance resistance(double extra) const;
   // Coupling torque at the joint, positive when the motor is ahead of the load.
   double coupling(const AxisState &s) const;
   // Speed of the motor after one step under this torque, without a stop: friction decides.
   double motor_speed(const AxisState &s, double torque) const;
   // The joint speed that would take the joint exactly to its stop, when `speed` goes beyond it.
-  double stop_speed(const AxisState &s, double speed) const;
+  double stop_speed(const AxisState &s, double speed) const {
+    if (m_.stop_lo >= m_.stop_hi) return speed;
+    const double next = s.q + kStep * speed;
+    if (next > m_.stop_hi) return (m_.stop_hi - s.q) / kStep;
+    if (next < m_.stop_lo) return (m_.stop_lo - s.q) / kStep;
+    return speed;
+  }
   // The same bounded at the stops, then the new position; lands on the stop bit for bit.
   void move_joint(AxisState &s, double speed) const;
   // A whole step of an axis that stands alone.
@@ -75,7 +85,5 @@ class Axis {
   int64_t brake_off_steps_;
   double viscous_denominator_;  // inertia / h + viscous
 };
-
-inline constexpr double kStep = kStepUs * 1e-6;
 
 }  // namespace mmcs

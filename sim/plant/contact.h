@@ -2,6 +2,7 @@
 // Joint speeds after one step of coupled masses under dry friction and stops.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -28,14 +29,16 @@ class ContactSolver {
   enum class Mode : uint8_t { kPlus, kMinus, kRest, kUpperStop, kLowerStop };
 
   void solve_free(const double *a, const double *b, const JointBounds *bounds, double *v);
-  bool revise(int i, const double *a, const double *b, const JointBounds &bound, const double *v);
-  static bool held(Mode mode) { return mode >= Mode::kRest; }
+  Mode revised_free(size_t i, const JointBounds &bound, double v) const;
+  Mode revised_held(size_t i, const double *a, const double *b, const JointBounds &bound,
+                    const double *v) const;
+  static bool is_held(Mode mode) { return mode >= Mode::kRest; }
 
-  int n_;
+  size_t n_;
   int64_t rounds_ = 0;
   std::vector<Mode> mode_;
-  std::vector<uint8_t> rested_;  // at rest before the step
-  std::vector<int> free_;
+  std::vector<uint8_t> rested_;      // at rest before the step
+  std::vector<size_t> free_, held_;  // joints that move, and those that are held
   std::vector<double> l_;  // factor of the free joints' part, and its diagonal and right side
   std::vector<double> d_;
   std::vector<double> x_;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "maths.h"
-
 namespace mmcs {
 
 namespace {
@@ -13,16 +11,12 @@ namespace {
 constexpr int64_t kNever = INT64_C(1) << 62;
 constexpr int64_t kLag = 100'000'000;  // counts that a disc may be ahead of its pins
 
-int64_t nearest(double x) {
-  return floor_int(x + 0.5);
-}
-
 // Keeps edges in order of clock; equal clocks stay in order of arrival. Few edges: from the back.
 void insert_by_clock(std::vector<PinEdge> &edges, const PinEdge &edge) {
   edges.push_back(edge);
-  for (size_t i = edges.size() - 1; i > 0 && edges[i - 1].clk > edges[i].clk; --i) {
-    std::swap(edges[i - 1], edges[i]);
-  }
+  PinEdge *at = &edges.back(), *first = edges.data();
+  for (; at > first && at[-1].clk > edge.clk; --at) *at = at[-1];
+  *at = edge;
 }
 
 }  // namespace
@@ -61,16 +55,13 @@ bool Encoder::is_possible(const EncoderState &s, double motor_angle) const {
 }
 
 int64_t Encoder::pins_of(const EncoderState &s, const EncoderFaults &f) const {
+  // A leads B by a quarter turn: 0, A, A and B, B.
   const auto phase = static_cast<unsigned>(s.state & 3);
-  bool level[3] = {phase == 1 || phase == 2, phase >= 2, index_ && !f.no_index && s.turn == 0};
-  if (f.swapped) std::swap(level[0], level[1]);
-  int64_t pins = 0;
-  for (int w = 0; w < 3; ++w) {
-    bool high = level[w] != (s.glitch_on[w] != 0);
-    if (f.cut[w] != 0) high = f.cut[w] == 2;
-    pins |= static_cast<int64_t>(high) << w;
-  }
-  return pins;
+  unsigned pins = phase ^ phase >> 1;
+  if (f.swapped) pins = (pins & 1) << 1 | pins >> 1;
+  if (index_ && !f.no_index && s.turn == 0) pins |= 4;
+  for (int w = 0; w < 3; ++w) pins ^= static_cast<unsigned>(s.glitch_on[w]) << w;
+  return (pins & ~f.cut) | f.high;
 }
 
 // Draws whether a spurious pulse begins in this step, and when. A pulse is 1 to 8 gaps long.
@@ -90,11 +81,8 @@ void Encoder::end_glitches(EncoderState &s, const EncoderFaults &f) const {
   }
 }
 
-void Encoder::step(EncoderState &s, const EncoderFaults &f, double from, double to,
+void Encoder::turn(EncoderState &s, const EncoderFaults &f, double c0, double c1, int64_t target,
                    std::vector<PinEdge> &edges) const {
-  const double c0 = from * counts_per_rad_ + offset_ + s.slip;
-  const double c1 = to * counts_per_rad_ + offset_ + s.slip;
-  const int64_t target = nearest(c1);
   const auto emit = [&](int64_t clk) {
     const int64_t pins = pins_of(s, f);
     if (pins == s.pins) return;
@@ -126,7 +114,7 @@ void Encoder::step(EncoderState &s, const EncoderFaults &f, double from, double 
     for (int w = 0; s.noisy != 0 && w < 3; ++w) {
       if (s.glitch_at[w] < clk) clk = s.glitch_at[w], wire = w;
     }
-    clk = std::max({clk, s.last_edge + min_gap_, INT64_C(0)});
+    clk = std::max(std::max(clk, s.last_edge + min_gap_), INT64_C(0));
     if (clk >= clks_) break;
     if (wire < 0) {
       s.state += way;
@@ -140,9 +128,6 @@ void Encoder::step(EncoderState &s, const EncoderFaults &f, double from, double 
     }
     emit(clk);
   }
-
-  s.last_edge = std::max(s.last_edge - clks_, -min_gap_);
-  if (s.noisy != 0) end_glitches(s, f);
 }
 
 }  // namespace mmcs

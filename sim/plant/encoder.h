@@ -9,14 +9,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "maths.h"
 #include "plant.h"
 
 namespace mmcs {
 
 // Faults on the wires, as the inputs of the same names set them.
 struct EncoderFaults {
-  int cut[3] = {0, 0, 0};  // A, B, index: 0 sound, 1 stuck low, 2 stuck high
-  bool swapped = false;    // A and B exchanged
+  unsigned cut = 0, high = 0;  // bit 0 A, bit 1 B, bit 2 index: cut wires, those of them stuck high
+  bool swapped = false;        // A and B exchanged
   bool no_index = false;
   double glitch_rate[3] = {0, 0, 0};  // spurious pulses per second on A, B, index
 };
@@ -46,9 +47,21 @@ class Encoder {
   bool is_possible(const EncoderState &s, double motor_angle) const;
   // Moves the shaft from one angle to the next during one step; inserts the edges by clock.
   void step(EncoderState &s, const EncoderFaults &f, double from, double to,
-            std::vector<PinEdge> &edges) const;
+            std::vector<PinEdge> &edges) const {
+    const double c1 = to * counts_per_rad_ + offset_ + s.slip;
+    const int64_t target = nearest(c1);
+    if (target != s.state || s.refresh != 0 || s.noisy != 0) {
+      turn(s, f, from * counts_per_rad_ + offset_ + s.slip, c1, target, edges);
+    }
+    s.last_edge = s.last_edge - clks_ < -min_gap_ ? -min_gap_ : s.last_edge - clks_;
+    if (s.noisy != 0) end_glitches(s, f);
+  }
 
  private:
+  static int64_t nearest(double x) { return floor_int(x + 0.5); }
+  // From count c0 to c1, which is the disc's state `target`.
+  void turn(EncoderState &s, const EncoderFaults &f, double c0, double c1, int64_t target,
+            std::vector<PinEdge> &edges) const;
   int64_t pins_of(const EncoderState &s, const EncoderFaults &f) const;
   void start_glitches(EncoderState &s, const EncoderFaults &f) const;
   void end_glitches(EncoderState &s, const EncoderFaults &f) const;

@@ -44,12 +44,16 @@ class AxesPlant : public Plant {
             std::vector<PinEdge> &edges) override {
     edges.clear();
     if (edges.capacity() < edges_per_step_) edges.reserve(edges_per_step_);
-    for (size_t i = 0; i < axis_.size(); ++i) {
-      before_[i] = state_[i].theta;
-      torque_[i] = axis_[i].drive(state_[i], drive_v[i], brake_release, amp_enable);
+    const size_t n = axis_.size();
+    const Axis *const axis = axis_.data();
+    AxisState *const state = state_.data();
+    double *const before = before_.data(), *const torque = torque_.data();
+    for (size_t i = 0; i < n; ++i) {
+      before[i] = state[i].theta;
+      torque[i] = axis[i].drive(state[i], drive_v[i], brake_release, amp_enable);
     }
     move();
-    for (size_t i = 0; i < axis_.size(); ++i) axis_[i].sense(state_[i], before_[i], edges);
+    for (size_t i = 0; i < n; ++i) axis[i].sense(state[i], before[i], edges);
   }
 
   uint8_t pins(int axis) const override { return static_cast<uint8_t>(at(axis).encoder.pins); }
@@ -125,45 +129,77 @@ class ArmPlant final : public AxesPlant {
       : AxesPlant(config, motors, clks_per_step, min_gap),
         arm_(links, config.links, config.gravity),
         solver_(config.links),
-        mass_(axis_.size() * axis_.size()),
-        bias_(axis_.size()),
+        joint_(axis_.size()),
+        mass_(axis_.size() * axis_.size() + 1),  // may be read as pairs
         q_(axis_.size()),
         qd_(axis_.size()),
+        tau_(axis_.size()),
+        momentum_(axis_.size() + 1),
         next_(axis_.size()),
-        bounds_(axis_.size()) {}
+        bounds_(axis_.size()) {
+    for (size_t i = 0; i < axis_.size(); ++i) {
+      const mmcs_motor &m = axis_[i].motor();
+      if (axis_[i].flexible()) continue;
+      joint_[i].rotor = m.gear * m.gear * m.inertia;
+      joint_[i].viscous = kStep * m.gear * m.gear * m.viscous;
+      joint_[i].extra = -1.0;
+    }
+  }
 
  protected:
   void move() override {
     const size_t n = axis_.size();
-    for (size_t i = 0; i < n; ++i) {
-      q_[i] = state_[i].q;
-      qd_[i] = next_[i] = state_[i].qd;
-    }
-    arm_.pose(q_.data());
-    arm_.mass_matrix(mass_.data());
-    arm_.inverse_dynamics(qd_.data(), nullptr, bias_.data());
-    for (size_t i = 0; i < n; ++i) bias_[i] = joint_torque(i) - bias_[i];
+    double *const mass = mass_.data();
+    calculate_arm();
     // Impulses: (M + h B) v' = M v + h (torque - bias) + friction. Rotor inertia counts in M.
     for (size_t i = 0; i < n; ++i) {
-      const mmcs_motor &m = axis_[i].motor();
-      const double ratio = axis_[i].flexible() ? 0.0 : m.gear * m.gear;
-      mass_[i * n + i] += ratio * m.inertia;
+      mass[i * n + i] = joint_[i].inertia;
+      momentum_[i] = kStep * (joint_torque(i) - tau_[i]);
+    }
+    for (size_t i = 0; i < n; i += 2) {  // M is symmetric: two rows, by columns
+      Two sum = load(&momentum_[i]);
+      for (size_t k = 0; k < n; ++k) sum += load(mass + k * n + i) * qd_[k];
+      std::memcpy(&momentum_[i], &sum, sizeof sum);
     }
     for (size_t i = 0; i < n; ++i) {
-      double momentum = kStep * bias_[i];
-      for (size_t k = 0; k < n; ++k) momentum += mass_[i * n + k] * qd_[k];
-      bias_[i] = momentum;
-    }
-    for (size_t i = 0; i < n; ++i) {
-      const mmcs_motor &m = axis_[i].motor();
-      if (!axis_[i].flexible()) mass_[i * n + i] += kStep * m.gear * m.gear * m.viscous;
+      mass[i * n + i] += joint_[i].viscous;
       set_bounds(i);
     }
-    solver_.solve(mass_.data(), bias_.data(), bounds_.data(), next_.data());
+    solver_.solve(mass, momentum_.data(), bounds_.data(), next_.data());
     for (size_t i = 0; i < n; ++i) move_joint(i);
   }
 
  private:
+  struct Joint {
+    double rotor, viscous;  // at the joint, of a rigid axis: inertia; what brakes in a step
+    double inertia;         // with the arm's
+    double extra;           // friction that the bounds are of
+  };
+
+  static Two load(const double *two) {
+    Two out;
+    std::memcpy(&out, two, sizeof out);
+    return out;
+  }
+
+  // Mass matrix and torques of the arm, which stand as long as the arm does.
+  void calculate_arm() {
+    const size_t n = axis_.size();
+    for (size_t i = 0; i < n; ++i) {
+      q_[i] = state_[i].q;
+      next_[i] = state_[i].qd;
+    }
+    const bool turns = std::memcmp(next_.data(), qd_.data(), n * sizeof(double)) != 0;
+    const bool moved = arm_.pose(q_.data());
+    if (moved) {
+      arm_.mass_matrix(mass_.data());
+      for (size_t i = 0; i < n; ++i) joint_[i].inertia = mass_[i * n + i] + joint_[i].rotor;
+    }
+    if (!moved && !turns) return;
+    qd_ = next_;
+    arm_.inverse_dynamics(qd_.data(), nullptr, tau_.data());
+  }
+
   // Steps the shaft of a flexible axis on its way.
   double joint_torque(size_t i) {
     const Axis &axis = axis_[i];
@@ -179,11 +215,15 @@ class ArmPlant final : public AxesPlant {
     const Axis &axis = axis_[i];
     const AxisState &s = state_[i];
     JointBounds &b = bounds_[i];
-    b = {{0, 0}, {0, 0}, axis.stop_speed(s, -kFastest), axis.stop_speed(s, kFastest)};
+    b.speed_lo = axis.stop_speed(s, -kFastest);
+    b.speed_hi = axis.stop_speed(s, kFastest);
     if (axis.flexible()) return;
+    const double extra = axis.extra_friction(s);
+    if (extra == joint_[i].extra) return;
+    joint_[i].extra = extra;
     const double gear = axis.motor().gear;
     const double scale = kStep * (gear > 0.0 ? gear : -gear);
-    const Resistance r = axis.resistance(s);
+    const Resistance r = axis.resistance(extra);
     for (int side = 0; side < 2; ++side) {
       const int motor_side = gear > 0.0 ? side : 1 - side;
       b.stick[side] = scale * r.stick[motor_side];
@@ -195,15 +235,16 @@ class ArmPlant final : public AxesPlant {
     const Axis &axis = axis_[i];
     AxisState &s = state_[i];
     const mmcs_motor &m = axis.motor();
-    const bool stops = m.stop_lo < m.stop_hi;
     s.qd = next_[i];
     if (s.qd == 0.0) {
       if (!axis.flexible()) s.omega = 0.0;
       return;
     }
     s.q += kStep * s.qd;
-    if (stops && s.qd == bounds_[i].speed_hi) s.q = m.stop_hi;
-    if (stops && s.qd == bounds_[i].speed_lo) s.q = m.stop_lo;
+    if (m.stop_lo < m.stop_hi) {
+      if (s.qd == bounds_[i].speed_hi) s.q = m.stop_hi;
+      if (s.qd == bounds_[i].speed_lo) s.q = m.stop_lo;
+    }
     if (axis.flexible()) return;
     s.omega = m.gear * s.qd;
     s.theta = m.gear * s.q;
@@ -213,7 +254,9 @@ class ArmPlant final : public AxesPlant {
 
   Arm arm_;
   ContactSolver solver_;
-  std::vector<double> mass_, bias_, q_, qd_, next_;
+  std::vector<Joint> joint_;
+  std::vector<double> mass_, q_, qd_, tau_;  // of the arm as it stood last
+  std::vector<double> momentum_, next_;
   std::vector<JointBounds> bounds_;
 };
 

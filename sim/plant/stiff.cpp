@@ -79,7 +79,7 @@ double largest(Matrix a, size_t n) {
   return scale * std::sqrt(std::sqrt(std::sqrt(trace)));
 }
 
-void check_pose(const Arm &arm, const mmcs_motor *motors, const std::vector<size_t> &flexible) {
+void check_pose(Arm &arm, const mmcs_motor *motors, const std::vector<size_t> &flexible) {
   const size_t n = static_cast<size_t>(arm.joints()), f = flexible.size();
   Matrix mass(n * n), spring(f * f), damper(f * f);
   arm.mass_matrix(mass.data());

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The coupled arm: friction that holds, stops, energy, brakes, flexible axes, six servos at once.
 #include "arm.h"
+
+#include <cstddef>
+#include <cstring>
+
+#include "axis.h"
 #include "bench.h"
 #include "check.h"
 #include "contact.h"
@@ -182,6 +187,59 @@ TEST(unpowered_arm_falls_to_rest) {
   CHECK(rest[1] == motors[1].stop_lo, "joint 2 must lie on its stop, not at %g", rest[1]);
   run(*plant, 5.0);
   CHECK(angles(*plant) == rest, "the fallen arm crept");
+}
+
+// What did not move is not calculated again: the bits are those of an arm that is placed anew.
+TEST(links_that_stand_keep_their_place_to_the_bit) {
+  uint64_t random = 29;
+  const double gravity[3] = {0, 0, -9.81};
+  for (int n = 1; n <= kN; ++n) {
+    mmcs::Arm arm(robots::puma560_links, n, gravity);
+    double q[kN] = {}, qd[kN] = {}, tau[2][kN], mass[2][kN * kN];
+    for (int k = 0; k < 200; ++k) {
+      const int moved = static_cast<int>(mmcs::random_unit(random) * (n + 1));
+      for (int i = moved; i < n; ++i) {
+        if (mmcs::random_unit(random) < 0.7) q[i] = 3.0 * mmcs::random_unit(random) - 1.5;
+        qd[i] = mmcs::random_unit(random) - 0.5;
+      }
+      mmcs::Arm anew(robots::puma560_links, n, gravity);
+      arm.pose(q);
+      anew.pose(q);
+      for (mmcs::Arm *each : {&arm, &anew}) {
+        each->inverse_dynamics(qd, nullptr, tau[each == &arm]);
+        each->mass_matrix(mass[each == &arm]);
+      }
+      const size_t size = static_cast<size_t>(n) * sizeof(double);
+      CHECK(std::memcmp(tau[0], tau[1], size) == 0, "%d links: other torques", n);
+      CHECK(std::memcmp(mass[0], mass[1], size * n) == 0, "%d links: another mass matrix", n);
+      CHECK(arm.tip().x == anew.tip().x, "%d links: another tip", n);
+    }
+  }
+}
+
+// Nothing that was calculated before a restored state has a say in what follows.
+TEST(a_restored_arm_goes_on_as_one_that_was_there) {
+  auto plant = bench::puma_arm(bench::puma_rotors()), other = bench::puma_arm(bench::puma_rotors());
+  run(*plant, 0.1);
+  const auto saved = plant->save();
+  run(*plant, 0.1);
+  other->restore(saved);
+  plant->restore(saved);
+  run(*plant, 0.1);
+  run(*other, 0.1);
+  CHECK(plant->save() == other->save(), "the future depends on more than the state");
+  // at the same angles with other speeds
+  auto still = saved;
+  for (size_t i = 0; i < kN; ++i) {
+    std::memset(&still[i * sizeof(mmcs::AxisState) + offsetof(mmcs::AxisState, qd)], 0, 8);
+  }
+  plant->restore(saved);
+  run(*plant, bench::kStepS);
+  plant->restore(still);
+  run(*plant, 0.1);
+  other->restore(still);
+  run(*other, 0.1);
+  CHECK(plant->save() == other->save(), "speeds of before are kept");
 }
 
 // Swinging without friction: kinetic plus potential energy stay.
