@@ -3,7 +3,7 @@
 
 from mmcs.place import BUILD, ROBOTS, ROOT, SCENARIOS
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [  # noqa: F822  (those of the front come when they are asked for)
     "BUILD", "ROBOTS", "ROOT", "SCENARIOS",
     "Device", "InputError", "Machine", "Motion", "Run", "RunError", "compare", "load", "run",
