@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make release`: wheel and sdist into dist/, both tried outside the checkout.
+"""`make release`: wheel and sdist into dist/, both tried outside the checkout, a lab sheet too.
 
 Each is installed into an empty environment in a folder of its own, with no way to the checkout, and
 runs `mmcs run SCENARIO` there, with no network where the system lets us take it away. Both runs
@@ -68,6 +68,8 @@ def tried(package: Path, scenario: str, folder: Path) -> str:
     env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL", "MMCS"))}
     env |= {"XDG_CACHE_HOME": str(folder / "cache"), "PATH": "/usr/lib/ccache:/usr/bin:/bin"}
     run([*alone(), venv / "bin" / "mmcs", "run", scenario], cwd=folder, env=env)
+    answer = ROOT / "docs" / "labs" / "01_velocity" / "tests" / "good.toml"
+    run([*alone(), venv / "bin" / "mmcs", "lab", "check", "1", answer], cwd=folder, env=env)
     where = run([venv / "bin" / "python", "-c", "import mmcs; print(mmcs.ROOT)"], cwd=folder)
     if not Path(where.strip()).is_relative_to(folder):
         raise SystemExit(f"release: {package.name} runs the code in {where.strip()}")
