@@ -97,9 +97,9 @@ def make_plan(
     for name in names:
         until = load(name, sets).scenario.duration
         setup = load(name, (*sets, f"duration={until + WATCH_S!r}"))
-        for key in ("event", "process", "program"):
+        for key in ("event", "process"):
             if getattr(setup.scenario, key):
-                allowed = "a campaign wants a motion without events, processes and programs"
+                allowed = "a campaign wants a motion without events and processes"
                 raise InputError.one(setup.path, key, None, allowed)
         setups[name] = setup
         motions.append(_motion(name, setup, until))
@@ -113,7 +113,7 @@ def _motion(name: str, setup: Setup, until: float) -> Motion:
     registers = tuple(library_registers(library_of(setup)).items())
     return Motion(
         name, until, registers, setup.axes, scenario.cards, scenario.interval_us,
-        tuple(setup.params),
+        () if scenario.program else tuple(setup.params),
     )  # fmt: skip
 
 
@@ -122,9 +122,11 @@ def _motion(name: str, setup: Setup, until: float) -> Motion:
 
 @functools.lru_cache(maxsize=TWINS)
 def _twin(key: str):
+    from mmcs.campaign.program_twin import ProgramTwin
     from mmcs.campaign.twin import Twin
 
-    return Twin(_given[key])
+    setup = _given[key]
+    return ProgramTwin(setup) if setup.scenario.program else Twin(setup)
 
 
 _given: dict[str, Setup] = {}

@@ -24,6 +24,8 @@ class ProgramSession(Session):
     """Time 0 is power-on, and the programs begin then; events count from there. The run ends with
     the last program, or with the duration, which ends them."""
 
+    look_s: float | None = None  # between looks at the physics, if not as the scenario wants it
+
     def run(self, progress=lambda _: None) -> Result:
         sim, programs = self.sim, self.setup.scenario.program
         began = time.perf_counter()
@@ -57,7 +59,7 @@ class ProgramSession(Session):
     def _serve(self, server: Server, children: list[subprocess.Popen], progress) -> bool:
         """From look to look at the physics; False when an assertion of the model failed."""
         steps, duration = server.lockstep, self.setup.scenario.duration
-        step = WATCH_S if self.setup.scenario.event else CHUNK_S
+        step = self.look_s or (WATCH_S if self.setup.scenario.event else CHUNK_S)
         looks = max(1, round(duration / step))
         self._watch(0.0)
         for look in range(1, looks + 1):

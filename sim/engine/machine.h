@@ -79,7 +79,7 @@ class Machine {
       --writes_lost_;
       return false;
     }
-    for (size_t axis = 0; axis < values.size(); ++axis) {
+    for (size_t axis = 0; axis < values.size() && axis < write_flips_.size(); ++axis) {
       values[axis] = static_cast<int32_t>(static_cast<uint32_t>(values[axis]) ^
                                           std::exchange(write_flips_[axis], 0));
     }
