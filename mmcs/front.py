@@ -21,10 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs import mcdef
+from mmcs import logcols, mcdef
 from mmcs.device.client import Device
 from mmcs.device.motion import Motion
-from mmcs.engine import logcols
 from mmcs.errors import InputError, RunError
 from mmcs.scenario.load import load as _load
 from mmcs.scenario.setup import Setup
@@ -55,7 +54,7 @@ class Run:
     @cached_property
     def report(self) -> dict:
         """What `mmcs run` writes into report.json."""
-        from mmcs.result.report import make_report
+        from mmcs.runs.report import make_report
 
         return make_report(self.result, self._host)
 
@@ -147,8 +146,8 @@ class Machine:
     """
 
     def __init__(self, scenario: str | Path | Setup, *sets: str, mode: str | None = None, **values):
-        from mmcs.session.machine import machine
-        from mmcs.session.session import Session
+        from mmcs.runs.machine import machine
+        from mmcs.runs.session import Session
 
         if mode is not None and mode not in MODES:
             raise InputError.one("mode", "", mode, f"must be one of {', '.join(MODES)}")

@@ -7,7 +7,7 @@ May know: every room of mmcs. No room of mmcs knows it.
 import sys
 from collections.abc import Callable
 
-from mmcs.errors import InputError, RunError
+from mmcs import InputError, RunError
 
 
 def run(main: Callable[[], int | None]) -> None:

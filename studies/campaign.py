@@ -19,10 +19,8 @@ from collections import Counter
 from pathlib import Path
 
 from mmcs import ROOT
-from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE, SAFE
-from mmcs.campaign.faults import line_name
-from mmcs.campaign.plan import make_plan, run_fault, twin_of
-from mmcs.campaign.report import (
+from mmcs.sweeps.campaign import make_plan, run_fault, twin_of
+from mmcs.sweeps.campaign_report import (
     WHEN,
     WHERE,
     cost_of,
@@ -34,6 +32,8 @@ from mmcs.campaign.report import (
     told,
     write_maps,
 )
+from mmcs.sweeps.classes import CLASSES, DANGEROUS, LATE, SAFE
+from mmcs.sweeps.faults import line_name
 
 PAGE = ROOT / "docs" / "evidence" / "campaign.md"
 IMAGES = ROOT / "docs" / "images"
@@ -124,7 +124,7 @@ def remedy(name: str, rows: dict[int, dict], seed: int, seconds: float) -> dict:
 def after(rows: dict[int, dict], found: dict, name: str) -> str:
     """Faults of a class per million after the remedy, with the interval of what was run again. The
     others are taken for what they were."""
-    from mmcs.campaign.report import wilson
+    from mmcs.sweeps.campaign_report import wilson
 
     count = len(good(rows))
     harm = sum(row.get("class") in (DANGEROUS, LATE) for row in rows.values())

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.engine import logcols
+from mmcs import logcols
 from studies import run as finish
 
 FAR = 20  # counts
@@ -91,13 +91,9 @@ FALSIFIED = {
 
 def run(name: str, what: str | None):
     """(positions per axis, expectations missed, times) of one run; None: it cannot be made."""
-    from mmcs.errors import RunError
-    from mmcs.result.expect import judge
-    from mmcs.result.report import measure
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import RunError, judge, load, measure, simulate
 
-    setup = load(name, ("skip=true",))
+    setup = load(name, "skip=true")
     if what is not None:
         FALSIFIED[what](setup.robot)
     try:
@@ -134,9 +130,7 @@ def study(name: str) -> dict[str, tuple[float, bool]]:
 
 def studied(name: str) -> dict[str, tuple[float, bool]]:
     """The same, if need be; whoever is killed loses the scenario under way."""
-    from mmcs.engine.build import library_path
-    from mmcs.place import BUILD
-    from mmcs.scenario.load import load
+    from mmcs import BUILD, library_path, load
 
     setup = load(name)
     library = library_path(setup.scenario.cards, "speed").with_suffix(".so.sum")
@@ -156,7 +150,7 @@ def studied(name: str) -> dict[str, tuple[float, bool]]:
 
 def path_of(name: str) -> str:
     """The expectation that the true run meets exactly."""
-    from mmcs.scenario.load import load
+    from mmcs import load
 
     setup = load(name)
     axes, _, t = run(name, None)
@@ -174,7 +168,7 @@ def path_of(name: str) -> str:
 
 
 def write(name: str) -> None:
-    from mmcs.scenario.files import find
+    from mmcs import find
 
     path = Path(find(name))
     text = path.read_text()
@@ -186,8 +180,7 @@ def write(name: str) -> None:
 
 
 def names(only: str) -> list[str]:
-    from mmcs.scenario.files import scenario_names
-    from mmcs.scenario.load import load
+    from mmcs import load, scenario_names
 
     words = only.split() or [""]
     found = [n for n in scenario_names() if any(word in n for word in words)]

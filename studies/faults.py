@@ -12,8 +12,8 @@ import errno
 from typing import NamedTuple
 
 from mmcs import ROOT, mcdef
-from mmcs.result import expect_plant as plant
-from mmcs.scenario.inputs import INPUTS
+from mmcs import expect_plant as plant
+from mmcs.inputs import INPUTS
 from studies import run as finish
 
 DOCUMENT = ROOT / "docs" / "evidence" / "faults.md"
@@ -33,21 +33,19 @@ class Row(NamedTuple):
 
 def fault_scenarios() -> list:
     """(name, setup) of those with a [fault] table, in the order of their names."""
-    from mmcs.scenario.files import scenario_names
-    from mmcs.scenario.load import load
+    from mmcs import load, scenario_names
 
-    setups = [(name, load(name, ("skip=true",))) for name in scenario_names()]
+    setups = [(name, load(name, "skip=true")) for name in scenario_names()]
     return [(name, setup) for name, setup in setups if setup.scenario.fault]
 
 
 def measure(name: str, setup) -> Row:
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import load, simulate
 
     result = simulate(setup)
     detected, after_ms = detection(result)
     fault = setup.scenario.fault
-    cut = load(name, ("skip=true", "amp_panic_cut=true"))
+    cut = load(name, "skip=true", "amp_panic_cut=true")
     panics = any(n["kind"] == "panic" and "high" in n["text"] for n in result.notes)
     return Row(
         fault.name,
@@ -139,12 +137,11 @@ def write_document() -> None:
 
 def healthy() -> list[float]:
     """What the joints move after 0.1 s when nothing is wrong."""
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import load, simulate
 
     # An event that changes nothing, so that the physics is watched.
     nothing = 'event=[{at=0.1, input="estop", value=0}]'
-    return moved(simulate(load("fault_estop", ("skip=true", "duration=0.4", nothing))))
+    return moved(simulate(load("fault_estop", "skip=true", "duration=0.4", nothing)))
 
 
 def document(rows: list[Row], sound: list[float]) -> str:

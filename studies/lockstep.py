@@ -19,13 +19,8 @@ import sys
 import time
 from pathlib import Path
 
-from mmcs import regs
-from mmcs.errors import RunError
-from mmcs.scenario.files import scenario_names
-from mmcs.scenario.inputs import INPUTS
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
-from mmcs.session.session import Session
+from mmcs import RunError, Session, load, machine, regs, scenario_names
+from mmcs.inputs import INPUTS
 
 CLK_HZ = 8_000_000
 PUSHES = 0.1  # of the actions follow one
@@ -219,7 +214,7 @@ def torture(pair: tuple, seed: int, actions: int, upsets: bool = True) -> int:
 
 
 def machines(name: str, overrides: tuple[str, ...] = ()):
-    setup = load(name, overrides)
+    setup = load(name, *overrides)
     return setup, machine(setup, "trust"), machine(setup)
 
 

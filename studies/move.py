@@ -97,18 +97,15 @@ def learn(count: np.ndarray, current: np.ndarray, plant: tuple[float, float]) ->
 
 
 def main(rounds: int = 4) -> None:
-    from mmcs.engine import logcols
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.files import find
-    from mmcs.scenario.load import load
+    from mmcs import find, load, logcols, simulate
 
     table = find("puma560_coupled").with_name("arm_move.csv")
-    law, plant = load("puma560_coupled", SETS).params[0], (151.0, 1.5)
+    law, plant = load("puma560_coupled", *SETS).params[0], (151.0, 1.5)
     push, best, least = np.full(700, -FRICTION), "", np.inf
     for turn in range(rounds):
         text = "share\n" + "".join(f"{share:.5f}\n" for share in plan(law, plant, push))
         table.write_text(text)
-        log = simulate(load("puma560_coupled", SETS)).log
+        log = simulate(load("puma560_coupled", *SETS)).log
         current, count, error = (
             logcols.column(log, 0, name)[:638] for name in ("current", "encoder", "error")
         )

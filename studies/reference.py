@@ -75,12 +75,10 @@ def units_per_nm(motor) -> float:
 @functools.cache
 def measure(robot: str, interval_us: int, size: int, compensation: str):
     """All axes of the robot make the step at once, each on its own; the result and its report."""
-    from mmcs.result.report import make_report
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import load, make_report, simulate
 
     base = "puma560" if robot == "puma560" else "lab500"
-    plain = load(base, (f'robot="{robot}"',))
+    plain = load(base, f'robot="{robot}"')
     factor = {"off": 0.0, "0.8": 0.8, "1.0": 1.0}[compensation]
     servo = [f'{{axis="all", ilim={ILIM}}}']
     for n, gains in enumerate(GAINS.get(robot, {}).get(f"pd_{interval_us}us", ())):
@@ -97,7 +95,7 @@ def measure(robot: str, interval_us: int, size: int, compensation: str):
         "expect=[]",
         f"duration={0.35 if interval_us < 1500 else 0.45}",
     )
-    result = simulate(load(base, sets))
+    result = simulate(load(base, *sets))
     return result, make_report(result, "native")
 
 
@@ -134,22 +132,19 @@ def outside(row: Row, compensation: str) -> list[str]:
 @functools.cache
 def shipped(size: int):
     """The report of a step of all six joints of the PUMA with the gains of its file."""
-    from mmcs.result.report import make_report
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import load, make_report, simulate
 
     motion = f'motion=[{{axis="all", kind="step", at=0.05, to={size}}}]'
-    return make_report(simulate(load("puma560", (motion, "expect=[]", "duration=0.4"))), "native")
+    return make_report(simulate(load("puma560", motion, "expect=[]", "duration=0.4")), "native")
 
 
 @functools.cache
 def modelled(axis: int, size: int) -> tuple:
     """The same step of one joint by one_axis.py: rise, overshoot, steady error."""
-    from mmcs.result.metrics import step_response
-    from mmcs.scenario.load import load
+    from mmcs import load, step_response
     from studies.one_axis import move
 
-    robot = load("puma560", ()).robot
+    robot = load("puma560").robot
     law = robot.servo(axis, 1000)
     log = move(robot.axis[axis], law, lambda t: size if t > 0.0495 else 0, 1e-3, 0.4)
     y = np.array([count for _, count, _ in log], dtype=float)
@@ -172,9 +167,7 @@ def outside_shipped(axis: int, size: int) -> list[str]:
 
 def flagship() -> dict[str, list[dict]]:
     """What the move of puma560_coupled takes of each joint, before and after."""
-    from mmcs.engine import logcols
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import load, logcols, simulate
 
     quintic = (
         'motion=[{axis="all", kind="quintic", at=0.05, duration=0.5, '
@@ -189,7 +182,7 @@ def flagship() -> dict[str, list[dict]]:
     }
     found: dict[str, list[dict]] = {}
     for name, sets in runs.items():
-        result = simulate(load("puma560_coupled", sets))
+        result = simulate(load("puma560_coupled", *sets))
         found[name] = []
         for axis, motor in enumerate(result.setup.robot.axis):
             error = logcols.column(result.log, axis, "error")[:638]

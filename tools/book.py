@@ -16,8 +16,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mmcs import ROOT
-from mmcs.place import BUILD
+from mmcs import BUILD, ROOT
 
 DOCS = ROOT / "docs"
 STAGE = BUILD / "book"

@@ -12,10 +12,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from mmcs.engine.build import make_env  # noqa: E402
-from mmcs.errors import InputError, RunError  # noqa: E402
+from mmcs import (  # noqa: E402
+    InputError,
+    RunError,
+    load,  # noqa: E402
+    make_env,  # noqa: E402
+)
 from mmcs.place import results  # noqa: E402
-from mmcs.scenario.load import load  # noqa: E402
 
 BUILT = ROOT / "build" / "sim" / "dpi"
 
@@ -55,7 +58,7 @@ def main() -> int:
     parser.add_argument("--trace", action="store_true", help="waveforms beside the results")
     options, words = parser.parse_known_args()
     try:
-        setup = load(options.scenario, ())
+        setup = load(options.scenario)
         folder = results("runs", setup.path) / f"{setup.name}-dpi"
         folder.mkdir(parents=True, exist_ok=True)
         trace = folder / f"{setup.name}.vcd" if options.trace else None

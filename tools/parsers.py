@@ -11,8 +11,7 @@ import struct
 import zipfile
 from pathlib import Path
 
-from mmcs import ROBOTS, ROOT
-from mmcs.errors import InputError
+from mmcs import ROBOTS, ROOT, InputError
 
 
 class Parser:
@@ -37,8 +36,7 @@ def _written(path: Path, data: bytes) -> str:
 
 
 def _scenario(folder: Path) -> Parser:
-    from mmcs.scenario.files import find, scenario_names
-    from mmcs.scenario.load import load
+    from mmcs import find, load, scenario_names
 
     path = folder / "s.toml"
     good = find(scenario_names()[0]).read_bytes()
@@ -46,7 +44,7 @@ def _scenario(folder: Path) -> Parser:
 
 
 def _robot(folder: Path) -> Parser:
-    from mmcs.scenario.load import load_robot
+    from mmcs import load_robot
 
     path = folder / "r.toml"
     good = (ROBOTS / "lab500.toml").read_bytes()
@@ -58,7 +56,7 @@ def _good_record() -> dict:
     import base64
     import zlib
 
-    from mmcs.record.record import KINDS
+    from mmcs.runs.record import KINDS
 
     files = {"robot.toml": (ROBOTS / "lab500.toml").read_text()}
     packed = base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
@@ -70,8 +68,8 @@ def _good_record() -> dict:
 
 
 def _record(folder: Path) -> Parser:
-    from mmcs.record.record import parse
-    from mmcs.scenario.files import loads
+    from mmcs import parse
+    from mmcs.files import loads
 
     good = json.dumps(_good_record()).encode()
     refusals = (InputError, ValueError)  # whose sentence read_record() tells
@@ -79,7 +77,7 @@ def _record(folder: Path) -> Parser:
 
 
 def _snapshot(folder: Path) -> Parser:
-    from mmcs.record.snapshots import Snapshot
+    from mmcs.runs.snapshots import Snapshot
 
     one = {"t": 0.0, "clock": 800, "rows": 2, "ring": True, "asked": None}
     index = {"snapshots": [one], "pots": {"0": [1, 2]}, "log": [2, 8], "truth": [1, 3]}
@@ -113,10 +111,8 @@ class _Served:
     """A server whose connections are given bytes by hand; their answers go nowhere."""
 
     def __init__(self, folder: Path, name: str):
+        from mmcs import Sim, ensure_library, load
         from mmcs.device.server import Server
-        from mmcs.engine.build import ensure_library
-        from mmcs.engine.sim import Sim
-        from mmcs.scenario.load import load
 
         text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
         setup = load(_written(folder / f"{name}.toml", text))

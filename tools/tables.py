@@ -15,8 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from mmcs import mcdef  # noqa: E402
-from mmcs.scenario import inputs  # noqa: E402
+from mmcs import inputs, mcdef  # noqa: E402
 from tools.pages import splice  # noqa: E402
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"

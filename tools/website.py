@@ -19,14 +19,11 @@ import sys
 import zlib
 from pathlib import Path
 
-from mmcs import ROOT, __version__, mcdef
-from mmcs.engine.sim import make_ffi
-from mmcs.place import BUILD, SCENARIOS
-from mmcs.record.record import inline
-from mmcs.scenario.files import find, named
-from mmcs.scenario.inputs import INPUTS
-from mmcs.scenario.inputs import find as find_input
-from mmcs.scenario.load import load
+from mmcs import BUILD, ROOT, SCENARIOS, __version__, find, load, make_ffi, mcdef
+from mmcs.inputs import INPUTS
+from mmcs.inputs import find as find_input
+from mmcs.runs.record import inline
+from mmcs.scenario.files import named
 from mmcs.tool import labs
 from mmcs.tool.pages import LIBRARIES, library_folder
 from mmcs.view.watched import groups
@@ -175,7 +172,7 @@ def scenarios() -> list[dict]:
 
 
 def setup(name: str) -> dict | None:
-    made = load(name, ())
+    made = load(name)
     scenario = made.scenario
     kinds = {process.kind for process in scenario.process}
     if scenario.cards not in CARDS or scenario.clk_hz != 8_000_000 or not kinds <= {"bounce"}:

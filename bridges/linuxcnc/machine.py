@@ -19,11 +19,7 @@ import struct
 import sys
 from pathlib import Path
 
-from mmcs import mcdef
-from mmcs.errors import InputError, RunError
-from mmcs.scenario.load import load
-from mmcs.scenario.setup import Setup
-from mmcs.session.machine import machine
+from mmcs import InputError, RunError, Setup, load, machine, mcdef
 
 AXES, MAGIC = 32, 0x3148434D
 HEAD, ANSWER = struct.Struct("<IIq"), struct.Struct("<IId")
@@ -198,7 +194,7 @@ def main() -> int:
     parser.add_argument("--log", type=Path, help="CSV of counts and angles, a row per period")
     given = parser.parse_args()
     try:
-        setup = load(given.scenario, ())
+        setup = load(given.scenario)
         if given.path.exists() and not given.path.is_socket():
             raise InputError.one("--path", "", str(given.path), "is there and is no socket")
         with machine(setup) as sim, socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as door:

@@ -11,7 +11,7 @@ mpl.rcParams |= {"svg.hashsalt": "mmcs", "svg.fonttype": "none", "font.size": 8}
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from mmcs.view import svg  # noqa: E402
+from mmcs import svg  # noqa: E402
 
 EVERY = 4  # samples to a point: a smaller picture
 ROOT = Path(__file__).resolve().parents[2]

@@ -10,7 +10,7 @@ import pytest
 
 from cocotb_tests.dpi import cocotb_dpi
 from cocotb_tests.lib import runner
-from mmcs.engine.build import ensure_library, make_env
+from mmcs import ensure_library, make_env
 
 ROOT = Path(__file__).resolve().parents[2]
 TEST = "everything_the_firmware_does_keeps_the_rules"

@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
 from sources import sources  # noqa: E402
 
-from mmcs.engine.build import ensure_library  # noqa: E402
+from mmcs import ensure_library  # noqa: E402
 
 SIMULATORS = ("verilator", "icarus")
 MISSING = {

@@ -21,8 +21,8 @@ def replay(run: str) -> None:
 
     RUN is a run.mmcs, its folder, or the name of a scenario that has run.
     """
-    from mmcs.record.record import read_record
     from mmcs.runs import replay as replays
+    from mmcs.runs.record import read_record
 
     record = read_record(run)
     hash_, where = replays.replay(record)
@@ -48,8 +48,8 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     RUN is a run.mmcs, its folder, or the name of a scenario that has run. The run is made again
     from the nearest of its snapshots, in the stretch clock by clock with all assertions live.
     """
-    from mmcs.record.record import read_record
     from mmcs.runs import replay as replays
+    from mmcs.runs.record import read_record
     from mmcs.view.waves import open_viewer, write_views
 
     if out is not None and out.suffix != ".fst":

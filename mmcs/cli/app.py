@@ -245,8 +245,8 @@ def _check_dpi(host, trace, times, origin) -> None:
 
 
 def _run_from(origin: str, duration: float | None, out: Path | None, realtime: bool) -> bool:
-    from mmcs.record.snapshots import Snapshot, resume
     from mmcs.runs.runner import run_scenario
+    from mmcs.runs.snapshots import Snapshot, resume
 
     snapshot = Snapshot(origin)
     setup = snapshot.setup(duration)

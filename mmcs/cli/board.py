@@ -21,7 +21,7 @@ _wait = click.option(
 
 @contextmanager
 def _line(port: str, wait: float):
-    from mmcs.board.line import Line, open_port
+    from mmcs.device.board_line import Line, open_port
 
     if not 0 < wait < math.inf:
         raise InputError.one("--wait", "", wait, "must be a positive number of seconds")
@@ -43,7 +43,7 @@ def board() -> None:
 @_wait
 def read(addr: str, port: str, wait: float) -> None:
     """Read the register at ADDR: an odd offset of the VME window, or its name, such as PCCSR."""
-    from mmcs.board.line import check_offset
+    from mmcs.device.board_line import check_offset
 
     offset = check_offset(addr)
     with _line(port, wait) as line:
@@ -57,7 +57,7 @@ def read(addr: str, port: str, wait: float) -> None:
 @_wait
 def write(addr: str, value: str, port: str, wait: float) -> None:
     """Write a byte to the register at ADDR."""
-    from mmcs.board.line import check_offset, check_value
+    from mmcs.device.board_line import check_offset, check_value
 
     offset, byte = check_offset(addr), check_value(value)
     with _line(port, wait) as line:
@@ -76,7 +76,7 @@ def test(brakes: bool, heartbeat_ms: float, port: str, wait: float) -> None:
 
     The drives stay isolated. Ends at the first error: status 1, and one sentence with its remedy.
     """
-    from mmcs.board.selftest import SelfTest
+    from mmcs.device.board_test import SelfTest
 
     if not 1 <= heartbeat_ms <= 100:
         raise InputError.one("--heartbeat-ms", "", heartbeat_ms, "must be 1 to 100 ms")

@@ -34,11 +34,11 @@ def live(name: str, where: str, every: int) -> None:
 def mcap(run: str, out: Path | None) -> None:
     """Write a run's log as MCAP, for Foxglove and PlotJuggler; RUN as in `mmcs compare`."""
     try:
-        from mmcs.bridge.mcap_log import from_run
+        from mmcs.view.mcap_log import from_run
     except ImportError:
         raise InputError.one("mcap", "", None, "is not installed; pip install mmcs[tool]") from None
-    from mmcs.result.folder import whole_file
-    from mmcs.scenario.files import short
+    from mmcs.files import short
+    from mmcs.folder import whole_file
     from mmcs.view.runs import read_run
 
     seen = read_run(run)
@@ -56,8 +56,8 @@ def mcap(run: str, out: Path | None) -> None:
 def fmu(scenario: str, out: Path | None) -> None:
     """Write a scenario's machine as a co-simulation unit, FMI 3.0, for this kind of computer."""
     from mmcs.bridge.fmu import write
-    from mmcs.result.folder import whole_file
-    from mmcs.scenario.files import short
+    from mmcs.files import short
+    from mmcs.folder import whole_file
     from mmcs.scenario.load import load
 
     setup = load(scenario, ())

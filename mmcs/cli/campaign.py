@@ -34,10 +34,10 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
-    from mmcs.campaign.plan import is_row, make_plan
-    from mmcs.campaign.twin import Twin
+    from mmcs.sweeps.campaign import is_row, make_plan
     from mmcs.sweeps.plan import MAX_RUNS
     from mmcs.sweeps.store import Store, check_resume
+    from mmcs.sweeps.twin import Twin
 
     if not 1 <= count <= MAX_RUNS:
         raise InputError.one("--faults", "", count, f"must be 1 to {MAX_RUNS}")
@@ -58,7 +58,8 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     if resume:
         check_resume(folder, "campaign")
     check_folder(folder)
-    from mmcs.sweeps.workers import build_of, cores, dask_client
+    from mmcs.runs.machine import build_of
+    from mmcs.sweeps.workers import cores, dask_client
 
     client = dask_client(dask) if dask else None
     try:
@@ -79,7 +80,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
 
 
 def _show(plan, n: int) -> None:
-    from mmcs.campaign.plan import run_fault, twin_of
+    from mmcs.sweeps.campaign import run_fault, twin_of
 
     fault = plan.fault(n)
     row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
@@ -90,8 +91,9 @@ def _show(plan, n: int) -> None:
 
 def _run(plan, store, client, workers: int, count: int) -> bool:
     """Runs what is not yet in the store; False when stopped by hand."""
-    from mmcs.campaign.plan import run_chunk
-    from mmcs.sweeps.workers import build_of, run_dask, run_here
+    from mmcs.runs.machine import build_of
+    from mmcs.sweeps.campaign import run_chunk
+    from mmcs.sweeps.workers import run_dask, run_here
 
     todo = [n for n in range(count) if n not in store.rows]
     began, done, core = time.perf_counter(), 0, 0.0
@@ -126,8 +128,8 @@ def _run(plan, store, client, workers: int, count: int) -> bool:
 
 def _cost(folder: Path, done: int, core: float, began: float) -> None:
     """Tells what a fault cost, and adds it to what is known of the campaign."""
-    from mmcs.campaign.report import COST, cost_of
-    from mmcs.result.folder import whole_file
+    from mmcs.folder import whole_file
+    from mmcs.sweeps.campaign_report import COST, cost_of
 
     if not done:
         return
@@ -141,8 +143,15 @@ def _cost(folder: Path, done: int, core: float, began: float) -> None:
 
 def _finish(plan, rows: dict[int, dict], folder: Path, command: str, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
-    from mmcs.campaign.report import REPORT, WHEN, WHERE, print_summary, write_maps, write_report
-    from mmcs.scenario.files import short
+    from mmcs.files import short
+    from mmcs.sweeps.campaign_report import (
+        REPORT,
+        WHEN,
+        WHERE,
+        print_summary,
+        write_maps,
+        write_report,
+    )
 
     console = screen()
     rows = {n: rows[n] for n in sorted(rows)}

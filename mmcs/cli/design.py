@@ -42,8 +42,8 @@ GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json,
            as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
-    from mmcs.design import synthesis as ds
-    from mmcs.design.motor import compensation, expected_step, friction_and_limit, plant_of
+    from mmcs.scenario import synthesis as ds
+    from mmcs.scenario.motor import compensation, expected_step, friction_and_limit, plant_of
 
     motors = _load_robot(robot)
     if not 0 <= axis < len(motors.axis):
@@ -83,7 +83,7 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
     for text in warnings:
         echo(f"warning: {text}", err=True)
     if plot is not None:
-        from mmcs.design.plot import write_plot
+        from mmcs.scenario.design_plot import write_plot
 
         write_plot(plot, c, k, plant, t)
     if apply_to is not None:
@@ -105,7 +105,7 @@ def _load_robot(name: str):
 
 def _controller(plant, p, i, d, tau, wn, zeta):
     """Gains as given, or a PD placed."""
-    from mmcs.design import synthesis as ds
+    from mmcs.scenario import synthesis as ds
 
     if wn is not None:
         if p or i or d:
@@ -172,7 +172,7 @@ def _print(c, k, ic, m, method, interval) -> None:
 
 
 def _count_step(c, k) -> float:
-    from mmcs.design.synthesis import count_step
+    from mmcs.scenario.synthesis import count_step
 
     return count_step(k.discrete(), c)
 

@@ -58,7 +58,8 @@ def sweep(
     if resume:
         check_resume(folder)
     check_folder(folder)
-    from mmcs.sweeps.workers import build_of, cores, dask_client
+    from mmcs.runs.machine import build_of
+    from mmcs.sweeps.workers import cores, dask_client
 
     client = dask_client(dask) if dask else None
     try:
@@ -85,7 +86,8 @@ def check_folder(folder: Path) -> None:
 
 def _run(plan, store, client, workers: int) -> bool:
     """Runs what is not yet in the store; False when stopped by hand."""
-    from mmcs.sweeps.workers import build_of, failed, run_dask, run_here
+    from mmcs.runs.machine import build_of
+    from mmcs.sweeps.workers import failed, run_dask, run_here
 
     todo = [n for n in range(len(plan)) if n not in store.rows]
     impossible = []  # combinations that are no good together
@@ -159,7 +161,7 @@ def progress(total: int, done: int, what: str = "runs"):
 def _finish(plan, rows: dict, folder: Path, by: str, form: str, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
 
-    from mmcs.scenario.files import short
+    from mmcs.files import short
     from mmcs.sweeps.store import print_summary, write_plot, write_table
 
     console = screen()

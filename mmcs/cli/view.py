@@ -24,8 +24,8 @@ def _written(path: Path, default: Path) -> Path:
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.svg", help="The picture.")
 def compare(a: str, b: str, out: Path | None) -> None:
     """Draw two runs over each other; A and B are folders, or names of scenarios that were run."""
-    from mmcs.result.folder import whole_file
-    from mmcs.scenario.files import short
+    from mmcs.files import short
+    from mmcs.folder import whole_file
     from mmcs.view.compare import write_comparison
     from mmcs.view.runs import read_run
 
@@ -50,8 +50,8 @@ def compare(a: str, b: str, out: Path | None) -> None:
 @click.option("--slower", type=click.FloatRange(0.1, 100), default=2.0, help="Times, in the GIF.")
 def film(run: str, pictures: int, slower: float) -> None:
     """Draw the arm of a run: film.svg, a strip of pictures, and film.gif, in the run's folder."""
-    from mmcs.result.folder import whole_file
-    from mmcs.scenario.files import short
+    from mmcs.files import short
+    from mmcs.folder import whole_file
     from mmcs.view.film import write_gif, write_strip
     from mmcs.view.runs import read_run
 
@@ -73,7 +73,7 @@ def faults(pattern: str, cards: int) -> None:
     """
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import library_registers
-    from mmcs.scenario.inputs import INPUTS, UPSET
+    from mmcs.inputs import INPUTS, UPSET
 
     for name, i in INPUTS.items():
         if pattern in name:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The machine for other programs: server, client, and programs run against it.
+"""The machine for other programs: server, client, programs run against it, cards on boards.
 
 May know: engine, scenario.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from mmcs.device.arguments import Arguments, Refused
 from mmcs.device.wire import EBUSY, EINVAL
-from mmcs.scenario.inputs import INPUTS
+from mmcs.inputs import INPUTS
 
 MOST_SNAPSHOTS = 100  # that are kept until dropped
 MOST_S = 10.0  # that one request lets pass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lab sheets of a control course, and answers graded by running the machine with them.
 
-May know: engine, result, scenario, session, sweeps.
+May know: runs, scenario.
 """

@@ -45,7 +45,7 @@ class Seen:
 
     def column(self, name: str, axis: int = 0, after: float = 0.0, until: float = 1e9):
         """A column of the log from `after` to `until`, seconds of motion."""
-        from mmcs.engine.logcols import column
+        from mmcs.logcols import column
 
         return column(self.result.log, axis, name)[(self.t >= after) & (self.t < until)]
 
@@ -56,7 +56,7 @@ class Seen:
     @cached_property
     def axes(self) -> list[dict]:
         """The figures that `mmcs run` prints."""
-        from mmcs.result.report import measure
+        from mmcs.runs.report import measure
 
         return measure(self.result)
 
@@ -72,10 +72,9 @@ class Seen:
 @cache
 def run(folder: Path, name: str, *sets: str) -> Seen:
     """Runs a scenario of a sheet with these overrides; the same run is made once."""
-    from mmcs.engine.sim import Sim
+    from mmcs.runs.machine import machine_of_process
+    from mmcs.runs.session import Session
     from mmcs.scenario.load import load
-    from mmcs.session.session import Session
-    from mmcs.sweeps.workers import library_of
 
     words = [word for text in sets for word in ("--set", text)]
     command = shlex.join(["mmcs", "run", name, *words])
@@ -84,6 +83,5 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
     except InputError as error:
         mistake = error.mistakes[0]
         raise RunError(f"{mistake.key or name}: {mistake.allowed}") from None
-    config = setup.config() | {"host": 0}
-    with Sim(library_of(setup), config, setup.motors(), setup.links()) as sim:
+    with machine_of_process(setup) as sim:
         return Seen(command, Session(sim, setup).run())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Carries runs out, from a setup to the folder of results, and makes them again.
+"""One run: carried out from a scenario, judged, reported, recorded, and made again.
 
-May know: engine, record, result, scenario, session, view.
+May know: device, engine, scenario, view.
 """

@@ -9,9 +9,9 @@ from pathlib import Path
 from mmcs import __version__
 from mmcs.engine.hosts import HOSTS, image_digest
 from mmcs.errors import InputError
-from mmcs.record.record import Record, first_difference
-from mmcs.scenario.files import read_json, short
-from mmcs.session.programs import digest
+from mmcs.files import read_json, short
+from mmcs.runs.programs import digest
+from mmcs.runs.record import Record, first_difference
 from mmcs.view.moments import LEAST_MS
 
 
@@ -116,7 +116,7 @@ def trace(
 
 def _nearest(record: Record, from_s: float):
     """The last snapshot of the run before this; None without one. Client processes are in none."""
-    from mmcs.record.snapshots import NAME, Snapshot
+    from mmcs.runs.snapshots import NAME, Snapshot
 
     if from_s < record.motion_start_s or {"process", "program"} & set(record.data):
         return None
@@ -128,10 +128,10 @@ def _nearest(record: Record, from_s: float):
 
 
 def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
-    from mmcs.record.snapshots import ResumedSession
+    from mmcs.runs.machine import machine, progress
+    from mmcs.runs.programs import session_of
+    from mmcs.runs.snapshots import ResumedSession
     from mmcs.runs.stretch import Changing
-    from mmcs.session.machine import machine, progress
-    from mmcs.session.programs import session_of
 
     host = _host(record)
     with tempfile.TemporaryDirectory() as folder:

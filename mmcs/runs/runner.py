@@ -11,9 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from mmcs.errors import InputError, out_of_memory
-from mmcs.scenario.files import short
+from mmcs.files import short
+from mmcs.runs.programs import absolute
 from mmcs.scenario.setup import Setup, make_setup
-from mmcs.session.programs import absolute
 
 LONGEST_S = 3600.0  # of a scenario
 
@@ -32,10 +32,10 @@ def run_scenario(
 
     carry_out: what makes a result of the setup, when not simulate(). stderr: prints there.
     """
-    from mmcs.record import record as records
-    from mmcs.record import snapshots
-    from mmcs.result import report as reports
-    from mmcs.result.folder import writing
+    from mmcs.folder import writing
+    from mmcs.runs import record as records
+    from mmcs.runs import report as reports
+    from mmcs.runs import snapshots
     from mmcs.screen import console as screen
 
     for place in [folder] + ([trace.parent] if trace else []):
@@ -103,20 +103,20 @@ def simulate(
     to a simulator that has the machine.
     """
     from mmcs.engine.hosts import image_digest
-    from mmcs.record.snapshots import Taking
-    from mmcs.session.machine import Tracing, machine, progress
-    from mmcs.session.programs import session_of
+    from mmcs.runs.machine import machine, progress
+    from mmcs.runs.programs import session_of
+    from mmcs.runs.snapshots import Taking
 
     duration = setup.scenario.duration
     kind = "trace" if trace else "speed"
     with machine(setup, kind, host=host, dpi=dpi) as sim, progress(duration) as advance:
         image = image_digest(host)
-        traced = Tracing(sim, trace, stretch) if trace and stretch else sim
         if trace and not stretch:
             sim.trace(trace)
         if dpi is not None:  # no snapshots there
             return session_of(sim, setup, realtime, bus).run(advance)
-        taking = Taking(traced, snapshots_at, duration)
+        window = (trace, *stretch) if trace and stretch else None
+        taking = Taking(sim, snapshots_at, duration, window)
         result = session_of(taking, setup, realtime, bus).run(advance)
         result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())
         return result

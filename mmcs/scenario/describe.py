@@ -115,8 +115,8 @@ def cautions(setup: Setup) -> list[str]:
 
 def poor_gains(setup: Setup) -> dict[int, str]:
     """By axis: position loops that the motor's own inertia makes unstable, or nearly so."""
-    from mmcs.design.motor import plant_of
-    from mmcs.design.synthesis import Discrete, margins
+    from mmcs.scenario.motor import plant_of
+    from mmcs.scenario.synthesis import Discrete, margins
 
     scenario, out = setup.scenario, {}
     for axis, p in enumerate(setup.params):

@@ -14,8 +14,9 @@ from pathlib import Path
 
 from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
-from mmcs.scenario.files import MAX_FILES, MAX_TABLE, Files, find_robot, is_name
-from mmcs.scenario.inputs import INPUTS, find
+from mmcs.files import MAX_TABLE, is_name
+from mmcs.inputs import INPUTS, find
+from mmcs.scenario.files import MAX_FILES, Files, find_robot
 from mmcs.scenario.robot import Robot, with_values
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate

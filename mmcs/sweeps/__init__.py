@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Many runs of one scenario, and the table they leave.
+"""Many runs: sweeps of one scenario, and campaigns of very many faults.
 
-May know: engine, result, scenario, session, view.
+May know: engine, runs, scenario, view.
 """

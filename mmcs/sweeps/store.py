@@ -10,7 +10,7 @@ import statistics
 from pathlib import Path
 
 from mmcs.errors import InputError, one_line, show
-from mmcs.result.folder import lock, whole_file
+from mmcs.folder import lock, whole_file
 from mmcs.sweeps.plan import MAX_RUNS, Plan
 
 ROWS = "rows.jsonl"

@@ -20,8 +20,9 @@ from multiprocessing.connection import wait
 
 import numpy as np
 
-from mmcs.engine import logcols
+from mmcs import logcols
 from mmcs.errors import InputError, RunError
+from mmcs.runs.machine import build_of, machine_of_process
 
 CONNECT_S = 10  # to the scheduler
 ATTEMPTS = 3  # deaths of workers in one row before the row counts as failed
@@ -34,26 +35,6 @@ STATS = ("interrupts", "missed", "overruns", "panics", "clips", "bus_errors")
 
 
 # --- one run -----------------------------------------------------------------------------------
-
-
-@functools.cache
-def _library(cards: int, clk_hz: int):
-    from mmcs.engine.build import ensure_library
-
-    return ensure_library(cards, "speed", clk_hz)
-
-
-def library_of(setup):
-    """The simulator's library that the setup runs on; builds it if need be."""
-    return _library(setup.scenario.cards, setup.scenario.clk_hz)
-
-
-def build_of(setup) -> str:
-    """Its identity."""
-    from mmcs.engine.sim import load_library, make_ffi
-
-    library = load_library(library_of(setup))
-    return make_ffi().string(library.mmcs_sim_build_id()).decode()
 
 
 def run_row(setup) -> dict:
@@ -71,13 +52,11 @@ def failed(why: str) -> dict:
 
 
 def _run_row(setup) -> dict:
-    from mmcs.engine.sim import Sim
-    from mmcs.result.expect import judge
-    from mmcs.result.report import measure
-    from mmcs.session.programs import session_of
+    from mmcs.runs.expect import judge
+    from mmcs.runs.programs import session_of
+    from mmcs.runs.report import measure
 
-    config = setup.config() | {"skip": int(setup.scenario.skip), "host": 0}
-    with Sim(library_of(setup), config, setup.motors(), setup.links()) as sim:
+    with machine_of_process(setup) as sim:
         result = session_of(sim, setup).run()
     axes = measure(result)
     verdicts = judge(result, axes)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from mmcs import mcdef
-from mmcs.engine.logcols import FIELDS
+from mmcs.logcols import FIELDS
 
 TAU_S = 0.02
 SAMPLE_S = 0.001

@@ -7,10 +7,10 @@ import pytest
 from click.testing import CliRunner
 
 from mmcs import regs
-from mmcs.board import line as lines
-from mmcs.board.line import Line, crc8
-from mmcs.board.selftest import SelfTest
 from mmcs.cli import main
+from mmcs.device import board_line as lines
+from mmcs.device.board_line import Line, crc8
+from mmcs.device.board_test import SelfTest
 from mmcs.errors import RunError
 
 

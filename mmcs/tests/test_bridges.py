@@ -16,8 +16,8 @@ import pytest
 from mmcs import ROOT, mcdef
 from mmcs.device.link import HEAD, Samples
 from mmcs.errors import InputError, RunError
+from mmcs.runs.machine import machine as make_machine
 from mmcs.scenario.load import load
-from mmcs.session.machine import machine as make_machine
 
 
 def bridge_file(name: str):
@@ -142,7 +142,7 @@ def test_a_run_as_mcap():
     import numpy as np
     from mcap.reader import make_reader
 
-    from mmcs.bridge.mcap_log import from_run
+    from mmcs.view.mcap_log import from_run
     from mmcs.view.runs import Run
 
     log = np.arange(30, dtype=float).reshape(2, 15) / 4

@@ -7,24 +7,14 @@ from collections import Counter
 
 import pytest
 
-from mmcs.campaign import plan as plans
-from mmcs.campaign.classes import (
-    CLASSES,
-    DANGEROUS,
-    HARMLESS,
-    LATE,
-    MASKED,
-    NEAR,
-    SAFE,
-    Seen,
-    judge,
-)
-from mmcs.campaign.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
-from mmcs.campaign.plan import CHUNK, Plan, make_plan, run_fault, twin_of
-from mmcs.campaign.report import cost_of, how_far, wilson
-from mmcs.campaign.twin import Twin
-from mmcs.scenario.inputs import INPUTS
+from mmcs.inputs import INPUTS
+from mmcs.sweeps import campaign as plans
+from mmcs.sweeps.campaign import CHUNK, Plan, make_plan, run_fault, twin_of
+from mmcs.sweeps.campaign_report import cost_of, how_far, wilson
+from mmcs.sweeps.classes import CLASSES, DANGEROUS, HARMLESS, LATE, MASKED, NEAR, SAFE, Seen, judge
+from mmcs.sweeps.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
 from mmcs.sweeps.store import ROWS
+from mmcs.sweeps.twin import Twin
 
 CARD, AXIS = "seu.g_card[1].u_card", "seu.g_card[1].u_card.g_axis[0].u_axis"
 SIZE = 100

@@ -11,10 +11,9 @@ import re
 
 import pytest
 
-from mmcs import ROOT
-from mmcs.engine import logcols
+from mmcs import ROOT, logcols
 from mmcs.errors import RunError
-from mmcs.result.report import make_report
+from mmcs.runs.report import make_report
 from mmcs.runs.runner import simulate
 from mmcs.scenario.load import load
 from studies import reference
@@ -129,7 +128,7 @@ def test_same_seed_same_hash_other_seed_other_hash():
 def test_python_reads_the_inputs_as_the_engine_has_them():
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim
-    from mmcs.scenario.inputs import INPUTS, UPSET
+    from mmcs.inputs import INPUTS, UPSET
 
     setup = load("lab500")
     with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:
@@ -150,7 +149,7 @@ def test_python_reads_the_inputs_as_the_engine_has_them():
 
 def test_every_input_has_its_effect():
     """A state of the machine in pins.cpp, one of the plant in axis.cpp, an act in machine.cpp."""
-    from mmcs.scenario.inputs import INPUTS
+    from mmcs.inputs import INPUTS
 
     effects = {
         "PIN": ("sim/model/pins.cpp", "case Pin::CODE:"),

@@ -10,8 +10,8 @@ import sys
 import numpy as np
 import pytest
 
-from mmcs.design import synthesis as ds
-from mmcs.design.motor import plant_of
+from mmcs.scenario import synthesis as ds
+from mmcs.scenario.motor import plant_of
 from mmcs.tests.device_bench import Bench
 
 T = 1e-3

@@ -7,8 +7,8 @@ import re
 import pytest
 
 from mmcs import ROOT
-from mmcs.design.motor import compensation
 from mmcs.scenario.load import load_robot
+from mmcs.scenario.motor import compensation
 
 pytestmark = pytest.mark.req("SYN-1")
 

@@ -8,10 +8,9 @@ from fractions import Fraction
 
 import pytest
 
-from mmcs import ROOT
-from mmcs.engine import logcols
+from mmcs import ROOT, logcols
+from mmcs.inputs import INPUTS
 from mmcs.scenario import scenario
-from mmcs.scenario.inputs import INPUTS
 from mmcs.scenario.schema import Strict
 
 TEXT = (ROOT / "docs" / "use" / "scenarios.md").read_text()

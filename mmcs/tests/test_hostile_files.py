@@ -66,7 +66,7 @@ def test_crafted_record(mmcs, good_run, tmp_path, what):
 def test_damaged_record(mmcs, good_run, tmp_path):
     """Any byte changed, anything cut off: a sentence, or the run all the same."""
     whole, chance = (good_run / "run.mmcs").read_bytes(), random.Random(1)
-    from mmcs.record.record import read_record
+    from mmcs.runs.record import read_record
 
     for n in range(300):
         data = bytearray(whole)
@@ -140,7 +140,7 @@ def test_crafted_snapshots(mmcs, good_run, tmp_path):
 
 
 def test_damaged_snapshots(good_run, tmp_path):
-    from mmcs.record.snapshots import Snapshot
+    from mmcs.runs.snapshots import Snapshot
 
     whole, chance = (good_run / "run.mmsnap").read_bytes(), random.Random(2)
     for n in range(200):

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mmcs.design.identify import IdentifyError, frequency, identify
-from mmcs.design.synthesis import discretize, margins
+from mmcs.scenario.identify import IdentifyError, frequency, identify
+from mmcs.scenario.synthesis import discretize, margins
 from mmcs.tool import tune
 
 

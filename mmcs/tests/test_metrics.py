@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from mmcs.result.metrics import step_response
+from mmcs.runs.metrics import step_response
 
 T = np.arange(0, 0.5, 0.001)
 

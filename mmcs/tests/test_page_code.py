@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from mmcs import ROOT
-from mmcs.design.synthesis import Controller, DesignError, Discrete, discretize, to_integers
-from mmcs.record.record import column_digests, row_digests
+from mmcs.runs.record import column_digests, row_digests
+from mmcs.scenario.synthesis import Controller, DesignError, Discrete, discretize, to_integers
 from mmcs.tool.advisor import Advisor
 
 pytestmark = pytest.mark.req("TOOL-1", "SYN-1")

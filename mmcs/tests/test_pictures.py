@@ -8,8 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from mmcs import ROOT
-from mmcs.engine import logcols
+from mmcs import ROOT, logcols
 from mmcs.scenario.load import load
 from mmcs.view import svg
 from mmcs.view.film import arm_points

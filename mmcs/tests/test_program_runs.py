@@ -7,12 +7,12 @@ import sys
 import pytest
 from click.testing import CliRunner
 
-from mmcs.campaign.classes import DANGEROUS, HARMLESS, MASKED, SAFE
-from mmcs.campaign.faults import Fault
-from mmcs.campaign.plan import WATCH_S, make_plan, run_fault, twin_of
 from mmcs.cli.app import main
 from mmcs.errors import InputError
 from mmcs.scenario.load import load
+from mmcs.sweeps.campaign import WATCH_S, make_plan, run_fault, twin_of
+from mmcs.sweeps.classes import DANGEROUS, HARMLESS, MASKED, SAFE
+from mmcs.sweeps.faults import Fault
 from mmcs.sweeps.workers import run_row
 from mmcs.tests.device_bench import write_scenario
 

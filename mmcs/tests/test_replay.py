@@ -14,9 +14,9 @@ import pytest
 from click.testing import CliRunner
 
 from mmcs.cli.app import main
-from mmcs.record import record as records
-from mmcs.record import snapshots
-from mmcs.record.record import NAME
+from mmcs.runs import record as records
+from mmcs.runs import snapshots
+from mmcs.runs.record import NAME
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.test_hostile_files import rewritten
 

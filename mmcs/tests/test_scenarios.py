@@ -9,8 +9,8 @@ import re
 
 import pytest
 
-from mmcs.result.expect_plant import index_counts
-from mmcs.result.report import make_report
+from mmcs.runs.expect_plant import index_counts
+from mmcs.runs.report import make_report
 from mmcs.runs.runner import simulate
 from mmcs.scenario.files import scenario_names
 from mmcs.scenario.load import load

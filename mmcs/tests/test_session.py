@@ -8,13 +8,12 @@ import sys
 import numpy as np
 import pytest
 
-from mmcs.engine import logcols
+from mmcs import logcols
 from mmcs.errors import RunError
-from mmcs.result.report import make_report, write_log, write_report
-from mmcs.runs import runner
+from mmcs.runs import runner, session
+from mmcs.runs.report import make_report, write_log, write_report
+from mmcs.runs.session import Session
 from mmcs.scenario.load import load
-from mmcs.session import session
-from mmcs.session.session import Session
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.fake import FakeSim
 
@@ -314,7 +313,7 @@ IN_TIME = """
 import sys
 from mmcs.scenario.load import load
 from mmcs.runs.runner import simulate
-from mmcs.session.session import Session
+from mmcs.runs.session import Session
 run = Session.run
 def watched(self, *args):
     before = set(sys.modules)

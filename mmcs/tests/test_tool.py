@@ -20,10 +20,10 @@ from websockets.asyncio.connection import Connection
 from websockets.exceptions import ConnectionClosed
 
 from mmcs import ROOT
-from mmcs.design.identify import Motor
 from mmcs.device.client import Device
 from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
+from mmcs.scenario.identify import Motor
 from mmcs.tests.device_bench import write_scenario
 from mmcs.tool import gateway, judge, launch, moment, pages
 from mmcs.tool.advisor import Advisor

@@ -89,9 +89,9 @@ PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before po
 
 def _watched() -> np.ndarray:
     """What the same run's nets do in a machine without traces."""
+    from mmcs.runs.machine import machine
+    from mmcs.runs.session import Session
     from mmcs.scenario.load import load
-    from mmcs.session.machine import machine
-    from mmcs.session.session import Session
 
     setup = load("lab500", SETS)
     with machine(setup, skip=False) as sim:
@@ -134,8 +134,8 @@ def _from(values: list[tuple[int, int]], first: int, last: int) -> list[tuple[in
 
 
 def test_a_machine_that_skips_has_nothing_to_watch():
+    from mmcs.runs.machine import machine
     from mmcs.scenario.load import load
-    from mmcs.session.machine import machine
 
     setup = load("lab500", SETS)
     with machine(setup, skip=True) as sim, pytest.raises(RunError, match="sees? each clock"):

@@ -16,10 +16,10 @@ import pytest
 from mmcs import ROBOTS, ROOT
 from mmcs.engine.rows import Rows
 from mmcs.errors import InputError
-from mmcs.record.record import read_record
-from mmcs.result.folder import RESULTS, reading, writing
+from mmcs.folder import RESULTS, reading, writing
 from mmcs.runs import runner
-from mmcs.session.session import Session
+from mmcs.runs.record import read_record
+from mmcs.runs.session import Session
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.fake import FakeSim
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """mctool in the browser, §3: gateway, stop button, tuning, labs; the pages are in web/.
 
-May know: design, device, lab, result, scenario, session, view.
+May know: device, lab, runs, scenario, view.
 """

@@ -25,8 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.design.identify import IdentifyError, Motor
-from mmcs.design.synthesis import (
+from mmcs.scenario.identify import IdentifyError, Motor
+from mmcs.scenario.synthesis import (
     Controller,
     DesignError,
     Discrete,
@@ -99,12 +99,12 @@ class Advisor(Worker):
         }  # fmt: skip
 
     def do_mcap(self, message: dict) -> dict:
-        from mmcs.tool.mcap_file import from_csv
+        from mmcs.view.mcap_file import from_csv
 
         return {"base64": base64.b64encode(from_csv(message["csv"])).decode()}
 
     def do_csv(self, message: dict) -> dict:
-        from mmcs.tool.mcap_file import to_csv
+        from mmcs.view.mcap_file import to_csv
 
         return {"csv": to_csv(base64.b64decode(message["base64"], validate=True))}
 

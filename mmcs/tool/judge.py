@@ -7,9 +7,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from mmcs.design.identify import Motor
-from mmcs.design.predict import step as predicted_step
-from mmcs.result.metrics import step_response
+from mmcs.runs.metrics import step_response
+from mmcs.scenario.identify import Motor
+from mmcs.scenario.predict import step as predicted_step
 
 HELD_OFF = 2.0  # counts: more of them, and an integral is tried
 NEAR_RISE, NEAR_MS = 1.4, 10.0  # a measured rise may be so much longer than the predicted one

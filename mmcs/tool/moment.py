@@ -60,7 +60,7 @@ def _time(snapshot: dict) -> float:
 
 def waves(socket: Path, t: float, ms: float) -> dict:
     """What the nets of the prepared view do, as web/wave_data.js has it."""
-    from mmcs.session.machine import machine
+    from mmcs.runs.machine import machine
     from mmcs.view.watched import changes, groups, nets
 
     moment = find(socket, t, ms)
@@ -77,7 +77,7 @@ def waves(socket: Path, t: float, ms: float) -> dict:
 
 def trace(socket: Path, t: float, ms: float) -> dict:
     """A trace and its view; opened in gtkwave where there is a display."""
-    from mmcs.session.machine import machine
+    from mmcs.runs.machine import machine
     from mmcs.view.moments import LEAST_MS
     from mmcs.view.waves import start_viewer, write_views
 

@@ -14,11 +14,18 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.design.identify import Frequency, Motor, frequency, identify
-from mmcs.design.motor import COMPENSATED
-from mmcs.design.synthesis import Coefficients, Controller, discretize, margins, place, to_integers
 from mmcs.device.link import Link, Samples
-from mmcs.result.metrics import step_response
+from mmcs.runs.metrics import step_response
+from mmcs.scenario.identify import Frequency, Motor, frequency, identify
+from mmcs.scenario.motor import COMPENSATED
+from mmcs.scenario.synthesis import (
+    Coefficients,
+    Controller,
+    discretize,
+    margins,
+    place,
+    to_integers,
+)
 from mmcs.tool.judge import HELD_OFF, MORE_OVERSHOOT, judge, predict
 
 ENCNOW, ERRCODE, SETPOINT, CURRENT = 1, 6, 7, 9  # within an axis's ten values of a row

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mmcs.engine import logcols
+from mmcs import logcols
 from mmcs.errors import one_line
 from mmcs.view import svg
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.engine import logcols
+from mmcs import logcols
 from mmcs.engine.rows import BLOCK, Rows
 from mmcs.errors import InputError
+from mmcs.files import log_lines, open_file, read_json
+from mmcs.folder import reading
 from mmcs.place import run_folders
-from mmcs.result.folder import reading
-from mmcs.scenario.files import log_lines, open_file, read_json
 
 
 @dataclass

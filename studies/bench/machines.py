@@ -16,12 +16,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from mmcs import ROBOTS, ROOT, mcdef
-from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim
-from mmcs.scenario.files import Files, read_toml
-from mmcs.scenario.setup import make_setup
-from mmcs.session.session import Session
+from mmcs import ROBOTS, ROOT, Files, Session, Sim, ensure_library, make_setup, mcdef, read_toml
 
 CARDS = (1, 3, 8, 16)
 LOADS = ("rest", "typical", "full")
@@ -87,7 +82,7 @@ def _puma(cards: int, load: str) -> tuple[dict, dict]:
 
 
 def _short(path: Path) -> Path:
-    from mmcs.scenario.files import short
+    from mmcs.files import short
 
     return short(path)
 

@@ -166,8 +166,7 @@ output change shows that each simulator ran the same.
 
 
 def _picture(found: dict, path: Path) -> None:
-    from mmcs.view import svg
-    from mmcs.view.plot import BLUE, GREY, ORANGE, RED, style
+    from mmcs import BLUE, GREY, ORANGE, RED, style, svg
 
     plt = style()
     figure, cells = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")

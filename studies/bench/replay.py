@@ -16,9 +16,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from mmcs import BUILD, ROOT
-from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim
+from mmcs import BUILD, ROOT, Sim, ensure_library
 from studies.bench.machines import LEAST_CPU_S, Machine, start
 
 sys.path.insert(0, str(ROOT / "tools"))

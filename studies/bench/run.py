@@ -19,8 +19,7 @@ import subprocess
 import sys
 import time
 
-from mmcs import BUILD, ROOT
-from mmcs.engine.build import ensure_library
+from mmcs import BUILD, ROOT, ensure_library
 from studies.bench import page, replay
 from studies.bench.machines import CARDS, LOADS, Machine, Remote
 
@@ -153,7 +152,7 @@ class Whole:
         self.library = ensure_library(self.machine.cards, "speed")
 
     def clocks_per_s(self) -> float:
-        from mmcs.engine.sim import Sim
+        from mmcs import Sim
         from studies.bench.machines import LEAST_CPU_S, start
 
         setup = self.machine.setup(replay.LOAD)

@@ -15,8 +15,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mmcs import BUILD, ROOT
-from mmcs.engine.sim import Sim
+from mmcs import BUILD, ROOT, Sim
 from studies.bench.machines import Machine, start
 
 FOLDER = BUILD / "bench"

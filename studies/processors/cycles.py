@@ -40,12 +40,12 @@ class Timing(c.Structure):
 
 def build(*hosts: str) -> None:
     """Compiles what is not up to date, for all processors or those named."""
-    from mmcs.engine.hosts import make
+    from mmcs import hosts
 
     for host in hosts or ("m68020", "rv32"):
-        make("firmware/Makefile", host)
+        hosts.make("firmware/Makefile", host)
     if "m68020" in (hosts or ("m68020",)):
-        make("sim/hosts/Makefile", "all")
+        hosts.make("sim/hosts/Makefile", "all")
 
 
 def native():
@@ -117,12 +117,9 @@ def on_68020(profile: int, ticks: int, cache: int = 0, waits: int = 0):
 
 def on_rv32(ticks: int) -> list[tuple[int, float, int]]:
     """For each profile as on_68020(), counted by the core of the SoC itself, in the RTL."""
-    from mmcs.engine import hosts
-    from mmcs.engine.build import ensure_library
-    from mmcs.engine.sim import Sim
-    from mmcs.scenario.load import load
+    from mmcs import Sim, ensure_library, hosts, load
 
-    setup = load("lab500", ())
+    setup = load("lab500")
     config = setup.config() | {"skip": 0, "host": hosts.HOSTS.index("rv32"),
                                "firmware": str(FIRMWARE / "rv32" / "timing.bin")}  # fmt: skip
     library = ensure_library(setup.scenario.cards, "speed", soc=True)
@@ -160,14 +157,12 @@ PASS_PARTS = ("latency", "enter", "read", "compute", "write", "publish", "pass")
 
 def passes(scenario: str, host: str, cache: int, waits: int):
     """What one servo pass of the compiled driver takes beside the RTL, and how it ended."""
-    from mmcs.scenario.load import load
-    from mmcs.session.machine import machine
-    from mmcs.session.session import Session
+    from mmcs import Session, load, machine
 
     bytes_ = '"256 bytes"' if cache else '"ideal"'
     sets = ("duration=0.3", "interval_us=2000", "motion=[]", "expect=[]",
             f"host.wait_states={waits}", f"host.instruction_cache={bytes_}")  # fmt: skip
-    setup = load(scenario, sets)
+    setup = load(scenario, *sets)
     with machine(setup, host=host) as sim:
         Session(sim, setup).run(lambda *_: None)
         return sim.phases(), sim.stats()

@@ -14,11 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from mmcs import ROBOTS
-from mmcs.errors import RunError
-from mmcs.scenario.setup import make_setup
-from mmcs.session.machine import machine
-from mmcs.session.session import Session
+from mmcs import ROBOTS, RunError, Session, machine, make_setup
 
 MAX_CARDS = 16
 SHORTEST_US, LONGEST_US = 100, 10_000  # intervals that are tried; the driver takes none below

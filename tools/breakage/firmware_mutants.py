@@ -296,10 +296,8 @@ def scenario(m: Mutant) -> str:
 
 
 def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
+    from mmcs import load, make_report, simulate
     from mmcs.engine import build
-    from mmcs.result.report import make_report
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
 
     made: dict[int, Path] = {}
 
@@ -316,7 +314,7 @@ def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
     build.ensure_library = with_mutant
     try:
         for name in order:
-            report = make_report(simulate(load(name, ("skip=true",))), "native")
+            report = make_report(simulate(load(name, "skip=true")), "native")
             missed = [item["what"] for item in report["expect"] if not item["ok"]]
             if missed:
                 return f"scenario {name}"
@@ -328,7 +326,7 @@ def closed_loops(mutated: Path, stem: str, order: list[str]) -> str:
 
 def keep_simulator() -> None:
     """Builds the simulator and keeps its parts: a later change of the sources does not meddle."""
-    from mmcs.engine.build import ensure_library, make_env
+    from mmcs import ensure_library, make_env
 
     shutil.rmtree(WORK / "sim", ignore_errors=True)
     for cards in CARDS:

@@ -139,7 +139,7 @@ def main() -> int:
         print("mutation: --quick finds a lower bound; leave it out to --write", file=sys.stderr)
         return 2
     if not args.quick:
-        import mmcs.result.report
+        import mmcs.runs.report
         import mmcs.runs.runner  # noqa: F401  before the first fork: a child inherits what is loaded
 
         fm.keep_simulator()

@@ -48,7 +48,7 @@ def test_help_of_a_script(tool):
 
 def test_a_study_ends_with_one_line_for_bad_input(tmp_path, capsys):
     import studies
-    from mmcs.scenario.load import load
+    from mmcs import load
 
     (tmp_path / "bad.toml").write_text('description = "x"\nrobot = "lab500"\nspeed = 1\n')
     with pytest.raises(SystemExit) as end:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The arrows between the rooms of mmcs/: only those that a room announces, and no circle."""
 
+import ast
 import sys
 from pathlib import Path
 
@@ -46,6 +47,48 @@ def test_a_circle_of_c_files_is_found(tmp_path):
     (tmp_path / "a.c").write_text("int a_one(int n) {\n  b_two();\n  return n;\n}\n")
     (tmp_path / "b.c").write_text("void b_two(void) {\n  (void)a_one(1); /* c_x() */\n}\n")
     assert rooms.circle(rooms.c_arrows(tmp_path)) == ["a.c", "b.c", "a.c"]
+
+
+# Who looks into a room from outside: its inside is what is tested, shipped or attacked.
+DEEPER = {
+    "bridges/fmu/tests/": {"bridge"},
+    "bridges/gymnasium/tests/": {"bridge"},
+    "sim/tests/engine/test_compilers.py": {"engine"},
+    "sim/tests/hosts/test_again.py": {"cli"},
+    "studies/campaign.py": {"sweeps"},
+    "tools/breakage/": {"engine", "runs"},
+    "tools/parsers.py": {"device", "runs", "sweeps"},
+    "tools/setup_venv.py": {"engine"},
+    "tools/tests/test_docs_commands.py": {"cli", "tests"},
+    "tools/website.py": {"runs", "scenario", "tool", "view"},
+    "web/tests/": {"device", "lab", "tests", "tool"},
+}
+
+
+def test_outside_everybody_uses_the_front_door():
+    used: dict[str, set[str]] = {}
+    for path in ROOT.rglob("*.py"):
+        name = str(path.relative_to(ROOT))
+        if name.startswith(("mmcs/", "build/", ".venv/")):
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+            names += [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            for module in (n for n in names if n.startswith("mmcs.")):
+                room = rooms.room(module, FOUND) if module in FOUND else module.split(".")[1]
+                allowed = [k for k in DEEPER if name.startswith(k) and room in DEEPER[k]]
+                assert not room or allowed, f"{name}: {module}: take it from `mmcs`"
+                used.setdefault(next(iter(allowed), ""), set()).add(room)
+    assert {k: v for k, v in used.items() if k} == DEEPER
+
+
+def test_every_name_of_the_door_is_there():
+    import mmcs
+
+    for name in mmcs._HOMES:
+        assert getattr(mmcs, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = mmcs.nothing
 
 
 def test_the_product_knows_nobody_above_it():

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gains to the integers of the driver by the backward difference, and a D(z) of one's own to integers:
-// mmcs/design/synthesis.py for a page without Python. A test holds the two to each other.
+// mmcs/scenario/synthesis.py for a page without Python. A test holds the two to each other.
 
 const INT32_MAX = 2 ** 31 - 1;
 const SMALLEST_INTEGRAL = 20;

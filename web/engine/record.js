@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// run.mmcs in a page: written so that `mmcs replay` makes the run again, and read (mmcs/record/record.py).
+// run.mmcs in a page: written so that `mmcs replay` makes the run again, and read (mmcs/runs/record.py).
 
 const MAX_POINTS = 32;
 const MAX_ROWS = 1024;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scenario carried out, as mmcs/session/session.py does it, call by call: the same hash comes out.
+// A scenario carried out, as mmcs/runs/session.py does it, call by call: the same hash comes out.
 //
 // A generator: it yields the time, s since the motion began, that it has reached, and may be given
 // what a person wants meanwhile (see do()). What is done so is kept: the record holds it as [[call]]

@@ -223,7 +223,7 @@ export class Sim {
     this.#m._mmcs_sim_log_taken(this.#at);
     return { rows, cols, bytes };
   }
-  /** Bytes of all checkpoints, as run.mmcs keeps them (mmcs/record/record.py, POINT). */
+  /** Bytes of all checkpoints, as run.mmcs keeps them (mmcs/runs/record.py, POINT). */
   checkpoints() {
     const count = this.#m._mmcs_sim_checkpoints(this.#at, this.#room);
     return this.#bytes(this.#view.getUint32(this.#room, true), count * this.layouts.mmcs_checkpoint.size);

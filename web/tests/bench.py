@@ -6,8 +6,7 @@ from __future__ import annotations
 import json
 import time
 
-from mmcs import BUILD
-from mmcs.device.link import Link
+from mmcs import BUILD, Link
 
 PICTURES = BUILD / "tool"
 PATIENCE_S = 240  # a loaded computer is slow, not wrong

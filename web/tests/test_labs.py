@@ -8,7 +8,7 @@ import tomllib
 import pytest
 from bench import picture
 
-from mmcs.engine.build import ensure_library
+from mmcs import ensure_library
 from mmcs.lab.marks import grade, read_answer
 from mmcs.lab.sheets import find_sheet, sheets
 from mmcs.tests.test_labs import VELOCITY

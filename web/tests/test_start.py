@@ -9,8 +9,8 @@ import subprocess
 import pytest
 from bench import Desk, picture
 
+from mmcs import Link
 from mmcs.device.execute import environment
-from mmcs.device.link import Link
 from mmcs.device.sockets import socket_path
 from mmcs.tests.device_bench import EXAMPLES, compile_1989
 from mmcs.tool.launch import _end, _serve, start

@@ -10,8 +10,7 @@ import pytest
 from bench import Desk
 from test_page import enter
 
-from mmcs import mcdef
-from mmcs.device.link import Link
+from mmcs import Link, mcdef
 
 POS, VEL, TORQ = 1, 2, 3
 AXIS = 2

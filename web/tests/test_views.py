@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from bench import PICTURES
 
-from mmcs.engine.build import ensure_library
+from mmcs import ensure_library
 
 STREAM_S = 60.0
 # By the machine's own numbers of its samples, whatever the stream says of itself.

@@ -12,10 +12,8 @@ import pytest
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
-from mmcs import mcdef
+from mmcs import load, machine, mcdef
 from mmcs.bridge.fmu import write
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
 
 STEP = 0.001
 ANGLE, ENCODER, SETPOINT = 300, 200, 100  # references, of axis 0
@@ -26,7 +24,7 @@ ESTOP_CLOSED, ENABLED, PANIC = 1, 2, 3
 def folder(tmp_path_factory) -> Path:
     """The unit of lab500, unpacked."""
     path = tmp_path_factory.mktemp("fmu")
-    write(load("lab500", ()), path / "lab500.fmu")
+    write(load("lab500"), path / "lab500.fmu")
     return path
 
 
@@ -71,20 +69,20 @@ def demand(n: int) -> int:
 @pytest.mark.req("DRV-4")
 def test_fmpy_finds_nothing_wrong(folder, tmp_path):
     assert validate_fmu(str(folder / "lab500.fmu")) == []
-    write(load("puma560", ()), tmp_path / "arm.fmu")
+    write(load("puma560"), tmp_path / "arm.fmu")
     assert validate_fmu(str(tmp_path / "arm.fmu")) == []
     fmpy.simulate_fmu(str(tmp_path / "arm.fmu"), stop_time=0.02, output_interval=STEP)
 
 
 def test_the_same_machine_is_the_same_unit(folder, tmp_path):
-    write(load("lab500", ()), tmp_path / "again.fmu")
+    write(load("lab500"), tmp_path / "again.fmu")
     assert (tmp_path / "again.fmu").read_bytes() == (folder / "lab500.fmu").read_bytes()
 
 
 @pytest.mark.req("DRV-4", "SRV-7")
 def test_it_is_our_machine_to_the_bit(unit):
     """300 steps in the unit, and the same calls of the engine from Python."""
-    setup = load("lab500", ())
+    setup = load("lab500")
     sim = machine(setup)
     client = sim.open(mcdef.O_RDWR)
     interval = setup.scenario.interval_us

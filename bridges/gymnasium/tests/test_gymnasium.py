@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from mmcs import InputError
 from mmcs.bridge.env import ID
-from mmcs.errors import InputError
 
 SHORT = {"episode_steps": 60}
 

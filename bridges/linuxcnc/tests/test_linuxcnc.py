@@ -20,7 +20,7 @@ from pathlib import Path
 
 import pytest
 
-from mmcs.scenario.load import load
+from mmcs import load
 
 HERE = Path(__file__).resolve().parents[1]
 ROOT = HERE.parents[1]
@@ -151,7 +151,7 @@ def switch_on() -> None:
 def moved(folder):
     """Six planners move the arm: what was sampled while the servo was on, the machine's log,
     counts per degree."""
-    scale = [per_degree(m) for m in load("puma560_coupled", ()).motors()]
+    scale = [per_degree(m) for m in load("puma560_coupled").motors()]
     samples = folder / "samples.txt"
     with Host("puma560_coupled", folder, (HERE / "arm.hal").read_text()) as host:
         for n in range(6):
@@ -248,8 +248,8 @@ def test_index_enable(folder):
         assert abs(float(get("mmcs.position-fb.0")) - 50) <= 6
         assert get("mmcs.estop-ok-out") == "TRUE"
     # the counter was not touched: only what the host counts from
-    turn = load("lab500", ()).motors()[0]["counts_per_rev"]
-    offset = load("lab500", ()).motors()[0]["encoder_offset"] / (2 * math.pi) * turn
+    turn = load("lab500").motors()[0]["counts_per_rev"]
+    offset = load("lab500").motors()[0]["encoder_offset"] / (2 * math.pi) * turn
     end = int(host.log[-1]["count0"])
     assert end == int(host.log[-1]["true_count0"])
     assert abs((end - 50 + offset + turn / 2) % turn - turn / 2) <= 8

@@ -8,8 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.scenario.schema import Strict
+from mmcs import Question, Strict, Verdict, near
 
 STEADY = (0.1, 0.27)
 SLOW = "motion.0.to=65"

@@ -8,12 +8,20 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mmcs.design.motor import plant_of
-from mmcs.design.synthesis import Controller, discretize, margins, to_integers
-from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, arrives, near
-from mmcs.scenario.load import load_robot
-from mmcs.scenario.schema import Strict
+from mmcs import (
+    Controller,
+    Gains,
+    Question,
+    Strict,
+    Verdict,
+    arrives,
+    discretize,
+    load_robot,
+    margins,
+    near,
+    plant_of,
+    to_integers,
+)
 
 LAW = Controller(4.4, 0.0, 0.11)
 MOST_PCT = 30.0

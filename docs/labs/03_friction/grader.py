@@ -8,8 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.scenario.schema import Strict
+from mmcs import Question, Strict, Verdict, near
 
 Units = Annotated[int, Field(ge=0, le=2047)]
 NEAR_GOAL, AT_REST = 3, 1  # counts

@@ -8,9 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.scenario.schema import Strict
+from mmcs import Gains, Question, Strict, Verdict, near
 
 STEP, LIMIT, INTEGRAL = 1000, 400, 60.0
 GLIDE_PCT, LOAD_PCT, LOAD_COUNTS = 10.0, 25.0, 6.0

@@ -8,9 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, arrives, near
-from mmcs.scenario.schema import Strict
+from mmcs import Gains, Question, Strict, Verdict, arrives, near
 
 SINGLE = "double_buffer=false"
 Micro = Annotated[int, Field(ge=0, le=10_000)]

@@ -8,9 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.result.expect_plant import calibrate, index_counts
-from mmcs.scenario.schema import Strict
+from mmcs import Question, Strict, Verdict, calibrate, index_counts, near
 
 JOINTS = range(6)
 PAST = 2  # counts beyond a mark: the next one is as far away as can be

@@ -8,9 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.result.expect_plant import moved_deg, rest_ms
-from mmcs.scenario.schema import Strict
+from mmcs import Question, Strict, Verdict, moved_deg, near, rest_ms
 
 FAULT = 0.1  # s of motion
 JOINTS = range(6)

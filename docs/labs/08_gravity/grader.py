@@ -8,9 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.scenario.schema import Strict
+from mmcs import Gains, Question, Strict, Verdict, near
 
 JOINT2, JOINT3 = 1, 2
 UP = (0.12, 0.3)

@@ -8,10 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from mmcs.design.motor import plant_of
-from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict, near
-from mmcs.scenario.schema import Strict
+from mmcs import Gains, Question, Strict, Verdict, near, plant_of
 
 PROOF = ("motion.0.amplitude=420", "motion.0.hz=4")
 MOST_OFF = 0.03  # of the travel

@@ -8,12 +8,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mmcs.design import synthesis as ds
-from mmcs.design.motor import plant_of
-from mmcs.lab.bench import Gains
-from mmcs.lab.marks import Question, Verdict
-from mmcs.scenario.load import load_robot
-from mmcs.scenario.schema import Strict
+from mmcs import Gains, Question, Strict, Verdict, load_robot, plant_of
+from mmcs import synthesis as ds
 
 T, PREWARP = 3e-3, 80.0
 LAW = ds.Controller(4.4, 0.0, 0.08, 0.002)

@@ -15,9 +15,12 @@ sys.path.insert(0, str(ROOT / "tools"))
 import dpi  # noqa: E402
 from compiled import written  # noqa: E402
 
-from mmcs.engine.build import make_env  # noqa: E402
-from mmcs.runs.runner import run_scenario, simulate  # noqa: E402
-from mmcs.scenario.load import load  # noqa: E402
+from mmcs import (  # noqa: E402
+    load,  # noqa: E402
+    make_env,  # noqa: E402
+    run_scenario,
+    simulate,
+)
 
 CARDS = defaultdict(lambda: 3, lab500=1)
 WHOLE = ["lab500", "puma560", "puma560_coupled"]
@@ -53,7 +56,7 @@ def through_dpi(program: Path, words: list):
 
 def differing(scenario, tmp_path: Path, cards: int, sets: tuple = (), program=None) -> list[str]:
     """The files of the two ways that are not the same."""
-    setup = load(str(scenario), sets)
+    setup = load(str(scenario), *sets)
     run_scenario(setup, tmp_path / "engine", carry_out=lambda s: simulate(s, bus=True))
     words = [word for given in sets for word in ("--set", given)]
     words = [scenario, *words, "--bus", "--out", tmp_path / "dpi"]

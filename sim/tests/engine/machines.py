@@ -6,9 +6,7 @@ from __future__ import annotations
 import itertools
 from contextlib import contextmanager
 
-from mmcs import mcdef
-from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim
+from mmcs import Sim, ensure_library, mcdef
 
 CLK_HZ = 8_000_000
 # A small motor with a 500-line encoder; one D/A unit is 1.465 mA.

@@ -9,12 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim
-from mmcs.errors import RunError
-from mmcs.scenario import arm as checks
-from mmcs.scenario.describe import robot_cautions
-from mmcs.scenario.load import load_robot
+from mmcs import RunError, Sim, ensure_library, load_robot, robot_cautions
+from mmcs import arm as checks
 
 ARMS = 60
 CONFIG = {"cards": 1, "axes": 2, "links": 2, "seed": 1, "bus_timeout_us": 16.0, "skip": 1,

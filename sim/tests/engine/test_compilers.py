@@ -8,9 +8,8 @@ import sys
 
 import pytest
 
-from mmcs import ROOT
+from mmcs import ROOT, RunError
 from mmcs.engine import build
-from mmcs.errors import RunError
 
 HASH = """
 import sys

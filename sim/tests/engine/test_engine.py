@@ -18,8 +18,7 @@ from machines import (
     step_to,
 )
 
-from mmcs import ROOT, mcdef, regs
-from mmcs.engine.build import ensure_library
+from mmcs import ROOT, ensure_library, mcdef, regs
 
 STEP = 200
 
@@ -324,7 +323,7 @@ def test_impossible_configurations_are_refused():
 
 
 def machine_of_one_card(axes=1, **config):
-    from mmcs.engine.sim import Sim
+    from mmcs import Sim
 
     settings = {"cards": 1, "axes": axes, "seed": 1, "bus_timeout_us": 16.0, **config}
     return Sim(ensure_library(1, "speed"), settings, [machines.LAB500] * axes, [])

@@ -5,9 +5,7 @@ import os
 
 import pytest
 
-from mmcs import regs
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
+from mmcs import load, machine, regs
 from studies import lockstep
 
 LONG = os.environ.get("MMCS_LONG") == "1"

@@ -11,10 +11,7 @@ import machines
 import pytest
 from machines import event, input_number, machine, notes, start, step_to
 
-from mmcs import mcdef, regs
-from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim
-from mmcs.scenario.load import load
+from mmcs import Sim, ensure_library, load, mcdef, regs
 
 ROOT = Path(__file__).resolve().parents[3]
 LONG = os.environ.get("MMCS_LONG") == "1"

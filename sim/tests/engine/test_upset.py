@@ -6,8 +6,7 @@ import re
 import pytest
 from machines import event, machine, notes, start
 
-from mmcs import regs
-from mmcs.engine.build import ensure_library
+from mmcs import ensure_library, regs
 
 PCCSR, VECTOR = regs.PCCSR, regs.VECTOR
 

@@ -10,13 +10,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from mmcs import ROOT
+from mmcs import ROOT, Session, hosts, load, machine, waves
 from mmcs.cli.app import main
-from mmcs.engine import hosts
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
-from mmcs.session.session import Session
-from mmcs.view import waves
 
 NEEDS = {"m68020": ("m68k-linux-gnu-gcc", "machine68k"),
          "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex")}  # fmt: skip
@@ -181,7 +176,7 @@ class Halting:
 def test_m68020_goes_back_and_on(sets):
     """From instants of a run, also ones within a pass, another machine comes to the end of a run
     that was never interrupted."""
-    setup = load("lab500", ("duration=0.06", "expect=[]", *sets))
+    setup = load("lab500", "duration=0.06", "expect=[]", *sets)
 
     def run(at, call):
         with machine(setup, host="m68020") as sim:
@@ -210,11 +205,11 @@ def test_m68020_goes_back_and_on(sets):
 @pytest.mark.skipif(not have("m68020"), reason="install the 68020 compiler with: make firmware")
 def test_snapshot_fits_its_own_processor_only(monkeypatch, tmp_path):
     """Other wait states or another image are another machine, and leave it as it was."""
-    setup = load("lab500", ("duration=0.06", "expect=[]"))
+    setup = load("lab500", "duration=0.06", "expect=[]")
     with machine(setup, host="m68020") as sim:
         sim.run(0.02)
         state, past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
-    slower = load("lab500", ("duration=0.06", "expect=[]", "host.wait_states=1"))
+    slower = load("lab500", "duration=0.06", "expect=[]", "host.wait_states=1")
     config = hosts.config("m68020")
     image = tmp_path / "mc.bin"
     image.write_bytes(Path(config["firmware"]).read_bytes() + b"\0")

@@ -11,10 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from mmcs import mcdef
-from mmcs.engine import hosts
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
+from mmcs import hosts, load, machine, mcdef
 from tools.compiled import compiled, written
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -36,7 +33,7 @@ class Crafted:
     """A machine with its snapshot, whose content is to be changed."""
 
     def __init__(self, host):
-        self.sim = machine(load("lab500", ("duration=0.06", "expect=[]")), host=host)
+        self.sim = machine(load("lab500", "duration=0.06", "expect=[]"), host=host)
         self.sim.run(0.0203)
         self.state = self.sim.snapshot_bytes(self.sim.snapshot())
         self.past, self.before = self.sim.history_bytes(), self.sim.hash()

@@ -6,9 +6,7 @@ import shutil
 
 import pytest
 
-from mmcs import mcdef
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
+from mmcs import load, machine, mcdef
 
 COMPILERS = {"m68020": "m68k-linux-gnu-gcc", "rv32": "riscv64-unknown-elf-gcc"}
 MODEL = importlib.util.find_spec("machine68k")
@@ -25,7 +23,7 @@ HOSTS = ["native", cpu("m68020"), cpu("rv32")]
 
 def bench(host, scenario="puma560", **keys):
     sets = [f"{key}={value}" for key, value in keys.items()]
-    return machine(load(scenario, ("motion=[]", "expect=[]", *sets)), host=host)
+    return machine(load(scenario, "motion=[]", "expect=[]", *sets), host=host)
 
 
 def ask(sim, fd, request, value=None):

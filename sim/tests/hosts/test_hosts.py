@@ -49,8 +49,7 @@ def test_pd_of_six_axes_takes_0_26_ms_at_most():
 
 @pytest.mark.req("FW-1")
 def test_lab500_ends_as_native():
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
+    from mmcs import load, simulate
 
-    finals = [simulate(load("lab500", ()), host=h).log[-1] for h in ("native", "m68020")]
+    finals = [simulate(load("lab500"), host=h).log[-1] for h in ("native", "m68020")]
     assert abs(finals[0][2] - finals[1][2]) <= 1

@@ -9,13 +9,7 @@ from pathlib import Path
 import pytest
 from sick import PASSES, sick_firmware
 
-from mmcs.engine import hosts
-from mmcs.errors import RunError
-from mmcs.result.report import make_report
-from mmcs.runs.runner import simulate
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
-from mmcs.session.session import Session
+from mmcs import RunError, Session, hosts, load, machine, make_report, simulate
 
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = [
@@ -43,8 +37,8 @@ def test_six_axes_end_as_native():
     falls between two samples."""
     finals, overruns = [], []
     for host in ("native", "m68020"):
-        with machine(load("puma560", ()), host=host) as sim:
-            log = Session(sim, load("puma560", ())).run(lambda *_: None).log
+        with machine(load("puma560"), host=host) as sim:
+            log = Session(sim, load("puma560")).run(lambda *_: None).log
             finals.append([log[-1][2 + 7 * axis] for axis in range(6)])
             overruns.append(sim.stats()["overruns"])
             phases = sim.phases()
@@ -52,8 +46,8 @@ def test_six_axes_end_as_native():
     assert all(abs(a - b) <= 3 for a, b in zip(*finals, strict=True)), finals
     for part_us in range(0, 1000, 125):
         still = ("motion=[]", "expect=[]", f"duration={0.002 + part_us * 1e-6:.6f}")
-        with machine(load("puma560", still), host="m68020") as sim:
-            Session(sim, load("puma560", still)).run(lambda *_: None)
+        with machine(load("puma560", *still), host="m68020") as sim:
+            Session(sim, load("puma560", *still)).run(lambda *_: None)
             overruns.append(sim.stats()["overruns"])
     assert set(overruns) == {0}, overruns
     passes, mean, longest = phases["pass"]
@@ -67,7 +61,7 @@ def test_six_axes_end_as_native():
 def test_wait_states_and_cache_take_time():
     times = []
     for sets in ((), ("host.wait_states=2",), ("host.instruction_cache=256 bytes",)):
-        setup = load("lab500", ("duration=0.1", "motion=[]", "expect=[]", *sets))
+        setup = load("lab500", "duration=0.1", "motion=[]", "expect=[]", *sets)
         with machine(setup, host="m68020") as sim:
             Session(sim, setup).run(lambda *_: None)
             times.append(sim.phases()["compute"][1])
@@ -79,7 +73,7 @@ def test_wait_states_and_cache_take_time():
 def test_bus_error_while_probing(errors):
     """Accesses of the first open fail: there is no adaptor, as on native; then all is well."""
     results = []
-    setup = load("lab500", ())
+    setup = load("lab500")
     for host in ("native", "m68020"):
         with machine(setup, host=host) as sim:
             sim.run(0.005)
@@ -99,7 +93,7 @@ def test_bus_error_while_servoing():
     stopped = 0
     for at in (0.1003, 0.1005, 0.1007, 0.1009):
         sets = (f"event=[{{at={at},input='bus_error',value=1}}]", "expect=[]", "duration=0.3")
-        setup = load("lab500", sets)
+        setup = load("lab500", *sets)
         with machine(setup, host="m68020") as sim:
             with contextlib.suppress(RunError):
                 Session(sim, setup).run(lambda *_: None)
@@ -125,7 +119,7 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     config = hosts.config("m68020")
     config["firmware"] = str(sick_firmware("m68020", statement, tmp_path))
     monkeypatch.setattr(hosts, "config", lambda host: config)
-    setup = load("lab500", ("duration=0.25", "expect=[]"))
+    setup = load("lab500", "duration=0.25", "expect=[]")
     with machine(setup, host="m68020") as sim:
         with contextlib.suppress(RunError, OSError):
             Session(sim, setup).run(lambda *_: None)
@@ -144,9 +138,9 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
 def test_calibration_of_six_axes_needs_more_than_a_millisecond():
     """At 1 kHz the processor has no time for the process, and says so; at 1.2 ms it has."""
     with pytest.raises(RunError, match=r"no time for requests .* overruns, .* longer interval_us"):
-        simulate(load("fault_index_missing", ()), host="m68020")
+        simulate(load("fault_index_missing"), host="m68020")
     report = make_report(
-        simulate(load("fault_index_missing", ("interval_us=1200",)), host="m68020"), "m68020"
+        simulate(load("fault_index_missing", "interval_us=1200"), host="m68020"), "m68020"
     )
     assert all(e["ok"] for e in report["expect"]) and report["stats"]["overruns"] == 0
 
@@ -154,13 +148,13 @@ def test_calibration_of_six_axes_needs_more_than_a_millisecond():
 @pytest.mark.req("FW-1", "SRV-7")
 def test_wrong_vector_ends_the_firmware_and_says_so():
     with pytest.raises(RunError, match="the firmware died: exception 192 at 0x.*--host native"):
-        simulate(load("fault_seu_vector", ()), host="m68020")
+        simulate(load("fault_seu_vector"), host="m68020")
 
 
 @pytest.mark.req("FW-1")
 def test_bus_error_of_a_read_as_on_native():
     """The event meets another access than on native, unless it comes with the reads: 0.1 s."""
-    setup = load("fault_bus_error_read", ())
+    setup = load("fault_bus_error_read")
     setup.scenario.event[0].at = 0.1
     report = make_report(simulate(setup, host="m68020"), "m68020")
     assert len(report["expect"]) == 6 and all(e["ok"] for e in report["expect"])

@@ -10,12 +10,7 @@ import numpy as np
 import pytest
 from sick import PASSES, sick_firmware
 
-from mmcs.engine import hosts
-from mmcs.errors import RunError
-from mmcs.runs.runner import simulate
-from mmcs.scenario.load import load
-from mmcs.session.machine import machine
-from mmcs.session.session import Session
+from mmcs import RunError, Session, hosts, load, machine, simulate
 from studies.processors import cycles
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -45,7 +40,7 @@ WRONG = {
 
 @pytest.fixture(scope="module")
 def lab500():
-    return load("lab500", ())
+    return load("lab500")
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +90,7 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     config = hosts.config("rv32")
     config["firmware"] = str(sick_firmware("rv32", statement, tmp_path))
     monkeypatch.setattr(hosts, "config", lambda host: config)
-    setup = load("lab500", ())
+    setup = load("lab500")
     with machine(setup, host="rv32") as sim:
         with contextlib.suppress(RunError):  # nobody answers the last read
             Session(sim, setup, False).run(lambda _: None)
@@ -114,7 +109,7 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
 @pytest.mark.req("SOC-2")
 def test_bus_errors_as_on_the_vmebus():
     """Each is told and counted, and the driver takes them as it does natively."""
-    setup = load("lab500", ('event=[{at=0.1003, input="bus_error", value=3}]',))
+    setup = load("lab500", 'event=[{at=0.1003, input="bus_error", value=3}]')
     ends = []
     for host in ("native", "rv32"):
         with machine(setup, host=host) as sim:

@@ -9,7 +9,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
-from mmcs.place import BUILD
+from mmcs import BUILD
 
 SITE = BUILD / "web"
 

@@ -9,8 +9,7 @@ import sys
 
 import pytest
 
-from mmcs import ROOT
-from mmcs.place import BUILD
+from mmcs import BUILD, ROOT
 
 BOOK = BUILD / "web" / "book"
 

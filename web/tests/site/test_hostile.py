@@ -8,9 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from mmcs.record.record import make_record, write_record
-from mmcs.runs.runner import simulate
-from mmcs.scenario.load import load
+from mmcs import load, make_record, simulate, write_record
 
 DONE = "() => document.body.dataset.hash"
 
@@ -39,7 +37,7 @@ def test_an_address_that_cannot_be_is_told_and_left(opened, query, said):
 
 @pytest.mark.req("TOOL-1", "SIM-3")
 def test_the_saved_log_is_the_native_one_and_a_record_runs_again(opened, tmp_path):
-    result = simulate(load("lab500", ("seed=5", "duration=0.3", "expect=[]")))
+    result = simulate(load("lab500", "seed=5", "duration=0.3", "expect=[]"))
     record = write_record(make_record(result, "native"), tmp_path)
     page = opened("?scenario=puma560_bounce")
     page.set_input_files("#record-file", record)
@@ -81,7 +79,7 @@ def test_the_link_holds_scenario_and_seed(opened):
     assert {"scenario=lab500", "seed=9"} <= set(held.split("&"))
     other = opened(f"?{held}")
     other.wait_for_function(DONE)
-    assert other.evaluate(DONE) == simulate(load("lab500", ("seed=9",))).hash
+    assert other.evaluate(DONE) == simulate(load("lab500", "seed=9")).hash
 
 
 @pytest.mark.req("TOOL-1")

@@ -12,11 +12,7 @@ from pathlib import Path
 import pytest
 from bench import note, picture
 
-from mmcs.place import BUILD
-from mmcs.record.record import make_record, parse, write_record
-from mmcs.runs.replay import replay
-from mmcs.runs.runner import simulate
-from mmcs.scenario.load import load
+from mmcs import BUILD, load, make_record, parse, replay, simulate, write_record
 
 NODE = Path(sys.executable).with_name("node")
 SITE = BUILD / "web"
@@ -27,7 +23,7 @@ DONE = "() => document.body.dataset.hash || document.body.dataset.failed"
 
 
 def native(name: str, sets: tuple[str, ...] = ()):
-    return simulate(load(name, sets))
+    return simulate(load(name, *sets))
 
 
 def finished(page) -> str:

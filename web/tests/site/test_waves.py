@@ -12,10 +12,7 @@ from pathlib import Path
 import pytest
 from bench import picture
 
-from mmcs.place import BUILD
-from mmcs.record.record import parse
-from mmcs.runs.replay import replay, trace
-from mmcs.view import waves
+from mmcs import BUILD, parse, replay, trace, waves
 
 PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before power-on
 HZ = 8_000_000

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mmcs import regs
-from mmcs.board.line import Line
+from mmcs.device.board_line import Line
 from mmcs.errors import RunError
 
 PATTERNS = (0xA8, 0x50, 0x00)  # of port A: bits that move no count, its mode 0

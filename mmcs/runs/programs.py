@@ -14,8 +14,8 @@ from pathlib import Path
 from mmcs.device.execute import check_program, environment, say
 from mmcs.device.server import Server
 from mmcs.errors import InputError, RunError
+from mmcs.runs.session import CHUNK_S, WATCH_S, Result, Session
 from mmcs.scenario.setup import Setup
-from mmcs.session.session import CHUNK_S, WATCH_S, Result, Session
 
 FIELDS = ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode")
 
@@ -46,7 +46,9 @@ class ProgramSession(Session):
                     server.lockstep.expect(children[-1].pid)
                 good = self._serve(server, children, progress)
                 ended = "" if good else self._why_ended()
-                result = self._result(began, ended, good)
+                self.log.append(sim.take_log())
+                now = sim.stats(), sim.hash(), self.witnesses(), self._states()
+                result = self.result(began, good, ended, *now)
             finally:
                 statuses = [_end(child) for child in children]
                 server.close()
@@ -74,33 +76,6 @@ class ProgramSession(Session):
             self._watch(t)
             progress(t)
         return True
-
-    def _result(self, began: float, ended: str, good: bool) -> Result:
-        sim, setup, stats = self.sim, self.setup, self.sim.stats()
-        axes = range(setup.axes)
-        self.log.append(sim.take_log())
-        return Result(
-            setup=setup,
-            log=self.log.array(),
-            notes=sim.notes(),
-            notes_lost=sim.notes_lost(),
-            stats=stats,
-            hash=sim.hash(),
-            wall_s=time.perf_counter() - began,
-            simulated_s=sim.time,
-            motion_start_s=self.start,
-            first_motion_wall=None,
-            clk_hz=sim.build()["clk_hz"],
-            cycles=int(stats["cycles"]),
-            witnesses=[sim.true(n) | {"register": sim.encoder_register(n)} for n in axes],
-            states=self._states(),
-            assertion=not good and not ended,
-            ended=ended,
-            truth=self.truth.array(),
-            bus=self.bus,
-            checkpoints=sim.checkpoints(),
-            build=sim.build_id(),
-        )
 
     def _states(self) -> list[dict]:
         """Of the last sample: the programs may have closed the device since."""

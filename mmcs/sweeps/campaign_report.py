@@ -8,10 +8,10 @@ import math
 from collections import Counter
 from pathlib import Path
 
-from mmcs.campaign.classes import CLASSES, DANGEROUS, LATE, STEPS
-from mmcs.campaign.faults import line_name
-from mmcs.result.folder import whole_file
-from mmcs.scenario.files import read_json
+from mmcs.files import read_json
+from mmcs.folder import whole_file
+from mmcs.sweeps.classes import CLASSES, DANGEROUS, LATE, STEPS
+from mmcs.sweeps.faults import line_name
 
 Z = 1.959964  # 95 %
 PARTS = 10  # of a motion, in the table by time
@@ -145,7 +145,7 @@ def told(rows: list[dict]) -> str:
 
 def examples(plan, rows: dict[int, dict], each: int = 2) -> list[str]:
     """Commands that make faults of each class again, and the hash that they must find."""
-    from mmcs.campaign.plan import run_fault, twin_of
+    from mmcs.sweeps.campaign import run_fault, twin_of
 
     lines = []
     for name in CLASSES:

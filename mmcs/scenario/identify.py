@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mmcs.design.synthesis import Plant
+from mmcs.scenario.synthesis import Plant
 
 SLOWEST_SHARE = 0.05  # of the greatest speed: below it friction is not the one of motion
 LEAST_ROWS = 200

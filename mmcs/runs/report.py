@@ -9,11 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs import __version__
-from mmcs.engine import logcols
+from mmcs import __version__, logcols
 from mmcs.engine.rows import blocks
-from mmcs.result import metrics
-from mmcs.result.expect import judge
+from mmcs.runs import metrics
+from mmcs.runs.expect import judge
 
 CYCLES = ("read", "write", "acknowledge")  # MMCS_BUS_...
 STROBES = ("", "DS0", "DS1", "DS0+DS1")

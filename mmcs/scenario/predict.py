@@ -7,7 +7,7 @@ from math import floor, trunc
 
 import numpy as np
 
-from mmcs.design.identify import Motor
+from mmcs.scenario.identify import Motor
 
 PARTS = 10  # of an interval, for the motion between samples
 

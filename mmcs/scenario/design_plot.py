@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.design.synthesis import Coefficients, Controller, Discrete, Plant, margins
+from mmcs.scenario.synthesis import Coefficients, Controller, Discrete, Plant, margins
 
 
 def step_response(d: Discrete, plant: Plant, t: float, samples: int) -> np.ndarray:

@@ -18,14 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs import __version__
-from mmcs.engine import logcols
+from mmcs import __version__, logcols
 from mmcs.engine.rows import BLOCK
 from mmcs.errors import InputError
+from mmcs.files import is_name, loads, log_lines, open_file, read_json, short
+from mmcs.folder import settle
 from mmcs.place import run_folders
-from mmcs.result.folder import settle
-from mmcs.scenario.files import is_name, loads, log_lines, open_file, read_json, short
-from mmcs.session.programs import absolute, digest
+from mmcs.runs.programs import absolute, digest
 
 NAME = "run.mmcs"
 FORMAT = 1

@@ -22,11 +22,12 @@ import numpy as np
 from mmcs.engine.hosts import image_digest
 from mmcs.engine.rows import BLOCK, Rows, blocks
 from mmcs.errors import InputError, RunError
+from mmcs.files import MAX_JSON, loads, open_file, short
+from mmcs.folder import settle
 from mmcs.place import run_folders
-from mmcs.record.record import MAX_SAMPLES, Record, parse
-from mmcs.result.folder import settle
-from mmcs.scenario.files import MAX_JSON, loads, open_file, short
-from mmcs.session.session import Session
+from mmcs.runs.actors import make_actors
+from mmcs.runs.record import MAX_SAMPLES, Record, parse
+from mmcs.runs.session import Session
 
 NAME = "run.mmsnap"
 RING = 16  # snapshots in the ring; they spread over the run
@@ -37,11 +38,14 @@ EVERY_S = 0.02  # but are not closer than this
 
 
 class Taking:
-    """A Sim that takes snapshots at these times since the start of motion, and a ring of them."""
+    """A Sim that takes snapshots at these times since the start of motion, and a ring of them.
 
-    def __init__(self, sim, times: tuple[float, ...], duration: float):
+    window: a file, and the stretch of motion to trace into it.
+    """
+
+    def __init__(self, sim, times: tuple[float, ...], duration: float, window: tuple | None):
         self._sim, self._times, self._asked = sim, sorted(times), {}
-        self._start = 0.0
+        self._start, self._window = 0.0, window
         self._every = max(EVERY_S, duration / RING)
 
     def __getattr__(self, name):
@@ -49,6 +53,9 @@ class Taking:
 
     def start_motion(self, client: int) -> int:
         self._start = self._sim.time
+        if self._window:
+            path, begin, end = self._window
+            self._sim.trace_window(path, self._start + begin, self._start + end)
         self._sim.ring(self._every, RING)
         return self._sim.start_motion(client)
 
@@ -243,43 +250,11 @@ def _choose(path: Path, known: list[dict], at: float | None) -> int:
 # --- going on from one -------------------------------------------------------------------------
 
 
-class _Restored:
-    """A Sim for a Session that believes it begins: what has happened is not done again."""
-
-    def __init__(self, sim, snapshot: Snapshot):
-        self._sim, self._snapshot = sim, snapshot
-        self._there = False  # the snapshot is in; a processor has started before
-
-    def __getattr__(self, name):
-        return getattr(self._sim, name)
-
-    @property
-    def time(self) -> float:
-        return self._sim.time if self._there else self._snapshot.record.motion_start_s
-
-    def open(self, _flags: int = 2) -> int:
-        return 0  # a session's program is the first and only one
-
-    def add_segment(self, **_fields) -> None:
-        """It is in the snapshot."""
-
-    def start_motion(self, _client: int) -> int:
-        try:
-            self._sim.restore_bytes(self._snapshot.state, self._snapshot.history)
-        except ValueError as error:
-            raise InputError.one(self._snapshot.path, "", None, str(error)) from None
-        self._there = True
-        return 0
-
-    def run(self, until_s: float) -> bool:
-        return self._sim.time >= until_s or self._sim.run(until_s)
-
-
 class ResumedSession(Session):
     """A session from a snapshot on; its result is that of the whole run."""
 
     def __init__(self, sim, setup, snapshot: Snapshot, realtime: bool = False):
-        super().__init__(_Restored(sim, snapshot), setup, realtime)
+        super().__init__(sim, setup, realtime)
         self._snapshot = snapshot
         for rows in snapshot.log.blocks():
             self.log.append(rows)
@@ -287,8 +262,20 @@ class ResumedSession(Session):
     def schedule(self, start: float, at_power_on: bool) -> None:
         """Events are in the snapshot."""
 
-    def configure(self, client: int) -> None:
-        """So is the configured driver."""
+    def open(self) -> int:
+        return 0  # a session's program is the first and only one
+
+    def begin(self, client: int) -> None:
+        """Motions and the configured driver are in the snapshot, too."""
+        try:
+            self.sim.restore_bytes(self._snapshot.state, self._snapshot.history)
+        except ValueError as error:
+            raise InputError.one(self._snapshot.path, "", None, str(error)) from None
+        self.start = self._snapshot.record.motion_start_s
+        self.actors = make_actors(self, client)
+
+    def run_to(self, until_s: float) -> bool:
+        return self.sim.time >= until_s or super().run_to(until_s)
 
     def _move(self, duration: float, progress) -> bool:
         now = self._snapshot.t
@@ -311,7 +298,7 @@ class ResumedSession(Session):
 
 def resume(setup, snapshot: Snapshot, realtime: bool = False):
     """Carries the rest of the run out."""
-    from mmcs.session.machine import machine, progress
+    from mmcs.runs.machine import machine, progress
 
     host = snapshot.record.host
     with machine(setup, host=host) as sim, progress(setup.scenario.duration) as advance:

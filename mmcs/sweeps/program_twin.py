@@ -11,14 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from mmcs.campaign.classes import Seen
-from mmcs.campaign.faults import Fault
-from mmcs.campaign.twin import EVERY, LOOK_S, STEP, Twin
 from mmcs.errors import InputError
+from mmcs.runs.machine import machine
+from mmcs.runs.programs import ProgramSession
 from mmcs.scenario.scenario import Event
 from mmcs.scenario.setup import Setup
-from mmcs.session.machine import machine
-from mmcs.session.programs import ProgramSession
+from mmcs.sweeps.classes import Seen
+from mmcs.sweeps.faults import Fault
+from mmcs.sweeps.twin import EVERY, LOOK_S, STEP, Twin
 
 
 class _Watched(ProgramSession):

@@ -8,8 +8,7 @@ import math
 
 import numpy as np
 
-from mmcs import mcdef
-from mmcs.engine import logcols
+from mmcs import logcols, mcdef
 from mmcs.scenario.scenario import (
     CalibrationExpect,
     PathExpect,

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mmcs.engine import logcols
-from mmcs.result import expect_plant as plant
-from mmcs.result.expect_plant import band_text as _band
-from mmcs.result.expect_plant import verdict as _verdict
+from mmcs import logcols
+from mmcs.runs import expect_plant as plant
+from mmcs.runs.expect_plant import band_text as _band
+from mmcs.runs.expect_plant import verdict as _verdict
 from mmcs.scenario.scenario import AxisExpect, EventExpect, HashExpect, StatsExpect
 
 PLANT = {

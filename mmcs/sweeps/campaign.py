@@ -11,12 +11,13 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 from mmcs import __version__
-from mmcs.campaign.classes import CLASSES, agrees, judge
-from mmcs.campaign.faults import SORTS, Fault, Motion, draw
 from mmcs.errors import InputError, RunError
+from mmcs.runs.machine import library_of
 from mmcs.scenario.load import load
 from mmcs.scenario.setup import Setup
-from mmcs.sweeps.workers import failed, library_of
+from mmcs.sweeps.classes import CLASSES, agrees, judge
+from mmcs.sweeps.faults import SORTS, Fault, Motion, draw
+from mmcs.sweeps.workers import failed
 
 WATCH_S = 0.25  # after the scenario's end, so that the last fault, too, shows what it does
 CHUNK = 40  # faults that a worker is given at once
@@ -122,8 +123,8 @@ def _motion(name: str, setup: Setup, until: float) -> Motion:
 
 @functools.lru_cache(maxsize=TWINS)
 def _twin(key: str):
-    from mmcs.campaign.program_twin import ProgramTwin
-    from mmcs.campaign.twin import Twin
+    from mmcs.sweeps.program_twin import ProgramTwin
+    from mmcs.sweeps.twin import Twin
 
     setup = _given[key]
     return ProgramTwin(setup) if setup.scenario.program else Twin(setup)

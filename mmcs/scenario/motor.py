@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from mmcs.design.identify import Motor
-from mmcs.design.predict import step
-from mmcs.design.synthesis import Coefficients, Plant
+from mmcs.scenario.identify import Motor
+from mmcs.scenario.predict import step
+from mmcs.scenario.synthesis import Coefficients, Plant
 
 COMPENSATED = 0.8  # of the Coulomb friction
 STEP, LONGEST_S = 200, 2.0  # counts, of which friction_and_limit() and expected_step() tell

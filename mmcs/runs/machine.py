@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 import time
 from contextlib import contextmanager
-from pathlib import Path
 
 from mmcs.errors import RunError
 from mmcs.scenario.setup import Setup
@@ -42,7 +42,7 @@ def machine(
 def _machine_of_simulator(setup: Setup, line: int):
     from mmcs.engine.build import ensure_library
     from mmcs.engine.dpi import DpiSim, Line
-    from mmcs.scenario.inputs import UPSET
+    from mmcs.inputs import UPSET
 
     for event in setup.scenario.event:
         if event.input.startswith(UPSET):
@@ -56,21 +56,6 @@ def _machine_of_simulator(setup: Setup, line: int):
         if has != wanted:
             raise RunError(f"the testbench has {what}={has}, and {setup.name} needs {wanted}")
     return DpiSim(testbench, setup.config() | {"skip": 0}, setup.motors(), setup.links())
-
-
-class Tracing:
-    """A Sim that traces a stretch of the motion, told in seconds since its start."""
-
-    def __init__(self, sim, path: Path, stretch: tuple[float, float]):
-        self._sim, self._path, self._stretch = sim, path, stretch
-
-    def __getattr__(self, name):
-        return getattr(self._sim, name)
-
-    def start_motion(self, client: int) -> int:
-        start = self._sim.time
-        self._sim.trace_window(self._path, *(start + seconds for seconds in self._stretch))
-        return self._sim.start_motion(client)
 
 
 @contextmanager
@@ -99,3 +84,31 @@ def progress(duration: float):
     finally:
         if bar is not None:
             bar.stop()
+
+
+@functools.cache
+def _library(cards: int, clk_hz: int):
+    from mmcs.engine.build import ensure_library
+
+    return ensure_library(cards, "speed", clk_hz)
+
+
+def library_of(setup):
+    """The simulator's library that the setup runs on; builds it if need be."""
+    return _library(setup.scenario.cards, setup.scenario.clk_hz)
+
+
+def build_of(setup) -> str:
+    """Its identity."""
+    from mmcs.engine.sim import load_library, make_ffi
+
+    library = load_library(library_of(setup))
+    return make_ffi().string(library.mmcs_sim_build_id()).decode()
+
+
+def machine_of_process(setup: Setup):
+    """The setup's machine, of a library that this process has looked for once."""
+    from mmcs.engine.sim import Sim
+
+    config = setup.config() | {"skip": int(setup.scenario.skip), "host": 0}
+    return Sim(library_of(setup), config, setup.motors(), setup.links())

@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from mmcs.errors import InputError
-from mmcs.scenario.files import read_json
+from mmcs.files import read_json
 
 RESULTS = ("report.json", "log.csv", "bus.csv", "plot.svg", "run.mmcs", "run.mmsnap")
 STAGE, WHOLE, LOCK = ".new", "whole.json", ".lock"

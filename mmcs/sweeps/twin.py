@@ -10,15 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from mmcs import mcdef
-from mmcs.campaign.classes import Seen
-from mmcs.campaign.faults import Fault
 from mmcs.errors import InputError
-from mmcs.scenario.inputs import find
+from mmcs.inputs import find
+from mmcs.runs.actors import Caller
+from mmcs.runs.machine import machine
+from mmcs.runs.session import Session
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
-from mmcs.session.actors import Caller
-from mmcs.session.machine import machine
-from mmcs.session.session import Session
+from mmcs.sweeps.classes import Seen
+from mmcs.sweeps.faults import Fault
 
 LOOK_S = 1e-3  # between looks at the twin's physics and state
 EVERY = 5  # looks from one snapshot to the next

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mmcs import mcdef
-from mmcs.engine.logcols import FIELDS
 from mmcs.engine.rows import Rows
 from mmcs.engine.watching import CYCLE
 from mmcs.errors import RunError, suggest
-from mmcs.scenario.inputs import find
+from mmcs.inputs import find
+from mmcs.logcols import FIELDS
+from mmcs.runs.actors import make_actors
 from mmcs.scenario.setup import Setup
-from mmcs.session.actors import make_actors
 
 CHUNK_S = 0.02  # simulated time between looks at the clock on the wall
 WATCH_S = 0.001  # between looks at the physics, in scenarios with events
@@ -87,7 +87,7 @@ class Session:
             sim.bus_watch()
         self.schedule(0.0, at_power_on=True)
         ok, ended = True, ""
-        client = _checked("open", sim.open(mcdef.O_RDWR))
+        client = self.open()
         try:
             self.begin(client)
             ok = self._move(setup.scenario.duration, progress)
@@ -97,8 +97,7 @@ class Session:
             ok, ended = False, NO_MEMORY
         if not ok and not ended:
             ended = self._why_ended()
-        axes = range(setup.axes)
-        witnesses = [sim.true(n) | {"register": sim.encoder_register(n)} for n in axes]
+        witnesses = self.witnesses()
         states = self._last_state(client)
         hash_ = sim.hash()
         self.log.append(sim.take_log())
@@ -107,8 +106,13 @@ class Session:
         stats = sim.stats()
         sim.close(client)
         self._take_cycles()
+        return self.result(began, ok, ended, stats, hash_, witnesses, states)
+
+    def result(self, began: float, ok: bool, ended: str, stats: dict, hash_: str, witnesses: list,
+               states: list) -> Result:  # fmt: skip
+        sim = self.sim
         return Result(
-            setup=setup,
+            setup=self.setup,
             log=self.log.array(),
             notes=sim.notes(),
             notes_lost=sim.notes_lost(),
@@ -132,6 +136,17 @@ class Session:
             build=sim.build_id(),
             bus=self.bus,
         )
+
+    def witnesses(self) -> list[dict]:
+        """Of each axis, the physics and what its register holds."""
+        sim = self.sim
+        return [sim.true(n) | {"register": sim.encoder_register(n)} for n in range(self.setup.axes)]
+
+    def open(self) -> int:
+        return _checked("open", self.sim.open(mcdef.O_RDWR))
+
+    def run_to(self, until_s: float) -> bool:
+        return self.sim.run(until_s)
 
     def begin(self, client: int) -> None:
         """Configures the driver and starts the motion."""
@@ -239,7 +254,7 @@ class Session:
             next_look = duration * (look + 1) / looks
             actor = min(self.actors, key=lambda a: a.due, default=None)
             acts = actor is not None and actor.due < next_look
-            if not sim.run(self.start + (actor.due if acts else next_look)):
+            if not self.run_to(self.start + (actor.due if acts else next_look)):
                 return False
             if acts:
                 actor.act()

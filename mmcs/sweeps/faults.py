@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from mmcs import mcdef
 from mmcs.errors import toml
-from mmcs.scenario.inputs import INPUTS, UPSET, find
+from mmcs.inputs import INPUTS, UPSET, find
 
 SORTS = ("register", "line", "pin", "message", "kill")
 SHORTEST_S, LONGEST_S = 50e-6, 50e-3  # of what passes by itself

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from mmcs.engine import logcols
-from mmcs.tool.mcap_file import from_rows
+from mmcs import logcols
+from mmcs.view.mcap_file import from_rows
 from mmcs.view.runs import Run
 
 
