@@ -98,20 +98,20 @@ module isa_mark1 #(
 
   // --- bus out ----------------------------------------------------------------------------
 
-  logic here;                // IOR# is low, two clocks late; high, without a clock
+  logic reading_sync;        // IOR# is low, two clocks late; high, without a clock
   logic card_oe, drive;
   logic [7:0] rdata;
   logic [7:3] irq;
 
   logic reading;
   assign reading = ~isa_ior_n;
-  sync u_here (.clk_i(clk), .rst_ni(reading), .d_i(1'b1), .q_o(here));
+  sync u_reading (.clk_i(clk), .rst_ni(reading), .d_i(1'b1), .q_o(reading_sync));
 
   data_turn u_turn (
     .clk_i(clk), .rst_ni(rst_n_q),
     .out_i(card_oe),
     .in_i(1'b1),
-    .gate_i(here),
+    .gate_i(reading_sync),
     .dir_o(isa_d_dir),
     .oe_no(isa_d_oe_n),
     .drive_o(drive)
