@@ -587,6 +587,27 @@ async def sysreset_in_an_acknowledge(dut):
 
 
 @cocotb.test()
+@req("INT-2", "CSR-1")
+async def sysreset_ends_an_answer(dut):
+    """DTACK* and the vector go within four clocks, whatever the master holds."""
+    tb = await machine(dut)
+    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
+    await sclock_low(tb)
+    await sclock_edge(tb)
+    await acknowledge_without_strobe(tb)
+    tb.bus.ds_n.value = 0b10
+    await Timer(1, "us")
+    assert not int(dut.vme_dtack_no.value) and int(dut.vme_d_oe_o.value)
+    dut.vme_sysreset_ni.value = 0
+    await tb.clocks(4)
+    assert int(dut.vme_dtack_no.value) and not int(dut.vme_d_oe_o.value)
+    dut.vme_sysreset_ni.value = 1
+    await tb.clocks(8)
+    assert int(dut.vme_dtack_no.value), "the same strobe again"
+    await acknowledge_ends(tb)
+
+
+@cocotb.test()
 @req("INT-1", "INT-2", "PIT-2")
 async def handler_serves_every_sclock(dut):
     """A handler as the driver's: read PCCSR, clear, set; 40 SCLOCKs of 25 us, none lost."""
