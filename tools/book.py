@@ -62,7 +62,9 @@ def main() -> None:
     argparse.ArgumentParser(description=__doc__).parse_args()
     shutil.rmtree(STAGE, ignore_errors=True)
     source = STAGE / "src"
-    shutil.copytree(DOCS, source)
+    shutil.copytree(
+        DOCS, source, ignore=shutil.ignore_patterns("grader.py", "tests", "__pycache__")
+    )
     for name in LOOK:
         shutil.copy(ROOT / "web" / name, source)
     wanted: set[Path] = set()  # files and folders outside docs/ that chapters name
