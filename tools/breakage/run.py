@@ -143,7 +143,7 @@ def driver(entry: dict, folder: Path) -> tuple[str | None, str]:
     """Compiles the broken driver with a test program of firmware/tests, and runs one test of it."""
     program, test = entry["unit"].split()
     mc, tests = folder / "firmware" / "mc", folder / "firmware" / "tests"
-    command = ["cc", "-std=c11", "-O1", "-w", "-o", folder / "program", *sorted(mc.glob("*.c"))]
+    command = ["cc", "-std=c11", "-O0", "-w", "-o", folder / "program", *sorted(mc.glob("*.c"))]
     command += [tests / "mock.c", tests / f"{program}.c"]
     command += [f"-I{folder / 'firmware' / part}" for part in ("include", "mc", "tests")]
     if subprocess.run(command, check=False, capture_output=True).returncode:
@@ -216,6 +216,11 @@ def main() -> int:
         print(f"breakage: no breakage is called {args.only!r}; see {LIST.name}", file=sys.stderr)
         return 2
     if args.what == "proofs":
+        import formal
+
+        if missing := [tool for tool in formal.NEEDED if not shutil.which(tool)]:
+            print(f"breakage: {missing[0]} is missing; `make formal` installs it", file=sys.stderr)
+            return 2
         return int(meet(todo, lambda _: "proof", {"proof": proof}) > 0)
     return int(run_tests(args, todo) > 0)
 
