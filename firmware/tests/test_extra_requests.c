@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Requests of <sys/mmcs.h>, which the report does not have: the setpoint of one axis, the end of one
- * axis' calibration. */
+/* Requests of <sys/mmcs.h>, which the report does not have: the setpoint of one axis, the end of
+ * one axis' calibration. */
 #include "traffic.h"
 #include "sys/mmcs.h"
 

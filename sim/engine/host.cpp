@@ -324,7 +324,7 @@ int Host::write(int client, const void *buf, size_t len) {
                       len, 0);
   }
   if (buf == nullptr || len % sizeof(int32_t) != 0) return mc_write(mc(), client, buf, len);
-  std::vector<int32_t> sent(len / sizeof(int32_t)); // on the way a fault meets it
+  std::vector<int32_t> sent(len / sizeof(int32_t));  // on the way a fault meets it
   if (len > 0) std::memcpy(sent.data(), buf, len);
   if (len > 0 && !machine_.pass_write(sent)) return static_cast<int>(len);
   return mc_write(mc(), client, sent.data(), len);
