@@ -4,6 +4,8 @@
 Generated from rtl/regs/mmcs.rdl by rtl/regs/generate.py; do not edit.
 """
 
+SAFETY_RELEASE = 0x5A  # SAFETY COMMAND that ends a latched PANIC
+SAFETY_TRIP = 0xA5  # SAFETY COMMAND that raises PANIC
 WINDOW_BASE = 0x6000  # A16 address of the window as shipped (jumpers A15-A11)
 WINDOW_SIZE = 0x800  # its length in bytes
 CARDS_MAX = 0x10  # cards on one PC bus
@@ -16,6 +18,7 @@ PIT1 = 0x403  # Timer 1: clocked by timer 0, its output is SCLOCK
 PIT2 = 0x405  # Timer 2: counts SCLOCK
 PIT_CONTROL = 0x407  # Timer control word
 PCCSR = 0x409  # PC control and status
+SAFETY = 0x411  # Safety of 2026
 VECTOR = 0x441  # Interrupt vector
 
 # Card registers: offsets on the PC bus, for card_offset.
@@ -62,6 +65,12 @@ PCCSR_PANIC_EN_BM = 0x40
 PCCSR_PANIC_EN_BP = 6
 PCCSR_LATCH_EN_BM = 0x80
 PCCSR_LATCH_EN_BP = 7
+SAFETY_PANIC_BM = 0x01
+SAFETY_PANIC_BP = 0
+SAFETY_CAUSE_BM = 0x02
+SAFETY_CAUSE_BP = 1
+SAFETY_COMMAND_BM = 0xFF
+SAFETY_COMMAND_BP = 0
 CARD_PPI_A_ENC_MODE_BM = 0x07
 CARD_PPI_A_ENC_MODE_BP = 0
 CARD_PPI_A_LED1_BM = 0x08

@@ -97,8 +97,15 @@ int mc_close(struct mc *mc, int client) {
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->client[client].used = 0;
   mc->opens--;
-  if (mc->client[client].can_write && !has_writer(mc)) {
-    power_rest(mc);
+  int last = mc->client[client].can_write && !has_writer(mc);
+  if (last) power_rest(mc);
+  if (mc->power == MC_ENDING) {
+    mc->os.unmask(mc->os.ctx, level);
+    power_await_end(mc);
+    level = mc->os.mask(mc->os.ctx);
+  }
+  if (last && !has_writer(mc)) {
+    if (mc->power == MC_ENDING) power_stop(mc);
     mc->diag = mc->double_buffer = mc->buffered = 0;
     hw_apply_modes(mc);
   }
@@ -141,6 +148,7 @@ int mc_write(struct mc *mc, int client, const void *user_buf, size_t len) {
   }
   int n = (int)(len / sizeof values[0]);
   if (n == 0) return 0;
+  if (mc->config.guard.checked) return -MC_EINVAL;
   if (mc->os.copy_in(mc->os.ctx, values, user_buf, len) != 0) return -MC_EFAULT;
   unsigned level = mc->os.mask(mc->os.ctx);
   int result = axis_demand(mc, 0, n, values);

@@ -10,13 +10,41 @@ static int jumps(const struct mc *mc, int axis) {
   return mc->config.guard.jump > 0 && (moved > limit || -moved > limit);
 }
 
+static int64_t size(int64_t v) {
+  return v < 0 ? -v : v;
+}
+
 /* The error of the last sample, in a row of samples that were no better. */
+static int is_astray(const struct mc_guard *g, struct mc_axis *x) {
+  x->astray = size(x->state.error) > g->follow ? x->astray + 1 : 0;
+  return x->astray > g->samples;
+}
+
+/* A loop without an integral is slow by a part of its demand, and a speed has a count of doubt. An
+ * axis that comes nearer to its speed is on its way. */
+static int slips(const struct mc_guard *g, struct mc_axis *x) {
+  if (x->wait > 0) return 0; /* no new sample since */
+  int64_t demand = (int64_t)x->state.error + x->state.vel, off = size(x->state.error);
+  int nears = off < x->astray;
+  int64_t slip = x->slip + (nears ? 0 : off) - size(demand) / 4 - 2;
+  x->astray = (uint32_t)off;
+  x->slip = slip < 0 ? 0 : slip > INT32_MAX ? INT32_MAX : (int32_t)slip;
+  return x->slip > g->follow;
+}
+
+/* Nobody asked it to move. */
+static int creeps(const struct mc_guard *g, const struct mc_axis *x) {
+  return x->code == MC_DAC_ZERO && size((int64_t)x->position - x->still_at) > g->follow;
+}
+
 static int strays(const struct mc *mc, struct mc_axis *x) {
   const struct mc_guard *g = &mc->config.guard;
-  if (g->follow <= 0 || (x->par.mode & MD_MASK) != MD_POS) return 0;
-  int far = x->state.error > g->follow || x->state.error < -g->follow;
-  x->astray = far ? x->astray + 1 : 0;
-  return x->astray > g->samples;
+  int mode = x->par.mode & MD_MASK, is_off = axis_is_off(&x->par);
+  if (g->follow <= 0) return 0;
+  if (!is_off || x->code != MC_DAC_ZERO) x->still_at = x->position;
+  if (is_off) return creeps(g, x);
+  if (mode == MD_POS) return is_astray(g, x);
+  return mode == MD_VEL && (x->par.mode & (ADFB | ZEROFB)) == 0 && slips(g, x);
 }
 
 static int all_off(const struct mc *mc) {
@@ -33,9 +61,48 @@ static int lapses(struct mc *mc) {
   return 0;
 }
 
+/* One card after the other: nothing but the driver writes its modes. */
+static int changed_card(struct mc *mc) {
+  int card = mc->looked + 1 < mc->cards ? mc->looked + 1 : 0;
+  mc->looked = (uint8_t)card;
+  if (hw_card_get(mc, card, MMCS_CARD_PPI_A) != mc->card[card].a ||
+      hw_card_get(mc, card, MMCS_CARD_PPI_B) != mc->card[card].b) {
+    return card;
+  }
+  return -1;
+}
+
+static int trips_on_cards(struct mc *mc) {
+  int looks = mc->config.guard.readback && mc->power == MC_RUNNING;
+  int card = looks ? changed_card(mc) : -1;
+  if (card < 0) return 0;
+  power_trip(mc, MCAUSE_GUARD, "PANIC: card", mc->card[card].dip, ": its modes changed");
+  return 1;
+}
+
+int guard_refuses(struct mc *mc, const struct mmcs_setpoints *s) {
+  int joins = !mc->sequenced || s->sequence == mc->sequence + 1;
+  int good = s->check == mmcs_check(s);
+  if (good && s->axes > (unsigned)mc->joints) return -MC_EINVAL;
+  if (good && joins) {
+    mc->sequence = s->sequence;
+    mc->sequenced = 1;
+    return 0;
+  }
+  if (mc->power == MC_RUNNING) {
+    power_trip(mc, MCAUSE_GUARD,
+               good ? "PANIC: setpoints were lost"
+                    : "PANIC: setpoints changed on"
+                      " their way",
+               -1, "");
+  }
+  return good ? -MC_EIO : -MC_EINVAL;
+}
+
 /* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
 int guard_trips(struct mc *mc) {
   const struct mc_guard *g = &mc->config.guard;
+  if (trips_on_cards(mc)) return 1;
   int asked = g->jump > 0 || g->follow > 0 || g->missed > 0 || g->lease > 0;
   if (!asked || mc->power != MC_RUNNING) return 0;
   if (g->missed > 0 && mc->skipped > g->missed) {
@@ -48,11 +115,13 @@ int guard_trips(struct mc *mc) {
   }
   for (int axis = 0; axis < mc->joints; axis++) {
     if (jumps(mc, axis)) {
+      mc->axis[axis].faulty = 1;
       power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, ": its counter jumps");
       mc->cause_of = (uint8_t)(axis + 1);
       return 1;
     }
     if (strays(mc, &mc->axis[axis])) {
+      mc->axis[axis].faulty = 1;
       power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, " does not follow");
       mc->cause_of = (uint8_t)(axis + 1);
       return 1;

@@ -10,9 +10,22 @@ static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->state.adcvai = SERVO_PHI(&x->par, &x->law, raw);
 }
 
+/* After a stop, until the brakes have closed; limits have been told. */
+static void hold_axis(struct mc_axis *x) {
+  struct mc_param par = x->par;
+  par.mode = x->held;
+  int mode = par.mode & MD_MASK;
+  int32_t current = servo_step(&par, &x->servo, x->hold_at, &x->state);
+  x->code = (uint16_t)(MC_DAC_ZERO + (mode == MD_POS || mode == MD_VEL ? current : 0));
+}
+
 /* One servo sample of one axis; returns the errors that happened. */
 static uint8_t servo_axis(struct mc *mc, int axis) {
   struct mc_axis *x = &mc->axis[axis];
+  if (mc->power == MC_ENDING) {
+    hold_axis(x);
+    return 0;
+  }
   if (mc->power == MC_IDLE || axis >= mc->joints) {
     servo_sense(&x->par, &x->servo, &x->state);
     return 0;
@@ -57,11 +70,12 @@ static void servo_all(struct mc *mc) {
     tell(mc, axis, events);
     raised = 1;
     if ((x->par.mode & SOFTERR) != 0) continue;
+    x->faulty = (events & MERR_ILIM) != 0;
     if (!fatal) power_blame(mc, MCAUSE_AXIS, axis);
     fatal = 1;
   }
   mc->os.compute(mc->os.ctx, due);
-  if (fatal) power_stop(mc);
+  if (fatal) power_end(mc);
   if (raised) error_signal(mc);
 }
 
@@ -85,6 +99,7 @@ static int enter(struct mc *mc) {
   mc_count(&mc->stats.missed, passed - 1);
   mc->grace -= passed < mc->grace ? passed : mc->grace;
   mc->skipped += passed;
+  if (mc->power == MC_ENDING) power_count_ending(mc, passed);
   return 1;
 }
 
@@ -153,7 +168,9 @@ static int servo_pass(struct mc *mc) {
   if (guard_trips(mc)) return 0;
   mc->skipped = 0;
   servo_all(mc);
-  if (mc->power != MC_IDLE) {
+  if (mc->power == MC_ENDING) {
+    hw_write_dacs_high(mc);
+  } else if (mc->power != MC_IDLE) {
     hw_write_dacs(mc);
     mc->power = MC_RUNNING;
   }

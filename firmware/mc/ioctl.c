@@ -9,6 +9,7 @@ union argument {
   struct mc_param param;
   struct mc_stats stats;
   struct mmcs_setpoint setpoint;
+  struct mmcs_setpoints setpoints;
 };
 
 struct request {
@@ -22,6 +23,8 @@ struct request {
 
 _Static_assert(SIZE_OF(MGETPARAM) == sizeof(struct mc_param), "mcdef.h: MC_PARAM");
 _Static_assert(SIZE_OF(MGETSTATS) == sizeof(struct mc_stats), "mcdef.h: MC_STATS");
+_Static_assert(SIZE_OF(MSETPOINTS) == sizeof(struct mmcs_setpoints), "sys/mmcs.h: MSETPOINTS");
+_Static_assert(MMCS_AXES == MC_MAX_AXES, "sys/mmcs.h: MMCS_AXES");
 _Static_assert(SIZE_OF(MSETENC) == sizeof(int), "mcdef.h: MC_INT");
 _Static_assert(SIZE_OF(MSETPOINT) == sizeof(struct mmcs_setpoint), "sys/mmcs.h: MSETPOINT");
 _Static_assert(sizeof(struct mc_state) == 28, "read() counts in states of 28 bytes");
@@ -180,6 +183,7 @@ static void renumber(const struct mc *mc, struct mc_axis *x, int64_t by) {
   if (mc->power != MC_IDLE && (mode & MD_MASK) == MD_POS && (mode & ZEROFB) == 0) {
     x->setpoint = servo_shifted(x->setpoint, by);
   }
+  if (mc->power == MC_ENDING) x->hold_at = servo_shifted(x->hold_at, by);
 }
 
 /* The pair is read twice: the first read may be what SCLOCK latched before. */
@@ -189,6 +193,7 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, axis)) return -MC_EINVAL;
   struct mc_axis *x = &mc->axis[axis];
+  if (guard_locks(mc) && !axis_is_off(&x->par)) return -MC_EBUSY;
   unsigned msb = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
   (void)hw_counter(mc, axis);
   int32_t before = servo_extend(x->position, x->counter, hw_counter(mc, axis));
@@ -199,6 +204,7 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   x->counter = hw_counter(mc, axis);
   x->position = (int16_t)value + (int16_t)(uint16_t)(x->counter - value);
   x->lost = 0;
+  x->still_at = x->position;
   renumber(mc, x, (int64_t)(int16_t)value - before);
   return 0;
 }
@@ -287,9 +293,19 @@ static int calibrate_end(struct mc *mc, int client, union argument *arg) {
 
 static int set_setpoint(struct mc *mc, int client, union argument *arg) {
   (void)client;
-  if (!has_axis(mc, arg->setpoint.axis)) return -MC_EINVAL;
+  if (!has_axis(mc, arg->setpoint.axis) || mc->config.guard.checked) return -MC_EINVAL;
   int32_t value = arg->setpoint.value;
   return axis_demand(mc, arg->setpoint.axis, 1, &value);
+}
+
+static int set_setpoints(struct mc *mc, int client, union argument *arg) {
+  const struct mmcs_setpoints *s = &arg->setpoints;
+  int32_t values[MC_MAX_AXES];
+  (void)client;
+  int result = guard_refuses(mc, s);
+  if (result != 0) return result;
+  for (unsigned axis = 0; axis < s->axes; axis++) values[axis] = s->value[axis];
+  return axis_demand(mc, 0, (int)s->axes, values);
 }
 
 static const struct request requests[] = {

@@ -63,11 +63,18 @@ struct mc_os {
 struct mc_guard {
   int32_t jump;     /* counts that a counter may move in an SCLOCK interval */
   int32_t follow;   /* counts that an axis in position mode may be off its demand, */
-  uint32_t samples; /* for so many samples in a row */
+  uint32_t samples; /* for so many samples in a row; in velocity mode, that it may lose on the
+                     * demand beyond a quarter of it; of an axis that is off, that it may move */
   uint32_t missed;  /* SCLOCKs in a row, and one more, that no pass may serve */
   uint32_t lease;   /* SCLOCKs that a write() holds; before they are over, another must come */
   uint8_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MDIAGMODE, MSETNUMJOINTS give
-                     * EBUSY */
+                     * EBUSY, and MSETENC of an axis that is on */
+  uint8_t readback; /* each pass reads the modes of one card back */
+  uint8_t checked;  /* setpoints come by MSETPOINTS of <sys/mmcs.h>; write() gives EINVAL */
+  uint8_t
+      latched; /* the adaptor has the register SAFETY: a stop trips PANIC, MENABLE releases it */
+  uint32_t brakes; /* us that the slowest brake takes to close: after a stop the servo holds the
+                    * axes until the brakes are closed, and only then lets go */
 };
 
 struct mc_config {
@@ -87,7 +94,7 @@ enum { MC_O_RDONLY = 0, MC_O_WRONLY = 1, MC_O_RDWR = 2 };
 /* Defined in mc_priv.h. A host gives it zeroed memory: mc_size() bytes, or, where nothing can be
  * allocated, `static uint64_t memory[MC_WORDS]`, which is enough on every processor. */
 struct mc;
-#define MC_WORDS 1152
+#define MC_WORDS 1264
 
 size_t mc_size(void);
 

@@ -30,7 +30,8 @@
 enum mc_power {
   MC_IDLE,     /* not enabled: no D/A low byte is written, the joints are isolated */
   MC_STARTING, /* MENABLE waits for the first servo pass */
-  MC_RUNNING   /* every pass writes every D/A */
+  MC_RUNNING,  /* every pass writes every D/A */
+  MC_ENDING    /* after a stop: the servo holds the axes, no heartbeat is renewed, brakes close */
 };
 
 /* What keeps write() and the servo from going on until MENABLE. */
@@ -56,13 +57,19 @@ struct mc_axis {
   int32_t position; /* 32 bits, congruent to the counter */
   int32_t wait;     /* SCLOCKs until the next servo sample */
   uint32_t astray;  /* samples in a row that were too far off the demand */
+  int32_t slip;     /* counts that a velocity axis has lost on its demand */
+  int32_t still_at; /* where an axis was when it was let off */
   uint16_t index;   /* count at the last index */
   uint16_t counter; /* the 16-bit counter at the last sample */
   uint16_t raw;     /* A/D at the last sample */
   uint16_t code;    /* D/A code written at every SCLOCK while enabled */
+  uint16_t low;     /* MC_ENDING: its low byte, which stays in the D/A */
   uint8_t adopt;    /* at the next servo sample a position axis demands what is fed back */
   uint8_t calib;    /* waits for its index */
   uint8_t lost;     /* nobody knows its 32 bits: MSETENC or an index tells */
+  uint8_t faulty;   /* what stopped the machine is this axis: MC_ENDING does not hold it */
+  int32_t held;     /* MC_ENDING: its mode word before the stop, */
+  int32_t hold_at;  /* and its setpoint */
 };
 
 struct mc_card {
@@ -130,6 +137,10 @@ struct mc {
   uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
   uint32_t unwritten; /* SCLOCKs since the last write(), from 1; 0: none, or no lease */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
+  uint32_t ending;    /* SCLOCKs until MC_ENDING is over */
+  uint32_t sequence;  /* of the last MSETPOINTS, */
+  uint8_t sequenced;  /* if one has come since MENABLE */
+  uint8_t looked;     /* the card that was read back last */
   int verbosity;
   uint32_t crowded; /* passes in a row that outlasted an SCLOCK; UINT32_MAX: was told */
   uint32_t overran; /* stats.total at the last of them */
@@ -159,6 +170,8 @@ int hw_answers(struct mc *mc, int card);
 uint16_t hw_counter(struct mc *mc, int axis);
 /* All, in the order of such writes. */
 void hw_write_dacs(struct mc *mc);
+/* The high nibbles alone, as near as they come: no heartbeat is renewed. */
+void hw_write_dacs_high(struct mc *mc);
 uint8_t hw_heartbeat_bm(int axis);
 uint8_t hw_index_bm(int axis);
 
@@ -190,6 +203,13 @@ int power_enable(struct mc *mc);
 void power_restart_axes(struct mc *mc);
 /* Zero current on all axes, then silence: PANIC and brakes follow within 50 ms. */
 void power_stop(struct mc *mc);
+/* The same once the brakes have closed, if struct mc_guard has `brakes`: until then the servo holds
+ * the axes. For stops after which cards and passes can still be relied upon. */
+void power_end(struct mc *mc);
+/* So many SCLOCKs have passed. */
+void power_count_ending(struct mc *mc, uint32_t passed);
+/* In process context: returns when MC_ENDING is over. */
+void power_await_end(struct mc *mc);
 /* MSTOP, and what the last writer leaves behind: the same, and all modes off. */
 void power_rest(struct mc *mc);
 void power_panic(struct mc *mc);
@@ -240,6 +260,8 @@ void mc_count(int *counter, unsigned by);
 
 /* guard.c */
 int guard_trips(struct mc *mc);
+/* 0, or why a MSETPOINTS is refused; one that shows that another was lost stops the machine. */
+int guard_refuses(struct mc *mc, const struct mmcs_setpoints *s);
 int guard_locks(const struct mc *mc); /* 1: a request that disturbs the servo is refused now */
 
 /* text.c: one line for the console out of words and a number; "" and -1 leave out. */

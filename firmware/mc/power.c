@@ -9,10 +9,14 @@
 
 void power_restart_axes(struct mc *mc) {
   mc->unwritten = 0;
+  mc->sequenced = 0;
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;
     x->astray = 0;
+    x->slip = 0;
+    x->still_at = x->position;
+    x->faulty = 0;
     axis_forget_demand(x);
   }
 }
@@ -44,10 +48,16 @@ static int write_zeros(struct mc *mc, const uint8_t *port_c) {
   return n > axes;
 }
 
+/* From here on nothing tells of PANIC, which is the stop's own. */
+static void deafen(struct mc *mc) {
+  hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
+  if (mc->config.guard.latched) hw_put(mc, MMCS_SAFETY, MMCS_SAFETY_TRIP);
+}
+
 /* The relay isolates all D/As once they are at zero. */
 static void silence(struct mc *mc, const uint8_t *port_c) {
   if (mc->power == MC_IDLE && !mc->drive) return;
-  hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
+  deafen(mc);
   mc->buffered = 0;
   hw_apply_modes(mc);
   if (write_zeros(mc, port_c)) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
@@ -68,13 +78,57 @@ void power_stop(struct mc *mc) {
   silence(mc, port_c);
 }
 
+/* What an axis is held by. */
+static void hold(struct mc_axis *x) {
+  x->held = x->faulty ? MD_OFF : x->par.mode;
+  x->hold_at = x->setpoint;
+  x->low = x->code & 0xFF;
+  if ((x->held & MD_MASK) != MD_VEL) return;
+  x->held &= ~ADDMD;
+  x->hold_at = 0;
+}
+
+static int can_hold(const struct mc *mc) {
+  return mc->config.guard.brakes > 0 && mc->power == MC_RUNNING;
+}
+
+void power_end(struct mc *mc) {
+  const struct mc_guard *g = &mc->config.guard;
+  if (mc->power == MC_ENDING) return;
+  if (!can_hold(mc)) {
+    power_stop(mc);
+    return;
+  }
+  deafen(mc);
+  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) hold(x);
+  mc->power = MC_ENDING;
+  mc->ending = timer_ticks(mc, (g->latched ? 0 : MC_HEARTBEAT_US) + g->brakes);
+}
+
+/* Modes that MSTOP let off meanwhile are at rest only now. */
+void power_count_ending(struct mc *mc, uint32_t passed) {
+  static const uint8_t no_heartbeat[MC_MAX_CARDS] = {0};
+  mc->ending -= passed < mc->ending ? passed : mc->ending;
+  if (mc->ending > 0) return;
+  silence(mc, no_heartbeat);
+  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) servo_reset(&x->servo);
+}
+
+void power_await_end(struct mc *mc) {
+  uint64_t us = (uint64_t)(mc->ending + 2) * timer_interval_us(mc);
+  for (; us > 0 && mc->power == MC_ENDING; us -= us < 1000 ? us : 1000) {
+    mc->os.delay_us(mc->os.ctx, us < 1000 ? (uint32_t)us : 1000);
+  }
+}
+
 void power_rest(struct mc *mc) {
   calib_cancel(mc);
-  power_stop(mc);
+  power_end(mc);
   hw_apply_modes(mc);
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
+    if (mc->power == MC_ENDING) continue; /* the servo still holds it */
     x->servo.primed = 0;     /* at rest from now on; all else ends at MENABLE, which has the time */
     x->law.kind = SERVO_OFF; /* as servo_prepare() has it of this mode */
     x->law.top = 0;
@@ -136,7 +190,11 @@ void power_blame(struct mc *mc, int cause, int number) {
 
 void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more) {
   power_blame(mc, cause, -1);
-  power_stop(mc);
+  if (cause == MCAUSE_GUARD) {
+    power_end(mc);
+  } else {
+    power_stop(mc);
+  }
   tell_all(mc);
   text_log(mc, what, number, more);
 }
@@ -147,6 +205,7 @@ void power_overrun(struct mc *mc) {
 
 void power_panic(struct mc *mc) {
   uint8_t port_c[MC_MAX_CARDS] = {0}, dead[MC_MAX_CARDS] = {0};
+  if (mc->power == MC_ENDING) return; /* our own stop's */
   if (mc->power == MC_IDLE) {
     if (mc->grace == 0) mc_count(&mc->stats.panics, 1);
     mc->grace = 0;
@@ -155,7 +214,11 @@ void power_panic(struct mc *mc) {
   int started = mc->power == MC_RUNNING;
   diagnose(mc, port_c, dead);
   blame_panic(mc, port_c, dead);
-  silence(mc, port_c);
+  if (can_hold(mc) && !mc->silent) {
+    power_end(mc);
+  } else {
+    silence(mc, port_c);
+  }
   tell_all(mc);
   if (started) report_panic(mc, port_c, dead);
 }
@@ -228,6 +291,15 @@ static void await_first_pass(struct mc *mc) {
   }
 }
 
+/* Whatever raised PANIC has passed, or brakes and amplifiers stay off. */
+static int release(struct mc *mc) {
+  if (!mc->config.guard.latched) return 0;
+  hw_put(mc, MMCS_SAFETY, MMCS_SAFETY_RELEASE);
+  if ((hw_get(mc, MMCS_SAFETY) & MMCS_SAFETY_PANIC_bm) == 0) return 0;
+  text_log(mc, "enable: PANIC stands: button, cable, power or an encoder", -1, "");
+  return -MC_EIO;
+}
+
 /* The first pass has written every D/A: every heartbeat must be there now. */
 static int check_heartbeats(struct mc *mc) {
   if (mc->power == MC_IDLE) {
@@ -255,6 +327,7 @@ static int start(struct mc *mc) {
   await_first_pass(mc);
   unsigned level = mc->os.mask(mc->os.ctx);
   result = check_heartbeats(mc);
+  if (result == 0) result = release(mc);
   if (result != 0) {
     power_stop(mc);
   } else {
@@ -265,9 +338,12 @@ static int start(struct mc *mc) {
 }
 
 int power_enable(struct mc *mc) {
+  if (mc->power == MC_ENDING) power_await_end(mc);
   int result = check_cards(mc);
   if (result == 0) result = check_counts(mc);
-  if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
+  if (mc->power == MC_STARTING || mc->power == MC_ENDING || (mc->power == MC_IDLE && mc->drive)) {
+    return -MC_EBUSY;
+  }
   if (mc->power == MC_RUNNING) {
     unsigned level = mc->os.mask(mc->os.ctx);
     if (result == 0) power_restart_axes(mc);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* Length: adaptor, cards and host of one model, which each call of the driver goes through. */
 /* See mock.h. §4.3, §5.3 */
 #include "mock.h"
 
@@ -32,7 +33,7 @@ static void fall(struct mock *m) {
   }
 }
 
-int mock_panic(const struct mock *m) {
+static int causes(const struct mock *m) {
   if (m->estop_open) return 1;
   for (int i = 0; i < 16; i++) {
     const struct mock_card *c = &m->card[i];
@@ -41,6 +42,10 @@ int mock_panic(const struct mock *m) {
     }
   }
   return 0;
+}
+
+int mock_panic(const struct mock *m) {
+  return m->latched || causes(m);
 }
 
 static uint8_t level(const struct mock_card *c, int j) {
@@ -72,6 +77,7 @@ static void step(struct mock *m) {
     if (falls) fall(m);
     if (m->phase == 0 && !falls) sclock_rise(m);
   }
+  m->latched = m->latched || (m->safety && causes(m));
   int panic = mock_panic(m);
   if (panic && !m->panic && (m->pccsr & 0x80)) m->panic_latch = 1;
   if (m->panic && !panic) m->releases++;
@@ -293,6 +299,8 @@ static enum mc_bus_result bus_read(void *ctx, uint16_t offset, uint8_t *value) {
     *value = card_read(m, &m->card[offset >> 6], offset >> 1 & 0x1F);
   } else if (offset == MMCS_PCCSR) {
     *value = (uint8_t)((m->pccsr & 0x9F) | m->sclock_latch << 5 | m->panic_latch << 6);
+  } else if (m->safety && offset == MMCS_SAFETY) {
+    *value = (uint8_t)(mock_panic(m) | causes(m) << 1);
   } else {
     *value = offset < MMCS_PIT_CONTROL ? read_timer(m, (offset - 0x401) / 2) : 0xFF;
   }
@@ -318,6 +326,9 @@ static enum mc_bus_result bus_write(void *ctx, uint16_t offset, uint8_t v) {
     m->vector = v;
   } else if (offset == MMCS_PIT_CONTROL) {
     control(m, v);
+  } else if (offset == MMCS_SAFETY) {
+    if (m->safety && v == MMCS_SAFETY_TRIP) m->latched = 1;
+    if (v == MMCS_SAFETY_RELEASE) m->latched = 0;
   } else {
     count(m, (offset - 0x401) / 2, v);
   }

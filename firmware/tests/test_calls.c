@@ -266,7 +266,8 @@ static void test_fuzz(void) {
     struct mc_param par;
     uint32_t word[18];
     struct mc_state state[9];
-  } arg;
+    struct mmcs_setpoints setpoints;
+  } arg = {0};
   (void)mc_open(mc, MC_O_RDONLY);
   for (int i = 0; i < 20000; i++) {
     for (int k = 0; k < 18; k++) {

@@ -3,30 +3,6 @@
 #include "mc_priv.h"
 #include "hear.h"
 
-static void set_modes(struct mc *mc, int mode) {
-  for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = {.which = axis};
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-    par.mode = mode;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  }
-}
-
-/* Two axes under power in position mode, at rest, 1 ms. */
-static struct mc *guarded(struct mc_guard guard) {
-  struct mc *mc = listening(1);
-  unsigned us = 1000;
-  mc->config.guard = guard;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
-  set_modes(mc, MD_POS);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  mock_run(&m, 20000);
-  CHECK(mc_is_enabled(mc));
-  said[0] = 0;
-  m.signals[0] = 0;
-  return mc;
-}
-
 static void check_stopped(struct mc *mc, const char *why) {
   CHECK(!mc_is_enabled(mc));
   CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
@@ -118,7 +94,7 @@ static void test_least_error_that_is_too_much(void) {
 
 // req: DRV-9
 static void test_only_position_has_to_be_followed(void) {
-  static const int modes[] = {MD_VEL, MD_TORQ, 0};
+  static const int modes[] = {MD_TORQ, 0};
   int32_t far[2] = {5000, 5000};
   for (unsigned n = 0; n < sizeof modes / sizeof modes[0]; n++) {
     struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});

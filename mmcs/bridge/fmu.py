@@ -127,7 +127,8 @@ def write(setup: Setup, path: Path) -> None:
     if setup.axes > 32:
         raise InputError.one("fmu", "", setup.axes, "has room for 32 axes")
     machine = describe(setup)
-    engine = ensure_library(setup.scenario.cards, "speed", setup.scenario.clk_hz)
+    scenario = setup.scenario
+    engine = ensure_library(scenario.cards, "speed", scenario.clk_hz, safety=setup.hardware())
     token = hashlib.sha256(machine + engine.read_bytes()).hexdigest()[: TOKEN - 1]
     place = f"binaries/{MACHINES[platform.machine()]}"
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(path, "w") as out:

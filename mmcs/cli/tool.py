@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from mmcs.cli.device import safety_option, safety_sets
 from mmcs.errors import InputError
 from mmcs.screen import echo
 
@@ -23,9 +24,12 @@ from mmcs.screen import echo
               help="Silence of a page in control that stops the machine; default 250.")  # fmt: skip
 @click.option("--sheets", "own", type=click.Path(path_type=Path), metavar="DIR",
               help="Own lab sheets, as for `mmcs lab`.")  # fmt: skip
+@safety_option
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; default: any.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
-def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no_browser) -> None:
+def tool(
+    scenario, attach, interval, frozen, zero, theme, deadman, own, safety, port, no_browser
+) -> None:
     """Tune and watch the machine: starts it in real time and opens one page.
 
     Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
@@ -52,9 +56,11 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no
     sheets(folder)  # what is wrong with them is told here, in one line
     socket = _socket(attach)
     if socket is None:
-        made = load(scenario, ()).scenario  # its mistakes are told here, in one line
-        ensure_library(made.cards, "speed", made.clk_hz)  # and that it has to be built
-    with start(scenario, socket, options, port, folder) as running:
+        setup = load(scenario, safety_sets(safety))  # its mistakes are told here, in one line
+        made = setup.scenario
+        # and that it has to be built
+        ensure_library(made.cards, "speed", made.clk_hz, safety=setup.hardware())
+    with start(scenario, socket, options, port, folder, safety) as running:
         echo(running.address)
         if not no_browser and not open_browser(running.address):
             echo("open this address in a browser on this machine; Ctrl-C ends the tool")

@@ -129,6 +129,17 @@ class Device:
         data = struct.pack("<ii", _axis(axis), _checked("setpoint", setpoint))
         self.ioctl(mcdef.MSETPOINT, data)
 
+    def write_checked(self, sequence: int, *setpoints: int) -> None:
+        """As write(), in a message with a check, whose number is one more than the last one's."""
+        values = [_checked("setpoint", value) for value in setpoints]
+        check = 0x4D4D4353 ^ sequence
+        for word in (len(values), *values):
+            check = ((check << 5 | check >> 27) ^ word) & 0xFFFFFFFF
+        rest = [0] * (wire.MMCS_AXES - len(values))
+        self.ioctl(
+            mcdef.MSETPOINTS, wire.CHECKED.pack(sequence, len(values), *values, *rest, check)
+        )
+
     def wait(self) -> int:
         """Waits for the next servo sample; its number since power-on."""
         if self._line is not None:

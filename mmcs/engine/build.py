@@ -19,6 +19,7 @@ from mmcs.place import BUILD, ROOT, WORK, workshop
 
 CLK_HZ = 8_000_000
 LOG = BUILD / "sim" / "build.log"
+ROOM = 4 << 20  # bytes: less than a file of a build
 # what linker and make say of files that a kill or a full disk has cut
 DAMAGED = re.compile(
     r"truncated|not recognized|malformed|undefined reference|corrupt|file too short|bad magic"
@@ -27,23 +28,29 @@ DAMAGED = re.compile(
 )
 
 
-def library_path(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
+def library_path(
+    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, safety: str = "1989"
+) -> Path:
     if kind == "dpi":
         return BUILD / "sim" / "dpi" / "libmmcs_dpi.so"
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
-    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{clk}"
+    safe = "" if safety == "1989" else f"_{safety}"
+    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{safe}{clk}"
     return BUILD / "sim" / name / "libmmcs_sim.so"
 
 
-def ensure_library(cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False) -> Path:
+def ensure_library(
+    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, safety: str = "1989"
+) -> Path:
     """The library of a build; kind is "speed", "trust" (assertions live), "trace", or
     "dpi" (no machine: a simulator has it).
 
-    soc: the machine has its own processor (docs/hardware/soc.md).
+    soc: the machine has its own processor (docs/hardware/soc.md). safety: "2026" is the hardware
+    with Safety2026 (docs/hardware/safety.md).
     """
-    path = library_path(cards, kind, clk_hz, soc)
+    path = library_path(cards, kind, clk_hz, soc, safety)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
-    command += [f"CLK_HZ={clk_hz}", f"HOST={'rv32' if soc else 'vme'}"]
+    command += [f"CLK_HZ={clk_hz}", f"HOST={'rv32' if soc else 'vme'}", f"SAFETY={safety}"]
     env = make_env()
     if is_whole(path) and _run([*command, "-q"], env) == 0:
         return path
@@ -140,7 +147,10 @@ def _spinner(text: str):
 
 
 def _reason() -> str:
-    """The line of the log that says most."""
+    """A full disk, which makes every tool say something else; or the line of the log that says
+    most."""
+    if shutil.disk_usage(LOG.parent).free < ROOM:
+        return f"no room is left on the disk of {LOG.parent}: free some and run it again"
     lines = LOG.read_text(errors="replace").splitlines() if LOG.exists() else []
     telling = [line for line in lines if "error" in line.lower() or "not found" in line]
     return (telling or lines or ["no output"])[0].strip()[:200]

@@ -34,7 +34,9 @@ def machine(
     if skip is None:
         skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
-    library = ensure_library(scenario.cards, kind, scenario.clk_hz, soc=host == "rv32")
+    library = ensure_library(
+        scenario.cards, kind, scenario.clk_hz, soc=host == "rv32", safety=setup.hardware()
+    )
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
 
@@ -87,15 +89,15 @@ def progress(duration: float):
 
 
 @functools.cache
-def _library(cards: int, clk_hz: int):
+def _library(cards: int, clk_hz: int, safety: str):
     from mmcs.engine.build import ensure_library
 
-    return ensure_library(cards, "speed", clk_hz)
+    return ensure_library(cards, "speed", clk_hz, safety=safety)
 
 
 def library_of(setup):
     """The simulator's library that the setup runs on; builds it if need be."""
-    return _library(setup.scenario.cards, setup.scenario.clk_hz)
+    return _library(setup.scenario.cards, setup.scenario.clk_hz, setup.hardware())
 
 
 def build_of(setup) -> str:

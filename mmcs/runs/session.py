@@ -14,7 +14,7 @@ import numpy as np
 from mmcs import mcdef
 from mmcs.engine.rows import Rows
 from mmcs.engine.watching import CYCLE
-from mmcs.errors import RunError, suggest
+from mmcs.errors import InputError, RunError, suggest
 from mmcs.inputs import find
 from mmcs.logcols import FIELDS
 from mmcs.runs.actors import make_actors
@@ -153,10 +153,16 @@ class Session:
         self.configure(client)
         self.start = self.sim.time
         self.schedule(self.start, at_power_on=False)
-        for segment in self.setup.segments:
+        for segment in self.setup.segments or self._renewed():
             self.sim.add_segment(**segment)
         self._answered("start of motion", self.sim.start_motion(client))
         self.actors = make_actors(self, client)
+
+    def _renewed(self) -> list[dict]:
+        """Under a lease a program that only holds its axes writes their setpoints again, too."""
+        if not self.setup.guard()["guard_lease"] or self.setup.scenario.process:
+            return []
+        return [{"axis": self.setup.axes - 1, "kind": "hold", "t0": 0.0, "to": 0.0}]
 
     def _last_state(self, client: int) -> list:
         try:
@@ -230,12 +236,13 @@ class Session:
 
     def schedule(self, start: float, at_power_on: bool) -> None:
         names = self.sim.input_names()
-        for event in self.setup.scenario.event:
+        for place, event in enumerate(self.setup.scenario.event):
             if event.at_power_on != at_power_on:
                 continue
             if event.input not in names:
                 hint = suggest(event.input, names) or "; `mmcs faults` lists them"
-                raise RunError(f"there is no input {event.input}{hint}")
+                key, allowed = f"event.{place}.input", f"this machine has no such input{hint}"
+                raise InputError.one(self.setup.path, key, event.input, allowed)
             number = names.index(event.input)
             self.sim.add_event(start + event.at, number, event.index, event.value)
             if event.until is not None:

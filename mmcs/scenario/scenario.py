@@ -33,6 +33,9 @@ class Host(Strict):
     guard_missed: int = Field(0, ge=0, le=INT_MAX)
     guard_lease: int = Field(0, ge=0, le=INT_MAX)
     guard_lock: bool = False
+    guard_readback: bool = False
+    guard_checked: bool = False
+    guard_brakes: int = Field(0, ge=0, le=1_000_000)  # us
     # --host m68020 only
     wait_states: int = Field(0, ge=0, le=100)
     instruction_cache: Literal["ideal", "256 bytes"] = "ideal"
@@ -305,7 +308,9 @@ class Scenario(Strict):
     dynamics: Literal["independent", "coupled"] = "independent"
     gravity: bool = True  # of a coupled arm
     pose_deg: list[Degrees] = []  # joint angles at the start, instead of the robot file's
-    amp_panic_cut: bool = False
+    safety: Literal["1989", "2026"] = "1989"  # "2026": all of hardware, the cut and the guard
+    hardware: Literal["1989", "2026"] = "1989"  # the RTL's parameter Safety2026
+    amp_panic_cut: bool | Literal["brakes first"] = False
     skip: bool = True  # pass over clocks in which nothing happens
     verbose: bool = False
     host: Host = Host()

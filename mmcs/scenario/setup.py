@@ -16,6 +16,7 @@ from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.files import MAX_TABLE, is_name
 from mmcs.inputs import INPUTS, find
+from mmcs.scenario import safety
 from mmcs.scenario.files import MAX_FILES, Files, find_robot
 from mmcs.scenario.robot import Robot, with_values
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
@@ -55,18 +56,21 @@ class Setup:
             "cpu_us_per_axis": host.cpu_us_per_axis,
             "latency_max_us": host.latency_max_us,
             "bus_timeout_us": host.bus_timeout_us,
-            "guard_jump": host.guard_jump,
-            "guard_follow": host.guard_follow,
-            "guard_samples": host.guard_samples if host.guard_follow else 0,
-            "guard_missed": host.guard_missed,
-            "guard_lease": host.guard_lease,
-            "guard_lock": int(host.guard_lock),
+            **self.guard(),
             "wait_states": host.wait_states,
             "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,
             "axis_speed": self.robot.fastest(),
             "skip": int(scenario.skip),
-            "amp_panic_cut": int(scenario.amp_panic_cut),
+            "amp_panic_cut": safety.cut(scenario),
         }
+
+    def hardware(self) -> str:
+        """Which RTL: that of 1989 or with Safety2026."""
+        return safety.given(self.scenario, "hardware")
+
+    def guard(self) -> dict:
+        """The fields of mmcs_config of the driver's guard."""
+        return safety.guard(self.scenario, self.robot)
 
     def moment(self) -> float:
         """When there is something to see, s of motion: the first event, or the first setpoint."""

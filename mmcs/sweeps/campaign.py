@@ -182,7 +182,7 @@ def is_row(row: dict) -> bool:
     if row["status"] == "failed":
         return isinstance(row["why"], str)
     texts = ("motion", "sort", "what", "by", "told")
-    numbers = ("at", "off", "beyond", "deg")
+    numbers = ("at", "off", "beyond", "deg", "deg_s")
     return (
         row["status"] == "ok"
         and row["class"] in CLASSES

@@ -17,7 +17,7 @@ from mmcs.runs.machine import machine
 from mmcs.runs.session import Session
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
-from mmcs.sweeps.classes import Seen
+from mmcs.sweeps.classes import NEAR, Seen
 from mmcs.sweeps.faults import Fault
 
 LOOK_S = 1e-3  # between looks at the twin's physics and state
@@ -30,8 +30,8 @@ PROMISE_S = 0.050  # the heartbeats': a stop that comes later is late
 class Twin:
     """One motion on one simulated machine, which then makes all its faulty runs."""
 
-    def __init__(self, setup: Setup):
-        """Raises InputError for a motion that stops by itself."""
+    def __init__(self, setup: Setup, snapshots: bool = True):
+        """Raises InputError for a motion that stops by itself. snapshots: it makes faulty runs."""
         self.setup, self.axes = setup, range(setup.axes)
         self.scale = np.array([abs(setup.robot.counts_per_rad(n)) for n in self.axes])
         self.calls = sorted(setup.scenario.call, key=lambda call: call.at)
@@ -42,6 +42,7 @@ class Twin:
         self.start = self.session.start
         self.inputs = {name: n for n, name in enumerate(self.sim.input_names())}
         self.looks = round(setup.scenario.duration / LOOK_S)
+        self._keeps = snapshots
         self._stops: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         try:
             self._go()
@@ -60,8 +61,10 @@ class Twin:
             self._must_run(look)
             times.append(sim.time)
             angles.append(self._angles())
-            futures.append(sim.future())
             sim.take_log()
+            if not self._keeps:
+                continue
+            futures.append(sim.future())
             if look % EVERY == 0:
                 number = sim.snapshot()
                 taken.append(sim.snapshot_bytes(number))
@@ -142,14 +145,17 @@ class Twin:
         told = self._statistics(before, sim.stats())
         ended = sim.hash()  # now: what comes may be other runs on the same machine
         times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
-        off = self._off(times, angles)
+        away = self._away(times, angles)
+        off = away.max(axis=0, initial=0.0)
         beyond = np.zeros(len(self.axes))
-        if detected is not None and off.any():
-            beyond = self._beyond(fault.at, angles)
+        if detected is not None:
+            away = self._beyond(fault.at, angles) if off.any() else 0.0 * away
+            beyond = away.max(axis=0, initial=0.0)
         worst = beyond if beyond.any() else off
         far = np.degrees(beyond if detected is not None else off) / self.scale
         more = {"by": by, "told": told, "joint": 1 + int(worst.argmax()) if worst.any() else 0,
-                "deg": round(float(far.max()), 3)}  # fmt: skip
+                "deg": round(float(far.max()), 3),
+                "deg_s": self._speed(times, angles, away > NEAR)}  # fmt: skip
         if whole:
             more["hash"] = ended
         return Seen(same, detected, float(off.max()), float(beyond.max())), more
@@ -181,16 +187,22 @@ class Twin:
         names = ("missed", "overruns", "spurious", "bus_errors")
         return " ".join(name for name in names if after[name] != before[name])
 
-    def _off(self, times: np.ndarray, angles: np.ndarray) -> np.ndarray:
-        """The farthest that each joint was from the twin's, counts, at the very times."""
-        if not len(times):
-            return np.zeros(len(self.axes))
+    def _away(self, times: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """How far each joint was from the twin's, counts, at the very times."""
         own = [np.interp(times, self.times, self.angles[:, n]) for n in self.axes]
-        return np.abs(angles - np.transpose(own)).max(axis=0)
+        return np.abs(angles - np.transpose(own))
+
+    def _speed(self, times: np.ndarray, angles: np.ndarray, out: np.ndarray) -> float:
+        """The greatest speed of a joint that is out of its place, degrees/s: with so much it would
+        meet what stands there."""
+        if len(times) < 2:
+            return 0.0
+        speeds = np.abs(np.diff(angles, axis=0)) / np.diff(times)[:, None] / self.scale
+        return round(float(np.degrees(np.where(out[1:], speeds, 0.0).max())), 1)
 
     def _beyond(self, at: float, angles: np.ndarray) -> np.ndarray:
-        """The farthest beyond where each joint would have been: on its way, or in a stop pressed at
-        the fault (at the snapshots around it) or when the heartbeats' promise ends."""
+        """How far each joint was beyond where it would have been: on its way, or in a stop pressed
+        at the fault (at the snapshots around it) or when the heartbeats' promise ends."""
         first = min(int(at / LOOK_S), self.looks)
         low, high = self.angles[first:].min(axis=0), self.angles[first:].max(axis=0)
         ticks, step = round(at * 1e7), round(LOOK_S * EVERY * 1e7)
@@ -199,7 +211,7 @@ class Twin:
             if place < len(self.snapshots):
                 stop_low, stop_high = self._stop(place)
                 low, high = np.minimum(low, stop_low), np.maximum(high, stop_high)
-        return np.maximum(0.0, np.maximum(low - angles, angles - high).max(axis=0))
+        return np.maximum(0.0, np.maximum(low - angles, angles - high))
 
     def _stop(self, place: int) -> tuple[np.ndarray, np.ndarray]:
         """Where the joints go when the button is pressed at a snapshot: least and most."""

@@ -13,10 +13,12 @@ import subprocess
 import zipfile
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from mmcs.engine import build
+from mmcs.errors import RunError
 from mmcs.tests.conftest import GOOD
 from mmcs.tests.test_hostile import command, one_clear_line
 
@@ -290,3 +292,21 @@ def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     execute.preload_library()
     assert library.stat().st_ino == before
     assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
+
+
+def test_full_disk_is_told_as_such(tmp_path, monkeypatch):
+    """Whatever the tool says that could not write: here Python's reader of a tree that was cut."""
+    (tmp_path / "sim").mkdir()
+    monkeypatch.setattr(build, "BUILD", tmp_path)
+    monkeypatch.setattr(build, "LOG", tmp_path / "sim" / "build.log")
+    monkeypatch.setattr(build, "WORK", tmp_path)
+    monkeypatch.setattr(build, "_run", lambda *_, **__: 1)
+    monkeypatch.setattr(build, "_spinner", lambda _: io.StringIO())
+    build.LOG.write_text("json.decoder.JSONDecodeError: Unterminated string\n")
+    usage = lambda free: lambda _: SimpleNamespace(free=free)  # noqa: E731
+    monkeypatch.setattr(build.shutil, "disk_usage", usage(4096))
+    with pytest.raises(RunError, match="no room is left on the disk of .*: free some"):
+        build.ensure_library(1, "speed")
+    monkeypatch.setattr(build.shutil, "disk_usage", usage(1 << 30))
+    with pytest.raises(RunError, match="JSONDecodeError"):
+        build.ensure_library(1, "speed")

@@ -127,6 +127,16 @@ def test_fault_table_has_every_fault():
         assert f"* **{fault.name}** (`{name}`). {fault.why}\n" in text, stale
 
 
+def test_fault_table_is_that_of_today():
+    """Every row of docs/evidence/faults.md is run again: some 10 s of a processor."""
+    from studies.faults import DOCUMENT, document, fault_scenarios, healthy, measure
+
+    rows = [measure(name, setup) for name, setup in fault_scenarios()]
+    old, new = DOCUMENT.read_text().splitlines(), document(rows, healthy()).splitlines()
+    stale = [line for line in new if line not in old]
+    assert old == new, f"run `python -m studies.faults`; it would write {stale}"
+
+
 @pytest.mark.req("PAN-1", "PAN-3")
 def test_fault_table_row_of_the_emergency_stop():
     from studies.faults import measure

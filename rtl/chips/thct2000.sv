@@ -10,7 +10,8 @@
 
 module thct2000 #(
   parameter int Filter = 0,                 // further equal samples an input must show, 0 to 3
-  parameter logic [15:0] PowerUp = 16'h0000 // the count before the first RESET
+  parameter logic [15:0] PowerUp = 16'h0000, // the count before the first RESET
+  parameter bit IllegalUntilWrite = 1'b0    // a write of the count ends illegal_o, too
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -32,7 +33,7 @@ module thct2000 #(
   output logic             d_oe_o,
   // Debugging
   output logic      [15:0] count_o,
-  output logic             illegal_o   // sticky until reset: both inputs changed at once
+  output logic             illegal_o   // both inputs changed at once, since the last reset
 );
 
   `MMCS_REQUIRE(ReqFilter, Filter >= 0 && Filter <= 3, "thct2000: Filter must be 0 to 3")
@@ -174,7 +175,7 @@ module thct2000 #(
   // the next sample.
   always_comb begin
     count_d   = wr_end ? written : ticked;
-    illegal_d = illegal_q || (clk_en_i && illegal);
+    illegal_d = (illegal_q && !(IllegalUntilWrite && wr_end)) || (clk_en_i && illegal);
     held_d    = wr_end ? d_q : held_q;
     snap_d    = snap_q;
     latch_d   = latch_q;

@@ -8,6 +8,7 @@ module axis #(
   parameter bit DacSpan10 = 1'b0,            // E007-E008
   parameter int ConvClks = 200,
   parameter int HeartbeatClks = 400_000,
+  parameter bit Safety2026 = 1'b0,
   parameter int EncoderFilter = 0,           // further equal samples that A, B and I must show
   // What stands in the chips before they are told anything
   parameter logic [11:0] DacPowerUp = 12'h800,
@@ -46,6 +47,7 @@ module axis #(
   output logic      [15:0] drive_v_o,
   // Status
   output logic             heartbeat_o,
+  output logic             illegal_o,        // of 2026: A and B changed at once, the count is lost
   output logic             index_o,          // index has been latched
   output logic             converting_o
 );
@@ -78,10 +80,14 @@ module axis #(
 
   // --- encoder counter ----------------------------------------------------------------------
 
-  /* verilator lint_off PINCONNECTEMPTY */  // debugging outputs
+  logic illegal;
+  assign illegal_o = Safety2026 & illegal;
+
+  /* verilator lint_off PINCONNECTEMPTY */  // debugging output
   thct2000 #(
     .Filter(EncoderFilter),
-    .PowerUp(CountPowerUp)
+    .PowerUp(CountPowerUp),
+    .IllegalUntilWrite(Safety2026)
   ) u_encoder (
     .clk_i, .rst_ni, .reset_i, .clk_en_i,
     .m_i(enc_mode_i),
@@ -96,7 +102,7 @@ module axis #(
     .d_o(enc_d_o),
     .d_oe_o(enc_d_oe_o),
     .count_o(),
-    .illegal_o()
+    .illegal_o(illegal)
   );
   /* verilator lint_on PINCONNECTEMPTY */
 

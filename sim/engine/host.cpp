@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "../../firmware/ports/mailbox.h"
+#include "sys/mmcs.h"
 
 namespace mmcs {
 namespace {
@@ -36,6 +37,7 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       signals_(MC_MAX_CLIENTS),
       motion_(config.axes),
       rewrites_(config.guard_lease > 0),
+      checked_(config.guard_checked != 0),
       recorder_(config.axes) {
   bind();
   const struct mc_config mc_config = {
@@ -43,7 +45,8 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       kVector,
       {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
        static_cast<uint32_t>(config.guard_missed), static_cast<uint32_t>(config.guard_lease),
-       config.guard_lock != 0},
+       config.guard_lock != 0, config.guard_readback != 0, config.guard_checked != 0,
+       config.guard_latched != 0, static_cast<uint32_t>(config.guard_brakes)},
       static_cast<uint32_t>(config.axis_speed)};
   if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
     throw std::runtime_error("the driver refuses its configuration");
@@ -242,10 +245,27 @@ void Host::write_setpoints() {
   if (cpu_) {
     cpu_->post_write(motion_client_, values);
   } else {
-    std::vector<int32_t> sent = values;
-    if (machine_.pass_write(sent)) mc_write(mc(), motion_client_, sent.data(), 4 * sent.size());
+    send(motion_client_, values);
   }
   written_.swap(values);
+}
+
+// What write() of the host's library does: with a driver that wants them so, setpoints go checked.
+// What the way to the driver changes of a program's is changed behind the check.
+int Host::send(int client, std::vector<int32_t> values) {
+  const int bytes = static_cast<int>(4 * values.size());
+  if (!checked_) {
+    if (!machine_.pass_write(values)) return bytes;
+    return mc_write(mc(), client, values.data(), 4 * values.size());
+  }
+  if (values.size() > MMCS_AXES) return -MC_EINVAL;
+  struct mmcs_setpoints message = {++sequence_, static_cast<unsigned>(values.size()), {}, 0};
+  std::copy(values.begin(), values.end(), message.value);
+  message.check = mmcs_check(&message);
+  if (!machine_.pass_write(values)) return bytes;
+  std::copy(values.begin(), values.end(), message.value);
+  const int result = mc_ioctl(mc(), client, MSETPOINTS, &message);
+  return result < 0 ? result : bytes;
 }
 
 // --- /dev/mc0 ----------------------------------------------------------------------------------
@@ -306,6 +326,7 @@ int Host::close(int client) {
 
 int Host::ioctl(int client, uint32_t request, void *arg) {
   return this->request([=] {
+    if (checked_ && request == MSETPOINT && arg) return set_one(client, arg);
     if (!cpu_) return mc_ioctl(mc(), client, request, arg);
     const size_t size = request >> 16 & 0x1FFF;
     return cpu_->call(MAILBOX_IOCTL, client, request, arg, request & MC_ARG_IN ? size : 0,
@@ -323,11 +344,23 @@ int Host::write(int client, const void *buf, size_t len) {
     return cpu_->call(MAILBOX_WRITE, client, static_cast<uint32_t>(len), const_cast<void *>(buf),
                       len, 0);
   }
-  if (buf == nullptr || len % sizeof(int32_t) != 0) return mc_write(mc(), client, buf, len);
-  std::vector<int32_t> sent(len / sizeof(int32_t));  // on the way a fault meets it
-  if (len > 0) std::memcpy(sent.data(), buf, len);
-  if (len > 0 && !machine_.pass_write(sent)) return static_cast<int>(len);
-  return mc_write(mc(), client, sent.data(), len);
+  if (buf == nullptr || len % sizeof(int32_t) != 0 || len == 0) {
+    return mc_write(mc(), client, buf, len);
+  }
+  std::vector<int32_t> values(len / sizeof(int32_t));
+  std::memcpy(values.data(), buf, len);
+  return send(client, std::move(values));
+}
+
+// The others' setpoints are sent again.
+int Host::set_one(int client, const void *arg) {
+  struct mmcs_setpoint one;
+  std::memcpy(&one, arg, sizeof one);
+  std::vector<int32_t> values(static_cast<size_t>(mc_joints(mc())));
+  if (one.axis < 0 || static_cast<size_t>(one.axis) >= values.size()) return -MC_EINVAL;
+  for (size_t n = 0; n < values.size(); ++n) values[n] = mc_setpoint(mc(), static_cast<int>(n));
+  values[static_cast<size_t>(one.axis)] = one.value;
+  return std::min(send(client, values), 0);
 }
 
 int Host::stop() {

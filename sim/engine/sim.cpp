@@ -40,8 +40,10 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
       return "the instruction cache has 256 bytes, or 0 for one that always hits";
     }
   }
-  for (int32_t n : {config->guard_jump, config->guard_follow, config->guard_samples,
-                    config->guard_missed, config->guard_lease, config->guard_lock}) {
+  for (int32_t n :
+       {config->guard_jump, config->guard_follow, config->guard_samples, config->guard_missed,
+        config->guard_lease, config->guard_lock, config->guard_readback, config->guard_checked,
+        config->guard_latched, config->guard_brakes}) {
     if (n < 0) return "a limit of the guard is negative";
     if (n > 0 && config->host != MMCS_HOST_NATIVE) return "the guard is of the native driver only";
   }

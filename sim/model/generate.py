@@ -18,6 +18,7 @@ With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one b
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -32,7 +33,10 @@ from netlist import Instance, Module, Netlist, Var, depends, dissolve, instances
 from wires import wires_text  # noqa: E402
 
 RULES = tomllib.loads((HERE / "counters.toml").read_text())
-CHIPS = RULES["chips"]
+# A chip moves its outputs by what the board does, and by nothing of its own: with Safety2026 the
+# counter does not, and is part of its board.
+SAFE = bool(os.environ.get("MMCS_RTL_PARAMETERS"))
+CHIPS = [name for name in RULES["chips"] if not (SAFE and name == "thct2000")]
 
 
 def read_design(folder: Path, cards: int, clk_hz: str, top: str = "mmcs",
@@ -43,7 +47,9 @@ def read_design(folder: Path, cards: int, clk_hz: str, top: str = "mmcs",
     files = [str(f) for name in sets for f in sources(name)]
     subprocess.run(
         ["verilator", "--json-only", "--no-timing", "-Wno-fatal", "-Wno-lint", "--quiet",
-         f"-GNumCards={cards}", f"-GClkHz={clk_hz}", "--top-module", top, "--prefix", "Vtree",
+         f"-GNumCards={cards}", f"-GClkHz={clk_hz}",
+         *os.environ.get("MMCS_RTL_PARAMETERS", "").split(), "--top-module", top,
+         "--prefix", "Vtree",
          f"-I{ROOT / 'rtl'}", "-Mdir", str(folder), "-DMMCS_NO_ASSERT", "-DMMCS_NO_BUS_TIMES",
          *(core_arguments() if "soc" in sets else []), *files],
         check=True)  # fmt: skip
@@ -60,12 +66,12 @@ def boards(netlist: Netlist) -> dict[str, Module]:
     return found
 
 
-def chips(netlist: Netlist) -> dict[str, Module]:
+def chips(netlist: Netlist, names: list[str] = CHIPS) -> dict[str, Module]:
     """The chips that are models of their own, one of a name."""
     found: dict[str, Module] = {}
     for board in boards(netlist).values():
         for i in instances(netlist, board):
-            if i.module.name in CHIPS and found.setdefault(i.module.name, i.module) is not i.module:
+            if i.module.name in names and found.setdefault(i.module.name, i.module) is not i.module:
                 raise SystemExit(f"generate: chips {i.module.name} of different parameters")
     return found
 
@@ -100,7 +106,7 @@ def config(folder: Path, netlist: Netlist) -> None:
     for name, text in ("registers", sorted(lines)), ("shells", sorted(rules)), ("plain", plain):
         (folder / f"{name}.vlt").write_text("\n".join(["`verilator_config", *text]) + "\n")
     (folder / "shells.sv").write_text("\n".join(map(shell, chips(netlist).values())))
-    for name, module in (boards(netlist) | chips(netlist)).items():
+    for name, module in (boards(netlist) | chips(netlist, RULES["chips"])).items():
         write_ports(folder / name, module, usual(netlist, module))
 
 

@@ -49,4 +49,27 @@ struct mmcs_setpoint {
 };
 #define MSETPOINT 0x80084D45
 
+/* struct mmcs_setpoints: as write(), but checked; a driver whose guard has `checked` takes no
+ * other. Its sequence is one more than that of the message before, the first after MENABLE has any;
+ * its check is mmcs_check(). EINVAL: the check is wrong, or `axes` is. A message that was lost, or
+ * one whose check is wrong, stops the machine under power. */
+#define MMCS_AXES 32
+struct mmcs_setpoints {
+  unsigned sequence;
+  unsigned axes; /* of value[], from axis 0 on */
+  int value[MMCS_AXES];
+  unsigned check;
+};
+#define MSETPOINTS 0x808C4D46
+
+/* Any change of one word changes it, wherever. */
+static inline unsigned mmcs_check(const struct mmcs_setpoints *s) {
+  unsigned check = 0x4D4D4353u ^ s->sequence, n;
+  check = (check << 5 | check >> 27) ^ s->axes;
+  for (n = 0; n < MMCS_AXES && n < s->axes; n++) {
+    check = (check << 5 | check >> 27) ^ (unsigned)s->value[n];
+  }
+  return check;
+}
+
 #endif

@@ -34,7 +34,7 @@ static void *argument(unsigned request) {
   if (kind == 0) return NULL;
   if (kind == 1) return (void *)(unsigned long)(next() % 4096);
   if (kind == 2) return (void *)(0x7000000000000000ul + next());
-  for (i = 0; i < 20; i++)
+  for (i = 0; i < 36; i++)
     data[i] = next() % 2 ? (int)(next() % 5) - 1 : (int)(next() << 1 ^ next());
   /* no intervals of minutes: MENABLE waits for a servo pass */
   if (request == MSETINTERVAL) data[0] = (int)(next() % 8000);

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The hardware with Safety2026: PANIC stands until a release, illegal steps of encoders raise it,
+heartbeats end after 10 ms. docs/hardware/safety.md"""
+
+import cocotb
+
+from cocotb_tests.lib.req import req
+from cocotb_tests.lib.tb import B_REAL_ENC, B_SCLOCK, B_TO_JOINT, DAC1, HEALTH_CLKS, QUAD, Machine
+from mmcs import regs
+
+TOPLEVEL = "mmcs"
+PARAMETERS = {"NumCards": 1, "RelayUs": 20, "Safety2026": 1}
+RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
+BEAT_MS = 10
+
+
+def panic(tb: Machine) -> int:
+    level = int(tb.dut.panic_o.value)
+    assert int(tb.dut.brake_release_o.value) == 1 - level, "brakes are off only without PANIC"
+    return level
+
+
+async def release(tb: Machine) -> None:
+    await tb.wr(regs.SAFETY, regs.SAFETY_RELEASE)
+    await tb.clocks(HEALTH_CLKS)
+
+
+async def machine(dut) -> Machine:
+    """Both D/As just written, PANIC released."""
+    tb = Machine(dut)
+    await tb.start(setup=True)
+    dut.axis_enable_i.value = 3
+    await tb.us(25)
+    await tb.beat()
+    await tb.clocks(HEALTH_CLKS)
+    assert panic(tb), "power-on is PANIC, and latched"
+    await release(tb)
+    assert not panic(tb)
+    return tb
+
+
+@cocotb.test()
+@req("PAN-1", "PAN-3")
+async def panic_stands_until_released(dut):
+    tb = await machine(dut)
+    dut.estop_closed_i.value = 0
+    await tb.us(1)
+    assert panic(tb)
+    await release(tb)
+    assert panic(tb), "its cause stands"
+    assert await tb.rd(regs.SAFETY) == regs.SAFETY_PANIC_BM | regs.SAFETY_CAUSE_BM
+    dut.estop_closed_i.value = 1
+    await tb.clocks(4 * HEALTH_CLKS)
+    assert panic(tb), "the cause has passed, PANIC has not"
+    assert await tb.rd(regs.SAFETY) == regs.SAFETY_PANIC_BM
+    for value in range(256):
+        if value != regs.SAFETY_RELEASE:
+            await tb.wr(regs.SAFETY, value)
+            assert panic(tb), f"0x{value:02X} is no release"
+    await tb.wr(regs.PCCSR, regs.SAFETY_RELEASE)
+    await tb.wr(regs.VECTOR, regs.SAFETY_RELEASE)
+    assert panic(tb), "other registers release nothing"
+    await release(tb)
+    assert not panic(tb)
+    assert await tb.rd(regs.SAFETY) == 0
+
+
+@cocotb.test()
+@req("PAN-1", "DRV-9")
+async def trip_and_sysreset_are_panic(dut):
+    tb = await machine(dut)
+    for value in range(256):
+        if value != regs.SAFETY_TRIP:
+            await tb.wr(regs.SAFETY, value)
+            assert not panic(tb), f"0x{value:02X} trips nothing"
+    await tb.wr(regs.SAFETY, regs.SAFETY_TRIP)
+    await tb.clocks(2)
+    assert panic(tb)
+    await tb.clocks(4 * HEALTH_CLKS)
+    assert panic(tb)
+    await release(tb)
+    assert not panic(tb)
+    dut.vme_sysreset_ni.value = 0
+    await tb.us(2)
+    dut.vme_sysreset_ni.value = 1
+    await tb.us(2)
+    assert panic(tb)
+
+
+@cocotb.test()
+@req("HB-1", "PAN-1")
+async def heartbeat_of_10_ms(dut):
+    tb = await machine(dut)
+    for axis in range(2):
+        await tb.cwr(0, DAC1 + 2 * axis, 0)
+    await tb.us(1000 * BEAT_MS - 100)
+    assert not panic(tb)
+    await tb.us(200)
+    assert panic(tb)
+    await tb.beat()
+    await tb.clocks(HEALTH_CLKS)
+    assert panic(tb), "a heartbeat alone does not end it"
+
+
+@cocotb.test()
+@req("ENC-1", "PAN-1")
+async def illegal_step_of_an_encoder_is_panic(dut):
+    tb = await machine(dut)
+    await tb.cwr(0, 0, QUAD)
+    await tb.cwr(0, 1, RUN)
+    await tb.us(10)
+    await tb.cwr(0, 4, 0)  # the count is written: what the switch did is forgotten
+    await tb.cwr(0, 5, 0)
+    await tb.cwr(0, 6, 0)
+    await tb.cwr(0, 7, 0)
+    await tb.beat()
+    await release(tb)
+    assert not panic(tb)
+    for step in (1, 3, 2, 0, 2, 3, 1, 0):  # legal ones, both ways
+        dut.enc_a_i.value = step & 1
+        dut.enc_b_i.value = step >> 1
+        await tb.us(3)
+        assert not panic(tb)
+    dut.enc_a_i.value = 1
+    dut.enc_b_i.value = 1
+    await tb.us(3)
+    assert panic(tb)
+    await tb.beat()
+    await release(tb)
+    assert panic(tb), "nobody knows the count"
+    await tb.cwr(0, 4, 0)
+    await tb.cwr(0, 5, 0)
+    await release(tb)
+    assert not panic(tb)
+
+
+@cocotb.test()
+@req("SW-1", "PAN-1")
+async def switched_off_axis_has_no_illegal_step(dut):
+    tb = await machine(dut)
+    dut.axis_enable_i.value = 0
+    await tb.cwr(0, 0, QUAD)
+    await tb.cwr(0, 1, RUN)
+    await tb.us(10)
+    dut.enc_a_i.value = 3
+    dut.enc_b_i.value = 3
+    await tb.us(10)
+    await release(tb)
+    assert not panic(tb)
