@@ -127,13 +127,29 @@ def fill_param(param, values: dict) -> None:
     param.mode = mode_word(values["mode"], values["flags"])
 
 
+def new_params(params: list[dict]):
+    """struct mc_param of each axis."""
+    made = make_ffi().new("struct mc_param[]", len(params))
+    for axis, values in enumerate(params):
+        made[axis].which = axis
+        fill_param(made[axis], values)
+    return made
+
+
+def sets(values: dict) -> list[tuple[int, int, int]]:
+    """What changes in a struct mc_param, as fields of mmcs_set: word, mask, value."""
+    words = [name for name, _ in make_ffi().typeof("struct mc_param").fields]
+    made = [(words.index(n), -1, v) for n, v in values.items() if n not in ("mode", "flags")]
+    mode, mask = words.index("mode"), constants()["MD_MASK"]
+    if "mode" in values:
+        made.append((mode, mask, mode_word(values["mode"], [])))
+    if "flags" in values:
+        made.append((mode, ~mask, mode_word("off", values["flags"])))
+    return made
+
+
 def mode_word(mode: str, flags: list[str]) -> int:
     word = constants()[MODES[mode]]
     for flag in flags:
         word |= constants()[flag.upper()]
     return word
-
-
-def describe(arg) -> str:
-    """An argument for a message: the number, or the axis it is about."""
-    return f"of axis {arg.which}" if "mc_param" in str(make_ffi().typeof(arg)) else str(arg[0])

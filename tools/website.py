@@ -20,6 +20,8 @@ import zlib
 from pathlib import Path
 
 from mmcs import BUILD, ROOT, SCENARIOS, __version__, find, load, make_ffi, mcdef
+from mmcs.device import messages
+from mmcs.device.machine import KEPT_EVENTS, KEPT_ROWS
 from mmcs.inputs import INPUTS
 from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
@@ -34,9 +36,9 @@ PAGES = ROOT / "web"
 SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html", "lib", "book.css"}
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
-STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_segment", "mmcs_event", "mmcs_stats",
-              "mmcs_checkpoint", "mmcs_snapshot", "mmcs_tap_head", "mmcs_tap_read",
-              "mmcs_tap_event", "mmcs_change",
+STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call",
+              "mmcs_segment", "mmcs_event", "mmcs_stats", "mmcs_checkpoint", "mmcs_snapshot",
+              "mmcs_tap_head", "mmcs_tap_read", "mmcs_tap_event", "mmcs_change",
               "struct mc_param", "struct mc_state", "struct mc_stats")  # fmt: skip
 FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")
 # name of a C type: letter for web/engine/sim.js, bytes where pointers have four
@@ -145,9 +147,20 @@ def knowledge() -> dict:
             "FLAGS": FLAGS,
             "READS": [r.name for r in mcdef.requests().values() if not r.changes],
             "CALLED": [r.name for r in mcdef.requests().values() if r.called],
+            "PROTOCOL": protocol(),
         },
         "inputs": inputs,
         "waves": groups(),
+    }
+
+
+def protocol() -> dict:
+    """What both servers of the messages have."""
+    return {
+        "number": messages.PROTOCOL,
+        "fields": messages.FIELDS,
+        "kept_rows": KEPT_ROWS,
+        "kept_events": KEPT_EVENTS,
     }
 
 
@@ -187,19 +200,23 @@ def setup(name: str) -> dict | None:
         "motors": made.motors(),
         "links": made.links(),
         "arm": made.robot.links(),
-        "params": made.params,
+        "driver": made.driver(),
+        "params": [_param(axis, values) for axis, values in enumerate(made.params)],
         "segments": made.segments,
         "events": events,
         "calls": [_call(call) for call in scenario.call],
         "processes": [process.model_dump() for process in scenario.process],
         "refusals": [e.request for e in scenario.expect if e.kind == "refused"],
-        "interval_us": scenario.interval_us,
-        "double_buffer": scenario.double_buffer,
-        "verbose": scenario.verbose,
         "duration": scenario.duration,
         "data": inline(made.data, made.path.parent),
         "files": base64.b64encode(packed).decode(),
     }
+
+
+def _param(axis: int, values: dict) -> dict:
+    """The fields of struct mc_param."""
+    numbers = {name: value for name, value in values.items() if name != "flags"}
+    return numbers | {"which": axis, "mode": mcdef.mode_word(values["mode"], values["flags"])}
 
 
 def _call(call) -> dict:

@@ -69,18 +69,15 @@ class Bridge:
         self.client = sim.open(mcdef.O_RDWR)
         if self.client < 0:
             raise RunError(f"open: {os.strerror(-self.client)}")
-        self._ask("MSETNUMJOINTS", mcdef.new_int(setup.axes))
-        self._ask("MSETINTERVAL", mcdef.new_int(setup.scenario.interval_us))
-        self._ask("MDACMODE", mcdef.new_int(int(setup.scenario.double_buffer)))
-        for axis in range(setup.axes):
-            self._ask("MSETENC", mcdef.new_int(axis))
+        self._configure(on=False)
 
-    def _set_modes(self) -> None:
-        """A stop has switched all modes off."""
-        for axis, values in enumerate(self.setup.params):
-            param = mcdef.new_param(axis)
-            mcdef.fill_param(param, values)
-            self._ask("MSETPARAM", param)
+    def _configure(self, **parts: bool) -> bool:
+        """False: MENABLE is refused."""
+        driver, params = self.setup.driver(), self.setup.params
+        result, what = self.sim.configure(self.client, driver, params, **parts)
+        if result < 0 and what != "MENABLE":
+            raise RunError(f"{what}: {os.strerror(-result)}")
+        return result >= 0
 
     def _ask(self, request: str, argument=None) -> None:
         result = self.sim.ioctl(self.client, getattr(mcdef, request), argument)
@@ -117,9 +114,7 @@ class Bridge:
         if wanted and not self.wanted:
             self.sim.read(self.client)
             self._ask("MCLEARERROR")
-            self._set_modes()
-            result = self.sim.ioctl(self.client, mcdef.MENABLE, None)
-            self.fault = result < 0
+            self.fault = not self._configure(set_up=False)
         elif self.wanted and not wanted:
             self._ask("MSTOP")
         self.wanted = wanted

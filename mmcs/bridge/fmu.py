@@ -45,14 +45,10 @@ def describe(setup: Setup) -> bytes:
     ffi = make_ffi()
     config = ffi.new("mmcs_config *", {**setup.config(), "abi": 1})
     motors, links = ffi.new("mmcs_motor[]", setup.motors()), setup.links()
-    params = ffi.new("struct mc_param[]", setup.axes)
-    for axis, values in enumerate(setup.params):
-        ffi.memmove(ffi.addressof(params, axis), mcdef.new_param(axis), ffi.sizeof(params[0]))
-        mcdef.fill_param(params[axis], values)
     names = ("mmcs_config", "mmcs_motor", "mmcs_link", "struct mc_param")
-    scenario = setup.scenario
-    head = struct.pack("=6i", *map(ffi.sizeof, names), scenario.interval_us, scenario.double_buffer)
-    parts = [config, motors, ffi.new("mmcs_link[]", links), params]
+    head = struct.pack("=4i", *map(ffi.sizeof, names))
+    parts = [ffi.new("mmcs_driver *", setup.driver()), config, motors,
+             ffi.new("mmcs_link[]", links), mcdef.new_params(setup.params)]  # fmt: skip
     return head + b"".join(bytes(ffi.buffer(part)) for part in parts)
 
 

@@ -34,8 +34,8 @@ def declarations(text: str) -> str:
 @functools.cache
 def make_ffi() -> cffi.FFI:
     ffi = cffi.FFI()
-    ffi.cdef(declarations(HEADER.read_text()))
     ffi.include(mcdef.make_ffi())
+    ffi.cdef(declarations(HEADER.read_text()))
     return ffi
 
 
@@ -132,10 +132,39 @@ class Sim(Watching):
         got = self.lib.mmcs_sim_read(self._sim, client, states, count * size)
         if got < 0:
             raise OSError(-got, "read of /dev/mc0")
-        fields = [name for name, _ in self.ffi.typeof("struct mc_state").fields]
-        return [{f: getattr(states[n], f) for f in fields} for n in range(got // size)]
+        return [_state(states[n]) for n in range(got // size)]
 
-    # the same three for arguments that come from another process
+    # what a program does with it for a scenario: sim/service
+
+    def configure(self, client: int, driver: dict, params: list[dict], on: bool = True,
+                  set_up: bool = True) -> tuple[int, str]:  # fmt: skip
+        """driver: fields of mmcs_driver. The result, and the request that was refused."""
+        what = set_up * self.lib.MMCS_SET_UP | on * self.lib.MMCS_SWITCH_ON
+        given, refused = self.ffi.new("mmcs_driver *", driver), self.ffi.new("char[]", 80)
+        result = self.lib.mmcs_sim_configure(
+            self._sim, client, what, given, mcdef.new_params(params), refused, 80
+        )
+        return result, self.ffi.string(refused).decode()
+
+    def call(self, client: int, params, call: dict, sets: list[tuple]) -> tuple[list, list[dict]]:
+        """A [[call]], as fields of mmcs_call, its changes as mcdef.sets(); params:
+        mcdef.new_params(). What became of it, by axis, and the states that MCALIB saw."""
+        states, results = self.ffi.new("struct mc_state[32]"), self.ffi.new("int32_t[32]")
+        given = self.ffi.new("mmcs_call *", {**call, "sets": len(sets)})
+        changes = self.ffi.new("mmcs_set[]", sets)
+        args = (self.axes, params, given, changes, states, results)
+        self.lib.mmcs_sim_call(self._sim, client, *args)
+        return list(results), [_state(states[n]) for n in range(self.axes)]
+
+    def bounce(self, client: int, axes: int, goals: list[int], setpoints: list[int]) -> int:
+        """axes: a bit each; setpoints change as they are written."""
+        now = self.ffi.new("int32_t[]", setpoints)
+        args = (self.axes, axes, self.ffi.new("int32_t[]", goals), now)
+        result = self.lib.mmcs_sim_bounce(self._sim, client, *args)
+        setpoints[:] = list(now)
+        return result
+
+    # read, write and ioctl for arguments that come from another process
 
     def ioctl_bytes(self, client: int, request: int, data: bytes) -> tuple[int, bytes]:
         """The argument in, as long as the request number says; the argument out."""
@@ -258,10 +287,6 @@ class Sim(Watching):
         self.lib.mmcs_sim_get_stats(self._sim, stats)
         return {name: getattr(stats, name) for name, _ in self.ffi.typeof("mmcs_stats").fields}
 
-    def setpoint(self, axis: int) -> int:
-        """As write() or the driver set it last."""
-        return self.lib.mmcs_sim_setpoint(self._sim, axis)
-
     def true(self, axis: int) -> dict[str, float]:
         """What the physics did: angle and velocity (joint), current, encoder transitions."""
         names = ("angle", "velocity", "current", "count")
@@ -348,6 +373,10 @@ class Sim(Watching):
 
     def hash(self) -> str:
         return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
+
+
+def _state(state) -> dict[str, int]:
+    return {name: getattr(state, name) for name, _ in make_ffi().typeof("struct mc_state").fields}
 
 
 def library_registers(library: Path) -> dict[str, int]:

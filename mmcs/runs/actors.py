@@ -7,6 +7,7 @@ at that time. Everything goes through /dev/mc0, as a program's own requests woul
 
 from __future__ import annotations
 
+import os
 import random
 
 from mmcs import mcdef
@@ -14,6 +15,10 @@ from mmcs.errors import RunError
 
 NEVER = float("inf")
 SIGNAL_CHECK_S = 0.001  # how soon after a SIGUSR1 its handler runs, at most
+
+
+def bits(axes) -> int:
+    return sum(1 << axis for axis in set(axes))
 
 
 def make_actors(session, client: int) -> list:
@@ -26,51 +31,26 @@ def make_actors(session, client: int) -> list:
 
 
 class Caller:
-    """Carries out the [[call]] entries; before MCALIB it reads the potentiometer."""
+    """Carries out the [[call]] entries."""
 
     def __init__(self, session, client: int):
         self.session, self.client = session, client
         self.calls = sorted(session.setup.scenario.call, key=lambda call: call.at)
-        self.params = [dict(values) for values in session.setup.params]
+        self.params = mcdef.new_params(session.setup.params)
 
     @property
     def due(self) -> float:
         return self.calls[0].at if self.calls else NEVER
 
     def act(self) -> None:
-        call = self.calls.pop(0)
-        setup, sim = self.session.setup, self.session.sim
-        request = getattr(mcdef, call.request)
-        if call.request in ("MCALIB", "MSETENC"):
-            if call.request == "MCALIB":
-                states = sim.read(self.client, setup.axes)
-            axes = range(setup.axes) if call.axis == "all" else call.axis
-            for axis in axes:
-                if call.request == "MCALIB":
-                    seen = (states[axis]["adcvai"], states[axis]["encnow"])
-                    self.session.pots.setdefault(axis, seen)
-                    argument = axis
-                else:
-                    argument = axis | (call.value & 0xFFFF) << 8
-                self._ioctl(call.request, request, mcdef.new_int(argument))
-        elif call.request == "MSETPARAM":
-            given = call.set.model_dump(exclude_none=True, exclude={"axis"})
-            for axis in range(setup.axes) if call.axis == "all" else call.axis:
-                self.params[axis] |= given
-                param = mcdef.new_param(axis)
-                mcdef.fill_param(param, self.params[axis])
-                self._ioctl(call.request, request, param)
-        elif call.request in ("MDACMODE", "MSETINTERVAL"):
-            self._ioctl(call.request, request, mcdef.new_int(call.value))
-        else:
-            if call.request == "MCLEARERROR":  # clears what a read has shown
-                sim.read(self.client, setup.axes)
-            self._ioctl(call.request, request, None)
-
-    def _ioctl(self, name: str, request: int, argument) -> None:
-        result = self.session.sim.ioctl(self.client, request, argument)
-        if result < 0:
-            self.session.refused.append((name, -result))
+        call, session = self.calls.pop(0), self.session
+        axes = range(session.setup.axes) if call.axis == "all" else call.axis
+        set_ = call.set.model_dump(exclude_none=True, exclude={"axis"}) if call.set else {}
+        fields = {"request": getattr(mcdef, call.request), "axes": bits(axes), "value": call.value}
+        results, states = session.sim.call(self.client, self.params, fields, mcdef.sets(set_))
+        session.refused += [(call.request, -result) for result in results if result < 0]
+        for axis in axes if call.request == "MCALIB" else ():
+            session.pots.setdefault(axis, (states[axis]["adcvai"], states[axis]["encnow"]))
 
 
 class _Process:
@@ -136,21 +116,11 @@ class Bouncer(_Process):
             self.going = True
             self.write({axis: round(goal) for axis, goal in self.goals.items()})
             return
-        if not sim.signals(self.client):
-            return
-        states = sim.read(self.client, self.session.setup.axes)
-        sim.ioctl(self.client, mcdef.MCLEARERROR)
-        back = {}
-        for axis in self.axes:
-            flags = states[axis]["errcode"] & 0xFF
-            speed = abs(round(self.goals[axis]))
-            if flags & mcdef.MERR_PHI and flags & mcdef.MERR_PLO == 0:
-                back[axis] = -speed
-            elif flags & mcdef.MERR_PLO and flags & mcdef.MERR_PHI == 0:
-                back[axis] = speed
-        if back:
-            self.turns += 1
-            self.write(back)
+        goals = [round(self.goals.get(axis, 0)) for axis in range(self.session.setup.axes)]
+        result = sim.bounce(self.client, bits(self.axes), goals, self.session.setpoints)
+        if result < 0:
+            raise RunError(f"the scenario's process: {os.strerror(-result)}")
+        self.turns += result
 
     def summary(self) -> dict:
         return {"kind": "bounce", "turns": self.turns}

@@ -197,35 +197,14 @@ class Session:
         )
 
     def configure(self, client: int) -> None:
-        sim, setup = self.sim, self.setup
-        scenario = setup.scenario
-
-        def ioctl(name: str, arg: object = None) -> None:
-            what = name if arg is None else f"{name} {mcdef.describe(arg)}"
-            self._request(what, sim.ioctl(client, getattr(mcdef, name), arg))
-
-        if scenario.verbose:
-            ioctl("MSETVERBOSITY", mcdef.new_int(mcdef.M_VERBOSE))
-        ioctl("MSETNUMJOINTS", mcdef.new_int(setup.axes))
-        ioctl("MSETINTERVAL", mcdef.new_int(scenario.interval_us))
-        ioctl("MDACMODE", mcdef.new_int(int(scenario.double_buffer)))
-        for axis in range(setup.axes):
-            ioctl("MSETENC", mcdef.new_int(axis))  # value 0: counts are relative to the start
-        for axis, values in enumerate(setup.params):
-            param = mcdef.new_param(axis)
-            ioctl("MGETPARAM", param)
-            mcdef.fill_param(param, values)
-            ioctl("MSETPARAM", param)
-        ioctl("MENABLE")
-        self._answered("write of the setpoints", sim.write(client, [0] * setup.axes))
-
-    def _request(self, what: str, result: int) -> int:
-        """As _checked, but a refusal that the scenario expects ends the run in good order."""
-        expected = [e for e in self.setup.scenario.expect if e.kind == "refused"]
-        if result < 0 and any(e.request == what.split(maxsplit=1)[0] for e in expected):
-            self.refused.append((what.split(maxsplit=1)[0], -result))
+        """A refusal that the scenario expects ends the run in good order."""
+        setup = self.setup
+        result, what = self.sim.configure(client, setup.driver(), setup.params)
+        expected = [e.request for e in setup.scenario.expect if e.kind == "refused"]
+        if result < 0 and what.split()[0] in expected:
+            self.refused.append((what.split()[0], -result))
             raise Refused
-        return self._answered(what, result)
+        self._answered(what, result)
 
     def _answered(self, what: str, result: int) -> int:
         """As _checked, but tells why a processor is silent."""

@@ -72,6 +72,16 @@ class Setup:
         """The fields of mmcs_config of the driver's guard."""
         return safety.guard(self.scenario, self.robot)
 
+    def driver(self) -> dict:
+        """The fields of mmcs_driver."""
+        scenario = self.scenario
+        return {
+            "axes": self.axes,
+            "verbose": int(scenario.verbose),
+            "interval_us": scenario.interval_us,
+            "double_buffer": int(scenario.double_buffer),
+        }
+
     def moment(self) -> float:
         """When there is something to see, s of motion: the first event, or the first setpoint."""
         events = [event.at for event in self.scenario.event if not event.at_power_on]

@@ -44,6 +44,11 @@ class FakeSim:
         self.calls.append((name, value))
         return -self.fail.get(name, 0)
 
+    def configure(self, client, driver, params):
+        self.calls.append(("configure", driver, len(params)))
+        what = next((name for name in self.fail if name != "open"), "")
+        return -self.fail.get(what, 0), what
+
     def write(self, client, setpoints):
         self.calls.append(("write", list(setpoints)))
         return 4 * len(setpoints)

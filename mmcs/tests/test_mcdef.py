@@ -46,5 +46,8 @@ def test_parameters_reach_the_struct():
     mcdef.fill_param(param, {"mode": "velocity", "flags": ["softerr"], "a0": 50, "b0": -1})
     assert (param.which, param.a0, param.b0) == (3, 50, -1)
     assert param.mode == mcdef.MD_VEL | mcdef.SOFTERR
-    assert mcdef.describe(param) == "of axis 3"
-    assert mcdef.describe(mcdef.new_int(7)) == "7"
+    again = mcdef.new_params([{"mode": "torque", "flags": ["softerr"], "a0": 50, "b0": -1}])[0]
+    words = mcdef.make_ffi().cast("int *", mcdef.make_ffi().addressof(again))
+    for word, mask, value in mcdef.sets({"mode": "velocity"}) + mcdef.sets({"a0": 51}):
+        words[word] = words[word] & ~mask | value & mask
+    assert (again.mode, again.a0, again.b0) == (param.mode, 51, -1)

@@ -26,16 +26,10 @@ def run(path, sim=None, **options):
 
 def test_requests_in_the_order_of_a_user_program(scenario):
     sim, _ = run(scenario())
+    driver = {"axes": 1, "verbose": 0, "interval_us": 1000, "double_buffer": 1}
     assert sim.calls == [
         ("open", 2),
-        ("MSETNUMJOINTS", 1),
-        ("MSETINTERVAL", 1000),
-        ("MDACMODE", 1),
-        ("MSETENC", 0),
-        ("MGETPARAM", 0),
-        ("MSETPARAM", 0),
-        ("MENABLE", None),
-        ("write", [0]),
+        ("configure", driver, 1),
         ("start", 0),
         ("MSTOP", None),
         ("close", 0),
@@ -55,8 +49,8 @@ def test_events_count_from_the_start_of_motion_and_heal(scenario):
     ("request_name", "number", "line"),
     [
         ("open", 6, "open: ENXIO (No such device or address)"),
-        ("MSETNUMJOINTS", 22, "MSETNUMJOINTS 1: EINVAL (Invalid argument)"),
-        ("MSETPARAM", 22, "MSETPARAM of axis 0: EINVAL (Invalid argument)"),
+        ("MSETNUMJOINTS 1", 22, "MSETNUMJOINTS 1: EINVAL (Invalid argument)"),
+        ("MSETPARAM of axis 0", 22, "MSETPARAM of axis 0: EINVAL (Invalid argument)"),
         ("MENABLE", 5, "MENABLE: EIO (Input/output error)"),
     ],
 )

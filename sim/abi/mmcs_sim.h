@@ -15,6 +15,8 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+/* These functions, and nothing else, are visible outside the library. */
+#pragma GCC visibility push(default)
 
 #define MMCS_SIM_ABI 1
 
@@ -212,6 +214,39 @@ int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx);
 /* SIGUSR1s delivered to this client since the last call. */
 int mmcs_sim_signals(mmcs_sim *sim, int client);
 
+/* What a program does with /dev/mc0 for a scenario (§2.3.6); sim/service. */
+struct mc_param; /* of mcdef.h, as struct mc_state */
+struct mc_state;
+typedef struct mmcs_driver {
+  int32_t axes, verbose, interval_us, double_buffer;
+} mmcs_driver;
+/* MMCS_SET_UP: number of axes, interval, D/A mode, counts 0. MMCS_SWITCH_ON: parameters of every
+ * axis, MENABLE. Both: then the setpoints are written, 0. Returns 0, or -errno of the first request
+ * that is refused; `refused` then names it ("MSETPARAM of axis 2"). */
+enum { MMCS_SET_UP = 1, MMCS_SWITCH_ON = 2 };
+int mmcs_sim_configure(mmcs_sim *sim, int client, int what, const mmcs_driver *driver,
+                       const struct mc_param *params, char *refused, size_t refused_len);
+/* A [[call]]. axes: bit n is axis n, of MCALIB, MSETENC and MSETPARAM. sets: how many changes a
+ * MSETPARAM makes, each to the bits `mask` of a word of struct mc_param (0: `which`). */
+typedef struct mmcs_call {
+  uint32_t request, axes;
+  int32_t value, sets;
+} mmcs_call;
+typedef struct mmcs_set {
+  int32_t word, mask, value;
+} mmcs_set;
+/* Carries it out for a machine of so many axes. params: those in force, which a MSETPARAM changes;
+ * states: room for each axis, in which MCALIB leaves what it saw; results: 32, of each axis 0 or
+ * -errno, of a request without axes the first. Returns the least of them. */
+int mmcs_sim_call(mmcs_sim *sim, int client, int32_t axes, struct mc_param *params,
+                  const mmcs_call *call, const mmcs_set *sets, struct mc_state *states,
+                  int32_t *results);
+/* A process that turns axes (bit n of `bounces`) round at their limits: after a SIGUSR1 an axis at
+ * its upper limit gets minus the size of its goal, one at its lower limit plus. setpoints: of every
+ * axis, as they were written last. 1: written; 0: nothing to do; or -errno. */
+int mmcs_sim_bounce(mmcs_sim *sim, int client, int32_t axes, uint32_t bounces, const int32_t *goals,
+                    int32_t *setpoints);
+
 /* One VME access by hand (offset 0..0x7FF in the window, am 0x29 or 0x2D, size 1, 2 or 4 bytes).
  * 0, or 1 bus time-out, 2 bus error. */
 int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value);
@@ -280,8 +315,6 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
 double mmcs_sim_true_angle(const mmcs_sim *sim, int axis);
 double mmcs_sim_true_velocity(const mmcs_sim *sim, int axis);
 double mmcs_sim_true_current(const mmcs_sim *sim, int axis);
-/* What write() or the driver set last; 0 beyond the joints. */
-int32_t mmcs_sim_setpoint(const mmcs_sim *sim, int axis);
 int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis);
 /* The 16-bit counter of the axis on its card, read without disturbing it. */
 int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis);
@@ -352,6 +385,7 @@ int64_t mmcs_sim_history_bytes(mmcs_sim *sim, const uint8_t **bytes);
 int mmcs_sim_restore_bytes(mmcs_sim *sim, const uint8_t *snapshot, size_t snapshot_len,
                            const uint8_t *history, size_t history_len, char *err, size_t err_len);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

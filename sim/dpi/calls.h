@@ -15,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "mcdef.h"
 #include "mmcs_sim.h"
 
 namespace mmcs {

@@ -276,11 +276,6 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   stats->double_buffer = mc_double_buffer(mc);
 }
 
-int32_t mmcs_sim_setpoint(const mmcs_sim *sim, int axis) {
-  if (!sim || axis < 0 || axis >= mc_joints(sim->host.driver())) return 0;
-  return mc_setpoint(sim->host.driver(), axis);
-}
-
 double mmcs_sim_true_angle(const mmcs_sim *sim, int axis) {
   return valid(sim, axis) ? sim->machine.plant().angle(axis) : 0.0;
 }

@@ -2,11 +2,6 @@
 // What the handle of mmcs_sim.h stands for.
 #pragma once
 
-// The functions of this header, and nothing else, are visible outside the library.
-#pragma GCC visibility push(default)
-#include "mmcs_sim.h"
-#pragma GCC visibility pop
-
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -14,6 +9,7 @@
 
 #include "host.h"
 #include "machine.h"
+#include "mmcs_sim.h"
 #include "timeline.h"
 #include "vme_bus.h"
 

@@ -17,7 +17,7 @@ struct setup {
   char magic[8];
   char token[TOKEN];
   int32_t config_bytes, motor_bytes, link_bytes, param_bytes;
-  int32_t interval_us, double_buffer;
+  mmcs_driver driver;
   mmcs_config config;
 };
 
@@ -69,7 +69,8 @@ static bool read_setup(struct unit *u, const char *resources) {
   bool good = fread(s, sizeof *s, 1, file) == 1 && memcmp(s->magic, "mmcsfmu3", 8) == 0 &&
               s->config_bytes == sizeof(mmcs_config) && s->motor_bytes == sizeof(mmcs_motor) &&
               s->link_bytes == sizeof(mmcs_link) && s->param_bytes == sizeof(struct mc_param) &&
-              s->config.axes >= 1 && s->config.axes <= MAX_AXES && s->config.links >= 0 &&
+              s->config.axes >= 1 && s->driver.axes == s->config.axes &&
+              s->config.axes <= MAX_AXES && s->config.links >= 0 &&
               s->config.links <= s->config.axes;
   size_t axes = good ? (size_t)s->config.axes : 0, links = good ? (size_t)s->config.links : 0;
   good = good && fread(u->motors, sizeof(mmcs_motor), axes, file) == axes &&
@@ -124,23 +125,6 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
   return fmi3OK;
 }
 
-/* As a scenario begins: parameters set, counts at 0, the servo on. */
-static const char *configure(struct unit *u) {
-  const struct setup *s = &u->setup;
-  int axes = s->config.axes, interval = s->interval_us, buffered = s->double_buffer;
-  u->client = mmcs_sim_open(u->sim, READ_WRITE);
-  if (u->client < 0) return "open";
-  if (mmcs_sim_ioctl(u->sim, u->client, MSETNUMJOINTS, &axes) < 0) return "MSETNUMJOINTS";
-  if (mmcs_sim_ioctl(u->sim, u->client, MSETINTERVAL, &interval) < 0) return "MSETINTERVAL";
-  if (mmcs_sim_ioctl(u->sim, u->client, MDACMODE, &buffered) < 0) return "MDACMODE";
-  for (int axis = 0; axis < axes; axis++) {
-    int which = axis;
-    if (mmcs_sim_ioctl(u->sim, u->client, MSETENC, &which) < 0) return "MSETENC";
-    if (mmcs_sim_ioctl(u->sim, u->client, MSETPARAM, &u->params[axis]) < 0) return "MSETPARAM";
-  }
-  return mmcs_sim_ioctl(u->sim, u->client, MENABLE, NULL) < 0 ? "MENABLE" : NULL;
-}
-
 static void look(struct unit *u) {
   size_t bytes = (size_t)u->setup.config.axes * sizeof(struct mc_state);
   (void)mmcs_sim_read(u->sim, u->client, u->state, bytes);
@@ -155,8 +139,11 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, bool has_tolerance
   forget_machine(u);
   u->sim = mmcs_sim_create(&u->setup.config, u->motors, u->links, err, sizeof err);
   if (u->sim == NULL) return refuse(u, "the machine cannot be made", err);
-  const char *request = configure(u);
-  if (request != NULL) return refuse(u, request, "the driver refuses it");
+  u->client = mmcs_sim_open(u->sim, READ_WRITE);
+  if (u->client < 0) return refuse(u, "open", "the driver refuses it");
+  if (mmcs_sim_configure(u->sim, u->client, MMCS_SET_UP | MMCS_SWITCH_ON, &u->setup.driver,
+                         u->params, err, sizeof err) < 0)
+    return refuse(u, err, "the driver refuses it");
   u->estop_input = -1;
   for (int32_t n = 0; (name = mmcs_sim_input_name(n)) != NULL; n++)
     if (strcmp(name, "estop") == 0) u->estop_input = n;

@@ -97,12 +97,8 @@ def start(sim, setup) -> tuple[int, float]:
     """Opens the driver and starts the motion, as a session does: (client, time of the start)."""
     session = Session(sim, setup)
     client = sim.open(mcdef.O_RDWR)
-    session.configure(client)
-    begin = sim.time
-    for segment in setup.segments:
-        sim.add_segment(**segment)
-    sim.start_motion(client)
-    return client, begin
+    session.begin(client)
+    return client, session.start
 
 
 class Loaded:

@@ -42,19 +42,16 @@ export const OPERATIONS = {
     return { states: states.map((state) => Object.values(state)) };
   },
   write: (s, { setpoints }) => {
-    s.mustBeOpen(true);
-    s.mustControl();
-    if (s.session.playing) throw new Refused(E.EBUSY, "the scenario's program writes the setpoints until its motion ends");
+    s.mustWrite();
     s.check(s.sim.write(s.page, setpoints));
     return {};
   },
   setpoint: (s, message) => {
     const axis = integer(message, "axis", 0, s.sim.axes - 1);
     const value = integer(message, "value", -(2 ** 31), 2 ** 31 - 1);
-    const { interval_us } = s.sim.stats();
-    if (s.sim.time < s.changed + 2e-6 * interval_us) s.sim.run(s.changed + 2e-6 * interval_us); // it adopts a demand
-    const others = Array.from({ length: axis }, (_, n) => s.sim.setpoint(n));
-    OPERATIONS.write(s, { setpoints: [...others, value] });
+    s.mustWrite();
+    const argument = new Uint8Array(Int32Array.of(axis, value).buffer);
+    s.check(s.sim.ioctl(s.page, s.C.MSETPOINT, argument)[0]);
     return { t: s.sim.time };
   },
   call: (s, message) => s.call(message),
@@ -172,9 +169,7 @@ export const OPERATIONS = {
     return {};
   },
   law: async (s, { axis, text, r }) => {
-    s.mustBeOpen(true);
-    s.mustControl();
-    if (s.session.playing) throw new Refused(E.EBUSY, "the scenario's program writes the setpoints until its motion ends");
+    s.mustWrite();
     const none = s.setpoints(); // where the axis with the law has no current
     s.law = null;
     if (text === null) {

@@ -6,19 +6,17 @@ import { OPERATIONS } from "./operations.js";
 import { MOST_MS, Past } from "./past.js";
 import { E, nameOf, PAGE, Refused } from "./refused.js";
 
-const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
-  "current"];  // prettier-ignore
 const ROWS_AT_ONCE = 256;
 const HEAD_BYTES = 32;
-const KEPT_ROWS = 8192;
-const KEPT_EVENTS = 4096;
 const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
+
 export class Server {
   /** say(message) carries a text (object) or samples (ArrayBuffer) to the page; past: of the machine;
    * groups: its nets that can be drawn (mmcs/view/watched.py). */
   constructor(sim, setup, session, C, say, past, groups) {
     Object.assign(this, { sim, setup, session, C, say, past, groups });
-    sim.tap(KEPT_ROWS, KEPT_EVENTS);
+    this.protocol = C.PROTOCOL; // as Python's server has it: tools/website.py
+    sim.tap(this.protocol.kept_rows, this.protocol.kept_events);
     this.speed = 1;
     this.paused = false;
     this.lease = null;
@@ -27,7 +25,6 @@ export class Server {
     this.page = -1; // the driver's number of the page's open device
     this.writable = false;
     this.follow = null;
-    this.changed = -1; // when parameters were changed last
     this.inputs = new Map();
     this.asked = new Set();
     this.spoiled = ""; // why the record would not replay
@@ -38,9 +35,9 @@ export class Server {
   hello() {
     const { sim } = this;
     const stats = sim.stats();
-    return { protocol: 1, you: PAGE, server: "page", scenario: this.setup.name, axes: 2 * sim.cards,
+    return { protocol: this.protocol.number, you: PAGE, server: "page", scenario: this.setup.name, axes: 2 * sim.cards,
       cards: sim.cards, time: sim.time, speed: this.speed, paused: this.paused, opens: 1,
-      lease: this.lease, waves: true, sample: { fields: FIELDS, row_bytes: sim.tapHead().row_bytes },
+      lease: this.lease, waves: true, sample: { fields: this.protocol.fields, row_bytes: sim.tapHead().row_bytes },
       enabled: Boolean(stats.enabled), stopped: Boolean(stats.stopped),
       interval_us: stats.interval_us, diag: stats.diag, double_buffer: Boolean(stats.double_buffer),
       panic: Boolean(stats.panic_level), button: Boolean(this.inputs.get("estop 0")) };  // prettier-ignore
@@ -110,6 +107,13 @@ export class Server {
       throw new Refused(E.EBADF, `the device is not open${writing ? " for writing" : ""}`);
   }
 
+  mustWrite() {
+    this.mustBeOpen(true);
+    this.mustControl();
+    if (this.session.playing)
+      throw new Refused(E.EBUSY, "the scenario's program writes the setpoints until its motion ends");
+  }
+
   check(result) {
     if (result >= 0) return result;
     const { events } = this.sim.tapEvents(Math.max(0, this.sim.tapHead().events - 8));
@@ -167,8 +171,9 @@ export class Server {
     const head = sim.tapHead();
     const { bytes, count } = sim.tapRows(Math.max(0, head.rows - 1), 1, 1);
     const ints = new Int32Array(bytes.buffer, 0, bytes.length >> 2);
+    const { fields } = this.protocol;
     const joints = count ? ints[5] : sim.axes;
-    const at = (axis) => (count ? ints[6 + axis * FIELDS.length + FIELDS.indexOf("setpoint")] : 0);
+    const at = (axis) => (count ? ints[6 + axis * fields.length + fields.indexOf("setpoint")] : 0);
     return Array.from({ length: joints }, (_, n) => (n === this.law?.axis ? 0 : at(n)));
   }
 
@@ -204,7 +209,6 @@ export class Server {
     if (!session.playing || axis >= sim.axes) {
       const param = { ...this.param(axis), ...wanted };
       this.check(this.ioctl("MSETPARAM", sim.pack("mc_param", param))[0]);
-      this.changed = sim.time;
       return param;
     }
     const { mode, ...set } = wanted;
@@ -233,7 +237,7 @@ export class Server {
       this.check(await session.do(() => session.personCalls(call)));
       return {};
     }
-    if (!reads.includes(request)) this.spoil(`${request} by hand`);
+    if (!this.C.READS.includes(request)) this.spoil(`${request} by hand`);
     const argument = value === undefined ? undefined : new Uint8Array(new Int32Array([value]).buffer);
     const [result, out] = sim.ioctl(this.page, number, argument);
     this.check(result);

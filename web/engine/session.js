@@ -16,11 +16,10 @@ export class Session {
     this.sim = sim;
     this.setup = setup;
     this.C = C;
-    this.params = setup.params.map((values) => ({ ...values }));
+    this.params = Uint8Array.from(setup.params.flatMap((values) => [...sim.pack("mc_param", values)]));
     this.setpoints = new Array(sim.axes).fill(0);
     this.calls = []; // by a person, as [[call]]
     this.events = []; // by a person, as [[event]]
-    this.refused = [];
     this.wanted = []; // by a person, to be done at the next look
     this.start = 0;
     this.client = -1;
@@ -38,7 +37,7 @@ export class Session {
 
   /** Everything up to the start of motion; false: the driver refused, as the scenario expects. */
   begin() {
-    const { sim, setup, C } = this;
+    const { sim, setup } = this;
     this.#schedule(0, true);
     this.client = this.#checked("open", sim.open(2));
     if (!this.#configure()) return false;
@@ -51,7 +50,6 @@ export class Session {
     for (const process of setup.processes) this.actors.push(new Bouncer(this, process));
     this.reached = 0;
     this.playing = true;
-    void C;
     return true;
   }
 
@@ -90,34 +88,11 @@ export class Session {
   }
 
   #configure() {
-    const { sim, setup, C } = this;
-    const integer = (name, value) => this.#request(name, sim.ioctlInt(this.client, C[name], value));
-    if (setup.verbose && !integer("MSETVERBOSITY", C.M_VERBOSE)) return false;
-    if (!integer("MSETNUMJOINTS", sim.axes)) return false;
-    if (!integer("MSETINTERVAL", setup.interval_us)) return false;
-    if (!integer("MDACMODE", Number(setup.double_buffer))) return false;
-    for (let axis = 0; axis < sim.axes; axis++) if (!integer("MSETENC", axis)) return false;
-    for (let axis = 0; axis < sim.axes; axis++) if (!this.setParam(axis)) return false;
-    if (!this.#request("MENABLE", sim.ioctl(this.client, C.MENABLE)[0])) return false;
-    this.#checked("write of the setpoints", sim.write(this.client, this.setpoints));
-    return true;
-  }
-
-  /** MGETPARAM first, as the native session does; false: refused. */
-  setParam(axis, ask = true) {
-    const { sim, C } = this;
-    if (ask) sim.getParam(this.client, C.MGETPARAM, axis);
-    const { mode, flags, ...values } = this.params[axis];
-    const word = flags.reduce((bits, flag) => bits | C[flag.toUpperCase()], C[C.MODES[mode]]);
-    const param = { which: axis, ...values, mode: word };
-    return this.#request("MSETPARAM", sim.ioctl(this.client, C.MSETPARAM, sim.pack("mc_param", param))[0]);
-  }
-
-  #request(name, result) {
-    if (result >= 0) return true;
-    this.refused.push([name, -result]);
-    if (this.setup.refusals.includes(name)) return false;
-    throw new Error(`${name}: the driver refuses (errno ${-result}); the scenario does not expect that`);
+    const { sim, setup } = this;
+    const [result, what] = sim.configure(this.client, setup.driver, this.params);
+    if (result < 0 && !setup.refusals.includes(what.split(" ")[0]))
+      throw new Error(`${what}: the driver refuses (errno ${-result}); the scenario does not expect that`);
+    return result >= 0;
   }
 
   #checked(what, result) {
@@ -125,36 +100,27 @@ export class Session {
     return result;
   }
 
-  /** A [[call]]: what became of each request, 0 or an errno. */
-  call({ request, axis, value, set }) {
-    const { sim, C, client } = this;
-    const axes = axis === "all" ? this.params.map((_, n) => n) : [axis].flat();
-    const said = [];
-    const tell = (result) => {
-      if (result < 0) this.refused.push([request, -result]);
-      said.push(result);
-    };
-    if (request === "MCALIB" || request === "MSETENC") {
-      if (request === "MCALIB") sim.read(client, sim.axes);
-      for (const n of axes) {
-        const argument = request === "MCALIB" ? n : n | ((value & 0xffff) << 8);
-        tell(sim.ioctlInt(client, C[request], argument));
-      }
-    } else if (request === "MSETPARAM") {
-      for (const n of axes) {
-        Object.assign(this.params[n], set);
-        const { mode, flags, ...values } = this.params[n];
-        const word = flags.reduce((bits, flag) => bits | C[flag.toUpperCase()], C[C.MODES[mode]]);
-        const param = sim.pack("mc_param", { which: n, ...values, mode: word });
-        tell(sim.ioctl(client, C.MSETPARAM, param)[0]);
-      }
-    } else if (request === "MDACMODE" || request === "MSETINTERVAL") {
-      tell(sim.ioctlInt(client, C[request], value));
-    } else {
-      if (request === "MCLEARERROR") sim.read(client, sim.axes); // clears what a read has shown
-      tell(sim.ioctl(client, C[request])[0]);
-    }
-    return Math.min(...said);
+  /** Axes as a scenario names them, a bit each. */
+  bits(axis) {
+    const axes = axis === "all" ? [...Array(this.sim.axes).keys()] : [axis].flat();
+    return axes.reduce((bits, n) => bits | (1 << n), 0) >>> 0;
+  }
+
+  /** A [[call]]: 0, or an errno of a request. */
+  call({ request, axis, value, set = {} }) {
+    const call = { request: this.C[request], axes: this.bits(axis), value };
+    return this.sim.call(this.client, this.params, call, this.#sets(set));
+  }
+
+  /** What changes in a struct mc_param, as mcdef.sets() of Python. */
+  #sets({ mode, flags, ...numbers }) {
+    const { sim, C } = this;
+    const word = (name) => sim.layouts.mc_param.fields[name][0] / 4;
+    const made = Object.entries(numbers).map(([name, number]) => [word(name), -1, number]);
+    if (mode !== undefined) made.push([word("mode"), C.MD_MASK, C[C.MODES[mode]]]);
+    const switches = flags?.reduce((bits, flag) => bits | C[flag.toUpperCase()], 0);
+    if (flags) made.push([word("mode"), ~C.MD_MASK, switches]);
+    return made;
   }
 
   // --- a person, while the motion goes on ---
@@ -194,37 +160,23 @@ class Caller {
 class Bouncer {
   constructor(session, process) {
     this.session = session;
-    this.axes = process.axis === "all" ? session.params.map((_, n) => n) : [process.axis].flat();
-    this.goals = this.axes.map((_, n) => (Array.isArray(process.to) ? process.to[n] : process.to));
-    this.due = process.at;
-    this.going = false;
+    const goals = new Array(session.sim.axes).fill(0);
+    const axes = process.axis === "all" ? [...goals.keys()] : [process.axis].flat();
+    axes.forEach((axis, n) => (goals[axis] = roundHalfEven([process.to].flat()[n] ?? process.to)));
+    Object.assign(this, { axes, goals, due: process.at, going: false });
   }
 
   act() {
-    const { sim, client, setpoints, C } = this.session;
+    const { sim, client, setpoints } = this.session;
     this.due += SIGNAL_CHECK_S;
-    const rounded = this.goals.map(roundHalfEven);
-    const write = (values) => {
-      for (const [axis, value] of values) setpoints[axis] = value;
-      if (sim.write(client, setpoints) < 0)
-        throw new Error("write of the setpoints by the scenario's process failed");
-    };
-    if (!this.going) {
+    let result;
+    if (this.going) result = sim.bounce(client, this.session.bits(this.axes), this.goals, setpoints);
+    else {
       this.going = true;
-      write(this.axes.map((axis, n) => [axis, rounded[n]]));
-      return;
+      for (const axis of this.axes) setpoints[axis] = this.goals[axis];
+      result = sim.write(client, setpoints);
     }
-    if (!sim.signals(client)) return;
-    const states = sim.read(client, sim.axes);
-    sim.ioctl(client, C.MCLEARERROR);
-    const back = [];
-    this.axes.forEach((axis, n) => {
-      const flags = states[axis].errcode & 0xff;
-      const [high, low] = [flags & C.MERR_PHI, flags & C.MERR_PLO];
-      if (high && !low) back.push([axis, -Math.abs(rounded[n])]);
-      else if (low && !high) back.push([axis, Math.abs(rounded[n])]);
-    });
-    if (back.length) write(back);
+    if (result < 0) throw new Error(`the scenario's process: errno ${-result}`);
   }
 }
 

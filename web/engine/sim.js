@@ -103,10 +103,6 @@ export class Sim {
     return [result, this.#bytes(this.#room, (request >>> 16) & 0x1fff)];
   }
 
-  ioctlInt(client, request, value) {
-    return this.ioctl(client, request, new Uint8Array(new Int32Array([value]).buffer))[0];
-  }
-
   /** [result, parameters by name] of MGETPARAM. */
   getParam(client, request, axis) {
     const [result, out] = this.ioctl(client, request, this.pack("mc_param", { which: axis }));
@@ -127,7 +123,7 @@ export class Sim {
 
   write(client, setpoints) {
     this.tell?.("write", [client, [...setpoints]]);
-    new Int32Array(this.#m.HEAPU8.buffer, this.#room, setpoints.length).set(setpoints);
+    this.#ints(this.#room, setpoints);
     return this.#m._mmcs_sim_write(this.#at, client, this.#room, 4 * setpoints.length);
   }
 
@@ -142,12 +138,53 @@ export class Sim {
     return states;
   }
 
+  // --- what a program does with it for a scenario: sim/service ---
+
+  /** driver: fields of mmcs_driver; params: struct mc_param of each axis, as bytes. [result, what
+   * was refused]. */
+  configure(client, driver, params) {
+    this.tell?.("configure", [client, driver, params.slice()]);
+    const [given, said] = [this.#room + 64, this.#room + 64 + params.length];
+    this.#put(this.#room, "mmcs_driver", driver);
+    this.#m.HEAPU8.set(params, given);
+    const result = this.#m._mmcs_sim_configure(this.#at, client, 3, this.#room, given, said, 80);
+    return [result, this.#m.UTF8ToString(said)];
+  }
+
+  /** A [[call]]: fields of mmcs_call, and its changes as [word, mask, value]; params change. */
+  call(client, params, call, sets) {
+    this.tell?.("call", [client, params.slice(), call, sets]);
+    const given = this.#room + 64;
+    const changes = given + params.length;
+    const states = changes + 12 * sets.length;
+    const results = states + this.axes * this.layouts.mc_state.size;
+    this.#put(this.#room, "mmcs_call", { ...call, sets: sets.length });
+    this.#m.HEAPU8.set(params, given);
+    this.#ints(changes, sets.flat());
+    const result = this.#m._mmcs_sim_call(
+      this.#at, client, this.axes, given, this.#room, changes, states, results);  // prettier-ignore
+    params.set(this.#bytes(given, params.length));
+    return result;
+  }
+
+  /** axes: a bit each; setpoints change as they are written. */
+  bounce(client, axes, goals, setpoints) {
+    this.tell?.("bounce", [client, axes, goals, [...setpoints]]);
+    const now = this.#room + 4 * this.axes;
+    this.#ints(this.#room, goals);
+    this.#ints(now, setpoints);
+    const result = this.#m._mmcs_sim_bounce(this.#at, client, this.axes, axes, this.#room, now);
+    setpoints.splice(0, this.axes, ...new Int32Array(this.#m.HEAPU8.buffer, now, this.axes));
+    return result;
+  }
+
+  #ints(at, values) {
+    new Int32Array(this.#m.HEAPU8.buffer, at, values.length).set(values);
+  }
+
   stop() {
     this.tell?.("stop", []);
     return this.#m._mmcs_sim_stop(this.#at);
-  }
-  signals(client) {
-    return this.#m._mmcs_sim_signals(this.#at, client);
   }
 
   // --- the bus by hand: a value; -1 nobody answers, -2 a bus error ---
@@ -227,12 +264,6 @@ export class Sim {
   checkpoints() {
     const count = this.#m._mmcs_sim_checkpoints(this.#at, this.#room);
     return this.#bytes(this.#view.getUint32(this.#room, true), count * this.layouts.mmcs_checkpoint.size);
-  }
-  setpoint(axis) {
-    return this.#m._mmcs_sim_setpoint(this.#at, axis);
-  }
-  trueCount(axis) {
-    return this.#m._mmcs_sim_true_count(this.#at, axis);
   }
 
   // --- the tap ---
