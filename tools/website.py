@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import base64
+import errno
 import hashlib
 import json
 import os
@@ -21,7 +22,9 @@ from pathlib import Path
 
 from mmcs import BUILD, ROOT, SCENARIOS, __version__, find, load, make_ffi, mcdef
 from mmcs.device import messages
+from mmcs.device.arguments import REQUESTS
 from mmcs.device.machine import KEPT_EVENTS, KEPT_ROWS
+from mmcs.device.operations import MOST_SNAPSHOTS
 from mmcs.inputs import INPUTS
 from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
@@ -158,9 +161,13 @@ def protocol() -> dict:
     """What both servers of the messages have."""
     return {
         "number": messages.PROTOCOL,
+        "requests": REQUESTS,
+        "errors": {number: [name, os.strerror(number)] for number, name in errno.errorcode.items()},
         "fields": messages.FIELDS,
         "kept_rows": KEPT_ROWS,
         "kept_events": KEPT_EVENTS,
+        "param": [name for name, _ in make_ffi().typeof("struct mc_param").fields],
+        "most_snapshots": MOST_SNAPSHOTS,
     }
 
 

@@ -32,7 +32,7 @@ const room = (id) => document.getElementById(id);
  * once, and how long the page may then be silent. Throws one sentence. */
 export function run(carrier, workers, control, deadman_ms = 250) {
   document.body.dataset.theme = asked.get("theme") ?? "";
-  const silence_ms = askedNumber(asked, "deadman", 1, LONGEST_MS, deadman_ms);
+  const silence_ms = askedNumber(asked, "deadman", 50, LONGEST_MS, deadman_ms);
   const interval_ms = askedNumber(asked, "t", 0, 1000, null);
   const machine = new Machine(new Link(carrier), silence_ms);
   const page = new Page(machine, workers);

@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
-from mmcs import mcdef
+import tomllib
+
+from mmcs import ROOT, mcdef
 from mmcs.device.wire import EINVAL
+
+REQUESTS = tomllib.loads((ROOT / "sim" / "service" / "messages.toml").read_text())
 
 
 class Refused(Exception):
@@ -16,11 +20,17 @@ class Refused(Exception):
 
 
 class Arguments:
-    """What a request says, with its kind and its range; anything else is Refused by name."""
+    """What a request says, as messages.toml has it; anything else is Refused by name."""
 
-    def __init__(self, said: dict):
+    def __init__(self, said: dict, axes: int):
         self._said = said
-        self.id = said.get("id")
+        self.id, self.op = said.get("id"), self.text("op")
+        self._known = REQUESTS.get(self.op, {})
+        self._sizes = {"axes": axes, "last axis": axes - 1}
+
+    def __getitem__(self, name: str):
+        kind, *bounds = self._known[name]
+        return getattr(self, kind)(name, *(self._sizes.get(bound, bound) for bound in bounds))
 
     def __contains__(self, name: str) -> bool:
         return name in self._said
@@ -46,7 +56,7 @@ class Arguments:
             raise Refused(EINVAL, f"{name}: true or false")
         return value
 
-    def text(self, name: str, choices: tuple[str, ...] = ()) -> str:
+    def text(self, name: str, *choices: str) -> str:
         value = self._said.get(name)
         if type(value) is not str or (choices and value not in choices):
             raise Refused(EINVAL, f"{name}: " + (" or ".join(choices) or "a text"))
@@ -58,14 +68,14 @@ class Arguments:
             raise Refused(EINVAL, f"{name}: at most {most} whole numbers of 32 bits")
         return values
 
-    def param(self) -> dict[str, int]:
-        values = self._said.get("param")
+    def param(self, key: str) -> dict[str, int]:
+        values = self._said.get(key)
         known = [n for n, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
         if type(values) is not dict or not values:
-            raise Refused(EINVAL, "param: an object with fields of struct mc_param")
+            raise Refused(EINVAL, f"{key}: an object with fields of struct mc_param")
         for name, value in values.items():
             if name not in known or not _fits(value):
-                raise Refused(EINVAL, f"param: {name} is no field, or not a number of 32 bits")
+                raise Refused(EINVAL, f"{key}: {name} is no field, or not a number of 32 bits")
         return {name: value for name, value in values.items() if name != "which"}
 
 

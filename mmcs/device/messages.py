@@ -14,7 +14,7 @@ import time
 from mmcs import mcdef
 from mmcs.device.arguments import Arguments, Refused
 from mmcs.device.connection import Connection
-from mmcs.device.machine import KEPT_ROWS, Machine
+from mmcs.device.machine import Machine
 from mmcs.device.operations import Operations
 from mmcs.device.wire import EBADF, EBUSY, EINVAL
 
@@ -36,11 +36,11 @@ class Stream:
 
     def __init__(self, machine: Machine, a: Arguments):
         self._sim = machine.sim
-        self.samples, self.events = a.flag("samples", True), a.flag("events", True)
-        self.every = a.integer("every", 1, 1_000_000, 1)
-        self.period = a.number("period_ms", 0, 10_000, 20) / 1000
+        self.samples, self.events = a["samples"], a["events"]
+        self.every = a["every"]
+        self.period = a["period_ms"] / 1000
         rows, events, self.row_bytes = self._sim.tap_head()
-        self.row = max(0, rows - a.integer("past", 0, KEPT_ROWS, 0))
+        self.row = max(0, rows - a["past"])
         self.event, self.lost, self.due = events, 0, 0.0
 
     def take_samples(self, axes: int, cards: int) -> bytes:
@@ -137,9 +137,10 @@ class Messenger(Connection):
 
     def _reply(self, op: object, message: dict) -> dict | None:
         """None: it comes later."""
+        self.client.said = ""
         try:
-            asked = Arguments(message)
-            name = f"do_{asked.text('op')}"
+            asked = Arguments(message, 2 * self.machine.cards)
+            name = f"do_{asked.op}"
             serve = getattr(self, name, None) or getattr(self._operations, name, None)
             if serve is None:
                 raise Refused(ENOSYS, f"op: there is no {op!r}")
@@ -204,11 +205,11 @@ class Messenger(Connection):
         return {k: v for k, v in self._hello().items() if k != "type"}
 
     def do_name(self, a: Arguments) -> dict:
-        self.client.name = "".join(c for c in a.text("name")[:64] if c.isprintable())
+        self.client.name = "".join(c for c in a["name"][:64] if c.isprintable())
         return {}
 
     def do_open(self, a: Arguments) -> dict:
-        flags = os.O_RDWR if a.text("mode", ("r", "rw")) == "rw" else os.O_RDONLY
+        flags = os.O_RDWR if a["mode"] == "rw" else os.O_RDONLY
         self.check(self.machine.open(self.client, "/dev/mc0", flags))
         return {}
 
@@ -224,27 +225,25 @@ class Messenger(Connection):
 
     def do_read(self, a: Arguments) -> dict:
         self._must_be_open()
-        size = MC_STATE.size * a.integer("axes", 1, 2 * self.machine.cards, 2 * self.machine.cards)
+        size = MC_STATE.size * a["axes"]
         result, data = self.machine.read(self.client, size)
         self.check(result)
         return {"states": [list(row) for row in MC_STATE.iter_unpack(data)]}
 
     def do_write(self, a: Arguments) -> dict:
         self._must_be_open(writing=True)
-        values = a.integers("setpoints", 2 * self.machine.cards)
+        values = a["setpoints"]
         self.check(self.machine.write(self.client, struct.pack(f"<{len(values)}i", *values)))
         return {}
 
     def do_setpoint(self, a: Arguments) -> dict:
         self._must_be_open(writing=True)
-        axis = a.integer("axis", 0, 2 * self.machine.cards - 1)
-        value = a.integer("value", -(1 << 31), (1 << 31) - 1)
-        self.check(self.machine.setpoint(self.client, axis, value))
+        self.check(self.machine.setpoint(self.client, a["axis"], a["value"]))
         return {"t": self.machine.sim.time}
 
     def do_call(self, a: Arguments) -> dict:
         self._must_be_open()
-        name = a.text("request")
+        name = a["request"]
         request = mcdef.constants().get(name, 0)
         if request & 0xFF00 != mcdef.MC_GROUP or name.startswith("MC_"):
             raise Refused(ENOTTY, f"request: there is no {name}")
@@ -256,28 +255,25 @@ class Messenger(Connection):
         if not request & mcdef.MC_ARG_IN:
             return b""
         if request & 0x1FFF0000 == mcdef.MC_INT:
-            value = a.integer("value", -(1 << 31), (1 << 32) - 1)
-            return struct.pack("<I", value & 0xFFFFFFFF)
-        axis = a.integer("axis", 0, 255)
-        param = mcdef.new_param(axis)
+            return struct.pack("<I", a["value"] & 0xFFFFFFFF)
+        param = mcdef.new_param(a["axis"])
         if request == mcdef.MSETPARAM:
-            for name, value in a.param().items():
+            for name, value in a["param"].items():
                 setattr(param, name, value)
         return bytes(mcdef.make_ffi().buffer(param))
 
     def do_change(self, a: Arguments) -> dict:
         self._must_be_open(writing=True)
-        axis = a.integer("axis", 0, 255)
-        result, out = self.machine.change(self.client, axis, a.param())
+        result, out = self.machine.change(self.client, a["axis"], a["param"])
         self.check(result)
         return _unpacked(mcdef.MGETPARAM, out)
 
     def do_load(self, a: Arguments) -> dict:
-        return self._bus(a.integer("offset", 0, 0x7FF), None)
+        return self._bus(a["offset"], None)
 
     def do_store(self, a: Arguments) -> dict:
         self._operations.must_control()
-        return self._bus(a.integer("offset", 0, 0x7FF), a.integer("value", 0, 255))
+        return self._bus(a["offset"], a["value"])
 
     def _bus(self, offset: int, value: int | None) -> dict:
         sim = self.machine.sim

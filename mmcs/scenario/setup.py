@@ -53,9 +53,7 @@ class Setup:
             "links": len(self.links()),
             "seed": scenario.seed,
             "gravity": self.robot.gravity if scenario.gravity else [0.0, 0.0, 0.0],
-            "cpu_us_per_axis": host.cpu_us_per_axis,
-            "latency_max_us": host.latency_max_us,
-            "bus_timeout_us": host.bus_timeout_us,
+            **host.model_dump(include={"cpu_us_per_axis", "latency_max_us", "bus_timeout_us"}),
             **self.guard(),
             "wait_states": host.wait_states,
             "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,
@@ -64,23 +62,15 @@ class Setup:
             "amp_panic_cut": safety.cut(scenario),
         }
 
-    def hardware(self) -> str:
-        """Which RTL: that of 1989 or with Safety2026."""
+    def hardware(self) -> str:  # which RTL: that of 1989 or with Safety2026
         return safety.given(self.scenario, "hardware")
 
-    def guard(self) -> dict:
-        """The fields of mmcs_config of the driver's guard."""
+    def guard(self) -> dict:  # the fields of mmcs_config of the driver's guard
         return safety.guard(self.scenario, self.robot)
 
-    def driver(self) -> dict:
-        """The fields of mmcs_driver."""
-        scenario = self.scenario
-        return {
-            "axes": self.axes,
-            "verbose": int(scenario.verbose),
-            "interval_us": scenario.interval_us,
-            "double_buffer": int(scenario.double_buffer),
-        }
+    def driver(self) -> dict:  # the fields of mmcs_driver
+        keys = ("verbose", "interval_us", "double_buffer")
+        return {"axes": self.axes} | {key: int(getattr(self.scenario, key)) for key in keys}
 
     def moment(self) -> float:
         """When there is something to see, s of motion: the first event, or the first setpoint."""

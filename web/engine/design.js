@@ -48,8 +48,8 @@ function at({ num, den }, angle) {
   return [(a * c + b * d) / size, (b * c - a * d) / size];
 }
 
-/** As %.3g of Python. */
-function told(x, digits) {
+/** As %.3g of C, for three digits. */
+export function asC(x, digits) {
   const [mantissa, power] = x.toExponential(digits - 1).split("e");
   const exponent = Number(power);
   if (exponent >= -4 && exponent < digits) return String(Number(x.toPrecision(digits)));
@@ -79,7 +79,7 @@ function scaled(d, s) {
     const rounded = even(total(num));
     a[1] = rounded - a[0] - a[2];
     if (Math.abs(total(num)) < SMALLEST_INTEGRAL)
-      warnings.push(`S*I*T = ${told(total(num), 3)} rounds the integral to ${rounded}; take a larger scale`);
+      warnings.push(`S*I*T = ${asC(total(num), 3)} rounds the integral to ${rounded}; take a larger scale`);
   }
   if (Math.max(...[...a, ...b].map(Math.abs)) > INT32_MAX)
     throw new Error(`scale = ${s}: a coefficient exceeds 32 bits; take ${s > 1 ? "a smaller scale" : "smaller gains"}`);
@@ -94,10 +94,10 @@ function scaled(d, s) {
     const size = u * u + v * v;
     error = Math.max(error, Math.hypot((x * u + y * v) / size - 1, (y * u - x * v) / size));
   }
-  if (error >= GOOD_ROUNDING) warnings.push(`rounding changes the gain by up to ${told(100 * error, 2)} %`);
+  if (error >= GOOD_ROUNDING) warnings.push(`rounding changes the gain by up to ${asC(100 * error, 2)} %`);
   for (const pole of realPoles(d.den))
     if (pole < -0.9)
-      warnings.push(`pole at z = ${told(pole, 3)}: the loop rings with double-buffered D/As; take the backward difference`);
+      warnings.push(`pole at z = ${asC(pole, 3)}: the loop rings with double-buffered D/As; take the backward difference`);
   return { a, b, gain_error: error, warnings };
 }
 

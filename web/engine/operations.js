@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a page may ask of its machine, by the names of docs/use/protocol.md. Each takes the server and
-// the message and returns, or promises, what the reply says.
+// the arguments (arguments.js) and returns, or promises, what the reply says. The page is alone: nobody
+// else can have the lease, which is there for its dead-man.
 
+import { asC } from "./design.js";
 import { Law } from "./law.js";
 import { E, PAGE, PROGRAM, Refused } from "./refused.js";
-
-function integer(message, name, low, high, fallback) {
-  const value = message[name] ?? fallback;
-  if (!Number.isInteger(value) || value < low || value > high)
-    throw new Refused(E.EINVAL, `${name}: a whole number from ${low} to ${high}`);
-  return value;
-}
 
 const bus = (s, value) => {
   if (value === -1) throw new Refused(E.EIO, "bus time-out");
@@ -20,68 +15,72 @@ const bus = (s, value) => {
 
 export const OPERATIONS = {
   hello: (s) => s.hello(),
-  name: () => ({}),
+  name: (s, a) => a.get("name") && {},
   alive: () => ({}),
-  open: (s, { mode }) => {
-    if (s.page >= 0) throw new Refused(E.EBUSY, "the device is open already");
-    s.page = s.check(s.sim.open(mode === "rw" ? 2 : 0));
-    s.writable = mode === "rw";
+  open: (s, a) => {
+    const writable = a.get("mode") === "rw";
+    s.page = s.check(s.page >= 0 ? -E.EBUSY : s.sim.open(writable ? 2 : 0));
+    s.writable = writable;
     return {};
   },
   close: (s) => {
-    s.mustBeOpen();
+    if (s.page < 0) s.check(-E.EBADF);
     if (s.lease === PAGE) s.setLease(null);
     s.sim.close(s.page);
     s.page = -1;
     return {};
   },
-  read: (s, { axes = 2 * s.sim.cards }) => {
+  read: (s, a) => {
     s.mustBeOpen();
-    const states = s.sim.read(s.page, axes);
+    const states = s.sim.read(s.page, a.get("axes"));
     if (!Array.isArray(states)) s.check(states);
     return { states: states.map((state) => Object.values(state)) };
   },
-  write: (s, { setpoints }) => {
+  write: (s, a) => {
     s.mustWrite();
-    s.check(s.sim.write(s.page, setpoints));
+    s.check(s.sim.write(s.page, a.get("setpoints")));
     return {};
   },
-  setpoint: (s, message) => {
-    const axis = integer(message, "axis", 0, s.sim.axes - 1);
-    const value = integer(message, "value", -(2 ** 31), 2 ** 31 - 1);
+  setpoint: (s, a) => {
     s.mustWrite();
-    const argument = new Uint8Array(Int32Array.of(axis, value).buffer);
+    const argument = new Uint8Array(Int32Array.of(a.get("axis"), a.get("value")).buffer);
     s.check(s.sim.ioctl(s.page, s.C.MSETPOINT, argument)[0]);
     return { t: s.sim.time };
   },
-  call: (s, message) => s.call(message),
-  change: async (s, { axis, param }) => {
+  call: (s, a) => s.call(a),
+  change: async (s, a) => {
     s.mustBeOpen(true);
-    s.mustControl();
-    return { param: await s.change(axis, param) };
+    return { param: await s.change(a.get("axis"), a.get("param")) };
   },
-  load: (s, message) => {
+  load: (s, a) => {
+    const offset = a.get("offset");
     s.spoil("a register was read by hand");
-    return { value: bus(s, s.sim.load(integer(message, "offset", 0, 0x7ff))) };
+    return { value: bus(s, s.sim.load(offset)) };
   },
-  store: (s, message) => {
-    s.mustControl();
+  store: (s, a) => {
+    const [offset, value] = [a.get("offset"), a.get("value")];
     s.spoil("a register was written by hand");
-    bus(s, s.sim.store(integer(message, "offset", 0, 0x7ff), integer(message, "value", 0, 255)));
+    bus(s, s.sim.store(offset, value));
     return {};
   },
   stop: (s) => {
     s.check(s.stop());
     return { t: s.sim.time };
   },
-  lease: (s, { take, drop, deadman_ms }) => {
-    if (drop) {
+  lease: (s, a) => {
+    if (a.has("give")) {
+      a.get("give");
+      if (s.lease !== PAGE) throw new Refused(E.EBUSY, "only the holder can pass the lease on");
+      throw new Refused(E.EINVAL, "give: no such client has the device open for writing");
+    }
+    if (a.has("drop")) {
       if (s.lease === PAGE) s.setLease(null);
-    } else if (take) {
-      s.mustControl();
-      s.mustBeOpen(true);
-      s.setLease(PAGE, deadman_ms ? deadman_ms / 1000 : null);
-    } else throw new Refused(E.EINVAL, "lease: there is nobody else here");
+    } else {
+      a.get("take");
+      const deadman_s = a.has("deadman_ms") ? a.get("deadman_ms") / 1000 : null;
+      if (s.page < 0 || !s.writable) s.check(-E.EBADF);
+      s.setLease(PAGE, deadman_s);
+    }
     return { lease: s.lease };
   },
   clients: (s) => ({
@@ -101,43 +100,41 @@ export const OPERATIONS = {
       return { ...told, values };
     }),
   }),
-  input: async (s, message) => {
-    const { name, value } = message;
+  input: async (s, a) => {
+    const name = a.get("name");
     const known = s.setup.inputs.find((i) => i.name === name);
-    if (!known) throw new Refused(E.EINVAL, `name: there is no input ${name}`);
-    if (typeof value !== "number" || !(value >= known.low && value <= known.high))
-      throw new Refused(E.EINVAL, `value: a number from ${known.low} to ${known.high}`);
+    if (!known) throw new Refused(E.EINVAL, `name: there is no input '${name}'`);
+    const value = a.number("value", known.low, known.high);
     const places = { machine: 1, card: s.sim.cards, axis: 2 * s.sim.cards };
-    const index = integer(message, "index", 0, places[known.scope] - 1, 0);
-    if (name !== "estop" || value !== 1) s.mustControl();
+    const index = a.integer("index", 0, places[known.scope] - 1, 0);
     if (s.session.playing) await s.session.do(() => s.setInput(name, index, value));
     else s.setInput(name, index, value);
     return { t: s.sim.time };
   },
-  pace: (s, { speed, paused }) => {
-    s.mustControl();
-    if (speed !== undefined) s.speed = speed;
-    if (paused !== undefined) s.paused = paused;
+  pace: (s, a) => {
+    const asked = a.has("speed") && a.said.speed !== null;
+    const speed = asked ? a.get("speed") : a.has("speed") ? null : s.speed;
+    const paused = a.has("paused") ? a.get("paused") : s.paused;
+    Object.assign(s, { speed, paused });
     s.restart?.();
-    s.sim.tapNote("pace", 0, s.paused ? "paused" : s.speed === null ? "as fast as it goes" : `speed ${s.speed}`);
-    return { speed: s.speed, paused: s.paused };
+    s.sim.tapNote("pace", 0, paused ? "paused" : speed === null ? "as fast as it goes" : `speed ${asC(speed, 6)}`);
+    return { speed, paused };
   },
-  advance: (s, { seconds }) => {
-    s.mustControl();
+  advance: (s, a) => {
     if (!s.paused) throw new Refused(E.EBUSY, "time passes by itself; pause first");
-    if (!(seconds >= 0 && seconds <= 10)) throw new Refused(E.EINVAL, "seconds: a number from 0 to 10");
+    const seconds = a.get("seconds");
     return new Promise((done) => {
       s.target = { t: s.sim.time + seconds, done: () => done({ t: s.sim.time }) };
     });
   },
   machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
-  ring: (s, message) => {
-    const { every_s } = message;
-    if (!(every_s >= 0.001 && every_s <= 3600)) throw new Refused(E.EINVAL, "every_s: a number from 0.001 to 3600");
-    s.past.ring(every_s, integer(message, "count", 0, 1000));
+  ring: (s, a) => {
+    s.past.ring(a.get("every_s"), a.get("count"));
     return {};
   },
   snapshot: (s) => {
+    const most = s.protocol.most_snapshots;
+    if (s.asked.size >= most) throw new Refused(E.EBUSY, `${most} snapshots are kept already; drop one`);
     const id = s.past.keep();
     s.asked.add(id);
     return { snapshot: { id, t: s.sim.time } };
@@ -145,30 +142,36 @@ export const OPERATIONS = {
   snapshots: (s) => ({
     snapshots: s.sim.snapshots().map(({ id, t }) => ({ id, t, kept: s.asked.has(id) })),
   }),
-  drop: (s, { snapshot }) => {
+  drop: (s, a) => {
+    const snapshot = a.get("snapshot");
+    s.asked.delete(snapshot);
     if (!s.sim.drop(snapshot)) throw new Refused(E.EINVAL, "snapshot: there is none of this number");
     return {};
   },
-  rewind: (s, { snapshot, t }) => {
-    s.mustControl();
+  rewind: (s, a) => {
     const kept = s.sim.snapshots();
-    const found = t === undefined ? kept.find((k) => k.id === snapshot) : kept.findLast((k) => k.t <= t + 1e-9);
+    const [name, from] = a.has("t") ? ["t", "findLast"] : ["snapshot", "find"];
+    const asked = a.get(name);
+    const found = kept[from]((k) => (name === "t" ? k.t <= asked + 1e-9 : k.id === asked));
     if (!found) throw new Refused(E.EINVAL, "snapshot: there is none of this number or time");
     s.spoil("time was turned back");
     s.endSession?.();
     s.sim.restore(found.id);
     s.past.restored(found.id);
+    s.asked = new Set([...s.asked].filter((id) => id <= found.id));
     s.sim.tapNote("rewind", found.id, `back to snapshot ${found.id}`);
     s.restart?.();
     return { t: s.sim.time, snapshot: found.id };
   },
-  follow: (s, { samples = true, events = true, every = 1, period_ms = 20, past = 0 }) => {
+  follow: (s, a) => {
+    const [samples, events, every] = ["samples", "events", "every"].map((name) => a.get(name));
+    const period_s = a.get("period_ms") / 1000;
     const head = s.sim.tapHead();
-    s.follow = { samples, events, every, period_s: period_ms / 1000, row: Math.max(0, head.rows - past),
-      event: head.events, lost: 0, due: 0 };  // prettier-ignore
+    const row = Math.max(0, head.rows - a.get("past"));
+    s.follow = { samples, events, every, period_s, row, event: head.events, lost: 0, due: 0 };
     return {};
   },
-  law: async (s, { axis, text, r }) => {
+  law: async (s, { said: { axis, text, r } }) => {
     s.mustWrite();
     const none = s.setpoints(); // where the axis with the law has no current
     s.law = null;
@@ -183,7 +186,7 @@ export const OPERATIONS = {
     return {};
   },
   cost: (s) => ({ cycles: s.sim.stats().bus_cycles, samples: s.sim.tapHead().rows }),
-  waves: (s, { t, ms = 2 }) => s.waves(t, ms),
+  waves: (s, { said: { t, ms = 2 } }) => s.waves(t, ms),
   memory: (s) => ({ bytes: s.sim.memory }),
   unfollow: (s) => {
     s.follow = null;

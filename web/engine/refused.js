@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Refusals with the numbers of errno, and who is who at the machine of a page.
 
-export const E = { EPERM: 1, EIO: 5, ENXIO: 6, EBADF: 9, EBUSY: 16, EINVAL: 22, ENOSYS: 38 };
+export const E = { EPERM: 1, EIO: 5, ENXIO: 6, EBADF: 9, EBUSY: 16, EINVAL: 22, ENOTTY: 25, ENOSYS: 38 };
 export const PROGRAM = 1; // the scenario's own
 export const PAGE = 2;
-
-export const nameOf = (errno) => Object.keys(E).find((name) => E[name] === errno) ?? String(errno);
 
 export class Refused extends Error {
   constructor(errno, text) {

@@ -2,9 +2,10 @@
 // The machine's messages (docs/use/protocol.md) inside a page: what mmcs/device/ is for a socket, for
 // one page and the frame of STOP. The scenario's own program is client 1.
 
+import { Arguments } from "./arguments.js";
 import { OPERATIONS } from "./operations.js";
 import { MOST_MS, Past } from "./past.js";
-import { E, nameOf, PAGE, Refused } from "./refused.js";
+import { E, PAGE, Refused } from "./refused.js";
 
 const ROWS_AT_ONCE = 256;
 const HEAD_BYTES = 32;
@@ -46,15 +47,24 @@ export class Server {
   /** One request of the page. */
   async hear(message, now) {
     this.heard = now;
-    const { id, op } = message;
-    const serve = Object.hasOwn(OPERATIONS, op) ? OPERATIONS[op] : null;
+    const { requests, param } = this.protocol;
+    let { id } = message;
     let reply;
+    this.before = this.sim.tapHead().events;
     try {
-      if (!serve) throw new Refused(E.ENOSYS, `op: there is no ${op} in this page`);
-      reply = { ok: true, ...(await serve(this, message)) };
+      if (typeof id === "object" && id !== null) {
+        id = null;
+        throw new Refused(E.EINVAL, "id: a number or a text");
+      }
+      const asked = new Arguments(message, requests, 2 * this.sim.cards, param);
+      const op = asked.text("op");
+      const serve = Object.hasOwn(OPERATIONS, op) ? OPERATIONS[op] : null;
+      if (!serve) throw new Refused(E.ENOSYS, `op: there is no '${op}'`);
+      reply = { ok: true, ...(await serve(this, asked)) };
     } catch (no) {
       const errno = no.errno ?? E.EIO;
-      reply = { ok: false, errno, error: nameOf(errno), text: no.message };
+      const [error, text] = this.protocol.errors[errno] ?? [String(errno), ""];
+      reply = { ok: false, errno, error, text: no.message || text };
     }
     this.say({ type: "reply", id, ...reply });
   }
@@ -98,10 +108,6 @@ export class Server {
     this.sim.tapNote("lease", client ?? -1, text);
   }
 
-  mustControl() {
-    if (this.lease !== null && this.lease !== PAGE) throw new Refused(E.EBUSY, "another has the lease");
-  }
-
   mustBeOpen(writing = false) {
     if (this.page < 0 || (writing && !this.writable))
       throw new Refused(E.EBADF, `the device is not open${writing ? " for writing" : ""}`);
@@ -109,16 +115,16 @@ export class Server {
 
   mustWrite() {
     this.mustBeOpen(true);
-    this.mustControl();
     if (this.session.playing)
       throw new Refused(E.EBUSY, "the scenario's program writes the setpoints until its motion ends");
   }
 
+  /** The driver's answer, or Refused with what it said since the request began. */
   check(result) {
     if (result >= 0) return result;
-    const { events } = this.sim.tapEvents(Math.max(0, this.sim.tapHead().events - 8));
+    const { events } = this.sim.tapEvents(this.before);
     const said = events.filter((e) => e.kind === "log").map((e) => e.text.replace(/^mc: /, ""));
-    throw new Refused(-result, said.at(-1) ?? `the driver refuses: ${nameOf(-result)}`);
+    throw new Refused(-result, said.join("; "));
   }
 
   setInput(name, index, value) {
@@ -212,32 +218,37 @@ export class Server {
       return param;
     }
     const { mode, ...set } = wanted;
+    delete set.which;
     if (mode !== undefined) Object.assign(set, named(mode, C));
     const result = await session.do(() => session.personCalls({ request: "MSETPARAM", axis, set }));
     this.check(result);
     return this.param(axis);
   }
 
-  async call({ request, value, axis, param }) {
+  async call(a) {
     this.mustBeOpen();
     const { C, sim, session } = this;
+    const request = a.get("request");
     const number = C[request];
-    if (number === undefined || !request.startsWith("M") || request.startsWith("MC_"))
-      throw new Refused(25, `request: there is no ${request}`);
-    if (!this.C.READS.includes(request)) {
-      this.mustControl();
-      this.mustBeOpen(request !== "MSTOP");
+    if ((number & 0xff00) !== C.MC_GROUP || request.startsWith("MC_"))
+      throw new Refused(E.ENOTTY, `request: there is no ${request}`);
+    if (!C.READS.includes(request)) this.mustBeOpen(request !== "MSTOP");
+    if (request === "MGETPARAM") return { param: this.param(a.get("axis")) };
+    if (request === "MSETPARAM") {
+      const none = Object.fromEntries(this.protocol.param.map((name) => [name, 0]));
+      const axis = a.get("axis");
+      await this.change(axis, { ...none, ...a.get("param"), which: axis });
+      return {};
     }
-    if (request === "MGETPARAM") return { param: this.param(axis) };
-    if (request === "MSETPARAM") return { param: await this.change(axis, param) };
-    if (session.playing && this.C.CALLED.includes(request)) {
+    const value = number >>> 31 ? a.get("value") : undefined;
+    if (session.playing && C.CALLED.includes(request)) {
       const call = ["MSETENC", "MCALIB"].includes(request)
         ? { request, axis: value & 0xff, value: value >> 8 }
         : value === undefined ? { request } : { request, value };  // prettier-ignore
       this.check(await session.do(() => session.personCalls(call)));
       return {};
     }
-    if (!this.C.READS.includes(request)) this.spoil(`${request} by hand`);
+    if (!C.READS.includes(request)) this.spoil(`${request} by hand`);
     const argument = value === undefined ? undefined : new Uint8Array(new Int32Array([value]).buffer);
     const [result, out] = sim.ioctl(this.page, number, argument);
     this.check(result);
