@@ -86,16 +86,16 @@ class Run:
         return _pandas().DataFrame(self.log, columns=names).set_index(names[0])
 
     def plot(self, path: Path | str) -> None:
-        """Draws position, error and current of each axis; the name's ending says in what format."""
+        """Draws position, joint angle, error and current of each axis, as SVG."""
         from mmcs.view.plot import write_plot
 
         write_plot(self.result, Path(path))
 
-    def _repr_png_(self) -> bytes:
+    def _repr_svg_(self) -> str:
         from mmcs.view.plot import write_plot
 
-        picture = io.BytesIO()
-        write_plot(self.result, picture, "png")
+        picture = io.StringIO()
+        write_plot(self.result, picture)
         return picture.getvalue()
 
     def __repr__(self) -> str:

@@ -35,7 +35,7 @@ def test_a_run_is_that_of_the_command(lab500, tmp_path, mmcs):
 
 
 def test_a_run_shows_itself(lab500, tmp_path):
-    assert lab500._repr_png_().startswith(b"\x89PNG") and lab500.hash in repr(lab500)
+    assert lab500._repr_svg_().startswith("<?xml") and lab500.hash in repr(lab500)
     lab500.plot(tmp_path / "step.svg")
     assert "<svg" in (tmp_path / "step.svg").read_text()
 
@@ -128,7 +128,7 @@ def test_the_notebook_runs_and_shows_something():
         exec(compile(tree, "study.ipynb", "exec"), scope)
         assert isinstance(last, ast.Expr), "each cell ends with what it shows"
         shown.append(eval(compile(ast.Expression(last.value), "study.ipynb", "eval"), scope))
-    assert len(shown) == 5 and shown[0]._repr_png_()
+    assert len(shown) == 5 and shown[0]._repr_svg_()
     steady = shown[2][1]
     assert steady[0] < 8 and steady[1] > 20, "friction shows"
     assert len(shown[3]) == 6 and 150 < shown[4] < 250

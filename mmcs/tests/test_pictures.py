@@ -10,7 +10,7 @@ import pytest
 
 from mmcs import ROOT, logcols
 from mmcs.scenario.load import load
-from mmcs.view import svg
+from mmcs.view import chart, svg
 from mmcs.view.film import arm_points
 
 FIRST = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -125,3 +125,59 @@ def test_the_pictures_of_the_docs_are_small():
         assert len(text) < 60_000, path
         if text.startswith("<?xml"):  # Matplotlib's
             assert svg.smaller(text) == text, path
+
+
+@pytest.mark.parametrize(("low", "high", "expected"), [
+    (0, 1, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]),
+    (0, 1.25, ["0.00", "0.25", "0.50", "0.75", "1.00", "1.25"]),
+    (-1020, 1020, ["\N{MINUS SIGN}1000", "\N{MINUS SIGN}500", "0", "500", "1000"]),
+    (0.0008, 0.0042, ["0.001", "0.002", "0.003", "0.004"]),
+])  # fmt: skip
+def test_ticks_are_round_numbers(low, high, expected):
+    values, decimals = chart.ticks(low, high, 5)
+    assert [chart.number(value, decimals) for value in values] == expected
+
+
+def ends(way):
+    """Points that a path of a chart goes through."""
+    x, y = map(float, re.match(r"M(\S+) (\S+?)(?=[hl]|$)", way).groups())
+    points = [(x, y)]
+    for right, down in re.findall(r"[hl](-?[\d.]+)[v ](-?[\d.]+)", way):
+        x, y = x + float(right), y + float(down)
+        points.append((round(x, 1), round(y, 1)))
+    return points
+
+
+@pytest.mark.parametrize("steps", [False, True])
+def test_a_line_goes_through_its_values(steps):
+    rng = np.random.default_rng(3)
+    x, y = np.arange(200) * 0.7, np.repeat(rng.integers(0, 90, 50), 4) * 1.1
+    way = chart._way(x, y, steps)
+    at, drawn = np.array(ends(way)).T
+    assert len(at) < 120, "what stands is left out"
+    if steps:
+        found = drawn[np.searchsorted(at, np.round(x, 1), side="right") - 1]
+    else:
+        found = np.interp(np.round(x, 1), at, drawn)
+    assert np.allclose(found, np.round(y, 1), atol=1e-6)
+
+
+def test_a_chart_has_words_rules_and_dashes_and_no_markup_of_others():
+    cell = chart.Cell(60, 50, 200, 100, title="a < b", labels=("error", "counts"), below="s")
+    cell.line([0, 1, 2], [3, 3, 5], "#123456", 1.0, label="of <it>")
+    cell.rule("#654321", 0.5, y=9.0, dash="1 2")
+    cell.rule("#abcdef", 0.5, x=1.0)
+    text = chart.picture([cell], 300, 200, "R&D")
+    for word in (
+        ">a &lt; b<",
+        ">of &lt;it&gt;<",
+        ">R&amp;D<",
+        ">counts<",
+        ">s<",
+        'dasharray="1 2"',
+        "#abcdef",
+    ):
+        assert word in text
+    assert chart.picture([chart.Cell(0, 0, 90, 90)], 90, 90, "") == chart.picture(
+        [chart.Cell(0, 0, 90, 90)], 90, 90, ""
+    )

@@ -3,17 +3,25 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from mmcs import logcols
 from mmcs.errors import one_line
-from mmcs.view import svg
+from mmcs.view import chart
+from mmcs.view.chart import Cell
 
 BLUE, ORANGE, GREY, RED = "#1f5fa8", "#d9822b", "#8a8f98", "#b3363e"
 MAX_POINTS = 4000
 ROWS = ("position", "angle", "error", "current")
 HEIGHTS = (2.2, 1.2, 1.2, 1.2)
-LABELS = ("position\ncounts", "joint angle\ndeg", "error\ncounts", "current\nD/A units")
+LABELS = (
+    ("position", "counts"),
+    ("joint angle", "deg"),
+    ("error", "counts"),
+    ("current", "D/A units"),
+)
 
 
 def style():
@@ -41,24 +49,31 @@ def style():
     return plt
 
 
-def write_plot(result, path, form: str | None = None) -> None:
-    """path: of a file, whose ending says the format, or a stream with `form`."""
-    plt = style()
+def write_plot(result, path) -> None:
+    """Into an SVG file, or a text stream."""
     axes = result.setup.axes
-    figure, grid = plt.subplots(
-        len(ROWS), axes, sharex=True, squeeze=False, figsize=(max(7.0, 3.0 * axes), 7.4),
-        height_ratios=HEIGHTS,
-    )  # fmt: skip
+    wide, high = 72 * max(7.0, 3.0 * axes), 72 * 7.4
+    left, right, top, bottom, between, beneath = 68, 11, 52, 32, 54, 12
+    width = (wide - left - right - (axes - 1) * between) / axes
+    room = (high - top - bottom - (len(ROWS) - 1) * beneath) / sum(HEIGHTS)
+    cells = []
     for axis in range(axes):
-        _draw_axis(result, axis, grid[:, axis])
-    for row, label in enumerate(LABELS):
-        grid[row][0].set_ylabel(label)
-    grid[0][0].legend(loc="best", frameon=False)
-    place(figure, grid)
+        above = top
+        column = []
+        for row, share in enumerate(HEIGHTS):
+            cell = Cell(left + axis * (width + between), above, width, share * room)
+            cell.labels = LABELS[row] if axis == 0 else ()
+            column.append(cell)
+            above += share * room + beneath
+        column[-1].below = "s"
+        _draw_axis(result, axis, column)
+        cells += column
     title = one_line(f"{result.setup.name}: {result.setup.scenario.description}")
-    figure.suptitle(title, x=0.01, ha="left", size=11)
-    svg.save(figure, path, form)
-    plt.close(figure)
+    text = chart.picture(cells, wide, high, title)
+    if hasattr(path, "write"):
+        path.write(text)
+    else:
+        Path(path).write_text(text)
 
 
 def place(figure, grid) -> None:
@@ -88,18 +103,17 @@ def _draw_axis(result, axis: int, cells) -> None:
     what, y = ("velocity", velocity) if in_velocity else ("encoder", encoder)
     top, arm, wrong, amps = cells
     name = result.setup.robot.axis_name(axis)
-    top.set_title(f"axis {axis}" + (f" ({one_line(name)})" if name else ""), loc="left", size=10)
-    top.step(t, setpoint, where="post", color=ORANGE, lw=1.2, label="setpoint")
-    top.plot(t, y, color=BLUE, lw=1.2, label=what)
+    top.title = f"axis {axis}" + (f" ({one_line(name)})" if name else "")
+    top.line(t, setpoint, ORANGE, 1.2, steps=True, label="setpoint" if axis == 0 else "")
+    top.line(t, y, BLUE, 1.2, label=what if axis == 0 else "")
     if in_velocity:
-        top.set_ylabel("counts/sample")
-    arm.plot(t, np.degrees(angle), color=BLUE, lw=1.0)
-    wrong.plot(t, error, color=RED, lw=0.8)
-    wrong.axhline(0, color=GREY, lw=0.6)
-    amps.step(t, current, where="post", color=BLUE, lw=0.7)
+        top.labels = ("counts/sample",)
+    arm.line(t, np.degrees(angle), BLUE, 1.0)
+    wrong.line(t, error, RED, 0.8)
+    wrong.rule(GREY, 0.6, y=0.0)
+    amps.line(t, current, BLUE, 0.7, steps=True)
     if np.abs(current).max(initial=0) > 0.9 * params["ilim"]:
         for limit in (-params["ilim"], params["ilim"]):
-            amps.axhline(limit, color=GREY, lw=0.8, ls=":")
+            amps.rule(GREY, 0.8, y=limit, dash="1 2")
     for when in t[np.flatnonzero(np.diff(errcode) > 0) + 1]:
-        top.axvline(when, color=RED, lw=0.8, ls="--")
-    amps.set_xlabel("s")
+        top.rule(RED, 0.8, x=when, dash="4 2")
