@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import os
 import select
 import shutil
@@ -15,19 +14,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mmcs import BUILD, ROOT
+from mmcs import ROOT
+from mmcs.device.libraries import DEVICE, LIBRARY, preload_library
 from mmcs.device.link import Link
 from mmcs.device.server import Server
 from mmcs.device.sockets import check_folder, socket_path
-from mmcs.engine.build import is_whole
-from mmcs.errors import InputError, RunError
+from mmcs.errors import InputError
 from mmcs.screen import clean
 
-DEVICE = ROOT / "sim" / "device"
-SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c")
-LOCKSTEP = (*SOURCES, "lockstep.c", "waits.c", "sync.c", "clocks.c")
-SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-LIBRARY = BUILD / "device" / "libmmcs_preload.so"
 FORWARDED = (signal.SIGTERM, signal.SIGHUP)
 OF_THE_TERMINAL = (signal.SIGINT, signal.SIGQUIT)  # the program gets them by itself
 PT_INTERP = 3
@@ -46,31 +40,6 @@ def cflags(modern: bool = False) -> list[str]:
         "-wrapper",
         f"{DEVICE / 'cc_wrapper.sh'},{LIBRARY}",
     ]
-
-
-def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
-    """The preload library, compiled if missing, damaged or older than its sources."""
-    stem = LIBRARY.stem + ("_lockstep" if lockstep else "") + ("_asan" if sanitize else "")
-    library, sources = LIBRARY.with_stem(stem), LOCKSTEP if lockstep else SOURCES
-    headers = ("wire.h", "device.h", "lockstep.h", "include/sys/mmcs.h")
-    inputs = [DEVICE / name for name in (*sources, *headers)]
-    inputs.append(ROOT / "firmware" / "include" / "sys" / "mmcs.h")
-    newest = max(f.stat().st_mtime for f in inputs)
-    if is_whole(library) and library.stat().st_mtime > newest:
-        return library
-    library.parent.mkdir(parents=True, exist_ok=True)
-    fresh = library.with_suffix(f".{os.getpid()}")
-    command = ["cc", "-std=gnu11", "-O2", "-fPIC", "-shared", "-o", fresh]
-    command += [*SANITIZE, "-g"] if sanitize else []
-    command += [DEVICE / name for name in sources] + ["-ldl", "-lpthread"]
-    done = subprocess.run(command, text=True, capture_output=True, check=False)
-    if done.returncode:
-        raise RunError(f"the preload library does not compile: {done.stderr.strip()[:200]}")
-    digest = fresh.with_suffix(f"{fresh.suffix}.sum")
-    digest.write_text(hashlib.sha256(fresh.read_bytes()).hexdigest() + "\n")
-    fresh.rename(library)
-    digest.rename(library.with_name(f"{library.name}.sum"))
-    return library
 
 
 def environment(path: Path, sanitize: bool = False, lockstep: bool = False) -> dict[str, str]:

@@ -46,6 +46,14 @@ class Line:
     def wants(self, what: int) -> bool:
         return self.cause is None and self.wait is not None and bool(self.wait.what & what)
 
+    @property
+    def sleeps(self) -> bool:
+        """It waits for another thread, for ever."""
+        wait = self.wait
+        if self.cause is not None or wait is None or wait.until != wire.NEVER:
+            return False
+        return not wait.what & (wire.WAIT_SAMPLE | wire.WAIT_FILES | wire.WAIT_CHILD)
+
     def hears(self, signals: int) -> bool:
         """It waits, or may go on, and lets one of them through."""
         wait = self.wait
@@ -278,6 +286,26 @@ class Lockstep:
         )
 
     @property
+    def alone(self) -> Line | None:
+        """The line that runs, if nothing else can go on but by what it does, as time passes."""
+        line = self._running
+        if line is None or len(self._processes) != 1 or self._ended or self._watchers:
+            return None
+        process = line.process
+        usual = not (process.starting or process.expected > 0 or process.timers or process.fired)
+        return line if usual and all(x is line or x.sleeps for x in process.lines) else None
+
+    def has_gone_on(self) -> None:
+        """The line that runs has waited meanwhile."""
+        self._began, self._told = time.monotonic(), False
+
+    def passed(self, failed: bool, sampled: bool) -> None:
+        """Time has, while all lines waited."""
+        self.good = self.good and not failed
+        self.signal()
+        self._wake_up(self._lines(), sampled)
+
+    @property
     def rests(self) -> bool:
         """There is nothing to do before somebody asks for something."""
         return not self._ended and (self.busy or not self._processes)
@@ -338,10 +366,8 @@ class Lockstep:
         if ends:
             end = min(end, -(-min(ends) * self._hz // 10**9))
         before = sim.samples
-        if end > sim.clock and not sim.run_to(end, samples):
-            self.good = False
-        self.signal()
-        self._wake_up(lines, sim.samples != before)
+        failed = end > sim.clock and not sim.run_to(end, samples)
+        self.passed(failed, sim.samples != before)
 
     def _wake_up(self, lines: list[Line], sampled: bool) -> None:
         now = self._sim.clock * 10**9 // self._hz

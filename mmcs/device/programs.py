@@ -83,6 +83,7 @@ class Program(Connection):
         self._said = ""  # by the driver, when the last call on this channel failed
         self._lockstep = server.lockstep
         self.line = None  # of a thread in lock-step
+        self.calls = 0  # that have come on it
 
     def has_request(self) -> bool:
         if len(self.data) < wire.REQUEST.size or self.ended:
@@ -109,6 +110,7 @@ class Program(Connection):
             self.busy = False
             self._wait_or_tell(op, a, b, payload, pid)
             return True
+        self.calls += 1
         result, out = self._call(op, name.rstrip(b"\0"), a, b, payload, pid)
         self.busy = False
         if self._lockstep.on:
@@ -202,6 +204,16 @@ class Program(Connection):
         if op == wire.WRITE:
             return reasons.of_write(error, len(payload), joints)
         return reasons.of_ioctl(error, a & 0xFFFFFFFF, payload, joints, 2 * machine.cards)
+
+    def refused(self, client: Client, result: int, request: bytes, events: int) -> None:
+        """A read() or write() that the driver has refused; `events` there had been before."""
+        _, op, _, a, *_ = wire.REQUEST.unpack_from(request)
+        if op == wire.WRITE:
+            client.said = self._machine.said_since(events)
+        said = client.said if op == wire.WRITE else ""
+        self._said = said or self._because(client, -result, op, a, request[wire.REQUEST.size :])
+        self._lockstep.signal()
+        self.reply(result)
 
     def _of_file(self, client: Client, op: int, a: int, b: int, payload: bytes):
         machine = self._machine

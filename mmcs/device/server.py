@@ -19,6 +19,7 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
+from mmcs.device.attend import Attendant
 from mmcs.device.connection import GONE, IN, OUT, Connection
 from mmcs.device.lockstep import Lockstep
 from mmcs.device.machine import Machine
@@ -27,6 +28,7 @@ from mmcs.device.pace import IDLE_S, Pace
 from mmcs.device.programs import Program
 from mmcs.device.sockets import Name, peer_uid
 from mmcs.device.stop import StopPath
+from mmcs.engine.sim import Sim
 
 MOST_CONNECTIONS = 1000
 TURNS = 64  # of lock-step between looks at everything else
@@ -55,6 +57,8 @@ class Server:
         self._poll = select.epoll()
         self.lockstep = Lockstep(sim, self._poll, self._signal, console)
         self.lockstep.on = lockstep
+        quick = lockstep and type(sim) is Sim
+        self._attendant = Attendant(sim, self._poll.fileno()) if quick else None
         self._doors = {}
         for suffix, kind in ((".sock", Program), (".msg", Messenger)):
             door = self.name.listen(suffix)
@@ -107,6 +111,8 @@ class Server:
         """The usual course of lock-step: the one program that runs is all there is to hear. What
         else comes, the stop path first of all, ends it."""
         steps, events = self.lockstep, self._events
+        if self._attendant is not None and self._attendant.attend(self):
+            return
         for _ in range(TURNS):
             if not steps.busy:
                 steps.turn()
@@ -119,6 +125,15 @@ class Server:
                 self._serve(connection)
             if self._problem is not None or self._events != events or connection.ended:
                 return
+
+    def heard(self, fd: int, data: bytes, ended: bool) -> None:
+        """Bytes of a connection, which somebody else has taken."""
+        connection = self.connections[fd]
+        connection.data += data
+        if ended:
+            connection.end()
+        if connection.has_request():
+            self._serve(connection)
 
     def _serve(self, connection: Connection, nested: bool = False) -> None:
         with self._unharmed(connection):

@@ -10,6 +10,7 @@ import threading
 import pytest
 
 from mmcs.device import lockstep
+from mmcs.device.attend import Attendant
 from mmcs.device.client import Device
 from mmcs.device.server import Server
 from mmcs.device.wire import MWAIT
@@ -251,3 +252,46 @@ def test_lockstep_of_a_server_that_is_not(tmp_path):
     with Bench(tmp_path) as bench:
         out, status = bench.finish(bench.python("import mmcs; mmcs.Device(lockstep=True)"))
     assert status == 1 and "the machine is not in lock-step; start `mmcs serve --lockstep" in out
+
+
+STOPS = """
+import mmcs
+with mmcs.Device() as dev:
+    dev.enable()
+    for n in range(50):
+        dev.wait()
+        dev.write([n])
+    dev.stop()
+    try:
+        dev.write([1])
+    except OSError as error:
+        print(error.strerror)
+    try:
+        dev.write([1, 2, 3])
+    except OSError as error:
+        print(error.strerror)
+"""
+
+
+@pytest.mark.parametrize("what", ["sine.c", "sine.py", "bounce.c", "guard.py", STOPS])
+def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypatch):
+    """With and without it: the same output, the same hash."""
+    command = [sys.executable, "-c", what] if what == STOPS else example(EXAMPLES / what)
+    attend, served, runs = Attendant.attend, 0, []
+
+    def count(self, server):
+        nonlocal served
+        took = attend(self, server)
+        served += self._a.waits if took else 0
+        return took
+
+    for quick in (count, lambda self, server: False):
+        monkeypatch.setattr(Attendant, "attend", quick)
+        out = tmp_path / "out"
+        shell = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
+        status, hash_ = run_in_lockstep(tmp_path / "m", *shell)
+        runs.append((status, hash_, out.read_text()))
+    assert runs[0] == runs[1] and runs[0][0] == 0
+    assert served > 30 or what in ("bounce.c", "guard.py"), served
+    if what == STOPS:
+        assert "stopped, MENABLE first" in runs[0][2] and "at most 2 joints" in runs[0][2]

@@ -44,9 +44,13 @@ static void learn(const struct wire_now *now);
 
 static int request(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length) {
   struct wire_request head = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
+  char
+      whole[sizeof(head) + sizeof(struct wire_wait) + 4 * 64]; /* in one piece, as it is answered */
   head.pid = getpid();
-  if (wire_send(line, &head, sizeof(head)) < 0) return -1;
-  return length > 0 ? wire_send(line, data, length) : 0;
+  memcpy(whole, &head, sizeof(head));
+  if (length > sizeof(whole) - sizeof(head)) return -1;
+  if (length > 0) memcpy(whole + sizeof(head), data, length);
+  return wire_send(line, whole, sizeof(head) + length);
 }
 
 /* The result, or -EIO when the server is gone: then nothing here is in lock-step any more. */

@@ -13,6 +13,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/uio.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -71,6 +72,28 @@ static int receive_all(int fd, void *data, size_t length, const sigset_t *before
     length -= (size_t)n;
   }
   return 0;
+}
+
+/* What is there of a reply: bytes, 0 if there is nothing. */
+static size_t take_parts(int fd, struct wire_reply *reply, void *out, uint32_t room) {
+  struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
+  struct msghdr message = {.msg_iov = parts, .msg_iovlen = room > 0 ? 2 : 1};
+  ssize_t n = syscall(SYS_recvmsg, fd, &message, MSG_DONTWAIT);
+  return n > 0 ? (size_t)n : 0;
+}
+
+/* Head and data, at once where they come at once. */
+static int receive_reply(int fd, struct wire_reply *reply, void *out, uint32_t room,
+                         const sigset_t *before) {
+  size_t have = is_late(fd) ? 0 : take_parts(fd, reply, out, room);
+  int got = 0;
+  if (have < sizeof(*reply))
+    got = receive_all(fd, (char *)reply + have, sizeof(*reply) - have, before);
+  have -= have < sizeof(*reply) ? have : sizeof(*reply);
+  if (got == 0 && reply->length > room) return -EIO;
+  return got == 0 && have < reply->length
+             ? receive_all(fd, (char *)out + have, reply->length - have, before)
+             : got;
 }
 
 static void close_directly(int fd) {
@@ -140,11 +163,13 @@ static int exchange(int fd, const struct wire_request *request, const void *data
   struct wire_reply reply;
   uint32_t room = out_length != NULL ? *out_length : 0;
   int got;
-  if (send_all(fd, request, sizeof(*request)) < 0) return LOST;
-  if (request->length > 0 && send_all(fd, data, request->length) < 0) return LOST;
-  got = receive_all(fd, &reply, sizeof(reply), before);
-  if (got == 0 && reply.length > room) return LOST;
-  if (got == 0) got = receive_all(fd, out, reply.length, before);
+  char whole[sizeof(*request) + 256]; /* what is short goes in one piece */
+  uint32_t first = request->length <= 256 ? request->length : 0;
+  memcpy(whole, request, sizeof(*request));
+  if (first > 0) memcpy(whole + sizeof(*request), data, first);
+  if (send_all(fd, whole, sizeof(*request) + first) < 0) return LOST;
+  if (request->length > first && send_all(fd, data, request->length) < 0) return LOST;
+  got = receive_reply(fd, &reply, out, room, before);
   if (got < 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
   return reply.result;

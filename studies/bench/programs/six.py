@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """As six.c, from Python."""
 
+import sys
+
 import mmcs
 
-SAMPLES, TO = 1400, (5000, 6000, 4000, 6000, 5000, 6000)
+SAMPLES, TO = int([*sys.argv, 1400][1]), (5000, 6000, 4000, 6000, 5000, 6000)
 
 with mmcs.Device() as dev:
     arm = mmcs.Motion(dev, "puma560")

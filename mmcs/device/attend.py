@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server's inner loop in lock-step, in C: see sim/device/attend.c."""
+
+from __future__ import annotations
+
+import functools
+import os
+
+import cffi
+
+from mmcs.device.libraries import compiled_library
+from mmcs.device.lockstep import NO_SAMPLE_S, STRETCH_S
+from mmcs.device.pace import IDLE_S
+from mmcs.device.programs import Program
+from mmcs.device.wire import REQUEST, Wait
+from mmcs.engine.sim import Sim
+
+END_IDLE, END_BYTES, END_WAIT, END_REFUSED = range(4)
+TURNS = 1000
+CALLS = ("read", "write", "run_to", "clock", "samples", "tap_head")
+CDEF = """
+struct attend {
+  void *sim, *read, *write, *run_to, *clock, *samples, *tap_head;
+  int epoll, timeout_ms, line, channel, client;
+  char name[16];
+  int64_t hz, limit, stretch, patience;
+  int64_t events;
+  int fd, length, result, sampled, failed, waits;
+  char data[65592];
+};
+int attend(struct attend *a, int turns);
+"""
+
+
+@functools.cache
+def _library():
+    ffi = cffi.FFI()
+    ffi.cdef(CDEF)
+    return ffi, ffi.dlopen(str(compiled_library("attend", ("attend.c",))))
+
+
+class Attendant:
+    def __init__(self, sim: Sim, epoll: int):
+        self._ffi, self._lib = _library()
+        a = self._a = self._ffi.new("struct attend *")
+        pointer = lambda what: self._ffi.cast("void *", int(sim.ffi.cast("uintptr_t", what)))  # noqa: E731
+        a.sim = pointer(sim._sim)
+        for name in CALLS:
+            setattr(a, name, pointer(getattr(sim.lib, f"mmcs_sim_{name}")))
+        hz = sim.build()["clk_hz"]
+        a.epoll, a.timeout_ms, a.hz = epoll, round(IDLE_S * 1000), hz
+        a.stretch, a.patience = int(STRETCH_S * hz), round(NO_SAMPLE_S * hz)
+
+    def attend(self, server) -> bool:
+        """False: this is not the usual course."""
+        a, steps = self._a, server.lockstep
+        line, channel = steps.alone, self._channel(server)
+        if line is None or channel is None:
+            return False
+        ((name, file),) = server.files.items()
+        a.line, a.channel = line.connection.sock.fileno(), channel.sock.fileno()
+        a.client, a.limit = file.client.driver, min(steps.limit, (1 << 62))
+        a.name = name.ljust(16, b"\0")
+        end = self._lib.attend(a, TURNS)
+        if a.waits:
+            steps.has_gone_on()
+        if end == END_IDLE:
+            return True
+        data = bytes(self._ffi.buffer(a.data)[: max(a.length, 0)])
+        if end == END_WAIT:
+            steps.wait(line, Wait.of(data[REQUEST.size :]))
+            steps.passed(bool(a.failed), bool(a.sampled))
+        elif end == END_REFUSED:
+            channel.refused(file.client, a.result, data, a.events)
+        else:
+            server.heard(a.fd, data, a.length == 0)
+        return True
+
+    @staticmethod
+    def _channel(server) -> Program | None:
+        """The busiest of the one program that has one file open, if nobody else is there."""
+        if len(server.files) != 1:
+            return None
+        (file,) = server.files.values()
+        client, channels = file.client, []
+        if client.driver < 0 or client.flags & 3 != os.O_RDWR or server.machine.held_from(client):
+            return None
+        for one in server.connections.values():
+            if not isinstance(one, Program) or one.ended or one.busy or one.data or not one.idle():
+                return None
+            if one is not file and one.line is None:
+                channels.append(one)
+        return max(channels, key=lambda one: one.calls, default=None)
