@@ -83,19 +83,11 @@ class ProgramTwin(Twin):
         detected, by = self._detected(notes, fault.at)
         if detected is None and status:
             detected, by = session.ended_s - fault.at, f"the program's status {status}"
-        off = self._off(result.truth[after, 0], angles[after])
-        beyond = np.zeros(len(self.axes))
-        if detected is not None and off.any():
-            beyond = self._beyond(fault.at, angles[after])
-        worst = beyond if beyond.any() else off
-        far = np.degrees(beyond if detected is not None else off) / self.scale
-        more = {"by": by, "told": self._statistics(self.stats, result.stats),
-                "joint": 1 + int(worst.argmax()) if worst.any() else 0,
-                "deg": round(float(far.max()), 3)}  # fmt: skip
+        more = {"by": by, "told": self._statistics(self.stats, result.stats)}
         if whole:
             more["hash"] = session.hash
-        same = session.hash == self.hash
-        return Seen(same, detected, float(off.max()), float(beyond.max())), more
+        known = session.hash == self.hash, detected
+        return self._seen(fault.at, result.truth[after, 0], angles[after], known, more)
 
     def _stop(self, place: int) -> tuple[np.ndarray, np.ndarray]:
         """Where the joints go when the button is pressed at a look: least and most."""

@@ -145,20 +145,24 @@ class Twin:
         told = self._statistics(before, sim.stats())
         ended = sim.hash()  # now: what comes may be other runs on the same machine
         times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
+        more = {"by": by, "told": told, **({"hash": ended} if whole else {})}
+        return self._seen(fault.at, times, angles, (same, detected), more)
+
+    def _seen(self, at: float, times, angles, known: tuple, more: dict) -> tuple[Seen, dict]:
+        """known: whether all is the twin's again, and when it was told."""
+        _, detected = known
         away = self._away(times, angles)
         off = away.max(axis=0, initial=0.0)
         beyond = np.zeros(len(self.axes))
         if detected is not None:
-            away = self._beyond(fault.at, angles) if off.any() else 0.0 * away
+            away = self._beyond(at, angles) if off.any() else 0.0 * away
             beyond = away.max(axis=0, initial=0.0)
         worst = beyond if beyond.any() else off
         far = np.degrees(beyond if detected is not None else off) / self.scale
-        more = {"by": by, "told": told, "joint": 1 + int(worst.argmax()) if worst.any() else 0,
-                "deg": round(float(far.max()), 3),
-                "deg_s": self._speed(times, angles, away > NEAR)}  # fmt: skip
-        if whole:
-            more["hash"] = ended
-        return Seen(same, detected, float(off.max()), float(beyond.max())), more
+        more |= {"joint": 1 + int(worst.argmax()) if worst.any() else 0,
+                 "deg": round(float(far.max()), 3),
+                 "deg_s": self._speed(times, angles, away > NEAR)}  # fmt: skip
+        return Seen(*known, float(off.max()), float(beyond.max())), more
 
     def _add(self, event: dict) -> None:
         number, index = self.inputs[event["input"]], event.get("index", 0)
