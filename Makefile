@@ -131,13 +131,9 @@ test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: o
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim icarus \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
 
-bench: $(VENV)/.test ## performance figures as ratios taken in one run, into docs/simulator/bench.md; BASE=commit: against it
-ifdef BASE
-	@$(BIN)/python -m studies.bench.against $(BASE)
-else
-	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python -m studies.bench.run $(BENCH)
-endif
+bench: $(VENV)/.test ## how fast it is, into docs/evidence/bench.md; BASE=commit: and against that one
+	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
+	@$(BIN)/python -m studies.bench $(BASE)
 
 coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
 	@$(BIN)/python tools/coverage.py
