@@ -143,7 +143,8 @@ def write_ports(path: Path, module: Module, usual: str = "") -> None:
 
 def linked(chip: Module) -> list[Var]:
     """Ports of a chip that lead to the board around it."""
-    return [p for p in chip.ports if p.name != "clk_i"]
+    # illegal_o leads nowhere without Safety2026, and with it the counter is no chip
+    return [p for p in chip.ports if p.name not in ("clk_i", "illegal_o")]
 
 
 def shell(chip: Module) -> str:
@@ -184,7 +185,7 @@ class Board:
             return [(chip, p.name) for p in chip.module.ports
                     if p.direction == "INPUT" and p.name not in ("clk_i", "rst_ni")]  # fmt: skip
         nets = [(top, p.name) for p in self.module.ports if p.direction == "INPUT"]
-        nets += [(c, p.name) for c in self.chips for p in c.module.ports
+        nets += [(c, p.name) for c in self.chips for p in linked(c.module)
                  if p.direction == "OUTPUT"]  # fmt: skip
         return [(i, n) for i, n in nets if own & self._reached((i.path, n), ends)]
 
