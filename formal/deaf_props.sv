@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A card whose decoder says what it says without a command does not hear the bus.
 //
-// Two of them in one state differ in the pins of the bus; tools/standing.py writes down the pins and
-// registers, and the decoder by itself, from the netlist and sim/model/counters.toml.
+// Two of them in one state differ in the pins of the bus; tools/carried.py writes down the pins and
+// registers, and the decoder by itself, from the netlist and sim/model/parts.toml.
 `default_nettype none
 `include "mmcs_formal.svh"
 

@@ -25,7 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
-import standing  # noqa: E402
+import carried  # noqa: E402
 from formal_doc import picture, properties, write_doc  # noqa: E402
 
 WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
@@ -110,7 +110,7 @@ def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     work = WORK / f"{file.stem}_{task}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
     if "part.sv" in file.read_text():
-        standing.write(task, folder)
+        carried.write(task, folder)
     command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), f"formal/{file.name}", task]
     started = time.monotonic()
     # A session of its own: what it started ends with it.

@@ -11,6 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
+from cores import CHIPS  # noqa: E402
 from sources import core_arguments, sources  # noqa: E402
 
 # Every module that people use by itself is linted by itself, the machine in three sizes.
@@ -25,7 +26,7 @@ TOPS = [
     *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
     *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),
     ("adaptor_wb", {"Pipelined": 1}),
-    *((chip, {}) for chip in ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")),
+    *((chip, {}) for chip in CHIPS),
 ]
 INCLUDE = ROOT / "rtl"
 NEED_PACKAGE = ("sim/hosts/m68020/musashi.c",)  # includes what a package brings

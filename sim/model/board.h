@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One Verilated board or chip: its registers and ports by name, and the ways to evaluate it.
+// The Verilated model of a part: its registers and ports by name, and the ways to evaluate it.
 #pragma once
 
 #include <cstdint>
@@ -83,14 +83,13 @@ class Board {
   virtual void clocks(uint64_t triggers) = 0;
   virtual uint64_t trigger(const std::string &clock) const = 0;
   virtual void settle() = 0;
+  // No edge of a reset or strobe has been until now.
+  virtual void sync() = 0;
 
   // A port; at is null if there is none of this name.
   virtual Net port(const std::string &name) = 0;
   // Waveforms, where the build has them.
   virtual void trace(VerilatedFstC *) {}
-  // Where the model's variables lie, and how many bytes they are.
-  virtual char *base() = 0;
-  virtual size_t size() const = 0;
 };
 
 }  // namespace mmcs

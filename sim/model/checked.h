@@ -13,6 +13,7 @@ class Checked final : public Plain {
   explicit Checked(uint64_t seed) : Plain(seed), rack_(false, true, seed) {
     power_on();
     rack_.power_on();
+    rack_.check(kChecked);
     pins_.also(rack_.pins());
   }
 
@@ -21,6 +22,7 @@ class Checked final : public Plain {
   void restore(const std::vector<uint8_t> &state) override;
 
  private:
+  static constexpr int kChecked = 64;
   void compare();
 
   Rack rack_;

@@ -42,14 +42,13 @@ bool Ears::hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
 }
 
 uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
-                    const std::vector<Net> &dips) {
+                    const std::vector<unsigned> &dips) {
   const uint32_t key = address << 3 | aen << 2 | ior_n << 1 | iow_n;
   Entry &entry = known_[key * 2654435761u >> 16];
   if (entry.key != key || entry.age != age_) {
     entry = {key, 0, age_};
     for (size_t n = 0; n < dips.size(); ++n) {
-      if (hears(address, aen, ior_n, iow_n, static_cast<unsigned>(dips[n].get())))
-        entry.cards |= 1u << n;
+      if (hears(address, aen, ior_n, iow_n, dips[n])) entry.cards |= 1u << n;
     }
   }
   return entry.cards;

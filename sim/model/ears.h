@@ -18,7 +18,7 @@ class Ears {
   ~Ears();
   // The decoder's ports, by the names they have on the card; dip is the card's own.
   uint32_t hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
-                const std::vector<Net> &dips);
+                const std::vector<unsigned> &dips);
   void forget();  // switches have moved
 
  private:

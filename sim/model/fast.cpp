@@ -67,14 +67,11 @@ class Fast final : public Board {
   void clock() override { eval(); }
   void clocks(uint64_t) override { eval(); }
   uint64_t trigger(const std::string &) const override { return 0; }
+  void sync() override {}
 #else
   bool inputs() override {
     root_->__VicoTriggered[0] = 1;
-    if (usual()) {
-      usual_inputs(root_);
-    } else {
-      MMCS_ICO(root_);
-    }
+    MMCS_ICO(root_);
     return follow();
   }
   void clocks(uint64_t triggers) override {
@@ -83,13 +80,10 @@ class Fast final : public Board {
   }
   uint64_t trigger(const std::string &clock) const override { return trigger_of(clock); }
   void clock() override {
-    if (usual()) {
-      usual_clock(root_);
-    } else {
-      clocks(kClock);
-    }
+    clocks(kClock);
     follow();
   }
+  void sync() override { MMCS_EDGES(root_); }
 #endif
   void settle() override { MMCS_SETTLE(root_); }
   Net port(const std::string &name) override {
@@ -102,8 +96,6 @@ class Fast final : public Board {
 #if MMCS_TRACE
   void trace(VerilatedFstC *fst) override { top_.trace(fst, 99); }
 #endif
-  char *base() override { return reinterpret_cast<char *>(root_); }
-  size_t size() const override { return sizeof *root_; }
 
  private:
   MMCS_MODEL top_;
@@ -128,29 +120,6 @@ class Fast final : public Board {
     }
     return any;
   }
-  // While registers and inputs have their usual values (counters.toml), a clock and what follows
-  // from inputs are in one piece and nothing else: much of the generated code is about what seldom
-  // happens.
-  bool usual() const {
-    unsigned differs = 0;
-#define MMCS_USUAL(net, value) differs |= root_->net ^ unsigned{value};
-#include MMCS_USUAL_OF
-#undef MMCS_USUAL
-    return differs == 0;
-  }
-#define MMCS_USUAL(net, value) \
-  if (root->net != (value)) __builtin_unreachable();
-  __attribute__((flatten)) static void usual_clock(MMCS_ROOT *root) {
-#include MMCS_USUAL_OF
-    root->__VnbaTriggered[0] = kClock;
-    MMCS_NBA(root);
-  }
-  __attribute__((flatten)) static void usual_inputs(MMCS_ROOT *root) {
-#include MMCS_USUAL_OF
-    MMCS_ICO(root);
-  }
-#undef MMCS_USUAL
-
   static constexpr uint64_t kClock = trigger_of("clk_i");
 #endif
 };

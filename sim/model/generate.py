@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes of the design what the model needs: `generate.py boards|wires|extra|triggers ...`.
+"""Makes of the design what the model needs: `generate.py parts|boards|wires|extra|triggers ...`.
 
 boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
-                      shells.sv, shells.vlt: what stands for the chips in the boards
+                      *_shell.sv, *_shell.vlt: what stands for a chip in other parts
                       plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
-                      boards.inc: registers, inputs and counters of each board, by name
+                      boards.inc: registers and ports of each part, by name
                       decoder.inc: what a card's decoder says
-                      *.usual: values that registers and inputs have nearly always
 wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
 extra DIR HOST CLK N  extra.inc, extra.vlt: registers of a SoC outside the boards
                       checkers.inc, extra.vlt: the bus checkers, whose reset can be forced
+parts boards|chips HOST  prints their modules
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
                       V*.edges: values before and now of what edges are looked for
 
@@ -29,14 +29,11 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
-from netlist import Instance, Module, Netlist, Var, depends, dissolve, instances, reached  # noqa: E402
+from netlist import Instance, Module, Netlist, dissolve, instances, reads, writes  # noqa: E402
 from wires import wires_text  # noqa: E402
 
-RULES = tomllib.loads((HERE / "counters.toml").read_text())
-# A chip moves its outputs by what the board does, and by nothing of its own: with Safety2026 the
-# counter does not, and is part of its board.
-SAFE = bool(os.environ.get("MMCS_RTL_PARAMETERS"))
-CHIPS = [name for name in RULES["chips"] if not (SAFE and name == "thct2000")]
+RULES = tomllib.loads((HERE / "parts.toml").read_text())
+CHIPS = RULES["chips"]
 
 
 def read_design(folder: Path, cards: int, clk_hz: str, top: str = "mmcs",
@@ -66,12 +63,16 @@ def boards(netlist: Netlist) -> dict[str, Module]:
     return found
 
 
-def chips(netlist: Netlist, names: list[str] = CHIPS) -> dict[str, Module]:
+def chips(netlist: Netlist) -> dict[str, Module]:
     """The chips that are models of their own, one of a name."""
     found: dict[str, Module] = {}
     for board in boards(netlist).values():
         for i in instances(netlist, board):
-            if i.module.name in names and found.setdefault(i.module.name, i.module) is not i.module:
+            if (
+                i.path
+                and i.module.name in CHIPS
+                and found.setdefault(i.module.name, i.module) is not i.module
+            ):
                 raise SystemExit(f"generate: chips {i.module.name} of different parameters")
     return found
 
@@ -89,62 +90,36 @@ def machine(netlist: Netlist) -> tuple[Netlist, tuple | None]:
 
 
 def config(folder: Path, netlist: Netlist) -> None:
-    counters = {r["register"] for r in RULES["counter"]}
-    lines, rules = set(), set()
+    lines = set()
     for module in {i.module.key: i.module for i in instances(netlist, netlist.top)}.values():
         for name in (v.rpartition(".")[2] for v in module.registers):
-            access = "rw" if f"{module.name}.{name}" in counters else "rd"
-            lines.add(f'public_flat_{access} -module "{module.name}" -var "{name}"')
-    for chip in chips(netlist).values():
-        rules |= {f'public_flat_{"rw" if p.direction == "OUTPUT" else "rd"} '
-                  f'-module "{chip.name}" -var "{p.name}"' for p in linked(chip)}  # fmt: skip
+            lines.add(f'public_flat_rd -module "{module.name}" -var "{name}"')
     # The whole machine's registers may be written between clocks.
-    plain = [line.replace("flat_rw", "flat_rd") for line in sorted(lines)]
-    own = boards(netlist)
-    plain += [f'forceable -module "{c["module"]}" -var "{p}"' for c in RULES["cut"]
-              if c["module"] in own for p in c["ports"]]  # fmt: skip
-    for name, text in ("registers", sorted(lines)), ("shells", sorted(rules)), ("plain", plain):
+    plain = sorted(lines)
+    plain += [f'forceable -module "{board}" -var "{p}"' for board in boards(netlist)
+              for p in RULES["cut"].get(board, [])]  # fmt: skip
+    texts = {"registers": sorted(lines), "plain": plain}
+    for name, chip in chips(netlist).items():
+        texts[f"{name}_shell"] = [
+            f'public_flat_{"rw" if p.direction == "OUTPUT" else "rd"} '
+            f'-module "{name}" -var "{p.name}"'
+            for p in chip.ports if p.name != "clk_i"
+        ]  # fmt: skip
+        (folder / f"{name}_shell.sv").write_text(shell(chip))
+    for name, text in texts.items():
         (folder / f"{name}.vlt").write_text("\n".join(["`verilator_config", *text]) + "\n")
-    (folder / "shells.sv").write_text("\n".join(map(shell, chips(netlist).values())))
-    for name, module in (boards(netlist) | chips(netlist, RULES["chips"])).items():
-        write_ports(folder / name, module, usual(netlist, module))
+    for name, module in (boards(netlist) | chips(netlist)).items():
+        write_ports(folder / name, module)
 
 
-def usual(netlist: Netlist, part: Module) -> str:
-    """Registers and inputs of a part that have their usual values, as its model names them."""
-    out = []
-    inside = [i.path for i in instances(netlist, part) if i.module.name in CHIPS and i.path]
-    for i in instances(netlist, part):
-        if any(f"{i.path}.".startswith(f"{chip}.") for chip in inside):
-            continue
-        path = f"{part.name}.{i.path}.".replace("..", ".")
-        ports = {p.name for p in part.ports if p.direction == "INPUT" and i.module is part}
-        for name, value in RULES["usual"].get(i.module.name, {}).items():
-            if i.module is not part and any(p.name == name for p in i.module.ports):
-                continue  # of a part that is a board of its own elsewhere
-            if name not in ports and name not in i.module.registers:
-                raise SystemExit(f"generate: counters.toml: {i.module.name} has no {name}")
-            net = name if name in ports else f"{path}{name}"
-            net = net.replace(".", "__DOT__").replace("[", "__BRA__").replace("]", "__KET__")
-            out.append(f"MMCS_USUAL({net}, {value})\n")
-    return "".join(out)
-
-
-def write_ports(path: Path, module: Module, usual: str = "") -> None:
-    """A module's ports, the parameters that it has in this design, and its usual values."""
-    path.with_name(f"{path.name}.usual").write_text(usual)
+def write_ports(path: Path, module: Module) -> None:
+    """A module's ports, and the parameters that it has in this design."""
     ports = "".join(f"MMCS_PORT({p.name})\n" for p in module.ports)
     path.with_name(f"{path.name}.ports").write_text(ports)
     values = [v for v in module.vars.values() if v.is_param and "'" in (v.value or "")]
     path.with_name(f"{path.name}.args").write_text(
         "\n".join(f"-G{v.name}={_literal(v.value)}" for v in values) + "\n"
     )
-
-
-def linked(chip: Module) -> list[Var]:
-    """Ports of a chip that lead to the board around it."""
-    # illegal_o leads nowhere without Safety2026, and with it the counter is no chip
-    return [p for p in chip.ports if p.name not in ("clk_i", "illegal_o")]
 
 
 def shell(chip: Module) -> str:
@@ -159,120 +134,212 @@ def _literal(value: str) -> str:
     return value.replace("'sh", "'h")
 
 
+def carried(module: str) -> list[str]:
+    """Registers and nets of a module that are data."""
+    return RULES["data"].get(module, []) + RULES["through"].get(module, [])
+
+
 class Board:
-    """A board's parts, as the tables name them: unit 0 is the board less its chips."""
+    """A board's parts, and the nets between them: part 0 is the board less its chips."""
 
     def __init__(self, netlist: Netlist, module: Module):
-        self.module = module
         self.all = list(instances(netlist, module))
-        self.chips = [i for i in self.all if i.module.name in CHIPS]
-        self.forward = depends(netlist, module)
+        self.modules = {i.path: i.module for i in self.all}
+        self.parts = [self.all[0]]
+        self.parts += [i for i in self.all if i.path and i.module.name in CHIPS]
         self.registers = [(i, r) for i in self.all for r in i.module.registers]
+        self.alias: dict[tuple[str, str], tuple[str, str]] = {}  # of nets that are one
+        self.read: list[tuple[tuple[str, str], int]] = []  # a net, and the part that looks at it
+        self.driven: list[tuple[tuple[str, str], int]] = []
+        for i in self.all:
+            self._visit(i)
 
-    def unit(self, path: str) -> int:
-        for number, chip in enumerate(self.chips, 1):
-            if path == chip.path or path.startswith(chip.path + "."):
-                return number
-        return 0
+    def part(self, path: str) -> int:
+        """The part that an instance belongs to."""
+        found = 0
+        for number, chip in enumerate(self.parts):
+            inside = path == chip.path or path.startswith(chip.path + ".")
+            if number and inside and len(chip.path) > len(self.parts[found].path):
+                found = number
+        return found
 
-    def looks(self, unit: int) -> list[tuple[Instance, str]]:
-        """Nets whose change concerns the registers of a unit."""
-        ends = {(i.path, r) for i, r in self.registers}
-        own = {(i.path, r) for i, r in self.registers if self.unit(i.path) == unit}
-        top = self.all[0]
-        if unit:
-            chip = self.chips[unit - 1]
-            return [(chip, p.name) for p in chip.module.ports
-                    if p.direction == "INPUT" and p.name not in ("clk_i", "rst_ni")]  # fmt: skip
-        nets = [(top, p.name) for p in self.module.ports if p.direction == "INPUT"]
-        nets += [(c, p.name) for c in self.chips for p in linked(c.module)
-                 if p.direction == "OUTPUT"]  # fmt: skip
-        return [(i, n) for i, n in nets if own & self._reached((i.path, n), ends)]
+    def net(self, name: tuple[str, str]) -> tuple[str, str]:
+        while name in self.alias:
+            name = self.alias[name]
+        return name
 
-    def links(self, chip: Instance) -> list[Var]:
-        """Ports of a chip on wires of the board."""
-        pins = next(pins for i in self.all for name, _, pins in i.module.cells
-                    if f"{i.path}.{name}".lstrip(".") == chip.path)  # fmt: skip
-        return [p for p in linked(chip.module) if pins.get(p.name) is not None]
+    def _visit(self, i: Instance) -> None:
+        own = self.part(i.path)
+        for assign in i.module.assigns:
+            self.read += [((i.path, n), own) for n in assign.sources]
+            self.driven += [((i.path, n), own) for n in assign.target]
+        for name, _, pins in i.module.cells:
+            below = f"{i.path}.{name}".lstrip(".")
+            for port, expr in pins.items():
+                pin = (below, port)
+                if expr is None:
+                    continue
+                if expr["type"] == "VARREF":
+                    a, b = self.net(pin), self.net((i.path, net_name(expr)))
+                    if a != b:
+                        self.alias[a] = b
+                elif self.modules[below].vars[port].direction == "INPUT":
+                    self.read += [((i.path, n), own) for n in reads(expr)]
+                    self.driven.append((pin, own))
+                else:
+                    self.read.append((pin, own))
+                    self.driven += [((i.path, n), own) for n in writes(expr)]
 
-    def _reached(self, start, ends):
-        return reached(self.forward, start, ends)
+    def ports(self) -> tuple[list[list[tuple]], dict[str, int]]:
+        """Of each part: where its model has a port, its variable, out, data, whether it is heard,
+        the net; and the nets of the board's own ports."""
+        readers, drivers, members = {}, {}, {}
+        for found, what in (self.read, readers), (self.driven, drivers):
+            for name, part in found:
+                what.setdefault(self.net(name), set()).add(part)
+        for i in self.all:
+            for v in i.module.vars.values():
+                members.setdefault(self.net((i.path, v.name)), []).append((i.path, v))
+        board = {p.name: self.net(("", p.name)) for p in self.all[0].module.ports
+                 if p.name != "clk_i"}  # fmt: skip
+        numbers = {net: n for n, net in enumerate(dict.fromkeys(
+            [*board.values(), *sorted(set(readers) | set(drivers))]))}  # fmt: skip
+        heard = (
+            RULES["heard"]["inputs"] if RULES["heard"]["module"] == self.all[0].module.name else []
+        )
+        heard = {board[p] for p in heard}
+        rows: list[list[tuple]] = [[] for _ in self.parts]
+        for net, number in numbers.items():
+            inside = members.get(net, [])
+            if any(v.name.endswith("clk_i") for _, v in inside):
+                continue
+            driver = drivers.get(net, set())
+            for n in range(len(self.parts)):
+                out = n in driver
+                others = readers.get(net, set()) - {n}
+                outside = any(net == b and v.direction == "OUTPUT" for p, b in board.items()
+                              for v in [self.all[0].module.vars[p]])  # fmt: skip
+                loop = out and self._variable(n, inside, False)[0] == ""  # around the part
+                if loop:
+                    rows[n].append((*self._variable(n, inside, False), False, False, False, number))
+                if out and not (others or outside or loop):
+                    continue
+                if not out and n not in readers.get(net, ()):
+                    continue
+                if not out and not driver and net not in board.values():
+                    continue  # a constant
+                data = any(v.name in carried(self.modules[path].name)
+                           for path, v in inside if self.part(path) == n)  # fmt: skip
+                path, var = self._variable(n, inside, out)
+                if path is None:
+                    if out or driver - {n} or net in board.values():
+                        raise SystemExit(f"generate: {self.parts[n].path} has no port for {net}")
+                    continue
+                rows[n].append((path, var, out, data, net in heard, number))
+        return rows, {p: numbers[net] for p, net in board.items()}
+
+    def _variable(self, n: int, members: list, out: bool):
+        """The variable of a part's model that a net is: a port of its own, or of a chip in it."""
+        part = self.parts[n]
+        own = "OUTPUT" if out else "INPUT"
+        for path, v in members:
+            if path == part.path and v.direction == own:
+                return "", v
+        for path, v in members:
+            chip = any(c.path == path for c in self.parts[1:]) and path != part.path
+            if (
+                chip
+                and v.direction not in ("NONE", own)
+                and self.part(path.rpartition(".")[0]) == n
+            ):
+                return path[len(part.path) :].lstrip("."), v
+        return None, None
+
+
+def net_name(expr: dict) -> str:
+    (name,) = reads(expr) | writes(expr)
+    return name
+
+
+def port_rows(ports: list[tuple], driven: dict) -> list[str]:
+    return [f'  {{"{path}", "{v.name}", {v.width}, {int(out)}, {int(data)}, {int(heard)}, '
+            f'{driven.get((path, v.name), -1)}, {net}}},'
+            for path, v, out, data, heard, net in ports]  # fmt: skip
 
 
 def boards_text(netlist: Netlist, soc: bool) -> str:
     out = ["// Made by sim/model/generate.py."]
-    counters = {r["register"]: r for r in RULES["counter"]}
     rows = []
     for name, module in boards(netlist).items():
         board = Board(netlist, module)
         out.append(f"static const RegisterRow k_{name}_registers[] = {{")
         for i, r in sorted(board.registers, key=lambda x: (x[0].path, x[1])):
-            rule = counters.get(f"{i.module.name}.{r}", {})
-            strides = [*rule.get("strides", []), 0, 0][:2]
             scope, _, last = r.rpartition(".")
             path = ".".join(x for x in (i.path, scope) if x)
-            unless = rule.get("unless", "")
-            awake = any((a["module"], a["register"]) == (i.module.name, r) for a in RULES["awake"])
-            out.append(
-                f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.unit(i.path)}, '
-                f'{strides[0]}, {strides[1]}, {rule.get("margin", 0)}, "{unless}", {int(awake)}}},'
+            margin = RULES["counters"].get(f"{i.module.name}.{r}")
+            kind = (
+                "Kind::kCounter"
+                if margin is not None
+                else (
+                    "Kind::kData" if r in RULES["data"].get(i.module.name, []) else "Kind::kControl"
+                )
             )
-        out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
-        for unit in range(len(board.chips) + 1):
-            for i, n in board.looks(unit):
-                quiet, guard = 0, 0
-                for number, rule in enumerate(RULES["quiet"], 1):
-                    if rule["module"] == i.module.name and n in rule["inputs"]:
-                        quiet, guard = 1, number if "while" in rule else 0
-                out.append(f'  {{"{i.path}", "{n}", {unit}, {quiet}, {guard}}},')
-        out += ["};", f"static const GuardRow k_{name}_guards[] = {{"]
-        for unit, i in enumerate([board.all[0], *board.chips]):
-            for number, rule in enumerate(RULES["quiet"], 1):
-                if rule["module"] == i.module.name:
-                    for n, value in rule.get("while", {}).items():
-                        out.append(f'  {{"{i.path}", "{n}", {unit}, {number}, {value}}},')
-        out += ['  {"", "", -1, 0, 0},', "};", f"static const PortRow k_{name}_ports[] = {{"]
-        heard = next((d["inputs"] for d in RULES["deaf"] if d["module"] == name), [])
-        always = {n for r in RULES["quiet"] if r["module"] == name and "while" not in r
-                  for n in r["inputs"]}  # fmt: skip
-        for p in module.ports:
-            out.append(f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, '
-                       f"{int(p.name in heard)}, "
-                       f"{int(p.name in always)}}},")  # fmt: skip
+            out.append(f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.part(i.path)}, '
+                       f"{kind}, {-1 if margin is None else margin}}},")  # fmt: skip
         out.append("};")
-        for unit, chip in enumerate(board.chips, 1):
-            out.append(f"static const LinkRow k_{name}_links{unit}[] = {{")
-            out += [f'  {{"{p.name}", {int(p.direction == "OUTPUT")}}},' for p in board.links(chip)]
+        ports, own = board.ports()
+        for n, rows_of in enumerate(ports):
+            # what a chip does not drive is ones: where the port is that tells
+            driven = {}
+            for path, v, is_out, data, _, _ in rows_of:
+                chip = board.modules[f"{board.parts[n].path}.{path}".strip(".")].name
+                tells = CHIPS.get(chip, {}).get("driven") if path and data and not is_out else None
+                for index, row in enumerate(rows_of):
+                    if row[0] == path and row[1].name == tells:
+                        driven[(path, v.name)] = index
+            out += [f"static const PortRow k_{name}_ports{n}[] = {{", *port_rows(rows_of, driven)]
             out.append("};")
-        out.append(f"static const UnitRow k_{name}_units[] = {{")
-        out.append(f'  {{"", "{name}", nullptr, 0}},')
-        out += [f'  {{"{c.path}", "{c.module.name}", k_{name}_links{unit}, '
-                f"MMCS_COUNT(k_{name}_links{unit})}},"
-                for unit, c in enumerate(board.chips, 1)]  # fmt: skip
-        out += ["};"]
-        rows.append(f'  {{"{name}", k_{name}_registers, k_{name}_nets, k_{name}_guards, '
-                    f"k_{name}_ports, k_{name}_units, MMCS_COUNT(k_{name}_registers), "
-                    f"MMCS_COUNT(k_{name}_nets), MMCS_COUNT(k_{name}_guards), "
-                    f"MMCS_COUNT(k_{name}_ports), MMCS_COUNT(k_{name}_units)}},")  # fmt: skip
+        out.append(f"static const PartRow k_{name}_parts[] = {{")
+        out += [f'  {{"{p.path}", "{p.module.name}", k_{name}_ports{n}, '
+                f"MMCS_COUNT(k_{name}_ports{n})}},"
+                for n, p in enumerate(board.parts)]  # fmt: skip
+        out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
+        out += [f'  {{"{port}", {net}}},' for port, net in own.items()]
+        out.append("};")
+        rows.append(table_row(name))
     if soc:
-        rows.append('  {"soc_host", nullptr, nullptr, nullptr, k_soc_host_ports, '
-                    "k_soc_host_units, 0, 0, 0, MMCS_COUNT(k_soc_host_ports), 1},")  # fmt: skip
+        rows.append('  {"soc_host", nullptr, k_soc_host_parts, k_soc_host_nets, 0, 1, '
+                    "MMCS_COUNT(k_soc_host_nets)},")  # fmt: skip
     out += ["static const BoardTable kBoards[] = {", *rows, "};"]
     return "\n".join(out) + "\n"
 
 
-def host_text(module: Module) -> str:
+def table_row(name: str) -> str:
+    tables = [f"k_{name}_{what}" for what in ("registers", "parts", "nets")]
+    return (
+        f'  {{"{name}", {", ".join(tables)}, '
+        + ", ".join(f"MMCS_COUNT({t})" for t in tables)
+        + "},"
+    )
+
+
+def host_text(module: Module, pins: dict, outer: dict) -> str:
     """The table of a SoC's host: ports only, as it rests by rules of its own (soc_core.cpp)."""
-    out = ['static const UnitRow k_soc_host_units[] = {{"", "soc_host", nullptr, 0}};',
-           "static const PortRow k_soc_host_ports[] = {"]  # fmt: skip
-    out += [f'  {{"{p.name}", {p.width}, {int(p.direction == "OUTPUT")}, 0, 0}},'
-            for p in module.ports]  # fmt: skip
+    nets = {e["name"] for e in outer.values() if e is not None and e["type"] == "VARREF"}
+    met = [p for p in module.ports
+           if "clk" not in p.name and (pins.get(p.name) or {}).get("name") in nets]  # fmt: skip
+    rows = [("", p, p.direction == "OUTPUT", False, False, n) for n, p in enumerate(met)]
+    out = ["static const PortRow k_soc_host_ports[] = {", *port_rows(rows, {}), "};",
+           'static const PartRow k_soc_host_parts[] = {{"", "soc_host", k_soc_host_ports, '
+           "MMCS_COUNT(k_soc_host_ports)}};",
+           "static const NetRow k_soc_host_nets[] = {"]  # fmt: skip
+    out += [f'  {{"{p.name}", {n}}},' for n, p in enumerate(met)]
     return "\n".join([*out, "};"]) + "\n"
 
 
 def decoder_text(netlist: Netlist) -> str:
     """All that the decoder says by which a board hears."""
-    rule = RULES["deaf"][0]
+    rule = RULES["heard"]
     decoder = next(i for i in instances(netlist, boards(netlist)[rule["module"]])
                    if i.path == rule["decoder"])  # fmt: skip
     outputs = (p for p in decoder.module.ports if p.direction == "OUTPUT")
@@ -337,6 +404,10 @@ def triggers_text(folder: Path) -> str:
 
 def main() -> int:
     what, folder, *rest = sys.argv[1:]
+    if what == "parts":
+        own = RULES["boards"][rest[0]]
+        print(*(own if folder == "boards" else [chip for chip in CHIPS if chip not in own]))
+        return 0
     out = Path(folder)
     if what == "triggers":
         (out / "triggers.inc").write_text(triggers_text(out))
@@ -357,9 +428,11 @@ def main() -> int:
         (out / "wires.cpp").write_text(wires_text(netlist, cards, soc))
     else:
         config(out, netlist)
-        table = host_text(soc[1]) if soc else ""
+        table = host_text(*soc[1:]) if soc else ""
         (out / "boards.inc").write_text(table + boards_text(netlist, soc is not None))
         (out / "decoder.inc").write_text(decoder_text(netlist))
+        models = dict.fromkeys([*RULES["boards"][host], *CHIPS, *(["soc_host"] if soc else [])])
+        (out / "models.inc").write_text("".join(f"MMCS_MODEL_OF({m})\n" for m in models))
     return 0
 
 

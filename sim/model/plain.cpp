@@ -320,7 +320,7 @@ void Plain::upset(int reg, uint64_t bits) {
 
 std::vector<uint8_t> Plain::save() {
   Verilated::threadContextp(&context_);
-  State state;
+  Saved state;
   for (size_t reg = 0; reg < nets_.size(); ++reg) {
     state.registers.push_back(read(static_cast<int>(reg)));
   }
@@ -333,7 +333,7 @@ std::vector<uint8_t> Plain::save() {
 // What the bus checkers remember is of the time before: they begin anew, as after power-on.
 void Plain::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
-  const State state = State::unpack(bytes);
+  const Saved state = Saved::unpack(bytes);
   if (state.registers.size() != registers().size()) {
     throw std::invalid_argument("a snapshot of another machine");
   }

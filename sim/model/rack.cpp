@@ -4,7 +4,9 @@
 #include "rack.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +15,16 @@ namespace {
 
 constexpr int kResetClks = 64;
 
+// What machines that are no more have learned, for the next one of this process.
+struct Shelf {
+  std::mutex mutex;
+  std::vector<std::map<std::string, std::shared_ptr<Cache>>> sets;
+};
+Shelf &shelf() {
+  static Shelf *found = new Shelf;  // for good: a machine may end after all else
+  return *found;
+}
+
 }  // namespace
 
 Rack::Rack(bool slow, bool skip, uint64_t seed)
@@ -20,13 +32,23 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
   context_.randReset(2);
   context_.randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
   Verilated::threadContextp(&context_);
-  for (size_t n = 0; n < kWires.boards.size(); ++n) {
-    blocks_.push_back(
-        std::make_unique<Block>(kWires.boards[n].module, context_, "B" + std::to_string(n)));
-    blocks_.back()->number = n;
+  {
+    const std::lock_guard<std::mutex> lock(shelf().mutex);
+    if (!shelf().sets.empty()) {
+      caches_ = std::move(shelf().sets.back());
+      shelf().sets.pop_back();
+    }
   }
-  due_at_.resize(blocks_.size());
+  for (const BoardInfo &board : kWires.boards) add_parts(board);
+  if (const char *hits = std::getenv("MMCS_CHECK")) check(std::atoi(hits));
+  if (parts_.size() > 64) throw std::logic_error("a machine of more than 64 parts");
   wire();
+}
+
+Rack::~Rack() {
+  Verilated::threadContextp(&context_);
+  const std::lock_guard<std::mutex> lock(shelf().mutex);
+  shelf().sets.push_back(std::move(caches_));
 }
 
 // --- nets ------------------------------------------------------------------------------------
@@ -41,77 +63,66 @@ void Rack::changed(int net, int lsb, int width) {
       logic_.push_back(l);
     }
   }
-  for_readers(net, lsb, width, [this](const Reader &r) { show(*r.slot); });
+  for_readers(net, lsb, width, [this](const Reader &r) { show(*r.wire); });
 }
 
 // The net's value at an input.
-void Rack::show(Slot &slot) {
-  arrive(slot, slot.through(wires_.get(slot.net, slot.lsb, slot.width)));
+void Rack::show(Wire &wire) {
+  arrive(*wire.part, *wire.port, wire.through(wires_.get(wire.net, wire.lsb, wire.width)));
 }
 
-void Rack::arrive(Slot &slot, uint64_t value) {
-  if (slot.port.get() == value) return;
-  Block &block = *slot.block;
-  if (block.behind() && !slot.row->quiet) {
-    block.catch_up(clock_);
-    touch(block);
-  }
-  slot.port.put(value);
-  block.board().stale = true;
-  if (slot.row->quiet || (slot.quiet && slot.quiet->holds())) return;
-  if (slot.wakes) block.board().wake(clock_);
-  touch(block);
+void Rack::arrive(Part &part, const PartPort &port, uint64_t value) {
+  if (stopped_) part.pass(clock_);
+  if (part.put(port, value, clock_)) touch(part);
 }
 
 // An input of the machine that nothing but ports of boards is on.
 void Rack::arrive_directly(const Reader &reader, int lsb, int width, uint64_t value) {
-  Slot &slot = *reader.slot;
+  Wire &wire = *reader.wire;
   const int low = std::max(lsb, reader.lsb);
   const int bits = std::min(lsb + width, reader.lsb + reader.width) - low;
   const uint64_t mask = ((uint64_t{1} << bits) - 1) << (low - reader.lsb);
-  const uint64_t after = (slot.shown & ~mask) | (value >> (low - lsb) << (low - reader.lsb) & mask);
-  if (after == slot.shown) return;
-  slot.shown = after;
-  Block &block = *slot.block;
-  if (slot.late && skip_ && !stopped_ && !(listening_ >> (block.number - 1) & 1)) {
-    return block.defer(clock_, slot, after);
-  }
-  if (slot.late && block.behind()) {  // its port shows less than the wire has done
-    block.catch_up(clock_);
-    touch(block);
-  }
-  arrive(slot, after);
+  const uint64_t after = (wire.shown & ~mask) | (value >> (low - lsb) << (low - reader.lsb) & mask);
+  if (after == wire.shown) return;
+  wire.shown = after;
+  arrive(*wire.part, *wire.port, after);
 }
 
-void Rack::touch(Block &block) {
-  if (block.touched) return;
-  block.touched = true;
-  touched_.push_back(&block);
+void Rack::touch(Part &part) {
+  if (part.touched) return;
+  part.touched = true;
+  touched_.push_back(&part);
 }
 
 // An output that has moved takes its net along.
-void Rack::drive(Slot &slot) {
-  const uint64_t value = slot.value();
-  if (value == slot.shown) return;
-  slot.shown = value;
-  wires_.put(slot.net, slot.lsb, slot.width, value);
+void Rack::drive(Wire &wire) {
+  const uint64_t value = wire.value();
+  if (value == wire.shown) return;
+  wire.shown = value;
+  wires_.put(wire.net, wire.lsb, wire.width, value);
 }
 
-// What of a board's outputs has moved goes where it is seen; false if none has.
-bool Rack::outputs(Block &block) {
-  const char *base = block.board().base;
-  if (!std::exchange(block.outs_moved, false) && !block.out_words.moved(base)) return false;
-  if (&block == adaptor_) {
-    if (line_words_.moved(base)) look_at_lines();
-    if (!net_words_.moved(base)) return true;
+// What of a part's outputs has moved goes where it is seen.
+void Rack::tell(Part &part) {
+  const auto send = [this, &part](const PartPort &port) {
+    if (port.wire) drive(*port.wire);
+    for (const auto &[other, input] : port.links) arrive(*other, *input, part.get(port));
+  };
+  uint64_t moved = part.take_out();
+  if (moved & part.line_mask) look_at_lines();
+  while (moved) {
+    const PartPort &port = part.port_at(__builtin_ctzll(moved));
+    moved &= ~port.mask;
+    send(port);
   }
-  for (Slot *slot : block.outs) drive(*slot);
-  return true;
+  for (uint32_t cells = part.take_cells(); cells; cells &= cells - 1) {
+    if (const PartPort *port = part.port_of(__builtin_ctz(cells))) send(*port);
+  }
 }
 
 void Rack::look_at_lines() {
   unsigned lines = 0;
-  for (const auto &[n, bit] : line_nets_) lines |= static_cast<unsigned>(n.get()) << bit;
+  for (const auto &[wire, bit] : lines_of_) lines |= static_cast<unsigned>(wire->get()) << bit;
   shown_lines_ = host_ ? lines : lines ^ kLineIrq;
 }
 
@@ -125,14 +136,17 @@ void Rack::listen() {
   if (dips_moved_) {
     dips_moved_ = false;
     ears_.forget();
+    for (size_t card = 0; card < dips_.size(); ++card) {
+      dip_values_[card] = static_cast<unsigned>(dips_[card].first->get(*dips_[card].second));
+    }
     looking = (1u << heard_.size()) - 1;
   }
   if (!(ior_n && iow_n)) {
     now = ears_.hear(static_cast<unsigned>(wires_.get(bus_[0], 0, 16)),
-                     static_cast<unsigned>(wires_.get(bus_[1], 0, 1)), ior_n, iow_n, dips_);
+                     static_cast<unsigned>(wires_.get(bus_[1], 0, 1)), ior_n, iow_n, dip_values_);
   }
   for (uint32_t rest = now | looking; rest; rest &= rest - 1) {
-    for (Slot *slot : heard_[static_cast<size_t>(__builtin_ctz(rest))]) show(*slot);
+    for (Wire *wire : heard_[static_cast<size_t>(__builtin_ctz(rest))]) show(*wire);
   }
   listening_ = now;
 }
@@ -148,12 +162,13 @@ void Rack::settle() {
       due_[static_cast<size_t>(l)] = 0;
       kWires.logic[static_cast<size_t>(l)].run(wires_);
     } else if (!touched_.empty()) {
-      Block &block = *touched_.back();
+      Part &part = *touched_.back();
       touched_.pop_back();
-      block.touched = false;
-      block.look(clock_);
-      plan(block);
-      outputs(block);
+      part.touched = false;
+      if (stopped_) part.pass(clock_);
+      part.follow(clock_);
+      plan(part);
+      if (part.tells()) tell(part);
     } else {
       return;
     }
@@ -162,72 +177,106 @@ void Rack::settle() {
 
 // --- time ------------------------------------------------------------------------------------
 
-// A board may be due at another edge than before.
-void Rack::plan(const Block &block) {
-  if (&block == host_) return plan_host(true);
-  const int64_t edge = block.due();
-  int64_t &before = due_at_[block.number];
-  if (&block != adaptor_ && edge != before) cards_moved_ = true;
+// A part may be due at another edge than before.
+void Rack::plan(const Part &part) {
+  if (&part == host_) return plan_host(true);
+  const uint64_t bit = uint64_t{1} << part.number;
+  const int64_t edge = part.due();
+  int64_t &before = due_at_[part.number];
+  if (due_later_ & bit && before == first_later_ && edge != before) later_moved_ = true;
   before = edge;
+  due_next_ &= ~bit;
+  due_later_ &= ~bit;
+  if (edge <= clock_ + 1) {
+    due_next_ |= bit;
+  } else if (edge != kNever) {
+    due_later_ |= bit;
+    first_later_ = std::min(first_later_, edge);
+  }
 }
 
-// The first edge at which a card is due.
-int64_t Rack::cards_due() {
-  if (cards_moved_) {
-    cards_moved_ = false;
-    cards_due_ = *std::min_element(due_at_.begin() + 1, due_at_.end());
+void Rack::plan_all() {
+  for (const auto &part : parts_) plan(*part);
+}
+
+// The first edge at which a part is due.
+int64_t Rack::first_due() {
+  if (stopped_) return kNever;
+  if (due_next_ || !skip_) return clock_ + 1;
+  if (later_moved_) {
+    later_moved_ = false;
+    first_later_ = kNever;
+    for (uint64_t rest = due_later_; rest; rest &= rest - 1) {
+      first_later_ = std::min(first_later_, due_at_[__builtin_ctzll(rest)]);
+    }
   }
-  return cards_due_;
+  return host_ ? std::min(host_due_, first_later_) : first_later_;
 }
 
 void Rack::step(int64_t t) {
-  const bool host = host_ && (!skip_ || due_at_[host_->number] <= t);
+  const bool host = host_ && (!skip_ || host_due_ <= t);
   if (host) {
     clock_ = t - 1;
     host_clocks();
   }
+  uint64_t due = due_next_;
+  if (!skip_) due = every_;
+  if (first_later_ <= t) {
+    for (uint64_t rest = due_later_; rest; rest &= rest - 1) {
+      const int n = __builtin_ctzll(rest);
+      if (due_at_[n] <= t) due |= uint64_t{1} << n;
+    }
+    later_moved_ = true;
+  }
+  if (stopped_) due = 0;
   clock_ = t;
   ++evals_;
   stop_lines_ = lines_ != shown_lines_;
   lines_ = shown_lines_;
-  const size_t boards = stopped_ ? 0 : !skip_ || cards_due() <= t ? blocks_.size() : 1;
-  for (size_t n = 0; n < boards; ++n) {
-    if (skip_ && due_at_[n] > t) continue;
-    Block &block = *blocks_[n];
-    if (&block == host_) continue;
+  // All see their inputs as they stood; then outputs move.
+  for (uint64_t rest = due; rest; rest &= rest - 1) {
+    Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(rest))];
     if (slow_) {
-      block.whole_edge(t);
+      part.slow_clock(t);
     } else {
-      if (!skip_) block.renew(t - 1);
-      if (block.behind()) block.catch_up(t - 1);
-      block.edge(t);
+      part.clock(t);
     }
-    touch(block);
+    plan(part);
+  }
+  for (uint64_t rest = due; rest; rest &= rest - 1) {
+    Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(rest))];
+    if (part.tells()) tell(part);
   }
   if (host) {
     host_edge();
+    host_->refresh();
     host_clock_ = t;
     plan_host(false);
-    outputs(*host_);
+    tell(*host_);
   }
   arrive_until(t);
   settle();
   if (host) {
     after_clock();
+    host_->refresh();
     if (!host_rests()) plan_host(true);
   }
   if (!watched_.empty()) look_at_watched();
 }
 
-// No board gets a clock, and no counter goes on; what pins do without one is done.
+// No part gets a clock, and no counter goes on; what pins do without one is done.
 void Rack::stop_clock(bool stopped) {
   if (stopped == stopped_) return;
-  stopped_ = stopped;
-  for (const auto &block : blocks_) {
-    block->catch_up(clock_);
-    block->renew(clock_);
-    touch(*block);
+  for (const auto &part : parts_) {
+    if (stopped) {
+      part->catch_up(clock_);
+    } else {
+      part->pass(clock_);
+    }
+    part->plan();
   }
+  stopped_ = stopped;
+  plan_all();
 }
 
 bool Rack::expect(std::vector<EncoderEdge> &edges) {
@@ -245,40 +294,29 @@ void Rack::arrive_until(int64_t t) {
   if (pins_.waiting()) pins_.apply();
 }
 
-// Clocks of the adaptor while nothing else is due before `end`, and as long as none of its outputs
-// moves.
-void Rack::alone(int64_t end) {
-  Block &block = *adaptor_;
-  do {
-    const int64_t t = due_at_[0];
-    clock_ = block.edges(t, end);
-    evals_ += static_cast<uint64_t>(clock_ - t + 1);
-    block.look(clock_);
-    due_at_[0] = block.due();
-  } while (!outputs(block) && due_at_[0] < end);
-  settle();
-}
-
 Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   const int64_t begin = clock_;
   Stop stop = Stop::kDone;
   const unsigned wanted = dtack < 0 ? 2u : static_cast<unsigned>(dtack);
   // A level that stands already is seen after the first clock, if it stands then, too.
-  const bool stands = dtack_.get() == wanted;
+  const bool stands = level() == wanted;
+  if ((++runs_ & 1023) == 0) {
+    for (auto &known : caches_) {
+      if (known.second->full()) forget(*known.second);
+    }
+  }
   while (clock_ < begin + n) {
     const int64_t end = begin + (stands && clock_ == begin ? 1 : n);
-    const int64_t cards = cards_due(), coming = coming_at();
-    int64_t t = stopped_ ? kNever : std::min(due_at_[0], cards);
-    const bool moved = (!skip_ && !stopped_) || pins_.waiting() || lines_ != shown_lines_;
+    int64_t t = first_due();
+    const int64_t coming = coming_at();
+    const bool moved = pins_.waiting() || lines_ != shown_lines_;
     if (moved) t = clock_ + 1;
-    if (!moved && coming < t && coming <= end) {
+    if (coming < t && coming <= end) {
       clock_ = coming;
       arrive_until(coming);
       settle();
     } else if (t > end) {
       clock_ = end;
-    } else if (!moved && t < cards && t < coming) {
-      alone(std::min(end + 1, std::min(cards, coming)));
     } else {
       step(t);
       if (stop_lines_) {
@@ -291,7 +329,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
         break;
       }
     }
-    if (dtack_.get() == wanted) {
+    if (level() == wanted) {
       stop = Stop::kDtack;
       break;
     }
@@ -300,18 +338,32 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   return stop;
 }
 
+// The cache begins anew.
+void Rack::forget(Cache &cache) {
+  for (const auto &part : parts_) {
+    if (part->cache.get() != &cache) continue;
+    if (!stopped_) part->catch_up(clock_);
+    part->forget();
+    part->plan();
+    plan(*part);
+  }
+  cache.clear();
+}
+
 void Rack::power_on() {
   clock_ = -kResetClks;
   const int reset = Wires::find("rst_ni"), clk = Wires::find("clk_i");
   wires_.put(clk, 0, 1, 1);
+  for (const auto &part : parts_) part->run_always(true);
   pins_.power_on();
   pins_.set(Pin::kSysreset, 0, 1);
   pins_.apply();
-  for (const auto &block : blocks_) {
-    for (Unit &unit : block->units) unit.model->eval();
-    block->written(clock_);
-    touch(*block);
-    outputs(*block);
+  for (const auto &part : parts_) {
+    part->model->eval();
+    part->load();
+    part->written(clock_);
+    touch(*part);
+    tell(*part);
   }
   settle();
   const bool skip = skip_;
@@ -326,6 +378,11 @@ void Rack::power_on() {
   }
   skip_ = skip;
   evals_ = 0;
+  if (skip_) {
+    for (const auto &part : parts_) {
+      if (part.get() != host_) part->run_always(false);
+    }
+  }
 }
 
 }  // namespace mmcs

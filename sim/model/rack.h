@@ -1,29 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine made of its boards, each Verilated by itself, wired as rtl/mmcs.sv wires them. A
-// board at rest gets no clock (unit.h); docs/simulator/simulator.md tells how.
+// The machine made of its parts, each Verilated by itself, wired as rtl/mmcs.sv wires them. A part
+// at rest gets no clock (part.h); docs/simulator/simulator.md tells how.
 //
 // Time: edge t is the clock that makes clock() t. Everything sees its inputs as they stood before
 // the edge; a pin set at clock t stands at the port after edge t + 1.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "block.h"
 #include "ears.h"
 #include "model.h"
+#include "part.h"
 #include "wires.h"
 
 namespace mmcs {
+
+// A port of a board on its net.
+struct Wire {
+  Part *part;
+  const PartPort *port;
+  int net, lsb, width;
+  int board;
+  const char *name;           // of the board's port
+  uint64_t held = 0, at = 0;  // bits that a fault holds, and at what
+  uint64_t shown = 0;         // what the net, or the input, has of it
+
+  uint64_t through(uint64_t value) const { return (value & ~held) | at; }
+  uint64_t get() const { return part->get(*port); }
+  uint64_t value() const { return through(get()); }
+};
 
 class Rack : public Model, protected Ports, private Listener {
  public:
   Rack(bool slow, bool skip, uint64_t seed);
   // The models take their names out of the context of the thread, which may be another machine's.
-  ~Rack() override { Verilated::threadContextp(&context_); }
+  // The models take their names out of the context of the thread, which may be another machine's.
+  ~Rack() override;
 
   void power_on();
+  // Of so many hits of a part the model is asked about one, too; a difference is an error.
+  void check(int hits) {
+    for (const auto &part : parts_) part->check = hits;
+  }
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   int64_t clock() const override { return clock_; }
   uint64_t evals() const override { return evals_; }
@@ -31,8 +52,8 @@ class Rack : public Model, protected Ports, private Listener {
   bool was_upset() const override { return upset_; }
   void set_upset(bool upset) override { upset_ = upset; }
   unsigned lines() const override { return lines_; }
-  bool dtack() const override { return dtack_.get() == 0; }
-  bool alive() const override { return alive_.get() != 0; }
+  bool dtack() const override { return level() == 0; }
+  bool alive() const override { return alive_->get() != 0; }
   int16_t drive(int axis) const override {
     return static_cast<int16_t>(drives_[static_cast<size_t>(axis / 2)]->value() >> 16 * (axis & 1));
   }
@@ -60,8 +81,8 @@ class Rack : public Model, protected Ports, private Listener {
   // The last one changed nothing but what counts for ever; so many more were like it.
   virtual bool host_rests() { return false; }
   virtual void host_pass(int64_t) {}
-  Board &host_board() { return *host_->board().model; }
-  std::string host_scope() const { return host_->units[0].model->name() + ".soc_host"; }
+  Board &host_board() { return *host_->model; }
+  std::string host_scope() const { return host_->model->name() + ".soc_host"; }
   bool host_alone() const { return !slow_; }
   void wake_host();
   void catch_up_host();
@@ -70,26 +91,40 @@ class Rack : public Model, protected Ports, private Listener {
 
  private:
   void wire();
+  int net_of(size_t board, const char *port);
+  bool is_output(size_t board, int net);
+  template <class F>
+  void for_ports(size_t board, int net, F f) {
+    const size_t end = board + 1 < first_.size() ? first_[board + 1] : parts_.size();
+    for (size_t n = first_[board]; n < end; ++n) {
+      for (const auto &port : parts_[n]->ports()) {
+        if (port->row->net == net) f(*parts_[n], *port);
+      }
+    }
+  }
+  unsigned level() const { return dtack_ ? static_cast<unsigned>(dtack_->get()) : 1u; }
+  void add_parts(const BoardInfo &board);
   void host_clocks();
   void plan_host(bool due);
   void step(int64_t t);
   void arrive_until(int64_t t);
   void changed(int net, int lsb, int width) override;
-  void show(Slot &slot);
-  void arrive(Slot &slot, uint64_t value);
+  void show(Wire &wire);
+  void arrive(Part &part, const PartPort &port, uint64_t value);
   struct Reader;
   void arrive_directly(const Reader &reader, int lsb, int width, uint64_t value);
-  void touch(Block &block);
-  void drive(Slot &slot);
-  bool outputs(Block &block);
+  void touch(Part &part);
+  void drive(Wire &wire);
+  void tell(Part &part);
   void look_at_lines();
-  void alone(int64_t end);
   void settle();
-  void catch_up(Block &block);
   void listen();
-  void plan(const Block &block);
-  int64_t cards_due();
-  Net find(int reg, Block **block);
+  void plan(const Part &part);
+  void plan_all();
+  int64_t first_due();
+  void forget(Cache &cache);
+  Place &find(int reg, Part **part);
+  void written(Part &part);
   Net find_watched(const std::string &name);
   void look_at_watched();
   struct Watched {
@@ -97,7 +132,6 @@ class Rack : public Model, protected Ports, private Listener {
     uint32_t seen;
   };
   std::vector<Watched> watched_;
-  std::vector<std::pair<Net, Block *>> nets_;  // of registers()
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void disturb() override { upset_ = true; }
@@ -106,11 +140,13 @@ class Rack : public Model, protected Ports, private Listener {
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 
   Wires wires_;
-  std::vector<std::unique_ptr<Block>> blocks_;
-  std::vector<std::unique_ptr<Slot>> slots_;
+  std::map<std::string, std::shared_ptr<Cache>> caches_;  // by module
+  std::vector<std::unique_ptr<Part>> parts_;
+  std::vector<size_t> first_;  // of each board its first part: itself; then its chips
+  std::vector<std::unique_ptr<Wire>> board_wires_;
   struct Reader {
     int lsb, width;
-    Slot *slot;
+    Wire *wire;
   };
   std::vector<std::vector<Reader>> readers_;              // of each net
   std::vector<std::vector<std::vector<Reader>>> by_bit_;  // of each bit of the inputs' nets
@@ -126,17 +162,17 @@ class Rack : public Model, protected Ports, private Listener {
   std::vector<std::vector<int>> followers_;  // logic that looks at each net
   std::vector<char> due_;                    // logic that must be worked out
   std::vector<int> logic_;
-  std::vector<Block *> touched_;
-  std::vector<const Slot *> drives_, leds_;
+  std::vector<Part *> touched_;
+  std::vector<const Wire *> drives_, leds_;
   int ports_[kPorts];
   bool direct_[kPorts];  // nothing but ports of boards is on this net: it has no value of its own
-  // The bus that cards hear: nets by the decoder's ports, slots by card.
+  // The bus that cards hear: nets by the decoder's ports, wires by card.
   Ears ears_;
   int bus_[5] = {-1, -1, -1, -1, -1};
-  std::vector<std::vector<Slot *>> heard_;
-  std::vector<Net> dips_;
-  std::vector<Block *> cards_;
-  uint32_t listening_ = 0, cut_ = 0;
+  std::vector<std::vector<Wire *>> heard_;
+  std::vector<std::pair<Part *, const PartPort *>> dips_;
+  std::vector<unsigned> dip_values_ = std::vector<unsigned>(static_cast<size_t>(kWires.cards));
+  uint32_t listening_ = 0;
   bool bus_moved_ = false, dips_moved_ = true;
   Pins pins_;
   std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on
@@ -145,19 +181,19 @@ class Rack : public Model, protected Ports, private Listener {
   int64_t coming_at() const {
     return next_coming_ < coming_.size() ? coming_[next_coming_].clock + 1 : kNever;
   }
-  Net dtack_, iackout_, d_oe_, alive_;
+  const Wire *dtack_ = nullptr, *iackout_ = nullptr, *d_oe_ = nullptr, *alive_ = nullptr;
   int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
   std::vector<int> d_logic_;
-  std::vector<Slot *> d_slots_;
-  Block *adaptor_ = nullptr, *host_ = nullptr;
-  int64_t host_clock_ = 0;  // the edge up to which the host is
-  std::vector<std::pair<Net, int>> line_nets_;
-  Words line_words_, net_words_;  // these; outputs that go to cards
+  std::vector<Wire *> d_wires_;
+  Part *host_ = nullptr;
+  int64_t host_clock_ = 0, host_due_ = 0;  // the edge up to which the host is; its next
+  std::vector<std::pair<const Wire *, int>> lines_of_;
   int64_t clock_ = 0;
-  std::vector<int64_t> due_at_;  // the next edge of each board
-  int64_t cards_due_ = 0;        // the earliest of those of cards, unless one has moved
-  bool cards_moved_ = true;
-  uint64_t evals_ = 0;
+  // Parts: due at the next edge; at a later one, and at which first.
+  uint64_t due_next_ = 0, due_later_ = 0, every_ = 0;
+  int64_t first_later_ = kNever, due_at_[64] = {};
+  bool later_moved_ = false;
+  uint64_t evals_ = 0, runs_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;
   bool stop_lines_ = false;
   bool slow_, skip_;

@@ -11,9 +11,9 @@ namespace mmcs {
 
 unsigned Rack::vme_sample() {
   if (host_) return 0x2FFFF;  // no bus
-  for (Slot *slot : d_slots_) drive(*slot);
+  for (Wire *wire : d_wires_) drive(*wire);
   for (int l : d_logic_) kWires.logic[static_cast<size_t>(l)].run(wires_);
-  return static_cast<unsigned>(iackout_.get() << 17 | d_oe_.get() << 16 | wires_.get(d_, 0, 16));
+  return static_cast<unsigned>(iackout_->get() << 17 | d_oe_->get() << 16 | wires_.get(d_, 0, 16));
 }
 
 void Rack::put(Port port, int lsb, int width, uint64_t value) {
@@ -33,104 +33,96 @@ void Rack::put(Port port, int lsb, int width, uint64_t value) {
 }
 
 void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
-  for (const auto &slot : slots_) {
-    const size_t n =
-        static_cast<size_t>(std::find_if(blocks_.begin(), blocks_.end(),
-                                         [&](const auto &b) { return b.get() == slot->block; }) -
-                            blocks_.begin());
-    if (board != kWires.boards[n].path || std::strcmp(slot->row->name, port) != 0) continue;
-    const uint64_t own = (uint64_t{1} << slot->width) - 1;
-    slot->held = mask & own;
-    slot->at = value & slot->held;
-    if (slot->row->out) {
-      drive(*slot);
-    } else if (slot->row->heard) {
+  for (const auto &wire : board_wires_) {
+    const size_t n = static_cast<size_t>(wire->board);
+    if (board != kWires.boards[n].path || std::strcmp(wire->name, port) != 0) continue;
+    const uint64_t own = (uint64_t{1} << wire->width) - 1;
+    wire->held = mask & own;
+    wire->at = value & wire->held;
+    if (wire->port->out) {
+      drive(*wire);
+    } else if (wire->port->row->heard) {
       // Its wires back, it hears what is on them as any card does: all of it, or nothing.
-      if (mask || (listening_ >> (n - 1) & 1)) show(*slot);
+      if (mask || (listening_ >> (n - 1) & 1)) show(*wire);
       bus_moved_ = true;
     } else {
-      show(*slot);
+      show(*wire);
     }
   }
 }
 
-Net Rack::find(int reg, Block **block) {
-  if (nets_.empty()) {
-    for (const Register &r : registers()) {
-      Block *of = blocks_[static_cast<size_t>(r.board)].get();
-      const RegisterRow &row = of->table.registers[r.row];
-      nets_.emplace_back(of->find(row), of);
-    }
-  }
-  const auto &found = nets_[static_cast<size_t>(reg)];
-  *block = found.second;
-  return found.first;
+Place &Rack::find(int reg, Part **part) {
+  const Register &r = registers()[static_cast<size_t>(reg)];
+  const size_t board = static_cast<size_t>(r.board);
+  const BoardTable &table = board_table(kWires.boards[board].module);
+  *part = parts_[first_[board] + static_cast<size_t>(table.registers[r.row].part)].get();
+  return *(*part)->place(static_cast<size_t>(r.row));
+}
+
+// Its registers have been written: what follows.
+void Rack::written(Part &part) {
+  part.written(clock_);
+  plan(part);
+  tell(part);
 }
 
 void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
-  const int found = find_register(reg);
-  Block *block;
-  const Net net = find(found, &block);
-  const Register &r = registers()[static_cast<size_t>(found)];
-  auto &pokes = block->units[static_cast<size_t>(block->table.registers[r.row].unit)].pokes;
-  pokes.erase(
-      std::remove_if(pokes.begin(), pokes.end(), [&](const Poke &p) { return p.net.at == net.at; }),
-      pokes.end());
-  if (clear || set) pokes.push_back({net, clear, set});
-  catch_up(*block);
-  net.put((net.get() & ~clear) | set);
-  block->written(clock_);
-  touch(*block);
-}
-
-// All up to the present clock: its registers may be read.
-void Rack::catch_up(Block &block) {
-  const bool behind = block.behind();
-  block.catch_up(clock_);
-  if (!behind) return;
-  plan(block);
+  Part *part;
+  Place &place = find(find_register(reg), &part);
+  part->catch_up(clock_);
+  part->load();
+  auto &pokes = part->pokes;
+  pokes.erase(std::remove_if(pokes.begin(), pokes.end(),
+                             [&place](const Poke &p) { return p.place == &place; }),
+              pokes.end());
+  if (clear || set) pokes.push_back({&place, clear, set});
+  place.net.put((place.net.get() & ~clear) | set);
+  written(*part);
 }
 
 uint64_t Rack::read(int reg) {
-  Block *block;
-  const Net net = find(reg, &block);
-  catch_up(*block);
-  return net.get();
+  Part *part;
+  const Place &place = find(reg, &part);
+  if (!stopped_) part->catch_up(clock_);
+  return part->read(place);
 }
 
 void Rack::upset(int reg, uint64_t bits) {
-  Block *block;
-  const Net net = find(reg, &block);
+  Part *part;
+  const Place &place = find(reg, &part);
   upset_ = true;
-  catch_up(*block);
-  net.put(net.get() ^ bits);
-  block->written(clock_);
-  touch(*block);
+  if (!stopped_) part->catch_up(clock_);
+  part->load();
+  place.net.put(place.net.get() ^ bits);
+  written(*part);
   settle();
 }
 
 // A register, or a port of a board or of one of its chips. A card that does not listen has no bus
 // to look at: its ports of it do not count.
 Net Rack::find_watched(const std::string &name) {
-  if (const int reg = find_register(name); reg >= 0) {
-    Block *block;
-    return find(reg, &block);
-  }
-  for (size_t n = 0; n < blocks_.size(); ++n) {
+  Part *part;
+  if (const int reg = find_register(name); reg >= 0) return find(reg, &part).net;
+  for (size_t n = 0; n < kWires.boards.size(); ++n) {
     const std::string board = std::string(kWires.boards[n].path) + ".";
     if (name.compare(0, board.size(), board) != 0) continue;
     const std::string inner = name.substr(board.size());
     const size_t dot = inner.rfind('.');
     const std::string path = dot == std::string::npos ? "" : inner.substr(0, dot);
-    const BoardTable &table = blocks_[n]->table;
-    for (size_t u = 0; u < table.unit_count; ++u) {
-      if (path != (u ? table.units[u].path : "")) continue;
-      const std::string port = dot == std::string::npos ? inner : inner.substr(dot + 1);
-      for (const auto &slot : slots_) {
-        const bool heard = slot->block == blocks_[n].get() && slot->row->heard;
-        if (u == 0 && heard && port == slot->row->name) return {};
-      }
-      return blocks_[n]->units[u].model->port(port);
+    const BoardTable &table = board_table(kWires.boards[n].module);
+    const std::string port = dot == std::string::npos ? inner : inner.substr(dot + 1);
+    for (const auto &wire : heard_[n ? n - 1 : 0]) {
+      if (n && path.empty() && port == wire->name) return {};
+    }
+    if (path.empty()) {
+      Net found;
+      for_ports(n, net_of(n, port.c_str()), [&](Part &, PartPort &at) {
+        if (!found || at.out) found = at.net;
+      });
+      return found;
+    }
+    for (size_t u = 1; u < table.part_count; ++u) {
+      if (path == table.parts[u].path) return parts_[first_[n] + u]->model->port(port);
     }
   }
   return {};
@@ -156,7 +148,7 @@ void Rack::look_at_watched() {
 }
 
 std::vector<uint8_t> Rack::save() {
-  State state;
+  Saved state;
   for (size_t reg = 0; reg < registers().size(); ++reg) {
     state.registers.push_back(read(static_cast<int>(reg)));
   }
@@ -168,37 +160,36 @@ std::vector<uint8_t> Rack::save() {
 
 void Rack::restore(const std::vector<uint8_t> &bytes) {
   Verilated::threadContextp(&context_);
-  const State state = State::unpack(bytes);
+  const Saved state = Saved::unpack(bytes);
   if (state.registers.size() != registers().size()) {
     throw std::invalid_argument("a snapshot of another machine");
   }
-  for (const auto &block : blocks_) {
-    block->catch_up(clock_);
-    block->renew(state.clock);
+  for (const auto &part : parts_) {
+    if (!stopped_) part->catch_up(clock_);
+    part->pass(state.clock);
   }
   clock_ = host_clock_ = state.clock;
   pins_.restore(state.pins);
   coming_.clear();
   // A reset without a clock that falls with these pins is over before the registers come.
-  for (const auto &block : blocks_) {
-    block->catch_up(clock_);
-    block->look(clock_);
-  }
+  settle();
   // Twice: what the registers seem to clear as they come, on other boards too, is no edge.
   dips_moved_ = true;
   for (int twice = 0; twice < 2; ++twice) {
+    for (const auto &part : parts_) part->load();
     for (size_t reg = 0; reg < registers().size(); ++reg) {
-      Block *block;
-      find(static_cast<int>(reg), &block).put(state.registers[reg]);
+      Part *part;
+      find(static_cast<int>(reg), &part).net.put(state.registers[reg]);
     }
-    for (const auto &block : blocks_) block->written(clock_);
-    for (const auto &block : blocks_) {
-      outputs(*block);
-      touch(*block);
+    for (const auto &part : parts_) part->written(clock_);
+    for (const auto &part : parts_) {
+      tell(*part);
+      touch(*part);
     }
     bus_moved_ = true;
     settle();
   }
+  plan_all();
   look_at_lines();
   lines_ = static_cast<unsigned>(state.lines);
 }

@@ -9,14 +9,14 @@ namespace mmcs {
 void Rack::host_clocks() {
   catch_up_host();
   before_clock();
-  outputs(*host_);
+  host_->refresh();
+  tell(*host_);
   settle();
 }
 
 // It needs the next edge, or none until something happens to it.
 void Rack::plan_host(bool due) {
-  due_at_[host_->number] = due ? clock_ + 1 : kNever;
-  cards_moved_ = true;
+  host_due_ = due ? clock_ + 1 : kNever;
 }
 
 void Rack::catch_up_host() {
@@ -27,7 +27,8 @@ void Rack::catch_up_host() {
 // Something came to it from above.
 void Rack::wake_host() {
   plan_host(true);
-  outputs(*host_);
+  host_->refresh();
+  tell(*host_);
   settle();
 }
 

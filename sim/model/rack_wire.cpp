@@ -14,6 +14,46 @@ const char *const kBus[] = {"pc_a_i", "pc_aen_i", "pc_ior_ni", "pc_iow_ni", "pc_
 
 }  // namespace
 
+// A board's parts, with the nets between them.
+void Rack::add_parts(const BoardInfo &board) {
+  const BoardTable &table = board_table(board.module);
+  const std::string name = "B" + std::to_string(first_.size()) + "_";
+  const size_t first = parts_.size();
+  first_.push_back(first);
+  for (size_t n = 0; n < table.part_count; ++n) {
+    const std::string module = table.parts[n].module;
+    auto model = Board::create(module, context_, name + std::to_string(n));
+    parts_.push_back(
+        std::make_unique<Part>(table, n, std::move(model), &caches_[module], context_));
+    parts_.back()->number = parts_.size() - 1;
+    if (module != "soc_host") every_ |= uint64_t{1} << parts_.back()->number;
+  }
+  for (size_t n = first; n < parts_.size(); ++n) {
+    for (const auto &out : parts_[n]->ports()) {
+      if (!out->out) continue;
+      for_ports(first_.size() - 1, out->row->net, [&](Part &part, PartPort &port) {
+        if (!port.out) out->links.emplace_back(&part, &port);
+      });
+    }
+  }
+}
+
+// The net of a board's port.
+int Rack::net_of(size_t board, const char *name) {
+  const BoardTable &table = board_table(kWires.boards[board].module);
+  for (size_t n = 0; n < table.net_count; ++n) {
+    if (std::strcmp(table.nets[n].port, name) == 0) return table.nets[n].net;
+  }
+  throw std::runtime_error(std::string("a board has no port ") + name);
+}
+
+// Some part of the board drives it, and it is no net between parts that look at a pin.
+bool Rack::is_output(size_t board, int net) {
+  bool found = false;
+  for_ports(board, net, [&](Part &, PartPort &port) { found = found || port.out; });
+  return found;
+}
+
 // Every port of every board on its net.
 void Rack::wire() {
   readers_.resize(kWires.nets.size());
@@ -21,40 +61,33 @@ void Rack::wire() {
   followers_.resize(kWires.nets.size());
   due_.resize(kWires.logic.size());
   heard_.resize(static_cast<size_t>(kWires.cards));
-  dips_.resize(static_cast<size_t>(kWires.cards));
   std::vector<char> read(kWires.nets.size());
   for (const PinInfo &info : kWires.pins) {
-    Block &block = *blocks_[static_cast<size_t>(info.board)];
-    auto slot = std::make_unique<Slot>();
-    slot->block = &block;
-    slot->port = block.find("", info.port);
-    slot->port.width = info.width;
-    slot->net = info.net;
-    slot->lsb = info.lsb;
-    slot->width = info.width;
-    for (size_t p = 0; p < block.table.port_count; ++p) {
-      if (std::strcmp(block.table.ports[p].name, info.port) == 0) slot->row = &block.table.ports[p];
-    }
-    if (!slot->row) throw std::runtime_error(std::string("a board has no port ") + info.port);
-    block.look_of(*slot);
-    const size_t net = static_cast<size_t>(info.net);
-    const int card = info.board - 1;  // the cards follow the adaptor in rtl/mmcs.sv
-    if (slot->row->out) {
-      block.outs.push_back(slot.get());
-    } else if (slot->row->heard) {
-      heard_[static_cast<size_t>(card)].push_back(slot.get());
-      for (int n = 0; n < 5; ++n) {
-        if (std::strcmp(kBus[n], info.port) == 0) bus_[n] = info.net;
+    if (std::strcmp(info.port, "clk_i") == 0) continue;
+    const size_t board = static_cast<size_t>(info.board);
+    const bool output = is_output(board, net_of(board, info.port));
+    for_ports(board, net_of(board, info.port), [&](Part &part, PartPort &port) {
+      if (port.out != output) return;  // a part of the board itself looks at what it drives
+      auto wire = std::make_unique<Wire>(
+          Wire{&part, &port, info.net, info.lsb, info.width, info.board, info.port});
+      const size_t net = static_cast<size_t>(info.net);
+      if (port.out) {
+        port.wire = wire.get();
+      } else if (port.row->heard) {
+        heard_[board - 1].push_back(wire.get());  // cards follow the adaptor
+        for (int n = 0; n < 5; ++n) {
+          if (std::strcmp(kBus[n], info.port) == 0) bus_[n] = info.net;
+        }
+        read[net] = 2;
+      } else {
+        readers_[net].push_back({info.lsb, info.width, wire.get()});
+        read[net] = 1;
       }
-      read[net] = 2;
-    } else {
-      readers_[net].push_back({info.lsb, info.width, slot.get()});
-      read[net] = 1;
-    }
-    if (std::strcmp(info.port, "dip_i") == 0) dips_[static_cast<size_t>(card)] = slot->port;
-    if (std::strcmp(info.port, "drive_v_o") == 0) drives_.push_back(slot.get());
-    if (std::strcmp(info.port, "leds_o") == 0) leds_.push_back(slot.get());
-    slots_.push_back(std::move(slot));
+      if (std::strcmp(info.port, "dip_i") == 0) dips_.emplace_back(&part, &port);
+      if (std::strcmp(info.port, "drive_v_o") == 0) drives_.push_back(wire.get());
+      if (std::strcmp(info.port, "leds_o") == 0) leds_.push_back(wire.get());
+      board_wires_.push_back(std::move(wire));
+    });
   }
   // Logic that nobody looks at need not be worked out, and what the bus master reads when it does.
   d_ = Wires::find("vme_d_o");
@@ -62,10 +95,10 @@ void Rack::wire() {
     const LogicInfo &logic = kWires.logic[l];
     if (std::count(logic.targets.begin(), logic.targets.end(), d_) == 0) continue;
     d_logic_.push_back(static_cast<int>(l));
-    for (const auto &slot : slots_) {
-      if (slot->row->out &&
-          std::count(logic.sources.begin(), logic.sources.end(), slot->net) != 0) {
-        d_slots_.push_back(slot.get());
+    for (const auto &wire : board_wires_) {
+      if (wire->port->out &&
+          std::count(logic.sources.begin(), logic.sources.end(), wire->net) != 0) {
+        d_wires_.push_back(wire.get());
       }
     }
   }
@@ -92,7 +125,6 @@ void Rack::wire() {
     auto &bits = by_bit_[static_cast<size_t>(n)];
     bits.resize(static_cast<size_t>(kWires.nets[static_cast<size_t>(n)].width));
     for (const Reader &r : readers_[static_cast<size_t>(n)]) {
-      r.slot->port.put(0);
       for (int bit = r.lsb; bit < r.lsb + r.width; ++bit) {
         bits[static_cast<size_t>(bit)].push_back(r);
       }
@@ -100,38 +132,37 @@ void Rack::wire() {
     direct_[port] = followers_[static_cast<size_t>(n)].empty();
   }
   // An output matters to its board's neighbours if a pin or logic is on its net.
-  adaptor_ = blocks_[0].get();
-  for (auto &block : blocks_) {
-    if (std::strcmp(block->table.module, "mark1") == 0) cards_.push_back(block.get());
-    if (std::strcmp(block->table.module, "soc_host") == 0) host_ = block.get();
-    auto &outs = block->outs;
-    outs.erase(std::remove_if(outs.begin(), outs.end(),
-                              [&](const Slot *s) {
-                                const size_t n = static_cast<size_t>(s->net);
-                                return !read[n];
-                              }),
-               outs.end());
-    for (const Slot *s : outs) block->out_words.add(block->board().base, s->port);
+  for (const auto &part : parts_) {
+    for (const auto &port : part->ports()) {
+      if (port->wire && !read[static_cast<size_t>(port->wire->net)]) port->wire = nullptr;
+    }
   }
-  alive_ = adaptor_->find("", "alive_o");
-  static char one = 1;
-  dtack_ = {&one, 1, 1, 1};
-  if (!host_) {
-    iackout_ = adaptor_->find("", "vme_iackout_no");
-    d_oe_ = adaptor_->find("", "vme_d_oe_o");
-    dtack_ = adaptor_->find("", "vme_dtack_no");
-    adaptor_->out_words.add(adaptor_->board().base, dtack_);
+  const auto of_adaptor = [this](const char *name) {
+    const Wire *found = nullptr;
+    for (const auto &wire : board_wires_) {
+      if (wire->board == 0 && std::strcmp(wire->name, name) == 0) found = wire.get();
+    }
+    if (!found) throw std::runtime_error(std::string("the adaptor has no port ") + name);
+    return found;
+  };
+  if (kWires.boards.size() > static_cast<size_t>(kWires.cards) + 1) {
+    host_ = parts_.back().get();
+    host_->run_always(true);
+  } else {
+    iackout_ = of_adaptor("vme_iackout_no");
+    d_oe_ = of_adaptor("vme_d_oe_o");
+    dtack_ = of_adaptor("vme_dtack_no");
   }
+  alive_ = of_adaptor("alive_o");
   const std::pair<const char *, int> lines[] = {{host_ ? "irq_req_o" : "vme_irq_no", host_ ? 5 : 1},
                                                 {"panic_o", 8},
                                                 {"brake_release_o", 9},
                                                 {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) {
-    line_nets_.emplace_back(adaptor_->find("", name), bit);
-    line_words_.add(adaptor_->board().base, line_nets_.back().first);
-    adaptor_->out_words.add(adaptor_->board().base, line_nets_.back().first);
+    const Wire *wire = of_adaptor(name);
+    wire->part->line_mask |= wire->port->mask;
+    lines_of_.emplace_back(wire, bit);
   }
-  for (const Slot *s : adaptor_->outs) net_words_.add(adaptor_->board().base, s->port);
 }
 
 }  // namespace mmcs

@@ -61,7 +61,7 @@ SocCore::SocCore(const VerilatedContext &context, Board &board, const std::strin
     registers_.push_back(net);
     // Memories change with other registers only.
     const bool counts = net.at == us_.at || net.at == part_.at || net.at == cycles_.at;
-    if (!counts && net.bytes <= 8) standing_.add(board_.base(), net);
+    if (!counts && net.bytes <= 8) standing_.emplace_back(net, 0);
   }
 }
 
@@ -151,7 +151,13 @@ bool SocCore::rests() {
   cycles_before_ = cycles_.get();
   if (busy() || irq_open_ || take_.get() || ring_.get() || rings_ > 0) return false;
   if (errors_coming_ >= 0 || errors_wanted_ >= 0 || run_.port.get() != run_.wanted) return false;
-  return !standing_.moved(board_.base());
+  bool moved = false;
+  for (auto &[net, before] : standing_) {
+    const uint64_t now = net.get();
+    moved = moved || now != before;
+    before = now;
+  }
+  return !moved;
 }
 
 // Asleep it counts microseconds, and cycles as in the last clock; both wrap as they do by clocks.

@@ -11,7 +11,6 @@
 
 #include "board.h"
 #include "model.h"
-#include "unit.h"
 
 namespace mmcs {
 
@@ -74,7 +73,7 @@ class SocCore {
   const std::string scope_;
   std::vector<Net> registers_;
   std::vector<uint8_t> kept_;  // of registers_, as restore() found them
-  Words standing_;             // those that tell whether it rests
+  std::vector<std::pair<Net, uint64_t>> standing_;  // those that tell whether it rests
   Wire run_;
   uint64_t clocks_[2] = {0, 0};  // as triggers: the processor's, and both
   bool quick_ = false;           // this clock of the machine is

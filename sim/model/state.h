@@ -10,7 +10,7 @@
 
 namespace mmcs {
 
-struct State {
+struct Saved {
   int64_t clock = 0;
   uint64_t lines = 0;
   std::vector<uint64_t> registers, pins;
@@ -25,7 +25,7 @@ struct State {
     return bytes;
   }
 
-  static State unpack(const std::vector<uint8_t> &bytes) {
+  static Saved unpack(const std::vector<uint8_t> &bytes) {
     constexpr size_t kHead = 4, kWord = sizeof(uint64_t);
     uint64_t head[kHead];
     if (bytes.size() < sizeof head) throw std::invalid_argument("a snapshot of another machine");
@@ -37,7 +37,7 @@ struct State {
     const size_t count = head[2] + head[3];
     std::vector<uint64_t> words(count);
     if (count) std::memcpy(words.data(), bytes.data() + sizeof head, count * kWord);
-    State state;
+    Saved state;
     state.clock = static_cast<int64_t>(head[0]);
     state.lines = head[1];
     const auto middle = words.begin() + static_cast<std::ptrdiff_t>(head[2]);

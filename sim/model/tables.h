@@ -8,52 +8,41 @@
 
 namespace mmcs {
 
+enum class Kind { kControl, kData, kCounter };
+
 struct RegisterRow {
   const char *path, *name;  // path: of the instance, within the board
   int width;
-  int unit;
-  int strides[2];      // of a counter, that goes down; else 0
-  int margin;          // it comes to this value and below by real clocks
-  const char *unless;  // the register beside it must be 0
-  bool awake;          // while it is not 0, its unit does not rest
+  int part;
+  Kind kind;
+  int margin;  // of a counter: from this value on down it is control state
 };
-// A net that a unit at rest watches; quiet: it does not look at it, always or under a guard.
-struct NetRow {
-  const char *path, *name;
-  int unit;
-  bool quiet;
-  int guard;
-};
-struct GuardRow {
-  const char *path, *name;
-  int unit, guard, value;
-};
+// A port of a part on a net of its board.
 struct PortRow {
-  const char *name;
+  const char *path, *name;  // of the variable in the part's model: its own port, or a chip's
   int width;
-  bool out;
+  bool out, data;
   bool heard;  // only while the decoder says so
-  int quiet;   // at rest it is not looked at
+  int driven;  // all ones while this port of the part is 0; or -1
+  int net;
 };
-// A port of a chip on a wire of its board.
-struct LinkRow {
-  const char *name;
-  bool out;
-};
-// Unit 0 is the board less its chips; the others are chips, each a model of its own.
-struct UnitRow {
+// Part 0 is the board less its chips; the others are chips.
+struct PartRow {
   const char *path, *module;
-  const LinkRow *links;
-  size_t link_count;
+  const PortRow *ports;
+  size_t port_count;
+};
+// A port of the board: its net.
+struct NetRow {
+  const char *port;
+  int net;
 };
 struct BoardTable {
   const char *module;
   const RegisterRow *registers;
+  const PartRow *parts;
   const NetRow *nets;
-  const GuardRow *guards;
-  const PortRow *ports;
-  const UnitRow *units;
-  size_t register_count, net_count, guard_count, port_count, unit_count;
+  size_t register_count, part_count, net_count;
 };
 
 const BoardTable &board_table(const std::string &module);

@@ -67,7 +67,7 @@ def test_a_group_is_whole(file):
     assert properties
     for name, section, text in properties:
         assert section and text, name
-    written = {f"{formal.WORK}/{t.partition('_')[2]}.sv" for t in tasks}  # by tools/standing.py
+    written = {f"{formal.WORK}/{t.partition('_')[2]}.sv" for t in tasks}  # by tools/carried.py
     for line in file.read_text().partition("[files]")[2].split("\n"):
         if "part.sv" in line.split():
             assert line.split()[-1] in written, line

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What formal/standing_props.sv and formal/deaf_props.sv are about: the registers, counters and
-pins of a part, found in its netlist, with the counters of sim/model/counters.toml.
+"""What formal/carried_props.sv and formal/deaf_props.sv are about: the registers and pins of a
+part, found in its netlist, and what of them is data or a counter in sim/model/parts.toml.
 """
 
 import argparse
@@ -15,11 +15,12 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
 from sources import sources  # noqa: E402
 
-TABLE = ROOT / "sim" / "model" / "counters.toml"
+TABLE = ROOT / "sim" / "model" / "parts.toml"
 WORK = Path("build") / "formal"
 FLIP_FLOPS = ("$dff", "$adff", "$sdff", "$dffe", "$adffe", "$sdffe", "$aldff")
+ZERO, ONE = "1'b0", "1'b1"
 CLOCK, RESET = "clk_i", "rst_ni"
-HEAD = "// Written by tools/standing.py.\n"
+HEAD = "// Written by tools/carried.py.\n"
 
 
 class Bad(Exception):
@@ -47,7 +48,7 @@ class Part:
 
 def read(name: str, folder: Path) -> Part:
     """The part as Yosys sees it; every bit of every flip-flop is in one of its registers."""
-    out = WORK / f"standing_{name}.json"
+    out = WORK / f"carried_{name}.json"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
     files = " ".join(str(f.relative_to(folder)) for f in sources("rtl", folder))
     script = (
@@ -90,7 +91,7 @@ def wire(name: str, width: int) -> str:
 
 
 def join(names: list[str]) -> str:
-    return "{" + ",\n    ".join(names or ["1'b0"]) + "}"
+    return "{" + ",\n    ".join(names or [ZERO]) + "}"
 
 
 def instance(part: Part, name: str, swapped: dict[str, str]) -> str:
@@ -110,60 +111,55 @@ def ports(inputs: dict[str, int]) -> str:
     )
 
 
-def conditions(pins: dict[str, int], suffix: str = "") -> str:
-    return " && ".join(f"{pin}{suffix} == {value}" for pin, value in pins.items()) or "1'b1"
-
-
-def standing(part: Part, table: dict) -> str:
-    """Vectors of one part: what stands, what counts, what may change."""
-    rules = {c["register"]: c for c in table["counter"]}
-    counters = [r for r in part.registers if r.kind in rules]
-    rest = [r for r in part.registers if r.kind not in rules]
-    quiet = [q for q in table.get("quiet", []) if q["module"] == part.name]
-    free = {p: conditions(q.get("while", {})) for q in quiet for p in q["inputs"]}
-    held = [p for p in part.inputs if p not in (*free, CLOCK, RESET)]
-    strides, far, alike = [], [], []
-    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs)}\n);\n"
-    text += f"  wire {RESET} = 1'b1;\n" + instance(part, "dut", {})
-    for r in part.registers:
-        text += wire(f"dut.{r.name}", r.width)
+def carried(part: Part, table: dict) -> str:
+    """Two of a part that differ in their data: what is alike, what counts, what decides."""
+    tables = [table["data"]]
+    if part.name in {board for boards in table["boards"].values() for board in boards}:
+        tables += [table["through"], table["through_chip"]]
+    data = {f"{module}.{name}" for t in tables for module, names in t.items() for name in names}
+    margins = {c: m for c, m in table["counters"].items() if m >= 0}
+    data |= set(table["counters"])
+    swapped = {p: f"{p}_other" for p in part.inputs if f"{part.name}.{p}" in data}
+    other = {q: part.inputs[p] for p, q in swapped.items()}
+    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
+    text += f"  wire {RESET} = 1'b1;\n" + instance(part, "one", {}) + instance(part, "two", swapped)
+    control = [r for r in part.registers if r.kind not in data]
+    counters = [r for r in part.registers if r.kind in margins]
+    outputs = [p for p in part.outputs if f"{part.name}.{p}" not in data]
+    decides = table["decides"].get(part.name, [])
+    for inst in ("one", "two"):
+        for r in (*control, *counters):
+            text += wire(f"{inst}.{r.name}", r.width)
+        for name in decides:
+            text += wire(f"{inst}.{name}", 1)
+        for what, nets in (
+            ("registers", [f"\\{inst}.{r.name} " for r in control]),
+            ("outputs", [f"{inst}_{p}" for p in outputs]),
+        ):
+            width = sum(r.width for r in control) if what == "registers" else sum(
+                part.outputs[p] for p in outputs)  # fmt: skip
+            text += f"  wire [{max(width, 1) - 1}:0] {what}_{inst} = {join(nets)};\n"
+    counted, same = [], []
     for n, r in enumerate(counters):
-        rule = rules[r.kind]
-        beside = r.name.rsplit(".", 1)[0] + "." if "." in r.name else ""
-        at = f"\\dut.{r.name} "
-        text += f"  reg [{r.width - 1}:0] was{n}_1, was{n}_2;\n"
-        text += f"  wire [{r.width - 1}:0] by{n} = was{n}_2 - was{n}_1;\n"
-        text += f"  always @(posedge {CLOCK}) {{was{n}_2, was{n}_1}} <= {{was{n}_1, {at}}};\n"
-        ok = " || ".join(f"by{n} == {s}" for s in rule["strides"])
-        guard = f" && \\dut.{beside}{rule['unless']}  == 0" if "unless" in rule else ""
-        strides.append(f"(by{n} == 0 || (({ok}){guard}))")
-        far.append(f"(by{n} == 0 || (was{n}_2 > was{n}_1 && was{n}_1 > {rule['margin']}))")
-        alike.append(f"(was{n}_1 - {at} == by{n})")
-    watched = [w["register"] for w in table.get("awake", []) if w["module"] == part.name]
-    text += "  wire moved = " + (" || ".join(f"by{n} != 0" for n in range(len(counters))) or "1'b0")
-    text += ";\n  wire awake = " + (" || ".join(f"\\dut.{w} " for w in watched) or "1'b0")
-    text += ";\n  wire strided = " + (" && ".join(strides) or "1'b1")
-    text += ";\n  wire far = " + (" && ".join(far) or "1'b1")
-    text += ";\n  wire alike = " + (" && ".join(alike) or "1'b1") + ";\n"
-    widths = {"registers": sum(r.width for r in rest) or 1}
-    widths |= {"pins": sum(part.inputs[p] for p in held) or 1}
-    widths |= {"outputs": sum(part.outputs.values())}
-    for name, parts in (
-        ("registers", [f"\\dut.{r.name} " for r in rest]),
-        ("pins", held),
-        ("outputs", [f"dut_{p}" for p in part.outputs]),
-    ):
-        text += f"  wire [{widths[name] - 1}:0] {name} = {join(parts)};\n"
-    # an input that may change only while others have a value stands otherwise
-    bound = [f"({when} || {p} == {p}_1)" for p, when in free.items() if when != "1'b1"]
-    for p, when in free.items():
-        if when != "1'b1":
-            text += f"  reg [{part.inputs[p] - 1}:0] {p}_1;\n"
-            text += f"  always @(posedge {CLOCK}) {p}_1 <= {p};\n"
-    text += "  wire free = " + (" && ".join(bound) or "1'b1") + ";\n"
-    sizes = ", ".join(f".{n.capitalize()}({w})" for n, w in widths.items())
-    text += f"  standing_props #({sizes}, .Counters({len(counters)})) u_props (.*);\n"
-    return HEAD + text + "endmodule\n"
+        one, two, margin = f"\\one.{r.name} ", f"\\two.{r.name} ", margins[r.kind]
+        text += f"  reg [{r.width - 1}:0] one_{n}, two_{n};\n"
+        text += f"  always @(posedge {CLOCK}) {{one_{n}, two_{n}}} <= {{{one}, {two}}};\n"
+        text += f"  wire [{r.width - 1}:0] by_one_{n} = {one} - one_{n};\n"
+        text += f"  wire [{r.width - 1}:0] by_two_{n} = {two} - two_{n};\n"
+        counted.append(f"({one} == {two} || ({one} > {margin} && {two} > {margin}))")
+        same.append(f"({one} == {two} || by_one_{n} == by_two_{n}")
+        if beside := table["otherwise"].get(r.kind):
+            path = f"one.{r.name.rpartition('.')[0]}.{beside}".replace("..", ".")
+            same[-1] += f" || \\{path} != 0"
+        same[-1] += ")"
+    text += f"  wire [{max(len(counters), 1) - 1}:0] counted = {join(counted or [ONE])};\n"
+    text += f"  wire [{max(len(counters), 1) - 1}:0] same_way = {join(same or [ONE])};\n"
+    either = [f"\\{inst}.{n} " for n in decides for inst in ("one", "two")]
+    text += f"  wire decides = {' || '.join(either) or ZERO};\n"
+    sizes = {"Registers": sum(r.width for r in control) or 1, "Counters": len(counters) or 1,
+             "Outputs": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
+    values = ", ".join(f".{n}({w})" for n, w in sizes.items())
+    return HEAD + text + f"  carried_props #({values}) u_props (.*);\nendmodule\n"
 
 
 def deaf(part: Part, rule: dict) -> str:
@@ -206,15 +202,15 @@ def deaf(part: Part, rule: dict) -> str:
 
 
 def write(task: str, folder: Path = ROOT) -> Path:
-    """The wires of a task of formal/standing.sby or formal/deaf.sby, for the RTL of `folder`."""
+    """The wires of a task of formal/carried.sby or formal/deaf.sby, for the RTL of `folder`."""
     table = tomllib.loads(TABLE.read_text())
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
         part = read(name.removeprefix("deaf_"), folder)
-        rule = next(d for d in table["deaf"] if d["module"] == part.name)
+        rule = table["heard"]
         text = deaf(part, rule | {"folder": folder})
     else:
-        text = standing(read(name, folder), table)
+        text = carried(read(name, folder), table)
     out = folder / WORK / f"{name}.sv"
     out.write_text(text)
     return out
@@ -228,7 +224,7 @@ def main() -> int:
     try:
         print(write(options.task, options.folder.resolve()))
     except Bad as error:
-        print(f"standing: {error}", file=sys.stderr)
+        print(f"carried: {error}", file=sys.stderr)
         return 2
     return 0
 

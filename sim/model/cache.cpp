@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// See cache.h.
+
+#include "cache.h"
+
+#include <cstring>
+#include <map>
+#include <new>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+namespace mmcs {
+namespace {
+
+uint64_t hash_of(const uint8_t *bytes, size_t size, uint64_t near, uint64_t in) {
+  uint64_t hash = 0x9E3779B97F4A7C15ull ^ near;
+  const auto mix = [&hash](uint64_t word) {
+    hash = (hash ^ word) * 0xFF51AFD7ED558CCDull;
+    hash ^= hash >> 32;
+  };
+  mix(in);
+  for (size_t n = 0; n < size; n += 8) {
+    uint64_t word = 0;
+    std::memcpy(&word, bytes + n, size - n < 8 ? size - n : 8);
+    mix(word);
+  }
+  return hash;
+}
+
+}  // namespace
+
+Cache::Cache(std::vector<Cell> cells, size_t register_bytes)
+    : cells_(std::move(cells)), register_bytes_(register_bytes) {
+  if (cells_.size() > kMostCells) throw std::logic_error("a part with too many data registers");
+  for (size_t c = 0; c < cells_.size(); ++c) {
+    if (cells_[c].margin >= 0) margins_.push_back(c);
+  }
+  if (margins_.size() > 8) throw std::logic_error("a part with too many counters");
+  make_marks();
+}
+
+// Each bit has a pattern of its own over the sets, and so has its inverse.
+void Cache::make_marks() {
+  uint64_t random = 1;
+  const auto next = [&random] {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    return static_cast<uint32_t>(random >> 20);
+  };
+  constexpr uint32_t kAll = (1u << kMarks) - 1;
+  marks_.assign(kMarks, std::vector<uint32_t>(cells_.size()));
+  sources_ = {{0, {0, 0, false, true}}, {kAll, {0, 0, true, true}}};
+  for (size_t c = 0; c < cells_.size(); ++c) {
+    if (cells_[c].out) continue;
+    const auto begun = sources_;
+    for (;;) {
+      bool far = true,
+           ends = !cells_[c].counter;  // a digit at its end: what counts otherwise shows
+      for (auto &set : marks_) set[c] = 0;
+      for (uint8_t bit = 0; cells_[c].mask >> bit & 1; ++bit) {
+        uint32_t pattern = 0;
+        do {
+          pattern = next() & kAll;
+        } while (sources_.count(pattern));
+        sources_[pattern] = {static_cast<uint8_t>(c), bit, false, false};
+        sources_[~pattern & kAll] = {static_cast<uint8_t>(c), bit, true, false};
+        for (int s = 0; s < kMarks; ++s) {
+          marks_[static_cast<size_t>(s)][c] |= (pattern >> s & 1) << bit;
+        }
+        if (bit == 31) break;
+      }
+      for (auto &set : marks_) {
+        ends = ends || (set[c] & 0xF) == 0;
+        far = far && (cells_[c].margin < 0 || set[c] > static_cast<uint32_t>(cells_[c].margin) + 4);
+      }
+      if (far && ends) break;
+      sources_ = begun;
+    }
+  }
+}
+
+void *Cache::take(size_t bytes) {
+  bytes = (bytes + kLine - 1) / kLine * kLine;
+  if (bytes > room_) {
+    chunks_.push_back(std::make_unique<char[]>(kChunk + kLine));
+    const uintptr_t at = reinterpret_cast<uintptr_t>(chunks_.back().get());
+    free_ = chunks_.back().get() + (kLine - at % kLine) % kLine;
+    room_ = kChunk;
+    bytes_ += kChunk;
+  }
+  char *found = free_;
+  free_ += bytes;
+  room_ -= bytes;
+  return found;
+}
+
+State *Cache::find(const uint8_t *registers, uint64_t near, uint64_t in) {
+  const auto range = states_.equal_range(hash_of(registers, register_bytes_, near, in));
+  for (auto at = range.first; at != range.second; ++at) {
+    State &s = *at->second;
+    if (s.in == in && s.near == near && !std::memcmp(s.registers, registers, register_bytes_)) {
+      return &s;
+    }
+  }
+  return nullptr;
+}
+
+State *Cache::make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out) {
+  if (State *known = find(registers, near, in)) return known;
+  uint8_t *own = static_cast<uint8_t *>(take(register_bytes_ + 1));
+  std::memcpy(own, registers, register_bytes_);
+  State *state = new (take(sizeof(State))) State{in, out, near, own};
+  states_.emplace(hash_of(registers, register_bytes_, near, in), state);
+  return state;
+}
+
+Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
+  const size_t copies = draft.copies.size() * sizeof(Copy),
+               terms = draft.terms.size() * sizeof(Term),
+               counts = draft.counts.size() * sizeof(Count);
+  char *at = static_cast<char *>(take(sizeof(Transition) + copies + terms + counts));
+  Transition *t = new (at) Transition;
+  t->in = in;
+  t->to = to;
+  t->sources = draft.sources;
+  t->rests = draft.rests;
+  t->near = draft.near;
+  t->tells = draft.tells;
+  t->copy_count = static_cast<uint8_t>(draft.copies.size());
+  t->term_count = static_cast<uint8_t>(draft.terms.size());
+  t->count_count = static_cast<uint8_t>(draft.counts.size());
+  at += sizeof(Transition);
+  if (copies) std::memcpy(at, draft.copies.data(), copies);
+  if (terms) std::memcpy(at + copies, draft.terms.data(), terms);
+  if (counts) std::memcpy(at + copies + terms, draft.counts.data(), counts);
+  return t;
+}
+
+void Cache::clear() {
+  states_.clear();
+  chunks_.clear();
+  room_ = bytes_ = 0;
+}
+
+uint32_t Cache::fixed(uint64_t near, uint64_t in) const {
+  uint32_t found = 0;
+  for (size_t n = 0; n < margins_.size(); ++n) {
+    if ((near >> 8 * n & 0xFF) <= static_cast<uint64_t>(cells_[margins_[n]].margin)) {
+      found |= 1u << margins_[n];
+    }
+  }
+  for (size_t c = 0; c < cells_.size(); ++c) {
+    if (cells_[c].driven && !(in & cells_[c].driven)) found |= 1u << c;
+  }
+  return found;
+}
+
+bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, Draft *t) const {
+  uint32_t counted = 0, looked = 0;
+  const auto all = [&](auto f) {
+    for (const Seen &s : seen) {
+      if (!f(s)) return false;
+    }
+    return true;
+  };
+  for (size_t c = 0; c < cells_.size(); ++c) {
+    const Cell &cell = cells_[c];
+    if (cell.in) continue;
+    const bool stands = all([c](const Seen &s) { return s.before[c] == s.after[c]; });
+    if (stands && !cell.out) continue;
+    const uint32_t by = (seen[0].after[c] - seen[0].before[c]) & cell.mask;
+    if (cell.counter && !(fixed >> c & 1) &&
+        all([&](const Seen &s) { return ((s.after[c] - s.before[c]) & cell.mask) == by; })) {
+      t->counts.push_back({static_cast<uint8_t>(c), by, cell.mask});
+      counted |= 1u << c;
+      t->near = t->near || cell.margin >= 0;
+      continue;
+    }
+    std::map<std::tuple<int, int>, Term> terms;
+    uint32_t keep = 0, value = 0;
+    for (int bit = 0; bit < 32 && cell.mask >> bit & 1; ++bit) {
+      uint32_t pattern = 0;
+      for (size_t s = 0; s < seen.size(); ++s) pattern |= (seen[s].after[c] >> bit & 1) << s;
+      const auto found = sources_.find(pattern);
+      if (found == sources_.end()) return false;
+      const Source &source = found->second;
+      const uint32_t here = 1u << bit;
+      if (source.constant) {
+        value |= source.flip ? here : 0;
+      } else if (source.cell == c && source.bit == bit && !source.flip) {
+        keep |= here;
+      } else {
+        const int shift = bit - source.bit;
+        Term &term = terms[{source.cell, shift}];
+        term.from = source.cell;
+        (shift > 0 ? term.left : term.right) = static_cast<uint8_t>(shift > 0 ? shift : -shift);
+        term.mask |= here;
+        term.flip |= source.flip ? here : 0;
+      }
+    }
+    bool needed = !stands;
+    for (const auto &term : terms) needed = needed || (!clock && cells_[term.second.from].in);
+    if (!needed) continue;
+    for (const auto &term : terms) looked |= 1u << term.second.from;
+    Copy copy{{}, static_cast<uint8_t>(c), static_cast<uint8_t>(t->terms.size()), 0, keep, value};
+    for (const auto &[place, term] : terms) {
+      if (copy.term.mask == 0) {
+        copy.term = term;
+      } else {
+        t->terms.push_back(term);
+        ++copy.more;
+      }
+    }
+    t->copies.push_back(copy);
+    if (cell.margin >= 0 && (keep || !terms.empty())) t->near = true;
+  }
+  for (size_t c = 0; c < cells_.size(); ++c) {
+    if (cells_[c].in && looked >> c & 1) t->sources |= 1u << c;
+  }
+  t->rests = clock && (looked & counted) == 0;
+  return true;
+}
+
+}  // namespace mmcs

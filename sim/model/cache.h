@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// What parts of one module do, remembered: states, and the transitions between them.
+//
+// A state is all control registers and control inputs of a part, with what its control outputs are.
+// Data and counters are cells beside it; a counter at its margin or below is part of the state.
+// A transition says what a clock, or inputs that moved, make of a state and of the cells. The model
+// is asked once: with several sets of marks in the cells, so that it shows which bit goes where.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace mmcs {
+
+class Part;
+struct State;
+
+constexpr int kMarks = 16;  // sets of them
+constexpr size_t kMostCells = 32;
+
+// A register or port that is data, or a counter.
+struct Cell {
+  uint32_t mask;
+  int margin;  // of a counter that is control at some values, else -1
+  bool counter, in, out;
+  uint64_t driven;  // an input of all ones while this control input is 0; or 0
+};
+
+// Bits of one cell that another one gets: moved, masked, some of them inverted.
+struct Term {
+  uint8_t from = 0;
+  uint8_t left = 0, right = 0;  // shifts
+  uint32_t mask = 0, flip = 0;
+};
+struct Copy {
+  Term term;                // one of no bits, if there is none
+  uint8_t to, first, more;  // further terms
+  uint32_t keep, value;     // of its own bits; constants
+};
+struct Count {
+  uint8_t cell;
+  uint32_t by, mask;
+};
+
+// What a transition is before its place in memory is known.
+struct Draft {
+  bool rests = false, near = false, tells = true;
+  uint32_t sources = 0;
+  std::vector<Copy> copies;
+  std::vector<Term> terms;
+  std::vector<Count> counts;
+};
+
+// A hit touches little memory: copies, further terms and counts lie right behind the transition.
+struct Transition {
+  uint64_t in = 0;             // the inputs that lead to it
+  State *to = nullptr;         // null: data decide, the model has to be run
+  State *other = nullptr;      // the same, with other counters at their margin
+  Transition *next = nullptr;  // another one from the same state
+  uint32_t sources = 0;        // data inputs that it looks at
+  uint8_t copy_count = 0, term_count = 0, count_count = 0;
+  bool rests = false;  // from a state to itself, and it may go on
+  bool near = false;   // a counter may come to its margin, or from it
+  bool tells = true;   // outputs move
+
+  struct Copies {
+    const Copy *first, *last;
+    const Copy *begin() const { return first; }
+    const Copy *end() const { return last; }
+    bool empty() const { return first == last; }
+  };
+  struct Counts {
+    const Count *first, *last;
+    const Count *begin() const { return first; }
+    const Count *end() const { return last; }
+    bool empty() const { return first == last; }
+  };
+  Copies copies() const {
+    const Copy *first = reinterpret_cast<const Copy *>(this + 1);
+    return {first, first + copy_count};
+  }
+  const Term *terms() const { return reinterpret_cast<const Term *>(copies().last); }
+  Counts counts() const {
+    const Count *first = reinterpret_cast<const Count *>(terms() + term_count);
+    return {first, first + count_count};
+  }
+};
+
+struct State {
+  uint64_t in, out;  // control inputs and outputs
+  uint64_t near;     // a byte each counter with a margin: its value, or one above it
+  const uint8_t *registers;
+  Transition *clock = nullptr;
+  Transition *same = nullptr;    // when data inputs alone move
+  Transition *inputs = nullptr;  // by what they become: a list, the last one first
+  // So many clocks tell nothing; then it rests for good. -1: not known yet.
+  int16_t quiet = -1;
+  bool ends = false;
+};
+
+class Cache {
+ public:
+  Cache(std::vector<Cell> cells, size_t register_bytes);
+
+  // The state of these registers; made if it is new, and needs its outputs then.
+  State *find(const uint8_t *registers, uint64_t near, uint64_t in);
+  State *make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out);
+  Transition *add(const Draft &draft, uint64_t in, State *to);
+  // From what the marks became: the copies and counts of a transition; false: it is none.
+  // before, after: by mark, then by cell. fixed: cells that had no marks.
+  struct Seen {
+    uint32_t before[kMostCells], after[kMostCells];
+  };
+  bool explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, Draft *t) const;
+  uint32_t mark(int set, size_t cell) const { return marks_[static_cast<size_t>(set)][cell]; }
+
+  uint64_t near(const uint32_t *cells) const {
+    uint64_t all = 0;
+    int place = 0;
+    for (size_t c : margins_) {
+      const uint32_t top = static_cast<uint32_t>(cells_[c].margin) + 1;
+      all |= static_cast<uint64_t>(cells[c] < top ? cells[c] : top) << place;
+      place += 8;
+    }
+    return all;
+  }
+  // Those cells that have no marks in a state.
+  uint32_t fixed(uint64_t near, uint64_t in) const;
+
+  bool full() const { return bytes_ > kMostBytes; }
+  void clear();
+
+  const std::vector<Cell> &cells() const { return cells_; }
+  size_t bytes() const { return bytes_; }
+  size_t states() const { return states_.size(); }
+  uint64_t hits = 0, misses = 0, runs = 0;
+
+ private:
+  static constexpr size_t kMostBytes = size_t{4} << 20;
+  struct Source {
+    uint8_t cell, bit;
+    bool flip, constant;
+  };
+  void make_marks();
+
+  const std::vector<Cell> cells_;
+  const size_t register_bytes_;
+  std::vector<size_t> margins_;  // cells with one
+  std::vector<std::vector<uint32_t>> marks_;
+  std::unordered_map<uint32_t, Source> sources_;  // by what a bit was in each set of marks
+  // Memory that is given back as a whole.
+  void *take(size_t bytes);
+  static constexpr size_t kLine = 64, kChunk = size_t{1} << 16;
+  std::vector<std::unique_ptr<char[]>> chunks_;
+  char *free_ = nullptr;
+  size_t room_ = 0;
+  std::unordered_multimap<uint64_t, State *> states_;
+  size_t bytes_ = 0;
+};
+
+}  // namespace mmcs

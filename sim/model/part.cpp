@@ -1,0 +1,487 @@
+// SPDX-License-Identifier: Apache-2.0
+// See part.h.
+
+#include "part.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace mmcs {
+namespace {
+
+constexpr size_t kMostBytes = 256;  // of control registers
+constexpr int kLongest = 64;        // clocks that are put off, unless it rests then
+
+uint32_t mask_of(int width) {
+  if (width > 32) throw std::logic_error("data of more than 32 bits");
+  return width == 32 ? ~0u : (1u << width) - 1;
+}
+
+uint64_t bits(int width, int at) {
+  if (at + width > 64) throw std::logic_error("a part with too many control ports");
+  return (width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1) << at;
+}
+
+}  // namespace
+
+Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
+           std::shared_ptr<Cache> *known, VerilatedContext &context)
+    : model(std::move(m)) {
+  if (const Net clk = model->port("clk_i")) clk.put(1);
+  const PartRow &own = table.parts[n];
+  const std::string scope = model->name() + "." + own.module;
+  std::vector<Cell> cells;
+  places_by_row_.resize(table.register_count);
+  for (size_t r = 0; r < table.register_count; ++r) {
+    const RegisterRow &row = table.registers[r];
+    if (static_cast<size_t>(row.part) != n) continue;
+    std::string path = row.path;
+    if (const size_t outer = std::strlen(own.path)) {
+      path = path.size() > outer ? path.substr(outer + 1) : "";
+    }
+    Place place{find_net(context, path.empty() ? scope : scope + "." + path, row.name), -1, 0};
+    if (!place.net && path.empty()) place.net = model->port(row.name);
+    if (!place.net) throw std::runtime_error("the model of " + scope + " has no " + row.name);
+    place.net.width = row.width;
+    if (row.kind == Kind::kControl) {
+      place.at = static_cast<int>(register_bytes_);
+      register_bytes_ += static_cast<size_t>(place.net.bytes);
+    } else {
+      place.cell = static_cast<int>(cells.size());
+      const bool counter = row.kind == Kind::kCounter;
+      cells.push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false, 0});
+      cell_ports_.push_back(nullptr);
+    }
+    places_.push_back(std::make_unique<Place>(place));
+    places_by_row_[r] = places_.back().get();
+  }
+  if (register_bytes_ > kMostBytes) throw std::logic_error("a part with too many registers");
+  int ins = 0;
+  for (size_t p = 0; p < own.port_count; ++p) {
+    const PortRow &row = own.ports[p];
+    auto port = std::make_unique<PartPort>();
+    port->row = &row;
+    port->net =
+        *row.path ? find_net(context, scope + "." + row.path, row.name) : model->port(row.name);
+    if (!port->net) throw std::runtime_error(scope + " has no port " + row.name);
+    port->net.width = port->width = row.width;
+    port->out = row.out;
+    if (row.data) {
+      port->at = static_cast<int>(cells.size());
+      cells.push_back({mask_of(row.width), -1, false, !row.out, row.out, 0});
+      cell_ports_.push_back(port.get());
+    } else {
+      port->at = row.out ? static_cast<int>(out_ports_.size()) : ins;
+      port->mask = bits(row.width, port->at);
+      if (row.out) {
+        out_ports_.insert(out_ports_.end(), static_cast<size_t>(row.width), port.get());
+      } else {
+        ins += row.width;
+      }
+    }
+    ports_.push_back(std::move(port));
+  }
+  for (const auto &port : ports_) {
+    if (port->row->driven < 0) continue;
+    const PartPort &tells = *ports_[static_cast<size_t>(port->row->driven)];
+    cells[static_cast<size_t>(port->at)].driven = tells.mask;
+  }
+  if (!*known) *known = std::make_shared<Cache>(cells, register_bytes_);
+  cache = *known;
+  put_inputs(cells_, 0);
+}
+
+// --- with the cache --------------------------------------------------------------------------
+
+inline uint32_t Part::result(const Transition &t, const Copy &c) const {
+  const auto bits = [this](const Term &term) {
+    return ((cells_[term.from] << term.left >> term.right) & term.mask) ^ term.flip;
+  };
+  uint32_t value = (cells_[c.to] & c.keep) | c.value | bits(c.term);
+  for (int n = c.first; n < c.first + c.more; ++n) value |= bits(t.terms()[n]);
+  return value;
+}
+
+// What a transition does to the cells.
+inline void Part::apply(const Transition &t) {
+  if (t.copy_count != 0) {
+    uint32_t results[kMostCells], *result = results;
+    for (const Copy &c : t.copies()) *result++ = this->result(t, c);
+    result = results;
+    for (const Copy &c : t.copies()) {
+      if (cells_[c.to] != *result) moved_ |= 1u << c.to;
+      cells_[c.to] = *result++;
+    }
+  }
+  for (const Count &c : t.counts()) cells_[c.cell] = (cells_[c.cell] + c.by) & c.mask;
+}
+
+inline void Part::perform(const Transition &t) {
+  apply(t);
+  state_ = t.to;
+  live_ = false;
+  if (t.near) {
+    const uint64_t near = cache->near(cells_);
+    if (near != state_->near) {
+      Transition &known = const_cast<Transition &>(t);
+      if (!known.other || known.other->near != near) {
+        known.other = state_of(state_->registers);
+      }
+      state_ = known.other;
+    }
+  }
+  out_ = state_->out;
+}
+
+// A clock leaves the cells as they are, but for what counts.
+bool Part::holds(const Transition &t) const {
+  for (const Copy &c : t.copies()) {
+    if (result(t, c) != cells_[c.to]) return false;
+  }
+  return true;
+}
+
+void Part::step(Transition *t, bool clock) {
+  if (!t) t = learn(clock);
+  if (!t->to) {
+    ++cache->runs;
+    run(clock);
+    return;
+  }
+  ++cache->hits;
+  if (check && ++hits_ % static_cast<unsigned>(check) == 0) {
+    load();
+    op(clock);
+    uint8_t registers[kMostBytes] = {};
+    uint32_t cells[kMostCells] = {};
+    const uint64_t out = look(registers, cells);
+    perform(*t);
+    bool same = out == out_ && !std::memcmp(registers, state_->registers, register_bytes_);
+    for (size_t c = 0; c < cache->cells().size(); ++c) {
+      same = same && (cache->cells()[c].in || cells[c] == cells_[c]);
+    }
+    if (!same) throw std::logic_error(model->name() + ": the cache differs from the model");
+    return;
+  }
+  perform(*t);
+}
+
+void Part::follow(int64_t t) {
+  catch_up(t);
+  if (!cached()) {
+    put_inputs(cells_, in_);
+    data_ = 0;
+    model->inputs();
+    poke();
+    store();
+    return plan();
+  }
+  if (!state_) store();
+  if (in_ == state_->in) {
+    const Transition *same = state_->same;
+    if (!same || !same->to || same->sources & data_)
+      step(state_->same, false);
+    else
+      live_ = false;
+  } else {
+    Transition **at = &state_->inputs;
+    while (*at && (*at)->in != in_) at = &(*at)->next;
+    Transition *known = *at;
+    if (known && at != &state_->inputs) {
+      *at = known->next;
+      known->next = state_->inputs;
+      state_->inputs = known;
+    }
+    step(known, false);
+  }
+  data_ = 0;
+  plan();
+}
+
+void Part::clock(int64_t t) {
+  catch_up(t - 1);
+  last_ = t;
+  if (!cached()) {
+    model->clock();
+    poke();
+    store();
+    return plan();
+  }
+  if (!state_) store();
+  step(state_->clock, true);
+  plan();
+}
+
+void Part::slow_clock(int64_t t) {
+  for (uint64_t level = 0; level < 2; ++level) {
+    if (const Net clk = model->port("clk_i")) clk.put(level);
+    model->eval();
+  }
+  poke();
+  store();
+  last_ = t;
+  plan();
+}
+
+void Part::catch_up(int64_t t) {
+  while (last_ < t) {
+    const Transition *next = state_ ? state_->clock : nullptr;
+    if (!next || !next->to) {  // the model's own clock is none that is put off
+      last_ = t;
+    } else if (next->rests && next->copy_count == 0) {
+      count(*next, t - last_);
+      last_ = t;
+    } else if (next->rests && holds(*next)) {
+      count(*next, t - last_);
+      last_ = t;
+    } else {
+      perform(*next);
+      ++cache->hits;
+      ++last_;
+    }
+  }
+}
+
+void Part::count(const Transition &t, int64_t clocks) {
+  if (t.count_count == 0) return;
+  for (const Count &c : t.counts()) {
+    cells_[c.cell] = (cells_[c.cell] + c.by * static_cast<uint32_t>(clocks)) & c.mask;
+  }
+  live_ = false;
+}
+
+// How many clocks of a state, as far as they are known, tell nothing.
+int Part::quiet(State *s) {
+  if (s->quiet >= 0) return s->quiet;
+  State *at = s;
+  int clocks = 0;
+  for (;; ++clocks) {
+    const Transition *t = at->clock;
+    if (!t) return clocks;  // it may be more than that
+    if (clocks == kLongest) break;
+    if (!t->to || t->near || t->tells) break;
+    if (t->rests) {
+      if (t->count_count != 0) break;
+      s->ends = t->copy_count == 0;
+      break;
+    }
+    at = t->to;
+  }
+  return s->quiet = static_cast<int16_t>(clocks);
+}
+
+void Part::plan() {
+  due_ = last_ + 1;
+  if (!state_ || !cached()) return;
+  const Transition *t = state_->clock;
+  if (!t) return;
+  if (!t->rests) {
+    due_ += quiet(state_);
+    if (state_->ends) due_ = kNever;
+    return;
+  }
+  if (!holds(*t)) return;
+  int64_t room = kNever;
+  for (const Count &c : t->counts()) {
+    const Cell &cell = cache->cells()[c.cell];
+    if (cell.margin < 0) continue;
+    const uint32_t down = (0 - c.by) & cell.mask, now = cells_[c.cell];
+    const int64_t left = down <= cell.mask / 2 + 1 ? (int64_t{now} - cell.margin - 1) / down
+                                                   : (int64_t{cell.mask} - now) / c.by;
+    room = std::min(room, left);
+  }
+  due_ = room == kNever ? kNever : last_ + room + 1;
+}
+
+// --- with the model --------------------------------------------------------------------------
+
+void Part::put_inputs(const uint32_t *cells, uint64_t in) {
+  for (const auto &port : ports_) {
+    if (port->out) continue;
+    port->net.put(port->row->data ? cells[port->at] : (in & port->mask) >> port->at);
+  }
+  model_in_ = in;
+}
+
+// The model has these registers and inputs, and all that follows from them.
+void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in) {
+  for (const auto &place : places_) {
+    if (place->cell >= 0) {
+      place->net.put(cells[place->cell]);
+    } else {
+      std::memcpy(place->net.at, registers + place->at, static_cast<size_t>(place->net.bytes));
+    }
+  }
+  put_inputs(cells, in);
+  model->settle();
+  model->sync();
+}
+
+// Registers and data outputs of the model; control outputs.
+uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
+  for (const auto &place : places_) {
+    if (place->cell >= 0) {
+      cells[place->cell] = static_cast<uint32_t>(place->net.get());
+    } else {
+      std::memcpy(registers + place->at, place->net.at, static_cast<size_t>(place->net.bytes));
+    }
+  }
+  uint64_t out = 0;
+  for (const auto &port : ports_) {
+    if (!port->out) continue;
+    if (port->row->data) {
+      cells[port->at] = static_cast<uint32_t>(port->net.get());
+    } else {
+      out |= port->net.get() << port->at & port->mask;
+    }
+  }
+  return out;
+}
+
+void Part::op(bool clock) {
+  if (clock) {
+    model->clock();
+  } else {
+    put_inputs(cells_, in_);
+    model->inputs();
+  }
+}
+
+void Part::load() {
+  if (live_) return;
+  put_state(state_->registers, cells_, state_->in);
+  live_ = true;
+}
+
+void Part::run(bool clock) {
+  load();
+  op(clock);
+  store();
+}
+
+// The state and the cells are what the model has.
+void Part::store() {
+  uint8_t registers[kMostBytes] = {};
+  uint32_t before[kMostCells];
+  std::memcpy(before, cells_, sizeof before);
+  out_ = look(registers, cells_);
+  const auto &cells = cache->cells();
+  for (size_t c = 0; c < cells.size(); ++c) {
+    if (cells[c].out && cells_[c] != before[c]) moved_ |= 1u << c;
+  }
+  live_ = true;
+  state_ = nullptr;
+  if (cached()) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
+}
+
+// The state with these registers, the cells and inputs as they are.
+State *Part::state_of(const uint8_t *registers) {
+  const uint64_t near = cache->near(cells_);
+  if (State *known = cache->find(registers, near, in_)) return known;
+  put_state(registers, cells_, in_);
+  uint8_t unused[kMostBytes];
+  uint32_t cells[kMostCells];
+  return cache->make(registers, near, in_, look(unused, cells));
+}
+
+Transition *Part::learn(bool clock) {
+  ++cache->misses;
+  State *from = state_;
+  const auto &cells = cache->cells();
+  const uint32_t fixed = cache->fixed(from->near, in_);
+  std::vector<Cache::Seen> seen(kMarks);
+  uint8_t registers[kMostBytes] = {}, others[kMostBytes] = {};
+  uint64_t out = 0;
+  bool same = true;
+  uint32_t actual[kMostCells];
+  std::memcpy(actual, cells_, sizeof actual);
+  for (int set = 0; set < kMarks && same; ++set) {
+    Cache::Seen &s = seen[static_cast<size_t>(set)];
+    for (size_t c = 0; c < cells.size(); ++c) {
+      if (!(fixed >> c & 1))
+        cells_[c] = cache->mark(set, c);
+      else if (cells[c].in)
+        cells_[c] = cells[c].mask;
+    }
+    std::memcpy(s.before, cells_, sizeof s.before);
+    std::memcpy(s.after, cells_, sizeof s.after);
+    if (!clock) {  // inputs that are data come from other values
+      uint32_t old[kMostCells];
+      for (size_t c = 0; c < cells.size(); ++c) {
+        const bool ones = cells[c].driven && !(from->in & cells[c].driven);
+        old[c] = !cells[c].in ? cells_[c]
+                 : ones       ? cells[c].mask
+                              : ~cache->mark(set, c) & cells[c].mask;
+      }
+      put_state(from->registers, old, from->in);
+    } else {
+      put_state(from->registers, cells_, from->in);
+    }
+    look(others, s.before);
+    op(clock);
+    const uint64_t outs = look(set ? others : registers, s.after);
+    if (set) same = outs == out && !std::memcmp(registers, others, register_bytes_);
+    out = outs;
+  }
+  std::memcpy(cells_, actual, sizeof actual);
+  live_ = false;
+  Draft draft;
+  Transition *t;
+  if (same && cache->explain(seen, fixed, clock, &draft)) {
+    t = cache->add(draft, in_, nullptr);
+    const uint32_t moved = moved_;
+    apply(*t);
+    t->to = state_of(registers);
+    t->rests = t->rests && t->to == from;
+    t->tells = t->to->out != from->out;
+    for (const Copy &c : draft.copies) t->tells = t->tells || cells[c.to].out;
+    std::memcpy(cells_, actual, sizeof actual);
+    moved_ = moved;
+  } else {
+    t = cache->add({}, in_, nullptr);
+  }
+  if (clock) {
+    from->clock = t;
+  } else if (in_ == from->in) {
+    from->same = t;
+  } else {
+    t->next = from->inputs;
+    from->inputs = t;
+  }
+  return t;
+}
+
+void Part::written(int64_t t) {
+  model->settle();
+  model->inputs();
+  poke();
+  store();
+  last_ = t;
+  due_ = t + 1;
+}
+
+void Part::poke() {
+  bool changed = false;
+  for (const Poke &p : pokes) {
+    const Net &net = p.place->net;
+    const uint64_t before = net.get(), after = (before & ~p.clear) | p.set;
+    changed = changed || before != after;
+    net.put(after);
+  }
+  if (changed) model->settle();
+}
+
+uint64_t Part::read(const Place &place) const {
+  if (live_) return place.net.get();
+  if (place.cell >= 0) return cells_[place.cell];
+  uint64_t value = 0;
+  std::memcpy(&value, state_->registers + place.at, static_cast<size_t>(place.net.bytes));
+  return value;
+}
+
+void Part::forget() {
+  load();
+  state_ = nullptr;
+}
+
+}  // namespace mmcs

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// A part of the machine, board or chip: its state in the cache of its module, its cells, its ports.
+//
+// Its Verilated model is behind as long as the cache knows what happens. A miss, data that decide,
+// a register that is looked at or written from outside: then the model is brought up to the state.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "board.h"
+#include "cache.h"
+#include "tables.h"
+
+namespace mmcs {
+
+constexpr int64_t kNever = INT64_MAX;
+
+struct Wire;
+
+struct PartPort {
+  const PortRow *row;
+  Net net;  // in the model
+  int width;
+  bool out;
+  int at;         // its lowest bit among the control inputs or outputs; of data, its cell
+  uint64_t mask;  // of control: its bits there
+  std::vector<std::pair<Part *, const PartPort *>> links;  // of an output: inputs of the board
+  Wire *wire = nullptr;  // of an output: to a net that somebody looks at
+};
+
+// A register, in the model.
+struct Place {
+  Net net;
+  int cell;  // or -1: control
+  int at;    // among the bytes of control registers
+};
+
+// Bits of a register that a fault holds.
+struct Poke {
+  Place *place;
+  uint64_t clear, set;
+};
+
+class Part {
+ public:
+  Part(const BoardTable &table, size_t n, std::unique_ptr<Board> model,
+       std::shared_ptr<Cache> *cache, VerilatedContext &context);
+  Part(const Part &) = delete;
+
+  // Its model is run at every clock, by itself.
+  void run_always(bool always) { always_ = always; }
+  bool cached() const { return !always_ && pokes.empty(); }
+
+  // An input has this value from now on, after edge t. True: follow() must come.
+  bool put(const PartPort &port, uint64_t value, int64_t t) {
+    if (port.row->data) return put_data(port.at, static_cast<uint32_t>(value), t);
+    const uint64_t now = (in_ & ~port.mask) | (value << port.at & port.mask);
+    if (now == in_) return false;
+    in_ = now;
+    return true;
+  }
+  uint64_t get(const PartPort &port) const {
+    if (port.row->data) return cells_[port.at];
+    return ((port.out ? out_ : in_) & port.mask) >> port.at;
+  }
+  uint64_t out() const { return out_; }
+
+  // After edge t inputs have moved: what follows from them.
+  void follow(int64_t t);
+  // Edge t, with inputs as they stand.
+  void clock(int64_t t);
+  // Both edges of the clock by Verilator's own eval().
+  void slow_clock(int64_t t);
+  // Its counters up to edge t; nothing else happens to it until then.
+  void catch_up(int64_t t);
+  // No clock came up to edge t.
+  void pass(int64_t t) { last_ = t; }
+  // The edge that it needs next.
+  int64_t due() const { return due_; }
+  void plan();
+
+  // The model has its registers, to be looked at; or to be written, if written() follows.
+  void load();
+  void written(int64_t t);
+  uint64_t read(const Place &place) const;
+  void forget();  // the cache begins anew
+  // Somebody else runs its model: what its outputs are now.
+  void refresh() { store(); }
+
+  // Outputs that moved since they were last taken: control bits, cells.
+  bool tells() const { return out_ != told_ || moved_ != 0; }
+  uint64_t take_out() {
+    const uint64_t moved = out_ ^ told_;
+    told_ = out_;
+    return moved;
+  }
+  uint32_t take_cells() {
+    const uint32_t moved = moved_;
+    moved_ = 0;
+    return moved;
+  }
+  const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_; }
+  const PartPort &port_at(int bit) const { return *out_ports_[bit]; }
+  const PartPort *port_of(int cell) const { return cell_ports_[cell]; }
+  Place *place(size_t row) const { return places_by_row_[row]; }
+
+  std::unique_ptr<Board> model;
+  std::vector<Poke> pokes;
+  size_t number = 0;       // among the parts
+  uint64_t line_mask = 0;  // outputs that run() ends at
+  bool touched = false;    // in the list of those that must follow
+  std::shared_ptr<Cache> cache;
+  int check = 0;  // every so many hits the model is asked, too; 0: never
+
+ private:
+  void perform(const Transition &t);
+  Transition *learn(bool clock);
+  bool holds(const Transition &t) const;
+  void count(const Transition &t, int64_t clocks);
+  static int quiet(State *s);
+  uint32_t result(const Transition &t, const Copy &c) const;
+  void run(bool clock);
+  void op(bool clock);
+  void put_inputs(const uint32_t *cells, uint64_t in);
+  void store();
+  void poke();
+  void step(Transition *t, bool clock);
+  void apply(const Transition &t);
+  // Clocks that were put off see the input as it was; nobody may look at it.
+  bool put_data(int cell, uint32_t value, int64_t t) {
+    if (cells_[cell] == value) return false;
+    catch_up(t);
+    cells_[cell] = value;
+    const uint32_t bit = 1u << cell;
+    if (state_ && in_ == state_->in && cached()) {
+      const Transition *same = state_->same, *clock = state_->clock;
+      if (same && same->to && clock && !((same->sources | clock->sources) & bit)) {
+        live_ = false;
+        return false;
+      }
+    }
+    data_ |= bit;
+    return true;
+  }
+  State *state_of(const uint8_t *registers);
+  void put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in);
+  uint64_t look(uint8_t *registers, uint32_t *cells) const;
+
+  State *state_ = nullptr;  // null: only the model knows
+  bool live_ = true;        // the model is at the state
+  bool always_ = false;
+  uint64_t in_ = 0, out_ = 0, told_ = 0;
+  uint64_t model_in_ = 0;  // control inputs of the model, while it is at the state
+  uint32_t cells_[kMostCells] = {};
+  uint32_t data_ = 0;   // data inputs that moved
+  uint32_t moved_ = 0;  // data outputs that moved
+  int64_t last_ = 0, due_ = 0;
+  unsigned hits_ = 0;
+  size_t register_bytes_ = 0;
+  std::vector<std::unique_ptr<PartPort>> ports_;
+  std::vector<const PartPort *> out_ports_, cell_ports_;
+  std::vector<std::unique_ptr<Place>> places_;
+  std::vector<Place *> places_by_row_;
+};
+
+}  // namespace mmcs
