@@ -63,6 +63,8 @@ void Cache::make_marks() {
         uint32_t pattern = 0;
         do {
           pattern = next() & kAll;
+          // a carry from the low byte shows, up in one set and down in another
+          if (cells_[c].counter && cells_[c].mask > 0xFF && bit < 8) pattern = (pattern | 1) & ~2u;
         } while (sources_.count(pattern));
         sources_[pattern] = {static_cast<uint8_t>(c), bit, false, false};
         sources_[~pattern & kAll] = {static_cast<uint8_t>(c), bit, true, false};
