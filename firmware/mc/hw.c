@@ -152,13 +152,13 @@ void hw_write_dacs(struct mc *mc) {
 void hw_write_dacs_high(struct mc *mc) {
   uint16_t offsets[MC_MAX_AXES];
   uint8_t values[MC_MAX_AXES];
-  for (int axis = 0; axis < mc->axes; axis++) {
-    const struct mc_axis *x = &mc->axis[axis];
+  unsigned n = 0;
+  for (const struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     int high = (x->code - x->low + 128) >> 8;
-    offsets[axis] = mc->list.drive[2 * axis + 1];
-    values[axis] = (uint8_t)(high < 0 ? 0 : high > 15 ? 15 : high);
+    offsets[n] = mc->list.drive[2 * n + 1];
+    values[n++] = (uint8_t)(high < 0 ? 0 : high > 15 ? 15 : high);
   }
-  hw_put_list(mc, offsets, values, (unsigned)mc->axes);
+  hw_put_list(mc, offsets, values, n);
 }
 
 uint8_t hw_heartbeat_bm(int axis) {

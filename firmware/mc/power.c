@@ -37,7 +37,8 @@ static int write_zeros(struct mc *mc, const uint8_t *port_c) {
   const uint16_t *of = mc->list.drive; /* low byte and high byte of each axis */
   unsigned n = 0, axes = (unsigned)mc->axes;
   for (int axis = 0; axis < mc->axes; axis++, of += 2) {
-    if (mc->power == MC_RUNNING && (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
+    if (mc->power == MC_RUNNING && port_c != NULL &&
+        (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
       offsets[n] = of[0];
       values[n++] = MC_DAC_ZERO & 0xFF;
     }

@@ -9,7 +9,6 @@ is: the same programs make the same run, to the bit.
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import os
 import select
@@ -194,7 +193,9 @@ class Lockstep:
         if wait.what & wire.WAIT_CHILD and len(self._processes) == 1:
             line.cause, line.outside = wire.CAUSE_OUTSIDE, True
         if wait.what & wire.WAIT_FILES:
-            line.outside = all(self._is_outside(line.process, fd) for fd in wait.files)
+            line.outside = all(
+                wire.is_outside(line.process.pid, fd, self._processes) for fd in wait.files
+            )
             if line.outside and wait.until == wire.NEVER:
                 line.cause = wire.CAUSE_OUTSIDE
 
@@ -257,24 +258,6 @@ class Lockstep:
         able = [x for x in process.lines if x.hears(signals)]
         if able and all(line.cause is None for line in able):
             able[0].cause = wire.CAUSE_SIGNAL
-
-    def _is_outside(self, process: Process, fd: int) -> bool:
-        """Nobody attached has the other end: of a pipe that nobody else has open, too."""
-        try:
-            link = os.readlink(f"/proc/{process.pid}/fd/{fd}")
-        except OSError:
-            return True
-        if link.startswith("anon_inode:"):
-            return False
-        if not link.startswith(("pipe:", "socket:")):
-            return True
-        ends = 0
-        for pid in self._processes:
-            with contextlib.suppress(OSError):
-                for entry in os.scandir(f"/proc/{pid}/fd"):
-                    with contextlib.suppress(OSError):
-                        ends += os.readlink(entry.path) == link
-        return ends < 2
 
     # --- whose turn it is ---
 

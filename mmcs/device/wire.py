@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import struct
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from mmcs.mcdef import MLEASE, MSTATUS, MWAIT, MWHY, MWHY_SIZE  # noqa: F401
@@ -97,3 +100,22 @@ def well_formed(op: int, a: int, b: int, size: int) -> bool:
     if op == TIMER_OP:
         return size in (0, TIMER.size)
     return OPEN < op <= CANCEL and size == 0
+
+
+def is_outside(pid: int, fd: int, attached: Iterable[int]) -> bool:
+    """No attached process has the other end: of a pipe that nobody else has open, too."""
+    try:
+        link = os.readlink(f"/proc/{pid}/fd/{fd}")
+    except OSError:
+        return True
+    if link.startswith("anon_inode:"):
+        return False
+    if not link.startswith(("pipe:", "socket:")):
+        return True
+    ends = 0
+    for other in attached:
+        with contextlib.suppress(OSError):
+            for entry in os.scandir(f"/proc/{other}/fd"):
+                with contextlib.suppress(OSError):
+                    ends += os.readlink(entry.path) == link
+    return ends < 2

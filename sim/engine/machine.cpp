@@ -267,11 +267,11 @@ void Machine::apply(const mmcs_event &event) {
   char text[100];
   const char *name = input_name(event.input);
   std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
-  const bool table = event.input < kInputCount;
+  const bool table = event.input >= 0 && event.input < kInputCount;
   const bool axis = !table || kInputs[event.input].about.scope == MMCS_SCOPE_AXIS;
   note("fault", axis ? event.index : -1, text);
-  if (const int reg = register_of(event.input); reg >= 0) {
-    model_->upset(reg, static_cast<uint64_t>(event.value));
+  if (!table) {
+    model_->upset(register_of(event.input), static_cast<uint64_t>(event.value));
     return;
   }
   const Input &input = kInputs[event.input];

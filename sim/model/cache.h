@@ -19,7 +19,10 @@ class Part;
 struct State;
 
 constexpr int kMarks = 16;  // sets of them
+// Steps met so often are learned: learning takes as long as some 15 runs of the model.
+constexpr uint8_t kMet = 16;
 constexpr size_t kMostCells = 32;
+constexpr size_t kMostBytes = 256;  // of control registers
 
 // A register or port that is data, or a counter.
 struct Cell {
@@ -65,6 +68,7 @@ struct Transition {
   bool rests = false;  // from a state to itself, and it may go on
   bool near = false;   // a counter may come to its margin, or from it
   bool tells = true;   // outputs move
+  uint8_t met = 0;     // how often, until it is worth learning
 
   struct Copies {
     const Copy *first, *last;
@@ -130,7 +134,7 @@ class Cache {
   // Those cells that have no marks in a state.
   uint32_t fixed(uint64_t near, uint64_t in) const;
 
-  bool full() const { return bytes_ > kMostBytes; }
+  bool full() const { return bytes_ > kFull; }
   void clear();
 
   const std::vector<Cell> &cells() const { return cells_; }
@@ -139,7 +143,7 @@ class Cache {
   uint64_t hits = 0, misses = 0, runs = 0;
 
  private:
-  static constexpr size_t kMostBytes = size_t{4} << 20;
+  static constexpr size_t kFull = size_t{4} << 20;
   struct Source {
     uint8_t cell, bit;
     bool flip, constant;

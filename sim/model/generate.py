@@ -22,18 +22,15 @@ import os
 import re
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
-from netlist import Instance, Module, Netlist, dissolve, instances, reads, writes  # noqa: E402
+from netlist import Module, Netlist, dissolve, instances  # noqa: E402
+from parts import CHIPS, RULES, Board  # noqa: E402
 from wires import wires_text  # noqa: E402
-
-RULES = tomllib.loads((HERE / "parts.toml").read_text())
-CHIPS = RULES["chips"]
 
 
 def read_design(folder: Path, cards: int, clk_hz: str, top: str = "mmcs",
@@ -132,133 +129,6 @@ def shell(chip: Module) -> str:
 
 def _literal(value: str) -> str:
     return value.replace("'sh", "'h")
-
-
-def carried(module: str) -> list[str]:
-    """Registers and nets of a module that are data."""
-    return RULES["data"].get(module, []) + RULES["through"].get(module, [])
-
-
-class Board:
-    """A board's parts, and the nets between them: part 0 is the board less its chips."""
-
-    def __init__(self, netlist: Netlist, module: Module):
-        self.all = list(instances(netlist, module))
-        self.modules = {i.path: i.module for i in self.all}
-        self.parts = [self.all[0]]
-        self.parts += [i for i in self.all if i.path and i.module.name in CHIPS]
-        self.registers = [(i, r) for i in self.all for r in i.module.registers]
-        self.alias: dict[tuple[str, str], tuple[str, str]] = {}  # of nets that are one
-        self.read: list[tuple[tuple[str, str], int]] = []  # a net, and the part that looks at it
-        self.driven: list[tuple[tuple[str, str], int]] = []
-        for i in self.all:
-            self._visit(i)
-
-    def part(self, path: str) -> int:
-        """The part that an instance belongs to."""
-        found = 0
-        for number, chip in enumerate(self.parts):
-            inside = path == chip.path or path.startswith(chip.path + ".")
-            if number and inside and len(chip.path) > len(self.parts[found].path):
-                found = number
-        return found
-
-    def net(self, name: tuple[str, str]) -> tuple[str, str]:
-        while name in self.alias:
-            name = self.alias[name]
-        return name
-
-    def _visit(self, i: Instance) -> None:
-        own = self.part(i.path)
-        for assign in i.module.assigns:
-            self.read += [((i.path, n), own) for n in assign.sources]
-            self.driven += [((i.path, n), own) for n in assign.target]
-        for name, _, pins in i.module.cells:
-            below = f"{i.path}.{name}".lstrip(".")
-            for port, expr in pins.items():
-                pin = (below, port)
-                if expr is None:
-                    continue
-                if expr["type"] == "VARREF":
-                    a, b = self.net(pin), self.net((i.path, net_name(expr)))
-                    if a != b:
-                        self.alias[a] = b
-                elif self.modules[below].vars[port].direction == "INPUT":
-                    self.read += [((i.path, n), own) for n in reads(expr)]
-                    self.driven.append((pin, own))
-                else:
-                    self.read.append((pin, own))
-                    self.driven += [((i.path, n), own) for n in writes(expr)]
-
-    def ports(self) -> tuple[list[list[tuple]], dict[str, int]]:
-        """Of each part: where its model has a port, its variable, out, data, whether it is heard,
-        the net; and the nets of the board's own ports."""
-        readers, drivers, members = {}, {}, {}
-        for found, what in (self.read, readers), (self.driven, drivers):
-            for name, part in found:
-                what.setdefault(self.net(name), set()).add(part)
-        for i in self.all:
-            for v in i.module.vars.values():
-                members.setdefault(self.net((i.path, v.name)), []).append((i.path, v))
-        board = {p.name: self.net(("", p.name)) for p in self.all[0].module.ports
-                 if p.name != "clk_i"}  # fmt: skip
-        numbers = {net: n for n, net in enumerate(dict.fromkeys(
-            [*board.values(), *sorted(set(readers) | set(drivers))]))}  # fmt: skip
-        heard = (
-            RULES["heard"]["inputs"] if RULES["heard"]["module"] == self.all[0].module.name else []
-        )
-        heard = {board[p] for p in heard}
-        rows: list[list[tuple]] = [[] for _ in self.parts]
-        for net, number in numbers.items():
-            inside = members.get(net, [])
-            if any(v.name.endswith("clk_i") for _, v in inside):
-                continue
-            driver = drivers.get(net, set())
-            for n in range(len(self.parts)):
-                out = n in driver
-                others = readers.get(net, set()) - {n}
-                outside = any(net == b and v.direction == "OUTPUT" for p, b in board.items()
-                              for v in [self.all[0].module.vars[p]])  # fmt: skip
-                loop = out and self._variable(n, inside, False)[0] == ""  # around the part
-                if loop:
-                    rows[n].append((*self._variable(n, inside, False), False, False, False, number))
-                if out and not (others or outside or loop):
-                    continue
-                if not out and n not in readers.get(net, ()):
-                    continue
-                if not out and not driver and net not in board.values():
-                    continue  # a constant
-                data = any(v.name in carried(self.modules[path].name)
-                           for path, v in inside if self.part(path) == n)  # fmt: skip
-                path, var = self._variable(n, inside, out)
-                if path is None:
-                    if out or driver - {n} or net in board.values():
-                        raise SystemExit(f"generate: {self.parts[n].path} has no port for {net}")
-                    continue
-                rows[n].append((path, var, out, data, net in heard, number))
-        return rows, {p: numbers[net] for p, net in board.items()}
-
-    def _variable(self, n: int, members: list, out: bool):
-        """The variable of a part's model that a net is: a port of its own, or of a chip in it."""
-        part = self.parts[n]
-        own = "OUTPUT" if out else "INPUT"
-        for path, v in members:
-            if path == part.path and v.direction == own:
-                return "", v
-        for path, v in members:
-            chip = any(c.path == path for c in self.parts[1:]) and path != part.path
-            if (
-                chip
-                and v.direction not in ("NONE", own)
-                and self.part(path.rpartition(".")[0]) == n
-            ):
-                return path[len(part.path) :].lstrip("."), v
-        return None, None
-
-
-def net_name(expr: dict) -> str:
-    (name,) = reads(expr) | writes(expr)
-    return name
 
 
 def port_rows(ports: list[tuple], driven: dict) -> list[str]:

@@ -9,8 +9,7 @@
 namespace mmcs {
 namespace {
 
-constexpr size_t kMostBytes = 256;  // of control registers
-constexpr int kLongest = 64;        // clocks that are put off, unless it rests then
+constexpr int kLongest = 64;  // clocks that are put off, unless it rests then
 
 uint32_t mask_of(int width) {
   if (width > 32) throw std::logic_error("data of more than 32 bits");
@@ -39,7 +38,9 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     if (const size_t outer = std::strlen(own.path)) {
       path = path.size() > outer ? path.substr(outer + 1) : "";
     }
-    Place place{find_net(context, path.empty() ? scope : scope + "." + path, row.name), -1, 0};
+    std::string inner = scope;
+    if (!path.empty()) inner.append(".").append(path);
+    Place place{find_net(context, inner, row.name), -1, 0};
     if (!place.net && path.empty()) place.net = model->port(row.name);
     if (!place.net) throw std::runtime_error("the model of " + scope + " has no " + row.name);
     place.net.width = row.width;
@@ -93,29 +94,6 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
 
 // --- with the cache --------------------------------------------------------------------------
 
-inline uint32_t Part::result(const Transition &t, const Copy &c) const {
-  const auto bits = [this](const Term &term) {
-    return ((cells_[term.from] << term.left >> term.right) & term.mask) ^ term.flip;
-  };
-  uint32_t value = (cells_[c.to] & c.keep) | c.value | bits(c.term);
-  for (int n = c.first; n < c.first + c.more; ++n) value |= bits(t.terms()[n]);
-  return value;
-}
-
-// What a transition does to the cells.
-inline void Part::apply(const Transition &t) {
-  if (t.copy_count != 0) {
-    uint32_t results[kMostCells], *result = results;
-    for (const Copy &c : t.copies()) *result++ = this->result(t, c);
-    result = results;
-    for (const Copy &c : t.copies()) {
-      if (cells_[c.to] != *result) moved_ |= 1u << c.to;
-      cells_[c.to] = *result++;
-    }
-  }
-  for (const Count &c : t.counts()) cells_[c.cell] = (cells_[c.cell] + c.by) & c.mask;
-}
-
 inline void Part::perform(const Transition &t) {
   apply(t);
   state_ = t.to;
@@ -141,8 +119,13 @@ bool Part::holds(const Transition &t) const {
   return true;
 }
 
-void Part::step(Transition *t, bool clock) {
-  if (!t) t = learn(clock);
+void Part::step(Transition **at, bool clock) {
+  if (!*at) *at = cache->add({}, in_, nullptr);
+  Transition *t = *at;
+  if (t->met < kMet) {
+    ++t->met;
+    if (t->met == kMet) t = *at = learn(clock, t);
+  }
   if (!t->to) {
     ++cache->runs;
     run(clock);
@@ -180,7 +163,7 @@ void Part::follow(int64_t t) {
   if (in_ == state_->in) {
     const Transition *same = state_->same;
     if (!same || !same->to || same->sources & data_)
-      step(state_->same, false);
+      step(&state_->same, false);
     else
       live_ = false;
   } else {
@@ -192,7 +175,7 @@ void Part::follow(int64_t t) {
       known->next = state_->inputs;
       state_->inputs = known;
     }
-    step(known, false);
+    step(known ? &state_->inputs : at, false);
   }
   data_ = 0;
   plan();
@@ -208,7 +191,7 @@ void Part::clock(int64_t t) {
     return plan();
   }
   if (!state_) store();
-  step(state_->clock, true);
+  step(&state_->clock, true);
   plan();
 }
 
@@ -227,9 +210,6 @@ void Part::catch_up(int64_t t) {
   while (last_ < t) {
     const Transition *next = state_ ? state_->clock : nullptr;
     if (!next || !next->to) {  // the model's own clock is none that is put off
-      last_ = t;
-    } else if (next->rests && next->copy_count == 0) {
-      count(*next, t - last_);
       last_ = t;
     } else if (next->rests && holds(*next)) {
       count(*next, t - last_);
@@ -257,7 +237,7 @@ int Part::quiet(State *s) {
   int clocks = 0;
   for (;; ++clocks) {
     const Transition *t = at->clock;
-    if (!t) return clocks;  // it may be more than that
+    if (!t || t->met < kMet) return clocks;  // it may be more than that
     if (clocks == kLongest) break;
     if (!t->to || t->near || t->tells) break;
     if (t->rests) {
@@ -291,197 +271,6 @@ void Part::plan() {
     room = std::min(room, left);
   }
   due_ = room == kNever ? kNever : last_ + room + 1;
-}
-
-// --- with the model --------------------------------------------------------------------------
-
-void Part::put_inputs(const uint32_t *cells, uint64_t in) {
-  for (const auto &port : ports_) {
-    if (port->out) continue;
-    port->net.put(port->row->data ? cells[port->at] : (in & port->mask) >> port->at);
-  }
-  model_in_ = in;
-}
-
-// The model has these registers and inputs, and all that follows from them.
-void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in) {
-  for (const auto &place : places_) {
-    if (place->cell >= 0) {
-      place->net.put(cells[place->cell]);
-    } else {
-      std::memcpy(place->net.at, registers + place->at, static_cast<size_t>(place->net.bytes));
-    }
-  }
-  put_inputs(cells, in);
-  model->settle();
-  model->sync();
-}
-
-// Registers and data outputs of the model; control outputs.
-uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
-  for (const auto &place : places_) {
-    if (place->cell >= 0) {
-      cells[place->cell] = static_cast<uint32_t>(place->net.get());
-    } else {
-      std::memcpy(registers + place->at, place->net.at, static_cast<size_t>(place->net.bytes));
-    }
-  }
-  uint64_t out = 0;
-  for (const auto &port : ports_) {
-    if (!port->out) continue;
-    if (port->row->data) {
-      cells[port->at] = static_cast<uint32_t>(port->net.get());
-    } else {
-      out |= port->net.get() << port->at & port->mask;
-    }
-  }
-  return out;
-}
-
-void Part::op(bool clock) {
-  if (clock) {
-    model->clock();
-  } else {
-    put_inputs(cells_, in_);
-    model->inputs();
-  }
-}
-
-void Part::load() {
-  if (live_) return;
-  put_state(state_->registers, cells_, state_->in);
-  live_ = true;
-}
-
-void Part::run(bool clock) {
-  load();
-  op(clock);
-  store();
-}
-
-// The state and the cells are what the model has.
-void Part::store() {
-  uint8_t registers[kMostBytes] = {};
-  uint32_t before[kMostCells];
-  std::memcpy(before, cells_, sizeof before);
-  out_ = look(registers, cells_);
-  const auto &cells = cache->cells();
-  for (size_t c = 0; c < cells.size(); ++c) {
-    if (cells[c].out && cells_[c] != before[c]) moved_ |= 1u << c;
-  }
-  live_ = true;
-  state_ = nullptr;
-  if (cached()) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
-}
-
-// The state with these registers, the cells and inputs as they are.
-State *Part::state_of(const uint8_t *registers) {
-  const uint64_t near = cache->near(cells_);
-  if (State *known = cache->find(registers, near, in_)) return known;
-  put_state(registers, cells_, in_);
-  uint8_t unused[kMostBytes];
-  uint32_t cells[kMostCells];
-  return cache->make(registers, near, in_, look(unused, cells));
-}
-
-Transition *Part::learn(bool clock) {
-  ++cache->misses;
-  State *from = state_;
-  const auto &cells = cache->cells();
-  const uint32_t fixed = cache->fixed(from->near, in_);
-  std::vector<Cache::Seen> seen(kMarks);
-  uint8_t registers[kMostBytes] = {}, others[kMostBytes] = {};
-  uint64_t out = 0;
-  bool same = true;
-  uint32_t actual[kMostCells];
-  std::memcpy(actual, cells_, sizeof actual);
-  for (int set = 0; set < kMarks && same; ++set) {
-    Cache::Seen &s = seen[static_cast<size_t>(set)];
-    for (size_t c = 0; c < cells.size(); ++c) {
-      if (!(fixed >> c & 1))
-        cells_[c] = cache->mark(set, c);
-      else if (cells[c].in)
-        cells_[c] = cells[c].mask;
-    }
-    std::memcpy(s.before, cells_, sizeof s.before);
-    std::memcpy(s.after, cells_, sizeof s.after);
-    if (!clock) {  // inputs that are data come from other values
-      uint32_t old[kMostCells];
-      for (size_t c = 0; c < cells.size(); ++c) {
-        const bool ones = cells[c].driven && !(from->in & cells[c].driven);
-        old[c] = !cells[c].in ? cells_[c]
-                 : ones       ? cells[c].mask
-                              : ~cache->mark(set, c) & cells[c].mask;
-      }
-      put_state(from->registers, old, from->in);
-    } else {
-      put_state(from->registers, cells_, from->in);
-    }
-    look(others, s.before);
-    op(clock);
-    const uint64_t outs = look(set ? others : registers, s.after);
-    if (set) same = outs == out && !std::memcmp(registers, others, register_bytes_);
-    out = outs;
-  }
-  std::memcpy(cells_, actual, sizeof actual);
-  live_ = false;
-  Draft draft;
-  Transition *t;
-  if (same && cache->explain(seen, fixed, clock, &draft)) {
-    t = cache->add(draft, in_, nullptr);
-    const uint32_t moved = moved_;
-    apply(*t);
-    t->to = state_of(registers);
-    t->rests = t->rests && t->to == from;
-    t->tells = t->to->out != from->out;
-    for (const Copy &c : draft.copies) t->tells = t->tells || cells[c.to].out;
-    std::memcpy(cells_, actual, sizeof actual);
-    moved_ = moved;
-  } else {
-    t = cache->add({}, in_, nullptr);
-  }
-  if (clock) {
-    from->clock = t;
-  } else if (in_ == from->in) {
-    from->same = t;
-  } else {
-    t->next = from->inputs;
-    from->inputs = t;
-  }
-  return t;
-}
-
-void Part::written(int64_t t) {
-  model->settle();
-  model->inputs();
-  poke();
-  store();
-  last_ = t;
-  due_ = t + 1;
-}
-
-void Part::poke() {
-  bool changed = false;
-  for (const Poke &p : pokes) {
-    const Net &net = p.place->net;
-    const uint64_t before = net.get(), after = (before & ~p.clear) | p.set;
-    changed = changed || before != after;
-    net.put(after);
-  }
-  if (changed) model->settle();
-}
-
-uint64_t Part::read(const Place &place) const {
-  if (live_) return place.net.get();
-  if (place.cell >= 0) return cells_[place.cell];
-  uint64_t value = 0;
-  std::memcpy(&value, state_->registers + place.at, static_cast<size_t>(place.net.bytes));
-  return value;
-}
-
-void Part::forget() {
-  load();
-  state_ = nullptr;
 }
 
 }  // namespace mmcs

@@ -118,7 +118,7 @@ class Part {
 
  private:
   void perform(const Transition &t);
-  Transition *learn(bool clock);
+  Transition *learn(bool clock, Transition *met);
   bool holds(const Transition &t) const;
   void count(const Transition &t, int64_t clocks);
   static int quiet(State *s);
@@ -128,7 +128,7 @@ class Part {
   void put_inputs(const uint32_t *cells, uint64_t in);
   void store();
   void poke();
-  void step(Transition *t, bool clock);
+  void step(Transition **at, bool clock);
   void apply(const Transition &t);
   // Clocks that were put off see the input as it was; nobody may look at it.
   bool put_data(int cell, uint32_t value, int64_t t) {
@@ -166,5 +166,29 @@ class Part {
   std::vector<std::unique_ptr<Place>> places_;
   std::vector<Place *> places_by_row_;
 };
+
+inline uint32_t Part::result(const Transition &t, const Copy &c) const {
+  const auto bits = [this](const Term &term) {
+    return ((cells_[term.from] << term.left >> term.right) & term.mask) ^ term.flip;
+  };
+  uint32_t value = (cells_[c.to] & c.keep) | c.value | bits(c.term);
+  for (int n = c.first; n < c.first + c.more; ++n) value |= bits(t.terms()[n]);
+  return value;
+}
+
+// What a transition does to the cells.
+inline void Part::apply(const Transition &t) {
+  if (t.copy_count != 0) {
+    uint32_t results[kMostCells] = {};  // all are read before the first is written
+    const Copy *copies = t.copies().begin();
+    for (int n = 0; n < t.copy_count; ++n) results[n] = result(t, copies[n]);
+    for (int n = 0; n < t.copy_count; ++n) {
+      uint32_t &cell = cells_[copies[n].to];
+      if (cell != results[n]) moved_ |= 1u << copies[n].to;
+      cell = results[n];
+    }
+  }
+  for (const Count &c : t.counts()) cells_[c.cell] = (cells_[c.cell] + c.by) & c.mask;
+}
 
 }  // namespace mmcs

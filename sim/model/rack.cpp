@@ -40,7 +40,8 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
     }
   }
   for (const BoardInfo &board : kWires.boards) add_parts(board);
-  if (const char *hits = std::getenv("MMCS_CHECK")) check(std::atoi(hits));
+  if (const char *hits = std::getenv("MMCS_CHECK"))
+    check(static_cast<int>(std::strtol(hits, nullptr, 10)));
   if (parts_.size() > 64) throw std::logic_error("a machine of more than 64 parts");
   wire();
 }

@@ -72,7 +72,7 @@ class SocCore {
   Board &board_;
   const std::string scope_;
   std::vector<Net> registers_;
-  std::vector<uint8_t> kept_;  // of registers_, as restore() found them
+  std::vector<uint8_t> kept_;                       // of registers_, as restore() found them
   std::vector<std::pair<Net, uint64_t>> standing_;  // those that tell whether it rests
   Wire run_;
   uint64_t clocks_[2] = {0, 0};  // as triggers: the processor's, and both

@@ -3,6 +3,7 @@
 #include "arm.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -45,6 +46,12 @@ BodyInertia<double> operator+(const BodyInertia<double> &a, const BodyInertia<do
           a.h + b.h,
           {a.i.xx + b.i.xx, a.i.yy + b.i.yy, a.i.zz + b.i.zz, a.i.xy + b.i.xy, a.i.yz + b.i.yz,
            a.i.xz + b.i.xz}};
+}
+
+uint64_t bits(double value) {
+  uint64_t b;
+  std::memcpy(&b, &value, sizeof b);
+  return b;
 }
 
 // One link of two.
@@ -144,7 +151,7 @@ Arm::Arm(const mmcs_link *links, int count, const double gravity[3])
 bool Arm::pose(const double *q) {
   const size_t n = links_.size();
   size_t first = 0;  // the links before it stand where they stood, to the bit
-  while (first < n && std::memcmp(q + first, &angles_[first], sizeof *q) == 0) ++first;
+  while (first < n && bits(q[first]) == bits(angles_[first])) ++first;
   if (first == n) return false;
   std::copy(q, q + n, angles_.data());
   Vec3<double> x = {1, 0, 0};

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// See part.h: a part and its Verilated model, which is run where the cache does not know.
+
+#include <stdexcept>
+
+#include "part.h"
+
+namespace mmcs {
+
+void Part::put_inputs(const uint32_t *cells, uint64_t in) {
+  for (const auto &port : ports_) {
+    if (port->out) continue;
+    port->net.put(port->row->data ? cells[port->at] : (in & port->mask) >> port->at);
+  }
+  model_in_ = in;
+}
+
+// The model has these registers and inputs, and all that follows from them.
+void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in) {
+  for (const auto &place : places_) {
+    if (place->cell >= 0) {
+      place->net.put(cells[place->cell]);
+    } else {
+      std::memcpy(place->net.at, registers + place->at, static_cast<size_t>(place->net.bytes));
+    }
+  }
+  put_inputs(cells, in);
+  model->settle();
+  model->sync();
+}
+
+// Registers and data outputs of the model; control outputs.
+uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
+  for (const auto &place : places_) {
+    if (place->cell >= 0) {
+      cells[place->cell] = static_cast<uint32_t>(place->net.get());
+    } else {
+      std::memcpy(registers + place->at, place->net.at, static_cast<size_t>(place->net.bytes));
+    }
+  }
+  uint64_t out = 0;
+  for (const auto &port : ports_) {
+    if (!port->out) continue;
+    if (port->row->data) {
+      cells[port->at] = static_cast<uint32_t>(port->net.get());
+    } else {
+      out |= port->net.get() << port->at & port->mask;
+    }
+  }
+  return out;
+}
+
+void Part::op(bool clock) {
+  if (clock) {
+    model->clock();
+  } else {
+    put_inputs(cells_, in_);
+    model->inputs();
+  }
+}
+
+void Part::load() {
+  if (live_) return;
+  put_state(state_->registers, cells_, state_->in);
+  live_ = true;
+}
+
+void Part::run(bool clock) {
+  load();
+  op(clock);
+  store();
+}
+
+// The state and the cells are what the model has.
+void Part::store() {
+  uint8_t registers[kMostBytes] = {};
+  uint32_t before[kMostCells];
+  std::memcpy(before, cells_, sizeof before);
+  out_ = look(registers, cells_);
+  const auto &cells = cache->cells();
+  for (size_t c = 0; c < cells.size(); ++c) {
+    if (cells[c].out && cells_[c] != before[c]) moved_ |= 1u << c;
+  }
+  live_ = true;
+  state_ = nullptr;
+  if (cached()) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
+}
+
+// The state with these registers, the cells and inputs as they are.
+State *Part::state_of(const uint8_t *registers) {
+  const uint64_t near = cache->near(cells_);
+  if (State *known = cache->find(registers, near, in_)) return known;
+  put_state(registers, cells_, in_);
+  uint8_t unused[kMostBytes];
+  uint32_t cells[kMostCells];
+  return cache->make(registers, near, in_, look(unused, cells));
+}
+
+Transition *Part::learn(bool clock, Transition *met) {
+  ++cache->misses;
+  State *from = state_;
+  const auto &cells = cache->cells();
+  const uint32_t fixed = cache->fixed(from->near, in_);
+  std::vector<Cache::Seen> seen(kMarks);
+  uint8_t registers[kMostBytes] = {}, others[kMostBytes] = {};
+  uint64_t out = 0;
+  bool same = true;
+  uint32_t actual[kMostCells];
+  std::memcpy(actual, cells_, sizeof actual);
+  for (int set = 0; set < kMarks && same; ++set) {
+    Cache::Seen &s = seen[static_cast<size_t>(set)];
+    for (size_t c = 0; c < cells.size(); ++c) {
+      if (!(fixed >> c & 1))
+        cells_[c] = cache->mark(set, c);
+      else if (cells[c].in)
+        cells_[c] = cells[c].mask;
+    }
+    std::memcpy(s.before, cells_, sizeof s.before);
+    std::memcpy(s.after, cells_, sizeof s.after);
+    if (!clock) {  // inputs that are data come from other values
+      uint32_t old[kMostCells];
+      for (size_t c = 0; c < cells.size(); ++c) {
+        const bool ones = cells[c].driven && !(from->in & cells[c].driven);
+        old[c] = !cells[c].in ? cells_[c]
+                 : ones       ? cells[c].mask
+                              : ~cache->mark(set, c) & cells[c].mask;
+      }
+      put_state(from->registers, old, from->in);
+    } else {
+      put_state(from->registers, cells_, from->in);
+    }
+    look(others, s.before);
+    op(clock);
+    const uint64_t outs = look(set ? others : registers, s.after);
+    if (set) same = outs == out && !std::memcmp(registers, others, register_bytes_);
+    out = outs;
+  }
+  std::memcpy(cells_, actual, sizeof actual);
+  live_ = false;
+  Draft draft;
+  Transition *t;
+  if (same && cache->explain(seen, fixed, clock, &draft)) {
+    t = cache->add(draft, in_, nullptr);
+    const uint32_t moved = moved_;
+    apply(*t);
+    t->to = state_of(registers);
+    t->rests = t->rests && t->to == from;
+    t->tells = t->to->out != from->out;
+    for (const Copy &c : draft.copies) t->tells = t->tells || cells[c.to].out;
+    std::memcpy(cells_, actual, sizeof actual);
+    moved_ = moved;
+    t->next = met->next;
+  } else {
+    t = met;
+  }
+  t->met = kMet;
+  return t;
+}
+
+void Part::written(int64_t t) {
+  model->settle();
+  model->inputs();
+  poke();
+  store();
+  last_ = t;
+  due_ = t + 1;
+}
+
+void Part::poke() {
+  bool changed = false;
+  for (const Poke &p : pokes) {
+    const Net &net = p.place->net;
+    const uint64_t before = net.get(), after = (before & ~p.clear) | p.set;
+    changed = changed || before != after;
+    net.put(after);
+  }
+  if (changed) model->settle();
+}
+
+uint64_t Part::read(const Place &place) const {
+  if (live_) return place.net.get();
+  if (place.cell >= 0) return cells_[place.cell];
+  uint64_t value = 0;
+  std::memcpy(&value, state_->registers + place.at, static_cast<size_t>(place.net.bytes));
+  return value;
+}
+
+void Part::forget() {
+  load();
+  state_ = nullptr;
+}
+
+}  // namespace mmcs
