@@ -46,7 +46,7 @@ class Soc(SoCCore):
         platform = Platform()
         super().__init__(
             platform, CLK_HZ, cpu_type="vexriscv", cpu_variant="standard", with_uart=False,
-            with_timer=False, integrated_rom_size=0x8000, integrated_rom_init=image or [],
+            with_timer=False, integrated_rom_size=0xC000, integrated_rom_init=image or [],
             integrated_sram_size=0x8000, ident="MMCS", ident_version=False,
         )  # fmt: skip
         self.crg = CRG(platform.request("clk"), platform.request("rst"))

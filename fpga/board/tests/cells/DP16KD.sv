@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The block RAM of an ECP5 as Yosys uses it, from Lattice's FPGA-TN-02204: no output register, no
+// The block RAM of an ECP5 as Yosys uses it, from Yosys' mapping to it: no output register, no
 // reset, always selected; a read of what is written at once gives the old word. Yosys has no model
 // of it. Words of 1, 2, 4, 9 and 18 bits lie in rows of 9, whose ninth the short ones leave out.
 /* verilator lint_off UNUSEDSIGNAL */

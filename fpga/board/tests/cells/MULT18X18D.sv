@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The multiplier of an ECP5 as Yosys uses it, without its registers, from Lattice's FPGA-TN-02205:
+// The multiplier of an ECP5 as Yosys uses it, without its registers, from Yosys' mapping to it:
 // Yosys has no model of it.
 /* verilator lint_off UNUSEDSIGNAL */
 `default_nettype none
