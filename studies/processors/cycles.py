@@ -38,13 +38,13 @@ class Timing(c.Structure):
     _fields_ = [("cache", c.c_int32), ("wait_states", c.c_int32)]
 
 
-def build(*hosts: str) -> None:
+def build(*names: str) -> None:
     """Compiles what is not up to date, for all processors or those named."""
     from mmcs import hosts
 
-    for host in hosts or ("m68020", "rv32"):
+    for host in names or ("m68020", "rv32"):
         hosts.make("firmware/Makefile", host)
-    if "m68020" in (hosts or ("m68020",)):
+    if "m68020" in (names or ("m68020",)):
         hosts.make("sim/hosts/Makefile", "all")
 
 
