@@ -122,7 +122,7 @@ def open_browser(address: str) -> bool:
     return False
 
 
-def _serve(scenario: str, name: str, socket: Path, safety: str | None) -> subprocess.Popen:
+def _serve(scenario: str, name: str, socket: Path, safety: str | None = None) -> subprocess.Popen:
     """However long it takes: its library may have to be built."""
     command = [sys.executable, "-m", "mmcs.tool.urgent", "serve", scenario, "--realtime"]
     command += ["--dev", name, *(["--safety", safety] if safety else [])]
