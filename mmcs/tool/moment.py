@@ -47,7 +47,7 @@ def find(socket: Path, t: float, ms: float) -> Moment:
         t = min(max(t, first), now)
         begin = max(first, t - ms / 2000)
         last = max((s for s in kept if s["t"] <= begin - BUSY_S), key=_time, default=kept[0])
-        scenario, safety = link.hello["scenario"], link.hello["machine"]["safety"]
+        scenario, safety = link.hello["scenario"], link.request("machine")["safety"]
         data = Path(link.request("export", snapshot=last["id"])["file"]).read_bytes()
     size = int.from_bytes(data[:8], "little")
     state, past = data[8 : 8 + size], data[8 + size :]
