@@ -278,18 +278,18 @@ def test_damaged_build_is_made_again(tmp_path, monkeypatch):
 
 def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     """Who has it in front of his program would die of it."""
-    from mmcs.device import execute
+    from mmcs.device import libraries
 
     library = tmp_path / "device" / "libmmcs_preload.so"
-    monkeypatch.setattr(execute, "LIBRARY", library)
-    good = execute.preload_library().read_bytes()
+    monkeypatch.setattr(libraries, "LIBRARY", library)
+    good = libraries.preload_library().read_bytes()
     for damage in (good[:-1], bytes([good[0] ^ 1]) + good[1:], b""):
         library.write_bytes(damage)
-        assert execute.preload_library().read_bytes() == good
+        assert libraries.preload_library().read_bytes() == good
     library.with_name(f"{library.name}.sum").unlink()
-    assert execute.preload_library().read_bytes() == good
+    assert libraries.preload_library().read_bytes() == good
     before = library.stat().st_ino
-    execute.preload_library()
+    libraries.preload_library()
     assert library.stat().st_ino == before
     assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
 
