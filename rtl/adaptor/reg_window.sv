@@ -79,7 +79,8 @@ module reg_window #(
     case (state_q)
       StIdle: begin
         if (start_i) begin
-          state_d    = (outside || !fits || nothing) ? StDone : StRequest;
+          if (outside || !fits || nothing) state_d = StDone;
+          else state_d = StRequest;
           outside_d  = outside;
           width_d    = ~outside & ~fits;
           hp_write_d = write_i;
