@@ -140,7 +140,7 @@ class Cache {
   const std::vector<Cell> &cells() const { return cells_; }
   size_t bytes() const { return bytes_; }
   size_t states() const { return states_.size(); }
-  uint64_t hits = 0, misses = 0, runs = 0;
+  uint64_t hits = 0, misses = 0;  // of this machine; a miss runs the model
 
  private:
   static constexpr size_t kFull = size_t{4} << 20;

@@ -20,6 +20,7 @@ class Checked final : public Plain {
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   void upset(int reg, uint64_t bits) override;
   void restore(const std::vector<uint8_t> &state) override;
+  std::vector<CacheFigures> cache_figures() const override { return rack_.cache_figures(); }
 
  private:
   static constexpr int kChecked = 64;

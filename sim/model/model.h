@@ -34,6 +34,13 @@ struct EncoderEdge {
   unsigned pins;
 };
 
+// What the cache of one module did in this machine since it was made, and what it holds now.
+struct CacheFigures {
+  std::string module;
+  uint64_t hits, misses;  // steps taken from the cache; steps that the model was run for
+  uint64_t states, bytes;
+};
+
 enum class Stop { kDone, kLines, kDtack, kReport, kFailed };
 
 class Model {
@@ -112,6 +119,7 @@ class Model {
   virtual const std::string &failure() const = 0;
   // The first that failed since the last upset, which run() does not end at; asking forgets it.
   virtual std::string take_doubt() { return ""; }
+  virtual std::vector<CacheFigures> cache_figures() const { return {}; }
 
  protected:
   std::vector<mmcs_change> changes_;

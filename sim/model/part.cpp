@@ -122,16 +122,17 @@ bool Part::holds(const Transition &t) const {
 void Part::step(Transition **at, bool clock) {
   if (!*at) *at = cache->add({}, in_, nullptr);
   Transition *t = *at;
-  if (t->met < kMet) {
+  const bool known = t->met == kMet;
+  if (!known) {
     ++t->met;
     if (t->met == kMet) t = *at = learn(clock, t);
   }
   if (!t->to) {
-    ++cache->runs;
+    ++cache->misses;
     run(clock);
     return;
   }
-  ++cache->hits;
+  ++(known ? cache->hits : cache->misses);
   if (check && ++hits_ % static_cast<unsigned>(check) == 0) {
     load();
     op(clock);

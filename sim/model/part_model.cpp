@@ -97,7 +97,6 @@ State *Part::state_of(const uint8_t *registers) {
 }
 
 Transition *Part::learn(bool clock, Transition *met) {
-  ++cache->misses;
   State *from = state_;
   const auto &cells = cache->cells();
   const uint32_t fixed = cache->fixed(from->near, in_);

@@ -44,6 +44,7 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
     check(static_cast<int>(std::strtol(hits, nullptr, 10)));
   if (parts_.size() > 64) throw std::logic_error("a machine of more than 64 parts");
   wire();
+  for (const auto &known : caches_) known.second->hits = known.second->misses = 0;
 }
 
 Rack::~Rack() {

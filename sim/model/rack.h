@@ -70,6 +70,7 @@ class Rack : public Model, protected Ports, private Listener {
   void restore(const std::vector<uint8_t> &state) override;
   bool trace(const std::string &) override { return false; }
   int watch(const std::string &name) override;
+  std::vector<CacheFigures> cache_figures() const override;
   const std::string &failure() const override { return failure_; }
 
  protected:

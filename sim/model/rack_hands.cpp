@@ -51,6 +51,15 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
   }
 }
 
+std::vector<CacheFigures> Rack::cache_figures() const {
+  std::vector<CacheFigures> found;
+  for (const auto &[module, cache] : caches_) {
+    if (module == "soc_host") continue;
+    found.push_back({module, cache->hits, cache->misses, cache->states(), cache->bytes()});
+  }
+  return found;
+}
+
 Place &Rack::find(int reg, Part **part) {
   const Register &r = registers()[static_cast<size_t>(reg)];
   const size_t board = static_cast<size_t>(r.board);
