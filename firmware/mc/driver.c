@@ -202,7 +202,7 @@ int mc_cause(const struct mc *mc, int *number) {
 }
 
 uint32_t mc_interval(const struct mc *mc) {
-  return timer_interval_us(mc);
+  return mc->interval_us;
 }
 
 int mc_diag(const struct mc *mc) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The interrupt handler: one servo pass at every SCLOCK, §4.3.6. */
 #include "mc_priv.h"
+#include "servo_math.h"
 
 static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->position = servo_extend(x->position, x->counter, counter);
@@ -19,17 +20,17 @@ static void hold_axis(struct mc_axis *x) {
   x->code = (uint16_t)(MC_DAC_ZERO + (mode == MD_POS || mode == MD_VEL ? current : 0));
 }
 
-/* One servo sample of one axis; returns the errors that happened. */
-static uint8_t servo_axis(struct mc *mc, int axis) {
-  struct mc_axis *x = &mc->axis[axis];
+/* A sample of an axis that no demand moves. */
+RARE static void rest_axis(const struct mc *mc, struct mc_axis *x) {
   if (mc->power == MC_ENDING) {
     hold_axis(x);
-    return 0;
-  }
-  if (mc->power == MC_IDLE || axis >= mc->joints) {
+  } else {
     servo_sense(&x->par, &x->servo, &x->state);
-    return 0;
   }
+}
+
+/* One servo sample of one axis; returns the errors that happened. */
+static uint8_t servo_axis(struct mc *mc, struct mc_axis *x) {
   if (x->adopt && (x->par.mode & MD_MASK) == MD_POS) {
     x->setpoint = (x->par.mode & ZEROFB) != 0 ? 0 : servo_feedback(&x->par, &x->state);
   }
@@ -51,28 +52,40 @@ static void tell(struct mc *mc, int axis, uint8_t events) {
   if ((events & MERR_ILIM) != 0) text_log(mc, "axis", axis, ": sustained current overload");
 }
 
-/* All axes; an error on one without SOFTERR shuts the machine down. */
+/* 1: the errors of an axis without SOFTERR shut the machine down, those of the first one first. */
+RARE static int fail(struct mc *mc, struct mc_axis *x, int failed) {
+  uint8_t events = x->servo.events;
+  int axis = (int)(x - mc->axis);
+  error_raise(mc, axis, events);
+  tell(mc, axis, events);
+  if ((x->par.mode & SOFTERR) != 0) return failed;
+  x->faulty = (events & MERR_ILIM) != 0;
+  if (!failed) power_blame(mc, MCAUSE_AXIS, axis);
+  return 1;
+}
+
+/* All axes. */
 static void servo_all(struct mc *mc) {
+  const struct mc_axis *end = mc->axis + mc->axes, *joints = mc->axis + mc->joints;
+  const struct mc_axis *served =
+      mc->power == MC_STARTING || mc->power == MC_RUNNING ? joints : mc->axis;
+  const uint16_t *counter = mc->sample.counter, *raw = mc->sample.raw;
   unsigned due = 0;
   int raised = 0, fatal = 0;
-  for (int axis = 0; axis < mc->axes; axis++) {
-    struct mc_axis *x = &mc->axis[axis];
-    measure(x, mc->sample.counter[axis], mc->sample.raw[axis]);
+  for (struct mc_axis *x = mc->axis; x < end; x++) {
+    measure(x, *counter++, *raw++);
     if (x->wait > 0) {
       x->wait--;
       continue;
     }
     x->wait = x->par.clkdivisor - 1;
-    if (axis < mc->joints) due++;
-    uint8_t events = servo_axis(mc, axis);
-    if (events == 0) continue;
-    error_raise(mc, axis, events);
-    tell(mc, axis, events);
-    raised = 1;
-    if ((x->par.mode & SOFTERR) != 0) continue;
-    x->faulty = (events & MERR_ILIM) != 0;
-    if (!fatal) power_blame(mc, MCAUSE_AXIS, axis);
-    fatal = 1;
+    if (x < joints) due++;
+    if (x >= served) {
+      rest_axis(mc, x);
+    } else if (servo_axis(mc, x) != 0) {
+      fatal = fail(mc, x, fatal);
+      raised = 1;
+    }
   }
   mc->os.compute(mc->os.ctx, due);
   if (fatal) power_end(mc);
@@ -121,7 +134,7 @@ static int skip_sample(struct mc *mc) {
 /* Heartbeats follow the servo: what should have computed and did not keeps none of them alive. */
 static int skip_pass(struct mc *mc) {
   if (!skip_sample(mc) || mc->power != MC_RUNNING) return 0;
-  if ((uint64_t)mc->skipped * timer_interval_us(mc) >= MC_SKIP_US) power_overrun(mc);
+  if ((uint64_t)mc->skipped * mc->interval_us >= MC_SKIP_US) power_overrun(mc);
   return 1;
 }
 
@@ -135,7 +148,7 @@ static void overran(struct mc *mc) {
   mc->overran = total;
   if (mc->crowded == UINT32_MAX) return;
   mc->crowded = follows ? mc->crowded + 1 : 1;
-  if ((uint64_t)mc->crowded * timer_interval_us(mc) < MC_CROWDED_US) return;
+  if ((uint64_t)mc->crowded * mc->interval_us < MC_CROWDED_US) return;
   mc->crowded = UINT32_MAX;
   text_log(mc, "passes outlast SCLOCK, programs get no time: the interval is too short", -1, "");
 }

@@ -82,7 +82,7 @@ static int changes_meaning(const struct mc_param *from, const struct mc_param *t
 /* What no servo could make sense of. A servo slower than the heartbeats that it keeps alive would
  * be dead while they live. */
 static int is_nonsense(const struct mc *mc, const struct mc_param *par) {
-  return par->b0 == 0 || par->clkdivisor < 1 || is_too_slow(par, timer_interval_us(mc)) ||
+  return par->b0 == 0 || par->clkdivisor < 1 || is_too_slow(par, mc->interval_us) ||
          par->ilim < 0 || par->ilimax < 0 || par->ipole < 0 || par->ipole >= MC_FSCALE;
 }
 
@@ -171,7 +171,7 @@ static int set_interval(struct mc *mc, int client, union argument *arg) {
 
 static int get_interval(struct mc *mc, int client, union argument *arg) {
   (void)client;
-  arg->word = timer_interval_us(mc);
+  arg->word = mc->interval_us;
   return 0;
 }
 

@@ -117,7 +117,8 @@ struct mc {
   struct mc_stats stats;
   int opens, cards, axes, joints;
   enum mc_power power;
-  uint32_t n0, n1;       /* counts of timers 0 and 1 */
+  uint32_t n0, n1;       /* counts of timers 0 and 1, */
+  uint32_t interval_us;  /* and what they make */
   uint16_t rises;        /* SCLOCKs up to the last one served, by timer 2 */
   uint8_t synced;        /* `rises` is valid */
   uint8_t pccsr;         /* shadow */
@@ -185,6 +186,7 @@ void mc_set_defaults(struct mc *mc);
 int timer_counts(const struct mc *mc, uint32_t us, uint32_t *n0, uint32_t *n1);
 /* Starts SCLOCK with mc->n0, mc->n1; the latches are held clear meanwhile. */
 void timer_start(struct mc *mc);
+/* Of mc->n0 and mc->n1; a division, which no stop and no pass can afford: mc->interval_us. */
 uint32_t timer_interval_us(const struct mc *mc);
 /* SCLOCKs that last at least `us`, at least 1. */
 uint32_t timer_ticks(const struct mc *mc, uint32_t us);

@@ -55,10 +55,8 @@ static void deafen(struct mc *mc) {
   if (mc->config.guard.latched) hw_put(mc, MMCS_SAFETY, MMCS_SAFETY_TRIP);
 }
 
-/* The relay isolates all D/As once they are at zero. */
+/* The relay isolates all D/As once they are at zero. The stop is deaf to PANIC by now. */
 static void silence(struct mc *mc, const uint8_t *port_c) {
-  if (mc->power == MC_IDLE && !mc->drive) return;
-  deafen(mc);
   mc->buffered = 0;
   hw_apply_modes(mc);
   if (write_zeros(mc, port_c)) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
@@ -72,7 +70,7 @@ static void silence(struct mc *mc, const uint8_t *port_c) {
 void power_stop(struct mc *mc) {
   uint8_t port_c[MC_MAX_CARDS] = {0};
   if (mc->power == MC_IDLE && !mc->drive) return;
-  hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
+  deafen(mc);
   for (int card = 0; card < mc->cards; card++) {
     port_c[card] = hw_card_get(mc, card, MMCS_CARD_PPI_C);
   }
@@ -116,7 +114,7 @@ void power_count_ending(struct mc *mc, uint32_t passed) {
 }
 
 void power_await_end(struct mc *mc) {
-  uint64_t us = (uint64_t)(mc->ending + 2) * timer_interval_us(mc);
+  uint64_t us = (uint64_t)(mc->ending + 2) * mc->interval_us;
   for (; us > 0 && mc->power == MC_ENDING; us -= us < 1000 ? us : 1000) {
     mc->os.delay_us(mc->os.ctx, us < 1000 ? (uint32_t)us : 1000);
   }
@@ -218,6 +216,7 @@ void power_panic(struct mc *mc) {
   if (can_hold(mc) && !mc->silent) {
     power_end(mc);
   } else {
+    deafen(mc);
     silence(mc, port_c);
   }
   tell_all(mc);
@@ -274,8 +273,8 @@ static void connect_drives(struct mc *mc) {
 }
 
 static void await_first_pass(struct mc *mc) {
-  uint64_t limit = 2 * (uint64_t)timer_interval_us(mc) + 5000;
-  uint32_t step = timer_interval_us(mc) < 1000 ? timer_interval_us(mc) : 1000;
+  uint64_t limit = 2 * (uint64_t)mc->interval_us + 5000;
+  uint32_t step = mc->interval_us < 1000 ? mc->interval_us : 1000;
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->buffered = mc->double_buffer;
   hw_apply_modes(mc);

@@ -14,7 +14,7 @@ static void lose_counts(struct mc *mc, int card) {
 /* 1: more counts may have passed since the last sample than 16 bits can tell. */
 static int is_too_long(const struct mc *mc) {
   uint32_t speed = mc->config.speed > 0 ? mc->config.speed : MC_SPEED;
-  uint64_t us = (uint64_t)mc->skipped * timer_interval_us(mc);
+  uint64_t us = (uint64_t)mc->skipped * mc->interval_us;
   return us > (uint64_t)HALF * US_PER_S / speed;
 }
 

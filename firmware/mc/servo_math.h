@@ -5,6 +5,9 @@
 
 #include <stdint.h>
 
+/* Out of the way of the usual path. */
+#define RARE __attribute__((noinline))
+
 static inline uint32_t magnitude(int32_t v) {
   return v < 0 ? 0u - (uint32_t)v : (uint32_t)v;
 }

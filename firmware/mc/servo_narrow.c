@@ -8,8 +8,6 @@
 
 #include "servo_math.h"
 
-/* Out of the way of the usual path. */
-#define RARE __attribute__((noinline))
 #define USUAL(condition) __builtin_expect(condition, 1)
 #define NO_SHIFT 32
 

@@ -49,8 +49,7 @@ int32_t servo_inow(const struct mc_param *par, struct servo_memory *s, int32_t c
 }
 
 void servo_reset(struct servo_memory *s) {
-  static const struct servo_memory rest;
-  *s = rest;
+  *s = (struct servo_memory){0};
 }
 
 int32_t servo_shifted(int32_t y, int64_t by) {

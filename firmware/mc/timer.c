@@ -40,7 +40,7 @@ uint32_t timer_interval_us(const struct mc *mc) {
 }
 
 uint32_t timer_ticks(const struct mc *mc, uint32_t us) {
-  uint32_t interval = timer_interval_us(mc);
+  uint32_t interval = mc->interval_us;
   return (us + interval - 1) / interval + 1;
 }
 
@@ -61,6 +61,7 @@ void timer_start(struct mc *mc) {
   program(mc, 0, mc->n0);
   program(mc, 1, mc->n1);
   mc->synced = 0;
+  mc->interval_us = timer_interval_us(mc);
   hw_set_pccsr(mc, MMCS_PCCSR_LATCH_EN_bm | MMCS_PCCSR_SCLOCK_EN_bm, 0);
 }
 

@@ -15,7 +15,7 @@ void watch_bus_error(struct mc *mc) {
 static void restart(struct mc *mc, uint64_t us) {
   hw_put(mc, MMCS_PCCSR, (uint8_t)(mc->pccsr & ~MMCS_PCCSR_LATCH_EN_bm));
   hw_put(mc, MMCS_PCCSR, mc->pccsr);
-  mc->skipped += (uint32_t)(us / timer_interval_us(mc)) + 1;
+  mc->skipped += (uint32_t)(us / mc->interval_us) + 1;
   for (int card = 0; card < mc->cards; card++) {
     mc->card[card].silent = 1;
     (void)revive_card(mc, card);
@@ -25,7 +25,7 @@ static void restart(struct mc *mc, uint64_t us) {
 int mc_watch(struct mc *mc, uint64_t us) {
   const uint8_t kept = MMCS_PCCSR_BASE_bm | MMCS_PCCSR_LATCH_EN_bm;
   int told = 1;
-  if (mc->opens == 0 || us < MC_QUIET_US + 2 * (uint64_t)timer_interval_us(mc)) return 0;
+  if (mc->opens == 0 || us < MC_QUIET_US + 2 * (uint64_t)mc->interval_us) return 0;
   if (mc->told_at == (uint32_t)mc->stats.total) return 0;
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->told_at = (uint32_t)mc->stats.total;

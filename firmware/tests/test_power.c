@@ -143,7 +143,6 @@ static void test_stop_traffic(void) {
     want[n++] = (struct mock_access)W(0x409, 0xB8);
     want[n++] = (struct mock_access)R(0x005);
     want[n++] = (struct mock_access)R(0x045);
-    want[n++] = (struct mock_access)W(0x409, 0xB8);
     want[n++] = (struct mock_access)W(0x003, 0x07); /* direct output, or zero would wait */
     want[n++] = (struct mock_access)W(0x043, 0x07);
     for (unsigned axis = 0; axis < 4; axis++) {
