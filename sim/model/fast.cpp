@@ -7,8 +7,9 @@
 //   ___dump_triggers__act                      read by generate.py: which bit is which clock
 //   __Vtrigprevexpr...                         what a clock or reset was when last looked at; the
 //                                              same, MMCS_EDGES its file
-// Compiled once a board, behind its generated code, with MMCS_MODEL its class. Verilator's eval()
-// does the same more slowly; `slow` in the configuration takes that way, and a test compares them.
+// Included once a board, behind its generated code, with MMCS_MODEL its class, MMCS_PORTS and
+// MMCS_EDGES_OF its files. Verilator's eval() does the same more slowly; `slow` in the configuration
+// takes that way, and a test compares them.
 
 #include <string_view>
 
@@ -30,7 +31,7 @@
 void MMCS_SETTLE(MMCS_ROOT *);
 
 namespace mmcs {
-namespace {
+namespace MMCS_JOIN(of_, MMCS_MODEL) {
 
 struct TriggerRow {
   std::string_view model;
@@ -124,11 +125,15 @@ class Fast final : public Board {
 #endif
 };
 
-}  // namespace
+}  // namespace MMCS_JOIN(of_, MMCS_MODEL)
 
 std::unique_ptr<Board> MMCS_JOIN(create_, MMCS_MODEL)(VerilatedContext &context,
                                                       const std::string &name) {
-  return std::make_unique<Fast>(context, name);
+  return std::make_unique<MMCS_JOIN(of_, MMCS_MODEL)::Fast>(context, name);
 }
 
 }  // namespace mmcs
+
+#undef MMCS_MODEL
+#undef MMCS_PORTS
+#undef MMCS_EDGES_OF
