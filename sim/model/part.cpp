@@ -67,6 +67,7 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     if (!port->net) throw std::runtime_error(scope + " has no port " + row.name);
     port->net.width = port->width = row.width;
     port->out = row.out;
+    port->data = row.data;
     if (row.data) {
       port->at = static_cast<int>(cells.size());
       cells.push_back({mask_of(row.width), -1, false, !row.out, row.out, 0});
@@ -92,34 +93,31 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
   put_inputs(cells_, 0);
 }
 
-// --- with the cache --------------------------------------------------------------------------
-
-inline void Part::perform(const Transition &t) {
-  apply(t);
-  state_ = t.to;
-  live_ = false;
-  if (t.near) {
-    const uint64_t near = cache->near(cells_);
-    if (near != state_->near) {
-      Transition &known = const_cast<Transition &>(t);
-      if (!known.other || known.other->near != near) {
-        known.other = state_of(state_->registers);
-      }
-      state_ = known.other;
+void Part::wired() {
+  seen_out_ = line_mask;
+  for (const auto &port : ports_) {
+    if (!port->out || (!port->wire && port->links.empty())) continue;
+    if (port->data) {
+      seen_cells_ |= 1u << port->at;
+    } else {
+      seen_out_ |= port->mask;
     }
   }
-  out_ = state_->out;
 }
 
-// A clock leaves the cells as they are, but for what counts.
-bool Part::holds(const Transition &t) const {
-  for (const Copy &c : t.copies()) {
-    if (result(t, c) != cells_[c.to]) return false;
-  }
-  return true;
+// --- with the cache --------------------------------------------------------------------------
+
+// Counters have come to their margin, or have left it.
+void Part::near(const Transition &t) {
+  const uint64_t near = cache->near(cells_);
+  if (near == state_->near) return;
+  Transition &known = const_cast<Transition &>(t);
+  if (!known.other || known.other->near != near) known.other = state_of(state_->registers);
+  state_ = known.other;
 }
 
-void Part::step(Transition **at, bool clock) {
+// A step that is not learned yet, that data decide, or that the model is asked about, too.
+void Part::ask(Transition **at, bool clock) {
   if (!*at) *at = cache->add({}, in_, nullptr);
   Transition *t = *at;
   const bool known = t->met == kMet;
@@ -150,49 +148,29 @@ void Part::step(Transition **at, bool clock) {
   perform(*t);
 }
 
-void Part::follow(int64_t t) {
-  catch_up(t);
-  if (!cached()) {
-    put_inputs(cells_, in_);
-    data_ = 0;
-    model->inputs();
-    poke();
+// The cache does not know its state.
+void Part::follow_slowly() {
+  if (cached()) {
     store();
-    return plan();
+    return follow(last_);
   }
-  if (!state_) store();
-  if (in_ == state_->in) {
-    const Transition *same = state_->same;
-    if (!same || !same->to || same->sources & data_)
-      step(&state_->same, false);
-    else
-      live_ = false;
-  } else {
-    Transition **at = &state_->inputs;
-    while (*at && (*at)->in != in_) at = &(*at)->next;
-    Transition *known = *at;
-    if (known && at != &state_->inputs) {
-      *at = known->next;
-      known->next = state_->inputs;
-      state_->inputs = known;
-    }
-    step(known ? &state_->inputs : at, false);
-  }
+  put_inputs(cells_, in_);
   data_ = 0;
+  model->inputs();
+  poke();
+  store();
   plan();
 }
 
-void Part::clock(int64_t t) {
-  catch_up(t - 1);
-  last_ = t;
-  if (!cached()) {
+void Part::clock_slowly() {
+  if (cached()) {
+    store();
+    step(&state_->clock, true);
+  } else {
     model->clock();
     poke();
     store();
-    return plan();
   }
-  if (!state_) store();
-  step(&state_->clock, true);
   plan();
 }
 
@@ -207,7 +185,7 @@ void Part::slow_clock(int64_t t) {
   plan();
 }
 
-void Part::catch_up(int64_t t) {
+void Part::catch_up_slowly(int64_t t) {
   while (last_ < t) {
     const Transition *next = state_ ? state_->clock : nullptr;
     if (!next || !next->to) {  // the model's own clock is none that is put off
@@ -251,27 +229,21 @@ int Part::quiet(State *s) {
   return s->quiet = static_cast<int16_t>(clocks);
 }
 
-void Part::plan() {
-  due_ = last_ + 1;
-  if (!state_ || !cached()) return;
-  const Transition *t = state_->clock;
-  if (!t) return;
-  if (!t->rests) {
-    due_ += quiet(state_);
-    if (state_->ends) due_ = kNever;
-    return;
-  }
-  if (!holds(*t)) return;
+// The edge at which a part at rest has a counter at its margin.
+int64_t Part::room(const Transition &t) const {
   int64_t room = kNever;
-  for (const Count &c : t->counts()) {
+  for (const Count &c : t.counts()) {
     const Cell &cell = cache->cells()[c.cell];
     if (cell.margin < 0) continue;
     const uint32_t down = (0 - c.by) & cell.mask, now = cells_[c.cell];
-    const int64_t left = down <= cell.mask / 2 + 1 ? (int64_t{now} - cell.margin - 1) / down
-                                                   : (int64_t{cell.mask} - now) / c.by;
+    int64_t left = int64_t{now} - cell.margin - 1;
+    if (down > cell.mask / 2 + 1)
+      left = (int64_t{cell.mask} - now) / c.by;
+    else if (down != 1)
+      left /= down;
     room = std::min(room, left);
   }
-  due_ = room == kNever ? kNever : last_ + room + 1;
+  return room == kNever ? kNever : last_ + room + 1;
 }
 
 }  // namespace mmcs

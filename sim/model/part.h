@@ -25,7 +25,7 @@ struct PartPort {
   const PortRow *row;
   Net net;  // in the model
   int width;
-  bool out;
+  bool out, data;
   int at;         // its lowest bit among the control inputs or outputs; of data, its cell
   uint64_t mask;  // of control: its bits there
   std::vector<std::pair<Part *, const PartPort *>> links;  // of an output: inputs of the board
@@ -57,17 +57,16 @@ class Part {
 
   // An input has this value from now on, after edge t. True: follow() must come.
   bool put(const PartPort &port, uint64_t value, int64_t t) {
-    if (port.row->data) return put_data(port.at, static_cast<uint32_t>(value), t);
+    if (port.data) return put_data(port.at, static_cast<uint32_t>(value), t);
     const uint64_t now = (in_ & ~port.mask) | (value << port.at & port.mask);
     if (now == in_) return false;
     in_ = now;
     return true;
   }
   uint64_t get(const PartPort &port) const {
-    if (port.row->data) return cells_[port.at];
+    if (port.data) return cells_[port.at];
     return ((port.out ? out_ : in_) & port.mask) >> port.at;
   }
-  uint64_t out() const { return out_; }
 
   // After edge t inputs have moved: what follows from them.
   void follow(int64_t t);
@@ -76,7 +75,9 @@ class Part {
   // Both edges of the clock by Verilator's own eval().
   void slow_clock(int64_t t);
   // Its counters up to edge t; nothing else happens to it until then.
-  void catch_up(int64_t t);
+  void catch_up(int64_t t) {
+    if (last_ < t) catch_up_slowly(t);
+  }
   // No clock came up to edge t.
   void pass(int64_t t) { last_ = t; }
   // The edge that it needs next.
@@ -91,18 +92,21 @@ class Part {
   // Somebody else runs its model: what its outputs are now.
   void refresh() { store(); }
 
-  // Outputs that moved since they were last taken: control bits, cells.
-  bool tells() const { return out_ != told_ || moved_ != 0; }
+  // Outputs that moved since they were last taken, of those that somebody looks at: control bits,
+  // cells.
+  bool tells() const { return ((out_ ^ told_) & seen_out_) != 0 || (moved_ & seen_cells_) != 0; }
   uint64_t take_out() {
-    const uint64_t moved = out_ ^ told_;
+    const uint64_t moved = (out_ ^ told_) & seen_out_;
     told_ = out_;
     return moved;
   }
   uint32_t take_cells() {
-    const uint32_t moved = moved_;
+    const uint32_t moved = moved_ & seen_cells_;
     moved_ = 0;
     return moved;
   }
+  // All is wired: who looks at which output is known.
+  void wired();
   const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_; }
   const PartPort &port_at(int bit) const { return *out_ports_[bit]; }
   const PartPort *port_of(int cell) const { return cell_ports_[cell]; }
@@ -112,14 +116,16 @@ class Part {
   std::vector<Poke> pokes;
   size_t number = 0;       // among the parts
   uint64_t line_mask = 0;  // outputs that run() ends at
-  bool touched = false;    // in the list of those that must follow
   std::shared_ptr<Cache> cache;
   int check = 0;  // every so many hits the model is asked, too; 0: never
 
  private:
   void perform(const Transition &t);
+  void near(const Transition &t);
+  void catch_up_slowly(int64_t t);
   Transition *learn(bool clock, Transition *met);
   bool holds(const Transition &t) const;
+  int64_t room(const Transition &t) const;
   void count(const Transition &t, int64_t clocks);
   static int quiet(State *s);
   uint32_t result(const Transition &t, const Copy &c) const;
@@ -129,6 +135,9 @@ class Part {
   void store();
   void poke();
   void step(Transition **at, bool clock);
+  void ask(Transition **at, bool clock);
+  void follow_slowly();
+  void clock_slowly();
   void apply(const Transition &t);
   // Clocks that were put off see the input as it was; nobody may look at it.
   bool put_data(int cell, uint32_t value, int64_t t) {
@@ -157,7 +166,9 @@ class Part {
   uint64_t model_in_ = 0;  // control inputs of the model, while it is at the state
   uint32_t cells_[kMostCells] = {};
   uint32_t data_ = 0;   // data inputs that moved
-  uint32_t moved_ = 0;  // data outputs that moved
+  uint32_t moved_ = 0;  // cells that moved
+  uint64_t seen_out_ = 0;    // control outputs that somebody looks at
+  uint32_t seen_cells_ = 0;  // the same of data
   int64_t last_ = 0, due_ = 0;
   unsigned hits_ = 0;
   size_t register_bytes_ = 0;
@@ -178,17 +189,88 @@ inline uint32_t Part::result(const Transition &t, const Copy &c) const {
 
 // What a transition does to the cells.
 inline void Part::apply(const Transition &t) {
-  if (t.copy_count != 0) {
-    uint32_t results[kMostCells] = {};  // all are read before the first is written
-    const Copy *copies = t.copies().begin();
+  const auto put = [this](const Copy &copy, uint32_t value) {
+    uint32_t &cell = cells_[copy.to];
+    if (cell != value) moved_ |= 1u << copy.to;
+    cell = value;
+  };
+  const Copy *copies = t.copies().begin();
+  if (t.copy_count == 1) {
+    put(*copies, result(t, *copies));
+  } else if (t.copy_count != 0) {
+    uint32_t results[kMostCells];  // all are read before the first is written
     for (int n = 0; n < t.copy_count; ++n) results[n] = result(t, copies[n]);
-    for (int n = 0; n < t.copy_count; ++n) {
-      uint32_t &cell = cells_[copies[n].to];
-      if (cell != results[n]) moved_ |= 1u << copies[n].to;
-      cell = results[n];
-    }
+    for (int n = 0; n < t.copy_count; ++n) put(copies[n], results[n]);
   }
   for (const Count &c : t.counts()) cells_[c.cell] = (cells_[c.cell] + c.by) & c.mask;
+}
+
+inline void Part::perform(const Transition &t) {
+  apply(t);
+  state_ = t.to;
+  live_ = false;
+  if (t.near) near(t);
+  out_ = state_->out;
+}
+
+inline void Part::step(Transition **at, bool clock) {
+  const Transition *t = *at;
+  if (!t || !t->to || check != 0) return ask(at, clock);
+  ++cache->hits;
+  perform(*t);
+}
+
+// A clock leaves the cells as they are, but for what counts.
+inline bool Part::holds(const Transition &t) const {
+  for (const Copy &c : t.copies()) {
+    if (result(t, c) != cells_[c.to]) return false;
+  }
+  return true;
+}
+
+inline void Part::plan() {
+  due_ = last_ + 1;
+  if (!state_ || !cached()) return;
+  const Transition *t = state_->clock;
+  if (!t) return;
+  if (!t->rests) {
+    due_ += state_->quiet >= 0 ? state_->quiet : quiet(state_);
+    if (state_->ends) due_ = kNever;
+  } else if (holds(*t)) {
+    due_ = t->near ? room(*t) : kNever;
+  }
+}
+
+inline void Part::follow(int64_t t) {
+  catch_up(t);
+  if (!state_ || !cached()) return follow_slowly();
+  if (in_ == state_->in) {
+    const Transition *same = state_->same;
+    if (!same || !same->to || same->sources & data_)
+      step(&state_->same, false);
+    else
+      live_ = false;
+  } else {
+    Transition **first = &state_->inputs, **at = first;
+    while (*at && (*at)->in != in_) at = &(*at)->next;
+    Transition *known = *at;
+    if (known && at != first) {
+      *at = known->next;
+      known->next = *first;
+      *first = known;
+    }
+    step(known ? first : at, false);
+  }
+  data_ = 0;
+  plan();
+}
+
+inline void Part::clock(int64_t t) {
+  catch_up(t - 1);
+  last_ = t;
+  if (!state_ || !cached()) return clock_slowly();
+  step(&state_->clock, true);
+  plan();
 }
 
 }  // namespace mmcs

@@ -57,8 +57,8 @@ Rack::~Rack() {
 
 void Rack::changed(int net, int lsb, int width) {
   const size_t n = static_cast<size_t>(net);
-  if (net == bus_[0] || net == bus_[1] || net == bus_[2] || net == bus_[3]) bus_moved_ = true;
-  if (net == bus_[4] && listening_) bus_moved_ = true;  // data that an upset moves in a command
+  // data that an upset moves in a command
+  if (net != bus_[kBusPorts - 1] || listening_) bus_moved_ |= on_bus_[n];
   for (int l : followers_[n]) {
     if (!due_[static_cast<size_t>(l)]) {
       due_[static_cast<size_t>(l)] = 1;
@@ -68,14 +68,14 @@ void Rack::changed(int net, int lsb, int width) {
   for_readers(net, lsb, width, [this](const Reader &r) { show(*r.wire); });
 }
 
+inline void Rack::arrive(Part &part, const PartPort &port, uint64_t value) {
+  if (stopped_) part.pass(clock_);
+  if (part.put(port, value, clock_)) touch(part);
+}
+
 // The net's value at an input.
 void Rack::show(Wire &wire) {
   arrive(*wire.part, *wire.port, wire.through(wires_.get(wire.net, wire.lsb, wire.width)));
-}
-
-void Rack::arrive(Part &part, const PartPort &port, uint64_t value) {
-  if (stopped_) part.pass(clock_);
-  if (part.put(port, value, clock_)) touch(part);
 }
 
 // An input of the machine that nothing but ports of boards is on.
@@ -90,12 +90,6 @@ void Rack::arrive_directly(const Reader &reader, int lsb, int width, uint64_t va
   arrive(*wire.part, *wire.port, after);
 }
 
-void Rack::touch(Part &part) {
-  if (part.touched) return;
-  part.touched = true;
-  touched_.push_back(&part);
-}
-
 // An output that has moved takes its net along.
 void Rack::drive(Wire &wire) {
   const uint64_t value = wire.value();
@@ -108,7 +102,8 @@ void Rack::drive(Wire &wire) {
 void Rack::tell(Part &part) {
   const auto send = [this, &part](const PartPort &port) {
     if (port.wire) drive(*port.wire);
-    for (const auto &[other, input] : port.links) arrive(*other, *input, part.get(port));
+    const uint64_t value = part.get(port);
+    for (const auto &[other, input] : port.links) arrive(*other, *input, value);
   };
   uint64_t moved = part.take_out();
   if (moved & part.line_mask) look_at_lines();
@@ -132,8 +127,11 @@ void Rack::look_at_lines() {
 // saw last, which may be a command that its switches made it deaf to: when one moves, all look.
 void Rack::listen() {
   bus_moved_ = false;
-  const unsigned ior_n = static_cast<unsigned>(wires_.get(bus_[2], 0, 1));
-  const unsigned iow_n = static_cast<unsigned>(wires_.get(bus_[3], 0, 1));
+  constexpr int kWidth[kBusPorts] = {16, 1, 1, 1, 8};  // as in kBus
+  unsigned bus[kBusPorts];
+  for (size_t n = 0; n < kBusPorts; ++n) {
+    bus[n] = static_cast<unsigned>(wires_.get(bus_[n], 0, kWidth[n]));
+  }
   uint32_t now = 0, looking = listening_;
   if (dips_moved_) {
     dips_moved_ = false;
@@ -143,12 +141,11 @@ void Rack::listen() {
     }
     looking = (1u << heard_.size()) - 1;
   }
-  if (!(ior_n && iow_n)) {
-    now = ears_.hear(static_cast<unsigned>(wires_.get(bus_[0], 0, 16)),
-                     static_cast<unsigned>(wires_.get(bus_[1], 0, 1)), ior_n, iow_n, dip_values_);
-  }
+  if (!(bus[2] && bus[3])) now = ears_.hear(bus[0], bus[1], bus[2], bus[3], dip_values_);
   for (uint32_t rest = now | looking; rest; rest &= rest - 1) {
-    for (Wire *wire : heard_[static_cast<size_t>(__builtin_ctz(rest))]) show(*wire);
+    for (const auto &[wire, net] : heard_[static_cast<size_t>(__builtin_ctz(rest))]) {
+      arrive(*wire->part, *wire->port, wire->through(bus[net]));
+    }
   }
   listening_ = now;
 }
@@ -163,10 +160,9 @@ void Rack::settle() {
       logic_.pop_back();
       due_[static_cast<size_t>(l)] = 0;
       kWires.logic[static_cast<size_t>(l)].run(wires_);
-    } else if (!touched_.empty()) {
-      Part &part = *touched_.back();
-      touched_.pop_back();
-      part.touched = false;
+    } else if (touched_ != 0) {
+      Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(touched_))];
+      touched_ &= touched_ - 1;
       if (stopped_) part.pass(clock_);
       part.follow(clock_);
       plan(part);

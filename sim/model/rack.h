@@ -37,7 +37,6 @@ class Rack : public Model, protected Ports, private Listener {
  public:
   Rack(bool slow, bool skip, uint64_t seed);
   // The models take their names out of the context of the thread, which may be another machine's.
-  // The models take their names out of the context of the thread, which may be another machine's.
   ~Rack() override;
 
   void power_on();
@@ -114,7 +113,7 @@ class Rack : public Model, protected Ports, private Listener {
   void arrive(Part &part, const PartPort &port, uint64_t value);
   struct Reader;
   void arrive_directly(const Reader &reader, int lsb, int width, uint64_t value);
-  void touch(Part &part);
+  void touch(const Part &part) { touched_ |= uint64_t{1} << part.number; }
   void drive(Wire &wire);
   void tell(Part &part);
   void look_at_lines();
@@ -163,14 +162,20 @@ class Rack : public Model, protected Ports, private Listener {
   std::vector<std::vector<int>> followers_;  // logic that looks at each net
   std::vector<char> due_;                    // logic that must be worked out
   std::vector<int> logic_;
-  std::vector<Part *> touched_;
+  uint64_t touched_ = 0;  // parts that must follow
   std::vector<const Wire *> drives_, leds_;
   int ports_[kPorts];
   bool direct_[kPorts];  // nothing but ports of boards is on this net: it has no value of its own
   // The bus that cards hear: nets by the decoder's ports, wires by card.
   Ears ears_;
-  int bus_[5] = {-1, -1, -1, -1, -1};
-  std::vector<std::vector<Wire *>> heard_;
+  static constexpr size_t kBusPorts = 5;
+  int bus_[kBusPorts] = {-1, -1, -1, -1, -1};
+  std::vector<char> on_bus_;  // by net
+  struct Heard {
+    Wire *wire;
+    size_t net;  // in bus_
+  };
+  std::vector<std::vector<Heard>> heard_;
   std::vector<std::pair<Part *, const PartPort *>> dips_;
   std::vector<unsigned> dip_values_ = std::vector<unsigned>(static_cast<size_t>(kWires.cards));
   uint32_t listening_ = 0;

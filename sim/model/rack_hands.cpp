@@ -120,8 +120,8 @@ Net Rack::find_watched(const std::string &name) {
     const std::string path = dot == std::string::npos ? "" : inner.substr(0, dot);
     const BoardTable &table = board_table(kWires.boards[n].module);
     const std::string port = dot == std::string::npos ? inner : inner.substr(dot + 1);
-    for (const auto &wire : heard_[n ? n - 1 : 0]) {
-      if (n && path.empty() && port == wire->name) return {};
+    for (const auto &heard : heard_[n ? n - 1 : 0]) {
+      if (n && path.empty() && port == heard.wire->name) return {};
     }
     if (path.empty()) {
       Net found;

@@ -59,6 +59,7 @@ void Rack::wire() {
   readers_.resize(kWires.nets.size());
   by_bit_.resize(kWires.nets.size());
   followers_.resize(kWires.nets.size());
+  on_bus_.resize(kWires.nets.size());
   due_.resize(kWires.logic.size());
   heard_.resize(static_cast<size_t>(kWires.cards));
   std::vector<char> read(kWires.nets.size());
@@ -74,9 +75,11 @@ void Rack::wire() {
       if (port.out) {
         port.wire = wire.get();
       } else if (port.row->heard) {
-        heard_[board - 1].push_back(wire.get());  // cards follow the adaptor
-        for (int n = 0; n < 5; ++n) {
-          if (std::strcmp(kBus[n], info.port) == 0) bus_[n] = info.net;
+        for (size_t n = 0; n < kBusPorts; ++n) {
+          if (std::strcmp(kBus[n], info.port) != 0) continue;
+          bus_[n] = info.net;
+          on_bus_[net] = 1;
+          heard_[board - 1].push_back({wire.get(), n});  // cards follow the adaptor
         }
         read[net] = 2;
       } else {
@@ -163,6 +166,7 @@ void Rack::wire() {
     wire->part->line_mask |= wire->port->mask;
     lines_of_.emplace_back(wire, bit);
   }
+  for (const auto &part : parts_) part->wired();
 }
 
 }  // namespace mmcs
