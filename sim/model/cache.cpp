@@ -194,12 +194,12 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       } else if (source.cell == c && source.bit == bit && !source.flip) {
         keep |= here;
       } else {
-        const int shift = bit - source.bit;
-        Term &term = terms[{source.cell, shift}];
+        const int left = (bit - source.bit) & 31;
+        Term &term = terms[{source.cell, left}];
         term.from = source.cell;
-        (shift > 0 ? term.left : term.right) = static_cast<uint8_t>(shift > 0 ? shift : -shift);
+        term.left = static_cast<uint8_t>(left);
         term.mask |= here;
-        term.flip |= source.flip ? here : 0;
+        value |= source.flip ? here : 0;
       }
     }
     bool needed = !stands;

@@ -32,16 +32,15 @@ struct Cell {
   uint64_t driven;  // an input of all ones while this control input is 0; or 0
 };
 
-// Bits of one cell that another one gets: moved, masked, some of them inverted.
+// Bits of one cell that another one gets: moved (rotated), masked.
 struct Term {
-  uint8_t from = 0;
-  uint8_t left = 0, right = 0;  // shifts
-  uint32_t mask = 0, flip = 0;
+  uint8_t from = 0, left = 0;
+  uint32_t mask = 0;
 };
 struct Copy {
   Term term;                // one of no bits, if there is none
   uint8_t to, first, more;  // further terms
-  uint32_t keep, value;     // of its own bits; constants
+  uint32_t keep, value;     // of its own bits; constants, and what is inverted
 };
 struct Count {
   uint8_t cell;

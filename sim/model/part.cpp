@@ -150,7 +150,7 @@ void Part::ask(Transition **at, bool clock) {
 
 // The cache does not know its state.
 void Part::follow_slowly() {
-  if (cached()) {
+  if (cached_) {
     store();
     return follow(last_);
   }
@@ -163,7 +163,7 @@ void Part::follow_slowly() {
 }
 
 void Part::clock_slowly() {
-  if (cached()) {
+  if (cached_) {
     store();
     step(&state_->clock, true);
   } else {

@@ -52,8 +52,12 @@ class Part {
   Part(const Part &) = delete;
 
   // Its model is run at every clock, by itself.
-  void run_always(bool always) { always_ = always; }
-  bool cached() const { return !always_ && pokes.empty(); }
+  void run_always(bool always) {
+    always_ = always;
+    cached_ = !always_ && pokes_.empty();
+  }
+  // Bits of a register are held from now on; none: it is free.
+  void hold(const Poke &poke);
 
   // An input has this value from now on, after edge t. True: follow() must come.
   bool put(const PartPort &port, uint64_t value, int64_t t) {
@@ -113,7 +117,6 @@ class Part {
   Place *place(size_t row) const { return places_by_row_[row]; }
 
   std::unique_ptr<Board> model;
-  std::vector<Poke> pokes;
   size_t number = 0;       // among the parts
   uint64_t line_mask = 0;  // outputs that run() ends at
   std::shared_ptr<Cache> cache;
@@ -145,7 +148,7 @@ class Part {
     catch_up(t);
     cells_[cell] = value;
     const uint32_t bit = 1u << cell;
-    if (state_ && in_ == state_->in && cached()) {
+    if (state_ && in_ == state_->in && cached_) {
       const Transition *same = state_->same, *clock = state_->clock;
       if (same && same->to && clock && !((same->sources | clock->sources) & bit)) {
         live_ = false;
@@ -161,7 +164,8 @@ class Part {
 
   State *state_ = nullptr;  // null: only the model knows
   bool live_ = true;        // the model is at the state
-  bool always_ = false;
+  bool always_ = false, cached_ = true;
+  std::vector<Poke> pokes_;
   uint64_t in_ = 0, out_ = 0, told_ = 0;
   uint64_t model_in_ = 0;  // control inputs of the model, while it is at the state
   uint32_t cells_[kMostCells] = {};
@@ -180,10 +184,11 @@ class Part {
 
 inline uint32_t Part::result(const Transition &t, const Copy &c) const {
   const auto bits = [this](const Term &term) {
-    return ((cells_[term.from] << term.left >> term.right) & term.mask) ^ term.flip;
+    const uint32_t from = cells_[term.from];
+    return (from << term.left | from >> (-term.left & 31)) & term.mask;
   };
-  uint32_t value = (cells_[c.to] & c.keep) | c.value | bits(c.term);
-  for (int n = c.first; n < c.first + c.more; ++n) value |= bits(t.terms()[n]);
+  uint32_t value = (cells_[c.to] & c.keep) ^ c.value ^ bits(c.term);
+  for (int n = c.first; n < c.first + c.more; ++n) value ^= bits(t.terms()[n]);
   return value;
 }
 
@@ -230,7 +235,7 @@ inline bool Part::holds(const Transition &t) const {
 
 inline void Part::plan() {
   due_ = last_ + 1;
-  if (!state_ || !cached()) return;
+  if (!state_ || !cached_) return;
   const Transition *t = state_->clock;
   if (!t) return;
   if (!t->rests) {
@@ -243,7 +248,7 @@ inline void Part::plan() {
 
 inline void Part::follow(int64_t t) {
   catch_up(t);
-  if (!state_ || !cached()) return follow_slowly();
+  if (!state_ || !cached_) return follow_slowly();
   if (in_ == state_->in) {
     const Transition *same = state_->same;
     if (!same || !same->to || same->sources & data_)
@@ -268,7 +273,7 @@ inline void Part::follow(int64_t t) {
 inline void Part::clock(int64_t t) {
   catch_up(t - 1);
   last_ = t;
-  if (!state_ || !cached()) return clock_slowly();
+  if (!state_ || !cached_) return clock_slowly();
   step(&state_->clock, true);
   plan();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // See part.h: a part and its Verilated model, which is run where the cache does not know.
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "part.h"
@@ -83,7 +84,7 @@ void Part::store() {
   }
   live_ = true;
   state_ = nullptr;
-  if (cached()) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
+  if (cached_) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
 }
 
 // The state with these registers, the cells and inputs as they are.
@@ -165,9 +166,17 @@ void Part::written(int64_t t) {
   due_ = t + 1;
 }
 
+void Part::hold(const Poke &poke) {
+  pokes_.erase(std::remove_if(pokes_.begin(), pokes_.end(),
+                              [&poke](const Poke &p) { return p.place == poke.place; }),
+               pokes_.end());
+  if (poke.clear || poke.set) pokes_.push_back(poke);
+  run_always(always_);
+}
+
 void Part::poke() {
   bool changed = false;
-  for (const Poke &p : pokes) {
+  for (const Poke &p : pokes_) {
     const Net &net = p.place->net;
     const uint64_t before = net.get(), after = (before & ~p.clear) | p.set;
     changed = changed || before != after;

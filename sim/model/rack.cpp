@@ -281,15 +281,14 @@ bool Rack::expect(std::vector<EncoderEdge> &edges) {
   if (host_ || !skip_) return false;
   coming_.swap(edges);
   next_coming_ = 0;
+  plan_coming();
   return true;
 }
 
-// What stands at the ports after edge t arrives.
-void Rack::arrive_until(int64_t t) {
-  for (; coming_at() <= t; ++next_coming_) {
+void Rack::take_coming(int64_t t) {
+  for (; coming_at_ <= t; ++next_coming_, plan_coming()) {
     pins_.set_encoder(coming_[next_coming_].axis, coming_[next_coming_].pins);
   }
-  if (pins_.waiting()) pins_.apply();
 }
 
 Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
@@ -305,13 +304,11 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   }
   while (clock_ < begin + n) {
     const int64_t end = begin + (stands && clock_ == begin ? 1 : n);
-    int64_t t = first_due();
-    const int64_t coming = coming_at();
     const bool moved = pins_.waiting() || lines_ != shown_lines_;
-    if (moved) t = clock_ + 1;
-    if (coming < t && coming <= end) {
-      clock_ = coming;
-      arrive_until(coming);
+    const int64_t t = moved ? clock_ + 1 : first_due();
+    if (coming_at_ < t && coming_at_ <= end) {
+      clock_ = coming_at_;
+      arrive_until(clock_);
       settle();
     } else if (t > end) {
       clock_ = end;

@@ -107,7 +107,11 @@ class Rack : public Model, protected Ports, private Listener {
   void host_clocks();
   void plan_host(bool due);
   void step(int64_t t);
-  void arrive_until(int64_t t);
+  // What stands at the ports after edge t arrives.
+  void arrive_until(int64_t t) {
+    if (coming_at_ <= t) take_coming(t);
+    if (pins_.waiting()) pins_.apply();
+  }
   void changed(int net, int lsb, int width) override;
   void show(Wire &wire);
   void arrive(Part &part, const PartPort &port, uint64_t value);
@@ -183,10 +187,11 @@ class Rack : public Model, protected Ports, private Listener {
   Pins pins_;
   std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on
   size_t next_coming_ = 0;
-  // The edge after which the next of them stands at the ports.
-  int64_t coming_at() const {
-    return next_coming_ < coming_.size() ? coming_[next_coming_].clock + 1 : kNever;
+  int64_t coming_at_ = kNever;  // the edge after which the next of them stands at the ports
+  void plan_coming() {
+    coming_at_ = next_coming_ < coming_.size() ? coming_[next_coming_].clock + 1 : kNever;
   }
+  void take_coming(int64_t t);
   const Wire *dtack_ = nullptr, *iackout_ = nullptr, *d_oe_ = nullptr, *alive_ = nullptr;
   int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
   std::vector<int> d_logic_;

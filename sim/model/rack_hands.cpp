@@ -80,11 +80,7 @@ void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   Place &place = find(find_register(reg), &part);
   part->catch_up(clock_);
   part->load();
-  auto &pokes = part->pokes;
-  pokes.erase(std::remove_if(pokes.begin(), pokes.end(),
-                             [&place](const Poke &p) { return p.place == &place; }),
-              pokes.end());
-  if (clear || set) pokes.push_back({&place, clear, set});
+  part->hold({&place, clear, set});
   place.net.put((place.net.get() & ~clear) | set);
   written(*part);
 }
@@ -180,6 +176,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   clock_ = host_clock_ = state.clock;
   pins_.restore(state.pins);
   coming_.clear();
+  plan_coming();
   // A reset without a clock that falls with these pins is over before the registers come.
   settle();
   // Twice: what the registers seem to clear as they come, on other boards too, is no edge.
