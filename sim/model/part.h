@@ -196,7 +196,7 @@ inline uint32_t Part::result(const Transition &t, const Copy &c) const {
 inline void Part::apply(const Transition &t) {
   const auto put = [this](const Copy &copy, uint32_t value) {
     uint32_t &cell = cells_[copy.to];
-    if (cell != value) moved_ |= 1u << copy.to;
+    moved_ |= uint32_t{cell != value} << copy.to;
     cell = value;
   };
   const Copy *copies = t.copies().begin();

@@ -181,26 +181,20 @@ void Rack::plan(const Part &part) {
   const uint64_t bit = uint64_t{1} << part.number;
   const int64_t edge = part.due();
   int64_t &before = due_at_[part.number];
-  if (due_later_ & bit && before == first_later_ && edge != before) later_moved_ = true;
+  if (before == first_later_ && edge != before) later_moved_ = true;
   before = edge;
-  due_next_ &= ~bit;
-  due_later_ &= ~bit;
-  if (edge <= clock_ + 1) {
-    due_next_ |= bit;
-  } else if (edge != kNever) {
-    due_later_ |= bit;
-    first_later_ = std::min(first_later_, edge);
-  }
+  const uint64_t next = edge <= clock_ + 1 ? bit : 0, later = edge == kNever ? 0 : bit & ~next;
+  due_next_ = (due_next_ & ~bit) | next;
+  due_later_ = (due_later_ & ~bit) | later;
+  if (later && edge < first_later_) first_later_ = edge;
 }
 
 void Rack::plan_all() {
   for (const auto &part : parts_) plan(*part);
 }
 
-// The first edge at which a part is due.
-int64_t Rack::first_due() {
-  if (stopped_) return kNever;
-  if (due_next_ || !skip_) return clock_ + 1;
+// The first edge of those that are not the next.
+int64_t Rack::first_later() {
   if (later_moved_) {
     later_moved_ = false;
     first_later_ = kNever;
@@ -208,7 +202,14 @@ int64_t Rack::first_due() {
       first_later_ = std::min(first_later_, due_at_[__builtin_ctzll(rest)]);
     }
   }
-  return host_ ? std::min(host_due_, first_later_) : first_later_;
+  return first_later_;
+}
+
+// The first edge at which a part is due.
+int64_t Rack::first_due() {
+  if (stopped_) return kNever;
+  if (due_next_ || !skip_) return clock_ + 1;
+  return host_ ? std::min(host_due_, first_later()) : first_later();
 }
 
 void Rack::step(int64_t t) {
@@ -219,12 +220,11 @@ void Rack::step(int64_t t) {
   }
   uint64_t due = due_next_;
   if (!skip_) due = every_;
-  if (first_later_ <= t) {
+  if (first_later() <= t) {
     for (uint64_t rest = due_later_; rest; rest &= rest - 1) {
       const int n = __builtin_ctzll(rest);
       if (due_at_[n] <= t) due |= uint64_t{1} << n;
     }
-    later_moved_ = true;
   }
   if (stopped_) due = 0;
   clock_ = t;

@@ -126,6 +126,7 @@ class Rack : public Model, protected Ports, private Listener {
   void plan(const Part &part);
   void plan_all();
   int64_t first_due();
+  int64_t first_later();
   void forget(Cache &cache);
   Place &find(int reg, Part **part);
   void written(Part &part);
