@@ -122,6 +122,7 @@ int mc_read(struct mc *mc, int client, void *user_buf, size_t len) {
   if (!is_client(mc, client) || !mc->client[client].can_read) return -MC_EBADF;
   if (len < sizeof(struct mc_state)) return -MC_EINVAL;
   unsigned level = mc->os.mask(mc->os.ctx);
+  if (mc->stats.total == 0) sample_first(mc);
   int n = mc->joints;
   if (len / sizeof(struct mc_state) < (size_t)n) n = (int)(len / sizeof(struct mc_state));
   for (int axis = 0; axis < n; axis++) {

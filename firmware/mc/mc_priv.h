@@ -198,6 +198,8 @@ int timer_moved(struct mc *mc);
 /* sample.c */
 /* Reads every card. 1 if all answered and no bus access failed. */
 int sample_read(struct mc *mc, struct mc_sample *s);
+/* The A/D values before there is a sample: the start of SCLOCK has begun a conversion. */
+void sample_first(struct mc *mc);
 
 /* power.c: the level is masked but in power_enable(). */
 int power_enable(struct mc *mc);

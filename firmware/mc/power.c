@@ -300,8 +300,7 @@ static int release(struct mc *mc) {
   return -MC_EIO;
 }
 
-/* The first pass has written every D/A: every heartbeat must be there now. */
-static int check_heartbeats(struct mc *mc) {
+static int check_first_pass(struct mc *mc) {
   if (mc->power == MC_IDLE) {
     text_log(mc, "enable: stopped by an error, PANIC or MSTOP", -1, "");
     return -MC_EIO;
@@ -310,6 +309,12 @@ static int check_heartbeats(struct mc *mc) {
     text_log(mc, "enable: no servo interrupt", -1, "");
     return -MC_EIO;
   }
+  return 0;
+}
+
+/* The first pass has written every D/A: every heartbeat must be there now. The level is open: so
+ * many reads would make the next pass late. */
+static int check_heartbeats(struct mc *mc) {
   for (int axis = 0; axis < mc->axes; axis++) {
     uint8_t c = hw_card_get(mc, axis / 2, MMCS_CARD_PPI_C);
     if ((c & hw_heartbeat_bm(axis)) != 0) continue;
@@ -325,8 +330,10 @@ static int start(struct mc *mc) {
   wait_for_silence(mc);
   connect_drives(mc);
   await_first_pass(mc);
+  result = check_first_pass(mc);
+  if (result == 0) result = check_heartbeats(mc);
   unsigned level = mc->os.mask(mc->os.ctx);
-  result = check_heartbeats(mc);
+  if (result == 0) result = check_first_pass(mc); /* a stop may have come meanwhile */
   if (result == 0) result = release(mc);
   if (result != 0) {
     power_stop(mc);

@@ -114,7 +114,7 @@ static void test_positions_are_known_from_the_open_on(void) {
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
   for (int axis = 0; axis < 4; axis++) {
-    const struct mc_state want = {.encnow = counts[axis]};
+    const struct mc_state want = {.encnow = counts[axis], .adcvai = 2048};
     CHECK(memcmp(&state[axis], &want, sizeof want) == 0);
   }
   mock_run(&m, 4100);
@@ -334,6 +334,24 @@ static void test_read_gives_every_axis_its_state(void) {
   mock_stop(&m);
 }
 
+/* The start of SCLOCK has begun a conversion: read() need not wait for the first sample. */
+// req: DRV-4
+static void test_first_read_has_the_converters_values(void) {
+  struct mc *mc = mock_open(&m, 2);
+  struct mc_state state[4];
+  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(700 + axis);
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), sizeof state);
+  CHECK_EQ(mc_stats_of(mc)->total, 0); /* no sample yet */
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(state[axis].adcvai, 700 + axis);
+  m.card[0].adc[0] = 5;
+  mock_run(&m, 4100);
+  m.card[0].adc[0] = 6; /* from the first sample on, what the last one found */
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), sizeof state);
+  CHECK_EQ(state[0].adcvai, 5);
+  CHECK_EQ(m.masked, 0);
+  mock_stop(&m);
+}
+
 // req: DRV-4
 static void test_write_sets_as_many_as_it_brings(void) {
   struct mc *mc = mock_open(&m, 2);
@@ -378,6 +396,7 @@ static const struct test tests[] = {
     {"test_nothing_but_motion_moves_a_count", test_nothing_but_motion_moves_a_count},
     {"test_positions_survive_a_close", test_positions_survive_a_close},
     {"test_read_gives_every_axis_its_state", test_read_gives_every_axis_its_state},
+    {"test_first_read_has_the_converters_values", test_first_read_has_the_converters_values},
     {"test_write_sets_as_many_as_it_brings", test_write_sets_as_many_as_it_brings},
 };
 

@@ -20,7 +20,7 @@ class FakeSim:
         self.calls, self.segments, self.events = [], [], []
         self.rows, self.taken, self._notes, self.lost = [], [], list(notes), 0
         self.late = late or {}  # counts of a processor that is too slow; None: native
-        self._phases = {} if late is None else {"pass": (1, 2000.0, 2000.0)}
+        self._phases = {} if late is None else {"pass": (1, 900.0, 900.0)}
         self.now, self.start = 0.0, None
         self.y = [0.0] * axes
 

@@ -137,19 +137,24 @@ void Host::poll() {
   }
 }
 
-void Host::serve() {
-  serving_ = masked_ = true;
+// Also when an exception ends it the host is free again: else no interrupt would ever be served.
+bool Host::interrupt() {
+  struct Level {
+    Host &host;
+    explicit Level(Host &h) : host(h) { host.serving_ = host.masked_ = true; }
+    ~Level() { host.requested_ = host.serving_ = host.masked_ = false; }
+  } const level(*this);
   recorder_.mark(machine_);
   uint8_t vector = 0;
-  bool sampled = false;
   if (bus_.acknowledge(kLevel, &vector) == BusResult::kOk && vector == kVector) {
-    sampled = mc_interrupt(mc()) == 1;
-  } else {
-    mc_spurious(mc());
+    return mc_interrupt(mc()) == 1;
   }
-  requested_ = false;
-  serving_ = masked_ = false;
-  served(sampled);
+  mc_spurious(mc());
+  return false;
+}
+
+void Host::serve() {
+  served(interrupt());
 }
 
 // An interrupt is over: what it found is recorded, and the process writes for the next one.

@@ -112,6 +112,7 @@ class Host {
   const struct mc *mc() const { return reinterpret_cast<const struct mc *>(memory_.data()); }
   void track_request();
   bool due() const;
+  bool interrupt();  // 1: it took a sample
   void serve();
   void poll();
   void heard();

@@ -329,6 +329,32 @@ def machine_of_one_card(axes=1, **config):
     return Sim(ensure_library(1, "speed"), settings, [machines.LAB500] * axes, [])
 
 
+FULL = """
+import resource, sys
+sys.path.insert(0, sys.argv[1])
+from machines import machine, start
+with machine() as sim:
+    start(sim)
+    sim.bus_watch()  # grows with each access, most of them in the handler
+    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (used + (1 << 20), most))
+    while sim.run(sim.time + 0.1):
+        pass
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    before, notes = sim.stats()["interrupts"], [n["text"] for n in sim.notes()]
+    sim.run(sim.time + 0.1)
+    print(notes[-1], sim.stats()["interrupts"] - before > 90)
+"""
+
+
+@pytest.mark.req("API-1")
+def test_interrupts_go_on_after_memory_was_full_in_one():
+    command = [sys.executable, "-c", FULL, str(ROOT / "sim/tests/engine")]
+    out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert out == "out of memory True\n"
+
+
 # --- the build ---------------------------------------------------------------------------------
 
 
