@@ -83,11 +83,12 @@ def built(top: str, group: Group):
 # What the simulator's Python imports in place of the tests. It imports these once, then a copy of
 # the process goes on for each mutant, with its own folder, log and limit of processor time.
 SERVER = """
-import os, resource, signal, sys
+import ctypes, os, resource, signal, sys
 from importlib import import_module
 import cocotb.simulator
 {tests}
-def end():  # the simulator itself would wait for threads that a copy does not have
+libc = ctypes.CDLL(None)
+def end():
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)
@@ -105,6 +106,10 @@ for number in {numbers}:
         resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 26, 1 << 26))
         signal.alarm({wall})
         cocotb.simulator.stop_simulator = end
+        # However it ends, the simulator would wait for threads that a copy does not have: the last
+        # that is registered comes first.
+        for call in (libc._exit, libc.fflush):
+            getattr(libc, "__cxa_atexit")(call, None, None)
         break
     _, status, used = os.wait4(process, 0)
     if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:

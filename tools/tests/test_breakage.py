@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools/breakage")]
+import mutate  # noqa: E402
 from breakage import firmware_mutants as mutants  # noqa: E402
 from breakage import run as breakage  # noqa: E402
 
@@ -83,6 +84,14 @@ def test_a_broken_driver_is_noticed_and_a_whole_one_is_not(tmp_path):
 )
 def test_mutants_that_are_no_change_are_not_made(line, to, same):
     assert mutants.is_same(line, to) == same
+
+
+@pytest.mark.parametrize("entry", mutate.explained(), ids=lambda e: f"{e['module']} {e['match']}")
+def test_the_excuses_of_the_rtl_are_of_lines_that_stand_there(entry):
+    """The whole line, as reason() of mutate.py compares it."""
+    (file,) = (ROOT / "rtl").rglob(f"{entry['module']}.sv")
+    lines = [line.strip() for line in file.read_text().splitlines()]
+    assert entry.get("line", lines[0]) in lines, f"{file.name} changed: adapt {mutate.EXPLAINED}"
 
 
 def test_the_excuses_are_of_lines_that_stand_there():
