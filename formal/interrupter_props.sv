@@ -54,6 +54,7 @@ module interrupter_props #(
   logic ack, ack_q = 1'b0, iack_q = 1'b0;     // AS* fell with IACK* low
   logic old, old_q = 1'b1;              // DS0* stood as AS* rose: it is the last cycle's
   logic good, good_q = 1'b0;            // DS0* fell in an acknowledge and still stands
+  logic after_q = 1'b0;                 // it fell under an AS* that stood
   logic quiet_q = 1'b0;                 // no SYSRESET* and no answer still standing since then
   logic told_q = 1'b0;                  // DTACK* was given in this address cycle
   logic [1:0] ends_q = '0;              // of AS* while IACKIN* stayed low
@@ -94,9 +95,10 @@ module interrupter_props #(
       else if (rises && low_q && !vme_iackin_ni && !iackin_q && edges_q != '1) begin
         edges_q <= edges_q + 1'b1;
       end
+      after_q <= !vme_iackin_ni && (iackin_q ? !(as_q || vme_as_ni) : after_q);
       quiet_q <= !vme_iackin_ni && !sys_reset_q && (iackin_q ? !dtack : quiet_q);
       spoilt_q <= !vme_iackin_ni && (spoilt_q || (vme_ds_ni[0] && !high_q));
-      if (!low || !good || !quiet_q || spoilt_q) waits_q <= '0;
+      if (!low || !good || !after_q || !quiet_q || spoilt_q) waits_q <= '0;
       else if (rises && low_q && good_q && !iackin_q && waits_q != '1) waits_q <= waits_q + 1'b1;
     end
   end
@@ -115,8 +117,8 @@ module interrupter_props #(
               "no data strobe falls as AS* rises, high for 30 ns: DS* falls 10 ns before it does")
   `MMCS_GIVEN(ChainEnds, vme_iackin_ni || !(vme_as_ni && !as_q) || ends_q < 2'd3,
               "IACKIN* rises before AS* has risen four times: each driver has 30 ns from AS*")
-  `MMCS_GIVEN(ChainAfter, vme_iackin_ni || !iackin_q || !(as_q || vme_as_ni || told_q),
-              "the driver of the chain waits for AS* and DS*, and drives once under an AS*")
+  `MMCS_GIVEN(ChainOnce, vme_iackin_ni || !iackin_q || !told_q,
+              "the driver of the chain drives once under an AS* that was answered")
   `MMCS_GIVEN(Waits, !dtack_q || (vme_ds_ni | ~$past(vme_ds_ni)) == 2'b11,
               "no strobe falls before DTACK* of the cycle before is high")
 
@@ -138,10 +140,11 @@ module interrupter_props #(
   `MMCS_PROVE(DataFirst, "4.3.6", dtack && !dtack_q, oe_q && (d_oe || !strobed),
               "the vector stands before DTACK* falls")
   `MMCS_PROVE(NeverNeither, "4.3.6",
-              low && edges_q >= 3'd4 && !dtack && !answered_q &&
+              low && after_q && edges_q >= 3'd4 && !dtack && !answered_q &&
               !(asked && level && IrqLevel == AckLevel), !iackout_n,
               "an acknowledge that is not ours is passed on within four edges of the clock")
-  `MMCS_PROVE(OwnKept, "4.3.6", asked && level && quiet_q && low && IrqLevel == AckLevel, iackout_n,
+  `MMCS_PROVE(OwnKept, "4.3.6", asked && level && after_q && quiet_q && low &&
+              IrqLevel == AckLevel, iackout_n,
               "an acknowledge that is ours is not passed on")
   `MMCS_PROVE(OwnAnswered, "4.3.6", waits_q >= 3'd4 && low && good && asked && level &&
               IrqLevel == AckLevel, dtack,

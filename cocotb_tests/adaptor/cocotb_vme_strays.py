@@ -271,6 +271,55 @@ async def nothing_is_taken_in_sysreset(dut):
 
 @cocotb.test()
 @req("VME-3")
+async def sysreset_ends_an_answer(dut):
+    """Three clocks into SYSRESET* DTACK* is high, and stays so, whatever a transfer has come to."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus, answers = tb.bus, set()
+    bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
+    for clocks in range(1, 16):
+        await RisingEdge(dut.clk_i)
+        await Timer(1, "ns")
+        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        await tb.clocks(clocks)
+        await Timer(1, "ns")
+        dut.vme_sysreset_ni.value = 0
+        answers.add(int(dut.vme_dtack_no.value))
+        await tb.clocks(3)
+        for _ in range(8):
+            await Timer(1, "ns")
+            assert int(dut.vme_dtack_no.value), f"SYSRESET* {clocks} clocks after the strobe"
+            await tb.clocks(1)
+        bus.as_n.value, bus.ds_n.value = 1, 0b11
+        await tb.clocks(40)
+        dut.vme_sysreset_ni.value = 1
+        await tb.clocks(4)
+    assert answers == {0, 1}, "before and after the answer"
+
+
+@cocotb.test()
+@req("INT-2")
+async def iackin_before_as(dut):
+    """A chain that is early is passed on under AS* only, of our level or another."""
+    tb = Adaptor(dut)
+    await tb.start()
+    bus = tb.bus
+    bus.lword_n.value, bus.write_n.value, bus.iack_n.value = 1, 1, 0
+    for level in (3, 5):
+        bus.a.value, bus.iackin_n.value = level, 0
+        for _ in range(8):
+            await Timer(100, "ns")
+            assert int(dut.vme_iackout_no.value), f"level {level}: no AS* yet"
+        bus.as_n.value = 0
+        await Timer(400, "ns")
+        assert not int(dut.vme_iackout_no.value), f"level {level}: decided as IACKIN* fell"
+        bus.as_n.value, bus.iackin_n.value = 1, 1
+        await tb.clocks(4)
+    await tb.end()
+
+
+@cocotb.test()
+@req("VME-3")
 async def address_strobe_that_comes_last(dut):
     """AS* may be a clock edge later than DS0* here, by skew: the cycle is answered all the same."""
     tb = Adaptor(dut)
