@@ -80,8 +80,8 @@ module panic #(
   end
 
   assign panic_o = panic_q;
-  // One of the two is set without a break from the pin's fault to the end of PANIC.
-  assign brake_release_o = ~(trip_q | panic_q);
+  // The pins themselves, and after them one of the two without a break to the end of PANIC.
+  assign brake_release_o = ~(bad | trip_q | panic_q);
 
   // --- sign of life -----------------------------------------------------------------------
 
