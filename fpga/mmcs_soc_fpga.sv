@@ -53,9 +53,16 @@ module mmcs_soc_fpga #(
   localparam int Bits = 32 * NumCards;
   localparam int Width = $clog2(Bits);
 
-  logic [Width-1:0] bit_q;
-  logic [Bits-1:0] drive, drive_q, adc_q;
+  logic [Width-1:0] bit_d, bit_q;
+  logic [Bits-1:0] drive, drive_d, drive_q, adc_in, adc_d, adc_q;
   logic [Bits-2:0] adc_shift_q;
+  logic last;
+
+  assign last = (bit_q == Width'(Bits - 1));
+  assign adc_in = {adc_shift_q, adc_sd_i};
+  assign bit_d = last ? '0 : bit_q + 1'b1;
+  assign drive_d = last ? drive : {drive_q[Bits-2:0], 1'b0};
+  assign adc_d = last ? adc_in : adc_q;
 
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) begin
@@ -64,15 +71,10 @@ module mmcs_soc_fpga #(
       adc_shift_q <= '0;
       adc_q       <= '0;
     end else begin
-      adc_shift_q <= {adc_shift_q[Bits-3:0], adc_sd_i};
-      if (bit_q == Width'(Bits - 1)) begin
-        bit_q   <= '0;
-        drive_q <= drive;
-        adc_q   <= {adc_shift_q, adc_sd_i};
-      end else begin
-        bit_q   <= bit_q + 1'b1;
-        drive_q <= {drive_q[Bits-2:0], 1'b0};
-      end
+      bit_q       <= bit_d;
+      drive_q     <= drive_d;
+      adc_shift_q <= adc_in[Bits-2:0];
+      adc_q       <= adc_d;
     end
   end
 
@@ -81,19 +83,25 @@ module mmcs_soc_fpga #(
 
   // --- window -----------------------------------------------------------------------------
 
-  logic [62:0] host_q;
-  logic req_q, ack;
+  logic [62:0] host_d, host_q;
+  logic req_d, req_q, ack;
   logic [31:0] rdata;
+
+  assign req_d = ~ack & (req_q | host_go_i);
+
+  always_comb begin
+    host_d = host_q;
+    if (ack) host_d = {rdata, 31'd0};
+    else if (host_shift_i && !req_q) host_d = {host_q[61:0], host_sd_i};
+  end
 
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) begin
       host_q <= '0;
       req_q  <= 1'b0;
     end else begin
-      if (ack) req_q <= 1'b0;
-      else if (host_go_i) req_q <= 1'b1;
-      if (ack) host_q <= {rdata, 31'd0};
-      else if (host_shift_i && !req_q) host_q <= {host_q[61:0], host_sd_i};
+      host_q <= host_d;
+      req_q  <= req_d;
     end
   end
 

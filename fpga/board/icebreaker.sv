@@ -17,7 +17,7 @@ module icebreaker (
   localparam int ClkHz = 8_000_000;
 
   logic fast, locked, clk;
-  logic [1:0] third_q;
+  logic [1:0] third_d, third_q;
   logic panic, sclock;
   logic [1:0] beat;
 
@@ -36,9 +36,11 @@ module icebreaker (
     .BYPASS(1'b0)
   );
 
+  assign third_d = {third_q[0], third_q == '0};
+
   always_ff @(posedge fast or negedge locked) begin
     if (!locked) third_q <= '0;
-    else third_q <= {third_q[0], third_q == '0};
+    else third_q <= third_d;
   end
 
   SB_GB u_clk (

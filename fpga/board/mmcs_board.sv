@@ -21,22 +21,23 @@ module mmcs_board #(
   localparam int BeatLed = 6;   // of card_leds, Table 5.2
 
   logic rst_n;
-  logic [3:0] reset_q;
-  logic locked0_q, locked_q;    // the converters' reset: with the PLL, not with the button
+  logic spi_rst_n;              // of the converters: with the PLL, not with the button
+  logic rst_nd;
+  logic [3:0] reset_d, reset_q;
   logic hp_req, hp_write, hp_ack;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata;
   logic [31:0] drive, adc;
   logic [10:0] leds;
 
+  sync u_spi_reset (.clk_i, .rst_ni(locked_i), .d_i(1'b1), .q_o(spi_rst_n));
+
+  assign reset_d = {reset_q[2:0], button_ni};
+  assign rst_nd = &reset_q;
+
   always_ff @(posedge clk_i or negedge locked_i) begin
-    if (!locked_i) begin
-      {rst_n, reset_q}      <= '0;
-      {locked_q, locked0_q} <= '0;
-    end else begin
-      {rst_n, reset_q}      <= {&reset_q, reset_q[2:0], button_ni};
-      {locked_q, locked0_q} <= {locked0_q, 1'b1};
-    end
+    if (!locked_i) {rst_n, reset_q} <= '0;
+    else {rst_n, reset_q} <= {rst_nd, reset_d};
   end
 
   uart_host #(
@@ -52,7 +53,7 @@ module mmcs_board #(
     .ClkHz(ClkHz)
   ) u_converters (
     .clk_i,
-    .rst_ni(locked_q),
+    .rst_ni(spi_rst_n),
     .run_i(rst_n),
     .sclk_o(spi_sclk),
     .adc_cs_no(adc_cs_n), .adc_din_o(adc_din), .adc_dout_i(adc_dout),

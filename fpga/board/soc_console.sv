@@ -39,8 +39,8 @@ module soc_console (
   state_e state_d, state_q;
   logic [15:0] a_d, a_q;
   logic [3:0][7:0] data_d, data_q;
-  logic write_d, write_q, ring_d, ring_q, take_q;
-  logic [7:0] report_q;
+  logic write_d, write_q, ring_d, ring_q, take_d, take_q;
+  logic [7:0] report_d, report_q;
   logic [2:0] register;
 
   assign register = hp_a_i[3:1];
@@ -81,6 +81,9 @@ module soc_console (
     endcase
   end
 
+  assign take_d = report_valid_i & ~take_q;
+  assign report_d = report_valid_i ? report_i : report_q;
+
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q  <= StIdle;
@@ -91,13 +94,13 @@ module soc_console (
       take_q   <= 1'b0;
       report_q <= '0;
     end else begin
-      state_q <= state_d;
-      a_q     <= a_d;
-      data_q  <= data_d;
-      write_q <= write_d;
-      ring_q  <= ring_d;
-      take_q  <= report_valid_i & ~take_q;
-      if (report_valid_i) report_q <= report_i;
+      state_q  <= state_d;
+      a_q      <= a_d;
+      data_q   <= data_d;
+      write_q  <= write_d;
+      ring_q   <= ring_d;
+      take_q   <= take_d;
+      report_q <= report_d;
     end
   end
 

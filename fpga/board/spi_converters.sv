@@ -41,17 +41,17 @@ module spi_converters #(
 
   `MMCS_REQUIRE(GoodSclk, Half >= 2, "SclkHz must be a quarter of ClkHz at most")
 
-  logic [Width-1:0] half_q;
-  logic [5:0] bit_q;         // 0 to 31; 32 and 33: both selects high
-  logic high_q, joint_q, ldac_nq;
-  logic [1:0] told_q;        // words of the start that are on their way or out
+  logic [Width-1:0] half_d, half_q;
+  logic [5:0] bit_d, bit_q;          // 0 to 31; 32 and 33: both selects high
+  logic high_d, high_q, joint_d, joint_q, ldac_nd, ldac_nq;
+  logic [1:0] told_d, told_q;        // words of the start that are on their way or out
   logic ready;
-  logic known_q;             // the D/A knows what CLR# means; no reset takes that from it
-  logic [15:0] other_q;      // of joint 2, when joint 1's was taken
-  logic [31:0] dac_q;
-  logic [23:0] adc_out_q;
-  logic [11:0] adc_in_q;
-  logic [15:0] drive;
+  logic known_d, known_q;            // the D/A knows what CLR# means; no reset takes that from it
+  logic [15:0] other_d, other_q;     // of joint 2, when joint 1's was taken
+  logic [31:0] dac_d, dac_q, adc_v_d, adc_v_q;
+  logic [23:0] adc_out_d, adc_out_q;
+  logic [11:0] adc_in_d, adc_in_q;
+  logic [15:0] code, drive;
   logic tick, active;
 
   assign tick = (half_q == '0);
@@ -59,10 +59,50 @@ module spi_converters #(
   assign ready = told_q[1];
   assign drive = joint_q ? other_q : drive_v_i[15:0];
 
-  initial known_q = 1'b0;    // by configuration
-  always_ff @(posedge clk_i) begin
-    if (tick && high_q && bit_q == 6'd32 && told_q == 2'd1) known_q <= 1'b1;
+  assign code = {~adc_in_q[11], adc_in_q[10:0], 4'h0};  // offset binary beyond a level shifter
+  assign known_d = known_q | (tick & high_q & (bit_q == 6'd32) & (told_q == 2'd1));
+
+  always_comb begin
+    half_d    = tick ? Width'(Half - 1) : half_q - 1'b1;
+    high_d    = high_q ^ tick;
+    bit_d     = bit_q;
+    joint_d   = joint_q;
+    ldac_nd   = ldac_nq;
+    told_d    = told_q;
+    other_d   = other_q;
+    dac_d     = dac_q;
+    adc_out_d = adc_out_q;
+    adc_in_d  = adc_in_q;
+    adc_v_d   = adc_v_q;
+    if (tick && !high_q) begin
+      // SCLK rises: the A/D's bit is taken, the D/A's next bit put out
+      if (active && bit_q < 6'(AdcClks)) adc_in_d = {adc_in_q[10:0], adc_dout_i};
+      if (active && bit_q != '0) dac_d = {dac_q[30:0], 1'b0};
+    end
+    if (tick && high_q) begin
+      // SCLK falls
+      adc_out_d = {adc_out_q[22:0], 1'b0};
+      bit_d     = (bit_q == 6'd33) ? '0 : bit_q + 1'b1;
+      if (bit_q == 6'd32) begin
+        if (ready && joint_q) adc_v_d[31:16] = code;
+        else if (ready) adc_v_d[15:0] = code;
+        joint_d = ready & ~joint_q;
+        ldac_nd = ~(ready & joint_q);
+      end
+      if (bit_q == 6'd33) begin
+        // single-ended channel 0 or 1
+        adc_out_d = {5'b0, 2'b11, 2'b00, joint_q, 14'b0};
+        if (ready) dac_d = {4'h0, WriteInput, 3'b0, joint_q, ~drive[15], drive[14:0], 4'h0};
+        else dac_d = told_q[0] ? Reference : ClearCode;
+        if (!ready) told_d = told_q + 2'd1;
+        if (!joint_q) other_d = drive_v_i[31:16];
+        ldac_nd = 1'b1;
+      end
+    end
   end
+
+  initial known_q = 1'b0;            // by configuration
+  always_ff @(posedge clk_i) known_q <= known_d;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -76,40 +116,23 @@ module spi_converters #(
       dac_q     <= '0;
       adc_out_q <= '0;
       adc_in_q  <= '0;
-      adc_v_o   <= '0;
+      adc_v_q   <= '0;
     end else begin
-      half_q <= tick ? Width'(Half - 1) : half_q - 1'b1;
-      if (tick) begin
-        high_q <= ~high_q;
-        if (!high_q) begin
-          // SCLK rises: the A/D's bit is taken, the D/A's next bit put out
-          if (active && bit_q < 6'(AdcClks)) adc_in_q <= {adc_in_q[10:0], adc_dout_i};
-          if (active && bit_q != '0) dac_q <= {dac_q[30:0], 1'b0};
-        end else begin
-          // SCLK falls
-          adc_out_q <= {adc_out_q[22:0], 1'b0};
-          bit_q     <= (bit_q == 6'd33) ? '0 : bit_q + 1'b1;
-          if (bit_q == 6'd32) begin
-            // offset binary from either side of a level shifter
-            if (ready && joint_q) adc_v_o[31:16] <= {~adc_in_q[11], adc_in_q[10:0], 4'h0};
-            else if (ready) adc_v_o[15:0] <= {~adc_in_q[11], adc_in_q[10:0], 4'h0};
-            joint_q <= ready & ~joint_q;
-            ldac_nq <= ~(ready & joint_q);
-          end
-          if (bit_q == 6'd33) begin
-            // single-ended channel 0 or 1
-            adc_out_q <= {5'b0, 2'b11, 2'b00, joint_q, 14'b0};
-            dac_q     <= ready ? {4'h0, WriteInput, 3'b0, joint_q, ~drive[15], drive[14:0], 4'h0}
-                               : told_q[0] ? Reference : ClearCode;
-            if (!ready) told_q <= told_q + 2'd1;
-            if (!joint_q) other_q <= drive_v_i[31:16];
-            ldac_nq <= 1'b1;
-          end
-        end
-      end
+      half_q    <= half_d;
+      bit_q     <= bit_d;
+      high_q    <= high_d;
+      joint_q   <= joint_d;
+      ldac_nq   <= ldac_nd;
+      told_q    <= told_d;
+      other_q   <= other_d;
+      dac_q     <= dac_d;
+      adc_out_q <= adc_out_d;
+      adc_in_q  <= adc_in_d;
+      adc_v_q   <= adc_v_d;
     end
   end
 
+  assign adc_v_o = adc_v_q;
   assign sclk_o = high_q & active;
   assign adc_cs_no = ~(active & (bit_q < 6'(AdcClks)));
   assign adc_din_o = adc_out_q[23];

@@ -35,14 +35,29 @@ module uart_host #(
   // --- receiver ---------------------------------------------------------------------------
 
   logic rx;
-  logic [Width-1:0] rx_timer_q;
-  logic [3:0] rx_left_q;     // bits to come, start and stop bit among them
-  logic [7:0] rx_byte_q;
+  logic [Width-1:0] rx_timer_d, rx_timer_q;
+  logic [3:0] rx_left_d, rx_left_q;   // bits to come, start and stop bit among them
+  logic [7:0] rx_byte_d, rx_byte_q;
   logic rx_done;
 
   sync #(.ResetValue(1'b1)) u_rx (.clk_i, .rst_ni, .d_i(rx_i), .q_o(rx));
 
   assign rx_done = (rx_left_q == 4'd1) & (rx_timer_q == '0) & rx;
+
+  always_comb begin
+    rx_timer_d = rx_timer_q - 1'b1;
+    rx_left_d  = rx_left_q;
+    rx_byte_d  = rx_byte_q;
+    if (rx_left_q == '0) begin
+      rx_timer_d = Width'(BitClks / 2 - 2);
+      if (!rx) rx_left_d = 4'd10;
+    end else if (rx_timer_q == '0) begin
+      // Each bit in its middle; what has gone by the middle of a start bit was none.
+      rx_timer_d = Width'(BitClks - 1);
+      rx_left_d  = (rx_left_q == 4'd10 && rx) ? '0 : rx_left_q - 1'b1;
+      if (rx_left_q != 4'd1) rx_byte_d = {rx, rx_byte_q[7:1]};
+    end
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -50,19 +65,9 @@ module uart_host #(
       rx_left_q  <= '0;
       rx_byte_q  <= '0;
     end else begin
-      if (rx_left_q == '0) begin
-        if (!rx) begin
-          rx_left_q  <= 4'd10;
-          rx_timer_q <= Width'(BitClks / 2 - 2);
-        end
-      end else if (rx_timer_q != '0) begin
-        rx_timer_q <= rx_timer_q - 1'b1;
-      end else begin
-        // Each bit in its middle; what has gone by the middle of a start bit was none.
-        rx_left_q  <= (rx_left_q == 4'd10 && rx) ? '0 : rx_left_q - 1'b1;
-        rx_timer_q <= Width'(BitClks - 1);
-        if (rx_left_q != 4'd1) rx_byte_q <= {rx, rx_byte_q[7:1]};
-      end
+      rx_timer_q <= rx_timer_d;
+      rx_left_q  <= rx_left_d;
+      rx_byte_q  <= rx_byte_d;
     end
   end
 
@@ -77,88 +82,106 @@ module uart_host #(
     StAnswer
   } state_e;
 
-  state_e state_q;
-  logic [ForgetWidth-1:0] forget_q;
-  logic [7:0] check_q, answer;
-  logic [19:0] tx_q;         // two bytes with start and stop bits, the first at the bottom
-  logic [4:0] tx_left_q;
-  logic [Width-1:0] tx_timer_q;
+  state_e state_d, state_q;
+  logic write_d, write_q;
+  logic [10:1] a_d, a_q;
+  logic [7:0] wdata_d, wdata_q, check_d, check_q, answer;
+  logic [ForgetWidth-1:0] forget_d, forget_q;
+  logic [19:0] tx_d, tx_q;   // two bytes with start and stop bits, the first at the bottom
+  logic [4:0] tx_left_d, tx_left_q;
+  logic [Width-1:0] tx_timer_d, tx_timer_q;
 
   function automatic logic [7:0] crc(input logic [7:0] sum, input logic [7:0] data);
     crc = sum ^ data;
     for (int n = 0; n < 8; n++) crc = {crc[6:0], 1'b0} ^ (crc[7] ? 8'h07 : 8'h00);
   endfunction
 
-  assign answer = hp_write_o ? 8'h00 : hp_rdata_i;
+  assign answer = write_q ? 8'h00 : hp_rdata_i;
+
+  always_comb begin
+    state_d  = state_q;
+    write_d  = write_q;
+    a_d      = a_q;
+    wdata_d  = wdata_q;
+    check_d  = check_q;
+    forget_d = forget_q;
+    case (state_q)
+      StFirst: begin
+        if (rx_done) begin
+          {write_d, a_d[10:8]} = {rx_byte_q[7], rx_byte_q[2:0]};
+          check_d = crc(8'hFF, rx_byte_q);
+          state_d = StOffset;
+        end
+      end
+      StOffset: begin
+        if (rx_done) begin
+          a_d[7:1] = rx_byte_q[7:1];
+          check_d  = crc(check_q, rx_byte_q);
+          state_d  = StValue;
+        end
+      end
+      StValue: begin
+        if (rx_done) begin
+          wdata_d = rx_byte_q;
+          check_d = crc(check_q, rx_byte_q);
+          state_d = StCheck;
+        end
+      end
+      StCheck: if (rx_done) state_d = (rx_byte_q == check_q) ? StAccess : StFirst;
+      StAccess: if (hp_ack_i) state_d = StAnswer;
+      default: if (tx_left_q == '0) state_d = StFirst;
+    endcase
+    if (rx_done || state_q == StFirst) begin
+      forget_d = ForgetWidth'(ForgetClks);
+    end else if (state_q == StOffset || state_q == StValue || state_q == StCheck) begin
+      if (forget_q == '0) state_d = StFirst;
+      else forget_d = forget_q - 1'b1;
+    end
+  end
+
+  always_comb begin
+    tx_d       = tx_q;
+    tx_left_d  = tx_left_q;
+    tx_timer_d = Width'(BitClks - 1);
+    if (state_q == StAccess && hp_ack_i) begin
+      tx_d      = {1'b1, crc(check_q, answer), 1'b0, 1'b1, answer, 1'b0};
+      tx_left_d = 5'd20;
+    end else if (tx_left_q != '0 && tx_timer_q != '0) begin
+      tx_timer_d = tx_timer_q - 1'b1;
+    end else if (tx_left_q != '0) begin
+      tx_d      = {1'b1, tx_q[19:1]};
+      tx_left_d = tx_left_q - 1'b1;
+    end
+  end
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q    <= StFirst;
+      write_q    <= 1'b0;
+      a_q        <= '0;
+      wdata_q    <= '0;
       check_q    <= '0;
       forget_q   <= '0;
-      hp_write_o <= 1'b0;
-      hp_a_o     <= '0;
-      hp_wdata_o <= '0;
       tx_q       <= '1;
       tx_left_q  <= '0;
       tx_timer_q <= '0;
     end else begin
-      case (state_q)
-        StFirst: begin
-          if (rx_done) begin
-            {hp_write_o, hp_a_o[10:8]} <= {rx_byte_q[7], rx_byte_q[2:0]};
-            check_q <= crc(8'hFF, rx_byte_q);
-            state_q <= StOffset;
-          end
-        end
-        StOffset: begin
-          if (rx_done) begin
-            hp_a_o[7:1] <= rx_byte_q[7:1];
-            check_q <= crc(check_q, rx_byte_q);
-            state_q <= StValue;
-          end
-        end
-        StValue: begin
-          if (rx_done) begin
-            hp_wdata_o <= rx_byte_q;
-            check_q <= crc(check_q, rx_byte_q);
-            state_q <= StCheck;
-          end
-        end
-        StCheck: begin
-          if (rx_done) state_q <= (rx_byte_q == check_q) ? StAccess : StFirst;
-        end
-        StAccess: begin
-          if (hp_ack_i) begin
-            tx_q       <= {1'b1, crc(check_q, answer), 1'b0, 1'b1, answer, 1'b0};
-            tx_left_q  <= 5'd20;
-            tx_timer_q <= Width'(BitClks - 1);
-            state_q    <= StAnswer;
-          end
-        end
-        default: begin
-          if (tx_left_q == '0) state_q <= StFirst;
-        end
-      endcase
-      if (rx_done || state_q == StFirst) begin
-        forget_q <= ForgetWidth'(ForgetClks);
-      end else if (state_q == StOffset || state_q == StValue || state_q == StCheck) begin
-        if (forget_q == '0) state_q <= StFirst;
-        else forget_q <= forget_q - 1'b1;
-      end
-      if (tx_left_q != '0) begin
-        if (tx_timer_q != '0) begin
-          tx_timer_q <= tx_timer_q - 1'b1;
-        end else begin
-          tx_timer_q <= Width'(BitClks - 1);
-          tx_left_q  <= tx_left_q - 1'b1;
-          tx_q       <= {1'b1, tx_q[19:1]};
-        end
-      end
+      state_q    <= state_d;
+      write_q    <= write_d;
+      a_q        <= a_d;
+      wdata_q    <= wdata_d;
+      check_q    <= check_d;
+      forget_q   <= forget_d;
+      tx_q       <= tx_d;
+      tx_left_q  <= tx_left_d;
+      tx_timer_q <= tx_timer_d;
     end
   end
 
   assign hp_req_o = (state_q == StAccess);
+  assign hp_write_o = write_q;
+  assign hp_a_o = a_q;
+  assign hp_wdata_o = wdata_q;
   assign tx_o = tx_q[0];
 
 endmodule

@@ -25,7 +25,8 @@ module ulx3s_soc #(
   logic [31:2] box_a;
   logic [31:0] box_wdata, box_rdata, drive, adc;
   logic [10:0] leds;
-  logic [3:0] reset_q;
+  logic rst_nd;
+  logic [3:0] reset_d, reset_q;
 
   // 25 MHz * 24 = 600 MHz, of which CLKOP is the 24th part again and CLKOS the 25th.
   EHXPLLL #(
@@ -57,9 +58,12 @@ module ulx3s_soc #(
 
   sync u_spi_reset (.clk_i(clk), .rst_ni(locked), .d_i(1'b1), .q_o(spi_rst_n));
 
+  assign reset_d = {reset_q[2:0], btn_pwr_n};
+  assign rst_nd = &reset_q;
+
   always_ff @(posedge clk or negedge locked) begin
     if (!locked) {rst_n, reset_q} <= '0;
-    else {rst_n, reset_q} <= {&reset_q, reset_q[2:0], btn_pwr_n};
+    else {rst_n, reset_q} <= {rst_nd, reset_d};
   end
 
   // --- console ----------------------------------------------------------------------------

@@ -17,7 +17,9 @@ module data_turn (
   output logic      drive_o     // the FPGA drives its side
 );
 
-  logic out_q, turned_q;        // the direction; it stands for a clock or more
+  logic out_q, turned_d, turned_q;   // the direction; it stands for a clock or more
+
+  assign turned_d = (out_q == out_i);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -25,7 +27,7 @@ module data_turn (
       turned_q <= 1'b0;
     end else begin
       out_q    <= out_i;
-      turned_q <= (out_q == out_i);
+      turned_q <= turned_d;
     end
   end
 

@@ -61,9 +61,9 @@ module isa_mark1 #(
 
   logic ior_n, iow_n, ior_late_q, iow_late_q, card_ior_n, card_iow_n;
   logic [3:1] drq;
-  logic [15:0] a0_q, a1_q, a_q;
-  logic aen0_q, aen1_q, aen_q;
-  logic [7:0] d0_q, d1_q, d_q;
+  logic [15:0] a0_q, a1_q, a_d, a_q;
+  logic aen0_q, aen1_q, aen_d, aen_q;
+  logic [7:0] d0_q, d1_q, d_d, d_q;
   logic idle;
 
   sync #(.Width(2), .ResetValue(2'b11)) u_commands (
@@ -77,6 +77,8 @@ module isa_mark1 #(
   assign card_ior_n = ior_n | ior_late_q;
   assign card_iow_n = iow_n | iow_late_q;
   assign idle = ior_n & iow_n;
+  assign {aen_d, a_d} = (idle | (ior_late_q & iow_late_q)) ? {aen1_q, a1_q} : {aen_q, a_q};
+  assign d_d = iow_n ? d_q : d1_q;
 
   always_ff @(posedge clk or negedge rst_n_q) begin
     if (!rst_n_q) begin
@@ -91,8 +93,8 @@ module isa_mark1 #(
       {a1_q, a0_q} <= {a0_q, isa_a};
       {aen1_q, aen0_q} <= {aen0_q, isa_aen};
       {d1_q, d0_q} <= {d0_q, isa_d};
-      if (idle || (ior_late_q && iow_late_q)) {aen_q, a_q} <= {aen1_q, a1_q};
-      if (!iow_n) d_q <= d1_q;
+      {aen_q, a_q} <= {aen_d, a_d};
+      d_q <= d_d;
     end
   end
 
@@ -122,14 +124,16 @@ module isa_mark1 #(
 
   // --- card -------------------------------------------------------------------------------
 
-  logic [EnWidth-1:0] en_q;
+  logic [EnWidth-1:0] en_d, en_q;
   logic clk_en;
   logic [31:0] drive_v, adc_v;
 
   assign clk_en = (en_q == EnWidth'(EnClks - 1));
+  assign en_d = clk_en ? '0 : en_q + 1'b1;
+
   always_ff @(posedge clk or negedge rst_n_q) begin
     if (!rst_n_q) en_q <= '0;
-    else en_q <= clk_en ? '0 : en_q + 1'b1;
+    else en_q <= en_d;
   end
 
   mark1 #(

@@ -35,11 +35,19 @@ module pcbus_pins (
 
   localparam int Stages = 2;
 
-  logic [Stages-1:0] ior_q, iow_q;   // the commands, high while low; the last is the pin
-  logic iow_after_q;                 // data stand a clock after IOW#
+  logic [Stages-1:0] ior_d, ior_q, iow_d, iow_q;   // the commands, high while low
+  logic ior_nd, iow_nd, ale_d;                     // the pins
+  logic iow_after_d, iow_after_q;                  // data stand a clock after IOW#
   logic writing, reading, drive;
   logic [15:0] a0_q;
   logic [7:0] d0_q, d_q;
+
+  assign ior_d = {ior_q[0], ~ior_ni};
+  assign iow_d = {iow_q[0], ~iow_ni};
+  assign {ior_nd, iow_nd} = {~ior_q[1], ~iow_q[1]};
+  assign iow_after_d = ~pc_iow_n;
+  // Falls a clock before a command and rises when the command is over.
+  assign ale_d = ~(ior_q[0] | iow_q[0] | ior_q[1] | iow_q[1]);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -58,13 +66,12 @@ module pcbus_pins (
       d0_q         <= '0;
       d_q          <= '0;
     end else begin
-      ior_q        <= {ior_q[0], ~ior_ni};
-      iow_q        <= {iow_q[0], ~iow_ni};
-      iow_after_q  <= ~pc_iow_n;
-      pc_ior_n     <= ~ior_q[1];
-      pc_iow_n     <= ~iow_q[1];
-      // Falls a clock before a command and rises when the command is over.
-      pc_ale       <= ~(ior_q[0] | iow_q[0] | ior_q[1] | iow_q[1]);
+      ior_q        <= ior_d;
+      iow_q        <= iow_d;
+      iow_after_q  <= iow_after_d;
+      pc_ior_n     <= ior_nd;
+      pc_iow_n     <= iow_nd;
+      pc_ale       <= ale_d;
       pc_aen       <= aen_i;
       pc_clk       <= clk_en_i;
       pc_reset_drv <= reset_drv_i;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What rtl/ may hold: green as it is, red for each name and each decision put back."""
+"""What rtl/ and fpga/ may hold: green as it is, red for each name and each decision put back."""
 
 import shutil
 import sys
@@ -30,6 +30,7 @@ PUT_BACK = [
     ("rtl/soc/soc_host.sv", "  // when skipping, the next edge matters"),
     ("rtl/chips/i8255.sv", "  // so that a simulator keeps the result"),
     ("fpga/mmcs_fpga.sv", "    .skip_extra_i('0),"),
+    ("fpga/board/uart_host.sv", "  // nothing that a simulator need know"),
 ]
 
 
@@ -37,13 +38,17 @@ def test_the_hardware_is_hardware():
     assert rtl_rules.complaints(rtl_rules.ROOT) == []
 
 
+def with_text(folder, file, text):
+    """What is found where a file has another text."""
+    for place in ("rtl", "fpga"):
+        shutil.copytree(rtl_rules.ROOT / place, folder / place)
+    (folder / file).write_text(text)
+    return rtl_rules.complaints(folder)
+
+
 @pytest.mark.parametrize(("file", "line"), PUT_BACK)
 def test_a_name_put_back_is_found(tmp_path, file, line):
-    for place in ("rtl", "fpga"):
-        shutil.copytree(rtl_rules.ROOT / place, tmp_path / place)
-    broken = tmp_path / file
-    broken.write_text(f"{broken.read_text()}\n{line}\n")
-    found = rtl_rules.complaints(tmp_path)
+    found = with_text(tmp_path, file, f"{(rtl_rules.ROOT / file).read_text()}\n{line}\n")
     assert len(found) == 1 and found[0].startswith(f"{file}:"), found
 
 
@@ -52,12 +57,16 @@ DECIDED = [  # file, what holds `q <= d`, what decides instead
     ("rtl/adaptor/panic.sv", "hold_q  <= hold_d;", "if (tripped) hold_q <= '0;"),
     ("rtl/adaptor/vme_slave.sv", "busy_q     <= busy_d;", "busy_q <= ds0_valid & ds_any_sync;"),
     ("rtl/adaptor/sysclk.sv", "phase_q <= phase_d;", "phase_q <= phase_q + 1'b1;"),
+    ("fpga/mmcs_soc_fpga.sv", "host_q <= host_d;", "if (ack) host_q <= host_d;"),
+    ("fpga/board/uart_host.sv", "forget_q   <= forget_d;", "forget_q <= forget_q - 1'b1;"),
+    ("fpga/bus/pcbus_pins.sv", "pc_ale       <= ale_d;", "pc_ale <= ~(|ior_q);"),
 ]
 
 
 @pytest.mark.parametrize(("file", "old", "new"), DECIDED)
-def test_next_state_within_always_ff_is_found(file, old, new):
+def test_next_state_within_always_ff_is_found(tmp_path, file, old, new):
     text = (rtl_rules.ROOT / file).read_text()
     assert text.count(old) == 1
     line = text[: text.index(old)].count("\n") + 1
-    assert rtl_rules.deciding(text.replace(old, new))[:1] == [line]
+    found = with_text(tmp_path, file, text.replace(old, new))
+    assert found[0].startswith(f"{file}:{line}: next state"), found

@@ -72,59 +72,43 @@ module DP16KD #(
     endcase
   endfunction
 
-  // --- port A -------------------------------------------------------------------------------
+  // Port A is 0, port B is 1.
+  localparam int Widths[2] = '{DATA_WIDTH_A, DATA_WIDTH_B};
+  localparam bit ReadsOld[2] = '{WRITEMODE_A != "NORMAL", WRITEMODE_B != "NORMAL"};
+  logic [13:0] a[2];
+  logic [17:0] in[2], out[2];
+  logic [1:0] clk, enable, write;
 
-  logic [13:0] a;
-  logic [17:0] a_in, a_out;
-
-  assign a = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4, ADA3, ADA2, ADA1,
+  assign clk = {CLKB, CLKA};
+  assign enable = {CEB, CEA};
+  assign write = {WEB, WEA};
+  assign a[0] = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4, ADA3, ADA2, ADA1,
   ADA0};
-  assign a_in = {DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6,
-  DIA5, DIA4, DIA3, DIA2, DIA1, DIA0};
-  assign {DOA17, DOA16, DOA15, DOA14, DOA13, DOA12, DOA11, DOA10, DOA9, DOA8, DOA7, DOA6, DOA5,
-  DOA4, DOA3, DOA2, DOA1, DOA0} = a_out;
-
-  always @(posedge CLKA) begin
-    if (CEA) begin
-      if (!WEA || WRITEMODE_A != "NORMAL") a_out <= read(a, DATA_WIDTH_A);
-      if (WEA) begin
-        if (DATA_WIDTH_A == 18) begin
-          if (a[0]) memory[{a[13:4], 1'b0}] <= a_in[8:0];
-          if (a[1]) memory[{a[13:4], 1'b1}] <= a_in[17:9];
-        end else if (DATA_WIDTH_A == 9) begin
-          memory[a[13:3]] <= a_in[8:0];
-        end else begin
-          for (int n = 0; n < DATA_WIDTH_A; n++)
-            memory[a[13:3]][(4'(a[2:0])&4'(-DATA_WIDTH_A))+4'(n)] <= a_in[n];
-        end
-      end
-    end
-  end
-
-  // --- port B -------------------------------------------------------------------------------
-
-  logic [13:0] b;
-  logic [17:0] b_in, b_out;
-
-  assign b = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4, ADB3, ADB2, ADB1,
+  assign a[1] = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4, ADB3, ADB2, ADB1,
   ADB0};
-  assign b_in = {DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6,
+  assign in[0] = {DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6,
+  DIA5, DIA4, DIA3, DIA2, DIA1, DIA0};
+  assign in[1] = {DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6,
   DIB5, DIB4, DIB3, DIB2, DIB1, DIB0};
+  assign {DOA17, DOA16, DOA15, DOA14, DOA13, DOA12, DOA11, DOA10, DOA9, DOA8, DOA7, DOA6, DOA5,
+  DOA4, DOA3, DOA2, DOA1, DOA0} = out[0];
   assign {DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5,
-  DOB4, DOB3, DOB2, DOB1, DOB0} = b_out;
+  DOB4, DOB3, DOB2, DOB1, DOB0} = out[1];
 
-  always @(posedge CLKB) begin
-    if (CEB) begin
-      if (!WEB || WRITEMODE_B != "NORMAL") b_out <= read(b, DATA_WIDTH_B);
-      if (WEB) begin
-        if (DATA_WIDTH_B == 18) begin
-          if (b[0]) memory[{b[13:4], 1'b0}] <= b_in[8:0];
-          if (b[1]) memory[{b[13:4], 1'b1}] <= b_in[17:9];
-        end else if (DATA_WIDTH_B == 9) begin
-          memory[b[13:3]] <= b_in[8:0];
-        end else begin
-          for (int n = 0; n < DATA_WIDTH_B; n++)
-            memory[b[13:3]][(4'(b[2:0])&4'(-DATA_WIDTH_B))+4'(n)] <= b_in[n];
+  for (genvar p = 0; p < 2; p++) begin : g_port
+    always @(posedge clk[p]) begin
+      if (enable[p]) begin
+        if (!write[p] || ReadsOld[p]) out[p] <= read(a[p], Widths[p]);
+        if (write[p]) begin
+          if (Widths[p] == 18) begin
+            if (a[p][0]) memory[{a[p][13:4], 1'b0}] <= in[p][8:0];
+            if (a[p][1]) memory[{a[p][13:4], 1'b1}] <= in[p][17:9];
+          end else if (Widths[p] == 9) begin
+            memory[a[p][13:3]] <= in[p][8:0];
+          end else begin
+            for (int n = 0; n < Widths[p]; n++)
+              memory[a[p][13:3]][(4'(a[p][2:0])&4'(-Widths[p]))+4'(n)] <= in[p][n];
+          end
         end
       end
     end
