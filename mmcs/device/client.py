@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mmcs import mcdef
-from mmcs.device import wire
+from mmcs.device import reasons, wire
 from mmcs.device.line import OwnLine, ask, sample_of, take, take_async
 from mmcs.device.sockets import connect, socket_path
 
@@ -89,7 +89,7 @@ class Device:
             asked = flags & 0xFFFFFFFF | wire.GENTLE
             result, _ = _exchange(self._file, wire.OPEN, b"", asked, inode, os.fsencode(path))
             if result < 0:
-                raise OSError(-result, os.strerror(-result), path)
+                raise OSError(-result, _sentence(-result, reasons.of_open(-result)), path)
         except BaseException:
             self._file.close()
             raise

@@ -3,18 +3,39 @@
 
 from __future__ import annotations
 
+import errno
 import struct
 
 from mmcs import mcdef
-from mmcs.device.wire import EBADF, EINVAL, EIO, ENOTTY
+from mmcs.device.wire import EBADF, EBUSY, EINVAL, EIO, ENOTTY, ENXIO
 
 STATE_BYTES, INTERVAL_MIN_US, SERVO_US = 28, 100, 50_000
 OF_AXIS = ("MSETENC", "MSETLED", "MSETDAC")  # in the low 8 bits
+STOPPED = "stopped or shut down, MENABLE first"
+OF_OPEN = {
+    ENXIO: "no adaptor answers there",
+    EBUSY: "it is open already",
+    EINVAL: "must be opened for reading, writing or both",
+    errno.ENFILE: "the driver has no room for a further open",
+    errno.ENOTDIR: "a device is no directory",
+    errno.EEXIST: "it exists already",
+}
+# What the driver says nothing about, of any request.
+OF_ANY = {
+    EIO: "a card or the adaptor does not answer",
+    EBUSY: "the machine starts or stops just now, or guard_lock refuses it while enabled",
+    EINVAL: "the argument is beyond its bounds",
+    errno.EFAULT: "the argument lies outside the program's memory",
+}
 NAMES = {request.code: name for name, request in mcdef.requests().items()}
 
 
+def of_open(error: int) -> str:
+    return OF_OPEN.get(error, "")
+
+
 def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) -> str:
-    """Of a request that failed with this errno; "" if there is nothing to add."""
+    """Of a request that failed with this errno and without a line of the driver."""
     name = NAMES.get(request, "")
     if error == ENOTTY or not name:
         return f"there is no request 0x{request:08x}"
@@ -22,8 +43,16 @@ def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) 
         return f"{name}: the device is open for reading only"
     if error == EIO and name == "MSETDAC":
         return f"{name}: the machine is not enabled"
-    if error != EINVAL:
-        return ""
+    if error == EIO and name in ("MSETPOINT", "MSETPOINTS"):
+        return f"{name}: {STOPPED}"
+    of_argument = _of_argument(name, argument, joints, axes) if error == EINVAL else ""
+    return of_argument or f"{name}: {OF_ANY.get(error, f'errno {error}')}"
+
+
+def _of_argument(name: str, argument: bytes, joints: int, axes: int) -> str:
+    """What of it must be another; "" if nothing is known."""
+    if name == "MSETPOINTS":
+        return f"{name}: more axes than joints, or its check is wrong"
     if name in ("MGETPARAM", "MSETPARAM"):
         return _of_param(name, argument, joints)
     (value,) = struct.unpack_from("<I", argument.ljust(4, b"\0"))
@@ -36,6 +65,8 @@ def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) 
         return f"{name}: {value} us: {allowed}"
     if name == "MDIAGMODE":
         return f"{name}: {_signed(value)}: must be M_ANDIAG, M_ENDIAG, both or 0"
+    if name not in (*OF_AXIS, "MCALIB", "MCALIBEND", "MSETPOINT"):
+        return ""
     axis = value & 0xFF if name in OF_AXIS else _signed(value)
     if not 0 <= axis < joints:
         return _of_axis(name, axis, joints)
@@ -68,15 +99,19 @@ def _of_axis(name: str, axis: int, joints: int) -> str:
 def of_read(error: int, size: int) -> str:
     if error == EBADF:
         return "read: the device is open for writing only"
-    return f"read: {size} bytes: a state has {STATE_BYTES}" if error == EINVAL else ""
+    if error == EINVAL:
+        return f"read: {size} bytes: a state has {STATE_BYTES}"
+    return f"read: {OF_ANY.get(error, f'errno {error}')}"
 
 
 def of_write(error: int, size: int, joints: int) -> str:
     if error == EBADF:
         return "write: the device is open for reading only"
-    if error != EINVAL:
-        return ""
-    return f"write: {size} bytes: must be 4 for each of at most {joints} joints"
+    if error == EIO:
+        return f"write: {STOPPED}"
+    if error == EINVAL:
+        return f"write: {size} bytes: must be 4 for each of at most {joints} joints"
+    return f"write: {OF_ANY.get(error, f'errno {error}')}"
 
 
 def _signed(value: int) -> int:

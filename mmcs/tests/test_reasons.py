@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every call that is refused says why, in Python's exception and by MWHY."""
 
+import errno
 import sys
 
 import pytest
 
-from mmcs import ROOT
+from mmcs import ROOT, mcdef
+from mmcs.device import reasons
 from mmcs.tests.device_bench import PROGRAMS, Bench, compile_program, run_in_lockstep
 
 REFUSED = """
@@ -25,6 +27,10 @@ calls = [
     lambda: dev.write_axis(2, 5), lambda: dev.end_calibration(3), lambda: mon.write_axis(0, 5),
     lambda: dev.set_dac(0, 5), lambda: (dev.stop(), dev.write_axis(0, 1)),
     lambda: (dev.stop(), dev.write([1])),
+    lambda: dev.write([1]), lambda: dev.write_axis(0, 1),  # the driver says it once
+    lambda: mmcs.Device("/dev/mc1"), lambda: mmcs.Device(flags=os.O_RDWR | os.O_DIRECTORY),
+    lambda: mmcs.Device(flags=os.O_RDWR | os.O_CREAT | os.O_EXCL),
+    lambda: mmcs.Device(flags=3),
 ]
 for call in calls:
     try:
@@ -56,6 +62,12 @@ MSETPOINT: the device is open for reading only
 MSETDAC: the machine is not enabled
 write: stopped, MENABLE first
 write: stopped, MENABLE first
+write: stopped or shut down, MENABLE first
+MSETPOINT: stopped or shut down, MENABLE first
+no adaptor answers there
+a device is no directory
+it exists already
+must be opened for reading, writing or both
 """
 
 
@@ -64,6 +76,24 @@ def test_every_refusal_has_a_sentence(tmp_path):
     with Bench(tmp_path) as bench:
         out, status = bench.finish(bench.python(REFUSED))
     assert status == 0 and out.splitlines() == SAID.splitlines()
+
+
+@pytest.mark.req("DRV-3")
+def test_no_request_and_no_error_is_without_one():
+    """Whatever the driver may answer to whatever request, with and without an argument."""
+    requests = [request.code for request in mcdef.requests().values()]
+    errors = (errno.EIO, errno.EBUSY, errno.EINVAL, errno.EBADF, errno.ENOTTY, errno.EFAULT)
+    said = {
+        (request, error): {
+            reasons.of_ioctl(error, request, argument, joints, 2)
+            for argument in (b"", bytes(52), b"\xff" * 52)
+            for joints in (0, 2)
+        }
+        for request in requests
+        for error in errors
+    }
+    assert len(said) >= 20 * 6 and not [key for key, why in said.items() if "" in why]
+    assert all(reasons.of_read(error, 27) and reasons.of_write(error, 3, 2) for error in errors)
 
 
 def test_in_lockstep_too(tmp_path):
