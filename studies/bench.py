@@ -96,14 +96,16 @@ class Load:
 
     def measure(self) -> dict:
         """Simulated seconds and those of the processor, of as many runs as fill the least time."""
-        found = {"s": 0.0, "cpu": 0.0}
+        found, before = {"s": 0.0, "cpu": 0.0}, self.sim.caches()
         while found["cpu"] < LEAST_CPU_S:
             self.sim.restore(self.snapshot)
             began = time.process_time()
             self.sim.run(self.end)
             found["cpu"] += time.process_time() - began
             found["s"] += self.end - self.begin
-        return found | {"stats": self.sim.stats()}
+        steps = {part: [now[what] - before[part][what] for what in ("hits", "misses")]
+                 for part, now in self.sim.caches().items()}  # fmt: skip
+        return found | {"cache": steps}
 
 
 # Runs in either tree. A commit before this script has a bench of its own, in one of two places.
@@ -309,10 +311,11 @@ def rounds(trees: list[Tree], count: int) -> dict[str, list]:
             if name == next(iter(LOADS)):
                 if n == 0:
                     add("memory of a machine of 3 cards", [one["mb"] for one in told])
-                stats = told[0].get("stats", {})
-                if stats.get("cache_hits"):
-                    every = stats["cache_hits"] + stats["cache_misses"]
-                    add("hits of the model's cache", [100 * stats["cache_hits"] / every])
+                steps = told[0]["cache"]
+                every = tuple(map(sum, zip(*steps.values(), strict=True)))
+                for part, (hits, misses) in [("", every), *steps.items()]:
+                    label = "hits of the model's cache" + (f", {part}" if part else "")
+                    add(label, [100 * hits / max(hits + misses, 1)])
         for name in STARTS:
             add(f"CPU of `mmcs run {name}`", [tree.start(name) for tree in trees])
         add("campaign, CPU of a fault", [tree.fault() for tree in trees])

@@ -108,6 +108,17 @@ class Sim(Watching):
             for p in found[0:count]
         }
 
+    def caches(self) -> dict[str, dict[str, int]]:
+        """What the model's cache of each kind of part did: hits, misses, states and bytes now."""
+        found = self.ffi.new("mmcs_cache[]", 16)
+        count = self.lib.mmcs_sim_caches(self._sim, found, 16)
+        return {
+            self.ffi.string(c.part).decode(): {
+                name: getattr(c, name) for name in ("hits", "misses", "states", "bytes")
+            }
+            for c in found[0:count]
+        }
+
     # --- /dev/mc0 ---
 
     def open(self, flags: int = 2) -> int:

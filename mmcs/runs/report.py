@@ -91,6 +91,7 @@ def make_report(result, host: str) -> dict:
         "interval_us": result.setup.scenario.interval_us,
         "motion_start_s": round(result.motion_start_s, 9),
         "evals": int(stats["evals"]),
+        "cache": {name: int(stats[f"cache_{name}"]) for name in ("hits", "misses", "bytes")},
         "bus_cycles": int(stats["bus_cycles"]),
     }
 
@@ -180,6 +181,10 @@ def print_report(report: dict, result, folder: Path, console) -> None:
         f"simulated {report['simulated_s']:.3f} s in {report['wall_s']:.2f} s: "
         f"real-time factor {report['rtf']:.2f}"
     )
+    cache = report["cache"]
+    if steps := cache["hits"] + cache["misses"]:
+        console.print(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
+                      f"{cache['misses']} misses, {cache['bytes'] / 1e6:.1f} MB")  # fmt: skip
 
 
 def _cell(value: float | None) -> str:

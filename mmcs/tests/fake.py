@@ -111,6 +111,7 @@ class FakeSim:
 
     def stats(self):
         names = "interrupts missed overruns panics spurious clips bus_errors evals bus_cycles"
+        names += " cache_hits cache_misses cache_bytes"
         return {n: 0 for n in names.split()} | {"cycles": int(self.now * 8e6)} | self.late
 
     def phases(self):

@@ -142,8 +142,9 @@ def test_a_machine_that_skips_has_nothing_to_watch():
         sim.watch(watched.nets()[:1])
     with machine(setup, skip=False) as sim:
         for name in ("u_adaptor.nobody_o", f"{waves.CARD}.pc_a_i", "", "."):
-            with pytest.raises(RunError):
+            with pytest.raises(RunError, match="no register or port"):
                 sim.watch([name])
+        assert sim.notes() == []
 
 
 def test_states_and_registers_have_names():

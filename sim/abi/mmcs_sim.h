@@ -130,10 +130,11 @@ typedef struct mmcs_stats {
   int32_t bus_errors;  /* bus time-outs and errors seen by the master */
   int32_t panic_level; /* system PANIC now */
   uint64_t bus_cycles;
-  int32_t enabled;                          /* the servo drives the motors */
-  int32_t stopped;                          /* a stop is latched */
-  int32_t cause, cause_of;                  /* mc_cause() */
-  int32_t interval_us, diag, double_buffer; /* as the driver has them */
+  int32_t enabled;                                /* the servo drives the motors */
+  int32_t stopped;                                /* a stop is latched */
+  int32_t cause, cause_of;                        /* mc_cause() */
+  int32_t interval_us, diag, double_buffer;       /* as the driver has them */
+  uint64_t cache_hits, cache_misses, cache_bytes; /* of all caches, see mmcs_sim_caches() */
 } mmcs_stats;
 
 /* What happened, in the order it happened (PANIC, errors, signals, faults injected, messages). */
@@ -327,6 +328,13 @@ typedef struct mmcs_phase {
 } mmcs_phase;
 /* Fills up to n phases; returns how many there are, 0 where the driver is native code. */
 int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n);
+/* What the model's cache of one kind of part did since power-on: steps taken from it, steps that
+ * the model computed, and what it holds now. Steps skipped as rest are in neither. */
+typedef struct mmcs_cache {
+  char part[16]; /* its module, as in rtl/ */
+  uint64_t hits, misses, states, bytes;
+} mmcs_cache;
+int mmcs_sim_caches(const mmcs_sim *sim, mmcs_cache *caches, int n); /* as mmcs_sim_phases() */
 /* Digest of every sample so far and of the hardware state now. */
 uint64_t mmcs_sim_hash(const mmcs_sim *sim);
 int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points);

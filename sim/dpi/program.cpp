@@ -66,6 +66,7 @@ const std::map<std::string, Call> &calls() {
       MMCS_CALL(notes_lost),
       MMCS_CALL(get_stats),
       MMCS_CALL(phases),
+      MMCS_CALL(caches),
       MMCS_CALL(true_angle),
       MMCS_CALL(true_velocity),
       MMCS_CALL(true_current),

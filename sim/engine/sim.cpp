@@ -274,6 +274,25 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   stats->interval_us = static_cast<int32_t>(mc_interval(mc));
   stats->diag = mc_diag(mc);
   stats->double_buffer = mc_double_buffer(mc);
+  for (const mmcs::CacheFigures &cache : sim->machine.model().cache_figures()) {
+    stats->cache_hits += cache.hits;
+    stats->cache_misses += cache.misses;
+    stats->cache_bytes += cache.bytes;
+  }
+}
+
+int mmcs_sim_caches(const mmcs_sim *sim, mmcs_cache *caches, int n) {
+  if (!sim) return 0;
+  int count = 0;
+  for (const mmcs::CacheFigures &cache : sim->machine.model().cache_figures()) {
+    if (count < n) {
+      mmcs_cache &c = caches[count];
+      c = {"", cache.hits, cache.misses, cache.states, cache.bytes};
+      std::snprintf(c.part, sizeof c.part, "%s", cache.module.c_str());
+    }
+    ++count;
+  }
+  return count;
 }
 
 double mmcs_sim_true_angle(const mmcs_sim *sim, int axis) {

@@ -8,8 +8,8 @@
 //   __Vtrigprevexpr...                         what a clock or reset was when last looked at; the
 //                                              same, MMCS_EDGES its file
 // Included once a board, behind its generated code, with MMCS_MODEL its class, MMCS_PORTS and
-// MMCS_EDGES_OF its files. Verilator's eval() does the same more slowly; `slow` in the configuration
-// takes that way, and a test compares them.
+// MMCS_EDGES_OF its files. Verilator's eval() does the same more slowly; `slow` in the
+// configuration takes that way, and a test compares them.
 
 #include <string_view>
 
@@ -125,7 +125,7 @@ class Fast final : public Board {
 #endif
 };
 
-}  // namespace MMCS_JOIN(of_, MMCS_MODEL)
+}  // namespace MMCS_JOIN(of_,MMCS_MODEL)
 
 std::unique_ptr<Board> MMCS_JOIN(create_, MMCS_MODEL)(VerilatedContext &context,
                                                       const std::string &name) {

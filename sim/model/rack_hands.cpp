@@ -121,7 +121,11 @@ Net Rack::find_watched(const std::string &name) {
     }
     if (path.empty()) {
       Net found;
-      for_ports(n, net_of(n, port.c_str()), [&](Part &, PartPort &at) {
+      const auto at_port = [&port](const NetRow &row) { return port == row.port; };
+      const NetRow *end = table.nets + table.net_count;
+      const NetRow *row = std::find_if(table.nets, end, at_port);
+      if (row == end) return {};
+      for_ports(n, row->net, [&](Part &, PartPort &at) {
         if (!found || at.out) found = at.net;
       });
       return found;

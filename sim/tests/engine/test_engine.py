@@ -66,6 +66,7 @@ def test_skipping_equals_plain_clocking(monkeypatch):
     assert skipped[0] == plain[0]
     assert skipped[1]["cycles"] == plain[1]["cycles"] == plain[1]["evals"]
     assert skipped[1]["evals"] * 4 < plain[1]["evals"]
+    assert skipped[1]["cache_hits"] > skipped[1]["cache_misses"] > 0 < skipped[1]["cache_bytes"]
 
 
 @pytest.mark.req("API-1")

@@ -52,8 +52,9 @@ def arm(sim):
 
 
 def everything(sim):
-    """All that happened; not how many evaluations it took: what is at rest is found out anew."""
-    stats = {name: value for name, value in sim.stats().items() if name != "evals"}
+    """All that happened; not what it took: what is at rest, or known, is found out anew."""
+    took = ("evals", "cache_hits", "cache_misses", "cache_bytes")
+    stats = {name: value for name, value in sim.stats().items() if name not in took}
     return sim.hash(), sim.log().tobytes(), sim.notes(), stats, sim.checkpoints()
 
 
