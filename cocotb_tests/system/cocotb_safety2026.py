@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardware with Safety2026: PANIC stands until a release, illegal steps of encoders raise it,
-heartbeats end after 10 ms. docs/hardware/safety.md"""
+"""The hardware with Safety2026: PANIC stands until a release, illegal steps and cut wires of encoders
+raise it, heartbeats end after 10 ms and want latches. docs/hardware/safety.md"""
 
 import cocotb
 
 from cocotb_tests.lib.req import req
-from cocotb_tests.lib.tb import B_REAL_ENC, B_SCLOCK, B_TO_JOINT, DAC1, HEALTH_CLKS, QUAD, Machine
+from cocotb_tests.lib.tb import (
+    B_DOUBLE, B_REAL_ENC, B_SCLOCK, B_TO_JOINT, DAC1, HEALTH_CLKS, QUAD, Machine,
+)  # fmt: skip
 from mmcs import regs
 
 TOPLEVEL = "mmcs"
 PARAMETERS = {"NumCards": 1, "RelayUs": 20, "Safety2026": 1}
 RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 BEAT_MS = 10
+ALONE = 8  # edges of one wire
 
 
 def panic(tb: Machine) -> int:
@@ -102,20 +105,74 @@ async def heartbeat_of_10_ms(dut):
     assert panic(tb), "a heartbeat alone does not end it"
 
 
-@cocotb.test()
-@req("ENC-1", "PAN-1")
-async def illegal_step_of_an_encoder_is_panic(dut):
+async def counting(dut) -> Machine:
+    """The same; the counts are written, so that what the switch to the joint did is forgotten."""
     tb = await machine(dut)
     await tb.cwr(0, 0, QUAD)
     await tb.cwr(0, 1, RUN)
     await tb.us(10)
-    await tb.cwr(0, 4, 0)  # the count is written: what the switch did is forgotten
-    await tb.cwr(0, 5, 0)
-    await tb.cwr(0, 6, 0)
-    await tb.cwr(0, 7, 0)
+    for register in (4, 5, 6, 7):
+        await tb.cwr(0, register, 0)
     await tb.beat()
     await release(tb)
     assert not panic(tb)
+    return tb
+
+
+@cocotb.test()
+@req("HB-1")
+async def write_that_no_latch_takes_is_no_heartbeat(dut):
+    tb = await machine(dut)
+    for double, latches in ((0, False), (1, True), (1, False)):
+        await tb.cwr(0, 1, RUN | double * B_DOUBLE)
+        for _ in range(2 * BEAT_MS):
+            await tb.beat()
+            assert not panic(tb)
+            if latches:
+                await tb.cwr(0, regs.CARD_LATCH, 0)
+            await tb.us(490)
+        if double and not latches:
+            await tb.us(1000)
+        else:
+            assert not panic(tb)
+    assert panic(tb)
+
+
+@cocotb.test()
+@req("ENC-1", "PAN-1")
+async def cut_wire_of_an_encoder_is_panic(dut):
+    """Of each wire: what is left of an axis that turns. Not so an axis that swings over one edge, which
+    no servo does more than once a sample."""
+    tb = await counting(dut)
+    for wire in (dut.enc_a_i, dut.enc_b_i):
+        for _ in range(ALONE):
+            wire.value = 3 - int(wire.value)
+            await tb.us(3)
+            await tb.cwr(0, regs.CARD_LATCH, 0)
+            await tb.us(3)
+        for n in range(ALONE):
+            assert not panic(tb), f"{n} edges since the last latch"
+            wire.value = 3 - int(wire.value)
+            await tb.us(3)
+        assert panic(tb)
+        await tb.beat()
+        await release(tb)
+        assert panic(tb), "nobody knows the count"
+        for register in (4, 5, 6, 7):
+            await tb.cwr(0, register, 0)
+        await release(tb)
+        assert not panic(tb)
+    for n in range(2 * ALONE):
+        wire = dut.enc_a_i if n // (ALONE - 1) % 2 else dut.enc_b_i
+        wire.value = 3 - int(wire.value)
+        await tb.us(3)
+        assert not panic(tb), "the other wire is there"
+
+
+@cocotb.test()
+@req("ENC-1", "PAN-1")
+async def illegal_step_of_an_encoder_is_panic(dut):
+    tb = await counting(dut)
     for step in (1, 3, 2, 0, 2, 3, 1, 0):  # legal ones, both ways
         dut.enc_a_i.value = step & 1
         dut.enc_b_i.value = step >> 1

@@ -17,7 +17,8 @@ int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
   if (mc == NULL || bus == NULL || os == NULL || config == NULL) return -MC_EINVAL;
   uint32_t hz = config->sysclk_hz;
   if (hz != 8000000 && hz != 4000000 && hz != 2000000 && hz != 1000000) return -MC_EINVAL;
-  if (config->guard.jump < 0 || config->guard.follow < 0) return -MC_EINVAL;
+  const struct mc_guard *g = &config->guard;
+  if (g->jump < 0 || g->follow < 0 || g->runaway < 0) return -MC_EINVAL;
   mc->bus = *bus;
   mc->os = *os;
   mc->config = *config;

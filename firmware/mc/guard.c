@@ -37,6 +37,23 @@ static int creeps(const struct mc_guard *g, const struct mc_axis *x) {
   return x->code == MC_DAC_ZERO && size((int64_t)x->position - x->still_at) > g->follow;
 }
 
+/* The current does all that it may against the movement, and the axis is getting faster: what the
+ * servo asks for is not what happens. An axis that is braked gets slower. */
+static int runs_away(struct mc *mc, int axis) {
+  struct mc_axis *x = &mc->axis[axis];
+  int32_t moved = (int16_t)(uint16_t)(mc->sample.counter[axis] - x->counter);
+  int32_t error = x->state.error, speed = moved < 0 ? -moved : moved;
+  int at_limit = x->servo.clipped || x->servo.over > 0;
+  int servoed = (x->par.mode & MD_MASK) == MD_POS || (x->par.mode & MD_MASK) == MD_VEL;
+  int leaves = (moved > 0 && error < 0) || (moved < 0 && error > 0);
+  if (!leaves || !at_limit || !servoed || (x->par.mode & (ADFB | ZEROFB)) != 0 || mc->skipped > 1) {
+    x->slowest = INT32_MAX;
+  } else if (speed < x->slowest) {
+    x->slowest = speed;
+  }
+  return mc->config.guard.runaway > 0 && speed - x->slowest > mc->config.guard.runaway;
+}
+
 static int strays(const struct mc *mc, struct mc_axis *x) {
   const struct mc_guard *g = &mc->config.guard;
   int mode = x->par.mode & MD_MASK, is_off = axis_is_off(&x->par);
@@ -99,11 +116,17 @@ int guard_refuses(struct mc *mc, const struct mmcs_setpoints *s) {
   return good ? -MC_EIO : -MC_EINVAL;
 }
 
+static const char *fault_of(struct mc *mc, int axis) {
+  if (jumps(mc, axis)) return ": its counter jumps";
+  if (runs_away(mc, axis)) return " runs away";
+  return strays(mc, &mc->axis[axis]) ? " does not follow" : NULL;
+}
+
 /* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
 int guard_trips(struct mc *mc) {
   const struct mc_guard *g = &mc->config.guard;
   if (trips_on_cards(mc)) return 1;
-  int asked = g->jump > 0 || g->follow > 0 || g->missed > 0 || g->lease > 0;
+  int asked = g->jump > 0 || g->follow > 0 || g->runaway > 0 || g->missed > 0 || g->lease > 0;
   if (!asked || mc->power != MC_RUNNING) return 0;
   if (g->missed > 0 && mc->skipped > g->missed) {
     power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
@@ -114,22 +137,24 @@ int guard_trips(struct mc *mc) {
     return 1;
   }
   for (int axis = 0; axis < mc->joints; axis++) {
-    if (jumps(mc, axis)) {
-      mc->axis[axis].faulty = 1;
-      power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, ": its counter jumps");
-      mc->cause_of = (uint8_t)(axis + 1);
-      return 1;
-    }
-    if (strays(mc, &mc->axis[axis])) {
-      mc->axis[axis].faulty = 1;
-      power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, " does not follow");
-      mc->cause_of = (uint8_t)(axis + 1);
-      return 1;
-    }
+    const char *why = fault_of(mc, axis);
+    if (why == NULL) continue;
+    mc->axis[axis].faulty = 1;
+    power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, why);
+    mc->cause_of = (uint8_t)(axis + 1);
+    return 1;
   }
   return 0;
 }
 
 int guard_locks(const struct mc *mc) {
   return mc->config.guard.lock != 0 && mc->power == MC_RUNNING;
+}
+
+int guard_locks_gains(const struct mc *mc, const struct mc_param *from, const struct mc_param *to) {
+  const int *a = &from->which, *b = &to->which;
+  unsigned n = 0;
+  if (!guard_locks(mc) || from->mode != to->mode || axis_is_off(from)) return 0;
+  while (n < sizeof *from / sizeof *a && a[n] == b[n]) n++;
+  return n < sizeof *from / sizeof *a;
 }

@@ -102,6 +102,7 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
     return -MC_EBUSY;
   }
   struct mc_axis *x = &mc->axis[to->which];
+  if (guard_locks_gains(mc, &x->par, to)) return -MC_EBUSY;
   servo_change(&x->servo, &x->par, to);
   servo_prepare(&x->law, to);
   if (((to->mode ^ x->par.mode) & MD_MASK) != 0) x->code = MC_DAC_ZERO;

@@ -65,10 +65,13 @@ struct mc_guard {
   int32_t follow;   /* counts that an axis in position mode may be off its demand, */
   uint32_t samples; /* for so many samples in a row; in velocity mode, that it may lose on the
                      * demand beyond a quarter of it; of an axis that is off, that it may move */
+  int32_t runaway;  /* counts an SCLOCK interval that an axis may gain on its way from its demand
+                     * while its current is at its limit */
   uint32_t missed;  /* SCLOCKs in a row, and one more, that no pass may serve */
   uint32_t lease;   /* SCLOCKs that a write() holds; before they are over, another must come */
   uint8_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MDIAGMODE, MSETNUMJOINTS give
-                     * EBUSY, and MSETENC of an axis that is on */
+                     * EBUSY; of an axis that is on MSETENC, and an MSETPARAM that keeps its mode
+                     * and changes something else */
   uint8_t readback; /* each pass reads the modes of one card back */
   uint8_t checked;  /* setpoints come by MSETPOINTS of <sys/mmcs.h>; write() gives EINVAL */
   uint8_t

@@ -58,6 +58,7 @@ struct mc_axis {
   int32_t wait;     /* SCLOCKs until the next servo sample */
   uint32_t astray;  /* samples in a row that were too far off the demand */
   int32_t slip;     /* counts that a velocity axis has lost on its demand */
+  int32_t slowest;  /* counts a pass at least, since its current limits what moves it away */
   int32_t still_at; /* where an axis was when it was let off */
   uint16_t index;   /* count at the last index */
   uint16_t counter; /* the 16-bit counter at the last sample */
@@ -267,6 +268,8 @@ int guard_trips(struct mc *mc);
 /* 0, or why a MSETPOINTS is refused; one that shows that another was lost stops the machine. */
 int guard_refuses(struct mc *mc, const struct mmcs_setpoints *s);
 int guard_locks(const struct mc *mc); /* 1: a request that disturbs the servo is refused now */
+/* 1: so is a change of parameters, but for one of the mode, which brings its own. */
+int guard_locks_gains(const struct mc *mc, const struct mc_param *from, const struct mc_param *to);
 
 /* text.c: one line for the console out of words and a number; "" and -1 leave out. */
 void text_log(struct mc *mc, const char *what, int number, const char *more);

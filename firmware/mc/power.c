@@ -15,6 +15,7 @@ void power_restart_axes(struct mc *mc) {
     x->wait = 0;
     x->astray = 0;
     x->slip = 0;
+    x->slowest = INT32_MAX;
     x->still_at = x->position;
     x->faulty = 0;
     axis_forget_demand(x);

@@ -109,11 +109,37 @@ static void test_only_position_has_to_be_followed(void) {
   }
 }
 
+/* An axis whose current is at its limit, at a speed that grows by `more` in four passes. */
+static struct mc *fleeing(int32_t to, int speed, int more) {
+  int32_t far[2] = {to, 0};
+  struct mc *mc = guarded((struct mc_guard){.runaway = 4});
+  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  mock_run(&m, 2000);
+  for (int n = 0; n <= 4; n++) {
+    int moved = speed + (speed < 0 ? -n : n) * more / 4;
+    m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + moved);
+    mock_run(&m, 1000);
+  }
+  return mc;
+}
+
+// req: DRV-9
+static void test_axis_that_runs_away(void) {
+  for (int sign = -1; sign <= 1; sign += 2) {
+    check_goes_on(fleeing(2000 * sign, -10 * sign, 4));
+    check_goes_on(fleeing(2000 * sign, 10 * sign, 8));   /* on its way */
+    check_goes_on(fleeing(2000 * sign, -20 * sign, -8)); /* braked */
+    check_goes_on(fleeing(900 * sign, -10 * sign, 8));   /* more current would be there */
+    struct mc *mc = fleeing(2000 * sign, -10 * sign, 8);
+    check_stopped(mc, "mc: PANIC: axis 0 runs away\n");
+  }
+}
+
 /* What is asked for alone is watched, of the axes that there are for programs. */
 // req: DRV-9
 static void test_one_check_is_not_another(void) {
-  static const struct mc_guard alone[] = {
-      {.jump = 32767}, {.follow = 30000}, {.missed = 30}, {.lease = 100}, {.lock = 1}};
+  static const struct mc_guard alone[] = {{.jump = 32767}, {.follow = 30000}, {.runaway = 32767},
+                                          {.missed = 30},  {.lease = 100},    {.lock = 1}};
   int32_t far[2] = {20000, -20000};
   for (unsigned n = 0; n < sizeof alone / sizeof alone[0]; n++) {
     struct mc *mc = guarded(alone[n]);
@@ -138,6 +164,8 @@ static void test_no_limit_is_negative(void) {
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.jump = -1}};
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
   config.guard = (struct mc_guard){.follow = -1};
+  CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
+  config.guard = (struct mc_guard){.runaway = -1};
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
   mock_stop(&other);
 }
@@ -262,6 +290,29 @@ static void test_requests_that_wait_until_the_servo_rests(void) {
   }
 }
 
+/* A mode brings parameters of its own; an axis that is off takes any. */
+// req: DRV-9
+static void test_parameters_of_an_axis_that_is_on(void) {
+  for (int lock = 0; lock < 2; lock++) {
+    struct mc *mc = guarded((struct mc_guard){.lock = (uint8_t)lock});
+    struct mc_param par = {.which = 1};
+    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0); /* nothing new */
+    par.ipole = 1;                                 /* the last one */
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), lock ? -MC_EBUSY : 0);
+    CHECK_EQ(mc_param_of(mc, 1)->ipole, !lock);
+    par.mode = MD_VEL;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    CHECK_EQ(mc_param_of(mc, 1)->ipole, 1);
+    set_modes(mc, 0);
+    par.mode = 0;
+    par.ipole = 2;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    CHECK_EQ(mc_param_of(mc, 1)->ipole, 2);
+    mock_stop(&m);
+  }
+}
+
 /* The driver of the report does none of it. */
 // req: DRV-9
 static void test_nothing_is_checked_that_was_not_asked_for(void) {
@@ -282,6 +333,7 @@ int main(int argc, char **argv) {
       {"test_axis_that_does_not_follow", test_axis_that_does_not_follow},
       {"test_least_error_that_is_too_much", test_least_error_that_is_too_much},
       {"test_only_position_has_to_be_followed", test_only_position_has_to_be_followed},
+      {"test_axis_that_runs_away", test_axis_that_runs_away},
       {"test_one_check_is_not_another", test_one_check_is_not_another},
       {"test_no_limit_is_negative", test_no_limit_is_negative},
       {"test_sclocks_that_nobody_served", test_sclocks_that_nobody_served},
@@ -291,6 +343,7 @@ int main(int argc, char **argv) {
       {"test_a_machine_at_rest_may_be_moved", test_a_machine_at_rest_may_be_moved},
       {"test_requests_that_wait_until_the_servo_rests",
        test_requests_that_wait_until_the_servo_rests},
+      {"test_parameters_of_an_axis_that_is_on", test_parameters_of_an_axis_that_is_on},
       {"test_nothing_is_checked_that_was_not_asked_for",
        test_nothing_is_checked_that_was_not_asked_for},
   };

@@ -11,8 +11,11 @@ import math
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
 
-GUARDS = ("jump", "follow", "samples", "missed", "lease", "lock", "readback", "checked", "brakes")
+GUARDS = (
+    "jump", "follow", "samples", "runaway", "missed", "lease", "lock", "readback", "checked", "brakes",
+)  # fmt: skip
 GUARD_US = 10_000  # that setpoints are good for; the half of it for the rest
+RUNAWAY = 4  # counts an interval: a count of doubt in each of two speeds, and as much again
 WHOLE = {"hardware": "2026", "amp_panic_cut": "brakes first"}
 
 
@@ -47,6 +50,7 @@ def _limits(us: int, robot: Robot) -> dict:
         "guard_jump": min(32767, math.ceil(robot.fastest() * us / 1.5e6)),
         "guard_follow": max((m.servo.follow for m in robot.axis), default=0),
         "guard_samples": ticks // 2,
+        "guard_runaway": RUNAWAY,
         "guard_missed": ticks // 2,
         "guard_lease": ticks,
         "guard_lock": True,

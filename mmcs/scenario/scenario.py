@@ -30,6 +30,7 @@ class Host(Strict):
     guard_jump: int = Field(0, ge=0, le=32767)
     guard_follow: int = Field(0, ge=0, le=INT_MAX)
     guard_samples: int = Field(5, ge=0, le=INT_MAX)
+    guard_runaway: int = Field(0, ge=0, le=32767)
     guard_missed: int = Field(0, ge=0, le=INT_MAX)
     guard_lease: int = Field(0, ge=0, le=INT_MAX)
     guard_lock: bool = False

@@ -47,7 +47,7 @@ module axis #(
   output logic      [15:0] drive_v_o,
   // Status
   output logic             heartbeat_o,
-  output logic             illegal_o,        // of 2026: A and B changed at once, the count is lost
+  output logic             illegal_o,        // of 2026: illegal step or cut wire, the count is lost
   output logic             index_o,          // index has been latched
   output logic             converting_o
 );
@@ -87,7 +87,7 @@ module axis #(
   thct2000 #(
     .Filter(EncoderFilter),
     .PowerUp(CountPowerUp),
-    .IllegalUntilWrite(Safety2026)
+    .Safety2026(Safety2026)
   ) u_encoder (
     .clk_i, .rst_ni, .reset_i, .clk_en_i,
     .m_i(enc_mode_i),
@@ -160,11 +160,29 @@ module axis #(
 
   // --- heartbeat ----------------------------------------------------------------------------
 
+  // Of 2026: a D/A that waits for latches which do not come is none that is served. Only a write
+  // after the latch of the one before is a beat.
+  logic beat;
+
+  if (Safety2026) begin : g_beat
+    logic taken_d, taken_q;  // the D/A has taken what was written before
+    assign taken_d = dac_update_i | ~dac_double_i | (taken_q & ~dac_lo_i);
+
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) taken_q <= 1'b1;
+      else taken_q <= taken_d;
+    end
+
+    assign beat = dac_lo_i & taken_q;
+  end else begin : g_beat
+    assign beat = dac_lo_i;
+  end
+
   oneshot #(
     .PulseClks(HeartbeatClks)
   ) u_heartbeat (
     .clk_i, .rst_ni,
-    .trig_i(dac_lo_i),
+    .trig_i(beat),
     .clr_ni(1'b1),
     .q_o(heartbeat_o)
   );

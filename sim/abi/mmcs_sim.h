@@ -81,7 +81,7 @@ typedef struct mmcs_config {
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
   /* struct mc_guard of the native driver, all 0: as the report has it */
   int32_t guard_jump, guard_follow, guard_samples, guard_missed, guard_lease, guard_lock;
-  int32_t guard_readback, guard_checked, guard_latched, guard_brakes;
+  int32_t guard_readback, guard_checked, guard_latched, guard_brakes, guard_runaway;
   const char *processor; /* file names for a real processor: its library, */
   const char *firmware;  /* and the image that it runs */
 } mmcs_config;

@@ -44,9 +44,10 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       kSysclkHz,
       kVector,
       {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
-       static_cast<uint32_t>(config.guard_missed), static_cast<uint32_t>(config.guard_lease),
-       config.guard_lock != 0, config.guard_readback != 0, config.guard_checked != 0,
-       config.guard_latched != 0, static_cast<uint32_t>(config.guard_brakes)},
+       config.guard_runaway, static_cast<uint32_t>(config.guard_missed),
+       static_cast<uint32_t>(config.guard_lease), config.guard_lock != 0,
+       config.guard_readback != 0, config.guard_checked != 0, config.guard_latched != 0,
+       static_cast<uint32_t>(config.guard_brakes)},
       static_cast<uint32_t>(config.axis_speed)};
   if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
     throw std::runtime_error("the driver refuses its configuration");

@@ -43,7 +43,7 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
   for (int32_t n :
        {config->guard_jump, config->guard_follow, config->guard_samples, config->guard_missed,
         config->guard_lease, config->guard_lock, config->guard_readback, config->guard_checked,
-        config->guard_latched, config->guard_brakes}) {
+        config->guard_latched, config->guard_brakes, config->guard_runaway}) {
     if (n < 0) return "a limit of the guard is negative";
     if (n > 0 && config->host != MMCS_HOST_NATIVE) return "the guard is of the native driver only";
   }
