@@ -210,7 +210,7 @@ def variation(motion: str, dice: random.Random) -> tuple[str, ...]:
 
     sets = [f"seed={dice.randrange(1, 1 << 30)}"]
     entries = []
-    for entry in load(motion, ()).data.get("motion", []):
+    for entry in load(motion).data.get("motion", []):
         to = entry["to"]
         scale = lambda: dice.choice((-1, 1)) * dice.uniform(0.2, 1.0)  # noqa: E731
         if isinstance(to, list):

@@ -8,7 +8,7 @@ import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -118,7 +118,13 @@ def _mark(sheet: Sheet, question: Question, answer: Strict) -> Mark:
 def _grader(sheet: Sheet):
     """The module in the sheet's folder: Answer, a model, and QUESTIONS."""
     path = sheet.folder / GRADER
-    spec = spec_from_file_location(f"grader_of_{sheet.name}", path)
+    return _loaded(path, path.stat().st_mtime_ns)
+
+
+@cache
+def _loaded(path: Path, _: int):
+    """Once a process for each state of the file, so that there is one Answer."""
+    spec = spec_from_file_location(f"grader_of_{path.parent.name}", path)
     module = module_from_spec(spec)
     sys.modules[spec.name] = module  # models of pydantic look there for their types
     try:

@@ -12,7 +12,8 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
 
 GUARDS = (
-    "jump", "follow", "samples", "runaway", "missed", "lease", "lock", "readback", "checked", "brakes",
+    "jump", "follow", "samples", "runaway", "missed", "lease", "lock", "readback", "checked",
+    "brakes",
 )  # fmt: skip
 GUARD_US = 10_000  # that setpoints are good for; the half of it for the rest
 RUNAWAY = 4  # counts an interval: a count of doubt in each of two speeds, and as much again

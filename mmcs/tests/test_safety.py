@@ -27,9 +27,9 @@ def test_one_switch_takes_its_limits_from_the_robot():
     setup = load("arm_move", (SAFE,))
     assert setup.hardware() == "2026" and setup.config()["amp_panic_cut"] == 2
     assert setup.guard() == {
-        "guard_jump": 75, "guard_follow": 300, "guard_samples": 5, "guard_missed": 5,
-        "guard_lease": 10, "guard_lock": 1, "guard_readback": 1, "guard_checked": 1,
-        "guard_brakes": 31000, "guard_latched": 1,
+        "guard_jump": 75, "guard_follow": 300, "guard_samples": 5, "guard_runaway": 4,
+        "guard_missed": 5, "guard_lease": 10, "guard_lock": 1, "guard_readback": 1,
+        "guard_checked": 1, "guard_brakes": 31000, "guard_latched": 1,
     }  # fmt: skip
     slow = load("puma560_velocity", (SAFE,)).guard()  # 2 ms
     assert (slow["guard_jump"], slow["guard_lease"], slow["guard_brakes"]) == (149, 5, 32000)
@@ -132,3 +132,33 @@ def test_encoder_that_steps_illegally_is_noticed_at_once():
         after.append(seen.detected_s)
     assert min(after) < 1e-4
     twin.close()
+
+
+# What a machine with the checks of 1989 and the guard notices late or never.
+NOTICED = [
+    ("arm_move", {"at": 0.26, "input": "encoder_a_cut", "value": 1, "index": 4}, 30),
+    ("arm_move", {"at": 0.28, "input": "encoder_b_cut", "value": 1, "index": 1}, 30),
+    ("puma560_hold", {"at": 0.1, "input": "amp_saturated", "value": 1, "index": 5}, 15),
+    ("arm_calibrate", {"at": 0.1, "input": "encoder_swap", "value": 1, "index": 5}, 10),
+    ("puma560_velocity", {"at": 0.5346, "input": "sclock_open", "value": 1, "index": 2}, 12),
+]
+
+
+@pytest.mark.req("DRV-9", "PAN-1")
+@pytest.mark.parametrize(("name", "event", "ms"), NOTICED, ids=lambda v: str(v)[:20])
+def test_what_is_noticed_in_time(name, event, ms):
+    plan = make_plan((name,), (), 1, (SAFE, "axis.all.ilimax=60"))
+    twin = Twin(plan.setups[name])
+    seen, more = twin.run(Fault(0, name, "pin", "test", event["at"], event=event))
+    twin.close()
+    assert more["by"] == "PANIC" and 1e3 * seen.detected_s < ms, (seen, more)
+
+
+@pytest.mark.req("DRV-9")
+def test_gains_of_an_axis_that_is_on_are_refused():
+    plan = make_plan(("arm_move",), (), 1, (SAFE,))
+    twin = Twin(plan.setups["arm_move"])
+    call = {"at": 0.1, "request": "MSETPARAM", "axis": 5, "set": {"a0": 3}}
+    _, more = twin.run(Fault(0, "arm_move", "message", "test", 0.1, call=call))
+    twin.close()
+    assert more["by"] == "MSETPARAM refused"
