@@ -16,6 +16,8 @@ from collections import Counter
 from pathlib import Path
 
 from mmcs import ROOT, InputError, load
+from mmcs.errors import toml
+from mmcs.inputs import find
 from mmcs.sweeps.campaign import MOTIONS, make_plan
 from mmcs.sweeps.campaign_report import (
     WHEN,
@@ -29,8 +31,9 @@ from mmcs.sweeps.campaign_report import (
     told,
     write_maps,
 )
-from mmcs.sweeps.classes import DANGEROUS, LATE, STEPS
+from mmcs.sweeps.classes import DANGEROUS, LATE, NEAR, STEPS
 from mmcs.sweeps.faults import line_name
+from mmcs.sweeps.twin import Twin
 
 PAGE = ROOT / "docs" / "evidence" / "campaign.md"
 IMAGES = ROOT / "docs" / "images"
@@ -48,42 +51,16 @@ TITLES = {
     " lease 10; `ilimax` 60",
     "2026": "the [safe machine](../hardware/safety.md), `ilimax` 60",
 }
-HEALTHY = "healthy.json"
-WHY = {
-    "card.u_axis.u_encoder.count_q": "no parity: the servo takes counts back that never were",
-    "card.u_ppi.pb_q": "a mode bit of the card, which the driver wrote once and never looks at",
-    "card.u_ppi.mode_q": "a mode bit of the card: ports become inputs",
-    "adaptor.u_core.u_pit.g_counter[1].u_counter.cr_q": "another SCLOCK, and nobody measures it",
-    "adaptor.u_core.power_timer_q": "RESET DRV: all cards forget their modes",
-    "writes_lost": "the driver holds the last setpoint, however old",
-    "write_flip": "any 32 bits are a setpoint",
-    "MSETENC": "renumbers the axis under a program that goes on in the old numbers",
-    "MENABLE": "under power begins the servo's memory anew",
-    "MSETINTERVAL": "under power makes all gains wrong",
-    "host_stall": "below 50 ms no heartbeat ends, and the D/As keep their torque",
-    "irq_lost": "below 50 ms no heartbeat ends, and the D/As keep their torque",
-    "axis_enable": "the switch isolates the drive, and no bit tells the host",
-    "sclock_open": "the D/As of the card wait for a latch that never comes",
-    "encoder_a_cut": "no check of the wires: the axis seems to stand",
-    "encoder_b_cut": "no check of the wires: the axis seems to stand",
-    "encoder_swap": "the loop pushes away from its goal",
-    "encoder_slip": "what the disc says is the truth",
-    "amp_dead": "nothing reads the current back",
-    "amp_saturated": "nothing reads the current back",
-    "motor_jam": "the error grows to the current limit, and that is allowed",
-    "load_torque": "the error grows to the current limit, and that is allowed",
-    "brake_stuck": "no sensor on a brake",
-    "drive_offset": "the loop leans against it, some counts off",
-    "pc_control_stuck0 1": "a write that never ends: the card takes what is on the bus",
-}
+HEALTHY, COMMIT = "healthy.jsonl", "commit"  # in a machine's folder
 
 
-def why(what: str) -> str:
-    if what.startswith("MSETPARAM "):
-        return "any number is a gain"
-    if what not in WHY:
-        raise SystemExit(f"studies.campaign: the hole {what} has no sentence: say in WHY why it is")
-    return WHY[what]
+def meaning(sort: str, what: str) -> str:
+    """What the table of inputs, or that of requests, says of it."""
+    if sort == "register":
+        return "one flip-flop of it flips"
+    if known := find(what.partition(" ")[0]):
+        return known.meaning
+    return "a request that nobody meant, or with a wrong bit"
 
 
 def rows_of(folder: Path) -> dict[int, dict]:
@@ -95,38 +72,44 @@ def rows_of(folder: Path) -> dict[int, dict]:
     return {n: rows[n] for n in range(whole)}
 
 
-def machine_table(found: dict[str, list[dict]], healthy: dict[str, list]) -> list[str]:
-    far = STEPS[-1]
+def healthy_of(folder: Path) -> list[dict]:
+    path = folder / HEALTHY
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def machine_table(folder: Path, found: dict[str, list[dict]]) -> list[str]:
+    far = f"beyond {STEPS[-1]:g}°"
     lines = [
-        f"| machine | faults | silent and dangerous, per million | beyond {far:g}° | told too "
-        f"late, per million | beyond {far:g}° | healthy runs: stopped, harmed |",
-        "|---|" + "---:|" * 6,
+        f"| machine | commit | faults | silent and dangerous, per million | {far} "
+        f"| told too late, per million | {far} | healthy runs: stopped, harmed |",
+        "|---|---|" + "---:|" * 6,
     ]
     for name, rows in found.items():
-        cells = []
+        cells = [TITLES[name], (folder / name / COMMIT).read_text().strip(), f"{len(rows):,}"]
         for kind in (DANGEROUS, LATE):
             own = [row["deg"] for row in rows if row["class"] == kind]
+            beyond = sum(deg > STEPS[-1] for deg in own)
             cells.append(per_million(len(own), len(rows)))
-            cells.append(per_million(sum(deg > far for deg in own), len(rows)))
-        runs, stopped, harmed = healthy.get(name, ("", "", ""))
-        good_ones = f"{runs:,}: {stopped}, {harmed}" if runs else ""
-        lines.append(f"| {TITLES[name]} | {len(rows):,} | {' | '.join(cells)} | {good_ones} |")
+            cells.append(f"{per_million(beyond, len(rows))}: {beyond}")
+        runs = healthy_of(folder / name)
+        stopped, harmed = (sum(bool(run[key]) for run in runs) for key in ("stopped", "harmed"))
+        cells.append(f"{len(runs):,}: {stopped}, {harmed}" if runs else "")
+        lines.append(f"| {' | '.join(cells)} |")
     return lines
 
 
 def hole_table(found: dict[str, list[dict]]) -> list[str]:
     """The worst holes of the first machine, and how much of each the others leave."""
-    names = list(found)
     lines = [
-        "| hole | why | " + " | ".join(names) + " |",
-        "|---|---|" + "---:|" * len(names),
+        "| hole | what it is | " + " | ".join(found) + " |",
+        "|---|---|" + "---:|" * len(found),
     ]
-    for (sort, what), _ in holes(found[names[0]])[:WORST]:
+    for (sort, what), _ in holes(next(iter(found.values())))[:WORST]:
         cells = []
         for rows in found.values():
             own = [r["class"] for r in rows if (r["sort"], r["what"]) == (sort, what)]
             cells.append(f"{own.count(DANGEROUS)} of {len(own)}")
-        lines.append(f"| `{line_name(what)}` | {why(what)} | {' | '.join(cells)} |")
+        lines.append(f"| `{line_name(what)}` | {meaning(sort, what)} | {' | '.join(cells)} |")
     return lines
 
 
@@ -145,23 +128,27 @@ def commit() -> str:
     ).stdout.strip()
 
 
-def page(found: dict[str, list[dict]], healthy: dict, costs: str, at: str) -> str:
-    first, last = next(iter(found.values())), list(found)[-1]
+def page(folder: Path, found: dict[str, list[dict]], costs: str) -> str:
+    first, last = next(iter(found)), list(found)[-1]
     lines = [
         "# Where the design of 1989 is deaf",
         "",
         "Faults drawn by one seed, each a run beside its fault-free twin. What is drawn, and what",
         "the classes mean, is in [campaigns](../use/campaign.md). To make it again:",
-        "`python -m studies.campaign build/campaigns/study --run 1989 3000` (and `remedies`,",
-        "`2026`), `--healthy 1000`, then without an option.",
+        "`python -m studies.campaign build/campaigns/study --run 1989 N` (and `remedies`, `2026`),",
+        "`--healthy 1000`, then without an option.",
         "",
-        f"{costs} Commit {at}. Shares are of faults drawn evenly, in per million with their 95 %",
-        "intervals; 100,000 faults of 3155977 gave 136,800 (134,700 to 139,000) silent and",
-        "dangerous, 173,200 (170,800 to 175,500) told too late, as built in 1989.",
+        f"{costs} Shares are of faults drawn evenly, in per million with their 95 % intervals;",
+        "behind a colon stands the count. 100,000 faults of each machine were wanted; that many",
+        "were run as built in 1989 alone, on 3155977: 136,800 (134,700 to 139,000) silent and",
+        "dangerous, 173,200 (170,800 to 175,500) told too late.",
         "",
-        *machine_table(found, healthy),
+        *machine_table(folder, found),
         "",
-        f"{told(first)} Of the safe machine: {left(found[last])}",
+        "*Healthy runs*: the four motions to other ends and with other seeds, beside the machine",
+        f"of 1989 with the same `ilimax`; harmed: more than {NEAR:g} counts off its way.",
+        "",
+        f"{told(found[first])} Of the safe machine: {left(found[last])}",
         "",
         f"![Shares of the classes by register, input and request](../images/campaign_{WHERE})",
         "",
@@ -173,41 +160,41 @@ def page(found: dict[str, list[dict]], healthy: dict, costs: str, at: str) -> st
         "",
     ]
     for name, rows in found.items():
-        lines += [line.replace("## How far", f"## How far: {name}") for line in how_far(rows)[:-2]]
-        lines.append("")
-    plan = make_plan((), (), 1)
-    lines += tables(plan, first)[: tables(plan, first).index("## Where it is deaf") - 1]
+        lines += [line.replace("## How far", f"## How far: {name}") for line in how_far(rows)[:-1]]
+    lines += [how_far(found[first])[-1], "", *tables(make_plan((), (), 1), found[first])]
     return "\n".join(lines).rstrip() + "\n"
 
 
-def run_healthy(count: int) -> dict[str, list]:
-    """Of the safe machine without a fault, the four motions with other ends and seeds: [runs,
-    stopped, more than 10 counts off the way of the machine of 1989]."""
-    from mmcs.sweeps.classes import NEAR
-    from mmcs.sweeps.twin import Twin
+def run_healthy(folder: Path, count: int) -> None:
+    """Of the safe machine without a fault, the four motions with other ends and seeds: whether it
+    stops, and how many counts it is off the way of the machine of 1989. Goes on where it ended."""
+    folder.mkdir(parents=True, exist_ok=True)
+    done = len(healthy_of(folder))
+    with (folder / HEALTHY).open("a") as out:
+        for n in range(done, count):
+            motion = MOTIONS[n % len(MOTIONS)]
+            sets = variation(motion, random.Random(f"healthy/{n}"))
+            out.write(json.dumps({"n": n, "motion": motion, **_beside(motion, sets)}) + "\n")
+            out.flush()
 
-    stopped = harmed = 0
-    for n in range(count):
-        motion = MOTIONS[n % len(MOTIONS)]
-        sets = variation(motion, random.Random(f"healthy/{n}"))
-        twins = []
-        try:
-            for more in (MACHINES["1989"], MACHINES["2026"]):
-                setup = make_plan((motion,), (), 1, (*more, *sets)).setups[motion]
-                twins.append(Twin(setup, snapshots=False))
-            harmed += bool(abs(twins[0].angles - twins[1].angles).max() > NEAR)
-        except InputError as error:
-            stopped += 1
-            print(f"healthy run {n}: {error}")
-        for twin in twins:
-            twin.close()
-    return {"2026": [count, stopped, harmed]}
+
+def _beside(motion: str, sets: tuple[str, ...]) -> dict:
+    twins: list[Twin] = []
+    off, stopped = 0.0, ""
+    try:
+        for more in ((ILIMAX,), MACHINES["2026"]):
+            setup = make_plan((motion,), (), 1, (*more, *sets)).setups[motion]
+            twins.append(Twin(setup, snapshots=False))
+        off = float(abs(twins[0].angles - twins[1].angles).max())
+    except InputError as error:
+        stopped = str(error)
+    for twin in twins:
+        twin.close()
+    return {"stopped": stopped, "off": off, "harmed": off > NEAR}
 
 
 def variation(motion: str, dice: random.Random) -> tuple[str, ...]:
     """A healthy motion like this one: ends at -100 to 100 % of its own, another seed."""
-    from mmcs.errors import toml
-
     sets = [f"seed={dice.randrange(1, 1 << 30)}"]
     entries = []
     for entry in load(motion).data.get("motion", []):
@@ -226,28 +213,27 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--run", nargs=2, metavar=("NAME", "N"), help="faults of one machine")
-    parser.add_argument("--healthy", type=int, metavar="N", help="healthy runs")
-    parser.add_argument("--at", metavar="COMMIT", help="of the campaigns, if not this one")
+    parser.add_argument("--healthy", type=int, metavar="N", help="healthy runs of the safe one")
     options = parser.parse_args()
-    kept = options.folder / HEALTHY
     if options.run:
         name, count = options.run
         sets = [word for text in MACHINES[name] for word in ("--set", text)]
         command = ["mmcs", "campaign", "--faults", count, "--seed", "1", *sets]
+        at = commit()
         subprocess.run([*command, "--out", str(options.folder / name)], check=True)
+        (options.folder / name / COMMIT).write_text(at)
         return
     if options.healthy:
-        options.folder.mkdir(parents=True, exist_ok=True)
-        kept.write_text(json.dumps(run_healthy(options.healthy)))
+        run_healthy(options.folder / "2026", options.healthy)
         return
     folders = {name: options.folder / name for name in MACHINES}
-    rows = {name: rows_of(folder) for name, folder in folders.items()}
-    faults, core_s, _ = map(sum, zip(*(cost_of(f) for f in folders.values()), strict=True))
-    costs = f"A fault took {1e3 * core_s / faults:.0f} ms of a core."
-    healthy = json.loads(kept.read_text()) if kept.exists() else {}
+    rows = {name: rows_of(folder) for name, folder in folders.items() if folder.exists()}
+    faults, core_s, _ = map(sum, zip(*(cost_of(folders[name]) for name in rows), strict=True))
+    costs = f"A fault took {1e3 * core_s / faults:.0f} ms of a core." if faults else ""
     found = {name: good(some) for name, some in rows.items()}
-    PAGE.write_text(page(found, healthy, costs, options.at or commit()))
-    for path in write_maps(folders["1989"], make_plan((), (), 1), rows["1989"]):
+    PAGE.write_text(page(options.folder, found, costs))
+    first = next(iter(rows))
+    for path in write_maps(folders[first], make_plan((), (), 1), rows[first]):
         (IMAGES / f"campaign_{path.name}").write_bytes(path.read_bytes())
 
 

@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardware with Safety2026: PANIC stands until a release, illegal steps and cut wires of encoders
-raise it, heartbeats end after 10 ms and want latches. docs/hardware/safety.md"""
+"""The hardware with Safety2026: PANIC stands until a release, encoders that step illegally or have
+a cut wire raise it, heartbeats end after 10 ms and want latches. docs/hardware/safety.md"""
 
 import cocotb
 
 from cocotb_tests.lib.req import req
 from cocotb_tests.lib.tb import (
-    B_DOUBLE, B_REAL_ENC, B_SCLOCK, B_TO_JOINT, DAC1, HEALTH_CLKS, QUAD, Machine,
-)  # fmt: skip
+    B_DOUBLE,
+    B_REAL_ENC,
+    B_SCLOCK,
+    B_TO_JOINT,
+    DAC1,
+    HEALTH_CLKS,
+    QUAD,
+    Machine,
+)
 from mmcs import regs
 
 TOPLEVEL = "mmcs"
@@ -141,8 +148,7 @@ async def write_that_no_latch_takes_is_no_heartbeat(dut):
 @cocotb.test()
 @req("ENC-1", "PAN-1")
 async def cut_wire_of_an_encoder_is_panic(dut):
-    """Of each wire: what is left of an axis that turns. Not so an axis that swings over one edge, which
-    no servo does more than once a sample."""
+    """Of each wire, when the axis turns; not so an axis that swings over one edge once a sample."""
     tb = await counting(dut)
     for wire in (dut.enc_a_i, dut.enc_b_i):
         for _ in range(ALONE):
