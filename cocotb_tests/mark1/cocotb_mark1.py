@@ -471,6 +471,21 @@ async def index_at_any_speed(dut):
 
 @cocotb.test()
 @variants("short")
+@req("DIA-2", "CAL-1")
+async def the_made_index_is_one_bit_of_port_a(dut):
+    """Bit 7 alone, whatever lights, A and B do."""
+    tb = Card(dut)
+    await tb.start(0)
+    for value in range(32):
+        await tb.pc.write(PORT_B, 0)
+        await tb.pc.write(PORT_A, QUAD | value << 3)
+        await tb.pc.write(PORT_B, B_INDEX)
+        await tb.us(2)
+        assert bool(await tb.pc.read(PORT_C) & C_INDEX1) == (value > 15), f"{value:02X}"
+
+
+@cocotb.test()
+@variants("short")
 @req("LED-2", "PAN-2")
 async def power_off(dut):
     """No power: LEDs off, no drive, no answer, one-shots low, PANIC line not driven by the card."""
