@@ -169,8 +169,8 @@ class Part {
   uint64_t in_ = 0, out_ = 0, told_ = 0;
   uint64_t model_in_ = 0;  // control inputs of the model, while it is at the state
   uint32_t cells_[kMostCells] = {};
-  uint32_t data_ = 0;   // data inputs that moved
-  uint32_t moved_ = 0;  // cells that moved
+  uint32_t data_ = 0;        // data inputs that moved
+  uint32_t moved_ = 0;       // cells that moved
   uint64_t seen_out_ = 0;    // control outputs that somebody looks at
   uint32_t seen_cells_ = 0;  // the same of data
   int64_t last_ = 0, due_ = 0;
