@@ -158,14 +158,10 @@ class Machine:
         self.setup, self.axes = setup, setup.axes
         self.interval_s = setup.scenario.interval_us * 1e-6
         self.sim = machine(setup)
-        session = Session(self.sim, setup)
+        bare = setup.scenario.model_copy(update={"call": [], "process": []})
         try:
-            session.schedule(0.0, at_power_on=True)
-            self._client = self.sim.open(mcdef.O_RDWR)
-            session.configure(self._client)
-            self._start = self.sim.time
-            session.schedule(self._start, at_power_on=False)
-            self._ask("start of the log", self.sim.start_motion, self._client)
+            session = Session(self.sim, replace(setup, scenario=bare))
+            self._client, self._start = session.configure(), session.start
         except BaseException:
             self.close()
             raise

@@ -87,8 +87,8 @@ class Load:
         setup = _setup(cards, arm, load)
         library = ensure_library(cards, "speed")
         self.sim = sim = Sim(library, setup.config(), setup.motors(), setup.links())
-        session, client = Session(sim, setup), sim.open(mcdef.O_RDWR)
-        session.begin(client)
+        session = Session(sim, setup)
+        session.begin()
         begin = session.start + WINDOWS[arm, load][0]
         self.end = begin + WINDOWS[arm, load][1]
         sim.run(begin)

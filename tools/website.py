@@ -28,6 +28,7 @@ from mmcs.device.operations import MOST_SNAPSHOTS
 from mmcs.inputs import INPUTS
 from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
+from mmcs.runs.script import process_fields
 from mmcs.scenario.files import named
 from mmcs.tool import labs
 from mmcs.tool.pages import LIBRARIES, library_folder
@@ -40,7 +41,7 @@ SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html"
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call",
-              "mmcs_segment", "mmcs_event", "mmcs_stats", "mmcs_checkpoint", "mmcs_snapshot",
+              "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event", "mmcs_stats", "mmcs_checkpoint", "mmcs_snapshot",
               "mmcs_tap_head", "mmcs_tap_read", "mmcs_tap_event", "mmcs_change",
               "struct mc_param", "struct mc_state", "struct mc_stats")  # fmt: skip
 FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")
@@ -194,8 +195,7 @@ def scenarios() -> list[dict]:
 def setup(name: str) -> dict | None:
     made = load(name)
     scenario = made.scenario
-    kinds = {process.kind for process in scenario.process}
-    if scenario.cards not in CARDS or scenario.clk_hz != 8_000_000 or not kinds <= {"bounce"}:
+    if scenario.cards not in CARDS or scenario.clk_hz != 8_000_000 or scenario.program:
         return None
     packed = zlib.compress(json.dumps(made.files).encode(), 9)
     events = [e.model_dump() | {"healthy": find_input(e.input).healthy} for e in scenario.event]
@@ -212,7 +212,7 @@ def setup(name: str) -> dict | None:
         "segments": made.segments,
         "events": events,
         "calls": [_call(call) for call in scenario.call],
-        "processes": [process.model_dump() for process in scenario.process],
+        "processes": [process_fields(made, n, p) for n, p in enumerate(scenario.process)],
         "refusals": [e.request for e in scenario.expect if e.kind == "refused"],
         "duration": scenario.duration,
         "data": inline(made.data, made.path.parent),

@@ -46,12 +46,13 @@ class Line:
             raise RunError(f"--dpi {fd}: {error.strerror}; a simulator gives this option") from None
         self._declared = load_library(library)
         self._ffi = make_ffi()
-        self._machine = self._ffi.typeof("mmcs_sim *")  # the simulator has one, and keeps it
+        # the simulator has one of each, and keeps it
+        self._there = [self._ffi.typeof(f"{name} *") for name in ("mmcs_sim", "mmcs_script")]
         self._kept: dict[str, object] = {}  # what the last call of a name pointed to
 
     def __getattr__(self, name: str):
         declared = getattr(self._declared, name)
-        if not name.startswith("mmcs_sim_"):
+        if not name.startswith(("mmcs_sim_", "mmcs_script_")):
             return declared
         kind = self._ffi.typeof(declared)
         return lambda *arguments: self._call(name, kind, arguments)
@@ -70,7 +71,7 @@ class Line:
         for declared, value in zip(kind.args, arguments, strict=True):
             if declared.kind == "primitive":
                 request.append(struct.pack("<d" if declared.cname == "double" else "<q", value))
-            elif declared != self._machine:
+            elif declared not in self._there:
                 arrays.append((declared, value))
                 if declared.item.kind != "pointer":
                     request.append(self._sent(value))

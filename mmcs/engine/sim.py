@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulated machine as a Python object: a thin wrapper of sim/abi/mmcs_sim.h.
 
-The C declarations are read from that very header, so they cannot drift apart.
+The C declarations are read from the very headers of sim/abi, so they cannot drift apart.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ import cffi
 import numpy as np
 
 from mmcs import ROOT, mcdef
+from mmcs.engine.script import Script
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 
-HEADER = ROOT / "sim" / "abi" / "mmcs_sim.h"
+HEADERS = [ROOT / "sim" / "abi" / name for name in ("mmcs_sim.h", "mmcs_service.h")]
 SEGMENT_KINDS = ("hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square")
 
 
@@ -35,7 +36,8 @@ def declarations(text: str) -> str:
 def make_ffi() -> cffi.FFI:
     ffi = cffi.FFI()
     ffi.include(mcdef.make_ffi())
-    ffi.cdef(declarations(HEADER.read_text()))
+    for header in HEADERS:
+        ffi.cdef(declarations(header.read_text()))
     return ffi
 
 
@@ -69,6 +71,11 @@ class Sim(Watching):
             text = self.ffi.string(err).decode(errors="replace")
             raise RunError(f"the machine cannot be made: {text or 'no reason given'}")
         self.caution = self.ffi.string(err).decode(errors="replace")
+
+    @property
+    def handle(self):
+        """What functions of the headers take."""
+        return self._sim
 
     def destroy(self) -> None:
         if self._sim:
@@ -157,23 +164,13 @@ class Sim(Watching):
         )
         return result, self.ffi.string(refused).decode()
 
-    def call(self, client: int, params, call: dict, sets: list[tuple]) -> tuple[list, list[dict]]:
-        """A [[call]], as fields of mmcs_call, its changes as mcdef.sets(); params:
-        mcdef.new_params(). What became of it, by axis, and the states that MCALIB saw."""
-        states, results = self.ffi.new("struct mc_state[32]"), self.ffi.new("int32_t[32]")
-        given = self.ffi.new("mmcs_call *", {**call, "sets": len(sets)})
-        changes = self.ffi.new("mmcs_set[]", sets)
-        args = (self.axes, params, given, changes, states, results)
-        self.lib.mmcs_sim_call(self._sim, client, *args)
-        return list(results), [_state(states[n]) for n in range(self.axes)]
+    def new_script(self, driver: dict | None, params: list[dict]) -> Script:
+        return Script(self, driver, params)
 
-    def bounce(self, client: int, axes: int, goals: list[int], setpoints: list[int]) -> int:
-        """axes: a bit each; setpoints change as they are written."""
-        now = self.ffi.new("int32_t[]", setpoints)
-        args = (self.axes, axes, self.ffi.new("int32_t[]", goals), now)
-        result = self.lib.mmcs_sim_bounce(self._sim, client, *args)
-        setpoints[:] = list(now)
-        return result
+    def play(self, script: Script, until: float) -> tuple[int, str]:
+        """Runs to a time of the motion and carries out what is due before it: as Script.act()."""
+        result = script.act(self, until)
+        return result if result[0] else (int(not self.run(script.start + until)), "")
 
     # read, write and ioctl for arguments that come from another process
 

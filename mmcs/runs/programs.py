@@ -31,9 +31,7 @@ class ProgramSession(Session):
         began = time.perf_counter()
         if self.bus is not None:
             sim.bus_watch()
-        self.schedule(0.0, at_power_on=True)
-        sim.start_motion(0)
-        self.schedule(0.0, at_power_on=False)
+        self.configure()
         with tempfile.TemporaryDirectory(prefix="mmcs-") as folder:
             server = Server(sim, Path(folder) / "run.sock", None, console=say, lockstep=True)
             sim.ring(0.0, 0)

@@ -14,10 +14,9 @@ import numpy as np
 from mmcs import mcdef
 from mmcs.engine.rows import Rows
 from mmcs.engine.watching import CYCLE
-from mmcs.errors import InputError, RunError, suggest
-from mmcs.inputs import find
+from mmcs.errors import RunError
 from mmcs.logcols import FIELDS
-from mmcs.runs.actors import make_actors
+from mmcs.runs.script import make_script, summaries
 from mmcs.scenario.setup import Setup
 
 CHUNK_S = 0.02  # simulated time between looks at the clock on the wall
@@ -72,10 +71,9 @@ class Session:
         self.sim, self.setup, self.realtime = sim, setup, realtime
         self.first_motion_wall: float | None = None
         self.start = 0.0
-        self.setpoints = [0] * setup.axes
         self.pots: dict[int, tuple[int, int]] = {}
-        self.refused: list[tuple[str, int]] = []
-        self.actors: list = []
+        self.at_start: list[tuple[str, int]] = []  # what the driver refused
+        self.script = make_script(sim, setup)
         self.log = Rows(1 + len(FIELDS) * setup.axes)
         self.truth = Rows(2 + 3 * setup.axes)
         self.bus = Rows(len(CYCLE)) if bus else None
@@ -85,19 +83,17 @@ class Session:
         began = time.perf_counter()
         if self.bus is not None:
             sim.bus_watch()
-        self.schedule(0.0, at_power_on=True)
         ok, ended = True, ""
-        client = self.open()
         try:
-            self.begin(client)
+            self.begin()
             ok = self._move(setup.scenario.duration, progress)
         except Refused:
-            self.start = sim.time
+            pass
         except MemoryError:  # what there is until now is kept
             ok, ended = False, NO_MEMORY
         if not ok and not ended:
             ended = self._why_ended()
-        witnesses = self.witnesses()
+        client, witnesses = self.script.client, self.witnesses()
         states = self._last_state(client)
         hash_ = sim.hash()
         self.log.append(sim.take_log())
@@ -111,6 +107,9 @@ class Session:
     def result(self, began: float, ok: bool, ended: str, stats: dict, hash_: str, witnesses: list,
                states: list) -> Result:  # fmt: skip
         sim = self.sim
+        for request, axis, _, code, count in self.script.answers():
+            if request == "MCALIB" and axis >= 0:
+                self.pots.setdefault(axis, (code, count))
         return Result(
             setup=self.setup,
             log=self.log.array(),
@@ -131,7 +130,7 @@ class Session:
             truth=self.truth.array(),
             pots=self.pots,
             refused=self.refused,
-            processes=[a.summary() for a in self.actors if hasattr(a, "summary")],
+            processes=summaries(self.script, self.setup),
             checkpoints=sim.checkpoints(),
             build=sim.build_id(),
             bus=self.bus,
@@ -142,21 +141,38 @@ class Session:
         sim = self.sim
         return [sim.true(n) | {"register": sim.encoder_register(n)} for n in range(self.setup.axes)]
 
-    def open(self) -> int:
-        return _checked("open", self.sim.open(mcdef.O_RDWR))
+    @property
+    def refused(self) -> list[tuple[str, int]]:
+        """Requests that the driver refused, and how."""
+        return self.at_start + refusals(self.script)
 
-    def run_to(self, until_s: float) -> bool:
-        return self.sim.run(until_s)
-
-    def begin(self, client: int) -> None:
-        """Configures the driver and starts the motion."""
-        self.configure(client)
-        self.start = self.sim.time
-        self.schedule(self.start, at_power_on=False)
+    def begin(self) -> int:
+        """Configures the driver and starts the motion; the driver's number of the program."""
         for segment in self.setup.segments or self._renewed():
             self.sim.add_segment(**segment)
-        self._answered("start of motion", self.sim.start_motion(client))
-        self.actors = make_actors(self, client)
+        return self.configure()
+
+    def configure(self) -> int:
+        """The same without motions. A refusal that the scenario expects ends the run in good
+        order."""
+        result, what = self.script.begin(self.sim)
+        self.start = self.script.start
+        expected = [e.request for e in self.setup.scenario.expect if e.kind == "refused"]
+        if result < 0 and what.split()[0] in expected:
+            self.at_start.append((what.split()[0], -result))
+            raise Refused
+        said = self.sim.notes()[-1:] if result < 0 else []
+        if said and said[0]["text"].startswith("event refused"):
+            raise RunError(f"{what}: {said[0]['text']}")
+        self._answered(what, result)
+        if started := getattr(self.sim, "started", None):
+            started(self.start)
+        return self.script.client
+
+    def play(self, until: float) -> bool:
+        """Runs to a time of the motion and carries the script out; False: an assertion failed."""
+        result, what = self.sim.play(self.script, until)
+        return self._answered(what, result) == 0
 
     def _renewed(self) -> list[dict]:
         """Under a lease a program that only holds its axes writes their setpoints again, too."""
@@ -198,37 +214,12 @@ class Session:
             " take fewer axes, a longer interval_us or --host native"
         )
 
-    def configure(self, client: int) -> None:
-        """A refusal that the scenario expects ends the run in good order."""
-        setup = self.setup
-        result, what = self.sim.configure(client, setup.driver(), setup.params)
-        expected = [e.request for e in setup.scenario.expect if e.kind == "refused"]
-        if result < 0 and what.split()[0] in expected:
-            self.refused.append((what.split()[0], -result))
-            raise Refused
-        self._answered(what, result)
-
     def _answered(self, what: str, result: int) -> int:
         """As _checked, but tells why a processor is silent."""
         why = self._why_silent() if result == -errno.EIO else ""
         if why:
             raise RunError(f"{what}: {why}")
         return _checked(what, result)
-
-    def schedule(self, start: float, at_power_on: bool) -> None:
-        names = self.sim.input_names()
-        for place, event in enumerate(self.setup.scenario.event):
-            if event.at_power_on != at_power_on:
-                continue
-            if event.input not in names:
-                hint = suggest(event.input, names) or "; `mmcs faults` lists them"
-                key, allowed = f"event.{place}.input", f"this machine has no such input{hint}"
-                raise InputError.one(self.setup.path, key, event.input, allowed)
-            number = names.index(event.input)
-            self.sim.add_event(start + event.at, number, event.index, event.value)
-            if event.until is not None:
-                healthy = find(event.input).healthy
-                self.sim.add_event(start + event.until, number, event.index, healthy)
 
     def _move(self, duration: float, progress: Callable[[float], None]) -> bool:
         """Runs the motion from look to look; False when an assertion of the model failed."""
@@ -240,13 +231,8 @@ class Session:
         self._watch(0.0)
         while look < looks:
             next_look = duration * (look + 1) / looks
-            actor = min(self.actors, key=lambda a: a.due, default=None)
-            acts = actor is not None and actor.due < next_look
-            if not self.run_to(self.start + (actor.due if acts else next_look)):
+            if not self.play(next_look):
                 return False
-            if acts:
-                actor.act()
-                continue
             look += 1
             self._watch(next_look)
             if self.first_motion_wall is None and any(
@@ -270,6 +256,10 @@ class Session:
     def _take_cycles(self) -> None:
         if self.bus is not None:
             self.bus.append(self.sim.bus_cycles())
+
+
+def refusals(script) -> list[tuple[str, int]]:
+    return [(request, -result) for request, _, result, *_ in script.answers() if result < 0]
 
 
 def _checked(what: str, result: int) -> int:

@@ -25,7 +25,6 @@ from mmcs.errors import InputError, RunError
 from mmcs.files import MAX_JSON, loads, open_file, short
 from mmcs.folder import settle
 from mmcs.place import run_folders
-from mmcs.runs.actors import make_actors
 from mmcs.runs.record import MAX_SAMPLES, Record, parse
 from mmcs.runs.session import Session
 
@@ -51,22 +50,26 @@ class Taking:
     def __getattr__(self, name):
         return getattr(self._sim, name)
 
-    def start_motion(self, client: int) -> int:
-        self._start = self._sim.time
+    def started(self, start: float) -> None:
+        """The motion begins now."""
+        self._start = start
         if self._window:
             path, begin, end = self._window
-            self._sim.trace_window(path, self._start + begin, self._start + end)
+            self._sim.trace_window(path, start + begin, start + end)
         self._sim.ring(self._every, RING)
-        return self._sim.start_motion(client)
 
-    def run(self, until_s: float) -> bool:
-        try:
-            while self._times and self._start + self._times[0] <= until_s:
-                asked = self._times.pop(0)
+    def play(self, script, until: float) -> tuple[int, str]:
+        """As Sim.play(), and takes the snapshots on the way."""
+        while self._times and self._times[0] <= until:
+            asked = self._times.pop(0)
+            result = script.act(self._sim, asked)
+            if result[0]:
+                return result
+            try:
                 self._asked[self._sim.snapshot(self._start + asked)] = asked
-        except RunError:
-            return False  # an assertion has failed
-        return self._sim.run(until_s)
+            except RunError:
+                return 1, ""  # an assertion has failed
+        return self._sim.play(script, until)
 
     def taken(self) -> list[dict]:
         """Every snapshot that is kept, with its bytes."""
@@ -259,34 +262,23 @@ class ResumedSession(Session):
         for rows in snapshot.log.blocks():
             self.log.append(rows)
 
-    def schedule(self, start: float, at_power_on: bool) -> None:
-        """Events are in the snapshot."""
-
-    def open(self) -> int:
-        return 0  # a session's program is the first and only one
-
-    def begin(self, client: int) -> None:
-        """Motions and the configured driver are in the snapshot, too."""
+    def begin(self) -> int:
+        """Events, motions and the configured driver are in the snapshot."""
+        snapshot = self._snapshot
         try:
-            self.sim.restore_bytes(self._snapshot.state, self._snapshot.history)
+            self.sim.restore_bytes(snapshot.state, snapshot.history)
         except ValueError as error:
-            raise InputError.one(self._snapshot.path, "", None, str(error)) from None
-        self.start = self._snapshot.record.motion_start_s
-        self.actors = make_actors(self, client)
+            raise InputError.one(snapshot.path, "", None, str(error)) from None
+        self.start, now, ring = snapshot.record.motion_start_s, snapshot.t, snapshot.ring
+        self.script.resume(0, self.start, now, ring)  # a run's program is the first and only one
+        for call in self.setup.scenario.call:
+            if call.request == "MCALIB" and (call.at < now or (ring and call.at <= now)):
+                axes = range(self.setup.axes) if call.axis == "all" else call.axis
+                self.pots |= {a: v for a, v in snapshot.pots.items() if a in axes}
+        return 0
 
-    def run_to(self, until_s: float) -> bool:
-        return self.sim.time >= until_s or super().run_to(until_s)
-
-    def _move(self, duration: float, progress) -> bool:
-        now = self._snapshot.t
-        for actor in self.actors:
-            done = [c for c in actor.calls if c.at < now or (self._snapshot.ring and c.at <= now)]
-            actor.calls = actor.calls[len(done) :]
-            for call in done:
-                if call.request == "MCALIB":
-                    axes = range(self.setup.axes) if call.axis == "all" else call.axis
-                    self.pots |= {a: v for a, v in self._snapshot.pots.items() if a in axes}
-        return super()._move(duration, progress)
+    def play(self, until: float) -> bool:
+        return self.sim.time >= self.start + until or super().play(until)
 
     def _watch(self, t: float) -> None:
         seen = self._snapshot.truth

@@ -44,6 +44,16 @@ class Changing:
             self._now, self._left = self._quick, True
         return self._now.run(until_s)
 
+    def play(self, script, until: float) -> tuple[int, str]:
+        """As Sim.play(); the script goes on in the other build."""
+        begins = self._now is self._quick and not self._left
+        for t in (self._from - script.start, until) if begins else (until,):
+            if t <= until:
+                result = script.act(self._now, t)
+                if result[0] or not self.run(script.start + t):
+                    return result[0] or 1, result[1]
+        return 0, ""
+
     def _hand_over(self, old, new, at: float) -> None:
         """old runs until `at`; new is then where old was last idle before."""
         self._pending.append(old.take_log())

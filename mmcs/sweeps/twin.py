@@ -12,9 +12,9 @@ import numpy as np
 from mmcs import mcdef
 from mmcs.errors import InputError
 from mmcs.inputs import find
-from mmcs.runs.actors import Caller
 from mmcs.runs.machine import machine
-from mmcs.runs.session import Session
+from mmcs.runs.script import make_script
+from mmcs.runs.session import Session, refusals
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
 from mmcs.sweeps.classes import NEAR, Seen
@@ -37,8 +37,7 @@ class Twin:
         self.calls = sorted(setup.scenario.call, key=lambda call: call.at)
         self.sim = machine(setup)
         self.session = Session(self.sim, setup)
-        self.client = self.sim.open(mcdef.O_RDWR)
-        self.session.begin(self.client)
+        self.session.begin()
         self.start = self.session.start
         self.inputs = {name: n for n, name in enumerate(self.sim.input_names())}
         self.looks = round(setup.scenario.duration / LOOK_S)
@@ -54,10 +53,10 @@ class Twin:
         self.sim.destroy()
 
     def _go(self) -> None:
-        sim, actor = self.sim, self._caller(self.calls)
+        sim, script = self.sim, self.session.script
         times, angles, futures, taken = [], [], [], []
         for look in range(self.looks + 1):
-            self._run_to(look, actor)
+            sim.play(script, LOOK_S * look)
             self._must_run(look)
             times.append(sim.time)
             angles.append(self._angles())
@@ -88,20 +87,6 @@ class Twin:
         )
         raise InputError.one(self.setup.path, "", None, allowed)
 
-    def _caller(self, calls: list) -> Caller:
-        actor = Caller(self.session, self.client)
-        actor.calls = sorted(calls, key=lambda call: call.at)
-        return actor
-
-    def _run_to(self, look: int, actor: Caller) -> bool:
-        """As a session does it: a call whose time has come before the look."""
-        due = LOOK_S * look
-        while actor.due < due:
-            if not self.sim.run(self.start + actor.due):
-                return False
-            actor.act()
-        return self.sim.run(self.start + due)
-
     def _angles(self) -> np.ndarray:
         true = self.sim.lib.mmcs_sim_true_angle
         return np.array([true(self.sim._sim, axis) for axis in self.axes]) * self.scale
@@ -113,7 +98,6 @@ class Twin:
         while place > 0 and self.times[place * EVERY] > late:
             place -= 1
         self.sim.restore_bytes(self.snapshots[place], self.history)
-        self.session.refused.clear()
         return place * EVERY
 
     # --- a faulty run ---
@@ -126,13 +110,14 @@ class Twin:
             self._add(fault.event)
         else:
             calls.append(Call.model_validate(fault.call))
-        actor = self._caller([call for call in calls if call.at >= LOOK_S * look])
+        script = make_script(sim, self.setup, calls)
+        script.resume(self.session.script.client, self.start, LOOK_S * look, False)
         before = sim.stats()
         began = len(sim.notes())
         times, angles, same, since = [], [], False, 0
         while look < self.looks and (whole or not same):
             look = min(look + STEP, self.looks)
-            if not self._run_to(look, actor):
+            if sim.play(script, LOOK_S * look)[0]:
                 break
             if LOOK_S * look <= fault.at:
                 continue
@@ -141,7 +126,7 @@ class Twin:
             since += 1
             if since <= OFTEN or look % (EVERY * STEP) == 0:
                 same = same or sim.future() == self.futures[look]
-        detected, by = self._detected(sim.notes()[began:], fault.at)
+        detected, by = self._detected(sim.notes()[began:], fault.at, refusals(script))
         told = self._statistics(before, sim.stats())
         ended = sim.hash()  # now: what comes may be other runs on the same machine
         times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
@@ -171,7 +156,7 @@ class Twin:
             healthy = find(event["input"]).healthy
             self.sim.add_event(self.start + event["until"], number, index, healthy)
 
-    def _detected(self, notes: list[dict], at: float) -> tuple[float | None, str]:
+    def _detected(self, notes: list[dict], at: float, refused=()) -> tuple[float | None, str]:
         """Seconds after the fault until the machine told by itself, and what it told."""
         known = mcdef.MERR_PLO | mcdef.MERR_PHI | mcdef.MERR_ILIM | mcdef.MERR_PANIC
         for note in notes:
@@ -182,8 +167,8 @@ class Twin:
                 return after, "PANIC"
             if note["kind"] == "error" and int(note["text"].split()[1], 16) & known:
                 return after, "error code"
-        if len(self.session.refused) > self.refused:
-            return self.sim.time - self.start - at, f"{self.session.refused[-1][0]} refused"
+        if len(refused) > self.refused:
+            return self.sim.time - self.start - at, f"{refused[-1][0]} refused"
         return None, ""
 
     def _statistics(self, before: dict, after: dict) -> str:

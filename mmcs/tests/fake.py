@@ -12,6 +12,30 @@ TAU_S = 0.02
 SAMPLE_S = 0.001
 
 
+class FakeScript:
+    """Keeps what it is given; the driver is asked at its begin."""
+
+    start, client = 0.0, -1
+
+    def __init__(self, driver, params):
+        self.driver, self.axes, self.events = driver, len(params), []
+
+    def event(self, **fields):
+        self.events.append(fields)
+
+    def begin(self, sim):
+        what = next(iter(sim.fail), "")
+        sim.calls.append(("begin", self.driver, self.axes))
+        sim.events, sim.start = self.events, sim.now
+        self.start, self.client = sim.now, 0
+        return -sim.fail.get(what, 0), what
+
+    def answers(self):
+        return []
+
+    told = answers
+
+
 class FakeSim:
     """Records every request; `fail` maps a request's name to the errno it returns."""
 
@@ -27,10 +51,6 @@ class FakeSim:
     def build(self):
         return {"cards": (self.axes + 1) // 2, "clk_hz": 8_000_000, "skip": 0, "trace": 0}
 
-    def open(self, flags=2):
-        self.calls.append(("open", flags))
-        return -self.fail.get("open", 0) or 0
-
     def close(self, client):
         self.calls.append(("close", client))
         return 0
@@ -44,10 +64,11 @@ class FakeSim:
         self.calls.append((name, value))
         return -self.fail.get(name, 0)
 
-    def configure(self, client, driver, params):
-        self.calls.append(("configure", driver, len(params)))
-        what = next((name for name in self.fail if name != "open"), "")
-        return -self.fail.get(what, 0), what
+    def new_script(self, driver, params):
+        return FakeScript(driver, params)
+
+    def play(self, script, until):
+        return int(not self.run(script.start + until)), ""
 
     def write(self, client, setpoints):
         self.calls.append(("write", list(setpoints)))
@@ -59,16 +80,8 @@ class FakeSim:
     def add_segment(self, **fields):
         self.segments.append(fields)
 
-    def start_motion(self, client):
-        self.calls.append(("start", client))
-        self.start = self.now
-        return 0
-
     def input_names(self):
         return ["estop", "cable_cut", "encoder_stuck"]
-
-    def add_event(self, t, input_, index, value):
-        self.events.append((t, input_, index, value))
 
     def run(self, until_s):
         while self.now < until_s - 1e-12:

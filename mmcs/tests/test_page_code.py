@@ -218,13 +218,6 @@ def test_records_have_the_digests_that_a_replay_looks_for():
     assert [found.get("value") for found in ask(asked)] == own
 
 
-def test_numbers_are_rounded_as_python_rounds():
-    rng = random.Random(1995)
-    asked = [n / 2 for n in range(-9, 10)] + [rng.uniform(-1e6, 1e6) for _ in range(200)]
-    found = ask([["roundHalfEven", x] for x in asked])
-    assert [f["value"] for f in found] == [round(x) for x in asked]
-
-
 def test_changes_of_a_net_are_found():
     rng = random.Random(1996)
     asked, own = [], []

@@ -58,8 +58,7 @@ def _sunk(sets: tuple[str, ...], input_: str, value: float) -> tuple[float, bool
     setup = load("puma560_hold", (*sets, "duration=0.7"))
     sim = machine(setup)
     session = Session(sim, setup)
-    client = sim.open(mcdef.O_RDWR)
-    session.begin(client)
+    client = session.begin()
     sim.run(session.start + 0.2)
     before = sim.true(1)["angle"]
     if input_ == "MSTOP":
@@ -90,7 +89,7 @@ def test_host_that_dies_is_noticed_after_10_ms():
     setup = load("arm_move", (SAFE,))
     sim = machine(setup)
     session = Session(sim, setup)
-    session.begin(sim.open(mcdef.O_RDWR))
+    session.begin()
     sim.run(session.start + 0.15)
     at = sim.time
     sim.add_event(at, sim.input_names().index("host_dead"), 0, 1)
@@ -108,8 +107,7 @@ def test_write_of_the_hosts_library_is_checked():
         setup = load("arm_move", ("host.guard_checked=true",))
         sim = machine(setup)
         session = Session(sim, setup)
-        client = sim.open(mcdef.O_RDWR)
-        session.begin(client)
+        session.begin()
         sim.run(session.start + 0.1)
         assert sim.stats()["enabled"]
         sim.add_event(sim.time, sim.input_names().index(name), 0, value)

@@ -28,21 +28,19 @@ def test_requests_in_the_order_of_a_user_program(scenario):
     sim, _ = run(scenario())
     driver = {"axes": 1, "verbose": 0, "interval_us": 1000, "double_buffer": 1}
     assert sim.calls == [
-        ("open", 2),
-        ("configure", driver, 1),
-        ("start", 0),
+        ("begin", driver, 1),
         ("MSTOP", None),
         ("close", 0),
     ]
     assert [(s["kind"], s["t0"], s["to"]) for s in sim.segments] == [("step", 0.05, 200)]
 
 
-def test_events_count_from_the_start_of_motion_and_heal(scenario):
+def test_events_are_given_with_what_heals_them(scenario):
     text = '\n[[event]]\nat = 0.1\ninput = "cable_cut"\nvalue = 1\nuntil = 0.2\n'
     text = GOOD + text.replace("cable_cut", "estop")
-    sim, result = run(scenario(text))
-    start = result.motion_start_s
-    assert sim.events == [(start + 0.1, 0, 0, 1.0), (start + 0.2, 0, 0, 0.0)]
+    sim, _ = run(scenario(text))
+    expected = {"at": 0.1, "until": 0.2, "input": 0, "index": 0, "value": 1.0, "healthy": 0.0}
+    assert sim.events == [expected | {"at_power_on": False}]
 
 
 @pytest.mark.parametrize(

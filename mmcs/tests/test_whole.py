@@ -204,13 +204,13 @@ def test_record_is_of_what_was_loaded(run, tmp_path):
         '[[motion]]\naxis = 0\nkind = "table"\nat = 0.2\nduration = 0.1\nfile = "t.csv"\n'
     )
 
-    def edit(self, client):
+    def edit(self, *given):
         robot.write_text("rubbish")
         table.unlink()
-        return FakeSim.start_motion(self, client)
+        return FakeSim.new_script(self, *given)
 
     class Editing(FakeSim):
-        start_motion = edit
+        new_script = edit
 
     assert run(text, sim=Editing)[0] == 0
     record = read_record(str(tmp_path / "out"))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The simulator as a C ABI: all that the Python package, a page, an FMU or an own program knows of
- * it. It includes no other header of ours; plant, model, engine and service include it.
+ * it. It includes no other header of ours; plant, model, engine and service include it. What is
+ * decided for all of them above the machine is in mmcs_service.h.
  *
  * Python reads this very file through cffi, so it holds plain C declarations only: no macros but
  * integer constants, no conditionals but the include guard. Angles are radians, times seconds,
@@ -215,39 +216,6 @@ int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx);
 /* SIGUSR1s delivered to this client since the last call. */
 int mmcs_sim_signals(mmcs_sim *sim, int client);
 
-/* What a program does with /dev/mc0 for a scenario (§2.3.6); sim/service. */
-struct mc_param; /* of mcdef.h, as struct mc_state */
-struct mc_state;
-typedef struct mmcs_driver {
-  int32_t axes, verbose, interval_us, double_buffer;
-} mmcs_driver;
-/* MMCS_SET_UP: number of axes, interval, D/A mode, counts 0. MMCS_SWITCH_ON: parameters of every
- * axis, MENABLE. Both: then the setpoints are written, 0. Returns 0, or -errno of the first request
- * that is refused; `refused` then names it ("MSETPARAM of axis 2"). */
-enum { MMCS_SET_UP = 1, MMCS_SWITCH_ON = 2 };
-int mmcs_sim_configure(mmcs_sim *sim, int client, int what, const mmcs_driver *driver,
-                       const struct mc_param *params, char *refused, size_t refused_len);
-/* A [[call]]. axes: bit n is axis n, of MCALIB, MSETENC and MSETPARAM. sets: how many changes a
- * MSETPARAM makes, each to the bits `mask` of a word of struct mc_param (0: `which`). */
-typedef struct mmcs_call {
-  uint32_t request, axes;
-  int32_t value, sets;
-} mmcs_call;
-typedef struct mmcs_set {
-  int32_t word, mask, value;
-} mmcs_set;
-/* Carries it out for a machine of so many axes. params: those in force, which a MSETPARAM changes;
- * states: room for each axis, in which MCALIB leaves what it saw; results: 32, of each axis 0 or
- * -errno, of a request without axes the first. Returns the least of them. */
-int mmcs_sim_call(mmcs_sim *sim, int client, int32_t axes, struct mc_param *params,
-                  const mmcs_call *call, const mmcs_set *sets, struct mc_state *states,
-                  int32_t *results);
-/* A process that turns axes (bit n of `bounces`) round at their limits: after a SIGUSR1 an axis at
- * its upper limit gets minus the size of its goal, one at its lower limit plus. setpoints: of every
- * axis, as they were written last. 1: written; 0: nothing to do; or -errno. */
-int mmcs_sim_bounce(mmcs_sim *sim, int client, int32_t axes, uint32_t bounces, const int32_t *goals,
-                    int32_t *setpoints);
-
 /* One VME access by hand (offset 0..0x7FF in the window, am 0x29 or 0x2D, size 1, 2 or 4 bytes).
  * 0, or 1 bus time-out, 2 bus error. */
 int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value);
@@ -383,6 +351,15 @@ int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
 int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count);
 /* The snapshots that are kept, in order of time. Valid until the next call, as the bytes below. */
 int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list);
+/* Deeds: every call that acts on the machine (requests, bus cycles by hand, motions, events), kept
+ * from the first call of mmcs_sim_deeds() on, which tells how many there have been. */
+int64_t mmcs_sim_deeds(mmcs_sim *sim);
+/* Forgets all but the deeds from number `first` up to `end`. */
+void mmcs_sim_keep_deeds(mmcs_sim *sim, int64_t first, int64_t end);
+/* Runs another machine like this one up to a clock, and does with it what was done to this one: the
+ * deeds from number `first` on that are later than the clock `after`. 0, or -1. */
+int mmcs_sim_repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t first, int64_t after,
+                    int64_t clock);
 /* Digest of the whole state that decides the future, time included, without counts, logs and
  * hashes of the past. Two simulations of the same machine with equal digests continue equally. */
 uint64_t mmcs_sim_future(mmcs_sim *sim);

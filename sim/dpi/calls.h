@@ -16,9 +16,16 @@
 #include <vector>
 
 #include "mcdef.h"
+#include "mmcs_service.h"
 #include "mmcs_sim.h"
 
 namespace mmcs {
+
+// What stays here, and is no argument: one machine and one script.
+struct Kept {
+  mmcs_sim *sim = nullptr;
+  mmcs_script *script = nullptr;
+};
 
 class Reader {
  public:
@@ -75,7 +82,7 @@ class Writer {
 template <class T>
 struct Argument {
   T value;
-  Argument(Reader &in, mmcs_sim *) : value(in.number<T>()) {}
+  Argument(Reader &in, const Kept &) : value(in.number<T>()) {}
   T get() { return value; }
   void answer(Writer &, int64_t) {}
 };
@@ -84,7 +91,7 @@ struct Argument<T *> {
   static constexpr size_t kSize = sizeof(std::conditional_t<std::is_void_v<T>, char, T>);
   std::vector<char> bytes;
   bool given;
-  Argument(Reader &in, mmcs_sim *) : given(in.array(bytes)) {
+  Argument(Reader &in, const Kept &) : given(in.array(bytes)) {
     if (bytes.size() % kSize) throw std::runtime_error("a call with another structure");
   }
   T *get() { return given ? reinterpret_cast<T *>(bytes.data()) : nullptr; }
@@ -96,7 +103,7 @@ struct Argument<T *> {
 template <class T>
 struct Argument<const T **> {
   const T *found = nullptr;
-  Argument(Reader &, mmcs_sim *) {}
+  Argument(Reader &, const Kept &) {}
   const T **get() { return &found; }
   void answer(Writer &out, int64_t count) {
     out.array(found, found && count > 0 ? static_cast<size_t>(count) * sizeof(T) : 0);
@@ -105,7 +112,7 @@ struct Argument<const T **> {
 template <>
 struct Argument<mmcs_sim *> {
   mmcs_sim *sim;
-  Argument(Reader &, mmcs_sim *given) : sim(given) {}
+  Argument(Reader &, const Kept &kept) : sim(kept.sim) {}
   mmcs_sim *get() { return sim; }
   void answer(Writer &, int64_t) {}
 };
@@ -113,13 +120,24 @@ template <>
 struct Argument<const mmcs_sim *> : Argument<mmcs_sim *> {
   using Argument<mmcs_sim *>::Argument;
 };
+template <>
+struct Argument<mmcs_script *> {
+  mmcs_script *script;
+  Argument(Reader &, const Kept &kept) : script(kept.script) {}
+  mmcs_script *get() { return script; }
+  void answer(Writer &, int64_t) {}
+};
+template <>
+struct Argument<const mmcs_script *> : Argument<mmcs_script *> {
+  using Argument<mmcs_script *>::Argument;
+};
 
-using Call = std::function<void(mmcs_sim *, Reader &, Writer &)>;
+using Call = std::function<void(const Kept &, Reader &, Writer &)>;
 
 template <class R, class... A>
 Call make_call(R (*function)(A...)) {
-  return [function]([[maybe_unused]] mmcs_sim *sim, [[maybe_unused]] Reader &in, Writer &out) {
-    std::tuple<Argument<A>...> arguments{Argument<A>(in, sim)...};
+  return [function]([[maybe_unused]] const Kept &kept, [[maybe_unused]] Reader &in, Writer &out) {
+    std::tuple<Argument<A>...> arguments{Argument<A>(in, kept)...};
     std::apply(
         [&](auto &...a) {
           int64_t count = 0;

@@ -34,10 +34,8 @@ int add_segment(mmcs_sim *sim, mmcs_segment *segment, const double *table) {
 }
 
 const std::map<std::string, Call> &calls() {
-#define MMCS_CALL(name)                           \
-  {                                               \
-    "mmcs_sim_" #name, make_call(mmcs_sim_##name) \
-  }
+#define MMCS_CALL(name) {"mmcs_sim_" #name, make_call(mmcs_sim_##name)}
+#define MMCS_SCRIPT(name) {"mmcs_script_" #name, make_call(mmcs_script_##name)}
   static const std::map<std::string, Call> known = {
       {"mmcs_sim_log", make_call(log_of)},
       {"mmcs_sim_add_segment", make_call(add_segment)},
@@ -52,9 +50,15 @@ const std::map<std::string, Call> &calls() {
       MMCS_CALL(read),
       MMCS_CALL(write),
       MMCS_CALL(signals),
-      MMCS_CALL(configure),
-      MMCS_CALL(call),
-      MMCS_CALL(bounce),
+      MMCS_SCRIPT(event),
+      MMCS_SCRIPT(call),
+      MMCS_SCRIPT(process),
+      MMCS_SCRIPT(begin),
+      MMCS_SCRIPT(start),
+      MMCS_SCRIPT(client),
+      MMCS_SCRIPT(act),
+      MMCS_SCRIPT(answers),
+      MMCS_SCRIPT(told),
       MMCS_CALL(start_motion),
       MMCS_CALL(input_name),
       MMCS_CALL(add_event),
@@ -78,6 +82,7 @@ const std::map<std::string, Call> &calls() {
       MMCS_CALL(bus_cycles),
   };
 #undef MMCS_CALL
+#undef MMCS_SCRIPT
   return known;
 }
 
@@ -118,7 +123,8 @@ class Program {
   }
 
   int wait() {
-    mmcs_sim_destroy(sim_);
+    mmcs_script_destroy(kept_.script);
+    mmcs_sim_destroy(kept_.sim);
     int status = 0;
     ::close(line_);
     waitpid(process_, &status, 0);
@@ -133,22 +139,33 @@ class Program {
 
   void carry_out(const std::string &name, Reader &in, Writer &out) {
     if (name == "mmcs_sim_create") return create(in, out);
+    if (name == "mmcs_script_create") return create_script(in, out);
     const auto call = calls().find(name);
     if (call == calls().end()) throw std::runtime_error("through DPI there is no " + name);
-    call->second(sim_, in, out);
+    call->second(kept_, in, out);
   }
 
   // The driver is native code, so no file of a processor is named.
   void create(Reader &in, Writer &out) {
-    Argument<mmcs_config *> config(in, nullptr);
-    Argument<const mmcs_motor *> motors(in, nullptr);
-    Argument<const mmcs_link *> links(in, nullptr);
-    Argument<char *> why(in, nullptr);
+    Argument<mmcs_config *> config(in, kept_);
+    Argument<const mmcs_motor *> motors(in, kept_);
+    Argument<const mmcs_link *> links(in, kept_);
+    Argument<char *> why(in, kept_);
     config.get()->processor = config.get()->firmware = nullptr;
-    sim_ = mmcs_sim_create(config.get(), motors.get(), links.get(), why.get(), why.bytes.size());
-    out.number(sim_ ? 1 : 0);
+    kept_.sim =
+        mmcs_sim_create(config.get(), motors.get(), links.get(), why.get(), why.bytes.size());
+    out.number(kept_.sim ? 1 : 0);
     for (int n = 0; n < 3; ++n) out.number(-1);
     why.answer(out, 0);
+  }
+
+  void create_script(Reader &in, Writer &out) {
+    Argument<const mmcs_driver *> driver(in, kept_);
+    Argument<const struct mc_param *> params(in, kept_);
+    mmcs_script_destroy(kept_.script);
+    kept_.script = mmcs_script_create(driver.get(), params.get());
+    out.number(kept_.script ? 1 : 0);
+    for (int n = 0; n < 2; ++n) out.number(-1);
   }
 
   bool receive(void *into, size_t n) {
@@ -172,7 +189,7 @@ class Program {
 
   int line_ = -1;
   pid_t process_ = -1;
-  mmcs_sim *sim_ = nullptr;
+  Kept kept_;
 };
 
 Program program;  // one, as the testbench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI of mmcs_sim.h, but for the tap's part. No exception leaves it.
+// The C ABI of mmcs_sim.h, but for deeds, past and tap. No exception leaves it.
 
 #include "sim.h"
 
@@ -11,9 +11,6 @@
 #include "stiff.h"
 
 namespace {
-
-constexpr uint32_t kWindow = 0x6000;
-constexpr uint32_t kWindowSize = 0x800;
 
 std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmcs_link *links) {
   if (!config) return "no configuration given";
@@ -51,10 +48,6 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
     if (!(us >= 0 && us <= 1e7)) return "a host time is negative or beyond 10 s";
   }
   return "";
-}
-
-bool valid_size(int bytes) {
-  return bytes == 1 || bytes == 2 || bytes == 4;
 }
 
 bool valid(const mmcs_sim *sim, int axis) {
@@ -122,86 +115,12 @@ int64_t mmcs_sim_changes(const mmcs_sim *sim, const mmcs_change **changes) {
   return static_cast<int64_t>(found.size());
 }
 
-int mmcs_sim_open(mmcs_sim *sim, int flags) {
-  return mmcs::guarded(sim, -MC_ENXIO, [=] { return sim->host.open(flags); });
-}
-int mmcs_sim_close(mmcs_sim *sim, int client) {
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.close(client); });
-}
-int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg) {
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.ioctl(client, request, arg); });
-}
-int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len) {
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.read(client, buf, len); });
-}
-int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len) {
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.write(client, buf, len); });
-}
-int mmcs_sim_stop(mmcs_sim *sim) {
-  return mmcs::guarded(sim, -MC_EIO, [=] { return sim->host.stop(); });
-}
-int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx) {
-  if (!sim) return -1;
-  sim->host.set_look(look, ctx);
-  return 0;
-}
-int mmcs_sim_signals(mmcs_sim *sim, int client) {
-  return mmcs::guarded(sim, 0, [=] { return sim->host.take_signals(client); });
-}
-
-int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value) {
-  if (!value || !valid_size(size)) return -1;
-  return mmcs::guarded(sim, -1, [=] {
-    return static_cast<int>(
-        sim->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
-  });
-}
-int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value) {
-  if (!valid_size(size)) return -1;
-  return mmcs::guarded(sim, -1, [=] {
-    return static_cast<int>(
-        sim->bus.write(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
-  });
-}
-
-int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment) {
-  if (!segment) return -1;
-  return mmcs::guarded(sim, -1, [=] {
-    const std::string why = sim->host.motion().add(*segment);
-    if (why.empty()) return 0;
-    sim->machine.note("log", segment->axis, "motion refused: " + why);
-    return -1;
-  });
-}
-
-int mmcs_sim_start_motion(mmcs_sim *sim, int client) {
-  if (client < 0 || client >= MC_MAX_CLIENTS) return -MC_EBADF;
-  return mmcs::guarded(sim, -MC_EBADF, [=] {
-    sim->host.start_motion(client);
-    return 0;
-  });
-}
-
 const char *mmcs_sim_input_name(int32_t input) {
   return mmcs::Machine::input_name(input);
 }
 
 const mmcs_input *mmcs_sim_input(int32_t input) {
   return input >= 0 && input < mmcs::kInputCount ? &mmcs::kInputs[input].about : nullptr;
-}
-
-int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
-  if (!event) return -1;
-  return mmcs::guarded(sim, -1, [=] {
-    const std::string why =
-        mmcs::is_time(event->t) ? sim->machine.check_event(*event) : "its time is impossible";
-    if (why.empty()) {
-      sim->machine.add_event(*event);
-      return 0;
-    }
-    sim->machine.note("log", -1, "event refused: " + why);
-    return -1;
-  });
 }
 
 int mmcs_sim_run(mmcs_sim *sim, double until_s) {

@@ -4,14 +4,22 @@
 
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "host.h"
 #include "machine.h"
 #include "mmcs_sim.h"
 #include "timeline.h"
 #include "vme_bus.h"
+
+// What was done to the machine at a clock, and how it is done to another.
+struct mmcs_deed {
+  int64_t clock;
+  std::function<void(mmcs_sim *)> again;
+};
 
 struct mmcs_sim {
   mmcs_sim(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links)
@@ -26,6 +34,9 @@ struct mmcs_sim {
   mmcs::VmeBus bus;
   mmcs::Host host;
   mmcs::Timeline timeline;
+  bool keeps_deeds = false;
+  int64_t first_deed = 0;  // number of the first one kept
+  std::vector<mmcs_deed> deeds;
 };
 
 namespace mmcs {

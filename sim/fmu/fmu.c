@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mmcs_service.h"
 #include "mmcs_sim.h"
 #include "fmi3.h"
 #include "mcdef.h"

@@ -100,15 +100,14 @@ export const OPERATIONS = {
       return { ...told, values };
     }),
   }),
-  input: async (s, a) => {
+  input: (s, a) => {
     const name = a.get("name");
     const known = s.setup.inputs.find((i) => i.name === name);
     if (!known) throw new Refused(E.EINVAL, `name: there is no input '${name}'`);
     const value = a.number("value", known.low, known.high);
     const places = { machine: 1, card: s.sim.cards, axis: 2 * s.sim.cards };
     const index = a.integer("index", 0, places[known.scope] - 1, 0);
-    if (s.session.playing) await s.session.do(() => s.setInput(name, index, value));
-    else s.setInput(name, index, value);
+    s.setInput(name, index, value);
     return { t: s.sim.time };
   },
   pace: (s, a) => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last seconds of the machine, to be made again: a snapshot every so often, and whatever was done to
-// it since. From there a second machine goes the same way, with its nets watched clock by clock.
+// The last seconds of the machine, to be made again: a snapshot every so often, and the deeds since
+// (sim/abi/mmcs_sim.h). From there a second machine goes the same way, its nets watched clock by clock.
 
 const EVERY_S = 0.1;
 const KEPT = 100;
@@ -8,19 +8,15 @@ const BUSY_S = 0.001; // a servo pass is over by then
 const MOST_DEEDS = 100_000; // beyond it, nobody knows any more how it came
 export const MOST_MS = 20;
 
-const isSnapshot = (deed) => deed.snapshot !== undefined;
-const isWay = (deed) => isSnapshot(deed) && !deed.lost;
-
 export class Past {
   #sim;
   #another;
-  #deeds = []; // {clock, name, args}, and {clock, snapshot, ring}, in the order in which they happened
+  #kept = []; // {clock, snapshot, ring, deed: how many there had been, lost}, in order
 
   /** another(skip) makes a machine like this one; with 0 it skips nothing, and sees every clock. */
   constructor(sim, another) {
     this.#sim = sim;
     this.#another = another;
-    sim.tell = (name, args) => this.#did(name, args);
     this.ring(EVERY_S, KEPT);
     this.#keep(true);
   }
@@ -31,17 +27,10 @@ export class Past {
     this.next = this.#sim.clock + this.every;
   }
 
-  #did(name, args) {
-    this.#deeds.push({ clock: this.#sim.clock, name, args });
-    if (this.#deeds.length <= MOST_DEEDS) return;
-    this.#deeds = this.#deeds.filter(isSnapshot).map((deed) => ({ ...deed, lost: true }));
-    this.next = 0;
-  }
-
   #keep(ring) {
     const snapshot = this.#sim.snapshot();
     if (snapshot < 0) return snapshot; // an assertion has failed
-    this.#deeds.push({ clock: this.#sim.clock, snapshot, ring });
+    this.#kept.push({ clock: this.#sim.clock, snapshot, ring, deed: this.#sim.deeds });
     return snapshot;
   }
 
@@ -52,39 +41,49 @@ export class Past {
 
   /** After each stretch of time. */
   look() {
+    if (this.#sim.deeds - this.#first > MOST_DEEDS) {
+      this.#kept = this.#kept.map((kept) => ({ ...kept, lost: true }));
+      this.next = 0;
+    }
     if (!this.count || this.#sim.clock < this.next) return;
     this.next = this.#sim.clock + this.every;
     this.#keep(true);
-    const ring = this.#deeds.filter((deed) => deed.ring);
-    if (ring.length <= this.count) return;
-    this.#sim.drop(ring[0].snapshot);
-    this.#deeds = this.#deeds.slice(this.#deeds.indexOf(ring[1]));
+    const ring = this.#kept.filter((kept) => kept.ring);
+    if (ring.length > this.count) {
+      this.#sim.drop(ring[0].snapshot);
+      this.#kept = this.#kept.slice(this.#kept.indexOf(ring[1]));
+    }
+    this.#sim.keepDeeds(this.#first, this.#sim.deeds);
+  }
+
+  get #known() {
+    return this.#kept.find((kept) => !kept.lost);
+  }
+
+  get #first() {
+    return this.#known?.deed ?? this.#sim.deeds;
   }
 
   /** The machine goes back to a snapshot: what came after it is no more. */
   restored(snapshot) {
-    const at = this.#deeds.findIndex((deed) => deed.snapshot === snapshot);
-    this.#deeds = at < 0 ? [] : this.#deeds.slice(0, at + 1);
+    const at = this.#kept.findIndex((kept) => kept.snapshot === snapshot);
+    if (at >= 0) this.#sim.keepDeeds(0, this.#kept[at].deed);
+    this.#kept = at < 0 ? [] : this.#kept.slice(0, at + 1);
     this.next = at < 0 ? 0 : this.#sim.clock + this.every;
   }
 
   /** The clock from which on the past is known. */
   get begin() {
-    return this.#deeds.find(isWay)?.clock ?? this.#sim.clock;
+    return this.#known?.clock ?? this.#sim.clock;
   }
 
   /** A machine at this clock or, if its driver was busy then, shortly after; the caller destroys it. */
   again(clock) {
-    const from = this.#deeds.findLastIndex((deed) => isWay(deed) && deed.clock <= clock);
-    if (from < 0) throw new Error("the past does not reach back so far");
-    const machine = this.#begun(this.#sim, this.#deeds[from].snapshot, 1);
-    try {
-      this.#go(machine, from + 1, clock);
-      return machine;
-    } catch (error) {
-      machine.destroy();
-      throw error;
-    }
+    const from = this.#kept.findLast((kept) => !kept.lost && kept.clock <= clock);
+    if (!from) throw new Error("the past does not reach back so far");
+    const machine = this.#begun(this.#sim, from.snapshot, 1);
+    this.#go(machine, from.deed, -1, clock);
+    return machine;
   }
 
   /** Another machine, at a snapshot of this one; the caller destroys it. */
@@ -99,13 +98,11 @@ export class Past {
     return machine;
   }
 
-  #go(machine, from, clock) {
-    for (const deed of this.#deeds.slice(from)) {
-      if (deed.clock > clock) break;
-      machine.runTo(deed.clock);
-      if (deed.name) machine[deed.name](...deed.args);
-    }
-    machine.runTo(clock);
+  /** On its way to a clock it does the deeds from number `first` on, later than the clock `after`. */
+  #go(machine, first, after, clock) {
+    if (machine.repeat(this.#sim, first, after, clock)) return;
+    machine.destroy();
+    throw new Error("the past cannot be made again");
   }
 
   /** What nets did from one clock to another: of each, the clocks at which it changed, and to what;
@@ -118,8 +115,7 @@ export class Past {
     try {
       for (const name of names) machine.watch(name);
       const begun = machine.clock;
-      const next = this.#deeds.findIndex((deed) => deed.clock > Math.max(from - busy, this.begin));
-      this.#go(machine, next < 0 ? this.#deeds.length : next, to);
+      this.#go(machine, 0, Math.max(from - busy, this.begin), to);
       const changes = machine.changes();
       return { from: Math.max(from, begun), to, nets: cut(changes, names.length, from, to) };
     } finally {

@@ -220,7 +220,7 @@ export class Server {
     const { mode, ...set } = wanted;
     delete set.which;
     if (mode !== undefined) Object.assign(set, named(mode, C));
-    const result = await session.do(() => session.personCalls({ request: "MSETPARAM", axis, set }));
+    const result = session.personCalls({ request: "MSETPARAM", axis, set });
     this.check(result);
     return this.param(axis);
   }
@@ -245,7 +245,7 @@ export class Server {
       const call = ["MSETENC", "MCALIB"].includes(request)
         ? { request, axis: value & 0xff, value: value >> 8 }
         : value === undefined ? { request } : { request, value };  // prettier-ignore
-      this.check(await session.do(() => session.personCalls(call)));
+      this.check(session.personCalls(call));
       return {};
     }
     if (!C.READS.includes(request)) this.spoil(`${request} by hand`);

@@ -2,6 +2,8 @@
 // The simulated machine in a page: sim/abi/mmcs_sim.h in WebAssembly, as mmcs/engine/sim.py is for
 // Python. The layouts of its structures come from the header (tools/website.py).
 
+import { Script } from "./script.js";
+
 const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
 const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
 const SEGMENTS = ["hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square"];
@@ -12,7 +14,6 @@ export class Sim {
   #m; // the module
   #at; // its machine
   #room; // memory for arguments
-  tell = null; // of whatever is done to the machine: its name and arguments (past.js)
 
   /** module: the loaded WebAssembly; setup: as tools/website.py writes it. Throws one sentence. */
   constructor(module, layouts, setup) {
@@ -85,17 +86,14 @@ export class Sim {
   // --- /dev/mc0 ---
 
   open(flags = 2) {
-    this.tell?.("open", [flags]);
     return this.#m._mmcs_sim_open(this.#at, flags);
   }
   close(client) {
-    this.tell?.("close", [client]);
     return this.#m._mmcs_sim_close(this.#at, client);
   }
 
   /** The argument in as bytes; [result, the argument out]. */
   ioctl(client, request, argument = new Uint8Array()) {
-    this.tell?.("ioctl", [client, request, argument.slice()]);
     const size = Math.max((request >>> 16) & 0x1fff, 256);
     this.#m.HEAPU8.fill(0, this.#room, this.#room + size);
     this.#m.HEAPU8.set(argument, this.#room);
@@ -122,14 +120,12 @@ export class Sim {
   }
 
   write(client, setpoints) {
-    this.tell?.("write", [client, [...setpoints]]);
     this.#ints(this.#room, setpoints);
     return this.#m._mmcs_sim_write(this.#at, client, this.#room, 4 * setpoints.length);
   }
 
   /** What the driver reports, by axis; a negative number when it refuses. */
   read(client, axes) {
-    this.tell?.("read", [client, axes]);
     const { size } = this.layouts.mc_state;
     const got = this.#m._mmcs_sim_read(this.#at, client, this.#room, axes * size);
     if (got < 0) return got;
@@ -138,44 +134,10 @@ export class Sim {
     return states;
   }
 
-  // --- what a program does with it for a scenario: sim/service ---
-
-  /** driver: fields of mmcs_driver; params: struct mc_param of each axis, as bytes. [result, what
-   * was refused]. */
-  configure(client, driver, params) {
-    this.tell?.("configure", [client, driver, params.slice()]);
-    const [given, said] = [this.#room + 64, this.#room + 64 + params.length];
-    this.#put(this.#room, "mmcs_driver", driver);
-    this.#m.HEAPU8.set(params, given);
-    const result = this.#m._mmcs_sim_configure(this.#at, client, 3, this.#room, given, said, 80);
-    return [result, this.#m.UTF8ToString(said)];
-  }
-
-  /** A [[call]]: fields of mmcs_call, and its changes as [word, mask, value]; params change. */
-  call(client, params, call, sets) {
-    this.tell?.("call", [client, params.slice(), call, sets]);
-    const given = this.#room + 64;
-    const changes = given + params.length;
-    const states = changes + 12 * sets.length;
-    const results = states + this.axes * this.layouts.mc_state.size;
-    this.#put(this.#room, "mmcs_call", { ...call, sets: sets.length });
-    this.#m.HEAPU8.set(params, given);
-    this.#ints(changes, sets.flat());
-    const result = this.#m._mmcs_sim_call(
-      this.#at, client, this.axes, given, this.#room, changes, states, results);  // prettier-ignore
-    params.set(this.#bytes(given, params.length));
-    return result;
-  }
-
-  /** axes: a bit each; setpoints change as they are written. */
-  bounce(client, axes, goals, setpoints) {
-    this.tell?.("bounce", [client, axes, goals, [...setpoints]]);
-    const now = this.#room + 4 * this.axes;
-    this.#ints(this.#room, goals);
-    this.#ints(now, setpoints);
-    const result = this.#m._mmcs_sim_bounce(this.#at, client, this.axes, axes, this.#room, now);
-    setpoints.splice(0, this.axes, ...new Int32Array(this.#m.HEAPU8.buffer, now, this.axes));
-    return result;
+  /** What a scenario does with it: script.js. */
+  newScript(driver, params) {
+    return new Script({ m: this.#m, sim: this.#at, room: this.#room, axes: this.axes, driver, params,
+      inputs: this.inputs, put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });  // prettier-ignore
   }
 
   #ints(at, values) {
@@ -183,26 +145,22 @@ export class Sim {
   }
 
   stop() {
-    this.tell?.("stop", []);
     return this.#m._mmcs_sim_stop(this.#at);
   }
 
   // --- the bus by hand: a value; -1 nobody answers, -2 a bus error ---
 
   load(offset) {
-    this.tell?.("load", [offset]);
     const result = this.#m._mmcs_sim_bus_read(this.#at, offset, 0x29, 1, this.#room);
     return result ? -result : this.#view.getUint32(this.#room, true);
   }
   store(offset, value) {
-    this.tell?.("store", [offset, value]);
     return -this.#m._mmcs_sim_bus_write(this.#at, offset, 0x29, 1, value);
   }
 
   // --- motion, events, time ---
 
   addSegment(segment) {
-    this.tell?.("addSegment", [segment]);
     const { kind, table, ...fields } = segment;
     const { size } = this.layouts.mmcs_segment;
     const m = this.#m;
@@ -215,15 +173,10 @@ export class Sim {
     if (values) m._free(values);
     if (result) throw new Error(`the engine refuses a motion of axis ${fields.axis}`);
   }
-  startMotion(client) {
-    this.tell?.("startMotion", [client]);
-    return this.#m._mmcs_sim_start_motion(this.#at, client);
-  }
   /** An input takes a value at a time; false: there is none of this name or index. */
   addEvent(t, name, index, value) {
     const input = this.inputs.indexOf(name);
     if (input < 0) return false;
-    this.tell?.("addEvent", [t, name, index, value]);
     this.#put(this.#room, "mmcs_event", { t, input, index, value });
     return this.#m._mmcs_sim_add_event(this.#at, this.#room) === 0;
   }
@@ -300,6 +253,19 @@ export class Sim {
   }
 
   // --- time travel ---
+
+  /** How many deeds there have been; from the first call on they are kept. */
+  get deeds() {
+    return Number(this.#m._mmcs_sim_deeds(this.#at));
+  }
+  keepDeeds(first, end) {
+    this.#m._mmcs_sim_keep_deeds(this.#at, BigInt(first), BigInt(end));
+  }
+  /** This machine goes the other's way up to a clock: its deeds from `first` on, later than `after`. */
+  repeat(other, first, after, clock) {
+    const [a, b, c] = [first, after, clock].map((n) => BigInt(Math.round(n)));
+    return this.#m._mmcs_sim_repeat(this.#at, other.#at, a, b, c) === 0;
+  }
 
   snapshot() {
     return Number(this.#m._mmcs_sim_snapshot(this.#at));

@@ -7,7 +7,6 @@ import { readFileSync } from "node:fs";
 import { duration, Net, tickStep } from "../wave_data.js";
 import { design, designOf } from "../engine/design.js";
 import { crc32, Log } from "../engine/record.js";
-import { roundHalfEven } from "../engine/session.js";
 import { law, transfer } from "../formula.js";
 import { gainsOf } from "../params.js";
 
@@ -17,7 +16,6 @@ const FUNCTIONS = {
   designOf,
   transfer,
   gainsOf,
-  roundHalfEven,
   duration,
   tickStep,
   law: (text, values) => String(law(text, Object.keys(values))(values)),

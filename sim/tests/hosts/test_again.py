@@ -160,10 +160,10 @@ class Halting:
     def __getattr__(self, name):
         return getattr(self.sim, name)
 
-    def run(self, until_s):
-        while self.at and self.at[0] <= until_s:
+    def play(self, script, until):
+        while self.at and self.at[0] <= script.start + until:
             self.call(self.at.pop(0))
-        return self.sim.run(until_s)
+        return self.sim.play(script, until)
 
 
 @pytest.mark.req("API-1", "FW-1")

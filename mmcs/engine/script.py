@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scenario's script carried out on a Sim, as sim/abi/mmcs_service.h has it."""
+
+from __future__ import annotations
+
+from mmcs import mcdef
+
+PROCESSES = ("pd", "bounce")
+NOT_AT_ALL = -1.0  # of an event that does not end
+
+
+class Script:
+    """Events, calls and processes of one run. Other machines may go on with it (see act())."""
+
+    def __init__(self, sim, driver: dict | None, params: list[dict]):
+        """driver: fields of mmcs_driver; none: programs of their own open it."""
+        self.ffi, self.lib, self._what = sim.ffi, sim.lib, sim.ffi.new("char[]", 120)
+        given = self.ffi.NULL if driver is None else self.ffi.new("mmcs_driver *", driver)
+        made = self.lib.mmcs_script_create(given, mcdef.new_params(params))
+        here = isinstance(made, self.ffi.CData)  # else it is in a simulator (dpi.py)
+        self._script = self.ffi.gc(made, self.lib.mmcs_script_destroy) if here else made
+
+    def event(self, **fields) -> None:
+        """Takes the fields of mmcs_timed_event; until may be None."""
+        fields["until"] = NOT_AT_ALL if fields["until"] is None else fields["until"]
+        self.lib.mmcs_script_event(self._script, self.ffi.new("mmcs_timed_event *", fields))
+
+    def call(self, sets: list[tuple], **fields) -> None:
+        """Takes the fields of mmcs_call, and its changes as mcdef.sets()."""
+        given, changes = self.ffi.new("mmcs_call *", fields), self.ffi.new("mmcs_set[]", sets)
+        self.lib.mmcs_script_call(self._script, given, changes, len(sets))
+
+    def process(self, kind: str, goals: list[float], late_us: list[float], **fields) -> None:
+        """Takes the fields of mmcs_process, goals of every axis, and how late it wakes up."""
+        fields["kind"] = PROCESSES.index(kind)
+        given = self.ffi.new("mmcs_process *", fields)
+        to, late = self.ffi.new("double[]", goals), self.ffi.new("double[]", late_us)
+        self.lib.mmcs_script_process(self._script, given, to, late, len(late_us))
+
+    def begin(self, sim) -> tuple[int, str]:
+        """Opens and configures the driver, starts the motion: 0 or -errno, and of what."""
+        return self._told(self.lib.mmcs_script_begin(self._script, sim.handle, self._what, 120))
+
+    @property
+    def start(self) -> float:
+        return self.lib.mmcs_script_start(self._script)
+
+    @property
+    def client(self) -> int:
+        return self.lib.mmcs_script_client(self._script)
+
+    def resume(self, client: int, start: float, t: float, at_it: bool) -> None:
+        """Instead of begin(): what is due before t, or at it as well, has been done."""
+        self.lib.mmcs_script_resume(self._script, client, start, t, at_it)
+
+    def act(self, sim, until: float) -> tuple[int, str]:
+        """Carries out what is due before this time of the motion: 0; 1 when an assertion failed;
+        -errno, and of what."""
+        args = (until, self._what, len(self._what))
+        return self._told(self.lib.mmcs_script_act(self._script, sim.handle, *args))
+
+    def _told(self, result: int) -> tuple[int, str]:
+        return result, self.ffi.string(self._what).decode(errors="replace")
+
+    def answers(self, since: int = 0) -> list[tuple[str, int, int, int, int]]:
+        """Of each call: request, axis (-1: none), result, and the A/D's code and count that MCALIB
+        saw."""
+        out = self.ffi.new("const mmcs_answer **")
+        count = self.lib.mmcs_script_answers(self._script, out)
+        names = {request.code: name for name, request in mcdef.requests().items()}
+        found = (out[0][n] for n in range(since, count))
+        return [(names[a.request], a.axis, a.result, a.adcvai, a.encnow) for a in found]
+
+    def told(self) -> list[tuple[int, int, float, float]]:
+        """Of each process: acts, turns, shortest and longest time between two acts in us."""
+        out = self.ffi.new("const mmcs_process_told **")
+        count = self.lib.mmcs_script_told(self._script, out)
+        found = (out[0][n] for n in range(count))
+        return [(p.acts, p.turns, p.shortest_us, p.longest_us) for p in found]
