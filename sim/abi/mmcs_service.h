@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What sim/service decides for Python, page, FMU and bridges alike: how a driver is configured and a
- * scenario carried out. As mmcs_sim.h, it includes no other header of ours, and Python reads it.
+/* What sim/service decides for Python, page, FMU and bridges alike: how a driver is configured and
+ * a scenario carried out. As mmcs_sim.h, it includes no other header of ours, and Python reads it.
  */
 #ifndef MMCS_SERVICE_H
 #define MMCS_SERVICE_H
@@ -79,9 +79,11 @@ int mmcs_script_client(const mmcs_script *script);   /* the driver's number; -1:
 /* Instead of mmcs_script_begin(), on a machine that is at a time of the motion: what was due before
  * `t`, or at it as well, has been done. */
 void mmcs_script_resume(mmcs_script *script, int client, double start, double t, int at_it);
-/* Runs to each call and process that is due before a time of the motion and carries it out; then the
- * machine is to be run to that time. 0; 1: an assertion failed; or -errno, and `what` names it. */
-int mmcs_script_act(mmcs_script *script, struct mmcs_sim *sim, double until, char *what, size_t what_len);
+/* Runs to each call and process that is due before a time of the motion and carries it out; then
+ * the machine is to be run to that time. 0; 1: an assertion failed; or -errno, and `what` names
+ * it. */
+int mmcs_script_act(mmcs_script *script, struct mmcs_sim *sim, double until, char *what,
+                    size_t what_len);
 /* A call now, for a person; its `at` is not used. 0, or the least -errno. */
 int mmcs_script_ask(mmcs_script *script, struct mmcs_sim *sim, const mmcs_call *call,
                     const mmcs_set *sets, int32_t count);
@@ -96,7 +98,7 @@ typedef struct mmcs_answer {
 int32_t mmcs_script_answers(const mmcs_script *script, const mmcs_answer **answers);
 /* Of each process, in order. */
 typedef struct mmcs_process_told {
-  int32_t acts, turns;          /* how often it woke up, or turned round */
+  int32_t acts, turns;            /* how often it woke up, or turned round */
   double shortest_us, longest_us; /* between two acts; 0 before the second */
 } mmcs_process_told;
 int32_t mmcs_script_told(const mmcs_script *script, const mmcs_process_told **told);

@@ -35,7 +35,10 @@ int add_segment(mmcs_sim *sim, mmcs_segment *segment, const double *table) {
 
 const std::map<std::string, Call> &calls() {
 #define MMCS_CALL(name) {"mmcs_sim_" #name, make_call(mmcs_sim_##name)}
-#define MMCS_SCRIPT(name) {"mmcs_script_" #name, make_call(mmcs_script_##name)}
+#define MMCS_SCRIPT(name)                               \
+  {                                                     \
+    "mmcs_script_" #name, make_call(mmcs_script_##name) \
+  }
   static const std::map<std::string, Call> known = {
       {"mmcs_sim_log", make_call(log_of)},
       {"mmcs_sim_add_segment", make_call(add_segment)},

@@ -17,21 +17,30 @@ bool valid_size(int bytes) {
   return bytes == 1 || bytes == 2 || bytes == 4;
 }
 
-template <typename F>
-void keep(mmcs_sim *sim, F again) {
-  if (sim && sim->keeps_deeds) sim->deeds.push_back({sim->machine.clock(), again});
-}
-
-// Does f and keeps it.
+// Does f and keeps how.
 template <typename F>
 int deed(mmcs_sim *sim, int failure, F f) {
-  keep(sim, f);
-  return mmcs::guarded(sim, failure, [=] { return f(sim); });
+  return mmcs::guarded(sim, failure, [&] {
+    if (sim->keeps_deeds) sim->deeds.push_back({sim->machine.clock(), f});
+    return f(sim);
+  });
 }
 
-std::vector<char> copied(const void *from, size_t length) {
-  const char *bytes = static_cast<const char *>(from);
-  return bytes ? std::vector<char>(bytes, bytes + length) : std::vector<char>();
+// The same of what takes or fills so many bytes: it is kept with a copy of them.
+template <typename F>
+int deed(mmcs_sim *sim, int failure, void *data, size_t length, F f) {
+  return mmcs::guarded(sim, failure, [&] {
+    if (sim->keeps_deeds) {
+      std::vector<char> copy(std::max(length, kMostArgument));
+      if (data) std::copy_n(static_cast<const char *>(data), length, copy.begin());
+      const auto again = [f, copy](mmcs_sim *s) {
+        std::vector<char> given = copy;
+        f(s, given.data());
+      };
+      sim->deeds.push_back({sim->machine.clock(), again});
+    }
+    return f(sim, data);
+  });
 }
 
 }  // namespace
@@ -45,27 +54,16 @@ int mmcs_sim_close(mmcs_sim *sim, int client) {
   return deed(sim, -MC_EBADF, [=](mmcs_sim *s) { return s->host.close(client); });
 }
 int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg) {
-  if (sim && sim->keeps_deeds) {
-    const size_t length = request >> 16 & 0x1FFF;
-    keep(sim, [=, bytes = copied(arg, length)](mmcs_sim *s) {
-      std::vector<char> given = bytes;
-      given.resize(std::max(length, kMostArgument));
-      s->host.ioctl(client, request, given.data());
-    });
-  }
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.ioctl(client, request, arg); });
+  return deed(sim, -MC_EBADF, arg, request >> 16 & 0x1FFF,
+              [=](mmcs_sim *s, void *given) { return s->host.ioctl(client, request, given); });
 }
 int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len) {
-  keep(sim, [=](mmcs_sim *s) {
-    std::vector<char> into(len);
-    s->host.read(client, into.data(), len);
-  });
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.read(client, buf, len); });
+  return deed(sim, -MC_EBADF, buf, len,
+              [=](mmcs_sim *s, void *into) { return s->host.read(client, into, len); });
 }
 int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len) {
-  if (sim && sim->keeps_deeds)
-    keep(sim, [=, bytes = copied(buf, len)](mmcs_sim *s) { s->host.write(client, bytes.data(), len); });
-  return mmcs::guarded(sim, -MC_EBADF, [=] { return sim->host.write(client, buf, len); });
+  return deed(sim, -MC_EBADF, const_cast<void *>(buf), len,
+              [=](mmcs_sim *s, void *from) { return s->host.write(client, from, len); });
 }
 int mmcs_sim_stop(mmcs_sim *sim) {
   return deed(sim, -MC_EIO, [](mmcs_sim *s) { return s->host.stop(); });
@@ -81,15 +79,10 @@ int mmcs_sim_signals(mmcs_sim *sim, int client) {
 
 int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value) {
   if (!value || !valid_size(size)) return -1;
-  const auto read = [=](mmcs_sim *s, uint32_t *into) {
-    return static_cast<int>(
-        s->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, into));
-  };
-  keep(sim, [=](mmcs_sim *s) {
-    uint32_t unused;
-    read(s, &unused);
+  return deed(sim, -1, value, sizeof *value, [=](mmcs_sim *s, void *into) {
+    return static_cast<int>(s->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am),
+                                        size, static_cast<uint32_t *>(into)));
   });
-  return mmcs::guarded(sim, -1, [=] { return read(sim, value); });
 }
 int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value) {
   if (!valid_size(size)) return -1;
@@ -101,20 +94,18 @@ int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_
 
 int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment) {
   if (!segment) return -1;
-  if (sim && sim->keeps_deeds) {
-    std::vector<double> table;
-    if (segment->table) table.assign(segment->table, segment->table + segment->table_len);
-    keep(sim, [one = *segment, table](mmcs_sim *s) {
-      mmcs_segment given = one;
-      given.table = table.data();
-      s->host.motion().add(given);
-    });
-  }
   return mmcs::guarded(sim, -1, [=] {
-    const std::string why = sim->host.motion().add(*segment);
-    if (why.empty()) return 0;
-    sim->machine.note("log", segment->axis, "motion refused: " + why);
-    return -1;
+    std::vector<double> table;
+    if (segment->table && segment->table_len > 0)
+      table.assign(segment->table, segment->table + segment->table_len);
+    return deed(sim, -1, [one = *segment, table](mmcs_sim *s) {
+      mmcs_segment given = one;
+      given.table = table.empty() ? nullptr : table.data();
+      const std::string why = s->host.motion().add(given);
+      if (why.empty()) return 0;
+      s->machine.note("log", one.axis, "motion refused: " + why);
+      return -1;
+    });
   });
 }
 int mmcs_sim_start_motion(mmcs_sim *sim, int client) {

@@ -19,7 +19,7 @@ namespace {
 constexpr size_t kAxes = 32;
 constexpr int kWords = sizeof(mc_param) / sizeof(int);
 constexpr int kReadWrite = 2, kInvalid = 22;  // of open(2) and errno
-constexpr double kSignalCheckS = 0.001;  // how soon after a SIGUSR1 its handler runs, at most
+constexpr double kSignalCheckS = 0.001;       // how soon after a SIGUSR1 its handler runs, at most
 constexpr double kMostDrive = 2047;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -180,7 +180,8 @@ struct mmcs_script {
     for (size_t n = 0; n < count; ++n) {
       if (!named(process.asked.axes, n)) continue;
       const double goal = now >= process.asked.at ? process.goals[n] : 0.0;
-      const double u = process.asked.p * (goal - states[n].encnow) - process.asked.d * states[n].vel;
+      const double u =
+          process.asked.p * (goal - states[n].encnow) - process.asked.d * states[n].vel;
       setpoints[n] = rounded(std::min(std::max(u, -kMostDrive), kMostDrive));
     }
     const auto turn = static_cast<size_t>(process.turn++);

@@ -48,9 +48,9 @@ export const OPERATIONS = {
     return { t: s.sim.time };
   },
   call: (s, a) => s.call(a),
-  change: async (s, a) => {
+  change: (s, a) => {
     s.mustBeOpen(true);
-    return { param: await s.change(a.get("axis"), a.get("param")) };
+    return { param: s.change(a.get("axis"), a.get("param")) };
   },
   load: (s, a) => {
     const offset = a.get("offset");
@@ -170,7 +170,7 @@ export const OPERATIONS = {
     s.follow = { samples, events, every, period_s, row, event: head.events, lost: 0, due: 0 };
     return {};
   },
-  law: async (s, { said: { axis, text, r } }) => {
+  law: (s, { said: { axis, text, r } }) => {
     s.mustWrite();
     const none = s.setpoints(); // where the axis with the law has no current
     s.law = null;
@@ -180,7 +180,7 @@ export const OPERATIONS = {
     }
     const made = new Law(s, axis, text, r);
     s.check(s.sim.write(s.page, made.setpoints)); // no current yet
-    await s.change(axis, { mode: s.C.MD_TORQ });
+    s.change(axis, { mode: s.C.MD_TORQ });
     s.law = made;
     return {};
   },

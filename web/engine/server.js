@@ -210,7 +210,7 @@ export class Server {
     return param;
   }
 
-  async change(axis, wanted) {
+  change(axis, wanted) {
     const { sim, session, C } = this;
     if (!session.playing || axis >= sim.axes) {
       const param = { ...this.param(axis), ...wanted };
@@ -225,7 +225,7 @@ export class Server {
     return this.param(axis);
   }
 
-  async call(a) {
+  call(a) {
     this.mustBeOpen();
     const { C, sim, session } = this;
     const request = a.get("request");
@@ -237,7 +237,7 @@ export class Server {
     if (request === "MSETPARAM") {
       const none = Object.fromEntries(this.protocol.param.map((name) => [name, 0]));
       const axis = a.get("axis");
-      await this.change(axis, { ...none, ...a.get("param"), which: axis });
+      this.change(axis, { ...none, ...a.get("param"), which: axis });
       return {};
     }
     const value = number >>> 31 ? a.get("value") : undefined;

@@ -41,13 +41,18 @@ int mmcs_sim_read(mmcs_sim *sim, int client, void *data, size_t size) {
   return answer() ? -22 : (int)size;
 }
 int mmcs_sim_signals(mmcs_sim *sim, int client) { return puts("signals"), 1; }
-int mmcs_sim_open(mmcs_sim *sim, int flags) { return printf("open %d\n", flags), answer() ? -6 : 5; }
+int mmcs_sim_open(mmcs_sim *sim, int flags) {
+  return printf("open %d\n", flags), answer() ? -6 : 5;
+}
 int mmcs_sim_run(mmcs_sim *sim, double t) { return printf("run %g\n", now = t), 0; }
 double mmcs_sim_time(const mmcs_sim *sim) { return now; }
-int mmcs_sim_start_motion(mmcs_sim *sim, int client) { return printf("start %d\n", client), answer(); }
+int mmcs_sim_start_motion(mmcs_sim *sim, int client) {
+  return printf("start %d\n", client), answer();
+}
 const char *mmcs_sim_input_name(int32_t input) { return "estop"; }
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
-  return printf("event %g %d %d %g\n", event->t, event->input, event->index, event->value), answer();
+  return printf("event %g %d %d %g\n", event->t, event->input, event->index, event->value),
+         answer();
 }
 static void end(int result, const char *said) { printf("= %d %s\n", result, said); exit(0); }
 int main(int argc, char **argv) {
