@@ -160,6 +160,7 @@ def path_of(name: str) -> str:
     every = step * setup.scenario.interval_us / 1e6
     places = np.searchsorted(t, every * np.arange(1, POINTS + 1) - 1e-9)
     rows = [[int(axis[n]) for n in places if n < len(t)] for axis in axes]
+    rows = rows[:1] if all(row == rows[0] for row in rows) else rows
     lines = ",\n".join(f"  {row}" for row in rows)
     return (
         f'\n{MARK}[[expect]]\nkind = "path"\nevery = {every:g}\nwithin = {WITHIN}\n'

@@ -92,15 +92,16 @@ def _stats(entry: StatsExpect, stats: dict) -> list[dict]:
 def _event(entry: EventExpect, result) -> dict:
     begin = result.motion_start_s + entry.after
     end = float("inf") if entry.within_ms is None else begin + entry.within_ms / 1e3
+    kinds = [entry.event] if isinstance(entry.event, str) else entry.event
     kind = [
         note
         for note in result.notes
-        if note["kind"] == entry.event
+        if note["kind"] in kinds
         and begin <= note["t"] <= end
         and (entry.axis is None or note["axis"] == entry.axis)
     ]
     hits = [note for note in kind if entry.text is None or entry.text in note["text"]]
-    what = f"event {entry.event}"
+    what = f"event {' or '.join(kinds)}"
     what += "" if entry.axis is None else f" of axis {entry.axis}"
     what += "" if entry.text is None else f' "{entry.text}"'
     what += " seen" if entry.seen else " not seen"

@@ -63,7 +63,9 @@ def signal(entry: SignalExpect, result) -> list[dict]:
 def path(entry: PathExpect, result) -> list[dict]:
     """The farthest that an axis is from the counts given, at their instants."""
     verdicts, t = [], result.log[:, 0]
-    for axis, counts in zip(axes_of(entry, result), entry.counts, strict=True):
+    axes = axes_of(entry, result)
+    lists = entry.counts * len(axes) if len(entry.counts) == 1 else entry.counts
+    for axis, counts in zip(axes, lists, strict=True):
         values = logcols.column(result.log, axis, "encoder")
         places = np.searchsorted(t, entry.every * np.arange(1, len(counts) + 1) - 1e-9)
         value = None

@@ -208,11 +208,14 @@ class StatsExpect(Strict):
     bus_errors: Count | None = None
 
 
+EventKind = Literal["panic", "error", "signal", "fault", "log", "bus", "assert"]
+
+
 class EventExpect(Strict):
     """About something that happens, or must not."""
 
     kind: Literal["event"]
-    event: Literal["panic", "error", "signal", "fault", "log", "bus", "assert"]
+    event: EventKind | Annotated[list[EventKind], Field(min_length=1)]  # any of a list
     text: str | None = None  # must occur in the note's text
     axis: int | None = Field(None, ge=0, le=31)
     seen: bool = True
@@ -253,7 +256,7 @@ class PathExpect(Strict):
     kind: Literal["path"]
     axis: Axes = "all"
     every: float = Field(ge=1e-3, le=3600, description="seconds from one count to the next")
-    counts: list[list[Int32]] = Field(min_length=1, description="a list of counts for each axis")
+    counts: list[list[Int32]] = Field(min_length=1, description="a list for each axis, or one for all")
     within: float = Field(10.0, ge=0)  # counts
 
 

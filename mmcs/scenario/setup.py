@@ -391,8 +391,8 @@ class _Cross:
                 self.wrong(f"expect.{n}.after", entry.after, end)
             if entry.kind == "path":
                 count = len(self.chosen(f"expect.{n}", entry.axis))
-                if len(entry.counts) != count:
-                    allowed = f"must be {count} lists, one for each axis named"
+                if len(entry.counts) not in (1, count):
+                    allowed = f"must be {count} lists, one for each axis named, or one for all"
                     self.wrong(f"expect.{n}.counts", entry.counts, allowed)
             where = {"kind", "axis", "signal", "after", "until"}
             if entry.kind != "event" and not entry.model_dump(exclude_none=True, exclude=where):

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is done to a machine is done to another from the same state: the same future, to the bit."""
+
+import random
+
+import pytest
+from machines import event, machine, start
+
+from mmcs import mcdef
+
+
+@pytest.mark.req("API-1")
+def test_deeds_lead_another_machine_the_same_way():
+    """Requests, also refused ones, bus cycles, events, motions; with some left out it differs."""
+    rng = random.Random(1989)
+    with machine() as sim, machine() as other:
+        client = start(sim)
+        sim.run(sim.time + 0.002)
+        first = sim.lib.mmcs_sim_deeds(sim.handle)
+        state, past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+        deeds = [
+            lambda: sim.write(client, [rng.randrange(-500, 500), 7]),
+            lambda: sim.read(client),
+            lambda: sim.ioctl(client, mcdef.MSETENC, mcdef.new_int(rng.randrange(2))),
+            lambda: sim.ioctl(client, mcdef.MSETINTERVAL, mcdef.new_int(3)),
+            lambda: sim.ioctl(client, mcdef.MENABLE),
+            sim.stop,
+            lambda: sim.bus_read(0x001),
+            lambda: sim.bus_write(0x041, rng.randrange(256)),
+            lambda: event(sim, sim.time + 0.0005, "pot_noise", rng.random()),
+            lambda: sim.close(sim.open(mcdef.O_RDONLY)),
+        ]
+        sim.add_segment(axis=1, kind="table", t0=0.0, duration=0.05, table=[0, 40, 10])
+        sim.start_motion(client)
+        for deed in deeds + rng.choices(deeds, k=40):
+            deed()
+            sim.run(sim.time + rng.randrange(3) / 1000)
+
+        def future(wanted):
+            sim.lib.mmcs_sim_keep_deeds(sim.handle, wanted, 1 << 40)
+            other.restore_bytes(state, past)
+            assert sim.lib.mmcs_sim_repeat(other.handle, sim.handle, wanted, -1, sim.clock) == 0
+            return other.future()
+
+        assert future(first) == sim.future()
+        assert future(first + 12) != sim.future()
