@@ -24,7 +24,9 @@ def header() -> str:
         robot = tomllib.loads(path.read_text())
         name = path.stem
         lines.append(f"inline constexpr mmcs_motor {name}[] = {{")
-        lines += ["  {" + ", ".join(str(a[f]) for f in fields()) + "}," for a in robot["axis"]]
+        for axis in robot["axis"]:
+            values = {"index_per_rev": 1} | axis  # others that are left out are 0
+            lines.append("  {" + ", ".join(str(values.get(f, 0)) for f in fields()) + "},")
         lines.append("};")
         rotors = ", ".join(str(a["rotor_inertia"]) for a in robot["axis"])
         lines.append(f"inline constexpr double {name}_rotor_inertia[] = {{{rotors}}};")
