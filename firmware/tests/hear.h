@@ -24,10 +24,7 @@ static inline struct mc *listening(int cards) {
 
 static inline void set_modes(struct mc *mc, int mode) {
   for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = {.which = axis};
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-    par.mode = mode;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    set_mode(mc, axis, mode);
   }
 }
 

@@ -4,22 +4,6 @@
 
 static struct mock m;
 
-static void calibrate(struct mc *mc, int axis) {
-  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
-}
-
-static int errcode(int axis) {
-  return mc_state_of(m.memory, axis)->errcode;
-}
-
-/* The index of an axis passes at the count `at`, and the axis goes on. */
-static void pass_index(int axis, uint16_t at) {
-  struct mock_card *c = &m.card[axis / 2];
-  c->latched[axis & 1] = at;
-  c->has_latch[axis & 1] = c->index[axis & 1] = 1;
-  c->count[axis & 1] = (uint16_t)(at + 17);
-}
-
 // req: DRV-8 CAL-1
 static void test_arming_traffic(void) {
   struct mc *mc = mock_open(&m, 3);
@@ -65,19 +49,19 @@ static void test_every_axis_finds_its_own_index(void) {
     struct mc *mc = mock_open(&m, 3);
     int other = axis ^ 1;
     calibrate(mc, axis);
-    pass_index(other, 900); /* nobody waits for this one */
+    pass_index(&m, other, 900); /* nobody waits for this one */
     mock_run(&m, 6000);
-    for (int i = 0; i < 6; i++) CHECK_EQ(errcode(i), 0);
+    for (int i = 0; i < 6; i++) CHECK_EQ(errcode_of(&m, i), 0);
     CHECK_EQ(m.card[axis / 2].b, 0x11);
-    pass_index(axis, (uint16_t)(0xFF00 + axis));
+    pass_index(&m, axis, (uint16_t)(0xFF00 + axis));
     mock_pass(&m);
     for (int i = 0; i < 6; i++) {
       uint32_t want = (0xFF00u + (unsigned)i) << 16 | (unsigned)i << 8 | MERR_ZINDEX;
-      CHECK_EQ(errcode(i), i == axis ? (int32_t)want : 0);
+      CHECK_EQ(errcode_of(&m, i), i == axis ? (int32_t)want : 0);
     }
     CHECK_EQ(m.signals[0], 1);
     for (int card = 0; card < 3; card++) CHECK_EQ(m.card[card].b, 5);
-    pass_index(axis, 4); /* once is enough */
+    pass_index(&m, axis, 4); /* once is enough */
     mock_run(&m, 6000);
     CHECK_EQ(m.signals[0], 1);
     mock_stop(&m);
@@ -94,16 +78,16 @@ static void test_two_axes_of_a_card_one_after_the_other(void) {
     calibrate(mc, 3);
     CHECK_EQ(m.card[0].b, 0x0D);
     CHECK_EQ(m.card[1].b, 0x11);
-    pass_index(2 + first, 50);
+    pass_index(&m, 2 + first, 50);
     mock_pass(&m);
-    CHECK_EQ(errcode(2 + first), 50 << 16 | (2 + first) << 8 | MERR_ZINDEX);
-    CHECK_EQ(errcode(2 + second), 0);
+    CHECK_EQ(errcode_of(&m, 2 + first), 50 << 16 | (2 + first) << 8 | MERR_ZINDEX);
+    CHECK_EQ(errcode_of(&m, 2 + second), 0);
     CHECK_EQ(m.card[1].b, 0x11); /* the other still waits */
     mock_run(&m, 10000);
     CHECK_EQ(m.signals[0], 1);
-    pass_index(2 + second, 60);
+    pass_index(&m, 2 + second, 60);
     mock_pass(&m);
-    CHECK_EQ(errcode(2 + second), 60 << 16 | (2 + second) << 8 | MERR_ZINDEX);
+    CHECK_EQ(errcode_of(&m, 2 + second), 60 << 16 | (2 + second) << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 0x0D); /* latched by SCLOCK and double-buffered again */
     CHECK_EQ(m.signals[0], 2);
     mock_stop(&m);
@@ -115,11 +99,11 @@ static void test_two_at_once_are_one_signal(void) {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 1);
   calibrate(mc, 2);
-  pass_index(1, 11);
-  pass_index(2, 22);
+  pass_index(&m, 1, 11);
+  pass_index(&m, 2, 22);
   mock_pass(&m);
-  CHECK_EQ(errcode(1), 11 << 16 | 1 << 8 | MERR_ZINDEX);
-  CHECK_EQ(errcode(2), 22 << 16 | 2 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 1), 11 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 2), 22 << 16 | 2 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.signals[0], 1);
   mock_stop(&m);
 }
@@ -132,11 +116,11 @@ static void test_both_indexes_of_a_live_card_are_no_absence(void) {
   calibrate(mc, 0);
   calibrate(mc, 1);
   mock_run(&m, 200);
-  pass_index(0, 11);
-  pass_index(1, 22);
+  pass_index(&m, 0, 11);
+  pass_index(&m, 1, 22);
   mock_pass(&m);
-  CHECK_EQ(errcode(0), 11 << 16 | MERR_ZINDEX);
-  CHECK_EQ(errcode(1), 22 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 0), 11 << 16 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 1), 22 << 16 | 1 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.card[0].b, 7);
   CHECK(!mock_panic(&m));
   mock_stop(&m);
@@ -174,24 +158,24 @@ static void test_a_doubtful_index_is_dropped_and_the_next_one_taken(void) {
     CHECK(struck);
     if (m.card[1].b == 0x01) { /* in doubt: dropped */
       doubts++;
-      CHECK_EQ(errcode(3), 0);
+      CHECK_EQ(errcode_of(&m, 3), 0);
       CHECK_EQ(m.card[1].index[1], 0);
       mock_pass(&m);
-      CHECK_EQ(errcode(3), 0);
+      CHECK_EQ(errcode_of(&m, 3), 0);
       CHECK_EQ(m.card[1].b, 0x11); /* armed again, one SCLOCK later */
-      pass_index(3, 1070);
+      pass_index(&m, 3, 1070);
       mock_pass(&m);
-      CHECK_EQ(errcode(3), 1070 << 16 | 3 << 8 | MERR_ZINDEX);
+      CHECK_EQ(errcode_of(&m, 3), 1070 << 16 | 3 << 8 | MERR_ZINDEX);
     } else {
-      found += errcode(3) != 0;
+      found += errcode_of(&m, 3) != 0;
       mock_pass(&m);
-      CHECK_EQ(errcode(3), 70 << 16 | 3 << 8 | MERR_ZINDEX);
+      CHECK_EQ(errcode_of(&m, 3), 70 << 16 | 3 << 8 | MERR_ZINDEX);
     }
-    CHECK_EQ(errcode(2), 0);
+    CHECK_EQ(errcode_of(&m, 2), 0);
     CHECK_EQ(m.card[1].b, 0x11); /* axis 2 still waits */
-    pass_index(2, 5);
+    pass_index(&m, 2, 5);
     mock_pass(&m);
-    CHECK_EQ(errcode(2), 5 << 16 | 2 << 8 | MERR_ZINDEX);
+    CHECK_EQ(errcode_of(&m, 2), 5 << 16 | 2 << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 5);
     CHECK_EQ(m.signals[0], 2);
     mock_stop(&m);
@@ -212,20 +196,20 @@ static void test_the_doubt_of_one_axis_is_not_the_others(void) {
       calibrate(mc, 3);
       m.latency_us = 20;
       mock_pass(&m);
-      pass_index(sure, 300);
+      pass_index(&m, sure, 300);
       m.card[1].count[other & 1] = 70;
       m.logging = 1;
       struck_axis = other;
       m.on_access = strike;
       mock_pass(&m);
       m.on_access = NULL;
-      CHECK_EQ(errcode(sure), 300 << 16 | sure << 8 | MERR_ZINDEX);
+      CHECK_EQ(errcode_of(&m, sure), 300 << 16 | sure << 8 | MERR_ZINDEX);
       if (m.card[1].b == 0x01) {
         doubts++;
-        CHECK_EQ(errcode(other), 0);
+        CHECK_EQ(errcode_of(&m, other), 0);
       } else {
         mock_pass(&m);
-        CHECK_EQ(errcode(other), 70 << 16 | other << 8 | MERR_ZINDEX);
+        CHECK_EQ(errcode_of(&m, other), 70 << 16 | other << 8 | MERR_ZINDEX);
       }
       mock_stop(&m);
     }
@@ -249,7 +233,7 @@ static void test_an_index_while_not_armed_is_not_believed(void) {
     if (m.card[1].b == 0x01) {
       m.card[1].index[1] = 1;
       mock_pass(&m);
-      CHECK_EQ(errcode(3), 0);
+      CHECK_EQ(errcode_of(&m, 3), 0);
       CHECK_EQ(m.signals[0], 0);
       CHECK_EQ(m.card[1].b, 0x11);
     }
@@ -265,8 +249,7 @@ static void test_the_servo_sees_where_the_axis_is(void) {
       struct mc *mc = mock_open(&m, 2);
       int passing = waits ? axis : axis ^ 1; /* or its neighbour, whose index nobody waits for */
       for (int i = 2; i < 4; i++) {
-        struct mc_param par = {.which = i};
-        CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+        struct mc_param par = param_of(mc, i);
         par.mode = MD_POS;
         par.a0 = 2;
         CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
@@ -275,15 +258,15 @@ static void test_the_servo_sees_where_the_axis_is(void) {
       calibrate(mc, axis);
       for (int pass = 0; pass < 5; pass++) {
         uint16_t now = (uint16_t)(100 * pass);
-        pass_index(passing, now); /* goes on by 17 counts since */
+        pass_index(&m, passing, now); /* goes on by 17 counts since */
         mock_pass(&m);
         CHECK_EQ(mc_state_of(mc, passing)->encnow, now + 17);
         CHECK_EQ(mock_dac(&m, passing), 0x800 - 2 * (now + 17));
         if (waits) {
-          CHECK_EQ(errcode(axis), axis << 8 | MERR_ZINDEX);
+          CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_ZINDEX);
           break;
         }
-        CHECK_EQ(errcode(axis), 0);
+        CHECK_EQ(errcode_of(&m, axis), 0);
       }
       mock_stop(&m);
     }
@@ -291,8 +274,7 @@ static void test_the_servo_sees_where_the_axis_is(void) {
 }
 
 static int try_mode(struct mc *mc, int axis, int mode) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  struct mc_param par = param_of(mc, axis);
   par.mode = mode;
   return mc_ioctl(mc, 0, MSETPARAM, &par);
 }
@@ -324,7 +306,7 @@ static void test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_oth
       CHECK_EQ(par.mode, MD_OFF);
     }
     for (int i = 0; i < 10; i++) CHECK_EQ(try_mode(mc, 2 + (i & 1), free_[i / 2]), 0);
-    pass_index(axis, 3);
+    pass_index(&m, axis, 3);
     mock_pass(&m);
     CHECK_EQ(try_mode(mc, axis, MD_POS | ADFB), 0); /* it is over */
     mock_stop(&m);
@@ -347,10 +329,10 @@ static void test_a_stop_gives_calibrations_up(void) {
                           : mc_close(mc, 0),
                0);
       for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 5);
-      pass_index(1, 50);
-      pass_index(2, 60);
+      pass_index(&m, 1, 50);
+      pass_index(&m, 2, 60);
       mock_run(&m, 10000);
-      for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
+      for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
       struct mc_state state;
       CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
       mock_stop(&m);

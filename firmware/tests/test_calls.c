@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a process sees of /dev/mc: every call with its errors. §2.3, Table 2.3 */
-#include "harness.h"
-#include "mock.h"
+#include "traffic.h"
 #include "sys/mmcs.h"
 
 static struct mock m;
@@ -17,12 +16,6 @@ static const struct {
 
 #define COUNT(a) (sizeof a / sizeof a[0])
 
-static struct mc_param get(struct mc *mc, int axis) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  return par;
-}
-
 // req: DRV-2
 static void test_defaults(void) {
   struct mc *mc = mock_open(&m, 2);
@@ -34,7 +27,7 @@ static void test_defaults(void) {
                                           .plo = INT32_MIN,
                                           .phi = INT32_MAX,
                                           .adc_a = 1};
-    struct mc_param want = table, got = get(mc, axis);
+    struct mc_param want = table, got = param_of(mc, axis);
     want.which = axis;
     CHECK(memcmp(&want, &got, sizeof want) == 0);
     CHECK_EQ(mc_setpoint(mc, axis), 0);
@@ -104,7 +97,7 @@ static void test_read_only_may_look_only(void) {
 // req: DRV-3
 static void test_rejected_parameters_change_nothing(void) {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param before = get(mc, 1), after;
+  struct mc_param before = param_of(mc, 1), after;
   struct mc_param bad[11];
   for (int i = 0; i < 11; i++) {
     bad[i] = before;
@@ -123,7 +116,7 @@ static void test_rejected_parameters_change_nothing(void) {
   bad[10].clkdivisor = INT32_MAX;
   for (int i = 0; i < 11; i++) {
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &bad[i]), -MC_EINVAL);
-    after = get(mc, 1);
+    after = param_of(mc, 1);
     CHECK(memcmp(&before, &after, sizeof before) == 0);
   }
   before.which = 2;
@@ -135,7 +128,7 @@ static void test_rejected_parameters_change_nothing(void) {
 // req: DRV-3 HB-2
 static void test_a_servo_is_no_slower_than_its_heartbeats(void) {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = get(mc, 1);
+  struct mc_param par = param_of(mc, 1);
   unsigned us = 2500, got;
   par.clkdivisor = 25;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
@@ -212,7 +205,7 @@ static void test_state_follows_the_axis_while_off(void) {
 static void test_set_dac(void) {
   struct mc *mc = mock_open(&m, 1);
   int arg = 0xABC << 8 | 1, position;
-  struct mc_param par = get(mc, 0);
+  struct mc_param par = param_of(mc, 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), -MC_EIO);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), 0);
@@ -231,7 +224,7 @@ static void test_set_dac(void) {
 // req: SRV-1
 static void test_clkdivisor(void) {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = get(mc, 0);
+  struct mc_param par = param_of(mc, 0);
   par.mode = MD_TEST1;
   par.clkdivisor = 3;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);

@@ -10,10 +10,6 @@ static struct mc *enabled(int cards) {
   return mc;
 }
 
-static int errcode(int axis) {
-  return mc_state_of(m.memory, axis)->errcode;
-}
-
 static void clear(struct mc *mc, int client) {
   CHECK_EQ(mc_ioctl(mc, client, MCLEARERROR, NULL), 0);
 }
@@ -29,15 +25,15 @@ static void test_codes_tell_flags_axis_and_count(void) {
   CHECK_EQ(mc_joints(mc), 32);
   for (int axis = 0; axis < 32; axis++) {
     error_raise(mc, axis, MERR_PLO);
-    CHECK_EQ(errcode(axis), axis << 8 | MERR_PLO);
+    CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_PLO);
     error_raise(mc, axis, MERR_ILIM | MERR_PANIC);
-    CHECK_EQ(errcode(axis), axis << 8 | 0x0D);
+    CHECK_EQ(errcode_of(&m, axis), axis << 8 | 0x0D);
     error_raise_index(mc, axis, 0xFFFE);
-    CHECK_EQ((uint32_t)errcode(axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1D);
+    CHECK_EQ((uint32_t)errcode_of(&m, axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1D);
     error_raise(mc, axis, MERR_PHI); /* the count stays */
-    CHECK_EQ((uint32_t)errcode(axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1F);
+    CHECK_EQ((uint32_t)errcode_of(&m, axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1F);
     error_raise_index(mc, axis, 7); /* the latest count */
-    CHECK_EQ(errcode(axis), 7 << 16 | axis << 8 | 0x1F);
+    CHECK_EQ(errcode_of(&m, axis), 7 << 16 | axis << 8 | 0x1F);
   }
   CHECK_EQ(m.signals[0], 0); /* raising alone tells nobody */
   mock_stop(&m);
@@ -49,7 +45,7 @@ static void test_a_clear_takes_what_was_read_only(void) {
   int other = mc_open(mc, MC_O_RDWR);
   for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO | MERR_ILIM);
   clear(mc, 0); /* has never read: everything */
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
   CHECK_EQ(m.signals[0], 0); /* nothing remains, nobody is told */
   for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO);
   look(mc, 0, 4);
@@ -57,21 +53,21 @@ static void test_a_clear_takes_what_was_read_only(void) {
     error_raise(mc, axis, axis == 0 ? MERR_PHI : 0);
   }
   clear(mc, 0);
-  CHECK_EQ(errcode(0), MERR_PHI); /* came since */
-  for (int axis = 1; axis < 4; axis++) CHECK_EQ(errcode(axis), 0);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* came since */
+  for (int axis = 1; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
   CHECK_EQ(m.signals[0], 1); /* it signals again, everybody */
   CHECK_EQ(m.signals[other], 1);
   clear(mc, 0); /* not read since: still there, and told already */
-  CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
   CHECK_EQ(m.signals[0], 1);
   error_raise(mc, 0, MERR_PHI); /* once more: that is news */
   clear(mc, 0);
   CHECK_EQ(m.signals[0], 2);
   look(mc, other, 4); /* another's read does not count */
   clear(mc, 0);
-  CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
   clear(mc, other);
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(m.signals[0], 2);
   CHECK_EQ(m.masked, 0);
   mock_stop(&m);
@@ -92,7 +88,7 @@ static void test_every_reader_is_told(void) {
   error_raise(mc, 1, MERR_ILIM);
   look(mc, 0, 4);
   clear(mc, 0);
-  CHECK_EQ(errcode(2), 0);
+  CHECK_EQ(errcode_of(&m, 2), 0);
   CHECK_EQ(shown(mc, 0, 2), 0);
   CHECK_EQ(shown(mc, monitor, 1), 0x100 | MERR_ILIM);
   CHECK_EQ(shown(mc, monitor, 2), 77 << 16 | 0x200 | MERR_ZINDEX); /* not covered before */
@@ -105,9 +101,9 @@ static void test_every_reader_is_told(void) {
   CHECK_EQ(mc_read(mc, other, buf, sizeof buf), -MC_EFAULT);
   m.bad_pointer = 0;
   clear(mc, 0);
-  CHECK_EQ(errcode(2), MERR_PLO | 0x200); /* came since its read */
+  CHECK_EQ(errcode_of(&m, 2), MERR_PLO | 0x200); /* came since its read */
   clear(mc, other); /* never has read: everything, and wants to hear no more of it */
-  CHECK_EQ(errcode(2), 0);
+  CHECK_EQ(errcode_of(&m, 2), 0);
   CHECK_EQ(shown(mc, other, 2), 0);
   CHECK_EQ(shown(mc, 0, 2), 0x200 | MERR_PLO);
   CHECK_EQ(shown(mc, mc_open(mc, MC_O_RDWR), 2), 0); /* the past is not a newcomer's */
@@ -128,7 +124,7 @@ static void test_a_handler_that_reads_and_clears_is_done(void) {
     clear(mc, 0);
   }
   CHECK_EQ(handled, 1);
-  for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode(axis), 0);
+  for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
   mock_stop(&m);
 }
 
@@ -141,11 +137,12 @@ static void test_a_clear_covers_all_axes(void) {
     look(mc, 0, axes);
     error_raise(mc, 3, MERR_ILIM);
     clear(mc, 0);
-    for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), axis == 3 ? 0x300 | MERR_ILIM : 0);
+    for (int axis = 0; axis < 4; axis++)
+      CHECK_EQ(errcode_of(&m, axis), axis == 3 ? 0x300 | MERR_ILIM : 0);
     CHECK_EQ(m.signals[0], 1);
     look(mc, 0, axes);
     clear(mc, 0);
-    CHECK_EQ(errcode(3), 0);
+    CHECK_EQ(errcode_of(&m, 3), 0);
     CHECK_EQ(m.signals[0], 1);
     mock_stop(&m);
   }
@@ -161,23 +158,23 @@ static void test_a_failed_read_has_seen_nothing(void) {
   CHECK_EQ(mc_read(mc, 0, buf, sizeof buf), -MC_EFAULT);
   m.bad_pointer = 0;
   clear(mc, 0);
-  CHECK_EQ(errcode(1), 0x100 | MERR_PHI);
+  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PHI);
   look(mc, 0, 2);
   clear(mc, 0);
-  CHECK_EQ(errcode(1), 0);
+  CHECK_EQ(errcode_of(&m, 1), 0);
   int other = mc_open(mc, MC_O_RDWR);
   error_raise(mc, 0, MERR_PLO);
   m.bad_pointer = 1;
   CHECK_EQ(mc_read(mc, other, buf, sizeof buf), -MC_EFAULT);
   CHECK_EQ(m.masked, 0);
   clear(mc, other); /* as if it had never read */
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   error_raise(mc, 0, MERR_PHI);
   CHECK_EQ(mc_read(mc, 0, buf, sizeof buf), -MC_EFAULT);
   m.bad_pointer = 0;
   look(mc, other, 2);
   clear(mc, other);
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(shown(mc, 0, 0), MERR_PLO | MERR_PHI); /* the failed read has not shown it */
   mock_stop(&m);
 }
@@ -189,11 +186,11 @@ static void test_the_count_lives_as_long_as_its_flag(void) {
   look(mc, 0, 2);
   error_raise(mc, 1, MERR_PLO);
   clear(mc, 0);
-  CHECK_EQ(errcode(1), 0x100 | MERR_PLO);
+  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PLO);
   look(mc, 0, 2);
   error_raise_index(mc, 1, 66);
   clear(mc, 0);
-  CHECK_EQ(errcode(1), 66 << 16 | 0x100 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 1), 66 << 16 | 0x100 | MERR_ZINDEX);
   mock_stop(&m);
 }
 
@@ -281,7 +278,7 @@ static void test_panic_names_who_is_silent(void) {
     int number;
     CHECK_EQ(mc_cause(mc, &number), cases[i].cause);
     CHECK_EQ(number, cases[i].number);
-    for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode(axis), axis << 8 | MERR_PANIC);
+    for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_PANIC);
     CHECK_EQ(m.signals[0], 1);
     CHECK_EQ(mc_stats_of(mc)->panics, 1);
     CHECK_EQ(m.pccsr, 0xB8);

@@ -15,21 +15,6 @@ static int end(struct mc *mc, int axis) {
   return mc_ioctl(mc, 0, MCALIBEND, &axis);
 }
 
-static void calibrate(struct mc *mc, int axis) {
-  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
-}
-
-static int errcode(int axis) {
-  return mc_state_of(m.memory, axis)->errcode;
-}
-
-static void pass_index(int axis, uint16_t at) {
-  struct mock_card *c = &m.card[axis / 2];
-  c->latched[axis & 1] = at;
-  c->has_latch[axis & 1] = c->index[axis & 1] = 1;
-  c->count[axis & 1] = (uint16_t)(at + 17);
-}
-
 // req: DRV-4
 static void test_a_setpoint_of_one_axis(void) {
   struct mc *mc = mock_open(&m, 2);
@@ -52,10 +37,7 @@ static void test_the_others_keep_where_they_are(void) {
   m.card[0].count[0] = m.card[0].count[1] = 500;
   mock_run(&m, 5000);
   for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = {.which = axis};
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-    par.mode = MD_POS;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    set_mode(mc, axis, MD_POS);
   }
   CHECK_EQ(set(mc, 1, 510), 0);
   mock_run(&m, 5000);
@@ -82,12 +64,12 @@ static void test_the_end_of_one_calibration(void) {
   calibrate(mc, 3);
   CHECK_EQ(end(mc, 2), 0);
   CHECK_EQ(m.card[1].b, 0x11); /* the other still waits */
-  pass_index(2, 40);
+  pass_index(&m, 2, 40);
   mock_run(&m, 5000);
-  CHECK_EQ(errcode(2), 0);
-  pass_index(3, 60);
+  CHECK_EQ(errcode_of(&m, 2), 0);
+  pass_index(&m, 3, 60);
   mock_pass(&m);
-  CHECK_EQ(errcode(3), 60 << 16 | 3 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 3), 60 << 16 | 3 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.card[1].b, 5);
   mock_stop(&m);
 }
@@ -98,19 +80,19 @@ static void test_the_end_leaves_the_position(void) {
   struct mc *mc = mock_open(&m, 1);
   calibrate(mc, 0);
   mock_run(&m, 5000);
-  pass_index(0, 300);
+  pass_index(&m, 0, 300);
   m.logging = 1;
   CHECK_EQ(end(mc, 0), 0);
   static const struct mock_access want[] = {W(0x003, 5), PAIR(0x009)};
   EXPECT(&m, want);
   m.logging = 0;
   mock_run(&m, 5000);
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 317);
   calibrate(mc, 0); /* and it can be asked for again */
-  pass_index(0, 320);
+  pass_index(&m, 0, 320);
   mock_run(&m, 5000);
-  CHECK_EQ(errcode(0), 320 << 16 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 0), 320 << 16 | MERR_ZINDEX);
   mock_stop(&m);
 }
 

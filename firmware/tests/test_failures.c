@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Hardware that fails behind the driver's back, on the mock machine. §2.3.4, §5.3.6 */
 #include "mc_priv.h"
-#include "harness.h"
-#include "mock.h"
+#include "traffic.h"
 
 static struct mock m;
 
 static struct mc *enabled(int mode) {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = {.which = 0};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  par.mode = mode;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  set_mode(mc, 0, mode);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   return mc;
 }

@@ -234,10 +234,7 @@ static void test_program_that_owes_no_setpoint(void) {
   check_goes_on(mc);
   mc = guarded((struct mc_guard){.lease = 5});
   CHECK_EQ(mc_write(mc, 0, here, 8), 8);
-  struct mc_param par = {.which = 1};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  par.mode = 0;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  set_mode(mc, 1, 0);
   mock_run(&m, 7000); /* the other is on */
   CHECK(!mc_is_enabled(mc));
   mock_stop(&m);

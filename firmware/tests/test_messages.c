@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the driver says and what it leaves unsaid, and which passes count as samples. §2.3.5 */
-#include "harness.h"
-#include "mock.h"
+#include "traffic.h"
 
 static struct mock m;
 
 static void limits(struct mc *mc, int axis, int mode) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  struct mc_param par = param_of(mc, axis);
   par.mode = mode;
   par.plo = -100;
   par.phi = 100;

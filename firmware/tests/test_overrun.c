@@ -18,8 +18,7 @@ static struct mc *started(int mode0, int mode1, int divisor) {
   struct mc *mc = listening(1);
   int32_t set[2] = {90, 80};
   for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = {.which = axis};
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+    struct mc_param par = param_of(mc, axis);
     par.mode = axis ? mode1 : mode0;
     par.clkdivisor = divisor;
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);

@@ -30,13 +30,6 @@ static int enable(struct mc *mc) {
   return mc_ioctl(mc, 0, MENABLE, NULL);
 }
 
-static void set_mode(struct mc *mc, int axis, int mode) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  par.mode = mode;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
 #define SAID(text) CHECK_EQ(strcmp(said, text), 0)
 
 // req: DRV-9 PAN-2
@@ -75,9 +68,8 @@ static void test_enable_traffic(void) {
 // req: DRV-9 DRV-10
 static void test_an_enabled_machine_starts_afresh_at_enable(void) {
   struct mc *mc = opened(1);
-  struct mc_param par = {.which = 0};
+  struct mc_param par = param_of(mc, 0);
   int32_t set[2] = {5, 6};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
   par.mode = MD_POS | ZEROFB;
   par.b1 = -1; /* an integrator */
   par.clkdivisor = 5;

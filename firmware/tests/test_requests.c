@@ -5,20 +5,8 @@
 
 static struct mock m;
 
-static struct mc_param get(struct mc *mc, int axis) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  return par;
-}
-
 static void set(struct mc *mc, struct mc_param par) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
-static void set_mode(struct mc *mc, int axis, int mode) {
-  struct mc_param par = get(mc, axis);
-  par.mode = mode;
-  set(mc, par);
 }
 
 static void call(struct mc *mc, uint32_t request, int arg) {
@@ -71,7 +59,7 @@ static void test_every_request_is_atomic_and_copies_its_argument_only(void) {
     mc->os.mask = count_mask;
     mc->os.copy_in = copy_in;
     mc->os.copy_out = copy_out;
-    struct mc_param par = get(mc, 0);
+    struct mc_param par = param_of(mc, 0);
     union {
       uint32_t word;
       struct mc_param par;
@@ -119,7 +107,7 @@ static void test_joints_that_come_and_go(void) {
   struct mc *mc = mock_open(&m, 2);
   int32_t values[4] = {100, 200, 300, 400};
   for (int axis = 0; axis < 4; axis++) {
-    struct mc_param par = get(mc, axis);
+    struct mc_param par = param_of(mc, axis);
     par.mode = axis < 3 ? MD_TORQ : MD_POS;
     par.clkdivisor = axis == 2 ? 25 : 1;
     set(mc, par);
@@ -161,7 +149,7 @@ static void test_joints_that_come_and_go(void) {
 static void test_joints_that_stay_notice_nothing(void) {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = get(mc, axis);
+    struct mc_param par = param_of(mc, axis);
     par.mode = MD_POS | ZEROFB;
     par.b1 = -1;
     set(mc, par);
@@ -255,7 +243,7 @@ static void test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample(vo
   for (int to = 1; to <= 12; to++) {
     for (int passed = 0; passed < 8; passed++) {
       struct mc *mc = mock_open(&m, 1);
-      struct mc_param par = get(mc, 0);
+      struct mc_param par = param_of(mc, 0);
       par.clkdivisor = 8;
       set(mc, par);
       while (mc_state_of(mc, 0)->fbnow == mc_state_of(mc, 0)->encnow) { /* right after a sample */
@@ -285,7 +273,7 @@ static void test_axes_wait_each_by_itself(void) {
   static const int divisors[] = {3, 1, 2, 5};
   int samples[4] = {0};
   for (int axis = 0; axis < 4; axis++) {
-    struct mc_param par = get(mc, axis);
+    struct mc_param par = param_of(mc, axis);
     par.clkdivisor = divisors[axis];
     par.mode = MD_TEST1;
     set(mc, par);

@@ -15,13 +15,6 @@ static struct mc *at(struct mc *mc, int axis, int32_t place) {
   return mc;
 }
 
-static void servo(struct mc *mc, int axis, int mode) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  par.mode = mode;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
 static int enable(struct mc *mc) {
   said[0] = 0;
   return mc_ioctl(mc, 0, MENABLE, NULL);
@@ -47,7 +40,7 @@ static void test_a_short_silence_leaves_the_count_whole(void) {
   for (int enabled = 0; enabled < 2; enabled++) {
     for (int us = 500; us <= 6000; us += 500) {
       struct mc *mc = at(listening(2), 2, 171586);
-      servo(mc, 2, MD_POS);
+      set_mode(mc, 2, MD_POS);
       if (enabled) CHECK_EQ(enable(mc), 0);
       mock_run(&m, 10000);
       cable(0);
@@ -78,7 +71,7 @@ static void test_a_long_silence_loses_the_count(void) {
       struct mc *mc = at(listening(2), 1, 100000);
       int encoder = 1 | 5 << 8, one = 1;
       mc->config.speed = cases[i].speed;
-      servo(mc, 1, MD_POS);
+      set_mode(mc, 1, MD_POS);
       cable(0);
       mock_run(&m, cases[i].us);
       cable(1);
@@ -93,7 +86,7 @@ static void test_a_long_silence_loses_the_count(void) {
                  0);
         CHECK_EQ(m.card[0].b & 2, 0);
         if (cure == 0) CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &encoder), 0);
-        if (cure == 1) servo(mc, 1, MD_VEL); /* which needs no place */
+        if (cure == 1) set_mode(mc, 1, MD_VEL); /* which needs no place */
         if (cure == 2) {
           CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &one), 0);
           m.card[0].index[1] = 1;
@@ -113,7 +106,7 @@ static void test_a_reset_card_needs_calibration(void) {
   for (int mode = MD_POS; mode <= MD_TORQ; mode++) {
     for (int seen = 0; seen < 2; seen++) { /* by a pass: it may come back between two */
       struct mc *mc = at(listening(2), 3, 171586);
-      servo(mc, 3, mode);
+      set_mode(mc, 3, mode);
       if (seen) cable(0);
       mock_run(&m, 2500);
       m.card[1].a = m.card[1].b = 0;
@@ -138,7 +131,7 @@ static void test_an_open_does_not_find_a_lost_count_again(void) {
   mock_run(&m, 5000);
   CHECK_EQ(mc_close(mc, 0), 0);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  servo(mc, 1, MD_POS);
+  set_mode(mc, 1, MD_POS);
   CHECK_EQ(enable(mc), -MC_EIO);
   mock_stop(&m);
 }
@@ -184,7 +177,7 @@ static void test_sysreset_is_told_and_the_state_goes_on(void) {
   for (int enabled = 0; enabled < 2; enabled++) {
     struct mc *mc = at(listening(2), 1, 100000);
     CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1);
-    servo(mc, 1, MD_POS);
+    set_mode(mc, 1, MD_POS);
     if (enabled) CHECK_EQ(enable(mc), 0);
     mock_run(&m, 10000);
     CHECK_EQ(mc_watch(mc, 0), 0);
@@ -208,7 +201,7 @@ static void test_sysreset_is_told_and_the_state_goes_on(void) {
     mock_run(&m, 5000);
     CHECK_EQ(mc_state_of(mc, 1)->encnow, 12);
     CHECK_EQ(enable(mc), -MC_EIO); /* in MD_POS, with a count that was cleared */
-    servo(mc, 1, MD_OFF);
+    set_mode(mc, 1, MD_OFF);
     CHECK_EQ(cause(mc), MCAUSE_RESET); /* until an MENABLE succeeds */
     CHECK_EQ(enable(mc), 0);
     CHECK_EQ(cause(mc), MCAUSE_NONE);
@@ -222,7 +215,7 @@ static void test_sysreset_may_leave_the_counts(void) {
   for (int slow = 0; slow < 2; slow++) {
     struct mc *mc = at(listening(2), 1, 100000);
     mc->config.speed = slow ? 500000 : 0;
-    servo(mc, 1, MD_POS);
+    set_mode(mc, 1, MD_POS);
     m.pccsr = 0;
     m.card[0].count[1] = (uint16_t)(100000 + 20000);
     mock_run(&m, 54000);

@@ -101,9 +101,8 @@ static void test_faulty_axis_is_let_go_the_other_is_held(void) {
 // req: DRV-9
 static void test_overloaded_axis_is_let_go(void) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
-  struct mc_param par = {.which = 0};
+  struct mc_param par = param_of(mc, 0);
   int32_t far[2] = {2000, 40};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
   par.ilim = 500;
   par.ilimax = 3;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);

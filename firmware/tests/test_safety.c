@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Enable, stop, errors, PANIC and calibration on the mock machine. §2.3.4, §5.3.4, §5.3.6 */
-#include "harness.h"
-#include "mock.h"
+#include "traffic.h"
 
 static struct mock m;
 
-static void set_mode(struct mc *mc, int axis, int mode, int ilimax) {
-  struct mc_param par = {.which = axis};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+static void set_mode_within(struct mc *mc, int axis, int mode, int ilimax) {
+  struct mc_param par = param_of(mc, axis);
   par.mode = mode;
   par.plo = -100;
   par.phi = 100;
@@ -17,10 +15,6 @@ static void set_mode(struct mc *mc, int axis, int mode, int ilimax) {
 
 static void enable(struct mc *mc) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-}
-
-static int errcode(int axis) {
-  return mc_state_of(m.memory, axis)->errcode;
 }
 
 /* Brakes may open only when the servo holds: every D/A is that of a servo pass. */
@@ -34,7 +28,7 @@ static void test_enable_opens_brakes_with_the_servo(void) {
   m.card[1].enabled[0] = 0;
   m.card[0].count[0] = 1234;
   m.computes = 0;
-  set_mode(mc, 0, MD_POS, 0);
+  set_mode_within(mc, 0, MD_POS, 0);
   m.on_access = brakes_need_a_servo;
   CHECK(mock_panic(&m));
   enable(mc);
@@ -66,7 +60,7 @@ static void test_enable_finds_dead_hardware(void) {
 static void test_stop(void) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 500;
-  set_mode(mc, 0, MD_TORQ, 0);
+  set_mode_within(mc, 0, MD_TORQ, 0);
   enable(mc);
   CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
   mock_run(&m, 5000);
@@ -81,10 +75,9 @@ static void test_stop(void) {
   CHECK(mock_panic(&m));
   mock_run(&m, 100000);
   CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(m.signals[0], 0);
-  struct mc_param par = {.which = 0};
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  struct mc_param par = param_of(mc, 0);
   CHECK_EQ(par.mode, MD_OFF);
   enable(mc); /* and again */
   mock_stop(&m);
@@ -112,25 +105,25 @@ static void test_last_close_stops(void) {
 // req: DRV-5 DRV-6
 static void test_limit_without_softerr_shuts_down(void) {
   struct mc *mc = mock_open(&m, 1);
-  set_mode(mc, 0, MD_POS | POSCHK, 0);
+  set_mode_within(mc, 0, MD_POS | POSCHK, 0);
   int monitor = mc_open(mc, MC_O_RDONLY);
   enable(mc);
   m.card[0].count[0] = 101;
   mock_run(&m, 2100);
-  CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
   CHECK_EQ(m.signals[0], 1);
   CHECK_EQ(m.signals[monitor], 0);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
   mock_run(&m, 60000);
   CHECK(mock_panic(&m));
   CHECK_EQ(m.signals[0], 1);
-  CHECK_EQ(errcode(1), 0);
+  CHECK_EQ(errcode_of(&m, 1), 0);
   /* An error pending does not forbid it; but the axis is still outside: a crossing again. */
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
   CHECK_EQ(m.signals[0], 2);
   m.card[0].count[0] = 99;
   enable(mc);
-  CHECK_EQ(errcode(0), MERR_PHI); /* sticky */
+  CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* sticky */
   mock_stop(&m);
 }
 
@@ -138,11 +131,11 @@ static void test_limit_without_softerr_shuts_down(void) {
 static void test_softerr_reports_crossings_only(void) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
-  set_mode(mc, 1, MD_POS | POSCHK | SOFTERR, 0);
+  set_mode_within(mc, 1, MD_POS | POSCHK | SOFTERR, 0);
   enable(mc);
   m.card[0].count[1] = (uint16_t)-101;
   mock_run(&m, 20000);
-  CHECK_EQ(errcode(1), 0x100 | MERR_PLO);
+  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PLO);
   CHECK_EQ(m.signals[0], 1);
   CHECK(!mock_panic(&m));
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
@@ -150,11 +143,11 @@ static void test_softerr_reports_crossings_only(void) {
   mock_run(&m, 2100);
   CHECK_EQ(m.signals[0], 2);
   CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
-  CHECK_EQ(errcode(1), 0x100 | MERR_PHI);
+  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PHI);
   CHECK_EQ(m.signals[0], 3);
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
   CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
-  CHECK_EQ(errcode(1), 0);
+  CHECK_EQ(errcode_of(&m, 1), 0);
   mock_stop(&m);
 }
 
@@ -162,7 +155,7 @@ static void test_softerr_reports_crossings_only(void) {
 static void test_same_event_again_survives_the_clear(void) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
-  set_mode(mc, 0, MD_POS | POSCHK | SOFTERR, 0);
+  set_mode_within(mc, 0, MD_POS | POSCHK | SOFTERR, 0);
   enable(mc);
   m.card[0].count[0] = 101;
   mock_run(&m, 2100);
@@ -172,7 +165,7 @@ static void test_same_event_again_survives_the_clear(void) {
   m.card[0].count[0] = 101;
   mock_run(&m, 2100);
   CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
-  CHECK_EQ(errcode(0), MERR_PHI);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
   mock_stop(&m);
 }
 
@@ -180,13 +173,13 @@ static void test_same_event_again_survives_the_clear(void) {
 static void test_overload_shuts_down(void) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 1025;
-  set_mode(mc, 0, MD_TORQ, 10);
+  set_mode_within(mc, 0, MD_TORQ, 10);
   enable(mc);
   CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
   mock_run(&m, 20000);
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   mock_run(&m, 4000);
-  CHECK_EQ(errcode(0), MERR_ILIM);
+  CHECK_EQ(errcode_of(&m, 0), MERR_ILIM);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
   mock_stop(&m);
 }
@@ -194,12 +187,12 @@ static void test_overload_shuts_down(void) {
 // req: DRV-5 DRV-6 DRV-12
 static void test_button(void) {
   struct mc *mc = mock_open(&m, 2);
-  set_mode(mc, 0, MD_TORQ | SOFTERR, 0);
+  set_mode_within(mc, 0, MD_TORQ | SOFTERR, 0);
   enable(mc);
   mock_run(&m, 10000);
   m.estop_open = 1;
   mock_run(&m, 100);
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(axis), axis << 8 | MERR_PANIC);
+  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_PANIC);
   CHECK_EQ(m.signals[0], 1);
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
   CHECK_EQ(m.card[0].b & 2, 0);
@@ -217,7 +210,7 @@ static void test_dead_heartbeat_is_found_without_an_edge(void) {
   m.card[1].enabled[0] = 0; /* PANIC hears nothing of it */
   m.card[1].beat_until[0] = 0;
   mock_run(&m, 2100);
-  CHECK_EQ(errcode(3), 0x300 | MERR_PANIC);
+  CHECK_EQ(errcode_of(&m, 3), 0x300 | MERR_PANIC);
   CHECK(strstr(m.last_log, "axis 2 has no heartbeat") != NULL);
   CHECK_EQ(m.card[1].beat_until[0], 0); /* and is not started again */
   mock_stop(&m);
@@ -232,7 +225,7 @@ static void test_lost_card(void) {
   before = mc_state_of(mc, 2)->encnow;
   m.card[1].present = 0;
   mock_run(&m, 2100);
-  CHECK_EQ(errcode(0), MERR_PANIC);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(mc_state_of(mc, 2)->encnow, before); /* the sample of 0xFFs is discarded */
   CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
   mock_stop(&m);
@@ -245,7 +238,7 @@ static void test_slow_interval_panics(void) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
   enable(mc);
   mock_run(&m, 80000);
-  CHECK_EQ(errcode(0), MERR_PANIC);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   mock_stop(&m);
 }
 
@@ -258,7 +251,7 @@ static void test_missed_are_counted_in_a_panic_too(void) {
   mock_run(&m, 80000);
   m.masked = 0;
   mock_run(&m, 1000);
-  CHECK_EQ(errcode(0), MERR_PANIC);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(mc_stats_of(mc)->missed, 39);
   mock_stop(&m);
 }
@@ -272,7 +265,7 @@ static void test_panic_while_idle_is_counted_only(void) {
   mock_run(&m, 5000);
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
   CHECK_EQ(m.signals[0], 0);
-  CHECK_EQ(errcode(0), 0);
+  CHECK_EQ(errcode_of(&m, 0), 0);
   mock_stop(&m);
 }
 
@@ -291,7 +284,7 @@ static void test_calibration(void) {
   c->has_latch[1] = c->index[1] = 1; /* the index passes, then the axis goes on */
   c->count[1] = 90;
   mock_run(&m, 2100);
-  CHECK_EQ(errcode(1), 55 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 1), 55 << 16 | 1 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.signals[0], 1);
   CHECK_EQ(c->b, 5);
   mock_run(&m, 2100);
@@ -320,8 +313,8 @@ static void test_calibration_never_reports_another_count(void) {
     m.logging = 1;
     m.on_access = strike;
     mock_run(&m, 4500);
-    if (errcode(0) != 0) {
-      CHECK_EQ(errcode(0), 70 << 16 | MERR_ZINDEX);
+    if (errcode_of(&m, 0) != 0) {
+      CHECK_EQ(errcode_of(&m, 0), 70 << 16 | MERR_ZINDEX);
     } else {
       m.on_access = NULL;
       mock_run(&m, 2000);
@@ -335,12 +328,12 @@ static void test_calibration_never_reports_another_count(void) {
 static void test_mode_change_under_power_does_not_jump(void) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 30;
-  set_mode(mc, 0, MD_VEL, 0);
+  set_mode_within(mc, 0, MD_VEL, 0);
   enable(mc);
   CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
   m.card[0].count[0] = 5000;
   mock_run(&m, 8000);
-  set_mode(mc, 0, MD_POS, 0);
+  set_mode_within(mc, 0, MD_POS, 0);
   mock_run(&m, 2100);
   CHECK_EQ(mc_setpoint(mc, 0), 5000);
   CHECK_EQ(mock_dac(&m, 0), 0x800);

@@ -158,9 +158,8 @@ static void test_no_error_of_the_old_mode_after_a_stop(void) {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1};
   for (int i = 0; i < 8; i++) {
     struct mc *mc = listening(1);
-    struct mc_param par = {.which = 0};
+    struct mc_param par = param_of(mc, 0);
     int32_t set = 100;
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
     par.mode = modes[i / 2];
     par.ilim = 30;
     par.ilimax = 3;

@@ -94,9 +94,8 @@ static void test_setting_an_encoder_is_no_movement_and_no_crossing(void) {
 /* Currents, errors and speeds of axis 0 while it is moved; `renumbered` on the way. */
 static void move_along(int mode, int renumbered, int32_t seen[][3]) {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = {.which = 0};
+  struct mc_param par = param_of(mc, 0);
   int32_t there = 15;
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
   par.mode = mode;
   par.a0 = 9; /* proportional, derivative, and an integrator */
   par.a1 = -6;

@@ -38,10 +38,38 @@ static inline void traffic_of_process(struct mock *m) {
   if (m->logging && m->serving) m->used--;
 }
 
-/* Another mode of an axis, its position limits at 100 counts to both sides. */
-static inline void set_mode_within_100(struct mc *mc, int axis, int mode) {
+/* What an axis has now. */
+static inline struct mc_param param_of(struct mc *mc, int axis) {
   struct mc_param par = {.which = axis};
   CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  return par;
+}
+
+static inline void set_mode(struct mc *mc, int axis, int mode) {
+  struct mc_param par = param_of(mc, axis);
+  par.mode = mode;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+}
+
+static inline int errcode_of(const struct mock *m, int axis) {
+  return mc_state_of(m->memory, axis)->errcode;
+}
+
+static inline void calibrate(struct mc *mc, int axis) {
+  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+}
+
+/* The index of an axis passes at the count `at`, and the axis goes on. */
+static inline void pass_index(struct mock *m, int axis, uint16_t at) {
+  struct mock_card *c = &m->card[axis / 2];
+  c->latched[axis & 1] = at;
+  c->has_latch[axis & 1] = c->index[axis & 1] = 1;
+  c->count[axis & 1] = (uint16_t)(at + 17);
+}
+
+/* Another mode of an axis, its position limits at 100 counts to both sides. */
+static inline void set_mode_within_100(struct mc *mc, int axis, int mode) {
+  struct mc_param par = param_of(mc, axis);
   par.mode = mode;
   par.plo = -100;
   par.phi = 100;
