@@ -14,7 +14,7 @@
 
 namespace {
 
-constexpr int kAxes = 32;
+constexpr int kMostAxes = 32;
 
 // Requests of one client up to the first that is refused.
 class Requests {
@@ -75,11 +75,11 @@ extern "C" {
 
 int mmcs_sim_configure(mmcs_sim *sim, int client, int what, const mmcs_driver *driver,
                        const struct mc_param *params, char *refused, size_t refused_len) {
-  if (!driver || !params || driver->axes < 0 || driver->axes > kAxes) return -1;
+  if (!driver || !params || driver->axes < 0 || driver->axes > kMostAxes) return -1;
   Requests requests(sim, client);
   if (what & MMCS_SET_UP) set_up(requests, *driver);
   if (what & MMCS_SWITCH_ON) switch_on(requests, *driver, params);
-  const int rest[kAxes] = {};
+  const int rest[kMostAxes] = {};
   if (what == (MMCS_SET_UP | MMCS_SWITCH_ON)) requests.write(rest, driver->axes);
   if (refused && refused_len) {
     const size_t length = std::min(requests.refused().size(), refused_len - 1);

@@ -23,19 +23,6 @@ constexpr double kSignalCheckS = 0.001;       // how soon after a SIGUSR1 its ha
 constexpr double kMostDrive = 2047;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-struct Call {
-  mmcs_call asked;
-  std::vector<mmcs_set> sets;
-};
-
-struct Process {
-  mmcs_process asked;
-  std::vector<double> goals, late_us;
-  double due;
-  int64_t turn = 0;
-  double woken = 0;
-};
-
 bool named(uint32_t axes, size_t axis) {
   return axes >> axis & 1;
 }
@@ -51,6 +38,19 @@ void tell(char *what, size_t size, const std::string &text) {
 }  // namespace
 
 struct mmcs_script {
+  struct Call {
+    mmcs_call asked;
+    std::vector<mmcs_set> sets;
+  };
+
+  struct Process {
+    mmcs_process asked;
+    std::vector<double> goals, late_us;
+    double due;
+    int64_t turn = 0;
+    double woken = 0;
+  };
+
   mmcs_script(const mmcs_driver *given, const mc_param *params) {
     if (!given) return;
     driver = *given;
@@ -249,7 +249,7 @@ void mmcs_script_event(mmcs_script *script, const mmcs_timed_event *event) {
 }
 void mmcs_script_call(mmcs_script *script, const mmcs_call *call, const mmcs_set *sets,
                       int32_t count) {
-  const auto later = [](double at, const Call &other) { return at < other.asked.at; };
+  const auto later = [](double at, const mmcs_script::Call &other) { return at < other.asked.at; };
   auto &calls = script->calls;
   calls.insert(std::upper_bound(calls.begin(), calls.end(), call->at, later),
                {*call, {sets, sets + count}});
@@ -278,7 +278,7 @@ void mmcs_script_resume(mmcs_script *script, int client, double start, double t,
   script->client = client;
   script->start = start;
   for (; script->next < script->calls.size(); ++script->next) {
-    const Call &call = script->calls[script->next];
+    const mmcs_script::Call &call = script->calls[script->next];
     if (at_it ? call.asked.at > t : call.asked.at >= t) break;
     if (call.asked.request != MSETPARAM) continue;
     for (size_t n = 0; n < script->axes(); ++n)
