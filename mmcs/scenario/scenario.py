@@ -256,7 +256,7 @@ class PathExpect(Strict):
     kind: Literal["path"]
     axis: Axes = "all"
     every: float = Field(ge=1e-3, le=3600, description="seconds from one count to the next")
-    counts: list[list[Int32]] = Field(min_length=1, description="a list for each axis, or one for all")
+    counts: list[list[Int32]] = Field(min_length=1, description="a list for each axis, or one list")
     within: float = Field(10.0, ge=0)  # counts
 
 
