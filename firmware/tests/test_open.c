@@ -175,14 +175,12 @@ static void test_last_close_is_silent_and_says_no_more_than_it_must(void) {
 // req: DRV-2
 static void test_a_new_open_finds_the_defaults_again(void) {
   struct mc *mc = mock_open(&m, 2);
-  struct mc_param par = {.which = 1};
+  struct mc_param first = param_of(mc, 1), par = first;
   struct mc_stats stats;
   struct mc_state state[4];
   int on = 1, one = 1, axis = 2, diag = M_ANDIAG | M_ENDIAG;
   int32_t set[4] = {9, 9, 9, 9};
   CHECK_EQ(mc_write(mc, 0, set, 16), 16);
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-  struct mc_param first = par;
   par.mode = MD_POS;
   par.clkdivisor = 25;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
@@ -199,15 +197,14 @@ static void test_a_new_open_finds_the_defaults_again(void) {
   static const struct mc_stats none;
   CHECK(memcmp(&stats, &none, sizeof none) == 0);
   CHECK_EQ(mc_joints(mc), 4);
-  CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
+  par = param_of(mc, 1);
   CHECK(memcmp(&par, &first, sizeof par) == 0);
   for (int i = 0; i < 4; i++) CHECK_EQ(mc_setpoint(mc, i), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &one), 0);
   CHECK_EQ(one, 0);
   CHECK_EQ(m.card[0].b, 5);
   CHECK_EQ(m.card[1].b, 5); /* waits for no index */
-  par.mode = MD_POS;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  set_mode(mc, 1, MD_POS);
   m.card[0].count[1] = 44;
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   CHECK_EQ(mc_setpoint(mc, 1), 44); /* that it was written belongs to the past */

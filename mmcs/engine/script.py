@@ -77,3 +77,15 @@ class Script:
         count = self.lib.mmcs_script_told(self._script, out)
         found = (out[0][n] for n in range(count))
         return [(p.acts, p.turns, p.shortest_us, p.longest_us) for p in found]
+
+
+class Playing:
+    """The part of a Sim that carries scripts out."""
+
+    def new_script(self, driver: dict | None, params: list[dict]) -> Script:
+        return Script(self, driver, params)
+
+    def play(self, script: Script, until: float) -> tuple[int, str]:
+        """Runs to a time of the motion and carries out what is due before it: as Script.act()."""
+        result = script.act(self, until)
+        return result if result[0] else (int(not self.run(script.start + until)), "")

@@ -15,7 +15,7 @@ import cffi
 import numpy as np
 
 from mmcs import ROOT, mcdef
-from mmcs.engine.script import Script
+from mmcs.engine.script import Playing
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 
@@ -49,7 +49,7 @@ def load_library(path: Path):
         raise RunError(f"{path}: the simulator library does not load: {error}") from None
 
 
-class Sim(Watching):
+class Sim(Watching, Playing):
     """One machine, from power-on until close(). Every call may let simulated time pass."""
 
     def __init__(self, library, config: dict, motors: list[dict], links: list[dict]):
@@ -163,14 +163,6 @@ class Sim(Watching):
             self._sim, client, what, given, mcdef.new_params(params), refused, 80
         )
         return result, self.ffi.string(refused).decode()
-
-    def new_script(self, driver: dict | None, params: list[dict]) -> Script:
-        return Script(self, driver, params)
-
-    def play(self, script: Script, until: float) -> tuple[int, str]:
-        """Runs to a time of the motion and carries out what is due before it: as Script.act()."""
-        result = script.act(self, until)
-        return result if result[0] else (int(not self.run(script.start + until)), "")
 
     # read, write and ioctl for arguments that come from another process
 
