@@ -161,7 +161,8 @@ def page(folder: Path, found: dict[str, list[dict]], costs: str) -> str:
     ]
     for name, rows in found.items():
         lines += [line.replace("## How far", f"## How far: {name}") for line in how_far(rows)[:-1]]
-    lines += [how_far(found[first])[-1], "", *tables(make_plan((), (), 1), found[first])]
+    lines += [how_far(found[first])[-1], "", f"The tables that follow are of `{first}`.", ""]
+    lines += tables(make_plan((), (), 1), found[first])
     return "\n".join(lines).rstrip() + "\n"
 
 
