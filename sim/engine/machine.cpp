@@ -167,8 +167,9 @@ bool Machine::advance(int64_t n, Watch watch) {
       ++next_edge_;
     }
     if (failed()) note("assert", -1, model_->failure());
-    if (const std::string doubt = model_->take_doubt(); !doubt.empty()) {
-      note("assert", -1, "after an upset: " + doubt);
+    if (model_->was_upset()) {
+      const std::string doubt = model_->take_doubt();
+      if (!doubt.empty()) note("assert", -1, "after an upset: " + doubt);
     }
     bool irq_changed = false;
     if (stop == Stop::kLines) {
