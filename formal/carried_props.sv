@@ -22,7 +22,7 @@ module carried_props #(
   input wire logic [  Outputs-1:0] outputs_two,
   input wire logic [ Counters-1:0] counted,   // each is the same in both, or above its margin
   input wire logic [ Counters-1:0] same_way,  // in both it moved by as much, or to the same value
-  input wire logic                 decides    // a write that the table names
+  input wire logic                 decides    // other data than in the other part, where the table says that they decide
 );
 
   // What a strobe clocks takes what stood before it: two clocks alike, then the next one is.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What formal/carried_props.sv and formal/deaf_props.sv are about: the registers and pins of a
-part, found in its netlist, and what of them is data or a counter in sim/model/parts.toml.
+"""What formal/{bits,carried,deaf}_props.sv are about: the registers and pins of a part, found in
+its netlist, and what of them is data or a counter in sim/model/parts.toml.
 """
 
 import argparse
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "sim" / "model")]
+from parts import decides  # noqa: E402
 from sources import sources  # noqa: E402
 
 TABLE = ROOT / "sim" / "model" / "parts.toml"
@@ -44,6 +45,7 @@ class Part:
     inputs: dict[str, int]
     outputs: dict[str, int]
     registers: list[Register]
+    nets: dict[str, int]
 
 
 def read(name: str, folder: Path) -> Part:
@@ -77,7 +79,8 @@ def read(name: str, folder: Path) -> Part:
     pins = {d: {} for d in ("input", "output")}
     for port, what in ports.items():
         pins[what["direction"]][port] = len(what["bits"])
-    return Part(name, pins["input"], pins["output"], registers)
+    nets = {net: len(what["bits"]) for net, what in module["netnames"].items()}
+    return Part(name, pins["input"], pins["output"], registers, nets)
 
 
 def kind(where: list[str], attributes: dict, top: str) -> str:
@@ -126,12 +129,17 @@ def carried(part: Part, table: dict) -> str:
     control = [r for r in part.registers if r.kind not in data]
     counters = [r for r in part.registers if r.kind in margins]
     outputs = [p for p in part.outputs if f"{part.name}.{p}" not in data]
-    decides = table["decides"].get(part.name, [])
+    deciding = decides(table, part.name)
+    named = list(dict.fromkeys((*deciding, *(c for cells in deciding.values() for c in cells))))
+    for net in named:
+        if net not in part.nets:
+            raise Bad(f"{part.name}: no net {net}, which decides")
     for inst in ("one", "two"):
         for r in (*control, *counters):
             text += wire(f"{inst}.{r.name}", r.width)
-        for name in decides:
-            text += wire(f"{inst}.{name}", 1)
+        for name in named:
+            if name not in {r.name for r in (*control, *counters)}:
+                text += wire(f"{inst}.{name}", part.nets[name])
         for what, nets in (
             ("registers", [f"\\{inst}.{r.name} " for r in control]),
             ("outputs", [f"{inst}_{p}" for p in outputs]),
@@ -150,16 +158,89 @@ def carried(part: Part, table: dict) -> str:
         same.append(f"({one} == {two} || by_one_{n} == by_two_{n}")
         if beside := table["otherwise"].get(r.kind):
             path = f"one.{r.name.rpartition('.')[0]}.{beside}".replace("..", ".")
-            same[-1] += f" || \\{path} != 0"
+            text += f"  reg other_{n};\n  always @(posedge {CLOCK}) other_{n} <= \\{path} != 0;\n"
+            same[-1] += f" || other_{n}"
         same[-1] += ")"
     text += f"  wire [{max(len(counters), 1) - 1}:0] counted = {join(counted or [ONE])};\n"
     text += f"  wire [{max(len(counters), 1) - 1}:0] same_way = {join(same or [ONE])};\n"
-    either = [f"\\{inst}.{n} " for n in decides for inst in ("one", "two")]
+    either = [f"((\\one.{event} || \\two.{event} ) && \\one.{cell} != \\two.{cell} )"
+              for event, cells in deciding.items() for cell in cells]  # fmt: skip
     text += f"  wire decides = {' || '.join(either) or ZERO};\n"
     sizes = {"Registers": sum(r.width for r in control) or 1, "Counters": len(counters) or 1,
              "Outputs": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
     values = ", ".join(f".{n}({w})" for n, w in sizes.items())
     return HEAD + text + f"  carried_props #({values}) u_props (.*);\nendmodule\n"
+
+
+def bits(part: Part, table: dict) -> str:
+    """Four of a part: each bit of the fourth one's data is what most of the others have."""
+    data = {f"{module}.{name}" for module, names in table["data"].items() for name in names}
+    margins, copies = table["counters"], ("one", "two", "three", "four")
+    swapped = {p: w for p, w in part.inputs.items() if f"{part.name}.{p}" in data}
+    other = {f"{p}_{n}": w for p, w in swapped.items() for n in ("two", "three")}
+    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
+    text += f"  wire {RESET} = 1'b1;\n"
+    for p, w in swapped.items():
+        text += f"  wire [{w - 1}:0] {p}_four = {most(p, f'{p}_two', f'{p}_three')};\n"
+    for n, inst in enumerate(copies):
+        text += instance(part, inst, {p: f"{p}_{inst}" for p in swapped} if n else {})
+    cells = [r for r in part.registers if r.kind in data or r.kind in margins]
+    control = [r for r in part.registers if r not in cells]
+    deciding = decides(table, part.name)
+    named = dict.fromkeys((*deciding, *(c for held in deciding.values() for c in held)))
+    outputs = [p for p in part.outputs if f"{part.name}.{p}" in data]
+    computed = {r.name: f"{r.name.rpartition('.')[0]}.{net}".lstrip(".")
+                for r in cells if (net := table["computed"].get(r.kind))}  # fmt: skip
+    nets = {r.name: r.width for r in part.registers}
+    nets |= {n: part.nets[n] for n in (*named, *computed.values())}
+    excused, above = [], [ONE]
+    for inst in copies:
+        text += "".join(wire(f"{inst}.{name}", width) for name, width in nets.items())
+        for what, names in (("control", control), ("data", cells)):
+            width = sum(r.width for r in names)
+            value = join([f"\\{inst}.{r.name} " for r in names])
+            text += f"  wire [{max(width, 1) - 1}:0] {what}_{inst} = {value};\n"
+        shown = join([f"{inst}_{p}" for p in outputs])
+        width = max(sum(part.outputs[p] for p in outputs), 1)
+        text += f"  wire [{width - 1}:0] shown_{inst} = {shown};\n"
+    for n, r in enumerate(cells):
+        excuses = [ZERO]
+        if r.kind in margins:
+            names = [f"\\{inst}.{r.name} " for inst in copies]
+            for inst, name in zip(copies, names, strict=True):
+                text += f"  reg [{r.width - 1}:0] {inst}_{n};\n"
+                text += f"  always @(posedge {CLOCK}) {inst}_{n} <= {name};\n"
+                text += f"  wire [{r.width - 1}:0] by_{inst}_{n} = {name} - {inst}_{n};\n"
+            same = f"{{3{{by_one_{n}}}}} == {{by_two_{n}, by_three_{n}, by_four_{n}}}"
+            excuses.append(f"({same})")
+            if margins[r.kind] >= 0:
+                far = " && ".join(f"{name} > {margins[r.kind]}" for name in names)
+                alike = f"{{2{{{names[0]}}}}} == {{{names[1]}, {names[2]}}}"
+                above.append(f"({alike} || ({far}))")
+        if beside := table["otherwise"].get(r.kind):
+            path = f"one.{r.name.rpartition('.')[0]}.{beside}".replace("..", ".")
+            text += f"  reg other_{n};\n  always @(posedge {CLOCK}) other_{n} <= \\{path} != 0;\n"
+            excuses.append(f"other_{n}")
+        if net := computed.get(r.name):
+            text += (
+                f"  reg computed_{n};\n  always @(posedge {CLOCK}) computed_{n} <= \\one.{net} ;\n"
+            )
+            excuses.append(f"computed_{n}")
+        excused.append(f"{{{r.width}{{{' || '.join(excuses)}}}}}")
+    differ = [f"(\\one.{event} && {{2{{\\one.{cell} }}}} != {{\\two.{cell} , \\three.{cell} }})"
+              for event, held in deciding.items() for cell in held]  # fmt: skip
+    text += f"  wire decides = {' || '.join(differ) or ZERO};\n"
+    text += f"  wire above = &{join(above)};\n"
+    sizes = {"Control": sum(r.width for r in control) or 1,
+             "Data": sum(r.width for r in cells) or 1,
+             "Shown": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
+    text += f"  wire [{sizes['Data'] - 1}:0] excused = {join(excused)};\n"
+    values = ", ".join(f".{n}({w})" for n, w in sizes.items())
+    return HEAD + text + f"  bits_props #({values}) u_props (.*);\nendmodule\n"
+
+
+def most(a: str, b: str, c: str) -> str:
+    return f"(({a} & {b}) | ({a} & {c}) | ({b} & {c}))"
 
 
 def deaf(part: Part, rule: dict) -> str:
@@ -202,13 +283,15 @@ def deaf(part: Part, rule: dict) -> str:
 
 
 def write(task: str, folder: Path = ROOT) -> Path:
-    """The wires of a task of formal/carried.sby or formal/deaf.sby, for the RTL of `folder`."""
+    """The wires of a task of formal/{bits,carried,deaf}.sby, for the RTL of `folder`."""
     table = tomllib.loads(TABLE.read_text())
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
         part = read(name.removeprefix("deaf_"), folder)
         rule = table["heard"]
         text = deaf(part, rule | {"folder": folder})
+    elif name.startswith("bits_"):
+        text = bits(read(name.removeprefix("bits_"), folder), table)
     else:
         text = carried(read(name, folder), table)
     out = folder / WORK / f"{name}.sv"

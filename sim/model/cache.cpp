@@ -35,6 +35,9 @@ Cache::Cache(std::vector<Cell> cells, size_t register_bytes)
   if (cells_.size() > kMostCells) throw std::logic_error("a part with too many data registers");
   for (size_t c = 0; c < cells_.size(); ++c) {
     if (cells_[c].margin >= 0) margins_.push_back(c);
+    if (!cells_[c].decides) continue;
+    deciding_.push_back(c);
+    if (cells_[c].mask > 0xFF) throw std::logic_error("data of more than a byte decide");
   }
   if (margins_.size() > 8) throw std::logic_error("a part with too many counters");
   make_marks();
@@ -127,6 +130,7 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   t->in = in;
   t->to = to;
   t->sources = draft.sources;
+  t->asks = draft.asks;
   t->rests = draft.rests;
   t->near = draft.near;
   t->tells = draft.tells;
@@ -182,11 +186,13 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
     }
     std::map<std::tuple<int, int>, Term> terms;
     uint32_t keep = 0, value = 0;
+    bool carried = true;
     for (int bit = 0; bit < 32 && cell.mask >> bit & 1; ++bit) {
       uint32_t pattern = 0;
       for (size_t s = 0; s < seen.size(); ++s) pattern |= (seen[s].after[c] >> bit & 1) << s;
       const auto found = sources_.find(pattern);
-      if (found == sources_.end()) return false;
+      carried = carried && found != sources_.end();
+      if (!carried) break;
       const Source &source = found->second;
       const uint32_t here = 1u << bit;
       if (source.constant) {
@@ -201,6 +207,11 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
         term.mask |= here;
         value |= source.flip ? here : 0;
       }
+    }
+    if (!carried) {
+      if (cell.margin >= 0) return false;
+      t->asks |= 1u << c;
+      continue;
     }
     bool needed = !stands;
     for (const auto &term : terms) needed = needed || (!clock && cells_[term.second.from].in);
@@ -221,7 +232,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
   for (size_t c = 0; c < cells_.size(); ++c) {
     if (cells_[c].in && looked >> c & 1) t->sources |= 1u << c;
   }
-  t->rests = clock && (looked & counted) == 0;
+  t->rests = clock && !t->asks && (looked & counted) == 0;
   return true;
 }
 

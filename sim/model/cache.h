@@ -29,6 +29,7 @@ struct Cell {
   uint32_t mask;
   int margin;  // of a counter that is control at some values, else -1
   bool counter, in, out;
+  bool decides;     // in the situations that parts.toml names
   uint64_t driven;  // an input of all ones while this control input is 0; or 0
 };
 
@@ -50,7 +51,7 @@ struct Count {
 // What a transition is before its place in memory is known.
 struct Draft {
   bool rests = false, near = false, tells = true;
-  uint32_t sources = 0;
+  uint32_t sources = 0, asks = 0;
   std::vector<Copy> copies;
   std::vector<Term> terms;
   std::vector<Count> counts;
@@ -58,11 +59,14 @@ struct Draft {
 
 // A hit touches little memory: copies, further terms and counts lie right behind the transition.
 struct Transition {
-  uint64_t in = 0;             // the inputs that lead to it
-  State *to = nullptr;         // null: data decide, the model has to be run
-  State *other = nullptr;      // the same, with other counters at their margin
-  Transition *next = nullptr;  // another one from the same state
-  uint32_t sources = 0;        // data inputs that it looks at
+  uint64_t in = 0;              // the inputs that lead to it
+  State *to = nullptr;          // null: not known, or data decide
+  State *other = nullptr;       // the same, with other counters at their margin
+  Transition *next = nullptr;   // another one from the same state
+  Transition *cases = nullptr;  // where data decide: by their values
+  uint32_t sources = 0;         // data inputs that it looks at
+  uint32_t asks = 0;            // cells that the model computes
+  bool is_case = false, by_value = false;
   uint8_t copy_count = 0, term_count = 0, count_count = 0;
   bool rests = false;  // from a state to itself, and it may go on
   bool near = false;   // a counter may come to its margin, or from it
@@ -118,6 +122,13 @@ class Cache {
     uint32_t before[kMostCells], after[kMostCells];
   };
   bool explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, Draft *t) const;
+  // The values of the cells that may decide.
+  uint64_t values(const uint32_t *cells) const {
+    uint64_t all = 0;
+    for (size_t c : deciding_) all = all << 8 | cells[c];
+    return all;
+  }
+  const std::vector<size_t> &deciding() const { return deciding_; }
   uint32_t mark(int set, size_t cell) const { return marks_[static_cast<size_t>(set)][cell]; }
 
   uint64_t near(const uint32_t *cells) const {
@@ -151,7 +162,7 @@ class Cache {
 
   const std::vector<Cell> cells_;
   const size_t register_bytes_;
-  std::vector<size_t> margins_;  // cells with one
+  std::vector<size_t> margins_, deciding_;  // cells with a margin; that decide
   std::vector<std::vector<uint32_t>> marks_;
   std::unordered_map<uint32_t, Source> sources_;  // by what a bit was in each set of marks
   // Memory that is given back as a whole.

@@ -93,6 +93,9 @@ def config(folder: Path, netlist: Netlist) -> None:
             lines.add(f'public_flat_rd -module "{module.name}" -var "{name}"')
     # The whole machine's registers may be written between clocks.
     plain = sorted(lines)
+    for board in map(lambda m: Board(netlist, m), boards(netlist).values()):
+        for path, name, _ in board.decides:
+            lines.add(f'public_flat_rd -module "{board.modules[path].name}" -var "{name}"')
     plain += [f'forceable -module "{board}" -var "{p}"' for board in boards(netlist)
               for p in RULES["cut"].get(board, [])]  # fmt: skip
     texts = {"registers": sorted(lines), "plain": plain}
@@ -132,9 +135,9 @@ def _literal(value: str) -> str:
 
 
 def port_rows(ports: list[tuple], driven: dict) -> list[str]:
-    return [f'  {{"{path}", "{v.name}", {v.width}, {int(out)}, {int(data)}, {int(heard)}, '
+    return [f'  {{"{path}", "{v.name}", {v.width}, {int(out)}, {kind}, {int(heard)}, '
             f'{driven.get((path, v.name), -1)}, {net}}},'
-            for path, v, out, data, heard, net in ports]  # fmt: skip
+            for path, v, out, kind, heard, net in ports]  # fmt: skip
 
 
 def boards_text(netlist: Netlist, soc: bool) -> str:
@@ -147,13 +150,7 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
             scope, _, last = r.rpartition(".")
             path = ".".join(x for x in (i.path, scope) if x)
             margin = RULES["counters"].get(f"{i.module.name}.{r}")
-            kind = (
-                "Kind::kCounter"
-                if margin is not None
-                else (
-                    "Kind::kData" if r in RULES["data"].get(i.module.name, []) else "Kind::kControl"
-                )
-            )
+            kind = board.kind(i.path, r) if margin is None else "Kind::kCounter"
             out.append(f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.part(i.path)}, '
                        f"{kind}, {-1 if margin is None else margin}}},")  # fmt: skip
         out.append("};")
@@ -161,9 +158,10 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
         for n, rows_of in enumerate(ports):
             # what a chip does not drive is ones: where the port is that tells
             driven = {}
-            for path, v, is_out, data, _, _ in rows_of:
+            for path, v, is_out, kind, _, _ in rows_of:
                 chip = board.modules[f"{board.parts[n].path}.{path}".strip(".")].name
-                tells = CHIPS.get(chip, {}).get("driven") if path and data and not is_out else None
+                data = kind != "Kind::kControl" and not is_out
+                tells = CHIPS.get(chip, {}).get("driven") if path and data else None
                 for index, row in enumerate(rows_of):
                     if row[0] == path and row[1].name == tells:
                         driven[(path, v.name)] = index
@@ -175,17 +173,19 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
                 for n, p in enumerate(board.parts)]  # fmt: skip
         out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
         out += [f'  {{"{port}", {net}}},' for port, net in own.items()]
+        out += ["};", f"static const DecideRow k_{name}_decides[] = {{"]
+        out += [f'  {{"{path}", "{net}", {part}}},' for path, net, part in board.decides]
         out.append("};")
         rows.append(table_row(name))
     if soc:
-        rows.append('  {"soc_host", nullptr, k_soc_host_parts, k_soc_host_nets, 0, 1, '
-                    "MMCS_COUNT(k_soc_host_nets)},")  # fmt: skip
+        rows.append('  {"soc_host", nullptr, k_soc_host_parts, k_soc_host_nets, nullptr, 0, 1, '
+                    "MMCS_COUNT(k_soc_host_nets), 0},")  # fmt: skip
     out += ["static const BoardTable kBoards[] = {", *rows, "};"]
     return "\n".join(out) + "\n"
 
 
 def table_row(name: str) -> str:
-    tables = [f"k_{name}_{what}" for what in ("registers", "parts", "nets")]
+    tables = [f"k_{name}_{what}" for what in ("registers", "parts", "nets", "decides")]
     return (
         f'  {{"{name}", {", ".join(tables)}, '
         + ", ".join(f"MMCS_COUNT({t})" for t in tables)
@@ -198,7 +198,8 @@ def host_text(module: Module, pins: dict, outer: dict) -> str:
     nets = {e["name"] for e in outer.values() if e is not None and e["type"] == "VARREF"}
     met = [p for p in module.ports
            if "clk" not in p.name and (pins.get(p.name) or {}).get("name") in nets]  # fmt: skip
-    rows = [("", p, p.direction == "OUTPUT", False, False, n) for n, p in enumerate(met)]
+    rows = [("", p, p.direction == "OUTPUT", "Kind::kControl", False, n)
+            for n, p in enumerate(met)]  # fmt: skip
     out = ["static const PortRow k_soc_host_ports[] = {", *port_rows(rows, {}), "};",
            'static const PartRow k_soc_host_parts[] = {{"", "soc_host", k_soc_host_ports, '
            "MMCS_COUNT(k_soc_host_ports)}};",

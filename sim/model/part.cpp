@@ -30,19 +30,24 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
   const PartRow &own = table.parts[n];
   const std::string scope = model->name() + "." + own.module;
   std::vector<Cell> cells;
+  const auto find = [&](std::string path, const char *name) {
+    if (const size_t outer = std::strlen(own.path)) {
+      path = path.size() > outer ? path.substr(outer + 1) : "";
+    }
+    Net net = find_net(context, path.empty() ? scope : scope + "." + path, name);
+    if (!net && path.empty()) net = model->port(name);
+    if (!net) throw std::runtime_error("the model of " + scope + " has no " + name);
+    return net;
+  };
+  for (size_t d = 0; d < table.decide_count; ++d) {
+    const DecideRow &row = table.decides[d];
+    if (static_cast<size_t>(row.part) == n) decides_.push_back(find(row.path, row.name));
+  }
   places_by_row_.resize(table.register_count);
   for (size_t r = 0; r < table.register_count; ++r) {
     const RegisterRow &row = table.registers[r];
     if (static_cast<size_t>(row.part) != n) continue;
-    std::string path = row.path;
-    if (const size_t outer = std::strlen(own.path)) {
-      path = path.size() > outer ? path.substr(outer + 1) : "";
-    }
-    std::string inner = scope;
-    if (!path.empty()) inner.append(".").append(path);
-    Place place{find_net(context, inner, row.name), -1, 0};
-    if (!place.net && path.empty()) place.net = model->port(row.name);
-    if (!place.net) throw std::runtime_error("the model of " + scope + " has no " + row.name);
+    Place place{find(row.path, row.name), -1, 0};
     place.net.width = row.width;
     if (row.kind == Kind::kControl) {
       place.at = static_cast<int>(register_bytes_);
@@ -50,8 +55,10 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     } else {
       place.cell = static_cast<int>(cells.size());
       const bool counter = row.kind == Kind::kCounter;
-      cells.push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false, 0});
+      cells.push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false,
+                       row.kind == Kind::kDecides, 0});
       cell_ports_.push_back(nullptr);
+      cell_nets_.push_back(place.net);
     }
     places_.push_back(std::make_unique<Place>(place));
     places_by_row_[r] = places_.back().get();
@@ -67,11 +74,13 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     if (!port->net) throw std::runtime_error(scope + " has no port " + row.name);
     port->net.width = port->width = row.width;
     port->out = row.out;
-    port->data = row.data;
-    if (row.data) {
+    port->data = row.kind != Kind::kControl;
+    if (port->data) {
       port->at = static_cast<int>(cells.size());
-      cells.push_back({mask_of(row.width), -1, false, !row.out, row.out, 0});
+      cells.push_back(
+          {mask_of(row.width), -1, false, !row.out, row.out, row.kind == Kind::kDecides, 0});
       cell_ports_.push_back(port.get());
+      cell_nets_.push_back(port->net);
     } else {
       port->at = row.out ? static_cast<int>(out_ports_.size()) : ins;
       port->mask = bits(row.width, port->at);
@@ -119,9 +128,10 @@ void Part::near(const Transition &t) {
 // A step that is not learned yet, that data decide, or that the model is asked about, too.
 void Part::ask(Transition **at, bool clock) {
   if (!*at) *at = cache->add({}, in_, nullptr);
+  if ((*at)->cases) at = case_of(*at);
   Transition *t = *at;
-  const bool known = t->met == kMet;
-  if (!known) {
+  const bool known = t->met == kMet && !t->asks;
+  if (t->met < kMet) {
     ++t->met;
     if (t->met == kMet) t = *at = learn(clock, t);
   }
@@ -138,6 +148,7 @@ void Part::ask(Transition **at, bool clock) {
     uint32_t cells[kMostCells] = {};
     const uint64_t out = look(registers, cells);
     perform(*t);
+    take(t->asks);
     bool same = out == out_ && !std::memcmp(registers, state_->registers, register_bytes_);
     for (size_t c = 0; c < cache->cells().size(); ++c) {
       same = same && (cache->cells()[c].in || cells[c] == cells_[c]);
@@ -145,7 +156,12 @@ void Part::ask(Transition **at, bool clock) {
     if (!same) throw std::logic_error(model->name() + ": the cache differs from the model");
     return;
   }
+  if (t->asks) {
+    load();
+    op(clock);
+  }
   perform(*t);
+  if (t->asks) take(t->asks);
 }
 
 // The cache does not know its state.

@@ -127,6 +127,9 @@ class Part {
   void near(const Transition &t);
   void catch_up_slowly(int64_t t);
   Transition *learn(bool clock, Transition *met);
+  Transition **case_of(Transition *t);
+  bool decided() const;
+  void take(uint32_t cells);
   bool holds(const Transition &t) const;
   int64_t room(const Transition &t) const;
   void count(const Transition &t, int64_t clocks);
@@ -178,6 +181,7 @@ class Part {
   size_t register_bytes_ = 0;
   std::vector<std::unique_ptr<PartPort>> ports_;
   std::vector<const PartPort *> out_ports_, cell_ports_;
+  std::vector<Net> cell_nets_, decides_;  // the cells in the model; nets at which data decide
   std::vector<std::unique_ptr<Place>> places_;
   std::vector<Place *> places_by_row_;
 };

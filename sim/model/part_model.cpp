@@ -7,11 +7,31 @@
 #include "part.h"
 
 namespace mmcs {
+namespace {
+
+// Most registers are one byte, and a call for each costs more than the copy.
+inline void copy_bytes(void *to, const void *from, int bytes) {
+  switch (bytes) {
+    case 1:
+      std::memcpy(to, from, 1);
+      break;
+    case 2:
+      std::memcpy(to, from, 2);
+      break;
+    case 4:
+      std::memcpy(to, from, 4);
+      break;
+    default:
+      std::memcpy(to, from, static_cast<size_t>(bytes));
+  }
+}
+
+}  // namespace
 
 void Part::put_inputs(const uint32_t *cells, uint64_t in) {
   for (const auto &port : ports_) {
     if (port->out) continue;
-    port->net.put(port->row->data ? cells[port->at] : (in & port->mask) >> port->at);
+    port->net.put(port->data ? cells[port->at] : (in & port->mask) >> port->at);
   }
   model_in_ = in;
 }
@@ -22,7 +42,7 @@ void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t i
     if (place->cell >= 0) {
       place->net.put(cells[place->cell]);
     } else {
-      std::memcpy(place->net.at, registers + place->at, static_cast<size_t>(place->net.bytes));
+      copy_bytes(place->net.at, registers + place->at, place->net.bytes);
     }
   }
   put_inputs(cells, in);
@@ -36,19 +56,37 @@ uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
     if (place->cell >= 0) {
       cells[place->cell] = static_cast<uint32_t>(place->net.get());
     } else {
-      std::memcpy(registers + place->at, place->net.at, static_cast<size_t>(place->net.bytes));
+      copy_bytes(registers + place->at, place->net.at, place->net.bytes);
     }
   }
   uint64_t out = 0;
   for (const auto &port : ports_) {
     if (!port->out) continue;
-    if (port->row->data) {
+    if (port->data) {
       cells[port->at] = static_cast<uint32_t>(port->net.get());
     } else {
       out |= port->net.get() << port->at & port->mask;
     }
   }
   return out;
+}
+
+// Data decide what the model does now.
+bool Part::decided() const {
+  bool found = false;
+  for (const Net &net : decides_) found = found || net.get() != 0;
+  return found;
+}
+
+// The model is where the transition led, and has these cells.
+void Part::take(uint32_t cells) {
+  for (; cells; cells &= cells - 1) {
+    const int c = __builtin_ctz(cells);
+    const uint32_t value = static_cast<uint32_t>(cell_nets_[c].get());
+    if (cells_[c] != value && cache->cells()[c].out) moved_ |= 1u << c;
+    cells_[c] = value;
+  }
+  live_ = true;
 }
 
 void Part::op(bool clock) {
@@ -97,10 +135,26 @@ State *Part::state_of(const uint8_t *registers) {
   return cache->make(registers, near, in_, look(unused, cells));
 }
 
+// Of a transition that data decide: the case that the cells are.
+Transition **Part::case_of(Transition *t) {
+  const uint64_t values = t->cases->by_value ? cache->values(cells_) : 0;
+  Transition **at = &t->cases;
+  while (*at && (*at)->in != values) at = &(*at)->next;
+  if (!*at) {
+    *at = cache->add({}, values, nullptr);
+    (*at)->is_case = (*at)->by_value = true;
+  }
+  return at;
+}
+
 Transition *Part::learn(bool clock, Transition *met) {
   State *from = state_;
   const auto &cells = cache->cells();
-  const uint32_t fixed = cache->fixed(from->near, in_);
+  uint32_t fixed = cache->fixed(from->near, in_), valued = 0;
+  if (met->by_value) {
+    for (size_t c : cache->deciding()) valued |= 1u << c;
+  }
+  fixed |= valued;
   std::vector<Cache::Seen> seen(kMarks);
   uint8_t registers[kMostBytes] = {}, others[kMostBytes] = {};
   uint64_t out = 0;
@@ -112,7 +166,7 @@ Transition *Part::learn(bool clock, Transition *met) {
     for (size_t c = 0; c < cells.size(); ++c) {
       if (!(fixed >> c & 1))
         cells_[c] = cache->mark(set, c);
-      else if (cells[c].in)
+      else if (cells[c].in && !(valued >> c & 1))
         cells_[c] = cells[c].mask;
     }
     std::memcpy(s.before, cells_, sizeof s.before);
@@ -121,26 +175,29 @@ Transition *Part::learn(bool clock, Transition *met) {
       uint32_t old[kMostCells];
       for (size_t c = 0; c < cells.size(); ++c) {
         const bool ones = cells[c].driven && !(from->in & cells[c].driven);
-        old[c] = !cells[c].in ? cells_[c]
-                 : ones       ? cells[c].mask
-                              : ~cache->mark(set, c) & cells[c].mask;
+        old[c] = !cells[c].in || valued >> c & 1 ? cells_[c]
+                 : ones                          ? cells[c].mask
+                                                 : ~cache->mark(set, c) & cells[c].mask;
       }
       put_state(from->registers, old, from->in);
     } else {
       put_state(from->registers, cells_, from->in);
     }
     look(others, s.before);
+    const bool before = decided();
     op(clock);
+    if ((before || decided()) && !met->by_value) same = false;
     const uint64_t outs = look(set ? others : registers, s.after);
-    if (set) same = outs == out && !std::memcmp(registers, others, register_bytes_);
+    if (set) same = same && outs == out && !std::memcmp(registers, others, register_bytes_);
     out = outs;
   }
   std::memcpy(cells_, actual, sizeof actual);
   live_ = false;
   Draft draft;
-  Transition *t;
-  if (same && cache->explain(seen, fixed, clock, &draft)) {
-    t = cache->add(draft, in_, nullptr);
+  Transition *t = met;
+  const bool found = same && cache->explain(seen, fixed, clock, &draft);
+  if (found && (!draft.asks || met->is_case)) {
+    t = cache->add(draft, met->in, nullptr);
     const uint32_t moved = moved_;
     apply(*t);
     t->to = state_of(registers);
@@ -150,8 +207,13 @@ Transition *Part::learn(bool clock, Transition *met) {
     std::memcpy(cells_, actual, sizeof actual);
     moved_ = moved;
     t->next = met->next;
-  } else {
-    t = met;
+    t->is_case = met->is_case;
+    t->by_value = met->by_value;
+  } else if (!met->is_case && (found || !cache->deciding().empty())) {
+    t->cases = cache->add({}, found ? 0 : cache->values(cells_), nullptr);
+    t->cases->is_case = true;
+    t->cases->by_value = !found;
+    t->cases->met = kMet - 1;  // it has been met often enough
   }
   t->met = kMet;
   return t;

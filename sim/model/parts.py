@@ -17,6 +17,18 @@ def carried(module: str) -> list[str]:
     return RULES["data"].get(module, []) + RULES["through"].get(module, [])
 
 
+def decides(rules: dict, module: str) -> dict[str, list[str]]:
+    """Of a part: the nets at which data decide, and the registers and nets that then do."""
+    found: dict[str, list[str]] = {}
+    for name, cells in rules["decides"].get(module, {}).items():
+        if isinstance(cells, str):  # a chip
+            for event, own in decides(rules, cells).items():
+                found[f"{name}.{event}"] = [f"{name}.{cell}" for cell in own]
+        else:
+            found[name] = cells
+    return found
+
+
 class Board:
     """A board's parts, and the nets between them: part 0 is the board less its chips."""
 
@@ -26,6 +38,9 @@ class Board:
         self.parts = [self.all[0]]
         self.parts += [i for i in self.all if i.path and i.module.name in CHIPS]
         self.registers = [(i, r) for i in self.all for r in i.module.registers]
+        rule = decides(RULES, module.name)
+        self.decides = [(*split(event), self.part(split(event)[0])) for event in rule]
+        self.deciding = {split(cell) for cells in rule.values() for cell in cells}
         self.alias: dict[tuple[str, str], tuple[str, str]] = {}  # of nets that are one
         self.read: list[tuple[tuple[str, str], int]] = []  # a net, and the part that looks at it
         self.driven: list[tuple[tuple[str, str], int]] = []
@@ -40,6 +55,12 @@ class Board:
             if number and inside and len(chip.path) > len(self.parts[found].path):
                 found = number
         return found
+
+    def kind(self, path: str, name: str) -> str:
+        """Of a register, or of a port of a part."""
+        if name not in carried(self.modules[path].name):
+            return "Kind::kControl"
+        return "Kind::kDecides" if (path, name) in self.deciding else "Kind::kData"
 
     def net(self, name: tuple[str, str]) -> tuple[str, str]:
         while name in self.alias:
@@ -69,8 +90,8 @@ class Board:
                     self.driven += [((i.path, n), own) for n in writes(expr)]
 
     def ports(self) -> tuple[list[list[tuple]], dict[str, int]]:
-        """Of each part: where its model has a port, its variable, out, data, whether it is heard,
-        the net; and the nets of the board's own ports."""
+        """Of each part: where its model has a port, its variable, out, its kind, whether it is
+        heard, the net; and the nets of the board's own ports."""
         readers, drivers, members = {}, {}, {}
         for found, what in (self.read, readers), (self.driven, drivers):
             for name, part in found:
@@ -99,21 +120,23 @@ class Board:
                               for v in [self.all[0].module.vars[p]])  # fmt: skip
                 loop = out and self._variable(n, inside, False)[0] == ""  # around the part
                 if loop:
-                    rows[n].append((*self._variable(n, inside, False), False, False, False, number))
+                    rows[n].append((*self._variable(n, inside, False), False, "Kind::kControl",
+                                    False, number))  # fmt: skip
                 if out and not (others or outside or loop):
                     continue
                 if not out and n not in readers.get(net, ()):
                     continue
                 if not out and not driver and net not in board.values():
                     continue  # a constant
-                data = any(v.name in carried(self.modules[path].name)
-                           for path, v in inside if self.part(path) == n)  # fmt: skip
+                kinds = {self.kind(path, v.name) for path, v in inside if self.part(path) == n}
                 path, var = self._variable(n, inside, out)
                 if path is None:
                     if out or driver - {n} or net in board.values():
                         raise SystemExit(f"generate: {self.parts[n].path} has no port for {net}")
                     continue
-                rows[n].append((path, var, out, data, net in heard, number))
+                kind = next((k for k in ("Kind::kDecides", "Kind::kData") if k in kinds),
+                            "Kind::kControl")  # fmt: skip
+                rows[n].append((path, var, out, kind, net in heard, number))
         return rows, {p: numbers[net] for p, net in board.items()}
 
     def _variable(self, n: int, members: list, out: bool):
@@ -132,6 +155,12 @@ class Board:
             ):
                 return path[len(part.path) :].lstrip("."), v
         return None, None
+
+
+def split(name: str) -> tuple[str, str]:
+    """A net below a board: the instance that has it, its name there."""
+    path, _, last = name.rpartition(".")
+    return path, last
 
 
 def net_name(expr: dict) -> str:

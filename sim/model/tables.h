@@ -8,7 +8,7 @@
 
 namespace mmcs {
 
-enum class Kind { kControl, kData, kCounter };
+enum class Kind { kControl, kData, kDecides, kCounter };
 
 struct RegisterRow {
   const char *path, *name;  // path: of the instance, within the board
@@ -21,7 +21,8 @@ struct RegisterRow {
 struct PortRow {
   const char *path, *name;  // of the variable in the part's model: its own port, or a chip's
   int width;
-  bool out, data;
+  bool out;
+  Kind kind;
   bool heard;  // only while the decoder says so
   int driven;  // all ones while this port of the part is 0; or -1
   int net;
@@ -31,6 +32,11 @@ struct PartRow {
   const char *path, *module;
   const PortRow *ports;
   size_t port_count;
+};
+// While this net of a part is 1, data decide.
+struct DecideRow {
+  const char *path, *name;
+  int part;
 };
 // A port of the board: its net.
 struct NetRow {
@@ -42,7 +48,8 @@ struct BoardTable {
   const RegisterRow *registers;
   const PartRow *parts;
   const NetRow *nets;
-  size_t register_count, part_count, net_count;
+  const DecideRow *decides;
+  size_t register_count, part_count, net_count, decide_count;
 };
 
 const BoardTable &board_table(const std::string &module);
