@@ -21,6 +21,7 @@ class Connection:
         self.data, self._out = bytearray(), bytearray()
         self.ended = False  # nothing more will come
         self.busy = False  # a request of it is under way
+        self.held = False  # its request waits for the end of a pause
         self._mask = IN
         poll.register(sock, IN)
 

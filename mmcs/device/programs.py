@@ -13,7 +13,7 @@ import struct
 from mmcs import mcdef
 from mmcs.device import reasons, wire
 from mmcs.device.connection import Connection
-from mmcs.device.machine import Client, Machine
+from mmcs.device.machine import Client
 
 MOST_SAID = 1000  # bytes of why a call was refused
 MANY = 64  # holders of one file before the dead among them are looked for
@@ -76,7 +76,7 @@ class Program(Connection):
     def __init__(self, sock: socket.socket, poll: select.epoll, address, server):
         super().__init__(sock, poll)
         self._name = bytes(address).strip(b"\0") if address else b""
-        self._machine: Machine = server.machine
+        self._server, self._machine = server, server.machine
         self._files: dict[bytes, Program] = server.files
         self.client: Client | None = None  # of a file
         self.holders: Holders | None = None
@@ -100,8 +100,10 @@ class Program(Connection):
 
     def serve(self, nested: bool) -> bool:
         _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self.data)
-        if nested and op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits:
-            return False
+        if op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits:
+            self.held = self._server.stands
+            if nested or self.held:
+                return False
         end = wire.REQUEST.size + length
         payload = bytes(self.data[wire.REQUEST.size : end])
         del self.data[:end]

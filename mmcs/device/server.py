@@ -178,7 +178,7 @@ class Server:
         return int(self.stopping)
 
     def _wait(self) -> float:
-        if any(c.has_request() and not c.busy for c in self.connections.values()):
+        if any(c.has_request() and not (c.busy or c.held) for c in self.connections.values()):
             return 0.0
         if self._target is not None:
             return 0.0
@@ -217,6 +217,11 @@ class Server:
     @property
     def advances(self) -> bool:
         return self._target is not None
+
+    @property
+    def stands(self) -> bool:
+        """Paused: what needs the machine's time waits for the end of the pause."""
+        return self.pace.paused and self._target is None
 
     def _go_on(self) -> None:
         target, asker, id_ = self._target

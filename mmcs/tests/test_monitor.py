@@ -60,7 +60,7 @@ class Looker:
                 self.answers += 1
 
 
-def set_up(program):
+def set_up(bench, program):
     """As bounce.c: two axes in velocity mode between limits."""
     for axis in (0, 1):
         param = mcdef.new_param(axis)
@@ -68,7 +68,8 @@ def set_up(program):
                                  "plo": -LIMIT, "phi": LIMIT, "mode": "velocity",
                                  "flags": ["softerr", "poschk"]})  # fmt: skip
         assert program.call(IOCTL, mcdef.MSETPARAM, bytes(mcdef.make_ffi().buffer(param)))[0] == 0
-    assert program.call(IOCTL, mcdef.MENABLE)[0] == 0
+    (driver,) = (c.driver for c in bench.server.machine.clients.values() if c.writable)
+    assert bench.sim.ioctl(driver, mcdef.MENABLE) == 0  # the machine is paused: a call would wait
 
 
 def bounced(program, setpoints):
@@ -93,7 +94,7 @@ def bounce(folder, watched):
         bench.server.pace.paused = True  # time passes as the test says, steps or no steps
         page = Looker(bench) if watched else None
         bench.sim.run(0.01)
-        set_up(program)
+        set_up(bench, program)
         setpoints, events, signals = list(SPEED), 0, []
         signal.signal(signal.SIGUSR1, lambda *_: signals.append(1))  # the program is this process
         program.call(WRITE, 0, struct.pack("<2i", *setpoints))
