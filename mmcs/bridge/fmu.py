@@ -43,7 +43,7 @@ DAY = (1989, 1, 1, 0, 0, 0)  # of all files: the same machine gives the same uni
 def describe(setup: Setup) -> bytes:
     """The machine as fmu.c reads it, but for the magic and the token before it."""
     ffi = make_ffi()
-    config = ffi.new("mmcs_config *", {**setup.config(), "abi": 1})
+    config = ffi.new("mmcs_config *", setup.config())
     motors, links = ffi.new("mmcs_motor[]", setup.motors()), setup.links()
     names = ("mmcs_config", "mmcs_motor", "mmcs_link", "struct mc_param")
     head = struct.pack("=4i", *map(ffi.sizeof, names))

@@ -19,7 +19,7 @@ extern "C" {
 /* These functions, and nothing else, are visible outside the library. */
 #pragma GCC visibility push(default)
 
-#define MMCS_SIM_ABI 1
+#define MMCS_SIM_ABI 2
 
 /* One axis: amplifier, motor, gear, encoder, potentiometer, brake. */
 typedef struct mmcs_motor {

@@ -79,6 +79,7 @@ static bool read_setup(struct unit *u, const char *resources) {
          fread(u->params, sizeof(struct mc_param), axes, file) == axes;
   fclose(file);
   s->token[TOKEN - 1] = 0;
+  s->config.abi = MMCS_SIM_ABI;  // the library is in this very unit
   s->config.processor = s->config.firmware = NULL;
   return good;
 }

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """No suite of the Makefile is unseen: .ci/run runs each."""
 
+import importlib.metadata
 import re
+import tomllib
 
 import pytest
+from packaging.specifiers import SpecifierSet
 
 from mmcs import ROOT
 
@@ -76,3 +79,15 @@ def test_a_sample_is_fixed_and_whole_in_test_all():
         assert words in ("", " FAST=1"), f".ci/run: {name}{words}"
     assert "suites%" not in SCRIPT and '"${suites[@]% FAST=1}"' in SCRIPT
     assert re.search(r"^test-all:.*\n\t@\.ci/run --all$", MAKEFILE, re.M)
+
+
+def test_every_package_takes_the_least_python():
+    """What is installed here installs with the oldest Python of pyproject.toml, too."""
+    least = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["requires-python"]
+    oldest = least.removeprefix(">=") + ".0"
+    refused = [
+        f"{d.name} {d.version} wants Python {wanted}"
+        for d in importlib.metadata.distributions()
+        if (wanted := d.metadata["Requires-Python"]) and oldest not in SpecifierSet(wanted)
+    ]
+    assert not refused, "pin older versions in requirements.lock"

@@ -26,7 +26,7 @@ export class Sim {
     const motorsAt = at + size("mmcs_config");
     const linksAt = motorsAt + motors.length * size("mmcs_motor");
     new Uint8Array(module.HEAPU8.buffer, this.#room, ROOM).fill(0);
-    this.#put(at, "mmcs_config", { ...config, abi: 1, host: 0 });
+    this.#put(at, "mmcs_config", { ...config, abi: 2, host: 0 });
     motors.forEach((motor, n) => this.#put(motorsAt + n * size("mmcs_motor"), "mmcs_motor", motor));
     links.forEach((link, n) => this.#put(linksAt + n * size("mmcs_link"), "mmcs_link", link));
     this.#at = module._mmcs_sim_create(at, motorsAt, links.length ? linksAt : 0, this.#room, 300);
