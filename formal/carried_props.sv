@@ -22,7 +22,8 @@ module carried_props #(
   input wire logic [  Outputs-1:0] outputs_two,
   input wire logic [ Counters-1:0] counted,   // each is the same in both, or above its margin
   input wire logic [ Counters-1:0] same_way,  // in both it moved by as much, or to the same value
-  input wire logic                 decides    // other data than in the other part, where the table says that they decide
+  // other data than in the other part, where the table says that they decide
+  input wire logic                 decides
 );
 
   // What a strobe clocks takes what stood before it: two clocks alike, then the next one is.

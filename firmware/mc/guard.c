@@ -152,9 +152,9 @@ int guard_locks(const struct mc *mc) {
 }
 
 int guard_locks_gains(const struct mc *mc, const struct mc_param *from, const struct mc_param *to) {
-  const int *a = &from->which, *b = &to->which;
+  const unsigned char *a = (const unsigned char *)from, *b = (const unsigned char *)to;
   unsigned n = 0;
   if (!guard_locks(mc) || from->mode != to->mode || axis_is_off(from)) return 0;
-  while (n < sizeof *from / sizeof *a && a[n] == b[n]) n++;
-  return n < sizeof *from / sizeof *a;
+  while (n < sizeof *from && a[n] == b[n]) n++;
+  return n < sizeof *from;
 }

@@ -137,7 +137,8 @@ module thct2000 #(
   // Edges of one input since the last of the other, less one for each latch. A servo can make an
   // axis swing over one edge once a sample; more of them are an encoder that turns with one wire.
   localparam logic [3:0] MaxAlone = 4'd8;
-  logic count_written, cut;
+  logic wr_end;  // a write ends
+  logic cut;
 
   if (Safety2026) begin : g_alone
     logic [3:0] alone_d, alone_q;
@@ -152,7 +153,7 @@ module thct2000 #(
       end else if (latch_i && alone_q != '0) begin
         alone_d = alone_q - 4'd1;
       end
-      if (count_written || reset_i) alone_d = '0;
+      if (wr_end || reset_i) alone_d = '0;
     end
 
     always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -180,7 +181,7 @@ module thct2000 #(
   logic [2:0] m_q;
   logic [7:0] d_d, d_q, held_d, held_q;
   logic sample;                     // this clock begins a read that is no second byte
-  logic wr_end, wr_second;          // a write ends; it is the second byte of a pair
+  logic wr_second;                  // it is the second byte of a pair
   logic [15:0] shown, snap_d, snap_q;
   logic [15:0] count_d, count_q, latch_d, latch_q;
   logic latched_d, latched_q, illegal_d, illegal_q;
@@ -190,7 +191,6 @@ module thct2000 #(
   assign sample = rd && !rd_q && !(pair_q && !pair_wr_q && rs_i != pair_rs_q);
   assign shown = !sample ? snap_q : latched_q ? latch_q : count_q;
   assign wr_end = wr_q && !wr;
-  assign count_written = wr_end;
   assign wr_second = pair_q && pair_wr_q && rs_q != pair_rs_q;
 
   assign d_oe_o = rd;

@@ -27,11 +27,12 @@
 #define MMCS_EDGES MMCS_JOIN(MMCS_MODEL, ___024root___eval_triggers_vec__act)
 #define MMCS_NBA MMCS_JOIN(MMCS_MODEL, ___024root___eval_nba)
 #define MMCS_SETTLE MMCS_JOIN(MMCS_MODEL, ___024root___eval_settle)
+#define MMCS_OF MMCS_JOIN(of_, MMCS_MODEL)
 
 void MMCS_SETTLE(MMCS_ROOT *);
 
 namespace mmcs {
-namespace MMCS_JOIN(of_, MMCS_MODEL) {
+namespace MMCS_OF {
 
 struct TriggerRow {
   std::string_view model;
@@ -125,11 +126,11 @@ class Fast final : public Board {
 #endif
 };
 
-}  // namespace MMCS_JOIN(of_,MMCS_MODEL)
+}  // namespace MMCS_OF
 
 std::unique_ptr<Board> MMCS_JOIN(create_, MMCS_MODEL)(VerilatedContext &context,
                                                       const std::string &name) {
-  return std::make_unique<MMCS_JOIN(of_, MMCS_MODEL)::Fast>(context, name);
+  return std::make_unique<MMCS_OF::Fast>(context, name);
 }
 
 }  // namespace mmcs
