@@ -55,11 +55,13 @@ class Status:
     stopped_by: int  # process that asked for it; 0: the host's stop path, or no stop
     cause: int  # MCAUSE_... of <sys/mmcs.h>: what shut the machine down, until enable(); 0: nothing
     number: int  # axis or card of the cause, or -1
+    known: str = ""  # what the simulator knows of the cause beside the registers
 
     @property
     def why(self) -> str:
         """The cause as a sentence; empty if there is none."""
-        return CAUSES[self.cause - 1].format(self.number) if self.cause else ""
+        known = f" ({self.known})" if self.known else ""
+        return CAUSES[self.cause - 1].format(self.number) + known if self.cause else ""
 
 
 class Device:
@@ -166,8 +168,9 @@ class Device:
 
     def status(self) -> Status:
         """How the machine stands: its time, whether it is enabled or stopped, by whom and why."""
-        time_ns, sample, enabled, stopped, *rest = wire.STATUS.unpack(self.ioctl(wire.MSTATUS))
-        return Status(time_ns, sample, bool(enabled), bool(stopped), *rest)
+        _, data, known = self._ask(wire.IOCTL, wire.MSTATUS, why=True)
+        time_ns, sample, enabled, stopped, *rest = wire.STATUS.unpack(data)
+        return Status(time_ns, sample, bool(enabled), bool(stopped), *rest, known)
 
     def num_cards(self) -> int:
         """Cards found by the scan at first open."""
@@ -279,24 +282,29 @@ class Device:
         self.ioctl(getattr(mcdef, name), struct.pack("<I", value & 0xFFFFFFFF))
 
     def _call(self, op: int, a: int, data: bytes = b"") -> tuple[int, bytes]:
+        return self._ask(op, a, data)[:2]
+
+    def _ask(self, op: int, a: int, data: bytes = b"", why: bool = False) -> tuple[int, bytes, str]:
+        """Result, data and, if asked for, what is to be said of it."""
         if len(data) > wire.MAX_DATA:
             raise OSError(errno.EINVAL, f"{len(data)} bytes are too many for one call")
         if self._attached:
             try:
-                return self._call_libc(op, a, data)
+                return *self._call_libc(op, a, data), self._why() if why else ""
             except OSError as error:
                 raise OSError(error.errno, _sentence(error.errno, self._why())) from None
         channel = self._take_channel()
         try:
             result, out = _exchange(channel, op, self._name, a, 0, data)
-            said = _exchange(channel, wire.WHY, self._name, 0, 0, b"")[1] if result < 0 else b""
+            why = why or result < 0
+            said = _exchange(channel, wire.WHY, self._name, 0, 0, b"")[1] if why else b""
         except BaseException:
             channel.close()  # an answer may still come on it, which nobody waits for
             raise
         self._idle.append(channel)
         if result < 0:
             raise OSError(-result, _sentence(-result, said.decode()))
-        return result, out
+        return result, out, said.decode()
 
     def _call_libc(self, op: int, a: int, data: bytes) -> tuple[int, bytes]:
         """As a C program makes it: in lock-step the library knows of every call, and its signals

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import struct
 import time
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from mmcs.device.wire import (
     STATUS,
 )
 from mmcs.errors import RunError
+from mmcs.inputs import INPUTS
 
 WINDOW_BASE, WINDOW_SIZE = 0x6000, 0x800
 USER_AM = 0x29  # mapped accesses are non-privileged (§2.4)
@@ -73,6 +75,8 @@ class Machine:
         self.history = History(self)
         self._numbers = 0
         self._told = 0  # events that the console has seen
+        self._at_panic = ""  # pins that were at fault when PANIC came, which no register tells
+        self._untold = ""  # the same, until the console has it
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
         requests = mcdef.requests().values()
         self._reads = {request.code for request in requests if not request.changes}
@@ -173,6 +177,11 @@ class Machine:
     def stop(self, pid: int = 0) -> int:
         self._stopper = pid
         return self.sim.stop()
+
+    def knows(self) -> str:
+        """What the simulator, but no register, knows of what shut the machine down."""
+        self.tell_console()
+        return self._at_panic if self.sim.stats()["cause"] else ""
 
     def status(self) -> bytes:
         """struct mmcs_status of <sys/mmcs.h>; asking takes no time."""
@@ -290,4 +299,32 @@ class Machine:
                 self.console(f"{lost} lines or events before this are lost")
             for event in events:
                 if event["kind"] == "log":
-                    self.console(event["text"])
+                    self._log(event["text"])
+                elif event["kind"] == "fault":
+                    self._keep_input(event["text"])
+                elif event["kind"] == "panic":
+                    self._at_panic = self._wrong_pins() if event["value"] else ""
+                    self._untold = self._at_panic
+
+    def _log(self, text: str) -> None:
+        self.console(text)
+        if self._untold and text.startswith("mc: PANIC: "):
+            self.sim.tap_note("log", 0, self._untold)
+            self._untold = ""
+
+    def _keep_input(self, text: str) -> None:
+        """Of an input that a client or an event of the scenario has changed."""
+        name, index, value = re.fullmatch(r"(.+)\[(-?\d+)\] = (.+)", text).groups()
+        if name in INPUTS and INPUTS[name].lasting:
+            self.inputs[name, int(index)] = float(value)
+            self.history.inputs_changed()
+
+    def _wrong_pins(self) -> str:
+        wrong = []
+        for (name, index), value in self.inputs.items():
+            pin = INPUTS[name]
+            if pin.made_by == "PIN" and value != pin.healthy:
+                where = "" if pin.scope == "machine" else f"{pin.scope} {index}: "
+                meaning = pin.meaning.removeprefix(f"{value:g}: ")
+                wrong.append(where + (meaning if meaning != pin.meaning else f"{name} {value:g}"))
+        return "the simulator knows: " + ", ".join(wrong) if wrong else ""

@@ -182,7 +182,7 @@ class Program(Connection):
         if op == wire.OPEN:
             return self._open(payload, a, b, pid), b""
         if op == wire.WHY:
-            return 0, self._said.encode()[:MOST_SAID]
+            return 0, (self._said or self._machine.knows()).encode()[:MOST_SAID]
         file = self._files.get(name)
         if file is None:
             self._said = "the simulator that had this file open is gone"

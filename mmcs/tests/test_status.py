@@ -33,14 +33,17 @@ while dev.status().enabled:
 say(dev.status().why)
 """
 PANICS = [
-    ("estop", 0, 1, "button, or a cause that has passed"),
-    ("cable", 0, 0, "no card answers: cable or power"),
+    ("estop", 0, 1, "button, or a cause that has passed (", "the hand-held button is pressed"),
+    ("cable", 0, 0, "no card answers: cable or power (", "the ribbon cable is pulled"),
 ]
 
 
-@pytest.mark.parametrize("name, index, value, why", PANICS)
-def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why):
+@pytest.mark.parametrize("name, index, value, why, pin", PANICS)
+def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why, pin):
+    told = []
+    known = f"the simulator knows: {pin}"
     with Bench(tmp_path) as bench:
+        bench.server.machine.console = told.append
         child = bench.python(ASKED)
         lines = [_line(bench, child) for _ in range(4)]
         assert lines == ["False False True True True", "True", "False True True", "False"]
@@ -48,7 +51,8 @@ def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why
         child.stdin.write("\n")
         child.stdin.flush()
         out, status = bench.finish(child)
-    assert (out.strip(), status) == (why, 0)
+    assert (out.strip(), status) == (f"{why}{known})", 0)
+    assert told.count(known) == 1 and told[told.index(known) - 1].startswith("mc: PANIC: "), told
 
 
 def _line(bench, child):

@@ -12,7 +12,8 @@
 #define MWAIT 0x40044D41
 
 /* char[MWHY_SIZE]: why this thread's last call on an open device was refused, as one sentence;
- * empty if there is nothing to add to the errno. */
+ * empty if there is nothing to add to the errno. After any other call: what the simulator knows of
+ * a shutdown that no register tells, as "the simulator knows: the ribbon cable is pulled". */
 #define MWHY_SIZE 128
 #define MWHY 0x40804D42
 
