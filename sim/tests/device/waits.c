@@ -12,9 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <sys/resource.h>
 #include <sys/select.h>
+#include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/timerfd.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <threads.h>
 #include <time.h>
@@ -160,6 +163,93 @@ static void processes(void) {
   TIMED(system("sleep 0.25"));
 }
 
+/* A child that writes, or connects, every 2 ms. */
+static void sockets(void) {
+  struct sockaddr_un name = {.sun_family = AF_UNIX};
+  socklen_t size = sizeof(sa_family_t);
+  int pair[2], door = socket(AF_UNIX, SOCK_STREAM, 0), e = epoll_create1(0);
+  char byte;
+  struct iovec part = {&byte, 1};
+  struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1};
+  if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) < 0) return;
+  if (bind(door, (struct sockaddr *)&name, size) < 0 || listen(door, 2) < 0) return;
+  size = sizeof name; /* the kernel has chosen one */
+  if (getsockname(door, (struct sockaddr *)&name, &size) < 0) return;
+  if (fork() == 0) {
+    for (int n = 0; n < 3; n++) {
+      usleep(2000);
+      if (write(pair[1], "x", 1) != 1) _exit(1);
+    }
+    for (int n = 0; n < 2; n++) {
+      usleep(2000);
+      if (connect(socket(AF_UNIX, SOCK_STREAM, 0), (struct sockaddr *)&name, size) < 0) _exit(1);
+    }
+    usleep(2000);
+    _exit(0);
+  }
+  TIMED(recv(pair[0], &byte, 1, 0));
+  TIMED(recvfrom(pair[0], &byte, 1, 0, NULL, NULL));
+  TIMED(recvmsg(pair[0], &message, 0));
+  TIMED(accept(door, NULL, NULL) > 0);
+  TIMED(accept4(door, NULL, NULL, 0) > 0);
+  TIMED(waitpid(-1, NULL, 0) > 0);
+  TIMED(epoll_pwait(e, &(struct epoll_event){0}, 1, 6, NULL));
+}
+
+static void child(void) {
+  fflush(stdout);
+  if (fork() == 0) {
+    usleep(2000);
+    _exit(0);
+  }
+}
+
+static pthread_rwlock_t rw = PTHREAD_RWLOCK_INITIALIZER;
+
+static void *holder(void *arg) {
+  pthread_mutex_lock(&lock);
+  pthread_rwlock_wrlock(&rw);
+  usleep(3000);
+  pthread_rwlock_unlock(&rw);
+  pthread_mutex_unlock(&lock);
+  usleep(2000);
+  return arg;
+}
+
+static void kin(void) {
+  struct sigevent by_thread = {.sigev_notify = SIGEV_THREAD};
+  struct timespec later;
+  siginfo_t info;
+  timer_t id;
+  pthread_t t;
+  pthread_create(&t, NULL, holder, NULL);
+  usleep(100);
+  later = at(CLOCK_REALTIME, 1);
+  TIMED(pthread_mutex_timedlock(&lock, &later));
+  later = at(CLOCK_REALTIME, 1);
+  TIMED(pthread_rwlock_timedwrlock(&rw, &later));
+  TIMED(pthread_rwlock_rdlock(&rw));
+  pthread_rwlock_unlock(&rw);
+  later = at(CLOCK_REALTIME, 1);
+  TIMED(pthread_timedjoin_np(t, NULL, &later));
+  later = at(CLOCK_MONOTONIC, 5);
+  TIMED(pthread_clockjoin_np(t, NULL, CLOCK_MONOTONIC, &later));
+  later = at(CLOCK_MONOTONIC, 1);
+  pthread_mutex_lock(&lock);
+  TIMED(pthread_cond_clockwait(&cond, &lock, CLOCK_MONOTONIC, &later));
+  later = at(CLOCK_MONOTONIC, 1);
+  TIMED(sem_clockwait(&sem, CLOCK_MONOTONIC, &later));
+  ualarm(2000, 0);
+  TIMED(pause());
+  TIMED(timer_create(CLOCK_MONOTONIC, &by_thread, &id));
+  child();
+  TIMED(wait3(NULL, 0, NULL) > 0);
+  child();
+  TIMED(wait4(-1, NULL, 0, NULL) > 0);
+  child();
+  TIMED(waitid(P_ALL, 0, &info, WEXITED));
+}
+
 int main(void) {
   struct timeval tv;
   gettimeofday(&tv, NULL);
@@ -170,5 +260,8 @@ int main(void) {
   threads();
   fflush(stdout);
   processes();
+  fflush(stdout);
+  sockets();
+  kin();
   return 0;
 }
