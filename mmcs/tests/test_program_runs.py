@@ -90,6 +90,14 @@ def test_exec_leaves_results(folder):
     assert mmcs(*words, sys.executable, "-c", "raise SystemExit(7)").exit_code == 7
 
 
+def test_exec_replays_expectations_beyond_its_end(folder):
+    """They are not met, and the record is one all the same."""
+    words = ["exec", "--scenario", folder / "whole.toml", "--out", folder / "out", "--"]
+    assert mmcs(*words, sys.executable, "-c", "import mmcs; mmcs.Device().wait()").exit_code == 1
+    again = mmcs("replay", folder / "out")
+    assert again.exit_code == 0 and "reproduced" in again.output, again.output
+
+
 def test_a_sweep_takes_one(folder):
     rows = [run_row(load(str(folder / "whole.toml"), (f"seed={n}",))) for n in (1, 1, 2)]
     assert [row["status"] for row in rows] == ["ok"] * 3
