@@ -65,6 +65,7 @@ def main() -> None:
     shutil.copytree(
         DOCS, source, ignore=shutil.ignore_patterns("grader.py", "tests", "__pycache__")
     )
+    (BUILD / "FUSESOC_IGNORE").touch()  # copies of .core files are no cores
     for name in LOOK:
         shutil.copy(ROOT / "web" / name, source)
     wanted: set[Path] = set()  # files and folders outside docs/ that chapters name
