@@ -85,7 +85,9 @@ def section(name: str) -> str:
         f" for FuseSoC `rtl/{name}.core` names them. The bench:", "",
         "```sh",
         f"iverilog -g2012 -Irtl -s {name}_tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
-        "```", "", "```systemverilog", bench.rstrip(), "```", "",
+        "```", "",
+        "Waves: with the line `initial $dumpvars;` in the bench it leaves `dump.vcd`, for GTKWave.",
+        "", "```systemverilog", bench.rstrip(), "```", "",
     ])  # fmt: skip
 
 
