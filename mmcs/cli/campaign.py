@@ -34,10 +34,9 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
-    from mmcs.sweeps.campaign import is_row, make_plan
+    from mmcs.sweeps.campaign import is_row, make_plan, make_twin
     from mmcs.sweeps.plan import MAX_RUNS
     from mmcs.sweeps.store import Store, check_resume
-    from mmcs.sweeps.twin import Twin
 
     if not 1 <= count <= MAX_RUNS:
         raise InputError.one("--faults", "", count, f"must be 1 to {MAX_RUNS}")
@@ -50,7 +49,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
     plan = make_plan(motions, chosen, seed, sets)
     for setup in plan.setups.values():
-        Twin(setup).close()
+        make_twin(setup).close()
     if show is not None:
         _show(plan, show)
         return

@@ -12,6 +12,7 @@ import click
 from mmcs.errors import InputError
 from mmcs.screen import echo
 
+OWN = ("axis", "servo", "motion", "call", "process", "program")  # what a program does itself
 _speed = click.option("--speed", type=float, metavar="X", help="Simulated seconds per second.")
 _realtime = click.option("--realtime", is_flag=True, help="The same as --speed 1.")
 _lockstep = click.option(
@@ -141,6 +142,9 @@ def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, safe
     sets = (*safety_sets(safety), *sets)
     if not command:
         raise InputError.one("mmcs exec", "", None, "name the program to run after --")
+    for text in sets:
+        if text.partition("=")[0].partition(".")[0] in OWN:
+            raise InputError.one("--set", "", text, "is the program's own job, and no use here")
     if scenario is None:
         if pace is not None or lockstep:
             raise InputError.one("mmcs exec", "", None, "the pace is the server's; give --scenario")

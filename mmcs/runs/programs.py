@@ -26,6 +26,11 @@ class ProgramSession(Session):
 
     look_s: float | None = None  # between looks at the physics, if not as the scenario wants it
 
+    def __init__(self, *args, quiet: bool = False, **more):
+        """quiet: what programs and driver print is dropped."""
+        super().__init__(*args, **more)
+        self._quiet = quiet
+
     def run(self, progress=lambda _: None) -> Result:
         sim, programs = self.sim, self.setup.scenario.program
         began = time.perf_counter()
@@ -33,14 +38,15 @@ class ProgramSession(Session):
             sim.bus_watch()
         self.configure()
         with tempfile.TemporaryDirectory(prefix="mmcs-") as folder:
-            server = Server(sim, Path(folder) / "run.sock", None, console=say, lockstep=True)
+            console, out = (lambda _: None, subprocess.DEVNULL) if self._quiet else (say, None)
+            server = Server(sim, Path(folder) / "run.sock", None, console=console, lockstep=True)
             sim.ring(0.0, 0)
             children: list[subprocess.Popen] = []
             try:
                 env = environment(server.path, lockstep=True)
                 for program in programs:
                     command = absolute(program.run, self.setup.path.parent)
-                    children.append(_start(command, env))
+                    children.append(_start(command, env, out))
                     server.lockstep.expect(children[-1].pid)
                 good = self._serve(server, children, progress)
                 ended = "" if good else self._why_ended()
@@ -86,20 +92,21 @@ class ProgramSession(Session):
         ]
 
 
-def session_of(sim, setup: Setup, realtime: bool = False, bus: bool = False) -> Session:
+def session_of(sim, setup: Setup, realtime: bool = False, bus: bool = False,
+               quiet: bool = False) -> Session:  # fmt: skip
     """What carries the setup out: programs, or what stands for one."""
     if not setup.scenario.program:
         return Session(sim, setup, realtime, bus)
     if realtime:
         raise RunError("a [[program]] runs in lock-step, and not by the clock on the wall")
-    return ProgramSession(sim, setup, bus=bus)
+    return ProgramSession(sim, setup, bus=bus, quiet=quiet)
 
 
-def _start(command: str, env: dict[str, str]) -> subprocess.Popen:
+def _start(command: str, env: dict[str, str], out: int | None) -> subprocess.Popen:
     words = shlex.split(command)
     check_program(words[0])
     try:
-        return subprocess.Popen(words, env=env)
+        return subprocess.Popen(words, env=env, stdout=out, stderr=out)
     except OSError as error:
         raise InputError.one("program", "run", words[0], error.strerror) from None
 

@@ -169,6 +169,9 @@ def print_report(report: dict, result, folder: Path, console) -> None:
             console.print(line)
     if report["events_lost"]:
         console.print(f"  {report['events_lost']} further events are not kept: look into the first")
+    for process in report["processes"]:
+        if status := process.get("status"):
+            console.print(cell(f"  {process['run']}: status {status}"))
     expected = report["expect"]
     for item in expected:
         if not item["ok"] or len(expected) <= FEW:

@@ -36,6 +36,8 @@ def show_setup(setup: Setup) -> None:
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
+    for program in scenario.program:
+        console.print(f"  program {cell(program.run)}")
     table = Table("", box=None)
     for axis in range(setup.axes):
         table.add_column(cell(f"{axis} {robot.axis_name(axis)}".strip()))
@@ -44,7 +46,8 @@ def show_setup(setup: Setup) -> None:
         texts = [" ".join(v) if isinstance(v, list) else str(v) for v in values]
         if any(params[key] != SERVO_DEFAULTS[key] for params in setup.params):
             table.add_row(key, *texts)
-    console.print(table)
+    if not scenario.program:  # which sets servos itself
+        console.print(table)
     for segment in setup.segments:
         target = f" to {segment['to']:g}" if "to" in segment else ""
         lasting = f" in {segment['duration']:g} s" if segment["duration"] else ""

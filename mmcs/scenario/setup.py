@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import shlex
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -149,6 +150,10 @@ class _Cross:
         text = None if value is None else show(value)
         self.mistakes.append(Mistake(str(self.path), key, text, allowed))
 
+    def _must_begin(self, key: str, at: float) -> None:
+        if at >= (end := self.scenario.duration):
+            self.wrong(key, at, f"must be before the end of the run ({end:g} s)")
+
     def chosen(self, key: str, axes) -> list[int]:
         if axes == "all":
             return list(range(self.axes))
@@ -192,9 +197,7 @@ class _Cross:
         segments: list[dict] = []
         for n, motion in enumerate(self.scenario.motion):
             key = f"motion.{n}"
-            if motion.at >= self.scenario.duration:
-                end = f"must be before the end of the run ({self.scenario.duration:g} s)"
-                self.wrong(f"{key}.at", motion.at, end)
+            self._must_begin(f"{key}.at", motion.at)
             chosen = self.chosen(key, motion.axis)
             for place, axis in enumerate(chosen):
                 segments.append(self._segment(key, motion, axis, place, len(chosen)))
@@ -334,25 +337,23 @@ class _Cross:
             self.wrong("process", None, "writes setpoints itself: not together with [[motion]]")
         for n, process in enumerate(scenario.process):
             chosen = self.chosen(f"process.{n}", process.axis)
-            if process.at >= scenario.duration:
-                end = f"must be before the end of the run ({scenario.duration:g} s)"
-                self.wrong(f"process.{n}.at", process.at, end)
+            self._must_begin(f"process.{n}.at", process.at)
             for place in range(len(chosen)):
                 self._pick(f"process.{n}.to", process.to, place, len(chosen))
 
     def _check_program(self) -> None:
         scenario = self.scenario
         for n, program in enumerate(scenario.program):
+            allowed = "must name a program that can be executed"
             try:
-                words = shlex.split(program.run)
+                word = (*shlex.split(program.run), "")[0]
             except ValueError as error:
-                words = self.wrong(f"program.{n}.run", program.run, f"{error}")
-            if words == []:
-                self.wrong(f"program.{n}.run", program.run, "must name a program")
+                word, allowed = "", f"{error}"
+            if not any(map(shutil.which, (word, str(self.path.parent / word)))):
+                self.wrong(f"program.{n}.run", program.run, allowed)
         for key in ("motion", "call", "process", "servo"):
             if scenario.program and getattr(scenario, key):
-                allowed = f"a [[program]] does that itself: not together with [[{key}]]"
-                self.wrong("program", None, allowed)
+                self.wrong("program", None, f"does that itself: not together with [[{key}]]")
 
     def check_rest(self) -> None:
         scenario = self.scenario
@@ -374,9 +375,7 @@ class _Cross:
             if (call.request == "MSETPARAM") != (call.set is not None):
                 allowed = "MSETPARAM, and no other request, takes set = { ... }"
                 self.wrong(f"call.{n}.set", None, allowed)
-            if call.at >= scenario.duration:
-                end = f"must be before the end of the run ({scenario.duration:g} s)"
-                self.wrong(f"call.{n}.at", call.at, end)
+            self._must_begin(f"call.{n}.at", call.at)
         for n, event in enumerate(scenario.event):
             self._check_input(f"event.{n}", event)
             if event.until is not None and event.until <= event.at:
@@ -386,9 +385,7 @@ class _Cross:
                 self.chosen(f"expect.{n}", entry.axis)
             elif isinstance(getattr(entry, "axis", None), int):
                 self.chosen(f"expect.{n}", [entry.axis])
-            if getattr(entry, "after", 0.0) >= scenario.duration:
-                end = f"must be before the end of the run ({scenario.duration:g} s)"
-                self.wrong(f"expect.{n}.after", entry.after, end)
+            self._must_begin(f"expect.{n}.after", getattr(entry, "after", -1.0))
             if entry.kind == "path":
                 count = len(self.chosen(f"expect.{n}", entry.axis))
                 if len(entry.counts) not in (1, count):

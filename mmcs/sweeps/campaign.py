@@ -121,13 +121,17 @@ def _motion(name: str, setup: Setup, until: float) -> Motion:
 # --- what a worker does ------------------------------------------------------------------------
 
 
-@functools.lru_cache(maxsize=TWINS)
-def _twin(key: str):
+def make_twin(setup: Setup):
+    """Raises InputError for a motion that stops, or programs that fail, by themselves."""
     from mmcs.sweeps.program_twin import ProgramTwin
     from mmcs.sweeps.twin import Twin
 
-    setup = _given[key]
     return ProgramTwin(setup) if setup.scenario.program else Twin(setup)
+
+
+@functools.lru_cache(maxsize=TWINS)
+def _twin(key: str):
+    return make_twin(_given[key])
 
 
 _given: dict[str, Setup] = {}

@@ -67,7 +67,7 @@ class ProgramTwin(Twin):
         more = [*scenario.event, *map(Event.model_validate, events)]
         setup = replace(self.setup, scenario=scenario.model_copy(update={"event": more}))
         with machine(setup) as sim:
-            session = _Watched(sim, setup)
+            session = _Watched(sim, setup, quiet=True)
             return session.run(), session
 
     def _angles_of(self, result) -> np.ndarray:

@@ -57,10 +57,11 @@ def _run_row(setup) -> dict:
     from mmcs.runs.report import measure
 
     with machine_of_process(setup) as sim:
-        result = session_of(sim, setup).run()
+        result = session_of(sim, setup, quiet=True).run()
     axes = measure(result)
     verdicts = judge(result, axes)
     unmet = [v["what"] for v in verdicts if not v["ok"]]
+    ended = [f"{p['run']}: status {p['status']}" for p in result.processes if p.get("status")]
     stepping = _stepping(setup)
     for n, axis in enumerate(axes):
         error = logcols.column(result.log, n, "error")
@@ -71,7 +72,7 @@ def _run_row(setup) -> dict:
     row = {
         "status": "missed" if unmet else "ok",
         "unmet": len(unmet),
-        "why": unmet[0] if unmet else "",
+        "why": next(iter(unmet + ended), ""),
         "hash": result.hash,
     }
     row |= {name: _worst([a[name] for a in axes]) for name in WORST}

@@ -104,6 +104,43 @@ def test_a_sweep_takes_one(folder):
     assert rows[0]["hash"] == rows[1]["hash"] != rows[2]["hash"]
 
 
+def test_a_sweep_tells_of_failing_programs_and_prints_nothing_of_theirs(folder, capfd):
+    (folder / "step.py").write_text("print('noise'); raise SystemExit('more of it')")
+    row = run_row(load(str(folder / "whole.toml"), ("expect=[]",)))
+    assert row["status"] == "ok" and row["why"].endswith("step.py 200: status 1")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_run_tells_the_status_of_a_program_and_show_its_command(folder):
+    done = mmcs("run", folder / "whole.toml", "--out", folder / "out")
+    assert "step.py 200: status 1" in done.output.replace("\n", ""), done.output
+    shown = mmcs("show", folder / "whole.toml")
+    assert "step.py 200" in shown.output and " a0 " not in shown.output, shown.output
+
+
+def test_a_program_under_the_fault_of_another_scenario(folder):
+    (folder / "fault.toml").write_text(f"""
+extends = "fault_estop"
+robot = "lab500"
+cards = 1
+dynamics = "independent"
+motion = []
+expect = []
+[[program]]
+run = "{sys.executable} step.py 200"
+""")
+    assert load("fault_estop").scenario.fault is not None
+    done = mmcs("run", folder / "fault.toml", "--out", folder / "out")
+    assert "estop[0] = 1" in done.output and "step.py 200: status 1" in done.output, done.output
+
+
+def test_exec_refuses_to_set_what_the_program_sets(folder):
+    words = ["exec", "--scenario", folder / "device.toml", "--set", "axis.0.b0=3", "--", "true"]
+    done = mmcs(*words)
+    assert done.exit_code == 2 and "axis.0.b0=3" in done.output, done.output
+    assert "is the program's own job" in done.output
+
+
 def test_the_duration_ends_who_goes_on(folder):
     (folder / "long.toml").write_text("""
 extends = "device.toml"
@@ -121,7 +158,8 @@ run = "sleep 100"
 @pytest.mark.parametrize("text, why", [
     ("[[program]]\nrun = \"'\"", "No closing quotation"),
     ('[[program]]\nrun = " "', "must name a program"),
-    ('[[program]]\nrun = "x"\n[[motion]]\nkind = "step"\naxis = 0\nat = 0.1\nto = 5',
+    ('[[program]]\nrun = "./absent 3"', "must name a program that can be executed"),
+    ('[[program]]\nrun = "true"\n[[motion]]\nkind = "step"\naxis = 0\nat = 0.1\nto = 5',
      "not together with [[motion]]"),
 ])  # fmt: skip
 def test_mistakes(text, why, folder):
@@ -156,6 +194,8 @@ run = "{sys.executable} step.py 200"
         assert row["class"] == wanted, row
         again = run_row(load(name, (f"duration={0.8 + WATCH_S!r}", *fault.sets([]))))
         assert again["hash"] == row["hash"]
+    done = mmcs("campaign", name, "--faults", 2, "--workers", 1, "--out", folder / "campaign")
+    assert done.exit_code == 0 and "2 faults" in done.output, done.output
     (folder / "step.py").write_text("raise SystemExit(3)")
     with pytest.raises(InputError, match="ends with status 3, with no fault"):
         twin_of(make_plan((name,), (), 1, ("seed=2",)).setups[name])
