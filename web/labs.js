@@ -78,7 +78,8 @@ export function labsView(page) {
   async function open() {
     const asked = Number(list.value);
     const found = await ask("sheet", { number: asked });
-    if (Number(list.value) !== asked) return; // another one was chosen meanwhile
+    // another one was chosen meanwhile; or this one is shown, and somebody types into it
+    if (Number(list.value) !== asked || sheet?.number === asked) return;
     sheet = found;
     if (!kept.has(asked)) kept.set(asked, {});
     text.innerHTML = sheet.html; // made from Markdown without HTML

@@ -89,13 +89,14 @@ export class Machine extends EventTarget {
     if (this.link.canConnect) this.#again = setInterval(() => this.link.connect(), AGAIN_MS);
   }
 
-  /** What lost events may have told: who controls, whether the servo is on, and all that it has. */
+  /** What lost events may have told: who controls, whether the servo is on, inputs, all that it has. */
   async #askAgain() {
     const hello = await this.try(this.link.request("hello"));
     if (!hello) return;
     this.#event({ ...LOST, t: hello.time, kind: "enabled", value: hello.enabled });
     this.#event({ ...LOST, t: hello.time, kind: "lease", value: hello.lease ?? -1 });
     this.paused = hello.paused;
+    this.#readInputs();
     this.read();
   }
 

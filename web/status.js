@@ -9,6 +9,13 @@ const FROZEN_MS = 1000;
 const BEFORE_S = 0.06; // so long before power went, its cause may have come: a heartbeat lasts 50 ms
 const POWER = 10; // a card's light
 
+const absentCards = (machine) =>
+  Object.keys(machine.inputs.find(({ name }) => name === "card_absent")?.values ?? {}).map(Number);
+
+/** The driver takes no samples while no card answers. */
+const noneAnswers = (machine) => machine.input("cable") === 0 || machine.input("pc_power") === 0
+  || absentCards(machine).length === machine.hello.cards;  // prettier-ignore
+
 /** What Enable lacks, in words; empty when it will succeed. */
 export function lacks(machine) {
   const words = [];
@@ -17,8 +24,7 @@ export function lacks(machine) {
   if (machine.input("estop")) words.push("a released hand-held button");
   if (machine.input("cable") === 0) words.push("the ribbon cable, which is out");
   if (machine.input("pc_power") === 0) words.push("power of the card cage");
-  const absent = machine.inputs.find(({ name }) => name === "card_absent")?.values ?? {};
-  const silent = Object.keys(absent).map(Number);
+  const silent = absentCards(machine);
   const { history, hello } = machine;
   if (history.end > history.first && machine.input("pc_power") !== 0)
     for (let card = 0; card < hello.cards; card++)
@@ -69,10 +75,12 @@ export function condition(machine, end, now) {
       next: "A page that controlled it has stopped it by its end. Trying again every second." };  // prettier-ignore
   if (history.end === history.first)
     return { kind: "rest", cause: "No sample yet.", next: "Time passes while somebody has the device open." };
+  const missing = lacks(machine);
+  const next = missing.length ? `Enable lacks ${missing.join("; ")}.` : "Enable (E, then Enter) drives and opens the brakes.";
   const frozen = now - machine.heard;
   if (!machine.paused && frozen > FROZEN_MS)
     return { kind: "bad", cause: `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`,
-      next: "The computer may be too busy, or the server hangs; STOP has a way of its own." };  // prettier-ignore
+      next: noneAnswers(machine) ? next : "The computer may be too busy, or the server hangs; STOP has a way of its own." };  // prettier-ignore
   const lines = history.value(history.end - 1, history.linesColumn);
   if (lines & LINES.enabled) {
     if (lines & LINES.panic)
@@ -85,8 +93,6 @@ export function condition(machine, end, now) {
     const tail = machine.paused ? " Time is paused: Run on." : "";
     return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}` };
   }
-  const missing = lacks(machine);
-  const next = missing.length ? `Enable lacks ${missing.join("; ")}.` : "Enable (E, then Enter) drives and opens the brakes.";
   if (end) return { kind: "warn", cause: `Stopped at ${end.t.toFixed(3)} s: ${end.cause}.`, next };
   return { kind: "rest", cause: "At rest, brakes on.", next };
 }

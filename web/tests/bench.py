@@ -56,8 +56,8 @@ class Desk:
         end = time.monotonic() + patience_s
         while not true():
             if time.monotonic() > end:
-                said = self.page.inner_text("#said")
-                raise AssertionError(f"not so within {patience_s} s; the page says: {said}")
+                shows = [self.page.inner_text(f"#{part}") for part in ("cause", "next", "said")]
+                raise AssertionError(f"not so within {patience_s} s; the page says: {shows}")
             self.page.wait_for_timeout(20)
 
     def close(self) -> None:

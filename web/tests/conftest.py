@@ -6,7 +6,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from bench import Desk
+from bench import PATIENCE_S, Desk
 from playwright.sync_api import sync_playwright
 
 from mmcs.tool.launch import start
@@ -32,7 +32,7 @@ def browser():
 def desk(browser, request):
     # a loaded computer starves a page for longer than the 250 ms that people have
     silence = request.node.get_closest_marker("deadman")
-    ms = silence.args[0] if silence else 10_000
+    ms = silence.args[0] if silence else 1000 * PATIENCE_S
     found = Desk(browser, start("puma560", None, {"deadman": str(ms)}))
     yield found
     errors = found.page.errors

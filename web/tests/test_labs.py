@@ -68,7 +68,10 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     saved.value.save_as(tmp_path / "answer.toml")
     assert read_answer(sheet, tmp_path) == read_answer(sheet, path)
     page.fill("#lab-mean_cps", "1,5x")
+    typing = page.query_selector("#lab-mean_cps")
+    page.select_option("#lab-sheet", "1")  # the one that is shown: no key press is lost
     assert check(desk).startswith("answer.toml: ") and page.is_hidden("#lab-marks")
+    assert typing.evaluate("field => field.isConnected")
     page.select_option("#lab-sheet", "7")
     desk.until("() => document.getElementById('lab-stall_ms')")
     page.select_option("#lab-sheet", "1")

@@ -8,6 +8,7 @@ import threading
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
+from bench import PATIENCE_S
 
 from mmcs import BUILD
 
@@ -37,7 +38,7 @@ def opened(browser, address):
     def go(query: str, ready: bool = True, **more):
         own = browser.new_context(**more) if more else context
         page = own.new_page()
-        page.set_default_timeout(240_000)  # a loaded computer is slow, not wrong
+        page.set_default_timeout(1000 * PATIENCE_S)
         page.errors = []
         page.on("pageerror", lambda error: page.errors.append(str(error)))
         page.goto(address + query)

@@ -65,7 +65,7 @@ def test_the_page_s_hash_is_the_native_one(opened, name):
 @pytest.mark.req("TOOL-1", "SIM-3")
 def test_a_record_of_the_page_replays_natively_with_what_a_person_did(opened, tmp_path):
     """Gains and faults while it runs are in the record, as [[call]] and [[event]]."""
-    page = opened("?scenario=puma560&seed=7&paused=1&deadman=60000")
+    page = opened("?scenario=puma560&seed=7&paused=1&deadman=240000")
     page.wait_for_function("() => mctool.machine.controls && mctool.machine.enabled")
     page.evaluate("""async () => {
       const { machine } = mctool;
@@ -115,7 +115,7 @@ def test_a_native_record_replays_in_the_page(opened, tmp_path):
 
 @pytest.mark.req("TOOL-1", "DRV-9")
 def test_stop_works_and_a_hung_page_stops_the_machine(opened):
-    page = opened("?scenario=puma560&plays=0&deadman=60000")  # starved, it is silent for long
+    page = opened("?scenario=puma560&plays=0&deadman=240000")  # starved, it is silent for long
     page.click("#enable")
     page.wait_for_function("() => mctool.machine.enabled")
     frame = page.frames[1]
@@ -145,7 +145,7 @@ def test_stop_works_and_a_hung_page_stops_the_machine(opened):
 
 @pytest.mark.req("TOOL-1")
 def test_registers_faults_and_the_past(opened):
-    page = opened("?scenario=lab500&plays=0&deadman=60000")
+    page = opened("?scenario=lab500&plays=0&deadman=240000")
     page.click("#tab-registers")
     row = page.locator("tr", has=page.get_by_role("button", name="CARD_PPI_A", exact=True))
     row.get_by_role("button").click()
@@ -190,7 +190,7 @@ def test_it_works_without_a_network(opened):
 @pytest.mark.req("TOOL-1")
 def test_a_minute_of_motion_without_an_exception_and_without_growth(opened):
     """A wrist swings to and fro; memory is looked at when the rings are full, and at the end."""
-    page = opened("?scenario=puma560&plays=0&deadman=60000")
+    page = opened("?scenario=puma560&plays=0&deadman=240000")
     page.click("#enable")
     page.wait_for_function("() => mctool.machine.enabled")
     page.evaluate("() => mctool.machine.change(4, { ilim: 200, mode: 4 })")  # Test1
@@ -241,7 +241,7 @@ def test_the_first_motion_comes_soon(opened):
 
 @pytest.mark.req("TOOL-1", "SYN-1")
 def test_a_compensator_and_a_law_as_typed(opened):
-    page = opened("?scenario=lab500&plays=0&deadman=60000")
+    page = opened("?scenario=lab500&plays=0&deadman=240000")
     page.click("#enable")
     page.wait_for_function("() => mctool.machine.enabled")
     page.click("#tab-law")

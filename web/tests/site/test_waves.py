@@ -37,7 +37,7 @@ def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path)
     """Just after a person has changed gains, amid what the scenario's own process does."""
     import pywellen
 
-    page = opened("?scenario=puma560_bounce&paused=1&deadman=60000")
+    page = opened("?scenario=puma560_bounce&paused=1&deadman=240000")
     page.wait_for_function("() => mctool.machine.controls && mctool.machine.enabled")
     page.evaluate("""async () => {
       const { machine } = mctool;
@@ -90,7 +90,7 @@ def test_the_past_is_made_again_to_the_bit_whatever_was_done(name, steps):
 
 @pytest.mark.req("TOOL-1")
 def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
-    page = opened("?scenario=puma560&deadman=60000")  # starved, it is silent for long
+    page = opened("?scenario=puma560&deadman=240000")  # starved, it is silent for long
     page.wait_for_function("() => document.body.dataset.hash")
     page.click("#pause")
     page.evaluate("""() => {
