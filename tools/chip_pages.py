@@ -82,12 +82,12 @@ def section(name: str) -> str:
         f"**Tie-offs.** {said['ties']} Outputs may stay open.", "",
         *from_a_pin(name, bench),
         f"**Files.** {', '.join(f'`{file}`' for file in [*files(name).split(), *headers(name)])};"
-        f" for FuseSoC `rtl/{name}.core` names them. The bench:", "",
+        f" for FuseSoC `rtl/{name}.core` names them. The bench, [{name}_tb.sv]({name}_tb.sv):", "",
         "```sh",
         f"iverilog -g2012 -Irtl -s {name}_tb {files(name)} {BENCHES}/{name}_tb.sv && vvp a.out",
         "```", "",
         "Waves: with the line `initial $dumpvars;` in the bench it leaves `dump.vcd`, for GTKWave.",
-        "", "```systemverilog", bench.rstrip(), "```", "",
+        "",
     ])  # fmt: skip
 
 
@@ -97,7 +97,7 @@ def from_a_pin(name: str, bench: str) -> list[str]:
     if not lines:
         return []
     code = re.sub(r"^  ", "", lines[0], flags=re.M)
-    return [f"**From a {lines[1]} pin**, as the bench below does it for counter 1:", "",
+    return [f"**From a {lines[1]} pin**, as the bench does it for counter 1:", "",
             "```systemverilog", code, "```", ""]  # fmt: skip
 
 

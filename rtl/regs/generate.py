@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what follows from rtl/regs/mmcs.rdl: SystemVerilog, C, Python, JavaScript and
-documentation."""
+"""Writes what follows from rtl/regs/mmcs.rdl: SystemVerilog, C, JavaScript and documentation."""
 
 import argparse
 import json
@@ -132,39 +131,6 @@ def to_c(card, adaptor, words) -> str:
         out.append("")
     out += ["#endif", ""]
     return "\n".join(out)
-
-
-def to_python(card, adaptor, words) -> str:
-    out = [
-        f"# {SPDX}",
-        f'"""The registers of the MMCS.\n\n{ORIGIN}\n"""',
-        "",
-    ]
-    out += [f"{name} = 0x{value:02X}  # {note}" for name, value, note in FACTS]
-    out += ["", "# Adaptor registers: window offsets."]
-    out += [f"{r.name} = 0x{r.address:03X}  # {r.title}" for r in adaptor]
-    out += ["", "# Card registers: offsets on the PC bus, for card_offset."]
-    out += [f"{r.name} = 0x{r.address:02X}  # {r.title}" for r in card]
-    out += ["", "# Bits: _BM mask, _BP lowest bit, _GC value in place."]
-    for reg in [*adaptor, *card, *words]:
-        if len(reg.fields) == 1 and reg.fields[0].width == 8:
-            continue
-        for name, value, _ in masks(reg):
-            number = f"{value}" if name.endswith("_bp") else f"0x{value:02X}"
-            out.append(f"{name.upper()} = {number}")
-    out += [
-        "",
-        "",
-        "def card_offset(card: int, reg: int) -> int:",
-        '    """Window offset of register `reg` (CARD_...) of card 0-15."""',
-        "    return (card << 6) | (reg << 1) | 1",
-        "",
-    ]
-    return "\n".join(out)
-
-
-def camel(name: str) -> str:
-    return "".join(part.capitalize() for part in name.split("_"))
 
 
 def to_sv(card, adaptor, words) -> str:
@@ -301,7 +267,6 @@ def main() -> int:
     files = {
         ROOT / "rtl/regs/mmcs_regs_pkg.sv": to_sv(*views),
         ROOT / "firmware/include/mmcs_regs.h": to_c(*views),
-        ROOT / "mmcs/regs.py": to_python(*views),
         ROOT / "docs/hardware/registers.md": to_docs(*views),
         ROOT / "web/registers_table.js": to_js(*views),
     }

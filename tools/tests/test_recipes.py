@@ -23,9 +23,9 @@ PAGE = (ROOT / "CONTRIBUTING.md").read_text().partition("## How to add")[2]
 SHEET = "docs/labs/11_heat"  # the new one
 GENERATE, TABLES = "rtl/regs/generate.py", "tools/tables.py"
 GENERATED = (
-    "rtl/regs/mmcs_regs_pkg.sv", "firmware/include/mmcs_regs.h", "mmcs/regs.py",
-    "docs/hardware/registers.md", "web/registers_table.js", "docs/use/scenarios.md",
-    "firmware/include/mcdef.h", "docs/use/driver.md", "docs/man/mc.4",
+    "rtl/regs/mmcs_regs_pkg.sv", "firmware/include/mmcs_regs.h", "docs/hardware/registers.md",
+    "web/registers_table.js", "docs/use/scenarios.md", "firmware/include/mcdef.h",
+    "docs/use/driver.md", "docs/man/mc.4",
 )  # fmt: skip
 
 
