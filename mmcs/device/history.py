@@ -14,7 +14,6 @@ EVERY_S, KEPT = 0.1, 100  # the ring of snapshots at the start
 class History:
     def __init__(self, machine):
         self._machine, self._sim = machine, machine.sim
-        self.asked: set[int] = set()  # snapshots that stay until dropped
         # What holds for snapshots from this number on: driver's number -> client's; inputs.
         self._known: list[tuple[int, dict[int, int], dict]] = []
         self._next = 0  # number that the next snapshot will have, or less
@@ -46,22 +45,12 @@ class History:
     # --- snapshots ---
 
     def take(self) -> dict:
-        number = self._sim.snapshot()
-        self.asked.add(number)
-        return {"id": number, "t": self._sim.time}
+        return {"id": self._sim.snapshot(), "t": self._sim.time}
 
     def list(self) -> list[dict]:
         return [
-            {"id": s["id"], "t": s["t"], "kept": s["id"] in self.asked}
-            for s in self._sim.snapshots()
+            {"id": s["id"], "t": s["t"], "kept": bool(s["kept"])} for s in self._sim.snapshots()
         ]
-
-    def drop(self, number: int) -> bool:
-        if number not in [s["id"] for s in self._sim.snapshots()]:
-            return False
-        self._sim.drop(number)
-        self.asked.discard(number)
-        return True
 
     def last_before(self, t: float) -> int | None:
         found = [s["id"] for s in self._sim.snapshots() if s["t"] <= t + 1e-9]
@@ -73,7 +62,6 @@ class History:
             return False
         machine = self._machine
         self._sim.restore(number)
-        self.asked = {n for n in self.asked if n <= number}
         self._next = max(self._next, number + 1)
         _, had, inputs = next((k for k in reversed(self._known) if k[0] <= number), (0, {}, {}))
         self._known = [k for k in self._known if k[0] <= number]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from mmcs.device.arguments import Arguments, Refused
 from mmcs.device.wire import EBUSY, EINVAL
+from mmcs.errors import RunError
 from mmcs.inputs import INPUTS
 
 MOST_SNAPSHOTS = 100  # that are kept until dropped
@@ -110,7 +111,7 @@ class Operations:
         return {}
 
     def do_snapshot(self, a: Arguments) -> dict:
-        if len(self._machine.history.asked) >= MOST_SNAPSHOTS:
+        if sum(s["kept"] for s in self._machine.history.list()) >= MOST_SNAPSHOTS:
             raise Refused(EBUSY, f"{MOST_SNAPSHOTS} snapshots are kept already; drop one")
         return {"snapshot": self._machine.history.take()}
 
@@ -131,8 +132,10 @@ class Operations:
 
     def do_drop(self, a: Arguments) -> dict:
         self.must_control()
-        if not self._machine.history.drop(a["snapshot"]):
-            raise Refused(EINVAL, "snapshot: there is none of this number")
+        try:
+            self._machine.sim.drop(a["snapshot"])
+        except RunError:
+            raise Refused(EINVAL, "snapshot: there is none of this number") from None
         return {}
 
     def do_rewind(self, a: Arguments) -> dict:

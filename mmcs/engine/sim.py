@@ -338,10 +338,10 @@ class Sim(Watching, Playing):
             raise RunError("impossible ring of snapshots")
 
     def snapshots(self) -> list[dict]:
-        """Those that are kept: id, clock, t, bytes, rows."""
+        """Those that there are: id, clock, t, bytes, rows; kept: not by the ring."""
         out = self.ffi.new("const mmcs_snapshot **")
         count = self.lib.mmcs_sim_snapshots(self._sim, out)
-        names = ("id", "clock", "t", "bytes", "rows")
+        names = ("id", "clock", "t", "bytes", "rows", "kept")
         return [{n: getattr(out[0][i], n) for n in names} for i in range(count)]
 
     def snapshot_bytes(self, number: int) -> bytes:

@@ -161,7 +161,9 @@ typedef struct mmcs_snapshot {
   int64_t clock;
   double t;
   int64_t bytes;
-  int64_t rows; /* of the log so far */
+  int64_t rows;  /* of the log so far */
+  int64_t deeds; /* done so far */
+  int32_t kept;  /* 1: until it is dropped; 0: by the ring */
 } mmcs_snapshot;
 
 typedef struct mmcs_sim mmcs_sim;
@@ -351,15 +353,17 @@ int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
 int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count);
 /* The snapshots that are kept, in order of time. Valid until the next call, as the bytes below. */
 int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list);
-/* Deeds: every call that acts on the machine (requests, bus cycles by hand, motions, events), kept
- * from the first call of mmcs_sim_deeds() on, which tells how many there have been. */
-int64_t mmcs_sim_deeds(mmcs_sim *sim);
-/* Forgets all but the deeds from number `first` up to `end`. */
-void mmcs_sim_keep_deeds(mmcs_sim *sim, int64_t first, int64_t end);
-/* Runs another machine like this one up to a clock, and does with it what was done to this one: the
- * deeds from number `first` on that are later than the clock `after`. 0, or -1. */
-int mmcs_sim_repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t first, int64_t after,
-                    int64_t clock);
+/* From now on deeds are kept: every call that acts on the machine (requests, bus cycles by hand,
+ * motions, events), as far back as the oldest snapshot needs, 100,000 of them at most. */
+void mmcs_sim_keep_deeds(mmcs_sim *sim);
+/* The clock of the first snapshot since which every deed is kept; now, if there is none. */
+int64_t mmcs_sim_known(const mmcs_sim *sim);
+/* Another machine like this one takes its state of now; or that of a known clock or, if the driver
+ * was busy then, shortly after, from the last snapshot before. Then mmcs_sim_repeat() runs it on to
+ * a clock and does with it what was done to this one later than the clock `after`. 0, or -1. */
+int mmcs_sim_copy(mmcs_sim *other, mmcs_sim *sim);
+int mmcs_sim_again(mmcs_sim *other, mmcs_sim *sim, int64_t clock);
+int mmcs_sim_repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t after, int64_t clock);
 /* Digest of the whole state that decides the future, time included, without counts, logs and
  * hashes of the past. Two simulations of the same machine with equal digests continue equally. */
 uint64_t mmcs_sim_future(mmcs_sim *sim);

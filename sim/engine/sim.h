@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstdio>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <new>
 #include <string>
-#include <vector>
 
 #include "host.h"
 #include "machine.h"
@@ -35,8 +35,7 @@ struct mmcs_sim {
   mmcs::Host host;
   mmcs::Timeline timeline;
   bool keeps_deeds = false;
-  int64_t first_deed = 0;  // number of the first one kept
-  std::vector<mmcs_deed> deeds;
+  std::deque<mmcs_deed> deeds;  // the last of timeline.deeds
 };
 
 namespace mmcs {

@@ -12,16 +12,33 @@ namespace {
 constexpr uint32_t kWindow = 0x6000;
 constexpr uint32_t kWindowSize = 0x800;
 constexpr size_t kMostArgument = 256;  // bytes of a request's argument, at least
+constexpr size_t kMostDeeds = 100'000;
 
 bool valid_size(int bytes) {
   return bytes == 1 || bytes == 2 || bytes == 4;
+}
+
+// Number of the first deed that is kept.
+int64_t first_deed(const mmcs_sim *sim) {
+  return sim->timeline.deeds - static_cast<int64_t>(sim->deeds.size());
+}
+
+// Counts one more; whether it is to be kept. Those that no snapshot needs are forgotten, and of too
+// many all.
+bool count_deed(mmcs_sim *sim) {
+  const auto &kept = sim->timeline.list();
+  const int64_t needed = kept.empty() ? sim->timeline.deeds : kept.front().deeds;
+  while (first_deed(sim) < needed) sim->deeds.pop_front();
+  if (sim->deeds.size() >= kMostDeeds) sim->deeds.clear();
+  ++sim->timeline.deeds;
+  return sim->keeps_deeds;
 }
 
 // Does f and keeps how.
 template <typename F>
 int deed(mmcs_sim *sim, int failure, F f) {
   return mmcs::guarded(sim, failure, [&] {
-    if (sim->keeps_deeds) sim->deeds.push_back({sim->machine.clock(), f});
+    if (count_deed(sim)) sim->deeds.push_back({sim->machine.clock(), f});
     return f(sim);
   });
 }
@@ -30,7 +47,7 @@ int deed(mmcs_sim *sim, int failure, F f) {
 template <typename F>
 int deed(mmcs_sim *sim, int failure, void *data, size_t length, F f) {
   return mmcs::guarded(sim, failure, [&] {
-    if (sim->keeps_deeds) {
+    if (count_deed(sim)) {
       std::vector<char> copy(std::max(length, kMostArgument));
       if (data) std::copy_n(static_cast<const char *>(data), length, copy.begin());
       const auto again = [f, copy](mmcs_sim *s) {
@@ -41,6 +58,32 @@ int deed(mmcs_sim *sim, int failure, void *data, size_t length, F f) {
     }
     return f(sim, data);
   });
+}
+
+// Does with another machine the deeds from number `first` on that are later than the clock `after`.
+int repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t first, int64_t after, int64_t clock) {
+  int64_t n = first_deed(sim);
+  for (const mmcs_deed &deed : sim->deeds) {
+    if (n++ < first || deed.clock <= after) continue;
+    if (deed.clock > clock) break;
+    if (!other->timeline.run_until(deed.clock)) return -1;
+    deed.again(other);
+  }
+  return other->timeline.run_until(clock) ? 0 : -1;
+}
+
+bool put(mmcs_sim *other, mmcs_sim *sim, int64_t id) {
+  const mmcs::Bytes *state = sim->timeline.bytes(id), *past = sim->timeline.history();
+  return state &&
+         other->timeline.restore_bytes(state->data(), state->size(), past->data(), past->size())
+             .empty();
+}
+
+// The snapshots since which every deed is kept are the last ones from here on.
+std::vector<mmcs_snapshot>::const_iterator first_known(const mmcs_sim *sim) {
+  const auto &all = sim->timeline.list();
+  return std::find_if(all.begin(), all.end(),
+                      [=](const mmcs_snapshot &one) { return one.deeds >= first_deed(sim); });
 }
 
 }  // namespace
@@ -130,34 +173,35 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
   });
 }
 
-int64_t mmcs_sim_deeds(mmcs_sim *sim) {
-  if (!sim) return 0;
-  sim->keeps_deeds = true;
-  return sim->first_deed + static_cast<int64_t>(sim->deeds.size());
+void mmcs_sim_keep_deeds(mmcs_sim *sim) {
+  if (sim) sim->keeps_deeds = true;
 }
-void mmcs_sim_keep_deeds(mmcs_sim *sim, int64_t first, int64_t end) {
-  if (!sim) return;
-  const auto at = [sim](int64_t n) {
-    const auto most = static_cast<int64_t>(sim->deeds.size());
-    return sim->deeds.begin() + std::clamp(n - sim->first_deed, int64_t{0}, most);
-  };
-  sim->deeds.erase(at(end), sim->deeds.end());
-  sim->deeds.erase(sim->deeds.begin(), at(first));
-  sim->first_deed = std::max(first, sim->first_deed);
+int64_t mmcs_sim_known(const mmcs_sim *sim) {
+  if (!sim) return -1;
+  const auto first = first_known(sim);
+  return first == sim->timeline.list().end() ? sim->machine.clock() : first->clock;
 }
-int mmcs_sim_repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t first, int64_t after,
-                    int64_t clock) {
+int mmcs_sim_copy(mmcs_sim *other, mmcs_sim *sim) {
+  if (!mmcs::rests(sim) || !mmcs::rests(other)) return -1;
+  return mmcs::guarded(sim, -1, [=] {
+    const int64_t now = sim->timeline.take();
+    const bool good = put(other, sim, now);
+    sim->timeline.drop(now);
+    return good ? 0 : -1;
+  });
+}
+int mmcs_sim_again(mmcs_sim *other, mmcs_sim *sim, int64_t clock) {
   if (!sim || !mmcs::rests(other)) return -1;
   return mmcs::guarded(other, -1, [=] {
-    int64_t n = sim->first_deed;
-    for (const mmcs_deed &deed : sim->deeds) {
-      if (n++ < first || deed.clock <= after) continue;
-      if (deed.clock > clock) break;
-      if (!other->timeline.run_until(deed.clock)) return -1;
-      deed.again(other);
-    }
-    return other->timeline.run_until(clock) ? 0 : -1;
+    const auto known = first_known(sim), end = sim->timeline.list().end();
+    const auto next = std::find_if(known, end, [=](const auto &one) { return one.clock > clock; });
+    if (next == known || !put(other, sim, next[-1].id)) return -1;
+    return repeat(other, sim, next[-1].deeds, -1, clock);
   });
+}
+int mmcs_sim_repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t after, int64_t clock) {
+  if (!sim || !mmcs::rests(other)) return -1;
+  return mmcs::guarded(other, -1, [=] { return repeat(other, sim, 0, after, clock); });
 }
 
 }  // extern "C"

@@ -29,7 +29,13 @@ int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t) {
 }
 int mmcs_sim_restore(mmcs_sim *sim, int64_t id) {
   if (!mmcs::rests(sim)) return -1;
-  return mmcs::guarded(sim, -1, [=] { return sim->timeline.restore(id) ? 0 : -1; });
+  return mmcs::guarded(sim, -1, [=] {
+    const int64_t before = sim->timeline.deeds;
+    if (!sim->timeline.restore(id)) return -1;
+    for (int64_t n = sim->timeline.deeds; n < before && !sim->deeds.empty(); ++n)
+      sim->deeds.pop_back();
+    return 0;
+  });
 }
 int mmcs_sim_drop(mmcs_sim *sim, int64_t id) {
   return mmcs::guarded(sim, -1, [=] { return sim->timeline.drop(id) ? 0 : -1; });

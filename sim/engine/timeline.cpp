@@ -110,13 +110,12 @@ int64_t Timeline::add(bool of_ring) {
   Writer writer;
   state(writer);
   states_.push_back(writer.take());
-  of_ring_.push_back(of_ring);
   infos_.push_back({next_id_++, machine_.clock(), machine_.time(),
-                    static_cast<int64_t>(states_.back().size()), host_.recorder().rows()});
-  if (of_ring && std::count(of_ring_.begin(), of_ring_.end(), true) > ring_count_) {
-    forget(
-        static_cast<size_t>(std::find(of_ring_.begin(), of_ring_.end(), true) - of_ring_.begin()));
-  }
+                    static_cast<int64_t>(states_.back().size()), host_.recorder().rows(), deeds,
+                    !of_ring});
+  const auto ringed = [](const mmcs_snapshot &info) { return !info.kept; };
+  if (of_ring && std::count_if(infos_.begin(), infos_.end(), ringed) > ring_count_)
+    drop(std::find_if(infos_.begin(), infos_.end(), ringed)->id);
   return next_id_ - 1;
 }
 
@@ -150,7 +149,6 @@ void Timeline::forget(size_t place) {
   const auto n = static_cast<std::ptrdiff_t>(place);
   infos_.erase(infos_.begin() + n);
   states_.erase(states_.begin() + n);
-  of_ring_.erase(of_ring_.begin() + n);
 }
 
 bool Timeline::drop(int64_t id) {
@@ -172,6 +170,7 @@ bool Timeline::restore(int64_t id) {
   Reader reader(states_[place].data(), states_[place].size());
   state(reader);
   while (infos_.size() > place + 1) forget(place + 1);
+  deeds = infos_[place].deeds;
   ring_next_ = machine_.clock() + ring_every_;
   return true;
 }
@@ -228,7 +227,6 @@ std::string Timeline::restore_bytes(const uint8_t *snapshot, size_t size, const 
   }
   infos_.clear();
   states_.clear();
-  of_ring_.clear();
   ring_next_ = machine_.clock() + ring_every_;
   return "";
 }

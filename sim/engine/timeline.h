@@ -40,6 +40,7 @@ class Timeline {
   void ring(int64_t every_clks, int count);
 
   const std::vector<mmcs_snapshot> &list() const { return infos_; }
+  int64_t deeds = 0;  // acts on the machine so far; a snapshot tells how many there had been
   // Header and state; nullptr: no such one. Valid until the next call.
   const Bytes *bytes(int64_t id);
   const Bytes *history();
@@ -70,7 +71,6 @@ class Timeline {
   uint64_t config_digest_;
   std::vector<mmcs_snapshot> infos_;  // in order of time and number
   std::vector<Bytes> states_;
-  std::vector<bool> of_ring_;
   int64_t next_id_ = 0;
   int64_t ring_every_ = 0;
   int64_t ring_next_ = 0;

@@ -128,23 +128,20 @@ export const OPERATIONS = {
   },
   machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
   ring: (s, a) => {
-    s.past.ring(a.get("every_s"), a.get("count"));
+    s.sim.ring(a.get("every_s"), a.get("count"));
     return {};
   },
   snapshot: (s) => {
     const most = s.protocol.most_snapshots;
-    if (s.asked.size >= most) throw new Refused(E.EBUSY, `${most} snapshots are kept already; drop one`);
-    const id = s.past.keep();
-    s.asked.add(id);
-    return { snapshot: { id, t: s.sim.time } };
+    if (s.sim.snapshots().filter(({ kept }) => kept).length >= most)
+      throw new Refused(E.EBUSY, `${most} snapshots are kept already; drop one`);
+    return { snapshot: { id: s.sim.snapshot(), t: s.sim.time } };
   },
   snapshots: (s) => ({
-    snapshots: s.sim.snapshots().map(({ id, t }) => ({ id, t, kept: s.asked.has(id) })),
+    snapshots: s.sim.snapshots().map(({ id, t, kept }) => ({ id, t, kept: Boolean(kept) })),
   }),
   drop: (s, a) => {
-    const snapshot = a.get("snapshot");
-    s.asked.delete(snapshot);
-    if (!s.sim.drop(snapshot)) throw new Refused(E.EINVAL, "snapshot: there is none of this number");
+    if (!s.sim.drop(a.get("snapshot"))) throw new Refused(E.EINVAL, "snapshot: there is none of this number");
     return {};
   },
   rewind: (s, a) => {
@@ -156,8 +153,6 @@ export const OPERATIONS = {
     s.spoil("time was turned back");
     s.endSession?.();
     s.sim.restore(found.id);
-    s.past.restored(found.id);
-    s.asked = new Set([...s.asked].filter((id) => id <= found.id));
     s.sim.tapNote("rewind", found.id, `back to snapshot ${found.id}`);
     s.restart?.();
     return { t: s.sim.time, snapshot: found.id };

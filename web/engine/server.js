@@ -27,7 +27,6 @@ export class Server {
     this.writable = false;
     this.follow = null;
     this.inputs = new Map();
-    this.asked = new Set();
     this.spoiled = ""; // why the record would not replay
     this.target = null; // of `advance`
     this.law = null; // of a person's own (law.js)
@@ -186,7 +185,7 @@ export class Server {
   /** Waveforms of so many ms around a moment, as far as the past and the present go. */
   waves(t, ms) {
     const { past, sim, groups } = this;
-    const [begin, end] = [past.begin, sim.clock];
+    const [begin, end] = [sim.known, sim.clock];
     const at = Math.min(Math.max(t * sim.clk_hz, begin), end);
     if (!(ms > 0 && ms <= MOST_MS)) throw new Refused(E.EINVAL, `ms: a number above 0, up to ${MOST_MS}`);
     if (!(Math.abs(t * sim.clk_hz - at) <= ROUNDED_S * sim.clk_hz))

@@ -254,17 +254,29 @@ export class Sim {
 
   // --- time travel ---
 
-  /** How many deeds there have been; from the first call on they are kept. */
-  get deeds() {
-    return Number(this.#m._mmcs_sim_deeds(this.#at));
+  /** The clock from which on the past is known. */
+  get known() {
+    return Number(this.#m._mmcs_sim_known(this.#at));
   }
-  keepDeeds(first, end) {
-    this.#m._mmcs_sim_keep_deeds(this.#at, BigInt(first), BigInt(end));
+  keepDeeds() {
+    this.#m._mmcs_sim_keep_deeds(this.#at);
   }
-  /** This machine goes the other's way up to a clock: its deeds from `first` on, later than `after`. */
-  repeat(other, first, after, clock) {
-    const [a, b, c] = [first, after, clock].map((n) => BigInt(Math.round(n)));
-    return this.#m._mmcs_sim_repeat(this.#at, other.#at, a, b, c) === 0;
+  ring(every_s, count) {
+    this.#m._mmcs_sim_ring(this.#at, every_s, count);
+  }
+  /** What another machine did: its state of now, of a clock, or its way up to a clock; the deeds
+   * later than `after`. */
+  copy(other) {
+    this.#done(this.#m._mmcs_sim_copy(this.#at, other.#at));
+  }
+  again(other, clock) {
+    this.#done(this.#m._mmcs_sim_again(this.#at, other.#at, BigInt(clock)));
+  }
+  repeat(other, after, clock) {
+    this.#done(this.#m._mmcs_sim_repeat(this.#at, other.#at, BigInt(after), BigInt(clock)));
+  }
+  #done(result) {
+    if (result) throw new Error("the past cannot be made again");
   }
 
   snapshot() {
@@ -283,26 +295,6 @@ export class Sim {
     return Array.from({ length: count }, (_, n) => this.#get(at + n * size, "mmcs_snapshot"));
   }
 
-  /** Copies, for a machine like this one. */
-  snapshotBytes(number) {
-    const length = Number(this.#m._mmcs_sim_snapshot_bytes(this.#at, BigInt(number), this.#room));
-    if (length < 0) throw new Error(`there is no snapshot ${number}`);
-    return this.#bytes(this.#view.getUint32(this.#room, true), length);
-  }
-  historyBytes() {
-    const length = Number(this.#m._mmcs_sim_history_bytes(this.#at, this.#room));
-    return this.#bytes(this.#view.getUint32(this.#room, true), length);
-  }
-  restoreBytes(snapshot, history) {
-    const m = this.#m;
-    const at = m._malloc(snapshot.length + history.length);
-    m.HEAPU8.set(snapshot, at);
-    m.HEAPU8.set(history, at + snapshot.length);
-    const result = m._mmcs_sim_restore_bytes(
-      this.#at, at, snapshot.length, at + snapshot.length, history.length, this.#room, 300);  // prettier-ignore
-    m._free(at);
-    if (result) throw new Error(m.UTF8ToString(this.#room));
-  }
   /** Digest of all that decides what comes. */
   future() {
     return BigInt.asUintN(64, this.#m._mmcs_sim_future(this.#at));

@@ -16,8 +16,9 @@ def test_deeds_lead_another_machine_the_same_way():
     with machine() as sim, machine() as other:
         client = start(sim)
         sim.run(sim.time + 0.002)
-        first = sim.lib.mmcs_sim_deeds(sim.handle)
-        state, past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+        lib, begun = sim.lib, sim.clock
+        lib.mmcs_sim_keep_deeds(sim.handle)
+        sim.snapshot()
         deeds = [
             lambda: sim.write(client, [rng.randrange(-500, 500), 7]),
             lambda: sim.read(client),
@@ -32,15 +33,17 @@ def test_deeds_lead_another_machine_the_same_way():
         ]
         sim.add_segment(axis=1, kind="table", t0=0.0, duration=0.05, table=[0, 40, 10])
         sim.start_motion(client)
+        clocks = []
         for deed in deeds + rng.choices(deeds, k=40):
+            clocks.append(sim.clock)
             deed()
             sim.run(sim.time + rng.randrange(3) / 1000)
-
-        def future(wanted):
-            sim.lib.mmcs_sim_keep_deeds(sim.handle, wanted, 1 << 40)
-            other.restore_bytes(state, past)
-            assert sim.lib.mmcs_sim_repeat(other.handle, sim.handle, wanted, -1, sim.clock) == 0
-            return other.future()
-
-        assert future(first) == sim.future()
-        assert future(first + 12) != sim.future()
+        assert lib.mmcs_sim_known(sim.handle) == begun
+        assert lib.mmcs_sim_again(other.handle, sim.handle, begun - 1) == -1
+        assert lib.mmcs_sim_again(other.handle, sim.handle, sim.clock) == 0
+        assert other.future() == sim.future()
+        assert lib.mmcs_sim_again(other.handle, sim.handle, clocks[0]) == 0
+        assert lib.mmcs_sim_repeat(other.handle, sim.handle, clocks[12], sim.clock) == 0
+        assert other.future() != sim.future()
+        assert lib.mmcs_sim_copy(other.handle, sim.handle) == 0
+        assert other.future() == sim.future()

@@ -42,11 +42,10 @@ const deeds = [
   () => sim.store(random(0x10), random(256)),
   () => sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0, random(2)),
   () => (second = second < 0 ? sim.open(0) : (sim.close(second), -1)),
-  () => (kept = past.keep()),
+  () => (kept = sim.snapshot()),
   () => {
     if (kept === null || random(2)) return;
     sim.restore(kept);
-    past.restored(kept);
   },
 ];
 const names = waves.flatMap(({ signals }) => signals.map(({ net }) => net));
@@ -55,7 +54,6 @@ for (let n = 0; n < Number(steps); n++) {
   if (n < 30) motion.next();
   else sim.run(sim.time + random(4) / 1000);
   sim.takeLog();
-  past.look();
   deeds[random(deeds.length)]();
   if (random(5)) continue;
   const again = past.again(sim.clock);
@@ -64,7 +62,7 @@ for (let n = 0; n < Number(steps); n++) {
   same++;
   again.destroy();
   const to = sim.clock;
-  const { from, nets } = past.waves(names, Math.max(past.begin, to - 8000), to);
+  const { from, nets } = past.waves(names, Math.max(sim.known, to - 8000), to);
   if (from > to || nets.some(({ clocks }) => !clocks.length || clocks[0] > from || clocks.at(-1) > to))
     throw new Error(`step ${n}: a net has no value at the begin, or one beyond the end`);
   drawn += nets.reduce((sum, { clocks }) => sum + clocks.length - 1, 0);
