@@ -25,6 +25,7 @@ from mmcs.device import messages
 from mmcs.device.arguments import REQUESTS
 from mmcs.device.machine import KEPT_EVENTS, KEPT_ROWS
 from mmcs.device.operations import MOST_SNAPSHOTS
+from mmcs.engine.sim import SEGMENT_KINDS
 from mmcs.inputs import INPUTS
 from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
@@ -204,13 +205,13 @@ def setup(name: str) -> dict | None:
         "name": made.name,
         "folder": find(name).resolve().relative_to(SCENARIOS).parts[0],
         "description": scenario.description,
-        "config": made.config(),
+        "config": made.config() | {"abi": make_ffi().dlopen(None).MMCS_SIM_ABI, "host": 0},
         "motors": made.motors(),
         "links": made.links(),
         "arm": made.robot.links(),
         "driver": made.driver(),
         "params": [_param(axis, values) for axis, values in enumerate(made.params)],
-        "segments": made.segments,
+        "segments": [s | {"kind": SEGMENT_KINDS.index(s["kind"])} for s in made.segments],
         "events": events,
         "calls": [_call(call) for call in scenario.call],
         "processes": [process_fields(made, n, p) for n, p in enumerate(scenario.process)],

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from mmcs import mcdef
 
-PROCESSES = ("pd", "bounce")
 NOT_AT_ALL = -1.0  # of an event that does not end
 
 
@@ -30,9 +29,8 @@ class Script:
         given, changes = self.ffi.new("mmcs_call *", fields), self.ffi.new("mmcs_set[]", sets)
         self.lib.mmcs_script_call(self._script, given, changes, len(sets))
 
-    def process(self, kind: str, goals: list[float], late_us: list[float], **fields) -> None:
+    def process(self, goals: list[float], late_us: list[float], **fields) -> None:
         """Takes the fields of mmcs_process, goals of every axis, and how late it wakes up."""
-        fields["kind"] = PROCESSES.index(kind)
         given = self.ffi.new("mmcs_process *", fields)
         to, late = self.ffi.new("double[]", goals), self.ffi.new("double[]", late_us)
         self.lib.mmcs_script_process(self._script, given, to, late, len(late_us))

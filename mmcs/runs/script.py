@@ -13,6 +13,8 @@ from mmcs.inputs import find
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
 
+PROCESSES = ("pd", "bounce")  # as MMCS_PROCESS_... counts them
+
 
 def make_script(sim, setup: Setup, calls: list[Call] | None = None) -> Script:
     """calls: in place of the scenario's."""
@@ -41,12 +43,12 @@ def _add_events(script: Script, names: list[str], setup: Setup) -> None:
 
 
 def process_fields(setup: Setup, number: int, process) -> dict:
-    """Of mmcs_process, with the kind by name, goals of all axes, and lateness by seed."""
+    """Of mmcs_process, with goals of all axes, and lateness by seed."""
     axes, goals = _axes(process.axis, setup), [0.0] * setup.axes
     given = process.to if isinstance(process.to, list) else [process.to] * len(axes)
     for axis, goal in zip(axes, given, strict=True):
         goals[axis] = goal
-    fields = {"kind": process.kind, "axes": bits(axes), "at": process.at}
+    fields = {"kind": PROCESSES.index(process.kind), "axes": bits(axes), "at": process.at}
     if process.kind == "bounce":
         return fields | {"goals": goals, "late_us": []}
     late, turns = random.Random(f"{setup.scenario.seed}/{number}"), 0

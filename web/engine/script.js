@@ -2,7 +2,6 @@
 // A scenario's script carried out on a machine, as sim/abi/mmcs_service.h has it: mmcs/engine/script.py
 // for a page.
 
-const PROCESSES = ["pd", "bounce"];
 const TEXT = 120; // bytes of a request's name
 
 export class Script {
@@ -41,9 +40,9 @@ export class Script {
     return [this.room, at, sets.length];
   }
 
-  /** Fields of mmcs_process, its kind by name, goals of every axis, and how late it wakes up. */
-  process({ kind, goals, late_us, ...process }) {
-    this.put(this.room, "mmcs_process", { ...process, kind: PROCESSES.indexOf(kind) });
+  /** Fields of mmcs_process, goals of every axis, and how late it wakes up. */
+  process({ goals, late_us, ...process }) {
+    this.put(this.room, "mmcs_process", process);
     const numbers = this.m._malloc(8 * (goals.length + late_us.length));
     new Float64Array(this.m.HEAPU8.buffer, numbers).set([...goals, ...late_us]);
     const late = numbers + 8 * goals.length;

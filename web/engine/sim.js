@@ -6,7 +6,6 @@ import { Script } from "./script.js";
 
 const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
 const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
-const SEGMENTS = ["hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square"];
 const EVENTS_AT_ONCE = 256;
 const ROOM = 1 << 17; // bytes for arguments and what comes back
 
@@ -26,7 +25,7 @@ export class Sim {
     const motorsAt = at + size("mmcs_config");
     const linksAt = motorsAt + motors.length * size("mmcs_motor");
     new Uint8Array(module.HEAPU8.buffer, this.#room, ROOM).fill(0);
-    this.#put(at, "mmcs_config", { ...config, abi: 2, host: 0 });
+    this.#put(at, "mmcs_config", config);
     motors.forEach((motor, n) => this.#put(motorsAt + n * size("mmcs_motor"), "mmcs_motor", motor));
     links.forEach((link, n) => this.#put(linksAt + n * size("mmcs_link"), "mmcs_link", link));
     this.#at = module._mmcs_sim_create(at, motorsAt, links.length ? linksAt : 0, this.#room, 300);
@@ -161,14 +160,13 @@ export class Sim {
   // --- motion, events, time ---
 
   addSegment(segment) {
-    const { kind, table, ...fields } = segment;
+    const { table, ...fields } = segment;
     const { size } = this.layouts.mmcs_segment;
     const m = this.#m;
     const values = table ? m._malloc(8 * table.length) : 0;
     if (table) new Float64Array(m.HEAPU8.buffer, values, table.length).set(table);
     m.HEAPU8.fill(0, this.#room, this.#room + size);
-    this.#put(this.#room, "mmcs_segment", {
-      kind: SEGMENTS.indexOf(kind), table: values, table_len: table?.length ?? 0, ...fields });  // prettier-ignore
+    this.#put(this.#room, "mmcs_segment", { table: values, table_len: table?.length ?? 0, ...fields });
     const result = m._mmcs_sim_add_segment(this.#at, this.#room);
     if (values) m._free(values);
     if (result) throw new Error(`the engine refuses a motion of axis ${fields.axis}`);
