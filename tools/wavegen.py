@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Timing diagrams from simulation runs: docs/waves/*.svg and *.json (WaveJSON).
+"""Timing diagrams from simulation runs: docs/waves/*.svg, and WaveJSON beside the trace.
 
 docs/waves.toml lists them. `wavegen.py` makes them all, `wavegen.py NAME...` some; `--check` says
 which are stale and writes nothing. `--trace NAME` leaves the trace below build/waves with a view
@@ -187,10 +187,8 @@ def make(name: str, entry: dict, sim: str) -> dict[Path, str]:
     trace, start, end = simulate(name, sim)
     drawn = lines(name, entry, trace, start, end)
     view(trace, entry)
-    return {
-        OUT / f"{name}.svg": svg(entry["title"], drawn, start, end),
-        OUT / f"{name}.json": wavejson(entry["title"], drawn, start, end),
-    }
+    trace.with_suffix(".json").write_text(wavejson(entry["title"], drawn, start, end))
+    return {OUT / f"{name}.svg": svg(entry["title"], drawn, start, end)}
 
 
 def main() -> int:
@@ -215,7 +213,7 @@ def main() -> int:
             files = make(name, entries[name], args.sim)
             if args.trace:
                 trace = WORK / name / "wave.fst"
-                print(f"trace {trace.relative_to(ROOT)}, views wave.gtkw and wave.sucl beside it")
+                print(f"trace {trace.relative_to(ROOT)}, views (.gtkw, .sucl), WaveJSON beside it")
                 show(trace)
                 continue
             for path, text in files.items():
