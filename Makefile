@@ -279,7 +279,6 @@ generate: $(VENV)/.test ## rewrite what is generated: registers, tables, cores
 	@$(BIN)/python tools/chip_pages.py
 	@$(BIN)/python tools/rooms.py
 	@$(BIN)/python tools/cores.py
-	@$(BIN)/python tools/runs.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py
