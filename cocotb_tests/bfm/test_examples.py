@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples of bfm/ run, stand in its READMEs word for word, and run by their own script."""
+"""The examples of bfm/ run, are named in its READMEs, and run by their own script."""
 
 import shutil
 import subprocess
@@ -34,10 +34,8 @@ def test_an_example_runs(name, request):
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_an_example_stands_in_its_readme(name):
-    readme = (BFM / "cocotbext" / EXAMPLES[name][0] / "README.md").read_text()
-    code = (BFM / "examples" / f"{name}.py").read_text()
-    assert f"```python\n{code.split(chr(10), 1)[1]}```" in readme
+def test_an_example_is_named_in_its_readme(name):
+    assert f"{name}.py)" in (BFM / "cocotbext" / EXAMPLES[name][0] / "README.md").read_text()
 
 
 def run(folder, *words):
