@@ -59,9 +59,11 @@ class Status:
 
     @property
     def why(self) -> str:
-        """The cause as a sentence; empty if there is none."""
+        """The cause as a sentence, or what the simulator alone knows of a PANIC; or empty."""
         known = f" ({self.known})" if self.known else ""
-        return CAUSES[self.cause - 1].format(self.number) + known if self.cause else ""
+        if self.cause:
+            return CAUSES[self.cause - 1].format(self.number) + known
+        return known and f"PANIC stands, which no register tells{known}"
 
 
 class Device:

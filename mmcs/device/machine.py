@@ -179,9 +179,13 @@ class Machine:
         return self.sim.stop()
 
     def knows(self) -> str:
-        """What the simulator, but no register, knows of what shut the machine down."""
+        """What the simulator, but no register, knows of what shut the machine down, or of a PANIC
+        that stood before MENABLE armed its latch."""
         self.tell_console()
-        return self._at_panic if self.sim.stats()["cause"] else ""
+        stats = self.sim.stats()
+        if stats["enabled"] and stats["panic_level"]:
+            return self._wrong_pins()
+        return self._at_panic if stats["cause"] else ""
 
     def status(self) -> bytes:
         """struct mmcs_status of <sys/mmcs.h>; asking takes no time."""
@@ -211,6 +215,8 @@ class Machine:
         client.said = "" if result >= 0 else self.said_since(before)
         if request == mcdef.MSTOP and result >= 0:
             self._stopper = client.pid
+        if request == mcdef.MENABLE and result >= 0 and (known := self.knows()):
+            self.sim.tap_note("log", 0, f"{known}: PANIC stands, and the brakes stay on")
         return result, out
 
     def joints(self, client: Client) -> int:

@@ -55,6 +55,35 @@ def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why
     assert told.count(known) == 1 and told[told.index(known) - 1].startswith("mc: PANIC: "), told
 
 
+PRESSED = """
+import sys
+import mmcs
+with mmcs.Device() as dev:
+    dev.enable()
+    now = dev.status()
+    print(now.enabled, now.cause, now.why, flush=True)
+    sys.stdin.readline()
+    print(dev.status().why)
+"""
+
+
+@pytest.mark.req("DRV-9")
+def test_a_button_pressed_before_menable_is_told_as_the_simulators_knowledge(tmp_path):
+    """No register tells: the latch is edge-triggered (§4.3.6)."""
+    told = []
+    with Bench(tmp_path) as bench:
+        bench.server.machine.console = told.append
+        bench.server.machine.set_input("estop", 0, 1)
+        child = bench.python(PRESSED)
+        known = "the simulator knows: the hand-held button is pressed"
+        assert _line(bench, child) == f"True 0 PANIC stands, which no register tells ({known})"
+        assert told[-1] == f"{known}: PANIC stands, and the brakes stay on", told
+        bench.server.machine.set_input("estop", 0, 0)
+        child.stdin.write("\n")
+        child.stdin.flush()
+        assert bench.finish(child) == ("\n", 0)
+
+
 def _line(bench, child):
     bench.until(lambda: select.select([child.stdout], [], [], 0)[0] or child.poll() is not None)
     return child.stdout.readline().strip()
