@@ -24,6 +24,7 @@ struct attend {
   int epoll, timeout_ms, line, channel, client;
   char name[16];
   int64_t hz, limit, stretch, patience;
+  int64_t quiet;
   int64_t events;
   int fd, length, result, sampled, failed, waits;
   char data[65592];
@@ -48,7 +49,7 @@ class Attendant:
         for name in CALLS:
             setattr(a, name, pointer(getattr(sim.lib, f"mmcs_sim_{name}")))
         hz = sim.build()["clk_hz"]
-        a.epoll, a.timeout_ms, a.hz = epoll, round(IDLE_S * 1000), hz
+        a.quiet, a.epoll, a.timeout_ms, a.hz = -1, epoll, round(IDLE_S * 1000), hz
         a.stretch, a.patience = int(STRETCH_S * hz), round(NO_SAMPLE_S * hz)
 
     def attend(self, server) -> bool:

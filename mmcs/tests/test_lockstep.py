@@ -282,15 +282,42 @@ with mmcs.Device() as dev:
 """
 
 
-@pytest.mark.parametrize("what", ["sine.c", "sine.py", "bounce.c", "guard.py", STOPS])
+# States that came with a sample: as read() would give them, whatever is asked in between.
+READS = """
+import os, time
+import mmcs
+from mmcs import mcdef as mc
+with mmcs.Device() as dev, mmcs.Device(flags=os.O_RDONLY) as other:
+    other.close()
+    dev.set_param(0, {**dev.get_param(0), "mode": mc.MD_VEL | mc.POSCHK | mc.SOFTERR,
+                      "plo": 5, "phi": 9})
+    dev.enable()
+    for n in range(60):
+        number = dev.wait()
+        if n % 7 == 1:
+            dev.write([20])
+        print(number, dev.read(1 + (n > 30)))
+        if n % 11 == 2:
+            dev.set_encoder(0, n % 13)
+            time.sleep(0.0004)
+        if n % 5 == 0:
+            print(dev.read(2), dev.status().sample)
+        if any(s.errcode for s in dev.read()):
+            dev.clear_error()
+            print("cleared", dev.read())
+"""
+
+
+@pytest.mark.parametrize("what", ["sine.c", "sine.py", "bounce.c", "guard.py", STOPS, READS])
 def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypatch):
     """With and without it: the same output, the same hash."""
-    command = [sys.executable, "-c", what] if what == STOPS else example(EXAMPLES / what)
-    attend, served, runs = Attendant.attend, 0, []
+    command = [sys.executable, "-c", what] if "\n" in what else example(EXAMPLES / what)
+    attend, served, quiet, runs = Attendant.attend, 0, False, []
 
     def count(self, server):
-        nonlocal served
+        nonlocal served, quiet
         took = attend(self, server)
+        quiet = quiet or self._a.quiet >= 0  # so that states came with samples
         served += self._a.waits if took else 0
         return took
 
@@ -302,5 +329,8 @@ def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypat
         runs.append((status, hash_, out.read_text()))
     assert runs[0] == runs[1] and runs[0][0] == 0
     assert served > 30 or what in ("bounce.c", "guard.py"), served
+    assert quiet == (what in ("sine.c", "sine.py", READS)) or what == "guard.py"
+    if what == READS:
+        assert "cleared" in runs[0][2]
     if what == STOPS:
         assert "stopped, MENABLE first" in runs[0][2] and "at most 2 joints" in runs[0][2]

@@ -8,6 +8,7 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
+#include "../../firmware/include/mcdef.h"
 #include "../abi/mmcs_sim.h"
 #include "wire.h"
 
@@ -24,6 +25,7 @@ struct attend {
   int epoll, timeout_ms, line, channel, client;
   char name[WIRE_NAME];
   int64_t hz, limit, stretch, patience; /* clocks */
+  int64_t quiet; /* events there were when a read took no time and showed no error; or -1 */
   /* what ended it */
   int64_t events; /* there had been before the last call */
   int fd, length, result, sampled, failed, waits;
@@ -60,10 +62,18 @@ static int wait_for_sample(struct attend *a) {
     a->sampled = a->samples(a->sim) != before;
     if (a->failed || events_of(a) != a->events) return 0;
   }
-  struct wire_now told = {.sample = (uint32_t)a->samples(a->sim)};
-  told.ns = (uint64_t)((__int128)a->clock(a->sim) * 1000000000 / a->hz);
+  static struct {
+    struct wire_now now;
+    char states[WIRE_MAX - sizeof(struct wire_now)];
+  } told;
+  const struct wire_request *r = (const void *)a->data;
+  int read = 0;
+  told.now = (struct wire_now){.sample = (uint32_t)a->samples(a->sim)};
+  told.now.ns = (uint64_t)((__int128)a->clock(a->sim) * 1000000000 / a->hz);
+  if (r->a > 0 && r->a <= sizeof told.states && a->quiet == a->events)
+    read = a->read(a->sim, a->client, told.states, (size_t)r->a);
   a->waits++;
-  (void)reply(a->line, CAUSE_DUE, &told, sizeof told);
+  (void)reply(a->line, CAUSE_DUE, &told, (uint32_t)(sizeof told.now + (read > 0 ? read : 0)));
   return 1;
 }
 
@@ -74,14 +84,23 @@ static int is_plain_wait(const struct attend *a) {
          w->until == WIRE_NEVER && w->pending == 0 && w->files == 0;
 }
 
+static int shows_error(const char *states, int bytes) {
+  int bad = 0;
+  for (const char *s = states; s < states + bytes; s += sizeof(struct mc_state))
+    bad |= ((const struct mc_state *)(const void *)s)->errcode;
+  return bad != 0;
+}
+
 /* A call of the program: -1 if it is not for here. */
 static int call(struct attend *a) {
   static char states[WIRE_MAX];
   const struct wire_request *r = (const void *)a->data;
   if (memcmp(r->name, a->name, WIRE_NAME) != 0) return -1;
   if (r->op == WIRE_READ && r->length == 0 && r->a <= WIRE_MAX) {
+    int64_t before = a->clock(a->sim);
     a->result = a->read(a->sim, a->client, states, (size_t)r->a);
     if (a->result < 0) return END_REFUSED;
+    a->quiet = a->clock(a->sim) != before || shows_error(states, a->result) ? -1 : a->events;
     return reply(a->channel, a->result, states, (uint32_t)a->result);
   }
   if (r->op != WIRE_WRITE) return -1;

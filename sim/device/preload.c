@@ -32,6 +32,7 @@
 
 void (*device_await)(int fd, short events);
 int (*device_sample)(uint32_t *number);
+int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t length);
 
 int device_is_path(const char *path) {
   if (path == NULL || strncmp(path, "/dev/", 5) != 0) return 0;
@@ -48,27 +49,19 @@ int device_fail(int result) {
 /* A user's pointer may be bad: copying through the kernel tells, a memcpy would crash. */
 int device_copy_in(void *to, const void *from, size_t length) {
   struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
-  ssize_t n = length == 0 ? 0 : process_vm_readv(getpid(), &local, 1, &remote, 1, 0);
+  ssize_t n = length == 0 ? 0 : process_vm_readv(wire_pid(), &local, 1, &remote, 1, 0);
   return n == (ssize_t)length ? 0 : -EFAULT;
 }
 
 int device_copy_out(void *to, const void *from, size_t length) {
   struct iovec local = {(void *)(uintptr_t)from, length}, remote = {to, length};
-  ssize_t n = length == 0 ? 0 : process_vm_writev(getpid(), &local, 1, &remote, 1, 0);
+  ssize_t n = length == 0 ? 0 : process_vm_writev(wire_pid(), &local, 1, &remote, 1, 0);
   return n == (ssize_t)length ? 0 : -EFAULT;
 }
 
-/* The same two probes, before the server does something that cannot be undone. */
+/* The same, before the server does something that cannot be undone: copies it onto itself. */
 int device_can_take(void *to, size_t length) {
-  char kept[256];
-  size_t done = 0;
-  while (done < length) {
-    size_t n = length - done < sizeof(kept) ? length - done : sizeof(kept);
-    if (device_copy_in(kept, (char *)to + done, n) < 0) return -EFAULT;
-    if (device_copy_out((char *)to + done, kept, n) < 0) return -EFAULT;
-    done += n;
-  }
-  return 0;
+  return device_copy_out(to, to, length);
 }
 
 /* What Fig. 2.2 includes, for a compiler that runs with this library. */
@@ -131,6 +124,8 @@ ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length) {
   uint32_t room = sizeof(data);
   int result;
   if (length > sizeof(data)) length = sizeof(data);
+  result = device_states != NULL ? device_states(name, data, (uint32_t)length) : 0;
+  if (result > 0) return device_copy_out(buffer, data, (size_t)result) < 0 ? -EFAULT : result;
   room = (uint32_t)length;
   if (device_can_take(buffer, length) < 0) return -EFAULT;
   result = wire_call(WIRE_READ, name, length, 0, NULL, 0, data, &room);

@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -45,20 +46,32 @@ static int send_all(int fd, const void *data, size_t length) {
   return 0;
 }
 
-/* Whether an answer comes before long: the server is stopped or busy otherwise. */
-static int is_late(int fd) {
+/* Whether no answer comes within so many ms: the server is stopped or busy otherwise. */
+static int is_late(int fd, int ms) {
   struct pollfd wait = {.fd = fd, .events = POLLIN};
-  return syscall(SYS_poll, &wait, 1, LATE_MS) == 0;
+  return syscall(SYS_poll, &wait, 1, ms) == 0;
+}
+
+/* getpid() without a call of the kernel, which clears the page in the child of a fork. */
+pid_t wire_pid(void) {
+  static pid_t *page;
+  if (page == NULL) {
+    void *made = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (made == MAP_FAILED || madvise(made, 4096, MADV_WIPEONFORK) != 0) return getpid();
+    page = made;
+  }
+  if (*page == 0) *page = getpid();
+  return *page;
 }
 
 const sigset_t *(*wire_late)(const sigset_t *before);
 
 /* `before` is the program's signal mask. Signals wait for a short time only: the alarm of a program
  * whose server does not answer must reach it. A handler that says so has the call end by EINTR. */
-static int receive_all(int fd, void *data, size_t length, const sigset_t *before) {
+static int receive_all(int fd, void *data, size_t length, int wait_ms, const sigset_t *before) {
   char *at = data;
   while (length > 0) {
-    int late = is_late(fd), error;
+    int late = is_late(fd, wait_ms), error;
     sigset_t all;
     ssize_t n;
     if (late) pthread_sigmask(SIG_SETMASK, wire_late != NULL ? wire_late(before) : before, NULL);
@@ -67,6 +80,7 @@ static int receive_all(int fd, void *data, size_t length, const sigset_t *before
     sigfillset(&all);
     if (late) pthread_sigmask(SIG_SETMASK, &all, NULL);
     if (n < 0 && error == EINTR) return -EINTR;
+    if (n < 0 && error == EAGAIN) continue; /* LATE_MS have passed */
     if (n <= 0) return -EIO;
     at += n;
     length -= (size_t)n;
@@ -74,25 +88,25 @@ static int receive_all(int fd, void *data, size_t length, const sigset_t *before
   return 0;
 }
 
-/* What is there of a reply: bytes, 0 if there is nothing. */
+/* What comes of a reply within LATE_MS: bytes, 0 if nothing does. */
 static size_t take_parts(int fd, struct wire_reply *reply, void *out, uint32_t room) {
   struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
   struct msghdr message = {.msg_iov = parts, .msg_iovlen = room > 0 ? 2 : 1};
-  ssize_t n = syscall(SYS_recvmsg, fd, &message, MSG_DONTWAIT);
+  ssize_t n = syscall(SYS_recvmsg, fd, &message, 0);
   return n > 0 ? (size_t)n : 0;
 }
 
 /* Head and data, at once where they come at once. */
 static int receive_reply(int fd, struct wire_reply *reply, void *out, uint32_t room,
                          const sigset_t *before) {
-  size_t have = is_late(fd) ? 0 : take_parts(fd, reply, out, room);
+  size_t have = take_parts(fd, reply, out, room);
   int got = 0;
   if (have < sizeof(*reply))
-    got = receive_all(fd, (char *)reply + have, sizeof(*reply) - have, before);
+    got = receive_all(fd, (char *)reply + have, sizeof(*reply) - have, have ? LATE_MS : 0, before);
   have -= have < sizeof(*reply) ? have : sizeof(*reply);
   if (got == 0 && reply->length > room) return -EIO;
   return got == 0 && have < reply->length
-             ? receive_all(fd, (char *)out + have, reply->length - have, before)
+             ? receive_all(fd, (char *)out + have, reply->length - have, LATE_MS, before)
              : got;
 }
 
@@ -118,11 +132,13 @@ static int is_mine(int fd) {
 /* A connection to the server; bound first, so that it has a name of its own. */
 static int connect_to_server(int cloexec) {
   struct sockaddr_un address = {.sun_family = AF_UNIX};
+  const struct timeval late = {0, LATE_MS * 1000};
   const char *path = socket_path();
   int fd;
   if (path == NULL) return -ENXIO;
   fd = socket(AF_UNIX, SOCK_STREAM | (cloexec ? SOCK_CLOEXEC : 0), 0);
   if (fd < 0) return -errno;
+  (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &late, sizeof(late));
   /* autobind: the kernel picks a free abstract address */
   if (bind(fd, (struct sockaddr *)&address, sizeof(address.sun_family)) == 0) {
     memcpy(address.sun_path, path, strlen(path) + 1);
@@ -141,19 +157,27 @@ int wire_send(int fd, const void *data, size_t length) {
 }
 
 /* Signals are blocked, or nothing is lost by them. */
-int wire_take(int fd, void *data, size_t length) {
-  char *at = data;
-  while (length > 0) {
-    ssize_t n = syscall(SYS_recvfrom, fd, at, length, 0, NULL, NULL);
-    if (n < 0 && errno == EINTR) continue;
+int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room) {
+  struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
+  struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
+  size_t have = 0;
+  while (have < sizeof(*reply) || have - sizeof(*reply) < reply->length) {
+    ssize_t n = syscall(SYS_recvmsg, fd, &message, 0);
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (n <= 0) return -1;
-    at += n;
-    length -= (size_t)n;
+    have += (size_t)n;
+    if (have >= sizeof(*reply) && reply->length > room) return -1;
+    for (size_t i = 0; i < 2; i++) { /* the rest, if it comes apart */
+      size_t of = (size_t)n < parts[i].iov_len ? (size_t)n : parts[i].iov_len;
+      parts[i].iov_base = (char *)parts[i].iov_base + of;
+      parts[i].iov_len -= of;
+      n -= (ssize_t)of;
+    }
   }
   return 0;
 }
 
-unsigned long wire_calls;
+unsigned long wire_calls, wire_others;
 
 /* The connection broke; distinct from every errno that the server may answer. */
 #define LOST (-0x10000)
@@ -193,11 +217,23 @@ int wire_open(const char *path, int flags) {
   return fd;
 }
 
+/* Some that were files lately, by the kernel's number of the socket. */
+static __thread struct {
+  ino_t inode;
+  char name[WIRE_NAME];
+} known[8];
+
 int wire_is_file(int fd, char name[WIRE_NAME]) {
   struct sockaddr_un address = {0};
+  struct stat status = {0};
   socklen_t length = sizeof(address);
   const char *path = socket_path();
-  int ours = 0, saved = errno;
+  int ours = 0, saved = errno, place = fd & 7;
+  if (fd < 0 || syscall(SYS_fstat, fd, &status) != 0 || !S_ISSOCK(status.st_mode)) goto end;
+  if (status.st_ino == known[place].inode) {
+    memcpy(name, known[place].name, WIRE_NAME);
+    return 1;
+  }
   if (path != NULL && getpeername(fd, (struct sockaddr *)&address, &length) == 0 &&
       address.sun_family == AF_UNIX && length > sizeof(address.sun_family) &&
       strncmp(address.sun_path, path, sizeof(address.sun_path)) == 0) {
@@ -207,8 +243,11 @@ int wire_is_file(int fd, char name[WIRE_NAME]) {
       memcpy(name, address.sun_path + 1, WIRE_NAME - 1);
       name[WIRE_NAME - 1] = 0;
       ours = 1;
+      known[place].inode = status.st_ino;
+      memcpy(known[place].name, name, WIRE_NAME);
     }
   }
+end:
   errno = saved;
   return ours;
 }
@@ -216,7 +255,7 @@ int wire_is_file(int fd, char name[WIRE_NAME]) {
 /* The channel of this thread: opened at its first call, closed when the thread ends. It is taken
  * away while a call is under way: a handler that calls meanwhile, or leaves by longjmp, opens
  * another one, and answers never get mixed up. */
-static __thread int channel = -1;
+static __thread int channel = -1, named = -1; /* that channel_name is of */
 static __thread pid_t channel_pid;
 static __thread char channel_name[WIRE_NAME];
 static pthread_key_t at_thread_end;
@@ -225,7 +264,7 @@ static pthread_once_t once = PTHREAD_ONCE_INIT;
 /* The program may have closed every descriptor it could count to: then the number is another's. */
 static int channel_lives(void) {
   char name[WIRE_NAME];
-  return channel >= 0 && channel_pid == getpid() && wire_is_file(channel, name) &&
+  return channel >= 0 && channel_pid == wire_pid() && wire_is_file(channel, name) &&
          strcmp(name, channel_name) == 0;
 }
 
@@ -240,14 +279,15 @@ static void make_key(void) {
 }
 
 void wire_after_fork(void) {
-  channel_pid = getpid();
+  channel_pid = wire_pid();
   if (channel_lives()) close_directly(channel);
   channel = -1;
 }
 
 static int take_channel(void) {
-  int fd = channel_lives() ? channel : connect_to_server(1);
+  int lives = channel_lives(), fd = lives ? channel : connect_to_server(1);
   channel = -1;
+  if (!lives) named = -1;
   return fd;
 }
 
@@ -257,9 +297,11 @@ static void put_channel(int fd) {
     close_directly(fd);
     return;
   }
-  if (wire_is_file(fd, name)) memcpy(channel_name, name, WIRE_NAME);
   channel = fd;
-  channel_pid = getpid();
+  if (named == fd) return;
+  if (wire_is_file(fd, name)) memcpy(channel_name, name, WIRE_NAME);
+  named = fd;
+  channel_pid = wire_pid();
   (void)pthread_once(&once, make_key);
   (void)pthread_setspecific(at_thread_end, &channel);
 }
@@ -271,12 +313,13 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
   sigset_t all, before;
   int result = LOST, fd;
   __atomic_add_fetch(&wire_calls, 1, __ATOMIC_RELAXED);
+  if (op != WIRE_WRITE) __atomic_add_fetch(&wire_others, 1, __ATOMIC_RELAXED);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   fd = take_channel();
   if (fd >= 0) {
     memcpy(request.name, name, WIRE_NAME);
-    request.pid = getpid();
+    request.pid = wire_pid();
     result = exchange(fd, &request, data, out, out_length, &before);
     if (result == LOST || result == -EINTR) {
       close_directly(fd);

@@ -39,7 +39,8 @@ enum wire_op {
   /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
   WIRE_LINE = 12,   /* a = enum wire_line, b = thread: this is its line. Answered when it may run */
   WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors; answered when it may run again: result
-                       = enum wire_cause, data = struct wire_now */
+                       = enum wire_cause, data = struct wire_now. a = bytes of states that may follow
+                       it, as read() would give them */
   WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
   WIRE_TIMER = 16,  /* a = number, data = struct wire_timer, or none; reply data = what was left */
@@ -125,13 +126,15 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
               uint32_t length, void *out, uint32_t *out_length);
 /* Forgets the parent's channels; call in the child of a fork. */
 void wire_after_fork(void);
-/* A connection that is neither file nor channel, or a negative errno; all of some bytes: 0, -1. */
+pid_t wire_pid(void);
+/* A connection that is neither file nor channel, or a negative errno; all of some bytes, or of a
+ * reply: 0, -1. */
 int wire_connect(void);
 int wire_send(int fd, const void *data, size_t length);
-int wire_take(int fd, void *data, size_t length);
+int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room);
 /* What a call that takes long lets through, if not all that the program does (lockstep.c). */
 extern const sigset_t *(*wire_late)(const sigset_t *before);
-/* How many calls this process has made: each may have taken machine time. */
-extern unsigned long wire_calls;
+/* How many calls this process has made: each may have taken machine time. And but for write(). */
+extern unsigned long wire_calls, wire_others;
 
 #endif
