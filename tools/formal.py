@@ -103,15 +103,31 @@ def read_log(text: str, result: Result) -> None:
         result.note = "the base case holds, the induction does not"
 
 
+def sources(text: str, folder: Path) -> str:
+    """The section [files] of a .sby file: every header, and what its script reads."""
+    trees = [folder / "rtl", folder / "formal"]
+    paths = {p.name: (p, p.relative_to(t)) for t in trees for p in sorted(t.rglob("*.sv*"))}
+    read = " ".join(re.findall(r"read_verilog (.*)", text)).split()
+    wanted = [n for n in paths if n.endswith(".svh")] + [n for n in read if n in paths]
+    rows = [
+        f"{paths[n][1] if n.endswith('svh') else n} {paths[n][0].relative_to(folder)}"
+        for n in wanted
+    ]
+    given = text.partition("[files]\n")[2].splitlines()  # what is made for a task
+    return "\n".join(["[files]", *given, *rows, ""])
+
+
 def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     """One task; the RTL is that of `folder`, which holds rtl/ and formal/."""
     mode = next(m for m in MODES if task.startswith(m))
     result = Result(file.stem, task, mode, depth(file, task), "ERROR", 0.0)
     work = WORK / f"{file.stem}_{task}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
-    if "part.sv" in file.read_text():
+    text, whole = file.read_text(), WORK / f"{file.stem}_{task}.sby"
+    if "part.sv" in text:
         carried.write(task, folder)
-    command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), f"formal/{file.name}", task]
+    (folder / whole).write_text(text.partition("[files]\n")[0] + sources(text, folder))
+    command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), str(whole), task]
     started = time.monotonic()
     # A session of its own: what it started ends with it.
     with subprocess.Popen(

@@ -20,8 +20,7 @@ TEXT = re.compile(r"\"([^\"]*)\"\s*\)\s*$", re.M)
 
 
 def property_files(sby: Path) -> list[Path]:
-    found = re.findall(r"(formal/\w+_props\.svh?)\s*$", sby.read_text(), re.M)
-    return [ROOT / f for f in found]
+    return [ROOT / "formal" / name for name in re.findall(r"\b\w+_props\.sv\b", sby.read_text())]
 
 
 def properties(sby: Path) -> list[tuple[str, str, str]]:
