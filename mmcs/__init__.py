@@ -24,7 +24,7 @@ _MORE = {
     "scenario.synthesis": "Controller discretize margins to_integers",
     "scenario.motor": "plant_of",
     # the machine at the C ABI, its builds and processors
-    "engine.sim": "Sim make_ffi",
+    "engine.sim": "SEGMENT_KINDS Sim make_ffi",
     "engine.build": "ensure_library library_path make_env",
     "engine": "hosts",
     # a run, and what it showed

@@ -20,12 +20,11 @@ import sys
 import zlib
 from pathlib import Path
 
-from mmcs import BUILD, ROOT, SCENARIOS, __version__, find, load, make_ffi, mcdef
+from mmcs import BUILD, ROOT, SCENARIOS, SEGMENT_KINDS, __version__, find, load, make_ffi, mcdef
 from mmcs.device import messages
 from mmcs.device.arguments import REQUESTS
 from mmcs.device.machine import KEPT_EVENTS, KEPT_ROWS
 from mmcs.device.operations import MOST_SNAPSHOTS
-from mmcs.engine.sim import SEGMENT_KINDS
 from mmcs.inputs import INPUTS
 from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
