@@ -12,6 +12,7 @@ import numpy as np
 
 from mmcs.errors import InputError, RunError
 from mmcs.scenario.schema import Strict
+from mmcs.screen import echo
 
 
 class Gains(Strict):
@@ -74,6 +75,7 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
     """Runs a scenario of a sheet with these overrides; the same run is made once."""
     from mmcs.runs.machine import machine_of_process
     from mmcs.runs.session import Session
+    from mmcs.scenario.describe import lacking_gains
     from mmcs.scenario.load import load
 
     words = [word for text in sets for word in ("--set", text)]
@@ -83,5 +85,13 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
     except InputError as error:
         mistake = error.mistakes[0]
         raise RunError(f"{mistake.key or name}: {mistake.allowed}") from None
+    for text in lacking_gains(setup):
+        _caution(text)
     with machine_of_process(setup) as sim:
         return Seen(command, Session(sim, setup).run())
+
+
+@cache
+def _caution(text: str) -> None:
+    """To the teacher, once for a class."""
+    echo(f"caution: {text}", err=True)

@@ -137,6 +137,18 @@ def poor_gains(setup: Setup) -> dict[int, str]:
     return out
 
 
+def lacking_gains(setup: Setup) -> list[str]:
+    """A sentence for each position loop that moves with the driver's initial gains."""
+    initial = {key: SERVO_DEFAULTS[key] for key in ("a0", "a1", "a2", "b0", "b1", "b2")}
+    moved = {s["axis"] for s in setup.segments}
+    return [
+        f"{setup.path.name}: axis {axis} has no gains, neither here nor in {setup.scenario.robot}: "
+        "the motor may never move"
+        for axis, p in enumerate(setup.params)
+        if axis in moved and p["mode"] == "position" and initial.items() <= p.items()
+    ]
+
+
 def robot_cautions(robot) -> list[str]:
     """Legal values of a robot file that will probably disappoint, one sentence each."""
     out = []

@@ -78,6 +78,7 @@ class Motor(Strict):
     rotor_inertia: Inertia  # as inertia, where it is left out
     inertia: Inertia
     viscous: _from_0(1e6) = 0.0
+    friction: Torque = 0.0  # stands for the next four
     coulomb_pos: Torque = 0.0
     coulomb_neg: Torque = 0.0  # as the other direction
     stiction_pos: Torque = 0.0  # as the Coulomb friction
@@ -115,6 +116,8 @@ class Motor(Strict):
         if not isinstance(data, dict):
             return data
         data = dict(data)
+        if "friction" in data:
+            data = dict.fromkeys(FRICTION, data["friction"]) | data
         for key, other in (
             ("rotor_inertia", "inertia"),
             ("coulomb_neg", "coulomb_pos"),
@@ -128,7 +131,7 @@ class Motor(Strict):
 
 def with_values(data: dict, entries: list[dict]) -> dict:
     """The robot file's data with values replaced. An entry has "axis" (numbers, or "all") and
-    keys of Motor. `friction` stands for sliding and static friction in both directions.
+    keys of Motor. A new `friction` replaces all four values that the file may have.
     """
     motors = []
     for motor in data["axis"]:
@@ -136,7 +139,7 @@ def with_values(data: dict, entries: list[dict]) -> dict:
         for n in range(count):
             motors.append(motor | {"copies": 1, "name": f"{name}{n + 1}" if count > 1 else name})
     for entry in entries:
-        values = {key: value for key, value in entry.items() if key not in ("axis", "friction")}
+        values = {key: value for key, value in entry.items() if key != "axis"}
         if "friction" in entry:
             values = dict.fromkeys(FRICTION, entry["friction"]) | values
         axes = range(len(motors)) if entry["axis"] == "all" else entry["axis"]
@@ -163,7 +166,6 @@ MotorValues = create_model(
     "MotorValues",
     __base__=Strict,
     axis=(Axes, Field("all", description="an axis number, a list of them or 'all'")),
-    friction=(Torque | None, None),
     **{
         name: (field.rebuild_annotation() | None, None)
         for name, field in Motor.model_fields.items()
@@ -230,7 +232,7 @@ class Robot(Strict):
         out = []
         for motor in self.axis:
             fields = motor.model_dump(
-                exclude={"name", "copies", "rotor_inertia", "servo", "source"}
+                exclude={"name", "copies", "rotor_inertia", "friction", "servo", "source"}
             )
             if coupled or motor.stiffness > 0:
                 fields["inertia"] = motor.rotor_inertia

@@ -91,6 +91,8 @@ def _add_entry(data: dict, table: str, parts: list[str], value: object, option: 
         raise InputError.one(option, key, None, allowed)
     if parts[2] not in names:
         hint = suggest(parts[2], names) or "; there are: " + ", ".join(names)
+        if table == "servo" and parts[2] in MotorValues.model_fields:
+            hint = f'; did you mean "robot.{key}"?'
         raise InputError.one(option, key, None, f"no such {what}{hint}")
     entries = data.setdefault(table, [])
     if not isinstance(entries, list):

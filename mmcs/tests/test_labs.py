@@ -262,6 +262,20 @@ def test_a_sheet_of_ones_own(own_sheets, tmp_path, monkeypatch):
     assert "0 of 6  gains: cannot be run: gains.b0: must not be 0" in call(*check)[1]
 
 
+def test_a_sheet_without_gains_is_cautioned_once(own_sheets):
+    folder = own_sheets / "01_gain"
+    motor = "[[axis]]\ninertia = 8.3e-6\nkm = 0.0259\namp_gain = 0.3\ncounts_per_rev = 2000\n"
+    (folder / "motor.toml").write_text('title = "a motor"\n' + motor)
+    scenario = folder / "scenario.toml"
+    scenario.write_text(scenario.read_text().replace('"lab500"', '"motor.toml"'))
+    for student in ("anna", "bert"):
+        gains = "gains = { a0 = 29236, a1 = -28108, b0 = 128 }\n"
+        (own_sheets / f"{student}.toml").write_text(f"final = {len(student)}\n{gains}")
+    _, out, err = call("lab", "--sheets", own_sheets, "check", 1, own_sheets, "--csv")
+    told = "scenario.toml: axis 0 has no gains, neither here nor in motor.toml: "
+    assert err == f"caution: {told}the motor may never move\n" and "caution" not in out
+
+
 MISTAKEN = """
 from mmcs.lab.marks import Question
 from mmcs.scenario.schema import Strict

@@ -3,6 +3,7 @@
 
 import pytest
 
+from mmcs.scenario.load import load
 from mmcs.tests.conftest import GOOD
 
 OWN = GOOD.replace('"lab500"', '"own.toml"')
@@ -30,6 +31,7 @@ ROBOT_CASES = {
     "mass": ("km = 0.02", "km = 0", "axis.0.km = 0: must be at least 1e-12"),
     "missing": ("km = 0.02", "", "axis.0.km: is missing"),
     "typo": ("viscous", "viscus", 'axis.0.viscus: unknown key; did you mean "viscous"?'),
+    "friction": ("[[axis]]", "[[axis]]\nfriction = -1", "axis.0.friction = -1: must be at least 0"),
     "exponent": (
         "inertia = 2e-6",
         "inertia = 2e+6",
@@ -133,3 +135,17 @@ def test_good_robot_of_ones_own(mmcs, scenario):
     status, out, err = mmcs("check", scenario(OWN))
     assert (status, err) == (0, "")
     assert "good; axes 1, motions 1" in out
+
+
+def test_friction_of_a_robot_file_is_that_of_sweeps(scenario):
+    four = [line for line in ROBOT.splitlines() if line.startswith(("coulomb", "stiction"))]
+    texts = {
+        "four.toml": ROBOT,
+        "one.toml": ROBOT.replace("\n".join(four), "friction = 0.1"),
+        "given.toml": ROBOT.replace("[[axis]]", "[[axis]]\nfriction = 0.2"),
+    }
+    motors = []
+    for name, text in texts.items():
+        scenario(text, name)
+        motors.append(load(str(scenario(GOOD.replace("lab500", name)))).motors())
+    assert motors[0] == motors[1] == motors[2]

@@ -94,6 +94,7 @@ MISTAKES = {
     "empty value": (["--grid", "axis.0.b0=1,,2"], "--grid: axis.0.b0: has an empty value"),
     "unknown key": (["--grid", "card=1,2"], 'card: unknown key; did you mean "cards"?'),
     "unknown gain": (["--grid", "axis.0.c0=1,2"], "--grid: axis.0.c0: no such servo parameter"),
+    "of the motor": (["--random", "axis.0.gear=1..2"], '; did you mean "robot.axis.0.gear"?'),
     "bad value": (["--grid", "axis.0.b0=100,0"], "servo.0.b0 = 0: must not be 0"),
     "bad word": (["--grid", "axis.0.b0=100,x"], 'servo.0.b0 = "x": must be a whole number'),
     "bad axis": (["--random", "axis.5.b0=1..9"], "servo.0.axis = 5"),
