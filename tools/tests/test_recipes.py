@@ -81,6 +81,8 @@ RECIPES = {
         behind("firmware/include/requests.def", '"what MSETVERBOSITY has set")\n',
                'REQUEST(MGETHEAT, 20, "int", out, get_num_cards, 0, 0, 0, "heat")\n', "", ""),
         Step(TABLES, "", "", f"{REQUESTS}test_tables_are_fresh", "run `make generate`"),
+        behind("firmware/tests/test_requests.c", "{MCALIB, 4, 0}", ", {MGETHEAT, 0, 4}",
+               f"{REQUESTS}test_every_request_has_a_test", "no test of MGETHEAT"),
         behind("docs/use/driver.md", "\n```c\n/* MCALIB", ", MGETHEAT",
                f"{REQUESTS}test_every_request_has_an_example", "no example of MGETHEAT"),
     ],
