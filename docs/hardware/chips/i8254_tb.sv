@@ -11,7 +11,9 @@ module i8254_tb;
   // From a CLK pin: two flip-flops synchronise, the third remembers what CLK was.
   logic clk1_pin = 0, clk1_rise, clk1_fall;
   (* ASYNC_REG = "TRUE" *) logic [2:0] clk1_q;
-  always_ff @(posedge clk) clk1_q <= rst_n ? {clk1_q[1:0], clk1_pin} : '0;
+  always_ff @(posedge clk or negedge rst_n)
+    if (!rst_n) clk1_q <= '0;
+    else clk1_q <= {clk1_q[1:0], clk1_pin};
   assign clk1_rise = clk1_q[2:1] == 2'b01;
   assign clk1_fall = clk1_q[2:1] == 2'b10;
 
