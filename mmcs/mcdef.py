@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mcdef.h and sys/mmcs.h for Python (§2.3, Tables 2.1-2.3): structures, mode words, requests.
+"""mcdef.h and sys/mmcs.h for Python (§2.3, Tables 2.1-2.3): structures, mode words, requests;
+and the declarations of sim/abi.
 
 Everything is read from the headers themselves; nothing is repeated here.
 """
@@ -7,13 +8,16 @@ Everything is read from the headers themselves; nothing is repeated here.
 from __future__ import annotations
 
 import functools
+import hashlib
+import os
 import re
+import runpy
 from typing import NamedTuple
 
 import cffi
 
 from mmcs.errors import RunError
-from mmcs.place import ROOT
+from mmcs.place import BUILD, ROOT
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 EXTRA = HEADER.parent / "sys" / "mmcs.h"
@@ -28,10 +32,39 @@ def _text() -> str:
     return re.sub(r"/\*.*?\*/", "", HEADER.read_text() + EXTRA.read_text(), flags=re.S)
 
 
+ABI = [ROOT / "sim" / "abi" / name for name in ("mmcs_sim.h", "mmcs_service.h")]
+
+
+def declarations(text: str) -> str:
+    """A C header as cffi's parser wants it: no preprocessor but integer constants, no extern C."""
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    text = re.sub(r'#ifdef __cplusplus\n(extern "C" \{|\})\n#endif\n', "", text)
+    constants = re.findall(r"^#define (\w+) (0x[0-9a-fA-F]+|\d+)\s*$", text, flags=re.M)
+    body = re.sub(r"^#.*$", "", text, flags=re.M)
+    return "\n".join(f"#define {name} {value}" for name, value in constants) + body
+
+
 @functools.cache
 def make_ffi() -> cffi.FFI:
-    ffi = cffi.FFI()
-    ffi.cdef("\n".join(re.findall(r"^struct mc_\w+ \{.*?^\};", _text(), flags=re.S | re.M)))
+    """Structures and calls. cffi's parser takes as long as a short run: what it makes is kept."""
+    structs = re.findall(r"^struct mc_\w+ \{.*?^\};", _text(), flags=re.S | re.M)
+    text = "\n".join([*structs, *(declarations(header.read_text()) for header in ABI)])
+    name = hashlib.sha256((cffi.__version__ + text).encode()).hexdigest()[:16]
+    kept = BUILD / "declared" / f"{name}.py"
+    try:
+        return runpy.run_path(str(kept))["ffi"]
+    except Exception:  # not there yet, or a full disk left something else
+        ffi = cffi.FFI()
+        ffi.cdef(text)
+    try:
+        from cffi.recompiler import make_py_source
+
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        part = kept.with_suffix(f".{os.getpid()}")
+        make_py_source(ffi, "mmcs_declared", str(part))
+        part.replace(kept)
+    except OSError:
+        pass  # each process parses, then
     return ffi
 
 

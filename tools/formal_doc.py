@@ -20,7 +20,8 @@ TEXT = re.compile(r"\"([^\"]*)\"\s*\)\s*$", re.M)
 
 
 def property_files(sby: Path) -> list[Path]:
-    return [ROOT / "formal" / name for name in re.findall(r"\b\w+_props\.sv\b", sby.read_text())]
+    found = re.findall(r"\b(\w+_props\.sv)\b", sby.read_text())
+    return [ROOT / "formal" / f for f in found]
 
 
 def properties(sby: Path) -> list[tuple[str, str, str]]:

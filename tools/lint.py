@@ -10,8 +10,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "sim" / "model")]
 from cores import CHIPS  # noqa: E402
+from parts import RULES  # noqa: E402
 from sources import core_arguments, sources  # noqa: E402
 
 # Every module that people use by itself is linted by itself, the machine in three sizes.
@@ -21,8 +22,7 @@ TOPS = [
     ("mmcs", {"NumCards": 16}),
     ("mmcs_core", {}),
     ("sync", {"Width": 3}),
-    ("mark1", {}),
-    ("adaptor_core", {}),
+    *((board, {}) for board in sorted({b for own in RULES["boards"].values() for b in own})),
     *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
     *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),
     ("adaptor_wb", {"Pipelined": 1}),
@@ -31,9 +31,10 @@ TOPS = [
 INCLUDE = ROOT / "rtl"
 NEED_PACKAGE = ("sim/hosts/m68020/musashi.c",)  # includes what a package brings
 # A board's own file is part of a generated one, which has the model's header already.
-OWN_FLAGS = {"sim/model/fast.cpp": ["-DMMCS_MODEL=Vmark1", '-DMMCS_PORTS="mark1.ports"',
-                                    "-include", "Vmark1.h",
-                                    "-include", "Vmark1___024root.h"]}  # fmt: skip
+CARD = RULES["heard"]["module"]
+OWN_FLAGS = {"sim/model/fast.cpp": [f"-DMMCS_MODEL=V{CARD}", f'-DMMCS_PORTS="{CARD}.ports"',
+                                    "-include", f"V{CARD}.h",
+                                    "-include", f"V{CARD}___024root.h"]}  # fmt: skip
 
 
 def model_flags(host: str) -> list[str]:

@@ -5,6 +5,7 @@ which is not ours: the installed package pythondata-cpu-ibex holds it."""
 import argparse
 import importlib.util
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -30,6 +31,20 @@ def sources(name: str = "rtl", root: Path | None = None, includes: bool = False)
             continue
         out.append(base / path)
     return out
+
+
+def made_of(*tops: str) -> list[Path]:
+    """The files of the set rtl that these modules are made of, from the top of the checkout."""
+    files = {f.stem: f for f in sources("rtl", Path())}
+    found, todo = set(), list(tops)
+    while todo:
+        name = todo.pop()
+        if name not in found:
+            found.add(name)
+            text = (ROOT / files[name]).read_text()
+            used = re.findall(r"^\s*(\w+) (?:#\(|u_\w+)|(\w+)::", text, re.M)
+            todo += [word for pair in used for word in pair if word in files]
+    return [f for f in files.values() if f.stem in found]
 
 
 def _tree() -> Path:

@@ -1,44 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulated machine as a Python object: a thin wrapper of sim/abi/mmcs_sim.h.
 
-The C declarations are read from the very headers of sim/abi, so they cannot drift apart.
+The C declarations are read from the very headers of sim/abi (mcdef.py), so they cannot drift apart.
 """
 
 from __future__ import annotations
 
 import functools
 import os
-import re
 from pathlib import Path
 
-import cffi
 import numpy as np
 
-from mmcs import ROOT, mcdef
+from mmcs import mcdef
 from mmcs.engine.script import Playing
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
+from mmcs.mcdef import make_ffi
 
-HEADERS = [ROOT / "sim" / "abi" / name for name in ("mmcs_sim.h", "mmcs_service.h")]
 SEGMENT_KINDS = ("hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square")
-
-
-def declarations(text: str) -> str:
-    """A C header as cffi's parser wants it: no preprocessor but integer constants, no extern C."""
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
-    text = re.sub(r'#ifdef __cplusplus\n(extern "C" \{|\})\n#endif\n', "", text)
-    constants = re.findall(r"^#define (\w+) (0x[0-9a-fA-F]+|\d+)\s*$", text, flags=re.M)
-    body = re.sub(r"^#.*$", "", text, flags=re.M)
-    return "\n".join(f"#define {name} {value}" for name, value in constants) + body
-
-
-@functools.cache
-def make_ffi() -> cffi.FFI:
-    ffi = cffi.FFI()
-    ffi.include(mcdef.make_ffi())
-    for header in HEADERS:
-        ffi.cdef(declarations(header.read_text()))
-    return ffi
 
 
 @functools.cache

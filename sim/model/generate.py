@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes of the design what the model needs: `generate.py parts|boards|wires|extra|triggers ...`.
+"""Makes of the design what the model needs: `generate.py boards|wires|extra|triggers ...`.
 
 boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
                       *_shell.sv, *_shell.vlt: what stands for a chip in other parts
@@ -9,7 +9,6 @@ boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (para
 wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
 extra DIR HOST CLK N  extra.inc, extra.vlt: registers of a SoC outside the boards
                       checkers.inc, extra.vlt: the bus checkers, whose reset can be forced
-parts boards|chips HOST  prints their modules
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
                       V*.edges: values before and now of what edges are looked for
 
@@ -95,7 +94,8 @@ def config(folder: Path, netlist: Netlist) -> None:
     plain = sorted(lines)
     for board in map(lambda m: Board(netlist, m), boards(netlist).values()):
         for path, name, _ in board.decides:
-            lines.add(f'public_flat_rd -module "{board.modules[path].name}" -var "{name}"')
+            module, net = board.modules[path].name, name.strip("!")
+            lines.add(f'public_flat_rd -module "{module}" -var "{net}"')
     plain += [f'forceable -module "{board}" -var "{p}"' for board in boards(netlist)
               for p in RULES["cut"].get(board, [])]  # fmt: skip
     texts = {"registers": sorted(lines), "plain": plain}
@@ -135,7 +135,7 @@ def _literal(value: str) -> str:
 
 
 def port_rows(ports: list[tuple], driven: dict) -> list[str]:
-    return [f'  {{"{path}", "{v.name}", {v.width}, {int(out)}, {kind}, {int(heard)}, '
+    return [f'  {{"{path}", "{v.name}", {v.lsb}, {v.width}, {int(out)}, {kind}, {int(heard)}, '
             f'{driven.get((path, v.name), -1)}, {net}}},'
             for path, v, out, kind, heard, net in ports]  # fmt: skip
 
@@ -174,7 +174,8 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
         out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
         out += [f'  {{"{port}", {net}}},' for port, net in own.items()]
         out += ["};", f"static const DecideRow k_{name}_decides[] = {{"]
-        out += [f'  {{"{path}", "{net}", {part}}},' for path, net, part in board.decides]
+        out += [f'  {{"{path}", "{net.strip("!")}", {part}, {int(net[0] != "!")}}},'
+                for path, net, part in board.decides]  # fmt: skip
         out.append("};")
         rows.append(table_row(name))
     if soc:
@@ -219,7 +220,7 @@ def decoder_text(netlist: Netlist) -> str:
 
 def extra(folder: Path, netlist: Netlist) -> None:
     """What there is outside the boards: bus checkers, or the registers of a SoC's processor."""
-    known = {"adaptor_vme", "adaptor_core", "mmcs_cards"}
+    known = {board for own in RULES["boards"].values() for board in own} | {"mmcs_cards"}
     soc = netlist.top.name == "mmcs_soc"
     checkers = [(name, netlist.modules[key].name) for name, key, _ in netlist.top.cells
                 if not soc and netlist.modules[key].name not in known]  # fmt: skip
@@ -275,10 +276,6 @@ def triggers_text(folder: Path) -> str:
 
 def main() -> int:
     what, folder, *rest = sys.argv[1:]
-    if what == "parts":
-        own = RULES["boards"][rest[0]]
-        print(*(own if folder == "boards" else [chip for chip in CHIPS if chip not in own]))
-        return 0
     out = Path(folder)
     if what == "triggers":
         (out / "triggers.inc").write_text(triggers_text(out))

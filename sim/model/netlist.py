@@ -78,6 +78,8 @@ class Var:
     direction: str  # INPUT, OUTPUT, NONE
     is_param: bool
     value: str | None
+    low: int = 0  # the number of its lowest bit
+    lsb: int = 0  # of a slice: where it begins in the variable
 
 
 @dataclass
@@ -124,6 +126,9 @@ class Netlist:
             return per
         return 0
 
+    def low(self, dtype: str) -> int:
+        return int(self._types[dtype].get("range", "0:0").split(":")[1])
+
     def _module(self, node: dict) -> Module:
         module = Module(node["origName"], node["addr"])
         functions = {n["name"]: n for n in walk(node) if n.get("type") == "FUNC"}
@@ -133,7 +138,7 @@ class Netlist:
                 NAMES[var["addr"]] = name
             module.vars.setdefault(name, Var(
                 name, self.width(var["dtypep"]), var["direction"],
-                bool(var.get("isGParam")), value))  # fmt: skip
+                bool(var.get("isGParam")), value, self.low(var["dtypep"])))  # fmt: skip
         self._statements(node.get("stmtsp", []), "", module, functions)
         return module
 

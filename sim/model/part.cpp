@@ -41,7 +41,9 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
   };
   for (size_t d = 0; d < table.decide_count; ++d) {
     const DecideRow &row = table.decides[d];
-    if (static_cast<size_t>(row.part) == n) decides_.push_back(find(row.path, row.name));
+    if (static_cast<size_t>(row.part) == n) {
+      decides_.emplace_back(find(row.path, row.name), row.level);
+    }
   }
   places_by_row_.resize(table.register_count);
   for (size_t r = 0; r < table.register_count; ++r) {
@@ -72,7 +74,8 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     port->net =
         *row.path ? find_net(context, scope + "." + row.path, row.name) : model->port(row.name);
     if (!port->net) throw std::runtime_error(scope + " has no port " + row.name);
-    port->net.width = port->width = row.width;
+    port->net.width = 8 * port->net.bytes;
+    port->width = row.width;
     port->out = row.out;
     port->data = row.kind != Kind::kControl;
     if (port->data) {

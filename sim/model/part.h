@@ -181,7 +181,8 @@ class Part {
   size_t register_bytes_ = 0;
   std::vector<std::unique_ptr<PartPort>> ports_;
   std::vector<const PartPort *> out_ports_, cell_ports_;
-  std::vector<Net> cell_nets_, decides_;  // the cells in the model; nets at which data decide
+  std::vector<Net> cell_nets_;                 // the cells in the model
+  std::vector<std::pair<Net, bool>> decides_;  // nets at which data decide, and at which level
   std::vector<std::unique_ptr<Place>> places_;
   std::vector<Place *> places_by_row_;
 };

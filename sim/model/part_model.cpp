@@ -31,7 +31,9 @@ inline void copy_bytes(void *to, const void *from, int bytes) {
 void Part::put_inputs(const uint32_t *cells, uint64_t in) {
   for (const auto &port : ports_) {
     if (port->out) continue;
-    port->net.put(port->data ? cells[port->at] : (in & port->mask) >> port->at);
+    const uint64_t value = port->data ? cells[port->at] : (in & port->mask) >> port->at;
+    const uint64_t bits = ((uint64_t{1} << port->width) - 1) << port->row->lsb;
+    port->net.put((port->net.get() & ~bits) | value << port->row->lsb);
   }
   model_in_ = in;
 }
@@ -74,7 +76,7 @@ uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
 // Data decide what the model does now.
 bool Part::decided() const {
   bool found = false;
-  for (const Net &net : decides_) found = found || net.get() != 0;
+  for (const auto &[net, level] : decides_) found = found || (net.get() != 0) == level;
   return found;
 }
 

@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of a board, as parts.toml lists them, and the nets between them, from the netlist."""
+"""The parts of a board, as parts.toml lists them, and the nets between them, from the netlist.
+
+`parts.py vme|rv32` prints what sim/Makefile asks for: the boards and chips, and where packages are.
+"""
 
 from __future__ import annotations
 
+import re
+import sys
+import sysconfig
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
-from netlist import Instance, Module, Netlist, instances, reads, writes
+from netlist import Instance, Module, Netlist, Var, instances, reads, writes
 
 RULES = tomllib.loads(Path(__file__).with_name("parts.toml").read_text())
 CHIPS = RULES["chips"]
@@ -14,7 +21,7 @@ CHIPS = RULES["chips"]
 
 def carried(module: str) -> list[str]:
     """Registers and nets of a module that are data."""
-    return RULES["data"].get(module, []) + RULES["through"].get(module, [])
+    return RULES["data"].get(module, [])
 
 
 def decides(rules: dict, module: str) -> dict[str, list[str]]:
@@ -39,7 +46,7 @@ class Board:
         self.parts += [i for i in self.all if i.path and i.module.name in CHIPS]
         self.registers = [(i, r) for i in self.all for r in i.module.registers]
         rule = decides(RULES, module.name)
-        self.decides = [(*split(event), self.part(split(event)[0])) for event in rule]
+        self.decides = [(*split(event), self.part(split(event.strip("!"))[0])) for event in rule]
         self.deciding = {split(cell) for cells in rule.values() for cell in cells}
         self.alias: dict[tuple[str, str], tuple[str, str]] = {}  # of nets that are one
         self.read: list[tuple[tuple[str, str], int]] = []  # a net, and the part that looks at it
@@ -136,8 +143,24 @@ class Board:
                     continue
                 kind = next((k for k in ("Kind::kDecides", "Kind::kData") if k in kinds),
                             "Kind::kControl")  # fmt: skip
-                rows[n].append((path, var, out, kind, net in heard, number))
+                sliced = [] if path or out or driver else self.slices(n, var)
+                for v, own in sliced or [(var, kind)]:
+                    rows[n].append((path, v, out, own, net in heard, number))
         return rows, {p: numbers[net] for p, net in board.items()}
+
+    def slices(self, n: int, var: Var) -> list[tuple[Var, str]]:
+        """An input of which some bits are data: those, and what is between them."""
+        path, bits, found = self.parts[n].path, var.low, []
+        names = {cut(d)[1:]: d for d in carried(self.parts[n].module.name)
+                 if cut(d)[0] == var.name and cut(d)[1] is not None}  # fmt: skip
+        for high, low in sorted(names, key=lambda s: s[1]):
+            data = "Kind::kDecides" if (path, names[high, low]) in self.deciding else "Kind::kData"
+            found += [(bits, low - 1, "Kind::kControl"), (low, high, data)]
+            bits = high + 1
+        top = var.low + var.width - 1
+        found += [(bits, top, "Kind::kControl")] if found else []
+        return [(replace(var, width=high - low + 1, lsb=low - var.low), kind)
+                for low, high, kind in found if low <= high]  # fmt: skip
 
     def _variable(self, n: int, members: list, out: bool):
         """The variable of a part's model that a net is: a port of its own, or of a chip in it."""
@@ -157,6 +180,12 @@ class Board:
         return None, None
 
 
+def cut(name: str) -> tuple[str, int | None, int | None]:
+    """A name, and the bits of it that are meant."""
+    found = re.fullmatch(r"(.*)\[(\d+):(\d+)\]", name)
+    return (found[1], int(found[2]), int(found[3])) if found else (name, None, None)
+
+
 def split(name: str) -> tuple[str, str]:
     """A net below a board: the instance that has it, its name there."""
     path, _, last = name.rpartition(".")
@@ -166,3 +195,9 @@ def split(name: str) -> tuple[str, str]:
 def net_name(expr: dict) -> str:
     (name,) = reads(expr) | writes(expr)
     return name
+
+
+if __name__ == "__main__":
+    own = RULES["boards"][sys.argv[1]]
+    print(*(f"board:{b}" for b in own), *(f"chip:{c}" for c in CHIPS if c not in own),
+          f"packages:{sysconfig.get_path('purelib')}")  # fmt: skip

@@ -37,8 +37,8 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
     const size_t n = static_cast<size_t>(wire->board);
     if (board != kWires.boards[n].path || std::strcmp(wire->name, port) != 0) continue;
     const uint64_t own = (uint64_t{1} << wire->width) - 1;
-    wire->held = mask & own;
-    wire->at = value & wire->held;
+    wire->held = mask >> wire->port->row->lsb & own;
+    wire->at = value >> wire->port->row->lsb & wire->held;
     if (wire->port->out) {
       drive(*wire);
     } else if (wire->port->row->heard) {

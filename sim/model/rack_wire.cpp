@@ -69,8 +69,8 @@ void Rack::wire() {
     const bool output = is_output(board, net_of(board, info.port));
     for_ports(board, net_of(board, info.port), [&](Part &part, PartPort &port) {
       if (port.out != output) return;  // a part of the board itself looks at what it drives
-      auto wire = std::make_unique<Wire>(
-          Wire{&part, &port, info.net, info.lsb, info.width, info.board, info.port});
+      auto wire = std::make_unique<Wire>(Wire{&part, &port, info.net, info.lsb + port.row->lsb,
+                                              port.width, info.board, info.port});
       const size_t net = static_cast<size_t>(info.net);
       if (port.out) {
         port.wire = wire.get();
@@ -83,7 +83,7 @@ void Rack::wire() {
         }
         read[net] = 2;
       } else {
-        readers_[net].push_back({info.lsb, info.width, wire.get()});
+        readers_[net].push_back({wire->lsb, wire->width, wire.get()});
         read[net] = 1;
       }
       if (std::strcmp(info.port, "dip_i") == 0) dips_.emplace_back(&part, &port);

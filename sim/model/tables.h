@@ -20,7 +20,7 @@ struct RegisterRow {
 // A port of a part on a net of its board.
 struct PortRow {
   const char *path, *name;  // of the variable in the part's model: its own port, or a chip's
-  int width;
+  int lsb, width;           // the bits of it
   bool out;
   Kind kind;
   bool heard;  // only while the decoder says so
@@ -33,10 +33,11 @@ struct PartRow {
   const PortRow *ports;
   size_t port_count;
 };
-// While this net of a part is 1, data decide.
+// While this net of a part is at this level, data decide.
 struct DecideRow {
   const char *path, *name;
   int part;
+  bool level;
 };
 // A port of the board: its net.
 struct NetRow {

@@ -8,6 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 import cores  # noqa: E402
+from sources import made_of  # noqa: E402
 
 
 def test_they_are_fresh_and_a_stale_one_is_named():
@@ -15,7 +16,8 @@ def test_they_are_fresh_and_a_stale_one_is_named():
     assert done.returncode == 0
 
 
-def test_a_chip_has_what_it_is_made_of():
-    files = cores.manifest()["filesets"]["rtl"]["files"]
-    found = [f for f in cores.needs("i8254", files) if isinstance(f, str)]
-    assert found == ["rtl/chips/i8254_counter.sv", "rtl/chips/i8254.sv"]
+def test_a_chip_has_what_it_is_made_of_and_no_part_of_one_is_a_chip():
+    files = ["rtl/chips/i8254_counter.sv", "rtl/chips/i8254.sv"]
+    assert [str(f) for f in made_of("i8254")] == files
+    assert "i8254" in cores.CHIPS
+    assert "i8254_counter" not in cores.CHIPS
