@@ -17,7 +17,7 @@ from typing import NamedTuple
 import cffi
 
 from mmcs.errors import RunError
-from mmcs.place import BUILD, ROOT
+from mmcs.place import BUILD, ROOT, workshop
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 EXTRA = HEADER.parent / "sys" / "mmcs.h"
@@ -52,6 +52,7 @@ def make_ffi() -> cffi.FFI:
     name = hashlib.sha256((cffi.__version__ + text).encode()).hexdigest()[:16]
     kept = BUILD / "declared" / f"{name}.py"
     try:
+        workshop()  # nobody else may write there
         return runpy.run_path(str(kept))["ffi"]
     except Exception:  # not there yet, or a full disk left something else
         ffi = cffi.FFI()
@@ -59,11 +60,12 @@ def make_ffi() -> cffi.FFI:
     try:
         from cffi.recompiler import make_py_source
 
+        workshop()
         kept.parent.mkdir(parents=True, exist_ok=True)
         part = kept.with_suffix(f".{os.getpid()}")
         make_py_source(ffi, "mmcs_declared", str(part))
         part.replace(kept)
-    except OSError:
+    except (OSError, RunError):
         pass  # each process parses, then
     return ffi
 
