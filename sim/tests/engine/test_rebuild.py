@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mmcs import ROOT
-from mmcs.engine import build
+from mmcs import ROOT, ensure_library, make_env
 
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
@@ -21,7 +20,7 @@ def made(*options, folder=ROOT):
     return subprocess.run(
         [*MAKE, *options],
         cwd=folder,
-        env=build.make_env(),
+        env=make_env(),
         text=True,
         check=True,
         capture_output=True,
@@ -31,7 +30,7 @@ def made(*options, folder=ROOT):
 @pytest.fixture(scope="module")
 def reads():
     """Of each object of the library: the files that it is compiled of, as #include names them."""
-    build.ensure_library(3, "speed")
+    ensure_library(3, "speed")
     objects = [Path(o) for o in made("parts").split() if "runtime" not in o]
     own = [
         f"firmware/mc/{o.stem}.c" if o.parent.name == "mc" else o.with_suffix(".cpp")
