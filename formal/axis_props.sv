@@ -106,14 +106,15 @@ module axis_props (
   // Wires of these names are joined to those of the design when the hierarchy is flattened.
   (* hierconn *) wire [11:0] \dut.dac_code , \dut.u_dac.rank1_q ;
   (* hierconn *) wire [15:0] \dut.u_encoder.latch_q , \dut.u_encoder.count_q ;
-  (* hierconn *) wire [2:0] \dut.index_sync_q ;
+  (* hierconn *) wire \dut.u_index.first_q , \dut.u_index.second_q , \dut.index_late_q ;
+  wire [2:0] index_stages = {dut.index_late_q, dut.u_index.second_q, dut.u_index.first_q};
   (* hierconn *) wire \dut.u_encoder.latched_q , \dut.index_q , \dut.index_latch_q ;
 
   `MMCS_LEMMA(Ranks, code == output_q && dut.u_dac.rank1_q == written_q,
               "both hold the same codes")
-  `MMCS_LEMMA(Seen, seen_q == 2'd0 || seen_q == 2'd3 || dut.index_sync_q[seen_q - 2'd1],
+  `MMCS_LEMMA(Seen, seen_q == 2'd0 || seen_q == 2'd3 || index_stages[seen_q - 2'd1],
               "an index seen travels through the synchroniser")
-  `MMCS_LEMMA(Third, seen_q != 2'd3 || dut.index_sync_q[2] || dut.index_latch_q,
+  `MMCS_LEMMA(Third, seen_q != 2'd3 || index_stages[2] || dut.index_latch_q,
               "the third flip-flop sets the latch")
   `MMCS_LEMMA(Armed, !dut.index_q || dut.index_latch_q, "what is armed has set the latch")
 

@@ -316,7 +316,8 @@ module card_props #(
   (* hierconn *) wire [SettleWidth-1:0] \dut.u_relay.left_q ;
   (* hierconn *) wire \dut.g_axis[0].u_axis.g_beat.taken_q ;
   (* hierconn *) wire \dut.g_axis[1].u_axis.g_beat.taken_q ;
-  (* hierconn *) wire [1:0] \dut.axis_enable0_q , \dut.axis_enable_q , \dut.illegal ;
+  (* hierconn *) wire [1:0] \dut.u_axis_enable.first_q , \dut.u_axis_enable.second_q ;
+  (* hierconn *) wire [1:0] \dut.illegal ;
   (* hierconn *) wire [11:0] \dut.g_axis[0].u_axis.u_dac.rank1_q ;
   (* hierconn *) wire [11:0] \dut.g_axis[0].u_axis.u_dac.rank2_q ;
   (* hierconn *) wire [11:0] \dut.g_axis[0].u_axis.u_adc.code_q ;
@@ -363,7 +364,8 @@ module card_props #(
                 (stood == '0 || dut.u_relay.left_q == SettleWidth'(Settle)) :
                 (dut.u_relay.left_q == SettleWidth'(Settle) - stood && !settled),
                 "a relay that is to move counts the clocks")
-    `MMCS_LEMMA(Switches, dut.axis_enable0_q == switch_q && dut.axis_enable_q == enabled,
+    `MMCS_LEMMA(Switches, dut.u_axis_enable.first_q == switch_q &&
+                dut.u_axis_enable.second_q == enabled,
                 "switches pass two flip-flops")
     `AXIS_LEMMAS(0)
     `AXIS_LEMMAS(1)

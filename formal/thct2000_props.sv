@@ -200,15 +200,15 @@ module thct2000_props #(
   // --- steps on the way -----------------------------------------------------------------------
 
   // Wires of these names are joined to the registers when the hierarchy is flattened.
-  (* hierconn *) wire [1:0] \dut.s1_q , \dut.s2_q , \dut.prev_q ;
+  (* hierconn *) wire [1:0] \dut.u_pins.first_q , \dut.u_pins.second_q , \dut.prev_q ;
   (* hierconn *) wire \dut.rd_q , \dut.wr_q , \dut.rs_q , \dut.latched_q ;
   (* hierconn *) wire \dut.pair_q , \dut.pair_wr_q , \dut.pair_rs_q ;
   (* hierconn *) wire [2:0] \dut.m_q ;
   (* hierconn *) wire [7:0] \dut.d_q , \dut.held_q ;
   (* hierconn *) wire [15:0] \dut.snap_q , \dut.latch_q ;
 
-  `MMCS_LEMMA(Inputs, {dut.s1_q, dut.s2_q, dut.prev_q} == {seen1_q, seen2_q, seen3_q} &&
-              {dut.rd_q, dut.wr_q, dut.m_q} == {rd_q, wr_q, mode_q},
+  `MMCS_LEMMA(Inputs, {dut.u_pins.first_q, dut.u_pins.second_q, dut.prev_q} ==
+              {seen1_q, seen2_q, seen3_q} && {dut.rd_q, dut.wr_q, dut.m_q} == {rd_q, wr_q, mode_q},
               "both see the same pins")
   `MMCS_LEMMA(Sums, sum_q - sum1_q == (seen1_q == seen2_q ? 16'd0 :
               place(seen1_q) - place(seen2_q) == 2'd1 ? 16'd1 :

@@ -46,7 +46,7 @@ module mmcs_soc_fpga #(
 );
 
   logic rst_n;   // begins at once, ends with the clock
-  sync u_reset (.clk_i, .rst_ni, .d_i(1'b1), .q_o(rst_n));
+  sync u_reset (.clk_i, .rst_ni, .en_i(1'b1), .d_i(1'b1), .q_o(rst_n));
 
   // --- converters -------------------------------------------------------------------------
 

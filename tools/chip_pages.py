@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from tools.pages import splice  # noqa: E402
+from tools.sources import made_of  # noqa: E402
 
 PAGES = ROOT / "docs" / "hardware" / "chips"
 BENCHES = PAGES.relative_to(ROOT)
@@ -56,8 +57,7 @@ def ports(name: str) -> list[tuple[str, str, str, str]]:
 
 
 def files(name: str) -> str:
-    inner = "rtl/chips/i8254_counter.sv " if name == "i8254" else ""
-    return f"{inner}rtl/chips/{name}.sv"
+    return " ".join(map(str, made_of(name)))
 
 
 def headers(name: str) -> list[str]:

@@ -25,7 +25,8 @@ HERE = ROOT / "cocotb_tests" / "edges"
 DOC = ROOT / "docs" / "evidence" / "edges.md"
 BENCHES = {"vme": ("vme.cpp", "vme_chain.cpp", "vme_power.cpp", "vme_scenes.cpp"),
            "card": ("card_scenes.cpp",), "front": ("front.cpp",)}  # fmt: skip
-MODELS = {"front": HERE / "metastable"}  # files in the place of those of rtl/ of the same name
+# files in the place of those of rtl/ of the same name
+MODELS = dict.fromkeys(("card", "front"), HERE / "metastable")
 NOTE = "EDGES "
 
 

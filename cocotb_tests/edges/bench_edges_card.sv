@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One card on a PC bus, its times short so that a sweep meets their ends.
+`timescale 1ps/1ps
 `default_nettype none
 
 module bench_edges_card (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
+  input  wire logic [15:0] window_i,    // of metastability, ps
   input  wire logic        reset_drv_i,
   input  wire logic [15:0] a_i,
   input  wire logic        ior_ni,
@@ -25,6 +27,7 @@ module bench_edges_card (
 
   logic [7:3] irq;
   assign panic_o = |irq;
+  always_comb metastable_pkg::window = int'(window_i);
 
   /* verilator lint_off PINCONNECTEMPTY */
   mark1 #(

@@ -32,8 +32,12 @@ BROKEN = {  # file, what is broken, which sweep must see it
         "selected_o & (ds0_number_q == cycle_number_q) & ~ds0_stale_q & ~ds0_ni",
         "selected_o & ~ds0_ni", "vme", "pipeline"),
     "IACKIN* high for less than a clock": (
-        "adaptor/vme_interrupter.sv", ".rst_ni(iackin), .d_i(1'b1)", ".rst_ni, .d_i(iackin)",
-        "vme", "chain"),
+        "adaptor/vme_interrupter.sv", ".rst_ni(iackin), .en_i(1'b1), .d_i(1'b1)",
+        ".rst_ni, .en_i(1'b1), .d_i(iackin)", "vme", "chain"),
+    "two bits that one edge changes": (
+        "chips/thct2000.sv", ".d_i({a_i, b_i}), .q_o(in));",
+        ".d_i({a_i, a_i ^ b_i}), .q_o(both));\n  logic [1:0] both;\n"
+        "  assign in = {both[1], ^both};", "card", "read"),
 }  # fmt: skip
 
 

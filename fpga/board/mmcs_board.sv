@@ -22,18 +22,20 @@ module mmcs_board #(
 
   logic rst_n;
   logic spi_rst_n;              // of the converters: with the PLL, not with the button
-  logic rst_nd;
-  logic [3:0] reset_d, reset_q;
+  logic rst_nd, button_n;
+  logic [1:0] reset_d, reset_q;
   logic hp_req, hp_write, hp_ack;
   logic [10:1] hp_a;
   logic [7:0] hp_wdata, hp_rdata;
   logic [31:0] drive, adc;
   logic [10:0] leds;
 
-  sync u_spi_reset (.clk_i, .rst_ni(locked_i), .d_i(1'b1), .q_o(spi_rst_n));
+  sync u_spi_reset (.clk_i, .rst_ni(locked_i), .en_i(1'b1), .d_i(1'b1), .q_o(spi_rst_n));
 
-  assign reset_d = {reset_q[2:0], button_ni};
-  assign rst_nd = &reset_q;
+  sync u_button (.clk_i, .rst_ni(locked_i), .en_i(1'b1), .d_i(button_ni), .q_o(button_n));
+
+  assign reset_d = {reset_q[0], button_n};
+  assign rst_nd = &{reset_q, button_n};
 
   always_ff @(posedge clk_i or negedge locked_i) begin
     if (!locked_i) {rst_n, reset_q} <= '0;

@@ -40,7 +40,7 @@ module uart_host #(
   logic [7:0] rx_byte_d, rx_byte_q;
   logic rx_done;
 
-  sync #(.ResetValue(1'b1)) u_rx (.clk_i, .rst_ni, .d_i(rx_i), .q_o(rx));
+  sync #(.ResetValue(1'b1)) u_rx (.clk_i, .rst_ni, .en_i(1'b1), .d_i(rx_i), .q_o(rx));
 
   assign rx_done = (rx_left_q == 4'd1) & (rx_timer_q == '0) & rx;
 

@@ -25,8 +25,8 @@ module ulx3s_soc #(
   logic [31:2] box_a;
   logic [31:0] box_wdata, box_rdata, drive, adc;
   logic [10:0] leds;
-  logic rst_nd;
-  logic [3:0] reset_d, reset_q;
+  logic rst_nd, button_n;
+  logic [1:0] reset_d, reset_q;
 
   // 25 MHz * 24 = 600 MHz, of which CLKOP is the 24th part again and CLKOS the 25th.
   EHXPLLL #(
@@ -56,10 +56,12 @@ module ulx3s_soc #(
     .ENCLKOS(1'b0)
   );
 
-  sync u_spi_reset (.clk_i(clk), .rst_ni(locked), .d_i(1'b1), .q_o(spi_rst_n));
+  sync u_spi_reset (.clk_i(clk), .rst_ni(locked), .en_i(1'b1), .d_i(1'b1), .q_o(spi_rst_n));
 
-  assign reset_d = {reset_q[2:0], btn_pwr_n};
-  assign rst_nd = &reset_q;
+  sync u_button (.clk_i(clk), .rst_ni(locked), .en_i(1'b1), .d_i(btn_pwr_n), .q_o(button_n));
+
+  assign reset_d = {reset_q[0], button_n};
+  assign rst_nd = &{reset_q, button_n};
 
   always_ff @(posedge clk or negedge locked) begin
     if (!locked) {rst_n, reset_q} <= '0;

@@ -52,24 +52,28 @@ module isa_mark1 #(
   localparam int EnWidth = $clog2(EnClks);
 
   logic rst_n_q, reset_drv;
-  sync u_reset (.clk_i(clk), .rst_ni(rst_n), .d_i(1'b1), .q_o(rst_n_q));
+  sync u_reset (.clk_i(clk), .rst_ni(rst_n), .en_i(1'b1), .d_i(1'b1), .q_o(rst_n_q));
   sync #(.ResetValue(1'b1)) u_reset_drv (
-    .clk_i(clk), .rst_ni(rst_n_q), .d_i(isa_reset_drv), .q_o(reset_drv)
+    .clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i(isa_reset_drv), .q_o(reset_drv)
   );
 
   // --- bus in -----------------------------------------------------------------------------
 
   logic ior_n, iow_n, ior_late_q, iow_late_q, card_ior_n, card_iow_n;
   logic [3:1] drq;
-  logic [15:0] a0_q, a1_q, a_d, a_q;
-  logic aen0_q, aen1_q, aen_d, aen_q;
-  logic [7:0] d0_q, d1_q, d_d, d_q;
+  logic [15:0] bus_a, a_d, a_q;
+  logic bus_aen, aen_d, aen_q;
+  logic [7:0] bus_d, d_d, d_q;
   logic idle;
 
   sync #(.Width(2), .ResetValue(2'b11)) u_commands (
-    .clk_i(clk), .rst_ni(rst_n_q), .d_i({isa_ior_n, isa_iow_n}), .q_o({ior_n, iow_n})
+    .clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i({isa_ior_n, isa_iow_n}), .q_o({ior_n, iow_n})
   );
-  sync #(.Width(3)) u_sclock (.clk_i(clk), .rst_ni(rst_n_q), .d_i(isa_drq), .q_o(drq));
+  sync #(.Width(25), .ResetValue({1'b1, 24'd0})) u_bus (
+    .clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i({isa_aen, isa_a, isa_d}),
+    .q_o({bus_aen, bus_a, bus_d})
+  );
+  sync #(.Width(3)) u_sclock (.clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i(isa_drq), .q_o(drq));
 
   // The card's commands begin a clock late, with the address that stands by then, and end with the
   // command. What they go with is kept: the address while they last, data of the clock before the
@@ -77,22 +81,19 @@ module isa_mark1 #(
   assign card_ior_n = ior_n | ior_late_q;
   assign card_iow_n = iow_n | iow_late_q;
   assign idle = ior_n & iow_n;
-  assign {aen_d, a_d} = (idle | (ior_late_q & iow_late_q)) ? {aen1_q, a1_q} : {aen_q, a_q};
-  assign d_d = iow_n ? d_q : d1_q;
+  assign {aen_d, a_d} = (idle | (ior_late_q & iow_late_q)) ? {bus_aen, bus_a} : {aen_q, a_q};
+  assign d_d = iow_n ? d_q : bus_d;
 
   always_ff @(posedge clk or negedge rst_n_q) begin
     if (!rst_n_q) begin
       ior_late_q <= 1'b1;
       iow_late_q <= 1'b1;
-      {a0_q, a1_q, a_q} <= '0;
-      {aen0_q, aen1_q, aen_q} <= '1;
-      {d0_q, d1_q, d_q} <= '0;
+      a_q <= '0;
+      aen_q <= 1'b1;
+      d_q <= '0;
     end else begin
       ior_late_q <= ior_n;
       iow_late_q <= iow_n;
-      {a1_q, a0_q} <= {a0_q, isa_a};
-      {aen1_q, aen0_q} <= {aen0_q, isa_aen};
-      {d1_q, d0_q} <= {d0_q, isa_d};
       {aen_q, a_q} <= {aen_d, a_d};
       d_q <= d_d;
     end
@@ -107,7 +108,7 @@ module isa_mark1 #(
 
   logic reading;
   assign reading = ~isa_ior_n;
-  sync u_reading (.clk_i(clk), .rst_ni(reading), .d_i(1'b1), .q_o(reading_sync));
+  sync u_reading (.clk_i(clk), .rst_ni(reading), .en_i(1'b1), .d_i(1'b1), .q_o(reading_sync));
 
   data_turn u_turn (
     .clk_i(clk), .rst_ni(rst_n_q),

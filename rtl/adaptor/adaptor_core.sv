@@ -289,7 +289,7 @@ module adaptor_core #(
   sync #(
     .ResetValue(1'b1)
   ) u_sys_reset (
-    .clk_i, .rst_ni,
+    .clk_i, .rst_ni, .en_i(1'b1),
     .d_i(sys_reset_i),
     .q_o(sys_reset)
   );

@@ -51,7 +51,7 @@ module panic #(
   sync #(
     .ResetValue(1'b1)
   ) u_trip (
-    .clk_i, .rst_ni,
+    .clk_i, .rst_ni, .en_i(1'b1),
     .d_i(trip_q),
     .q_o(tripped)
   );
@@ -60,7 +60,7 @@ module panic #(
     .Width(2),
     .ResetValue(2'b11)
   ) u_link (
-    .clk_i, .rst_ni,
+    .clk_i, .rst_ni, .en_i(1'b1),
     .d_i({cable_ok_i, pc_power_i}),
     .q_o({cable_ok_o, pc_power_o})
   );

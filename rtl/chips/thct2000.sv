@@ -49,31 +49,22 @@ module thct2000 #(
 
   // --- inputs: two flip-flops, the filter, and the tick before --------------------------------
 
-  logic [1:0] in, s1_d, s1_q, s2_d, s2_q;  // {A, B}
-  logic [1:0] now, prev_d, prev_q;
+  logic [1:0] in, now, prev_d, prev_q;  // {A, B}
   logic a, b, a_prev, b_prev;
 
-  assign in = {a_i, b_i};
-  assign s1_d = clk_en_i ? in : s1_q;
-  assign s2_d = clk_en_i ? s1_q : s2_q;
+  sync #(.Width(2)) u_pins (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i({a_i, b_i}), .q_o(in));
+
   assign prev_d = clk_en_i ? now : prev_q;
   assign {a, b} = now;
   assign {a_prev, b_prev} = prev_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      s1_q   <= '0;
-      s2_q   <= '0;
-      prev_q <= '0;
-    end else begin
-      s1_q   <= s1_d;
-      s2_q   <= s2_d;
-      prev_q <= prev_d;
-    end
+    if (!rst_ni) prev_q <= '0;
+    else prev_q <= prev_d;
   end
 
   if (Filter == 0) begin : g_direct
-    assign now = s2_q;
+    assign now = in;
   end else begin : g_filter
     // `now` takes over an input that differed for Filter + 1 ticks running, each on its own.
     logic [1:0] kept_d, kept_q;
@@ -83,10 +74,10 @@ module thct2000 #(
       kept_d = kept_q;
       run_d  = run_q;
       for (int n = 0; n < 2; n++) begin
-        now[n] = (s2_q[n] != kept_q[n] && run_q[2*n+:2] == 2'(Filter)) ? s2_q[n] : kept_q[n];
+        now[n] = (in[n] != kept_q[n] && run_q[2*n+:2] == 2'(Filter)) ? in[n] : kept_q[n];
         if (clk_en_i) begin
           kept_d[n]     = now[n];
-          run_d[2*n+:2] = s2_q[n] == now[n] ? 2'd0 : run_q[2*n+:2] + 2'd1;
+          run_d[2*n+:2] = in[n] == now[n] ? 2'd0 : run_q[2*n+:2] + 2'd1;
         end
       end
     end

@@ -11,20 +11,25 @@ module sync #(
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_ni,
+  input  wire logic             en_i,   // the two take their inputs in this clock
   input  wire logic [Width-1:0] d_i,    // asynchronous
   output logic      [Width-1:0] q_o
 );
 
+  logic [Width-1:0] first_d, second_d;
   (* ASYNC_REG = "TRUE" *) logic [Width-1:0] first_q;
   (* ASYNC_REG = "TRUE" *) logic [Width-1:0] second_q;
+
+  assign first_d = en_i ? d_i : first_q;
+  assign second_d = en_i ? first_q : second_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       first_q  <= ResetValue;
       second_q <= ResetValue;
     end else begin
-      first_q  <= d_i;
-      second_q <= first_q;
+      first_q  <= first_d;
+      second_q <= second_d;
     end
   end
 

@@ -57,20 +57,22 @@ module axis #(
   // A and B pass two flip-flops in the counter and are counted at the third clock. The index passes
   // three, so that an edge of A or B which comes with it is in the count that it latches; a filter
   // delays both alike.
-  logic [2+EncoderFilter:0] index_sync_d, index_sync_q;
-  logic index, index_q, index_latch_d, index_latch_q;
+  logic [EncoderFilter:0] index_late_d, index_late_q;
+  logic index_in, index, index_q, index_latch_d, index_latch_q;
 
-  assign index = (&index_sync_q[2+EncoderFilter:2]) & index_en_i;
-  assign index_sync_d = clk_en_i ? {index_sync_q[1+EncoderFilter:0], i_i} : index_sync_q;
+  sync u_index (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i(i_i), .q_o(index_in));
+
+  assign index = (&index_late_q) & index_en_i;
+  assign index_late_d = clk_en_i ? (EncoderFilter + 1)'({index_late_q, index_in}) : index_late_q;
   assign index_latch_d = index_en_i & (index_latch_q | index);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      index_sync_q  <= '0;
+      index_late_q  <= '0;
       index_q       <= 1'b0;
       index_latch_q <= 1'b0;
     end else begin
-      index_sync_q  <= index_sync_d;
+      index_late_q  <= index_late_d;
       index_q       <= index;
       index_latch_q <= index_latch_d;
     end

@@ -79,11 +79,14 @@ module mark1 #(
   assign rst_n = rst_ni & power_i;
 
   // A switch is asynchronous and has no state but its own, hence no reset.
-  logic [1:0] axis_enable0_q, axis_enable_q;
-  always_ff @(posedge clk_i) begin
-    axis_enable0_q <= axis_enable_i;
-    axis_enable_q  <= axis_enable0_q;
-  end
+  logic [1:0] axis_enable;
+
+  sync #(.Width(2)) u_axis_enable (
+    .clk_i,
+    .rst_ni(1'b1), .en_i(1'b1),
+    .d_i(axis_enable_i),
+    .q_o(axis_enable)
+  );
 
   // --- bus ----------------------------------------------------------------------------------
 
@@ -221,7 +224,7 @@ module mark1 #(
       .dac_double_i(pb[DacDouble]),
       .index_en_i(pb[IndexEn]),
       .loop_i(relay_loop),
-      .drive_i(relay_drive & axis_enable_q[j]),
+      .drive_i(relay_drive & axis_enable[j]),
       .a_i(mux_a[j]),
       .b_i(mux_b[j]),
       .i_i(mux_i[j]),
@@ -250,7 +253,7 @@ module mark1 #(
 
   // From a flip-flop: whoever hears the line takes any pulse of it, however short.
   logic panic_d, panic_q;
-  assign panic_d = |(axis_enable_q & (~heartbeat | illegal));
+  assign panic_d = |(axis_enable & (~heartbeat | illegal));
 
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) panic_q <= 1'b0;

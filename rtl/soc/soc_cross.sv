@@ -23,39 +23,37 @@ module soc_cross (
 
   // Each side's own flip-flop; equal: nothing is under way
   logic ask_d, ask_q, answer_d, answer_q;
-  logic [1:0] answer_sync_q, ask_sync_q;
+  logic answered, asked;   // as the other side sees them
   logic busy_d, busy_q;
+
+  sync u_answer (.clk_i, .rst_ni, .en_i(1'b1), .d_i(answer_q), .q_o(answered));
+  sync u_ask (
+    .clk_i(far_clk_i), .rst_ni(far_rst_ni), .en_i(1'b1), .d_i(ask_q), .q_o(asked)
+  );
 
   assign ask_d = ask_q ^ start_i;
   assign busy_d = start_i | (busy_q & ~done_o);
-  assign answer_d = far_finish_i ? ask_sync_q[1] : answer_q;
+  assign answer_d = far_finish_i ? asked : answer_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      ask_q         <= 1'b0;
-      busy_q        <= 1'b0;
-      answer_sync_q <= '0;
+      ask_q  <= 1'b0;
+      busy_q <= 1'b0;
     end else begin
-      ask_q         <= ask_d;
-      busy_q        <= busy_d;
-      answer_sync_q <= {answer_sync_q[0], answer_q};
+      ask_q  <= ask_d;
+      busy_q <= busy_d;
     end
   end
 
   assign busy_o = busy_q;
-  assign done_o = busy_q && (answer_sync_q[1] == ask_q);
+  assign done_o = busy_q && (answered == ask_q);
 
   always_ff @(posedge far_clk_i or negedge far_rst_ni) begin
-    if (!far_rst_ni) begin
-      answer_q   <= 1'b0;
-      ask_sync_q <= '0;
-    end else begin
-      answer_q   <= answer_d;
-      ask_sync_q <= {ask_sync_q[0], ask_q};
-    end
+    if (!far_rst_ni) answer_q <= 1'b0;
+    else answer_q <= answer_d;
   end
 
-  assign far_req_o = (ask_sync_q[1] != answer_q);
+  assign far_req_o = (asked != answer_q);
 
   `MMCS_ASSERT(OneAtATime, !(start_i && busy_q), "a request starts only when the last is answered")
 

@@ -10,6 +10,7 @@ module sync #(
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_ni,
+  input  wire logic             en_i,
   input  wire logic [Width-1:0] d_i,
   output logic      [Width-1:0] q_o
 );
@@ -31,7 +32,7 @@ module sync #(
       if (!rst_ni) begin
         first_q  <= ResetValue[n];
         second_q <= ResetValue[n];
-      end else begin
+      end else if (en_i) begin
         first_q  <= ($time - moved_q < longint'(metastable_pkg::window) && 1'($urandom)) ?
                     before_q : level;
         second_q <= first_q;

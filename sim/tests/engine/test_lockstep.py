@@ -221,8 +221,9 @@ def test_the_stranger_keeps_encoders_busy(name):
     with sim:
         numbers = {name: number for number, name in enumerate(sim.input_names())}
         names, cards = list(sim.registers()), sim.build()["cards"]
+        registers = ("u_pins.first_q", "u_pins.second_q", "count_q")
         first, second, counts = ([names.index(n) for n in names if n.endswith(f"u_encoder.{q}")]
-                                 for q in ("s1_q", "s2_q", "count_q"))  # fmt: skip
+                                 for q in registers)  # fmt: skip
         under_way, counted = [], [set() for _ in counts]
         strange = lockstep.stranger(1, cards, sim.axes, 1600, {})
         for action in lockstep.lively(1, cards, sim.axes, strange):
