@@ -7,9 +7,9 @@
     run.py driver-mutants ...                                         make mutation-firmware
 
 `tests` and `proofs` take the breakages of list.toml: each is one line of a copy below
-build/breakage, and the named tests of cocotb, tests of the driver or proof must turn red. What the
-list names must pass on the design as it is. The mutants of the RTL and of the driver are made by
-generators (mutate.py, mutate_firmware.py, which have options of their own).
+build/breakage, and the named tests of cocotb, of the driver, of programs or proof must turn red.
+What the list names must pass on the design as it is. The mutants of the RTL and of the driver are
+made by generators (mutate.py, mutate_firmware.py, which have options of their own).
 """
 
 import argparse
@@ -35,8 +35,12 @@ CPU_S = 900  # of processor time for a process of a broken design: it hangs, and
 WALL_S = 4 * 3600  # a guard against what hangs without computing: that says nothing
 # (entry, folder of the broken copy) -> (complaint, or None if it was noticed; what noticed it)
 Judge = Callable[[dict, Path], tuple[str | None, str]]
-KINDS = {"tests": ("test", "unit"), "proofs": ("proof",)}
-PARTS = {"test": ("rtl",), "unit": ("firmware",), "proof": ("rtl", "formal")}  # that are copied
+KINDS = {"tests": ("test", "unit", "served"), "proofs": ("proof",)}
+PARTS = {  # that are copied
+    "test": ("rtl",), "unit": ("firmware",), "proof": ("rtl", "formal"),
+    "served": ("rtl", "firmware", "sim", "mmcs", "tools", "mmcs.core", "conftest.py",
+               "pyproject.toml"),
+}  # fmt: skip
 
 
 def entries(kind: str, only: str = "") -> list[dict]:
@@ -51,7 +55,8 @@ def broken(entry: dict, folder: Path, parts: tuple[str, ...] = ("rtl",)) -> str 
     """Copies the parts of the project and breaks a line; the complaint if it is not there once."""
     shutil.rmtree(folder, ignore_errors=True)
     for part in parts:
-        shutil.copytree(ROOT / part, folder / part)
+        copy = shutil.copytree if (ROOT / part).is_dir() else shutil.copy
+        copy(ROOT / part, folder / part)
     file = folder / entry["file"]
     if not file.is_file():
         return f"there is no {entry['file']}"
@@ -114,8 +119,8 @@ def pytest(tests: list[str], sim: str, build: Path, rtl: Path | None = None, wor
 def verdict(done: subprocess.CompletedProcess) -> str | None:
     """None if a test turned red by what it saw, else what happened instead."""
     out = done.stdout + done.stderr
-    if "the design does not build" in out:
-        return "the broken design does not compile"
+    if "does not build" in out:
+        return "the broken project does not build"
     if re.search(r"\b[1-9]\d* failed\b", out):
         return None
     if done.returncode == 0:
@@ -156,6 +161,19 @@ def driver(entry: dict, folder: Path) -> tuple[str | None, str]:
     return (None if red else "the test stays green"), entry["unit"]
 
 
+# --- tests of programs beside a served machine -----------------------------------------------
+
+
+def served(entry: dict, folder: Path) -> tuple[str | None, str]:
+    """Runs the named test in the copy, which builds an engine of its own."""
+    env = os.environ | {"PYTHONPATH": str(folder), "MMCS_FAMILY": "all"}
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", entry["served"]]
+    done = subprocess.run(
+        command, cwd=folder, env=env, text=True, capture_output=True, check=False, timeout=WALL_S
+    )
+    return verdict(done), entry["served"].partition("::")[2]
+
+
 # --- proofs ------------------------------------------------------------------------------------
 
 
@@ -191,8 +209,8 @@ def run_tests(args: argparse.Namespace, todo: list[dict]) -> int:
             print("breakage: the tests must pass on the RTL as it is, and do not", file=sys.stderr)
             return 1
         print(f"breakage: {len(tests)} tests pass on the RTL as it is", flush=True)
-    judges = {"test": cocotb(args.sim), "unit": driver}
-    return meet(todo, lambda e: "test" if "test" in e else "unit", judges)
+    judges = {"test": cocotb(args.sim), "unit": driver, "served": served}
+    return meet(todo, lambda e: next(kind for kind in judges if kind in e), judges)
 
 
 def main() -> int:
