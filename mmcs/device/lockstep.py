@@ -3,8 +3,7 @@
 
 Each thread of a program has a line, a connection on which it says what it waits for
 (sim/device/wire.h). Of all of them one runs at a time, in the order of programs and threads; when
-nobody can, the machine runs up to what ends a wait first. So nothing depends on how fast anybody
-is: the same programs make the same run, to the bit.
+nobody can, the machine runs up to what ends a wait first. The same programs: the same run.
 """
 
 from __future__ import annotations
@@ -65,11 +64,16 @@ class Process:
     number: int
     starting: bool = True  # has no line yet, and will
     expected: int = 0  # threads of it of which the same holds
-    threads: int = 0  # there have been
     handle: int = -1
     lines: list[Line] = field(default_factory=list)
     timers: dict[int, list[int]] = field(default_factory=dict)  # first, interval, value, signal, fd
     fired: dict[int, int] = field(default_factory=dict)  # descriptor: how often
+
+    def join(self) -> None:
+        """Waits for the end of a thread end when it is neither there nor on its way."""
+        for line in self.lines if self.expected == 0 else ():
+            if line.wants(wire.WAIT_THREAD) and all(x.key != line.wait.key for x in self.lines):
+                line.cause = wire.CAUSE_WOKEN
 
     def __str__(self) -> str:
         return f"{wire.command(self.pid) or 'a program'} ({self.pid})"
@@ -89,8 +93,7 @@ class Lockstep:
         self._watchers: list[tuple[object, int]] = []
         self._patience = 0  # the clock until which they wait
         self._began = time.monotonic()  # of what runs now
-        self._told = False
-        self.on = False
+        self._told = self.on = False
         self.limit = 1 << 62  # a clock that time does not go past
         self.good = True  # no assertion of the model has failed
 
@@ -131,16 +134,16 @@ class Lockstep:
 
     def open_line(self, connection, kind: int, key: int, pid: int) -> Line:
         process = self.expect(pid)
-        if kind == wire.LINE_THREAD:
+        if kind & 0xFF == wire.LINE_THREAD:
             process.expected -= 1
-            process.threads += 1
         else:
             for line in list(process.lines):  # of the program that it was before
                 self._drop(line)
-            process.starting, process.expected, process.threads = False, 0, 0
-        line = Line(connection, process, process.threads, key)
+            process.starting, process.expected = False, 0
+        line = Line(connection, process, kind >> 8, key)
         line.wait, line.cause = wire.Wait(wire.NEVER, 0, 0, 0, 0, ()), wire.CAUSE_DUE
         process.lines.append(line)
+        process.join()
         return line
 
     def leave(self, line: Line) -> None:
@@ -156,9 +159,7 @@ class Lockstep:
         if self._running is line:
             self._running = None
             self._others_ran(None)
-        for other in line.process.lines:
-            if other.wants(wire.WAIT_THREAD) and other.wait.key == line.key:
-                other.cause = wire.CAUSE_WOKEN
+        line.process.join()
 
     def _reap(self) -> None:
         for process in self._ended:
@@ -188,8 +189,7 @@ class Lockstep:
             self._others_ran(line)
         if wait.pending:
             self._deliver(line.process, wait.pending)
-        if wait.what & wire.WAIT_THREAD and wait.key not in [x.key for x in line.process.lines]:
-            line.cause = wire.CAUSE_WOKEN
+        line.process.join()
         if wait.what & wire.WAIT_CHILD and len(self._processes) == 1:
             line.cause, line.outside = wire.CAUSE_OUTSIDE, True
         if wait.what & wire.WAIT_FILES:

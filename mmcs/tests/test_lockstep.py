@@ -124,6 +124,35 @@ def test_a_pipe_between_programs(tmp_path):
         assert rows == [[str(n), f"{(n + 1) / 100:g}"] for n in range(5)]
 
 
+THREADS = """
+#include <pthread.h>
+#include <stdio.h>
+#include <unistd.h>
+static void *run(void *number) {
+  for (int turn = 0; turn < 3; turn++) {
+    usleep(1000);
+    printf("%ld ", (long)number);
+  }
+  return NULL;
+}
+int main(void) {
+  pthread_t thread[12];
+  for (long n = 0; n < 12; n++) pthread_create(&thread[n], NULL, run, (void *)n);
+  for (int n = 0; n < 12; n++) pthread_join(thread[n], NULL);
+  return 0;
+}
+"""
+
+
+def test_threads_run_in_the_order_of_their_creation(tmp_path):
+    """Not in that in which the computer began them."""
+    source, out = tmp_path / "threads_in_order.c", tmp_path / "out"
+    source.write_text(THREADS)
+    program = compile_program(source)
+    assert run_in_lockstep(tmp_path / "m", "sh", "-c", f"exec {program} > {out}")[0] == 0
+    assert out.read_text().split() == 3 * [str(n) for n in range(12)]
+
+
 EXAMPLES_RUN = sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))
 
 

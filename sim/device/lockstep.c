@@ -266,7 +266,7 @@ static int sample(uint32_t *number) {
 
 /* --- lines ----------------------------------------------------------------------------- */
 
-static void open_line(enum wire_line kind) {
+static void open_line(enum wire_line kind, unsigned number) {
   struct wire_now now = {0};
   uint32_t room = sizeof(now);
   sigset_t all, before;
@@ -274,7 +274,8 @@ static void open_line(enum wire_line kind) {
   pthread_sigmask(SIG_SETMASK, &all, &before);
   line = wire_connect();
   line_pid = wire_pid();
-  if (line < 0 || request(WIRE_LINE, (uint64_t)kind, (uint64_t)pthread_self(), NULL, 0) < 0 ||
+  if (line < 0 ||
+      request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), NULL, 0) < 0 ||
       answer(&now, &room) < 0) {
     enabled = 0;
   } else {
@@ -290,14 +291,14 @@ static void end_thread(void *unused) {
   if (line_pid == wire_pid()) close_line();
 }
 
-void lock_begin_thread(void) {
-  open_line(LINE_THREAD);
+void lock_begin_thread(unsigned number) {
+  open_line(LINE_THREAD, number);
 }
 
 static void child_of_fork(void) {
   close_line(); /* the parent's */
   ahead.length = 0;
-  if (enabled) open_line(LINE_CHILD);
+  if (enabled) open_line(LINE_CHILD, 0);
 }
 
 void (*lock_at_start)(void);
@@ -307,7 +308,7 @@ __attribute__((constructor(102))) static void attach(void) {
   enabled = 1;
   (void)pthread_key_create(&at_end, end_thread);
   (void)pthread_atfork(NULL, NULL, child_of_fork);
-  open_line(LINE_PROGRAM);
+  open_line(LINE_PROGRAM, 0);
   device_sample = sample;
   device_states = states;
   wire_late = only_outside;

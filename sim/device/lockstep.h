@@ -39,7 +39,7 @@ int lock_tell(uint32_t op, uint64_t a, uint64_t b);
 int lock_ask(uint32_t op, uint64_t a, const void *data, uint32_t length, void *out,
              uint32_t *out_length);
 /* The new thread's first act, and a thread's last. */
-void lock_begin_thread(void);
+void lock_begin_thread(unsigned number);
 
 /* ns of machine time: a span from now, and a time of a clock (relative ones count from now). */
 uint64_t lock_after(uint64_t ns);

@@ -35,22 +35,24 @@ static void wake(const void *key, unsigned count) {
 struct start {
   void *(*run)(void *);
   void *argument;
+  unsigned number;
 };
 
 static void *run_thread(void *given) {
   struct start start = *(struct start *)given;
   free(given);
-  lock_begin_thread();
+  lock_begin_thread(start.number);
   return start.run(start.argument);
 }
 
 int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *arg) {
+  static unsigned made; /* in the order of their creation they run */
   struct start *start;
   int result;
   if (!lock_on()) return REAL(pthread_create)(thread, how, run, arg);
   start = malloc(sizeof(*start));
   if (start == NULL) return EAGAIN;
-  *start = (struct start){run, arg};
+  *start = (struct start){run, arg, ++made};
   (void)lock_tell(WIRE_SPAWN, 0, 0);
   result = REAL(pthread_create)(thread, how, run_thread, start);
   if (result == 0) return 0;

@@ -37,7 +37,8 @@ enum wire_op {
   WIRE_WHY = 10,    /* on the channel of a call that failed: reply data = what the driver said */
   WIRE_SAMPLE = 11, /* answered behind the next servo sample; reply data = struct wire_now */
   /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
-  WIRE_LINE = 12,   /* a = enum wire_line, b = thread: this is its line. Answered when it may run */
+  WIRE_LINE = 12,   /* a = enum wire_line and, from bit 8, the thread's number in its process, b =
+                       thread: this is its line. Answered when it may run */
   WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors; answered when it may run again: result
                        = enum wire_cause, data = struct wire_now. a = bytes of states that may follow
                        it, as read() would give them */
