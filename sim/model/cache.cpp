@@ -101,11 +101,12 @@ void *Cache::take(size_t bytes) {
   return found;
 }
 
-State *Cache::find(const uint8_t *registers, uint64_t near, uint64_t in) {
+State *Cache::find(const uint8_t *registers, uint64_t near, uint64_t in, const uint64_t *out) {
   const auto range = states_.equal_range(hash_of(registers, register_bytes_, near, in));
   for (auto at = range.first; at != range.second; ++at) {
     State &s = *at->second;
-    if (s.in == in && s.near == near && !std::memcmp(s.registers, registers, register_bytes_)) {
+    if (s.in == in && s.near == near && (!out || s.out == *out) &&
+        !std::memcmp(s.registers, registers, register_bytes_)) {
       return &s;
     }
   }
@@ -113,7 +114,7 @@ State *Cache::find(const uint8_t *registers, uint64_t near, uint64_t in) {
 }
 
 State *Cache::make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out) {
-  if (State *known = find(registers, near, in)) return known;
+  if (State *known = find(registers, near, in, &out)) return known;
   uint8_t *own = static_cast<uint8_t *>(take(register_bytes_ + 1));
   std::memcpy(own, registers, register_bytes_);
   State *state = new (take(sizeof(State))) State{in, out, near, own};

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What parts of one module do, remembered: states, and the transitions between them.
 //
-// A state is all control registers and control inputs of a part, with what its control outputs are.
-// Data and counters are cells beside it; a counter at its margin or below is part of the state.
+// A state is all control registers and control inputs of a part, with what its control outputs are;
+// where data decide, these can differ by the data. Data and counters are cells beside it; a counter
+// at its margin or below is part of the state.
 // A transition says what a clock, or inputs that moved, make of a state and of the cells. The model
 // is asked once: with several sets of marks in the cells, so that it shows which bit goes where.
 #pragma once
@@ -112,8 +113,8 @@ class Cache {
  public:
   Cache(std::vector<Cell> cells, size_t register_bytes);
 
-  // The state of these registers; made if it is new, and needs its outputs then.
-  State *find(const uint8_t *registers, uint64_t near, uint64_t in);
+  // The state of these registers, and of these outputs if they are given; made if it is new.
+  State *find(const uint8_t *registers, uint64_t near, uint64_t in, const uint64_t *out);
   State *make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out);
   Transition *add(const Draft &draft, uint64_t in, State *to);
   // From what the marks became: the copies and counts of a transition; false: it is none.

@@ -161,7 +161,7 @@ class Part {
     data_ |= bit;
     return true;
   }
-  State *state_of(const uint8_t *registers);
+  State *state_of(const uint8_t *registers, bool by_value);
   void put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in);
   uint64_t look(uint8_t *registers, uint32_t *cells) const;
 

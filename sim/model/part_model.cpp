@@ -127,10 +127,12 @@ void Part::store() {
   if (cached_) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
 }
 
-// The state with these registers, the cells and inputs as they are.
-State *Part::state_of(const uint8_t *registers) {
+// The state with these registers, the cells and inputs as they are; by_value: its outputs may be by
+// the values of cells.
+State *Part::state_of(const uint8_t *registers, bool by_value) {
   const uint64_t near = cache->near(cells_);
-  if (State *known = cache->find(registers, near, in_)) return known;
+  State *known = by_value ? nullptr : cache->find(registers, near, in_, nullptr);
+  if (known) return known;
   put_state(registers, cells_, in_);
   uint8_t unused[kMostBytes];
   uint32_t cells[kMostCells];
@@ -202,7 +204,7 @@ Transition *Part::learn(bool clock, Transition *met) {
     t = cache->add(draft, met->in, nullptr);
     const uint32_t moved = moved_;
     apply(*t);
-    t->to = state_of(registers);
+    t->to = state_of(registers, met->by_value);
     t->rests = t->rests && t->to == from;
     t->tells = t->to->out != from->out;
     for (const Copy &c : draft.copies) t->tells = t->tells || cells[c.to].out;

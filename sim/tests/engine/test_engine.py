@@ -18,7 +18,7 @@ from machines import (
     step_to,
 )
 
-from mmcs import ROOT, ensure_library, mcdef, regs
+from mmcs import ROOT, ensure_library, load, mcdef, regs, simulate
 
 STEP = 200
 
@@ -40,6 +40,16 @@ def test_same_run_same_hash():
     second, _, _ = run_step()
     assert len(log) > 100
     assert first == second
+
+
+@pytest.mark.req("API-1")
+def test_a_machine_knows_what_the_one_before_it_learned(monkeypatch):
+    """Transitions stay in the process: each hit of the second machine is compared with the model."""
+    setup = load("puma560_velocity")
+    first = simulate(setup).hash
+    assert simulate(setup).hash == first
+    monkeypatch.setenv("MMCS_CHECK", "1")
+    assert simulate(setup).hash == first
 
 
 @pytest.mark.req("API-1")
