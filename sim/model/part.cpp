@@ -124,7 +124,8 @@ void Part::near(const Transition &t) {
   const uint64_t near = cache->near(cells_);
   if (near == state_->near) return;
   Transition &known = const_cast<Transition &>(t);
-  if (!known.other || known.other->near != near) known.other = state_of(state_->registers, t.by_value);
+  if (!known.other || known.other->near != near)
+    known.other = state_of(state_->registers, t.by_value);
   state_ = known.other;
 }
 
