@@ -44,7 +44,7 @@ def test_same_run_same_hash():
 
 @pytest.mark.req("API-1")
 def test_a_machine_knows_what_the_one_before_it_learned(monkeypatch):
-    """Transitions stay in the process: each hit of the second machine is compared with the model."""
+    """Transitions stay in the process; each hit of another machine is compared with the model."""
     setup = load("puma560_velocity")
     first = simulate(setup).hash
     assert simulate(setup).hash == first
