@@ -36,6 +36,9 @@ def pytest_addoption(parser):
         default=int(os.environ.get("MMCS_SEED", runner.DEFAULT_SEED)),
         help="seed of the random tests (also MMCS_SEED)",
     )
+    group.addoption(
+        "--waves", action="store_true", help="keep the waves of each simulation; tells where"
+    )
     group.addoption("--rtl-coverage", action="store_true", help="collect coverage (Verilator)")
 
 
@@ -48,6 +51,11 @@ def pytest_configure(config):
 
 def pytest_report_header(config):
     return f"mmcs: --sim {config.getoption('--sim')} --seed {config.getoption('--seed')}"
+
+
+def pytest_terminal_summary(terminalreporter):
+    for file in getattr(terminalreporter._session, "mmcs_waves", ()):
+        terminalreporter.write_line(f"waves: {file}")
 
 
 def pytest_collect_file(file_path, parent):
@@ -78,6 +86,7 @@ class CocotbFile(pytest.File):
                     extra,
                     self.config.getoption("--rtl-coverage") and sim == "verilator",
                     dpi=getattr(module, "DPI", {}).get(variant, ""),
+                    waves=self.config.getoption("--waves"),
                 )
                 label = f"{variant}-{sim}" if variant else sim
                 for generator in generators:
@@ -115,6 +124,10 @@ class CocotbItem(pytest.Item):
             worker = os.environ.get("PYTEST_XDIST_WORKER", "main")
             done[self.job] = runner.run(self.job, tests, self.config.getoption("--seed"), worker)
         outcome = done[self.job][self.test_name]
+        if self.job.waves and outcome.log:
+            self.session.__dict__.setdefault("mmcs_waves", {})[
+                outcome.log.with_name(runner.WAVES[self.job.sim])
+            ] = None
         if not outcome.passed:
             raise CocotbFailure(outcome, self.config.getoption("--seed"))
 

@@ -7,7 +7,9 @@ for GTKWave and Surfer and opens it where there is a display.
 """
 
 import argparse
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -21,7 +23,9 @@ from wavedraw import Line, svg, wavejson  # noqa: E402
 LIST = ROOT / "docs" / "waves.toml"
 OUT = ROOT / "docs" / "waves"
 WORK = ROOT / "build" / "waves"
+TOP = ROOT / "rtl" / "mmcs.sv"
 MODULE = "cocotb_tests.waves.scenes"
+FRAMES = 8  # in the width of a window; GTKWave counts its zoom in frames of 200 pixels
 FORMS = ("bit", "hex", "addr", "volt")
 
 
@@ -47,82 +51,51 @@ def simulate(name: str, sim: str) -> tuple[Path, int, int]:
     from cocotb_tests.lib import runner
     from cocotb_tests.waves import scenes
 
-    arguments = runner._arguments
-    tracing = {"verilator": ["--trace-fst", "--trace-structs"], "icarus": []}[sim]
-    runner._arguments = lambda job: [*arguments(job), *tracing]
-    dump = WORK / "dump.sv"
+    marks = WORK / "marks"
     WORK.mkdir(parents=True, exist_ok=True)
-    dump.write_text(
-        "module wave_dump(input wire logic x);\nendmodule\n"
-        if sim == "verilator"
-        else 'module wave_dump;\n  initial begin\n    $dumpfile("wave.fst");\n'
-        "    $dumpvars(0, mmcs);\n  end\nendmodule\n"
+    marks.unlink(missing_ok=True)
+    job = runner.Job(
+        MODULE,
+        scenes.TOPLEVEL,
+        sim,
+        tuple(sorted(scenes.PARAMETERS.items())),
+        environment=(("MMCS_MARKS", str(marks)),),
+        waves=True,
     )
-    job = runner.Job(MODULE, scenes.TOPLEVEL, sim, tuple(sorted(scenes.PARAMETERS.items())))
-    if sim == "icarus":
-        design = runner._design
-        runner._design = lambda job: ([*design(job)[0], dump], design(job)[1])
-        runner._arguments = lambda job: [*arguments(job), "-s", "wave_dump"]
-    try:
-        built = runner.build(job)
-    except runner.BuildError as error:
-        raise WaveError(f"{error}") from None
-    finally:
-        runner._arguments = arguments
-        if sim == "icarus":
-            runner._design = design
+    done = runner.run(job, [name], runner.DEFAULT_SEED)[name]
+    if not done.passed:
+        raise WaveError(f"{name}: the scene failed; {done.text.strip()}")
+    found = [int(m) for m in marks.read_text().split()] if marks.is_file() else []
+    if len(found) != 2:
+        raise WaveError(f"{name}: the scene lacks its two marks; see {done.log}")
     folder = WORK / name
     shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    marks = folder / "marks"
-    flags = {"test_args": ["--trace-file", "wave.fst"]} if sim == "verilator" else {}
-    try:
-        built.test(
-            test_module=MODULE,
-            hdl_toplevel=scenes.TOPLEVEL,
-            hdl_toplevel_lang="verilog",
-            build_dir=built.build_dir,
-            test_dir=folder,
-            results_xml=str(folder / "results.xml"),
-            test_filter=rf"^{MODULE}\.{name}$",
-            seed=runner.DEFAULT_SEED,
-            timescale=runner.TIMESCALE,
-            log_file=folder / "sim.log",
-            extra_env={
-                "MMCS_MARKS": str(marks),
-                "MMCS_SIM": sim,
-                "MMCS_PARAMETERS": repr(scenes.PARAMETERS),
-            },
-            waves=True,
-            **flags,
-        )
-    except (RuntimeError, SystemExit) as error:
-        raise WaveError(f"{name}: the scene failed ({error}); see {folder / 'sim.log'}") from None
-    found = [int(m) for m in marks.read_text().split()] if marks.is_file() else []
-    if len(found) != 2 or "FAIL=0" not in (folder / "sim.log").read_text(errors="replace"):
-        raise WaveError(
-            f"{name}: the scene failed or lacks its two marks; see {folder / 'sim.log'}"
-        )
-    trace = folder / "wave.fst"
+    shutil.copytree(done.log.parent, folder)
+    trace = folder / runner.WAVES[sim]
     if not trace.is_file():
-        raise WaveError(f"{name}: the simulator wrote no trace; see {folder / 'sim.log'}")
+        raise WaveError(f"{name}: the simulator wrote no trace; see {done.log}")
     return trace, found[0], found[1]
 
 
-def lines(name: str, entry: dict, trace: Path, start: int, end: int) -> list[Line]:
-    """Every signal of a diagram as changes between the two times."""
+def variables(trace: Path) -> tuple[dict, int]:
+    """The trace's variables by path below the machine, and its unit of time in ps."""
     import pywellen
 
     wave = pywellen.Waveform(str(trace))
     unit = {"s": 10**12, "ms": 10**9, "us": 10**6, "ns": 10**3, "ps": 1}
     scale = wave.timescale
-    step = scale.factor * unit[str(scale.unit).rsplit(".", 1)[-1].lower()]
     paths = {}
     for var in wave.all_vars():
         path = var.full_name
         for prefix in ("TOP.", "mmcs."):
             path = path.removeprefix(prefix)
         paths.setdefault(path.split("[")[0] if path.endswith("]") else path, var)
+    return paths, scale.factor * unit[str(scale.unit).rsplit(".", 1)[-1].lower()]
+
+
+def lines(name: str, entry: dict, trace: Path, start: int, end: int) -> list[Line]:
+    """Every signal of a diagram as changes between the two times."""
+    paths, step = variables(trace)
     out = []
     for label, path, *form in entry["signals"]:
         base, high, low = split(path)
@@ -160,13 +133,26 @@ def number(raw) -> int:
     return int("".join("1" if c == "1" else "0" for c in text), 2)
 
 
-def view(trace: Path, entry: dict) -> None:
-    """GTKWave and Surfer views beside the trace."""
-    gtkw, surfer = [f'[dumpfile] "{trace.name}"'], []
+def view(trace: Path, entry: dict, start: int, end: int) -> None:
+    """GTKWave and Surfer views beside the trace, from one time to another, ps."""
+    paths, step = variables(trace)
+    zoom = -math.log2((end - start) / step / FRAMES)
+    begin = start // step
+    gtkw = [f'[dumpfile] "{trace.name}"', f"[timestart] {begin}", f"*{zoom:.6f} {begin}"]
+    surfer = []
+    found = re.findall(r"\[\s*\d+:\s*(\d+)\]\s*(\w+)", TOP.read_text())
+    lowest = {net: low for low, net in found}  # index of the first bit, where it is a number
     for label, path, *_ in entry["signals"]:
-        base, _, _ = split(path)
-        gtkw.append(f"+{{{label.replace('.', ' ')}}} mmcs.{base}")
+        base, high, low = split(path)
         surfer.append(f"variable_add mmcs.{base}")
+        alias = f"+{{{label.replace('.', ' ')}}}"
+        size, least = paths[base].length or 1, int(lowest.get(base, 0))
+        full = f"mmcs.{base}" + (f"[{least + size - 1}:{least}]" if size > 1 else "")
+        if size == 1 or high is None or high - low + 1 == size:
+            gtkw.append(f"{alias} {full}")
+        else:  # bits of a row, counted from its highest
+            bits = [f"({size - 1 - bit}){full}" for bit in range(high, low - 1, -1)]
+            gtkw.append(f"{alias} {bits[0]}" if high == low else f"#{alias[1:]} {' '.join(bits)}")
     trace.with_suffix(".gtkw").write_text("\n".join(gtkw) + "\n")
     trace.with_suffix(".sucl").write_text("\n".join([*surfer, "zoom_fit"]) + "\n")
 
@@ -186,7 +172,7 @@ def show(trace: Path) -> None:
 def make(name: str, entry: dict, sim: str) -> dict[Path, str]:
     trace, start, end = simulate(name, sim)
     drawn = lines(name, entry, trace, start, end)
-    view(trace, entry)
+    view(trace, entry, start, end)
     trace.with_suffix(".json").write_text(wavejson(entry["title"], drawn, start, end))
     return {OUT / f"{name}.svg": svg(entry["title"], drawn, start, end)}
 
@@ -212,7 +198,7 @@ def main() -> int:
         for name in wanted:
             files = make(name, entries[name], args.sim)
             if args.trace:
-                trace = WORK / name / "wave.fst"
+                trace = next((WORK / name).glob("wave.[fv]*"))
                 print(f"trace {trace.relative_to(ROOT)}, views (.gtkw, .sucl), WaveJSON beside it")
                 show(trace)
                 continue

@@ -53,6 +53,11 @@ WIRES = PORTS.format(top="mmcs") + (
     'public_flat_rw -module "mmcs_tb" -var "done"\n'
     'public_flat_rd -module "mmcs_cards" -var "card_d_oe"\n'
 )
+# Verilator's FST wants libraries that not everybody has.
+WAVES = {"verilator": "wave.vcd", "icarus": "wave.fst"}
+DUMP = (
+    'module wave_dump;\ninitial begin $dumpfile("wave.fst"); $dumpvars(0, {top}); end\nendmodule\n'
+)
 # The nets that tests break: Verilator wants to know them beforehand.
 FORCEABLE = ROOT / "cocotb_tests/lib/forceable.vlt"
 
@@ -75,6 +80,7 @@ class Job:
     includes: tuple[Path, ...] = ()  # further folders of include files
     dpi: str = ""  # the scenario behind sim/dpi/mmcs_tb.sv, as words for `mmcs run`
     environment: tuple[tuple[str, str], ...] = ()
+    waves: bool = False  # leaves WAVES of the simulator beside the log
 
 
 @dataclass
@@ -174,6 +180,8 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
         waivers = folder / "verilator.vlt"  # a mutant's own
         ours = _written(f"{job.toplevel}_wires.vlt", WIRES) if job.dpi else FORCEABLE
         files = [ours, *([waivers] if waivers.is_file() else []), *files]
+    elif job.waves:
+        files += [_written(f"{job.toplevel}_waves.sv", DUMP.format(top=job.toplevel))]
     return files, [folder, *job.includes]
 
 
@@ -186,17 +194,22 @@ def _written(name: str, text: str) -> Path:
 
 
 def _arguments(job: Job) -> list[str]:
-    if job.dpi:
-        # its own clock, pins that move with it, no timescale but the testbench's
-        args = ["--assert", "--timing", "-DMMCS_NO_BUS_TIMES", "-Wno-TIMESCALEMOD"]
-        return [*args, "-LDFLAGS", str(ensure_library(1, "dpi"))]
     if job.sim == "icarus":
-        return ["-Wall", "-Wno-timescale"]
+        return ["-Wall", "-Wno-timescale", *(["-s", "wave_dump"] if job.waves else [])]
+    waves = ["--trace-structs"] if _traced(job) else []
+    if job.dpi:  # its own clock, pins that move with it, no timescale but the testbench's
+        args = ["--assert", "--timing", "-DMMCS_NO_BUS_TIMES", "-Wno-TIMESCALEMOD", *waves]
+        return [*args, "-LDFLAGS", str(ensure_library(1, "dpi"))]
     if job.netlist:  # written by a program, and cells written by others
-        return ["--no-timing", "-Wno-fatal", "-Wno-lint", "-Wno-MODDUP", "-Wno-SPECIFYIGN"]
-    args = ["--assert", "--no-timing"]
+        args = ["-Wno-fatal", "-Wno-lint", "-Wno-MODDUP", "-Wno-SPECIFYIGN"]
+        return ["--no-timing", *args, *waves]
+    args = ["--assert", "--no-timing", *waves]
     # not --coverage: its expression coverage is not asked for, and not sound in this version
     return [*args, "--coverage-line", "--coverage-toggle"] if job.coverage else args
+
+
+def _traced(job: Job) -> bool:
+    return job.waves and job.sim == "verilator"
 
 
 @contextmanager
@@ -276,6 +289,7 @@ def build(job: Job):
                     timescale=TIMESCALE,
                     log_file=log,
                     always=True,
+                    waves=_traced(job),
                 )
             except RuntimeError as error:
                 raise BuildError(f"{job.toplevel}: {error}\n{_tail(log)}") from None
@@ -347,6 +361,8 @@ def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
             parameters=dict(job.parameters),
             log_file=log,
             plusargs=[f"+scenario={job.dpi}"] if job.dpi else [],
+            test_args=["--trace-file", WAVES[job.sim]] if _traced(job) else [],
+            waves=job.waves,
             extra_env={
                 "MMCS": f"{shlex.quote(sys.executable)} -m mmcs",
                 "MMCS_SIM": job.sim,
