@@ -136,7 +136,8 @@ int sigwait(const sigset_t *set, int *number) {
 
 int kill(pid_t pid, int number) {
   int result = REAL(kill)(pid, number);
-  if (result == 0 && number != 0 && lock_on() && pid != wire_pid())
+  /* SIGSTOP wakes nobody */
+  if (result == 0 && number != 0 && number != SIGSTOP && lock_on() && pid != wire_pid())
     (void)lock_tell(WIRE_POKE, (uint64_t)pid, 0);
   return result;
 }
