@@ -44,11 +44,15 @@ def declarations(text: str) -> str:
     return "\n".join(f"#define {name} {value}" for name, value in constants) + body
 
 
+def structures() -> str:
+    """Those of the driver's headers, as C."""
+    return "\n".join(re.findall(r"^struct mc_\w+ \{.*?^\};", _text(), flags=re.S | re.M))
+
+
 @functools.cache
 def make_ffi() -> cffi.FFI:
     """Structures and calls. cffi's parser takes as long as a short run: what it makes is kept."""
-    structs = re.findall(r"^struct mc_\w+ \{.*?^\};", _text(), flags=re.S | re.M)
-    text = "\n".join([*structs, *(declarations(header.read_text()) for header in ABI)])
+    text = "\n".join([structures(), *(declarations(header.read_text()) for header in ABI)])
     name = hashlib.sha256((cffi.__version__ + text).encode()).hexdigest()[:16]
     kept = BUILD / "declared" / f"{name}.py"
     try:

@@ -58,7 +58,7 @@ def library():
         sources.append(Path(__file__).parent / "servo_batch.c")
         path = compile_c("servo.so", sources, ["-O2", "-shared", "-fPIC"])
         ffi = cffi.FFI()
-        ffi.include(mcdef.make_ffi())
+        ffi.cdef(mcdef.structures())
         ffi.cdef("""size_t axis_size(void);
             void axis_start(void *x, const struct mc_param *par, uint16_t counter);
             void axis_change(void *x, const struct mc_param *par);
