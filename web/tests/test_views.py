@@ -135,9 +135,10 @@ def test_back_to_a_moment_and_on_from_there(desk):
     page.click("#pause")
     desk.eventually(lambda: desk.state()["paused"])
     then = desk.state()["time"]
-    page.evaluate(CHOOSE, 0.3)
-    wanted = page.evaluate("() => mctool.page.moment")
     kept = [s["t"] for s in desk.link.request("snapshots")["snapshots"]]
+    # the page asks twice a second how far back the ring reaches
+    desk.eventually(lambda: page.evaluate(CHOOSE, 0.3) >= kept[0])
+    wanted = page.evaluate("() => mctool.page.moment")
     page.click("#rewind-go")
     desk.eventually(lambda: desk.state()["time"] < then - 0.5)
     back = desk.state()["time"]
