@@ -271,8 +271,7 @@ def build(job: Job):
     runner = (_Verilator if job.sim == "verilator" else _Icarus)()
     if job.coverage:
         runner.optimise = COUNTING
-    if job.netlist or job.dpi:
-        runner.ports_only = True
+    runner.ports_only = bool(job.netlist or job.dpi)
     log = folder.with_suffix(".log")
     with locked(folder.with_suffix(".lock")):
         if not (folder / "built").is_file():
@@ -291,6 +290,8 @@ def build(job: Job):
                     always=True,
                     waves=_traced(job),
                 )
+                if unknown := re.search(r"parameter \w+ not found", log.read_text()):
+                    raise RuntimeError(unknown[0])  # Icarus takes it for a warning
             except RuntimeError as error:
                 raise BuildError(f"{job.toplevel}: {error}\n{_tail(log)}") from None
             if job.sim == "verilator":
@@ -301,9 +302,8 @@ def build(job: Job):
 
 
 def _tail(log: Path, lines: int = 60) -> str:
-    if not log.is_file():
-        return ""
-    return "\n".join(log.read_text(errors="replace").splitlines()[-lines:])
+    text = log.read_text(errors="replace") if log.is_file() else ""
+    return "\n".join(text.splitlines()[-lines:])
 
 
 def run(job: Job, tests: list[str], seed: int, worker: str = "main") -> dict[str, Outcome]:

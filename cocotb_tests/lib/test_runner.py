@@ -35,6 +35,13 @@ def test_a_missing_simulator_is_named(monkeypatch, sim, words):
     assert words in outcome.text
 
 
+@pytest.mark.parametrize("sim", runner.SIMULATORS)
+def test_a_parameter_that_the_top_has_not_is_refused(sim):
+    job = runner.Job("no.module", "oneshot", sim, (("PulsClks", 10),))
+    outcome = runner.run(job, ["t"], 1)["t"]
+    assert "does not build" in outcome.text and "PulsClks" in outcome.text
+
+
 def test_a_simulator_that_never_ends_is_ended_by_the_time_it_uses(monkeypatch):
     monkeypatch.setattr(runner, "HANG_S", 1)
     simulator = runner._Runner()

@@ -104,3 +104,12 @@ def test_the_page_has_every_property(file):
     page = (ROOT / "docs" / "evidence" / "formal.md").read_text()
     for name, section, text in formal_doc.properties(file):
         assert f"| {name} | {section} | {text} |" in page, "run tools/formal.py --doc"
+
+
+def test_the_counter_example_is_drawn_of_nets_that_there_are():
+    drawn = [entry for entry in breakage.entries("proofs") if "picture" in entry]
+    assert len(drawn) == 1
+    group, name = (drawn[0]["proof"][key] for key in ("group", "property"))
+    text = (ROOT / "formal" / f"{group}_props.sv").read_text()
+    assert [net for net in drawn[0]["picture"] if not re.search(rf"\b{net}\b", text)] == []
+    assert f"![Counter-example to {name}]" in (ROOT / "docs/evidence/formal.md").read_text()
