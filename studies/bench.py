@@ -34,7 +34,7 @@ LOADS = {  # cards, with an arm, what it does
 }
 STARTS = ("lab500", "puma560")
 FAULTS = (10, 40)  # of two campaigns, whose difference is that of so many faults
-SAMPLES = (300, 1800)  # of two runs of a program, and of the scenario
+SAMPLES = (300, 9300)  # of two runs of a program, and of the scenario
 BOUNDS = {  # floor, aim: of the ratio, or of the figure where there is no other
     "6 axes, coupled PUMA, typical": (1.0, 2.0),
     "6 axes, full joint speed": (1.0, 1.8),
