@@ -14,6 +14,7 @@ calls `# slow task NAME: reason` is left out by --fast. Logs and traces stay in 
 """
 
 import argparse
+import functools
 import json
 import os
 import re
@@ -73,6 +74,7 @@ def groups() -> list[Path]:
     return sorted((ROOT / "formal").glob("*.sby"))
 
 
+@functools.cache
 def text(file: Path) -> str:
     """The group as SymbiYosys reads it."""
     found = {f.name: f for name in ("rtl", "checkers") for f in sources(name, Path(), True)}

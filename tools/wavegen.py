@@ -47,7 +47,6 @@ def load() -> dict[str, dict]:
 
 def simulate(name: str, sim: str) -> tuple[Path, int, int]:
     """Runs a scene with the trace on: the trace, and the two marks in ps."""
-    os.environ["MMCS_BUILD"] = str(WORK)
     from cocotb_tests.lib import runner
     from cocotb_tests.waves import scenes
 

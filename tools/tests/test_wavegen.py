@@ -13,6 +13,8 @@ from mmcs import ROOT
 sys.path.insert(0, str(ROOT / "tools"))
 import wavegen  # noqa: E402
 
+pytestmark = pytest.mark.xdist_group("wavegen")  # both write build/waves
+
 
 def test_the_diagrams_are_fresh():
     command = [sys.executable, "tools/wavegen.py", "--check", "--sim", "icarus"]
