@@ -30,6 +30,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
+os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
 import carried  # noqa: E402
 from formal_doc import picture, properties, write_doc  # noqa: E402
 from sources import made_of, sources  # noqa: E402

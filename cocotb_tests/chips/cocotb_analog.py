@@ -18,13 +18,13 @@ PARAMETERS = {"ConvClks": CONV, "PulseClks": PULSE}
 
 
 @script(Analog, "ADC-1")
-def ad_power_up_is_not_busy(s):
+def ad574_power_up_is_not_busy(s):
     s.step(3)
     s.expect(sts=0, oe=0)
 
 
 @script(Analog, "ADC-1")
-def ad_busy_for_exactly_the_conversion(s):
+def ad574_busy_for_exactly_the_conversion(s):
     s.start(0)
     s.seen("the clock that starts", sts=0)
     s.expect("one clock later", sts=1)
@@ -35,21 +35,21 @@ def ad_busy_for_exactly_the_conversion(s):
 
 
 @script(Analog, "ADC-1")
-def ad_zero_volt_is_mid_scale(s):
+def ad574_zero_volt_is_mid_scale(s):
     for span10 in (0, 1):
         s.convert(0, span10)
         s.result(0x800)
 
 
 @script(Analog, "ADC-1")
-def ad_end_points_20_v(s):
+def ad574_end_points_20_v(s):
     for vin, code in ((-32768, 0), (32767, 0xFFF), (32736, 0xFFE), (-32752, 1), (16384, 0xC00)):
         s.convert(vin)
         s.result(code, f"{vin}")
 
 
 @script(Analog, "ADC-1")
-def ad_half_lsb_transitions_20_v(s):
+def ad574_half_lsb_transitions_20_v(s):
     for vin, code in (
         (-32761, 0), (-32760, 1), (-9, 0x7FF), (-8, 0x800), (7, 0x800), (8, 0x801),
         (32743, 0xFFE), (32744, 0xFFF),
@@ -59,7 +59,7 @@ def ad_half_lsb_transitions_20_v(s):
 
 
 @script(Analog, "ADC-1")
-def ad_half_lsb_transitions_10_v(s):
+def ad574_half_lsb_transitions_10_v(s):
     for vin, code in (
         (-16384, 0), (-16381, 0), (-16380, 1), (-5, 0x7FF), (-4, 0x800), (3, 0x800), (4, 0x801),
         (16371, 0xFFE), (16372, 0xFFF),
@@ -69,21 +69,21 @@ def ad_half_lsb_transitions_10_v(s):
 
 
 @script(Analog, "ADC-1")
-def ad_clamps_beyond_10_v_span(s):
+def ad574_clamps_beyond_10_v_span(s):
     for vin, code in ((-32768, 0), (-20000, 0), (20000, 0xFFF), (32767, 0xFFF)):
         s.convert(vin, 1)
         s.result(code, f"{vin}")
 
 
 @script(Analog, "ADC-1")
-def ad_samples_at_the_start(s):
+def ad574_samples_at_the_start(s):
     s.start(16384)
     s.step(CONV + 2, ad_vin=0x8000)
     s.result(0xC00)
 
 
 @script(Analog, "ADC-1")
-def ad_start_while_busy_is_ignored(s):
+def ad574_start_while_busy_is_ignored(s):
     s.start(16384)
     s.step(50)
     s.start(-16384)
@@ -95,7 +95,7 @@ def ad_start_while_busy_is_ignored(s):
 
 
 @script(Analog, "ADC-1")
-def ad_start_held_gives_one_conversion(s):
+def ad574_start_held_gives_one_conversion(s):
     s.step(3 * CONV, ad_ce=1, ad_cs_n=0, ad_rc_n=0)
     s.expect(sts=0)
     s.step(ad_rc_n=1)
@@ -106,7 +106,7 @@ def ad_start_held_gives_one_conversion(s):
 
 
 @script(Analog, "ADC-1")
-def ad_any_of_the_three_pins_may_start(s):
+def ad574_any_of_the_three_pins_may_start(s):
     on = {"ad_ce": 1, "ad_cs_n": 0, "ad_rc_n": 0}
     off = {"ad_ce": 0, "ad_cs_n": 1, "ad_rc_n": 1}
     for last, level in on.items():
@@ -119,7 +119,7 @@ def ad_any_of_the_three_pins_may_start(s):
 
 
 @script(Analog, "ADC-1")
-def ad_needs_ce_and_cs(s):
+def ad574_needs_ce_and_cs(s):
     s.step(3, ad_ce=0, ad_cs_n=0, ad_rc_n=0)
     s.expect(sts=0)
     s.step(3, ad_rc_n=1)
@@ -130,7 +130,7 @@ def ad_needs_ce_and_cs(s):
 
 
 @script(Analog, "ADC-1")
-def ad_8_bit_bus_is_left_justified(s):
+def ad574_8_bit_bus_is_left_justified(s):
     s.convert(5 * 16)
     s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0, ad_a0=0)
     s.seen("high byte", byte=0x80, oe=1)
@@ -140,7 +140,7 @@ def ad_8_bit_bus_is_left_justified(s):
 
 
 @script(Analog, "ADC-1")
-def ad_short_conversion_is_no_longer(s):
+def ad574_short_conversion_is_no_longer(s):
     s.start(16384, ad_a0=1)
     s.expect(sts=1)
     s.step(CONV, ad_a0=0)
@@ -151,12 +151,12 @@ def ad_short_conversion_is_no_longer(s):
 
 
 @script(Analog, "DAC-1", "ANA-1")
-def da_power_up_is_zero_volt(s):
+def ad667_power_up_is_zero_volt(s):
     s.expect(code=0x800)
 
 
 @script(Analog, "DAC-1")
-def da_first_rank_waits(s):
+def ad667_first_rank_waits(s):
     s.load(0b1110, 0xFFF)
     s.load(0b1101, 0xFFF)
     s.load(0b1011, 0xFFF)
@@ -166,7 +166,7 @@ def da_first_rank_waits(s):
 
 
 @script(Analog, "DAC-1")
-def da_nibbles_are_apart(s):
+def ad667_nibbles_are_apart(s):
     for a_n, want in ((0b1110, 0x805), (0b1101, 0x855), (0b1011, 0x555)):
         s.load(a_n, 0x555)
         s.load(0b0111, 0xAAA)
@@ -174,14 +174,14 @@ def da_nibbles_are_apart(s):
 
 
 @script(Analog, "DAC-1")
-def da_all_transparent(s):
+def ad667_all_transparent(s):
     for value in (0x123, 0xFED, 0x000):
         s.step(2, da_cs_n=0, da_a_n=0, da_d=value)
         s.expect(code=value)
 
 
 @script(Analog, "DAC-1")
-def da_rank_2_sees_a_coincident_first_rank(s):
+def ad667_rank_2_sees_a_coincident_first_rank(s):
     s.load(0b1100, 0x034)
     s.expect(code=0x800)
     s.load(0b0011, 0xA00)
@@ -189,7 +189,7 @@ def da_rank_2_sees_a_coincident_first_rank(s):
 
 
 @script(Analog, "DAC-1")
-def da_nothing_without_chip_select(s):
+def ad667_nothing_without_chip_select(s):
     s.step(3, da_cs_n=1, da_a_n=0, da_d=0x123)
     s.step(da_a_n=15)
     s.expect(code=0x800)
@@ -198,14 +198,14 @@ def da_nothing_without_chip_select(s):
 
 
 @script(Analog, "DAC-1")
-def da_value_holds_after_the_strobe(s):
+def ad667_value_holds_after_the_strobe(s):
     s.load(0, 0x3C3)
     s.step(20, da_d=0xFFF)
     s.expect(code=0x3C3)
 
 
 @script(Analog, "HB-1")
-def shot_lasts_exactly(s):
+def oneshot_lasts_exactly(s):
     s.expect("low at power-up", q=0)
     s.step(os_trig=1)
     s.seen(q=0)
@@ -217,7 +217,7 @@ def shot_lasts_exactly(s):
 
 
 @script(Analog, "HB-1")
-def shot_triggers_on_the_edge_only(s):
+def oneshot_triggers_on_the_edge_only(s):
     s.step(PULSE, os_trig=1)
     s.expect(q=1)
     s.step(3)
@@ -225,7 +225,7 @@ def shot_triggers_on_the_edge_only(s):
 
 
 @script(Analog, "HB-1")
-def shot_retrigger_extends(s):
+def oneshot_retrigger_extends(s):
     s.step(os_trig=1)
     s.step(9, os_trig=0)
     s.step(os_trig=1)
@@ -236,7 +236,7 @@ def shot_retrigger_extends(s):
 
 
 @script(Analog, "HB-1")
-def shot_trigger_in_the_last_clock_has_no_glitch(s):
+def oneshot_trigger_in_the_last_clock_has_no_glitch(s):
     s.step(os_trig=1)
     s.step(PULSE - 1, os_trig=0)
     s.step(os_trig=1)
@@ -247,7 +247,7 @@ def shot_trigger_in_the_last_clock_has_no_glitch(s):
 
 
 @script(Analog, "HB-1")
-def shot_trigger_one_clock_late_drops_once(s):
+def oneshot_trigger_one_clock_late_drops_once(s):
     s.step(os_trig=1)
     s.step(PULSE, os_trig=0)
     s.expect(q=0)
@@ -256,7 +256,7 @@ def shot_trigger_one_clock_late_drops_once(s):
 
 
 @script(Analog, "HB-1")
-def shot_clear_ends_and_inhibits(s):
+def oneshot_clear_ends_and_inhibits(s):
     s.step(os_trig=1)
     s.step(3, os_trig=0)
     s.step(os_clr_n=0)
@@ -298,7 +298,7 @@ def random_words(seed: str, clocks: int) -> list[int]:
 
 @cocotb.test()
 @req("ADC-1", "DAC-1", "HB-1")
-async def random_against_the_models(dut):
+async def ad574_ad667_oneshot_against_the_models(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-analog"
     words = random_words(seed, min(250_000, max(QUICK_OPS, 5000) * 20))
     models, layout, codes = Models(), Layout(OUTS), set()
@@ -317,7 +317,7 @@ async def random_against_the_models(dut):
 
 
 @script(Analog, "ADC-1")
-def ad_transfer_function_sweep(s):
+def ad574_transfer_function_sweep(s):
     """A thousand voltages in both spans against the formula."""
     rng = random.Random(os.environ.get("COCOTB_RANDOM_SEED", "1989"))
     for _ in range(500):
