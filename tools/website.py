@@ -140,9 +140,7 @@ def _write_cache(folder: Path) -> None:
 def knowledge() -> dict:
     """Structures as a WebAssembly machine lays them out, and the numbers of mcdef.h."""
     constants = {n: v for n, v in mcdef.constants().items() if -(2**31) <= v < 2**32}
-    inputs = [
-        {"name": name, **known.told(), "lasting": known.lasting} for name, known in INPUTS.items()
-    ]
+    inputs = [{"name": name, **known.told()} for name, known in INPUTS.items()]
     return {
         "version": __version__,
         "layouts": {name.removeprefix("struct "): layout(name) for name in STRUCTURES},

@@ -14,8 +14,8 @@ EVERY_S, KEPT = 0.1, 100  # the ring of snapshots at the start
 class History:
     def __init__(self, machine):
         self._machine, self._sim = machine, machine.sim
-        # What holds for snapshots from this number on: driver's number -> client's; inputs.
-        self._known: list[tuple[int, dict[int, int], dict]] = []
+        # Who has the device open in snapshots from this number on: driver's number -> client's.
+        self._known: list[tuple[int, dict[int, int]]] = []
         self._next = 0  # number that the next snapshot will have, or less
         self.ring(EVERY_S, KEPT)
 
@@ -25,12 +25,6 @@ class History:
     # --- what a snapshot does not hold ---
 
     def clients_changed(self) -> None:
-        self._remember()
-
-    def inputs_changed(self) -> None:
-        self._remember()
-
-    def _remember(self) -> None:
         machine = self._machine
         kept = self._sim.snapshots()
         self._next = max(self._next, kept[-1]["id"] + 1 if kept else 0)
@@ -40,7 +34,7 @@ class History:
             self._known.pop(0)  # no snapshot is as old as that
         while self._known and self._known[-1][0] == self._next:
             self._known.pop()
-        self._known.append((self._next, opens, dict(machine.inputs)))
+        self._known.append((self._next, opens))
 
     # --- snapshots ---
 
@@ -60,15 +54,13 @@ class History:
         """False: there is no such snapshot."""
         if number not in [s["id"] for s in self._sim.snapshots()]:
             return False
-        machine = self._machine
         self._sim.restore(number)
         self._next = max(self._next, number + 1)
-        _, had, inputs = next((k for k in reversed(self._known) if k[0] <= number), (0, {}, {}))
+        _, had = next((k for k in reversed(self._known) if k[0] <= number), (0, {}))
         self._known = [k for k in self._known if k[0] <= number]
-        machine.inputs = dict(inputs)
         self._settle(had)
         self._sim.tap_note("rewind", number, f"back to snapshot {number}")
-        self._remember()
+        self.clients_changed()
         return True
 
     def _settle(self, had: dict[int, int]) -> None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import struct
 import time
 from dataclasses import dataclass
@@ -71,7 +70,6 @@ class Machine:
         self.clients: dict[int, Client] = {}
         self.lease: Client | None = None
         self._stopper = 0  # process behind the last stop
-        self.inputs: dict[tuple[str, int], float] = {}
         self.history = History(self)
         self._numbers = 0
         self._told = 0  # events that the console has seen
@@ -199,7 +197,7 @@ class Machine:
         self.set_input("estop", 0, float(pressed))
 
     def is_pressed(self) -> bool:
-        return self.inputs.get(("estop", 0), 0) != 0
+        return bool(self.wrong_values("estop"))
 
     # --- requests of one who has the device open ---
 
@@ -277,15 +275,23 @@ class Machine:
 
     # --- what happens ---
 
-    def set_input(self, name: str, index: int, value: float, momentary: bool = False) -> int:
-        """An input of the machine or the plant takes a value now; a momentary one keeps none."""
+    def places(self, name: str) -> int:
+        """So many of an input there are."""
+        return {"machine": 1, "card": self.cards, "axis": 2 * self.cards}[INPUTS[name].scope]
+
+    def wrong_values(self, name: str, t: float | None = None) -> dict[int, float]:
+        """Of an input, what differs from healthy at a time, or now, by index."""
+        number, healthy = self._input_numbers[name], INPUTS[name].healthy
+        t = self.sim.time if t is None else t
+        values = {n: self.sim.input_value(number, n, t) for n in range(self.places(name))}
+        return {n: value for n, value in values.items() if value != healthy}
+
+    def set_input(self, name: str, index: int, value: float) -> int:
+        """An input of the machine or the plant takes a value now."""
         try:
             self.sim.add_event(self.sim.time, self._input_numbers[name], index, value)
         except RunError:
             return -EINVAL
-        if not momentary:
-            self.inputs[name, index] = value
-            self.history.inputs_changed()
         self.pass_time(0.0)
         return 0
 
@@ -306,10 +312,8 @@ class Machine:
             for event in events:
                 if event["kind"] == "log":
                     self._log(event["text"])
-                elif event["kind"] == "fault":
-                    self._keep_input(event["text"])
                 elif event["kind"] == "panic":
-                    self._at_panic = self._wrong_pins() if event["value"] else ""
+                    self._at_panic = self._wrong_pins(event["t"]) if event["value"] else ""
                     self._untold = self._at_panic
 
     def _log(self, text: str) -> None:
@@ -318,18 +322,10 @@ class Machine:
             self.sim.tap_note("log", 0, self._untold)
             self._untold = ""
 
-    def _keep_input(self, text: str) -> None:
-        """Of an input that a client or an event of the scenario has changed."""
-        name, index, value = re.fullmatch(r"(.+)\[(-?\d+)\] = (.+)", text).groups()
-        if name in INPUTS and INPUTS[name].lasting:
-            self.inputs[name, int(index)] = float(value)
-            self.history.inputs_changed()
-
-    def _wrong_pins(self) -> str:
+    def _wrong_pins(self, t: float | None = None) -> str:
         wrong = []
-        for (name, index), value in self.inputs.items():
-            pin = INPUTS[name]
-            if pin.made_by == "PIN" and value != pin.healthy:
+        for name, pin in INPUTS.items():
+            for index, value in self.wrong_values(name, t).items() if pin.made_by == "PIN" else ():
                 where = "" if pin.scope == "machine" else f"{pin.scope} {index}: "
                 meaning = pin.meaning.removeprefix(f"{value:g}: ")
                 wrong.append(where + (meaning if meaning != pin.meaning else f"{name} {value:g}"))

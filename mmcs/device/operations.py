@@ -56,12 +56,8 @@ class Operations:
     # --- inputs ---
 
     def do_inputs(self, a: Arguments) -> dict:
-        now = self._machine.inputs
-        rows = [
-            {"name": name, **known.told(),
-             "values": {str(i): v for (n, i), v in now.items() if n == name and v != known.healthy}}
-            for name, known in INPUTS.items()
-        ]  # fmt: skip
+        wrong = self._machine.wrong_values
+        rows = [{"name": n, **known.told(), "values": wrong(n)} for n, known in INPUTS.items()]
         return {"inputs": rows}
 
     def do_input(self, a: Arguments) -> dict:
@@ -70,11 +66,10 @@ class Operations:
             raise Refused(EINVAL, f"name: there is no input {name!r}")
         known = INPUTS[name]
         value = a.number("value", known.low, known.high)
-        places = {"machine": 1, "card": self._machine.cards, "axis": 2 * self._machine.cards}
-        index = a.integer("index", 0, places[known.scope] - 1, 0)
+        index = a.integer("index", 0, self._machine.places(name) - 1, 0)
         if (name, value) != ("estop", 1):
             self.must_control()
-        if self._machine.set_input(name, index, value, not known.lasting) < 0:
+        if self._machine.set_input(name, index, value) < 0:
             raise Refused(EINVAL, "index: nothing is connected there")
         return {"t": self._machine.sim.time}
 

@@ -219,6 +219,10 @@ class Sim(Watching, Playing):
             name = dict(enumerate(self.input_names())).get(input_, f"input {input_}")
             raise RunError(f"{name} at {t:.6f} s: {self.notes()[-1]['text']}")
 
+    def input_value(self, input_: int, index: int, t: float) -> float:
+        """At a time that has been."""
+        return self.lib.mmcs_sim_input_value(self._sim, input_, index, t)
+
     def run(self, until_s: float) -> bool:
         """False when an assertion of the model failed; the notes tell which."""
         return self.lib.mmcs_sim_run(self._sim, until_s) == 0

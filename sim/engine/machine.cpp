@@ -264,6 +264,15 @@ void Machine::add_event(const mmcs_event &event) {
   events_.insert(at, event);
 }
 
+double Machine::input_value(int input, int index, double t) const {
+  const mmcs_input &about = kInputs[input].about;
+  for (auto event = events_.rbegin(); about.lasting && event != events_.rend(); ++event) {
+    const bool here = event->index == index || event->index == -1;
+    if (event->input == input && here && event->t <= t) return event->value;
+  }
+  return about.healthy;
+}
+
 void Machine::apply(const mmcs_event &event) {
   char text[100];
   const char *name = input_name(event.input);

@@ -58,6 +58,7 @@ class Machine {
   void add_event(const mmcs_event &event);
   // "" or why the event is impossible.
   std::string check_event(const mmcs_event &event) const;
+  double input_value(int input, int index, double t) const;  // of the table, as it stood
 
   void note(const char *kind, int axis, const std::string &text);
   const std::vector<mmcs_note> &notes() const { return notes_; }

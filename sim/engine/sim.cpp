@@ -123,6 +123,10 @@ const mmcs_input *mmcs_sim_input(int32_t input) {
   return input >= 0 && input < mmcs::kInputCount ? &mmcs::kInputs[input].about : nullptr;
 }
 
+double mmcs_sim_input_value(const mmcs_sim *sim, int32_t input, int32_t index, double t) {
+  return sim && mmcs_sim_input(input) ? sim->machine.input_value(input, index, t) : 0;
+}
+
 int mmcs_sim_run(mmcs_sim *sim, double until_s) {
   if (!mmcs::is_time(until_s) || !mmcs::rests(sim)) return -1;
   return mmcs::guarded(

@@ -91,13 +91,8 @@ export const OPERATIONS = {
   }),
   inputs: (s) => ({
     inputs: s.setup.inputs.map((known) => {
-      const values = {};
-      for (const [at, value] of s.inputs) {
-        const [name, index] = at.split(" ");
-        if (name === known.name && value !== known.healthy) values[index] = value;
-      }
-      const { lasting, ...told } = known;  // prettier-ignore
-      return { ...told, values };
+      const values = Array.from({ length: s.places(known) }, (_, n) => [n, s.sim.inputValue(known.name, n)]);
+      return { ...known, values: Object.fromEntries(values.filter(([, value]) => value !== known.healthy)) };
     }),
   }),
   input: (s, a) => {
@@ -105,8 +100,7 @@ export const OPERATIONS = {
     const known = s.setup.inputs.find((i) => i.name === name);
     if (!known) throw new Refused(E.EINVAL, `name: there is no input '${name}'`);
     const value = a.number("value", known.low, known.high);
-    const places = { machine: 1, card: s.sim.cards, axis: 2 * s.sim.cards };
-    const index = a.integer("index", 0, places[known.scope] - 1, 0);
+    const index = a.integer("index", 0, s.places(known) - 1, 0);
     s.setInput(name, index, value);
     return { t: s.sim.time };
   },

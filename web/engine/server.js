@@ -26,7 +26,6 @@ export class Server {
     this.page = -1; // the driver's number of the page's open device
     this.writable = false;
     this.follow = null;
-    this.inputs = new Map();
     this.spoiled = ""; // why the record would not replay
     this.target = null; // of `advance`
     this.law = null; // of a person's own (law.js)
@@ -40,7 +39,7 @@ export class Server {
       lease: this.lease, waves: true, sample: { fields: this.protocol.fields, row_bytes: sim.tapHead().row_bytes },
       enabled: Boolean(stats.enabled), stopped: Boolean(stats.stopped),
       interval_us: stats.interval_us, diag: stats.diag, double_buffer: Boolean(stats.double_buffer),
-      panic: Boolean(stats.panic_level), button: Boolean(this.inputs.get("estop 0")) };  // prettier-ignore
+      panic: Boolean(stats.panic_level), button: Boolean(sim.inputValue("estop", 0)) };  // prettier-ignore
   }
 
   /** One request of the page. */
@@ -126,13 +125,17 @@ export class Server {
     throw new Refused(-result, said.join("; "));
   }
 
+  /** So many of an input there are. */
+  places({ scope }) {
+    return { machine: 1, card: this.sim.cards, axis: 2 * this.sim.cards }[scope];
+  }
+
   setInput(name, index, value) {
     const { sim, session } = this;
     const result = session.playing
       ? session.personSets(name, index, value)
       : sim.addEvent(sim.time, name, index, value) ? 0 : -E.EINVAL;  // prettier-ignore
     if (result < 0) throw new Refused(E.EINVAL, `there is no input ${name} ${index}`);
-    if (this.setup.inputs.find((known) => known.name === name)?.lasting) this.inputs.set(`${name} ${index}`, value);
     if (!session.playing) sim.run(sim.time + 1 / sim.clk_hz);
   }
 

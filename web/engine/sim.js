@@ -178,6 +178,10 @@ export class Sim {
     this.#put(this.#room, "mmcs_event", { t, input, index, value });
     return this.#m._mmcs_sim_add_event(this.#at, this.#room) === 0;
   }
+  /** As it stands. */
+  inputValue(name, index) {
+    return this.#m._mmcs_sim_input_value(this.#at, this.inputs.indexOf(name), index, this.time);
+  }
   /** False when an assertion of the machine failed. */
   run(until) {
     return this.#m._mmcs_sim_run(this.#at, until) === 0;
