@@ -161,17 +161,20 @@ def _expand(motors: list[Motor]) -> list[Motor]:
     return out
 
 
-# A [[motor]] of a scenario: values in place of the robot file's, all of Motor's but its names.
-MotorValues = create_model(
-    "MotorValues",
-    __base__=Strict,
-    axis=(Axes, Field("all", description="an axis number, a list of them or 'all'")),
-    **{
-        name: (field.rebuild_annotation() | None, None)
-        for name, field in Motor.model_fields.items()
-        if name not in ("name", "copies", "servo", "source")
-    },
-)
+def _some_of_motor(name: str, *without: str, **more):
+    """Keys of Motor, none of which must be there."""
+    keys = {
+        key: (field.rebuild_annotation() | None, None)
+        for key, field in Motor.model_fields.items()
+        if key not in ("name", "copies", *without)
+    }
+    return create_model(name, __base__=Strict, **more, **keys)
+
+
+ANY_AXES = Field("all", description="an axis number, a list of them or 'all'")
+# A [[motor]] of a scenario: values in place of the robot file's.
+MotorValues = _some_of_motor("MotorValues", "servo", "source", axis=(Axes, ANY_AXES))
+EveryAxis = _some_of_motor("EveryAxis")
 
 
 class Link(Strict):
@@ -187,6 +190,13 @@ class Link(Strict):
     source: str = ""
 
 
+def _merged(data, over):
+    """Tables in tables, too."""
+    if not (isinstance(data, dict) and isinstance(over, dict)):
+        return over
+    return data | {key: _merged(data.get(key), value) for key, value in over.items()}
+
+
 class Robot(Strict):
     """The whole file."""
 
@@ -194,10 +204,20 @@ class Robot(Strict):
     title: str = Field(min_length=1, description="one line in quotes")
     gravity: _vector(3, 1e3) = [0.0, 0.0, 0.0]
     reference: dict[str, str] = {}
+    every_axis: EveryAxis = EveryAxis()
     axis: Annotated[list[Motor], AfterValidator(_expand)] = Field(
         min_length=1, max_length=32, description="one [[axis]] per motor"
     )
     link: list[Link] = []
+
+    @model_validator(mode="before")
+    @classmethod
+    def _shared(cls, data):
+        """What every_axis says is said of each axis that does not say otherwise."""
+        every = data.get("every_axis") if isinstance(data, dict) else None
+        if not isinstance(every, dict) or not isinstance(data.get("axis"), list):
+            return data
+        return data | {"axis": [_merged(every, motor) for motor in data["axis"]]}
 
     def axes(self) -> int:
         return len(self.axis)

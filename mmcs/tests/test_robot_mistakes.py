@@ -31,6 +31,11 @@ ROBOT_CASES = {
     "mass": ("km = 0.02", "km = 0", "axis.0.km = 0: must be at least 1e-12"),
     "missing": ("km = 0.02", "", "axis.0.km: is missing"),
     "typo": ("viscous", "viscus", 'axis.0.viscus: unknown key; did you mean "viscous"?'),
+    "every axis": (
+        "[[axis]]",
+        "[every_axis]\nviscus = 1\n[[axis]]",
+        'every_axis.viscus: unknown key; did you mean "viscous"?',
+    ),
     "friction": ("[[axis]]", "[[axis]]\nfriction = -1", "axis.0.friction = -1: must be at least 0"),
     "exponent": (
         "inertia = 2e-6",
@@ -143,9 +148,10 @@ def test_friction_of_a_robot_file_is_that_of_sweeps(scenario):
         "four.toml": ROBOT,
         "one.toml": ROBOT.replace("\n".join(four), "friction = 0.1"),
         "given.toml": ROBOT.replace("[[axis]]", "[[axis]]\nfriction = 0.2"),
+        "every.toml": ROBOT.replace("[[axis]]", "[every_axis]\nfriction = 0.2\nkm = 7.0\n[[axis]]"),
     }
     motors = []
     for name, text in texts.items():
         scenario(text, name)
         motors.append(load(str(scenario(GOOD.replace("lab500", name)))).motors())
-    assert motors[0] == motors[1] == motors[2]
+    assert all(motor == motors[0] for motor in motors)

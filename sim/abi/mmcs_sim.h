@@ -254,7 +254,7 @@ typedef struct mmcs_input {
 } mmcs_input;
 /* The row of sim/abi/inputs.def: NULL past the last. */
 const mmcs_input *mmcs_sim_input(int32_t input);
-/* Its value at a time that has been: of the last event until then, else healthy, as every act is. */
+/* Its value at a time that has been: of the last event until then, else healthy, as of an act. */
 double mmcs_sim_input_value(const mmcs_sim *sim, int32_t input, int32_t index, double t);
 /* Every register of the hardware: its name from rtl/mmcs.sv down, or NULL; its bits; its value now.
  * The input "seu.<name>" flips bits of it. */

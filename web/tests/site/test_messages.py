@@ -60,8 +60,9 @@ ASKED = [
     {"op": "lease", "take": True, "deadman_ms": 600000}, {"op": "lease", "give": -1},
     {"op": "lease", "drop": True}, {"op": "stop"}, {"op": "write", "setpoints": [1]},
     {"op": "snapshot"}, {"op": "input", "name": "axis_enable", "index": 1, "value": 1},
-    {"op": "input", "name": "estop", "value": 1}, {"op": "input", "name": "load_torque", "value": 1e-7},
-    {"op": "inputs"}, {"op": "rewind", "snapshot": 0}, {"op": "inputs"}, {"op": "snapshots"},
+    {"op": "input", "name": "estop", "value": 1},
+    {"op": "input", "name": "load_torque", "value": 1e-7}, {"op": "inputs"},
+    {"op": "rewind", "snapshot": 0}, {"op": "inputs"}, {"op": "snapshots"},
     {"op": "close"}, {"op": "close"},
 ]  # fmt: skip
 
