@@ -126,9 +126,10 @@ cocotb: $(VENV)/.test ## the cocotb regression; SIM=icarus, SIM=both: on another
 	@$(if $(filter verilator,$(SIM)),,tools/need_debian.sh iverilog iverilog)
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim "$(SIM)" cocotb_tests
 
-test-icarus: $(VENV)/.test ## the cocotb regression on Icarus Verilog; FAST=1: one file for each block
+test-icarus: SEED ?= 7
+test-icarus: $(VENV)/.test ## the cocotb regression on Icarus, with random runs of its own (SEED=N); FAST=1: one file for each block
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim icarus \
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim icarus --seed $(SEED) \
 	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
 
 bench: $(VENV)/.test ## how fast it is, into docs/evidence/bench.md; BASE=commit: and against that one

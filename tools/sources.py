@@ -91,7 +91,7 @@ def core_arguments() -> list[str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--set", default="rtl", metavar="NAME", help="rtl, soc or checkers")
-    parser.add_argument("--abs", action="store_true", help="absolute paths")
+    parser.add_argument("--of", metavar="MODULE", help="only what this module is made of")
     parser.add_argument("--core", action="store_true", help="Verilator's arguments for the core")
     options = parser.parse_args()
     if options.core:
@@ -102,7 +102,10 @@ def main() -> int:
             return 2
         return 0
     try:
-        for path in sources(options.set, None if options.abs else Path()):
+        every = sources(options.set, Path())
+        if options.of and options.of not in (file.stem for file in every):
+            raise KeyError(f"mmcs.core has no module {options.of!r} in its set {options.set!r}")
+        for path in made_of(options.of) if options.of else every:
             print(path)
     except KeyError as error:
         print(f"sources: {error.args[0]}", file=sys.stderr)

@@ -298,7 +298,7 @@ def random_words(seed: str, clocks: int) -> list[int]:
 
 @cocotb.test()
 @req("ADC-1", "DAC-1", "HB-1")
-async def ad574_ad667_oneshot_against_the_models(dut):
+async def random_ad574_ad667_oneshot(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-analog"
     words = random_words(seed, min(250_000, max(QUICK_OPS, 5000) * 20))
     models, layout, codes = Models(), Layout(OUTS), set()

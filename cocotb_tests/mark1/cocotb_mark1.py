@@ -460,7 +460,7 @@ async def index_at_any_speed(dut):
             await tb.preset(0, e.count)
             await tb.pc.write(PORT_B, RUN | B_INDEX)
             assert not await tb.pc.read(PORT_C) & C_INDEX1
-            await Timer(2 * tb.random.randrange(tb.period // 2), "ps")
+            await Timer(2 + 2 * tb.random.randrange(tb.period // 2), "ps")
             assert e.count == start
             await e.move(end - start, ns)
             await tb.us(1)

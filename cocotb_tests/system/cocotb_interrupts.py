@@ -441,7 +441,7 @@ async def request_on_every_clock_around_the_acknowledge(dut):
         await panic_low(tb)
         await tb.wr(PCCSR, BASE)
         await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
-        await Timer(tb.random.randrange(125), "ns")
+        await Timer(1 + tb.random.randrange(125), "ns")
         await tb.clocks(12 - delay if delay < 12 else 0)
         if delay < 12:  # request first, acknowledge later
             dut.estop_closed_i.value = 0

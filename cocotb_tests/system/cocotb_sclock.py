@@ -176,7 +176,7 @@ async def index_latches_its_own_count(dut):
         await tb.cwr(0, PORT_B, B_REAL_ENC)
         await tb.preset(0, first)
         await tb.cwr(0, PORT_B, B_REAL_ENC | B_INDEX)
-        await Timer(2 * tb.random.randrange(tb.period), "ps")
+        await Timer(2 + 2 * tb.random.randrange(tb.period), "ps")
         await tb.enc[0].move(last - first, 2 * tick_ps(tb) / 1000)
         await Timer(round(10 * tick_ps(tb)), "ps")
         assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]

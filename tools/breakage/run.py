@@ -44,11 +44,12 @@ PARTS = {  # that are copied
 
 
 def entries(kind: str, only: str = "") -> list[dict]:
-    """The breakages that are for tests, or for proofs; `only`: whose name, file or proof has it."""
+    """Breakages for tests, or for proofs; `only`: whose name, file, proof or requirement has it."""
     every = [{"file": file} | e for file, es in tomllib.loads(LIST.read_text()).items() for e in es]
     mine = [e for e in every if any(key in e for key in KINDS[kind])]
     group = [e.get("proof", {}).get("group", "") for e in mine]
-    return [e for e, g in zip(mine, group, strict=True) if only in f"{e['name']}\n{e['file']}\n{g}"]
+    text = [f"{e['name']}\n{e['file']}\n{e.get('req', '')}" for e in mine]
+    return [e for e, t, g in zip(mine, text, group, strict=True) if only in f"{t}\n{g}"]
 
 
 def broken(entry: dict, folder: Path, parts: tuple[str, ...] = ("rtl",)) -> str | None:
