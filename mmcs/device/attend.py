@@ -24,7 +24,8 @@ struct attend {
   int epoll, timeout_ms, line, channel, client;
   char name[16];
   int64_t hz, limit, stretch, patience;
-  int64_t quiet;
+  int64_t quiet, wrote;
+  void *later;
   int64_t events;
   int fd, length, result, sampled, failed, waits;
   char data[65592];
@@ -49,7 +50,7 @@ class Attendant:
         for name in CALLS:
             setattr(a, name, pointer(getattr(sim.lib, f"mmcs_sim_{name}")))
         hz = sim.build()["clk_hz"]
-        a.quiet, a.epoll, a.timeout_ms, a.hz = -1, epoll, round(IDLE_S * 1000), hz
+        a.quiet, a.wrote, a.epoll, a.timeout_ms, a.hz = -1, -1, epoll, round(IDLE_S * 1000), hz
         a.stretch, a.patience = int(STRETCH_S * hz), round(NO_SAMPLE_S * hz)
 
     def attend(self, server) -> bool:
@@ -61,6 +62,7 @@ class Attendant:
         ((name, file),) = server.files.items()
         a.line, a.channel = line.connection.sock.fileno(), channel.sock.fileno()
         a.client, a.limit = file.client.driver, min(steps.limit, (1 << 62))
+        a.later = self._ffi.from_buffer(line.process.later.memory)
         a.name = name.ljust(16, b"\0")
         end = self._lib.attend(a, TURNS)
         if a.waits:

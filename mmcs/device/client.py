@@ -150,7 +150,7 @@ class Device:
             return self._line.wait()
         if self._attached:
             number = array.array("I", [0])
-            fcntl.ioctl(self._file.fileno(), wire.MWAIT, number)
+            fcntl.ioctl(self._fileno(), wire.MWAIT, number)
             return number[0]
         return sample_of(self._call(wire.SAMPLE, 0))
 
@@ -291,6 +291,7 @@ class Device:
         if len(data) > wire.MAX_DATA:
             raise OSError(errno.EINVAL, f"{len(data)} bytes are too many for one call")
         if self._attached:
+            self._fileno()
             try:
                 return *self._call_libc(op, a, data), self._why() if why else ""
             except OSError as error:
@@ -311,7 +312,7 @@ class Device:
     def _call_libc(self, op: int, a: int, data: bytes) -> tuple[int, bytes]:
         """As a C program makes it: in lock-step the library knows of every call, and its signals
         wait until it is over."""
-        fd = self._file.fileno()
+        fd = self._fileno()
         if op == wire.READ:
             out = os.read(fd, a)
             return len(out), out
@@ -328,10 +329,16 @@ class Device:
         out = fcntl.ioctl(fd, a, data.ljust(size, b"\0") if size else 0)
         return 0, out if size and a & mcdef.MC_ARG_OUT else b""
 
+    def _fileno(self) -> int:
+        fd = self._file.fileno()
+        if fd < 0:
+            raise OSError(errno.EBADF, _sentence(errno.EBADF, "the device is closed"))
+        return fd
+
     def _why(self) -> str:
         text = bytes(wire.MWHY_SIZE)
         try:
-            return fcntl.ioctl(self._file.fileno(), wire.MWHY, text).split(b"\0")[0].decode()
+            return fcntl.ioctl(self._fileno(), wire.MWHY, text).split(b"\0")[0].decode()
         except OSError:
             return ""
 
@@ -341,8 +348,7 @@ class Device:
         try:
             return self._idle.pop()
         except IndexError:
-            if self._file.fileno() < 0:
-                raise OSError(errno.EBADF, "the device is closed") from None
+            self._fileno()
             try:
                 return connect(self._where)
             except OSError:

@@ -68,6 +68,7 @@ class Process:
     lines: list[Line] = field(default_factory=list)
     timers: dict[int, list[int]] = field(default_factory=dict)  # first, interval, value, signal, fd
     fired: dict[int, int] = field(default_factory=dict)  # descriptor: how often
+    later: wire.Later = field(default_factory=wire.Later)
 
     def join(self) -> None:
         """Waits for the end of a thread end when it is neither there nor on its way."""
@@ -146,11 +147,12 @@ class Lockstep:
         process.join()
         return line
 
-    def leave(self, line: Line) -> None:
-        """Its connection has ended, and so has the thread, or the whole program, as may be seen."""
+    def leave(self, line: Line, says_so: bool = False) -> None:
+        """A thread says that it ends. A connection that ends unsaid: all of the program does."""
         if line not in line.process.lines:
             return
-        self._drop(line)
+        for one in [line] if says_so else list(line.process.lines):
+            self._drop(one)
         if not line.process.lines:
             line.process.starting = True  # another program, or its end
 
@@ -193,7 +195,7 @@ class Lockstep:
         if wait.what & wire.WAIT_CHILD and len(self._processes) == 1:
             line.cause, line.outside = wire.CAUSE_OUTSIDE, True
         if wait.what & wire.WAIT_FILES:
-            line.outside = all(
+            line.outside = bool(wait.files) and all(
                 wire.is_outside(line.process.pid, fd, self._processes) for fd in wait.files
             )
             if line.outside and wait.until == wire.NEVER:
@@ -229,21 +231,19 @@ class Lockstep:
             timers.pop(number, None)
         return wire.TIMER.pack(*before)
 
+    def take_later(self) -> list[tuple[bytes, bytes]]:
+        """The write()s without an answer: each file's name, data."""
+        return [due for process in self._processes.values() if (due := process.later.take())]
+
     def fired(self, line: Line) -> bytes:
         fired, line.process.fired = line.process.fired, {}
         return b"".join(wire.FIRED.pack(fd, count) for fd, count in fired.items())
 
-    def poke(self, pid: int) -> None:
-        """Somebody attached has sent it a signal."""
-        process = self._processes.get(pid)
-        if process is not None:
-            self._deliver(process, wire.pending_signals(pid))
-
-    def signalled(self, pids: list[int]) -> None:
-        """The driver's signal has gone out to them."""
+    def signalled(self, pids: list[int], signals: int = 1 << (SIGUSR1 - 1)) -> None:
+        """The driver, or somebody attached, has sent them these signals."""
         for pid in pids:
             if pid in self._processes:
-                self._deliver(self._processes[pid], 1 << (SIGUSR1 - 1))
+                self._deliver(self._processes[pid], signals)
 
     def watch(self, connection, pid: int) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""

@@ -132,14 +132,19 @@ class Program(Connection):
     def _wait_or_tell(self, op: int, a: int, b: int, payload: bytes, pid: int) -> None:
         """Samples, and what a line asks: some of it is answered later."""
         steps, line = self._lockstep, self.line
+        self._write_later()
         if not wire.well_formed(op, a, b, len(payload)):
             self.reply(-wire.EINVAL)
         elif op == wire.SAMPLE:
             steps.watch(self, pid)
         elif op == wire.LINE and line is None and steps.on:
             self.line = steps.open_line(self, a, b, pid)
+            if payload:
+                self.line.process.later.share(pid, *struct.unpack("<i", payload))
         elif line is None:
             self.reply(-wire.EINVAL)
+        elif op == wire.LINE:
+            steps.leave(line, says_so=True)
         elif op == wire.WAIT:
             steps.wait(line, wire.Wait.of(payload))
         elif op == wire.CANCEL:
@@ -153,7 +158,10 @@ class Program(Connection):
         elif op == wire.NOW:
             self.reply(0, steps.now())
         else:
-            (steps.poke(a) if op == wire.POKE else steps.spawn(line, a, bool(b)))
+            if op == wire.POKE:
+                steps.signalled([a], wire.pending_signals(a))
+            else:
+                steps.spawn(line, a, bool(b))
             self.reply(0)
 
     def _become_file(self) -> None:
@@ -165,7 +173,14 @@ class Program(Connection):
         self.data.clear()
         self.watch(0)
 
+    def _write_later(self) -> None:
+        for name, data in self._lockstep.take_later():
+            if (file := self._files.get(name)) is not None:
+                self._machine.write(file.client, data)
+                self._lockstep.signal()
+
     def leave(self) -> None:
+        self._write_later()
         if self.line is not None:
             self._lockstep.leave(self.line)
         if self.client is not None:

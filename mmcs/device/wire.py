@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import contextlib
+import mmap
 import os
+import socket
 import struct
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -32,10 +34,31 @@ WAIT_HEAD = struct.Struct("<QQQQII")
 NOW_DATA = struct.Struct("<QII")
 TIMER = struct.Struct("<QQQii")
 FIRED = struct.Struct("<ii")
+LATER = struct.Struct("<II16s128s")  # struct wire_later
 MAX_DATA = 65536
 MAX_PATH = 256
 
 EIO, ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 5, 6, 9, 16, 22, 25
+
+
+class Later:
+    """struct wire_later of a program."""
+
+    def __init__(self):
+        self.memory: bytearray | mmap.mmap = bytearray(LATER.size)
+
+    def share(self, pid: int, fd: int) -> None:
+        own = os.open(f"/proc/{pid}/fd/{fd}", os.O_RDWR)
+        try:
+            self.memory = mmap.mmap(own, LATER.size)
+        finally:
+            os.close(own)
+
+    def take(self) -> tuple[bytes, bytes] | None:
+        """The file's name, data."""
+        due, length, name, data = LATER.unpack_from(self.memory)
+        self.memory[:4] = bytes(4)
+        return (name.rstrip(b"\0"), data[:length]) if due else None
 
 
 class Wait(NamedTuple):
@@ -97,9 +120,25 @@ def well_formed(op: int, a: int, b: int, size: int) -> bool:
         return size > 0 and size % 8 == 0
     if op == WAIT:
         return size >= WAIT_HEAD.size and (size - WAIT_HEAD.size) % 4 == 0
+    if op == LINE:
+        return size in (0, 4)
     if op == TIMER_OP:
         return size in (0, TIMER.size)
     return OPEN < op <= CANCEL and size == 0
+
+
+def _peer(link: str) -> str:
+    """The link of the other end of a Unix socket, as the kernel's sock_diag(7) knows it; or ""."""
+    ask = struct.pack("<IHHIIBBHIIIii", 40, 20, 1, 0, 0, socket.AF_UNIX, 0, 0, 0xFFFFFFFF,
+                      int(link[8:-1]), 4, -1, -1)  # fmt: skip
+    with contextlib.suppress(OSError), socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 4) as diag:
+        diag.settimeout(1)
+        diag.send(ask)
+        reply = diag.recv(4096)
+        size, kind = struct.unpack_from("<IH", reply)
+        if kind == 20 and size >= 40:  # behind its head an attribute, the peer's inode
+            return f"socket:[{struct.unpack_from('<I', reply, 36)[0]}]"
+    return ""
 
 
 def is_outside(pid: int, fd: int, attached: Iterable[int]) -> bool:
@@ -112,10 +151,10 @@ def is_outside(pid: int, fd: int, attached: Iterable[int]) -> bool:
         return False
     if not link.startswith(("pipe:", "socket:")):
         return True
-    ends = 0
+    ends, both = 0, (link, _peer(link) if link.startswith("socket:") else "")
     for other in attached:
         with contextlib.suppress(OSError):
             for entry in os.scandir(f"/proc/{other}/fd"):
                 with contextlib.suppress(OSError):
-                    ends += os.readlink(entry.path) == link
+                    ends += os.readlink(entry.path) in both
     return ends < 2

@@ -84,6 +84,7 @@ def run(folder, command, neighbour, fault):
                 while sim.time < END_S and any(server.lockstep.has(c.pid) for c in children):
                     server.step()
                 program.poll()
+                enabled = sim.stats()["enabled"]  # while who is still there has it open
             finally:
                 for child in children:
                     child.kill()
@@ -92,7 +93,7 @@ def run(folder, command, neighbour, fault):
         heard = [n for n in sim.notes() if n["kind"] == "signal" and n["t"] >= FAULT_S]
         return {
             "signals": [n["t"] for n in heard], "clients": {n["text"] for n in heard},
-            "enabled": sim.stats()["enabled"], "status": program.returncode,
+            "enabled": enabled, "status": program.returncode,
             "notes": [n["text"] for n in sim.notes() if n["kind"] == "log"],
             "resting": abs(sim.true(1)["angle"]), "hash": sim.hash(),
             "told": told.read_text() if told.exists() else "", "time": sim.time,

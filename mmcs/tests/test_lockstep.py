@@ -2,14 +2,16 @@
 """Lock-step: time passes only while every attached program waits, so that programs repeat."""
 
 import asyncio
+import itertools
 import os
+import struct
 import subprocess
 import sys
 import threading
 
 import pytest
 
-from mmcs.device import lockstep
+from mmcs.device import lockstep, wire
 from mmcs.device.attend import Attendant
 from mmcs.device.client import Device
 from mmcs.device.server import Server
@@ -124,6 +126,89 @@ def test_a_pipe_between_programs(tmp_path):
         assert rows == [[str(n), f"{(n + 1) / 100:g}"] for n in range(5)]
 
 
+# What is written is more than a pipe holds, and read a little at each sample.
+FULL = """
+import os, socket, time
+import mmcs
+for ends in (os.pipe(), [s.detach() for s in socket.socketpair()]):
+    reads, writes = ends
+    if os.fork() == 0:
+        os.close(writes)
+        got = 0
+        with mmcs.Device(flags=os.O_RDONLY) as dev:
+            while data := os.read(reads, 10000):
+                got += len(data)
+                dev.wait()
+        print("read", got, flush=True)
+        os._exit(0)
+    os.close(reads)
+    print(os.write(writes, bytes(300000)), round(time.monotonic(), 6), flush=True)
+    os.close(writes)
+    os.wait()
+"""
+POOL = """
+import multiprocessing, time
+import mmcs
+def square(n):
+    time.sleep(0.001 * (n % 3))
+    return n * n
+def other(queue, event, dev):
+    [queue.put(dev.wait()) for n in range(5)]
+    event.set()
+with mmcs.Device(flags=0) as dev, multiprocessing.Pool(3) as pool:
+    print(pool.map(square, range(20)), dev.wait())
+    queue, event = multiprocessing.Queue(), multiprocessing.Event()
+    child = multiprocessing.Process(target=other, args=(queue, event, dev))
+    child.start()
+    print([queue.get() for n in range(5)])
+    event.wait(), child.join()
+    lock = multiprocessing.Lock()
+    lock.acquire()
+    print(lock.acquire(timeout=0.005), dev.wait())
+"""
+# A loop that asks and does not wait.
+ASKS = """
+import os, select, time
+for ask in (lambda: select.select([reads], [], [], 0)[0], lambda: poll.poll(0),
+            lambda: epoll.poll(0)):
+    reads, writes = os.pipe()
+    poll, epoll = select.poll(), select.epoll()
+    poll.register(reads), epoll.register(reads, select.EPOLLIN)
+    if os.fork() == 0:
+        time.sleep(0.01), os.write(writes, b"x"), os._exit(0)
+    while not ask():
+        pass
+    print(round(time.monotonic(), 6))
+    os.wait()
+"""
+# A program ends with all of its threads, whichever the kernel ends first.
+ENDS = """
+import os, threading, time
+lock = threading.Lock()
+lock.acquire()
+for n in range(20):
+    if os.fork() == 0:
+        for n in range(5):
+            threading.Thread(target=lock.acquire, daemon=True).start()
+        time.sleep(0.001)
+        os._exit(0)
+    os.wait()
+print(round(time.monotonic(), 6))
+"""
+
+
+@pytest.mark.parametrize("text, last", [
+    (FULL, "read 300000"), (POOL, "False 11"), (ASKS, "0.03"), (ENDS, "0.02"),
+], ids=["full", "pool", "asks", "ends"])  # fmt: skip
+def test_pipes_pools_polls_and_ends(text, last, tmp_path):
+    runs = set()
+    for n in range(2):
+        out = tmp_path / f"out{n}"
+        runs.add((*run_in_lockstep(tmp_path / "m", *python(text, out)), out.read_text()))
+    (status, _, said), *others = runs
+    assert status == 0 and not others and said.splitlines()[-1] == last, runs
+
+
 THREADS = """
 #include <pthread.h>
 #include <stdio.h>
@@ -193,7 +278,8 @@ def test_an_example_runs_alike_on_a_busy_machine(path, tmp_path):
     ("import socket; s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); BEGUN; s.accept()",
      "waits for the outside world"),
     ("BEGUN\nwhile True: pass", "without a call that waits"),
-    ("import mmcs\nd = mmcs.Device()\nBEGUN\nwhile True: d.read(1)", "without a call that waits"),
+    ("import mmcs\nd = mmcs.Device()\nd.read(1)\nBEGUN\nwhile True: d.read(1)",
+     "without a call that waits"),
 ])  # fmt: skip
 def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeypatch):
     monkeypatch.setattr(lockstep, "SILENT_S", 600)  # while Python begins
@@ -337,11 +423,60 @@ with mmcs.Device() as dev, mmcs.Device(flags=os.O_RDONLY) as other:
 """
 
 
-@pytest.mark.parametrize("what", ["sine.c", "sine.py", "bounce.c", "guard.py", STOPS, READS])
+# write()s that do without an answer: in force before all else that the program, its threads, its
+# children and the next program in its place do, and when it dies.
+WRITES = """
+import array, fcntl, os, struct, sys, threading, time
+import mmcs
+from mmcs import mcdef as mc
+from mmcs.device.wire import MWAIT
+fd = int(sys.argv[1]) if len(sys.argv) > 1 else os.open("/dev/mc0", os.O_RDWR)
+def write(*values):
+    os.write(fd, struct.pack("<2i", *values))
+def wait(number=array.array("I", [0])):
+    fcntl.ioctl(fd, MWAIT, number)
+def show(what):
+    wait()
+    states = list(struct.iter_unpack("<7i", os.read(fd, 56)))
+    print(what, [error + feedback for _, _, _, error, feedback, *_ in states], flush=True)
+def ready():
+    for n in range(3):
+        wait(), write(n, n)
+    wait()
+if len(sys.argv) == 1:
+    with mmcs.Device() as dev:
+        for axis in range(2):
+            dev.set_param(axis, {**dev.get_param(axis), "mode": mc.MD_POS})
+        dev.enable()
+    ready(), write(50, 60), show("one")
+    ready(), write(51, 61), write(52, 62), show("two")
+    ready(), write(53, 63), fcntl.ioctl(fd, mc.MSETPOINT, struct.pack("<2i", 0, 70)), show("call")
+    def other():
+        ready(), write(54, 64)
+    for n in range(2):
+        thread = threading.Thread(target=other)
+        thread.start(), thread.join()
+        show("thread")
+    ready(), write(55, 65)
+    if os.fork() == 0:
+        show("child"), os._exit(0)
+    show("parent")
+    os.wait()
+    ready(), write(56, 66), time.sleep(0.0025), show("sleep")
+    os.set_inheritable(fd, True)
+    ready(), write(57, 67), os.execv(sys.executable, [*sys.orig_argv, str(fd)])
+show("exec"), ready(), write(58, 68), os.abort()
+"""
+
+
+@pytest.mark.parametrize("what", ["sine.c", "sine.py", "bounce.c", "guard.py", STOPS, READS, WRITES],
+    ids=["sine.c", "sine.py", "bounce.c", "guard.py", "stops", "reads", "writes"])  # fmt: skip
 def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypatch):
-    """With and without it: the same output, the same hash."""
+    """With it, without it, in turns: the same output, the same hash."""
     command = [sys.executable, "-c", what] if "\n" in what else example(EXAMPLES / what)
     attend, served, quiet, runs = Attendant.attend, 0, False, []
+    take, later = wire.Later.take, set()
+    monkeypatch.setattr(wire.Later, "take", lambda self: later.add(due := take(self)) or due)
 
     def count(self, server):
         nonlocal served, quiet
@@ -350,15 +485,22 @@ def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypat
         served += self._a.waits if took else 0
         return took
 
-    for quick in (count, lambda self, server: False):
+    turns = itertools.cycle((0, 0, 1))
+    sometimes = lambda self, server: next(turns) and attend(self, server)  # noqa: E731
+    for quick in (count, lambda self, server: False, sometimes):
         monkeypatch.setattr(Attendant, "attend", quick)
+        for loop in ("attend", "server") if quick is sometimes else ():
+            monkeypatch.setattr(f"mmcs.device.{loop}.TURNS", 1)
         out = tmp_path / "out"
         shell = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
         status, hash_ = run_in_lockstep(tmp_path / "m", *shell)
         runs.append((status, hash_, out.read_text()))
-    assert runs[0] == runs[1] and runs[0][0] == 0
+    assert runs[0] == runs[1] == runs[2] and runs[0][0] == (134 if what == WRITES else 0)
     assert served > 30 or what in ("bounce.c", "guard.py"), served
-    assert quiet == (what in ("sine.c", "sine.py", READS)) or what == "guard.py"
+    assert quiet == (what in ("sine.c", "sine.py", READS, WRITES)) or what == "guard.py"
+    if what == WRITES:
+        assert "parent [55, 65]" in runs[0][2] and "exec [57, 67]" in runs[0][2]
+        assert {struct.unpack("<2i", data)[0] for _, data in later - {None}} == {57, 58}
     if what == READS:
         assert "cleared" in runs[0][2]
     if what == STOPS:

@@ -30,7 +30,7 @@ calls = [
     lambda: dev.write([1]), lambda: dev.write_axis(0, 1),  # the driver says it once
     lambda: mmcs.Device("/dev/mc1"), lambda: mmcs.Device(flags=os.O_RDWR | os.O_DIRECTORY),
     lambda: mmcs.Device(flags=os.O_RDWR | os.O_CREAT | os.O_EXCL),
-    lambda: mmcs.Device(flags=3),
+    lambda: mmcs.Device(flags=3), lambda: (mon.close(), mon.read()), lambda: mon.wait(),
 ]
 for call in calls:
     try:

@@ -26,6 +26,8 @@ struct attend {
   char name[WIRE_NAME];
   int64_t hz, limit, stretch, patience; /* clocks */
   int64_t quiet; /* events there were when a read took no time and showed no error; or -1 */
+  int64_t wrote; /* events there were when a write took no time and succeeded; or -1 */
+  struct wire_later *later;
   /* what ended it */
   int64_t events; /* there had been before the last call */
   int fd, length, result, sampled, failed, waits;
@@ -69,6 +71,7 @@ static int wait_for_sample(struct attend *a) {
   const struct wire_request *r = (const void *)a->data;
   int read = 0;
   told.now = (struct wire_now){.sample = (uint32_t)a->samples(a->sim)};
+  told.now.flags = a->wrote == a->events ? NOW_WRITES : 0;
   told.now.ns = (uint64_t)((__int128)a->clock(a->sim) * 1000000000 / a->hz);
   if (r->a > 0 && r->a <= sizeof told.states && a->quiet == a->events)
     read = a->read(a->sim, a->client, told.states, (size_t)r->a);
@@ -91,6 +94,21 @@ static int shows_error(const char *states, int bytes) {
   return bad != 0;
 }
 
+static int write_now(struct attend *a, const void *data, uint32_t length) {
+  int64_t before = a->clock(a->sim);
+  a->result = a->write(a->sim, a->client, data, length);
+  a->wrote = a->result != (int)length || a->clock(a->sim) != before ? -1 : a->events;
+  return a->result;
+}
+
+/* Who stopped the machine meanwhile has said so: this write() is answered already. */
+static void write_first(struct attend *a) {
+  struct wire_later w = *a->later;
+  if (!w.due || memcmp(w.name, a->name, WIRE_NAME) != 0 || w.length > sizeof w.data) return;
+  a->later->due = 0;
+  (void)write_now(a, w.data, w.length);
+}
+
 /* A call of the program: -1 if it is not for here. */
 static int call(struct attend *a) {
   static char states[WIRE_MAX];
@@ -104,8 +122,7 @@ static int call(struct attend *a) {
     return reply(a->channel, a->result, states, (uint32_t)a->result);
   }
   if (r->op != WIRE_WRITE) return -1;
-  a->result = a->write(a->sim, a->client, a->data + sizeof *r, r->length);
-  if (a->result < 0) return END_REFUSED;
+  if (write_now(a, a->data + sizeof *r, r->length) < 0) return END_REFUSED;
   return reply(a->channel, a->result, "", 0);
 }
 
@@ -125,7 +142,8 @@ int attend(struct attend *a, int turns) {
         (size_t)a->length != sizeof *r + r->length)
       return END_BYTES;
     if (a->fd == a->line) {
-      if (!is_plain_wait(a)) return END_BYTES;
+      write_first(a);
+      if (events_of(a) != a->events || !is_plain_wait(a)) return END_BYTES;
       if (!wait_for_sample(a)) return END_WAIT;
       continue;
     }

@@ -20,11 +20,13 @@ int device_is_path(const char *path);
 int device_fail(int result);
 
 /* lockstep.c, if it is there; else null. Before a descriptor is read or written: waits until that
- * does not block. The next sample: its number, or a negative errno. */
-extern void (*device_await)(int fd, short events);
+ * does not block, for so many bytes. The next sample: its number, or a negative errno. */
+extern size_t (*device_await)(int fd, short events);
 extern int (*device_sample)(uint32_t *number);
 /* The states that came with the sample, if that many did: their bytes, or 0. */
 extern int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t length);
+/* 1: the server will find these bytes, and write() succeeds. */
+extern int (*device_later)(const char name[WIRE_NAME], const void *data, uint32_t length);
 
 /* vme_map.c: the mapped window of /dev/vme16. */
 void *vme_map(void *address, uint64_t length, int prot, int64_t offset, const char name[WIRE_NAME]);

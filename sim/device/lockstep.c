@@ -8,6 +8,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -108,7 +109,7 @@ static void learn(const struct wire_now *now) {
   now_ns = now->ns;
   now_sample = now->sample;
   now_calls = wire_calls;
-  if (now->fired) fire();
+  if (now->flags & NOW_FIRED) fire();
 }
 
 uint64_t lock_now(void) {
@@ -194,6 +195,35 @@ static int states(const char name[WIRE_NAME], void *data, uint32_t length) {
   return 0;
 }
 
+/* The server's part, and the last write() with an answer: one like it may do without. */
+static struct wire_later *later, last;
+static int may_be_later;
+static unsigned long last_others; /* wire_others then */
+
+/* A signal's handler that interrupts this finds may_be_later taken, and its write() is answered. */
+static int write_later(const char name[WIRE_NAME], const void *data, uint32_t length) {
+  int may = may_be_later && lock_on() && last_others == wire_others && last.length == length &&
+            memcmp(last.name, name, WIRE_NAME) == 0;
+  may_be_later = 0;
+  if (may) {
+    *later = last;
+    memcpy(later->data, data, length);
+    __atomic_store_n(&later->due, 1, __ATOMIC_RELEASE);
+  } else {
+    last_others = wire_others;
+    last.length = length;
+    memcpy(last.name, name, WIRE_NAME);
+  }
+  return may;
+}
+
+/* A call must not overtake it. */
+static void write_first(void) {
+  struct wire_now now;
+  uint32_t room = sizeof(now);
+  if (later != NULL && later->due && lock_on()) (void)lock_ask(WIRE_NOW, 0, NULL, 0, &now, &room);
+}
+
 static int wait_once(const struct wire_wait *head, const int *files, const sigset_t *mask,
                      int *heard) {
   char data[sizeof(*head) + 4 * 64];
@@ -205,13 +235,15 @@ static int wait_once(const struct wire_wait *head, const int *files, const sigse
   uint64_t wanted = head->what == WAIT_SAMPLE && ahead.read ? ahead.wanted : 0;
   int result;
   ahead.length = 0;
-  ahead.read = 0;
+  ahead.read = may_be_later = 0;
   memcpy(data, head, sizeof(*head));
   if (head->files > 0) memcpy(data + sizeof(*head), files, 4 * head->files);
   if (request(WIRE_WAIT, wanted, 0, data, length) < 0) return -EIO;
   *heard = await_answer(mask);
   result = answer(&told, &room);
   if (result >= 0) learn(&told.now);
+  may_be_later = result >= 0 && told.now.flags & NOW_WRITES && later != NULL &&
+                 last.length <= sizeof(last.data);
   if (result >= 0 && room > sizeof(told.now)) {
     ahead.length = room - (uint32_t)sizeof(told.now);
     ahead.others = wire_others;
@@ -266,29 +298,44 @@ static int sample(uint32_t *number) {
 
 /* --- lines ----------------------------------------------------------------------------- */
 
+/* Memory for `later`, of this process alone; a descriptor of it. */
+static int make_later(void) {
+  int fd = memfd_create("mmcs", MFD_CLOEXEC);
+  later = NULL;
+  if (fd < 0 || ftruncate(fd, sizeof(*later)) < 0) return fd;
+  later = mmap(NULL, sizeof(*later), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  if (later == MAP_FAILED) later = NULL;
+  return fd;
+}
+
 static void open_line(enum wire_line kind, unsigned number) {
   struct wire_now now = {0};
   uint32_t room = sizeof(now);
+  int memory = kind == LINE_THREAD ? -1 : make_later();
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   line = wire_connect();
   line_pid = wire_pid();
   if (line < 0 ||
-      request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), NULL, 0) < 0 ||
+      request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), &memory,
+              memory < 0 ? 0 : sizeof(memory)) < 0 ||
       answer(&now, &room) < 0) {
     enabled = 0;
   } else {
     learn(&now);
     (void)pthread_setspecific(at_end, &line);
   }
+  if (memory >= 0) (void)syscall(SYS_close, memory); /* the server has its own */
   pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* Whoever joins this thread may go on: the server sees the line's end. */
 static void end_thread(void *unused) {
   (void)unused;
-  if (line_pid == wire_pid()) close_line();
+  if (line_pid != wire_pid() || line < 0) return;
+  (void)request(WIRE_LINE, LINE_THREAD, 0, NULL, 0);
+  close_line();
 }
 
 void lock_begin_thread(unsigned number) {
@@ -311,6 +358,8 @@ __attribute__((constructor(102))) static void attach(void) {
   open_line(LINE_PROGRAM, 0);
   device_sample = sample;
   device_states = states;
+  device_later = write_later;
+  wire_first = write_first;
   wire_late = only_outside;
   if (lock_at_start != NULL) lock_at_start();
 }

@@ -30,9 +30,10 @@
 
 #define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
-void (*device_await)(int fd, short events);
+size_t (*device_await)(int fd, short events);
 int (*device_sample)(uint32_t *number);
 int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t length);
+int (*device_later)(const char name[WIRE_NAME], const void *data, uint32_t length);
 
 int device_is_path(const char *path) {
   if (path == NULL || strncmp(path, "/dev/", 5) != 0) return 0;
@@ -139,6 +140,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
   int result;
   if (length > sizeof(data)) return -EINVAL;
   if (device_copy_in(data, buffer, length) < 0) return -EFAULT;
+  if (device_later != NULL && device_later(name, data, (uint32_t)length)) return (ssize_t)length;
   result = wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL);
   return result > (int)length ? -EIO : result;
 }
@@ -146,7 +148,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
 ssize_t read(int fd, void *buffer, size_t length) {
   char name[WIRE_NAME];
   if (!wire_is_file(fd, name)) {
-    if (device_await != NULL) device_await(fd, POLLIN);
+    if (device_await != NULL) (void)device_await(fd, POLLIN);
     return syscall(SYS_read, fd, buffer, length);
   }
   return device_fail((int)device_read(name, buffer, length));
@@ -158,12 +160,20 @@ ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size) {
   return read(fd, buffer, length);
 }
 
+static ssize_t write_elsewhere(int fd, const char *from, size_t length) {
+  for (size_t done = 0;;) {
+    size_t most = device_await != NULL ? device_await(fd, POLLOUT) : length;
+    size_t part = length - done < most ? length - done : most;
+    ssize_t n = syscall(SYS_write, fd, from + done, part);
+    if (n < 0 && done == 0) return n;
+    if (n > 0) done += (size_t)n;
+    if (n < (ssize_t)part || done == length) return (ssize_t)done;
+  }
+}
+
 ssize_t write(int fd, const void *buffer, size_t length) {
   char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) {
-    if (device_await != NULL) device_await(fd, POLLOUT);
-    return syscall(SYS_write, fd, buffer, length);
-  }
+  if (!wire_is_file(fd, name)) return write_elsewhere(fd, buffer, length);
   return device_fail((int)device_write(name, buffer, length));
 }
 

@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lock-step: threads, and what they wait for of each other. One runs at a time, so that a lock is
- * taken or waited for; what others wait for is known here by its address. Not between processes. */
+/* Lock-step: threads and children, and what they wait for of each other. One runs at a time, so
+ * that a lock is taken or waited for; what others wait for is known here by its address. Between
+ * processes there are only semaphores. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <pthread.h>
 #include <semaphore.h>
+#include <spawn.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "lockstep.h"
 
@@ -141,7 +146,27 @@ int pthread_rwlock_unlock(pthread_rwlock_t *l) {
   return result;
 }
 
+/* As the C library keeps it: another process may post it, which does not know who waits. */
+static int is_shared(const sem_t *s) {
+  return ((const int *)(const void *)s)[2] != 0;
+}
+
+/* It is tried again each time that somebody else has run. */
+static int take_shared(sem_t *s, uint64_t until) {
+  for (unsigned what = WAIT_FILES;; what |= WAIT_AGAIN) {
+    int cause;
+    if (sem_trywait(s) == 0) return 0;
+    if (errno != EAGAIN) return -1;
+    if (lock_now() >= until) break;
+    cause = lock_wait(what, until, NULL, NULL, 0, NULL, 0);
+    if (cause == CAUSE_OUTSIDE) return REAL(sem_wait)(s);
+  }
+  errno = ETIMEDOUT;
+  return -1;
+}
+
 static int take(sem_t *s, uint64_t until) {
+  if (is_shared(s)) return take_shared(s, until);
   int result = UNTIL_FREE(sem_trywait(s) == 0 ? 0 : errno, EAGAIN, s, until);
   if (result == 0) return 0;
   errno = result;
@@ -224,4 +249,92 @@ int pthread_barrier_wait(pthread_barrier_t *given) {
   }
   while (b->turn == turn) (void)wait_for(b, WIRE_NEVER);
   return 0;
+}
+
+/* --- children -------------------------------------------------------------------------- */
+
+static pid_t await_child(pid_t pid, int *status, int options, struct rusage *usage) {
+  for (;;) {
+    pid_t found = REAL(wait4)(pid, status, options | WNOHANG, usage);
+    if (found != 0 || (options & WNOHANG)) return found;
+    switch (lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0)) {
+      case CAUSE_SIGNAL:
+        errno = EINTR;
+        return -1;
+      case CAUSE_OUTSIDE:
+        return REAL(wait4)(pid, status, options, usage);
+      default: /* a child may have ended */
+        break;
+    }
+  }
+}
+
+pid_t wait4(pid_t pid, int *status, int options, struct rusage *usage) {
+  if (!lock_on()) return REAL(wait4)(pid, status, options, usage);
+  return await_child(pid, status, options, usage);
+}
+pid_t wait3(int *status, int options, struct rusage *usage) {
+  return wait4(-1, status, options, usage);
+}
+pid_t waitpid(pid_t pid, int *status, int options) {
+  return wait4(pid, status, options, NULL);
+}
+pid_t wait(int *status) {
+  return wait4(-1, status, 0, NULL);
+}
+
+int waitid(idtype_t kind, id_t id, siginfo_t *info, int options) {
+  siginfo_t own = {0}, *found = info != NULL ? info : &own;
+  if (!lock_on() || (options & WNOHANG)) return REAL(waitid)(kind, id, info, options);
+  for (;;) {
+    found->si_pid = 0;
+    if (REAL(waitid)(kind, id, found, options | WNOHANG) < 0) return -1;
+    if (found->si_pid != 0) return 0;
+    switch (lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0)) {
+      case CAUSE_SIGNAL:
+        errno = EINTR;
+        return -1;
+      case CAUSE_OUTSIDE:
+        return REAL(waitid)(kind, id, info, options);
+      default:
+        break;
+    }
+  }
+}
+
+pid_t fork(void) {
+  pid_t pid = REAL(fork)();
+  if (pid > 0 && lock_on()) (void)lock_tell(WIRE_SPAWN, (uint64_t)pid, 0);
+  return pid;
+}
+pid_t vfork(void) {
+  return fork();
+}
+
+static int told(int result, pid_t pid) {
+  if (result == 0 && lock_on()) (void)lock_tell(WIRE_SPAWN, (uint64_t)pid, 0);
+  return result;
+}
+
+#define SPAWN_LIKE(name)                                                           \
+  int name(pid_t *restrict pid, const char *restrict path,                         \
+           const posix_spawn_file_actions_t *restrict files,                       \
+           const posix_spawnattr_t *restrict how, char *const arguments[restrict], \
+           char *const environment[restrict]) {                                    \
+    pid_t child = 0;                                                               \
+    int result = REAL(name)(&child, path, files, how, arguments, environment);     \
+    if (pid != NULL) *pid = child;                                                 \
+    return told(result, child);                                                    \
+  }
+SPAWN_LIKE(posix_spawn)
+SPAWN_LIKE(posix_spawnp)
+
+int system(const char *command) {
+  char *const arguments[] = {(char *)"sh", (char *)"-c", (char *)(uintptr_t)command, NULL};
+  int status = -1;
+  pid_t pid;
+  if (!lock_on() || command == NULL) return REAL(system)(command);
+  if (posix_spawn(&pid, "/bin/sh", NULL, NULL, arguments, environ) != 0) return 127 << 8;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+  return status;
 }

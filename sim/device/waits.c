@@ -1,23 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lock-step: the calls of the C library that sleep or wait, but for those of threads (sync.c). */
+/* Lock-step: the calls of the C library that sleep or wait, but for threads and children (sync.c).
+ */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/resource.h>
 #include <sys/select.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
-#include <sys/wait.h>
 #include <threads.h>
 #include <unistd.h>
 
@@ -144,6 +142,19 @@ int kill(pid_t pid, int number) {
 
 /* --- descriptors ----------------------------------------------------------------------- */
 
+/* What has found nothing and was asked to wait for no longer. A loop of such calls waits for
+ * something: every hundredth at the same time takes 100 us, as a hundred do on a computer. */
+static int is_over(uint64_t until) {
+  static __thread uint64_t last;
+  static __thread unsigned times;
+  uint64_t now = lock_now();
+  if (now < until) return 0;
+  times = now == last ? times + 1 : 1;
+  last = now;
+  if (times == 100) (void)lock_wait(0, now + 100000, NULL, NULL, 0, NULL, 0);
+  return 1;
+}
+
 static int ppoll_once(struct pollfd *fds, nfds_t n, uint64_t until, const sigset_t *mask) {
   static const struct timespec none = {0};
   int files[64];
@@ -152,7 +163,7 @@ static int ppoll_once(struct pollfd *fds, nfds_t n, uint64_t until, const sigset
     if (fds[i].fd >= 0) files[count++] = fds[i].fd;
   for (what = count > 0 ? WAIT_FILES : 0;; what |= WAIT_AGAIN) {
     int cause, ready = REAL(ppoll)(fds, n, &none, NULL);
-    if (ready != 0 || lock_now() >= until) return ready;
+    if (ready != 0 || is_over(until)) return ready;
     cause = lock_wait(what, until, NULL, files, count, mask, 0);
     if (cause == CAUSE_SIGNAL) return interrupted();
     if (cause == CAUSE_OUTSIDE) return REAL(ppoll)(fds, n, NULL, mask);
@@ -188,7 +199,7 @@ static int select_until(int n, fd_set *in, fd_set *out, fd_set *bad, uint64_t un
   for (what = count > 0 ? WAIT_FILES : 0;; what |= WAIT_AGAIN) {
     struct timespec none = {0};
     int cause, ready = REAL(pselect)(n, in, out, bad, &none, NULL);
-    if (ready != 0 || lock_now() >= until) return ready;
+    if (ready != 0 || is_over(until)) return ready;
     cause = lock_wait(what, until, NULL, files, count, mask, 0);
     for (int i = 0; i < 3; i++)
       if (set[i] != NULL) *set[i] = asked[i];
@@ -224,7 +235,7 @@ int epoll_pwait(int fd, struct epoll_event *events, int most, int ms, const sigs
   until = ms < 0 ? WIRE_NEVER : lock_after((uint64_t)ms * 1000000);
   for (unsigned what = WAIT_FILES;; what |= WAIT_AGAIN) {
     int cause, ready = REAL(epoll_pwait)(fd, events, most, 0, NULL);
-    if (ready != 0 || lock_now() >= until) return ready;
+    if (ready != 0 || is_over(until)) return ready;
     cause = lock_wait(what, until, NULL, &fd, 1, mask, 0);
     if (cause == CAUSE_SIGNAL) return interrupted();
     if (cause == CAUSE_OUTSIDE) return REAL(epoll_pwait)(fd, events, most, -1, mask);
@@ -236,22 +247,36 @@ int epoll_wait(int fd, struct epoll_event *events, int most, int ms) {
   return epoll_pwait(fd, events, most, ms, NULL);
 }
 
+/* Pipes and streams, which take a part of what is written. */
+static int takes_parts(int fd) {
+  struct stat status;
+  int kind = 0;
+  socklen_t size = sizeof(kind);
+  if (fstat(fd, &status) < 0) return 0;
+  if (S_ISSOCK(status.st_mode)) (void)getsockopt(fd, SOL_SOCKET, SO_TYPE, &kind, &size);
+  return S_ISFIFO(status.st_mode) || kind == SOCK_STREAM;
+}
+
 /* A blocking descriptor that would block. Signals are seen to when the call itself is made. */
-static void await_ready(int fd, short events) {
+static size_t await_ready(int fd, short events) {
   struct pollfd one = {.fd = fd, .events = events};
   static const struct timespec none = {0};
   int flags = lock_on() ? fcntl(fd, F_GETFL) : O_NONBLOCK, saved = errno;
   unsigned what = WAIT_FILES;
+  size_t most = SIZE_MAX;
   while (flags >= 0 && !(flags & O_NONBLOCK) && REAL(ppoll)(&one, 1, &none, NULL) == 0) {
     if (lock_wait(what, WIRE_NEVER, NULL, &fd, 1, NULL, 0) == CAUSE_OUTSIDE) break;
     what |= WAIT_AGAIN;
   }
+  if (events == POLLOUT && flags >= 0 && !(flags & O_NONBLOCK) && takes_parts(fd)) most = PIPE_BUF;
   errno = saved;
+  return most;
 }
 
 static void await_socket(int fd, int flags) {
   char name[WIRE_NAME];
-  if (!(flags & MSG_DONTWAIT) && lock_on() && !wire_is_file(fd, name)) await_ready(fd, POLLIN);
+  if (!(flags & MSG_DONTWAIT) && lock_on() && !wire_is_file(fd, name))
+    (void)await_ready(fd, POLLIN);
 }
 
 ssize_t recv(int fd, void *to, size_t length, int flags) {
@@ -308,90 +333,4 @@ static void take_pipes(void) {
 }
 __attribute__((constructor(101))) static void offer(void) {
   lock_at_start = take_pipes;
-}
-
-/* --- children -------------------------------------------------------------------------- */
-
-static pid_t await_child(pid_t pid, int *status, int options, struct rusage *usage) {
-  for (;;) {
-    pid_t found = REAL(wait4)(pid, status, options | WNOHANG, usage);
-    if (found != 0 || (options & WNOHANG)) return found;
-    switch (lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0)) {
-      case CAUSE_SIGNAL:
-        return interrupted();
-      case CAUSE_OUTSIDE:
-        return REAL(wait4)(pid, status, options, usage);
-      default: /* a child may have ended */
-        break;
-    }
-  }
-}
-
-pid_t wait4(pid_t pid, int *status, int options, struct rusage *usage) {
-  if (!lock_on()) return REAL(wait4)(pid, status, options, usage);
-  return await_child(pid, status, options, usage);
-}
-pid_t wait3(int *status, int options, struct rusage *usage) {
-  return wait4(-1, status, options, usage);
-}
-pid_t waitpid(pid_t pid, int *status, int options) {
-  return wait4(pid, status, options, NULL);
-}
-pid_t wait(int *status) {
-  return wait4(-1, status, 0, NULL);
-}
-
-int waitid(idtype_t kind, id_t id, siginfo_t *info, int options) {
-  siginfo_t own = {0}, *found = info != NULL ? info : &own;
-  if (!lock_on() || (options & WNOHANG)) return REAL(waitid)(kind, id, info, options);
-  for (;;) {
-    found->si_pid = 0;
-    if (REAL(waitid)(kind, id, found, options | WNOHANG) < 0) return -1;
-    if (found->si_pid != 0) return 0;
-    switch (lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0)) {
-      case CAUSE_SIGNAL:
-        return interrupted();
-      case CAUSE_OUTSIDE:
-        return REAL(waitid)(kind, id, info, options);
-      default:
-        break;
-    }
-  }
-}
-
-pid_t fork(void) {
-  pid_t pid = REAL(fork)();
-  if (pid > 0 && lock_on()) (void)lock_tell(WIRE_SPAWN, (uint64_t)pid, 0);
-  return pid;
-}
-pid_t vfork(void) {
-  return fork();
-}
-
-static int told(int result, pid_t pid) {
-  if (result == 0 && lock_on()) (void)lock_tell(WIRE_SPAWN, (uint64_t)pid, 0);
-  return result;
-}
-
-#define SPAWN_LIKE(name)                                                           \
-  int name(pid_t *restrict pid, const char *restrict path,                         \
-           const posix_spawn_file_actions_t *restrict files,                       \
-           const posix_spawnattr_t *restrict how, char *const arguments[restrict], \
-           char *const environment[restrict]) {                                    \
-    pid_t child = 0;                                                               \
-    int result = REAL(name)(&child, path, files, how, arguments, environment);     \
-    if (pid != NULL) *pid = child;                                                 \
-    return told(result, child);                                                    \
-  }
-SPAWN_LIKE(posix_spawn)
-SPAWN_LIKE(posix_spawnp)
-
-int system(const char *command) {
-  char *const arguments[] = {(char *)"sh", (char *)"-c", (char *)(uintptr_t)command, NULL};
-  int status = -1;
-  pid_t pid;
-  if (!lock_on() || command == NULL) return REAL(system)(command);
-  if (posix_spawn(&pid, "/bin/sh", NULL, NULL, arguments, environ) != 0) return 127 << 8;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
-  return status;
 }

@@ -178,6 +178,7 @@ int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room) {
 }
 
 unsigned long wire_calls, wire_others;
+void (*wire_first)(void);
 
 /* The connection broke; distinct from every errno that the server may answer. */
 #define LOST (-0x10000)
@@ -316,6 +317,7 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
   if (op != WIRE_WRITE) __atomic_add_fetch(&wire_others, 1, __ATOMIC_RELAXED);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
+  if (wire_first != NULL) wire_first();
   fd = take_channel();
   if (fd >= 0) {
     memcpy(request.name, name, WIRE_NAME);

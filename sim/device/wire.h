@@ -38,7 +38,8 @@ enum wire_op {
   WIRE_SAMPLE = 11, /* answered behind the next servo sample; reply data = struct wire_now */
   /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
   WIRE_LINE = 12,   /* a = enum wire_line and, from bit 8, the thread's number in its process, b =
-                       thread: this is its line. Answered when it may run */
+                       thread: this is its line; data = the descriptor of a struct wire_later, but of
+                       a thread. Answered when it may run. Again: the thread ends, no answer */
   WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors; answered when it may run again: result
                        = enum wire_cause, data = struct wire_now. a = bytes of states that may follow
                        it, as read() would give them */
@@ -85,7 +86,20 @@ struct wire_wait {
 struct wire_now {
   uint64_t ns;     /* machine time */
   uint32_t sample; /* since power-on */
-  uint32_t fired;  /* WIRE_FIRED has something */
+  uint32_t flags;  /* enum wire_flag */
+};
+
+enum wire_flag {
+  NOW_FIRED = 1, /* WIRE_FIRED has something */
+  NOW_WRITES = 2 /* a write() as the last one, before time goes on, succeeds and takes no time */
+};
+
+/* A write() that nobody waits for, in memory that the server shares: carried out in front of what
+ * comes next on a line, and at the end of the process or of the file. */
+struct wire_later {
+  uint32_t due, length;
+  char name[WIRE_NAME];
+  char data[32 * 4];
 };
 
 struct wire_timer {
@@ -137,5 +151,7 @@ int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room);
 extern const sigset_t *(*wire_late)(const sigset_t *before);
 /* How many calls this process has made: each may have taken machine time. And but for write(). */
 extern unsigned long wire_calls, wire_others;
+/* Before each call, if it is there. */
+extern void (*wire_first)(void);
 
 #endif
