@@ -74,6 +74,7 @@ class Machine:
         self._numbers = 0
         self._told = 0  # events that the console has seen
         self._at_panic = ""  # pins that were at fault when PANIC came, which no register tells
+        self._panicked = False  # it has come since MENABLE; our own stop raises it as well
         self._untold = ""  # the same, until the console has it
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
         requests = mcdef.requests().values()
@@ -312,9 +313,11 @@ class Machine:
             for event in events:
                 if event["kind"] == "log":
                     self._log(event["text"])
-                elif event["kind"] == "panic":
-                    self._at_panic = self._wrong_pins(event["t"]) if event["value"] else ""
-                    self._untold = self._at_panic
+                elif event["kind"] == "panic" and event["value"] and not self._panicked:
+                    self._at_panic = self._untold = self._wrong_pins(event["t"])
+                    self._panicked = True
+                elif event["kind"] == "enabled" and event["value"]:
+                    self._at_panic, self._panicked = "", False
 
     def _log(self, text: str) -> None:
         self.console(text)

@@ -68,6 +68,8 @@ no adaptor answers there
 a device is no directory
 it exists already
 must be opened for reading, writing or both
+the device is closed
+the device is closed
 """
 
 

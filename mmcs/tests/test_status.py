@@ -31,6 +31,8 @@ sys.stdin.readline()
 while dev.status().enabled:
     pass
 say(dev.status().why)
+sys.stdin.readline()
+say(dev.status().why)
 """
 PANICS = [
     ("estop", 0, 1, "button, or a cause that has passed (", "the hand-held button is pressed"),
@@ -48,6 +50,14 @@ def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why
         lines = [_line(bench, child) for _ in range(4)]
         assert lines == ["False False True True True", "True", "False True True", "False"]
         bench.server.machine.set_input(name, index, value)
+        child.stdin.write("\n")
+        child.stdin.flush()
+        assert _line(bench, child) == f"{why}{known})"
+        # it has passed, and something else comes: still what shut the machine down
+        bench.server.machine.set_input(name, index, 1 - value)
+        bench.sim.run(bench.sim.time + 0.2)
+        bench.server.machine.set_input("pc_power", 0, 0)
+        bench.sim.run(bench.sim.time + 0.2)
         child.stdin.write("\n")
         child.stdin.flush()
         out, status = bench.finish(child)
