@@ -2,17 +2,14 @@
 """Lock-step: time passes only while every attached program waits, so that programs repeat."""
 
 import asyncio
-import itertools
 import os
-import struct
 import subprocess
 import sys
 import threading
 
 import pytest
 
-from mmcs.device import lockstep, wire
-from mmcs.device.attend import Attendant
+from mmcs.device import lockstep
 from mmcs.device.client import Device
 from mmcs.device.server import Server
 from mmcs.device.wire import MWAIT
@@ -376,132 +373,3 @@ def test_lockstep_of_a_server_that_is_not(tmp_path):
     with Bench(tmp_path) as bench:
         out, status = bench.finish(bench.python("import mmcs; mmcs.Device(lockstep=True)"))
     assert status == 1 and "the machine is not in lock-step; start `mmcs serve --lockstep" in out
-
-
-STOPS = """
-import mmcs
-with mmcs.Device() as dev:
-    dev.enable()
-    for n in range(50):
-        dev.wait()
-        dev.write([n])
-    dev.stop()
-    try:
-        dev.write([1])
-    except OSError as error:
-        print(error.strerror)
-    try:
-        dev.write([1, 2, 3])
-    except OSError as error:
-        print(error.strerror)
-"""
-
-
-# States that came with a sample: as read() would give them, whatever is asked in between.
-READS = """
-import os, time
-import mmcs
-from mmcs import mcdef as mc
-with mmcs.Device() as dev, mmcs.Device(flags=os.O_RDONLY) as other:
-    other.close()
-    dev.set_param(0, {**dev.get_param(0), "mode": mc.MD_VEL | mc.POSCHK | mc.SOFTERR,
-                      "plo": 5, "phi": 9})
-    dev.enable()
-    for n in range(60):
-        number = dev.wait()
-        if n % 7 == 1:
-            dev.write([20])
-        print(number, dev.read(1 + (n > 30)))
-        if n % 11 == 2:
-            dev.set_encoder(0, n % 13)
-            time.sleep(0.0004)
-        if n % 5 == 0:
-            print(dev.read(2), dev.status().sample)
-        if any(s.errcode for s in dev.read()):
-            dev.clear_error()
-            print("cleared", dev.read())
-"""
-
-
-# write()s that do without an answer: in force before all else that the program, its threads, its
-# children and the next program in its place do, and when it dies.
-WRITES = """
-import array, fcntl, os, struct, sys, threading, time
-import mmcs
-from mmcs import mcdef as mc
-from mmcs.device.wire import MWAIT
-fd = int(sys.argv[1]) if len(sys.argv) > 1 else os.open("/dev/mc0", os.O_RDWR)
-def write(*values):
-    os.write(fd, struct.pack("<2i", *values))
-def wait(number=array.array("I", [0])):
-    fcntl.ioctl(fd, MWAIT, number)
-def show(what):
-    wait()
-    states = list(struct.iter_unpack("<7i", os.read(fd, 56)))
-    print(what, [error + feedback for _, _, _, error, feedback, *_ in states], flush=True)
-def ready():
-    for n in range(3):
-        wait(), write(n, n)
-    wait()
-if len(sys.argv) == 1:
-    with mmcs.Device() as dev:
-        for axis in range(2):
-            dev.set_param(axis, {**dev.get_param(axis), "mode": mc.MD_POS})
-        dev.enable()
-    ready(), write(50, 60), show("one")
-    ready(), write(51, 61), write(52, 62), show("two")
-    ready(), write(53, 63), fcntl.ioctl(fd, mc.MSETPOINT, struct.pack("<2i", 0, 70)), show("call")
-    def other():
-        ready(), write(54, 64)
-    for n in range(2):
-        thread = threading.Thread(target=other)
-        thread.start(), thread.join()
-        show("thread")
-    ready(), write(55, 65)
-    if os.fork() == 0:
-        show("child"), os._exit(0)
-    show("parent")
-    os.wait()
-    ready(), write(56, 66), time.sleep(0.0025), show("sleep")
-    os.set_inheritable(fd, True)
-    ready(), write(57, 67), os.execv(sys.executable, [*sys.orig_argv, str(fd)])
-show("exec"), ready(), write(58, 68), os.abort()
-"""
-
-
-@pytest.mark.parametrize("what", ["sine.c", "sine.py", "bounce.c", "guard.py", STOPS, READS, WRITES],
-    ids=["sine.c", "sine.py", "bounce.c", "guard.py", "stops", "reads", "writes"])  # fmt: skip
-def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypatch):
-    """With it, without it, in turns: the same output, the same hash."""
-    command = [sys.executable, "-c", what] if "\n" in what else example(EXAMPLES / what)
-    attend, served, quiet, runs = Attendant.attend, 0, False, []
-    take, later = wire.Later.take, set()
-    monkeypatch.setattr(wire.Later, "take", lambda self: later.add(due := take(self)) or due)
-
-    def count(self, server):
-        nonlocal served, quiet
-        took = attend(self, server)
-        quiet = quiet or self._a.quiet >= 0  # so that states came with samples
-        served += self._a.waits if took else 0
-        return took
-
-    turns = itertools.cycle((0, 0, 1))
-    sometimes = lambda self, server: next(turns) and attend(self, server)  # noqa: E731
-    for quick in (count, lambda self, server: False, sometimes):
-        monkeypatch.setattr(Attendant, "attend", quick)
-        for loop in ("attend", "server") if quick is sometimes else ():
-            monkeypatch.setattr(f"mmcs.device.{loop}.TURNS", 1)
-        out = tmp_path / "out"
-        shell = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
-        status, hash_ = run_in_lockstep(tmp_path / "m", *shell)
-        runs.append((status, hash_, out.read_text()))
-    assert runs[0] == runs[1] == runs[2] and runs[0][0] == (134 if what == WRITES else 0)
-    assert served > 30 or what in ("bounce.c", "guard.py"), served
-    assert quiet == (what in ("sine.c", "sine.py", READS, WRITES)) or what == "guard.py"
-    if what == WRITES:
-        assert "parent [55, 65]" in runs[0][2] and "exec [57, 67]" in runs[0][2]
-        assert {struct.unpack("<2i", data)[0] for _, data in later - {None}} == {57, 58}
-    if what == READS:
-        assert "cleared" in runs[0][2]
-    if what == STOPS:
-        assert "stopped, MENABLE first" in runs[0][2] and "at most 2 joints" in runs[0][2]
