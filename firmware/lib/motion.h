@@ -150,6 +150,10 @@ static inline int motion_close(struct motion *m) {
 /* One joint goes to a position at once; the others keep their setpoints. */
 static inline int motion_set(struct motion *m, int axis, double position) {
   struct mmcs_setpoint one = {axis, 0};
+  if (axis < 0 || axis >= m->axes || !isfinite(position)) {
+    errno = EINVAL;
+    return -1;
+  }
   m->rest.position[axis] = position;
   m->rest.velocity[axis] = m->rest.acceleration[axis] = m->rest.current[axis] = 0;
   m->drive[axis] = m->ahead[axis] = 0;
@@ -168,10 +172,19 @@ static inline struct motion_knot *motion_knot(struct motion *m, unsigned n) {
   return &m->knot[(m->first + n) % MOTION_KNOTS];
 }
 
-/* Another knot behind those there are. EINVAL: it is earlier; EAGAIN: no room yet. */
+static inline int motion_is_finite(const struct motion *m, const struct motion_point *p) {
+  int finite = 1;
+  for (int i = 0; i < m->axes; i++) {
+    finite = finite && isfinite(p->position[i]) && isfinite(p->velocity[i]);
+    finite = finite && isfinite(p->acceleration[i]) && isfinite(p->current[i]);
+  }
+  return finite;
+}
+
+/* Another knot behind those there are. EINVAL: it is earlier, or no number; EAGAIN: no room yet. */
 static inline int motion_put(struct motion *m, double time, const struct motion_point *point) {
   double least = m->used > 0 ? motion_knot(m, m->used - 1)->time : motion_time(m);
-  if (!(time >= least) || m->used == MOTION_KNOTS) {
+  if (!(time >= least && isfinite(time) && motion_is_finite(m, point)) || m->used == MOTION_KNOTS) {
     errno = m->used == MOTION_KNOTS ? EAGAIN : EINVAL;
     return -1;
   }

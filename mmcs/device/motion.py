@@ -86,7 +86,8 @@ def header(robot: str, interval_us: int) -> str:
         rows.append("    {" + ",\n     ".join([*values, f".param = {{{param}}}"]) + "},\n")
     title = f"/* The joints of {Path(robot).stem} at {interval_us} us: mmcs exec --robot */"
     return (
-        f"{title}\n#define ROBOT_AXES {len(rows)}\n#define ROBOT_INTERVAL_US {interval_us}\n"
+        f"{title}\n#include <motion.h>\n"
+        f"#define ROBOT_AXES {len(rows)}\n#define ROBOT_INTERVAL_US {interval_us}\n"
         f"static const struct motion_axis robot[ROBOT_AXES] = {{\n{''.join(rows)}}};\n"
     )
 
@@ -180,8 +181,10 @@ class Motion:
 
     def set(self, axis: int, position: float) -> None:
         """One joint goes to a position at once; the others keep their setpoints."""
-        point = self.rest
-        place = [*point.position]
+        if not 0 <= axis < self.axes:
+            raise OSError(errno.EINVAL, f"axis {axis}: must be 0 to {self.axes - 1}")
+        self._check("position", [position] * self.axes)
+        place = [*self.rest.position]
         place[axis] = position
         self.rest = rest_at(place)
         self._drive[axis] = self._ahead[axis] = 0.0
@@ -190,10 +193,16 @@ class Motion:
 
     def put(self, time: float, point: Point) -> None:
         """Another knot behind those there are."""
+        for name, values in vars(point).items():
+            self._check(name, values)
         least = self._knots[-1][0] if self._knots else self.time
         if not time >= least:
             raise OSError(errno.EINVAL, f"{time} s is earlier than {least} s")
         self._knots.append((time, point))
+
+    def _check(self, what: str, values: list[float]) -> None:
+        if len(values) != self.axes or not all(map(math.isfinite, values)):
+            raise OSError(errno.EINVAL, f"{what} {values}: must be {self.axes} finite numbers")
 
     def step(self) -> bool:
         """Waits for the next sample and writes the setpoints of the one behind it. False: the
@@ -249,6 +258,9 @@ class Motion:
         each within this share of its limits. jerk: limited too, by the package ruckig."""
         if profile not in PROFILES:
             raise OSError(errno.EINVAL, f"profile {profile!r}: must be one of {PROFILES}")
+        self._check("to", to)
+        if not 0 < share < math.inf:
+            raise OSError(errno.EINVAL, f"share {share}: must be above 0")
         t, start = self._knots[-1] if self._knots else (self.time, self.rest)
         ways = [abs(b - a) for a, b in zip(start.position, to, strict=True)]
         if not any(ways):

@@ -4,6 +4,7 @@
 import ctypes
 import errno
 import math
+import subprocess
 import sys
 from types import SimpleNamespace
 
@@ -14,7 +15,13 @@ from mmcs import ROOT
 from mmcs.device.motion import Motion, Point, header, joints_of, rest_at, zero_of
 from mmcs.errors import InputError
 from mmcs.scenario.load import load
-from mmcs.tests.device_bench import EXAMPLES, ROBOT, compile_example, run_in_lockstep
+from mmcs.tests.device_bench import (
+    EXAMPLES,
+    ROBOT,
+    compile_example,
+    compile_program,
+    run_in_lockstep,
+)
 from tools.compiled import compiled, written
 
 JOINTS = joints_of("puma560")
@@ -124,12 +131,50 @@ def test_mistakes():
     assert caught.value.errno == errno.EINVAL
     with pytest.raises(OSError, match="must be one of"):
         motion.move(TO, profile="spline")
+    nan = float("nan")
+    for to in (TO[:5], [*TO[:5], nan], [nan] * 6):
+        with pytest.raises(OSError, match="must be 6 finite numbers"):
+            motion.move(to, 0.2, "quintic")
+    for mistake in (lambda: motion.set(6, 0.0), lambda: motion.set(0, nan),
+                    lambda: motion.move(TO, 0.0), lambda: motion.move(TO, nan)):  # fmt: skip
+        with pytest.raises(OSError, match="must be") as caught:
+            mistake()
+        assert caught.value.errno == errno.EINVAL
+    assert not motion._knots
     motion.put(motion.time, Point([0.0] * 6, [1.0] * 6, [0.0] * 6, [0.0] * 6))
     with pytest.raises(OSError, match="ended at a velocity") as caught:
         motion.run()
     assert caught.value.errno == errno.ETIME
     with pytest.raises(InputError):
         joints_of("nobody")
+
+
+MISTAKES_C = """
+#include <assert.h>
+#include <motion.h>
+int main(void) {
+  struct motion_axis axis[2] = {{.speed = 1, .acceleration = 1}, {.speed = 1, .acceleration = 1}};
+  struct motion m = {.axis = axis, .axes = 2, .interval = 0.001};
+  struct motion_point point = {.position = {0, NAN}};
+  double to[] = {NAN, 1.0}, there[] = {1.0, 1.0};
+  assert(motion_put(&m, 1.0, &point) < 0 && errno == EINVAL);
+  assert(motion_put(&m, INFINITY, &m.rest) < 0 && errno == EINVAL);
+  errno = 0;
+  assert(motion_set(&m, 2, 0.0) < 0 && errno == EINVAL);
+  assert(motion_set(&m, 0, NAN) < 0 && m.rest.position[0] == 0.0);
+  assert(motion_quintic(&m, to, 0.2) < 0 && motion_trapezoid(&m, to, 0.2) < 0 && m.used == 0);
+  assert(motion_quintic(&m, there, 0.0) < 0 && errno == EINVAL);
+  return 0;
+}
+"""
+
+
+def test_mistakes_in_c(tmp_path):
+    source = tmp_path / "mistakes.c"
+    source.write_text(MISTAKES_C)
+    folders = ("firmware/include", "firmware/lib", "sim/device/include")
+    program = compile_program(source, *(f"-I{ROOT / f}" for f in folders))
+    assert subprocess.run([program], check=False).returncode == 0
 
 
 def test_without_ruckig_it_says_what_to_do(monkeypatch):
