@@ -17,12 +17,7 @@ class History:
         # Who has the device open in snapshots from this number on: driver's number -> client's.
         self._known: list[tuple[int, dict[int, int]]] = []
         self._next = 0  # number that the next snapshot will have, or less
-        self.ring(EVERY_S, KEPT)
-
-    def ring(self, every_s: float, count: int) -> None:
-        self._sim.ring(every_s, count)
-
-    # --- what a snapshot does not hold ---
+        self._sim.ring(EVERY_S, KEPT)
 
     def clients_changed(self) -> None:
         machine = self._machine
@@ -36,24 +31,7 @@ class History:
             self._known.pop()
         self._known.append((self._next, opens))
 
-    # --- snapshots ---
-
-    def take(self) -> dict:
-        return {"id": self._sim.snapshot(), "t": self._sim.time}
-
-    def list(self) -> list[dict]:
-        return [
-            {"id": s["id"], "t": s["t"], "kept": bool(s["kept"])} for s in self._sim.snapshots()
-        ]
-
-    def last_before(self, t: float) -> int | None:
-        found = [s["id"] for s in self._sim.snapshots() if s["t"] <= t + 1e-9]
-        return found[-1] if found else None
-
-    def rewind(self, number: int) -> bool:
-        """False: there is no such snapshot."""
-        if number not in [s["id"] for s in self._sim.snapshots()]:
-            return False
+    def rewind(self, number: int) -> None:
         self._sim.restore(number)
         self._next = max(self._next, number + 1)
         _, had = next((k for k in reversed(self._known) if k[0] <= number), (0, {}))
@@ -61,7 +39,6 @@ class History:
         self._settle(had)
         self._sim.tap_note("rewind", number, f"back to snapshot {number}")
         self.clients_changed()
-        return True
 
     def _settle(self, had: dict[int, int]) -> None:
         """Those who are here get their opens; whoever is not loses his."""

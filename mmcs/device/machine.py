@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import errno
 import os
-import struct
 import time
 from dataclasses import dataclass
 
@@ -212,11 +211,16 @@ class Machine:
         before = self.sim.tap_head()[1]
         result, out = self.sim.ioctl_bytes(client.driver, request, argument)
         client.said = "" if result >= 0 else self.said_since(before)
-        if request == mcdef.MSTOP and result >= 0:
-            self._stopper = client.pid
-        if request == mcdef.MENABLE and result >= 0 and (known := self.knows()):
-            self.sim.tap_note("log", 0, f"{known}: PANIC stands, and the brakes stay on")
+        if result >= 0:
+            self.called(client, request)
         return result, out
+
+    def called(self, client: Client, request: int) -> None:
+        """A request was not refused."""
+        if request == mcdef.MSTOP:
+            self._stopper = client.pid
+        if request == mcdef.MENABLE and (known := self.knows()):
+            self.sim.tap_note("log", 0, f"{known}: PANIC stands, and the brakes stay on")
 
     def joints(self, client: Client) -> int:
         """Those that the servo controls now; asking takes no time."""
@@ -236,10 +240,6 @@ class Machine:
         result = self.sim.write_bytes(client.driver, data)
         client.said = "" if result >= 0 else self.said_since(before)
         return result
-
-    def setpoint(self, client: Client, axis: int, value: int) -> int:
-        """The setpoint of one axis; the others keep what they have at this moment."""
-        return self.ioctl(client, mcdef.MSETPOINT, struct.pack("<ii", axis, value))[0]
 
     def change(self, client: Client, axis: int, values: dict[str, int]) -> tuple[int, bytes]:
         """Some parameters of an axis; the others stay what they are at this moment."""

@@ -6,17 +6,17 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import select
 import socket
 import struct
 import time
 
-from mmcs import mcdef
-from mmcs.device.arguments import Arguments, Refused
+from mmcs import ROOT, mcdef
 from mmcs.device.connection import Connection
 from mmcs.device.machine import Machine
-from mmcs.device.operations import Operations
-from mmcs.device.wire import EBADF, EBUSY, EINVAL
+from mmcs.device.wire import EBUSY, EINVAL, EIO
+from mmcs.inputs import INPUTS
 
 PROTOCOL = 1
 LIMIT = 65536
@@ -24,17 +24,25 @@ LENGTH = struct.Struct("<I")
 HEAD = struct.Struct("<4sIIHHdd")
 FIELDS = ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode",
           "setpoint", "demand", "current")  # fmt: skip
-MC_STATE = struct.Struct("<7i")
 ROWS_AT_ONCE, EVENTS_AT_ONCE = 512, 256
-ENOSYS, EIO, ENOTTY = 38, 5, 25
+TABLE = ROOT / "sim" / "service" / "messages.def"
+REQUESTS = re.findall(r"\bOP\((\w+)\)", TABLE.read_text())
 # Not served while somebody else's request waits: they let time pass, or do away with it.
 WAITING = ("close", "snapshot", "rewind", "advance", "ring", "drop", "lease", "setpoint")
+
+
+class Refused(Exception):
+    """A request cannot be done: the driver's errno, and a sentence."""
+
+    def __init__(self, number: int, text: str = ""):
+        super().__init__(text)
+        self.number, self.text = number, text
 
 
 class Stream:
     """What a client follows: his place in both rings."""
 
-    def __init__(self, machine: Machine, a: Arguments):
+    def __init__(self, machine: Machine, a: dict):
         self._sim = machine.sim
         self.samples, self.events = a["samples"], a["events"]
         self.every = a["every"]
@@ -67,7 +75,6 @@ class Messenger(Connection):
         super().__init__(sock, poll)
         self._server, self.machine = server, server.machine
         self.client = self.machine.enter("message", _pid(sock))
-        self._operations = Operations(server, self)
         self._stream: Stream | None = None
         self.tell(self._hello())
 
@@ -136,15 +143,18 @@ class Messenger(Connection):
         return op in WAITING
 
     def _reply(self, op: object, message: dict) -> dict | None:
-        """None: it comes later."""
-        self.client.said = ""
+        """None: it comes later. sim/service checks what is asked, and does what needs no more than
+        the machine; the rest is here."""
+        machine, client = self.machine, self.client
+        held = f"{machine.lease} has the lease" if machine.held_from(client) else None
         try:
-            asked = Arguments(message, 2 * self.machine.cards)
-            name = f"do_{asked.op}"
-            serve = getattr(self, name, None) or getattr(self._operations, name, None)
-            if serve is None:
-                raise Refused(ENOSYS, f"op: there is no {op!r}")
-            done = serve(asked)
+            done = machine.sim.request(message, client.driver, client.writable, held)
+            if "errno" in done:
+                raise Refused(done["errno"], done["text"])
+            if op == "call":
+                machine.called(client, mcdef.constants()[message["request"]])
+            if more := getattr(self, f"do_{op}", None):
+                done = more(done | {"id": message.get("id")})
             return None if done is None else {"ok": True, **done}
         except Refused as no:
             return _refusal(no)
@@ -152,22 +162,18 @@ class Messenger(Connection):
             what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             return _refusal(Refused(error.errno or EIO, what))
 
-    def check(self, result: int) -> int:
-        """The driver's answer, or Refused with what it said."""
-        if result >= 0:
-            return result
-        machine = self.machine
-        if result == -EBUSY and machine.held_from(self.client):
-            raise Refused(EBUSY, f"{machine.lease} has the lease")
-        raise Refused(-result, self.client.said)
+    @staticmethod
+    def _check(result: int) -> None:
+        if result < 0:
+            raise Refused(-result)
 
     # --- the stream ---
 
-    def do_follow(self, a: Arguments) -> dict:
+    def do_follow(self, a: dict) -> dict:
         self._stream = Stream(self.machine, a)
         return {}
 
-    def do_unfollow(self, a: Arguments) -> dict:
+    def do_unfollow(self, a: dict) -> dict:
         self._stream = None
         return {}
 
@@ -201,114 +207,107 @@ class Messenger(Connection):
             **machine.state(),
         }  # fmt: skip
 
-    def do_hello(self, a: Arguments) -> dict:
+    def do_hello(self, a: dict) -> dict:
         return {k: v for k, v in self._hello().items() if k != "type"}
 
-    def do_name(self, a: Arguments) -> dict:
+    def do_name(self, a: dict) -> dict:
         self.client.name = "".join(c for c in a["name"][:64] if c.isprintable())
         return {}
 
-    def do_open(self, a: Arguments) -> dict:
+    def do_open(self, a: dict) -> dict:
         flags = os.O_RDWR if a["mode"] == "rw" else os.O_RDONLY
-        self.check(self.machine.open(self.client, "/dev/mc0", flags))
+        self._check(self.machine.open(self.client, "/dev/mc0", flags))
         return {}
 
-    def do_close(self, a: Arguments) -> dict:
+    def do_close(self, a: dict) -> dict:
         if self.machine.lease is self.client:
             self.machine.set_lease(None)
-        self.check(self.machine.close(self.client))
+        self._check(self.machine.close(self.client))
         return {}
 
-    def _must_be_open(self, writing: bool = False) -> None:
-        if self.client.driver < 0 or (writing and not self.client.writable):
-            raise Refused(EBADF, "the device is not open" + (" for writing" if writing else ""))
-
-    def do_read(self, a: Arguments) -> dict:
-        self._must_be_open()
-        size = MC_STATE.size * a["axes"]
-        result, data = self.machine.read(self.client, size)
-        self.check(result)
-        return {"states": [list(row) for row in MC_STATE.iter_unpack(data)]}
-
-    def do_write(self, a: Arguments) -> dict:
-        self._must_be_open(writing=True)
-        values = a["setpoints"]
-        self.check(self.machine.write(self.client, struct.pack(f"<{len(values)}i", *values)))
-        return {}
-
-    def do_setpoint(self, a: Arguments) -> dict:
-        self._must_be_open(writing=True)
-        self.check(self.machine.setpoint(self.client, a["axis"], a["value"]))
+    def do_stop(self, a: dict) -> dict:
+        self._check(self.machine.stop(self.client.pid))
         return {"t": self.machine.sim.time}
 
-    def do_call(self, a: Arguments) -> dict:
-        self._must_be_open()
-        name = a["request"]
-        request = mcdef.constants().get(name, 0)
-        if request & 0xFF00 != mcdef.MC_GROUP or name.startswith("MC_"):
-            raise Refused(ENOTTY, f"request: there is no {name}")
-        result, out = self.machine.ioctl(self.client, request, self._argument(request, a))
-        self.check(result)
-        return _unpacked(request, out)
+    # --- who is there ---
 
-    def _argument(self, request: int, a: Arguments) -> bytes:
-        if not request & mcdef.MC_ARG_IN:
-            return b""
-        if request & 0x1FFF0000 == mcdef.MC_INT:
-            return struct.pack("<I", a["value"] & 0xFFFFFFFF)
-        param = mcdef.new_param(a["axis"])
-        if request == mcdef.MSETPARAM:
-            for name, value in a["param"].items():
-                setattr(param, name, value)
-        return bytes(mcdef.make_ffi().buffer(param))
+    def do_lease(self, a: dict) -> dict:
+        machine, client = self.machine, self.client
+        if "give" in a:
+            other = machine.clients.get(a["give"])
+            if machine.lease is not client:
+                raise Refused(EBUSY, "only the holder can pass the lease on")
+            if other is None or not other.device or not other.writable:
+                raise Refused(EINVAL, "give: no such client has the device open for writing")
+            machine.set_lease(other)
+        elif a.get("drop"):
+            if machine.lease is client:
+                machine.set_lease(None)
+        elif machine.held_from(client):
+            raise Refused(EBUSY, f"{machine.lease} has the lease")
+        else:
+            ms = a.get("deadman_ms")
+            self._check(machine.take_lease(client, ms and ms / 1000))
+        return {"lease": machine.lease.number if machine.lease else None}
 
-    def do_change(self, a: Arguments) -> dict:
-        self._must_be_open(writing=True)
-        result, out = self.machine.change(self.client, a["axis"], a["param"])
-        self.check(result)
-        return _unpacked(mcdef.MGETPARAM, out)
+    def do_clients(self, a: dict) -> dict:
+        machine = self.machine
+        rows = [
+            {"client": c.number, "name": c.name, "pid": c.pid, "kind": c.kind,
+             "mode": ("rw" if c.writable else "r") if c.device else "",
+             "lease": c is machine.lease}
+            for c in machine.clients.values()
+        ]  # fmt: skip
+        return {"clients": rows}
 
-    def do_load(self, a: Arguments) -> dict:
-        return self._bus(a["offset"], None)
+    # --- inputs, time and the past ---
 
-    def do_store(self, a: Arguments) -> dict:
-        self._operations.must_control()
-        return self._bus(a["offset"], a["value"])
+    def do_inputs(self, a: dict) -> dict:
+        wrong = self.machine.wrong_values
+        rows = [{"name": n, **known.told(), "values": wrong(n)} for n, known in INPUTS.items()]
+        return {"inputs": rows}
 
-    def _bus(self, offset: int, value: int | None) -> dict:
-        sim = self.machine.sim
-        try:
-            if value is None:
-                return {"value": sim.bus_read(offset, 0x29, 1)}
-            sim.bus_write(offset, value, 0x29, 1)
-        except TimeoutError:
-            raise Refused(EIO, "bus time-out") from None
-        except OSError:
-            raise Refused(EIO, "bus error") from None
-        return {}
+    def do_pace(self, a: dict) -> dict:
+        pace = self._server.pace
+        speed, paused = a.get("speed", pace.speed), a.get("paused", pace.paused)
+        pace.set(speed, paused)
+        text = "paused" if paused else "as fast as it goes" if speed is None else f"speed {speed:g}"
+        self.machine.sim.tap_note("pace", 0, text)
+        return {"speed": speed, "paused": paused}
 
-    def do_stop(self, a: Arguments) -> dict:
-        self.check(self.machine.stop(self.client.pid))
-        return {"t": self.machine.sim.time}
+    def do_advance(self, a: dict) -> None:
+        if not self._server.pace.paused:
+            raise Refused(EBUSY, "time passes by itself; pause first")
+        if self._server.advances:
+            raise Refused(EBUSY, "another client has asked for time to pass already")
+        self._server.advance(a["seconds"], self, a["id"])
+
+    def do_machine(self, a: dict) -> dict:
+        return dict(self._server.about.get("machine", {}))
+
+    def do_export(self, a: dict) -> dict:
+        """The past of a snapshot as a file beside the socket, for a machine of any build
+        (mmcs/tool/moment.py)."""
+        number, sim = a["snapshot"], self.machine.sim
+        if number not in [s["id"] for s in sim.snapshots()]:
+            raise Refused(EINVAL, "snapshot: there is none of this number")
+        path = self._server.path.with_suffix(".past")
+        snapshot, past = sim.snapshot_bytes(number), sim.history_bytes()
+        path.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)
+        return {"file": str(path)}
+
+    def do_rewind(self, a: dict) -> dict:
+        if self._server.advances:
+            raise Refused(EBUSY, "another client has asked for time to pass; wait for its end")
+        self.machine.history.rewind(a["snapshot"])
+        self._server.pace.restart()
+        return {"t": self.machine.sim.time, "snapshot": a["snapshot"]}
 
 
 def _refusal(no: Refused) -> dict:
     name = errno.errorcode.get(no.number, str(no.number))
     text = no.text or os.strerror(no.number)
     return {"ok": False, "errno": no.number, "error": name, "text": text}
-
-
-def _unpacked(request: int, out: bytes) -> dict:
-    """What a request gave, under the name of its kind."""
-    if not out:
-        return {}
-    if len(out) == 4:
-        return {"value": struct.unpack("<i", out)[0]}
-    name = "stats" if request == mcdef.MGETSTATS else "param"
-    ffi = mcdef.make_ffi()
-    made = ffi.new(f"struct mc_{name} *")
-    ffi.buffer(made)[:] = out
-    return {name: {n: getattr(made, n) for n, _ in ffi.typeof(f"struct mc_{name}").fields}}
 
 
 def _pid(sock: socket.socket) -> int:

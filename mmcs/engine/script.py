@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scenario's script carried out on a Sim, as sim/abi/mmcs_service.h has it."""
+"""What sim/abi/mmcs_service.h has for a Sim: scripts carried out, requests of the messages."""
 
 from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
 
 from mmcs import mcdef
 
 NOT_AT_ALL = -1.0  # of an event that does not end
+KINDS = {type(None): "n", bool: "b", int: "i", float: "d", str: "t", dict: "o", list: "l"}
+CONTROL = re.compile(r"[\0-\x1f]")
 
 
 class Script:
@@ -78,7 +84,7 @@ class Script:
 
 
 class Playing:
-    """The part of a Sim that carries scripts out."""
+    """The part of a Sim that sim/service does."""
 
     def new_script(self, driver: dict | None, params: list[dict]) -> Script:
         return Script(self, driver, params)
@@ -87,3 +93,25 @@ class Playing:
         """Runs to a time of the motion and carries out what is due before it: as Script.act()."""
         result = script.act(self, until)
         return result if result[0] else (int(not self.run(script.start + until)), "")
+
+    def request(self, said: dict, client: int, writes: bool, held: str | None) -> dict:
+        """A request of the messages: what it gives, or errno and text; of what the caller does, its
+        arguments."""
+        why = self.ffi.NULL if held is None else self.ffi.new("char[]", held.encode())
+        by = self.ffi.new("mmcs_asker *", {"client": client, "writes": writes, "held": why})
+        asked = "".join(f"{line}\n" for line in _lines(said)).encode(errors="replace")
+        reply = self.lib.mmcs_sim_request(self.handle, by, asked)
+        return json.loads(self.ffi.string(reply))
+
+
+def _lines(values: dict | list, path: str = "") -> Iterator[str]:
+    """As mmcs_sim_request() takes them."""
+    for key, value in values.items() if isinstance(values, dict) else enumerate(values):
+        at, kind = path + CONTROL.sub("?", str(key)) + "\t", KINDS[type(value)]
+        if kind not in "ol":
+            yield at + kind + CONTROL.sub("?", str(int(value) if kind == "b" else value))
+        elif path:
+            yield at + "x"
+        else:
+            yield at + kind
+            yield from _lines(value, at)

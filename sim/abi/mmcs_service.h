@@ -103,6 +103,19 @@ typedef struct mmcs_process_told {
 } mmcs_process_told;
 int32_t mmcs_script_told(const mmcs_script *script, const mmcs_process_told **told);
 
+/* A request of the messages (docs/use/protocol.md, sim/service/messages.def) of a client. */
+typedef struct mmcs_asker {
+  int32_t client;     /* the driver's number of what it has open, or -1 */
+  int32_t writes;     /* open for writing */
+  int32_t only_check; /* of call, change and input: 1 gives their arguments */
+  const char *held;   /* NULL, or why it may change nothing: EBUSY */
+} mmcs_asker;
+/* asked: a line for each value, its keys with a tab behind each, then what it is (n null, b, i, d,
+ * t text, o object and l list, whose values follow, x deeper) and itself; without other control
+ * characters. The reply is a JSON object, valid until the next call: errno and text; what it gives;
+ * or, where the rest is the carrier's, the arguments. */
+const char *mmcs_sim_request(struct mmcs_sim *sim, const mmcs_asker *by, const char *asked);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

@@ -23,7 +23,7 @@ MAY_INCLUDE = {
     "sim/abi": (C, ()),
     "sim/plant": (C, ("sim/plant", "sim/abi")),
     "sim/model": (C, ("sim/model", "sim/abi")),
-    "sim/service": (C, ("sim/abi", "firmware/include")),
+    "sim/service": (C, ("sim/service", "sim/abi", "firmware/include")),
     "sim/engine": (C, ("sim", "firmware")),
 }
 # tree: what of it is exempt, and the modules of ours that the rest may import

@@ -2,13 +2,14 @@
 // The machine's messages (docs/use/protocol.md) inside a page: what mmcs/device/ is for a socket, for
 // one page and the frame of STOP. The scenario's own program is client 1.
 
-import { Arguments } from "./arguments.js";
-import { OPERATIONS } from "./operations.js";
+import { BY_HAND, OF_PAGE, OPERATIONS } from "./operations.js";
 import { MOST_MS, Past } from "./past.js";
-import { E, PAGE, Refused } from "./refused.js";
+import { E, PAGE, PLAYING, Refused } from "./refused.js";
 
 const ROWS_AT_ONCE = 256;
 const HEAD_BYTES = 32;
+const SPOILS = { load: "a register was read by hand", store: "a register was written by hand" };
+const WRITES = ["write", "setpoint"];
 const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
 
 export class Server {
@@ -45,7 +46,6 @@ export class Server {
   /** One request of the page. */
   async hear(message, now) {
     this.heard = now;
-    const { requests, param } = this.protocol;
     let { id } = message;
     let reply;
     this.before = this.sim.tapHead().events;
@@ -54,17 +54,35 @@ export class Server {
         id = null;
         throw new Refused(E.EINVAL, "id: a number or a text");
       }
-      const asked = new Arguments(message, requests, 2 * this.sim.cards, param);
-      const op = asked.text("op");
-      const serve = Object.hasOwn(OPERATIONS, op) ? OPERATIONS[op] : null;
-      if (!serve) throw new Refused(E.ENOSYS, `op: there is no '${op}'`);
-      reply = { ok: true, ...(await serve(this, asked)) };
+      reply = { ok: true, ...(await this.#answer(message)) };
     } catch (no) {
       const errno = no.errno ?? E.EIO;
       const [error, text] = this.protocol.errors[errno] ?? [String(errno), ""];
       reply = { ok: false, errno, error, text: no.message || text };
     }
     this.say({ type: "reply", id, ...reply });
+  }
+
+  #answer(message) {
+    const { op } = message;
+    const of = (table) => (Object.hasOwn(table, op) ? table[op] : null);
+    if (of(OF_PAGE)) return of(OF_PAGE)(this, message);
+    if (this.session.playing && of(BY_HAND)) {
+      const done = of(BY_HAND)(this, this.ask(message, 1));
+      if (done) return done;
+    }
+    const done = this.ask(message);
+    return of(OPERATIONS) ? of(OPERATIONS)(this, done) : done;
+  }
+
+  /** What sim/service gives for a request, or checks of it only. */
+  ask(message, only_check = 0) {
+    const { op } = message;
+    const held = this.session.playing && WRITES.includes(op) ? PLAYING : "";
+    const done = this.sim.request(message, { client: this.page, writes: Number(this.writable), only_check }, held);
+    if (SPOILS[op] && done.errno !== E.EINVAL) this.spoil(SPOILS[op]);
+    if (done.errno) throw new Refused(done.errno, done.text);
+    return done;
   }
 
   /** A line of the stop path. */
@@ -106,17 +124,6 @@ export class Server {
     this.sim.tapNote("lease", client ?? -1, text);
   }
 
-  mustBeOpen(writing = false) {
-    if (this.page < 0 || (writing && !this.writable))
-      throw new Refused(E.EBADF, `the device is not open${writing ? " for writing" : ""}`);
-  }
-
-  mustWrite() {
-    this.mustBeOpen(true);
-    if (this.session.playing)
-      throw new Refused(E.EBUSY, "the scenario's program writes the setpoints until its motion ends");
-  }
-
   /** The driver's answer, or Refused with what it said since the request began. */
   check(result) {
     if (result >= 0) return result;
@@ -131,12 +138,8 @@ export class Server {
   }
 
   setInput(name, index, value) {
-    const { sim, session } = this;
-    const result = session.playing
-      ? session.personSets(name, index, value)
-      : sim.addEvent(sim.time, name, index, value) ? 0 : -E.EINVAL;  // prettier-ignore
-    if (result < 0) throw new Refused(E.EINVAL, `there is no input ${name} ${index}`);
-    if (!session.playing) sim.run(sim.time + 1 / sim.clk_hz);
+    if (this.session.playing) this.check(this.session.personSets(name, index, value));
+    else this.ask({ op: "input", name, index, value });
   }
 
   /** What the page follows and has not seen. */
@@ -202,61 +205,16 @@ export class Server {
 
   // --- the device ---
 
-  ioctl(name, argument) {
-    return this.sim.ioctl(this.page, this.C[name], argument);
-  }
-
   param(axis) {
-    const [result, param] = this.sim.getParam(this.page, this.C.MGETPARAM, axis);
-    this.check(result);
-    return param;
+    return this.ask({ op: "call", request: "MGETPARAM", axis }).param;
   }
 
-  change(axis, wanted) {
-    const { sim, session, C } = this;
-    if (!session.playing || axis >= sim.axes) {
-      const param = { ...this.param(axis), ...wanted };
-      this.check(this.ioctl("MSETPARAM", sim.pack("mc_param", param))[0]);
-      return param;
-    }
-    const { mode, ...set } = wanted;
+  /** While the motion goes on. */
+  change(axis, { mode, ...set }) {
+    if (mode !== undefined) Object.assign(set, named(mode, this.C));
     delete set.which;
-    if (mode !== undefined) Object.assign(set, named(mode, C));
-    const result = session.personCalls({ request: "MSETPARAM", axis, set });
-    this.check(result);
+    this.check(this.session.personCalls({ request: "MSETPARAM", axis, set }));
     return this.param(axis);
-  }
-
-  call(a) {
-    this.mustBeOpen();
-    const { C, sim, session } = this;
-    const request = a.get("request");
-    const number = C[request];
-    if ((number & 0xff00) !== C.MC_GROUP || request.startsWith("MC_"))
-      throw new Refused(E.ENOTTY, `request: there is no ${request}`);
-    if (!C.READS.includes(request)) this.mustBeOpen(request !== "MSTOP");
-    if (request === "MGETPARAM") return { param: this.param(a.get("axis")) };
-    if (request === "MSETPARAM") {
-      const none = Object.fromEntries(this.protocol.param.map((name) => [name, 0]));
-      const axis = a.get("axis");
-      this.change(axis, { ...none, ...a.get("param"), which: axis });
-      return {};
-    }
-    const value = number >>> 31 ? a.get("value") : undefined;
-    if (session.playing && C.CALLED.includes(request)) {
-      const call = ["MSETENC", "MCALIB"].includes(request)
-        ? { request, axis: value & 0xff, value: value >> 8 }
-        : value === undefined ? { request } : { request, value };  // prettier-ignore
-      this.check(session.personCalls(call));
-      return {};
-    }
-    if (!C.READS.includes(request)) this.spoil(`${request} by hand`);
-    const argument = value === undefined ? undefined : new Uint8Array(new Int32Array([value]).buffer);
-    const [result, out] = sim.ioctl(this.page, number, argument);
-    this.check(result);
-    if (!((number >>> 30) & 1) || !out.length) return {};
-    if (out.length === 4) return { value: new Int32Array(out.buffer.slice(0, 4))[0] };
-    return { stats: sim.unpack("mc_stats", out) };
   }
 }
 

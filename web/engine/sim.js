@@ -7,7 +7,25 @@ import { Script } from "./script.js";
 const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
 const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
 const EVENTS_AT_ONCE = 256;
+const TEXT = 200;
 const ROOM = 1 << 17; // bytes for arguments and what comes back
+
+const text = (value) => String(value).replace(/[\0-\x1f]/g, "?"); // eslint-disable-line no-control-regex
+
+function kind(value) {
+  if (Number.isInteger(value)) return "i";
+  if (value === null || Array.isArray(value)) return value ? "l" : "n";
+  return { boolean: "b", number: "d", string: "t", object: "o" }[typeof value];
+}
+
+function lines(values, path = "") {
+  const line = ([key, value]) => {
+    const [at, is] = [`${path}${text(key)}\t`, kind(value)];
+    if (!"ol".includes(is)) return `${at}${is}${text(is === "b" ? Number(value) : value)}\n`;
+    return path ? `${at}x\n` : `${at}${is}\n${lines(value, at)}`;
+  };
+  return Object.entries(values).map(line).join("");
+}
 
 export class Sim {
   #m; // the module
@@ -100,24 +118,6 @@ export class Sim {
     return [result, this.#bytes(this.#room, (request >>> 16) & 0x1fff)];
   }
 
-  /** [result, parameters by name] of MGETPARAM. */
-  getParam(client, request, axis) {
-    const [result, out] = this.ioctl(client, request, this.pack("mc_param", { which: axis }));
-    return [result, this.unpack("mc_param", out)];
-  }
-
-  pack(name, values) {
-    const { size } = this.layouts[name];
-    this.#m.HEAPU8.fill(0, this.#room, this.#room + size);
-    this.#put(this.#room, name, values);
-    return this.#bytes(this.#room, size);
-  }
-
-  unpack(name, bytes) {
-    this.#m.HEAPU8.set(bytes.subarray(0, this.layouts[name].size), this.#room);
-    return this.#get(this.#room, name);
-  }
-
   write(client, setpoints) {
     this.#ints(this.#room, setpoints);
     return this.#m._mmcs_sim_write(this.#at, client, this.#room, 4 * setpoints.length);
@@ -147,14 +147,14 @@ export class Sim {
     return this.#m._mmcs_sim_stop(this.#at);
   }
 
-  // --- the bus by hand: a value; -1 nobody answers, -2 a bus error ---
-
-  load(offset) {
-    const result = this.#m._mmcs_sim_bus_read(this.#at, offset, 0x29, 1, this.#room);
-    return result ? -result : this.#view.getUint32(this.#room, true);
-  }
-  store(offset, value) {
-    return -this.#m._mmcs_sim_bus_write(this.#at, offset, 0x29, 1, value);
+  /** A request of the messages, as mmcs_sim_request() takes it; by: fields of mmcs_asker. */
+  request(said, by, held) {
+    const m = this.#m;
+    const at = this.#room + this.layouts.mmcs_asker.size;
+    m.stringToUTF8(held, at, TEXT);
+    m.stringToUTF8(lines(said), at + TEXT, ROOM - 2 * TEXT);
+    this.#put(this.#room, "mmcs_asker", { ...by, held: held ? at : 0 });
+    return JSON.parse(m.UTF8ToString(m._mmcs_sim_request(this.#at, this.#room, at + TEXT)));
   }
 
   // --- motion, events, time ---
@@ -185,9 +185,6 @@ export class Sim {
   /** False when an assertion of the machine failed. */
   run(until) {
     return this.#m._mmcs_sim_run(this.#at, until) === 0;
-  }
-  runTo(clock) {
-    return this.run(clock / this.clk_hz);
   }
   get time() {
     return this.#m._mmcs_sim_time(this.#at);
@@ -286,15 +283,6 @@ export class Sim {
   }
   restore(number) {
     return this.#m._mmcs_sim_restore(this.#at, BigInt(number)) === 0;
-  }
-  drop(number) {
-    return this.#m._mmcs_sim_drop(this.#at, BigInt(number)) === 0;
-  }
-  snapshots() {
-    const count = this.#m._mmcs_sim_snapshots(this.#at, this.#room);
-    const at = this.#view.getUint32(this.#room, true);
-    const { size } = this.layouts.mmcs_snapshot;
-    return Array.from({ length: count }, (_, n) => this.#get(at + n * size, "mmcs_snapshot"));
   }
 
   /** Digest of all that decides what comes. */

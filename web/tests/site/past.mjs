@@ -30,6 +30,7 @@ const past = new Past(sim, another);
 const session = new Session(sim, setup, C);
 session.begin();
 const motion = session.move();
+const BY = { client: -1, writes: 0, only_check: 0 };
 const integer = (value) => new Uint8Array(new Int32Array([value]).buffer);
 let [second, kept] = [-1, null];
 const deeds = [
@@ -38,8 +39,8 @@ const deeds = [
   () => sim.ioctl(session.client, C.MENABLE),
   () => sim.stop(),
   () => sim.read(session.client, sim.axes),
-  () => sim.load(random(0x20)),
-  () => sim.store(random(0x10), random(256)),
+  () => sim.request({ op: "load", offset: random(0x20) }, BY, ""),
+  () => sim.request({ op: "store", offset: random(0x10), value: random(256) }, BY, ""),
   () => sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0, random(2)),
   () => (second = second < 0 ? sim.open(0) : (sim.close(second), -1)),
   () => (kept = sim.snapshot()),

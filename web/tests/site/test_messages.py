@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from mmcs import BUILD, load, machine
-from mmcs.device.arguments import REQUESTS
+from mmcs.device.messages import REQUESTS
 from mmcs.device.server import Server
 
 SITE = BUILD / "web"
