@@ -2,8 +2,8 @@
 """Each limit of the PC bus goes red just past it, and holds just at it. §4.3.2"""
 
 import cocotb
-from cocotb.triggers import ReadOnly, Timer
 
+from cocotb_tests.checkers.drive import Timed
 from cocotb_tests.lib.req import req
 
 TOPLEVEL = "pcbus_timing"
@@ -39,30 +39,8 @@ EXACT = {
 }
 
 
-class Bus:
-    def __init__(self, dut):
-        self.dut, self.flip = dut, 0
-
-    def put(self, **pins):
-        for name, value in pins.items():
-            getattr(self.dut, name).value = value
-
-    async def after(self, ns, **pins):
-        if ns:
-            await Timer(int(ns * 1000), "ps")
-        self.put(**pins)
-
-    async def start(self):
-        self.put(rst_ni=0, **IDLE)
-        await Timer(100, "ns")
-        self.put(rst_ni=1)
-        await Timer(100, "ns")
-
-    async def broken(self) -> list[str]:
-        await Timer(1, "ns")
-        await ReadOnly()
-        bits = int(self.dut.broken_o.value)
-        return [name for n, name in enumerate(NAMES) if bits >> n & 1]
+class Bus(Timed):
+    flip = 0
 
     async def cycle(self, write, **times):
         t = EXACT | times
@@ -98,7 +76,7 @@ FAULTS = {
 @cocotb.test()
 @req("PCB-1")
 async def limits_met_exactly_are_good(dut):
-    b = Bus(dut)
+    b = Bus(dut, IDLE, NAMES)
     await b.start()
     for write in (WRITE, READ, WRITE, READ):
         await b.cycle(write)
@@ -113,7 +91,7 @@ async def limits_met_exactly_are_good(dut):
 @req("PCB-1")
 async def limit_goes_red(dut, name):
     write, times = FAULTS[name]
-    b = Bus(dut)
+    b = Bus(dut, IDLE, NAMES)
     await b.start()
     await b.cycle(write, pause=200)
     await b.cycle(write, **times)

@@ -2,8 +2,8 @@
 """Each limit of the VME tables goes red just past it, and holds just at it. §4.3.1"""
 
 import cocotb
-from cocotb.triggers import ReadOnly, Timer
 
+from cocotb_tests.checkers.drive import Timed
 from cocotb_tests.lib.req import req
 
 TOPLEVEL = "vme_timing"
@@ -61,31 +61,7 @@ TIMES = {
 }
 
 
-class Bus:
-    def __init__(self, dut):
-        self.dut = dut
-
-    def put(self, **pins):
-        for name, value in pins.items():
-            getattr(self.dut, name).value = value
-
-    async def after(self, ns, **pins):
-        if ns:
-            await Timer(int(ns * 1000), "ps")
-        self.put(**pins)
-
-    async def start(self):
-        self.put(rst_ni=0, **IDLE)
-        await Timer(100, "ns")
-        self.put(rst_ni=1)
-        await Timer(100, "ns")
-
-    async def broken(self) -> list[str]:
-        await Timer(1, "ns")
-        await ReadOnly()
-        bits = int(self.dut.broken_o.value)
-        return [name for n, name in enumerate(NAMES) if bits >> n & 1]
-
+class Bus(Timed):
     async def cycle(self, address=0x3204, write=False, **times):
         """One cycle with both strobes, then the pause to the next."""
         t = TIMES | times
@@ -247,7 +223,7 @@ FAULTS = {f.__name__: f for f in (
 @cocotb.test()
 @req("VME-3")
 async def limits_met_exactly_are_good(dut):
-    b = Bus(dut)
+    b = Bus(dut, IDLE, NAMES)
     await b.start()
     await good(b)
     assert await b.broken() == []
@@ -257,7 +233,7 @@ async def limits_met_exactly_are_good(dut):
 @cocotb.parametrize(name=list(FAULTS))
 @req("VME-3")
 async def limit_goes_red(dut, name):
-    b = Bus(dut)
+    b = Bus(dut, IDLE, NAMES)
     await b.start()
     await FAULTS[name](b)
     assert await b.broken() == (ALSO.get(name) or [name])

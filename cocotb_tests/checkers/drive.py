@@ -3,7 +3,7 @@
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
 
 class Pins:
@@ -38,6 +38,30 @@ class Pins:
         bits = int(self.dut.broken_o.value)
         await FallingEdge(self.dut.clk_i)
         return {n for n in range(len(self.dut.broken_o)) if bits >> n & 1}
+
+
+class Timed(Pins):
+    """Of a checker of times: nanosecond by nanosecond, and rules by name."""
+
+    def __init__(self, dut, idle: dict[str, int], names: list[str]):
+        super().__init__(dut, idle)
+        self.names = names
+
+    async def after(self, ns: float, **pins: int) -> None:
+        if ns:
+            await Timer(int(ns * 1000), "ps")
+        self.put(**pins)
+
+    async def start(self) -> None:
+        self.put(rst_ni=0, **self.idle)
+        await self.after(100, rst_ni=1)
+        await Timer(100, "ns")
+
+    async def broken(self) -> list[str]:
+        await Timer(1, "ns")
+        await ReadOnly()
+        bits = int(self.dut.broken_o.value)
+        return [name for n, name in enumerate(self.names) if bits >> n & 1]
 
 
 async def expect(pins: Pins, stimulus, *rules: int) -> None:
