@@ -62,7 +62,8 @@ class Attendant:
         ((name, file),) = server.files.items()
         a.line, a.channel = line.connection.sock.fileno(), channel.sock.fileno()
         a.client, a.limit = file.client.driver, min(steps.limit, (1 << 62))
-        a.later = self._ffi.from_buffer(line.process.later.memory)
+        memory = line.process.later.memory
+        a.later = self._ffi.NULL if memory is None else self._ffi.from_buffer(memory)
         a.name = name.ljust(16, b"\0")
         end = self._lib.attend(a, TURNS)
         if a.waits:

@@ -42,20 +42,22 @@ EIO, ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 5, 6, 9, 16, 22, 25
 
 
 class Later:
-    """struct wire_later of a program."""
+    """struct wire_later of a program; without memory each of its write()s has an answer."""
 
-    def __init__(self):
-        self.memory: bytearray | mmap.mmap = bytearray(LATER.size)
+    memory: mmap.mmap | None = None
 
     def share(self, pid: int, fd: int) -> None:
-        own = os.open(f"/proc/{pid}/fd/{fd}", os.O_RDWR)
-        try:
-            self.memory = mmap.mmap(own, LATER.size)
-        finally:
-            os.close(own)
+        """A descriptor of the program, if it is what its library has made for this."""
+        path = f"/proc/{pid}/fd/{fd}"
+        with contextlib.suppress(OSError, ValueError):
+            if os.readlink(path).startswith("/memfd:mmcs "):
+                with open(path, "r+b") as file:
+                    self.memory = mmap.mmap(file.fileno(), LATER.size)
 
     def take(self) -> tuple[bytes, bytes] | None:
         """The file's name, data."""
+        if self.memory is None:
+            return None
         due, length, name, data = LATER.unpack_from(self.memory)
         self.memory[:4] = bytes(4)
         return (name.rstrip(b"\0"), data[:length]) if due else None

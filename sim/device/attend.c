@@ -27,7 +27,7 @@ struct attend {
   int64_t hz, limit, stretch, patience; /* clocks */
   int64_t quiet; /* events there were when a read took no time and showed no error; or -1 */
   int64_t wrote; /* events there were when a write took no time and succeeded; or -1 */
-  struct wire_later *later;
+  struct wire_later *later; /* or null */
   /* what ended it */
   int64_t events; /* there had been before the last call */
   int fd, length, result, sampled, failed, waits;
@@ -71,7 +71,7 @@ static int wait_for_sample(struct attend *a) {
   const struct wire_request *r = (const void *)a->data;
   int read = 0;
   told.now = (struct wire_now){.sample = (uint32_t)a->samples(a->sim)};
-  told.now.flags = a->wrote == a->events ? NOW_WRITES : 0;
+  told.now.flags = a->later != NULL && a->wrote == a->events ? NOW_WRITES : 0;
   told.now.ns = (uint64_t)((__int128)a->clock(a->sim) * 1000000000 / a->hz);
   if (r->a > 0 && r->a <= sizeof told.states && a->quiet == a->events)
     read = a->read(a->sim, a->client, told.states, (size_t)r->a);
@@ -103,7 +103,8 @@ static int write_now(struct attend *a, const void *data, uint32_t length) {
 
 /* Who stopped the machine meanwhile has said so: this write() is answered already. */
 static void write_first(struct attend *a) {
-  struct wire_later w = *a->later;
+  struct wire_later w = {0};
+  if (a->later != NULL) w = *a->later;
   if (!w.due || memcmp(w.name, a->name, WIRE_NAME) != 0 || w.length > sizeof w.data) return;
   a->later->due = 0;
   (void)write_now(a, w.data, w.length);
