@@ -19,6 +19,7 @@ int mc_attach(struct mc *mc, const struct mc_bus *bus, const struct mc_os *os,
   if (hz != 8000000 && hz != 4000000 && hz != 2000000 && hz != 1000000) return -MC_EINVAL;
   const struct mc_guard *g = &config->guard;
   if (g->jump < 0 || g->follow < 0 || g->runaway < 0) return -MC_EINVAL;
+  if (g->clock && os->clock_us == NULL) return -MC_EINVAL;
   mc->bus = *bus;
   mc->os = *os;
   mc->config = *config;

@@ -2,21 +2,21 @@
 /* Checks that the report does not have, off unless struct mc_guard asks for them. */
 #include "mc_priv.h"
 
-/* A shaft has a greatest speed; what a counter holds may have changed without it. */
-static int jumps(const struct mc *mc, int axis) {
-  const struct mc_axis *x = &mc->axis[axis];
-  int32_t moved = (int16_t)(uint16_t)(mc->sample.counter[axis] - x->counter);
-  int64_t limit = (int64_t)mc->config.guard.jump * mc->skipped;
-  return mc->config.guard.jump > 0 && (moved > limit || -moved > limit);
-}
-
 static int64_t size(int64_t v) {
   return v < 0 ? -v : v;
 }
 
+/* A shaft has a greatest speed; what a counter holds may have changed without it. */
+static int jumps(const struct mc *mc, int32_t moved) {
+  int32_t jump = mc->config.guard.jump;
+  if (jump == 0 || (moved <= jump && moved >= -jump)) return 0;
+  return size(moved) > (int64_t)jump * mc->skipped;
+}
+
 /* The error of the last sample, in a row of samples that were no better. */
 static int is_astray(const struct mc_guard *g, struct mc_axis *x) {
-  x->astray = size(x->state.error) > g->follow ? x->astray + 1 : 0;
+  int32_t error = x->state.error;
+  x->astray = error > g->follow || error < -g->follow ? x->astray + 1 : 0;
   return x->astray > g->samples;
 }
 
@@ -39,18 +39,14 @@ static int creeps(const struct mc_guard *g, const struct mc_axis *x) {
 
 /* The current does all that it may against the movement, and the axis is getting faster: what the
  * servo asks for is not what happens. An axis that is braked gets slower. */
-static int runs_away(struct mc *mc, int axis) {
-  struct mc_axis *x = &mc->axis[axis];
-  int32_t moved = (int16_t)(uint16_t)(mc->sample.counter[axis] - x->counter);
-  int32_t error = x->state.error, speed = moved < 0 ? -moved : moved;
-  int at_limit = x->servo.clipped || x->servo.over > 0;
-  int servoed = (x->par.mode & MD_MASK) == MD_POS || (x->par.mode & MD_MASK) == MD_VEL;
-  int leaves = (moved > 0 && error < 0) || (moved < 0 && error > 0);
-  if (!leaves || !at_limit || !servoed || (x->par.mode & (ADFB | ZEROFB)) != 0 || mc->skipped > 1) {
-    x->slowest = INT32_MAX;
-  } else if (speed < x->slowest) {
-    x->slowest = speed;
-  }
+static int runs_away(const struct mc *mc, struct mc_axis *x, int32_t moved) {
+  int32_t error = x->state.error, speed = moved < 0 ? -moved : moved, slowest = x->slowest;
+  int mode = x->par.mode & (MD_MASK | ADFB | ZEROFB);
+  x->slowest = INT32_MAX;
+  if (!x->servo.clipped && x->servo.over == 0) return 0;
+  if ((mode != MD_POS && mode != MD_VEL) || mc->skipped > 1) return 0;
+  if (!(moved > 0 && error < 0) && !(moved < 0 && error > 0)) return 0;
+  x->slowest = speed < slowest ? speed : slowest;
   return mc->config.guard.runaway > 0 && speed - x->slowest > mc->config.guard.runaway;
 }
 
@@ -90,8 +86,7 @@ static int changed_card(struct mc *mc) {
 }
 
 static int trips_on_cards(struct mc *mc) {
-  int looks = mc->config.guard.readback && mc->power == MC_RUNNING;
-  int card = looks ? changed_card(mc) : -1;
+  int card = mc->config.guard.readback ? changed_card(mc) : -1;
   if (card < 0) return 0;
   power_trip(mc, MCAUSE_GUARD, "PANIC: card", mc->card[card].dip, ": its modes changed");
   return 1;
@@ -116,35 +111,48 @@ int guard_refuses(struct mc *mc, const struct mmcs_setpoints *s) {
   return good ? -MC_EIO : -MC_EINVAL;
 }
 
-static const char *fault_of(struct mc *mc, int axis) {
-  if (jumps(mc, axis)) return ": its counter jumps";
-  if (runs_away(mc, axis)) return " runs away";
-  return strays(mc, &mc->axis[axis]) ? " does not follow" : NULL;
+static const char *fault_of(const struct mc *mc, struct mc_axis *x, int32_t moved) {
+  if (jumps(mc, moved)) return ": its counter jumps";
+  if (runs_away(mc, x, moved)) return " runs away";
+  return strays(mc, x) ? " does not follow" : NULL;
 }
 
-/* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
-int guard_trips(struct mc *mc) {
-  const struct mc_guard *g = &mc->config.guard;
-  if (trips_on_cards(mc)) return 1;
-  int asked = g->jump > 0 || g->follow > 0 || g->runaway > 0 || g->missed > 0 || g->lease > 0;
-  if (!asked || mc->power != MC_RUNNING) return 0;
-  if (g->missed > 0 && mc->skipped > g->missed) {
-    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
-    return 1;
-  }
-  if (lapses(mc)) {
-    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs without a setpoint", (int)(mc->unwritten - 1), "");
-    return 1;
-  }
-  for (int axis = 0; axis < mc->joints; axis++) {
-    const char *why = fault_of(mc, axis);
+static int trips_on_axes(struct mc *mc) {
+  const uint16_t *counter = mc->sample.counter;
+  const struct mc_axis *end = mc->axis + mc->joints;
+  for (struct mc_axis *x = mc->axis; x < end; x++, counter++) {
+    const char *why = fault_of(mc, x, (int16_t)(uint16_t)(*counter - x->counter));
     if (why == NULL) continue;
-    mc->axis[axis].faulty = 1;
+    int axis = (int)(x - mc->axis);
+    x->faulty = 1;
     power_trip(mc, MCAUSE_GUARD, "PANIC: axis", axis, why);
     mc->cause_of = (uint8_t)(axis + 1);
     return 1;
   }
   return 0;
+}
+
+/* A sample has been read, and its pass is not yet computed. 1: the machine has been stopped. */
+int guard_trips(struct mc *mc) {
+  const struct mc_guard *g = &mc->config.guard;
+  if (mc->power != MC_RUNNING) {
+    mc->is_marked = 0;
+    return 0;
+  }
+  if (trips_on_cards(mc)) return 1;
+  if (g->clock && timer_is_off(mc)) {
+    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCK has another rate than was set", -1, "");
+    return 1;
+  }
+  if (g->missed > 0 && mc->skipped > g->missed) {
+    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs that no pass served", (int)mc->skipped - 1, "");
+    return 1;
+  }
+  if (g->lease > 0 && lapses(mc)) {
+    power_trip(mc, MCAUSE_GUARD, "PANIC: SCLOCKs without a setpoint", (int)(mc->unwritten - 1), "");
+    return 1;
+  }
+  return (g->jump > 0 || g->follow > 0 || g->runaway > 0) && trips_on_axes(mc);
 }
 
 int guard_locks(const struct mc *mc) {

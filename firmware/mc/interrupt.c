@@ -11,22 +11,21 @@ static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->state.adcvai = SERVO_PHI(&x->par, &x->law, raw);
 }
 
-/* After a stop, until the brakes have closed; limits have been told. */
-static void hold_axis(struct mc_axis *x) {
-  struct mc_param par = x->par;
-  par.mode = x->held;
-  int mode = par.mode & MD_MASK;
-  int32_t current = servo_step(&par, &x->servo, x->hold_at, &x->state);
-  x->code = (uint16_t)(MC_DAC_ZERO + (mode == MD_POS || mode == MD_VEL ? current : 0));
+/* Around a pass of MC_ENDING: the axes have what holds them, and then what they had. */
+RARE static void swap_held(struct mc *mc) {
+  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
+    int mode = x->par.mode;
+    int32_t setpoint = x->setpoint;
+    x->par.mode = x->held;
+    x->held = mode;
+    x->setpoint = x->hold_at;
+    x->hold_at = setpoint;
+  }
 }
 
 /* A sample of an axis that no demand moves. */
-RARE static void rest_axis(const struct mc *mc, struct mc_axis *x) {
-  if (mc->power == MC_ENDING) {
-    hold_axis(x);
-  } else {
-    servo_sense(&x->par, &x->servo, &x->state);
-  }
+RARE static void rest_axis(struct mc_axis *x) {
+  servo_sense(&x->par, &x->servo, &x->state);
 }
 
 /* One servo sample of one axis; returns the errors that happened. */
@@ -67,11 +66,11 @@ RARE static int fail(struct mc *mc, struct mc_axis *x, int failed) {
 /* All axes. */
 static void servo_all(struct mc *mc) {
   const struct mc_axis *end = mc->axis + mc->axes, *joints = mc->axis + mc->joints;
-  const struct mc_axis *served =
-      mc->power == MC_STARTING || mc->power == MC_RUNNING ? joints : mc->axis;
+  const struct mc_axis *served = mc->power == MC_IDLE ? mc->axis : joints;
   const uint16_t *counter = mc->sample.counter, *raw = mc->sample.raw;
   unsigned due = 0;
-  int raised = 0, fatal = 0;
+  int raised = 0, fatal = 0, ending = mc->power == MC_ENDING;
+  if (ending) swap_held(mc);
   for (struct mc_axis *x = mc->axis; x < end; x++) {
     measure(x, *counter++, *raw++);
     if (x->wait > 0) {
@@ -81,12 +80,13 @@ static void servo_all(struct mc *mc) {
     x->wait = x->par.clkdivisor - 1;
     if (x < joints) due++;
     if (x >= served) {
-      rest_axis(mc, x);
-    } else if (servo_axis(mc, x) != 0) {
+      rest_axis(x);
+    } else if (servo_axis(mc, x) != 0 && !ending) { /* then limits have been told */
       fatal = fail(mc, x, fatal);
       raised = 1;
     }
   }
+  if (ending) swap_held(mc);
   mc->os.compute(mc->os.ctx, due);
   if (fatal) power_end(mc);
   if (raised) error_signal(mc);

@@ -16,6 +16,7 @@
 #define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */
 #define MC_SERVO_US 50000      /* longest servo period of several SCLOCKs: the one-shot's */
 #define MC_SKIP_US 25000       /* so long no servo sample: the machine stops */
+#define MC_MARK 256u           /* SCLOCKs that are compared with the host's clock together */
 #define MC_CROWDED_US 50000    /* so long one pass after the other: the console is told */
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
 #define MC_QUIET_US 50000      /* so long no interrupt: something has turned them off */
@@ -137,6 +138,9 @@ struct mc {
   uint8_t told_fault; /* a bus error in a pass was told, and no sample has come since */
   uint32_t told_at;   /* stats.total when the end of the interrupts was told */
   uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
+  uint32_t marked_us; /* the host's clock at a pass, and */
+  uint32_t marked;    /* clocks that SCLOCKs have taken since; */
+  uint8_t is_marked;  /* 0: there is no such pass */
   uint32_t unwritten; /* SCLOCKs since the last write(), from 1; 0: none, or no lease */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   uint32_t ending;    /* SCLOCKs until MC_ENDING is over */
@@ -189,6 +193,8 @@ int timer_counts(const struct mc *mc, uint32_t us, uint32_t *n0, uint32_t *n1);
 void timer_start(struct mc *mc);
 /* Of mc->n0 and mc->n1; a division, which no stop and no pass can afford: mc->interval_us. */
 uint32_t timer_interval_us(const struct mc *mc);
+/* Once a pass with a sample: 1, SCLOCK is not what the host's own clock says. */
+int timer_is_off(struct mc *mc);
 /* SCLOCKs that last at least `us`, at least 1. */
 uint32_t timer_ticks(const struct mc *mc, uint32_t us);
 /* SCLOCKs since the last one served; that becomes the one being served. */

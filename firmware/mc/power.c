@@ -80,12 +80,17 @@ void power_stop(struct mc *mc) {
 
 /* What an axis is held by. */
 static void hold(struct mc_axis *x) {
-  x->held = x->faulty ? MD_OFF : x->par.mode;
+  int mode = x->par.mode & MD_MASK;
+  x->held = x->par.mode;
   x->hold_at = x->setpoint;
   x->low = x->code & 0xFF;
-  if ((x->held & MD_MASK) != MD_VEL) return;
-  x->held &= ~ADDMD;
-  x->hold_at = 0;
+  if (mode == MD_VEL) {
+    x->held &= ~ADDMD;
+    x->hold_at = 0;
+  }
+  if (!x->faulty && (mode == MD_POS || mode == MD_VEL)) return;
+  x->held = MD_OFF;
+  x->code = MC_DAC_ZERO;
 }
 
 static int can_hold(const struct mc *mc) {

@@ -357,6 +357,10 @@ static void os_compute(void *ctx, unsigned axes) {
   while (m->now < until) advance(m, until - m->now);
 }
 
+static uint32_t os_clock(void *ctx) {
+  return (uint32_t)((struct mock *)ctx)->now;
+}
+
 static void os_delay(void *ctx, uint32_t us) {
   mock_run(ctx, us);
 }
@@ -392,7 +396,7 @@ struct mc *mock_start(struct mock *m, int cards) {
   m->irq_since = -1;
   m->bus = (struct mc_bus){m, bus_read, bus_write, NULL, NULL};
   m->os = (struct mc_os){m,       os_signal, os_log,  os_compute, os_delay,
-                         os_mask, os_unmask, os_copy, os_copy};
+                         os_mask, os_unmask, os_copy, os_copy,    os_clock};
   m->memory = calloc(1, mc_size());
   m->panic = mock_panic(m);
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x40};

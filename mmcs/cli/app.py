@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import signal
@@ -63,9 +64,10 @@ class Group(click.Group):
                 _fail("out of memory; ask for less at once", 1)
             if not isinstance(error, OSError):
                 raise
-            # a disk that is full, a folder that went away
             where = f"{error.filename}: " if error.filename else ""
-            _fail(f"{where}{error.strerror or error}", 1)
+            if error.errno in (errno.ENOSPC, errno.EDQUOT):
+                _fail(f"{where}no room is left on the disk: free some and run it again", 1)
+            _fail(f"{where}{error.strerror or error}", 1)  # a folder that went away
 
 
 @contextmanager

@@ -12,12 +12,12 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
 
 GUARDS = (
-    "jump", "follow", "samples", "runaway", "missed", "lease", "lock", "readback", "checked",
-    "brakes",
+    "jump", "follow", "samples", "runaway", "missed", "clock", "lease", "lock", "readback",
+    "checked", "brakes",
 )  # fmt: skip
 GUARD_US = 10_000  # that setpoints are good for; the half of it for the rest
 RUNAWAY = 4  # counts an interval: a count of doubt in each of two speeds, and as much again
-WHOLE = {"hardware": "2026", "amp_panic_cut": "brakes first"}
+WHOLE = {"hardware": "2026", "amp_panic_cut": "dynamic brake"}
 
 
 def given(scenario: Scenario, key: str):
@@ -28,7 +28,8 @@ def given(scenario: Scenario, key: str):
 
 def cut(scenario: Scenario) -> int:
     """mmcs_config's amp_panic_cut."""
-    return {False: 0, True: 1}.get(given(scenario, "amp_panic_cut"), 2)
+    ways = (False, True, "brakes first", "dynamic brake")
+    return ways.index(given(scenario, "amp_panic_cut"))
 
 
 def guard(scenario: Scenario, robot: Robot) -> dict:
@@ -53,6 +54,7 @@ def _limits(us: int, robot: Robot) -> dict:
         "guard_samples": ticks // 2,
         "guard_runaway": RUNAWAY,
         "guard_missed": ticks // 2,
+        "guard_clock": True,
         "guard_lease": ticks,
         "guard_lock": True,
         "guard_readback": True,

@@ -25,11 +25,11 @@ def test_nothing_of_it_unless_asked_for():
 
 def test_one_switch_takes_its_limits_from_the_robot():
     setup = load("arm_move", (SAFE,))
-    assert setup.hardware() == "2026" and setup.config()["amp_panic_cut"] == 2
+    assert setup.hardware() == "2026" and setup.config()["amp_panic_cut"] == 3
     assert setup.guard() == {
         "guard_jump": 75, "guard_follow": 300, "guard_samples": 5, "guard_runaway": 4,
         "guard_missed": 5, "guard_lease": 10, "guard_lock": 1, "guard_readback": 1,
-        "guard_checked": 1, "guard_brakes": 31000, "guard_latched": 1,
+        "guard_checked": 1, "guard_brakes": 31000, "guard_latched": 1, "guard_clock": 1,
     }  # fmt: skip
     slow = load("puma560_velocity", (SAFE,)).guard()  # 2 ms
     assert (slow["guard_jump"], slow["guard_lease"], slow["guard_brakes"]) == (149, 5, 32000)
@@ -160,3 +160,20 @@ def test_gains_of_an_axis_that_is_on_are_refused():
     _, more = twin.run(Fault(0, "arm_move", "message", "test", 0.1, call=call))
     twin.close()
     assert more["by"] == "MSETPARAM refused"
+
+
+@pytest.mark.req("PAN-3")
+def test_wrist_whose_amplifier_is_stuck_does_not_coast():
+    """J6 has no brake: what PANIC cuts off alone goes on turning."""
+    turned = []
+    for cut in ("brakes first", "dynamic brake"):
+        stuck = "event=[{at=0.1, input='amp_saturated', index=5, value=1}]"
+        setup = load("puma560_hold", (SAFE, f"amp_panic_cut='{cut}'", "duration=0.4", stuck))
+        sim = machine(setup)
+        session = Session(sim, setup)
+        session.begin()
+        sim.run(session.start + 0.4)
+        assert sim.stats()["panic_level"] and sim.notes()
+        turned.append(57.29578 * abs(sim.true(5)["angle"]))
+        sim.destroy()
+    assert turned[0] > 5 and turned[1] < 2, turned

@@ -74,15 +74,16 @@ typedef struct mmcs_config {
   double bus_timeout_us;  /* VME bus timer */
   int32_t skip;           /* 1: event skipping on, if the model was built for it */
   int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high; 2: those of axes
-                           * with a brake only when it has had the time to close */
+                           * with a brake only when it has had the time to close; 3: the same, and
+                           * what cuts a motor off shorts it */
   int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
   int32_t instruction_cache; /* bytes of it that are modelled: 256, or 0 if every fetch hits */
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
-  /* struct mc_guard of the native driver, all 0: as the report has it */
+  /* struct mc_guard, all 0: as the report has it */
   int32_t guard_jump, guard_follow, guard_samples, guard_missed, guard_lease, guard_lock;
-  int32_t guard_readback, guard_checked, guard_latched, guard_brakes, guard_runaway;
+  int32_t guard_readback, guard_checked, guard_latched, guard_brakes, guard_runaway, guard_clock;
   const char *processor; /* file names for a real processor: its library, */
   const char *firmware;  /* and the image that it runs */
 } mmcs_config;

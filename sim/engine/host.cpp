@@ -45,7 +45,7 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       kVector,
       {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
        config.guard_runaway, static_cast<uint32_t>(config.guard_missed),
-       static_cast<uint32_t>(config.guard_lease), config.guard_lock != 0,
+       static_cast<uint32_t>(config.guard_lease), config.guard_clock != 0, config.guard_lock != 0,
        config.guard_readback != 0, config.guard_checked != 0, config.guard_latched != 0,
        static_cast<uint32_t>(config.guard_brakes)},
       static_cast<uint32_t>(config.axis_speed)};
@@ -56,7 +56,9 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
   MailboxHost::Events events{[this] { recorder_.mark(machine_); },
                              [this](bool sampled) { served(sampled); },
                              [this](int client) { mc_os_.signal(this, client); },
-                             [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
+                             [this](const std::string &text) { mc_os_.log(this, text.c_str()); },
+                             {}};
+  if (checked_) events.number = [this](const auto &values) { return number(values); };
   if (config.host == MMCS_HOST_RV32) {
     cpu_ = std::make_unique<Soc>(machine_, mc(), config.firmware, std::move(events));
   } else {
@@ -96,6 +98,9 @@ void Host::bind() {
   mc_os_.unmask = [](void *ctx, unsigned previous) {
     of(ctx).masked_ = previous != 0;
     of(ctx).poll();
+  };
+  mc_os_.clock_us = [](void *ctx) {
+    return static_cast<uint32_t>(of(ctx).machine_.clock() * 1000000 / Model::clk_hz());
   };
   mc_os_.copy_in = mc_os_.copy_out = [](void *, void *to, const void *from, size_t len) {
     if (!to || !from) return -MC_EFAULT;
@@ -265,13 +270,20 @@ int Host::send(int client, std::vector<int32_t> values) {
     return mc_write(mc(), client, values.data(), 4 * values.size());
   }
   if (values.size() > MMCS_AXES) return -MC_EINVAL;
+  struct mmcs_setpoints message = number(values);
+  if (!machine_.pass_write(values)) return bytes;
+  std::copy(values.begin(), values.end(), message.value);
+  const int result =
+      cpu_ ? cpu_->call(MAILBOX_IOCTL, client, MSETPOINTS, &message, sizeof message, 0)
+           : mc_ioctl(mc(), client, MSETPOINTS, &message);
+  return result < 0 ? result : bytes;
+}
+
+struct mmcs_setpoints Host::number(const std::vector<int32_t> &values) {
   struct mmcs_setpoints message = {++sequence_, static_cast<unsigned>(values.size()), {}, 0};
   std::copy(values.begin(), values.end(), message.value);
   message.check = mmcs_check(&message);
-  if (!machine_.pass_write(values)) return bytes;
-  std::copy(values.begin(), values.end(), message.value);
-  const int result = mc_ioctl(mc(), client, MSETPOINTS, &message);
-  return result < 0 ? result : bytes;
+  return message;
 }
 
 // --- /dev/mc0 ----------------------------------------------------------------------------------
@@ -346,12 +358,10 @@ int Host::read(int client, void *buf, size_t len) {
 }
 
 int Host::write(int client, const void *buf, size_t len) {
-  if (cpu_) {
-    return cpu_->call(MAILBOX_WRITE, client, static_cast<uint32_t>(len), const_cast<void *>(buf),
-                      len, 0);
-  }
-  if (buf == nullptr || len % sizeof(int32_t) != 0 || len == 0) {
-    return mc_write(mc(), client, buf, len);
+  if (buf == nullptr || len % sizeof(int32_t) != 0 || len == 0 || (cpu_ && !checked_)) {
+    return cpu_ ? cpu_->call(MAILBOX_WRITE, client, static_cast<uint32_t>(len),
+                             const_cast<void *>(buf), len, 0)
+                : mc_write(mc(), client, buf, len);
   }
   std::vector<int32_t> values(len / sizeof(int32_t));
   std::memcpy(values.data(), buf, len);

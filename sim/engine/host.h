@@ -119,6 +119,7 @@ class Host {
   void watch();
   void write_setpoints();
   int send(int client, std::vector<int32_t> values);
+  struct mmcs_setpoints number(const std::vector<int32_t> &values);
   int set_one(int client, const void *arg);
 
   enum mc_bus_result access(bool write, uint16_t offset, uint8_t *value);

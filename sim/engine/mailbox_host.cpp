@@ -25,6 +25,10 @@ constexpr double kAnswerS = 1.0;
 }  // namespace
 
 void MailboxHost::start() {
+  static_assert(sizeof(struct mc_guard) == 4 * MAILBOX_GUARD);
+  uint32_t guard[MAILBOX_GUARD];
+  std::memcpy(guard, &mirror_->config.guard, sizeof guard);
+  for (size_t n = 0; n < MAILBOX_GUARD; ++n) set_word(FIELD(guard) + 4 * n, guard[n]);
   const int64_t end = machine_.clock() + machine_.clocks(kStartS);
   while (!up_ && machine_.clock() < end && !machine_.failed()) step(end);
   if (!up_) throw std::runtime_error("the firmware does not come up");
@@ -52,10 +56,10 @@ void MailboxHost::post(uint32_t what, int client, uint32_t a, const void *data, 
 int MailboxHost::call(uint32_t what, int client, uint32_t a, void *data, size_t in, size_t out) {
   const int64_t end = machine_.clock() + machine_.clocks(kAnswerS);
   const auto late = [&] { return dead_ || machine_.clock() >= end || machine_.failed(); };
-  while (busy() || !pending_.empty()) {
-    if (late()) return -MC_EIO;
-    step(end);
-  }
+  asks_ = true;
+  while ((busy() || !pending_.empty()) && !late()) step(end);
+  asks_ = false;
+  if (busy() || !pending_.empty()) return -MC_EIO;
   Request request{what, data, out, 0, false};
   request_ = &request;
   post(what, client, a, data, in);
@@ -81,13 +85,19 @@ void MailboxHost::collect(Request &request) {
 }
 
 void MailboxHost::post_write(int client, const std::vector<int32_t> &values) {
+  if (busy() && asks_) return;  // the process asks for something else, and waits for that
   if (busy()) {
     pending_ = values;
     pending_.insert(pending_.begin(), client);
     return;
   }
-  post(MAILBOX_WRITE, client, static_cast<uint32_t>(4 * values.size()), values.data(),
-       4 * values.size());
+  if (!events_.number) {
+    post(MAILBOX_WRITE, client, static_cast<uint32_t>(4 * values.size()), values.data(),
+         4 * values.size());
+    return;
+  }
+  const struct mmcs_setpoints message = events_.number(values);
+  post(MAILBOX_IOCTL, client, MSETPOINTS, &message, sizeof message);
 }
 
 void MailboxHost::stop() {

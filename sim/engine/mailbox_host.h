@@ -14,6 +14,7 @@
 #include "driver.h"
 #include "machine.h"
 #include "phases.h"
+#include "sys/mmcs.h"
 
 namespace mmcs {
 
@@ -25,6 +26,8 @@ class MailboxHost {
     std::function<void(bool sampled)> served;
     std::function<void(int client)> signal;
     std::function<void(const std::string &text)> log;
+    // What a write() becomes for a driver that wants its setpoints checked; empty: for others.
+    std::function<struct mmcs_setpoints(const std::vector<int32_t> &)> number;
   };
 
   MailboxHost(Machine &machine, struct mc *mirror, Events events)
@@ -97,6 +100,7 @@ class MailboxHost {
   void mirror();
   std::string text() const;
 
+  bool asks_ = false;  // call() waits for its turn
   Request *request_ = nullptr;
   std::vector<int32_t> pending_;  // a write that waits for the one before: client, values
 };

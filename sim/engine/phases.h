@@ -48,9 +48,10 @@ class Phases {
     const unsigned reg = offset >> 1 & 0x1F;
     if (card && now_ == Phase::kEnter) turn(Phase::kRead, from_us);
     // after a look at timer 2 the law runs until the first D/A is written
-    if (card && write && reg >= 0x8 && reg <= 0xB && now_ == Phase::kCompute) {
-      turn(Phase::kWrite, from_us);
-      wrote_ = true;
+    if (card && write && reg >= 0x8 && reg <= 0xB) {
+      if (now_ == Phase::kRead) turn(Phase::kCompute, last_);  // the guard has read a card after it
+      if (now_ == Phase::kCompute) turn(Phase::kWrite, from_us);
+      wrote_ = wrote_ || now_ == Phase::kWrite;
     }
     if (now_ == Phase::kCompute) turn(Phase::kRead, last_);
     // and what follows the look after that writes no more, unless it does

@@ -40,9 +40,8 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
   for (int32_t n :
        {config->guard_jump, config->guard_follow, config->guard_samples, config->guard_missed,
         config->guard_lease, config->guard_lock, config->guard_readback, config->guard_checked,
-        config->guard_latched, config->guard_brakes, config->guard_runaway}) {
+        config->guard_latched, config->guard_brakes, config->guard_runaway, config->guard_clock}) {
     if (n < 0) return "a limit of the guard is negative";
-    if (n > 0 && config->host != MMCS_HOST_NATIVE) return "the guard is of the native driver only";
   }
   for (double us : {config->cpu_us_per_axis, config->latency_max_us, config->bus_timeout_us}) {
     if (!(us >= 0 && us <= 1e7)) return "a host time is negative or beyond 10 s";

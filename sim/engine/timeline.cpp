@@ -77,7 +77,7 @@ uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
   for (int32_t n :
        {config.guard_jump, config.guard_follow, config.guard_samples, config.guard_missed,
         config.guard_lease, config.guard_lock, config.guard_readback, config.guard_checked,
-        config.guard_latched, config.guard_brakes, config.guard_runaway}) {
+        config.guard_latched, config.guard_brakes, config.guard_runaway, config.guard_clock}) {
     hash.add(static_cast<uint64_t>(n));
   }
   if (config.host != MMCS_HOST_NATIVE) {
