@@ -23,6 +23,7 @@ def header() -> str:
     for path in sorted((ROOT / "sim" / "robots").glob("*.toml")):
         robot = tomllib.loads(path.read_text())
         name = path.stem
+        robot["axis"] = [robot.get("every_axis", {}) | axis for axis in robot["axis"]]
         lines.append(f"inline constexpr mmcs_motor {name}[] = {{")
         for axis in robot["axis"]:
             values = {"index_per_rev": 1} | axis  # others that are left out are 0
