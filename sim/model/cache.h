@@ -21,7 +21,7 @@ struct State;
 
 constexpr int kMarks = 16;  // sets of them
 // Steps met so often are learned: learning takes as long as some 15 runs of the model.
-constexpr uint8_t kMet = 2;
+constexpr uint8_t kMet = 4;
 constexpr size_t kMostCells = 32;
 constexpr size_t kMostBytes = 256;  // of control registers
 

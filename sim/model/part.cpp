@@ -78,6 +78,9 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     port->width = row.width;
     port->out = row.out;
     port->data = row.kind != Kind::kControl;
+    port->whole = std::none_of(own.ports, own.ports + own.port_count, [&row](const PortRow &r) {
+      return &r != &row && std::strcmp(r.name, row.name) == 0 && std::strcmp(r.path, row.path) == 0;
+    });
     if (port->data) {
       port->at = static_cast<int>(cells.size());
       cells.push_back(

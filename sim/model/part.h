@@ -26,6 +26,7 @@ struct PartPort {
   Net net;  // in the model
   int width;
   bool out, data;
+  bool whole;     // it is all of its variable
   int at;         // its lowest bit among the control inputs or outputs; of data, its cell
   uint64_t mask;  // of control: its bits there
   std::vector<std::pair<Part *, const PartPort *>> links;  // of an output: inputs of the board
@@ -164,6 +165,7 @@ class Part {
   State *state_of(const uint8_t *registers, bool by_value);
   void put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in);
   uint64_t look(uint8_t *registers, uint32_t *cells) const;
+  uint64_t look_at_outputs(uint32_t *cells) const;
 
   State *state_ = nullptr;  // null: only the model knows
   bool live_ = true;        // the model is at the state

@@ -32,6 +32,10 @@ void Part::put_inputs(const uint32_t *cells, uint64_t in) {
   for (const auto &port : ports_) {
     if (port->out) continue;
     const uint64_t value = port->data ? cells[port->at] : (in & port->mask) >> port->at;
+    if (port->whole) {
+      port->net.put(value);
+      continue;
+    }
     const uint64_t bits = ((uint64_t{1} << port->width) - 1) << port->row->lsb;
     port->net.put((port->net.get() & ~bits) | value << port->row->lsb);
   }
@@ -61,6 +65,10 @@ uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
       copy_bytes(registers + place->at, place->net.at, place->net.bytes);
     }
   }
+  return look_at_outputs(cells);
+}
+
+uint64_t Part::look_at_outputs(uint32_t *cells) const {
   uint64_t out = 0;
   for (const auto &port : ports_) {
     if (!port->out) continue;
@@ -187,7 +195,7 @@ Transition *Part::learn(bool clock, Transition *met) {
     } else {
       put_state(from->registers, cells_, from->in);
     }
-    look(others, s.before);
+    look_at_outputs(s.before);
     const bool before = decided();
     op(clock);
     if ((before || decided()) && !met->by_value) same = false;

@@ -154,13 +154,14 @@ class Rack : public Model, protected Ports, private Listener {
     Wire *wire;
   };
   std::vector<std::vector<Reader>> readers_;              // of each net
-  std::vector<std::vector<std::vector<Reader>>> by_bit_;  // of each bit of the inputs' nets
+  std::vector<std::vector<std::vector<Reader>>> by_bit_;  // from each bit of the inputs' nets on
+  std::vector<int> reach_;                                // how many bits; 0: there is none
   // Does something for each port that is on these bits of a net.
   template <class F>
   void for_readers(int net, int lsb, int width, F f) {
     const size_t n = static_cast<size_t>(net);
-    const bool one = width == 1 && !by_bit_[n].empty();
-    for (const Reader &r : one ? by_bit_[n][static_cast<size_t>(lsb)] : readers_[n]) {
+    const bool near = width <= reach_[n];
+    for (const Reader &r : near ? by_bit_[n][static_cast<size_t>(lsb)] : readers_[n]) {
       if (r.lsb < lsb + width && lsb < r.lsb + r.width) f(r);
     }
   }

@@ -58,6 +58,7 @@ bool Rack::is_output(size_t board, int net) {
 void Rack::wire() {
   readers_.resize(kWires.nets.size());
   by_bit_.resize(kWires.nets.size());
+  reach_.resize(kWires.nets.size());
   followers_.resize(kWires.nets.size());
   on_bus_.resize(kWires.nets.size());
   due_.resize(kWires.logic.size());
@@ -127,8 +128,9 @@ void Rack::wire() {
     if (n < 0) throw std::runtime_error(std::string("rtl/mmcs.sv has no port ") + kPortNames[port]);
     auto &bits = by_bit_[static_cast<size_t>(n)];
     bits.resize(static_cast<size_t>(kWires.nets[static_cast<size_t>(n)].width));
+    const int reach = reach_[static_cast<size_t>(n)] = port == kAdc ? 16 : 1;
     for (const Reader &r : readers_[static_cast<size_t>(n)]) {
-      for (int bit = r.lsb; bit < r.lsb + r.width; ++bit) {
+      for (int bit = std::max(0, r.lsb - reach + 1); bit < r.lsb + r.width; ++bit) {
         bits[static_cast<size_t>(bit)].push_back(r);
       }
     }
