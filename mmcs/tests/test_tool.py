@@ -13,6 +13,7 @@ import sys
 import urllib.error
 import urllib.request
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from websockets.asyncio.client import connect
@@ -25,7 +26,7 @@ from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
 from mmcs.scenario.identify import Motor
 from mmcs.tests.device_bench import write_scenario
-from mmcs.tool import gateway, judge, launch, moment, pages
+from mmcs.tool import gateway, judge, launch, moment, pages, tune
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button, StopPath
@@ -376,6 +377,12 @@ def test_a_predicted_step_knows_limit_and_friction():
     turned, law = Motor(-1450.0, 0.3, -100.0, -100.0, 1.0), PD | {"a0": -4526, "a1": 4416}
     back = judge.predict(turned, law, 0.001, 200, 1.0, 140.0)
     assert back["steady_error_counts"] == pytest.approx(off, abs=1)
+
+
+def test_auto_tune_refuses_the_safe_machine():
+    link = SimpleNamespace(request=lambda op: {"safety": "2026"})
+    with pytest.raises(tune.TuneError, match="use --safety 1989"):
+        tune.tune(SimpleNamespace(link=link), 60.0, 1.0, 2000.0)
 
 
 @pytest.mark.req("TOOL-1")
