@@ -136,8 +136,8 @@ bench: $(VENV)/.test ## how fast it is, into docs/evidence/bench.md; BASE=commit
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench $(BASE)
 
-coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage
-	@$(BIN)/python tools/coverage.py
+coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage; ONLY=TEXT: of tests of that name
+	@$(BIN)/python tools/coverage.py $(if $(ONLY),--only "$(ONLY)")
 
 .PHONY: edges
 edges: $(VENV)/.test ## sweep the asynchronous inputs, into docs/evidence/edges.md

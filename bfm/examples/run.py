@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs an example in this folder: python run.py vme_ram [icarus|verilator]."""
+"""Runs an example in this folder: python run.py vme_ram [icarus|verilator]. Status 1: a test failed."""
 
 import sys
 from pathlib import Path
 
-from cocotb_tools.runner import get_runner
+from cocotb_tools.runner import get_results, get_runner
 
 HERE = Path(__file__).resolve().parent
 
@@ -20,8 +20,10 @@ def main() -> int:
         sources=[HERE / f"{name}.sv"], hdl_toplevel=name, build_dir=build, timescale=("1ns", "1ps")
     )
     sys.path.insert(0, str(HERE))  # where the simulator looks for the test
-    runner.test(hdl_toplevel=name, test_module=name, test_dir=build, hdl_toplevel_lang="verilog")
-    return 0
+    results = runner.test(
+        hdl_toplevel=name, test_module=name, test_dir=build, hdl_toplevel_lang="verilog"
+    )
+    return 1 if get_results(results)[1] else 0
 
 
 if __name__ == "__main__":

@@ -56,6 +56,18 @@ def test_the_script_runs_an_example(tmp_path):
     assert done.returncode == 0 and "PASS=1 FAIL=0" in done.stdout, done.stdout + done.stderr
 
 
+def test_a_test_that_fails_is_the_scripts_status(tmp_path):
+    if not shutil.which("iverilog"):
+        pytest.skip(runner.MISSING["icarus"])
+    for file in (BFM / "examples" / "run.py", *(BFM / "examples").glob("pc_port.*")):
+        shutil.copy(file, tmp_path)
+    test = tmp_path / "pc_port.py"
+    test.write_text(test.read_text() + "    raise AssertionError('on purpose')\n")
+    command = [sys.executable, "run.py", "pc_port"]
+    done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True, check=False)
+    assert done.returncode == 1 and "PASS=0 FAIL=1" in done.stdout, done.stdout + done.stderr
+
+
 def test_a_time_step_that_is_too_coarse_is_told(tmp_path):
     if not shutil.which("iverilog"):
         pytest.skip(runner.MISSING["icarus"])

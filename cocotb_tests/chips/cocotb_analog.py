@@ -302,16 +302,17 @@ async def random_ad574_ad667_oneshot(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-analog"
     words = random_words(seed, min(250_000, max(QUICK_OPS, 5000) * 20))
     models, layout, codes = Models(), Layout(OUTS), set()
-    got = await Bench(dut).replay(words)
+    bench = Bench(dut)
+    got = await bench.replay(words)
     for at, (word, response) in enumerate(zip(words, got, strict=True)):
         want = models.clock(word)
         low = want.pop("byte", None)
         if low is not None and low != response >> 4 & 0xFF:
             raise AssertionError(
-                f"seed {seed} clock {at}: byte {low:#x}, {response >> 4 & 0xFF:#x}"
+                f"seed {seed} {bench.clock_at(at)}: byte {low:#x}, {response >> 4 & 0xFF:#x}"
             )
         wrong = mismatch(layout, want, response)
-        assert not wrong, f"seed {seed} clock {at}: {wrong}; pins {IN.unpack(word)}"
+        assert not wrong, f"seed {seed} {bench.clock_at(at)}: {wrong}; pins {IN.unpack(word)}"
         codes.add(want.get("db"))
     assert len(codes) > 20, f"only {len(codes)} different conversions were read"
 

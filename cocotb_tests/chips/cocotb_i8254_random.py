@@ -160,7 +160,7 @@ async def compare(dut, modes: tuple[int, ...], name: str, ops: int, pick: int = 
             op = bisect_right(stimulus.starts, at) - 1
             recent = ", ".join(stimulus.texts[max(0, op - 12) : op + 1])
             raise AssertionError(
-                f"seed {seed} operation {op} ({stimulus.texts[op]}) clock {at}: "
+                f"seed {seed} operation {op} ({stimulus.texts[op]}) {bench.clock_at(at)}: "
                 f"{mismatch(OUT, want[at], got[at])}; before it: {recent}"
             )
         done += len(stimulus.starts)

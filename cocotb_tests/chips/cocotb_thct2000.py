@@ -690,6 +690,7 @@ async def random_against_the_model(dut):
         for at, (word, got) in enumerate(zip(words, await bench.replay(words), strict=True)):
             want = model.clock(word)
             wrong = mismatch(OUT, want, got)
-            assert not wrong, f"seed {seed}-{piece} clock {at}: {wrong}; pins {IN.unpack(word)}"
+            where = f"seed {seed}-{piece} {bench.clock_at(at)}"
+            assert not wrong, f"{where}: {wrong}; pins {IN.unpack(word)}"
             compared += "d_o" in want
     assert compared > QUICK_OPS

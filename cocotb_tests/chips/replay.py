@@ -13,9 +13,11 @@ from pathlib import Path
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
+from cocotb.utils import get_sim_time
 
 from cocotb_tests.lib.req import req
 
+CLOCK_NS = 10
 VARIANT, CASCADE = 1, 2  # bits of pick_i
 QUICK_OPS = int(os.environ.get("MMCS_RANDOM_OPS", "5000"))  # full depth: 100000
 
@@ -52,6 +54,11 @@ class Bench:
     def __init__(self, dut) -> None:
         self.dut = dut
         self.clock = None
+        self.began_ns = 0
+
+    def clock_at(self, at: int) -> str:
+        """A clock of the replay as a failure tells it, with its time in waves."""
+        return f"clock {at} ({self.began_ns + at * CLOCK_NS} ns in waves)"
 
     async def _start(self, lines: list[str], pick: int) -> list[str]:
         dut, ident = self.dut, os.getpid()
@@ -63,12 +70,13 @@ class Bench:
         dut.id_i.value = ident
         dut.length_i.value = len(lines)
         if self.clock is None:
-            self.clock = Clock(dut.clk_i, 10, "ns")
+            self.clock = Clock(dut.clk_i, CLOCK_NS, "ns")
             self.clock.start()
         await ClockCycles(dut.clk_i, 3)
         dut.rst_ni.value = 1
         await ClockCycles(dut.clk_i, 2)
         dut.go_i.value = 1
+        self.began_ns = round(get_sim_time("ns")) + 2 * CLOCK_NS  # where clock 0 takes its word
         await ClockCycles(dut.clk_i, 2)
         if not int(dut.done_o.value):
             await RisingEdge(dut.done_o)
@@ -88,7 +96,7 @@ class Bench:
             return [int(line, 16) for line in lines]
         except ValueError:
             at, line = next((n, t) for n, t in enumerate(lines) if set(t) & set("xzXZ"))
-            raise AssertionError(f"undefined outputs {line} at clock {at}") from None
+            raise AssertionError(f"undefined outputs {line} at {self.clock_at(at)}") from None
 
 
 def mismatch(layout: Layout, want, got: int) -> str | None:
@@ -134,15 +142,16 @@ class Script:
     async def run(self, dut) -> None:
         assert self.checks, "a script without an expectation proves nothing"
         self.step(2)
+        bench = Bench(dut)
         if isinstance(dut, ModelDut):
             responses = self.model().run(self.words)
         else:
-            responses = await Bench(dut).replay(self.words, self.PICK)
+            responses = await bench.replay(self.words, self.PICK)
         for at, outs, note in self.checks:
             got = self.outputs(responses[at])
             wrong = [f"{k}: expected {v:#x}, got {got.get(k)}" for k, v in outs.items()
                      if got.get(k) != v]  # fmt: skip
-            assert not wrong, f"clock {at} {note}: {'; '.join(wrong)}"
+            assert not wrong, f"{bench.clock_at(at)} {note}: {'; '.join(wrong)}"
 
     def outputs(self, response) -> dict:
         """A response as named outputs; the model's is a dict already where parts are undefined."""

@@ -29,6 +29,11 @@ def test_a_proof_that_holds():
     assert result.status() == "proved unbounded"
 
 
+def test_the_command_by_hand_names_the_tools_that_ours_names():
+    page = " ".join((ROOT / "docs" / "evidence" / "formal.md").read_text().split())
+    assert f"yowasp-sby {' '.join(formal.TOOLS).replace(str(ROOT), '$PWD')} -f" in page
+
+
 def test_a_counter_example_names_its_property():
     log = "SBY ##   0:00:00  Assert failed in g_props: LoopPanics\nSBY [g] DONE (FAIL, rc=2)\n"
     result = read(log)
