@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs an example in this folder: python run.py vme_ram [icarus|verilator]. Status 1: a test failed."""
+"""Runs an example of this folder: python run.py vme_ram [icarus|verilator]; 1: its test failed."""
 
 import sys
 from pathlib import Path
