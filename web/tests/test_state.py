@@ -76,7 +76,7 @@ def shows(desk, **wanted) -> None:
         return all(now[name] == value for name, value in wanted.items()) and now["drafts"] == 0
 
     try:
-        desk.eventually(so, 20)
+        desk.eventually(so)
     except AssertionError:
         now = desk.page.evaluate(SHOWN, AXIS)
         raise AssertionError({k: (now[k], v) for k, v in wanted.items() if now[k] != v}) from None
