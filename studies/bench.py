@@ -67,7 +67,8 @@ def _setup(cards: int, arm: bool, load: str):
         data["motion"] = [motion]
         if load == "full":
             data |= {"pose_deg": START_DEG, "motion": []}
-            motors = read_toml(ROBOTS / "puma560.toml")["axis"]
+            robot = read_toml(ROBOTS / "puma560.toml")
+            motors = [robot.get("every_axis", {}) | motor for motor in robot["axis"]]
             for axis, (motor, speed) in enumerate(zip(motors, FULL_RAD_S, strict=True)):
                 counts = motor["counts_per_rev"] * motor["gear"] / (2 * math.pi) * speed * 0.55
                 ramp = {"axis": axis, "kind": "ramp", "at": 0.0, "duration": 0.55, "to": counts}

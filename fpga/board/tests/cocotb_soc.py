@@ -10,7 +10,7 @@ from cocotb_tests.lib.tb import Tb
 from fpga.board.tests.converters import Dac8568, Mcp3208, SerialHost
 
 CLK_HZ, BAUD = 24_000_000, 1_000_000
-MAILBOX, ENABLED, AXIS, AXIS_WORDS, ENCNOW = 0x1E000 // 4, 21, 32, 9, 2  # words: mailbox.h
+MAILBOX, ENABLED, AXIS, AXIS_WORDS, ENCNOW = 0x1E000 // 4, 21, 38, 9, 2  # words: mailbox.h
 MAGIC = 0x4D4D4353
 ADDRESS, DATA, DO, READ = 0x001, 0x005, 0x00D, 1  # the console
 UP_MS = 40  # from reset to the first servo pass, at most
