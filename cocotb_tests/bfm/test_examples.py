@@ -56,25 +56,24 @@ def test_the_script_runs_an_example(tmp_path):
     assert done.returncode == 0 and "PASS=1 FAIL=0" in done.stdout, done.stdout + done.stderr
 
 
-def test_a_test_that_fails_is_the_scripts_status(tmp_path):
+def run_copy(folder, file, old, new):
+    """pc_port and the script, copied to a folder, with a change of one file."""
     if not shutil.which("iverilog"):
         pytest.skip(runner.MISSING["icarus"])
-    for file in (BFM / "examples" / "run.py", *(BFM / "examples").glob("pc_port.*")):
-        shutil.copy(file, tmp_path)
-    test = tmp_path / "pc_port.py"
-    test.write_text(test.read_text() + "    raise AssertionError('on purpose')\n")
+    for one in (BFM / "examples" / "run.py", *(BFM / "examples").glob("pc_port.*")):
+        shutil.copy(one, folder)
+    text = (folder / file).read_text()
+    assert old in text
+    (folder / file).write_text(text.replace(old, new))
     command = [sys.executable, "run.py", "pc_port"]
-    done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True, check=False)
+    return subprocess.run(command, cwd=folder, text=True, capture_output=True, check=False)
+
+
+def test_a_test_that_fails_is_the_scripts_status(tmp_path):
+    done = run_copy(tmp_path, "pc_port.py", "assert ", "assert not ")
     assert done.returncode == 1 and "PASS=0 FAIL=1" in done.stdout, done.stdout + done.stderr
 
 
 def test_a_time_step_that_is_too_coarse_is_told(tmp_path):
-    if not shutil.which("iverilog"):
-        pytest.skip(runner.MISSING["icarus"])
-    for file in (BFM / "examples").glob("pc_port.*"):
-        shutil.copy(file, tmp_path)
-    script = (BFM / "examples" / "run.py").read_text().replace('"1ps"', '"1ns"')
-    (tmp_path / "run.py").write_text(script)
-    command = [sys.executable, "run.py", "pc_port"]
-    done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True, check=False)
+    done = run_copy(tmp_path, "run.py", '"1ps"', '"1ns"')
     assert "the simulator's time step is 1e-9 s, but these models need 1 ps" in done.stdout
