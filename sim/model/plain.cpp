@@ -315,6 +315,7 @@ void Plain::upset(int reg, uint64_t bits) {
   upset_ = true;
   doubted_ = false;
   written();
+  put_back();  // a bit that sticks does not flip
   look_at_lines();
 }
 

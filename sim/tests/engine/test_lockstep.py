@@ -178,6 +178,29 @@ def test_a_way_back_into_a_card_without_power():
         assert lockstep.differences(pair) == "no register"
 
 
+@pytest.mark.req("API-1", "INT-1")
+def test_what_sticks_stands_against_an_upset():
+    """SCLOCK is high and its edge detector stuck at 1: a flipped bit of the detector flips nothing,
+    so no edge is latched, in the machine and in the boards. Without the fault one is."""
+    _, plain, skipping = lockstep.machines("lab500")
+    pair = plain, skipping
+    numbers = {name: number for number, name in enumerate(plain.input_names())}
+    control = lockstep.PIT + 6
+    actions = [*(("write", control, 0x2D, 1, word) for word in (0x36, 0x76, 0xB6)),
+               ("write", regs.PCCSR, 0x2D, 1, 0xF8)]  # fmt: skip
+    flip = ("event", 1.25e-6, "seu.u_adaptor.u_core.u_pccsr.sclock_q", 0, 1)
+    latched = regs.PCCSR_SCLOCK_LATCHED_BM
+    with plain, skipping:
+        for stuck in (1, 0):
+            seen = set()
+            for action in [*actions, ("event", 0, "irq_lost", 0, stuck), ("run", 5), flip,
+                           ("run", 20), ("read", regs.PCCSR, 0x2D, 1)]:  # fmt: skip
+                seen = {lockstep.act(sim, action, numbers) for sim in pair}
+            (read,) = seen
+            assert bool(read & latched) == (not stuck)
+            assert lockstep.differences(pair) == "no register"
+
+
 @pytest.mark.req("API-1")
 @pytest.mark.parametrize("name", ["pc_power", "cable", "sysreset"])
 def test_what_sticks_stands_against_a_reset(name):
