@@ -12,6 +12,7 @@ import argparse
 import json
 import random
 import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -219,7 +220,17 @@ def main() -> None:
     if options.run:
         name, count = options.run
         sets = [word for text in MACHINES[name] for word in ("--set", text)]
-        command = ["mmcs", "campaign", "--faults", count, "--seed", "1", *sets]
+        command = [
+            sys.executable,
+            "-m",
+            "mmcs",
+            "campaign",
+            "--faults",
+            count,
+            "--seed",
+            "1",
+            *sets,
+        ]
         at = commit()
         subprocess.run([*command, "--out", str(options.folder / name)], check=True)
         (options.folder / name / COMMIT).write_text(at)
