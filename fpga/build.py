@@ -5,8 +5,6 @@ A row that is not built stays as it is in the page.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import datetime

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sizes of the host fronts on an ECP5, by synthesis alone, into docs/hardware/adaptor.md."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -5,8 +5,6 @@ nextpnr gives the speed of each clock and the longest of all paths from pins, to
 to pin: a limit that this keeps holds. Skew it does not give: unchecked. Into docs/hardware/fpga.md.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys

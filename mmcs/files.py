@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads files of the user's, which may be anything: bounded, and what is wrong in one sentence."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import json

@@ -6,8 +6,6 @@ says so, and from that instant on they are the results: the run moves them to th
 it was killed meanwhile, whoever looks next. Before that instant the earlier results stand.
 """
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

@@ -5,8 +5,6 @@ The one table of them is sim/abi/inputs.def, which the engine includes and this 
 rows the engine has an upset of each register of the hardware.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from typing import NamedTuple

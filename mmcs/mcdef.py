@@ -5,8 +5,6 @@ and the declarations of sim/abi.
 Everything is read from the headers themselves; nothing is repeated here.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import os

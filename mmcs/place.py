@@ -5,8 +5,6 @@ A checkout holds all three. Installed from a wheel, the sources lie inside the p
 built in the user's cache; so are those of a checkout that cannot be written.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import stat

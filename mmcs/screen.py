@@ -5,8 +5,6 @@ Nothing else prints: a bracket is no markup here, an escape character no command
 is no text at all is spelled out.
 """
 
-from __future__ import annotations
-
 import contextlib
 import locale
 import os

@@ -6,8 +6,6 @@ in a folder of its own with an engine of its own. A figure is the median of the 
 median of the ratios within each round, so that whatever else the computer does falls on both.
 """
 
-from __future__ import annotations
-
 import argparse
 import datetime
 import json

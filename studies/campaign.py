@@ -6,8 +6,6 @@ in FOLDER, one for each of MACHINES. `--run NAME N` runs N faults of one, `--hea
 healthy motions of the safe machine.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import random

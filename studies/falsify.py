@@ -7,8 +7,6 @@ as the mutation score of the RTL is; --write gives scenarios the path of their t
 been found of a scenario stays in build/falsify, and is not looked for again with the same sources.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import json

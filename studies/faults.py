@@ -5,8 +5,6 @@ A fault scenario has a [fault] table; its first event is the fault. Each one run
 1989, and with the amplifiers' enable taken away by PANIC (amp_panic_cut).
 """
 
-from __future__ import annotations
-
 import argparse
 import errno
 from typing import NamedTuple

@@ -9,8 +9,6 @@ scenarios run from end to end. After every action clock and data read must agree
 again the hash, which covers every register.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import json

@@ -8,8 +8,6 @@ The motor is linear in it; what the arm does beyond that (inertia that changes, 
 joints) is learned from runs on the machine as a disturbance in D/A units.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -5,8 +5,6 @@ It shares no code with firmware, RTL or plant. At every sample the encoder is re
 computes; the D/A changes at the next one. Between samples the motor moves in steps of 50 us.
 """
 
-from __future__ import annotations
-
 import math
 
 STEP = 50e-6

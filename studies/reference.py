@@ -7,8 +7,6 @@ with the gains of reference_gains.toml and a current limit of 1024; those of the
 come from one_axis.py.
 """
 
-from __future__ import annotations
-
 import argparse
 import functools
 import math

@@ -5,8 +5,6 @@
 attack.py [--inputs N] [--seed S]
 """
 
-from __future__ import annotations
-
 import argparse
 import random
 import subprocess

@@ -6,8 +6,6 @@ names are pages of the book as well, and a mark like <!-- live: panic --> become
 (web/live.html).
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

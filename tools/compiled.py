@@ -5,8 +5,6 @@ build/compiled/NAME-KEY holds the result and what it was made of: KEY stands for
 compiler; the sources and every header that they include are looked at by their content.
 """
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import json

@@ -8,8 +8,6 @@ C and C++ run with sanitizers; a finding stays in build/fuzz, and so do the inpu
 something new, which the next run begins with.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import os

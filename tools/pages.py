@@ -4,8 +4,6 @@
 What a run has measured bears the day on which it was measured, and the command that repeats it.
 """
 
-from __future__ import annotations
-
 import datetime
 import sys
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every parser in Python with a good input, for those who damage inputs: attack.py and fuzz.py."""
 
-from __future__ import annotations
-
 import io
 import json
 import select

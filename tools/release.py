@@ -6,8 +6,6 @@ runs `mmcs run SCENARIO` there, with no network where the system lets us take it
 must have the hash that the checkout's own run has.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -7,8 +7,6 @@ is the threshold: everybody may know it, and it knows no room, but for the door,
 and __main__.py, which only hand on public names.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import re

@@ -6,8 +6,6 @@ random moments. No test may tell the difference; `make test-loaded` is this arou
   stall.py [--loops N] [--seed S] -- COMMAND...
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import os

@@ -5,8 +5,6 @@ sim/abi/inputs.def: inputs of [[event]], in the manual. firmware/include/request
 mcdef.h, the manual and the manual page.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys

@@ -6,8 +6,6 @@ The pages are those of mctool (web/), the engine is compiled to WebAssembly by D
 and what Python knows of scenarios and structures is written beside them as JSON.
 """
 
-from __future__ import annotations
-
 import argparse
 import base64
 import errno

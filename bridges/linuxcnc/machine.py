@@ -9,8 +9,6 @@ it measured out. So both live by one clock, and a run is the same every time, ho
 computer is. The scenario's motions, calls and events are left aside: LinuxCNC moves the arm.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import os

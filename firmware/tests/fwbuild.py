@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compiles the firmware for the host, with sanitizers for programs, plain for Python."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

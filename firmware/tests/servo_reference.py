@@ -5,8 +5,6 @@ Written to be checked against the diagram, not to be fast: every block of Fig. 2
 its own, histories are lists, and limits are put on by name where a register of the real thing ends.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 OFF, POS, VEL, TORQ, TEST1 = range(5)

@@ -3,8 +3,6 @@
 
 `// req: ID ID` above a function names the requirements that it covers."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -2,8 +2,6 @@
 """All C tests of the driver on a 68020 and on RV32: driver and mock compiled for them, with the law
 in 32 bits, on unicorn's models."""
 
-from __future__ import annotations
-
 import functools
 import importlib.util
 import shutil

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The servo law in C against servo_reference.py, bit by bit, over random parameters and corners."""
 
-from __future__ import annotations
-
 import os
 import random
 from dataclasses import fields, replace

@@ -2,8 +2,6 @@
 """The servo law in C against servo_reference.py where chance seldom leads: every small coefficient
 of both signs, limits that are exactly met, friction at rest."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Netlists in the tests of the RTL, with the cells that Yosys has; make test-netlist."""
 
-from __future__ import annotations
-
 import functools
 import re
 import sys

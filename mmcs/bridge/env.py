@@ -9,8 +9,6 @@ through the driver, lets some servo intervals pass, and reads what the driver pu
 this module registers the environment.
 """
 
-from __future__ import annotations
-
 try:
     import gymnasium
 except ImportError:

@@ -6,8 +6,6 @@ engine takes it. Time is the machine's, so steps may have any length; a setpoint
 next servo interrupt.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import platform

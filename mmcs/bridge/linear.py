@@ -8,8 +8,6 @@ and D/A, stops, and the encoder's whole counts. An axis of an arm is taken alone
 inertia.
 """
 
-from __future__ import annotations
-
 import math
 
 from mmcs.errors import InputError

@@ -4,8 +4,6 @@
 PlotJuggler: Streaming, UDP Server, port 9870, protocol JSON, "use field as timestamp" on.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 

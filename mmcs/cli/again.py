@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs replay` and `mmcs trace`: runs made again."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line. Heavy imports happen inside the commands: `mmcs list` answers at once."""
 
-from __future__ import annotations
-
 import errno
 import math
 import os

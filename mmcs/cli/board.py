@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs board`: a card on a board, over its serial line."""
 
-from __future__ import annotations
-
 import math
 from contextlib import contextmanager
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs live`, `mmcs mcap`, `mmcs fmu`: samples and machines for tools that others wrote."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs campaign`: very many faults in some motions, each beside its fault-free twin."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import sys

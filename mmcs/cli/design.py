@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs design`: control synthesis on the command line (§2.5)."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

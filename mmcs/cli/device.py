@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs serve` and `mmcs exec`: the machine for other programs."""
 
-from __future__ import annotations
-
 import signal
 import sys
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs lab`: the sheets of a control course, and their answers graded by running the machine."""
 
-from __future__ import annotations
-
 import csv
 import json
 import shlex

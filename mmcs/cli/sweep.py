@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs sweep`: many runs of a scenario over a grid or a random sample of its values."""
 
-from __future__ import annotations
-
 import sys
 import time
 from contextlib import contextmanager

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs tool`: mctool (§3) in the browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

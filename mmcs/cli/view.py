@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs compare` and `mmcs film`: pictures of finished runs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server's inner loop in lock-step, in C: see sim/device/attend.c."""
 
-from __future__ import annotations
-
 import functools
 import os
 

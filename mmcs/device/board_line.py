@@ -6,8 +6,6 @@ check. The check is the CRC-8 of all bytes since the request began: polynomial 0
 docs/hardware/fpga.md has the table.
 """
 
-from __future__ import annotations
-
 import os
 import termios
 import time

@@ -6,8 +6,6 @@ the brakes while the stop loop is closed: the steps that write D/As are run only
 Time is that of the board's own timers, in milliseconds of SCLOCK, so the computer's does not count.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One accepted socket: what has come in and what waits to go out, both bounded."""
 
-from __future__ import annotations
-
 import contextlib
 import select
 import socket

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs an unmodified program against the simulator: `mmcs exec -- PROGRAM`."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

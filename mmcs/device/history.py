@@ -6,8 +6,6 @@ the device open then; after a rewind those who have it open now have it again, a
 had is closed.
 """
 
-from __future__ import annotations
-
 EVERY_S, KEPT = 0.1, 100  # the ring of snapshots at the start
 
 

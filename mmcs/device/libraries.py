@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The libraries of sim/device, compiled when missing, damaged or older than their sources."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import subprocess

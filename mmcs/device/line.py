@@ -4,8 +4,6 @@
 Under `mmcs exec --lockstep` no program needs one: its library has a line for every thread.
 """
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import os

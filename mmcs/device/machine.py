@@ -5,8 +5,6 @@ Programs at the wire and clients of the messages come to the same few methods. R
 a number as the driver does, negative for an errno.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import time

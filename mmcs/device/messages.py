@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server's end of the messages: see docs/use/protocol.md, whose words the names here are."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

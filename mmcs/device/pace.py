@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How simulated time follows the clock on the wall."""
 
-from __future__ import annotations
-
 import time
 
 # Simulated time between looks at the sockets: short while somebody talks or has been signalled, so

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server's end of the wire (sim/device/wire.h): programs that open /dev/mcN and /dev/vme16."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

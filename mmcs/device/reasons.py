@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Why a call was refused, as one sentence: what the driver's errno alone does not tell (§2.3)."""
 
-from __future__ import annotations
-
 import errno
 import struct
 

@@ -7,8 +7,6 @@ one, a stretch of simulated time, and what is to be sent. The stop path comes fi
 and again before each request and while one waits.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import resource

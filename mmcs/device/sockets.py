@@ -5,8 +5,6 @@ A server has a folder that is the user's alone, a lock that it holds as long as 
 sockets of mode 0600. Both ends ask the kernel for the other one's user: paths are not proof.
 """
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

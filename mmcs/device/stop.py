@@ -5,8 +5,6 @@ Whoever can connect may stop the machine. A line is at most 64 bytes; of each co
 served at a time, so that nobody holds up the others.
 """
 
-from __future__ import annotations
-
 import contextlib
 import select
 import socket

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Gets the simulator library: asks make whether it is there and fresh, and builds it if not."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import os

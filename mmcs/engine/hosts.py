@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What runs the firmware: native code, or a processor with its compiled image."""
 
-from __future__ import annotations
-
 import importlib.util
 import shutil
 import subprocess

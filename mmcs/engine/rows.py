@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rows of numbers without end: a log as long as the run, in memory that does not grow with it."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterator
 

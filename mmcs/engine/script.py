@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What sim/abi/mmcs_service.h has for a Sim: scripts carried out, requests of the messages."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@
 That package holds the real tool; its version string is not of the form that other tools parse.
 """
 
-from __future__ import annotations
-
 import os
 import sysconfig
 from pathlib import Path

@@ -2,8 +2,6 @@
 """The parts of a Sim that look on: nets clock by clock and the cycles of the VME bus, for waveforms
 without a file; sample by sample, for programs in lock-step."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mmcs.errors import RunError

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs a sheet's scenarios with a student's values, and looks at what came out."""
 
-from __future__ import annotations
-
 import shlex
 from dataclasses import dataclass
 from functools import cache, cached_property

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an answer is worth: questions, their points, and the reason for each."""
 
-from __future__ import annotations
-
 import re
 import sys
 import traceback

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lab sheets, NN_name/ in docs/labs or in a folder of the teacher's, and folders to work in."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from dataclasses import dataclass

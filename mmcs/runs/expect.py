@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Judges a run against the scenario's expectations."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mmcs import logcols

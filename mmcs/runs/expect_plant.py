@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Judges what the log and the physics show: signals, movement, calibration, refusals."""
 
-from __future__ import annotations
-
 import errno
 import math
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine of a setup, built if need be; and the bar that shows how far a run is."""
 
-from __future__ import annotations
-
 import functools
 import sys
 import time

@@ -5,8 +5,6 @@ Everything is taken at servo samples, from the driver's own state: `y` is the en
 position axis and the velocity estimate of a velocity axis.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

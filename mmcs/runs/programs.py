@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run whose user's side is programs, in lock-step: a scenario's [[program]] entries (§2.3)."""
 
-from __future__ import annotations
-
 import hashlib
 import shlex
 import struct

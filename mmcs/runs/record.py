@@ -6,8 +6,6 @@ what came out: the hash, running hashes at samples in between, and short digests
 and columns, so that a replay can say where it parts from the run.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs replay` and `mmcs trace`: a run made again from its record."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 

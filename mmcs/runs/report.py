@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From the result of a run to report.json, log.csv and the table on the terminal."""
 
-from __future__ import annotations
-
 import json
 import zlib
 from pathlib import Path

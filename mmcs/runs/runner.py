@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs run`: library, session, progress, results."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

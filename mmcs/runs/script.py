@@ -2,8 +2,6 @@
 """The script of a setup: its events, and the user's side while the motion goes on. sim/service
 carries it out."""
 
-from __future__ import annotations
-
 import random
 
 from mmcs import mcdef

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One run, doing what a user's program does with /dev/mc0 (§2.3.6, Fig. 2.3)."""
 
-from __future__ import annotations
-
 import errno
 import os
 import time

@@ -7,8 +7,6 @@ archive's comment that of the index. The engine checks that its own bytes come f
 and the same machine.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

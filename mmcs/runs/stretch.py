@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run that only a stretch of is traced: the machine changes builds on the way, by snapshots."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -2,8 +2,6 @@
 """Whether an arm can be integrated in steps of 50 us: what sim/plant/stiff.cpp refuses, told by
 `mmcs check` with the numbers that would do."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

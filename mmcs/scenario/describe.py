@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs show` and the cautions of `mmcs check`: what a scenario amounts to."""
 
-from __future__ import annotations
-
 from mmcs.scenario.arm import has_mass_distribution
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The picture of a design: Bode, step response, closed-loop poles."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finds and reads the files: which one a name means, and TOML with its mistakes told."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path

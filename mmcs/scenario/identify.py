@@ -6,8 +6,6 @@ v in counts/s, u in D/A units (LSB). Gravity and a drive's offset are in tc_pos 
 sign, in tc_neg.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scenario's name or path to a checked setup, or to every mistake in it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The motor of a robot file as control design needs it. docs/use/design.md"""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a step will look like: the driver's law in integers, its limit, the motor's friction."""
 
-from __future__ import annotations
-
 from math import floor, trunc
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The robot file: motors, and for an arm its links. Fields are explained in sim/robots/*.toml."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Annotated, Literal

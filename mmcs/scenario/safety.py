@@ -4,8 +4,6 @@
 What the file has itself keeps its value; the rest comes from the robot file.
 """
 
-from __future__ import annotations
-
 import math
 
 from mmcs.scenario.robot import Robot

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scenario file: what is simulated, what happens, and what is expected of it."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

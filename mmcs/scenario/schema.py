@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strict models, field types that say what they allow, and the one-line form of a mistake."""
 
-from __future__ import annotations
-
 import re
 import typing
 from typing import Annotated, Any, Literal

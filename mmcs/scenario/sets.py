@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`--set key.path=value`: puts values where a key says, before anything is checked."""
 
-from __future__ import annotations
-
 import tomllib
 
 from mmcs.errors import InputError, show, suggest

@@ -5,8 +5,6 @@ Also finds the mistakes that no single file shows: an axis that the robot lacks,
 starts after the end, segments that overlap.
 """
 
-from __future__ import annotations
-
 import math
 import shlex
 import shutil

@@ -9,8 +9,6 @@ Only numpy: the libraries that convert controllers refuse or spoil the improper 
 ones that a servo needs, so the closed forms stand here and the libraries serve as test oracles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which faults a campaign makes of which motions, and the rows that they become."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a campaign found: counts by class, where and when, with 95 % confidence intervals."""
 
-from __future__ import annotations
-
 import bisect
 import math
 from collections import Counter

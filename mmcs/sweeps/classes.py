@@ -4,8 +4,6 @@
 Nothing here knows a simulator: what was seen of a run goes in, one of CLASSES comes out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 MASKED = "masked"

@@ -4,8 +4,6 @@
 A fault is an entry for the scenario's [[event]] or [[call]], so that `mmcs run` makes it, too.
 """
 
-from __future__ import annotations
-
 import random
 import re
 import shlex

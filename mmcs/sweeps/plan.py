@@ -5,8 +5,6 @@ Every row is made from the scenario, the sweep's seed and the row's number alone
 number of workers nor the order in which they finish shows in the results.
 """
 
-from __future__ import annotations
-
 import copy
 import hashlib
 import itertools

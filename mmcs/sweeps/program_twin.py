@@ -5,8 +5,6 @@ No program goes back to a snapshot, so every faulty run begins at power-on, as t
 goes on to the scenario's end, when the programs have ended, too.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

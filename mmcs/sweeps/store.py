@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a sweep leaves: rows as they finish, then one table, a summary and a picture."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

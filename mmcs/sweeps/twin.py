@@ -5,8 +5,6 @@ The twin runs once. A fault begins at the last snapshot before its moment, and i
 as its state is the twin's of the same clock: from there on nothing can differ.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mmcs import mcdef

@@ -5,8 +5,6 @@ A run leaves no files, only its figures. A worker that dies takes nothing along 
 at, which another one repeats.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import math

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A served machine inside the test, and programs that use it (§2.3)."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

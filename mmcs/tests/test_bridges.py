@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bridges to what others use, as far as they need nothing that is not here anyway."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import re

@@ -4,8 +4,6 @@ lock-step: nothing moves that was not asked, nobody who must know is not told (Â
 
 A sample of the pairs runs in `make test`, all of them with MMCS_FAMILY=all (`make test-all`)."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What auto-tune finds of a motor in its recorded motion, and the gains made of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the pages compute by themselves, against Python: random gains, formulas, records by seed."""
 
-from __future__ import annotations
-
 import base64
 import bisect
 import json

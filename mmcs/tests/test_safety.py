@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The safe machine: one switch, each piece by itself, and what it does on the simulated arm."""
 
-from __future__ import annotations
-
 import pytest
 
 from mmcs import mcdef

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """mctool without a browser: pages, stop process, designer, recordings."""
 
-from __future__ import annotations
-
 import asyncio
 import base64
 import io

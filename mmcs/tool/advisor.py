@@ -15,8 +15,6 @@ Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experim
   alive    the page is there; without one for deadman_ms (250) an experiment is broken off
 """
 
-from __future__ import annotations
-
 import base64
 import sys
 import time

@@ -5,8 +5,6 @@ Passes messages on unread (docs/use/protocol.md); a page that reads too slowly s
 and the machine's ring counts what it then loses. A process of its own: STOP does not depend on it.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import errno

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What auto-tune promised, and whether the axis does it."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import numpy as np

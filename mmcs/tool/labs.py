@@ -8,8 +8,6 @@ Lines as mmcs/tool/worker.py has them; one process for each page that opens them
   check    number, answer (text of an answer.toml): the marks, points, of
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

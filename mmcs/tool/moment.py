@@ -6,8 +6,6 @@ before and run through those milliseconds. It is the same machine to the bit, bu
 it: what programs have done since the snapshot, at most 0.1 s before, is missing.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

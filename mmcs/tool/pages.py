@@ -6,8 +6,6 @@ that another user of the machine, who can reach the port, finds neither page nor
 WebSocket must come from an origin that the server was told; pages of other sites are turned away.
 """
 
-from __future__ import annotations
-
 import hmac
 import http
 import mimetypes

@@ -6,8 +6,6 @@ browser gives it a process of its own: it lives while the page's scripts hang. I
 to the machine's stop path, which shares nothing with the stream (docs/use/protocol.md).
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

@@ -5,8 +5,6 @@ A client of the messages beside the page: the page lends it the lease. Between t
 stream it sees nothing, so it asks for currents that the axis survives for that long.
 """
 
-from __future__ import annotations
-
 import select
 import time
 from dataclasses import asdict, dataclass, replace

@@ -5,8 +5,6 @@ Who may (root, or `nice` and `rtprio` in limits.conf) runs before the programs o
 may ask for short turns, which Linux gives sooner (sched_setattr, since 6.12).
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import os

@@ -5,8 +5,6 @@ One JSON object a line, in on standard input, out on standard output. {"id", "op
 by the method do_OP, whose reply has the request's id; what is wrong is {"id", "error"}.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import queue

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Line charts as SVG, in a hundredth of the time that a plotting library takes to be imported."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from xml.sax.saxutils import escape

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs compare A B`: two runs over each other, axis by axis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

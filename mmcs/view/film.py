@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs film RUN`: the arm in three dimensions, as a strip of pictures and as an animation."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A recording as MCAP, for Foxglove, PlotJuggler and others, and back: JSON, a message an axis."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

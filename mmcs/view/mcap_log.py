@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A finished run as MCAP, the way mctool writes its recordings."""
 
-from __future__ import annotations
-
 from mmcs import logcols
 from mmcs.view.mcap_file import from_rows
 from mmcs.view.runs import Run

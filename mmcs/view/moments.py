@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """When what happens in a trace: the first whole servo pass, from SCLOCK to the last D/A write."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names for numbers in a trace: registers by VME address, parts of a servo pass."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The picture of a run: setpoint and position, joint angle, error and current of every axis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

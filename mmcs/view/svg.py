@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures saved; as SVG half as long as Matplotlib writes them, and the same for the same data."""
 
-from __future__ import annotations
-
 import re
 from io import StringIO
 from pathlib import Path

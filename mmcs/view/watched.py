@@ -4,8 +4,6 @@
 They come from a machine that skips nothing (mmcs_sim_watch); web/waves.js draws them.
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -6,8 +6,6 @@ States, registers and parts of the pass have names, counts and D/As are drawn as
 view is checked on its screen; Surfer's was never tried.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import shutil

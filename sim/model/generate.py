@@ -15,8 +15,6 @@ triggers DIR          triggers.inc: which bit stands for which clock, from Veril
 With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one board more.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -5,8 +5,6 @@ Everything is taken from the tree that `verilator --json-only` writes after it h
 design; nothing about the hardware is typed here.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 from pathlib import Path

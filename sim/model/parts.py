@@ -4,8 +4,6 @@
 `parts.py vme|rv32` prints what sim/Makefile asks for: the boards and chips, and where packages are.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 import sysconfig

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What rtl/mmcs.sv says between its boards, as C++: nets, the pins on them, and its own logic."""
 
-from __future__ import annotations
-
 from netlist import Module, Netlist, NetlistError, children, reads, writes
 
 OPERATORS = {"AND": "&", "OR": "|", "XOR": "^", "ADD": "+", "SUB": "-", "MULS": "*", "MUL": "*",

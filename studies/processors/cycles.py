@@ -4,8 +4,6 @@
 As a program it rewrites the tables of docs/simulator/processors.md.
 """
 
-from __future__ import annotations
-
 import argparse
 import ctypes as c
 import os

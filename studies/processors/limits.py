@@ -7,8 +7,6 @@ counts, MGETSTATS) and answers every request. The machine is always the largest,
 those that are not wanted are absent: one build of the model for each kind of host.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass

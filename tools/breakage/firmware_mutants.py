@@ -4,8 +4,6 @@
 See there for what counts. The files as they are must pass everything that a mutant meets.
 """
 
-from __future__ import annotations
-
 import hashlib
 import multiprocessing
 import os

@@ -19,8 +19,6 @@ changed. Survivors are listed in build/mutation_firmware/survivors.txt; `--write
 into docs/evidence/mutation_firmware.md.
 """
 
-from __future__ import annotations
-
 import argparse
 import datetime
 import json

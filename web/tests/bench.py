@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What tests of pages share: a running tool with a page, pictures and tables for the manual."""
 
-from __future__ import annotations
-
 import json
 import time
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page in a real browser: a machine, its tool, and Chromium."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

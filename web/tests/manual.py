@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Puts what the tests measured and photographed into the manual: `make tool-test WRITE=1`."""
 
-from __future__ import annotations
-
 import json
 import shutil
 

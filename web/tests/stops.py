@@ -8,8 +8,6 @@ checkout of the other commit, with its npm packages in web/lib. Both have the sa
 run; what counts is the ratio. web/tests/manual.py puts the table into the manual.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page for those who see little, hear it read, or have no mouse: measured by axe-core."""
 
-from __future__ import annotations
-
 import pytest
 from test_start import VIEWS
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Auto-tune on LAB500 and on every joint of the PUMA, nobody helping: the table of the manual."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lab sheets in the page: text, form, and the marks that `mmcs lab check` gives."""
 
-from __future__ import annotations
-
 import tomllib
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Chapter 3, control by control: each changes what the driver reads back."""
 
-from __future__ import annotations
-
 import pytest
 from bench import picture
 

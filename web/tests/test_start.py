@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the tool starts: switches, a machine that others drive, two pages, screen readers."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 

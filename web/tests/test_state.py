@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Panels show what the driver has, whoever changed it, and nothing else; an edit is a draft."""
 
-from __future__ import annotations
-
 import os
 import signal
 

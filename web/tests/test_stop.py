@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """STOP works while the page hangs, the page's server is stopped, or samples flood."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scope, faults, registers, the past, and a stream without a loss, in a real browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

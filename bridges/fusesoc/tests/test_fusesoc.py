@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """FuseSoC runs every target of every core, offline, without a warning; make fusesoc-test."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

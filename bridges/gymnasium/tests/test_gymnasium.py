@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine as a Gymnasium environment: the checker's rules, seeds, vectors; make learn-test."""
 
-from __future__ import annotations
-
 import gymnasium
 import numpy as np
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A LiteX SoC with our module, simulated whole: its processor runs our driver; make litex-test."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import xml.etree.ElementTree as ET

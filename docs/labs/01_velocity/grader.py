@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 1: what the rounding of an encoder does to a velocity."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

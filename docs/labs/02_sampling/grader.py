@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 2: what a longer servo interval does to the phase."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

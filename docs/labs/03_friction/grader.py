@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 3: dry friction measured, compensated, and fought by an integral."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

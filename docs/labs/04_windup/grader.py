@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 4: an integral that goes on while the current is at its limit."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 5: when the D/A changes, and what the time of the host has to do with it."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

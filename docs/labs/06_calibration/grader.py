@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 6: where an arm is, by index and potentiometer."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 7: who notices a fault, how soon, and what the brakes do."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 8: an arm's weight, and what its joints do to each other."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 9: a motor found from a recording, proved on another motion, and servoed."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheet 10: one continuous law, sampled in five ways."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 import numpy as np

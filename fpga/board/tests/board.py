@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each board's top in the tests of cocotb_board.py: its RTL, or what was synthesised of it."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tops for real buses in the tests of cocotb_tops.py."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -5,8 +5,6 @@ them by SIGKILL at random moments.
 killer.py PROGRAM SEED ROUNDS      prints "N rounds K kills"; exits with 1 if one ends by itself
 """
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

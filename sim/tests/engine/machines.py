@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Machines for the tests of the engine: a LAB500 motor on every axis, and a program's calls."""
 
-from __future__ import annotations
-
 import itertools
 from contextlib import contextmanager
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The static site in a real browser, carried by Python's own file server."""
 
-from __future__ import annotations
-
 import functools
 import threading
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer

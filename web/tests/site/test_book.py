@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The book around the machine: searchable, links checked, the machine itself beside the text."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

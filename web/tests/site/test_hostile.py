@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The site in the hands of somebody who means no good, or does not know: one sentence, and on."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

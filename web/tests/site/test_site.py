@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine in a page: to the bit the native one, offline, on a telephone, for a minute."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

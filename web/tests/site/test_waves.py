@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Waveforms in the page: those of a native trace of the same run; by keyboard, on a telephone."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import subprocess
