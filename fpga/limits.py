@@ -16,10 +16,10 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "fpga")]
 from pages import part, rewrite  # noqa: E402
 
-from build import PAGE, TARGETS, Failed, need, route  # noqa: E402
+from build import OUT, PAGE, TARGETS, Failed, need, route  # noqa: E402
 
 TABLE = ROOT / "fpga/limits.toml"
-FOLDER = ROOT / "fpga/constraints"
+FOLDER = OUT / "constraints"
 SEEDS = (1, 2, 3)
 KINDS = ("input", "output", "through", "strobe", "skew", "skew_out")
 UNCHECKED = "unchecked: not in the report"
@@ -103,7 +103,7 @@ def constraints(top: str, xdc: bool) -> str:
     """The text of a constraint file."""
     clock = tops()[top]["clock"]
     period, port_period = 1000 / clock["mhz"], 1000 / clock.get("port_mhz", clock["mhz"])
-    out = [f"# Generated from fpga/limits.toml by fpga/limits.py; do not edit. Top: {top}"]
+    out = [f"# Generated from fpga/limits.toml by fpga/limits.py; top {top}"]
     for limit in limits(top):
         out += [f"# {limit.why}"] if limit.why else []
         out += command(limit, period, port_period, xdc)
@@ -184,7 +184,7 @@ def main() -> int:
     parser.add_argument("tops", nargs="*", help="to place and route; all if none is named")
     parser.add_argument("--write", action="store_true", help="only write the SDC and XDC files")
     options = parser.parse_args()
-    FOLDER.mkdir(exist_ok=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
     for path, text in files().items():
         path.write_text(text)
     if options.write:

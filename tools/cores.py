@@ -85,7 +85,8 @@ def benches() -> str:
 
 
 def _text(data: dict) -> str:
-    return HEAD + f"# {BY}\n" + yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
+    options = {"sort_keys": False, "allow_unicode": True, "default_flow_style": None, "width": 100}
+    return HEAD + f"# {BY}\n" + yaml.safe_dump(data, **options)
 
 
 def bench() -> str:
