@@ -5,7 +5,7 @@ import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.pcbus import PcBus, PcBusSlave
 
-from cocotb_tests.lib.req import req, variants
+from cocotb_tests.lib.req import test, variants
 from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_core"
@@ -49,8 +49,7 @@ class HostPort(Tb):
         assert await self.access(offset, value) == 0xFF, "a write answers nothing"
 
 
-@cocotb.test()
-@req("ADP-1", "VME-5", "CSR-1")
+@test("ADP-1", "VME-5", "CSR-1")
 async def own_registers(dut):
     """PCCSR and vector by the port alone; every other offset of the upper half reads 0xFF."""
     tb = HostPort(dut)
@@ -69,8 +68,7 @@ async def own_registers(dut):
     assert int(dut.vector_o.value) == 0xA5
 
 
-@cocotb.test()
-@req("ADP-1", "MAP-1", "VME-4")
+@test("ADP-1", "MAP-1", "VME-4")
 async def own_accesses_become_pc_cycles(dut):
     """Every address of the lower half, at random bases; the cards take their time."""
     tb = HostPort(dut)
@@ -93,8 +91,7 @@ async def own_accesses_become_pc_cycles(dut):
     assert seen == expected
 
 
-@cocotb.test()
-@req("ADP-1")
+@test("ADP-1")
 async def answer_stays_until_the_next(dut):
     """Of the adaptor's own registers and of the PC bus; reset leaves 0xFF."""
     tb = HostPort(dut)
@@ -113,8 +110,7 @@ async def answer_stays_until_the_next(dut):
     assert int(dut.hp_rdata_o.value) == 0xFF
 
 
-@cocotb.test()
-@req("PCB-1", "ADP-1")
+@test("PCB-1", "ADP-1")
 async def cycle_timing(dut):
     """Address a full clock before the command, command as long as set, data held past it."""
     tb = HostPort(dut)
@@ -146,8 +142,7 @@ async def cycle_timing(dut):
         assert not int(dut.pc_d_oe_o.value)
 
 
-@cocotb.test()
-@req("PCB-1", "PIT-2")
+@test("PCB-1", "PIT-2")
 async def system_clock_of_the_jumper(dut):
     """CLK once a period, from reset on; SCLOCK counts its periods and moves half a period later."""
     tb = HostPort(dut)
@@ -181,8 +176,7 @@ async def system_clock_of_the_jumper(dut):
     assert set(highs[1:]) == {4 * div}, f"{highs}"
 
 
-@cocotb.test()
-@req("PCB-1")
+@test("PCB-1")
 async def read_data_is_sampled_at_the_end(dut):
     """What stands on the bus when IOR# rises counts, not what stood before."""
     tb = HostPort(dut)
@@ -198,8 +192,7 @@ async def read_data_is_sampled_at_the_end(dut):
         assert await task == last
 
 
-@cocotb.test()
-@req("PCB-1", "PCB-2")
+@test("PCB-1", "PCB-2")
 async def iochrdy(dut):
     """Extends by what it lasts; past the limit the cycle ends, reads 0xFF, and the next works."""
     tb = HostPort(dut)
@@ -237,8 +230,7 @@ async def iochrdy(dut):
         assert await tb.rd(0x021) == 0x5A
 
 
-@cocotb.test()
-@req("ADP-1", "PIT-2", "INT-1", "INT-2")
+@test("ADP-1", "PIT-2", "INT-1", "INT-2")
 async def interrupts_by_the_port(dut):
     tb = HostPort(dut)
     await tb.start()
@@ -263,8 +255,7 @@ async def interrupts_by_the_port(dut):
     assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
 
 
-@cocotb.test()
-@req("PAN-1", "PAN-2", "ADP-1")
+@test("PAN-1", "PAN-2", "ADP-1")
 async def safety_by_the_port(dut):
     """Each of button, cable and power alone; without a link the PC bus reads 0xFF at full speed."""
     tb = HostPort(dut)
@@ -295,9 +286,8 @@ async def safety_by_the_port(dut):
         assert not int(dut.panic_o.value)
 
 
-@cocotb.test()
+@test("PCB-1", "CSR-1")
 @variants("8MHz")
-@req("PCB-1", "CSR-1")
 async def sysreset_passes_to_reset_drv(dut):
     tb = HostPort(dut)
     await tb.start()
@@ -315,8 +305,7 @@ async def sysreset_passes_to_reset_drv(dut):
     assert int(dut.vector_o.value) == 0x44
 
 
-@cocotb.test()
-@req("ADP-1", "PIT-1", "PIT-2")
+@test("ADP-1", "PIT-1", "PIT-2")
 async def timers_by_the_port(dut):
     """Latched reads of a running timer go down by the time that passed."""
     tb = HostPort(dut)
@@ -337,8 +326,7 @@ async def timers_by_the_port(dut):
         assert abs(((v0 - v1) & 0xFFFF) - ticks) <= 1
 
 
-@cocotb.test()
-@req("PIT-1", "PIT-2")
+@test("PIT-1", "PIT-2")
 async def a_count_is_loaded_by_a_whole_pulse(dut):
     """Timer 1, written while its clock OUT0 is high: the next fall is of a pulse that began before,
     the second one loads, the third one ends a count of 1."""
@@ -354,8 +342,7 @@ async def a_count_is_loaded_by_a_whole_pulse(dut):
         await tb.wr(0x407, 0x14)
 
 
-@cocotb.test()
-@req("ADP-1")
+@test("ADP-1")
 async def random_requests(dut):
     """A long mix at random gaps: each request gets exactly one answer, the right one."""
     tb = HostPort(dut)

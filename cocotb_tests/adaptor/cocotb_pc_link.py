@@ -5,13 +5,12 @@ import cocotb
 from cocotb.triggers import FallingEdge, Timer
 
 from cocotb_tests.adaptor.cocotb_host_port import HostPort
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "adaptor_core"
 
 
-@cocotb.test()
-@req("PCB-1", "CSR-1")
+@test("PCB-1", "CSR-1")
 async def reset_drv_stands_from_power_on(dut):
     """It is high while the power-on reset is, and until SYSRESET* has ended."""
     tb = HostPort(dut)
@@ -29,8 +28,7 @@ async def reset_drv_stands_from_power_on(dut):
     assert not int(dut.pc_reset_drv_o.value)
 
 
-@cocotb.test()
-@req("PCB-1", "PAN-2")
+@test("PCB-1", "PAN-2")
 async def cable_that_bounces_in_a_command(dut):
     """Out and back at any clock of an access: one command at most, and what is cut reads 0xFF."""
     tb = HostPort(dut)

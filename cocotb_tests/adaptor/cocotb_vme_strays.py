@@ -9,7 +9,7 @@ from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 from cocotbext.vme import VmeBus, VmeMaster
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_vme"
@@ -49,8 +49,7 @@ class Adaptor(Tb):
         assert await self.vme.iack(5) & 0xFF == VEC, "nothing is left of it"
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def one_answer_to_one_iackin(dut):
     """A second strobe under the same IACKIN* is neither answered nor passed on."""
     tb = Adaptor(dut)
@@ -72,8 +71,7 @@ async def one_answer_to_one_iackin(dut):
         await tb.end()
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def iackin_that_lingers_passes_nothing_on(dut):
     """AS* rises and falls again before IACKIN* has risen: that cycle gets no IACKOUT*."""
     tb = Adaptor(dut)
@@ -109,8 +107,7 @@ async def long_strobe_of_a_neighbour(tb: Adaptor, phase: int) -> None:
     await Timer(30, "ns")
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def strobe_of_a_neighbour_under_our_address(dut):
     """Address pipelining: its strobe, which stands for long, is not ours; the next one is, after as
     little as 30 ns, whatever the phase of the clock."""
@@ -147,9 +144,8 @@ async def neighbours(tb: Adaptor, n: int) -> None:
             await Timer(40, "ns")
 
 
-@cocotb.test()
+@test("VME-3")
 @cocotb.parametrize(n=[1, 2, 3, 4, 5])
-@req("VME-3")
 async def fast_strobes_of_a_neighbour(dut, n):
     """Transfers of 80 ns, and our address under the last strobe, or a strobe of our own 40 ns after
     it: the former is no cycle of ours, the latter is answered."""
@@ -178,9 +174,8 @@ async def fast_strobes_of_a_neighbour(dut, n):
             bus.ds_n.value, bus.as_n.value = 0b11, 1
 
 
-@cocotb.test()
+@test("INT-2")
 @cocotb.parametrize(line=["ds_n", "as_n", "iackin_n"])
-@req("INT-2")
 async def acknowledge_that_goes_before_the_answer(dut, line):
     """DS0*, AS* or IACKIN* may rise at any time before DTACK* falls; then it does not fall."""
     tb = Adaptor(dut)
@@ -201,8 +196,7 @@ async def acknowledge_that_goes_before_the_answer(dut, line):
     await tb.end()
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def strobe_of_a_transfer_under_our_acknowledge(dut):
     """A neighbour's strobe that still stands when IACKIN* comes is not the acknowledge's: the
     vector waits for the next one."""
@@ -222,8 +216,7 @@ async def strobe_of_a_transfer_under_our_acknowledge(dut):
         await tb.end()
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def iackin_without_iack_is_not_ours(dut):
     """A neighbour that pulls IACKIN* in a transfer: passed on, whatever the address, and if IACK*
     comes after, that was decided."""
@@ -242,8 +235,7 @@ async def iackin_without_iack_is_not_ours(dut):
     await tb.end()
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def nothing_is_taken_in_sysreset(dut):
     """A write that begins in SYSRESET* and ends in it is neither answered nor carried out."""
     tb = Adaptor(dut)
@@ -269,8 +261,7 @@ async def nothing_is_taken_in_sysreset(dut):
         assert not acts, f"begun in SYSRESET*, {lasts} ns long"
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def sysreset_ends_an_answer(dut):
     """Three clocks into SYSRESET* DTACK* is high, and stays so, whatever a transfer has come to."""
     tb = Adaptor(dut)
@@ -297,8 +288,7 @@ async def sysreset_ends_an_answer(dut):
     assert answers == {0, 1}, "before and after the answer"
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def iackin_before_as(dut):
     """A chain that is early is passed on under AS* only, of our level or another."""
     tb = Adaptor(dut)
@@ -318,8 +308,7 @@ async def iackin_before_as(dut):
     await tb.end()
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def address_strobe_that_comes_last(dut):
     """AS* may be a clock edge later than DS0* here, by skew: the cycle is answered all the same."""
     tb = Adaptor(dut)
@@ -338,8 +327,7 @@ async def address_strobe_that_comes_last(dut):
         await tb.clocks(4)
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def the_later_strobe_begins_the_cycle(dut):
     """DS0* alone under our address begins nothing, however long it stands. When AS* comes, it
     passes as many flip-flops as DS0* does: the answer takes as long from the later one."""

@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.checkers.drive import Pins, expect
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "pcbus_checker"
 SOURCES = ("../../rtl/checkers/pcbus_checker.sv",)
@@ -128,23 +128,20 @@ FAULTS = {
 }
 
 
-@cocotb.test()
-@req("PCB-1", "MAP-1")
+@test("PCB-1", "MAP-1")
 async def good_cycles_break_nothing(dut):
     await expect(Pins(dut, IDLE), good)
     assert not int(dut.conflict_o.value)
 
 
-@cocotb.test()
+@test("PCB-1", "MAP-1")
 @cocotb.parametrize(fault=list(FAULTS))
-@req("PCB-1", "MAP-1")
 async def rule_goes_red(dut, fault):
     stimulus, rule = FAULTS[fault]
     await expect(Pins(dut, IDLE), stimulus, rule)
 
 
-@cocotb.test()
-@req("PCB-2")
+@test("PCB-2")
 async def two_cards_that_answer_are_told(dut):
     async def stimulus(p):
         await read(p, drivers=5)

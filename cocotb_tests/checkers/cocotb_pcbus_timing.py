@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.checkers.drive import Timed
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "pcbus_timing"
 SOURCES = ("../../rtl/checkers/pcbus_timing.sv",)
@@ -73,8 +73,7 @@ FAULTS = {
 }
 
 
-@cocotb.test()
-@req("PCB-1")
+@test("PCB-1")
 async def limits_met_exactly_are_good(dut):
     b = Bus(dut, IDLE, NAMES)
     await b.start()
@@ -86,9 +85,8 @@ async def limits_met_exactly_are_good(dut):
     assert await b.broken() == []
 
 
-@cocotb.test()
+@test("PCB-1")
 @cocotb.parametrize(name=list(FAULTS))
-@req("PCB-1")
 async def limit_goes_red(dut, name):
     write, times = FAULTS[name]
     b = Bus(dut, IDLE, NAMES)

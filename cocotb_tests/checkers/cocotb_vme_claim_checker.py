@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.checkers.drive import Pins, expect
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "vme_claim_checker"
 SOURCES = ("../../rtl/checkers/vme_claim_checker.sv",)
@@ -143,15 +143,13 @@ FAULTS = {
 }
 
 
-@cocotb.test()
-@req("VME-1", "VME-2", "INT-2")
+@test("VME-1", "VME-2", "INT-2")
 async def good_cycles_break_nothing(dut):
     await expect(Pins(dut, IDLE), good)
 
 
-@cocotb.test()
+@test("VME-1", "VME-2", "INT-2")
 @cocotb.parametrize(fault=list(FAULTS))
-@req("VME-1", "VME-2", "INT-2")
 async def rule_goes_red(dut, fault):
     stimulus, rule = FAULTS[fault]
     await expect(Pins(dut, IDLE), stimulus, rule)

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each rule of the edge checker goes red by what lasts a few nanoseconds between clock edges."""
 
-import cocotb
 from cocotb.triggers import Timer
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "vme_edge_checker"
 SOURCES = ("../../rtl/checkers/vme_edge_checker.sv",)
@@ -124,15 +123,13 @@ async def answered_then_passed(s):
     await s.put(2, iackout_no=0)
 
 
-@cocotb.test()
-@req("VME-3", "INT-2")
+@test("VME-3", "INT-2")
 async def what_is_right_breaks_nothing(dut):
     for stimulus in (good_read, good_acknowledge, good_pass):
         await expect(dut, stimulus)
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def dtack_at_the_wrong_moment(dut):
     await expect(dut, dtack_without_strobe, STROBED, DTACK_OURS)
     await expect(dut, dtack_to_another, DTACK_OURS)
@@ -140,15 +137,13 @@ async def dtack_at_the_wrong_moment(dut):
     await expect(dut, dtack_drops, STAYS)
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def drivers_at_the_wrong_moment(dut):
     await expect(dut, drivers_linger, OFF)
     await expect(dut, drivers_for_another, DRIVE_OURS)
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def an_acknowledge_of_two_fates(dut):
     await expect(dut, pass_outlives_as, INSIDE)
     await expect(dut, passed_then_answered, FATE)

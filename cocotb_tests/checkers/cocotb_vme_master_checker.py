@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.checkers.drive import Pins, expect
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "vme_master_checker"
 SOURCES = ("../../rtl/checkers/vme_master_checker.sv",)
@@ -119,15 +119,13 @@ FAULTS = {
 }
 
 
-@cocotb.test()
-@req("VME-3", "VME-6")
+@test("VME-3", "VME-6")
 async def good_cycles_break_nothing(dut):
     await expect(Pins(dut, IDLE), good)
 
 
-@cocotb.test()
+@test("VME-3", "VME-6")
 @cocotb.parametrize(fault=list(FAULTS))
-@req("VME-3", "VME-6")
 async def rule_goes_red(dut, fault):
     stimulus, rule = FAULTS[fault]
     await expect(Pins(dut, IDLE), stimulus, rule)

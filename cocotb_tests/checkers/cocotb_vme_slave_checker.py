@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.checkers.drive import Pins, expect
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "vme_slave_checker"
 SOURCES = ("../../rtl/checkers/vme_slave_checker.sv",)
@@ -119,20 +119,17 @@ RULES = {
 }
 
 
-@cocotb.test()
-@req("VME-3", "INT-2")
+@test("VME-3", "INT-2")
 async def good_cycles_break_nothing(dut):
     await expect(Pins(dut, IDLE), good)
 
 
-@cocotb.test()
+@test("VME-3", "INT-2")
 @cocotb.parametrize(rule=list(RULES))
-@req("VME-3", "INT-2")
 async def rule_goes_red(dut, rule):
     await expect(Pins(dut, IDLE), RULES[rule], rule)
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def data_that_changes_with_dtack_is_late_too(dut):
     await expect(Pins(dut, IDLE), data_changes_with_dtack, 7)

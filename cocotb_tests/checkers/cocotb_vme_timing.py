@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.checkers.drive import Timed
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "vme_timing"
 SOURCES = ("../../rtl/checkers/vme_timing.sv",)
@@ -220,8 +220,7 @@ FAULTS = {f.__name__: f for f in (
 )}  # fmt: skip
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def limits_met_exactly_are_good(dut):
     b = Bus(dut, IDLE, NAMES)
     await b.start()
@@ -229,9 +228,8 @@ async def limits_met_exactly_are_good(dut):
     assert await b.broken() == []
 
 
-@cocotb.test()
+@test("VME-3")
 @cocotb.parametrize(name=list(FAULTS))
-@req("VME-3")
 async def limit_goes_red(dut, name):
     b = Bus(dut, IDLE, NAMES)
     await b.start()

@@ -5,11 +5,9 @@
 import os
 import random
 
-import cocotb
-
 from cocotb_tests.chips.analog import CONV, IDLE, IN, OUTS, PULSE, Analog, Models
 from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, mismatch, script
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.models import ad574
 
 TOPLEVEL = "bench_analog"
@@ -296,8 +294,7 @@ def random_words(seed: str, clocks: int) -> list[int]:
     return words
 
 
-@cocotb.test()
-@req("ADC-1", "DAC-1", "HB-1")
+@test("ADC-1", "DAC-1", "HB-1")
 async def random_ad574_ad667_oneshot(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-analog"
     words = random_words(seed, min(250_000, max(QUICK_OPS, 5000) * 20))

@@ -2,11 +2,9 @@
 # Length: many short cases of one block, read one at a time.
 """Programming and reading the 8254: formats, latches, read-back, null count, rewrites. §4.3.3."""
 
-import cocotb
-
 from cocotb_tests.chips.pit import BOTH, LSB, MSB, Pit, bcd
 from cocotb_tests.chips.replay import script
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "bench_i8254"
 SOURCES = ("bench_i8254.sv", "bench_replay.sv")
@@ -422,8 +420,7 @@ def initial_out_of_each_mode(s):
         s.out(int(mode != 0), note=f"mode {mode}, no CLK")
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def control_word_in_the_low_phase(dut):
     """Mode set while OUT is low, in modes 2, 3, 4, 5: OUT rises at once, no CLK."""
     for mode, pulses in ((2, 3), (3, 3), (4, 4), (5, 4)):
@@ -482,8 +479,7 @@ def mode0_first_byte_in_chmos(s):
     s.golden("0:7 0:6")
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def first_of_two_bytes_is_in_the_count_register_at_once(dut):
     """CR_L and CR_M are loaded one at a time: a trigger between the bytes loads the mix."""
     for chmos, mixed in ((False, "0:2 0:1"), (True, "0:4 0:3")):  # that one has SplitCr = 0

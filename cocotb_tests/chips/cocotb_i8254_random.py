@@ -10,10 +10,8 @@ import random
 from bisect import bisect_right
 from itertools import cycle
 
-import cocotb
-
 from cocotb_tests.chips.replay import CASCADE, QUICK_OPS, VARIANT, Bench, Layout, mismatch
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.models import i8254
 
 TOPLEVEL = "bench_i8254"
@@ -173,56 +171,47 @@ async def compare(dut, modes: tuple[int, ...], name: str, ops: int, pick: int = 
     assert out_edges > ops // 50, f"{out_edges} OUT edges in {ops} operations prove little"
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mode0(dut):
     await compare(dut, (0,), "mode0", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mode1(dut):
     await compare(dut, (1,), "mode1", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mode2(dut):
     await compare(dut, (2,), "mode2", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mode3(dut):
     await compare(dut, (3,), "mode3", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mode4(dut):
     await compare(dut, (4,), "mode4", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mode5(dut):
     await compare(dut, (5,), "mode5", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_mixed_modes(dut):
     """Any mode after any other, in every phase."""
     await compare(dut, (0, 1, 2, 3, 4, 5), "mixed", QUICK_OPS)
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def random_chmos_part(dut):
     await compare(dut, (0, 0, 0, 1, 2, 3, 4, 5), "chmos", QUICK_OPS // 2, VARIANT)
 
 
-@cocotb.test()
-@req("PIT-1", "PIT-2")
+@test("PIT-1", "PIT-2")
 async def random_cascade(dut):
     await compare(dut, (0, 2, 2, 2, 3, 3, 4), "cascade", QUICK_OPS // 2, CASCADE)

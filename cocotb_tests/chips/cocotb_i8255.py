@@ -5,11 +5,9 @@
 import os
 import random
 
-import cocotb
-
 from cocotb_tests.chips.ppi import CONTROL, IDLE, IN, SETTLE, A, B, C, Ppi, mode_word, settled
 from cocotb_tests.chips.replay import QUICK_OPS, VARIANT, Bench, script
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.models import i8255
 
 TOPLEVEL = "bench_i8255"
@@ -540,14 +538,12 @@ async def compare(dut, name: str, modes: bool) -> None:
         assert not wrong, f"seed {seed} state {at}: {wrong}; {recent}"
 
 
-@cocotb.test()
-@req("PPI-1")
+@test("PPI-1")
 async def random_mode0(dut):
     await compare(dut, "ppi-mode0", False)
 
 
-@cocotb.test()
-@req("PPI-1")
+@test("PPI-1")
 async def random_all_modes(dut):
     await compare(dut, "ppi-modes", True)
 

@@ -5,11 +5,9 @@
 import os
 import random
 
-import cocotb
-
 from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
 from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, mismatch, script
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.models import thct2000
 
 TOPLEVEL = "bench_thct2000"
@@ -120,44 +118,37 @@ async def discriminator(dut, mode: int, up: tuple[int, int, int, int]) -> None:
     await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode0_holds(dut):
     await discriminator(dut, 0, (0, 0, 0, 0))
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode1_counts_a_while_b_is_low(dut):
     await discriminator(dut, 1, (1, 0, 0, 0))
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode2_counts_a_while_b_is_high(dut):
     await discriminator(dut, 2, (0, 0, 1, 0))
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode3_counts_both_edges_of_a(dut):
     await discriminator(dut, 3, (1, 0, 1, 0))
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode4_counts_both_edges_of_b(dut):
     await discriminator(dut, 4, (0, 1, 0, 1))
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode5_counts_all_edges(dut):
     await discriminator(dut, 5, (1, 1, 1, 1))
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode6_measures_an_interval(dut):
     s = Encoder(6)
     for length in (7, 1, 100):
@@ -168,8 +159,7 @@ async def mode6_measures_an_interval(dut):
     await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def mode7_measures_a_frequency(dut):
     s = Encoder(7)
     for rises in (3, 0, 10):
@@ -224,8 +214,7 @@ def written_value_is_read(s):
         s.value(value)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def data_are_there_at_once(dut):
     """In the first clock of a read already, which the data sheet, and the model, leave open."""
     if isinstance(dut, ModelDut):
@@ -265,8 +254,7 @@ def a_byte_written_is_stored_at_once(s):
     s.expect("again the same byte", count=0x2244)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def a_count_between_two_written_bytes_does_not_tear_them(dut):
     for first, value in ((MSB, 0x12FF), (LSB, 0x1300)):
         s = Encoder()
@@ -280,8 +268,7 @@ async def a_count_between_two_written_bytes_does_not_tear_them(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def a_byte_written_leaves_the_other_one_counting(dut):
     """On the very clock of a carry the other byte counts on by itself."""
     for gap in range(8):
@@ -296,8 +283,7 @@ async def a_byte_written_leaves_the_other_one_counting(dut):
         await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def a_stray_byte_written_shifts_no_later_pair(dut):
     for stray in (MSB, LSB):
         for first in (MSB, LSB):
@@ -362,8 +348,7 @@ def a_byte_read_again_samples_again(s):
     s.value(0x10FF)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def a_stray_byte_leaves_nothing_stale(dut):
     """A lone byte, read or written, first after RESET or later, and then something else."""
     for later in (False, True):
@@ -387,8 +372,7 @@ async def a_stray_byte_leaves_nothing_stale(dut):
                     await s.run(dut)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def what_ends_a_pair_and_what_does_not(dut):
     """Any other access, a mode set and RESET do; a latch does not."""
 
@@ -434,8 +418,7 @@ def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(s):
     s.read(MSB, 0x41)
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def reset_ends_a_pair(dut):
     for stray in (MSB, LSB):
         s = Encoder()
@@ -518,8 +501,7 @@ def latch_during_a_read_is_not_lost(s):
     s.value(0x2003)
 
 
-@cocotb.test()
-@req("ENC-2", "LAT-1")
+@test("ENC-2", "LAT-1")
 async def latch_takes_the_count_of_its_clock(dut):
     """The value before any count of the same clock, whatever the phase between them."""
     for delay in range(6):
@@ -554,8 +536,7 @@ def reset_clears(s):
     s.value(2, "the latch flag is gone too")
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def reset_with_steady_inputs_counts_nothing(dut):
     for phase in range(4):
         s = Encoder()
@@ -586,8 +567,7 @@ def bus_floats_unless_read(s):
     s.step(cs_n=1)
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def filter_swallows_glitches(dut):
     """With Filter = 2 a pulse of one or two CLKs is nothing, a long one counts."""
     s = Encoder(filtered=True)
@@ -679,8 +659,7 @@ class Walk:
         self._put(rng.choice((0, 1, 2, 6)))
 
 
-@cocotb.test()
-@req("ENC-1", "ENC-2")
+@test("ENC-1", "ENC-2")
 async def random_against_the_model(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-thct2000"
     bench, compared = Bench(dut), 0

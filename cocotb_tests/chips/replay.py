@@ -10,12 +10,11 @@ from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 
-import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotb.utils import get_sim_time
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 CLOCK_NS = 10
 VARIANT, CASCADE = 1, 2  # bits of pick_i
@@ -159,7 +158,7 @@ class Script:
 
 
 def script(kind: type[Script], *ids: str, **settings) -> Callable:
-    """Makes a cocotb test of a function that fills a script; `ids` are those of `req`."""
+    """Makes a cocotb test of a function that fills a script; `ids` are those of `test`."""
 
     def make(fill: Callable[[Script], None]):
         @wraps(fill)
@@ -168,6 +167,6 @@ def script(kind: type[Script], *ids: str, **settings) -> Callable:
             fill(s)
             await s.run(dut)
 
-        return cocotb.test()(req(*ids)(play))
+        return test(*ids)(play)
 
     return make

@@ -15,7 +15,7 @@ from cocotb.utils import get_sim_time
 from cocotbext.pcbus import PcBus, PcBusMonitor
 from cocotbext.vme import VmeBus, VmeMonitor
 
-from cocotb_tests.lib.req import req, slow, variants
+from cocotb_tests.lib.req import slow, test, variants
 from mmcs import regs
 
 TOPLEVEL = "mmcs_tb"
@@ -168,17 +168,15 @@ async def watch(dut, passes: int):
     seen.check_latch(passes)
 
 
-@cocotb.test()
-@req("VME-3", "VME-4", "VME-5", "MAP-1", "PCB-1", "INT-1", "INT-2", "FW-1")
+@test("VME-3", "VME-4", "VME-5", "MAP-1", "PCB-1", "INT-1", "INT-2", "FW-1")
 @variants("brief")
 async def everything_the_firmware_does_keeps_the_rules(dut):
     """From power-on over thirty servo passes."""
     await watch(dut, 28)
 
 
-@cocotb.test()
+@test("VME-3", "VME-4", "VME-5", "MAP-1", "PCB-1", "INT-1", "INT-2", "FW-1")
 @slow
-@req("VME-3", "VME-4", "VME-5", "MAP-1", "PCB-1", "INT-1", "INT-2", "FW-1")
 @variants("second")
 async def a_whole_servo_second_keeps_the_rules(dut):
     """The same over a thousand passes."""

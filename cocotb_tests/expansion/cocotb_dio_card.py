@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A third-party card on the expansion connector, reached through another PCCSR base. §4.2.2"""
 
-import cocotb
-
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, PORT_A, QUAD, Machine
 
 TOPLEVEL = "bench_expansion"
@@ -21,8 +19,7 @@ async def machine(dut) -> Machine:
     return tb
 
 
-@cocotb.test()
-@req("PCB-2", "MAP-1")
+@test("PCB-2", "MAP-1")
 async def registers_of_the_card(dut):
     tb = await machine(dut)
     assert await tb.rd(IDENTITY) == 0xD1
@@ -34,8 +31,7 @@ async def registers_of_the_card(dut):
         assert await tb.rd(IN) == value ^ 0x3C
 
 
-@cocotb.test()
-@req("PCB-2", "CRD-1")
+@test("PCB-2", "CRD-1")
 async def the_bases_do_not_meet(dut):
     """At the cards' base the card is silent, at its own the Mark I card is."""
     tb = await machine(dut)
@@ -52,8 +48,7 @@ async def the_bases_do_not_meet(dut):
     assert await tb.crd(0, PORT_A) == 0x1D
 
 
-@cocotb.test()
-@req("PCB-1", "PCB-2", "VME-4")
+@test("PCB-1", "PCB-2", "VME-4")
 async def wait_states(dut):
     """IOCHRDY stretches reads and writes by whole CLKs and is given up at the limit."""
     tb = await machine(dut)
@@ -75,8 +70,7 @@ async def wait_states(dut):
     await tb.wr(CONTROL, 0)
 
 
-@cocotb.test()
-@req("PCB-2", "PAN-1")
+@test("PCB-2", "PAN-1")
 async def its_interrupt_line(dut):
     """The example sits on IRQ7, the PANIC line: a card may panic too (wired OR)."""
     tb = await machine(dut)
@@ -93,8 +87,7 @@ async def its_interrupt_line(dut):
     assert not int(dut.panic_o.value)
 
 
-@cocotb.test()
-@req("PCB-1", "PCB-2")
+@test("PCB-1", "PCB-2")
 async def reset_drv_reaches_it(dut):
     tb = await machine(dut)
     await tb.wr(OUT, 0x99)
@@ -105,8 +98,7 @@ async def reset_drv_reaches_it(dut):
     assert int(dut.dio_o.value) == 0
 
 
-@cocotb.test()
-@req("PCB-2", "VME-3")
+@test("PCB-2", "VME-3")
 async def mixed_traffic(dut):
     """Both cards in turn, with wait states: neither disturbs the other."""
     tb = await machine(dut)

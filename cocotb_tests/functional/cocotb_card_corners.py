@@ -7,7 +7,7 @@ Each of these was found by breaking the RTL and seeing that no test noticed.
 import cocotb
 from cocotb.triggers import FallingEdge
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     B_INDEX,
     B_SCLOCK,
@@ -49,8 +49,7 @@ async def driving(dut) -> Card:
     return tb
 
 
-@cocotb.test()
-@req("DAC-1", "HB-1", "CRD-1")
+@test("DAC-1", "HB-1", "CRD-1")
 async def reading_a_converter_writes_nothing(dut):
     """The D/A registers are write-only: a read starts no heartbeat and leaves both ranks."""
     tb = await driving(dut)
@@ -63,8 +62,7 @@ async def reading_a_converter_writes_nothing(dut):
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
 
 
-@cocotb.test()
-@req("DAC-1", "LAT-1")
+@test("DAC-1", "LAT-1")
 async def latch_leaves_a_single_buffered_output(dut):
     """Without double buffering only the high nibble completes a value, never a latch."""
     tb = await driving(dut)
@@ -76,8 +74,7 @@ async def latch_leaves_a_single_buffered_output(dut):
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
 
 
-@cocotb.test()
-@req("DIA-1")
+@test("DIA-1")
 async def joints_are_isolated_at_once(dut):
     """The relay takes its time, but nothing is driven from the moment its coil is off."""
     tb = await driving(dut)
@@ -86,8 +83,7 @@ async def joints_are_isolated_at_once(dut):
     assert [tb.volts(j) for j in (0, 1)] == [0, 0]
 
 
-@cocotb.test()
-@req("LAT-1", "CRD-1")
+@test("LAT-1", "CRD-1")
 async def software_latch_is_one_instant(dut):
     """The first clock of the command: however long it lasts, what comes later is not latched."""
     tb = Card(dut)
@@ -108,8 +104,7 @@ async def software_latch_is_one_instant(dut):
         await tb.us(1)
 
 
-@cocotb.test()
-@req("LAT-1", "CRD-1")
+@test("LAT-1", "CRD-1")
 async def sclock_within_a_software_latch(dut):
     """Each is a latch of its own: the later one, SCLOCK's, is what is read."""
     tb = Card(dut)
@@ -134,8 +129,7 @@ async def sclock_within_a_software_latch(dut):
         await tb.us(1)
 
 
-@cocotb.test()
-@req("CRD-1", "LAT-1")
+@test("CRD-1", "LAT-1")
 async def an_address_alone_does_nothing(dut):
     """Every register's address stands on the bus; without IOR# and IOW# nothing comes of it."""
     tb = await driving(dut)
@@ -152,8 +146,7 @@ async def an_address_alone_does_nothing(dut):
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
 
 
-@cocotb.test()
-@req("CRD-1", "DAC-1", "ENC-1")
+@test("CRD-1", "DAC-1", "ENC-1")
 async def writing_what_is_read_only_writes_nothing(dut):
     """The A/D registers and all holes, each with its own data."""
     tb = await driving(dut)
@@ -169,8 +162,7 @@ async def writing_what_is_read_only_writes_nothing(dut):
     assert await tb.pc.read(PORT_B) == RUN
 
 
-@cocotb.test()
-@req("DIA-1")
+@test("DIA-1")
 async def the_relay_takes_the_same_time_each_time(dut):
     """From whichever clock its coil is switched, and also when it was switched back half-way."""
     tb = await driving(dut)
@@ -218,8 +210,7 @@ async def the_relay_takes_the_same_time_each_time(dut):
     assert len(times) == 1 and clocks - 3 <= times.pop() <= clocks + 1
 
 
-@cocotb.test()
-@req("PPI-1")
+@test("PPI-1")
 async def a_write_to_open_ports_reaches_nothing(dut):
     """The latches behind inputs take it; the board sees open pins."""
     tb = Card(dut)
@@ -231,8 +222,7 @@ async def a_write_to_open_ports_reaches_nothing(dut):
         assert [await tb.pc.read(port) for port in (PORT_A, PORT_B)] == [0, 0]
 
 
-@cocotb.test()
-@req("CAL-1")
+@test("CAL-1")
 async def an_index_that_stays_latches_once(dut):
     tb = Card(dut)
     await tb.start(RUN | B_INDEX)
@@ -246,8 +236,7 @@ async def an_index_that_stays_latches_once(dut):
     dut.enc_i_i.value = 0
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def another_register_ends_a_pair(dut):
     """After it a lone low byte is that of the present count, not of the high byte's."""
     tb = Card(dut)
@@ -263,8 +252,7 @@ async def another_register_ends_a_pair(dut):
         await tb.encoder(0)
 
 
-@cocotb.test()
-@req("CAL-1", "PCB-1")
+@test("CAL-1", "PCB-1")
 async def an_index_of_one_sample_latches(dut):
     """A sample is a tick of the PC's CLK: an index between two ticks is kept for the next one."""
     tb = Card(dut)
@@ -318,8 +306,7 @@ async def an_index_of_one_sample_latches(dut):
         await tb.clocks(6)
 
 
-@cocotb.test()
-@req("ADC-1")
+@test("ADC-1")
 async def the_last_code_is_read_while_the_next_is_made(dut):
     tb = Card(dut)
     await tb.start()
@@ -336,8 +323,7 @@ async def the_last_code_is_read_while_the_next_is_made(dut):
         last = code
 
 
-@cocotb.test()
-@req("PPI-1", "HB-1", "CAL-1")
+@test("PPI-1", "HB-1", "CAL-1")
 async def every_status_bit_by_itself(dut):
     """Heartbeats and indices of both joints in port C; an open port B reads 0 (PpiFloatB)."""
     tb = Card(dut)
@@ -359,8 +345,7 @@ async def every_status_bit_by_itself(dut):
     assert await tb.pc.read(PORT_B) == 0
 
 
-@cocotb.test()
-@req("PPI-1", "LAT-1")
+@test("PPI-1", "LAT-1")
 async def free_bits_of_port_b_leave_sclock_alone(dut):
     """Bits 7-5 lead nowhere: SCLOCK latches where bit 2 says so, and only there."""
     tb = Card(dut)
@@ -376,8 +361,7 @@ async def free_bits_of_port_b_leave_sclock_alone(dut):
             await tb.encoder(0)
 
 
-@cocotb.test()
-@req("LED-2", "PAN-2", "HB-2")
+@test("LED-2", "PAN-2", "HB-2")
 async def lights_follow_port_a_and_a_card_without_power_is_dark(dut):
     """Bits 3 and 4 light the two lights, whatever the rest; no power: dark, no PANIC."""
     tb = Card(dut)

@@ -4,7 +4,7 @@
 import cocotb
 
 from cocotb_tests.functional import cover
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import PORT_A, PPI_CONTROL, PPI_SETUP
 from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
 from cocotb_tests.mark1.cocotb_mark1 import Card
@@ -36,8 +36,7 @@ class Numbered(Card):
         return value if seen[0] else None
 
 
-@cocotb.test()
-@req("CRD-1", "MAP-1")
+@test("CRD-1", "MAP-1")
 async def every_number_at_every_setting(dut):
     """A card answers to the number of its switches alone, and takes only its own writes."""
     tb = Numbered(dut)
@@ -59,8 +58,7 @@ async def every_number_at_every_setting(dut):
     assert set(cover.CARD.bins()) == cover.CARD.hits
 
 
-@cocotb.test()
-@req("CRD-1")
+@test("CRD-1")
 async def every_register_of_every_number(dut):
     """Only what is readable is ever driven; no write but its own reaches port A."""
     tb = Numbered(dut)

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loss of power; each bit of the analog side and of the switches of every card. §5.3.1-5.3.4"""
 
-import cocotb
-
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import HEALTH_CLKS, LATCH_ALL, PCCSR, PORT_A, QUAD, Machine, dip
 from cocotb_tests.system.machine import USUAL
 
@@ -12,8 +10,7 @@ PARAMETERS = USUAL
 RELAY_US = USUAL["RelayUs"]
 
 
-@cocotb.test()
-@req("PAN-2", "ANA-1")
+@test("PAN-2", "ANA-1")
 async def power_loss_forgets_the_converters(dut):
     """After power comes back, and the ports are set anew, the D/As stand at 0 V."""
     tb = Machine(dut)
@@ -34,8 +31,7 @@ async def power_loss_forgets_the_converters(dut):
     assert [tb.volts(a) for a in axes] == [0 for _ in axes]
 
 
-@cocotb.test()
-@req("DAC-1", "ANA-1")
+@test("DAC-1", "ANA-1")
 async def every_bit_of_every_output(dut):
     """A walking one and a walking zero at all D/As."""
     tb = Machine(dut)
@@ -49,8 +45,7 @@ async def every_bit_of_every_output(dut):
             assert [tb.volts(a) for a in axes] == [(code - 0x800) * 16 for _ in axes], f"{code:03X}"
 
 
-@cocotb.test()
-@req("PAN-1", "SW-1")
+@test("PAN-1", "SW-1")
 async def every_axis_switch_by_itself(dut):
     """No heart beats: PANIC stands while any one axis is switched on."""
     tb = Machine(dut)
@@ -62,8 +57,7 @@ async def every_axis_switch_by_itself(dut):
             assert int(dut.panic_o.value) == int(switches != 0), f"switches {switches:06b}"
 
 
-@cocotb.test()
-@req("ADC-1", "ANA-1")
+@test("ADC-1", "ANA-1")
 async def every_bit_of_every_input(dut):
     """A walking one and a walking zero at all A/D inputs."""
     tb = Machine(dut)
@@ -80,8 +74,7 @@ async def every_bit_of_every_input(dut):
             assert [await tb.adc(a) for a in axes] == [code for _ in axes], f"{value:04X}"
 
 
-@cocotb.test()
-@req("CRD-1", "JMP-1")
+@test("CRD-1", "JMP-1")
 async def every_wrong_switch_of_every_card(dut):
     """A switch that is set wrong moves the card to another number, and back."""
     tb = Machine(dut)
@@ -98,8 +91,7 @@ async def every_wrong_switch_of_every_card(dut):
         assert await tb.crd(card, PORT_A) == QUAD
 
 
-@cocotb.test()
-@req("PCB-2", "VME-4")
+@test("PCB-2", "VME-4")
 async def every_bit_that_another_card_drives(dut):
     """A card in the expansion slot answers where none of ours does; every bit of it arrives."""
     tb = Machine(dut)

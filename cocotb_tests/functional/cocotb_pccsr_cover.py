@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every transition of the PCCSR: from every state by every write and every edge. §4.3.3, §4.3.6"""
 
-import cocotb
-
 from cocotb_tests.adaptor.cocotb_host_port import HostPort
 from cocotb_tests.functional import cover
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import HEALTH_CLKS, PCCSR, PIT
 
 TOPLEVEL = "adaptor_core"
@@ -51,8 +49,7 @@ def after(state: int, event: int) -> int:
     return event << 2 | (state & 3 if event & 4 else 0)
 
 
-@cocotb.test()
-@req("CSR-1", "INT-1", "INT-2")
+@test("CSR-1", "INT-1", "INT-2")
 async def every_transition(dut):
     tb = Csr(dut)
     await tb.start()
@@ -74,8 +71,7 @@ async def every_transition(dut):
     assert set(cover.PCCSR.bins()) == cover.PCCSR.hits
 
 
-@cocotb.test()
-@req("CSR-1", "INT-1", "INT-2")
+@test("CSR-1", "INT-1", "INT-2")
 async def enables_beside_every_base(dut):
     """Latches and enables as wanted, whatever stands in the bits beside them."""
     tb = Csr(dut)
@@ -87,8 +83,7 @@ async def enables_beside_every_base(dut):
             await tb.expect(0b10011 | enables << 2, base)
 
 
-@cocotb.test()
-@req("CSR-1", "MAP-1")
+@test("CSR-1", "MAP-1")
 async def every_base_after_every_other(dut):
     tb = Csr(dut)
     await tb.start()
@@ -103,8 +98,7 @@ async def every_base_after_every_other(dut):
     assert set(cover.PCCSR_BASE.bins()) == cover.PCCSR_BASE.hits
 
 
-@cocotb.test()
-@req("INT-1")
+@test("INT-1")
 async def an_edge_beside_a_standing_level(dut):
     """Signals that are high when bit 7 rises stay unlatched, whatever the other one does."""
     tb = Csr(dut)

@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every mode, format and event of the 8254, each compared with the reference model. §4.3.4"""
 
-import cocotb
-
 from cocotb_tests.chips.pit import Pit
 from cocotb_tests.chips.replay import Bench, mismatch
 from cocotb_tests.functional import cover
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "bench_i8254"
 SOURCES = ("../chips/bench_i8254.sv", "../chips/bench_replay.sv")
@@ -171,8 +169,7 @@ class Sampler:
             self._add(n, "read between the bytes of a count")
 
 
-@cocotb.test()
-@req("PIT-1")
+@test("PIT-1")
 async def every_mode_format_and_event(dut):
     script = Tour()
     for counter in range(3):

@@ -5,7 +5,7 @@ import cocotb
 from cocotb.triggers import FallingEdge, Timer
 from cocotbext.vme import VmeMaster
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
@@ -115,8 +115,7 @@ class Twice(Machine):
         await self.cwr(0, LATCH_ALL, 0)
 
 
-@cocotb.test()
-@req("ADP-1", "CRD-2")
+@test("ADP-1", "CRD-2")
 async def reset_at_any_time_starts_anew(dut):
     """In any phase of an access, of the card's or the adaptor's own, or of an acknowledge."""
     tb = Twice(dut)

@@ -6,7 +6,7 @@ from cocotb.triggers import FallingEdge
 from cocotbext.vme import VmeTiming
 
 from cocotb_tests.functional import cover
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import PCCSR, PIT, Machine
 from cocotb_tests.system.machine import USUAL
 
@@ -85,9 +85,8 @@ class Space(Machine):
         self.expected.clear()
 
 
-@cocotb.test()
+@test("VME-1", "VME-2", "VME-4", "VME-5", "MAP-1")
 @cocotb.parametrize(modifier=cover.MODIFIERS)
-@req("VME-1", "VME-2", "VME-4", "VME-5", "MAP-1")
 async def every_address_and_size(dut, modifier):
     tb = Space(dut)
     await tb.start()
@@ -100,8 +99,7 @@ async def every_address_and_size(dut, modifier):
     cover.save()
 
 
-@cocotb.test()
-@req("VME-1", "VME-2", "VME-6")
+@test("VME-1", "VME-2", "VME-6")
 async def every_modifier_and_size(dut):
     tb = Space(dut)
     await tb.start()
@@ -115,8 +113,7 @@ async def every_modifier_and_size(dut):
     cover.save()
 
 
-@cocotb.test()
-@req("VME-1", "VME-6")
+@test("VME-1", "VME-6")
 async def every_segment_and_size(dut):
     tb = Space(dut)
     await tb.start()

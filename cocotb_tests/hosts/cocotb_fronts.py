@@ -9,7 +9,7 @@ from cocotb.triggers import FallingEdge, RisingEdge
 
 from cocotb_tests.hosts.driver import Driver
 from cocotb_tests.hosts.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused, clocks, masters
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     BASE,
     PCCSR,
@@ -62,9 +62,8 @@ async def ready(dut, front: int) -> Front:
     return tb
 
 
-@cocotb.test()
+@test("ADP-1", "VME-5")
 @each_front
-@req("ADP-1", "VME-5")
 async def the_same_registers(dut, front):
     """Card, PCCSR, timers and holes answer as on VME; the vector can be read."""
     tb = await ready(dut, front)
@@ -82,9 +81,8 @@ async def the_same_registers(dut, front):
     assert await tb.rd(PCCSR) == BASE
 
 
-@cocotb.test()
+@test("ADP-1", "VME-5")
 @each_front
-@req("ADP-1", "VME-5")
 async def what_is_no_register_ends_in_the_bus_error(dut, front):
     """Outside the window, between registers, of another width; and the front goes on after it."""
     tb = await ready(dut, front)
@@ -145,9 +143,8 @@ async def motor(tb) -> None:
         await tb.enc[0].move(y - before, 1000)
 
 
-@cocotb.test()
+@test("ADP-1", "DAC-1", "LAT-1", "INT-1")
 @each_front
-@req("ADP-1", "DAC-1", "LAT-1", "INT-1")
 async def our_driver_is_the_same_to_the_count(dut, front):
     """The mc driver on each front, double-buffered: 40 samples as plain arithmetic has them."""
     tb = Front(dut, front)
@@ -193,9 +190,8 @@ async def our_driver_is_the_same_to_the_count(dut, front):
     assert max(took) == CLOCKS[front], f"{NAMES[front]}: {max(took)} clocks"
 
 
-@cocotb.test()
+@test("ADP-1")
 @each_front
-@req("ADP-1")
 async def masters_that_pause_and_masters_that_give_up(dut, front):
     """A response that is not taken waits; a Wishbone cycle given up leaves nothing behind."""
     tb = await ready(dut, front)

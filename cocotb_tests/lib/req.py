@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Decorators that a cocotb test carries below `@cocotb.test()`; a collector reads them.
+"""Decorators of cocotb tests; a collector reads what they store on the function."""
 
-They only store attributes on the function: no simulator is needed to read them.
-"""
+import cocotb
 
 REQ = "mmcs_req"
 SLOW = "mmcs_slow"
 VARIANTS = "mmcs_variants"
 
 
-def req(*ids: str):
-    """Names the requirements that would be unproven without this test."""
+def test(*ids: str):
+    """A cocotb test, with the requirements that would be unproven without it."""
 
     def mark(func):
-        setattr(func, REQ, tuple(getattr(func, REQ, ())) + ids)
-        return func
+        setattr(getattr(func, "func", func), REQ, ids)
+        return cocotb.test()(func)
 
     return mark
 

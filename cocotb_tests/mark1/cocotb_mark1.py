@@ -7,7 +7,7 @@ from cocotb.triggers import ClockCycles, RisingEdge, Timer
 from cocotbext.pcbus import PcBus, PcBusMaster
 from cocotbext.quadrature import QuadratureDecoder, QuadratureSource
 
-from cocotb_tests.lib.req import req, slow, variants
+from cocotb_tests.lib.req import slow, test, variants
 from cocotb_tests.lib.tb import (
     ADC_HI,
     ADC_LO,
@@ -96,9 +96,8 @@ class Card(Tb):
         return self.now()
 
 
-@cocotb.test()
+@test("CRD-1", "CRD-2")
 @variants("short")
-@req("CRD-1", "CRD-2")
 async def answers_only_at_its_switch_setting(dut):
     """Of the 16 settings x 32 bases, and never with AEN high."""
     tb = Card(dut)
@@ -115,9 +114,8 @@ async def answers_only_at_its_switch_setting(dut):
     assert await tb.pc.read(PORT_A) == QUAD
 
 
-@cocotb.test()
+@test("CRD-1", "CRD-2")
 @variants("short")
-@req("CRD-1", "CRD-2")
 async def every_switch_setting(dut):
     tb = Card(dut)
     await tb.start()
@@ -128,9 +126,8 @@ async def every_switch_setting(dut):
         assert found == [dip]
 
 
-@cocotb.test()
+@test("CRD-1", "PPI-1")
 @variants("short")
-@req("CRD-1", "PPI-1")
 async def every_register(dut):
     """What each of the 32 offsets does on read; holes and write-only ones are 0xFF."""
     tb = Card(dut)
@@ -149,9 +146,8 @@ async def every_register(dut):
             assert value == expected.get(register, 0xFF), f"offset {register:02X}: {value:02X}"
 
 
-@cocotb.test()
+@test("PPI-1")
 @variants("short")
-@req("PPI-1")
 async def reset_drv_makes_ports_inputs(dut):
     """RESET DRV: safe board, counters 0; D/A and one-shot untouched."""
     tb = Card(dut)
@@ -174,9 +170,8 @@ async def reset_drv_makes_ports_inputs(dut):
     assert await tb.encoder(0) == 0
 
 
-@cocotb.test()
+@test("ENC-1", "CRD-2")
 @variants("short")
-@req("ENC-1", "CRD-2")
 async def counts_four_million_a_second(dut):
     tb = Card(dut)
     await tb.start()
@@ -190,9 +185,8 @@ async def counts_four_million_a_second(dut):
     assert await tb.encoder(1) == (0x0100 - 600) & 0xFFFF
 
 
-@cocotb.test()
+@test("ENC-1")
 @variants("short")
-@req("ENC-1")
 async def counts_a_worn_encoder(dut):
     """A trapezoid to 2.5 M counts/s and back, edges up to 0.45 of a count from their places."""
     tb = Card(dut)
@@ -212,9 +206,8 @@ async def counts_a_worn_encoder(dut):
         decoder.stop()
 
 
-@cocotb.test()
+@test("ENC-1", "PCB-1")
 @variants("short")
-@req("ENC-1", "PCB-1")
 async def slow_bus_clock_slows_the_sampling(dut):
     """CLK ticks every fourth clock: a level shorter than that can pass unseen, longer cannot."""
     tb = Card(dut)
@@ -237,9 +230,8 @@ async def slow_bus_clock_slows_the_sampling(dut):
     assert await tb.encoder(0) != 200
 
 
-@cocotb.test()
+@test("ENC-2")
 @variants("short")
-@req("ENC-2")
 async def byte_order_is_chosen_by_the_first_read(dut):
     """First byte address read after RESET takes the snapshot, each time; the other returns it."""
     tb = Card(dut)
@@ -269,9 +261,8 @@ async def byte_order_is_chosen_by_the_first_read(dut):
         await tb.enc[0].move(-0x300, 250)
 
 
-@cocotb.test()
+@test("ENC-2", "LAT-1")
 @variants("short")
-@req("ENC-2", "LAT-1")
 async def latched_once_then_live(dut):
     tb = Card(dut)
     await tb.start()
@@ -288,9 +279,8 @@ async def latched_once_then_live(dut):
     assert [await tb.encoder(0) for _ in range(2)] == [110, 115]
 
 
-@cocotb.test()
+@test("LAT-1")
 @variants("short")
-@req("LAT-1")
 async def latch_on_the_very_clock(dut):
     """SCLOCK rises between two counts, at every phase of the clock: one of the two is latched."""
     tb = Card(dut)
@@ -312,9 +302,8 @@ async def latch_on_the_very_clock(dut):
         assert await tb.encoder(0) == start + 8
 
 
-@cocotb.test()
+@test("DAC-1", "LAT-1")
 @variants("short")
-@req("DAC-1", "LAT-1")
 async def both_ranks(dut):
     tb = Card(dut)
     await tb.start(RUN | B_DOUBLE)
@@ -332,9 +321,8 @@ async def both_ranks(dut):
     assert tb.volts(1) == 0
 
 
-@cocotb.test()
+@test("ADC-1")
 @variants("short")
-@req("ADC-1")
 async def conversion_to_the_clock(dut):
     """200 clocks at 8 MHz from the latch; a start on any clock of it is ignored."""
     tb = Card(dut)
@@ -353,9 +341,8 @@ async def conversion_to_the_clock(dut):
     assert await tb.adc(0) == 0x900
 
 
-@cocotb.test()
+@test("LAT-1", "ADC-1")
 @variants("short")
-@req("LAT-1", "ADC-1")
 async def latch_all_of_another_card(dut):
     """0x12 at any card address latches; 0x10 at another's does not."""
     tb = Card(dut)
@@ -369,9 +356,8 @@ async def latch_all_of_another_card(dut):
         await tb.us(26)
 
 
-@cocotb.test()
+@test("HB-1", "HB-2", "CRD-2")
 @variants("short")
-@req("HB-1", "HB-2", "CRD-2")
 async def heartbeat_on_every_clock_around_its_end(dut):
     """100 us = 800 clocks: a trigger up to the last clock extends without a glitch, then PANIC."""
     tb = Card(dut)
@@ -403,9 +389,8 @@ async def heartbeat_on_every_clock_around_its_end(dut):
     assert gaps == sorted(gaps) and True in gaps and False in gaps, f"{gaps}"
 
 
-@cocotb.test()
+@test("HB-2", "SW-1")
 @variants("short")
-@req("HB-2", "SW-1")
 async def panic_needs_an_enabled_axis(dut):
     """All four switch settings x both heartbeats."""
     tb = Card(dut)
@@ -423,9 +408,8 @@ async def panic_needs_an_enabled_axis(dut):
             assert await tb.pc.read(PORT_C) & 5 == (beating & 1) | (beating & 2) << 1
 
 
-@cocotb.test()
+@test("SW-1")
 @variants("short")
-@req("SW-1")
 async def switch_grounds_the_drive(dut):
     tb = Card(dut)
     await tb.start()
@@ -441,9 +425,8 @@ async def switch_grounds_the_drive(dut):
         ]
 
 
-@cocotb.test()
+@test("CAL-1")
 @variants("short")
-@req("CAL-1")
 async def index_at_any_speed(dut):
     """The count latched is exactly that of the index, upwards and downwards, to 4 M counts/s.
 
@@ -469,9 +452,8 @@ async def index_at_any_speed(dut):
             assert await tb.encoder(0) == end
 
 
-@cocotb.test()
+@test("DIA-2", "CAL-1")
 @variants("short")
-@req("DIA-2", "CAL-1")
 async def the_made_index_is_one_bit_of_port_a(dut):
     """Bit 7 alone, whatever lights, A and B do."""
     tb = Card(dut)
@@ -484,9 +466,8 @@ async def the_made_index_is_one_bit_of_port_a(dut):
         assert bool(await tb.pc.read(PORT_C) & C_INDEX1) == (value > 15), f"{value:02X}"
 
 
-@cocotb.test()
+@test("LED-2", "PAN-2")
 @variants("short")
-@req("LED-2", "PAN-2")
 async def power_off(dut):
     """No power: LEDs off, no drive, no answer, one-shots low, PANIC line not driven by the card."""
     tb = Card(dut)
@@ -507,9 +488,8 @@ async def power_off(dut):
     assert tb.led("power") == 1
 
 
-@cocotb.test()
+@test("PPI-1", "CRD-2")
 @variants("short")
-@req("PPI-1", "CRD-2")
 async def port_b_bits_5_to_7_are_free(dut):
     """Unassigned bits hold what is written and move nothing; port C shows 1 there."""
     tb = Card(dut)
@@ -523,9 +503,8 @@ async def port_b_bits_5_to_7_are_free(dut):
         assert await tb.pc.read(PORT_C) & 0xE0 == 0xE0
 
 
-@cocotb.test()
+@test("CRD-2", "DAC-1", "ENC-1", "ADC-1")
 @variants("short")
-@req("CRD-2", "DAC-1", "ENC-1", "ADC-1")
 async def random_traffic(dut):
     """400 random accesses against a model of ports, D/As and encoders."""
     tb = Card(dut)
@@ -567,10 +546,9 @@ async def random_traffic(dut):
     assert compared > 80
 
 
-@cocotb.test()
+@test("HB-1", "DIA-1", "ADC-1")
 @variants("real")
 @slow
-@req("HB-1", "DIA-1", "ADC-1")
 async def real_heartbeat_relay_and_conversion(dut):
     """The times of the report: 50 ms to the clock, 1 ms, 25 us."""
     tb = Card(dut)

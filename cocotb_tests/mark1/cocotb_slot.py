@@ -5,7 +5,7 @@ from math import ceil
 
 import cocotb
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import DAC1
 from cocotb_tests.mark1.cocotb_mark1 import Card
 
@@ -13,8 +13,7 @@ TOPLEVEL = "mark1"
 PARAMETERS = {"ClkHz": 4_772_727, "HeartbeatUs": 5_000}
 
 
-@cocotb.test()
-@req("HB-1")
+@test("HB-1")
 async def the_heartbeat_is_as_long_as_it_says(dut):
     """5 ms to the clock, not 4.19: the rate is not rounded to megahertz."""
     tb = Card(dut)

@@ -9,7 +9,7 @@ from cocotb.clock import Clock
 from cocotb.handle import Force, Release
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import ARMED, BASE
 from mmcs.regs import CARD_PPI_B, PCCSR, PIT0, PIT1, PIT_CONTROL, VECTOR, card_offset
 
@@ -97,9 +97,8 @@ async def bridge(dut, clock) -> Bridge:
     return tb
 
 
-@cocotb.test()
+@test("SOC-1")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-1")
 async def each_register_is_reached_once(dut, clock):
     """Vector and PCCSR keep what is written; a hole and an absent card read 0xFF, once each."""
     tb = await bridge(dut, clock)
@@ -115,9 +114,8 @@ async def each_register_is_reached_once(dut, clock):
     assert await tb.rd(CARD) == 0x3C
 
 
-@cocotb.test()
+@test("SOC-1", "SOC-2")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-1", "SOC-2")
 async def byte_toggle_of_the_timers(dut, clock):
     """Reads of a count alternate between its bytes: one too many or too few would swap them."""
     tb = await bridge(dut, clock)
@@ -140,9 +138,8 @@ async def byte_toggle_of_the_timers(dut, clock):
         before = count
 
 
-@cocotb.test()
+@test("SOC-1", "SOC-3")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-1", "SOC-3")
 async def sclock_interrupts(dut, clock):
     """Timers by the bridge alone: the request comes, stands, and goes with the latch."""
     tb = await bridge(dut, clock)
@@ -165,9 +162,8 @@ async def sclock_interrupts(dut, clock):
         await tb.wr(PCCSR, BASE | ARMED | 0x20)
 
 
-@cocotb.test()
+@test("SOC-2")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-2")
 async def a_silent_adaptor_times_out(dut, clock):
     """Error after the time, no hang; the request that was left is finished, once, and forgotten."""
     tb = await bridge(dut, clock)
@@ -190,8 +186,7 @@ async def a_silent_adaptor_times_out(dut, clock):
     assert int(dut.vector_o.value) == 0x41
 
 
-@cocotb.test()
-@req("SOC-2")
+@test("SOC-2")
 async def a_late_end_leaves_whole_accesses(dut):
     """The adaptor answers a late access around the next one's time-out, at every clock of it.
 
@@ -219,8 +214,7 @@ async def a_late_end_leaves_whole_accesses(dut):
     assert [s for n, s in enumerate(seen) if n == 0 or s != seen[n - 1]] == [(0, 2), (1, 2), (1, 1)]
 
 
-@cocotb.test()
-@req("SOC-2")
+@test("SOC-2")
 async def a_fault_ends_in_an_error(dut):
     """A bus error made from outside, as if the time were spent before it began: no register."""
     tb = await bridge(dut, "six")
@@ -234,9 +228,8 @@ async def a_fault_ends_in_an_error(dut):
     assert int(dut.vector_o.value) == 0x0F
 
 
-@cocotb.test()
+@test("SOC-2")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-2")
 async def microseconds_are_read_whole(dut, clock):
     tb = await bridge(dut, clock)
     for value in (0x0000FFFF, 0x00010000, 0xFFFFFFFF, 0x12345678):

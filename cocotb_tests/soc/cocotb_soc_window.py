@@ -12,7 +12,7 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, Timer
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 
 TOPLEVEL = "soc_host"
 SOURCES = ["../../rtl/soc/soc_cross.sv", "../../rtl/soc/soc_bridge.sv", "../../rtl/soc/soc_ram.sv",
@@ -117,9 +117,8 @@ async def above(dut, clock, run) -> Above:
     return tb
 
 
-@cocotb.test()
+@test("SOC-3")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-3")
 async def the_interrupt_reaches_the_processor(dut, clock):
     """The level of the machine's request, and its end, within three of the processor's clocks."""
     tb = await above(dut, clock, run=1)
@@ -132,9 +131,8 @@ async def the_interrupt_reaches_the_processor(dut, clock):
         assert int(dut.u_cpu.irq_external_i.value) == level
 
 
-@cocotb.test()
+@test("SOC-4")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-4")
 async def memory_is_filled_while_the_processor_is_held(dut, clock):
     """Every word has its place, first and last included, and nothing is written twice."""
     tb = await above(dut, clock, run=0)
@@ -151,9 +149,8 @@ async def memory_is_filled_while_the_processor_is_held(dut, clock):
         assert await tb.access(address) == image[address] ^ 0xFFFFFFFF
 
 
-@cocotb.test()
+@test("SOC-4")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-4")
 async def requests_pass_through_the_mailbox(dut, clock):
     """Data in, answer out, the report last; the processor waits until its report is taken."""
     tb = await above(dut, clock, run=0)
@@ -178,9 +175,8 @@ async def requests_pass_through_the_mailbox(dut, clock):
     assert int(dut.u_cpu.wrong_q.value) == 0
 
 
-@cocotb.test()
+@test("SOC-4")
 @cocotb.parametrize(clock=list(CLOCKS))
-@req("SOC-4")
 async def window_takes_the_clocks_that_the_processor_leaves(dut, clock):
     """Neither waits long for the other, neither spoils a word of the other."""
     tb = await above(dut, clock, run=0)

@@ -7,7 +7,7 @@ Pulses are put on every phase of the clock; brakes and PANIC are looked at whene
 import cocotb
 from cocotb.triggers import FallingEdge, First, RisingEdge, Timer, ValueChange
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ARMED,
     B_INDEX,
@@ -82,9 +82,8 @@ class Watch:
         return self.seen
 
 
-@cocotb.test()
+@test("PAN-1")
 @cocotb.parametrize(what=[*SOURCES, "reset"], level=[0, 1])
-@req("PAN-1")
 async def brakes_without_a_clock(dut, what, level):
     """The clock stands: every cause closes the brakes at once, and its end does not open them."""
     tb = await machine(dut)
@@ -102,9 +101,8 @@ async def brakes_without_a_clock(dut, what, level):
     assert not int(dut.brake_release_o.value), "no register has released them"
 
 
-@cocotb.test()
+@test("PAN-1")
 @cocotb.parametrize(what=SOURCES)
-@req("PAN-1")
 async def a_reset_opens_no_brake(dut, what):
     """Whatever is wrong when reset ends, neither PANIC nor the brakes go away for an instant."""
     tb = await machine(dut)
@@ -121,8 +119,7 @@ async def a_reset_opens_no_brake(dut, what):
     assert sorted(watch.stop()) == ["brake 1", "panic 0"]
 
 
-@cocotb.test()
-@req("PAN-1", "HB-2")
+@test("PAN-1", "HB-2")
 async def a_reset_opens_no_brake_without_heartbeats(dut):
     """The cards' own PANIC is there before that of the reset goes."""
     tb = await machine(dut)
@@ -135,9 +132,8 @@ async def a_reset_opens_no_brake_without_heartbeats(dut):
     assert not watch.stop() and int(dut.panic_o.value)
 
 
-@cocotb.test()
+@test("PAN-1", "INT-1")
 @cocotb.parametrize(what=SOURCES, ns=[10, 60, 100])
-@req("PAN-1", "INT-1")
 async def shorter_than_a_clock(dut, what, ns):
     """On every phase: brakes closed from its beginning on, one PANIC, latched only while armed."""
     tb = await machine(dut)
@@ -161,8 +157,7 @@ async def shorter_than_a_clock(dut, what, ns):
                 assert await tb.rd(PCCSR) == ARMED | BASE, "what came before is lost"
 
 
-@cocotb.test()
-@req("INT-1")
+@test("INT-1")
 async def a_level_sets_nothing_when_bit_7_rises(dut):
     """However the cause began: shorter than a clock, or standing."""
     tb = await machine(dut)
@@ -179,9 +174,8 @@ async def a_level_sets_nothing_when_bit_7_rises(dut):
         assert await tb.rd(PCCSR) == ARMED | BASE and not int(dut.panic_o.value)
 
 
-@cocotb.test()
+@test("CAL-1")
 @cocotb.parametrize(ns=[10, 60, 100])
-@req("CAL-1")
 async def an_index_shorter_than_a_clock(dut, ns):
     """On every phase it sets its latch, that of its joint alone, and latches the counter."""
     tb = await machine(dut)
@@ -205,8 +199,7 @@ async def an_index_shorter_than_a_clock(dut, ns):
             assert not await tb.crd(0, PORT_C) & (C_INDEX1 | C_INDEX2)
 
 
-@cocotb.test()
-@req("HB-2", "PAN-1")
+@test("HB-2", "PAN-1")
 async def panic_leaves_the_card_from_a_flip_flop(dut):
     """A clock after the heartbeat's end, by which PANIC's line closes the brakes."""
     tb = Machine(dut)
@@ -236,8 +229,7 @@ async def panic_leaves_the_card_from_a_flip_flop(dut):
     assert tb.clks(tb.now() - (beats[0] - tb.period / 2)) == 1
 
 
-@cocotb.test()
-@req("PAN-1")
+@test("PAN-1")
 async def alive_while_the_clock_runs(dut):
     """An edge every 500 us; none without a clock, none in a reset."""
     tb = await machine(dut)

@@ -5,7 +5,7 @@
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_INDEX,
@@ -65,8 +65,7 @@ async def pulse(tb: Machine) -> None:
 # --- decode -------------------------------------------------------------------------------------
 
 
-@cocotb.test()
-@req("CRD-1", "MAP-1")
+@test("CRD-1", "MAP-1")
 async def cards_are_separate(dut):
     """Each card's registers hold what was written to that card."""
     tb = await machine(dut)
@@ -80,8 +79,7 @@ async def cards_are_separate(dut):
         assert await tb.encoder(2 * card + 1) == 0x1000 * card + 2
 
 
-@cocotb.test()
-@req("CRD-1")
+@test("CRD-1")
 async def other_bases_reach_no_card(dut):
     """PCCSR bits 4-0 other than 0x18: reads 0xFF, writes nothing."""
     tb = await machine(dut)
@@ -95,8 +93,7 @@ async def other_bases_reach_no_card(dut):
     assert await tb.crd(0, PORT_A) == QUAD
 
 
-@cocotb.test()
-@req("CRD-1")
+@test("CRD-1")
 async def unused_and_one_way_registers(dut):
     """Holes and write-only offsets read 0xFF; writing holes and the A/D changes nothing."""
     tb = await machine(dut)
@@ -112,8 +109,7 @@ async def unused_and_one_way_registers(dut):
     assert [tb.volts(n) for n in range(6)] == [0] * 6
 
 
-@cocotb.test()
-@req("PPI-1")
+@test("PPI-1")
 async def ports_after_reset_and_after_mode_set(dut):
     """Inputs after reset: port A floats; the mode word clears; port C bits 5-7 read 1."""
     tb = Machine(dut)
@@ -134,8 +130,7 @@ async def ports_after_reset_and_after_mode_set(dut):
 # --- encoders -----------------------------------------------------------------------------------
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def encoders_count_at_full_speed(dut):
     """All six at once, 4 million counts/s, up and down, A leading B up."""
     tb = await machine(dut)
@@ -150,8 +145,7 @@ async def encoders_count_at_full_speed(dut):
         assert await tb.encoder(axis) == (0x7FF0 + axis + move) & 0xFFFF, f"axis {axis}"
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def encoder_wraps_both_ways(dut):
     tb = await machine(dut)
     await tb.preset(0, 0xFFFE)
@@ -163,8 +157,7 @@ async def encoder_wraps_both_ways(dut):
     assert await tb.encoder(0) == 0xFFFA
 
 
-@cocotb.test()
-@req("ENC-1")
+@test("ENC-1")
 async def illegal_transitions_and_glitches(dut):
     """Both inputs at once count nothing; a glitch counts there and back or not at all."""
     tb = await machine(dut)
@@ -180,9 +173,8 @@ async def illegal_transitions_and_glitches(dut):
             assert await tb.encoder(3) == 100, f"glitch of {ns} ns on {line}"
 
 
-@cocotb.test()
+@test("ENC-1")
 @cocotb.parametrize(mode=[0, 1, 2, 3, 4, 5])
-@req("ENC-1")
 async def encoder_modes(dut, mode):
     """Two turns up, one down: hold, x1, x1, x2, x2, x4 by port A bits 2-0, for both joints."""
     tb = await machine(dut)
@@ -198,8 +190,7 @@ async def encoder_modes(dut, mode):
         assert await tb.encoder(axis) == 0x4000 + 2 * per_cycle
 
 
-@cocotb.test()
-@req("ENC-2")
+@test("ENC-2")
 async def read_is_one_sample_while_counting(dut):
     """MSB and LSB of one instant, across the carry, while the encoder runs."""
     tb = await machine(dut)
@@ -213,8 +204,7 @@ async def read_is_one_sample_while_counting(dut):
     await task
 
 
-@cocotb.test()
-@req("ENC-2", "LAT-1")
+@test("ENC-2", "LAT-1")
 async def first_read_after_a_latch_is_the_latched_count(dut):
     tb = await machine(dut)
     for axis in range(6):
@@ -227,8 +217,7 @@ async def first_read_after_a_latch_is_the_latched_count(dut):
     assert [await tb.encoder(a) for a in range(6)] == [10 * a + 7 for a in range(6)]
 
 
-@cocotb.test()
-@req("DIA-2")
+@test("DIA-2")
 async def synthetic_encoder(dut):
     """Port B0 = 0: both chips see port A5-A7, the joints are not heard."""
     tb = await machine(dut, B_TO_JOINT)
@@ -250,8 +239,7 @@ async def synthetic_encoder(dut):
     assert [await tb.encoder(a) for a in (0, 1)] == [52, 52]
 
 
-@cocotb.test()
-@req("DIA-2", "CAL-1")
+@test("DIA-2", "CAL-1")
 async def synthetic_index(dut):
     tb = await machine(dut, B_TO_JOINT | B_INDEX)
     assert not await tb.crd(1, PORT_C) & (C_INDEX1 | C_INDEX2)
@@ -263,9 +251,8 @@ async def synthetic_index(dut):
 # --- calibration --------------------------------------------------------------------------------
 
 
-@cocotb.test()
+@test("CAL-1")
 @cocotb.parametrize(axis=[0, 3])
-@req("CAL-1")
 async def index_latches_flag_and_count(dut, axis):
     """At full speed; only while armed; later pulses latch again; disarming clears."""
     tb = await machine(dut)
@@ -290,8 +277,7 @@ async def index_latches_flag_and_count(dut, axis):
     assert not await tb.crd(card, PORT_C) & flag
 
 
-@cocotb.test()
-@req("CAL-1")
+@test("CAL-1")
 async def index_that_is_high_when_armed(dut):
     """The flag follows the level, as Table 5.1 says: it is set."""
     tb = await machine(dut)
@@ -307,8 +293,7 @@ async def index_that_is_high_when_armed(dut):
 # --- D/A ----------------------------------------------------------------------------------------
 
 
-@cocotb.test()
-@req("DAC-1", "ANA-1")
+@test("DAC-1", "ANA-1")
 async def dac_codes_and_volts(dut):
     """Offset binary, 20 V span; the low byte waits for the high nibble."""
     tb = await machine(dut)
@@ -322,8 +307,7 @@ async def dac_codes_and_volts(dut):
             assert tb.volts(axis) == volts_of(code), f"axis {axis} code {code:03X}"
 
 
-@cocotb.test()
-@req("DAC-1", "LAT-1")
+@test("DAC-1", "LAT-1")
 async def dac_double_buffering(dut):
     """PB3 = 1: both outputs of the card move with the latch and not before; other cards do not."""
     tb = await machine(dut)
@@ -340,8 +324,7 @@ async def dac_double_buffering(dut):
         assert [tb.volts(a) for a in (2, 3)] == [volts_of(code), volts_of(code ^ 0xFFF)]
 
 
-@cocotb.test()
-@req("DAC-1", "LAT-1")
+@test("DAC-1", "LAT-1")
 async def new_value_appears_exactly_one_sample_later(dut):
     """SCLOCK of 60 us: what is written in one sample stands from the next edge."""
     tb = await machine(dut, RUN | B_DOUBLE)
@@ -374,8 +357,7 @@ async def new_value_appears_exactly_one_sample_later(dut):
         assert not moved
 
 
-@cocotb.test()
-@req("LAT-1", "DAC-1")
+@test("LAT-1", "DAC-1")
 async def software_latch_updates_double_buffered_dacs(dut):
     """Jumper E023-E022 is fitted: 0x10 for its card, 0x12 for all."""
     tb = await machine(dut, RUN | B_DOUBLE)
@@ -390,9 +372,8 @@ async def software_latch_updates_double_buffered_dacs(dut):
 # --- latch and A/D ------------------------------------------------------------------------------
 
 
-@cocotb.test()
+@test("LAT-1", "ADC-1")
 @cocotb.parametrize(how=["sclock", "write", "read", "all"])
-@req("LAT-1", "ADC-1")
 async def what_starts_a_conversion(dut, how):
     """SCLOCK starts all; 0x10 its card; 0x12 every card."""
     tb = await machine(dut)
@@ -417,8 +398,7 @@ async def what_starts_a_conversion(dut, how):
     ]
 
 
-@cocotb.test()
-@req("LAT-1")
+@test("LAT-1")
 async def port_b2_gates_sclock(dut):
     """PB2 = 0: SCLOCK neither latches, starts nor updates; software latches still do."""
     tb = await machine(dut, B_REAL_ENC | B_TO_JOINT | B_DOUBLE)
@@ -438,8 +418,7 @@ async def port_b2_gates_sclock(dut):
     assert [await tb.encoder(0), await tb.encoder(0)] == [80, 83]
 
 
-@cocotb.test()
-@req("LAT-1")
+@test("LAT-1")
 async def no_skew_between_cards(dut):
     """All six encoders run; SCLOCK and 0x12 take all counts on the same clock."""
     tb = await machine(dut)
@@ -466,8 +445,7 @@ async def no_skew_between_cards(dut):
     await task
 
 
-@cocotb.test()
-@req("ADC-1")
+@test("ADC-1")
 async def adc_timing_and_busy(dut):
     """25 us; the old sample is readable meanwhile; a start while busy is ignored."""
     tb = await machine(dut)
@@ -490,8 +468,7 @@ async def adc_timing_and_busy(dut):
     assert [await tb.adc(n) for n in range(6)] == [0x400] * 6
 
 
-@cocotb.test()
-@req("ADC-1", "ANA-1")
+@test("ADC-1", "ANA-1")
 async def adc_codes(dut):
     """Full scale, zero, half steps and clamping, six inputs at a time."""
     tb = await machine(dut)
@@ -508,8 +485,7 @@ async def adc_codes(dut):
             assert await tb.adc(axis) in nearest, f"{v}"
 
 
-@cocotb.test()
-@req("DIA-1", "DAC-1", "ADC-1")
+@test("DIA-1", "DAC-1", "ADC-1")
 async def analogue_loop(dut):
     """PB1 = 0: the A/D sees the D/A, the joint sees 0 V; the relay takes its time both ways."""
     tb = await machine(dut)
@@ -530,8 +506,7 @@ async def analogue_loop(dut):
     assert [tb.volts(n) for n in (0, 1, 2)] == [volts_of(0), volts_of(0x3FF), 0]
 
 
-@cocotb.test()
-@req("DIA-1")
+@test("DIA-1")
 async def relay_takes_its_time(dut):
     tb = await machine(dut)
     await tb.dac(0, 0xFFF)
@@ -549,8 +524,7 @@ async def relay_takes_its_time(dut):
 # --- lights -------------------------------------------------------------------------------------
 
 
-@cocotb.test()
-@req("LED-2")
+@test("LED-2")
 async def card_leds(dut):
     """Every LED follows its signal, on its own card only."""
     tb = await machine(dut)
@@ -572,8 +546,7 @@ async def card_leds(dut):
             await tb.cwr(card, PORT_A, QUAD)
 
 
-@cocotb.test()
-@req("HB-1", "LED-2")
+@test("HB-1", "LED-2")
 async def heartbeat_leds_and_port_c(dut):
     """Writing a D/A low byte starts that axis's heartbeat; the high nibble does not."""
     tb = await machine(dut)
@@ -592,8 +565,7 @@ async def heartbeat_leds_and_port_c(dut):
 # --- faults -------------------------------------------------------------------------------------
 
 
-@cocotb.test()
-@req("PCB-2", "CRD-1")
+@test("PCB-2", "CRD-1")
 async def two_cards_with_one_address(dut):
     """Card 2's DIP switch set like card 1's: data is the AND of both, both take writes."""
     tb = await machine(dut)
@@ -609,8 +581,7 @@ async def two_cards_with_one_address(dut):
     assert [await tb.crd(c, PORT_A) for c in range(3)] == [5, 0x0D, 0x0D]
 
 
-@cocotb.test()
-@req("CRD-1", "VME-4")
+@test("CRD-1", "VME-4")
 async def empty_slot(dut):
     """Where no card is, or not any more, nobody drives the bus."""
     tb = await machine(dut)

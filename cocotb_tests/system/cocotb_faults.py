@@ -4,10 +4,9 @@
 A net is forced, a register held. lib/forceable.vlt lists the nets for Verilator.
 """
 
-import cocotb
 from cocotb.handle import Force, Release
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ADC_LO,
     ARMED,
@@ -31,8 +30,7 @@ TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
 
 
-@cocotb.test()
-@req("INT-1")
+@test("INT-1")
 async def lost_interrupt_fault(dut):
     """SCLOCK runs, its edges do not reach the latch; PANIC's do."""
     tb = await interrupts(dut)
@@ -49,8 +47,7 @@ async def lost_interrupt_fault(dut):
     assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | PANIC_IRQ | BASE
 
 
-@cocotb.test()
-@req("PAN-1", "JMP-1")
+@test("PAN-1", "JMP-1")
 async def panic_line_open(dut):
     """A card whose IRQ jumper is off panics unheard."""
     tb = await safety(dut, 0x0C)  # card 1 alone
@@ -63,8 +60,7 @@ async def panic_line_open(dut):
     assert panic(tb)
 
 
-@cocotb.test()
-@req("LAT-1", "JMP-1")
+@test("LAT-1", "JMP-1")
 async def sclock_line_open(dut):
     """A card whose DRQ jumper is off never latches; its neighbours do."""
     tb = await cards(dut)
@@ -75,8 +71,7 @@ async def sclock_line_open(dut):
     assert [await tb.crd(c, PORT_C) & C_DONE for c in range(3)] == [0, C_DONE, 0]
 
 
-@cocotb.test()
-@req("DAC-1", "ADC-1")
+@test("DAC-1", "ADC-1")
 async def stuck_converters(dut):
     """A D/A that is stuck shows it at the output; a stuck A/D converts and keeps its code."""
     tb = await cards(dut)

@@ -10,7 +10,7 @@ import cocotb
 from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer, ValueChange
 from cocotbext.vme import BusTimeout, VmeInterruptHandler, VmeTiming
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ARMED,
     BASE,
@@ -76,8 +76,7 @@ def irq(tb: Machine) -> int:
     return ~(int(tb.dut.vme_irq_no.value) << 1) & 0xFE
 
 
-@cocotb.test()
-@req("CSR-1")
+@test("CSR-1")
 async def pccsr_every_transition(dut):
     """From each of the eight upper values to each other: bits 4-0 and 7 as written, 5-6 latches."""
     tb = await machine(dut)
@@ -90,9 +89,8 @@ async def pccsr_every_transition(dut):
             assert irq(tb) == 0
 
 
-@cocotb.test()
+@test("CSR-1", "INT-1", "INT-2", "LED-1")
 @cocotb.parametrize(source=["sclock", "panic"])
-@req("CSR-1", "INT-1", "INT-2", "LED-1")
 async def latch_and_enable(dut, source):
     """The latch is read whether or not enabled; the line and the red LED need the enable."""
     tb = await machine(dut)
@@ -120,9 +118,8 @@ async def latch_and_enable(dut, source):
         await low(tb)
 
 
-@cocotb.test()
+@test("INT-1", "INT-2")
 @cocotb.parametrize(source=["sclock", "panic"])
-@req("INT-1", "INT-2")
 async def clearing_bit_7_pulls_no_line(dut, source):
     """A latch that is set and not enabled: the write that clears bit 7 and enables it."""
     tb = await machine(dut)
@@ -144,9 +141,8 @@ async def clearing_bit_7_pulls_no_line(dut, source):
     await low(tb)
 
 
-@cocotb.test()
+@test("INT-1")
 @cocotb.parametrize(source=["sclock", "panic"])
-@req("INT-1")
 async def edges_while_bit_7_is_0_are_lost(dut, source):
     """And a level that is high when bit 7 rises sets nothing; its next edge does."""
     tb = await machine(dut)
@@ -164,8 +160,7 @@ async def edges_while_bit_7_is_0_are_lost(dut, source):
     await low(tb)
 
 
-@cocotb.test()
-@req("INT-1", "CSR-1")
+@test("INT-1", "CSR-1")
 async def both_latches_are_independent_and_clear_together(dut):
     tb = await machine(dut)
     await tb.wr(PCCSR, ARMED | BASE)
@@ -203,8 +198,7 @@ async def edges_around(tb: Machine, before: int, after: int, bit: int, span: ran
     return out
 
 
-@cocotb.test()
-@req("INT-1")
+@test("INT-1")
 async def edge_on_every_clock_around_setting_bit_7(dut):
     """Before some clock all edges are lost, from it on all are latched: one step, no gap."""
     tb = await machine(dut)
@@ -217,8 +211,7 @@ async def edge_on_every_clock_around_setting_bit_7(dut):
     assert -2 <= first <= 2, f"the first edge that counts is {first} clocks from DTACK*"
 
 
-@cocotb.test()
-@req("INT-1")
+@test("INT-1")
 async def edge_on_every_clock_around_clearing_bit_7(dut):
     """Whatever the clock: after the write has been acknowledged the latch is clear and stays so."""
     tb = await machine(dut)
@@ -226,8 +219,7 @@ async def edge_on_every_clock_around_clearing_bit_7(dut):
     assert not any(hit for _, hit in seen)
 
 
-@cocotb.test()
-@req("INT-1", "DRV-7")
+@test("INT-1", "DRV-7")
 async def edge_on_every_clock_around_the_drivers_clear_and_set(dut):
     """The handler's 0-then-1: edges outside the window are never lost; its width is measured.
 
@@ -259,8 +251,7 @@ async def edge_on_every_clock_around_the_drivers_clear_and_set(dut):
     assert len(after_clear) < 30
 
 
-@cocotb.test()
-@req("INT-1")
+@test("INT-1")
 async def sclock_edges_around_setting_bit_7(dut):
     """Free-running SCLOCK of 3 us against writes at a drifting phase: the latch tells the truth.
 
@@ -297,8 +288,7 @@ async def sclock_edges_around_setting_bit_7(dut):
     assert checked > 20
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def acknowledge_withdrawn_and_anothers_at_once(dut):
     """Our vector never stands in the acknowledge of another level. Found by a proof."""
     tb = await machine(dut)
@@ -319,8 +309,7 @@ async def acknowledge_withdrawn_and_anothers_at_once(dut):
         await acknowledge_ends(tb)
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def acknowledge_gives_the_vector(dut):
     """And the latch with its request stays until PCCSR bit 7 (release on register access)."""
     tb = await machine(dut)
@@ -339,8 +328,7 @@ async def acknowledge_gives_the_vector(dut):
         assert irq(tb) == 0
 
 
-@cocotb.test()
-@req("INT-2", "VME-6")
+@test("INT-2", "VME-6")
 async def iack_jumper_left_in(dut):
     """The backplane's jumper bypasses the slot: IACKIN* never falls, the bus timer ends it."""
     tb = await machine(dut)
@@ -357,8 +345,7 @@ async def iack_jumper_left_in(dut):
     assert op.data == 0xA5, "without the jumper it is answered"
 
 
-@cocotb.test()
-@req("VME-5", "INT-2")
+@test("VME-5", "INT-2")
 async def vector_after_reset(dut):
     """0x0F, the vector that a host knows as uninitialised."""
     tb = Machine(dut)
@@ -371,8 +358,7 @@ async def vector_after_reset(dut):
     assert await tb.rd(VECTOR) == 0xFF, "the vector cannot be read"
 
 
-@cocotb.test()
-@req("INT-2", "VME-6")
+@test("INT-2", "VME-6")
 async def other_levels_are_passed_on(dut):
     """Only level 5 is ours: the rest goes down the chain, to whoever is there."""
     tb = await machine(dut)
@@ -388,8 +374,7 @@ async def other_levels_are_passed_on(dut):
     assert await tb.vme.iack(5) == VEC
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def without_a_request_the_cycle_is_passed_on(dut):
     """Latch clear, or set and not enabled."""
     tb = await machine(dut)
@@ -403,8 +388,7 @@ async def without_a_request_the_cycle_is_passed_on(dut):
     assert await tb.vme.iack(5) == 0x33
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def iackout_follows_the_cycle(dut):
     """IACKOUT* rises within 40 ns of AS*, and is high again before the next cycle."""
     tb = await machine(dut)
@@ -427,8 +411,7 @@ async def iackout_follows_the_cycle(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@cocotb.test()
-@req("INT-2", "INT-1")
+@test("INT-2", "INT-1")
 async def request_on_every_clock_around_the_acknowledge(dut):
     """PANIC rises at each clock around IACKIN*: the cycle is answered or passed on, never both,
 
@@ -462,8 +445,7 @@ async def request_on_every_clock_around_the_acknowledge(dut):
     assert fates == sorted(fates, reverse=True), f"the order of fates is {fates}"
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def late_request_does_not_steal_the_cycle(dut):
     """IACKIN* is already low and the cycle passed on when the request comes."""
     tb = await machine(dut)
@@ -480,8 +462,7 @@ async def late_request_does_not_steal_the_cycle(dut):
     assert await tb.vme.iack(5) == VEC
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def withdrawn_request_is_passed_on(dut):
     """Bit 7 cleared before IACKIN* falls: the host sees an interrupt that is not ours."""
     tb = await machine(dut)
@@ -495,8 +476,7 @@ async def withdrawn_request_is_passed_on(dut):
     assert clear.answered and ack.data == 0x33
 
 
-@cocotb.test()
-@req("INT-2", "VME-3")
+@test("INT-2", "VME-3")
 async def acknowledge_with_random_skew(dut):
     tb = await machine(dut, skew=120)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -506,8 +486,7 @@ async def acknowledge_with_random_skew(dut):
         assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
 
 
-@cocotb.test()
-@req("INT-2", "INT-1")
+@test("INT-2", "INT-1")
 async def acknowledge_withdrawn_early(dut):
     """An acknowledge cycle broken off at any time wedges nothing."""
     tb = await machine(dut, timing=VmeTiming(ds_high=300))
@@ -537,8 +516,7 @@ async def acknowledge_ends(tb: Machine) -> None:
     assert int(tb.dut.vme_dtack_no.value) and not int(tb.dut.vme_d_oe_o.value)
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def acknowledge_whose_strobe_comes_late_or_never(dut):
     """Until DS0* there is no answer, then there is; IACKIN* that goes again leaves no trace."""
     tb = await machine(dut)
@@ -564,8 +542,7 @@ async def acknowledge_whose_strobe_comes_late_or_never(dut):
         assert await tb.vme.iack(5) == VEC
 
 
-@cocotb.test()
-@req("INT-2", "CSR-1")
+@test("INT-2", "CSR-1")
 async def sysreset_in_an_acknowledge(dut):
     """Whatever was decided before: no answer after it, and none of the old request."""
     tb = await machine(dut)
@@ -586,8 +563,7 @@ async def sysreset_in_an_acknowledge(dut):
         assert irq(tb) == 0 and await tb.rd(PCCSR) == 0
 
 
-@cocotb.test()
-@req("INT-2", "CSR-1")
+@test("INT-2", "CSR-1")
 async def sysreset_ends_an_answer(dut):
     """DTACK* and the vector go within four clocks, whatever the master holds."""
     tb = await machine(dut)
@@ -607,8 +583,7 @@ async def sysreset_ends_an_answer(dut):
     await acknowledge_ends(tb)
 
 
-@cocotb.test()
-@req("INT-1", "INT-2", "PIT-2")
+@test("INT-1", "INT-2", "PIT-2")
 async def handler_serves_every_sclock(dut):
     """A handler as the driver's: read PCCSR, clear, set; 40 SCLOCKs of 25 us, none lost."""
     tb = await machine(dut)
@@ -636,8 +611,7 @@ async def handler_serves_every_sclock(dut):
     assert handler.spurious == 0
 
 
-@cocotb.test()
-@req("INT-2")
+@test("INT-2")
 async def request_drops_within_two_microseconds(dut):
     """Release on register access: IRQ* is high 2 us after the strobe that cleared bit 7."""
     tb = await machine(dut)

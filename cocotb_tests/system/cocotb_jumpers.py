@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Jumpers and switches that differ from the usual, matching and not. §4.3.6, §5.4.3"""
 
-import cocotb
 from cocotb.triggers import Timer
 from cocotbext.vme import VmeInterruptHandler
 
-from cocotb_tests.lib.req import req, variants
+from cocotb_tests.lib.req import test, variants
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
@@ -87,9 +86,8 @@ async def moved(dut) -> Moved:
     return tb
 
 
-@cocotb.test()
+@test("VME-1", "CRD-1")
 @variants("moved")
-@req("VME-1", "CRD-1")
 async def moved_base_and_dip(dut):
     """The window is where the jumpers say; cards answer at their switches and nowhere else."""
     tb = await moved(dut)
@@ -99,9 +97,8 @@ async def moved_base_and_dip(dut):
     assert found == [6, 10]
 
 
-@cocotb.test()
+@test("INT-2", "JMP-1")
 @variants("moved")
-@req("INT-2", "JMP-1")
 async def moved_interrupt_level(dut):
     tb = await moved(dut)
     dut.axis_enable_i.value = 0
@@ -114,9 +111,8 @@ async def moved_interrupt_level(dut):
     assert await tb.vme.iack(5) == 0x55
 
 
-@cocotb.test()
+@test("JMP-1", "LAT-1")
 @variants("moved")
-@req("JMP-1", "LAT-1")
 async def moved_sclock_line(dut):
     tb = await moved(dut)
     await tb.wr(0x407, 0x74)
@@ -125,9 +121,8 @@ async def moved_sclock_line(dut):
     assert [await tb.crd(c, PORT_C) & C_DONE for c in (0, 1)] == [0, 0]
 
 
-@cocotb.test()
+@test("JMP-1", "HB-2", "PAN-1")
 @variants("moved")
-@req("JMP-1", "HB-2", "PAN-1")
 async def moved_panic_line(dut):
     tb = await moved(dut)
     await tb.beat()
@@ -144,9 +139,8 @@ async def moved_panic_line(dut):
     assert int(dut.panic_o.value), "the cards' own"
 
 
-@cocotb.test()
+@test("DAC-1", "LAT-1")
 @variants("moved")
-@req("DAC-1", "LAT-1")
 async def software_latch_without_jumper(dut):
     """Card 1 has E023-E021: encoders and A/Ds latch, its D/As wait for SCLOCK."""
     tb = await moved(dut)
@@ -163,9 +157,8 @@ async def software_latch_without_jumper(dut):
     assert all(tb.volts(a) for a in range(4))
 
 
-@cocotb.test()
+@test("DAC-1", "ADC-1", "ANA-1", "DIA-1")
 @variants("moved")
-@req("DAC-1", "ADC-1", "ANA-1", "DIA-1")
 async def ten_volt_spans(dut):
     """D/As 1 and 2, A/Ds 0 and 1 at 10 V: half the volts per code, twice the codes per volt."""
     tb = await moved(dut)
@@ -191,9 +184,8 @@ async def ten_volt_spans(dut):
     assert [await tb.adc(a) for a in range(4)] == [0xA00, 0x900, 0x880, 0x900]
 
 
-@cocotb.test()
+@test("PPI-1", "DIA-1")
 @variants("moved")
-@req("PPI-1", "DIA-1")
 async def floating_port_b_seen_as_ones(dut):
     """PpiFloatB = 0xFF: after RESET the board is driven, until the mode word makes outputs of 0."""
     tb = Moved(dut)
@@ -208,9 +200,8 @@ async def floating_port_b_seen_as_ones(dut):
     assert tb.volts(0) == 0
 
 
-@cocotb.test()
+@test("INT-2", "VME-6", "JMP-1")
 @variants("mismatch")
-@req("INT-2", "VME-6", "JMP-1")
 async def j5_and_j7_apart(dut):
     """The line is pulled, no acknowledge is ever answered, of J7's level neither: spurious."""
     tb = Machine(dut)
@@ -233,9 +224,8 @@ async def j5_and_j7_apart(dut):
     assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
 
 
-@cocotb.test()
+@test("JMP-1", "LAT-1")
 @variants("mismatch")
-@req("JMP-1", "LAT-1")
 async def sclock_lines_apart(dut):
     """Card 1 listens on DRQ1: it never latches; a software latch still works."""
     tb = Machine(dut)
@@ -253,9 +243,8 @@ async def sclock_lines_apart(dut):
     assert not await tb.crd(1, PORT_C) & C_DONE
 
 
-@cocotb.test()
+@test("JMP-1", "HB-2", "PAN-1")
 @variants("mismatch")
-@req("JMP-1", "HB-2", "PAN-1")
 async def panic_lines_apart(dut):
     """Card 1 calls on IRQ5: never heard."""
     tb = Machine(dut)
@@ -268,9 +257,8 @@ async def panic_lines_apart(dut):
     assert int(dut.panic_o.value)
 
 
-@cocotb.test()
+@test("ANA-1")
 @variants("mismatch")
-@req("ANA-1")
 async def random_power_up(dut):
     """D/As come up anywhere; the drive is isolated until software has spoken."""
     tb = Machine(dut)
@@ -284,9 +272,8 @@ async def random_power_up(dut):
     assert [tb.volts(a) for a in (0, 1)] == [0, 0]
 
 
-@cocotb.test()
+@test("ENC-1")
 @variants("mismatch")
-@req("ENC-1")
 async def encoder_filter(dut):
     """EncoderFilter = 2: two ticks of A are not seen, three count; the next begins at 0."""
     tb = Machine(dut)
@@ -301,9 +288,8 @@ async def encoder_filter(dut):
         assert await tb.encoder(0) == count, f"after {ticks} ticks"
 
 
-@cocotb.test()
+@test("CAL-1")
 @variants("mismatch")
-@req("CAL-1")
 async def filtered_index_latches_its_own_count(dut):
     """Index and count are delayed alike: an edge that comes with the index is counted."""
     tb = Machine(dut)
@@ -319,9 +305,8 @@ async def filtered_index_latches_its_own_count(dut):
         assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]
 
 
-@cocotb.test()
+@test("PIT-1")
 @variants("mismatch")
-@req("PIT-1")
 async def timers_of_the_82c54(dut):
     """PitNmosRewrite = 0: after a rollover the first of two bytes stops no count of mode 0."""
     tb = Machine(dut)
@@ -336,9 +321,8 @@ async def timers_of_the_82c54(dut):
     assert 0x1200 <= await tb.timer_value(0) <= 0x1234
 
 
-@cocotb.test()
+@test("CRD-1", "MAP-1", "LAT-1", "HB-2", "ENC-1")
 @variants("full")
-@req("CRD-1", "MAP-1", "LAT-1", "HB-2", "ENC-1")
 async def sixteen_cards(dut):
     """32 axes: separate registers, one latch, one PANIC line, every counter counts."""
     tb = Machine(dut)
@@ -364,9 +348,8 @@ async def sixteen_cards(dut):
         assert await tb.encoder(axis) == 0x100 * axis + 3, f"axis {axis} live"
 
 
-@cocotb.test()
+@test("CRD-1", "DAC-1", "HB-2", "PAN-1")
 @variants("full")
-@req("CRD-1", "DAC-1", "HB-2", "PAN-1")
 async def sixteen_cards_drive(dut):
     """Each D/A moves its own output only; the last axis written ends PANIC."""
     tb = Machine(dut)

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The whole machine at the host port of its core. §4.2.1"""
 
-import cocotb
-
 from cocotb_tests.adaptor.cocotb_host_port import HostPort
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ARMED,
     BASE,
@@ -36,8 +34,7 @@ class OtherHost(HostPort):
             await self.wr(Machine.creg(0, register), value)
 
 
-@cocotb.test()
-@req("ADP-1")
+@test("ADP-1")
 async def every_register_by_the_port(dut):
     """Card and adaptor as from VME: all patterns of a register, an encoder, a D/A."""
     tb = OtherHost(dut)
@@ -59,8 +56,7 @@ async def every_register_by_the_port(dut):
         assert await tb.rd(Machine.creg(card, PORT_A)) == 0xFF, "no such card"
 
 
-@cocotb.test()
-@req("ADP-1")
+@test("ADP-1")
 async def interrupts_and_their_vector(dut):
     """An edge of SCLOCK asks for an interrupt; a front gets the vector that was written."""
     tb = OtherHost(dut)

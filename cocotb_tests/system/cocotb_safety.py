@@ -5,7 +5,7 @@
 import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge, Timer, ValueChange
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
@@ -61,8 +61,7 @@ async def keep_beating(tb: Machine, axes, us: float) -> None:
         await tb.us(20)
 
 
-@cocotb.test()
-@req("PAN-1")
+@test("PAN-1")
 async def safety_of_2026_is_not_there(dut):
     tb = await machine(dut)
     assert not panic(tb)
@@ -73,8 +72,7 @@ async def safety_of_2026_is_not_there(dut):
         assert not panic(tb)
 
 
-@cocotb.test()
-@req("HB-2", "PAN-1")
+@test("HB-2", "PAN-1")
 async def panic_stands_until_every_da_is_written(dut):
     tb = Machine(dut)
     await tb.start(setup=True)
@@ -85,9 +83,8 @@ async def panic_stands_until_every_da_is_written(dut):
     assert not panic(tb)
 
 
-@cocotb.test()
+@test("HB-2", "PAN-1")
 @cocotb.parametrize(axis=[0, 1, 2, 3, 4, 5])
-@req("HB-2", "PAN-1")
 async def any_axis_panics(dut, axis):
     """The wired OR of cards 0 to 2: one axis without D/A writes is enough, and it recovers."""
     tb = await machine(dut)
@@ -103,9 +100,8 @@ async def any_axis_panics(dut, axis):
     assert not panic(tb)
 
 
-@cocotb.test()
+@test("SW-1", "HB-2")
 @cocotb.parametrize(axis=[0, 3])
-@req("SW-1", "HB-2")
 async def disabled_axis_does_not_panic(dut, axis):
     """Switch at disable: drive to ground, heartbeat ignored for PANIC only."""
     tb = await machine(dut, 0x3F & ~(1 << axis))
@@ -121,8 +117,7 @@ async def disabled_axis_does_not_panic(dut, axis):
     assert tb.volts(axis) == 0x4000
 
 
-@cocotb.test()
-@req("HB-1")
+@test("HB-1")
 async def heartbeat_to_the_clock(dut):
     """The pulse is exactly HeartbeatUs long, whenever it was triggered."""
     tb = await machine(dut, 0x01)
@@ -142,8 +137,7 @@ async def heartbeat_to_the_clock(dut):
         assert tb.clks(await light(0) - start) == clocks
 
 
-@cocotb.test()
-@req("HB-1")
+@test("HB-1")
 async def heartbeat_retrigger(dut):
     """A retrigger at any time restarts the full pulse, with no gap."""
     tb = await machine(dut, 0x01)
@@ -164,8 +158,7 @@ async def heartbeat_retrigger(dut):
         assert clocks + delay < whole < clocks + delay + 16
 
 
-@cocotb.test()
-@req("HB-1", "HB-2")
+@test("HB-1", "HB-2")
 async def heartbeat_retrigger_at_the_last_instant(dut):
     """Triggers on every clock around the end: either PANIC falls again, or it never rose."""
     tb = await machine(dut, 0x01)
@@ -195,8 +188,7 @@ async def heartbeat_retrigger_at_the_last_instant(dut):
     assert gaps == sorted(gaps), f"{gaps}"
 
 
-@cocotb.test()
-@req("HB-2")
+@test("HB-2")
 async def slow_servo_panics_by_design(dut):
     """Writing every 1.25 heartbeats gives PANIC in every interval."""
     tb = await machine(dut, 0x01)
@@ -210,9 +202,8 @@ async def slow_servo_panics_by_design(dut):
     assert rises == 4
 
 
-@cocotb.test()
+@test("PAN-1", "INT-1")
 @cocotb.parametrize(what=["estop", "cable", "power"])
-@req("PAN-1", "INT-1")
 async def fail_safe_sources(dut, what):
     """Each asserts PANIC within a few clocks, interrupts once, applies the brakes."""
     tb = await machine(dut, 0)
@@ -238,8 +229,7 @@ async def fail_safe_sources(dut, what):
     assert await tb.rd(PCCSR) == ARMED | BASE, "its return is no edge"
 
 
-@cocotb.test()
-@req("PAN-1")
+@test("PAN-1")
 async def sources_overlap(dut):
     """PANIC is the OR: a second cause is no second edge."""
     tb = await machine(dut, 0)
@@ -260,8 +250,7 @@ async def sources_overlap(dut):
     assert not panic(tb)
 
 
-@cocotb.test()
-@req("PAN-3")
+@test("PAN-3")
 async def panic_does_not_cut_the_drives(dut):
     tb = await machine(dut)
     for axis in range(6):
@@ -274,8 +263,7 @@ async def panic_does_not_cut_the_drives(dut):
     assert [tb.volts(n) for n in range(6)] == before
 
 
-@cocotb.test()
-@req("PAN-2")
+@test("PAN-2")
 async def cable_pulled(dut):
     """Cards keep state and D/A values and take no stray latch; reads give 0xFF; VME side lives."""
     tb = await machine(dut, 1)
@@ -313,8 +301,7 @@ async def cable_pulled(dut):
     assert tb.volts(0) == 0x4000, "SCLOCK works again"
 
 
-@cocotb.test()
-@req("PAN-2")
+@test("PAN-2")
 async def cable_pulled_in_mid_cycle(dut):
     """At any clock of a PC cycle: it ends, with the data or 0xFF."""
     tb = await machine(dut, 0)
@@ -329,8 +316,7 @@ async def cable_pulled_in_mid_cycle(dut):
         assert await tb.crd(0, PORT_A) == QUAD
 
 
-@cocotb.test()
-@req("PAN-2", "PPI-1")
+@test("PAN-2", "PPI-1")
 async def pc_power_lost_and_back(dut):
     """Cards reset, one-shots low, drives 0, LEDs off; back with a RESET DRV pulse, counts lost."""
     tb = await machine(dut)
@@ -363,8 +349,7 @@ async def pc_power_lost_and_back(dut):
     assert await tb.vme.iack(5) == 0x77, "the latch and the vector stand"
 
 
-@cocotb.test()
-@req("PAN-2", "CSR-1", "PCB-1")
+@test("PAN-2", "CSR-1", "PCB-1")
 async def sysreset_resets_what_it_should(dut):
     """PCCSR and, by RESET DRV, the cards' PPIs and counters; PIT, vector, one-shots, D/As stand."""
     tb = await machine(dut)
@@ -409,8 +394,7 @@ async def sysreset_resets_what_it_should(dut):
     assert await tb.vme.iack(5) == 0x5A, "the vector keeps its contents"
 
 
-@cocotb.test()
-@req("PAN-1", "PAN-2")
+@test("PAN-1", "PAN-2")
 async def short_outages(dut):
     """Pulses on the safety inputs of any length leave a consistent machine."""
     tb = await machine(dut, 0)
@@ -426,8 +410,7 @@ async def short_outages(dut):
             assert await tb.rd(PCCSR) & PANIC_IRQ, f"an outage of {ns} ns was missed"
 
 
-@cocotb.test()
-@req("DRV-9", "PAN-1")
+@test("DRV-9", "PAN-1")
 async def estop_open_from_the_start(dut):
     """An e-stop already open when bit 7 is set makes no interrupt; the brakes stay on."""
     tb = Machine(dut)

@@ -2,9 +2,7 @@
 """The hardware with Safety2026: PANIC stands until a release, encoders that step illegally or have
 a cut wire raise it, heartbeats end after 10 ms and want latches. docs/hardware/safety.md"""
 
-import cocotb
-
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_REAL_ENC,
@@ -49,8 +47,7 @@ async def machine(dut) -> Machine:
     return tb
 
 
-@cocotb.test()
-@req("PAN-1", "PAN-3")
+@test("PAN-1", "PAN-3")
 async def panic_stands_until_released(dut):
     tb = await machine(dut)
     dut.estop_closed_i.value = 0
@@ -75,8 +72,7 @@ async def panic_stands_until_released(dut):
     assert await tb.rd(regs.SAFETY) == 0
 
 
-@cocotb.test()
-@req("PAN-1", "DRV-9")
+@test("PAN-1", "DRV-9")
 async def trip_and_sysreset_are_panic(dut):
     tb = await machine(dut)
     for value in range(256):
@@ -97,8 +93,7 @@ async def trip_and_sysreset_are_panic(dut):
     assert panic(tb)
 
 
-@cocotb.test()
-@req("HB-1", "PAN-1")
+@test("HB-1", "PAN-1")
 async def heartbeat_of_10_ms(dut):
     tb = await machine(dut)
     for axis in range(2):
@@ -126,8 +121,7 @@ async def counting(dut) -> Machine:
     return tb
 
 
-@cocotb.test()
-@req("HB-1")
+@test("HB-1")
 async def write_that_no_latch_takes_is_no_heartbeat(dut):
     tb = await machine(dut)
     for double, latches in ((0, False), (1, True), (1, False)):
@@ -145,8 +139,7 @@ async def write_that_no_latch_takes_is_no_heartbeat(dut):
     assert panic(tb)
 
 
-@cocotb.test()
-@req("ENC-1", "PAN-1")
+@test("ENC-1", "PAN-1")
 async def cut_wire_of_an_encoder_is_panic(dut):
     """Of each wire, when the axis turns; not so an axis that swings over one edge once a sample."""
     tb = await counting(dut)
@@ -175,8 +168,7 @@ async def cut_wire_of_an_encoder_is_panic(dut):
         assert not panic(tb), "the other wire is there"
 
 
-@cocotb.test()
-@req("ENC-1", "PAN-1")
+@test("ENC-1", "PAN-1")
 async def illegal_step_of_an_encoder_is_panic(dut):
     tb = await counting(dut)
     for step in (1, 3, 2, 0, 2, 3, 1, 0):  # legal ones, both ways
@@ -197,8 +189,7 @@ async def illegal_step_of_an_encoder_is_panic(dut):
     assert not panic(tb)
 
 
-@cocotb.test()
-@req("SW-1", "PAN-1")
+@test("SW-1", "PAN-1")
 async def switched_off_axis_has_no_illegal_step(dut):
     tb = await machine(dut)
     dut.axis_enable_i.value = 0

@@ -4,7 +4,7 @@
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ADC_LO,
     B_INDEX,
@@ -49,11 +49,10 @@ async def period(tb: Machine, times: int = 3) -> tuple[float, float]:
     return seen.pop()
 
 
-@cocotb.test()
+@test("PIT-2", "LED-1")
 @cocotb.parametrize(
     (("n0", "n1", "mode"), [(2, 2, 2), (8, 10, 2), (5, 7, 2), (4, 6, 3), (3, 5, 3), (250, 2, 2)])
 )
-@req("PIT-2", "LED-1")
 async def sclock_period(dut, n0, n1, mode):
     """N0 x N1 ticks of the system clock, timers 0 and 1 in cascade."""
     tb = Machine(dut)
@@ -65,8 +64,7 @@ async def sclock_period(dut, n0, n1, mode):
     assert low == n0 * (1 if mode == 2 else n1 // 2) * tick
 
 
-@cocotb.test()
-@req("PIT-2", "JMP-1")
+@test("PIT-2", "JMP-1")
 async def sclock_is_on_its_own_line(dut):
     """Of the three DRQ lines it has one; the others are low."""
     tb = Machine(dut)
@@ -80,8 +78,7 @@ async def sclock_is_on_its_own_line(dut):
     assert seen == {(0, 0), (4, 1)}
 
 
-@cocotb.test()
-@req("PIT-2")
+@test("PIT-2")
 async def sclock_stands_until_programmed_and_after_mode_0(dut):
     tb = Machine(dut)
     await tb.start()
@@ -96,8 +93,7 @@ async def sclock_stands_until_programmed_and_after_mode_0(dut):
     assert int(dut.sclock_o.value) == 0
 
 
-@cocotb.test()
-@req("PIT-2")
+@test("PIT-2")
 async def timer_2_counts_sclocks(dut):
     tb = Machine(dut)
     await tb.start()
@@ -114,8 +110,7 @@ async def timer_2_counts_sclocks(dut):
         assert (first - await tb.timer_value(2)) & 0xFFFF == n
 
 
-@cocotb.test()
-@req("PCB-1", "PIT-2")
+@test("PCB-1", "PIT-2")
 async def pc_clock_follows_the_jumper(dut):
     """One tick of CLK per period of the system clock."""
     tb = Machine(dut)
@@ -129,8 +124,7 @@ async def pc_clock_follows_the_jumper(dut):
     assert abs(ticks - 16 * mhz) <= 1
 
 
-@cocotb.test()
-@req("PCB-1", "ADC-1")
+@test("PCB-1", "ADC-1")
 async def command_and_conversion_are_real_time(dut):
     """Whatever clk_i and CLK: 500 ns of command, 25 us of conversion."""
     tb = Machine(dut)
@@ -150,8 +144,7 @@ async def command_and_conversion_are_real_time(dut):
         assert cycle.setup >= 124
 
 
-@cocotb.test()
-@req("ENC-1", "PCB-1")
+@test("ENC-1", "PCB-1")
 async def encoder_sampling_follows_clk(dut):
     """Two CLK periods per count are followed exactly, at every rate of CLK."""
     tb = Machine(dut)
@@ -164,8 +157,7 @@ async def encoder_sampling_follows_clk(dut):
     assert await tb.encoder(0) == 280
 
 
-@cocotb.test()
-@req("CAL-1")
+@test("CAL-1")
 async def index_latches_its_own_count(dut):
     """Two CLK periods per count, either way, at every rate of CLK."""
     tb = Machine(dut)
@@ -182,8 +174,7 @@ async def index_latches_its_own_count(dut):
         assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]
 
 
-@cocotb.test()
-@req("HB-1")
+@test("HB-1")
 async def heartbeat_is_real_time(dut):
     tb = Machine(dut)
     await tb.start(setup=True)
@@ -198,8 +189,7 @@ async def heartbeat_is_real_time(dut):
     assert abs(took - 400) < 2, f"{took} us"
 
 
-@cocotb.test()
-@req("VME-3", "CSR-1")
+@test("VME-3", "CSR-1")
 async def registers_at_this_rate(dut):
     tb = Machine(dut, skew=80)
     await tb.start()

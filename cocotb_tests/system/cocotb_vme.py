@@ -13,7 +13,7 @@ from cocotbext.vme import (
     VmeTiming,
 )
 
-from cocotb_tests.lib.req import req
+from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
 from cocotb_tests.system.machine import USUAL
 
@@ -28,8 +28,7 @@ def expect_pc_address(offset: int, base: int = BASE) -> int:
     return (offset >> 1 & 0x1F) | base << 5 | (offset >> 6 & 0xF) << 10
 
 
-@cocotb.test()
-@req("VME-4", "MAP-1")
+@test("VME-4", "MAP-1")
 async def every_pc_address_reads(dut):
     """All 512 odd offsets with A10 = 0 become one PC read each, at the address of Figure 4.2."""
     tb = Machine(dut)
@@ -43,8 +42,7 @@ async def every_pc_address_reads(dut):
     assert len(seen) == 512
 
 
-@cocotb.test()
-@req("VME-4", "MAP-1", "PCB-1")
+@test("VME-4", "MAP-1", "PCB-1")
 async def every_pc_address_writes(dut):
     """The same for writes, outside the cards' base so that nothing changes, data and all."""
     tb = Machine(dut)
@@ -58,8 +56,7 @@ async def every_pc_address_writes(dut):
     assert [(c.kind, c.address, c.data) for c in monitor.cycles] == expected
 
 
-@cocotb.test()
-@req("MAP-1", "CSR-1")
+@test("MAP-1", "CSR-1")
 async def pccsr_gives_address_bits_5_to_9(dut):
     tb = Machine(dut)
     await tb.start()
@@ -71,8 +68,7 @@ async def pccsr_gives_address_bits_5_to_9(dut):
     assert [c.address for c in monitor.cycles] == [expect_pc_address(0x2A9, b) for b in range(32)]
 
 
-@cocotb.test()
-@req("VME-5")
+@test("VME-5")
 async def every_adaptor_address_reads(dut):
     """All 512 odd offsets with A10 = 1: A09-A07 do not matter, holes and the vector read 0xFF."""
     tb = Machine(dut)
@@ -94,8 +90,7 @@ async def every_adaptor_address_reads(dut):
     assert not monitor.cycles, "an adaptor register is no PC access"
 
 
-@cocotb.test()
-@req("VME-5")
+@test("VME-5")
 async def every_adaptor_address_writes(dut):
     """A write to any hole changes neither PCCSR nor vector nor timer; the mirrors do."""
     tb = Machine(dut)
@@ -113,8 +108,7 @@ async def every_adaptor_address_writes(dut):
     assert not monitor.cycles
 
 
-@cocotb.test()
-@req("VME-5", "PIT-1")
+@test("VME-5", "PIT-1")
 async def timer_registers_are_where_they_should_be(dut):
     """0x401, 0x403, 0x405, 0x407, and the same with A09-A07 set."""
     tb = Machine(dut)
@@ -127,8 +121,7 @@ async def timer_registers_are_where_they_should_be(dut):
         assert await tb.rd(mirror | PIT + 6) == 0xFF
 
 
-@cocotb.test()
-@req("VME-1", "VME-6")
+@test("VME-1", "VME-6")
 async def address_modifiers(dut):
     """Of the 64 codes only 0x29 and 0x2D are answered."""
     tb = Machine(dut)
@@ -138,8 +131,7 @@ async def address_modifiers(dut):
     assert tb.vme.timeouts == 62
 
 
-@cocotb.test()
-@req("VME-1", "VME-6")
+@test("VME-1", "VME-6")
 async def base_address(dut):
     """Of the 32 segments of 2 KiB only the jumpered one is answered; the next byte is not."""
     tb = Machine(dut)
@@ -151,9 +143,8 @@ async def base_address(dut):
     assert not await tb.vme.answers(0x5FFF)
 
 
-@cocotb.test()
+@test("VME-2", "VME-6", "API-1")
 @cocotb.parametrize(offset=[0x001, 0x0C9, 0x401, 0x409, 0x441, 0x7FF])
-@req("VME-2", "VME-6", "API-1")
 async def access_sizes(dut, offset):
     """Odd byte and 16 bits are answered; an even byte and LWORD* low are not."""
     tb = Machine(dut)
@@ -170,8 +161,7 @@ async def access_sizes(dut, offset):
     assert await tb.vme.answers(0x6409)
 
 
-@cocotb.test()
-@req("VME-2")
+@test("VME-2")
 async def word_write_takes_the_low_byte(dut):
     tb = Machine(dut)
     await tb.start()
@@ -183,8 +173,7 @@ async def word_write_takes_the_low_byte(dut):
     assert await tb.crd(1, PORT_A) == 0x0D
 
 
-@cocotb.test()
-@req("VME-4")
+@test("VME-4")
 async def absent_card_reads_ff(dut):
     """Cards 3 to 15 are not there: 0xFF, acknowledged, and nothing else is disturbed."""
     tb = Machine(dut)
@@ -196,9 +185,8 @@ async def absent_card_reads_ff(dut):
     assert await tb.crd(0, PORT_A) == 5
 
 
-@cocotb.test()
+@test("VME-3")
 @cocotb.parametrize(skew=[0, 20, 90, 250])
-@req("VME-3")
 async def random_legal_timing(dut, skew):
     """A mixed stream with random skew; every read is checked against a model of the registers."""
     tb = Machine(dut, skew=skew, timing=VmeTiming(ds_skew=10))
@@ -230,8 +218,7 @@ async def random_legal_timing(dut, skew):
     assert {c.outcome for c in monitor.cycles} == {"DTACK*"}
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def queued_cycles_run_back_to_back(dut):
     """init_* calls queue; the least gaps of the standard do not confuse the slave."""
     tb = Machine(dut)
@@ -246,8 +233,7 @@ async def queued_cycles_run_back_to_back(dut):
     assert all(w.answered for w in writes)
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def dtack_and_drivers_at_the_end_of_a_read(dut):
     """Drivers off with the strobes, without a clock; DTACK* up one or two clocks later."""
     tb = Machine(dut)
@@ -281,8 +267,7 @@ async def dtack_and_drivers_at_the_end_of_a_read(dut):
         await op.wait()
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def no_dtack_without_a_strobe(dut):
     """Address, AS* and WRITE* alone start nothing; DTACK* comes only after DS0*."""
     tb = Machine(dut)
@@ -306,8 +291,7 @@ async def no_dtack_without_a_strobe(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@cocotb.test()
-@req("VME-3", "VME-4")
+@test("VME-3", "VME-4")
 async def master_that_holds_the_strobes(dut):
     """However long the strobes stay, there is one PC cycle, and data and DTACK* stand."""
     tb = Machine(dut)
@@ -319,9 +303,8 @@ async def master_that_holds_the_strobes(dut):
     assert [c.kind for c in monitor.cycles] == ["read", "write"]
 
 
-@cocotb.test()
+@test("VME-3")
 @cocotb.parametrize(kind=["read", "write"])
-@req("VME-3")
 async def strobe_withdrawn_early(dut, kind):
     """At every 25 ns of the cycle: the slave is never wedged, the next cycle is right.
 
@@ -352,8 +335,7 @@ async def strobe_withdrawn_early(dut, kind):
     assert kind == "read" or 20 < happened < 64
 
 
-@cocotb.test()
-@req("VME-3", "VME-6")
+@test("VME-3", "VME-6")
 async def withdrawn_and_another_address_at_once(dut):
     """What stands on the bus right after a withdrawn strobe is not answered with the old data."""
     tb = Machine(dut, timing=AFTER_WITHDRAWAL)
@@ -366,8 +348,7 @@ async def withdrawn_and_another_address_at_once(dut):
         assert await tb.crd(1, PORT_A) == 0x2A
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def withdrawn_and_anothers_strobe_at_once(dut):
     """The read that still runs does not drive into a cycle of another board. Found by a proof."""
     tb = Machine(dut)
@@ -395,8 +376,7 @@ async def withdrawn_and_anothers_strobe_at_once(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@cocotb.test()
-@req("VME-3")
+@test("VME-3")
 async def strobe_glitches(dut):
     """Pulses of a few ns on DS0* leave no trace, wherever they fall in the clock."""
     tb = Machine(dut)
@@ -422,8 +402,7 @@ async def strobe_glitches(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@cocotb.test()
-@req("VME-3", "PCB-1")
+@test("VME-3", "PCB-1")
 async def write_data_is_captured_first(dut):
     """The strobe goes, the data changes before and while IOW# is low: the first is written."""
     tb = Machine(dut)
@@ -440,8 +419,7 @@ async def write_data_is_captured_first(dut):
     assert len(monitor.cycles) > 25
 
 
-@cocotb.test()
-@req("VME-1")
+@test("VME-1")
 async def iack_cycle_is_no_data_cycle(dut):
     """IACK* low with the slave's address on the bus: no register is touched, nothing answers."""
     tb = Machine(dut)
@@ -456,8 +434,7 @@ async def iack_cycle_is_no_data_cycle(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@cocotb.test()
-@req("VME-3", "PAN-2")
+@test("VME-3", "PAN-2")
 async def sysreset_in_mid_cycle(dut):
     """SYSRESET* at any point of an access lets go of the bus; afterwards all is as after reset."""
     tb = Machine(dut)
@@ -476,8 +453,7 @@ async def sysreset_in_mid_cycle(dut):
         assert await tb.rd(PCCSR) == 0
 
 
-@cocotb.test()
-@req("VME-6")
+@test("VME-6")
 async def bad_accesses_never_hang(dut):
     """A random mix of everything that is wrong; a good access in between always works."""
     tb = Machine(dut, skew=60)
