@@ -6,7 +6,7 @@ import os
 import random
 
 from cocotb_tests.chips.analog import CONV, IDLE, IN, OUTS, PULSE, Analog, Models
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, mismatch, script
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, Scripts, mismatch, script
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import ad574
 
@@ -15,137 +15,111 @@ SOURCES = ("bench_analog.sv", "bench_replay.sv")
 PARAMETERS = {"ConvClks": CONV, "PulseClks": PULSE}
 
 
-@script(Analog, "ADC-1")
-def ad574_power_up_is_not_busy(s):
-    s.step(3)
-    s.expect(sts=0, oe=0)
+class Converter(Scripts, of=Analog, req="ADC-1"):
+    def ad574_power_up_is_not_busy(s):
+        s.step(3)
+        s.expect(sts=0, oe=0)
 
+    def ad574_busy_for_exactly_the_conversion(s):
+        s.start(0)
+        s.seen("the clock that starts", sts=0)
+        s.expect("one clock later", sts=1)
+        s.step(CONV - 1)
+        s.expect("last clock", sts=1)
+        s.step()
+        s.expect("over", sts=0)
 
-@script(Analog, "ADC-1")
-def ad574_busy_for_exactly_the_conversion(s):
-    s.start(0)
-    s.seen("the clock that starts", sts=0)
-    s.expect("one clock later", sts=1)
-    s.step(CONV - 1)
-    s.expect("last clock", sts=1)
-    s.step()
-    s.expect("over", sts=0)
+    def ad574_zero_volt_is_mid_scale(s):
+        for span10 in (0, 1):
+            s.convert(0, span10)
+            s.result(0x800)
 
+    def ad574_end_points_20_v(s):
+        for vin, code in ((-32768, 0), (32767, 0xFFF), (32736, 0xFFE), (-32752, 1), (16384, 0xC00)):
+            s.convert(vin)
+            s.result(code, f"{vin}")
 
-@script(Analog, "ADC-1")
-def ad574_zero_volt_is_mid_scale(s):
-    for span10 in (0, 1):
-        s.convert(0, span10)
-        s.result(0x800)
+    def ad574_half_lsb_transitions_20_v(s):
+        for vin, code in (
+            (-32761, 0), (-32760, 1), (-9, 0x7FF), (-8, 0x800), (7, 0x800), (8, 0x801),
+            (32743, 0xFFE), (32744, 0xFFF),
+        ):  # fmt: skip
+            s.convert(vin)
+            s.result(code, f"{vin}")
 
+    def ad574_half_lsb_transitions_10_v(s):
+        for vin, code in (
+            (-16384, 0), (-16381, 0), (-16380, 1), (-5, 0x7FF), (-4, 0x800), (3, 0x800), (4, 0x801),
+            (16371, 0xFFE), (16372, 0xFFF),
+        ):  # fmt: skip
+            s.convert(vin, 1)
+            s.result(code, f"{vin}")
 
-@script(Analog, "ADC-1")
-def ad574_end_points_20_v(s):
-    for vin, code in ((-32768, 0), (32767, 0xFFF), (32736, 0xFFE), (-32752, 1), (16384, 0xC00)):
-        s.convert(vin)
-        s.result(code, f"{vin}")
+    def ad574_clamps_beyond_10_v_span(s):
+        for vin, code in ((-32768, 0), (-20000, 0), (20000, 0xFFF), (32767, 0xFFF)):
+            s.convert(vin, 1)
+            s.result(code, f"{vin}")
 
+    def ad574_samples_at_the_start(s):
+        s.start(16384)
+        s.step(CONV + 2, ad_vin=0x8000)
+        s.result(0xC00)
 
-@script(Analog, "ADC-1")
-def ad574_half_lsb_transitions_20_v(s):
-    for vin, code in (
-        (-32761, 0), (-32760, 1), (-9, 0x7FF), (-8, 0x800), (7, 0x800), (8, 0x801),
-        (32743, 0xFFE), (32744, 0xFFF),
-    ):  # fmt: skip
-        s.convert(vin)
-        s.result(code, f"{vin}")
+    def ad574_start_while_busy_is_ignored(s):
+        s.start(16384)
+        s.step(50)
+        s.start(-16384)
+        s.step(CONV - 52)
+        s.expect("still the first conversion", sts=1)
+        s.step(1)
+        s.expect("not prolonged", sts=0)
+        s.result(0xC00)
 
+    def ad574_start_held_gives_one_conversion(s):
+        s.step(3 * CONV, ad_ce=1, ad_cs_n=0, ad_rc_n=0)
+        s.expect(sts=0)
+        s.step(ad_rc_n=1)
+        s.start(16384)
+        s.expect("a new edge starts again", sts=1)
+        s.step(CONV + 1)
+        s.result(0xC00)
 
-@script(Analog, "ADC-1")
-def ad574_half_lsb_transitions_10_v(s):
-    for vin, code in (
-        (-16384, 0), (-16381, 0), (-16380, 1), (-5, 0x7FF), (-4, 0x800), (3, 0x800), (4, 0x801),
-        (16371, 0xFFE), (16372, 0xFFF),
-    ):  # fmt: skip
-        s.convert(vin, 1)
-        s.result(code, f"{vin}")
+    def ad574_any_of_the_three_pins_may_start(s):
+        on = {"ad_ce": 1, "ad_cs_n": 0, "ad_rc_n": 0}
+        off = {"ad_ce": 0, "ad_cs_n": 1, "ad_rc_n": 1}
+        for last, level in on.items():
+            s.step(3, **off)
+            s.step(2, **{k: v for k, v in on.items() if k != last})
+            s.expect(f"waits for {last}", sts=0)
+            s.step(**{last: level})
+            s.expect(last, sts=1)
+            s.step(CONV + 1, **off)
 
+    def ad574_needs_ce_and_cs(s):
+        s.step(3, ad_ce=0, ad_cs_n=0, ad_rc_n=0)
+        s.expect(sts=0)
+        s.step(3, ad_rc_n=1)
+        s.step(3, ad_ce=1, ad_cs_n=1, ad_rc_n=0)
+        s.expect(sts=0)
+        s.step(3, ad_rc_n=1)
+        s.seen("not selected", oe=0)
 
-@script(Analog, "ADC-1")
-def ad574_clamps_beyond_10_v_span(s):
-    for vin, code in ((-32768, 0), (-20000, 0), (20000, 0xFFF), (32767, 0xFFF)):
-        s.convert(vin, 1)
-        s.result(code, f"{vin}")
+    def ad574_8_bit_bus_is_left_justified(s):
+        s.convert(5 * 16)
+        s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0, ad_a0=0)
+        s.seen("high byte", byte=0x80, oe=1)
+        s.step(2, ad_a0=1)
+        s.seen("low nibble and zeros", byte=0x50, oe=1)
+        s.step(ad_cs_n=1, ad_a0=0)
 
-
-@script(Analog, "ADC-1")
-def ad574_samples_at_the_start(s):
-    s.start(16384)
-    s.step(CONV + 2, ad_vin=0x8000)
-    s.result(0xC00)
-
-
-@script(Analog, "ADC-1")
-def ad574_start_while_busy_is_ignored(s):
-    s.start(16384)
-    s.step(50)
-    s.start(-16384)
-    s.step(CONV - 52)
-    s.expect("still the first conversion", sts=1)
-    s.step(1)
-    s.expect("not prolonged", sts=0)
-    s.result(0xC00)
-
-
-@script(Analog, "ADC-1")
-def ad574_start_held_gives_one_conversion(s):
-    s.step(3 * CONV, ad_ce=1, ad_cs_n=0, ad_rc_n=0)
-    s.expect(sts=0)
-    s.step(ad_rc_n=1)
-    s.start(16384)
-    s.expect("a new edge starts again", sts=1)
-    s.step(CONV + 1)
-    s.result(0xC00)
-
-
-@script(Analog, "ADC-1")
-def ad574_any_of_the_three_pins_may_start(s):
-    on = {"ad_ce": 1, "ad_cs_n": 0, "ad_rc_n": 0}
-    off = {"ad_ce": 0, "ad_cs_n": 1, "ad_rc_n": 1}
-    for last, level in on.items():
-        s.step(3, **off)
-        s.step(2, **{k: v for k, v in on.items() if k != last})
-        s.expect(f"waits for {last}", sts=0)
-        s.step(**{last: level})
-        s.expect(last, sts=1)
-        s.step(CONV + 1, **off)
-
-
-@script(Analog, "ADC-1")
-def ad574_needs_ce_and_cs(s):
-    s.step(3, ad_ce=0, ad_cs_n=0, ad_rc_n=0)
-    s.expect(sts=0)
-    s.step(3, ad_rc_n=1)
-    s.step(3, ad_ce=1, ad_cs_n=1, ad_rc_n=0)
-    s.expect(sts=0)
-    s.step(3, ad_rc_n=1)
-    s.seen("not selected", oe=0)
-
-
-@script(Analog, "ADC-1")
-def ad574_8_bit_bus_is_left_justified(s):
-    s.convert(5 * 16)
-    s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0, ad_a0=0)
-    s.seen("high byte", byte=0x80, oe=1)
-    s.step(2, ad_a0=1)
-    s.seen("low nibble and zeros", byte=0x50, oe=1)
-    s.step(ad_cs_n=1, ad_a0=0)
-
-
-@script(Analog, "ADC-1")
-def ad574_short_conversion_is_no_longer(s):
-    s.start(16384, ad_a0=1)
-    s.expect(sts=1)
-    s.step(CONV, ad_a0=0)
-    s.expect(sts=0)
-    s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0)
-    s.seen("eight good bits", byte=0xC0)
-    s.step(ad_cs_n=1)
+    def ad574_short_conversion_is_no_longer(s):
+        s.start(16384, ad_a0=1)
+        s.expect(sts=1)
+        s.step(CONV, ad_a0=0)
+        s.expect(sts=0)
+        s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0)
+        s.seen("eight good bits", byte=0xC0)
+        s.step(ad_cs_n=1)
 
 
 @script(Analog, "DAC-1", "ANA-1")
@@ -153,119 +127,99 @@ def ad667_power_up_is_zero_volt(s):
     s.expect(code=0x800)
 
 
-@script(Analog, "DAC-1")
-def ad667_first_rank_waits(s):
-    s.load(0b1110, 0xFFF)
-    s.load(0b1101, 0xFFF)
-    s.load(0b1011, 0xFFF)
-    s.expect("rank 2 untouched", code=0x800)
-    s.load(0b0111, 0x000)
-    s.expect("rank 2 from rank 1", code=0xFFF)
+class Output(Scripts, of=Analog, req="DAC-1"):
+    def ad667_first_rank_waits(s):
+        s.load(0b1110, 0xFFF)
+        s.load(0b1101, 0xFFF)
+        s.load(0b1011, 0xFFF)
+        s.expect("rank 2 untouched", code=0x800)
+        s.load(0b0111, 0x000)
+        s.expect("rank 2 from rank 1", code=0xFFF)
+
+    def ad667_nibbles_are_apart(s):
+        for a_n, want in ((0b1110, 0x805), (0b1101, 0x855), (0b1011, 0x555)):
+            s.load(a_n, 0x555)
+            s.load(0b0111, 0xAAA)
+            s.expect(code=want)
+
+    def ad667_all_transparent(s):
+        for value in (0x123, 0xFED, 0x000):
+            s.step(2, da_cs_n=0, da_a_n=0, da_d=value)
+            s.expect(code=value)
+
+    def ad667_rank_2_sees_a_coincident_first_rank(s):
+        s.load(0b1100, 0x034)
+        s.expect(code=0x800)
+        s.load(0b0011, 0xA00)
+        s.expect("high nibble and transfer in one write", code=0xA34)
+
+    def ad667_nothing_without_chip_select(s):
+        s.step(3, da_cs_n=1, da_a_n=0, da_d=0x123)
+        s.step(da_a_n=15)
+        s.expect(code=0x800)
+        s.step(3, da_cs_n=0, da_a_n=15, da_d=0x123)
+        s.expect("no rank enabled", code=0x800)
+
+    def ad667_value_holds_after_the_strobe(s):
+        s.load(0, 0x3C3)
+        s.step(20, da_d=0xFFF)
+        s.expect(code=0x3C3)
 
 
-@script(Analog, "DAC-1")
-def ad667_nibbles_are_apart(s):
-    for a_n, want in ((0b1110, 0x805), (0b1101, 0x855), (0b1011, 0x555)):
-        s.load(a_n, 0x555)
-        s.load(0b0111, 0xAAA)
-        s.expect(code=want)
+class Heartbeat(Scripts, of=Analog, req="HB-1"):
+    def oneshot_lasts_exactly(s):
+        s.expect("low at power-up", q=0)
+        s.step(os_trig=1)
+        s.seen(q=0)
+        s.expect(q=1)
+        s.step(PULSE - 1, os_trig=0)
+        s.expect("last clock", q=1)
+        s.step()
+        s.expect("over", q=0)
 
+    def oneshot_triggers_on_the_edge_only(s):
+        s.step(PULSE, os_trig=1)
+        s.expect(q=1)
+        s.step(3)
+        s.expect("level does not prolong", q=0)
 
-@script(Analog, "DAC-1")
-def ad667_all_transparent(s):
-    for value in (0x123, 0xFED, 0x000):
-        s.step(2, da_cs_n=0, da_a_n=0, da_d=value)
-        s.expect(code=value)
+    def oneshot_retrigger_extends(s):
+        s.step(os_trig=1)
+        s.step(9, os_trig=0)
+        s.step(os_trig=1)
+        s.step(PULSE - 1, os_trig=0)
+        s.expect("full length from the last trigger", q=1)
+        s.step()
+        s.expect(q=0)
 
+    def oneshot_trigger_in_the_last_clock_has_no_glitch(s):
+        s.step(os_trig=1)
+        s.step(PULSE - 1, os_trig=0)
+        s.step(os_trig=1)
+        for _ in range(PULSE):
+            s.expect("no glitch", q=1)
+            s.step(os_trig=0)
+        s.expect(q=0)
 
-@script(Analog, "DAC-1")
-def ad667_rank_2_sees_a_coincident_first_rank(s):
-    s.load(0b1100, 0x034)
-    s.expect(code=0x800)
-    s.load(0b0011, 0xA00)
-    s.expect("high nibble and transfer in one write", code=0xA34)
+    def oneshot_trigger_one_clock_late_drops_once(s):
+        s.step(os_trig=1)
+        s.step(PULSE, os_trig=0)
+        s.expect(q=0)
+        s.step(os_trig=1)
+        s.expect(q=1)
 
-
-@script(Analog, "DAC-1")
-def ad667_nothing_without_chip_select(s):
-    s.step(3, da_cs_n=1, da_a_n=0, da_d=0x123)
-    s.step(da_a_n=15)
-    s.expect(code=0x800)
-    s.step(3, da_cs_n=0, da_a_n=15, da_d=0x123)
-    s.expect("no rank enabled", code=0x800)
-
-
-@script(Analog, "DAC-1")
-def ad667_value_holds_after_the_strobe(s):
-    s.load(0, 0x3C3)
-    s.step(20, da_d=0xFFF)
-    s.expect(code=0x3C3)
-
-
-@script(Analog, "HB-1")
-def oneshot_lasts_exactly(s):
-    s.expect("low at power-up", q=0)
-    s.step(os_trig=1)
-    s.seen(q=0)
-    s.expect(q=1)
-    s.step(PULSE - 1, os_trig=0)
-    s.expect("last clock", q=1)
-    s.step()
-    s.expect("over", q=0)
-
-
-@script(Analog, "HB-1")
-def oneshot_triggers_on_the_edge_only(s):
-    s.step(PULSE, os_trig=1)
-    s.expect(q=1)
-    s.step(3)
-    s.expect("level does not prolong", q=0)
-
-
-@script(Analog, "HB-1")
-def oneshot_retrigger_extends(s):
-    s.step(os_trig=1)
-    s.step(9, os_trig=0)
-    s.step(os_trig=1)
-    s.step(PULSE - 1, os_trig=0)
-    s.expect("full length from the last trigger", q=1)
-    s.step()
-    s.expect(q=0)
-
-
-@script(Analog, "HB-1")
-def oneshot_trigger_in_the_last_clock_has_no_glitch(s):
-    s.step(os_trig=1)
-    s.step(PULSE - 1, os_trig=0)
-    s.step(os_trig=1)
-    for _ in range(PULSE):
-        s.expect("no glitch", q=1)
-        s.step(os_trig=0)
-    s.expect(q=0)
-
-
-@script(Analog, "HB-1")
-def oneshot_trigger_one_clock_late_drops_once(s):
-    s.step(os_trig=1)
-    s.step(PULSE, os_trig=0)
-    s.expect(q=0)
-    s.step(os_trig=1)
-    s.expect(q=1)
-
-
-@script(Analog, "HB-1")
-def oneshot_clear_ends_and_inhibits(s):
-    s.step(os_trig=1)
-    s.step(3, os_trig=0)
-    s.step(os_clr_n=0)
-    s.expect("ended", q=0)
-    s.step(os_trig=1)
-    s.step(2, os_trig=0)
-    s.expect("inhibited", q=0)
-    s.step(2, os_clr_n=1)
-    s.expect(q=0)
-    s.step(os_trig=1)
-    s.expect("works again", q=1)
+    def oneshot_clear_ends_and_inhibits(s):
+        s.step(os_trig=1)
+        s.step(3, os_trig=0)
+        s.step(os_clr_n=0)
+        s.expect("ended", q=0)
+        s.step(os_trig=1)
+        s.step(2, os_trig=0)
+        s.expect("inhibited", q=0)
+        s.step(2, os_clr_n=1)
+        s.expect(q=0)
+        s.step(os_trig=1)
+        s.expect("works again", q=1)
 
 
 def random_words(seed: str, clocks: int) -> list[int]:

@@ -6,7 +6,7 @@ import os
 import random
 
 from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, mismatch, script
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, Scripts, mismatch, script
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import thct2000
 
@@ -15,91 +15,75 @@ SOURCES = ("bench_thct2000.sv", "bench_replay.sv")
 PARAMETERS: dict = {}
 
 
-@script(Encoder, "ENC-1")
-def mode5_counts_up_when_a_leads(s):
-    s.turn(8)
-    s.count(8)
+class Counting(Scripts, of=Encoder, req="ENC-1"):
+    def mode5_counts_up_when_a_leads(s):
+        s.turn(8)
+        s.count(8)
 
+    def mode5_counts_down_when_b_leads(s):
+        s.turn(-8)
+        s.count(-8)
 
-@script(Encoder, "ENC-1")
-def mode5_counts_down_when_b_leads(s):
-    s.turn(-8)
-    s.count(-8)
+    def mode5_every_edge_counts_once(s):
+        for n in range(1, 10):
+            s.turn(1)
+            s.count(n)
+        for n in range(8, -5, -1):
+            s.turn(-1)
+            s.count(n)
 
+    def four_million_counts_a_second(s):
+        """A transition every other clock of 8 MHz, both ways, none lost."""
+        s.turn(2000, clocks=2)
+        s.count(2000)
+        s.turn(-3000, clocks=2)
+        s.count(-1000)
 
-@script(Encoder, "ENC-1")
-def mode5_every_edge_counts_once(s):
-    for n in range(1, 10):
-        s.turn(1)
-        s.count(n)
-    for n in range(8, -5, -1):
-        s.turn(-1)
-        s.count(n)
+    def wraps_upward(s):
+        s.init(0xFFFE)
+        for want in (0xFFFF, 0, 1):
+            s.turn(1)
+            s.count(want)
 
+    def wraps_downward(s):
+        s.init(1)
+        for want in (0, 0xFFFF, 0xFFFE):
+            s.turn(-1)
+            s.count(want)
 
-@script(Encoder, "ENC-1")
-def four_million_counts_a_second(s):
-    """A transition every other clock of 8 MHz, both ways, none lost."""
-    s.turn(2000, clocks=2)
-    s.count(2000)
-    s.turn(-3000, clocks=2)
-    s.count(-1000)
-
-
-@script(Encoder, "ENC-1")
-def wraps_upward(s):
-    s.init(0xFFFE)
-    for want in (0xFFFF, 0, 1):
-        s.turn(1)
-        s.count(want)
-
-
-@script(Encoder, "ENC-1")
-def wraps_downward(s):
-    s.init(1)
-    for want in (0, 0xFFFF, 0xFFFE):
-        s.turn(-1)
-        s.count(want)
-
-
-@script(Encoder, "ENC-1")
-def both_inputs_at_once_count_nothing(s):
-    s.expect(illegal=0)
-    for _ in range(4):
-        s.step(3, a=1, b=1)
-        s.step(3, a=0, b=0)
-    s.count(0)
-    s.expect("and it is remembered", illegal=1)
-    s.turn(3)
-    s.count(3, "counting goes on")
-    s.step(2, reset=1)
-    s.step(1, reset=0)
-    s.expect("until RESET", illegal=0)
-
-
-@script(Encoder, "ENC-1")
-def both_inputs_at_once_are_legal_where_no_steps_are_counted(s):
-    """Holding, and in the modes that measure an interval or a frequency; not in any other."""
-    for mode in range(8):
-        s.step(4, m=mode)
-        s.step(4, a=1, b=1)
-        s.step(4, a=0, b=0)
-        s.expect(f"mode {mode}", illegal=int(mode not in (0, 6, 7)))
+    def both_inputs_at_once_count_nothing(s):
+        s.expect(illegal=0)
+        for _ in range(4):
+            s.step(3, a=1, b=1)
+            s.step(3, a=0, b=0)
+        s.count(0)
+        s.expect("and it is remembered", illegal=1)
+        s.turn(3)
+        s.count(3, "counting goes on")
         s.step(2, reset=1)
         s.step(1, reset=0)
+        s.expect("until RESET", illegal=0)
 
+    def both_inputs_at_once_are_legal_where_no_steps_are_counted(s):
+        """Holding, and in the modes that measure an interval or a frequency; not in any other."""
+        for mode in range(8):
+            s.step(4, m=mode)
+            s.step(4, a=1, b=1)
+            s.step(4, a=0, b=0)
+            s.expect(f"mode {mode}", illegal=int(mode not in (0, 6, 7)))
+            s.step(2, reset=1)
+            s.step(1, reset=0)
 
-@script(Encoder, "ENC-1")
-def all_illegal_transitions(s):
-    want = 0
-    for first in range(4):
-        while s.phase != first:
-            s.turn(1)
-            want += 1
-        a, b = GREY[first]
-        s.step(4, a=1 - a, b=1 - b)
-        s.step(4, a=a, b=b)
-        s.count(want, f"from {GREY[first]}")
+    def all_illegal_transitions(s):
+        want = 0
+        for first in range(4):
+            while s.phase != first:
+                s.turn(1)
+                want += 1
+            a, b = GREY[first]
+            s.step(4, a=1 - a, b=1 - b)
+            s.step(4, a=a, b=b)
+            s.count(want, f"from {GREY[first]}")
 
 
 async def discriminator(dut, mode: int, up: tuple[int, int, int, int]) -> None:
@@ -434,71 +418,63 @@ async def reset_ends_a_pair(dut):
         await s.run(dut)
 
 
-@script(Encoder, "ENC-2")
-def first_read_after_a_latch_gives_the_latched_count(s):
-    s.init(100)
-    s.latch()
-    s.turn(7)
-    s.settle()
-    s.value(100, "latched")
-    s.value(107, "live")
+class Reads(Scripts, of=Encoder, req="ENC-2"):
+    def first_read_after_a_latch_gives_the_latched_count(s):
+        s.init(100)
+        s.latch()
+        s.turn(7)
+        s.settle()
+        s.value(100, "latched")
+        s.value(107, "live")
 
+    def second_latch_overwrites(s):
+        s.init(100)
+        s.latch()
+        s.turn(5)
+        s.settle()
+        s.latch()
+        s.turn(5)
+        s.settle()
+        s.value(105)
+        s.value(110)
 
-@script(Encoder, "ENC-2")
-def second_latch_overwrites(s):
-    s.init(100)
-    s.latch()
-    s.turn(5)
-    s.settle()
-    s.latch()
-    s.turn(5)
-    s.settle()
-    s.value(105)
-    s.value(110)
+    def latches_of_neighbouring_clocks_both_act(s):
+        """Each clock of the latch input is an event of its own: the later one stands."""
+        s.init(50)
+        s.turn(1, clocks=3)
+        s.step(latch=1)
+        s.step(latch=1)
+        s.step(latch=0)
+        s.settle()
+        s.value(51, "the second, which saw the edge")
+        s.turn(3)
+        s.settle()
+        s.value(54, "live")
 
+    def latch_between_the_bytes_waits_for_the_next_pair(s):
+        s.init(0x10FF)
+        s.read(MSB, 0x10)
+        s.turn(1)
+        s.settle()
+        s.latch()
+        s.turn(5)
+        s.settle()
+        s.read(LSB, 0xFF)
+        s.value(0x1100, "the latched one")
+        s.value(0x1105, "live")
 
-@script(Encoder, "ENC-2")
-def latches_of_neighbouring_clocks_both_act(s):
-    """Each clock of the latch input is an event of its own: the later one stands."""
-    s.init(50)
-    s.turn(1, clocks=3)
-    s.step(latch=1)
-    s.step(latch=1)
-    s.step(latch=0)
-    s.settle()
-    s.value(51, "the second, which saw the edge")
-    s.turn(3)
-    s.settle()
-    s.value(54, "live")
-
-
-@script(Encoder, "ENC-2")
-def latch_between_the_bytes_waits_for_the_next_pair(s):
-    s.init(0x10FF)
-    s.read(MSB, 0x10)
-    s.turn(1)
-    s.settle()
-    s.latch()
-    s.turn(5)
-    s.settle()
-    s.read(LSB, 0xFF)
-    s.value(0x1100, "the latched one")
-    s.value(0x1105, "live")
-
-
-@script(Encoder, "ENC-2")
-def latch_during_a_read_is_not_lost(s):
-    s.init(0x2000)
-    s.read(MSB, 0x20)
-    s.read(LSB, 0x00)
-    s.step(2, cs_n=0, rd_n=0, rs=MSB)
-    s.step(2, latch=1)
-    s.step(2, cs_n=1, rd_n=1, latch=0)
-    s.read(LSB, 0x00)
-    s.turn(3)
-    s.settle()
-    s.value(0x2000, "latched during the read")
-    s.value(0x2003)
+    def latch_during_a_read_is_not_lost(s):
+        s.init(0x2000)
+        s.read(MSB, 0x20)
+        s.read(LSB, 0x00)
+        s.step(2, cs_n=0, rd_n=0, rs=MSB)
+        s.step(2, latch=1)
+        s.step(2, cs_n=1, rd_n=1, latch=0)
+        s.read(LSB, 0x00)
+        s.turn(3)
+        s.settle()
+        s.value(0x2000, "latched during the read")
+        s.value(0x2003)
 
 
 @test("ENC-2", "LAT-1")

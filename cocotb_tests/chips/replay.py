@@ -6,8 +6,10 @@ every directed case checks both.
 """
 
 import os
+import sys
 from collections.abc import Callable
 from functools import wraps
+from inspect import isfunction
 from pathlib import Path
 
 from cocotb.clock import Clock
@@ -170,3 +172,13 @@ def script(kind: type[Script], *ids: str, **settings) -> Callable:
         return test(*ids)(play)
 
     return make
+
+
+class Scripts:
+    """Its functions are tests of the module, each as by script(of, req)."""
+
+    def __init_subclass__(cls, of: type[Script], req: str):
+        for name, fill in [*vars(cls).items()]:
+            if isfunction(fill):
+                fill.__qualname__ = name
+                setattr(sys.modules[cls.__module__], name, script(of, req)(fill))
