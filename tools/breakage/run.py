@@ -45,7 +45,8 @@ PARTS = {  # that are copied
 
 def entries(kind: str, only: str = "") -> list[dict]:
     """Breakages for tests, or for proofs; `only`: whose name, file, proof or requirement has it."""
-    every = [{"file": file} | e for file, es in tomllib.loads(LIST.read_text()).items() for e in es]
+    listed = tomllib.loads(LIST.read_text()).items()
+    every = [{"file": file, "name": name} | e for file, es in listed for name, e in es.items()]
     mine = [e for e in every if any(key in e for key in KINDS[kind])]
     group = [e.get("proof", {}).get("group", "") for e in mine]
     text = [f"{e['name']}\n{e['file']}\n{e.get('req', '')}" for e in mine]

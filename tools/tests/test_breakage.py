@@ -45,7 +45,7 @@ def test_breakage_applies_and_its_test_exists(entry):
 
 def test_names_are_unique():
     text = breakage.LIST.read_text()
-    assert len(EVERY) == text.count("\nname = ")
+    assert len(EVERY) == text.count("\nfind = ")
 
 
 def test_every_block_is_broken_twice():
