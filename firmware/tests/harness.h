@@ -30,21 +30,24 @@ struct test {
     }                                                                                            \
   } while (0)
 
-static inline int run_tests(const struct test *tests, int n, int argc, char **argv) {
-  for (int i = 0; i < n; i++) {
-    if (argc < 2) {
-      puts(tests[i].name);
-    } else if (strcmp(argv[1], tests[i].name) == 0) {
-      tests[i].run();
-      return 0;
-    }
-  }
-  return argc < 2 ? 0 : 2;
-}
+/* A row of the linker's section `tests`, all of which `main` sees. */
+#define TEST(name)                                                                             \
+  static void name(void);                                                                      \
+  static const struct test name##_row __attribute__((used, section("tests"))) = {#name, name}; \
+  static void name(void)
 
-#define MAIN(tests)                                                             \
-  int main(int argc, char **argv) {                                             \
-    return run_tests(tests, (int)(sizeof tests / sizeof tests[0]), argc, argv); \
+#define MAIN                                                                     \
+  extern const struct test __start_tests[], __stop_tests[];                      \
+  int main(int argc, char **argv) {                                              \
+    for (const struct test *test = __start_tests; test < __stop_tests; test++) { \
+      if (argc < 2) {                                                            \
+        puts(test->name);                                                        \
+      } else if (strcmp(argv[1], test->name) == 0) {                             \
+        test->run();                                                             \
+        return 0;                                                                \
+      }                                                                          \
+    }                                                                            \
+    return argc < 2 ? 0 : 2;                                                     \
   }
 
 #endif

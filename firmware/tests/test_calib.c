@@ -5,7 +5,7 @@
 static struct mock m;
 
 // req: DRV-8 CAL-1
-static void test_arming_traffic(void) {
+TEST(test_arming_traffic) {
   struct mc *mc = mock_open(&m, 3);
   mock_run(&m, 500);
   m.logging = 1;
@@ -26,7 +26,7 @@ static void test_arming_traffic(void) {
 }
 
 // req: DRV-7 DRV-8
-static void test_pass_of_a_calibrating_card(void) {
+TEST(test_pass_of_a_calibrating_card) {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 2);
   m.latency_us = 20;
@@ -44,7 +44,7 @@ static void test_pass_of_a_calibrating_card(void) {
 }
 
 // req: DRV-5 DRV-8 CAL-1
-static void test_every_axis_finds_its_own_index(void) {
+TEST(test_every_axis_finds_its_own_index) {
   for (int axis = 0; axis < 6; axis++) {
     struct mc *mc = mock_open(&m, 3);
     int other = axis ^ 1;
@@ -69,7 +69,7 @@ static void test_every_axis_finds_its_own_index(void) {
 }
 
 // req: DRV-8 DRV-12
-static void test_two_axes_of_a_card_one_after_the_other(void) {
+TEST(test_two_axes_of_a_card_one_after_the_other) {
   for (int first = 0; first < 2; first++) {
     struct mc *mc = mock_open(&m, 2);
     int on = 1, second = 1 - first;
@@ -95,7 +95,7 @@ static void test_two_axes_of_a_card_one_after_the_other(void) {
 }
 
 // req: DRV-5 DRV-8
-static void test_two_at_once_are_one_signal(void) {
+TEST(test_two_at_once_are_one_signal) {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 1);
   calibrate(mc, 2);
@@ -110,7 +110,7 @@ static void test_two_at_once_are_one_signal(void) {
 
 /* Port C then reads as an absent card's does. */
 // req: DRV-7 DRV-8
-static void test_both_indexes_of_a_live_card_are_no_absence(void) {
+TEST(test_both_indexes_of_a_live_card_are_no_absence) {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   calibrate(mc, 0);
@@ -140,7 +140,7 @@ static void strike(struct mock *mock) {
 }
 
 // req: DRV-8 CAL-1
-static void test_a_doubtful_index_is_dropped_and_the_next_one_taken(void) {
+TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken) {
   int doubts = 0, found = 0;
   for (strike_at = 1; strike_at < 26; strike_at++) {
     struct mc *mc = mock_open(&m, 2);
@@ -186,7 +186,7 @@ static void test_a_doubtful_index_is_dropped_and_the_next_one_taken(void) {
 
 /* Axis 2 in doubt drops the latches of its card; what is sure of axis 3 is told before. */
 // req: DRV-8 CAL-1
-static void test_the_doubt_of_one_axis_is_not_the_others(void) {
+TEST(test_the_doubt_of_one_axis_is_not_the_others) {
   int doubts = 0;
   for (strike_at = 1; strike_at < 26; strike_at++) {
     for (int sure = 2; sure < 4; sure++) {
@@ -219,7 +219,7 @@ static void test_the_doubt_of_one_axis_is_not_the_others(void) {
 
 /* Latches that are cleared cannot show an index: one that does has an unknown count. */
 // req: DRV-8
-static void test_an_index_while_not_armed_is_not_believed(void) {
+TEST(test_an_index_while_not_armed_is_not_believed) {
   for (strike_at = 1; strike_at < 26; strike_at++) {
     struct mc *mc = mock_open(&m, 2);
     calibrate(mc, 3);
@@ -243,7 +243,7 @@ static void test_an_index_while_not_armed_is_not_believed(void) {
 
 /* What the index latched is up to an interval old: the servo wants to know where the axis is. */
 // req: DRV-8 SRV-1
-static void test_the_servo_sees_where_the_axis_is(void) {
+TEST(test_the_servo_sees_where_the_axis_is) {
   for (int axis = 2; axis < 4; axis++) {
     for (int waits = 0; waits < 2; waits++) {
       struct mc *mc = mock_open(&m, 2);
@@ -281,7 +281,7 @@ static int try_mode(struct mc *mc, int axis, int mode) {
 
 /* The A/Ds of a calibrating card stand still: nobody may be led by them meanwhile. */
 // req: DRV-3 DRV-8
-static void test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other(void) {
+TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other) {
   static const int led[] = {MD_POS | ADFB, MD_VEL | ADDMD, MD_TORQ | ADOFF, MD_OFF | ADFB | POSCHK};
   static const int free_[] = {MD_POS, MD_VEL | ZEROFB, MD_TEST1 | COULCOMP, MD_OFF | ADFB,
                               MD_OFF | POSCHK};
@@ -314,7 +314,7 @@ static void test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_oth
 }
 
 // req: DRV-8 DRV-9
-static void test_a_stop_gives_calibrations_up(void) {
+TEST(test_a_stop_gives_calibrations_up) {
   for (int how = 0; how < 3; how++) {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = mock_open(&m, 2);
@@ -340,23 +340,4 @@ static void test_a_stop_gives_calibrations_up(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_the_servo_sees_where_the_axis_is", test_the_servo_sees_where_the_axis_is},
-    {"test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other",
-     test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other},
-    {"test_a_stop_gives_calibrations_up", test_a_stop_gives_calibrations_up},
-    {"test_the_doubt_of_one_axis_is_not_the_others", test_the_doubt_of_one_axis_is_not_the_others},
-    {"test_an_index_while_not_armed_is_not_believed",
-     test_an_index_while_not_armed_is_not_believed},
-    {"test_arming_traffic", test_arming_traffic},
-    {"test_pass_of_a_calibrating_card", test_pass_of_a_calibrating_card},
-    {"test_every_axis_finds_its_own_index", test_every_axis_finds_its_own_index},
-    {"test_two_axes_of_a_card_one_after_the_other", test_two_axes_of_a_card_one_after_the_other},
-    {"test_two_at_once_are_one_signal", test_two_at_once_are_one_signal},
-    {"test_both_indexes_of_a_live_card_are_no_absence",
-     test_both_indexes_of_a_live_card_are_no_absence},
-    {"test_a_doubtful_index_is_dropped_and_the_next_one_taken",
-     test_a_doubtful_index_is_dropped_and_the_next_one_taken},
-};
-
-MAIN(tests)
+MAIN

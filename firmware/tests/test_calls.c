@@ -17,7 +17,7 @@ static const struct {
 #define COUNT(a) (sizeof a / sizeof a[0])
 
 // req: DRV-2
-static void test_defaults(void) {
+TEST(test_defaults) {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 4; axis++) {
     static const struct mc_param table = {.a0 = 1,
@@ -42,7 +42,7 @@ static void test_defaults(void) {
 }
 
 // req: DRV-3
-static void test_bad_pointers(void) {
+TEST(test_bad_pointers) {
   struct mc *mc = mock_open(&m, 1);
   char buf[32];
   m.bad_pointer = 1;
@@ -56,7 +56,7 @@ static void test_bad_pointers(void) {
 }
 
 // req: DRV-3
-static void test_unknown_requests_and_descriptors(void) {
+TEST(test_unknown_requests_and_descriptors) {
   struct mc *mc = mock_open(&m, 1);
   int arg = 0;
   CHECK_EQ(mc_ioctl(mc, 0, 0x5401, &arg), -MC_ENOTTY);
@@ -72,7 +72,7 @@ static void test_unknown_requests_and_descriptors(void) {
 }
 
 // req: DRV-2 DRV-3
-static void test_read_only_may_look_only(void) {
+TEST(test_read_only_may_look_only) {
   struct mc *mc = mock_open(&m, 1);
   int monitor = mc_open(mc, MC_O_RDONLY), blind = mc_open(mc, MC_O_WRONLY);
   struct mc_stats stats;
@@ -95,7 +95,7 @@ static void test_read_only_may_look_only(void) {
 }
 
 // req: DRV-3
-static void test_rejected_parameters_change_nothing(void) {
+TEST(test_rejected_parameters_change_nothing) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param before = param_of(mc, 1), after;
   struct mc_param bad[11];
@@ -126,7 +126,7 @@ static void test_rejected_parameters_change_nothing(void) {
 
 /* Several SCLOCKs last 50 ms at most; a single one may last longer, and panics by design. */
 // req: DRV-3 HB-2
-static void test_a_servo_is_no_slower_than_its_heartbeats(void) {
+TEST(test_a_servo_is_no_slower_than_its_heartbeats) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param par = param_of(mc, 1);
   unsigned us = 2500, got;
@@ -151,7 +151,7 @@ static void test_a_servo_is_no_slower_than_its_heartbeats(void) {
 }
 
 // req: DRV-3
-static void test_axes_out_of_range(void) {
+TEST(test_axes_out_of_range) {
   struct mc *mc = mock_open(&m, 2);
   int n = 5, two = 2, axis = 3;
   unsigned word = 3;
@@ -168,7 +168,7 @@ static void test_axes_out_of_range(void) {
 }
 
 // req: DRV-4
-static void test_read_and_write_sizes(void) {
+TEST(test_read_and_write_sizes) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_state state[8];
   int32_t set[5] = {1, 2, 3, 4, 5};
@@ -186,7 +186,7 @@ static void test_read_and_write_sizes(void) {
 }
 
 // req: DRV-11 SRV-1
-static void test_state_follows_the_axis_while_off(void) {
+TEST(test_state_follows_the_axis_while_off) {
   struct mc *mc = mock_open(&m, 1);
   mock_run(&m, 5000);
   m.card[0].count[1] = 30;
@@ -202,7 +202,7 @@ static void test_state_follows_the_axis_while_off(void) {
 }
 
 // req: DRV-12
-static void test_set_dac(void) {
+TEST(test_set_dac) {
   struct mc *mc = mock_open(&m, 1);
   int arg = 0xABC << 8 | 1, position;
   struct mc_param par = param_of(mc, 0);
@@ -222,7 +222,7 @@ static void test_set_dac(void) {
 }
 
 // req: SRV-1
-static void test_clkdivisor(void) {
+TEST(test_clkdivisor) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param par = param_of(mc, 0);
   par.mode = MD_TEST1;
@@ -236,7 +236,7 @@ static void test_clkdivisor(void) {
 }
 
 // req: DRV-3 DRV-7
-static void test_stats(void) {
+TEST(test_stats) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
   mock_run(&m, 20100);
@@ -252,7 +252,7 @@ static void test_stats(void) {
 
 /* Any call with any argument: documented errors only, and nothing for the sanitizers. */
 // req: DRV-3 DRV-4
-static void test_fuzz(void) {
+TEST(test_fuzz) {
   struct mc *mc = mock_open(&m, 2);
   unsigned seed = 12345;
   union {
@@ -286,21 +286,4 @@ static void test_fuzz(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_defaults", test_defaults},
-    {"test_bad_pointers", test_bad_pointers},
-    {"test_unknown_requests_and_descriptors", test_unknown_requests_and_descriptors},
-    {"test_read_only_may_look_only", test_read_only_may_look_only},
-    {"test_rejected_parameters_change_nothing", test_rejected_parameters_change_nothing},
-    {"test_a_servo_is_no_slower_than_its_heartbeats",
-     test_a_servo_is_no_slower_than_its_heartbeats},
-    {"test_axes_out_of_range", test_axes_out_of_range},
-    {"test_read_and_write_sizes", test_read_and_write_sizes},
-    {"test_state_follows_the_axis_while_off", test_state_follows_the_axis_while_off},
-    {"test_set_dac", test_set_dac},
-    {"test_clkdivisor", test_clkdivisor},
-    {"test_stats", test_stats},
-    {"test_fuzz", test_fuzz},
-};
-
-MAIN(tests)
+MAIN

@@ -20,7 +20,7 @@ static void look(struct mc *mc, int client, int axes) {
 }
 
 // req: DRV-5
-static void test_codes_tell_flags_axis_and_count(void) {
+TEST(test_codes_tell_flags_axis_and_count) {
   struct mc *mc = listening(16);
   CHECK_EQ(mc_joints(mc), 32);
   for (int axis = 0; axis < 32; axis++) {
@@ -40,7 +40,7 @@ static void test_codes_tell_flags_axis_and_count(void) {
 }
 
 // req: DRV-5
-static void test_a_clear_takes_what_was_read_only(void) {
+TEST(test_a_clear_takes_what_was_read_only) {
   struct mc *mc = listening(2);
   int other = mc_open(mc, MC_O_RDWR);
   for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO | MERR_ILIM);
@@ -81,7 +81,7 @@ static int shown(struct mc *mc, int client, int axis) {
 
 /* Whoever clears: every other reader still sees once what came since it looked. */
 // req: DRV-5
-static void test_every_reader_is_told(void) {
+TEST(test_every_reader_is_told) {
   struct mc *mc = listening(2);
   int other = mc_open(mc, MC_O_RDWR), monitor = mc_open(mc, MC_O_RDONLY);
   error_raise_index(mc, 2, 77);
@@ -112,7 +112,7 @@ static void test_every_reader_is_told(void) {
 
 /* The handler of Fig. 2.4 under MSETNUMJOINTS 1, PANIC on all axes: one signal, then silence. */
 // req: DRV-5
-static void test_a_handler_that_reads_and_clears_is_done(void) {
+TEST(test_a_handler_that_reads_and_clears_is_done) {
   struct mc *mc = listening(3);
   int one = 1, handled = 0;
   CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
@@ -130,7 +130,7 @@ static void test_a_handler_that_reads_and_clears_is_done(void) {
 
 /* Table 2.3: "clears the error status for all axes". */
 // req: DRV-4 DRV-5
-static void test_a_clear_covers_all_axes(void) {
+TEST(test_a_clear_covers_all_axes) {
   for (int axes = 1; axes <= 4; axes++) {
     struct mc *mc = listening(2);
     for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PHI);
@@ -149,7 +149,7 @@ static void test_a_clear_covers_all_axes(void) {
 }
 
 // req: DRV-4 DRV-5
-static void test_a_failed_read_has_seen_nothing(void) {
+TEST(test_a_failed_read_has_seen_nothing) {
   struct mc *mc = listening(1);
   char buf[56];
   error_raise(mc, 1, MERR_PHI);
@@ -180,7 +180,7 @@ static void test_a_failed_read_has_seen_nothing(void) {
 }
 
 // req: DRV-5 CAL-1
-static void test_the_count_lives_as_long_as_its_flag(void) {
+TEST(test_the_count_lives_as_long_as_its_flag) {
   struct mc *mc = listening(1);
   error_raise_index(mc, 1, 55);
   look(mc, 0, 2);
@@ -195,7 +195,7 @@ static void test_the_count_lives_as_long_as_its_flag(void) {
 }
 
 // req: DRV-5
-static void test_writers_are_told_readers_and_the_gone_are_not(void) {
+TEST(test_writers_are_told_readers_and_the_gone_are_not) {
   struct mc *mc = listening(1);
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, i % 3), i);
   CHECK_EQ(mc_close(mc, 4), 0);
@@ -215,7 +215,7 @@ static void test_writers_are_told_readers_and_the_gone_are_not(void) {
 /* --- PANIC ----------------------------------------------------------------------------------- */
 
 // req: DRV-7 DRV-9 PAN-2
-static void test_panic_traffic(void) {
+TEST(test_panic_traffic) {
   for (int with_sclock = 0; with_sclock < 2; with_sclock++) {
     struct mc *mc = enabled(1);
     mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 500);
@@ -247,7 +247,7 @@ static void test_panic_traffic(void) {
 }
 
 // req: DRV-9 DRV-12 PAN-2
-static void test_panic_names_who_is_silent(void) {
+TEST(test_panic_names_who_is_silent) {
   static const struct {
     unsigned dead, gone; /* axes without heartbeat, cards that do not answer */
     int cause, number;
@@ -295,7 +295,7 @@ static void test_panic_names_who_is_silent(void) {
 
 /* Both indexes latched make port C read 0xFF, as an absent card's does. */
 // req: DRV-8 DRV-12
-static void test_panic_while_both_indexes_are_latched(void) {
+TEST(test_panic_while_both_indexes_are_latched) {
   struct mc *mc = enabled(2);
   for (int axis = 2; axis < 4; axis++) CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
   m.card[1].index[0] = m.card[1].index[1] = 1;
@@ -306,7 +306,7 @@ static void test_panic_while_both_indexes_are_latched(void) {
 }
 
 // req: DRV-6 DRV-9
-static void test_own_panic_is_forgiven_for_60_ms(void) {
+TEST(test_own_panic_is_forgiven_for_60_ms) {
   for (int after = 40; after < 80; after += 2) {
     struct mc *mc = enabled(1);
     m.card[0].enabled[0] = m.card[0].enabled[1] = 0; /* no heartbeat counts in PANIC */
@@ -326,20 +326,4 @@ static void test_own_panic_is_forgiven_for_60_ms(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_codes_tell_flags_axis_and_count", test_codes_tell_flags_axis_and_count},
-    {"test_a_clear_takes_what_was_read_only", test_a_clear_takes_what_was_read_only},
-    {"test_a_clear_covers_all_axes", test_a_clear_covers_all_axes},
-    {"test_every_reader_is_told", test_every_reader_is_told},
-    {"test_a_handler_that_reads_and_clears_is_done", test_a_handler_that_reads_and_clears_is_done},
-    {"test_a_failed_read_has_seen_nothing", test_a_failed_read_has_seen_nothing},
-    {"test_the_count_lives_as_long_as_its_flag", test_the_count_lives_as_long_as_its_flag},
-    {"test_writers_are_told_readers_and_the_gone_are_not",
-     test_writers_are_told_readers_and_the_gone_are_not},
-    {"test_panic_traffic", test_panic_traffic},
-    {"test_panic_names_who_is_silent", test_panic_names_who_is_silent},
-    {"test_panic_while_both_indexes_are_latched", test_panic_while_both_indexes_are_latched},
-    {"test_own_panic_is_forgiven_for_60_ms", test_own_panic_is_forgiven_for_60_ms},
-};
-
-MAIN(tests)
+MAIN

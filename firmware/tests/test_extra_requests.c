@@ -16,7 +16,7 @@ static int end(struct mc *mc, int axis) {
 }
 
 // req: DRV-4
-static void test_a_setpoint_of_one_axis(void) {
+TEST(test_a_setpoint_of_one_axis) {
   struct mc *mc = mock_open(&m, 2);
   int32_t all[4] = {10, 20, 30, 40};
   CHECK_EQ(mc_write(mc, 0, all, 16), 16);
@@ -31,7 +31,7 @@ static void test_a_setpoint_of_one_axis(void) {
 
 /* It takes no axis but its own out of where a new mode holds it. */
 // req: DRV-4 DRV-3
-static void test_the_others_keep_where_they_are(void) {
+TEST(test_the_others_keep_where_they_are) {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   m.card[0].count[0] = m.card[0].count[1] = 500;
@@ -47,7 +47,7 @@ static void test_the_others_keep_where_they_are(void) {
 }
 
 // req: DRV-6
-static void test_after_a_stop_it_is_refused_as_a_write_is(void) {
+TEST(test_after_a_stop_it_is_refused_as_a_write_is) {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(set(mc, 0, 5), -MC_EIO);
@@ -58,7 +58,7 @@ static void test_after_a_stop_it_is_refused_as_a_write_is(void) {
 }
 
 // req: DRV-8 CAL-1
-static void test_the_end_of_one_calibration(void) {
+TEST(test_the_end_of_one_calibration) {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 2);
   calibrate(mc, 3);
@@ -76,7 +76,7 @@ static void test_the_end_of_one_calibration(void) {
 
 /* What the index has latched meanwhile is nobody's position. */
 // req: DRV-8 DRV-11
-static void test_the_end_leaves_the_position(void) {
+TEST(test_the_end_leaves_the_position) {
   struct mc *mc = mock_open(&m, 1);
   calibrate(mc, 0);
   mock_run(&m, 5000);
@@ -97,7 +97,7 @@ static void test_the_end_leaves_the_position(void) {
 }
 
 // req: DRV-3
-static void test_an_end_of_nothing(void) {
+TEST(test_an_end_of_nothing) {
   struct mc *mc = mock_open(&m, 1);
   m.logging = 1;
   CHECK_EQ(end(mc, 1), 0);
@@ -107,14 +107,4 @@ static void test_an_end_of_nothing(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_a_setpoint_of_one_axis", test_a_setpoint_of_one_axis},
-    {"test_the_others_keep_where_they_are", test_the_others_keep_where_they_are},
-    {"test_after_a_stop_it_is_refused_as_a_write_is",
-     test_after_a_stop_it_is_refused_as_a_write_is},
-    {"test_the_end_of_one_calibration", test_the_end_of_one_calibration},
-    {"test_the_end_leaves_the_position", test_the_end_leaves_the_position},
-    {"test_an_end_of_nothing", test_an_end_of_nothing},
-};
-
-MAIN(tests)
+MAIN

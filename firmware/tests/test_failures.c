@@ -13,7 +13,7 @@ static struct mc *enabled(int mode) {
 }
 
 // req: DRV-9 PAN-2
-static void test_stop_after_sysreset_starts_no_heartbeat(void) {
+TEST(test_stop_after_sysreset_starts_no_heartbeat) {
   struct mc *mc = enabled(MD_OFF);
   mock_run(&m, 10000);
   m.pccsr = 0; /* interrupts are off: no pass comes, heartbeats end */
@@ -29,7 +29,7 @@ static void test_stop_after_sysreset_starts_no_heartbeat(void) {
 }
 
 // req: DRV-7 DRV-9
-static void test_failed_dac_write_is_repaired_or_ends_in_panic(void) {
+TEST(test_failed_dac_write_is_repaired_or_ends_in_panic) {
   struct mc *mc = enabled(MD_TORQ);
   int32_t set = 300;
   CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
@@ -50,7 +50,7 @@ static void test_failed_dac_write_is_repaired_or_ends_in_panic(void) {
 
 /* Of several cards the first that does not answer is named, and the others are left alone. */
 // req: DRV-9 DRV-12
-static void test_enable_stops_at_the_first_card_that_is_silent(void) {
+TEST(test_enable_stops_at_the_first_card_that_is_silent) {
   struct mc *mc = mock_open(&m, 3);
   for (int first = 0; first < 3; first++) {
     for (int card = 0; card < 3; card++) m.card[card].present = card < first;
@@ -75,7 +75,7 @@ static enum mc_bus_result fail_once(void *ctx, uint16_t offset, uint8_t *value) 
 
 /* Whichever read of a pass fails: one PANIC, no SCLOCK that was not. */
 // req: DRV-7 DRV-9
-static void test_a_read_that_failed_is_one_panic(void) {
+TEST(test_a_read_that_failed_is_one_panic) {
   for (int which = 0; which < 15; which++) {
     struct mc *mc = enabled(MD_POS);
     mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
@@ -92,13 +92,4 @@ static void test_a_read_that_failed_is_one_panic(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_a_read_that_failed_is_one_panic", test_a_read_that_failed_is_one_panic},
-    {"test_enable_stops_at_the_first_card_that_is_silent",
-     test_enable_stops_at_the_first_card_that_is_silent},
-    {"test_stop_after_sysreset_starts_no_heartbeat", test_stop_after_sysreset_starts_no_heartbeat},
-    {"test_failed_dac_write_is_repaired_or_ends_in_panic",
-     test_failed_dac_write_is_repaired_or_ends_in_panic},
-};
-
-MAIN(tests)
+MAIN

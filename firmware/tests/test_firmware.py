@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs every test function of the C test programs as an item of its own.
+"""Runs every TEST() of the C test programs as an item of its own.
 
-`// req: ID ID` above a function names the requirements that it covers."""
+`// req: ID ID` above one names the requirements that it covers."""
 
 import re
 import shutil
@@ -16,7 +16,7 @@ from tools.compiled import compiled, written
 HERE = Path(__file__).parent
 
 DRIVER = sorted((ROOT / "firmware" / "mc").glob("*.c"))
-FUNCTION = re.compile(r"((?:^//.*\n)*)^static void (test_\w+)\(void\)", re.M)
+FUNCTION = re.compile(r"((?:^//.*\n)*)^TEST\((test_\w+)\)", re.M)
 
 
 def cases():
@@ -38,13 +38,6 @@ def test_c(source, name):
     program = program_of(source)
     done = subprocess.run([program, name], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_every_function_is_in_its_table():
-    for source in sorted(HERE.glob("test_*.c")):
-        program = program_of(source)
-        listed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
-        assert sorted(listed.split()) == sorted(n for _, n in FUNCTION.findall(source.read_text()))
 
 
 @pytest.mark.req("FW-1")

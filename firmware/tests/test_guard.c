@@ -35,7 +35,7 @@ static void check_goes_on(struct mc *mc) {
 }
 
 // req: DRV-9
-static void test_counter_that_jumps(void) {
+TEST(test_counter_that_jumps) {
   for (int sign = -1; sign <= 1; sign += 2) {
     struct mc *mc = guarded((struct mc_guard){.jump = 100});
     m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + sign * 100);
@@ -49,7 +49,7 @@ static void test_counter_that_jumps(void) {
 
 /* As often as SCLOCKs have passed, so often may it have moved. */
 // req: DRV-9
-static void test_counter_that_nobody_read_for_a_while(void) {
+TEST(test_counter_that_nobody_read_for_a_while) {
   struct mc *mc = guarded((struct mc_guard){.jump = 100});
   m.latency_us = 3300;
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 290);
@@ -59,7 +59,7 @@ static void test_counter_that_nobody_read_for_a_while(void) {
 }
 
 // req: DRV-9
-static void test_axis_that_does_not_follow(void) {
+TEST(test_axis_that_does_not_follow) {
   int32_t far[2] = {51, 0}, near[2] = {50, 0};
   struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
   CHECK_EQ(mc_write(mc, 0, near, 8), 8);
@@ -79,7 +79,7 @@ static void test_axis_that_does_not_follow(void) {
 
 /* To either side, and beyond one count. */
 // req: DRV-9
-static void test_least_error_that_is_too_much(void) {
+TEST(test_least_error_that_is_too_much) {
   for (int sign = -1; sign <= 1; sign += 2) {
     int32_t near[2] = {0, sign}, far[2] = {0, 2 * sign};
     struct mc *mc = guarded((struct mc_guard){.follow = 1});
@@ -93,7 +93,7 @@ static void test_least_error_that_is_too_much(void) {
 }
 
 // req: DRV-9
-static void test_only_position_has_to_be_followed(void) {
+TEST(test_only_position_has_to_be_followed) {
   static const int modes[] = {MD_TORQ, 0};
   int32_t far[2] = {5000, 5000};
   for (unsigned n = 0; n < sizeof modes / sizeof modes[0]; n++) {
@@ -124,7 +124,7 @@ static struct mc *fleeing(int32_t to, int speed, int more) {
 }
 
 // req: DRV-9
-static void test_axis_that_runs_away(void) {
+TEST(test_axis_that_runs_away) {
   for (int sign = -1; sign <= 1; sign += 2) {
     check_goes_on(fleeing(2000 * sign, -10 * sign, 4));
     check_goes_on(fleeing(2000 * sign, 10 * sign, 8));   /* on its way */
@@ -137,7 +137,7 @@ static void test_axis_that_runs_away(void) {
 
 /* What is asked for alone is watched, of the axes that there are for programs. */
 // req: DRV-9
-static void test_one_check_is_not_another(void) {
+TEST(test_one_check_is_not_another) {
   static const struct mc_guard alone[] = {{.jump = 32767}, {.follow = 30000}, {.runaway = 32767},
                                           {.missed = 30},  {.lease = 100},    {.lock = 1}};
   int32_t far[2] = {20000, -20000};
@@ -159,7 +159,7 @@ static void test_one_check_is_not_another(void) {
 
 /* SCLOCK's counters may hold another count than was written, and no register of the 8254 tells. */
 // req: DRV-9
-static void test_sclock_of_another_rate(void) {
+TEST(test_sclock_of_another_rate) {
   for (int us = 500; us <= 2000; us += 1500) {
     struct mc *mc = guarded((struct mc_guard){.clock = 1});
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &(unsigned){(unsigned)us}), 0);
@@ -182,7 +182,7 @@ static void test_sclock_of_another_rate(void) {
 }
 
 // req: DRV-9
-static void test_clock_that_is_not_there(void) {
+TEST(test_clock_that_is_not_there) {
   struct mock other;
   struct mc *mc = mock_start(&other, 1);
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.clock = 1}};
@@ -195,7 +195,7 @@ static void test_clock_that_is_not_there(void) {
 }
 
 // req: DRV-9
-static void test_no_limit_is_negative(void) {
+TEST(test_no_limit_is_negative) {
   struct mock other;
   struct mc *mc = mock_start(&other, 1);
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.jump = -1}};
@@ -208,7 +208,7 @@ static void test_no_limit_is_negative(void) {
 }
 
 // req: DRV-9
-static void test_sclocks_that_nobody_served(void) {
+TEST(test_sclocks_that_nobody_served) {
   struct mc *mc = guarded((struct mc_guard){.missed = 3});
   m.latency_us = 2300; /* every third is served */
   mock_run(&m, 3000);
@@ -225,7 +225,7 @@ static void test_sclocks_that_nobody_served(void) {
 }
 
 // req: DRV-9
-static void test_program_that_falls_silent(void) {
+TEST(test_program_that_falls_silent) {
   int32_t here[2] = {0, 0};
   struct mc *mc = guarded((struct mc_guard){.lease = 5});
   for (int n = 0; n < 3; n++) {
@@ -254,7 +254,7 @@ static void test_program_that_falls_silent(void) {
 }
 
 // req: DRV-9
-static void test_program_that_owes_no_setpoint(void) {
+TEST(test_program_that_owes_no_setpoint) {
   int32_t here[2] = {0, 0};
   struct mc *mc = guarded((struct mc_guard){.lease = 5});
   check_goes_on(mc); /* it never wrote any */
@@ -279,7 +279,7 @@ static void test_program_that_owes_no_setpoint(void) {
 
 /* The first finding ends the pass; the machine is stopped once, and the reason is one line. */
 // req: DRV-9
-static void test_one_finding_stops_the_machine(void) {
+TEST(test_one_finding_stops_the_machine) {
   int32_t far[2] = {51, 51};
   struct mc *mc = guarded((struct mc_guard){.jump = 1});
   m.card[0].count[0]++;
@@ -297,7 +297,7 @@ static void test_one_finding_stops_the_machine(void) {
 }
 
 // req: DRV-9
-static void test_a_machine_at_rest_may_be_moved(void) {
+TEST(test_a_machine_at_rest_may_be_moved) {
   struct mc *mc = guarded((struct mc_guard){.jump = 100, .follow = 50, .missed = 3});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);
@@ -308,7 +308,7 @@ static void test_a_machine_at_rest_may_be_moved(void) {
 }
 
 // req: DRV-9
-static void test_requests_that_wait_until_the_servo_rests(void) {
+TEST(test_requests_that_wait_until_the_servo_rests) {
   unsigned us = 2000, one = 1;
   for (int lock = 0; lock < 2; lock++) {
     struct mc *mc = guarded((struct mc_guard){.lock = (uint8_t)lock});
@@ -326,7 +326,7 @@ static void test_requests_that_wait_until_the_servo_rests(void) {
 
 /* A mode brings parameters of its own; an axis that is off takes any. */
 // req: DRV-9
-static void test_parameters_of_an_axis_that_is_on(void) {
+TEST(test_parameters_of_an_axis_that_is_on) {
   for (int lock = 0; lock < 2; lock++) {
     struct mc *mc = guarded((struct mc_guard){.lock = (uint8_t)lock});
     struct mc_param par = {.which = 1};
@@ -349,7 +349,7 @@ static void test_parameters_of_an_axis_that_is_on(void) {
 
 /* The driver of the report does none of it. */
 // req: DRV-9
-static void test_nothing_is_checked_that_was_not_asked_for(void) {
+TEST(test_nothing_is_checked_that_was_not_asked_for) {
   int32_t far[2] = {20000, -20000};
   struct mc *mc = guarded((struct mc_guard){0});
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);
@@ -360,28 +360,4 @@ static void test_nothing_is_checked_that_was_not_asked_for(void) {
   check_goes_on(mc);
 }
 
-int main(int argc, char **argv) {
-  static const struct test tests[] = {
-      {"test_counter_that_jumps", test_counter_that_jumps},
-      {"test_counter_that_nobody_read_for_a_while", test_counter_that_nobody_read_for_a_while},
-      {"test_axis_that_does_not_follow", test_axis_that_does_not_follow},
-      {"test_least_error_that_is_too_much", test_least_error_that_is_too_much},
-      {"test_only_position_has_to_be_followed", test_only_position_has_to_be_followed},
-      {"test_axis_that_runs_away", test_axis_that_runs_away},
-      {"test_one_check_is_not_another", test_one_check_is_not_another},
-      {"test_sclock_of_another_rate", test_sclock_of_another_rate},
-      {"test_clock_that_is_not_there", test_clock_that_is_not_there},
-      {"test_no_limit_is_negative", test_no_limit_is_negative},
-      {"test_sclocks_that_nobody_served", test_sclocks_that_nobody_served},
-      {"test_program_that_falls_silent", test_program_that_falls_silent},
-      {"test_program_that_owes_no_setpoint", test_program_that_owes_no_setpoint},
-      {"test_one_finding_stops_the_machine", test_one_finding_stops_the_machine},
-      {"test_a_machine_at_rest_may_be_moved", test_a_machine_at_rest_may_be_moved},
-      {"test_requests_that_wait_until_the_servo_rests",
-       test_requests_that_wait_until_the_servo_rests},
-      {"test_parameters_of_an_axis_that_is_on", test_parameters_of_an_axis_that_is_on},
-      {"test_nothing_is_checked_that_was_not_asked_for",
-       test_nothing_is_checked_that_was_not_asked_for},
-  };
-  return run_tests(tests, sizeof tests / sizeof tests[0], argc, argv);
-}
+MAIN

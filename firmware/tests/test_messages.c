@@ -33,7 +33,7 @@ static int cross(struct mc *mc, int count) {
 }
 
 // req: DRV-2 DRV-6
-static void test_limits_are_told_when_asked_for(void) {
+TEST(test_limits_are_told_when_asked_for) {
   struct mc *mc = mock_open(&m, 2);
   limits(mc, 1, MD_POS | POSCHK | SOFTERR);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
@@ -48,7 +48,7 @@ static void test_limits_are_told_when_asked_for(void) {
 }
 
 // req: DRV-2 SRV-4
-static void test_overload_is_told(void) {
+TEST(test_overload_is_told) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set[2] = {0, 60};
   limits(mc, 1, MD_TORQ | SOFTERR);
@@ -65,7 +65,7 @@ static void test_overload_is_told(void) {
 }
 
 // req: DRV-2
-static void test_the_verbose_hear_of_the_normal_course(void) {
+TEST(test_the_verbose_hear_of_the_normal_course) {
   for (int say = 0; say < 4; say++) {
     struct mc *mc = mock_open(&m, 2);
     int before = m.logs, lines = (say & M_VERBOSE) != 0;
@@ -83,7 +83,7 @@ static void test_the_verbose_hear_of_the_normal_course(void) {
 }
 
 // req: DRV-7 DRV-12
-static void test_every_axis_is_watched_for_its_heartbeat(void) {
+TEST(test_every_axis_is_watched_for_its_heartbeat) {
   for (int axis = 0; axis < 4; axis++) {
     struct mc *mc = mock_open(&m, 2);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
@@ -100,7 +100,7 @@ static void test_every_axis_is_watched_for_its_heartbeat(void) {
 }
 
 // req: DRV-7
-static void test_passes_that_are_samples(void) {
+TEST(test_passes_that_are_samples) {
   struct mc *mc = mock_open(&m, 1);
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
   int passes = m.passes;
@@ -117,12 +117,4 @@ static void test_passes_that_are_samples(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_limits_are_told_when_asked_for", test_limits_are_told_when_asked_for},
-    {"test_overload_is_told", test_overload_is_told},
-    {"test_the_verbose_hear_of_the_normal_course", test_the_verbose_hear_of_the_normal_course},
-    {"test_every_axis_is_watched_for_its_heartbeat", test_every_axis_is_watched_for_its_heartbeat},
-    {"test_passes_that_are_samples", test_passes_that_are_samples},
-};
-
-MAIN(tests)
+MAIN

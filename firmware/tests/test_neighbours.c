@@ -47,7 +47,7 @@ static void expect_defaults(struct mc *mc, int client) {
 
 /* The first writer after there was none starts as if it were alone; a second one does not. */
 // req: DRV-2
-static void test_a_monitor_hands_nothing_on(void) {
+TEST(test_a_monitor_hands_nothing_on) {
   for (int early = 0; early < 2; early++) { /* the monitor was there before the first program */
     struct mc *mc = mock_start(&m, 2);
     mc->os.log = hear;
@@ -88,7 +88,7 @@ static void test_a_monitor_hands_nothing_on(void) {
 
 /* The open for writing fails; the monitor goes on. */
 // req: DRV-2
-static void test_a_writer_that_cannot_open_leaves_the_monitor_alone(void) {
+TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone) {
   struct mc *mc = mock_start(&m, 1);
   CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
   mock_run(&m, 5000);
@@ -105,7 +105,7 @@ static void test_a_writer_that_cannot_open_leaves_the_monitor_alone(void) {
 
 /* A reads; an event comes; B reads and clears it; A clears what it has read, and is told yet. */
 // req: DRV-5
-static void test_a_clear_takes_nobody_s_event(void) {
+TEST(test_a_clear_takes_nobody_s_event) {
   for (int axes = 0; axes <= 2; axes++) { /* A's read may have been of fewer axes than that */
     struct mc *mc = mock_open(&m, 1);
     struct mc_state state[2];
@@ -131,7 +131,7 @@ static void servo(struct mc *mc, int axis, int mode) {
 }
 
 // req: DRV-6
-static void test_a_write_after_a_shutdown_is_refused(void) {
+TEST(test_a_write_after_a_shutdown_is_refused) {
   for (int panic = 0; panic < 2; panic++) {
     struct mc *mc = listening(1);
     int32_t set[2] = {10, 10};
@@ -159,7 +159,7 @@ static void test_a_write_after_a_shutdown_is_refused(void) {
 
 /* Artificial signals and an axis that is servoed by its encoder exclude each other under power. */
 // req: DRV-12 DIA-2
-static void test_no_axis_is_servoed_blind(void) {
+TEST(test_no_axis_is_servoed_blind) {
   static const struct {
     int mode, needs;
   } cases[] = {{MD_OFF, 0},         {MD_POS, 1},          {MD_VEL, 1},
@@ -193,13 +193,4 @@ static void test_no_axis_is_servoed_blind(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_a_monitor_hands_nothing_on", test_a_monitor_hands_nothing_on},
-    {"test_a_writer_that_cannot_open_leaves_the_monitor_alone",
-     test_a_writer_that_cannot_open_leaves_the_monitor_alone},
-    {"test_a_clear_takes_nobody_s_event", test_a_clear_takes_nobody_s_event},
-    {"test_a_write_after_a_shutdown_is_refused", test_a_write_after_a_shutdown_is_refused},
-    {"test_no_axis_is_servoed_blind", test_no_axis_is_servoed_blind},
-};
-
-MAIN(tests)
+MAIN

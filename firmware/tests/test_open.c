@@ -6,7 +6,7 @@
 static struct mock m;
 
 // req: DRV-1
-static void test_attach_takes_what_the_adaptor_can_have(void) {
+TEST(test_attach_takes_what_the_adaptor_can_have) {
   static const uint32_t good[] = {8000000, 4000000, 2000000, 1000000};
   static const uint32_t bad[] = {0,       1,       999999,  1000001,  3000000,
                                  6000000, 7999999, 8000001, 16000000, UINT32_MAX};
@@ -32,7 +32,7 @@ static void test_attach_takes_what_the_adaptor_can_have(void) {
 }
 
 // req: DRV-1 DRV-2
-static void test_attach_begins_anew(void) {
+TEST(test_attach_begins_anew) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x77};
   struct mc_state state;
@@ -55,7 +55,7 @@ static int add(struct mock_access *want, int n, int write, unsigned offset, unsi
 }
 
 // req: DRV-2 DRV-3
-static void test_first_open_traffic(void) {
+TEST(test_first_open_traffic) {
   static const uint8_t pattern[] = {0xA8, 0x50, 0x00}; /* never a counting mode */
   static const unsigned timers[][2] = {{0x409, 0x18}, {0x407, 0x70}, {0x407, 0xB4}, {0x405, 0},
                                        {0x405, 0},    {0x407, 0x34}, {0x401, 0x40}, {0x401, 0x1F},
@@ -102,7 +102,7 @@ static void test_first_open_traffic(void) {
 }
 
 // req: DRV-2 DRV-10
-static void test_positions_are_known_from_the_open_on(void) {
+TEST(test_positions_are_known_from_the_open_on) {
   static const int32_t counts[] = {0x1234, -2, 0x7FFF, -0x8000};
   struct mc *mc = mock_start(&m, 2);
   struct mc_state state[4];
@@ -132,7 +132,7 @@ static enum mc_bus_result read_holes(void *ctx, uint16_t offset, uint8_t *value)
 }
 
 // req: DRV-2
-static void test_an_open_that_failed_leaves_nothing_behind(void) {
+TEST(test_an_open_that_failed_leaves_nothing_behind) {
   struct mc *mc = mock_start(&m, 1);
   struct mc_bus good = mc->bus;
   for (int way = 0; way < 3; way++) {
@@ -153,7 +153,7 @@ static void test_an_open_that_failed_leaves_nothing_behind(void) {
 }
 
 // req: DRV-2 DRV-6
-static void test_last_close_is_silent_and_says_no_more_than_it_must(void) {
+TEST(test_last_close_is_silent_and_says_no_more_than_it_must) {
   struct mc *mc = mock_open(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_close(mc, 0), 0);
@@ -173,7 +173,7 @@ static void test_last_close_is_silent_and_says_no_more_than_it_must(void) {
 }
 
 // req: DRV-2
-static void test_a_new_open_finds_the_defaults_again(void) {
+TEST(test_a_new_open_finds_the_defaults_again) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_param first = param_of(mc, 1), par = first;
   struct mc_stats stats;
@@ -217,7 +217,7 @@ static void test_a_new_open_finds_the_defaults_again(void) {
 
 /* The heartbeats that the close ended run out while the machine is open again. */
 // req: DRV-6 DRV-9
-static void test_reopened_at_once_the_own_panic_is_no_error(void) {
+TEST(test_reopened_at_once_the_own_panic_is_no_error) {
   for (int gap = 0; gap < 60000; gap += 500) {
     static const unsigned intervals[] = {2000, 500, 20000};
     struct mc *mc = mock_open(&m, 1);
@@ -239,7 +239,7 @@ static void test_reopened_at_once_the_own_panic_is_no_error(void) {
 /* Which signals an encoder gives, and which the switch of the cards gives before and after, must
  * make no difference: whatever is opened, stopped, switched or closed, the counts stay. */
 // req: DRV-2 DRV-9 DRV-10 DIA-2
-static void test_nothing_but_motion_moves_a_count(void) {
+TEST(test_nothing_but_motion_moves_a_count) {
   for (int joint = 0; joint < 16; joint++) {
     struct mc *mc = mock_start(&m, 1);
     int modes[] = {M_ENDIAG, 0, M_ANDIAG | M_ENDIAG, M_ANDIAG, 0, M_ENDIAG};
@@ -269,7 +269,7 @@ static void test_nothing_but_motion_moves_a_count(void) {
 /* While nobody has the device open the counters go on; so do positions beyond 16 bits, as long as
  * the card keeps its power. */
 // req: DRV-2 DRV-10
-static void test_positions_survive_a_close(void) {
+TEST(test_positions_survive_a_close) {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 4; axis++) {
     for (int i = 1; i <= 5; i++) {
@@ -308,7 +308,7 @@ static void test_positions_survive_a_close(void) {
 }
 
 // req: DRV-4
-static void test_read_gives_every_axis_its_state(void) {
+TEST(test_read_gives_every_axis_its_state) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_state state[5];
   for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 + axis);
@@ -333,7 +333,7 @@ static void test_read_gives_every_axis_its_state(void) {
 
 /* The start of SCLOCK has begun a conversion: read() need not wait for the first sample. */
 // req: DRV-4
-static void test_first_read_has_the_converters_values(void) {
+TEST(test_first_read_has_the_converters_values) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_state state[4];
   for (int axis = 0; axis < 4; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(700 + axis);
@@ -350,7 +350,7 @@ static void test_first_read_has_the_converters_values(void) {
 }
 
 // req: DRV-4
-static void test_write_sets_as_many_as_it_brings(void) {
+TEST(test_write_sets_as_many_as_it_brings) {
   struct mc *mc = mock_open(&m, 2);
   int32_t set[4] = {11, -12, INT32_MAX, INT32_MIN};
   int three = 3;
@@ -378,23 +378,4 @@ static void test_write_sets_as_many_as_it_brings(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_attach_takes_what_the_adaptor_can_have", test_attach_takes_what_the_adaptor_can_have},
-    {"test_attach_begins_anew", test_attach_begins_anew},
-    {"test_first_open_traffic", test_first_open_traffic},
-    {"test_positions_are_known_from_the_open_on", test_positions_are_known_from_the_open_on},
-    {"test_an_open_that_failed_leaves_nothing_behind",
-     test_an_open_that_failed_leaves_nothing_behind},
-    {"test_last_close_is_silent_and_says_no_more_than_it_must",
-     test_last_close_is_silent_and_says_no_more_than_it_must},
-    {"test_a_new_open_finds_the_defaults_again", test_a_new_open_finds_the_defaults_again},
-    {"test_reopened_at_once_the_own_panic_is_no_error",
-     test_reopened_at_once_the_own_panic_is_no_error},
-    {"test_nothing_but_motion_moves_a_count", test_nothing_but_motion_moves_a_count},
-    {"test_positions_survive_a_close", test_positions_survive_a_close},
-    {"test_read_gives_every_axis_its_state", test_read_gives_every_axis_its_state},
-    {"test_first_read_has_the_converters_values", test_first_read_has_the_converters_values},
-    {"test_write_sets_as_many_as_it_brings", test_write_sets_as_many_as_it_brings},
-};
-
-MAIN(tests)
+MAIN

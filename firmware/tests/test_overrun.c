@@ -33,7 +33,7 @@ static struct mc *started(int mode0, int mode1, int divisor) {
 
 /* The servo is dead: so is the heartbeat, and everybody hears why. */
 // req: DRV-7 DRV-9
-static void test_a_servo_that_computes_no_more_stops_the_machine(void) {
+TEST(test_a_servo_that_computes_no_more_stops_the_machine) {
   static const unsigned intervals[] = {500, 1000, 2000, 10000};
   for (unsigned i = 0; i < 8; i++) {
     struct mc *mc = started(MD_VEL, i & 1 ? MD_OFF : MD_POS, i & 2 ? 3 : 1);
@@ -70,7 +70,7 @@ static void test_a_servo_that_computes_no_more_stops_the_machine(void) {
 }
 
 // req: DRV-9
-static void test_a_break_in_time_is_forgiven(void) {
+TEST(test_a_break_in_time_is_forgiven) {
   for (int divisor = 1; divisor < 4; divisor++) {
     struct mc *mc = started(MD_VEL, MD_POS, divisor);
     for (int round = 0; round < 5; round++) {
@@ -88,7 +88,7 @@ static void test_a_break_in_time_is_forgiven(void) {
 
 /* Nothing is computed for axes that are off: MSETDAC's code is held as ever. */
 // req: DRV-9 DRV-12
-static void test_axes_that_are_off_are_not_due(void) {
+TEST(test_axes_that_are_off_are_not_due) {
   for (int one = 0; one < 2; one++) { /* nor are those beyond the joints */
     struct mc *mc = started(MD_OFF, one ? MD_VEL : MD_OFF, 1);
     int arg = 0xABC << 8;
@@ -111,7 +111,7 @@ static const char crowded[] =
 
 /* Late, but computed: counted, told once, and on it goes. */
 // req: DRV-7 DRV-9
-static void test_late_passes_that_compute_go_on(void) {
+TEST(test_late_passes_that_compute_go_on) {
   struct mc *mc = started(MD_VEL, MD_POS, 1);
   m.compute_us = 1200;
   mock_run(&m, 49000);
@@ -127,7 +127,7 @@ static void test_late_passes_that_compute_go_on(void) {
 /* A port whose processor is too slow for its interval: MENABLE would not return there, since
  * nothing but passes runs. Every open tells it once. */
 // req: DRV-7
-static void test_a_processor_that_is_too_slow_is_told_at_rest(void) {
+TEST(test_a_processor_that_is_too_slow_is_told_at_rest) {
   struct mc *mc = listening(1);
   for (int n = 0; n < 2; n++) {
     m.compute_us = 1200;
@@ -156,7 +156,7 @@ static void test_a_processor_that_is_too_slow_is_told_at_rest(void) {
 
 /* A pass without a sample counts for axes that wait, and keeps the heartbeat while none is due. */
 // req: DRV-7 DRV-9
-static void test_waiting_axes_wait_on_in_a_pass_without_a_sample(void) {
+TEST(test_waiting_axes_wait_on_in_a_pass_without_a_sample) {
   struct mc *mc = started(MD_VEL, MD_VEL, 4);
   unsigned us = 1000;
   int passes = 0;
@@ -186,16 +186,4 @@ static void test_waiting_axes_wait_on_in_a_pass_without_a_sample(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_a_servo_that_computes_no_more_stops_the_machine",
-     test_a_servo_that_computes_no_more_stops_the_machine},
-    {"test_a_break_in_time_is_forgiven", test_a_break_in_time_is_forgiven},
-    {"test_waiting_axes_wait_on_in_a_pass_without_a_sample",
-     test_waiting_axes_wait_on_in_a_pass_without_a_sample},
-    {"test_axes_that_are_off_are_not_due", test_axes_that_are_off_are_not_due},
-    {"test_late_passes_that_compute_go_on", test_late_passes_that_compute_go_on},
-    {"test_a_processor_that_is_too_slow_is_told_at_rest",
-     test_a_processor_that_is_too_slow_is_told_at_rest},
-};
-
-MAIN(tests)
+MAIN

@@ -4,7 +4,7 @@
 #include "hear.h"
 
 // req: DRV-7 DRV-11
-static void test_every_axis_gets_its_own_numbers(void) {
+TEST(test_every_axis_gets_its_own_numbers) {
   struct mc *mc = listening(3);
   int32_t values[6];
   for (int axis = 0; axis < 6; axis++) {
@@ -30,7 +30,7 @@ static void test_every_axis_gets_its_own_numbers(void) {
 
 /* Every bit of both converters, in the presence of any bit of the other. */
 // req: DRV-11
-static void test_converters_share_their_high_nibbles(void) {
+TEST(test_converters_share_their_high_nibbles) {
   struct mc *mc = listening(1);
   static const uint16_t codes[] = {0,     0xFFF, 0x00F, 0x0F0, 0xF00, 0x100, 0x200,
                                    0x400, 0x800, 0x555, 0xAAA, 0x0FF, 0xFF0};
@@ -47,7 +47,7 @@ static void test_converters_share_their_high_nibbles(void) {
 }
 
 // req: DRV-11
-static void test_late_converters_keep_the_old_values_of_their_card(void) {
+TEST(test_late_converters_keep_the_old_values_of_their_card) {
   struct mc *mc = listening(3);
   for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(100 + axis);
   mock_pass(&m);
@@ -82,7 +82,7 @@ static void test_late_converters_keep_the_old_values_of_their_card(void) {
 
 /* They are asked for 40 times after the encoders; ready at the last question is ready. */
 // req: DRV-11
-static void test_converters_are_waited_for_40_reads(void) {
+TEST(test_converters_are_waited_for_40_reads) {
   for (int late = 38; late < 45; late++) {
     struct mc *mc = listening(1);
     mock_pass(&m);
@@ -105,7 +105,7 @@ static void test_converters_are_waited_for_40_reads(void) {
 }
 
 // req: DRV-2 SRV-1
-static void test_the_first_pass_is_a_sample_of_all_axes(void) {
+TEST(test_the_first_pass_is_a_sample_of_all_axes) {
   struct mc *mc = listening(2);
   for (int round = 0; round < 2; round++) {
     for (int axis = 0; axis < 4; axis++) {
@@ -132,7 +132,7 @@ static void test_the_first_pass_is_a_sample_of_all_axes(void) {
 
 /* An event on any axis, in any order, is told once, shuts down once, and stays with its axis. */
 // req: DRV-5 DRV-6
-static void test_events_of_any_axis(void) {
+TEST(test_events_of_any_axis) {
   for (unsigned crossed = 1; crossed < 16; crossed++) {
     for (int soft = 0; soft < 2; soft++) {
       struct mc *mc = listening(2);
@@ -163,7 +163,7 @@ static void test_events_of_any_axis(void) {
 
 /* However late the handler is: every rise of SCLOCK is either served or counted as missed. */
 // req: DRV-7
-static void test_every_sclock_is_served_or_missed(void) {
+TEST(test_every_sclock_is_served_or_missed) {
   for (int64_t latency = 1; latency < 2300; latency += latency > 960 && latency < 1060 ? 1 : 97) {
     struct mc *mc = listening(1);
     unsigned us = 1000;
@@ -189,7 +189,7 @@ static void test_every_sclock_is_served_or_missed(void) {
 
 /* Off is off, also if nobody has ever set a parameter. */
 // req: DRV-2 SRV-6
-static void test_axes_are_off_by_default(void) {
+TEST(test_axes_are_off_by_default) {
   struct mc *mc = listening(2);
   int32_t values[4] = {5000, -5000, 1, 100000};
   CHECK_EQ(mc_write(mc, 0, values, 16), 16);
@@ -212,7 +212,7 @@ static void test_axes_are_off_by_default(void) {
 
 /* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
 // req: DRV-7
-static void test_overruns_of_any_length(void) {
+TEST(test_overruns_of_any_length) {
   struct mc *mc = listening(1);
   unsigned us = 1000, one = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -232,7 +232,7 @@ static void test_overruns_of_any_length(void) {
 
 /* At rest, and beyond the joints, an axis is only looked at. */
 // req: DRV-7
-static void test_only_joints_under_power_are_servoed(void) {
+TEST(test_only_joints_under_power_are_servoed) {
   struct mc *mc = listening(2);
   int32_t far[4] = {40, 40, 40, 40};
   int joints = 2;
@@ -258,18 +258,4 @@ static void test_only_joints_under_power_are_servoed(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_only_joints_under_power_are_servoed", test_only_joints_under_power_are_servoed},
-    {"test_overruns_of_any_length", test_overruns_of_any_length},
-    {"test_axes_are_off_by_default", test_axes_are_off_by_default},
-    {"test_every_axis_gets_its_own_numbers", test_every_axis_gets_its_own_numbers},
-    {"test_converters_share_their_high_nibbles", test_converters_share_their_high_nibbles},
-    {"test_late_converters_keep_the_old_values_of_their_card",
-     test_late_converters_keep_the_old_values_of_their_card},
-    {"test_converters_are_waited_for_40_reads", test_converters_are_waited_for_40_reads},
-    {"test_the_first_pass_is_a_sample_of_all_axes", test_the_first_pass_is_a_sample_of_all_axes},
-    {"test_events_of_any_axis", test_events_of_any_axis},
-    {"test_every_sclock_is_served_or_missed", test_every_sclock_is_served_or_missed},
-};
-
-MAIN(tests)
+MAIN

@@ -33,7 +33,7 @@ static int enable(struct mc *mc) {
 #define SAID(text) CHECK_EQ(strcmp(said, text), 0)
 
 // req: DRV-9 PAN-2
-static void test_enable_traffic(void) {
+TEST(test_enable_traffic) {
   struct mc *mc = opened(2);
   int on = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
@@ -66,7 +66,7 @@ static void test_enable_traffic(void) {
 }
 
 // req: DRV-9 DRV-10
-static void test_an_enabled_machine_starts_afresh_at_enable(void) {
+TEST(test_an_enabled_machine_starts_afresh_at_enable) {
   struct mc *mc = opened(1);
   struct mc_param par = param_of(mc, 0);
   int32_t set[2] = {5, 6};
@@ -93,7 +93,7 @@ static void test_an_enabled_machine_starts_afresh_at_enable(void) {
 }
 
 // req: DRV-9
-static void test_what_axes_hold_at_the_first_pass(void) {
+TEST(test_what_axes_hold_at_the_first_pass) {
   static const int modes[] = {MD_OFF, MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_POS};
   struct mc *mc = opened(3);
   int32_t set = 4000;
@@ -118,7 +118,7 @@ static void test_what_axes_hold_at_the_first_pass(void) {
 
 /* The low byte is written only where the heartbeat lives: a dead one must not start again. */
 // req: DRV-6 DRV-9 PAN-2
-static void test_stop_traffic(void) {
+TEST(test_stop_traffic) {
   for (unsigned live = 0; live < 16; live++) {
     struct mc *mc = opened(2);
     int on = 1;
@@ -155,7 +155,7 @@ static void test_stop_traffic(void) {
 }
 
 // req: DRV-6
-static void test_a_stop_forgets_setpoints_and_currents(void) {
+TEST(test_a_stop_forgets_setpoints_and_currents) {
   for (int how = 0; how < 3; how++) {
     struct mc *mc = opened(2);
     int32_t set[4] = {100, 200, 300, 400};
@@ -201,7 +201,7 @@ static int enable_at_second_wait(struct mc *mc) {
 }
 
 // req: DRV-3 DRV-9
-static void test_enable_while_another_enables(void) {
+TEST(test_enable_while_another_enables) {
   for (int late = 0; late < 2; late++) {
     struct mc *mc = opened(1);
     meanwhile = late ? enable_at_second_wait : enable_too;
@@ -219,7 +219,7 @@ static int stop_meanwhile(struct mc *mc) {
 }
 
 // req: DRV-9
-static void test_enable_that_is_stopped_says_so(void) {
+TEST(test_enable_that_is_stopped_says_so) {
   struct mc *mc = opened(1);
   meanwhile = stop_meanwhile;
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 100);
@@ -233,7 +233,7 @@ static void test_enable_that_is_stopped_says_so(void) {
 }
 
 // req: DRV-9
-static void test_enable_waits_for_two_passes_at_most(void) {
+TEST(test_enable_waits_for_two_passes_at_most) {
   static const unsigned intervals[] = {100, 400, 999, 1000, 2000, 40000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
     struct mc *mc = opened(1);
@@ -255,7 +255,7 @@ static void test_enable_waits_for_two_passes_at_most(void) {
 }
 
 // req: DRV-6 DRV-9
-static void test_enable_after_a_stop_waits_for_the_brakes(void) {
+TEST(test_enable_after_a_stop_waits_for_the_brakes) {
   struct mc *mc = opened(1);
   for (int pause = 0; pause < 70000; pause += 10000) {
     CHECK_EQ(enable(mc), 0);
@@ -287,7 +287,7 @@ static void test_enable_after_a_stop_waits_for_the_brakes(void) {
 }
 
 // req: DRV-9 DRV-10
-static void test_a_card_that_lost_power_is_revived(void) {
+TEST(test_a_card_that_lost_power_is_revived) {
   for (int lost = 0; lost < 3; lost++) {
     for (int part = 1; part < 4; part++) { /* of its ports, A or B or both */
       struct mc *mc = opened(3);
@@ -345,7 +345,7 @@ static void keep_mute(struct mock *mock) {
 }
 
 // req: DRV-9 PAN-2
-static void test_enable_names_the_axis_without_a_heartbeat(void) {
+TEST(test_enable_names_the_axis_without_a_heartbeat) {
   for (mute = 0; mute < 4; mute++) {
     struct mc *mc = opened(2);
     m.card[mute / 2].enabled[mute & 1] = 0; /* PANIC does not look at it */
@@ -364,21 +364,4 @@ static void test_enable_names_the_axis_without_a_heartbeat(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_enable_names_the_axis_without_a_heartbeat",
-     test_enable_names_the_axis_without_a_heartbeat},
-    {"test_a_card_that_lost_power_is_revived", test_a_card_that_lost_power_is_revived},
-    {"test_enable_traffic", test_enable_traffic},
-    {"test_an_enabled_machine_starts_afresh_at_enable",
-     test_an_enabled_machine_starts_afresh_at_enable},
-    {"test_what_axes_hold_at_the_first_pass", test_what_axes_hold_at_the_first_pass},
-    {"test_stop_traffic", test_stop_traffic},
-    {"test_a_stop_forgets_setpoints_and_currents", test_a_stop_forgets_setpoints_and_currents},
-    {"test_enable_while_another_enables", test_enable_while_another_enables},
-    {"test_enable_that_is_stopped_says_so", test_enable_that_is_stopped_says_so},
-    {"test_enable_waits_for_two_passes_at_most", test_enable_waits_for_two_passes_at_most},
-    {"test_enable_after_a_stop_waits_for_the_brakes",
-     test_enable_after_a_stop_waits_for_the_brakes},
-};
-
-MAIN(tests)
+MAIN

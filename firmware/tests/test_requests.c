@@ -44,7 +44,7 @@ static int copy_out(void *ctx, void *to, const void *from, size_t len) {
 }
 
 // req: DRV-3 DRV-4
-static void test_every_request_is_atomic_and_copies_its_argument_only(void) {
+TEST(test_every_request_is_atomic_and_copies_its_argument_only) {
   static const struct {
     uint32_t code;
     int in, out;
@@ -84,7 +84,7 @@ static int copy_once(void *ctx, void *to, const void *from, size_t len) {
 }
 
 // req: DRV-3
-static void test_an_answer_that_cannot_be_given_is_an_error(void) {
+TEST(test_an_answer_that_cannot_be_given_is_an_error) {
   static const uint32_t codes[] = {MGETNUMCARDS, MGETPARAM, MGETVERBOSITY, MGETINTERVAL, MGETSTATS};
   struct mc *mc = mock_open(&m, 1);
   mc->os.copy_in = mc->os.copy_out = copy_once;
@@ -103,7 +103,7 @@ static void test_an_answer_that_cannot_be_given_is_an_error(void) {
 /* --- joints ---------------------------------------------------------------------------------- */
 
 // req: DRV-3 DRV-6
-static void test_joints_that_come_and_go(void) {
+TEST(test_joints_that_come_and_go) {
   struct mc *mc = mock_open(&m, 2);
   int32_t values[4] = {100, 200, 300, 400};
   for (int axis = 0; axis < 4; axis++) {
@@ -146,7 +146,7 @@ static void test_joints_that_come_and_go(void) {
 }
 
 // req: DRV-3
-static void test_joints_that_stay_notice_nothing(void) {
+TEST(test_joints_that_stay_notice_nothing) {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 2; axis++) {
     struct mc_param par = param_of(mc, axis);
@@ -170,7 +170,7 @@ static void test_joints_that_stay_notice_nothing(void) {
 /* --- parameters ------------------------------------------------------------------------------ */
 
 // req: DRV-9 SRV-6
-static void test_a_change_of_mode_forgets_the_setpoint_under_power_only(void) {
+TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only) {
   struct mc *mc = mock_open(&m, 1);
   put(mc, 70, 80);
   set_mode(mc, 0, MD_TORQ);
@@ -209,7 +209,7 @@ static void test_a_change_of_mode_forgets_the_setpoint_under_power_only(void) {
 
 /* Which way the feedback comes is a part of what a demand means. Torque is not fed back. */
 // req: DRV-9 SRV-6
-static void test_a_change_of_feedback_does_not_jump(void) {
+TEST(test_a_change_of_feedback_does_not_jump) {
   static const int changes[][2] = {{MD_POS, MD_POS | ADFB},   {MD_POS | ADFB, MD_POS},
                                    {MD_POS, MD_POS | ZEROFB}, {MD_POS | ZEROFB, MD_POS},
                                    {MD_VEL, MD_VEL | ADFB},   {MD_VEL | ZEROFB, MD_VEL},
@@ -239,7 +239,7 @@ static void test_a_change_of_feedback_does_not_jump(void) {
 }
 
 // req: SRV-1
-static void test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample(void) {
+TEST(test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample) {
   for (int to = 1; to <= 12; to++) {
     for (int passed = 0; passed < 8; passed++) {
       struct mc *mc = mock_open(&m, 1);
@@ -268,7 +268,7 @@ static void test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample(vo
 }
 
 // req: SRV-1 DRV-7
-static void test_axes_wait_each_by_itself(void) {
+TEST(test_axes_wait_each_by_itself) {
   struct mc *mc = mock_open(&m, 2);
   static const int divisors[] = {3, 1, 2, 5};
   int samples[4] = {0};
@@ -293,7 +293,7 @@ static void test_axes_wait_each_by_itself(void) {
 }
 
 // req: DRV-12 SRV-6
-static void test_a_code_is_for_axes_that_are_off(void) {
+TEST(test_a_code_is_for_axes_that_are_off) {
   struct mc *mc = mock_open(&m, 1);
   enable(mc);
   for (int mode = 0; mode < 16; mode++) {
@@ -317,20 +317,4 @@ static void test_a_code_is_for_axes_that_are_off(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_a_change_of_feedback_does_not_jump", test_a_change_of_feedback_does_not_jump},
-    {"test_every_request_is_atomic_and_copies_its_argument_only",
-     test_every_request_is_atomic_and_copies_its_argument_only},
-    {"test_an_answer_that_cannot_be_given_is_an_error",
-     test_an_answer_that_cannot_be_given_is_an_error},
-    {"test_joints_that_come_and_go", test_joints_that_come_and_go},
-    {"test_joints_that_stay_notice_nothing", test_joints_that_stay_notice_nothing},
-    {"test_a_change_of_mode_forgets_the_setpoint_under_power_only",
-     test_a_change_of_mode_forgets_the_setpoint_under_power_only},
-    {"test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample",
-     test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample},
-    {"test_axes_wait_each_by_itself", test_axes_wait_each_by_itself},
-    {"test_a_code_is_for_axes_that_are_off", test_a_code_is_for_axes_that_are_off},
-};
-
-MAIN(tests)
+MAIN

@@ -36,7 +36,7 @@ static int errcode(struct mc *mc, int axis) {
 }
 
 // req: DRV-13 DRV-10
-static void test_a_short_silence_leaves_the_count_whole(void) {
+TEST(test_a_short_silence_leaves_the_count_whole) {
   for (int enabled = 0; enabled < 2; enabled++) {
     for (int us = 500; us <= 6000; us += 500) {
       struct mc *mc = at(listening(2), 2, 171586);
@@ -60,7 +60,7 @@ static void test_a_short_silence_leaves_the_count_whole(void) {
 
 /* 32768 counts at 4 million a second. A slower robot has more time. */
 // req: DRV-13
-static void test_a_long_silence_loses_the_count(void) {
+TEST(test_a_long_silence_loses_the_count) {
   static const struct {
     uint32_t speed;
     int us, lost;
@@ -102,7 +102,7 @@ static void test_a_long_silence_loses_the_count(void) {
 
 /* A reset card has forgotten modes and counts. */
 // req: DRV-13 PAN-2
-static void test_a_reset_card_needs_calibration(void) {
+TEST(test_a_reset_card_needs_calibration) {
   for (int mode = MD_POS; mode <= MD_TORQ; mode++) {
     for (int seen = 0; seen < 2; seen++) { /* by a pass: it may come back between two */
       struct mc *mc = at(listening(2), 3, 171586);
@@ -123,7 +123,7 @@ static void test_a_reset_card_needs_calibration(void) {
 
 /* What was not known at the last close is not known at the next open. */
 // req: DRV-13 DRV-2
-static void test_an_open_does_not_find_a_lost_count_again(void) {
+TEST(test_an_open_does_not_find_a_lost_count_again) {
   struct mc *mc = at(listening(2), 1, 100000);
   cable(0);
   mock_run(&m, 20000);
@@ -137,7 +137,7 @@ static void test_an_open_does_not_find_a_lost_count_again(void) {
 }
 
 // req: DRV-12
-static void test_enable_without_cable_says_nothing_of_a_reset(void) {
+TEST(test_enable_without_cable_says_nothing_of_a_reset) {
   struct mc *mc = at(listening(2), 1, 100000);
   cable(0);
   mock_run(&m, 5000);
@@ -148,7 +148,7 @@ static void test_enable_without_cable_says_nothing_of_a_reset(void) {
 }
 
 // req: DRV-13
-static void test_a_bus_error_is_told_once(void) {
+TEST(test_a_bus_error_is_told_once) {
   for (int enabled = 0; enabled < 2; enabled++) {
     struct mc *mc = listening(1);
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
@@ -173,7 +173,7 @@ static void test_a_bus_error_is_told_once(void) {
 }
 
 // req: DRV-13 PAN-2
-static void test_sysreset_is_told_and_the_state_goes_on(void) {
+TEST(test_sysreset_is_told_and_the_state_goes_on) {
   for (int enabled = 0; enabled < 2; enabled++) {
     struct mc *mc = at(listening(2), 1, 100000);
     CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1);
@@ -211,7 +211,7 @@ static void test_sysreset_is_told_and_the_state_goes_on(void) {
 
 /* Cards whose counters went on alone: too long for any axis, but not for a slow one. */
 // req: DRV-13
-static void test_sysreset_may_leave_the_counts(void) {
+TEST(test_sysreset_may_leave_the_counts) {
   for (int slow = 0; slow < 2; slow++) {
     struct mc *mc = at(listening(2), 1, 100000);
     mc->config.speed = slow ? 500000 : 0;
@@ -229,7 +229,7 @@ static void test_sysreset_may_leave_the_counts(void) {
 
 /* The adaptor is as it was, or gone. */
 // req: DRV-13
-static void test_the_end_of_interrupts_is_told(void) {
+TEST(test_the_end_of_interrupts_is_told) {
   for (int dead = 0; dead < 2; dead++) {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = listening(1);
@@ -254,18 +254,4 @@ static void test_the_end_of_interrupts_is_told(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_a_short_silence_leaves_the_count_whole", test_a_short_silence_leaves_the_count_whole},
-    {"test_a_long_silence_loses_the_count", test_a_long_silence_loses_the_count},
-    {"test_a_reset_card_needs_calibration", test_a_reset_card_needs_calibration},
-    {"test_an_open_does_not_find_a_lost_count_again",
-     test_an_open_does_not_find_a_lost_count_again},
-    {"test_enable_without_cable_says_nothing_of_a_reset",
-     test_enable_without_cable_says_nothing_of_a_reset},
-    {"test_a_bus_error_is_told_once", test_a_bus_error_is_told_once},
-    {"test_sysreset_is_told_and_the_state_goes_on", test_sysreset_is_told_and_the_state_goes_on},
-    {"test_sysreset_may_leave_the_counts", test_sysreset_may_leave_the_counts},
-    {"test_the_end_of_interrupts_is_told", test_the_end_of_interrupts_is_told},
-};
-
-MAIN(tests)
+MAIN

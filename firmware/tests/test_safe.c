@@ -43,7 +43,7 @@ static void check_brakes_before_power(int64_t most_us) {
 }
 
 // req: DRV-9
-static void test_stop_holds_until_the_brakes_are_closed(void) {
+TEST(test_stop_holds_until_the_brakes_are_closed) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK(!mc_is_enabled(mc));
@@ -62,7 +62,7 @@ static void test_stop_holds_until_the_brakes_are_closed(void) {
 }
 
 // req: DRV-9
-static void test_without_brakes_a_stop_is_zero_at_once(void) {
+TEST(test_without_brakes_a_stop_is_zero_at_once) {
   struct mc *mc = pushing((struct mc_guard){0});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
@@ -71,7 +71,7 @@ static void test_without_brakes_a_stop_is_zero_at_once(void) {
 }
 
 // req: DRV-9
-static void test_button_holds_until_the_brakes_are_closed(void) {
+TEST(test_button_holds_until_the_brakes_are_closed) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   m.estop_open = 1;
   mock_run(&m, 2000);
@@ -87,7 +87,7 @@ static void test_button_holds_until_the_brakes_are_closed(void) {
 
 /* Its own current is what cannot be trusted. */
 // req: DRV-9
-static void test_faulty_axis_is_let_go_the_other_is_held(void) {
+TEST(test_faulty_axis_is_let_go_the_other_is_held) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US, .jump = 100});
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 2000);
   mock_run(&m, 2500);
@@ -99,7 +99,7 @@ static void test_faulty_axis_is_let_go_the_other_is_held(void) {
 }
 
 // req: DRV-9
-static void test_overloaded_axis_is_let_go(void) {
+TEST(test_overloaded_axis_is_let_go) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   struct mc_param par = param_of(mc, 0);
   int32_t far[2] = {2000, 40};
@@ -116,7 +116,7 @@ static void test_overloaded_axis_is_let_go(void) {
 
 /* What cannot be relied upon holds nothing. */
 // req: DRV-9
-static void test_bus_error_is_zero_at_once(void) {
+TEST(test_bus_error_is_zero_at_once) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   m.card[0].present = 0;
   mock_run(&m, 2000);
@@ -126,7 +126,7 @@ static void test_bus_error_is_zero_at_once(void) {
 }
 
 // req: DRV-9
-static void test_close_and_enable_wait_for_the_brakes(void) {
+TEST(test_close_and_enable_wait_for_the_brakes) {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   int64_t from = m.now;
@@ -142,7 +142,7 @@ static void test_close_and_enable_wait_for_the_brakes(void) {
 
 /* One card a pass. */
 // req: DRV-9
-static void test_modes_that_changed_stop_the_machine(void) {
+TEST(test_modes_that_changed_stop_the_machine) {
   static const uint8_t bits[] = {MMCS_CARD_PPI_B_DAC_JOINT_bm, MMCS_CARD_PPI_B_SCLOCK_EN_bm,
                                  MMCS_CARD_PPI_B_INDEX_EN_bm};
   for (unsigned n = 0; n <= sizeof bits; n++) {
@@ -173,7 +173,7 @@ static struct mmcs_setpoints message(unsigned sequence, int value) {
 }
 
 // req: DRV-9
-static void test_checked_setpoints(void) {
+TEST(test_checked_setpoints) {
   int32_t plain[2] = {1, 2};
   struct mmcs_setpoint one = {0, 1};
   struct mc *mc = guarded((struct mc_guard){.checked = 1});
@@ -203,7 +203,7 @@ static void test_checked_setpoints(void) {
 
 /* Each bit of each word that is sent. */
 // req: DRV-9
-static void test_setpoints_that_change_on_their_way(void) {
+TEST(test_setpoints_that_change_on_their_way) {
   for (unsigned bit = 0; bit < 5 * 32; bit++) {
     struct mc *mc = guarded((struct mc_guard){.checked = 1});
     struct mmcs_setpoints s = message(5, 1234);
@@ -219,7 +219,7 @@ static void test_setpoints_that_change_on_their_way(void) {
 }
 
 // req: DRV-9
-static void test_latched_panic(void) {
+TEST(test_latched_panic) {
   struct mc *mc = listening(1);
   mc->config.guard = (struct mc_guard){.latched = 1, .brakes = BRAKES_US};
   m.safety = m.latched = 1;
@@ -241,7 +241,7 @@ static void test_latched_panic(void) {
 }
 
 // req: DRV-9
-static void test_counts_of_an_axis_that_is_on_are_locked(void) {
+TEST(test_counts_of_an_axis_that_is_on_are_locked) {
   unsigned on = 7 << 8, off = 7 << 8 | 1;
   struct mc *mc = guarded((struct mc_guard){.lock = 1});
   set_mode_within_100(mc, 1, MD_OFF);
@@ -261,7 +261,7 @@ static void turn(int axis, int by, int samples) {
 
 /* At 20 counts a sample, of which a quarter may be lost, and two. */
 // req: DRV-9
-static void test_speed_that_is_not_followed(void) {
+TEST(test_speed_that_is_not_followed) {
   int32_t demand[2] = {20, 0};
   for (int jammed = 0; jammed < 2; jammed++) {
     struct mc *mc = guarded((struct mc_guard){.follow = 100});
@@ -276,7 +276,7 @@ static void test_speed_that_is_not_followed(void) {
 }
 
 // req: DRV-9
-static void test_axis_that_is_off_stays_where_it_is(void) {
+TEST(test_axis_that_is_off_stays_where_it_is) {
   unsigned renumbered = 3000 << 8 | 1, dac = 0x8FF << 8 | 1;
   struct mc *mc = guarded((struct mc_guard){.follow = 100});
   set_mode_within_100(mc, 1, MD_OFF);
@@ -297,22 +297,4 @@ static void test_axis_that_is_off_stays_where_it_is(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_stop_holds_until_the_brakes_are_closed", test_stop_holds_until_the_brakes_are_closed},
-    {"test_without_brakes_a_stop_is_zero_at_once", test_without_brakes_a_stop_is_zero_at_once},
-    {"test_button_holds_until_the_brakes_are_closed",
-     test_button_holds_until_the_brakes_are_closed},
-    {"test_faulty_axis_is_let_go_the_other_is_held", test_faulty_axis_is_let_go_the_other_is_held},
-    {"test_overloaded_axis_is_let_go", test_overloaded_axis_is_let_go},
-    {"test_bus_error_is_zero_at_once", test_bus_error_is_zero_at_once},
-    {"test_close_and_enable_wait_for_the_brakes", test_close_and_enable_wait_for_the_brakes},
-    {"test_modes_that_changed_stop_the_machine", test_modes_that_changed_stop_the_machine},
-    {"test_checked_setpoints", test_checked_setpoints},
-    {"test_setpoints_that_change_on_their_way", test_setpoints_that_change_on_their_way},
-    {"test_latched_panic", test_latched_panic},
-    {"test_counts_of_an_axis_that_is_on_are_locked", test_counts_of_an_axis_that_is_on_are_locked},
-    {"test_speed_that_is_not_followed", test_speed_that_is_not_followed},
-    {"test_axis_that_is_off_stays_where_it_is", test_axis_that_is_off_stays_where_it_is},
-};
-
-MAIN(tests)
+MAIN

@@ -23,7 +23,7 @@ static void brakes_need_a_servo(struct mock *mock) {
 }
 
 // req: DRV-9
-static void test_enable_opens_brakes_with_the_servo(void) {
+TEST(test_enable_opens_brakes_with_the_servo) {
   struct mc *mc = mock_open(&m, 3);
   m.card[1].enabled[0] = 0;
   m.card[0].count[0] = 1234;
@@ -42,7 +42,7 @@ static void test_enable_opens_brakes_with_the_servo(void) {
 }
 
 // req: DRV-9 PAN-2
-static void test_enable_finds_dead_hardware(void) {
+TEST(test_enable_finds_dead_hardware) {
   struct mc *mc = mock_open(&m, 2);
   m.card[1].present = 0;
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
@@ -57,7 +57,7 @@ static void test_enable_finds_dead_hardware(void) {
 }
 
 // req: DRV-9 DRV-6
-static void test_stop(void) {
+TEST(test_stop) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 500;
   set_mode_within(mc, 0, MD_TORQ, 0);
@@ -84,7 +84,7 @@ static void test_stop(void) {
 }
 
 // req: DRV-9
-static void test_last_close_stops(void) {
+TEST(test_last_close_stops) {
   struct mc *mc = mock_open(&m, 1);
   int other = mc_open(mc, MC_O_RDWR);
   enable(mc);
@@ -103,7 +103,7 @@ static void test_last_close_stops(void) {
 }
 
 // req: DRV-5 DRV-6
-static void test_limit_without_softerr_shuts_down(void) {
+TEST(test_limit_without_softerr_shuts_down) {
   struct mc *mc = mock_open(&m, 1);
   set_mode_within(mc, 0, MD_POS | POSCHK, 0);
   int monitor = mc_open(mc, MC_O_RDONLY);
@@ -128,7 +128,7 @@ static void test_limit_without_softerr_shuts_down(void) {
 }
 
 // req: DRV-5 DRV-6
-static void test_softerr_reports_crossings_only(void) {
+TEST(test_softerr_reports_crossings_only) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
   set_mode_within(mc, 1, MD_POS | POSCHK | SOFTERR, 0);
@@ -152,7 +152,7 @@ static void test_softerr_reports_crossings_only(void) {
 }
 
 // req: DRV-5
-static void test_same_event_again_survives_the_clear(void) {
+TEST(test_same_event_again_survives_the_clear) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
   set_mode_within(mc, 0, MD_POS | POSCHK | SOFTERR, 0);
@@ -170,7 +170,7 @@ static void test_same_event_again_survives_the_clear(void) {
 }
 
 // req: SRV-4 DRV-6
-static void test_overload_shuts_down(void) {
+TEST(test_overload_shuts_down) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 1025;
   set_mode_within(mc, 0, MD_TORQ, 10);
@@ -185,7 +185,7 @@ static void test_overload_shuts_down(void) {
 }
 
 // req: DRV-5 DRV-6 DRV-12
-static void test_button(void) {
+TEST(test_button) {
   struct mc *mc = mock_open(&m, 2);
   set_mode_within(mc, 0, MD_TORQ | SOFTERR, 0);
   enable(mc);
@@ -203,7 +203,7 @@ static void test_button(void) {
 }
 
 // req: DRV-7 DRV-12
-static void test_dead_heartbeat_is_found_without_an_edge(void) {
+TEST(test_dead_heartbeat_is_found_without_an_edge) {
   struct mc *mc = mock_open(&m, 2);
   enable(mc);
   mock_run(&m, 10000);
@@ -217,7 +217,7 @@ static void test_dead_heartbeat_is_found_without_an_edge(void) {
 }
 
 // req: DRV-7 DRV-12
-static void test_lost_card(void) {
+TEST(test_lost_card) {
   struct mc *mc = mock_open(&m, 2);
   int32_t before;
   enable(mc);
@@ -232,7 +232,7 @@ static void test_lost_card(void) {
 }
 
 // req: DRV-9
-static void test_slow_interval_panics(void) {
+TEST(test_slow_interval_panics) {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 80000;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -243,7 +243,7 @@ static void test_slow_interval_panics(void) {
 }
 
 // req: DRV-7
-static void test_missed_are_counted_in_a_panic_too(void) {
+TEST(test_missed_are_counted_in_a_panic_too) {
   struct mc *mc = mock_open(&m, 1);
   enable(mc);
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
@@ -257,7 +257,7 @@ static void test_missed_are_counted_in_a_panic_too(void) {
 }
 
 // req: DRV-9
-static void test_panic_while_idle_is_counted_only(void) {
+TEST(test_panic_while_idle_is_counted_only) {
   struct mc *mc = mock_open(&m, 1);
   m.card[0].enabled[0] = m.card[0].enabled[1] = 0;
   mock_run(&m, 5000);
@@ -270,7 +270,7 @@ static void test_panic_while_idle_is_counted_only(void) {
 }
 
 // req: DRV-8 CAL-1
-static void test_calibration(void) {
+TEST(test_calibration) {
   struct mc *mc = mock_open(&m, 1);
   struct mock_card *c = &m.card[0];
   int axis = 1;
@@ -304,7 +304,7 @@ static void strike(struct mock *mock) {
 }
 
 // req: DRV-8
-static void test_calibration_never_reports_another_count(void) {
+TEST(test_calibration_never_reports_another_count) {
   for (strike_at = 1; strike_at < 20; strike_at++) {
     struct mc *mc = mock_open(&m, 1);
     int axis = 0;
@@ -325,7 +325,7 @@ static void test_calibration_never_reports_another_count(void) {
 }
 
 // req: DRV-9 SRV-6
-static void test_mode_change_under_power_does_not_jump(void) {
+TEST(test_mode_change_under_power_does_not_jump) {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 30;
   set_mode_within(mc, 0, MD_VEL, 0);
@@ -340,24 +340,4 @@ static void test_mode_change_under_power_does_not_jump(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_enable_opens_brakes_with_the_servo", test_enable_opens_brakes_with_the_servo},
-    {"test_enable_finds_dead_hardware", test_enable_finds_dead_hardware},
-    {"test_stop", test_stop},
-    {"test_last_close_stops", test_last_close_stops},
-    {"test_limit_without_softerr_shuts_down", test_limit_without_softerr_shuts_down},
-    {"test_softerr_reports_crossings_only", test_softerr_reports_crossings_only},
-    {"test_same_event_again_survives_the_clear", test_same_event_again_survives_the_clear},
-    {"test_overload_shuts_down", test_overload_shuts_down},
-    {"test_button", test_button},
-    {"test_dead_heartbeat_is_found_without_an_edge", test_dead_heartbeat_is_found_without_an_edge},
-    {"test_lost_card", test_lost_card},
-    {"test_slow_interval_panics", test_slow_interval_panics},
-    {"test_missed_are_counted_in_a_panic_too", test_missed_are_counted_in_a_panic_too},
-    {"test_panic_while_idle_is_counted_only", test_panic_while_idle_is_counted_only},
-    {"test_calibration", test_calibration},
-    {"test_calibration_never_reports_another_count", test_calibration_never_reports_another_count},
-    {"test_mode_change_under_power_does_not_jump", test_mode_change_under_power_does_not_jump},
-};
-
-MAIN(tests)
+MAIN

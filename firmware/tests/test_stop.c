@@ -19,7 +19,7 @@ static void at_rest(const struct mc *mc) {
 }
 
 // req: DRV-4 DRV-9
-static void test_a_stop_holds_until_an_enable(void) {
+TEST(test_a_stop_holds_until_an_enable) {
   for (int how = 0; how < 2; how++) {
     struct mc *mc = listening(1);
     int32_t set[2] = {300, -300};
@@ -69,7 +69,7 @@ static void stop_in_wait(void *ctx, uint32_t us) {
 
 /* Between any two steps of an enable: it fails, nothing moves, no brake opens. */
 // req: DRV-3 DRV-9
-static void test_a_stop_ends_an_enable_under_way(void) {
+TEST(test_a_stop_ends_an_enable_under_way) {
   int last = 0;
   for (stop_at = 0; !last; stop_at++) {
     for (int how = 0; how < 2; how++) {
@@ -102,7 +102,7 @@ static void test_a_stop_ends_an_enable_under_way(void) {
 }
 
 // req: DRV-9
-static void test_a_halt_of_a_closed_or_dead_machine(void) {
+TEST(test_a_halt_of_a_closed_or_dead_machine) {
   struct mc *mc = mock_start(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_halt(mc), 0);
@@ -122,7 +122,7 @@ static void test_a_halt_of_a_closed_or_dead_machine(void) {
 
 /* Monitors keep nothing going, and lose nothing: state goes on. */
 // req: DRV-2 DRV-9
-static void test_the_last_writer_stops_the_machine(void) {
+TEST(test_the_last_writer_stops_the_machine) {
   struct mc *mc = listening(1);
   int32_t set = 40;
   struct mc_state state;
@@ -154,7 +154,7 @@ static void test_the_last_writer_stops_the_machine(void) {
 
 /* The law that an axis had before the stop is not what MD_OFF runs. */
 // req: DRV-6 SRV-6
-static void test_no_error_of_the_old_mode_after_a_stop(void) {
+TEST(test_no_error_of_the_old_mode_after_a_stop) {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1};
   for (int i = 0; i < 8; i++) {
     struct mc *mc = listening(1);
@@ -185,7 +185,7 @@ static void test_no_error_of_the_old_mode_after_a_stop(void) {
 
 /* Nothing written before an enable moves anything after it, whatever ended the one before. */
 // req: DRV-6 DRV-9
-static void test_enable_moves_nothing_before_a_new_demand(void) {
+TEST(test_enable_moves_nothing_before_a_new_demand) {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_POS | ZEROFB, MD_POS | ADFB};
   for (int i = 0; i < 5 * 4; i++) {
     struct mc *mc = listening(1);
@@ -225,7 +225,7 @@ static void test_enable_moves_nothing_before_a_new_demand(void) {
 }
 
 // req: DRV-6 DRV-8
-static void test_an_error_gives_no_calibration_up(void) {
+TEST(test_an_error_gives_no_calibration_up) {
   struct mc *mc = listening(2);
   int axis = 1;
   set_mode_within_100(mc, 2, MD_POS | POSCHK);
@@ -244,7 +244,7 @@ static void test_an_error_gives_no_calibration_up(void) {
 /* What the law has prepared is of the mode that a stop leaves, no less: else each sample after it
  * is in 64 bits, and on a 68020 too long. */
 // req: DRV-9 SRV-1
-static void test_a_stop_prepares_what_a_mode_of_off_has(void) {
+TEST(test_a_stop_prepares_what_a_mode_of_off_has) {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_OFF};
   for (int i = 0; i < 5; i++) {
     struct mc *mc = listening(1);
@@ -263,16 +263,4 @@ static void test_a_stop_prepares_what_a_mode_of_off_has(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_a_stop_prepares_what_a_mode_of_off_has", test_a_stop_prepares_what_a_mode_of_off_has},
-    {"test_an_error_gives_no_calibration_up", test_an_error_gives_no_calibration_up},
-    {"test_enable_moves_nothing_before_a_new_demand",
-     test_enable_moves_nothing_before_a_new_demand},
-    {"test_no_error_of_the_old_mode_after_a_stop", test_no_error_of_the_old_mode_after_a_stop},
-    {"test_a_stop_holds_until_an_enable", test_a_stop_holds_until_an_enable},
-    {"test_a_stop_ends_an_enable_under_way", test_a_stop_ends_an_enable_under_way},
-    {"test_a_halt_of_a_closed_or_dead_machine", test_a_halt_of_a_closed_or_dead_machine},
-    {"test_the_last_writer_stops_the_machine", test_the_last_writer_stops_the_machine},
-};
-
-MAIN(tests)
+MAIN

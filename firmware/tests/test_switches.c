@@ -15,7 +15,7 @@ static void enable(struct mc *mc) {
 }
 
 // req: DRV-6 DRV-9
-static void test_a_new_interval_keeps_the_grace_of_a_stop(void) {
+TEST(test_a_new_interval_keeps_the_grace_of_a_stop) {
   static const unsigned intervals[] = {100, 500, 2000, 9000, 100000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
     struct mc *mc = mock_open(&m, 1);
@@ -48,7 +48,7 @@ static void creep(struct mock *mock) {
 }
 
 // req: DRV-10
-static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
+TEST(test_an_encoder_is_set_anywhere_and_while_it_moves) {
   static const int values[] = {0, 1, -1, 0x1234, -0x1234, 0x7FFD, -0x8000};
   for (int i = 0; i < 4 * 3 * 7; i++) {
     struct mc *mc = mock_open(&m, 2);
@@ -72,7 +72,7 @@ static void test_an_encoder_is_set_anywhere_and_while_it_moves(void) {
 }
 
 // req: DRV-10 SRV-6
-static void test_setting_an_encoder_is_no_movement_and_no_crossing(void) {
+TEST(test_setting_an_encoder_is_no_movement_and_no_crossing) {
   struct mc *mc = mock_open(&m, 1);
   set_mode_within_100(mc, 0, MD_VEL | POSCHK | SOFTERR);
   enable(mc);
@@ -123,7 +123,7 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
 
 /* Not by a single D/A unit: neither does the axis jump nor the servo forget what it holds. */
 // req: DRV-10 DRV-9 SRV-1
-static void test_another_number_for_the_place_moves_no_axis(void) {
+TEST(test_another_number_for_the_place_moves_no_axis) {
   static const int modes[] = {MD_POS, MD_VEL, MD_POS | ADFB, MD_POS | ZEROFB | COULCOMP, MD_TORQ};
   int32_t plain[20][3], renumbered[20][3];
   for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
@@ -134,7 +134,7 @@ static void test_another_number_for_the_place_moves_no_axis(void) {
 }
 
 // req: DRV-12
-static void test_each_axis_has_its_light(void) {
+TEST(test_each_axis_has_its_light) {
   struct mc *mc = mock_open(&m, 2);
   m.logging = 1;
   for (unsigned axis = 0; axis < 4; axis++) call(mc, MSETLED, axis | 0x100);
@@ -159,7 +159,7 @@ static void count_relay(void *ctx, uint32_t us) {
 }
 
 // req: DIA-2 DRV-12
-static void test_diagnostic_modes(void) {
+TEST(test_diagnostic_modes) {
   for (int live = 0; live < 2; live++) {
     struct mc *mc = mock_open(&m, 2);
     if (live) enable(mc);
@@ -191,7 +191,7 @@ static void test_diagnostic_modes(void) {
 }
 
 // req: DRV-12
-static void test_double_buffering(void) {
+TEST(test_double_buffering) {
   struct mc *mc = mock_open(&m, 2);
   enable(mc);
   m.logging = 1;
@@ -214,7 +214,7 @@ static void test_double_buffering(void) {
 }
 
 // req: DRV-6 DRV-9
-static void test_stop_turns_modes_off_and_leaves_the_switches(void) {
+TEST(test_stop_turns_modes_off_and_leaves_the_switches) {
   struct mc *mc = mock_open(&m, 2);
   struct mc_param par;
   int32_t values[4] = {1, 2, 3, 4};
@@ -239,7 +239,7 @@ static void test_stop_turns_modes_off_and_leaves_the_switches(void) {
 }
 
 // req: DRV-3
-static void test_every_counter_of_the_statistics(void) {
+TEST(test_every_counter_of_the_statistics) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
   static const struct mc_stats none;
@@ -264,21 +264,4 @@ static void test_every_counter_of_the_statistics(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_a_new_interval_keeps_the_grace_of_a_stop",
-     test_a_new_interval_keeps_the_grace_of_a_stop},
-    {"test_an_encoder_is_set_anywhere_and_while_it_moves",
-     test_an_encoder_is_set_anywhere_and_while_it_moves},
-    {"test_setting_an_encoder_is_no_movement_and_no_crossing",
-     test_setting_an_encoder_is_no_movement_and_no_crossing},
-    {"test_another_number_for_the_place_moves_no_axis",
-     test_another_number_for_the_place_moves_no_axis},
-    {"test_each_axis_has_its_light", test_each_axis_has_its_light},
-    {"test_diagnostic_modes", test_diagnostic_modes},
-    {"test_double_buffering", test_double_buffering},
-    {"test_stop_turns_modes_off_and_leaves_the_switches",
-     test_stop_turns_modes_off_and_leaves_the_switches},
-    {"test_every_counter_of_the_statistics", test_every_counter_of_the_statistics},
-};
-
-MAIN(tests)
+MAIN

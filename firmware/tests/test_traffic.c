@@ -5,7 +5,7 @@
 static struct mock m;
 
 // req: DRV-7 SRV-1 DRV-11
-static void test_pass_enabled(void) {
+TEST(test_pass_enabled) {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 500);
@@ -28,7 +28,7 @@ static void test_pass_enabled(void) {
 }
 
 // req: DRV-7 DRV-9
-static void test_pass_idle_writes_no_dac(void) {
+TEST(test_pass_idle_writes_no_dac) {
   mock_open(&m, 3);
   m.logging = 1;
   mock_run(&m, 10000);
@@ -38,7 +38,7 @@ static void test_pass_idle_writes_no_dac(void) {
 }
 
 // req: DRV-7
-static void test_pass_length(void) {
+TEST(test_pass_length) {
   struct mc *mc = mock_open(&m, 3);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 500);
@@ -50,7 +50,7 @@ static void test_pass_length(void) {
 }
 
 // req: DRV-2
-static void test_scan(void) {
+TEST(test_scan) {
   struct mc *mc = mock_start(&m, 0);
   m.card[3].present = m.card[9].present = 1;
   m.logging = 1;
@@ -73,7 +73,7 @@ static void test_scan(void) {
 }
 
 // req: DRV-2 DIA-2
-static void test_scan_switches_joints_in_before_counting(void) {
+TEST(test_scan_switches_joints_in_before_counting) {
   struct mc *mc = mock_start(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
@@ -92,7 +92,7 @@ static void test_scan_switches_joints_in_before_counting(void) {
 }
 
 // req: DRV-2
-static void test_no_adaptor(void) {
+TEST(test_no_adaptor) {
   struct mc *mc = mock_start(&m, 3);
   m.adaptor_dead = 1;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
@@ -100,7 +100,7 @@ static void test_no_adaptor(void) {
 }
 
 // req: DRV-3
-static void test_timer_programming(void) {
+TEST(test_timer_programming) {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 1000;
   m.logging = 1;
@@ -117,7 +117,7 @@ static void test_timer_programming(void) {
 }
 
 // req: DRV-3
-static void test_intervals(void) {
+TEST(test_intervals) {
   struct mc *mc = mock_open(&m, 1);
   static const unsigned good[] = {100,   101,   997,   1000,    2000,
                                   16384, 16385, 50000, 1000003, 500000000};
@@ -140,7 +140,7 @@ static void test_intervals(void) {
 }
 
 // req: DRV-7
-static void test_missed_are_counted_exactly(void) {
+TEST(test_missed_are_counted_exactly) {
   mock_open(&m, 1);
   unsigned us = 1000;
   CHECK_EQ(mc_ioctl(m.memory, 0, MSETINTERVAL, &us), 0);
@@ -162,7 +162,7 @@ static void test_missed_are_counted_exactly(void) {
 }
 
 // req: DRV-7
-static void test_overruns_are_counted(void) {
+TEST(test_overruns_are_counted) {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 1000;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -180,7 +180,7 @@ static void test_overruns_are_counted(void) {
 }
 
 // req: DRV-11
-static void test_adc_times_out(void) {
+TEST(test_adc_times_out) {
   mock_open(&m, 1);
   m.card[0].adc[0] = 3000;
   mock_run(&m, 2100);
@@ -201,7 +201,7 @@ static void test_adc_times_out(void) {
 }
 
 // req: DRV-12
-static void test_modes_act_on_hardware(void) {
+TEST(test_modes_act_on_hardware) {
   struct mc *mc = mock_open(&m, 2);
   int on = 1, led = 0x102, diag = M_ENDIAG, bad = 4;
   CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
@@ -216,7 +216,7 @@ static void test_modes_act_on_hardware(void) {
 }
 
 // req: DRV-10
-static void test_set_encoder_traffic(void) {
+TEST(test_set_encoder_traffic) {
   struct mc *mc = mock_open(&m, 1);
   unsigned arg = 0xFF9C01;
   m.logging = 1;
@@ -237,7 +237,7 @@ static void test_set_encoder_traffic(void) {
 }
 
 // req: DRV-7
-static void test_new_interval_at_any_phase_misses_nothing(void) {
+TEST(test_new_interval_at_any_phase_misses_nothing) {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 2000;
   for (int phase = 0; phase < 2000; phase += 37) {
@@ -249,22 +249,4 @@ static void test_new_interval_at_any_phase_misses_nothing(void) {
   mock_stop(&m);
 }
 
-static const struct test tests[] = {
-    {"test_pass_enabled", test_pass_enabled},
-    {"test_pass_idle_writes_no_dac", test_pass_idle_writes_no_dac},
-    {"test_pass_length", test_pass_length},
-    {"test_scan", test_scan},
-    {"test_scan_switches_joints_in_before_counting", test_scan_switches_joints_in_before_counting},
-    {"test_no_adaptor", test_no_adaptor},
-    {"test_timer_programming", test_timer_programming},
-    {"test_intervals", test_intervals},
-    {"test_missed_are_counted_exactly", test_missed_are_counted_exactly},
-    {"test_overruns_are_counted", test_overruns_are_counted},
-    {"test_new_interval_at_any_phase_misses_nothing",
-     test_new_interval_at_any_phase_misses_nothing},
-    {"test_adc_times_out", test_adc_times_out},
-    {"test_modes_act_on_hardware", test_modes_act_on_hardware},
-    {"test_set_encoder_traffic", test_set_encoder_traffic},
-};
-
-MAIN(tests)
+MAIN

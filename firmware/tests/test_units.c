@@ -8,7 +8,7 @@ static struct mock m;
 /* --- registers ------------------------------------------------------------------------------- */
 
 // req: DRV-10
-static void test_registers_of_every_axis(void) {
+TEST(test_registers_of_every_axis) {
   struct mc *mc = mock_open(&m, 3);
   m.logging = 1;
   for (unsigned axis = 0; axis < 6; axis++) {
@@ -34,7 +34,7 @@ static void test_registers_of_every_axis(void) {
 }
 
 // req: DRV-12
-static void test_bits_are_set_and_cleared_one_by_one(void) {
+TEST(test_bits_are_set_and_cleared_one_by_one) {
   struct mc *mc = mock_open(&m, 2);
   m.logging = 1;
   CHECK_EQ(mc->pccsr, 0xB8);
@@ -95,7 +95,7 @@ static struct mc *faulty(int with_lists) {
 }
 
 // req: DRV-3 DRV-7
-static void test_failed_accesses_are_noted(void) {
+TEST(test_failed_accesses_are_noted) {
   static const uint16_t list[] = {0x049, 0x04B};
   static const uint8_t zero[2] = {0};
   for (int with_lists = 0; with_lists < 2; with_lists++) {
@@ -138,7 +138,7 @@ static int traffic_of_a_pass(int with_lists, struct mock_access *log) {
 }
 
 // req: DRV-7 DRV-11
-static void test_lists_are_the_same_accesses(void) {
+TEST(test_lists_are_the_same_accesses) {
   static struct mock_access one[MOCK_LOG], other[MOCK_LOG];
   int n = traffic_of_a_pass(0, one);
   CHECK_EQ(n, traffic_of_a_pass(1, other));
@@ -146,7 +146,7 @@ static void test_lists_are_the_same_accesses(void) {
 }
 
 // req: DRV-3 DRV-6
-static void test_requests_report_a_dead_adaptor(void) {
+TEST(test_requests_report_a_dead_adaptor) {
   for (int kind = 0; kind < 4; kind++) { /* reads or writes fail, with lists or without */
     struct mc *mc = faulty(kind & 1);
     unsigned us = 1000, where = 1, light = 0x100, on = 1, got = 0;
@@ -181,7 +181,7 @@ static enum mc_bus_result doubtful_read(void *ctx, uint16_t offset, uint8_t *val
 }
 
 // req: DRV-9 DRV-12
-static void test_a_card_answers_if_both_patterns_come_back(void) {
+TEST(test_a_card_answers_if_both_patterns_come_back) {
   struct mc *mc = mock_open(&m, 2);
   mc->bus.read8 = doubtful_read;
   for (int at = 1; at < 4; at++) {
@@ -200,7 +200,7 @@ static void test_a_card_answers_if_both_patterns_come_back(void) {
 /* --- timers ---------------------------------------------------------------------------------- */
 
 // req: DRV-3
-static void test_interval_arithmetic(void) {
+TEST(test_interval_arithmetic) {
   struct mc *mc = mock_open(&m, 1);
   static const uint32_t clocks[] = {8000000, 4000000, 2000000, 1000000};
   for (unsigned c = 0; c < 4; c++) {
@@ -238,7 +238,7 @@ static void test_interval_arithmetic(void) {
 }
 
 // req: DRV-6 DRV-9
-static void test_ticks_last_at_least_as_long(void) {
+TEST(test_ticks_last_at_least_as_long) {
   struct mc *mc = mock_open(&m, 1);
   static const uint32_t intervals[] = {100, 500, 2000, 60000, 70000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
@@ -254,7 +254,7 @@ static void test_ticks_last_at_least_as_long(void) {
 /* --- text, counters -------------------------------------------------------------------------- */
 
 // req: DRV-2
-static void test_lines_for_the_console(void) {
+TEST(test_lines_for_the_console) {
   struct mc *mc = mock_open(&m, 1);
   static const struct {
     int number;
@@ -288,7 +288,7 @@ static void test_lines_for_the_console(void) {
 }
 
 // req: DRV-3
-static void test_counters_stop_at_the_largest(void) {
+TEST(test_counters_stop_at_the_largest) {
   static const struct {
     int from;
     unsigned by;
@@ -311,18 +311,4 @@ static void test_counters_stop_at_the_largest(void) {
   }
 }
 
-static const struct test tests[] = {
-    {"test_registers_of_every_axis", test_registers_of_every_axis},
-    {"test_bits_are_set_and_cleared_one_by_one", test_bits_are_set_and_cleared_one_by_one},
-    {"test_failed_accesses_are_noted", test_failed_accesses_are_noted},
-    {"test_lists_are_the_same_accesses", test_lists_are_the_same_accesses},
-    {"test_requests_report_a_dead_adaptor", test_requests_report_a_dead_adaptor},
-    {"test_a_card_answers_if_both_patterns_come_back",
-     test_a_card_answers_if_both_patterns_come_back},
-    {"test_interval_arithmetic", test_interval_arithmetic},
-    {"test_ticks_last_at_least_as_long", test_ticks_last_at_least_as_long},
-    {"test_lines_for_the_console", test_lines_for_the_console},
-    {"test_counters_stop_at_the_largest", test_counters_stop_at_the_largest},
-};
-
-MAIN(tests)
+MAIN
