@@ -15,7 +15,7 @@ module bench_i8255 (
   logic reset, cs_n, rd_n, wr_n;
   logic [1:0] a;
   logic [7:0] d, pa, pb, pc;
-  logic [56:0] dut_resp, readable_resp;
+  logic [1:0][56:0] resp;
 
   bench_replay #(
       .InBits(38),
@@ -27,71 +27,35 @@ module bench_i8255 (
       .id_i,
       .length_i,
       .stim_o({pc, pb, pa, d, a, wr_n, rd_n, cs_n, reset}),
-      .resp_i(pick_i[0] ? readable_resp : dut_resp),
+      .resp_i(resp[pick_i[0]]),
       .done_o
   );
 
-  logic [7:0] dut_d, dut_pa, dut_pa_oe, dut_pb, dut_pb_oe, dut_pc, dut_pc_oe;
-  logic dut_oe;
-
-  i8255 u_dut (
-      .clk_i,
-      .rst_ni,
-      .reset_i(reset),
-      .cs_ni(cs_n),
-      .rd_ni(rd_n),
-      .wr_ni(wr_n),
-      .a_i(a),
-      .d_i(d),
-      .d_o(dut_d),
-      .d_oe_o(dut_oe),
-      .pa_i(pa),
-      .pa_o(dut_pa),
-      .pa_oe_o(dut_pa_oe),
-      .pb_i(pb),
-      .pb_o(dut_pb),
-      .pb_oe_o(dut_pb_oe),
-      .pc_i(pc),
-      .pc_o(dut_pc),
-      .pc_oe_o(dut_pc_oe)
-  );
-
-  assign dut_resp = {
-    dut_pc_oe, dut_pc, dut_pb_oe, dut_pb, dut_pa_oe, dut_pa, dut_oe, dut_d
-  };
-
-  logic [7:0] readable_d, readable_pa, readable_pa_oe, readable_pb, readable_pb_oe;
-  logic [7:0] readable_pc, readable_pc_oe;
-  logic readable_oe;
-
-  i8255 #(
-      .ControlReadable(1'b1)
-  ) u_readable (
-      .clk_i,
-      .rst_ni,
-      .reset_i(reset),
-      .cs_ni(cs_n),
-      .rd_ni(rd_n),
-      .wr_ni(wr_n),
-      .a_i(a),
-      .d_i(d),
-      .d_o(readable_d),
-      .d_oe_o(readable_oe),
-      .pa_i(pa),
-      .pa_o(readable_pa),
-      .pa_oe_o(readable_pa_oe),
-      .pb_i(pb),
-      .pb_o(readable_pb),
-      .pb_oe_o(readable_pb_oe),
-      .pc_i(pc),
-      .pc_o(readable_pc),
-      .pc_oe_o(readable_pc_oe)
-  );
-
-  assign readable_resp = {
-    readable_pc_oe, readable_pc, readable_pb_oe, readable_pb, readable_pa_oe, readable_pa,
-    readable_oe, readable_d
-  };
+  for (genvar v = 0; v < 2; v++) begin : g_part
+    i8255 #(
+        .ControlReadable(v == 1)
+    ) u_part (
+        .clk_i,
+        .rst_ni,
+        .reset_i(reset),
+        .cs_ni(cs_n),
+        .rd_ni(rd_n),
+        .wr_ni(wr_n),
+        .a_i(a),
+        .d_i(d),
+        .d_o(resp[v][7:0]),
+        .d_oe_o(resp[v][8]),
+        .pa_i(pa),
+        .pa_o(resp[v][16:9]),
+        .pa_oe_o(resp[v][24:17]),
+        .pb_i(pb),
+        .pb_o(resp[v][32:25]),
+        .pb_oe_o(resp[v][40:33]),
+        .pc_i(pc),
+        .pc_o(resp[v][48:41]),
+        .pc_oe_o(resp[v][56:49])
+    );
+  end
 endmodule
 
 `default_nettype wire

@@ -17,7 +17,7 @@ module bench_thct2000 (
   localparam logic [InBits-1:0] Idle = 21'h000702;
 
   logic [InBits-1:0] stim;
-  logic [OutBits-1:0] dut_resp, filter_resp;
+  logic [1:0][OutBits-1:0] resp;
 
   bench_replay #(
       .InBits(InBits),
@@ -29,7 +29,7 @@ module bench_thct2000 (
       .id_i,
       .length_i,
       .stim_o(stim),
-      .resp_i(pick_i[0] ? filter_resp : dut_resp),
+      .resp_i(resp[pick_i[0]]),
       .done_o
   );
 
@@ -39,61 +39,30 @@ module bench_thct2000 (
 
   assign {other, d, rs, wr_n, rd_n, cs_n, latch, b, a, m, clk_en, reset} = stim;
 
-  logic [7:0] dut_d;
-  logic [15:0] dut_count;
-  logic dut_oe, dut_illegal;
-
-  thct2000 u_dut (
-      .clk_i(clk_i),
-      .rst_ni,
-      .reset_i(reset),
-      .clk_en_i(clk_en),
-      .m_i(m),
-      .a_i(a),
-      .b_i(b),
-      .latch_i(latch),
-      .other_i(other),
-      .cs_ni(cs_n),
-      .rd_ni(rd_n),
-      .wr_ni(wr_n),
-      .rs_i(rs),
-      .d_i(d),
-      .d_o(dut_d),
-      .d_oe_o(dut_oe),
-      .count_o(dut_count),
-      .illegal_o(dut_illegal)
-  );
-
-  assign dut_resp = {dut_illegal, dut_count, dut_oe, dut_d};
-
-  logic [7:0] filter_d;
-  logic [15:0] filter_count;
-  logic filter_oe, filter_illegal;
-
-  thct2000 #(
-      .Filter(2)
-  ) u_filter (
-      .clk_i(clk_i),
-      .rst_ni,
-      .reset_i(reset),
-      .clk_en_i(clk_en),
-      .m_i(m),
-      .a_i(a),
-      .b_i(b),
-      .latch_i(latch),
-      .other_i(other),
-      .cs_ni(cs_n),
-      .rd_ni(rd_n),
-      .wr_ni(wr_n),
-      .rs_i(rs),
-      .d_i(d),
-      .d_o(filter_d),
-      .d_oe_o(filter_oe),
-      .count_o(filter_count),
-      .illegal_o(filter_illegal)
-  );
-
-  assign filter_resp = {filter_illegal, filter_count, filter_oe, filter_d};
+  for (genvar v = 0; v < 2; v++) begin : g_part
+    thct2000 #(
+        .Filter(2 * v)
+    ) u_part (
+        .clk_i(clk_i),
+        .rst_ni,
+        .reset_i(reset),
+        .clk_en_i(clk_en),
+        .m_i(m),
+        .a_i(a),
+        .b_i(b),
+        .latch_i(latch),
+        .other_i(other),
+        .cs_ni(cs_n),
+        .rd_ni(rd_n),
+        .wr_ni(wr_n),
+        .rs_i(rs),
+        .d_i(d),
+        .d_o(resp[v][7:0]),
+        .d_oe_o(resp[v][8]),
+        .count_o(resp[v][24:9]),
+        .illegal_o(resp[v][25])
+    );
+  end
 endmodule
 
 `default_nettype wire
