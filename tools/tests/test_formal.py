@@ -84,7 +84,7 @@ def test_a_group_is_whole(file):
 
 def test_a_file_that_is_not_there_is_named(tmp_path):
     group = tmp_path / "group.sby"
-    group.write_text("[script]\nread_verilog -sv {no_such_module}\n")
+    group.write_text("[options]\n\n[script]\nread_verilog -sv {no_such_module}\n")
     with pytest.raises(SystemExit, match=r"group.sby reads 'no_such_module', which is not there"):
         formal.text(group)
 
