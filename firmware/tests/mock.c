@@ -385,6 +385,7 @@ static int os_copy(void *ctx, void *to, const void *from, size_t len) {
 }
 
 struct mc *mock_start(struct mock *m, int cards) {
+  free(m->memory);
   memset(m, 0, sizeof *m);
   for (int i = 0; i < 16; i++) {
     m->card[i].present = i < cards;
@@ -402,10 +403,6 @@ struct mc *mock_start(struct mock *m, int cards) {
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x40};
   if (mc_attach(m->memory, &m->bus, &m->os, &config) != 0) abort();
   return m->memory;
-}
-
-void mock_stop(struct mock *m) {
-  free(m->memory);
 }
 
 struct mc *mock_open(struct mock *m, int cards) {

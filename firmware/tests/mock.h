@@ -69,8 +69,8 @@ struct mock {
   void (*on_access)(struct mock *m); /* a test's hook, called after each access */
 };
 
+/* A new driver, of which `m` has had another, or is all 0. */
 struct mc *mock_start(struct mock *m, int cards);
-void mock_stop(struct mock *m);
 void mock_run(struct mock *m, int64_t us);
 /* To the end of the next pass. */
 void mock_pass(struct mock *m);

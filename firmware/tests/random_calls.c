@@ -179,6 +179,5 @@ int main(int argc, char **argv) {
     if (i % 50000 == 0 || i == calls) orderly(mc);
   }
   printf("%ld calls\n", calls);
-  mock_stop(&m);
   return 0;
 }

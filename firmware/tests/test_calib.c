@@ -22,7 +22,6 @@ TEST(test_arming_traffic) {
   EXPECT(&m, want);
   CHECK_EQ(m.card[0].b, 5);
   CHECK_EQ(m.card[2].b, 5);
-  mock_stop(&m);
 }
 
 // req: DRV-7 DRV-8
@@ -40,7 +39,6 @@ TEST(test_pass_of_a_calibrating_card) {
       R(0x019), R(0x01B),       R(0x01D),       R(0x059),       R(0x05B), R(0x05D), W(0x407, 0x80),
       R(0x405), R(0x405),       W(0x407, 0x80), R(0x405),       R(0x405)};
   EXPECT(&m, want);
-  mock_stop(&m);
 }
 
 // req: DRV-5 DRV-8 CAL-1
@@ -64,7 +62,6 @@ TEST(test_every_axis_finds_its_own_index) {
     pass_index(&m, axis, 4); /* once is enough */
     mock_run(&m, 6000);
     CHECK_EQ(m.signals[0], 1);
-    mock_stop(&m);
   }
 }
 
@@ -90,7 +87,6 @@ TEST(test_two_axes_of_a_card_one_after_the_other) {
     CHECK_EQ(errcode_of(&m, 2 + second), 60 << 16 | (2 + second) << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 0x0D); /* latched by SCLOCK and double-buffered again */
     CHECK_EQ(m.signals[0], 2);
-    mock_stop(&m);
   }
 }
 
@@ -105,7 +101,6 @@ TEST(test_two_at_once_are_one_signal) {
   CHECK_EQ(errcode_of(&m, 1), 11 << 16 | 1 << 8 | MERR_ZINDEX);
   CHECK_EQ(errcode_of(&m, 2), 22 << 16 | 2 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.signals[0], 1);
-  mock_stop(&m);
 }
 
 /* Port C then reads as an absent card's does. */
@@ -123,7 +118,6 @@ TEST(test_both_indexes_of_a_live_card_are_no_absence) {
   CHECK_EQ(errcode_of(&m, 1), 22 << 16 | 1 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.card[0].b, 7);
   CHECK(!mock_panic(&m));
-  mock_stop(&m);
 }
 
 static int strike_at, struck, struck_axis;
@@ -178,7 +172,6 @@ TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken) {
     CHECK_EQ(errcode_of(&m, 2), 5 << 16 | 2 << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 5);
     CHECK_EQ(m.signals[0], 2);
-    mock_stop(&m);
   }
   CHECK_EQ(doubts, 3); /* after the first read of port C, before its own pair */
   CHECK(found >= 10);
@@ -211,7 +204,6 @@ TEST(test_the_doubt_of_one_axis_is_not_the_others) {
         mock_pass(&m);
         CHECK_EQ(errcode_of(&m, other), 70 << 16 | other << 8 | MERR_ZINDEX);
       }
-      mock_stop(&m);
     }
   }
   CHECK_EQ(doubts, 3 + 1);
@@ -237,7 +229,6 @@ TEST(test_an_index_while_not_armed_is_not_believed) {
       CHECK_EQ(m.signals[0], 0);
       CHECK_EQ(m.card[1].b, 0x11);
     }
-    mock_stop(&m);
   }
 }
 
@@ -268,7 +259,6 @@ TEST(test_the_servo_sees_where_the_axis_is) {
         }
         CHECK_EQ(errcode_of(&m, axis), 0);
       }
-      mock_stop(&m);
     }
   }
 }
@@ -309,7 +299,6 @@ TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other) {
     pass_index(&m, axis, 3);
     mock_pass(&m);
     CHECK_EQ(try_mode(mc, axis, MD_POS | ADFB), 0); /* it is over */
-    mock_stop(&m);
   }
 }
 
@@ -335,7 +324,6 @@ TEST(test_a_stop_gives_calibrations_up) {
       for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
       struct mc_state state;
       CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
-      mock_stop(&m);
     }
   }
 }

@@ -38,7 +38,6 @@ TEST(test_defaults) {
   CHECK_EQ(us, 2000);
   CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &verbosity), 0);
   CHECK_EQ(verbosity, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -52,7 +51,6 @@ TEST(test_bad_pointers) {
   }
   CHECK_EQ(mc_read(mc, 0, buf, 28), -MC_EFAULT);
   CHECK_EQ(mc_write(mc, 0, buf, 4), -MC_EFAULT);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -68,7 +66,6 @@ TEST(test_unknown_requests_and_descriptors) {
   CHECK_EQ(mc_open(mc, 3), -MC_EINVAL);
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, MC_O_RDONLY), i);
   CHECK_EQ(mc_open(mc, MC_O_RDONLY), -MC_ENFILE);
-  mock_stop(&m);
 }
 
 // req: DRV-2 DRV-3
@@ -91,7 +88,6 @@ TEST(test_read_only_may_look_only) {
   CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
   CHECK_EQ(mc_read(mc, blind, &state, 28), -MC_EBADF);
   CHECK_EQ(mc_write(mc, blind, &zero, 4), 4);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -121,7 +117,6 @@ TEST(test_rejected_parameters_change_nothing) {
   }
   before.which = 2;
   CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &before), -MC_EINVAL);
-  mock_stop(&m);
 }
 
 /* Several SCLOCKs last 50 ms at most; a single one may last longer, and panics by design. */
@@ -147,7 +142,6 @@ TEST(test_a_servo_is_no_slower_than_its_heartbeats) {
   us = 60000;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -164,7 +158,6 @@ TEST(test_axes_out_of_range) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &word), -MC_EINVAL);
   CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &word), -MC_EINVAL);
   CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), -MC_EINVAL);
-  mock_stop(&m);
 }
 
 // req: DRV-4
@@ -182,7 +175,6 @@ TEST(test_read_and_write_sizes) {
   CHECK_EQ(mc_write(mc, 0, set, 8), 8);
   CHECK_EQ(mc_setpoint(mc, 1), 2);
   CHECK_EQ(mc_setpoint(mc, 2), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-11 SRV-1
@@ -198,7 +190,6 @@ TEST(test_state_follows_the_axis_while_off) {
   CHECK_EQ(state->vel, 45);
   CHECK_EQ(state->adcvai, 100);
   CHECK_EQ(state->inow, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-12
@@ -218,7 +209,6 @@ TEST(test_set_dac) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &position), -MC_EINVAL);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(mock_dac(&m, 1), 0x800);
-  mock_stop(&m);
 }
 
 // req: SRV-1
@@ -232,7 +222,6 @@ TEST(test_clkdivisor) {
   int start = mc_state_of(mc, 0)->inow, passes = m.passes;
   mock_run(&m, 60000);
   CHECK_EQ(mc_state_of(mc, 0)->inow - start, (m.passes - passes) / 3);
-  mock_stop(&m);
 }
 
 // req: DRV-3 DRV-7
@@ -247,7 +236,6 @@ TEST(test_stats) {
   CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
   CHECK_EQ(mc_stats_of(mc)->total, 0);
   CHECK_EQ(mc_stats_of(mc)->spurious, 0);
-  mock_stop(&m);
 }
 
 /* Any call with any argument: documented errors only, and nothing for the sanitizers. */
@@ -283,7 +271,6 @@ TEST(test_fuzz) {
           got == -MC_ENOTTY || got == -MC_EBUSY);
     mock_run(&m, seed >> 20 & 127);
   }
-  mock_stop(&m);
 }
 
 MAIN

@@ -36,7 +36,6 @@ TEST(test_codes_tell_flags_axis_and_count) {
     CHECK_EQ(errcode_of(&m, axis), 7 << 16 | axis << 8 | 0x1F);
   }
   CHECK_EQ(m.signals[0], 0); /* raising alone tells nobody */
-  mock_stop(&m);
 }
 
 // req: DRV-5
@@ -70,7 +69,6 @@ TEST(test_a_clear_takes_what_was_read_only) {
   CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(m.signals[0], 2);
   CHECK_EQ(m.masked, 0);
-  mock_stop(&m);
 }
 
 static int shown(struct mc *mc, int client, int axis) {
@@ -107,7 +105,6 @@ TEST(test_every_reader_is_told) {
   CHECK_EQ(shown(mc, other, 2), 0);
   CHECK_EQ(shown(mc, 0, 2), 0x200 | MERR_PLO);
   CHECK_EQ(shown(mc, mc_open(mc, MC_O_RDWR), 2), 0); /* the past is not a newcomer's */
-  mock_stop(&m);
 }
 
 /* The handler of Fig. 2.4 under MSETNUMJOINTS 1, PANIC on all axes: one signal, then silence. */
@@ -125,7 +122,6 @@ TEST(test_a_handler_that_reads_and_clears_is_done) {
   }
   CHECK_EQ(handled, 1);
   for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
-  mock_stop(&m);
 }
 
 /* Table 2.3: "clears the error status for all axes". */
@@ -144,7 +140,6 @@ TEST(test_a_clear_covers_all_axes) {
     clear(mc, 0);
     CHECK_EQ(errcode_of(&m, 3), 0);
     CHECK_EQ(m.signals[0], 1);
-    mock_stop(&m);
   }
 }
 
@@ -176,7 +171,6 @@ TEST(test_a_failed_read_has_seen_nothing) {
   clear(mc, other);
   CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(shown(mc, 0, 0), MERR_PLO | MERR_PHI); /* the failed read has not shown it */
-  mock_stop(&m);
 }
 
 // req: DRV-5 CAL-1
@@ -191,7 +185,6 @@ TEST(test_the_count_lives_as_long_as_its_flag) {
   error_raise_index(mc, 1, 66);
   clear(mc, 0);
   CHECK_EQ(errcode_of(&m, 1), 66 << 16 | 0x100 | MERR_ZINDEX);
-  mock_stop(&m);
 }
 
 // req: DRV-5
@@ -209,7 +202,6 @@ TEST(test_writers_are_told_readers_and_the_gone_are_not) {
   CHECK_EQ(m.signals[4], 0);
   CHECK_EQ(m.signals[15], 0);
   CHECK_EQ(m.signals[14], 2);
-  mock_stop(&m);
 }
 
 /* --- PANIC ----------------------------------------------------------------------------------- */
@@ -242,7 +234,6 @@ TEST(test_panic_traffic) {
     CHECK_EQ(mc_stats_of(mc)->missed, 0);
     mock_run(&m, 60000); /* nothing is missed after it either */
     CHECK_EQ(mc_stats_of(mc)->missed, 0);
-    mock_stop(&m);
   }
 }
 
@@ -289,7 +280,6 @@ TEST(test_panic_names_who_is_silent) {
       CHECK_EQ(c->dac_high[axis & 1], 8);
       if (cases[i].dead >> axis & 1) CHECK_EQ(c->beat_until[axis & 1], 0);
     }
-    mock_stop(&m);
   }
 }
 
@@ -302,7 +292,6 @@ TEST(test_panic_while_both_indexes_are_latched) {
   m.estop_open = 1;
   mock_run(&m, 10);
   CHECK_EQ(strcmp(said, "mc: PANIC: button, cable or power\n"), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-6 DRV-9
@@ -322,7 +311,6 @@ TEST(test_own_panic_is_forgiven_for_60_ms) {
     m.estop_open = 1; /* one only */
     mock_run(&m, 4000);
     CHECK_EQ(mc_stats_of(mc)->panics, 1 + (after >= 60));
-    mock_stop(&m);
   }
 }
 

@@ -26,7 +26,6 @@ TEST(test_a_setpoint_of_one_axis) {
   }
   CHECK_EQ(set(mc, 4, 1), -MC_EINVAL);
   CHECK_EQ(set(mc, -1, 1), -MC_EINVAL);
-  mock_stop(&m);
 }
 
 /* It takes no axis but its own out of where a new mode holds it. */
@@ -43,7 +42,6 @@ TEST(test_the_others_keep_where_they_are) {
   mock_run(&m, 5000);
   CHECK_EQ(mc_setpoint(mc, 0), 500);
   CHECK_EQ(mc_setpoint(mc, 1), 510);
-  mock_stop(&m);
 }
 
 // req: DRV-6
@@ -54,7 +52,6 @@ TEST(test_after_a_stop_it_is_refused_as_a_write_is) {
   CHECK_EQ(mc_setpoint(mc, 0), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   CHECK_EQ(set(mc, 0, 5), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-8 CAL-1
@@ -71,7 +68,6 @@ TEST(test_the_end_of_one_calibration) {
   mock_pass(&m);
   CHECK_EQ(errcode_of(&m, 3), 60 << 16 | 3 << 8 | MERR_ZINDEX);
   CHECK_EQ(m.card[1].b, 5);
-  mock_stop(&m);
 }
 
 /* What the index has latched meanwhile is nobody's position. */
@@ -93,7 +89,6 @@ TEST(test_the_end_leaves_the_position) {
   pass_index(&m, 0, 320);
   mock_run(&m, 5000);
   CHECK_EQ(errcode_of(&m, 0), 320 << 16 | MERR_ZINDEX);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -104,7 +99,6 @@ TEST(test_an_end_of_nothing) {
   CHECK_EQ(m.used, 0);
   CHECK_EQ(end(mc, 2), -MC_EINVAL);
   CHECK_EQ(end(mc, -1), -MC_EINVAL);
-  mock_stop(&m);
 }
 
 MAIN

@@ -25,7 +25,6 @@ TEST(test_stop_after_sysreset_starts_no_heartbeat) {
   CHECK_EQ(m.releases, 1); /* the brakes did not open once more */
   CHECK_EQ(m.card[0].b & 2, 0);
   CHECK_EQ(m.card[0].dac_high[0], 8);
-  mock_stop(&m);
 }
 
 // req: DRV-7 DRV-9
@@ -45,7 +44,6 @@ TEST(test_failed_dac_write_is_repaired_or_ends_in_panic) {
   CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
   CHECK(mock_panic(&m));
   CHECK_EQ(m.card[0].b & 2, 0); /* and isolates the joints */
-  mock_stop(&m);
 }
 
 /* Of several cards the first that does not answer is named, and the others are left alone. */
@@ -60,7 +58,6 @@ TEST(test_enable_stops_at_the_first_card_that_is_silent) {
     CHECK_EQ(m.last_log[(int)strlen("mc: enable: card ")], '0' + first);
     for (int i = 0; i < m.used; i++) CHECK(m.log[i].offset < (first + 1) << 6);
   }
-  mock_stop(&m);
 }
 
 static enum mc_bus_result (*good_read)(void *ctx, uint16_t offset, uint8_t *value);
@@ -88,7 +85,6 @@ TEST(test_a_read_that_failed_is_one_panic) {
     mock_run(&m, 100000);
     CHECK_EQ(mc_stats_of(mc)->panics, 1);
     CHECK_EQ(mc_stats_of(mc)->missed, which == 0); /* PCCSR: nobody knows of the SCLOCK */
-    mock_stop(&m);
   }
 }
 

@@ -11,7 +11,6 @@ static void check_stopped(struct mc *mc, const char *why) {
   CHECK_EQ(mock_dac(&m, 1), 0x800);
   CHECK_EQ(m.signals[0], 1);
   CHECK_EQ(strcmp(said, why), 0);
-  mock_stop(&m);
 }
 
 /* Until the machine stops; the pass that stopped it computes and drives nothing. */
@@ -31,7 +30,6 @@ static void check_goes_on(struct mc *mc) {
   mock_run(&m, 20000);
   CHECK(mc_is_enabled(mc));
   CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -105,7 +103,6 @@ TEST(test_only_position_has_to_be_followed) {
     mock_run(&m, 20000);
     CHECK(mc_is_enabled(mc));
     CHECK_EQ(m.signals[0], 0);
-    mock_stop(&m);
   }
 }
 
@@ -183,7 +180,7 @@ TEST(test_sclock_of_another_rate) {
 
 // req: DRV-9
 TEST(test_clock_that_is_not_there) {
-  struct mock other;
+  static struct mock other;
   struct mc *mc = mock_start(&other, 1);
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.clock = 1}};
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), 0);
@@ -191,12 +188,11 @@ TEST(test_clock_that_is_not_there) {
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
   config.guard.clock = 0;
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), 0);
-  mock_stop(&other);
 }
 
 // req: DRV-9
 TEST(test_no_limit_is_negative) {
-  struct mock other;
+  static struct mock other;
   struct mc *mc = mock_start(&other, 1);
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.jump = -1}};
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
@@ -204,7 +200,6 @@ TEST(test_no_limit_is_negative) {
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
   config.guard = (struct mc_guard){.runaway = -1};
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
-  mock_stop(&other);
 }
 
 // req: DRV-9
@@ -250,7 +245,6 @@ TEST(test_program_that_falls_silent) {
   m.latency_us = 0;
   mock_run(&m, 1000); /* but the next one counts all SCLOCKs */
   CHECK(!mc_is_enabled(mc));
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -274,7 +268,6 @@ TEST(test_program_that_owes_no_setpoint) {
   set_mode(mc, 1, 0);
   mock_run(&m, 7000); /* the other is on */
   CHECK(!mc_is_enabled(mc));
-  mock_stop(&m);
 }
 
 /* The first finding ends the pass; the machine is stopped once, and the reason is one line. */
@@ -304,7 +297,6 @@ TEST(test_a_machine_at_rest_may_be_moved) {
   mock_run(&m, 5000);
   CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
   CHECK_EQ(m.signals[0], 0);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -320,7 +312,6 @@ TEST(test_requests_that_wait_until_the_servo_rests) {
     CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-    mock_stop(&m);
   }
 }
 
@@ -343,7 +334,6 @@ TEST(test_parameters_of_an_axis_that_is_on) {
     par.ipole = 2;
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
     CHECK_EQ(mc_param_of(mc, 1)->ipole, 2);
-    mock_stop(&m);
   }
 }
 

@@ -44,7 +44,6 @@ TEST(test_limits_are_told_when_asked_for) {
     CHECK_EQ(cross(mc, -101), say != 0);
     CHECK(strcmp(m.last_log, say ? "mc: axis 1: low position limit" : "") == 0);
   }
-  mock_stop(&m);
 }
 
 // req: DRV-2 SRV-4
@@ -61,7 +60,6 @@ TEST(test_overload_is_told) {
   mock_run(&m, 2100);
   CHECK_EQ(m.logs, before + 1);
   CHECK_EQ(strcmp(m.last_log, "mc: axis 1: sustained current overload"), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-2
@@ -78,7 +76,6 @@ TEST(test_the_verbose_hear_of_the_normal_course) {
     CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
     CHECK_EQ(m.logs - before, 3 * lines);
     CHECK(!lines || strcmp(m.last_log, "mc: stopped") == 0);
-    mock_stop(&m);
   }
 }
 
@@ -95,7 +92,6 @@ TEST(test_every_axis_is_watched_for_its_heartbeat) {
     CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
     CHECK_EQ(m.passes, passes); /* the pass that finds it is no sample */
     CHECK_EQ(m.last_log[(int)strlen("mc: PANIC: axis ")], '0' + axis);
-    mock_stop(&m);
   }
 }
 
@@ -114,7 +110,6 @@ TEST(test_passes_that_are_samples) {
   passes = m.passes;
   m.adaptor_dead = 1;
   CHECK_EQ(mc_interrupt(mc), 0);
-  mock_stop(&m);
 }
 
 MAIN

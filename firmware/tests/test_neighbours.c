@@ -82,7 +82,6 @@ TEST(test_a_monitor_hands_nothing_on) {
     CHECK_EQ(state[0].errcode, MERR_PLO); /* the monitor had not been told */
     CHECK_EQ(mc_read(mc, next, state, sizeof state), (int)sizeof state);
     CHECK_EQ(state[0].errcode, 0);
-    mock_stop(&m);
   }
 }
 
@@ -100,7 +99,6 @@ TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone) {
   mock_run(&m, 5000);
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 99);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
-  mock_stop(&m);
 }
 
 /* A reads; an event comes; B reads and clears it; A clears what it has read, and is told yet. */
@@ -122,7 +120,6 @@ TEST(test_a_clear_takes_nobody_s_event) {
       CHECK_EQ(mc_read(mc, b, state, 56), 56);
       CHECK_EQ(state[1].errcode, 0);
     }
-    mock_stop(&m);
   }
 }
 
@@ -153,7 +150,6 @@ TEST(test_a_write_after_a_shutdown_is_refused) {
     servo(mc, 0, MD_POS);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     CHECK_EQ(mc_write(mc, 0, set, 8), 8);
-    mock_stop(&m);
   }
 }
 
@@ -189,7 +185,6 @@ TEST(test_no_axis_is_servoed_blind) {
     CHECK_EQ(m.card[0].b & 1, want != 0);
     mc->config.guard.lock = 1;
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &off), -MC_EBUSY);
-    mock_stop(&m);
   }
 }
 

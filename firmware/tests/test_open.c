@@ -28,7 +28,6 @@ TEST(test_attach_takes_what_the_adaptor_can_have) {
   CHECK_EQ(mc_attach(mc, &m.bus, &m.os, NULL), -MC_EINVAL);
   CHECK_EQ(m.used, 0); /* the hardware has seen nothing */
   CHECK(mc_size() >= sizeof(struct mc));
-  mock_stop(&m);
 }
 
 // req: DRV-1 DRV-2
@@ -46,7 +45,6 @@ TEST(test_attach_begins_anew) {
   CHECK_EQ(mc_joints(mc), 4);
   mock_run(&m, 2100); /* not enabled: only looks */
   CHECK_EQ(m.card[0].b, 5);
-  mock_stop(&m);
 }
 
 static int add(struct mock_access *want, int n, int write, unsigned offset, unsigned value) {
@@ -98,7 +96,6 @@ TEST(test_first_open_traffic) {
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   traffic_check(__FILE__, __LINE__, &m, want, n);
   CHECK_EQ(m.masked, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-2 DRV-10
@@ -119,7 +116,6 @@ TEST(test_positions_are_known_from_the_open_on) {
   }
   mock_run(&m, 4100);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_state_of(mc, axis)->encnow, counts[axis]);
-  mock_stop(&m);
 }
 
 static uint8_t hole;
@@ -149,7 +145,6 @@ TEST(test_an_open_that_failed_leaves_nothing_behind) {
   mc->bus = good;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0); /* the first open all the same */
   CHECK_EQ(mc_joints(mc), 2);
-  mock_stop(&m);
 }
 
 // req: DRV-2 DRV-6
@@ -169,7 +164,6 @@ TEST(test_last_close_is_silent_and_says_no_more_than_it_must) {
     CHECK_EQ(m.pccsr, 0x18);
   }
   CHECK_EQ(mc_open(mc, -1), -MC_EINVAL);
-  mock_stop(&m);
 }
 
 // req: DRV-2
@@ -212,7 +206,6 @@ TEST(test_a_new_open_finds_the_defaults_again) {
   CHECK_EQ(state[1].fbnow, 44);
   CHECK_EQ(m.card[0].b, 7);
   CHECK_EQ(m.card[1].b, 7); /* no calibration is left over */
-  mock_stop(&m);
 }
 
 /* The heartbeats that the close ended run out while the machine is open again. */
@@ -232,7 +225,6 @@ TEST(test_reopened_at_once_the_own_panic_is_no_error) {
     mock_run(&m, 60000);
     CHECK_EQ(mc_stats_of(mc)->panics, 0);
     CHECK_EQ(m.releases, 2); /* the brakes held in between */
-    mock_stop(&m);
   }
 }
 
@@ -262,7 +254,6 @@ TEST(test_nothing_but_motion_moves_a_count) {
       CHECK_EQ(mc_close(mc, 0), 0); /* with the artificial signals on */
       for (int j = 0; j < 2; j++) CHECK_EQ(m.card[0].count[j], 0x7FFE + j);
     }
-    mock_stop(&m);
   }
 }
 
@@ -304,7 +295,6 @@ TEST(test_positions_survive_a_close) {
   m.card[1].count[0] = 7;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
-  mock_stop(&m);
 }
 
 // req: DRV-4
@@ -328,7 +318,6 @@ TEST(test_read_gives_every_axis_its_state) {
   CHECK_EQ(mc_write(mc, 0, state, 0), 0);
   CHECK_EQ(mc_write(mc, 0, state, 4), -MC_EINVAL);
   CHECK_EQ(m.masked, 0);
-  mock_stop(&m);
 }
 
 /* The start of SCLOCK has begun a conversion: read() need not wait for the first sample. */
@@ -346,7 +335,6 @@ TEST(test_first_read_has_the_converters_values) {
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), sizeof state);
   CHECK_EQ(state[0].adcvai, 5);
   CHECK_EQ(m.masked, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-4
@@ -375,7 +363,6 @@ TEST(test_write_sets_as_many_as_it_brings) {
     CHECK_EQ(mc_ioctl(mc, client, MSTOP, NULL), -MC_EBADF);
     CHECK_EQ(mc_close(mc, client), -MC_EBADF);
   }
-  mock_stop(&m);
 }
 
 MAIN

@@ -65,7 +65,6 @@ TEST(test_a_servo_that_computes_no_more_stops_the_machine) {
     slow = 0;
     mock_run(&m, 30000);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0); /* and on it goes */
-    mock_stop(&m);
   }
 }
 
@@ -82,7 +81,6 @@ TEST(test_a_break_in_time_is_forgiven) {
       CHECK(mc_is_enabled(mc));
     }
     CHECK(mc_stats_of(mc)->overrun > 20);
-    mock_stop(&m);
   }
 }
 
@@ -102,7 +100,6 @@ TEST(test_axes_that_are_off_are_not_due) {
     CHECK(!mock_panic(&m));
     CHECK(mc_stats_of(mc)->overrun > 30);
     CHECK(m.passes <= passes + 1); /* no sample, no pass */
-    mock_stop(&m);
   }
 }
 
@@ -121,7 +118,6 @@ TEST(test_late_passes_that_compute_go_on) {
   CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
   CHECK(mc_is_enabled(mc) && !mock_panic(&m));
   CHECK(mc_stats_of(mc)->overrun > 90);
-  mock_stop(&m);
 }
 
 /* A port whose processor is too slow for its interval: MENABLE would not return there, since
@@ -151,7 +147,6 @@ TEST(test_a_processor_that_is_too_slow_is_told_at_rest) {
   }
   CHECK_EQ(said[0], 0);
   CHECK(mc_stats_of(mc)->overrun > 90);
-  mock_stop(&m);
 }
 
 /* A pass without a sample counts for axes that wait, and keeps the heartbeat while none is due. */
@@ -183,7 +178,6 @@ TEST(test_waiting_axes_wait_on_in_a_pass_without_a_sample) {
   CHECK_EQ(passes, 3);
   CHECK_EQ(m.computed_axes, 2);
   CHECK_EQ(mc_stats_of(mc)->overrun, before + 1);
-  mock_stop(&m);
 }
 
 MAIN

@@ -25,7 +25,6 @@ TEST(test_every_axis_gets_its_own_numbers) {
     CHECK_EQ(mock_dac(&m, axis), 0x800 + values[axis]);
   }
   CHECK_EQ(m.computed_axes, 6);
-  mock_stop(&m);
 }
 
 /* Every bit of both converters, in the presence of any bit of the other. */
@@ -43,7 +42,6 @@ TEST(test_converters_share_their_high_nibbles) {
       CHECK_EQ(mc_state_of(mc, 1)->adcvai, codes[k]);
     }
   }
-  mock_stop(&m);
 }
 
 // req: DRV-11
@@ -77,7 +75,6 @@ TEST(test_late_converters_keep_the_old_values_of_their_card) {
   for (int axis = 0; axis < 6; axis++) CHECK_EQ(mc_state_of(mc, axis)->adcvai, 0);
   CHECK_EQ(mc_close(mc, 0), 0);
   CHECK(strstr(said, "mc: close, A/D time-outs: 3\n") != NULL);
-  mock_stop(&m);
 }
 
 /* They are asked for 40 times after the encoders; ready at the last question is ready. */
@@ -100,7 +97,6 @@ TEST(test_converters_are_waited_for_40_reads) {
     CHECK_EQ(ready, said[0] == 0);
     CHECK_EQ(ready || polls == 41, 1);
     CHECK(late < 41 || !ready || polls == 41);
-    mock_stop(&m);
   }
 }
 
@@ -127,7 +123,6 @@ TEST(test_the_first_pass_is_a_sample_of_all_axes) {
     m.card[1].count[0] = 5000;
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   }
-  mock_stop(&m);
 }
 
 /* An event on any axis, in any order, is told once, shuts down once, and stays with its axis. */
@@ -156,7 +151,6 @@ TEST(test_events_of_any_axis) {
       CHECK_EQ(m.signals[0], 1);
       CHECK_EQ(m.card[0].b, soft ? 7 : 5);
       CHECK_EQ(m.card[1].b, soft ? 7 : 5);
-      mock_stop(&m);
     }
   }
 }
@@ -183,7 +177,6 @@ TEST(test_every_sclock_is_served_or_missed) {
     CHECK(stats->missed <= (latency < 990 ? 0 : 41));
     CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
     CHECK_EQ(stats->spurious, 0);
-    mock_stop(&m);
   }
 }
 
@@ -207,7 +200,6 @@ TEST(test_axes_are_off_by_default) {
     }
   }
   CHECK_EQ(mc_stats_of(mc)->clips, 0);
-  mock_stop(&m);
 }
 
 /* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
@@ -227,7 +219,6 @@ TEST(test_overruns_of_any_length) {
     m.compute_us = 0;
     CHECK_EQ(mc_stats_of(mc)->overrun - before, length >= 1000);
   }
-  mock_stop(&m);
 }
 
 /* At rest, and beyond the joints, an axis is only looked at. */
@@ -255,7 +246,6 @@ TEST(test_only_joints_under_power_are_servoed) {
     CHECK_EQ(mc_state_of(mc, axis)->error != 0, axis < joints);
     CHECK_EQ(mock_dac(&m, axis) != 0x800, axis < joints);
   }
-  mock_stop(&m);
 }
 
 MAIN

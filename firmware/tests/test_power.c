@@ -62,7 +62,6 @@ TEST(test_enable_traffic) {
   CHECK_EQ(m.used, 12);
   CHECK_EQ(m.masked, 0);
   CHECK_EQ(m.releases, 1);
-  mock_stop(&m);
 }
 
 // req: DRV-9 DRV-10
@@ -89,7 +88,6 @@ TEST(test_an_enabled_machine_starts_afresh_at_enable) {
   m.card[0].present = 0;
   CHECK_EQ(enable(mc), -MC_EIO);
   CHECK(strstr(said, "mc: enable: card 0 does not answer\n") != NULL);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -113,7 +111,6 @@ TEST(test_what_axes_hold_at_the_first_pass) {
   mock_run(&m, 4100);
   CHECK_EQ(mc_setpoint(mc, 1), 501);
   CHECK_EQ(mock_dac(&m, 1), 0x800 - 20);
-  mock_stop(&m);
 }
 
 /* The low byte is written only where the heartbeat lives: a dead one must not start again. */
@@ -150,7 +147,6 @@ TEST(test_stop_traffic) {
     CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0); /* again: nothing left to do */
     CHECK_EQ(m.used, 0);
     CHECK_EQ(m.masked, 0);
-    mock_stop(&m);
   }
 }
 
@@ -187,7 +183,6 @@ TEST(test_a_stop_forgets_setpoints_and_currents) {
     CHECK_EQ(enable(mc), 0);
     CHECK_EQ(mc_setpoint(mc, 0), 77); /* not written since */
     CHECK_EQ(mock_dac(&m, 0), 0x800);
-    mock_stop(&m);
   }
 }
 
@@ -210,7 +205,6 @@ TEST(test_enable_while_another_enables) {
     CHECK_EQ(answer, late && waits < 2 ? 0 : -MC_EBUSY);
     CHECK_EQ(m.releases, 1);
     CHECK_EQ(m.masked, 0);
-    mock_stop(&m);
   }
 }
 
@@ -229,7 +223,6 @@ TEST(test_enable_that_is_stopped_says_so) {
   CHECK_EQ(waits, 2);
   CHECK(mock_panic(&m));
   CHECK_EQ(m.card[0].b, 5);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -250,7 +243,6 @@ TEST(test_enable_waits_for_two_passes_at_most) {
     CHECK_EQ(m.card[0].b, 5); /* isolated again, no heartbeat started */
     CHECK_EQ(m.card[0].beat_until[0], 0);
     CHECK_EQ(m.releases, 0);
-    mock_stop(&m);
   }
 }
 
@@ -283,7 +275,6 @@ TEST(test_enable_after_a_stop_waits_for_the_brakes) {
   int quiet = 0;
   while (waited[quiet] == 1000) quiet++;
   CHECK_EQ(quiet, 60);
-  mock_stop(&m);
 }
 
 // req: DRV-9 DRV-10
@@ -332,7 +323,6 @@ TEST(test_a_card_that_lost_power_is_revived) {
         int32_t where = axis / 2 != lost ? 60000 : axis & 1 ? 0x20 : -16;
         CHECK_EQ(mc_state_of(mc, axis)->encnow, where);
       }
-      mock_stop(&m);
     }
   }
 }
@@ -360,7 +350,6 @@ TEST(test_enable_names_the_axis_without_a_heartbeat) {
     mock_run(&m, 60000);
     CHECK(mock_panic(&m));
     CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
-    mock_stop(&m);
   }
 }
 

@@ -73,7 +73,6 @@ TEST(test_every_request_is_atomic_and_copies_its_argument_only) {
     CHECK_EQ(ins, cases[i].in);
     CHECK_EQ(outs, cases[i].out);
     CHECK_EQ(m.masked, 0);
-    mock_stop(&m);
   }
 }
 
@@ -97,7 +96,6 @@ TEST(test_an_answer_that_cannot_be_given_is_an_error) {
   copies = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &bad), -MC_EINVAL); /* nothing to give */
   CHECK_EQ(m.masked, 0);
-  mock_stop(&m);
 }
 
 /* --- joints ---------------------------------------------------------------------------------- */
@@ -142,7 +140,6 @@ TEST(test_joints_that_come_and_go) {
   mock_pass(&m);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800);
   CHECK(!mock_panic(&m)); /* enabled all the same */
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -164,7 +161,6 @@ TEST(test_joints_that_stay_notice_nothing) {
     CHECK_EQ(mc_state_of(mc, 0)->inow, a + i); /* the integrators go on */
     CHECK_EQ(mc_state_of(mc, 1)->inow, b + 2 * i);
   }
-  mock_stop(&m);
 }
 
 /* --- parameters ------------------------------------------------------------------------------ */
@@ -204,7 +200,6 @@ TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only) {
   put(mc, -3, 80); /* before the next sample */
   mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), -3);
-  mock_stop(&m);
 }
 
 /* Which way the feedback comes is a part of what a demand means. Torque is not fed back. */
@@ -234,7 +229,6 @@ TEST(test_a_change_of_feedback_does_not_jump) {
     put(mc, 10, 20);
     mock_pass(&m);
     CHECK(mock_dac(&m, 0) != 0x800);
-    mock_stop(&m);
   }
 }
 
@@ -262,7 +256,6 @@ TEST(test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample) {
       }
       mock_pass(&m);
       CHECK_EQ(mc_state_of(mc, 0)->fbnow, 999);
-      mock_stop(&m);
     }
   }
 }
@@ -289,7 +282,6 @@ TEST(test_axes_wait_each_by_itself) {
   for (int axis = 0; axis < 4; axis++) {
     CHECK_EQ(mc_state_of(mc, axis)->inow - samples[axis], 60 / divisors[axis]);
   }
-  mock_stop(&m);
 }
 
 // req: DRV-12 SRV-6
@@ -314,7 +306,6 @@ TEST(test_a_code_is_for_axes_that_are_off) {
     mock_pass(&m);
     CHECK_EQ(mock_dac(&m, 1), 0x800);
   }
-  mock_stop(&m);
 }
 
 MAIN

@@ -58,7 +58,6 @@ TEST(test_stop_holds_until_the_brakes_are_closed) {
   check_brakes_before_power(50000);
   CHECK_EQ(mc_stats_of(mc)->panics, 0);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -67,7 +66,6 @@ TEST(test_without_brakes_a_stop_is_zero_at_once) {
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
   CHECK(!is_connected());
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -82,7 +80,6 @@ TEST(test_button_holds_until_the_brakes_are_closed) {
   CHECK(is_held(0, 0x800 + 40));
   check_brakes_before_power(50000);
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
-  mock_stop(&m);
 }
 
 /* Its own current is what cannot be trusted. */
@@ -95,7 +92,6 @@ TEST(test_faulty_axis_is_let_go_the_other_is_held) {
   CHECK(is_held(0, 0x800));
   CHECK(is_held(1, 0x800 - 40));
   CHECK(mock_dac(&m, 1) < 0x800);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -111,7 +107,6 @@ TEST(test_overloaded_axis_is_let_go) {
   CHECK(!mc_is_enabled(mc));
   CHECK(is_held(0, 0x800));
   CHECK(is_held(1, 0x800 + 40));
-  mock_stop(&m);
 }
 
 /* What cannot be relied upon holds nothing. */
@@ -122,7 +117,6 @@ TEST(test_bus_error_is_zero_at_once) {
   mock_run(&m, 2000);
   CHECK(!mc_is_enabled(mc));
   CHECK_EQ(mc->power, MC_IDLE);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -137,7 +131,6 @@ TEST(test_close_and_enable_wait_for_the_brakes) {
   CHECK(!is_connected());
   CHECK(m.panic);
   CHECK_EQ(mc->power, MC_IDLE);
-  mock_stop(&m);
 }
 
 /* One card a pass. */
@@ -157,13 +150,11 @@ TEST(test_modes_that_changed_stop_the_machine) {
     mock_run(&m, 2000);
     CHECK(!mc_is_enabled(mc));
     CHECK_EQ(strcmp(said, "mc: PANIC: card 0: its modes changed\n"), 0);
-    mock_stop(&m);
   }
   struct mc *mc = guarded((struct mc_guard){.jump = 100});
   m.card[0].a ^= MMCS_CARD_PPI_A_LED1_bm; /* nobody asked */
   mock_run(&m, 5000);
   CHECK(mc_is_enabled(mc));
-  mock_stop(&m);
 }
 
 static struct mmcs_setpoints message(unsigned sequence, int value) {
@@ -198,7 +189,6 @@ TEST(test_checked_setpoints) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPOINTS, &s), -MC_EIO);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSETPOINTS, &s), 0); /* the first one has any number */
-  mock_stop(&m);
 }
 
 /* Each bit of each word that is sent. */
@@ -214,7 +204,6 @@ TEST(test_setpoints_that_change_on_their_way) {
     CHECK(!mc_is_enabled(mc));
     CHECK_EQ(strcmp(said, "mc: PANIC: setpoints changed on their way\n"), 0);
     CHECK_EQ(mc_setpoint(mc, 0), 0);
-    mock_stop(&m);
   }
 }
 
@@ -237,7 +226,6 @@ TEST(test_latched_panic) {
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK(m.latched); /* brakes at once */
   check_brakes_before_power(0);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -249,7 +237,6 @@ TEST(test_counts_of_an_axis_that_is_on_are_locked) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &off), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &on), 0);
-  mock_stop(&m);
 }
 
 static void turn(int axis, int by, int samples) {
@@ -271,7 +258,6 @@ TEST(test_speed_that_is_not_followed) {
     turn(0, jammed ? 0 : 13, 40);
     CHECK_EQ(mc_is_enabled(mc), !jammed);
     if (jammed) CHECK_EQ(strcmp(said, "mc: PANIC: axis 0 does not follow\n"), 0);
-    mock_stop(&m);
   }
 }
 
@@ -294,7 +280,6 @@ TEST(test_axis_that_is_off_stays_where_it_is) {
   turn(1, 10, 4);
   CHECK(!mc_is_enabled(mc));
   CHECK_EQ(strcmp(said, "mc: PANIC: axis 1 does not follow\n"), 0);
-  mock_stop(&m);
 }
 
 MAIN

@@ -38,7 +38,6 @@ TEST(test_enable_opens_brakes_with_the_servo) {
   CHECK_EQ(mock_dac(&m, 0), 0x800);
   CHECK_EQ(m.card[2].b, 7);
   CHECK_EQ(m.pccsr, 0xF8);
-  mock_stop(&m);
 }
 
 // req: DRV-9 PAN-2
@@ -53,7 +52,6 @@ TEST(test_enable_finds_dead_hardware) {
   CHECK_EQ(m.card[1].mode_word, 0x89);
   CHECK_EQ(m.card[1].a, 5);
   CHECK_EQ(m.card[1].b, 7);
-  mock_stop(&m);
 }
 
 // req: DRV-9 DRV-6
@@ -80,7 +78,6 @@ TEST(test_stop) {
   struct mc_param par = param_of(mc, 0);
   CHECK_EQ(par.mode, MD_OFF);
   enable(mc); /* and again */
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -99,7 +96,6 @@ TEST(test_last_close_stops) {
   m.logging = 1;
   CHECK_EQ(mc_close(mc, 0), 0); /* never enabled: moves nothing */
   CHECK_EQ(m.used, 1);
-  mock_stop(&m);
 }
 
 // req: DRV-5 DRV-6
@@ -124,7 +120,6 @@ TEST(test_limit_without_softerr_shuts_down) {
   m.card[0].count[0] = 99;
   enable(mc);
   CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* sticky */
-  mock_stop(&m);
 }
 
 // req: DRV-5 DRV-6
@@ -148,7 +143,6 @@ TEST(test_softerr_reports_crossings_only) {
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
   CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
   CHECK_EQ(errcode_of(&m, 1), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-5
@@ -166,7 +160,6 @@ TEST(test_same_event_again_survives_the_clear) {
   mock_run(&m, 2100);
   CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
   CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
-  mock_stop(&m);
 }
 
 // req: SRV-4 DRV-6
@@ -181,7 +174,6 @@ TEST(test_overload_shuts_down) {
   mock_run(&m, 4000);
   CHECK_EQ(errcode_of(&m, 0), MERR_ILIM);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
-  mock_stop(&m);
 }
 
 // req: DRV-5 DRV-6 DRV-12
@@ -199,7 +191,6 @@ TEST(test_button) {
   CHECK(strstr(m.last_log, "button, cable or power") != NULL);
   mock_run(&m, 100000);
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
-  mock_stop(&m);
 }
 
 // req: DRV-7 DRV-12
@@ -213,7 +204,6 @@ TEST(test_dead_heartbeat_is_found_without_an_edge) {
   CHECK_EQ(errcode_of(&m, 3), 0x300 | MERR_PANIC);
   CHECK(strstr(m.last_log, "axis 2 has no heartbeat") != NULL);
   CHECK_EQ(m.card[1].beat_until[0], 0); /* and is not started again */
-  mock_stop(&m);
 }
 
 // req: DRV-7 DRV-12
@@ -228,7 +218,6 @@ TEST(test_lost_card) {
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(mc_state_of(mc, 2)->encnow, before); /* the sample of 0xFFs is discarded */
   CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -239,7 +228,6 @@ TEST(test_slow_interval_panics) {
   enable(mc);
   mock_run(&m, 80000);
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
-  mock_stop(&m);
 }
 
 // req: DRV-7
@@ -253,7 +241,6 @@ TEST(test_missed_are_counted_in_a_panic_too) {
   mock_run(&m, 1000);
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(mc_stats_of(mc)->missed, 39);
-  mock_stop(&m);
 }
 
 // req: DRV-9
@@ -266,7 +253,6 @@ TEST(test_panic_while_idle_is_counted_only) {
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
   CHECK_EQ(m.signals[0], 0);
   CHECK_EQ(errcode_of(&m, 0), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-8 CAL-1
@@ -289,7 +275,6 @@ TEST(test_calibration) {
   CHECK_EQ(c->b, 5);
   mock_run(&m, 2100);
   CHECK_EQ(mc_state_of(mc, 1)->encnow, 90);
-  mock_stop(&m);
 }
 
 static int64_t strike_at;
@@ -320,7 +305,6 @@ TEST(test_calibration_never_reports_another_count) {
       mock_run(&m, 2000);
       CHECK_EQ(m.card[0].b, 0x11); /* armed again */
     }
-    mock_stop(&m);
   }
 }
 
@@ -337,7 +321,6 @@ TEST(test_mode_change_under_power_does_not_jump) {
   mock_run(&m, 2100);
   CHECK_EQ(mc_setpoint(mc, 0), 5000);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
-  mock_stop(&m);
 }
 
 MAIN

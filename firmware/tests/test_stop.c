@@ -55,7 +55,6 @@ TEST(test_a_stop_holds_until_an_enable) {
     CHECK_EQ(mc_close(mc, other), 0);
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
     CHECK(!mc_is_stopped(mc));
-    mock_stop(&m);
   }
 }
 
@@ -95,7 +94,6 @@ TEST(test_a_stop_ends_an_enable_under_way) {
         CHECK(mock_panic(&m));
         CHECK_EQ(enable(mc, 0), 0);
       }
-      mock_stop(&m);
     }
   }
   CHECK(stop_at > 50);
@@ -117,7 +115,6 @@ TEST(test_a_halt_of_a_closed_or_dead_machine) {
   CHECK_EQ(mc_halt(mc), -MC_EIO);
   CHECK(!mc_is_enabled(mc));
   CHECK_EQ(m.masked, 0);
-  mock_stop(&m);
 }
 
 /* Monitors keep nothing going, and lose nothing: state goes on. */
@@ -149,7 +146,6 @@ TEST(test_the_last_writer_stops_the_machine) {
   CHECK_EQ(mc_close(mc, monitor), 0);
   static const struct mock_access want[] = {W(0x409, 0x18)};
   EXPECT(&m, want);
-  mock_stop(&m);
 }
 
 /* The law that an axis had before the stop is not what MD_OFF runs. */
@@ -179,7 +175,6 @@ TEST(test_no_error_of_the_old_mode_after_a_stop) {
       CHECK_EQ(mock_dac(&m, 0), 0x800);
     }
     CHECK_EQ(m.signals[0], 0);
-    mock_stop(&m);
   }
 }
 
@@ -220,7 +215,6 @@ TEST(test_enable_moves_nothing_before_a_new_demand) {
       CHECK_EQ(enable(mc, 0), 0);
       mock_run(&m, 2000);
     }
-    mock_stop(&m);
   }
 }
 
@@ -238,7 +232,6 @@ TEST(test_an_error_gives_no_calibration_up) {
   m.card[0].has_latch[axis] = m.card[0].index[axis] = 1;
   mock_run(&m, 5000);
   CHECK_EQ(mc_state_of(mc, axis)->errcode, 50 << 16 | axis << 8 | MERR_ZINDEX);
-  mock_stop(&m);
 }
 
 /* What the law has prepared is of the mode that a stop leaves, no less: else each sample after it
@@ -259,7 +252,6 @@ TEST(test_a_stop_prepares_what_a_mode_of_off_has) {
     CHECK_EQ(stopped.shift, law->shift);
     CHECK_EQ(stopped.top, law->top);
     CHECK_EQ(stopped.limit, law->limit);
-    mock_stop(&m);
   }
 }
 

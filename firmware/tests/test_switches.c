@@ -35,7 +35,6 @@ TEST(test_a_new_interval_keeps_the_grace_of_a_stop) {
     mc->grace = 1;
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &bad), -MC_EINVAL);
     CHECK_EQ(mc->grace, 1);
-    mock_stop(&m);
   }
 }
 
@@ -67,7 +66,6 @@ TEST(test_an_encoder_is_set_anywhere_and_while_it_moves) {
     mock_pass(&m);
     mock_pass(&m);
     CHECK_EQ(mc_state_of(mc, mover)->encnow, value + moved);
-    mock_stop(&m);
   }
 }
 
@@ -88,7 +86,6 @@ TEST(test_setting_an_encoder_is_no_movement_and_no_crossing) {
   mock_pass(&m);
   CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PLO | MERR_PHI);
   CHECK_EQ(m.signals[0], 2);
-  mock_stop(&m);
 }
 
 /* Currents, errors and speeds of axis 0 while it is moved; `renumbered` on the way. */
@@ -118,7 +115,6 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
         mode == MD_TORQ ? 0 : state->error; /* of a place; the servo has no use for it */
     seen[pass][2] = state->vel;
   }
-  mock_stop(&m);
 }
 
 /* Not by a single D/A unit: neither does the axis jump nor the servo forget what it holds. */
@@ -145,7 +141,6 @@ TEST(test_each_axis_has_its_light) {
                                             W(0x041, 0x1D), W(0x001, 0x15), W(0x041, 0x1D),
                                             W(0x041, 0x0D)};
   EXPECT(&m, want);
-  mock_stop(&m);
 }
 
 static int relays;
@@ -186,7 +181,6 @@ TEST(test_diagnostic_modes) {
       CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &arg), -MC_EINVAL);
     }
     CHECK_EQ(m.used, 0);
-    mock_stop(&m);
   }
 }
 
@@ -210,7 +204,6 @@ TEST(test_double_buffering) {
   mock_run(&m, 100000);
   enable(mc);
   CHECK_EQ(m.card[0].b, 0x0F); /* but again as asked for */
-  mock_stop(&m);
 }
 
 // req: DRV-6 DRV-9
@@ -235,7 +228,6 @@ TEST(test_stop_turns_modes_off_and_leaves_the_switches) {
   }
   enable(mc);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), 10 * axis + 5);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -261,7 +253,6 @@ TEST(test_every_counter_of_the_statistics) {
   CHECK(memcmp(&stats, &want, sizeof want) == 0);
   CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
   CHECK(memcmp(mc_stats_of(mc), &none, sizeof none) == 0);
-  mock_stop(&m);
 }
 
 MAIN

@@ -24,7 +24,6 @@ TEST(test_pass_enabled) {
   EXPECT(&m, want);
   CHECK_EQ(m.computes, m.passes);
   CHECK_EQ(m.computed_axes, 2);
-  mock_stop(&m);
 }
 
 // req: DRV-7 DRV-9
@@ -34,7 +33,6 @@ TEST(test_pass_idle_writes_no_dac) {
   mock_run(&m, 10000);
   CHECK_EQ(m.passes, 5);
   for (int i = 0; i < m.used; i++) CHECK(!m.log[i].write || m.log[i].offset >= 0x400);
-  mock_stop(&m);
 }
 
 // req: DRV-7
@@ -46,7 +44,6 @@ TEST(test_pass_length) {
   m.latency_us = 20;
   mock_pass(&m);
   CHECK_EQ(m.used, 3 + 3 * 3 + 3 * 13);
-  mock_stop(&m);
 }
 
 // req: DRV-2
@@ -69,7 +66,6 @@ TEST(test_scan) {
   m.used = 0;
   CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1); /* a later open touches nothing */
   CHECK_EQ(m.used, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-2 DIA-2
@@ -88,7 +84,6 @@ TEST(test_scan_switches_joints_in_before_counting) {
   }
   CHECK(joints);
   CHECK_EQ(mode, 5);
-  mock_stop(&m);
 }
 
 // req: DRV-2
@@ -96,7 +91,6 @@ TEST(test_no_adaptor) {
   struct mc *mc = mock_start(&m, 3);
   m.adaptor_dead = 1;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -113,7 +107,6 @@ TEST(test_timer_programming) {
       W(0x407, 0x74), W(0x403, 0x02), W(0x403, 0x00), /* timer 1: 2 */
       W(0x409, 0xB8)};
   EXPECT(&m, want);
-  mock_stop(&m);
 }
 
 // req: DRV-3
@@ -136,7 +129,6 @@ TEST(test_intervals) {
     CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &got), 0);
     CHECK_EQ(got, kept);
   }
-  mock_stop(&m);
 }
 
 // req: DRV-7
@@ -158,7 +150,6 @@ TEST(test_missed_are_counted_exactly) {
   }
   CHECK(m.passes > passes);
   CHECK_EQ(stats->overrun, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-7
@@ -176,7 +167,6 @@ TEST(test_overruns_are_counted) {
   mock_run(&m, 3000);
   CHECK(mc_stats_of(mc)->overrun >= 1);
   CHECK_EQ(mc_stats_of(mc)->missed, 0);
-  mock_stop(&m);
 }
 
 // req: DRV-11
@@ -197,7 +187,6 @@ TEST(test_adc_times_out) {
   CHECK_EQ(m.logs, logs);
   CHECK_EQ(mc_close(m.memory, 0), 0);
   CHECK(strcmp(m.last_log, "mc: close, A/D time-outs: 2") == 0);
-  mock_stop(&m);
 }
 
 // req: DRV-12
@@ -212,7 +201,6 @@ TEST(test_modes_act_on_hardware) {
   CHECK_EQ(m.card[1].b, 0x0C);
   CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &bad), -MC_EINVAL);
   CHECK_EQ(m.card[1].b, 0x0C);
-  mock_stop(&m);
 }
 
 // req: DRV-10
@@ -233,7 +221,6 @@ TEST(test_set_encoder_traffic) {
   m.card[0].count[1] = (uint16_t)(m.card[0].count[1] - 32700);
   mock_run(&m, 2000);
   CHECK_EQ(mc_state_of(mc, 1)->encnow, -100 - 65400);
-  mock_stop(&m);
 }
 
 // req: DRV-7
@@ -246,7 +233,6 @@ TEST(test_new_interval_at_any_phase_misses_nothing) {
     mock_run(&m, 8000);
     CHECK_EQ(mc_stats_of(mc)->missed, 0);
   }
-  mock_stop(&m);
 }
 
 MAIN

@@ -30,7 +30,6 @@ TEST(test_registers_of_every_axis) {
   CHECK_EQ(m.used, 12);
   for (int axis = 0; axis < 6; axis++) CHECK_EQ(mock_dac(&m, axis), 0x345 + 0x111 * axis);
   for (int i = 0; i < 12; i++) CHECK_EQ(m.log[i].offset, i / 4 << 6 | (0x11 + 2 * (i % 4)));
-  mock_stop(&m);
 }
 
 // req: DRV-12
@@ -51,7 +50,6 @@ TEST(test_bits_are_set_and_cleared_one_by_one) {
   EXPECT(&m, want);
   CHECK_EQ(mc->card[1].b, 0x01);
   CHECK_EQ(mc->card[0].b, 0x05);
-  mock_stop(&m);
 }
 
 static int bad_reads, bad_writes, lists;
@@ -119,7 +117,6 @@ TEST(test_failed_accesses_are_noted) {
     mc->fault = 0;
     hw_put_list(mc, list, zero, 2);
     CHECK_EQ(mc->fault, 1);
-    mock_stop(&m);
   }
 }
 
@@ -133,7 +130,6 @@ static int traffic_of_a_pass(int with_lists, struct mock_access *log) {
   CHECK_EQ(lists, with_lists ? 3 : 0);
   memcpy(log, m.log, sizeof m.log);
   int used = m.used;
-  mock_stop(&m);
   return used;
 }
 
@@ -166,7 +162,6 @@ TEST(test_requests_report_a_dead_adaptor) {
     CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0); /* it is stopped, whatever the bus does */
     bad_reads = bad_writes = 0;
     CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &where), 0);
-    mock_stop(&m);
   }
 }
 
@@ -194,7 +189,6 @@ TEST(test_a_card_answers_if_both_patterns_come_back) {
   }
   wrong_at = 0;
   CHECK_EQ(hw_answers(mc, 0), 1);
-  mock_stop(&m);
 }
 
 /* --- timers ---------------------------------------------------------------------------------- */
@@ -234,7 +228,6 @@ TEST(test_interval_arithmetic) {
     CHECK_EQ(timer_counts(mc, us + 1, &n0, &n1), -MC_EINVAL);
     CHECK_EQ(timer_counts(mc, UINT32_MAX, &n0, &n1), -MC_EINVAL);
   }
-  mock_stop(&m);
 }
 
 // req: DRV-6 DRV-9
@@ -248,7 +241,6 @@ TEST(test_ticks_last_at_least_as_long) {
       CHECK_EQ(timer_ticks(mc, us), whole + 1);
     }
   }
-  mock_stop(&m);
 }
 
 /* --- text, counters -------------------------------------------------------------------------- */
@@ -284,7 +276,6 @@ TEST(test_lines_for_the_console) {
   }
   text_log(mc, "\x81\xFF", -1, ""); /* any byte but the last is text */
   CHECK_EQ(strcmp(m.last_log, "mc: \x81\xFF"), 0);
-  mock_stop(&m);
 }
 
 // req: DRV-3
