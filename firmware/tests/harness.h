@@ -30,8 +30,8 @@ struct test {
     }                                                                                            \
   } while (0)
 
-/* A row of the linker's section `tests`, all of which `main` sees. */
-#define TEST(name)                                                                             \
+/* A row of the linker's section `tests`, all of which `main` sees; then the requirements shown. */
+#define TEST(name, ...)                                                                        \
   static void name(void);                                                                      \
   static const struct test name##_row __attribute__((used, section("tests"))) = {#name, name}; \
   static void name(void)

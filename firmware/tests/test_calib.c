@@ -4,8 +4,7 @@
 
 static struct mock m;
 
-// req: DRV-8 CAL-1
-TEST(test_arming_traffic) {
+TEST(test_arming_traffic, "DRV-8 CAL-1") {
   struct mc *mc = mock_open(&m, 3);
   mock_run(&m, 500);
   m.logging = 1;
@@ -24,8 +23,7 @@ TEST(test_arming_traffic) {
   CHECK_EQ(m.card[2].b, 5);
 }
 
-// req: DRV-7 DRV-8
-TEST(test_pass_of_a_calibrating_card) {
+TEST(test_pass_of_a_calibrating_card, "DRV-7 DRV-8") {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 2);
   m.latency_us = 20;
@@ -41,8 +39,7 @@ TEST(test_pass_of_a_calibrating_card) {
   EXPECT(&m, want);
 }
 
-// req: DRV-5 DRV-8 CAL-1
-TEST(test_every_axis_finds_its_own_index) {
+TEST(test_every_axis_finds_its_own_index, "DRV-5 DRV-8 CAL-1") {
   for (int axis = 0; axis < 6; axis++) {
     struct mc *mc = mock_open(&m, 3);
     int other = axis ^ 1;
@@ -65,8 +62,7 @@ TEST(test_every_axis_finds_its_own_index) {
   }
 }
 
-// req: DRV-8 DRV-12
-TEST(test_two_axes_of_a_card_one_after_the_other) {
+TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
   for (int first = 0; first < 2; first++) {
     struct mc *mc = mock_open(&m, 2);
     int on = 1, second = 1 - first;
@@ -90,8 +86,7 @@ TEST(test_two_axes_of_a_card_one_after_the_other) {
   }
 }
 
-// req: DRV-5 DRV-8
-TEST(test_two_at_once_are_one_signal) {
+TEST(test_two_at_once_are_one_signal, "DRV-5 DRV-8") {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 1);
   calibrate(mc, 2);
@@ -104,8 +99,7 @@ TEST(test_two_at_once_are_one_signal) {
 }
 
 /* Port C then reads as an absent card's does. */
-// req: DRV-7 DRV-8
-TEST(test_both_indexes_of_a_live_card_are_no_absence) {
+TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-7 DRV-8") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   calibrate(mc, 0);
@@ -133,8 +127,7 @@ static void strike(struct mock *mock) {
   struck = 1;
 }
 
-// req: DRV-8 CAL-1
-TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken) {
+TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken, "DRV-8 CAL-1") {
   int doubts = 0, found = 0;
   for (strike_at = 1; strike_at < 26; strike_at++) {
     struct mc *mc = mock_open(&m, 2);
@@ -178,8 +171,7 @@ TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken) {
 }
 
 /* Axis 2 in doubt drops the latches of its card; what is sure of axis 3 is told before. */
-// req: DRV-8 CAL-1
-TEST(test_the_doubt_of_one_axis_is_not_the_others) {
+TEST(test_the_doubt_of_one_axis_is_not_the_others, "DRV-8 CAL-1") {
   int doubts = 0;
   for (strike_at = 1; strike_at < 26; strike_at++) {
     for (int sure = 2; sure < 4; sure++) {
@@ -210,8 +202,7 @@ TEST(test_the_doubt_of_one_axis_is_not_the_others) {
 }
 
 /* Latches that are cleared cannot show an index: one that does has an unknown count. */
-// req: DRV-8
-TEST(test_an_index_while_not_armed_is_not_believed) {
+TEST(test_an_index_while_not_armed_is_not_believed, "DRV-8") {
   for (strike_at = 1; strike_at < 26; strike_at++) {
     struct mc *mc = mock_open(&m, 2);
     calibrate(mc, 3);
@@ -233,8 +224,7 @@ TEST(test_an_index_while_not_armed_is_not_believed) {
 }
 
 /* What the index latched is up to an interval old: the servo wants to know where the axis is. */
-// req: DRV-8 SRV-1
-TEST(test_the_servo_sees_where_the_axis_is) {
+TEST(test_the_servo_sees_where_the_axis_is, "DRV-8 SRV-1") {
   for (int axis = 2; axis < 4; axis++) {
     for (int waits = 0; waits < 2; waits++) {
       struct mc *mc = mock_open(&m, 2);
@@ -270,8 +260,7 @@ static int try_mode(struct mc *mc, int axis, int mode) {
 }
 
 /* The A/Ds of a calibrating card stand still: nobody may be led by them meanwhile. */
-// req: DRV-3 DRV-8
-TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other) {
+TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other, "DRV-3 DRV-8") {
   static const int led[] = {MD_POS | ADFB, MD_VEL | ADDMD, MD_TORQ | ADOFF, MD_OFF | ADFB | POSCHK};
   static const int free_[] = {MD_POS, MD_VEL | ZEROFB, MD_TEST1 | COULCOMP, MD_OFF | ADFB,
                               MD_OFF | POSCHK};
@@ -302,8 +291,7 @@ TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other) {
   }
 }
 
-// req: DRV-8 DRV-9
-TEST(test_a_stop_gives_calibrations_up) {
+TEST(test_a_stop_gives_calibrations_up, "DRV-8 DRV-9") {
   for (int how = 0; how < 3; how++) {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = mock_open(&m, 2);

@@ -16,8 +16,7 @@ static const struct {
 
 #define COUNT(a) (sizeof a / sizeof a[0])
 
-// req: DRV-2
-TEST(test_defaults) {
+TEST(test_defaults, "DRV-2") {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 4; axis++) {
     static const struct mc_param table = {.a0 = 1,
@@ -40,8 +39,7 @@ TEST(test_defaults) {
   CHECK_EQ(verbosity, 0);
 }
 
-// req: DRV-3
-TEST(test_bad_pointers) {
+TEST(test_bad_pointers, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   char buf[32];
   m.bad_pointer = 1;
@@ -53,8 +51,7 @@ TEST(test_bad_pointers) {
   CHECK_EQ(mc_write(mc, 0, buf, 4), -MC_EFAULT);
 }
 
-// req: DRV-3
-TEST(test_unknown_requests_and_descriptors) {
+TEST(test_unknown_requests_and_descriptors, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   int arg = 0;
   CHECK_EQ(mc_ioctl(mc, 0, 0x5401, &arg), -MC_ENOTTY);
@@ -68,8 +65,7 @@ TEST(test_unknown_requests_and_descriptors) {
   CHECK_EQ(mc_open(mc, MC_O_RDONLY), -MC_ENFILE);
 }
 
-// req: DRV-2 DRV-3
-TEST(test_read_only_may_look_only) {
+TEST(test_read_only_may_look_only, "DRV-2 DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   int monitor = mc_open(mc, MC_O_RDONLY), blind = mc_open(mc, MC_O_WRONLY);
   struct mc_stats stats;
@@ -90,8 +86,7 @@ TEST(test_read_only_may_look_only) {
   CHECK_EQ(mc_write(mc, blind, &zero, 4), 4);
 }
 
-// req: DRV-3
-TEST(test_rejected_parameters_change_nothing) {
+TEST(test_rejected_parameters_change_nothing, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param before = param_of(mc, 1), after;
   struct mc_param bad[11];
@@ -120,8 +115,7 @@ TEST(test_rejected_parameters_change_nothing) {
 }
 
 /* Several SCLOCKs last 50 ms at most; a single one may last longer, and panics by design. */
-// req: DRV-3 HB-2
-TEST(test_a_servo_is_no_slower_than_its_heartbeats) {
+TEST(test_a_servo_is_no_slower_than_its_heartbeats, "DRV-3 HB-2") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param par = param_of(mc, 1);
   unsigned us = 2500, got;
@@ -144,8 +138,7 @@ TEST(test_a_servo_is_no_slower_than_its_heartbeats) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }
 
-// req: DRV-3
-TEST(test_axes_out_of_range) {
+TEST(test_axes_out_of_range, "DRV-3") {
   struct mc *mc = mock_open(&m, 2);
   int n = 5, two = 2, axis = 3;
   unsigned word = 3;
@@ -160,8 +153,7 @@ TEST(test_axes_out_of_range) {
   CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), -MC_EINVAL);
 }
 
-// req: DRV-4
-TEST(test_read_and_write_sizes) {
+TEST(test_read_and_write_sizes, "DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_state state[8];
   int32_t set[5] = {1, 2, 3, 4, 5};
@@ -177,8 +169,7 @@ TEST(test_read_and_write_sizes) {
   CHECK_EQ(mc_setpoint(mc, 2), 0);
 }
 
-// req: DRV-11 SRV-1
-TEST(test_state_follows_the_axis_while_off) {
+TEST(test_state_follows_the_axis_while_off, "DRV-11 SRV-1") {
   struct mc *mc = mock_open(&m, 1);
   mock_run(&m, 5000);
   m.card[0].count[1] = 30;
@@ -192,8 +183,7 @@ TEST(test_state_follows_the_axis_while_off) {
   CHECK_EQ(state->inow, 0);
 }
 
-// req: DRV-12
-TEST(test_set_dac) {
+TEST(test_set_dac, "DRV-12") {
   struct mc *mc = mock_open(&m, 1);
   int arg = 0xABC << 8 | 1, position;
   struct mc_param par = param_of(mc, 0);
@@ -211,8 +201,7 @@ TEST(test_set_dac) {
   CHECK_EQ(mock_dac(&m, 1), 0x800);
 }
 
-// req: SRV-1
-TEST(test_clkdivisor) {
+TEST(test_clkdivisor, "SRV-1") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param par = param_of(mc, 0);
   par.mode = MD_TEST1;
@@ -224,8 +213,7 @@ TEST(test_clkdivisor) {
   CHECK_EQ(mc_state_of(mc, 0)->inow - start, (m.passes - passes) / 3);
 }
 
-// req: DRV-3 DRV-7
-TEST(test_stats) {
+TEST(test_stats, "DRV-3 DRV-7") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
   mock_run(&m, 20100);
@@ -239,8 +227,7 @@ TEST(test_stats) {
 }
 
 /* Any call with any argument: documented errors only, and nothing for the sanitizers. */
-// req: DRV-3 DRV-4
-TEST(test_fuzz) {
+TEST(test_fuzz, "DRV-3 DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   unsigned seed = 12345;
   union {

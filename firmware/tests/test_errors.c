@@ -19,8 +19,7 @@ static void look(struct mc *mc, int client, int axes) {
   CHECK_EQ(mc_read(mc, client, state, (size_t)axes * 28), axes * 28);
 }
 
-// req: DRV-5
-TEST(test_codes_tell_flags_axis_and_count) {
+TEST(test_codes_tell_flags_axis_and_count, "DRV-5") {
   struct mc *mc = listening(16);
   CHECK_EQ(mc_joints(mc), 32);
   for (int axis = 0; axis < 32; axis++) {
@@ -38,8 +37,7 @@ TEST(test_codes_tell_flags_axis_and_count) {
   CHECK_EQ(m.signals[0], 0); /* raising alone tells nobody */
 }
 
-// req: DRV-5
-TEST(test_a_clear_takes_what_was_read_only) {
+TEST(test_a_clear_takes_what_was_read_only, "DRV-5") {
   struct mc *mc = listening(2);
   int other = mc_open(mc, MC_O_RDWR);
   for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO | MERR_ILIM);
@@ -78,8 +76,7 @@ static int shown(struct mc *mc, int client, int axis) {
 }
 
 /* Whoever clears: every other reader still sees once what came since it looked. */
-// req: DRV-5
-TEST(test_every_reader_is_told) {
+TEST(test_every_reader_is_told, "DRV-5") {
   struct mc *mc = listening(2);
   int other = mc_open(mc, MC_O_RDWR), monitor = mc_open(mc, MC_O_RDONLY);
   error_raise_index(mc, 2, 77);
@@ -108,8 +105,7 @@ TEST(test_every_reader_is_told) {
 }
 
 /* The handler of Fig. 2.4 under MSETNUMJOINTS 1, PANIC on all axes: one signal, then silence. */
-// req: DRV-5
-TEST(test_a_handler_that_reads_and_clears_is_done) {
+TEST(test_a_handler_that_reads_and_clears_is_done, "DRV-5") {
   struct mc *mc = listening(3);
   int one = 1, handled = 0;
   CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
@@ -125,8 +121,7 @@ TEST(test_a_handler_that_reads_and_clears_is_done) {
 }
 
 /* Table 2.3: "clears the error status for all axes". */
-// req: DRV-4 DRV-5
-TEST(test_a_clear_covers_all_axes) {
+TEST(test_a_clear_covers_all_axes, "DRV-4 DRV-5") {
   for (int axes = 1; axes <= 4; axes++) {
     struct mc *mc = listening(2);
     for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PHI);
@@ -143,8 +138,7 @@ TEST(test_a_clear_covers_all_axes) {
   }
 }
 
-// req: DRV-4 DRV-5
-TEST(test_a_failed_read_has_seen_nothing) {
+TEST(test_a_failed_read_has_seen_nothing, "DRV-4 DRV-5") {
   struct mc *mc = listening(1);
   char buf[56];
   error_raise(mc, 1, MERR_PHI);
@@ -173,8 +167,7 @@ TEST(test_a_failed_read_has_seen_nothing) {
   CHECK_EQ(shown(mc, 0, 0), MERR_PLO | MERR_PHI); /* the failed read has not shown it */
 }
 
-// req: DRV-5 CAL-1
-TEST(test_the_count_lives_as_long_as_its_flag) {
+TEST(test_the_count_lives_as_long_as_its_flag, "DRV-5 CAL-1") {
   struct mc *mc = listening(1);
   error_raise_index(mc, 1, 55);
   look(mc, 0, 2);
@@ -187,8 +180,7 @@ TEST(test_the_count_lives_as_long_as_its_flag) {
   CHECK_EQ(errcode_of(&m, 1), 66 << 16 | 0x100 | MERR_ZINDEX);
 }
 
-// req: DRV-5
-TEST(test_writers_are_told_readers_and_the_gone_are_not) {
+TEST(test_writers_are_told_readers_and_the_gone_are_not, "DRV-5") {
   struct mc *mc = listening(1);
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, i % 3), i);
   CHECK_EQ(mc_close(mc, 4), 0);
@@ -206,8 +198,7 @@ TEST(test_writers_are_told_readers_and_the_gone_are_not) {
 
 /* --- PANIC ----------------------------------------------------------------------------------- */
 
-// req: DRV-7 DRV-9 PAN-2
-TEST(test_panic_traffic) {
+TEST(test_panic_traffic, "DRV-7 DRV-9 PAN-2") {
   for (int with_sclock = 0; with_sclock < 2; with_sclock++) {
     struct mc *mc = enabled(1);
     mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 500);
@@ -237,8 +228,7 @@ TEST(test_panic_traffic) {
   }
 }
 
-// req: DRV-9 DRV-12 PAN-2
-TEST(test_panic_names_who_is_silent) {
+TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
   static const struct {
     unsigned dead, gone; /* axes without heartbeat, cards that do not answer */
     int cause, number;
@@ -284,8 +274,7 @@ TEST(test_panic_names_who_is_silent) {
 }
 
 /* Both indexes latched make port C read 0xFF, as an absent card's does. */
-// req: DRV-8 DRV-12
-TEST(test_panic_while_both_indexes_are_latched) {
+TEST(test_panic_while_both_indexes_are_latched, "DRV-8 DRV-12") {
   struct mc *mc = enabled(2);
   for (int axis = 2; axis < 4; axis++) CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
   m.card[1].index[0] = m.card[1].index[1] = 1;
@@ -294,8 +283,7 @@ TEST(test_panic_while_both_indexes_are_latched) {
   CHECK_EQ(strcmp(said, "mc: PANIC: button, cable or power\n"), 0);
 }
 
-// req: DRV-6 DRV-9
-TEST(test_own_panic_is_forgiven_for_60_ms) {
+TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
   for (int after = 40; after < 80; after += 2) {
     struct mc *mc = enabled(1);
     m.card[0].enabled[0] = m.card[0].enabled[1] = 0; /* no heartbeat counts in PANIC */

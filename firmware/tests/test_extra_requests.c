@@ -15,8 +15,7 @@ static int end(struct mc *mc, int axis) {
   return mc_ioctl(mc, 0, MCALIBEND, &axis);
 }
 
-// req: DRV-4
-TEST(test_a_setpoint_of_one_axis) {
+TEST(test_a_setpoint_of_one_axis, "DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   int32_t all[4] = {10, 20, 30, 40};
   CHECK_EQ(mc_write(mc, 0, all, 16), 16);
@@ -29,8 +28,7 @@ TEST(test_a_setpoint_of_one_axis) {
 }
 
 /* It takes no axis but its own out of where a new mode holds it. */
-// req: DRV-4 DRV-3
-TEST(test_the_others_keep_where_they_are) {
+TEST(test_the_others_keep_where_they_are, "DRV-4 DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   m.card[0].count[0] = m.card[0].count[1] = 500;
@@ -44,8 +42,7 @@ TEST(test_the_others_keep_where_they_are) {
   CHECK_EQ(mc_setpoint(mc, 1), 510);
 }
 
-// req: DRV-6
-TEST(test_after_a_stop_it_is_refused_as_a_write_is) {
+TEST(test_after_a_stop_it_is_refused_as_a_write_is, "DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(set(mc, 0, 5), -MC_EIO);
@@ -54,8 +51,7 @@ TEST(test_after_a_stop_it_is_refused_as_a_write_is) {
   CHECK_EQ(set(mc, 0, 5), 0);
 }
 
-// req: DRV-8 CAL-1
-TEST(test_the_end_of_one_calibration) {
+TEST(test_the_end_of_one_calibration, "DRV-8 CAL-1") {
   struct mc *mc = mock_open(&m, 2);
   calibrate(mc, 2);
   calibrate(mc, 3);
@@ -71,8 +67,7 @@ TEST(test_the_end_of_one_calibration) {
 }
 
 /* What the index has latched meanwhile is nobody's position. */
-// req: DRV-8 DRV-11
-TEST(test_the_end_leaves_the_position) {
+TEST(test_the_end_leaves_the_position, "DRV-8 DRV-11") {
   struct mc *mc = mock_open(&m, 1);
   calibrate(mc, 0);
   mock_run(&m, 5000);
@@ -91,8 +86,7 @@ TEST(test_the_end_leaves_the_position) {
   CHECK_EQ(errcode_of(&m, 0), 320 << 16 | MERR_ZINDEX);
 }
 
-// req: DRV-3
-TEST(test_an_end_of_nothing) {
+TEST(test_an_end_of_nothing, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   m.logging = 1;
   CHECK_EQ(end(mc, 1), 0);

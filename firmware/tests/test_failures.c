@@ -12,8 +12,7 @@ static struct mc *enabled(int mode) {
   return mc;
 }
 
-// req: DRV-9 PAN-2
-TEST(test_stop_after_sysreset_starts_no_heartbeat) {
+TEST(test_stop_after_sysreset_starts_no_heartbeat, "DRV-9 PAN-2") {
   struct mc *mc = enabled(MD_OFF);
   mock_run(&m, 10000);
   m.pccsr = 0; /* interrupts are off: no pass comes, heartbeats end */
@@ -27,8 +26,7 @@ TEST(test_stop_after_sysreset_starts_no_heartbeat) {
   CHECK_EQ(m.card[0].dac_high[0], 8);
 }
 
-// req: DRV-7 DRV-9
-TEST(test_failed_dac_write_is_repaired_or_ends_in_panic) {
+TEST(test_failed_dac_write_is_repaired_or_ends_in_panic, "DRV-7 DRV-9") {
   struct mc *mc = enabled(MD_TORQ);
   int32_t set = 300;
   CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
@@ -47,8 +45,7 @@ TEST(test_failed_dac_write_is_repaired_or_ends_in_panic) {
 }
 
 /* Of several cards the first that does not answer is named, and the others are left alone. */
-// req: DRV-9 DRV-12
-TEST(test_enable_stops_at_the_first_card_that_is_silent) {
+TEST(test_enable_stops_at_the_first_card_that_is_silent, "DRV-9 DRV-12") {
   struct mc *mc = mock_open(&m, 3);
   for (int first = 0; first < 3; first++) {
     for (int card = 0; card < 3; card++) m.card[card].present = card < first;
@@ -71,8 +68,7 @@ static enum mc_bus_result fail_once(void *ctx, uint16_t offset, uint8_t *value) 
 }
 
 /* Whichever read of a pass fails: one PANIC, no SCLOCK that was not. */
-// req: DRV-7 DRV-9
-TEST(test_a_read_that_failed_is_one_panic) {
+TEST(test_a_read_that_failed_is_one_panic, "DRV-7 DRV-9") {
   for (int which = 0; which < 15; which++) {
     struct mc *mc = enabled(MD_POS);
     mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);

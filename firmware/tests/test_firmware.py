@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs every TEST() of the C test programs as an item of its own.
-
-`// req: ID ID` above one names the requirements that it covers."""
+"""Runs every TEST(name, "ID ID") of the C test programs as an item of its own, which covers the
+requirements of these ids."""
 
 import re
 import shutil
@@ -16,14 +15,13 @@ from tools.compiled import compiled, written
 HERE = Path(__file__).parent
 
 DRIVER = sorted((ROOT / "firmware" / "mc").glob("*.c"))
-FUNCTION = re.compile(r"((?:^//.*\n)*)^TEST\((test_\w+)\)", re.M)
+FUNCTION = re.compile(r'^TEST\((test_\w+)(?:, "([^"]*)")?\)', re.M)
 
 
 def cases():
     for source in sorted(HERE.glob("test_*.c")):
-        for comment, name in FUNCTION.findall(source.read_text()):
-            ids = " ".join(re.findall(r"req: *(.*)", comment)).split()
-            marks = [pytest.mark.req(*ids)] if ids else []
+        for name, ids in FUNCTION.findall(source.read_text()):
+            marks = [pytest.mark.req(*ids.split())] if ids else []
             yield pytest.param(source, name, id=f"{source.stem}-{name}", marks=marks)
 
 

@@ -32,8 +32,7 @@ static void check_goes_on(struct mc *mc) {
   CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
 }
 
-// req: DRV-9
-TEST(test_counter_that_jumps) {
+TEST(test_counter_that_jumps, "DRV-9") {
   for (int sign = -1; sign <= 1; sign += 2) {
     struct mc *mc = guarded((struct mc_guard){.jump = 100});
     m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + sign * 100);
@@ -46,8 +45,7 @@ TEST(test_counter_that_jumps) {
 }
 
 /* As often as SCLOCKs have passed, so often may it have moved. */
-// req: DRV-9
-TEST(test_counter_that_nobody_read_for_a_while) {
+TEST(test_counter_that_nobody_read_for_a_while, "DRV-9") {
   struct mc *mc = guarded((struct mc_guard){.jump = 100});
   m.latency_us = 3300;
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 290);
@@ -56,8 +54,7 @@ TEST(test_counter_that_nobody_read_for_a_while) {
   check_goes_on(mc);
 }
 
-// req: DRV-9
-TEST(test_axis_that_does_not_follow) {
+TEST(test_axis_that_does_not_follow, "DRV-9") {
   int32_t far[2] = {51, 0}, near[2] = {50, 0};
   struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
   CHECK_EQ(mc_write(mc, 0, near, 8), 8);
@@ -76,8 +73,7 @@ TEST(test_axis_that_does_not_follow) {
 }
 
 /* To either side, and beyond one count. */
-// req: DRV-9
-TEST(test_least_error_that_is_too_much) {
+TEST(test_least_error_that_is_too_much, "DRV-9") {
   for (int sign = -1; sign <= 1; sign += 2) {
     int32_t near[2] = {0, sign}, far[2] = {0, 2 * sign};
     struct mc *mc = guarded((struct mc_guard){.follow = 1});
@@ -90,8 +86,7 @@ TEST(test_least_error_that_is_too_much) {
   }
 }
 
-// req: DRV-9
-TEST(test_only_position_has_to_be_followed) {
+TEST(test_only_position_has_to_be_followed, "DRV-9") {
   static const int modes[] = {MD_TORQ, 0};
   int32_t far[2] = {5000, 5000};
   for (unsigned n = 0; n < sizeof modes / sizeof modes[0]; n++) {
@@ -120,8 +115,7 @@ static struct mc *fleeing(int32_t to, int speed, int more) {
   return mc;
 }
 
-// req: DRV-9
-TEST(test_axis_that_runs_away) {
+TEST(test_axis_that_runs_away, "DRV-9") {
   for (int sign = -1; sign <= 1; sign += 2) {
     check_goes_on(fleeing(2000 * sign, -10 * sign, 4));
     check_goes_on(fleeing(2000 * sign, 10 * sign, 8));   /* on its way */
@@ -133,8 +127,7 @@ TEST(test_axis_that_runs_away) {
 }
 
 /* What is asked for alone is watched, of the axes that there are for programs. */
-// req: DRV-9
-TEST(test_one_check_is_not_another) {
+TEST(test_one_check_is_not_another, "DRV-9") {
   static const struct mc_guard alone[] = {{.jump = 32767}, {.follow = 30000}, {.runaway = 32767},
                                           {.missed = 30},  {.lease = 100},    {.lock = 1}};
   int32_t far[2] = {20000, -20000};
@@ -155,8 +148,7 @@ TEST(test_one_check_is_not_another) {
 }
 
 /* SCLOCK's counters may hold another count than was written, and no register of the 8254 tells. */
-// req: DRV-9
-TEST(test_sclock_of_another_rate) {
+TEST(test_sclock_of_another_rate, "DRV-9") {
   for (int us = 500; us <= 2000; us += 1500) {
     struct mc *mc = guarded((struct mc_guard){.clock = 1});
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &(unsigned){(unsigned)us}), 0);
@@ -178,8 +170,7 @@ TEST(test_sclock_of_another_rate) {
   }
 }
 
-// req: DRV-9
-TEST(test_clock_that_is_not_there) {
+TEST(test_clock_that_is_not_there, "DRV-9") {
   static struct mock other;
   struct mc *mc = mock_start(&other, 1);
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.clock = 1}};
@@ -190,8 +181,7 @@ TEST(test_clock_that_is_not_there) {
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), 0);
 }
 
-// req: DRV-9
-TEST(test_no_limit_is_negative) {
+TEST(test_no_limit_is_negative, "DRV-9") {
   static struct mock other;
   struct mc *mc = mock_start(&other, 1);
   struct mc_config config = {.sysclk_hz = 8000000, .guard = {.jump = -1}};
@@ -202,8 +192,7 @@ TEST(test_no_limit_is_negative) {
   CHECK_EQ(mc_attach(mc, &other.bus, &other.os, &config), -MC_EINVAL);
 }
 
-// req: DRV-9
-TEST(test_sclocks_that_nobody_served) {
+TEST(test_sclocks_that_nobody_served, "DRV-9") {
   struct mc *mc = guarded((struct mc_guard){.missed = 3});
   m.latency_us = 2300; /* every third is served */
   mock_run(&m, 3000);
@@ -219,8 +208,7 @@ TEST(test_sclocks_that_nobody_served) {
   check_stopped(mc, "mc: PANIC: SCLOCKs that no pass served 1\n");
 }
 
-// req: DRV-9
-TEST(test_program_that_falls_silent) {
+TEST(test_program_that_falls_silent, "DRV-9") {
   int32_t here[2] = {0, 0};
   struct mc *mc = guarded((struct mc_guard){.lease = 5});
   for (int n = 0; n < 3; n++) {
@@ -247,8 +235,7 @@ TEST(test_program_that_falls_silent) {
   CHECK(!mc_is_enabled(mc));
 }
 
-// req: DRV-9
-TEST(test_program_that_owes_no_setpoint) {
+TEST(test_program_that_owes_no_setpoint, "DRV-9") {
   int32_t here[2] = {0, 0};
   struct mc *mc = guarded((struct mc_guard){.lease = 5});
   check_goes_on(mc); /* it never wrote any */
@@ -271,8 +258,7 @@ TEST(test_program_that_owes_no_setpoint) {
 }
 
 /* The first finding ends the pass; the machine is stopped once, and the reason is one line. */
-// req: DRV-9
-TEST(test_one_finding_stops_the_machine) {
+TEST(test_one_finding_stops_the_machine, "DRV-9") {
   int32_t far[2] = {51, 51};
   struct mc *mc = guarded((struct mc_guard){.jump = 1});
   m.card[0].count[0]++;
@@ -289,8 +275,7 @@ TEST(test_one_finding_stops_the_machine) {
   check_stopped(mc, "mc: PANIC: axis 0 does not follow\n");
 }
 
-// req: DRV-9
-TEST(test_a_machine_at_rest_may_be_moved) {
+TEST(test_a_machine_at_rest_may_be_moved, "DRV-9") {
   struct mc *mc = guarded((struct mc_guard){.jump = 100, .follow = 50, .missed = 3});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);
@@ -299,8 +284,7 @@ TEST(test_a_machine_at_rest_may_be_moved) {
   CHECK_EQ(m.signals[0], 0);
 }
 
-// req: DRV-9
-TEST(test_requests_that_wait_until_the_servo_rests) {
+TEST(test_requests_that_wait_until_the_servo_rests, "DRV-9") {
   unsigned us = 2000, one = 1;
   for (int lock = 0; lock < 2; lock++) {
     struct mc *mc = guarded((struct mc_guard){.lock = (uint8_t)lock});
@@ -316,8 +300,7 @@ TEST(test_requests_that_wait_until_the_servo_rests) {
 }
 
 /* A mode brings parameters of its own; an axis that is off takes any. */
-// req: DRV-9
-TEST(test_parameters_of_an_axis_that_is_on) {
+TEST(test_parameters_of_an_axis_that_is_on, "DRV-9") {
   for (int lock = 0; lock < 2; lock++) {
     struct mc *mc = guarded((struct mc_guard){.lock = (uint8_t)lock});
     struct mc_param par = {.which = 1};
@@ -338,8 +321,7 @@ TEST(test_parameters_of_an_axis_that_is_on) {
 }
 
 /* The driver of the report does none of it. */
-// req: DRV-9
-TEST(test_nothing_is_checked_that_was_not_asked_for) {
+TEST(test_nothing_is_checked_that_was_not_asked_for, "DRV-9") {
   int32_t far[2] = {20000, -20000};
   struct mc *mc = guarded((struct mc_guard){0});
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);

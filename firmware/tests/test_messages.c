@@ -32,8 +32,7 @@ static int cross(struct mc *mc, int count) {
   return lines;
 }
 
-// req: DRV-2 DRV-6
-TEST(test_limits_are_told_when_asked_for) {
+TEST(test_limits_are_told_when_asked_for, "DRV-2 DRV-6") {
   struct mc *mc = mock_open(&m, 2);
   limits(mc, 1, MD_POS | POSCHK | SOFTERR);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
@@ -46,8 +45,7 @@ TEST(test_limits_are_told_when_asked_for) {
   }
 }
 
-// req: DRV-2 SRV-4
-TEST(test_overload_is_told) {
+TEST(test_overload_is_told, "DRV-2 SRV-4") {
   struct mc *mc = mock_open(&m, 1);
   int32_t set[2] = {0, 60};
   limits(mc, 1, MD_TORQ | SOFTERR);
@@ -62,8 +60,7 @@ TEST(test_overload_is_told) {
   CHECK_EQ(strcmp(m.last_log, "mc: axis 1: sustained current overload"), 0);
 }
 
-// req: DRV-2
-TEST(test_the_verbose_hear_of_the_normal_course) {
+TEST(test_the_verbose_hear_of_the_normal_course, "DRV-2") {
   for (int say = 0; say < 4; say++) {
     struct mc *mc = mock_open(&m, 2);
     int before = m.logs, lines = (say & M_VERBOSE) != 0;
@@ -79,8 +76,7 @@ TEST(test_the_verbose_hear_of_the_normal_course) {
   }
 }
 
-// req: DRV-7 DRV-12
-TEST(test_every_axis_is_watched_for_its_heartbeat) {
+TEST(test_every_axis_is_watched_for_its_heartbeat, "DRV-7 DRV-12") {
   for (int axis = 0; axis < 4; axis++) {
     struct mc *mc = mock_open(&m, 2);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
@@ -95,8 +91,7 @@ TEST(test_every_axis_is_watched_for_its_heartbeat) {
   }
 }
 
-// req: DRV-7
-TEST(test_passes_that_are_samples) {
+TEST(test_passes_that_are_samples, "DRV-7") {
   struct mc *mc = mock_open(&m, 1);
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
   int passes = m.passes;

@@ -46,8 +46,7 @@ static void expect_defaults(struct mc *mc, int client) {
 }
 
 /* The first writer after there was none starts as if it were alone; a second one does not. */
-// req: DRV-2
-TEST(test_a_monitor_hands_nothing_on) {
+TEST(test_a_monitor_hands_nothing_on, "DRV-2") {
   for (int early = 0; early < 2; early++) { /* the monitor was there before the first program */
     struct mc *mc = mock_start(&m, 2);
     mc->os.log = hear;
@@ -86,8 +85,7 @@ TEST(test_a_monitor_hands_nothing_on) {
 }
 
 /* The open for writing fails; the monitor goes on. */
-// req: DRV-2
-TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone) {
+TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone, "DRV-2") {
   struct mc *mc = mock_start(&m, 1);
   CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
   mock_run(&m, 5000);
@@ -102,8 +100,7 @@ TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone) {
 }
 
 /* A reads; an event comes; B reads and clears it; A clears what it has read, and is told yet. */
-// req: DRV-5
-TEST(test_a_clear_takes_nobody_s_event) {
+TEST(test_a_clear_takes_nobody_s_event, "DRV-5") {
   for (int axes = 0; axes <= 2; axes++) { /* A's read may have been of fewer axes than that */
     struct mc *mc = mock_open(&m, 1);
     struct mc_state state[2];
@@ -127,8 +124,7 @@ static void servo(struct mc *mc, int axis, int mode) {
   set_mode_within_100(mc, axis, mode);
 }
 
-// req: DRV-6
-TEST(test_a_write_after_a_shutdown_is_refused) {
+TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
   for (int panic = 0; panic < 2; panic++) {
     struct mc *mc = listening(1);
     int32_t set[2] = {10, 10};
@@ -154,8 +150,7 @@ TEST(test_a_write_after_a_shutdown_is_refused) {
 }
 
 /* Artificial signals and an axis that is servoed by its encoder exclude each other under power. */
-// req: DRV-12 DIA-2
-TEST(test_no_axis_is_servoed_blind) {
+TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
   static const struct {
     int mode, needs;
   } cases[] = {{MD_OFF, 0},         {MD_POS, 1},          {MD_VEL, 1},

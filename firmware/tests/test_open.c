@@ -5,8 +5,7 @@
 
 static struct mock m;
 
-// req: DRV-1
-TEST(test_attach_takes_what_the_adaptor_can_have) {
+TEST(test_attach_takes_what_the_adaptor_can_have, "DRV-1") {
   static const uint32_t good[] = {8000000, 4000000, 2000000, 1000000};
   static const uint32_t bad[] = {0,       1,       999999,  1000001,  3000000,
                                  6000000, 7999999, 8000001, 16000000, UINT32_MAX};
@@ -30,8 +29,7 @@ TEST(test_attach_takes_what_the_adaptor_can_have) {
   CHECK(mc_size() >= sizeof(struct mc));
 }
 
-// req: DRV-1 DRV-2
-TEST(test_attach_begins_anew) {
+TEST(test_attach_begins_anew, "DRV-1 DRV-2") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x77};
   struct mc_state state;
@@ -52,8 +50,7 @@ static int add(struct mock_access *want, int n, int write, unsigned offset, unsi
   return n + 1;
 }
 
-// req: DRV-2 DRV-3
-TEST(test_first_open_traffic) {
+TEST(test_first_open_traffic, "DRV-2 DRV-3") {
   static const uint8_t pattern[] = {0xA8, 0x50, 0x00}; /* never a counting mode */
   static const unsigned timers[][2] = {{0x409, 0x18}, {0x407, 0x70}, {0x407, 0xB4}, {0x405, 0},
                                        {0x405, 0},    {0x407, 0x34}, {0x401, 0x40}, {0x401, 0x1F},
@@ -98,8 +95,7 @@ TEST(test_first_open_traffic) {
   CHECK_EQ(m.masked, 0);
 }
 
-// req: DRV-2 DRV-10
-TEST(test_positions_are_known_from_the_open_on) {
+TEST(test_positions_are_known_from_the_open_on, "DRV-2 DRV-10") {
   static const int32_t counts[] = {0x1234, -2, 0x7FFF, -0x8000};
   struct mc *mc = mock_start(&m, 2);
   struct mc_state state[4];
@@ -127,8 +123,7 @@ static enum mc_bus_result read_holes(void *ctx, uint16_t offset, uint8_t *value)
   return MC_BUS_OK;
 }
 
-// req: DRV-2
-TEST(test_an_open_that_failed_leaves_nothing_behind) {
+TEST(test_an_open_that_failed_leaves_nothing_behind, "DRV-2") {
   struct mc *mc = mock_start(&m, 1);
   struct mc_bus good = mc->bus;
   for (int way = 0; way < 3; way++) {
@@ -147,8 +142,7 @@ TEST(test_an_open_that_failed_leaves_nothing_behind) {
   CHECK_EQ(mc_joints(mc), 2);
 }
 
-// req: DRV-2 DRV-6
-TEST(test_last_close_is_silent_and_says_no_more_than_it_must) {
+TEST(test_last_close_is_silent_and_says_no_more_than_it_must, "DRV-2 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_close(mc, 0), 0);
@@ -166,8 +160,7 @@ TEST(test_last_close_is_silent_and_says_no_more_than_it_must) {
   CHECK_EQ(mc_open(mc, -1), -MC_EINVAL);
 }
 
-// req: DRV-2
-TEST(test_a_new_open_finds_the_defaults_again) {
+TEST(test_a_new_open_finds_the_defaults_again, "DRV-2") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_param first = param_of(mc, 1), par = first;
   struct mc_stats stats;
@@ -209,8 +202,7 @@ TEST(test_a_new_open_finds_the_defaults_again) {
 }
 
 /* The heartbeats that the close ended run out while the machine is open again. */
-// req: DRV-6 DRV-9
-TEST(test_reopened_at_once_the_own_panic_is_no_error) {
+TEST(test_reopened_at_once_the_own_panic_is_no_error, "DRV-6 DRV-9") {
   for (int gap = 0; gap < 60000; gap += 500) {
     static const unsigned intervals[] = {2000, 500, 20000};
     struct mc *mc = mock_open(&m, 1);
@@ -230,8 +222,7 @@ TEST(test_reopened_at_once_the_own_panic_is_no_error) {
 
 /* Which signals an encoder gives, and which the switch of the cards gives before and after, must
  * make no difference: whatever is opened, stopped, switched or closed, the counts stay. */
-// req: DRV-2 DRV-9 DRV-10 DIA-2
-TEST(test_nothing_but_motion_moves_a_count) {
+TEST(test_nothing_but_motion_moves_a_count, "DRV-2 DRV-9 DRV-10 DIA-2") {
   for (int joint = 0; joint < 16; joint++) {
     struct mc *mc = mock_start(&m, 1);
     int modes[] = {M_ENDIAG, 0, M_ANDIAG | M_ENDIAG, M_ANDIAG, 0, M_ENDIAG};
@@ -259,8 +250,7 @@ TEST(test_nothing_but_motion_moves_a_count) {
 
 /* While nobody has the device open the counters go on; so do positions beyond 16 bits, as long as
  * the card keeps its power. */
-// req: DRV-2 DRV-10
-TEST(test_positions_survive_a_close) {
+TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 4; axis++) {
     for (int i = 1; i <= 5; i++) {
@@ -297,8 +287,7 @@ TEST(test_positions_survive_a_close) {
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
 }
 
-// req: DRV-4
-TEST(test_read_gives_every_axis_its_state) {
+TEST(test_read_gives_every_axis_its_state, "DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_state state[5];
   for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 + axis);
@@ -321,8 +310,7 @@ TEST(test_read_gives_every_axis_its_state) {
 }
 
 /* The start of SCLOCK has begun a conversion: read() need not wait for the first sample. */
-// req: DRV-4
-TEST(test_first_read_has_the_converters_values) {
+TEST(test_first_read_has_the_converters_values, "DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_state state[4];
   for (int axis = 0; axis < 4; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(700 + axis);
@@ -337,8 +325,7 @@ TEST(test_first_read_has_the_converters_values) {
   CHECK_EQ(m.masked, 0);
 }
 
-// req: DRV-4
-TEST(test_write_sets_as_many_as_it_brings) {
+TEST(test_write_sets_as_many_as_it_brings, "DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   int32_t set[4] = {11, -12, INT32_MAX, INT32_MIN};
   int three = 3;

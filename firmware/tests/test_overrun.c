@@ -32,8 +32,7 @@ static struct mc *started(int mode0, int mode1, int divisor) {
 }
 
 /* The servo is dead: so is the heartbeat, and everybody hears why. */
-// req: DRV-7 DRV-9
-TEST(test_a_servo_that_computes_no_more_stops_the_machine) {
+TEST(test_a_servo_that_computes_no_more_stops_the_machine, "DRV-7 DRV-9") {
   static const unsigned intervals[] = {500, 1000, 2000, 10000};
   for (unsigned i = 0; i < 8; i++) {
     struct mc *mc = started(MD_VEL, i & 1 ? MD_OFF : MD_POS, i & 2 ? 3 : 1);
@@ -68,8 +67,7 @@ TEST(test_a_servo_that_computes_no_more_stops_the_machine) {
   }
 }
 
-// req: DRV-9
-TEST(test_a_break_in_time_is_forgiven) {
+TEST(test_a_break_in_time_is_forgiven, "DRV-9") {
   for (int divisor = 1; divisor < 4; divisor++) {
     struct mc *mc = started(MD_VEL, MD_POS, divisor);
     for (int round = 0; round < 5; round++) {
@@ -85,8 +83,7 @@ TEST(test_a_break_in_time_is_forgiven) {
 }
 
 /* Nothing is computed for axes that are off: MSETDAC's code is held as ever. */
-// req: DRV-9 DRV-12
-TEST(test_axes_that_are_off_are_not_due) {
+TEST(test_axes_that_are_off_are_not_due, "DRV-9 DRV-12") {
   for (int one = 0; one < 2; one++) { /* nor are those beyond the joints */
     struct mc *mc = started(MD_OFF, one ? MD_VEL : MD_OFF, 1);
     int arg = 0xABC << 8;
@@ -107,8 +104,7 @@ static const char crowded[] =
     "mc: passes outlast SCLOCK, programs get no time: the interval is too short\n";
 
 /* Late, but computed: counted, told once, and on it goes. */
-// req: DRV-7 DRV-9
-TEST(test_late_passes_that_compute_go_on) {
+TEST(test_late_passes_that_compute_go_on, "DRV-7 DRV-9") {
   struct mc *mc = started(MD_VEL, MD_POS, 1);
   m.compute_us = 1200;
   mock_run(&m, 49000);
@@ -122,8 +118,7 @@ TEST(test_late_passes_that_compute_go_on) {
 
 /* A port whose processor is too slow for its interval: MENABLE would not return there, since
  * nothing but passes runs. Every open tells it once. */
-// req: DRV-7
-TEST(test_a_processor_that_is_too_slow_is_told_at_rest) {
+TEST(test_a_processor_that_is_too_slow_is_told_at_rest, "DRV-7") {
   struct mc *mc = listening(1);
   for (int n = 0; n < 2; n++) {
     m.compute_us = 1200;
@@ -150,8 +145,7 @@ TEST(test_a_processor_that_is_too_slow_is_told_at_rest) {
 }
 
 /* A pass without a sample counts for axes that wait, and keeps the heartbeat while none is due. */
-// req: DRV-7 DRV-9
-TEST(test_waiting_axes_wait_on_in_a_pass_without_a_sample) {
+TEST(test_waiting_axes_wait_on_in_a_pass_without_a_sample, "DRV-7 DRV-9") {
   struct mc *mc = started(MD_VEL, MD_VEL, 4);
   unsigned us = 1000;
   int passes = 0;

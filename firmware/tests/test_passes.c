@@ -3,8 +3,7 @@
 #include "mc_priv.h"
 #include "hear.h"
 
-// req: DRV-7 DRV-11
-TEST(test_every_axis_gets_its_own_numbers) {
+TEST(test_every_axis_gets_its_own_numbers, "DRV-7 DRV-11") {
   struct mc *mc = listening(3);
   int32_t values[6];
   for (int axis = 0; axis < 6; axis++) {
@@ -28,8 +27,7 @@ TEST(test_every_axis_gets_its_own_numbers) {
 }
 
 /* Every bit of both converters, in the presence of any bit of the other. */
-// req: DRV-11
-TEST(test_converters_share_their_high_nibbles) {
+TEST(test_converters_share_their_high_nibbles, "DRV-11") {
   struct mc *mc = listening(1);
   static const uint16_t codes[] = {0,     0xFFF, 0x00F, 0x0F0, 0xF00, 0x100, 0x200,
                                    0x400, 0x800, 0x555, 0xAAA, 0x0FF, 0xFF0};
@@ -44,8 +42,7 @@ TEST(test_converters_share_their_high_nibbles) {
   }
 }
 
-// req: DRV-11
-TEST(test_late_converters_keep_the_old_values_of_their_card) {
+TEST(test_late_converters_keep_the_old_values_of_their_card, "DRV-11") {
   struct mc *mc = listening(3);
   for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(100 + axis);
   mock_pass(&m);
@@ -78,8 +75,7 @@ TEST(test_late_converters_keep_the_old_values_of_their_card) {
 }
 
 /* They are asked for 40 times after the encoders; ready at the last question is ready. */
-// req: DRV-11
-TEST(test_converters_are_waited_for_40_reads) {
+TEST(test_converters_are_waited_for_40_reads, "DRV-11") {
   for (int late = 38; late < 45; late++) {
     struct mc *mc = listening(1);
     mock_pass(&m);
@@ -100,8 +96,7 @@ TEST(test_converters_are_waited_for_40_reads) {
   }
 }
 
-// req: DRV-2 SRV-1
-TEST(test_the_first_pass_is_a_sample_of_all_axes) {
+TEST(test_the_first_pass_is_a_sample_of_all_axes, "DRV-2 SRV-1") {
   struct mc *mc = listening(2);
   for (int round = 0; round < 2; round++) {
     for (int axis = 0; axis < 4; axis++) {
@@ -126,8 +121,7 @@ TEST(test_the_first_pass_is_a_sample_of_all_axes) {
 }
 
 /* An event on any axis, in any order, is told once, shuts down once, and stays with its axis. */
-// req: DRV-5 DRV-6
-TEST(test_events_of_any_axis) {
+TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
   for (unsigned crossed = 1; crossed < 16; crossed++) {
     for (int soft = 0; soft < 2; soft++) {
       struct mc *mc = listening(2);
@@ -156,8 +150,7 @@ TEST(test_events_of_any_axis) {
 }
 
 /* However late the handler is: every rise of SCLOCK is either served or counted as missed. */
-// req: DRV-7
-TEST(test_every_sclock_is_served_or_missed) {
+TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
   for (int64_t latency = 1; latency < 2300; latency += latency > 960 && latency < 1060 ? 1 : 97) {
     struct mc *mc = listening(1);
     unsigned us = 1000;
@@ -181,8 +174,7 @@ TEST(test_every_sclock_is_served_or_missed) {
 }
 
 /* Off is off, also if nobody has ever set a parameter. */
-// req: DRV-2 SRV-6
-TEST(test_axes_are_off_by_default) {
+TEST(test_axes_are_off_by_default, "DRV-2 SRV-6") {
   struct mc *mc = listening(2);
   int32_t values[4] = {5000, -5000, 1, 100000};
   CHECK_EQ(mc_write(mc, 0, values, 16), 16);
@@ -203,8 +195,7 @@ TEST(test_axes_are_off_by_default) {
 }
 
 /* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
-// req: DRV-7
-TEST(test_overruns_of_any_length) {
+TEST(test_overruns_of_any_length, "DRV-7") {
   struct mc *mc = listening(1);
   unsigned us = 1000, one = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -222,8 +213,7 @@ TEST(test_overruns_of_any_length) {
 }
 
 /* At rest, and beyond the joints, an axis is only looked at. */
-// req: DRV-7
-TEST(test_only_joints_under_power_are_servoed) {
+TEST(test_only_joints_under_power_are_servoed, "DRV-7") {
   struct mc *mc = listening(2);
   int32_t far[4] = {40, 40, 40, 40};
   int joints = 2;

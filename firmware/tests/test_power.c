@@ -32,8 +32,7 @@ static int enable(struct mc *mc) {
 
 #define SAID(text) CHECK_EQ(strcmp(said, text), 0)
 
-// req: DRV-9 PAN-2
-TEST(test_enable_traffic) {
+TEST(test_enable_traffic, "DRV-9 PAN-2") {
   struct mc *mc = opened(2);
   int on = 1;
   CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
@@ -64,8 +63,7 @@ TEST(test_enable_traffic) {
   CHECK_EQ(m.releases, 1);
 }
 
-// req: DRV-9 DRV-10
-TEST(test_an_enabled_machine_starts_afresh_at_enable) {
+TEST(test_an_enabled_machine_starts_afresh_at_enable, "DRV-9 DRV-10") {
   struct mc *mc = opened(1);
   struct mc_param par = param_of(mc, 0);
   int32_t set[2] = {5, 6};
@@ -90,8 +88,7 @@ TEST(test_an_enabled_machine_starts_afresh_at_enable) {
   CHECK(strstr(said, "mc: enable: card 0 does not answer\n") != NULL);
 }
 
-// req: DRV-9
-TEST(test_what_axes_hold_at_the_first_pass) {
+TEST(test_what_axes_hold_at_the_first_pass, "DRV-9") {
   static const int modes[] = {MD_OFF, MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_POS};
   struct mc *mc = opened(3);
   int32_t set = 4000;
@@ -114,8 +111,7 @@ TEST(test_what_axes_hold_at_the_first_pass) {
 }
 
 /* The low byte is written only where the heartbeat lives: a dead one must not start again. */
-// req: DRV-6 DRV-9 PAN-2
-TEST(test_stop_traffic) {
+TEST(test_stop_traffic, "DRV-6 DRV-9 PAN-2") {
   for (unsigned live = 0; live < 16; live++) {
     struct mc *mc = opened(2);
     int on = 1;
@@ -150,8 +146,7 @@ TEST(test_stop_traffic) {
   }
 }
 
-// req: DRV-6
-TEST(test_a_stop_forgets_setpoints_and_currents) {
+TEST(test_a_stop_forgets_setpoints_and_currents, "DRV-6") {
   for (int how = 0; how < 3; how++) {
     struct mc *mc = opened(2);
     int32_t set[4] = {100, 200, 300, 400};
@@ -195,8 +190,7 @@ static int enable_at_second_wait(struct mc *mc) {
   return waits == 2 ? enable_too(mc) : 0;
 }
 
-// req: DRV-3 DRV-9
-TEST(test_enable_while_another_enables) {
+TEST(test_enable_while_another_enables, "DRV-3 DRV-9") {
   for (int late = 0; late < 2; late++) {
     struct mc *mc = opened(1);
     meanwhile = late ? enable_at_second_wait : enable_too;
@@ -212,8 +206,7 @@ static int stop_meanwhile(struct mc *mc) {
   return waits == 2 ? mc_ioctl(mc, 0, MSTOP, NULL) : 0;
 }
 
-// req: DRV-9
-TEST(test_enable_that_is_stopped_says_so) {
+TEST(test_enable_that_is_stopped_says_so, "DRV-9") {
   struct mc *mc = opened(1);
   meanwhile = stop_meanwhile;
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 100);
@@ -225,8 +218,7 @@ TEST(test_enable_that_is_stopped_says_so) {
   CHECK_EQ(m.card[0].b, 5);
 }
 
-// req: DRV-9
-TEST(test_enable_waits_for_two_passes_at_most) {
+TEST(test_enable_waits_for_two_passes_at_most, "DRV-9") {
   static const unsigned intervals[] = {100, 400, 999, 1000, 2000, 40000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
     struct mc *mc = opened(1);
@@ -246,8 +238,7 @@ TEST(test_enable_waits_for_two_passes_at_most) {
   }
 }
 
-// req: DRV-6 DRV-9
-TEST(test_enable_after_a_stop_waits_for_the_brakes) {
+TEST(test_enable_after_a_stop_waits_for_the_brakes, "DRV-6 DRV-9") {
   struct mc *mc = opened(1);
   for (int pause = 0; pause < 70000; pause += 10000) {
     CHECK_EQ(enable(mc), 0);
@@ -277,8 +268,7 @@ TEST(test_enable_after_a_stop_waits_for_the_brakes) {
   CHECK_EQ(quiet, 60);
 }
 
-// req: DRV-9 DRV-10
-TEST(test_a_card_that_lost_power_is_revived) {
+TEST(test_a_card_that_lost_power_is_revived, "DRV-9 DRV-10") {
   for (int lost = 0; lost < 3; lost++) {
     for (int part = 1; part < 4; part++) { /* of its ports, A or B or both */
       struct mc *mc = opened(3);
@@ -334,8 +324,7 @@ static void keep_mute(struct mock *mock) {
   mock->card[mute / 2].beat_until[mute & 1] = 0;
 }
 
-// req: DRV-9 PAN-2
-TEST(test_enable_names_the_axis_without_a_heartbeat) {
+TEST(test_enable_names_the_axis_without_a_heartbeat, "DRV-9 PAN-2") {
   for (mute = 0; mute < 4; mute++) {
     struct mc *mc = opened(2);
     m.card[mute / 2].enabled[mute & 1] = 0; /* PANIC does not look at it */

@@ -43,8 +43,7 @@ static int copy_out(void *ctx, void *to, const void *from, size_t len) {
   return m.os.copy_out(ctx, to, from, len);
 }
 
-// req: DRV-3 DRV-4
-TEST(test_every_request_is_atomic_and_copies_its_argument_only) {
+TEST(test_every_request_is_atomic_and_copies_its_argument_only, "DRV-3 DRV-4") {
   static const struct {
     uint32_t code;
     int in, out;
@@ -82,8 +81,7 @@ static int copy_once(void *ctx, void *to, const void *from, size_t len) {
   return copies-- > 0 ? m.os.copy_in(ctx, to, from, len) : -MC_EFAULT;
 }
 
-// req: DRV-3
-TEST(test_an_answer_that_cannot_be_given_is_an_error) {
+TEST(test_an_answer_that_cannot_be_given_is_an_error, "DRV-3") {
   static const uint32_t codes[] = {MGETNUMCARDS, MGETPARAM, MGETVERBOSITY, MGETINTERVAL, MGETSTATS};
   struct mc *mc = mock_open(&m, 1);
   mc->os.copy_in = mc->os.copy_out = copy_once;
@@ -100,8 +98,7 @@ TEST(test_an_answer_that_cannot_be_given_is_an_error) {
 
 /* --- joints ---------------------------------------------------------------------------------- */
 
-// req: DRV-3 DRV-6
-TEST(test_joints_that_come_and_go) {
+TEST(test_joints_that_come_and_go, "DRV-3 DRV-6") {
   struct mc *mc = mock_open(&m, 2);
   int32_t values[4] = {100, 200, 300, 400};
   for (int axis = 0; axis < 4; axis++) {
@@ -142,8 +139,7 @@ TEST(test_joints_that_come_and_go) {
   CHECK(!mock_panic(&m)); /* enabled all the same */
 }
 
-// req: DRV-3
-TEST(test_joints_that_stay_notice_nothing) {
+TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 2; axis++) {
     struct mc_param par = param_of(mc, axis);
@@ -165,8 +161,7 @@ TEST(test_joints_that_stay_notice_nothing) {
 
 /* --- parameters ------------------------------------------------------------------------------ */
 
-// req: DRV-9 SRV-6
-TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only) {
+TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   put(mc, 70, 80);
   set_mode(mc, 0, MD_TORQ);
@@ -203,8 +198,7 @@ TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only) {
 }
 
 /* Which way the feedback comes is a part of what a demand means. Torque is not fed back. */
-// req: DRV-9 SRV-6
-TEST(test_a_change_of_feedback_does_not_jump) {
+TEST(test_a_change_of_feedback_does_not_jump, "DRV-9 SRV-6") {
   static const int changes[][2] = {{MD_POS, MD_POS | ADFB},   {MD_POS | ADFB, MD_POS},
                                    {MD_POS, MD_POS | ZEROFB}, {MD_POS | ZEROFB, MD_POS},
                                    {MD_VEL, MD_VEL | ADFB},   {MD_VEL | ZEROFB, MD_VEL},
@@ -232,8 +226,7 @@ TEST(test_a_change_of_feedback_does_not_jump) {
   }
 }
 
-// req: SRV-1
-TEST(test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample) {
+TEST(test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample, "SRV-1") {
   for (int to = 1; to <= 12; to++) {
     for (int passed = 0; passed < 8; passed++) {
       struct mc *mc = mock_open(&m, 1);
@@ -260,8 +253,7 @@ TEST(test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample) {
   }
 }
 
-// req: SRV-1 DRV-7
-TEST(test_axes_wait_each_by_itself) {
+TEST(test_axes_wait_each_by_itself, "SRV-1 DRV-7") {
   struct mc *mc = mock_open(&m, 2);
   static const int divisors[] = {3, 1, 2, 5};
   int samples[4] = {0};
@@ -284,8 +276,7 @@ TEST(test_axes_wait_each_by_itself) {
   }
 }
 
-// req: DRV-12 SRV-6
-TEST(test_a_code_is_for_axes_that_are_off) {
+TEST(test_a_code_is_for_axes_that_are_off, "DRV-12 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   enable(mc);
   for (int mode = 0; mode < 16; mode++) {

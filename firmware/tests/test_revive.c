@@ -35,8 +35,7 @@ static int errcode(struct mc *mc, int axis) {
   return mc_state_of(mc, axis)->errcode;
 }
 
-// req: DRV-13 DRV-10
-TEST(test_a_short_silence_leaves_the_count_whole) {
+TEST(test_a_short_silence_leaves_the_count_whole, "DRV-13 DRV-10") {
   for (int enabled = 0; enabled < 2; enabled++) {
     for (int us = 500; us <= 6000; us += 500) {
       struct mc *mc = at(listening(2), 2, 171586);
@@ -58,8 +57,7 @@ TEST(test_a_short_silence_leaves_the_count_whole) {
 }
 
 /* 32768 counts at 4 million a second. A slower robot has more time. */
-// req: DRV-13
-TEST(test_a_long_silence_loses_the_count) {
+TEST(test_a_long_silence_loses_the_count, "DRV-13") {
   static const struct {
     uint32_t speed;
     int us, lost;
@@ -99,8 +97,7 @@ TEST(test_a_long_silence_loses_the_count) {
 }
 
 /* A reset card has forgotten modes and counts. */
-// req: DRV-13 PAN-2
-TEST(test_a_reset_card_needs_calibration) {
+TEST(test_a_reset_card_needs_calibration, "DRV-13 PAN-2") {
   for (int mode = MD_POS; mode <= MD_TORQ; mode++) {
     for (int seen = 0; seen < 2; seen++) { /* by a pass: it may come back between two */
       struct mc *mc = at(listening(2), 3, 171586);
@@ -119,8 +116,7 @@ TEST(test_a_reset_card_needs_calibration) {
 }
 
 /* What was not known at the last close is not known at the next open. */
-// req: DRV-13 DRV-2
-TEST(test_an_open_does_not_find_a_lost_count_again) {
+TEST(test_an_open_does_not_find_a_lost_count_again, "DRV-13 DRV-2") {
   struct mc *mc = at(listening(2), 1, 100000);
   cable(0);
   mock_run(&m, 20000);
@@ -132,8 +128,7 @@ TEST(test_an_open_does_not_find_a_lost_count_again) {
   CHECK_EQ(enable(mc), -MC_EIO);
 }
 
-// req: DRV-12
-TEST(test_enable_without_cable_says_nothing_of_a_reset) {
+TEST(test_enable_without_cable_says_nothing_of_a_reset, "DRV-12") {
   struct mc *mc = at(listening(2), 1, 100000);
   cable(0);
   mock_run(&m, 5000);
@@ -142,8 +137,7 @@ TEST(test_enable_without_cable_says_nothing_of_a_reset) {
   CHECK_EQ(mc_state_of(mc, 1)->encnow, 100000);
 }
 
-// req: DRV-13
-TEST(test_a_bus_error_is_told_once) {
+TEST(test_a_bus_error_is_told_once, "DRV-13") {
   for (int enabled = 0; enabled < 2; enabled++) {
     struct mc *mc = listening(1);
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
@@ -166,8 +160,7 @@ TEST(test_a_bus_error_is_told_once) {
   }
 }
 
-// req: DRV-13 PAN-2
-TEST(test_sysreset_is_told_and_the_state_goes_on) {
+TEST(test_sysreset_is_told_and_the_state_goes_on, "DRV-13 PAN-2") {
   for (int enabled = 0; enabled < 2; enabled++) {
     struct mc *mc = at(listening(2), 1, 100000);
     CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1);
@@ -203,8 +196,7 @@ TEST(test_sysreset_is_told_and_the_state_goes_on) {
 }
 
 /* Cards whose counters went on alone: too long for any axis, but not for a slow one. */
-// req: DRV-13
-TEST(test_sysreset_may_leave_the_counts) {
+TEST(test_sysreset_may_leave_the_counts, "DRV-13") {
   for (int slow = 0; slow < 2; slow++) {
     struct mc *mc = at(listening(2), 1, 100000);
     mc->config.speed = slow ? 500000 : 0;
@@ -220,8 +212,7 @@ TEST(test_sysreset_may_leave_the_counts) {
 }
 
 /* The adaptor is as it was, or gone. */
-// req: DRV-13
-TEST(test_the_end_of_interrupts_is_told) {
+TEST(test_the_end_of_interrupts_is_told, "DRV-13") {
   for (int dead = 0; dead < 2; dead++) {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = listening(1);

@@ -42,8 +42,7 @@ static void check_brakes_before_power(int64_t most_us) {
   CHECK(m.panic);
 }
 
-// req: DRV-9
-TEST(test_stop_holds_until_the_brakes_are_closed) {
+TEST(test_stop_holds_until_the_brakes_are_closed, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK(!mc_is_enabled(mc));
@@ -60,16 +59,14 @@ TEST(test_stop_holds_until_the_brakes_are_closed) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
 }
 
-// req: DRV-9
-TEST(test_without_brakes_a_stop_is_zero_at_once) {
+TEST(test_without_brakes_a_stop_is_zero_at_once, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){0});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
   CHECK(!is_connected());
 }
 
-// req: DRV-9
-TEST(test_button_holds_until_the_brakes_are_closed) {
+TEST(test_button_holds_until_the_brakes_are_closed, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   m.estop_open = 1;
   mock_run(&m, 2000);
@@ -83,8 +80,7 @@ TEST(test_button_holds_until_the_brakes_are_closed) {
 }
 
 /* Its own current is what cannot be trusted. */
-// req: DRV-9
-TEST(test_faulty_axis_is_let_go_the_other_is_held) {
+TEST(test_faulty_axis_is_let_go_the_other_is_held, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US, .jump = 100});
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 2000);
   mock_run(&m, 2500);
@@ -94,8 +90,7 @@ TEST(test_faulty_axis_is_let_go_the_other_is_held) {
   CHECK(mock_dac(&m, 1) < 0x800);
 }
 
-// req: DRV-9
-TEST(test_overloaded_axis_is_let_go) {
+TEST(test_overloaded_axis_is_let_go, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   struct mc_param par = param_of(mc, 0);
   int32_t far[2] = {2000, 40};
@@ -110,8 +105,7 @@ TEST(test_overloaded_axis_is_let_go) {
 }
 
 /* What cannot be relied upon holds nothing. */
-// req: DRV-9
-TEST(test_bus_error_is_zero_at_once) {
+TEST(test_bus_error_is_zero_at_once, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   m.card[0].present = 0;
   mock_run(&m, 2000);
@@ -119,8 +113,7 @@ TEST(test_bus_error_is_zero_at_once) {
   CHECK_EQ(mc->power, MC_IDLE);
 }
 
-// req: DRV-9
-TEST(test_close_and_enable_wait_for_the_brakes) {
+TEST(test_close_and_enable_wait_for_the_brakes, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   int64_t from = m.now;
@@ -134,8 +127,7 @@ TEST(test_close_and_enable_wait_for_the_brakes) {
 }
 
 /* One card a pass. */
-// req: DRV-9
-TEST(test_modes_that_changed_stop_the_machine) {
+TEST(test_modes_that_changed_stop_the_machine, "DRV-9") {
   static const uint8_t bits[] = {MMCS_CARD_PPI_B_DAC_JOINT_bm, MMCS_CARD_PPI_B_SCLOCK_EN_bm,
                                  MMCS_CARD_PPI_B_INDEX_EN_bm};
   for (unsigned n = 0; n <= sizeof bits; n++) {
@@ -163,8 +155,7 @@ static struct mmcs_setpoints message(unsigned sequence, int value) {
   return s;
 }
 
-// req: DRV-9
-TEST(test_checked_setpoints) {
+TEST(test_checked_setpoints, "DRV-9") {
   int32_t plain[2] = {1, 2};
   struct mmcs_setpoint one = {0, 1};
   struct mc *mc = guarded((struct mc_guard){.checked = 1});
@@ -192,8 +183,7 @@ TEST(test_checked_setpoints) {
 }
 
 /* Each bit of each word that is sent. */
-// req: DRV-9
-TEST(test_setpoints_that_change_on_their_way) {
+TEST(test_setpoints_that_change_on_their_way, "DRV-9") {
   for (unsigned bit = 0; bit < 5 * 32; bit++) {
     struct mc *mc = guarded((struct mc_guard){.checked = 1});
     struct mmcs_setpoints s = message(5, 1234);
@@ -207,8 +197,7 @@ TEST(test_setpoints_that_change_on_their_way) {
   }
 }
 
-// req: DRV-9
-TEST(test_latched_panic) {
+TEST(test_latched_panic, "DRV-9") {
   struct mc *mc = listening(1);
   mc->config.guard = (struct mc_guard){.latched = 1, .brakes = BRAKES_US};
   m.safety = m.latched = 1;
@@ -228,8 +217,7 @@ TEST(test_latched_panic) {
   check_brakes_before_power(0);
 }
 
-// req: DRV-9
-TEST(test_counts_of_an_axis_that_is_on_are_locked) {
+TEST(test_counts_of_an_axis_that_is_on_are_locked, "DRV-9") {
   unsigned on = 7 << 8, off = 7 << 8 | 1;
   struct mc *mc = guarded((struct mc_guard){.lock = 1});
   set_mode_within_100(mc, 1, MD_OFF);
@@ -247,8 +235,7 @@ static void turn(int axis, int by, int samples) {
 }
 
 /* At 20 counts a sample, of which a quarter may be lost, and two. */
-// req: DRV-9
-TEST(test_speed_that_is_not_followed) {
+TEST(test_speed_that_is_not_followed, "DRV-9") {
   int32_t demand[2] = {20, 0};
   for (int jammed = 0; jammed < 2; jammed++) {
     struct mc *mc = guarded((struct mc_guard){.follow = 100});
@@ -261,8 +248,7 @@ TEST(test_speed_that_is_not_followed) {
   }
 }
 
-// req: DRV-9
-TEST(test_axis_that_is_off_stays_where_it_is) {
+TEST(test_axis_that_is_off_stays_where_it_is, "DRV-9") {
   unsigned renumbered = 3000 << 8 | 1, dac = 0x8FF << 8 | 1;
   struct mc *mc = guarded((struct mc_guard){.follow = 100});
   set_mode_within_100(mc, 1, MD_OFF);

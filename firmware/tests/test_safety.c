@@ -22,8 +22,7 @@ static void brakes_need_a_servo(struct mock *mock) {
   if (!mock_panic(mock)) CHECK(mock->computes > 0 && (mock->card[0].b & 2) != 0);
 }
 
-// req: DRV-9
-TEST(test_enable_opens_brakes_with_the_servo) {
+TEST(test_enable_opens_brakes_with_the_servo, "DRV-9") {
   struct mc *mc = mock_open(&m, 3);
   m.card[1].enabled[0] = 0;
   m.card[0].count[0] = 1234;
@@ -40,8 +39,7 @@ TEST(test_enable_opens_brakes_with_the_servo) {
   CHECK_EQ(m.pccsr, 0xF8);
 }
 
-// req: DRV-9 PAN-2
-TEST(test_enable_finds_dead_hardware) {
+TEST(test_enable_finds_dead_hardware, "DRV-9 PAN-2") {
   struct mc *mc = mock_open(&m, 2);
   m.card[1].present = 0;
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
@@ -54,8 +52,7 @@ TEST(test_enable_finds_dead_hardware) {
   CHECK_EQ(m.card[1].b, 7);
 }
 
-// req: DRV-9 DRV-6
-TEST(test_stop) {
+TEST(test_stop, "DRV-9 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 500;
   set_mode_within(mc, 0, MD_TORQ, 0);
@@ -80,8 +77,7 @@ TEST(test_stop) {
   enable(mc); /* and again */
 }
 
-// req: DRV-9
-TEST(test_last_close_stops) {
+TEST(test_last_close_stops, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   int other = mc_open(mc, MC_O_RDWR);
   enable(mc);
@@ -98,8 +94,7 @@ TEST(test_last_close_stops) {
   CHECK_EQ(m.used, 1);
 }
 
-// req: DRV-5 DRV-6
-TEST(test_limit_without_softerr_shuts_down) {
+TEST(test_limit_without_softerr_shuts_down, "DRV-5 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   set_mode_within(mc, 0, MD_POS | POSCHK, 0);
   int monitor = mc_open(mc, MC_O_RDONLY);
@@ -122,8 +117,7 @@ TEST(test_limit_without_softerr_shuts_down) {
   CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* sticky */
 }
 
-// req: DRV-5 DRV-6
-TEST(test_softerr_reports_crossings_only) {
+TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
   set_mode_within(mc, 1, MD_POS | POSCHK | SOFTERR, 0);
@@ -145,8 +139,7 @@ TEST(test_softerr_reports_crossings_only) {
   CHECK_EQ(errcode_of(&m, 1), 0);
 }
 
-// req: DRV-5
-TEST(test_same_event_again_survives_the_clear) {
+TEST(test_same_event_again_survives_the_clear, "DRV-5") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
   set_mode_within(mc, 0, MD_POS | POSCHK | SOFTERR, 0);
@@ -162,8 +155,7 @@ TEST(test_same_event_again_survives_the_clear) {
   CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
 }
 
-// req: SRV-4 DRV-6
-TEST(test_overload_shuts_down) {
+TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 1025;
   set_mode_within(mc, 0, MD_TORQ, 10);
@@ -176,8 +168,7 @@ TEST(test_overload_shuts_down) {
   CHECK_EQ(mock_dac(&m, 0), 0x800);
 }
 
-// req: DRV-5 DRV-6 DRV-12
-TEST(test_button) {
+TEST(test_button, "DRV-5 DRV-6 DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   set_mode_within(mc, 0, MD_TORQ | SOFTERR, 0);
   enable(mc);
@@ -193,8 +184,7 @@ TEST(test_button) {
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
 }
 
-// req: DRV-7 DRV-12
-TEST(test_dead_heartbeat_is_found_without_an_edge) {
+TEST(test_dead_heartbeat_is_found_without_an_edge, "DRV-7 DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   enable(mc);
   mock_run(&m, 10000);
@@ -206,8 +196,7 @@ TEST(test_dead_heartbeat_is_found_without_an_edge) {
   CHECK_EQ(m.card[1].beat_until[0], 0); /* and is not started again */
 }
 
-// req: DRV-7 DRV-12
-TEST(test_lost_card) {
+TEST(test_lost_card, "DRV-7 DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   int32_t before;
   enable(mc);
@@ -220,8 +209,7 @@ TEST(test_lost_card) {
   CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
 }
 
-// req: DRV-9
-TEST(test_slow_interval_panics) {
+TEST(test_slow_interval_panics, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 80000;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -230,8 +218,7 @@ TEST(test_slow_interval_panics) {
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
 }
 
-// req: DRV-7
-TEST(test_missed_are_counted_in_a_panic_too) {
+TEST(test_missed_are_counted_in_a_panic_too, "DRV-7") {
   struct mc *mc = mock_open(&m, 1);
   enable(mc);
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
@@ -243,8 +230,7 @@ TEST(test_missed_are_counted_in_a_panic_too) {
   CHECK_EQ(mc_stats_of(mc)->missed, 39);
 }
 
-// req: DRV-9
-TEST(test_panic_while_idle_is_counted_only) {
+TEST(test_panic_while_idle_is_counted_only, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   m.card[0].enabled[0] = m.card[0].enabled[1] = 0;
   mock_run(&m, 5000);
@@ -255,8 +241,7 @@ TEST(test_panic_while_idle_is_counted_only) {
   CHECK_EQ(errcode_of(&m, 0), 0);
 }
 
-// req: DRV-8 CAL-1
-TEST(test_calibration) {
+TEST(test_calibration, "DRV-8 CAL-1") {
   struct mc *mc = mock_open(&m, 1);
   struct mock_card *c = &m.card[0];
   int axis = 1;
@@ -288,8 +273,7 @@ static void strike(struct mock *mock) {
   c->count[0]++;
 }
 
-// req: DRV-8
-TEST(test_calibration_never_reports_another_count) {
+TEST(test_calibration_never_reports_another_count, "DRV-8") {
   for (strike_at = 1; strike_at < 20; strike_at++) {
     struct mc *mc = mock_open(&m, 1);
     int axis = 0;
@@ -308,8 +292,7 @@ TEST(test_calibration_never_reports_another_count) {
   }
 }
 
-// req: DRV-9 SRV-6
-TEST(test_mode_change_under_power_does_not_jump) {
+TEST(test_mode_change_under_power_does_not_jump, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   int32_t set = 30;
   set_mode_within(mc, 0, MD_VEL, 0);

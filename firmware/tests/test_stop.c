@@ -18,8 +18,7 @@ static void at_rest(const struct mc *mc) {
   }
 }
 
-// req: DRV-4 DRV-9
-TEST(test_a_stop_holds_until_an_enable) {
+TEST(test_a_stop_holds_until_an_enable, "DRV-4 DRV-9") {
   for (int how = 0; how < 2; how++) {
     struct mc *mc = listening(1);
     int32_t set[2] = {300, -300};
@@ -67,8 +66,7 @@ static void stop_in_wait(void *ctx, uint32_t us) {
 }
 
 /* Between any two steps of an enable: it fails, nothing moves, no brake opens. */
-// req: DRV-3 DRV-9
-TEST(test_a_stop_ends_an_enable_under_way) {
+TEST(test_a_stop_ends_an_enable_under_way, "DRV-3 DRV-9") {
   int last = 0;
   for (stop_at = 0; !last; stop_at++) {
     for (int how = 0; how < 2; how++) {
@@ -99,8 +97,7 @@ TEST(test_a_stop_ends_an_enable_under_way) {
   CHECK(stop_at > 50);
 }
 
-// req: DRV-9
-TEST(test_a_halt_of_a_closed_or_dead_machine) {
+TEST(test_a_halt_of_a_closed_or_dead_machine, "DRV-9") {
   struct mc *mc = mock_start(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_halt(mc), 0);
@@ -118,8 +115,7 @@ TEST(test_a_halt_of_a_closed_or_dead_machine) {
 }
 
 /* Monitors keep nothing going, and lose nothing: state goes on. */
-// req: DRV-2 DRV-9
-TEST(test_the_last_writer_stops_the_machine) {
+TEST(test_the_last_writer_stops_the_machine, "DRV-2 DRV-9") {
   struct mc *mc = listening(1);
   int32_t set = 40;
   struct mc_state state;
@@ -149,8 +145,7 @@ TEST(test_the_last_writer_stops_the_machine) {
 }
 
 /* The law that an axis had before the stop is not what MD_OFF runs. */
-// req: DRV-6 SRV-6
-TEST(test_no_error_of_the_old_mode_after_a_stop) {
+TEST(test_no_error_of_the_old_mode_after_a_stop, "DRV-6 SRV-6") {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1};
   for (int i = 0; i < 8; i++) {
     struct mc *mc = listening(1);
@@ -179,8 +174,7 @@ TEST(test_no_error_of_the_old_mode_after_a_stop) {
 }
 
 /* Nothing written before an enable moves anything after it, whatever ended the one before. */
-// req: DRV-6 DRV-9
-TEST(test_enable_moves_nothing_before_a_new_demand) {
+TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_POS | ZEROFB, MD_POS | ADFB};
   for (int i = 0; i < 5 * 4; i++) {
     struct mc *mc = listening(1);
@@ -218,8 +212,7 @@ TEST(test_enable_moves_nothing_before_a_new_demand) {
   }
 }
 
-// req: DRV-6 DRV-8
-TEST(test_an_error_gives_no_calibration_up) {
+TEST(test_an_error_gives_no_calibration_up, "DRV-6 DRV-8") {
   struct mc *mc = listening(2);
   int axis = 1;
   set_mode_within_100(mc, 2, MD_POS | POSCHK);
@@ -236,8 +229,7 @@ TEST(test_an_error_gives_no_calibration_up) {
 
 /* What the law has prepared is of the mode that a stop leaves, no less: else each sample after it
  * is in 64 bits, and on a 68020 too long. */
-// req: DRV-9 SRV-1
-TEST(test_a_stop_prepares_what_a_mode_of_off_has) {
+TEST(test_a_stop_prepares_what_a_mode_of_off_has, "DRV-9 SRV-1") {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_OFF};
   for (int i = 0; i < 5; i++) {
     struct mc *mc = listening(1);

@@ -14,8 +14,7 @@ static void enable(struct mc *mc) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
 }
 
-// req: DRV-6 DRV-9
-TEST(test_a_new_interval_keeps_the_grace_of_a_stop) {
+TEST(test_a_new_interval_keeps_the_grace_of_a_stop, "DRV-6 DRV-9") {
   static const unsigned intervals[] = {100, 500, 2000, 9000, 100000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
     struct mc *mc = mock_open(&m, 1);
@@ -46,8 +45,7 @@ static void creep(struct mock *mock) {
   mock->card[mover / 2].count[mover & 1]++;
 }
 
-// req: DRV-10
-TEST(test_an_encoder_is_set_anywhere_and_while_it_moves) {
+TEST(test_an_encoder_is_set_anywhere_and_while_it_moves, "DRV-10") {
   static const int values[] = {0, 1, -1, 0x1234, -0x1234, 0x7FFD, -0x8000};
   for (int i = 0; i < 4 * 3 * 7; i++) {
     struct mc *mc = mock_open(&m, 2);
@@ -69,8 +67,7 @@ TEST(test_an_encoder_is_set_anywhere_and_while_it_moves) {
   }
 }
 
-// req: DRV-10 SRV-6
-TEST(test_setting_an_encoder_is_no_movement_and_no_crossing) {
+TEST(test_setting_an_encoder_is_no_movement_and_no_crossing, "DRV-10 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   set_mode_within_100(mc, 0, MD_VEL | POSCHK | SOFTERR);
   enable(mc);
@@ -118,8 +115,7 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
 }
 
 /* Not by a single D/A unit: neither does the axis jump nor the servo forget what it holds. */
-// req: DRV-10 DRV-9 SRV-1
-TEST(test_another_number_for_the_place_moves_no_axis) {
+TEST(test_another_number_for_the_place_moves_no_axis, "DRV-10 DRV-9 SRV-1") {
   static const int modes[] = {MD_POS, MD_VEL, MD_POS | ADFB, MD_POS | ZEROFB | COULCOMP, MD_TORQ};
   int32_t plain[20][3], renumbered[20][3];
   for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
@@ -129,8 +125,7 @@ TEST(test_another_number_for_the_place_moves_no_axis) {
   }
 }
 
-// req: DRV-12
-TEST(test_each_axis_has_its_light) {
+TEST(test_each_axis_has_its_light, "DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   m.logging = 1;
   for (unsigned axis = 0; axis < 4; axis++) call(mc, MSETLED, axis | 0x100);
@@ -153,8 +148,7 @@ static void count_relay(void *ctx, uint32_t us) {
   m.os.delay_us(ctx, us);
 }
 
-// req: DIA-2 DRV-12
-TEST(test_diagnostic_modes) {
+TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
   for (int live = 0; live < 2; live++) {
     struct mc *mc = mock_open(&m, 2);
     if (live) enable(mc);
@@ -184,8 +178,7 @@ TEST(test_diagnostic_modes) {
   }
 }
 
-// req: DRV-12
-TEST(test_double_buffering) {
+TEST(test_double_buffering, "DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   enable(mc);
   m.logging = 1;
@@ -206,8 +199,7 @@ TEST(test_double_buffering) {
   CHECK_EQ(m.card[0].b, 0x0F); /* but again as asked for */
 }
 
-// req: DRV-6 DRV-9
-TEST(test_stop_turns_modes_off_and_leaves_the_switches) {
+TEST(test_stop_turns_modes_off_and_leaves_the_switches, "DRV-6 DRV-9") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_param par;
   int32_t values[4] = {1, 2, 3, 4};
@@ -230,8 +222,7 @@ TEST(test_stop_turns_modes_off_and_leaves_the_switches) {
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), 10 * axis + 5);
 }
 
-// req: DRV-3
-TEST(test_every_counter_of_the_statistics) {
+TEST(test_every_counter_of_the_statistics, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
   static const struct mc_stats none;

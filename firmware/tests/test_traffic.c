@@ -4,8 +4,7 @@
 
 static struct mock m;
 
-// req: DRV-7 SRV-1 DRV-11
-TEST(test_pass_enabled) {
+TEST(test_pass_enabled, "DRV-7 SRV-1 DRV-11") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 500);
@@ -26,8 +25,7 @@ TEST(test_pass_enabled) {
   CHECK_EQ(m.computed_axes, 2);
 }
 
-// req: DRV-7 DRV-9
-TEST(test_pass_idle_writes_no_dac) {
+TEST(test_pass_idle_writes_no_dac, "DRV-7 DRV-9") {
   mock_open(&m, 3);
   m.logging = 1;
   mock_run(&m, 10000);
@@ -35,8 +33,7 @@ TEST(test_pass_idle_writes_no_dac) {
   for (int i = 0; i < m.used; i++) CHECK(!m.log[i].write || m.log[i].offset >= 0x400);
 }
 
-// req: DRV-7
-TEST(test_pass_length) {
+TEST(test_pass_length, "DRV-7") {
   struct mc *mc = mock_open(&m, 3);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 500);
@@ -46,8 +43,7 @@ TEST(test_pass_length) {
   CHECK_EQ(m.used, 3 + 3 * 3 + 3 * 13);
 }
 
-// req: DRV-2
-TEST(test_scan) {
+TEST(test_scan, "DRV-2") {
   struct mc *mc = mock_start(&m, 0);
   m.card[3].present = m.card[9].present = 1;
   m.logging = 1;
@@ -68,8 +64,7 @@ TEST(test_scan) {
   CHECK_EQ(m.used, 0);
 }
 
-// req: DRV-2 DIA-2
-TEST(test_scan_switches_joints_in_before_counting) {
+TEST(test_scan_switches_joints_in_before_counting, "DRV-2 DIA-2") {
   struct mc *mc = mock_start(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
@@ -86,15 +81,13 @@ TEST(test_scan_switches_joints_in_before_counting) {
   CHECK_EQ(mode, 5);
 }
 
-// req: DRV-2
-TEST(test_no_adaptor) {
+TEST(test_no_adaptor, "DRV-2") {
   struct mc *mc = mock_start(&m, 3);
   m.adaptor_dead = 1;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
 }
 
-// req: DRV-3
-TEST(test_timer_programming) {
+TEST(test_timer_programming, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 1000;
   m.logging = 1;
@@ -109,8 +102,7 @@ TEST(test_timer_programming) {
   EXPECT(&m, want);
 }
 
-// req: DRV-3
-TEST(test_intervals) {
+TEST(test_intervals, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   static const unsigned good[] = {100,   101,   997,   1000,    2000,
                                   16384, 16385, 50000, 1000003, 500000000};
@@ -131,8 +123,7 @@ TEST(test_intervals) {
   }
 }
 
-// req: DRV-7
-TEST(test_missed_are_counted_exactly) {
+TEST(test_missed_are_counted_exactly, "DRV-7") {
   mock_open(&m, 1);
   unsigned us = 1000;
   CHECK_EQ(mc_ioctl(m.memory, 0, MSETINTERVAL, &us), 0);
@@ -152,8 +143,7 @@ TEST(test_missed_are_counted_exactly) {
   CHECK_EQ(stats->overrun, 0);
 }
 
-// req: DRV-7
-TEST(test_overruns_are_counted) {
+TEST(test_overruns_are_counted, "DRV-7") {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 1000;
   CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -169,8 +159,7 @@ TEST(test_overruns_are_counted) {
   CHECK_EQ(mc_stats_of(mc)->missed, 0);
 }
 
-// req: DRV-11
-TEST(test_adc_times_out) {
+TEST(test_adc_times_out, "DRV-11") {
   mock_open(&m, 1);
   m.card[0].adc[0] = 3000;
   mock_run(&m, 2100);
@@ -189,8 +178,7 @@ TEST(test_adc_times_out) {
   CHECK(strcmp(m.last_log, "mc: close, A/D time-outs: 2") == 0);
 }
 
-// req: DRV-12
-TEST(test_modes_act_on_hardware) {
+TEST(test_modes_act_on_hardware, "DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   int on = 1, led = 0x102, diag = M_ENDIAG, bad = 4;
   CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
@@ -203,8 +191,7 @@ TEST(test_modes_act_on_hardware) {
   CHECK_EQ(m.card[1].b, 0x0C);
 }
 
-// req: DRV-10
-TEST(test_set_encoder_traffic) {
+TEST(test_set_encoder_traffic, "DRV-10") {
   struct mc *mc = mock_open(&m, 1);
   unsigned arg = 0xFF9C01;
   m.logging = 1;
@@ -223,8 +210,7 @@ TEST(test_set_encoder_traffic) {
   CHECK_EQ(mc_state_of(mc, 1)->encnow, -100 - 65400);
 }
 
-// req: DRV-7
-TEST(test_new_interval_at_any_phase_misses_nothing) {
+TEST(test_new_interval_at_any_phase_misses_nothing, "DRV-7") {
   struct mc *mc = mock_open(&m, 1);
   unsigned us = 2000;
   for (int phase = 0; phase < 2000; phase += 37) {

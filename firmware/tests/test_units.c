@@ -7,8 +7,7 @@ static struct mock m;
 
 /* --- registers ------------------------------------------------------------------------------- */
 
-// req: DRV-10
-TEST(test_registers_of_every_axis) {
+TEST(test_registers_of_every_axis, "DRV-10") {
   struct mc *mc = mock_open(&m, 3);
   m.logging = 1;
   for (unsigned axis = 0; axis < 6; axis++) {
@@ -32,8 +31,7 @@ TEST(test_registers_of_every_axis) {
   for (int i = 0; i < 12; i++) CHECK_EQ(m.log[i].offset, i / 4 << 6 | (0x11 + 2 * (i % 4)));
 }
 
-// req: DRV-12
-TEST(test_bits_are_set_and_cleared_one_by_one) {
+TEST(test_bits_are_set_and_cleared_one_by_one, "DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   m.logging = 1;
   CHECK_EQ(mc->pccsr, 0xB8);
@@ -92,8 +90,7 @@ static struct mc *faulty(int with_lists) {
   return mc;
 }
 
-// req: DRV-3 DRV-7
-TEST(test_failed_accesses_are_noted) {
+TEST(test_failed_accesses_are_noted, "DRV-3 DRV-7") {
   static const uint16_t list[] = {0x049, 0x04B};
   static const uint8_t zero[2] = {0};
   for (int with_lists = 0; with_lists < 2; with_lists++) {
@@ -133,16 +130,14 @@ static int traffic_of_a_pass(int with_lists, struct mock_access *log) {
   return used;
 }
 
-// req: DRV-7 DRV-11
-TEST(test_lists_are_the_same_accesses) {
+TEST(test_lists_are_the_same_accesses, "DRV-7 DRV-11") {
   static struct mock_access one[MOCK_LOG], other[MOCK_LOG];
   int n = traffic_of_a_pass(0, one);
   CHECK_EQ(n, traffic_of_a_pass(1, other));
   CHECK(memcmp(one, other, (size_t)n * sizeof one[0]) == 0);
 }
 
-// req: DRV-3 DRV-6
-TEST(test_requests_report_a_dead_adaptor) {
+TEST(test_requests_report_a_dead_adaptor, "DRV-3 DRV-6") {
   for (int kind = 0; kind < 4; kind++) { /* reads or writes fail, with lists or without */
     struct mc *mc = faulty(kind & 1);
     unsigned us = 1000, where = 1, light = 0x100, on = 1, got = 0;
@@ -175,8 +170,7 @@ static enum mc_bus_result doubtful_read(void *ctx, uint16_t offset, uint8_t *val
   return result;
 }
 
-// req: DRV-9 DRV-12
-TEST(test_a_card_answers_if_both_patterns_come_back) {
+TEST(test_a_card_answers_if_both_patterns_come_back, "DRV-9 DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   mc->bus.read8 = doubtful_read;
   for (int at = 1; at < 4; at++) {
@@ -193,8 +187,7 @@ TEST(test_a_card_answers_if_both_patterns_come_back) {
 
 /* --- timers ---------------------------------------------------------------------------------- */
 
-// req: DRV-3
-TEST(test_interval_arithmetic) {
+TEST(test_interval_arithmetic, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   static const uint32_t clocks[] = {8000000, 4000000, 2000000, 1000000};
   for (unsigned c = 0; c < 4; c++) {
@@ -230,8 +223,7 @@ TEST(test_interval_arithmetic) {
   }
 }
 
-// req: DRV-6 DRV-9
-TEST(test_ticks_last_at_least_as_long) {
+TEST(test_ticks_last_at_least_as_long, "DRV-6 DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   static const uint32_t intervals[] = {100, 500, 2000, 60000, 70000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
@@ -245,8 +237,7 @@ TEST(test_ticks_last_at_least_as_long) {
 
 /* --- text, counters -------------------------------------------------------------------------- */
 
-// req: DRV-2
-TEST(test_lines_for_the_console) {
+TEST(test_lines_for_the_console, "DRV-2") {
   struct mc *mc = mock_open(&m, 1);
   static const struct {
     int number;
@@ -278,8 +269,7 @@ TEST(test_lines_for_the_console) {
   CHECK_EQ(strcmp(m.last_log, "mc: \x81\xFF"), 0);
 }
 
-// req: DRV-3
-TEST(test_counters_stop_at_the_largest) {
+TEST(test_counters_stop_at_the_largest, "DRV-3") {
   static const struct {
     int from;
     unsigned by;
