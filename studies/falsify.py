@@ -21,7 +21,7 @@ from studies import run as finish
 
 FAR = 20  # counts
 POINTS = 16  # of a path
-MARK = "# The path of the true run, by `make falsify WRITE=1`.\n"
+MARK = '[[expect]]\nkind = "path"  # of the true run, by `make falsify WRITE=1`\n'
 LONGEST_S = 5.0  # of a scenario that takes part
 
 
@@ -159,7 +159,7 @@ def path_of(name: str) -> str:
     rows = [[int(axis[n]) for n in places if n < len(t)] for axis in axes]
     rows = rows[:1] if all(row == rows[0] for row in rows) else rows
     lines = ",\n".join(f"  {row}" for row in rows)
-    return f'\n{MARK}[[expect]]\nkind = "path"\nevery = {every:g}\ncounts = [\n{lines},\n]\n'
+    return f"\n{MARK}every = {every:g}\ncounts = [\n{lines},\n]\n"
 
 
 def write(name: str) -> None:
