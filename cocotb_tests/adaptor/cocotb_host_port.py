@@ -19,9 +19,10 @@ VARIANTS = {
 class HostPort(Tb):
     """One request at a time, as a host front makes them."""
 
-    async def start(self) -> None:
+    async def start(self):
         await super().start()
         self.dut.pc_d_i.value = 0xFF
+        return self
 
     async def access(self, offset: int, value: int | None = None, wait: int = 1000) -> int:
         dut = self.dut
@@ -52,8 +53,7 @@ class HostPort(Tb):
 @test("ADP-1", "VME-5", "CSR-1")
 async def own_registers(dut):
     """PCCSR and vector by the port alone; every other offset of the upper half reads 0xFF."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     assert int(dut.vector_o.value) == 0x0F
     for value in (0x00, 0x1F, 0x98, 0xA5):
         await tb.wr(VECTOR, value)
@@ -71,8 +71,7 @@ async def own_registers(dut):
 @test("ADP-1", "MAP-1", "VME-4")
 async def own_accesses_become_pc_cycles(dut):
     """Every address of the lower half, at random bases; the cards take their time."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     bus, seen, expected = PcBus.from_prefix(dut, "pc"), [], []
 
     def on_read(address: int) -> int:
@@ -94,8 +93,7 @@ async def own_accesses_become_pc_cycles(dut):
 @test("ADP-1")
 async def answer_stays_until_the_next(dut):
     """Of the adaptor's own registers and of the PC bus; reset leaves 0xFF."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     await tb.wr(PCCSR, 0x15)
     for offset, value in ((PCCSR, 0x15), (0x011, 0x6A), (PCCSR, 0x15)):
         dut.pc_d_i.value = value
@@ -113,8 +111,7 @@ async def answer_stays_until_the_next(dut):
 @test("PCB-1", "ADP-1")
 async def cycle_timing(dut):
     """Address a full clock before the command, command as long as set, data held past it."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     side = 125_000
     command = tb.parameters.get("CmdNs", 500) * 1000
     for n in range(6):
@@ -145,8 +142,7 @@ async def cycle_timing(dut):
 @test("PCB-1", "PIT-2")
 async def system_clock_of_the_jumper(dut):
     """CLK once a period, from reset on; SCLOCK counts its periods and moves half a period later."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     div = tb.clk_hz // 1_000_000 // tb.parameters.get("SysClkMHz", 8)
     for before in (1, 2, 5):
         await tb.clocks(before)
@@ -179,8 +175,7 @@ async def system_clock_of_the_jumper(dut):
 @test("PCB-1")
 async def read_data_is_sampled_at_the_end(dut):
     """What stands on the bus when IOR# rises counts, not what stood before."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     for last in (0x12, 0xED):
         task = cocotb.start_soon(tb.access(0x011))
         await FallingEdge(dut.pc_ior_no)
@@ -195,8 +190,7 @@ async def read_data_is_sampled_at_the_end(dut):
 @test("PCB-1", "PCB-2")
 async def iochrdy(dut):
     """Extends by what it lasts; past the limit the cycle ends, reads 0xFF, and the next works."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     dut.pc_d_i.value = 0x5A
     tick = 8_000_000 // (tb.parameters.get("SysClkMHz", 8) * 1_000_000) * 125
     limit = tb.parameters.get("IochrdyLimitClks", 10)
@@ -232,8 +226,7 @@ async def iochrdy(dut):
 
 @test("ADP-1", "PIT-2", "INT-1", "INT-2")
 async def interrupts_by_the_port(dut):
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     await tb.us(2)
     await tb.wr(0x407, 0x70)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -258,8 +251,7 @@ async def interrupts_by_the_port(dut):
 @test("PAN-1", "PAN-2", "ADP-1")
 async def safety_by_the_port(dut):
     """Each of button, cable and power alone; without a link the PC bus reads 0xFF at full speed."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     await tb.us(2)
     dut.pc_d_i.value = 0x33
     assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
@@ -289,8 +281,7 @@ async def safety_by_the_port(dut):
 @test("PCB-1", "CSR-1")
 @variants("8MHz")
 async def sysreset_passes_to_reset_drv(dut):
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     await tb.us(60)
     await tb.wr(PCCSR, 0x9F)
     await tb.wr(VECTOR, 0x44)
@@ -308,8 +299,7 @@ async def sysreset_passes_to_reset_drv(dut):
 @test("ADP-1", "PIT-1", "PIT-2")
 async def timers_by_the_port(dut):
     """Latched reads of a running timer go down by the time that passed."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     mhz = tb.parameters.get("SysClkMHz", 8)
     await tb.wr(0x407, 0x34)
     await tb.wr(0x401, 0x00)
@@ -330,8 +320,7 @@ async def timers_by_the_port(dut):
 async def a_count_is_loaded_by_a_whole_pulse(dut):
     """Timer 1, written while its clock OUT0 is high: the next fall is of a pulse that began before,
     the second one loads, the third one ends a count of 1."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     await tb.wr(0x407, 0x14)  # timer 0, mode 2: OUT0 rises
     await tb.wr(0x407, 0x50)  # timer 1, low byte, mode 0: SCLOCK falls
     await tb.wr(0x403, 1)
@@ -345,8 +334,7 @@ async def a_count_is_loaded_by_a_whole_pulse(dut):
 @test("ADP-1")
 async def random_requests(dut):
     """A long mix at random gaps: each request gets exactly one answer, the right one."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     answers = 0
 
     async def count():

@@ -13,8 +13,7 @@ TOPLEVEL = "adaptor_core"
 @test("PCB-1", "CSR-1")
 async def reset_drv_stands_from_power_on(dut):
     """It is high while the power-on reset is, and until SYSRESET* has ended."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     dut.sys_reset_i.value = 1
     dut.rst_ni.value = 0
     await Timer(10, "ns")
@@ -31,8 +30,7 @@ async def reset_drv_stands_from_power_on(dut):
 @test("PCB-1", "PAN-2")
 async def cable_that_bounces_in_a_command(dut):
     """Out and back at any clock of an access: one command at most, and what is cut reads 0xFF."""
-    tb = HostPort(dut)
-    await tb.start()
+    tb = await HostPort(dut).start()
     await tb.us(60)
     dut.pc_d_i.value = 0x33
     commands = cut = 0

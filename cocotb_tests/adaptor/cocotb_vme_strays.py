@@ -20,7 +20,7 @@ VEC = 0xC5
 class Adaptor(Tb):
     """The adaptor behind its VME connector; its latch of SCLOCK is set and asks."""
 
-    async def start(self) -> None:
+    async def start(self):
         await super().start()
         self.bus = VmeBus.from_prefix(self.dut, "vme")
         self.vme = VmeMaster(self.bus)
@@ -30,6 +30,7 @@ class Adaptor(Tb):
         await self.vme.write(0x6407, 0x74)  # mode 2: it rises
         await self.clocks(4)
         assert int(self.dut.vme_irq_no.value) == 0x7F & ~(1 << 4)
+        return self
 
     async def acknowledge(self, level: int) -> None:
         """IACKIN* of a level comes down; DS0* stays high."""
@@ -52,8 +53,7 @@ class Adaptor(Tb):
 @test("INT-2")
 async def one_answer_to_one_iackin(dut):
     """A second strobe under the same IACKIN* is neither answered nor passed on."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     for ns in (300, 700):
         await tb.acknowledge(5)
         tb.bus.ds_n.value = 0b10
@@ -74,8 +74,7 @@ async def one_answer_to_one_iackin(dut):
 @test("INT-2")
 async def iackin_that_lingers_passes_nothing_on(dut):
     """AS* rises and falls again before IACKIN* has risen: that cycle gets no IACKOUT*."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     for ns in (260, 500):
         await tb.acknowledge(3)
         assert not int(dut.vme_iackout_no.value), "another level's: passed on"
@@ -111,8 +110,7 @@ async def long_strobe_of_a_neighbour(tb: Adaptor, phase: int) -> None:
 async def strobe_of_a_neighbour_under_our_address(dut):
     """Address pipelining: its strobe, which stands for long, is not ours; the next one is, after as
     little as 30 ns, whatever the phase of the clock."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 7):
@@ -149,8 +147,7 @@ async def neighbours(tb: Adaptor, n: int) -> None:
 async def fast_strobes_of_a_neighbour(dut, n):
     """Transfers of 80 ns, and our address under the last strobe, or a strobe of our own 40 ns after
     it: the former is no cycle of ours, the latter is answered."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 4):
@@ -178,8 +175,7 @@ async def fast_strobes_of_a_neighbour(dut, n):
 @cocotb.parametrize(line=["ds_n", "as_n", "iackin_n"])
 async def acknowledge_that_goes_before_the_answer(dut, line):
     """DS0*, AS* or IACKIN* may rise at any time before DTACK* falls; then it does not fall."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus, early = tb.bus, 0
     for ns in range(126, 500, 5):  # never with the clock
         await tb.acknowledge(5)
@@ -200,8 +196,7 @@ async def acknowledge_that_goes_before_the_answer(dut, line):
 async def strobe_of_a_transfer_under_our_acknowledge(dut):
     """A neighbour's strobe that still stands when IACKIN* comes is not the acknowledge's: the
     vector waits for the next one."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 12):
@@ -220,8 +215,7 @@ async def strobe_of_a_transfer_under_our_acknowledge(dut):
 async def iackin_without_iack_is_not_ours(dut):
     """A neighbour that pulls IACKIN* in a transfer: passed on, whatever the address, and if IACK*
     comes after, that was decided."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.a.value, bus.lword_n.value, bus.write_n.value = 5, 1, 1
     await Timer(40, "ns")
@@ -238,8 +232,7 @@ async def iackin_without_iack_is_not_ours(dut):
 @test("VME-3")
 async def nothing_is_taken_in_sysreset(dut):
     """A write that begins in SYSRESET* and ends in it is neither answered nor carried out."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus, acts = tb.bus, []
 
     async def watch(line):
@@ -264,8 +257,7 @@ async def nothing_is_taken_in_sysreset(dut):
 @test("VME-3")
 async def sysreset_ends_an_answer(dut):
     """Three clocks into SYSRESET* DTACK* is high, and stays so, whatever a transfer has come to."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus, answers = tb.bus, set()
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for clocks in range(1, 16):
@@ -291,8 +283,7 @@ async def sysreset_ends_an_answer(dut):
 @test("INT-2")
 async def iackin_before_as(dut):
     """A chain that is early is passed on under AS* only, of our level or another."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.lword_n.value, bus.write_n.value, bus.iack_n.value = 1, 1, 0
     for level in (3, 5):
@@ -311,8 +302,7 @@ async def iackin_before_as(dut):
 @test("VME-3")
 async def address_strobe_that_comes_last(dut):
     """AS* may be a clock edge later than DS0* here, by skew: the cycle is answered all the same."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for before in (1, 10, 60, 130, 300):
@@ -331,8 +321,7 @@ async def address_strobe_that_comes_last(dut):
 async def the_later_strobe_begins_the_cycle(dut):
     """DS0* alone under our address begins nothing, however long it stands. When AS* comes, it
     passes as many flip-flops as DS0* does: the answer takes as long from the later one."""
-    tb = Adaptor(dut)
-    await tb.start()
+    tb = await Adaptor(dut).start()
     bus, took = tb.bus, []
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for ds_first in (False, True):

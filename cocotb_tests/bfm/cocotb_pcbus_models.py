@@ -4,14 +4,7 @@
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, Timer
-from cocotbext.pcbus import (
-    BusTimeout,
-    PcBus,
-    PcBusMaster,
-    PcBusMonitor,
-    PcBusSlave,
-    ProtocolError,
-)
+from cocotbext.pcbus import BusTimeout, PcBus, PcBusMaster, PcBusMonitor, PcBusSlave, ProtocolError
 from cocotbext.pcbus.monitor import RULES
 
 from cocotb_tests.bfm.cases import raises, refused

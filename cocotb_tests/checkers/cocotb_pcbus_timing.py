@@ -75,8 +75,7 @@ FAULTS = {
 
 @test("PCB-1")
 async def limits_met_exactly_are_good(dut):
-    b = Bus(dut, IDLE, NAMES)
-    await b.start()
+    b = await Bus(dut, IDLE, NAMES).start()
     for write in (WRITE, READ, WRITE, READ):
         await b.cycle(write)
     await b.cycle(WRITE, command=1875)
@@ -89,8 +88,7 @@ async def limits_met_exactly_are_good(dut):
 @cocotb.parametrize(name=list(FAULTS))
 async def limit_goes_red(dut, name):
     write, times = FAULTS[name]
-    b = Bus(dut, IDLE, NAMES)
-    await b.start()
+    b = await Bus(dut, IDLE, NAMES).start()
     await b.cycle(write, pause=200)
     await b.cycle(write, **times)
     if name == "addr_setup":

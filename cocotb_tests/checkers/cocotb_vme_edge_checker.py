@@ -27,13 +27,14 @@ class Lines:
             getattr(self.dut, f"vme_{name}").value = value
         await Timer(int(ns * 1000), "ps")
 
-    async def start(self) -> None:
+    async def start(self):
         self.dut.rst_ni.value = 0
         for name, value in IDLE.items():
             getattr(self.dut, name).value = value
         await Timer(10, "ns")
         self.dut.rst_ni.value = 1
         await Timer(10, "ns")
+        return self
 
     async def cycle(self, a=OURS, ack=False) -> None:
         await self.put(a_i=5 if ack else a, iack_ni=int(not ack))
@@ -46,8 +47,7 @@ class Lines:
 
 
 async def expect(dut, stimulus, *rules: int) -> None:
-    lines = Lines(dut)
-    await lines.start()
+    lines = await Lines(dut).start()
     await stimulus(lines)
     await lines.end()
     await lines.put(a_i=0x1234)  # the last instant is judged by the next

@@ -208,9 +208,7 @@ async def irq_release(b):
 
 
 # What a late release of the data does to its neighbours is a fault of its own.
-ALSO = {
-    "off_to_dtack": ["data_off", "off_to_dtack"],
-}
+ALSO = {"off_to_dtack": ["data_off", "off_to_dtack"]}
 # strobe_hold cannot go red: without DTACK* there is nothing to measure from; the clocked checker
 # of the master has that rule.
 FAULTS = {f.__name__: f for f in (
@@ -222,8 +220,7 @@ FAULTS = {f.__name__: f for f in (
 
 @test("VME-3")
 async def limits_met_exactly_are_good(dut):
-    b = Bus(dut, IDLE, NAMES)
-    await b.start()
+    b = await Bus(dut, IDLE, NAMES).start()
     await good(b)
     assert await b.broken() == []
 
@@ -231,7 +228,6 @@ async def limits_met_exactly_are_good(dut):
 @test("VME-3")
 @cocotb.parametrize(name=list(FAULTS))
 async def limit_goes_red(dut, name):
-    b = Bus(dut, IDLE, NAMES)
-    await b.start()
+    b = await Bus(dut, IDLE, NAMES).start()
     await FAULTS[name](b)
     assert await b.broken() == (ALSO.get(name) or [name])

@@ -12,7 +12,7 @@ class Pins:
     def __init__(self, dut, idle: dict[str, int]):
         self.dut, self.idle = dut, idle
 
-    async def start(self) -> None:
+    async def start(self):
         self.dut.rst_ni.value = 0
         self.put(**self.idle)
         Clock(self.dut.clk_i, 125, "ns").start()
@@ -20,6 +20,7 @@ class Pins:
             await FallingEdge(self.dut.clk_i)
         self.dut.rst_ni.value = 1
         await self.step(3)
+        return self
 
     def put(self, **pins: int) -> None:
         for name, value in pins.items():
@@ -52,10 +53,11 @@ class Timed(Pins):
             await Timer(int(ns * 1000), "ps")
         self.put(**pins)
 
-    async def start(self) -> None:
+    async def start(self):
         self.put(rst_ni=0, **self.idle)
         await self.after(100, rst_ni=1)
         await Timer(100, "ns")
+        return self
 
     async def broken(self) -> list[str]:
         await Timer(1, "ns")

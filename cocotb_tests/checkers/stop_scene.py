@@ -9,7 +9,6 @@ from cocotb_tests.checkers.drive import Pins
 
 @cocotb.test()
 async def dtack_without_strobe(dut):
-    pins = Pins(dut, IDLE)
-    await pins.start()
+    pins = await Pins(dut, IDLE).start()
     await dtack_alone(pins)
     await pins.step(5)

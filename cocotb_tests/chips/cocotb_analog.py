@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-# Length: many short cases of one block, read one at a time.
 """AD574A, AD667 and the heartbeat one-shot: directed cases and random comparison. §5.3.2-5.3.6."""
 
 import os

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-# Length: many short cases of one block, read one at a time.
 """The six modes of the 8254: golden sequences, gates, shortest and longest counts. §4.3.3."""
 
 from cocotb_tests.chips.pit import LSB, MSB, Pit, bcd

@@ -12,8 +12,7 @@ LIMIT = 10
 
 
 async def machine(dut) -> Machine:
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.setup(0)
     await tb.wr(PCCSR, DIO_BASE)
     return tb

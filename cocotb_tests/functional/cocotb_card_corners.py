@@ -39,8 +39,7 @@ def volts(code: int) -> int:
 
 async def driving(dut) -> Card:
     """Both D/As written and connected; the heartbeats have run out."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for joint, code in enumerate(CODES):
         await tb.dac(joint, code)
     await tb.us(130)
@@ -86,8 +85,7 @@ async def joints_are_isolated_at_once(dut):
 @test("LAT-1", "CRD-1")
 async def software_latch_is_one_instant(dut):
     """The first clock of the command: however long it lasts, what comes later is not latched."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 0)
     tb.pc.command = 60
     for _ in range(3):
@@ -107,8 +105,7 @@ async def software_latch_is_one_instant(dut):
 @test("LAT-1", "CRD-1")
 async def sclock_within_a_software_latch(dut):
     """Each is a latch of its own: the later one, SCLOCK's, is what is read."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 0)
     tb.pc.command = 60
     for _ in range(3):
@@ -213,8 +210,7 @@ async def the_relay_takes_the_same_time_each_time(dut):
 @test("PPI-1")
 async def a_write_to_open_ports_reaches_nothing(dut):
     """The latches behind inputs take it; the board sees open pins."""
-    tb = Card(dut)
-    await tb.start(RUN)
+    tb = await Card(dut).start(RUN)
     await tb.pc.write(PPI_CONTROL, 0x9B)  # all inputs
     for data in (0xFF, 0x04, 0x20):
         for port in (PORT_A, PORT_B):
@@ -224,8 +220,7 @@ async def a_write_to_open_ports_reaches_nothing(dut):
 
 @test("CAL-1")
 async def an_index_that_stays_latches_once(dut):
-    tb = Card(dut)
-    await tb.start(RUN | B_INDEX)
+    tb = await Card(dut).start(RUN | B_INDEX)
     await tb.preset(0, 100)
     tb.enc[0].lines = 0
     dut.enc_i_i.value = 1
@@ -239,8 +234,7 @@ async def an_index_that_stays_latches_once(dut):
 @test("ENC-2")
 async def another_register_ends_a_pair(dut):
     """After it a lone low byte is that of the present count, not of the high byte's."""
-    tb = Card(dut)
-    await tb.start(RUN)
+    tb = await Card(dut).start(RUN)
     for between in (None, PORT_A):
         await tb.preset(0, 0x1234)
         assert await tb.pc.read(ENC1) == 0x12
@@ -255,8 +249,7 @@ async def another_register_ends_a_pair(dut):
 @test("CAL-1", "PCB-1")
 async def an_index_of_one_sample_latches(dut):
     """A sample is a tick of the PC's CLK: an index between two ticks is kept for the next one."""
-    tb = Card(dut)
-    await tb.start(RUN | B_INDEX)
+    tb = await Card(dut).start(RUN | B_INDEX)
     await tb.preset(0, 100)
     tb.enc[0].lines = 0
 
@@ -308,8 +301,7 @@ async def an_index_of_one_sample_latches(dut):
 
 @test("ADC-1")
 async def the_last_code_is_read_while_the_next_is_made(dut):
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(tb.parameters["RelayUs"] + 2)
     last = None
     for code in (0x123, 0xEDC, 0x555, 0xAAA, 0x0F0, 0xF0F, 0x7FF, 0x800):
@@ -326,8 +318,7 @@ async def the_last_code_is_read_while_the_next_is_made(dut):
 @test("PPI-1", "HB-1", "CAL-1")
 async def every_status_bit_by_itself(dut):
     """Heartbeats and indices of both joints in port C; an open port B reads 0 (PpiFloatB)."""
-    tb = Card(dut)
-    await tb.start(RUN | B_INDEX)
+    tb = await Card(dut).start(RUN | B_INDEX)
     await tb.us(tb.parameters["RelayUs"] + 2)
     for index in range(4):
         await tb.pc.write(PORT_B, RUN)
@@ -348,8 +339,7 @@ async def every_status_bit_by_itself(dut):
 @test("PPI-1", "LAT-1")
 async def free_bits_of_port_b_leave_sclock_alone(dut):
     """Bits 7-5 lead nowhere: SCLOCK latches where bit 2 says so, and only there."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for high in range(8):
         for enabled in (B_SCLOCK, 0):
             await tb.pc.write(PORT_B, RUN & ~B_SCLOCK | enabled | high << 5)
@@ -364,8 +354,7 @@ async def free_bits_of_port_b_leave_sclock_alone(dut):
 @test("LED-2", "PAN-2", "HB-2")
 async def lights_follow_port_a_and_a_card_without_power_is_dark(dut):
     """Bits 3 and 4 light the two lights, whatever the rest; no power: dark, no PANIC."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for value in range(32):
         await tb.pc.write(PORT_A, QUAD | value << 3)
         await tb.clocks(2)

@@ -39,8 +39,7 @@ class Numbered(Card):
 @test("CRD-1", "MAP-1")
 async def every_number_at_every_setting(dut):
     """A card answers to the number of its switches alone, and takes only its own writes."""
-    tb = Numbered(dut)
-    await tb.start()
+    tb = await Numbered(dut).start()
     for dip in range(16):
         await tb.number(dip)
         kept = 0
@@ -61,8 +60,7 @@ async def every_number_at_every_setting(dut):
 @test("CRD-1")
 async def every_register_of_every_number(dut):
     """Only what is readable is ever driven; no write but its own reaches port A."""
-    tb = Numbered(dut)
-    await tb.start()
+    tb = await Numbered(dut).start()
     for dip in range(16):
         await tb.number(dip)
         kept = 0

@@ -13,8 +13,7 @@ RELAY_US = USUAL["RelayUs"]
 @test("PAN-2", "ANA-1")
 async def power_loss_forgets_the_converters(dut):
     """After power comes back, and the ports are set anew, the D/As stand at 0 V."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     axes = range(2 * tb.cards)
     for axis in axes:
         await tb.dac(axis, 0xA00 + axis)
@@ -34,8 +33,7 @@ async def power_loss_forgets_the_converters(dut):
 @test("DAC-1", "ANA-1")
 async def every_bit_of_every_output(dut):
     """A walking one and a walking zero at all D/As."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.us(RELAY_US + 2)
     axes = range(2 * tb.cards)
     for bit in range(12):
@@ -48,8 +46,7 @@ async def every_bit_of_every_output(dut):
 @test("PAN-1", "SW-1")
 async def every_axis_switch_by_itself(dut):
     """No heart beats: PANIC stands while any one axis is switched on."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for _ in range(2):
         for switches in [0] + [n for a in range(2 * tb.cards) for n in (1 << a, 0)]:
             dut.axis_enable_i.value = switches
@@ -60,8 +57,7 @@ async def every_axis_switch_by_itself(dut):
 @test("ADC-1", "ANA-1")
 async def every_bit_of_every_input(dut):
     """A walking one and a walking zero at all A/D inputs."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     axes = range(2 * tb.cards)
     await tb.us(RELAY_US + 2)
     for bit in range(16):
@@ -77,8 +73,7 @@ async def every_bit_of_every_input(dut):
 @test("CRD-1", "JMP-1")
 async def every_wrong_switch_of_every_card(dut):
     """A switch that is set wrong moves the card to another number, and back."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for card in range(tb.cards):
         for flip in (4, 8, 12, 15):
             wrong = [n ^ flip if n == card else n for n in range(tb.cards)]
@@ -94,8 +89,7 @@ async def every_wrong_switch_of_every_card(dut):
 @test("PCB-2", "VME-4")
 async def every_bit_that_another_card_drives(dut):
     """A card in the expansion slot answers where none of ours does; every bit of it arrives."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.wr(PCCSR, 0)  # away from the cards
     dut.pcx_d_oe_i.value = 1
     for value in [n for bit in range(8) for n in (1 << bit, ~(1 << bit) & 0xFF)]:

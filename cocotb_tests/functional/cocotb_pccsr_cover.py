@@ -51,8 +51,7 @@ def after(state: int, event: int) -> int:
 
 @test("CSR-1", "INT-1", "INT-2")
 async def every_transition(dut):
-    tb = Csr(dut)
-    await tb.start()
+    tb = await Csr(dut).start()
     for state in range(32):
         if not state & 16 and state & 3:
             continue
@@ -74,8 +73,7 @@ async def every_transition(dut):
 @test("CSR-1", "INT-1", "INT-2")
 async def enables_beside_every_base(dut):
     """Latches and enables as wanted, whatever stands in the bits beside them."""
-    tb = Csr(dut)
-    await tb.start()
+    tb = await Csr(dut).start()
     for enables in range(4):
         for base in range(32):
             await tb.enter(0b10011)
@@ -85,8 +83,7 @@ async def enables_beside_every_base(dut):
 
 @test("CSR-1", "MAP-1")
 async def every_base_after_every_other(dut):
-    tb = Csr(dut)
-    await tb.start()
+    tb = await Csr(dut).start()
     for old in range(32):
         for new in range(32):
             await tb.wr(PCCSR, old)
@@ -101,8 +98,7 @@ async def every_base_after_every_other(dut):
 @test("INT-1")
 async def an_edge_beside_a_standing_level(dut):
     """Signals that are high when bit 7 rises stay unlatched, whatever the other one does."""
-    tb = Csr(dut)
-    await tb.start()
+    tb = await Csr(dut).start()
     signals = (tb.sclock, tb.panic)
     for standing in (0, 1):
         await tb.enter(0)

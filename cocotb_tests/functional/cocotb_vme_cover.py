@@ -23,7 +23,7 @@ class Space(Machine):
 
     limit_ms = 200
 
-    async def start(self) -> None:
+    async def start(self):
         await super().start(base=ELSEWHERE)
         self.vme.timing = VmeTiming(ds_high=130)  # seen by the slave's clock even when unanswered
         self.base_bits = ELSEWHERE
@@ -33,6 +33,7 @@ class Space(Machine):
             await self.wr(PIT + 6, n << 6 | 0x12)
         cocotb.start_soon(self._commands("read", self.dut.pcx_ior_no))
         cocotb.start_soon(self._commands("write", self.dut.pcx_iow_no))
+        return self
 
     async def _commands(self, kind: str, strobe) -> None:
         while True:
@@ -88,8 +89,7 @@ class Space(Machine):
 @test("VME-1", "VME-2", "VME-4", "VME-5", "MAP-1")
 @cocotb.parametrize(modifier=cover.MODIFIERS)
 async def every_address_and_size(dut, modifier):
-    tb = Space(dut)
-    await tb.start()
+    tb = await Space(dut).start()
     am = int(modifier, 16)
     for offset in range(0, 0x800, 2):
         for size in cover.SIZES:
@@ -101,8 +101,7 @@ async def every_address_and_size(dut, modifier):
 
 @test("VME-1", "VME-2", "VME-6")
 async def every_modifier_and_size(dut):
-    tb = Space(dut)
-    await tb.start()
+    tb = await Space(dut).start()
     for am in range(64):
         for target, offset in cover.TARGETS.items():
             for size in cover.SIZES:
@@ -115,8 +114,7 @@ async def every_modifier_and_size(dut):
 
 @test("VME-1", "VME-6")
 async def every_segment_and_size(dut):
-    tb = Space(dut)
-    await tb.start()
+    tb = await Space(dut).start()
     for segment in range(32):
         for modifier in cover.MODIFIERS:
             for size in cover.SIZES:

@@ -54,8 +54,7 @@ def fronts(dut) -> list[int]:
 
 
 async def ready(dut, front: int) -> Front:
-    tb = Front(dut, front)
-    await tb.start()
+    tb = await Front(dut, front).start()
     await tb.wr(PCCSR, BASE)
     for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
         await tb.wr(CARD[register], value)
@@ -147,8 +146,7 @@ async def motor(tb) -> None:
 @each_front
 async def our_driver_is_the_same_to_the_count(dut, front):
     """The mc driver on each front, double-buffered: 40 samples as plain arithmetic has them."""
-    tb = Front(dut, front)
-    await tb.start()
+    tb = await Front(dut, front).start()
     counts, codes, took, begin = [], [], [], [0.0]
 
     def on_pass(driver):

@@ -41,7 +41,7 @@ class Front(Tb):
         super().__init__(dut)
         self.front, self.width = front, 8 if front in (WB_BYTES, APB_BYTES) else 32
 
-    async def start(self) -> None:
+    async def start(self):
         dut, front = self.dut, self.front
         if not clocks:
             clocks.append(True)
@@ -65,6 +65,7 @@ class Front(Tb):
         finally:
             cocotb.start_soon = start_soon
         await self.clocks(4)
+        return self
 
     def _take_master(self, prefix: str | None) -> None:
         dut, front = self.dut, self.front

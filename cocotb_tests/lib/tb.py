@@ -86,7 +86,7 @@ class Tb:
         await Timer(self.limit_ms, "ms")
         raise AssertionError(f"still waiting after {self.limit_ms} ms of simulated time")
 
-    async def start(self) -> None:
+    async def start(self):
         cocotb.start_soon(self._watchdog())
         self.inputs_idle()
         self.dut.rst_ni.value = 0
@@ -95,6 +95,7 @@ class Tb:
         await self.clocks(4)
         self.dut.rst_ni.value = 1
         await self.clocks(4)
+        return self
 
     async def clocks(self, n: int) -> None:
         """To the n-th rising edge from now; costs two wake-ups whatever n."""
@@ -161,7 +162,7 @@ class Machine(Tb):
         self.vme: VmeMaster | None = None
         self.enc: list[QuadratureSource] = []
 
-    async def start(self, *, base: int = BASE, setup: bool = False, beat: bool = False) -> None:
+    async def start(self, *, base: int = BASE, setup: bool = False, beat: bool = False):
         """Out of reset, the cards reachable; `setup` programs all PPIs, `beat` writes all D/As."""
         await super().start()
         self.dut.axis_enable_i.value = (1 << 2 * self.cards) - 1
@@ -172,6 +173,7 @@ class Machine(Tb):
             await self.setup(card)
         if beat:
             await self.beat()
+        return self
 
     async def setup(self, card: int, b: int = B_REAL_ENC | B_TO_JOINT | B_SCLOCK) -> None:
         await self.cwr(card, PPI_CONTROL, PPI_SETUP)

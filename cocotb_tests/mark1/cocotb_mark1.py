@@ -35,10 +35,7 @@ from cocotb_tests.lib.tb import (
 )
 
 TOPLEVEL = "mark1"
-VARIANTS = {
-    "short": {"HeartbeatUs": 100, "RelayUs": 20},
-    "real": {},
-}
+VARIANTS = {"short": {"HeartbeatUs": 100, "RelayUs": 20}, "real": {}}
 RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 
 
@@ -48,7 +45,7 @@ class Card(Tb):
     dip = 9
     limit_ms = 200
 
-    async def start(self, b: int | None = RUN) -> None:
+    async def start(self, b: int | None = RUN):
         await super().start()
         dut = self.dut
         dut.dip_i.value = self.dip
@@ -61,6 +58,7 @@ class Card(Tb):
             await self.pc.write(PPI_CONTROL, PPI_SETUP)
             await self.pc.write(PORT_A, QUAD)
             await self.pc.write(PORT_B, b)
+        return self
 
     async def sclock(self) -> None:
         self.dut.pc_drq_i.value = 0
@@ -100,8 +98,7 @@ class Card(Tb):
 @variants("short")
 async def answers_only_at_its_switch_setting(dut):
     """Of the 16 settings x 32 bases, and never with AEN high."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     found = [
         (dip, base)
         for dip in range(16)
@@ -117,8 +114,7 @@ async def answers_only_at_its_switch_setting(dut):
 @test("CRD-1", "CRD-2")
 @variants("short")
 async def every_switch_setting(dut):
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for dip in range(16):
         dut.dip_i.value = dip
         await ClockCycles(dut.clk_i, 2)
@@ -130,8 +126,7 @@ async def every_switch_setting(dut):
 @variants("short")
 async def every_register(dut):
     """What each of the 32 offsets does on read; holes and write-only ones are 0xFF."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     await tb.preset(0, 0x1234)
     await tb.preset(1, 0x5678)
@@ -150,8 +145,7 @@ async def every_register(dut):
 @variants("short")
 async def reset_drv_makes_ports_inputs(dut):
     """RESET DRV: safe board, counters 0; D/A and one-shot untouched."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     await tb.preset(0, 77)
     await tb.dac(0, 0xC00)
@@ -173,8 +167,7 @@ async def reset_drv_makes_ports_inputs(dut):
 @test("ENC-1", "CRD-2")
 @variants("short")
 async def counts_four_million_a_second(dut):
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 0xFF00)
     await tb.preset(1, 0x0100)
     up = cocotb.start_soon(tb.enc[0].move(600, 250))
@@ -189,8 +182,7 @@ async def counts_four_million_a_second(dut):
 @variants("short")
 async def counts_a_worn_encoder(dut):
     """A trapezoid to 2.5 M counts/s and back, edges up to 0.45 of a count from their places."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 0)
     for phase, duty in ((0, 0), (30, 10), (-15, -25)):
         source = QuadratureSource(
@@ -210,8 +202,7 @@ async def counts_a_worn_encoder(dut):
 @variants("short")
 async def slow_bus_clock_slows_the_sampling(dut):
     """CLK ticks every fourth clock: a level shorter than that can pass unseen, longer cannot."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 0)
 
     async def clk():
@@ -234,8 +225,7 @@ async def slow_bus_clock_slows_the_sampling(dut):
 @variants("short")
 async def byte_order_is_chosen_by_the_first_read(dut):
     """First byte address read after RESET takes the snapshot, each time; the other returns it."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for first in (0, 1):
         dut.pc_reset_drv_i.value = 1
         await tb.us(1)
@@ -264,8 +254,7 @@ async def byte_order_is_chosen_by_the_first_read(dut):
 @test("ENC-2", "LAT-1")
 @variants("short")
 async def latched_once_then_live(dut):
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 100)
     await tb.sclock()
     await tb.enc[0].move(5, 300)
@@ -283,8 +272,7 @@ async def latched_once_then_live(dut):
 @variants("short")
 async def latch_on_the_very_clock(dut):
     """SCLOCK rises between two counts, at every phase of the clock: one of the two is latched."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.preset(0, 0)
     for n in range(12):
         tb.dut.pc_drq_i.value = 0
@@ -305,8 +293,7 @@ async def latch_on_the_very_clock(dut):
 @test("DAC-1", "LAT-1")
 @variants("short")
 async def both_ranks(dut):
-    tb = Card(dut)
-    await tb.start(RUN | B_DOUBLE)
+    tb = await Card(dut).start(RUN | B_DOUBLE)
     await tb.us(25)
     await tb.dac(0, 0x123)
     await tb.dac(1, 0xFED)
@@ -325,8 +312,7 @@ async def both_ranks(dut):
 @variants("short")
 async def conversion_to_the_clock(dut):
     """200 clocks at 8 MHz from the latch; a start on any clock of it is ignored."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     tb.inputs([0x1000])
     polls = []
@@ -345,8 +331,7 @@ async def conversion_to_the_clock(dut):
 @variants("short")
 async def latch_all_of_another_card(dut):
     """0x12 at any card address latches; 0x10 at another's does not."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for dip in range(16):
         await tb.pc.outb(dip << 10 | 0x300 | LATCH_ALL, 0)
         assert not await tb.pc.read(PORT_C) & C_DONE
@@ -360,8 +345,7 @@ async def latch_all_of_another_card(dut):
 @variants("short")
 async def heartbeat_on_every_clock_around_its_end(dut):
     """100 us = 800 clocks: a trigger up to the last clock extends without a glitch, then PANIC."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     dut.axis_enable_i.value = 1
     gaps = []
     for early in range(6, -6, -1):
@@ -393,8 +377,7 @@ async def heartbeat_on_every_clock_around_its_end(dut):
 @variants("short")
 async def panic_needs_an_enabled_axis(dut):
     """All four switch settings x both heartbeats."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     for enabled in range(4):
         dut.axis_enable_i.value = enabled
         for beating in range(4):
@@ -411,8 +394,7 @@ async def panic_needs_an_enabled_axis(dut):
 @test("SW-1")
 @variants("short")
 async def switch_grounds_the_drive(dut):
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     await tb.dac(0, 0xC00)
     await tb.dac(1, 0x400)
@@ -432,8 +414,7 @@ async def index_at_any_speed(dut):
 
     The index comes and goes with an edge of A or B, at any phase of the clock.
     """
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     e = tb.enc[0]
     e.lines = 4  # an index every 16 counts
     await e.move(5, 500)
@@ -456,8 +437,7 @@ async def index_at_any_speed(dut):
 @variants("short")
 async def the_made_index_is_one_bit_of_port_a(dut):
     """Bit 7 alone, whatever lights, A and B do."""
-    tb = Card(dut)
-    await tb.start(0)
+    tb = await Card(dut).start(0)
     for value in range(32):
         await tb.pc.write(PORT_B, 0)
         await tb.pc.write(PORT_A, QUAD | value << 3)
@@ -470,8 +450,7 @@ async def the_made_index_is_one_bit_of_port_a(dut):
 @variants("short")
 async def power_off(dut):
     """No power: LEDs off, no drive, no answer, one-shots low, PANIC line not driven by the card."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     await tb.dac(0, 0xC00)
     await tb.dac(1, 0xC00)
@@ -492,8 +471,7 @@ async def power_off(dut):
 @variants("short")
 async def port_b_bits_5_to_7_are_free(dut):
     """Unassigned bits hold what is written and move nothing; port C shows 1 there."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     await tb.dac(0, 0xC00)
     for high in range(8):
@@ -507,8 +485,7 @@ async def port_b_bits_5_to_7_are_free(dut):
 @variants("short")
 async def random_traffic(dut):
     """400 random accesses against a model of ports, D/As and encoders."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     await tb.us(25)
     ports, low, volts, counts = [QUAD, RUN], [0, 0], [0, 0], [0, 0]
     for joint in (0, 1):
@@ -551,8 +528,7 @@ async def random_traffic(dut):
 @slow
 async def real_heartbeat_relay_and_conversion(dut):
     """The times of the report: 50 ms to the clock, 1 ms, 25 us."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     dut.axis_enable_i.value = 1
     await tb.pc.write(DAC1, 0xFF)
     await tb.pc.write(DAC1 + 1, 0xF)

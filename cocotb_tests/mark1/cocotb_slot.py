@@ -16,8 +16,7 @@ PARAMETERS = {"ClkHz": 4_772_727, "HeartbeatUs": 5_000}
 @test("HB-1")
 async def the_heartbeat_is_as_long_as_it_says(dut):
     """5 ms to the clock, not 4.19: the rate is not rounded to megahertz."""
-    tb = Card(dut)
-    await tb.start()
+    tb = await Card(dut).start()
     dut.axis_enable_i.value = 1
     write = cocotb.start_soon(tb.pc.write(DAC1, 0))
     begin = await tb.led_edge("beat1", 1)

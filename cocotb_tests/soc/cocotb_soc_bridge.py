@@ -41,6 +41,7 @@ class Bridge:
         await FallingEdge(dut.clk_i)
         dut.rst_ni.value = 1
         await Timer(5 * MACHINE_NS, "ns")
+        return self
 
     async def access(self, offset, value=None, clock=False):
         """(data, error) of one access; asserts that it is answered once."""
@@ -92,8 +93,7 @@ class Bridge:
 
 async def bridge(dut, clock) -> Bridge:
     random.seed(int(os.environ.get("COCOTB_RANDOM_SEED", "1989")))
-    tb = Bridge(dut, CLOCKS[clock])
-    await tb.start()
+    tb = await Bridge(dut, CLOCKS[clock]).start()
     return tb
 
 

@@ -46,6 +46,7 @@ class Above:
         await FallingEdge(dut.clk_i)
         dut.rst_ni.value = 1
         await self.clocks(5)
+        return self
 
     async def clocks(self, n):
         for _ in range(n):
@@ -112,8 +113,7 @@ class Above:
 
 async def above(dut, clock, run) -> Above:
     random.seed(int(os.environ.get("COCOTB_RANDOM_SEED", "1989")))
-    tb = Above(dut, CLOCKS[clock])
-    await tb.start(run)
+    tb = await Above(dut, CLOCKS[clock]).start(run)
     return tb
 
 

@@ -53,8 +53,7 @@ class Source:
 
 async def machine(dut) -> Machine:
     """No axis is switched on, so nothing but the pins panics; the brakes are off."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 0
     await tb.clocks(HEALTH_CLKS)
     assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
@@ -202,8 +201,7 @@ async def an_index_shorter_than_a_clock(dut, ns):
 @test("HB-2", "PAN-1")
 async def panic_leaves_the_card_from_a_flip_flop(dut):
     """A clock after the heartbeat's end, by which PANIC's line closes the brakes."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 1
     await tb.beat()
     await tb.clocks(HEALTH_CLKS)

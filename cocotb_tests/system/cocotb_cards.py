@@ -47,8 +47,7 @@ def volts_of(code: int) -> int:
 
 async def machine(dut, b: int = RUN) -> Machine:
     """Cards set up, relays settled, SCLOCK low and standing."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.wr(0x407, 0x70)
     for card in range(tb.cards):
         await tb.setup(card, b)
@@ -112,8 +111,7 @@ async def unused_and_one_way_registers(dut):
 @test("PPI-1")
 async def ports_after_reset_and_after_mode_set(dut):
     """Inputs after reset: port A floats; the mode word clears; port C bits 5-7 read 1."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     for card in range(3):
         await tb.cwr(card, PORT_A, 0x55)
         await tb.cwr(card, PPI_CONTROL, PPI_SETUP)

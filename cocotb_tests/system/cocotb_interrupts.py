@@ -31,8 +31,7 @@ TIMER1_MODE2 = 0x74
 
 async def machine(dut, **kwargs) -> Machine:
     """All D/As written: PANIC is low, SCLOCK low and standing (timer 1 in mode 0)."""
-    tb = Machine(dut, **kwargs)
-    await tb.start(setup=True)
+    tb = await Machine(dut, **kwargs).start(setup=True)
     dut.axis_enable_i.value = 0  # no axis counts, so no heartbeat can panic
     await tb.wr(VECTOR, VEC)
     await sclock_low(tb)
@@ -348,8 +347,7 @@ async def iack_jumper_left_in(dut):
 @test("VME-5", "INT-2")
 async def vector_after_reset(dut):
     """0x0F, the vector that a host knows as uninitialised."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 0
     await sclock_low(tb)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)

@@ -79,8 +79,7 @@ class Moved(Machine):
 
 
 async def moved(dut) -> Moved:
-    tb = Moved(dut)
-    await tb.start(setup=True)
+    tb = await Moved(dut).start(setup=True)
     await tb.wr(0x407, 0x70)
     await tb.us(25)
     return tb
@@ -188,8 +187,7 @@ async def ten_volt_spans(dut):
 @variants("moved")
 async def floating_port_b_seen_as_ones(dut):
     """PpiFloatB = 0xFF: after RESET the board is driven, until the mode word makes outputs of 0."""
-    tb = Moved(dut)
-    await tb.start()
+    tb = await Moved(dut).start()
     await tb.dac(0, 0xC00)
     await tb.us(25)
     assert tb.volts(0) == 0, "double-buffered while port B floats high"
@@ -204,8 +202,7 @@ async def floating_port_b_seen_as_ones(dut):
 @variants("mismatch")
 async def j5_and_j7_apart(dut):
     """The line is pulled, no acknowledge is ever answered, of J7's level neither: spurious."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 0
     await tb.wr(0x407, 0x70)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -228,8 +225,7 @@ async def j5_and_j7_apart(dut):
 @variants("mismatch")
 async def sclock_lines_apart(dut):
     """Card 1 listens on DRQ1: it never latches; a software latch still works."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.sclock(8, 10)
     await tb.us(40)
     await tb.wr(0x407, 0x70)
@@ -247,8 +243,7 @@ async def sclock_lines_apart(dut):
 @variants("mismatch")
 async def panic_lines_apart(dut):
     """Card 1 calls on IRQ5: never heard."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 0b1100
     await tb.us(5)
     assert not int(dut.panic_o.value), "card 1 panics unheard"
@@ -261,8 +256,7 @@ async def panic_lines_apart(dut):
 @variants("mismatch")
 async def random_power_up(dut):
     """D/As come up anywhere; the drive is isolated until software has spoken."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     assert [tb.volts(a) for a in range(4)] == [0] * 4
     await tb.setup(0)
     await tb.us(25)
@@ -276,8 +270,7 @@ async def random_power_up(dut):
 @variants("mismatch")
 async def encoder_filter(dut):
     """EncoderFilter = 2: two ticks of A are not seen, three count; the next begins at 0."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.cwr(0, PORT_A, 6)  # ticks while A is 1
     await tb.preset(0, 0x1000)
     for ticks, count in ((1, 0x1000), (2, 0x1000), (3, 0x1003), (5, 5)):
@@ -292,8 +285,7 @@ async def encoder_filter(dut):
 @variants("mismatch")
 async def filtered_index_latches_its_own_count(dut):
     """Index and count are delayed alike: an edge that comes with the index is counted."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     tb.enc[0].lines = 5  # an index every 20 counts
     await tb.enc[0].move(6, 1000)
     for first, last in ((6, 34), (34, 6)):
@@ -309,8 +301,7 @@ async def filtered_index_latches_its_own_count(dut):
 @variants("mismatch")
 async def timers_of_the_82c54(dut):
     """PitNmosRewrite = 0: after a rollover the first of two bytes stops no count of mode 0."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.timer(0, 5, mode=0)
     await tb.us(5)
     await tb.wr(PIT, 0x34)
@@ -325,8 +316,7 @@ async def timers_of_the_82c54(dut):
 @variants("full")
 async def sixteen_cards(dut):
     """32 axes: separate registers, one latch, one PANIC line, every counter counts."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.wr(0x407, 0x70)
     for card in range(16):
         await tb.cwr(card, PORT_A, 5 | (card & 3) << 3)
@@ -352,8 +342,7 @@ async def sixteen_cards(dut):
 @variants("full")
 async def sixteen_cards_drive(dut):
     """Each D/A moves its own output only; the last axis written ends PANIC."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.us(25)
     for axis in range(32):
         assert int(dut.panic_o.value) == 1

@@ -25,20 +25,20 @@ PARAMETERS = SINGLE
 
 
 class OtherHost(HostPort):
-    async def start(self) -> None:
+    async def start(self):
         await Tb.start(self)
         self.dut.axis_enable_i.value = 3
         self.enc = self.encoders(2)
         await self.wr(PCCSR, BASE)
         for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
             await self.wr(Machine.creg(0, register), value)
+        return self
 
 
 @test("ADP-1")
 async def every_register_by_the_port(dut):
     """Card and adaptor as from VME: all patterns of a register, an encoder, a D/A."""
-    tb = OtherHost(dut)
-    await tb.start()
+    tb = await OtherHost(dut).start()
     for value in (*(1 << n for n in range(8)), 0x00, 0xFF, QUAD):
         await tb.wr(Machine.creg(0, PORT_A), value)
         assert await tb.rd(Machine.creg(0, PORT_A)) == value
@@ -59,8 +59,7 @@ async def every_register_by_the_port(dut):
 @test("ADP-1")
 async def interrupts_and_their_vector(dut):
     """An edge of SCLOCK asks for an interrupt; a front gets the vector that was written."""
-    tb = OtherHost(dut)
-    await tb.start()
+    tb = await OtherHost(dut).start()
     assert int(dut.vector_o.value) == 0x0F
     await tb.wr(0x441, 0xA5)
     await tb.us(1)

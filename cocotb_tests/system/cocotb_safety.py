@@ -37,8 +37,7 @@ RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 
 async def machine(dut, enabled: int = 0x3F) -> Machine:
     """All D/As just written, PANIC low, brakes off."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = enabled
     await tb.wr(0x407, 0x70)
     await tb.us(25)
@@ -74,8 +73,7 @@ async def safety_of_2026_is_not_there(dut):
 
 @test("HB-2", "PAN-1")
 async def panic_stands_until_every_da_is_written(dut):
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for axis in range(6):
         assert panic(tb)
         await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
@@ -209,11 +207,7 @@ async def fail_safe_sources(dut, what):
     tb = await machine(dut, 0)
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
     assert not panic(tb)
-    pin = {
-        "estop": dut.estop_closed_i,
-        "cable": dut.cable_ok_i,
-        "power": dut.pc_power_i,
-    }[what]
+    pin = {"estop": dut.estop_closed_i, "cable": dut.cable_ok_i, "power": dut.pc_power_i}[what]
     pin.value = 0
     await tb.clocks(5)
     assert panic(tb)

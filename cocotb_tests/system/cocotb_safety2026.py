@@ -35,8 +35,7 @@ async def release(tb: Machine) -> None:
 
 async def machine(dut) -> Machine:
     """Both D/As just written, PANIC released."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 3
     await tb.us(25)
     await tb.beat()

@@ -55,8 +55,7 @@ async def period(tb: Machine, times: int = 3) -> tuple[float, float]:
 )
 async def sclock_period(dut, n0, n1, mode):
     """N0 x N1 ticks of the system clock, timers 0 and 1 in cascade."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.sclock(n0, n1, mode)
     whole, low = await period(tb)
     tick = tick_ps(tb)
@@ -67,8 +66,7 @@ async def sclock_period(dut, n0, n1, mode):
 @test("PIT-2", "JMP-1")
 async def sclock_is_on_its_own_line(dut):
     """Of the three DRQ lines it has one; the others are low."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.sclock(5, 4)
     seen = set()
     for _ in range(3 * 5 * 4):
@@ -80,8 +78,7 @@ async def sclock_is_on_its_own_line(dut):
 
 @test("PIT-2")
 async def sclock_stands_until_programmed_and_after_mode_0(dut):
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     before = int(dut.sclock_o.value)
     await Timer(20, "us")
     assert int(dut.sclock_o.value) == before
@@ -95,8 +92,7 @@ async def sclock_stands_until_programmed_and_after_mode_0(dut):
 
 @test("PIT-2")
 async def timer_2_counts_sclocks(dut):
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.wr(0x407, 0xB4)
     await tb.wr(0x405, 0)
     await tb.wr(0x405, 0)
@@ -113,8 +109,7 @@ async def timer_2_counts_sclocks(dut):
 @test("PCB-1", "PIT-2")
 async def pc_clock_follows_the_jumper(dut):
     """One tick of CLK per period of the system clock."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     ticks = 0
     clocks = 16 * 8 * (tb.clk_hz // 8_000_000)
     for _ in range(clocks):
@@ -127,8 +122,7 @@ async def pc_clock_follows_the_jumper(dut):
 @test("PCB-1", "ADC-1")
 async def command_and_conversion_are_real_time(dut):
     """Whatever clk_i and CLK: 500 ns of command, 25 us of conversion."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     monitor = tb.pc_monitor(setup_ns=124)
     await tb.crd(0, ADC_LO)
     await tb.cwr(0, LATCH, 0)
@@ -147,8 +141,7 @@ async def command_and_conversion_are_real_time(dut):
 @test("ENC-1", "PCB-1")
 async def encoder_sampling_follows_clk(dut):
     """Two CLK periods per count are followed exactly, at every rate of CLK."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     await tb.cwr(0, 1, B_REAL_ENC | B_SCLOCK)
     await tb.preset(0, 0)
     await tb.enc[0].move(300, 2 * tick_ps(tb) / 1000)
@@ -160,8 +153,7 @@ async def encoder_sampling_follows_clk(dut):
 @test("CAL-1")
 async def index_latches_its_own_count(dut):
     """Two CLK periods per count, either way, at every rate of CLK."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     tb.enc[0].lines = 5  # an index every 20 counts
     await tb.enc[0].move(6, 300)
     for first, last in ((6, 34), (34, 6)):
@@ -176,8 +168,7 @@ async def index_latches_its_own_count(dut):
 
 @test("HB-1")
 async def heartbeat_is_real_time(dut):
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 1
     await tb.dac(0, 0x800)
     await tb.clocks(5)
@@ -191,8 +182,7 @@ async def heartbeat_is_real_time(dut):
 
 @test("VME-3", "CSR-1")
 async def registers_at_this_rate(dut):
-    tb = Machine(dut, skew=80)
-    await tb.start()
+    tb = await Machine(dut, skew=80).start()
     for _ in range(20):
         value = tb.random.getrandbits(5)
         await tb.wr(PCCSR, value)

@@ -4,14 +4,7 @@
 
 import cocotb
 from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
-from cocotbext.vme import (
-    AM_SUPERVISOR,
-    AM_USER,
-    BusTimeout,
-    ProtocolError,
-    VmeMonitor,
-    VmeTiming,
-)
+from cocotbext.vme import AM_SUPERVISOR, AM_USER, BusTimeout, ProtocolError, VmeMonitor, VmeTiming
 
 from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
@@ -31,8 +24,7 @@ def expect_pc_address(offset: int, base: int = BASE) -> int:
 @test("VME-4", "MAP-1")
 async def every_pc_address_reads(dut):
     """All 512 odd offsets with A10 = 0 become one PC read each, at the address of Figure 4.2."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     offsets = list(range(1, 0x400, 2))
     for offset in offsets:
@@ -45,8 +37,7 @@ async def every_pc_address_reads(dut):
 @test("VME-4", "MAP-1", "PCB-1")
 async def every_pc_address_writes(dut):
     """The same for writes, outside the cards' base so that nothing changes, data and all."""
-    tb = Machine(dut)
-    await tb.start(base=0x07)
+    tb = await Machine(dut).start(base=0x07)
     monitor = tb.pc_monitor()
     expected = []
     for offset in range(1, 0x400, 2):
@@ -58,8 +49,7 @@ async def every_pc_address_writes(dut):
 
 @test("MAP-1", "CSR-1")
 async def pccsr_gives_address_bits_5_to_9(dut):
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for base in range(32):
         await tb.wr(PCCSR, base)
@@ -71,8 +61,7 @@ async def pccsr_gives_address_bits_5_to_9(dut):
 @test("VME-5")
 async def every_adaptor_address_reads(dut):
     """All 512 odd offsets with A10 = 1: A09-A07 do not matter, holes and the vector read 0xFF."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for n in range(3):  # counts that stand still: mode 1 waits for a gate that never comes
         await tb.timer(n, 0x1111 * (n + 1), 1)
@@ -93,8 +82,7 @@ async def every_adaptor_address_reads(dut):
 @test("VME-5")
 async def every_adaptor_address_writes(dut):
     """A write to any hole changes neither PCCSR nor vector nor timer; the mirrors do."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for offset in range(0x401, 0x800, 2):
         low = offset & 0x7F
@@ -111,8 +99,7 @@ async def every_adaptor_address_writes(dut):
 @test("VME-5", "PIT-1")
 async def timer_registers_are_where_they_should_be(dut):
     """0x401, 0x403, 0x405, 0x407, and the same with A09-A07 set."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     for mirror in (0x000, 0x080, 0x380):
         for n in range(3):
             await tb.wr(mirror | PIT + 6, n << 6 | 0x30)  # mode 0, two bytes
@@ -124,8 +111,7 @@ async def timer_registers_are_where_they_should_be(dut):
 @test("VME-1", "VME-6")
 async def address_modifiers(dut):
     """Of the 64 codes only 0x29 and 0x2D are answered."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     answered = [am for am in range(64) if await tb.vme.answers(0x6409, am=am)]
     assert answered == [AM_USER, AM_SUPERVISOR]
     assert tb.vme.timeouts == 62
@@ -134,8 +120,7 @@ async def address_modifiers(dut):
 @test("VME-1", "VME-6")
 async def base_address(dut):
     """Of the 32 segments of 2 KiB only the jumpered one is answered; the next byte is not."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     answered = [s for s in range(32) if await tb.vme.answers(s << 11 | 0x409)]
     assert answered == [0b01100]
     assert await tb.vme.answers(0x67FF)
@@ -147,8 +132,7 @@ async def base_address(dut):
 @cocotb.parametrize(offset=[0x001, 0x0C9, 0x401, 0x409, 0x441, 0x7FF])
 async def access_sizes(dut, offset):
     """Odd byte and 16 bits are answered; an even byte and LWORD* low are not."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     byte = await tb.rd(offset)
     even = 0x6000 | offset - 1
     word = await tb.vme.read(even, size=2)
@@ -163,8 +147,7 @@ async def access_sizes(dut, offset):
 
 @test("VME-2")
 async def word_write_takes_the_low_byte(dut):
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     await tb.vme.write(0x6408, 0xA512, size=2)
     assert await tb.rd(PCCSR) == 0x12
     await tb.vme.write(0x6408, 0x00 | BASE, size=2)
@@ -176,8 +159,7 @@ async def word_write_takes_the_low_byte(dut):
 @test("VME-4")
 async def absent_card_reads_ff(dut):
     """Cards 3 to 15 are not there: 0xFF, acknowledged, and nothing else is disturbed."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for card in range(3, 16):
         await tb.cwr(card, PORT_A, 0x5A)
         for register in (0, 4, 8, 12, 31):
@@ -221,8 +203,7 @@ async def random_legal_timing(dut, skew):
 @test("VME-3")
 async def queued_cycles_run_back_to_back(dut):
     """init_* calls queue; the least gaps of the standard do not confuse the slave."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     writes = [tb.vme.init_write(0x6409, n & 0x1F) for n in range(20)]
     reads = []
     for n in range(20):
@@ -236,8 +217,7 @@ async def queued_cycles_run_back_to_back(dut):
 @test("VME-3")
 async def dtack_and_drivers_at_the_end_of_a_read(dut):
     """Drivers off with the strobes, without a clock; DTACK* up one or two clocks later."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     ends = []
 
     async def watch():
@@ -270,8 +250,7 @@ async def dtack_and_drivers_at_the_end_of_a_read(dut):
 @test("VME-3")
 async def no_dtack_without_a_strobe(dut):
     """Address, AS* and WRITE* alone start nothing; DTACK* comes only after DS0*."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     dut.vme_a_i.value = 0x6001 >> 1
     dut.vme_am_i.value = AM_USER
@@ -294,8 +273,7 @@ async def no_dtack_without_a_strobe(dut):
 @test("VME-3", "VME-4")
 async def master_that_holds_the_strobes(dut):
     """However long the strobes stay, there is one PC cycle, and data and DTACK* stand."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     monitor = tb.pc_monitor()
     tb.vme.timing.release = 5000
     assert await tb.crd(2, PORT_A) == 5
@@ -310,8 +288,7 @@ async def strobe_withdrawn_early(dut, kind):
 
     A write whose strobe was withdrawn happens wholly or not at all.
     """
-    tb = Machine(dut, timing=AFTER_WITHDRAWAL)
-    await tb.start(setup=True)
+    tb = await Machine(dut, timing=AFTER_WITHDRAWAL).start(setup=True)
     unanswered = happened = 0
     for ns in range(5, 1600, 25):
         await tb.cwr(0, PORT_A, 0x11)
@@ -338,8 +315,7 @@ async def strobe_withdrawn_early(dut, kind):
 @test("VME-3", "VME-6")
 async def withdrawn_and_another_address_at_once(dut):
     """What stands on the bus right after a withdrawn strobe is not answered with the old data."""
-    tb = Machine(dut, timing=AFTER_WITHDRAWAL)
-    await tb.start(setup=True)
+    tb = await Machine(dut, timing=AFTER_WITHDRAWAL).start(setup=True)
     await tb.cwr(1, PORT_A, 0x2A)
     for ns in range(20, 1500, 35):
         await tb.vme.init_read(0x6000 | tb.creg(1, PORT_A), withdraw_ns=ns).wait()
@@ -351,8 +327,7 @@ async def withdrawn_and_another_address_at_once(dut):
 @test("VME-3")
 async def withdrawn_and_anothers_strobe_at_once(dut):
     """The read that still runs does not drive into a cycle of another board. Found by a proof."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for ns in range(400, 1000, 50):
         dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
         dut.vme_am_i.value = AM_USER
@@ -379,8 +354,7 @@ async def withdrawn_and_anothers_strobe_at_once(dut):
 @test("VME-3")
 async def strobe_glitches(dut):
     """Pulses of a few ns on DS0* leave no trace, wherever they fall in the clock."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for step in range(40):
         dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
         dut.vme_am_i.value = AM_USER
@@ -405,8 +379,7 @@ async def strobe_glitches(dut):
 @test("VME-3", "PCB-1")
 async def write_data_is_captured_first(dut):
     """The strobe goes, the data changes before and while IOW# is low: the first is written."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     monitor = tb.pc_monitor()
     for ns in range(130, 900, 17):
         value = tb.random.getrandbits(8)
@@ -422,8 +395,7 @@ async def write_data_is_captured_first(dut):
 @test("VME-1")
 async def iack_cycle_is_no_data_cycle(dut):
     """IACK* low with the slave's address on the bus: no register is touched, nothing answers."""
-    tb = Machine(dut)
-    await tb.start()
+    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for am in (AM_USER, AM_SUPERVISOR):
         op = tb.vme.init_iack(5)
@@ -437,8 +409,7 @@ async def iack_cycle_is_no_data_cycle(dut):
 @test("VME-3", "PAN-2")
 async def sysreset_in_mid_cycle(dut):
     """SYSRESET* at any point of an access lets go of the bus; afterwards all is as after reset."""
-    tb = Machine(dut)
-    await tb.start(setup=True)
+    tb = await Machine(dut).start(setup=True)
     for ns in range(50, 1500, 150):
         await tb.wr(PCCSR, ARMED | BASE)
         op = tb.vme.init_read(0x6000 | tb.creg(0, ADC_LO), withdraw_ns=2500)
@@ -456,8 +427,7 @@ async def sysreset_in_mid_cycle(dut):
 @test("VME-6")
 async def bad_accesses_never_hang(dut):
     """A random mix of everything that is wrong; a good access in between always works."""
-    tb = Machine(dut, skew=60)
-    await tb.start(setup=True)
+    tb = await Machine(dut, skew=60).start(setup=True)
     errors = 0
     for n in range(60):
         kind = tb.random.randrange(5)

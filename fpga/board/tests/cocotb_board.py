@@ -45,12 +45,12 @@ class Board(Tb):
         await self.pc.wr(PCCSR, BASE)
         for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
             await self.pc.wr(CARD[register], value)
+        return self
 
 
 @cocotb.test()
 async def registers_over_the_serial_line(dut):
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     for value in (0x00, 0x55, 0xFF, QUAD):
         await tb.pc.wr(CARD[PORT_A], value)
         assert await tb.pc.rd(CARD[PORT_A]) == value
@@ -61,8 +61,7 @@ async def registers_over_the_serial_line(dut):
 @cocotb.test()
 async def a_disturbed_line(dut):
     """Wrong bits, cut requests and glitches for start bits reach no register and get no answer."""
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     await tb.pc.wr(CARD[PORT_A], 0x15)
     good = (0x80 | CARD[PORT_A] >> 8, CARD[PORT_A] & 0xFF, 0x2A)
     good = (*good, crc8(bytes(good)))
@@ -90,8 +89,7 @@ async def a_disturbed_line(dut):
 @cocotb.test()
 async def converters_and_encoder(dut):
     """Codes out of the D/A and into the A/D, as they are on the SPI; counts of the pins."""
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     assert tb.dac.reference
     await tb.us(1200)  # the relay
     for joint, code in ((0, 0x000), (1, 0xFFF), (0, 0x9A5), (1, 0x800)):
@@ -118,8 +116,7 @@ async def converters_and_encoder(dut):
 @cocotb.test()
 async def the_stop_loop(dut):
     """An open loop is PANIC and brakes; closed, with both D/As written, they are released."""
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     assert int(dut.panic_o.value) and not int(dut.brake_release.value)
     for register in (8, 9, 10, 11):
         await tb.pc.wr(CARD[register], 0x08 if register % 2 else 0)
@@ -134,8 +131,7 @@ async def the_stop_loop(dut):
 @cocotb.test()
 async def a_reset_takes_the_torque_away(dut):
     """At once, both joints, and they stay at zero; PANIC does not: no path leads there."""
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     await tb.us(1200)  # the relay
     assert tb.dac.value == {0: 0x8000, 1: 0x8000}, "by the reset of the beginning"
     for joint, code in ((0, 0x123), (1, 0xEDC)):
@@ -160,8 +156,7 @@ async def a_reset_takes_the_torque_away(dut):
 
 @cocotb.test()
 async def the_board_is_alive(dut):
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     await ValueChange(dut.alive)
     before = tb.now()
     await ValueChange(dut.alive)

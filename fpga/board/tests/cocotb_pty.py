@@ -42,6 +42,7 @@ class Board:
         self.dut.locked_i.value = self.dut.button_ni.value = 1
         await Timer(2, "us")
         cocotb.start_soon(self._collect())
+        return self
 
     async def _collect(self):
         while True:
@@ -109,8 +110,7 @@ def _environment() -> dict:
 
 @cocotb.test()
 async def self_test_over_a_pty(dut):
-    board = Board(dut)
-    await board.begin()
+    board = await Board(dut).begin()
     status, said, error = await board.serve(*SELF_TEST)
     assert (status, error) == (0, ""), said + error
     lines = said.splitlines()
@@ -138,8 +138,7 @@ async def a_stop_loop_that_is_open(dut):
 @cocotb.test()
 async def wrong_and_cut_bytes(dut):
     """Each is asked again; the register holds what was written, and the caution counts."""
-    board = Board(dut)
-    await board.begin()
+    board = await Board(dut).begin()
 
     def disturb(n, request):
         bad = bytearray(request)
@@ -157,10 +156,7 @@ async def wrong_and_cut_bytes(dut):
             return request, lambda answer: []
         return request, keep
 
-    for words, wanted in (
-        (("write", "0x409", "0x15"), ""),
-        (("read", "PCCSR"), "0x15\n"),
-    ):
+    for words, wanted in ((("write", "0x409", "0x15"), ""), (("read", "PCCSR"), "0x15\n")):
         status, said, error = await board.serve(*words, disturb=disturb, wait=0.5)
         first, _, rest = said.partition("caution: ")
         assert (status, first, error) == (0, wanted, "")
@@ -169,8 +165,7 @@ async def wrong_and_cut_bytes(dut):
 
 @cocotb.test()
 async def a_board_that_is_in_reset(dut):
-    board = Board(dut)
-    await board.begin()
+    board = await Board(dut).begin()
     dut.button_ni.value = 0
     status, said, error = await board.serve("read", "PCCSR", wait=0.05)
     assert (status, said) == (1, "")
@@ -181,8 +176,7 @@ async def a_board_that_is_in_reset(dut):
 @cocotb.test()
 async def a_pll_that_loses_its_lock(dut):
     """CLR# stands until the reset after the lock has ended, once the D/A knows what it means."""
-    board = Board(dut)
-    await board.begin()
+    await Board(dut).begin()
     await Timer(300, "us")  # the words of the start
     assert int(dut.dac_clr_n.value)
     dut.locked_i.value = 0

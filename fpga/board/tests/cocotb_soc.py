@@ -32,6 +32,7 @@ class Board(Tb):
         self.encoder = [QuadratureSource(*pins, joint) for joint in range(2)]
         dut.estop_n.value = dut.enable_n.value = 0
         await self.start()
+        return self
 
     async def word(self, number: int) -> int:
         """A word of the memory, by the console; signed."""
@@ -59,8 +60,7 @@ class Board(Tb):
 @cocotb.test()
 async def servo_pass_by_itself(dut):
     """Counts of the pins come back as the law's D/A codes; pins, firmware and D/A say the same."""
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     await tb.closed()
     assert await tb.word(MAILBOX) == MAGIC
     assert int(dut.brake_release.value) and not int(dut.panic_o.value)
@@ -77,8 +77,7 @@ async def servo_pass_by_itself(dut):
 @cocotb.test()
 async def the_stop_loop_opens_it(dut):
     """The brakes close at once, and the driver takes itself off."""
-    tb = Board(dut)
-    await tb.begin()
+    tb = await Board(dut).begin()
     await tb.closed()
     dut.estop_n.value = 1
     await Timer(1, "us")

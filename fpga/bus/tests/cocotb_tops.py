@@ -46,6 +46,7 @@ class Buses(Tb):
         self.vme = VmeMaster(VmeBus.from_prefix(dut, "vme"))
         await self.us(60)  # RESET DRV
         await self.wr(PCCSR, BASE)
+        return self
 
     async def _card_clock(self, n, period):
         Clock(self.dut.card_clk_i[n], period, "ps").start()
@@ -102,8 +103,7 @@ class Buses(Tb):
 @cocotb.test()
 async def no_two_drivers_meet(dut):
     """Random accesses, back to back and apart, to both cards, an absent one and the adaptor."""
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.setup()
     held = {}
     for _ in range(400):
@@ -127,8 +127,7 @@ async def no_two_drivers_meet(dut):
 @cocotb.test()
 async def data_in_time(dut):
     """A card's data are on the bus 300 ns after IOR#, and off it within 20 ns of its end."""
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.setup()
     for card in (0, 1) * 20:
         read = cocotb.start_soon(tb.crd(card, PORT_A))
@@ -146,8 +145,7 @@ async def data_in_time(dut):
 @cocotb.test()
 async def words_leave_the_upper_byte_alone(dut):
     """§4.3.1: 16-bit accesses work on the low byte; D15-D08 have no driver."""
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.setup()
     even = tb.base | Machine.creg(1, PORT_A) & ~1
     await tb.vme.write(even, 0x12A8, 2)
@@ -158,8 +156,7 @@ async def words_leave_the_upper_byte_alone(dut):
 
 @cocotb.test()
 async def interrupts_and_acknowledge(dut):
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.wr(VECTOR, 0x5A)
     await tb.sclock(100, 100)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -180,8 +177,7 @@ async def interrupts_and_acknowledge(dut):
 @cocotb.test()
 async def panic_and_sclock_over_the_cable(dut):
     """PANIC goes with the last D/A write and comes with a heartbeat's end; SCLOCK latches cards."""
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.setup()
     assert int(dut.panic_o.value)
     for card in range(2):
@@ -217,8 +213,7 @@ async def panic_and_sclock_over_the_cable(dut):
 @cocotb.test()
 async def ale_and_clk_of_a_pc(dut):
     """ALE falls while the address stands and a clock before each command; CLK is high a third."""
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.setup()
     seen = []
 
@@ -250,8 +245,7 @@ async def ale_and_clk_of_a_pc(dut):
 @cocotb.test()
 async def nothing_drives_in_reset(dut):
     """In the middle of reads as well, and without a clock of the cards'."""
-    tb = Buses(dut)
-    await tb.begin()
+    tb = await Buses(dut).begin()
     await tb.setup()
     for ns in range(0, 1500, 70):
         cocotb.start_soon(tb.vme.answers(tb.base | Machine.creg(0, PORT_A)))
