@@ -13,6 +13,8 @@ import pytest
 
 from mmcs import ROOT, regs
 
+pytestmark = pytest.mark.req("MAP-1")
+
 # §4.3.3 and figure 5.1, then table 4.1 and table 5.1
 ADDRESSES = {
     "WINDOW_BASE": 0x6000, "WINDOW_SIZE": 2048, "CARDS_MAX": 16, "PCCSR_BASE_CARDS": 0x300 >> 5,
@@ -39,13 +41,11 @@ BITS = {
 }  # fmt: skip
 
 
-@pytest.mark.req("MAP-1")
 @pytest.mark.parametrize("name", ADDRESSES)
 def test_address(name):
     assert getattr(regs, name) == ADDRESSES[name]
 
 
-@pytest.mark.req("MAP-1")
 @pytest.mark.parametrize("name", BITS)
 def test_field(name):
     high, low = BITS[name]
@@ -53,7 +53,6 @@ def test_field(name):
     assert getattr(regs, f"{name}_BP") == low
 
 
-@pytest.mark.req("MAP-1")
 def test_nothing_else_is_on_the_map():
     chips = ("PIT_", "PPI_")  # words of the chips themselves, from their data sheets
     fields = {n[:-3] for n in vars(regs) if n.endswith("_BM") and not n.startswith(chips)}
@@ -62,20 +61,17 @@ def test_nothing_else_is_on_the_map():
     assert others - {"PPI_MODE_BOARD"} == set(ADDRESSES), "mmcs.rdl and this file's ADDRESSES"
 
 
-@pytest.mark.req("MAP-1")
 def test_a_card_answers_to_its_number():
     assert regs.card_offset(0, 0) == 0x001
     assert regs.card_offset(15, 0x12) == 0x3C0 | 0x12 << 1 | 1
 
 
-@pytest.mark.req("MAP-1")
 def test_what_is_generated_is_fresh():
     command = [sys.executable, "rtl/regs/generate.py", "--check"]
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.req("MAP-1")
 def test_the_hardware_uses_every_bit():
     """Single bits of the control registers are taken by name: what is written in rtl/, what is read
     from port C in the tests."""

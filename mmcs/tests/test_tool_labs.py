@@ -14,6 +14,7 @@ from mmcs.lab.sheets import LABS, find_sheet, sheets
 from mmcs.tests.test_labs import VELOCITY, call
 from mmcs.tool.labs import Labs, told
 
+pytestmark = pytest.mark.req("TOOL-1")
 ALL = sheets()
 
 
@@ -23,7 +24,6 @@ def ask(folder: Path, **message) -> dict:
     return json.loads(out.getvalue())
 
 
-@pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize("sheet", ALL, ids=[sheet.name for sheet in ALL])
 def test_the_page_is_given_what_a_student_is(sheet):
     given = told(sheet)
@@ -34,7 +34,6 @@ def test_the_page_is_given_what_a_student_is(sheet):
     assert given["check"] == f"mmcs lab check {sheet.number} answer.toml"
 
 
-@pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize("student", ["good", "bad"])
 def test_the_page_s_marks_are_those_of_the_command(student):
     path = VELOCITY / f"{student}.toml"
@@ -44,7 +43,6 @@ def test_the_page_s_marks_are_those_of_the_command(student):
     assert f"{found['points']} of {found['of']} points" in call("lab", "check", 1, path)[1]
 
 
-@pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize(("message", "word"), [
     ({"op": "check", "number": 7, "answer": "stall_ms = x"}, "answer.toml: line 1, column 12"),
     ({"op": "check", "number": 7, "answer": 'stall_ms = "x"'}, "stall_ms"),
@@ -58,7 +56,6 @@ def test_a_bad_answer_is_one_sentence_without_a_path(message, word):
     assert word in error and "/" not in error.replace("../7", "") and "\n" not in error
 
 
-@pytest.mark.req("TOOL-1")
 def test_own_sheets_come_without_html_and_without_their_grader(own_sheets):
     """What is raw HTML in a sheet stands there as text."""
     path = next(own_sheets.glob("*/sheet.md"))

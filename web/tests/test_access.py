@@ -6,6 +6,7 @@ from test_start import VIEWS
 
 from mmcs.tool.pages import library_folder
 
+pytestmark = pytest.mark.req("TOOL-1")
 RUN = """async () => {
   const found = await axe.run(document, { resultTypes: ["violations"], iframes: false });
   return found.violations.map(({ id, impact, nodes }) =>
@@ -25,7 +26,6 @@ def serious(frame, source: str) -> list:
     return [one for one in frame.evaluate(RUN) if one["impact"] in ("serious", "critical")]
 
 
-@pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_no_serious_finding_in_any_view(desk, scheme):
     page = desk.page
@@ -41,7 +41,6 @@ def test_no_serious_finding_in_any_view(desk, scheme):
     assert serious(page, source) == []
 
 
-@pytest.mark.req("TOOL-1")
 def test_few_words_by_themselves_and_few_stops_of_tab(desk):
     page = desk.page
     for view in VIEWS:
@@ -51,7 +50,6 @@ def test_few_words_by_themselves_and_few_stops_of_tab(desk):
     assert page.evaluate(STOPS) <= 60
 
 
-@pytest.mark.req("TOOL-1")
 def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):
     page = desk.page
     wide = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
@@ -83,7 +81,6 @@ def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):
     assert tile["y"] > 0 and panel["y"] + panel["height"] <= 800
 
 
-@pytest.mark.req("TOOL-1")
 def test_dark_is_dark_and_a_wish_for_less_motion_is_kept(desk):
     page = desk.page
     bright = """() => Math.max(...getComputedStyle(document.querySelector("#axis0-panel"))

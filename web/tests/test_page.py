@@ -4,6 +4,7 @@
 import pytest
 from bench import picture
 
+pytestmark = pytest.mark.req("TOOL-1")
 POS, VEL, TORQ, TEST1 = 1, 2, 3, 4
 CURRENTS = """(() => {
   const { history } = mctool.machine;
@@ -25,7 +26,6 @@ def enter(page, selector: str, text: str) -> None:
     page.press(selector, "Enter")
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_panel_for_each_axis_and_nothing_written_at_the_start(desk):
     assert desk.page.locator(".panel").count() == 6
     for axis in range(6):
@@ -34,7 +34,6 @@ def test_a_panel_for_each_axis_and_nothing_written_at_the_start(desk):
     assert not desk.state()["enabled"]
 
 
-@pytest.mark.req("TOOL-1")
 def test_modes_sources_feedback_and_switches(desk):
     for name, word in (("pos", POS), ("vel", VEL), ("torq", TORQ), ("test1", TEST1), ("off", 0)):
         choose(desk, "mode", name, lambda mode, word=word: mode & 0xF == word)
@@ -54,7 +53,6 @@ def test_modes_sources_feedback_and_switches(desk):
                "mctool.machine.history.lightsColumn(1)) >> 9) & 1")  # fmt: skip
 
 
-@pytest.mark.req("TOOL-1")
 def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
     page = desk.page
     page.evaluate(
@@ -77,7 +75,7 @@ def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
     assert desk.param(0)["mode"] == VEL | FLAGS["ADFB"]
 
 
-@pytest.mark.req("TOOL-1", "SYN-1")
+@pytest.mark.req("SYN-1")
 def test_gains_in_percent_and_every_parameter_by_number(desk):
     page = desk.page
     desk.choose(1)
@@ -99,7 +97,6 @@ def test_gains_in_percent_and_every_parameter_by_number(desk):
     assert desk.param(1)["ilim"] == 500
 
 
-@pytest.mark.req("TOOL-1")
 def test_interval_diagnostics_and_double_buffering(desk):
     page = desk.page
     enter(page, "#interval", "1000")
@@ -115,7 +112,7 @@ def test_interval_diagnostics_and_double_buffering(desk):
     desk.eventually(lambda: port_b() & 0x09 == 0x09)
 
 
-@pytest.mark.req("TOOL-1", "SRV-6")
+@pytest.mark.req("SRV-6")
 def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
     page = desk.page
     page.click("#enable")
@@ -134,7 +131,6 @@ def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
     assert desk.page.evaluate(f"() => Math.max(...{CURRENTS}.map(Math.abs))") == 60
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_monitor_writes_nothing_and_cannot(browser, desk):
     other = desk.open()
     assert other.is_disabled("#enable")
@@ -147,7 +143,6 @@ def test_a_monitor_writes_nothing_and_cannot(browser, desk):
     assert desk.param(0)["mode"] == TORQ  # the monitor's end stops nobody
 
 
-@pytest.mark.req("TOOL-1")
 def test_everything_by_keyboard(desk):
     page = desk.page
     desk.choose(1)
@@ -164,7 +159,7 @@ def test_everything_by_keyboard(desk):
     desk.until("() => !mctool.machine.enabled")
 
 
-@pytest.mark.req("TOOL-1", "DRV-9")
+@pytest.mark.req("DRV-9")
 def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     """By its end, not by its silence, which would be allowed to last ten seconds."""
     desk.page.select_option("#axis0-mode", "torq")
@@ -182,7 +177,6 @@ def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     desk.page = desk.open()
 
 
-@pytest.mark.req("TOOL-1")
 def test_pictures_for_the_manual(desk):
     page = desk.page
     page.click("#enable")
@@ -215,7 +209,6 @@ def test_pictures_for_the_manual(desk):
     old.close()
 
 
-@pytest.mark.req("TOOL-1")
 def test_auto_tune_is_judged_undone_and_exported(desk):
     import tomllib
 

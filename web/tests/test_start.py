@@ -13,11 +13,11 @@ from mmcs.device.sockets import socket_path
 from mmcs.tests.device_bench import EXAMPLES, compile_1989
 from mmcs.tool.launch import _end, _serve, start
 
+pytestmark = pytest.mark.req("TOOL-1")
 VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "waves", "labs", "log")
 NAMED = {"button", "textbox", "combobox", "slider", "checkbox", "spinbutton", "tab", "Iframe"}
 
 
-@pytest.mark.req("TOOL-1")
 def test_interval_zeroed_encoders_and_frozen_numbers(browser):
     desk = Desk(browser, start("puma560", None, {"t": "3", "z": "1", "u": "1"}))
     try:
@@ -32,7 +32,6 @@ def test_interval_zeroed_encoders_and_frozen_numbers(browser):
         desk.close()
 
 
-@pytest.mark.req("TOOL-1")
 def test_it_looks_as_under_sunview(browser, desk):
     old = desk.open("&theme=1989")
     assert old.evaluate("() => getComputedStyle(document.body).fontFamily").find("Mono") > 0
@@ -60,7 +59,6 @@ def look(link, rows: int) -> dict:
     return link.request("call", request="MGETSTATS")["stats"]
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_page_beside_the_program_bounce_looks_on(browser):
     """`--attach`: the program of chapter 2 drives, a page comes and goes. That it changes
     nothing is shown to the bit in mmcs/tests/test_monitor.py."""
@@ -92,7 +90,6 @@ def test_a_page_beside_the_program_bounce_looks_on(browser):
         _end(machine)
 
 
-@pytest.mark.req("TOOL-1")
 def test_two_pages_at_once_one_in_control(desk):
     other = desk.open()
     assert desk.page.inner_text("#control") == "Give control back"
@@ -111,7 +108,6 @@ def test_two_pages_at_once_one_in_control(desk):
     other.close()
 
 
-@pytest.mark.req("TOOL-1")
 def test_every_control_has_a_name_for_screen_readers(desk):
     """By the browser's own accessibility tree, in every view and in the frame of STOP."""
     page = desk.page
@@ -137,7 +133,6 @@ def _value(node: dict, key: str) -> str:
     return str(node.get(key, {}).get("value", ""))
 
 
-@pytest.mark.req("TOOL-1")
 def test_the_wheel_changes_no_number_and_turns_the_arm_nearer(desk):
     page = desk.page
     page.select_option("#axis0-mode", "torq")

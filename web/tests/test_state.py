@@ -10,6 +10,7 @@ from test_page import enter
 
 from mmcs import Link, mcdef
 
+pytestmark = pytest.mark.req("TOOL-1")
 POS, VEL, TORQ = 1, 2, 3
 AXIS = 2
 # every field of the panel and what it shows for these parameters
@@ -80,7 +81,6 @@ def shows(desk, **wanted) -> None:
         raise AssertionError({k: (now[k], v) for k, v in wanted.items() if now[k] != v}) from None
 
 
-@pytest.mark.req("TOOL-1")
 def test_every_field_changed_by_another_program_is_shown(desk, outside):
     outside.change(AXIS, **PARAM, mode=VEL | mcdef.COULCOMP)
     fields = {name: str(value) for name, value in (PARAM | {"mode": VEL | mcdef.COULCOMP}).items()}
@@ -117,7 +117,6 @@ def test_every_field_changed_by_another_program_is_shown(desk, outside):
     assert desk.page.is_disabled(f"#axis{AXIS}-ilim")
 
 
-@pytest.mark.req("TOOL-1")
 def test_the_way_back_in_time_and_another_page_are_shown(desk, outside):
     outside.change(AXIS, ilim=321, mode=POS)
     shows(desk, mode="pos")
@@ -135,7 +134,6 @@ def test_the_way_back_in_time_and_another_page_are_shown(desk, outside):
     other.close()
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_draft_stays_until_it_is_taken_or_left(desk):
     page = desk.page
     desk.choose(1)
@@ -147,7 +145,6 @@ def test_a_draft_stays_until_it_is_taken_or_left(desk):
     desk.eventually(lambda: page.input_value('[id="axis1-P gain"]') == "100")
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_refused_gain_leaves_the_others(desk):
     page = desk.page
     desk.choose(1)
@@ -162,7 +159,7 @@ def test_a_refused_gain_leaves_the_others(desk):
     assert (param["a0"] + param["a1"]) / param["b0"] == pytest.approx(40, rel=0.01)
 
 
-@pytest.mark.req("TOOL-1", "DRV-12")
+@pytest.mark.req("DRV-12")
 def test_off_after_diag_takes_the_code_from_the_d_a(desk):
     page = desk.page
     page.click("#enable")
@@ -175,7 +172,7 @@ def test_off_after_diag_takes_the_code_from_the_d_a(desk):
     desk.eventually(lambda: page.input_value("#axis0-mode") == "off")
 
 
-@pytest.mark.req("TOOL-1", "DRV-4")
+@pytest.mark.req("DRV-4")
 def test_a_setpoint_moves_its_own_axis_alone(desk):
     page = desk.page
     for axis in (4, 5):
@@ -196,7 +193,7 @@ def test_a_setpoint_moves_its_own_axis_alone(desk):
     assert desk.latest(5)["setpoint"] == 694
 
 
-@pytest.mark.req("TOOL-1", "DRV-4")
+@pytest.mark.req("DRV-4")
 def test_setpoints_go_on_from_what_the_driver_has(desk):
     """After a step of Tune, after the way back: not from what this page set before."""
     page = desk.page
@@ -226,7 +223,7 @@ def test_setpoints_go_on_from_what_the_driver_has(desk):
     assert desk.latest(5)["setpoint"] == 0
 
 
-@pytest.mark.req("TOOL-1", "PAN-1")
+@pytest.mark.req("PAN-1")
 def test_enable_asks_while_the_button_is_pressed(desk):
     page = desk.page
     desk.stop_frame.click("#press")
@@ -245,7 +242,6 @@ def test_enable_asks_while_the_button_is_pressed(desk):
     desk.eventually(lambda: desk.state()["enabled"])
 
 
-@pytest.mark.req("TOOL-1")
 def test_control_given_back_in_mid_drive_stops(desk):
     page = desk.page
     page.click("#enable")
@@ -258,7 +254,6 @@ def test_control_given_back_in_mid_drive_stops(desk):
     assert not desk.state()["enabled"]
 
 
-@pytest.mark.req("TOOL-1")
 def test_the_banner_tells_the_cause_and_what_comes_next(desk):
     page = desk.page
     assert "At rest" in page.inner_text("#cause") and "PANIC" not in page.inner_text("#cause")
@@ -280,7 +275,6 @@ def test_the_banner_tells_the_cause_and_what_comes_next(desk):
     desk.eventually(lambda: page.inner_text("#next").startswith("Enable (E"))
 
 
-@pytest.mark.req("TOOL-1")
 def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
     page = desk.page
 
@@ -314,7 +308,6 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
 
 
 @pytest.mark.deadman(1000)
-@pytest.mark.req("TOOL-1")
 def test_a_page_that_nobody_looks_at_keeps_control(browser, desk):
     """A browser lets the timers of a hidden page run once a second, or once a minute."""
     page = browser.new_page()
@@ -332,7 +325,6 @@ def test_a_page_that_nobody_looks_at_keeps_control(browser, desk):
     page.close()
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_frozen_stream_is_told(desk):
     page = desk.page
     machine = desk.tool.processes["machine"].pid
@@ -342,7 +334,6 @@ def test_a_frozen_stream_is_told(desk):
     desk.eventually(lambda: "No sample" not in page.inner_text("body"))
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_lost_connection_is_told_and_mended(desk):
     page = desk.page
     gateway = desk.tool.processes["gateway"].pid
@@ -358,7 +349,6 @@ def test_a_lost_connection_is_told_and_mended(desk):
     assert "Not connected" in page.inner_text("#cause")
 
 
-@pytest.mark.req("TOOL-1")
 def test_an_onlooker_s_page_shows_what_a_program_drives(browser):
     """`bounce` drives in velocity mode: its page says so, and its gains."""
     import subprocess

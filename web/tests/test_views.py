@@ -8,6 +8,7 @@ from bench import PICTURES
 
 from mmcs import ensure_library
 
+pytestmark = pytest.mark.req("TOOL-1")
 STREAM_S = 60.0
 # By the machine's own numbers of its samples, whatever the stream says of itself.
 NUMBERS = """(first) => {
@@ -33,7 +34,6 @@ def cpu_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / 100
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
     page = desk.page
     page.fill("#interval", "1000")
@@ -57,7 +57,6 @@ def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
     (PICTURES / "stream.md").write_text("\n".join(lines) + "\n")
 
 
-@pytest.mark.req("TOOL-1")
 def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_path):
     page = desk.page
     page.click("#scope-more")
@@ -89,7 +88,6 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     desk.until("() => document.querySelector('.channels').textContent.includes('saved.mcap')")
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_fault_from_the_menu_is_told_and_healed(desk):
     page = desk.page
     page.click("#tab-faults")
@@ -104,7 +102,6 @@ def test_a_fault_from_the_menu_is_told_and_healed(desk):
     desk.until("() => document.querySelector('.faults ul').textContent === 'nothing'")
 
 
-@pytest.mark.req("TOOL-1")
 def test_registers_are_read_by_name_and_written_with_control(desk):
     page = desk.page
     page.click("#tab-registers")
@@ -116,7 +113,6 @@ def test_registers_are_read_by_name_and_written_with_control(desk):
     desk.eventually(lambda: "LED1 1" in row.inner_text())
 
 
-@pytest.mark.req("TOOL-1")
 def test_back_to_a_moment_and_on_from_there(desk):
     page = desk.page
     ensure_library(3, "trace")  # the page would wait for it, too, but not the test

@@ -9,6 +9,7 @@ from gymnasium.utils.env_checker import check_env
 from mmcs import InputError
 from mmcs.bridge.env import ID
 
+pytestmark = pytest.mark.req("DRV-4")
 SHORT = {"episode_steps": 60}
 
 
@@ -23,7 +24,6 @@ def episode(env, seed: int, policy) -> tuple[list[np.ndarray], list[float]]:
     return seen, rewards
 
 
-@pytest.mark.req("DRV-4")
 def test_the_checker_is_content():
     env = gymnasium.make(ID, **SHORT)
     check_env(env.unwrapped, skip_render_check=True)
@@ -36,7 +36,6 @@ def pd(observation: np.ndarray) -> np.ndarray:
     return np.clip(6 * observation[:axes] - 0.25 * observation[axes : 2 * axes], -1, 1)
 
 
-@pytest.mark.req("DRV-4")
 def test_the_same_seed_is_the_same_episode_after_any_other():
     env = gymnasium.make(ID, **SHORT)
     first, _ = episode(env, 7, pd)
@@ -47,7 +46,7 @@ def test_the_same_seed_is_the_same_episode_after_any_other():
     assert np.array_equal(first, again) and not np.array_equal(first, other)
 
 
-@pytest.mark.req("DRV-4", "SRV-6")
+@pytest.mark.req("SRV-6")
 def test_a_loop_that_works_is_worth_more_than_none():
     env = gymnasium.make(ID)
     seen, rewards = episode(env, 3, pd)
@@ -57,7 +56,6 @@ def test_a_loop_that_works_is_worth_more_than_none():
     assert sum(rewards) > sum(idle) / 2
 
 
-@pytest.mark.req("DRV-4")
 def test_two_at_once():
     envs = gymnasium.make_vec(ID, num_envs=2, vectorization_mode="async", **SHORT)
     observations, _ = envs.reset(seed=5)
@@ -68,7 +66,6 @@ def test_two_at_once():
     envs.close()
 
 
-@pytest.mark.req("DRV-4")
 def test_arm_and_mistakes():
     env = gymnasium.make(ID, scenario="puma560", **SHORT)
     observation, info = env.reset(seed=1)

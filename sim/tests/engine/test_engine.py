@@ -7,16 +7,7 @@ import sys
 
 import machines
 import pytest
-from machines import (
-    event,
-    input_number,
-    ioctl,
-    machine,
-    notes,
-    rise_ms,
-    start,
-    step_to,
-)
+from machines import event, input_number, ioctl, machine, notes, rise_ms, start, step_to
 
 from mmcs import ROOT, ensure_library, load, mcdef, regs, simulate
 

@@ -10,6 +10,7 @@ import pytest
 
 from mmcs import ROOT, ensure_library, make_env
 
+pytestmark = pytest.mark.req("API-1")
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 HEADERS = ["sim/abi/mmcs_sim.h", "sim/model/wires.h", "sim/model/board.h", "sim/model/cache.h",
@@ -18,12 +19,7 @@ HEADERS = ["sim/abi/mmcs_sim.h", "sim/model/wires.h", "sim/model/board.h", "sim/
 
 def made(*options, folder=ROOT):
     return subprocess.run(
-        [*MAKE, *options],
-        cwd=folder,
-        env=make_env(),
-        text=True,
-        check=True,
-        capture_output=True,
+        [*MAKE, *options], cwd=folder, env=make_env(), text=True, check=True, capture_output=True
     ).stdout
 
 
@@ -61,20 +57,17 @@ def again(file):
 
 
 @pytest.mark.parametrize("header", HEADERS)
-@pytest.mark.req("API-1")
 def test_whoever_includes_a_header_is_compiled_again(reads, header):
     wanted = {o for o, files in reads.items() if header in files}
     assert wanted
     assert wanted - again(header) == set()
 
 
-@pytest.mark.req("API-1")
 def test_a_build_that_stands_is_left_alone(reads):
     assert "-o build/" not in made("-n")
 
 
 @pytest.mark.parametrize("file", ["rtl/mark1/axis.sv", "rtl/mmcs_assert.svh", "rtl/mmcs.sv"])
-@pytest.mark.req("API-1")
 def test_hardware_that_changed_is_made_anew_with_all_that_knows_it(reads, file):
     hardware = {o for o in reads if "/boards" in o or "/wires" in o or "/speed_c3" in o}
     assert hardware
@@ -103,7 +96,6 @@ def small(tmp_path):
     return plant, compiled
 
 
-@pytest.mark.req("API-1")
 def test_files_come_go_and_change(small):
     plant, compiled = small
     assert compiled() == {"a", "b"}

@@ -10,6 +10,7 @@ import pytest
 from studies.processors import limits
 from tools.pages import part
 
+pytestmark = pytest.mark.req("FW-1")
 ROOT = Path(__file__).resolve().parents[3]
 
 
@@ -33,7 +34,6 @@ class Thing:
         return n <= self.true
 
 
-@pytest.mark.req("FW-1")
 @pytest.mark.parametrize("low,high", [(1, 1), (1, 16), (0, 90)])
 def test_edge_is_found_from_any_guess(low, high):
     """With a look at the largest good one and at the one above it, and few others."""
@@ -47,7 +47,6 @@ def test_edge_is_found_from_any_guess(low, high):
                 assert len(thing.seen) <= 2
 
 
-@pytest.mark.req("FW-1")
 def test_page_agrees_with_itself():
     """A row for each processor; so many axes run at a rate that their shortest interval allows."""
     table = page()
@@ -63,7 +62,6 @@ def test_page_agrees_with_itself():
     assert int(fastest["500 Hz"]) > int(slowest["500 Hz"])
 
 
-@pytest.mark.req("FW-1")
 @pytest.mark.skipif(
     not (shutil.which("m68k-linux-gnu-gcc") and importlib.util.find_spec("machine68k")),
     reason="the 68020 compiler or processor model is missing; install them with: make firmware",

@@ -9,10 +9,10 @@ import pytest
 
 from mmcs import BUILD, ROOT
 
+pytestmark = pytest.mark.req("TOOL-1")
 BOOK = BUILD / "web" / "book"
 
 
-@pytest.mark.req("TOOL-1")
 def test_every_chapter_is_in_it_and_can_be_searched():
     index = (BOOK / "search" / "search_index.json").read_text()
     for chapter in (ROOT / "docs").rglob("*.md"):
@@ -22,7 +22,6 @@ def test_every_chapter_is_in_it_and_can_be_searched():
         assert f'"{page.relative_to(BOOK)}' in index
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_link_that_leads_nowhere_ends_the_build(tmp_path):
     sys.path.insert(0, str(ROOT / "tools"))
     import book
@@ -37,7 +36,7 @@ def test_a_link_that_leads_nowhere_ends_the_build(tmp_path):
         assert bool(made.returncode) == bool(status), text
 
 
-@pytest.mark.req("TOOL-1", "PAN-1")
+@pytest.mark.req("PAN-1")
 def test_the_button_beside_the_text_raises_panic(opened, address):
     page = opened("live.html?demo=panic")
     page.get_by_role("button", name="Enable").click()
@@ -49,7 +48,6 @@ def test_the_button_beside_the_text_raises_panic(opened, address):
     page.wait_for_selector(".light.lit:has-text('servo on')")
 
 
-@pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize("demo,button,seen", [
     ("counter", "Turn it forward", r"as the driver has it\s*-?\d{2,}"),
     ("pccsr", "Interval 2 ms", r"interrupts\s*\d+"),
@@ -64,7 +62,6 @@ def test_what_the_buttons_do_is_seen(opened, demo, button, seen):
     page.wait_for_function("s => new RegExp(s).test(document.body.innerText)", arg=seen)
 
 
-@pytest.mark.req("TOOL-1")
 def test_chapters_hold_the_machine(opened):
     frames = re.findall(r'src="([./]*)live.html\?demo=(\w+)"', "".join(
         (BOOK / name).read_text() for name in ("hardware/adaptor.html", "hardware/mark1.html",

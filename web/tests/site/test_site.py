@@ -12,6 +12,7 @@ from bench import note, picture
 
 from mmcs import BUILD, load, make_record, parse, replay, simulate, write_record
 
+pytestmark = pytest.mark.req("TOOL-1")
 NODE = Path(sys.executable).with_name("node")
 SITE = BUILD / "web"
 RATIO = Path(__file__).with_name("ratio.mjs")
@@ -42,7 +43,7 @@ def record_of(path):
     return parse(path, json.loads(path.read_text()))
 
 
-@pytest.mark.req("TOOL-1", "SIM-3")
+@pytest.mark.req("SIM-3")
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_the_page_s_hash_is_the_native_one(opened, name):
     result = native(name)
@@ -60,7 +61,7 @@ def test_the_page_s_hash_is_the_native_one(opened, name):
     ))  # fmt: skip
 
 
-@pytest.mark.req("TOOL-1", "SIM-3")
+@pytest.mark.req("SIM-3")
 def test_a_record_of_the_page_replays_natively_with_what_a_person_did(opened, tmp_path):
     """Gains and faults while it runs are in the record, as [[call]] and [[event]]."""
     page = opened("?scenario=puma560&seed=7&paused=1&deadman=240000")
@@ -92,7 +93,7 @@ def test_a_record_of_the_page_replays_natively_with_what_a_person_did(opened, tm
     assert header.startswith("t_s,setpoint_0,encoder_0") and first.startswith("0.")
 
 
-@pytest.mark.req("TOOL-1", "SIM-3")
+@pytest.mark.req("SIM-3")
 def test_a_native_record_replays_in_the_page(opened, tmp_path):
     result = native("puma560_bounce", ("seed=3",))
     path = write_record(make_record(result, "native"), tmp_path)
@@ -111,7 +112,7 @@ def test_a_native_record_replays_in_the_page(opened, tmp_path):
     assert "the record changes cards" in page.inner_text("#said")
 
 
-@pytest.mark.req("TOOL-1", "DRV-9")
+@pytest.mark.req("DRV-9")
 def test_stop_works_and_a_hung_page_stops_the_machine(opened):
     page = opened("?scenario=puma560&plays=0&deadman=240000")  # starved, it is silent for long
     page.click("#enable")
@@ -141,7 +142,6 @@ def test_stop_works_and_a_hung_page_stops_the_machine(opened):
     page.wait_for_function("() => !mctool.machine.enabled && !mctool.machine.controls")
 
 
-@pytest.mark.req("TOOL-1")
 def test_registers_faults_and_the_past(opened):
     page = opened("?scenario=lab500&plays=0&deadman=240000")
     page.click("#tab-registers")
@@ -176,7 +176,6 @@ def test_registers_faults_and_the_past(opened):
     )
 
 
-@pytest.mark.req("TOOL-1")
 def test_it_works_without_a_network(opened):
     page = opened("?scenario=lab500&speed=0")
     page.evaluate("() => navigator.serviceWorker.ready")
@@ -187,7 +186,6 @@ def test_it_works_without_a_network(opened):
     assert finished(page) == native("puma560_bounce").hash
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_minute_of_motion_without_an_exception_and_without_growth(opened):
     """A wrist swings to and fro; memory is looked at when the rings are full, and at the end."""
     page = opened("?scenario=puma560&plays=0&deadman=240000")
@@ -205,7 +203,6 @@ def test_a_minute_of_motion_without_an_exception_and_without_growth(opened):
     assert page.evaluate("() => mctool.machine.enabled")
 
 
-@pytest.mark.req("TOOL-1")
 def test_a_telephone_can_be_used(opened):
     page = opened(
         "?scenario=puma560", viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
@@ -223,7 +220,6 @@ def test_a_telephone_can_be_used(opened):
     page.wait_for_function("() => !mctool.machine.enabled")
 
 
-@pytest.mark.req("TOOL-1")
 def test_the_first_motion_comes_soon(opened):
     began = time.monotonic()
     page = opened("?scenario=puma560")
@@ -239,7 +235,7 @@ def test_the_first_motion_comes_soon(opened):
     picture(page, "web")
 
 
-@pytest.mark.req("TOOL-1", "SYN-1")
+@pytest.mark.req("SYN-1")
 def test_a_compensator_and_a_law_as_typed(opened):
     page = opened("?scenario=lab500&plays=0&deadman=240000")
     page.click("#enable")
@@ -265,7 +261,6 @@ def test_a_compensator_and_a_law_as_typed(opened):
     page.wait_for_function("() => mctool.machine.history.latest(0).current === 0")
 
 
-@pytest.mark.req("TOOL-1")
 def test_the_lab_sheets_are_there_and_checking_names_the_command(opened):
     page = opened("?scenario=lab500&plays=0")
     page.click("#tab-labs")
