@@ -187,14 +187,7 @@ def checks() -> list[tuple[str, list[str]]]:
         jobs.append(
             (
                 f"clang-tidy {file}",
-                [
-                    "clang-tidy",
-                    "--quiet",
-                    file,
-                    "--",
-                    *flags,
-                    *(f"-I{d}" for d in dirs),
-                ],
+                ["clang-tidy", "--quiet", file, "--", *flags, *(f"-I{d}" for d in dirs)],
             )
         )
     return jobs

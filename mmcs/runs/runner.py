@@ -50,8 +50,7 @@ def run_scenario(
             record = records.make_record(result, host)
             records.write_record(record, stage)
             lacking += _spared(
-                stage / snapshots.NAME,
-                lambda path: snapshots.write_snapshots(path, record, result),
+                stage / snapshots.NAME, lambda path: snapshots.write_snapshots(path, record, result)
             )
     console = screen(stderr=stderr)
     reports.print_report(report, result, folder, console)

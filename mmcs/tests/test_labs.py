@@ -286,11 +286,7 @@ class Answer(Strict):
 QUESTIONS = [Question("final", 4, lambda answer, run: answer.nothing)]
 """
 BROKEN_SHEETS = {
-    "a mistake in a question": (
-        "grader.py",
-        MISTAKEN,
-        "final, grader.py:8: AttributeError",
-    ),
+    "a mistake in a question": ("grader.py", MISTAKEN, "final, grader.py:8: AttributeError"),
     "no grader": ("grader.py", None, "a sheet needs a file grader.py"),
     "no answer": ("answer.toml", None, "a sheet needs a file answer.toml"),
     "wrong grader": ("grader.py", "import nowhere", "ModuleNotFoundError: No module named"),

@@ -56,10 +56,7 @@ CASES = {
         swap('robot = "lab500"', "robot = 5"),
         "robot = 5: must be a string in quotes",
     ),
-    "number for truth": (
-        top("double_buffer = 1"),
-        "double_buffer = 1: must be true or false",
-    ),
+    "number for truth": (top("double_buffer = 1"), "double_buffer = 1: must be true or false"),
     "table for list": (top("servo = 3"), "servo = 3: must be a list [...]"),
     "number for table": (top("host = 3"), "host = 3: must be a table"),
     "infinite": (
@@ -192,10 +189,7 @@ CASES = {
         swap('"lab500"', '"lab50"'),
         'robot = "lab50": no such robot; did you mean "lab500"?',
     ),
-    "cards too few": (
-        swap('"lab500"', '"puma560"'),
-        "cards = 1: 6 axes need at least 3 cards",
-    ),
+    "cards too few": (swap('"lab500"', '"puma560"'), "cards = 1: 6 axes need at least 3 cards"),
     "not an arm": (
         top('dynamics = "coupled"'),
         'dynamics = "coupled": robot "lab500" has no [[link]]',

@@ -65,10 +65,7 @@ ARGS = {
         ["check", "lab500", "--set", "cards=" + "[" * 3000],
         "--set: cards: nests deeper than 10 levels",
     ),
-    "deep set key": (
-        ["check", "lab500", "--set", ".".join(["a"] * 900) + "=1"],
-        '--set = "a.a.',
-    ),
+    "deep set key": (["check", "lab500", "--set", ".".join(["a"] * 900) + "=1"], '--set = "a.a.'),
     "design nan": (["design", "--wn", "nan"], "mmcs design: a number is out of all proportion\n"),
     "design far": (["design", "--wn", "1e300"], "mmcs design: a number is out of all proportion\n"),
     "design far d": (["design", "-d", "1e308"], "mmcs design: a number is out of all proportion\n"),

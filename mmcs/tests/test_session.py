@@ -27,11 +27,7 @@ def run(path, sim=None, **options):
 def test_requests_in_the_order_of_a_user_program(scenario):
     sim, _ = run(scenario())
     driver = {"axes": 1, "verbose": 0, "interval_us": 1000, "double_buffer": 1}
-    assert sim.calls == [
-        ("begin", driver, 1),
-        ("MSTOP", None),
-        ("close", 0),
-    ]
+    assert sim.calls == [("begin", driver, 1), ("MSTOP", None), ("close", 0)]
     assert [(s["kind"], s["t0"], s["to"]) for s in sim.segments] == [("step", 0.05, 200)]
 
 

@@ -50,10 +50,7 @@ def everything() -> dict:
 def _commands(sheet: Sheet) -> dict:
     own = sheet.folder.parent
     lab = "mmcs lab" if own == LABS else f"mmcs lab --sheets {shlex.quote(str(own))}"
-    return {
-        "start": f"{lab} start {sheet.number}",
-        "check": f"{lab} check {sheet.number} {ANSWER}",
-    }
+    return {"start": f"{lab} start {sheet.number}", "check": f"{lab} check {sheet.number} {ANSWER}"}
 
 
 def _fields(model: type[BaseModel], form: str) -> list[dict]:

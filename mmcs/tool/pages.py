@@ -24,9 +24,7 @@ from mmcs import ROOT
 PAGES = ROOT / "web"
 LOOPBACK = "127.0.0.1"
 # What an address below lib/ means; npm's packages are fetched by `make tool`, never committed.
-LIBRARIES = {
-    "uplot": "uplot/dist",
-}
+LIBRARIES = {"uplot": "uplot/dist"}
 
 
 def library_folder() -> Path:

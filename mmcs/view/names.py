@@ -31,10 +31,7 @@ def states(module: str) -> dict[int, str]:
     return dict(enumerate(name.removeprefix("St").lower() for name in names))
 
 
-TABLES = {
-    "registers": registers,
-    "phases": lambda: dict(enumerate(PHASES)),
-}
+TABLES = {"registers": registers, "phases": lambda: dict(enumerate(PHASES))}
 
 
 def write_tables(folder: Path) -> None:
