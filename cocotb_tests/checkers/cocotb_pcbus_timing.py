@@ -9,25 +9,10 @@ from cocotb_tests.lib.req import test
 TOPLEVEL = "pcbus_timing"
 SOURCES = ("../../rtl/checkers/pcbus_timing.sv",)
 PARAMETERS = {"Stop": 0, "LongestNs": 1875}
-IDLE = {
-    "link_ok_i": 1,
-    "pc_a_i": 0x300,
-    "pc_d_i": 0xFF,
-    "pc_rdata_i": 0xFF,
-    "pc_ior_ni": 1,
-    "pc_iow_ni": 1,
-    "driven_i": 0,
-}
 NAMES = [
-    "addr_setup",
-    "command",
-    "longest",
-    "addr_hold",
-    "data_setup",
-    "data_hold",
-    "read_setup",
+    "addr_setup", "command", "longest", "addr_hold", "data_setup", "data_hold", "read_setup",
     "recovery",
-]
+]  # fmt: skip
 EXACT = {
     "setup": 125,
     "command": 500,
@@ -75,7 +60,7 @@ FAULTS = {
 
 @test("PCB-1")
 async def limits_met_exactly_are_good(dut):
-    b = await Bus(dut, IDLE, NAMES).start()
+    b = await Bus(dut, NAMES).start()
     for write in (WRITE, READ, WRITE, READ):
         await b.cycle(write)
     await b.cycle(WRITE, command=1875)
@@ -88,7 +73,7 @@ async def limits_met_exactly_are_good(dut):
 @cocotb.parametrize(name=list(FAULTS))
 async def limit_goes_red(dut, name):
     write, times = FAULTS[name]
-    b = await Bus(dut, IDLE, NAMES).start()
+    b = await Bus(dut, NAMES).start()
     await b.cycle(write, pause=200)
     await b.cycle(write, **times)
     if name == "addr_setup":

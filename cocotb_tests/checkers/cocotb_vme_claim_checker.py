@@ -9,20 +9,6 @@ from cocotb_tests.lib.req import test
 TOPLEVEL = "vme_claim_checker"
 SOURCES = ("../../rtl/checkers/vme_claim_checker.sv",)
 PARAMETERS = {"Stop": 0}
-IDLE = {
-    "vme_a_i": 0,
-    "vme_am_i": 0x29,
-    "vme_as_ni": 1,
-    "vme_ds_ni": 3,
-    "vme_lword_ni": 1,
-    "vme_iack_ni": 1,
-    "vme_iackin_ni": 1,
-    "vme_sysreset_ni": 1,
-    "vme_iackout_no": 1,
-    "vme_irq_no": 0x7F,
-    "vme_d_oe_o": 0,
-    "vme_dtack_no": 1,
-}
 OURS = 0x6409 >> 1
 LEVEL_5 = 0x7F & ~(1 << 4)
 
@@ -145,11 +131,11 @@ FAULTS = {
 
 @test("VME-1", "VME-2", "INT-2")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut, IDLE), good)
+    await expect(Pins(dut), good)
 
 
 @test("VME-1", "VME-2", "INT-2")
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
     stimulus, rule = FAULTS[fault]
-    await expect(Pins(dut, IDLE), stimulus, rule)
+    await expect(Pins(dut), stimulus, rule)

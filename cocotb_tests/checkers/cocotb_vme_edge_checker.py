@@ -3,16 +3,12 @@
 
 from cocotb.triggers import Timer
 
+from cocotb_tests.checkers.drive import idle
 from cocotb_tests.lib.req import test
 
 TOPLEVEL = "vme_edge_checker"
 SOURCES = ("../../rtl/checkers/vme_edge_checker.sv",)
 PARAMETERS = {"Stop": 0}
-IDLE = {
-    "vme_a_i": 0, "vme_am_i": 0x29, "vme_as_ni": 1, "vme_ds_ni": 3, "vme_lword_ni": 1,
-    "vme_iack_ni": 1, "vme_iackin_ni": 1, "vme_sysreset_ni": 1, "vme_iackout_no": 1,
-    "vme_d_oe_o": 0, "vme_dtack_no": 1,
-}  # fmt: skip
 OURS, OTHER = 0x6001 >> 1, 0x2001 >> 1
 (STROBED, DTACK_OURS, STAYS, OFF, DRIVE_OURS, INSIDE, FATE) = range(7)
 
@@ -29,7 +25,7 @@ class Lines:
 
     async def start(self):
         self.dut.rst_ni.value = 0
-        for name, value in IDLE.items():
+        for name, value in idle(self.dut).items():
             getattr(self.dut, name).value = value
         await Timer(10, "ns")
         self.dut.rst_ni.value = 1

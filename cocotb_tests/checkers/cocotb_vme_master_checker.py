@@ -9,18 +9,6 @@ from cocotb_tests.lib.req import test
 TOPLEVEL = "vme_master_checker"
 SOURCES = ("../../rtl/checkers/vme_master_checker.sv",)
 PARAMETERS = {"Stop": 0}
-IDLE = {
-    "vme_a_i": 0x6409 >> 1,
-    "vme_am_i": 0x29,
-    "vme_as_ni": 1,
-    "vme_ds_ni": 3,
-    "vme_write_ni": 1,
-    "vme_lword_ni": 1,
-    "vme_iack_ni": 1,
-    "vme_iackin_ni": 1,
-    "vme_d_i": 0,
-    "vme_dtack_no": 1,
-}
 
 
 async def begin(p, **cycle):
@@ -121,11 +109,11 @@ FAULTS = {
 
 @test("VME-3", "VME-6")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut, IDLE), good)
+    await expect(Pins(dut, vme_a_i=0x6409 >> 1), good)
 
 
 @test("VME-3", "VME-6")
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
     stimulus, rule = FAULTS[fault]
-    await expect(Pins(dut, IDLE), stimulus, rule)
+    await expect(Pins(dut, vme_a_i=0x6409 >> 1), stimulus, rule)

@@ -9,16 +9,6 @@ from cocotb_tests.lib.req import test
 TOPLEVEL = "vme_slave_checker"
 SOURCES = ("../../rtl/checkers/vme_slave_checker.sv",)
 PARAMETERS = {"Stop": 0}
-IDLE = {
-    "vme_ds_ni": 3,
-    "vme_iack_ni": 1,
-    "vme_write_ni": 1,
-    "vme_iackout_no": 1,
-    "vme_sysreset_ni": 1,
-    "vme_d_oe_o": 0,
-    "vme_dtack_no": 1,
-    "vme_d_o": 0xFF,
-}
 
 
 async def read(p, data=0x5A):
@@ -121,15 +111,15 @@ RULES = {
 
 @test("VME-3", "INT-2")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut, IDLE), good)
+    await expect(Pins(dut), good)
 
 
 @test("VME-3", "INT-2")
 @cocotb.parametrize(rule=list(RULES))
 async def rule_goes_red(dut, rule):
-    await expect(Pins(dut, IDLE), RULES[rule], rule)
+    await expect(Pins(dut), RULES[rule], rule)
 
 
 @test("VME-3")
 async def data_that_changes_with_dtack_is_late_too(dut):
-    await expect(Pins(dut, IDLE), data_changes_with_dtack, 7)
+    await expect(Pins(dut), data_changes_with_dtack, 7)

@@ -5,12 +5,27 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
+# Both buses at rest.
+IDLE = {
+    "vme_a_i": 0, "vme_am_i": 0x29, "vme_as_ni": 1, "vme_ds_ni": 3, "vme_write_ni": 1,
+    "vme_lword_ni": 1, "vme_iack_ni": 1, "vme_iackin_ni": 1, "vme_iackout_no": 1,
+    "vme_sysreset_ni": 1, "vme_d_i": 0, "vme_irq_no": 0x7F, "vme_d_oe_o": 0, "vme_d_o": 0xFF,
+    "vme_dtack_no": 1,
+    "link_ok_i": 1, "pc_a_i": 0x300, "pc_d_i": 0xFF, "pc_rdata_i": 0xFF, "pc_ior_ni": 1,
+    "pc_iow_ni": 1, "pc_aen_i": 0, "drivers_i": 0, "driven_i": 0,
+}  # fmt: skip
+
+
+def idle(dut) -> dict[str, int]:
+    """Of the pins that a checker has."""
+    return {name: value for name, value in IDLE.items() if hasattr(dut, name)}
+
 
 class Pins:
     """The inputs of a checker. Changes are made on falling edges, far from any sampling."""
 
-    def __init__(self, dut, idle: dict[str, int]):
-        self.dut, self.idle = dut, idle
+    def __init__(self, dut, **others: int):
+        self.dut, self.idle = dut, idle(dut) | others
 
     async def start(self):
         self.dut.rst_ni.value = 0
@@ -44,8 +59,8 @@ class Pins:
 class Timed(Pins):
     """Of a checker of times: nanosecond by nanosecond, and rules by name."""
 
-    def __init__(self, dut, idle: dict[str, int], names: list[str]):
-        super().__init__(dut, idle)
+    def __init__(self, dut, names: list[str]):
+        super().__init__(dut)
         self.names = names
 
     async def after(self, ns: float, **pins: int) -> None:

@@ -3,12 +3,12 @@
 
 import cocotb
 
-from cocotb_tests.checkers.cocotb_vme_slave_checker import IDLE, dtack_alone
+from cocotb_tests.checkers.cocotb_vme_slave_checker import dtack_alone
 from cocotb_tests.checkers.drive import Pins
 
 
 @cocotb.test()
 async def dtack_without_strobe(dut):
-    pins = await Pins(dut, IDLE).start()
+    pins = await Pins(dut).start()
     await dtack_alone(pins)
     await pins.step(5)
