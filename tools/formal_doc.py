@@ -78,9 +78,10 @@ def sections(files: list[Path], results: list) -> dict[str, str]:
 def write_doc(files: list[Path], results: list, took: float, cpu: float, whole: bool) -> None:
     """The sections of these groups; those of others stay as they were written."""
     page = DOC.read_text().partition("<!-- generated: proofs -->\n")[2]
+    groups = sorted((ROOT / "formal").glob("*.sby"))
     head, *old = page.partition("<!-- end of proofs")[0].split("\n### ")
     every = {x.partition("\n")[0]: "### " + x for x in old} | sections(files, results)
-    groups = sorted((ROOT / "formal").glob("*.sby"))
+    told = [every[g.stem].rstrip("\n") + "\n" for g in groups if g.stem in every]
     if whole:
         head = (
             f"The whole run of {date.today()} took {took:.0f} s on a machine that had other work,"
@@ -89,7 +90,7 @@ def write_doc(files: list[Path], results: list, took: float, cpu: float, whole: 
     said = head[head.index("The whole run") :].rstrip("\n")
     total = sum(len(properties(g)) for g in groups)
     head = f"{total} properties in {len(groups)} groups. {said}\n"
-    rewrite(DOC, "proofs", "\n".join([head, *(every[g.stem] for g in groups if g.stem in every)]))
+    rewrite(DOC, "proofs", "\n".join([head, *told]))
 
 
 def givens(sby: Path) -> list[str]:
