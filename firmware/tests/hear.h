@@ -4,7 +4,6 @@
 #define HEAR_H
 #include "traffic.h"
 
-static struct mock m;
 static char said[1024];
 
 static void hear(void *ctx, const char *text) {

@@ -2,8 +2,6 @@
 /* Calibration on several cards: what is armed, read, reported and armed again. §5.3.4 */
 #include "traffic.h"
 
-static struct mock m;
-
 TEST(test_arming_traffic, "DRV-8 CAL-1") {
   struct mc *mc = mock_open(&m, 3);
   mock_run(&m, 500);

@@ -3,8 +3,6 @@
 #include "traffic.h"
 #include "sys/mmcs.h"
 
-static struct mock m;
-
 static const struct {
   uint32_t code;
   int changes; /* not for a monitor */

@@ -4,8 +4,6 @@
 #include "traffic.h"
 #include "sys/mmcs.h"
 
-static struct mock m;
-
 static int set(struct mc *mc, int axis, int value) {
   struct mmcs_setpoint one = {.axis = axis, .value = value};
   return mc_ioctl(mc, 0, MSETPOINT, &one);

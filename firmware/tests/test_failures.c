@@ -3,8 +3,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static struct mock m;
-
 static struct mc *enabled(int mode) {
   struct mc *mc = mock_open(&m, 1);
   set_mode(mc, 0, mode);

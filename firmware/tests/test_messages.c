@@ -2,8 +2,6 @@
 /* What the driver says and what it leaves unsaid, and which passes count as samples. §2.3.5 */
 #include "traffic.h"
 
-static struct mock m;
-
 static void limits(struct mc *mc, int axis, int mode) {
   struct mc_param par = param_of(mc, axis);
   par.mode = mode;

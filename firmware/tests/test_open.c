@@ -3,8 +3,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static struct mock m;
-
 TEST(test_attach_takes_what_the_adaptor_can_have, "DRV-1") {
   static const uint32_t good[] = {8000000, 4000000, 2000000, 1000000};
   static const uint32_t bad[] = {0,       1,       999999,  1000001,  3000000,

@@ -3,8 +3,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static struct mock m;
-
 static void set(struct mc *mc, struct mc_param par) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }

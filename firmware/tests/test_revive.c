@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Cards that are silent for a while, resets and bus errors: counts and who is told. §2.3.4 */
 #include "mc_priv.h"
-#include "harness.h"
 #include "hear.h"
 
 static struct mc *at(struct mc *mc, int axis, int32_t place) {

@@ -2,8 +2,6 @@
 /* Enable, stop, errors, PANIC and calibration on the mock machine. §2.3.4, §5.3.4, §5.3.6 */
 #include "traffic.h"
 
-static struct mock m;
-
 static void set_mode_within(struct mc *mc, int axis, int mode, int ilimax) {
   struct mc_param par = param_of(mc, axis);
   par.mode = mode;

@@ -4,8 +4,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static struct mock m;
-
 static void call(struct mc *mc, uint32_t request, unsigned arg) {
   CHECK_EQ(mc_ioctl(mc, 0, request, &arg), 0);
 }

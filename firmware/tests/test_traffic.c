@@ -2,8 +2,6 @@
 /* The register traffic of a servo pass, of the scan and of the timers, access by access. §4.3.6 */
 #include "traffic.h"
 
-static struct mock m;
-
 TEST(test_pass_enabled, "DRV-7 SRV-1 DRV-11") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);

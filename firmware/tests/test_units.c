@@ -3,8 +3,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static struct mock m;
-
 /* --- registers ------------------------------------------------------------------------------- */
 
 TEST(test_registers_of_every_axis, "DRV-10") {

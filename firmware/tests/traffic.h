@@ -76,4 +76,6 @@ static inline void set_mode_within_100(struct mc *mc, int axis, int mode) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }
 
+static struct mock m; /* of the test */
+
 #endif
