@@ -226,13 +226,46 @@ int main(void) {
 """
 
 
-def test_threads_run_in_the_order_of_their_creation(tmp_path):
-    """Not in that in which the computer began them."""
-    source, out = tmp_path / "threads_in_order.c", tmp_path / "out"
-    source.write_text(THREADS)
+def output_of(text, tmp_path):
+    """What a program in C prints in lock-step."""
+    source, out = tmp_path / "program.c", tmp_path / "out"
+    source.write_text(text)
     program = compile_program(source)
     assert run_in_lockstep(tmp_path / "m", "sh", "-c", f"exec {program} > {out}")[0] == 0
-    assert out.read_text().split() == 3 * [str(n) for n in range(12)]
+    return out.read_text()
+
+
+def test_threads_run_in_the_order_of_their_creation(tmp_path):
+    """Not in that in which the computer began them."""
+    assert output_of(THREADS, tmp_path).split() == 3 * [str(n) for n in range(12)]
+
+
+STOPS = """
+#include <signal.h>
+#include <stdio.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+int main(void) {
+  struct timeval now;
+  pid_t child = fork();
+  if (child != 0) {
+    usleep(3000);
+    kill(child, SIGSTOP);
+    usleep(1000);
+    kill(child, SIGCONT);
+    return wait(NULL) != child;
+  }
+  usleep(10000);
+  gettimeofday(&now, NULL);
+  printf("%ld", (long)now.tv_usec);
+  return 0;
+}
+"""
+
+
+def test_a_stop_that_is_over_ends_no_sleep(tmp_path):
+    assert output_of(STOPS, tmp_path) == "10000"
 
 
 EXAMPLES_RUN = sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))

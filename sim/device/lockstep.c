@@ -151,7 +151,8 @@ static int is_heard(uint64_t signals) {
     struct sigaction action;
     if ((signals >> (n - 1) & 1) == 0 || sigaction(n, NULL, &action) != 0) continue;
     if (action.sa_handler == SIG_IGN) continue;
-    if (action.sa_handler != SIG_DFL || (n != SIGCHLD && n != SIGURG && n != SIGWINCH)) return 1;
+    if (action.sa_handler != SIG_DFL) return 1;
+    if (n != SIGCHLD && n != SIGCONT && n != SIGURG && n != SIGWINCH) return 1;
   }
   return 0;
 }
