@@ -205,9 +205,12 @@ class Twin:
         if place not in self._stops:
             self.sim.restore_bytes(self.snapshots[place], self.history)
             self.sim.add_event(self.sim.time, self.inputs["estop"], 0, 1)
-            seen = [self._angles()]
+            seen, still = [self._angles()], 0
             for look in range(place * EVERY, self.looks + 1, STEP):
                 self.sim.run(self.start + LOOK_S * look)
                 seen.append(self._angles())
+                still = still + STEP if np.array_equal(seen[-1], seen[-2]) else 0
+                if LOOK_S * still >= PROMISE_S:
+                    break  # the brakes hold all joints, to the last bit
             self._stops[place] = (np.min(seen, axis=0), np.max(seen, axis=0))
         return self._stops[place]

@@ -104,7 +104,7 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     cells[static_cast<size_t>(port->at)].driven = tells.mask;
   }
   if (!*known) *known = std::make_shared<Cache>(cells, register_bytes_);
-  cache = *known;
+  cache = free_ = *known;
   put_inputs(cells_, 0);
 }
 
@@ -177,10 +177,8 @@ void Part::follow_slowly() {
     store();
     return follow(last_);
   }
-  put_inputs(cells_, in_);
+  op(false);
   data_ = 0;
-  model->inputs();
-  poke();
   store();
   plan();
 }
@@ -190,8 +188,7 @@ void Part::clock_slowly() {
     store();
     step(&state_->clock, true);
   } else {
-    model->clock();
-    poke();
+    op(true);
     store();
   }
   plan();

@@ -55,7 +55,7 @@ class Part {
   // Its model is run at every clock, by itself.
   void run_always(bool always) {
     always_ = always;
-    cached_ = !always_ && pokes_.empty();
+    cached_ = !always_;
   }
   // Bits of a register are held from now on; none: it is free.
   void hold(const Poke &poke);
@@ -171,6 +171,7 @@ class Part {
   bool live_ = true;        // the model is at the state
   bool always_ = false, cached_ = true;
   std::vector<Poke> pokes_;
+  std::shared_ptr<Cache> free_;  // the cache of the module, for when no bits are held
   uint64_t in_ = 0, out_ = 0, told_ = 0;
   uint64_t model_in_ = 0;  // control inputs of the model, while it is at the state
   uint32_t cells_[kMostCells] = {};

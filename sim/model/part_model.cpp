@@ -106,6 +106,7 @@ void Part::op(bool clock) {
     put_inputs(cells_, in_);
     model->inputs();
   }
+  poke();
 }
 
 void Part::load() {
@@ -181,6 +182,11 @@ Transition *Part::learn(bool clock, Transition *met) {
       else if (cells[c].in && !(valued >> c & 1))
         cells_[c] = cells[c].mask;
     }
+    for (const Poke &p : pokes_) {
+      if (p.place->cell < 0) continue;
+      uint32_t &cell = cells_[p.place->cell];
+      cell = static_cast<uint32_t>((cell & ~p.clear) | p.set);
+    }
     std::memcpy(s.before, cells_, sizeof s.before);
     std::memcpy(s.after, cells_, sizeof s.after);
     if (!clock) {  // inputs that are data come from other values
@@ -240,12 +246,14 @@ void Part::written(int64_t t) {
   due_ = t + 1;
 }
 
+// With held bits its transitions are others than those of its module: it has a cache of its own.
 void Part::hold(const Poke &poke) {
   pokes_.erase(std::remove_if(pokes_.begin(), pokes_.end(),
                               [&poke](const Poke &p) { return p.place == poke.place; }),
                pokes_.end());
   if (poke.clear || poke.set) pokes_.push_back(poke);
-  run_always(always_);
+  cache = pokes_.empty() ? free_ : std::make_shared<Cache>(free_->cells(), register_bytes_);
+  state_ = nullptr;
 }
 
 void Part::poke() {

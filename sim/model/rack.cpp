@@ -298,8 +298,8 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   // A level that stands already is seen after the first clock, if it stands then, too.
   const bool stands = level() == wanted;
   if ((++runs_ & 1023) == 0) {
-    for (auto &known : caches_) {
-      if (known.second->full()) forget(*known.second);
+    for (const auto &part : parts_) {
+      if (part->cache->full()) forget(*part->cache);
     }
   }
   while (clock_ < begin + n) {
