@@ -195,7 +195,8 @@ class Twin:
         ticks, step = round(at * 1e7), round(LOOK_S * EVERY * 1e7)
         late = ticks + round(PROMISE_S * 1e7)
         for place in (ticks // step, -(-ticks // step), -(-late // step)):
-            if place < len(self.snapshots):
+            outside = (angles < low) | (angles > high)
+            if outside.any() and place < len(self.snapshots):
                 stop_low, stop_high = self._stop(place)
                 low, high = np.minimum(low, stop_low), np.maximum(high, stop_high)
         return np.maximum(0.0, np.maximum(low - angles, angles - high))

@@ -5,10 +5,12 @@ import json
 import shlex
 from collections import Counter
 
+import numpy as np
 import pytest
 
 from mmcs.inputs import INPUTS
 from mmcs.sweeps import campaign as plans
+from mmcs.sweeps import twin as twins
 from mmcs.sweeps.campaign import CHUNK, Plan, make_plan, run_fault, twin_of
 from mmcs.sweeps.campaign_report import cost_of, how_far, wilson
 from mmcs.sweeps.classes import CLASSES, DANGEROUS, HARMLESS, LATE, MASKED, NEAR, SAFE, Seen, judge
@@ -146,6 +148,14 @@ def test_what_ends_early_would_have_gone_as_the_twin(plan, rows):
         row = run_fault(twin, fault, whole=True)
         assert twin.sim.future() == twin.futures[-1]
         assert {k: row[k] for k in ("class", "off")} == {k: rows[n][k] for k in ("class", "off")}
+
+
+def test_a_stop_that_ends_at_rest_would_have_gone_no_further(plan, monkeypatch):
+    twin, places = twin_of(plan.setups["arm_move"]), (0, 33, 66)
+    short = [[*twin._stop(place)] for place in places]
+    monkeypatch.setattr(twins, "PROMISE_S", 10.0)  # longer than the motion
+    monkeypatch.setattr(twin, "_stops", {})
+    assert np.array_equal(short, [[*twin._stop(place)] for place in places])
 
 
 def test_order_does_not_matter(plan, rows):
