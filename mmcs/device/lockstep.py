@@ -46,11 +46,11 @@ class Line:
 
     @property
     def sleeps(self) -> bool:
-        """It waits for another thread, for ever."""
+        """It waits for another thread or a child, for ever."""
         wait = self.wait
         if self.cause is not None or wait is None or wait.until != wire.NEVER:
             return False
-        return not wait.what & (wire.WAIT_SAMPLE | wire.WAIT_FILES | wire.WAIT_CHILD)
+        return not wait.what & (wire.WAIT_SAMPLE | wire.WAIT_FILES)
 
     def hears(self, signals: int) -> bool:
         """It waits, or may go on, and lets one of them through."""
@@ -272,11 +272,12 @@ class Lockstep:
     def alone(self) -> Line | None:
         """The line that runs, if nothing else can go on but by what it does, as time passes."""
         line = self._running
-        if line is None or len(self._processes) != 1 or self._ended or self._watchers:
+        if line is None or self._ended or self._watchers:
             return None
-        process = line.process
-        usual = not (process.starting or process.expected > 0 or process.timers or process.fired)
-        return line if usual and all(x is line or x.sleeps for x in process.lines) else None
+        for p in self._processes.values():
+            if p.starting or p.expected > 0 or p.timers or p.fired:
+                return None
+        return line if all(x is line or x.sleeps for x in self._lines()) else None
 
     def has_gone_on(self) -> None:
         """The line that runs has waited meanwhile."""
