@@ -271,13 +271,11 @@ class Lockstep:
     @property
     def alone(self) -> Line | None:
         """The line that runs, if nothing else can go on but by what it does, as time passes."""
-        line = self._running
+        line, programs = self._running, self._processes.values()
         if line is None or self._ended or self._watchers:
             return None
-        for p in self._processes.values():
-            if p.starting or p.expected > 0 or p.timers or p.fired:
-                return None
-        return line if all(x is line or x.sleeps for x in self._lines()) else None
+        usual = not any(p.starting or p.expected > 0 or p.timers or p.fired for p in programs)
+        return line if usual and all(x is line or x.sleeps for x in self._lines()) else None
 
     def has_gone_on(self) -> None:
         """The line that runs has waited meanwhile."""

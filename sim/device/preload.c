@@ -47,7 +47,7 @@ int device_fail(int result) {
   return -1;
 }
 
-/* 1: the kernel has made all pages ready to be read or written. 0: not, or it is older than 5.14. */
+/* 1: the kernel has made all pages ready to be read or written. 0: not, or is older than 5.14. */
 static int are_ready(const void *at, size_t length, int advice) {
   const uintptr_t page = 4096, begin = (uintptr_t)at & ~(page - 1);
   const uintptr_t end = ((uintptr_t)at + length + page - 1) & ~(page - 1);

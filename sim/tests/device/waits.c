@@ -161,6 +161,12 @@ static void processes(void) {
   TIMED(read(ends[0], &byte, 1));
   TIMED(wait(NULL) > 0);
   TIMED(system("sleep 0.25"));
+  if (fork() == 0) {
+    usleep(3000);
+    _exit(kill(getppid(), SIGSTOP) != 0 || kill(getppid(), SIGCONT) != 0);
+  }
+  TIMED(usleep(9000)); /* stopped and continued meanwhile */
+  (void)wait(NULL);
 }
 
 /* A child that writes, or connects, every 2 ms. */
