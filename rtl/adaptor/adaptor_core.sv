@@ -211,6 +211,9 @@ module adaptor_core #(
     .fall_o(sys_fall)
   );
 
+  logic [1:0] pit_a;
+  assign pit_a = hp_a_i[2:1];
+
   /* verilator lint_off PINCONNECTEMPTY */  // nothing follows timer 2; the bus is never shared
   i8254 #(
     .NmosRewrite(PitNmosRewrite),
@@ -221,7 +224,7 @@ module adaptor_core #(
     .cs_ni(~(strobe & sel_pit)),
     .rd_ni(~strobe | hp_write_i),
     .wr_ni(~strobe | ~hp_write_i),
-    .a_i(hp_a_i[2:1]),
+    .a_i(pit_a),
     .d_i(hp_wdata_i),
     .d_o(pit_rdata),
     .d_oe_o(),

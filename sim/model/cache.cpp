@@ -3,11 +3,11 @@
 
 #include "cache.h"
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <new>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 namespace mmcs {
@@ -37,7 +37,9 @@ Cache::Cache(std::vector<Cell> cells, size_t register_bytes)
     if (cells_[c].margin >= 0) margins_.push_back(c);
     if (!cells_[c].decides) continue;
     deciding_.push_back(c);
-    if (cells_[c].mask > 0xFF) throw std::logic_error("data of more than a byte decide");
+    if (cells_[c].mask > 0xFFFF || deciding_.size() > 4) {
+      throw std::logic_error("too many data decide");
+    }
   }
   if (margins_.size() > 8) throw std::logic_error("a part with too many counters");
   make_marks();
@@ -106,7 +108,7 @@ State *Cache::find(const uint8_t *registers, uint64_t near, uint64_t in, const u
   for (auto at = range.first; at != range.second; ++at) {
     State &s = *at->second;
     if (s.in == in && s.near == near && (!out || s.out == *out) &&
-        !std::memcmp(s.registers, registers, register_bytes_)) {
+        !std::memcmp(s.registers(), registers, register_bytes_)) {
       return &s;
     }
   }
@@ -115,18 +117,16 @@ State *Cache::find(const uint8_t *registers, uint64_t near, uint64_t in, const u
 
 State *Cache::make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out) {
   if (State *known = find(registers, near, in, &out)) return known;
-  uint8_t *own = static_cast<uint8_t *>(take(register_bytes_ + 1));
-  std::memcpy(own, registers, register_bytes_);
-  State *state = new (take(sizeof(State))) State{in, out, near, own};
+  State *state = new (take(sizeof(State) + register_bytes_)) State{in, out, near};
+  std::memcpy(state->registers(), registers, register_bytes_);
   states_.emplace(hash_of(registers, register_bytes_, near, in), state);
   return state;
 }
 
 Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   const size_t copies = draft.copies.size() * sizeof(Copy),
-               terms = draft.terms.size() * sizeof(Term),
                counts = draft.counts.size() * sizeof(Count);
-  char *at = static_cast<char *>(take(sizeof(Transition) + copies + terms + counts));
+  char *at = static_cast<char *>(take(sizeof(Transition) + copies + counts));
   Transition *t = new (at) Transition;
   t->in = in;
   t->to = to;
@@ -136,13 +136,32 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   t->near = draft.near;
   t->tells = draft.tells;
   t->copy_count = static_cast<uint8_t>(draft.copies.size());
-  t->term_count = static_cast<uint8_t>(draft.terms.size());
   t->count_count = static_cast<uint8_t>(draft.counts.size());
+  t->moves = copies != 0 || counts != 0;
+  uint32_t written = 0;
+  for (const Copy &c : draft.copies) {
+    t->swaps = t->swaps || (c.mask && written >> c.from & 1);
+    written |= 1u << c.to;
+  }
   at += sizeof(Transition);
   if (copies) std::memcpy(at, draft.copies.data(), copies);
-  if (terms) std::memcpy(at + copies, draft.terms.data(), terms);
-  if (counts) std::memcpy(at + copies + terms, draft.counts.data(), counts);
+  if (counts) std::memcpy(at + copies, draft.counts.data(), counts);
   return t;
+}
+
+bool Cache::alike(State *from, const Transition &t) const {
+  const Transition &one = *from->clock, &two = *t.to->clock;
+  return !t.moves && from->out == t.to->out && from->near == t.to->near &&
+         one.count_count == two.count_count &&
+         !std::memcmp(one.counts().first, two.counts().first, one.count_count * sizeof(Count)) &&
+         !std::memcmp(from->registers(), t.to->registers(), register_bytes_);
+}
+
+Chain *Cache::add(State *to, int clocks, const std::vector<const Transition *> &moves) {
+  void *at = take(sizeof(Chain) + moves.size() * sizeof(const Transition *));
+  Chain *chain = new (at) Chain{to, clocks, static_cast<int>(moves.size())};
+  std::copy(moves.begin(), moves.end(), chain->moves());
+  return chain;
 }
 
 void Cache::clear() {
@@ -172,7 +191,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
     }
     return true;
   };
-  for (size_t c = 0; c < cells_.size(); ++c) {
+  for (size_t c = cells_.size(); c-- > 0;) {  // outputs before the registers that they show
     const Cell &cell = cells_[c];
     if (cell.in) continue;
     const bool stands = all([c](const Seen &s) { return s.before[c] == s.after[c]; });
@@ -185,7 +204,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       t->near = t->near || cell.margin >= 0;
       continue;
     }
-    std::map<std::tuple<int, int>, Term> terms;
+    std::map<std::pair<int, int>, uint32_t> terms;  // by cell and rotation: which bits
     uint32_t keep = 0, value = 0;
     bool carried = true;
     for (int bit = 0; bit < 32 && cell.mask >> bit & 1; ++bit) {
@@ -202,10 +221,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
         keep |= here;
       } else {
         const int left = (bit - source.bit) & 31;
-        Term &term = terms[{source.cell, left}];
-        term.from = source.cell;
-        term.left = static_cast<uint8_t>(left);
-        term.mask |= here;
+        terms[{source.cell, left}] |= here;
         value |= source.flip ? here : 0;
       }
     }
@@ -215,17 +231,21 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       continue;
     }
     bool needed = !stands;
-    for (const auto &term : terms) needed = needed || (!clock && cells_[term.second.from].in);
+    for (const auto &[place, mask] : terms) {
+      needed = needed || (!clock && cells_[static_cast<size_t>(place.first)].in);
+    }
     if (!needed) continue;
-    for (const auto &term : terms) looked |= 1u << term.second.from;
-    Copy copy{{}, static_cast<uint8_t>(c), static_cast<uint8_t>(t->terms.size()), 0, keep, value};
-    for (const auto &[place, term] : terms) {
-      if (copy.term.mask == 0) {
-        copy.term = term;
-      } else {
-        t->terms.push_back(term);
-        ++copy.more;
+    for (const auto &[place, mask] : terms) looked |= 1u << place.first;
+    Copy copy{static_cast<uint8_t>(c), 0, 0, false, keep, value, 0};
+    for (const auto &[place, mask] : terms) {
+      if (copy.mask != 0) {
+        copy.more = true;
+        t->copies.push_back(copy);
+        copy = {copy.to, 0, 0, false, ~0u, 0, 0};
       }
+      copy.from = static_cast<uint8_t>(place.first);
+      copy.left = static_cast<uint8_t>(place.second);
+      copy.mask = mask;
     }
     t->copies.push_back(copy);
     if (cell.margin >= 0 && (keep || !terms.empty())) t->near = true;

@@ -34,15 +34,15 @@ struct Cell {
   uint64_t driven;  // an input of all ones while this control input is 0; or 0
 };
 
-// Bits of one cell that another one gets: moved (rotated), masked.
-struct Term {
-  uint8_t from = 0, left = 0;
-  uint32_t mask = 0;
-};
+// Bits of one cell that another one gets: rotated, masked.
 struct Copy {
-  Term term;                // one of no bits, if there is none
-  uint8_t to, first, more;  // further terms
-  uint32_t keep, value;     // of its own bits; constants, and what is inverted
+  uint8_t to, from, left;
+  bool more;                   // the next one adds bits of another cell
+  uint32_t keep, value, mask;  // of its own bits; constants, and what is inverted; of the other's
+
+  uint32_t apply(uint32_t own, uint32_t other) const {
+    return (own & keep) ^ value ^ ((other << left | other >> (-left & 31)) & mask);
+  }
 };
 struct Count {
   uint8_t cell;
@@ -54,11 +54,13 @@ struct Draft {
   bool rests = false, near = false, tells = true;
   uint32_t sources = 0, asks = 0;
   std::vector<Copy> copies;
-  std::vector<Term> terms;
   std::vector<Count> counts;
 };
 
-// A hit touches little memory: copies, further terms and counts lie right behind the transition.
+// Whether inputs that move from one state at rest to another make no difference.
+enum class Alike : uint8_t { kUnknown, kNo, kYes };
+
+// A hit touches little memory: copies and counts lie right behind the transition.
 struct Transition {
   uint64_t in = 0;              // the inputs that lead to it
   State *to = nullptr;          // null: not known, or data decide
@@ -68,11 +70,14 @@ struct Transition {
   uint32_t sources = 0;         // data inputs that it looks at
   uint32_t asks = 0;            // cells that the model computes
   bool is_case = false, by_value = false;
-  uint8_t copy_count = 0, term_count = 0, count_count = 0;
+  uint8_t copy_count = 0, count_count = 0;
   bool rests = false;  // from a state to itself, and it may go on
   bool near = false;   // a counter may come to its margin, or from it
   bool tells = true;   // outputs move
-  uint8_t met = 0;     // how often, until it is worth learning
+  bool moves = false;  // it has copies or counts
+  bool swaps = false;  // a copy reads what one before it writes
+  Alike alike = Alike::kUnknown;
+  uint8_t met = 0;  // how often, until it is worth learning
 
   struct Copies {
     const Copy *first, *last;
@@ -90,23 +95,32 @@ struct Transition {
     const Copy *first = reinterpret_cast<const Copy *>(this + 1);
     return {first, first + copy_count};
   }
-  const Term *terms() const { return reinterpret_cast<const Term *>(copies().last); }
   Counts counts() const {
-    const Count *first = reinterpret_cast<const Count *>(terms() + term_count);
+    const Count *first = reinterpret_cast<const Count *>(copies().last);
     return {first, first + count_count};
   }
+};
+
+// Clocks that tell nothing, as one step: their transitions that move cells, behind it.
+struct Chain {
+  State *to;
+  int clocks, count;
+  const Transition **moves() { return reinterpret_cast<const Transition **>(this + 1); }
 };
 
 struct State {
   uint64_t in, out;  // control inputs and outputs
   uint64_t near;     // a byte each counter with a margin: its value, or one above it
-  const uint8_t *registers;
   Transition *clock = nullptr;
   Transition *same = nullptr;    // when data inputs alone move
   Transition *inputs = nullptr;  // by what they become: a list, the last one first
-  // So many clocks tell nothing; then it rests for good. -1: not known yet.
+  Chain *chain = nullptr;
+  // So many clocks tell nothing; then it rests for good. -1: not known yet, or by its cells.
   int16_t quiet = -1;
   bool ends = false;
+  bool rests = false, still = false;  // a clock copies nothing; and nothing counts
+
+  uint8_t *registers() { return reinterpret_cast<uint8_t *>(this + 1); }
 };
 
 class Cache {
@@ -117,6 +131,7 @@ class Cache {
   State *find(const uint8_t *registers, uint64_t near, uint64_t in, const uint64_t *out);
   State *make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out);
   Transition *add(const Draft &draft, uint64_t in, State *to);
+  Chain *add(State *to, int clocks, const std::vector<const Transition *> &moves);
   // From what the marks became: the copies and counts of a transition; false: it is none.
   // before, after: by mark, then by cell. fixed: cells that had no marks.
   struct Seen {
@@ -126,9 +141,11 @@ class Cache {
   // The values of the cells that may decide.
   uint64_t values(const uint32_t *cells) const {
     uint64_t all = 0;
-    for (size_t c : deciding_) all = all << 8 | cells[c];
+    for (size_t c : deciding_) all = all << 16 | cells[c];
     return all;
   }
+  // Two states at rest differ by nothing but these inputs, and a clock does the same to both.
+  bool alike(State *from, const Transition &t) const;
   const std::vector<size_t> &deciding() const { return deciding_; }
   uint32_t mark(int set, size_t cell) const { return marks_[static_cast<size_t>(set)][cell]; }
 
@@ -151,7 +168,6 @@ class Cache {
   const std::vector<Cell> &cells() const { return cells_; }
   size_t bytes() const { return bytes_; }
   size_t states() const { return states_.size(); }
-  uint64_t hits = 0, misses = 0;  // of this machine; a miss runs the model
 
  private:
   static constexpr size_t kFull = size_t{4} << 20;

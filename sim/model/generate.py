@@ -151,6 +151,13 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
             kind = board.kind(i.path, r) if margin is None else "Kind::kCounter"
             out.append(f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.part(i.path)}, '
                        f"{kind}, {-1 if margin is None else margin}}},")  # fmt: skip
+        out += ["};", f"static const SliceRow k_{name}_slices[] = {{"]
+        for row, (i, r) in enumerate(sorted(board.registers, key=lambda x: (x[0].path, x[1]))):
+            out += [
+                f"  {{{row}, {v.lsb}, {v.width}, {kind}}},"
+                for v, kind in board.slices(i, i.module.vars[r])
+                if kind != "Kind::kControl"
+            ]
         out.append("};")
         ports, own = board.ports()
         for n, rows_of in enumerate(ports):
@@ -177,14 +184,14 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
         out.append("};")
         rows.append(table_row(name))
     if soc:
-        rows.append('  {"soc_host", nullptr, k_soc_host_parts, k_soc_host_nets, nullptr, 0, 1, '
-                    "MMCS_COUNT(k_soc_host_nets), 0},")  # fmt: skip
+        rows.append('  {"soc_host", nullptr, nullptr, k_soc_host_parts, k_soc_host_nets, nullptr, '
+                    "0, 0, 1, MMCS_COUNT(k_soc_host_nets), 0},")  # fmt: skip
     out += ["static const BoardTable kBoards[] = {", *rows, "};"]
     return "\n".join(out) + "\n"
 
 
 def table_row(name: str) -> str:
-    tables = [f"k_{name}_{what}" for what in ("registers", "parts", "nets", "decides")]
+    tables = [f"k_{name}_{what}" for what in ("registers", "slices", "parts", "nets", "decides")]
     return (
         f'  {{"{name}", {", ".join(tables)}, '
         + ", ".join(f"MMCS_COUNT({t})" for t in tables)

@@ -60,10 +60,19 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
       cells.push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false,
                        row.kind == Kind::kDecides, 0});
       cell_ports_.push_back(nullptr);
-      cell_nets_.push_back(place.net);
+      fields_.push_back({place.net, 0, nullptr});
     }
     places_.push_back(std::make_unique<Place>(place));
     places_by_row_[r] = places_.back().get();
+  }
+  for (size_t s = 0; s < table.slice_count; ++s) {
+    const SliceRow &row = table.slices[s];
+    const Place *place = places_by_row_[static_cast<size_t>(row.reg)];
+    if (!place) continue;
+    slices_.push_back(static_cast<int>(cells.size()));
+    cells.push_back({mask_of(row.width), -1, false, false, false, row.kind == Kind::kDecides, 0});
+    cell_ports_.push_back(nullptr);
+    fields_.push_back({place->net, row.lsb, place});
   }
   if (register_bytes_ > kMostBytes) throw std::logic_error("a part with too many registers");
   int ins = 0;
@@ -86,7 +95,7 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
       cells.push_back(
           {mask_of(row.width), -1, false, !row.out, row.out, row.kind == Kind::kDecides, 0});
       cell_ports_.push_back(port.get());
-      cell_nets_.push_back(port->net);
+      fields_.push_back({port->net, 0, nullptr});
     } else {
       port->at = row.out ? static_cast<int>(out_ports_.size()) : ins;
       port->mask = bits(row.width, port->at);
@@ -128,7 +137,7 @@ void Part::near(const Transition &t) {
   if (near == state_->near) return;
   Transition &known = const_cast<Transition &>(t);
   if (!known.other || known.other->near != near)
-    known.other = state_of(state_->registers, t.by_value);
+    known.other = state_of(state_->registers(), t.by_value);
   state_ = known.other;
 }
 
@@ -143,20 +152,20 @@ void Part::ask(Transition **at, bool clock) {
     if (t->met == kMet) t = *at = learn(clock, t);
   }
   if (!t->to) {
-    ++cache->misses;
+    ++misses;
     run(clock);
     return;
   }
-  ++(known ? cache->hits : cache->misses);
+  ++(known ? hits : misses);
   if (check && ++hits_ % static_cast<unsigned>(check) == 0) {
-    load();
+    put_state();
     op(clock);
     uint8_t registers[kMostBytes] = {};
     uint32_t cells[kMostCells] = {};
     const uint64_t out = look(registers, cells);
     perform(*t);
     take(t->asks);
-    bool same = out == out_ && !std::memcmp(registers, state_->registers, register_bytes_);
+    bool same = out == out_ && !std::memcmp(registers, state_->registers(), register_bytes_);
     for (size_t c = 0; c < cache->cells().size(); ++c) {
       same = same && (cache->cells()[c].in || cells[c] == cells_[c]);
     }
@@ -164,7 +173,7 @@ void Part::ask(Transition **at, bool clock) {
     return;
   }
   if (t->asks) {
-    load();
+    put_state();
     op(clock);
   }
   perform(*t);
@@ -172,7 +181,8 @@ void Part::ask(Transition **at, bool clock) {
 }
 
 // The cache does not know its state.
-void Part::follow_slowly() {
+void Part::follow_slowly(int64_t t) {
+  catch_up(t);
   if (cached_) {
     store();
     return follow(last_);
@@ -206,16 +216,24 @@ void Part::slow_clock(int64_t t) {
 }
 
 void Part::catch_up_slowly(int64_t t) {
-  while (last_ < t) {
+  bool held = due_ > last_ + 1;  // when it was planned, and nothing has moved since
+  for (; last_ < t; held = false) {
+    Chain *chain = state_ ? state_->chain : nullptr;
     const Transition *next = state_ ? state_->clock : nullptr;
-    if (!next || !next->to) {  // the model's own clock is none that is put off
+    if (chain && chain->clocks <= t - last_) {
+      for (int n = 0; n < chain->count; ++n) apply(*chain->moves()[n]);
+      state_ = chain->to;
+      live_ = false;
+      hits += static_cast<uint64_t>(chain->clocks);
+      last_ += chain->clocks;
+    } else if (!next || !next->to) {  // the model's own clock is none that is put off
       last_ = t;
-    } else if (next->rests && holds(*next)) {
+    } else if (next->rests && (held || holds(*next))) {
       count(*next, t - last_);
       last_ = t;
     } else {
       perform(*next);
-      ++cache->hits;
+      ++hits;
       ++last_;
     }
   }
@@ -229,24 +247,52 @@ void Part::count(const Transition &t, int64_t clocks) {
   live_ = false;
 }
 
-// How many clocks of a state, as far as they are known, tell nothing.
-int Part::quiet(State *s) {
-  if (s->quiet >= 0) return s->quiet;
+// A clock leaves the cells as they are, but for what counts.
+bool Part::holds(const Transition &t) const {
+  uint32_t now = 0;
+  bool more = false;
+  for (const Copy &c : t.copies()) {
+    now = c.apply(more ? now : cells_[c.to], cells_[c.from]);
+    more = c.more;
+    if (!more && now != cells_[c.to]) return false;
+  }
+  return true;
+}
+
+// When it is due by its cells, or for the first time.
+void Part::plan_slowly() {
+  const Transition *t = state_->clock;
+  if (!t) return;
+  if (t->rests && (t->near || t->copy_count != 0)) {
+    state_->rests = t->copy_count == 0;
+    if (holds(*t)) due_ = t->near ? room(*t) : kNever;
+    return;
+  }
+  look_ahead(state_);
+  if (state_->quiet >= 0) plan();
+}
+
+// How many clocks of a state tell nothing, if all of them are known.
+void Part::look_ahead(State *s) {
+  std::vector<const Transition *> moves;
   State *at = s;
   int clocks = 0;
   for (;; ++clocks) {
     const Transition *t = at->clock;
-    if (!t || t->met < kMet) return clocks;  // it may be more than that
-    if (clocks == kLongest) break;
-    if (!t->to || t->near || t->tells) break;
+    if (!t || t->met < kMet) return;
+    if (clocks == kLongest || !t->to || t->near || t->tells) break;
     if (t->rests) {
-      if (t->count_count != 0) break;
+      if (t->count_count != 0 && clocks != 0) break;
       s->ends = t->copy_count == 0;
       break;
     }
+    if (t->moves) moves.push_back(t);
     at = t->to;
   }
-  return s->quiet = static_cast<int16_t>(clocks);
+  s->quiet = static_cast<int16_t>(clocks);
+  s->rests = s->ends && clocks == 0;
+  s->still = s->rests && s->clock->count_count == 0;
+  if (clocks > 1) s->chain = cache->add(at, clocks, moves);
 }
 
 // The edge at which a part at rest has a counter at its margin.

@@ -21,16 +21,24 @@ constexpr int64_t kNever = INT64_MAX;
 
 struct Wire;
 
+// An input of a part, of all that a value needs to get there.
+struct Link {
+  Part *part;
+  uint64_t mask;  // of control: its bits there
+  int at;         // its lowest bit among the control inputs; of data, its cell
+  bool data;
+};
+
 struct PartPort {
   const PortRow *row;
   Net net;  // in the model
   int width;
   bool out, data;
-  bool whole;     // it is all of its variable
-  int at;         // its lowest bit among the control inputs or outputs; of data, its cell
-  uint64_t mask;  // of control: its bits there
-  std::vector<std::pair<Part *, const PartPort *>> links;  // of an output: inputs of the board
-  Wire *wire = nullptr;  // of an output: to a net that somebody looks at
+  bool whole;               // it is all of its variable
+  int at;                   // its lowest bit among the control inputs or outputs; of data, its cell
+  uint64_t mask;            // of control: its bits there
+  std::vector<Link> links;  // of an output: inputs of the board
+  Wire *wire = nullptr;     // of an output: to a net that somebody looks at
 };
 
 // A register, in the model.
@@ -61,7 +69,8 @@ class Part {
   void hold(const Poke &poke);
 
   // An input has this value from now on, after edge t. True: follow() must come.
-  bool put(const PartPort &port, uint64_t value, int64_t t) {
+  template <class Input>
+  bool put(const Input &port, uint64_t value, int64_t t) {
     if (port.data) return put_data(port.at, static_cast<uint32_t>(value), t);
     const uint64_t now = (in_ & ~port.mask) | (value << port.at & port.mask);
     if (now == in_) return false;
@@ -81,7 +90,9 @@ class Part {
   void slow_clock(int64_t t);
   // Its counters up to edge t; nothing else happens to it until then.
   void catch_up(int64_t t) {
-    if (last_ < t) catch_up_slowly(t);
+    if (last_ >= t) return;
+    if (!state_ || !state_->still) return catch_up_slowly(t);
+    last_ = t;
   }
   // No clock came up to edge t.
   void pass(int64_t t) { last_ = t; }
@@ -121,7 +132,8 @@ class Part {
   size_t number = 0;       // among the parts
   uint64_t line_mask = 0;  // outputs that run() ends at
   std::shared_ptr<Cache> cache;
-  int check = 0;  // every so many hits the model is asked, too; 0: never
+  int check = 0;                  // every so many hits the model is asked, too; 0: never
+  uint64_t hits = 0, misses = 0;  // a miss runs the model
 
  private:
   void perform(const Transition &t);
@@ -134,16 +146,17 @@ class Part {
   bool holds(const Transition &t) const;
   int64_t room(const Transition &t) const;
   void count(const Transition &t, int64_t clocks);
-  static int quiet(State *s);
-  uint32_t result(const Transition &t, const Copy &c) const;
+  void look_ahead(State *s);
+  void plan_slowly();
   void run(bool clock);
+  void put_state();
   void op(bool clock);
   void put_inputs(const uint32_t *cells, uint64_t in);
   void store();
   void poke();
   void step(Transition **at, bool clock);
   void ask(Transition **at, bool clock);
-  void follow_slowly();
+  void follow_slowly(int64_t t);
   void clock_slowly();
   void apply(const Transition &t);
   // Clocks that were put off see the input as it was; nobody may look at it.
@@ -184,42 +197,33 @@ class Part {
   size_t register_bytes_ = 0;
   std::vector<std::unique_ptr<PartPort>> ports_;
   std::vector<const PartPort *> out_ports_, cell_ports_;
-  std::vector<Net> cell_nets_;                 // the cells in the model
+  struct Field {
+    Net net;
+    int lsb;
+    const Place *within;  // a control register, of which it is some bits
+  };
+  std::vector<Field> fields_;                  // the cells in the model
+  std::vector<int> slices_;                    // cells that are bits of a control register
   std::vector<std::pair<Net, bool>> decides_;  // nets at which data decide, and at which level
   std::vector<std::unique_ptr<Place>> places_;
   std::vector<Place *> places_by_row_;
 };
 
-inline uint32_t Part::result(const Transition &t, const Copy &c) const {
-  const auto bits = [this](const Term &term) {
-    const uint32_t from = cells_[term.from];
-    return (from << term.left | from >> (-term.left & 31)) & term.mask;
-  };
-  uint32_t value = (cells_[c.to] & c.keep) ^ c.value ^ bits(c.term);
-  for (int n = c.first; n < c.first + c.more; ++n) value ^= bits(t.terms()[n]);
-  return value;
-}
-
 // What a transition does to the cells.
 inline void Part::apply(const Transition &t) {
-  const auto put = [this](const Copy &copy, uint32_t value) {
-    uint32_t &cell = cells_[copy.to];
-    moved_ |= uint32_t{cell != value} << copy.to;
-    cell = value;
-  };
-  const Copy *copies = t.copies().begin();
-  if (t.copy_count == 1) {
-    put(*copies, result(t, *copies));
-  } else if (t.copy_count != 0) {
-    uint32_t results[kMostCells];  // all are read before the first is written
-    for (int n = 0; n < t.copy_count; ++n) results[n] = result(t, copies[n]);
-    for (int n = 0; n < t.copy_count; ++n) put(copies[n], results[n]);
+  uint32_t own[kMostCells];
+  const uint32_t *before = cells_;
+  if (t.swaps) before = static_cast<uint32_t *>(std::memcpy(own, cells_, sizeof own));
+  for (const Copy &c : t.copies()) {
+    const uint32_t was = cells_[c.to], now = c.apply(was, before[c.from]);
+    moved_ |= uint32_t{was != now} << c.to;
+    cells_[c.to] = now;
   }
   for (const Count &c : t.counts()) cells_[c.cell] = (cells_[c.cell] + c.by) & c.mask;
 }
 
 inline void Part::perform(const Transition &t) {
-  apply(t);
+  if (t.moves) apply(t);
   state_ = t.to;
   live_ = false;
   if (t.near) near(t);
@@ -229,41 +233,29 @@ inline void Part::perform(const Transition &t) {
 inline void Part::step(Transition **at, bool clock) {
   const Transition *t = *at;
   if (!t || !t->to || check != 0) return ask(at, clock);
-  ++cache->hits;
+  ++hits;
   perform(*t);
-}
-
-// A clock leaves the cells as they are, but for what counts.
-inline bool Part::holds(const Transition &t) const {
-  for (const Copy &c : t.copies()) {
-    if (result(t, c) != cells_[c.to]) return false;
-  }
-  return true;
 }
 
 inline void Part::plan() {
   due_ = last_ + 1;
   if (!state_ || !cached_) return;
-  const Transition *t = state_->clock;
-  if (!t) return;
-  if (!t->rests) {
-    due_ += state_->quiet >= 0 ? state_->quiet : quiet(state_);
-    if (state_->ends) due_ = kNever;
-  } else if (holds(*t)) {
-    due_ = t->near ? room(*t) : kNever;
-  }
+  const int quiet = state_->quiet;
+  if (quiet < 0) return plan_slowly();
+  due_ = state_->ends ? kNever : due_ + quiet;
 }
 
 inline void Part::follow(int64_t t) {
-  catch_up(t);
-  if (!state_ || !cached_) return follow_slowly();
+  if (!state_ || !cached_) return follow_slowly(t);
   if (in_ == state_->in) {
+    catch_up(t);
     const Transition *same = state_->same;
     if (!same || !same->to || same->sources & data_)
       step(&state_->same, false);
     else
       live_ = false;
   } else {
+    if (!state_->rests) catch_up(t);
     Transition **first = &state_->inputs, **at = first;
     while (*at && (*at)->in != in_) at = &(*at)->next;
     Transition *known = *at;
@@ -272,7 +264,16 @@ inline void Part::follow(int64_t t) {
       known->next = *first;
       *first = known;
     }
+    State *from = state_;
+    if (from->rests) {
+      if (known && known->alike == Alike::kYes && data_ == 0) return;  // it stays where it is
+      catch_up(t);
+    }
     step(known ? first : at, false);
+    if (from->rests && known && known->alike == Alike::kUnknown && known->to && known->to->rests) {
+      const bool alike = !model->strobed() && cache->alike(from, *known);
+      known->alike = alike ? Alike::kYes : Alike::kNo;
+    }
   }
   data_ = 0;
   plan();

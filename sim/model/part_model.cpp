@@ -51,6 +51,10 @@ void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t i
       copy_bytes(place->net.at, registers + place->at, place->net.bytes);
     }
   }
+  for (int c : slices_) {
+    const Field &f = fields_[static_cast<size_t>(c)];
+    f.net.put(f.net.get() | static_cast<uint64_t>(cells[c]) << f.lsb);
+  }
   put_inputs(cells, in);
   model->settle();
   model->sync();
@@ -64,6 +68,14 @@ uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
     } else {
       copy_bytes(registers + place->at, place->net.at, place->net.bytes);
     }
+  }
+  for (int c : slices_) {
+    const Field &f = fields_[static_cast<size_t>(c)];
+    const uint64_t mask = cache->cells()[static_cast<size_t>(c)].mask;
+    Net own = f.net;
+    own.at = reinterpret_cast<char *>(registers) + f.within->at;
+    cells[c] = static_cast<uint32_t>(own.get() >> f.lsb & mask);
+    own.put(own.get() & ~(mask << f.lsb));
   }
   return look_at_outputs(cells);
 }
@@ -92,7 +104,8 @@ bool Part::decided() const {
 void Part::take(uint32_t cells) {
   for (; cells; cells &= cells - 1) {
     const int c = __builtin_ctz(cells);
-    const uint32_t value = static_cast<uint32_t>(cell_nets_[c].get());
+    const Field &f = fields_[c];
+    const uint32_t value = static_cast<uint32_t>(f.net.get() >> f.lsb) & cache->cells()[c].mask;
     if (cells_[c] != value && cache->cells()[c].out) moved_ |= 1u << c;
     cells_[c] = value;
   }
@@ -109,14 +122,25 @@ void Part::op(bool clock) {
   poke();
 }
 
-void Part::load() {
-  if (live_) return;
-  put_state(state_->registers, cells_, state_->in);
+// The model is at the state.
+void Part::put_state() {
+  if (!live_ && state_) put_state(state_->registers(), cells_, state_->in);
   live_ = true;
 }
 
+void Part::load() {
+  // Of inputs that made no difference, those that stand.
+  for (Transition *t = state_ && state_->in != in_ ? state_->inputs : nullptr; t; t = t->next) {
+    if (t->in != in_ || t->alike != Alike::kYes) continue;
+    state_ = t->to;
+    live_ = false;
+    break;
+  }
+  put_state();
+}
+
 void Part::run(bool clock) {
-  load();
+  put_state();
   op(clock);
   store();
 }
@@ -197,9 +221,9 @@ Transition *Part::learn(bool clock, Transition *met) {
                  : ones                          ? cells[c].mask
                                                  : ~cache->mark(set, c) & cells[c].mask;
       }
-      put_state(from->registers, old, from->in);
+      put_state(from->registers(), old, from->in);
     } else {
-      put_state(from->registers, cells_, from->in);
+      put_state(from->registers(), cells_, from->in);
     }
     look_at_outputs(s.before);
     const bool before = decided();
@@ -271,7 +295,11 @@ uint64_t Part::read(const Place &place) const {
   if (live_) return place.net.get();
   if (place.cell >= 0) return cells_[place.cell];
   uint64_t value = 0;
-  std::memcpy(&value, state_->registers + place.at, static_cast<size_t>(place.net.bytes));
+  std::memcpy(&value, state_->registers() + place.at, static_cast<size_t>(place.net.bytes));
+  for (int c : slices_) {
+    const Field &f = fields_[static_cast<size_t>(c)];
+    if (f.within == &place) value |= static_cast<uint64_t>(cells_[c]) << f.lsb;
+  }
   return value;
 }
 

@@ -141,15 +141,15 @@ class Board:
                     continue
                 kind = next((k for k in ("Kind::kDecides", "Kind::kData") if k in kinds),
                             "Kind::kControl")  # fmt: skip
-                sliced = [] if path or out or driver else self.slices(n, var)
+                sliced = [] if path or out or driver else self.slices(self.parts[n], var)
                 for v, own in sliced or [(var, kind)]:
                     rows[n].append((path, v, out, own, net in heard, number))
         return rows, {p: numbers[net] for p, net in board.items()}
 
-    def slices(self, n: int, var: Var) -> list[tuple[Var, str]]:
-        """An input of which some bits are data: those, and what is between them."""
-        path, bits, found = self.parts[n].path, var.low, []
-        names = {cut(d)[1:]: d for d in carried(self.parts[n].module.name)
+    def slices(self, i: Instance, var: Var) -> list[tuple[Var, str]]:
+        """An input or a register of which some bits are data: those, and what is between them."""
+        path, bits, found = i.path, var.low, []
+        names = {cut(d)[1:]: d for d in carried(i.module.name)
                  if cut(d)[0] == var.name and cut(d)[1] is not None}  # fmt: skip
         for high, low in sorted(names, key=lambda s: s[1]):
             data = "Kind::kDecides" if (path, names[high, low]) in self.deciding else "Kind::kData"

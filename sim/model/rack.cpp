@@ -44,7 +44,6 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
     check(static_cast<int>(std::strtol(hits, nullptr, 10)));
   if (parts_.size() > 64) throw std::logic_error("a machine of more than 64 parts");
   wire();
-  for (const auto &known : caches_) known.second->hits = known.second->misses = 0;
 }
 
 Rack::~Rack() {
@@ -68,7 +67,8 @@ void Rack::changed(int net, int lsb, int width) {
   for_readers(net, lsb, width, [this](const Reader &r) { show(*r.wire); });
 }
 
-inline void Rack::arrive(Part &part, const PartPort &port, uint64_t value) {
+template <class Input>
+inline void Rack::arrive(Part &part, const Input &port, uint64_t value) {
   if (stopped_) part.pass(clock_);
   if (part.put(port, value, clock_)) touch(part);
 }
@@ -103,7 +103,7 @@ void Rack::tell(Part &part) {
   const auto send = [this, &part](const PartPort &port) {
     if (port.wire) drive(*port.wire);
     const uint64_t value = part.get(port);
-    for (const auto &[other, input] : port.links) arrive(*other, *input, value);
+    for (const Link &link : port.links) arrive(*link.part, link, value);
   };
   uint64_t moved = part.take_out();
   if (moved & part.line_mask) look_at_lines();
@@ -129,10 +129,14 @@ void Rack::listen() {
   bus_moved_ = false;
   constexpr int kWidth[kBusPorts] = {16, 1, 1, 1, 8};  // as in kBus
   unsigned bus[kBusPorts];
+  uint32_t now = 0, looking = listening_;
+  unsigned moved = 0;
   for (size_t n = 0; n < kBusPorts; ++n) {
     bus[n] = static_cast<unsigned>(wires_.get(bus_[n], 0, kWidth[n]));
+    moved |= unsigned{bus[n] != heard_bus_[n]} << n;
+    heard_bus_[n] = bus[n];
   }
-  uint32_t now = 0, looking = listening_;
+  const uint32_t known = dips_moved_ ? 0 : listening_;  // they saw what was on it
   if (dips_moved_) {
     dips_moved_ = false;
     ears_.forget();
@@ -143,7 +147,9 @@ void Rack::listen() {
   }
   if (!(bus[2] && bus[3])) now = ears_.hear(bus[0], bus[1], bus[2], bus[3], dip_values_);
   for (uint32_t rest = now | looking; rest; rest &= rest - 1) {
-    for (const auto &[wire, net] : heard_[static_cast<size_t>(__builtin_ctz(rest))]) {
+    const int card = __builtin_ctz(rest);
+    for (const auto &[wire, net] : heard_[static_cast<size_t>(card)]) {
+      if (known >> card & 1 && !(moved >> net & 1)) continue;
       arrive(*wire->part, *wire->port, wire->through(bus[net]));
     }
   }
@@ -180,13 +186,21 @@ void Rack::plan(const Part &part) {
   if (&part == host_) return plan_host(true);
   const uint64_t bit = uint64_t{1} << part.number;
   const int64_t edge = part.due();
-  int64_t &before = due_at_[part.number];
-  if (before == first_later_ && edge != before) later_moved_ = true;
-  before = edge;
-  const uint64_t next = edge <= clock_ + 1 ? bit : 0, later = edge == kNever ? 0 : bit & ~next;
-  due_next_ = (due_next_ & ~bit) | next;
-  due_later_ = (due_later_ & ~bit) | later;
-  if (later && edge < first_later_) first_later_ = edge;
+  if (due_later_ & bit) {
+    int64_t &before = due_at_[part.number];
+    if (edge == before) return;
+    if (before == first_later_) later_moved_ = true;
+    due_later_ &= ~bit;
+  }
+  if (edge <= clock_ + 1) {
+    due_next_ |= bit;
+    return;
+  }
+  due_next_ &= ~bit;
+  if (edge == kNever) return;
+  due_later_ |= bit;
+  due_at_[part.number] = edge;
+  if (edge < first_later_) first_later_ = edge;
 }
 
 void Rack::plan_all() {
@@ -232,6 +246,7 @@ void Rack::step(int64_t t) {
   stop_lines_ = lines_ != shown_lines_;
   lines_ = shown_lines_;
   // All see their inputs as they stood; then outputs move.
+  uint64_t telling = 0;
   for (uint64_t rest = due; rest; rest &= rest - 1) {
     Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(rest))];
     if (slow_) {
@@ -240,10 +255,10 @@ void Rack::step(int64_t t) {
       part.clock(t);
     }
     plan(part);
+    if (part.tells()) telling |= rest & -rest;
   }
-  for (uint64_t rest = due; rest; rest &= rest - 1) {
-    Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(rest))];
-    if (part.tells()) tell(part);
+  for (uint64_t rest = telling; rest; rest &= rest - 1) {
+    tell(*parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
   }
   if (host) {
     host_edge();

@@ -114,7 +114,8 @@ class Rack : public Model, protected Ports, private Listener {
   }
   void changed(int net, int lsb, int width) override;
   void show(Wire &wire);
-  void arrive(Part &part, const PartPort &port, uint64_t value);
+  template <class Input>
+  void arrive(Part &part, const Input &port, uint64_t value);
   struct Reader;
   void arrive_directly(const Reader &reader, int lsb, int width, uint64_t value);
   void touch(const Part &part) { touched_ |= uint64_t{1} << part.number; }
@@ -185,6 +186,7 @@ class Rack : public Model, protected Ports, private Listener {
   std::vector<std::pair<Part *, const PartPort *>> dips_;
   std::vector<unsigned> dip_values_ = std::vector<unsigned>(static_cast<size_t>(kWires.cards));
   uint32_t listening_ = 0;
+  unsigned heard_bus_[kBusPorts] = {};  // what they saw last
   bool bus_moved_ = false, dips_moved_ = true;
   Pins pins_;
   std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on

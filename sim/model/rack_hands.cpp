@@ -55,7 +55,12 @@ std::vector<CacheFigures> Rack::cache_figures() const {
   std::vector<CacheFigures> found;
   for (const auto &[module, cache] : caches_) {
     if (module == "soc_host") continue;
-    found.push_back({module, cache->hits, cache->misses, cache->states(), cache->bytes()});
+    found.push_back({module, 0, 0, cache->states(), cache->bytes()});
+    for (const auto &part : parts_) {
+      if (part->cache != cache) continue;
+      found.back().hits += part->hits;
+      found.back().misses += part->misses;
+    }
   }
   return found;
 }

@@ -32,7 +32,7 @@ void Rack::add_parts(const BoardInfo &board) {
     for (const auto &out : parts_[n]->ports()) {
       if (!out->out) continue;
       for_ports(first_.size() - 1, out->row->net, [&](Part &part, PartPort &port) {
-        if (!port.out) out->links.emplace_back(&part, &port);
+        if (!port.out) out->links.push_back({&part, port.mask, port.at, port.data});
       });
     }
   }

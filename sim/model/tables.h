@@ -17,6 +17,11 @@ struct RegisterRow {
   Kind kind;
   int margin;  // of a counter: from this value on down it is control state
 };
+// Bits of a control register that are data.
+struct SliceRow {
+  int reg, lsb, width;
+  Kind kind;
+};
 // A port of a part on a net of its board.
 struct PortRow {
   const char *path, *name;  // of the variable in the part's model: its own port, or a chip's
@@ -47,10 +52,11 @@ struct NetRow {
 struct BoardTable {
   const char *module;
   const RegisterRow *registers;
+  const SliceRow *slices;
   const PartRow *parts;
   const NetRow *nets;
   const DecideRow *decides;
-  size_t register_count, part_count, net_count, decide_count;
+  size_t register_count, slice_count, part_count, net_count, decide_count;
 };
 
 const BoardTable &board_table(const std::string &module);
