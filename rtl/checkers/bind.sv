@@ -6,15 +6,8 @@
 
 /* verilator lint_off PINCONNECTEMPTY */
 bind mmcs vme_slave_checker u_vme_checker (
-  .clk_i,
-  .rst_ni,
-  .vme_ds_ni,
-  .vme_iack_ni,
-  .vme_write_ni,
-  .vme_iackout_no,
-  .vme_sysreset_ni,
-  .vme_d_oe_o,
-  .vme_dtack_no,
+  .clk_i, .rst_ni, .vme_ds_ni, .vme_iack_ni, .vme_write_ni, .vme_iackout_no, .vme_sysreset_ni,
+  .vme_d_oe_o, .vme_dtack_no,
   .vme_d_o(vme_d_o[7:0]),
   .broken_o()
 );
@@ -24,20 +17,8 @@ bind mmcs vme_claim_checker #(
   .IrqLevel(IrqLevel),
   .AckLevel(AckLevel)
 ) u_vme_claim_checker (
-  .clk_i,
-  .rst_ni,
-  .vme_a_i,
-  .vme_am_i,
-  .vme_as_ni,
-  .vme_ds_ni,
-  .vme_lword_ni,
-  .vme_iack_ni,
-  .vme_iackin_ni,
-  .vme_sysreset_ni,
-  .vme_iackout_no,
-  .vme_irq_no,
-  .vme_d_oe_o,
-  .vme_dtack_no,
+  .clk_i, .rst_ni, .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_lword_ni, .vme_iack_ni,
+  .vme_iackin_ni, .vme_sysreset_ni, .vme_iackout_no, .vme_irq_no, .vme_d_oe_o, .vme_dtack_no,
   .broken_o()
 );
 
@@ -46,18 +27,8 @@ bind mmcs vme_edge_checker #(
   .IrqLevel(IrqLevel),
   .AckLevel(AckLevel)
 ) u_vme_edge_checker (
-  .rst_ni,
-  .vme_a_i,
-  .vme_am_i,
-  .vme_as_ni,
-  .vme_ds_ni,
-  .vme_lword_ni,
-  .vme_iack_ni,
-  .vme_iackin_ni,
-  .vme_sysreset_ni,
-  .vme_iackout_no,
-  .vme_d_oe_o,
-  .vme_dtack_no,
+  .rst_ni, .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_lword_ni, .vme_iack_ni,
+  .vme_iackin_ni, .vme_sysreset_ni, .vme_iackout_no, .vme_d_oe_o, .vme_dtack_no,
   .broken_o()
 );
 
@@ -66,18 +37,8 @@ bind mmcs vme_master_checker #(
   .BusTimerClks(16 * (ClkHz / 1_000_000)),
   .Stop(1'b0)
 ) u_vme_master_checker (
-  .clk_i,
-  .rst_ni,
-  .vme_a_i,
-  .vme_am_i,
-  .vme_as_ni,
-  .vme_ds_ni,
-  .vme_write_ni,
-  .vme_lword_ni,
-  .vme_iack_ni,
-  .vme_iackin_ni,
-  .vme_d_i,
-  .vme_dtack_no,
+  .clk_i, .rst_ni, .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni,
+  .vme_iack_ni, .vme_iackin_ni, .vme_d_i, .vme_dtack_no,
   .broken_o()
 );
 
@@ -89,8 +50,7 @@ bind mmcs pcbus_checker #(
            IochrdyLimitClks * (ClkHz / 1_000_000 / SysClkMHz)),
   .NumCards(NumCards)
 ) u_pcbus_checker (
-  .clk_i,
-  .rst_ni,
+  .clk_i, .rst_ni,
   .link_ok_i(cable_ok_i && pc_power_i && u_adaptor.u_core.link_ok),
   .pc_a_i(pcx_a_o),
   .pc_d_i(pcx_d_o),
@@ -104,19 +64,8 @@ bind mmcs pcbus_checker #(
 
 `ifndef MMCS_NO_BUS_TIMES
 bind mmcs vme_timing u_vme_timing (
-  .rst_ni,
-  .vme_a_i,
-  .vme_am_i,
-  .vme_as_ni,
-  .vme_ds_ni,
-  .vme_write_ni,
-  .vme_lword_ni,
-  .vme_iack_ni,
-  .vme_iackout_no,
-  .vme_sysreset_ni,
-  .vme_d_i,
-  .vme_irq_no,
-  .vme_d_oe_o,
+  .rst_ni, .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni,
+  .vme_iack_ni, .vme_iackout_no, .vme_sysreset_ni, .vme_d_i, .vme_irq_no, .vme_d_oe_o,
   .vme_d_o(vme_d_o[7:0]),
   .vme_dtack_no,
   .broken_o()
