@@ -39,7 +39,7 @@ def compiled(
     if not tool.is_file():
         raise FileNotFoundError(words[0])
     stat = tool.stat()
-    told = json.dumps([words, str(tool), stat.st_size, stat.st_mtime_ns])
+    told = json.dumps([words, "-M", str(tool), stat.st_size, stat.st_mtime_ns])
     folder = STORE / f"{name}-{hashlib.sha256(told.encode()).hexdigest()[:12]}"
     STORE.mkdir(parents=True, exist_ok=True)
     with folder.with_suffix(".lock").open("w") as lock:
@@ -72,23 +72,22 @@ def _is_fresh(folder: Path) -> bool:
         return False
 
 
+def _run(words: list[str]) -> str:
+    done = subprocess.run(words, text=True, capture_output=True, check=False, cwd=ROOT)
+    if done.returncode:
+        raise CompileError(done.stderr)
+    return done.stdout
+
+
 def _make(folder: Path, name: str, words: list[str], reads: list[Path]) -> None:
     made = Path(tempfile.mkdtemp(dir=STORE))
     try:
-        done = subprocess.run(
-            [*words, "-MD", "-o", made / name],
-            text=True,
-            capture_output=True,
-            check=False,
-            cwd=ROOT,
-        )
-        if done.returncode:
-            raise CompileError(done.stderr)
+        _run([*words, "-o", str(made / name)])
         read = {*words[1:], *map(str, reads)}
-        for file in made.glob("*.d"):
-            rule = file.read_text().replace("\\\n", " ").partition(": ")[2]
-            read.update(word.replace("\\ ", " ") for word in re.split(r"(?<!\\)\s+", rule) if word)
-            file.unlink()
+        # -MD while compiling keeps the headers of the last of several sources only
+        for rule in _run([*words, "-M"]).replace("\\\n", " ").splitlines():
+            found = re.split(r"(?<!\\)\s+", rule.partition(": ")[2])
+            read.update(word.replace("\\ ", " ") for word in found if word)
         paths = sorted({os.path.abspath(ROOT / p) for p in read if os.path.isfile(ROOT / p)})
         (made / "made_of.json").write_text(
             json.dumps({p: _digest(Path(p)) for p in paths}, indent=1)

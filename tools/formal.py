@@ -199,7 +199,7 @@ def prove(files: list[Path], task: str, fast: bool = False) -> list[Result]:
             print(f"{line} {result.seconds:6.1f} s", flush=True)
             where = f"build/formal/{result.group}_{result.task}"
             for name in result.failed:
-                print(f"    broken: {name}; see {where}/engine_0/*.vcd")
+                print(f"    broken: {name}; see {where}/engine_0/trace.vcd")
             for name in result.missed:
                 print(f"    cannot be had: {name}")
             if result.note:

@@ -386,15 +386,15 @@ def _salvage(job: Job, log: Path) -> dict[str, Outcome]:
 
 
 def _read(results: Path, log: Path) -> dict[str, Outcome]:
-    if not results.is_file():
-        return {}
-    out = {}
+    said, out = log.read_text(errors="replace") if log.is_file() else "", {}
     try:
         tree = ET.parse(results)
-    except ET.ParseError:
+    except (ET.ParseError, FileNotFoundError):
         return {}
     for case in tree.iter("testcase"):
         bad = [e for e in case if e.tag in ("failure", "error")]
-        text = "\n".join(f"{e.get('message') or ''}\n{e.text or ''}" for e in bad)
+        ran = said.partition(f".{case.get('name')} (")[2].partition("running ")[0]
+        broken = re.findall(r"^FATAL: .*", ran, re.M) if bad else []  # of Icarus, in the log alone
+        text = "\n".join([*broken, *(f"{e.get('message') or ''}\n{e.text or ''}" for e in bad)])
         out[case.get("name")] = Outcome(not bad, text.strip(), float(case.get("time", 0)), log)
     return out

@@ -42,6 +42,26 @@ def test_a_parameter_that_the_top_has_not_is_refused(sim):
     assert "does not build" in outcome.text and "PulsClks" in outcome.text
 
 
+def test_an_assertion_that_icarus_tells_in_its_log_alone_is_in_the_tests_outcome(tmp_path):
+    log, results = tmp_path / "sim.log", tmp_path / "results.xml"
+    log.write_text(
+        "0.00ns INFO cocotb.regression running m.one (1/3)\n"
+        "5.00ns INFO cocotb.regression m.one passed\n"
+        "5.00ns INFO cocotb.regression running m.two (2/3)\n"
+        "FATAL: t.sv:2: t: the rule is broken\n       Time: 10000 Scope: t\n"
+        "10.00ns WARNING cocotb.regression m.two failed\n"
+        "10.00ns WARNING cocotb.regression m.three failed\n"
+    )
+    ended = '<failure message="ended prematurely"/>'
+    cases = [f'<testcase name="{name}">{bad}</testcase>'
+             for name, bad in (("one", ""), ("two", ended), ("three", ended))]  # fmt: skip
+    results.write_text(f"<testsuites>{''.join(cases)}</testsuites>")
+    found = runner._read(results, log)
+    assert found["one"].passed and not found["one"].text
+    assert "the rule is broken" in found["two"].text and "ended prematurely" in found["two"].text
+    assert "the rule" not in found["three"].text
+
+
 def test_a_simulator_that_never_ends_is_ended_by_the_time_it_uses(monkeypatch):
     monkeypatch.setattr(runner, "HANG_S", 1)
     simulator = runner._Runner()

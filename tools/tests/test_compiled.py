@@ -39,6 +39,18 @@ def test_a_header_changes(program, tmp_path):
     assert said(program()) == "two\n"
 
 
+@pytest.mark.parametrize("compiler", ["cc", "clang"])
+def test_a_header_of_the_first_of_two_sources_changes(program, tmp_path, compiler):
+    (tmp_path / "b.c").write_text("int b;\n")
+
+    def make():
+        return compiled("program", [compiler], [tmp_path / "a.c", tmp_path / "b.c"])
+
+    assert said(make()) == "one\n"
+    (tmp_path / "said.h").write_text('#define SAID "two"\n')
+    assert said(make()) == "two\n"
+
+
 def test_a_flag_changes(program):
     assert program() != program("-O1")
 
