@@ -41,7 +41,8 @@ class State:
 CAUSES = ("axis {} has no heartbeat", "card {} does not answer", "no card answers: cable or power",
           "button, or a cause that has passed", "an error of axis {}: see its errcode",
           "bus error, or the adaptor does not answer", "SYSRESET*",
-          "no interrupts, or passes outlast SCLOCK", "the driver's guard")  # fmt: skip
+          "no interrupts, or passes outlast SCLOCK",
+          "the driver's guard; the console tells which check")  # fmt: skip
 
 
 @dataclass(frozen=True)

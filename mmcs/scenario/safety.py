@@ -14,6 +14,7 @@ GUARDS = (
     "checked", "brakes",
 )  # fmt: skip
 GUARD_US = 10_000  # that setpoints are good for; the half of it for the rest
+HEARTBEAT_US = 10_000  # of the hardware's heartbeats
 RUNAWAY = 4  # counts an interval: a count of doubt in each of two speeds, and as much again
 WHOLE = {"hardware": "2026", "amp_panic_cut": "dynamic brake"}
 

@@ -313,7 +313,7 @@ class Scenario(Strict):
     pose_deg: list[Degrees] = []  # joint angles at the start, instead of the robot file's
     safety: Literal["1989", "2026"] = "1989"  # "2026": all of hardware, the cut and the guard
     hardware: Literal["1989", "2026"] = "1989"  # the RTL's parameter Safety2026
-    amp_panic_cut: bool | Literal["brakes first", "dynamic brake"] = False
+    amp_panic_cut: Literal[False, True, "brakes first", "dynamic brake"] = False
     skip: bool = True  # pass over clocks in which nothing happens
     verbose: bool = False
     host: Host = Host()

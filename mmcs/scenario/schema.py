@@ -133,6 +133,7 @@ def _mistake(model: type, data: dict, error: Any, file: str) -> Mistake:
     if kind in ("literal_error", "union_tag_invalid"):
         expected = str(ctx.get("expected") or ctx.get("expected_tags"))
         words = expected.replace("'", '"').replace(" or ", ", ")
+        words = words.replace("False", "false").replace("True", "true")  # as TOML has them
         if kind == "union_tag_invalid":
             key, value = f"{key}.kind", show(error["input"].get("kind"))
         bare = [w.strip().strip('"') for w in words.split(",")]

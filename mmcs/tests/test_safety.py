@@ -44,6 +44,18 @@ def test_a_piece_by_itself_and_a_switch_less_a_piece():
     assert less.guard()["guard_latched"] == 0 and less.config()["amp_panic_cut"] == 0
 
 
+def test_what_it_amounts_to_is_told(mmcs):
+    told = mmcs("show", "puma560", "--set", SAFE)[1]
+    for text in ('hardware = "2026"', 'amp_panic_cut = "dynamic brake"', "guard_follow = 300"):
+        assert text in told.replace("\n", " ")
+    assert "safety" not in mmcs("show", "puma560")[1]
+    assert "lab500 has no [axis.servo] follow" in mmcs("check", "lab500", "--set", SAFE)[1]
+    late = ("--set", "interval_us=20000", "--set", 'hardware="2026"')
+    assert "above the heartbeat's 10000 us" in mmcs("check", "puma560", *late)[1]
+    error = mmcs("check", "puma560", "--set", "amp_panic_cut='x'")[2]
+    assert 'must be one of false, true, "brakes first", "dynamic brake"' in error
+
+
 @pytest.mark.req("DRV-9")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_healthy_motions_are_not_stopped(name):
