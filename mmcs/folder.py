@@ -10,6 +10,7 @@ import fcntl
 import json
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -19,6 +20,32 @@ from mmcs.files import read_json
 
 RESULTS = ("report.json", "log.csv", "bus.csv", "plot.svg", "run.mmcs", "run.mmsnap")
 STAGE, WHOLE, LOCK = ".new", "whole.json", ".lock"
+
+
+def check_folder(folder: Path) -> None:
+    """A folder of results is made, or refused, before the work and not after it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError.one(folder, "", None, f"cannot be made: {error.strerror}") from None
+    _check_writable(folder)
+
+
+def check_file(path: Path) -> Path:
+    """So is a file of results, in a folder that is there."""
+    if path.is_dir():
+        raise InputError.one(path, "", None, "is a folder, and the name of a result")
+    if not path.parent.is_dir():
+        raise InputError.one(path, "", None, "its folder does not exist")
+    _check_writable(path.parent)
+    return path
+
+
+def _check_writable(folder: Path) -> None:
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise InputError.one(folder, "", None, f"cannot be written: {error.strerror}") from None
 
 
 @contextmanager

@@ -8,6 +8,7 @@ built in the user's cache; so are those of a checkout that cannot be written.
 import hashlib
 import os
 import stat
+from contextlib import suppress
 from pathlib import Path
 
 from mmcs.errors import RunError
@@ -38,13 +39,12 @@ def workshop() -> Path:
     if WORK == ROOT:
         return WORK
     try:
-        WORK.mkdir(mode=0o700, parents=True, exist_ok=True)
+        WORK.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        WORK.mkdir(mode=0o700, exist_ok=True)
         _check_owner(WORK)
         for name in LINKED:
-            if not (WORK / name).is_symlink():
+            with suppress(FileExistsError):  # from before, or by another process
                 (WORK / name).symlink_to(ROOT / name)
-    except FileExistsError:  # another process was quicker
-        pass
     except OSError as error:
         raise RunError(
             f"{WORK}: cannot be made: {error.strerror}; set XDG_CACHE_HOME to a folder for builds"
@@ -53,8 +53,10 @@ def workshop() -> Path:
 
 
 def _check_owner(folder: Path) -> None:
-    """What is built there runs as this user: nobody else may write into it. Raises RunError."""
-    for place in (folder, folder.parent, folder.parent.parent):
+    """What is built there runs as this user: nobody else may write into it, nor put a folder of his
+    in the place of one above it. Raises RunError."""
+    real = folder.resolve()
+    for place in dict.fromkeys((folder, *folder.absolute().parents, real, *real.parents)):
         info = place.stat()
         shared = info.st_mode & 0o022 and not info.st_mode & stat.S_ISVTX
         if info.st_uid not in (os.geteuid(), 0) or shared:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What goes to the terminal: names and sentences of the user's are text and nothing else.
+"""What goes to the terminal: names and sentences of the user's are text and nothing else. And
+matplotlib, for pictures in files.
 
 Nothing else prints: a bracket is no markup here, an escape character no command, and a name that
 is no text at all is spelled out.
@@ -56,3 +57,18 @@ def prepare() -> None:
         sys.stdout.flush()
         with contextlib.suppress(OSError):
             os.execv(sys.executable, [sys.executable, "-X", "utf8", "-m", "mmcs", *sys.argv[1:]])
+
+
+def pyplot():
+    """matplotlib.pyplot for files, whatever backend MPLBACKEND names: a notebook's may not exist
+    here, and would end the import."""
+    told = os.environ.pop("MPLBACKEND", None)
+    try:
+        import matplotlib
+    finally:
+        if told is not None:  # of the programs that are run
+            os.environ["MPLBACKEND"] = told
+    matplotlib.use("svg")
+    from matplotlib import pyplot as plt
+
+    return plt

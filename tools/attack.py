@@ -17,7 +17,9 @@ from parsers import parsers
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTS = [f"mmcs/tests/test_{name}.py" for name in (
-    "hostile", "whole", "mistakes", "robot_mistakes", "rough_input", "kills", "exec")]  # fmt: skip
+    "hostile", "hostile_files", "whole", "mistakes", "robot_mistakes", "rough_input", "kills",
+    "exec", "place", "device_attacks", "device_ends", "lab_attacks", "messages", "stop",
+    "tool_stop")]  # fmt: skip
 
 
 def damaged(data: bytes, chance: random.Random) -> bytes:
@@ -43,6 +45,7 @@ def fuzz(inputs: int, seed: int) -> int:
     with tempfile.TemporaryDirectory() as folder:
         for parser in parsers(Path(folder)):
             chance, ends = random.Random(f"{seed}/{parser.name}"), Counter()
+            parser.take(parser.good)  # else what is damaged of it would be refused at once
             for n in range(inputs):
                 data = damaged(parser.good, chance)
                 try:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every parser in Python with a good input, for those who damage inputs: attack.py and fuzz.py."""
 
+import hashlib
 import io
 import json
 import select
@@ -22,7 +23,7 @@ class Parser:
 def parsers(folder: Path) -> list[Parser]:
     """Files go into this folder."""
     return [
-        _scenario(folder), _robot(folder), _record(folder), _snapshot(folder), _rows(), _grid(),
+        _scenario(folder), _robot(folder), _record(folder), *_snapshots(folder), _rows(), _grid(),
         _wire(folder), _messages(folder), _stop(folder),
     ]  # fmt: skip
 
@@ -74,19 +75,31 @@ def _record(folder: Path) -> Parser:
     return Parser("record", good, lambda data: parse(folder / "x", loads(data)), refusals)
 
 
-def _snapshot(folder: Path) -> Parser:
+def _snapshots(folder: Path) -> list[Parser]:
+    """The archive as it is, and its index with the sum that belongs to it, as a forger has it."""
     from mmcs.runs.snapshots import Snapshot
 
+    sizes = {"history.bin": 64, "0.bin": 64, "log.bin": 128, "truth.bin": 24}
+    members = {"record.json": json.dumps(_good_record()).encode()}
+    members |= {name: bytes(size) for name, size in sizes.items()}
     one = {"t": 0.0, "clock": 800, "rows": 2, "ring": True, "asked": None}
-    index = {"snapshots": [one], "pots": {"0": [1, 2]}, "log": [2, 8], "truth": [1, 3]}
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w") as file:
-        file.writestr("record.json", json.dumps(_good_record()))
-        file.writestr("index.json", json.dumps(index))
-        for name, size in (("history", 64), ("0", 64), ("log", 128), ("truth", 24)):
-            file.writestr(f"{name}.bin", bytes(size))
-    path = folder / "run.mmsnap"
-    return Parser("snapshot", packed.getvalue(), lambda data: Snapshot(_written(path, data)))
+    index = {"snapshots": [one], "pots": {"0": [1, 2]}, "log": [2, 8], "truth": [1, 3],
+             "sha256": {n: hashlib.sha256(m).hexdigest() for n, m in members.items()}}  # fmt: skip
+
+    def archive(text: bytes) -> bytes:
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w") as file:
+            for name, data in (members | {"index.json": text}).items():
+                file.writestr(name, data)
+            file.comment = hashlib.sha256(text).hexdigest().encode()
+        return packed.getvalue()
+
+    def take(data: bytes) -> None:
+        Snapshot(_written(folder / "run.mmsnap", data))
+
+    text = json.dumps(index).encode()
+    return [Parser("snapshot", archive(text), take),
+            Parser("index", text, lambda data: take(archive(data)))]  # fmt: skip
 
 
 def _rows() -> Parser:

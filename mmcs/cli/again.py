@@ -46,17 +46,16 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     RUN is a run.mmcs, its folder, or the name of a scenario that has run. The run is made again
     from the nearest of its snapshots, in the stretch clock by clock with all assertions live.
     """
+    from mmcs.folder import check_file
     from mmcs.runs import replay as replays
     from mmcs.runs.record import read_record
     from mmcs.view.waves import open_viewer, write_views
 
     if out is not None and out.suffix != ".fst":
         raise InputError.one("--out", "", str(out), "must be a file name ending in .fst")
-    if out is not None and not out.parent.is_dir():
-        raise InputError.one(out, "", None, "its folder does not exist")
     record = read_record(run)
     from_s, to_s = replays.stretch(record, at, window)
-    path = out or replays.default_path(record, from_s, to_s)
+    path = check_file(out or replays.default_path(record, from_s, to_s))
     snapshot, where = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
     echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")

@@ -260,22 +260,14 @@ def _run_from(origin: str, duration: float | None, out: Path | None, realtime: b
 
 
 def _check_places(folder: Path, trace: Path | None) -> None:
-    """A place that cannot be written is told before the run, not after it."""
-    import tempfile
+    from mmcs.folder import check_file, check_folder
 
     for place in [folder] + ([trace.parent] if trace else []):
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError.one(place, "", None, f"cannot be made: {error.strerror}") from None
-        try:
-            tempfile.TemporaryFile(dir=place).close()
-        except OSError as error:
-            raise InputError.one(place, "", None, f"cannot be written: {error.strerror}") from None
-    files = [folder / name for name in ("report.json", "log.csv", "plot.svg")]
-    for path in files + ([trace] if trace else []):
-        if path.is_dir():
-            raise InputError.one(path, "", None, "is a folder, and the name of a result")
+        check_folder(place)
+    for name in ("report.json", "log.csv", "plot.svg"):
+        check_file(folder / name)
+    if trace:
+        check_file(trace)
 
 
 @main.command()

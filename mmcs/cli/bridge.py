@@ -36,13 +36,11 @@ def mcap(run: str, out: Path | None) -> None:
     except ImportError:
         raise InputError.one("mcap", "", None, "is not installed; pip install mmcs[tool]") from None
     from mmcs.files import short
-    from mmcs.folder import whole_file
+    from mmcs.folder import check_file, whole_file
     from mmcs.view.runs import read_run
 
     seen = read_run(run)
-    path = out or seen.folder / "log.mcap"
-    if not path.parent.is_dir():
-        raise InputError.one(path, "", None, "its folder does not exist")
+    path = check_file(out or seen.folder / "log.mcap")
     with whole_file(path) as part:
         part.write_bytes(from_run(seen))
     echo(f"mmcs: {short(path)}")
@@ -55,15 +53,14 @@ def fmu(scenario: str, out: Path | None) -> None:
     """Write a scenario's machine as a co-simulation unit, FMI 3.0, for this kind of computer."""
     from mmcs.bridge.fmu import write
     from mmcs.files import short
-    from mmcs.folder import whole_file
+    from mmcs.folder import check_file, whole_file
     from mmcs.scenario.load import load
 
     setup = load(scenario, ())
     path = out or Path(f"{setup.name}.fmu")
     if path.suffix != ".fmu":
         raise InputError.one("--out", "", str(path), "must end in .fmu")
-    if not path.parent.is_dir():
-        raise InputError.one(path, "", None, "its folder does not exist")
+    check_file(path)
     with whole_file(path) as part:
         write(setup, part)
     echo(f"mmcs: {short(path)}")

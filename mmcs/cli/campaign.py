@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from mmcs.cli.sweep import check_folder, progress
+from mmcs.cli.sweep import progress
 from mmcs.errors import InputError
 from mmcs.place import results
 from mmcs.screen import console as screen
@@ -32,6 +32,7 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
+    from mmcs.folder import check_folder
     from mmcs.sweeps.campaign import is_row, make_plan, make_twin
     from mmcs.sweeps.plan import MAX_RUNS
     from mmcs.sweeps.store import Store, check_resume

@@ -37,6 +37,7 @@ def sweep(
 
     --grid combines all values of all grids; --random draws, the same draws at every grid point.
     """
+    from mmcs.folder import check_folder
     from mmcs.sweeps.plan import make_plan
     from mmcs.sweeps.store import FORMATS, Store, check_figure, check_format, check_resume
 
@@ -70,16 +71,6 @@ def sweep(
         if client is not None:
             client.close()
     sys.exit(_finish(plan, store.rows, folder, by, form, whole))
-
-
-def check_folder(folder: Path) -> None:
-    import tempfile
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        raise InputError.one(folder, "", None, f"cannot be written: {error.strerror}") from None
 
 
 def _run(plan, store, client, workers: int) -> bool:

@@ -9,13 +9,6 @@ from mmcs.errors import InputError
 from mmcs.screen import echo
 
 
-def _written(path: Path, default: Path) -> Path:
-    path = path or default
-    if not path.parent.is_dir():
-        raise InputError.one(path, "", None, "its folder does not exist")
-    return path
-
-
 @click.command()
 @click.argument("a", metavar="A")
 @click.argument("b", metavar="B")
@@ -23,12 +16,12 @@ def _written(path: Path, default: Path) -> Path:
 def compare(a: str, b: str, out: Path | None) -> None:
     """Draw two runs over each other; A and B are folders, or names of scenarios that were run."""
     from mmcs.files import short
-    from mmcs.folder import whole_file
+    from mmcs.folder import check_file, whole_file
     from mmcs.view.compare import write_comparison
     from mmcs.view.runs import read_run
 
     first, second = read_run(a), read_run(b)
-    path = _written(out, second.folder / "compare.svg")
+    path = check_file(out or second.folder / "compare.svg")
     with whole_file(path) as part:
         differences = write_comparison(first, second, part)
     for seen in differences:
@@ -73,10 +66,15 @@ def faults(pattern: str, cards: int) -> None:
     from mmcs.engine.sim import library_registers
     from mmcs.inputs import INPUTS, UPSET
 
-    for name, i in INPUTS.items():
-        if pattern in name:
-            values = f"{i.low:g} to {i.high:g}, healthy {i.healthy:g}"
-            echo(f"{name:18} {i.scope:8} {values}: {i.meaning}")
-    for name, width in library_registers(ensure_library(cards, "speed")).items():
-        if pattern in UPSET + name:
-            echo(f"{UPSET}{name}  {width} bit{'s' if width > 1 else ''}")
+    registers = library_registers(ensure_library(cards, "speed"))
+    lines = {
+        name: f"{name:18} {i.scope:8} {i.low:g} to {i.high:g}, healthy {i.healthy:g}: {i.meaning}"
+        for name, i in INPUTS.items()
+    }
+    for name, width in registers.items():
+        lines[UPSET + name] = f"{UPSET}{name}  {width} bit{'s' if width > 1 else ''}"
+    found = [line for name, line in lines.items() if pattern in name]
+    if not found:
+        raise InputError.one("PATTERN", "", pattern, "no input or register has it in its name")
+    for line in found:
+        echo(line)

@@ -144,9 +144,8 @@ class Messenger(Connection):
         """None: it comes later. sim/service checks what is asked, and does what needs no more than
         the machine; the rest is here."""
         machine, client = self.machine, self.client
-        held = f"{machine.lease} has the lease" if machine.held_from(client) else None
         try:
-            done = machine.sim.request(message, client.driver, client.writable, held)
+            done = machine.sim.request(message, client.driver, client.writable, self._held())
             if "errno" in done:
                 raise Refused(done["errno"], done["text"])
             if op == "call":
@@ -159,6 +158,11 @@ class Messenger(Connection):
         except OSError as error:  # a file: a full disk, a folder in its place
             what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             return _refusal(Refused(error.errno or EIO, what))
+
+    def _held(self) -> str | None:
+        """Why this client may change nothing now."""
+        machine = self.machine
+        return f"{machine.lease} has the lease" if machine.held_from(self.client) else None
 
     @staticmethod
     def _check(result: int) -> None:
@@ -241,8 +245,8 @@ class Messenger(Connection):
         elif a.get("drop"):
             if machine.lease is client:
                 machine.set_lease(None)
-        elif machine.held_from(client):
-            raise Refused(EBUSY, f"{machine.lease} has the lease")
+        elif held := self._held():
+            raise Refused(EBUSY, held)
         else:
             ms = a.get("deadman_ms")
             self._check(machine.take_lease(client, ms and ms / 1000))
@@ -287,8 +291,6 @@ class Messenger(Connection):
         """The past of a snapshot as a file beside the socket, for a machine of any build
         (mmcs/tool/moment.py)."""
         number, sim = a["snapshot"], self.machine.sim
-        if number not in [s["id"] for s in sim.snapshots()]:
-            raise Refused(EINVAL, "snapshot: there is none of this number")
         path = self._server.path.with_suffix(".past")
         snapshot, past = sim.snapshot_bytes(number), sim.history_bytes()
         path.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)

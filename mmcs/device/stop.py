@@ -48,8 +48,11 @@ class StopPath:
             sock, _ = self._listener.accept()
         except OSError:
             return False
-        if len(self._open) >= CONNECTIONS:  # those who came first may have gone to sleep
-            self._hang_up(next(iter(self._open.values()))[0])
+        if len(self._open) >= CONNECTIONS:  # the oldest may be idle; what it has sent counts
+            oldest = next(iter(self._open.values()))
+            self._read(*oldest)
+            if oldest[0].fileno() in self._open:
+                self._hang_up(oldest[0])
         sock.setblocking(False)
         self._poll.register(sock, IN)
         self._open[sock.fileno()] = (sock, bytearray())

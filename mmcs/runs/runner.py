@@ -14,6 +14,7 @@ from mmcs.runs.programs import absolute
 from mmcs.scenario.setup import Setup, make_setup
 
 LONGEST_S = 3600.0  # of a scenario
+A_DAY_S = 86400.0  # make has not begun longer ago
 
 
 def run_scenario(
@@ -56,9 +57,10 @@ def run_scenario(
     reports.print_report(report, result, folder, console)
     if result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
-        began = started
+        told = 0.0
         with contextlib.suppress(KeyError, ValueError):
-            began = float(os.environ["MMCS_STARTED"])
+            told = float(os.environ["MMCS_STARTED"])
+        began = told if started - A_DAY_S < told <= started else started
         console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
     if lacking:
         console.print(f"out of memory: without {' and '.join(lacking)}")

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs.scenario.synthesis import Coefficients, Controller, Discrete, Plant, margins
+from mmcs.screen import pyplot
 
 
 def step_response(d: Discrete, plant: Plant, t: float, samples: int) -> np.ndarray:
@@ -25,11 +26,7 @@ def step_response(d: Discrete, plant: Plant, t: float, samples: int) -> np.ndarr
 
 
 def write_plot(path: Path, c: Controller, k: Coefficients, plant: Plant, t: float) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
+    plt = pyplot()
     d, g = k.discrete(), plant.discrete(t)
     m = margins(d, plant, t)
     w = np.geomspace(1.0, math.pi / t, 500)

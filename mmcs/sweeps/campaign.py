@@ -191,5 +191,6 @@ def is_row(row: dict) -> bool:
         and all(isinstance(row[k], str) for k in texts)
         and all(isinstance(row[k], int | float) and abs(row[k]) < 1e12 for k in numbers)
         and isinstance(row["after_ms"], int | float | None)
+        and abs(row["after_ms"] or 0) < 1e12
         and agrees(row)  # what was changed by hand is run again
     )

@@ -297,6 +297,9 @@ def test_an_export_that_cannot_be_written_is_refused(serving, why):
         with pytest.raises(OSError, match="Is a directory|No space left") as no:
             link.request("export", snapshot=number)
         assert no.value.errno in (21, 28)
+        with pytest.raises(OSError, match="there is none of this number") as no:
+            link.request("export", snapshot=number + 1_000_000)
+        assert no.value.errno == 22
         assert link.request("read")["ok"]
 
 

@@ -3,7 +3,10 @@
 
 import json
 import math
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -34,6 +37,18 @@ def folder(tmp_path):
         return path
 
     return write
+
+
+@pytest.mark.parametrize("draw", ["design", "style"])
+def test_a_notebooks_backend_does_not_matter(tmp_path, draw):
+    draws = {
+        "style": "from mmcs.view.plot import style; style()",
+        "design": "from mmcs.cli.app import main;main(['design', '--wn', '50', '--plot', 'x.svg'])",
+    }
+    env = {**os.environ, "MPLBACKEND": "nonsense"}
+    done = subprocess.run([sys.executable, "-c", draws[draw]], cwd=tmp_path, env=env, text=True,
+                          capture_output=True, check=False)  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_compare_two_runs(mmcs, folder):

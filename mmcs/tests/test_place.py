@@ -64,6 +64,28 @@ def test_a_cache_of_another_user_is_refused(tmp_path):
     assert "another user may write there" in read_only(tmp_path).stderr
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_cache_below_a_folder_of_another_user_is_refused(tmp_path, linked):
+    """He could put a folder of his own in the place of the cache."""
+    (tmp_path / "his" / "a" / "b").mkdir(parents=True)
+    os.chown(tmp_path / "his", 12345, -1)
+    (tmp_path / "link").symlink_to(tmp_path / "his" / "a" / "b")
+    cache = tmp_path / "link" if linked else tmp_path / "his" / "a" / "b"
+    done = read_only(cache / "c")
+    assert f"{tmp_path / 'his'}: another user may write there" in done.stderr
+
+
+def test_a_cache_is_made_for_its_user_alone(tmp_path):
+    """Also where new files are writable for a group."""
+    before = os.umask(0o002)
+    try:
+        assert read_only(tmp_path).returncode == 0
+    finally:
+        os.umask(before)
+    assert not (tmp_path / "mmcs").stat().st_mode & 0o077
+
+
 def test_no_cache_either_is_told(tmp_path):
     (tmp_path / "mmcs").write_text("a file")
     done = read_only(tmp_path)

@@ -73,6 +73,10 @@ ARGS = {
         ["design", "-d", "1", "--tau", "1e308"],
         "mmcs design: a number is out of all proportion\n",
     ),
+    "no such input": (
+        ["faults", "nosuch"],
+        'PATTERN = "nosuch": no input or register has it in its name\n',
+    ),
     "two lines": (["run", "lab500", "--seed", "1\n2"], "Invalid value for '--seed': "),
 }
 
@@ -117,6 +121,13 @@ def test_result_that_is_a_folder_is_told_before_the_run(mmcs, tmp_path, name):
     (tmp_path / name).mkdir()
     answer = mmcs("run", "lab500", "--out", tmp_path)
     told(answer, f"{tmp_path}/{name}: is a folder, and the name of a result\n")
+
+
+def test_file_that_is_a_folder(mmcs, tmp_path):
+    """As of every command that writes one."""
+    (tmp_path / "x.fmu").mkdir()
+    answer = mmcs("fmu", "lab500", "--out", tmp_path / "x.fmu")
+    told(answer, f"{tmp_path}/x.fmu: is a folder, and the name of a result\n")
 
 
 def test_trace_that_is_a_folder(mmcs, tmp_path):

@@ -112,9 +112,17 @@ FIELDS = {
 }  # fmt: skip
 
 
-def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path, monkeypatch):
+@pytest.mark.parametrize("started", ["abc", "nan", "inf", "-5", "1e999"])
+def test_a_start_of_make_that_cannot_be_is_not_looked_at(
+    mmcs, scenario, fake_machine, tmp_path, monkeypatch, started
+):
+    monkeypatch.setenv("MMCS_STARTED", started)
+    text = mmcs("run", scenario(), "--out", tmp_path / "results")[1]
+    assert 0 <= float(text.split("time to first motion ")[1].split()[0]) < 60
+
+
+def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path):
     out = tmp_path / "results"
-    monkeypatch.setenv("MMCS_STARTED", "abc")  # what is no time is not looked at
     status, text, err = mmcs("run", scenario(), "--out", out, "--seed", 7)
     assert (status, err) == (0, "")
     report = json.loads((out / "report.json").read_text())

@@ -146,6 +146,23 @@ def test_sleepers_on_the_stop_path_keep_nobody_out(bench):
         sock.close()
 
 
+@pytest.mark.req("DRV-9")
+def test_a_line_sent_before_its_connection_is_closed_still_stops(bench):
+    """64 others come between the connection and its line, in the same step of the server."""
+    program = Raw(bench)
+    holding(bench, program)
+    with stop_line(bench) as line:
+        bench.server.step()
+        others = [stop_line(bench) for _ in range(64)]
+        line.sendall(b"stop\n")
+        bench.server.step()
+        assert not bench.sim.stats()["enabled"]
+        assert line.recv(100).startswith(b"stopped ")
+    for sock in others:
+        sock.close()
+    program.close()
+
+
 def test_a_link_may_stop_too(bench):
     program = Raw(bench)
     holding(bench, program)

@@ -5,6 +5,7 @@ import asyncio
 import base64
 import io
 import json
+import math
 import socketserver
 import subprocess
 import sys
@@ -27,7 +28,6 @@ from mmcs.tests.device_bench import write_scenario
 from mmcs.tool import gateway, judge, launch, moment, pages, tune
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
-from mmcs.tool.stopper import Button, StopPath
 
 PIPE = 65536  # bytes that a pipe holds
 
@@ -186,66 +186,6 @@ def test_a_page_too_slow_to_answer_a_ping_is_not_hung_up_on(monkeypatch):
     asyncio.run(play())
 
 
-async def fake_stop_path(folder: Path, answers: dict[str, str], pause: float = 0.0):
-    async def serve(reader, writer):
-        while line := await reader.readline():
-            await asyncio.sleep(pause)
-            writer.write((answers[line.decode().strip()] + "\n").encode())
-
-    return await asyncio.start_unix_server(serve, str(folder / "x.stop"))
-
-
-@pytest.mark.req("TOOL-1")
-def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
-    async def play():
-        path = StopPath(tmp_path / "x.stop")
-        with pytest.raises(OSError):
-            await path.ask("stop")
-        async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5", "state": "state 2 a 1"}):
-            assert await asyncio.gather(path.ask("stop"), path.ask("state")) == [
-                "stopped 1.5",
-                "state 2 a 1",
-            ]
-            path.hang_up()
-            assert await path.ask("stop") == "stopped 1.5"
-            path.hang_up()
-
-    asyncio.run(play())
-
-
-@pytest.mark.req("TOOL-1")
-def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
-    """The stop path keeps 64 connections; the oldest is hung up on."""
-    where = serving.server.path.with_suffix(".stop")
-
-    async def play():
-        path = StopPath(where)
-        assert (await path.ask("stop")).startswith("stopped")
-        others = [await asyncio.open_unix_connection(str(where)) for _ in range(70)]
-        while not path.reader.at_eof():
-            await asyncio.sleep(0.001)
-        assert (await path.ask("stop")).startswith("stopped")
-        path.hang_up()
-        for _, writer in others:
-            writer.close()
-
-    asyncio.run(play())
-
-
-@pytest.mark.req("TOOL-1")
-def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path):
-    async def play():
-        path = StopPath(tmp_path / "x.stop")
-        for _ in range(2):
-            async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5"}):
-                assert await path.ask("stop") == "stopped 1.5"
-                path.writer.transport.abort()  # as the end of the machine does
-        with pytest.raises(OSError):
-            await path.ask("stop")
-
-    asyncio.run(play())
-
-
 def test_the_designer_survives_what_is_no_request():
     lines = ["nonsense", "[]", "[" * 50_000, '{"id": [[]], "op": "design"}', '{"id": 1, "op": []}',
              '{"id": 2, "op": "sing"}']  # fmt: skip
@@ -256,25 +196,22 @@ def test_the_designer_survives_what_is_no_request():
     assert all(t["error"] for t in told) and told[5]["error"] == "there is no 'sing'"
 
 
-@pytest.mark.req("TOOL-1")
-def test_a_machine_that_does_not_answer_is_told(tmp_path):
-    async def play():
-        button = Button(tmp_path / "nowhere.stop")
-        said = []
-        button.clients = {object()}
-        from mmcs.tool import stopper
-
-        original, stopper.broadcast = (
-            stopper.broadcast,
-            lambda _, text: said.append(json.loads(text)),
-        )
-        try:
-            await button.order("stop", 0.0)
-        finally:
-            stopper.broadcast = original
-        assert said == [{"order": "stop", "failed": "the machine does not answer"}]
-
-    asyncio.run(play())
+def test_the_designer_refuses_numbers_out_of_all_proportion():
+    """An interval of 1 ns took for ever; NaN in a reply is nothing that a page can read."""
+    param = {f"{letter}{n}": 0 for letter in "ab" for n in range(3)}
+    about = {
+        "op": "predict",
+        "param": param | {"a0": 5, "b0": 80},
+        "motor": {"g": 100, "lag": 0.01},
+    }
+    bad = [{"interval_s": t} for t in (0, -1, 1e-9, 1e300, math.nan)]
+    bad += [{"interval_s": 0.001, key: value} for key, value in (
+        ("motor", {"g": math.nan, "lag": 0}), ("param", about["param"] | {"b0": 1e300}),
+        ("step", math.inf))]  # fmt: skip
+    told = advise(*({"id": n, **about, **b} for n, b in enumerate(bad)), {"id": math.nan})
+    assert [t["id"] for t in told] == [*range(len(bad)), None]
+    assert all(t["error"] for t in told)
+    assert advise({"id": 1, **about, "interval_s": 0.001})[0]["stable"]
 
 
 @pytest.mark.req("TOOL-1")

@@ -52,7 +52,7 @@ class Advisor(Worker):
 
     def _design(self, message: dict):
         c = Controller(*(float(message.get(name, 0.0)) for name in ("p", "i", "d", "tau")))
-        t = float(message["interval_s"])
+        t = _interval(message)
         if not (c.p or c.i or c.d):
             return to_integers(Discrete((0.0,), (1.0,)), t, 1), t
         return to_integers(discretize(c, "backward", t), t), t
@@ -68,7 +68,7 @@ class Advisor(Worker):
         return {"coefficients": named, "warnings": warnings, "gain_error": made.gain_error}
 
     def do_predict(self, message: dict) -> dict:
-        param, t = message["param"], float(message["interval_s"])
+        param, t = message["param"], _interval(message)
         b0 = param["b0"]
         d = Discrete(
             tuple(param[f"a{n}"] / b0 for n in range(3)),
@@ -185,6 +185,13 @@ class Advisor(Worker):
         made = self._experiment(message, lambda bench: chirp(bench, amplitude, low, high, seconds))
         return {name: getattr(made, name).tolist()
                 for name in ("hz", "gain_db", "phase_deg", "coherence")}  # fmt: skip
+
+
+def _interval(message: dict) -> float:
+    t = float(message["interval_s"])
+    if not 1e-4 <= t <= 1.0:
+        raise ValueError("interval_s: the driver's is 0.0001 to 1 s")
+    return t
 
 
 def _closed(d: Discrete, g: Discrete, delay: int = 1) -> Discrete:

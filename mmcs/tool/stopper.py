@@ -35,17 +35,18 @@ class StopPath:
     async def ask(self, line: str) -> str:
         """The machine's answer; OSError or TimeoutError if there is none.
 
-        A connection from before may have been closed: the machine hangs up on the oldest when too
-        many come, and may have been started again. Then the line is said on a new one."""
+        A connection may be closed before the answer: the machine closes the oldest when too many
+        come, and may have been started again. Then the line is sent on a new one."""
         async with self.lock:
             try:
                 async with asyncio.timeout(PATIENCE_S):
-                    if self.writer is not None:
+                    while True:
+                        if self.writer is None:
+                            opening = asyncio.open_unix_connection(str(self.path))
+                            self.reader, self.writer = await opening
                         with contextlib.suppress(OSError):
                             return await self._say(line)
-                    self.hang_up()
-                    self.reader, self.writer = await asyncio.open_unix_connection(str(self.path))
-                    return await self._say(line)
+                        self.hang_up()
             except (OSError, TimeoutError):
                 self.hang_up()  # a late answer would be taken for that of the next line
                 raise

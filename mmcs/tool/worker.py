@@ -15,6 +15,8 @@ import traceback
 
 from mmcs.errors import InputError, RunError
 
+OUT_OF_PROPORTION = "a number is out of all proportion"
+
 
 class Worker:
     known: tuple[type[Exception], ...] = ()  # whose text is a sentence for people
@@ -25,7 +27,7 @@ class Worker:
         self.gone = threading.Event()
 
     def say(self, message: dict) -> None:
-        self.out.write(json.dumps(message) + "\n")
+        self.out.write(json.dumps(message, allow_nan=False) + "\n")
         self.out.flush()
 
     def run(self, lines) -> None:
@@ -43,7 +45,11 @@ class Worker:
 
         threading.Thread(target=listen, daemon=True).start()
         while (message := waiting.get()) is not None:
-            self.say({"id": message.get("id"), **self.answer(message)})
+            reply = {"id": message.get("id"), **self.answer(message)}
+            try:
+                self.say(reply)
+            except ValueError:  # NaN and infinity are no JSON
+                self.say({"id": message.get("id"), "error": OUT_OF_PROPORTION})
 
     def answer(self, message: dict) -> dict:
         op = message.get("op")
@@ -57,7 +63,7 @@ class Worker:
         except (KeyError, TypeError) as error:
             return {"error": f"{message['op']}: {error} is missing or of the wrong kind"}
         except (OverflowError, ZeroDivisionError):
-            return {"error": "a number is out of all proportion"}
+            return {"error": OUT_OF_PROPORTION}
         except Exception as error:  # a mistake of ours: the page must not wait for ever
             traceback.print_exc()
             return {"error": f"{message['op']}: {type(error).__name__}: {error}"}
@@ -69,7 +75,7 @@ def _parsed(line: str) -> dict:
         message = json.loads(line)
     except (ValueError, RecursionError):
         return {}
-    if not isinstance(message, dict) or isinstance(message.get("id"), list | dict):
+    if not isinstance(message, dict) or not isinstance(message.get("id"), int | str | None):
         return {}
     return message
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from mmcs import logcols
 from mmcs.errors import one_line
+from mmcs.screen import pyplot
 from mmcs.view import chart
 from mmcs.view.chart import Cell
 
@@ -24,10 +25,8 @@ LABELS = (
 
 def style():
     """pyplot, set up so that the same data draws the same SVG file."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    matplotlib.rcParams.update(
+    plt = pyplot()
+    plt.rcParams.update(
         {
             "font.size": 9,
             "font.family": "sans-serif",
@@ -42,8 +41,6 @@ def style():
             "grid.linewidth": 0.6,
         }
     )
-    import matplotlib.pyplot as plt
-
     return plt
 
 

@@ -45,7 +45,7 @@ class Request {
         {"store", &Request::store},         {"input", &Request::input},
         {"ring", &Request::ring},           {"snapshot", &Request::snapshot},
         {"snapshots", &Request::snapshots}, {"drop", &Request::drop},
-        {"rewind", &Request::rewind},
+        {"rewind", &Request::rewind},       {"export", &Request::exported},
     };
     const std::string &op = asked_.op();
     if (const auto found = kDone.find(op); found != kDone.end()) return (this->*found->second)();
@@ -247,7 +247,10 @@ class Request {
   // Found only: who has the device open then, the carrier knows.
   Fields rewind() {
     must_control();
-    const bool by_time = asked_.has("t");
+    return chosen(asked_.has("t"));
+  }
+  Fields exported() { return chosen(false); }
+  Fields chosen(bool by_time) {
     const double wanted = asked_.get(by_time ? "t" : "snapshot").number();
     int64_t found = -1;
     for (const mmcs_snapshot &one : kept())
