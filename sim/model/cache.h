@@ -79,23 +79,17 @@ struct Transition {
   Alike alike = Alike::kUnknown;
   uint8_t met = 0;  // how often, until it is worth learning
 
-  struct Copies {
-    const Copy *first, *last;
-    const Copy *begin() const { return first; }
-    const Copy *end() const { return last; }
-    bool empty() const { return first == last; }
+  template <class T>
+  struct Span {
+    const T *first, *last;
+    const T *begin() const { return first; }
+    const T *end() const { return last; }
   };
-  struct Counts {
-    const Count *first, *last;
-    const Count *begin() const { return first; }
-    const Count *end() const { return last; }
-    bool empty() const { return first == last; }
-  };
-  Copies copies() const {
+  Span<Copy> copies() const {
     const Copy *first = reinterpret_cast<const Copy *>(this + 1);
     return {first, first + copy_count};
   }
-  Counts counts() const {
+  Span<Count> counts() const {
     const Count *first = reinterpret_cast<const Count *>(copies().last);
     return {first, first + count_count};
   }
