@@ -56,8 +56,9 @@ static int strays(const struct mc *mc, struct mc_axis *x) {
   if (g->follow <= 0) return 0;
   if (!is_off || x->code != MC_DAC_ZERO) x->still_at = x->position;
   if (is_off) return creeps(g, x);
+  if ((x->par.mode & ZEROFB) != 0) return 0; /* nothing is fed back: its error is its demand */
   if (mode == MD_POS) return is_astray(g, x);
-  return mode == MD_VEL && (x->par.mode & (ADFB | ZEROFB)) == 0 && slips(g, x);
+  return mode == MD_VEL && (x->par.mode & ADFB) == 0 && slips(g, x);
 }
 
 static int all_off(const struct mc *mc) {

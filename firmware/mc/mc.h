@@ -66,7 +66,8 @@ struct mc_guard {
   int32_t jump;      /* counts that a counter may move in an SCLOCK interval */
   int32_t follow;    /* counts that an axis in position mode may be off its demand, */
   uint32_t samples;  /* for so many samples in a row; in velocity mode, that it may lose on the
-                      * demand beyond a quarter of it; of an axis that is off, that it may move */
+                      * demand beyond a quarter of it; of an axis that is off, that it may move;
+                      * with ZEROFB an axis has nothing to follow */
   int32_t runaway;   /* counts an SCLOCK interval that an axis may gain on its way from its demand
                       * while its current is at its limit */
   uint32_t missed;   /* SCLOCKs in a row, and one more, that no pass may serve */

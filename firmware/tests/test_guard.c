@@ -86,8 +86,9 @@ TEST(test_least_error_that_is_too_much, "DRV-9") {
   }
 }
 
-TEST(test_only_position_has_to_be_followed, "DRV-9") {
-  static const int modes[] = {MD_TORQ, 0};
+/* With nothing fed back the error is the demand, as of a digital filter. */
+TEST(test_only_position_that_is_fed_back_has_to_be_followed, "DRV-9") {
+  static const int modes[] = {MD_TORQ, 0, MD_POS | ZEROFB};
   int32_t far[2] = {5000, 5000};
   for (unsigned n = 0; n < sizeof modes / sizeof modes[0]; n++) {
     struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
