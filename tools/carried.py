@@ -350,10 +350,9 @@ def deaf(part: Part, rule: dict) -> str:
         text += f"  wire [{pins - 1}:0] outputs_{inst} = {outs};\n"
     module = rule["decoder"].removeprefix("u_")
     decoder = read(module, rule["folder"])
-    inside = decoder.outputs
     for inst in ("one", "two"):
-        for p, w in inside.items():
-            text += wire(f"{inst}.{rule['decoder']}.{p}", w)
+        path = f"{inst}.{rule['decoder']}"
+        text += "".join(wire(f"{path}.{p}", w) for p, w in decoder.outputs.items())
     # the decoder by itself, without a command
     idle = {p: str(v) for p, v in rule["without"].items()}
     for p in decoder.inputs:
@@ -362,7 +361,7 @@ def deaf(part: Part, rule: dict) -> str:
             idle[p] = f"\\one.{rule['decoder']}.{p} "
     text += instance(decoder, "none", idle)
     same = " && ".join(f"\\{i}.{rule['decoder']}.{p}  == none_{p}"
-                       for i in ("one", "two") for p in inside)  # fmt: skip
+                       for i in ("one", "two") for p in decoder.outputs)  # fmt: skip
     text += f"  wire unheard = {same};\n"
     text += f"  deaf_props #(.Registers({width}), .Outputs({pins})) u_props (.*);\n"
     return HEAD + text + "endmodule\n"
@@ -374,8 +373,7 @@ def write(task: str, folder: Path = ROOT) -> Path:
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
         part = read(name.removeprefix("deaf_"), folder)
-        rule = table["heard"]
-        text = deaf(part, rule | {"folder": folder})
+        text = deaf(part, table["heard"] | {"folder": folder})
     elif name.startswith("bits_"):
         text = bits(read(name.removeprefix("bits_"), folder, table["chips"]), table)
     else:
