@@ -131,12 +131,13 @@ void Part::wired() {
 
 // --- with the cache --------------------------------------------------------------------------
 
-// Counters have come to their margin, or have left it.
+// Counters have come to their margin, or have left it. The inputs may be others than the state's,
+// if they made no difference until now (Cache::alike).
 void Part::near(const Transition &t) {
   const uint64_t near = cache->near(cells_);
   if (near == state_->near) return;
   Transition &known = const_cast<Transition &>(t);
-  if (!known.other || known.other->near != near)
+  if (!known.other || known.other->near != near || known.other->in != in_)
     known.other = state_of(state_->registers(), t.by_value);
   state_ = known.other;
 }
