@@ -72,10 +72,11 @@ uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
   for (int c : slices_) {
     const Field &f = fields_[static_cast<size_t>(c)];
     const uint64_t mask = cache->cells()[static_cast<size_t>(c)].mask;
-    Net own = f.net;
-    own.at = reinterpret_cast<char *>(registers) + f.within->at;
-    cells[c] = static_cast<uint32_t>(own.get() >> f.lsb & mask);
-    own.put(own.get() & ~(mask << f.lsb));
+    uint64_t own = 0;
+    copy_bytes(&own, registers + f.within->at, f.within->net.bytes);
+    cells[c] = static_cast<uint32_t>(own >> f.lsb & mask);
+    own &= ~(mask << f.lsb);
+    copy_bytes(registers + f.within->at, &own, f.within->net.bytes);
   }
   return look_at_outputs(cells);
 }
