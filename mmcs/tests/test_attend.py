@@ -138,7 +138,12 @@ def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypat
     assert quiet == (what in ("sine.c", "sine.py", READS, WRITES)) or what == "guard.py"
     if what == WRITES:
         assert "parent [55, 65]" in runs[0][2] and "exec [57, 67]" in runs[0][2]
-        assert {struct.unpack("<2i", data)[0] for _, data in later - {None}} == {57, 58}
+        # 55, too, if the child asks before its parent
+        assert (
+            {57, 58}
+            <= {struct.unpack("<2i", data)[0] for _, data in later - {None}}
+            <= {55, 57, 58}
+        )
     if what == READS:
         assert "cleared" in runs[0][2]
     if what == STOPS:
