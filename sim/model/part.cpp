@@ -158,7 +158,7 @@ void Part::ask(Transition **at, bool clock) {
     return;
   }
   ++(known ? hits : misses);
-  if (check && ++hits_ % static_cast<unsigned>(check) == 0) {
+  if (check && ++asked_ % static_cast<unsigned>(check) == 0) {
     put_state();
     op(clock);
     uint8_t registers[kMostBytes] = {};

@@ -193,7 +193,7 @@ class Part {
   uint64_t seen_out_ = 0;    // control outputs that somebody looks at
   uint32_t seen_cells_ = 0;  // the same of data
   int64_t last_ = 0, due_ = 0;
-  unsigned hits_ = 0;
+  unsigned asked_ = 0;  // steps, for `check`
   size_t register_bytes_ = 0;
   std::vector<std::unique_ptr<PartPort>> ports_;
   std::vector<const PartPort *> out_ports_, cell_ports_;
