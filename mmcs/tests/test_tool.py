@@ -280,16 +280,16 @@ def test_the_page_s_server_answers_get_alone_and_tells_of_a_port_in_use():
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_port_in_use_is_one_line(tmp_path, monkeypatch):
+def test_a_port_in_use_is_one_line(mmcs, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setattr(launch, "check_libraries", lambda: None)  # `make tool` installs them
     with socketserver.TCPServer(("127.0.0.1", 0), None) as other:
         port = str(other.server_address[1])
-        command = [sys.executable, "-m", "mmcs", "tool", "--no-browser", "--port", port]
-        command.append(str(write_scenario(tmp_path)))
-        ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert ended.returncode == 2
-    assert ended.stderr.strip().splitlines()[-1].startswith(f"mmcs: --port = {port}: is in use")
-    assert "Traceback" not in ended.stderr
+        scenario = write_scenario(tmp_path)
+        status, _, stderr = mmcs("tool", "--no-browser", "--port", port, scenario)
+    assert status == 2
+    assert stderr.strip().splitlines()[-1].startswith(f"mmcs: --port = {port}: is in use")
+    assert "Traceback" not in stderr
 
 
 PD = {"a0": 4526, "a1": -4416, "a2": 0, "b0": 64, "b1": 0, "b2": 0, "ic_pos": 0, "ic_neg": 0,
