@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The safe machine: one switch, each piece by itself, and what it does on the simulated arm."""
 
+import random
+
 import pytest
 
 from mmcs import mcdef
@@ -61,6 +63,17 @@ def test_what_it_amounts_to_is_told(mmcs):
 def test_healthy_motions_are_not_stopped(name):
     plan = make_plan((name,), (), 1, (SAFE,))
     Twin(plan.setups[name]).close()  # refuses one that stops
+
+
+def test_drawn_motions_stay_off_the_stops():
+    """The first that is drawn for run 635 drives J5 against its joint stop; run 3 is well."""
+    from studies.campaign import _beside, _twin, variation, within_limits
+
+    first = variation(MOTIONS[3], random.Random("healthy/635"))
+    assert not within_limits(_twin(MOTIONS[3], first))
+    drawn = _beside(MOTIONS[3], 635)
+    assert drawn["again"] == 1 and drawn["stopped"] == "" and not drawn["harmed"]
+    assert _beside(MOTIONS[3], 3)["again"] == 0
 
 
 def _sunk(sets: tuple[str, ...], input_: str, value: float) -> tuple[float, bool]:
