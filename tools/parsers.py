@@ -103,10 +103,11 @@ def _snapshots(folder: Path) -> list[Parser]:
 
 
 def _rows() -> Parser:
-    from mmcs.sweeps.store import _entry
+    from mmcs.sweeps.store import _entry, checksum
 
-    row = {"n": 3, "row": {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}}
-    return Parser("rows", json.dumps(row).encode(), _entry, ())
+    row = {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}
+    good = json.dumps({"n": 3, "row": row, "sum": checksum("me", 3, row)}).encode()
+    return Parser("rows", good, lambda data: _entry(data, "me"), ())
 
 
 def _grid() -> Parser:

@@ -34,10 +34,3 @@ def judge(seen: Seen) -> str:
     if seen.off > NEAR:
         return DANGEROUS
     return MASKED if seen.same else HARMLESS
-
-
-def agrees(row: dict) -> bool:
-    """Whether a row's class is that of its figures."""
-    detected = None if row["after_ms"] is None else row["after_ms"] / 1e3
-    seen = Seen(row["class"] == MASKED, detected, row["off"], row["beyond"])
-    return row["class"] == judge(seen)

@@ -2,6 +2,7 @@
 """What a sweep leaves: rows as they finish, then one table, a summary and a picture."""
 
 import csv
+import hashlib
 import json
 import math
 import statistics
@@ -31,11 +32,12 @@ class Store:
     def __init__(self, folder: Path, identity: str, resume: bool, what: str = "sweep", good=None):
         """good: whether a dictionary may be a row of this; that of a sweep, if not said."""
         self.path, self._what, self._good = folder / ROWS, what, good or is_row
+        self._identity = identity
         self.rows: dict[int, dict] = {}
         self._lock = lock(folder, what)
         if resume:
             try:
-                self._read(identity)
+                self._read()
             except InputError:
                 self._lock.close()
                 raise
@@ -46,26 +48,26 @@ class Store:
         if new:
             self._line({"sweep": identity})
 
-    def _read(self, identity: str) -> None:
+    def _read(self) -> None:
         whole = 0
         with self.path.open("r+b") as file:
             for number, line in enumerate(iter(lambda: file.readline(MAX_LINE), b"")):
                 if not line.endswith(b"\n"):
                     break  # it was being written when the end came
                 whole += len(line)
-                entry = _entry(line, self._good)
+                entry = _entry(line, self._identity, self._good)
                 if number:
                     self.rows |= entry
                 elif "sweep" not in entry:
                     allowed = "is damaged; leave out --resume"
                     raise InputError.one(self.path, "", None, allowed)
-                elif entry["sweep"] != identity:
+                elif entry["sweep"] != self._identity:
                     allowed = f"is another {self._what} (values, seed, scenario or build differ)"
                     raise InputError.one(self.path, "", None, f"{allowed}; leave out --resume")
             file.truncate(whole)
 
     def add(self, n: int, row: dict) -> None:
-        self._line({"n": n, "row": row})
+        self._line({"n": n, "row": row, "sum": checksum(self._identity, n, row)})
         self.rows[n] = row
 
     def _line(self, entry: dict) -> None:
@@ -87,14 +89,20 @@ def is_row(row: dict) -> bool:
     return good
 
 
-def _entry(line: bytes, good=is_row) -> dict:
+def checksum(identity: str, n: int, row: dict) -> str:
+    """What a line of the file ends with: a row that was changed by hand is not believed."""
+    return hashlib.sha256(json.dumps([identity, n, row]).encode()).hexdigest()[:16]
+
+
+def _entry(line: bytes, identity: str, good=is_row) -> dict:
     """{number: row}, or the first line; {} for what is neither: that row is run again."""
     try:
         entry = json.loads(line)
         if isinstance(entry.get("sweep"), str):
             return entry
         n, row = entry["n"], entry["row"]
-        return {n: row} if type(n) is int and 0 <= n < MAX_RUNS and good(row) else {}
+        whole = type(n) is int and 0 <= n < MAX_RUNS and entry["sum"] == checksum(identity, n, row)
+        return {n: row} if whole and good(row) else {}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
 

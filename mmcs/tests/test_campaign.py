@@ -381,16 +381,22 @@ def test_rows_of_other_faults_are_run_again():
 
 
 def test_damaged_rows_are_run_again():
-    from mmcs.sweeps.store import _entry
+    from mmcs.sweeps.store import _entry, checksum
 
     good = {"status": "ok", "class": MASKED, "motion": "m", "sort": "pin", "what": "w", "at": 0.1,
             "lasts": True, "off": 0.0, "beyond": 0.0, "deg": 0.0, "deg_s": 0.0, "after_ms": None,
             "by": "", "told": ""}  # fmt: skip
-    line = lambda row: json.dumps({"n": 3, "row": row}).encode()  # noqa: E731
-    assert _entry(line(good), plans.is_row) == {3: good}
+
+    def entry(row, summed=None, of="me"):
+        line = {"n": 3, "row": row, "sum": checksum(of, 3, summed or row)}
+        return _entry(json.dumps(line).encode(), "me", plans.is_row)
+
+    assert entry(good) == {3: good}
+    assert entry(good, of="another") == {}
     for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", []),
-                        ("deg", None), ("deg_s", None), ("class", DANGEROUS), ("class", SAFE),
-                        ("off", 20.0), ("after_ms", 3.0)]:  # fmt: skip
-        assert _entry(line(good | {name: value}), plans.is_row) == {}
+                        ("deg", None), ("deg_s", None)]:  # fmt: skip
+        assert entry(good | {name: value}) == {}
+    for name, value in [("class", HARMLESS), ("class", SAFE), ("off", 0.1), ("told", "missed")]:
+        assert entry(good | {name: value}, good) == {}  # changed by hand
     del good["told"]
-    assert _entry(line(good), plans.is_row) == {}
+    assert entry(good) == {}

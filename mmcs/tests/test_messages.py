@@ -144,6 +144,7 @@ def test_whatever_changes_in_the_driver_is_told(link):
         ("pace", {"speed": "1,5"}, 22, "speed"),
         ("advance", {"seconds": 1}, 16, "pause"),
         ("rewind", {"snapshot": 12345}, 22, "snapshot"),
+        ("ring", {"every_s": 0.001, "count": 1001}, 22, "count"),
         ("follow", {"every": 0}, 22, "every"),
         ("load", {"offset": 0x800}, 22, "offset"),
         ("load", {"offset": 0x408}, 5, "time-out"),
