@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server's inner loop in lock-step, in C: see sim/device/attend.c."""
+"""The server in lock-step: its inner loop in C (sim/device/attend.c), and its core."""
 
+import contextlib
+import ctypes
 import functools
 import os
+import time
 
 import cffi
 
@@ -15,6 +18,7 @@ from mmcs.engine.sim import Sim
 
 END_IDLE, END_BYTES, END_WAIT, END_REFUSED = range(4)
 TURNS = 1000
+CHOICE_S = 0.1  # of the clock on the wall, between choices of a core
 CALLS = ("read", "write", "run_to", "clock", "samples", "tap_head")
 CDEF = """
 struct attend {
@@ -93,3 +97,33 @@ class Attendant:
             if one is not file and one.line is None:
                 channels.append(one)
         return max(channels, key=lambda one: one.calls, default=None)
+
+
+class Core:
+    """The core that the server shares with its programs. Of all of them one runs at a time, and to
+    wake a process on another core takes more processor time than all its calls of a sample."""
+
+    def __init__(self):
+        self._allowed = os.sched_getaffinity(0)
+        self._due = 0.0
+        self.share([], 0.0)  # programs that the server starts begin there
+
+    def share(self, pids: list[int], now: float) -> None:
+        """Chooses the core anew every CHOICE_S: an idle one, if there is one."""
+        if now < self._due:
+            return
+        self._due = now + CHOICE_S
+        os.sched_setaffinity(0, self._allowed)
+        time.sleep(1e-6)  # the kernel wakes a process on an idle core
+        self._move(pids, {ctypes.CDLL(None).sched_getcpu()})
+
+    def leave(self, pids: list[int]) -> None:
+        self._move(pids, self._allowed)
+
+    @staticmethod
+    def _move(pids: list[int], cores: set[int]) -> None:
+        os.sched_setaffinity(0, cores)
+        for pid in pids:
+            with contextlib.suppress(OSError):  # it may have ended
+                for thread in os.listdir(f"/proc/{pid}/task"):
+                    os.sched_setaffinity(int(thread), cores)

@@ -91,7 +91,7 @@ class Lockstep:
         self._numbers = 0
         self._running: Line | None = None
         self._last = (-1, -1)  # the order of who ran last
-        self._watchers: list[tuple[object, int]] = []
+        self.watchers: list[tuple[object, int]] = []  # for a sample, beside the lines
         self._patience = 0  # the clock until which they wait
         self._began = time.monotonic()  # of what runs now
         self._told = self.on = False
@@ -118,6 +118,11 @@ class Lockstep:
 
     def has(self, pid: int) -> bool:
         return pid in self._processes
+
+    @property
+    def attached(self) -> list[int]:
+        """Processes with the library, of all whose threads one runs at a time."""
+        return [p.pid for p in self._processes.values() if any(line.key for line in p.lines)]
 
     def heard(self, fd: int) -> bool:
         """True: this descriptor was a process, which has ended."""
@@ -247,7 +252,7 @@ class Lockstep:
 
     def watch(self, connection, pid: int) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""
-        self._watchers.append((connection, pid))
+        self.watchers.append((connection, pid))
         self._patience = self._last_moment()
 
     def _last_moment(self) -> int:
@@ -272,7 +277,7 @@ class Lockstep:
     def alone(self) -> Line | None:
         """The line that runs, if nothing else can go on but by what it does, as time passes."""
         line, programs = self._running, self._processes.values()
-        if line is None or self._ended or self._watchers:
+        if line is None or self._ended or self.watchers:
             return None
         usual = not any(p.starting or p.expected > 0 or p.timers or p.fired for p in programs)
         return line if usual and all(x is line or x.sleeps for x in self._lines()) else None
@@ -338,7 +343,7 @@ class Lockstep:
         sim = self._sim
         ends = [x.wait.until for x in lines if x.wait.until != wire.NEVER]
         ends += [t[0] for p in self._processes.values() for t in p.timers.values()]
-        samples = self.watched or any(x.wait.what & wire.WAIT_SAMPLE for x in lines)
+        samples = bool(self.watchers) or any(x.wait.what & wire.WAIT_SAMPLE for x in lines)
         files = [x for x in lines if x.wait.what & wire.WAIT_FILES]
         if files and not ends and not samples and len(files) == len(lines):
             files[0].cause = wire.CAUSE_OUTSIDE  # only the outside world can go on
@@ -368,15 +373,10 @@ class Lockstep:
                 line.look = True
         self.answer_watchers(sampled)
 
-    @property
-    def watched(self) -> bool:
-        """Somebody waits for a sample beside the lines."""
-        return bool(self._watchers)
-
     def answer_watchers(self, sampled: bool) -> None:
-        if not self._watchers or not (sampled or self._sim.clock > self._patience):
+        if not self.watchers or not (sampled or self._sim.clock > self._patience):
             return
-        watchers, self._watchers = self._watchers, []
+        watchers, self.watchers = self.watchers, []
         for connection, pid in watchers:
             connection.reply(0 if sampled else -wire.EIO, self.now() if sampled else b"")
             for line in self._processes[pid].lines if pid in self._processes else ():

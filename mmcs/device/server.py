@@ -17,7 +17,7 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
-from mmcs.device.attend import Attendant
+from mmcs.device.attend import Attendant, Core
 from mmcs.device.connection import GONE, IN, OUT, Connection
 from mmcs.device.lockstep import Lockstep
 from mmcs.device.machine import Machine
@@ -55,6 +55,7 @@ class Server:
         self._poll = select.epoll()
         self.lockstep = Lockstep(sim, self._poll, self._signal, console)
         self.lockstep.on = lockstep
+        self._core = Core() if lockstep else None
         quick = lockstep and type(sim) is Sim
         self._attendant = Attendant(sim, self._poll.fileno()) if quick else None
         self._doors = {}
@@ -73,6 +74,8 @@ class Server:
         self.sim.set_look(lambda: 0)
         for connection in list(self.connections.values()):
             self._hang_up(connection)
+        if self._core is not None:
+            self._core.leave(self.lockstep.attached)
         self.lockstep.close()
         self.name.release()
         self.stop_path.close()
@@ -87,6 +90,8 @@ class Server:
 
     def step(self) -> None:
         """Answers what has come in, and lets time pass if it is due."""
+        if self._core is not None:
+            self._core.share(self.lockstep.attached, self._listened)
         if self.stop_path.serve():
             self._send()  # everybody hears of a stop before time goes on
         elif self.lockstep.on and not self.pace.paused and self._target is None:
@@ -204,7 +209,7 @@ class Server:
     def _run(self, until: float) -> None:
         """Not past the next sample, if somebody waits for it."""
         clock, before = round(until * self._hz), self.sim.samples
-        self.sim.run_to(max(clock, self.sim.clock + 1), self.lockstep.watched)
+        self.sim.run_to(max(clock, self.sim.clock + 1), bool(self.lockstep.watchers))
         self.pace.passed(bool(self._signal()))
         self.lockstep.answer_watchers(self.sim.samples != before)
 

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server's inner loop in C (sim/device/attend.c) serves as the server itself does."""
+"""The server's inner loop in C (sim/device/attend.c) serves as the server itself does; its core."""
 
 import itertools
+import os
 import struct
+import subprocess
 import sys
 
 import pytest
 
 from mmcs.device import wire
-from mmcs.device.attend import Attendant
+from mmcs.device.attend import Attendant, Core
 from mmcs.tests.device_bench import EXAMPLES, run_in_lockstep
-from mmcs.tests.test_lockstep import example
+from mmcs.tests.test_lockstep import example, python
 
 STOPS = """
 import mmcs
@@ -148,3 +150,33 @@ def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypat
         assert "cleared" in runs[0][2]
     if what == STOPS:
         assert "stopped, MENABLE first" in runs[0][2] and "at most 2 joints" in runs[0][2]
+
+
+CORES = """
+import os, threading, mmcs
+def tell():
+    print(len(os.sched_getaffinity(0)), flush=True)
+with mmcs.Device(flags=os.O_RDONLY) as dev:
+    dev.wait(), tell()
+    thread = threading.Thread(target=tell)
+    thread.start(), thread.join()
+    if os.fork() == 0:
+        tell(), os._exit(0)
+    os.wait()
+"""
+
+
+def test_server_and_programs_share_a_core(tmp_path):
+    """To wake a process on another core costs more than what the calls of a sample do."""
+    before, out = os.sched_getaffinity(0), tmp_path / "out"
+    assert run_in_lockstep(tmp_path / "m", *python(CORES, out))[0] == 0
+    assert out.read_text().split() == ["1", "1", "1"] and os.sched_getaffinity(0) == before
+    core, child = Core(), subprocess.Popen(["sleep", "60"])
+    os.sched_setaffinity(child.pid, before)
+    core.share([child.pid], 1.0)
+    shared = os.sched_getaffinity(0)
+    assert os.sched_getaffinity(child.pid) == shared and len(shared) == 1
+    core.leave([child.pid])
+    assert os.sched_getaffinity(child.pid) == os.sched_getaffinity(0) == before
+    child.kill(), child.wait()
+    core.share([child.pid], 2.0), core.leave([child.pid])  # it has ended
