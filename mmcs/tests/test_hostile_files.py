@@ -276,6 +276,39 @@ def test_damaged_build_is_made_again(tmp_path, monkeypatch):
     assert build.ensure_library(1, "speed") == library and len(made) == 5
 
 
+def test_build_of_which_files_are_gone_is_made_again(tmp_path, monkeypatch):
+    """Stamps alone tell make that all is there."""
+    library = tmp_path / "sim" / "speed_c1" / "libmmcs_sim.so"
+    stamp = tmp_path / "sim" / "boards" / "boards.stamp"
+
+    def run(command, env, log=False):
+        if stamp.exists():
+            build.LOG.write_text("parts_fast.cpp:3:23: fatal error: Vx.edges: No such file\n")
+            return 2
+        library.parent.mkdir(parents=True)
+        library.write_bytes(b"good")
+        return 0
+
+    stamp.parent.mkdir(parents=True)
+    stamp.touch()
+    monkeypatch.setattr(build, "BUILD", tmp_path)
+    monkeypatch.setattr(build, "LOG", tmp_path / "sim" / "build.log")
+    monkeypatch.setattr(build, "_run", run)
+    monkeypatch.setattr(build, "_spinner", lambda _: io.StringIO())
+    assert build.ensure_library(1, "speed") == library and not stamp.exists()
+
+
+def test_make_is_told_nothing_of_the_users_own_work(monkeypatch):
+    """Nor does it build a model of no boards, as of a list that cannot be read."""
+    make = ["make", "-n", "-s", "-f", "sim/Makefile"]
+    bad = {"PYTHONIOENCODING": "utf-16", "RTL_DIR": "/nonexistent", "MAKEFILES": "/etc/passwd"}
+    for name, value in bad.items():
+        monkeypatch.setenv(name, value)
+    for env, wrong in ((build.make_env(), False), ({**os.environ, "MAKEFILES": ""}, True)):
+        done = subprocess.run(make, check=False, cwd=build.ROOT, env=env, text=True, stderr=-1)
+        assert (done.returncode != 0) == wrong == ("lists no boards" in done.stderr)
+
+
 def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     """Who has it in front of his program would die of it."""
     from mmcs.device import libraries
