@@ -326,7 +326,8 @@ class Machine:
     def _wrong_pins(self, t: float | None = None) -> str:
         wrong = []
         for name, pin in INPUTS.items():
-            for index, value in self.wrong_values(name, t).items() if pin.made_by == "PIN" else ():
+            at_fault = pin.made_by == "PIN" or name.startswith("encoder")
+            for index, value in self.wrong_values(name, t).items() if at_fault else ():
                 where = "" if pin.scope == "machine" else f"{pin.scope} {index}: "
                 meaning = pin.meaning.removeprefix(f"{value:g}: ")
                 wrong.append(where + (meaning if meaning != pin.meaning else f"{name} {value:g}"))

@@ -43,12 +43,13 @@ PANICS = [
 @pytest.mark.parametrize("name, index, value, why, pin", PANICS)
 def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why, pin):
     told = []
-    known = f"the simulator knows: {pin}"
+    known = f"the simulator knows: {pin}, axis 1: wires A and B are swapped"
     with Bench(tmp_path) as bench:
         bench.server.machine.console = told.append
         child = bench.python(ASKED)
         lines = [_line(bench, child) for _ in range(4)]
         assert lines == ["False False True True True", "True", "False True True", "False"]
+        bench.server.machine.set_input("encoder_swap", 1, 1)
         bench.server.machine.set_input(name, index, value)
         child.stdin.write("\n")
         child.stdin.flush()

@@ -133,9 +133,9 @@ uint64_t lock_until(clockid_t clock, const struct timespec *at) {
 
 /* --- waiting --------------------------------------------------------------------------- */
 
-static uint64_t bits_of(const sigset_t *set) {
-  uint64_t bits = 0;
-  for (int n = 1; n <= 64; n++) bits |= (uint64_t)(sigismember(set, n) == 1) << (n - 1);
+static uint64_t bits_of(const sigset_t *set) { /* the C library's first word */
+  uint64_t bits;
+  memcpy(&bits, set, sizeof(bits));
   return bits;
 }
 

@@ -253,25 +253,19 @@ int pthread_barrier_wait(pthread_barrier_t *given) {
 
 /* --- children -------------------------------------------------------------------------- */
 
-static pid_t await_child(pid_t pid, int *status, int options, struct rusage *usage) {
-  for (;;) {
-    pid_t found = REAL(wait4)(pid, status, options | WNOHANG, usage);
-    if (found != 0 || (options & WNOHANG)) return found;
-    switch (lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0)) {
-      case CAUSE_SIGNAL:
-        errno = EINTR;
-        return -1;
-      case CAUSE_OUTSIDE:
-        return REAL(wait4)(pid, status, options, usage);
-      default: /* a child may have ended */
-        break;
-    }
-  }
+/* How to ask for a child again: WNOHANG, or 0 where only the world outside can end one; or -1. */
+static int await_child(void) {
+  int cause = lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
+  if (cause == CAUSE_SIGNAL) errno = EINTR;
+  return cause == CAUSE_SIGNAL ? -1 : cause == CAUSE_OUTSIDE ? 0 : WNOHANG;
 }
 
 pid_t wait4(pid_t pid, int *status, int options, struct rusage *usage) {
-  if (!lock_on()) return REAL(wait4)(pid, status, options, usage);
-  return await_child(pid, status, options, usage);
+  for (int how = lock_on() ? WNOHANG : 0; how >= 0; how = await_child()) {
+    pid_t found = REAL(wait4)(pid, status, options | how, usage);
+    if (found != 0 || (options & WNOHANG)) return found;
+  }
+  return -1;
 }
 pid_t wait3(int *status, int options, struct rusage *usage) {
   return wait4(-1, status, options, usage);
@@ -284,22 +278,13 @@ pid_t wait(int *status) {
 }
 
 int waitid(idtype_t kind, id_t id, siginfo_t *info, int options) {
-  siginfo_t own = {0}, *found = info != NULL ? info : &own;
-  if (!lock_on() || (options & WNOHANG)) return REAL(waitid)(kind, id, info, options);
-  for (;;) {
+  siginfo_t own, *found = info != NULL ? info : &own;
+  for (int how = lock_on() ? WNOHANG : 0; how >= 0; how = await_child()) {
     found->si_pid = 0;
-    if (REAL(waitid)(kind, id, found, options | WNOHANG) < 0) return -1;
-    if (found->si_pid != 0) return 0;
-    switch (lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0)) {
-      case CAUSE_SIGNAL:
-        errno = EINTR;
-        return -1;
-      case CAUSE_OUTSIDE:
-        return REAL(waitid)(kind, id, info, options);
-      default:
-        break;
-    }
+    int result = REAL(waitid)(kind, id, found, options | how);
+    if (result < 0 || found->si_pid != 0 || (options & WNOHANG)) return result;
   }
+  return -1;
 }
 
 pid_t fork(void) {
