@@ -253,6 +253,8 @@ static void kin(void) {
   child();
   TIMED(wait4(-1, NULL, 0, NULL) > 0);
   child();
+  ualarm(1000, 0);
+  TIMED(wait4(-1, NULL, 0, NULL)); /* ends with the alarm */
   TIMED(waitid(P_ALL, 0, &info, WEXITED));
 }
 
