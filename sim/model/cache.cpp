@@ -141,6 +141,7 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   uint32_t written = 0;
   for (const Copy &c : draft.copies) {
     t->swaps = t->swaps || (c.mask && written >> c.from & 1);
+    t->shows = t->shows && cells_[c.to].out && !(c.mask && cells_[c.from].counter);
     written |= 1u << c.to;
   }
   at += sizeof(Transition);

@@ -76,6 +76,7 @@ struct Transition {
   bool tells = true;   // outputs move
   bool moves = false;  // it has copies or counts
   bool swaps = false;  // a copy reads what one before it writes
+  bool shows = true;   // copies outputs only, none of a counter
   Alike alike = Alike::kUnknown;
   uint8_t met = 0;  // how often, until it is worth learning
 

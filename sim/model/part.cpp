@@ -182,7 +182,7 @@ void Part::ask(Transition **at, bool clock) {
 }
 
 // The cache does not know its state.
-void Part::follow_slowly(int64_t t) {
+bool Part::follow_slowly(int64_t t) {
   catch_up(t);
   if (cached_) {
     store();
@@ -192,6 +192,7 @@ void Part::follow_slowly(int64_t t) {
   data_ = 0;
   store();
   plan();
+  return true;
 }
 
 void Part::clock_slowly() {
@@ -217,8 +218,7 @@ void Part::slow_clock(int64_t t) {
 }
 
 void Part::catch_up_slowly(int64_t t) {
-  bool held = due_ > last_ + 1;  // when it was planned, and nothing has moved since
-  for (; last_ < t; held = false) {
+  while (last_ < t) {
     Chain *chain = state_ ? state_->chain : nullptr;
     const Transition *next = state_ ? state_->clock : nullptr;
     if (chain && chain->clocks <= t - last_) {
@@ -229,7 +229,7 @@ void Part::catch_up_slowly(int64_t t) {
       last_ += chain->clocks;
     } else if (!next || !next->to) {  // the model's own clock is none that is put off
       last_ = t;
-    } else if (next->rests && (held || holds(*next))) {
+    } else if (next->rests && holds(*next)) {
       count(*next, t - last_);
       last_ = t;
     } else {
@@ -238,14 +238,6 @@ void Part::catch_up_slowly(int64_t t) {
       ++last_;
     }
   }
-}
-
-void Part::count(const Transition &t, int64_t clocks) {
-  if (t.count_count == 0) return;
-  for (const Count &c : t.counts()) {
-    cells_[c.cell] = (cells_[c.cell] + c.by * static_cast<uint32_t>(clocks)) & c.mask;
-  }
-  live_ = false;
 }
 
 // A clock leaves the cells as they are, but for what counts.
@@ -266,7 +258,8 @@ void Part::plan_slowly() {
   if (!t) return;
   if (t->rests && (t->near || t->copy_count != 0)) {
     state_->rests = t->copy_count == 0;
-    if (holds(*t)) due_ = t->near ? room(*t) : kNever;
+    rests_ = holds(*t);
+    if (rests_) due_ = t->near ? room(*t) : kNever;
     return;
   }
   look_ahead(state_);

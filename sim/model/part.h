@@ -69,10 +69,16 @@ class Part {
   void hold(const Poke &poke);
 
   // An input has this value from now on, after edge t. True: follow() must come.
+  // bits: those of it that have.
   template <class Input>
-  bool put(const Input &port, uint64_t value, int64_t t) {
-    if (port.data) return put_data(port.at, static_cast<uint32_t>(value), t);
-    const uint64_t now = (in_ & ~port.mask) | (value << port.at & port.mask);
+  bool put(const Input &port, uint64_t value, int64_t t, uint64_t bits = ~uint64_t{0}) {
+    if (port.data) {
+      const uint32_t some = static_cast<uint32_t>(bits);
+      return put_data(port.at, (cells_[port.at] & ~some) | (static_cast<uint32_t>(value) & some),
+                      t);
+    }
+    const uint64_t mask = port.mask & bits << port.at;
+    const uint64_t now = (in_ & ~mask) | (value << port.at & mask);
     if (now == in_) return false;
     in_ = now;
     return true;
@@ -82,8 +88,8 @@ class Part {
     return ((port.out ? out_ : in_) & port.mask) >> port.at;
   }
 
-  // After edge t inputs have moved: what follows from them.
-  void follow(int64_t t);
+  // After edge t inputs have moved: what follows from them. False: it is due when it was.
+  bool follow(int64_t t);
   // Edge t, with inputs as they stand.
   void clock(int64_t t);
   // Both edges of the clock by Verilator's own eval().
@@ -91,7 +97,8 @@ class Part {
   // Its counters up to edge t; nothing else happens to it until then.
   void catch_up(int64_t t) {
     if (last_ >= t) return;
-    if (!state_ || !state_->still) return catch_up_slowly(t);
+    if (!rests_) return catch_up_slowly(t);
+    if (!state_->still) count(*state_->clock, t - last_);
     last_ = t;
   }
   // No clock came up to edge t.
@@ -156,15 +163,20 @@ class Part {
   void poke();
   void step(Transition **at, bool clock);
   void ask(Transition **at, bool clock);
-  void follow_slowly(int64_t t);
+  bool follow_slowly(int64_t t);
   void clock_slowly();
   void apply(const Transition &t);
   // Clocks that were put off see the input as it was; nobody may look at it.
   bool put_data(int cell, uint32_t value, int64_t t) {
     if (cells_[cell] == value) return false;
-    catch_up(t);
-    cells_[cell] = value;
     const uint32_t bit = 1u << cell;
+    if (rests_ && state_->clock->sources & bit) {
+      catch_up(t);
+      rests_ = false;
+    } else if (!rests_) {
+      catch_up(t);
+    }
+    cells_[cell] = value;
     if (state_ && in_ == state_->in && cached_) {
       const Transition *same = state_->same, *clock = state_->clock;
       if (same && same->to && clock && !((same->sources | clock->sources) & bit)) {
@@ -183,6 +195,7 @@ class Part {
   State *state_ = nullptr;  // null: only the model knows
   bool live_ = true;        // the model is at the state
   bool always_ = false, cached_ = true;
+  bool rests_ = false;  // its clocks do nothing but count, until an input moves or it is due
   std::vector<Poke> pokes_;
   std::shared_ptr<Cache> free_;  // the cache of the module, for when no bits are held
   uint64_t in_ = 0, out_ = 0, told_ = 0;
@@ -239,23 +252,29 @@ inline void Part::step(Transition **at, bool clock) {
 
 inline void Part::plan() {
   due_ = last_ + 1;
+  rests_ = false;
   if (!state_ || !cached_) return;
   const int quiet = state_->quiet;
   if (quiet < 0) return plan_slowly();
   due_ = state_->ends ? kNever : due_ + quiet;
+  rests_ = state_->rests;
 }
 
-inline void Part::follow(int64_t t) {
+inline bool Part::follow(int64_t t) {
   if (!state_ || !cached_) return follow_slowly(t);
-  if (in_ == state_->in) {
-    catch_up(t);
-    const Transition *same = state_->same;
+  State *from = state_;
+  if (in_ == from->in) {
+    const Transition *same = from->same;
+    const bool shows = same && same->to && same->shows && rests_;
+    if (!shows) catch_up(t);
     if (!same || !same->to || same->sources & data_)
-      step(&state_->same, false);
+      step(&from->same, false);
     else
       live_ = false;
+    data_ = 0;
+    if (shows && state_ == from) return false;
   } else {
-    if (!state_->rests) catch_up(t);
+    if (!from->rests) catch_up(t);
     Transition **first = &state_->inputs, **at = first;
     while (*at && (*at)->in != in_) at = &(*at)->next;
     Transition *known = *at;
@@ -264,9 +283,8 @@ inline void Part::follow(int64_t t) {
       known->next = *first;
       *first = known;
     }
-    State *from = state_;
     if (from->rests) {
-      if (known && known->alike == Alike::kYes && data_ == 0) return;  // it stays where it is
+      if (known && known->alike == Alike::kYes && data_ == 0) return false;  // it stays where it is
       catch_up(t);
     }
     step(known ? first : at, false);
@@ -277,6 +295,14 @@ inline void Part::follow(int64_t t) {
   }
   data_ = 0;
   plan();
+  return true;
+}
+
+inline void Part::count(const Transition &t, int64_t clocks) {
+  for (const Count &c : t.counts()) {
+    cells_[c.cell] = (cells_[c.cell] + c.by * static_cast<uint32_t>(clocks)) & c.mask;
+  }
+  live_ = false;
 }
 
 inline void Part::clock(int64_t t) {

@@ -269,6 +269,7 @@ void Part::written(int64_t t) {
   store();
   last_ = t;
   due_ = t + 1;
+  rests_ = false;
 }
 
 // With held bits its transitions are others than those of its module: it has a cache of its own.

@@ -72,12 +72,12 @@ class Pins {
   void set(Pin pin, int index, unsigned value);
   // The three wires of an encoder at once: bit 0 A, bit 1 B, bit 2 index.
   void set_encoder(int axis, unsigned pins) {
-    unsigned &before = encoders_[static_cast<size_t>(axis)];
-    const unsigned moved = before ^ pins;
-    before = pins;
-    if (moved & 1) later(kEncA, axis, 1, pins & 1);
-    if (moved & 2) later(kEncB, axis, 1, pins >> 1 & 1);
-    if (moved & 4) later(kEncI, axis, 1, pins >> 2 & 1);
+    for_moved(axis, pins,
+              [&](int port, uint64_t on) { later(static_cast<Port>(port), axis, 1, on); });
+  }
+  // The same, at its clock.
+  void move_encoder(int axis, unsigned pins) {
+    for_moved(axis, pins, [&](int port, uint64_t on) { put(port, axis, 1, on); });
   }
   // The bus master: address, modifier, direction and data, of an acknowledge IACK* with them; the
   // strobes; the daisy chain; idle.
@@ -110,6 +110,16 @@ class Pins {
   void later(Port port, int lsb, int width, uint64_t value) {
     changes_.push_back({port, lsb, width, value});
     if (also_) also_->changes_.push_back(changes_.back());
+  }
+  // Of the wires of an encoder those that move.
+  template <class F>
+  void for_moved(int axis, unsigned pins, F f) {
+    unsigned &before = encoders_[static_cast<size_t>(axis)];
+    const unsigned moved = before ^ pins;
+    before = pins;
+    for (unsigned n = 0; n < 3; ++n) {
+      if (moved >> n & 1) f(kEncA + static_cast<int>(n), pins >> n & 1);
+    }
   }
   // A port that moves as a whole: only if it moves.
   void hand(Port port, int width, uint64_t value) {

@@ -67,27 +67,9 @@ void Rack::changed(int net, int lsb, int width) {
   for_readers(net, lsb, width, [this](const Reader &r) { show(*r.wire); });
 }
 
-template <class Input>
-inline void Rack::arrive(Part &part, const Input &port, uint64_t value) {
-  if (stopped_) part.pass(clock_);
-  if (part.put(port, value, clock_)) touch(part);
-}
-
 // The net's value at an input.
 void Rack::show(Wire &wire) {
   arrive(*wire.part, *wire.port, wire.through(wires_.get(wire.net, wire.lsb, wire.width)));
-}
-
-// An input of the machine that nothing but ports of boards is on.
-void Rack::arrive_directly(const Reader &reader, int lsb, int width, uint64_t value) {
-  Wire &wire = *reader.wire;
-  const int low = std::max(lsb, reader.lsb);
-  const int bits = std::min(lsb + width, reader.lsb + reader.width) - low;
-  const uint64_t mask = ((uint64_t{1} << bits) - 1) << (low - reader.lsb);
-  const uint64_t after = (wire.shown & ~mask) | (value >> (low - lsb) << (low - reader.lsb) & mask);
-  if (after == wire.shown) return;
-  wire.shown = after;
-  arrive(*wire.part, *wire.port, after);
 }
 
 // An output that has moved takes its net along.
@@ -170,8 +152,7 @@ void Rack::settle() {
       Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(touched_))];
       touched_ &= touched_ - 1;
       if (stopped_) part.pass(clock_);
-      part.follow(clock_);
-      plan(part);
+      if (part.follow(clock_)) plan(part);
       if (part.tells()) tell(part);
     } else {
       return;
@@ -302,16 +283,16 @@ bool Rack::expect(std::vector<EncoderEdge> &edges) {
 
 void Rack::take_coming(int64_t t) {
   for (; coming_at_ <= t; ++next_coming_, plan_coming()) {
-    pins_.set_encoder(coming_[next_coming_].axis, coming_[next_coming_].pins);
+    pins_.move_encoder(coming_[next_coming_].axis, coming_[next_coming_].pins);
   }
 }
 
 Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   const int64_t begin = clock_;
   Stop stop = Stop::kDone;
-  const unsigned wanted = dtack < 0 ? 2u : static_cast<unsigned>(dtack);
+  const unsigned wanted = static_cast<unsigned>(dtack);
   // A level that stands already is seen after the first clock, if it stands then, too.
-  const bool stands = level() == wanted;
+  const bool stands = dtack >= 0 && level() == wanted;
   if ((++runs_ & 1023) == 0) {
     for (const auto &part : parts_) {
       if (part->cache->full()) forget(*part->cache);
@@ -339,7 +320,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
         break;
       }
     }
-    if (level() == wanted) {
+    if (dtack >= 0 && level() == wanted) {
       stop = Stop::kDtack;
       break;
     }

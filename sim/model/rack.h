@@ -26,7 +26,7 @@ struct Wire {
   int board;
   const char *name;           // of the board's port
   uint64_t held = 0, at = 0;  // bits that a fault holds, and at what
-  uint64_t shown = 0;         // what the net, or the input, has of it
+  uint64_t shown = 0;         // of an output: what the net has of it
 
   uint64_t through(uint64_t value) const { return (value & ~held) | at; }
   uint64_t get() const { return part->get(*port); }
@@ -115,9 +115,10 @@ class Rack : public Model, protected Ports, private Listener {
   void changed(int net, int lsb, int width) override;
   void show(Wire &wire);
   template <class Input>
-  void arrive(Part &part, const Input &port, uint64_t value);
-  struct Reader;
-  void arrive_directly(const Reader &reader, int lsb, int width, uint64_t value);
+  void arrive(Part &part, const Input &port, uint64_t value, uint64_t bits = ~uint64_t{0}) {
+    if (stopped_) part.pass(clock_);
+    if (part.put(port, value, clock_, bits)) touch(part);
+  }
   void touch(const Part &part) { touched_ |= uint64_t{1} << part.number; }
   void drive(Wire &wire);
   void tell(Part &part);
@@ -153,6 +154,7 @@ class Rack : public Model, protected Ports, private Listener {
   struct Reader {
     int lsb, width;
     Wire *wire;
+    Link to;
   };
   std::vector<std::vector<Reader>> readers_;              // of each net
   std::vector<std::vector<std::vector<Reader>>> by_bit_;  // from each bit of the inputs' nets on
@@ -172,7 +174,8 @@ class Rack : public Model, protected Ports, private Listener {
   uint64_t touched_ = 0;  // parts that must follow
   std::vector<const Wire *> drives_, leds_;
   int ports_[kPorts];
-  bool direct_[kPorts];  // nothing but ports of boards is on this net: it has no value of its own
+  bool direct_[kPorts] =
+      {};  // nothing but ports of boards is on this net: it has no value of its own
   // The bus that cards hear: nets by the decoder's ports, wires by card.
   Ears ears_;
   static constexpr size_t kBusPorts = 5;

@@ -18,18 +18,20 @@ unsigned Rack::vme_sample() {
 
 void Rack::put(Port port, int lsb, int width, uint64_t value) {
   const int n = ports_[port];
+  if (port == kDip) dips_moved_ = bus_moved_ = true;
+  if (direct_[port]) {
+    const auto ones = [](int count) { return (uint64_t{1} << count) - 1; };
+    for_readers(n, lsb, width, [&](const Reader &r) {
+      const int up = lsb - r.lsb, down = up < 0 ? -up : 0;
+      const uint64_t bits = ones(width) >> down << (up + down) & ones(r.width);
+      arrive(*r.to.part, r.to, value >> down << (up + down), bits);
+    });
+    return;
+  }
   if (n < 0) return;
   const int rest = kWires.nets[static_cast<size_t>(n)].width - lsb;
   if (rest <= 0) return;
-  width = std::min(width, rest);
-  if (direct_[port]) {
-    for_readers(n, lsb, width, [&](const Reader &r) { arrive_directly(r, lsb, width, value); });
-  } else {
-    wires_.put(n, lsb, width, value);
-  }
-  if (port == kDip) {
-    dips_moved_ = bus_moved_ = true;
-  }
+  wires_.put(n, lsb, std::min(width, rest), value);
 }
 
 void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {

@@ -84,7 +84,8 @@ void Rack::wire() {
         }
         read[net] = 2;
       } else {
-        readers_[net].push_back({wire->lsb, wire->width, wire.get()});
+        readers_[net].push_back(
+            {wire->lsb, wire->width, wire.get(), {&part, port.mask, port.at, port.data}});
         read[net] = 1;
       }
       if (std::strcmp(info.port, "dip_i") == 0) dips_.emplace_back(&part, &port);
