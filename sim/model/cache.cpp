@@ -127,7 +127,7 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   const size_t copies = draft.copies.size() * sizeof(Copy),
                counts = draft.counts.size() * sizeof(Count);
   char *at = static_cast<char *>(take(sizeof(Transition) + copies + counts));
-  Transition *t = new (at) Transition;
+  Transition *t = new (at) Transition{};
   t->in = in;
   t->to = to;
   t->sources = draft.sources;
@@ -138,6 +138,7 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   t->copy_count = static_cast<uint8_t>(draft.copies.size());
   t->count_count = static_cast<uint8_t>(draft.counts.size());
   t->moves = copies != 0 || counts != 0;
+  t->shows = true;
   uint32_t written = 0;
   for (const Copy &c : draft.copies) {
     t->swaps = t->swaps || (c.mask && written >> c.from & 1);

@@ -62,23 +62,25 @@ enum class Alike : uint8_t { kUnknown, kNo, kYes };
 
 // A hit touches little memory: copies and counts lie right behind the transition.
 struct Transition {
-  uint64_t in = 0;              // the inputs that lead to it
-  State *to = nullptr;          // null: not known, or data decide
-  State *other = nullptr;       // the same, with other counters at their margin
-  Transition *next = nullptr;   // another one from the same state
-  Transition *cases = nullptr;  // where data decide: by their values
-  uint32_t sources = 0;         // data inputs that it looks at
-  uint32_t asks = 0;            // cells that the model computes
-  bool is_case = false, by_value = false;
+  uint64_t in = 0;             // the inputs that lead to it
+  State *to = nullptr;         // null: not known, or data decide
+  Transition *next = nullptr;  // another one from the same state
+  union {
+    State *other = nullptr;  // the same, with other counters at their margin
+    Transition *cases;       // where data decide: by their values; it leads nowhere itself
+  };
+  uint32_t sources = 0;  // data inputs that it looks at
+  uint32_t asks = 0;     // cells that the model computes
   uint8_t copy_count = 0, count_count = 0;
-  bool rests = false;  // from a state to itself, and it may go on
-  bool near = false;   // a counter may come to its margin, or from it
-  bool tells = true;   // outputs move
-  bool moves = false;  // it has copies or counts
-  bool swaps = false;  // a copy reads what one before it writes
-  bool shows = true;   // copies outputs only, none of a counter
   Alike alike = Alike::kUnknown;
   uint8_t met = 0;  // how often, until it is worth learning
+  bool is_case : 1, by_value : 1;
+  bool rests : 1;  // from a state to itself, and it may go on
+  bool near : 1;   // a counter may come to its margin, or from it
+  bool tells : 1;  // outputs move
+  bool moves : 1;  // it has copies or counts
+  bool swaps : 1;  // a copy reads what one before it writes
+  bool shows : 1;  // copies outputs only, none of a counter
 
   template <class T>
   struct Span {

@@ -145,7 +145,7 @@ void Part::near(const Transition &t) {
 // A step that is not learned yet, that data decide, or that the model is asked about, too.
 void Part::ask(Transition **at, bool clock) {
   if (!*at) *at = cache->add({}, in_, nullptr);
-  if ((*at)->cases) at = case_of(*at);
+  if (!(*at)->to && (*at)->cases) at = case_of(*at);
   Transition *t = *at;
   const bool known = t->met == kMet && !t->asks;
   if (t->met < kMet) {
