@@ -46,6 +46,7 @@ struct Copy {
 };
 struct Count {
   uint8_t cell;
+  int8_t margin;  // the cell's
   uint32_t by, mask;
 };
 

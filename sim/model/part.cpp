@@ -293,12 +293,11 @@ void Part::look_ahead(State *s) {
 int64_t Part::room(const Transition &t) const {
   int64_t room = kNever;
   for (const Count &c : t.counts()) {
-    const Cell &cell = cache->cells()[c.cell];
-    if (cell.margin < 0) continue;
-    const uint32_t down = (0 - c.by) & cell.mask, now = cells_[c.cell];
-    int64_t left = int64_t{now} - cell.margin - 1;
-    if (down > cell.mask / 2 + 1)
-      left = (int64_t{cell.mask} - now) / c.by;
+    if (c.margin < 0) continue;
+    const uint32_t down = (0 - c.by) & c.mask, now = cells_[c.cell];
+    int64_t left = int64_t{now} - c.margin - 1;
+    if (down > c.mask / 2 + 1)
+      left = (int64_t{c.mask} - now) / c.by;
     else if (down != 1)
       left /= down;
     room = std::min(room, left);
