@@ -201,7 +201,8 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
     const uint32_t by = (seen[0].after[c] - seen[0].before[c]) & cell.mask;
     if (cell.counter && !(fixed >> c & 1) &&
         all([&](const Seen &s) { return ((s.after[c] - s.before[c]) & cell.mask) == by; })) {
-      t->counts.push_back({static_cast<uint8_t>(c), static_cast<int8_t>(cell.margin), by, cell.mask});
+      t->counts.push_back(
+          {static_cast<uint8_t>(c), static_cast<int8_t>(cell.margin), by, cell.mask});
       counted |= 1u << c;
       t->near = t->near || cell.margin >= 0;
       continue;
