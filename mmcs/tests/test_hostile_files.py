@@ -8,6 +8,7 @@ import io
 import json
 import os
 import random
+import resource
 import shutil
 import subprocess
 import zipfile
@@ -325,6 +326,17 @@ def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     libraries.preload_library()
     assert library.stat().st_ino == before
     assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
+
+
+def test_waveforms_that_find_no_room_are_told(tmp_path):
+    """A limit on the size of files does what a full disk does."""
+    path = tmp_path / "short.toml"
+    path.write_text(GOOD)
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # noqa: E731
+    run = ("run", path, "--out", tmp_path / "o", "--trace", tmp_path / "x.fst")
+    assert command(*run)[0] == 0  # what has to be built is built
+    status, _, err = command(*run, preexec_fn=limit)  # noqa: PLW1509
+    assert status == 1 and b"waveforms cannot be written: free room on the disk" in err
 
 
 def test_full_disk_is_told_as_such(tmp_path, monkeypatch):
