@@ -39,6 +39,20 @@ def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
 
 
 @pytest.mark.req("TOOL-1")
+def test_an_answer_that_is_none_is_told_as_no_answer(tmp_path, monkeypatch):
+    """Of another program's socket, too: the button stays connected to its page."""
+    monkeypatch.setattr(stopper, "PATIENCE_S", 0.1)
+
+    async def play():
+        async with await fake_stop_path(tmp_path, {"stop": 70_000 * "x"}):
+            path = StopPath(tmp_path / "x.stop")
+            with pytest.raises(OSError):
+                await path.ask("stop")
+
+    asyncio.run(play())
+
+
+@pytest.mark.req("TOOL-1")
 def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
     """The stop path keeps 64 connections; the oldest is hung up on."""
     where = serving.server.path.with_suffix(".stop")

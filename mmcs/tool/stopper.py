@@ -44,7 +44,7 @@ class StopPath:
                         if self.writer is None:
                             opening = asyncio.open_unix_connection(str(self.path))
                             self.reader, self.writer = await opening
-                        with contextlib.suppress(OSError):
+                        with contextlib.suppress(OSError, ValueError):  # or garbage
                             return await self._say(line)
                         self.hang_up()
             except (OSError, TimeoutError):
