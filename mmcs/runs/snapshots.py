@@ -132,7 +132,7 @@ class Snapshot:
             with open_file(self.path) as data, zipfile.ZipFile(data) as file:
                 self._read(file, at)
         except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, OSError, EOFError,
-                NotImplementedError, RuntimeError, OverflowError):  # fmt: skip
+                NotImplementedError, RuntimeError, OverflowError, AttributeError):  # fmt: skip
             raise InputError.one(
                 self.path, "", None, "not a file of snapshots of MMCS, or damaged"
             ) from None
