@@ -131,8 +131,8 @@ class Snapshot:
         try:
             with open_file(self.path) as data, zipfile.ZipFile(data) as file:
                 self._read(file, at)
-        except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, OSError, EOFError,
-                NotImplementedError, RuntimeError, OverflowError, AttributeError):  # fmt: skip
+        except (zipfile.BadZipFile, zlib.error, LookupError, ValueError, TypeError, OSError,
+                EOFError, RuntimeError, OverflowError, AttributeError):  # fmt: skip
             raise InputError.one(
                 self.path, "", None, "not a file of snapshots of MMCS, or damaged"
             ) from None

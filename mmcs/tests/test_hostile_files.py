@@ -131,6 +131,7 @@ def test_crafted_snapshots(mmcs, good_run, tmp_path):
         {"index.json": json.dumps(index | {"truth": [5, 10**9]})},
         {"index.json": json.dumps(index | {"pots": {"x": 1}})},
         {"index.json": json.dumps(index | {"pots": []})},
+        {"index.json": json.dumps(index | {"pots": {"0": [1]}})},
         {"index.json": None}, {"record.json": b"{}"}, {"log.bin": None},
         {f"{len(index['snapshots']) - 1}.bin": None},
         {"index.json": b"[" + b"[]," * (4 << 20) + b"[]]"},
