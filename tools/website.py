@@ -19,8 +19,6 @@ import zlib
 from pathlib import Path
 
 from mmcs import BUILD, ROOT, SCENARIOS, SEGMENT_KINDS, __version__, find, load, make_ffi, mcdef
-from mmcs.device import messages
-from mmcs.device.machine import KEPT_EVENTS, KEPT_ROWS
 from mmcs.inputs import INPUTS
 from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
@@ -36,7 +34,8 @@ PAGES = ROOT / "web"
 SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html", "lib", "book.css"}
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
-STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call", "mmcs_asker",
+STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call", "mmcs_server",
+              "mmcs_client",
               "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event", "mmcs_stats",
               "mmcs_checkpoint", "mmcs_snapshot",
               "mmcs_tap_head", "mmcs_tap_read", "mmcs_tap_event", "mmcs_change",
@@ -156,11 +155,7 @@ def knowledge() -> dict:
 def protocol() -> dict:
     """What both servers of the messages have."""
     return {
-        "number": messages.PROTOCOL,
         "errors": {number: [name, os.strerror(number)] for number, name in errno.errorcode.items()},
-        "fields": messages.FIELDS,
-        "kept_rows": KEPT_ROWS,
-        "kept_events": KEPT_EVENTS,
         "param": [name for name, _ in make_ffi().typeof("struct mc_param").fields],
     }
 

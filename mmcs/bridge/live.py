@@ -8,19 +8,17 @@ import json
 import socket
 
 from mmcs.device.link import Link, Samples
-from mmcs.device.messages import FIELDS
 
 PORT = 9870  # PlotJuggler's own
 LINES = ("panic", "brakes_released", "enabled", "stopped", "irq")
 
 
-def message(row: dict) -> bytes:
-    """A row as Samples.row() has it."""
-    axes = {
-        f"axis{n}": dict(zip(FIELDS, values, strict=True)) for n, values in enumerate(row["axes"])
-    }
+def message(row: dict, fields: list[str]) -> bytes:
+    """A row as Samples.row() has it, of the fields that the server's hello tells."""
+    axes = [dict(zip(fields, values, strict=True)) for values in row["axes"]]
+    named = {f"axis{n}": axis for n, axis in enumerate(axes)}
     lines = {name: row["lines"] >> bit & 1 for bit, name in enumerate(LINES)}
-    return json.dumps({"timestamp": row["t"], "mmcs": axes | {"lines": lines}}).encode()
+    return json.dumps({"timestamp": row["t"], "mmcs": named | {"lines": lines}}).encode()
 
 
 def send(link: Link, address: tuple[str, int], every: int = 1, samples: int | None = None) -> int:
@@ -33,6 +31,6 @@ def send(link: Link, address: tuple[str, int], every: int = 1, samples: int | No
             if not isinstance(got, Samples):
                 continue
             for n in range(got.rows if samples is None else min(got.rows, samples - sent)):
-                out.sendto(message(got.row(n)), address)
+                out.sendto(message(got.row(n), link.hello["sample"]["fields"]), address)
                 sent += 1
     return sent

@@ -89,7 +89,7 @@ class Attendant:
             return None
         (file,) = server.files.values()
         client, channels = file.client, []
-        if client.driver < 0 or client.flags & 3 != os.O_RDWR or server.machine.held_from(client):
+        if client.driver < 0 or client.flags & 3 != os.O_RDWR or server.machine.held(client):
             return None
         for one in server.connections.values():
             if not isinstance(one, Program) or one.ended or one.busy or one.data or not one.idle():

@@ -12,58 +12,14 @@ import time
 
 from mmcs import ROOT, mcdef
 from mmcs.device.connection import Connection
-from mmcs.device.machine import Machine
-from mmcs.device.wire import EBUSY, EINVAL, EIO
-from mmcs.inputs import INPUTS
+from mmcs.device.wire import EINVAL, EIO
 
-PROTOCOL = 1
 LIMIT = 65536
 LENGTH = struct.Struct("<I")
-HEAD = struct.Struct("<4sIIHHdd")
-FIELDS = ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode",
-          "setpoint", "demand", "current")  # fmt: skip
-ROWS_AT_ONCE, EVENTS_AT_ONCE = 512, 256
 TABLE = ROOT / "sim" / "service" / "messages.def"
 REQUESTS = re.findall(r"\bOP\((\w+)\)", TABLE.read_text())
 # Not served while somebody else's request waits: they let time pass, or do away with it.
 WAITING = ("close", "snapshot", "rewind", "advance", "ring", "drop", "lease", "setpoint")
-
-
-class Refused(Exception):
-    """A request cannot be done: the driver's errno, and a sentence."""
-
-    def __init__(self, number: int, text: str = ""):
-        super().__init__(text)
-        self.number, self.text = number, text
-
-
-class Stream:
-    """What a client follows: his place in both rings."""
-
-    def __init__(self, machine: Machine, a: dict):
-        self._sim = machine.sim
-        self.samples, self.events = a["samples"], a["events"]
-        self.every = a["every"]
-        self.period = a["period_ms"] / 1000
-        rows, events, self.row_bytes = self._sim.tap_head()
-        self.row = max(0, rows - a["past"])
-        self.event, self.lost, self.due = events, 0, 0.0
-
-    def take_samples(self, axes: int, cards: int) -> bytes:
-        """One message; empty when there is nothing new."""
-        start = self.row
-        rows, count, self.row, lost = self._sim.tap_rows(start, self.every, ROWS_AT_ONCE)
-        self.lost += lost
-        if not count:
-            return b""
-        first = self.row - count * self.every
-        head = HEAD.pack(b"S1\0\0", count, self.row_bytes, axes, cards, self.lost, first)
-        return head + rows
-
-    def take_events(self) -> list[dict]:
-        events, self.event, lost = self._sim.tap_events(self.event, EVENTS_AT_ONCE)
-        told = [{"type": "lost", "events": lost}] if lost else []
-        return told + [{"type": "event", **e} for e in events]
 
 
 class Messenger(Connection):
@@ -73,8 +29,8 @@ class Messenger(Connection):
         super().__init__(sock, poll)
         self._server, self.machine = server, server.machine
         self.client = self.machine.enter("message", _pid(sock))
-        self._stream: Stream | None = None
-        self.tell(self._hello())
+        hello = self.machine.request(self.client, {"op": "hello"})
+        self.tell({"type": "hello", **self.do_hello(hello)})
 
     def leave(self) -> None:
         self.machine.leave(self.client)
@@ -103,7 +59,7 @@ class Messenger(Connection):
         return len(self.data) >= LENGTH.size + length
 
     def client_writes(self) -> bool:
-        return self.client.writable
+        return bool(self.client.writes)
 
     def serve(self, nested: bool) -> bool:
         (length,) = LENGTH.unpack_from(self.data)
@@ -119,7 +75,7 @@ class Messenger(Connection):
             return False
         del self.data[: LENGTH.size + length]
         if isinstance(message.get("id"), list | dict):
-            self.answer(None, _refusal(Refused(EINVAL, "id: a number or a text")))
+            self.answer(None, _refusal(EINVAL, "id: a number or a text"))
             return True
         self.busy = True
         reply = self._reply(op, message)
@@ -128,7 +84,7 @@ class Messenger(Connection):
         return True
 
     def fail(self, why: str) -> None:
-        self.answer(None, _refusal(Refused(EIO, why)))
+        self.answer(None, _refusal(EIO, why))
 
     def answer(self, id_: object, reply: dict) -> None:
         self.busy = False
@@ -145,144 +101,42 @@ class Messenger(Connection):
         the machine; the rest is here."""
         machine, client = self.machine, self.client
         try:
-            done = machine.sim.request(message, client.driver, client.writable, self._held())
+            if op == "name" and type(message.get("name")) is str:
+                message["name"] = "".join(c for c in message["name"][:64] if c.isprintable())
+            done = machine.request(client, message)
             if "errno" in done:
-                raise Refused(done["errno"], done["text"])
+                return _refusal(done["errno"], done["text"])
             if op == "call":
                 machine.called(client, mcdef.constants()[message["request"]])
             if more := getattr(self, f"do_{op}", None):
                 done = more(done | {"id": message.get("id")})
             return None if done is None else {"ok": True, **done}
-        except Refused as no:
-            return _refusal(no)
         except OSError as error:  # a file: a full disk, a folder in its place
             what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-            return _refusal(Refused(error.errno or EIO, what))
-
-    def _held(self) -> str | None:
-        """Why this client may change nothing now."""
-        machine = self.machine
-        return f"{machine.lease} has the lease" if machine.held_from(self.client) else None
-
-    @staticmethod
-    def _check(result: int) -> None:
-        if result < 0:
-            raise Refused(-result)
-
-    # --- the stream ---
-
-    def do_follow(self, a: dict) -> dict:
-        self._stream = Stream(self.machine, a)
-        return {}
-
-    def do_unfollow(self, a: dict) -> dict:
-        self._stream = None
-        return {}
+            return _refusal(error.errno or EIO, what)
 
     def stream(self, now: float) -> None:
         """Sends what is due, as far as the client takes it: what he leaves stays in the ring."""
-        s = self._stream
-        if s is None or now < s.due or not self.idle():
-            return
-        s.due = now + s.period
-        events = s.take_events() if s.events else []
-        for event in events:
-            self.tell(event)
-        while s.samples and self.idle():
-            samples = s.take_samples(2 * self.machine.cards, self.machine.cards)
-            if not samples:
-                break
-            self._carry(samples)
+        while self.idle() and (message := self.machine.stream(self.client, now)):
+            if message[:1] == b"{":  # a text was cut in the middle of a character, perhaps
+                message = message.decode(errors="replace").encode()
+            self._carry(message)
 
-    # --- the device ---
+    # --- what needs more than the machine ---
 
-    def _hello(self) -> dict:
-        server, machine = self._server, self.machine
-        sample = {"fields": list(FIELDS), "row_bytes": machine.sim.tap_head()[2]}
-        return {
-            "type": "hello", "protocol": PROTOCOL, "you": self.client.number,
-            "server": server.name.path.stem, "scenario": server.about.get("scenario"),
-            "axes": 2 * machine.cards, "cards": machine.cards, "time": machine.sim.time,
-            "speed": server.pace.speed, "paused": server.pace.paused,
-            "lockstep": server.lockstep.on, "opens": machine.opens,
-            "lease": machine.lease.number if machine.lease else None, "sample": sample,
-            **machine.state(),
-        }  # fmt: skip
+    def do_hello(self, done: dict) -> dict:
+        server = self._server
+        return {**done, "server": server.name.path.stem, "scenario": server.about.get("scenario"),
+                "lockstep": server.lockstep.on}  # fmt: skip
 
-    def do_hello(self, a: dict) -> dict:
-        return {k: v for k, v in self._hello().items() if k != "type"}
+    def do_pace(self, done: dict) -> dict:
+        self._server.pace.restart()
+        return done
 
-    def do_name(self, a: dict) -> dict:
-        self.client.name = "".join(c for c in a["name"][:64] if c.isprintable())
-        return {}
+    do_rewind = do_pace
 
-    def do_open(self, a: dict) -> dict:
-        flags = os.O_RDWR if a["mode"] == "rw" else os.O_RDONLY
-        self._check(self.machine.open(self.client, "/dev/mc0", flags))
-        return {}
-
-    def do_close(self, a: dict) -> dict:
-        if self.machine.lease is self.client:
-            self.machine.set_lease(None)
-        self._check(self.machine.close(self.client))
-        return {}
-
-    def do_stop(self, a: dict) -> dict:
-        self._check(self.machine.stop(self.client.pid))
-        return {"t": self.machine.sim.time}
-
-    # --- who is there ---
-
-    def do_lease(self, a: dict) -> dict:
-        machine, client = self.machine, self.client
-        if "give" in a:
-            other = machine.clients.get(a["give"])
-            if machine.lease is not client:
-                raise Refused(EBUSY, "only the holder can pass the lease on")
-            if other is None or not other.device or not other.writable:
-                raise Refused(EINVAL, "give: no such client has the device open for writing")
-            machine.set_lease(other)
-        elif a.get("drop"):
-            if machine.lease is client:
-                machine.set_lease(None)
-        elif held := self._held():
-            raise Refused(EBUSY, held)
-        else:
-            ms = a.get("deadman_ms")
-            self._check(machine.take_lease(client, ms and ms / 1000))
-        return {"lease": machine.lease.number if machine.lease else None}
-
-    def do_clients(self, a: dict) -> dict:
-        machine = self.machine
-        rows = [
-            {"client": c.number, "name": c.name, "pid": c.pid, "kind": c.kind,
-             "mode": ("rw" if c.writable else "r") if c.device else "",
-             "lease": c is machine.lease}
-            for c in machine.clients.values()
-        ]  # fmt: skip
-        return {"clients": rows}
-
-    # --- inputs, time and the past ---
-
-    def do_inputs(self, a: dict) -> dict:
-        wrong = self.machine.wrong_values
-        rows = [{"name": n, **known.told(), "values": wrong(n)} for n, known in INPUTS.items()]
-        return {"inputs": rows}
-
-    def do_pace(self, a: dict) -> dict:
-        pace = self._server.pace
-        speed, paused = a.get("speed", pace.speed), a.get("paused", pace.paused)
-        pace.set(speed, paused)
-        text = "paused" if paused else "as fast as it goes" if speed is None else f"speed {speed:g}"
-        self.machine.sim.tap_note("pace", 0, text)
-        return {"speed": speed, "paused": paused}
-
-    def do_advance(self, a: dict) -> None:
-        if not self._server.pace.paused:
-            raise Refused(EBUSY, "time passes by itself; pause first")
-        if self._server.advances:
-            raise Refused(EBUSY, "another client has asked for time to pass already")
-        self._server.advance(a["seconds"], self, a["id"])
+    def do_advance(self, done: dict) -> None:
+        self._server.advances = self, done["id"]
 
     def do_machine(self, a: dict) -> dict:
         return dict(self._server.about.get("machine", {}))
@@ -296,18 +150,10 @@ class Messenger(Connection):
         path.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)
         return {"file": str(path)}
 
-    def do_rewind(self, a: dict) -> dict:
-        if self._server.advances:
-            raise Refused(EBUSY, "another client has asked for time to pass; wait for its end")
-        self.machine.history.rewind(a["snapshot"])
-        self._server.pace.restart()
-        return {"t": self.machine.sim.time, "snapshot": a["snapshot"]}
 
-
-def _refusal(no: Refused) -> dict:
-    name = errno.errorcode.get(no.number, str(no.number))
-    text = no.text or os.strerror(no.number)
-    return {"ok": False, "errno": no.number, "error": name, "text": text}
+def _refusal(number: int, text: str) -> dict:
+    name = errno.errorcode.get(number, str(number))
+    return {"ok": False, "errno": number, "error": name, "text": text or os.strerror(number)}
 
 
 def _pid(sock: socket.socket) -> int:

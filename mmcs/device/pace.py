@@ -11,15 +11,15 @@ BEHIND_S = 0.02  # jitter of the computer; what is lost beyond it is not made up
 
 
 class Pace:
-    def __init__(self, sim, speed: float | None):
-        """speed: simulated seconds per second; None runs as fast as it goes."""
-        self._sim = sim
-        self.speed, self.paused = speed, False
+    def __init__(self, sim, now, speed: float | None):
+        """now: the server's mmcs_server. speed: simulated seconds per second; None runs as fast as
+        it goes."""
+        self._sim, self._now = sim, now
         self.chunk = CHUNK_MIN_S
-        self.restart()
+        self.set(speed, False)
 
     def set(self, speed: float | None, paused: bool) -> None:
-        self.speed, self.paused = speed, paused
+        self._now.speed, self._now.paused = speed or 0, paused
         self.restart()
 
     def restart(self) -> None:
@@ -28,18 +28,18 @@ class Pace:
 
     def wait(self) -> float:
         """Seconds until the next chunk is due."""
-        if self.paused:
+        if self._now.paused:
             return IDLE_S
-        if self.speed is None:
+        if not self._now.speed:
             return 0.0
         wall, simulated = self._started
-        left = wall + (self._sim.time - simulated) / self.speed - time.monotonic()
+        left = wall + (self._sim.time - simulated) / self._now.speed - time.monotonic()
         if left < -BEHIND_S:
             self.restart()
         return min(max(0.0, left), IDLE_S)
 
     def is_due(self) -> bool:
-        return not self.paused and self.wait() == 0
+        return not self._now.paused and self.wait() == 0
 
     def talked(self) -> None:
         self.chunk = CHUNK_MIN_S

@@ -2,6 +2,7 @@
 """The server's end of the wire (sim/device/wire.h): programs that open /dev/mcN and /dev/vme16."""
 
 import contextlib
+import errno
 import os
 import select
 import signal
@@ -11,7 +12,6 @@ import struct
 from mmcs import mcdef
 from mmcs.device import reasons, wire
 from mmcs.device.connection import Connection
-from mmcs.device.machine import Client
 
 MOST_SAID = 1000  # bytes of why a call was refused
 MANY = 64  # holders of one file before the dead among them are looked for
@@ -76,7 +76,7 @@ class Program(Connection):
         self._name = bytes(address).strip(b"\0") if address else b""
         self._server, self._machine = server, server.machine
         self._files: dict[bytes, Program] = server.files
-        self.client: Client | None = None  # of a file
+        self.client = None  # of a file: its mmcs_client
         self.holders: Holders | None = None
         self._said = ""  # by the driver, when the last call on this channel failed
         self._lockstep = server.lockstep
@@ -94,12 +94,13 @@ class Program(Connection):
 
     def client_writes(self) -> bool:
         file = self._files.get(wire.REQUEST.unpack_from(self.data)[2].rstrip(b"\0"))
-        return file is None or file.client.writable
+        return file is None or file.client.writes
 
     def serve(self, nested: bool) -> bool:
         _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self.data)
         if op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits:
-            self.held = self._server.stands
+            now = self._machine.now  # paused: what needs the machine's time waits for the end
+            self.held = bool(now.paused and now.target < 0)
             if nested or self.held:
                 return False
         end = wire.REQUEST.size + length
@@ -203,14 +204,14 @@ class Program(Connection):
         file.holders.add(pid)
         result, out = self._of_file(file.client, op, a, b, payload)
         if result < 0:
-            self._said = file.client.said or self._because(file.client, -result, op, a, payload)
+            self._said = self._machine.said or self._because(file.client, -result, op, a, payload)
         return result, out
 
-    def _because(self, client: Client, error: int, op: int, a: int, payload: bytes) -> str:
+    def _because(self, client, error: int, op: int, a: int, payload: bytes) -> str:
         """Of a call that the driver said nothing about."""
         machine = self._machine
-        if error == wire.EBUSY and machine.held_from(client):
-            return f"{machine.lease} has the lease"
+        if error == wire.EBUSY and (held := machine.held(client)):
+            return held
         if client.driver < 0 or op not in (wire.IOCTL, wire.READ, wire.WRITE):
             return ""
         joints = machine.joints(client)
@@ -220,18 +221,17 @@ class Program(Connection):
             return reasons.of_write(error, len(payload), joints)
         return reasons.of_ioctl(error, a & 0xFFFFFFFF, payload, joints, 2 * machine.cards)
 
-    def refused(self, client: Client, result: int, request: bytes, events: int) -> None:
+    def refused(self, client, result: int, request: bytes, events: int) -> None:
         """A read() or write() that the driver has refused; `events` there had been before."""
         _, op, _, a, *_ = wire.REQUEST.unpack_from(request)
-        if op == wire.WRITE:
-            client.said = self._machine.said_since(events)
-        said = client.said if op == wire.WRITE else ""
+        said = self._machine.said_since(events) if op == wire.WRITE else ""
         self._said = said or self._because(client, -result, op, a, request[wire.REQUEST.size :])
         self._lockstep.signal()
         self.reply(result)
 
-    def _of_file(self, client: Client, op: int, a: int, b: int, payload: bytes):
+    def _of_file(self, client, op: int, a: int, b: int, payload: bytes):
         machine = self._machine
+        machine.said = ""
         if op == wire.HOLD:
             return int(client.driver < 0), b""
         if op in (wire.LOAD, wire.STORE):
@@ -239,7 +239,8 @@ class Program(Connection):
                 return wire.BUS_TIMEOUT, b""
             return machine.bus(client, a, b, payload if op == wire.STORE else None)
         if op == wire.LEASE:
-            return self._lease(client, a), b""
+            lease = "take" if a == wire.LEASE_TAKE else "drop"
+            return self._ask(client, {"op": "lease", lease: True}), b""
         if client.driver < 0:
             return (-wire.ENOTTY if op == wire.IOCTL else -wire.EINVAL), b""
         if op == wire.IOCTL:
@@ -253,10 +254,13 @@ class Program(Connection):
     def _open(self, device: bytes, flags: int, inode: int, pid: int) -> int:
         if self.client is not None or not self._name or self._name in self._files:
             return -wire.EINVAL  # a file is opened once, and has a name of its own
+        if flags & os.O_DIRECTORY:
+            return -errno.ENOTDIR
+        if flags & os.O_EXCL and flags & os.O_CREAT:
+            return -errno.EEXIST
         machine = self._machine
-        client = machine.enter("device", pid)
-        client.name = wire.command(pid)
-        result = machine.open(client, device.decode(errors="replace"), flags & 0xFFFFFFFF)
+        client = machine.enter("device", pid, wire.command(pid))
+        result = machine.open(client, device, flags & 0x7FFFFFFF)
         if result < 0:
             machine.leave(client)
             return result
@@ -266,17 +270,18 @@ class Program(Connection):
         self._files[self._name] = self
         return 0
 
-    def _lease(self, client: Client, what: int) -> int:
-        machine = self._machine
-        if what == wire.LEASE_TAKE:
-            return machine.take_lease(client)
-        if machine.lease is client:
-            machine.set_lease(None)
-        return 0
+    def _ask(self, client, message: dict) -> int:
+        self.done = self._machine.request(client, message)
+        self._machine.said = self.done.get("text", "")
+        return -self.done.get("errno", 0)
 
-    def _change(self, client: Client, axis: int, payload: bytes):
+    def _change(self, client, axis: int, payload: bytes):
         fields = [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
         pairs = list(struct.iter_unpack("<Ii", payload))
         if axis > 255 or any(n >= len(fields) or n == 0 for n, _ in pairs):
             return -wire.EINVAL, b""
-        return self._machine.change(client, axis, {fields[n]: value for n, value in pairs})
+        param = {fields[n]: value for n, value in pairs}
+        how = {"op": "change", "param": param} if param else {"op": "call", "request": "MGETPARAM"}
+        result = self._ask(client, how | {"axis": axis})
+        made = self.done.get("param", {}).values()
+        return result, struct.pack(f"<{len(made)}i", *made)

@@ -44,11 +44,11 @@ class Server:
         self.path, self.sim, self.about = path, sim, about or {}
         self.machine, self._console = Machine(sim, console), console
         self._hz = sim.build()["clk_hz"]
-        self.pace = Pace(sim, speed)
+        self.pace = Pace(sim, self.machine.now, speed)
         self.files: dict[bytes, Program] = {}
         self.connections: dict[int, Connection] = {}
         self.stopping = False
-        self._target: tuple[float, Messenger, object] | None = None  # of a stretch asked for
+        self.advances: tuple[Messenger, object] | None = None  # who lets time pass, and its id
         self._problem: BaseException | None = None
         self._events = 0  # of the tap: signals among them
         self._listened = time.monotonic()
@@ -94,7 +94,7 @@ class Server:
             self._core.share(self.lockstep.attached, self._listened)
         if self.stop_path.serve():
             self._send()  # everybody hears of a stop before time goes on
-        elif self.lockstep.on and not self.pace.paused and self._target is None:
+        elif self.lockstep.on and not self.machine.now.paused and self.advances is None:
             self._attend()
         self._listen(self._wait())
         for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
@@ -183,10 +183,10 @@ class Server:
     def _wait(self) -> float:
         if any(c.has_request() and not (c.busy or c.held) for c in self.connections.values()):
             return 0.0
-        if self._target is not None:
+        if self.advances is not None:
             return 0.0
         if self.lockstep.on:
-            return IDLE_S if self.lockstep.rests or self.pace.paused else 0.0
+            return IDLE_S if self.lockstep.rests or self.machine.now.paused else 0.0
         if self._rests:
             self.pace.restart()
             return IDLE_S
@@ -195,13 +195,13 @@ class Server:
     @property
     def _rests(self) -> bool:
         """Without an open file time stands still, but where it is that of the wall."""
-        return not self.machine.opens and self.pace.speed is None
+        return not self.machine.now.opens and not self.machine.now.speed
 
     def _pass_time(self) -> None:
-        if self._target is not None:
+        if self.advances is not None:
             self._go_on()
         elif self.lockstep.on:
-            if not self.pace.paused:
+            if not self.machine.now.paused:
                 self.lockstep.turn()
         elif not self._rests and self.pace.is_due():
             self._run(self.sim.time + self.pace.chunk)
@@ -213,29 +213,16 @@ class Server:
         self.pace.passed(bool(self._signal()))
         self.lockstep.answer_watchers(self.sim.samples != before)
 
-    def advance(self, seconds: float, asker: Messenger, id_: object) -> None:
-        """So much time passes in the steps to come; then the asker is answered."""
-        self._target = (self.sim.time + seconds, asker, id_)
-
-    @property
-    def advances(self) -> bool:
-        return self._target is not None
-
-    @property
-    def stands(self) -> bool:
-        """Paused: what needs the machine's time waits for the end of the pause."""
-        return self.pace.paused and self._target is None
-
     def _go_on(self) -> None:
-        target, asker, id_ = self._target
-        self._run(min(target, self.sim.time + self.pace.chunk))
-        if self.sim.clock >= round(target * self._hz) or asker.ended:
-            self._target = None
+        now, (asker, id_) = self.machine.now, self.advances
+        self._run(min(now.target / self._hz, self.sim.time + self.pace.chunk))
+        if self.sim.clock >= now.target or asker.ended:
+            now.target, self.advances = -1, None
             asker.answer(id_, {"ok": True, "t": self.sim.time})
 
     def _send(self) -> None:
         now = time.monotonic()
-        self.machine.check_deadman(self._listened)
+        self.machine.check(self._listened)
         self.machine.tell_console()
         for connection in self.connections.values():
             if isinstance(connection, Messenger) and not connection.ended:
@@ -250,7 +237,7 @@ class Server:
         self._events = events
         for file in self.files.values():
             client = file.client
-            if client.driver >= 0 and self.sim.signals(client.driver) and client.writable:
+            if client.driver >= 0 and self.sim.signals(client.driver) and client.writes:
                 sent += file.holders.signal()
         self.lockstep.signalled(sent)
         return sent

@@ -86,10 +86,10 @@ class StopPath:
             result = machine.stop()
             return f"stopped {sim.time:.6f}\n" if result >= 0 else f"failed {sim.time:.6f}\n"
         if line in ("press", "release"):
-            machine.press(line == "press")
+            machine.set_input("estop", 0, int(line == "press"))
             return f"{line}{'d' if line == 'release' else 'ed'} {sim.time:.6f}\n"
         if line == "state":
-            state = machine.state()
+            state = machine.request(None, {"op": "hello"})
             flags = " ".join(
                 f"{k} {int(state[k])}" for k in ("enabled", "stopped", "panic", "button")
             )

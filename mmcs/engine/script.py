@@ -3,6 +3,7 @@
 
 import json
 import re
+import time
 from collections.abc import Iterator
 
 from mmcs import mcdef
@@ -92,18 +93,52 @@ class Playing:
         result = script.act(self, until)
         return result if result[0] else (int(not self.run(script.start + until)), "")
 
-    def request(self, said: dict, client: int, writes: bool, held: str | None) -> dict:
-        """A request of the messages: what it gives, or errno and text; of what the caller does, its
-        arguments."""
-        why = self.ffi.NULL if held is None else self.ffi.new("char[]", held.encode())
-        by = self.ffi.new("mmcs_asker *", {"client": client, "writes": writes, "held": why})
+
+class Serving:
+    """The part of a server that sim/service does: clients, lease, requests, the stream."""
+
+    def __init__(self, sim):
+        self.sim, self._ffi, self._lib = sim, sim.ffi, sim.lib
+        made = self._lib.mmcs_server_create(sim.handle)
+        self.now = self._ffi.gc(made, self._lib.mmcs_server_destroy)  # fields of mmcs_server
+        self._bytes = self._ffi.new("const uint8_t **")
+
+    def enter(self, kind: str, pid: int, name: str = ""):
+        """A client: fields of mmcs_client."""
+        return self._lib.mmcs_server_enter(self.now, kind.encode(), name.encode(), pid)
+
+    def leave(self, client) -> None:
+        self._lib.mmcs_server_leave(self.now, client)
+
+    def open(self, client, device: bytes, flags: int) -> int:
+        return self._lib.mmcs_server_open(self.now, client, device, flags, -1)
+
+    def held(self, client) -> str:
+        why = self._lib.mmcs_server_held(self.now, client)
+        return self._ffi.string(why).decode(errors="replace") if why else ""
+
+    def stop(self, pid: int = 0) -> int:
+        return self._lib.mmcs_server_stop(self.now, pid)
+
+    def check(self, now: float) -> None:
+        self._lib.mmcs_server_check(self.now, now)
+
+    def stream(self, client, now: float) -> bytes:
+        """The next message that is due to him, or nothing."""
+        size = self._lib.mmcs_server_stream(self.now, client, now, self._bytes)
+        return self._ffi.buffer(self._bytes[0], size)[:]
+
+    def request(self, client, said: dict) -> dict:
+        """A request of the messages, of nobody if client is None: as mmcs_server_request()."""
         asked = "".join(f"{line}\n" for line in _lines(said)).encode(errors="replace")
-        reply = self.lib.mmcs_sim_request(self.handle, by, asked)
-        return json.loads(self.ffi.string(reply))
+        now, none = time.monotonic(), self._ffi.NULL
+        args = (client or none, now, asked, 0, none)
+        reply = self._lib.mmcs_server_request(self.now, *args)
+        return json.loads(self._ffi.string(reply).decode(errors="replace"))
 
 
 def _lines(values: dict | list, path: str = "") -> Iterator[str]:
-    """As mmcs_sim_request() takes them."""
+    """As mmcs_server_request() takes them."""
     for key, value in values.items() if isinstance(values, dict) else enumerate(values):
         at, kind = path + CONTROL.sub("?", str(key)) + "\t", KINDS[type(value)]
         if kind not in "ol":

@@ -8,6 +8,7 @@ import socket
 import struct
 import subprocess
 import sys
+from typing import ClassVar
 
 import pytest
 
@@ -111,13 +112,16 @@ def test_what_plotjuggler_is_sent():
     """Each datagram one JSON object with its time, as PlotJuggler's own example client does."""
     from mmcs.bridge.live import message, send
 
+    fields = ["adcvai", "encnow", *"abcdefg", "current"]
     row = {"t": 1.25, "lines": 6, "axes": [list(range(10)), list(range(10, 20))]}
-    got = json.loads(message(row))
+    got = json.loads(message(row, fields))
     assert got["timestamp"] == 1.25 and got["mmcs"]["axis1"]["encnow"] == 11
     assert got["mmcs"]["lines"] == {"panic": 0, "brakes_released": 1, "enabled": 1, "stopped": 0,
                                     "irq": 0}  # fmt: skip
 
     class Machine:
+        hello: ClassVar = {"sample": {"fields": fields}}
+
         def request(self, op, **how):
             assert (op, how) == ("follow", {"every": 2, "events": False})
 

@@ -31,7 +31,8 @@ def is_well(bench):
     assert program.call(wire.IOCTL, mcdef.MGETNUMCARDS) == (0, b"\1\0\0\0")
     program.close()
     bench.until(lambda: not bench.server.connections)
-    assert not bench.server.files and not bench.server.machine.clients
+    assert not bench.server.files
+    assert bench.server.machine.request(None, {"op": "clients"}) == {"clients": []}
     # every open of the driver's sixteen is free again
     clients = [bench.sim.open(2) for _ in range(16)]
     assert sorted(clients) == list(range(16))
@@ -87,7 +88,7 @@ def test_a_file_is_opened_once_and_has_a_name(bench):
     message = wire.REQUEST.pack(wire.MAGIC, wire.OPEN, b"", 2, inode, 8, os.getpid()) + b"/dev/mc0"
     twice.sendall(message * 2)
     assert program._answer(twice)[0] == 0
-    assert bench.server.machine.opens == 3
+    assert bench.server.machine.now.opens == 3
     twice.close()
     program.close()
     is_well(bench)
@@ -259,7 +260,7 @@ def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, wait
         monkeypatch.setattr("mmcs.device.messages.Messenger.do_hello", fault)
         client.post('{"id":1,"op":"hello"}')
     elif of == "stream":
-        monkeypatch.setattr("mmcs.device.messages.Stream.take_events", fault)
+        monkeypatch.setattr(bench.server.machine, "stream", fault)
         client.post('{"id":1,"op":"follow","period_ms":0}')
     else:
         monkeypatch.setattr("mmcs.device.messages.Messenger.leave", fault)

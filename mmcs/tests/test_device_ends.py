@@ -70,7 +70,7 @@ def test_lost_time_is_not_made_up(monkeypatch):
     """The computer was away for a while: afterwards a second still takes a second."""
     clock, sim = Clock(), Sim()
     monkeypatch.setattr(pacing, "time", clock)
-    pace = Pace(sim, 1.0)
+    pace = Pace(sim, sim, 1.0)  # which has both
     clock.now += 0.9
     began, simulated = clock.now, 0.0
     while clock.now < began + 1.0:

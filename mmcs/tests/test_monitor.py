@@ -68,7 +68,7 @@ def set_up(bench, program):
                                  "plo": -LIMIT, "phi": LIMIT, "mode": "velocity",
                                  "flags": ["softerr", "poschk"]})  # fmt: skip
         assert program.call(IOCTL, mcdef.MSETPARAM, bytes(mcdef.make_ffi().buffer(param)))[0] == 0
-    (driver,) = (c.driver for c in bench.server.machine.clients.values() if c.writable)
+    (driver,) = (f.client.driver for f in bench.server.files.values() if f.client.writes)
     assert bench.sim.ioctl(driver, mcdef.MENABLE) == 0  # the machine is paused: a call would wait
 
 
@@ -91,7 +91,7 @@ def bounce(folder, watched):
     folder.mkdir(mode=0o700)
     with Bench(folder) as bench:
         program = Raw(bench)
-        bench.server.pace.paused = True  # time passes as the test says, steps or no steps
+        bench.server.machine.now.paused = True  # time passes as the test says, steps or no steps
         page = Looker(bench) if watched else None
         bench.sim.run(0.01)
         set_up(bench, program)

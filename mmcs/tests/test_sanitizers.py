@@ -18,12 +18,12 @@ OPTIONS = {
 
 
 def runtime():
-    """The sanitizer's library, which must be loaded first into a program not made for it."""
-    found = subprocess.run(
-        ["gcc", "-print-file-name=libasan.so"], text=True, capture_output=True, check=False
-    )
-    path = found.stdout.strip()
-    return path if os.path.isabs(path) else None
+    """What must be loaded first into a program not made for it: the sanitizer, and C++'s library,
+    whose exceptions it looks for when it starts."""
+    ask = (["gcc", f"-print-file-name={name}.so"] for name in ("libasan", "libstdc++"))
+    found = [subprocess.run(a, text=True, capture_output=True, check=False) for a in ask]
+    paths = [one.stdout.strip() for one in found]
+    return ":".join(paths) if all(map(os.path.isabs, paths)) else None
 
 
 @pytest.mark.slow

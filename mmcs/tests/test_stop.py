@@ -47,7 +47,7 @@ def test_a_stop_acts_in_the_first_step_that_could_read_it(bench, monkeypatch):
             if n % 100 == 0:
                 for program in programs:
                     program.flood()
-                machine.history.rewind(running)
+                assert machine.request(None, {"op": "rewind", "snapshot": running})["t"]
             else:
                 sim.restore(running)
             assert sim.stats()["enabled"]

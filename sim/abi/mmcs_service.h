@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What sim/service decides for Python, page, FMU and bridges alike: how a driver is configured and
- * a scenario carried out. As mmcs_sim.h, it includes no other header of ours, and Python reads it.
+/* What sim/service decides for Python, page, FMU and bridges alike: how a driver is configured,
+ * a scenario carried out and a machine served. As mmcs_sim.h, it includes no other header of ours,
+ * and Python reads it.
  */
 #ifndef MMCS_SERVICE_H
 #define MMCS_SERVICE_H
@@ -103,18 +104,54 @@ typedef struct mmcs_process_told {
 } mmcs_process_told;
 int32_t mmcs_script_told(const mmcs_script *script, const mmcs_process_told **told);
 
-/* A request of the messages (docs/use/protocol.md, sim/service/messages.def) of a client. */
-typedef struct mmcs_asker {
-  int32_t client;     /* the driver's number of what it has open, or -1 */
-  int32_t writes;     /* open for writing */
-  int32_t only_check; /* of call, change and input: 1 gives their arguments */
-  const char *held;   /* NULL, or why it may change nothing: EBUSY */
-} mmcs_asker;
-/* asked: a line for each value, its keys with a tab behind each, then what it is (n null, b, i, d,
- * t text, o object and l list, whose values follow, x deeper) and itself; without other control
- * characters. The reply is a JSON object, valid until the next call: errno and text; what it gives;
- * or, where the rest is the carrier's, the arguments. */
-const char *mmcs_sim_request(struct mmcs_sim *sim, const mmcs_asker *by, const char *asked);
+/* A served machine: its clients, their lease and its dead-man, its pace, the stream, the way back
+ * (docs/use/protocol.md). Clocks of the wall are the carrier's: `now` is in s of one of them. */
+typedef struct mmcs_server {
+  double speed; /* s of the machine per s; 0: as fast as it goes */
+  int32_t paused;
+  int32_t opens;      /* clients that have a device open */
+  int32_t stopped_by; /* the process behind the last stop, or 0 */
+  int64_t target; /* the clock up to which a client lets time pass, which is the carrier's to do;
+                     then -1 */
+} mmcs_server;
+enum { MMCS_CLOSED = 0, MMCS_MC = 1, MMCS_VME = 2 };
+typedef struct mmcs_client {
+  double heard; /* when it was last heard: the carrier writes it */
+  int32_t number, pid;
+  int32_t device; /* what it has open: MMCS_... */
+  int32_t driver; /* the driver's number of an open /dev/mc0, or -1 */
+  int32_t flags;  /* as open(2) */
+  int32_t writes; /* open for writing */
+} mmcs_client;
+mmcs_server *mmcs_server_create(struct mmcs_sim *sim);
+void mmcs_server_destroy(mmcs_server *server);
+/* kind: "device" or "message". Valid until it leaves: then what it had is closed, and its end is
+ * that of its lease. */
+mmcs_client *mmcs_server_enter(mmcs_server *server, const char *kind, const char *name, int pid);
+void mmcs_server_leave(mmcs_server *server, mmcs_client *client);
+/* 0, or -errno: of "/dev/mc0" or "/dev/vme16". opened: the driver's number if it has been, else -1.
+ */
+int mmcs_server_open(mmcs_server *server, mmcs_client *client, const char *device, int flags,
+                     int opened);
+/* "client 5 (mctool) has the lease", if that is another; else NULL. */
+const char *mmcs_server_held(mmcs_server *server, const mmcs_client *client);
+/* For a process, or 0. 0, or -errno. */
+int mmcs_server_stop(mmcs_server *server, int pid);
+/* All that had come at `now` has been heard. 1: the holder of the lease was silent for too long,
+ * and the machine is stopped. */
+int mmcs_server_check(mmcs_server *server, double now);
+/* The next message that is due of what a client follows: its bytes, 0 if there is none; valid until
+ * the next call. */
+int64_t mmcs_server_stream(mmcs_server *server, mmcs_client *client, double now,
+                           const uint8_t **message);
+/* A request of the messages (sim/service/messages.def). asked: a line for each value, its keys with
+ * a tab behind each, then what it is (n null, b, i, d, t text, o object and l list, whose values
+ * follow, x deeper) and itself; without other control characters. only_check: of call, change and
+ * input gives their arguments. held: NULL, or why setpoints may not be written. The reply is a JSON
+ * object, valid until the next call: errno and text; what it gives; or, where the rest is the
+ * carrier's, the arguments. */
+const char *mmcs_server_request(mmcs_server *server, mmcs_client *client, double now,
+                                const char *asked, int only_check, const char *held);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -52,7 +53,9 @@ std::string quoted(const std::string &text) {
   std::string out = "\"";
   for (char c : text) {
     if (c == '"' || c == '\\') out += '\\';
-    out += c;
+    char code[8];
+    std::snprintf(code, sizeof code, "\\u%04x", c);
+    out += static_cast<unsigned char>(c) < ' ' ? code : std::string(1, c);
   }
   return out + '"';
 }
@@ -65,6 +68,32 @@ std::string object(const Fields &fields) {
   std::vector<std::string> parts;
   for (const auto &[key, value] : fields) parts.push_back(quoted(key) + ":" + value);
   return joined('{', parts, '}');
+}
+struct Made {
+  std::string text;  // JSON
+};
+template <class T>
+std::string json(const T &value) {
+  if constexpr (std::is_same_v<T, Made>)
+    return value.text;
+  else if constexpr (std::is_same_v<T, bool>)
+    return value ? "true" : "false";
+  else if constexpr (std::is_integral_v<T>)
+    return std::to_string(value);
+  else if constexpr (std::is_floating_point_v<T>)
+    return real(value);
+  else
+    return quoted(value);
+}
+// Of keys and values by turns.
+Fields fields() {
+  return {};
+}
+template <class T, class... More>
+Fields fields(const char *key, const T &value, const More &...more) {
+  Fields made = {{key, json(value)}};
+  for (auto &one : fields(more...)) made.push_back(std::move(one));
+  return made;
 }
 // The ints of a structure, with their names or without.
 std::string wholes(const void *data, size_t count, const char *const *names = nullptr) {
@@ -80,7 +109,7 @@ std::string wholes(const void *data, size_t count, const char *const *names = nu
 // --- what is asked ---
 
 struct Value {
-  char kind = 0;  // of mmcs_sim_request()
+  char kind = 0;  // of mmcs_server_request()
   std::string text;
   std::vector<std::pair<std::string, Value>> of;
   double number() const { return std::strtod(text.c_str(), nullptr); }

@@ -17,13 +17,11 @@ export class Law {
     this.integral = 0;
     this.u = 0;
     this.began = server.sim.time;
-    this.setpoints = server.setpoints();
-    this.setpoints[axis] = 0;
   }
 
   /** One turn; false: the law has no say any more, for the axis is in another mode, or stopped. */
   turn() {
-    const { sim, page, C } = this.server;
+    const { sim, served, client, now, page, C } = this.server;
     const states = sim.read(page, this.axis + 1);
     if (!Array.isArray(states)) return false;
     const { mode } = this.server.param(this.axis);
@@ -34,7 +32,7 @@ export class Law {
     const values = { r: this.r, y: encnow, v: vel, e, i: this.integral, t: sim.time - this.began, u: this.u };
     const wanted = this.law(values);
     this.u = Number.isFinite(wanted) ? Math.max(-MOST, Math.min(MOST, Math.round(wanted))) : 0;
-    this.setpoints[this.axis] = this.u;
-    return sim.write(page, this.setpoints) >= 0;
+    const asked = { op: "setpoint", axis: this.axis, value: this.u };
+    return !sim.request(served, client, now, asked, 0, "").errno;
   }
 }

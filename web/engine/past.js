@@ -2,8 +2,6 @@
 // Waveforms of the last seconds of the machine: from a snapshot on, a second machine goes the same way
 // (sim/abi/mmcs_sim.h), its nets watched clock by clock.
 
-const EVERY_S = 0.1;
-const KEPT = 100;
 const BUSY_S = 0.001; // a servo pass is over by then
 export const MOST_MS = 20;
 
@@ -16,7 +14,6 @@ export class Past {
     this.#sim = sim;
     this.#another = another;
     sim.keepDeeds();
-    sim.ring(EVERY_S, KEPT);
   }
 
   /** A machine of which go() makes what it shall be; the caller destroys it. */

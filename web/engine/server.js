@@ -2,15 +2,23 @@
 // The machine's messages (docs/use/protocol.md) inside a page: what mmcs/device/ is for a socket, for
 // one page and the frame of STOP. The scenario's own program is client 1.
 
-import { BY_HAND, OF_PAGE, OPERATIONS } from "./operations.js";
-import { MOST_MS, Past } from "./past.js";
-import { E, PAGE, PLAYING, Refused } from "./refused.js";
+import { Law } from "./law.js";
+import { MOST_MS } from "./past.js";
 
-const ROWS_AT_ONCE = 256;
-const HEAD_BYTES = 32;
-const SPOILS = { load: "a register was read by hand", store: "a register was written by hand" };
+const SPOILS = { load: "a register was read by hand", store: "a register was written by hand",
+  stop: "the machine was stopped by hand", rewind: "time was turned back" };  // prettier-ignore
 const WRITES = ["write", "setpoint"];
 const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
+
+const E = { EIO: 5, EBUSY: 16, EINVAL: 22 };
+const PLAYING = "the scenario's program writes the setpoints until its motion ends";
+
+class Refused extends Error {
+  constructor(errno, text) {
+    super(text);
+    this.errno = errno;
+  }
+}
 
 export class Server {
   /** say(message) carries a text (object) or samples (ArrayBuffer) to the page; past: of the machine;
@@ -18,34 +26,38 @@ export class Server {
   constructor(sim, setup, session, C, say, past, groups) {
     Object.assign(this, { sim, setup, session, C, say, past, groups });
     this.protocol = C.PROTOCOL; // as Python's server has it: tools/website.py
-    sim.tap(this.protocol.kept_rows, this.protocol.kept_events);
-    this.speed = 1;
-    this.paused = false;
-    this.lease = null;
-    this.deadman_s = null;
-    this.heard = 0;
-    this.page = -1; // the driver's number of the page's open device
-    this.writable = false;
-    this.follow = null;
+    this.served = sim.serve();
+    this.program = sim.enter(this.served, "device", setup.name);
+    this.client = sim.enter(this.served, "message", "mctool");
+    this.now = 0;
+    this.state({ speed: 1 });
     this.spoiled = ""; // why the record would not replay
-    this.target = null; // of `advance`
+    this.arrived = null; // told at the end of `advance`
     this.law = null; // of a person's own (law.js)
   }
 
+  /** Fields of mmcs_server; and values that some of them take. */
+  state(values) {
+    return this.sim.fields("mmcs_server", this.served, values);
+  }
+  /** The driver's number of the page's open device, or -1. */
+  get page() {
+    return this.sim.fields("mmcs_client", this.client).driver;
+  }
+
+  /** The scenario's program has opened the device, for writing or not. */
+  opened(writes) {
+    this.sim.opened(this.served, this.program, this.session.client, writes);
+  }
+
   hello() {
-    const { sim } = this;
-    const stats = sim.stats();
-    return { protocol: this.protocol.number, you: PAGE, server: "page", scenario: this.setup.name, axes: 2 * sim.cards,
-      cards: sim.cards, time: sim.time, speed: this.speed, paused: this.paused, opens: 1,
-      lease: this.lease, waves: true, sample: { fields: this.protocol.fields, row_bytes: sim.tapHead().row_bytes },
-      enabled: Boolean(stats.enabled), stopped: Boolean(stats.stopped),
-      interval_us: stats.interval_us, diag: stats.diag, double_buffer: Boolean(stats.double_buffer),
-      panic: Boolean(stats.panic_level), button: Boolean(sim.inputValue("estop", 0)) };  // prettier-ignore
+    return { ...this.ask({ op: "hello" }), server: "page", scenario: this.setup.name, waves: true };
   }
 
   /** One request of the page. */
   async hear(message, now) {
-    this.heard = now;
+    this.now = now;
+    this.sim.fields("mmcs_client", this.client, { heard: now });
     let { id } = message;
     let reply;
     this.before = this.sim.tapHead().events;
@@ -79,8 +91,8 @@ export class Server {
   ask(message, only_check = 0) {
     const { op } = message;
     const held = this.session.playing && WRITES.includes(op) ? PLAYING : "";
-    const done = this.sim.request(message, { client: this.page, writes: Number(this.writable), only_check }, held);
-    if (SPOILS[op] && done.errno !== E.EINVAL) this.spoil(SPOILS[op]);
+    const done = this.sim.request(this.served, this.client, this.now, message, only_check, held);
+    if (SPOILS[op] && ![E.EINVAL, E.EBUSY].includes(done.errno)) this.spoil(SPOILS[op]);
     if (done.errno) throw new Refused(done.errno, done.text);
     return done;
   }
@@ -89,18 +101,17 @@ export class Server {
   hearStop(line) {
     const { sim } = this;
     const t = () => sim.time.toFixed(6);
-    if (line === "stop") return `${this.stop() >= 0 ? "stopped" : "failed"} ${t()}`;
+    if (line === "stop") {
+      const { errno } = sim.request(this.served, this.client, this.now, { op: "stop" }, 0, "");
+      this.spoil(SPOILS.stop);
+      return `${errno ? "failed" : "stopped"} ${t()}`;
+    }
     if (line === "press" || line === "release") {
       this.setInput("estop", 0, Number(line === "press"));
       return `${line === "press" ? "pressed" : "released"} ${t()}`;
     }
     const { enabled, stopped, panic, button } = this.hello();
     return { state: { t: sim.time, enabled, stopped, panic, button } };
-  }
-
-  stop() {
-    if (this.session.playing) this.spoil("the machine was stopped by hand");
-    return this.sim.stop();
   }
 
   spoil(why) {
@@ -110,18 +121,7 @@ export class Server {
   }
 
   checkDeadman(now) {
-    if (this.lease !== PAGE || this.deadman_s === null) return;
-    if (now - this.heard <= this.deadman_s) return;
-    this.sim.tapNote("log", 0, "the page is silent: stopped");
-    this.stop();
-    this.setLease(null);
-  }
-
-  setLease(client, deadman_s = null) {
-    this.lease = client;
-    this.deadman_s = deadman_s;
-    const text = client ? `client ${client} has the lease` : "nobody has the lease";
-    this.sim.tapNote("lease", client ?? -1, text);
+    if (this.sim.check(this.served, now)) this.spoil(SPOILS.stop);
   }
 
   /** The driver's answer, or Refused with what it said since the request began. */
@@ -132,11 +132,6 @@ export class Server {
     throw new Refused(-result, said.join("; "));
   }
 
-  /** So many of an input there are. */
-  places({ scope }) {
-    return { machine: 1, card: this.sim.cards, axis: 2 * this.sim.cards }[scope];
-  }
-
   setInput(name, index, value) {
     if (this.session.playing) this.check(this.session.personSets(name, index, value));
     else this.ask({ op: "input", name, index, value });
@@ -144,48 +139,7 @@ export class Server {
 
   /** What the page follows and has not seen. */
   stream(now) {
-    const f = this.follow;
-    if (!f || now < f.due) return;
-    f.due = now + f.period_s;
-    if (f.events) {
-      const { events, next, lost } = this.sim.tapEvents(f.event);
-      f.event = next;
-      if (lost) this.say({ type: "lost", events: lost });
-      for (const event of events) this.say({ type: "event", ...event });
-    }
-    while (f.samples) {
-      const { bytes, count, next, lost } = this.sim.tapRows(f.row, f.every, ROWS_AT_ONCE);
-      f.row = next;
-      f.lost += lost;
-      if (!count) break;
-      this.say(this.#message(bytes, count, f));
-    }
-  }
-
-  #message(bytes, count, f) {
-    const whole = new Uint8Array(HEAD_BYTES + bytes.length);
-    const head = new DataView(whole.buffer);
-    whole.set([0x53, 0x31]);
-    head.setUint32(4, count, true);
-    head.setUint32(8, bytes.length / count, true);
-    head.setUint16(12, 2 * this.sim.cards, true);
-    head.setUint16(14, this.sim.cards, true);
-    head.setFloat64(16, f.lost, true);
-    head.setFloat64(24, f.row - count * f.every, true);
-    whole.set(bytes, HEAD_BYTES);
-    return whole.buffer;
-  }
-
-  /** The setpoints in force, from the last sample; of an axis with a law, none. */
-  setpoints() {
-    const { sim } = this;
-    const head = sim.tapHead();
-    const { bytes, count } = sim.tapRows(Math.max(0, head.rows - 1), 1, 1);
-    const ints = new Int32Array(bytes.buffer, 0, bytes.length >> 2);
-    const { fields } = this.protocol;
-    const joints = count ? ints[5] : sim.axes;
-    const at = (axis) => (count ? ints[6 + axis * fields.length + fields.indexOf("setpoint")] : 0);
-    return Array.from({ length: joints }, (_, n) => (n === this.law?.axis ? 0 : at(n)));
+    for (let next; (next = this.sim.stream(this.served, this.client, now)); ) this.say(next);
   }
 
   /** Waveforms of so many ms around a moment, as far as the past and the present go. */
@@ -223,3 +177,59 @@ function named(word, C) {
   const mode = Object.keys(C.MODES).find((name) => C[C.MODES[name]] === (word & 0xf));
   return { mode, flags: C.FLAGS.filter((flag) => word & C[flag.toUpperCase()]) };
 }
+
+// What sim/service does not do: each takes the server and what sim/service gave, and returns, or
+// promises, what the reply says.
+const OPERATIONS = {
+  hello: (s) => s.hello(),
+  pace: (s, done) => (s.restart?.(), done),
+  rewind: (s, done) => (s.endSession?.(), OPERATIONS.pace(s, done)),
+  advance: (s) =>
+    new Promise((done) => {
+      s.arrived = () => done({ t: s.sim.time });
+    }),
+  machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.config.gravity }),
+};
+
+/** Of a page alone, with the arguments as they come. */
+const OF_PAGE = {
+  law: (s, { axis, text, r }) => {
+    if (s.session.playing) throw new Refused(E.EBUSY, PLAYING);
+    if (s.law) s.ask({ op: "setpoint", axis: s.law.axis, value: 0 });
+    s.law = null;
+    if (text === null) return {};
+    const made = new Law(s, axis, text, r);
+    s.ask({ op: "setpoint", axis, value: 0 }); // no current yet
+    s.ask({ op: "change", axis, param: { mode: s.C.MD_TORQ } });
+    s.law = made;
+    return {};
+  },
+  cost: (s) => ({ cycles: s.sim.stats().bus_cycles, samples: s.sim.tapHead().rows }),
+  waves: (s, { t, ms = 2 }) => s.waves(t, ms),
+  memory: (s) => ({ bytes: s.sim.memory }),
+};
+
+/** Of a person while the scenario's motion goes on: kept for its record. null: as at other times. */
+const BY_HAND = {
+  input: (s, { name, index, value }) => {
+    s.setInput(name, index, value);
+    return { t: s.sim.time };
+  },
+  change: (s, { axis, param }) => (axis < s.sim.axes ? { param: s.change(axis, param) } : null),
+  call: (s, { request, value, axis, param }) => {
+    if (!s.C.CALLED.includes(request)) {
+      if (!s.C.READS.includes(request)) s.spoil(`${request} by hand`);
+      return null;
+    }
+    if (request === "MSETPARAM") {
+      if (axis >= s.sim.axes) return null;
+      s.change(axis, { ...Object.fromEntries(s.protocol.param.map((name) => [name, 0])), ...param });
+      return {};
+    }
+    const call = ["MSETENC", "MCALIB"].includes(request)
+      ? { request, axis: value & 0xff, value: value >> 8 }
+      : value === undefined ? { request } : { request, value };  // prettier-ignore
+    s.check(s.session.personCalls(call));
+    return {};
+  },
+};

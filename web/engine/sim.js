@@ -147,14 +147,44 @@ export class Sim {
     return this.#m._mmcs_sim_stop(this.#at);
   }
 
-  /** A request of the messages, as mmcs_sim_request() takes it; by: fields of mmcs_asker. */
-  request(said, by, held) {
-    const m = this.#m;
-    const at = this.#room + this.layouts.mmcs_asker.size;
+  // --- the part of a server that sim/service does ---
+
+  serve() {
+    return this.#m._mmcs_server_create(this.#at);
+  }
+  enter(server, kind, name) {
+    this.#m.stringToUTF8(kind, this.#room, TEXT);
+    this.#m.stringToUTF8(name, this.#room + TEXT, TEXT);
+    return this.#m._mmcs_server_enter(server, this.#room, this.#room + TEXT, 0);
+  }
+  /** A client has /dev/mc0 open by this number of the driver's. */
+  opened(server, client, driver, writes) {
+    this.#m.stringToUTF8("/dev/mc0", this.#room, TEXT);
+    this.#m._mmcs_server_open(server, client, this.#room, writes ? 2 : 0, driver);
+  }
+  /** Fields of a mmcs_server or mmcs_client; and values that some of them take. */
+  fields(structure, at, values = {}) {
+    this.#put(at, structure, values);
+    return this.#get(at, structure);
+  }
+  /** A request of the messages, as mmcs_server_request() takes it. */
+  request(server, client, now, said, only_check, held) {
+    const [m, at] = [this.#m, this.#room];
     m.stringToUTF8(held, at, TEXT);
     m.stringToUTF8(lines(said), at + TEXT, ROOM - 2 * TEXT);
-    this.#put(this.#room, "mmcs_asker", { ...by, held: held ? at : 0 });
-    return JSON.parse(m.UTF8ToString(m._mmcs_sim_request(this.#at, this.#room, at + TEXT)));
+    const reply = m._mmcs_server_request(server, client, now, at + TEXT, only_check, held ? at : 0);
+    return JSON.parse(m.UTF8ToString(reply));
+  }
+  /** True: the holder of the lease was silent for too long, and the machine is stopped. */
+  check(server, now) {
+    return Boolean(this.#m._mmcs_server_check(server, now));
+  }
+  /** The next message of what the client follows, or null. */
+  stream(server, client, now) {
+    const size = Number(this.#m._mmcs_server_stream(server, client, now, this.#room));
+    const bytes = this.#bytes(this.#view.getUint32(this.#room, true), size);
+    if (bytes[0] === 0x7b) return JSON.parse(new TextDecoder().decode(bytes));
+    return size ? bytes.buffer : null;
   }
 
   // --- motion, events, time ---
@@ -177,10 +207,6 @@ export class Sim {
     if (input < 0) return false;
     this.#put(this.#room, "mmcs_event", { t, input, index, value });
     return this.#m._mmcs_sim_add_event(this.#at, this.#room) === 0;
-  }
-  /** As it stands. */
-  inputValue(name, index) {
-    return this.#m._mmcs_sim_input_value(this.#at, this.inputs.indexOf(name), index, this.time);
   }
   /** False when an assertion of the machine failed. */
   run(until) {
@@ -220,21 +246,9 @@ export class Sim {
 
   // --- the tap ---
 
-  tap(rows, events) {
-    this.#m._mmcs_sim_tap(this.#at, BigInt(rows), BigInt(events));
-  }
   tapHead() {
     this.#m._mmcs_sim_tap_head(this.#at, this.#room);
     return this.#get(this.#room, "mmcs_tap_head");
-  }
-  /** Rows from a position on: their bytes, and {next, lost, count}. */
-  tapRows(from, every, limit) {
-    const size = this.tapHead().row_bytes;
-    const most = Math.min(limit, Math.floor((ROOM - 64) / size));
-    const at = this.#room + 64;
-    this.#m._mmcs_sim_tap_rows(this.#at, BigInt(from), every, at, most, this.#room);
-    const read = this.#get(this.#room, "mmcs_tap_read");
-    return { ...read, bytes: this.#bytes(at, read.count * size) };
   }
   tapEvents(from) {
     const { size } = this.layouts.mmcs_tap_event;
@@ -259,9 +273,6 @@ export class Sim {
   }
   keepDeeds() {
     this.#m._mmcs_sim_keep_deeds(this.#at);
-  }
-  ring(every_s, count) {
-    this.#m._mmcs_sim_ring(this.#at, every_s, count);
   }
   /** What another machine did: its state of now, of a clock, or its way up to a clock; the deeds
    * later than `after`. */

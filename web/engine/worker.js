@@ -41,13 +41,15 @@ async function start({ setup, module, layouts, constants, waves, plays, paused, 
   const past = new Past(sim, another);
   server = new Server(sim, setup, session, constants, say, past, waves);
   server.restart = restart;
-  server.paused = paused;
+  server.state({ paused: Number(paused) });
   server.endSession = () => {
     motion = null;
     session.playing = false;
   };
   if (plays && session.begin()) motion = session.move();
-  else if (session.client < 0) session.client = sim.open(0);
+  const writes = session.client >= 0;
+  if (!writes) session.client = sim.open(0);
+  server.opened(writes);
   postMessage(JSON.stringify({ type: "hello", ...server.hello() }));
   restart();
   turn();
@@ -59,10 +61,11 @@ function restart() {
 
 /** How much time of the machine may pass now, s. */
 function due() {
-  if (server.paused) return 0;
-  if (server.speed === null) return Infinity;
-  const left = (now() - clock.wall) * server.speed - (server.sim.time - clock.simulated);
-  if (left > BEHIND_S * Math.max(1, server.speed)) {
+  const { paused, speed } = server.state();
+  if (paused) return 0;
+  if (!speed) return Infinity;
+  const left = (now() - clock.wall) * speed - (server.sim.time - clock.simulated);
+  if (left > BEHIND_S * Math.max(1, speed)) {
     restart(); // who cannot keep up does not run after more than this
     return CHUNK_S;
   }
@@ -83,7 +86,7 @@ function pass() {
     sim.takeLog();
   } else {
     sim.run(before + CHUNK_S);
-    if (sim.time - before < CHUNK_S / 2) server.paused = true; // an assertion failed
+    if (sim.time - before < CHUNK_S / 2) server.state({ paused: 1 }); // an assertion failed
     sim.takeLog();
   }
   work.ms += performance.now() - began;
@@ -111,14 +114,12 @@ function turn() {
   const began = performance.now();
   const t = now();
   server.checkDeadman(t);
-  if (server.target) {
-    while (server.target && performance.now() - began < TURN_MS) {
-      pass();
-      if (server.sim.time >= server.target.t - 1e-9) {
-        const { done } = server.target;
-        server.target = null;
-        done();
-      }
+  const { target } = server.state();
+  if (target >= 0) {
+    while (server.sim.clock < target && performance.now() - began < TURN_MS) pass();
+    if (server.sim.clock >= target) {
+      server.state({ target: -1 });
+      server.arrived();
     }
   } else while (due() > 0 && performance.now() - began < TURN_MS) pass();
   server.stream(t);
@@ -126,7 +127,7 @@ function turn() {
     toldAt = began;
     tell();
   }
-  setTimeout(turn, server.paused || due() <= 0 ? 4 : 0);
+  setTimeout(turn, due() <= 0 ? 4 : 0);
 }
 
 function hearStop(port) {

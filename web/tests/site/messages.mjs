@@ -25,6 +25,6 @@ const replies = [];
 const say = (message) => message.type === "reply" && replies.push(message);
 const session = new Session(sim, setup, constants);
 const server = new Server(sim, setup, session, constants, say, new Past(sim, null), waves);
-server.paused = true;
+server.state({ paused: 1 });
 for (const request of JSON.parse(readFileSync(0))) await server.hear(request, 0);
 console.log(JSON.stringify(replies));

@@ -27,10 +27,11 @@ const random = (n) => {
 const another = (skip) => new Sim(module, layouts, { ...setup, config: { ...setup.config, skip } });
 const sim = another(1);
 const past = new Past(sim, another);
+const server = sim.serve();
+const client = sim.enter(server, "message", "");
 const session = new Session(sim, setup, C);
 session.begin();
 const motion = session.move();
-const BY = { client: -1, writes: 0, only_check: 0 };
 const integer = (value) => new Uint8Array(new Int32Array([value]).buffer);
 let [second, kept] = [-1, null];
 const deeds = [
@@ -39,8 +40,8 @@ const deeds = [
   () => sim.ioctl(session.client, C.MENABLE),
   () => sim.stop(),
   () => sim.read(session.client, sim.axes),
-  () => sim.request({ op: "load", offset: random(0x20) }, BY, ""),
-  () => sim.request({ op: "store", offset: random(0x10), value: random(256) }, BY, ""),
+  () => sim.request(server, client, 0, { op: "load", offset: random(0x20) }, 0, ""),
+  () => sim.request(server, client, 0, { op: "store", offset: random(0x10), value: random(256) }, 0, ""),
   () => sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0, random(2)),
   () => (second = second < 0 ? sim.open(0) : (sim.close(second), -1)),
   () => (kept = sim.snapshot()),
