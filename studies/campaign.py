@@ -119,7 +119,11 @@ def left(rows: list[dict]) -> str:
     far = Counter(r["what"] for r in rows if r["class"] == DANGEROUS and r["deg"] > STEPS[-1])
     late = Counter(r["what"] for r in rows if r["class"] == LATE and r["deg"] > STEPS[-1])
     text = lambda c: ", ".join(f"`{line_name(w)}` {n}" for w, n in c.most_common(8)) or "nothing"  # noqa: E731
-    return f"Beyond {STEPS[-1]:g}° in silence: {text(far)}. Told too late: {text(late)}."
+    motions = sorted(
+        {r["motion"] for r in rows if r["class"] == DANGEROUS and r["deg"] > STEPS[-1]}
+    )
+    where = f", in {' and '.join(f'`{m}`' for m in motions)} alone" if motions else ""
+    return f"Beyond {STEPS[-1]:g}° in silence: {text(far)}{where}. Told too late: {text(late)}."
 
 
 def commit() -> str:
@@ -141,9 +145,9 @@ def page(folder: Path, found: dict[str, list[dict]], costs: str) -> str:
         "`--healthy 1000`, then without an option.",
         "",
         f"{costs} Shares are of faults drawn evenly, in per million with their 95 % intervals;",
-        "behind a colon stands the count. 100,000 faults of each machine were wanted; that many",
-        "were run as built in 1989 alone, on 3155977: 136,800 (134,700 to 139,000) silent and",
-        "dangerous, 173,200 (170,800 to 175,500) told too late.",
+        "behind a colon stands the count. As built in 1989 (100,000 faults, 3155977) it was",
+        "136,800 (134,700 to 139,000) silent and dangerous, 173,200 (170,800 to 175,500) told too",
+        "late.",
         "",
         *machine_table(folder, found),
         "",
