@@ -60,7 +60,7 @@ DEEPER = {
     "tools/parsers.py": {"device", "runs", "sweeps"},
     "tools/setup_venv.py": {"engine"},
     "tools/tests/test_docs_commands.py": {"cli", "tests"},
-    "tools/website.py": {"device", "runs", "scenario", "tool", "view"},
+    "tools/website.py": {"runs", "scenario", "tool", "view"},
     "web/tests/": {"device", "lab", "tests", "tool"},
 }
 
