@@ -18,7 +18,7 @@ namespace {
 // Verilator's writer of waveforms aborts the process when it cannot write.
 void tell_of_unwritten(int) {
   static const char text[] =
-      "mmcs: aborted where waveforms are written: if the disk is full, free room and run it again\n";
+      "mmcs: aborted where waveforms are written: if the disk is full, free it and run again\n";
   _exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 2 : 1);
 }
 
