@@ -116,14 +116,16 @@ def hole_table(found: dict[str, list[dict]]) -> list[str]:
 
 def left(rows: list[dict]) -> str:
     """What still goes far without a word."""
-    far = Counter(r["what"] for r in rows if r["class"] == DANGEROUS and r["deg"] > STEPS[-1])
-    late = Counter(r["what"] for r in rows if r["class"] == LATE and r["deg"] > STEPS[-1])
-    text = lambda c: ", ".join(f"`{line_name(w)}` {n}" for w, n in c.most_common(8)) or "nothing"  # noqa: E731
-    motions = sorted(
-        {r["motion"] for r in rows if r["class"] == DANGEROUS and r["deg"] > STEPS[-1]}
-    )
-    where = f", in {' and '.join(f'`{m}`' for m in motions)} alone" if motions else ""
-    return f"Beyond {STEPS[-1]:g}° in silence: {text(far)}{where}. Told too late: {text(late)}."
+    far = [r for r in rows if r["deg"] > STEPS[-1]]
+    silent, late = ([r for r in far if r["class"] == kind] for kind in (DANGEROUS, LATE))
+
+    def text(some: list[dict]) -> str:
+        found = Counter(r["what"] for r in some).most_common(8)
+        return ", ".join(f"`{line_name(what)}` {n}" for what, n in found) or "nothing"
+
+    motions = " and ".join(f"`{motion}`" for motion in sorted({r["motion"] for r in silent}))
+    where = f", in {motions} alone" if motions else ""
+    return f"Beyond {STEPS[-1]:g}° in silence: {text(silent)}{where}. Told too late: {text(late)}."
 
 
 def commit() -> str:

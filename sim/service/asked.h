@@ -52,10 +52,14 @@ std::string real(double value) {
 std::string quoted(const std::string &text) {
   std::string out = "\"";
   for (char c : text) {
+    if (static_cast<unsigned char>(c) < ' ') {
+      char code[8];
+      std::snprintf(code, sizeof code, "\\u%04x", c);
+      out += code;
+      continue;
+    }
     if (c == '"' || c == '\\') out += '\\';
-    char code[8];
-    std::snprintf(code, sizeof code, "\\u%04x", c);
-    out += static_cast<unsigned char>(c) < ' ' ? code : std::string(1, c);
+    out += c;
   }
   return out + '"';
 }
