@@ -12,9 +12,9 @@ from mmcs.errors import InputError, RunError
 from mmcs.place import BUILD, workshop
 
 HOSTS = ("native", "m68020", "rv32")
-COMPILERS = {
-    "m68020": ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu"),
-    "rv32": ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf"),
+COMPILERS = {  # and the Python package that holds the processor
+    "m68020": ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu", "machine68k"),
+    "rv32": ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "pythondata_cpu_ibex"),
 }
 
 
@@ -44,13 +44,13 @@ def image_digest(host: str) -> str:
 
 
 def _need(host: str) -> None:
-    compiler, package = COMPILERS[host]
+    compiler, package, core = COMPILERS[host]
     if not shutil.which(compiler):
         raise RunError(
             f"--host {host} needs {compiler}; install it with: sudo apt-get install {package}"
         )
-    if host == "rv32" and importlib.util.find_spec("pythondata_cpu_ibex") is None:
-        raise RunError("--host rv32 needs its processor core; install it with: make firmware")
+    if importlib.util.find_spec(core) is None:
+        raise RunError(f"--host {host} needs its processor core; install it with: make firmware")
 
 
 def make(makefile: str, target: str, made: Path | None = None) -> None:

@@ -4,6 +4,7 @@
 import pytest
 
 from mmcs import mcdef, regs
+from mmcs.engine import hosts
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.errors import RunError
@@ -77,3 +78,11 @@ def test_declarations_drop_what_cffi_cannot_read():
     text = "/* c */\n#ifndef A\n#define A\n#define N 0x10\n#include <x.h>\nint f(void);\n#endif\n"
     assert declarations(text).split("\n")[0] == "#define N 0x10"
     assert "#include" not in declarations(text) and "int f(void);" in declarations(text)
+
+
+@pytest.mark.parametrize("host", ["m68020", "rv32"])
+def test_a_host_whose_processor_is_not_installed(host, monkeypatch):
+    monkeypatch.setattr(hosts.shutil, "which", lambda name: name)
+    monkeypatch.setattr(hosts.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(RunError, match=f"--host {host} needs .* core; .* with: make firmware"):
+        hosts.config(host)
