@@ -29,8 +29,7 @@ from mmcs.scenario.load import load as _load
 from mmcs.scenario.setup import Setup
 
 MODES = ("off", "position", "velocity", "torque", "test1")
-STATE = np.dtype([(name, np.int32) for name in
-                  ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode")])  # fmt: skip
+STATE = np.dtype([(name, np.int32) for name in mcdef.fields("mc_state")])
 
 
 def load(scenario: str | Path | Setup, *sets: str, **values) -> Setup:

@@ -48,6 +48,13 @@ def structures() -> str:
 
 
 @functools.cache
+def fields(structure: str) -> tuple[str, ...]:
+    """The names of one: fields("mc_state")."""
+    body = structures().partition(f"struct {structure} {{")[2].partition("}")[0]
+    return tuple(re.findall(r"(\w+)[,;]", body))
+
+
+@functools.cache
 def make_ffi() -> cffi.FFI:
     """Structures and calls. cffi's parser takes as long as a short run: what it makes is kept."""
     text = "\n".join([structures(), *(declarations(header.read_text()) for header in ABI)])
@@ -175,7 +182,7 @@ def new_params(params: list[dict]):
 
 def sets(values: dict) -> list[tuple[int, int, int]]:
     """What changes in a struct mc_param, as fields of mmcs_set: word, mask, value."""
-    words = [name for name, _ in make_ffi().typeof("struct mc_param").fields]
+    words = fields("mc_param")
     made = [(words.index(n), -1, v) for n, v in values.items() if n not in ("mode", "flags")]
     mode, mask = words.index("mode"), constants()["MD_MASK"]
     if "mode" in values:

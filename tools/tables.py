@@ -2,12 +2,13 @@
 """What the two tables of the machine say, in its other places: `make generate`.
 
 sim/abi/inputs.def: inputs of [[event]], in the manual. firmware/include/requests.def: requests, in
-mcdef.h, the manual and the manual page.
+mcdef.h, the manual and the manual page. mcdef.h: the names of its fields, in sim/service.
 """
 
 import argparse
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -18,6 +19,7 @@ from tools.pages import splice  # noqa: E402
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 DRIVER = ROOT / "docs" / "use" / "driver.md"
+NAMES = ROOT / "sim" / "service" / "asked.h"
 MAN = ROOT / "docs" / "man" / "mc.4"
 SCENARIOS = ROOT / "docs" / "use" / "scenarios.md"
 SIZES = {"int": "MC_INT", "unsigned int": "MC_INT", "struct mc_param": "MC_PARAM",
@@ -39,6 +41,16 @@ def defines() -> str:
         rows.append((f"#define {r.name} ({' | '.join(parts)})", f"/* {told} */"))
     width = max(len(code) for code, _ in rows)
     return "\n".join(f"{code:{width}} {told}" for code, told in rows)
+
+
+def names() -> str:
+    """Those of the fields of mcdef.h, for the messages."""
+    lines = []
+    for structure in ("state", "param", "stats"):
+        name = f"constexpr const char *k{structure.title()}[] = {{"
+        words = ", ".join(f'"{field}"' for field in mcdef.fields(f"mc_{structure}"))
+        lines += textwrap.wrap(f"{name}{words}}};", 100, subsequent_indent="    ")
+    return "\n".join(lines)
 
 
 def driver_table() -> str:
@@ -67,10 +79,12 @@ def between(text: str, begin: str, end: str, content: str) -> str:
 def pages() -> dict[Path, str]:
     """Each file as it should be."""
     begin, end = "/* generated: requests of requests.def */", "/* end of requests */"
+    fields = "// generated: fields of mcdef.h", "// end of fields"
     man = '.\\" generated: requests', '.\\" end of requests'
     return {
         HEADER: between(HEADER.read_text(), begin, end, defines()),
         DRIVER: splice(DRIVER.read_text(), "requests", driver_table()),
+        NAMES: between(NAMES.read_text(), *fields, names()),
         MAN: between(MAN.read_text(), *man, man_list()),
         SCENARIOS: splice(SCENARIOS.read_text(), "inputs", inputs.table()),
     }

@@ -156,7 +156,7 @@ def protocol() -> dict:
     """What both servers of the messages have."""
     return {
         "errors": {number: [name, os.strerror(number)] for number, name in errno.errorcode.items()},
-        "param": [name for name, _ in make_ffi().typeof("struct mc_param").fields],
+        "param": mcdef.fields("mc_param"),
     }
 
 

@@ -203,7 +203,7 @@ class Device:
     def change_param(self, axis: int, **values: int) -> dict[str, int]:
         """Sets some parameters of an axis and leaves the others as they are at that moment, whoever
         else changes them; returns all."""
-        names, data = _field_names(), b""
+        names, data = mcdef.fields("mc_param"), b""
         for name, value in values.items():
             if name not in names or name == "which":
                 raise OSError(errno.EINVAL, f"there is no parameter {name!r} to change")
@@ -263,7 +263,7 @@ class Device:
         ffi = mcdef.make_ffi()
         stats = ffi.new("struct mc_stats *")
         ffi.buffer(stats)[:] = self.ioctl(mcdef.MGETSTATS)
-        return {name: getattr(stats, name) for name, _ in ffi.typeof("struct mc_stats").fields}
+        return {name: getattr(stats, name) for name in mcdef.fields("mc_stats")}
 
     def zero_stats(self) -> None:
         self.ioctl(mcdef.MZEROSTATS)
@@ -323,7 +323,8 @@ class Device:
             return 0, fcntl.ioctl(fd, wire.MLEASE, struct.pack("<i", a))
         if op == wire.CHANGE:  # nobody else runs meanwhile
             param = self.get_param(a)
-            param |= {_field_names()[n]: value for n, value in struct.iter_unpack("<Ii", data)}
+            names = mcdef.fields("mc_param")
+            param |= {names[n]: value for n, value in struct.iter_unpack("<Ii", data)}
             self.set_param(a, param)
             return 0, _bytes(a, param)
         size = a >> 16 & 0x1FFF
@@ -360,14 +361,10 @@ def _sentence(error: int, why: str) -> str:
     return ": ".join(filter(None, (os.strerror(error), why)))
 
 
-def _field_names() -> list[str]:
-    return [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
-
-
 def _bytes(axis: int, param: dict[str, int]) -> bytes:
     made = mcdef.new_param(axis)
     for name, value in param.items():
-        if name not in _field_names():
+        if name not in mcdef.fields("mc_param"):
             raise OSError(errno.EINVAL, f"there is no parameter {name!r}")
         if name != "which":
             setattr(made, name, _checked(name, value))
@@ -377,7 +374,7 @@ def _bytes(axis: int, param: dict[str, int]) -> bytes:
 def _fields(data: bytes) -> dict[str, int]:
     param = mcdef.new_param(0)
     mcdef.make_ffi().buffer(param)[:] = data
-    return {name: getattr(param, name) for name in _field_names()}
+    return {name: getattr(param, name) for name in mcdef.fields("mc_param")}
 
 
 def _checked(what: str, value: object, low: int = -(1 << 31), high: int = (1 << 31) - 1) -> int:

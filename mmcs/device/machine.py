@@ -5,13 +5,10 @@ Requests answer with a number as the driver does, negative for an errno.
 """
 
 from mmcs import mcdef
-from mmcs.device.wire import BUS_ERROR, BUS_OK, BUS_TIMEOUT, EBUSY, MSTATUS, STATUS
+from mmcs.device.wire import MSTATUS, STATUS
 from mmcs.engine.script import Serving
 from mmcs.inputs import INPUTS
 
-WINDOW_BASE, WINDOW_SIZE = 0x6000, 0x800
-USER_AM = 0x29  # mapped accesses are non-privileged (§2.4)
-BUS_TIMEOUT_S = 16e-6
 EVENTS_AT_ONCE = 4096
 
 
@@ -28,9 +25,7 @@ class Machine(Serving):
         self._panicked = False  # it has come since MENABLE; our own stop raises it as well
         self._untold = ""  # the same, until the console has it
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
-        requests = mcdef.requests().values()
-        self._reads = {request.code for request in requests if not request.changes}
-        self.waits = {request.code for request in requests if request.waits}
+        self.waits = {request.code for request in mcdef.requests().values() if request.waits}
 
     def knows(self) -> str:
         """What the simulator, but no register, knows of what shut the machine down, or of a PANIC
@@ -54,21 +49,15 @@ class Machine(Serving):
     def ioctl(self, client, request: int, argument: bytes) -> tuple[int, bytes]:
         if request == MSTATUS:
             return 0, self.status()
-        if request == mcdef.MSTOP and not client.writes:
-            return self.stop(client.pid), b""
-        if request not in self._reads and request != mcdef.MSTOP and self.held(client):
-            return -EBUSY, b""
         before = self.sim.tap_head()[1]
-        result, out = self.sim.ioctl_bytes(client.driver, request, argument)
+        result, out = self.server_ioctl(client, request, argument)
         self.said = "" if result >= 0 else self.said_since(before)
         if result >= 0:
-            self.called(client, request)
+            self.called(request)
         return result, out
 
-    def called(self, client, request: int) -> None:
-        """A request was not refused."""
-        if request == mcdef.MSTOP:
-            self.now.stopped_by = client.pid
+    def called(self, request: int) -> None:
+        """It was not refused."""
         if request == mcdef.MENABLE and (known := self.knows()):
             self.sim.tap_note("log", 0, f"{known}: PANIC stands, and the brakes stay on")
 
@@ -84,32 +73,10 @@ class Machine(Serving):
         return self.sim.read_bytes(client.driver, size)
 
     def write(self, client, data: bytes) -> int:
-        if self.held(client):
-            return -EBUSY
         before = self.sim.tap_head()[1]
-        result = self.sim.write_bytes(client.driver, data)
+        result = self.server_write(client, data)
         self.said = "" if result >= 0 else self.said_since(before)
         return result
-
-    def bus(self, client, address: int, size: int, data: bytes | None) -> tuple[int, bytes]:
-        """A mapped access at an A16 address; data to write. Outside our window nobody answers."""
-        if data is not None and not client.writes:
-            return BUS_TIMEOUT, b""
-        if data is not None and self.held(client):
-            return BUS_ERROR, b""
-        offset = address - WINDOW_BASE
-        if not 0 <= offset < WINDOW_SIZE:
-            self.pass_time(BUS_TIMEOUT_S)
-            return BUS_TIMEOUT, b""
-        try:
-            if data is None:
-                return BUS_OK, self.sim.bus_read(offset, USER_AM, size).to_bytes(size, "little")
-            self.sim.bus_write(offset, int.from_bytes(data, "little"), USER_AM, size)
-        except TimeoutError:
-            return BUS_TIMEOUT, b""
-        except OSError:
-            return BUS_ERROR, b""
-        return BUS_OK, b""
 
     # --- what happens ---
 
@@ -124,10 +91,6 @@ class Machine(Serving):
     def set_input(self, name: str, index: int, value: float) -> dict:
         """Now, for nobody in particular."""
         return self.request(None, {"op": "input", "name": name, "index": index, "value": value})
-
-    def pass_time(self, seconds: float) -> None:
-        """At least one clock, in which what is due happens; within a waiting request that does."""
-        self.sim.run(self.sim.time + max(seconds, 1 / self.sim.build()["clk_hz"]))
 
     def said_since(self, event: int) -> str:
         """What the console said from this event on."""

@@ -107,7 +107,7 @@ class Messenger(Connection):
             if "errno" in done:
                 return _refusal(done["errno"], done["text"])
             if op == "call":
-                machine.called(client, mcdef.constants()[message["request"]])
+                machine.called(mcdef.constants()[message["request"]])
             if more := getattr(self, f"do_{op}", None):
                 done = more(done | {"id": message.get("id")})
             return None if done is None else {"ok": True, **done}

@@ -78,7 +78,7 @@ def joints_of(robot: str | Path, interval_us: int = 1000) -> list[Joint]:
 
 def header(robot: str, interval_us: int) -> str:
     """The joints as a C header; what `mmcs exec --robot` prints."""
-    order, rows = [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields], []
+    order, rows = mcdef.fields("mc_param"), []
     for joint in joints_of(robot, interval_us):
         values = [f".{f.name} = {_c(getattr(joint, f.name))}" for f in fields(joint)[:-1]]
         param = mcdef.initial() | joint.param

@@ -276,7 +276,7 @@ class Program(Connection):
         return -self.done.get("errno", 0)
 
     def _change(self, client, axis: int, payload: bytes):
-        fields = [name for name, _ in mcdef.make_ffi().typeof("struct mc_param").fields]
+        fields = mcdef.fields("mc_param")
         pairs = list(struct.iter_unpack("<Ii", payload))
         if axis > 255 or any(n >= len(fields) or n == 0 for n, _ in pairs):
             return -wire.EINVAL, b""

@@ -117,6 +117,19 @@ class Serving:
         why = self._lib.mmcs_server_held(self.now, client)
         return self._ffi.string(why).decode(errors="replace") if why else ""
 
+    def server_ioctl(self, client, request: int, argument: bytes) -> tuple[int, bytes]:
+        return self.sim.asked(request, argument, self._lib.mmcs_server_ioctl, self.now, client)
+
+    def server_write(self, client, data: bytes) -> int:
+        return self._lib.mmcs_server_write(self.now, client, data, len(data))
+
+    def bus(self, client, address: int, size: int, data: bytes | None) -> tuple[int, bytes]:
+        """A mapped access at an A16 address; data to write: as mmcs_server_bus()."""
+        value, writes = self._ffi.new("uint32_t *"), data is not None
+        value[0] = int.from_bytes(data or b"", "little")
+        result = self._lib.mmcs_server_bus(self.now, client, address, size, writes, value)
+        return result, b"" if result or writes else value[0].to_bytes(size, "little")
+
     def stop(self, pid: int = 0) -> int:
         return self._lib.mmcs_server_stop(self.now, pid)
 

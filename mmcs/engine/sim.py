@@ -147,12 +147,15 @@ class Sim(Watching, Playing):
     # read, write and ioctl for arguments that come from another process
 
     def ioctl_bytes(self, client: int, request: int, data: bytes) -> tuple[int, bytes]:
+        return self.asked(request, data, self.lib.mmcs_sim_ioctl, self._sim, client)
+
+    def asked(self, request: int, data: bytes, call, *of) -> tuple[int, bytes]:
         """The argument in, as long as the request number says; the argument out."""
         size = request >> 16 & 0x1FFF
         argument = bytearray(max(size, 256))
         argument[: len(data)] = data
         pointer = self.ffi.from_buffer(argument)
-        result = self.lib.mmcs_sim_ioctl(self._sim, client, request, pointer)
+        result = call(*of, request, pointer)
         return result, bytes(argument[:size]) if result >= 0 and request & 0x40000000 else b""
 
     def read_bytes(self, client: int, n: int) -> tuple[int, bytes]:
@@ -160,9 +163,6 @@ class Sim(Watching, Playing):
         data = bytearray(min(n, 4096))
         result = self.lib.mmcs_sim_read(self._sim, client, self.ffi.from_buffer(data), len(data))
         return result, bytes(data[: max(result, 0)])
-
-    def write_bytes(self, client: int, data: bytes) -> int:
-        return self.lib.mmcs_sim_write(self._sim, client, data, len(data))
 
     def signals(self, client: int) -> int:
         return self.lib.mmcs_sim_signals(self._sim, client)
@@ -360,7 +360,7 @@ class Sim(Watching, Playing):
 
 
 def _state(state) -> dict[str, int]:
-    return {name: getattr(state, name) for name, _ in make_ffi().typeof("struct mc_state").fields}
+    return {name: getattr(state, name) for name in mcdef.fields("mc_state")}
 
 
 def library_registers(library: Path) -> dict[str, int]:

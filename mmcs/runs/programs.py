@@ -9,13 +9,12 @@ import tempfile
 import time
 from pathlib import Path
 
+from mmcs import mcdef
 from mmcs.device.execute import check_program, environment, say
 from mmcs.device.server import Server
 from mmcs.errors import InputError, RunError
 from mmcs.runs.session import CHUNK_S, WATCH_S, Result, Session
 from mmcs.scenario.setup import Setup
-
-FIELDS = ("adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode")
 
 
 class ProgramSession(Session):
@@ -83,9 +82,9 @@ class ProgramSession(Session):
         """Of the last sample: the programs may have closed the device since."""
         rows = self.sim.tap_head()[0]
         row = self.sim.tap_rows(rows - 1, 1, 1)[0] if rows else bytes(self.sim.tap_head()[2])
-        of_axis = struct.Struct("<10i")
+        names, of_axis = mcdef.fields("mc_state"), struct.Struct("<10i")
         return [
-            dict(zip(FIELDS, of_axis.unpack_from(row, 24 + of_axis.size * n), strict=False))
+            dict(zip(names, of_axis.unpack_from(row, 24 + of_axis.size * n), strict=False))
             for n in range(self.setup.axes)
         ]
 

@@ -137,6 +137,13 @@ int mmcs_server_open(mmcs_server *server, mmcs_client *client, const char *devic
 const char *mmcs_server_held(mmcs_server *server, const mmcs_client *client);
 /* For a process, or 0. 0, or -errno. */
 int mmcs_server_stop(mmcs_server *server, int pid);
+/* Requests of a client that has /dev/mc0 open: as mmcs_sim_ioctl() and mmcs_sim_write(), and -EBUSY
+ * while another has the lease; a stop is everybody's. A mapped access of one that has /dev/vme16,
+ * at an A16 address: 0, 1 time-out, 2 bus error. */
+int mmcs_server_ioctl(mmcs_server *server, mmcs_client *client, uint32_t request, void *argument);
+int mmcs_server_write(mmcs_server *server, mmcs_client *client, const void *data, size_t size);
+int mmcs_server_bus(mmcs_server *server, mmcs_client *client, uint64_t address, int size,
+                    int writes, uint32_t *value);
 /* All that had come at `now` has been heard. 1: the holder of the lease was silent for too long,
  * and the machine is stopped. */
 int mmcs_server_check(mmcs_server *server, double now);

@@ -21,12 +21,15 @@ namespace {
 
 constexpr int kRefusedValue = 22, kNoOp = 38;  // errno
 constexpr size_t kFieldCount = sizeof(mc_param) / sizeof(int);
-constexpr const char *kParam[] = {"which",  "a2",     "a1",     "a0",    "b2",         "b1",
-                                  "b0",     "ic_pos", "ic_neg", "mode",  "clkdivisor", "ilim",
-                                  "ilimax", "plo",    "phi",    "adc_a", "adc_b",      "ipole"};
+// clang-format off
+// generated: fields of mcdef.h
+constexpr const char *kState[] = {"adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode"};
+constexpr const char *kParam[] = {"which", "a2", "a1", "a0", "b2", "b1", "b0", "ic_pos", "ic_neg",
+    "mode", "clkdivisor", "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole"};
 constexpr const char *kStats[] = {"total", "missed", "overrun", "panics", "spurious", "clips"};
-static_assert(sizeof kParam / sizeof *kParam == kFieldCount, "every field");
-static_assert(sizeof kStats / sizeof *kStats == sizeof(mc_stats) / sizeof(int), "every field");
+// end of fields
+// clang-format on
+static_assert(sizeof kParam / sizeof *kParam == kFieldCount, "mcdef.h has changed: make generate");
 
 struct Refusal : std::runtime_error {
   Refusal(int number, const std::string &text) : std::runtime_error(text), error(number) {}

@@ -16,7 +16,7 @@
 
 namespace {
 
-constexpr int kProtocol = 1, kNoRequest = 25, kMostSnapshots = 100, kUserAm = 0x29;
+constexpr int kProtocol = 1, kNoRequest = 25, kMostSnapshots = 100;
 // --- what is done ---
 
 class Request {
@@ -63,13 +63,16 @@ class Request {
     if (const char *held = mmcs_server_held(&server_, &by_)) throw Refusal(kBusy, held);
   }
   void must_write() const {
+    if (!held_) return;
     must_control();
-    if (held_) throw Refusal(kBusy, held_);
+    throw Refusal(kBusy, held_);
   }
-  // Refused with what the driver has said since the request began.
+  // Refused with what the driver has said since the request began, or because of the lease.
   void check(int result) const {
     if (result >= 0) return;
-    throw Refusal(-result, said_since(sim_, before_));
+    const std::string said = said_since(sim_, before_);
+    if (result == -kBusy && said.empty()) must_control();
+    throw Refusal(-result, said);
   }
 
   // --- who is there ---
@@ -77,9 +80,11 @@ class Request {
   Fields hello() {
     mmcs_stats stats{};
     mmcs_sim_get_stats(sim_, &stats);
-    const Made names = {R"(["adcvai","encnow","inow","error","fbnow","vel","errcode",)"
-                        R"("setpoint","demand","current"])"};
-    const Made sample = {object(fields("fields", names, "row_bytes", tap_head(sim_).row_bytes))};
+    std::vector<std::string> names;
+    for (const char *name : kState) names.push_back(quoted(name));
+    for (const char *name : {"setpoint", "demand", "current"}) names.push_back(quoted(name));
+    const Made sample = {object(
+        fields("fields", Made{joined('[', names, ']')}, "row_bytes", tap_head(sim_).row_bytes))};
     const int cards = mmcs_sim_build_cards();
     const bool button = value_of(input_of("estop"), 0) != 0;
     return fields("protocol", kProtocol, "you", by_.number, "axes", 2 * cards, "cards", cards,
@@ -148,14 +153,14 @@ class Request {
   Fields read() {
     must_be_open(false);
     const size_t axes = static_cast<size_t>(whole_of("axes"));
-    constexpr size_t kState = sizeof(mc_state) / sizeof(int);
-    std::vector<int> states(axes * kState);
+    std::vector<int> states(axes * std::size(kState));
     const int result = mmcs_sim_read(sim_, by_.driver, states.data(), axes * sizeof(mc_state));
     check(result);
     const size_t count = static_cast<size_t>(result) / sizeof(mc_state);
     std::vector<std::string> rows;
     rows.reserve(count);
-    for (size_t n = 0; n < count; ++n) rows.push_back(wholes(&states[n * kState], kState));
+    for (size_t n = 0; n < count; ++n)
+      rows.push_back(wholes(&states[n * std::size(kState)], std::size(kState)));
     return {{"states", joined('[', rows, ']')}};
   }
 
@@ -165,7 +170,7 @@ class Request {
     for (const auto &[_, one] : asked_.get("setpoints").of)
       setpoints.push_back(static_cast<int>(one.number()));
     must_write();
-    check(mmcs_sim_write(sim_, by_.driver, setpoints.data(), setpoints.size() * sizeof(int)));
+    check(mmcs_server_write(&server_, &by_, setpoints.data(), setpoints.size() * sizeof(int)));
     return {};
   }
 
@@ -173,7 +178,7 @@ class Request {
     must_be_open(true);
     mmcs_setpoint wanted = {whole_of("axis"), whole_of("value")};
     must_write();
-    check(mmcs_sim_ioctl(sim_, by_.driver, MSETPOINT, &wanted));
+    check(mmcs_server_ioctl(&server_, &by_, MSETPOINT, &wanted));
     return time();
   }
 
@@ -199,10 +204,7 @@ class Request {
     }
     if (only_check_ && request->changes && !stops) must_be_open(true);
     if (only_check_) return asked_.checked();
-    if (request->changes && !stops) must_control();
-    check(stops && !by_.writes ? mmcs_sim_stop(sim_)
-                               : mmcs_sim_ioctl(sim_, by_.driver, code, &argument));
-    if (stops) server_.stopped_by = by_.pid;
+    check(mmcs_server_ioctl(&server_, &by_, code, &argument));
     if (!(code & MC_ARG_OUT)) return {};
     if (whole) return {{"value", std::to_string(argument.value)}};
     if (code == MGETSTATS) return {{"stats", wholes(&argument.stats, std::size(kStats), kStats)}};

@@ -13,6 +13,7 @@
 
 #include "asked.h"
 #include "mcdef.h"
+#include "mmcs_regs.h"
 #include "mmcs_service.h"
 #include "mmcs_sim.h"
 #include "sys/mmcs.h"
@@ -25,6 +26,9 @@ constexpr int kRowsAtOnce = 512, kEventsAtOnce = 256;
 constexpr double kSnapshotEveryS = 0.1;  // the ring at the start
 constexpr int kSnapshots = 100;
 constexpr int kAccess = 3, kWriting = 2;  // of the flags of open(2)
+constexpr int kUserAm = 0x29;             // mapped accesses are non-privileged (§2.4)
+constexpr int kBusTimeout = 1, kBusError = 2;
+constexpr double kBusTimeoutS = 16e-6;
 
 struct Driver {  // a row of requests.def
   const char *name;
@@ -269,6 +273,37 @@ const char *mmcs_server_held(mmcs_server *server, const mmcs_client *client) {
 int mmcs_server_stop(mmcs_server *server, int pid) {
   server->stopped_by = pid;
   return mmcs_sim_stop(static_cast<Served *>(server)->sim);
+}
+
+int mmcs_server_ioctl(mmcs_server *server, mmcs_client *client, uint32_t request, void *argument) {
+  auto &my = *static_cast<Served *>(server);
+  bool changes = request != MSTOP;
+  for (const Driver &row : kDriver) changes = changes && (row.code != request || row.changes);
+  if (request == MSTOP && !client->writes) return mmcs_server_stop(server, client->pid);
+  if (changes && mmcs_server_held(server, client)) return -kBusy;
+  const int result = mmcs_sim_ioctl(my.sim, client->driver, request, argument);
+  if (request == MSTOP && result >= 0) server->stopped_by = client->pid;
+  return result;
+}
+
+int mmcs_server_write(mmcs_server *server, mmcs_client *client, const void *data, size_t size) {
+  if (mmcs_server_held(server, client)) return -kBusy;
+  return mmcs_sim_write(static_cast<Served *>(server)->sim, client->driver, data, size);
+}
+
+int mmcs_server_bus(mmcs_server *server, mmcs_client *client, uint64_t address, int size,
+                    int writes, uint32_t *value) {
+  mmcs_sim *sim = static_cast<Served *>(server)->sim;
+  if (writes && !client->writes) return kBusTimeout;
+  if (writes && mmcs_server_held(server, client)) return kBusError;
+  const uint64_t offset = address - MMCS_WINDOW_BASE;
+  if (offset >= MMCS_WINDOW_SIZE) {
+    mmcs_sim_run(sim, mmcs_sim_time(sim) + kBusTimeoutS);
+    return kBusTimeout;
+  }
+  const auto at = static_cast<uint32_t>(offset);
+  return writes ? mmcs_sim_bus_write(sim, at, kUserAm, size, *value)
+                : mmcs_sim_bus_read(sim, at, kUserAm, size, value);
 }
 
 int mmcs_server_check(mmcs_server *server, double now) {
