@@ -1,13 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs at the wire in the test's own thread: every byte and every step is the test's."""
+"""Programs at the wire and clients of the messages in the test's own thread: every byte and every
+step is the test's."""
 
 import contextlib
+import json
 import os
 import socket
 import struct
 
 from mmcs import mcdef
 from mmcs.device.wire import IOCTL, MAGIC, OPEN, READ, REPLY, REQUEST, WRITE
+
+STEPS = 100_000  # of a server: what has not come after so many never comes
+
+
+class Asker:
+    """A client of the messages."""
+
+    def __init__(self, server):
+        self.server, self.data = server, bytearray()
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        self.sock.connect(str(server.path.with_suffix(".msg")))
+        self.sock.setblocking(False)
+
+    def post(self, message: dict) -> None:
+        text = json.dumps(message).encode()
+        self.sock.send(struct.pack("<I", len(text)) + text)
+
+    def heard(self, wanted) -> bytes:
+        """The next message that is wanted."""
+        for _ in range(STEPS):
+            while len(self.data) >= 4:
+                end = 4 + struct.unpack_from("<I", self.data)[0]
+                if len(self.data) < end:
+                    break
+                message = bytes(self.data[4:end])
+                del self.data[:end]
+                if wanted(message):
+                    return message
+            self.server.step()
+            with contextlib.suppress(BlockingIOError):
+                part = self.sock.recv(1 << 20)
+                assert part, "the server has closed the connection"
+                self.data += part
+        raise AssertionError(f"{STEPS} steps of the server, and not what was waited for")
+
+    def reply(self) -> dict:
+        """The next; one for each request, in order."""
+        return json.loads(self.heard(lambda told: told[:1] == b"{" and b'"type":"reply"' in told))
 
 
 class Raw:

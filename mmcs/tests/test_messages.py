@@ -2,7 +2,6 @@
 # Length: one message a test, all against the same server.
 """The messages beside a program: device, lease, inputs, pace, the past, the stream."""
 
-import contextlib
 import itertools
 import json
 import os
@@ -20,6 +19,9 @@ from mmcs.device.client import Device
 from mmcs.device.link import Link, Samples
 from mmcs.device.messages import REQUESTS, Messenger
 from mmcs.tests.device_bench import Bench
+from mmcs.tests.raw import Asker
+
+REPLIES = 100_000
 
 
 @pytest.fixture
@@ -85,8 +87,7 @@ def setpoints_after(link) -> list[list[int]]:
     """The axes of a sample that comes after now."""
     since = link.request("hello")["time"] + 0.02
     link.request("follow", events=False, period_ms=0)
-    while not (isinstance(message := link.receive(), Samples) and message.row(0)["t"] > since):
-        pass
+    message = heard(link, lambda told: isinstance(told, Samples) and told.row(0)["t"] > since)
     link.request("unfollow")
     return message.row(0)["axes"]
 
@@ -95,23 +96,13 @@ def setpoints_after(link) -> list[list[int]]:
 def test_whatever_changes_in_the_driver_is_told(link):
     link.request("open", mode="rw")
     link.request("follow", samples=False, period_ms=0)
-    told: list[tuple[str, int]] = []
-
-    def heard(kind: str, axis: int) -> bool:
-        while (kind, axis) not in told:
-            message = link.receive()
-            if isinstance(message, dict) and message.get("type") == "event":
-                told.append((message["kind"], message["axis"]))
-        told.clear()
-        return True
-
     link.request("change", axis=1, param={"ilimax": 7})
-    assert heard("param", 1)
+    event(link, "param", 1)
     for request, value, key in (("MSETINTERVAL", 1000, "interval_us"), ("MDIAGMODE", 2, "diag"),
                                 ("MDACMODE", 1, "double_buffer"),
                                 ("MSETNUMJOINTS", 1, None)):  # fmt: skip
         link.request("call", request=request, value=value)
-        assert heard("setting", -1)
+        event(link, "setting", -1)
         assert key is None or link.request("hello")[key] == value
     link.request("close")
 
@@ -258,11 +249,19 @@ def test_a_holder_who_hangs_up_stops_the_machine(serving):
         assert event(watch, "stopped")["value"] == 1
 
 
-def event(link, kind):
-    while True:
-        message = link.receive()
-        if isinstance(message, dict) and message.get("kind") == kind:
-            return message
+def heard(link, wanted=lambda told: True):
+    """The next message that is wanted: what has not come before so many replies never comes."""
+    for _ in range(REPLIES):
+        while link._kept:
+            if wanted(message := link.receive()):
+                return message
+        link.request("alive")
+    raise AssertionError(f"{REPLIES} replies, and not the message that was waited for")
+
+
+def event(link, kind, axis=None):
+    return heard(link, lambda told: isinstance(told, dict) and told.get("kind") == kind
+                 and axis in (None, told["axis"]))  # fmt: skip
 
 
 # --- operating the machine ---
@@ -346,8 +345,7 @@ def test_a_program_that_came_and_went_is_not_left_open_by_a_rewind(serving, link
         dev.enable()
         link.request("pace", paused=True)
         kept = link.request("snapshot")["snapshot"]["id"]
-    while link.request("hello")["opens"] > 1:  # its end is another socket's business
-        pass
+    assert any(link.request("hello")["opens"] == 1 for _ in range(REPLIES))  # another socket's end
     assert not link.request("hello")["enabled"]
     link.request("rewind", snapshot=kept)
     assert not link.request("hello")["enabled"]  # its writer is gone: the machine stops
@@ -368,7 +366,7 @@ def test_every_sample_and_every_change(serving, link):
     link.request("write", setpoints=[120, 0])
     rows, kinds = [], set()
     while len(rows) < 300:
-        message = link.receive()
+        message = heard(link)
         if isinstance(message, Samples):
             assert message.lost == 0 and message.first == (
                 rows[-1]["at"] + 1 if rows else message.first
@@ -388,34 +386,17 @@ def test_every_sample_and_every_change(serving, link):
 def test_a_slow_reader_is_told_what_he_lost(tmp_path):
     """He does not read until both rings have come round; nobody else waits for him."""
     with Bench(tmp_path) as bench:
-        sock = socket.socket(socket.AF_UNIX)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-        sock.connect(str(bench.server.path.with_suffix(".msg")))
-        ask = lambda **a: sock.sendall(  # noqa: E731
-            struct.pack("<I", len(json.dumps(a))) + json.dumps(a).encode()
-        )
-        ask(id=1, op="open", mode="rw")
-        ask(id=2, op="follow", period_ms=0)
-        ask(id=3, op="call", request="MSETINTERVAL", value=200)
+        client = Asker(bench.server)
+        client.post({"op": "open", "mode": "rw"})
+        client.post({"op": "follow", "period_ms": 0})
+        client.post({"op": "call", "request": "MSETINTERVAL", "value": 200})
         while bench.sim.tap_head()[0] < 12_000:
             bench.server.step()
-        sock.setblocking(False)
-        data, lost = bytearray(), 0
-        while not lost:
-            bench.server.step()
-            try:
-                data += sock.recv(1 << 16)
-            except BlockingIOError:
-                continue
-            while len(data) >= 4 and len(data) >= 4 + struct.unpack_from("<I", data)[0]:
-                size = struct.unpack_from("<I", data)[0]
-                message = bytes(data[4 : 4 + size])
-                del data[: 4 + size]
-                if message[:1] == b"S":
-                    lost = Samples(message).lost
+        lost = lambda told: Samples(told).lost if told[:1] == b"S" else 0  # noqa: E731
+        behind = lost(client.heard(lost))
         head = bench.sim.tap_head()[0]
-        assert 0 < lost < head
-        sock.close()
+        assert 0 < behind < head
+        client.sock.close()
 
 
 def odd(chance):
@@ -454,28 +435,13 @@ def test_random_requests_are_answered(tmp_path, part):
     chance = random.Random(int(os.environ.get("MMCS_SEED", "3")) + part)
     ops = [*REQUESTS, "sing"]
     before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-    with Bench(tmp_path) as bench, socket.socket(socket.AF_UNIX) as sock:
-        sock.connect(str(bench.server.path.with_suffix(".msg")))
-        sock.setblocking(False)
-        data = bytearray()
+    with Bench(tmp_path) as bench:
+        client = Asker(bench.server)
         for n in range(REQUESTS_EACH):
             asked = {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(5))}
             asked |= {"id": n, "op": chance.choice(ops)}
-            text = json.dumps(asked).encode()
-            sock.send(struct.pack("<I", len(text)) + text)
-            replied = False
-            while not replied:
-                bench.server.step()
-                with contextlib.suppress(BlockingIOError):
-                    part = sock.recv(1 << 20)
-                    assert part, asked
-                    data += part
-                while len(data) >= 4 and len(data) >= 4 + struct.unpack_from("<I", data)[0]:
-                    size = struct.unpack_from("<I", data)[0]
-                    message = bytes(data[4 : 4 + size])
-                    del data[: 4 + size]
-                    if message[:1] == b"{" and json.loads(message).get("id") == n:
-                        replied = True
+            client.post(asked)
+            assert client.reply()["id"] == n, asked
             bench.server.pace.set(None, False)
     signal.signal(signal.SIGUSR1, before)
 

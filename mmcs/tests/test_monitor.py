@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a page does that only looks on, beside a program that bounces: nothing (§3)."""
 
-import json
 import signal
-import socket
 import struct
 
 import pytest
@@ -11,7 +9,7 @@ import pytest
 from mmcs import mcdef
 from mmcs.device.wire import IOCTL, READ, WRITE
 from mmcs.tests.device_bench import Bench
-from mmcs.tests.raw import Raw
+from mmcs.tests.raw import Asker, Raw
 
 LIMIT, SPEED = 150, (10, -15)
 # As web/machine.js, panel.js and the views ask when a page opens, and while it is looked at.
@@ -26,38 +24,14 @@ AGAIN = (
 )  # fmt: skip
 
 
-class Looker:
-    """A page's requests in the test's own thread."""
+class Looker(Asker):
+    """A page's requests."""
 
-    def __init__(self, bench):
-        self.bench, self.data, self.answers = bench, b"", 0
-        self.sock = socket.socket(socket.AF_UNIX)
-        self.sock.connect(str(bench.server.path.with_suffix(".msg")))
-        self.sock.setblocking(False)
-        self.ask(AT_FIRST)
-
-    def ask(self, requests):
-        wanted = self.answers + len(requests)
+    def ask(self, requests=AT_FIRST):
         for request in requests:
-            text = json.dumps({"id": 1, **request}).encode()
-            self.sock.send(struct.pack("<I", len(text)) + text)
-        while self.answers < wanted:
-            self.bench.server.step()
-            self._hear()
-
-    def _hear(self):
-        try:
-            self.data += self.sock.recv(1 << 20)
-        except BlockingIOError:
-            return
-        while len(self.data) >= 4:
-            (length,) = struct.unpack_from("<I", self.data)
-            if len(self.data) < 4 + length:
-                return
-            message, self.data = self.data[4 : 4 + length], self.data[4 + length :]
-            if message[:1] == b"{" and json.loads(message)["type"] == "reply":
-                assert json.loads(message)["ok"], message
-                self.answers += 1
+            self.post({"id": 1, **request})
+        for _ in requests:
+            assert (reply := self.reply())["ok"], reply
 
 
 def set_up(bench, program):
@@ -92,7 +66,9 @@ def bounce(folder, watched):
     with Bench(folder) as bench:
         program = Raw(bench)
         bench.server.machine.now.paused = True  # time passes as the test says, steps or no steps
-        page = Looker(bench) if watched else None
+        page = Looker(bench.server) if watched else None
+        if page:
+            page.ask()
         bench.sim.run(0.01)
         set_up(bench, program)
         setpoints, events, signals = list(SPEED), 0, []

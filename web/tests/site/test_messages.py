@@ -2,8 +2,6 @@
 """The messages over both carriers: a socket's server and a page's give the same replies."""
 
 import json
-import socket
-import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +11,7 @@ import pytest
 from mmcs import BUILD, load, machine
 from mmcs.device.messages import REQUESTS
 from mmcs.device.server import Server
+from mmcs.tests.raw import Asker
 
 SITE = BUILD / "web"
 
@@ -68,29 +67,13 @@ ASKED = [
 
 
 def by_socket(tmp_path) -> list[dict]:
-    replies = []
-    with machine(load("lab500")) as sim, socket.socket(socket.AF_UNIX) as sock:
+    with machine(load("lab500")) as sim:
         server = Server(sim, tmp_path / "mc0.sock", None)
         server.pace.set(None, True)
-        sock.connect(str(server.path.with_suffix(".msg")))
-        sock.setblocking(False)
-        data = b""
-        for n, asked in enumerate(ASKED):
-            text = json.dumps(asked).encode()
-            sock.send(struct.pack("<I", len(text)) + text)
-            while len(replies) <= n:
-                server.step()
-                try:
-                    data += sock.recv(1 << 20)
-                except BlockingIOError:
-                    continue
-                while len(data) >= 4:
-                    (size,) = struct.unpack_from("<I", data)
-                    if len(data) < 4 + size:
-                        break
-                    message, data = data[4 : 4 + size], data[4 + size :]
-                    if message.startswith(b"{") and json.loads(message)["type"] == "reply":
-                        replies.append(json.loads(message))
+        client, replies = Asker(server), []
+        for asked in ASKED:
+            client.post(asked)
+            replies.append(client.reply())
         server.close()
     return replies
 
