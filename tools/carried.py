@@ -8,16 +8,14 @@ import json
 import subprocess
 import sys
 import tempfile
-import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "sim" / "model")]
-from parts import cut, decides  # noqa: E402
+from parts import RULES, cut, decides  # noqa: E402
 from sources import sources  # noqa: E402
 
-TABLE = ROOT / "sim" / "model" / "parts.toml"
 WORK = Path("build") / "formal"
 FLIP_FLOPS = ("$dff", "$adff", "$sdff", "$dffe", "$adffe", "$sdffe", "$aldff")
 ZERO, ONE = "1'b0", "1'b1"
@@ -31,9 +29,8 @@ class Bad(Exception):
 
 def parts() -> list[str]:
     """All modules that have a cache."""
-    table = tomllib.loads(TABLE.read_text())
-    boards = [board for boards in table["boards"].values() for board in boards]
-    return list(dict.fromkeys((*boards, *table["chips"])))
+    boards = [board for boards in RULES["boards"].values() for board in boards]
+    return list(dict.fromkeys((*boards, *RULES["chips"])))
 
 
 @dataclass(frozen=True)
@@ -369,11 +366,11 @@ def deaf(part: Part, rule: dict) -> str:
 
 def write(task: str, folder: Path = ROOT) -> Path:
     """The wires of a task of formal/{bits,carried,deaf}.sby, for the RTL of `folder`."""
-    table = tomllib.loads(TABLE.read_text())
+    table = RULES
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
-        part = read(name.removeprefix("deaf_"), folder)
-        text = deaf(part, table["heard"] | {"folder": folder})
+        card = name.removeprefix("deaf_")
+        text = deaf(read(card, folder), table["heard"][card] | {"folder": folder})
     elif name.startswith("bits_"):
         text = bits(read(name.removeprefix("bits_"), folder, table["chips"]), table)
     else:
@@ -385,7 +382,7 @@ def write(task: str, folder: Path = ROOT) -> Path:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=f"Writes build/formal/PART.sv: {__doc__}")
-    parser.add_argument("task", help="prove_mark1, prove_deaf_mark1, ...")
+    parser.add_argument("task", help="prove_PART, prove_deaf_CARD, ...")
     parser.add_argument("folder", nargs="?", type=Path, default=ROOT, help="of the RTL")
     options = parser.parse_args()
     try:

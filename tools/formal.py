@@ -5,9 +5,9 @@
     formal.py --doc [--only TEXT]         prove, then rewrite their tables of the docs
     formal.py --picture                   draw the counter-example of docs/evidence/formal.md
 
-A .sby file says {MODULE} for the files of rtl/ that a module is made of, a line with {part} stands
-for one each part of sim/model/parts.toml, and [files] are those that its script reads. What
-SymbiYosys gets of it lies in build/formal.
+A .sby file says {MODULE} for the files of rtl/ that a module is made of, a line with {part} or
+{card} stands for one each of sim/model/parts.toml, and [files] are those that its script reads.
+What SymbiYosys gets of it lies in build/formal.
 
 A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover, which is added; as
 are the tasks prove and cover and the engine yices, if the file names none. What a .sby file calls
@@ -89,8 +89,12 @@ def text(file: Path) -> str:
         if section.split()[0] not in own:
             own = own.replace("[options]", f"{section}\n\n[options]", 1)
     for line in own.splitlines():
-        every = carried.parts() if "{part}" in line else [""]
-        lines += [line.replace("{part}", part) for part in every]
+        for word, every in (("{part}", carried.parts()), ("{card}", carried.RULES["heard"])):
+            if word in line:
+                lines += [line.replace(word, name) for name in every]
+                break
+        else:
+            lines.append(line)
     at = lines.index("[options]") + 1
     lines[at:at] = [f"{task}: mode {mode_of(task)}" for task in _tasks(file, "\n".join(lines))]
     try:

@@ -10,10 +10,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "sim" / "model")]
+sys.path[:0] = [str(ROOT / part) for part in ("tools", "sim/model", "fpga")]
 from cores import CHIPS  # noqa: E402
 from parts import RULES  # noqa: E402
 from sources import core_arguments, sources  # noqa: E402
+
+from build import BUS, TARGETS  # noqa: E402
 
 # Every module that people use by itself is linted by itself, the machine in three sizes.
 TOPS = [
@@ -31,7 +33,7 @@ TOPS = [
 INCLUDE = ROOT / "rtl"
 NEED_PACKAGE = ("sim/hosts/m68020/musashi.c",)  # includes what a package brings
 # A board's own file is part of a generated one, which has the model's header already.
-CARD = RULES["heard"]["module"]
+CARD = next(iter(RULES["heard"]))
 OWN_FLAGS = {"sim/model/fast.cpp": [f"-DMMCS_MODEL=V{CARD}", f'-DMMCS_PORTS="{CARD}.ports"',
                                     "-include", f"V{CARD}.h",
                                     "-include", f"V{CARD}___024root.h"]}  # fmt: skip
@@ -96,8 +98,7 @@ def checks() -> list[tuple[str, list[str]]]:
         ("bench_ulx3s_soc", [*core_arguments(), *board_files("ulx3s_soc", "soc_console")]),
         ("mmcs_fpga", ["fpga/mmcs_fpga.sv"]),
         *((f"bench_{board}", board_files(board)) for board in ("ulx3s", "icebreaker")),
-        ("vme_adaptor", bus_files()),
-        ("isa_mark1", bus_files()),
+        *((target.top, bus_files()) for target in TARGETS if target.files == BUS),
         ("bench_bus", [*bus_files(), "fpga/bus/tests/bench_bus.sv"]),
     ):
         command = [*verilator, "--top-module", top, *extra, *soc]

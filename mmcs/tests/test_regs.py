@@ -12,6 +12,7 @@ import sys
 import pytest
 
 from mmcs import ROOT, regs
+from tools.sources import sources
 
 pytestmark = pytest.mark.req("MAP-1")
 
@@ -75,7 +76,7 @@ def test_what_is_generated_is_fresh():
 def test_the_hardware_uses_every_bit():
     """Single bits of the control registers are taken by name: what is written in rtl/, what is read
     from port C in the tests."""
-    rtl = "".join(p.read_text() for d in ("adaptor", "mark1") for p in (ROOT / "rtl" / d).glob("*"))
+    rtl = "".join(p.read_text() for p in sources("rtl") if p.parent.name != "regs")
     bench = (ROOT / "cocotb_tests" / "lib" / "tb.py").read_text()
     single = [name for name, (high, low) in BITS.items() if high == low]
     for name in single:

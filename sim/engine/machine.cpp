@@ -75,9 +75,7 @@ const char *Machine::input_name(int input) {
 
 // The register that an upset of this name hits.
 static std::string upset_path(const Input &input, int index) {
-  if (input.about.scope != MMCS_SCOPE_AXIS) return input.reg;
-  return "g_card[" + std::to_string(index / 2) + "].u_card.g_axis[" + std::to_string(index % 2) +
-         "].u_axis." + input.reg;
+  return (input.about.scope == MMCS_SCOPE_AXIS ? axis_path(index) + "." : "") + input.reg;
 }
 
 // One step of physics: the drive of this instant acts for the whole step, whose edges are then

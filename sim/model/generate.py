@@ -216,8 +216,8 @@ def host_text(module: Module, pins: dict, outer: dict) -> str:
 
 def decoder_text(netlist: Netlist) -> str:
     """All that the decoder says by which a board hears."""
-    rule = RULES["heard"]
-    decoder = next(i for i in instances(netlist, boards(netlist)[rule["module"]])
+    card, rule = next(iter(RULES["heard"].items()))  # all cards have the same decoder
+    decoder = next(i for i in instances(netlist, boards(netlist)[card])
                    if i.path == rule["decoder"])  # fmt: skip
     outputs = (p for p in decoder.module.ports if p.direction == "OUTPUT")
     return "".join(f"MMCS_SAYS({p.name}, {p.width})\n" for p in outputs)

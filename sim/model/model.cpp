@@ -18,9 +18,7 @@ int Model::clk_hz() {
 }
 
 uint16_t Model::encoder_register(int axis) {
-  const std::string path = "g_card[" + std::to_string(axis / 2) + "].u_card.g_axis[" +
-                           std::to_string(axis % 2) + "].u_axis.u_encoder.count_q";
-  return static_cast<uint16_t>(read(find_register(path)));
+  return static_cast<uint16_t>(read(find_register(axis_path(axis) + ".u_encoder.count_q")));
 }
 
 uint64_t Model::digest() {

@@ -108,9 +108,7 @@ class Board:
                  if p.name != "clk_i"}  # fmt: skip
         numbers = {net: n for n, net in enumerate(dict.fromkeys(
             [*board.values(), *sorted(set(readers) | set(drivers))]))}  # fmt: skip
-        heard = (
-            RULES["heard"]["inputs"] if RULES["heard"]["module"] == self.all[0].module.name else []
-        )
+        heard = RULES["heard"].get(self.all[0].module.name, {"inputs": ()})["inputs"]
         heard = {board[p] for p in heard}
         rows: list[list[tuple]] = [[] for _ in self.parts]
         for net, number in numbers.items():

@@ -37,14 +37,6 @@ const char *const kAdaptor = "u_adaptor.u_core";
 const char *const kAdaptor = "u_adaptor";
 #endif
 
-std::string card_path(int card) {
-  return "g_card[" + std::to_string(card) + "].u_card";
-}
-
-std::string axis_path(int axis) {
-  return card_path(axis / 2) + ".g_axis[" + std::to_string(axis % 2) + "].u_axis";
-}
-
 }  // namespace
 
 // Moved at a port of its own.

@@ -11,6 +11,14 @@
 
 namespace mmcs {
 
+// The instances of rtl/mmcs_cards.sv, as registers and nets are named by.
+inline std::string card_path(int card) {
+  return "g_card[" + std::to_string(card) + "].u_card";
+}
+inline std::string axis_path(int axis) {
+  return card_path(axis / 2) + ".g_axis[" + std::to_string(axis % 2) + "].u_axis";
+}
+
 // Inputs of the machine: those of the table, and two that no event names. Vectors hold one bit or
 // field per axis or card.
 enum class Pin {

@@ -17,10 +17,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "fpga"))
-from build import TARGETS, read_command  # noqa: E402
+from build import BUS, TARGETS, read_command  # noqa: E402
 
 READ = {t.top: read_command(t) for t in TARGETS
-        if t.name in ("machine", "vme_adaptor", "isa_mark1", "ulx3s")}  # fmt: skip
+        if t.name in ("machine", "ulx3s") or t.files == BUS}  # fmt: skip
 READ["soc_cross"] = "read_verilog -sv -Irtl rtl/lib/sync.sv rtl/soc/soc_cross.sv"
 FLOPS = ("$dff", "$adff", "$aldff", "$dffsr")
 BY_BIT = ("$and", "$or", "$xor", "$xnor", "$not", "$mux")
