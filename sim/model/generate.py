@@ -290,7 +290,7 @@ def main() -> int:
                 (out / f"{name}.edges").write_text(edges_text(model))
         return 0
     host, clk_hz, *number = rest
-    cards = int(number[0]) if number else 1
+    cards = int(number[0]) if number else len(RULES["heard"])  # one of each type
     top, sets = ("mmcs_soc", ("rtl", "soc")) if host == "rv32" else ("mmcs", ("rtl",))
     if what == "extra":
         sets = sets if host == "rv32" else ("rtl", "checkers")
