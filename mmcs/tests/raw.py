@@ -24,12 +24,12 @@ class Asker:
         self.sock.connect(str(server.path.with_suffix(".msg")))
         self.sock.setblocking(False)
 
-    def post(self, message: dict) -> None:
-        text = json.dumps(message).encode()
+    def post(self, message: dict | str) -> None:
+        text = (message if isinstance(message, str) else json.dumps(message)).encode()
         self.sock.send(struct.pack("<I", len(text)) + text)
 
     def heard(self, wanted) -> bytes:
-        """The next message that is wanted."""
+        """The next message that is wanted, or nothing if the server closes the connection."""
         for _ in range(STEPS):
             while len(self.data) >= 4:
                 end = 4 + struct.unpack_from("<I", self.data)[0]
@@ -41,14 +41,16 @@ class Asker:
                     return message
             self.server.step()
             with contextlib.suppress(BlockingIOError):
-                part = self.sock.recv(1 << 20)
-                assert part, "the server has closed the connection"
+                if not (part := self.sock.recv(1 << 20)):
+                    return b""
                 self.data += part
         raise AssertionError(f"{STEPS} steps of the server, and not what was waited for")
 
     def reply(self) -> dict:
         """The next; one for each request, in order."""
-        return json.loads(self.heard(lambda told: told[:1] == b"{" and b'"type":"reply"' in told))
+        told = self.heard(lambda told: told[:1] == b"{" and b'"type":"reply"' in told)
+        assert told, "the server has closed the connection"
+        return json.loads(told)
 
 
 class Raw:

@@ -19,7 +19,7 @@ from mmcs.device.client import Device
 from mmcs.device.execute import environment
 from mmcs.device.link import Link
 from mmcs.tests.device_bench import PROGRAMS, SANITIZED, Bench, compile_program
-from mmcs.tests.raw import Raw, stop_line
+from mmcs.tests.raw import Asker, Raw, stop_line
 
 
 def descriptors():
@@ -195,32 +195,9 @@ def test_others_are_served_while_one_enables(bench):
 # --- errors of our own ---
 
 
-class Client:
-    """Of the messages, in the test's own thread."""
-
-    def __init__(self, bench):
-        self._bench, self._told, self.closed = bench, b"", False
-        self.sock = socket.socket(socket.AF_UNIX)
-        self.sock.connect(str(bench.server.path.with_suffix(".msg")))
-        self.sock.settimeout(0)
-
-    def post(self, text):
-        self.sock.sendall(struct.pack("<I", len(text)) + text.encode())
-
-    def has_heard(self, words):
-        with contextlib.suppress(BlockingIOError):
-            part = self.sock.recv(1 << 16)
-            self._told, self.closed = self._told + part, not part
-        return words in self._told
-
-    def until(self, words):
-        """True: they were heard; False: the server has hung up before."""
-        self._bench.until(lambda: self.has_heard(words) or self.closed)
-        return words in self._told
-
-    def close(self):
-        self.sock.close()
-        self._bench.until(lambda: not self._bench.server.connections)
+def close(client, bench):
+    client.sock.close()
+    bench.until(lambda: not bench.server.connections)
 
 
 @pytest.mark.parametrize("depth", [100, 800, 900, 980])
@@ -231,16 +208,16 @@ def test_a_deep_message_ends_nothing(bench, where, depth):
     op = {"setpoints": "write", "flag": "follow"}.get(where, "call")
     fields = {"id": "1", "op": f'"{op}"', "request": '"MSETPARAM"', "axis": "0", where: deep}
     fields["samples"] = fields.pop("flag", "true")
-    client = Client(bench)
-    client.post('{"id":0,"op":"open","mode":"rw"}')
-    assert client.until(b'"id":0,"ok":true')
+    client = Asker(bench.server)
+    client.post({"id": 0, "op": "open", "mode": "rw"})
+    assert client.reply()["ok"]
     client.post("{" + ",".join(f'"{name}":{value}' for name, value in fields.items()) + "}")
-    if client.until(b'"ok":false,"errno":22'):
-        client.post('{"id":2,"op":"read"}')
-        assert client.until(b'"id":2,"ok":true')
+    if client.heard(lambda told: b'"ok":false,"errno":22' in told):
+        client.post({"id": 2, "op": "read"})
+        assert client.reply()["ok"]
     else:
         assert depth > 800  # no JSON, as Python sees it
-    client.close()
+    close(client, bench)
     is_well(bench)
 
 
@@ -249,8 +226,8 @@ def test_a_deep_message_ends_nothing(bench, where, depth):
 def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, waits):
     """Whatever goes wrong in serving a client, also while another one's request waits: this client
     is told and hung up on, the console has a line, others are served."""
-    said, client, program = [], Client(bench), Raw(bench)
-    assert client.until(b"hello")
+    said, client, program = [], Asker(bench.server), Raw(bench)
+    assert client.heard(lambda told: b"hello" in told)
     monkeypatch.setattr(bench.server, "_console", said.append)
     fault = lambda *_: 1 // 0  # noqa: E731
     if of == "program":
@@ -258,10 +235,10 @@ def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, wait
         program._send(program.channel, wire.READ, program.name, 56, 0, b"")
     elif of == "message":
         monkeypatch.setattr("mmcs.device.messages.Messenger.do_hello", fault)
-        client.post('{"id":1,"op":"hello"}')
+        client.post({"op": "hello"})
     elif of == "stream":
         monkeypatch.setattr(bench.server.machine, "stream", fault)
-        client.post('{"id":1,"op":"follow","period_ms":0}')
+        client.post({"op": "follow", "period_ms": 0})
     else:
         monkeypatch.setattr("mmcs.device.messages.Messenger.leave", fault)
         client.sock.close()
@@ -276,11 +253,11 @@ def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, wait
         assert program._answer(program.channel)[0] == -wire.EIO
         program.channel = program._connect()
     elif of != "end":
-        assert client.until(b'"error":"EIO"') and client.until(b"ZeroDivisionError")
-        assert not client.until(b"no more") and client.closed
+        assert b"ZeroDivisionError" in client.heard(lambda told: b'"error":"EIO"' in told)
+        assert not client.heard(lambda told: True)
     assert program.call(wire.IOCTL, mcdef.MGETNUMCARDS) == (0, b"\1\0\0\0")
     program.close()
-    client.close()
+    close(client, bench)
     if of != "end":
         is_well(bench)
 
