@@ -27,15 +27,16 @@ to = 200
 """
 
 
+def call(*args):
+    """The command's (status, stdout, stderr)."""
+    result = CliRunner().invoke(main, [str(a) for a in args])
+    return result.exit_code, result.stdout, result.stderr
+
+
 @pytest.fixture
 def mmcs(monkeypatch):
-    """Calls the command; gives (status, stdout, stderr)."""
+    """call(), at the top of the checkout."""
     monkeypatch.chdir(ROOT)
-
-    def call(*args):
-        result = CliRunner().invoke(main, [str(a) for a in args])
-        return result.exit_code, result.stdout, result.stderr
-
     return call
 
 

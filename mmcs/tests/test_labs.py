@@ -9,22 +9,16 @@ import shutil
 import tomllib
 
 import pytest
-from click.testing import CliRunner
 
-from mmcs.cli.app import main
 from mmcs.lab.marks import _grader
 from mmcs.lab.sheets import LABS, find_sheet, sheets
 from mmcs.scenario.load import load_robot
 from mmcs.scenario.scenario import Host
+from mmcs.tests.conftest import call
 from mmcs.view import compare, plot
 
 ALL = sheets()
 VELOCITY = LABS / "01_velocity" / "tests"
-
-
-def call(*args):
-    result = CliRunner().invoke(main, [str(a) for a in args])
-    return result.exit_code, result.stdout, result.stderr
 
 
 @pytest.fixture(params=ALL, ids=[sheet.name for sheet in ALL])

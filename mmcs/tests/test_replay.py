@@ -11,13 +11,11 @@ from collections import defaultdict
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from mmcs.cli.app import main
 from mmcs.runs import record as records
 from mmcs.runs import snapshots
 from mmcs.runs.record import NAME
-from mmcs.tests.conftest import GOOD
+from mmcs.tests.conftest import GOOD, call
 from mmcs.tests.test_hostile_files import rewritten
 
 EVENT = """
@@ -58,10 +56,10 @@ def original(tmp_path_factory):
     path.write_text(GOOD + EVENT + TABLE)
     (folder / "way.csv").write_text("200\n210\n200\n")
     args = ["run", path, "--out", out, "--seed", 3, "--snapshot", 0.15]
-    done = CliRunner().invoke(main, [str(a) for a in args])
-    assert done.exit_code == 0, done.output
+    status, said, problem = call(*args)
+    assert status == 0, problem
     shutil.rmtree(folder)
-    return out, hash_of(done.stdout)
+    return out, hash_of(said)
 
 
 @pytest.fixture

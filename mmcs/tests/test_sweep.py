@@ -19,7 +19,7 @@ from mmcs.errors import RunError
 from mmcs.scenario.load import load
 from mmcs.sweeps import workers as sweep_run
 from mmcs.sweeps.plan import make_plan, parse_grid, parse_random
-from mmcs.tests.conftest import GOOD
+from mmcs.tests.conftest import GOOD, call
 
 SHORT = GOOD.replace("duration = 0.3", "duration = 0.08")
 GAINS = ("--grid", "axis.0.b0=80,100", "--random", "seed=1..1000", "--samples", "4")
@@ -141,18 +141,12 @@ def test_mistake(mmcs, scenario, tmp_path, case, monkeypatch):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """The sweep GAINS in one worker: (scenario, its table)."""
-    from click.testing import CliRunner
-
-    from mmcs.cli.app import main
-
     folder = tmp_path_factory.mktemp("sweep")
     path = folder / "short.toml"
     path.write_text(SHORT)
-    done = CliRunner().invoke(
-        main, ["sweep", str(path), *GAINS, "--workers", "1", "--out", str(folder / "out")]
-    )
-    assert done.exit_code == 0, done.output
-    return path, folder / "out", done.stdout
+    status, said, problem = call("sweep", path, *GAINS, "--workers", 1, "--out", folder / "out")
+    assert status == 0, problem
+    return path, folder / "out", said
 
 
 def test_table_summary_and_picture(undisturbed):

@@ -8,10 +8,9 @@ import shutil
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from mmcs import ROOT, Session, hosts, load, machine, waves
-from mmcs.cli.app import main
+from mmcs.tests.conftest import call
 
 NEEDS = {"m68020": ("m68k-linux-gnu-gcc", "machine68k"),
          "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex")}  # fmt: skip
@@ -40,13 +39,7 @@ ON = [
 
 @pytest.fixture
 def mmcs(monkeypatch):
-    """Calls the command; gives (status, stdout, stderr)."""
     monkeypatch.chdir(ROOT)
-
-    def call(*args):
-        result = CliRunner().invoke(main, [str(a) for a in args])
-        return result.exit_code, result.stdout, result.stderr
-
     return call
 
 
@@ -60,9 +53,9 @@ def runs(tmp_path_factory):
             out = tmp_path_factory.mktemp(host)
             args = ["run", "lab500", "--duration", "0.15", "--set", "expect=[]", "--host", host,
                     "--out", str(out), "--snapshot", "0.05"]  # fmt: skip
-            done = CliRunner().invoke(main, args)
-            assert done.exit_code == 0, done.output
-            made[host] = out, re.search(r"hash (0x[0-9a-f]{16})", done.stdout)[1]
+            status, said, problem = call(*args)
+            assert status == 0, problem
+            made[host] = out, re.search(r"hash (0x[0-9a-f]{16})", said)[1]
         return made[host]
 
     return of
