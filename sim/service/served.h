@@ -302,8 +302,9 @@ int mmcs_server_bus(mmcs_server *server, mmcs_client *client, uint64_t address, 
     return kBusTimeout;
   }
   const auto at = static_cast<uint32_t>(offset);
-  return writes ? mmcs_sim_bus_write(sim, at, kUserAm, size, *value)
-                : mmcs_sim_bus_read(sim, at, kUserAm, size, value);
+  const int result = writes ? mmcs_sim_bus_write(sim, at, kUserAm, size, *value)
+                            : mmcs_sim_bus_read(sim, at, kUserAm, size, value);
+  return result < 0 ? kBusError : result;  // of a machine that has failed
 }
 
 int mmcs_server_check(mmcs_server *server, double now) {
