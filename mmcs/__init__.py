@@ -31,7 +31,7 @@ _MORE = {
     "runs.machine": "machine",
     "runs.session": "Session",
     "runs.runner": "simulate run_scenario",
-    "runs.report": "make_report measure",
+    "runs.report": "make_report measure write_log",
     "runs.expect": "judge",
     "runs.metrics": "step_response",
     "runs": "expect_plant",

@@ -66,6 +66,41 @@ def _check_owner(folder: Path) -> None:
             )
 
 
+def is_whole(path: Path) -> bool:
+    """Whether it is what was built: a kill, a full disk or a bad one may have left something else,
+    and who loads that dies of SIGBUS or SIGSEGV."""
+    try:
+        told = path.with_name(f"{path.name}.sum").read_text().split()[0]
+        return hashlib.sha256(path.read_bytes()).hexdigest() == told
+    except (OSError, ValueError, IndexError):
+        return False
+
+
+def compiled(library: Path, command: list, inputs: list[Path]) -> Path:
+    """A library that this command makes, when missing, damaged or older than its inputs."""
+    import subprocess
+
+    if is_whole(library) and library.stat().st_mtime > max(f.stat().st_mtime for f in inputs):
+        return library
+    workshop()
+    library.parent.mkdir(parents=True, exist_ok=True)
+    fresh = library.with_suffix(f".{os.getpid()}")
+    try:
+        command = [*command, "-fPIC", "-shared", "-o", fresh]
+        done = subprocess.run(command, text=True, capture_output=True, check=False)
+    except FileNotFoundError:
+        install = "install it (Debian, Ubuntu: apt-get install g++)"
+        text = f"no '{command[0]}' found, and {library.name} must be built: {install}"
+        raise RunError(text) from None
+    if done.returncode:
+        raise RunError(f"{library.name} does not compile: {done.stderr.strip()[:200]}")
+    digest = fresh.with_suffix(f"{fresh.suffix}.sum")
+    digest.write_text(hashlib.sha256(fresh.read_bytes()).hexdigest() + "\n")
+    fresh.rename(library)
+    digest.rename(library.with_name(f"{library.name}.sum"))
+    return library
+
+
 def results(kind: str, scenario: Path | None = None) -> Path:
     """The folder of "runs" or "sweeps": build/ of the checkout, but beside a file of one's own."""
     if scenario is not None and SCENARIOS not in scenario.resolve().parents:

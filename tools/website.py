@@ -37,7 +37,7 @@ OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"'
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call", "mmcs_server",
               "mmcs_client",
               "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event", "mmcs_stats",
-              "mmcs_checkpoint", "mmcs_snapshot",
+              "mmcs_snapshot",
               "mmcs_tap_head", "mmcs_tap_read", "mmcs_tap_event", "mmcs_change",
               "struct mc_param", "struct mc_state", "struct mc_stats")  # fmt: skip
 FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")

@@ -5,8 +5,6 @@
 //   sum: term {+|- term}   term: sign {*|/ sign}   sign: {-} power
 //   power: atom [^ whole number]   atom: number, name, name(sum, ...), (sum)
 
-import { convolve } from "./engine/design.js";
-
 const TOKEN = /\s*(\d+(?:\.\d*)?(?:e[-+]?\d+)?|\.\d+(?:e[-+]?\d+)?|[a-z_]\w*|[-+*/^(),])/iy;
 const LONGEST = 500;
 const MOST_POWER = 8;
@@ -85,6 +83,11 @@ export function parse(text) {
 
 // --- D(z) --------------------------------------------------------------------------------------
 
+function convolve(a, b) {
+  const made = new Array(a.length + b.length - 1).fill(0);
+  a.forEach((x, n) => b.forEach((y, k) => (made[n + k] += x * y)));
+  return made;
+}
 const plus = (a, b, sign) =>
   Array.from({ length: Math.max(a.length, b.length) }, (_, n) => (a[n] ?? 0) + sign * (b[n] ?? 0));
 const over = (num, den) => ({ num, den });

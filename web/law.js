@@ -3,7 +3,6 @@
 // which a user's process carries out every millisecond in torque mode (§1.3.1).
 
 import { choice, el, labelled, parseNumber, setText } from "./dom.js";
-import { designOf } from "./engine/design.js";
 import { law, LAW_NAMES, transfer } from "./formula.js";
 
 const COST_MS = 1000;
@@ -33,7 +32,8 @@ export function lawView(page) {
   };
 
   const setCompensator = attempt(async (n) => {
-    const made = designOf(transfer(dz.value, page.interval_s(n)));
+    const interval_s = page.interval_s(n);
+    const made = await page.design(transfer(dz.value, interval_s), interval_s);
     await machine.change(n, made.coefficients);
     const { a0, a1, a2, b0, b1, b2 } = made.coefficients;
     return `a ${a0} ${a1} ${a2}  b ${b0} ${b1} ${b2}. ${made.warnings.join(" ")}`;

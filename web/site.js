@@ -7,8 +7,7 @@
 import { run } from "./app.js";
 import { askedNumber, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
-import { PageAdvice } from "./engine/design.js";
-import { PageLabs } from "./engine/labs.js";
+import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { readRecord, setupOf } from "./engine/record.js";
 
 const FIRST = "puma560";

@@ -52,7 +52,7 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
     try:
         c = _controller(plant, p, i, d, tau, wn, zeta)
         if kick is None:
-            k = ds.to_integers(ds.discretize(c, method, t, prewarp), t, scale)
+            k = ds.to_integers(ds.discretize(c, method, t, prewarp), scale)
         elif tau is None:
             c, k = ds.limited_integers(c, kick, method, t, prewarp, scale)
         else:

@@ -2,7 +2,6 @@
 """Gets the simulator library: asks make whether it is there and fresh, and builds it if not."""
 
 import fcntl
-import hashlib
 import os
 import re
 import shutil
@@ -13,7 +12,7 @@ from pathlib import Path
 
 from mmcs.engine.verilator import write_command
 from mmcs.errors import RunError
-from mmcs.place import BUILD, ROOT, WORK, workshop
+from mmcs.place import BUILD, ROOT, WORK, is_whole, workshop
 
 CLK_HZ = 8_000_000
 LOG = BUILD / "sim" / "build.log"
@@ -70,17 +69,10 @@ def ensure_library(
     if status or not path.exists():
         log = LOG.relative_to(WORK) if WORK == ROOT else LOG
         raise RunError(f"the simulator does not build; {_reason()}; see {log}")
+    from mmcs.service import load
+
+    load()  # a run records what it did: no compiler is needed once it begins
     return path
-
-
-def is_whole(path: Path) -> bool:
-    """Whether it is what was built: a kill, a full disk or a bad one may have left something else,
-    and who loads that dies of SIGBUS or SIGSEGV."""
-    try:
-        told = path.with_name(f"{path.name}.sum").read_text().split()[0]
-        return hashlib.sha256(path.read_bytes()).hexdigest() == told
-    except (OSError, ValueError, IndexError):
-        return False
 
 
 def _forget(path: Path) -> bool:

@@ -7,9 +7,9 @@ import subprocess
 import zlib
 from pathlib import Path
 
-from mmcs.engine.build import is_whole, make_env, one_at_a_time
+from mmcs.engine.build import make_env, one_at_a_time
 from mmcs.errors import InputError, RunError
-from mmcs.place import BUILD, workshop
+from mmcs.place import BUILD, is_whole, workshop
 
 HOSTS = ("native", "m68020", "rv32")
 COMPILERS = {  # and the Python package that holds the processor

@@ -17,18 +17,16 @@ from pathlib import Path
 import numpy as np
 
 from mmcs import __version__, logcols
-from mmcs.engine.rows import BLOCK
+from mmcs.engine.rows import BLOCK, blocks
 from mmcs.errors import InputError
 from mmcs.files import is_name, loads, log_lines, open_file, read_json, short
 from mmcs.folder import settle
 from mmcs.place import run_folders
 from mmcs.runs.programs import absolute, digest
+from mmcs.service import digests
 
 NAME = "run.mmcs"
 FORMAT = 1
-MAX_POINTS = 32  # running hashes kept
-MAX_ROWS = 1024  # digests of rows kept, a byte each
-MAX_MARKS = 8  # samples at which every column has a digest
 MAX_UNPACKED = 64 << 20  # bytes of files; four times what a scenario may have
 MAX_SAMPLES = 40_000_000  # an hour of the shortest interval
 FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv")
@@ -79,11 +77,7 @@ def inline(data: dict, folder: Path) -> dict:
 
 def make_record(result, host: str) -> dict:
     """What run.mmcs will say of a run."""
-    setup, log, points = result.setup, result.log, result.checkpoints
-    keep = max(1, -(-len(points) // MAX_POINTS))
-    kept = points[keep - 1 :: keep]
-    every = max(1, -(-len(log) // MAX_ROWS))
-    marks = [len(log) * n // MAX_MARKS for n in range(1, MAX_MARKS + 1)] if len(log) else []
+    setup, log = result.setup, result.log
     packed = zlib.compress(json.dumps(setup.files).encode(), 9)
     return {
         "mmcs_run": FORMAT,
@@ -100,11 +94,7 @@ def make_record(result, host: str) -> dict:
         "samples": len(log),
         "data": inline(setup.data, setup.path.parent),
         "files": base64.b64encode(packed).decode(),
-        "checkpoints": base64.b64encode(b"".join(POINT.pack(*p) for p in kept)).decode(),
-        "rows_each": every,
-        "rows": base64.b64encode(row_digests(log, every)).decode(),
-        "marks": marks,
-        "columns": base64.b64encode(column_digests(log, marks)).decode(),
+        **digests(blocks(log), log.shape, points=result.checkpoints),
     }
 
 
@@ -112,22 +102,6 @@ def write_record(record: dict, folder: Path) -> Path:
     path = folder / NAME
     path.write_text(json.dumps(record, separators=(",", ":")).replace(',"', ',\n"') + "\n")
     return path
-
-
-def row_digests(log: np.ndarray, every: int) -> bytes:
-    """One byte per so many rows of the log."""
-    return bytes(zlib.crc32(log[n : n + every].tobytes()) & 0xFF for n in range(0, len(log), every))
-
-
-def column_digests(log: np.ndarray, marks: list[int]) -> bytes:
-    """Two bytes per mark and column: the column up to the mark."""
-    words, digests, done = [], [0] * log.shape[1], 0
-    for mark in marks:
-        for start in range(done, mark, BLOCK):
-            rows = np.asfortranarray(log[start : min(start + BLOCK, mark)])
-            digests = [zlib.crc32(rows[:, n].tobytes(), d) for n, d in enumerate(digests)]
-        words, done = words + [d & 0xFFFF for d in digests], mark
-    return struct.pack(f"<{len(words)}H", *words)
 
 
 # --- reading -----------------------------------------------------------------------------------
@@ -286,14 +260,16 @@ def _first_in(then: np.ndarray, now: np.ndarray, rounding: np.ndarray, at: int) 
 def _by_digests(record: Record, log: np.ndarray) -> str | None:
     """To within a group of rows, and to the field as far as two bytes can tell."""
     every, width, marks = record.rows_each, log.shape[1], record.marks
-    then, now = base64.b64decode(record.rows), row_digests(log, every)
+    known = [mark for mark in marks if mark <= len(log)]
+    told = digests(blocks(log), log.shape, every, known)
+    then, now = base64.b64decode(record.rows), base64.b64decode(told["rows"])
     shared = min(record.samples, len(log))
     whole = -(-shared // every) if record.samples == len(log) else shared // every
     group = next((n for n in range(whole) if then[n] != now[n]), None)
-    known = [mark for mark in marks if mark <= len(log)]
     size = 2 * width * len(known)
     columns = np.frombuffer(base64.b64decode(record.columns)[:size], "<u2").reshape(-1, width)
-    differs = columns != np.frombuffer(column_digests(log, known), "<u2").reshape(-1, width)
+    now_columns = np.frombuffer(base64.b64decode(told["columns"]), "<u2").reshape(-1, width)
+    differs = columns != now_columns
     mark = next((n for n, row in enumerate(differs) if row.any()), None)
     if group is None and mark is None:
         if len(log) == record.samples:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From the result of a run to report.json, log.csv and the table on the terminal."""
 
+import itertools
 import json
 import zlib
 from pathlib import Path
@@ -11,6 +12,7 @@ from mmcs import __version__, logcols
 from mmcs.engine.rows import blocks
 from mmcs.runs import metrics
 from mmcs.runs.expect import judge
+from mmcs.service import log_lines
 
 CYCLES = ("read", "write", "acknowledge")  # MMCS_BUS_...
 STROBES = ("", "DS0", "DS1", "DS0+DS1")
@@ -100,15 +102,10 @@ def write_report(report: dict, folder: Path) -> None:
 
 def write_log(result, folder: Path) -> int:
     """One row per servo sample; whole numbers are written as such. The file's CRC-32."""
-    axes = result.setup.axes
-    kinds = ["%.6f"] + ["%d", "%d", "%d", "%d", "%d", "%d", "%.9f"] * axes
+    columns, crc = result.log.shape[1], 0
     with (folder / "log.csv").open("wb") as file:
-        text = (",".join(logcols.header(axes)) + "\n").encode()
-        crc = zlib.crc32(text)
-        file.write(text)
-        line = ",".join(kinds) + "\n"
-        for rows in blocks(result.log):
-            text = "".join([line % tuple(row) for row in rows.tolist()]).encode()
+        for rows in itertools.chain([None], blocks(result.log)):
+            text = log_lines(columns, rows)
             crc = zlib.crc32(text, crc)
             file.write(text)
     return crc

@@ -5,8 +5,9 @@ The controller is C(s) = P + I/s + D s/(tau s + 1), error in counts, output in D
 P in LSB/count, I in LSB/(count s), D in LSB s/count, tau in s (0: no derivative filter). Discrete
 transfer functions are coefficient lists in powers of q = z^-1.
 
-Only numpy: the libraries that convert controllers refuse or spoil the improper and integrating
-ones that a servo needs, so the closed forms stand here and the libraries serve as test oracles.
+D(z) and integers are made in sim/service, for the page as well; the loop with a motor is looked at
+here. The libraries that convert controllers refuse or spoil the improper and integrating ones that
+a servo needs, so they serve as test oracles only.
 """
 
 import math
@@ -14,14 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-METHODS = ("backward", "bilinear", "prewarp", "matched", "ztransform", "zoh")
-INT32_MAX = 2**31 - 1
-SMALLEST_INTEGRAL = 20  # S*I*T below this rounds the integral away (or to something else)
-GOOD_ROUNDING = 1e-3  # of the gain, up to half the Nyquist frequency
-
-
-class DesignError(ValueError):
-    """The combination cannot be made; the text says why and what to take instead."""
+from mmcs import service
+from mmcs.service import DesignError
 
 
 @dataclass(frozen=True)
@@ -59,109 +54,10 @@ class Discrete:
 # --- continuous to discrete ------------------------------------------------------------------
 
 
-def _add(a: Discrete, b: Discrete) -> Discrete:
-    if a.den == b.den:
-        size = max(len(a.num), len(b.num))
-        return Discrete(tuple(_pad(a.num, size) + _pad(b.num, size)), a.den)
-    num = np.convolve(a.num, b.den), np.convolve(b.num, a.den)
-    size = max(map(len, num))
-    return Discrete(
-        tuple(_pad(num[0], size) + _pad(num[1], size)), tuple(np.convolve(a.den, b.den))
-    )
-
-
-def _pad(values, size: int) -> np.ndarray:
-    return np.pad(np.asarray(values, dtype=float), (0, size - len(values)))
-
-
-def _substitute(c: Controller, one: tuple[float, float], two: tuple[float, float]) -> Discrete:
-    """C(s) with s = one(q)/two(q), term by term, so that an absent term leaves no factor behind."""
-    n, m = np.array(one), np.array(two)
-    terms = [Discrete((c.p,), (1.0,))]
-    if c.i:
-        terms.append(_monic(c.i * m, n))
-    if c.d:
-        terms.append(_monic(c.d * n, c.tau * n + m))
-    total = terms[0]
-    for term in terms[1:]:
-        total = _add(total, term)
-    return total
-
-
-def _monic(num: np.ndarray, den: np.ndarray) -> Discrete:
-    return Discrete(tuple(num / den[0]), tuple(np.trim_zeros(den / den[0], "b")))
-
-
-def _matched(c: Controller, t: float) -> Discrete:
-    """Zeros and poles to exp(sT); gain by the slowest term (DC, or the integral)."""
-    p = math.exp(-t / c.tau) if c.d and c.tau else 0.0
-    zeros = (
-        [np.exp(r * t) for r in np.roots([c.p * c.tau + c.d, c.p + c.i * c.tau, c.i])]
-        if c.i and c.d
-        else []
-    )
-    if c.i and c.d:
-        gain = c.i * t * (1 - p) / np.prod([1 - z for z in zeros]).real
-        return Discrete(
-            tuple(gain * np.poly(zeros).real),
-            tuple(np.convolve((1, -1), (1, -p))) if p else (1.0, -1.0),
-        )
-    if c.i:
-        if c.p == 0:
-            return Discrete((c.i * t,), (1.0, -1.0))
-        z0 = math.exp(-c.i * t / c.p)
-        gain = c.i * t / (1 - z0)
-        return Discrete((gain, -gain * z0), (1.0, -1.0))
-    if c.d:
-        if c.p == 0:
-            raise DesignError("matched: a pure D has no gain at DC to match; take backward")
-        z0 = math.exp(-c.p * t / (c.d + c.p * c.tau))
-        gain = c.p * (1 - p) / (1 - z0)
-        return Discrete((gain, -gain * z0), (1.0, -p) if p else (1.0,))
-    return Discrete((c.p,), (1.0,))
-
-
-@np.errstate(all="ignore")  # what is out of proportion becomes inf or nan: no integer is that
 def discretize(c: Controller, method: str, t: float, prewarp: float = 0.0) -> Discrete:
     """D(z) for sample time t (s); prewarp is the frequency (rad/s) that must come out exactly."""
-    if method not in METHODS:
-        raise DesignError(f"no such method {method!r}; allowed: {', '.join(METHODS)}")
-    if t <= 0:
-        raise DesignError(f"the interval {t} s must be positive")
-    if c.tau < 0:
-        raise DesignError(f"tau = {c.tau}: a filter time constant is not negative")
-    if method == "backward":
-        return _substitute(c, (1 / t, -1 / t), (1.0, 0.0))
-    if method == "bilinear":
-        return _substitute(c, (2 / t, -2 / t), (1.0, 1.0))
-    if method == "prewarp":
-        if not 0 < prewarp * t < math.pi:
-            raise DesignError(
-                f"prewarp = {prewarp} rad/s: take one between 0 and {math.pi / t:.6g}"
-            )
-        k = prewarp / math.tan(prewarp * t / 2)
-        return _substitute(c, (k, -k), (1.0, 1.0))
-    if method == "matched":
-        return _matched(c, t)
-    if c.d and not c.tau:
-        raise DesignError(
-            f"{method}: {c.form} is improper (more zeros than poles), so the transform does not "
-            "exist; give a derivative filter, or take backward or matched"
-        )
-    integral = Discrete((c.p,), (1.0,))
-    if method == "ztransform":
-        if c.d:
-            raise DesignError(
-                "ztransform: sampling the impulse response of a derivative filter gives a wrong DC "
-                "gain (even its sign); take backward or matched"
-            )
-        return _add(integral, Discrete((c.i * t,), (1.0, -1.0))) if c.i else integral
-    if c.i:
-        integral = _add(integral, Discrete((0.0, c.i * t), (1.0, -1.0)))
-    if c.d:
-        k = c.d / c.tau
-        integral = _add(integral, Discrete((k, -k), (1.0, -math.exp(-t / c.tau))))
-    return integral
+    made = service.design_discrete([c.p, c.i, c.d, c.tau], method, t, prewarp)
+    return Discrete(tuple(made["num"]), tuple(made["den"]))
 
 
 # --- integers ----------------------------------------------------------------------------------
@@ -181,67 +77,14 @@ class Coefficients:
         return Discrete(tuple(v / b0 for v in self.a), tuple(v / b0 for v in self.b))
 
 
-def to_integers(d: Discrete, t: float, scale: int | None = None) -> Coefficients:
+def to_integers(d: Discrete, scale: int | None = None) -> Coefficients:
     """Scales by S = b0. Keeps an integral an integral and its gain exact to rounding.
 
     scale None: the smallest power of two that keeps the gain error under 0.1 %, else the best one.
     """
-    if len(d.num) > 3 or len(d.den) > 3:
-        raise DesignError("the compensator has order 2 at most")
-    if scale is not None:
-        if scale < 1 or scale > 2**30:
-            raise DesignError(f"scale = {scale}: take 1 to {2**30}, best a power of two")
-        return _scaled(d, t, scale)
-    best = None
-    for bits in range(31):
-        try:
-            found = _scaled(d, t, 1 << bits)
-        except DesignError:
-            if best is None and bits == 0:
-                raise
-            break
-        if best is None or found.gain_error < best.gain_error:
-            best = found
-        if found.gain_error < GOOD_ROUNDING and not any("integral" in w for w in found.warnings):
-            return found
-    return best
-
-
-def _scaled(d: Discrete, t: float, s: int) -> Coefficients:
-    num, den = _pad(d.num, 3) * s, _pad(d.den, 3) * s
-    a = [round(v) for v in num]
-    b = [round(v) for v in den]
-    warnings = []
-    if abs(den.sum()) < 1e-9 * s:  # a pole at z = 1: it must stay there, with its gain
-        b[1] = -b[0] - b[2]
-        total = round(num.sum())
-        a[1] = total - a[0] - a[2]
-        if abs(num.sum()) < SMALLEST_INTEGRAL:
-            warnings.append(
-                f"S*I*T = {num.sum():.3g} rounds the integral to {total}; take a larger scale"
-            )
-    if max(map(abs, a + b)) > INT32_MAX:
-        remedy = "a smaller scale" if s > 1 else "smaller gains"
-        raise DesignError(f"scale = {s}: a coefficient exceeds 32 bits; take {remedy}")
-    if sum(map(abs, a)) * 65535 > INT32_MAX:
-        warnings.append(
-            "a full-range error overflows 32-bit sums (a host of 1989); ours are 64-bit"
-        )
-    w = np.geomspace(1e-3, 0.5, 60) * math.pi / t
-    z = np.exp(1j * w * t)
-    made = Discrete(tuple(v / s for v in a), tuple(v / s for v in b))
-    wanted = d.at(z)
-    off = np.abs(made.at(z) - wanted)[wanted != 0] / np.abs(wanted[wanted != 0])
-    error = float(off.max(initial=0.0))
-    if error >= GOOD_ROUNDING:
-        warnings.append(f"rounding changes the gain by up to {100 * error:.2g} %")
-    for pole in d.poles():
-        if pole.real < -0.9 and abs(pole.imag) < 1e-9:
-            warnings.append(
-                f"pole at z = {pole.real:.3g}: the loop rings with double-buffered D/As; "
-                "take the backward difference"
-            )
-    return Coefficients(tuple(a), tuple(b), error, tuple(warnings))
+    made = service.design_integers(list(d.num), list(d.den), scale)
+    a, b, warnings = (tuple(made[key]) for key in ("a", "b", "warnings"))
+    return Coefficients(a, b, made["gain_error"], warnings)
 
 
 # --- the loop with a motor ---------------------------------------------------------------------
@@ -275,6 +118,10 @@ class Margins:
     @property
     def stable(self) -> bool:
         return max(map(abs, self.poles)) < 1
+
+
+def _pad(values, size: int) -> np.ndarray:
+    return np.pad(np.asarray(values, dtype=float), (0, size - len(values)))
 
 
 def margins(d: Discrete, plant: Plant, t: float, delay: int = 1) -> Margins:
@@ -355,7 +202,7 @@ def limited_integers(
     """
     for share in (0.0, *(2.0**-n for n in range(10, 0, -1))):
         filtered = limit_step(c, most * (1 - share), method, t, prewarp)
-        k = to_integers(discretize(filtered, method, t, prewarp), t, scale)
+        k = to_integers(discretize(filtered, method, t, prewarp), scale)
         if abs(count_step(k.discrete(), filtered)) <= most:
             return filtered, k
     raise DesignError(f"--kick {most:g}: rounding moves it by more; take a larger --scale")

@@ -99,19 +99,26 @@ def test_improper_is_refused_with_the_reason(c, method):
 @pytest.mark.parametrize("scale", [16, 64, 1024, None])
 def test_rounding_keeps_the_integral(scale):
     """The pole stays at z = 1 and the sum of the numerator is the rounded S*I*T."""
-    d = ds.discretize(ds.Controller(4.37, 77.7, 0.123), "backward", T)
-    k = ds.to_integers(d, T, scale)
-    assert sum(k.b) == 0
-    assert sum(k.a) == round(sum(d.num) * k.b[0])
+    draw = random.Random(2)
+    for _ in range(20):
+        gains = ds.Controller(draw.uniform(1, 9), draw.uniform(9, 99), draw.uniform(0.01, 0.3))
+        d = ds.discretize(gains, "backward", T)
+        k = ds.to_integers(d, scale)
+        assert sum(k.b) == 0
+        assert sum(k.a) == round(sum(d.num) * k.b[0])
 
 
 def test_warnings():
-    ringing = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "bilinear", T), T)
+    ringing = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "bilinear", T))
     assert any("backward difference" in text for text in ringing.warnings)
-    quiet = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "backward", T), T)
+    quiet = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "backward", T))
     assert not any("rings" in text for text in quiet.warnings)
-    weak = ds.to_integers(ds.discretize(ds.Controller(4, 3, 0.1), "backward", T), T, 64)
+    weak = ds.to_integers(ds.discretize(ds.Controller(4, 3, 0.1), "backward", T), 64)
     assert any("integral" in text for text in weak.warnings)
+    huge, high = (ds.discretize(ds.Controller(p), "backward", T) for p in (2.0**31, 40000.0))
+    with pytest.raises(ds.DesignError, match="scale = 1: .* exceeds 32 bits; take smaller gains"):
+        ds.to_integers(huge)
+    assert ["overflows 32-bit" in text for text in ds.to_integers(high).warnings] == [True]
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.24, 40.0])
@@ -126,7 +133,7 @@ def test_plant_same_as_scipy(lag):
 def test_margins_same_as_control():
     control = pytest.importorskip("control", reason=EXTRA)
     plant = ds.Plant(1000.0, 0.24)
-    k = ds.to_integers(ds.discretize(ds.place(plant, 80.0), "backward", T), T)
+    k = ds.to_integers(ds.discretize(ds.place(plant, 80.0), "backward", T))
     d, g = k.discrete(), plant.discrete(T)
     # in powers of z: both sides as long as the longest
     num = np.convolve(np.convolve(d.num, g.num), [0, 1.0])
@@ -239,7 +246,7 @@ def test_ringing_in_the_machine(tmp_path, method, rings):
 
     plant = plant_of(_load_robot("lab500").axis[0])
     pd = ds.place(plant, 80.0)
-    k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T), T)
+    k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T))
     with Bench(tmp_path) as bench:
         sim = bench.sim
         mc = sim.open(2)

@@ -15,6 +15,7 @@ import pytest
 from mmcs.runs import record as records
 from mmcs.runs import snapshots
 from mmcs.runs.record import NAME
+from mmcs.service import log_lines
 from mmcs.tests.conftest import GOOD, call
 from mmcs.tests.test_hostile_files import rewritten
 
@@ -145,13 +146,15 @@ def test_difference_that_no_sample_shows(mmcs, ran):
 @pytest.mark.req("API-1")
 def test_digests_narrow_it_down():
     rng = np.random.default_rng(4)
-    log = rng.integers(-999, 999, (3000, 15)).astype(float)
-    every, marks = 3, [375 * n for n in range(1, 9)]
-    text = {
-        "samples": 3000, "rows_each": every, "marks": marks,
-        "rows": base64.b64encode(records.row_digests(log, every)).decode(),
-        "columns": base64.b64encode(records.column_digests(log, marks)).decode(),
-    }  # fmt: skip
+    log = rng.integers(-999, 999, (3072, 15)).astype(float)
+    text = {"samples": 3072, **records.digests([log], log.shape)}
+    assert (text["rows_each"], text["marks"]) == (3, [384 * n for n in range(1, 9)])
+    rows, columns = (base64.b64decode(text[name]) for name in ("rows", "columns"))
+    groups = bytes(zlib.crc32(log[n : n + 3].tobytes()) & 0xFF for n in range(0, 3072, 3))
+    whole = [zlib.crc32(column.tobytes()) & 0xFFFF for column in log.T]
+    line = ",".join(["%.6f"] + (["%d"] * 6 + ["%.9f"]) * 2)
+    assert log_lines(15, log / 7).decode().split("\n")[70] == line % tuple(log[70] / 7)
+    assert rows == groups and columns[-30:] == np.array(whole, "<u2").tobytes()
     record = records.Record(records.Path("x"), text, {})
     assert records._by_digests(record, log) is None
     for row, column, name in ((0, 0, "time"), (1234, 9, "axis 1, encoder"), (2999, 7, "angle_rad")):
@@ -159,10 +162,10 @@ def test_digests_narrow_it_down():
         bent[row, column] += 1
         where = records._by_digests(record, bent)
         first, last = map(int, re.match(r"samples (\d+) to (\d+)", where).groups())
-        assert first <= row <= last and last - first < 375
+        assert first <= row <= last and last - first < 384
         assert name in where
     assert (
-        records._by_digests(record, log[:-40]) == "the end: 2960 samples of motion instead of 3000"
+        records._by_digests(record, log[:-40]) == "the end: 3032 samples of motion instead of 3072"
     )
 
 

@@ -3,7 +3,7 @@
 
 Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experiment gets on.
 
-  design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
+  design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s; or num, den: D(z)
   predict  motor {g, lag, …}, param, interval_s, step (counts), away: the step with limit and
            friction, and the closed loop's Bode plot
   mcap     csv (web/recording.js): base64
@@ -23,16 +23,10 @@ from pathlib import Path
 
 import numpy as np
 
+from mmcs.scenario.design_plot import step_response
 from mmcs.scenario.identify import IdentifyError, Motor
-from mmcs.scenario.synthesis import (
-    Controller,
-    DesignError,
-    Discrete,
-    Plant,
-    discretize,
-    margins,
-    to_integers,
-)
+from mmcs.scenario.synthesis import Discrete, Plant, margins
+from mmcs.service import DesignError, design_answer
 from mmcs.tool.worker import Worker, work
 
 DEADMAN_MS = 250
@@ -50,22 +44,10 @@ class Advisor(Worker):
 
     # --- designs ---
 
-    def _design(self, message: dict):
-        c = Controller(*(float(message.get(name, 0.0)) for name in ("p", "i", "d", "tau")))
-        t = _interval(message)
-        if not (c.p or c.i or c.d):
-            return to_integers(Discrete((0.0,), (1.0,)), t, 1), t
-        return to_integers(discretize(c, "backward", t), t), t
-
     def do_design(self, message: dict) -> dict:
-        made, t = self._design(message)
-        named = {f"a{n}": v for n, v in enumerate(made.a)}
-        named |= {f"b{n}": v for n, v in enumerate(made.b)}
-        warnings = list(made.warnings)
-        kick = abs(made.a[0] / made.b[0])
-        if kick > 1024:
-            warnings.append(f"one count commands {kick:.0f} D/A units: a tick of noise is a blow")
-        return {"coefficients": named, "warnings": warnings, "gain_error": made.gain_error}
+        gains = [float(message.get(name, 0.0)) for name in ("p", "i", "d", "tau")]
+        num, den = ([float(v) for v in message.get(name, ())] for name in ("num", "den"))
+        return design_answer(gains, _interval(message), num, den)
 
     def do_predict(self, message: dict) -> dict:
         param, t = message["param"], _interval(message)
@@ -77,7 +59,6 @@ class Advisor(Worker):
         motor = message["motor"]
         plant = Plant(abs(float(motor["g"])), max(float(motor["lag"]), 0.0))
         m = margins(d, plant, t)
-        closed = _closed(d, plant.discrete(t))
         rows = int(min(4.0, float(message.get("seconds", 0.4))) / t)
         size = float(message.get("step", 1.0))
         if "tc_pos" in motor and abs(size) >= 1:
@@ -86,9 +67,11 @@ class Advisor(Worker):
             whole = Motor(**{f.name: float(motor[f.name]) for f in fields(Motor)})
             step = np.array(predict(whole, param, t, size, rows * t, float(message["away"]))["y"])
         else:
-            step = size * _step(closed, rows)
+            step = size * step_response(d, plant, t, rows)
         hz = np.geomspace(0.5, min(200.0, 0.45 / t), 120)
-        response = closed.at(np.exp(2j * np.pi * hz * t))
+        z = np.exp(2j * np.pi * hz * t)
+        loop = d.at(z) * plant.discrete(t).at(z) / z
+        response = loop / (1 + loop)
         return {
             "stable": m.stable, "phase_deg": m.phase_deg, "gain_db": _finite(m.gain_db),
             "peak": m.peak, "t": (np.arange(len(step)) * t).tolist(), "y": step.tolist(),
@@ -192,23 +175,6 @@ def _interval(message: dict) -> float:
     if not 1e-4 <= t <= 1.0:
         raise ValueError("interval_s: the driver's is 0.0001 to 1 s")
     return t
-
-
-def _closed(d: Discrete, g: Discrete, delay: int = 1) -> Discrete:
-    """Setpoint to position with so many samples between reading and output."""
-    num = np.convolve(np.convolve(d.num, g.num), [0.0] * delay + [1.0])
-    den = np.convolve(d.den, g.den)
-    size = max(len(num), len(den))
-    total = np.pad(num, (0, size - len(num))) + np.pad(den, (0, size - len(den)))
-    return Discrete(tuple(num / total[0]), tuple(total / total[0]))
-
-
-def _step(h: Discrete, rows: int) -> np.ndarray:
-    y = np.zeros(rows)
-    for n in range(rows):
-        past = sum(h.den[k] * y[n - k] for k in range(1, min(len(h.den), n + 1)))
-        y[n] = sum(h.num[: n + 1]) - past
-    return y
 
 
 def _finite(value: float) -> float | None:

@@ -233,7 +233,7 @@ def gains(
     placed = place(motor.plant, wn, zeta, slow=slow)
     tau = max(0.0, placed.d / D_PER_COUNT - t)  # backward difference: d / (tau + t) per count
     controller = replace(placed, tau=tau)
-    made = to_integers(discretize(controller, "backward", t), t)
+    made = to_integers(discretize(controller, "backward", t))
     return controller, made
 
 

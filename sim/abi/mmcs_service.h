@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What sim/service decides for Python, page, FMU and bridges alike: how a driver is configured,
- * a scenario carried out and a machine served. As mmcs_sim.h, it includes no other header of ours,
- * and Python reads it.
+ * a scenario carried out, a machine served, a run recorded and a servo designed. As mmcs_sim.h, it
+ * includes no other header of ours, and Python reads it.
  */
 #ifndef MMCS_SERVICE_H
 #define MMCS_SERVICE_H
@@ -15,6 +15,7 @@ extern "C" {
 #pragma GCC visibility push(default)
 
 struct mmcs_sim;
+struct mmcs_checkpoint;
 struct mc_param; /* of mcdef.h */
 
 /* What a program does with /dev/mc0 for a scenario (§2.3.6). */
@@ -159,6 +160,35 @@ int64_t mmcs_server_stream(mmcs_server *server, mmcs_client *client, double now,
  * carrier's, the arguments. */
 const char *mmcs_server_request(mmcs_server *server, mmcs_client *client, double now,
                                 const char *asked, int only_check, const char *held);
+
+/* Digests of a log in run.mmcs, from its rows in order: a byte for so many rows each, and two bytes
+ * for each column up to each mark (marks ascend). each 0: as the record of so many rows has them.
+ */
+typedef struct mmcs_digests mmcs_digests;
+mmcs_digests *mmcs_digests_create(int32_t columns, int64_t rows, int64_t each, const int64_t *marks,
+                                  int32_t count);
+void mmcs_digests_destroy(mmcs_digests *digests);
+void mmcs_digests_take(mmcs_digests *digests, const double *rows, int64_t count);
+/* When all rows are taken, as a JSON object, valid until the digests are destroyed: the checkpoints
+ * that a record keeps of these, rows_each, rows, marks, columns; bytes as base64. */
+const char *mmcs_digests_told(mmcs_digests *digests, const struct mmcs_checkpoint *points,
+                              int32_t count);
+/* Rows as lines of log.csv; of no rows its first line. Valid until the next call. */
+const char *mmcs_log_lines(int32_t columns, const double *rows, int64_t count);
+
+/* Control design (§2.5). The answers are JSON objects, valid until the next call; error: one
+ * sentence on what cannot be made. gains: P, I, D and tau of P + I/s + D s/(tau s + 1). D(z) is
+ * num/den, in powers of 1/z, den[0] = 1. */
+/* num and den, of a sample time and a method: "backward", "bilinear", "prewarp" (exact at a
+ * frequency in rad/s), "matched", "ztransform" or "zoh". */
+const char *mmcs_design_discrete(const double *gains, const char *method, double t, double prewarp);
+/* a and b, what MSETPARAM takes; gain_error, warnings. scale: b[0], or NULL: a good power of two.
+ */
+const char *mmcs_design_integers(const double *num, int32_t nums, const double *den, int32_t dens,
+                                 const int64_t *scale);
+/* What pages ask: coefficients by name, warnings, gain_error; of nums 0 for the gains, backward. */
+const char *mmcs_design_answer(const double *gains, double t, const double *num, int32_t nums,
+                               const double *den, int32_t dens);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

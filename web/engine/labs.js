@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lab sheets in a page without Python: all but the grader.
+// What a page without Python has of the designer, which is nothing, and of the lab sheets: all but the
+// grader.
 
 import { json } from "./carrier.js";
 
@@ -13,4 +14,12 @@ export class PageLabs {
     if (op === "sheet") return sheet[number];
     throw new Error(`Checking needs Python: take the view Labs of \`mmcs tool\`, or save answer.toml and \`${check}\`.`);
   }
+}
+
+/** What needs identification says where it is to be had; designs are made by the machine (page.js). */
+export class PageAdvice extends EventTarget {
+  async request(op) {
+    throw new Error(`${op} needs Python: it is in \`mmcs tool\` (make tool), not in this page`);
+  }
+  send() {}
 }

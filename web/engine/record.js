@@ -1,104 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // run.mmcs in a page: written so that `mmcs replay` makes the run again, and read (mmcs/runs/record.py).
 
-const MAX_POINTS = 32;
-const MAX_ROWS = 1024;
-const MAX_MARKS = 8;
-const POINT_BYTES = 32;
 const LONGEST_S = 3600;
-const FIELDS = 7; // of an axis in a row of the log
 // What a record may say of a scenario otherwise than the site's own file: the rest is Python's work.
 const OWN = ["seed", "duration", "event", "call", "expect", "description"];
 
-const TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
-  for (let k = 0; k < 8; k++) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
-  return n;
-});
-
-export function crc32(bytes, before = 0) {
-  let crc = ~before;
-  for (const byte of bytes) crc = TABLE[(crc ^ byte) & 0xff] ^ (crc >>> 8);
-  return ~crc >>> 0;
-}
-
-const base64 = (bytes) => btoa(Array.from(bytes, (b) => String.fromCharCode(b)).join(""));
-
-/** The whole log of a run, taken piece by piece. */
-export class Log {
-  #pieces = [];
-  rows = 0;
-  cols = 0;
-
-  append({ rows, cols, bytes }) {
-    if (rows) this.#pieces.push(bytes);
-    this.rows += rows;
-    this.cols = cols;
-  }
-
-  bytes() {
-    const whole = new Uint8Array(this.rows * this.cols * 8);
-    let at = 0;
-    for (const piece of this.#pieces) {
-      whole.set(piece, at);
-      at += piece.length;
-    }
-    return whole;
-  }
-
-  /** One byte per so many rows. */
-  rowDigests(every) {
-    const [whole, size] = [this.bytes(), this.cols * 8];
-    const digests = [];
-    for (let row = 0; row < this.rows; row += every)
-      digests.push(crc32(whole.subarray(row * size, (row + every) * size)) & 0xff);
-    return Uint8Array.from(digests);
-  }
-
-  /** Two bytes per mark and column: the column up to the mark. */
-  columnDigests(marks) {
-    const [whole, size] = [this.bytes(), this.cols * 8];
-    const words = [];
-    for (const mark of marks) {
-      for (let column = 0; column < this.cols; column++) {
-        const bytes = new Uint8Array(mark * 8);
-        for (let row = 0; row < mark; row++)
-          bytes.set(whole.subarray(row * size + column * 8, row * size + column * 8 + 8), row * 8);
-        words.push(crc32(bytes) & 0xffff);
-      }
-    }
-    return new Uint8Array(Uint16Array.from(words).buffer);
-  }
-
-  /** As log.csv of a run. */
-  csv() {
-    const values = new Float64Array(this.bytes().buffer);
-    const names = ["setpoint", "encoder", "velocity", "error", "current", "errcode", "angle_rad"];
-    const axes = (this.cols - 1) / FIELDS;
-    const head = ["t_s"];
-    for (let axis = 0; axis < axes; axis++) for (const name of names) head.push(`${name}_${axis}`);
-    const lines = [head.join(",")];
-    for (let row = 0; row < this.rows; row++) {
-      const line = Array.from(values.subarray(row * this.cols, (row + 1) * this.cols), (v, n) =>
-        n === 0 ? v.toFixed(6) : n % FIELDS === 0 ? v.toFixed(9) : String(v),
-      );
-      lines.push(line.join(","));
-    }
-    return `${lines.join("\n")}\n`;
-  }
-}
-
-/** What run.mmcs says of a session that has ended. */
+/** What run.mmcs says of a session that has ended; log: its rows, as Sim.takeLog() gave them. */
 export function makeRecord(session, log, hash, version) {
   const { sim, setup } = session;
-  const points = sim.checkpoints();
-  const count = points.length / POINT_BYTES;
-  const keep = Math.max(1, Math.ceil(count / MAX_POINTS));
-  const kept = [];
-  for (let n = keep - 1; n < count; n += keep) kept.push(...points.subarray(n * POINT_BYTES, (n + 1) * POINT_BYTES));
-  const every = Math.max(1, Math.ceil(log.rows / MAX_ROWS));
-  const marks = log.rows
-    ? Array.from({ length: MAX_MARKS }, (_, n) => Math.floor((log.rows * (n + 1)) / MAX_MARKS))
-    : [];
   const data = structuredClone(setup.data);
   if (session.calls.length) data.call = [...(data.call ?? []), ...session.calls];
   if (session.events.length) data.event = [...(data.event ?? []), ...session.events];
@@ -114,14 +23,10 @@ export function makeRecord(session, log, hash, version) {
     cycles: sim.clock,
     clk_hz: sim.clk_hz,
     motion_start_s: session.start,
-    samples: log.rows,
+    samples: log.reduce((sum, { rows }) => sum + rows, 0),
     data,
     files: setup.files,
-    checkpoints: base64(Uint8Array.from(kept)),
-    rows_each: every,
-    rows: base64(log.rowDigests(every)),
-    marks,
-    columns: base64(log.columnDigests(marks)),
+    ...sim.digests(log),
   };
 }
 

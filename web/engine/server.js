@@ -204,6 +204,11 @@ const OF_PAGE = {
     s.law = made;
     return {};
   },
+  design: (s, asked) => {
+    const made = s.sim.design(asked);
+    if (made.error) throw new Refused(E.EINVAL, made.error);
+    return made;
+  },
   cost: (s) => ({ cycles: s.sim.stats().bus_cycles, samples: s.sim.tapHead().rows }),
   waves: (s, { t, ms = 2 }) => s.waves(t, ms),
   memory: (s) => ({ bytes: s.sim.memory }),

@@ -238,10 +238,42 @@ export class Sim {
     this.#m._mmcs_sim_log_taken(this.#at);
     return { rows, cols, bytes };
   }
-  /** Bytes of all checkpoints, as run.mmcs keeps them (mmcs/runs/record.py, POINT). */
-  checkpoints() {
-    const count = this.#m._mmcs_sim_checkpoints(this.#at, this.#room);
-    return this.#bytes(this.#view.getUint32(this.#room, true), count * this.layouts.mmcs_checkpoint.size);
+  /** What run.mmcs keeps of a log, all of takeLog(), and of the machine's checkpoints. */
+  digests(log) {
+    const m = this.#m;
+    const rows = log.reduce((sum, piece) => sum + piece.rows, 0);
+    const made = m._mmcs_digests_create(log.at(-1).cols, BigInt(rows), 0n, 0, 0);
+    for (const piece of log)
+      this.#lend(piece.bytes, (at) => m._mmcs_digests_take(made, at, BigInt(piece.rows)));
+    const count = m._mmcs_sim_checkpoints(this.#at, this.#room);
+    const told = m._mmcs_digests_told(made, this.#view.getUint32(this.#room, true), count);
+    const digests = JSON.parse(m.UTF8ToString(told));
+    m._mmcs_digests_destroy(made);
+    return digests;
+  }
+  /** log.csv of a log. */
+  csv(log) {
+    const m = this.#m;
+    const lines = (cols, at, rows) => m.UTF8ToString(m._mmcs_log_lines(cols, at, BigInt(rows)));
+    const full = log.filter(({ rows }) => rows);
+    const texts = full.map(({ rows, cols, bytes }) => this.#lend(bytes, (at) => lines(cols, at, rows)));
+    return [lines(log.at(-1).cols, 0, 0), ...texts].join("");
+  }
+  /** What mmcs_design_answer() gives, or {error}. */
+  design({ p = 0, i = 0, d = 0, tau = 0, interval_s, num = [], den = [] }) {
+    const [m, at] = [this.#m, this.#room];
+    new Float64Array(m.HEAPU8.buffer, at, ROOM / 8).set([p, i, d, tau, ...num, ...den]);
+    const [numAt, denAt] = [at + 32, at + 32 + 8 * num.length];
+    const told = m._mmcs_design_answer(at, interval_s, numAt, num.length, denAt, den.length);
+    return JSON.parse(m.UTF8ToString(told));
+  }
+  /** use(address) of a copy of these bytes. */
+  #lend(bytes, use) {
+    const at = this.#m._malloc(bytes.length);
+    this.#m.HEAPU8.set(bytes, at);
+    const made = use(at);
+    this.#m._free(at);
+    return made;
   }
 
   // --- the tap ---

@@ -6,7 +6,7 @@
 
 import { PERIOD_S } from "./law.js";
 import { Past } from "./past.js";
-import { makeRecord, Log } from "./record.js";
+import { makeRecord } from "./record.js";
 import { Server } from "./server.js";
 import { Session } from "./session.js";
 import { Sim } from "./sim.js";
@@ -19,7 +19,7 @@ const TOLD_MS = 250;
 let server = null;
 let session = null;
 let motion = null; // what is left of the scenario's own motion
-let log = new Log();
+const log = []; // of the motion, piece by piece
 let clock = { wall: 0, simulated: 0 };
 let work = { ms: 0, s: 0 }; // spent on how much time of the machine
 let ended = null; // {hash, record}
@@ -78,7 +78,7 @@ function pass() {
   const began = performance.now();
   if (motion) {
     const { done } = motion.next();
-    log.append(sim.takeLog());
+    log.push(sim.takeLog());
     if (done) finish();
   } else if (server.law) {
     sim.run(before + PERIOD_S);
@@ -145,7 +145,7 @@ onmessage = async ({ data }) => {
     else if (data.stopPort) hearStop(data.stopPort);
     else if (data.start) await start(data.start);
     else if (data.record) postMessage(JSON.stringify({ type: "record", record: ended?.record ?? null,
-      csv: log.csv(), wanted: data.record }));  // prettier-ignore
+      csv: log.length ? server.sim.csv(log) : "", wanted: data.record }));  // prettier-ignore
   } catch (error) {
     postMessage(JSON.stringify({ type: "failed", text: error.message ?? String(error) }));
   }

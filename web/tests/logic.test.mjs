@@ -5,7 +5,6 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { askedNumber, parseInteger, parseNumber } from "../dom.js";
-import { design } from "../engine/design.js";
 import { readRecord, setupOf } from "../engine/record.js";
 import { law, transfer } from "../formula.js";
 import { tomlAnswer } from "../labs.js";
@@ -208,15 +207,6 @@ test("a law computes, knows its own names only, and never throws when it runs", 
   assert.equal(run("sqrt(0-4) + r^2"), 25);
   for (const text of ["window", "r.y", "this", "__proto__", "eval(1)", "r=1", "min(1)", "toString(1)"])
     assert.throws(() => law(text, ["r", "y"]), Error, text);
-});
-
-test("gains to integers, as Python makes them", () => {
-  const made = design({ p: 4, d: 0.1, interval_s: 0.001 });
-  assert.deepEqual(made.coefficients, { a0: 104, a1: -100, a2: 0, b0: 1, b1: 0, b2: 0 });
-  const pid = design({ p: 4, i: 1000, d: 0.1, interval_s: 0.001 });
-  const total = pid.coefficients.a0 + pid.coefficients.a1 + pid.coefficients.a2;
-  assert.equal(total / pid.coefficients.b0, 1);
-  assert.match(design({ p: 4, d: 2, interval_s: 0.001 }).warnings.join(" "), /a tick of noise is a blow/);
 });
 
 test("numbers of an address are told when they are none, never taken as nothing", () => {

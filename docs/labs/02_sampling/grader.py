@@ -36,7 +36,7 @@ class Answer(Strict):
 
 def integers(interval_us: int):
     t = interval_us * 1e-6
-    return to_integers(discretize(LAW, "backward", t), t)
+    return to_integers(discretize(LAW, "backward", t))
 
 
 def margin(interval_us: int):

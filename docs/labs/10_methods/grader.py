@@ -35,7 +35,7 @@ class Answer(Strict):
 
 
 def made(law: ds.Controller, method: str, t: float) -> tuple[ds.Coefficients, Gains]:
-    k = ds.to_integers(ds.discretize(law, method, t, PREWARP), t)
+    k = ds.to_integers(ds.discretize(law, method, t, PREWARP))
     return k, Gains(**{f"{x}{n}": v for x, row in (("a", k.a), ("b", k.b))
                        for n, v in enumerate(row)})  # fmt: skip
 

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The messages over both carriers: a socket's server and a page's give the same replies."""
+"""Both carriers of sim/service: Python and a page give the same replies, designs, records, logs."""
 
 import json
+import math
+import random
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from mmcs import BUILD, load, machine
+from mmcs import BUILD, load, machine, make_record, simulate, write_log
 from mmcs.device.messages import REQUESTS
 from mmcs.device.server import Server
 from mmcs.tests.raw import Asker
+from mmcs.tool.advisor import Advisor
 
 SITE = BUILD / "web"
+NEAR = 1e-8  # of two libraries' sines; near z = 1 they lose eight digits
 
 ASKED = [
     {"op": "sing"}, {"op": 5}, {}, {"op": "alive", "id": [1]}, {"op": "read"}, {"op": "close"},
@@ -78,9 +82,9 @@ def by_socket(tmp_path) -> list[dict]:
     return replies
 
 
-def by_page() -> list[dict]:
+def by_page(asked: list[dict], name: str = "lab500", *plays: str) -> dict:
     node, script = Path(sys.executable).with_name("node"), Path(__file__).with_name("messages.mjs")
-    done = subprocess.run([node, script, SITE, "lab500"], input=json.dumps(ASKED), text=True,
+    done = subprocess.run([node, script, SITE, name, *plays], input=json.dumps(asked), text=True,
                           capture_output=True, check=False)  # fmt: skip
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -88,7 +92,7 @@ def by_page() -> list[dict]:
 
 @pytest.mark.req("TOOL-1")
 def test_both_carriers_give_the_same_replies(tmp_path):
-    socket_, page = by_socket(tmp_path), by_page()
+    socket_, page = by_socket(tmp_path), by_page(ASKED)["replies"]
     assert len(page) == len(ASKED)
     for asked, one, other in zip(ASKED, socket_, page, strict=True):
         if other.get("lease"):
@@ -96,3 +100,49 @@ def test_both_carriers_give_the_same_replies(tmp_path):
         assert {**other, "id": other.get("id")} == one, asked
     other_answers = {"hello", "clients", "machine", "export"}
     assert set(REQUESTS) - {a.get("op") for a in ASKED} == other_answers
+
+
+def designs() -> list[dict]:
+    """P, PD, PID with and without a filter, at any interval, and a D(z) of one's own."""
+    rng = random.Random(1989)
+
+    def some(low: float, high: float, zero: float = 0.3) -> float:
+        return 0 if rng.random() < zero else math.exp(rng.uniform(math.log(low), math.log(high)))
+
+    asked = [
+        {"p": some(1e-3, 1e4), "i": some(1e-2, 1e5), "d": some(1e-4, 100),
+         "tau": some(1e-4, 0.1, 0.5), "interval_s": rng.choice((5e-4, 1e-3, 2e-3, 0.01))}
+        for _ in range(400)
+    ]  # fmt: skip
+    asked += [{**gains, "p": -gains["p"]} for gains in asked[:50]]
+    asked += [{"p": size, "interval_s": 1e-3} for size in (1e9, 3e9, 1e12, 0.5, 1.5, 2.5, 1e-9)]
+    asked += [{"interval_s": 1e-3}, {"num": [1] * 4, "den": [1], "interval_s": 1e-3}]
+    for _ in range(300):
+        num = [rng.uniform(-1, 1) * some(0.01, 1e4) for _ in range(rng.randint(1, 3))]
+        a, b = (rng.choice((1.0, 0.0, rng.uniform(-0.999, 0.999))) for _ in range(2))
+        asked.append({"num": num, "den": [1, -a - b, a * b], "interval_s": 1e-3})
+    return [{"op": "design"} | one for one in asked]
+
+
+@pytest.mark.req("TOOL-1", "SYN-1")
+def test_both_carriers_give_the_same_designs():
+    """Integers, warnings and errors to the letter."""
+    asked, advisor, met = designs(), Advisor(Path()), set()
+    for question, page in zip(asked, by_page(asked)["replies"], strict=True):
+        own = advisor.answer(question)
+        assert page.get("text") == own.get("error"), question
+        off = page.pop("gain_error", 0) - own.pop("gain_error", 0)
+        assert abs(off) < NEAR and all(page[key] == own[key] for key in own if key != "error")
+        met |= {word.split()[0] for word in own.get("warnings", [own.get("error")])}
+    assert met == {"S*I*T", "a", "rounding", "one", "pole", "scale", "the"}  # each was met
+
+
+@pytest.mark.req("SIM-3", "API-1")
+@pytest.mark.parametrize("name", ["lab500", "puma560_bounce", "fault_estop"])
+def test_both_carriers_write_the_same_record_and_log(tmp_path, name):
+    result, page = simulate(load(name)), by_page([], name, "plays")
+    write_log(result, tmp_path)
+    assert page["csv"] == (tmp_path / "log.csv").read_text()
+    own = make_record(result, "native")
+    own["cycles"] = page["record"]["cycles"]  # Python's program ends with MSTOP; a page plays on
+    assert page["record"] == own

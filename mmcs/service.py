@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What sim/service decides without a machine: digests and text of a log, control design."""
+
+import functools
+import json
+import os
+from collections.abc import Iterable
+
+import numpy as np
+
+from mmcs.mcdef import ABI, make_ffi
+from mmcs.place import BUILD, ROOT, compiled
+
+SOURCES = ("record.cpp", "design.cpp")
+
+
+@functools.cache
+def load() -> tuple:
+    """The library, made if need be, and its declarations."""
+    files = [ROOT / "sim" / "service" / name for name in SOURCES]
+    command = [*(os.environ.get("CXX") or "g++").split(), "-std=c++17", "-O2", "-ffp-contract=off"]
+    command += [f"-I{ABI[0].parent}", *files]
+    inputs = [*files, *ABI, files[0].with_name("json.h")]
+    library = compiled(BUILD / "service" / "libmmcs_service.so", command, inputs)
+    return make_ffi(), make_ffi().dlopen(str(library))
+
+
+def _rows(ffi, rows: np.ndarray):
+    return ffi.from_buffer("double[]", np.ascontiguousarray(rows, np.float64))
+
+
+def digests(blocks: Iterable[np.ndarray], shape: tuple[int, int], each: int = 0,
+            marks: list[int] = (), points: list[tuple] = ()) -> dict:  # fmt: skip
+    """Of a log, as mmcs_digests_told() has them; each 0: as a record of these rows."""
+    ffi, lib = load()
+    made = lib.mmcs_digests_create(shape[1], shape[0], each, list(marks), len(marks))
+    made = ffi.gc(made, lib.mmcs_digests_destroy)
+    for rows in blocks:
+        lib.mmcs_digests_take(made, _rows(ffi, rows), len(rows))
+    given = ffi.new("mmcs_checkpoint[]", list(points))
+    return json.loads(ffi.string(lib.mmcs_digests_told(made, given, len(points))))
+
+
+def log_lines(columns: int, rows: np.ndarray | None = None) -> bytes:
+    """Of log.csv: these rows, or the first line."""
+    ffi, lib = load()
+    if rows is None:
+        return ffi.string(lib.mmcs_log_lines(columns, ffi.NULL, 0))
+    return ffi.string(lib.mmcs_log_lines(columns, _rows(ffi, rows), len(rows)))
+
+
+class DesignError(ValueError):
+    """The combination cannot be made; the text says why and what to take instead."""
+
+
+def _answered(told) -> dict:
+    answer = json.loads(load()[0].string(told))
+    if "error" in answer:
+        raise DesignError(answer["error"])
+    return answer
+
+
+def design_discrete(gains: list[float], method: str, t: float, prewarp: float) -> dict:
+    """As mmcs_design_discrete(), and so on; DesignError is their errors."""
+    return _answered(load()[1].mmcs_design_discrete(gains, method.encode(), t, prewarp))
+
+
+def design_integers(num: list[float], den: list[float], scale: int | None) -> dict:
+    ffi, lib = load()
+    given = ffi.NULL if scale is None else ffi.new("int64_t *", scale)
+    return _answered(lib.mmcs_design_integers(num, len(num), den, len(den), given))
+
+
+def design_answer(gains: list[float], t: float, num: list[float], den: list[float]) -> dict:
+    return _answered(load()[1].mmcs_design_answer(gains, t, num, len(num), den, len(den)))
