@@ -35,6 +35,8 @@ def check_file(path: Path) -> Path:
     """So is a file of results, in a folder that is there."""
     if path.is_dir():
         raise InputError.one(path, "", None, "is a folder, and the name of a result")
+    if "\0" in str(path) or path.exists() and not path.is_file():
+        raise InputError.one(path, "", None, "cannot be the name of a result: give that of a file")
     if not path.parent.is_dir():
         raise InputError.one(path, "", None, "its folder does not exist")
     _check_writable(path.parent)
@@ -135,5 +137,8 @@ def whole_file(path: Path) -> Iterator[Path]:
     try:
         yield part
         os.replace(part, path)
+    except OSError as error:
+        error.filename = error.filename or str(path)  # a full disk names none
+        raise
     finally:
         part.unlink(missing_ok=True)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+from array import array
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +29,7 @@ from mmcs.errors import InputError, RunError
 from mmcs.scenario.load import load as _load
 from mmcs.scenario.setup import Setup
 
+MOST = (1 << 31) - 1  # samples of a wait(), snapshots
 MODES = ("off", "position", "velocity", "torque", "test1")
 STATE = np.dtype([(name, np.int32) for name in mcdef.fields("mc_state")])
 
@@ -77,6 +79,10 @@ class Run:
 
     def column(self, axis: int, name: str) -> np.ndarray:
         """setpoint, encoder, velocity, error, current, errcode or angle_rad of an axis."""
+        if name not in logcols.FIELDS:
+            allowed = f"must be one of {', '.join(logcols.FIELDS)}"
+            raise InputError.one("column", "", name, allowed)
+        axis = _whole("axis", axis, 0, self.axes - 1)
         return logcols.column(self.log, axis, name)
 
     def frame(self):
@@ -86,9 +92,13 @@ class Run:
 
     def plot(self, path: Path | str) -> None:
         """Draws position, joint angle, error and current of each axis, as SVG."""
+        from mmcs.folder import check_file, whole_file
         from mmcs.view.plot import write_plot
 
-        write_plot(self.result, Path(path))
+        if not isinstance(path, str | os.PathLike):
+            raise InputError.one("path", "", path, "must be the name of a file")
+        with whole_file(check_file(Path(path))) as part:
+            write_plot(self.result, part)
 
     def _repr_svg_(self) -> str:
         from mmcs.view.plot import write_plot
@@ -112,6 +122,9 @@ def compare(a: Run, b: Run) -> list[dict]:
     """Per axis: the largest difference of encoder, error and current at the samples of both."""
     from mmcs.view.compare import differences
 
+    for name, given in (("a", a), ("b", b)):
+        if not isinstance(given, Run):
+            raise InputError.one(name, "", given, "must be a run, as run() returns it")
     return differences(a, b)
 
 
@@ -121,18 +134,27 @@ def sweep(scenario: str, *sets: str, grid: dict | None = None, random: dict | No
 
     grid, random: values by key, {"axis.0.b0": [56, 64]} or as typed, {"seed": "1..100"}.
     """
-    from mmcs.sweeps.plan import make_plan
+    from mmcs.sweeps.plan import MAX_RUNS, make_plan
     from mmcs.sweeps.workers import cores, run_here
 
-    def typed(vary: dict | None) -> tuple[str, ...]:
-        texts = {
-            k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in (vary or {}).items()
-        }
+    def typed(name: str, vary: dict | None) -> tuple[str, ...]:
+        try:
+            texts = {
+                k: v if isinstance(v, str) else ",".join(map(str, v))
+                for k, v in (vary or {}).items()
+            }
+        except (AttributeError, TypeError):
+            allowed = 'must be values by key, {"seed": [1, 2]} or {"seed": "1..100"}'
+            raise InputError.one(name, "", vary, allowed) from None
         return tuple(f"{key}={text}" for key, text in texts.items())
 
-    plan = make_plan(str(scenario), typed(grid), typed(random), samples, seed, sets)
+    samples = None if samples is None else _whole("samples", samples, 1, MAX_RUNS)
+    crew = cores() if workers is None else _whole("workers", workers, 1)
+    plan = make_plan(
+        str(scenario), typed("grid", grid), typed("random", random), samples, seed, sets
+    )
     tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
-    done = {n: row for n, row, _ in run_here(tasks, min(workers or cores(), len(plan)))}
+    done = {n: row for n, row, _ in run_here(tasks, min(crew, len(plan)))}
     return _pandas().DataFrame([plan.values(n) | done[n] for n in range(len(plan))])
 
 
@@ -156,7 +178,7 @@ class Machine:
             setup = replace(setup, params=[params | bare for params in setup.params])
         self.setup, self.axes = setup, setup.axes
         self.interval_s = setup.scenario.interval_us * 1e-6
-        self.sim = machine(setup)
+        self._sim = machine(setup)
         bare = setup.scenario.model_copy(update={"call": [], "process": []})
         try:
             session = Session(self.sim, replace(setup, scenario=bare))
@@ -164,6 +186,13 @@ class Machine:
         except BaseException:
             self.close()
             raise
+
+    @property
+    def sim(self):
+        """The machine at the C ABI."""
+        if self._sim is None:
+            raise RunError("the machine is closed: make another")
+        return self._sim
 
     @property
     def time(self) -> float:
@@ -177,7 +206,12 @@ class Machine:
 
     def write(self, setpoints) -> None:
         """Setpoints of the axes from 0: counts, counts per sample or D/A units, by their modes."""
-        values = [int(value) for value in np.atleast_1d(setpoints)]
+        try:
+            values = [int(value) for value in np.atleast_1d(setpoints)]
+            array("i", values)
+        except (OverflowError, TypeError, ValueError):
+            allowed = "must be whole numbers of 32 bits, one for each axis from 0"
+            raise InputError.one("setpoints", "", setpoints, allowed) from None
         self._ask("write", self.sim.write, self._client, values)
 
     def read(self) -> np.ndarray:
@@ -187,9 +221,7 @@ class Machine:
 
     def wait(self, samples: int = 1) -> None:
         """Lets so many servo intervals pass."""
-        if not isinstance(samples, int | np.integer) or samples < 1:
-            raise InputError.one("samples", "", samples, "must be a whole number of at least 1")
-        if not self.sim.run(self.sim.time + int(samples) * self.interval_s):
+        if not self.sim.run(self.sim.time + _whole("samples", samples, 1, MOST) * self.interval_s):
             raise RunError("an assertion of the machine has failed")
 
     def step(self, setpoints, samples: int = 1) -> np.ndarray:
@@ -208,7 +240,7 @@ class Machine:
 
     def joint(self, axis: int) -> dict[str, float]:
         """The physics, which no register tells: angle and velocity of the joint, current."""
-        return self.sim.true(axis)
+        return self.sim.true(_whole("axis", axis, 0, self.axes - 1))
 
     def save(self) -> int:
         """A snapshot of this instant, for restore()."""
@@ -216,7 +248,7 @@ class Machine:
 
     def restore(self, number: int) -> None:
         """Back to a snapshot, to the bit; those taken later are forgotten."""
-        self.sim.restore(number)
+        self.sim.restore(_whole("number", number, 0, MOST))
 
     @property
     def log(self) -> np.ndarray:
@@ -229,7 +261,9 @@ class Machine:
         return _pandas().DataFrame(self.log, columns=names).set_index(names[0])
 
     def close(self) -> None:
-        self.sim.destroy()
+        if self._sim is not None:
+            self._sim.destroy()
+            self._sim = None
 
     def __enter__(self) -> Machine:
         return self
@@ -245,6 +279,15 @@ class Machine:
             told = [note["text"] for note in self.sim.notes()[known:] if note["kind"] == "log"]
             why = told[-1] if told else os.strerror(-result)
             raise RunError(f"{what}: {errno.errorcode.get(-result, -result)}: {why}")
+
+
+def _whole(name: str, value: object, least: int, most: int | None = None) -> int:
+    """A whole number in these bounds. Raises InputError."""
+    good = isinstance(value, int | np.integer) and value >= least
+    if good and (most is None or value <= most):
+        return int(value)
+    bounds = f"of at least {least}" if most in (None, MOST) else f"from {least} to {most}"
+    raise InputError.one(name, "", value, f"must be a whole number {bounds}")
 
 
 def _pandas():

@@ -10,6 +10,7 @@ from mmcs.errors import InputError, RunError
 from mmcs.screen import echo
 
 OPTION = dict(type=float, default=0.0)
+PICTURES = (".svg", ".png", ".pdf")
 GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 
 
@@ -43,6 +44,8 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
     from mmcs.scenario import synthesis as ds
     from mmcs.scenario.motor import compensation, expected_step, friction_and_limit, plant_of
 
+    if plot is not None and plot.suffix not in PICTURES:
+        raise InputError.one("--plot", "", str(plot), f"must end in {', '.join(PICTURES)}")
     motors = _load_robot(robot)
     if not 0 <= axis < len(motors.axis):
         raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(motors.axis) - 1}")
@@ -81,9 +84,11 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
     for text in warnings:
         echo(f"warning: {text}", err=True)
     if plot is not None:
+        from mmcs.folder import check_file, whole_file
         from mmcs.scenario.design_plot import write_plot
 
-        write_plot(plot, c, k, plant, t)
+        with whole_file(check_file(plot)) as part:
+            write_plot(part, c, k, plant, t)
     if apply_to is not None:
         _apply(apply_to, k, dev, interval)
 

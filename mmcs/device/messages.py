@@ -13,6 +13,7 @@ import time
 from mmcs import ROOT, mcdef
 from mmcs.device.connection import Connection
 from mmcs.device.wire import EINVAL, EIO
+from mmcs.folder import whole_file
 
 LIMIT = 65536
 LENGTH = struct.Struct("<I")
@@ -147,7 +148,8 @@ class Messenger(Connection):
         number, sim = a["snapshot"], self.machine.sim
         path = self._server.path.with_suffix(".past")
         snapshot, past = sim.snapshot_bytes(number), sim.history_bytes()
-        path.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)
+        with whole_file(path) as part:
+            part.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)
         return {"file": str(path)}
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mmcs.errors import InputError
+from mmcs.folder import whole_file
 from mmcs.place import ROOT
 
 LABS = ROOT / "docs" / "labs"
@@ -61,8 +62,15 @@ def start(sheet: Sheet, folder: Path) -> list[Path]:
         if (folder / path.name).exists():
             allowed = "is there already, perhaps with your work; name another folder"
             raise InputError.one(folder / path.name, "", None, allowed)
+    made: list[Path] = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return [Path(shutil.copyfile(path, folder / path.name)) for path in sheet.files]
+        for path in sheet.files:
+            with whole_file(folder / path.name) as part:
+                shutil.copyfile(path, part)
+            made.append(folder / path.name)
+        return made
     except OSError as error:
+        for path in made:  # they would be told as work at the next try
+            path.unlink(missing_ok=True)
         raise InputError.one(folder, "", None, f"cannot be made: {error.strerror}") from None

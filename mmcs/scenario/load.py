@@ -13,7 +13,7 @@ from mmcs.scenario.sets import apply_sets
 from mmcs.scenario.setup import make_setup
 
 
-def load(name: str, sets: tuple[str, ...] = (), **overrides):
+def load(name: str, sets: tuple[str, ...] = (), /, **overrides):
     """The checked setup. Raises InputError holding every mistake found."""
     path = find(name)
     data, origins = read_scenario(path)

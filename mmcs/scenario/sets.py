@@ -33,9 +33,9 @@ def apply_sets(data: dict, sets: tuple[str, ...]) -> dict[str, str]:
 
 def split_set(item: str, option: str = "--set", example: str = "servo.0.ilim=500"):
     """(key, text of the value)."""
-    key, equals, text = item.partition("=")
+    key, equals, text = item.partition("=") if isinstance(item, str) else (str(item), "", "")
     if not equals or not all(part.strip() for part in key.split(".")):
-        raise InputError.one(option, item, None, f"must be key=value, like {example}")
+        raise InputError.one(option, str(item), None, f"must be key=value, like {example}")
     return key.strip(), text
 
 

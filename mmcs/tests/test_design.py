@@ -163,6 +163,8 @@ def test_command(mmcs, tmp_path):
     made = json.loads(out)
     assert made["stable"] and made["form"] == "PD" and made["b1"] == 0
     assert (tmp_path / "d.svg").read_text().startswith("<?xml")
+    status, _, err = mmcs("design", "--wn", "60", "--plot", tmp_path / "d.xyz")
+    assert status == 2 and ": must end in .svg, .png, .pdf" in err
     status, out, _ = mmcs("design", "-p", "4", "-d", "0.1", "--c")
     assert status == 0 and "par.a0 = 104; par.a1 = -100;" in out
 

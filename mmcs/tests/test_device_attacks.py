@@ -10,6 +10,7 @@ import socket
 import struct
 import subprocess
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -263,18 +264,27 @@ def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, wait
 
 
 @pytest.mark.parametrize("why", ["a folder", "a full disk"])
-def test_an_export_that_cannot_be_written_is_refused(serving, why):
+def test_an_export_that_cannot_be_written_is_refused(serving, why, monkeypatch):
+    """Nothing that is half is left, and what was there before stands."""
     past = serving.server.path.with_suffix(".past")
+
+    def write_half(path, data):
+        path.open("wb").write(data[:100])
+        raise OSError(28, "No space left on device")
+
     if why == "a folder":
         past.mkdir()
     else:
-        past.symlink_to("/dev/full")
+        past.write_text("before")
+        monkeypatch.setattr(Path, "write_bytes", write_half)
     with Link(path=serving.server.path, timeout=None) as link:
         link.request("open", mode="rw")
         number = link.request("snapshot")["snapshot"]["id"]
         with pytest.raises(OSError, match="Is a directory|No space left") as no:
             link.request("export", snapshot=number)
         assert no.value.errno in (21, 28)
+        assert past.is_dir() or past.read_text() == "before"
+        assert not list(past.parent.glob(".*.past"))
         with pytest.raises(OSError, match="there is none of this number") as no:
             link.request("export", snapshot=number + 1_000_000)
         assert no.value.errno == 22

@@ -11,6 +11,7 @@ import random
 import resource
 import shutil
 import subprocess
+import sys
 import zipfile
 import zlib
 from pathlib import Path
@@ -339,6 +340,40 @@ def test_waveforms_that_find_no_room_are_told(tmp_path):
     assert command(*run)[0] == 0  # what has to be built is built
     status, _, err = command(*run, preexec_fn=limit)  # noqa: PLW1509
     assert status == 1 and b"aborted where waveforms are written: if the disk is full" in err
+    assert not list(tmp_path.glob("x.*"))  # nothing that is half
+
+
+ABORTS = """
+import mmcs, sys
+def caught():
+    line = next(x for x in open("/proc/self/status") if x.startswith("SigCgt"))
+    return int(line.split()[1], 16) >> 5 & 1
+seen = [caught()]
+with mmcs.machine(mmcs.load(sys.argv[1]), "trace") as sim:
+    for name in ("a.fst", "b.fst"):
+        sim.trace(name)
+        seen.append(caught())
+print(*seen, caught())
+"""
+
+
+def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
+    (tmp_path / "short.toml").write_text(GOOD)
+    done = subprocess.run([sys.executable, "-c", ABORTS, "short.toml"], cwd=tmp_path, text=True,
+                          capture_output=True, check=False)  # fmt: skip
+    assert done.stdout.split() == ["0", "1", "1", "0"], done.stderr
+
+
+@pytest.mark.parametrize("args", [("design", "--wn", "50", "--plot", "x.svg"),
+                                  ("lab", "start", "1", "x")])  # fmt: skip
+def test_a_file_that_finds_no_room_is_not_left_half(tmp_path, args):
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))  # noqa: E731
+    run = [sys.executable, "-m", "mmcs", *args]
+    done = subprocess.run(run, cwd=tmp_path, text=True, capture_output=True, check=False,
+                          preexec_fn=limit)  # noqa: PLW1509  # fmt: skip
+    assert done.returncode in (1, 2) and "File too large" in done.stderr
+    assert done.stderr.startswith("mmcs: ") and done.stderr.count("\n") == 1
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
 def test_full_disk_is_told_as_such(tmp_path, monkeypatch):

@@ -70,15 +70,18 @@ def test_compare_mistakes(mmcs, folder, tmp_path):
     nothing = "nowhere: no such run; make it with `mmcs run`"
     empty = tmp_path / "empty"
     empty.mkdir()
+    os.mkfifo(tmp_path / "pipe.svg")
     for args, text in (
         ((a, "nowhere"), nothing),
         ((a, two), f"{two}: has 2 axes, {a} has 1"),
         ((a, empty), f"{empty}: is not a run: "),
         ((a, a, "--out", tmp_path / "no" / "x.svg"), f"{tmp_path}/no/x.svg: its folder does not"),
+        ((a, a, "--out", tmp_path / "pipe.svg"), f"{tmp_path}/pipe.svg: cannot be the name of a"),
     ):
         status, out, err = mmcs("compare", *args)
         assert (status, out) == (2, "")
         assert err.startswith(f"mmcs: {text}") and err.count("\n") == 1
+    assert (tmp_path / "pipe.svg").is_fifo()
 
 
 def test_points_of_the_arm():

@@ -28,6 +28,7 @@ from mmcs.tests.device_bench import write_scenario
 from mmcs.tool import gateway, judge, launch, moment, pages, tune
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
+from mmcs.tool.stopper import Button
 
 PIPE = 65536  # bytes that a pipe holds
 
@@ -333,3 +334,59 @@ def test_auto_tune_judges_what_came_of_it(changes, word):
     measured = {"rise_ms": 33.0, "overshoot_pct": 2.0, "steady_error_counts": 1.0, "size": 200}
     fine, verdict = judge.judge(measured | changes, predicted)
     assert word in verdict and fine == (not changes)
+
+
+def shake(*requests: str, client=None) -> list[bytes]:
+    """The first lines of what a site answers."""
+
+    async def play():
+        site = pages.Site("secret", ("http://127.0.0.1:1",), "")
+        async with pages.listen(client, site, 0, 64) as server:
+            port, answers = server.sockets[0].getsockname()[1], []
+            for request in requests:
+                reader, writer = await asyncio.open_connection("127.0.0.1", port)
+                writer.write(f"{request}\r\n\r\n".encode())
+                answers.append((await reader.readline()).strip())
+                writer.close()
+            return answers
+
+    return asyncio.run(play())
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_request_that_is_none_is_refused_and_not_logged(caplog):
+    """By whoever reaches the port, with the token or without it."""
+    socket = "GET /secret/x HTTP/1.1\r\nUpgrade: websocket\r\nOrigin: http://127.0.0.1:1\r\n"
+    answers = shake(
+        "GET http://[::1/secret/ HTTP/1.1", "GET //[ HTTP/1.1",
+        f"GET /secret/{'a' * 3000} HTTP/1.1", f"GET /secret/{'aa/' * 2000} HTTP/1.1",
+        f"{socket}Origin: http://evil", f"{socket}Upgrade: websocket",
+    )  # fmt: skip
+    assert [answer.split()[1] for answer in answers] == 4 * [b"404"] + [b"403", b"426"]
+    assert not caplog.records
+
+
+@pytest.mark.req("TOOL-1")
+@pytest.mark.parametrize("end", ["designer", "button"])
+def test_what_no_page_of_ours_sends_ends_its_connection_alone(tmp_path, monkeypatch, caplog, end):
+    worker = tmp_path / "worker"
+    worker.write_text("#!/bin/sh\ncat > /dev/null\n")
+    worker.chmod(0o755)
+    monkeypatch.setattr(gateway.sys, "executable", str(worker))
+    button = Button(tmp_path / "nowhere.stop")
+
+    def client(page):
+        return gateway.advise(page, end, "", "") if end == "designer" else button.serve(page)
+
+    async def play():
+        origin = "http://127.0.0.1:1"
+        async with pages.listen(client, pages.Site("secret", (origin,), ""), 0, 64) as server:
+            where = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/secret/x"
+            async with connect(where, origin=origin) as page:
+                for text in (b"stop",) if end == "designer" else ("state", "stop"):
+                    await page.send(text)
+                with pytest.raises(ConnectionClosed):
+                    await page.recv()
+
+    asyncio.run(play())
+    assert not caplog.records and not button.clients

@@ -85,6 +85,8 @@ async def advise(page: ServerConnection, what: str, module: str, given: str) -> 
     answers = asyncio.create_task(back())
     with contextlib.suppress(ConnectionClosed, BrokenPipeError, ConnectionResetError):
         async for message in page:
+            if not isinstance(message, str):
+                break
             worker.stdin.write(message.encode().replace(b"\n", b" ") + b"\n")
             await worker.stdin.drain()
     worker.stdin.close()

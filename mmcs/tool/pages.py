@@ -9,11 +9,12 @@ WebSocket must come from an origin that the server was told; pages of other site
 import hmac
 import http
 import mimetypes
+import os
 import sys
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -44,7 +45,7 @@ class Site:
 
     def path(self, target: str) -> str | None:
         """What is asked for below the token; None for somebody without it."""
-        first, _, rest = unquote(urlsplit(target).path).lstrip("/").partition("/")
+        first, _, rest = unquote(target.partition("?")[0]).removeprefix("/").partition("/")
         same = hmac.compare_digest(first.encode(), self.token.encode())
         return (rest or "index.html") if same else None
 
@@ -55,8 +56,9 @@ class Site:
             return connection.respond(http.HTTPStatus.METHOD_NOT_ALLOWED, "GET alone\n")
         if path is None or "\0" in path:
             return connection.respond(http.HTTPStatus.NOT_FOUND, "not here\n")
-        if request.headers.get("Upgrade", "").lower() == "websocket":
-            if request.headers.get("Origin") in self.origins:
+        if any(value.lower() == "websocket" for value in request.headers.get_all("Upgrade")):
+            origins = request.headers.get_all("Origin")  # of a request that is none, several
+            if len(origins) == 1 and origins[0] in self.origins:
                 return None
             return connection.respond(http.HTTPStatus.FORBIDDEN, "not from that page\n")
         if self.pages is not None and path not in self.pages:
@@ -116,4 +118,4 @@ def _locate(path: str) -> Path | None:
         base = library_folder() / LIBRARIES[package]
     file = (base / rest).resolve()
     inside = file.is_relative_to(base.resolve())
-    return file if inside and file.is_file() else None
+    return file if inside and os.path.isfile(file) else None  # no name is too long to ask about

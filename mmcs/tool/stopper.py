@@ -99,8 +99,9 @@ class Button:
         self.clients.add(client)
         try:
             async for message in client:
-                if message in ORDERS:
-                    await self.order(message, time.monotonic())
+                if message not in ORDERS:
+                    break  # a flood of it would keep orders waiting
+                await self.order(message, time.monotonic())
         finally:
             self.clients.discard(client)
 

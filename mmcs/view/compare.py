@@ -15,6 +15,9 @@ ROWS = (("encoder", "position\ncounts"), ("error", "error\ncounts"), ("current",
 
 def differences(a: Run, b: Run) -> list[dict]:
     """Per axis: the largest difference of each row's signal at the samples that both have."""
+    if a.axes != b.axes:
+        names = [getattr(run, "folder", run) for run in (a, b)]
+        raise InputError.one(names[1], "", None, f"has {b.axes} axes, {names[0]} has {a.axes}")
     times = np.intersect1d(a.log[:, 0], b.log[:, 0])
     rows_a, rows_b = (np.isin(run.log[:, 0], times) for run in (a, b))
     out = []
@@ -28,9 +31,7 @@ def differences(a: Run, b: Run) -> list[dict]:
 
 
 def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
-    if a.axes != b.axes:
-        allowed = f"has {b.axes} axes, {a.folder} has {a.axes}"
-        raise InputError.one(b.folder, "", None, allowed)
+    found = differences(a, b)
     plt = style()
     figure, grid = plt.subplots(
         len(ROWS), a.axes, sharex=True, squeeze=False,
@@ -56,7 +57,7 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
     place(figure, grid)
     svg.save(figure, path)
     plt.close(figure)
-    return differences(a, b)
+    return found
 
 
 def _label(run: Run, other: Run) -> str:

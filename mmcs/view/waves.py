@@ -13,6 +13,7 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
+from mmcs.folder import whole_file
 from mmcs.screen import echo
 from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import write_tables
@@ -186,8 +187,12 @@ def write_views(trace: Path, host: str = "native") -> tuple[Path, Path]:
     names = trace.resolve().with_suffix(".names")
     write_tables(names)
     seen = first_pass(trace, machine, soc=host == "rv32")
-    gtkw.write_text(_gtkwave(trace, machine, groups, names, seen))
-    sucl.write_text(_surfer(machine, groups, seen))
+    for path, text in (
+        (gtkw, _gtkwave(trace, machine, groups, names, seen)),
+        (sucl, _surfer(machine, groups, seen)),
+    ):
+        with whole_file(path) as part:
+            part.write_text(text)
     return gtkw, sucl
 
 

@@ -3,10 +3,7 @@
 
 #include "sim.h"
 
-#include <unistd.h>
-
 #include <cmath>
-#include <csignal>
 #include <exception>
 #include <memory>
 #include <string>
@@ -14,13 +11,6 @@
 #include "stiff.h"
 
 namespace {
-
-// Verilator's writer of waveforms aborts the process when it cannot write.
-void tell_of_unwritten(int) {
-  static const char text[] =
-      "mmcs: aborted where waveforms are written: if the disk is full, free it and run again\n";
-  _exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 2 : 1);
-}
 
 std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmcs_link *links) {
   if (!config) return "no configuration given";
@@ -105,12 +95,10 @@ const char *mmcs_sim_build_id(void) {
 
 int mmcs_sim_trace(mmcs_sim *sim, const char *path) {
   if (!path) return -1;
-  std::signal(SIGABRT, tell_of_unwritten);
   return mmcs::guarded(sim, -1, [=] { return sim->machine.model().trace(path) ? 0 : -1; });
 }
 int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s) {
   if (!path || !mmcs::is_time(from_s) || !mmcs::is_time(to_s) || from_s >= to_s) return -1;
-  std::signal(SIGABRT, tell_of_unwritten);
   return mmcs::guarded(sim, -1,
                        [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
 }

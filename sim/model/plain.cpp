@@ -117,7 +117,7 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
 Plain::~Plain() {
   Verilated::threadContextp(&context_);
 #if MMCS_TRACE
-  if (fst_) fst_->close();
+  waves_.reset();
 #endif
 }
 
@@ -150,7 +150,7 @@ void Plain::half(bool rise, double at) {
   clk_.put(rise);
   board_->eval();
 #if MMCS_TRACE
-  if (fst_) fst_->dump(now);
+  if (waves_) waves_->dump(now);
 #endif
 }
 
@@ -362,14 +362,13 @@ void Plain::host_phase([[maybe_unused]] unsigned phase, [[maybe_unused]] uint32_
 bool Plain::trace(const std::string &path) {
 #if MMCS_TRACE
   Verilated::threadContextp(&context_);
-  if (fst_) fst_->close();
-  fst_.reset();
+  waves_.reset();
   if (path.empty()) return false;
-  fst_ = std::make_unique<VerilatedFstC>();
-  board_->trace(fst_.get());
-  fst_->open(path.c_str());
-  if (!fst_->isOpen()) fst_.reset();
-  return fst_ != nullptr;
+  waves_ = std::make_unique<Waves>(path);
+  board_->trace(waves_.get());
+  waves_->open(path.c_str());
+  if (!waves_->isOpen()) waves_.reset();
+  return waves_ != nullptr;
 #else
   static_cast<void>(path);
   return false;

@@ -12,7 +12,7 @@
 #include "board.h"
 #include "model.h"
 #if MMCS_TRACE
-#include "verilated_fst_c.h"
+#include "waves.h"
 #endif
 
 namespace mmcs {
@@ -93,7 +93,7 @@ class Plain : public Model, protected Ports {
   std::vector<Poke> pokes_;
   std::map<std::pair<std::string, std::string>, uint64_t> cuts_;  // of what leaves the machine
 #if MMCS_TRACE
-  std::unique_ptr<VerilatedFstC> fst_;
+  std::unique_ptr<Waves> waves_;
 #endif
   int64_t clock_ = 0;
   bool held_ = false;     // the checkers are in reset
