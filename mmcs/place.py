@@ -80,9 +80,9 @@ def compiled(library: Path, command: list, inputs: list[Path]) -> Path:
     """A library that this command makes, when missing, damaged or older than its inputs."""
     import subprocess
 
+    workshop()  # nobody else may write there: what is found there is loaded
     if is_whole(library) and library.stat().st_mtime > max(f.stat().st_mtime for f in inputs):
         return library
-    workshop()
     library.parent.mkdir(parents=True, exist_ok=True)
     fresh = library.with_suffix(f".{os.getpid()}")
     try:

@@ -23,10 +23,10 @@ place.workshop()
 """
 
 
-def read_only(cache: Path):
+def read_only(cache: Path, code: str = READ_ONLY):
     env = {**os.environ, "XDG_CACHE_HOME": str(cache)}
     return subprocess.run(
-        [sys.executable, "-c", READ_ONLY], text=True, capture_output=True, env=env, check=False
+        [sys.executable, "-c", code], text=True, capture_output=True, env=env, check=False
     )
 
 
@@ -56,6 +56,14 @@ def test_a_cache_that_others_may_write_is_refused(tmp_path, mode):
     assert done.returncode == 1 and "another user may write there" in done.stderr
     assert "set XDG_CACHE_HOME to a folder of your own" in done.stderr
     assert not any(path.is_symlink() for path in tmp_path.rglob("*"))
+
+
+def test_a_library_in_a_cache_that_others_may_write_is_not_loaded(tmp_path):
+    (tmp_path / "mmcs").mkdir()
+    (tmp_path / "mmcs").chmod(0o777)
+    code = READ_ONLY.replace("place.workshop()", "from mmcs.device import libraries\n")
+    done = read_only(tmp_path, code + "libraries.preload_library()")
+    assert done.returncode == 1 and "another user may write there" in done.stderr
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
