@@ -114,6 +114,7 @@ def make_env() -> dict[str, str]:
 @contextmanager
 def one_at_a_time(lock: Path):
     """One build at a time: parallel tests want the same files."""
+    workshop()  # made, and nobody else's
     lock.parent.mkdir(parents=True, exist_ok=True)
     with lock.open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)

@@ -16,8 +16,9 @@ from mmcs.place import results
 
 READ_ONLY = """
 import os
-os.access = lambda *a, **k: False
+access, os.access = os.access, lambda *a, **k: False
 from mmcs import place
+os.access = access
 print(place.WORK, place.results("runs"))
 place.workshop()
 """
@@ -58,12 +59,23 @@ def test_a_cache_that_others_may_write_is_refused(tmp_path, mode):
     assert not any(path.is_symlink() for path in tmp_path.rglob("*"))
 
 
-def test_a_library_in_a_cache_that_others_may_write_is_not_loaded(tmp_path):
+@pytest.mark.parametrize("use", [
+    "from mmcs.device.libraries import preload_library as use; use()",
+    "from mmcs.engine.build import ensure_library as use; use(1, 'speed')",
+    "from mmcs.engine.hosts import make as use; use('firmware/Makefile', 'm68020')",
+])  # fmt: skip
+def test_nothing_of_a_cache_that_others_may_write_is_used(tmp_path, use):
+    """A lock of his could be a link to a file of this user, which opening it would empty."""
     (tmp_path / "mmcs").mkdir()
     (tmp_path / "mmcs").chmod(0o777)
-    code = READ_ONLY.replace("place.workshop()", "from mmcs.device import libraries\n")
-    done = read_only(tmp_path, code + "libraries.preload_library()")
+    build, mine = Path(read_only(tmp_path).stdout.split()[0]) / "build", tmp_path / "mine"
+    (build / "sim").mkdir(parents=True)
+    mine.write_text("mine")
+    for lock in ("sim/build.lock", "firmware.lock"):
+        (build / lock).symlink_to(mine)
+    done = read_only(tmp_path, READ_ONLY.replace("place.workshop()", use))
     assert done.returncode == 1 and "another user may write there" in done.stderr
+    assert mine.read_text() == "mine"
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
