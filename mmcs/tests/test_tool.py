@@ -12,7 +12,6 @@ import sys
 import urllib.error
 import urllib.request
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from websockets.asyncio.client import connect
@@ -25,7 +24,7 @@ from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
 from mmcs.scenario.identify import Motor
 from mmcs.tests.device_bench import write_scenario
-from mmcs.tool import gateway, judge, launch, moment, pages, tune
+from mmcs.tool import gateway, judge, launch, moment, pages
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button
@@ -315,10 +314,15 @@ def test_a_predicted_step_knows_limit_and_friction():
     assert back["steady_error_counts"] == pytest.approx(off, abs=1)
 
 
-def test_auto_tune_refuses_the_safe_machine():
-    link = SimpleNamespace(request=lambda op: {"safety": "2026"})
-    with pytest.raises(tune.TuneError, match="use --safety 1989"):
-        tune.tune(SimpleNamespace(link=link), 60.0, 1.0, 2000.0)
+def test_auto_tune_refuses_the_safe_machine_and_leaves_it_running(serving):
+    serving.server.about["machine"] = {"safety": "2026"}
+    out = Said()
+    with Device() as dev:
+        dev.enable()
+        message = {"id": 1, "op": "tune", "axis": 0, "wn": 60, "half": 2000, "lender": 0}
+        Advisor(serving.server.path, out).run([json.dumps(message) + "\n"])
+        (told,) = out.replies()
+        assert told["error"].endswith("use --safety 1989") and dev.status().enabled
 
 
 @pytest.mark.req("TOOL-1")

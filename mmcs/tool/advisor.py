@@ -19,6 +19,7 @@ import base64
 import sys
 import time
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -106,12 +107,14 @@ class Advisor(Worker):
         if self.gone.is_set() or time.monotonic() - self.heard > self.patience_s:
             raise OSError("the page has gone; the machine is stopped")
 
-    def _experiment(self, message: dict, work) -> dict:
-        """work(bench) with the lease that the page lends; a failure stops the machine."""
+    def _experiment(self, message: dict, work, check=lambda link: None) -> dict:
+        """work(bench) with the lease that the page lends; a failure stops the machine, but for one
+        of check(link) before it."""
         from mmcs.tool.tune import Bench, TuneError, connect
 
         self.patience_s = float(message.get("deadman_ms", DEADMAN_MS)) / 1000
         with connect(self.socket) as link:
+            check(link)
             self.say({"type": "progress", "lend": link.hello["you"]})
             self._wait_for_lease(link)
             try:
@@ -146,7 +149,7 @@ class Advisor(Worker):
             link.request("lease", drop=True)
 
     def do_tune(self, message: dict) -> dict:
-        from mmcs.tool.tune import tune
+        from mmcs.tool.tune import check_machine, tune
 
         wn, zeta = float(message["wn"]), float(message.get("zeta", 1.0))
         half = float(message["half"])
@@ -156,7 +159,8 @@ class Advisor(Worker):
         def say(text: str) -> None:
             self.say({"type": "progress", "text": text})
 
-        return self._experiment(message, lambda bench: tune(bench, wn, zeta, half, say))
+        work = partial(tune, wn=wn, zeta=zeta, half=half, say=say)
+        return self._experiment(message, work, check_machine)
 
     def do_chirp(self, message: dict) -> dict:
         from mmcs.tool.tune import chirp

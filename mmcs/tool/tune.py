@@ -255,8 +255,6 @@ def identify_axis(bench: Bench, half: float, most: int) -> tuple[Motor, float]:
 
 def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: None) -> dict:
     """Identifies, designs, sets the gains, and makes a step; everything as plain numbers."""
-    if bench.link.request("machine").get("safety") == "2026":
-        raise TuneError("setpoints of the safe machine hold 10 ms: use --safety 1989")
     param = bench.param()
     most = param["ilim"]
     t = bench.link.request("call", request="MGETINTERVAL")["value"] * 1e-6 * param["clkdivisor"]
@@ -370,6 +368,12 @@ def chirp(bench: Bench, amplitude: float, low: float, high: float, seconds: floa
     bench.wait(0.2)
     rows = bench.rows(began)
     return frequency(rows.t, rows.w, rows.y, low, high)
+
+
+def check_machine(link: Link) -> None:
+    """Before the machine is touched. Raises ValueError."""
+    if link.request("machine").get("safety") == "2026":
+        raise ValueError("setpoints of the safe machine hold 10 ms: use --safety 1989")
 
 
 def connect(socket: Path) -> Link:
