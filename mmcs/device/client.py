@@ -91,7 +91,7 @@ class Device:
         try:
             self._name = self._file.getsockname().strip(b"\0")
             inode = os.fstat(self._file.fileno()).st_ino
-            asked = flags & 0xFFFFFFFF | wire.GENTLE
+            asked = _checked("flags", flags) & 0xFFFFFFFF | wire.GENTLE
             result, _ = _exchange(self._file, wire.OPEN, b"", asked, inode, os.fsencode(path))
             if result < 0:
                 raise OSError(-result, _sentence(-result, reasons.of_open(-result)), path)
@@ -137,7 +137,7 @@ class Device:
     def write_checked(self, sequence: int, *setpoints: int) -> None:
         """As write(), in a message with a check, whose number is one more than the last one's."""
         values = [_checked("setpoint", value) for value in setpoints]
-        check = 0x4D4D4353 ^ sequence
+        check = 0x4D4D4353 ^ _checked("sequence", sequence, 0, (1 << 32) - 1)
         for word in (len(values), *values):
             check = ((check << 5 | check >> 27) ^ word) & 0xFFFFFFFF
         rest = [0] * (wire.MMCS_AXES - len(values))
