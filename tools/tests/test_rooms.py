@@ -54,7 +54,7 @@ DEEPER = {
     "bridges/fmu/tests/": {"bridge"},
     "bridges/gymnasium/tests/": {"bridge"},
     "sim/tests/engine/test_compilers.py": {"engine"},
-    "sim/tests/hosts/test_again.py": {"cli"},
+    "sim/tests/hosts/test_again.py": {"tests"},
     "studies/campaign.py": {"sweeps"},
     "tools/breakage/": {"engine", "runs"},
     "tools/parsers.py": {"device", "runs", "sweeps"},
