@@ -287,7 +287,7 @@ def test_build_of_which_files_are_gone_is_made_again(tmp_path, monkeypatch):
 
     def run(command, env, log=False):
         if stamp.exists():
-            build.LOG.write_text("parts_fast.cpp:3:23: fatal error: Vx.edges: No such file\n")
+            build.LOG.write_text("parts.cpp:3:23: fatal error: Vx.edges: No such file\n")
             return 2
         library.parent.mkdir(parents=True)
         library.write_bytes(b"good")

@@ -7,11 +7,19 @@
 #include <memory>
 #include <string>
 
-#include "verilated.h"
-
+class VerilatedContext;
 class VerilatedFstC;
 
 namespace mmcs {
+
+// What the models of a machine share. Verilator's own header takes longer to compile than most
+// files here; those that need no more than this are compiled without it.
+struct ContextEnd {
+  void operator()(VerilatedContext *context) const;
+};
+using Context = std::unique_ptr<VerilatedContext, ContextEnd>;
+Context create_context(uint64_t seed);
+void use(const Context &context);  // in this thread, for all models that are made or run
 
 // A variable of a model, as long as a machine word at most.
 struct Net {

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "board.h"
-
 namespace mmcs {
 
 class Ears {

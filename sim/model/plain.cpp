@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "state.h"
+#include "verilated.h"
 #include "wires.h"
 
 namespace mmcs {
@@ -70,16 +71,13 @@ void put_bits(const Net &net, int lsb, int width, uint64_t value) {
 
 }  // namespace
 
-Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
-  context_.randReset(2);
-  context_.randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
-  context_.fatalOnError(false);
-  context_.traceEverOn(MMCS_TRACE);
-  context_.timeunit(-9);
-  context_.timeprecision(-12);
-  context_.assertOn(true);
-  Verilated::threadContextp(&context_);
-  board_ = create_Vmmcs(context_, "TOP");
+Plain::Plain(uint64_t seed) : context_(create_context(seed)), pins_(*this, kWires.cards) {
+  context_->fatalOnError(false);
+  context_->traceEverOn(MMCS_TRACE);
+  context_->timeunit(-9);
+  context_->timeprecision(-12);
+  context_->assertOn(true);
+  board_ = create_Vmmcs(*context_, "TOP");
   clk_ = board_->port("clk_i");
   dtack_ = board_->port("vme_dtack_no");
   d_oe_ = board_->port("vme_d_oe_o");
@@ -115,14 +113,14 @@ Plain::Plain(uint64_t seed) : pins_(*this, kWires.cards) {
 }
 
 Plain::~Plain() {
-  Verilated::threadContextp(&context_);
+  use(context_);
 #if MMCS_TRACE
   waves_.reset();
 #endif
 }
 
 Net Plain::find(const std::string &path, const std::string &name) const {
-  const Net net = find_net(context_, scope(path), name);
+  const Net net = find_net(*context_, scope(path), name);
   if (!net) throw std::runtime_error("the model has no " + path + "." + name);
   return net;
 }
@@ -146,7 +144,7 @@ void Plain::power_on() {
 
 void Plain::half(bool rise, double at) {
   const uint64_t now = static_cast<uint64_t>(std::llround(at));
-  context_.time(now);
+  context_->time(now);
   clk_.put(rise);
   board_->eval();
 #if MMCS_TRACE
@@ -214,7 +212,7 @@ void Plain::look_at_lines() {
 }
 
 Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
-  Verilated::threadContextp(&context_);
+  use(context_);
   const int64_t begin = clock_;
   Stop stop = Stop::kDone;
   while (clock_ < begin + n) {
@@ -245,7 +243,7 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
 }
 
 bool Plain::failed() {
-  if (!context_.gotError()) return false;
+  if (!context_->gotError()) return false;
   const std::string text = sentence(printed);
   if (!upset_ && failure_.empty()) failure_ = text;
   if (upset_ && !doubted_) {
@@ -253,8 +251,8 @@ bool Plain::failed() {
     doubted_ = true;
   }
   printed.clear();
-  context_.gotError(false);
-  context_.gotFinish(false);
+  context_->gotError(false);
+  context_->gotFinish(false);
   return !failure_.empty();
 }
 
@@ -284,7 +282,7 @@ void Plain::put(Port port, int lsb, int width, uint64_t value) {
 
 // Wires inside are cut by Verilator's own means (registers.vlt), those that leave outside.
 void Plain::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
-  const Net enable = find_net(context_, scope(board), std::string(port) + "__VforceEn");
+  const Net enable = find_net(*context_, scope(board), std::string(port) + "__VforceEn");
   if (!enable) {
     if (mask) {
       cuts_[{board, port}] = value;
@@ -309,7 +307,7 @@ void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
 }
 
 void Plain::upset(int reg, uint64_t bits) {
-  Verilated::threadContextp(&context_);
+  use(context_);
   const Net &net = nets_[static_cast<size_t>(reg)];
   net.put(net.get() ^ bits);
   upset_ = true;
@@ -320,7 +318,7 @@ void Plain::upset(int reg, uint64_t bits) {
 }
 
 std::vector<uint8_t> Plain::save() {
-  Verilated::threadContextp(&context_);
+  use(context_);
   Saved state;
   for (size_t reg = 0; reg < nets_.size(); ++reg) {
     state.registers.push_back(read(static_cast<int>(reg)));
@@ -333,7 +331,7 @@ std::vector<uint8_t> Plain::save() {
 
 // What the bus checkers remember is of the time before: they begin anew, as after power-on.
 void Plain::restore(const std::vector<uint8_t> &bytes) {
-  Verilated::threadContextp(&context_);
+  use(context_);
   const Saved state = Saved::unpack(bytes);
   if (state.registers.size() != registers().size()) {
     throw std::invalid_argument("a snapshot of another machine");
@@ -361,7 +359,7 @@ void Plain::host_phase([[maybe_unused]] unsigned phase, [[maybe_unused]] uint32_
 
 bool Plain::trace(const std::string &path) {
 #if MMCS_TRACE
-  Verilated::threadContextp(&context_);
+  use(context_);
   waves_.reset();
   if (path.empty()) return false;
   waves_ = std::make_unique<Waves>(path);

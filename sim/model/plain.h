@@ -78,7 +78,7 @@ class Plain : public Model, protected Ports {
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 
-  VerilatedContext context_;
+  const Context context_;
   std::unique_ptr<Board> board_;
   Pins pins_;
   Net ports_[kPorts];

@@ -28,10 +28,11 @@ Shelf &shelf() {
 }  // namespace
 
 Rack::Rack(bool slow, bool skip, uint64_t seed)
-    : wires_(*this), pins_(*this, kWires.cards), slow_(slow), skip_(skip && !slow) {
-  context_.randReset(2);
-  context_.randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
-  Verilated::threadContextp(&context_);
+    : context_(create_context(seed)),
+      wires_(*this),
+      pins_(*this, kWires.cards),
+      slow_(slow),
+      skip_(skip && !slow) {
   {
     const std::lock_guard<std::mutex> lock(shelf().mutex);
     if (!shelf().sets.empty()) {
@@ -47,7 +48,7 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
 }
 
 Rack::~Rack() {
-  Verilated::threadContextp(&context_);
+  use(context_);
   const std::lock_guard<std::mutex> lock(shelf().mutex);
   shelf().sets.push_back(std::move(caches_));
 }

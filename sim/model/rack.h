@@ -87,7 +87,7 @@ class Rack : public Model, protected Ports, private Listener {
   void wake_host();
   void catch_up_host();
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
-  VerilatedContext context_;
+  const Context context_;
 
  private:
   void wire();

@@ -175,7 +175,7 @@ std::vector<uint8_t> Rack::save() {
 }
 
 void Rack::restore(const std::vector<uint8_t> &bytes) {
-  Verilated::threadContextp(&context_);
+  use(context_);
   const Saved state = Saved::unpack(bytes);
   if (state.registers.size() != registers().size()) {
     throw std::invalid_argument("a snapshot of another machine");

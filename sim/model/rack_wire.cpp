@@ -22,9 +22,9 @@ void Rack::add_parts(const BoardInfo &board) {
   first_.push_back(first);
   for (size_t n = 0; n < table.part_count; ++n) {
     const std::string module = table.parts[n].module;
-    auto model = Board::create(module, context_, name + std::to_string(n));
+    auto model = Board::create(module, *context_, name + std::to_string(n));
     parts_.push_back(
-        std::make_unique<Part>(table, n, std::move(model), &caches_[module], context_));
+        std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_));
     parts_.back()->number = parts_.size() - 1;
     if (module != "soc_host") every_ |= uint64_t{1} << parts_.back()->number;
   }

@@ -96,7 +96,7 @@ class SocModel final : public Base {
   template <class... Arguments>
   explicit SocModel(Arguments... arguments)
       : Base(arguments...),
-        core_(this->context_, this->host_board(), this->host_scope(), this->host_alone()) {
+        core_(*this->context_, this->host_board(), this->host_scope(), this->host_alone()) {
     this->power_on();
   }
 

@@ -1,11 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Variables of a model by name: Verilator's table of scopes.
+// What the model asks of Verilator's run-time library: contexts, variables by name.
 
 #include "board.h"
 
+#include "verilated.h"
 #include "verilated_sym_props.h"
 
 namespace mmcs {
+
+void ContextEnd::operator()(VerilatedContext *context) const {
+  delete context;
+}
+
+Context create_context(uint64_t seed) {
+  Context context(new VerilatedContext);
+  context->randReset(2);
+  context->randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
+  use(context);
+  return context;
+}
+
+void use(const Context &context) {
+  Verilated::threadContextp(context.get());
+}
 
 Net find_net(const VerilatedContext &context, const std::string &scope, const std::string &name) {
   const VerilatedScope *s = context.scopeFind(scope.c_str());
