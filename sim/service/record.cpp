@@ -30,20 +30,6 @@ struct Tables {
 };
 constexpr Tables kTables;
 
-// CRC-32 as zlib has it, of doubles.
-class Crc {
- public:
-  void take(uint64_t word) {
-    word ^= rest_;
-    rest_ = 0;
-    for (int n = 0; n < 8; ++n) rest_ ^= kTables.of[7 - n][word >> 8 * n & 0xff];
-  }
-  uint32_t value() const { return ~rest_; }
-
- private:
-  uint32_t rest_ = ~0u;
-};
-
 std::string base64(const std::string &bytes) {
   const char *letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;
@@ -58,6 +44,20 @@ std::string base64(const std::string &bytes) {
 }
 
 }  // namespace
+
+// CRC-32 as zlib has it, of doubles.
+class Crc {
+ public:
+  void take(uint64_t word) {
+    word ^= rest_;
+    rest_ = 0;
+    for (int n = 0; n < 8; ++n) rest_ ^= kTables.of[7 - n][word >> 8 * n & 0xff];
+  }
+  uint32_t value() const { return ~rest_; }
+
+ private:
+  uint32_t rest_ = ~0u;
+};
 
 struct mmcs_digests {
   int64_t each;
