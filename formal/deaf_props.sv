@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A card whose decoder says what it says without a command does not hear the bus.
+// A card whose decoder says what it says without a command does not hear the bus, nor does a chip
+// that is not selected.
 //
 // Two of them in one state differ in the pins of the bus; tools/carried.py writes down the pins and
 // registers, and the decoder by itself, from the netlist and sim/model/parts.toml.
@@ -16,7 +17,7 @@ module deaf_props #(
   input wire logic [Registers-1:0] registers_two,
   input wire logic [  Outputs-1:0] outputs_one,
   input wire logic [  Outputs-1:0] outputs_two,
-  input wire logic                 unheard        // both decoders say what none says
+  input wire logic                 unheard        // both decoders say what none says; not selected
 );
 
   logic started = 1'b0, unheard_1, alike_1;
@@ -28,7 +29,7 @@ module deaf_props #(
 
   `MMCS_PROVE(RegistersAlike, "5.3.1", started && alike_1 && unheard_1,
               registers_one == registers_two,
-              "pins of the bus that the decoder does not answer change no register of a card")
+              "pins of the bus that are not for a card or chip change none of its registers")
   `MMCS_PROVE(OutputsAlike, "5.3.1", registers_one == registers_two && unheard,
               outputs_one == outputs_two, "nor any of its outputs")
 

@@ -332,21 +332,22 @@ def most(a: str, b: str, c: str) -> str:
 
 def deaf(part: Part, rule: dict) -> str:
     """Two of a part that differ in some inputs; what their decoders say, and say at rest."""
-    swapped = {p: f"{p}_other" for p in rule["inputs"]}
-    other = {f"{p}_other": part.inputs[p] for p in rule["inputs"]}
+    swapped = {p: f"{p}_other" for p in rule.get("bus", rule.get("inputs"))}
+    other = {name: part.inputs[p] for p, name in swapped.items()}
     text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
     text += f"  wire {RESET} = 1'b1;\n"
     text += instance(part, "one", {}) + instance(part, "two", swapped)
-    width = sum(r.width for r in part.registers)
-    pins = sum(part.outputs.values())
+    width, pins = sum(r.width for r in part.registers), sum(part.outputs.values())
     for inst in ("one", "two"):
         text += "".join(wire(f"{inst}.{r.name}", r.width) for r in part.registers)
         state = join([r.of(inst) for r in part.registers])
         outs = join([f"{inst}_{p}" for p in part.outputs])
         text += f"  wire [{width - 1}:0] registers_{inst} = {state};\n"
         text += f"  wire [{pins - 1}:0] outputs_{inst} = {outs};\n"
-    module = rule["decoder"].removeprefix("u_")
-    decoder = read(module, rule["folder"])
+    props = f"  deaf_props #(.Registers({width}), .Outputs({pins})) u_props (.*);\nendmodule\n"
+    if "select" in rule:
+        return f"{HEAD}{text}  wire unheard = {esc(rule['select'])};\n{props}"
+    decoder = read(rule["decoder"].removeprefix("u_"), rule["folder"])
     for inst in ("one", "two"):
         path = f"{inst}.{rule['decoder']}"
         text += "".join(wire(f"{path}.{p}", w) for p, w in decoder.outputs.items())
@@ -359,9 +360,7 @@ def deaf(part: Part, rule: dict) -> str:
     text += instance(decoder, "none", idle)
     same = " && ".join(f"\\{i}.{rule['decoder']}.{p}  == none_{p}"
                        for i in ("one", "two") for p in decoder.outputs)  # fmt: skip
-    text += f"  wire unheard = {same};\n"
-    text += f"  deaf_props #(.Registers({width}), .Outputs({pins})) u_props (.*);\n"
-    return HEAD + text + "endmodule\n"
+    return f"{HEAD}{text}  wire unheard = {same};\n{props}"
 
 
 def write(task: str, folder: Path = ROOT) -> Path:
@@ -369,8 +368,9 @@ def write(task: str, folder: Path = ROOT) -> Path:
     table = RULES
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
-        card = name.removeprefix("deaf_")
-        text = deaf(read(card, folder), table["heard"][card] | {"folder": folder})
+        part = name.removeprefix("deaf_")
+        rule = (table["heard"] | table["chips"])[part]
+        text = deaf(read(part, folder), rule | {"folder": folder})
     elif name.startswith("bits_"):
         text = bits(read(name.removeprefix("bits_"), folder, table["chips"]), table)
     else:

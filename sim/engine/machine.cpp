@@ -81,13 +81,17 @@ static std::string upset_path(const Input &input, int index) {
 // One step of physics: the drive of this instant acts for the whole step, whose edges are then
 // played back clock by clock.
 void Machine::plant_step() {
+  uint32_t volts = 0;
   for (int axis = 0; axis < axes_; ++axis) {
     step_angles_[static_cast<size_t>(axis)] = plant_->angle(axis);
     const int16_t drive = model_->drive(axis);
     drive_[static_cast<size_t>(axis)] = drive * (10.0 / 32768.0);
     trail_.add(static_cast<uint64_t>(static_cast<uint16_t>(drive)));
-    const int16_t volts = to_pin(plant_->adc_volts(axis));
-    model_->pins().set(Pin::kAdcV, axis, static_cast<uint16_t>(volts));
+    volts |= uint32_t{static_cast<uint16_t>(to_pin(plant_->adc_volts(axis)))} << 16 * (axis & 1);
+    if (axis & 1 || axis + 1 == axes_) {
+      model_->pins().set_volts(axis / 2, volts);
+      volts = 0;
+    }
   }
   const unsigned lines = model_->lines();
   const bool amp_enable = !(config_.amp_panic_cut && (lines & kLinePanic));
@@ -115,6 +119,7 @@ void Machine::expect_edges() {
 bool Machine::trace_window(const std::string &path, double from_s, double to_s) {
   if (!Model::traced()) return false;
   trace_path_ = path;
+  due_ = clock_;
   trace_at_ = clocks_up(from_s);
   trace_end_ = clocks_up(to_s);
   return true;
@@ -143,8 +148,8 @@ void Machine::apply_due() {
   }
 }
 
-int64_t Machine::next_stop(int64_t limit) const {
-  int64_t stop = std::min(std::min(limit, next_step_), trace_at_);
+int64_t Machine::next_due() const {
+  int64_t stop = std::min(next_step_, trace_at_);
   if (!expected_ && next_edge_ < edges_.size())
     stop = std::min(stop, step_start_ + edges_[next_edge_].clk);
   if (next_event_ < events_.size()) stop = std::min(stop, clocks_up(events_[next_event_].t));
@@ -156,14 +161,13 @@ bool Machine::advance(int64_t n, Watch watch) {
   char text[40];
   const int dtack = watch == Watch::kDtackLow ? 0 : watch == Watch::kDtackHigh ? 1 : -1;
   while (clock_ < limit && !failed()) {
-    apply_due();
-    int64_t ran = 0;
-    const Stop stop = model_->run(next_stop(limit) - clock_, dtack, &ran);
-    clock_ += ran;
-    while (expected_ && next_edge_ < edges_.size() &&
-           step_start_ + edges_[next_edge_].clk < clock_) {
-      ++next_edge_;
+    if (clock_ >= due_) {
+      apply_due();
+      due_ = next_due();
     }
+    int64_t ran = 0;
+    const Stop stop = model_->run(std::min(limit, due_) - clock_, dtack, &ran);
+    clock_ += ran;
     if (failed()) note("assert", -1, model_->failure());
     if (model_->was_upset()) {
       const std::string doubt = model_->take_doubt();
@@ -260,6 +264,7 @@ void Machine::add_event(const mmcs_event &event) {
       std::upper_bound(events_.begin() + static_cast<std::ptrdiff_t>(next_event_), events_.end(),
                        event, [](const mmcs_event &a, const mmcs_event &b) { return a.t < b.t; });
   events_.insert(at, event);
+  due_ = clock_;
 }
 
 double Machine::input_value(int input, int index, double t) const {

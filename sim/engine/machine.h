@@ -108,6 +108,7 @@ class Machine {
   // Everything that changes, RTL and plant included; of the notes only how many there are.
   template <class A>
   void state(A &a) {
+    if constexpr (!A::kReads) pass_edges();
     for (auto *clock : {&clock_, &next_step_, &step_start_, &bus_errors_, &sample_clock_,
                         &host_dead_, &writes_lost_, &pump_, &alive_}) {
       a(*clock);
@@ -153,6 +154,7 @@ class Machine {
       model_->set_evals(evals);
       model_->set_upset(upset);
       expect_edges();
+      due_ = clock_;
       tap_.lines(time(), lines_);
     }
   }
@@ -170,7 +172,14 @@ class Machine {
   void apply(const mmcs_event &event);
   void apply_due();
   void trace_due();
-  int64_t next_stop(int64_t limit) const;
+  int64_t next_due() const;
+  // Of the edges that the model knows, those that are over.
+  void pass_edges() {
+    while (expected_ && next_edge_ < edges_.size() &&
+           step_start_ + edges_[next_edge_].clk < clock_) {
+      ++next_edge_;
+    }
+  }
 
   mmcs_config config_;
   std::unique_ptr<Model> model_;
@@ -179,6 +188,7 @@ class Machine {
   int64_t clock_ = 0;
   int clks_per_step_;
   int64_t next_step_ = 0;
+  int64_t due_ = 0;  // the clock at which something happens: apply_due()
   int64_t step_start_ = 0;
   std::vector<PinEdge> edges_;
   size_t next_edge_ = 0;

@@ -125,8 +125,9 @@ State *Cache::make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_
 
 Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   const size_t copies = draft.copies.size() * sizeof(Copy),
-               counts = draft.counts.size() * sizeof(Count);
-  char *at = static_cast<char *>(take(sizeof(Transition) + copies + counts));
+               counts = draft.counts.size() * sizeof(Count),
+               shown = draft.shown.size() * sizeof(Copy);
+  char *at = static_cast<char *>(take(sizeof(Transition) + copies + counts + shown));
   Transition *t = new (at) Transition{};
   t->in = in;
   t->to = to;
@@ -136,18 +137,19 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   t->near = draft.near;
   t->tells = draft.tells;
   t->copy_count = static_cast<uint8_t>(draft.copies.size());
+  for (const Copy &c : draft.copies) t->out_count += cells_[c.to].out;
+  t->shown_count = static_cast<uint8_t>(draft.shown.size());
   t->count_count = static_cast<uint8_t>(draft.counts.size());
   t->moves = copies != 0 || counts != 0;
-  t->shows = true;
   uint32_t written = 0;
   for (const Copy &c : draft.copies) {
     t->swaps = t->swaps || (c.mask && written >> c.from & 1);
-    t->shows = t->shows && cells_[c.to].out && !(c.mask && cells_[c.from].counter);
     written |= 1u << c.to;
   }
   at += sizeof(Transition);
   if (copies) std::memcpy(at, draft.copies.data(), copies);
   if (counts) std::memcpy(at + copies, draft.counts.data(), counts);
+  if (shown) std::memcpy(at + copies + counts, draft.shown.data(), shown);
   return t;
 }
 
@@ -157,13 +159,6 @@ bool Cache::alike(State *from, const Transition &t) const {
          one.count_count == two.count_count &&
          !std::memcmp(one.counts().first, two.counts().first, one.count_count * sizeof(Count)) &&
          !std::memcmp(from->registers(), t.to->registers(), register_bytes_);
-}
-
-Chain *Cache::add(State *to, int clocks, const std::vector<const Transition *> &moves) {
-  void *at = take(sizeof(Chain) + moves.size() * sizeof(const Transition *));
-  Chain *chain = new (at) Chain{to, clocks, static_cast<int>(moves.size())};
-  std::copy(moves.begin(), moves.end(), chain->moves());
-  return chain;
 }
 
 void Cache::clear() {
@@ -193,11 +188,15 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
     }
     return true;
   };
-  for (size_t c = cells_.size(); c-- > 0;) {  // outputs before the registers that they show
+  // Outputs before the registers that they show.
+  std::vector<size_t> order;
+  for (size_t c = cells_.size(); c-- > 0;) order.push_back(c);
+  std::stable_partition(order.begin(), order.end(), [this](size_t c) { return cells_[c].out; });
+  for (size_t c : order) {
     const Cell &cell = cells_[c];
     if (cell.in) continue;
     const bool stands = all([c](const Seen &s) { return s.before[c] == s.after[c]; });
-    if (stands && !cell.out) continue;
+    if (stands && (clock || !cell.out)) continue;
     const uint32_t by = (seen[0].after[c] - seen[0].before[c]) & cell.mask;
     if (cell.counter && !(fixed >> c & 1) &&
         all([&](const Seen &s) { return ((s.after[c] - s.before[c]) & cell.mask) == by; })) {
@@ -208,7 +207,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       continue;
     }
     std::map<std::pair<int, int>, uint32_t> terms;  // by cell and rotation: which bits
-    uint32_t keep = 0, value = 0;
+    uint32_t keep = 0, value = 0, constant = 0;
     bool carried = true;
     for (int bit = 0; bit < 32 && cell.mask >> bit & 1; ++bit) {
       uint32_t pattern = 0;
@@ -219,6 +218,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       const Source &source = found->second;
       const uint32_t here = 1u << bit;
       if (source.constant) {
+        constant |= here;
         value |= source.flip ? here : 0;
       } else if (source.cell == c && source.bit == bit && !source.flip) {
         keep |= here;
@@ -233,24 +233,23 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       t->asks |= 1u << c;
       continue;
     }
-    bool needed = !stands;
+    uint32_t inputs = 0;  // which bits follow data inputs
     for (const auto &[place, mask] : terms) {
-      needed = needed || (!clock && cells_[static_cast<size_t>(place.first)].in);
+      if (cells_[static_cast<size_t>(place.first)].in) inputs |= mask;
     }
-    if (!needed) continue;
-    for (const auto &[place, mask] : terms) looked |= 1u << place.first;
-    Copy copy{static_cast<uint8_t>(c), 0, 0, false, keep, value, 0};
+    const bool by_data = !clock && cell.out && all([c, inputs](const Seen &s) {
+      return s.data[c] == s.after[c] && ((s.before[c] ^ s.after[c]) & ~inputs) == 0;
+    });
+    if (stands && !by_data) continue;
+    const uint8_t to = static_cast<uint8_t>(c);
+    if (constant && !by_data) t->copies.push_back({to, 0, 0, ~constant, value & constant, 0});
     for (const auto &[place, mask] : terms) {
-      if (copy.mask != 0) {
-        copy.more = true;
-        t->copies.push_back(copy);
-        copy = {copy.to, 0, 0, false, ~0u, 0, 0};
-      }
-      copy.from = static_cast<uint8_t>(place.first);
-      copy.left = static_cast<uint8_t>(place.second);
-      copy.mask = mask;
+      if (by_data && !cells_[static_cast<size_t>(place.first)].in) continue;
+      looked |= 1u << place.first;
+      auto &list = by_data ? t->shown : t->copies;
+      list.push_back({to, static_cast<uint8_t>(place.first), static_cast<uint8_t>(place.second),
+                      ~mask, value & mask, mask});
     }
-    t->copies.push_back(copy);
     if (cell.margin >= 0 && (keep || !terms.empty())) t->near = true;
   }
   for (size_t c = 0; c < cells_.size(); ++c) {

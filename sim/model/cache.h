@@ -37,7 +37,6 @@ struct Cell {
 // Bits of one cell that another one gets: rotated, masked.
 struct Copy {
   uint8_t to, from, left;
-  bool more;                   // the next one adds bits of another cell
   uint32_t keep, value, mask;  // of its own bits; constants, and what is inverted; of the other's
 
   uint32_t apply(uint32_t own, uint32_t other) const {
@@ -56,6 +55,7 @@ struct Draft {
   uint32_t sources = 0, asks = 0;
   std::vector<Copy> copies;
   std::vector<Count> counts;
+  std::vector<Copy> shown;
 };
 
 // Whether inputs that move from one state at rest to another make no difference.
@@ -70,18 +70,18 @@ struct Transition {
     State *other = nullptr;  // the same, with other counters at their margin
     Transition *cases;       // where data decide: by their values; it leads nowhere itself
   };
-  uint32_t sources = 0;  // data inputs that it looks at
-  uint32_t asks = 0;     // cells that the model computes
-  uint8_t copy_count = 0, count_count = 0;
+  uint32_t sources = 0;                                    // data inputs that it looks at
+  uint32_t asks = 0;                                       // cells that the model computes
+  uint8_t copy_count = 0, out_count = 0, count_count = 0;  // out: copies to outputs, the first
+  uint8_t shown_count = 0;
   Alike alike = Alike::kUnknown;
   uint8_t met = 0;  // how often, until it is worth learning
   bool is_case : 1, by_value : 1;
   bool rests : 1;  // from a state to itself, and it may go on
   bool near : 1;   // a counter may come to its margin, or from it
-  bool tells : 1;  // outputs move
+  bool tells : 1;  // outputs that somebody looks at move
   bool moves : 1;  // it has copies or counts
   bool swaps : 1;  // a copy reads what one before it writes
-  bool shows : 1;  // copies outputs only, none of a counter
 
   template <class T>
   struct Span {
@@ -97,13 +97,11 @@ struct Transition {
     const Count *first = reinterpret_cast<const Count *>(copies().last);
     return {first, first + count_count};
   }
-};
-
-// Clocks that tell nothing, as one step: their transitions that move cells, behind it.
-struct Chain {
-  State *to;
-  int clocks, count;
-  const Transition **moves() { return reinterpret_cast<const Transition **>(this + 1); }
+  // Of data inputs to outputs, if these have moved, too.
+  Span<Copy> shown() const {
+    const Copy *first = reinterpret_cast<const Copy *>(counts().last);
+    return {first, first + shown_count};
+  }
 };
 
 struct State {
@@ -111,12 +109,13 @@ struct State {
   uint64_t near;     // a byte each counter with a margin: its value, or one above it
   Transition *clock = nullptr;
   Transition *same = nullptr;    // when data inputs alone move
-  Transition *inputs = nullptr;  // by what they become: a list, the last one first
-  Chain *chain = nullptr;
+  Transition *inputs = nullptr;  // by what they become: a list
   // So many clocks tell nothing; then it rests for good. -1: not known yet, or by its cells.
   int16_t quiet = -1;
   bool ends = false;
   bool rests = false, still = false;  // a clock copies nothing; and nothing counts
+  Transition *ahead = nullptr;        // these clocks as one transition, if they are more than one
+  Transition *told = nullptr;         // with the one after them, which tells something
 
   uint8_t *registers() { return reinterpret_cast<uint8_t *>(this + 1); }
 };
@@ -129,11 +128,11 @@ class Cache {
   State *find(const uint8_t *registers, uint64_t near, uint64_t in, const uint64_t *out);
   State *make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out);
   Transition *add(const Draft &draft, uint64_t in, State *to);
-  Chain *add(State *to, int clocks, const std::vector<const Transition *> &moves);
   // From what the marks became: the copies and counts of a transition; false: it is none.
-  // before, after: by mark, then by cell. fixed: cells that had no marks.
+  // before, data, after: by mark, then by cell; data: when data inputs alone have moved. fixed:
+  // cells that had no marks.
   struct Seen {
-    uint32_t before[kMostCells], after[kMostCells];
+    uint32_t before[kMostCells], data[kMostCells], after[kMostCells];
   };
   bool explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, Draft *t) const;
   // The values of the cells that may decide.

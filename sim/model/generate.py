@@ -132,9 +132,9 @@ def _literal(value: str) -> str:
     return value.replace("'sh", "'h")
 
 
-def port_rows(ports: list[tuple], driven: dict) -> list[str]:
+def port_rows(ports: list[tuple], driven: dict, select: dict | None = None) -> list[str]:
     return [f'  {{"{path}", "{v.name}", {v.lsb}, {v.width}, {int(out)}, {kind}, {int(heard)}, '
-            f'{driven.get((path, v.name), -1)}, {net}}},'
+            f'{driven.get((path, v.name), -1)}, {(select or {}).get(v.name, -1)}, {net}}},'
             for path, v, out, kind, heard, net in ports]  # fmt: skip
 
 
@@ -170,7 +170,11 @@ def boards_text(netlist: Netlist, soc: bool) -> str:
                 for index, row in enumerate(rows_of):
                     if row[0] == path and row[1].name == tells:
                         driven[(path, v.name)] = index
-            out += [f"static const PortRow k_{name}_ports{n}[] = {{", *port_rows(rows_of, driven)]
+            rule = CHIPS.get(board.parts[n].module.name, {}) if n else {}
+            names = [row[1].name for row in rows_of]
+            select = {p: names.index(rule["select"]) for p in rule.get("bus", ())}
+            out += [f"static const PortRow k_{name}_ports{n}[] = {{",
+                    *port_rows(rows_of, driven, select)]  # fmt: skip
             out.append("};")
         out.append(f"static const PartRow k_{name}_parts[] = {{")
         out += [f'  {{"{p.path}", "{p.module.name}", k_{name}_ports{n}, '

@@ -127,6 +127,8 @@ void Part::wired() {
       seen_out_ |= port->mask;
     }
   }
+  shown_out_ |= seen_out_;
+  shown_cells_ |= seen_cells_;
 }
 
 // --- with the cache --------------------------------------------------------------------------
@@ -219,14 +221,12 @@ void Part::slow_clock(int64_t t) {
 
 void Part::catch_up_slowly(int64_t t) {
   while (last_ < t) {
-    Chain *chain = state_ ? state_->chain : nullptr;
+    const Transition *ahead = state_ ? state_->ahead : nullptr;
     const Transition *next = state_ ? state_->clock : nullptr;
-    if (chain && chain->clocks <= t - last_) {
-      for (int n = 0; n < chain->count; ++n) apply(*chain->moves()[n]);
-      state_ = chain->to;
-      live_ = false;
-      hits += static_cast<uint64_t>(chain->clocks);
-      last_ += chain->clocks;
+    if (ahead && state_->quiet <= t - last_) {
+      hits += static_cast<uint64_t>(state_->quiet);
+      last_ += state_->quiet;
+      perform(*ahead);
     } else if (!next || !next->to) {  // the model's own clock is none that is put off
       last_ = t;
     } else if (next->rests && holds(*next)) {
@@ -242,12 +242,8 @@ void Part::catch_up_slowly(int64_t t) {
 
 // A clock leaves the cells as they are, but for what counts.
 bool Part::holds(const Transition &t) const {
-  uint32_t now = 0;
-  bool more = false;
   for (const Copy &c : t.copies()) {
-    now = c.apply(more ? now : cells_[c.to], cells_[c.from]);
-    more = c.more;
-    if (!more && now != cells_[c.to]) return false;
+    if (c.apply(cells_[c.to], cells_[c.from]) != cells_[c.to]) return false;
   }
   return true;
 }
@@ -268,25 +264,56 @@ void Part::plan_slowly() {
 
 // How many clocks of a state tell nothing, if all of them are known.
 void Part::look_ahead(State *s) {
-  std::vector<const Transition *> moves;
-  State *at = s;
-  int clocks = 0;
-  for (;; ++clocks) {
-    const Transition *t = at->clock;
+  std::vector<const Transition *> clocks;
+  const Transition *t = s->clock;
+  for (;; t = t->to->clock) {
     if (!t || t->met < kMet) return;
-    if (clocks == kLongest || !t->to || t->near || t->tells) break;
+    if (clocks.size() == kLongest || !t->to || t->near || t->tells) break;
     if (t->rests) {
-      if (t->count_count != 0 && clocks != 0) break;
+      if (t->count_count != 0 && !clocks.empty()) break;
       s->ends = t->copy_count == 0;
       break;
     }
-    if (t->moves) moves.push_back(t);
-    at = t->to;
+    clocks.push_back(t);
   }
-  s->quiet = static_cast<int16_t>(clocks);
-  s->rests = s->ends && clocks == 0;
+  s->quiet = static_cast<int16_t>(clocks.size());
+  s->rests = s->ends && clocks.empty();
   s->still = s->rests && s->clock->count_count == 0;
-  if (clocks > 1) s->chain = cache->add(at, clocks, moves);
+  if (clocks.size() > 1) s->ahead = join(s, clocks);
+  if (clocks.empty() || s->ends || !t->to || t->near || t->asks) return;
+  clocks.push_back(t);
+  s->told = join(s, clocks);
+}
+
+// Transitions one after the other as one, by the marks that they carry on; null: what one has
+// counted, another copies.
+Transition *Part::join(const State *from, const std::vector<const Transition *> &clocks) {
+  const auto &cells = cache->cells();
+  const uint32_t fixed = cache->fixed(from->near, from->in), moved = moved_;
+  uint32_t actual[kMostCells];
+  std::memcpy(actual, cells_, sizeof actual);
+  std::vector<Cache::Seen> seen(kMarks);
+  for (int set = 0; set < kMarks; ++set) {
+    for (size_t c = 0; c < cells.size(); ++c) {
+      if (cells[c].out) {
+        cells_[c] = set & 1 ? cells[c].mask : 0;
+      } else if (!(fixed >> c & 1)) {
+        cells_[c] = cache->mark(set, c);
+      } else if (cells[c].in) {
+        cells_[c] = cells[c].mask;
+      }
+    }
+    Cache::Seen &s = seen[static_cast<size_t>(set)];
+    std::memcpy(s.before, cells_, sizeof s.before);
+    for (const Transition *t : clocks) apply(*t);
+    std::memcpy(s.after, cells_, sizeof s.after);
+    std::memcpy(cells_, actual, sizeof actual);
+  }
+  moved_ = moved;
+  Draft draft;
+  if (!cache->explain(seen, fixed, true, &draft) || draft.asks || draft.near) return nullptr;
+  draft.rests = false;
+  return cache->add(draft, from->in, clocks.back()->to);
 }
 
 // The edge at which a part at rest has a counter at its margin.

@@ -69,16 +69,18 @@ class Part {
   void hold(const Poke &poke);
 
   // An input has this value from now on, after edge t. True: follow() must come.
-  // bits: those of it that have.
   template <class Input>
-  bool put(const Input &port, uint64_t value, int64_t t, uint64_t bits = ~uint64_t{0}) {
-    if (port.data) {
-      const uint32_t some = static_cast<uint32_t>(bits);
-      return put_data(port.at, (cells_[port.at] & ~some) | (static_cast<uint32_t>(value) & some),
-                      t);
+  bool put(const Input &port, uint64_t value, int64_t t) {
+    if (port.data) return put_data(port.at, static_cast<uint32_t>(value), t);
+    return put(-1, value << port.at, port.mask, t);
+  }
+  // Some bits of a cell; -1: of the control inputs.
+  bool put(int cell, uint64_t bits, uint64_t mask, int64_t t) {
+    if (cell >= 0) {
+      const uint32_t some = static_cast<uint32_t>(mask), value = static_cast<uint32_t>(bits);
+      return put_data(cell, (cells_[cell] & ~some) | (value & some), t);
     }
-    const uint64_t mask = port.mask & bits << port.at;
-    const uint64_t now = (in_ & ~mask) | (value << port.at & mask);
+    const uint64_t now = (in_ & ~mask) | (bits & mask);
     if (now == in_) return false;
     in_ = now;
     return true;
@@ -117,7 +119,11 @@ class Part {
 
   // Outputs that moved since they were last taken, of those that somebody looks at: control bits,
   // cells.
-  bool tells() const { return ((out_ ^ told_) & seen_out_) != 0 || (moved_ & seen_cells_) != 0; }
+  bool tells() const {
+    if (((out_ ^ told_) & seen_out_) != 0) return true;
+    const uint32_t moved = moved_ & seen_cells_;
+    return moved != 0 && selected(moved, out_) != 0;
+  }
   uint64_t take_out() {
     const uint64_t moved = (out_ ^ told_) & seen_out_;
     told_ = out_;
@@ -130,6 +136,20 @@ class Part {
   }
   // All is wired: who looks at which output is known.
   void wired();
+  // This output is looked at at any time, without being told.
+  void show(const PartPort &port) {
+    if (port.data) {
+      shown_cells_ |= 1u << port.at;
+    } else {
+      shown_out_ |= port.mask;
+    }
+  }
+  // While all of these outputs are 1 nobody looks at this one.
+  void select(uint64_t outputs, const PartPort &port) {
+    selects_.push_back({outputs, 1u << port.at});
+  }
+  // A fault holds what selects: it is looked at always.
+  void select_always(bool always);
   const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_; }
   const PartPort &port_at(int bit) const { return *out_ports_[bit]; }
   const PartPort *port_of(int cell) const { return cell_ports_[cell]; }
@@ -154,10 +174,12 @@ class Part {
   int64_t room(const Transition &t) const;
   void count(const Transition &t, int64_t clocks);
   void look_ahead(State *s);
+  Transition *join(const State *from, const std::vector<const Transition *> &clocks);
   void plan_slowly();
   void run(bool clock);
   void put_state();
   void op(bool clock);
+  void own_cache(bool own);
   void put_inputs(const uint32_t *cells, uint64_t in);
   void store();
   void poke();
@@ -166,6 +188,7 @@ class Part {
   bool follow_slowly(int64_t t);
   void clock_slowly();
   void apply(const Transition &t);
+  void show(const Transition &t);
   // Clocks that were put off see the input as it was; nobody may look at it.
   bool put_data(int cell, uint32_t value, int64_t t) {
     if (cells_[cell] == value) return false;
@@ -187,6 +210,14 @@ class Part {
     data_ |= bit;
     return true;
   }
+  // Of these cells those that somebody looks at while the outputs are so.
+  uint32_t selected(uint32_t cells, uint64_t out) const {
+    if (always_selected_) return cells;
+    for (const Select &s : selects_) {
+      if ((out & s.outputs) == s.outputs) cells &= ~s.cells;
+    }
+    return cells;
+  }
   State *state_of(const uint8_t *registers, bool by_value);
   void put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in);
   uint64_t look(uint8_t *registers, uint32_t *cells) const;
@@ -205,6 +236,14 @@ class Part {
   uint32_t moved_ = 0;       // cells that moved
   uint64_t seen_out_ = 0;    // control outputs that somebody looks at
   uint32_t seen_cells_ = 0;  // the same of data
+  uint64_t shown_out_ = 0;   // these, and those that are looked at at any time
+  uint32_t shown_cells_ = 0;
+  struct Select {
+    uint64_t outputs;
+    uint32_t cells;
+  };
+  std::vector<Select> selects_;
+  bool always_selected_ = false;
   int64_t last_ = 0, due_ = 0;
   unsigned asked_ = 0;  // steps, for `check`
   size_t register_bytes_ = 0;
@@ -227,16 +266,31 @@ inline void Part::apply(const Transition &t) {
   uint32_t own[kMostCells];
   const uint32_t *before = cells_;
   if (t.swaps) before = static_cast<uint32_t *>(std::memcpy(own, cells_, sizeof own));
-  for (const Copy &c : t.copies()) {
-    const uint32_t was = cells_[c.to], now = c.apply(was, before[c.from]);
+  const Copy *c = t.copies().first;
+  for (const Copy *end = c + t.out_count; c != end; ++c) {
+    const uint32_t was = cells_[c->to], now = c->apply(was, before[c->from]);
+    moved_ |= uint32_t{was != now} << c->to;
+    cells_[c->to] = now;
+  }
+  for (const Copy *end = t.copies().last; c != end; ++c) {
+    cells_[c->to] = c->apply(cells_[c->to], before[c->from]);
+  }
+  for (const Count &n : t.counts()) cells_[n.cell] = (cells_[n.cell] + n.by) & n.mask;
+}
+
+// Data inputs that moved are copied to outputs.
+inline void Part::show(const Transition &t) {
+  for (const Copy &c : t.shown()) {
+    if (!(data_ >> c.from & 1)) continue;
+    const uint32_t was = cells_[c.to], now = c.apply(was, cells_[c.from]);
     moved_ |= uint32_t{was != now} << c.to;
     cells_[c.to] = now;
   }
-  for (const Count &c : t.counts()) cells_[c.cell] = (cells_[c.cell] + c.by) & c.mask;
 }
 
 inline void Part::perform(const Transition &t) {
   if (t.moves) apply(t);
+  if (data_ != 0) show(t);
   state_ = t.to;
   live_ = false;
   if (t.near) near(t);
@@ -265,29 +319,23 @@ inline bool Part::follow(int64_t t) {
   State *from = state_;
   if (in_ == from->in) {
     const Transition *same = from->same;
-    const bool shows = same && same->to && same->shows && rests_;
-    if (!shows) catch_up(t);
+    catch_up(t);
     if (!same || !same->to || same->sources & data_)
       step(&from->same, false);
     else
       live_ = false;
     data_ = 0;
-    if (shows && state_ == from) return false;
+    if (rests_ && state_ == from) return false;
   } else {
     if (!from->rests) catch_up(t);
-    Transition **first = &state_->inputs, **at = first;
+    Transition **at = &state_->inputs;
     while (*at && (*at)->in != in_) at = &(*at)->next;
     Transition *known = *at;
-    if (known && at != first) {
-      *at = known->next;
-      known->next = *first;
-      *first = known;
-    }
     if (from->rests) {
       if (known && known->alike == Alike::kYes && data_ == 0) return false;  // it stays where it is
       catch_up(t);
     }
-    step(known ? first : at, false);
+    step(at, false);
     if (from->rests && known && known->alike == Alike::kUnknown && known->to && known->to->rests) {
       const bool alike = !model->strobed() && cache->alike(from, *known);
       known->alike = alike ? Alike::kYes : Alike::kNo;
@@ -306,6 +354,12 @@ inline void Part::count(const Transition &t, int64_t clocks) {
 }
 
 inline void Part::clock(int64_t t) {
+  if (state_ && state_->told && t - last_ == state_->quiet + 1 && cached_ && check == 0) {
+    hits += static_cast<uint64_t>(t - last_);
+    last_ = t;
+    perform(*state_->told);
+    return plan();
+  }
   catch_up(t - 1);
   last_ = t;
   if (!state_ || !cached_) return clock_slowly();

@@ -222,6 +222,8 @@ Transition *Part::learn(bool clock, Transition *met) {
                  : ones                          ? cells[c].mask
                                                  : ~cache->mark(set, c) & cells[c].mask;
       }
+      put_state(from->registers(), cells_, from->in);
+      look_at_outputs(s.data);
       put_state(from->registers(), old, from->in);
     } else {
       put_state(from->registers(), cells_, from->in);
@@ -242,11 +244,12 @@ Transition *Part::learn(bool clock, Transition *met) {
   if (found && (!draft.asks || met->is_case)) {
     t = cache->add(draft, met->in, nullptr);
     const uint32_t moved = moved_;
-    apply(*t);
+    apply(*t);  // what is shown does not matter
     t->to = state_of(registers, met->by_value);
     t->rests = t->rests && t->to == from;
-    t->tells = t->to->out != from->out;
-    for (const Copy &c : draft.copies) t->tells = t->tells || cells[c.to].out;
+    t->tells = ((t->to->out ^ from->out) & shown_out_) != 0;
+    const uint32_t shown = selected(shown_cells_, from->out) | selected(shown_cells_, t->to->out);
+    for (const Copy &c : draft.copies) t->tells = t->tells || shown >> c.to & 1;
     std::memcpy(cells_, actual, sizeof actual);
     moved_ = moved;
     t->next = met->next;
@@ -278,7 +281,17 @@ void Part::hold(const Poke &poke) {
                               [&poke](const Poke &p) { return p.place == poke.place; }),
                pokes_.end());
   if (poke.clear || poke.set) pokes_.push_back(poke);
-  cache = pokes_.empty() ? free_ : std::make_shared<Cache>(free_->cells(), register_bytes_);
+  own_cache(!pokes_.empty() || always_selected_);
+}
+
+void Part::select_always(bool always) {
+  if (always == always_selected_) return;
+  always_selected_ = always;
+  own_cache(!pokes_.empty() || always_selected_);
+}
+
+void Part::own_cache(bool own) {
+  cache = own ? std::make_shared<Cache>(free_->cells(), register_bytes_) : free_;
   state_ = nullptr;
 }
 

@@ -20,7 +20,6 @@ namespace {
 
 constexpr auto kFaultPins = static_cast<size_t>(Pin::kCount);
 constexpr uint64_t kCodeMask = 0xFFF;
-constexpr int kVmeWidths[kVmeSysreset] = {15, 6, 1, 2, 1, 1, 16, 1, 1};
 // Of the pins of the table, in its order.
 constexpr struct {
   Scope scope;
@@ -48,7 +47,6 @@ static bool has_port(Pin pin) {
     case Pin::kPcPower:
     case Pin::kAxisEnable:
     case Pin::kDipXor:
-    case Pin::kAdcV:
       return true;
     default:
       return false;
@@ -93,8 +91,6 @@ void Pins::set(Pin pin, int index, unsigned value) {
       return later(kAxisEnable, index, 1, on);
     case Pin::kDipXor:  // a switch that is right has the number of its card
       return later(kDip, 4 * index, 4, (static_cast<unsigned>(index) ^ value) & 15);
-    case Pin::kAdcV:
-      return later(kAdc, 16 * index, 16, value & 0xFFFF);
     default:
       changes_.push_back({-1, static_cast<int>(pin), index, value});
       if (also_) also_->changes_.push_back(changes_.back());
@@ -130,7 +126,7 @@ void Pins::hold(Port port, uint64_t low, uint64_t high) {
   low_[port] = low;
   high_[port] = high & ~low;
   if (low | high) ports_.disturb();
-  put(port, 0, kVmeWidths[port], free_[port]);
+  put(port, 0, kPortFields[port], free_[port]);
 }
 
 // AS*, DS0*, DS1*, WRITE*, LWORD*, IACK*, IACKIN*.
@@ -138,9 +134,9 @@ void Pins::hold_control() {
   const uint64_t low = standing(Pin::kVmeControl0), high = standing(Pin::kVmeControl1);
   int bit = 0;
   for (Port port : {kVmeAs, kVmeDs, kVmeWrite, kVmeLword, kVmeIack, kVmeIackin}) {
-    const uint64_t mask = (uint64_t{1} << kVmeWidths[port]) - 1;
+    const uint64_t mask = (uint64_t{1} << kPortFields[port]) - 1;
     hold(port, low >> bit & mask, high >> bit & mask);
-    bit += kVmeWidths[port];
+    bit += kPortFields[port];
   }
 }
 
@@ -294,6 +290,7 @@ bool Pins::is_possible(Pin pin, int index, uint64_t value) const {
 bool Pins::is_possible(const Change &c) const {
   if (c.port == -1) return is_possible(static_cast<Pin>(c.lsb), c.width, c.value);
   return c.port >= 0 && c.port < kPorts && c.lsb >= 0 && c.width > 0 && c.width < 64 &&
+         c.lsb % (c.port < kVmeSysreset ? 64 : kPortFields[c.port]) == 0 &&
          c.lsb % 64 + c.width <= 64 && static_cast<size_t>(c.lsb / 64) < levels_[c.port].size();
 }
 
@@ -308,7 +305,7 @@ void Pins::restore(const std::vector<uint64_t> &state) {
     for (size_t word = 0; word < levels_[port].size(); ++word) {
       const uint64_t value = state[at++];
       if (port < kVmeSysreset) {
-        put(port, 0, kVmeWidths[port], value);
+        put(port, 0, kPortFields[port], value);
         continue;
       }
       for (int half = 0; half < 2; ++half) {

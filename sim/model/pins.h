@@ -19,13 +19,12 @@ inline std::string axis_path(int axis) {
   return card_path(axis / 2) + ".g_axis[" + std::to_string(axis % 2) + "].u_axis";
 }
 
-// Inputs of the machine: those of the table, and two that no event names. Vectors hold one bit or
+// Inputs of the machine: those of the table, and one that no event names. Vectors hold one bit or
 // field per axis or card.
 enum class Pin {
 #define PIN(pin, ...) pin,
 #include "inputs.def"
   kIrqOpen,  // 1 bit; the SoC's processor sees no interrupt
-  kAdcV,     // 16 bits per axis
   kCount
 };
 enum class Scope { kMachine, kCard, kAxis };  // what an index of the table counts
@@ -54,6 +53,8 @@ enum Port {
   kPorts
 };
 extern const char *const kPortNames[kPorts];
+// Bits of a port that move at once: all of it, of an axis or of a card.
+constexpr int kPortFields[kPorts] = {15, 6, 1, 2, 1, 1, 16, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 4, 32};
 
 // Whether it is moved from outside the machine: by a port, not by a hand within.
 bool pin_is_port(Pin pin);
@@ -78,6 +79,8 @@ class Pins {
   Pins(Ports &ports, int cards);
 
   void set(Pin pin, int index, unsigned value);
+  // The volts of a card's two A/Ds, 16 bits each.
+  void set_volts(int card, uint32_t volts) { later(kAdc, 32 * card, 32, volts); }
   // The three wires of an encoder at once: bit 0 A, bit 1 B, bit 2 index.
   void set_encoder(int axis, unsigned pins) {
     for_moved(axis, pins,

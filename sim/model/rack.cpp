@@ -14,6 +14,7 @@ namespace mmcs {
 namespace {
 
 constexpr int kResetClks = 64;
+constexpr int64_t kSoon = 4096;  // clocks
 
 // What machines that are no more have learned, for the next one of this process.
 struct Shelf {
@@ -57,15 +58,17 @@ Rack::~Rack() {
 
 void Rack::changed(int net, int lsb, int width) {
   const size_t n = static_cast<size_t>(net);
-  // data that an upset moves in a command
-  if (net != bus_[kBusPorts - 1] || listening_) bus_moved_ |= on_bus_[n];
+  if (on_bus_[n] && (net == bus_[2] || net == bus_[3] || listening_ || commanded_))
+    bus_moved_ = true;
   for (int l : followers_[n]) {
     if (!due_[static_cast<size_t>(l)]) {
       due_[static_cast<size_t>(l)] = 1;
       logic_.push_back(l);
     }
   }
-  for_readers(net, lsb, width, [this](const Reader &r) { show(*r.wire); });
+  for (const Reader &r : readers_[n]) {
+    if (r.lsb < lsb + width && lsb < r.lsb + r.width) show(*r.wire);
+  }
 }
 
 // The net's value at an input.
@@ -119,6 +122,7 @@ void Rack::listen() {
     moved |= unsigned{bus[n] != heard_bus_[n]} << n;
     heard_bus_[n] = bus[n];
   }
+  commanded_ = !(bus[2] && bus[3]);
   const uint32_t known = dips_moved_ ? 0 : listening_;  // they saw what was on it
   if (dips_moved_) {
     dips_moved_ = false;
@@ -128,7 +132,7 @@ void Rack::listen() {
     }
     looking = (1u << heard_.size()) - 1;
   }
-  if (!(bus[2] && bus[3])) now = ears_.hear(bus[0], bus[1], bus[2], bus[3], dip_values_);
+  if (commanded_) now = ears_.hear(bus[0], bus[1], bus[2], bus[3], dip_values_);
   for (uint32_t rest = now | looking; rest; rest &= rest - 1) {
     const int card = __builtin_ctz(rest);
     for (const auto &[wire, net] : heard_[static_cast<size_t>(card)]) {
@@ -168,11 +172,12 @@ void Rack::plan(const Part &part) {
   if (&part == host_) return plan_host(true);
   const uint64_t bit = uint64_t{1} << part.number;
   const int64_t edge = part.due();
-  if (due_later_ & bit) {
-    int64_t &before = due_at_[part.number];
+  int64_t &before = due_at_[part.number];
+  if ((due_soon_ | due_late_) & bit) {
     if (edge == before) return;
-    if (before == first_later_) later_moved_ = true;
-    due_later_ &= ~bit;
+    if (before == first_later_) first_later_ = 0;
+    due_soon_ &= ~bit;
+    due_late_ &= ~bit;
   }
   if (edge <= clock_ + 1) {
     due_next_ |= bit;
@@ -180,25 +185,38 @@ void Rack::plan(const Part &part) {
   }
   due_next_ &= ~bit;
   if (edge == kNever) return;
-  due_later_ |= bit;
-  due_at_[part.number] = edge;
+  before = edge;
+  if (edge >= late_) {
+    due_late_ |= bit;
+    if (!due_soon_) first_later_ = 0;
+    return;
+  }
+  due_soon_ |= bit;
   if (edge < first_later_) first_later_ = edge;
 }
 
 void Rack::plan_all() {
+  due_soon_ = due_late_ = 0;
+  late_ = first_later_ = 0;
   for (const auto &part : parts_) plan(*part);
 }
 
-// The first edge of those that are not the next.
+// The first edge of those that are not the next. Few are due soon, so few are looked at.
 int64_t Rack::first_later() {
-  if (later_moved_) {
-    later_moved_ = false;
-    first_later_ = kNever;
-    for (uint64_t rest = due_later_; rest; rest &= rest - 1) {
-      first_later_ = std::min(first_later_, due_at_[__builtin_ctzll(rest)]);
+  const auto first = [this](uint64_t parts) {
+    int64_t edge = kNever;
+    for (; parts; parts &= parts - 1) edge = std::min(edge, due_at_[__builtin_ctzll(parts)]);
+    return edge;
+  };
+  if (first_later_ != 0) return first_later_;
+  if (!due_soon_ && due_late_) {
+    late_ = first(due_late_) + kSoon;
+    for (uint64_t rest = due_late_; rest; rest &= rest - 1) {
+      if (due_at_[__builtin_ctzll(rest)] < late_) due_soon_ |= rest & -rest;
     }
+    due_late_ &= ~due_soon_;
   }
-  return first_later_;
+  return first_later_ = first(due_soon_);
 }
 
 // The first edge at which a part is due.
@@ -217,7 +235,7 @@ void Rack::step(int64_t t) {
   uint64_t due = due_next_;
   if (!skip_) due = every_;
   if (first_later() <= t) {
-    for (uint64_t rest = due_later_; rest; rest &= rest - 1) {
+    for (uint64_t rest = due_soon_; rest; rest &= rest - 1) {
       const int n = __builtin_ctzll(rest);
       if (due_at_[n] <= t) due |= uint64_t{1} << n;
     }

@@ -91,6 +91,7 @@ class Rack : public Model, protected Ports, private Listener {
 
  private:
   void wire();
+  void select();
   int net_of(size_t board, const char *port);
   bool is_output(size_t board, int net);
   template <class F>
@@ -115,9 +116,9 @@ class Rack : public Model, protected Ports, private Listener {
   void changed(int net, int lsb, int width) override;
   void show(Wire &wire);
   template <class Input>
-  void arrive(Part &part, const Input &port, uint64_t value, uint64_t bits = ~uint64_t{0}) {
+  void arrive(Part &part, const Input &port, uint64_t value) {
     if (stopped_) part.pass(clock_);
-    if (part.put(port, value, clock_, bits)) touch(part);
+    if (part.put(port, value, clock_)) touch(part);
   }
   void touch(const Part &part) { touched_ |= uint64_t{1} << part.number; }
   void drive(Wire &wire);
@@ -154,28 +155,26 @@ class Rack : public Model, protected Ports, private Listener {
   struct Reader {
     int lsb, width;
     Wire *wire;
-    Link to;
   };
-  std::vector<std::vector<Reader>> readers_;              // of each net
-  std::vector<std::vector<std::vector<Reader>>> by_bit_;  // from each bit of the inputs' nets on
-  std::vector<int> reach_;                                // how many bits; 0: there is none
-  // Does something for each port that is on these bits of a net.
-  template <class F>
-  void for_readers(int net, int lsb, int width, F f) {
-    const size_t n = static_cast<size_t>(net);
-    const bool near = width <= reach_[n];
-    for (const Reader &r : near ? by_bit_[n][static_cast<size_t>(lsb)] : readers_[n]) {
-      if (r.lsb < lsb + width && lsb < r.lsb + r.width) f(r);
-    }
-  }
-  std::vector<std::vector<int>> followers_;  // logic that looks at each net
-  std::vector<char> due_;                    // logic that must be worked out
+  std::vector<std::vector<Reader>> readers_;  // of each net
+  std::vector<std::vector<int>> followers_;   // logic that looks at each net
+  std::vector<char> due_;                     // logic that must be worked out
   std::vector<int> logic_;
   uint64_t touched_ = 0;  // parts that must follow
   std::vector<const Wire *> drives_, leds_;
-  int ports_[kPorts];
-  bool direct_[kPorts] =
-      {};  // nothing but ports of boards is on this net: it has no value of its own
+  // A port of the machine. Nothing but ports of boards is on its net (then the net has no value of
+  // its own): where each of its fields goes.
+  struct Arrival {
+    Part *part;
+    uint64_t mask;
+    int left, cell;  // rotated so far, to control inputs or, if this is not -1, to a cell
+  };
+  struct Input {
+    int net = -1, shift = 0;
+    std::vector<Arrival> arrivals;
+    std::vector<unsigned> fields;  // of each field the first one; then the end
+  };
+  Input inputs_[kPorts];
   // The bus that cards hear: nets by the decoder's ports, wires by card.
   Ears ears_;
   static constexpr size_t kBusPorts = 5;
@@ -190,7 +189,7 @@ class Rack : public Model, protected Ports, private Listener {
   std::vector<unsigned> dip_values_ = std::vector<unsigned>(static_cast<size_t>(kWires.cards));
   uint32_t listening_ = 0;
   unsigned heard_bus_[kBusPorts] = {};  // what they saw last
-  bool bus_moved_ = false, dips_moved_ = true;
+  bool bus_moved_ = false, dips_moved_ = true, commanded_ = true;
   Pins pins_;
   std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on
   size_t next_coming_ = 0;
@@ -207,10 +206,10 @@ class Rack : public Model, protected Ports, private Listener {
   int64_t host_clock_ = 0, host_due_ = 0;  // the edge up to which the host is; its next
   std::vector<std::pair<const Wire *, int>> lines_of_;
   int64_t clock_ = 0;
-  // Parts: due at the next edge; at a later one, and at which first.
-  uint64_t due_next_ = 0, due_later_ = 0, every_ = 0;
-  int64_t first_later_ = kNever, due_at_[64] = {};
-  bool later_moved_ = false;
+  // Parts: due at the next edge; at a later one before late_; from there on. The first later one;
+  // 0: to be found.
+  uint64_t due_next_ = 0, due_soon_ = 0, due_late_ = 0, every_ = 0;
+  int64_t late_ = 0, first_later_ = 0, due_at_[64] = {};
   uint64_t evals_ = 0, runs_ = 0;
   unsigned lines_ = 0, shown_lines_ = 0;
   bool stop_lines_ = false;

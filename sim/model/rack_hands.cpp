@@ -11,27 +11,32 @@ namespace mmcs {
 
 unsigned Rack::vme_sample() {
   if (host_) return 0x2FFFF;  // no bus
+  if (!stopped_) parts_.front()->catch_up(clock_);
   for (Wire *wire : d_wires_) drive(*wire);
   for (int l : d_logic_) kWires.logic[static_cast<size_t>(l)].run(wires_);
   return static_cast<unsigned>(iackout_->get() << 17 | d_oe_->get() << 16 | wires_.get(d_, 0, 16));
 }
 
 void Rack::put(Port port, int lsb, int width, uint64_t value) {
-  const int n = ports_[port];
+  const Input &input = inputs_[port];
   if (port == kDip) dips_moved_ = bus_moved_ = true;
-  if (direct_[port]) {
-    const auto ones = [](int count) { return (uint64_t{1} << count) - 1; };
-    for_readers(n, lsb, width, [&](const Reader &r) {
-      const int up = lsb - r.lsb, down = up < 0 ? -up : 0;
-      const uint64_t bits = ones(width) >> down << (up + down) & ones(r.width);
-      arrive(*r.to.part, r.to, value >> down << (up + down), bits);
-    });
+  if (input.fields.empty()) {
+    const int rest = input.net < 0 ? 0 : kWires.nets[static_cast<size_t>(input.net)].width - lsb;
+    if (rest > 0) wires_.put(input.net, lsb, std::min(width, rest), value);
     return;
   }
-  if (n < 0) return;
-  const int rest = kWires.nets[static_cast<size_t>(n)].width - lsb;
-  if (rest <= 0) return;
-  wires_.put(n, lsb, std::min(width, rest), value);
+  const size_t end = input.fields.size() - 1;
+  for (size_t n = static_cast<size_t>(lsb >> input.shift); width > 0 && n < end; ++n) {
+    for (unsigned a = input.fields[n]; a < input.fields[n + 1]; ++a) {
+      const Arrival &to = input.arrivals[a];
+      const uint64_t bits = value << to.left | value >> (-to.left & 63);
+      if (stopped_) to.part->pass(clock_);
+      if (to.part->put(to.cell, bits, to.mask, clock_)) touch(*to.part);
+    }
+    const int field = 1 << input.shift;
+    width -= field;
+    value = field < 64 ? value >> field : 0;
+  }
 }
 
 void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
@@ -42,6 +47,13 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
     wire->held = mask >> wire->port->row->lsb & own;
     wire->at = value >> wire->port->row->lsb & wire->held;
     if (wire->port->out) {
+      if (wire->net == bus_[2] || wire->net == bus_[3]) {
+        Part &part = *wire->part;
+        if (!stopped_) part.catch_up(clock_);
+        part.load();
+        part.select_always(mask != 0);
+        written(part);
+      }
       drive(*wire);
     } else if (wire->port->row->heard) {
       // Its wires back, it hears what is on them as any card does: all of it, or nothing.

@@ -38,6 +38,35 @@ void Rack::add_parts(const BoardInfo &board) {
   }
 }
 
+// Data outputs that nobody looks at while no command or chip select is low.
+void Rack::select() {
+  uint64_t commands = 0;
+  const auto adaptor = [this](auto f) {
+    for (const auto &wire : board_wires_) {
+      if (wire->board == 0 && wire->port->out && on_bus_[static_cast<size_t>(wire->net)]) f(*wire);
+    }
+  };
+  adaptor([&](const Wire &w) {
+    if (w.net == bus_[2] || w.net == bus_[3]) commands |= w.port->mask;
+  });
+  adaptor([&](const Wire &w) {
+    if (w.port->data && w.port->links.empty()) w.part->select(commands, *w.port);
+  });
+  for (const auto &part : parts_) {
+    for (const auto &port : part->ports()) {
+      if (!port->out || !port->data || port->wire || port->links.size() != 1) continue;
+      const Link &link = port->links[0];
+      for (const auto &in : link.part->ports()) {
+        if (in->row->net != port->row->net || in->row->select < 0) continue;
+        const int net = link.part->ports()[static_cast<size_t>(in->row->select)]->row->net;
+        for (const auto &by : part->ports()) {
+          if (by->out && by->row->net == net) part->select(by->mask, *port);
+        }
+      }
+    }
+  }
+}
+
 // The net of a board's port.
 int Rack::net_of(size_t board, const char *name) {
   const BoardTable &table = board_table(kWires.boards[board].module);
@@ -57,8 +86,6 @@ bool Rack::is_output(size_t board, int net) {
 // Every port of every board on its net.
 void Rack::wire() {
   readers_.resize(kWires.nets.size());
-  by_bit_.resize(kWires.nets.size());
-  reach_.resize(kWires.nets.size());
   followers_.resize(kWires.nets.size());
   on_bus_.resize(kWires.nets.size());
   due_.resize(kWires.logic.size());
@@ -84,8 +111,7 @@ void Rack::wire() {
         }
         read[net] = 2;
       } else {
-        readers_[net].push_back(
-            {wire->lsb, wire->width, wire.get(), {&part, port.mask, port.at, port.data}});
+        readers_[net].push_back({wire->lsb, wire->width, wire.get()});
         read[net] = 1;
       }
       if (std::strcmp(info.port, "dip_i") == 0) dips_.emplace_back(&part, &port);
@@ -124,18 +150,26 @@ void Rack::wire() {
   }
   for (int port = 0; port < kPorts; ++port) {
     const bool bare = MMCS_SOC && port == kVmeSysreset;
-    const int n = ports_[port] = Wires::find(bare ? "sysreset_ni" : kPortNames[port]);
+    Input &input = inputs_[port];
+    const int n = input.net = Wires::find(bare ? "sysreset_ni" : kPortNames[port]);
     if (n < 0 && MMCS_SOC && port < kVmeSysreset) continue;  // a SoC has no VMEbus
     if (n < 0) throw std::runtime_error(std::string("rtl/mmcs.sv has no port ") + kPortNames[port]);
-    auto &bits = by_bit_[static_cast<size_t>(n)];
-    bits.resize(static_cast<size_t>(kWires.nets[static_cast<size_t>(n)].width));
-    const int reach = reach_[static_cast<size_t>(n)] = port == kAdc ? 16 : 1;
-    for (const Reader &r : readers_[static_cast<size_t>(n)]) {
-      for (int bit = std::max(0, r.lsb - reach + 1); bit < r.lsb + r.width; ++bit) {
-        bits[static_cast<size_t>(bit)].push_back(r);
+    if (!followers_[static_cast<size_t>(n)].empty()) continue;
+    const int width = kPortFields[port], whole = kWires.nets[static_cast<size_t>(n)].width;
+    while (1 << input.shift < width) ++input.shift;
+    input.fields = {0};
+    for (int at = 0; at < whole; at += 1 << input.shift) {
+      for (const Reader &r : readers_[static_cast<size_t>(n)]) {
+        if (r.lsb >= at + width || at >= r.lsb + r.width) continue;
+        const PartPort &to = *r.wire->port;
+        const int up = std::max(at - r.lsb, 0), down = std::max(r.lsb - at, 0);
+        const int left = up - down + (to.data ? 0 : to.at);
+        const uint64_t own = (uint64_t{1} << width) - 1, all = (uint64_t{1} << r.width) - 1;
+        const uint64_t mask = (own >> down << up & all) << (to.data ? 0 : to.at);
+        input.arrivals.push_back({r.wire->part, mask, left & 63, to.data ? to.at : -1});
       }
+      input.fields.push_back(static_cast<unsigned>(input.arrivals.size()));
     }
-    direct_[port] = followers_[static_cast<size_t>(n)].empty();
   }
   // An output matters to its board's neighbours if a pin or logic is on its net.
   for (const auto &part : parts_) {
@@ -170,6 +204,12 @@ void Rack::wire() {
     lines_of_.emplace_back(wire, bit);
   }
   for (const auto &part : parts_) part->wired();
+  std::vector<const Wire *> shown = {alive_};
+  shown.insert(shown.end(), drives_.begin(), drives_.end());
+  shown.insert(shown.end(), leds_.begin(), leds_.end());
+  if (dtack_) shown.push_back(dtack_);
+  for (const Wire *wire : shown) wire->part->show(*wire->port);
+  if (skip_) select();
 }
 
 }  // namespace mmcs

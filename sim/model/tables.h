@@ -30,6 +30,7 @@ struct PortRow {
   Kind kind;
   bool heard;  // only while the decoder says so
   int driven;  // all ones while this port of the part is 0; or -1
+  int select;  // not looked at while this port of the part is 1; or -1
   int net;
 };
 // Part 0 is the board less its chips; the others are chips.
