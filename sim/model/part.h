@@ -100,7 +100,7 @@ class Part {
   void catch_up(int64_t t) {
     if (last_ >= t) return;
     if (!rests_) return catch_up_slowly(t);
-    if (!state_->still) count(*state_->clock, t - last_);
+    if (state_ && !state_->still) count(*state_->clock, t - last_);
     last_ = t;
   }
   // No clock came up to edge t.
