@@ -365,16 +365,15 @@ def deaf(part: Part, rule: dict) -> str:
 
 def write(task: str, folder: Path = ROOT) -> Path:
     """The wires of a task of formal/{bits,carried,deaf}.sby, for the RTL of `folder`."""
-    table = RULES
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
         part = name.removeprefix("deaf_")
-        rule = (table["heard"] | table["chips"])[part]
+        rule = (RULES["heard"] | RULES["chips"])[part]
         text = deaf(read(part, folder), rule | {"folder": folder})
     elif name.startswith("bits_"):
-        text = bits(read(name.removeprefix("bits_"), folder, table["chips"]), table)
+        text = bits(read(name.removeprefix("bits_"), folder, RULES["chips"]), RULES)
     else:
-        text = carried(read(name, folder, table["chips"]), table)
+        text = carried(read(name, folder, RULES["chips"]), RULES)
     out = folder / WORK / f"{name}.sv"
     out.write_text(text)
     return out

@@ -361,7 +361,7 @@ def test_a_program_that_came_and_went_is_not_left_open_by_a_rewind(serving, link
 def test_every_sample_and_every_change(serving, link):
     link.request("open", mode="rw")
     link.request("call", request="MSETINTERVAL", value=1000)
-    link.request("pace", speed=1)  # the ring is longer than any wait of this client
+    link.request("pace", speed=1)  # a row a millisecond: the ring holds seconds
     link.request("follow", period_ms=0)
     hold(link)
     link.request("write", setpoints=[120, 0])
