@@ -7,7 +7,7 @@ from cocotb.triggers import ClockCycles, Timer
 from cocotbext.pcbus import BusTimeout, PcBus, PcBusMaster, PcBusMonitor, PcBusSlave, ProtocolError
 from cocotbext.pcbus.monitor import RULES
 
-from cocotb_tests.bfm.cases import raises, refused
+from cocotb_tests.bfm.cases import drive, raises, refused
 
 TOPLEVEL = "bench_wires"
 SOURCES = ["bench_wires.sv"]
@@ -76,103 +76,36 @@ async def hooks_interrupts_and_patience(dut):
 # --- every rule goes red ------------------------------------------------------------------------
 
 
-async def write(bus, *, setup=200, command=600, after=100, strobe="iow_n"):
-    bus.a.value, bus.d.value = 0x123, 0x45
-    await Timer(setup, "ns")
-    getattr(bus, strobe).value = 0
-    await Timer(command, "ns")
-    bus.ior_n.value = bus.iow_n.value = 1
-    await Timer(after, "ns")
-    bus.a.value, bus.d.value = 0, 0xFF
-    await Timer(200, "ns")
+def write(setup: int = 200, command: int = 600) -> str:
+    return f"a=0x123 d=0x45 {setup} iow_n=0 {command} iow_n=1 100 a=0 d=0xFF 200"
 
 
-async def one_command(bus):
-    bus.a.value = 0x50
-    await Timer(200, "ns")
-    bus.ior_n.value = bus.iow_n.value = 0
-    await Timer(600, "ns")
-    bus.ior_n.value = bus.iow_n.value = 1
-
-
-async def aen(bus):
-    bus.aen.value = 1
-    await write(bus)
-    bus.aen.value = 0
-
-
-async def setup(bus):
-    await write(bus, setup=50)
-
-
-async def command(bus):
-    await write(bus, command=300)
-
-
-async def longest(bus):
-    await write(bus, command=3000)
-
-
-async def recovery(bus):
-    for _ in range(2):
-        bus.iow_n.value = 0
-        await Timer(600, "ns")
-        bus.iow_n.value = 1
-        await Timer(50, "ns")
-
-
-async def address_held(bus):
-    bus.a.value = 0x10
-    await Timer(200, "ns")
-    bus.ior_n.value = 0
-    await Timer(300, "ns")
-    bus.a.value = 0x11
-    await Timer(300, "ns")
-    bus.ior_n.value = 1
-    await Timer(100, "ns")
-
-
-async def address_after(bus):
-    bus.a.value = 0x10
-    await Timer(200, "ns")
-    bus.ior_n.value = 0
-    await Timer(600, "ns")
-    bus.ior_n.value = 1
-    await Timer(5, "ns")
-    bus.a.value = 0
-
-
-async def data_held(bus):
-    bus.d.value = 0x10
-    await Timer(200, "ns")
-    bus.iow_n.value = 0
-    await Timer(600, "ns")
-    bus.iow_n.value, bus.d.value = 1, 0x11
-
-
-async def drive_in_read(bus):
-    bus.q_oe.value = 1
-    await Timer(10, "ns")
-    bus.q_oe.value = 0
-
-
-BROKEN = (one_command, aen, setup, command, longest, recovery, address_held, address_after,
-          data_held, drive_in_read)  # fmt: skip
+BROKEN = {
+    "one_command": "a=0x50 200 ior_n=0 iow_n=0 600 ior_n=1 iow_n=1",
+    "aen": f"aen=1 {write()} aen=0",
+    "setup": write(setup=50),
+    "command": write(command=300),
+    "longest": write(command=3000),
+    "recovery": "iow_n=0 600 iow_n=1 50 iow_n=0 600 iow_n=1 50",
+    "address_held": "a=0x10 200 ior_n=0 300 a=0x11 300 ior_n=1 100",
+    "address_after": "a=0x10 200 ior_n=0 600 ior_n=1 5 a=0",
+    "data_held": "d=0x10 200 iow_n=0 600 iow_n=1 d=0x11",
+    "drive_in_read": "q_oe=1 10 q_oe=0",
+}
 
 
 @cocotb.test()
 async def every_rule_is_seen(dut):
     """Each stimulus breaks the rule of its name and no other, a good cycle none."""
-    assert {f.__name__ for f in BROKEN} == RULES.keys()
+    assert BROKEN.keys() == RULES.keys()
     bus = await wires(dut)
-    for stimulus in (write, *BROKEN):
+    for rules, stimulus in [([], write()), *(([rule], s) for rule, s in BROKEN.items())]:
         await Timer(500, "ns")
         monitor = PcBusMonitor(bus, recovery_ns=200, longest_ns=2000, fail=False)
         await Timer(10, "ns")
-        await stimulus(bus)
+        await drive(bus, stimulus)
         await Timer(100, "ns")
-        expected = set() if stimulus is write else {stimulus.__name__}
-        assert {name for name, ns, text in monitor.broken} == expected, stimulus
+        assert {name for name, ns, text in monitor.broken} == set(rules)
         monitor.stop()
 
 
@@ -181,7 +114,7 @@ async def a_broken_rule_fails_the_test(dut):
     bus = await wires(dut)
     PcBusMonitor(bus)
     await Timer(10, "ns")
-    await command(bus)
+    await drive(bus, BROKEN["command"])
 
 
 @cocotb.test()

@@ -11,131 +11,44 @@ SOURCES = ("../../rtl/checkers/pcbus_checker.sv",)
 PARAMETERS = {"Stop": 0, "MaxClks": 14, "NumCards": 3}
 
 
-async def read(p, clocks=4, drivers=1, address=0x304):
-    await p.step(1, pc_a_i=address)
-    await p.step(clocks, pc_ior_ni=0, drivers_i=drivers)
-    await p.step(2, pc_ior_ni=1, drivers_i=0)
+def read(clocks=4, drivers=1, address=0x304) -> str:
+    return f"a_i={address} 1 ior_ni=0 drivers_i={drivers} {clocks} ior_ni=1 drivers_i=0 2"
 
 
-async def write(p, clocks=4, address=0x308):
-    await p.step(1, pc_a_i=address, pc_d_i=0x42)
-    await p.step(clocks, pc_iow_ni=0)
-    await p.step(2, pc_iow_ni=1)
-
-
-async def good(p):
-    await read(p)
-    await write(p)
-    await read(p, clocks=14, address=0x3F00)
-    await p.step(1, pc_a_i=0x300)
-    await p.step(2, pc_ior_ni=0)
-    await p.step(1, link_ok_i=0, pc_ior_ni=1)  # the cable comes out in mid-command
-    await p.step(3, link_ok_i=1)
-    await write(p)
-
-
-async def both_commands(p):
-    await p.step(1, pc_a_i=0x304)
-    await p.step(4, pc_ior_ni=0, pc_iow_ni=0)
-    await p.step(2, pc_ior_ni=1, pc_iow_ni=1)
-
-
-async def dma(p):
-    await p.step(1, pc_aen_i=1)
-    await p.step(1, pc_aen_i=0)
-
-
-async def address_with_command(p):
-    await p.step(4, pc_a_i=0x304, pc_ior_ni=0)
-    await p.step(2, pc_ior_ni=1)
-
-
-async def address_moves(p):
-    await p.step(1, pc_a_i=0x304)
-    await p.step(2, pc_ior_ni=0)
-    await p.step(2, pc_a_i=0x305)
-    await p.step(2, pc_ior_ni=1)
-
-
-async def address_goes_at_once(p):
-    await p.step(1, pc_a_i=0x304)
-    await p.step(4, pc_ior_ni=0)
-    await p.step(2, pc_ior_ni=1, pc_a_i=0x305)
-
-
-async def data_goes_at_once(p):
-    await p.step(1, pc_a_i=0x308, pc_d_i=0x42)
-    await p.step(4, pc_iow_ni=0)
-    await p.step(2, pc_iow_ni=1, pc_d_i=0x43)
-
-
-async def short_command(p):
-    await read(p, clocks=3)
-
-
-async def no_recovery(p):
-    await p.step(1, pc_a_i=0x304)
-    await p.step(4, pc_ior_ni=0)
-    await p.step(1, pc_ior_ni=1)
-    await p.step(4, pc_ior_ni=0)
-    await p.step(2, pc_ior_ni=1)
-
-
-async def data_moves(p):
-    await p.step(1, pc_a_i=0x308, pc_d_i=0x42)
-    await p.step(2, pc_iow_ni=0)
-    await p.step(2, pc_d_i=0x43)
-    await p.step(2, pc_iow_ni=1)
-
-
-async def never_ready(p):
-    await read(p, clocks=15)
-
-
-async def card_drives_a_write(p):
-    await p.step(1, pc_a_i=0x308, pc_d_i=0x42)
-    await p.step(4, pc_iow_ni=0, drivers_i=2)
-    await p.step(2, pc_iow_ni=1, drivers_i=0)
-
-
-async def memory_space(p):
-    await read(p, address=0x8304)
-    await p.step(1, pc_a_i=0x300)
-
-
+WRITE = "a_i=0x308 d_i=0x42 1 iow_ni=0 4 iow_ni=1 2"
+CABLE_OUT = "a_i=0x300 1 ior_ni=0 2 link_ok_i=0 ior_ni=1 1 link_ok_i=1 3"  # in mid-command
+GOOD = f"{read()} {WRITE} {read(clocks=14, address=0x3F00)} {CABLE_OUT} {WRITE}"
 FAULTS = {
-    "both_commands": (both_commands, 0),
-    "dma": (dma, 1),
-    "address_with_command": (address_with_command, 2),
-    "address_moves": (address_moves, 3),
-    "address_goes_at_once": (address_goes_at_once, 4),
-    "data_goes_at_once": (data_goes_at_once, 5),
-    "short_command": (short_command, 6),
-    "no_recovery": (no_recovery, 7),
-    "data_moves": (data_moves, 8),
-    "never_ready": (never_ready, 9),
-    "card_drives_a_write": (card_drives_a_write, 10),
-    "memory_space": (memory_space, 11),
-}
+    "both_commands": (0, "a_i=0x304 1 ior_ni=0 iow_ni=0 4 ior_ni=1 iow_ni=1 2"),
+    "dma": (1, "aen_i=1 1 aen_i=0 1"),
+    "address_with_command": (2, "a_i=0x304 ior_ni=0 4 ior_ni=1 2"),
+    "address_moves": (3, "a_i=0x304 1 ior_ni=0 2 a_i=0x305 2 ior_ni=1 2"),
+    "address_goes_at_once": (4, "a_i=0x304 1 ior_ni=0 4 ior_ni=1 a_i=0x305 2"),
+    "data_goes_at_once": (5, "a_i=0x308 d_i=0x42 1 iow_ni=0 4 iow_ni=1 d_i=0x43 2"),
+    "short_command": (6, read(clocks=3)),
+    "no_recovery": (7, "a_i=0x304 1 ior_ni=0 4 ior_ni=1 1 ior_ni=0 4 ior_ni=1 2"),
+    "data_moves": (8, "a_i=0x308 d_i=0x42 1 iow_ni=0 2 d_i=0x43 2 iow_ni=1 2"),
+    "never_ready": (9, read(clocks=15)),
+    "card_drives_a_write": (
+        10, "a_i=0x308 d_i=0x42 1 iow_ni=0 drivers_i=2 4 iow_ni=1 drivers_i=0 2"),
+    "memory_space": (11, f"{read(address=0x8304)} a_i=0x300 1"),
+}  # fmt: skip
 
 
 @test("PCB-1", "MAP-1")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut), good)
+    await expect(Pins(dut), GOOD)
     assert not int(dut.conflict_o.value)
 
 
 @test("PCB-1", "MAP-1")
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
-    stimulus, rule = FAULTS[fault]
+    rule, stimulus = FAULTS[fault]
     await expect(Pins(dut), stimulus, rule)
 
 
 @test("PCB-2")
 async def two_cards_that_answer_are_told(dut):
-    async def stimulus(p):
-        await read(p, drivers=5)
-
-    await expect(Pins(dut), stimulus)
+    await expect(Pins(dut), read(drivers=5))
     assert int(dut.conflict_o.value)

@@ -5,6 +5,8 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
+from cocotb_tests.lib.play import play
+
 # Both buses at rest.
 IDLE = {
     "vme_a_i": 0, "vme_am_i": 0x29, "vme_as_ni": 1, "vme_ds_ni": 3, "vme_write_ni": 1,
@@ -16,16 +18,12 @@ IDLE = {
 }  # fmt: skip
 
 
-def idle(dut) -> dict[str, int]:
-    """Of the pins that a checker has."""
-    return {name: value for name, value in IDLE.items() if hasattr(dut, name)}
-
-
 class Pins:
     """The inputs of a checker. Changes are made on falling edges, far from any sampling."""
 
     def __init__(self, dut, **others: int):
-        self.dut, self.idle = dut, idle(dut) | others
+        self.dut = dut
+        self.idle = {name: v for name, v in IDLE.items() if hasattr(dut, name)} | others
 
     async def start(self):
         self.dut.rst_ni.value = 0
@@ -34,18 +32,22 @@ class Pins:
         for _ in range(3):
             await FallingEdge(self.dut.clk_i)
         self.dut.rst_ni.value = 1
-        await self.step(3)
+        await self.wait(3)
         return self
 
     def put(self, **pins: int) -> None:
         for name, value in pins.items():
             getattr(self.dut, name).value = value
 
-    async def step(self, clocks: int = 1, **pins: int) -> None:
-        """Sets pins, then lets so many rising edges see them."""
-        self.put(**pins)
-        for _ in range(clocks):
+    async def wait(self, clocks: float) -> None:
+        """Lets so many rising edges see the pins."""
+        for _ in range(int(clocks)):
             await FallingEdge(self.dut.clk_i)
+
+    async def play(self, text: str) -> None:
+        """As play() says; a pin without the prefix of its bus."""
+        full = {name.removeprefix("vme_").removeprefix("pc_"): name for name in self.idle}
+        await play(text, lambda name, value: self.put(**{full[name]: value}), self.wait)
 
     async def broken(self) -> set[int]:
         await RisingEdge(self.dut.clk_i)
@@ -63,9 +65,12 @@ class Timed(Pins):
         super().__init__(dut)
         self.names = names
 
-    async def after(self, ns: float, **pins: int) -> None:
+    async def wait(self, ns: float) -> None:
         if ns:
             await Timer(int(ns * 1000), "ps")
+
+    async def after(self, ns: float, **pins: int) -> None:
+        await self.wait(ns)
         self.put(**pins)
 
     async def start(self):
@@ -78,13 +83,21 @@ class Timed(Pins):
         await Timer(1, "ns")
         await ReadOnly()
         bits = int(self.dut.broken_o.value)
+        await Timer(1, "ns")
         return [name for n, name in enumerate(self.names) if bits >> n & 1]
 
 
-async def expect(pins: Pins, stimulus, *rules: int) -> None:
-    """Runs the stimulus and wants exactly these rules broken: no other, so none is vague."""
+async def expect(pins: Pins, stimulus: str, *rules: int) -> None:
+    """Plays the stimulus and wants exactly these rules broken: no other, so none is vague."""
     await pins.start()
-    await stimulus(pins)
+    await pins.play(stimulus)
     found = await pins.broken()
     assert found == set(rules), f"broken {sorted(found)}, expected {sorted(rules)}"
     cocotb.log.info("broken, as it must be: %s", sorted(found))
+
+
+async def broken_by(dut, names: list[str], stimulus: str) -> list[str]:
+    """The rules, by their names, that a stimulus in ns breaks."""
+    pins = await Timed(dut, names).start()
+    await pins.play(stimulus)
+    return await pins.broken()

@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.cocotb_vme_slave_checker import dtack_alone
+from cocotb_tests.checkers.cocotb_vme_slave_checker import FAULTS
 from cocotb_tests.checkers.drive import Pins
 
 
 @cocotb.test()
 async def dtack_without_strobe(dut):
     pins = await Pins(dut).start()
-    await dtack_alone(pins)
-    await pins.step(5)
+    await pins.play(f"{FAULTS['dtack_alone'][1]} 5")
