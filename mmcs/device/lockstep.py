@@ -19,7 +19,7 @@ from mmcs.device import wire
 STRETCH_S = 0.01  # of time between looks at the stop path
 LOOK_S = 0.001  # of time between looks at descriptors from outside, when a wait has an end
 SILENT_S, OUTSIDE_S = 5.0, 1.0  # of the clock on the wall, and it is told
-NO_SAMPLE_S = 2.5  # of the machine: the longest interval is 1 s
+NO_SAMPLE_S = 2.5  # of the machine: with an interval over 1 s MENABLE fails
 SIGUSR1, SIGCHLD = 10, 17
 
 
