@@ -30,9 +30,8 @@ static inline void set_modes(struct mc *mc, int mode) {
 /* Two axes under power in position mode, at rest, 1 ms. */
 static inline struct mc *guarded(struct mc_guard guard) {
   struct mc *mc = listening(1);
-  unsigned us = 1000;
   mc->config.guard = guard;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  call(mc, MSETINTERVAL, 1000);
   set_modes(mc, MD_POS);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   mock_run(&m, 20000);

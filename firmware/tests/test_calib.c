@@ -63,8 +63,8 @@ TEST(test_every_axis_finds_its_own_index, "DRV-5 DRV-8 CAL-1") {
 TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
   for (int first = 0; first < 2; first++) {
     struct mc *mc = mock_open(&m, 2);
-    int on = 1, second = 1 - first;
-    CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+    int second = 1 - first;
+    call(mc, MDACMODE, 1);
     calibrate(mc, 2);
     calibrate(mc, 3);
     CHECK_EQ(m.card[0].b, 0x0D);

@@ -26,8 +26,7 @@ TEST(test_stop_after_sysreset_starts_no_heartbeat, "DRV-9 PAN-2") {
 
 TEST(test_failed_dac_write_is_repaired_or_ends_in_panic, "DRV-7 DRV-9") {
   struct mc *mc = enabled(MD_TORQ);
-  int32_t set = 300;
-  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  DEMAND(mc, 300);
   m.dac_errors = 2;
   mock_run(&m, 2100);
   CHECK_EQ(m.dac_errors, 0);

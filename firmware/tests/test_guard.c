@@ -55,17 +55,16 @@ TEST(test_counter_that_nobody_read_for_a_while, "DRV-9") {
 }
 
 TEST(test_axis_that_does_not_follow, "DRV-9") {
-  int32_t far[2] = {51, 0}, near[2] = {50, 0};
   struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
-  CHECK_EQ(mc_write(mc, 0, near, 8), 8);
+  DEMAND(mc, 50, 0);
   check_goes_on(mc);
   mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, 51, 0);
   mock_run(&m, 5000); /* five samples are allowed */
   CHECK(mc_is_enabled(mc));
-  CHECK_EQ(mc_write(mc, 0, near, 8), 8); /* and after a good one, five again */
+  DEMAND(mc, 50, 0); /* and after a good one, five again */
   mock_run(&m, 1000);
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, 51, 0);
   mock_run(&m, 5000);
   CHECK(mc_is_enabled(mc));
   run_until_stopped(mc);
@@ -75,12 +74,11 @@ TEST(test_axis_that_does_not_follow, "DRV-9") {
 /* To either side, and beyond one count. */
 TEST(test_least_error_that_is_too_much, "DRV-9") {
   for (int sign = -1; sign <= 1; sign += 2) {
-    int32_t near[2] = {0, sign}, far[2] = {0, 2 * sign};
     struct mc *mc = guarded((struct mc_guard){.follow = 1});
-    CHECK_EQ(mc_write(mc, 0, near, 8), 8);
+    DEMAND(mc, 0, sign);
     check_goes_on(mc);
     mc = guarded((struct mc_guard){.follow = 1});
-    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    DEMAND(mc, 0, 2 * sign);
     run_until_stopped(mc);
     check_stopped(mc, "mc: PANIC: axis 1 does not follow\n");
   }
@@ -89,13 +87,12 @@ TEST(test_least_error_that_is_too_much, "DRV-9") {
 /* With nothing fed back the error is the demand, as of a digital filter. */
 TEST(test_only_position_that_is_fed_back_has_to_be_followed, "DRV-9") {
   static const int modes[] = {MD_TORQ, 0, MD_POS | ZEROFB};
-  int32_t far[2] = {5000, 5000};
   for (unsigned n = 0; n < sizeof modes / sizeof modes[0]; n++) {
     struct mc *mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
-    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    DEMAND(mc, 5000, 5000);
     mock_run(&m, 6000); /* the next sample would be too much */
     set_modes(mc, modes[n]);
-    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    DEMAND(mc, 5000, 5000);
     mock_run(&m, 20000);
     CHECK(mc_is_enabled(mc));
     CHECK_EQ(m.signals[0], 0);
@@ -104,9 +101,8 @@ TEST(test_only_position_that_is_fed_back_has_to_be_followed, "DRV-9") {
 
 /* An axis whose current is at its limit, at a speed that grows by `more` in four passes. */
 static struct mc *fleeing(int32_t to, int speed, int more) {
-  int32_t far[2] = {to, 0};
   struct mc *mc = guarded((struct mc_guard){.runaway = 4});
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, to, 0);
   mock_run(&m, 2000);
   for (int n = 0; n <= 4; n++) {
     int moved = speed + (speed < 0 ? -n : n) * more / 4;
@@ -131,10 +127,9 @@ TEST(test_axis_that_runs_away, "DRV-9") {
 TEST(test_one_check_is_not_another, "DRV-9") {
   static const struct mc_guard alone[] = {{.jump = 32767}, {.follow = 30000}, {.runaway = 32767},
                                           {.missed = 30},  {.lease = 100},    {.lock = 1}};
-  int32_t far[2] = {20000, -20000};
   for (unsigned n = 0; n < sizeof alone / sizeof alone[0]; n++) {
     struct mc *mc = guarded(alone[n]);
-    CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+    DEMAND(mc, 20000, -20000);
     m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + 9000);
     m.latency_us = 20300;
     mock_run(&m, 30000);
@@ -142,8 +137,7 @@ TEST(test_one_check_is_not_another, "DRV-9") {
     check_goes_on(mc);
   }
   struct mc *mc = guarded((struct mc_guard){.jump = 100});
-  unsigned one = 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
+  call(mc, MSETNUMJOINTS, 1);
   m.card[0].count[1] = (uint16_t)(m.card[0].count[1] + 9000);
   check_goes_on(mc);
 }
@@ -152,7 +146,7 @@ TEST(test_one_check_is_not_another, "DRV-9") {
 TEST(test_sclock_of_another_rate, "DRV-9") {
   for (int us = 500; us <= 2000; us += 1500) {
     struct mc *mc = guarded((struct mc_guard){.clock = 1});
-    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &(unsigned){(unsigned)us}), 0);
+    call(mc, MSETINTERVAL, us);
     for (int n = 0; n < 900; n++) { /* late passes, and one that comes after others were missed */
       m.latency_us = n % 300 == 299 ? 3 * us + us / 2 : n % 7 * us / 10;
       mock_run(&m, us);
@@ -161,7 +155,7 @@ TEST(test_sclock_of_another_rate, "DRV-9") {
     check_goes_on(mc);
     for (int more = -us / 10; more <= us / 10; more += us / 5) {
       mc = guarded((struct mc_guard){.clock = 1});
-      CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &(unsigned){(unsigned)us}), 0);
+      call(mc, MSETINTERVAL, us);
       mock_run(&m, 300 * us);
       m.phase = 0;
       m.period += more;
@@ -237,22 +231,21 @@ TEST(test_program_that_falls_silent, "DRV-9") {
 }
 
 TEST(test_program_that_owes_no_setpoint, "DRV-9") {
-  int32_t here[2] = {0, 0};
   struct mc *mc = guarded((struct mc_guard){.lease = 5});
   check_goes_on(mc); /* it never wrote any */
   mc = guarded((struct mc_guard){.lease = 5});
-  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  DEMAND(mc, 0, 0);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0); /* begins anew */
   check_goes_on(mc);
   mc = guarded((struct mc_guard){.lease = 5});
-  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  DEMAND(mc, 0, 0);
   set_modes(mc, 0);
   mock_run(&m, 1000); /* a single pass, and it owes none any more */
   CHECK(mc_is_enabled(mc));
   set_modes(mc, MD_POS);
   check_goes_on(mc);
   mc = guarded((struct mc_guard){.lease = 5});
-  CHECK_EQ(mc_write(mc, 0, here, 8), 8);
+  DEMAND(mc, 0, 0);
   set_mode(mc, 1, 0);
   mock_run(&m, 7000); /* the other is on */
   CHECK(!mc_is_enabled(mc));
@@ -260,7 +253,6 @@ TEST(test_program_that_owes_no_setpoint, "DRV-9") {
 
 /* The first finding ends the pass; the machine is stopped once, and the reason is one line. */
 TEST(test_one_finding_stops_the_machine, "DRV-9") {
-  int32_t far[2] = {51, 51};
   struct mc *mc = guarded((struct mc_guard){.jump = 1});
   m.card[0].count[0]++;
   m.card[0].count[1]++;
@@ -271,7 +263,7 @@ TEST(test_one_finding_stops_the_machine, "DRV-9") {
   mock_run(&m, 2000);
   check_stopped(mc, "mc: PANIC: axis 0: its counter jumps\n");
   mc = guarded((struct mc_guard){.follow = 50, .samples = 5});
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, 51, 51);
   mock_run(&m, 8000);
   check_stopped(mc, "mc: PANIC: axis 0 does not follow\n");
 }
@@ -323,10 +315,9 @@ TEST(test_parameters_of_an_axis_that_is_on, "DRV-9") {
 
 /* The driver of the report does none of it. */
 TEST(test_nothing_is_checked_that_was_not_asked_for, "DRV-9") {
-  int32_t far[2] = {20000, -20000};
   struct mc *mc = guarded((struct mc_guard){0});
   m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 9000);
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, 20000, -20000);
   m.latency_us = 20300;
   mock_run(&m, 30000);
   m.latency_us = 0;

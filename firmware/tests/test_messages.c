@@ -12,10 +12,6 @@ static void limits(struct mc *mc, int axis, int mode) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }
 
-static void verbosity(struct mc *mc, int value) {
-  CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &value), 0);
-}
-
 /* Drives axis 1 over a limit and back; returns how many lines that made. */
 static int cross(struct mc *mc, int count) {
   int before = m.logs;
@@ -35,7 +31,7 @@ TEST(test_limits_are_told_when_asked_for, "DRV-2 DRV-6") {
   limits(mc, 1, MD_POS | POSCHK | SOFTERR);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   for (int say = 0; say < 4; say++) {
-    verbosity(mc, say);
+    call(mc, MSETVERBOSITY, say);
     CHECK_EQ(cross(mc, 101), say != 0);
     CHECK(strcmp(m.last_log, say ? "mc: axis 1: high position limit" : "") == 0);
     CHECK_EQ(cross(mc, -101), say != 0);
@@ -48,7 +44,7 @@ TEST(test_overload_is_told, "DRV-2 SRV-4") {
   int32_t set[2] = {0, 60};
   limits(mc, 1, MD_TORQ | SOFTERR);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  verbosity(mc, M_ERRORPRINT);
+  call(mc, MSETVERBOSITY, M_ERRORPRINT);
   int before = m.logs;
   CHECK_EQ(mc_write(mc, 0, set, sizeof set), (int)sizeof set);
   mock_run(&m, 7000);
@@ -62,7 +58,7 @@ TEST(test_the_verbose_hear_of_the_normal_course, "DRV-2") {
   for (int say = 0; say < 4; say++) {
     struct mc *mc = mock_open(&m, 2);
     int before = m.logs, lines = (say & M_VERBOSE) != 0;
-    verbosity(mc, say);
+    call(mc, MSETVERBOSITY, say);
     CHECK_EQ(m.logs - before, lines);
     CHECK(!lines || strcmp(m.last_log, "mc: cards: 2") == 0);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);

@@ -120,16 +120,12 @@ TEST(test_a_clear_takes_nobody_s_event, "DRV-5") {
   }
 }
 
-static void servo(struct mc *mc, int axis, int mode) {
-  set_mode_within_100(mc, axis, mode);
-}
-
 TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
   for (int panic = 0; panic < 2; panic++) {
     struct mc *mc = listening(1);
     int32_t set[2] = {10, 10};
     CHECK_EQ(mc_write(mc, 0, set, 8), 8); /* before the first MENABLE, too */
-    servo(mc, 0, MD_POS | POSCHK);
+    set_mode_within_100(mc, 0, MD_POS | POSCHK);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     m.estop_open = panic;
     m.card[0].count[0] = 200;
@@ -143,7 +139,7 @@ TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
     CHECK_EQ(strcmp(said, "mc: write: shut down by an error, MENABLE first\n"), 0);
     m.estop_open = 0;
     mock_run(&m, 100000);
-    servo(mc, 0, MD_POS);
+    set_mode_within_100(mc, 0, MD_POS);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     CHECK_EQ(mc_write(mc, 0, set, 8), 8);
   }
@@ -160,21 +156,21 @@ TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
   for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     int on = M_ENDIAG, off = 0, want = cases[i].needs ? -MC_EBUSY : 0;
     struct mc *mc = listening(1);
-    servo(mc, 1, cases[i].mode);
+    set_mode_within_100(mc, 1, cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), 0); /* at rest */
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), want);
     CHECK_EQ(mc_is_enabled(mc), !want);
     CHECK_EQ(
         strcmp(said, want ? "mc: enable: axis 1 needs its encoder, which M_ENDIAG cuts off\n" : ""),
         0);
-    servo(mc, 1, MD_OFF);
+    set_mode_within_100(mc, 1, MD_OFF);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     struct mc_param par = *mc_param_of(mc, 1);
     par.mode = cases[i].mode;
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), want);
     CHECK_EQ(mc_param_of(mc, 1)->mode, want ? MD_OFF : cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &off), 0);
-    servo(mc, 1, cases[i].mode);
+    set_mode_within_100(mc, 1, cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), want);
     CHECK_EQ(mc_diag(mc), want ? 0 : M_ENDIAG);
     CHECK_EQ(m.card[0].b & 1, want != 0);

@@ -163,15 +163,14 @@ TEST(test_a_new_open_finds_the_defaults_again, "DRV-2") {
   struct mc_param first = param_of(mc, 1), par = first;
   struct mc_stats stats;
   struct mc_state state[4];
-  int on = 1, one = 1, axis = 2, diag = M_ANDIAG | M_ENDIAG;
-  int32_t set[4] = {9, 9, 9, 9};
-  CHECK_EQ(mc_write(mc, 0, set, 16), 16);
+  int one = 1;
+  DEMAND(mc, 9, 9, 9, 9);
   par.mode = MD_POS;
   par.clkdivisor = 25;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &diag), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+  call(mc, MDACMODE, 1);
+  call(mc, MDIAGMODE, M_ANDIAG | M_ENDIAG);
+  call(mc, MCALIB, 2);
   CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &one), 0);
   mock_run(&m, 5000);
   CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
@@ -298,8 +297,7 @@ TEST(test_read_gives_every_axis_its_state, "DRV-4") {
       CHECK_EQ(state[axis].encnow, axis * 28 < got ? 100 + axis : 0x5A5A5A5A);
     }
   }
-  int none = 0;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &none), 0);
+  call(mc, MSETNUMJOINTS, 0);
   m.bad_pointer = 1; /* nothing to copy */
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), 0);
   CHECK_EQ(mc_write(mc, 0, state, 0), 0);
@@ -326,10 +324,9 @@ TEST(test_first_read_has_the_converters_values, "DRV-4") {
 TEST(test_write_sets_as_many_as_it_brings, "DRV-4") {
   struct mc *mc = mock_open(&m, 2);
   int32_t set[4] = {11, -12, INT32_MAX, INT32_MIN};
-  int three = 3;
   CHECK_EQ(mc_write(mc, 0, set, 16), 16);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), set[axis]);
-  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &three), 0);
+  call(mc, MSETNUMJOINTS, 3);
   set[0] = 21;
   CHECK_EQ(mc_write(mc, 0, set, 16), -MC_EINVAL);
   for (size_t odd = 1; odd < 4; odd++) CHECK_EQ(mc_write(mc, 0, set, 8 + odd), -MC_EINVAL);

@@ -16,7 +16,6 @@ static void read_slowly(struct mock *mock) {
 
 static struct mc *started(int mode0, int mode1, int divisor) {
   struct mc *mc = listening(1);
-  int32_t set[2] = {90, 80};
   for (int axis = 0; axis < 2; axis++) {
     struct mc_param par = param_of(mc, axis);
     par.mode = axis ? mode1 : mode0;
@@ -24,7 +23,7 @@ static struct mc *started(int mode0, int mode1, int divisor) {
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
   }
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  CHECK_EQ(mc_write(mc, 0, set, 8), 8);
+  DEMAND(mc, 90, 80);
   mock_run(&m, 40000);
   slow = 0;
   m.on_access = read_slowly;
@@ -147,9 +146,8 @@ TEST(test_a_processor_that_is_too_slow_is_told_at_rest, "DRV-7") {
 /* A pass without a sample counts for axes that wait, and keeps the heartbeat while none is due. */
 TEST(test_waiting_axes_wait_on_in_a_pass_without_a_sample, "DRV-7 DRV-9") {
   struct mc *mc = started(MD_VEL, MD_VEL, 4);
-  unsigned us = 1000;
   int passes = 0;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  call(mc, MSETINTERVAL, 1000);
   mock_run(&m, 5000);
   do {
     mock_pass(&m);

@@ -125,11 +125,11 @@ TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
   for (unsigned crossed = 1; crossed < 16; crossed++) {
     for (int soft = 0; soft < 2; soft++) {
       struct mc *mc = listening(2);
-      int say = M_ERRORPRINT, lines = 0;
+      int lines = 0;
       for (int axis = 0; axis < 4; axis++) {
         set_mode_within_100(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
       }
-      CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &say), 0);
+      call(mc, MSETVERBOSITY, M_ERRORPRINT);
       CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
       for (int axis = 0; axis < 4; axis++) {
         if (crossed >> axis & 1)
@@ -153,8 +153,7 @@ TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
 TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
   for (int64_t latency = 1; latency < 2300; latency += latency > 960 && latency < 1060 ? 1 : 97) {
     struct mc *mc = listening(1);
-    unsigned us = 1000;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    call(mc, MSETINTERVAL, 1000);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     mock_run(&m, 1000 - (m.now - m.origin) % 1000 + 500);
     CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
@@ -176,8 +175,7 @@ TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
 /* Off is off, also if nobody has ever set a parameter. */
 TEST(test_axes_are_off_by_default, "DRV-2 SRV-6") {
   struct mc *mc = listening(2);
-  int32_t values[4] = {5000, -5000, 1, 100000};
-  CHECK_EQ(mc_write(mc, 0, values, 16), 16);
+  DEMAND(mc, 5000, -5000, 1, 100000);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   for (int i = 1; i < 5; i++) {
     for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 * i);
@@ -197,9 +195,8 @@ TEST(test_axes_are_off_by_default, "DRV-2 SRV-6") {
 /* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
 TEST(test_overruns_of_any_length, "DRV-7") {
   struct mc *mc = listening(1);
-  unsigned us = 1000, one = 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
+  call(mc, MSETINTERVAL, 1000);
+  call(mc, MSETNUMJOINTS, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   for (int64_t length = 50; length < 4500; length += 50) {
     if (length > 900 && length < 1000) continue; /* the accesses take their time too */
@@ -215,10 +212,9 @@ TEST(test_overruns_of_any_length, "DRV-7") {
 /* At rest, and beyond the joints, an axis is only looked at. */
 TEST(test_only_joints_under_power_are_servoed, "DRV-7") {
   struct mc *mc = listening(2);
-  int32_t far[4] = {40, 40, 40, 40};
   int joints = 2;
   for (int axis = 0; axis < 4; axis++) set_mode_within_100(mc, axis, MD_POS);
-  CHECK_EQ(mc_write(mc, 0, far, 16), 16);
+  DEMAND(mc, 40, 40, 40, 40);
   mock_pass(&m);
   mock_pass(&m);
   for (int axis = 0; axis < 4; axis++) {

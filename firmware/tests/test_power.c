@@ -34,8 +34,7 @@ static int enable(struct mc *mc) {
 
 TEST(test_enable_traffic, "DRV-9 PAN-2") {
   struct mc *mc = opened(2);
-  int on = 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+  call(mc, MDACMODE, 1);
   mock_run(&m, 2100);
   m.logging = 1;
   m.on_access = traffic_of_process;
@@ -91,7 +90,6 @@ TEST(test_an_enabled_machine_starts_afresh_at_enable, "DRV-9 DRV-10") {
 TEST(test_what_axes_hold_at_the_first_pass, "DRV-9") {
   static const int modes[] = {MD_OFF, MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_POS};
   struct mc *mc = opened(3);
-  int32_t set = 4000;
   for (int axis = 0; axis < 6; axis++) {
     set_mode(mc, axis, modes[axis]);
     m.card[axis / 2].count[axis & 1] = (uint16_t)(500 + axis);
@@ -103,7 +101,7 @@ TEST(test_what_axes_hold_at_the_first_pass, "DRV-9") {
     CHECK_EQ(mock_dac(&m, axis), 0x800);
     CHECK_EQ(mc_state_of(mc, axis)->vel, 0);
   }
-  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  DEMAND(mc, 4000);
   m.card[0].count[1] = 501 + 20;
   mock_run(&m, 4100);
   CHECK_EQ(mc_setpoint(mc, 1), 501);
@@ -114,8 +112,7 @@ TEST(test_what_axes_hold_at_the_first_pass, "DRV-9") {
 TEST(test_stop_traffic, "DRV-6 DRV-9 PAN-2") {
   for (unsigned live = 0; live < 16; live++) {
     struct mc *mc = opened(2);
-    int on = 1;
-    CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+    call(mc, MDACMODE, 1);
     CHECK_EQ(enable(mc), 0);
     mock_run(&m, 2100);
     for (unsigned axis = 0; axis < 4; axis++) {

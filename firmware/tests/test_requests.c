@@ -7,17 +7,8 @@ static void set(struct mc *mc, struct mc_param par) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }
 
-static void call(struct mc *mc, uint32_t request, int arg) {
-  CHECK_EQ(mc_ioctl(mc, 0, request, &arg), 0);
-}
-
 static void enable(struct mc *mc) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-}
-
-static void put(struct mc *mc, int32_t a, int32_t b) {
-  int32_t values[2] = {a, b};
-  CHECK_EQ(mc_write(mc, 0, values, sizeof values), (int)sizeof values);
 }
 
 /* --- the call itself ------------------------------------------------------------------------- */
@@ -146,7 +137,7 @@ TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
     set(mc, par);
   }
   enable(mc);
-  put(mc, 1, 2);
+  DEMAND(mc, 1, 2);
   mock_pass(&m);
   int32_t a = mc_state_of(mc, 0)->inow, b = mc_state_of(mc, 1)->inow;
   for (int i = 1; i < 8; i++) {
@@ -161,13 +152,13 @@ TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
 
 TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  put(mc, 70, 80);
+  DEMAND(mc, 70, 80);
   set_mode(mc, 0, MD_TORQ);
   set_mode(mc, 1, MD_POS);
   CHECK_EQ(mc_setpoint(mc, 0), 70); /* not under power: written is written */
   enable(mc);
   for (int axis = 0; axis < 2; axis++) CHECK_EQ(mc_setpoint(mc, axis), 0); /* but of no force */
-  put(mc, 70, 80);
+  DEMAND(mc, 70, 80);
   mock_pass(&m);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 70);
   set_mode(mc, 0, MD_TORQ | SOFTERR); /* no other mode */
@@ -190,7 +181,7 @@ TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6")
   CHECK_EQ(mc_setpoint(mc, 1), 0);
   set_mode(mc, 0, MD_VEL);
   set_mode(mc, 0, MD_POS);
-  put(mc, -3, 80); /* before the next sample */
+  DEMAND(mc, -3, 80); /* before the next sample */
   mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), -3);
 }
@@ -206,7 +197,7 @@ TEST(test_a_change_of_feedback_does_not_jump, "DRV-9 SRV-6") {
     set_mode(mc, 0, changes[i][0]);
     set_mode(mc, 1, MD_TORQ);
     enable(mc);
-    put(mc, 300, 20);
+    DEMAND(mc, 300, 20);
     m.card[0].count[0] = 250;
     m.card[0].adc[0] = 2222;
     mock_run(&m, 20000);
@@ -218,7 +209,7 @@ TEST(test_a_change_of_feedback_does_not_jump, "DRV-9 SRV-6") {
       CHECK_EQ(mc_state_of(mc, 0)->error, 0);
       CHECK_EQ(mock_dac(&m, 1), 0x800 + 20);
     }
-    put(mc, 10, 20);
+    DEMAND(mc, 10, 20);
     mock_pass(&m);
     CHECK(mock_dac(&m, 0) != 0x800);
   }

@@ -65,7 +65,7 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
   for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     for (int cure = 0; cure < 3; cure++) {
       struct mc *mc = at(listening(2), 1, 100000);
-      int encoder = 1 | 5 << 8, one = 1;
+      int encoder = 1 | 5 << 8;
       mc->config.speed = cases[i].speed;
       set_mode(mc, 1, MD_POS);
       cable(0);
@@ -84,7 +84,7 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
         if (cure == 0) CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &encoder), 0);
         if (cure == 1) set_mode(mc, 1, MD_VEL); /* which needs no place */
         if (cure == 2) {
-          CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &one), 0);
+          call(mc, MCALIB, 1);
           m.card[0].index[1] = 1;
           mock_run(&m, 4000);
           CHECK_EQ(errcode(mc, 1) & MERR_ZINDEX, MERR_ZINDEX);

@@ -8,9 +8,8 @@
 
 /* Two axes that push against their error of 40 counts each. */
 static struct mc *pushing(struct mc_guard guard) {
-  int32_t far[2] = {40, -40};
   struct mc *mc = guarded(guard);
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, 40, -40);
   mock_run(&m, 2000);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 40);
   return mc;
@@ -93,11 +92,10 @@ TEST(test_faulty_axis_is_let_go_the_other_is_held, "DRV-9") {
 TEST(test_overloaded_axis_is_let_go, "DRV-9") {
   struct mc *mc = pushing((struct mc_guard){.brakes = BRAKES_US});
   struct mc_param par = param_of(mc, 0);
-  int32_t far[2] = {2000, 40};
   par.ilim = 500;
   par.ilimax = 3;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  CHECK_EQ(mc_write(mc, 0, far, 8), 8);
+  DEMAND(mc, 2000, 40);
   mock_run(&m, 8000);
   CHECK(!mc_is_enabled(mc));
   CHECK(is_held(0, 0x800));
@@ -236,11 +234,10 @@ static void turn(int axis, int by, int samples) {
 
 /* At 20 counts a sample, of which a quarter may be lost, and two. */
 TEST(test_speed_that_is_not_followed, "DRV-9") {
-  int32_t demand[2] = {20, 0};
   for (int jammed = 0; jammed < 2; jammed++) {
     struct mc *mc = guarded((struct mc_guard){.follow = 100});
     set_modes(mc, MD_VEL);
-    CHECK_EQ(mc_write(mc, 0, demand, 8), 8);
+    DEMAND(mc, 20, 0);
     for (int speed = 0; speed < 18 && !jammed; speed++) turn(0, speed, 1);
     turn(0, jammed ? 0 : 13, 40);
     CHECK_EQ(mc_is_enabled(mc), !jammed);

@@ -52,10 +52,9 @@ TEST(test_enable_finds_dead_hardware, "DRV-9 PAN-2") {
 
 TEST(test_stop, "DRV-9 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  int32_t set = 500;
   set_mode_within(mc, 0, MD_TORQ, 0);
   enable(mc);
-  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  DEMAND(mc, 500);
   mock_run(&m, 5000);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 500);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
@@ -155,10 +154,9 @@ TEST(test_same_event_again_survives_the_clear, "DRV-5") {
 
 TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  int32_t set = 1025;
   set_mode_within(mc, 0, MD_TORQ, 10);
   enable(mc);
-  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  DEMAND(mc, 1025);
   mock_run(&m, 20000);
   CHECK_EQ(errcode_of(&m, 0), 0);
   mock_run(&m, 4000);
@@ -209,8 +207,7 @@ TEST(test_lost_card, "DRV-7 DRV-12") {
 
 TEST(test_slow_interval_panics, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
-  unsigned us = 80000;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  call(mc, MSETINTERVAL, 80000);
   enable(mc);
   mock_run(&m, 80000);
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
@@ -274,8 +271,7 @@ static void strike(struct mock *mock) {
 TEST(test_calibration_never_reports_another_count, "DRV-8") {
   for (strike_at = 1; strike_at < 20; strike_at++) {
     struct mc *mc = mock_open(&m, 1);
-    int axis = 0;
-    CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+    call(mc, MCALIB, 0);
     m.card[0].count[0] = 70;
     m.logging = 1;
     m.on_access = strike;
@@ -292,10 +288,9 @@ TEST(test_calibration_never_reports_another_count, "DRV-8") {
 
 TEST(test_mode_change_under_power_does_not_jump, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  int32_t set = 30;
   set_mode_within(mc, 0, MD_VEL, 0);
   enable(mc);
-  CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+  DEMAND(mc, 30);
   m.card[0].count[0] = 5000;
   mock_run(&m, 8000);
   set_mode_within(mc, 0, MD_POS, 0);

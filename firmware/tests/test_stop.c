@@ -150,7 +150,6 @@ TEST(test_no_error_of_the_old_mode_after_a_stop, "DRV-6 SRV-6") {
   for (int i = 0; i < 8; i++) {
     struct mc *mc = listening(1);
     struct mc_param par = param_of(mc, 0);
-    int32_t set = 100;
     par.mode = modes[i / 2];
     par.ilim = 30;
     par.ilimax = 3;
@@ -161,7 +160,7 @@ TEST(test_no_error_of_the_old_mode_after_a_stop, "DRV-6 SRV-6") {
     m.card[0].count[0] = 2000;
     mock_run(&m, 70000);
     CHECK_EQ(enable(mc, 0), 0);
-    CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+    DEMAND(mc, 100);
     for (int pass = 0; pass < 50; pass++) {
       m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 3);
       mock_run(&m, 2000);
@@ -178,11 +177,10 @@ TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_POS | ZEROFB, MD_POS | ADFB};
   for (int i = 0; i < 5 * 4; i++) {
     struct mc *mc = listening(1);
-    int32_t set = 700;
     int how = i % 4;
     set_mode_within_100(mc, 0, modes[i / 4]);
     set_mode_within_100(mc, 1, MD_POS | POSCHK);
-    CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+    DEMAND(mc, 700);
     CHECK_EQ(enable(mc, 0), 0);
     for (int round = 0; round < 2; round++) {
       for (int pass = 0; pass < 10; pass++) {
@@ -191,7 +189,7 @@ TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
         mock_run(&m, 2000);
       }
       m.card[0].count[0] = (uint16_t)(100 + round);
-      CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
+      DEMAND(mc, 700);
       mock_run(&m, 4000);
       CHECK(mock_dac(&m, 0) != 0x800);
       if (round > 0) break;

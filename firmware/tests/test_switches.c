@@ -4,10 +4,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static void call(struct mc *mc, uint32_t request, unsigned arg) {
-  CHECK_EQ(mc_ioctl(mc, 0, request, &arg), 0);
-}
-
 static void enable(struct mc *mc) {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
 }
@@ -87,7 +83,6 @@ TEST(test_setting_an_encoder_is_no_movement_and_no_crossing, "DRV-10 SRV-6") {
 static void move_along(int mode, int renumbered, int32_t seen[][3]) {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param par = param_of(mc, 0);
-  int32_t there = 15;
   par.mode = mode;
   par.a0 = 9; /* proportional, derivative, and an integrator */
   par.a1 = -6;
@@ -97,7 +92,7 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
   par.adc_b = -2040;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
   enable(mc);
-  if ((mode & MD_MASK) == MD_POS) CHECK_EQ(mc_write(mc, 0, &there, 4), 4);
+  if ((mode & MD_MASK) == MD_POS) DEMAND(mc, 15);
   for (int pass = 0; pass < 20; pass++) {
     m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + pass % 5);
     if (renumbered && pass == 8) call(mc, MSETENC, (unsigned)(-3000 & 0xFFFF) << 8);
@@ -200,10 +195,9 @@ TEST(test_double_buffering, "DRV-12") {
 TEST(test_stop_turns_modes_off_and_leaves_the_switches, "DRV-6 DRV-9") {
   struct mc *mc = mock_open(&m, 2);
   struct mc_param par;
-  int32_t values[4] = {1, 2, 3, 4};
   for (int axis = 0; axis < 4; axis++)
     set_mode_within_100(mc, axis, MD_POS | POSCHK | SOFTERR | COULCOMP);
-  CHECK_EQ(mc_write(mc, 0, values, 16), 16); /* never enabled */
+  DEMAND(mc, 1, 2, 3, 4); /* never enabled */
   mock_run(&m, 4100);
   for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(10 * axis + 5);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);

@@ -87,9 +87,8 @@ TEST(test_no_adaptor, "DRV-2") {
 
 TEST(test_timer_programming, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
-  unsigned us = 1000;
   m.logging = 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+  call(mc, MSETINTERVAL, 1000);
   static const struct mock_access want[] = {
       W(0x409, 0x38),                                 /* latches held clear */
       W(0x407, 0x70),                                 /* timer 1: SCLOCK low */
@@ -178,12 +177,12 @@ TEST(test_adc_times_out, "DRV-11") {
 
 TEST(test_modes_act_on_hardware, "DRV-12") {
   struct mc *mc = mock_open(&m, 2);
-  int on = 1, led = 0x102, diag = M_ENDIAG, bad = 4;
-  CHECK_EQ(mc_ioctl(mc, 0, MDACMODE, &on), 0);
+  int bad = 4;
+  call(mc, MDACMODE, 1);
   CHECK_EQ(m.card[0].b, 0x0D);
-  CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &led), 0);
+  call(mc, MSETLED, 0x102);
   CHECK_EQ(m.card[1].a, 0x0D);
-  CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &diag), 0);
+  call(mc, MDIAGMODE, M_ENDIAG);
   CHECK_EQ(m.card[1].b, 0x0C);
   CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &bad), -MC_EINVAL);
   CHECK_EQ(m.card[1].b, 0x0C);
@@ -191,9 +190,8 @@ TEST(test_modes_act_on_hardware, "DRV-12") {
 
 TEST(test_set_encoder_traffic, "DRV-10") {
   struct mc *mc = mock_open(&m, 1);
-  unsigned arg = 0xFF9C01;
   m.logging = 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &arg), 0);
+  call(mc, MSETENC, 0xFF9C01);
   static const struct mock_access want[] = {
       R(0x005), R(0x00D),       R(0x00F),       R(0x005), R(0x00D), R(0x00F), /* where it was */
       R(0x005), W(0x00D, 0xFF), W(0x00F, 0x9C), /* port C: a new pair */
@@ -210,10 +208,9 @@ TEST(test_set_encoder_traffic, "DRV-10") {
 
 TEST(test_new_interval_at_any_phase_misses_nothing, "DRV-7") {
   struct mc *mc = mock_open(&m, 1);
-  unsigned us = 2000;
   for (int phase = 0; phase < 2000; phase += 37) {
     mock_run(&m, 20000 + phase);
-    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    call(mc, MSETINTERVAL, 2000);
     mock_run(&m, 8000);
     CHECK_EQ(mc_stats_of(mc)->missed, 0);
   }

@@ -138,13 +138,13 @@ TEST(test_lists_are_the_same_accesses, "DRV-7 DRV-11") {
 TEST(test_requests_report_a_dead_adaptor, "DRV-3 DRV-6") {
   for (int kind = 0; kind < 4; kind++) { /* reads or writes fail, with lists or without */
     struct mc *mc = faulty(kind & 1);
-    unsigned us = 1000, where = 1, light = 0x100, on = 1, got = 0;
+    unsigned us = 1000, where = 1, light = 0x100, on = 1;
     int axis = 0;
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     bad_reads = kind & 2;
     bad_writes = !bad_reads;
     CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &where), -MC_EIO);
-    CHECK_EQ(mc_ioctl(mc, 0, MGETINTERVAL, &got), 0); /* needs no hardware */
+    call(mc, MGETINTERVAL, 0); /* needs no hardware */
     if (bad_writes) {
       CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &light), -MC_EIO);
       CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), -MC_EIO);

@@ -51,12 +51,25 @@ static inline void set_mode(struct mc *mc, int axis, int mode) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }
 
+/* A request of the first client whose argument is a number, and which succeeds. */
+static inline void call(struct mc *mc, uint32_t request, int64_t arg) {
+  uint32_t word = (uint32_t)arg;
+  CHECK_EQ(mc_ioctl(mc, 0, request, &word), 0);
+}
+
+/* Setpoints of the first axes, by the first client. */
+#define DEMAND(mc, ...)                                                 \
+  do {                                                                  \
+    const int32_t demand_[] = {__VA_ARGS__};                            \
+    CHECK_EQ(mc_write(mc, 0, demand_, sizeof demand_), sizeof demand_); \
+  } while (0)
+
 static inline int errcode_of(const struct mock *m, int axis) {
   return mc_state_of(m->memory, axis)->errcode;
 }
 
 static inline void calibrate(struct mc *mc, int axis) {
-  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
+  call(mc, MCALIB, axis);
 }
 
 /* The index of an axis passes at the count `at`, and the axis goes on. */
