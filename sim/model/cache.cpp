@@ -132,7 +132,6 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   t->in = in;
   t->to = to;
   t->sources = draft.sources;
-  t->asks = draft.asks;
   t->rests = draft.rests;
   t->near = draft.near;
   t->tells = draft.tells;
@@ -229,9 +228,8 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
       }
     }
     if (!carried) {
-      if (cell.margin >= 0) return false;
-      t->asks |= 1u << c;
-      continue;
+      t->computed = cell.margin < 0;
+      return false;
     }
     uint32_t inputs = 0;  // which bits follow data inputs
     for (const auto &[place, mask] : terms) {
@@ -255,7 +253,7 @@ bool Cache::explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, D
   for (size_t c = 0; c < cells_.size(); ++c) {
     if (cells_[c].in && looked >> c & 1) t->sources |= 1u << c;
   }
-  t->rests = clock && !t->asks && (looked & counted) == 0;
+  t->rests = clock && (looked & counted) == 0;
   return true;
 }
 

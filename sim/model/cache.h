@@ -52,7 +52,8 @@ struct Count {
 // What a transition is before its place in memory is known.
 struct Draft {
   bool rests = false, near = false, tells = true;
-  uint32_t sources = 0, asks = 0;
+  bool computed = false;  // a cell became what no other one was: there is no such transition
+  uint32_t sources = 0;
   std::vector<Copy> copies;
   std::vector<Count> counts;
   std::vector<Copy> shown;
@@ -71,12 +72,11 @@ struct Transition {
     Transition *cases;       // where data decide: by their values; it leads nowhere itself
   };
   uint32_t sources = 0;                                    // data inputs that it looks at
-  uint32_t asks = 0;                                       // cells that the model computes
   uint8_t copy_count = 0, out_count = 0, count_count = 0;  // out: copies to outputs, the first
   uint8_t shown_count = 0;
   Alike alike = Alike::kUnknown;
   uint8_t met = 0;  // how often, until it is worth learning
-  bool is_case : 1, by_value : 1;
+  bool is_case : 1;  // of one that data decide, by their values
   bool rests : 1;  // from a state to itself, and it may go on
   bool near : 1;   // a counter may come to its margin, or from it
   bool tells : 1;  // outputs that somebody looks at move

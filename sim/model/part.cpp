@@ -60,7 +60,6 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
       cells.push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false,
                        row.kind == Kind::kDecides, 0});
       cell_ports_.push_back(nullptr);
-      fields_.push_back({place.net, 0, nullptr});
     }
     places_.push_back(std::make_unique<Place>(place));
     places_by_row_[r] = places_.back().get();
@@ -69,10 +68,9 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     const SliceRow &row = table.slices[s];
     const Place *place = places_by_row_[static_cast<size_t>(row.reg)];
     if (!place) continue;
-    slices_.push_back(static_cast<int>(cells.size()));
+    slices_.push_back({static_cast<int>(cells.size()), row.lsb, place});
     cells.push_back({mask_of(row.width), -1, false, false, false, row.kind == Kind::kDecides, 0});
     cell_ports_.push_back(nullptr);
-    fields_.push_back({place->net, row.lsb, place});
   }
   if (register_bytes_ > kMostBytes) throw std::logic_error("a part with too many registers");
   int ins = 0;
@@ -95,7 +93,6 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
       cells.push_back(
           {mask_of(row.width), -1, false, !row.out, row.out, row.kind == Kind::kDecides, 0});
       cell_ports_.push_back(port.get());
-      fields_.push_back({port->net, 0, nullptr});
     } else {
       port->at = row.out ? static_cast<int>(out_ports_.size()) : ins;
       port->mask = bits(row.width, port->at);
@@ -140,7 +137,7 @@ void Part::near(const Transition &t) {
   if (near == state_->near) return;
   Transition &known = const_cast<Transition &>(t);
   if (!known.other || known.other->near != near || known.other->in != in_)
-    known.other = state_of(state_->registers(), t.by_value);
+    known.other = state_of(state_->registers(), t.is_case);
   state_ = known.other;
 }
 
@@ -149,7 +146,7 @@ void Part::ask(Transition **at, bool clock) {
   if (!*at) *at = cache->add({}, in_, nullptr);
   if (!(*at)->to && (*at)->cases) at = case_of(*at);
   Transition *t = *at;
-  const bool known = t->met == kMet && !t->asks;
+  const bool known = t->met == kMet;
   if (t->met < kMet) {
     ++t->met;
     if (t->met == kMet) t = *at = learn(clock, t);
@@ -167,7 +164,6 @@ void Part::ask(Transition **at, bool clock) {
     uint32_t cells[kMostCells] = {};
     const uint64_t out = look(registers, cells);
     perform(*t);
-    take(t->asks);
     bool same = out == out_ && !std::memcmp(registers, state_->registers(), register_bytes_);
     for (size_t c = 0; c < cache->cells().size(); ++c) {
       same = same && (cache->cells()[c].in || cells[c] == cells_[c]);
@@ -175,12 +171,7 @@ void Part::ask(Transition **at, bool clock) {
     if (!same) throw std::logic_error(model->name() + ": the cache differs from the model");
     return;
   }
-  if (t->asks) {
-    put_state();
-    op(clock);
-  }
   perform(*t);
-  if (t->asks) take(t->asks);
 }
 
 // The cache does not know its state.
@@ -280,7 +271,7 @@ void Part::look_ahead(State *s) {
   s->rests = s->ends && clocks.empty();
   s->still = s->rests && s->clock->count_count == 0;
   if (clocks.size() > 1) s->ahead = join(s, clocks);
-  if (clocks.empty() || s->ends || !t->to || t->near || t->asks) return;
+  if (clocks.empty() || s->ends || !t->to || t->near) return;
   clocks.push_back(t);
   s->told = join(s, clocks);
 }
@@ -311,7 +302,7 @@ Transition *Part::join(const State *from, const std::vector<const Transition *> 
   }
   moved_ = moved;
   Draft draft;
-  if (!cache->explain(seen, fixed, true, &draft) || draft.asks || draft.near) return nullptr;
+  if (!cache->explain(seen, fixed, true, &draft) || draft.near) return nullptr;
   draft.rests = false;
   return cache->add(draft, from->in, clocks.back()->to);
 }

@@ -169,7 +169,6 @@ class Part {
   Transition *learn(bool clock, Transition *met);
   Transition **case_of(Transition *t);
   bool decided() const;
-  void take(uint32_t cells);
   bool holds(const Transition &t) const;
   int64_t room(const Transition &t) const;
   void count(const Transition &t, int64_t clocks);
@@ -218,7 +217,7 @@ class Part {
     }
     return cells;
   }
-  State *state_of(const uint8_t *registers, bool by_value);
+  State *state_of(const uint8_t *registers, bool is_case);
   void put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in);
   uint64_t look(uint8_t *registers, uint32_t *cells) const;
   uint64_t look_at_outputs(uint32_t *cells) const;
@@ -249,13 +248,11 @@ class Part {
   size_t register_bytes_ = 0;
   std::vector<std::unique_ptr<PartPort>> ports_;
   std::vector<const PartPort *> out_ports_, cell_ports_;
-  struct Field {
-    Net net;
-    int lsb;
-    const Place *within;  // a control register, of which it is some bits
+  struct Slice {  // a cell that is bits of a control register
+    int cell, lsb;
+    const Place *within;
   };
-  std::vector<Field> fields_;                  // the cells in the model
-  std::vector<int> slices_;                    // cells that are bits of a control register
+  std::vector<Slice> slices_;
   std::vector<std::pair<Net, bool>> decides_;  // nets at which data decide, and at which level
   std::vector<std::unique_ptr<Place>> places_;
   std::vector<Place *> places_by_row_;

@@ -51,9 +51,9 @@ void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t i
       copy_bytes(place->net.at, registers + place->at, place->net.bytes);
     }
   }
-  for (int c : slices_) {
-    const Field &f = fields_[static_cast<size_t>(c)];
-    f.net.put(f.net.get() | static_cast<uint64_t>(cells[c]) << f.lsb);
+  for (const Slice &s : slices_) {
+    const Net &net = s.within->net;
+    net.put(net.get() | static_cast<uint64_t>(cells[s.cell]) << s.lsb);
   }
   put_inputs(cells, in);
   model->settle();
@@ -69,14 +69,13 @@ uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
       copy_bytes(registers + place->at, place->net.at, place->net.bytes);
     }
   }
-  for (int c : slices_) {
-    const Field &f = fields_[static_cast<size_t>(c)];
-    const uint64_t mask = cache->cells()[static_cast<size_t>(c)].mask;
+  for (const Slice &s : slices_) {
+    const uint64_t mask = cache->cells()[static_cast<size_t>(s.cell)].mask;
     uint64_t own = 0;
-    copy_bytes(&own, registers + f.within->at, f.within->net.bytes);
-    cells[c] = static_cast<uint32_t>(own >> f.lsb & mask);
-    own &= ~(mask << f.lsb);
-    copy_bytes(registers + f.within->at, &own, f.within->net.bytes);
+    copy_bytes(&own, registers + s.within->at, s.within->net.bytes);
+    cells[s.cell] = static_cast<uint32_t>(own >> s.lsb & mask);
+    own &= ~(mask << s.lsb);
+    copy_bytes(registers + s.within->at, &own, s.within->net.bytes);
   }
   return look_at_outputs(cells);
 }
@@ -99,18 +98,6 @@ bool Part::decided() const {
   bool found = false;
   for (const auto &[net, level] : decides_) found = found || (net.get() != 0) == level;
   return found;
-}
-
-// The model is where the transition led, and has these cells.
-void Part::take(uint32_t cells) {
-  for (; cells; cells &= cells - 1) {
-    const int c = __builtin_ctz(cells);
-    const Field &f = fields_[c];
-    const uint32_t value = static_cast<uint32_t>(f.net.get() >> f.lsb) & cache->cells()[c].mask;
-    if (cells_[c] != value && cache->cells()[c].out) moved_ |= 1u << c;
-    cells_[c] = value;
-  }
-  live_ = true;
 }
 
 void Part::op(bool clock) {
@@ -161,11 +148,11 @@ void Part::store() {
   if (cached_) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
 }
 
-// The state with these registers, the cells and inputs as they are; by_value: its outputs may be by
+// The state with these registers, the cells and inputs as they are; is_case: its outputs may be by
 // the values of cells.
-State *Part::state_of(const uint8_t *registers, bool by_value) {
+State *Part::state_of(const uint8_t *registers, bool is_case) {
   const uint64_t near = cache->near(cells_);
-  State *known = by_value ? nullptr : cache->find(registers, near, in_, nullptr);
+  State *known = is_case ? nullptr : cache->find(registers, near, in_, nullptr);
   if (known) return known;
   put_state(registers, cells_, in_);
   uint8_t unused[kMostBytes];
@@ -175,12 +162,12 @@ State *Part::state_of(const uint8_t *registers, bool by_value) {
 
 // Of a transition that data decide: the case that the cells are.
 Transition **Part::case_of(Transition *t) {
-  const uint64_t values = t->cases->by_value ? cache->values(cells_) : 0;
+  const uint64_t values = cache->values(cells_);
   Transition **at = &t->cases;
   while (*at && (*at)->in != values) at = &(*at)->next;
   if (!*at) {
     *at = cache->add({}, values, nullptr);
-    (*at)->is_case = (*at)->by_value = true;
+    (*at)->is_case = true;
   }
   return at;
 }
@@ -189,7 +176,7 @@ Transition *Part::learn(bool clock, Transition *met) {
   State *from = state_;
   const auto &cells = cache->cells();
   uint32_t fixed = cache->fixed(from->near, in_), valued = 0;
-  if (met->by_value) {
+  if (met->is_case) {
     for (size_t c : cache->deciding()) valued |= 1u << c;
   }
   fixed |= valued;
@@ -231,7 +218,7 @@ Transition *Part::learn(bool clock, Transition *met) {
     look_at_outputs(s.before);
     const bool before = decided();
     op(clock);
-    if ((before || decided()) && !met->by_value) same = false;
+    if ((before || decided()) && !met->is_case) same = false;
     const uint64_t outs = look(set ? others : registers, s.after);
     if (set) same = same && outs == out && !std::memcmp(registers, others, register_bytes_);
     out = outs;
@@ -241,11 +228,11 @@ Transition *Part::learn(bool clock, Transition *met) {
   Draft draft;
   Transition *t = met;
   const bool found = same && cache->explain(seen, fixed, clock, &draft);
-  if (found && (!draft.asks || met->is_case)) {
+  if (found) {
     t = cache->add(draft, met->in, nullptr);
     const uint32_t moved = moved_;
     apply(*t);  // what is shown does not matter
-    t->to = state_of(registers, met->by_value);
+    t->to = state_of(registers, met->is_case);
     t->rests = t->rests && t->to == from;
     t->tells = ((t->to->out ^ from->out) & shown_out_) != 0;
     const uint32_t shown = selected(shown_cells_, from->out) | selected(shown_cells_, t->to->out);
@@ -254,11 +241,9 @@ Transition *Part::learn(bool clock, Transition *met) {
     moved_ = moved;
     t->next = met->next;
     t->is_case = met->is_case;
-    t->by_value = met->by_value;
-  } else if (!met->is_case && (found || !cache->deciding().empty())) {
-    t->cases = cache->add({}, found ? 0 : cache->values(cells_), nullptr);
+  } else if (!met->is_case && !draft.computed && !cache->deciding().empty()) {
+    t->cases = cache->add({}, cache->values(cells_), nullptr);
     t->cases->is_case = true;
-    t->cases->by_value = !found;
     t->cases->met = kMet - 1;  // it has been met often enough
   }
   t->met = kMet;
@@ -311,9 +296,8 @@ uint64_t Part::read(const Place &place) const {
   if (place.cell >= 0) return cells_[place.cell];
   uint64_t value = 0;
   std::memcpy(&value, state_->registers() + place.at, static_cast<size_t>(place.net.bytes));
-  for (int c : slices_) {
-    const Field &f = fields_[static_cast<size_t>(c)];
-    if (f.within == &place) value |= static_cast<uint64_t>(cells_[c]) << f.lsb;
+  for (const Slice &s : slices_) {
+    if (s.within == &place) value |= static_cast<uint64_t>(cells_[s.cell]) << s.lsb;
   }
   return value;
 }
