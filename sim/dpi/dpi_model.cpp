@@ -14,25 +14,30 @@ namespace {
 
 constexpr int kResetClks = 64;  // as the other builds: clock 0 is the first after them
 
-class DpiModel : public Model, private Ports {
+[[noreturn]] void refuse() {
+  throw std::runtime_error("through DPI no register can be read or written");
+}
+
+class DpiModel : public Model {
  public:
-  DpiModel() : pins_(*this, Bench::only().cards()) {
+  DpiModel() {
     pins_.power_on();
     for (int n = 0; n < kResetClks; ++n) {
       if (n == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
       clock_once();
     }
-    lines_ = shown_;
+    lines_ = shown_lines_;
   }
 
   Stop run(int64_t n, int dtack, int64_t *ran) override {
     const int64_t begin = clock_;
     Stop stop = Stop::kDone;
     while (clock_ < begin + n) {
-      const bool moved = lines_ != shown_;
-      lines_ = shown_;
+      const bool moved = lines_ != shown_lines_;
+      lines_ = shown_lines_;
       clock_once();
       ++clock_;
+      ++evals_;
       if (moved) {
         stop = Stop::kLines;
         break;
@@ -46,15 +51,8 @@ class DpiModel : public Model, private Ports {
     return stop;
   }
 
-  int64_t clock() const override { return clock_; }
-  uint64_t evals() const override { return static_cast<uint64_t>(clock_); }
-  void set_evals(uint64_t) override {}
-  bool was_upset() const override { return false; }
-  void set_upset(bool) override {}
-  unsigned lines() const override { return lines_; }
   bool dtack() const override { return !(bench_.vme >> MMCS_DPI_DTACK & 1); }
   bool alive() const override { return bench_.lines >> MMCS_DPI_ALIVE & 1; }
-  Pins &pins() override { return pins_; }
   int16_t drive(int axis) const override {
     return static_cast<int16_t>(bits_of(bench_.drive, 16 * axis, 16));
   }
@@ -67,15 +65,8 @@ class DpiModel : public Model, private Ports {
   }
   uint64_t read(int) override { refuse(); }
   void upset(int, uint64_t) override { refuse(); }
-  std::vector<uint8_t> save() override { refuse(); }
-  void restore(const std::vector<uint8_t> &) override { refuse(); }
-  bool trace(const std::string &) override { return false; }
-  const std::string &failure() const override { return failure_; }
 
  private:
-  [[noreturn]] static void refuse() {
-    throw std::runtime_error("through DPI no register can be read or written");
-  }
   void put(Port port, int lsb, int width, uint64_t value) override {
     bench_.put(port, lsb, width, value);
   }
@@ -84,21 +75,18 @@ class DpiModel : public Model, private Ports {
   }
   void stick(const std::string &, uint64_t, uint64_t) override { refuse(); }
   void stop_clock(bool) override { refuse(); }
-  uint64_t look(const std::string &) override { refuse(); }
+  void put_back(const Saved &) override { refuse(); }
 
   void clock_once() {
     if (pins_.waiting()) pins_.apply();
     bench_.clock();
     const uint32_t irq = ~(bench_.vme >> MMCS_DPI_IRQ) & 0x7F, lines = bench_.lines;
-    shown_ = irq << 1 | (lines >> MMCS_DPI_PANIC & 1) << 8 |
-             (lines >> MMCS_DPI_BRAKE_RELEASE & 1) << 9 | (lines >> MMCS_DPI_SCLOCK & 1) << 10;
+    shown_lines_ = irq << 1 | (lines >> MMCS_DPI_PANIC & 1) << 8 |
+                   (lines >> MMCS_DPI_BRAKE_RELEASE & 1) << 9 |
+                   (lines >> MMCS_DPI_SCLOCK & 1) << 10;
   }
 
   Bench &bench_ = Bench::only();
-  Pins pins_;
-  int64_t clock_ = 0;
-  unsigned lines_ = 0, shown_ = 0;  // as the engine sees them, a clock after they move
-  const std::string failure_;       // an assertion ends the simulator, and tells by itself
 };
 
 }  // namespace
@@ -128,7 +116,13 @@ uint16_t Model::encoder_register(int axis) {
   return static_cast<uint16_t>(bits_of(Bench::only().counters, 16 * axis, 16));
 }
 uint64_t Model::digest() {
-  throw std::runtime_error("through DPI no register can be read or written");
+  refuse();
+}
+std::vector<uint8_t> Model::save() {
+  refuse();
+}
+void Model::restore(const std::vector<uint8_t> &) {
+  refuse();
 }
 
 const std::vector<Register> &registers() {

@@ -75,13 +75,13 @@ struct Transition {
   uint8_t copy_count = 0, out_count = 0, count_count = 0;  // out: copies to outputs, the first
   uint8_t shown_count = 0;
   Alike alike = Alike::kUnknown;
-  uint8_t met = 0;  // how often, until it is worth learning
+  uint8_t met = 0;   // how often, until it is worth learning
   bool is_case : 1;  // of one that data decide, by their values
-  bool rests : 1;  // from a state to itself, and it may go on
-  bool near : 1;   // a counter may come to its margin, or from it
-  bool tells : 1;  // outputs that somebody looks at move
-  bool moves : 1;  // it has copies or counts
-  bool swaps : 1;  // a copy reads what one before it writes
+  bool rests : 1;    // from a state to itself, and it may go on
+  bool near : 1;     // a counter may come to its margin, or from it
+  bool tells : 1;    // outputs that somebody looks at move
+  bool moves : 1;    // it has copies or counts
+  bool swaps : 1;    // a copy reads what one before it writes
 
   template <class T>
   struct Span {

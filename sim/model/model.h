@@ -43,12 +43,19 @@ struct CacheFigures {
 
 enum class Stop { kDone, kLines, kDtack, kReport, kFailed };
 
-class Model {
+// What a snapshot of the hardware holds: registers in the order of registers(), so that every build
+// understands it, and the pins.
+struct Saved {
+  int64_t clock = 0;
+  unsigned lines = 0;
+  std::vector<uint64_t> registers, pins;
+};
+
+class Model : protected Ports {
  public:
   // skip: boards at rest get no clock, if the build can. two_evals: Verilator's own eval() at both
   // edges of the clock.
   static std::unique_ptr<Model> create(bool two_evals, bool skip, uint64_t seed);
-  virtual ~Model() = default;
 
   static int cards();
   static int clk_hz();
@@ -59,18 +66,18 @@ class Model {
   // Advances up to n clocks. Stops after the clock in which a line changed, or, if dtack is 0 or
   // 1, in which DTACK* has that level. *ran: clocks that passed.
   virtual Stop run(int64_t n, int dtack, int64_t *ran) = 0;
-  virtual int64_t clock() const = 0;
-  virtual uint64_t evals() const = 0;
-  virtual void set_evals(uint64_t) = 0;  // a count, and no part of the state
+  int64_t clock() const { return clock_; }
+  uint64_t evals() const { return evals_; }
+  void set_evals(uint64_t evals) { evals_ = evals; }  // a count, and no part of the state
   // There has been an upset, or a line that was held: assertions end nothing any more. No part of
   // the state either.
-  virtual bool was_upset() const = 0;
-  virtual void set_upset(bool) = 0;
-  virtual unsigned lines() const = 0;
+  bool was_upset() const { return upset_; }
+  void set_upset(bool upset) { upset_ = upset; }
+  unsigned lines() const { return lines_; }
   virtual bool dtack() const = 0;  // DTACK* is low
   virtual bool alive() const = 0;  // level of the adaptor's sign of life
 
-  virtual Pins &pins() = 0;
+  Pins &pins() { return pins_; }
   // "" or why this machine has no such input; Pin::kCount: an upset.
   virtual std::string cannot(Pin) const { return ""; }
   // All edges of encoders that come from now on, in order. False: each is to be set at its clock.
@@ -106,22 +113,33 @@ class Model {
   uint64_t digest();  // of all registers
 
   // Everything that changes in the RTL, as bytes that every build of the machine understands.
-  virtual std::vector<uint8_t> save() = 0;
-  virtual void restore(const std::vector<uint8_t> &state) = 0;
+  virtual std::vector<uint8_t> save();
+  virtual void restore(const std::vector<uint8_t> &state);
 
   // Starts a trace now, ends one that runs; "" only ends it.
-  virtual bool trace(const std::string &path) = 0;
+  virtual bool trace(const std::string &) { return false; }
   // After each clock, what of these nets has changed; -1: there is no such net, or no way
   // (mmcs_sim.h).
   virtual int watch(const std::string &) { return -1; }
   const std::vector<mmcs_change> &changes() const { return changes_; }
   // The sentence of the first assertion that failed, or empty.
-  virtual const std::string &failure() const = 0;
+  const std::string &failure() const { return failure_; }
   // The first that failed since the last upset, which run() does not end at; asking forgets it.
   virtual std::string take_doubt() { return ""; }
   virtual std::vector<CacheFigures> cache_figures() const { return {}; }
 
  protected:
+  virtual void put_back(const Saved &state) = 0;
+  void disturb() override { upset_ = true; }
+  uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
+
+  Pins pins_{*this, cards()};
+  int64_t clock_ = 0;
+  uint64_t evals_ = 0;
+  unsigned lines_ = 0, shown_lines_ = 0;  // as run() tells them, a clock after they move
+  bool upset_ = false;
+  bool stopped_ = false;  // no clock comes
+  std::string failure_;
   std::vector<mmcs_change> changes_;
 };
 

@@ -2,7 +2,6 @@
 // See part.h: a part and its Verilated model, which is run where the cache does not know.
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "part.h"
 

@@ -70,7 +70,7 @@ class Ports {
   virtual void stick(const std::string &reg, uint64_t clear, uint64_t set) = 0;
   virtual uint64_t look(const std::string &reg) = 0;
   // A line of a bus breaks its rules from now on: checkers have nothing to say any more.
-  virtual void disturb() {}
+  virtual void disturb() = 0;
   virtual void stop_clock(bool stopped) = 0;
 };
 

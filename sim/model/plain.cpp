@@ -10,7 +10,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "state.h"
 #include "verilated.h"
 #include "wires.h"
 
@@ -71,7 +70,7 @@ void put_bits(const Net &net, int lsb, int width, uint64_t value) {
 
 }  // namespace
 
-Plain::Plain(uint64_t seed) : context_(create_context(seed)), pins_(*this, kWires.cards) {
+Plain::Plain(uint64_t seed) : context_(create_context(seed)) {
   context_->fatalOnError(false);
   context_->traceEverOn(MMCS_TRACE);
   context_->timeunit(-9);
@@ -162,10 +161,10 @@ void Plain::clock_once() {
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
   before_clock();
   half(true, t);
-  put_back();
+  stick();
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
-  put_back();  // a pin may have begun a reset
+  stick();  // a pin may have begun a reset
   after_clock();
   if (held_) {
     idle_clks_ = idle() ? idle_clks_ + 1 : 0;
@@ -175,7 +174,7 @@ void Plain::clock_once() {
 }
 
 // What sticks, as it sticks.
-void Plain::put_back() {
+void Plain::stick() {
   bool changed = false;
   for (const Poke &p : pokes_) {
     const uint64_t before = p.net.get(), after = (before & ~p.clear) | p.set;
@@ -313,29 +312,13 @@ void Plain::upset(int reg, uint64_t bits) {
   upset_ = true;
   doubted_ = false;
   written();
-  put_back();  // a bit that sticks does not flip
+  stick();  // a bit that sticks does not flip
   look_at_lines();
 }
 
-std::vector<uint8_t> Plain::save() {
-  use(context_);
-  Saved state;
-  for (size_t reg = 0; reg < nets_.size(); ++reg) {
-    state.registers.push_back(read(static_cast<int>(reg)));
-  }
-  state.pins = pins_.save();
-  state.clock = clock_;
-  state.lines = lines_;
-  return state.pack();
-}
-
 // What the bus checkers remember is of the time before: they begin anew, as after power-on.
-void Plain::restore(const std::vector<uint8_t> &bytes) {
+void Plain::put_back(const Saved &state) {
   use(context_);
-  const Saved state = Saved::unpack(bytes);
-  if (state.registers.size() != registers().size()) {
-    throw std::invalid_argument("a snapshot of another machine");
-  }
   clock_ = state.clock;
   pins_.restore(state.pins);
   clk_.put(0);
@@ -347,7 +330,7 @@ void Plain::restore(const std::vector<uint8_t> &bytes) {
     if (round == 0) board_->eval();
   }
   look_at_lines();
-  lines_ = static_cast<unsigned>(state.lines);
+  lines_ = state.lines;
 }
 
 void Plain::host_phase([[maybe_unused]] unsigned phase, [[maybe_unused]] uint32_t pc) {

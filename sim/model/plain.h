@@ -17,32 +17,22 @@
 
 namespace mmcs {
 
-class Plain : public Model, protected Ports {
+class Plain : public Model {
  public:
   explicit Plain(uint64_t seed);
   ~Plain() override;
 
   void power_on();
   Stop run(int64_t n, int dtack, int64_t *ran) override;
-  int64_t clock() const override { return clock_; }
-  uint64_t evals() const override { return evals_; }
-  void set_evals(uint64_t evals) override { evals_ = evals; }
-  bool was_upset() const override { return upset_; }
-  void set_upset(bool upset) override { upset_ = upset; }
-  unsigned lines() const override { return lines_; }
   bool dtack() const override { return dtack_ && dtack_.get() == 0; }
   bool alive() const override { return alive_.get() != 0; }
   int16_t drive(int axis) const override;
   unsigned leds(int card) const override;
-  Pins &pins() override { return pins_; }
   unsigned vme_sample() override;
   uint64_t read(int reg) override { return nets_[static_cast<size_t>(reg)].get(); }
   void upset(int reg, uint64_t bits) override;
-  std::vector<uint8_t> save() override;
-  void restore(const std::vector<uint8_t> &state) override;
   void host_phase(unsigned phase, uint32_t pc) override;
   bool trace(const std::string &path) override;
-  const std::string &failure() const override { return failure_; }
   std::string take_doubt() override { return std::exchange(doubt_, ""); }
 
  protected:
@@ -56,7 +46,8 @@ class Plain : public Model, protected Ports {
   void look_at_lines();
   void hold_checkers(bool held);
   bool idle() const;
-  void put_back();
+  void put_back(const Saved &state) override;
+  void stick();
   void written();
   bool failed();
   // A variable below the top, or a port of it.
@@ -72,15 +63,12 @@ class Plain : public Model, protected Ports {
   virtual void host_pass(int64_t) {}
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
-  void disturb() override { upset_ = true; }
   void stop_clock(bool stopped) override { stopped_ = stopped; }
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
-  uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 
   const Context context_;
   std::unique_ptr<Board> board_;
-  Pins pins_;
   Net ports_[kPorts];
   Net clk_, dtack_, d_oe_, drive_, leds_, alive_;
   std::vector<Net> nets_;      // of registers()
@@ -95,15 +83,10 @@ class Plain : public Model, protected Ports {
 #if MMCS_TRACE
   std::unique_ptr<Waves> waves_;
 #endif
-  int64_t clock_ = 0;
-  bool held_ = false;     // the checkers are in reset
-  bool stopped_ = false;  // no clock comes
+  bool held_ = false;  // the checkers are in reset
   int idle_clks_ = 0, master_ = 0;
-  uint64_t evals_ = 0;
-  unsigned lines_ = 0, shown_lines_ = 0;
-  bool upset_ = false;    // the machine may be where no assertion expects it: they only tell
-  bool doubted_ = false;  // one has told since
-  std::string failure_, doubt_;
+  bool doubted_ = false;  // an assertion has told since the last upset
+  std::string doubt_;
 };
 
 }  // namespace mmcs

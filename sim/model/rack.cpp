@@ -31,7 +31,6 @@ Shelf &shelf() {
 Rack::Rack(bool slow, bool skip, uint64_t seed)
     : context_(create_context(seed)),
       wires_(*this),
-      pins_(*this, kWires.cards),
       slow_(slow),
       skip_(skip && !slow) {
   {

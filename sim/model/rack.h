@@ -33,7 +33,7 @@ struct Wire {
   uint64_t value() const { return through(get()); }
 };
 
-class Rack : public Model, protected Ports, private Listener {
+class Rack : public Model, private Listener {
  public:
   Rack(bool slow, bool skip, uint64_t seed);
   // The models take their names out of the context of the thread, which may be another machine's.
@@ -45,12 +45,6 @@ class Rack : public Model, protected Ports, private Listener {
     for (const auto &part : parts_) part->check = hits;
   }
   Stop run(int64_t n, int dtack, int64_t *ran) override;
-  int64_t clock() const override { return clock_; }
-  uint64_t evals() const override { return evals_; }
-  void set_evals(uint64_t evals) override { evals_ = evals; }
-  bool was_upset() const override { return upset_; }
-  void set_upset(bool upset) override { upset_ = upset; }
-  unsigned lines() const override { return lines_; }
   bool dtack() const override { return level() == 0; }
   bool alive() const override { return alive_->get() != 0; }
   int16_t drive(int axis) const override {
@@ -59,18 +53,13 @@ class Rack : public Model, protected Ports, private Listener {
   unsigned leds(int card) const override {
     return static_cast<unsigned>(leds_[static_cast<size_t>(card)]->value());
   }
-  Pins &pins() override { return pins_; }
   bool expect(std::vector<EncoderEdge> &edges) override;
   unsigned vme_sample() override;
 
   uint64_t read(int reg) override;
   void upset(int reg, uint64_t bits) override;
-  std::vector<uint8_t> save() override;
-  void restore(const std::vector<uint8_t> &state) override;
-  bool trace(const std::string &) override { return false; }
   int watch(const std::string &name) override;
   std::vector<CacheFigures> cache_figures() const override;
-  const std::string &failure() const override { return failure_; }
 
  protected:
   // A SoC's host is a board, too (soc_core.h). Around each clock of the machine that it gets:
@@ -142,10 +131,9 @@ class Rack : public Model, protected Ports, private Listener {
   std::vector<Watched> watched_;
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
-  void disturb() override { upset_ = true; }
   void stop_clock(bool stopped) override;
+  void put_back(const Saved &state) override;
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
-  uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 
   Wires wires_;
   std::map<std::string, std::shared_ptr<Cache>> caches_;  // by module
@@ -190,7 +178,6 @@ class Rack : public Model, protected Ports, private Listener {
   uint32_t listening_ = 0;
   unsigned heard_bus_[kBusPorts] = {};  // what they saw last
   bool bus_moved_ = false, dips_moved_ = true, commanded_ = true;
-  Pins pins_;
   std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on
   size_t next_coming_ = 0;
   int64_t coming_at_ = kNever;  // the edge after which the next of them stands at the ports
@@ -205,18 +192,13 @@ class Rack : public Model, protected Ports, private Listener {
   Part *host_ = nullptr;
   int64_t host_clock_ = 0, host_due_ = 0;  // the edge up to which the host is; its next
   std::vector<std::pair<const Wire *, int>> lines_of_;
-  int64_t clock_ = 0;
   // Parts: due at the next edge; at a later one before late_; from there on. The first later one;
   // 0: to be found.
   uint64_t due_next_ = 0, due_soon_ = 0, due_late_ = 0, every_ = 0;
   int64_t late_ = 0, first_later_ = 0, due_at_[64] = {};
-  uint64_t evals_ = 0, runs_ = 0;
-  unsigned lines_ = 0, shown_lines_ = 0;
+  uint64_t runs_ = 0;
   bool stop_lines_ = false;
   bool slow_, skip_;
-  bool upset_ = false;
-  bool stopped_ = false;  // no clock comes
-  std::string failure_;
 };
 
 }  // namespace mmcs

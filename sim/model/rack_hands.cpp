@@ -2,10 +2,8 @@
 // What is done to a rack from outside: ports, faults, registers read and flipped, snapshots.
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "rack.h"
-#include "state.h"
 
 namespace mmcs {
 
@@ -175,23 +173,8 @@ void Rack::look_at_watched() {
   }
 }
 
-std::vector<uint8_t> Rack::save() {
-  Saved state;
-  for (size_t reg = 0; reg < registers().size(); ++reg) {
-    state.registers.push_back(read(static_cast<int>(reg)));
-  }
-  state.pins = pins_.save();
-  state.clock = clock_;
-  state.lines = lines_;
-  return state.pack();
-}
-
-void Rack::restore(const std::vector<uint8_t> &bytes) {
+void Rack::put_back(const Saved &state) {
   use(context_);
-  const Saved state = Saved::unpack(bytes);
-  if (state.registers.size() != registers().size()) {
-    throw std::invalid_argument("a snapshot of another machine");
-  }
   for (const auto &part : parts_) {
     if (!stopped_) part->catch_up(clock_);
     part->pass(state.clock);
@@ -220,7 +203,7 @@ void Rack::restore(const std::vector<uint8_t> &bytes) {
   }
   plan_all();
   look_at_lines();
-  lines_ = static_cast<unsigned>(state.lines);
+  lines_ = state.lines;
 }
 
 }  // namespace mmcs
