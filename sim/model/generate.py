@@ -138,84 +138,67 @@ def port_rows(ports: list[tuple], driven: dict, select: dict | None = None) -> l
             for path, v, out, kind, heard, net in ports]  # fmt: skip
 
 
-def boards_text(netlist: Netlist, soc: bool) -> str:
-    out = ["// Made by sim/model/generate.py."]
-    rows = []
+def table(name: str, registers: list[str], slices: list[str], parts: list[str], nets: dict,
+          decides: list[str]) -> list[str]:  # fmt: skip
+    """A row of kBoards."""
+    out = [f'  {{"{name}",']
+    rows = [f'  {{"{port}", {net}}},' for port, net in nets.items()]
+    for what in (registers, slices, parts, rows, decides):
+        out += ["  {", *what, "  },"]
+    return [*out, "  },"]
+
+
+def part_rows(path: str, module: Module, ports: list[str]) -> list[str]:
+    return [f'  {{"{path}", "{module.name}", {{', *ports, "  }},"]
+
+
+def boards_text(netlist: Netlist, soc: list[str]) -> str:
+    out = ["// Made by sim/model/generate.py.", "static const std::vector<BoardTable> kBoards = {"]
     for name, module in boards(netlist).items():
         board = Board(netlist, module)
-        out.append(f"static const RegisterRow k_{name}_registers[] = {{")
+        registers, slices = [], []
         for i, r in sorted(board.registers, key=lambda x: (x[0].path, x[1])):
             scope, _, last = r.rpartition(".")
             path = ".".join(x for x in (i.path, scope) if x)
             margin = RULES["counters"].get(f"{i.module.name}.{r}")
             kind = board.kind(i.path, r) if margin is None else "Kind::kCounter"
-            out.append(f'  {{"{path}", "{last}", {i.module.vars[r].width}, {board.part(i.path)}, '
-                       f"{kind}, {-1 if margin is None else margin}}},")  # fmt: skip
-        out += ["};", f"static const SliceRow k_{name}_slices[] = {{"]
-        for row, (i, r) in enumerate(sorted(board.registers, key=lambda x: (x[0].path, x[1]))):
-            out += [
-                f"  {{{row}, {v.lsb}, {v.width}, {kind}}},"
-                for v, kind in board.slices(i, i.module.vars[r])
-                if kind != "Kind::kControl"
-            ]
-        out.append("};")
+            slices += [f"  {{{len(registers)}, {v.lsb}, {v.width}, {of_bits}}},"
+                       for v, of_bits in board.slices(i, i.module.vars[r])
+                       if of_bits != "Kind::kControl"]  # fmt: skip
+            least = -1 if margin is None else margin
+            registers.append(f'  {{"{path}", "{last}", {i.module.vars[r].width}, '
+                             f"{board.part(i.path)}, {kind}, {least}}},")  # fmt: skip
         ports, own = board.ports()
-        for n, rows_of in enumerate(ports):
+        parts: list[str] = []
+        for n, (part, rows) in enumerate(zip(board.parts, ports, strict=True)):
             # what a chip does not drive is ones: where the port is that tells
             driven = {}
-            for path, v, is_out, kind, _, _ in rows_of:
-                chip = board.modules[f"{board.parts[n].path}.{path}".strip(".")].name
+            for path, v, is_out, kind, _, _ in rows:
+                chip = board.modules[f"{part.path}.{path}".strip(".")].name
                 data = kind != "Kind::kControl" and not is_out
                 tells = CHIPS.get(chip, {}).get("driven") if path and data else None
-                for index, row in enumerate(rows_of):
+                for index, row in enumerate(rows):
                     if row[0] == path and row[1].name == tells:
                         driven[(path, v.name)] = index
-            rule = CHIPS.get(board.parts[n].module.name, {}) if n else {}
-            names = [row[1].name for row in rows_of]
+            rule = CHIPS.get(part.module.name, {}) if n else {}
+            names = [row[1].name for row in rows]
             select = {p: names.index(rule["select"]) for p in rule.get("bus", ())}
-            out += [f"static const PortRow k_{name}_ports{n}[] = {{",
-                    *port_rows(rows_of, driven, select)]  # fmt: skip
-            out.append("};")
-        out.append(f"static const PartRow k_{name}_parts[] = {{")
-        out += [f'  {{"{p.path}", "{p.module.name}", k_{name}_ports{n}, '
-                f"MMCS_COUNT(k_{name}_ports{n})}},"
-                for n, p in enumerate(board.parts)]  # fmt: skip
-        out += ["};", f"static const NetRow k_{name}_nets[] = {{"]
-        out += [f'  {{"{port}", {net}}},' for port, net in own.items()]
-        out += ["};", f"static const DecideRow k_{name}_decides[] = {{"]
-        out += [f'  {{"{path}", "{net.strip("!")}", {part}, {int(net[0] != "!")}}},'
-                for path, net, part in board.decides]  # fmt: skip
-        out.append("};")
-        rows.append(table_row(name))
-    if soc:
-        rows.append('  {"soc_host", nullptr, nullptr, k_soc_host_parts, k_soc_host_nets, nullptr, '
-                    "0, 0, 1, MMCS_COUNT(k_soc_host_nets), 0},")  # fmt: skip
-    out += ["static const BoardTable kBoards[] = {", *rows, "};"]
-    return "\n".join(out) + "\n"
+            parts += part_rows(part.path, part.module, port_rows(rows, driven, select))
+        decides = [f'  {{"{path}", "{net.strip("!")}", {part}, {int(net[0] != "!")}}},'
+                   for path, net, part in board.decides]  # fmt: skip
+        out += table(name, registers, slices, parts, own, decides)
+    return "\n".join([*out, *soc, "};"]) + "\n"
 
 
-def table_row(name: str) -> str:
-    tables = [f"k_{name}_{what}" for what in ("registers", "slices", "parts", "nets", "decides")]
-    return (
-        f'  {{"{name}", {", ".join(tables)}, '
-        + ", ".join(f"MMCS_COUNT({t})" for t in tables)
-        + "},"
-    )
-
-
-def host_text(module: Module, pins: dict, outer: dict) -> str:
+def host_rows(module: Module, pins: dict, outer: dict) -> list[str]:
     """The table of a SoC's host: ports only, as it rests by rules of its own (soc_core.cpp)."""
     nets = {e["name"] for e in outer.values() if e is not None and e["type"] == "VARREF"}
     met = [p for p in module.ports
            if "clk" not in p.name and (pins.get(p.name) or {}).get("name") in nets]  # fmt: skip
     rows = [("", p, p.direction == "OUTPUT", "Kind::kControl", False, n)
             for n, p in enumerate(met)]  # fmt: skip
-    out = ["static const PortRow k_soc_host_ports[] = {", *port_rows(rows, {}), "};",
-           'static const PartRow k_soc_host_parts[] = {{"", "soc_host", k_soc_host_ports, '
-           "MMCS_COUNT(k_soc_host_ports)}};",
-           "static const NetRow k_soc_host_nets[] = {"]  # fmt: skip
-    out += [f'  {{"{p.name}", {n}}},' for n, p in enumerate(met)]
-    return "\n".join([*out, "};"]) + "\n"
+    parts = part_rows("", module, port_rows(rows, {}))
+    return table("soc_host", [], [], parts, {p.name: n for n, p in enumerate(met)}, [])
 
 
 def decoder_text(netlist: Netlist) -> str:
@@ -305,8 +288,8 @@ def main() -> int:
         (out / "wires.cpp").write_text(wires_text(netlist, cards, soc))
     else:
         config(out, netlist)
-        table = host_text(*soc[1:]) if soc else ""
-        (out / "boards.inc").write_text(table + boards_text(netlist, soc is not None))
+        host_table = host_rows(*soc[1:]) if soc else []
+        (out / "boards.inc").write_text(boards_text(netlist, host_table))
         (out / "decoder.inc").write_text(decoder_text(netlist))
         models = dict.fromkeys([*RULES["boards"][host], *CHIPS, *(["soc_host"] if soc else [])])
         (out / "models.inc").write_text("".join(f"MMCS_MODEL_OF({m})\n" for m in models))

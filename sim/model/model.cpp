@@ -13,14 +13,13 @@
 namespace mmcs {
 namespace {
 
-#define MMCS_COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #include "boards.inc"
 
 std::vector<Register> all() {
   std::vector<Register> found;
   for (size_t n = 0; n < kWires.boards.size(); ++n) {
     const BoardTable &table = board_table(kWires.boards[n].module);
-    for (size_t row = 0; row < table.register_count; ++row) {
+    for (size_t row = 0; row < table.registers.size(); ++row) {
       const RegisterRow &r = table.registers[row];
       std::string name = std::string(kWires.boards[n].path) + ".";
       if (*r.path) name += std::string(r.path) + ".";

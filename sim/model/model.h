@@ -130,6 +130,14 @@ class Model : protected Ports {
 
  protected:
   virtual void put_back(const Saved &state) = 0;
+  // What a SoC has besides (soc_core.h), around each clock; where its host is a board, its edge.
+  virtual void before_clock() {}
+  virtual void host_edge() {}
+  virtual void after_clock() {}
+  virtual bool halted() const { return false; }  // run() is to end
+  // The last clock changed nothing but what counts for ever; so many more were like it.
+  virtual bool host_rests() { return false; }
+  virtual void host_pass(int64_t) {}
   void disturb() override { upset_ = true; }
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 

@@ -39,14 +39,13 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     if (!net) throw std::runtime_error("the model of " + scope + " has no " + name);
     return net;
   };
-  for (size_t d = 0; d < table.decide_count; ++d) {
-    const DecideRow &row = table.decides[d];
+  for (const DecideRow &row : table.decides) {
     if (static_cast<size_t>(row.part) == n) {
       decides_.emplace_back(find(row.path, row.name), row.level);
     }
   }
-  places_by_row_.resize(table.register_count);
-  for (size_t r = 0; r < table.register_count; ++r) {
+  places_by_row_.resize(table.registers.size());
+  for (size_t r = 0; r < table.registers.size(); ++r) {
     const RegisterRow &row = table.registers[r];
     if (static_cast<size_t>(row.part) != n) continue;
     Place place{find(row.path, row.name), -1, 0};
@@ -64,8 +63,7 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     places_.push_back(std::make_unique<Place>(place));
     places_by_row_[r] = places_.back().get();
   }
-  for (size_t s = 0; s < table.slice_count; ++s) {
-    const SliceRow &row = table.slices[s];
+  for (const SliceRow &row : table.slices) {
     const Place *place = places_by_row_[static_cast<size_t>(row.reg)];
     if (!place) continue;
     slices_.push_back({static_cast<int>(cells.size()), row.lsb, place});
@@ -74,8 +72,7 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
   }
   if (register_bytes_ > kMostBytes) throw std::logic_error("a part with too many registers");
   int ins = 0;
-  for (size_t p = 0; p < own.port_count; ++p) {
-    const PortRow &row = own.ports[p];
+  for (const PortRow &row : own.ports) {
     auto port = std::make_unique<PartPort>();
     port->row = &row;
     port->net =
@@ -85,7 +82,7 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
     port->width = row.width;
     port->out = row.out;
     port->data = row.kind != Kind::kControl;
-    port->whole = std::none_of(own.ports, own.ports + own.port_count, [&row](const PortRow &r) {
+    port->whole = std::none_of(own.ports.begin(), own.ports.end(), [&row](const PortRow &r) {
       return &r != &row && std::strcmp(r.name, row.name) == 0 && std::strcmp(r.path, row.path) == 0;
     });
     if (port->data) {

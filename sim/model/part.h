@@ -61,10 +61,7 @@ class Part {
   Part(const Part &) = delete;
 
   // Its model is run at every clock, by itself.
-  void run_always(bool always) {
-    always_ = always;
-    cached_ = !always_;
-  }
+  void run_always(bool always) { cached_ = !always; }
   // Bits of a register are held from now on; none: it is free.
   void hold(const Poke &poke);
 
@@ -224,7 +221,7 @@ class Part {
 
   State *state_ = nullptr;  // null: only the model knows
   bool live_ = true;        // the model is at the state
-  bool always_ = false, cached_ = true;
+  bool cached_ = true;
   bool rests_ = false;  // its clocks do nothing but count, until an input moves or it is due
   std::vector<Poke> pokes_;
   std::shared_ptr<Cache> free_;  // the cache of the module, for when no bits are held

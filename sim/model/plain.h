@@ -37,11 +37,6 @@ class Plain : public Model {
 
  protected:
   virtual void clock_once();
-  // Around each clock of the machine: what a SoC has besides.
-  virtual void before_clock() {}
-  virtual void after_clock() {}
-  // Something happened that run() ends at, for the machine to take.
-  virtual bool halted() const { return report() != 0; }
   void half(bool rise, double at);
   void look_at_lines();
   void hold_checkers(bool held);
@@ -58,9 +53,6 @@ class Plain : public Model {
   void wake_host() {}
   void catch_up_host() {}
   static bool host_alone() { return false; }
-  virtual void host_edge() {}
-  virtual bool host_rests() { return false; }
-  virtual void host_pass(int64_t) {}
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void stop_clock(bool stopped) override { stopped_ = stopped; }

@@ -62,14 +62,7 @@ class Rack : public Model, private Listener {
   std::vector<CacheFigures> cache_figures() const override;
 
  protected:
-  // A SoC's host is a board, too (soc_core.h). Around each clock of the machine that it gets:
-  virtual void before_clock() {}
-  virtual void host_edge() {}
-  virtual void after_clock() {}
-  virtual bool halted() const { return false; }
-  // The last one changed nothing but what counts for ever; so many more were like it.
-  virtual bool host_rests() { return false; }
-  virtual void host_pass(int64_t) {}
+  // A SoC's host is a board, too (soc_core.h).
   Board &host_board() { return *host_->model; }
   std::string host_scope() const { return host_->model->name() + ".soc_host"; }
   bool host_alone() const { return !slow_; }

@@ -139,15 +139,14 @@ Net Rack::find_watched(const std::string &name) {
     if (path.empty()) {
       Net found;
       const auto at_port = [&port](const NetRow &row) { return port == row.port; };
-      const NetRow *end = table.nets + table.net_count;
-      const NetRow *row = std::find_if(table.nets, end, at_port);
-      if (row == end) return {};
+      const auto row = std::find_if(table.nets.begin(), table.nets.end(), at_port);
+      if (row == table.nets.end()) return {};
       for_ports(n, row->net, [&](Part &, PartPort &at) {
         if (!found || at.out) found = at.net;
       });
       return found;
     }
-    for (size_t u = 1; u < table.part_count; ++u) {
+    for (size_t u = 1; u < table.parts.size(); ++u) {
       if (path == table.parts[u].path) return parts_[first_[n] + u]->model->port(port);
     }
   }

@@ -20,7 +20,7 @@ void Rack::add_parts(const BoardInfo &board) {
   const std::string name = "B" + std::to_string(first_.size()) + "_";
   const size_t first = parts_.size();
   first_.push_back(first);
-  for (size_t n = 0; n < table.part_count; ++n) {
+  for (size_t n = 0; n < table.parts.size(); ++n) {
     const std::string module = table.parts[n].module;
     auto model = Board::create(module, *context_, name + std::to_string(n));
     parts_.push_back(
@@ -70,8 +70,8 @@ void Rack::select() {
 // The net of a board's port.
 int Rack::net_of(size_t board, const char *name) {
   const BoardTable &table = board_table(kWires.boards[board].module);
-  for (size_t n = 0; n < table.net_count; ++n) {
-    if (std::strcmp(table.nets[n].port, name) == 0) return table.nets[n].net;
+  for (const NetRow &row : table.nets) {
+    if (std::strcmp(row.port, name) == 0) return row.net;
   }
   throw std::runtime_error(std::string("a board has no port ") + name);
 }

@@ -36,8 +36,7 @@ struct PortRow {
 // Part 0 is the board less its chips; the others are chips.
 struct PartRow {
   const char *path, *module;
-  const PortRow *ports;
-  size_t port_count;
+  std::vector<PortRow> ports;
 };
 // While this net of a part is at this level, data decide.
 struct DecideRow {
@@ -52,12 +51,11 @@ struct NetRow {
 };
 struct BoardTable {
   const char *module;
-  const RegisterRow *registers;
-  const SliceRow *slices;
-  const PartRow *parts;
-  const NetRow *nets;
-  const DecideRow *decides;
-  size_t register_count, slice_count, part_count, net_count, decide_count;
+  std::vector<RegisterRow> registers;
+  std::vector<SliceRow> slices;
+  std::vector<PartRow> parts;
+  std::vector<NetRow> nets;
+  std::vector<DecideRow> decides;
 };
 
 const BoardTable &board_table(const std::string &module);
