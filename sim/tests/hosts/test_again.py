@@ -1,39 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs on a real processor made again: replay, snapshots in memory and in files, waveforms."""
 
-import importlib.util
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
+from needed import HOSTS, missing, needs
 
 from mmcs import ROOT, Session, hosts, load, machine, waves
 from mmcs.tests.conftest import call
-
-NEEDS = {"m68020": ("m68k-linux-gnu-gcc", "machine68k"),
-         "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex")}  # fmt: skip
-
-
-def have(host):
-    compiler, package = NEEDS[host]
-    return shutil.which(compiler) and importlib.util.find_spec(package)
-
 
 ON = [
     pytest.param(
         host,
         marks=[
-            pytest.mark.skipif(
-                not have(host),
-                reason=f"the compiler or processor of {host} is missing; install it with: "
-                "make firmware",
-            ),
+            needs(host),
             *([pytest.mark.slow] if host == "rv32" else []),  # its model takes a minute to compile
         ],
     )
-    for host in NEEDS
+    for host in HOSTS
 ]
 
 
@@ -128,7 +114,7 @@ def test_stretch_with_waveforms(mmcs, runs, host, tmp_path):
 
 @pytest.mark.req("SW-1")
 def test_replay_tells_of_another_image(mmcs, runs, tmp_path):
-    out, _ = runs(next(h for h in NEEDS if have(h)))
+    out, _ = runs(next(h for h in HOSTS if not missing(h)))
     text = json.loads((out / "run.mmcs").read_text())
     text["image"], text["hash"] = "00000000", "0x0000000000000000"
     (tmp_path / "run.mmcs").write_text(json.dumps(text))
@@ -165,7 +151,7 @@ class Halting:
     [(), ("host.wait_states=1", "host.instruction_cache=256 bytes")],
     ids=["ideal cache", "256 bytes"],
 )
-@pytest.mark.skipif(not have("m68020"), reason="install the 68020 compiler with: make firmware")
+@needs("m68020")
 def test_m68020_goes_back_and_on(sets):
     """From instants of a run, also ones within a pass, another machine comes to the end of a run
     that was never interrupted."""
@@ -196,7 +182,7 @@ def test_m68020_goes_back_and_on(sets):
 
 
 @pytest.mark.req("SW-1", "FW-1")
-@pytest.mark.skipif(not have("m68020"), reason="install the 68020 compiler with: make firmware")
+@needs("m68020")
 def test_snapshot_fits_its_own_processor_only(monkeypatch, tmp_path):
     """Other wait states or another image are another machine, and leave it as it was."""
     setup = load("lab500", "duration=0.06", "expect=[]")

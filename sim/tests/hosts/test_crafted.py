@@ -3,13 +3,12 @@
 goes on."""
 
 import ctypes
-import importlib.util
 import random
-import shutil
 import struct
 from pathlib import Path
 
 import pytest
+from needed import needs
 
 from mmcs import hosts, load, machine, mcdef
 from tools.compiled import compiled, written
@@ -18,15 +17,6 @@ ROOT = Path(__file__).resolve().parents[3]
 HEADER, DIGEST = 104, 96  # bytes of a snapshot's header; where it says what follows it
 ON_S = 0.0004  # that a machine goes on from what it took
 CORE = {"cpu_type": 0, "d0": 4, "pc": 4 * 34, "ir": 4 * 47}  # of Musashi; flags come after the FPU
-NEEDS = {"m68020": ("m68k-linux-gnu-gcc", "machine68k"),
-         "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex")}  # fmt: skip
-
-
-def needs(host):
-    compiler, package = NEEDS[host]
-    missing = not shutil.which(compiler) or importlib.util.find_spec(package) is None
-    reason = f"the compiler or processor of {host} is missing; install it with: make firmware"
-    return pytest.mark.skipif(missing, reason=reason)
 
 
 class Crafted:

@@ -1,24 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules of the driver on the machine in RTL, natively and on both processors. §2.3"""
 
-import importlib.util
-import shutil
-
 import pytest
+from needed import needs
 
 from mmcs import Session, load, machine, mcdef
 
-COMPILERS = {"m68020": "m68k-linux-gnu-gcc", "rv32": "riscv64-unknown-elf-gcc"}
-MODEL = importlib.util.find_spec("machine68k")
-
-
-def cpu(name):
-    missing = not shutil.which(COMPILERS[name]) or (name == "m68020" and not MODEL)
-    skip = pytest.mark.skipif(missing, reason="install what is missing with: make firmware")
-    return pytest.param(name, marks=[pytest.mark.slow, skip])
-
-
-HOSTS = ["native", cpu("m68020"), cpu("rv32")]
+CPUS = [pytest.param(cpu, marks=[pytest.mark.slow, needs(cpu)]) for cpu in ("m68020", "rv32")]
+HOSTS = ["native", *CPUS]
 
 
 def bench(host, scenario="puma560", **keys):

@@ -1,25 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The servo on a 68020 equals native: its arithmetic to the bit, a scenario within a count. §5."""
 
-import importlib.util
 import re
-import shutil
 import tomllib
 from pathlib import Path
 
 import pytest
+from needed import needs
 
 from studies.processors import cycles as bench
 
 ROOT = Path(__file__).resolve().parents[3]
-pytestmark = pytest.mark.skipif(
-    not (
-        shutil.which("m68k-linux-gnu-gcc")
-        and shutil.which("riscv64-unknown-elf-gcc")
-        and importlib.util.find_spec("machine68k")
-    ),
-    reason="a cross compiler or the processor model is missing; install them with: make firmware",
-)
+pytestmark = needs("m68020", "riscv64-unknown-elf-gcc")
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of the largest axis count and rate: how it is found, and that it is so. §5"""
 
-import importlib.util
-import shutil
 from pathlib import Path
 
 import pytest
+from needed import needs
 
 from studies.processors import limits
 from tools.pages import part
@@ -62,10 +61,7 @@ def test_page_agrees_with_itself():
     assert int(fastest["500 Hz"]) > int(slowest["500 Hz"])
 
 
-@pytest.mark.skipif(
-    not (shutil.which("m68k-linux-gnu-gcc") and importlib.util.find_spec("machine68k")),
-    reason="the 68020 compiler or processor model is missing; install them with: make firmware",
-)
+@needs("m68020")
 def test_boundary_of_the_page_is_real():
     """At 1 kHz the 68020 carries what the page says, and two axes more make it overrun."""
     case = limits.CASES[0]

@@ -2,11 +2,10 @@
 """The servo on the 68020: six axes end as on native, and what happens when things go wrong."""
 
 import contextlib
-import importlib.util
-import shutil
 from pathlib import Path
 
 import pytest
+from needed import needs
 from sick import PASSES, sick_firmware
 
 from mmcs import RunError, Session, hosts, load, machine, make_report, simulate
@@ -14,10 +13,7 @@ from mmcs import RunError, Session, hosts, load, machine, make_report, simulate
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = [
     pytest.mark.slow,  # six axes for two seconds, and firmware that is compiled anew
-    pytest.mark.skipif(
-        not (shutil.which("m68k-linux-gnu-gcc") and importlib.util.find_spec("machine68k")),
-        reason="the 68020 compiler or processor model is missing; install them with: make firmware",
-    ),
+    needs("m68020"),
 ]
 PANIC_S = 0.050
 CODES = (6, 13)  # errcode of the first two axes in a row of the log

@@ -2,12 +2,11 @@
 """The servo on the SoC's own processor: results as native, and what happens when it goes wrong."""
 
 import contextlib
-import importlib.util
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from needed import needs
 from sick import PASSES, sick_firmware
 
 from mmcs import RunError, Session, hosts, load, machine, simulate
@@ -17,14 +16,7 @@ ROOT = Path(__file__).resolve().parents[3]
 FIRMWARE = ROOT / "build" / "firmware" / "rv32"
 pytestmark = [
     pytest.mark.slow,  # a model with a processor in it takes its time to compile
-    pytest.mark.skipif(
-        not (
-            shutil.which("riscv64-unknown-elf-gcc")
-            and importlib.util.find_spec("pythondata_cpu_ibex")
-        ),
-        reason="the RISC-V compiler or the processor core is missing; install them with: "
-        "make firmware",
-    ),
+    needs("rv32"),
 ]
 PANIC_S = 0.050
 

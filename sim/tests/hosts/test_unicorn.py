@@ -6,25 +6,16 @@ nor with the core in the RTL (test_rv32.py). Each hash covers the results and th
 after every tick.
 """
 
-import importlib.util
 import os
-import shutil
 from pathlib import Path
 
 import pytest
+from needed import needs
 
 from studies.processors import cycles as bench
 
 ROOT = Path(__file__).resolve().parents[3]
-pytestmark = pytest.mark.skipif(
-    not (
-        shutil.which("m68k-linux-gnu-gcc")
-        and shutil.which("riscv64-unknown-elf-gcc")
-        and importlib.util.find_spec("machine68k")
-        and importlib.util.find_spec("unicorn")
-    ),
-    reason="a cross compiler or a processor model is missing; install them with: make test",
-)
+pytestmark = needs("m68020", "riscv64-unknown-elf-gcc", "unicorn", by="make test")
 
 TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 20_000
 RAM_BYTES = 0x20000
