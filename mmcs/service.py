@@ -5,24 +5,37 @@ import functools
 import json
 import os
 from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 
 from mmcs.mcdef import ABI, make_ffi
-from mmcs.place import BUILD, ROOT, compiled
+from mmcs.place import BUILD, ROOT, compiled, is_whole, workshop
 
 SOURCES = ("record.cpp", "design.cpp")
 
 
 @functools.cache
 def load() -> tuple:
-    """The library, made if need be, and its declarations."""
+    """The library, and its declarations: a simulator's, or one of its own where none is built."""
     files = [ROOT / "sim" / "service" / name for name in SOURCES]
     command = [*(os.environ.get("CXX") or "g++").split(), "-std=c++17", "-O2", "-ffp-contract=off"]
     command += [f"-I{ABI[0].parent}", *files]
     inputs = [*files, *ABI, files[0].with_name("json.h")]
-    library = compiled(BUILD / "service" / "libmmcs_service.so", command, inputs)
+    library = _simulator(inputs)
+    if library is None:
+        library = compiled(BUILD / "service" / "libmmcs_service.so", command, inputs)
     return make_ffi(), make_ffi().dlopen(str(library))
+
+
+def _simulator(inputs: list[Path]) -> Path | None:
+    """A simulator's library that is whole and newer than these files."""
+    workshop()  # nobody else may write there: what is found there is loaded
+    newest = max(f.stat().st_mtime for f in inputs)
+    for library in sorted((BUILD / "sim").glob("speed_*/libmmcs_sim.so")):
+        if is_whole(library) and library.stat().st_mtime > newest:
+            return library
+    return None
 
 
 def _rows(ffi, rows: np.ndarray):

@@ -52,16 +52,20 @@ def test_a_rule_broken_in_the_host(tmp_path):
     make = ["make", "-s", "-f", "sim/Makefile", "KIND=dpi", "parts"]
     listed = subprocess.run(make, cwd=ROOT, env=make_env(), check=True, text=True, stdout=-1)
     parts = [p for p in listed.stdout.split() if not p.endswith("/engine.o")]
-    others = [f for f in (ROOT / "sim" / "engine").glob("*.cpp") if f.name != "vme_bus.cpp"]
+    others = [f for d in ("engine", "plant") for f in (ROOT / "sim" / d).glob("*.cpp")]
     right = "c.write, false, c.data);\n  machine_.advance(1, Watch::kNothing);\n"
     wrong = "c.write, false, c.data);\n"
-    source = tmp_path / "vme_bus.cpp"
-    source.write_text(broken((ROOT / "sim/engine/vme_bus.cpp").read_text(), right, wrong))
+    (tmp_path / "vme_bus.cpp").write_text(
+        broken((ROOT / "sim/engine/vme_bus.cpp").read_text(), right, wrong)
+    )
+    source = tmp_path / "together.cpp"
+    files = [tmp_path / f.name if f.name == "vme_bus.cpp" else f for f in sorted(others)]
+    source.write_text("".join(f'#include "{f}"\n' for f in files))
     library = tmp_path / "libmmcs_dpi.so"
     folders = ("sim/abi", "sim/engine", "sim/model", "sim/plant", "firmware/include")
     includes = [f"-I{d}" for d in folders]
     flags = ["-std=c++17", "-O1", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-shared"]
-    command = [os.environ.get("CXX", "g++"), *flags, *includes, "-Ifirmware/mc", source, *others]
+    command = [os.environ.get("CXX", "g++"), *flags, *includes, "-Ifirmware/mc", source]
     subprocess.run([*command, *parts, "-o", library], cwd=ROOT, check=True)
     job = runner.Job(**{**vars(JOB), "environment": (("LD_PRELOAD", str(library)),)})
     assert "addr_setup" in said(job)
