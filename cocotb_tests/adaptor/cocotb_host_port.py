@@ -5,7 +5,7 @@ import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.pcbus import PcBus, PcBusSlave
 
-from cocotb_tests.lib.req import test, variants
+from cocotb_tests.lib.req import tests_on, variants
 from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_core"
@@ -50,10 +50,12 @@ class HostPort(Tb):
         assert await self.access(offset, value) == 0xFF, "a write answers nothing"
 
 
-@test("ADP-1", "VME-5", "CSR-1")
-async def own_registers(dut):
+port_test = tests_on(HostPort)
+
+
+@port_test("ADP-1", "VME-5", "CSR-1")
+async def own_registers(dut, tb):
     """PCCSR and vector by the port alone; every other offset of the upper half reads 0xFF."""
-    tb = await HostPort(dut).start()
     assert int(dut.vector_o.value) == 0x0F
     for value in (0x00, 0x1F, 0x98, 0xA5):
         await tb.wr(VECTOR, value)
@@ -68,10 +70,9 @@ async def own_registers(dut):
     assert int(dut.vector_o.value) == 0xA5
 
 
-@test("ADP-1", "MAP-1", "VME-4")
-async def own_accesses_become_pc_cycles(dut):
+@port_test("ADP-1", "MAP-1", "VME-4")
+async def own_accesses_become_pc_cycles(dut, tb):
     """Every address of the lower half, at random bases; the cards take their time."""
-    tb = await HostPort(dut).start()
     bus, seen, expected = PcBus.from_prefix(dut, "pc"), [], []
 
     def on_read(address: int) -> int:
@@ -90,10 +91,9 @@ async def own_accesses_become_pc_cycles(dut):
     assert seen == expected
 
 
-@test("ADP-1")
-async def answer_stays_until_the_next(dut):
+@port_test("ADP-1")
+async def answer_stays_until_the_next(dut, tb):
     """Of the adaptor's own registers and of the PC bus; reset leaves 0xFF."""
-    tb = await HostPort(dut).start()
     await tb.wr(PCCSR, 0x15)
     for offset, value in ((PCCSR, 0x15), (0x011, 0x6A), (PCCSR, 0x15)):
         dut.pc_d_i.value = value
@@ -108,10 +108,9 @@ async def answer_stays_until_the_next(dut):
     assert int(dut.hp_rdata_o.value) == 0xFF
 
 
-@test("PCB-1", "ADP-1")
-async def cycle_timing(dut):
+@port_test("PCB-1", "ADP-1")
+async def cycle_timing(dut, tb):
     """Address a full clock before the command, command as long as set, data held past it."""
-    tb = await HostPort(dut).start()
     side = 125_000
     command = tb.parameters.get("CmdNs", 500) * 1000
     for n in range(6):
@@ -139,10 +138,9 @@ async def cycle_timing(dut):
         assert not int(dut.pc_d_oe_o.value)
 
 
-@test("PCB-1", "PIT-2")
-async def system_clock_of_the_jumper(dut):
+@port_test("PCB-1", "PIT-2")
+async def system_clock_of_the_jumper(dut, tb):
     """CLK once a period, from reset on; SCLOCK counts its periods and moves half a period later."""
-    tb = await HostPort(dut).start()
     div = tb.clk_hz // 1_000_000 // tb.parameters.get("SysClkMHz", 8)
     for before in (1, 2, 5):
         await tb.clocks(before)
@@ -172,10 +170,9 @@ async def system_clock_of_the_jumper(dut):
     assert set(highs[1:]) == {4 * div}, f"{highs}"
 
 
-@test("PCB-1")
-async def read_data_is_sampled_at_the_end(dut):
+@port_test("PCB-1")
+async def read_data_is_sampled_at_the_end(dut, tb):
     """What stands on the bus when IOR# rises counts, not what stood before."""
-    tb = await HostPort(dut).start()
     for last in (0x12, 0xED):
         task = cocotb.start_soon(tb.access(0x011))
         await FallingEdge(dut.pc_ior_no)
@@ -187,10 +184,9 @@ async def read_data_is_sampled_at_the_end(dut):
         assert await task == last
 
 
-@test("PCB-1", "PCB-2")
-async def iochrdy(dut):
+@port_test("PCB-1", "PCB-2")
+async def iochrdy(dut, tb):
     """Extends by what it lasts; past the limit the cycle ends, reads 0xFF, and the next works."""
-    tb = await HostPort(dut).start()
     dut.pc_d_i.value = 0x5A
     tick = 8_000_000 // (tb.parameters.get("SysClkMHz", 8) * 1_000_000) * 125
     limit = tb.parameters.get("IochrdyLimitClks", 10)
@@ -224,9 +220,8 @@ async def iochrdy(dut):
         assert await tb.rd(0x021) == 0x5A
 
 
-@test("ADP-1", "PIT-2", "INT-1", "INT-2")
-async def interrupts_by_the_port(dut):
-    tb = await HostPort(dut).start()
+@port_test("ADP-1", "PIT-2", "INT-1", "INT-2")
+async def interrupts_by_the_port(dut, tb):
     await tb.us(2)
     await tb.wr(0x407, 0x70)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -248,10 +243,9 @@ async def interrupts_by_the_port(dut):
     assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
 
 
-@test("PAN-1", "PAN-2", "ADP-1")
-async def safety_by_the_port(dut):
+@port_test("PAN-1", "PAN-2", "ADP-1")
+async def safety_by_the_port(dut, tb):
     """Each of button, cable and power alone; without a link the PC bus reads 0xFF at full speed."""
-    tb = await HostPort(dut).start()
     await tb.us(2)
     dut.pc_d_i.value = 0x33
     assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
@@ -278,10 +272,9 @@ async def safety_by_the_port(dut):
         assert not int(dut.panic_o.value)
 
 
-@test("PCB-1", "CSR-1")
+@port_test("PCB-1", "CSR-1")
 @variants("8MHz")
-async def sysreset_passes_to_reset_drv(dut):
-    tb = await HostPort(dut).start()
+async def sysreset_passes_to_reset_drv(dut, tb):
     await tb.us(60)
     await tb.wr(PCCSR, 0x9F)
     await tb.wr(VECTOR, 0x44)
@@ -296,10 +289,9 @@ async def sysreset_passes_to_reset_drv(dut):
     assert int(dut.vector_o.value) == 0x44
 
 
-@test("ADP-1", "PIT-1", "PIT-2")
-async def timers_by_the_port(dut):
+@port_test("ADP-1", "PIT-1", "PIT-2")
+async def timers_by_the_port(tb):
     """Latched reads of a running timer go down by the time that passed."""
-    tb = await HostPort(dut).start()
     mhz = tb.parameters.get("SysClkMHz", 8)
     await tb.wr(0x407, 0x34)
     await tb.wr(0x401, 0x00)
@@ -316,11 +308,10 @@ async def timers_by_the_port(dut):
         assert abs(((v0 - v1) & 0xFFFF) - ticks) <= 1
 
 
-@test("PIT-1", "PIT-2")
-async def a_count_is_loaded_by_a_whole_pulse(dut):
+@port_test("PIT-1", "PIT-2")
+async def a_count_is_loaded_by_a_whole_pulse(dut, tb):
     """Timer 1, written while its clock OUT0 is high: the next fall is of a pulse that began before,
     the second one loads, the third one ends a count of 1."""
-    tb = await HostPort(dut).start()
     await tb.wr(0x407, 0x14)  # timer 0, mode 2: OUT0 rises
     await tb.wr(0x407, 0x50)  # timer 1, low byte, mode 0: SCLOCK falls
     await tb.wr(0x403, 1)
@@ -331,10 +322,9 @@ async def a_count_is_loaded_by_a_whole_pulse(dut):
         await tb.wr(0x407, 0x14)
 
 
-@test("ADP-1")
-async def random_requests(dut):
+@port_test("ADP-1")
+async def random_requests(dut, tb):
     """A long mix at random gaps: each request gets exactly one answer, the right one."""
-    tb = await HostPort(dut).start()
     answers = 0
 
     async def count():

@@ -9,7 +9,8 @@ from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 from cocotbext.vme import VmeBus, VmeMaster
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.play import drive
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_vme"
@@ -35,12 +36,7 @@ class Adaptor(Tb):
     async def acknowledge(self, level: int) -> None:
         """IACKIN* of a level comes down; DS0* stays high."""
         bus = self.bus
-        bus.a.value, bus.lword_n.value, bus.write_n.value, bus.iack_n.value = level, 1, 1, 0
-        await Timer(40, "ns")
-        bus.as_n.value = 0
-        await Timer(20, "ns")
-        bus.iackin_n.value = 0
-        await Timer(400, "ns")
+        await drive(bus, f"a={level} lword_n=1 write_n=1 iack_n=0 40 as_n=0 20 iackin_n=0 400")
 
     async def end(self) -> None:
         bus = self.bus
@@ -50,18 +46,18 @@ class Adaptor(Tb):
         assert await self.vme.iack(5) & 0xFF == VEC, "nothing is left of it"
 
 
-@test("INT-2")
-async def one_answer_to_one_iackin(dut):
+adaptor_test = tests_on(Adaptor)
+
+
+@adaptor_test("INT-2")
+async def one_answer_to_one_iackin(dut, tb):
     """A second strobe under the same IACKIN* is neither answered nor passed on."""
-    tb = await Adaptor(dut).start()
     for ns in (300, 700):
         await tb.acknowledge(5)
         tb.bus.ds_n.value = 0b10
         await First(FallingEdge(dut.vme_dtack_no), Timer(1, "us"))
         assert not int(dut.vme_dtack_no.value)
-        await Timer(30, "ns")
-        tb.bus.ds_n.value = 0b11
-        await Timer(ns, "ns")
+        await drive(tb.bus, f"30 ds_n=0b11 {ns}")
         for level in (0b10, 0b11):
             tb.bus.ds_n.value = level
             for _ in range(7):
@@ -71,16 +67,14 @@ async def one_answer_to_one_iackin(dut):
         await tb.end()
 
 
-@test("INT-2")
-async def iackin_that_lingers_passes_nothing_on(dut):
+@adaptor_test("INT-2")
+async def iackin_that_lingers_passes_nothing_on(dut, tb):
     """AS* rises and falls again before IACKIN* has risen: that cycle gets no IACKOUT*."""
-    tb = await Adaptor(dut).start()
     for ns in (260, 500):
         await tb.acknowledge(3)
         assert not int(dut.vme_iackout_no.value), "another level's: passed on"
         for level in (1, 0, 1):
-            tb.bus.as_n.value = level
-            await Timer(ns, "ns")
+            await drive(tb.bus, f"as_n={level} {ns}")
             assert int(dut.vme_iackout_no.value), f"AS* {level}"
         await tb.end()
 
@@ -98,56 +92,40 @@ async def long_strobe_of_a_neighbour(tb: Adaptor, phase: int) -> None:
     bus = tb.bus
     await RisingEdge(tb.dut.clk_i)
     await Timer(phase * 1000 + 1, "ps")
-    bus.a.value = NEIGHBOUR
-    await Timer(30, "ns")
-    bus.as_n.value, bus.ds_n.value = 0, 0b10
-    await Timer(300, "ns")
-    bus.as_n.value = 1
-    await Timer(30, "ns")
+    await drive(bus, f"a={NEIGHBOUR} 30 as_n=0 ds_n=0b10 300 as_n=1 30")
 
 
-@test("VME-3")
-async def strobe_of_a_neighbour_under_our_address(dut):
+@adaptor_test("VME-3")
+async def strobe_of_a_neighbour_under_our_address(dut, tb):
     """Address pipelining: its strobe, which stands for long, is not ours; the next one is, after as
     little as 30 ns, whatever the phase of the clock."""
-    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 7):
         await long_strobe_of_a_neighbour(tb, phase)
-        bus.a.value = OURS
-        await Timer(30, "ns")
-        bus.as_n.value = 0
+        await drive(bus, f"a={OURS} 30 as_n=0")
         assert not await answered(dut, 1200), f"a neighbour's strobe, {phase} ns after the clock"
-        bus.ds_n.value = 0b11
-        await Timer(30, "ns")
-        bus.ds_n.value = 0b10
+        await drive(bus, "ds_n=0b11 30 ds_n=0b10")
         assert await answered(dut, 1200), f"ours, {phase} ns after the clock"
-        await Timer(50, "ns")
-        bus.ds_n.value, bus.as_n.value = 0b11, 1
+        await drive(bus, "50 ds_n=0b11 as_n=1")
         await tb.clocks(4)
 
 
 async def neighbours(tb: Adaptor, n: int) -> None:
     """Transfers of a neighbour, the last of which has begun."""
     bus = tb.bus
-    bus.a.value = NEIGHBOUR
-    await Timer(20, "ns")
-    bus.as_n.value = 0
+    await drive(bus, f"a={NEIGHBOUR} 20 as_n=0")
     for left in range(n, 0, -1):
-        bus.ds_n.value = 0b10
-        await Timer(40, "ns")
+        await drive(bus, "ds_n=0b10 40")
         if left > 1:
-            bus.ds_n.value = 0b11
-            await Timer(40, "ns")
+            await drive(bus, "ds_n=0b11 40")
 
 
-@test("VME-3")
+@adaptor_test("VME-3")
 @cocotb.parametrize(n=[1, 2, 3, 4, 5])
-async def fast_strobes_of_a_neighbour(dut, n):
+async def fast_strobes_of_a_neighbour(dut, tb, n):
     """Transfers of 80 ns, and our address under the last strobe, or a strobe of our own 40 ns after
     it: the former is no cycle of ours, the latter is answered."""
-    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 4):
@@ -156,26 +134,18 @@ async def fast_strobes_of_a_neighbour(dut, n):
             await Timer(phase * 1000 + 1, "ps")
             await neighbours(tb, n)
             bus.ds_n.value = 0b11 if high else 0b10
-            bus.as_n.value = 1
-            await Timer(10, "ns")
-            bus.a.value = OURS
-            await Timer(30, "ns")
-            bus.as_n.value, bus.ds_n.value = 0, 0b10
+            await drive(bus, f"as_n=1 10 a={OURS} 30 as_n=0 ds_n=0b10")
             assert await answered(dut, 1500) == high, f"{phase} ns after the clock"
             if not high:
-                bus.ds_n.value = 0b11
-                await Timer(30, "ns")
-                bus.ds_n.value = 0b10
+                await drive(bus, "ds_n=0b11 30 ds_n=0b10")
                 assert await answered(dut, 1500), f"ours, {phase} ns after the clock"
-            await Timer(50, "ns")
-            bus.ds_n.value, bus.as_n.value = 0b11, 1
+            await drive(bus, "50 ds_n=0b11 as_n=1")
 
 
-@test("INT-2")
+@adaptor_test("INT-2")
 @cocotb.parametrize(line=["ds_n", "as_n", "iackin_n"])
-async def acknowledge_that_goes_before_the_answer(dut, line):
+async def acknowledge_that_goes_before_the_answer(dut, tb, line):
     """DS0*, AS* or IACKIN* may rise at any time before DTACK* falls; then it does not fall."""
-    tb = await Adaptor(dut).start()
     bus, early = tb.bus, 0
     for ns in range(126, 500, 5):  # never with the clock
         await tb.acknowledge(5)
@@ -192,47 +162,37 @@ async def acknowledge_that_goes_before_the_answer(dut, line):
     await tb.end()
 
 
-@test("INT-2")
-async def strobe_of_a_transfer_under_our_acknowledge(dut):
+@adaptor_test("INT-2")
+async def strobe_of_a_transfer_under_our_acknowledge(dut, tb):
     """A neighbour's strobe that still stands when IACKIN* comes is not the acknowledge's: the
     vector waits for the next one."""
-    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
     for phase in range(0, 125, 12):
         await long_strobe_of_a_neighbour(tb, phase)
         await tb.acknowledge(5)
         assert not await answered(dut, 800), f"a neighbour's strobe, {phase} ns after the clock"
-        bus.ds_n.value = 0b11
-        await Timer(30, "ns")
-        bus.ds_n.value = 0b10
+        await drive(bus, "ds_n=0b11 30 ds_n=0b10")
         assert await answered(dut, 1200), f"the acknowledge's, {phase} ns after the clock"
         await Timer(50, "ns")
         await tb.end()
 
 
-@test("INT-2")
-async def iackin_without_iack_is_not_ours(dut):
+@adaptor_test("INT-2")
+async def iackin_without_iack_is_not_ours(dut, tb):
     """A neighbour that pulls IACKIN* in a transfer: passed on, whatever the address, and if IACK*
     comes after, that was decided."""
-    tb = await Adaptor(dut).start()
     bus = tb.bus
-    bus.a.value, bus.lword_n.value, bus.write_n.value = 5, 1, 1
-    await Timer(40, "ns")
-    bus.as_n.value, bus.iackin_n.value = 0, 0
-    await Timer(400, "ns")
+    await drive(bus, "a=5 lword_n=1 write_n=1 40 as_n=0 iackin_n=0 400")
     assert not int(dut.vme_iackout_no.value)
-    bus.iack_n.value = 0
-    await Timer(40, "ns")
-    bus.ds_n.value = 0b10
+    await drive(bus, "iack_n=0 40 ds_n=0b10")
     assert not await answered(dut, 1200)
     await tb.end()
 
 
-@test("VME-3")
-async def nothing_is_taken_in_sysreset(dut):
+@adaptor_test("VME-3")
+async def nothing_is_taken_in_sysreset(dut, tb):
     """A write that begins in SYSRESET* and ends in it is neither answered nor carried out."""
-    tb = await Adaptor(dut).start()
     bus, acts = tb.bus, []
 
     async def watch(line):
@@ -245,25 +205,21 @@ async def nothing_is_taken_in_sysreset(dut):
     for lasts in (200, 400, 1500):
         dut.vme_sysreset_ni.value = 0
         await tb.clocks(4)
-        bus.as_n.value, bus.ds_n.value = 0, 0b10
-        await Timer(lasts, "ns")
-        bus.as_n.value, bus.ds_n.value = 1, 0b11
+        await drive(bus, f"as_n=0 ds_n=0b10 {lasts} as_n=1 ds_n=0b11")
         await tb.clocks(4)
         dut.vme_sysreset_ni.value = 1
         await Timer(1500, "ns")
         assert not acts, f"begun in SYSRESET*, {lasts} ns long"
 
 
-@test("VME-3")
-async def sysreset_ends_an_answer(dut):
+@adaptor_test("VME-3")
+async def sysreset_ends_an_answer(dut, tb):
     """Three clocks into SYSRESET* DTACK* is high, and stays so, whatever a transfer has come to."""
-    tb = await Adaptor(dut).start()
     bus, answers = tb.bus, set()
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for clocks in range(1, 16):
         await RisingEdge(dut.clk_i)
-        await Timer(1, "ns")
-        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        await drive(bus, "1 as_n=0 ds_n=0b10")
         await tb.clocks(clocks)
         await Timer(1, "ns")
         dut.vme_sysreset_ni.value = 0
@@ -280,10 +236,9 @@ async def sysreset_ends_an_answer(dut):
     assert answers == {0, 1}, "before and after the answer"
 
 
-@test("INT-2")
-async def iackin_before_as(dut):
+@adaptor_test("INT-2")
+async def iackin_before_as(dut, tb):
     """A chain that is early is passed on under AS* only, of our level or another."""
-    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.lword_n.value, bus.write_n.value, bus.iack_n.value = 1, 1, 0
     for level in (3, 5):
@@ -291,37 +246,30 @@ async def iackin_before_as(dut):
         for _ in range(8):
             await Timer(100, "ns")
             assert int(dut.vme_iackout_no.value), f"level {level}: no AS* yet"
-        bus.as_n.value = 0
-        await Timer(400, "ns")
+        await drive(bus, "as_n=0 400")
         assert not int(dut.vme_iackout_no.value), f"level {level}: decided as IACKIN* fell"
         bus.as_n.value, bus.iackin_n.value = 1, 1
         await tb.clocks(4)
     await tb.end()
 
 
-@test("VME-3")
-async def address_strobe_that_comes_last(dut):
+@adaptor_test("VME-3")
+async def address_strobe_that_comes_last(dut, tb):
     """AS* may be a clock edge later than DS0* here, by skew: the cycle is answered all the same."""
-    tb = await Adaptor(dut).start()
     bus = tb.bus
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for before in (1, 10, 60, 130, 300):
         await RisingEdge(dut.clk_i)
-        await Timer(500 - before, "ns")
-        bus.ds_n.value = 0b10
-        await Timer(before + 5, "ns")
-        bus.as_n.value = 0
+        await drive(bus, f"{500 - before} ds_n=0b10 {before + 5} as_n=0")
         assert await answered(dut, 1200), f"DS0* {before} ns before the clock"
-        await Timer(50, "ns")
-        bus.ds_n.value, bus.as_n.value = 0b11, 1
+        await drive(bus, "50 ds_n=0b11 as_n=1")
         await tb.clocks(4)
 
 
-@test("VME-3")
-async def the_later_strobe_begins_the_cycle(dut):
+@adaptor_test("VME-3")
+async def the_later_strobe_begins_the_cycle(dut, tb):
     """DS0* alone under our address begins nothing, however long it stands. When AS* comes, it
     passes as many flip-flops as DS0* does: the answer takes as long from the later one."""
-    tb = await Adaptor(dut).start()
     bus, took = tb.bus, []
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for ds_first in (False, True):
@@ -332,8 +280,7 @@ async def the_later_strobe_begins_the_cycle(dut):
         else:
             bus.as_n.value = 0
         await RisingEdge(dut.clk_i)
-        await Timer(40, "ns")
-        bus.as_n.value, bus.ds_n.value = 0, 0b10
+        await drive(bus, "40 as_n=0 ds_n=0b10")
         began = get_sim_time("ns")
         assert await answered(dut, 1200)
         took.append(get_sim_time("ns") - began)

@@ -4,10 +4,7 @@
 from contextlib import contextmanager
 
 from cocotb.triggers import Timer
-from cocotbext.mmcs.bus import Bus
 from cocotbext.vme import VmeBus
-
-from cocotb_tests.lib.play import play
 
 NAMES = ("a", "am", "as_n", "ds_n", "write_n", "lword_n", "d", "q", "q_oe", "dtack_n", "berr_n",
          "iack_n", "iackin_n", "iackout_n", "irq_n")  # fmt: skip
@@ -38,12 +35,3 @@ async def wires(dut, **other) -> VmeBus:
     dut.chain1_n.value = dut.iackout_n.value = 1
     await Timer(10, "ns")
     return bus
-
-
-async def drive(bus: Bus, stimulus: str) -> None:
-    """The signals of a bus by a stimulus in ns."""
-
-    def put(name: str, value: int) -> None:
-        getattr(bus, name).value = value
-
-    await play(stimulus, put, lambda ns: Timer(round(ns), "ns"))

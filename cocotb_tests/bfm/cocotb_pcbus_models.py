@@ -7,7 +7,8 @@ from cocotb.triggers import ClockCycles, Timer
 from cocotbext.pcbus import BusTimeout, PcBus, PcBusMaster, PcBusMonitor, PcBusSlave, ProtocolError
 from cocotbext.pcbus.monitor import RULES
 
-from cocotb_tests.bfm.cases import drive, raises, refused
+from cocotb_tests.bfm.cases import raises, refused
+from cocotb_tests.lib.play import drive
 
 TOPLEVEL = "bench_wires"
 SOURCES = ["bench_wires.sv"]

@@ -6,7 +6,8 @@ from cocotb.triggers import Timer
 from cocotbext.vme import ProtocolError, VmeMaster, VmeMonitor, VmeSlave, VmeTiming
 from cocotbext.vme.monitor import RULES
 
-from cocotb_tests.bfm.cases import drive, wires
+from cocotb_tests.bfm.cases import wires
+from cocotb_tests.lib.play import drive
 
 TOPLEVEL = "bench_wires"
 SOURCES = ["bench_wires.sv"]

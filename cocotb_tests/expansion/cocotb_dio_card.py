@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A third-party card on the expansion connector, reached through another PCCSR base. §4.2.2"""
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, PORT_A, QUAD, Machine
 
 TOPLEVEL = "bench_expansion"
@@ -18,9 +18,11 @@ async def machine(dut) -> Machine:
     return tb
 
 
-@test("PCB-2", "MAP-1")
-async def registers_of_the_card(dut):
-    tb = await machine(dut)
+machine_test = tests_on(machine)
+
+
+@machine_test("PCB-2", "MAP-1")
+async def registers_of_the_card(dut, tb):
     assert await tb.rd(IDENTITY) == 0xD1
     for value in (0x00, 0x5A, 0xFF):
         await tb.wr(OUT, value)
@@ -30,10 +32,9 @@ async def registers_of_the_card(dut):
         assert await tb.rd(IN) == value ^ 0x3C
 
 
-@test("PCB-2", "CRD-1")
-async def the_bases_do_not_meet(dut):
+@machine_test("PCB-2", "CRD-1")
+async def the_bases_do_not_meet(dut, tb):
     """At the cards' base the card is silent, at its own the Mark I card is."""
-    tb = await machine(dut)
     await tb.wr(OUT, 0x77)
     await tb.wr(PCCSR, BASE)
     assert await tb.crd(0, PORT_A) == QUAD
@@ -47,10 +48,9 @@ async def the_bases_do_not_meet(dut):
     assert await tb.crd(0, PORT_A) == 0x1D
 
 
-@test("PCB-1", "PCB-2", "VME-4")
-async def wait_states(dut):
+@machine_test("PCB-1", "PCB-2", "VME-4")
+async def wait_states(tb):
     """IOCHRDY stretches reads and writes by whole CLKs and is given up at the limit."""
-    tb = await machine(dut)
     monitor = tb.pc_monitor()
     lengths = []
     for waits in range(16):
@@ -69,10 +69,9 @@ async def wait_states(dut):
     await tb.wr(CONTROL, 0)
 
 
-@test("PCB-2", "PAN-1")
-async def its_interrupt_line(dut):
+@machine_test("PCB-2", "PAN-1")
+async def its_interrupt_line(dut, tb):
     """The example sits on IRQ7, the PANIC line: a card may panic too (wired OR)."""
-    tb = await machine(dut)
     dut.axis_enable_i.value = 0
     await tb.wr(CONTROL, 0x80)
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | DIO_BASE)
@@ -86,9 +85,8 @@ async def its_interrupt_line(dut):
     assert not int(dut.panic_o.value)
 
 
-@test("PCB-1", "PCB-2")
-async def reset_drv_reaches_it(dut):
-    tb = await machine(dut)
+@machine_test("PCB-1", "PCB-2")
+async def reset_drv_reaches_it(dut, tb):
     await tb.wr(OUT, 0x99)
     dut.vme_sysreset_ni.value = 0
     await tb.us(2)
@@ -97,10 +95,9 @@ async def reset_drv_reaches_it(dut):
     assert int(dut.dio_o.value) == 0
 
 
-@test("PCB-2", "VME-3")
-async def mixed_traffic(dut):
+@machine_test("PCB-2", "VME-3")
+async def mixed_traffic(dut, tb):
     """Both cards in turn, with wait states: neither disturbs the other."""
-    tb = await machine(dut)
     out, port = 0, QUAD
     for _ in range(60):
         value = tb.random.getrandbits(8)

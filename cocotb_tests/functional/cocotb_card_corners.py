@@ -7,7 +7,7 @@ Each of these was found by breaking the RTL and seeing that no test noticed.
 import cocotb
 from cocotb.triggers import FallingEdge
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import (
     B_INDEX,
     B_SCLOCK,
@@ -31,6 +31,7 @@ from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
 TOPLEVEL = "mark1"
 PARAMETERS = CARDS["short"]
 CODES = (0x9A5, 0x35C)
+card_test = tests_on(Card)
 
 
 def volts(code: int) -> int:
@@ -48,10 +49,12 @@ async def driving(dut) -> Card:
     return tb
 
 
-@test("DAC-1", "HB-1", "CRD-1")
-async def reading_a_converter_writes_nothing(dut):
+driving_test = tests_on(driving)
+
+
+@driving_test("DAC-1", "HB-1", "CRD-1")
+async def reading_a_converter_writes_nothing(dut, tb):
     """The D/A registers are write-only: a read starts no heartbeat and leaves both ranks."""
-    tb = await driving(dut)
     for register in range(DAC1, DAC1 + 4):
         dut.pc_d_i.value = 0x00
         assert await tb.pc.read(register) == 0xFF
@@ -61,10 +64,9 @@ async def reading_a_converter_writes_nothing(dut):
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
 
 
-@test("DAC-1", "LAT-1")
-async def latch_leaves_a_single_buffered_output(dut):
+@driving_test("DAC-1", "LAT-1")
+async def latch_leaves_a_single_buffered_output(tb):
     """Without double buffering only the high nibble completes a value, never a latch."""
-    tb = await driving(dut)
     for joint in (0, 1):
         await tb.pc.write(DAC1 + 2 * joint, 0x77)
     await tb.pc.write(LATCH, 0)
@@ -73,19 +75,17 @@ async def latch_leaves_a_single_buffered_output(dut):
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
 
 
-@test("DIA-1")
-async def joints_are_isolated_at_once(dut):
+@driving_test("DIA-1")
+async def joints_are_isolated_at_once(tb):
     """The relay takes its time, but nothing is driven from the moment its coil is off."""
-    tb = await driving(dut)
     await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
     await tb.clocks(1)
     assert [tb.volts(j) for j in (0, 1)] == [0, 0]
 
 
-@test("LAT-1", "CRD-1")
-async def software_latch_is_one_instant(dut):
+@card_test("LAT-1", "CRD-1")
+async def software_latch_is_one_instant(dut, tb):
     """The first clock of the command: however long it lasts, what comes later is not latched."""
-    tb = await Card(dut).start()
     await tb.preset(0, 0)
     tb.pc.command = 60
     for _ in range(3):
@@ -102,10 +102,9 @@ async def software_latch_is_one_instant(dut):
         await tb.us(1)
 
 
-@test("LAT-1", "CRD-1")
-async def sclock_within_a_software_latch(dut):
+@card_test("LAT-1", "CRD-1")
+async def sclock_within_a_software_latch(dut, tb):
     """Each is a latch of its own: the later one, SCLOCK's, is what is read."""
-    tb = await Card(dut).start()
     await tb.preset(0, 0)
     tb.pc.command = 60
     for _ in range(3):
@@ -126,10 +125,9 @@ async def sclock_within_a_software_latch(dut):
         await tb.us(1)
 
 
-@test("CRD-1", "LAT-1")
-async def an_address_alone_does_nothing(dut):
+@driving_test("CRD-1", "LAT-1")
+async def an_address_alone_does_nothing(tb):
     """Every register's address stands on the bus; without IOR# and IOW# nothing comes of it."""
-    tb = await driving(dut)
     await tb.preset(0, 100)
     for register in range(32):
         tb.bus.a.value = tb.pc.base | register
@@ -143,10 +141,9 @@ async def an_address_alone_does_nothing(dut):
     assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
 
 
-@test("CRD-1", "DAC-1", "ENC-1")
-async def writing_what_is_read_only_writes_nothing(dut):
+@driving_test("CRD-1", "DAC-1", "ENC-1")
+async def writing_what_is_read_only_writes_nothing(tb):
     """The A/D registers and all holes, each with its own data."""
-    tb = await driving(dut)
     await tb.preset(0, 0x1234)
     await tb.preset(1, 0x5678)
     for register in (*range(12, 16), 17, *range(19, 32)):
@@ -159,10 +156,9 @@ async def writing_what_is_read_only_writes_nothing(dut):
     assert await tb.pc.read(PORT_B) == RUN
 
 
-@test("DIA-1")
-async def the_relay_takes_the_same_time_each_time(dut):
+@driving_test("DIA-1")
+async def the_relay_takes_the_same_time_each_time(dut, tb):
     """From whichever clock its coil is switched, and also when it was switched back half-way."""
-    tb = await driving(dut)
     clocks = tb.parameters["RelayUs"] * 8
     times = set()
     for wait in range(6):
@@ -207,10 +203,9 @@ async def the_relay_takes_the_same_time_each_time(dut):
     assert len(times) == 1 and clocks - 3 <= times.pop() <= clocks + 1
 
 
-@test("PPI-1")
-async def a_write_to_open_ports_reaches_nothing(dut):
+@card_test("PPI-1", b=RUN)
+async def a_write_to_open_ports_reaches_nothing(tb):
     """The latches behind inputs take it; the board sees open pins."""
-    tb = await Card(dut).start(RUN)
     await tb.pc.write(PPI_CONTROL, 0x9B)  # all inputs
     for data in (0xFF, 0x04, 0x20):
         for port in (PORT_A, PORT_B):
@@ -218,9 +213,8 @@ async def a_write_to_open_ports_reaches_nothing(dut):
         assert [await tb.pc.read(port) for port in (PORT_A, PORT_B)] == [0, 0]
 
 
-@test("CAL-1")
-async def an_index_that_stays_latches_once(dut):
-    tb = await Card(dut).start(RUN | B_INDEX)
+@card_test("CAL-1", b=RUN | B_INDEX)
+async def an_index_that_stays_latches_once(dut, tb):
     await tb.preset(0, 100)
     tb.enc[0].lines = 0
     dut.enc_i_i.value = 1
@@ -231,10 +225,9 @@ async def an_index_that_stays_latches_once(dut):
     dut.enc_i_i.value = 0
 
 
-@test("ENC-2")
-async def another_register_ends_a_pair(dut):
+@card_test("ENC-2", b=RUN)
+async def another_register_ends_a_pair(tb):
     """After it a lone low byte is that of the present count, not of the high byte's."""
-    tb = await Card(dut).start(RUN)
     for between in (None, PORT_A):
         await tb.preset(0, 0x1234)
         assert await tb.pc.read(ENC1) == 0x12
@@ -246,10 +239,9 @@ async def another_register_ends_a_pair(dut):
         await tb.encoder(0)
 
 
-@test("CAL-1", "PCB-1")
-async def an_index_of_one_sample_latches(dut):
+@card_test("CAL-1", "PCB-1", b=RUN | B_INDEX)
+async def an_index_of_one_sample_latches(dut, tb):
     """A sample is a tick of the PC's CLK: an index between two ticks is kept for the next one."""
-    tb = await Card(dut).start(RUN | B_INDEX)
     await tb.preset(0, 100)
     tb.enc[0].lines = 0
 
@@ -299,9 +291,8 @@ async def an_index_of_one_sample_latches(dut):
         await tb.clocks(6)
 
 
-@test("ADC-1")
-async def the_last_code_is_read_while_the_next_is_made(dut):
-    tb = await Card(dut).start()
+@card_test("ADC-1")
+async def the_last_code_is_read_while_the_next_is_made(tb):
     await tb.us(tb.parameters["RelayUs"] + 2)
     last = None
     for code in (0x123, 0xEDC, 0x555, 0xAAA, 0x0F0, 0xF0F, 0x7FF, 0x800):
@@ -315,10 +306,9 @@ async def the_last_code_is_read_while_the_next_is_made(dut):
         last = code
 
 
-@test("PPI-1", "HB-1", "CAL-1")
-async def every_status_bit_by_itself(dut):
+@card_test("PPI-1", "HB-1", "CAL-1", b=RUN | B_INDEX)
+async def every_status_bit_by_itself(dut, tb):
     """Heartbeats and indices of both joints in port C; an open port B reads 0 (PpiFloatB)."""
-    tb = await Card(dut).start(RUN | B_INDEX)
     await tb.us(tb.parameters["RelayUs"] + 2)
     for index in range(4):
         await tb.pc.write(PORT_B, RUN)
@@ -336,10 +326,9 @@ async def every_status_bit_by_itself(dut):
     assert await tb.pc.read(PORT_B) == 0
 
 
-@test("PPI-1", "LAT-1")
-async def free_bits_of_port_b_leave_sclock_alone(dut):
+@card_test("PPI-1", "LAT-1")
+async def free_bits_of_port_b_leave_sclock_alone(tb):
     """Bits 7-5 lead nowhere: SCLOCK latches where bit 2 says so, and only there."""
-    tb = await Card(dut).start()
     for high in range(8):
         for enabled in (B_SCLOCK, 0):
             await tb.pc.write(PORT_B, RUN & ~B_SCLOCK | enabled | high << 5)
@@ -351,10 +340,9 @@ async def free_bits_of_port_b_leave_sclock_alone(dut):
             await tb.encoder(0)
 
 
-@test("LED-2", "PAN-2", "HB-2")
-async def lights_follow_port_a_and_a_card_without_power_is_dark(dut):
+@card_test("LED-2", "PAN-2", "HB-2")
+async def lights_follow_port_a_and_a_card_without_power_is_dark(dut, tb):
     """Bits 3 and 4 light the two lights, whatever the rest; no power: dark, no PANIC."""
-    tb = await Card(dut).start()
     for value in range(32):
         await tb.pc.write(PORT_A, QUAD | value << 3)
         await tb.clocks(2)

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loss of power; each bit of the analog side and of the switches of every card. §5.3.1-5.3.4"""
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import HEALTH_CLKS, LATCH_ALL, PCCSR, PORT_A, QUAD, Machine, dip
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
 RELAY_US = USUAL["RelayUs"]
+machine_test = tests_on(Machine)
 
 
-@test("PAN-2", "ANA-1")
-async def power_loss_forgets_the_converters(dut):
+@machine_test("PAN-2", "ANA-1", setup=True)
+async def power_loss_forgets_the_converters(dut, tb):
     """After power comes back, and the ports are set anew, the D/As stand at 0 V."""
-    tb = await Machine(dut).start(setup=True)
     axes = range(2 * tb.cards)
     for axis in axes:
         await tb.dac(axis, 0xA00 + axis)
@@ -30,10 +30,9 @@ async def power_loss_forgets_the_converters(dut):
     assert [tb.volts(a) for a in axes] == [0 for _ in axes]
 
 
-@test("DAC-1", "ANA-1")
-async def every_bit_of_every_output(dut):
+@machine_test("DAC-1", "ANA-1", setup=True)
+async def every_bit_of_every_output(tb):
     """A walking one and a walking zero at all D/As."""
-    tb = await Machine(dut).start(setup=True)
     await tb.us(RELAY_US + 2)
     axes = range(2 * tb.cards)
     for bit in range(12):
@@ -43,10 +42,9 @@ async def every_bit_of_every_output(dut):
             assert [tb.volts(a) for a in axes] == [(code - 0x800) * 16 for _ in axes], f"{code:03X}"
 
 
-@test("PAN-1", "SW-1")
-async def every_axis_switch_by_itself(dut):
+@machine_test("PAN-1", "SW-1", setup=True)
+async def every_axis_switch_by_itself(dut, tb):
     """No heart beats: PANIC stands while any one axis is switched on."""
-    tb = await Machine(dut).start(setup=True)
     for _ in range(2):
         for switches in [0] + [n for a in range(2 * tb.cards) for n in (1 << a, 0)]:
             dut.axis_enable_i.value = switches
@@ -54,10 +52,9 @@ async def every_axis_switch_by_itself(dut):
             assert int(dut.panic_o.value) == int(switches != 0), f"switches {switches:06b}"
 
 
-@test("ADC-1", "ANA-1")
-async def every_bit_of_every_input(dut):
+@machine_test("ADC-1", "ANA-1", setup=True)
+async def every_bit_of_every_input(tb):
     """A walking one and a walking zero at all A/D inputs."""
-    tb = await Machine(dut).start(setup=True)
     axes = range(2 * tb.cards)
     await tb.us(RELAY_US + 2)
     for bit in range(16):
@@ -70,10 +67,9 @@ async def every_bit_of_every_input(dut):
             assert [await tb.adc(a) for a in axes] == [code for _ in axes], f"{value:04X}"
 
 
-@test("CRD-1", "JMP-1")
-async def every_wrong_switch_of_every_card(dut):
+@machine_test("CRD-1", "JMP-1", setup=True)
+async def every_wrong_switch_of_every_card(dut, tb):
     """A switch that is set wrong moves the card to another number, and back."""
-    tb = await Machine(dut).start(setup=True)
     for card in range(tb.cards):
         for flip in (4, 8, 12, 15):
             wrong = [n ^ flip if n == card else n for n in range(tb.cards)]
@@ -86,10 +82,9 @@ async def every_wrong_switch_of_every_card(dut):
         assert await tb.crd(card, PORT_A) == QUAD
 
 
-@test("PCB-2", "VME-4")
-async def every_bit_that_another_card_drives(dut):
+@machine_test("PCB-2", "VME-4", setup=True)
+async def every_bit_that_another_card_drives(dut, tb):
     """A card in the expansion slot answers where none of ours does; every bit of it arrives."""
-    tb = await Machine(dut).start(setup=True)
     await tb.wr(PCCSR, 0)  # away from the cards
     dut.pcx_d_oe_i.value = 1
     for value in [n for bit in range(8) for n in (1 << bit, ~(1 << bit) & 0xFF)]:

@@ -3,7 +3,7 @@
 
 from cocotb_tests.adaptor.cocotb_host_port import HostPort
 from cocotb_tests.functional import cover
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import HEALTH_CLKS, PCCSR, PIT
 
 TOPLEVEL = "adaptor_core"
@@ -42,6 +42,9 @@ class Csr(HostPort):
             await self.clocks(1)
 
 
+csr_test = tests_on(Csr)
+
+
 def after(state: int, event: int) -> int:
     """The state that follows: events 0-7 write the upper bits, 8 and 9 are edges."""
     if event >= 8:
@@ -49,9 +52,8 @@ def after(state: int, event: int) -> int:
     return event << 2 | (state & 3 if event & 4 else 0)
 
 
-@test("CSR-1", "INT-1", "INT-2")
-async def every_transition(dut):
-    tb = await Csr(dut).start()
+@csr_test("CSR-1", "INT-1", "INT-2")
+async def every_transition(tb):
     for state in range(32):
         if not state & 16 and state & 3:
             continue
@@ -70,10 +72,9 @@ async def every_transition(dut):
     assert set(cover.PCCSR.bins()) == cover.PCCSR.hits
 
 
-@test("CSR-1", "INT-1", "INT-2")
-async def enables_beside_every_base(dut):
+@csr_test("CSR-1", "INT-1", "INT-2")
+async def enables_beside_every_base(tb):
     """Latches and enables as wanted, whatever stands in the bits beside them."""
-    tb = await Csr(dut).start()
     for enables in range(4):
         for base in range(32):
             await tb.enter(0b10011)
@@ -81,9 +82,8 @@ async def enables_beside_every_base(dut):
             await tb.expect(0b10011 | enables << 2, base)
 
 
-@test("CSR-1", "MAP-1")
-async def every_base_after_every_other(dut):
-    tb = await Csr(dut).start()
+@csr_test("CSR-1", "MAP-1")
+async def every_base_after_every_other(tb):
     for old in range(32):
         for new in range(32):
             await tb.wr(PCCSR, old)
@@ -95,10 +95,9 @@ async def every_base_after_every_other(dut):
     assert set(cover.PCCSR_BASE.bins()) == cover.PCCSR_BASE.hits
 
 
-@test("INT-1")
-async def an_edge_beside_a_standing_level(dut):
+@csr_test("INT-1")
+async def an_edge_beside_a_standing_level(tb):
     """Signals that are high when bit 7 rises stay unlatched, whatever the other one does."""
-    tb = await Csr(dut).start()
     signals = (tb.sclock, tb.panic)
     for standing in (0, 1):
         await tb.enter(0)

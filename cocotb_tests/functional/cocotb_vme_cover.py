@@ -6,7 +6,7 @@ from cocotb.triggers import FallingEdge
 from cocotbext.vme import VmeTiming
 
 from cocotb_tests.functional import cover
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import PCCSR, PIT, Machine
 from cocotb_tests.system.machine import USUAL
 
@@ -86,10 +86,12 @@ class Space(Machine):
         self.expected.clear()
 
 
-@test("VME-1", "VME-2", "VME-4", "VME-5", "MAP-1")
+space_test = tests_on(Space)
+
+
+@space_test("VME-1", "VME-2", "VME-4", "VME-5", "MAP-1")
 @cocotb.parametrize(modifier=cover.MODIFIERS)
-async def every_address_and_size(dut, modifier):
-    tb = await Space(dut).start()
+async def every_address_and_size(tb, modifier):
     am = int(modifier, 16)
     for offset in range(0, 0x800, 2):
         for size in cover.SIZES:
@@ -99,9 +101,8 @@ async def every_address_and_size(dut, modifier):
     cover.save()
 
 
-@test("VME-1", "VME-2", "VME-6")
-async def every_modifier_and_size(dut):
-    tb = await Space(dut).start()
+@space_test("VME-1", "VME-2", "VME-6")
+async def every_modifier_and_size(tb):
     for am in range(64):
         for target, offset in cover.TARGETS.items():
             for size in cover.SIZES:
@@ -112,9 +113,8 @@ async def every_modifier_and_size(dut):
     cover.save()
 
 
-@test("VME-1", "VME-6")
-async def every_segment_and_size(dut):
-    tb = await Space(dut).start()
+@space_test("VME-1", "VME-6")
+async def every_segment_and_size(tb):
     for segment in range(32):
         for modifier in cover.MODIFIERS:
             for size in cover.SIZES:

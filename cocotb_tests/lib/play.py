@@ -3,6 +3,9 @@
 
 from collections.abc import Awaitable, Callable
 
+from cocotb.triggers import Timer
+from cocotbext.mmcs.bus import Bus
+
 
 async def play(
     text: str, put: Callable[[str, int], None], wait: Callable[[float], Awaitable]
@@ -14,3 +17,12 @@ async def play(
             put(name, int(value, 0))
         else:
             await wait(float(name))
+
+
+async def drive(bus: Bus, text: str) -> None:
+    """The signals of a bus by their short names; times in ns."""
+
+    def put(name: str, value: int) -> None:
+        getattr(bus, name).value = value
+
+    await play(text, put, lambda ns: Timer(round(ns), "ns"))

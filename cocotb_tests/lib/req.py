@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decorators of cocotb tests; a collector reads what they store on the function."""
 
+from collections.abc import Callable
+from functools import partial, wraps
+from inspect import signature
+
 import cocotb
 
 REQ = "mmcs_req"
@@ -16,6 +20,34 @@ def test(*ids: str):
         return cocotb.test()(func)
 
     return mark
+
+
+def tests_on(bench: Callable, *only: str):
+    """A test() whose function gets the bench, started, as `tb`, and the `dut` where it names that.
+
+    `bench` is a class with start(), or a coroutine function that takes the dut; what the decorator
+    is given by name goes to it. `only`: as variants().
+    """
+
+    def test_on(*ids: str, **options):
+        def mark(func):
+            made = test(*ids)(func)
+            fill = made.func
+
+            @wraps(fill)
+            async def run(dut, **named):
+                start = bench(dut).start if isinstance(bench, type) else partial(bench, dut)
+                named["tb"] = await start(**options)
+                if "dut" in signature(fill).parameters:
+                    named["dut"] = dut
+                await fill(**named)
+
+            made.func = variants(*only)(run) if only else run
+            return made
+
+        return mark
+
+    return test_on
 
 
 def slow(func):

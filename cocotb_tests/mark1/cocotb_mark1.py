@@ -7,7 +7,7 @@ from cocotb.triggers import ClockCycles, RisingEdge, Timer
 from cocotbext.pcbus import PcBus, PcBusMaster
 from cocotbext.quadrature import QuadratureDecoder, QuadratureSource
 
-from cocotb_tests.lib.req import slow, test, variants
+from cocotb_tests.lib.req import slow, test, tests_on, variants
 from cocotb_tests.lib.tb import (
     ADC_HI,
     ADC_LO,
@@ -94,11 +94,12 @@ class Card(Tb):
         return self.now()
 
 
-@test("CRD-1", "CRD-2")
-@variants("short")
-async def answers_only_at_its_switch_setting(dut):
+card_test = tests_on(Card, "short")
+
+
+@card_test("CRD-1", "CRD-2")
+async def answers_only_at_its_switch_setting(tb):
     """Of the 16 settings x 32 bases, and never with AEN high."""
-    tb = await Card(dut).start()
     found = [
         (dip, base)
         for dip in range(16)
@@ -111,10 +112,8 @@ async def answers_only_at_its_switch_setting(dut):
     assert await tb.pc.read(PORT_A) == QUAD
 
 
-@test("CRD-1", "CRD-2")
-@variants("short")
-async def every_switch_setting(dut):
-    tb = await Card(dut).start()
+@card_test("CRD-1", "CRD-2")
+async def every_switch_setting(dut, tb):
     for dip in range(16):
         dut.dip_i.value = dip
         await ClockCycles(dut.clk_i, 2)
@@ -122,11 +121,9 @@ async def every_switch_setting(dut):
         assert found == [dip]
 
 
-@test("CRD-1", "PPI-1")
-@variants("short")
-async def every_register(dut):
+@card_test("CRD-1", "PPI-1")
+async def every_register(tb):
     """What each of the 32 offsets does on read; holes and write-only ones are 0xFF."""
-    tb = await Card(dut).start()
     await tb.us(25)
     await tb.preset(0, 0x1234)
     await tb.preset(1, 0x5678)
@@ -141,11 +138,9 @@ async def every_register(dut):
             assert value == expected.get(register, 0xFF), f"offset {register:02X}: {value:02X}"
 
 
-@test("PPI-1")
-@variants("short")
-async def reset_drv_makes_ports_inputs(dut):
+@card_test("PPI-1")
+async def reset_drv_makes_ports_inputs(dut, tb):
     """RESET DRV: safe board, counters 0; D/A and one-shot untouched."""
-    tb = await Card(dut).start()
     await tb.us(25)
     await tb.preset(0, 77)
     await tb.dac(0, 0xC00)
@@ -164,10 +159,8 @@ async def reset_drv_makes_ports_inputs(dut):
     assert await tb.encoder(0) == 0
 
 
-@test("ENC-1", "CRD-2")
-@variants("short")
-async def counts_four_million_a_second(dut):
-    tb = await Card(dut).start()
+@card_test("ENC-1", "CRD-2")
+async def counts_four_million_a_second(tb):
     await tb.preset(0, 0xFF00)
     await tb.preset(1, 0x0100)
     up = cocotb.start_soon(tb.enc[0].move(600, 250))
@@ -178,11 +171,9 @@ async def counts_four_million_a_second(dut):
     assert await tb.encoder(1) == (0x0100 - 600) & 0xFFFF
 
 
-@test("ENC-1")
-@variants("short")
-async def counts_a_worn_encoder(dut):
+@card_test("ENC-1")
+async def counts_a_worn_encoder(dut, tb):
     """A trapezoid to 2.5 M counts/s and back, edges up to 0.45 of a count from their places."""
-    tb = await Card(dut).start()
     await tb.preset(0, 0)
     for phase, duty in ((0, 0), (30, 10), (-15, -25)):
         source = QuadratureSource(
@@ -198,11 +189,9 @@ async def counts_a_worn_encoder(dut):
         decoder.stop()
 
 
-@test("ENC-1", "PCB-1")
-@variants("short")
-async def slow_bus_clock_slows_the_sampling(dut):
+@card_test("ENC-1", "PCB-1")
+async def slow_bus_clock_slows_the_sampling(dut, tb):
     """CLK ticks every fourth clock: a level shorter than that can pass unseen, longer cannot."""
-    tb = await Card(dut).start()
     await tb.preset(0, 0)
 
     async def clk():
@@ -221,11 +210,9 @@ async def slow_bus_clock_slows_the_sampling(dut):
     assert await tb.encoder(0) != 200
 
 
-@test("ENC-2")
-@variants("short")
-async def byte_order_is_chosen_by_the_first_read(dut):
+@card_test("ENC-2")
+async def byte_order_is_chosen_by_the_first_read(dut, tb):
     """First byte address read after RESET takes the snapshot, each time; the other returns it."""
-    tb = await Card(dut).start()
     for first in (0, 1):
         dut.pc_reset_drv_i.value = 1
         await tb.us(1)
@@ -251,10 +238,8 @@ async def byte_order_is_chosen_by_the_first_read(dut):
         await tb.enc[0].move(-0x300, 250)
 
 
-@test("ENC-2", "LAT-1")
-@variants("short")
-async def latched_once_then_live(dut):
-    tb = await Card(dut).start()
+@card_test("ENC-2", "LAT-1")
+async def latched_once_then_live(tb):
     await tb.preset(0, 100)
     await tb.sclock()
     await tb.enc[0].move(5, 300)
@@ -268,11 +253,9 @@ async def latched_once_then_live(dut):
     assert [await tb.encoder(0) for _ in range(2)] == [110, 115]
 
 
-@test("LAT-1")
-@variants("short")
-async def latch_on_the_very_clock(dut):
+@card_test("LAT-1")
+async def latch_on_the_very_clock(dut, tb):
     """SCLOCK rises between two counts, at every phase of the clock: one of the two is latched."""
-    tb = await Card(dut).start()
     await tb.preset(0, 0)
     for n in range(12):
         tb.dut.pc_drq_i.value = 0
@@ -290,10 +273,8 @@ async def latch_on_the_very_clock(dut):
         assert await tb.encoder(0) == start + 8
 
 
-@test("DAC-1", "LAT-1")
-@variants("short")
-async def both_ranks(dut):
-    tb = await Card(dut).start(RUN | B_DOUBLE)
+@card_test("DAC-1", "LAT-1", b=RUN | B_DOUBLE)
+async def both_ranks(dut, tb):
     await tb.us(25)
     await tb.dac(0, 0x123)
     await tb.dac(1, 0xFED)
@@ -308,11 +289,9 @@ async def both_ranks(dut):
     assert tb.volts(1) == 0
 
 
-@test("ADC-1")
-@variants("short")
-async def conversion_to_the_clock(dut):
+@card_test("ADC-1")
+async def conversion_to_the_clock(tb):
     """200 clocks at 8 MHz from the latch; a start on any clock of it is ignored."""
-    tb = await Card(dut).start()
     await tb.us(25)
     tb.inputs([0x1000])
     polls = []
@@ -327,11 +306,9 @@ async def conversion_to_the_clock(dut):
     assert await tb.adc(0) == 0x900
 
 
-@test("LAT-1", "ADC-1")
-@variants("short")
-async def latch_all_of_another_card(dut):
+@card_test("LAT-1", "ADC-1")
+async def latch_all_of_another_card(tb):
     """0x12 at any card address latches; 0x10 at another's does not."""
-    tb = await Card(dut).start()
     for dip in range(16):
         await tb.pc.outb(dip << 10 | 0x300 | LATCH_ALL, 0)
         assert not await tb.pc.read(PORT_C) & C_DONE
@@ -341,11 +318,9 @@ async def latch_all_of_another_card(dut):
         await tb.us(26)
 
 
-@test("HB-1", "HB-2", "CRD-2")
-@variants("short")
-async def heartbeat_on_every_clock_around_its_end(dut):
+@card_test("HB-1", "HB-2", "CRD-2")
+async def heartbeat_on_every_clock_around_its_end(dut, tb):
     """100 us = 800 clocks: a trigger up to the last clock extends without a glitch, then PANIC."""
-    tb = await Card(dut).start()
     dut.axis_enable_i.value = 1
     gaps = []
     for early in range(6, -6, -1):
@@ -373,11 +348,9 @@ async def heartbeat_on_every_clock_around_its_end(dut):
     assert gaps == sorted(gaps) and True in gaps and False in gaps, f"{gaps}"
 
 
-@test("HB-2", "SW-1")
-@variants("short")
-async def panic_needs_an_enabled_axis(dut):
+@card_test("HB-2", "SW-1")
+async def panic_needs_an_enabled_axis(dut, tb):
     """All four switch settings x both heartbeats."""
-    tb = await Card(dut).start()
     for enabled in range(4):
         dut.axis_enable_i.value = enabled
         for beating in range(4):
@@ -391,10 +364,8 @@ async def panic_needs_an_enabled_axis(dut):
             assert await tb.pc.read(PORT_C) & 5 == (beating & 1) | (beating & 2) << 1
 
 
-@test("SW-1")
-@variants("short")
-async def switch_grounds_the_drive(dut):
-    tb = await Card(dut).start()
+@card_test("SW-1")
+async def switch_grounds_the_drive(dut, tb):
     await tb.us(25)
     await tb.dac(0, 0xC00)
     await tb.dac(1, 0x400)
@@ -407,14 +378,12 @@ async def switch_grounds_the_drive(dut):
         ]
 
 
-@test("CAL-1")
-@variants("short")
-async def index_at_any_speed(dut):
+@card_test("CAL-1")
+async def index_at_any_speed(tb):
     """The count latched is exactly that of the index, upwards and downwards, to 4 M counts/s.
 
     The index comes and goes with an edge of A or B, at any phase of the clock.
     """
-    tb = await Card(dut).start()
     e = tb.enc[0]
     e.lines = 4  # an index every 16 counts
     await e.move(5, 500)
@@ -433,11 +402,9 @@ async def index_at_any_speed(dut):
             assert await tb.encoder(0) == end
 
 
-@test("DIA-2", "CAL-1")
-@variants("short")
-async def the_made_index_is_one_bit_of_port_a(dut):
+@card_test("DIA-2", "CAL-1", b=0)
+async def the_made_index_is_one_bit_of_port_a(tb):
     """Bit 7 alone, whatever lights, A and B do."""
-    tb = await Card(dut).start(0)
     for value in range(32):
         await tb.pc.write(PORT_B, 0)
         await tb.pc.write(PORT_A, QUAD | value << 3)
@@ -446,11 +413,9 @@ async def the_made_index_is_one_bit_of_port_a(dut):
         assert bool(await tb.pc.read(PORT_C) & C_INDEX1) == (value > 15), f"{value:02X}"
 
 
-@test("LED-2", "PAN-2")
-@variants("short")
-async def power_off(dut):
+@card_test("LED-2", "PAN-2")
+async def power_off(dut, tb):
     """No power: LEDs off, no drive, no answer, one-shots low, PANIC line not driven by the card."""
-    tb = await Card(dut).start()
     await tb.us(25)
     await tb.dac(0, 0xC00)
     await tb.dac(1, 0xC00)
@@ -467,11 +432,9 @@ async def power_off(dut):
     assert tb.led("power") == 1
 
 
-@test("PPI-1", "CRD-2")
-@variants("short")
-async def port_b_bits_5_to_7_are_free(dut):
+@card_test("PPI-1", "CRD-2")
+async def port_b_bits_5_to_7_are_free(tb):
     """Unassigned bits hold what is written and move nothing; port C shows 1 there."""
-    tb = await Card(dut).start()
     await tb.us(25)
     await tb.dac(0, 0xC00)
     for high in range(8):
@@ -481,11 +444,9 @@ async def port_b_bits_5_to_7_are_free(dut):
         assert await tb.pc.read(PORT_C) & 0xE0 == 0xE0
 
 
-@test("CRD-2", "DAC-1", "ENC-1", "ADC-1")
-@variants("short")
-async def random_traffic(dut):
+@card_test("CRD-2", "DAC-1", "ENC-1", "ADC-1")
+async def random_traffic(tb):
     """400 random accesses against a model of ports, D/As and encoders."""
-    tb = await Card(dut).start()
     await tb.us(25)
     ports, low, volts, counts = [QUAD, RUN], [0, 0], [0, 0], [0, 0]
     for joint in (0, 1):

@@ -7,7 +7,7 @@ Pulses are put on every phase of the clock; brakes and PANIC are looked at whene
 import cocotb
 from cocotb.triggers import FallingEdge, First, RisingEdge, Timer, ValueChange
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     ARMED,
     B_INDEX,
@@ -60,6 +60,9 @@ async def machine(dut) -> Machine:
     return tb
 
 
+machine_test = tests_on(machine)
+
+
 class Watch:
     """What of brakes and PANIC rises and falls, in order; never are the brakes off in a PANIC."""
 
@@ -81,11 +84,10 @@ class Watch:
         return self.seen
 
 
-@test("PAN-1")
+@machine_test("PAN-1")
 @cocotb.parametrize(what=[*SOURCES, "reset"], level=[0, 1])
-async def brakes_without_a_clock(dut, what, level):
+async def brakes_without_a_clock(dut, tb, what, level):
     """The clock stands: every cause closes the brakes at once, and its end does not open them."""
-    tb = await machine(dut)
     await (RisingEdge if level else FallingEdge)(dut.clk_i)
     await Timer(10, "ns")
     tb.clock.stop()
@@ -100,11 +102,10 @@ async def brakes_without_a_clock(dut, what, level):
     assert not int(dut.brake_release_o.value), "no register has released them"
 
 
-@test("PAN-1")
+@machine_test("PAN-1")
 @cocotb.parametrize(what=SOURCES)
-async def a_reset_opens_no_brake(dut, what):
+async def a_reset_opens_no_brake(dut, tb, what):
     """Whatever is wrong when reset ends, neither PANIC nor the brakes go away for an instant."""
-    tb = await machine(dut)
     source = Source(dut, what)
     dut.rst_ni.value = 0
     source.set(False)
@@ -118,10 +119,9 @@ async def a_reset_opens_no_brake(dut, what):
     assert sorted(watch.stop()) == ["brake 1", "panic 0"]
 
 
-@test("PAN-1", "HB-2")
-async def a_reset_opens_no_brake_without_heartbeats(dut):
+@machine_test("PAN-1", "HB-2")
+async def a_reset_opens_no_brake_without_heartbeats(dut, tb):
     """The cards' own PANIC is there before that of the reset goes."""
-    tb = await machine(dut)
     dut.axis_enable_i.value = 0x3F
     dut.rst_ni.value = 0
     await tb.clocks(5)
@@ -131,11 +131,10 @@ async def a_reset_opens_no_brake_without_heartbeats(dut):
     assert not watch.stop() and int(dut.panic_o.value)
 
 
-@test("PAN-1", "INT-1")
+@machine_test("PAN-1", "INT-1")
 @cocotb.parametrize(what=SOURCES, ns=[10, 60, 100])
-async def shorter_than_a_clock(dut, what, ns):
+async def shorter_than_a_clock(dut, tb, what, ns):
     """On every phase: brakes closed from its beginning on, one PANIC, latched only while armed."""
-    tb = await machine(dut)
     source = Source(dut, what)
     for phase in PHASES:
         for armed in (ARMED, 0):
@@ -156,10 +155,9 @@ async def shorter_than_a_clock(dut, what, ns):
                 assert await tb.rd(PCCSR) == ARMED | BASE, "what came before is lost"
 
 
-@test("INT-1")
-async def a_level_sets_nothing_when_bit_7_rises(dut):
+@machine_test("INT-1")
+async def a_level_sets_nothing_when_bit_7_rises(dut, tb):
     """However the cause began: shorter than a clock, or standing."""
-    tb = await machine(dut)
     for what in SOURCES:
         source = Source(dut, what)
         await tb.wr(PCCSR, BASE)
@@ -173,11 +171,10 @@ async def a_level_sets_nothing_when_bit_7_rises(dut):
         assert await tb.rd(PCCSR) == ARMED | BASE and not int(dut.panic_o.value)
 
 
-@test("CAL-1")
+@machine_test("CAL-1")
 @cocotb.parametrize(ns=[10, 60, 100])
-async def an_index_shorter_than_a_clock(dut, ns):
+async def an_index_shorter_than_a_clock(dut, tb, ns):
     """On every phase it sets its latch, that of its joint alone, and latches the counter."""
-    tb = await machine(dut)
     for phase in PHASES:
         for joint, bit in ((0, C_INDEX1), (1, C_INDEX2)):
             await tb.cwr(0, PORT_B, B_REAL_ENC | B_INDEX)
@@ -227,10 +224,9 @@ async def panic_leaves_the_card_from_a_flip_flop(dut):
     assert tb.clks(tb.now() - (beats[0] - tb.period / 2)) == 1
 
 
-@test("PAN-1")
-async def alive_while_the_clock_runs(dut):
+@machine_test("PAN-1")
+async def alive_while_the_clock_runs(dut, tb):
     """An edge every 500 us; none without a clock, none in a reset."""
-    tb = await machine(dut)
     await ValueChange(dut.alive_o)
     for _ in range(4):
         before, level = tb.now(), int(dut.alive_o.value)

@@ -5,7 +5,7 @@
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_INDEX,
@@ -55,6 +55,9 @@ async def machine(dut, b: int = RUN) -> Machine:
     return tb
 
 
+machine_test = tests_on(machine)
+
+
 async def pulse(tb: Machine) -> None:
     """One rising edge of SCLOCK."""
     await tb.wr(0x407, 0x70)
@@ -64,10 +67,9 @@ async def pulse(tb: Machine) -> None:
 # --- decode -------------------------------------------------------------------------------------
 
 
-@test("CRD-1", "MAP-1")
-async def cards_are_separate(dut):
+@machine_test("CRD-1", "MAP-1")
+async def cards_are_separate(tb):
     """Each card's registers hold what was written to that card."""
-    tb = await machine(dut)
     for card in range(3):
         await tb.cwr(card, PORT_A, 0x10 + card)
         await tb.preset(2 * card, 0x1000 * card + 1)
@@ -78,10 +80,9 @@ async def cards_are_separate(dut):
         assert await tb.encoder(2 * card + 1) == 0x1000 * card + 2
 
 
-@test("CRD-1")
-async def other_bases_reach_no_card(dut):
+@machine_test("CRD-1")
+async def other_bases_reach_no_card(tb):
     """PCCSR bits 4-0 other than 0x18: reads 0xFF, writes nothing."""
-    tb = await machine(dut)
     for base in range(32):
         if base == BASE:
             continue
@@ -92,10 +93,9 @@ async def other_bases_reach_no_card(dut):
     assert await tb.crd(0, PORT_A) == QUAD
 
 
-@test("CRD-1")
-async def unused_and_one_way_registers(dut):
+@machine_test("CRD-1")
+async def unused_and_one_way_registers(tb):
     """Holes and write-only offsets read 0xFF; writing holes and the A/D changes nothing."""
-    tb = await machine(dut)
     before = [await tb.crd(1, r) for r in (0, 1, 4, 5, 6, 7, 12, 13, 14)]
     holes = [0x0F, 0x11, *range(0x13, 0x20)]
     for register in [*holes, 8, 9, 10, 11]:
@@ -128,10 +128,9 @@ async def ports_after_reset_and_after_mode_set(dut):
 # --- encoders -----------------------------------------------------------------------------------
 
 
-@test("ENC-1")
-async def encoders_count_at_full_speed(dut):
+@machine_test("ENC-1")
+async def encoders_count_at_full_speed(tb):
     """All six at once, 4 million counts/s, up and down, A leading B up."""
-    tb = await machine(dut)
     for axis in range(6):
         await tb.preset(axis, 0x7FF0 + axis)
     moves = (37, -101, 64, -1, 255, -300)
@@ -143,9 +142,8 @@ async def encoders_count_at_full_speed(dut):
         assert await tb.encoder(axis) == (0x7FF0 + axis + move) & 0xFFFF, f"axis {axis}"
 
 
-@test("ENC-1")
-async def encoder_wraps_both_ways(dut):
-    tb = await machine(dut)
+@machine_test("ENC-1")
+async def encoder_wraps_both_ways(tb):
     await tb.preset(0, 0xFFFE)
     await tb.enc[0].move(5, NS_PER_COUNT)
     await tb.us(1)
@@ -155,10 +153,9 @@ async def encoder_wraps_both_ways(dut):
     assert await tb.encoder(0) == 0xFFFA
 
 
-@test("ENC-1")
-async def illegal_transitions_and_glitches(dut):
+@machine_test("ENC-1")
+async def illegal_transitions_and_glitches(tb):
     """Both inputs at once count nothing; a glitch counts there and back or not at all."""
-    tb = await machine(dut)
     await tb.preset(3, 100)
     for _ in range(5):
         tb.enc[3].jump()
@@ -171,11 +168,10 @@ async def illegal_transitions_and_glitches(dut):
             assert await tb.encoder(3) == 100, f"glitch of {ns} ns on {line}"
 
 
-@test("ENC-1")
+@machine_test("ENC-1")
 @cocotb.parametrize(mode=[0, 1, 2, 3, 4, 5])
-async def encoder_modes(dut, mode):
+async def encoder_modes(tb, mode):
     """Two turns up, one down: hold, x1, x1, x2, x2, x4 by port A bits 2-0, for both joints."""
-    tb = await machine(dut)
     await tb.cwr(0, PORT_A, mode)
     per_cycle = (0, 1, 1, 2, 2, 4)[mode]
     for axis in (0, 1):
@@ -188,10 +184,9 @@ async def encoder_modes(dut, mode):
         assert await tb.encoder(axis) == 0x4000 + 2 * per_cycle
 
 
-@test("ENC-2")
-async def read_is_one_sample_while_counting(dut):
+@machine_test("ENC-2")
+async def read_is_one_sample_while_counting(tb):
     """MSB and LSB of one instant, across the carry, while the encoder runs."""
-    tb = await machine(dut)
     await tb.preset(0, 0x00F0)
     last = 0x00F0
     task = cocotb.start_soon(tb.enc[0].move(400, 300))
@@ -202,9 +197,8 @@ async def read_is_one_sample_while_counting(dut):
     await task
 
 
-@test("ENC-2", "LAT-1")
-async def first_read_after_a_latch_is_the_latched_count(dut):
-    tb = await machine(dut)
+@machine_test("ENC-2", "LAT-1")
+async def first_read_after_a_latch_is_the_latched_count(tb):
     for axis in range(6):
         await tb.preset(axis, 10 * axis)
     await pulse(tb)
@@ -215,10 +209,9 @@ async def first_read_after_a_latch_is_the_latched_count(dut):
     assert [await tb.encoder(a) for a in range(6)] == [10 * a + 7 for a in range(6)]
 
 
-@test("DIA-2")
-async def synthetic_encoder(dut):
+@machine_test("DIA-2", b=B_TO_JOINT)
+async def synthetic_encoder(tb):
     """Port B0 = 0: both chips see port A5-A7, the joints are not heard."""
-    tb = await machine(dut, B_TO_JOINT)
     for axis in (0, 1):
         await tb.preset(axis, 50)
     await tb.enc[0].move(9, 300)
@@ -237,9 +230,8 @@ async def synthetic_encoder(dut):
     assert [await tb.encoder(a) for a in (0, 1)] == [52, 52]
 
 
-@test("DIA-2", "CAL-1")
-async def synthetic_index(dut):
-    tb = await machine(dut, B_TO_JOINT | B_INDEX)
+@machine_test("DIA-2", "CAL-1", b=B_TO_JOINT | B_INDEX)
+async def synthetic_index(tb):
     assert not await tb.crd(1, PORT_C) & (C_INDEX1 | C_INDEX2)
     await tb.cwr(1, PORT_A, QUAD | 0x80)
     assert await tb.crd(1, PORT_C) & (C_INDEX1 | C_INDEX2) == C_INDEX1 | C_INDEX2
@@ -249,11 +241,10 @@ async def synthetic_index(dut):
 # --- calibration --------------------------------------------------------------------------------
 
 
-@test("CAL-1")
+@machine_test("CAL-1")
 @cocotb.parametrize(axis=[0, 3])
-async def index_latches_flag_and_count(dut, axis):
+async def index_latches_flag_and_count(tb, axis):
     """At full speed; only while armed; later pulses latch again; disarming clears."""
-    tb = await machine(dut)
     card, flag = axis // 2, (C_INDEX1, C_INDEX2)[axis % 2]
     await tb.preset(axis, 1000)
     await tb.enc[axis].index(500)
@@ -275,10 +266,9 @@ async def index_latches_flag_and_count(dut, axis):
     assert not await tb.crd(card, PORT_C) & flag
 
 
-@test("CAL-1")
-async def index_that_is_high_when_armed(dut):
+@machine_test("CAL-1")
+async def index_that_is_high_when_armed(tb):
     """The flag follows the level, as Table 5.1 says: it is set."""
-    tb = await machine(dut)
     tb.enc[0].i.set(0, 1)
     await tb.us(1)
     await tb.cwr(0, PORT_B, RUN | B_INDEX)
@@ -291,10 +281,9 @@ async def index_that_is_high_when_armed(dut):
 # --- D/A ----------------------------------------------------------------------------------------
 
 
-@test("DAC-1", "ANA-1")
-async def dac_codes_and_volts(dut):
+@machine_test("DAC-1", "ANA-1")
+async def dac_codes_and_volts(tb):
     """Offset binary, 20 V span; the low byte waits for the high nibble."""
-    tb = await machine(dut)
     codes = (0x000, 0x001, 0x7FF, 0x800, 0x801, 0xFFF, 0x5A5, 0xA5A)
     for axis in range(6):
         for code in codes:
@@ -305,10 +294,9 @@ async def dac_codes_and_volts(dut):
             assert tb.volts(axis) == volts_of(code), f"axis {axis} code {code:03X}"
 
 
-@test("DAC-1", "LAT-1")
-async def dac_double_buffering(dut):
+@machine_test("DAC-1", "LAT-1")
+async def dac_double_buffering(tb):
     """PB3 = 1: both outputs of the card move with the latch and not before; other cards do not."""
-    tb = await machine(dut)
     await tb.cwr(1, PORT_B, RUN | B_DOUBLE)
     for n, code in enumerate((0x123, 0x456, 0xFED)):
         held = [tb.volts(a) for a in (2, 3)]
@@ -322,10 +310,9 @@ async def dac_double_buffering(dut):
         assert [tb.volts(a) for a in (2, 3)] == [volts_of(code), volts_of(code ^ 0xFFF)]
 
 
-@test("DAC-1", "LAT-1")
-async def new_value_appears_exactly_one_sample_later(dut):
+@machine_test("DAC-1", "LAT-1", b=RUN | B_DOUBLE)
+async def new_value_appears_exactly_one_sample_later(dut, tb):
     """SCLOCK of 60 us: what is written in one sample stands from the next edge."""
-    tb = await machine(dut, RUN | B_DOUBLE)
     await tb.sclock(8, 60)
     moved = []
 
@@ -355,10 +342,9 @@ async def new_value_appears_exactly_one_sample_later(dut):
         assert not moved
 
 
-@test("LAT-1", "DAC-1")
-async def software_latch_updates_double_buffered_dacs(dut):
+@machine_test("LAT-1", "DAC-1", b=RUN | B_DOUBLE)
+async def software_latch_updates_double_buffered_dacs(tb):
     """Jumper E023-E022 is fitted: 0x10 for its card, 0x12 for all."""
-    tb = await machine(dut, RUN | B_DOUBLE)
     for axis in range(6):
         await tb.dac(axis, 0x900)
     await tb.cwr(1, LATCH, 0)
@@ -370,11 +356,10 @@ async def software_latch_updates_double_buffered_dacs(dut):
 # --- latch and A/D ------------------------------------------------------------------------------
 
 
-@test("LAT-1", "ADC-1")
+@machine_test("LAT-1", "ADC-1")
 @cocotb.parametrize(how=["sclock", "write", "read", "all"])
-async def what_starts_a_conversion(dut, how):
+async def what_starts_a_conversion(tb, how):
     """SCLOCK starts all; 0x10 its card; 0x12 every card."""
-    tb = await machine(dut)
     tb.inputs([0x1000 * (n + 1) for n in range(6)])
     expected = [0x800 + 0x100 * (n + 1) for n in range(6)]
     before = [await tb.adc(n) for n in range(6)]
@@ -396,10 +381,9 @@ async def what_starts_a_conversion(dut, how):
     ]
 
 
-@test("LAT-1")
-async def port_b2_gates_sclock(dut):
+@machine_test("LAT-1", b=B_REAL_ENC | B_TO_JOINT | B_DOUBLE)
+async def port_b2_gates_sclock(tb):
     """PB2 = 0: SCLOCK neither latches, starts nor updates; software latches still do."""
-    tb = await machine(dut, B_REAL_ENC | B_TO_JOINT | B_DOUBLE)
     tb.inputs([0x2000] * 6)
     await tb.preset(0, 77)
     await tb.dac(0, 0xC00)
@@ -416,10 +400,9 @@ async def port_b2_gates_sclock(dut):
     assert [await tb.encoder(0), await tb.encoder(0)] == [80, 83]
 
 
-@test("LAT-1")
-async def no_skew_between_cards(dut):
+@machine_test("LAT-1")
+async def no_skew_between_cards(tb):
     """All six encoders run; SCLOCK and 0x12 take all counts on the same clock."""
-    tb = await machine(dut)
     for axis in range(6):
         await tb.preset(axis, 0)
     stop = []
@@ -443,10 +426,9 @@ async def no_skew_between_cards(dut):
     await task
 
 
-@test("ADC-1")
-async def adc_timing_and_busy(dut):
+@machine_test("ADC-1")
+async def adc_timing_and_busy(tb):
     """25 us; the old sample is readable meanwhile; a start while busy is ignored."""
-    tb = await machine(dut)
     tb.inputs([0x4000] * 6)
     await pulse(tb)
     await tb.us(CONVERT_US + 2)
@@ -466,10 +448,9 @@ async def adc_timing_and_busy(dut):
     assert [await tb.adc(n) for n in range(6)] == [0x400] * 6
 
 
-@test("ADC-1", "ANA-1")
-async def adc_codes(dut):
+@machine_test("ADC-1", "ANA-1")
+async def adc_codes(tb):
     """Full scale, zero, half steps and clamping, six inputs at a time."""
-    tb = await machine(dut)
     for volts in (
         [-32768, -32761, -32760, -17, -9, -8],
         [-7, 0, 7, 8, 9, 16],
@@ -483,10 +464,9 @@ async def adc_codes(dut):
             assert await tb.adc(axis) in nearest, f"{v}"
 
 
-@test("DIA-1", "DAC-1", "ADC-1")
-async def analogue_loop(dut):
+@machine_test("DIA-1", "DAC-1", "ADC-1")
+async def analogue_loop(tb):
     """PB1 = 0: the A/D sees the D/A, the joint sees 0 V; the relay takes its time both ways."""
-    tb = await machine(dut)
     tb.inputs([0x7000] * 6)
     codes = (0x000, 0x3FF, 0x800, 0x9AB, 0xFFF, 0x123)
     for axis, code in enumerate(codes):
@@ -504,9 +484,8 @@ async def analogue_loop(dut):
     assert [tb.volts(n) for n in (0, 1, 2)] == [volts_of(0), volts_of(0x3FF), 0]
 
 
-@test("DIA-1")
-async def relay_takes_its_time(dut):
-    tb = await machine(dut)
+@machine_test("DIA-1")
+async def relay_takes_its_time(dut, tb):
     await tb.dac(0, 0xFFF)
     await tb.cwr(0, PORT_B, RUN & ~B_TO_JOINT)
     await tb.us(RELAY_US + 2)
@@ -522,10 +501,9 @@ async def relay_takes_its_time(dut):
 # --- lights -------------------------------------------------------------------------------------
 
 
-@test("LED-2")
-async def card_leds(dut):
+@machine_test("LED-2")
+async def card_leds(dut, tb):
     """Every LED follows its signal, on its own card only."""
-    tb = await machine(dut)
     assert all(tb.led(c, "power") for c in range(3))
     for axis in range(6):
         card, joint = axis // 2, axis % 2 + 1
@@ -544,10 +522,9 @@ async def card_leds(dut):
             await tb.cwr(card, PORT_A, QUAD)
 
 
-@test("HB-1", "LED-2")
-async def heartbeat_leds_and_port_c(dut):
+@machine_test("HB-1", "LED-2")
+async def heartbeat_leds_and_port_c(tb):
     """Writing a D/A low byte starts that axis's heartbeat; the high nibble does not."""
-    tb = await machine(dut)
     for axis in range(6):
         card, joint = axis // 2, axis % 2
         await tb.cwr(card, DAC1 + 2 * joint + 1, 8)
@@ -563,10 +540,9 @@ async def heartbeat_leds_and_port_c(dut):
 # --- faults -------------------------------------------------------------------------------------
 
 
-@test("PCB-2", "CRD-1")
-async def two_cards_with_one_address(dut):
+@machine_test("PCB-2", "CRD-1")
+async def two_cards_with_one_address(dut, tb):
     """Card 2's DIP switch set like card 1's: data is the AND of both, both take writes."""
-    tb = await machine(dut)
     await tb.cwr(1, PORT_A, 0xF5)
     await tb.cwr(2, PORT_A, 0x3D)
     dut.dip_i.value = dip(0, 1, 1)
@@ -579,10 +555,9 @@ async def two_cards_with_one_address(dut):
     assert [await tb.crd(c, PORT_A) for c in range(3)] == [5, 0x0D, 0x0D]
 
 
-@test("CRD-1", "VME-4")
-async def empty_slot(dut):
+@machine_test("CRD-1", "VME-4")
+async def empty_slot(dut, tb):
     """Where no card is, or not any more, nobody drives the bus."""
-    tb = await machine(dut)
     assert await tb.crd(3, PORT_A) == 0xFF
     dut.dip_i.value = dip(0, 15, 2)  # card 1 as good as out
     assert await tb.crd(1, PORT_A) == 0xFF

@@ -10,7 +10,8 @@ import cocotb
 from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer, ValueChange
 from cocotbext.vme import BusTimeout, VmeInterruptHandler, VmeTiming
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.play import drive
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     ARMED,
     BASE,
@@ -38,6 +39,9 @@ async def machine(dut, **kwargs) -> Machine:
     await Timer(2, "us")
     assert not int(dut.panic_o.value)
     return tb
+
+
+machine_test = tests_on(machine)
 
 
 async def sclock_low(tb: Machine) -> None:
@@ -75,10 +79,9 @@ def irq(tb: Machine) -> int:
     return ~(int(tb.dut.vme_irq_no.value) << 1) & 0xFE
 
 
-@test("CSR-1")
-async def pccsr_every_transition(dut):
+@machine_test("CSR-1")
+async def pccsr_every_transition(tb):
     """From each of the eight upper values to each other: bits 4-0 and 7 as written, 5-6 latches."""
-    tb = await machine(dut)
     for old in range(8):
         for new in range(8):
             await tb.wr(PCCSR, old << 5 | 0x15)
@@ -88,11 +91,10 @@ async def pccsr_every_transition(dut):
             assert irq(tb) == 0
 
 
-@test("CSR-1", "INT-1", "INT-2", "LED-1")
+@machine_test("CSR-1", "INT-1", "INT-2", "LED-1")
 @cocotb.parametrize(source=["sclock", "panic"])
-async def latch_and_enable(dut, source):
+async def latch_and_enable(dut, tb, source):
     """The latch is read whether or not enabled; the line and the red LED need the enable."""
-    tb = await machine(dut)
     edge, low, bit = SOURCES[source]
     for enables in (0, SCLOCK_IRQ, PANIC_IRQ, SCLOCK_IRQ | PANIC_IRQ):
         await tb.wr(PCCSR, BASE | enables)
@@ -117,11 +119,10 @@ async def latch_and_enable(dut, source):
         await low(tb)
 
 
-@test("INT-1", "INT-2")
+@machine_test("INT-1", "INT-2")
 @cocotb.parametrize(source=["sclock", "panic"])
-async def clearing_bit_7_pulls_no_line(dut, source):
+async def clearing_bit_7_pulls_no_line(dut, tb, source):
     """A latch that is set and not enabled: the write that clears bit 7 and enables it."""
-    tb = await machine(dut)
     edge, low, bit = SOURCES[source]
     await tb.wr(PCCSR, ARMED | BASE)
     await edge(tb)
@@ -140,11 +141,10 @@ async def clearing_bit_7_pulls_no_line(dut, source):
     await low(tb)
 
 
-@test("INT-1")
+@machine_test("INT-1")
 @cocotb.parametrize(source=["sclock", "panic"])
-async def edges_while_bit_7_is_0_are_lost(dut, source):
+async def edges_while_bit_7_is_0_are_lost(tb, source):
     """And a level that is high when bit 7 rises sets nothing; its next edge does."""
-    tb = await machine(dut)
     edge, low, bit = SOURCES[source]
     await tb.wr(PCCSR, BASE)
     await edge(tb)
@@ -159,9 +159,8 @@ async def edges_while_bit_7_is_0_are_lost(dut, source):
     await low(tb)
 
 
-@test("INT-1", "CSR-1")
-async def both_latches_are_independent_and_clear_together(dut):
-    tb = await machine(dut)
+@machine_test("INT-1", "CSR-1")
+async def both_latches_are_independent_and_clear_together(tb):
     await tb.wr(PCCSR, ARMED | BASE)
     await panic_edge(tb)
     assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
@@ -197,10 +196,9 @@ async def edges_around(tb: Machine, before: int, after: int, bit: int, span: ran
     return out
 
 
-@test("INT-1")
-async def edge_on_every_clock_around_setting_bit_7(dut):
+@machine_test("INT-1")
+async def edge_on_every_clock_around_setting_bit_7(tb):
     """Before some clock all edges are lost, from it on all are latched: one step, no gap."""
-    tb = await machine(dut)
     seen = await edges_around(tb, BASE, ARMED | BASE, PANIC_IRQ, range(0, 24))
     latched = [hit for _, hit in sorted(seen)]
     tb.log.info("edge to DTACK* in clocks: %s", [(round(t, 1), h) for t, h in sorted(seen)])
@@ -210,21 +208,19 @@ async def edge_on_every_clock_around_setting_bit_7(dut):
     assert -2 <= first <= 2, f"the first edge that counts is {first} clocks from DTACK*"
 
 
-@test("INT-1")
-async def edge_on_every_clock_around_clearing_bit_7(dut):
+@machine_test("INT-1")
+async def edge_on_every_clock_around_clearing_bit_7(tb):
     """Whatever the clock: after the write has been acknowledged the latch is clear and stays so."""
-    tb = await machine(dut)
     seen = await edges_around(tb, ARMED | BASE, BASE, PANIC_IRQ, range(0, 24))
     assert not any(hit for _, hit in seen)
 
 
-@test("INT-1", "DRV-7")
-async def edge_on_every_clock_around_the_drivers_clear_and_set(dut):
+@machine_test("INT-1", "DRV-7")
+async def edge_on_every_clock_around_the_drivers_clear_and_set(dut, tb):
     """The handler's 0-then-1: edges outside the window are never lost; its width is measured.
 
     Each edge is either still readable after, or fell between the two writes.
     """
-    tb = await machine(dut)
     lost = []
     for delay in range(0, 40):
         await panic_low(tb)
@@ -250,13 +246,12 @@ async def edge_on_every_clock_around_the_drivers_clear_and_set(dut):
     assert len(after_clear) < 30
 
 
-@test("INT-1")
-async def sclock_edges_around_setting_bit_7(dut):
+@machine_test("INT-1")
+async def sclock_edges_around_setting_bit_7(dut, tb):
     """Free-running SCLOCK of 3 us against writes at a drifting phase: the latch tells the truth.
 
     An edge seen two clocks or more after DTACK* is always latched, one two or more before never.
     """
-    tb = await machine(dut)
     await tb.sclock(8, 20)  # 20 us
     await RisingEdge(dut.sclock_o)
     checked = 0
@@ -287,31 +282,25 @@ async def sclock_edges_around_setting_bit_7(dut):
     assert checked > 20
 
 
-@test("INT-2")
-async def acknowledge_withdrawn_and_anothers_at_once(dut):
+@machine_test("INT-2")
+async def acknowledge_withdrawn_and_anothers_at_once(dut, tb):
     """Our vector never stands in the acknowledge of another level. Found by a proof."""
-    tb = await machine(dut)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_edge(tb)
     for ns in range(260, 640, 20):
         await acknowledge_without_strobe(tb)
-        await Timer(ns, "ns")
-        tb.bus.ds_n.value = 2
-        await Timer(130, "ns")
-        tb.bus.ds_n.value, tb.bus.as_n.value, tb.bus.iackin_n.value = 3, 1, 1
-        await Timer(130, "ns")
-        tb.bus.a.value, tb.bus.as_n.value = 3, 0
-        tb.bus.ds_n.value, tb.bus.iackin_n.value = 2, 0
+        await drive(
+            tb.bus, f"{ns} ds_n=2 130 ds_n=3 as_n=1 iackin_n=1 130 a=3 as_n=0 ds_n=2 iackin_n=0"
+        )
         for _ in range(40):
             await Timer(20, "ns")
             assert not int(dut.vme_d_oe_o.value), f"strobe after {ns} ns"
         await acknowledge_ends(tb)
 
 
-@test("INT-2")
-async def acknowledge_gives_the_vector(dut):
+@machine_test("INT-2")
+async def acknowledge_gives_the_vector(dut, tb):
     """And the latch with its request stays until PCCSR bit 7 (release on register access)."""
-    tb = await machine(dut)
     for vector in (0x00, 0x0F, 0xA5, 0xFF):
         await tb.wr(VECTOR, vector)
         await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -327,10 +316,9 @@ async def acknowledge_gives_the_vector(dut):
         assert irq(tb) == 0
 
 
-@test("INT-2", "VME-6")
-async def iack_jumper_left_in(dut):
+@machine_test("INT-2", "VME-6")
+async def iack_jumper_left_in(dut, tb):
     """The backplane's jumper bypasses the slot: IACKIN* never falls, the bus timer ends it."""
-    tb = await machine(dut)
     await tb.wr(VECTOR, 0xA5)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_edge(tb)
@@ -356,10 +344,9 @@ async def vector_after_reset(dut):
     assert await tb.rd(VECTOR) == 0xFF, "the vector cannot be read"
 
 
-@test("INT-2", "VME-6")
-async def other_levels_are_passed_on(dut):
+@machine_test("INT-2", "VME-6")
+async def other_levels_are_passed_on(tb):
     """Only level 5 is ours: the rest goes down the chain, to whoever is there."""
-    tb = await machine(dut)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_edge(tb)
     tb.vme.downstream = {level: 0x60 + level for level in range(1, 8)}
@@ -372,10 +359,9 @@ async def other_levels_are_passed_on(dut):
     assert await tb.vme.iack(5) == VEC
 
 
-@test("INT-2")
-async def without_a_request_the_cycle_is_passed_on(dut):
+@machine_test("INT-2")
+async def without_a_request_the_cycle_is_passed_on(tb):
     """Latch clear, or set and not enabled."""
-    tb = await machine(dut)
     tb.vme.downstream = {5: 0x33}
     for pccsr in (BASE, ARMED | BASE, ARMED | SCLOCK_IRQ | BASE, ARMED | PANIC_IRQ | BASE):
         await sclock_low(tb)
@@ -386,10 +372,9 @@ async def without_a_request_the_cycle_is_passed_on(dut):
     assert await tb.vme.iack(5) == 0x33
 
 
-@test("INT-2")
-async def iackout_follows_the_cycle(dut):
+@machine_test("INT-2")
+async def iackout_follows_the_cycle(dut, tb):
     """IACKOUT* rises within 40 ns of AS*, and is high again before the next cycle."""
-    tb = await machine(dut)
     tb.vme.downstream = {5: 0x33}
     rises = []
 
@@ -409,13 +394,12 @@ async def iackout_follows_the_cycle(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@test("INT-2", "INT-1")
-async def request_on_every_clock_around_the_acknowledge(dut):
+@machine_test("INT-2", "INT-1")
+async def request_on_every_clock_around_the_acknowledge(dut, tb):
     """PANIC rises at each clock around IACKIN*: the cycle is answered or passed on, never both,
 
     never neither; passed on until some clock, answered never after it was decided.
     """
-    tb = await machine(dut)
     tb.vme.downstream = {5: 0x33}
     fates = []
     for delay in range(0, 26):
@@ -443,10 +427,9 @@ async def request_on_every_clock_around_the_acknowledge(dut):
     assert fates == sorted(fates, reverse=True), f"the order of fates is {fates}"
 
 
-@test("INT-2")
-async def late_request_does_not_steal_the_cycle(dut):
+@machine_test("INT-2")
+async def late_request_does_not_steal_the_cycle(dut, tb):
     """IACKIN* is already low and the cycle passed on when the request comes."""
-    tb = await machine(dut)
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
     op = tb.vme.init_iack(5)
     await Timer(2, "us")
@@ -460,10 +443,9 @@ async def late_request_does_not_steal_the_cycle(dut):
     assert await tb.vme.iack(5) == VEC
 
 
-@test("INT-2")
-async def withdrawn_request_is_passed_on(dut):
+@machine_test("INT-2")
+async def withdrawn_request_is_passed_on(tb):
     """Bit 7 cleared before IACKIN* falls: the host sees an interrupt that is not ours."""
-    tb = await machine(dut)
     tb.vme.downstream = {5: 0x33}
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
     await panic_edge(tb)
@@ -474,9 +456,8 @@ async def withdrawn_request_is_passed_on(dut):
     assert clear.answered and ack.data == 0x33
 
 
-@test("INT-2", "VME-3")
-async def acknowledge_with_random_skew(dut):
-    tb = await machine(dut, skew=120)
+@machine_test("INT-2", "VME-3", skew=120)
+async def acknowledge_with_random_skew(tb):
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_edge(tb)
     for _ in range(30):
@@ -484,10 +465,9 @@ async def acknowledge_with_random_skew(dut):
         assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
 
 
-@test("INT-2", "INT-1")
-async def acknowledge_withdrawn_early(dut):
+@machine_test("INT-2", "INT-1", timing=VmeTiming(ds_high=300))
+async def acknowledge_withdrawn_early(tb):
     """An acknowledge cycle broken off at any time wedges nothing."""
-    tb = await machine(dut, timing=VmeTiming(ds_high=300))
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_edge(tb)
     for ns in range(10, 900, 40):
@@ -500,11 +480,7 @@ async def acknowledge_withdrawn_early(dut):
 async def acknowledge_without_strobe(tb: Machine, level: int = 5) -> None:
     """IACKIN* of a level comes down; DS0* stays high."""
     bus = tb.bus
-    bus.a.value, bus.lword_n.value, bus.write_n.value, bus.iack_n.value = level, 1, 1, 0
-    await Timer(40, "ns")
-    bus.as_n.value = 0
-    await Timer(20, "ns")
-    bus.iackin_n.value = 0
+    await drive(bus, f"a={level} lword_n=1 write_n=1 iack_n=0 40 as_n=0 20 iackin_n=0")
 
 
 async def acknowledge_ends(tb: Machine) -> None:
@@ -514,10 +490,9 @@ async def acknowledge_ends(tb: Machine) -> None:
     assert int(tb.dut.vme_dtack_no.value) and not int(tb.dut.vme_d_oe_o.value)
 
 
-@test("INT-2")
-async def acknowledge_whose_strobe_comes_late_or_never(dut):
+@machine_test("INT-2")
+async def acknowledge_whose_strobe_comes_late_or_never(dut, tb):
     """Until DS0* there is no answer, then there is; IACKIN* that goes again leaves no trace."""
-    tb = await machine(dut)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_edge(tb)
     tb.vme.downstream = {3: 0x33}
@@ -529,8 +504,7 @@ async def acknowledge_whose_strobe_comes_late_or_never(dut):
         assert irq(tb) == 1 << 5
         assert await tb.vme.iack(3) == 0x33, "another level's, and nobody remembers ours"
         await acknowledge_without_strobe(tb)
-        await Timer(ns + 1, "ns")
-        tb.bus.ds_n.value = 0b10
+        await drive(tb.bus, f"{ns + 1} ds_n=0b10")
         await First(FallingEdge(dut.vme_dtack_no), Timer(1, "us"))
         assert not int(dut.vme_dtack_no.value), f"{ns} ns late"
         await ReadOnly()
@@ -540,10 +514,9 @@ async def acknowledge_whose_strobe_comes_late_or_never(dut):
         assert await tb.vme.iack(5) == VEC
 
 
-@test("INT-2", "CSR-1")
-async def sysreset_in_an_acknowledge(dut):
+@machine_test("INT-2", "CSR-1")
+async def sysreset_in_an_acknowledge(dut, tb):
     """Whatever was decided before: no answer after it, and none of the old request."""
-    tb = await machine(dut)
     for ns in range(0, 500, 40):
         await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
         await sclock_low(tb)
@@ -552,8 +525,7 @@ async def sysreset_in_an_acknowledge(dut):
         await Timer(ns + 1, "ns")
         dut.vme_sysreset_ni.value = 0
         await tb.clocks(4)
-        tb.bus.ds_n.value = 0b10
-        await Timer(600, "ns")
+        await drive(tb.bus, "ds_n=0b10 600")
         dut.vme_sysreset_ni.value = 1
         await Timer(600, "ns")
         assert int(dut.vme_dtack_no.value) and not int(dut.vme_d_oe_o.value)
@@ -561,10 +533,9 @@ async def sysreset_in_an_acknowledge(dut):
         assert irq(tb) == 0 and await tb.rd(PCCSR) == 0
 
 
-@test("INT-2", "CSR-1")
-async def sysreset_ends_an_answer(dut):
+@machine_test("INT-2", "CSR-1")
+async def sysreset_ends_an_answer(dut, tb):
     """DTACK* and the vector go within four clocks, whatever the master holds."""
-    tb = await machine(dut)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
     await sclock_low(tb)
     await sclock_edge(tb)
@@ -581,10 +552,9 @@ async def sysreset_ends_an_answer(dut):
     await acknowledge_ends(tb)
 
 
-@test("INT-1", "INT-2", "PIT-2")
-async def handler_serves_every_sclock(dut):
+@machine_test("INT-1", "INT-2", "PIT-2")
+async def handler_serves_every_sclock(tb):
     """A handler as the driver's: read PCCSR, clear, set; 40 SCLOCKs of 25 us, none lost."""
-    tb = await machine(dut)
     await tb.wr(0x407, 0xB4)  # timer 2, mode 2, count 0: counts SCLOCKs
     await tb.wr(0x405, 0)
     await tb.wr(0x405, 0)
@@ -609,10 +579,9 @@ async def handler_serves_every_sclock(dut):
     assert handler.spurious == 0
 
 
-@test("INT-2")
-async def request_drops_within_two_microseconds(dut):
+@machine_test("INT-2")
+async def request_drops_within_two_microseconds(dut, tb):
     """Release on register access: IRQ* is high 2 us after the strobe that cleared bit 7."""
-    tb = await machine(dut)
     for _ in range(5):
         await sclock_low(tb)
         await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)

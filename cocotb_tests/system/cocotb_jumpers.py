@@ -4,7 +4,7 @@
 from cocotb.triggers import Timer
 from cocotbext.vme import VmeInterruptHandler
 
-from cocotb_tests.lib.req import test, variants
+from cocotb_tests.lib.req import test, tests_on, variants
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
@@ -62,6 +62,7 @@ VARIANTS = {
     "full": {"NumCards": 16, **SHORT},
 }
 RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
+machine_test = tests_on(Machine)
 
 
 class Moved(Machine):
@@ -85,21 +86,22 @@ async def moved(dut) -> Moved:
     return tb
 
 
-@test("VME-1", "CRD-1")
+moved_test = tests_on(moved)
+
+
+@moved_test("VME-1", "CRD-1")
 @variants("moved")
-async def moved_base_and_dip(dut):
+async def moved_base_and_dip(tb):
     """The window is where the jumpers say; cards answer at their switches and nowhere else."""
-    tb = await moved(dut)
     answered = [s for s in range(32) if await tb.vme.answers(s << 11 | 0x409)]
     assert answered == [0b10110]
     found = [c for c in range(16) if await tb.rd(c << 6 | PORT_A << 1 | 1) != 0xFF]
     assert found == [6, 10]
 
 
-@test("INT-2", "JMP-1")
+@moved_test("INT-2", "JMP-1")
 @variants("moved")
-async def moved_interrupt_level(dut):
-    tb = await moved(dut)
+async def moved_interrupt_level(dut, tb):
     dut.axis_enable_i.value = 0
     await tb.wr(VECTOR, 0x99)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -110,20 +112,18 @@ async def moved_interrupt_level(dut):
     assert await tb.vme.iack(5) == 0x55
 
 
-@test("JMP-1", "LAT-1")
+@moved_test("JMP-1", "LAT-1")
 @variants("moved")
-async def moved_sclock_line(dut):
-    tb = await moved(dut)
+async def moved_sclock_line(dut, tb):
     await tb.wr(0x407, 0x74)
     await Timer(1, "us")
     assert int(dut.pcx_drq_o.value) == 0b001
     assert [await tb.crd(c, PORT_C) & C_DONE for c in (0, 1)] == [0, 0]
 
 
-@test("JMP-1", "HB-2", "PAN-1")
+@moved_test("JMP-1", "HB-2", "PAN-1")
 @variants("moved")
-async def moved_panic_line(dut):
-    tb = await moved(dut)
+async def moved_panic_line(dut, tb):
     await tb.beat()
     await tb.clocks(5)
     assert not int(dut.panic_o.value)
@@ -138,11 +138,10 @@ async def moved_panic_line(dut):
     assert int(dut.panic_o.value), "the cards' own"
 
 
-@test("DAC-1", "LAT-1")
+@moved_test("DAC-1", "LAT-1")
 @variants("moved")
-async def software_latch_without_jumper(dut):
+async def software_latch_without_jumper(tb):
     """Card 1 has E023-E021: encoders and A/Ds latch, its D/As wait for SCLOCK."""
-    tb = await moved(dut)
     for card in (0, 1):
         await tb.cwr(card, PORT_B, RUN | B_DOUBLE)
     for axis in range(4):
@@ -156,11 +155,10 @@ async def software_latch_without_jumper(dut):
     assert all(tb.volts(a) for a in range(4))
 
 
-@test("DAC-1", "ADC-1", "ANA-1", "DIA-1")
+@moved_test("DAC-1", "ADC-1", "ANA-1", "DIA-1")
 @variants("moved")
-async def ten_volt_spans(dut):
+async def ten_volt_spans(tb):
     """D/As 1 and 2, A/Ds 0 and 1 at 10 V: half the volts per code, twice the codes per volt."""
-    tb = await moved(dut)
     for axis in range(4):
         await tb.dac(axis, 0xC00)
     assert [tb.volts(a) for a in range(4)] == [0x4000, 0x2000, 0x2000, 0x4000]
@@ -198,11 +196,10 @@ async def floating_port_b_seen_as_ones(dut):
     assert tb.volts(0) == 0
 
 
-@test("INT-2", "VME-6", "JMP-1")
+@machine_test("INT-2", "VME-6", "JMP-1", setup=True)
 @variants("mismatch")
-async def j5_and_j7_apart(dut):
+async def j5_and_j7_apart(dut, tb):
     """The line is pulled, no acknowledge is ever answered, of J7's level neither: spurious."""
-    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 0
     await tb.wr(0x407, 0x70)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
@@ -221,11 +218,10 @@ async def j5_and_j7_apart(dut):
     assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
 
 
-@test("JMP-1", "LAT-1")
+@machine_test("JMP-1", "LAT-1", setup=True)
 @variants("mismatch")
-async def sclock_lines_apart(dut):
+async def sclock_lines_apart(tb):
     """Card 1 listens on DRQ1: it never latches; a software latch still works."""
-    tb = await Machine(dut).start(setup=True)
     await tb.sclock(8, 10)
     await tb.us(40)
     await tb.wr(0x407, 0x70)
@@ -239,11 +235,10 @@ async def sclock_lines_apart(dut):
     assert not await tb.crd(1, PORT_C) & C_DONE
 
 
-@test("JMP-1", "HB-2", "PAN-1")
+@machine_test("JMP-1", "HB-2", "PAN-1", setup=True)
 @variants("mismatch")
-async def panic_lines_apart(dut):
+async def panic_lines_apart(dut, tb):
     """Card 1 calls on IRQ5: never heard."""
-    tb = await Machine(dut).start(setup=True)
     dut.axis_enable_i.value = 0b1100
     await tb.us(5)
     assert not int(dut.panic_o.value), "card 1 panics unheard"
@@ -252,11 +247,10 @@ async def panic_lines_apart(dut):
     assert int(dut.panic_o.value)
 
 
-@test("ANA-1")
+@machine_test("ANA-1")
 @variants("mismatch")
-async def random_power_up(dut):
+async def random_power_up(tb):
     """D/As come up anywhere; the drive is isolated until software has spoken."""
-    tb = await Machine(dut).start()
     assert [tb.volts(a) for a in range(4)] == [0] * 4
     await tb.setup(0)
     await tb.us(25)
@@ -266,11 +260,10 @@ async def random_power_up(dut):
     assert [tb.volts(a) for a in (0, 1)] == [0, 0]
 
 
-@test("ENC-1")
+@machine_test("ENC-1", setup=True)
 @variants("mismatch")
-async def encoder_filter(dut):
+async def encoder_filter(dut, tb):
     """EncoderFilter = 2: two ticks of A are not seen, three count; the next begins at 0."""
-    tb = await Machine(dut).start(setup=True)
     await tb.cwr(0, PORT_A, 6)  # ticks while A is 1
     await tb.preset(0, 0x1000)
     for ticks, count in ((1, 0x1000), (2, 0x1000), (3, 0x1003), (5, 5)):
@@ -281,11 +274,10 @@ async def encoder_filter(dut):
         assert await tb.encoder(0) == count, f"after {ticks} ticks"
 
 
-@test("CAL-1")
+@machine_test("CAL-1", setup=True)
 @variants("mismatch")
-async def filtered_index_latches_its_own_count(dut):
+async def filtered_index_latches_its_own_count(tb):
     """Index and count are delayed alike: an edge that comes with the index is counted."""
-    tb = await Machine(dut).start(setup=True)
     tb.enc[0].lines = 5  # an index every 20 counts
     await tb.enc[0].move(6, 1000)
     for first, last in ((6, 34), (34, 6)):
@@ -297,11 +289,10 @@ async def filtered_index_latches_its_own_count(dut):
         assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]
 
 
-@test("PIT-1")
+@machine_test("PIT-1")
 @variants("mismatch")
-async def timers_of_the_82c54(dut):
+async def timers_of_the_82c54(tb):
     """PitNmosRewrite = 0: after a rollover the first of two bytes stops no count of mode 0."""
-    tb = await Machine(dut).start()
     await tb.timer(0, 5, mode=0)
     await tb.us(5)
     await tb.wr(PIT, 0x34)
@@ -312,11 +303,10 @@ async def timers_of_the_82c54(dut):
     assert 0x1200 <= await tb.timer_value(0) <= 0x1234
 
 
-@test("CRD-1", "MAP-1", "LAT-1", "HB-2", "ENC-1")
+@machine_test("CRD-1", "MAP-1", "LAT-1", "HB-2", "ENC-1", setup=True)
 @variants("full")
-async def sixteen_cards(dut):
+async def sixteen_cards(tb):
     """32 axes: separate registers, one latch, one PANIC line, every counter counts."""
-    tb = await Machine(dut).start(setup=True)
     await tb.wr(0x407, 0x70)
     for card in range(16):
         await tb.cwr(card, PORT_A, 5 | (card & 3) << 3)
@@ -338,11 +328,10 @@ async def sixteen_cards(dut):
         assert await tb.encoder(axis) == 0x100 * axis + 3, f"axis {axis} live"
 
 
-@test("CRD-1", "DAC-1", "HB-2", "PAN-1")
+@machine_test("CRD-1", "DAC-1", "HB-2", "PAN-1", setup=True)
 @variants("full")
-async def sixteen_cards_drive(dut):
+async def sixteen_cards_drive(dut, tb):
     """Each D/A moves its own output only; the last axis written ends PANIC."""
-    tb = await Machine(dut).start(setup=True)
     await tb.us(25)
     for axis in range(32):
         assert int(dut.panic_o.value) == 1

@@ -5,7 +5,7 @@
 import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge, Timer, ValueChange
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
@@ -46,6 +46,9 @@ async def machine(dut, enabled: int = 0x3F) -> Machine:
     return tb
 
 
+machine_test = tests_on(machine)
+
+
 def panic(tb: Machine) -> int:
     level = int(tb.dut.panic_o.value)
     assert int(tb.dut.brake_release_o.value) == 1 - level, "brakes are off only without PANIC"
@@ -60,9 +63,8 @@ async def keep_beating(tb: Machine, axes, us: float) -> None:
         await tb.us(20)
 
 
-@test("PAN-1")
-async def safety_of_2026_is_not_there(dut):
-    tb = await machine(dut)
+@machine_test("PAN-1")
+async def safety_of_2026_is_not_there(tb):
     assert not panic(tb)
     assert await tb.rd(regs.SAFETY) == 0xFF
     for value in (regs.SAFETY_TRIP, regs.SAFETY_RELEASE, 0xFF, 0):
@@ -81,11 +83,10 @@ async def panic_stands_until_every_da_is_written(dut):
     assert not panic(tb)
 
 
-@test("HB-2", "PAN-1")
+@machine_test("HB-2", "PAN-1")
 @cocotb.parametrize(axis=[0, 1, 2, 3, 4, 5])
-async def any_axis_panics(dut, axis):
+async def any_axis_panics(tb, axis):
     """The wired OR of cards 0 to 2: one axis without D/A writes is enough, and it recovers."""
-    tb = await machine(dut)
     assert not panic(tb)
     others = [a for a in range(6) if a != axis]
     await keep_beating(tb, others, BEAT_US + 60)
@@ -115,10 +116,9 @@ async def disabled_axis_does_not_panic(dut, axis):
     assert tb.volts(axis) == 0x4000
 
 
-@test("HB-1")
-async def heartbeat_to_the_clock(dut):
+@machine_test("HB-1", enabled=1)
+async def heartbeat_to_the_clock(dut, tb):
     """The pulse is exactly HeartbeatUs long, whenever it was triggered."""
-    tb = await machine(dut, 0x01)
     clocks = BEAT_US * tb.clk_hz // 1_000_000
 
     async def light(level: int) -> float:
@@ -135,10 +135,9 @@ async def heartbeat_to_the_clock(dut):
         assert tb.clks(await light(0) - start) == clocks
 
 
-@test("HB-1")
-async def heartbeat_retrigger(dut):
+@machine_test("HB-1", enabled=1)
+async def heartbeat_retrigger(dut, tb):
     """A retrigger at any time restarts the full pulse, with no gap."""
-    tb = await machine(dut, 0x01)
     clocks = BEAT_US * tb.clk_hz // 1_000_000
     await RisingEdge(dut.panic_o)
     for part in (0.1, 0.5, 0.9):
@@ -156,10 +155,9 @@ async def heartbeat_retrigger(dut):
         assert clocks + delay < whole < clocks + delay + 16
 
 
-@test("HB-1", "HB-2")
-async def heartbeat_retrigger_at_the_last_instant(dut):
+@machine_test("HB-1", "HB-2", enabled=1)
+async def heartbeat_retrigger_at_the_last_instant(dut, tb):
     """Triggers on every clock around the end: either PANIC falls again, or it never rose."""
-    tb = await machine(dut, 0x01)
     rose = []
 
     async def watch():
@@ -186,10 +184,9 @@ async def heartbeat_retrigger_at_the_last_instant(dut):
     assert gaps == sorted(gaps), f"{gaps}"
 
 
-@test("HB-2")
-async def slow_servo_panics_by_design(dut):
+@machine_test("HB-2", enabled=1)
+async def slow_servo_panics_by_design(tb):
     """Writing every 1.25 heartbeats gives PANIC in every interval."""
-    tb = await machine(dut, 0x01)
     rises = 0
     for _ in range(4):
         await tb.cwr(0, DAC1, 0)
@@ -200,11 +197,10 @@ async def slow_servo_panics_by_design(dut):
     assert rises == 4
 
 
-@test("PAN-1", "INT-1")
+@machine_test("PAN-1", "INT-1", enabled=0)
 @cocotb.parametrize(what=["estop", "cable", "power"])
-async def fail_safe_sources(dut, what):
+async def fail_safe_sources(dut, tb, what):
     """Each asserts PANIC within a few clocks, interrupts once, applies the brakes."""
-    tb = await machine(dut, 0)
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
     assert not panic(tb)
     pin = {"estop": dut.estop_closed_i, "cable": dut.cable_ok_i, "power": dut.pc_power_i}[what]
@@ -223,10 +219,9 @@ async def fail_safe_sources(dut, what):
     assert await tb.rd(PCCSR) == ARMED | BASE, "its return is no edge"
 
 
-@test("PAN-1")
-async def sources_overlap(dut):
+@machine_test("PAN-1", enabled=0)
+async def sources_overlap(dut, tb):
     """PANIC is the OR: a second cause is no second edge."""
-    tb = await machine(dut, 0)
     await tb.wr(PCCSR, ARMED | BASE)
     dut.estop_closed_i.value = 0
     await tb.clocks(5)
@@ -244,9 +239,8 @@ async def sources_overlap(dut):
     assert not panic(tb)
 
 
-@test("PAN-3")
-async def panic_does_not_cut_the_drives(dut):
-    tb = await machine(dut)
+@machine_test("PAN-3")
+async def panic_does_not_cut_the_drives(dut, tb):
     for axis in range(6):
         await tb.dac(axis, 0x400 + axis)
     before = [tb.volts(n) for n in range(6)]
@@ -257,10 +251,9 @@ async def panic_does_not_cut_the_drives(dut):
     assert [tb.volts(n) for n in range(6)] == before
 
 
-@test("PAN-2")
-async def cable_pulled(dut):
+@machine_test("PAN-2", enabled=1)
+async def cable_pulled(dut, tb):
     """Cards keep state and D/A values and take no stray latch; reads give 0xFF; VME side lives."""
-    tb = await machine(dut, 1)
     await tb.wr(VECTOR, 0x77)
     for card in range(3):
         await tb.cwr(card, PORT_B, RUN | B_DOUBLE)
@@ -295,10 +288,9 @@ async def cable_pulled(dut):
     assert tb.volts(0) == 0x4000, "SCLOCK works again"
 
 
-@test("PAN-2")
-async def cable_pulled_in_mid_cycle(dut):
+@machine_test("PAN-2", enabled=0)
+async def cable_pulled_in_mid_cycle(dut, tb):
     """At any clock of a PC cycle: it ends, with the data or 0xFF."""
-    tb = await machine(dut, 0)
     for ns in range(0, 1600, 110):
         op = tb.vme.init_read(0x6000 | tb.creg(0, PORT_A))
         await Timer(ns + 1, "ns")
@@ -310,10 +302,9 @@ async def cable_pulled_in_mid_cycle(dut):
         assert await tb.crd(0, PORT_A) == QUAD
 
 
-@test("PAN-2", "PPI-1")
-async def pc_power_lost_and_back(dut):
+@machine_test("PAN-2", "PPI-1")
+async def pc_power_lost_and_back(dut, tb):
     """Cards reset, one-shots low, drives 0, LEDs off; back with a RESET DRV pulse, counts lost."""
-    tb = await machine(dut)
     await tb.wr(VECTOR, 0x77)
     await tb.preset(0, 500)
     await tb.timer(2, 0x1234, 1)
@@ -343,10 +334,9 @@ async def pc_power_lost_and_back(dut):
     assert await tb.vme.iack(5) == 0x77, "the latch and the vector stand"
 
 
-@test("PAN-2", "CSR-1", "PCB-1")
-async def sysreset_resets_what_it_should(dut):
+@machine_test("PAN-2", "CSR-1", "PCB-1")
+async def sysreset_resets_what_it_should(dut, tb):
     """PCCSR and, by RESET DRV, the cards' PPIs and counters; PIT, vector, one-shots, D/As stand."""
-    tb = await machine(dut)
     await tb.wr(VECTOR, 0x5A)
     await tb.timer(2, 0x4321, 1)
     await tb.wr(0x407, 0xE8)  # latch the status of timer 2
@@ -388,10 +378,9 @@ async def sysreset_resets_what_it_should(dut):
     assert await tb.vme.iack(5) == 0x5A, "the vector keeps its contents"
 
 
-@test("PAN-1", "PAN-2")
-async def short_outages(dut):
+@machine_test("PAN-1", "PAN-2", enabled=0)
+async def short_outages(dut, tb):
     """Pulses on the safety inputs of any length leave a consistent machine."""
-    tb = await machine(dut, 0)
     for pin in (dut.estop_closed_i, dut.cable_ok_i, dut.pc_power_i):
         for ns in (10, 100, 130, 260, 700):
             await tb.wr(PCCSR, BASE)

@@ -2,7 +2,7 @@
 """The hardware with Safety2026: PANIC stands until a release, encoders that step illegally or have
 a cut wire raise it, heartbeats end after 10 ms and want latches. docs/hardware/safety.md"""
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_REAL_ENC,
@@ -46,9 +46,11 @@ async def machine(dut) -> Machine:
     return tb
 
 
-@test("PAN-1", "PAN-3")
-async def panic_stands_until_released(dut):
-    tb = await machine(dut)
+machine_test = tests_on(machine)
+
+
+@machine_test("PAN-1", "PAN-3")
+async def panic_stands_until_released(dut, tb):
     dut.estop_closed_i.value = 0
     await tb.us(1)
     assert panic(tb)
@@ -71,9 +73,8 @@ async def panic_stands_until_released(dut):
     assert await tb.rd(regs.SAFETY) == 0
 
 
-@test("PAN-1", "DRV-9")
-async def trip_and_sysreset_are_panic(dut):
-    tb = await machine(dut)
+@machine_test("PAN-1", "DRV-9")
+async def trip_and_sysreset_are_panic(dut, tb):
     for value in range(256):
         if value != regs.SAFETY_TRIP:
             await tb.wr(regs.SAFETY, value)
@@ -92,9 +93,8 @@ async def trip_and_sysreset_are_panic(dut):
     assert panic(tb)
 
 
-@test("HB-1", "PAN-1")
-async def heartbeat_of_10_ms(dut):
-    tb = await machine(dut)
+@machine_test("HB-1", "PAN-1")
+async def heartbeat_of_10_ms(tb):
     for axis in range(2):
         await tb.cwr(0, DAC1 + 2 * axis, 0)
     await tb.us(1000 * BEAT_MS - 100)
@@ -120,9 +120,8 @@ async def counting(dut) -> Machine:
     return tb
 
 
-@test("HB-1")
-async def write_that_no_latch_takes_is_no_heartbeat(dut):
-    tb = await machine(dut)
+@machine_test("HB-1")
+async def write_that_no_latch_takes_is_no_heartbeat(tb):
     for double, latches in ((0, False), (1, True), (1, False)):
         await tb.cwr(0, 1, RUN | double * B_DOUBLE)
         for _ in range(2 * BEAT_MS):
@@ -188,9 +187,8 @@ async def illegal_step_of_an_encoder_is_panic(dut):
     assert not panic(tb)
 
 
-@test("SW-1", "PAN-1")
-async def switched_off_axis_has_no_illegal_step(dut):
-    tb = await machine(dut)
+@machine_test("SW-1", "PAN-1")
+async def switched_off_axis_has_no_illegal_step(dut, tb):
     dut.axis_enable_i.value = 0
     await tb.cwr(0, 0, QUAD)
     await tb.cwr(0, 1, RUN)

@@ -4,7 +4,7 @@
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     ADC_LO,
     B_INDEX,
@@ -27,6 +27,7 @@ VARIANTS = {
     "16MHz-clk2": {"NumCards": 1, "ClkHz": 16_000_000, "SysClkMHz": 2, **SHORT},
     "48MHz": {"NumCards": 1, "ClkHz": 48_000_000, **SHORT},
 }
+machine_test = tests_on(Machine)
 
 
 def tick_ps(tb: Machine) -> float:
@@ -49,13 +50,12 @@ async def period(tb: Machine, times: int = 3) -> tuple[float, float]:
     return seen.pop()
 
 
-@test("PIT-2", "LED-1")
+@machine_test("PIT-2", "LED-1")
 @cocotb.parametrize(
     (("n0", "n1", "mode"), [(2, 2, 2), (8, 10, 2), (5, 7, 2), (4, 6, 3), (3, 5, 3), (250, 2, 2)])
 )
-async def sclock_period(dut, n0, n1, mode):
+async def sclock_period(tb, n0, n1, mode):
     """N0 x N1 ticks of the system clock, timers 0 and 1 in cascade."""
-    tb = await Machine(dut).start()
     await tb.sclock(n0, n1, mode)
     whole, low = await period(tb)
     tick = tick_ps(tb)
@@ -63,10 +63,9 @@ async def sclock_period(dut, n0, n1, mode):
     assert low == n0 * (1 if mode == 2 else n1 // 2) * tick
 
 
-@test("PIT-2", "JMP-1")
-async def sclock_is_on_its_own_line(dut):
+@machine_test("PIT-2", "JMP-1")
+async def sclock_is_on_its_own_line(dut, tb):
     """Of the three DRQ lines it has one; the others are low."""
-    tb = await Machine(dut).start()
     await tb.sclock(5, 4)
     seen = set()
     for _ in range(3 * 5 * 4):
@@ -76,9 +75,8 @@ async def sclock_is_on_its_own_line(dut):
     assert seen == {(0, 0), (4, 1)}
 
 
-@test("PIT-2")
-async def sclock_stands_until_programmed_and_after_mode_0(dut):
-    tb = await Machine(dut).start()
+@machine_test("PIT-2")
+async def sclock_stands_until_programmed_and_after_mode_0(dut, tb):
     before = int(dut.sclock_o.value)
     await Timer(20, "us")
     assert int(dut.sclock_o.value) == before
@@ -90,9 +88,8 @@ async def sclock_stands_until_programmed_and_after_mode_0(dut):
     assert int(dut.sclock_o.value) == 0
 
 
-@test("PIT-2")
-async def timer_2_counts_sclocks(dut):
-    tb = await Machine(dut).start()
+@machine_test("PIT-2")
+async def timer_2_counts_sclocks(dut, tb):
     await tb.wr(0x407, 0xB4)
     await tb.wr(0x405, 0)
     await tb.wr(0x405, 0)
@@ -106,10 +103,9 @@ async def timer_2_counts_sclocks(dut):
         assert (first - await tb.timer_value(2)) & 0xFFFF == n
 
 
-@test("PCB-1", "PIT-2")
-async def pc_clock_follows_the_jumper(dut):
+@machine_test("PCB-1", "PIT-2")
+async def pc_clock_follows_the_jumper(dut, tb):
     """One tick of CLK per period of the system clock."""
-    tb = await Machine(dut).start()
     ticks = 0
     clocks = 16 * 8 * (tb.clk_hz // 8_000_000)
     for _ in range(clocks):
@@ -119,10 +115,9 @@ async def pc_clock_follows_the_jumper(dut):
     assert abs(ticks - 16 * mhz) <= 1
 
 
-@test("PCB-1", "ADC-1")
-async def command_and_conversion_are_real_time(dut):
+@machine_test("PCB-1", "ADC-1", setup=True)
+async def command_and_conversion_are_real_time(tb):
     """Whatever clk_i and CLK: 500 ns of command, 25 us of conversion."""
-    tb = await Machine(dut).start(setup=True)
     monitor = tb.pc_monitor(setup_ns=124)
     await tb.crd(0, ADC_LO)
     await tb.cwr(0, LATCH, 0)
@@ -138,10 +133,9 @@ async def command_and_conversion_are_real_time(dut):
         assert cycle.setup >= 124
 
 
-@test("ENC-1", "PCB-1")
-async def encoder_sampling_follows_clk(dut):
+@machine_test("ENC-1", "PCB-1", setup=True)
+async def encoder_sampling_follows_clk(tb):
     """Two CLK periods per count are followed exactly, at every rate of CLK."""
-    tb = await Machine(dut).start(setup=True)
     await tb.cwr(0, 1, B_REAL_ENC | B_SCLOCK)
     await tb.preset(0, 0)
     await tb.enc[0].move(300, 2 * tick_ps(tb) / 1000)
@@ -150,10 +144,9 @@ async def encoder_sampling_follows_clk(dut):
     assert await tb.encoder(0) == 280
 
 
-@test("CAL-1")
-async def index_latches_its_own_count(dut):
+@machine_test("CAL-1", setup=True)
+async def index_latches_its_own_count(tb):
     """Two CLK periods per count, either way, at every rate of CLK."""
-    tb = await Machine(dut).start(setup=True)
     tb.enc[0].lines = 5  # an index every 20 counts
     await tb.enc[0].move(6, 300)
     for first, last in ((6, 34), (34, 6)):
@@ -166,9 +159,8 @@ async def index_latches_its_own_count(dut):
         assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]
 
 
-@test("HB-1")
-async def heartbeat_is_real_time(dut):
-    tb = await Machine(dut).start(setup=True)
+@machine_test("HB-1", setup=True)
+async def heartbeat_is_real_time(dut, tb):
     dut.axis_enable_i.value = 1
     await tb.dac(0, 0x800)
     await tb.clocks(5)

@@ -6,7 +6,7 @@ import cocotb
 from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
 from cocotbext.vme import AM_SUPERVISOR, AM_USER, BusTimeout, ProtocolError, VmeMonitor, VmeTiming
 
-from cocotb_tests.lib.req import test
+from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
 from cocotb_tests.system.machine import USUAL
 
@@ -14,6 +14,7 @@ TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
 # A master that breaks a cycle off leaves the slave two clocks to see it.
 AFTER_WITHDRAWAL = VmeTiming(ds_high=300)
+machine_test = tests_on(Machine)
 
 
 def expect_pc_address(offset: int, base: int = BASE) -> int:
@@ -21,10 +22,9 @@ def expect_pc_address(offset: int, base: int = BASE) -> int:
     return (offset >> 1 & 0x1F) | base << 5 | (offset >> 6 & 0xF) << 10
 
 
-@test("VME-4", "MAP-1")
-async def every_pc_address_reads(dut):
+@machine_test("VME-4", "MAP-1")
+async def every_pc_address_reads(tb):
     """All 512 odd offsets with A10 = 0 become one PC read each, at the address of Figure 4.2."""
-    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     offsets = list(range(1, 0x400, 2))
     for offset in offsets:
@@ -34,10 +34,9 @@ async def every_pc_address_reads(dut):
     assert len(seen) == 512
 
 
-@test("VME-4", "MAP-1", "PCB-1")
-async def every_pc_address_writes(dut):
+@machine_test("VME-4", "MAP-1", "PCB-1", base=0x07)
+async def every_pc_address_writes(tb):
     """The same for writes, outside the cards' base so that nothing changes, data and all."""
-    tb = await Machine(dut).start(base=0x07)
     monitor = tb.pc_monitor()
     expected = []
     for offset in range(1, 0x400, 2):
@@ -47,9 +46,8 @@ async def every_pc_address_writes(dut):
     assert [(c.kind, c.address, c.data) for c in monitor.cycles] == expected
 
 
-@test("MAP-1", "CSR-1")
-async def pccsr_gives_address_bits_5_to_9(dut):
-    tb = await Machine(dut).start()
+@machine_test("MAP-1", "CSR-1")
+async def pccsr_gives_address_bits_5_to_9(tb):
     monitor = tb.pc_monitor()
     for base in range(32):
         await tb.wr(PCCSR, base)
@@ -58,10 +56,9 @@ async def pccsr_gives_address_bits_5_to_9(dut):
     assert [c.address for c in monitor.cycles] == [expect_pc_address(0x2A9, b) for b in range(32)]
 
 
-@test("VME-5")
-async def every_adaptor_address_reads(dut):
+@machine_test("VME-5")
+async def every_adaptor_address_reads(tb):
     """All 512 odd offsets with A10 = 1: A09-A07 do not matter, holes and the vector read 0xFF."""
-    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for n in range(3):  # counts that stand still: mode 1 waits for a gate that never comes
         await tb.timer(n, 0x1111 * (n + 1), 1)
@@ -79,10 +76,9 @@ async def every_adaptor_address_reads(dut):
     assert not monitor.cycles, "an adaptor register is no PC access"
 
 
-@test("VME-5")
-async def every_adaptor_address_writes(dut):
+@machine_test("VME-5")
+async def every_adaptor_address_writes(tb):
     """A write to any hole changes neither PCCSR nor vector nor timer; the mirrors do."""
-    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for offset in range(0x401, 0x800, 2):
         low = offset & 0x7F
@@ -96,10 +92,9 @@ async def every_adaptor_address_writes(dut):
     assert not monitor.cycles
 
 
-@test("VME-5", "PIT-1")
-async def timer_registers_are_where_they_should_be(dut):
+@machine_test("VME-5", "PIT-1")
+async def timer_registers_are_where_they_should_be(tb):
     """0x401, 0x403, 0x405, 0x407, and the same with A09-A07 set."""
-    tb = await Machine(dut).start()
     for mirror in (0x000, 0x080, 0x380):
         for n in range(3):
             await tb.wr(mirror | PIT + 6, n << 6 | 0x30)  # mode 0, two bytes
@@ -117,10 +112,9 @@ async def address_modifiers(dut):
     assert tb.vme.timeouts == 62
 
 
-@test("VME-1", "VME-6")
-async def base_address(dut):
+@machine_test("VME-1", "VME-6")
+async def base_address(tb):
     """Of the 32 segments of 2 KiB only the jumpered one is answered; the next byte is not."""
-    tb = await Machine(dut).start()
     answered = [s for s in range(32) if await tb.vme.answers(s << 11 | 0x409)]
     assert answered == [0b01100]
     assert await tb.vme.answers(0x67FF)
@@ -128,11 +122,10 @@ async def base_address(dut):
     assert not await tb.vme.answers(0x5FFF)
 
 
-@test("VME-2", "VME-6", "API-1")
+@machine_test("VME-2", "VME-6", "API-1")
 @cocotb.parametrize(offset=[0x001, 0x0C9, 0x401, 0x409, 0x441, 0x7FF])
-async def access_sizes(dut, offset):
+async def access_sizes(tb, offset):
     """Odd byte and 16 bits are answered; an even byte and LWORD* low are not."""
-    tb = await Machine(dut).start()
     byte = await tb.rd(offset)
     even = 0x6000 | offset - 1
     word = await tb.vme.read(even, size=2)
@@ -145,9 +138,8 @@ async def access_sizes(dut, offset):
     assert await tb.vme.answers(0x6409)
 
 
-@test("VME-2")
-async def word_write_takes_the_low_byte(dut):
-    tb = await Machine(dut).start()
+@machine_test("VME-2")
+async def word_write_takes_the_low_byte(tb):
     await tb.vme.write(0x6408, 0xA512, size=2)
     assert await tb.rd(PCCSR) == 0x12
     await tb.vme.write(0x6408, 0x00 | BASE, size=2)
@@ -156,10 +148,9 @@ async def word_write_takes_the_low_byte(dut):
     assert await tb.crd(1, PORT_A) == 0x0D
 
 
-@test("VME-4")
-async def absent_card_reads_ff(dut):
+@machine_test("VME-4", setup=True)
+async def absent_card_reads_ff(tb):
     """Cards 3 to 15 are not there: 0xFF, acknowledged, and nothing else is disturbed."""
-    tb = await Machine(dut).start(setup=True)
     for card in range(3, 16):
         await tb.cwr(card, PORT_A, 0x5A)
         for register in (0, 4, 8, 12, 31):
@@ -200,10 +191,9 @@ async def random_legal_timing(dut, skew):
     assert {c.outcome for c in monitor.cycles} == {"DTACK*"}
 
 
-@test("VME-3")
-async def queued_cycles_run_back_to_back(dut):
+@machine_test("VME-3")
+async def queued_cycles_run_back_to_back(tb):
     """init_* calls queue; the least gaps of the standard do not confuse the slave."""
-    tb = await Machine(dut).start()
     writes = [tb.vme.init_write(0x6409, n & 0x1F) for n in range(20)]
     reads = []
     for n in range(20):
@@ -214,10 +204,9 @@ async def queued_cycles_run_back_to_back(dut):
     assert all(w.answered for w in writes)
 
 
-@test("VME-3")
-async def dtack_and_drivers_at_the_end_of_a_read(dut):
+@machine_test("VME-3")
+async def dtack_and_drivers_at_the_end_of_a_read(dut, tb):
     """Drivers off with the strobes, without a clock; DTACK* up one or two clocks later."""
-    tb = await Machine(dut).start()
     ends = []
 
     async def watch():
@@ -247,10 +236,9 @@ async def dtack_and_drivers_at_the_end_of_a_read(dut):
         await op.wait()
 
 
-@test("VME-3")
-async def no_dtack_without_a_strobe(dut):
+@machine_test("VME-3")
+async def no_dtack_without_a_strobe(dut, tb):
     """Address, AS* and WRITE* alone start nothing; DTACK* comes only after DS0*."""
-    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     dut.vme_a_i.value = 0x6001 >> 1
     dut.vme_am_i.value = AM_USER
@@ -270,10 +258,9 @@ async def no_dtack_without_a_strobe(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@test("VME-3", "VME-4")
-async def master_that_holds_the_strobes(dut):
+@machine_test("VME-3", "VME-4", setup=True)
+async def master_that_holds_the_strobes(tb):
     """However long the strobes stay, there is one PC cycle, and data and DTACK* stand."""
-    tb = await Machine(dut).start(setup=True)
     monitor = tb.pc_monitor()
     tb.vme.timing.release = 5000
     assert await tb.crd(2, PORT_A) == 5
@@ -324,10 +311,9 @@ async def withdrawn_and_another_address_at_once(dut):
         assert await tb.crd(1, PORT_A) == 0x2A
 
 
-@test("VME-3")
-async def withdrawn_and_anothers_strobe_at_once(dut):
+@machine_test("VME-3", setup=True)
+async def withdrawn_and_anothers_strobe_at_once(dut, tb):
     """The read that still runs does not drive into a cycle of another board. Found by a proof."""
-    tb = await Machine(dut).start(setup=True)
     for ns in range(400, 1000, 50):
         dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
         dut.vme_am_i.value = AM_USER
@@ -351,10 +337,9 @@ async def withdrawn_and_anothers_strobe_at_once(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@test("VME-3")
-async def strobe_glitches(dut):
+@machine_test("VME-3", setup=True)
+async def strobe_glitches(dut, tb):
     """Pulses of a few ns on DS0* leave no trace, wherever they fall in the clock."""
-    tb = await Machine(dut).start(setup=True)
     for step in range(40):
         dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
         dut.vme_am_i.value = AM_USER
@@ -376,10 +361,9 @@ async def strobe_glitches(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@test("VME-3", "PCB-1")
-async def write_data_is_captured_first(dut):
+@machine_test("VME-3", "PCB-1", setup=True)
+async def write_data_is_captured_first(tb):
     """The strobe goes, the data changes before and while IOW# is low: the first is written."""
-    tb = await Machine(dut).start(setup=True)
     monitor = tb.pc_monitor()
     for ns in range(130, 900, 17):
         value = tb.random.getrandbits(8)
@@ -392,10 +376,9 @@ async def write_data_is_captured_first(dut):
     assert len(monitor.cycles) > 25
 
 
-@test("VME-1")
-async def iack_cycle_is_no_data_cycle(dut):
+@machine_test("VME-1")
+async def iack_cycle_is_no_data_cycle(tb):
     """IACK* low with the slave's address on the bus: no register is touched, nothing answers."""
-    tb = await Machine(dut).start()
     monitor = tb.pc_monitor()
     for am in (AM_USER, AM_SUPERVISOR):
         op = tb.vme.init_iack(5)
@@ -406,10 +389,9 @@ async def iack_cycle_is_no_data_cycle(dut):
     assert await tb.rd(PCCSR) == BASE
 
 
-@test("VME-3", "PAN-2")
-async def sysreset_in_mid_cycle(dut):
+@machine_test("VME-3", "PAN-2", setup=True)
+async def sysreset_in_mid_cycle(dut, tb):
     """SYSRESET* at any point of an access lets go of the bus; afterwards all is as after reset."""
-    tb = await Machine(dut).start(setup=True)
     for ns in range(50, 1500, 150):
         await tb.wr(PCCSR, ARMED | BASE)
         op = tb.vme.init_read(0x6000 | tb.creg(0, ADC_LO), withdraw_ns=2500)
