@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mmcs import ROOT, ensure_library, make_env
+from mmcs import ROOT, ensure_library, make_env, service
 
 pytestmark = pytest.mark.req("API-1")
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
@@ -72,6 +72,16 @@ def test_hardware_that_changed_is_made_anew_with_all_that_knows_it(reads, file):
     hardware = {o for o in reads if "/boards" in o or "/wires" in o or "/speed_c3" in o}
     assert hardware
     assert hardware - again(file) == set()
+
+
+def test_the_service_is_not_compiled_again(tmp_path, monkeypatch):
+    """A simulator that is built has it, unless a file of it is newer."""
+    ensure_library(3, "speed")
+    monkeypatch.delattr(service, "compiled")
+    ffi, library = service.load.__wrapped__()
+    assert ffi.string(library.mmcs_log_lines(1, ffi.NULL, 0))
+    (tmp_path / "newer.cpp").touch()
+    assert service._simulator([tmp_path / "newer.cpp"]) is None
 
 
 @pytest.fixture
