@@ -61,19 +61,15 @@ def judge(result, axes: list[dict]) -> list[dict]:
 
 
 def _axis(entry: AxisExpect, result, axes: list[dict]) -> list[dict]:
-    chosen = range(result.setup.axes) if entry.axis == "all" else entry.axis
     verdicts = []
-    for axis in chosen:
-        seen = {
-            **axes[axis],
+    for axis, key, band in plant.banded(entry, result, AXIS_UNITS):
+        seen = axes[axis] | {
             "final_counts": _last(result.log, axis, "encoder"),
             "peak_error_counts": _peak(result.log, axis),
         }
-        for key, (name, unit) in AXIS_UNITS.items():
-            band = getattr(entry, key)
-            if band is not None:
-                what = f"axis {axis} {name} {_band(band)}{unit}"
-                verdicts.append(_verdict(what, seen[key], band))
+        name, unit = AXIS_UNITS[key]
+        what = f"axis {axis} {name} {_band(band)}{unit}"
+        verdicts.append(_verdict(what, seen[key], band))
     return verdicts
 
 

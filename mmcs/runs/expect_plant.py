@@ -43,18 +43,24 @@ def axes_of(entry, result):
     return range(result.setup.axes) if entry.axis == "all" else entry.axis
 
 
+def banded(entry, result, keys):
+    """(axis, key, band) of what is expected of each axis."""
+    for place, axis in enumerate(axes_of(entry, result)):
+        for key in keys:
+            band = getattr(entry, key)
+            if band is not None:
+                yield axis, key, band[place] if isinstance(band[0], list) else band
+
+
 def signal(entry: SignalExpect, result) -> list[dict]:
     verdicts = []
     t = result.log[:, 0]
     inside = (t >= entry.after) & (t <= entry.until)
-    for axis in axes_of(entry, result):
+    for axis, name, band in banded(entry, result, FIGURES):
         values = logcols.column(result.log, axis, entry.signal)[inside]
-        for name, figure in FIGURES.items():
-            band = getattr(entry, name)
-            if band is not None:
-                value = round(float(figure(values)), 3) if len(values) else None
-                what = f"axis {axis} {entry.signal} {name} {band_text(band)}"
-                verdicts.append(verdict(what, value, band))
+        value = round(float(FIGURES[name](values)), 3) if len(values) else None
+        what = f"axis {axis} {entry.signal} {name} {band_text(band)}"
+        verdicts.append(verdict(what, value, band))
     return verdicts
 
 
@@ -112,12 +118,10 @@ def physics(entry: PhysicsExpect, result) -> list[dict]:
         "off_counts": ("true minus encoder", " counts", lambda n: off_counts(result, n)),
     }
     verdicts = []
-    for axis in axes_of(entry, result):
-        for key, (name, unit, figure) in figures.items():
-            band = getattr(entry, key)
-            if band is not None:
-                what = f"joint {axis} {name} {band_text(band)}{unit}"
-                verdicts.append(verdict(what, figure(axis), band))
+    for axis, key, band in banded(entry, result, figures):
+        name, unit, figure = figures[key]
+        what = f"joint {axis} {name} {band_text(band)}{unit}"
+        verdicts.append(verdict(what, figure(axis), band))
     return verdicts
 
 
@@ -153,7 +157,7 @@ def calibrate(result, axis: int) -> tuple[list[int], int] | None:
 
 def calibration(entry: CalibrationExpect, result) -> list[dict]:
     verdicts = []
-    for axis in axes_of(entry, result):
+    for axis, _, band in banded(entry, result, ["error_counts"]):
         done = calibrate(result, axis)
         if not entry.found and axis not in result.pots:
             verdicts.append({"what": f"axis {axis} looks for its index: never asked", "ok": False})
@@ -164,10 +168,9 @@ def calibration(entry: CalibrationExpect, result) -> list[dict]:
             continue
         found, true = done
         marks = f"{len(found)} mark{'s' * (len(found) > 1)}"
-        band = band_text(entry.error_counts)
-        what = f"axis {axis} calibrated at {marks}, error {band} counts"
+        what = f"axis {axis} calibrated at {marks}, error {band_text(band)} counts"
         for error in sorted({n - true for n in found}):
-            verdicts.append(verdict(what, error, entry.error_counts))
+            verdicts.append(verdict(what, error, band))
     return verdicts
 
 

@@ -63,6 +63,14 @@ def _limit(value: Any) -> Any:
     return _pair(value)
 
 
+def _each(band):
+    def check(value: Any) -> Any:
+        many = isinstance(value, list) and value and all(isinstance(v, list) for v in value)
+        return [band(v) for v in value] if many else band(value)
+
+    return check
+
+
 def _count(value: Any) -> Any:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return [float(value), float(value)]
@@ -80,8 +88,9 @@ def _hash(value: Any) -> Any:
 Hash = Annotated[str, BeforeValidator(_hash)]
 NumberOrList = Annotated[float | list[float], BeforeValidator(_number_or_list)]
 Axes = Annotated[Literal["all"] | list[int], BeforeValidator(_axes)]
-Pair = Annotated[list[float], BeforeValidator(_pair)]
-Limit = Annotated[list[float], BeforeValidator(_limit)]  # n means -n..n
+# Of all axes named, or a list with one for each.
+Pair = Annotated[list, BeforeValidator(_each(_pair))]
+Limit = Annotated[list, BeforeValidator(_each(_limit))]  # n means -n..n
 Count = Annotated[list[float], BeforeValidator(_count)]  # n means exactly n
 
 _TYPE_WORDS = {

@@ -247,7 +247,8 @@ class _Cross:
             return value
         if len(value) != count:
             if place == 0:
-                self.wrong(key, value, f"must have {count} numbers, one per axis named")
+                what = "bands" if isinstance(value[0], list) else "numbers"
+                self.wrong(key, value, f"must have {count} {what}, one per axis named")
             return 0.0
         return value[place]
 
@@ -389,6 +390,10 @@ class _Cross:
                 if len(entry.counts) not in (1, count):
                     allowed = f"must be {count} lists, one for each axis named, or one for all"
                     self.wrong(f"expect.{n}.counts", entry.counts, allowed)
+            for key, band in entry:
+                if entry.kind != "path" and isinstance(band, list) and isinstance(band[0], list):
+                    count = self.axes if entry.axis == "all" else len(entry.axis)
+                    self._pick(f"expect.{n}.{key}", band, 0, count)
             where = {"kind", "axis", "signal", "after", "until"}
             if entry.kind != "event" and not entry.model_dump(exclude_none=True, exclude=where):
                 names = [k for k in type(entry).model_fields if k not in where]

@@ -14,7 +14,7 @@ from mmcs.runs import runner, session
 from mmcs.runs.report import make_report, write_log, write_report
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
-from mmcs.tests.conftest import GOOD
+from mmcs.tests.conftest import GOOD, one_clear_line
 from mmcs.tests.fake import FakeSim
 
 
@@ -178,6 +178,19 @@ def test_expectations_decide_the_status(mmcs, scenario, fake_machine, tmp_path):
     assert "FAILED  axis 0 rise in 1..2 ms: 43.8" in text
     report = json.loads((out / "report.json").read_text())
     assert [item["ok"] for item in report["expect"]] == [False, True, True]
+
+
+def test_a_band_for_each_axis(mmcs, scenario, fake_machine, tmp_path):
+    text = GOOD.replace("lab500", "puma560").replace("cards = 1", "cards = 3")
+
+    def judged(bands):
+        expect = f'[[expect]]\nkind = "axis"\naxis = [0, 1]\nfinal_counts = {bands}\n'
+        return mmcs("run", scenario(text + expect), "--out", tmp_path)
+
+    assert judged([[195, 205], [0, 0]])[0] == 0
+    status, out, _ = judged([[0, 0], [195, 205]])
+    assert status == 1 and "FAILED  axis 0 final position = 0 counts: 200" in out
+    one_clear_line(judged([[195, 205]]), "must have 2 bands, one per axis named")
 
 
 def test_axis_that_never_rises_fails_its_expectation(mmcs, scenario, fake_machine, tmp_path):
