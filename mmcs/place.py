@@ -108,6 +108,14 @@ def results(kind: str, scenario: Path | None = None) -> Path:
     return BUILD / kind if WRITABLE else Path(kind)
 
 
+def run_file(name: str, kind: str) -> Path | None:
+    """A file, or that of this name in a run's folder, or in that of the last run of a scenario."""
+    for path in (Path(name), *(folder / kind for folder in (Path(name), *run_folders(name)))):
+        if path.is_file():
+            return path
+    return None
+
+
 def run_folders(name: str) -> list[Path]:
     """Where a run of this name may have left its results."""
     return list(dict.fromkeys([results("runs") / name, Path("runs") / name]))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from mmcs.cli.sweep import progress
+from mmcs.cli.sweep import check_workers, kept, many_runs, progress
 from mmcs.errors import InputError
 from mmcs.place import results
 from mmcs.screen import console as screen
@@ -21,30 +21,22 @@ from mmcs.screen import echo
 @click.option("--faults", "count", type=int, default=1000, metavar="N", help="How many; 1000.")
 @click.option("--seed", type=int, default=1, metavar="S", help="Seed of the faults; 1.")
 @click.option("--sort", "sorts", metavar="A,B", help="register, line, pin, message, kill; all.")
-@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="As of `mmcs run`.")
-@click.option("--workers", type=int, metavar="N", help="Processes; as many as there are cores.")
-@click.option("--dask", metavar="ADDRESS", help="Run on the workers of this Dask scheduler.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
-@click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
+@many_runs("campaign")
 @click.option("--show", type=int, metavar="N", help="Only tell of fault N, and how to make it.")
 def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show) -> None:
     """Flip, break, kill: what becomes of it, and does anybody notice? Status 0 done, 2 bad input.
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
-    from mmcs.folder import check_folder
     from mmcs.sweeps.campaign import is_row, make_plan, make_twin
     from mmcs.sweeps.plan import MAX_RUNS
-    from mmcs.sweeps.store import Store, check_resume
+    from mmcs.sweeps.workers import cores
 
     if not 1 <= count <= MAX_RUNS:
         raise InputError.one("--faults", "", count, f"must be 1 to {MAX_RUNS}")
     if show is not None and not 0 <= show < MAX_RUNS:
         raise InputError.one("--show", "", show, f"must be 0 to {MAX_RUNS - 1}")
-    if workers is not None and not 1 <= workers <= 256:
-        raise InputError.one("--workers", "", workers, "must be 1 to 256")
-    if workers is not None and dask:
-        raise InputError.one("--workers", "", workers, "is of this machine: not with --dask")
+    check_workers(workers, dask)
     chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
     plan = make_plan(motions, chosen, seed, sets)
     for setup in plan.setups.values():
@@ -53,24 +45,10 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
         _show(plan, show)
         return
     folder = out or results("campaigns") / "-".join(motions or ["all"])[:100]
-    if resume:
-        check_resume(folder, "campaign")
-    check_folder(folder)
-    from mmcs.runs.machine import build_of
-    from mmcs.sweeps.workers import cores, dask_client
-
-    client = dask_client(dask) if dask else None
-    try:
-        build = build_of(plan.setups[plan.names[0]])
-        store = Store(folder, plan.identity(build), resume, "campaign", is_row)
+    first = plan.setups[plan.names[0]]
+    with kept(folder, plan, first, resume, dask, "campaign", is_row) as (store, client):
         store.rows = {n: row for n, row in store.rows.items() if plan.is_of(n, row)}
-        try:
-            whole = _run(plan, store, client, workers or cores(), count)
-        finally:
-            store.close()
-    finally:
-        if client is not None:
-            client.close()
+        whole = _run(plan, store, client, workers or cores(), count)
     command = ["mmcs", "campaign", *motions, "--faults", str(count), "--seed", str(seed)]
     command += ["--sort", sorts] if sorts else []
     command += [word for text in sets for word in ("--set", text)]

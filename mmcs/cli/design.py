@@ -42,11 +42,12 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
            as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.scenario import synthesis as ds
+    from mmcs.scenario.load import load_robot
     from mmcs.scenario.motor import compensation, expected_step, friction_and_limit, plant_of
 
     if plot is not None and plot.suffix not in PICTURES:
         raise InputError.one("--plot", "", str(plot), f"must end in {', '.join(PICTURES)}")
-    motors = _load_robot(robot)
+    _, motors = load_robot(robot)
     if not 0 <= axis < len(motors.axis):
         raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(motors.axis) - 1}")
     motor = motors.axis[axis]
@@ -93,19 +94,6 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
         _apply(apply_to, k, dev, interval)
 
 
-def _load_robot(name: str):
-    from mmcs import ROBOTS
-    from mmcs.scenario.files import find, read_toml
-    from mmcs.scenario.robot import Robot
-    from mmcs.scenario.schema import validate
-
-    path = find(name, ROBOTS, "robot")
-    robot, mistakes = validate(Robot, read_toml(path), str(path))
-    if mistakes:
-        raise InputError(*mistakes)
-    return robot
-
-
 def _controller(plant, p, i, d, tau, wn, zeta):
     """Gains as given, or a PD placed."""
     from mmcs.scenario import synthesis as ds
@@ -127,8 +115,7 @@ def _report(c, k, ic, m, method, interval, warnings) -> dict:
         "method": method,
         "interval_us": interval,
         "gains": {"p": c.p, "i": c.i, "d": c.d, "tau": c.tau},
-        **{f"a{n}": v for n, v in enumerate(k.a)},
-        **{f"b{n}": v for n, v in enumerate(k.b)},
+        **k.named(),
         "ic_pos": ic[0],
         "ic_neg": ic[1],
         "count_step": _count_step(c, k),
@@ -144,11 +131,10 @@ def _report(c, k, ic, m, method, interval, warnings) -> dict:
 
 def _toml(k, ic, robot: str, axis: int, interval: int) -> str:
     """A [[servo]] for a scenario; the same as a robot file has it, where it has the form."""
-    values = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
     lines = ["# in a scenario:", "[[servo]]", f"axis = {axis}"]
     if interval != 1000:
         lines = [f"# above the first [[...]] of a scenario: interval_us = {interval}", *lines]
-    lines += ['mode = "position"', *(f"{key} = {value}" for key, value in values.items())]
+    lines += ['mode = "position"', *(f"{key} = {value}" for key, value in k.named().items())]
     friction = [f"ic_pos = {ic[0]}", f"ic_neg = {ic[1]}"] if any(ic) else []
     lines += ['flags = ["coulcomp"]', *friction] if friction else []
     if k.a[2] == k.b[2] == 0 and interval in (1000, 2000):
@@ -184,7 +170,6 @@ def _apply(axis: int, k, dev: str, interval: int) -> None:
     """Only the compensator changes, between two samples; whoever runs the device keeps it."""
     from mmcs.device.link import Link
 
-    param = {f"{c}{n}": value for c, of in (("a", k.a), ("b", k.b)) for n, value in enumerate(of)}
     try:
         with Link(server=dev) as link:
             link.request("open", mode="rw")
@@ -198,7 +183,7 @@ def _apply(axis: int, k, dev: str, interval: int) -> None:
             if interval != now:
                 allowed = f"the device samples every {now} us"
                 raise InputError.one("--interval", "", interval, allowed)
-            link.request("change", axis=axis, param=param)
+            link.request("change", axis=axis, param=k.named())
     except OSError as error:
         raise RunError(f"--apply {axis}: {error.strerror}") from None
     echo(f"set on axis {axis}")

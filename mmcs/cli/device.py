@@ -49,20 +49,16 @@ def _with_results(scenario: str, sets: tuple[str, ...], command: list[str], out:
 def _machine(scenario: str, sets: tuple[str, ...] = ()):
     """The powered machine of a scenario, and what is told of it; nothing is configured, that is the
     program's job."""
-    from mmcs.engine.build import ensure_library
-    from mmcs.engine.sim import Sim
+    from mmcs.runs.machine import machine
     from mmcs.scenario.load import load
 
     setup = load(scenario, sets)
-    s = setup.scenario
-    library = ensure_library(s.cards, "speed", s.clk_hz, safety=setup.hardware())
-    config, motors, links = setup.config(), setup.motors(), setup.links()
-    if bare := list(range(setup.axes, 2 * s.cards)):
+    if bare := list(range(setup.axes, 2 * setup.scenario.cards)):
         axes = f"axis {bare[0]} has" if len(bare) == 1 else f"axes {bare[0]} to {bare[-1]} have"
         echo(f"mmcs: {scenario}: {axes} no motor, and will not move", err=True)
-    machine = {"gravity": config["gravity"], "motors": motors, "links": setup.robot.links(),
-               "safety": s.safety}  # fmt: skip
-    return Sim(library, config, motors, links), {"scenario": scenario, "machine": machine}
+    about = {"gravity": setup.config()["gravity"], "motors": setup.motors(),
+             "links": setup.robot.links(), "safety": setup.scenario.safety}  # fmt: skip
+    return machine(setup), {"scenario": scenario, "machine": about}
 
 
 @click.command()

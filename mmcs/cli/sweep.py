@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs sweep`: many runs of a scenario over a grid or a random sample of its values."""
 
+import functools
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import click
@@ -16,6 +17,43 @@ from mmcs.screen import echo
 TELL_EACH_S = 10.0  # without a terminal, a line so often
 
 
+def many_runs(what: str):
+    """The options of a command that makes very many runs."""
+    option, folder = click.option, click.Path(path_type=Path)
+    options = (
+        option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="As of `mmcs run`."),
+        option("--workers", type=int, metavar="N", help="Processes; as many as there are cores."),
+        option("--dask", metavar="ADDRESS", help="Run on the workers of this Dask scheduler."),
+        option("--out", type=folder, metavar="DIR", help="Where results go."),
+        option("--resume", is_flag=True, help=f"Go on with a {what} that was stopped."),
+    )
+    return lambda command: functools.reduce(lambda made, add: add(made), options[::-1], command)
+
+
+def check_workers(workers: int | None, dask: str | None) -> None:
+    if workers is not None and not 1 <= workers <= 256:
+        raise InputError.one("--workers", "", workers, "must be 1 to 256")
+    if workers is not None and dask:
+        raise InputError.one("--workers", "", workers, "is of this machine: not with --dask")
+
+
+@contextmanager
+def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str, is_row):
+    """The store of the rows there, and Dask's client or None."""
+    from mmcs.folder import check_folder
+    from mmcs.runs.machine import build_of
+    from mmcs.sweeps.store import Store, check_resume
+    from mmcs.sweeps.workers import dask_client
+
+    if resume:
+        check_resume(folder, what)
+    check_folder(folder)
+    with ExitStack() as ends:
+        client = ends.enter_context(closing(dask_client(dask))) if dask else None
+        store = Store(folder, plan.identity(build_of(setup)), resume, what, is_row)
+        yield ends.enter_context(closing(store)), client
+
+
 @click.command()
 @click.argument("scenario", metavar="SCENARIO")
 @click.option("--grid", multiple=True, metavar="KEY=V1,V2|A..B[:N]", help="Values, all combined.")
@@ -23,13 +61,9 @@ TELL_EACH_S = 10.0  # without a terminal, a line so often
 @click.option("--samples", type=int, metavar="N", help="Draws of --random; 100 if not said.")
 @click.option("--seed", type=int, default=1, metavar="S", help="Seed of the draws; 1.")
 @click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
-@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="As of `mmcs run`.")
 @click.option("--by", default="rms_error_counts", metavar="FIGURE", help="What ranks the runs.")
-@click.option("--workers", type=int, metavar="N", help="Processes; as many as there are cores.")
-@click.option("--dask", metavar="ADDRESS", help="Run on the workers of this Dask scheduler.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
 @click.option("--format", "form", default="csv", metavar="csv|parquet", help="Of the table.")
-@click.option("--resume", is_flag=True, help="Go on with a sweep that was stopped.")
+@many_runs("sweep")
 def sweep(
     scenario, grid, drawn, samples, seed, duration, sets, by, workers, dask, out, form, resume
 ):
@@ -37,16 +71,13 @@ def sweep(
 
     --grid combines all values of all grids; --random draws, the same draws at every grid point.
     """
-    from mmcs.folder import check_folder
     from mmcs.sweeps.plan import make_plan
-    from mmcs.sweeps.store import FORMATS, Store, check_figure, check_format, check_resume
+    from mmcs.sweeps.store import FORMATS, check_figure, check_format, is_row
+    from mmcs.sweeps.workers import cores
 
     if form not in FORMATS:
         raise InputError.one("--format", "", form, "must be csv or parquet")
-    if workers is not None and not 1 <= workers <= 256:
-        raise InputError.one("--workers", "", workers, "must be 1 to 256")
-    if workers is not None and dask:
-        raise InputError.one("--workers", "", workers, "is of this machine: not with --dask")
+    check_workers(workers, dask)
     check_format(form)
     plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
     for text in plan.cautions():
@@ -54,22 +85,8 @@ def sweep(
     first = plan.first()
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
-    if resume:
-        check_resume(folder)
-    check_folder(folder)
-    from mmcs.runs.machine import build_of
-    from mmcs.sweeps.workers import cores, dask_client
-
-    client = dask_client(dask) if dask else None
-    try:
-        store = Store(folder, plan.identity(build_of(first)), resume)
-        try:
-            whole = _run(plan, store, client, workers or cores())
-        finally:
-            store.close()
-    finally:
-        if client is not None:
-            client.close()
+    with kept(folder, plan, first, resume, dask, "sweep", is_row) as (store, client):
+        whole = _run(plan, store, client, workers or cores())
     sys.exit(_finish(plan, store.rows, folder, by, form, whole))
 
 

@@ -32,8 +32,8 @@ def tool(
 
     Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
     """
-    from mmcs.engine.build import ensure_library
     from mmcs.lab.sheets import LABS, sheets
+    from mmcs.runs.machine import library_of
     from mmcs.scenario.load import load
     from mmcs.tool.launch import open_browser, start
 
@@ -55,9 +55,7 @@ def tool(
     socket = _socket(attach)
     if socket is None:
         setup = load(scenario, safety_sets(safety))  # its mistakes are told here, in one line
-        made = setup.scenario
-        # and that it has to be built
-        ensure_library(made.cards, "speed", made.clk_hz, safety=setup.hardware())
+        library_of(setup)  # and that it has to be built
     with start(scenario, socket, options, port, folder, safety) as running:
         echo(running.address)
         if not no_browser and not open_browser(running.address):

@@ -81,31 +81,11 @@ class Line:
             return answer[0]
         return None
 
-    def _ask(self, request: bytes, tries: int = TRIES) -> int | None:
-        for attempt in range(tries):
-            if attempt:
-                self.repeats += 1
-                self.sleep(QUIET_S)
-            value = self._once(request)
-            if value is not None:
-                return value
-        return None
-
-    def _silent(self, offset: int) -> RunError:
-        return RunError(
-            f"{self.name}: no good answer for register 0x{offset:03X} in {TRIES} requests; check"
-            f" the port, its {BAUD} baud, that the bitstream is loaded, the reset button released"
-        )
-
     def read(self, offset: int) -> int:
-        value = self._ask(bytes([offset >> 8, offset & 0xFF, 0]))
-        if value is None:
-            raise self._silent(offset)
-        return value
+        return self.sequence((offset, None))[0]
 
     def write(self, offset: int, value: int) -> None:
-        if self._ask(bytes([0x80 | offset >> 8, offset & 0xFF, value])) is None:
-            raise self._silent(offset)
+        self.sequence((offset, value))
 
     def sequence(self, *steps: tuple[int, int | None]) -> list[int]:
         """Accesses (offset, value to write or None) that must reach the board once each, in order:
@@ -123,7 +103,11 @@ class Line:
                 values.append(got)
             else:
                 return values
-        raise self._silent(steps[0][0])
+        first = steps[0][0]
+        raise RunError(
+            f"{self.name}: no good answer for register 0x{first:03X} in {TRIES} requests; check the"
+            f" port, its {BAUD} baud, that the bitstream is loaded, the reset button released"
+        )
 
 
 def check_offset(text: str) -> int:

@@ -12,6 +12,7 @@ import time
 
 from mmcs import ROOT, mcdef
 from mmcs.device.connection import Connection
+from mmcs.device.sockets import peer
 from mmcs.device.wire import EINVAL, EIO
 from mmcs.folder import whole_file
 
@@ -29,7 +30,7 @@ class Messenger(Connection):
     def __init__(self, sock: socket.socket, poll: select.epoll, address, server):
         super().__init__(sock, poll)
         self._server, self.machine = server, server.machine
-        self.client = self.machine.enter("message", _pid(sock))
+        self.client = self.machine.enter("message", peer(sock)[0])
         hello = self.machine.request(self.client, {"op": "hello"})
         self.tell({"type": "hello", **self.do_hello(hello)})
 
@@ -156,7 +157,3 @@ class Messenger(Connection):
 def _refusal(number: int, text: str) -> dict:
     name = errno.errorcode.get(number, str(number))
     return {"ok": False, "errno": number, "error": name, "text": text or os.strerror(number)}
-
-
-def _pid(sock: socket.socket) -> int:
-    return struct.unpack("3i", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))[0]

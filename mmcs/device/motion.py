@@ -14,10 +14,8 @@ from pathlib import Path
 
 from mmcs import mcdef
 from mmcs.device.client import Device
-from mmcs.errors import InputError
-from mmcs.scenario.files import Files, find_robot
+from mmcs.scenario.load import load_robot
 from mmcs.scenario.robot import Robot
-from mmcs.scenario.schema import validate
 
 UNITS_PER_V, ADC_ZERO = 204.8, 2048  # D/A and A/D: 12 bits over +-10 V
 SHARE = 0.5  # of the motor's limits, for those that motions ask for
@@ -48,9 +46,7 @@ class Joint:
 def joint_of(robot: Robot, axis: int, interval_us: int) -> Joint:
     motor, counts = robot.axis[axis], robot.counts_per_rad(axis)
     param = robot.servo(axis, interval_us)
-    mode = mcdef.constants()[mcdef.MODES[param.pop("mode")]]
-    for flag in param.pop("flags"):
-        mode |= getattr(mcdef, flag.upper())
+    mode = mcdef.mode_word(param.pop("mode"), param.pop("flags"))
     per_ampere = UNITS_PER_V / motor.amp_gain
     torque = param["ilim"] / abs(per_ampere) * motor.km
     left = max(torque - motor.coulomb_pos, 0.2 * torque)
@@ -68,11 +64,7 @@ def joint_of(robot: Robot, axis: int, interval_us: int) -> Joint:
 
 def joints_of(robot: str | Path, interval_us: int = 1000) -> list[Joint]:
     """Of a robot file, or of a name of sim/robots. Raises InputError."""
-    path = find_robot(str(robot), Path.cwd() / "program")
-    found, mistakes = validate(Robot, Files().toml(path), str(path))
-    mistakes = mistakes or found.mistakes(str(path))
-    if mistakes:
-        raise InputError(*mistakes)
+    _, found = load_robot(str(robot))
     return [joint_of(found, axis, interval_us) for axis in range(found.axes())]
 
 

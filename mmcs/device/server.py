@@ -24,7 +24,7 @@ from mmcs.device.machine import Machine
 from mmcs.device.messages import Messenger
 from mmcs.device.pace import IDLE_S, Pace
 from mmcs.device.programs import Program
-from mmcs.device.sockets import Name, peer_uid
+from mmcs.device.sockets import Name, peer
 from mmcs.device.stop import StopPath
 from mmcs.engine.sim import Sim
 
@@ -276,7 +276,7 @@ class Server:
             finally:
                 self._spare = os.open("/dev/null", os.O_RDONLY)
             return True
-        if len(self.connections) >= self.most or peer_uid(sock) != os.geteuid():
+        if len(self.connections) >= self.most or peer(sock)[1] != os.geteuid():
             sock.close()
             return True
         # what it asks is heard together with the ends that came before it

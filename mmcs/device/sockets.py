@@ -47,11 +47,10 @@ def make_folder(folder: Path) -> None:
     check_folder(folder)
 
 
-def peer_uid(sock: socket.socket) -> int:
-    """The user at the other end, as the kernel knows him."""
+def peer(sock: socket.socket) -> tuple[int, int]:
+    """Process and user at the other end, as the kernel knows them."""
     size = struct.calcsize("3i")
-    _, uid, _ = struct.unpack("3i", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size))
-    return uid
+    return struct.unpack("3i", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size))[:2]
 
 
 class Name:
@@ -125,8 +124,8 @@ def connect(path: Path, timeout: float | None = None) -> socket.socket:
         sock.close()
         text = "no simulator is serving; start `mmcs serve SCENARIO`"
         raise OSError(ENXIO, text, "/dev/mc0") from None
-    if peer_uid(sock) != os.geteuid():
-        uid = peer_uid(sock)
+    _, uid = peer(sock)
+    if uid != os.geteuid():
         sock.close()
         raise OSError(ENXIO, f"user {uid} serves this socket, not you: not used", str(path))
     return sock

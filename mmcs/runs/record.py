@@ -21,7 +21,7 @@ from mmcs.engine.rows import BLOCK, blocks
 from mmcs.errors import InputError
 from mmcs.files import is_name, loads, log_lines, open_file, read_json, short
 from mmcs.folder import settle
-from mmcs.place import run_folders
+from mmcs.place import run_file
 from mmcs.runs.programs import absolute, digest
 from mmcs.service import digests
 
@@ -109,10 +109,8 @@ def write_record(record: dict, folder: Path) -> Path:
 
 def find_run(name: str) -> Path:
     """The record that a file, a run's folder or the name of the last run of a scenario means."""
-    candidates = [Path(name), *(folder / NAME for folder in (Path(name), *run_folders(name)))]
-    for path in candidates:
-        if path.is_file():
-            return short(path)
+    if path := run_file(name, NAME):
+        return short(path)
     hint = f"no such run; give a {NAME}, its folder, or a scenario that has run"
     raise InputError.one(name, "", None, hint)
 

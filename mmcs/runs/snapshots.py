@@ -22,7 +22,7 @@ from mmcs.engine.rows import BLOCK, Rows, blocks
 from mmcs.errors import InputError, RunError
 from mmcs.files import MAX_JSON, loads, open_file, short
 from mmcs.folder import settle
-from mmcs.place import run_folders
+from mmcs.place import run_file
 from mmcs.runs.record import MAX_SAMPLES, Record, parse
 from mmcs.runs.session import Session
 
@@ -227,9 +227,8 @@ def _split(name: str) -> tuple[str, float | None]:
 
 
 def _find(name: str) -> Path:
-    for path in (Path(name), *(folder / NAME for folder in (Path(name), *run_folders(name)))):
-        if path.is_file():
-            return short(path)
+    if path := run_file(name, NAME):
+        return short(path)
     hint = f"no such snapshots; give a {NAME}, a run's folder, or a scenario that has run"
     raise InputError.one("--from", "", name, hint)
 

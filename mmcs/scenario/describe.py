@@ -8,8 +8,6 @@ from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 
 LEAST_PHASE_DEG = 20
 HEARTBEAT_US = 50_000
-AXIS_KEYS = ("mode", "flags", "a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg",
-             "clkdivisor", "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
 
 
 def show_setup(setup: Setup) -> None:
@@ -43,7 +41,7 @@ def show_setup(setup: Setup) -> None:
     table = Table("", box=None)
     for axis in range(setup.axes):
         table.add_column(cell(f"{axis} {robot.axis_name(axis)}".strip()))
-    for key in AXIS_KEYS:
+    for key in SERVO_DEFAULTS:
         values = [params[key] for params in setup.params]
         texts = [" ".join(v) if isinstance(v, list) else str(v) for v in values]
         if any(params[key] != SERVO_DEFAULTS[key] for params in setup.params):

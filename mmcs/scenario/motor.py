@@ -62,8 +62,7 @@ def expected_step(k: Coefficients, motor, t: float) -> str:
     unit, ic = torque_per_lsb(motor), compensation(motor)
     plant = plant_of(motor)
     real = Motor(plant.g, plant.lag, motor.coulomb_pos / unit, motor.coulomb_neg / unit, 1.0)
-    law = {f"a{n}": v for n, v in enumerate(k.a)} | {f"b{n}": v for n, v in enumerate(k.b)}
-    param = law | {"mode": 0x10, "ilim": motor.servo.ilim, "ic_pos": ic[0], "ic_neg": ic[1]}
+    param = k.named() | {"mode": 0x10, "ilim": motor.servo.ilim, "ic_pos": ic[0], "ic_neg": ic[1]}
     stuck = max(motor.stiction_pos, motor.stiction_neg) / abs(unit)
     y = step(real, param, t, STEP, int(LONGEST_S / t) + 2, stuck, delay=1)
     told = f"expected: a step of {STEP} counts "

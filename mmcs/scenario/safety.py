@@ -7,12 +7,9 @@ What the file has itself keeps its value; the rest comes from the robot file.
 import math
 
 from mmcs.scenario.robot import Robot
-from mmcs.scenario.scenario import Scenario
+from mmcs.scenario.scenario import Host, Scenario
 
-GUARDS = (
-    "jump", "follow", "samples", "runaway", "missed", "clock", "lease", "lock", "readback",
-    "checked", "brakes",
-)  # fmt: skip
+GUARDS = {name for name in Host.model_fields if name.startswith("guard_")}
 GUARD_US = 10_000  # that setpoints are good for; the half of it for the rest
 HEARTBEAT_US = 10_000  # of the hardware's heartbeats
 RUNAWAY = 4  # counts an interval: a count of doubt in each of two speeds, and as much again
@@ -34,7 +31,7 @@ def cut(scenario: Scenario) -> int:
 def guard(scenario: Scenario, robot: Robot) -> dict:
     """The fields of mmcs_config of the driver's guard."""
     host = scenario.host
-    found = {f"guard_{name}": getattr(host, f"guard_{name}") for name in GUARDS}
+    found = host.model_dump(include=GUARDS)
     if scenario.safety == "2026":
         safe = _limits(scenario.interval_us, robot)
         found |= {key: safe[key] for key in found if key not in host.model_fields_set}

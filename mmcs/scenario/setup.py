@@ -18,12 +18,11 @@ from mmcs.inputs import INPUTS, find
 from mmcs.scenario import safety
 from mmcs.scenario.files import MAX_FILES, Files, find_robot
 from mmcs.scenario.robot import Robot, with_values
-from mmcs.scenario.scenario import Chirp, Glide, Scenario, Step, Table, Trapezoid, Wave
+from mmcs.scenario.scenario import Chirp, Glide, Scenario, Servo, Step, Table, Trapezoid, Wave
 from mmcs.scenario.schema import validate
 
-_NUMBERS = ("a0", "a1", "a2", "b0", "b1", "b2", "ic_pos", "ic_neg", "clkdivisor", "ilim",
-            "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole")  # fmt: skip
-SERVO_DEFAULTS = {"mode": "off", "flags": []} | {n: mcdef.initial().get(n, 0) for n in _NUMBERS}
+_INITIAL = {name: mcdef.initial().get(name, 0) for name in Servo.model_fields if name != "axis"}
+SERVO_DEFAULTS = _INITIAL | {"mode": "off", "flags": []}
 
 MOST_SERVO_US = 50_000  # as the driver has it
 

@@ -72,6 +72,11 @@ class Coefficients:
     gain_error: float  # largest |D_int/D - 1| below half the Nyquist frequency
     warnings: tuple[str, ...]
 
+    def named(self, sign: int = 1) -> dict[str, int]:
+        """By the names of struct mc_param; sign: -1 for an axis that counts the other way."""
+        law = {f"a{n}": sign * v for n, v in enumerate(self.a)}
+        return law | {f"b{n}": v for n, v in enumerate(self.b)}
+
     def discrete(self) -> Discrete:
         b0 = self.b[0]
         return Discrete(tuple(v / b0 for v in self.a), tuple(v / b0 for v in self.b))

@@ -264,9 +264,7 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
     controller, made = gains(motor, wn, zeta, t)
     margin = margins(made.discrete(), motor.plant, t)
     sign = 1 if motor.g > 0 else -1
-    fields = {f"a{n}": sign * v for n, v in enumerate(made.a)}
-    fields |= {f"b{n}": v for n, v in enumerate(made.b)}
-    fields |= {
+    fields = made.named(sign) | {
         "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
         "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
     }
@@ -318,8 +316,7 @@ def _with_integral(
     were, and what was wrong with it."""
     pid, made = placed
     _, _, fields, step = held
-    law = {f"a{n}": sign * v for n, v in enumerate(made.a)}
-    law |= {f"b{n}": v for n, v in enumerate(made.b)}
+    law = made.named(sign)
     bench.change(**law)
     bench.wait(0.3)
     better = make_step(bench, step["size"], LONG_STEP_S)
