@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from mmcs import ROOT
 from mmcs.cli.app import main
-from mmcs.lab.sheets import LABS
+from mmcs.lab.sheets import LABS, sheets
 from mmcs.tests.device_bench import Bench
 
 GOOD = """
@@ -31,6 +31,23 @@ def call(*args):
     """The command's (status, stdout, stderr)."""
     result = CliRunner().invoke(main, [str(a) for a in args])
     return result.exit_code, result.stdout, result.stderr
+
+
+def one_clear_line(answer, *words, start="", status=2, begun=False):
+    """What was asked ends in one line: from `start` on, if that is told, and with these words.
+    begun: it has said something before."""
+    got, out, err = answer
+    assert got == status and (begun or not out), (out, err)
+    assert err.startswith(f"mmcs: {start}") and err.count("\n") == 1 and err.endswith("\n"), err
+    assert "Traceback" not in err and err[:-1].isprintable(), err
+    for word in words:
+        assert word in err, err
+
+
+def put(text, line):
+    """The text with a line in place of that of the same key, or one line more."""
+    made, found = re.subn(rf"^{line.partition(' ')[0]} = .*", lambda _: line, text, flags=re.M)
+    return made if found else f"{text}{line}\n"
 
 
 @pytest.fixture
@@ -70,6 +87,12 @@ def serving(bench, monkeypatch):
     yield bench
     bench.server.stopping = True
     thread.join()
+
+
+@pytest.fixture(params=sheets(), ids=lambda sheet: sheet.name)
+def sheet(request):
+    """Each lab sheet of the book."""
+    return request.param
 
 
 @pytest.fixture

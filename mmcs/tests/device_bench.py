@@ -120,3 +120,23 @@ def run_in_lockstep(folder, *command, said=None, sets=()):
             return status, sim.hash()
         finally:
             server.close()
+
+
+def output_in_lockstep(folder, *command, sets=()):
+    """The same: what the program prints, its status, the hash."""
+    out = folder / "out"
+    shell = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
+    status, hash_ = run_in_lockstep(folder / "m", *shell, sets=sets)
+    return out.read_text(), status, hash_
+
+
+def descriptors():
+    return len(os.listdir("/proc/self/fd"))
+
+
+def all_are_free(sim):
+    """Every open of the driver's sixteen."""
+    clients = [sim.open(2) for _ in range(16)]
+    for client in clients:
+        sim.close(client)
+    return sorted(clients) == list(range(16))

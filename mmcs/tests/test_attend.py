@@ -5,14 +5,13 @@ import itertools
 import os
 import struct
 import subprocess
-import sys
 
 import pytest
 
 from mmcs.device import wire
 from mmcs.device.attend import Attendant, Core
-from mmcs.tests.device_bench import EXAMPLES, run_in_lockstep
-from mmcs.tests.test_lockstep import example, python
+from mmcs.tests.device_bench import EXAMPLES, output_in_lockstep, run_in_lockstep
+from mmcs.tests.test_lockstep import PYTHON, example
 
 STOPS = """
 import mmcs
@@ -110,7 +109,7 @@ show("exec"), ready(), write(58, 68), os.abort()
 ], ids=["sine.c", "sine.py", "bounce.c", "guard.py", "stops", "reads", "writes"])  # fmt: skip
 def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypatch):
     """With it, without it, in turns: the same output, the same hash."""
-    command = [sys.executable, "-c", what] if "\n" in what else example(EXAMPLES / what)
+    command = [*PYTHON, what] if "\n" in what else example(EXAMPLES / what)
     attend, served, quiet, runs = Attendant.attend, 0, False, []
     take, later = wire.Later.take, set()
     monkeypatch.setattr(wire.Later, "take", lambda self: later.add(due := take(self)) or due)
@@ -168,9 +167,9 @@ with mmcs.Device(flags=os.O_RDONLY) as dev:
 
 def test_server_and_programs_share_a_core(tmp_path):
     """To wake a process on another core costs more than what the calls of a sample do."""
-    before, out = os.sched_getaffinity(0), tmp_path / "out"
-    assert run_in_lockstep(tmp_path / "m", *python(CORES, out))[0] == 0
-    assert out.read_text().split() == ["1", "1", "1"] and os.sched_getaffinity(0) == before
+    before = os.sched_getaffinity(0)
+    assert output_in_lockstep(tmp_path, *PYTHON, CORES)[:2] == ("1\n1\n1\n", 0)
+    assert os.sched_getaffinity(0) == before
     core, child = Core(), subprocess.Popen(["sleep", "60"])
     os.sched_setaffinity(child.pid, before)
     core.share([child.pid], 1.0)

@@ -4,14 +4,13 @@
 import os
 
 import pytest
-from click.testing import CliRunner
 
 from mmcs import regs
-from mmcs.cli import main
 from mmcs.device import board_line as lines
 from mmcs.device.board_line import Line, crc8
 from mmcs.device.board_test import SelfTest
 from mmcs.errors import RunError
+from mmcs.tests.conftest import call, one_clear_line
 
 
 class Port:
@@ -154,9 +153,7 @@ def test_what_a_scan_says(stuck, said):
     ],
 )
 def test_bad_input_is_one_sentence_with_the_remedy(words, said):
-    done = CliRunner().invoke(main, ["board", *words])
-    assert done.exit_code == 2 and done.stdout == ""
-    assert said in done.stderr and done.stderr.count("\n") == 1
+    one_clear_line(call("board", *words), said)
 
 
 def test_names_of_registers():

@@ -19,12 +19,15 @@ from mmcs.device import sockets, wire
 from mmcs.device.client import Device
 from mmcs.device.execute import environment
 from mmcs.device.link import Link
-from mmcs.tests.device_bench import PROGRAMS, SANITIZED, Bench, compile_program
+from mmcs.tests.device_bench import (
+    PROGRAMS,
+    SANITIZED,
+    Bench,
+    all_are_free,
+    compile_program,
+    descriptors,
+)
 from mmcs.tests.raw import Asker, Raw, stop_line
-
-
-def descriptors():
-    return len(os.listdir("/proc/self/fd"))
 
 
 def is_well(bench):
@@ -34,11 +37,7 @@ def is_well(bench):
     bench.until(lambda: not bench.server.connections)
     assert not bench.server.files
     assert bench.server.machine.request(None, {"op": "clients"}) == {"clients": []}
-    # every open of the driver's sixteen is free again
-    clients = [bench.sim.open(2) for _ in range(16)]
-    assert sorted(clients) == list(range(16))
-    for client in clients:
-        bench.sim.close(client)
+    assert all_are_free(bench.sim)
 
 
 # --- the server ---

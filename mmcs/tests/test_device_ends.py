@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from mmcs.device import pace as pacing
-from mmcs.device.execute import cflags, serve_program
+from mmcs.device.execute import cflags, environment, serve_program
 from mmcs.device.pace import Pace
 from mmcs.device.server import Server
 from mmcs.tests.device_bench import Bench, make_sim
@@ -36,7 +36,7 @@ def test_mwait_ends_when_no_sample_comes(tmp_path, direct):
         command = ["sh", "-c", f'exec {keep}"$0" -c "$1" > {out}', sys.executable, text]
         try:
             if direct:
-                child = subprocess.Popen([*command], env=_env(server))
+                child = subprocess.Popen([*command], env=environment(server.path, lockstep=True))
                 while child.poll() is None:
                     server.step()
                 status = child.returncode
@@ -46,12 +46,6 @@ def test_mwait_ends_when_no_sample_comes(tmp_path, direct):
             assert 2.5 < sim.time < 2.8
         finally:
             server.close()
-
-
-def _env(server):
-    from mmcs.device.execute import environment
-
-    return environment(server.path, lockstep=True)
 
 
 class Clock:

@@ -11,18 +11,9 @@ import tomllib
 import pytest
 
 from mmcs import ROBOTS, ROOT
-from mmcs.tests.conftest import GOOD
+from mmcs.tests.conftest import GOOD, one_clear_line
 
 CLI = [sys.executable, "-m", "mmcs"]
-
-
-def one_clear_line(answer, *words, status=2):
-    got, out, err = answer
-    assert got == status, (out, err)
-    assert err.startswith("mmcs: ") and err.count("\n") == 1 and err.endswith("\n"), err
-    assert "Traceback" not in err and err[:-1].isprintable(), err
-    for word in words:
-        assert word in err, err
 
 
 def command(*args, **options):

@@ -21,8 +21,8 @@ import pytest
 
 from mmcs.engine import build
 from mmcs.errors import RunError
-from mmcs.tests.conftest import GOOD
-from mmcs.tests.test_hostile import command, one_clear_line
+from mmcs.tests.conftest import GOOD, one_clear_line
+from mmcs.tests.test_hostile import command
 
 # --- records, snapshots, rows ------------------------------------------------------------------
 
@@ -142,7 +142,8 @@ def test_crafted_snapshots(mmcs, good_run, tmp_path):
         rewritten(source, target, **members)
         one_clear_line(mmcs("run", "--from", tmp_path), "not a file of snapshots")
     rewritten(source, target, **{f"{len(index['snapshots']) - 1}.bin": b"x" * 500})
-    one_clear_line(mmcs("run", "--from", tmp_path, "--out", tmp_path / "o"), "snapshot")
+    answer = mmcs("run", "--from", tmp_path, "--out", tmp_path / "o")
+    one_clear_line(answer, "not a snapshot of MMCS", begun=True)
 
 
 def test_damaged_snapshots(good_run, tmp_path):
@@ -368,7 +369,7 @@ def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
                                   ("lab", "start", "1", "x")])  # fmt: skip
 def test_a_file_that_finds_no_room_is_not_left_half(tmp_path, args):
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))  # noqa: E731
-    run = [sys.executable, "-m", "mmcs", *args]
+    run = [sys.executable, "-B", "-m", "mmcs", *args]  # whole files of bytecode, or none
     done = subprocess.run(run, cwd=tmp_path, text=True, capture_output=True, check=False,
                           preexec_fn=limit)  # noqa: PLW1509  # fmt: skip
     assert done.returncode in (1, 2) and "File too large" in done.stderr

@@ -3,19 +3,8 @@
 
 import tomllib
 
-import pytest
-
 from mmcs.lab.marks import _grader, grade
-from mmcs.lab.sheets import sheets
 from mmcs.scenario.schema import validate
-
-ALL = sheets()
-
-
-@pytest.fixture(params=ALL, ids=[sheet.name for sheet in ALL])
-def sheet(request):
-    return request.param
-
 
 NOTHING = {"a0": 0, "a1": 0, "a2": 0, "b0": 1, "b1": 0, "b2": 0}
 STILL = {"ilim": 0, "ilimax": 0}

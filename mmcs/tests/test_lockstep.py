@@ -11,6 +11,7 @@ import pytest
 
 from mmcs.device import lockstep
 from mmcs.device.client import Device
+from mmcs.device.execute import environment
 from mmcs.device.server import Server
 from mmcs.device.wire import MWAIT
 from mmcs.tests.device_bench import (
@@ -21,26 +22,18 @@ from mmcs.tests.device_bench import (
     compile_example,
     compile_program,
     make_sim,
-    run_in_lockstep,
+    output_in_lockstep,
 )
 
-
-def python(text, capture=None):
-    """A command that runs it; its output goes to a file."""
-    return ["sh", "-c", f'exec "$0" -c "$1" > {capture or "/dev/null"}', sys.executable, text]
+PYTHON = (sys.executable, "-c")
 
 
 @pytest.mark.req("DRV-4")
 def test_every_wait_takes_its_time_of_the_machine(tmp_path):
     program = compile_program(PROGRAMS / "waits.c", "-Wall", "-Wextra", "-O1")
-    outs = []
-    for n in range(2):
-        out = tmp_path / f"out{n}"
-        status, _ = run_in_lockstep(tmp_path / "m", "sh", "-c", f"exec {program} > {out}")
-        assert status == 0
-        outs.append(out.read_text())
-    assert outs[0] == outs[1]
-    first, *lines = outs[0].splitlines()
+    (said, status, _), again = (output_in_lockstep(tmp_path, program) for _ in range(2))
+    assert status == 0 and again[0] == said
+    first, *lines = said.splitlines()
     assert first == "begin 599616000 599616000 0"
     took = [tuple(map(int, line.split()[-2:])) for line in lines if "runs out" not in line]
     expected = [
@@ -54,7 +47,7 @@ def test_every_wait_takes_its_time_of_the_machine(tmp_path):
         (110, 1000), (110, 1000), (0, 900), (110, 1000), (0, 1000), (110, 1000), (-1, 1000),
         (-1, 2000), (-1, 0), (1, 2000), (1, 2000), (-1, 1000), (0, 1000),
     ]  # fmt: skip
-    assert "runs out 3" in outs[0]
+    assert "runs out 3" in said
     for line, got, want in zip(lines, took, expected, strict=False):
         assert got[0] == want[0] and abs(got[1] - want[1]) <= 1, (line, want)
     assert len(took) == len(expected)
@@ -89,14 +82,9 @@ if name == "a":
 
 def test_several_processes_have_an_order(tmp_path):
     """Who sleeps, who waits for samples, who is signalled: the same to the bit, each time."""
-    runs = set()
-    for n in range(3):
-        out = tmp_path / f"out{n}"
-        status, hash_ = run_in_lockstep(tmp_path / "m", *python(PAIR, out))
-        assert status == 0
-        runs.add((out.read_text(), hash_))
-    assert len(runs) == 1
-    text = runs.pop()[0]
+    runs = {output_in_lockstep(tmp_path, *PYTHON, PAIR) for _ in range(3)}
+    ((text, status, _),) = runs
+    assert status == 0
     lines = [line.split() for line in text.splitlines()]
     rows = [(who, int(number)) for who, number, *rest in lines if number.isdigit()]
     assert len(rows) == 40
@@ -115,12 +103,11 @@ def test_a_pipe_between_programs(tmp_path):
         "import sys, time; [print(line.strip(), round(time.time() % 60, 6)) for line in sys.stdin]"
     )
     head = "import time; [(time.sleep(0.01), print(n, flush=True)) for n in range(5)]"
-    for n in range(2):
-        out = tmp_path / f"out{n}"
-        command = f"{sys.executable} -c '{head}' | {sys.executable} -c '{tail}' > {out}"
-        assert run_in_lockstep(tmp_path / "m", "sh", "-c", command)[0] == 0
-        rows = [line.split() for line in out.read_text().splitlines()]
-        assert rows == [[str(n), f"{(n + 1) / 100:g}"] for n in range(5)]
+    command = f"{sys.executable} -c '{head}' | {sys.executable} -c '{tail}'"
+    for _ in range(2):
+        said, status, _ = output_in_lockstep(tmp_path, "sh", "-c", command)
+        rows = [line.split() for line in said.splitlines()]
+        assert status == 0 and rows == [[str(n), f"{(n + 1) / 100:g}"] for n in range(5)]
 
 
 # What is written is more than a pipe holds, and read a little at each sample.
@@ -198,11 +185,8 @@ print(round(time.monotonic(), 6))
     (FULL, "read 300000"), (POOL, "False 11"), (ASKS, "0.03"), (ENDS, "0.02"),
 ], ids=["full", "pool", "asks", "ends"])  # fmt: skip
 def test_pipes_pools_polls_and_ends(text, last, tmp_path):
-    runs = set()
-    for n in range(2):
-        out = tmp_path / f"out{n}"
-        runs.add((*run_in_lockstep(tmp_path / "m", *python(text, out)), out.read_text()))
-    (status, _, said), *others = runs
+    runs = {output_in_lockstep(tmp_path, *PYTHON, text) for _ in range(2)}
+    (said, status, _), *others = runs
     assert status == 0 and not others and said.splitlines()[-1] == last, runs
 
 
@@ -228,11 +212,10 @@ int main(void) {
 
 def test_threads_run_in_the_order_of_their_creation(tmp_path):
     """Not in that in which the computer began them."""
-    source, out = tmp_path / "threads_in_order.c", tmp_path / "out"
+    source = tmp_path / "threads_in_order.c"
     source.write_text(THREADS)
-    program = compile_program(source)
-    assert run_in_lockstep(tmp_path / "m", "sh", "-c", f"exec {program} > {out}")[0] == 0
-    assert out.read_text().split() == 3 * [str(n) for n in range(12)]
+    said, status, _ = output_in_lockstep(tmp_path, compile_program(source))
+    assert status == 0 and said.split() == 3 * [str(n) for n in range(12)]
 
 
 EXAMPLES_RUN = sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))
@@ -251,20 +234,17 @@ def example(path):
 @pytest.mark.parametrize("path", EXAMPLES_RUN, ids=lambda p: p.name)
 def test_an_example_runs_alike_on_a_busy_machine(path, tmp_path):
     """Three times beside nothing, three times beside four busy loops: one hash."""
-    command = example(path)
-    out = tmp_path / "out"
-    command = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
-    runs = set()
+    command, runs = example(path), set()
     for busy in (0, 0, 0, 4, 4, 4):
         loops = [subprocess.Popen(["nice", "sh", "-c", "while :; do :; done"]) for _ in range(busy)]
         try:
-            status, hash_ = run_in_lockstep(tmp_path / "m", *command)
+            said, status, hash_ = output_in_lockstep(tmp_path, *command)
         finally:
             for loop in loops:
                 loop.kill()
                 loop.wait()
-        assert status == 0, out.read_text()
-        runs.add((hash_, out.read_text()))
+        assert status == 0, said
+        runs.add((hash_, said))
     assert len(runs) == 1
 
 
@@ -286,8 +266,8 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
     text = text.replace("BEGUN", f"open({str(begun)!r}, 'w').close()")
     with make_sim(tmp_path) as sim:
         server = Server(sim, tmp_path / "mc0.sock", None, console=said.append, lockstep=True)
-        env = bench_environment(server)
-        child = subprocess.Popen([sys.executable, "-c", text], env=env, stdin=here)
+        env = environment(server.path, lockstep=True)
+        child = subprocess.Popen([*PYTHON, text], env=env, stdin=here)
         try:
             server.lockstep.expect(child.pid)
             while not begun.exists() and child.poll() is None:
@@ -309,12 +289,6 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
             os.close(there)
     assert len([line for line in said if why in line]) == 1, said
     assert "machine time stands still" in said[-1]
-
-
-def bench_environment(server):
-    from mmcs.device.execute import environment
-
-    return environment(server.path, lockstep=True)
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ from mmcs.tests.device_bench import (
     ROBOT,
     compile_example,
     compile_program,
-    run_in_lockstep,
+    output_in_lockstep,
 )
 from tools.compiled import compiled, written
 
@@ -305,13 +305,11 @@ with mmcs.Device() as dev:
 """
     outs = []
     for command in ([compile_example(EXAMPLES / "home.c")], [sys.executable, "-c", text]):
-        out = tmp_path / "out"
-        shell = ["sh", "-c", f'exec "$@" > {out}', "sh", *command]
-        status, _ = run_in_lockstep(tmp_path / "m", *shell, sets=SETS)
-        assert status == 0, out.read_text()
-        outs.append(out.read_text())
+        said, status, _ = output_in_lockstep(tmp_path, *command, sets=SETS)
+        assert status == 0, said
+        outs.append(said)
     assert outs[0] == outs[1]
-    rows = [line.split() for line in outs[0].splitlines()]
+    rows = [line.split() for line in said.splitlines()]
     counts = joints_of(str(ROBOT))[0].counts
     for row, degrees in zip(rows, (70.0, -130.0), strict=True):
         assert int(row[-1]) == math.floor(-math.radians(degrees) * counts + 0.5)
@@ -337,11 +335,8 @@ with mmcs.Device() as dev:
         asked = arm._at(arm.time)[1].position
     print(most)
 """
-    out = tmp_path / "out"
-    command = ["sh", "-c", f'exec "$0" -c "$1" > {out}', sys.executable, text]
-    assert run_in_lockstep(tmp_path / "m", *command)[0] == 0
-    off = float(out.read_text())
-    assert off < 10 if ahead else off > 50
+    off, status, _ = output_in_lockstep(tmp_path, sys.executable, "-c", text)
+    assert status == 0 and (float(off) < 10 if ahead else float(off) > 50)
 
 
 def test_the_header_is_of_the_scenario_s_robot():

@@ -8,7 +8,7 @@ import pytest
 
 from mmcs import ROOT, mcdef
 from mmcs.device import reasons
-from mmcs.tests.device_bench import PROGRAMS, Bench, compile_program, run_in_lockstep
+from mmcs.tests.device_bench import PROGRAMS, Bench, compile_program, output_in_lockstep
 
 REFUSED = """
 import os, sys
@@ -99,10 +99,7 @@ def test_no_request_and_no_error_is_without_one():
 
 
 def test_in_lockstep_too(tmp_path):
-    out = tmp_path / "out"
-    command = ["sh", "-c", f'exec "$0" -c "$1" > {out}', sys.executable, REFUSED]
-    assert run_in_lockstep(tmp_path / "m", *command)[0] == 0
-    assert out.read_text().splitlines() == SAID.splitlines()
+    assert output_in_lockstep(tmp_path, sys.executable, "-c", REFUSED)[:2] == (SAID, 0)
 
 
 def test_a_c_program_asks(tmp_path):

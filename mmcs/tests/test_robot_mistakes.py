@@ -4,7 +4,7 @@
 import pytest
 
 from mmcs.scenario.load import load
-from mmcs.tests.conftest import GOOD
+from mmcs.tests.conftest import GOOD, one_clear_line, put
 
 OWN = GOOD.replace('"lab500"', '"own.toml"')
 
@@ -27,112 +27,61 @@ amp_tau = 0.0
 gear = 1.0
 counts_per_rev = 2000
 """
-ROBOT_CASES = {
-    "mass": ("km = 0.02", "km = 0", "axis.0.km = 0: must be at least 1e-12"),
-    "missing": ("km = 0.02", "", "axis.0.km: is missing"),
-    "typo": ("viscous", "viscus", 'axis.0.viscus: unknown key; did you mean "viscous"?'),
+# Of the axis: a line, and why it cannot be. Told is axis.0.LINE: WHY.
+LINES = {
+    "km = 0": "must be at least 1e-12",
+    "friction = -1": "must be at least 0",
+    "inertia = 2000000.0": "must be at most 1000000",
+    "rotor_inertia = 1e-16": "must be at least 1e-12",
+    "rotor_inertia = 0.001": "must be at most inertia (2e-06), which includes it",
+    "amp_gain = -1e+300": "must be at least -10000",
+    "gear = 0.0": "must not be 0; 1 for a motor without gear",
+    "stiction_neg = 0.05": "must be at least coulomb_neg (0.1)",
+    "counts_per_rev = 7": "must be a multiple of 4",
+    "backlash = 0.1": "needs a stiffness above 0",
+    "servo.pd_1000us = [1, 2]": "must be [a0, a1, b0] or [a0, a1, b0, b1], whole numbers of "
+    "32 bits",
+    'source.gear = "E book"': "must be a confidence A, B, C or D, a space, and a reference",
+    'source.gear = "A book"': '[reference] has no "book"',
+}
+LINK = "[[link]]\nalpha=0.0\na=0.0\nd=0.0\ntheta0=0.0\nmass=1.0\ninertia=[1,1,1,0,0,0]\ncom="
+CASES = {
+    "missing": (ROBOT.replace("km = 0.02", ""), "axis.0.km: is missing"),
+    "typo": (
+        ROBOT.replace("viscous", "viscus"),
+        'axis.0.viscus: unknown key; did you mean "viscous"?',
+    ),
     "every axis": (
-        "[[axis]]",
-        "[every_axis]\nviscus = 1\n[[axis]]",
+        ROBOT.replace("[[axis]]", "[every_axis]\nviscus = 1\n[[axis]]"),
         'every_axis.viscus: unknown key; did you mean "viscous"?',
     ),
-    "friction": ("[[axis]]", "[[axis]]\nfriction = -1", "axis.0.friction = -1: must be at least 0"),
-    "exponent": (
-        "inertia = 2e-6",
-        "inertia = 2e+6",
-        "axis.0.inertia = 2000000.0: must be at most 1000000",
-    ),
-    "negative exponent": (
-        "rotor_inertia = 1e-6",
-        "rotor_inertia = 1e-16",
-        "axis.0.rotor_inertia = 1e-16: must be at least 1e-12",
-    ),
-    "gain of the amplifier": (
-        "amp_gain = 0.3",
-        "amp_gain = -1e300",
-        "axis.0.amp_gain = -1e+300: must be at least -10000",
-    ),
     "winding": (
-        "km = 0.02",
-        "km = 2.0",
+        put(ROBOT, "km = 2.0"),
         "axis.0.inertia = 2e-06: must be at least 0.0002, by km and resistance: steps are 50 us",
     ),
     "gravity": (
-        "[[axis]]",
-        "gravity = [0, 0, 1e9]\n[[axis]]",
+        ROBOT.replace("[[axis]]", "gravity = [0, 0, 1e9]\n[[axis]]"),
         "gravity = [0, 0, 1000000000.0]: must be numbers from -1000 to 1000",
     ),
-    "gear": (
-        "gear = 1.0",
-        "gear = 0.0",
-        "axis.0.gear = 0.0: must not be 0; 1 for a motor without gear",
-    ),
-    "stiction": (
-        "stiction_neg = 0.1",
-        "stiction_neg = 0.05",
-        "axis.0.stiction_neg = 0.05: must be at least coulomb_neg (0.1)",
-    ),
-    "rotor": (
-        "rotor_inertia = 1e-6",
-        "rotor_inertia = 1e-3",
-        "axis.0.rotor_inertia = 0.001: must be at most inertia (2e-06), which includes it",
-    ),
-    "lines": (
-        "counts_per_rev = 2000",
-        "counts_per_rev = 7",
-        "axis.0.counts_per_rev = 7: must be a multiple of 4",
-    ),
     "stops": (
-        "gear = 1.0",
-        "gear = 1.0\nstop_lo = 1.0\nstop_hi = 2.0",
+        ROBOT + "stop_lo = 1.0\nstop_hi = 2.0",
         "axis.0.angle0 = 0.0: must lie between the stops (1 to 2)",
     ),
-    "play": (
-        "gear = 1.0",
-        "gear = 1.0\nbacklash = 0.1",
-        "axis.0.backlash = 0.1: needs a stiffness above 0",
-    ),
-    "gains": (
-        "gear = 1.0",
-        "gear = 1.0\nservo.pd_1000us = [1, 2]",
-        "axis.0.servo.pd_1000us = [1, 2]: must be [a0, a1, b0] or [a0, a1, b0, b1], "
-        "whole numbers of 32 bits",
-    ),
-    "source": (
-        "gear = 1.0",
-        'gear = 1.0\nsource.gear = "E book"',
-        'axis.0.source.gear = "E book": must be a confidence A, B, C or D, a space, '
-        "and a reference",
-    ),
-    "reference": (
-        "gear = 1.0",
-        'gear = 1.0\nsource.gear = "A book"',
-        'axis.0.source.gear = "A book": [reference] has no "book"',
-    ),
     "arm": (
-        "counts_per_rev = 2000\n",
-        "counts_per_rev = 2000\n" + "[[link]]\nalpha=0.0\na=0.0\nd=0.0\ntheta0=0.0\nmass=1.0\n"
-        "com=[0,0,0]\ninertia=[1,1,1,0,0,0]\n" * 2,
+        f"{ROBOT}{LINK}[0,0,0]\n{LINK}[0,0,0]",
         'link = "2 links": an arm needs one [[link]] per [[axis]] (1)',
     ),
-    "vector": (
-        "counts_per_rev = 2000\n",
-        "counts_per_rev = 2000\n[[link]]\nalpha=0.0\na=0.0\nd=0.0\ntheta0=0.0\nmass=1.0\ncom=[0]\n"
-        "inertia=[1,1,1,0,0,0]\n",
-        "link.0.com = [0]: must be a list of 3 numbers",
-    ),
+    "vector": (f"{ROBOT}{LINK}[0]", "link.0.com = [0]: must be a list of 3 numbers"),
+    **{line: (put(ROBOT, line), f"axis.0.{line}: {why}") for line, why in LINES.items()},
 }
 
 
-@pytest.mark.parametrize("case", ROBOT_CASES)
+@pytest.mark.parametrize("case", CASES)
 def test_robot_mistake(mmcs, scenario, case):
-    old, new, expected = ROBOT_CASES[case]
-    assert old in ROBOT
-    robot = scenario(ROBOT.replace(old, new), "own.toml")
+    text, expected = CASES[case]
+    robot = scenario(text, "own.toml")
     path = scenario(OWN)
-    status, out, err = mmcs("run", path)
-    assert err == f"mmcs: {robot}: {expected}\n"
-    assert (status, out) == (2, "")
+    one_clear_line(mmcs("run", path), start=f"{robot}: {expected}\n")
 
 
 def test_good_robot_of_ones_own(mmcs, scenario):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The safe machine: one switch, each piece by itself, and what it does on the simulated arm."""
 
+import contextlib
 import random
 
 import pytest
@@ -14,6 +15,31 @@ from mmcs.sweeps.faults import Fault
 from mmcs.sweeps.twin import Twin
 
 SAFE = 'safety="2026"'
+
+
+@contextlib.contextmanager
+def moving(name, *sets, at):
+    """The machine at a time of a scenario's motion, and its client of the driver."""
+    setup = load(name, sets)
+    with machine(setup) as sim:
+        session = Session(sim, setup)
+        client = session.begin()
+        sim.run(session.start + at)
+        yield sim, client
+
+
+def add_input(sim, name, value, after=0.0):
+    sim.add_event(sim.time + after, sim.input_names().index(name), 0, value)
+
+
+def seen_of(name, *sets, **faults):
+    """What becomes of each fault in a motion of the safe machine: events, or a call."""
+    plan = make_plan((name,), (), 1, (SAFE, *sets))
+    twin = Twin(plan.setups[name])
+    for kind, entries in faults.items():
+        for entry in entries:
+            yield twin.run(Fault(0, name, "pin", "test", entry["at"], **{kind: entry}))
+    twin.close()
 
 
 def test_nothing_of_it_unless_asked_for():
@@ -78,23 +104,17 @@ def test_drawn_motions_stay_off_the_stops():
 
 def _sunk(sets: tuple[str, ...], input_: str, value: float) -> tuple[float, bool]:
     """Degrees that J2 moved off after a stop of the stretched arm, and whether it is told."""
-    setup = load("puma560_hold", (*sets, "duration=0.7"))
-    sim = machine(setup)
-    session = Session(sim, setup)
-    client = session.begin()
-    sim.run(session.start + 0.2)
-    before = sim.true(1)["angle"]
-    if input_ == "MSTOP":
-        assert sim.ioctl(client, mcdef.MSTOP) == 0
-    else:
-        names = sim.input_names()
-        sim.add_event(sim.time, names.index(input_), 0, value)
-        if input_ == "estop":
-            sim.add_event(sim.time + 0.001, names.index(input_), 0, 0)
-    sim.run(session.start + 0.6)
-    moved, told = abs(sim.true(1)["angle"] - before), bool(sim.stats()["panic_level"])
-    sim.destroy()
-    return 57.29578 * moved, told
+    with moving("puma560_hold", *sets, "duration=0.7", at=0.2) as (sim, client):
+        before = sim.true(1)["angle"]
+        if input_ == "MSTOP":
+            assert sim.ioctl(client, mcdef.MSTOP) == 0
+        else:
+            add_input(sim, input_, value)
+            if input_ == "estop":
+                add_input(sim, input_, 0, 0.001)
+        sim.run(sim.time + 0.4)
+        moved = abs(sim.true(1)["angle"] - before)
+        return 57.29578 * moved, bool(sim.stats()["panic_level"])
 
 
 @pytest.mark.req("PAN-1", "PAN-3", "DRV-9")
@@ -109,50 +129,35 @@ def test_joint_2_does_not_sink_in_a_stop(input_, sets):
 
 @pytest.mark.req("PAN-3", "HB-1")
 def test_host_that_dies_is_noticed_after_10_ms():
-    setup = load("arm_move", (SAFE,))
-    sim = machine(setup)
-    session = Session(sim, setup)
-    session.begin()
-    sim.run(session.start + 0.15)
-    at = sim.time
-    sim.add_event(at, sim.input_names().index("host_dead"), 0, 1)
-    sim.run(at + 0.2)
-    told = next(n["t"] for n in sim.notes() if n["kind"] == "panic" and n["t"] > at)
-    assert 0.008 < told - at < 0.0105
-    assert all(sim.true(axis)["current"] == pytest.approx(0, abs=1e-6) for axis in range(6))
-    sim.destroy()
+    with moving("arm_move", SAFE, at=0.15) as (sim, _):
+        at = sim.time
+        add_input(sim, "host_dead", 1)
+        sim.run(at + 0.2)
+        told = next(n["t"] for n in sim.notes() if n["kind"] == "panic" and n["t"] > at)
+        assert 0.008 < told - at < 0.0105
+        assert all(sim.true(axis)["current"] == pytest.approx(0, abs=1e-6) for axis in range(6))
 
 
 @pytest.mark.req("DRV-9")
 def test_write_of_the_hosts_library_is_checked():
     """And a setpoint that is changed on its way, or lost, stops the machine."""
     for name, value in (("write_flip", 1 << 20), ("writes_lost", 3)):
-        setup = load("arm_move", ("host.guard_checked=true",))
-        sim = machine(setup)
-        session = Session(sim, setup)
-        session.begin()
-        sim.run(session.start + 0.1)
-        assert sim.stats()["enabled"]
-        sim.add_event(sim.time, sim.input_names().index(name), 0, value)
-        sim.run(session.start + 0.15)
-        assert not sim.stats()["enabled"]
-        assert any("PANIC: setpoints" in n["text"] for n in sim.notes())
-        sim.destroy()
+        with moving("arm_move", "host.guard_checked=true", at=0.1) as (sim, _):
+            assert sim.stats()["enabled"]
+            add_input(sim, name, value)
+            sim.run(sim.time + 0.05)
+            assert not sim.stats()["enabled"]
+            assert any("PANIC: setpoints" in n["text"] for n in sim.notes())
 
 
 @pytest.mark.req("PAN-1")
 def test_encoder_that_steps_illegally_is_noticed_at_once():
     """A and B of a moving axis are exchanged: where they differ, both change in one clock."""
-    plan = make_plan(("arm_move",), (), 1, (SAFE,))
-    twin = Twin(plan.setups["arm_move"])
-    after = []
-    for at in (0.1400, 0.1403, 0.1406, 0.1409, 0.1412, 0.1415):
-        event = {"at": at, "input": "encoder_swap", "value": 1, "index": 3}
-        seen, more = twin.run(Fault(0, "arm_move", "pin", "encoder_swap", at, event=event))
-        assert more["by"] == "PANIC"
-        after.append(seen.detected_s)
-    assert min(after) < 1e-4
-    twin.close()
+    times = (0.1400, 0.1403, 0.1406, 0.1409, 0.1412, 0.1415)
+    events = [{"at": at, "input": "encoder_swap", "value": 1, "index": 3} for at in times]
+    found = list(seen_of("arm_move", event=events))
+    assert [more["by"] for _, more in found] == ["PANIC"] * len(times)
+    assert min(seen.detected_s for seen, _ in found) < 1e-4
 
 
 # What a machine with the checks of 1989 and the guard notices late or never.
@@ -168,20 +173,14 @@ NOTICED = [
 @pytest.mark.req("DRV-9", "PAN-1")
 @pytest.mark.parametrize(("name", "event", "ms"), NOTICED, ids=lambda v: str(v)[:20])
 def test_what_is_noticed_in_time(name, event, ms):
-    plan = make_plan((name,), (), 1, (SAFE, "axis.all.ilimax=60"))
-    twin = Twin(plan.setups[name])
-    seen, more = twin.run(Fault(0, name, "pin", "test", event["at"], event=event))
-    twin.close()
+    ((seen, more),) = seen_of(name, "axis.all.ilimax=60", event=[event])
     assert more["by"] == "PANIC" and 1e3 * seen.detected_s < ms, (seen, more)
 
 
 @pytest.mark.req("DRV-9")
 def test_gains_of_an_axis_that_is_on_are_refused():
-    plan = make_plan(("arm_move",), (), 1, (SAFE,))
-    twin = Twin(plan.setups["arm_move"])
     call = {"at": 0.1, "request": "MSETPARAM", "axis": 5, "set": {"a0": 3}}
-    _, more = twin.run(Fault(0, "arm_move", "message", "test", 0.1, call=call))
-    twin.close()
+    ((_, more),) = seen_of("arm_move", call=[call])
     assert more["by"] == "MSETPARAM refused"
 
 
@@ -191,12 +190,8 @@ def test_wrist_whose_amplifier_is_stuck_does_not_coast():
     turned = []
     for cut in ("brakes first", "dynamic brake"):
         stuck = "event=[{at=0.1, input='amp_saturated', index=5, value=1}]"
-        setup = load("puma560_hold", (SAFE, f"amp_panic_cut='{cut}'", "duration=0.4", stuck))
-        sim = machine(setup)
-        session = Session(sim, setup)
-        session.begin()
-        sim.run(session.start + 0.4)
-        assert sim.stats()["panic_level"] and sim.notes()
-        turned.append(57.29578 * abs(sim.true(5)["angle"]))
-        sim.destroy()
+        sets = (SAFE, f"amp_panic_cut='{cut}'", "duration=0.4", stuck)
+        with moving("puma560_hold", *sets, at=0.4) as (sim, _):
+            assert sim.stats()["panic_level"] and sim.notes()
+            turned.append(57.29578 * abs(sim.true(5)["angle"]))
     assert turned[0] > 5 and turned[1] < 2, turned

@@ -2,7 +2,6 @@
 """The stop path acts in the first step that can read it, whoever talks (docs/use/protocol.md)."""
 
 import os
-import signal
 import struct
 import threading
 
@@ -11,19 +10,10 @@ import pytest
 from mmcs import mcdef
 from mmcs.device.link import Link
 from mmcs.device.wire import IOCTL, WRITE
-from mmcs.tests.device_bench import Bench
 from mmcs.tests.raw import Raw, holding, stop_line
 
 ROUNDS = 10_000
 FLOODERS = 15
-
-
-@pytest.fixture
-def bench(tmp_path):
-    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # the programs are this process
-    with Bench(tmp_path) as made:
-        yield made
-    signal.signal(signal.SIGUSR1, before)
 
 
 @pytest.mark.req("DRV-9")

@@ -19,7 +19,7 @@ from mmcs.errors import RunError
 from mmcs.scenario.load import load
 from mmcs.sweeps import workers as sweep_run
 from mmcs.sweeps.plan import make_plan, parse_grid, parse_random
-from mmcs.tests.conftest import GOOD, call
+from mmcs.tests.conftest import GOOD, call, one_clear_line
 
 SHORT = GOOD.replace("duration = 0.3", "duration = 0.08")
 GAINS = ("--grid", "axis.0.b0=80,100", "--random", "seed=1..1000", "--samples", "4")
@@ -129,9 +129,8 @@ MISTAKES = {
 def test_mistake(mmcs, scenario, tmp_path, case, monkeypatch):
     monkeypatch.setattr(sweep_run, "CONNECT_S", 1)
     arguments, expected = case
-    status, out, err = mmcs("sweep", scenario(SHORT), "--out", tmp_path / "out", *arguments)
-    assert status == 2, (out, err)
-    assert expected in err and err.startswith("mmcs: ") and err.count("\n") == 1
+    answer = mmcs("sweep", scenario(SHORT), "--out", tmp_path / "out", *arguments)
+    one_clear_line(answer, expected)
     assert not (tmp_path / "out" / "rows.jsonl").exists()
 
 
@@ -214,16 +213,8 @@ def test_combination_that_is_no_good_is_a_row(mmcs, scenario, tmp_path):
 
 def test_missed_expectations_are_counted(mmcs, scenario, tmp_path):
     text = SHORT + '[[expect]]\nkind = "axis"\nfinal_counts = [-5, 5]\n'
-    status, out, _ = mmcs(
-        "sweep",
-        scenario(text),
-        "--grid",
-        "motion.0.to=0,300",
-        "--out",
-        tmp_path / "out",
-        "--workers",
-        1,
-    )
+    where = ("--out", tmp_path / "out", "--workers", 1)
+    status, out, _ = mmcs("sweep", scenario(text), "--grid", "motion.0.to=0,300", *where)
     assert status == 1
     assert "1 of 2 runs missed an expectation, 0 failed" in out
     assert [row["unmet"] for row in rows_of(tmp_path / "out")] == ["0", "1"]
@@ -266,8 +257,8 @@ def test_resume_runs_only_what_is_missing(mmcs, undisturbed, tmp_path, monkeypat
     assert status == 0, err
     assert len(ran) == 3
     assert rows_of(tmp_path / "out") == rows_of(folder)
-    status, _, err = mmcs("sweep", path, *GAINS, *arguments, "--seed", 2)
-    assert status == 2 and "is another sweep (values, seed, scenario or build differ)" in err
+    answer = mmcs("sweep", path, *GAINS, *arguments, "--seed", 2)
+    one_clear_line(answer, "is another sweep (values, seed, scenario or build differ)")
     more = (*GAINS[:-1], "5")
     assert mmcs("sweep", path, *more, *arguments)[0] == 0  # one sample more: two runs more
     assert len(ran) == 5 and len(rows_of(tmp_path / "out")) == 10
