@@ -64,6 +64,11 @@ class Desk:
         self.tool.__exit__()
 
 
+def enable(page) -> None:
+    page.click("#enable")
+    page.wait_for_function("() => mctool.machine.enabled")
+
+
 def picture(page, name: str) -> None:
     """A screenshot for the manual."""
     PICTURES.mkdir(parents=True, exist_ok=True)

@@ -2,6 +2,7 @@
 """The page for those who see little, hear it read, or have no mouse: measured by axe-core."""
 
 import pytest
+from bench import enable
 from test_start import VIEWS
 
 from mmcs.tool.pages import library_folder
@@ -36,8 +37,7 @@ def test_no_serious_finding_in_any_view(desk, scheme):
         page.click(f"#tab-{view}")
         page.evaluate("() => document.querySelectorAll('details').forEach((d) => d.open = true)")
         assert serious(page, source) == [], view
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     assert serious(page, source) == []
 
 

@@ -2,7 +2,7 @@
 """Chapter 3, control by control: each changes what the driver reads back."""
 
 import pytest
-from bench import picture
+from bench import enable, picture
 
 pytestmark = pytest.mark.req("TOOL-1")
 POS, VEL, TORQ, TEST1 = 1, 2, 3, 4
@@ -115,8 +115,7 @@ def test_interval_diagnostics_and_double_buffering(desk):
 @pytest.mark.req("SRV-6")
 def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
     page = desk.page
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     desk.choose(2)
     page.select_option("#axis2-mode", "diag")
     enter(page, "#axis2-setpoint", "120")
@@ -164,8 +163,7 @@ def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     """By its end, not by its silence, which would be allowed to last ten seconds."""
     desk.page.select_option("#axis0-mode", "torq")
     desk.page.select_option('[id="axis0-setpoint source"]', "square")  # to and fro: it never rests
-    desk.page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(desk.page)
     setpoint = desk.page.locator("#axis0-panel .setpoint")
     desk.eventually(lambda: "Amplitude" in setpoint.inner_text())
     enter(desk.page, "#axis0-setpoint", "700")
@@ -179,8 +177,7 @@ def test_the_page_closed_in_mid_move_stops_the_machine(desk):
 
 def test_pictures_for_the_manual(desk):
     page = desk.page
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     page.click("#tab-tune")
     page.fill("#tune-wn", "50")
     page.click("#tune-go")
@@ -217,8 +214,7 @@ def test_auto_tune_is_judged_undone_and_exported(desk):
     enter(page, "#interval", "1000")
     page.select_option("#speed", "0.5")  # however busy the computer, it is in time to turn the axis
     before = desk.param(4)
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     page.click("#tab-tune")
     page.click("#tune-go")
     desk.eventually(lambda: page.inner_text("#tune-verdict")[:1] in ("✓", "✗"))

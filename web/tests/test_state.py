@@ -5,7 +5,7 @@ import os
 import signal
 
 import pytest
-from bench import Desk
+from bench import Desk, enable
 from test_page import enter
 
 from mmcs import Link, mcdef
@@ -162,8 +162,7 @@ def test_a_refused_gain_leaves_the_others(desk):
 @pytest.mark.req("DRV-12")
 def test_off_after_diag_takes_the_code_from_the_d_a(desk):
     page = desk.page
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     page.select_option("#axis0-mode", "diag")
     enter(page, "#axis0-setpoint", "200")
     desk.until("() => mctool.machine.history.latest(0).current === 200")
@@ -180,8 +179,7 @@ def test_a_setpoint_moves_its_own_axis_alone(desk):
         desk.choose(axis)
         page.select_option(f"#axis{axis}-mode", "pos")
         desk.eventually(lambda axis=axis: desk.param(axis)["mode"] == POS)
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     desk.choose(5)
     enter(page, "#axis5-setpoint", "694")
     desk.until("() => mctool.machine.history.latest(5).setpoint === 694")
@@ -202,8 +200,7 @@ def test_setpoints_go_on_from_what_the_driver_has(desk):
         desk.choose(axis)
         page.select_option(f"#axis{axis}-mode", "pos")
         desk.eventually(lambda axis=axis: desk.param(axis)["mode"] == POS)
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     page.click("#tab-tune")
     page.select_option("#tune-axis", "4")
     page.click("#step-go")
@@ -244,8 +241,7 @@ def test_enable_asks_while_the_button_is_pressed(desk):
 
 def test_control_given_back_in_mid_drive_stops(desk):
     page = desk.page
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     page.keyboard.press("c")
     page.wait_for_timeout(300)
     assert desk.state()["enabled"] and desk.state()["lease"] is not None

@@ -4,7 +4,7 @@
 from pathlib import Path
 
 import pytest
-from bench import PICTURES
+from bench import PICTURES, enable
 
 from mmcs import ensure_library
 
@@ -61,8 +61,7 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     page = desk.page
     page.click("#scope-more")
     page.select_option("#scope-trigger", "panic")
-    page.click("#enable")
-    desk.until("() => mctool.machine.enabled")
+    enable(page)
     page.click("#tab-scope")
     page.wait_for_timeout(1500)  # something to be seen before the fault
     desk.stop_frame.click("#press")

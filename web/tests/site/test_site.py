@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from bench import note, picture
+from bench import enable, note, picture
 
 from mmcs import BUILD, load, make_record, parse, replay, simulate, write_record
 
@@ -115,8 +115,7 @@ def test_a_native_record_replays_in_the_page(opened, tmp_path):
 @pytest.mark.req("DRV-9")
 def test_stop_works_and_a_hung_page_stops_the_machine(opened):
     page = opened("?scenario=puma560&plays=0&deadman=240000")  # starved, it is silent for long
-    page.click("#enable")
-    page.wait_for_function("() => mctool.machine.enabled")
+    enable(page)
     frame = page.frames[1]
     frame.click("#stop")
     page.wait_for_function("() => !mctool.machine.enabled")
@@ -129,8 +128,7 @@ def test_stop_works_and_a_hung_page_stops_the_machine(opened):
     frame.click("#press")
     frame.wait_for_function("() => document.getElementById('press').textContent.startsWith('Hand')")
     page.click("#clear")
-    page.click("#enable")
-    page.wait_for_function("() => mctool.machine.enabled")
+    enable(page)
     page.evaluate("""async () => {
       const { machine } = mctool;
       await machine.dropControl();
@@ -189,8 +187,7 @@ def test_it_works_without_a_network(opened):
 def test_a_minute_of_motion_without_an_exception_and_without_growth(opened):
     """A wrist swings to and fro; memory is looked at when the rings are full, and at the end."""
     page = opened("?scenario=puma560&plays=0&deadman=240000")
-    page.click("#enable")
-    page.wait_for_function("() => mctool.machine.enabled")
+    enable(page)
     page.evaluate("() => mctool.machine.change(4, { ilim: 200, mode: 4 })")  # Test1
     page.evaluate("() => mctool.machine.link.request('pace', { speed: null })")
     time_is = "t => mctool.machine.history.time(mctool.machine.history.end - 1) > t"
@@ -238,8 +235,7 @@ def test_the_first_motion_comes_soon(opened):
 @pytest.mark.req("SYN-1")
 def test_a_compensator_and_a_law_as_typed(opened):
     page = opened("?scenario=lab500&plays=0&deadman=240000")
-    page.click("#enable")
-    page.wait_for_function("() => mctool.machine.enabled")
+    enable(page)
     page.click("#tab-law")
     page.fill("#law-dz", "(110*z - 106)/z")
     page.click("#law-set")
