@@ -313,7 +313,8 @@ inline bool Part::follow(int64_t t) {
   State *from = state_;
   if (in_ == from->in) {
     const Transition *same = from->same;
-    catch_up(t);
+    // What it counts at rest has nothing to do with inputs that are shown only.
+    if (!rests_ || !same || same->to != from || same->moves) catch_up(t);
     if (!same || !same->to || same->sources & data_)
       step(&from->same, false);
     else

@@ -124,6 +124,7 @@ class Rack : public Model, private Listener {
   std::vector<Watched> watched_;
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
+  void put_wide(Port port, int lsb, int width, uint64_t value);
   void stop_clock(bool stopped) override;
   void put_back(const Saved &state) override;
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;

@@ -17,23 +17,32 @@ unsigned Rack::vme_sample() {
 
 void Rack::put(Port port, int lsb, int width, uint64_t value) {
   const Input &input = inputs_[port];
+  const size_t n = static_cast<size_t>(lsb >> input.shift);
+  if (n + 1 >= input.fields.size() || width > 1 << input.shift)
+    return put_wide(port, lsb, width, value);
+  const unsigned *field = &input.fields[n];
+  const Arrival *to = input.arrivals.data() + field[0];
+  for (const Arrival *end = to + (field[1] - field[0]); to != end; ++to) {
+    const uint64_t bits = value << to->left | value >> (-to->left & 63);
+    if (stopped_) to->part->pass(clock_);
+    if (to->part->put(to->cell, bits, to->mask, clock_)) touch(*to->part);
+  }
   if (port == kDip) dips_moved_ = bus_moved_ = true;
+}
+
+// More than a field, none of the machine's, or a net of its own.
+void Rack::put_wide(Port port, int lsb, int width, uint64_t value) {
+  const Input &input = inputs_[port];
   if (input.fields.empty()) {
+    if (port == kDip) dips_moved_ = bus_moved_ = true;
     const int rest = input.net < 0 ? 0 : kWires.nets[static_cast<size_t>(input.net)].width - lsb;
     if (rest > 0) wires_.put(input.net, lsb, std::min(width, rest), value);
     return;
   }
-  const size_t end = input.fields.size() - 1;
-  for (size_t n = static_cast<size_t>(lsb >> input.shift); width > 0 && n < end; ++n) {
-    for (unsigned a = input.fields[n]; a < input.fields[n + 1]; ++a) {
-      const Arrival &to = input.arrivals[a];
-      const uint64_t bits = value << to.left | value >> (-to.left & 63);
-      if (stopped_) to.part->pass(clock_);
-      if (to.part->put(to.cell, bits, to.mask, clock_)) touch(*to.part);
-    }
-    const int field = 1 << input.shift;
-    width -= field;
-    value = field < 64 ? value >> field : 0;
+  const int field = 1 << input.shift, whole = kWires.nets[static_cast<size_t>(input.net)].width;
+  for (; width > 0 && lsb < whole; lsb += field, width -= field) {
+    put(port, lsb, std::min(width, field), value);
+    value >>= field;
   }
 }
 
