@@ -29,10 +29,7 @@ Shelf &shelf() {
 }  // namespace
 
 Rack::Rack(bool slow, bool skip, uint64_t seed)
-    : context_(create_context(seed)),
-      wires_(*this),
-      slow_(slow),
-      skip_(skip && !slow) {
+    : context_(create_context(seed)), wires_(*this), slow_(slow), skip_(skip && !slow) {
   {
     const std::lock_guard<std::mutex> lock(shelf().mutex);
     if (!shelf().sets.empty()) {
