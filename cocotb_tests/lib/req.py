@@ -47,7 +47,11 @@ def tests_on(bench: Callable, *only: str):
 
         return mark
 
+    test_on.__test__ = False
     return test_on
+
+
+test.__test__ = tests_on.__test__ = False  # pytest: none of them is a test
 
 
 def slow(func):
