@@ -6,12 +6,14 @@ import os
 import random
 import re
 import signal
+import time
 
 import pytest
 
 from mmcs import ROOT, mcdef
 from mmcs.tests.device_bench import EXAMPLES, PROGRAMS, Bench, compile_1989, compile_program
 
+LATE_S = 0.1  # of wire.c: no answer for so long, and signals are let through
 LONG = os.environ.get("MMCS_LONG") == "1"
 
 
@@ -126,6 +128,20 @@ os._exit(0)
     child.stdin.close()  # and ends now
     bench.until(lambda: not bench.server.files)
     assert child.stdout.read() == "child done\n"
+
+
+@pytest.mark.req("DRV-5")
+def test_an_open_that_is_answered_late_leaves_the_signal_mask_alone(bench):
+    text = """
+import os, signal
+print("opens", flush=True)
+os.open("/dev/mc0", os.O_RDWR)
+print(signal.pthread_sigmask(signal.SIG_BLOCK, []))
+"""
+    child = bench.python(text)
+    assert child.stdout.readline() == "opens\n"
+    time.sleep(3 * LATE_S)  # nobody serves it
+    assert bench.finish(child) == ("set()\n", 0)
 
 
 @pytest.mark.req("DRV-5")

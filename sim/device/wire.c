@@ -72,13 +72,12 @@ static int receive_all(int fd, void *data, size_t length, int wait_ms, const sig
   char *at = data;
   while (length > 0) {
     int late = is_late(fd, wait_ms), error;
-    sigset_t all;
+    sigset_t own;
     ssize_t n;
-    if (late) pthread_sigmask(SIG_SETMASK, wire_late != NULL ? wire_late(before) : before, NULL);
+    if (late) pthread_sigmask(SIG_SETMASK, wire_late != NULL ? wire_late(before) : before, &own);
     n = syscall(SYS_recvfrom, fd, at, length, 0, NULL, NULL);
     error = errno;
-    sigfillset(&all);
-    if (late) pthread_sigmask(SIG_SETMASK, &all, NULL);
+    if (late) pthread_sigmask(SIG_SETMASK, &own, NULL);
     if (n < 0 && error == EINTR) return -EINTR;
     if (n < 0 && error == EAGAIN) continue; /* LATE_MS have passed */
     if (n <= 0) return -EIO;
