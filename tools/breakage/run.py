@@ -38,7 +38,7 @@ Judge = Callable[[dict, Path], tuple[str | None, str]]
 KINDS = {"tests": ("test", "unit", "served"), "proofs": ("proof",)}
 PARTS = {  # that are copied
     "test": ("rtl",), "unit": ("firmware",), "proof": ("rtl", "formal"),
-    "served": ("rtl", "firmware", "sim", "mmcs", "tools", "mmcs.core", "conftest.py",
+    "served": ("rtl", "firmware", "sim", "mmcs", "docs/labs", "tools", "mmcs.core", "conftest.py",
                "pyproject.toml"),
 }  # fmt: skip
 

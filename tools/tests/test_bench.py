@@ -29,6 +29,7 @@ def test_rows_are_medians_of_the_rounds():
 @pytest.mark.parametrize(("load", "least"), [("typical", 3000), ("full", 2500)])
 def test_a_load_moves_and_repeats(load, least):
     machine = bench.Load(3, True, load)
+    machine.sim.restore(machine.snapshot)
     before, ends = [machine.sim.true(n)["count"] for n in range(6)], []
     for _ in range(2):
         machine.sim.restore(machine.snapshot)
