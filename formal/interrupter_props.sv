@@ -57,7 +57,6 @@ module interrupter_props #(
   logic after_q = 1'b0;                 // it fell under an AS* that stood
   logic quiet_q = 1'b0;                 // no SYSRESET* and no answer still standing since then
   logic told_q = 1'b0;                  // DTACK* was given in this address cycle
-  logic [1:0] ends_q = '0;              // of AS* while IACKIN* stayed low
   logic [2:0] edges_q = '0;             // clocks of the board that IACKIN* and AS* have been low
   logic [2:0] waits_q = '0;             // that DS0* has been low as well
   logic spoilt_q = 1'b0;                // the strobe was withdrawn: IACKIN* is answered once
@@ -84,8 +83,6 @@ module interrupter_props #(
       level_q    <= level;
       {as_q, iack_q, ack_q, old_q} <= {vme_as_ni, !vme_iack_ni, ack, old};
       told_q <= !vme_as_ni && (told_q || dtack);
-      if (vme_iackin_ni) ends_q <= '0;
-      else if (vme_as_ni && !as_q) ends_q <= ends_q + 1'b1;
       asked_q    <= asked;
       req0_q     <= req_q;
       good_q     <= good;
@@ -115,8 +112,6 @@ module interrupter_props #(
               "address, modifier, LWORD* and IACK* stand 10 ns before AS* falls")
   `MMCS_GIVEN(Apart, !(vme_as_ni && !as_q && !vme_ds_ni[0] && high_q),
               "no data strobe falls as AS* rises, high for 30 ns: DS* falls 10 ns before it does")
-  `MMCS_GIVEN(ChainEnds, vme_iackin_ni || !(vme_as_ni && !as_q) || ends_q < 2'd3,
-              "IACKIN* rises before AS* has risen four times: each driver has 30 ns from AS*")
   `MMCS_GIVEN(ChainOnce, vme_iackin_ni || !iackin_q || !told_q,
               "the driver of the chain drives once under an AS* that was answered")
   `MMCS_GIVEN(Waits, !dtack_q || (vme_ds_ni | ~$past(vme_ds_ni)) == 2'b11,

@@ -150,18 +150,18 @@ module vme_props #(
   // --- what the bus shows, by ourselves -----------------------------------------------------
 
   logic strobe, ours, mine, old, cycle, quiet;
+  logic [1:0] ds_q = '1;
   logic as_q = 1'b1, ours_q = 1'b0, mine_q = 1'b0;   // AS* fell under our address, a clock before
-  logic old_q = 1'b1;            // DS0* stood as AS* rose
+  logic old_q = 1'b1;            // DS0* stood as AS* rose (both in one clock: group `strobe`)
   assign strobed = ~(&vme_ds_ni);
   assign strobe = ~vme_as_ni & ~vme_ds_ni[0];
   assign ours = vme_iack_ni & vme_lword_ni & (vme_a_i[15:11] == 5'b01100) &
                 ((vme_am_i == 6'h29) | (vme_am_i == 6'h2D));
   assign moves = !vme_as_ni && (ours != ours_q || ack_level_q != {vme_a_i[3:1], vme_iack_ni});
   assign mine = ~vme_as_ni & (as_q ? ours_q : mine_q);
-  assign old = ~vme_ds_ni[0] & (old_q | (vme_as_ni & ~as_q));
+  assign old = ~vme_ds_ni[0] & (old_q | (vme_as_ni & ~as_q & ~ds_q[0]));
   assign cycle = strobe & mine & ~old;
 
-  logic [1:0] ds_q = '1;
   logic [6:0] held_q = '0;       // clocks that a strobe of ours has stood since it fell
   logic [6:0] foreign_q = '0;    // clocks that none of ours has been seen
   logic [4:0] rest_q = '0;       // clocks that both data strobes have been high

@@ -45,9 +45,9 @@ MODES = ("prove", "bmc", "cover")
 TASKS = "[tasks]\nprove\ncover"  # of a group that says no others
 # What a strobe clocks takes what stood a clock before its edge.
 STROBES = """\
-select -set strobes w:*u_strobe.cycle_number_q w:*u_strobe.match_number_q \
-w:*u_strobe.ds0_number_q w:*u_strobe.ds0_stale_q w:*u_bus_slave.bus_*_q \
-w:*u_bus_interrupter.respond_q w:*u_bus_interrupter.iackin_number_q
+select -set strobes w:*u_strobe.begun_q w:*u_strobe.ended_q \
+w:*u_strobe.ds0_fell_q w:*u_strobe.ds0_stale_q w:*u_bus_slave.bus_*_q \
+w:*u_bus_interrupter.respond_q w:*u_bus_interrupter.iackin_stale_q
 clk2fflogic @strobes %ci1 t:$adff t:$dff %u %i"""
 LIMIT_S = int(
     os.environ.get("MMCS_FORMAL_LIMIT", "1800")

@@ -111,6 +111,21 @@ async def strobe_of_a_neighbour_under_our_address(dut, tb):
         await tb.clocks(4)
 
 
+@adaptor_test("VME-3")
+async def strobe_that_stands_through_reset(dut, tb):
+    """Power-on ends while somebody's strobe stands: it is not ours, whatever AS* does then."""
+    bus = tb.bus
+    bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
+    await drive(bus, f"a={OURS} 30 ds_n=0b10 100")
+    dut.rst_ni.value = 0
+    await tb.clocks(2)
+    dut.rst_ni.value = 1
+    await drive(bus, "300 as_n=0")
+    assert not await answered(dut, 1200), "the strobe that stood"
+    await drive(bus, "ds_n=0b11 30 ds_n=0b10")
+    assert await answered(dut, 1200), "the next strobe"
+
+
 async def neighbours(tb: Adaptor, n: int) -> None:
     """Transfers of a neighbour, the last of which has begun."""
     bus = tb.bus

@@ -29,7 +29,7 @@ BROKEN = {  # file, what is broken, which sweep must see it
         "adaptor/vme_slave.sv", "(answered & ds0_held_q &", "(answered &", "vme", "withdrawn"),
     "the old strobe taken for ours": (
         "adaptor/vme_strobe.sv",
-        "selected_o & (ds0_number_q == cycle_number_q) & ~ds0_stale_q & ~ds0_ni",
+        "selected_o & ds0_fell_q & ~ds0_stale_q & ~ds0_ni",
         "selected_o & ~ds0_ni", "vme", "pipeline"),
     "IACKIN* high for less than a clock": (
         "adaptor/vme_interrupter.sv", ".rst_ni(iackin), .en_i(1'b1), .d_i(1'b1)",

@@ -28,10 +28,10 @@ module vme_interrupter #(
 
   logic ds_any, ds_any_sync;     // a data strobe is low: the pins; synchronised
   logic level_match, ds0_valid;  // an acknowledge of our level; its DS0*
-  logic [1:0] cycle_number, iackin_number_q;  // of the bus cycle; of that in which IACKIN* fell
   logic respond_d, respond_q;    // it found us asking: answered, else passed on
   logic iackin, iackin_sync;     // IACKIN* is low: the pin; synchronised
-  logic iackin_valid;            // in the same bus cycle still
+  logic iackin_stale_q;          // it stood as AS* rose: of a cycle that is over
+  logic iackin_valid;
   logic done_d, done_q;          // answered already, or SYSRESET* came in between
   logic answer_start, answer_d, answer_q;
 
@@ -42,7 +42,6 @@ module vme_interrupter #(
     .as_ni(vme_as_ni),
     .ds0_ni(vme_ds_ni[0]),
     .match_i(~vme_iack_ni && vme_a_i == 3'(AckLevel)),
-    .cycle_number_o(cycle_number),
     .selected_o(level_match),
     .ds0_valid_o(ds0_valid)
   );
@@ -50,16 +49,22 @@ module vme_interrupter #(
   assign respond_d = IrqLevel == AckLevel && irq_req_i && level_match;
 
   always_ff @(negedge vme_iackin_ni or negedge rst_ni) begin
-    if (!rst_ni) {respond_q, iackin_number_q} <= '0;
-    else {respond_q, iackin_number_q} <= {respond_d, cycle_number};
+    if (!rst_ni) respond_q <= 1'b0;
+    else respond_q <= respond_d;
+  end
+
+  assign iackin = ~vme_iackin_ni;
+
+  always_ff @(posedge vme_as_ni or negedge iackin) begin
+    if (!iackin) iackin_stale_q <= 1'b0;
+    else iackin_stale_q <= 1'b1;
   end
 
   // Low with IACKIN* high, at once.
-  assign iackin = ~vme_iackin_ni;
   sync u_iackin (.clk_i, .rst_ni(iackin), .en_i(1'b1), .d_i(1'b1), .q_o(iackin_sync));
   sync u_ds_any (.clk_i, .rst_ni, .en_i(1'b1), .d_i(ds_any), .q_o(ds_any_sync));
 
-  assign iackin_valid = iackin_sync & (iackin_number_q == cycle_number);
+  assign iackin_valid = iackin_sync & ~iackin_stale_q;
   assign answer_start = iackin_valid & respond_q & ~done_q & ds0_valid & ds_any_sync & ~sys_reset_i;
   assign done_d = sys_reset_i | answer_q | (done_q & iackin_sync);
   assign answer_d = answer_q ? (ds_any_sync & ~sys_reset_i) : answer_start;

@@ -59,7 +59,6 @@ module vme_slave #(
     .as_ni(vme_as_ni),
     .ds0_ni(ds0_n),
     .match_i(match),
-    .cycle_number_o(),
     .selected_o(),
     .ds0_valid_o(ds0_valid)
   );

@@ -20,8 +20,6 @@ class Part;
 struct State;
 
 constexpr int kMarks = 16;  // sets of them
-// Steps met so often are learned: learning takes as long as some 15 runs of the model.
-constexpr uint8_t kMet = 4;
 constexpr size_t kMostCells = 32;
 constexpr size_t kMostBytes = 256;  // of control registers
 
@@ -65,18 +63,18 @@ enum class Alike : uint8_t { kUnknown, kNo, kYes };
 // A hit touches little memory: copies and counts lie right behind the transition.
 struct Transition {
   uint64_t in = 0;             // the inputs that lead to it
-  State *to = nullptr;         // null: not known, or data decide
+  State *to = nullptr;         // null: data decide, or the model computes what becomes of them
   Transition *next = nullptr;  // another one from the same state
   union {
     State *other = nullptr;  // the same, with other counters at their margin
-    Transition *cases;       // where data decide: by their values; it leads nowhere itself
+    Transition *cases;       // where data decide: by their values
   };
   uint32_t sources = 0;                                    // data inputs that it looks at
   uint8_t copy_count = 0, out_count = 0, count_count = 0;  // out: copies to outputs, the first
   uint8_t shown_count = 0;
   Alike alike = Alike::kUnknown;
-  uint8_t met = 0;   // how often, until it is worth learning
-  bool is_case : 1;  // of one that data decide, by their values
+  bool decided : 1;  // by data: its cases are
+  bool is_case : 1;  // one of them
   bool rests : 1;    // from a state to itself, and it may go on
   bool near : 1;     // a counter may come to its margin, or from it
   bool tells : 1;    // outputs that somebody looks at move

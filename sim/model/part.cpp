@@ -140,14 +140,16 @@ void Part::near(const Transition &t) {
 
 // A step that is not learned yet, that data decide, or that the model is asked about, too.
 void Part::ask(Transition **at, bool clock) {
-  if (!*at) *at = cache->add({}, in_, nullptr);
-  if (!(*at)->to && (*at)->cases) at = case_of(*at);
-  Transition *t = *at;
-  const bool known = t->met == kMet;
-  if (t->met < kMet) {
-    ++t->met;
-    if (t->met == kMet) t = *at = learn(clock, t);
+  bool known = *at;
+  if (!known) *at = learn(clock, in_, false);
+  if ((*at)->decided) {
+    const uint64_t values = cache->values(cells_);
+    at = &(*at)->cases;
+    while (*at && (*at)->in != values) at = &(*at)->next;
+    known = *at;
+    if (!known) *at = learn(clock, values, true);
   }
+  Transition *t = *at;
   if (!t->to) {
     ++misses;
     run(clock);
@@ -255,7 +257,7 @@ void Part::look_ahead(State *s) {
   std::vector<const Transition *> clocks;
   const Transition *t = s->clock;
   for (;; t = t->to->clock) {
-    if (!t || t->met < kMet) return;
+    if (!t) return;
     if (clocks.size() == kLongest || !t->to || t->near || t->tells) break;
     if (t->rests) {
       if (t->count_count != 0 && !clocks.empty()) break;

@@ -163,8 +163,7 @@ class Part {
   void perform(const Transition &t);
   void near(const Transition &t);
   void catch_up_slowly(int64_t t);
-  Transition *learn(bool clock, Transition *met);
-  Transition **case_of(Transition *t);
+  Transition *learn(bool clock, uint64_t in, bool is_case);
   bool decided() const;
   bool holds(const Transition &t) const;
   int64_t room(const Transition &t) const;

@@ -159,23 +159,12 @@ State *Part::state_of(const uint8_t *registers, bool is_case) {
   return cache->make(registers, near, in_, look(unused, cells));
 }
 
-// Of a transition that data decide: the case that the cells are.
-Transition **Part::case_of(Transition *t) {
-  const uint64_t values = cache->values(cells_);
-  Transition **at = &t->cases;
-  while (*at && (*at)->in != values) at = &(*at)->next;
-  if (!*at) {
-    *at = cache->add({}, values, nullptr);
-    (*at)->is_case = true;
-  }
-  return at;
-}
-
-Transition *Part::learn(bool clock, Transition *met) {
+// A transition of the state, by its inputs or, where data decide, by the values of the cells.
+Transition *Part::learn(bool clock, uint64_t in, bool is_case) {
   State *from = state_;
   const auto &cells = cache->cells();
   uint32_t fixed = cache->fixed(from->near, in_), valued = 0;
-  if (met->is_case) {
+  if (is_case) {
     for (size_t c : cache->deciding()) valued |= 1u << c;
   }
   fixed |= valued;
@@ -217,7 +206,7 @@ Transition *Part::learn(bool clock, Transition *met) {
     look_at_outputs(s.before);
     const bool before = decided();
     op(clock);
-    if ((before || decided()) && !met->is_case) same = false;
+    if ((before || decided()) && !is_case) same = false;
     const uint64_t outs = look(set ? others : registers, s.after);
     if (set) same = same && outs == out && !std::memcmp(registers, others, register_bytes_);
     out = outs;
@@ -225,27 +214,22 @@ Transition *Part::learn(bool clock, Transition *met) {
   std::memcpy(cells_, actual, sizeof actual);
   live_ = false;
   Draft draft;
-  Transition *t = met;
   const bool found = same && cache->explain(seen, fixed, clock, &draft);
+  Transition *t = cache->add(found ? draft : Draft{}, in, nullptr);
+  t->is_case = is_case;
   if (found) {
-    t = cache->add(draft, met->in, nullptr);
     const uint32_t moved = moved_;
     apply(*t);  // what is shown does not matter
-    t->to = state_of(registers, met->is_case);
+    t->to = state_of(registers, is_case);
     t->rests = t->rests && t->to == from;
     t->tells = ((t->to->out ^ from->out) & shown_out_) != 0;
     const uint32_t shown = selected(shown_cells_, from->out) | selected(shown_cells_, t->to->out);
     for (const Copy &c : draft.copies) t->tells = t->tells || shown >> c.to & 1;
     std::memcpy(cells_, actual, sizeof actual);
     moved_ = moved;
-    t->next = met->next;
-    t->is_case = met->is_case;
-  } else if (!met->is_case && !draft.computed && !cache->deciding().empty()) {
-    t->cases = cache->add({}, cache->values(cells_), nullptr);
-    t->cases->is_case = true;
-    t->cases->met = kMet - 1;  // it has been met often enough
+  } else {
+    t->decided = !is_case && !draft.computed && !cache->deciding().empty();
   }
-  t->met = kMet;
   return t;
 }
 

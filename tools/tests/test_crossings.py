@@ -32,8 +32,8 @@ EXEMPT = {  # pin or flip-flop: why it may be read as it is
     "adc_dout": "follows SCLK, half of whose period it stands before it is taken",
     "*.u_bus_slave.bus_*_q": "taken at DS0* or AS*; read once `sync` has seen the strobe",
     "*.u_bus_interrupter.respond_q": "stands from IACKIN* to its end, as does the next",
-    "*.u_bus_interrupter.iackin_number_q": "read once `sync` has seen IACKIN*",
-    "*.u_strobe.cycle_number_q": "changes at the end of AS* only; read once `sync` has seen DS0*",
+    "*.u_bus_interrupter.iackin_stale_q": "read once `sync` has seen IACKIN*",
+    "*.u_strobe.ended_q": "changes at the end of AS* only; read once `sync` has seen DS0*",
 }
 
 
