@@ -10,10 +10,11 @@ def test_campaign_page_is_of_todays_machines():
     found = {}
     for name in ("remedies", "2026"):
         plan = make_plan((), (), campaign.SEED, campaign.MACHINES[name])
+        first = [n for n in range(2 * campaign.SAMPLE) if plan.fault(n).sort != "register"]
         rows: dict[int, dict] = {}
-        for numbers, task in plan.chunks(list(range(campaign.SAMPLE))):
+        for numbers, task in plan.chunks(first[: campaign.SAMPLE]):
             rows |= dict(zip(numbers, run_chunk(task)["rows"], strict=True))
-        found[name] = [rows[n] for n in range(campaign.SAMPLE)]
+        found[name] = [rows[n] for n in sorted(rows)]
     assert campaign.sample_line(found) in campaign.PAGE.read_text()
 
 
