@@ -90,8 +90,6 @@ class Board {
   // gives them; 0: it has no clock of this name.
   virtual void clocks(uint64_t triggers) = 0;
   virtual uint64_t trigger(const std::string &clock) const = 0;
-  // Some input is a clock, too, besides clk_i: what it was before matters.
-  virtual bool strobed() const = 0;
   virtual void settle() = 0;
   // No edge of a reset or strobe has been until now.
   virtual void sync() = 0;

@@ -152,14 +152,6 @@ Transition *Cache::add(const Draft &draft, uint64_t in, State *to) {
   return t;
 }
 
-bool Cache::alike(State *from, const Transition &t) const {
-  const Transition &one = *from->clock, &two = *t.to->clock;
-  return !t.moves && from->out == t.to->out && from->near == t.to->near &&
-         one.count_count == two.count_count &&
-         !std::memcmp(one.counts().first, two.counts().first, one.count_count * sizeof(Count)) &&
-         !std::memcmp(from->registers(), t.to->registers(), register_bytes_);
-}
-
 void Cache::clear() {
   states_.clear();
   chunks_.clear();

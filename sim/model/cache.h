@@ -57,9 +57,6 @@ struct Draft {
   std::vector<Copy> shown;
 };
 
-// Whether inputs that move from one state at rest to another make no difference.
-enum class Alike : uint8_t { kUnknown, kNo, kYes };
-
 // A hit touches little memory: copies and counts lie right behind the transition.
 struct Transition {
   uint64_t in = 0;             // the inputs that lead to it
@@ -72,7 +69,6 @@ struct Transition {
   uint32_t sources = 0;                                    // data inputs that it looks at
   uint8_t copy_count = 0, out_count = 0, count_count = 0;  // out: copies to outputs, the first
   uint8_t shown_count = 0;
-  Alike alike = Alike::kUnknown;
   bool decided : 1;  // by data: its cases are
   bool is_case : 1;  // one of them
   bool rests : 1;    // from a state to itself, and it may go on
@@ -139,8 +135,6 @@ class Cache {
     for (size_t c : deciding_) all = all << 16 | cells[c];
     return all;
   }
-  // Two states at rest differ by nothing but these inputs, and a clock does the same to both.
-  bool alike(State *from, const Transition &t) const;
   const std::vector<size_t> &deciding() const { return deciding_; }
   uint32_t mark(int set, size_t cell) const { return marks_[static_cast<size_t>(set)][cell]; }
 

@@ -54,16 +54,6 @@ constexpr uint64_t trigger_of(std::string_view clock) {
   return 0;
 }
 
-constexpr bool is_strobed() {
-  for (const TriggerRow &row : kTriggers) {
-    constexpr std::string_view reset = "rst_ni";
-    if (row.model != MMCS_TEXT(MMCS_MODEL) || row.clock == "clk_i") continue;
-    if (row.clock.size() < reset.size()) return true;
-    if (row.clock.substr(row.clock.size() - reset.size()) != reset) return true;
-  }
-  return false;
-}
-
 class Fast final : public Board {
  public:
   Fast(VerilatedContext &context, const std::string &name) : top_(&context, name.c_str()) {
@@ -97,7 +87,6 @@ class Fast final : public Board {
   }
   void sync() override { MMCS_EDGES(root_); }
 #endif
-  bool strobed() const override { return is_strobed(); }
   void settle() override { MMCS_SETTLE(root_); }
   Net port(const std::string &name) override {
 #define MMCS_PORT(p) \

@@ -127,13 +127,12 @@ void Part::wired() {
 
 // --- with the cache --------------------------------------------------------------------------
 
-// Counters have come to their margin, or have left it. The inputs may be others than the state's,
-// if they made no difference until now (Cache::alike).
+// Counters have come to their margin, or have left it.
 void Part::near(const Transition &t) {
   const uint64_t near = cache->near(cells_);
   if (near == state_->near) return;
   Transition &known = const_cast<Transition &>(t);
-  if (!known.other || known.other->near != near || known.other->in != in_)
+  if (!known.other || known.other->near != near)
     known.other = state_of(state_->registers(), t.is_case);
   state_ = known.other;
 }
@@ -157,7 +156,7 @@ void Part::ask(Transition **at, bool clock) {
   }
   ++(known ? hits : misses);
   if (check && ++asked_ % static_cast<unsigned>(check) == 0) {
-    put_state();
+    load();
     op(clock);
     uint8_t registers[kMostBytes] = {};
     uint32_t cells[kMostCells] = {};

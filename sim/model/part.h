@@ -172,7 +172,6 @@ class Part {
   Transition *join(const State *from, const std::vector<const Transition *> &clocks);
   void plan_slowly();
   void run(bool clock);
-  void put_state();
   void op(bool clock);
   void own_cache(bool own);
   void put_inputs(const uint32_t *cells, uint64_t in);
@@ -321,19 +320,10 @@ inline bool Part::follow(int64_t t) {
     data_ = 0;
     if (rests_ && state_ == from) return false;
   } else {
-    if (!from->rests) catch_up(t);
+    catch_up(t);
     Transition **at = &state_->inputs;
     while (*at && (*at)->in != in_) at = &(*at)->next;
-    Transition *known = *at;
-    if (from->rests) {
-      if (known && known->alike == Alike::kYes && data_ == 0) return false;  // it stays where it is
-      catch_up(t);
-    }
     step(at, false);
-    if (from->rests && known && known->alike == Alike::kUnknown && known->to && known->to->rests) {
-      const bool alike = !model->strobed() && cache->alike(from, *known);
-      known->alike = alike ? Alike::kYes : Alike::kNo;
-    }
   }
   data_ = 0;
   plan();

@@ -109,25 +109,13 @@ void Part::op(bool clock) {
   poke();
 }
 
-// The model is at the state.
-void Part::put_state() {
+void Part::load() {
   if (!live_ && state_) put_state(state_->registers(), cells_, state_->in);
   live_ = true;
 }
 
-void Part::load() {
-  // Of inputs that made no difference, those that stand.
-  for (Transition *t = state_ && state_->in != in_ ? state_->inputs : nullptr; t; t = t->next) {
-    if (t->in != in_ || t->alike != Alike::kYes) continue;
-    state_ = t->to;
-    live_ = false;
-    break;
-  }
-  put_state();
-}
-
 void Part::run(bool clock) {
-  put_state();
+  load();
   op(clock);
   store();
 }
