@@ -46,7 +46,7 @@ SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dp
 CHECKED_TOPS = ("mmcs", "bench_expansion", "mmcs_tb")
 TESTBENCH = ROOT / "sim/dpi/mmcs_tb.sv"  # with the engine behind it
 NO_DPI = "Icarus has no DPI-C: docs/use/dpi.md"
-# Of a netlist tests see the ports alone: all its nets would make ten times the code.
+# All nets of a design would make twice the code, of a netlist ten times.
 PORTS = '`verilator_config\npublic_flat_rw -module "{top}" -var "*"\n'
 # Of a long run behind DPI, the machine's wires.
 WIRES = PORTS.format(top="mmcs") + (
@@ -58,8 +58,7 @@ WAVES = {"verilator": "wave.vcd", "icarus": "wave.fst"}
 DUMP = (
     'module wave_dump;\ninitial begin $dumpfile("wave.fst"); $dumpvars(0, {top}); end\nendmodule\n'
 )
-# The nets that tests break: Verilator wants to know them beforehand.
-FORCEABLE = ROOT / "cocotb_tests/lib/forceable.vlt"
+VISIBLE = ROOT / "cocotb_tests/lib/visible.vlt"
 
 
 class BuildError(Exception):
@@ -153,22 +152,20 @@ class _Icarus(_Runner, Icarus):
 
 class _Verilator(_Runner, Verilator):
     optimise = OPTIMISE
-    ports_only = False
 
     def _between(self):
         _lend_objects(Path(self.build_dir), self.optimise is COUNTING)
 
     def _build_command(self):
         verilate, make = super()._build_command()
-        if self.ports_only:
-            verilate.remove("--public-flat-rw")
+        verilate.remove("--public-flat-rw")
         return [verilate, [*make, *self.optimise]]
 
 
 def _design(job: Job) -> tuple[list[Path], list[Path]]:
     """Sources and include folders of a job."""
+    ports = _written(f"{job.toplevel}_ports.vlt", PORTS.format(top=job.toplevel))
     if job.netlist:
-        ports = _written(f"{job.toplevel}_ports.vlt", PORTS.format(top=job.toplevel))
         return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent, *job.includes]
     rtl = sources("rtl")
     testbench = [TESTBENCH] if job.dpi and not job.extra else []
@@ -178,8 +175,8 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
     folder = next(p for p in rtl[0].parents if p.name == "rtl")
     if job.sim == "verilator":
         waivers = folder / "verilator.vlt"  # a mutant's own
-        ours = _written(f"{job.toplevel}_wires.vlt", WIRES) if job.dpi else FORCEABLE
-        files = [ours, *([waivers] if waivers.is_file() else []), *files]
+        ours = [_written(f"{job.toplevel}_wires.vlt", WIRES)] if job.dpi else [ports, VISIBLE]
+        files = [*ours, *([waivers] if waivers.is_file() else []), *files]
     elif job.waves:
         files += [_written(f"{job.toplevel}_waves.sv", DUMP.format(top=job.toplevel))]
     return files, [folder, *job.includes]
@@ -196,14 +193,15 @@ def _written(name: str, text: str) -> Path:
 def _arguments(job: Job) -> list[str]:
     if job.sim == "icarus":
         return ["-Wall", "-Wno-timescale", *(["-s", "wave_dump"] if job.waves else [])]
-    waves = ["--trace-structs"] if _traced(job) else []
+    # One file a design: Verilator's headers, which take as long as the design, are read once.
+    usual = ["--output-split", "0", *(["--trace-structs"] if _traced(job) else [])]
     if job.dpi:  # its own clock, pins that move with it, no timescale but the testbench's
-        args = ["--assert", "--timing", "-DMMCS_NO_BUS_TIMES", "-Wno-TIMESCALEMOD", *waves]
+        args = ["--assert", "--timing", "-DMMCS_NO_BUS_TIMES", "-Wno-TIMESCALEMOD", *usual]
         return [*args, "-LDFLAGS", str(ensure_library(1, "dpi"))]
     if job.netlist:  # written by a program, and cells written by others
         args = ["-Wno-fatal", "-Wno-lint", "-Wno-MODDUP", "-Wno-SPECIFYIGN"]
-        return ["--no-timing", *args, *waves]
-    args = ["--assert", "--no-timing", *waves]
+        return ["--no-timing", *args, *usual]
+    args = ["--assert", "--no-timing", *usual]
     # not --coverage: its expression coverage is not asked for, and not sound in this version
     return [*args, "--coverage-line", "--coverage-toggle"] if job.coverage else args
 
@@ -271,7 +269,6 @@ def build(job: Job):
     runner = (_Verilator if job.sim == "verilator" else _Icarus)()
     if job.coverage:
         runner.optimise = COUNTING
-    runner.ports_only = bool(job.netlist or job.dpi)
     log = folder.with_suffix(".log")
     with locked(folder.with_suffix(".lock")):
         if not (folder / "built").is_file():

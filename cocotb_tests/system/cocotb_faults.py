@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Faults of the hardware, made from outside on named nets and registers. §4.3.6, §5.3
 
-A net is forced, a register held. lib/forceable.vlt lists the nets for Verilator.
+A net is forced, a register held. lib/visible.vlt lists the nets for Verilator.
 """
 
 from cocotb.handle import Force, Release
