@@ -9,6 +9,7 @@ namespace mmcs {
 namespace {
 
 constexpr size_t kStackBytes = size_t{1} << 22;
+constexpr uint32_t kWatched = 1u << MMCS_DPI_DTACK | 0x7Fu << MMCS_DPI_IRQ;  // of vme
 
 }  // namespace
 
@@ -27,11 +28,19 @@ void Bench::begin(int cards, int clk_hz, void (*engine)()) {
   makecontext(&engine_, engine, 0);
 }
 
-void Bench::clock() {
+int64_t Bench::clocks(int64_t most) {
+  most_ = most;
+  passed_ = 0;
+  vme_then_ = vme;
+  lines_then_ = lines;
   swapcontext(&engine_, &simulator_);
+  return passed_;
 }
 
+// swapcontext() is two calls of the kernel: as long as the rest of a clock.
 int Bench::enter() {
+  const bool same = !((vme ^ vme_then_) & kWatched) && lines == lines_then_;
+  if (++passed_ < most_ && same) return result_;
   swapcontext(&simulator_, &engine_);
   return result_;
 }

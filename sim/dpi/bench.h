@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The two sides of the testbench's call: what stands on the pins, and the change from the
-// simulator's stack to the engine's and back, once a clock.
+// simulator's stack to the engine's and back, at the clocks that the engine has to see.
 //
 // DPI-C has no handle for what it calls, and a simulator has one testbench: so there is one Bench.
 #pragma once
@@ -25,8 +25,10 @@ class Bench {
   int cards() const { return cards_; }
   int clk_hz() const { return clk_hz_; }
 
-  // Of the engine: everything put() goes out at this clock's edge; returns at the next one.
-  void clock();
+  // Of the engine: everything put() goes out at this clock's edge. Returns at the next edge at
+  // which IRQ1*..IRQ7*, DTACK* or a bit of `lines` has changed, at the latest `most` clocks on: how
+  // many clocks have passed, 1 or more.
+  int64_t clocks(int64_t most);
   void put(Port port, int lsb, int width, uint64_t value);
   // No more is to come: the program's exit status.
   void end(int status) { result_ = 1 + status; }
@@ -46,6 +48,8 @@ class Bench {
   int cards_ = 0, clk_hz_ = 0;
   bool started_ = false;
   int result_ = 0;
+  int64_t most_ = 0, passed_ = 0;
+  uint32_t vme_then_ = 0, lines_then_ = 0;  // as clocks() was called
   ucontext_t simulator_ = {}, engine_ = {};
   std::vector<char> stack_;
   uint32_t ports_[kPorts][MMCS_DPI_AXIS_WORDS] = {};

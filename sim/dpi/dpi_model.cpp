@@ -24,7 +24,7 @@ class DpiModel : public Model {
     pins_.power_on();
     for (int n = 0; n < kResetClks; ++n) {
       if (n == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
-      clock_once();
+      clocks(1);
     }
     lines_ = shown_lines_;
   }
@@ -34,15 +34,16 @@ class DpiModel : public Model {
     Stop stop = Stop::kDone;
     while (clock_ < begin + n) {
       const bool moved = lines_ != shown_lines_;
+      const auto answered = [&] { return dtack >= 0 && this->dtack() == (dtack == 0); };
       lines_ = shown_lines_;
-      clock_once();
-      ++clock_;
-      ++evals_;
+      const int64_t passed = clocks(moved || answered() ? 1 : begin + n - clock_);
+      clock_ += passed;
+      evals_ += passed;
       if (moved) {
         stop = Stop::kLines;
         break;
       }
-      if (dtack >= 0 && this->dtack() == (dtack == 0)) {
+      if (answered()) {
         stop = Stop::kDtack;
         break;
       }
@@ -77,13 +78,15 @@ class DpiModel : public Model {
   void stop_clock(bool) override { refuse(); }
   void put_back(const Saved &) override { refuse(); }
 
-  void clock_once() {
+  // As many, or fewer: until an interrupt, DTACK* or a line has changed.
+  int64_t clocks(int64_t most) {
     if (pins_.waiting()) pins_.apply();
-    bench_.clock();
+    const int64_t passed = bench_.clocks(pins_.waiting() ? 1 : most);
     const uint32_t irq = ~(bench_.vme >> MMCS_DPI_IRQ) & 0x7F, lines = bench_.lines;
     shown_lines_ = irq << 1 | (lines >> MMCS_DPI_PANIC & 1) << 8 |
                    (lines >> MMCS_DPI_BRAKE_RELEASE & 1) << 9 |
                    (lines >> MMCS_DPI_SCLOCK & 1) << 10;
+    return passed;
   }
 
   Bench &bench_ = Bench::only();
