@@ -22,8 +22,8 @@ PD = {"mode": "position", "flags": ["coulcomp"], "a0": 7309, "a1": -7027, "b0": 
 @contextmanager
 def machine(axes=2, cards=1, motor=None, kind="speed", **config):
     settings = {
-        "cards": cards, "axes": axes, "seed": 1, "cpu_us_per_axis": 71.7, "latency_max_us": 100.0,
-        "bus_timeout_us": 16.0, **config,
+        "cards": cards, "axes": axes, "seed": 1, "skip": 1, "cpu_us_per_axis": 71.7,
+        "latency_max_us": 100.0, "bus_timeout_us": 16.0, **config,
     }  # fmt: skip
     with Sim(
         ensure_library(cards, kind), settings, [{**LAB500, **(motor or {})}] * axes, []
@@ -68,6 +68,13 @@ def event(sim, after_s, name, value, index=0):
 
 def notes(sim, kind):
     return [note for note in sim.notes() if note["kind"] == kind]
+
+
+def everything(sim):
+    """All that happened; not what it took: what is at rest, or known, is found out anew."""
+    took = ("evals", "cache_hits", "cache_misses", "cache_bytes")
+    stats = {name: value for name, value in sim.stats().items() if name not in took}
+    return sim.hash(), sim.log().tobytes(), sim.notes(), stats, sim.checkpoints()
 
 
 def rise_ms(log, axis, target):

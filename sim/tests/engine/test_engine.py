@@ -53,7 +53,7 @@ def test_hash_sees_every_difference():
 @pytest.mark.req("API-1")
 def test_one_eval_equals_two():
     """The shortcut of Model::clock_once against plain evaluation of both clock edges."""
-    fast, plain = run_step(two_evals=0), run_step(two_evals=1)
+    fast, plain = run_step(skip=0), run_step(skip=0, two_evals=1)
     assert fast[0] == plain[0]
     assert fast[1]["cycles"] == plain[1]["cycles"]
 
@@ -218,7 +218,7 @@ def test_stopped_heartbeat_panics_and_brakes():
 
 
 @pytest.mark.req("PAN-1")
-@pytest.mark.parametrize("how", [{"skip": 1}, {"skip": 0}, {"two_evals": 1}])
+@pytest.mark.parametrize("how", [{"skip": 1}, {"skip": 0}, {"skip": 0, "two_evals": 1}])
 def test_a_clock_that_stops_closes_the_brakes(how):
     """By the charge pump, in 10 ms and the brake's delay; the button does it at once."""
     motor = {"brake_torque": 1.0, "brake_delay": 0.001, "brake_release_delay": 0.001}

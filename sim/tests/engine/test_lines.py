@@ -15,7 +15,7 @@ HELD = [
 
 
 def busy(**config):
-    return machine(axes=4, cards=2, **config)
+    return machine(axes=4, cards=3, **config)
 
 
 def disturbed(sim, name, value):

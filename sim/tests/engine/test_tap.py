@@ -4,7 +4,7 @@
 import struct
 
 import pytest
-from machines import event, machine, start, step_to
+from machines import event, everything, machine, start, step_to
 
 from mmcs import mcdef
 
@@ -12,7 +12,7 @@ RUN_S = 0.25
 
 
 def run(sim, looks=0):
-    """A step, a PANIC by the button, an enable: what a reader may want to see. Returns the hash."""
+    """A step, a PANIC by the button, an enable: what a reader may want to see."""
     client = start(sim)
     step_to(sim, client, 200)
     event(sim, 0.15, "estop", 1)
@@ -23,7 +23,7 @@ def run(sim, looks=0):
             sim.tap_rows(0, 1, 100)
             sim.tap_events(0, 100)
     assert sim.ioctl(client, mcdef.MENABLE) == 0
-    return sim.hash(), sim.stats()
+    return everything(sim)
 
 
 @pytest.mark.req("FW-2")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import machines
 import pytest
-from machines import event, input_number, machine, notes, start, step_to
+from machines import event, everything, input_number, machine, notes, start, step_to
 
 from mmcs import Sim, ensure_library, load, mcdef, regs
 
@@ -49,13 +49,6 @@ def arm(sim):
         sim.add_segment(axis=axis, kind="quintic", t0=0.01 * axis, duration=0.2, to=900)
     sim.start_motion(client)
     return client
-
-
-def everything(sim):
-    """All that happened; not what it took: what is at rest, or known, is found out anew."""
-    took = ("evals", "cache_hits", "cache_misses", "cache_bytes")
-    stats = {name: value for name, value in sim.stats().items() if name not in took}
-    return sim.hash(), sim.log().tobytes(), sim.notes(), stats, sim.checkpoints()
 
 
 # --- in memory ---------------------------------------------------------------------------------
