@@ -90,10 +90,11 @@ class Rack : public Model, private Listener {
   void host_clocks();
   void plan_host(bool due);
   void step(int64_t t);
-  // What stands at the ports after edge t arrives.
+  // What stands at the ports after edge t arrives. What waits is older: the levels of power-on wait
+  // when the first edge comes.
   void arrive_until(int64_t t) {
-    if (coming_at_ <= t) take_coming(t);
     if (pins_.waiting()) pins_.apply();
+    if (coming_at_ <= t) take_coming(t);
   }
   void changed(int net, int lsb, int width) override;
   void show(Wire &wire);

@@ -16,7 +16,7 @@ LONG = os.environ.get("MMCS_LONG") == "1"
 @pytest.mark.parametrize(
     ("name", "seed", "upsets"),
     [("puma560", 14, True), ("puma560", 62, False), ("puma560", 105, True), ("lab500", 1, False),
-     ("lab500", 2, True)],
+     ("lab500", 2, True), ("lab500", 700011, False)],
 )  # fmt: skip
 def test_a_stranger_finds_no_difference(name, seed, upsets):
     """Random accesses, switches, wires, upsets, ways back; seeds that found mistakes once are among
