@@ -38,7 +38,7 @@ RESTARTS = 8
 HANG_S = 1800
 TIMESCALE = ("1ns", "1ps")
 # Nearly all the time of a build is g++; the simulations are short, so -O1 ends soonest.
-OPTIMISE = ["OPT_FAST=-Og", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
+OPTIMISE = ["OPT_FAST=-O1", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 # Counters make the code several times as large and the builds as long: -O0 ends soonest there.
 COUNTING = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dpi.o")
