@@ -46,7 +46,6 @@ class Bench {
 
  private:
   int cards_ = 0, clk_hz_ = 0;
-  bool started_ = false;
   int result_ = 0;
   int64_t most_ = 0, passed_ = 0;
   uint32_t vme_then_ = 0, lines_then_ = 0;  // as clocks() was called

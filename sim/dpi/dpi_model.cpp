@@ -32,9 +32,9 @@ class DpiModel : public Model {
   Stop run(int64_t n, int dtack, int64_t *ran) override {
     const int64_t begin = clock_;
     Stop stop = Stop::kDone;
+    const auto answered = [&] { return dtack >= 0 && this->dtack() == (dtack == 0); };
     while (clock_ < begin + n) {
       const bool moved = lines_ != shown_lines_;
-      const auto answered = [&] { return dtack >= 0 && this->dtack() == (dtack == 0); };
       lines_ = shown_lines_;
       const int64_t passed = clocks(moved || answered() ? 1 : begin + n - clock_);
       clock_ += passed;
