@@ -12,9 +12,9 @@ const POWER = 10; // a card's light
 const absentCards = (machine) =>
   Object.keys(machine.inputs.find(({ name }) => name === "card_absent")?.values ?? {}).map(Number);
 
-/** The driver takes no samples while no card answers. */
-const noneAnswers = (machine) => machine.input("cable") === 0 || machine.input("pc_power") === 0
-  || absentCards(machine).length === machine.hello.cards;  // prettier-ignore
+/** The driver takes no samples while a card does not answer. */
+const takesSamples = (machine) =>
+  machine.input("cable") !== 0 && machine.input("pc_power") !== 0 && !absentCards(machine).length;
 
 /** What Enable lacks, in words; empty when it will succeed. */
 export function lacks(machine) {
@@ -80,7 +80,7 @@ export function condition(machine, end, now) {
   const frozen = now - machine.heard;
   if (!machine.paused && frozen > FROZEN_MS)
     return { kind: "bad", cause: `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`,
-      next: noneAnswers(machine) ? next : "The computer may be too busy, or the server hangs; STOP has a way of its own." };  // prettier-ignore
+      next: takesSamples(machine) ? "The computer may be too busy, or the server hangs; STOP has a way of its own." : next };  // prettier-ignore
   const lines = history.value(history.end - 1, history.linesColumn);
   if (lines & LINES.enabled) {
     if (lines & LINES.panic)
