@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tools"))
 import dpi  # noqa: E402
-from compiled import written  # noqa: E402
+from compiled import compiled, written  # noqa: E402
 
 from mmcs import (  # noqa: E402
     load,  # noqa: E402
@@ -83,6 +83,16 @@ def test_log_and_bus_cycles_are_the_engines(tmp_path, scenario):
 @pytest.mark.parametrize("scenario", [*WHOLE, *FAULTS])
 def test_whole_scenarios_are_the_engines(tmp_path, scenario):
     assert differing(scenario, tmp_path, CARDS[scenario]) == []
+
+
+@pytest.mark.req("FW-1")
+def test_the_engine_sees_each_pin_at_the_clock_of_its_change():
+    """It sleeps between the changes that it asked for: none is missed, none told too early."""
+    command = ["g++", "-std=c++20", "-O1", *(f"-Isim/{d}" for d in ("dpi", "model", "abi"))]
+    parts = ["tests/dpi/bench.cpp", "dpi/dpi_model.cpp", "dpi/bench.cpp", "model/pins.cpp"]
+    program = compiled("dpi_bench", command, [f"sim/{part}" for part in parts])
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "")
 
 
 # A phase that moves: the pins a clock late, or at once and in whose turn it happens to be.
