@@ -151,8 +151,9 @@ class Bridge:
             self._ask("MCLEARERROR")
         rows = self.sim.tap_head()[0]
         lines = LINES.unpack_from(self.sim.tap_rows(max(rows - 1, 0), 1, 1)[0])[2] if rows else 0
+        panic = bool(stats["panic_level"])  # now, which the lines of the last sample may not know
         flags = (FAULT * self.fault | ENABLED * bool(stats["enabled"])
-                 | PANIC * bool(stats["panic_level"]) | RELEASED * bool(lines & 2))  # fmt: skip
+                 | PANIC * panic | RELEASED * bool(lines & 2 and not panic))  # fmt: skip
         out += [bytes(AXIS_OUT.size)] * (AXES - len(out))
         return ANSWER.pack(MAGIC, flags, self.sim.time) + b"".join(out)
 
