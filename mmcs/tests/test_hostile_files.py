@@ -303,13 +303,14 @@ def test_build_of_which_files_are_gone_is_made_again(tmp_path, monkeypatch):
     assert build.ensure_library(1, "speed") == library and not stamp.exists()
 
 
-def test_make_is_told_nothing_of_the_users_own_work(monkeypatch):
+def test_make_is_told_nothing_of_the_users_own_work(monkeypatch, tmp_path):
     """Nor does it build a model of no boards, as of a list that cannot be read."""
-    make = ["make", "-n", "-s", "-f", "sim/Makefile"]
-    bad = {"PYTHONIOENCODING": "utf-16", "RTL_DIR": "/nonexistent", "MAKEFILES": "/etc/passwd"}
+    make = ["make", "-n", "-s", "-f", "sim/Makefile", f"B={tmp_path}"]
+    bad = {"PYTHONIOENCODING": "utf-16", "RTL_DIR": "/nonexistent", "MAKEFILES": "/etc/passwd",
+           "PYTHON": "/nonexistent"}  # fmt: skip
     for name, value in bad.items():
         monkeypatch.setenv(name, value)
-    for env, wrong in ((build.make_env(), False), ({**os.environ, "MAKEFILES": ""}, True)):
+    for env, wrong in (({**os.environ, "MAKEFILES": ""}, True), (build.make_env(), False)):
         done = subprocess.run(make, check=False, cwd=build.ROOT, env=env, text=True, stderr=-1)
         assert (done.returncode != 0) == wrong == ("lists no boards" in done.stderr)
 
