@@ -13,7 +13,7 @@
 namespace mmcs {
 namespace {
 
-constexpr int kResetClks = 64, kAt = 10, kLongest = 100;
+constexpr int kAt = 10, kLongest = 100;
 constexpr unsigned kIdle = 0x7F << MMCS_DPI_IRQ | 1u << MMCS_DPI_DTACK;  // low when asserted
 
 struct Case {
