@@ -79,5 +79,5 @@ def table() -> str:
         f"| {i.healthy:g} | {'state' if i.lasting else 'once'} | {i.meaning} |"
         for name, i in INPUTS.items()
     ]
-    head = ["| input | index | values | healthy | | meaning |", "|---|---|---|---|---|---|"]
+    head = ["| input | index | values | healthy | effect | meaning |", "|---|---|---|---|---|---|"]
     return "\n".join(head + rows)

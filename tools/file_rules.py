@@ -2,12 +2,9 @@
 """Rules for files as files: licence line, length, README's shape."""
 
 import argparse
-import re
 import subprocess
 import sys
 from pathlib import Path
-
-from pages import rewrite
 
 ROOT = Path(__file__).resolve().parent.parent
 # Whatever writes a file, a person reads it: nobody is exempt from the length for being generated.
@@ -25,28 +22,8 @@ def tracked() -> list[str]:
     ).stdout.split()
 
 
-def table() -> str:
-    """The files above the limit, longest first, each with its reason."""
-    rows = []
-    for name in tracked():
-        path = ROOT / name
-        if path.is_file() and path.suffix in CODE | PAGES:
-            lines = path.read_text().splitlines()
-            reason = re.search(r"Length: (.*)", "\n".join(lines[:12]))
-            if len(lines) > LIMIT and reason:
-                rows.append((len(lines), name, reason[1].strip()))
-    head = ["| lines | file | why (first line of it) |", "|---|---|---|"]
-    body = [f"| {count} | `{name}` | {why} |" for count, name, why in sorted(rows, reverse=True)]
-    return "\n".join(head + body)
-
-
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--table", action="store_true", help="write the table of long files")
-    if parser.parse_args().table:
-        page = ROOT / "docs" / "architecture.md"
-        rewrite(page, "lengths", table(), "tools/file_rules.py --table")
-        return 0
+    argparse.ArgumentParser(description=__doc__).parse_args()
     found = []
     for name in tracked():
         path = ROOT / name

@@ -136,7 +136,7 @@ def table() -> str:
     """The rooms from the lowest floor to the highest, with what each knows."""
     all_known = room_arrows(modules())
     known = {name: set(others) for name, others in all_known.items() if name}
-    lines = ["| room | holds | knows |", "|---|---|---|"]
+    lines = ["| room | holds | imports |", "|---|---|---|"]
     while known:
         floor = sorted(name for name in known if not known[name] & set(known))
         if not floor:
@@ -151,7 +151,8 @@ def table() -> str:
 
 def counts() -> str:
     known = room_arrows(modules())
-    return f"{len(known) - 1} rooms, {sum(map(len, known.values()))} arrows, no circle."
+    arrows_ = sum(map(len, known.values()))
+    return f"{len(known) - 1} rooms, {arrows_} imports between them, no circle."
 
 
 def page(text: str) -> str:

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The simulator as a C ABI: all that the Python package, a page, an FMU or an own program knows of
- * it. It includes no other header of ours; plant, model, engine and service include it. What is
- * decided for all of them above the machine is in mmcs_service.h.
+/* The simulator as a C ABI, for the Python package, the page, FMUs and programs of your own. It
+ * includes no other header of ours; plant, model, engine and service include it. mmcs_service.h has
+ * what stands above the machine: scenarios, served machines, records, control design.
  *
  * Python reads this very file through cffi, so it holds plain C declarations only: no macros but
  * integer constants, no conditionals but the include guard. Angles are radians, times seconds,
@@ -74,12 +74,12 @@ typedef struct mmcs_config {
   double bus_timeout_us;  /* VME bus timer */
   int32_t skip;           /* 1: event skipping on, if the model was built for it */
   int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high; 2: those of axes
-                           * with a brake only when it has had the time to close; 3: the same, and
-                           * what cuts a motor off shorts it */
+                           * with a brake only when the brake has had the time to close; 3: the
+                           * same, and a motor that is cut off is shorted */
   int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
-  int32_t instruction_cache; /* bytes of it that are modelled: 256, or 0 if every fetch hits */
+  int32_t instruction_cache; /* its bytes: 256, or 0 for one in which every fetch hits */
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
   /* struct mc_guard, all 0: as the report has it */
   int32_t guard_jump, guard_follow, guard_samples, guard_missed, guard_lease, guard_lock;
@@ -169,8 +169,8 @@ typedef struct mmcs_snapshot {
 
 typedef struct mmcs_sim mmcs_sim;
 
-/* Creates a machine in power-on state at t = 0. NULL on error, with one sentence in err; of a
-   machine that was made err is a caution, or empty. */
+/* Creates a machine in power-on state at t = 0. NULL on error, with one sentence in err. On success
+ * err holds a caution, or is empty. */
 mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
                           const mmcs_link *links, char *err, size_t err_len);
 void mmcs_sim_destroy(mmcs_sim *sim);
@@ -189,21 +189,22 @@ int mmcs_sim_trace(mmcs_sim *sim, const char *path);
  * The file is created at `from`. */
 int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s);
 
-/* Waveforms without a file: from now on, after each clock, whatever of these nets has changed. A
- * net is a register, or a port of a board or chip, of 32 bits at most, by its name from rtl/mmcs.sv
- * down. Only a machine that does not skip sees every clock, and a trace build has traces. */
+/* Waveforms without a file: the changes of watched nets, clock by clock. A net is a register, or a
+ * port of a board or chip, of 32 bits at most, by its name from rtl/mmcs.sv down. Only a machine
+ * that does not skip sees every clock; a trace build has traces instead. */
 typedef struct mmcs_change {
   int64_t clock;
   int32_t net;
   uint32_t value;
 } mmcs_change;
-/* The number of the net, whose first value is a change, too; -1: there is no such, or no way. */
+/* Watches a net from now on; its present value is its first change. Returns its number; -1: there
+ * is no such net, or this build cannot watch. */
 int mmcs_sim_watch(mmcs_sim *sim, const char *name);
-/* How many there have been since the first net. Valid until the next call that moves time. */
+/* The number of changes since the first watch. Valid until the next call that moves time. */
 int64_t mmcs_sim_changes(const mmcs_sim *sim, const mmcs_change **changes);
 
 /* /dev/mc0 as a process sees it. open: flags as open(2) (0 read-only, 1 write-only, 2 both);
- * returns a client number >= 0 or -errno. Time passes while they run. */
+ * returns a client number >= 0 or -errno. Simulated time passes during these calls. */
 int mmcs_sim_open(mmcs_sim *sim, int flags);
 int mmcs_sim_close(mmcs_sim *sim, int client);
 int mmcs_sim_ioctl(mmcs_sim *sim, int client, uint32_t request, void *arg);
@@ -211,9 +212,10 @@ int mmcs_sim_read(mmcs_sim *sim, int client, void *buf, size_t len);
 int mmcs_sim_write(mmcs_sim *sim, int client, const void *buf, size_t len);
 /* Stops the machine on behalf of no client, as mc_halt() does. 0, or -errno. */
 int mmcs_sim_stop(mmcs_sim *sim);
-/* Called every millisecond of the machine's time while a request waits (MENABLE does); not 0: the
- * request ends and fails. The callback may call the functions of this header, except requests that
- * wait, snapshots and mmcs_sim_run(). No request waits longer than a second of machine time. */
+/* The callback is called every millisecond of simulated time while a request waits (MENABLE does);
+ * if it returns other than 0 the request fails. It may call the functions of this header, except
+ * requests that wait, snapshots and mmcs_sim_run(). No request waits longer than a simulated
+ * second. */
 typedef int (*mmcs_look)(void *ctx);
 int mmcs_sim_set_look(mmcs_sim *sim, mmcs_look look, void *ctx);
 /* SIGUSR1s delivered to this client since the last call. */
@@ -232,12 +234,12 @@ typedef struct mmcs_bus_cycle {
   int32_t kind;        /* MMCS_BUS_... */
   int32_t answer;      /* 0 DTACK*, 1 none, 2 BERR* */
 } mmcs_bus_cycle;
-/* The first call begins to keep bus cycles; each call gives those since the call before, valid
- * until the next. -1: this host has no VME bus. */
+/* mmcs_sim_bus_watch() starts to record bus cycles (-1: this host has no VME bus);
+ * mmcs_sim_bus_cycles() gives those since its last call, valid until its next. */
 int mmcs_sim_bus_watch(mmcs_sim *sim);
 int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles);
 
-/* Motions start counting their t0 from the moment of mmcs_sim_start_motion. */
+/* t0 of a segment counts from the call of mmcs_sim_start_motion(). */
 int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment);
 int mmcs_sim_start_motion(mmcs_sim *sim, int client);
 /* Named inputs, then the upsets of registers: NULL past the last. Events are in simulated time
@@ -255,7 +257,8 @@ typedef struct mmcs_input {
 } mmcs_input;
 /* The row of sim/abi/inputs.def: NULL past the last. */
 const mmcs_input *mmcs_sim_input(int32_t input);
-/* Its value at a time that has been: of the last event until then, else healthy, as of an act. */
+/* Value of an input at a past time: that of the last event up to then. Its healthy value if there
+ * was none, and always for an act. */
 double mmcs_sim_input_value(const mmcs_sim *sim, int32_t input, int32_t index, double t);
 /* Every register of the hardware: its name from rtl/mmcs.sv down, or NULL; its bits; its value now.
  * The input "seu.<name>" flips bits of it. */
@@ -266,8 +269,8 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event);
 
 /* Runs until simulated time t (s). 0, or -1 when the model raised an assertion (see the notes). */
 int mmcs_sim_run(mmcs_sim *sim, double until_s);
-/* The same up to a clock, but it ends behind each SIGUSR1 before that, and behind each servo sample
- * if asked. */
+/* Runs to a clock, but returns earlier after a SIGUSR1 and, with samples != 0, after a servo
+ * sample. */
 int mmcs_sim_run_to(mmcs_sim *sim, int64_t clock, int samples);
 /* Servo samples since power-on. */
 int64_t mmcs_sim_samples(const mmcs_sim *sim);
@@ -302,7 +305,7 @@ typedef struct mmcs_phase {
 /* Fills up to n phases; returns how many there are, 0 where the driver is native code. */
 int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n);
 /* What the model's cache of one kind of part did since power-on: steps taken from it, steps that
- * the model computed, and what it holds now. Steps skipped as rest are in neither. */
+ * the model computed, and what it holds now. Clocks in which the part rests count as neither. */
 typedef struct mmcs_cache {
   char part[16]; /* its module, as in rtl/ */
   uint64_t hits, misses, states, bytes;
@@ -329,7 +332,7 @@ typedef struct mmcs_tap_read {
   int32_t count;
 } mmcs_tap_read;
 typedef struct mmcs_tap_head {
-  int64_t rows, events; /* there have been so many */
+  int64_t rows, events; /* so far */
   int32_t row_bytes;
 } mmcs_tap_head;
 /* Sizes of the rings; 0 events switches the tap off. 0, or -1: impossible. */
@@ -352,18 +355,19 @@ int64_t mmcs_sim_snapshot(mmcs_sim *sim);
 int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t);
 int mmcs_sim_restore(mmcs_sim *sim, int64_t id);
 int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
-/* While mmcs_sim_run() runs: one every so many seconds, of which the last `count` are kept. */
+/* Takes a snapshot every so many seconds of mmcs_sim_run() and keeps the last `count`. */
 int mmcs_sim_ring(mmcs_sim *sim, double every_s, int32_t count);
 /* The snapshots that are kept, in order of time. Valid until the next call, as the bytes below. */
 int mmcs_sim_snapshots(const mmcs_sim *sim, const mmcs_snapshot **list);
-/* From now on deeds are kept: every call that acts on the machine (requests, bus cycles by hand,
- * motions, events), as far back as the oldest snapshot needs, 100,000 of them at most. */
+/* Starts to keep deeds: every call that acts on the machine (requests, bus cycles by hand, motions,
+ * events), as far back as the oldest snapshot, 100,000 at most. */
 void mmcs_sim_keep_deeds(mmcs_sim *sim);
-/* The clock of the first snapshot since which every deed is kept; now, if there is none. */
+/* The clock of the first snapshot since which every deed is kept; without one the present clock. */
 int64_t mmcs_sim_known(const mmcs_sim *sim);
-/* Another machine like this one takes its state of now; or that of a known clock or, if the driver
- * was busy then, shortly after, from the last snapshot before. Then mmcs_sim_repeat() runs it on to
- * a clock and does with it what was done to this one later than the clock `after`. 0, or -1. */
+/* Gives `other`, a machine of the same configuration, the state of `sim`: copy the present one;
+ * again that of a clock since mmcs_sim_known(), by repeating the deeds since the snapshot before it
+ * (shortly after the clock if the driver was busy then). repeat runs `other` on to a clock and
+ * repeats the deeds of `sim` later than the clock `after`. 0, or -1. */
 int mmcs_sim_copy(mmcs_sim *other, mmcs_sim *sim);
 int mmcs_sim_again(mmcs_sim *other, mmcs_sim *sim, int64_t clock);
 int mmcs_sim_repeat(mmcs_sim *other, const mmcs_sim *sim, int64_t after, int64_t clock);
