@@ -17,9 +17,7 @@ module ad574_props #(
   input wire logic signed [15:0] vin_i
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & no_reset_i;
+  `MMCS_RESET(no_reset_i)
 
   logic sts, oe;
   logic [11:0] db;

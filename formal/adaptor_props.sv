@@ -33,8 +33,7 @@ module adaptor_props #(
   localparam int ResetLeast = 31 * (ClkHz / 8_000_000);
   localparam int Width = $clog2(ResetClks + 1);
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   // --- the master ---------------------------------------------------------------------------
 
@@ -102,17 +101,12 @@ module adaptor_props #(
     .vme_sysreset_ni(sysreset_ni),
     .estop_closed_i, .cable_ok_i, .pc_power_i,
     .panic_o(panic),
-    .brake_release_o(),
-    .alive_o(),
     .sclock_o(sclock),
     .led_irq_o(led_irq),
     .pc_a_o(pc_a),
-    .pc_aen_o(),
     .pc_d_o(pc_wdata),
-    .pc_d_oe_o(),
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
-    .pc_clk_en_o(),
     .pc_reset_drv_o(reset_drv),
     .pc_drq_o(drq),
     .pc_power_o(power),

@@ -29,17 +29,15 @@ module axis_props (
   input wire logic [15:0] adc_v_i
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & no_reset_i;
+  `MMCS_RESET(no_reset_i)
 
   logic [15:0] drive_v;
   logic index;
   axis dut (
     .clk_i, .rst_ni, .reset_i, .clk_en_i, .card_i, .enc_cs_ni, .ior_ni, .iow_ni,
-    .a0_i, .d_i, .dac_lo_i, .dac_hi_i, .enc_d_o(), .enc_d_oe_o(), .adc_code_o(),
+    .a0_i, .d_i, .dac_lo_i, .dac_hi_i,
     .latch_i, .dac_update_i, .enc_mode_i, .dac_double_i, .index_en_i, .loop_i, .drive_i, .a_i,
-    .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .heartbeat_o(), .index_o(index), .converting_o()
+    .b_i, .i_i, .adc_v_i, .drive_v_o(drive_v), .index_o(index)
   );
 
   // --- the model: what was written to the D/A, and what of it has reached the output -----------

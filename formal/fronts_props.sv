@@ -31,8 +31,7 @@ module fronts_props #(
   input wire logic [ 7:3] pc_irq_i
 );
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   // --- host port ---------------------------------------------------------------------------
 
@@ -50,12 +49,9 @@ module fronts_props #(
     .hp_wdata_i(hp_wdata),
     .hp_ack_o(hp_ack),
     .hp_rdata_o(hp_rdata),
-    .irq_req_o(), .vector_o(vector),
-    .sys_reset_i, .sys_reset_o(),
-    .estop_closed_i, .cable_ok_i, .pc_power_i, .panic_o(), .brake_release_o(),
-    .alive_o(), .sclock_o(),
-    .pc_a_o(), .pc_aen_o(), .pc_d_o(), .pc_d_oe_o(), .pc_ior_no(), .pc_iow_no(), .pc_clk_en_o(),
-    .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
+    .vector_o(vector),
+    .sys_reset_i,
+    .estop_closed_i, .cable_ok_i, .pc_power_i,
     .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 

@@ -21,9 +21,7 @@ module i8254_counter_props #(
   input wire logic [7:0] d_i
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & no_reset_i;
+  `MMCS_RESET(no_reset_i)
 
   logic out, up, down;
   logic [7:0] d;

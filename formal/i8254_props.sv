@@ -16,18 +16,14 @@ module i8254_props (
   input wire logic [2:0] gate_i
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & no_reset_i;
+  `MMCS_RESET(no_reset_i)
 
   logic [7:0] d;
   logic oe;
   i8254 dut (
     .clk_i, .rst_ni, .cs_ni, .rd_ni, .wr_ni, .a_i, .d_i, .d_o(d), .d_oe_o(oe),
     .clk0_rise_i(rise_i[0]), .clk0_fall_i(fall_i[0]), .clk1_rise_i(rise_i[1]),
-    .clk1_fall_i(fall_i[1]), .clk2_rise_i(rise_i[2]), .clk2_fall_i(fall_i[2]), .gate_i,
-    .out_o(), .out0_rise_o(), .out0_fall_o(), .out1_rise_o(), .out1_fall_o(), .out2_rise_o(),
-    .out2_fall_o()
+    .clk1_fall_i(fall_i[1]), .clk2_rise_i(rise_i[2]), .clk2_fall_i(fall_i[2]), .gate_i
   );
 
   // The last clock of each strobe, and what stood on the bus then. A read with a write is a read.

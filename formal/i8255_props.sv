@@ -17,9 +17,7 @@ module i8255_props (
   input wire logic [7:0] pc_i
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & no_reset_i;
+  `MMCS_RESET(no_reset_i)
 
   logic [7:0] d, pa, pa_oe, pb, pb_oe, pc, pc_oe;
   logic oe;

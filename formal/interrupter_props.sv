@@ -20,8 +20,7 @@ module interrupter_props #(
 
   (* gclk *) logic clk_i;               // the instants
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic sys_reset_q = 1'b0, req_q = 1'b0;
   always @(posedge board_clk_i) {sys_reset_q, req_q} <= {reset_any_i, req_any_i};

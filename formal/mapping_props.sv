@@ -22,8 +22,7 @@ module mapping_props (
   input wire logic [ 3:0] dip1_i
 );
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic ack, ior_n, iow_n, aen;
   logic [15:0] pc_a;
@@ -36,19 +35,14 @@ module mapping_props (
     .hp_a_i(a_i),
     .hp_wdata_i(wdata_i),
     .hp_ack_o(ack),
-    .hp_rdata_o(), .irq_req_o(), .vector_o(),
     .sys_reset_i,
-    .sys_reset_o(),
     .estop_closed_i(1'b1),
     .cable_ok_i, .pc_power_i,
-    .panic_o(), .brake_release_o(), .alive_o(), .sclock_o(),
     .pc_a_o(pc_a),
     .pc_aen_o(aen),
     .pc_d_o(pc_wdata),
-    .pc_d_oe_o(),
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
-    .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
     .pc_d_i, .pc_wait_i,
     .pc_irq_i('0)
   );
@@ -111,15 +105,12 @@ module mapping_props (
       .pc_ior_ni(ior_n),
       .pc_iow_ni(iow_n),
       .pc_d_i(pc_wdata),
-      .pc_d_o(),
       .pc_d_oe_o(f_drives[n]),
       .pc_drq_i('0),
-      .pc_irq_o(),
       .dip_i(n == 0 ? dip0_i : dip1_i),
       .axis_enable_i(2'b11),
       .power_i(1'b1),
-      .enc_a_i('0), .enc_b_i('0), .enc_i_i('0), .adc_v_i('0),
-      .drive_v_o(), .leds_o()
+      .enc_a_i('0), .enc_b_i('0), .enc_i_i('0), .adc_v_i('0)
     );
   end
 
@@ -137,9 +128,7 @@ module mapping_props (
     .pc_ior_ni(ior_n),
     .pc_iow_ni(iow_n),
     .pc_aen_i(aen),
-    .drivers_i({1'b0, f_drives}),
-    .conflict_o(),
-    .broken_o()
+    .drivers_i({1'b0, f_drives})
   );
 
   // Card 0: what a register of table 5.1 selects; {latch, A/D, hi2, hi1, lo2, lo1, enc2, enc1, PPI}

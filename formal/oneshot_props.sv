@@ -12,9 +12,7 @@ module oneshot_props #(
   input wire logic clr_ni
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & ~reset_i;
+  `MMCS_RESET(~reset_i)
 
   logic q;
   oneshot #(

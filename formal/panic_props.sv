@@ -23,8 +23,7 @@ module panic_props #(
 
   localparam int Alive = 3;
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic panic, brake, alive, bad;
 
@@ -36,10 +35,8 @@ module panic_props #(
     .rst_ni(rst_ni & no_reset_i),
     .bus_panic_i, .estop_closed_i, .cable_ok_i, .pc_power_i, .trip_i, .release_i,
     .panic_o(panic),
-    .cause_o(),
     .brake_release_o(brake),
-    .alive_o(alive),
-    .cable_ok_o(), .pc_power_o()
+    .alive_o(alive)
   );
 
   assign bad = bus_panic_i || !estop_closed_i || !cable_ok_i || !pc_power_i || !no_reset_i;

@@ -21,9 +21,9 @@ module panic_system_props #(
 );
 
   localparam int Pulse = ClkHz / 1_000_000 * HeartbeatUs;
+  localparam int Width = $clog2(Pulse + 1);
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic panic, brake, iow_n, ior_n;
   logic [15:0] pc_a;
@@ -51,7 +51,7 @@ module panic_system_props #(
   // Wires of the inside, joined by the script.
   logic [ 3:0] f_heartbeat, f_enable, f_trigger;   // card 1 axis 2 ... card 0 axis 1
   logic [ 1:0] f_line;
-  logic [20:0] f_left0, f_left1, f_left2, f_left3;
+  logic [Width-1:0] f_left0, f_left1, f_left2, f_left3;
   logic        f_power;
   logic [ 1:0] f_power_first;               // {cable, power}
 

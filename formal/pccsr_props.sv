@@ -12,8 +12,7 @@ module pccsr_props (
   input wire logic       panic_i
 );
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic [7:0] rdata;
   logic [4:0] base;

@@ -22,21 +22,20 @@ module same_clock_props (
   input wire logic [ 3:0] enc_i_i
 );
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic [3:1] drq;
   logic [15:0] pc_a;
   logic ior_n, iow_n, aen;
   mmcs #(.NumCards(2)) dut (
     .clk_i, .rst_ni, .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni,
-    .vme_d_i, .vme_d_o(), .vme_d_oe_o(), .vme_dtack_no(), .vme_iack_ni, .vme_iackin_ni,
-    .vme_iackout_no(), .vme_irq_no(), .vme_sysreset_ni, .estop_closed_i(1'b1), .cable_ok_i,
-    .pc_power_i, .brake_release_o(), .alive_o(), .panic_o(), .sclock_o(), .led_irq_o(), .enc_a_i,
+    .vme_d_i, .vme_iack_ni, .vme_iackin_ni,
+    .vme_sysreset_ni, .estop_closed_i(1'b1), .cable_ok_i,
+    .pc_power_i, .enc_a_i,
     .enc_b_i,
-    .enc_i_i, .axis_enable_i(4'h0), .dip_i(8'h10), .adc_v_i(64'd0), .drive_v_o(), .card_leds_o(),
-    .pcx_a_o(pc_a), .pcx_d_o(), .pcx_ior_no(ior_n), .pcx_iow_no(iow_n), .pcx_aen_o(aen),
-    .pcx_clk_en_o(), .pcx_d_oe_o(), .pcx_reset_drv_o(), .pcx_drq_o(drq), .pcx_d_i(8'hFF),
+    .enc_i_i, .axis_enable_i(4'h0), .dip_i(8'h10), .adc_v_i(64'd0),
+    .pcx_a_o(pc_a), .pcx_ior_no(ior_n), .pcx_iow_no(iow_n), .pcx_aen_o(aen),
+    .pcx_drq_o(drq), .pcx_d_i(8'hFF),
     .pcx_d_oe_i(1'b0),
     .pcx_wait_i(1'b0), .pcx_irq_i(5'd0)
   );

@@ -12,8 +12,7 @@ module strobe_props (
 
   (* gclk *) logic clk_i;         // the instants
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic seen, cycle;
   vme_strobe dut (

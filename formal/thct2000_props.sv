@@ -22,9 +22,7 @@ module thct2000_props #(
   input wire logic [7:0] d_i
 );
 
-  logic rst_ni, started = 1'b0;
-  always @(posedge clk_i) started <= 1'b1;
-  assign rst_ni = started & no_reset_i;
+  `MMCS_RESET(no_reset_i)
 
   logic [7:0] d;
   logic oe, illegal;

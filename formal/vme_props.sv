@@ -32,8 +32,7 @@ module vme_props #(
   input wire logic [ 7:3] pc_irq_i
 );
 
-  logic rst_ni = 1'b0;
-  always @(posedge clk_i) rst_ni <= 1'b1;
+  `MMCS_RESET(1'b1)
 
   logic d_oe, dtack_n, iackout_n, pc_ior_n, pc_iow_n, pc_aen;
   logic [7:0] d, pc_wdata;
@@ -51,14 +50,11 @@ module vme_props #(
     .vme_iackout_no(iackout_n),
     .vme_irq_no(irq_n),
     .vme_sysreset_ni, .estop_closed_i, .cable_ok_i, .pc_power_i,
-    .panic_o(), .brake_release_o(), .alive_o(), .sclock_o(), .led_irq_o(),
     .pc_a_o(pc_a),
     .pc_aen_o(pc_aen),
     .pc_d_o(pc_wdata),
-    .pc_d_oe_o(),
     .pc_ior_no(pc_ior_n),
     .pc_iow_no(pc_iow_n),
-    .pc_clk_en_o(), .pc_reset_drv_o(), .pc_drq_o(), .pc_power_o(),
     .pc_d_i, .pc_wait_i, .pc_irq_i
   );
 
@@ -72,26 +68,27 @@ module vme_props #(
   logic [4:0] asked_q = '0;      // clocks of the present request
   logic [4:0] down_q = '0;       // clocks of SYSRESET*
   logic dtack_q = 1'b0, iackin_q = 1'b1, strobed;
-  logic [7:0] f_master_bad;   // wires of the inside, joined by the script
-  logic f_slave_dtack, f_request, f_ack, f_irq, f_sys_reset;
-  logic [7:0] f_rdata, f_vector;
+  // Wires of these names are joined to those of the design when the hierarchy is flattened.
+  (* hierconn *) wire [7:0] \u_master_rules.bad , \dut.hp_rdata , \dut.vector ;
+  (* hierconn *) wire \dut.slave_dtack , \dut.hp_req , \dut.hp_ack , \dut.irq_req ;
+  (* hierconn *) wire \dut.sys_reset ;
 
   vme_master_checker #(
     .Stop(1'b0)
   ) u_master_rules (
     .clk_i, .rst_ni, .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni,
     .vme_iack_ni, .vme_iackin_ni, .vme_d_i,
-    .vme_dtack_no(dtack_n),
-    .broken_o()
+    .vme_dtack_no(dtack_n)
   );
 
   // What the proof of the checkers is told of the core, which it cuts out.
   `define CORE_LEMMAS(how) \
-    how(AckAsked, !f_ack || f_request, "the core answers what it is asked") \
-    how(DataStays, (request_q && !ack_q) || f_rdata == rdata_q, "read data stands once answered") \
-    how(VectorStays, request_q || f_vector == vector_q, "the vector changes only in a request") \
-    how(ResetIn2, f_sys_reset == reset_q[1], "the core synchronises SYSRESET* in two clocks") \
-    how(RequestGone, !reset_q[2] || !f_irq, "SYSRESET* ends the request a clock later") \
+    how(AckAsked, !dut.hp_ack || dut.hp_req, "the core answers what it is asked") \
+    how(DataStays, (request_q && !ack_q) || dut.hp_rdata == rdata_q, \
+        "read data stands once answered") \
+    how(VectorStays, request_q || dut.vector == vector_q, "the vector changes only in a request") \
+    how(ResetIn2, dut.sys_reset == reset_q[1], "the core synchronises SYSRESET* in two clocks") \
+    how(RequestGone, !reset_q[2] || !dut.irq_req, "SYSRESET* ends the request a clock later") \
     how(AnsweredInTime, asked_q < 5'd20, "the core answers within 20 clocks, IOCHRDY and all")
 
   if (Cut) begin : g_cut
@@ -101,7 +98,7 @@ module vme_props #(
   end
 
   if (Keeps) begin : g_keeps
-    `MMCS_GIVEN(MasterKeeps, f_master_bad == '0, "the master keeps the rules of its checker")
+    `MMCS_GIVEN(MasterKeeps, u_master_rules.bad == '0, "the master keeps the rules of its checker")
     `MMCS_GIVEN(ChainWaits, vme_iackin_ni || !iackin_q || (dtack_n && !dtack_q),
                 "an acknowledge starts down the chain when DTACK* of the cycle before is high")
     `MMCS_GIVEN(ChainAfter, vme_iackin_ni || !iackin_q ||
@@ -131,8 +128,7 @@ module vme_props #(
     .vme_sysreset_ni,
     .vme_d_oe_o(d_oe),
     .vme_dtack_no(dtack_n),
-    .vme_d_o(d),
-    .broken_o()
+    .vme_d_o(d)
   );
 
   vme_claim_checker #(
@@ -143,8 +139,7 @@ module vme_props #(
     .vme_iackout_no(iackout_n),
     .vme_irq_no(irq_n),
     .vme_d_oe_o(d_oe),
-    .vme_dtack_no(dtack_n),
-    .broken_o()
+    .vme_dtack_no(dtack_n)
   );
 
   // --- what the bus shows, by ourselves -----------------------------------------------------
@@ -180,11 +175,11 @@ module vme_props #(
       iackin_q <= vme_iackin_ni;
       reset_q <= {reset_q[1:0], ~vme_sysreset_ni};
       ack_level_q <= {vme_a_i[3:1], vme_iack_ni};
-      rdata_q <= f_rdata;
-      vector_q <= f_vector;
-      request_q <= f_request;
-      ack_q <= f_ack;
-      if (!f_request || f_ack) asked_q <= '0;
+      rdata_q <= dut.hp_rdata;
+      vector_q <= dut.vector;
+      request_q <= dut.hp_req;
+      ack_q <= dut.hp_ack;
+      if (!dut.hp_req || dut.hp_ack) asked_q <= '0;
       else if (asked_q != '1) asked_q <= asked_q + 1'b1;
       if (vme_sysreset_ni) down_q <= '0;
       else if (down_q != '1) down_q <= down_q + 1'b1;
@@ -218,23 +213,23 @@ module vme_props #(
   // --- DTACK* -------------------------------------------------------------------------------
 
   if (!Cut) begin : g_handshake
-  `MMCS_PROVE(DtackIsOurs, "4.3.1", f_slave_dtack && !dtack_q, foreign_q < 7'd31 && strobe_seen_q,
+  `MMCS_PROVE(DtackIsOurs, "4.3.1", dut.slave_dtack && !dtack_q, foreign_q < 7'd31 && strobe_seen_q,
               "DTACK* of a data cycle falls only after a strobe with our address and modifier")
   `MMCS_PROVE(NeverForeign, "4.3.1", foreign_q >= 7'd31 && strobed,
-              !(f_slave_dtack && !dtack_q) && !f_request,
+              !(dut.slave_dtack && !dtack_q) && !dut.hp_req,
               "a cycle that is not ours gets no DTACK* and starts nothing")
   `MMCS_PROVE(Answered, "4.3.1", rested_q && held_q >= 7'(Answer), !dtack_n,
               "begun at rest, a cycle of ours has DTACK* within 24 clocks (3 us), IOCHRDY and all")
   `MMCS_PROVE(NoWedge, "4.3.1", held_q >= 7'(Longest), !dtack_n,
               "whatever went on since SYSRESET*, a cycle of ours is answered within 47 clocks")
-  `MMCS_PROVE(ComesToRest, "4.3.1", rest_q >= 5'd25, !f_request && dtack_n && !d_oe,
+  `MMCS_PROVE(ComesToRest, "4.3.1", rest_q >= 5'd25, !dut.hp_req && dtack_n && !d_oe,
               "25 clocks after the strobes the slave is at rest, whatever went on before")
 
   end
 
-  `MMCS_REACH(ReadCard, !dtack_n && d_oe && !vme_a_i[10] && d == 8'h5A && f_slave_dtack,
+  `MMCS_REACH(ReadCard, !dtack_n && d_oe && !vme_a_i[10] && d == 8'h5A && dut.slave_dtack,
               "a card register is read")
-  `MMCS_REACH(ReadPccsr, !dtack_n && d_oe && vme_a_i == 15'h3204 && d == 8'h98 && f_slave_dtack,
+  `MMCS_REACH(ReadPccsr, !dtack_n && d_oe && vme_a_i == 15'h3204 && d == 8'h98 && dut.slave_dtack,
               "what was written to PCCSR is read back")
 
 endmodule

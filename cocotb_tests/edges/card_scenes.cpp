@@ -2,8 +2,6 @@
 // Sweeps of one card: encoder, index, latch, one-shot, switch, RESET DRV against the bus and each
 // other.
 
-#include <cstdlib>
-
 #include "Vbench_edges_card.h"
 #include "world.h"
 
@@ -120,22 +118,13 @@ class Card : public World<Vbench_edges_card> {
   bool panic_was_ = false;
 };
 
-std::string text(const char *form, long a, long b, long c) {
-  char out[120];
-  std::snprintf(out, sizeof out, form, a, b, c);
-  return out;
-}
-
 template <class F>
 void sweep(Card &card, const char *name, long from, long to, long kinds, F one) {
   for (long kind = 0; kind < kinds; ++kind) {
-    for (long at = from; at <= to; ++at) {
-      for (long phase = 0; phase < kClock; ++phase) {
-        if (!card.wanted()) continue;
-        one(kind, at, phase);
-        card.end_case(name, text("kind %ld, at %ld, phase %ld", kind, at, phase).c_str());
-      }
-    }
+    card.sweep(from, to, [&](long at, long phase) {
+      one(kind, at, phase);
+      card.end_case(name, "kind %ld, at %ld, phase %ld", kind, at, phase);
+    });
   }
 }
 
@@ -372,12 +361,8 @@ int main(int argc, char **argv) {
   Verilated::commandArgs(argc, argv);
   Verilated::threadContextp()->randSeed(1);
   Card card;
-  const char *only = "";
-  for (int n = 1; n + 1 < argc; n += 2) {
-    if (!std::strcmp(argv[n], "--sample")) card.sample = std::atol(argv[n + 1]);
-    if (!std::strcmp(argv[n], "--show")) card.show = std::atol(argv[n + 1]);
-    if (!std::strcmp(argv[n], "--only")) only = argv[n + 1];
-  }
+  const Options options(argc, argv);
+  card.sample = options.sample;
   struct {
     const char *name;
     void (*run)(Card &);
@@ -389,7 +374,7 @@ int main(int argc, char **argv) {
   for (const bool either : {false, true}) {
     card.either = either;
     for (auto &scene : scenes) {
-      if (!std::strstr(scene.name, only)) continue;
+      if (!options.wants(scene.name)) continue;
       card.reset();
       scene.run(card);
     }

@@ -4,14 +4,10 @@
 // different length and synchronisers that take what moves either way. Times in ps.
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <string>
 #include <vector>
 
 #include "Vbench_edges_front.h"
-#include "verilated.h"
+#include "world.h"
 
 namespace {
 
@@ -380,13 +376,8 @@ void acknowledge(Bus &bus) {
 }  // namespace
 
 int main(int argc, char **argv) {
-  long sample = 1, show = 3, total = 0;
-  const char *only = "";
-  for (int n = 1; n + 1 < argc; n += 2) {
-    if (!std::strcmp(argv[n], "--sample")) sample = std::atol(argv[n + 1]);
-    if (!std::strcmp(argv[n], "--show")) show = std::atol(argv[n + 1]);
-    if (!std::strcmp(argv[n], "--only")) only = argv[n + 1];
-  }
+  long total = 0;
+  const Options options(argc, argv);
   struct {
     const char *name;
     void (*run)(Bus &);
@@ -395,18 +386,17 @@ int main(int argc, char **argv) {
   for (long mhz : {8, 16, 48, 80}) {
     for (int kind = 0; kind < 4; ++kind) {
       const bool skew = kind & 1, metastable = kind & 2;
-      long cases = 0, failures = 0, told = 0;
-      for (long index = sample - 1; index < kCases; index += sample) {
+      long cases = 0, failures = 0;
+      for (long index = options.sample - 1; index < kCases; index += options.sample) {
         auto &scene = scenes[index % 4];
-        if (!std::strstr(scene.name, only)) continue;
+        if (!options.wants(scene.name)) continue;
         const long period = 1000000 / mhz;
         bus.begin(period, index / 4 * 500 % period, skew, metastable,
                   static_cast<uint64_t>(index * 16 + kind * 4 + mhz % 7 + 1));
         scene.run(bus);
         ++cases;
         if (!bus.why()) continue;
-        ++failures;
-        if (++told <= show)
+        if (++failures <= kShown)
           std::printf("  %ld MHz: %s %ld: %s\n", mhz, scene.name, index, bus.why());
       }
       std::printf("EDGES %ld MHz|%ld|%ld|wires %s, synchronisers %s\n", mhz, cases, failures,

@@ -10,9 +10,7 @@ const Cycle kRead{kCard | 0x2BU, false, 0};
 const Cycle kForeignRead{kOther, false, 0};
 const Cycle kForeignWrite{kOther | 8U, true, 0x99};
 const Cycle kEven{kCard | 0x30U, true, 0x66, false, 0b01};
-const Cycle kPccsrWrite{kPccsr, true, kArmed | kBase};
 
-std::string text(const char *form, long a, long b, long c);
 // What reached the PC bus: `may` at most once and first, then `must` once.
 void expect_writes(Backplane &bus, const Cycle &may, const Cycle &must);
 // A mannered cycle whose strobe falls now: address, AS* and WRITE* are there.

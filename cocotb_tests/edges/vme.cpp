@@ -136,6 +136,12 @@ void Backplane::ds(unsigned levels) {
   settle();
 }
 
+void Backplane::strobe(const Cycle &cycle) {
+  on_bus = &cycle;
+  passed = answers = 0;
+  ds(cycle.ds);
+}
+
 bool Backplane::answered(const Cycle &cycle, unsigned *data) {
   const bool got = wait_for([this] { return dtack(); }, kTimeOut);
   if (got && data) {
@@ -157,9 +163,7 @@ bool Backplane::run(const Cycle &cycle, unsigned *data) {
   wait(3);
   as(true);
   wait(1);
-  on_bus = &cycle;
-  passed = answers = 0;
-  ds(cycle.ds);
+  strobe(cycle);
   if (cycle.ack) {
     after(4, [this] {
       if (!dut.as_ni) dut.iackin_ni &= 0xE;

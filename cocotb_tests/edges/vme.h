@@ -35,6 +35,7 @@ class Backplane : public World<Vbench_edges_vme> {
   void put_address(const Cycle &cycle);  // without WRITE* and data: address pipelining
   void as(bool low);
   void ds(unsigned levels);
+  void strobe(const Cycle &cycle);  // those that the cycle wants fall
   // A whole cycle of a mannered master from both strobes high; false: bus time-out.
   bool run(const Cycle &cycle, unsigned *data = nullptr);
   // From strobes that have just fallen to DTACK*, and from there to the end.

@@ -4,15 +4,6 @@
 
 #include "scenes.h"
 
-#include <cstdlib>
-
-std::string text(const char *form, long a, long b, long c) {
-  char out[120];
-  std::snprintf(out, sizeof out, form, a, b, c);
-  return out;
-}
-
-// What reached the PC bus: `may` at most once and first, then `must` once.
 void expect_writes(Backplane &bus, const Cycle &may, const Cycle &must) {
   size_t at = 0;
   auto is = [&](const Cycle &c) {
@@ -30,11 +21,8 @@ void expect_writes(Backplane &bus, const Cycle &may, const Cycle &must) {
   if (at != bus.written.size()) bus.fail("a write that nobody asked for");
 }
 
-// A mannered cycle whose strobe falls now: address, AS* and WRITE* are there.
 void finish(Backplane &bus, const Cycle &cycle) {
-  bus.on_bus = &cycle;
-  bus.passed = bus.answers = 0;
-  bus.ds(cycle.ds);
+  bus.strobe(cycle);
   unsigned data = 0;
   if (!bus.answered(cycle, &data))
     bus.fail("a cycle of ours is not answered");
@@ -55,8 +43,7 @@ void strobes_apart(Backplane &bus, const Cycle &first, const Cycle &next, long l
   bus.put(first);
   bus.wait(2);
   bus.as(true);
-  bus.on_bus = &first;
-  bus.ds(first.ds);
+  bus.strobe(first);
   bus.wait(low);
   bus.ds(3);
   bus.as(false);
@@ -79,14 +66,11 @@ void scene_gap(Backplane &bus) {
                {"our read withdrawn", kRead}};
   for (auto &kind : kinds) {
     for (long low : {6L, 13L, 24L, 26L, 37L, 51L, 63L, 80L, 120L, 170L, 200L, 230L}) {
-      for (long gap = 6; gap <= kAround; ++gap) {
-        for (long phase = 0; phase < kClock; ++phase) {
-          if (!bus.wanted()) continue;
-          strobes_apart(bus, kind.first, gap % 2 ? kWriteNext : kRead, low, gap, phase);
-          bus.check_health();
-          bus.end_case(kind.name, text("low %ld, high %ld, phase %ld", low, gap, phase).c_str());
-        }
-      }
+      bus.sweep(6, kAround, [&](long gap, long phase) {
+        strobes_apart(bus, kind.first, gap % 2 ? kWriteNext : kRead, low, gap, phase);
+        bus.check_health();
+        bus.end_case(kind.name, "low %ld, high %ld, phase %ld", low, gap, phase);
+      });
     }
   }
   bus.end_scene("strobe gap",
@@ -96,21 +80,12 @@ void scene_gap(Backplane &bus) {
 
 void scene_withdrawn(Backplane &bus) {
   for (long gap : {6L, 9L, 24L, 25L, 50L}) {
-    for (long low = 6; low <= 14 * kClock; ++low) {
-      for (long phase = 0; phase < kClock; ++phase) {
-        if (!bus.wanted()) continue;
-        const Cycle &first = low % 3 ? kWrite : kRead;
-        const Cycle &next = low % 2 ? kWriteNext : kPccsrWrite;
-        bus.written.clear();
-        if (low % 2)
-          strobes_apart(bus, first, next, low, gap, phase);
-        else {
-          strobes_apart(bus, first, kRead, low, gap, phase);
-        }
-        bus.check_health();
-        bus.end_case("withdrawn", text("low %ld, high %ld, phase %ld", low, gap, phase).c_str());
-      }
-    }
+    bus.sweep(6, 14 * kClock, [&](long low, long phase) {
+      const Cycle &first = low % 3 ? kWrite : kRead;
+      strobes_apart(bus, first, low % 2 ? kWriteNext : kRead, low, gap, phase);
+      bus.check_health();
+      bus.end_case("withdrawn", "low %ld, high %ld, phase %ld", low, gap, phase);
+    });
   }
   bus.end_scene("withdrawal",
                 "a strobe of ours withdrawn at any 5 ns of its cycle, the next one "
@@ -126,8 +101,7 @@ void pipelined(Backplane &bus, const Cycle &first, const Cycle &next, long low, 
   bus.put(first);
   bus.wait(2);
   bus.as(true);
-  bus.on_bus = &first;
-  bus.ds(first.ds);
+  bus.strobe(first);
   if (first.ours())
     bus.answered(first);
   else
@@ -153,15 +127,11 @@ void scene_pipeline(Backplane &bus) {
     for (long low : {6L, 20L, 60L}) {
       if (first->ours() && low != 6) continue;
       for (long gap : {6L, 13L, 30L}) {
-        for (long over = 0; over <= kAround; ++over) {
-          for (long phase = 0; phase < kClock; ++phase) {
-            if (!bus.wanted()) continue;
-            pipelined(bus, *first, over % 2 ? kWriteNext : kRead, low, over, gap, phase);
-            bus.check_health();
-            bus.end_case("pipelined",
-                         text("low %ld, over %ld, phase %ld", low, over, phase).c_str());
-          }
-        }
+        bus.sweep(0, kAround, [&](long over, long phase) {
+          pipelined(bus, *first, over % 2 ? kWriteNext : kRead, low, over, gap, phase);
+          bus.check_health();
+          bus.end_case("pipelined", "low %ld, over %ld, phase %ld", low, over, phase);
+        });
       }
     }
   }
@@ -173,36 +143,34 @@ void scene_pipeline(Backplane &bus) {
 void scene_skew(Backplane &bus) {
   const Cycle word{kCard | 0x30U, true, 0x5B, false, 0b00};
   for (long late = -2; late <= kAround; ++late) {  // AS* before DS0*, 10 ns after at the most
-    for (long skew = -4; skew <= 4; ++skew) {      // DS1* against DS0*, at both ends
-      for (long phase = 0; phase < kClock; ++phase) {
-        if (!bus.wanted()) continue;
-        bus.written.clear();
-        bus.put(word);
-        bus.align(phase);
-        const long base = 8;
-        bus.after(base - late, [&] { bus.dut.as_ni = 0; });
-        bus.after(base, [&] {
-          bus.on_bus = &word;
-          bus.dut.ds_ni &= 2;
-        });
-        bus.after(base + skew, [&] {
-          bus.on_bus = &word;
-          bus.dut.ds_ni &= 1;
-        });
-        if (late > base) {
-          bus.dut.as_ni = 0;
-        }
-        bus.wait(base + 5);
-        if (!bus.answered(word)) bus.fail("a word is not answered");
-        bus.after(5, [&] { bus.dut.ds_ni |= 1; });
-        bus.after(5 + skew, [&] { bus.dut.ds_ni |= 2; });
-        bus.wait(12);
-        bus.release();
-        expect_writes(bus, kForeignRead, word);
-        bus.check_health();
-        bus.end_case("skew", text("AS* %ld, DS1* %ld, phase %ld", late, skew, phase).c_str());
+    // DS1* against DS0*, at both ends
+    bus.sweep(-4, 4, [&](long skew, long phase) {
+      bus.written.clear();
+      bus.put(word);
+      bus.align(phase);
+      const long base = 8;
+      bus.after(base - late, [&] { bus.dut.as_ni = 0; });
+      bus.after(base, [&] {
+        bus.on_bus = &word;
+        bus.dut.ds_ni &= 2;
+      });
+      bus.after(base + skew, [&] {
+        bus.on_bus = &word;
+        bus.dut.ds_ni &= 1;
+      });
+      if (late > base) {
+        bus.dut.as_ni = 0;
       }
-    }
+      bus.wait(base + 5);
+      if (!bus.answered(word)) bus.fail("a word is not answered");
+      bus.after(5, [&] { bus.dut.ds_ni |= 1; });
+      bus.after(5 + skew, [&] { bus.dut.ds_ni |= 2; });
+      bus.wait(12);
+      bus.release();
+      expect_writes(bus, kForeignRead, word);
+      bus.check_health();
+      bus.end_case("skew", "AS* %ld, DS1* %ld, phase %ld", late, skew, phase);
+    });
   }
   bus.end_scene("strobe skew",
                 "AS\\* −10–375 ns before DS0\\*, DS1\\* within 20 ns of it at both ends");
@@ -210,29 +178,26 @@ void scene_skew(Backplane &bus) {
 
 void scene_reset(Backplane &bus) {
   for (const Cycle *cycle : {&kWrite, &kRead, &kForeignWrite}) {
-    for (long at = -kAround; at <= kAround; ++at) {
-      for (long phase = 0; phase < kClock; ++phase) {
-        if (!bus.wanted()) continue;
-        bus.align(phase);
-        bus.wait(kAround);
-        bus.after(at + kAround, [&] { bus.dut.sysreset_ni = 0; });
-        bus.after(kAround, [&] {
-          bus.put(*cycle);
-          bus.dut.as_ni = 0;
-          bus.on_bus = cycle;
-          bus.dut.ds_ni = cycle->ds & 3;
-        });
-        bus.wait(2 * kAround + 10 * kClock);
-        bus.release();
-        bus.wait(20 * kClock);
-        if (bus.dut.dtack_o || bus.dut.d_oe_o) bus.fail("SYSRESET* does not let go");
-        bus.dut.sysreset_ni = 1;
-        bus.wait(6 * kClock);
-        bus.write(kPccsr, kArmed | kBase);
-        bus.check_health();
-        bus.end_case("SYSRESET*", text("%ld after DS0*, phase %ld%.0ld", at, phase, 0).c_str());
-      }
-    }
+    bus.sweep(-kAround, kAround, [&](long at, long phase) {
+      bus.align(phase);
+      bus.wait(kAround);
+      bus.after(at + kAround, [&] { bus.dut.sysreset_ni = 0; });
+      bus.after(kAround, [&] {
+        bus.put(*cycle);
+        bus.dut.as_ni = 0;
+        bus.on_bus = cycle;
+        bus.dut.ds_ni = cycle->ds & 3;
+      });
+      bus.wait(2 * kAround + 10 * kClock);
+      bus.release();
+      bus.wait(20 * kClock);
+      if (bus.dut.dtack_o || bus.dut.d_oe_o) bus.fail("SYSRESET* does not let go");
+      bus.dut.sysreset_ni = 1;
+      bus.wait(6 * kClock);
+      bus.write(kPccsr, kArmed | kBase);
+      bus.check_health();
+      bus.end_case("SYSRESET*", "%ld after DS0*, phase %ld", at, phase);
+    });
   }
   bus.end_scene("SYSRESET\\*", "falls within ±3 clocks of DS\\*; afterwards all is well");
 }
@@ -242,12 +207,8 @@ void scene_reset(Backplane &bus) {
 int main(int argc, char **argv) {
   Verilated::commandArgs(argc, argv);
   Backplane bus;
-  const char *only = "";
-  for (int n = 1; n + 1 < argc; n += 2) {
-    if (!std::strcmp(argv[n], "--sample")) bus.sample = std::atol(argv[n + 1]);
-    if (!std::strcmp(argv[n], "--show")) bus.show = std::atol(argv[n + 1]);
-    if (!std::strcmp(argv[n], "--only")) only = argv[n + 1];
-  }
+  const Options options(argc, argv);
+  bus.sample = options.sample;
   struct {
     const char *name;
     void (*run)(Backplane &);
@@ -257,7 +218,7 @@ int main(int argc, char **argv) {
       {"request", scene_request}, {"mixed", scene_mixed},         {"pccsr", scene_pccsr},
       {"link", scene_link},       {"safety", scene_safety}};
   for (auto &scene : scenes) {
-    if (!std::strstr(scene.name, only)) continue;
+    if (!options.wants(scene.name)) continue;
     bus.reset();
     scene.run(bus);
   }

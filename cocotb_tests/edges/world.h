@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -13,6 +14,20 @@
 constexpr long kStepPs = 5000;
 constexpr long kClock = 25;           // steps of one clock of 125 ns
 constexpr long kAround = 3 * kClock;  // a sweep goes so far to both sides
+constexpr long kShown = 3;            // failures of a scene that are told one by one
+
+// What tools/edges.py asks for.
+struct Options {
+  long sample = 1;        // a scene runs every sample-th case only
+  const char *only = "";  // and only scenes whose names hold this
+  Options(int argc, char **argv) {
+    for (int n = 1; n + 1 < argc; n += 2) {
+      if (!std::strcmp(argv[n], "--sample")) sample = std::atol(argv[n + 1]);
+      if (!std::strcmp(argv[n], "--only")) only = argv[n + 1];
+    }
+  }
+  bool wants(const char *scene) const { return std::strstr(scene, only); }
+};
 
 template <class Dut>
 class World {
@@ -49,11 +64,15 @@ class World {
     why_ = what;
   }
   bool failed() const { return !why_.empty(); }
-  void end_case(const char *scene, const char *detail) {
+  template <class... N>
+  void end_case(const char *scene, const char *form, N... numbers) {
     ++cases_;
     if (!failed()) return;
-    ++failures_;
-    if (++told_ <= show) std::printf("  %s: %s: %s\n", scene, detail, why_.c_str());
+    if (++failures_ <= kShown) {
+      std::printf("  %s: ", scene);
+      std::printf(form, static_cast<long>(numbers)...);
+      std::printf(": %s\n", why_.c_str());
+    }
     why_.clear();
     events_.clear();
     reset();
@@ -65,17 +84,23 @@ class World {
     std::printf("EDGES %s|%ld|%ld|%s\n", scene, cases_, failures_, sentence);
     std::fflush(stdout);
     total += failures_;
-    cases_ = failures_ = told_ = 0;
+    cases_ = failures_ = 0;
   }
 
-  // With sample > 1 a scene runs every sample-th case only.
-  bool wanted() { return ++index_ % sample == 0; }
+  // A case for each step of one event against another, at each phase of the clock.
+  template <class F>
+  void sweep(long from, long to, F one) {
+    for (long at = from; at <= to; ++at) {
+      for (long phase = 0; phase < kClock; ++phase) {
+        if (++index_ % sample == 0) one(at, phase);
+      }
+    }
+  }
 
   virtual void reset() = 0;
 
   bool either = false;  // synchronisers take what moves either way
   long sample = 1;
-  long show = 3;
   long total = 0;
 
  protected:
@@ -106,5 +131,5 @@ class World {
  private:
   std::multimap<long, std::function<void()>> events_;
   std::string why_;
-  long cases_ = 0, failures_ = 0, told_ = 0, index_ = 0;
+  long cases_ = 0, failures_ = 0, index_ = 0;
 };
