@@ -66,21 +66,16 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@tools/need_debian.sh iverilog iverilog $(ELSE_SKIP)
 	@touch $@
 
-$(VENV)/.lint: $(VENV)/.test
-	@$(call INSTALL,the lint tools,-e .[lint])
-	@touch $@
-
-# The bridges: what their tests need beyond that.
-$(VENV)/.with-%: $(VENV)/.test
-	@$(call INSTALL,for the bridge's tests: $*,-e .[$*])
+# Each set of optional packages of pyproject.toml, by its name; most of them beside the test tools.
+$(addprefix $(VENV)/.,lint learn fmu fusesoc litex fuzz fpga): $(VENV)/.test
+$(VENV)/.fpga: $(VENV)/.hosts
+$(VENV)/.book: $(VENV)/.tool
+$(VENV)/.%: $(VENV)/.sim
+	@$(call INSTALL,the packages of [$*],-e .[$*])
 	@touch $@
 
 # All that the suites of .ci/run need of Python and Node, so that none of them installs beside another.
-installed: $(addprefix $(VENV)/.,lint formal hosts tool-test book with-learn with-fmu with-fusesoc with-litex)
-
-$(VENV)/.formal: $(VENV)/.sim
-	@$(call INSTALL,the provers,-e .[formal])
-	@touch $@
+installed: $(addprefix $(VENV)/.,lint formal hosts tool-test book learn fmu fusesoc litex)
 
 # --- the main job --------------------------------------------------------------------------
 
@@ -152,10 +147,6 @@ sabotage: $(VENV)/.test ## break RTL and driver line by line; a named test must 
 attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
 	@$(BIN)/python tools/attack.py $(ATTACK)
 
-$(VENV)/.fuzz: $(VENV)/.test
-	@$(call INSTALL,the fuzzer of Python,-e .[fuzz])
-	@touch $@
-
 N ?= 100000
 
 fuzz: $(VENV)/.fuzz ## inputs led by coverage for every parser, with sanitizers: N=10000000, ONLY=TEXT
@@ -176,10 +167,6 @@ mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 
 	@$(BIN)/python tools/breakage/run.py driver-mutants --write
 
 # --- firmware for real processors ----------------------------------------------------------
-
-$(VENV)/.hosts: $(VENV)/.sim
-	@$(call INSTALL,the processor models (about a minute),-e .[hosts])
-	@touch $@
 
 firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu
@@ -210,10 +197,6 @@ tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 
 
 # --- the machine in a page ------------------------------------------------------------------
 
-$(VENV)/.book: $(VENV)/.tool
-	@$(call INSTALL,the book's generator,-e .[book])
-	@touch $@
-
 web: $(VENV)/.book ## the whole machine and the book as a static site in build/web, for any file server
 	@tools/need_debian.sh em++ emscripten
 	@$(BIN)/python tools/website.py
@@ -228,18 +211,18 @@ web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records,
 
 # --- bridges to what others use -------------------------------------------------------------
 
-learn-test: $(VENV)/.with-learn ## the Gymnasium environment, installed and tested
+learn-test: $(VENV)/.learn ## the Gymnasium environment, installed and tested
 	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
-fmu-test: $(VENV)/.with-fmu ## the machine as an FMU 3.0, checked and run by FMPy
+fmu-test: $(VENV)/.fmu ## the machine as an FMU 3.0, checked and run by FMPy
 	@$(BIN)/python -m pytest bridges/fmu/tests
 
-fusesoc-test: $(VENV)/.with-fusesoc ## FuseSoC lints, simulates and synthesises each core
+fusesoc-test: $(VENV)/.fusesoc ## FuseSoC lints, simulates and synthesises each core
 	@tools/need_debian.sh iverilog iverilog
 	@tools/need_debian.sh yosys yosys
 	@$(BIN)/python -m pytest bridges/fusesoc/tests
 
-litex-test: $(VENV)/.with-litex ## a LiteX SoC whose processor runs the driver and moves a motor
+litex-test: $(VENV)/.litex ## a LiteX SoC whose processor runs the driver and moves a motor
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(BIN)/python -m pytest bridges/litex/tests
 
@@ -251,10 +234,6 @@ linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; P
 	@$(if $(PLOT),$(BIN)/python bridges/linuxcnc/plot.py)
 
 # --- programmable logic --------------------------------------------------------------------
-
-$(VENV)/.fpga: $(VENV)/.test $(VENV)/.hosts
-	@$(call INSTALL,placement and routing,-e .[fpga])
-	@touch $@
 
 fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=ulx3s
 	@$(BIN)/python fpga/build.py $(ONLY)

@@ -21,8 +21,6 @@ from mmcs.errors import toml
 from mmcs.inputs import find
 from mmcs.sweeps.campaign import MOTIONS, make_plan
 from mmcs.sweeps.campaign_report import (
-    WHEN,
-    WHERE,
     cost_of,
     good,
     holes,
@@ -35,6 +33,7 @@ from mmcs.sweeps.campaign_report import (
 from mmcs.sweeps.classes import CLASSES, DANGEROUS, LATE, NEAR, STEPS
 from mmcs.sweeps.faults import line_name
 from mmcs.sweeps.twin import LOOK_S, Twin
+from tools.pages import fill
 
 PAGE = ROOT / "docs" / "evidence" / "campaign.md"
 IMAGES = ROOT / "docs" / "images"
@@ -154,44 +153,18 @@ def commit() -> str:
 def page(folder: Path, found: dict[str, list[dict]], costs: str) -> str:
     first, last = next(iter(found)), list(found)[-1]
     again = sum(run["again"] for name in found for run in healthy_of(folder / name))
-    lines = [
-        "# Where the design of 1989 is deaf",
-        "",
-        "Faults drawn by one seed, each a run beside its fault-free twin. What is drawn, and what",
-        "the classes mean, is in [campaigns](../use/campaign.md). To make it again:",
-        "`python -m studies.campaign build/campaigns/study --run 1989 N` (and `remedies`, `2026`),",
-        "`--healthy 1000`, then without an option.",
-        "",
-        f"{costs} Shares are of faults drawn evenly, in per million with their 95 % intervals;",
-        "behind a colon stands the count. As built in 1989 (100,000 faults, 3155977) it was",
-        "136,800 (134,700 to 139,000) silent and dangerous, 173,200 (170,800 to 175,500) told too",
-        "late.",
-        "",
-        *machine_table(folder, found),
-        "",
-        sample_line(found),
-        "",
-        "*Healthy runs*: the four motions to other ends and with other seeds, beside the machine",
-        f"of 1989 with the same `ilimax`; harmed: more than {NEAR:g} counts off its way. A drawn",
-        "motion that meets a joint stop or a motor's top speed in the machine of 1989 is drawn",
-        f"again: {again} were.",
-        "",
-        f"{told(found[first])} Of the safe machine: {left(found[last])}",
-        "",
-        f"![Shares of the classes by register, input and request](../images/campaign_{WHERE})",
-        "",
-        f"![Shares of the classes over the motions](../images/campaign_{WHEN})",
-        "",
-        "## The worst holes, and what is left of them",
-        "",
-        *hole_table(found),
-        "",
-    ]
+    far = []
     for name, rows in found.items():
-        lines += [line.replace("## How far", f"## How far: {name}") for line in how_far(rows)[:-1]]
-    lines += [how_far(found[first])[-1], "", f"The tables that follow are of `{first}`.", ""]
-    lines += tables(make_plan((), (), 1), found[first])
-    return "\n".join(lines).rstrip() + "\n"
+        far += [line.replace("## How far", f"## How far: {name}") for line in how_far(rows)[:-1]]
+    far += [how_far(found[first])[-1], "", f"The tables that follow are of `{first}`.", ""]
+    parts = {
+        "machines": [costs, "", *machine_table(folder, found), "", sample_line(found)],
+        "left": [f"Healthy motions drawn again: {again}.", "",
+                 f"{told(found[first])} Of the safe machine: {left(found[last])}"],
+        "holes": hole_table(found),
+        "tables": [*far, *tables(make_plan((), (), 1), found[first])],
+    }  # fmt: skip
+    return fill(PAGE, parts)
 
 
 def run_healthy(folder: Path, count: int) -> None:

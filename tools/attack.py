@@ -13,7 +13,7 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
-from parsers import parsers
+from tools.parsers import parsers
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTS = [f"mmcs/tests/test_{name}.py" for name in (

@@ -3,7 +3,6 @@
 its netlist, and what of them is data or a counter in sim/model/parts.toml.
 """
 
-import argparse
 import json
 import subprocess
 import sys
@@ -11,10 +10,11 @@ import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tools.sources import sources
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "sim" / "model")]
+sys.path.insert(0, str(ROOT / "sim" / "model"))
 from parts import RULES, cut, decides  # noqa: E402
-from sources import sources  # noqa: E402
 
 WORK = Path("build") / "formal"
 FLIP_FLOPS = ("$dff", "$adff", "$sdff", "$dffe", "$adffe", "$sdffe", "$aldff")
@@ -377,20 +377,3 @@ def write(task: str, folder: Path = ROOT) -> Path:
     out = folder / WORK / f"{name}.sv"
     out.write_text(text)
     return out
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=f"Writes build/formal/PART.sv: {__doc__}")
-    parser.add_argument("task", help="prove_PART, prove_deaf_CARD, ...")
-    parser.add_argument("folder", nargs="?", type=Path, default=ROOT, help="of the RTL")
-    options = parser.parse_args()
-    try:
-        print(write(options.task, options.folder.resolve()))
-    except Bad as error:
-        print(f"carried: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

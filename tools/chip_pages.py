@@ -8,17 +8,14 @@ import argparse
 import json
 import re
 import subprocess
-import sys
 import tempfile
 import tomllib
 from pathlib import Path
 
+from tools.pages import rewrite, splice
+from tools.sources import made_of
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-
-from tools.pages import rewrite, splice  # noqa: E402
-from tools.sources import made_of  # noqa: E402
-
 PAGES = ROOT / "docs" / "hardware" / "chips"
 BENCHES = PAGES.relative_to(ROOT)
 SIZES = ROOT / "docs" / "hardware" / "fpga.md"

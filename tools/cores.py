@@ -8,10 +8,9 @@ from pathlib import Path
 
 import yaml
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
-from sources import made_of, sources  # noqa: E402
+from tools.sources import made_of, sources
 
+ROOT = Path(__file__).resolve().parent.parent
 BENCH = "sim/dpi/mmcs_tb.f"
 BY = "Written by tools/cores.py from mmcs.core: change that, and run `make generate`."
 HEAD = "CAPI=2:\n# SPDX-License-Identifier: Apache-2.0\n"

@@ -21,10 +21,9 @@ from pathlib import Path
 
 import jinja2
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-from cocotb_tests.functional import cover  # noqa: E402
+from cocotb_tests.functional import cover
 
+ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "coverage"
 EXCEPTIONS = ROOT / "cocotb_tests" / "coverage_exceptions.toml"
 GOALS = {"line": 100.0, "branch": 100.0, "toggle": 95.0}

@@ -9,16 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-
-from mmcs import (  # noqa: E402
-    InputError,
-    RunError,
-    load,  # noqa: E402
-    make_env,  # noqa: E402
-)
-from mmcs.place import results  # noqa: E402
+from mmcs import ROOT, InputError, RunError, load, make_env
+from mmcs.place import results
 
 BUILT = ROOT / "build" / "sim" / "dpi"
 

@@ -13,14 +13,11 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from cocotb_tests.lib.runner import digest_of, locked, needed
+from tools.pages import rewrite
+from tools.sources import sources
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-sys.path.insert(0, str(ROOT / "tools"))
-from pages import rewrite  # noqa: E402
-from sources import sources  # noqa: E402
-
-from cocotb_tests.lib.runner import digest_of, locked, needed  # noqa: E402
-
 HERE = ROOT / "cocotb_tests" / "edges"
 DOC = ROOT / "docs" / "evidence" / "edges.md"
 BENCHES = {"vme": ("vme.cpp", "vme_chain.cpp", "vme_power.cpp", "vme_scenes.cpp"),

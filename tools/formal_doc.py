@@ -2,15 +2,13 @@
 """The tables and the picture of docs/evidence/formal.md, from the proofs and what they came to."""
 
 import re
-import sys
 from datetime import date
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
-from pages import rewrite  # noqa: E402
-from wavedraw import Line, svg  # noqa: E402
+from tools.pages import rewrite
+from tools.wavedraw import Line, svg
 
+ROOT = Path(__file__).resolve().parent.parent
 PICTURE = ROOT / "docs" / "images" / "counterexample.svg"
 STEP, CLOCK_PS = 10, 125_000  # of the trace; of a clock at 8 MHz
 DOC = ROOT / "docs" / "evidence" / "formal.md"

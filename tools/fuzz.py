@@ -96,7 +96,7 @@ def one(name: str) -> None:
     import atheris
 
     with atheris.instrument_imports(include=["mmcs"], enable_loader_override=False):
-        from parsers import parsers
+        from tools.parsers import parsers
 
         folder = Path(tempfile.mkdtemp(prefix="mmcs-fuzz"))
         parser = next(p for p in parsers(folder) if p.name == name)
@@ -117,8 +117,7 @@ def main() -> int:
     parser.add_argument("--inputs", type=int, default=100_000)
     parser.add_argument("--only", default="", help="those whose name holds this")
     options = parser.parse_args()
-    sys.path.insert(0, str(ROOT / "tools"))
-    from parsers import parsers
+    from tools.parsers import parsers
 
     names = [p.name for p in parsers(Path("/tmp"))]
     BUILD.mkdir(parents=True, exist_ok=True)

@@ -9,13 +9,13 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / part) for part in ("tools", "sim/model", "fpga")]
-from cores import CHIPS  # noqa: E402
-from parts import RULES  # noqa: E402
-from sources import core_arguments, sources  # noqa: E402
+from fpga.build import BUS, TARGETS
+from tools.cores import CHIPS
+from tools.sources import core_arguments, sources
 
-from build import BUS, TARGETS  # noqa: E402
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "sim/model"))
+from parts import RULES  # noqa: E402
 
 # Every module that people use by itself is linted by itself, the machine in three sizes.
 TOPS = [

@@ -14,11 +14,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-from cocotb_tests.lib.runner import is_current  # noqa: E402
-from tools.pages import rewrite  # noqa: E402
+from cocotb_tests.lib.runner import is_current
+from tools.pages import rewrite
 
+ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "hardware" / "timing.md"
 LINE = re.compile(
     r"^MARGIN (vme|pc) (\w+) (min|max) limit (-?[\d.]+) worst (-?[\d.]+) "

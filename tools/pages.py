@@ -29,6 +29,14 @@ def splice(text: str, name: str, content: str) -> str:
     return f"{head}{begin}{content.strip()}\n{rest[rest.index(end) :]}"
 
 
+def fill(page: Path, parts: dict[str, list[str]]) -> str:
+    """The page's text with these lines at the marks of each name."""
+    text = page.read_text()
+    for name, lines in parts.items():
+        text = splice(text, name, "\n".join(lines))
+    return text
+
+
 def rewrite(page: Path, name: str, content: str, measured_by: str = "") -> None:
     """Puts the content into the page; measured_by: the command of a run, if it is one's result."""
     if measured_by:

@@ -16,11 +16,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from mmcs import __version__
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-
-from mmcs import __version__  # noqa: E402
-
 UV = [sys.executable, "-m", "uv"]
 
 

@@ -10,15 +10,13 @@ and __main__.py, which only hand on public names.
 import argparse
 import ast
 import re
-import sys
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+from tools.pages import splice
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-
-from tools.pages import splice  # noqa: E402
-
 DOC = ROOT / "docs" / "architecture.md"
 DOOR = ("mmcs", "mmcs.__main__", "mmcs.front")
 
@@ -86,22 +84,10 @@ def told(name: str, root: Path = ROOT) -> tuple[str, set[str]]:
 
 def circle(known: dict[str, set[str]]) -> list[str]:
     """A way that ends where it begins, or nothing."""
-    done: set[str] = set()
-
-    def walk(name: str, path: list[str]) -> list[str]:
-        if name in path:
-            return [*path[path.index(name) :], name]
-        if name in done:
-            return []
-        for other in sorted(known.get(name, ())):
-            if way := walk(other, [*path, name]):
-                return way
-        done.add(name)
-        return []
-
-    for name in sorted(known):
-        if way := walk(name, []):
-            return way
+    try:
+        TopologicalSorter(known).prepare()
+    except CycleError as error:
+        return error.args[1][::-1]
     return []
 
 
@@ -134,18 +120,15 @@ def c_arrows(folder: Path) -> dict[str, set[str]]:
 
 def table() -> str:
     """The rooms from the lowest floor to the highest, with what each knows."""
-    all_known = room_arrows(modules())
-    known = {name: set(others) for name, others in all_known.items() if name}
+    known = {name: others for name, others in room_arrows(modules()).items() if name}
+    sorter = TopologicalSorter(known)
+    sorter.prepare()
     lines = ["| room | holds | imports |", "|---|---|---|"]
-    while known:
-        floor = sorted(name for name in known if not known[name] & set(known))
-        if not floor:
-            raise ValueError(f"a circle of rooms: {' knows '.join(circle(known))}")
+    while floor := sorted(sorter.get_ready()):
         for name in floor:
-            others = ", ".join(f"`{other}`" for other in sorted(all_known[name]))
+            others = ", ".join(f"`{other}`" for other in sorted(known[name]))
             lines.append(f"| `{name}/` | {told(name)[0]} | {others or '–'} |")
-        for name in floor:
-            del known[name]
+        sorter.done(*floor)
     return "\n".join(lines)
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What GTKWave shows of a view, without a display."""
 
-import argparse
 import os
 import shutil
 import struct
@@ -66,11 +65,3 @@ def shoot(trace: Path, view: Path, whole=lambda image: True) -> Image.Image:
             server.wait()
             os.close(read)
             os.close(write)
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    for name, text in (("trace", "FILE.fst"), ("view", "FILE.gtkw"), ("picture", "OUT.png")):
-        parser.add_argument(name, type=Path, help=text)
-    options = parser.parse_args()
-    shoot(options.trace, options.view).save(options.picture)

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from pyslang import driver
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
-from sources import core, sources  # noqa: E402
+from tools.sources import core, sources
 
+ROOT = Path(__file__).resolve().parent.parent
 # Of the processor core, which is a package of others: no assertions of its library.
 CORE_OPTIONS = ["-DSYNTHESIS", "--allow-use-before-declare"]
 

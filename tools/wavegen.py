@@ -16,10 +16,9 @@ import sys
 import tomllib
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
-from wavedraw import Line, svg, wavejson  # noqa: E402
+from tools.wavedraw import Line, svg, wavejson
 
+ROOT = Path(__file__).resolve().parent.parent
 LIST = ROOT / "docs" / "waves.toml"
 OUT = ROOT / "docs" / "waves"
 WORK = ROOT / "build" / "waves"

@@ -8,11 +8,10 @@ import argparse
 import ctypes as c
 import os
 import subprocess
-from pathlib import Path
 
+from mmcs import ROOT, Session, Sim, ensure_library, hosts, load, machine
 from tools.pages import rewrite
 
-ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "build" / "firmware"
 BLOCK = 0x1E000
 MARK, DONE = BLOCK + 16, BLOCK + 12
@@ -38,8 +37,6 @@ class Timing(c.Structure):
 
 def build(*names: str) -> None:
     """Compiles what is not up to date, for all processors or those named."""
-    from mmcs import hosts
-
     for host in names or ("m68020", "rv32"):
         hosts.make("firmware/Makefile", host)
     if "m68020" in (names or ("m68020",)):
@@ -115,8 +112,6 @@ def on_68020(profile: int, ticks: int, cache: int = 0, waits: int = 0):
 
 def on_rv32(ticks: int) -> list[tuple[int, float, int]]:
     """For each profile as on_68020(), counted by the core of the SoC itself, in the RTL."""
-    from mmcs import Sim, ensure_library, hosts, load
-
     setup = load("lab500")
     config = setup.config() | {"skip": 0, "host": hosts.HOSTS.index("rv32"),
                                "firmware": str(FIRMWARE / "rv32" / "timing.bin")}  # fmt: skip
@@ -155,8 +150,6 @@ PASS_PARTS = ("latency", "enter", "read", "compute", "write", "publish", "pass")
 
 def passes(scenario: str, sets: tuple[str, ...], host: str, cache: int, waits: int):
     """What one servo pass of the compiled driver takes beside the RTL, and how it ended."""
-    from mmcs import Session, load, machine
-
     bytes_ = '"256 bytes"' if cache else '"ideal"'
     sets += ("duration=0.3", "interval_us=2000", "motion=[]", "expect=[]",
             f"host.wait_states={waits}", f"host.instruction_cache={bytes_}")  # fmt: skip

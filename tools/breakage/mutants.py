@@ -13,12 +13,10 @@ import importlib
 import re
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 WORK = Path("build") / "mutation"  # relative: this Yosys sees the folder it is started in
 SEED = 1989
 WIDTH = 12  # bits of the number that picks a mutant
@@ -127,7 +125,7 @@ def yosys(script: str, label: str) -> str:
 
 
 def sources() -> list[Path]:
-    from sources import sources as listed
+    from tools.sources import sources as listed
 
     return [f.relative_to(ROOT) for f in listed("rtl", ROOT)]
 

@@ -30,9 +30,9 @@ import time
 import tomllib
 from dataclasses import asdict
 
-from mutant_runs import BATCH, baseline, fates
-from mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
-from pages import rewrite
+from tools.breakage.mutant_runs import BATCH, baseline, fates
+from tools.breakage.mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
+from tools.pages import rewrite
 
 RESULTS = ROOT / WORK / "results.json"
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"

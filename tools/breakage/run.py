@@ -27,8 +27,6 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(HERE), str(ROOT / "tools"), str(ROOT)]
-
 LIST = HERE / "list.toml"
 WORK = Path("build") / "breakage"  # relative: the provers see the folder they are started in
 CPU_S = 900  # of processor time for a process of a broken design: it hangs, and that is noticed
@@ -181,7 +179,7 @@ def served(entry: dict, folder: Path) -> tuple[str | None, str]:
 
 def proof(entry: dict, folder: Path) -> tuple[str | None, str]:
     """Complaint (None: the proof turned red as it must), and what turned red."""
-    import formal
+    from tools import formal
 
     about = entry["proof"]
     file = ROOT / "formal" / f"{about['group']}.sby"
@@ -217,8 +215,7 @@ def run_tests(args: argparse.Namespace, todo: list[dict]) -> int:
 
 def main() -> int:
     if sys.argv[1:2] == ["mutants"] or sys.argv[1:2] == ["driver-mutants"]:
-        import mutate
-        import mutate_firmware
+        from tools.breakage import mutate, mutate_firmware
 
         which = {"mutants": mutate, "driver-mutants": mutate_firmware}[sys.argv.pop(1)]
         return which.main()
@@ -236,7 +233,7 @@ def main() -> int:
         print(f"breakage: no breakage is called {args.only!r}; see {LIST.name}", file=sys.stderr)
         return 2
     if args.what == "proofs":
-        import formal
+        from tools import formal
 
         if missing := [tool for tool in formal.NEEDED if not shutil.which(tool)]:
             print(f"breakage: {missing[0]} is missing; `make formal` installs it", file=sys.stderr)
