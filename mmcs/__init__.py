@@ -40,7 +40,6 @@ _MORE = {
     "runs.record": "make_record write_record parse",
     # pictures
     "view": "svg waves",
-    "view.plot": "BLUE GREY ORANGE RED style",
     # servers, and graders of lab sheets
     "device.link": "Link",
     "lab.bench": "Gains",

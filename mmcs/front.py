@@ -71,7 +71,7 @@ class Run:
     @property
     def log(self) -> np.ndarray:
         """(samples, 1 + 7 axes): the columns of log.csv."""
-        return np.asarray(self.result.log)
+        return self.result.log
 
     @property
     def axes(self) -> int:
@@ -87,8 +87,7 @@ class Run:
 
     def frame(self):
         """The log as a pandas frame, by time in s."""
-        names = logcols.header(self.axes)
-        return _pandas().DataFrame(self.log, columns=names).set_index(names[0])
+        return _frame(self.log, self.axes)
 
     def plot(self, path: Path | str) -> None:
         """Draws position, joint angle, error and current of each axis, as SVG."""
@@ -257,8 +256,7 @@ class Machine:
 
     def frame(self):
         """The log so far as a pandas frame, by time in s."""
-        names = logcols.header(self.axes)
-        return _pandas().DataFrame(self.log, columns=names).set_index(names[0])
+        return _frame(self.log, self.axes)
 
     def close(self) -> None:
         if self._sim is not None:
@@ -288,6 +286,11 @@ def _whole(name: str, value: object, least: int, most: int | None = None) -> int
         return int(value)
     bounds = f"of at least {least}" if most in (None, MOST) else f"from {least} to {most}"
     raise InputError.one(name, "", value, f"must be a whole number {bounds}")
+
+
+def _frame(log: np.ndarray, axes: int):
+    names = logcols.header(axes)
+    return _pandas().DataFrame(log, columns=names).set_index(names[0])
 
 
 def _pandas():

@@ -9,7 +9,6 @@ import socket
 
 from mmcs.device.link import Link, Samples
 
-PORT = 9870  # PlotJuggler's own
 LINES = ("panic", "brakes_released", "enabled", "stopped", "irq")
 
 

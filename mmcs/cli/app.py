@@ -189,7 +189,9 @@ def run(
     scenario, duration, out, host, trace, realtime, seed, no_skip, sets, times, origin, bus, dpi
 ) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
-    _check_host(host)
+    from mmcs.engine import hosts
+
+    hosts.check(host)
     if dpi is not None:
         _check_dpi(host, trace, times, origin)
     if trace is not None and trace.suffix != ".fst":
@@ -311,19 +313,6 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     sys.exit(0 if good else 1)
 
 
-main.add_command(fmu)
-main.add_command(live)
-main.add_command(mcap)
-main.add_command(trace)
-main.add_command(replay)
-main.add_command(compare)
-main.add_command(film)
-main.add_command(faults)
-for _command in (serve, exec_, design, sweep, campaign, tool, lab, board):
+for _command in (board, campaign, compare, design, exec_, faults, film, fmu, lab, live, mcap,
+                 replay, serve, sweep, tool, trace):  # fmt: skip
     main.add_command(_command)
-
-
-def _check_host(host: str) -> None:
-    from mmcs.engine import hosts
-
-    hosts.check(host)

@@ -32,7 +32,7 @@ def live(name: str, where: str, every: int) -> None:
 def mcap(run: str, out: Path | None) -> None:
     """Write a run's log as MCAP, for Foxglove and PlotJuggler; RUN as in `mmcs compare`."""
     try:
-        from mmcs.view.mcap_log import from_run
+        from mmcs.view.mcap_file import from_run
     except ImportError:
         raise InputError.one("mcap", "", None, "is not installed; pip install mmcs[tool]") from None
     from mmcs.files import short

@@ -65,20 +65,20 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
         raise InputError.one("mmcs design", "", None, str(error)) from None
     except (OverflowError, ValueError, ZeroDivisionError):
         raise InputError.one("mmcs design", "", None, "a number is out of all proportion") from None
-    m = ds.margins(k.discrete(), plant, t)
+    m, step = ds.margins(k.discrete(), plant, t), ds.count_step(k.discrete(), c)
     warnings = list(k.warnings)
     if not m.stable:
         warnings.append("the closed loop is unstable with double-buffered D/As")
     if as_toml:
         echo(_toml(k, ic, robot, axis, interval))
     elif as_json:
-        echo(json.dumps(_report(c, k, ic, m, method, interval, warnings), indent=2))
+        echo(json.dumps(_report(c, k, ic, m, step, method, interval, warnings), indent=2))
     elif as_c:
         for name, values in (("a", k.a), ("b", k.b)):
             echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
         echo(f"par.ic_pos = {ic[0]}; par.ic_neg = {ic[1]}; par.mode |= COULCOMP;")
     else:
-        _print(c, k, ic, m, method, interval)
+        _print(c, k, ic, m, step, method, interval)
         expected = [expected_step(k, motor, t)] if m.stable else []
         for text in friction_and_limit(k, motor) + expected:
             echo(f"  {text}")
@@ -109,7 +109,7 @@ def _controller(plant, p, i, d, tau, wn, zeta):
     return ds.Controller(p, i, d, tau or 0.0)
 
 
-def _report(c, k, ic, m, method, interval, warnings) -> dict:
+def _report(c, k, ic, m, step, method, interval, warnings) -> dict:
     return {
         "form": c.form,
         "method": method,
@@ -118,7 +118,7 @@ def _report(c, k, ic, m, method, interval, warnings) -> dict:
         **k.named(),
         "ic_pos": ic[0],
         "ic_neg": ic[1],
-        "count_step": _count_step(c, k),
+        "count_step": step,
         "gain_error": k.gain_error,
         "gain_margin_db": m.gain_db,
         "phase_margin_deg": m.phase_deg,
@@ -144,7 +144,7 @@ def _toml(k, ic, robot: str, axis: int, interval: int) -> str:
     return "\n".join(lines)
 
 
-def _print(c, k, ic, m, method, interval) -> None:
+def _print(c, k, ic, m, step, method, interval) -> None:
     gains = f"P {c.p:.6g}, I {c.i:.6g}, D {c.d:.6g}" + (f", tau {c.tau:.4g} s" if c.tau else "")
     echo(f"{c.form} by {method} at {interval} us: {gains}")
     echo("  a0 a1 a2   " + "  ".join(map(str, k.a)))
@@ -152,18 +152,12 @@ def _print(c, k, ic, m, method, interval) -> None:
     if any(ic):
         echo(f"  ic_pos {ic[0]}, ic_neg {ic[1]}: 80 % of the motor's Coulomb friction")
     if c.d:
-        echo(f"  one count: the derivative makes {_count_step(c, k):.0f} D/A units of it")
+        echo(f"  one count: the derivative makes {step:.0f} D/A units of it")
     echo(f"  error by rounding {100 * k.gain_error:.3g} %")
     echo(
         f"  gain margin {m.gain_db:.1f} dB, phase margin {m.phase_deg:.1f} deg at "
         f"{m.crossover:.1f} rad/s, sensitivity peak {m.peak:.2f}"
     )
-
-
-def _count_step(c, k) -> float:
-    from mmcs.scenario.synthesis import count_step
-
-    return count_step(k.discrete(), c)
 
 
 def _apply(axis: int, k, dev: str, interval: int) -> None:

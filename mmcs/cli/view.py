@@ -22,6 +22,8 @@ def compare(a: str, b: str, out: Path | None) -> None:
 
     first, second = read_run(a), read_run(b)
     path = check_file(out or second.folder / "compare.svg")
+    if path.suffix != ".svg":
+        raise InputError.one("--out", "", str(out), "must end in .svg")
     with whole_file(path) as part:
         differences = write_comparison(first, second, part)
     for seen in differences:

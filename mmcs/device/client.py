@@ -193,8 +193,7 @@ class Device:
 
     def get_param(self, axis: int) -> dict[str, int]:
         """struct mc_param of an axis."""
-        param = mcdef.new_param(_axis(axis))
-        return _fields(self.ioctl(mcdef.MGETPARAM, bytes(mcdef.make_ffi().buffer(param))))
+        return _named("mc_param", self.ioctl(mcdef.MGETPARAM, _bytes(_axis(axis), {})))
 
     def set_param(self, axis: int, param: dict[str, int]) -> None:
         """Sets every parameter of an axis at once, between two samples."""
@@ -208,7 +207,7 @@ class Device:
             if name not in names or name == "which":
                 raise OSError(errno.EINVAL, f"there is no parameter {name!r} to change")
             data += struct.pack("<Ii", names.index(name), _checked(name, value))
-        return _fields(self._call(wire.CHANGE, _axis(axis), data)[1])
+        return _named("mc_param", self._call(wire.CHANGE, _axis(axis), data)[1])
 
     def enable(self) -> None:
         """Lets the servo drive the motors; PANIC clears with the servo holding."""
@@ -260,10 +259,7 @@ class Device:
 
     def stats(self) -> dict[str, int]:
         """struct mc_stats: interrupts in total, missed, overrun, and more."""
-        ffi = mcdef.make_ffi()
-        stats = ffi.new("struct mc_stats *")
-        ffi.buffer(stats)[:] = self.ioctl(mcdef.MGETSTATS)
-        return {name: getattr(stats, name) for name in mcdef.fields("mc_stats")}
+        return _named("mc_stats", self.ioctl(mcdef.MGETSTATS))
 
     def zero_stats(self) -> None:
         self.ioctl(mcdef.MZEROSTATS)
@@ -362,19 +358,18 @@ def _sentence(error: int, why: str) -> str:
 
 
 def _bytes(axis: int, param: dict[str, int]) -> bytes:
-    made = mcdef.new_param(axis)
-    for name, value in param.items():
-        if name not in mcdef.fields("mc_param"):
+    which, *names = mcdef.fields("mc_param")
+    for name in param:
+        if name not in (which, *names):
             raise OSError(errno.EINVAL, f"there is no parameter {name!r}")
-        if name != "which":
-            setattr(made, name, _checked(name, value))
-    return bytes(mcdef.make_ffi().buffer(made))
+    values = [_checked(name, param.get(name, 0)) for name in names]
+    return struct.pack(f"<{1 + len(names)}i", axis, *values)
 
 
-def _fields(data: bytes) -> dict[str, int]:
-    param = mcdef.new_param(0)
-    mcdef.make_ffi().buffer(param)[:] = data
-    return {name: getattr(param, name) for name in mcdef.fields("mc_param")}
+def _named(structure: str, data: bytes) -> dict[str, int]:
+    """The fields of one of the driver's structures, all of which are int."""
+    names = mcdef.fields(structure)
+    return dict(zip(names, struct.unpack(f"<{len(names)}i", data), strict=True))
 
 
 def _checked(what: str, value: object, low: int = -(1 << 31), high: int = (1 << 31) - 1) -> int:

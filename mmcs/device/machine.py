@@ -59,7 +59,7 @@ class Machine(Serving):
     def called(self, request: int) -> None:
         """It was not refused."""
         if request == mcdef.MENABLE and (known := self.knows()):
-            self.sim.tap_note("log", 0, f"{known}: PANIC stands, and the brakes stay on")
+            self.sim.tap_note(f"{known}: PANIC stands, and the brakes stay on")
 
     def joints(self, client) -> int:
         """Those that the servo controls now; asking takes no time."""
@@ -114,7 +114,7 @@ class Machine(Serving):
     def _log(self, text: str) -> None:
         self.console(text)
         if self._untold and text.startswith("mc: PANIC: "):
-            self.sim.tap_note("log", 0, self._untold)
+            self.sim.tap_note(self._untold)
             self._untold = ""
 
     def _wrong_pins(self, t: float | None = None) -> str:

@@ -122,12 +122,7 @@ def one_at_a_time(lock: Path):
 
 
 def _run(command: list[str], env: dict, log: bool = False) -> int:
-    if not log:
-        quiet = subprocess.DEVNULL
-        return subprocess.run(
-            command, check=False, cwd=workshop(), env=env, stdout=quiet, stderr=quiet
-        ).returncode
-    with LOG.open("w") as out:
+    with (LOG if log else Path(os.devnull)).open("w") as out:
         return subprocess.run(
             command, check=False, cwd=workshop(), env=env, stdout=out, stderr=subprocess.STDOUT
         ).returncode

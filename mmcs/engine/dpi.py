@@ -22,9 +22,6 @@ SEGMENT = "int (*)(mmcs_sim *, mmcs_segment *, const double *)"
 class DpiSim(Sim):
     """Everything that a run needs; the rest of a Sim ends the line."""
 
-    def __init__(self, line: Line, config: dict, motors: list[dict], links: list[dict]):
-        super().__init__(line, config, motors, links)
-
     def hash(self) -> str:
         """None: the hash is of the registers, too."""
         return ""

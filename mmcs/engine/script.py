@@ -13,6 +13,13 @@ KINDS = {type(None): "n", bool: "b", int: "i", float: "d", str: "t", dict: "o", 
 CONTROL = re.compile(r"[\0-\x1f]")
 
 
+def listed(kind: str, call, of) -> list:
+    """The entries of an array of the C ABI, good until the machine goes on."""
+    out = mcdef.make_ffi().new(f"const {kind} **")
+    count = call(of, out)
+    return [out[0][n] for n in range(count)]
+
+
 class Script:
     """Events, calls and processes of one run. Other machines may go on with it (see act())."""
 
@@ -65,20 +72,16 @@ class Script:
     def _told(self, result: int) -> tuple[int, str]:
         return result, self.ffi.string(self._what).decode(errors="replace")
 
-    def answers(self, since: int = 0) -> list[tuple[str, int, int, int, int]]:
+    def answers(self) -> list[tuple[str, int, int, int, int]]:
         """Of each call: request, axis (-1: none), result, and the A/D's code and count that MCALIB
         saw."""
-        out = self.ffi.new("const mmcs_answer **")
-        count = self.lib.mmcs_script_answers(self._script, out)
         names = {request.code: name for name, request in mcdef.requests().items()}
-        found = (out[0][n] for n in range(since, count))
+        found = listed("mmcs_answer", self.lib.mmcs_script_answers, self._script)
         return [(names[a.request], a.axis, a.result, a.adcvai, a.encnow) for a in found]
 
     def told(self) -> list[tuple[int, int, float, float]]:
         """Of each process: acts, turns, shortest and longest time between two acts in us."""
-        out = self.ffi.new("const mmcs_process_told **")
-        count = self.lib.mmcs_script_told(self._script, out)
-        found = (out[0][n] for n in range(count))
+        found = listed("mmcs_process_told", self.lib.mmcs_script_told, self._script)
         return [(p.acts, p.turns, p.shortest_us, p.longest_us) for p in found]
 
 
@@ -130,8 +133,9 @@ class Serving:
         result = self._lib.mmcs_server_bus(self.now, client, address, size, writes, value)
         return result, b"" if result or writes else value[0].to_bytes(size, "little")
 
-    def stop(self, pid: int = 0) -> int:
-        return self._lib.mmcs_server_stop(self.now, pid)
+    def stop(self) -> int:
+        """MSTOP of whoever has no client."""
+        return self._lib.mmcs_server_stop(self.now, 0)
 
     def check(self, now: float) -> None:
         self._lib.mmcs_server_check(self.now, now)

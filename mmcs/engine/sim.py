@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs import mcdef
-from mmcs.engine.script import Playing
+from mmcs.engine.script import Playing, listed
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 from mmcs.mcdef import make_ffi
@@ -167,10 +167,6 @@ class Sim(Watching, Playing):
     def signals(self, client: int) -> int:
         return self.lib.mmcs_sim_signals(self._sim, client)
 
-    def stop(self) -> int:
-        """MSTOP of whoever has no client."""
-        return self.lib.mmcs_sim_stop(self._sim)
-
     def set_look(self, look) -> None:
         """look() is called every millisecond of the machine's time while a request waits; True:
         the request gives up. It must not raise."""
@@ -207,10 +203,7 @@ class Sim(Watching, Playing):
         return self.lib.mmcs_sim_start_motion(self._sim, client)
 
     def input_names(self) -> list[str]:
-        names = []
-        while (name := self.lib.mmcs_sim_input_name(len(names))) != self.ffi.NULL:
-            names.append(self.ffi.string(name).decode())
-        return names
+        return _names(self.lib.mmcs_sim_input_name)
 
     def add_event(self, t: float, input_: int, index: int, value: float) -> None:
         event = self.ffi.new("mmcs_event *", {"t": t, "input": input_, "index": index})
@@ -258,12 +251,10 @@ class Sim(Watching, Playing):
         return self.lib.mmcs_sim_notes_lost(self._sim)
 
     def notes(self) -> list[dict]:
-        out = self.ffi.new("const mmcs_note **")
-        count = self.lib.mmcs_sim_notes(self._sim, out)
         text = lambda chars: self.ffi.string(chars).decode(errors="replace")  # noqa: E731
         return [
             {"t": n.t, "kind": text(n.kind), "axis": n.axis, "text": text(n.text)}
-            for n in (out[0][i] for i in range(count))
+            for n in listed("mmcs_note", self.lib.mmcs_sim_notes, self._sim)
         ]
 
     def stats(self) -> dict[str, float]:
@@ -290,9 +281,8 @@ class Sim(Watching, Playing):
 
     def checkpoints(self) -> list[tuple[int, int, int, int]]:
         """Samples, clock, hash of the samples, hash of what left the machine; every 32 samples."""
-        out = self.ffi.new("const mmcs_checkpoint **")
-        count = self.lib.mmcs_sim_checkpoints(self._sim, out)
-        return [(p.samples, p.clock, p.hash, p.trail) for p in (out[0][i] for i in range(count))]
+        found = listed("mmcs_checkpoint", self.lib.mmcs_sim_checkpoints, self._sim)
+        return [(p.samples, p.clock, p.hash, p.trail) for p in found]
 
     # --- time travel ---
 
@@ -323,10 +313,9 @@ class Sim(Watching, Playing):
 
     def snapshots(self) -> list[dict]:
         """Those that there are: id, clock, t, bytes, rows; kept: not by the ring."""
-        out = self.ffi.new("const mmcs_snapshot **")
-        count = self.lib.mmcs_sim_snapshots(self._sim, out)
+        found = listed("mmcs_snapshot", self.lib.mmcs_sim_snapshots, self._sim)
         names = ("id", "clock", "t", "bytes", "rows", "kept")
-        return [{n: getattr(out[0][i], n) for n in names} for i in range(count)]
+        return [{n: getattr(one, n) for n in names} for one in found]
 
     def snapshot_bytes(self, number: int) -> bytes:
         out = self.ffi.new("const uint8_t **")
@@ -369,10 +358,16 @@ def library_registers(library: Path) -> dict[str, int]:
 
 
 def _registers(lib) -> dict[str, int]:
-    found = {}
-    while (name := lib.mmcs_sim_register_name(len(found))) != make_ffi().NULL:
-        found[make_ffi().string(name).decode()] = lib.mmcs_sim_register_width(len(found))
-    return found
+    names = _names(lib.mmcs_sim_register_name)
+    return {name: lib.mmcs_sim_register_width(n) for n, name in enumerate(names)}
+
+
+def _names(name_of) -> list[str]:
+    """Of the numbers from 0 on, up to the first without one."""
+    names = []
+    while (name := name_of(len(names))) != make_ffi().NULL:
+        names.append(make_ffi().string(name).decode())
+    return names
 
 
 def _bus_check(result: int, offset: int) -> None:

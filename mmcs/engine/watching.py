@@ -83,5 +83,6 @@ class Watching:
         ]  # fmt: skip
         return events, read.next, read.lost
 
-    def tap_note(self, kind: str, value: int = 0, text: str = "", axis: int = -1) -> None:
-        self.lib.mmcs_sim_tap_note(self._sim, kind.encode(), axis, value, text.encode())
+    def tap_note(self, text: str) -> None:
+        """A line of the log, about no axis."""
+        self.lib.mmcs_sim_tap_note(self._sim, b"log", -1, 0, text.encode())

@@ -71,7 +71,7 @@ class Seen:
 @cache
 def run(folder: Path, name: str, *sets: str) -> Seen:
     """Runs a scenario of a sheet with these overrides; the same run is made once."""
-    from mmcs.runs.machine import machine_of_process
+    from mmcs.runs.machine import library_of, machine
     from mmcs.runs.session import Session
     from mmcs.scenario.describe import lacking_gains
     from mmcs.scenario.load import load
@@ -85,7 +85,7 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
         raise RunError(f"{mistake.key or name}: {mistake.allowed}") from None
     for text in lacking_gains(setup):
         _caution(text)
-    with machine_of_process(setup) as sim:
+    with machine(setup, library=library_of(setup)) as sim:
         return Seen(command, Session(sim, setup).run())
 
 

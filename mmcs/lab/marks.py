@@ -60,7 +60,7 @@ def read_answer(sheet: Sheet, path: Path) -> Strict:
     return answer
 
 
-def answers(sheet: Sheet, folder: Path) -> dict[str, Path]:
+def answers(folder: Path) -> dict[str, Path]:
     """The answers of a class by student: NAME.toml, or NAME/answer.toml. Raises InputError."""
     found = {path.stem: path for path in folder.glob("*.toml")}
     found |= {path.parent.name: path for path in folder.glob(f"*/{ANSWER}")}
@@ -73,7 +73,7 @@ def answers(sheet: Sheet, folder: Path) -> dict[str, Path]:
 def grade_class(sheet: Sheet, folder: Path) -> dict[str, list[Mark] | str]:
     """By student: the marks, or why the file cannot be graded."""
     graded: dict[str, list[Mark] | str] = {}
-    for name, path in answers(sheet, folder).items():
+    for name, path in answers(folder).items():
         try:
             graded[name] = grade(sheet, read_answer(sheet, path))
         except InputError as error:

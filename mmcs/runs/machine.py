@@ -5,6 +5,7 @@ import functools
 import sys
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 from mmcs.errors import RunError
 from mmcs.scenario.setup import Setup
@@ -17,10 +18,12 @@ def machine(
     skip: bool | None = None,
     host: str = "native",
     dpi: int | None = None,
+    library: Path | None = None,
 ):
     """The setup's machine in power-on state; skip: as the scenario says, or so.
 
-    dpi: the line to a simulator that has the machine, and not a build of ours.
+    dpi: the line to a simulator that has the machine, and not a build of ours. library: the build,
+    of those who have asked for it and make many machines.
     """
     from mmcs.engine import hosts
     from mmcs.engine.build import ensure_library
@@ -32,7 +35,7 @@ def machine(
     if skip is None:
         skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
-    library = ensure_library(
+    library = library or ensure_library(
         scenario.cards, kind, scenario.clk_hz, soc=host == "rv32", safety=setup.hardware()
     )
     config = setup.config() | {"skip": int(skip)} | on
@@ -94,7 +97,8 @@ def _library(cards: int, clk_hz: int, safety: str):
 
 
 def library_of(setup):
-    """The simulator's library that the setup runs on; builds it if need be."""
+    """The simulator's library that the setup runs on, which this process looks for once; builds it
+    if need be."""
     return _library(setup.scenario.cards, setup.scenario.clk_hz, setup.hardware())
 
 
@@ -104,11 +108,3 @@ def build_of(setup) -> str:
 
     library = load_library(library_of(setup))
     return make_ffi().string(library.mmcs_sim_build_id()).decode()
-
-
-def machine_of_process(setup: Setup):
-    """The setup's machine, of a library that this process has looked for once."""
-    from mmcs.engine.sim import Sim
-
-    config = setup.config() | {"skip": int(setup.scenario.skip), "host": 0}
-    return Sim(library_of(setup), config, setup.motors(), setup.links())

@@ -25,13 +25,11 @@ def replay(record: Record) -> tuple[str, str | None]:
     return result.hash, where or "only in the registers at the end"
 
 
-def cautions(record: Record, build: str | None = None) -> list[str]:
+def cautions(record: Record) -> list[str]:
     """What may explain a difference."""
     found = []
     if record.version != __version__:
         found.append(f"recorded by version {record.version}, this is {__version__}")
-    if build and record.build != build:
-        found.append(f"recorded by the build {record.build}, this one is {build}")
     for program in record.data.get("program", []):
         if program.get("digest") != digest(program["run"]):
             found.append(f"recorded with other files than {program['run']!r} names now")

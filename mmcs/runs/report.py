@@ -124,7 +124,7 @@ def write_bus(cycles, folder: Path) -> None:
                 )
 
 
-def print_report(report: dict, result, folder: Path, console) -> None:
+def print_report(report: dict, result, console) -> None:
     from rich.table import Table
 
     from mmcs.screen import cell

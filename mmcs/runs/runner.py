@@ -8,7 +8,7 @@ import shlex
 from dataclasses import replace
 from pathlib import Path
 
-from mmcs.errors import InputError, out_of_memory
+from mmcs.errors import out_of_memory
 from mmcs.files import short
 from mmcs.runs.programs import absolute
 from mmcs.scenario.setup import Setup, make_setup
@@ -31,14 +31,14 @@ def run_scenario(
 
     carry_out: what makes a result of the setup, when not simulate(). stderr: prints there.
     """
-    from mmcs.folder import writing
+    from mmcs.folder import check_folder, writing
     from mmcs.runs import record as records
     from mmcs.runs import report as reports
     from mmcs.runs import snapshots
     from mmcs.screen import console as screen
 
     for place in [folder] + ([trace.parent] if trace else []):
-        _make_folder(place)
+        check_folder(place)
     with writing(folder) as stage:
         result = carry_out(setup) if carry_out else simulate(setup, trace, realtime, host=host)
         report = reports.make_report(result, host)
@@ -54,7 +54,7 @@ def run_scenario(
                 stage / snapshots.NAME, lambda path: snapshots.write_snapshots(path, record, result)
             )
     console = screen(stderr=stderr)
-    reports.print_report(report, result, folder, console)
+    reports.print_report(report, result, console)
     if result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
         told = 0.0
@@ -146,10 +146,3 @@ def run_program(setup: Setup, command: list[str], folder: Path) -> int:
 def _with(setup: Setup, **values) -> Setup:
     scenario = setup.scenario.model_copy(update=values)
     return replace(setup, scenario=scenario, data=setup.data | values)
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError.one(folder, "", None, f"cannot be made: {error.strerror}") from None

@@ -28,7 +28,7 @@ class Result:
     """What came out of a run; everything that is written or printed is made from this."""
 
     setup: Setup
-    log: np.ndarray | Rows
+    log: np.ndarray
     notes: list[dict]
     stats: dict
     hash: str  # "" where no register can be read
@@ -43,7 +43,7 @@ class Result:
     assertion: bool = False  # an assertion of the model failed
     ended: str = ""  # what else kept the run from its end
     # The physics over time, a row per look: t_s, PANIC, then per axis angle, velocity, current.
-    truth: np.ndarray | Rows = field(default_factory=lambda: np.empty((0, 2)))
+    truth: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     notes_lost: int = 0  # that came after the last of `notes`
     pots: dict[int, tuple[int, int]] = field(default_factory=dict)  # A/D code, count, at MCALIB
     refused: list[tuple[str, int]] = field(default_factory=list)  # requests the driver refused
@@ -52,7 +52,7 @@ class Result:
     build: str = ""  # which build of the simulator it was
     image: str = ""  # and which firmware a processor ran
     snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
-    bus: np.ndarray | Rows | None = None  # cycles of the VME bus, if they were asked for
+    bus: np.ndarray | None = None  # cycles of the VME bus, if they were asked for
 
 
 NO_MEMORY = "out of memory"
@@ -131,7 +131,7 @@ class Session:
             processes=summaries(self.script, self.setup),
             checkpoints=sim.checkpoints(),
             build=sim.build_id(),
-            bus=self.bus,
+            bus=None if self.bus is None else self.bus.array(),
         )
 
     def witnesses(self) -> list[dict]:

@@ -191,8 +191,8 @@ def _member(
     return data
 
 
-def _rows(file: zipfile.ZipFile, name: str, shape, sums: dict, count: int | None = None) -> Rows:
-    """The first `count` rows, or all; nothing is kept before the whole member is the index's."""
+def _rows(file: zipfile.ZipFile, name: str, shape, sums: dict, count: int | None = None):
+    """An array: the first `count` rows, or all, once the whole member proves the index's."""
     length, width = shape
     count = length if count is None else count
     if not 0 <= count <= length <= MAX_SAMPLES or not 1 <= width <= MAX_COLUMNS:
@@ -212,7 +212,7 @@ def _rows(file: zipfile.ZipFile, name: str, shape, sums: dict, count: int | None
             if not data or len(data) % (8 * width):
                 raise ValueError(f"{name} is cut short")
             rows.append(np.frombuffer(data, np.float64))
-    return rows
+    return rows.array()
 
 
 def _split(name: str) -> tuple[str, float | None]:
@@ -256,7 +256,7 @@ class ResumedSession(Session):
     def __init__(self, sim, setup, snapshot: Snapshot, realtime: bool = False):
         super().__init__(sim, setup, realtime)
         self._snapshot = snapshot
-        for rows in snapshot.log.blocks():
+        for rows in blocks(snapshot.log):
             self.log.append(rows)
 
     def begin(self) -> int:

@@ -16,6 +16,7 @@ from mmcs.scenario.synthesis import Plant
 SLOWEST_SHARE = 0.05  # of the greatest speed: below it friction is not the one of motion
 LEAST_ROWS = 200
 LEAST_FIT = 0.5  # of the accelerations' variance, explained
+SURE = 0.9  # a coherence
 SPAN = 4  # samples to each side over which speed and acceleration are taken
 
 
@@ -92,12 +93,10 @@ class Frequency:
     coherence: np.ndarray
 
 
-def frequency(
-    t: np.ndarray, w: np.ndarray, y: np.ndarray, low: float, high: float, sure: float = 0.9
-) -> Frequency:
+def frequency(t: np.ndarray, w: np.ndarray, y: np.ndarray, low: float, high: float) -> Frequency:
     """y over w by averaged cross spectra S_wy/S_ww (Welch, Hann, half overlap), low to high in Hz.
 
-    Only where the coherence is at least `sure`: friction makes slow frequencies lie.
+    Only where the coherence is at least SURE: friction makes slow frequencies lie.
     """
     dt = float(np.median(np.diff(t)))
     n = min(len(t), 1 << int(math.log2(max(4.0, 4.0 / (low * dt)))))
@@ -116,7 +115,7 @@ def frequency(
     hz = np.fft.rfftfreq(n, dt)
     with np.errstate(divide="ignore", invalid="ignore"):
         response, coherence = wy / ww, np.nan_to_num(abs(wy) ** 2 / (ww * yy))
-    take = (hz >= low) & (hz <= high) & (coherence >= sure) & (ww > 1e-6 * ww.max())
+    take = (hz >= low) & (hz <= high) & (coherence >= SURE) & (ww > 1e-6 * ww.max())
     if len(spectra) < 2:
         raise IdentifyError("one window only: a coherence needs at least two; record longer")
     picked = response[take]

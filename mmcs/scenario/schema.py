@@ -173,17 +173,12 @@ def _toml_path(data: Any, loc: list) -> list:
 
 
 def _keys(model: type | None):
-    if model is None:
-        return []
-    return [f.alias or name for name, f in model.model_fields.items()]
+    return [] if model is None else list(model.model_fields)
 
 
 def _meaning(model: type | None, key: str) -> str:
-    if model is not None:
-        for name, field in model.model_fields.items():
-            if key in (name, field.alias) and field.description:
-                return f"; {field.description}"
-    return ""
+    field = model.model_fields.get(key) if model is not None else None
+    return f"; {field.description}" if field and field.description else ""
 
 
 def _model_at(model: type | None, loc: list) -> type | None:
@@ -195,8 +190,7 @@ def _model_at(model: type | None, loc: list) -> type | None:
         options = _models_in(current)
         for option in options:
             if part in _keys(option):
-                fields = {f.alias or n: f for n, f in option.model_fields.items()}
-                current = fields[part].annotation
+                current = option.model_fields[part].annotation
                 break
         else:
             tagged = [o for o in options if part in _tags(o)]

@@ -148,14 +148,14 @@ def told(rows: list[dict]) -> str:
     )
 
 
-def examples(plan, rows: dict[int, dict], each: int = 2) -> list[str]:
+def examples(plan, rows: dict[int, dict]) -> list[str]:
     """Commands that make faults of each class again, and the hash that they must find."""
     from mmcs.sweeps.campaign import run_fault, twin_of
 
     lines = []
     for name in CLASSES:
         own = [n for n in sorted(rows) if rows[n].get("class") == name]
-        for n in own[:each]:
+        for n in own[:2]:
             fault, what = plan.fault(n), line_name(plan.fault(n).what)
             row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
             after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"

@@ -30,9 +30,7 @@ class _Watched(ProgramSession):
         self.ended_s, self.hash = self.sim.time, self.sim.hash()
         for _ in children:
             server.step()  # what the programs had open is closed
-        for look in range(
-            len(self.truth.array()), round(self.setup.scenario.duration / LOOK_S) + 1
-        ):
+        for look in range(len(self.truth), round(self.setup.scenario.duration / LOOK_S) + 1):
             good = good and self.sim.run(look * LOOK_S)
             self._watch(look * LOOK_S)
         return good

@@ -20,7 +20,7 @@ import numpy as np
 
 from mmcs import logcols
 from mmcs.errors import InputError, RunError
-from mmcs.runs.machine import build_of, machine_of_process
+from mmcs.runs.machine import build_of, library_of, machine
 
 CONNECT_S = 10  # to the scheduler
 ATTEMPTS = 3  # deaths of workers in one row before the row counts as failed
@@ -54,7 +54,7 @@ def _run_row(setup) -> dict:
     from mmcs.runs.programs import session_of
     from mmcs.runs.report import measure
 
-    with machine_of_process(setup) as sim:
+    with machine(setup, library=library_of(setup)) as sim:
         result = session_of(sim, setup, quiet=True).run()
     axes = measure(result)
     verdicts = judge(result, axes)

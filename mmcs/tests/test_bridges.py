@@ -144,7 +144,7 @@ def test_a_run_as_mcap():
     import numpy as np
     from mcap.reader import make_reader
 
-    from mmcs.view.mcap_log import from_run
+    from mmcs.view.mcap_file import from_run
     from mmcs.view.runs import Run
 
     log = np.arange(30, dtype=float).reshape(2, 15) / 4

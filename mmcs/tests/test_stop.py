@@ -31,8 +31,8 @@ def test_a_stop_acts_in_the_first_step_that_could_read_it(bench, monkeypatch):
             genuine = getattr(machine, name)
             seen = lambda *a, genuine=genuine: served.append(1) or genuine(*a)  # noqa: E731
             monkeypatch.setattr(machine, name, seen)
-        stopped_at = []
-        machine.stop = lambda: stopped_at.append((sim.time, len(served))) or sim.stop()
+        stopped_at, stop = [], machine.stop
+        machine.stop = lambda: stopped_at.append((sim.time, len(served))) or stop()
         for n in range(ROUNDS):
             if n % 100 == 0:
                 for program in programs:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mmcs import ROBOTS, ROOT
-from mmcs.engine.rows import Rows
+from mmcs.engine.rows import Rows, blocks
 from mmcs.errors import InputError
 from mmcs.folder import RESULTS, reading, writing
 from mmcs.runs import runner
@@ -268,12 +268,9 @@ def test_rows_are_an_array(in_memory):
     rows, whole = Rows(3, in_memory), np.arange(30_000.0).reshape(-1, 3)
     for start in range(0, 10_000, 7):
         rows.append(whole[start : start + 7])
-    assert isinstance(rows.array(), np.ndarray) is bool(in_memory)
-    assert rows.shape == whole.shape and rows.size == whole.size
-    for key in (
-        slice(None), slice(10, 20), slice(0, 9_000, 800), slice(5, 5), slice(9_990, 20_000),
-        (slice(None), 2), (slice(8_000, 9_500), 1), (slice(0, 10_000, 3), 0), 17, -1, (-1, 2),
-        (slice(4, 9), slice(1, 3)), (slice(7, 7), 0),
-    ):  # fmt: skip
-        assert np.array_equal(rows[key], whole[key]), key
-    assert np.array_equal(np.concatenate(list(rows.blocks())), whole)
+        assert len(rows) == min(start + 7, len(whole))
+        if start % 2_800 == 0:  # between two of them, too
+            assert np.array_equal(rows.array(), whole[: len(rows)])
+    assert np.array_equal(rows.array(), whole)
+    assert rows.array().flags.writeable is bool(in_memory), "in memory, or a file's"
+    assert np.array_equal(np.concatenate(list(blocks(rows.array()))), whole)

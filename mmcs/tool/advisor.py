@@ -31,7 +31,6 @@ from mmcs.service import DesignError, design_answer
 from mmcs.tool.worker import Worker, work
 
 DEADMAN_MS = 250
-EXPERIMENTS = ("tune", "chirp")
 
 
 class Advisor(Worker):

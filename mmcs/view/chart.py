@@ -14,7 +14,7 @@ TEXT = '<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{more}>{text}</text>
 
 def ticks(low: float, high: float, most: int) -> tuple[list[float], int]:
     """Round values within the range, 1, 2, 2.5 or 5 apart, and how many decimals they take."""
-    wanted = (high - low) / most
+    wanted = max((high - low) / most, 1e-300)
     power = math.floor(math.log10(wanted))
     step = next(s * 10.0**power for s in (1, 2, 2.5, 5, 10) if s * 10.0**power >= wanted * 0.999)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
@@ -105,10 +105,11 @@ class Cell:
             middle = self.left + self.width / 2
             yield TEXT.format(x=middle, y=base + 24, anchor="middle", more="", text=self.below)
         named = [(colour, label) for *_, colour, _, _, label in self.lines if label]
+        left = end - 18 - 6 * max((len(label) for _, label in named), default=0)
         for n, (colour, label) in enumerate(named):
             y = base - 8 - 12 * (len(named) - 1 - n) if legend_below else self.top + 10 + 12 * n
-            yield f'<path d="M{end - 66:.1f} {y - 3:.1f}h14" stroke="{colour}" stroke-width="1.4"/>'
-            yield TEXT.format(x=end - 48, y=y, anchor="start", more="", text=escape(label))
+            yield f'<path d="M{left:.1f} {y - 3:.1f}h14" stroke="{colour}" stroke-width="1.4"/>'
+            yield TEXT.format(x=left + 18, y=y, anchor="start", more="", text=escape(label))
 
 
 def _way(x: np.ndarray, y: np.ndarray, steps: bool) -> str:

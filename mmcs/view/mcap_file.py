@@ -11,6 +11,9 @@ from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
+from mmcs import logcols
+from mmcs.view.runs import Run
+
 FIXED = ("t_s", "lines")
 
 
@@ -41,6 +44,12 @@ def from_rows(names: list[str], rows: Iterable[list], kind: str = "integer") -> 
             writer.add_message(channels[topic], log_time=ns, publish_time=ns, data=data)
     writer.finish()
     return out.getvalue()
+
+
+def from_run(run: Run) -> bytes:
+    """A finished run's log. Topics /axis/N with its fields."""
+    names = logcols.header(run.axes)
+    return from_rows(names, ([float(value) for value in row] for row in run.log), kind="number")
 
 
 def to_csv(data: bytes) -> str:

@@ -9,11 +9,10 @@ from mmcs import logcols
 from mmcs.errors import one_line
 from mmcs.screen import pyplot
 from mmcs.view import chart
-from mmcs.view.chart import Cell
+from mmcs.view.chart import GREY, Cell
 
-BLUE, ORANGE, GREY, RED = "#1f5fa8", "#d9822b", "#8a8f98", "#b3363e"
+BLUE, ORANGE, RED = "#1f5fa8", "#d9822b", "#b3363e"
 MAX_POINTS = 4000
-ROWS = ("position", "angle", "error", "current")
 HEIGHTS = (2.2, 1.2, 1.2, 1.2)
 LABELS = (
     ("position", "counts"),
@@ -44,45 +43,41 @@ def style():
     return plt
 
 
-def write_plot(result, path) -> None:
-    """Into an SVG file, or a text stream."""
-    axes = result.setup.axes
+def grid(names: list[str], heights: tuple, labels: tuple) -> tuple[list[list[Cell]], tuple]:
+    """A column of cells, one above the other, for each axis, and the picture's size in points."""
+    axes = len(names)
     wide, high = 72 * max(7.0, 3.0 * axes), 72 * 7.4
     left, right, top, bottom, between, beneath = 68, 11, 52, 32, 54, 12
     width = (wide - left - right - (axes - 1) * between) / axes
-    room = (high - top - bottom - (len(ROWS) - 1) * beneath) / sum(HEIGHTS)
-    cells = []
-    for axis in range(axes):
+    room = (high - top - bottom - (len(heights) - 1) * beneath) / sum(heights)
+    columns = []
+    for axis, name in enumerate(names):
         above = top
         column = []
-        for row, share in enumerate(HEIGHTS):
+        for row, share in enumerate(heights):
             cell = Cell(left + axis * (width + between), above, width, share * room)
-            cell.labels = LABELS[row] if axis == 0 else ()
+            cell.labels = labels[row] if axis == 0 else ()
             column.append(cell)
             above += share * room + beneath
+        column[0].title = f"axis {axis}" + (f" ({one_line(name)})" if name else "")
         column[-1].below = "s"
+        columns.append(column)
+    return columns, (wide, high)
+
+
+def write_plot(result, path) -> None:
+    """Into an SVG file, or a text stream."""
+    robot = result.setup.robot
+    names = [robot.axis_name(axis) for axis in range(result.setup.axes)]
+    columns, size = grid(names, HEIGHTS, LABELS)
+    for axis, column in enumerate(columns):
         _draw_axis(result, axis, column)
-        cells += column
     title = one_line(f"{result.setup.name}: {result.setup.scenario.description}")
-    text = chart.picture(cells, wide, high, title)
+    text = chart.picture(sum(columns, []), *size, title)
     if hasattr(path, "write"):
         path.write(text)
     else:
         Path(path).write_text(text)
-
-
-def place(figure, grid) -> None:
-    """Cells and labels at fixed distances: to ask all texts for their sizes takes half the time."""
-    wide, high = figure.get_size_inches()
-    rows, axes = grid.shape
-    left, right, top, bottom, between, beneath = 0.95, 0.15, 0.72, 0.45, 0.75, 0.16  # inches
-    cell = (wide - left - right - (axes - 1) * between) / axes
-    mean = (high - top - bottom - (rows - 1) * beneath) / rows
-    figure.subplots_adjust(
-        left / wide, bottom / high, 1 - right / wide, 1 - top / high, between / cell, beneath / mean
-    )
-    for axes in grid.flat:
-        axes.yaxis.set_label_coords(-0.6 / cell, 0.5)
 
 
 def _draw_axis(result, axis: int, cells) -> None:
@@ -97,8 +92,6 @@ def _draw_axis(result, axis: int, cells) -> None:
     in_velocity = params["mode"] == "velocity"
     what, y = ("velocity", velocity) if in_velocity else ("encoder", encoder)
     top, arm, wrong, amps = cells
-    name = result.setup.robot.axis_name(axis)
-    top.title = f"axis {axis}" + (f" ({one_line(name)})" if name else "")
     top.line(t, setpoint, ORANGE, 1.2, steps=True, label="setpoint" if axis == 0 else "")
     top.line(t, y, BLUE, 1.2, label=what if axis == 0 else "")
     if in_velocity:

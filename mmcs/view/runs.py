@@ -14,12 +14,14 @@ from mmcs.files import log_lines, open_file, read_json
 from mmcs.folder import reading
 from mmcs.place import run_folders
 
+LARGEST = 1e12  # of a log's numbers; NaN is none
+
 
 @dataclass
 class Run:
     folder: Path
     report: dict
-    log: np.ndarray | Rows  # columns as in log.csv
+    log: np.ndarray  # columns as in log.csv
 
     @property
     def axes(self) -> int:
@@ -71,7 +73,7 @@ def _read(folder: Path) -> Run:
                 crc = zlib.crc32(line, crc)
             block = np.loadtxt(lines, delimiter=",", ndmin=2)
             rows, width = rows or Rows(block.shape[1]), block.shape[1]
-            if width != rows.columns:
+            if width != rows.columns or not (np.abs(block) < LARGEST).all():
                 raise ValueError("its log.csv is damaged")
             rows.append(block)
     if crc != report.get("log_crc32", crc):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures saved; as SVG half as long as Matplotlib writes them, and the same for the same data."""
+"""Figures saved as SVG, half as long as Matplotlib writes them, and the same for the same data."""
 
 import re
 from io import StringIO
@@ -11,15 +11,10 @@ ONE = r'<g(?: id="\w+")?>\n(<[^>]*/>|<text[^>]*>[^<]*</text>)\n</g>'  # a group 
 FILLED = r'(<path d=")([^"]*z)("(?! style="[^"]*opacity)[^>]*/>)\n\1([^"]*z)\3'
 
 
-def save(figure, path, form: str | None = None) -> None:
-    """path: of a file, whose ending says the format, or a stream with `form`."""
-    form = form or Path(path).suffix[1:].lower() or "svg"
-    if form != "svg":
-        figure.savefig(path, format=form, metadata={"Date": None} if form == "svgz" else None)
-        return
+def save(figure, path: Path) -> None:
     text = StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
-    Path(path).write_text(smaller(text.getvalue()))
+    path.write_text(smaller(text.getvalue()))
 
 
 def smaller(text: str) -> str:

@@ -10,6 +10,7 @@ import math
 import os
 import shutil
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -221,9 +222,7 @@ def marker_names(seen: Pass) -> tuple[str, ...]:
     """The longest names of which none is drawn over its neighbour's; each is centred."""
     a_pixel = (seen.last_write - seen.sclock) * 1.15 / PIXELS
     for names in (MARKERS, SHORT):
-        ends = zip(
-            zip(seen, names, strict=True), [*zip(seen, names, strict=True)][1:], strict=False
-        )
+        ends = pairwise(zip(seen, names, strict=True))
         if all((b - a) / a_pixel > NAME_PIXELS * (len(x) + len(y)) / 2 for (a, x), (b, y) in ends):
             return names
     return LETTERS
