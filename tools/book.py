@@ -157,12 +157,7 @@ def nav() -> str:
             path = DOCS / target
             seen.add(target)
             inside = "      " if part else "  "
-            if path.is_dir():
-                lines.append(f"{inside}- {text}:")
-                lines += [
-                    f"{inside}    - {p.stem}: {target}{p.name}" for p in sorted(path.glob("*.md"))
-                ]
-            elif path.name == "README.md" and path.parent != DOCS:
+            if path.name == "README.md" and path.parent != DOCS:
                 pages = re.findall(r"\]\(([^)#\s]+\.md)\)", path.read_text())
                 lines.append(f"{inside}- {text}:")
                 lines += [f"{inside}    - {place((path.parent / p).resolve())}"

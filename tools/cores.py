@@ -8,16 +8,12 @@ from pathlib import Path
 
 import yaml
 
-from tools.sources import made_of, sources
+from tools.sources import made_of, manifest, sources
 
 ROOT = Path(__file__).resolve().parent.parent
 BENCH = "sim/dpi/mmcs_tb.f"
 BY = "Written by tools/cores.py from mmcs.core: change that, and run `make generate`."
 HEAD = "CAPI=2:\n# SPDX-License-Identifier: Apache-2.0\n"
-
-
-def manifest() -> dict:
-    return yaml.safe_load((ROOT / "mmcs.core").read_text().split("\n", 1)[1])
 
 
 def chips() -> list[str]:

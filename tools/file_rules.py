@@ -16,10 +16,11 @@ README_LINES = 120
 FIRST_COMMAND = 25
 
 
-def tracked() -> list[str]:
-    return subprocess.run(
-        ["git", "ls-files"], cwd=ROOT, check=True, text=True, capture_output=True
+def tracked(*patterns: str) -> list[str]:
+    out = subprocess.run(
+        ["git", "ls-files", *patterns], cwd=ROOT, check=True, text=True, capture_output=True
     ).stdout.split()
+    return [f for f in out if (ROOT / f).is_file()]
 
 
 def main() -> int:
@@ -27,7 +28,7 @@ def main() -> int:
     found = []
     for name in tracked():
         path = ROOT / name
-        if not path.is_file() or path.suffix not in CODE | PAGES:
+        if path.suffix not in CODE | PAGES:
             continue
         lines = path.read_text().splitlines()
         head = "\n".join(lines[:12])

@@ -5,8 +5,11 @@ import re
 from datetime import date
 from pathlib import Path
 
+from pywellen import Waveform
+
 from tools.pages import rewrite
 from tools.wavedraw import Line, svg
+from tools.wavegen import number
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURE = ROOT / "docs" / "images" / "counterexample.svg"
@@ -104,26 +107,13 @@ def givens(sby: Path) -> list[str]:
 
 def read_vcd(file: Path, names: dict[str, str]) -> list[Line]:
     """The named signals of the top scope, one value per clock; times are those of the trace."""
-    scope, codes, changes, at = 0, {}, {n: [] for n in names}, 0
-    for line in file.read_text().splitlines():
-        word = line.split()
-        if line.startswith("$scope"):
-            scope += 1
-        elif line.startswith("$upscope"):
-            scope -= 1
-        elif line.startswith("$var") and scope == 1 and word[4] in names:
-            codes[word[3]] = (word[4], int(word[2]))
-        elif line.startswith("#"):
-            at = int(line[1:]) * CLOCK_PS // STEP
-        elif line[:1] in "01b" and word:
-            value, code = (word[0][1:], word[1]) if len(word) == 2 else (line[0], line[1:])
-            if code in codes:
-                changes[codes[code][0]].append((at, int(value.replace("x", "0"), 2)))
-    widths = dict(codes.values())
-    return [
-        Line(label, "bit" if widths[n] == 1 else "hex", widths[n], changes[n])
-        for n, label in names.items()
-    ]
+    found = {var.full_name.partition(".")[2]: var for var in Waveform(str(file)).all_vars()}
+    lines = []
+    for name, label in names.items():
+        width = found[name].length
+        changes = [(at * CLOCK_PS // STEP, number(value)) for at, value in found[name].signal]
+        lines.append(Line(label, "bit" if width == 1 else "hex", width, changes))
+    return lines
 
 
 def picture(entry: dict, trace: Path) -> None:

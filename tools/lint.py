@@ -11,6 +11,7 @@ from pathlib import Path
 
 from fpga.build import BUS, TARGETS
 from tools.cores import CHIPS
+from tools.file_rules import tracked
 from tools.sources import core_arguments, sources
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -49,13 +50,6 @@ def model_flags(host: str) -> list[str]:
         if done.returncode:
             raise SystemExit(f"lint: {' '.join(make)} {target} failed\n{done.stderr[-2000:]}")
     return done.stdout.split()
-
-
-def tracked(*patterns: str) -> list[str]:
-    out = subprocess.run(
-        ["git", "ls-files", *patterns], cwd=ROOT, check=True, text=True, capture_output=True
-    ).stdout.split()
-    return [f for f in out if (ROOT / f).is_file()]
 
 
 def board_files(board: str, middle: str = "mmcs_board") -> list[str]:

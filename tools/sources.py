@@ -12,7 +12,11 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
-CORE = ROOT / "mmcs.core"
+
+
+def manifest() -> dict:
+    """What mmcs.core says, less its first line."""
+    return yaml.safe_load((ROOT / "mmcs.core").read_text().split("\n", 1)[1])
 
 
 def sources(name: str = "rtl", root: Path | None = None, includes: bool = False) -> list[Path]:
@@ -21,7 +25,7 @@ def sources(name: str = "rtl", root: Path | None = None, includes: bool = False)
     `root` (or the environment's MMCS_RTL, a folder `rtl`) takes the files from another tree.
     """
     base = root or _tree()
-    sets = yaml.safe_load(CORE.read_text().split("\n", 1)[1])["filesets"]
+    sets = manifest()["filesets"]
     if name not in sets:
         raise KeyError(f"mmcs.core has no file set {name!r}; it has {', '.join(sets)}")
     out = []

@@ -8,14 +8,13 @@ for GTKWave and Surfer and opens it where there is a display.
 
 import argparse
 import math
-import os
 import re
 import shutil
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
+from mmcs.view.waves import start_viewer
 from tools.wavedraw import Line, svg, wavejson
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -155,18 +154,6 @@ def view(trace: Path, entry: dict, start: int, end: int) -> None:
     trace.with_suffix(".sucl").write_text("\n".join([*surfer, "zoom_fit"]) + "\n")
 
 
-def show(trace: Path) -> None:
-    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return
-    for viewer, arguments in (
-        ("gtkwave", [trace.with_suffix(".gtkw")]),
-        ("surfer", ["-c", trace.with_suffix(".sucl"), trace]),
-    ):
-        if shutil.which(viewer):
-            subprocess.Popen([viewer, *map(str, arguments)], cwd=trace.parent)
-            return
-
-
 def make(name: str, entry: dict, sim: str) -> dict[Path, str]:
     trace, start, end = simulate(name, sim)
     drawn = lines(name, entry, trace, start, end)
@@ -198,7 +185,7 @@ def main() -> int:
             if args.trace:
                 trace = next((WORK / name).glob("wave.[fv]*"))
                 print(f"trace {trace.relative_to(ROOT)}, views (.gtkw, .sucl), WaveJSON beside it")
-                show(trace)
+                start_viewer(trace)
                 continue
             for path, text in files.items():
                 if not path.is_file() or path.read_text() != text:

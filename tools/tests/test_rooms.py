@@ -60,6 +60,7 @@ DEEPER = {
     "tools/parsers.py": {"device", "runs", "sweeps"},
     "tools/setup_venv.py": {"engine"},
     "tools/tests/test_docs_commands.py": {"cli", "tests"},
+    "tools/wavegen.py": {"view"},
     "tools/website.py": {"runs", "scenario", "tool", "view"},
     "web/tests/": {"device", "lab", "tests", "tool"},
 }
