@@ -14,6 +14,7 @@ MAX_TABLE = 8 << 20
 MAX_LINE = 16 << 10  # of a log; one of 32 axes has three thousand
 MAX_JSON = 96 << 20
 MOST_VALUES = 2_000_000  # of a JSON text
+LONGEST_S = 3600.0  # that a scenario may last
 
 
 def short(path: Path) -> Path:

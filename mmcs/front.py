@@ -30,7 +30,6 @@ from mmcs.scenario.load import load as _load
 from mmcs.scenario.setup import Setup
 
 MOST = (1 << 31) - 1  # samples of a wait(), snapshots
-MODES = ("off", "position", "velocity", "torque", "test1")
 STATE = np.dtype([(name, np.int32) for name in mcdef.fields("mc_state")])
 
 
@@ -169,8 +168,8 @@ class Machine:
         from mmcs.runs.machine import machine
         from mmcs.runs.session import Session
 
-        if mode is not None and mode not in MODES:
-            raise InputError.one("mode", "", mode, f"must be one of {', '.join(MODES)}")
+        if mode is not None and mode not in mcdef.MODES:
+            raise InputError.one("mode", "", mode, f"must be one of {', '.join(mcdef.MODES)}")
         setup = load(scenario, *sets, **values)
         if mode is not None:
             bare = {"mode": mode, "flags": []}

@@ -23,6 +23,7 @@ TABLE = HEADER.with_name("requests.def")
 O_RDONLY, O_WRONLY, O_RDWR = 0, 1, 2
 MODES = {"off": "MD_OFF", "position": "MD_POS", "velocity": "MD_VEL", "torque": "MD_TORQ",
          "test1": "MD_TEST1"}  # fmt: skip
+FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")
 
 
 @functools.cache

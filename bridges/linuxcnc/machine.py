@@ -182,9 +182,7 @@ def serve(bridge: Bridge, host: socket.socket, log) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenario", help="as mmcs run takes it")
-    parser.add_argument(
-        "--path", type=Path, default=Path("/tmp/mmcs-hal.sock"), help="of the socket"
-    )
+    parser.add_argument("--path", type=Path, default=PATH, help="of the socket")
     parser.add_argument("--log", type=Path, help="CSV of counts and angles, a row per period")
     given = parser.parse_args()
     try:

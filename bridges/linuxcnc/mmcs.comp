@@ -27,7 +27,7 @@ pin out u32 lost = 0 "periods in which the machine did not answer";
 option singleton yes;
 option extra_setup yes;
 option extra_cleanup yes;
-modparam dummy path "socket of the machine, as it was told by --socket";
+modparam dummy path "socket of the machine, as machine.py was told by --path";
 function read "takes the answer to the last write";
 function write "commands for the next period";
 variable int waiting;

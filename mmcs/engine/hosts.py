@@ -18,9 +18,11 @@ COMPILERS = {  # and the Python package that holds the processor
 }
 
 
-def check(host: str) -> None:
+def check(host: str, given_in: object = "--host", key: str = "") -> str:
     if host not in HOSTS:
-        raise InputError.one("--host", "", host, 'must be one of "native", "m68020", "rv32"')
+        allowed = "must be one of " + ", ".join(f'"{h}"' for h in HOSTS)
+        raise InputError.one(given_in, key, host, allowed)
+    return host
 
 
 def config(host: str) -> dict:

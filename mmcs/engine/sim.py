@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 from mmcs.mcdef import make_ffi
 
-SEGMENT_KINDS = ("hold", "step", "ramp", "quintic", "trapezoid", "sine", "chirp", "table", "square")
+SEGMENT_KINDS = [name.lower() for name in re.findall(r"MMCS_SEG_(\w+) =", mcdef.ABI[0].read_text())]
 
 
 @functools.cache

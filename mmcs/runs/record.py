@@ -19,7 +19,7 @@ import numpy as np
 from mmcs import __version__, logcols
 from mmcs.engine.rows import BLOCK, blocks
 from mmcs.errors import InputError
-from mmcs.files import is_name, loads, log_lines, open_file, read_json, short
+from mmcs.files import LONGEST_S, is_name, loads, log_lines, open_file, read_json, short
 from mmcs.folder import settle
 from mmcs.place import run_file
 from mmcs.runs.programs import absolute, digest
@@ -172,7 +172,7 @@ def _unpack_files(packed: str) -> dict[str, str]:
 
 def _check_data(data: dict, files: dict[str, str]) -> None:
     duration = data.get("duration")
-    if not isinstance(duration, int | float) or not 0 < duration <= 3600:
+    if not isinstance(duration, int | float) or not 0 < duration <= LONGEST_S:
         raise ValueError("the duration is wrong")
     motions = data.get("motion", [])
     motions = motions if isinstance(motions, list) else []
@@ -183,7 +183,7 @@ def _check_data(data: dict, files: dict[str, str]) -> None:
 
 def _check_digests(text: dict) -> None:
     marks, samples, each = text["marks"], text["samples"], text["rows_each"]
-    if not 0 <= text["motion_start_s"] <= 3600 or not 0 < text["clk_hz"] <= 10**9:
+    if not 0 <= text["motion_start_s"] <= LONGEST_S or not 0 < text["clk_hz"] <= 10**9:
         raise ValueError("a time is wrong")
     if not 0 <= samples <= MAX_SAMPLES or not 1 <= each <= MAX_SAMPLES:
         raise ValueError("the number of samples is wrong")

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 from mmcs import __version__
-from mmcs.engine.hosts import HOSTS, image_digest
+from mmcs.engine.hosts import check, image_digest
 from mmcs.errors import InputError
 from mmcs.files import read_json, short
 from mmcs.runs.programs import digest
@@ -18,7 +18,7 @@ def replay(record: Record) -> tuple[str, str | None]:
     from mmcs.runs.runner import simulate
 
     with tempfile.TemporaryDirectory() as folder:
-        result = simulate(record.setup(Path(folder)), host=_host(record))
+        result = simulate(record.setup(Path(folder)), host=check(record.host, record.path, "host"))
     if result.hash == record.hash:
         return result.hash, None
     where = first_difference(record, result.log, result.checkpoints)
@@ -37,14 +37,6 @@ def cautions(record: Record) -> list[str]:
     if image != now:
         found.append(f"recorded with the firmware image {image}, this one is {now}")
     return found
-
-
-def _host(record: Record) -> str:
-    """What ran the firmware; a processor's image is compiled anew, as its run would be."""
-    if record.host not in HOSTS:
-        allowed = "must be one of " + ", ".join(f'"{h}"' for h in HOSTS)
-        raise InputError.one(record.path, "host", record.host, allowed)
-    return record.host
 
 
 # --- a stretch with waveforms ------------------------------------------------------------------
@@ -129,7 +121,7 @@ def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
     from mmcs.runs.snapshots import ResumedSession
     from mmcs.runs.stretch import Changing
 
-    host = _host(record)
+    host = check(record.host, record.path, "host")
     with tempfile.TemporaryDirectory() as folder:
         setup = record.setup(Path(folder))
         with (

@@ -9,11 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from mmcs.errors import out_of_memory
-from mmcs.files import short
+from mmcs.files import LONGEST_S, short
 from mmcs.runs.programs import absolute
 from mmcs.scenario.setup import Setup, make_setup
 
-LONGEST_S = 3600.0  # of a scenario
 A_DAY_S = 86400.0  # make has not begun longer ago
 
 

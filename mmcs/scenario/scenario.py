@@ -6,16 +6,17 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mmcs import mcdef
+from mmcs.files import LONGEST_S
 from mmcs.scenario.robot import MotorValues
 from mmcs.scenario.schema import Axes, Count, Hash, Limit, NumberOrList, Pair, Strict
 
 INT_MIN, INT_MAX = -(2**31), 2**31 - 1
 Int32 = Annotated[int, Field(ge=INT_MIN, le=INT_MAX)]
-Seconds = Annotated[float, Field(ge=0, le=3600)]
-Duration = Annotated[float, Field(gt=0, le=3600)]
+Seconds = Annotated[float, Field(ge=0, le=LONGEST_S)]
+Duration = Annotated[float, Field(gt=0, le=LONGEST_S)]
 Degrees = Annotated[float, Field(ge=-36_000, le=36_000)]
-Mode = Literal["off", "position", "velocity", "torque", "test1"]
-Flag = Literal["coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr"]
+Mode = Literal[*mcdef.MODES]
+Flag = Literal[*mcdef.FLAGS]
 
 
 class Host(Strict):
@@ -229,7 +230,7 @@ class SignalExpect(Strict):
     axis: Axes = "all"
     signal: Literal["setpoint", "encoder", "velocity", "error", "current"]
     after: Seconds = 0.0
-    until: Seconds = 3600.0
+    until: Seconds = LONGEST_S
     mean: Pair | None = None
     rms: Pair | None = None
     lowest: Pair | None = None
@@ -254,7 +255,7 @@ class PathExpect(Strict):
 
     kind: Literal["path"]
     axis: Axes = "all"
-    every: float = Field(ge=1e-3, le=3600, description="seconds from one count to the next")
+    every: float = Field(ge=1e-3, le=LONGEST_S, description="seconds from one count to the next")
     counts: list[list[Int32]] = Field(min_length=1, description="a list for each axis, or one list")
     within: float = Field(10.0, ge=0)  # counts
 

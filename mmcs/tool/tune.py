@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mmcs import mcdef
 from mmcs.device.link import Link, Samples
 from mmcs.runs.metrics import step_response
 from mmcs.scenario.identify import Frequency, Motor, frequency, identify
@@ -26,10 +27,9 @@ from mmcs.scenario.synthesis import (
 )
 from mmcs.tool.judge import HELD_OFF, MORE_OVERSHOOT, judge, predict
 
-ENCNOW, ERRCODE, SETPOINT, CURRENT = 1, 6, 7, 9  # within an axis's ten values of a row
+ENCNOW, SETPOINT, CURRENT = 1, 7, 9  # within an axis's ten values of a row
 ENABLED, STOPPED = 4, 8  # bits of a row's lines
 PERIOD_MS = 2  # between messages of the stream
-MD_POS, MD_TORQ, COULCOMP = 1, 3, 0x10
 RAMP_LSB_S = 400.0  # of the search for the current that breaks the axis away
 MOVED = 12  # counts that count as moving
 PULSES = (1.6, 2.2, 3.0)  # currents of the relay, in break-away currents
@@ -242,7 +242,7 @@ def identify_axis(bench: Bench, half: float, most: int) -> tuple[Motor, float]:
     safe = Range(bench, bench.position, half)
     bench.write(0)
     bench.wait(0.05)  # the demand is 0 before the mode can act on it
-    bench.mode(MD_TORQ)
+    bench.mode(mcdef.MD_TORQ)
     bench.wait(0.1)
     away = 0.0
     for sign in (1, -1):
@@ -268,7 +268,7 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
         "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
         "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
     }
-    fields["mode"] = MD_POS | COULCOMP
+    fields["mode"] = mcdef.MD_POS | mcdef.COULCOMP
     bench.write(bench.position)
     bench.change(**fields)
     bench.wait(0.3)
