@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -41,12 +42,19 @@ def compiled(
     stat = tool.stat()
     told = json.dumps([words, "-M", str(tool), stat.st_size, stat.st_mtime_ns])
     folder = STORE / f"{name}-{hashlib.sha256(told.encode()).hexdigest()[:12]}"
-    STORE.mkdir(parents=True, exist_ok=True)
-    with folder.with_suffix(".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with locked(folder.with_suffix(".lock")):
         if not _is_fresh(folder):
             _make(folder, name, words, reads or [])
     return folder / name
+
+
+@contextmanager
+def locked(path: Path):
+    """One process at a time."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def written(name: str, text: str) -> Path:

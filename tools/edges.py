@@ -13,9 +13,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from cocotb_tests.lib.runner import digest_of, locked, needed
+from cocotb_tests.lib.runner import digest_of
+from tools.compiled import locked
 from tools.pages import rewrite
-from tools.sources import sources
+from tools.sources import reached, sources
 
 ROOT = Path(__file__).resolve().parent.parent
 HERE = ROOT / "cocotb_tests" / "edges"
@@ -46,7 +47,7 @@ def build(name: str) -> Path:
     rtl = sources("rtl")
     models = sorted(MODELS[name].glob("*.sv")) if name in MODELS else []
     kept = [f for f in rtl if f.name not in {m.name for m in models}]
-    files = needed(top, [*models, *kept, HERE / f"{top}.sv"])
+    files = reached([top], [*models, *kept, HERE / f"{top}.sv"])
     include = next(p for p in rtl[0].parents if p.name == "rtl")
     hardware = digest_of([*files, *sorted(include.rglob("*.svh"))]).hexdigest()[:12]
     out = ROOT / "build" / "edges" / f"{name}-{hardware}"

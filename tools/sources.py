@@ -7,6 +7,7 @@ import importlib.util
 import os
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import yaml
@@ -37,18 +38,27 @@ def sources(name: str = "rtl", root: Path | None = None, includes: bool = False)
     return out
 
 
+def reached(tops: Iterable[str], files: list[Path]) -> list[Path]:
+    """Those of the files that these modules are made of, in their order. KeyError without a top."""
+    text = {f: re.sub(r"//.*", "", f.read_text()) for f in files if f.is_file()}
+    declares = {
+        name: f
+        for f, t in text.items()
+        for name in re.findall(r"^\s*(?:module|package)\s+(?:automatic\s+)?(\w+)", t, re.M)
+    }
+    found, todo = set(), [declares[top] for top in tops]
+    while todo:
+        file = todo.pop()
+        if file not in found:
+            found.add(file)
+            used = re.findall(r"(\w+)\s+(?:#\(|\w+\s*\()|(\w+)::", text[file])
+            todo += [declares[word] for pair in used for word in pair if word in declares]
+    return [f for f in files if f in found]
+
+
 def made_of(*tops: str) -> list[Path]:
     """The files of the set rtl that these modules are made of, from the top of the checkout."""
-    files = {f.stem: f for f in sources("rtl", Path())}
-    found, todo = set(), list(tops)
-    while todo:
-        name = todo.pop()
-        if name not in found:
-            found.add(name)
-            text = (ROOT / files[name]).read_text()
-            used = re.findall(r"^\s*(\w+) (?:#\(|u_\w+)|(\w+)::", text, re.M)
-            todo += [word for pair in used for word in pair if word in files]
-    return [f for f in files.values() if f.stem in found]
+    return [f.relative_to(ROOT) for f in reached(tops, sources("rtl", ROOT))]
 
 
 def _tree() -> Path:

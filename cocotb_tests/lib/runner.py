@@ -5,7 +5,6 @@ A build lives in build/cocotb/<top>-<key>, the key hashing every source, paramet
 that a second run builds nothing; a lock keeps parallel workers from building the same thing twice.
 """
 
-import fcntl
 import hashlib
 import os
 import re
@@ -15,7 +14,6 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -23,7 +21,8 @@ from cocotb_tools.runner import Icarus, Verilator
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
-from sources import sources  # noqa: E402
+from compiled import locked, written  # noqa: E402
+from sources import reached, sources  # noqa: E402
 
 from mmcs import ensure_library  # noqa: E402
 
@@ -94,30 +93,6 @@ def build_root() -> Path:
     return Path(os.environ.get("MMCS_BUILD", ROOT / "build")).resolve() / "cocotb"
 
 
-def needed(toplevel: str, files: list[Path]) -> list[Path]:
-    """The files of the manifest that the top reaches, in its order.
-
-    So a change in one chip rebuilds what holds that chip and nothing else. Any mention of a module
-    or package name counts, which can only include too much.
-    """
-    text = {f: f.read_text() for f in files if f.is_file()}
-    declares = {
-        name: f
-        for f, t in text.items()
-        for name in re.findall(r"^\s*(?:module|package)\s+(?:automatic\s+)?(\w+)", t, re.M)
-    }
-    if toplevel not in declares:
-        raise BuildError(f"no source declares module {toplevel}")
-    words = {f: set(re.findall(r"\w+", t)) for f, t in text.items()}
-    todo, reached = [declares[toplevel]], set()
-    while todo:
-        file = todo.pop()
-        if file not in reached:
-            reached.add(file)
-            todo += [declares[w] for w in words[file] & declares.keys()]
-    return [f for f in files if f in reached]
-
-
 def _limit_s() -> int:
     """HANG_S, or what is left to this process, which may have a lower limit (`make sabotage`)."""
     most = resource.getrlimit(resource.RLIMIT_CPU)[1]
@@ -164,30 +139,25 @@ class _Verilator(_Runner, Verilator):
 
 def _design(job: Job) -> tuple[list[Path], list[Path]]:
     """Sources and include folders of a job."""
-    ports = _written(f"{job.toplevel}_ports.vlt", PORTS.format(top=job.toplevel))
+    ports = written(f"{job.toplevel}_ports.vlt", PORTS.format(top=job.toplevel))
     if job.netlist:
         return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent, *job.includes]
     rtl = sources("rtl")
     testbench = [TESTBENCH] if job.dpi and not job.extra else []
-    files = needed(job.toplevel, [*rtl, *job.extra, *testbench])
+    try:
+        files = reached([job.toplevel], [*rtl, *job.extra, *testbench])
+    except KeyError:
+        raise BuildError(f"no source declares module {job.toplevel}") from None
     if job.toplevel in CHECKED_TOPS and job.sim == "verilator":
         files += [f for f in sources("checkers") if f.is_file()]
     folder = next(p for p in rtl[0].parents if p.name == "rtl")
     if job.sim == "verilator":
         waivers = folder / "verilator.vlt"  # a mutant's own
-        ours = [_written(f"{job.toplevel}_wires.vlt", WIRES)] if job.dpi else [ports, VISIBLE]
+        ours = [written(f"{job.toplevel}_wires.vlt", WIRES)] if job.dpi else [ports, VISIBLE]
         files = [*ours, *([waivers] if waivers.is_file() else []), *files]
     elif job.waves:
-        files += [_written(f"{job.toplevel}_waves.sv", DUMP.format(top=job.toplevel))]
+        files += [written(f"{job.toplevel}_waves.sv", DUMP.format(top=job.toplevel))]
     return files, [folder, *job.includes]
-
-
-def _written(name: str, text: str) -> Path:
-    path = build_root() / name
-    if not path.is_file() or path.read_text() != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    return path
 
 
 def _arguments(job: Job) -> list[str]:
@@ -208,14 +178,6 @@ def _arguments(job: Job) -> list[str]:
 
 def _traced(job: Job) -> bool:
     return job.waves and job.sim == "verilator"
-
-
-@contextmanager
-def locked(path: Path):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
 
 
 def _lend_objects(folder: Path, coverage: bool) -> None:
