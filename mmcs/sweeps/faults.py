@@ -17,16 +17,15 @@ SORTS = ("register", "line", "pin", "message", "kill")
 SHORTEST_S, LONGEST_S = 50e-6, 50e-3  # of what passes by itself
 DIGITS = 7  # of a time: less than a clock
 
-BUSES = ("vme_a", "vme_am", "vme_d", "vme_control", "pc_a", "pc_d", "pc_control")
 CONTROL = {
     "vme_control": ("AS*", "DS0*", "DS1*", "WRITE*", "LWORD*", "IACK*", "IACKIN*"),
     "pc_control": ("IOR#", "IOW#"),
 }
-STUCK = tuple(f"{bus}_stuck{level}" for bus in BUSES for level in (0, 1))  # one line of them
 PINS, LINES, KILLS, MESSAGES = (
     tuple(name for name, i in INPUTS.items() if i.sort == sort and i.draw != "none")
     for sort in ("pin", "line", "kill", "message")
 )
+STUCK = tuple(name for name in LINES if INPUTS[name].draw == "bit")  # one line of a bus
 PARAMETERS = ("a0", "a1", "b0", "b1", "ic_pos", "ic_neg", "ilim", "clkdivisor")
 REQUESTS = tuple(request.name for request in mcdef.requests().values() if request.called)
 
