@@ -6,16 +6,16 @@ TEST(test_arming_traffic, "DRV-8 CAL-1") {
   struct mc *mc = mock_open(&m, 3);
   mock_run(&m, 500);
   m.logging = 1;
-  calibrate(mc, 3);
+  call(mc, MCALIB, 3);
   static const struct mock_access want[] = {
       W(0x043, 0x01),           /* index latches clear, SCLOCK off: that card only */
       PAIR(0x049), PAIR(0x04D), /* what SCLOCK latched is out of the way */
       W(0x043, 0x11)};          /* armed */
   EXPECT(&m, want);
   m.used = 0;
-  calibrate(mc, 3); /* it waits already */
+  call(mc, MCALIB, 3); /* it waits already */
   CHECK_EQ(m.used, 0);
-  calibrate(mc, 2); /* the other axis of that card: armed afresh */
+  call(mc, MCALIB, 2); /* the other axis of that card: armed afresh */
   EXPECT(&m, want);
   CHECK_EQ(m.card[0].b, 5);
   CHECK_EQ(m.card[2].b, 5);
@@ -23,7 +23,7 @@ TEST(test_arming_traffic, "DRV-8 CAL-1") {
 
 TEST(test_pass_of_a_calibrating_card, "DRV-7 DRV-8") {
   struct mc *mc = mock_open(&m, 2);
-  calibrate(mc, 2);
+  call(mc, MCALIB, 2);
   m.latency_us = 20;
   mock_pass(&m);
   m.logging = 1;
@@ -41,10 +41,11 @@ TEST(test_every_axis_finds_its_own_index, "DRV-5 DRV-8 CAL-1") {
   for (int axis = 0; axis < 6; axis++) {
     struct mc *mc = mock_open(&m, 3);
     int other = axis ^ 1;
-    calibrate(mc, axis);
+    call(mc, MCALIB, axis);
     pass_index(&m, other, 900); /* nobody waits for this one */
     mock_run(&m, 6000);
     for (int i = 0; i < 6; i++) CHECK_EQ(errcode_of(&m, i), 0);
+    CHECK_EQ(mc_state_of(mc, other)->encnow, 917);
     CHECK_EQ(m.card[axis / 2].b, 0x11);
     pass_index(&m, axis, (uint16_t)(0xFF00 + axis));
     mock_pass(&m);
@@ -57,6 +58,7 @@ TEST(test_every_axis_finds_its_own_index, "DRV-5 DRV-8 CAL-1") {
     pass_index(&m, axis, 4); /* once is enough */
     mock_run(&m, 6000);
     CHECK_EQ(m.signals[0], 1);
+    CHECK_EQ(mc_state_of(mc, axis)->encnow, 21);
   }
 }
 
@@ -65,8 +67,8 @@ TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
     struct mc *mc = mock_open(&m, 2);
     int second = 1 - first;
     call(mc, MDACMODE, 1);
-    calibrate(mc, 2);
-    calibrate(mc, 3);
+    call(mc, MCALIB, 2);
+    call(mc, MCALIB, 3);
     CHECK_EQ(m.card[0].b, 0x0D);
     CHECK_EQ(m.card[1].b, 0x11);
     pass_index(&m, 2 + first, 50);
@@ -86,8 +88,8 @@ TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
 
 TEST(test_two_at_once_are_one_signal, "DRV-5 DRV-8") {
   struct mc *mc = mock_open(&m, 2);
-  calibrate(mc, 1);
-  calibrate(mc, 2);
+  call(mc, MCALIB, 1);
+  call(mc, MCALIB, 2);
   pass_index(&m, 1, 11);
   pass_index(&m, 2, 22);
   mock_pass(&m);
@@ -100,8 +102,8 @@ TEST(test_two_at_once_are_one_signal, "DRV-5 DRV-8") {
 TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-7 DRV-8") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  calibrate(mc, 0);
-  calibrate(mc, 1);
+  call(mc, MCALIB, 0);
+  call(mc, MCALIB, 1);
   mock_run(&m, 200);
   pass_index(&m, 0, 11);
   pass_index(&m, 1, 22);
@@ -129,8 +131,8 @@ TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken, "DRV-8 CAL-1") {
   int doubts = 0, found = 0;
   for (strike_at = 1; strike_at < 26; strike_at++) {
     struct mc *mc = mock_open(&m, 2);
-    calibrate(mc, 2);
-    calibrate(mc, 3);
+    call(mc, MCALIB, 2);
+    call(mc, MCALIB, 3);
     m.card[1].count[1] = 70;
     m.latency_us = 20;
     mock_pass(&m);
@@ -175,8 +177,8 @@ TEST(test_the_doubt_of_one_axis_is_not_the_others, "DRV-8 CAL-1") {
     for (int sure = 2; sure < 4; sure++) {
       struct mc *mc = mock_open(&m, 2);
       int other = sure ^ 1;
-      calibrate(mc, 2);
-      calibrate(mc, 3);
+      call(mc, MCALIB, 2);
+      call(mc, MCALIB, 3);
       m.latency_us = 20;
       mock_pass(&m);
       pass_index(&m, sure, 300);
@@ -203,7 +205,7 @@ TEST(test_the_doubt_of_one_axis_is_not_the_others, "DRV-8 CAL-1") {
 TEST(test_an_index_while_not_armed_is_not_believed, "DRV-8") {
   for (strike_at = 1; strike_at < 26; strike_at++) {
     struct mc *mc = mock_open(&m, 2);
-    calibrate(mc, 3);
+    call(mc, MCALIB, 3);
     m.latency_us = 20;
     mock_pass(&m);
     m.logging = 1;
@@ -217,6 +219,9 @@ TEST(test_an_index_while_not_armed_is_not_believed, "DRV-8") {
       CHECK_EQ(errcode_of(&m, 3), 0);
       CHECK_EQ(m.signals[0], 0);
       CHECK_EQ(m.card[1].b, 0x11);
+    } else {
+      mock_pass(&m);
+      CHECK_EQ(errcode_of(&m, 3), 3 << 8 | MERR_ZINDEX);
     }
   }
 }
@@ -234,7 +239,7 @@ TEST(test_the_servo_sees_where_the_axis_is, "DRV-8 SRV-1") {
         CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
       }
       CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-      calibrate(mc, axis);
+      call(mc, MCALIB, axis);
       for (int pass = 0; pass < 5; pass++) {
         uint16_t now = (uint16_t)(100 * pass);
         pass_index(&m, passing, now); /* goes on by 17 counts since */
@@ -275,7 +280,7 @@ TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other, "DR
       CHECK_EQ(try_mode(mc, user, MD_OFF), 0);
     }
     CHECK_EQ(try_mode(mc, 0, MD_POS | ADFB), 0); /* of another card */
-    calibrate(mc, axis);
+    call(mc, MCALIB, axis);
     for (int i = 0; i < 8; i++) {
       CHECK_EQ(try_mode(mc, 2 + (i & 1), led[i / 2]), -MC_EBUSY);
       struct mc_param par = {.which = 2 + (i & 1)};
@@ -295,8 +300,8 @@ TEST(test_a_stop_gives_calibrations_up, "DRV-8 DRV-9") {
       struct mc *mc = mock_open(&m, 2);
       int monitor = mc_open(mc, MC_O_RDONLY);
       if (enabled) CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-      calibrate(mc, 1);
-      calibrate(mc, 2);
+      call(mc, MCALIB, 1);
+      call(mc, MCALIB, 2);
       mock_run(&m, 5000);
       CHECK(m.card[0].b & 0x10);
       CHECK_EQ(how == 0   ? mc_ioctl(mc, 0, MSTOP, NULL)

@@ -197,31 +197,6 @@ TEST(test_set_dac, "DRV-12") {
   CHECK_EQ(mock_dac(&m, 1), 0x800);
 }
 
-TEST(test_clkdivisor, "SRV-1") {
-  struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = param_of(mc, 0);
-  par.mode = MD_TEST1;
-  par.clkdivisor = 3;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  int start = mc_state_of(mc, 0)->inow, passes = m.passes;
-  mock_run(&m, 60000);
-  CHECK_EQ(mc_state_of(mc, 0)->inow - start, (m.passes - passes) / 3);
-}
-
-TEST(test_stats, "DRV-3 DRV-7") {
-  struct mc *mc = mock_open(&m, 1);
-  struct mc_stats stats;
-  mock_run(&m, 20100);
-  CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
-  CHECK_EQ(stats.total, 10);
-  mc_spurious(mc);
-  CHECK_EQ(mc_stats_of(mc)->spurious, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
-  CHECK_EQ(mc_stats_of(mc)->total, 0);
-  CHECK_EQ(mc_stats_of(mc)->spurious, 0);
-}
-
 /* Any call with any argument: documented errors only, and nothing for the sanitizers. */
 TEST(test_fuzz, "DRV-3 DRV-4") {
   struct mc *mc = mock_open(&m, 2);

@@ -51,8 +51,8 @@ TEST(test_after_a_stop_it_is_refused_as_a_write_is, "DRV-6") {
 
 TEST(test_the_end_of_one_calibration, "DRV-8 CAL-1") {
   struct mc *mc = mock_open(&m, 2);
-  calibrate(mc, 2);
-  calibrate(mc, 3);
+  call(mc, MCALIB, 2);
+  call(mc, MCALIB, 3);
   CHECK_EQ(end(mc, 2), 0);
   CHECK_EQ(m.card[1].b, 0x11); /* the other still waits */
   pass_index(&m, 2, 40);
@@ -67,7 +67,7 @@ TEST(test_the_end_of_one_calibration, "DRV-8 CAL-1") {
 /* What the index has latched meanwhile is nobody's position. */
 TEST(test_the_end_leaves_the_position, "DRV-8 DRV-11") {
   struct mc *mc = mock_open(&m, 1);
-  calibrate(mc, 0);
+  call(mc, MCALIB, 0);
   mock_run(&m, 5000);
   pass_index(&m, 0, 300);
   m.logging = 1;
@@ -78,7 +78,7 @@ TEST(test_the_end_leaves_the_position, "DRV-8 DRV-11") {
   mock_run(&m, 5000);
   CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 317);
-  calibrate(mc, 0); /* and it can be asked for again */
+  call(mc, MCALIB, 0); /* and it can be asked for again */
   pass_index(&m, 0, 320);
   mock_run(&m, 5000);
   CHECK_EQ(errcode_of(&m, 0), 320 << 16 | MERR_ZINDEX);

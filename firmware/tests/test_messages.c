@@ -41,12 +41,11 @@ TEST(test_limits_are_told_when_asked_for, "DRV-2 DRV-6") {
 
 TEST(test_overload_is_told, "DRV-2 SRV-4") {
   struct mc *mc = mock_open(&m, 1);
-  int32_t set[2] = {0, 60};
   limits(mc, 1, MD_TORQ | SOFTERR);
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   call(mc, MSETVERBOSITY, M_ERRORPRINT);
   int before = m.logs;
-  CHECK_EQ(mc_write(mc, 0, set, sizeof set), (int)sizeof set);
+  DEMAND(mc, 0, 60);
   mock_run(&m, 7000);
   CHECK_EQ(m.logs, before);
   mock_run(&m, 2100);
@@ -82,6 +81,7 @@ TEST(test_every_axis_is_watched_for_its_heartbeat, "DRV-7 DRV-12") {
     CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
     CHECK_EQ(m.passes, passes); /* the pass that finds it is no sample */
     CHECK_EQ(m.last_log[(int)strlen("mc: PANIC: axis ")], '0' + axis);
+    CHECK_EQ(m.card[axis / 2].beat_until[axis % 2], 0); /* and is not started again */
   }
 }
 

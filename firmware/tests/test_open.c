@@ -48,7 +48,7 @@ static int add(struct mock_access *want, int n, int write, unsigned offset, unsi
   return n + 1;
 }
 
-TEST(test_first_open_traffic, "DRV-2 DRV-3") {
+TEST(test_first_open_traffic, "DRV-2 DRV-3 DIA-2") {
   static const uint8_t pattern[] = {0xA8, 0x50, 0x00}; /* never a counting mode */
   static const unsigned timers[][2] = {{0x409, 0x18}, {0x407, 0x70}, {0x407, 0xB4}, {0x405, 0},
                                        {0x405, 0},    {0x407, 0x34}, {0x401, 0x40}, {0x401, 0x1F},
@@ -163,7 +163,7 @@ TEST(test_a_new_open_finds_the_defaults_again, "DRV-2") {
   struct mc_param first = param_of(mc, 1), par = first;
   struct mc_stats stats;
   struct mc_state state[4];
-  int one = 1;
+  int verbosity;
   DEMAND(mc, 9, 9, 9, 9);
   par.mode = MD_POS;
   par.clkdivisor = 25;
@@ -171,9 +171,9 @@ TEST(test_a_new_open_finds_the_defaults_again, "DRV-2") {
   call(mc, MDACMODE, 1);
   call(mc, MDIAGMODE, M_ANDIAG | M_ENDIAG);
   call(mc, MCALIB, 2);
-  CHECK_EQ(mc_ioctl(mc, 0, MSETVERBOSITY, &one), 0);
+  call(mc, MSETVERBOSITY, 1);
   mock_run(&m, 5000);
-  CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
+  call(mc, MSETNUMJOINTS, 1);
   mc_spurious(mc);
   CHECK_EQ(mc_close(mc, 0), 0);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
@@ -184,8 +184,8 @@ TEST(test_a_new_open_finds_the_defaults_again, "DRV-2") {
   par = param_of(mc, 1);
   CHECK(memcmp(&par, &first, sizeof par) == 0);
   for (int i = 0; i < 4; i++) CHECK_EQ(mc_setpoint(mc, i), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &one), 0);
-  CHECK_EQ(one, 0);
+  CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &verbosity), 0);
+  CHECK_EQ(verbosity, 0);
   CHECK_EQ(m.card[0].b, 5);
   CHECK_EQ(m.card[1].b, 5); /* waits for no index */
   set_mode(mc, 1, MD_POS);
@@ -203,8 +203,7 @@ TEST(test_reopened_at_once_the_own_panic_is_no_error, "DRV-6 DRV-9") {
   for (int gap = 0; gap < 60000; gap += 500) {
     static const unsigned intervals[] = {2000, 500, 20000};
     struct mc *mc = mock_open(&m, 1);
-    unsigned us = intervals[gap / 500 % 3];
-    CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
+    call(mc, MSETINTERVAL, intervals[gap / 500 % 3]);
     CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
     mock_run(&m, 10000);
     CHECK_EQ(mc_close(mc, 0), 0);

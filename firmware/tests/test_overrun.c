@@ -85,9 +85,8 @@ TEST(test_a_break_in_time_is_forgiven, "DRV-9") {
 TEST(test_axes_that_are_off_are_not_due, "DRV-9 DRV-12") {
   for (int one = 0; one < 2; one++) { /* nor are those beyond the joints */
     struct mc *mc = started(MD_OFF, one ? MD_VEL : MD_OFF, 1);
-    int arg = 0xABC << 8;
-    if (one) CHECK_EQ(mc_ioctl(mc, 0, MSETNUMJOINTS, &one), 0);
-    CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &arg), 0);
+    if (one) call(mc, MSETNUMJOINTS, 1);
+    call(mc, MSETDAC, 0xABC << 8);
     int passes = m.passes;
     slow = 2000;
     mock_run(&m, 200000);

@@ -305,6 +305,7 @@ TEST(test_a_card_that_lost_power_is_revived, "DRV-9 DRV-10") {
       char text[] = "mc: card 0 was reset: initialised again\n";
       text[9] = (char)('0' + lost);
       SAID(text);
+      CHECK_EQ(c->b, 7);
       mock_run(&m, 4100);
       for (int axis = 0; axis < 6; axis++) {
         int32_t where = axis / 2 != lost ? 60000 : axis & 1 ? 0x20 : -16;

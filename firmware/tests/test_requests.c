@@ -7,10 +7,6 @@ static void set(struct mc *mc, struct mc_param par) {
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
 }
 
-static void enable(struct mc *mc) {
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-}
-
 /* --- the call itself ------------------------------------------------------------------------- */
 
 static int masks, ins, outs;
@@ -96,7 +92,7 @@ TEST(test_joints_that_come_and_go, "DRV-3 DRV-6") {
     par.clkdivisor = axis == 2 ? 25 : 1;
     set(mc, par);
   }
-  enable(mc);
+  call(mc, MENABLE, 0);
   CHECK_EQ(mc_write(mc, 0, values, 12), 12);
   call(mc, MSETNUMJOINTS, 4); /* as many as before: nothing happens */
   mock_run(&m, 2000 * 100);
@@ -136,7 +132,7 @@ TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
     par.b1 = -1;
     set(mc, par);
   }
-  enable(mc);
+  call(mc, MENABLE, 0);
   DEMAND(mc, 1, 2);
   mock_pass(&m);
   int32_t a = mc_state_of(mc, 0)->inow, b = mc_state_of(mc, 1)->inow;
@@ -156,7 +152,7 @@ TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6")
   set_mode(mc, 0, MD_TORQ);
   set_mode(mc, 1, MD_POS);
   CHECK_EQ(mc_setpoint(mc, 0), 70); /* not under power: written is written */
-  enable(mc);
+  call(mc, MENABLE, 0);
   for (int axis = 0; axis < 2; axis++) CHECK_EQ(mc_setpoint(mc, axis), 0); /* but of no force */
   DEMAND(mc, 70, 80);
   mock_pass(&m);
@@ -175,7 +171,7 @@ TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6")
   m.card[0].count[0] = 500; /* pushed: it comes back, a second time it is not asked */
   mock_run(&m, 4000);
   CHECK_EQ(mc_setpoint(mc, 0), 400);
-  enable(mc); /* a new start: all of them stay where they are */
+  call(mc, MENABLE, 0); /* a new start: all of them stay where they are */
   mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), 500);
   CHECK_EQ(mc_setpoint(mc, 1), 0);
@@ -196,7 +192,7 @@ TEST(test_a_change_of_feedback_does_not_jump, "DRV-9 SRV-6") {
     struct mc *mc = mock_open(&m, 1);
     set_mode(mc, 0, changes[i][0]);
     set_mode(mc, 1, MD_TORQ);
-    enable(mc);
+    call(mc, MENABLE, 0);
     DEMAND(mc, 300, 20);
     m.card[0].count[0] = 250;
     m.card[0].adc[0] = 2222;
@@ -252,7 +248,7 @@ TEST(test_axes_wait_each_by_itself, "SRV-1 DRV-7") {
     par.mode = MD_TEST1;
     set(mc, par);
   }
-  enable(mc);
+  call(mc, MENABLE, 0);
   for (int axis = 0; axis < 4; axis++) samples[axis] = mc_state_of(mc, axis)->inow;
   for (int pass = 1; pass <= 60; pass++) {
     mock_pass(&m);
@@ -267,7 +263,7 @@ TEST(test_axes_wait_each_by_itself, "SRV-1 DRV-7") {
 
 TEST(test_a_code_is_for_axes_that_are_off, "DRV-12 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  enable(mc);
+  call(mc, MENABLE, 0);
   for (int mode = 0; mode < 16; mode++) {
     int off = mode < MD_POS || mode > MD_TEST1;
     int arg = (int)0xFFF12301u; /* what is above the code does not matter */

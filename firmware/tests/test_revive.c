@@ -30,10 +30,6 @@ static int cause(const struct mc *mc) {
   return mc_cause(mc, &number);
 }
 
-static int errcode(struct mc *mc, int axis) {
-  return mc_state_of(mc, axis)->errcode;
-}
-
 TEST(test_a_short_silence_leaves_the_count_whole, "DRV-13 DRV-10") {
   for (int enabled = 0; enabled < 2; enabled++) {
     for (int us = 500; us <= 6000; us += 500) {
@@ -65,7 +61,6 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
   for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     for (int cure = 0; cure < 3; cure++) {
       struct mc *mc = at(listening(2), 1, 100000);
-      int encoder = 1 | 5 << 8;
       mc->config.speed = cases[i].speed;
       set_mode(mc, 1, MD_POS);
       cable(0);
@@ -81,13 +76,13 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
         CHECK_EQ(strcmp(said, "mc: enable: axis 1: its count was lost: MSETENC or MCALIB first\n"),
                  0);
         CHECK_EQ(m.card[0].b & 2, 0);
-        if (cure == 0) CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &encoder), 0);
+        if (cure == 0) call(mc, MSETENC, 1 | 5 << 8);
         if (cure == 1) set_mode(mc, 1, MD_VEL); /* which needs no place */
         if (cure == 2) {
           call(mc, MCALIB, 1);
           m.card[0].index[1] = 1;
           mock_run(&m, 4000);
-          CHECK_EQ(errcode(mc, 1) & MERR_ZINDEX, MERR_ZINDEX);
+          CHECK_EQ(errcode_of(&m, 1) & MERR_ZINDEX, MERR_ZINDEX);
         }
         CHECK_EQ(enable(mc), 0);
       }
@@ -149,7 +144,7 @@ TEST(test_a_bus_error_is_told_once, "DRV-13") {
       CHECK_EQ(strcmp(said, "mc: PANIC: bus error in a servo pass\n"), 0);
       for (int client = 0; client < 3; client++)
         CHECK_EQ(m.signals[client], client < 2 ? round : 0);
-      CHECK_EQ(errcode(mc, 1), 0x100 | MERR_PANIC);
+      CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PANIC);
       CHECK_EQ(mc_stats_of(mc)->panics, round);
       CHECK_EQ(cause(mc), MCAUSE_BUS);
       m.adaptor_dead = 0;
@@ -179,7 +174,7 @@ TEST(test_sysreset_is_told_and_the_state_goes_on, "DRV-13 PAN-2") {
     CHECK_EQ(cause(mc), MCAUSE_RESET);
     CHECK_EQ(m.signals[0], 1);
     CHECK_EQ(m.signals[1], 0);
-    for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode(mc, axis), axis << 8 | MERR_PANIC);
+    for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_PANIC);
     CHECK_EQ(strstr(said, "mc: PANIC: SYSRESET*, the adaptor was reset\n") != NULL, 1);
     CHECK_EQ(mc_watch(mc, 100000), 0);
     CHECK_EQ(m.signals[0], 1);

@@ -246,18 +246,16 @@ TEST(test_speed_that_is_not_followed, "DRV-9") {
 }
 
 TEST(test_axis_that_is_off_stays_where_it_is, "DRV-9") {
-  unsigned renumbered = 3000 << 8 | 1, dac = 0x8FF << 8 | 1;
   struct mc *mc = guarded((struct mc_guard){.follow = 100});
   set_mode_within_100(mc, 1, MD_OFF);
-  CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &renumbered), 0);
+  call(mc, MSETENC, 3000 << 8 | 1);
   turn(1, 10, 10);
   CHECK(mc_is_enabled(mc));
-  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &dac), 0); /* moved on purpose */
+  call(mc, MSETDAC, 0x8FF << 8 | 1); /* moved on purpose */
   turn(1, 50, 10);
   CHECK(mc_is_enabled(mc));
   mock_pass(&m);
-  dac = 0x800 << 8 | 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETDAC, &dac), 0);
+  call(mc, MSETDAC, 0x800 << 8 | 1);
   turn(1, 10, 9);
   CHECK(mc_is_enabled(mc));
   turn(1, 10, 4);

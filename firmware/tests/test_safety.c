@@ -2,19 +2,6 @@
 /* Enable, stop, errors, PANIC and calibration on the mock machine. §2.3.4, §5.3.4, §5.3.6 */
 #include "traffic.h"
 
-static void set_mode_within(struct mc *mc, int axis, int mode, int ilimax) {
-  struct mc_param par = param_of(mc, axis);
-  par.mode = mode;
-  par.plo = -100;
-  par.phi = 100;
-  par.ilimax = ilimax;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
-static void enable(struct mc *mc) {
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-}
-
 /* Brakes may open only when the servo holds: every D/A is that of a servo pass. */
 static void brakes_need_a_servo(struct mock *mock) {
   if (!mock_panic(mock)) CHECK(mock->computes > 0 && (mock->card[0].b & 2) != 0);
@@ -25,10 +12,10 @@ TEST(test_enable_opens_brakes_with_the_servo, "DRV-9") {
   m.card[1].enabled[0] = 0;
   m.card[0].count[0] = 1234;
   m.computes = 0;
-  set_mode_within(mc, 0, MD_POS, 0);
+  set_mode_within_100(mc, 0, MD_POS);
   m.on_access = brakes_need_a_servo;
   CHECK(mock_panic(&m));
-  enable(mc);
+  call(mc, MENABLE, 0);
   CHECK(!mock_panic(&m));
   CHECK_EQ(m.releases, 1);
   CHECK_EQ(mc_setpoint(mc, 0), 1234); /* holds where it is */
@@ -37,23 +24,10 @@ TEST(test_enable_opens_brakes_with_the_servo, "DRV-9") {
   CHECK_EQ(m.pccsr, 0xF8);
 }
 
-TEST(test_enable_finds_dead_hardware, "DRV-9 PAN-2") {
-  struct mc *mc = mock_open(&m, 2);
-  m.card[1].present = 0;
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
-  CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
-  m.card[1].present = 1;
-  m.card[1].a = m.card[1].b = 0; /* its power came back */
-  enable(mc);
-  CHECK_EQ(m.card[1].mode_word, 0x89);
-  CHECK_EQ(m.card[1].a, 5);
-  CHECK_EQ(m.card[1].b, 7);
-}
-
 TEST(test_stop, "DRV-9 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  set_mode_within(mc, 0, MD_TORQ, 0);
-  enable(mc);
+  set_mode_within_100(mc, 0, MD_TORQ);
+  call(mc, MENABLE, 0);
   DEMAND(mc, 500);
   mock_run(&m, 5000);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 500);
@@ -71,31 +45,14 @@ TEST(test_stop, "DRV-9 DRV-6") {
   CHECK_EQ(m.signals[0], 0);
   struct mc_param par = param_of(mc, 0);
   CHECK_EQ(par.mode, MD_OFF);
-  enable(mc); /* and again */
-}
-
-TEST(test_last_close_stops, "DRV-9") {
-  struct mc *mc = mock_open(&m, 1);
-  int other = mc_open(mc, MC_O_RDWR);
-  enable(mc);
-  CHECK_EQ(mc_close(mc, 0), 0);
-  mock_run(&m, 100000);
-  CHECK(!mock_panic(&m));
-  CHECK_EQ(mc_close(mc, other), 0);
-  CHECK_EQ(m.pccsr, 0x18);
-  mock_run(&m, 51000);
-  CHECK(mock_panic(&m));
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  m.logging = 1;
-  CHECK_EQ(mc_close(mc, 0), 0); /* never enabled: moves nothing */
-  CHECK_EQ(m.used, 1);
+  call(mc, MENABLE, 0); /* and again */
 }
 
 TEST(test_limit_without_softerr_shuts_down, "DRV-5 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  set_mode_within(mc, 0, MD_POS | POSCHK, 0);
+  set_mode_within_100(mc, 0, MD_POS | POSCHK);
   int monitor = mc_open(mc, MC_O_RDONLY);
-  enable(mc);
+  call(mc, MENABLE, 0);
   m.card[0].count[0] = 101;
   mock_run(&m, 2100);
   CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
@@ -110,15 +67,15 @@ TEST(test_limit_without_softerr_shuts_down, "DRV-5 DRV-6") {
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
   CHECK_EQ(m.signals[0], 2);
   m.card[0].count[0] = 99;
-  enable(mc);
+  call(mc, MENABLE, 0);
   CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* sticky */
 }
 
 TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
-  set_mode_within(mc, 1, MD_POS | POSCHK | SOFTERR, 0);
-  enable(mc);
+  set_mode_within_100(mc, 1, MD_POS | POSCHK | SOFTERR);
+  call(mc, MENABLE, 0);
   m.card[0].count[1] = (uint16_t)-101;
   mock_run(&m, 20000);
   CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PLO);
@@ -139,8 +96,8 @@ TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
 TEST(test_same_event_again_survives_the_clear, "DRV-5") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_state state[2];
-  set_mode_within(mc, 0, MD_POS | POSCHK | SOFTERR, 0);
-  enable(mc);
+  set_mode_within_100(mc, 0, MD_POS | POSCHK | SOFTERR);
+  call(mc, MENABLE, 0);
   m.card[0].count[0] = 101;
   mock_run(&m, 2100);
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
@@ -154,8 +111,11 @@ TEST(test_same_event_again_survives_the_clear, "DRV-5") {
 
 TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  set_mode_within(mc, 0, MD_TORQ, 10);
-  enable(mc);
+  struct mc_param par = param_of(mc, 0);
+  par.mode = MD_TORQ;
+  par.ilimax = 10;
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  call(mc, MENABLE, 0);
   DEMAND(mc, 1025);
   mock_run(&m, 20000);
   CHECK_EQ(errcode_of(&m, 0), 0);
@@ -166,8 +126,8 @@ TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
 
 TEST(test_button, "DRV-5 DRV-6 DRV-12") {
   struct mc *mc = mock_open(&m, 2);
-  set_mode_within(mc, 0, MD_TORQ | SOFTERR, 0);
-  enable(mc);
+  set_mode_within_100(mc, 0, MD_TORQ | SOFTERR);
+  call(mc, MENABLE, 0);
   mock_run(&m, 10000);
   m.estop_open = 1;
   mock_run(&m, 100);
@@ -180,22 +140,10 @@ TEST(test_button, "DRV-5 DRV-6 DRV-12") {
   CHECK_EQ(mc_stats_of(mc)->panics, 1);
 }
 
-TEST(test_dead_heartbeat_is_found_without_an_edge, "DRV-7 DRV-12") {
-  struct mc *mc = mock_open(&m, 2);
-  enable(mc);
-  mock_run(&m, 10000);
-  m.card[1].enabled[0] = 0; /* PANIC hears nothing of it */
-  m.card[1].beat_until[0] = 0;
-  mock_run(&m, 2100);
-  CHECK_EQ(errcode_of(&m, 3), 0x300 | MERR_PANIC);
-  CHECK(strstr(m.last_log, "axis 2 has no heartbeat") != NULL);
-  CHECK_EQ(m.card[1].beat_until[0], 0); /* and is not started again */
-}
-
 TEST(test_lost_card, "DRV-7 DRV-12") {
   struct mc *mc = mock_open(&m, 2);
   int32_t before;
-  enable(mc);
+  call(mc, MENABLE, 0);
   mock_run(&m, 10000);
   before = mc_state_of(mc, 2)->encnow;
   m.card[1].present = 0;
@@ -208,14 +156,14 @@ TEST(test_lost_card, "DRV-7 DRV-12") {
 TEST(test_slow_interval_panics, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   call(mc, MSETINTERVAL, 80000);
-  enable(mc);
+  call(mc, MENABLE, 0);
   mock_run(&m, 80000);
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
 }
 
 TEST(test_missed_are_counted_in_a_panic_too, "DRV-7") {
   struct mc *mc = mock_open(&m, 1);
-  enable(mc);
+  call(mc, MENABLE, 0);
   mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
   m.masked = 1; /* the host stands still for 40 SCLOCKs */
   mock_run(&m, 80000);
@@ -236,64 +184,14 @@ TEST(test_panic_while_idle_is_counted_only, "DRV-9") {
   CHECK_EQ(errcode_of(&m, 0), 0);
 }
 
-TEST(test_calibration, "DRV-8 CAL-1") {
-  struct mc *mc = mock_open(&m, 1);
-  struct mock_card *c = &m.card[0];
-  int axis = 1;
-  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
-  CHECK_EQ(c->b, 0x11);
-  c->count[1] = 40;
-  mock_run(&m, 5000);
-  CHECK_EQ(mc_state_of(mc, 1)->encnow, 40);
-  c->count[1] = 55;
-  c->latched[1] = 55;
-  c->has_latch[1] = c->index[1] = 1; /* the index passes, then the axis goes on */
-  c->count[1] = 90;
-  mock_run(&m, 2100);
-  CHECK_EQ(errcode_of(&m, 1), 55 << 16 | 1 << 8 | MERR_ZINDEX);
-  CHECK_EQ(m.signals[0], 1);
-  CHECK_EQ(c->b, 5);
-  mock_run(&m, 2100);
-  CHECK_EQ(mc_state_of(mc, 1)->encnow, 90);
-}
-
-static int64_t strike_at;
-
-/* The index comes while the pair of bytes is being read. */
-static void strike(struct mock *mock) {
-  struct mock_card *c = &mock->card[0];
-  if (mock->used != strike_at) return;
-  c->latched[0] = c->count[0];
-  c->has_latch[0] = c->index[0] = 1;
-  c->count[0]++;
-}
-
-TEST(test_calibration_never_reports_another_count, "DRV-8") {
-  for (strike_at = 1; strike_at < 20; strike_at++) {
-    struct mc *mc = mock_open(&m, 1);
-    call(mc, MCALIB, 0);
-    m.card[0].count[0] = 70;
-    m.logging = 1;
-    m.on_access = strike;
-    mock_run(&m, 4500);
-    if (errcode_of(&m, 0) != 0) {
-      CHECK_EQ(errcode_of(&m, 0), 70 << 16 | MERR_ZINDEX);
-    } else {
-      m.on_access = NULL;
-      mock_run(&m, 2000);
-      CHECK_EQ(m.card[0].b, 0x11); /* armed again */
-    }
-  }
-}
-
 TEST(test_mode_change_under_power_does_not_jump, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  set_mode_within(mc, 0, MD_VEL, 0);
-  enable(mc);
+  set_mode_within_100(mc, 0, MD_VEL);
+  call(mc, MENABLE, 0);
   DEMAND(mc, 30);
   m.card[0].count[0] = 5000;
   mock_run(&m, 8000);
-  set_mode_within(mc, 0, MD_POS, 0);
+  set_mode_within_100(mc, 0, MD_POS);
   mock_run(&m, 2100);
   CHECK_EQ(mc_setpoint(mc, 0), 5000);
   CHECK_EQ(mock_dac(&m, 0), 0x800);

@@ -124,8 +124,9 @@ TEST(test_the_last_writer_stops_the_machine, "DRV-2 DRV-9") {
   CHECK_EQ(enable(mc, 0), 0);
   CHECK_EQ(mc_write(mc, 0, &set, 4), 4);
   CHECK_EQ(mc_close(mc, 0), 0);
-  mock_run(&m, 10000);
+  mock_run(&m, 100000);
   CHECK_EQ(mc_current(mc, 0), 40); /* one writer is left */
+  CHECK(!mock_panic(&m));
   CHECK_EQ(mc_close(mc, writer), 0);
   at_rest(mc);
   m.card[0].count[0] = 77;

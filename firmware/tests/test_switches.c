@@ -4,10 +4,6 @@
 #include "mc_priv.h"
 #include "traffic.h"
 
-static void enable(struct mc *mc) {
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-}
-
 TEST(test_a_new_interval_keeps_the_grace_of_a_stop, "DRV-6 DRV-9") {
   static const unsigned intervals[] = {100, 500, 2000, 9000, 100000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
@@ -64,7 +60,7 @@ TEST(test_an_encoder_is_set_anywhere_and_while_it_moves, "DRV-10") {
 TEST(test_setting_an_encoder_is_no_movement_and_no_crossing, "DRV-10 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   set_mode_within_100(mc, 0, MD_VEL | POSCHK | SOFTERR);
-  enable(mc);
+  call(mc, MENABLE, 0);
   m.card[0].count[0] = 150;
   mock_run(&m, 8000);
   CHECK_EQ(m.signals[0], 1);
@@ -91,7 +87,7 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
   par.b1 = -16;
   par.adc_b = -2040;
   CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  enable(mc);
+  call(mc, MENABLE, 0);
   if ((mode & MD_MASK) == MD_POS) DEMAND(mc, 15);
   for (int pass = 0; pass < 20; pass++) {
     m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + pass % 5);
@@ -144,7 +140,7 @@ static void count_relay(void *ctx, uint32_t us) {
 TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
   for (int live = 0; live < 2; live++) {
     struct mc *mc = mock_open(&m, 2);
-    if (live) enable(mc);
+    if (live) call(mc, MENABLE, 0);
     mc->os.delay_us = count_relay;
     relays = 0;
     int before = 0;
@@ -173,7 +169,7 @@ TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
 
 TEST(test_double_buffering, "DRV-12") {
   struct mc *mc = mock_open(&m, 2);
-  enable(mc);
+  call(mc, MENABLE, 0);
   m.logging = 1;
   m.on_access = traffic_of_process;
   call(mc, MDACMODE, 0x100); /* anything but 0 */
@@ -188,7 +184,7 @@ TEST(test_double_buffering, "DRV-12") {
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(m.card[0].b, 5); /* not while stopped */
   mock_run(&m, 100000);
-  enable(mc);
+  call(mc, MENABLE, 0);
   CHECK_EQ(m.card[0].b, 0x0F); /* but again as asked for */
 }
 
@@ -210,7 +206,7 @@ TEST(test_stop_turns_modes_off_and_leaves_the_switches, "DRV-6 DRV-9") {
     CHECK_EQ(mc_state_of(mc, axis)->vel, 0); /* histories begin anew */
     set_mode_within_100(mc, axis, MD_POS);
   }
-  enable(mc);
+  call(mc, MENABLE, 0);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), 10 * axis + 5);
 }
 
@@ -220,9 +216,8 @@ TEST(test_every_counter_of_the_statistics, "DRV-3") {
   static const struct mc_stats none;
   set_mode_within_100(mc, 0, MD_TORQ);
   set_mode_within_100(mc, 1, MD_TORQ);
-  enable(mc);
-  int32_t values[2] = {1024, 1025}; /* ilim is 1024: one of them is clipped */
-  CHECK_EQ(mc_write(mc, 0, values, 8), 8);
+  call(mc, MENABLE, 0);
+  DEMAND(mc, 1024, 1025); /* ilim is 1024: one of them is clipped */
   mock_pass(&m);
   CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);

@@ -62,29 +62,6 @@ TEST(test_scan, "DRV-2") {
   CHECK_EQ(m.used, 0);
 }
 
-TEST(test_scan_switches_joints_in_before_counting, "DRV-2 DIA-2") {
-  struct mc *mc = mock_start(&m, 1);
-  m.logging = 1;
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  uint8_t mode = 0, joints = 0;
-  for (int i = 0; i < m.used; i++) {
-    if (!m.log[i].write) continue;
-    if (m.log[i].offset == 0x001) mode = m.log[i].value & 7;
-    if (m.log[i].offset == 0x003 && (m.log[i].value & 1) && !joints) {
-      joints = 1;
-      CHECK_EQ(mode, 0);
-    }
-  }
-  CHECK(joints);
-  CHECK_EQ(mode, 5);
-}
-
-TEST(test_no_adaptor, "DRV-2") {
-  struct mc *mc = mock_start(&m, 3);
-  m.adaptor_dead = 1;
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
-}
-
 TEST(test_timer_programming, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   m.logging = 1;
@@ -121,11 +98,10 @@ TEST(test_intervals, "DRV-3") {
 }
 
 TEST(test_missed_are_counted_exactly, "DRV-7") {
-  mock_open(&m, 1);
-  unsigned us = 1000;
-  CHECK_EQ(mc_ioctl(m.memory, 0, MSETINTERVAL, &us), 0);
+  struct mc *mc = mock_open(&m, 1);
+  call(mc, MSETINTERVAL, 1000);
   mock_run(&m, 5500);
-  const struct mc_stats *stats = mc_stats_of(m.memory);
+  const struct mc_stats *stats = mc_stats_of(mc);
   CHECK_EQ(stats->missed, 0);
   int passes = m.passes;
   for (int late = 100; late < 3000; late += 100) { /* in both halves of the period */
@@ -138,41 +114,6 @@ TEST(test_missed_are_counted_exactly, "DRV-7") {
   }
   CHECK(m.passes > passes);
   CHECK_EQ(stats->overrun, 0);
-}
-
-TEST(test_overruns_are_counted, "DRV-7") {
-  struct mc *mc = mock_open(&m, 1);
-  unsigned us = 1000;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  m.compute_us = 300; /* 600 us: over the middle of the period, within it */
-  mock_run(&m, 10000);
-  CHECK_EQ(mc_stats_of(mc)->overrun, 0);
-  m.compute_us = 500; /* 1000 us: beyond it */
-  mock_run(&m, 1000 - (m.now - m.origin) % 1000 + 200);
-  m.compute_us = 0;
-  mock_run(&m, 3000);
-  CHECK(mc_stats_of(mc)->overrun >= 1);
-  CHECK_EQ(mc_stats_of(mc)->missed, 0);
-}
-
-TEST(test_adc_times_out, "DRV-11") {
-  mock_open(&m, 1);
-  m.card[0].adc[0] = 3000;
-  mock_run(&m, 2100);
-  CHECK_EQ(mc_state_of(m.memory, 0)->adcvai, 3000);
-  m.card[0].adc[0] = 1000;
-  m.card[0].adc_until = INT64_MAX;
-  int64_t before = m.now;
-  mock_pass(&m);
-  CHECK(m.now - before < 2200);
-  CHECK_EQ(mc_state_of(m.memory, 0)->adcvai, 3000);
-  CHECK(strcmp(m.last_log, "mc: A/D time-out: card 0") == 0);
-  int logs = m.logs;
-  mock_pass(&m); /* told once, counted on */
-  CHECK_EQ(m.logs, logs);
-  CHECK_EQ(mc_close(m.memory, 0), 0);
-  CHECK(strcmp(m.last_log, "mc: close, A/D time-outs: 2") == 0);
 }
 
 TEST(test_modes_act_on_hardware, "DRV-12") {

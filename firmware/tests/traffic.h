@@ -68,10 +68,6 @@ static inline int errcode_of(const struct mock *m, int axis) {
   return mc_state_of(m->memory, axis)->errcode;
 }
 
-static inline void calibrate(struct mc *mc, int axis) {
-  call(mc, MCALIB, axis);
-}
-
 /* The index of an axis passes at the count `at`, and the axis goes on. */
 static inline void pass_index(struct mock *m, int axis, uint16_t at) {
   struct mock_card *c = &m->card[axis / 2];

@@ -14,25 +14,13 @@ namespace {
 
 constexpr int kN = 6;
 
-// Motors without friction, limits or stops: only rotor and gear are left.
-std::vector<mmcs_motor> free_motors() {
-  auto motors = bench::puma_rotors();
-  for (mmcs_motor &m : motors) {
-    m.viscous = m.coulomb_pos = m.coulomb_neg = m.stiction_pos = m.stiction_neg = 0.0;
-    m.stop_lo = m.stop_hi = m.v_supply = m.brake_torque = 0.0;
-  }
-  return motors;
-}
-
 }  // namespace
 
 int main() {
-  const double gravity[3] = {0.0, 0.0, -9.81};
-  const auto motors = free_motors();
-  mmcs::Arm arm(robots::puma560_links, kN, gravity);
+  const auto motors = bench::free_rotors();
+  mmcs::Arm arm(robots::puma560_links, kN, bench::kGravity);
   auto plant = bench::puma_arm(motors);
-  int torque_input = 0;
-  while (std::strcmp(mmcs::Plant::input_name(torque_input), "load_torque") != 0) ++torque_input;
+  const int torque_input = bench::input("load_torque");
 
   double in[3 * kN];
   for (;;) {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "plant.h"
@@ -18,6 +20,7 @@ inline constexpr int kClks = 400;  // 8 MHz
 inline constexpr int kGap = 2;
 inline constexpr double kLsb = 10.0 / 2048.0;  // V per D/A unit
 inline constexpr double kStepS = mmcs::kStepUs * 1e-6;
+inline constexpr double kGravity[3] = {0.0, 0.0, -9.81};
 
 inline mmcs_config config(int axes, int links = 0, uint64_t seed = 1) {
   mmcs_config c = {};
@@ -45,6 +48,46 @@ inline std::vector<mmcs_motor> puma_rotors() {
   std::vector<mmcs_motor> m(robots::puma560, robots::puma560 + 6);
   for (int i = 0; i < 6; ++i) m[i].inertia = robots::puma560_rotor_inertia[i];
   return m;
+}
+
+// The same without friction, limits or stops: only rotor and gear are left.
+inline std::vector<mmcs_motor> free_rotors() {
+  auto motors = puma_rotors();
+  for (mmcs_motor &m : motors) {
+    m.viscous = m.coulomb_pos = m.coulomb_neg = m.stiction_pos = m.stiction_neg = 0.0;
+    m.stop_lo = m.stop_hi = m.v_supply = m.brake_torque = 0.0;
+  }
+  return motors;
+}
+
+// A motor without friction or limits, to see one effect at a time.
+inline mmcs_motor ideal() {
+  mmcs_motor m = {};
+  m.inertia = 1e-4;
+  m.km = 0.1;
+  m.resistance = 1.0;
+  m.amp_gain = 0.5;
+  m.gear = 1.0;
+  m.counts_per_rev = 1000;
+  m.index_per_rev = 1;
+  return m;
+}
+
+// The number of an input of the plant.
+inline int input(const std::string &name) {
+  for (int i = 0; mmcs::Plant::input_name(i) != nullptr; ++i)
+    if (name == mmcs::Plant::input_name(i)) return i;
+  throw std::invalid_argument("no input is called " + name);
+}
+
+// So many seconds, with the same voltage on every axis.
+inline void run(mmcs::Plant &plant, double volts, double seconds, bool release = true,
+                bool enable = true) {
+  const std::vector<double> drive(static_cast<size_t>(plant.axes()), volts);
+  std::vector<mmcs::PinEdge> edges;
+  for (int k = 0; k < std::lround(seconds / kStepS); ++k) {
+    plant.step(drive.data(), release, enable, edges);
+  }
 }
 
 // Decodes the pins as a counter would, and checks the order of edges on the way.

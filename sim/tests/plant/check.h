@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A test program in one header: TEST(name) {...}, CHECK(condition, ...). `program NAME` runs one.
+// Included once.
 #pragma once
 
 #include <cstdio>
@@ -20,16 +21,16 @@ struct Register {
   Register(const char *name, void (*test)()) { all()[name] = test; }
 };
 
-inline int run(int argc, char **argv) {
-  if (argc != 2 || all().count(argv[1]) == 0) {
+}  // namespace check
+
+int main(int argc, char **argv) {
+  if (argc != 2 || check::all().count(argv[1]) == 0) {
     std::fprintf(stderr, "usage: %s TEST\n", argv[0]);
     return 2;
   }
-  all()[argv[1]]();
-  return failures == 0 ? 0 : 1;
+  check::all()[argv[1]]();
+  return check::failures == 0 ? 0 : 1;
 }
-
-}  // namespace check
 
 #define TEST(name)                                           \
   static void name();                                        \

@@ -10,12 +10,9 @@ namespace {
 uint64_t run(mmcs::Plant &plant, int steps) {
   uint64_t digest = 0xCBF29CE484222325u;
   const auto add = [&digest](uint64_t word) { digest = (digest ^ word) * 0x100000001B3u; };
-  for (int i = 0; mmcs::Plant::input_name(i) != nullptr; ++i) {
-    const std::string name = mmcs::Plant::input_name(i);
-    if (name == "pot_noise") plant.set_input(i, -1, 0.01);
-    if (name == "encoder_glitch") plant.set_input(i, 2, 300.0);
-    if (name == "load_torque") plant.set_input(i, 1, 0.03);
-  }
+  plant.set_input(bench::input("pot_noise"), -1, 0.01);
+  plant.set_input(bench::input("encoder_glitch"), 2, 300.0);
+  plant.set_input(bench::input("load_torque"), 1, 0.03);
   std::vector<double> drive(static_cast<size_t>(plant.axes()));
   std::vector<mmcs::PinEdge> edges;
   uint64_t random = 5;

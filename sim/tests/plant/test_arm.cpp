@@ -13,19 +13,12 @@
 
 namespace {
 
+using bench::run;
 using mmcs::JointBounds;
 using mmcs::PinEdge;
 using mmcs::Plant;
 
 constexpr int kN = 6;
-
-void run(Plant &plant, double seconds, bool release = true) {
-  const double off[kN] = {};
-  std::vector<PinEdge> edges;
-  for (int k = 0; k < std::lround(seconds / bench::kStepS); ++k) {
-    plant.step(off, release, true, edges);
-  }
-}
 
 std::vector<double> angles(const Plant &plant) {
   std::vector<double> q;
@@ -146,15 +139,14 @@ TEST(held_arm_is_bit_identical_for_ten_seconds) {
   motors[2].angle0 = -1.5;
   motors[4].angle0 = 0.3;
   auto plant = bench::puma_arm(motors);
-  const double gravity[3] = {0, 0, -9.81};
-  mmcs::Arm arm(robots::puma560_links, kN, gravity);
+  mmcs::Arm arm(robots::puma560_links, kN, bench::kGravity);
   const auto before = angles(*plant);
   arm.pose(before.data());
   const double rest[kN] = {};
   double tau[kN];
   arm.inverse_dynamics(rest, nullptr, tau);
   CHECK(std::abs(tau[1] / motors[1].gear) > 0.01, "gravity on joint 2 is only %g", tau[1]);
-  run(*plant, 10.0);
+  run(*plant, 0.0, 10.0);
   CHECK(angles(*plant) == before, "the arm crept");
   for (int i = 0; i < kN; ++i) CHECK(plant->velocity(i) == 0.0, "joint %d moves", i + 1);
 }
@@ -163,11 +155,11 @@ TEST(brakes_hold_what_friction_cannot) {
   auto motors = bench::puma_rotors();
   auto plant = bench::puma_arm(motors);
   const auto before = angles(*plant);
-  run(*plant, 10.0, false);
+  run(*plant, 0.0, 10.0, false);
   CHECK(angles(*plant) == before, "the braked arm moved");
-  run(*plant, 0.2, true);
+  run(*plant, 0.0, 0.2, true);
   CHECK(plant->angle(1) != before[1], "joint 2 does not fall with its brake open");
-  run(*plant, 1.0, false);
+  run(*plant, 0.0, 1.0, false);
   for (int i = 0; i < 3; ++i) {
     CHECK(plant->velocity(i) == 0.0, "joint %d is not caught by its brake", i + 1);
   }
@@ -177,7 +169,7 @@ TEST(unpowered_arm_falls_to_rest) {
   auto motors = bench::puma_rotors();
   motors[1].angle0 = 0.0;
   auto plant = bench::puma_arm(motors);
-  run(*plant, 5.0);
+  run(*plant, 0.0, 5.0);
   const auto rest = angles(*plant);
   for (int i = 0; i < kN; ++i) {
     CHECK(rest[i] >= motors[i].stop_lo && rest[i] <= motors[i].stop_hi, "joint %d at %g", i + 1,
@@ -185,16 +177,15 @@ TEST(unpowered_arm_falls_to_rest) {
     CHECK(plant->velocity(i) == 0.0, "joint %d still moves", i + 1);
   }
   CHECK(rest[1] == motors[1].stop_lo, "joint 2 must lie on its stop, not at %g", rest[1]);
-  run(*plant, 5.0);
+  run(*plant, 0.0, 5.0);
   CHECK(angles(*plant) == rest, "the fallen arm crept");
 }
 
 // What did not move is not calculated again: the bits are those of an arm that is placed anew.
 TEST(links_that_stand_keep_their_place_to_the_bit) {
   uint64_t random = 29;
-  const double gravity[3] = {0, 0, -9.81};
   for (int n = 1; n <= kN; ++n) {
-    mmcs::Arm arm(robots::puma560_links, n, gravity);
+    mmcs::Arm arm(robots::puma560_links, n, bench::kGravity);
     double q[kN] = {}, qd[kN] = {}, tau[2][kN], mass[2][kN * kN];
     for (int k = 0; k < 200; ++k) {
       const int moved = static_cast<int>(mmcs::random_unit(random) * (n + 1));
@@ -202,7 +193,7 @@ TEST(links_that_stand_keep_their_place_to_the_bit) {
         if (mmcs::random_unit(random) < 0.7) q[i] = 3.0 * mmcs::random_unit(random) - 1.5;
         qd[i] = mmcs::random_unit(random) - 0.5;
       }
-      mmcs::Arm anew(robots::puma560_links, n, gravity);
+      mmcs::Arm anew(robots::puma560_links, n, bench::kGravity);
       arm.pose(q);
       anew.pose(q);
       for (mmcs::Arm *each : {&arm, &anew}) {
@@ -220,13 +211,13 @@ TEST(links_that_stand_keep_their_place_to_the_bit) {
 // Nothing that was calculated before a restored state has a say in what follows.
 TEST(a_restored_arm_goes_on_as_one_that_was_there) {
   auto plant = bench::puma_arm(bench::puma_rotors()), other = bench::puma_arm(bench::puma_rotors());
-  run(*plant, 0.1);
+  run(*plant, 0.0, 0.1);
   const auto saved = plant->save();
-  run(*plant, 0.1);
+  run(*plant, 0.0, 0.1);
   other->restore(saved);
   plant->restore(saved);
-  run(*plant, 0.1);
-  run(*other, 0.1);
+  run(*plant, 0.0, 0.1);
+  run(*other, 0.0, 0.1);
   CHECK(plant->save() == other->save(), "the future depends on more than the state");
   // at the same angles with other speeds
   auto still = saved;
@@ -234,24 +225,19 @@ TEST(a_restored_arm_goes_on_as_one_that_was_there) {
     std::memset(&still[i * sizeof(mmcs::AxisState) + offsetof(mmcs::AxisState, qd)], 0, 8);
   }
   plant->restore(saved);
-  run(*plant, bench::kStepS);
+  run(*plant, 0.0, bench::kStepS);
   plant->restore(still);
-  run(*plant, 0.1);
+  run(*plant, 0.0, 0.1);
   other->restore(still);
-  run(*other, 0.1);
+  run(*other, 0.0, 0.1);
   CHECK(plant->save() == other->save(), "speeds of before are kept");
 }
 
 // Swinging without friction: kinetic plus potential energy stay.
 TEST(energy_of_a_free_arm_is_kept) {
-  auto motors = bench::puma_rotors();
-  for (auto &m : motors) {
-    m.viscous = m.coulomb_pos = m.coulomb_neg = m.stiction_pos = m.stiction_neg = 0.0;
-    m.stop_lo = m.stop_hi = m.brake_torque = m.v_supply = 0.0;
-  }
+  const auto motors = bench::free_rotors();
   auto plant = bench::puma_arm(motors);
-  const double gravity[3] = {0, 0, -9.81};
-  mmcs::Arm arm(robots::puma560_links, kN, gravity);
+  mmcs::Arm arm(robots::puma560_links, kN, bench::kGravity);
   double potential = 0.0;  // by the work of gravity along the way
   double first = 0.0;
   double worst = 0.0;
@@ -273,7 +259,7 @@ TEST(energy_of_a_free_arm_is_kept) {
     worst = std::max(worst, std::abs(kinetic + potential - first));
     most = std::max(most, kinetic);
     const double rest[kN] = {};
-    run(*plant, bench::kStepS);
+    run(*plant, 0.0, bench::kStepS);
     double mid[kN];
     for (int i = 0; i < kN; ++i) mid[i] = 0.5 * (q[i] + plant->angle(i));
     arm.pose(mid);
@@ -344,8 +330,4 @@ TEST(flexible_axis_in_the_arm) {
   CHECK(apart > 1e-4, "a soft coupling makes no difference");
   CHECK(std::abs(rigid->angle(3) - soft->angle(3)) < 0.05 * std::abs(rigid->angle(3)),
         "rigid %g rad, soft %g rad", rigid->angle(3), soft->angle(3));
-}
-
-int main(int argc, char **argv) {
-  return check::run(argc, argv);
 }

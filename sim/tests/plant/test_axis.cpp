@@ -7,37 +7,11 @@
 
 namespace {
 
+using bench::ideal;
+using bench::input;
+using bench::run;
 using mmcs::PinEdge;
 using mmcs::Plant;
-
-int input(const char *name) {
-  for (int i = 0; Plant::input_name(i) != nullptr; ++i) {
-    if (std::strcmp(Plant::input_name(i), name) == 0) return i;
-  }
-  CHECK(false, "no input is called %s", name);
-  return -1;
-}
-
-void run(Plant &plant, double volts, double seconds, bool release = true, bool enable = true) {
-  std::vector<double> drive(static_cast<size_t>(plant.axes()), volts);
-  std::vector<PinEdge> edges;
-  for (int k = 0; k < std::lround(seconds / bench::kStepS); ++k) {
-    plant.step(drive.data(), release, enable, edges);
-  }
-}
-
-// A motor without friction or limits, to see one effect at a time.
-mmcs_motor ideal() {
-  mmcs_motor m = {};
-  m.inertia = 1e-4;
-  m.km = 0.1;
-  m.resistance = 1.0;
-  m.amp_gain = 0.5;
-  m.gear = 1.0;
-  m.counts_per_rev = 1000;
-  m.index_per_rev = 1;
-  return m;
-}
 
 }  // namespace
 
@@ -392,8 +366,4 @@ TEST(impossible_parameters_are_refused_by_name) {
     CHECK(text.rfind("axis 0: ", 0) == 0 && text.find(b.name) != std::string::npos,
           "want a sentence about %s, got '%s'", b.name, text.c_str());
   }
-}
-
-int main(int argc, char **argv) {
-  return check::run(argc, argv);
 }

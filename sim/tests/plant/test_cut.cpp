@@ -5,14 +5,8 @@
 
 // i = -km w / R: the speed falls by km^2 h / (R J) in a step, whatever the amplifier does.
 TEST(motor_that_is_cut_off_and_shorted) {
-  mmcs_motor m = {};
-  m.inertia = 1e-4;
-  m.km = 0.1;
-  m.resistance = 1.0;
+  mmcs_motor m = bench::ideal();
   m.v_supply = 40.0;
-  m.amp_gain = 0.5;
-  m.gear = 1.0;
-  m.counts_per_rev = 1000;
   for (int way : {1, 2, 3}) {
     mmcs_config c = bench::config(1);
     c.amp_panic_cut = way;
@@ -27,8 +21,4 @@ TEST(motor_that_is_cut_off_and_shorted) {
     CHECK(std::abs(plant->velocity(0) / before - share) < 1e-9, "%d: %.15g", way,
           plant->velocity(0) / before);
   }
-}
-
-int main(int argc, char **argv) {
-  return check::run(argc, argv);
 }

@@ -6,14 +6,9 @@
 
 namespace {
 
+using bench::input;
 using mmcs::PinEdge;
 using mmcs::Plant;
-
-int input(const char *name) {
-  int i = 0;
-  while (Plant::input_name(i) != nullptr && std::strcmp(Plant::input_name(i), name) != 0) ++i;
-  return i;
-}
 
 // A heavy wheel without friction: constant speed after a push.
 mmcs_motor wheel(int counts_per_rev = 1000) {
@@ -261,8 +256,4 @@ TEST(sine_and_cosine) {
   mmcs::sin_cos(0.0, s, c);
   CHECK(s == 0.0 && c == 1.0, "sin 0 = %g, cos 0 = %g", s, c);
   CHECK(std::abs(mmcs::exp_neg(0.25) - std::exp(-0.25)) < 2e-16, "%.17g", mmcs::exp_neg(0.25));
-}
-
-int main(int argc, char **argv) {
-  return check::run(argc, argv);
 }

@@ -117,7 +117,3 @@ TEST(step_responses_lab) {
   all("LAB500", robots::lab500[0], 2, 2304, -2194, {{1000, {92, 70, 66}, {0, 0, 0}}});
   all("LAB1000", robots::lab1000[0], 1, 3654, -3514, {{1000, {53, 45, 43}, {0, 0, 0}}});
 }
-
-int main(int argc, char **argv) {
-  return check::run(argc, argv);
-}
