@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How Musashi's core is configured for a 68020 with interrupts acknowledged on the bus.
+/* How Musashi's core is configured for a 68020 with interrupts acknowledged on the bus. What is not
+ * named is off, but for the log, which would be on.
  *
  * The 010 and the EC020 stay on although they are not used: without them the core decodes the
  * 68020's addressing modes and builds its stack frames as a 68000 does, without a word. */
@@ -11,37 +12,15 @@
 #define OPT_ON 1
 #define OPT_SPECIFY_HANDLER 2
 
-#define M68K_COMPILE_FOR_MAME OPT_OFF
 #define M68K_EMULATE_010 OPT_ON
 #define M68K_EMULATE_EC020 OPT_ON
 #define M68K_EMULATE_020 OPT_ON
-#define M68K_EMULATE_030 OPT_OFF
-#define M68K_EMULATE_040 OPT_OFF
 /* fetches come separately: they may hit the cache */
 #define M68K_SEPARATE_READS OPT_ON
-#define M68K_SIMULATE_PD_WRITES OPT_OFF
 #define M68K_EMULATE_INT_ACK OPT_SPECIFY_HANDLER
 #define M68K_INT_ACK_CALLBACK(A) mmcs_m68020_acknowledge(A)
-#define M68K_EMULATE_BKPT_ACK OPT_OFF
-#define M68K_EMULATE_TRACE OPT_OFF
-#define M68K_EMULATE_RESET OPT_OFF
-#define M68K_CMPILD_HAS_CALLBACK OPT_OFF
-#define M68K_RTE_HAS_CALLBACK OPT_OFF
-#define M68K_TAS_HAS_CALLBACK OPT_OFF
-#define M68K_ILLG_HAS_CALLBACK OPT_OFF
-#define M68K_EMULATE_FC OPT_OFF
-#define M68K_SET_FC_CALLBACK(A)
-#define M68K_MONITOR_PC OPT_OFF
-#define M68K_SET_PC_CALLBACK(A)
-#define M68K_INSTRUCTION_HOOK OPT_OFF
-#define M68K_EMULATE_PREFETCH OPT_OFF
-#define M68K_EMULATE_ADDRESS_ERROR OPT_OFF
-#define M68K_ALINE_HOOK OPT_OFF
-#define M68K_FLINE_HOOK OPT_OFF
-#define M68K_LOG_ENABLE OPT_OFF
-#define M68K_LOG_1010_1111 OPT_OFF
-#define M68K_EMULATE_PMMU OPT_OFF
 #define M68K_USE_64_BIT OPT_ON
+#define M68K_LOG_ENABLE OPT_OFF
 
 int mmcs_m68020_acknowledge(int level);
 
