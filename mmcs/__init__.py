@@ -42,7 +42,7 @@ _MORE = {
     "view": "svg waves",
     # servers, and graders of lab sheets
     "device.link": "Link",
-    "lab.bench": "Gains",
+    "lab.trial": "Gains",
     "lab.marks": "Question Verdict arrives near",
 }
 _HOMES = {name: home for home, names in _MORE.items() for name in names.split()}

@@ -86,7 +86,7 @@ class Bridge:
         magic, flags, period_ns = HEAD.unpack_from(message)
         size = HEAD.size + AXES * AXIS_IN.size
         if magic != MAGIC or len(message) != size:
-            raise RunError("what came is no message of mmcs.comp: build it anew")
+            raise RunError("not a message of this mmcs.comp: build the component again")
         if abs(period_ns * 1e-9 - self.interval_s) > 0.01 * self.interval_s:
             raise RunError(
                 f"the HAL thread's period is {period_ns} ns and the scenario's interval_us"

@@ -12,7 +12,7 @@ from mmcs.inputs import INPUTS
 EVENTS_AT_ONCE = 4096
 
 
-class Machine(Serving):
+class ServedMachine(Serving):
     """One simulated machine and its clients."""
 
     def __init__(self, sim, console=lambda text: None):

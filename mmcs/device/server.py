@@ -20,7 +20,7 @@ from pathlib import Path
 from mmcs.device.attend import Attendant, Core
 from mmcs.device.connection import GONE, IN, OUT, Connection
 from mmcs.device.lockstep import Lockstep
-from mmcs.device.machine import Machine
+from mmcs.device.machine import ServedMachine
 from mmcs.device.messages import Messenger
 from mmcs.device.pace import IDLE_S, Pace
 from mmcs.device.programs import Program
@@ -42,7 +42,7 @@ class Server:
         tell of the machine. console: gets the lines that the driver says."""
         self.name = Name(path)
         self.path, self.sim, self.about = path, sim, about or {}
-        self.machine, self._console = Machine(sim, console), console
+        self.machine, self._console = ServedMachine(sim, console), console
         self._hz = sim.build()["clk_hz"]
         self.pace = Pace(sim, self.machine.now, speed)
         self.files: dict[bytes, Program] = {}

@@ -9,7 +9,7 @@ import contextlib
 import select
 import socket
 
-from mmcs.device.machine import Machine
+from mmcs.device.machine import ServedMachine
 
 LINE = 64
 CONNECTIONS = 64
@@ -17,7 +17,7 @@ IN = select.EPOLLIN
 
 
 class StopPath:
-    def __init__(self, listener: socket.socket, machine: Machine):
+    def __init__(self, listener: socket.socket, machine: ServedMachine):
         self._listener, self._machine = listener, machine
         self._poll = select.epoll()
         self._poll.register(listener, IN)

@@ -11,8 +11,8 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from mmcs.errors import InputError, RunError
-from mmcs.lab.bench import run
 from mmcs.lab.sheets import ANSWER, GRADER, Sheet
+from mmcs.lab.trial import run
 from mmcs.scenario.files import read_toml
 from mmcs.scenario.schema import Strict, validate
 

@@ -95,7 +95,7 @@ def session_of(sim, setup: Setup, realtime: bool = False, bus: bool = False,
     if not setup.scenario.program:
         return Session(sim, setup, realtime, bus)
     if realtime:
-        raise RunError("a [[program]] runs in lock-step, and not by the clock on the wall")
+        raise RunError("a [[program]] runs in lock-step, not in real time")
     return ProgramSession(sim, setup, bus=bus, quiet=quiet)
 
 

@@ -145,7 +145,7 @@ def parse(path: Path, text: dict) -> Record:
         if not isinstance(text.get(key), kind) or isinstance(text[key], bool):
             raise ValueError(f"{key} is missing or wrong")
     if not is_name(text["scenario"]):
-        raise ValueError("scenario is no name")
+        raise ValueError("scenario must be a name")
     files = _unpack_files(text["files"])
     _check_data(text["data"], files)
     _check_digests(text)

@@ -95,7 +95,7 @@ def parse_toml(text: str) -> dict:
     except RecursionError:
         raise ValueError(f"nests deeper than {DEEPEST} levels") from None
     except ValueError:  # Python's own limit
-        raise ValueError("holds a whole number of thousands of digits") from None
+        raise ValueError("holds an integer with thousands of digits") from None
     level = [data]
     for _ in range(DEEPEST):
         inner = [v for d in level for v in (d.values() if isinstance(d, dict) else d)]

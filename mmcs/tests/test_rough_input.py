@@ -15,7 +15,7 @@ TABLE = GOOD.replace('kind = "step"', 'kind = "table"\nfile = "t.csv"\nduration 
 TEXTS = {
     "deep": ("a = " + "[" * 5000 + "]" * 5000, "nests deeper than 10 levels"),
     "deep key": (".".join(["a"] * 900) + " = 1", "nests deeper than 10 levels"),
-    "digits": (f"cards = {DIGITS}", "holds a whole number of thousands of digits"),
+    "digits": (f"cards = {DIGITS}", "holds an integer with thousands of digits"),
     "beyond float": (
         GOOD.replace("200", DIGITS[:400]),
         f"motion.0.to = {DIGITS[:57]}...: must be a number, or a list with one number per axis",
@@ -139,7 +139,7 @@ def test_folder_that_cannot_be_written(mmcs):
 @pytest.mark.parametrize(
     ("report", "log", "expected"),
     [
-        ("[]", "t_s\n1\n", "is not a run: its report.json is none of MMCS"),
+        ("[]", "t_s\n1\n", "is not a run: its report.json is not one of MMCS"),
         ('{"scenario": "x", "axes": [], "hash": "0x1"}', "", "is not a run: it has an empty log"),
     ],
 )

@@ -104,12 +104,12 @@ class Advisor(Worker):
 
     def _alive(self) -> None:
         if self.gone.is_set() or time.monotonic() - self.heard > self.patience_s:
-            raise OSError("the page has gone; the machine is stopped")
+            raise OSError("the page has disconnected; the machine is stopped")
 
     def _experiment(self, message: dict, work, check=lambda link: None) -> dict:
-        """work(bench) with the lease that the page lends; a failure stops the machine, but for one
+        """work(probe) with the lease that the page lends; a failure stops the machine, but for one
         of check(link) before it."""
-        from mmcs.tool.tune import Bench, TuneError, connect
+        from mmcs.tool.tune import Probe, TuneError, connect
 
         self.patience_s = float(message.get("deadman_ms", DEADMAN_MS)) / 1000
         with connect(self.socket) as link:
@@ -117,8 +117,8 @@ class Advisor(Worker):
             self.say({"type": "progress", "lend": link.hello["you"]})
             self._wait_for_lease(link)
             try:
-                bench = Bench(link, int(message["axis"]), self._alive)
-                done = work(bench)
+                probe = Probe(link, int(message["axis"]), self._alive)
+                done = work(probe)
             except BaseException as error:
                 link.request("stop")
                 if isinstance(error, TuneError):
@@ -138,7 +138,7 @@ class Advisor(Worker):
             if mine and mine[0]["lease"]:
                 return
             if time.monotonic() - since > 2.0:
-                raise ValueError("the page has not lent its control")
+                raise ValueError("the page does not hold the lease")
             time.sleep(0.01)
 
     def _give_back(self, link, message: dict) -> None:
@@ -168,7 +168,7 @@ class Advisor(Worker):
         low, high = float(message["low"]), float(message["high"])
         if not (0.2 <= low < high <= 100 and 1 <= seconds <= 60):
             raise ValueError("chirp: 0.2 Hz <= low < high <= 100 Hz, 1 to 60 s")
-        made = self._experiment(message, lambda bench: chirp(bench, amplitude, low, high, seconds))
+        made = self._experiment(message, lambda probe: chirp(probe, amplitude, low, high, seconds))
         return {name: getattr(made, name).tolist()
                 for name in ("hz", "gain_db", "phase_deg", "coherence")}  # fmt: skip
 

@@ -56,7 +56,7 @@ class Rows:
     u: np.ndarray  # current, LSB
 
 
-class Bench:
+class Probe:
     """One axis under experiment: commands, and every sample meanwhile.
 
     alive() is called often; it raises to end the experiment, whatever the axis does then."""
@@ -143,18 +143,18 @@ class Bench:
         return Rows(*table.T)
 
 
-def break_away(bench: Bench, sign: int, most: int) -> tuple[float, int]:
+def break_away(probe: Probe, sign: int, most: int) -> tuple[float, int]:
     """The current, LSB, at which the axis starts to move that way, from rest in torque mode; and
     whether it counts with the current (1) or against it (-1)."""
-    start, began = bench.position, bench.now
+    start, began = probe.position, probe.now
     while True:
-        current = min(RAMP_LSB_S * (bench.now - began), most)
-        bench.write(sign * current)
-        if bench.wait(0.005, lambda: abs(bench.position - start) > MOVED):
-            bench.write(0)
-            return max(current, 1.0), 1 if sign * (bench.position - start) > 0 else -1
+        current = min(RAMP_LSB_S * (probe.now - began), most)
+        probe.write(sign * current)
+        if probe.wait(0.005, lambda: abs(probe.position - start) > MOVED):
+            probe.write(0)
+            return max(current, 1.0), 1 if sign * (probe.position - start) > 0 else -1
         if current >= most:
-            bench.write(0)
+            probe.write(0)
             raise TuneError(
                 f"{most} D/A units do not move the axis; is its brake on, its switch at disable, "
                 "or ilim too low?"
@@ -164,12 +164,12 @@ def break_away(bench: Bench, sign: int, most: int) -> tuple[float, int]:
 class Range:
     """The counts that are safe; to be asked at every look, wherever the axis is."""
 
-    def __init__(self, bench: Bench, centre: int, half: float):
-        self.bench, self.centre, self.half = bench, centre, half
+    def __init__(self, probe: Probe, centre: int, half: float):
+        self.probe, self.centre, self.half = probe, centre, half
         self.sense = 1  # -1: the axis counts against the current
 
     def check(self) -> None:
-        if abs(self.bench.position - self.centre) > self.half:
+        if abs(self.probe.position - self.centre) > self.half:
             raise TuneError(
                 f"the axis left its safe range, {self.centre - self.half:.0f} to "
                 f"{self.centre + self.half:.0f}; allow a wider one"
@@ -178,26 +178,26 @@ class Range:
     def along(self, sign: int) -> int:
         """Counts from the centre, in the direction that a current of this sign drives to."""
         self.check()
-        return sign * self.sense * (self.bench.position - self.centre)
+        return sign * self.sense * (self.probe.position - self.centre)
 
 
-def relay(bench: Bench, safe: Range, away: float, most: int) -> Rows:
+def relay(probe: Probe, safe: Range, away: float, most: int) -> Rows:
     """Back and forth about the centre in torque mode with growing currents; what was recorded."""
-    began, sign, turns = bench.now, 1, 0
+    began, sign, turns = probe.now, 1, 0
     amplitudes = [min(share * away, most) for share in PULSES]
-    while bench.now < began + RELAY_S or turns < 2 * len(PULSES):
+    while probe.now < began + RELAY_S or turns < 2 * len(PULSES):
         now, then = (amplitudes[n // 2 % len(PULSES)] for n in (turns, turns + 1))
-        bench.write(sign * now)
-        stroke(bench, safe, sign, max(1.0, now / then))
+        probe.write(sign * now)
+        stroke(probe, safe, sign, max(1.0, now / then))
         sign, turns = -sign, turns + 1
         if turns > 400:
             break
-    rows = bench.rows(began)
-    brake(bench, safe, sign, now)
+    rows = probe.rows(began)
+    brake(probe, safe, sign, now)
     return rows
 
 
-def stroke(bench: Bench, safe: Range, sign: int, longer: float) -> None:
+def stroke(probe: Probe, safe: Range, sign: int, longer: float) -> None:
     """Waits until it is time to turn: friction helps to stop an axis, so it runs on no farther than
     it ran to get its speed, and so many times as far with a current so many times smaller."""
     lowest = [safe.along(sign)]
@@ -207,22 +207,22 @@ def stroke(bench: Bench, safe: Range, sign: int, longer: float) -> None:
         lowest[0] = min(lowest[0], at)
         return at + longer * (at - lowest[0]) >= REACH * safe.half
 
-    bench.wait(1.0, is_time)
+    probe.wait(1.0, is_time)
 
 
-def brake(bench: Bench, safe: Range, sign: int, current: float) -> None:
+def brake(probe: Probe, safe: Range, sign: int, current: float) -> None:
     """Brings the axis to rest: a current that way until it turns round, then none."""
-    bench.write(sign * current)
-    last = [bench.position]
+    probe.write(sign * current)
+    last = [probe.position]
 
     def turned() -> bool:
         safe.check()
-        before, last[0] = last[0], bench.position
+        before, last[0] = last[0], probe.position
         return sign * safe.sense * (last[0] - before) > 0
 
-    bench.wait(1.0, turned)
-    bench.write(0)
-    bench.wait(0.3, lambda: safe.check() or False)
+    probe.wait(1.0, turned)
+    probe.write(0)
+    probe.wait(0.3, lambda: safe.check() or False)
 
 
 def gains(
@@ -237,29 +237,29 @@ def gains(
     return controller, made
 
 
-def identify_axis(bench: Bench, half: float, most: int) -> tuple[Motor, float]:
+def identify_axis(probe: Probe, half: float, most: int) -> tuple[Motor, float]:
     """The motor, and its break-away current; leaves the axis at rest in torque mode."""
-    safe = Range(bench, bench.position, half)
-    bench.write(0)
-    bench.wait(0.05)  # the demand is 0 before the mode can act on it
-    bench.mode(mcdef.MD_TORQ)
-    bench.wait(0.1)
+    safe = Range(probe, probe.position, half)
+    probe.write(0)
+    probe.wait(0.05)  # the demand is 0 before the mode can act on it
+    probe.mode(mcdef.MD_TORQ)
+    probe.wait(0.1)
     away = 0.0
     for sign in (1, -1):
-        current, safe.sense = break_away(bench, sign, most)
+        current, safe.sense = break_away(probe, sign, most)
         away = max(away, current)
-        bench.wait(0.3)  # it comes to rest
-    rows = relay(bench, safe, away, most)
+        probe.wait(0.3)  # it comes to rest
+    rows = relay(probe, safe, away, most)
     return identify(rows.t, rows.y, rows.u), away
 
 
-def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: None) -> dict:
+def tune(probe: Probe, wn: float, zeta: float, half: float, say=lambda text: None) -> dict:
     """Identifies, designs, sets the gains, and makes a step; everything as plain numbers."""
-    param = bench.param()
+    param = probe.param()
     most = param["ilim"]
-    t = bench.link.request("call", request="MGETINTERVAL")["value"] * 1e-6 * param["clkdivisor"]
+    t = probe.link.request("call", request="MGETINTERVAL")["value"] * 1e-6 * param["clkdivisor"]
     say("looking for the current that moves the axis, then back and forth")
-    motor, away = identify_axis(bench, half, most)
+    motor, away = identify_axis(probe, half, most)
     say(f"g {motor.g:.4g}, friction {motor.tc_pos:.0f}/{motor.tc_neg:.0f}: designing")
     controller, made = gains(motor, wn, zeta, t)
     margin = margins(made.discrete(), motor.plant, t)
@@ -269,18 +269,18 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
         "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
     }
     fields["mode"] = mcdef.MD_POS | mcdef.COULCOMP
-    bench.write(bench.position)
-    bench.change(**fields)
-    bench.wait(0.3)
+    probe.write(probe.position)
+    probe.change(**fields)
+    probe.wait(0.3)
     say("a step with the new gains")
     size = min(200.0, half / 4)
-    step = make_step(bench, size)
+    step = make_step(probe, size)
     tried = ""
     if abs(step["steady_error_counts"]) > HELD_OFF:
         say(f"friction holds it {step['steady_error_counts']:.0f} counts off: an integral is tried")
         found, how = (controller, made, fields, step), ""
         for share in INTEGRALS:
-            found, how = _with_integral(bench, found, gains(motor, wn, zeta, t, wn / share), sign)
+            found, how = _with_integral(probe, found, gains(motor, wn, zeta, t, wn / share), sign)
             if abs(found[3]["steady_error_counts"]) <= HELD_OFF:
                 break
         off = abs(step["steady_error_counts"])
@@ -290,7 +290,7 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
         if controller.i:
             tried = f"An integral ends {now:.0f} counts off instead of {off:.0f}."
         margin = margins(made.discrete(), motor.plant, t)
-    fresh = bench.param()
+    fresh = probe.param()
     predicted = predict(motor, fresh, t, step["size"], step["t"][-1], away)
     warnings = list(made.warnings)
     if not margin.stable:
@@ -310,35 +310,35 @@ def tune(bench: Bench, wn: float, zeta: float, half: float, say=lambda text: Non
 
 
 def _with_integral(
-    bench: Bench, held: tuple, placed: tuple[Controller, Coefficients], sign: int
+    probe: Probe, held: tuple, placed: tuple[Controller, Coefficients], sign: int
 ) -> tuple[tuple, str]:
     """The gains with an integral, if that brings the axis nearer and does not swing; else as they
     were, and what was wrong with it."""
     pid, made = placed
     _, _, fields, step = held
     law = made.named(sign)
-    bench.change(**law)
-    bench.wait(0.3)
-    better = make_step(bench, step["size"], LONG_STEP_S)
+    probe.change(**law)
+    probe.wait(0.3)
+    better = make_step(probe, step["size"], LONG_STEP_S)
     off, now = (abs(s["steady_error_counts"]) for s in (step, better))
     if now < off and better["overshoot_pct"] <= step["overshoot_pct"] + MORE_OVERSHOOT:
         return (pid, made, fields | law, better), ""
-    bench.change(**{name: fields[name] for name in law})
-    bench.wait(0.3)
+    probe.change(**{name: fields[name] for name in law})
+    probe.wait(0.3)
     return held, "swings" if now < off else "ends no nearer"
 
 
-def make_step(bench: Bench, size: float, seconds: float = STEP_S) -> dict:
+def make_step(probe: Probe, size: float, seconds: float = STEP_S) -> dict:
     """A step of the setpoint there and back: rise, overshoot, settling, steady error; t and y."""
-    before, began = bench.setpoint, bench.now
+    before, began = probe.setpoint, probe.now
     target = round(before + size)
-    bench.write(target)
-    if not bench.wait(10.0, lambda: bench.setpoint == target):
+    probe.write(target)
+    if not probe.wait(10.0, lambda: probe.setpoint == target):
         raise TuneError("the setpoint does not arrive; another program may be writing")
-    bench.wait(seconds)
-    rows = bench.rows(began)
-    bench.write(before)
-    bench.wait(seconds)
+    probe.wait(seconds)
+    rows = probe.rows(began)
+    probe.write(before)
+    probe.wait(seconds)
     first = int(np.argmax(rows.w == target))
     at = rows.t[first]
     response = step_response(rows.t, rows.y, at, before, target)
@@ -349,21 +349,21 @@ def make_step(bench: Bench, size: float, seconds: float = STEP_S) -> dict:
     }
 
 
-def chirp(bench: Bench, amplitude: float, low: float, high: float, seconds: float) -> Frequency:
+def chirp(probe: Probe, amplitude: float, low: float, high: float, seconds: float) -> Frequency:
     """Setpoint to position in closed loop, low to high Hz, about where the axis stands.
 
     Above CORNER_HZ the amplitude falls with the frequency, or the current would hit its limit."""
-    centre, began = bench.position, bench.now
+    centre, began = probe.position, probe.now
     rate = (high / low) ** (1 / seconds)
-    while bench.now < began + seconds:
-        s = bench.now - began
+    while probe.now < began + seconds:
+        s = probe.now - began
         turns = low * (rate**s - 1) / np.log(rate)
         share = min(1.0, CORNER_HZ / (low * rate**s))
-        bench.write(centre + share * amplitude * np.sin(2 * np.pi * turns))
-        bench.wait(CHIRP_S)
-    bench.write(centre)
-    bench.wait(0.2)
-    rows = bench.rows(began)
+        probe.write(centre + share * amplitude * np.sin(2 * np.pi * turns))
+        probe.wait(CHIRP_S)
+    probe.write(centre)
+    probe.wait(0.2)
+    rows = probe.rows(began)
     return frequency(rows.t, rows.w, rows.y, low, high)
 
 

@@ -60,7 +60,7 @@ def _read(folder: Path) -> Run:
     """Raises ValueError with a sentence."""
     report = read_json(folder / "report.json")
     if not isinstance(report, dict) or not {"scenario", "axes", "hash"} <= report.keys():
-        raise ValueError("its report.json is none of MMCS")
+        raise ValueError("its report.json is not one of MMCS")
     axes = report["axes"]
     good = isinstance(axes, list) and all(isinstance(axis, dict) for axis in axes)
     if not good or not isinstance(report["scenario"], str):

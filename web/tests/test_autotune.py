@@ -10,7 +10,7 @@ from bench import note
 from mmcs.device.link import Samples
 from mmcs.device.sockets import socket_path
 from mmcs.tool.launch import _end, _serve
-from mmcs.tool.tune import COMPENSATED, Bench, chirp, connect, tune
+from mmcs.tool.tune import COMPENSATED, Probe, chirp, connect, tune
 
 HALF = 2000  # counts to each side that are safe
 INTERVAL_US = 1000
@@ -20,8 +20,8 @@ LOOK_S = 0.002  # of the machine's time, as a page has it on a computer with tim
 AXES = [("lab500", 0), *(("puma560", axis) for axis in range(6))]
 
 
-class Stepped(Bench):
-    """A bench for whom time passes look by look: a loaded computer is slow, not wrong."""
+class Stepped(Probe):
+    """A probe for whom time passes look by look: a loaded computer is slow, not wrong."""
 
     period_ms = 0
 
@@ -68,12 +68,12 @@ def test_the_wanted_bandwidth_is_met_within_the_safe_range(machines, scenario, a
         link.request("pace", paused=True)
         link.request("call", request="MSETINTERVAL", value=INTERVAL_US)
         link.request("call", request="MENABLE")
-        bench = Stepped(link, axis)
-        centre = bench.position
-        made = tune(bench, WANTED, 1.0, HALF)
-        met = bandwidth(chirp(bench, 30.0, 1.0, 20.0, 8.0))
-        reach = max(abs(row[1] - centre) for row in bench._rows)
-        bench.mode(0)
+        probe = Stepped(link, axis)
+        centre = probe.position
+        made = tune(probe, WANTED, 1.0, HALF)
+        met = bandwidth(chirp(probe, 30.0, 1.0, 20.0, 8.0))
+        reach = max(abs(row[1] - centre) for row in probe._rows)
+        probe.mode(0)
         link.request("stop")
         link.request("pace", paused=False)
     step, motor = made["step"], made["motor"]
