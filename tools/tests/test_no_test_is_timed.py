@@ -26,7 +26,8 @@ ALLOWED = {
 def sources():
     """Tests and what they are made of."""
     found = [ROOT / "conftest.py"]
-    for folder in ("cocotb_tests", "firmware/tests", "mmcs/tests", "sim/tests", "tools/tests"):
+    trees = ("firmware", "mmcs", "sim", "studies", "tools")
+    for folder in ("cocotb_tests", *(f"{tree}/tests" for tree in trees)):
         found += [f for f in (ROOT / folder).rglob("*") if f.suffix in (".py", ".c", ".h")]
     names = sorted(str(f.relative_to(ROOT)) for f in found)
     return [n for n in names if n not in ALLOWED and Path(n).name != Path(__file__).name]
