@@ -9,17 +9,15 @@ read their result.
 
 import importlib.util
 import os
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+from cocotb_tests.lib import req as marks
+from cocotb_tests.lib import runner
+from tools.sources import in_tree
 
-from cocotb_tests.lib import req as marks  # noqa: E402
-from cocotb_tests.lib import runner  # noqa: E402
-from tools.sources import in_tree  # noqa: E402
+ROOT = Path(__file__).resolve().parent.parent
 
 
 def pytest_addoption(parser):

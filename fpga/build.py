@@ -17,10 +17,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from tools.pages import part, rewrite
+from tools.sources import CoreMissing, core, sources
+
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tools"))
-from pages import part, rewrite  # noqa: E402
-from sources import CoreMissing, core, sources  # noqa: E402
 
 OUT = ROOT / "build" / "fpga"
 PAGE = ROOT / "docs" / "hardware" / "fpga.md"

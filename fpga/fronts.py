@@ -5,13 +5,12 @@ import argparse
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
 
+from tools.pages import rewrite
+from tools.sources import sources
+
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tools"))
-from pages import rewrite  # noqa: E402
-from sources import sources  # noqa: E402
 
 OUT = ROOT / "build" / "fpga"
 PAGE = ROOT / "docs" / "hardware" / "adaptor.md"

@@ -12,11 +12,11 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "fpga")]
-from pages import part, rewrite  # noqa: E402
+from fpga.build import OUT, PAGE, TARGETS, Failed, need, route
+from tools.pages import part, rewrite
 
-from build import OUT, PAGE, TARGETS, Failed, need, route  # noqa: E402
+ROOT = Path(__file__).resolve().parents[1]
+
 
 TABLE = ROOT / "fpga/limits.toml"
 FOLDER = OUT / "constraints"

@@ -2,14 +2,13 @@
 """A sample of `make edges`; and a sweep that a broken flip-flop turns red."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
+from tools import edges
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
-import edges  # noqa: E402
 
 SAMPLE = 101  # prime: no sweep's inner loops divide it
 

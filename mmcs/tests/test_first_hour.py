@@ -11,10 +11,8 @@ from pathlib import Path
 import pytest
 
 from mmcs import ROOT
-
-sys.path.insert(0, str(ROOT / "tools"))
-import chip_pages  # noqa: E402
-from pages import part  # noqa: E402
+from tools import chip_pages
+from tools.pages import part
 
 PAGE = next(ROOT.glob("docs/**/first_hour.md"))
 PARTS = dict(part.split("\n", 1) for part in PAGE.read_text().split("\n## ")[1:])

@@ -2,20 +2,17 @@
 """Traces: every signal of the prepared views exists in a real trace, with the width given."""
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mmcs import ROOT, regs
+from mmcs import regs
 from mmcs.errors import RunError
 from mmcs.view import watched, waves
 from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import registers
-
-sys.path.insert(0, str(ROOT / "tools"))
-import screenshot  # noqa: E402
+from tools import screenshot
 
 SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 

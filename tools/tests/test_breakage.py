@@ -4,16 +4,15 @@
 That each one is caught is for `make sabotage`; this only keeps the list from going stale.
 """
 
-import sys
 from pathlib import Path
 
 import pytest
 
+from tools.breakage import firmware_mutants as mutants
+from tools.breakage import mutate
+from tools.breakage import run as breakage
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools/breakage")]
-import mutate  # noqa: E402
-from breakage import firmware_mutants as mutants  # noqa: E402
-from breakage import run as breakage  # noqa: E402
 
 ENTRIES = breakage.entries("tests")
 EVERY = {e["name"]: e for kind in breakage.KINDS for e in breakage.entries(kind)}

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from fpga import limits
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "fpga"))
-import limits  # noqa: E402
 
 PINS = "fpga/board/board_pins.svh"
 

@@ -5,10 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tools import cores
+from tools.sources import made_of
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
-import cores  # noqa: E402
-from sources import made_of  # noqa: E402
 
 
 def test_they_are_fresh_and_a_stale_one_is_named():

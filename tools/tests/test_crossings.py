@@ -9,15 +9,14 @@ stage of rtl/lib/sync.sv. What a strobe of the bus clocks takes what stands arou
 import json
 import shutil
 import subprocess
-import sys
 from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 
+from fpga.build import BUS, TARGETS, read_command
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "fpga"))
-from build import BUS, TARGETS, read_command  # noqa: E402
 
 READ = {t.top: read_command(t) for t in TARGETS
         if t.name in ("machine", "ulx3s") or t.files == BUS}  # fmt: skip

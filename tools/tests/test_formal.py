@@ -2,17 +2,15 @@
 """tools/formal.py without its provers: what it reads in logs, and that its files fit together."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
-import formal_doc  # noqa: E402
-from breakage import run as breakage  # noqa: E402
+from tools import formal, formal_doc
+from tools.breakage import run as breakage
 
-import formal  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
+
 
 GROUPS = formal.groups()
 BREAKS = [e["proof"] | {"name": e["name"]} for e in breakage.entries("proofs")]

@@ -2,15 +2,14 @@
 """The arrows between the rooms of mmcs/: only those that a room announces, and no circle."""
 
 import ast
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+from tools import rooms
 
-import rooms  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
+
 
 FOUND = rooms.modules()
 ROOMS = sorted({rooms.room(name, FOUND) for name in FOUND} - {""})

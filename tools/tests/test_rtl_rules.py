@@ -2,13 +2,10 @@
 """What rtl/ and fpga/ may hold: green as it is, red for each name and each decision put back."""
 
 import shutil
-import sys
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-import rtl_rules  # noqa: E402
+from tools import rtl_rules
 
 PUT_BACK = [
     ("rtl/mmcs.sv", "  parameter bit Skip = 1'b0,"),

@@ -5,9 +5,7 @@ import subprocess
 import sys
 
 from mmcs import ROOT
-
-sys.path.insert(0, str(ROOT / "tools"))
-import slang  # noqa: E402
+from tools import slang
 
 
 def test_all_of_it_elaborates():

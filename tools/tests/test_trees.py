@@ -30,7 +30,12 @@ MAY_INCLUDE = {
 MAY_IMPORT = {
     "bfm": ((), ()),
     "cocotb_tests": (
-        ("cocotb_tests/hosts/", "cocotb_tests/dpi/", "cocotb_tests/lib/runner.py"),
+        (
+            "cocotb_tests/hosts/",
+            "cocotb_tests/dpi/",
+            "cocotb_tests/edges/",
+            "cocotb_tests/lib/runner.py",
+        ),
         ("cocotb_tests", "mmcs", "mmcs.regs", "tools.sources"),
     ),
 }

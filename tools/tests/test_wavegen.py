@@ -9,9 +9,7 @@ import sys
 import pytest
 
 from mmcs import ROOT
-
-sys.path.insert(0, str(ROOT / "tools"))
-import wavegen  # noqa: E402
+from tools import wavegen
 
 pytestmark = pytest.mark.xdist_group("wavegen")  # both write build/waves
 

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each board's top in the tests of cocotb_board.py: its RTL, or what was synthesised of it."""
 
-import sys
 from pathlib import Path
 
+from cocotb_tests.lib import runner
+from fpga.build import TARGETS, memory_file
+from tools.sources import core, sources
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT), str(ROOT / "fpga")]
-from build import TARGETS, memory_file  # noqa: E402
-from cocotb_tests.lib import runner  # noqa: E402
-from tools.sources import core, sources  # noqa: E402
 
 HERE = Path(__file__).parent
 RTL = ("uart_host", "spi_converters", "mmcs_board")

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tops for real buses in the tests of cocotb_tops.py."""
 
-import sys
 from pathlib import Path
 
+from cocotb_tests.lib import runner
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
-from cocotb_tests.lib import runner  # noqa: E402
 
 HERE = Path(__file__).parent
 FILES = (*sorted((ROOT / "fpga/bus").glob("*.sv")), ROOT / "fpga/board/spi_converters.sv",

@@ -11,16 +11,16 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools"))
-import dpi  # noqa: E402
-from compiled import compiled, written  # noqa: E402
-
-from mmcs import (  # noqa: E402
-    load,  # noqa: E402
+from mmcs import (
+    load,
     run_scenario,
     simulate,
 )
+from tools import dpi
+from tools.compiled import compiled, written
+
+ROOT = Path(__file__).resolve().parents[3]
+
 
 CARDS = defaultdict(lambda: 3, lab500=1)
 WHOLE = ["lab500", "puma560", "puma560_coupled"]
