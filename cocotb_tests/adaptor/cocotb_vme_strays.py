@@ -14,7 +14,6 @@ from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_vme"
-PARAMETERS: dict = {}
 VEC = 0xC5
 
 

@@ -8,7 +8,8 @@ import pytest
 from cocotb_tests.lib.runner import Job, run
 
 CHECKER = Path(__file__).resolve().parents[2] / "rtl/checkers/vme_slave_checker.sv"
-SCENE, TEST = "cocotb_tests.checkers.stop_scene", "dtack_without_strobe"
+SCENE = "cocotb_tests.checkers.cocotb_vme_slave_checker"
+TEST = "rule_goes_red/fault=0"  # a slave that pulls DTACK* with no strobe
 
 
 @pytest.mark.req("VME-3")

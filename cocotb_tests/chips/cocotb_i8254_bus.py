@@ -8,15 +8,6 @@ from cocotb_tests.lib.req import test
 
 TOPLEVEL = "bench_i8254"
 SOURCES = ("bench_i8254.sv", "bench_replay.sv")
-PARAMETERS: dict = {}
-
-
-@script(Pit, "PIT-1")
-def power_up_is_quiet(s):
-    """Seed 0: everything zero; nothing counts before it is programmed."""
-    s.expect(out=0, d_o=0xFF, oe=0)
-    s.pulse(5, mask=7)
-    s.expect(out=0)
 
 
 @script(Pit, "PIT-1", "VME-5")
@@ -26,6 +17,12 @@ def register_3_reads_ff(s):
 
 
 class Bus(Scripts, of=Pit, req="PIT-1"):
+    def power_up_is_quiet(s):
+        """Seed 0: everything zero; nothing counts before it is programmed."""
+        s.expect(out=0, d_o=0xFF, oe=0)
+        s.pulse(5, mask=7)
+        s.expect(out=0)
+
     def bus_floats_unless_read(s):
         s.program(2, 5)
         s.step(rd_n=0, a=0)
@@ -364,30 +361,6 @@ async def control_word_in_the_low_phase(dut):
         await s.run(dut)
 
 
-@script(Pit, "PIT-1")
-def mode0_first_byte_stops_counting(s):
-    """The NMOS part: OUT falls and counting stops with the first byte."""
-    s.program(0, 5)
-    s.golden("0:5 0:4")
-    s.write(0, 3)
-    s.golden("0:4 0:4 0:4")
-    s.write(0, 0)
-    s.golden("0:3 0:2 0:1 1:0")
-    s.write(0, 2)
-    s.out(0, note="OUT falls with the first byte")
-    s.golden("0:0 0:0")
-
-
-@script(Pit, "PIT-1")
-def mode0_first_byte_stops_after_a_late_load(s):
-    """A count still waiting for its CLK is loaded, but the first byte of the next one stops it."""
-    s.program(0, 5)
-    s.write(0, 3)
-    s.golden("0:3 0:3 0:3")  # CR_L has it already
-    s.write(0, 0)
-    s.golden("0:3 0:2 0:1 1:0")
-
-
 @script(Pit, "PIT-1", chmos=True)
 def mode0_first_byte_in_chmos(s):
     """The CHMOS part: OUT falls with the first byte; counting stops, but not after a rollover."""
@@ -428,6 +401,26 @@ async def first_of_two_bytes_is_in_the_count_register_at_once(dut):
 
 
 class Edges(Scripts, of=Pit, req="PIT-1"):
+    def mode0_first_byte_stops_counting(s):
+        """The NMOS part: OUT falls and counting stops with the first byte."""
+        s.program(0, 5)
+        s.golden("0:5 0:4")
+        s.write(0, 3)
+        s.golden("0:4 0:4 0:4")
+        s.write(0, 0)
+        s.golden("0:3 0:2 0:1 1:0")
+        s.write(0, 2)
+        s.out(0, note="OUT falls with the first byte")
+        s.golden("0:0 0:0")
+
+    def mode0_first_byte_stops_after_a_late_load(s):
+        """A count that waits for its CLK is loaded; the first byte of the next one stops it."""
+        s.program(0, 5)
+        s.write(0, 3)
+        s.golden("0:3 0:3 0:3")  # CR_L has it already
+        s.write(0, 0)
+        s.golden("0:3 0:2 0:1 1:0")
+
     def reload_between_the_bytes_takes_the_mix(s):
         """Modes 2 and 3 reload at the end of a period whatever CR holds; NULL does not tell it."""
         s.program(2, 0x0103)

@@ -6,7 +6,6 @@ from cocotb_tests.chips.replay import Scripts
 
 TOPLEVEL = "bench_i8254"
 SOURCES = ("bench_i8254.sv", "bench_replay.sv")
-PARAMETERS: dict = {}
 
 
 class Modes(Scripts, of=Pit, req="PIT-1"):

@@ -10,13 +10,14 @@ import random
 from bisect import bisect_right
 from itertools import cycle
 
+import cocotb
+
 from cocotb_tests.chips.replay import CASCADE, QUICK_OPS, VARIANT, Bench, Layout, mismatch
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import i8254
 
 TOPLEVEL = "bench_i8254"
 SOURCES = ("bench_i8254.sv", "bench_replay.sv")
-PARAMETERS: dict = {}
 
 IDLE = 0x1C00  # CS#, RD#, WR# high
 CS, RD, WR = 0x400, 0x800, 0x1000
@@ -172,33 +173,9 @@ async def compare(dut, modes: tuple[int, ...], name: str, ops: int, pick: int = 
 
 
 @test("PIT-1")
-async def random_mode0(dut):
-    await compare(dut, (0,), "mode0", QUICK_OPS)
-
-
-@test("PIT-1")
-async def random_mode1(dut):
-    await compare(dut, (1,), "mode1", QUICK_OPS)
-
-
-@test("PIT-1")
-async def random_mode2(dut):
-    await compare(dut, (2,), "mode2", QUICK_OPS)
-
-
-@test("PIT-1")
-async def random_mode3(dut):
-    await compare(dut, (3,), "mode3", QUICK_OPS)
-
-
-@test("PIT-1")
-async def random_mode4(dut):
-    await compare(dut, (4,), "mode4", QUICK_OPS)
-
-
-@test("PIT-1")
-async def random_mode5(dut):
-    await compare(dut, (5,), "mode5", QUICK_OPS)
+@cocotb.parametrize(mode=range(6))
+async def random_mode(dut, mode):
+    await compare(dut, (mode,), f"mode{mode}", QUICK_OPS)
 
 
 @test("PIT-1")

@@ -12,7 +12,6 @@ from cocotb_tests.models import i8255
 
 TOPLEVEL = "bench_i8255"
 SOURCES = ("bench_i8255.sv", "bench_replay.sv")
-PARAMETERS: dict = {}
 
 
 class Ports(Scripts, of=Ppi, req="PPI-1"):

@@ -6,13 +6,28 @@ import os
 import random
 
 from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, Scripts, mismatch, script
+from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, Scripts, mismatch
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import thct2000
 
 TOPLEVEL = "bench_thct2000"
 SOURCES = ("bench_thct2000.sv", "bench_replay.sv")
-PARAMETERS: dict = {}
+
+
+def discriminator(s: Encoder, mode: int, up: tuple[int, int, int, int]) -> None:
+    """`up[k]`: does the k-th transition of an upward turn count in this mode."""
+    s.step(2, m=mode)
+    want = 0
+    for _ in range(2):
+        for k in range(4):
+            s.turn(1)
+            want += up[k]
+            s.count(want, f"up, transition {k}")
+    for _ in range(3):
+        for k in (3, 2, 1, 0):
+            s.turn(-1)
+            want -= up[k]
+            s.count(want, f"down, transition {k}")
 
 
 class Counting(Scripts, of=Encoder, req="ENC-1"):
@@ -85,117 +100,96 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
             s.step(4, a=a, b=b)
             s.count(want, f"from {GREY[first]}")
 
+    def mode0_holds(s):
+        discriminator(s, 0, (0, 0, 0, 0))
 
-async def discriminator(dut, mode: int, up: tuple[int, int, int, int]) -> None:
-    """`up[k]`: does the k-th transition of an upward turn count in this mode."""
-    s, want = Encoder(mode), 0
-    for _ in range(2):
-        for k in range(4):
-            s.turn(1)
-            want += up[k]
-            s.count(want, f"up, transition {k}")
-    for _ in range(3):
-        for k in (3, 2, 1, 0):
-            s.turn(-1)
-            want -= up[k]
-            s.count(want, f"down, transition {k}")
-    await s.run(dut)
+    def mode1_counts_a_while_b_is_low(s):
+        discriminator(s, 1, (1, 0, 0, 0))
 
+    def mode2_counts_a_while_b_is_high(s):
+        discriminator(s, 2, (0, 0, 1, 0))
 
-@test("ENC-1")
-async def mode0_holds(dut):
-    await discriminator(dut, 0, (0, 0, 0, 0))
+    def mode3_counts_both_edges_of_a(s):
+        discriminator(s, 3, (1, 0, 1, 0))
 
+    def mode4_counts_both_edges_of_b(s):
+        discriminator(s, 4, (0, 1, 0, 1))
 
-@test("ENC-1")
-async def mode1_counts_a_while_b_is_low(dut):
-    await discriminator(dut, 1, (1, 0, 0, 0))
+    def mode5_counts_all_edges(s):
+        discriminator(s, 5, (1, 1, 1, 1))
 
+    def mode6_measures_an_interval(s):
+        s.step(2, m=6)
+        for length in (7, 1, 100):
+            s.step(length, a=1)
+            s.step(6, a=0)
+            s.expect("starts anew", count=0)
+            s.value(length, f"A high for {length} CLKs")
 
-@test("ENC-1")
-async def mode2_counts_a_while_b_is_high(dut):
-    await discriminator(dut, 2, (0, 0, 1, 0))
+    def mode7_measures_a_frequency(s):
+        s.step(2, m=7)
+        for rises in (3, 0, 10):
+            s.step(3, b=1)
+            for _ in range(rises):
+                s.step(2, a=1)
+                s.step(2, a=0)
+            s.settle()
+            s.step(6, b=0)
+            s.value(rises, f"{rises} rises of A while B is high")
+            s.step(3, a=1)
+            s.step(3, a=0)
+            s.count(0, "not while B is low")
 
+    def mode_change_keeps_the_count(s):
+        s.turn(7)
+        for mode in (0, 1, 2, 3, 4, 5):
+            s.settle()
+            s.step(5, m=mode)
+            s.count(7, f"mode {mode}")
 
-@test("ENC-1")
-async def mode3_counts_both_edges_of_a(dut):
-    await discriminator(dut, 3, (1, 0, 1, 0))
+    def counts_on_its_clock_only(s):
+        """Slower CLK: the inputs are looked at on its ticks."""
+        s.step(20, clk_en=0, a=1)
+        s.expect("no tick, no count", count=0)
+        s.phase = 1
+        for _ in range(4):
+            s.step(clk_en=1)
+            s.step(3, clk_en=0)
+        s.expect(count=1)
+        s.turn(0)
+        for _ in range(8):
+            s.turn(1, clocks=3)
+            s.step(clk_en=1)
+            s.step(clk_en=0)
+        for _ in range(4):
+            s.step(clk_en=1)
+            s.step(clk_en=0)
+        s.expect(count=9)
 
-
-@test("ENC-1")
-async def mode4_counts_both_edges_of_b(dut):
-    await discriminator(dut, 4, (0, 1, 0, 1))
-
-
-@test("ENC-1")
-async def mode5_counts_all_edges(dut):
-    await discriminator(dut, 5, (1, 1, 1, 1))
-
-
-@test("ENC-1")
-async def mode6_measures_an_interval(dut):
-    s = Encoder(6)
-    for length in (7, 1, 100):
-        s.step(length, a=1)
-        s.step(6, a=0)
-        s.expect("starts anew", count=0)
-        s.value(length, f"A high for {length} CLKs")
-    await s.run(dut)
-
-
-@test("ENC-1")
-async def mode7_measures_a_frequency(dut):
-    s = Encoder(7)
-    for rises in (3, 0, 10):
-        s.step(3, b=1)
-        for _ in range(rises):
-            s.step(2, a=1)
-            s.step(2, a=0)
+    def reset_clears(s):
+        s.init(0x1234)
+        s.latch()
+        s.step(4, reset=1)
+        s.expect(count=0)
+        s.step(2, reset=0)
+        s.turn(2)
         s.settle()
-        s.step(6, b=0)
-        s.value(rises, f"{rises} rises of A while B is high")
-        s.step(3, a=1)
-        s.step(3, a=0)
-        s.count(0, "not while B is low")
-    await s.run(dut)
+        s.value(2, "the latch flag is gone too")
 
-
-@script(Encoder, "ENC-1")
-def mode_change_keeps_the_count(s):
-    s.turn(7)
-    for mode in (0, 1, 2, 3, 4, 5):
+    def turning_in_reset_counts_nothing(s):
+        s.step(2, reset=1)
+        s.turn(5, clocks=2)
         s.settle()
-        s.step(5, m=mode)
-        s.count(7, f"mode {mode}")
+        s.step(2, reset=0)
+        s.count(0)
 
-
-@script(Encoder, "ENC-1")
-def counts_on_its_clock_only(s):
-    """Slower CLK: the inputs are looked at on its ticks."""
-    s.step(20, clk_en=0, a=1)
-    s.expect("no tick, no count", count=0)
-    s.phase = 1
-    for _ in range(4):
-        s.step(clk_en=1)
-        s.step(3, clk_en=0)
-    s.expect(count=1)
-    s.turn(0)
-    for _ in range(8):
-        s.turn(1, clocks=3)
-        s.step(clk_en=1)
-        s.step(clk_en=0)
-    for _ in range(4):
-        s.step(clk_en=1)
-        s.step(clk_en=0)
-    s.expect(count=9)
-
-
-@script(Encoder, "ENC-2")
-def written_value_is_read(s):
-    for value in (0x1234, 0xFFFF, 0x8001, 0):
-        s.init(value)
-        s.expect(count=value)
-        s.value(value)
+    def bus_floats_unless_read(s):
+        s.init(0)
+        s.step(2, cs_n=1, rd_n=0)
+        s.seen(oe=0, d_o=0xFF)
+        s.step(2, cs_n=0, rd_n=1)
+        s.seen(oe=0, d_o=0xFF)
+        s.step(cs_n=1)
 
 
 @test("ENC-2")
@@ -215,27 +209,6 @@ async def data_are_there_at_once(dut):
                     s.seen(f"clock {clock}", d_o=value & 0xFF if rs else value >> 8, oe=1)
                 s.step(2, cs_n=1, rd_n=1, rs=1 - rs)
     await s.run(dut)
-
-
-@script(Encoder, "ENC-2")
-def written_lsb_first(s):
-    for value in (0x1234, 0xA55A):
-        s.init(value, first=LSB)
-        s.value(value, first=LSB)
-
-
-@script(Encoder, "ENC-2")
-def a_byte_written_is_stored_at_once(s):
-    s.init(0x1111)
-    s.write(MSB, 0x22)
-    s.expect(count=0x2211)
-    s.other()
-    s.write(LSB, 0x33)
-    s.expect(count=0x2233)
-    s.turn(1)
-    s.settle()
-    s.write(LSB, 0x44)
-    s.expect("again the same byte", count=0x2244)
 
 
 @test("ENC-2")
@@ -283,53 +256,6 @@ async def a_stray_byte_written_shifts_no_later_pair(dut):
                 s.init(0x6789, first=first)
                 s.expect(count=0x6789)
                 await s.run(dut)
-
-
-@script(Encoder, "ENC-2")
-def read_while_running_is_coherent(s):
-    """MSB read, then the count passes a byte border, then LSB: both of one sample."""
-    s.init(0x12FF)
-    s.read(MSB, 0x12)
-    s.turn(3)
-    s.settle()
-    s.read(LSB, 0xFF)
-    s.value(0x1302, "live")
-
-
-@script(Encoder, "ENC-2")
-def read_lsb_first_is_coherent(s):
-    s.init(0x1300)
-    s.read(LSB, 0x00)
-    s.turn(-1)
-    s.settle()
-    s.read(MSB, 0x13)
-    s.value(0x12FF, first=LSB)
-
-
-@script(Encoder, "ENC-2")
-def data_stands_still_during_a_read(s):
-    s.init(0x00FE)
-    s.read(MSB, 0)
-    s.read(LSB, 0xFE)
-    s.step(3, cs_n=0, rd_n=0, rs=MSB)
-    for _ in range(6):
-        s.turn(1)
-        s.seen("while the count runs", d_o=0)
-    s.step(2, cs_n=1, rd_n=1)
-    s.read(LSB, 0xFE)
-
-
-@script(Encoder, "ENC-2")
-def a_byte_read_again_samples_again(s):
-    s.init(0x10FF)
-    s.read(MSB, 0x10)
-    s.turn(1)
-    s.settle()
-    s.read(MSB, 0x11)
-    s.turn(-1)
-    s.settle()
-    s.read(LSB, 0x00, "of the second sample")
-    s.value(0x10FF)
 
 
 @test("ENC-2")
@@ -390,18 +316,6 @@ async def what_ends_a_pair_and_what_does_not(dut):
     await s.run(dut)
 
 
-@script(Encoder, "ENC-2")
-def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(s):
-    """What remains: nothing came between to tell that they are no pair."""
-    s.init(0x40FF)
-    s.read(LSB, 0xFF)
-    s.turn(1)
-    s.settle()
-    s.read(MSB, 0x40, "of the lone byte's sample")
-    s.read(LSB, 0x00, "a new pair")
-    s.read(MSB, 0x41)
-
-
 @test("ENC-2")
 async def reset_ends_a_pair(dut):
     for stray in (MSB, LSB):
@@ -418,7 +332,86 @@ async def reset_ends_a_pair(dut):
         await s.run(dut)
 
 
-class Reads(Scripts, of=Encoder, req="ENC-2"):
+class Bytes(Scripts, of=Encoder, req="ENC-2"):
+    def written_value_is_read(s):
+        for value in (0x1234, 0xFFFF, 0x8001, 0):
+            s.init(value)
+            s.expect(count=value)
+            s.value(value)
+
+    def written_lsb_first(s):
+        for value in (0x1234, 0xA55A):
+            s.init(value, first=LSB)
+            s.value(value, first=LSB)
+
+    def a_byte_written_is_stored_at_once(s):
+        s.init(0x1111)
+        s.write(MSB, 0x22)
+        s.expect(count=0x2211)
+        s.other()
+        s.write(LSB, 0x33)
+        s.expect(count=0x2233)
+        s.turn(1)
+        s.settle()
+        s.write(LSB, 0x44)
+        s.expect("again the same byte", count=0x2244)
+
+    def read_while_running_is_coherent(s):
+        """MSB read, then the count passes a byte border, then LSB: both of one sample."""
+        s.init(0x12FF)
+        s.read(MSB, 0x12)
+        s.turn(3)
+        s.settle()
+        s.read(LSB, 0xFF)
+        s.value(0x1302, "live")
+
+    def read_lsb_first_is_coherent(s):
+        s.init(0x1300)
+        s.read(LSB, 0x00)
+        s.turn(-1)
+        s.settle()
+        s.read(MSB, 0x13)
+        s.value(0x12FF, first=LSB)
+
+    def data_stands_still_during_a_read(s):
+        s.init(0x00FE)
+        s.read(MSB, 0)
+        s.read(LSB, 0xFE)
+        s.step(3, cs_n=0, rd_n=0, rs=MSB)
+        for _ in range(6):
+            s.turn(1)
+            s.seen("while the count runs", d_o=0)
+        s.step(2, cs_n=1, rd_n=1)
+        s.read(LSB, 0xFE)
+
+    def a_byte_read_again_samples_again(s):
+        s.init(0x10FF)
+        s.read(MSB, 0x10)
+        s.turn(1)
+        s.settle()
+        s.read(MSB, 0x11)
+        s.turn(-1)
+        s.settle()
+        s.read(LSB, 0x00, "of the second sample")
+        s.value(0x10FF)
+
+    def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(s):
+        """What remains: nothing came between to tell that they are no pair."""
+        s.init(0x40FF)
+        s.read(LSB, 0xFF)
+        s.turn(1)
+        s.settle()
+        s.read(MSB, 0x40, "of the lone byte's sample")
+        s.read(LSB, 0x00, "a new pair")
+        s.read(MSB, 0x41)
+
+    def write_touches_no_latch(s):
+        s.init(77)
+        s.latch()
+        s.init(500)
+        s.value(77, "the latch survives a write")
+        s.value(500)
+
     def first_read_after_a_latch_gives_the_latched_count(s):
         s.init(100)
         s.latch()
@@ -491,27 +484,6 @@ async def latch_takes_the_count_of_its_clock(dut):
         await s.run(dut)
 
 
-@script(Encoder, "ENC-2")
-def write_touches_no_latch(s):
-    s.init(77)
-    s.latch()
-    s.init(500)
-    s.value(77, "the latch survives a write")
-    s.value(500)
-
-
-@script(Encoder, "ENC-1")
-def reset_clears(s):
-    s.init(0x1234)
-    s.latch()
-    s.step(4, reset=1)
-    s.expect(count=0)
-    s.step(2, reset=0)
-    s.turn(2)
-    s.settle()
-    s.value(2, "the latch flag is gone too")
-
-
 @test("ENC-1")
 async def reset_with_steady_inputs_counts_nothing(dut):
     for phase in range(4):
@@ -522,25 +494,6 @@ async def reset_with_steady_inputs_counts_nothing(dut):
         s.step(6, reset=0)
         s.count(0, f"A, B = {GREY[phase]}")
         await s.run(dut)
-
-
-@script(Encoder, "ENC-1")
-def turning_in_reset_counts_nothing(s):
-    s.step(2, reset=1)
-    s.turn(5, clocks=2)
-    s.settle()
-    s.step(2, reset=0)
-    s.count(0)
-
-
-@script(Encoder, "ENC-1")
-def bus_floats_unless_read(s):
-    s.init(0)
-    s.step(2, cs_n=1, rd_n=0)
-    s.seen(oe=0, d_o=0xFF)
-    s.step(2, cs_n=0, rd_n=1)
-    s.seen(oe=0, d_o=0xFF)
-    s.step(cs_n=1)
 
 
 @test("ENC-1")

@@ -24,18 +24,16 @@ from cocotb_tests.lib.tb import (
     PORT_C,
     PPI_CONTROL,
     QUAD,
+    RUN,
+    volts_of,
 )
-from cocotb_tests.mark1.cocotb_mark1 import RUN, Card
 from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
+from cocotb_tests.mark1.cocotb_mark1 import Card
 
 TOPLEVEL = "mark1"
 PARAMETERS = CARDS["short"]
 CODES = (0x9A5, 0x35C)
 card_test = tests_on(Card)
-
-
-def volts(code: int) -> int:
-    return (code - 0x800) * 16
 
 
 async def driving(dut) -> Card:
@@ -44,7 +42,7 @@ async def driving(dut) -> Card:
     for joint, code in enumerate(CODES):
         await tb.dac(joint, code)
     await tb.us(130)
-    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
     assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2)
     return tb
 
@@ -61,7 +59,7 @@ async def reading_a_converter_writes_nothing(dut, tb):
         assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2), f"read of {register:02X}"
     for joint, code in enumerate(CODES):
         await tb.pc.write(DAC1 + 2 * joint + 1, code >> 8)
-    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
 
 
 @driving_test("DAC-1", "LAT-1")
@@ -72,7 +70,7 @@ async def latch_leaves_a_single_buffered_output(tb):
     await tb.pc.write(LATCH, 0)
     await tb.sclock()
     await tb.clocks(3)
-    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
 
 
 @driving_test("DIA-1")
@@ -138,7 +136,7 @@ async def an_address_alone_does_nothing(tb):
     await tb.us(1)
     assert await tb.encoder(0) == 105, "latched"
     assert await tb.pc.read(PORT_C) & (C_DONE | C_BEAT1 | C_BEAT2) == C_DONE, "converting, beating"
-    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
 
 
 @driving_test("CRD-1", "DAC-1", "ENC-1")
@@ -151,7 +149,7 @@ async def writing_what_is_read_only_writes_nothing(tb):
         assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2), f"write of {register:02X}"
     for joint, code in enumerate(CODES):
         await tb.pc.write(DAC1 + 2 * joint + 1, code >> 8)
-    assert [tb.volts(j) for j in (0, 1)] == [volts(c) for c in CODES]
+    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
     assert [await tb.encoder(j) for j in (0, 1)] == [0x1234, 0x5678]
     assert await tb.pc.read(PORT_B) == RUN
 
@@ -175,7 +173,7 @@ async def the_relay_takes_the_same_time_each_time(dut, tb):
         begin = tb.now()
         await dut.drive_v_o.value_change
         times.add(tb.clks(tb.now() - begin))
-        assert tb.volts(0) == volts(CODES[0])
+        assert tb.volts(0) == volts_of(CODES[0])
     for before in range(-2, 12):  # switched back around the very clock in which it has closed
         await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
         await tb.us(tb.parameters["RelayUs"] + 2)
@@ -296,7 +294,7 @@ async def the_last_code_is_read_while_the_next_is_made(tb):
     await tb.us(tb.parameters["RelayUs"] + 2)
     last = None
     for code in (0x123, 0xEDC, 0x555, 0xAAA, 0x0F0, 0xF0F, 0x7FF, 0x800):
-        tb.inputs([volts(code)] * 2)
+        tb.inputs([volts_of(code)] * 2)
         await tb.pc.write(LATCH, 0)
         for _ in range(4 if last is not None else 0):
             assert [await tb.adc(j) for j in (0, 1)] == [last, last]

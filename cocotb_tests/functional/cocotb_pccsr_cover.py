@@ -7,7 +7,6 @@ from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import HEALTH_CLKS, PCCSR, PIT
 
 TOPLEVEL = "adaptor_core"
-PARAMETERS: dict = {}
 MODE0, MODE2 = 0x70, 0x74  # control words of timer 1: they pull OUT1 low and high at once
 
 

@@ -8,7 +8,6 @@ from cocotb_tests.lib.req import test
 
 TOPLEVEL = "bench_i8254"
 SOURCES = ("../chips/bench_i8254.sv", "../chips/bench_replay.sv")
-PARAMETERS: dict = {}
 
 
 class Tour(Pit):

@@ -10,26 +10,13 @@ from cocotb.triggers import FallingEdge, RisingEdge
 from cocotb_tests.hosts.driver import Driver
 from cocotb_tests.hosts.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused, clocks, masters
 from cocotb_tests.lib.req import test
-from cocotb_tests.lib.tb import (
-    BASE,
-    PCCSR,
-    PIT,
-    PORT_A,
-    PORT_B,
-    PPI_CONTROL,
-    PPI_SETUP,
-    QUAD,
-    VECTOR,
-    Machine,
-    Tb,
-)
+from cocotb_tests.lib.tb import BASE, PCCSR, PIT, PORT_A, QUAD, VECTOR, Tb
 from mmcs import mcdef
 
 TOPLEVEL = "bench_hosts"
 SOURCES = ("bench_hosts.sv",)
 BEAT = {"HeartbeatUs": 2000}
 VARIANTS = {"vme": {"HostPort": 0} | BEAT, "hosts": {"HostPort": 1} | BEAT}
-CARD = [Machine.creg(0, n) for n in range(32)]
 # Interrupt to last D/A write of the driver's pass over one card, by front (hardware/adaptor.md).
 CLOCKS = (327, 314, 314, 314, 314, 314, 314)
 INTERVAL_US = 200
@@ -56,8 +43,7 @@ def fronts(dut) -> list[int]:
 async def ready(dut, front: int) -> Front:
     tb = await Front(dut, front).start()
     await tb.wr(PCCSR, BASE)
-    for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
-        await tb.wr(CARD[register], value)
+    await tb.setup(0, 0x03)
     return tb
 
 
@@ -67,14 +53,14 @@ async def the_same_registers(dut, front):
     """Card, PCCSR, timers and holes answer as on VME; the vector can be read."""
     tb = await ready(dut, front)
     for value in (0x01, 0x80, 0x55, 0xFF, QUAD):
-        await tb.wr(CARD[PORT_A], value)
-        assert await tb.rd(CARD[PORT_A]) == value
+        await tb.cwr(0, PORT_A, value)
+        assert await tb.crd(0, PORT_A) == value
     assert await tb.rd(PCCSR) == BASE
     await tb.wr(PIT + 6, 0x12)  # timer 0: low byte, mode 1
     await tb.wr(PIT, 0x34)
     await tb.wr(VECTOR, 0xC0)
     assert await tb.rd(VECTOR) == (0xFF if tb.front == VME else 0xC0)
-    for hole in (0x411, 0x431, 0x407, Machine.creg(1, PORT_A), CARD[0x1F]):
+    for hole in (0x411, 0x431, 0x407, tb.creg(1, PORT_A), tb.creg(0, 0x1F)):
         assert await tb.rd(hole) == 0xFF, f"{hole:03X}"
         await tb.wr(hole if hole != 0x407 else 0x411, 0x00)
     assert await tb.rd(PCCSR) == BASE
@@ -212,7 +198,7 @@ async def masters_that_pause_and_masters_that_give_up(dut, front):
         for clocks in range(1, 16):
             await FallingEdge(dut.clk_i)
             cyc.value = stb.value = 1
-            pin("we_i").value, pin("adr_i").value = 0, tb.place(CARD[PORT_A])
+            pin("we_i").value, pin("adr_i").value = 0, tb.place(tb.creg(0, PORT_A))
             await tb.clocks(clocks)
             await FallingEdge(dut.clk_i)
             answered = int(pin("ack_o").value)
@@ -222,4 +208,4 @@ async def masters_that_pause_and_masters_that_give_up(dut, front):
                 assert not int(pin("ack_o").value) and not int(pin("err_o").value)
             await tb.clocks(16)
             assert await tb.rd(PCCSR) == BASE
-    assert await tb.rd(CARD[PORT_A]) == QUAD
+    assert await tb.crd(0, PORT_A) == QUAD

@@ -13,7 +13,7 @@ from cocotbext.axi import AxiLiteBus, AxiLiteMaster
 from cocotbext.vme import VmeBus, VmeMaster
 from cocotbext.wishbone.driver import WBOp, WishboneMaster
 
-from cocotb_tests.lib.tb import Tb
+from cocotb_tests.lib.tb import Host
 
 VME, AXIL, WB, WB_PIPELINED, APB, WB_BYTES, APB_BYTES = range(7)
 NAMES = ("VME", "AXI4-Lite", "Wishbone classic", "Wishbone pipelined", "APB",
@@ -32,7 +32,7 @@ clocks: list = []  # of this test: they start once, however many fronts follow
 masters: list = []  # tasks of the last front's master, which would go on beside the next one
 
 
-class Front(Tb):
+class Front(Host):
     """The bench behind the master of its front."""
 
     limit_ms = 200
@@ -135,11 +135,11 @@ class Front(Tb):
 
     async def rd(self, offset: int) -> int:
         if self.front == VME:
-            return await self.vme.read(0x6000 | offset)
+            return await super().rd(offset)
         return await self.raw(self.place(offset))
 
     async def wr(self, offset: int, value: int) -> None:
         if self.front == VME:
-            await self.vme.write(0x6000 | offset, value)
+            await super().wr(offset, value)
         else:
             await self.raw(self.place(offset), value)

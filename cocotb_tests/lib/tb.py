@@ -4,6 +4,7 @@
 import ast
 import os
 import random
+from collections.abc import Callable
 from functools import cached_property
 from itertools import zip_longest
 
@@ -41,6 +42,7 @@ ARMED = regs.PCCSR_LATCH_EN_BM
 SCLOCK_IRQ, PANIC_IRQ = regs.PCCSR_SCLOCK_EN_BM, regs.PCCSR_PANIC_EN_BM
 BASE = regs.PCCSR_BASE_CARDS
 QUAD = 5
+RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 HEALTH_CLKS = 16  # from the end of the last fault to the end of PANIC, and more
 LEDS = ("a1", "b1", "i1", "a2", "b2", "i2", "beat1", "beat2", "gp1", "gp2", "power")
 
@@ -50,6 +52,11 @@ def dip(*numbers: int) -> int:
     return sum(number << 4 * card for card, number in enumerate(numbers))
 
 
+def volts_of(code: int) -> int:
+    """Offset binary to 16-bit volts on the 20 V span."""
+    return (code - 0x800) * 16
+
+
 def parameters() -> dict:
     return ast.literal_eval(os.environ.get("MMCS_PARAMETERS", "{}"))
 
@@ -57,11 +64,13 @@ def parameters() -> dict:
 class Tb:
     """Clock, reset and inputs of any module that follows the project's port names."""
 
+    clk_hz = 8_000_000  # where no parameter of the module says it
+
     def __init__(self, dut):
         self.dut = dut
         self.log = dut._log
         self.parameters = parameters()
-        self.clk_hz = self.parameters.get("ClkHz", 8_000_000)
+        self.clk_hz = self.parameters.get("ClkHz", self.clk_hz)
         self.period = round(1e12 / self.clk_hz / 2) * 2  # ps
         self.random = random.Random(cocotb.RANDOM_SEED)
 
@@ -111,6 +120,18 @@ class Tb:
     def now(self) -> float:
         return get_sim_time("ps")
 
+    def times(self, edge: Callable, handle) -> list[float]:
+        """When it comes, in ps: a list that grows from now on."""
+        seen = []
+
+        async def watch():
+            while True:
+                await edge(handle)
+                seen.append(self.now())
+
+        cocotb.start_soon(watch())
+        return seen
+
     def clks(self, ps: float) -> int:
         """A time as a count of clocks, which it must be."""
         n = round(ps / self.period)
@@ -127,10 +148,10 @@ class Tb:
 
         return cocotb.start_soon(hold())
 
-    def encoders(self, count: int, lines: int = 0) -> list[QuadratureSource]:
+    def encoders(self, count: int) -> list[QuadratureSource]:
         dut = self.dut
         pins = [Pins(h) for h in (dut.enc_a_i, dut.enc_b_i, dut.enc_i_i)]
-        return [QuadratureSource(*pins, axis, lines=lines) for axis in range(count)]
+        return [QuadratureSource(*pins, axis) for axis in range(count)]
 
     # -- analog pins ---------------------------------------------------------------------------
 
@@ -149,43 +170,10 @@ class Tb:
         return AnalogSink(self.dut.drive_v_o, axis).raw()
 
 
-class Machine(Tb):
-    """The module mmcs behind its VME connector."""
+class Host(Tb):
+    """Registers by name: over VME, or however the rd() and wr() of a bench reach them."""
 
     base = regs.WINDOW_BASE
-
-    def __init__(self, dut, **master):
-        super().__init__(dut)
-        self.cards = len(dut.axis_enable_i) // 2
-        self.bus = VmeBus.from_prefix(dut, "vme")
-        self.master_options = master
-        self.vme: VmeMaster | None = None
-        self.enc: list[QuadratureSource] = []
-
-    async def start(self, *, base: int = BASE, setup: bool = False, beat: bool = False):
-        """Out of reset, the cards reachable; `setup` programs all PPIs, `beat` writes all D/As."""
-        await super().start()
-        self.dut.axis_enable_i.value = (1 << 2 * self.cards) - 1
-        self.vme = VmeMaster(self.bus, **self.master_options)
-        self.enc = self.encoders(2 * self.cards)
-        await self.wr(PCCSR, base)
-        for card in range(self.cards if setup else 0):
-            await self.setup(card)
-        if beat:
-            await self.beat()
-        return self
-
-    async def setup(self, card: int, b: int = B_REAL_ENC | B_TO_JOINT | B_SCLOCK) -> None:
-        await self.cwr(card, PPI_CONTROL, PPI_SETUP)
-        await self.cwr(card, PORT_A, QUAD)
-        await self.cwr(card, PORT_B, b)
-
-    async def beat(self) -> None:
-        """Zero volts to every D/A, which starts every heartbeat."""
-        for axis in range(2 * self.cards):
-            await self.dac(axis, 0x800)
-
-    # -- registers -----------------------------------------------------------------------------
 
     async def rd(self, offset: int, **how) -> int:
         return await self.vme.read(self.base | offset, **how)
@@ -203,7 +191,10 @@ class Machine(Tb):
     async def cwr(self, card: int, register: int, value: int) -> None:
         await self.wr(self.creg(card, register), value)
 
-    # -- chips ---------------------------------------------------------------------------------
+    async def setup(self, card: int, b: int = RUN) -> None:
+        await self.cwr(card, PPI_CONTROL, PPI_SETUP)
+        await self.cwr(card, PORT_A, QUAD)
+        await self.cwr(card, PORT_B, b)
 
     async def timer(self, n: int, count: int, mode: int = 2) -> None:
         await self.wr(PIT + 6, n << 6 | 0x30 | mode << 1)
@@ -239,7 +230,35 @@ class Machine(Tb):
         await self.cwr(card, register, value >> 8)
         await self.cwr(card, register + 1, value & 0xFF)
 
-    # -- pins ----------------------------------------------------------------------------------
+
+class Machine(Host):
+    """The module mmcs behind its VME connector."""
+
+    def __init__(self, dut, **master):
+        super().__init__(dut)
+        self.cards = len(dut.axis_enable_i) // 2
+        self.bus = VmeBus.from_prefix(dut, "vme")
+        self.master_options = master
+        self.vme: VmeMaster | None = None
+        self.enc: list[QuadratureSource] = []
+
+    async def start(self, *, base: int = BASE, setup: bool = False, beat: bool = False):
+        """Out of reset, the cards reachable; `setup` programs all PPIs, `beat` writes all D/As."""
+        await super().start()
+        self.dut.axis_enable_i.value = (1 << 2 * self.cards) - 1
+        self.vme = VmeMaster(self.bus, **self.master_options)
+        self.enc = self.encoders(2 * self.cards)
+        await self.wr(PCCSR, base)
+        for card in range(self.cards if setup else 0):
+            await self.setup(card)
+        if beat:
+            await self.beat()
+        return self
+
+    async def beat(self) -> None:
+        """Zero volts to every D/A, which starts every heartbeat."""
+        for axis in range(2 * self.cards):
+            await self.dac(axis, 0x800)
 
     def pc_monitor(self, **limits) -> PcBusMonitor:
         """What comes out on the expansion connector."""

@@ -9,13 +9,8 @@ from cocotbext.quadrature import QuadratureDecoder, QuadratureSource
 
 from cocotb_tests.lib.req import slow, test, tests_on, variants
 from cocotb_tests.lib.tb import (
-    ADC_HI,
-    ADC_LO,
     B_DOUBLE,
     B_INDEX,
-    B_REAL_ENC,
-    B_SCLOCK,
-    B_TO_JOINT,
     C_BEAT1,
     C_DONE,
     C_INDEX1,
@@ -31,15 +26,16 @@ from cocotb_tests.lib.tb import (
     PPI_CONTROL,
     PPI_SETUP,
     QUAD,
-    Tb,
+    RUN,
+    Host,
+    volts_of,
 )
 
 TOPLEVEL = "mark1"
 VARIANTS = {"short": {"HeartbeatUs": 100, "RelayUs": 20}, "real": {}}
-RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 
 
-class Card(Tb):
+class Card(Host):
     """A card at DIP setting 9 in a PC."""
 
     dip = 9
@@ -55,32 +51,20 @@ class Card(Tb):
         self.enc: list[QuadratureSource] = self.encoders(2)
         await ClockCycles(dut.clk_i, 2)
         if b is not None:
-            await self.pc.write(PPI_CONTROL, PPI_SETUP)
-            await self.pc.write(PORT_A, QUAD)
-            await self.pc.write(PORT_B, b)
+            await self.setup(0, b)
         return self
+
+    async def crd(self, card: int, register: int) -> int:
+        return await self.pc.read(register)
+
+    async def cwr(self, card: int, register: int, value: int) -> None:
+        await self.pc.write(register, value)
 
     async def sclock(self) -> None:
         self.dut.pc_drq_i.value = 0
         await ClockCycles(self.dut.clk_i, 3)
         self.dut.pc_drq_i.value = 1 << 2
         await ClockCycles(self.dut.clk_i, 1)
-
-    async def encoder(self, joint: int) -> int:
-        high = await self.pc.read(ENC1 + 2 * joint)
-        return high << 8 | await self.pc.read(ENC1 + 2 * joint + 1)
-
-    async def preset(self, joint: int, value: int) -> None:
-        await self.pc.write(ENC1 + 2 * joint, value >> 8)
-        await self.pc.write(ENC1 + 2 * joint + 1, value & 0xFF)
-
-    async def dac(self, joint: int, code: int) -> None:
-        await self.pc.write(DAC1 + 2 * joint, code & 0xFF)
-        await self.pc.write(DAC1 + 2 * joint + 1, code >> 8)
-
-    async def adc(self, joint: int) -> int:
-        high = await self.pc.read(ADC_HI) >> 4 * joint & 0xF
-        return high << 8 | await self.pc.read(ADC_LO + joint)
 
     def led(self, name: str) -> int:
         return int(self.dut.leds_o.value) >> LEDS.index(name) & 1
@@ -218,9 +202,7 @@ async def byte_order_is_chosen_by_the_first_read(dut, tb):
         await tb.us(1)
         dut.pc_reset_drv_i.value = 0
         await ClockCycles(dut.clk_i, 2)
-        await tb.pc.write(PPI_CONTROL, PPI_SETUP)
-        await tb.pc.write(PORT_A, QUAD)
-        await tb.pc.write(PORT_B, RUN)
+        await tb.setup(0)
         await tb.pc.write(ENC1 + first, (0x12, 0x34)[first])
         await tb.pc.write(ENC1 + 1 - first, (0x34, 0x12)[first])
         one = await tb.pc.read(ENC1 + first)
@@ -281,7 +263,7 @@ async def both_ranks(dut, tb):
     assert [tb.volts(j) for j in (0, 1)] == [0, 0]
     await tb.sclock()
     await ClockCycles(dut.clk_i, 2)
-    assert [tb.volts(j) for j in (0, 1)] == [(c - 0x800) * 16 for c in (0x123, 0xFED)]
+    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in (0x123, 0xFED)]
     await tb.pc.write(PORT_B, RUN)  # single-buffered again: the high write takes both bytes out
     await tb.pc.write(DAC2, 0x00)
     assert tb.volts(1) == (0xFED - 0x800) * 16

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The SoC's way to the registers: one access for each load or store, whatever the clocks. §4.3"""
 
-import os
 import random
 
 import cocotb
@@ -10,8 +9,8 @@ from cocotb.handle import Force, Release
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
 from cocotb_tests.lib.req import test
-from cocotb_tests.lib.tb import ARMED, BASE
-from mmcs.regs import CARD_PPI_B, PCCSR, PIT0, PIT1, PIT_CONTROL, VECTOR, card_offset
+from cocotb_tests.lib.tb import ARMED, BASE, Host
+from mmcs.regs import CARD_PPI_B, PCCSR, PIT0, PIT_CONTROL, VECTOR, card_offset
 
 TOPLEVEL = "bench_bridge"
 SOURCES = ["../../rtl/soc/soc_cross.sv", "../../rtl/soc/soc_bridge.sv", "bench_bridge.sv"]
@@ -22,24 +21,32 @@ CLOCKS = {"same": 126, "six": 21, "strange": 17}
 TIMEOUT_CLKS = 128
 
 
-class Bridge:
-    """One access after the other, as a processor makes them."""
+class TwoClocks(Host):
+    """The machine's side at its clock, and the processor at one of CLOCKS."""
 
-    def __init__(self, dut, cpu_ns):
-        self.dut, self.cpu_ns = dut, cpu_ns
-        self.reads = self.writes = 0
+    def __init__(self, dut, clock):
+        super().__init__(dut)
+        self.cpu_ns = CLOCKS[clock]
 
     async def start(self):
         dut = self.dut
-        for name in ("start_i", "clock_i", "write_i", "a_i", "wdata_i", "us_i", "deaf_i"):
-            getattr(dut, name).value = 0
-        dut.pc_d_i.value = 0xFF
+        self.inputs_idle()
         dut.rst_ni.value = 0
         cocotb.start_soon(Clock(dut.clk_i, MACHINE_NS, unit="ns").start())
         cocotb.start_soon(Clock(dut.cpu_clk_i, self.cpu_ns, unit="ns").start())
         await Timer(5 * MACHINE_NS, "ns")
         await FallingEdge(dut.clk_i)
         dut.rst_ni.value = 1
+        return self
+
+
+class Bridge(TwoClocks):
+    """One access after the other, as a processor makes them."""
+
+    async def start(self):
+        await super().start()
+        self.reads = self.writes = 0
+        self.dut.pc_d_i.value = 0xFF
         await Timer(5 * MACHINE_NS, "ns")
         return self
 
@@ -91,17 +98,11 @@ class Bridge:
         assert int(self.dut.writes_o.value) == self.writes
 
 
-async def bridge(dut, clock) -> Bridge:
-    random.seed(int(os.environ.get("COCOTB_RANDOM_SEED", "1989")))
-    tb = await Bridge(dut, CLOCKS[clock]).start()
-    return tb
-
-
 @test("SOC-1")
 @cocotb.parametrize(clock=list(CLOCKS))
 async def each_register_is_reached_once(dut, clock):
     """Vector and PCCSR keep what is written; a hole and an absent card read 0xFF, once each."""
-    tb = await bridge(dut, clock)
+    tb = await Bridge(dut, clock).start()
     for value in (0x00, 0x55, 0xAA, 0xC3):
         await tb.wr(VECTOR, value)
         assert int(dut.vector_o.value) == value
@@ -118,13 +119,8 @@ async def each_register_is_reached_once(dut, clock):
 @cocotb.parametrize(clock=list(CLOCKS))
 async def byte_toggle_of_the_timers(dut, clock):
     """Reads of a count alternate between its bytes: one too many or too few would swap them."""
-    tb = await bridge(dut, clock)
-    await tb.wr(PIT_CONTROL, 0x34)
-    await tb.wr(PIT0, 0x00)
-    await tb.wr(PIT0, 0x10)
-    await tb.wr(PIT_CONTROL, 0x74)
-    await tb.wr(PIT1, 0xFF)
-    await tb.wr(PIT1, 0xFF)
+    tb = await Bridge(dut, clock).start()
+    await tb.sclock(0x1000, 0xFFFF)
     before = 0x1001
     for n in range(20):
         await tb.wr(PIT_CONTROL, 0x00)  # latch counter 0
@@ -142,13 +138,9 @@ async def byte_toggle_of_the_timers(dut, clock):
 @cocotb.parametrize(clock=list(CLOCKS))
 async def sclock_interrupts(dut, clock):
     """Timers by the bridge alone: the request comes, stands, and goes with the latch."""
-    tb = await bridge(dut, clock)
-    await tb.wr(PIT_CONTROL, 0x34)
-    await tb.wr(PIT0, 0x08)
-    await tb.wr(PIT0, 0x00)
-    await tb.wr(PIT_CONTROL, 0x76)
-    await tb.wr(PIT1, 0x08)
-    await tb.wr(PIT1, 0x00)
+    tb = await Bridge(dut, clock).start()
+    await tb.timer(0, 8)
+    await tb.timer(1, 8, mode=3)
     await tb.wr(PCCSR, BASE | ARMED | 0x20)
     for _ in range(3):
         for _ in range(200):
@@ -166,7 +158,7 @@ async def sclock_interrupts(dut, clock):
 @cocotb.parametrize(clock=list(CLOCKS))
 async def a_silent_adaptor_times_out(dut, clock):
     """Error after the time, no hang; the request that was left is finished, once, and forgotten."""
-    tb = await bridge(dut, clock)
+    tb = await Bridge(dut, clock).start()
     await tb.wr(VECTOR, 0x40)
     dut.deaf_i.value = 1
     await Timer(2 * MACHINE_NS, "ns")
@@ -193,7 +185,7 @@ async def a_late_end_leaves_whole_accesses(dut):
     The next one is then made in time, or made too late, or has spent its time waiting: that one
     reaches nothing.
     """
-    tb = await bridge(dut, "same")
+    tb = await Bridge(dut, "same").start()
     seen = []
     for release in range(TIMEOUT_CLKS - 14, TIMEOUT_CLKS + 4):
         dut.deaf_i.value = 1
@@ -217,7 +209,7 @@ async def a_late_end_leaves_whole_accesses(dut):
 @test("SOC-2")
 async def a_fault_ends_in_an_error(dut):
     """A bus error made from outside, as if the time were spent before it began: no register."""
-    tb = await bridge(dut, "six")
+    tb = await Bridge(dut, "six").start()
     dut.u_bridge.expired.value = Force(1)
     await Timer(2 * MACHINE_NS, "ns")
     assert (await tb.access(VECTOR, 0x12))[1] and (await tb.access(VECTOR))[1]
@@ -231,7 +223,7 @@ async def a_fault_ends_in_an_error(dut):
 @test("SOC-2")
 @cocotb.parametrize(clock=list(CLOCKS))
 async def microseconds_are_read_whole(dut, clock):
-    tb = await bridge(dut, clock)
+    tb = await Bridge(dut, clock).start()
     for value in (0x0000FFFF, 0x00010000, 0xFFFFFFFF, 0x12345678):
         dut.us_i.value = value
         assert await tb.access(PCCSR, clock=True) == (value, 0)

@@ -5,21 +5,17 @@ The mailbox is used as firmware/ports/mailbox.h says, by words that go through t
 stand-in for the core keeps the data port as busy as can be.
 """
 
-import os
 import random
 
 import cocotb
-from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, Timer
+from cocotb.triggers import FallingEdge
 
 from cocotb_tests.lib.req import test
+from cocotb_tests.soc.cocotb_soc_bridge import CLOCKS, TwoClocks
 
 TOPLEVEL = "soc_host"
 SOURCES = ["../../rtl/soc/soc_cross.sv", "../../rtl/soc/soc_bridge.sv", "../../rtl/soc/soc_ram.sv",
            "../../rtl/soc/soc_host.sv", "bench_cpu.sv"]  # fmt: skip
-MACHINE_NS = 126
-# the processor's clock: the machine's own, six times as fast, unrelated
-CLOCKS = {"same": 126, "six": 21, "strange": 17}
 MAILBOX = 0x1E000
 POSTED, DONE, RESULT, DATA = MAILBOX + 8, MAILBOX + 12, MAILBOX + 32, MAILBOX + 0x500
 OWN, OWN_BYTES = 0x4000, 0x1000  # where the stand-in writes
@@ -27,24 +23,14 @@ MAILBOX_DONE = 4
 ANSWER_CLKS = 12  # of the machine, from request to answer, with a processor on the same clock
 
 
-class Above:
+class Above(TwoClocks):
     """The computer above: one word at a time."""
 
-    def __init__(self, dut, cpu_ns):
-        self.dut, self.cpu_ns, self.longest = dut, cpu_ns, 0
+    longest = 0
 
     async def start(self, run):
-        dut = self.dut
-        for name in ("box_req_i", "box_write_i", "box_a_i", "box_wdata_i", "ring_i", "irq_i",
-                     "report_take_i", "hp_ack_i", "hp_rdata_i"):  # fmt: skip
-            getattr(dut, name).value = 0
-        dut.run_i.value = run
-        dut.rst_ni.value = 0
-        cocotb.start_soon(Clock(dut.clk_i, MACHINE_NS, unit="ns").start())
-        cocotb.start_soon(Clock(dut.cpu_clk_i, self.cpu_ns, unit="ns").start())
-        await Timer(5 * MACHINE_NS, "ns")
-        await FallingEdge(dut.clk_i)
-        dut.rst_ni.value = 1
+        await super().start()
+        self.dut.run_i.value = run
         await self.clocks(5)
         return self
 
@@ -111,17 +97,11 @@ class Above:
         assert not int(dut.report_valid_o.value)
 
 
-async def above(dut, clock, run) -> Above:
-    random.seed(int(os.environ.get("COCOTB_RANDOM_SEED", "1989")))
-    tb = await Above(dut, CLOCKS[clock]).start(run)
-    return tb
-
-
 @test("SOC-3")
 @cocotb.parametrize(clock=list(CLOCKS))
 async def the_interrupt_reaches_the_processor(dut, clock):
     """The level of the machine's request, and its end, within three of the processor's clocks."""
-    tb = await above(dut, clock, run=1)
+    tb = await Above(dut, clock).start(run=1)
     for level in (1, 0, 1):
         dut.irq_i.value = level
         for _ in range(3):
@@ -135,7 +115,7 @@ async def the_interrupt_reaches_the_processor(dut, clock):
 @cocotb.parametrize(clock=list(CLOCKS))
 async def memory_is_filled_while_the_processor_is_held(dut, clock):
     """Every word has its place, first and last included, and nothing is written twice."""
-    tb = await above(dut, clock, run=0)
+    tb = await Above(dut, clock).start(run=0)
     places = [0, 4, 0x1FFFC, 0x10000, *(4 * n for n in random.sample(range(2, 0x7FFF), 60))]
     image = {address: random.getrandbits(32) for address in places}
     for address, word in image.items():
@@ -153,7 +133,7 @@ async def memory_is_filled_while_the_processor_is_held(dut, clock):
 @cocotb.parametrize(clock=list(CLOCKS))
 async def requests_pass_through_the_mailbox(dut, clock):
     """Data in, answer out, the report last; the processor waits until its report is taken."""
-    tb = await above(dut, clock, run=0)
+    tb = await Above(dut, clock).start(run=0)
     for address in range(MAILBOX, MAILBOX + 0x30, 4):
         await tb.wr(address, 0)
     dut.run_i.value = 1
@@ -179,7 +159,7 @@ async def requests_pass_through_the_mailbox(dut, clock):
 @cocotb.parametrize(clock=list(CLOCKS))
 async def window_takes_the_clocks_that_the_processor_leaves(dut, clock):
     """Neither waits long for the other, neither spoils a word of the other."""
-    tb = await above(dut, clock, run=0)
+    tb = await Above(dut, clock).start(run=0)
     free = [4 * n for n in random.sample(range(0x7000), 60) if not OWN <= 4 * n < OWN + OWN_BYTES]
     dut.run_i.value = 1
     await tb.clocks(20)

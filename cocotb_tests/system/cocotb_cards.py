@@ -10,7 +10,6 @@ from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_INDEX,
     B_REAL_ENC,
-    B_SCLOCK,
     B_TO_JOINT,
     BASE,
     C_BEAT1,
@@ -27,22 +26,18 @@ from cocotb_tests.lib.tb import (
     PPI_CONTROL,
     PPI_SETUP,
     QUAD,
+    RUN,
     Machine,
     dip,
+    volts_of,
 )
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
-RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 NS_PER_COUNT = 250  # the 4 million counts/s of ENC-1
 RELAY_US = 20
 CONVERT_US = 25
-
-
-def volts_of(code: int) -> int:
-    """Offset binary to 16-bit volts on the 20 V span."""
-    return (code - 0x800) * 16
 
 
 async def machine(dut, b: int = RUN) -> Machine:

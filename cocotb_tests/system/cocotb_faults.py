@@ -17,8 +17,9 @@ from cocotb_tests.lib.tb import (
     PCCSR,
     PORT_C,
     SCLOCK_IRQ,
+    volts_of,
 )
-from cocotb_tests.system.cocotb_cards import CONVERT_US, pulse, volts_of
+from cocotb_tests.system.cocotb_cards import CONVERT_US, pulse
 from cocotb_tests.system.cocotb_cards import machine as cards
 from cocotb_tests.system.cocotb_interrupts import machine as interrupts
 from cocotb_tests.system.cocotb_interrupts import panic_edge, panic_low, sclock_edge, sclock_low

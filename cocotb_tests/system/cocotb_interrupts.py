@@ -127,17 +127,10 @@ async def clearing_bit_7_pulls_no_line(dut, tb, source):
     await tb.wr(PCCSR, ARMED | BASE)
     await edge(tb)
     assert await tb.rd(PCCSR) == ARMED | BASE | bit
-    fell = []
-
-    async def watch():
-        await ValueChange(dut.vme_irq_no)
-        fell.append(tb.now())
-
-    task = cocotb.start_soon(watch())
+    fell = tb.times(ValueChange, dut.vme_irq_no)
     await tb.wr(PCCSR, BASE | SCLOCK_IRQ | PANIC_IRQ)
     await tb.us(2)
     assert not fell and await tb.rd(PCCSR) == BASE
-    task.cancel()
     await low(tb)
 
 
@@ -253,32 +246,25 @@ async def sclock_edges_around_setting_bit_7(dut, tb):
     An edge seen two clocks or more after DTACK* is always latched, one two or more before never.
     """
     await tb.sclock(8, 20)  # 20 us
+    edges, checked = tb.times(RisingEdge, dut.sclock_o), 0
     await RisingEdge(dut.sclock_o)
-    checked = 0
     for n in range(40):
         await RisingEdge(dut.sclock_o)
         await tb.wr(PCCSR, BASE)
         # the next edge comes 20 us after; place the write around it
         await Timer(20_000 - 3_200 + 60 * n, "ns")
-        edges = []
-
-        async def watch(edges=edges):
-            await RisingEdge(dut.sclock_o)
-            edges.append(tb.now() / 1000)
-
-        task = cocotb.start_soon(watch())
+        edges.clear()
         op = await tb.vme.init_write(0x6409, ARMED | BASE).wait()
         await Timer(400, "ns")
         before = len(edges)
         latched = bool(await tb.rd(PCCSR) & SCLOCK_IRQ)
-        distance = (edges[0] - op.dtack_ns) / 125 if edges else None
+        distance = (edges[0] / 1000 - op.dtack_ns) / 125 if edges else None
         if not before:  # came with the read, or not at all
             assert distance is not None or not latched
             checked += distance is None
         elif abs(distance) >= 2:
             assert latched == (distance > 0), f"edge {distance} clocks from DTACK*"
             checked += 1
-        task.cancel()
     assert checked > 20
 
 

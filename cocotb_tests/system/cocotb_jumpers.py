@@ -10,7 +10,6 @@ from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_INDEX,
     B_REAL_ENC,
-    B_SCLOCK,
     B_TO_JOINT,
     BASE,
     C_DONE,
@@ -21,6 +20,7 @@ from cocotb_tests.lib.tb import (
     PORT_A,
     PORT_B,
     PORT_C,
+    RUN,
     SCLOCK_IRQ,
     VECTOR,
     Machine,
@@ -61,7 +61,6 @@ VARIANTS = {
     },
     "full": {"NumCards": 16, **SHORT},
 }
-RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 machine_test = tests_on(Machine)
 
 

@@ -3,21 +3,7 @@
 
 from cocotb_tests.adaptor.cocotb_host_port import HostPort
 from cocotb_tests.lib.req import test
-from cocotb_tests.lib.tb import (
-    ARMED,
-    BASE,
-    DAC1,
-    ENC1,
-    PCCSR,
-    PORT_A,
-    PORT_B,
-    PPI_CONTROL,
-    PPI_SETUP,
-    QUAD,
-    SCLOCK_IRQ,
-    Machine,
-    Tb,
-)
+from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, PORT_A, QUAD, SCLOCK_IRQ, Tb
 from cocotb_tests.system.machine import SINGLE
 
 TOPLEVEL = "mmcs_core"
@@ -30,8 +16,7 @@ class OtherHost(HostPort):
         self.dut.axis_enable_i.value = 3
         self.enc = self.encoders(2)
         await self.wr(PCCSR, BASE)
-        for register, value in ((PPI_CONTROL, PPI_SETUP), (PORT_A, QUAD), (PORT_B, 0x03)):
-            await self.wr(Machine.creg(0, register), value)
+        await self.setup(0, 0x03)
         return self
 
 
@@ -40,20 +25,17 @@ async def every_register_by_the_port(dut):
     """Card and adaptor as from VME: all patterns of a register, an encoder, a D/A."""
     tb = await OtherHost(dut).start()
     for value in (*(1 << n for n in range(8)), 0x00, 0xFF, QUAD):
-        await tb.wr(Machine.creg(0, PORT_A), value)
-        assert await tb.rd(Machine.creg(0, PORT_A)) == value
-    for register in (ENC1, ENC1 + 1):
-        await tb.wr(Machine.creg(0, register), 0)
+        await tb.cwr(0, PORT_A, value)
+        assert await tb.crd(0, PORT_A) == value
+    await tb.preset(0, 0)
     await tb.enc[0].move(300, 500)
     await tb.us(1)
-    high = await tb.rd(Machine.creg(0, ENC1))
-    assert high << 8 | await tb.rd(Machine.creg(0, ENC1 + 1)) == 300
+    assert await tb.encoder(0) == 300
     await tb.us(30)  # the relay
-    await tb.wr(Machine.creg(0, DAC1), 0x00)
-    await tb.wr(Machine.creg(0, DAC1 + 1), 0x0C)
+    await tb.dac(0, 0xC00)
     assert int(dut.drive_v_o.value) & 0xFFFF == 0x4000
     for card in range(1, 16):
-        assert await tb.rd(Machine.creg(card, PORT_A)) == 0xFF, "no such card"
+        assert await tb.crd(card, PORT_A) == 0xFF, "no such card"
 
 
 @test("ADP-1")

@@ -9,9 +9,6 @@ from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
-    B_REAL_ENC,
-    B_SCLOCK,
-    B_TO_JOINT,
     BASE,
     C_DONE,
     DAC1,
@@ -22,6 +19,7 @@ from cocotb_tests.lib.tb import (
     PORT_B,
     PORT_C,
     QUAD,
+    RUN,
     SCLOCK_IRQ,
     VECTOR,
     Machine,
@@ -32,7 +30,6 @@ from mmcs import regs
 TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
 BEAT_US = 400
-RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 
 
 async def machine(dut, enabled: int = 0x3F) -> Machine:
@@ -158,15 +155,7 @@ async def heartbeat_retrigger(dut, tb):
 @machine_test("HB-1", "HB-2", enabled=1)
 async def heartbeat_retrigger_at_the_last_instant(dut, tb):
     """Triggers on every clock around the end: either PANIC falls again, or it never rose."""
-    rose = []
-
-    async def watch():
-        while True:
-            await RisingEdge(dut.panic_o)
-            rose.append(tb.now())
-
-    cocotb.start_soon(watch())
-    gaps = []
+    rose, gaps = tb.times(RisingEdge, dut.panic_o), []
     for offset in range(-6, 12):
         await tb.us(BEAT_US + 20)
         await tb.cwr(0, DAC1, 0)
@@ -346,20 +335,12 @@ async def sysreset_resets_what_it_should(dut, tb):
     await tb.beat()
     await tb.dac(0, 0xC00)
     await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | PANIC_IRQ | BASE)
-    reset_drv = []
-
-    async def watch():
-        await RisingEdge(dut.pcx_reset_drv_o)
-        start = tb.now()
-        await FallingEdge(dut.pcx_reset_drv_o)
-        reset_drv.append(tb.now() - start)
-
-    cocotb.start_soon(watch())
+    rises, falls = (tb.times(edge, dut.pcx_reset_drv_o) for edge in (RisingEdge, FallingEdge))
     dut.vme_sysreset_ni.value = 0
     await tb.us(5)
     dut.vme_sysreset_ni.value = 1
     await tb.us(1)
-    assert reset_drv and abs(reset_drv[0] / 1e6 - 5) < 0.3
+    assert falls and abs((falls[0] - rises[0]) / 1e6 - 5) < 0.3
     assert await tb.rd(PCCSR) == 0
     await tb.wr(0x407, 0xE8)
     assert await tb.rd(0x405) == status

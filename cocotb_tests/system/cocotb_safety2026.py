@@ -3,29 +3,14 @@
 a cut wire raise it, heartbeats end after 10 ms and want latches. docs/hardware/safety.md"""
 
 from cocotb_tests.lib.req import test, tests_on
-from cocotb_tests.lib.tb import (
-    B_DOUBLE,
-    B_REAL_ENC,
-    B_SCLOCK,
-    B_TO_JOINT,
-    DAC1,
-    HEALTH_CLKS,
-    QUAD,
-    Machine,
-)
+from cocotb_tests.lib.tb import B_DOUBLE, DAC1, HEALTH_CLKS, QUAD, RUN, Machine
+from cocotb_tests.system.cocotb_safety import panic
 from mmcs import regs
 
 TOPLEVEL = "mmcs"
 PARAMETERS = {"NumCards": 1, "RelayUs": 20, "Safety2026": 1}
-RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 BEAT_MS = 10
 ALONE = 8  # edges of one wire
-
-
-def panic(tb: Machine) -> int:
-    level = int(tb.dut.panic_o.value)
-    assert int(tb.dut.brake_release_o.value) == 1 - level, "brakes are off only without PANIC"
-    return level
 
 
 async def release(tb: Machine) -> None:
@@ -181,8 +166,7 @@ async def illegal_step_of_an_encoder_is_panic(dut):
     await tb.beat()
     await release(tb)
     assert panic(tb), "nobody knows the count"
-    await tb.cwr(0, 4, 0)
-    await tb.cwr(0, 5, 0)
+    await tb.preset(0, 0)
     await release(tb)
     assert not panic(tb)
 

@@ -90,9 +90,7 @@ async def sclock_stands_until_programmed_and_after_mode_0(dut, tb):
 
 @machine_test("PIT-2")
 async def timer_2_counts_sclocks(dut, tb):
-    await tb.wr(0x407, 0xB4)
-    await tb.wr(0x405, 0)
-    await tb.wr(0x405, 0)
+    await tb.timer(2, 0)
     n1 = max(10, int(30e6 / tick_ps(tb)) // 8)  # 30 us or so: longer than the reads
     await tb.sclock(8, n1)
     for _ in range(3):

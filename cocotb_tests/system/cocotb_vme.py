@@ -207,14 +207,7 @@ async def queued_cycles_run_back_to_back(tb):
 @machine_test("VME-3")
 async def dtack_and_drivers_at_the_end_of_a_read(dut, tb):
     """Drivers off with the strobes, without a clock; DTACK* up one or two clocks later."""
-    ends = []
-
-    async def watch():
-        while True:
-            await RisingEdge(dut.vme_dtack_no)
-            ends.append(tb.now())
-
-    cocotb.start_soon(watch())
+    ends = tb.times(RisingEdge, dut.vme_dtack_no)
     for phase in range(0, 130, 10):  # strobes move through the clock period
         await Timer(phase + 1, "ns")
         ends.clear()

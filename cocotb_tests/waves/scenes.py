@@ -17,14 +17,13 @@ from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
     B_INDEX,
-    B_REAL_ENC,
     B_SCLOCK,
-    B_TO_JOINT,
     BASE,
     LATCH,
     PCCSR,
     PORT_B,
     PORT_C,
+    RUN,
     SCLOCK_IRQ,
     VECTOR,
     Machine,
@@ -32,7 +31,6 @@ from cocotb_tests.lib.tb import (
 
 TOPLEVEL = "mmcs"
 PARAMETERS = {"NumCards": 1, "HeartbeatUs": 400, "RelayUs": 20}
-RUN = B_REAL_ENC | B_TO_JOINT | B_SCLOCK
 
 
 def mark() -> None:

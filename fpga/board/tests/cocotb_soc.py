@@ -9,7 +9,7 @@ from cocotbext.quadrature import QuadratureSource
 from cocotb_tests.lib.tb import Tb
 from fpga.board.tests.converters import Dac8568, Mcp3208, SerialHost
 
-CLK_HZ, BAUD = 24_000_000, 1_000_000
+BAUD = 1_000_000
 MAILBOX, ENABLED, AXIS, AXIS_WORDS, ENCNOW = 0x1E000 // 4, 21, 38, 9, 2  # words: mailbox.h
 MAGIC = 0x4D4D4353
 ADDRESS, DATA, DO, READ = 0x001, 0x005, 0x00D, 1  # the console
@@ -19,11 +19,10 @@ MIDDLE = 0x800
 
 
 class Board(Tb):
+    clk_hz = 24_000_000
     limit_ms = 120
 
     async def begin(self):
-        self.clk_hz = CLK_HZ
-        self.period = round(1e12 / CLK_HZ / 2) * 2
         dut = self.dut
         self.console = SerialHost(dut, BAUD)
         self.adc = Mcp3208(dut, [0x800] * 8)

@@ -10,7 +10,6 @@ from cocotbext.vme import VmeBus, VmeMaster
 from cocotb_tests.lib.tb import (
     ARMED,
     BASE,
-    DAC1,
     LATCH_ALL,
     PANIC_IRQ,
     PCCSR,
@@ -20,21 +19,18 @@ from cocotb_tests.lib.tb import (
     PPI_SETUP,
     SCLOCK_IRQ,
     VECTOR,
-    Machine,
-    Tb,
+    Host,
 )
 
-CLK_HZ = 24_000_000
 APART_PS = 20_000  # OE# high on both sides of a turn: an ABT245 disables in 6 ns, an LS645 in 25
 CARD_PS = (41_500, 41_900)  # their clocks are near the adaptor's, so that phases drift
 
 
-class Buses(Tb):
+class Buses(Host):
+    clk_hz = 24_000_000
     limit_ms = 60
 
     async def begin(self):
-        self.clk_hz = CLK_HZ
-        self.period = round(1e12 / CLK_HZ / 2) * 2
         dut = self.dut
         self.card_clks = []
         for n, period in enumerate(CARD_PS):
@@ -50,10 +46,6 @@ class Buses(Tb):
 
     async def _card_clock(self, n, period):
         Clock(self.dut.card_clk_i[n], period, "ps").start()
-
-    base, rd, wr, crd, cwr = Machine.base, Machine.rd, Machine.wr, Machine.crd, Machine.cwr
-    creg = staticmethod(Machine.creg)
-    timer, sclock = Machine.timer, Machine.sclock
 
     async def _fights(self):
         while True:
@@ -95,7 +87,7 @@ class Buses(Tb):
         assert not self.fights and not self.close, (self.fights[:3], self.close[:3])
         assert self.turns >= turns, f"{self.turns} turns only"
 
-    async def setup(self):
+    async def ports(self):
         for card in range(2):
             await self.cwr(card, PPI_CONTROL, PPI_SETUP)
 
@@ -104,7 +96,7 @@ class Buses(Tb):
 async def no_two_drivers_meet(dut):
     """Random accesses, back to back and apart, to both cards, an absent one and the adaptor."""
     tb = await Buses(dut).begin()
-    await tb.setup()
+    await tb.ports()
     held = {}
     for _ in range(400):
         card, register = tb.random.choice((0, 1, 2)), tb.random.choice((PORT_A, PORT_B))
@@ -128,7 +120,7 @@ async def no_two_drivers_meet(dut):
 async def data_in_time(dut):
     """A card's data are on the bus 300 ns after IOR#, and off it within 20 ns of its end."""
     tb = await Buses(dut).begin()
-    await tb.setup()
+    await tb.ports()
     for card in (0, 1) * 20:
         read = cocotb.start_soon(tb.crd(card, PORT_A))
         await FallingEdge(dut.pc_ior_no)
@@ -146,8 +138,8 @@ async def data_in_time(dut):
 async def words_leave_the_upper_byte_alone(dut):
     """§4.3.1: 16-bit accesses work on the low byte; D15-D08 have no driver."""
     tb = await Buses(dut).begin()
-    await tb.setup()
-    even = tb.base | Machine.creg(1, PORT_A) & ~1
+    await tb.ports()
+    even = tb.base | tb.creg(1, PORT_A) & ~1
     await tb.vme.write(even, 0x12A8, 2)
     assert await tb.vme.read(even, 2) == 0xFFA8
     assert not await tb.vme.answers(even)
@@ -178,11 +170,10 @@ async def interrupts_and_acknowledge(dut):
 async def panic_and_sclock_over_the_cable(dut):
     """PANIC goes with the last D/A write and comes with a heartbeat's end; SCLOCK latches cards."""
     tb = await Buses(dut).begin()
-    await tb.setup()
+    await tb.ports()
     assert int(dut.panic_o.value)
-    for card in range(2):
-        for register in range(4):
-            await tb.cwr(card, DAC1 + register, 8 if register % 2 else 0)
+    for axis in range(4):
+        await tb.dac(axis, 0x800)
     await tb.us(2)
     assert not int(dut.panic_o.value) and int(dut.brake_release_o.value)
     await tb.us(450)
@@ -202,7 +193,7 @@ async def panic_and_sclock_over_the_cable(dut):
     await tb.crd(0, LATCH_ALL)
     for card in range(2):
         await tb.crd(card, 2)
-        assert (await tb.crd(card, 4)) << 8 | await tb.crd(card, 5) == 12
+        assert await tb.encoder(2 * card) == 12
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
     dut.estop_closed_i.value = 0
     await tb.us(1)
@@ -214,7 +205,7 @@ async def panic_and_sclock_over_the_cable(dut):
 async def ale_and_clk_of_a_pc(dut):
     """ALE falls while the address stands and a clock before each command; CLK is high a third."""
     tb = await Buses(dut).begin()
-    await tb.setup()
+    await tb.ports()
     seen = []
 
     async def watch():
@@ -246,9 +237,9 @@ async def ale_and_clk_of_a_pc(dut):
 async def nothing_drives_in_reset(dut):
     """In the middle of reads as well, and without a clock of the cards'."""
     tb = await Buses(dut).begin()
-    await tb.setup()
+    await tb.ports()
     for ns in range(0, 1500, 70):
-        cocotb.start_soon(tb.vme.answers(tb.base | Machine.creg(0, PORT_A)))
+        cocotb.start_soon(tb.vme.answers(tb.base | tb.creg(0, PORT_A)))
         await Timer(ns + 1, "ns")
         dut.rst_ni.value = 0
         await Timer(1, "ns")
