@@ -59,25 +59,16 @@ def pytest_collection_finish(session):
 # --- nothing is skipped where nobody looks ------------------------------------------------------
 
 
-def _forbid_skip(report):
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport():
     """Turns a skip, whose reason names the tool and how to install it, into a failure."""
-    if os.environ.get("CI", "").lower() not in ("1", "true", "yes"):
-        return
-    if report.skipped and not hasattr(report, "wasxfail"):
+    report = yield
+    wanted = os.environ.get("CI", "").lower() in ("1", "true", "yes")
+    if wanted and report.skipped and not hasattr(report, "wasxfail"):
         reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
         report.outcome = "failed"
         report.longrepr = f"{report.nodeid}: not run, and CI=true allows no skip. {reason}"
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport():
-    report = yield
-    _forbid_skip(report)
     return report
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report():
-    report = yield
-    _forbid_skip(report)
-    return report
+pytest_make_collect_report = pytest_runtest_makereport

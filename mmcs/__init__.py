@@ -41,12 +41,14 @@ _MORE = {
     # pictures
     "view": "svg waves",
     # servers, and graders of lab sheets
+    "device.client": "Device",
+    "device.motion": "Motion",
     "device.link": "Link",
     "lab.trial": "Gains",
     "lab.marks": "Question Verdict arrives near",
 }
-_HOMES = {name: home for home, names in _MORE.items() for name in names.split()}
-_HOMES |= dict.fromkeys(__all__[4:], "front")
+_HOMES = dict.fromkeys(__all__[4:], "front")
+_HOMES |= {name: home for home, names in _MORE.items() for name in names.split()}
 
 
 def __getattr__(name: str):

@@ -23,8 +23,6 @@ from pathlib import Path
 import numpy as np
 
 from mmcs import logcols, mcdef
-from mmcs.device.client import Device
-from mmcs.device.motion import Motion
 from mmcs.errors import InputError, RunError
 from mmcs.scenario.load import load as _load
 from mmcs.scenario.setup import Setup
@@ -298,7 +296,3 @@ def _pandas():
     except ImportError:
         raise RunError("pandas is not installed: pip install 'mmcs[study]'") from None
     return pandas
-
-
-__all__ = ["Device", "InputError", "Machine", "Motion", "Run", "RunError", "compare", "load", "run",
-           "sweep"]  # fmt: skip

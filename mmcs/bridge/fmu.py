@@ -12,7 +12,6 @@ import platform
 import shlex
 import shutil
 import struct
-import subprocess
 import tempfile
 import zipfile
 from pathlib import Path
@@ -21,7 +20,8 @@ from xml.sax.saxutils import quoteattr
 from mmcs import ROOT, mcdef
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import make_ffi
-from mmcs.errors import InputError, RunError
+from mmcs.errors import InputError
+from mmcs.place import compiled
 from mmcs.scenario.setup import Setup
 
 MACHINES = {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"}
@@ -99,18 +99,12 @@ def compile_unit(engine: Path, folder: Path) -> tuple[Path, Path]:
     name = hashlib.sha256(engine.read_bytes()).hexdigest()[:16]
     unit, alone = folder / "mmcs.so", folder / f"libmmcs_{name}.so"
     shutil.copy(engine, alone)
+    source = ROOT / "sim/fmu/fmu.c"
     compiler = shlex.split(os.environ.get("CC", "cc")) or ["cc"]
-    command = [*compiler, "-std=gnu11", "-O2", "-shared", "-fPIC",
-               "-fvisibility=hidden", f"-I{ROOT / 'sim/abi'}", f"-I{ROOT / 'firmware/include'}",
-               "-o", str(unit), str(ROOT / "sim/fmu/fmu.c"), f"-L{folder}", f"-lmmcs_{name}",
+    command = [*compiler, "-std=gnu11", "-O2", "-fvisibility=hidden", f"-I{ROOT / 'sim/abi'}",
+               f"-I{ROOT / 'firmware/include'}", source, f"-L{folder}", f"-lmmcs_{name}",
                "-Wl,-rpath,$ORIGIN", "-lm"]  # fmt: skip
-    try:
-        done = subprocess.run(command, text=True, capture_output=True, check=False)
-    except FileNotFoundError:
-        raise RunError(f"{command[0]} is missing: the unit is compiled; set CC") from None
-    if done.returncode:
-        raise RunError(f"the unit does not compile\n{done.stderr}")
-    return unit, alone
+    return compiled(unit, command, [source]), alone
 
 
 def write(setup: Setup, path: Path) -> None:
@@ -118,8 +112,6 @@ def write(setup: Setup, path: Path) -> None:
     if platform.system() != "Linux" or platform.machine() not in MACHINES:
         what = f"{platform.machine()}, {platform.system()}"
         raise InputError.one("fmu", "", None, f"needs Linux on {', '.join(MACHINES)}; here: {what}")
-    if setup.axes > 32:
-        raise InputError.one("fmu", "", setup.axes, "has room for 32 axes")
     machine = describe(setup)
     scenario = setup.scenario
     engine = ensure_library(scenario.cards, "speed", scenario.clk_hz, safety=setup.hardware())

@@ -3,7 +3,3 @@
 
 May know: bridge, device, engine, lab, runs, scenario, sweeps, tool, view.
 """
-
-from mmcs.cli.app import main
-
-__all__ = ["main"]

@@ -99,8 +99,7 @@ def main() -> None:
     """MMCS, the Modular Motor Control System, complete in simulation."""
 
 
-def _scenario(function):
-    return click.argument("scenario", metavar="SCENARIO")(function)
+_scenario = click.argument("scenario", metavar="SCENARIO")
 
 
 @main.command("list")

@@ -57,11 +57,11 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
 
 def _show(plan, n: int) -> None:
     from mmcs.sweeps.campaign import run_fault, twin_of
+    from mmcs.sweeps.campaign_report import told_of
 
     fault = plan.fault(n)
     row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
-    after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"
-    echo(f"fault {n}: {row['class']}, off by {row['off']:g} counts{after}; hash {row['hash']}")
+    echo(f"fault {n}: {row['class']}, {told_of(row)}")
     echo(plan.command(n))
 
 

@@ -210,8 +210,7 @@ class SelfTest:
                         f"card {card}, joint {joint + 1}: loop back of D/A 0x{wanted[joint]:03X}"
                         f" reads A/D 0x{read:03X}: check relay and converters"
                     )
-        for joint in range(2):
-            self._convert(card, joint, 0x800)
+        self._beat([card])
         return f"card {card}: loop back of {len(CODES)} codes, each joint its own"
 
     def _beat(self, cards: list[int]) -> None:

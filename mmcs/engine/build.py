@@ -132,9 +132,8 @@ def _spinner(text: str):
     from mmcs.screen import console as screen
 
     console = screen(stderr=True)
-    if console.is_terminal:
-        return console.status(text)
-    console.print(f"mmcs: {text}")
+    if not console.is_terminal:
+        console.print(f"mmcs: {text}")
     return console.status(text)  # draws nothing when not a terminal
 
 

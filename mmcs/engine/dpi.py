@@ -87,10 +87,8 @@ class Line:
     def _sent(self, value) -> bytes:
         if isinstance(value, bytes):
             return _array(value + b"\0")
-        return struct.pack("<q", NULL) if value == self._ffi.NULL else _array(self._bytes(value))
-
-    def _bytes(self, value) -> bytes:
-        return bytes(self._ffi.buffer(value))
+        null = value == self._ffi.NULL
+        return struct.pack("<q", NULL) if null else _array(bytes(self._ffi.buffer(value)))
 
     def _result(self, name: str, kind, reply: _Reply):
         if kind.cname == "void":

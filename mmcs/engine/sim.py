@@ -131,7 +131,8 @@ class Sim(Watching, Playing):
         got = self.lib.mmcs_sim_read(self._sim, client, states, count * size)
         if got < 0:
             raise OSError(-got, "read of /dev/mc0")
-        return [_state(states[n]) for n in range(got // size)]
+        names = mcdef.fields("mc_state")
+        return [{n: getattr(state, n) for n in names} for state in states[0 : got // size]]
 
     # what a program does with it for a scenario: sim/service
 
@@ -347,10 +348,6 @@ class Sim(Watching, Playing):
 
     def hash(self) -> str:
         return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
-
-
-def _state(state) -> dict[str, int]:
-    return {name: getattr(state, name) for name in mcdef.fields("mc_state")}
 
 
 def library_registers(library: Path) -> dict[str, int]:

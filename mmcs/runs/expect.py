@@ -63,9 +63,10 @@ def judge(result, axes: list[dict]) -> list[dict]:
 def _axis(entry: AxisExpect, result, axes: list[dict]) -> list[dict]:
     verdicts = []
     for axis, key, band in plant.banded(entry, result, AXIS_UNITS):
+        encoder, error = (logcols.column(result.log, axis, name) for name in ("encoder", "error"))
         seen = axes[axis] | {
-            "final_counts": _last(result.log, axis, "encoder"),
-            "peak_error_counts": _peak(result.log, axis),
+            "final_counts": float(encoder[-1]) if len(encoder) else None,
+            "peak_error_counts": float(np.abs(error).max()) if len(error) else None,
         }
         name, unit = AXIS_UNITS[key]
         what = f"axis {axis} {name} {_band(band)}{unit}"
@@ -118,11 +119,3 @@ def _unknown(entry: EventExpect, result, kind: list[dict], end: float) -> str:
     if entry.text is not None and any(len(note["text"]) >= NOTE_CHARS for note in kind):
         return f"an event's text is cut after {NOTE_CHARS} characters"
     return ""
-
-
-def _last(log: np.ndarray, axis: int, name: str) -> float | None:
-    return float(logcols.column(log, axis, name)[-1]) if len(log) else None
-
-
-def _peak(log: np.ndarray, axis: int) -> float | None:
-    return float(np.abs(logcols.column(log, axis, "error")).max()) if len(log) else None

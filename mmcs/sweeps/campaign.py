@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 from mmcs import __version__
-from mmcs.errors import InputError, RunError
+from mmcs.errors import InputError
 from mmcs.runs.machine import library_of
 from mmcs.scenario.load import load
 from mmcs.scenario.setup import Setup
 from mmcs.sweeps.classes import CLASSES, judge
 from mmcs.sweeps.faults import SORTS, Fault, Motion, draw
-from mmcs.sweeps.workers import failed
+from mmcs.sweeps.workers import or_failed
 
 WATCH_S = 0.25  # after the scenario's end, so that the last fault, too, shows what it does
 CHUNK = 40  # faults that a worker is given at once
@@ -146,18 +146,14 @@ def twin_of(setup: Setup):
         del _given[key]
 
 
+@or_failed
 def run_chunk(task: tuple[Setup, list[Fault]]) -> dict:
     """{"status", "rows", "core_s"} of some faults in one motion."""
     setup, faults = task
     began = time.process_time()
-    try:
-        twin = twin_of(setup)
-        rows = [run_fault(twin, fault) for fault in faults]
-        return {"status": "ok", "rows": rows, "core_s": time.process_time() - began}
-    except (RunError, InputError) as error:
-        return failed(str(error))
-    except Exception as error:
-        return failed(f"{type(error).__name__}: {error}")
+    twin = twin_of(setup)
+    rows = [run_fault(twin, fault) for fault in faults]
+    return {"status": "ok", "rows": rows, "core_s": time.process_time() - began}
 
 
 def run_fault(twin, fault: Fault, whole: bool = False) -> dict:

@@ -35,21 +35,28 @@ STATS = ("interrupts", "missed", "overruns", "panics", "clips", "bus_errors")
 # --- one run -----------------------------------------------------------------------------------
 
 
-def run_row(setup) -> dict:
-    """Runs a setup and gives its figures; what goes wrong is a row too."""
-    try:
-        return _run_row(setup)
-    except (RunError, InputError) as error:
-        return failed(str(error))
-    except Exception as error:
-        return failed(f"{type(error).__name__}: {error}")
-
-
 def failed(why: str) -> dict:
     return {"status": "failed", "unmet": None, "why": why}
 
 
-def _run_row(setup) -> dict:
+def or_failed(work):
+    """work, but what goes wrong is a row, too."""
+
+    @functools.wraps(work)
+    def guarded(task) -> dict:
+        try:
+            return work(task)
+        except (RunError, InputError) as error:
+            return failed(str(error))
+        except Exception as error:
+            return failed(f"{type(error).__name__}: {error}")
+
+    return guarded
+
+
+@or_failed
+def run_row(setup) -> dict:
+    """Runs a setup and gives its figures."""
     from mmcs.runs.expect import judge
     from mmcs.runs.programs import session_of
     from mmcs.runs.report import measure
