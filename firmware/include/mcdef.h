@@ -18,7 +18,7 @@ struct mc_param {
   int ipole;                  /* pole of the filter on inow, times MC_FSCALE */
 };
 
-/* Table 2.1: the parameters of an axis as the first open finds them; what is not named is 0. */
+/* Table 2.1: the parameters of an axis after the first open; members not named are 0. */
 #define MC_PARAM_INITIAL   \
   {.a0 = 1,                \
    .b0 = 1,                \
@@ -86,8 +86,8 @@ struct mc_stats {
 
 #define MC_FSCALE 1024 /* scale of ipole and of a filtered inow */
 
-/* Requests (Table 2.3). Every one with an argument takes a pointer to the type given. As in 4.2BSD
- * bit 31 says that the argument goes in, bit 30 that it comes out, bits 16-28 how long it is. */
+/* Requests (Table 2.3); an argument is passed by a pointer to the type given. As in 4.2BSD bit 31:
+ * the argument goes in; bit 30: it comes out; bits 16-28: its length. */
 #define MC_ARG_IN 0x80000000
 #define MC_ARG_OUT 0x40000000
 #define MC_INT 0x40000    /* 4 bytes << 16 */

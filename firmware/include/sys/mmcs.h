@@ -12,8 +12,8 @@
 #define MWAIT 0x40044D41
 
 /* char[MWHY_SIZE]: why this thread's last call on an open device was refused, as one sentence;
- * empty if there is nothing to add to the errno. After any other call: what the simulator knows of
- * a shutdown that no register tells, as "the simulator knows: the ribbon cable is pulled". */
+ * empty if there is nothing to add to the errno. After any other call: the cause of a shutdown that
+ * no register shows, as "the simulator knows: the ribbon cable is pulled". */
 #define MWHY_SIZE 128
 #define MWHY 0x40804D42
 
@@ -23,7 +23,7 @@ struct mmcs_status {
   unsigned sample;            /* number of the last servo sample since power-on, as of MWAIT */
   int enabled;                /* 1: the servo drives the joints */
   int stopped;                /* 1: a stop is latched, nothing moves until an MENABLE */
-  int stopped_by;             /* process that asked for it; 0: the host's stop path, or no stop */
+  int stopped_by;             /* process that requested it; 0: the host's stop path, or no stop */
   int cause;                  /* MCAUSE_...: what shut the machine down, until an MENABLE */
   int number;                 /* the axis or card (DIP switch) of the cause, or -1 */
 };
@@ -33,14 +33,14 @@ struct mmcs_status {
 #define MCAUSE_HEARTBEAT 1 /* axis `number` has no heartbeat */
 #define MCAUSE_CARD 2      /* card `number` does not answer */
 #define MCAUSE_SILENT 3    /* no card answers: cable or power */
-#define MCAUSE_PASSED 4    /* a PANIC without a present cause: button, or a cause that has passed */
+#define MCAUSE_PASSED 4    /* a PANIC whose cause no register shows: button, or it has passed */
 #define MCAUSE_AXIS 5      /* an error of axis `number` without SOFTERR: errcode says which */
 #define MCAUSE_BUS 6       /* bus error in a servo pass, or the adaptor does not answer */
 #define MCAUSE_RESET 7     /* SYSRESET* */
 #define MCAUSE_LATE 8      /* no interrupts, or passes outlast SCLOCK */
 #define MCAUSE_GUARD 9     /* struct mc_guard; of axis `number`, or -1 */
 
-/* int, by pointer: ends the calibration of this axis only; 0 also if there is none. */
+/* int, by pointer: ends the calibration of this axis only; succeeds also if there is none. */
 #define MCALIBEND 0x80044D44
 
 /* struct mmcs_setpoint: the setpoint of one axis; other axes keep theirs. Errors as of write(). */
@@ -50,10 +50,10 @@ struct mmcs_setpoint {
 };
 #define MSETPOINT 0x80084D45
 
-/* struct mmcs_setpoints: as write(), but checked; a driver whose guard has `checked` takes no
- * other. Its sequence is one more than that of the message before, the first after MENABLE has any;
- * its check is mmcs_check(). EINVAL: the check is wrong, or `axes` is. A message that was lost, or
- * one whose check is wrong, stops the machine under power. */
+/* struct mmcs_setpoints: as write(), but checked; with `checked` in the driver's guard setpoints
+ * come this way only. The first message after MENABLE may have any sequence number, each later one
+ * the next; `check` is mmcs_check(). EINVAL: `check` or `axes` is wrong. A lost message, or one
+ * whose check is wrong, stops the machine under power. */
 #define MMCS_AXES 32
 struct mmcs_setpoints {
   unsigned sequence;
@@ -63,7 +63,7 @@ struct mmcs_setpoints {
 };
 #define MSETPOINTS 0x808C4D46
 
-/* Any change of one word changes it, wherever. */
+/* A change of any one word changes the result. */
 static inline unsigned mmcs_check(const struct mmcs_setpoints *s) {
   unsigned check = 0x4D4D4353u ^ s->sequence, n;
   check = (check << 5 | check >> 27) ^ s->axes;
