@@ -37,7 +37,8 @@ def find(name: str, folder: Path = SCENARIOS, what: str = "scenario") -> Path:
     known = named(folder)
     if name in known:
         return short(known[name])
-    hint = suggest(name, known) or "; there are: " + ", ".join(known)
+    names = "; see `mmcs list`" if what == "scenario" else "; there are: " + ", ".join(known)
+    hint = suggest(name, known) or names
     raise InputError.one(f'"{name}"', "", None, f"no such {what}{hint}")
 
 

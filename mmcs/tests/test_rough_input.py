@@ -55,7 +55,7 @@ TABLES = {
     "empty": (b"", "must hold at least two numbers"),
 }
 ARGS = {
-    "long scenario": (["run", "a" * 300], f'"{"a" * 300}": no such scenario; there are: '),
+    "long scenario": (["run", "a" * 300], f'"{"a" * 300}": no such scenario; see `mmcs list`'),
     "long file": (["show", "a" * 300 + ".toml"], f"{'a' * 300}.toml: no such scenario file"),
     "digit": (
         ["check", "lab500", "--set", "motion.².to=1"],
