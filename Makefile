@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga test-netlist release
+.PHONY: cocotb edges dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga test-netlist release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -118,7 +118,6 @@ ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb
 
 SIM ?= verilator
 
-.PHONY: cocotb
 cocotb: $(VENV)/.test ## the cocotb regression; SIM=icarus, SIM=both: on another simulator
 	@$(if $(filter verilator,$(SIM)),,tools/need_debian.sh iverilog iverilog)
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim "$(SIM)" cocotb_tests
@@ -136,7 +135,6 @@ bench: $(VENV)/.test ## how fast it is, into docs/evidence/bench.md; BASE=commit
 coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage; ONLY=TEXT: of tests of that name
 	@$(BIN)/python tools/coverage.py $(if $(ONLY),--only "$(ONLY)")
 
-.PHONY: edges
 edges: $(VENV)/.test ## sweep the asynchronous inputs, into docs/evidence/edges.md
 	@$(BIN)/python tools/edges.py --doc
 

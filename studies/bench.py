@@ -21,6 +21,7 @@ from pathlib import Path
 
 import mmcs
 from mmcs import BUILD, ROBOTS, ROOT, Files, Session, Sim, ensure_library, mcdef, read_toml
+from tools.pages import fill
 
 FOLDER = BUILD / "bench"
 PAGE = ROOT / "docs" / "evidence" / "bench.md"
@@ -354,22 +355,16 @@ def row(name: str, values: list[list]) -> str:
 
 def page(found: dict[str, list], base: str | None, commit: str) -> str:
     count = max(len(values) for values in found.values())
-    rows = "\n".join(row(name, values) for name, values in found.items())
     made = f"make bench BASE={base}" if base else "make bench"
-    return f"""<!-- Written by `make bench` (studies/bench.py): do not edit. -->
-# How fast
-
-*{datetime.date.today()}, {commit}, `{made}`*, {count} rounds, {len(os.sched_getaffinity(0))} cores.
-Processor time, taken in turns in one run; a figure is the median of the rounds, a ratio the
-median of the ratios within each round. Speeds are simulated seconds in a second of a core, servo at
-1 ms; lock-step and page are shares of the speed of the same motion as a scenario. Hits are of the
-first time that the typical motion is run, from 50 ms on. Without node and `make web` the page is
-left out, and so is what the other commit does not have.
-
-| load | {base or "other"} | this | ratio | wanted |
-|---|---|---|---|---|
-{rows}
-"""
+    lines = [
+        f"*{datetime.date.today()}, {commit}, `{made}`*, {count} rounds, "
+        f"{len(os.sched_getaffinity(0))} cores.",
+        "",
+        f"| load | {base or 'other'} | this | ratio | wanted |",
+        "|---|---|---|---|---|",
+        *(row(name, values) for name, values in found.items()),
+    ]
+    return fill(PAGE, {"bench": lines})
 
 
 def main() -> int:

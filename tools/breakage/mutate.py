@@ -56,9 +56,7 @@ def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:
 
 
 def explained() -> list[dict]:
-    if not EXPLAINED.is_file():
-        return []
-    return tomllib.loads(EXPLAINED.read_text()).get("explained", [])
+    return tomllib.loads(EXPLAINED.read_text())["explained"]
 
 
 def plain(mutant: Mutant) -> str:
