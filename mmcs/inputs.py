@@ -26,12 +26,6 @@ class Input(NamedTuple):
     made_by: str  # PIN, HOST, UPSET or PLANT
     code: str  # a Pin, an Action, the register, an Input of the plant
 
-    def told(self) -> dict:
-        """What a client of the machine sees of it."""
-        return {
-            name: getattr(self, name) for name in ("scope", "healthy", "low", "high", "meaning")
-        }
-
     def drawn(self) -> tuple[float, ...]:
         """The values that a campaign chooses from; none where it draws from a range."""
         if self.draw == "bit":

@@ -19,8 +19,6 @@ import zlib
 from pathlib import Path
 
 from mmcs import BUILD, ROOT, SCENARIOS, SEGMENT_KINDS, __version__, find, load, make_ffi, mcdef
-from mmcs.inputs import INPUTS
-from mmcs.inputs import find as find_input
 from mmcs.runs.record import inline
 from mmcs.runs.script import process_fields
 from mmcs.scenario.files import named
@@ -35,12 +33,9 @@ SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html"
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call", "mmcs_server",
-              "mmcs_client",
-              "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event", "mmcs_stats",
-              "mmcs_snapshot",
-              "mmcs_tap_head", "mmcs_tap_read", "mmcs_tap_event", "mmcs_change",
-              "struct mc_param", "struct mc_state", "struct mc_stats")  # fmt: skip
-FLAGS = ("coulcomp", "adfb", "zerofb", "addmd", "adoff", "poschk", "softerr")
+              "mmcs_client", "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event",
+              "mmcs_stats", "mmcs_tap_head", "mmcs_change",
+              "struct mc_param", "struct mc_state")  # fmt: skip
 # name of a C type: letter for web/engine/sim.js, bytes where pointers have four
 KINDS = {"double": ("d", 8), "int32_t": ("i", 4), "int": ("i", 4), "uint32_t": ("u", 4),
          "int64_t": ("q", 8), "uint64_t": ("q", 8), "size_t": ("u", 4),
@@ -137,19 +132,17 @@ def _write_cache(folder: Path) -> None:
 def knowledge() -> dict:
     """Structures as a WebAssembly machine lays them out, and the numbers of mcdef.h."""
     constants = {n: v for n, v in mcdef.constants().items() if -(2**31) <= v < 2**32}
-    inputs = [{"name": name, **known.told()} for name, known in INPUTS.items()]
     return {
         "version": __version__,
         "layouts": {name.removeprefix("struct "): layout(name) for name in STRUCTURES},
         "constants": {
             **constants,
             "MODES": mcdef.MODES,
-            "FLAGS": FLAGS,
+            "FLAGS": mcdef.FLAGS,
             "READS": [r.name for r in mcdef.requests().values() if not r.changes],
             "CALLED": [r.name for r in mcdef.requests().values() if r.called],
             "PROTOCOL": protocol(),
         },
-        "inputs": inputs,
         "waves": groups(),
     }
 
@@ -188,7 +181,6 @@ def setup(name: str) -> dict | None:
     if scenario.cards not in CARDS or scenario.clk_hz != 8_000_000 or scenario.program:
         return None
     packed = zlib.compress(json.dumps(made.files).encode(), 9)
-    events = [e.model_dump() | {"healthy": find_input(e.input).healthy} for e in scenario.event]
     return {
         "name": made.name,
         "folder": find(name).resolve().relative_to(SCENARIOS).parts[0],
@@ -200,7 +192,7 @@ def setup(name: str) -> dict | None:
         "driver": made.driver(),
         "params": [_param(axis, values) for axis, values in enumerate(made.params)],
         "segments": [s | {"kind": SEGMENT_KINDS.index(s["kind"])} for s in made.segments],
-        "events": events,
+        "events": [event.model_dump() for event in scenario.event],
         "calls": [_call(call) for call in scenario.call],
         "processes": [process_fields(made, n, p) for n, p in enumerate(scenario.process)],
         "refusals": [e.request for e in scenario.expect if e.kind == "refused"],

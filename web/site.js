@@ -15,7 +15,7 @@ const FASTEST = 1000;
 const DEADMAN_MS = 2000; // a page that nobody looks at has its timers once a second
 const asked = new URLSearchParams(location.search);
 const said = document.getElementById("said");
-const [knowledge, scenarios] = await Promise.all([json("knowledge"), json("scenarios")]);
+const scenarios = await json("scenarios");
 let worker = null;
 let expected = null; // hash of the record that is replayed
 
@@ -29,7 +29,7 @@ async function chosen() {
   const kept = asked.has("record") && sessionStorage.getItem("record");
   if (kept) {
     const record = readRecord(kept);
-    const found = setupOf(record, await setupNamed(record.scenario), knowledge.inputs);
+    const found = setupOf(record, await setupNamed(record.scenario));
     expected = found.hash;
     return found.setup;
   }

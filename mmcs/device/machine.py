@@ -92,11 +92,6 @@ class ServedMachine(Serving):
         """Now, for nobody in particular."""
         return self.request(None, {"op": "input", "name": name, "index": index, "value": value})
 
-    def said_since(self, event: int) -> str:
-        """What the console said from this event on."""
-        events, _, _ = self.sim.tap_events(event, EVENTS_AT_ONCE)
-        return "; ".join(e["text"].removeprefix("mc: ") for e in events if e["kind"] == "log")
-
     def tell_console(self) -> None:
         while self._told < self.sim.tap_head()[1]:
             events, self._told, lost = self.sim.tap_events(self._told, EVENTS_AT_ONCE)

@@ -120,6 +120,11 @@ class Serving:
         why = self._lib.mmcs_server_held(self.now, client)
         return self._ffi.string(why).decode(errors="replace") if why else ""
 
+    def said_since(self, event: int) -> str:
+        """What the driver has said from this event of the tap on."""
+        said = self._lib.mmcs_server_said(self.now, event)
+        return self._ffi.string(said).decode(errors="replace")
+
     def server_ioctl(self, client, request: int, argument: bytes) -> tuple[int, bytes]:
         return self.sim.asked(request, argument, self._lib.mmcs_server_ioctl, self.now, client)
 

@@ -7,7 +7,6 @@ import random
 from mmcs import mcdef
 from mmcs.engine.script import Script
 from mmcs.errors import InputError, suggest
-from mmcs.inputs import find
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
 
@@ -36,8 +35,7 @@ def _add_events(script: Script, names: list[str], setup: Setup) -> None:
             key, allowed = f"event.{place}.input", f"this machine has no such input{hint}"
             raise InputError.one(setup.path, key, event.input, allowed)
         script.event(at=event.at, until=event.until, value=event.value, index=event.index,
-                     healthy=find(event.input).healthy, input=names.index(event.input),
-                     at_power_on=event.at_power_on)  # fmt: skip
+                     input=names.index(event.input), at_power_on=event.at_power_on)  # fmt: skip
 
 
 def process_fields(setup: Setup, number: int, process) -> dict:

@@ -35,7 +35,7 @@ def test_events_are_given_with_what_heals_them(scenario):
     text = '\n[[event]]\nat = 0.1\ninput = "cable_cut"\nvalue = 1\nuntil = 0.2\n'
     text = GOOD + text.replace("cable_cut", "estop")
     sim, _ = run(scenario(text))
-    expected = {"at": 0.1, "until": 0.2, "input": 0, "index": 0, "value": 1.0, "healthy": 0.0}
+    expected = {"at": 0.1, "until": 0.2, "input": 0, "index": 0, "value": 1.0}
     assert sim.events == [expected | {"at_power_on": False}]
 
 

@@ -39,7 +39,7 @@ void mmcs_script_destroy(mmcs_script *script);
 
 typedef struct mmcs_timed_event {
   double at, until; /* until < 0: the value stays; else the input is healthy from then on */
-  double value, healthy;
+  double value;
   int32_t input, index; /* as in mmcs_event */
   int32_t at_power_on;
 } mmcs_timed_event;
@@ -146,6 +146,8 @@ int mmcs_server_ioctl(mmcs_server *server, mmcs_client *client, uint32_t request
 int mmcs_server_write(mmcs_server *server, mmcs_client *client, const void *data, size_t size);
 int mmcs_server_bus(mmcs_server *server, mmcs_client *client, uint64_t address, int size,
                     int writes, uint32_t *value);
+/* What the driver has said from an event of the tap on; valid until the next call. */
+const char *mmcs_server_said(const mmcs_server *server, int64_t event);
 /* To be called when all messages received until `now` are handled. 1: the holder of the lease was
  * silent for longer than its dead-man, and the machine has been stopped. */
 int mmcs_server_check(mmcs_server *server, double now);

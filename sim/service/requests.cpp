@@ -70,7 +70,7 @@ class Request {
   // Refused with what the driver has said since the request began, or because of the lease.
   void check(int result) const {
     if (result >= 0) return;
-    const std::string said = said_since(sim_, before_);
+    const std::string said = mmcs_server_said(&server_, before_);
     if (result == -kBusy && said.empty()) must_control();
     throw Refusal(-result, said);
   }

@@ -65,7 +65,9 @@ struct mmcs_script {
     for (const mmcs_timed_event &event : events) {
       if ((event.at_power_on != 0) != at_power_on) continue;
       const mmcs_event begin = {from + event.at, event.input, event.index, event.value};
-      const mmcs_event end = {from + event.until, event.input, event.index, event.healthy};
+      const mmcs_input *is = mmcs_sim_input(event.input);
+      const double healthy = is ? is->healthy : 0;  // of an upset of any register
+      const mmcs_event end = {from + event.until, event.input, event.index, healthy};
       if (mmcs_sim_add_event(sim, &begin) != 0 ||
           (event.until >= 0 && mmcs_sim_add_event(sim, &end) != 0)) {
         const char *name = mmcs_sim_input_name(event.input);

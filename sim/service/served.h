@@ -54,21 +54,6 @@ mmcs_tap_head tap_head(const mmcs_sim *sim) {
   return now;
 }
 
-// What the driver has said since an event.
-std::string said_since(const mmcs_sim *sim, int64_t before) {
-  std::vector<mmcs_tap_event> events(kEventsAtOnce);
-  mmcs_tap_read read{};
-  mmcs_sim_tap_events(sim, before, events.data(), kEventsAtOnce, &read);
-  std::string said;
-  for (int n = 0; n < read.count; ++n) {
-    if (std::strcmp(events[n].kind, "log") != 0) continue;
-    const char *text = events[n].text;
-    said +=
-        (said.empty() ? "" : "; ") + std::string(text + (std::strncmp(text, "mc: ", 4) ? 0 : 4));
-  }
-  return said;
-}
-
 int places(const mmcs_input &is) {
   const int cards = mmcs_sim_build_cards();
   return is.scope == MMCS_SCOPE_MACHINE ? 1 : is.scope == MMCS_SCOPE_CARD ? cards : 2 * cards;
@@ -305,6 +290,22 @@ int mmcs_server_bus(mmcs_server *server, mmcs_client *client, uint64_t address, 
   const int result = writes ? mmcs_sim_bus_write(sim, at, kUserAm, size, *value)
                             : mmcs_sim_bus_read(sim, at, kUserAm, size, value);
   return result < 0 ? kBusError : result;  // of a machine that has failed
+}
+
+const char *mmcs_server_said(const mmcs_server *server, int64_t event) {
+  static thread_local std::string said;
+  std::vector<mmcs_tap_event> events(kEventsAtOnce);
+  mmcs_tap_read read{};
+  mmcs_sim_tap_events(static_cast<const Served *>(server)->sim, event, events.data(), kEventsAtOnce,
+                      &read);
+  said.clear();
+  for (int n = 0; n < read.count; ++n) {
+    if (std::strcmp(events[n].kind, "log") != 0) continue;
+    const char *text = events[n].text;
+    said +=
+        (said.empty() ? "" : "; ") + std::string(text + (std::strncmp(text, "mc: ", 4) ? 0 : 4));
+  }
+  return said.c_str();
 }
 
 int mmcs_server_check(mmcs_server *server, double now) {

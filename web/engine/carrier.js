@@ -18,10 +18,10 @@ export async function startMachine(setup, options, told) {
   };
   worker.onerror = ({ message }) =>
     told({ type: "failed", text: message || "the Worker does not start" });
-  const { layouts, constants, inputs, version, waves } = knowledge;
+  const { layouts, constants, version, waves } = knowledge;
   const module = `./machine${setup.config.cards}.mjs`;
   worker.postMessage({
-    start: { setup: { ...setup, inputs }, module, layouts, constants, version, waves, ...options },
+    start: { setup, module, layouts, constants, version, waves, ...options },
   });
   return { worker, carrier };
 }

@@ -46,7 +46,7 @@ export function readRecord(text) {
 }
 
 /** {setup, hash} of a record, from the site's own setup of its scenario. Throws one sentence. */
-export function setupOf(record, setup, inputs) {
+export function setupOf(record, setup) {
   const names = new Set([...Object.keys(record.data), ...Object.keys(setup.data)]);
   for (const name of names) {
     if (OWN.includes(name)) continue;
@@ -66,8 +66,7 @@ export function setupOf(record, setup, inputs) {
   made.data = record.data;
   made.duration = duration;
   made.calls = call.map((c) => ({ axis: "all", value: 0, ...c }));
-  made.events = event.map((e) => ({ index: 0, until: null, at_power_on: false, ...e,
-    healthy: inputs.find((known) => known.name === e.input)?.healthy ?? 0 }));  // prettier-ignore
+  made.events = event.map((e) => ({ index: 0, until: null, at_power_on: false, ...e }));
   return { setup: made, hash: record.hash };
 }
 

@@ -127,9 +127,7 @@ export class Server {
   /** The driver's answer, or Refused with what it said since the request began. */
   check(result) {
     if (result >= 0) return result;
-    const { events } = this.sim.tapEvents(this.before);
-    const said = events.filter((e) => e.kind === "log").map((e) => e.text.replace(/^mc: /, ""));
-    throw new Refused(-result, said.join("; "));
+    throw new Refused(-result, this.sim.saidSince(this.served, this.before));
   }
 
   setInput(name, index, value) {

@@ -6,7 +6,6 @@ import { Script } from "./script.js";
 
 const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
 const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
-const EVENTS_AT_ONCE = 256;
 const TEXT = 200;
 const ROOM = 1 << 17; // bytes for arguments and what comes back
 
@@ -175,6 +174,10 @@ export class Sim {
     const reply = m._mmcs_server_request(server, client, now, at + TEXT, only_check, held ? at : 0);
     return JSON.parse(m.UTF8ToString(reply));
   }
+  /** What the driver has said from an event of the tap on. */
+  saidSince(server, event) {
+    return this.#m.UTF8ToString(this.#m._mmcs_server_said(server, BigInt(event)));
+  }
   /** True: the holder of the lease was silent for too long, and the machine is stopped. */
   check(server, now) {
     return Boolean(this.#m._mmcs_server_check(server, now));
@@ -281,15 +284,6 @@ export class Sim {
   tapHead() {
     this.#m._mmcs_sim_tap_head(this.#at, this.#room);
     return this.#get(this.#room, "mmcs_tap_head");
-  }
-  tapEvents(from) {
-    const { size } = this.layouts.mmcs_tap_event;
-    const at = this.#room + 64;
-    this.#m._mmcs_sim_tap_events(this.#at, BigInt(from), at, EVENTS_AT_ONCE, this.#room);
-    const read = this.#get(this.#room, "mmcs_tap_read");
-    const events = [];
-    for (let n = 0; n < read.count; n++) events.push(this.#get(at + n * size, "mmcs_tap_event"));
-    return { ...read, events };
   }
   tapNote(kind, value = 0, text = "", axis = -1) {
     this.#m.stringToUTF8(kind, this.#room, 64);

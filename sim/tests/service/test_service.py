@@ -50,6 +50,8 @@ int mmcs_sim_start_motion(mmcs_sim *sim, int client) {
   return printf("start %d\n", client), answer();
 }
 const char *mmcs_sim_input_name(int32_t input) { return "estop"; }
+static const mmcs_input row = {.healthy = 1};
+const mmcs_input *mmcs_sim_input(int32_t input) { return input == 3 ? &row : NULL; }
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
   return printf("event %g %d %d %g\n", event->t, event->input, event->index, event->value),
          answer();
@@ -66,7 +68,7 @@ int main(int argc, char **argv) {
   if (strcmp(argv[1], "begin")) driver.axes = 3;
   mmcs_script *script = mmcs_script_create(&driver, params);
   if (!strcmp(argv[1], "begin")) {
-    mmcs_timed_event up = {0.1, -1, 1, 0, 2, 0, 1}, fault = {0.2, 0.3, 7, 1, 3, 1, 0};
+    mmcs_timed_event up = {0.1, -1, 1, 2, 0, 1}, fault = {0.2, 0.3, 7, 3, 1, 0};
     mmcs_script_event(script, &fault);
     mmcs_script_event(script, &up);
     end(mmcs_script_begin(script, NULL, said, sizeof said), said);
