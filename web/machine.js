@@ -62,6 +62,7 @@ export class Machine extends EventTarget {
   #reading = null;
   #taken = new Map(); // axis -> {value, t}: setpoints that the driver took
   #again = 0;
+  #lost = false; // the connection
 
   async #welcome(hello) {
     clearInterval(this.#again);
@@ -73,17 +74,19 @@ export class Machine extends EventTarget {
     this.#mode = "";
     await this.try(this.link.request("name", { name: "mctool" }));
     await this.try(this.open("r"));
-    const past = this.connected === null ? 0 : 8000;
+    const past = this.#lost ? 0 : 8000;
     this.connected = true;
+    this.#lost = false;
     await this.try(this.link.request("follow", { past, period_ms: 25 }));
     await Promise.all([this.read(), this.#readInputs()]);
     this.tell("hello");
   }
 
   #closed(reason) {
-    if (this.connected === null) return;
+    if (this.#lost) return;
     if (this.controls) this.#lose();
-    this.connected = null; // it was
+    this.connected = false;
+    this.#lost = true;
     this.say("error", reason);
     this.tell("closed");
     if (this.link.canConnect) this.#again = setInterval(() => this.link.connect(), AGAIN_MS);

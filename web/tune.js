@@ -107,14 +107,19 @@ export function tuneView(page) {
     if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
     await until(() => history.time(history.end - 1) > start + 0.6);
     const rows = stepResponse(history, chosen, start, from, counts);
-    const known = motors.get(chosen);
-    const param = machine.driver.params[chosen];
-    const interval_s = page.interval_s(chosen);
-    const made = known && (await machine.try(
-      advice.request("predict", { param, ...known, interval_s, step: counts, seconds: rows.t.at(-1) })));
+    const made = await predicted(chosen, { step: counts, seconds: rows.t.at(-1) });
     table(stepRows(rows, made));
     plots.replaceChildren();
     return beside(rows, made);
+  }
+
+  /** What Python expects of an axis, once its motor is known. */
+  async function predicted(chosen, more) {
+    const known = motors.get(chosen);
+    if (!known) return null;
+    const param = machine.driver.params[chosen];
+    const asked = { param, ...known, interval_s: page.interval_s(chosen), ...more };
+    return machine.try(advice.request("predict", asked));
   }
 
   /** The measured step and the predicted one, limit and friction in it. */
@@ -134,10 +139,7 @@ export function tuneView(page) {
       low: 1, high: 40, seconds: 12 });  // prettier-ignore
     if (!made) return;
     plots.replaceChildren();
-    const known = motors.get(chosen);
-    const param = machine.driver.params[chosen];
-    const interval_s = page.interval_s(chosen);
-    const model = known && (await machine.try(advice.request("predict", { param, ...known, interval_s })));
+    const model = await predicted(chosen);
     for (const [unit, measured, predicted] of [["dB", made.gain_db, model?.bode_db],
       ["°", made.phase_deg, model?.bode_deg]]) {  // prettier-ignore
       const tables = [[made.hz, measured]];
