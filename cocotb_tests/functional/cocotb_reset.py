@@ -2,9 +2,10 @@
 """Reset in the midst of things leaves nothing behind: the same start, output by output."""
 
 import cocotb
-from cocotb.triggers import FallingEdge, Timer
+from cocotb.triggers import FallingEdge
 from cocotbext.vme import VmeMaster
 
+from cocotb_tests.lib.play import drive
 from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ARMED,
@@ -124,16 +125,10 @@ async def reset_at_any_time_starts_anew(dut):
     first = await tb.record()
     for address, ns in ((tb.creg(0, PORT_A), 700), (PIT, 450), (tb.creg(1, ENC1), 450), (5, 450)):
         await tb.mess()
-        acknowledge = address == 5
-        bus = tb.bus
-        bus.a.value = (0 if acknowledge else tb.base) >> 1 | (5 if acknowledge else address >> 1)
-        bus.am.value, bus.lword_n.value, bus.write_n.value = 0x2D, 1, 1
-        bus.iack_n.value = int(not acknowledge)
-        await Timer(40, "ns")
-        bus.as_n.value, bus.ds_n.value = 0, 0b10
-        await Timer(20, "ns")
-        bus.iackin_n.value = int(not acknowledge)
-        await Timer(ns, "ns")
+        chain = int(address != 5)  # low in an acknowledge
+        at = (tb.base | address) >> 1 if chain else 5
+        await drive(tb.bus, f"a={at} am=0x2D lword_n=1 write_n=1 iack_n={chain} 40")
+        await drive(tb.bus, f"as_n=0 ds_n=2 20 iackin_n={chain} {ns}")
         await tb.again()
         second = await tb.record()
         assert len(first) == len(second)

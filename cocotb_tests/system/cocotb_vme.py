@@ -3,9 +3,10 @@
 """The VME slave: who is answered, with what, and by which rules of the bus. §4.3.1-4.3.3"""
 
 import cocotb
-from cocotb.triggers import FallingEdge, First, RisingEdge, Timer
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.vme import AM_SUPERVISOR, AM_USER, BusTimeout, ProtocolError, VmeMonitor, VmeTiming
 
+from cocotb_tests.lib.play import drive
 from cocotb_tests.lib.req import test, tests_on
 from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, VECTOR, Machine
 from cocotb_tests.system.machine import USUAL
@@ -233,21 +234,10 @@ async def dtack_and_drivers_at_the_end_of_a_read(dut, tb):
 async def no_dtack_without_a_strobe(dut, tb):
     """Address, AS* and WRITE* alone start nothing; DTACK* comes only after DS0*."""
     monitor = tb.pc_monitor()
-    dut.vme_a_i.value = 0x6001 >> 1
-    dut.vme_am_i.value = AM_USER
-    dut.vme_as_ni.value = 0
-    edge = FallingEdge(dut.vme_dtack_no)
-    limit = Timer(3, "us")
-    assert await First(edge, limit) is limit
-    dut.vme_as_ni.value = 1
-    await Timer(500, "ns")
-    # DS0* without AS* is no cycle either
-    dut.vme_ds_ni.value = 0b10
-    limit = Timer(3, "us")
-    assert await First(FallingEdge(dut.vme_dtack_no), limit) is limit
-    dut.vme_ds_ni.value = 0b11
-    await Timer(500, "ns")
-    assert not monitor.cycles
+    answers = tb.times(FallingEdge, dut.vme_dtack_no)
+    await drive(tb.bus, f"a={0x6001 >> 1} am={AM_USER} as_n=0 3000 as_n=1 500")
+    await drive(tb.bus, "ds_n=2 3000 ds_n=3 500")  # without AS* it is no cycle either
+    assert not answers and not monitor.cycles
     assert await tb.rd(PCCSR) == BASE
 
 
@@ -308,24 +298,14 @@ async def withdrawn_and_another_address_at_once(dut):
 async def withdrawn_and_anothers_strobe_at_once(dut, tb):
     """The read that still runs does not drive into a cycle of another board. Found by a proof."""
     for ns in range(400, 1000, 50):
-        dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
-        dut.vme_am_i.value = AM_USER
-        dut.vme_write_ni.value = 1
-        dut.vme_as_ni.value = 0
-        await Timer(10, "ns")
-        dut.vme_ds_ni.value = 0b10
-        await Timer(ns, "ns")
-        dut.vme_ds_ni.value = 0b11
-        dut.vme_as_ni.value = 1
-        await Timer(150, "ns")  # one or two clock edges see it
-        dut.vme_am_i.value = 0x39
-        dut.vme_as_ni.value = 0
-        dut.vme_ds_ni.value = 0b01
+        ours = (0x6000 | tb.creg(0, PORT_A)) >> 1
+        await drive(tb.bus, f"a={ours} am={AM_USER} write_n=1 as_n=0 10 ds_n=2 {ns} ds_n=3 as_n=1")
+        # one or two clock edges see it
+        await drive(tb.bus, "150 am=0x39 as_n=0 ds_n=1")
         for _ in range(40):
             await Timer(20, "ns")
             assert not int(dut.vme_d_oe_o.value), f"withdrawn after {ns} ns"
-        dut.vme_ds_ni.value = 0b11
-        dut.vme_as_ni.value = 1
+        await drive(tb.bus, "ds_n=3 as_n=1")
         await tb.clocks(30)
     assert await tb.rd(PCCSR) == BASE
 
@@ -334,18 +314,9 @@ async def withdrawn_and_anothers_strobe_at_once(dut, tb):
 async def strobe_glitches(dut, tb):
     """Pulses of a few ns on DS0* leave no trace, wherever they fall in the clock."""
     for step in range(40):
-        dut.vme_a_i.value = (0x6000 | tb.creg(0, PORT_A)) >> 1
-        dut.vme_am_i.value = AM_USER
-        dut.vme_write_ni.value = 0
-        dut.vme_d_i.value = 0x77
-        dut.vme_as_ni.value = 0
-        await Timer(10 + 13 * step, "ns")
-        dut.vme_ds_ni.value = 0b10
-        await Timer(5, "ns")
-        dut.vme_ds_ni.value = 0b11
-        await Timer(20, "ns")
-        dut.vme_as_ni.value = 1
-        await Timer(1500, "ns")
+        ours = (0x6000 | tb.creg(0, PORT_A)) >> 1
+        await drive(tb.bus, f"a={ours} am={AM_USER} write_n=0 d=0x77 as_n=0 {10 + 13 * step}")
+        await drive(tb.bus, "ds_n=2 5 ds_n=3 20 as_n=1 1500")
         assert int(dut.vme_dtack_no.value) == 1
         if step % 8 == 0:
             value = await tb.crd(0, PORT_A)
