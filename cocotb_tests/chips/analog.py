@@ -32,9 +32,6 @@ class Models:
         seen["q"] = self.shot.clock(word >> 39)
         return seen
 
-    def run(self, words: list[int]) -> list[dict]:
-        return [self.clock(word) for word in words]
-
 
 class Analog(Script):
     PINS, OUTS, IDLE = PINS, OUTS, IDLE

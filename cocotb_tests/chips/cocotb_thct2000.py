@@ -5,7 +5,7 @@
 import os
 import random
 
-from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder, Model
+from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder
 from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, Scripts, mismatch
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import thct2000
@@ -594,7 +594,7 @@ async def random_against_the_model(dut):
     bench, compared = Bench(dut), 0
     for piece in range(max(1, QUICK_OPS // 20_000)):
         words = Walk(f"{seed}-{piece}", min(QUICK_OPS, 20_000)).words
-        model = Model()
+        model = thct2000.Thct2000()
         for at, (word, got) in enumerate(zip(words, await bench.replay(words), strict=True)):
             want = model.clock(word)
             wrong = mismatch(OUT, want, got)

@@ -13,11 +13,6 @@ MSB, LSB = 0, 1
 GREY = ((0, 0), (1, 0), (1, 1), (0, 1))  # (A, B) counting up
 
 
-class Model(thct2000.Thct2000):
-    def run(self, words: list[int]) -> list[dict]:
-        return [self.clock(word) for word in words]
-
-
 class Encoder(Script):
     PINS, OUTS, IDLE = thct2000.PINS, thct2000.OUTS, IDLE
 
@@ -28,7 +23,7 @@ class Encoder(Script):
         self.step(2, m=mode)
 
     def model(self):
-        return Model()
+        return thct2000.Thct2000()
 
     def outputs(self, response) -> dict:
         seen = super().outputs(response)

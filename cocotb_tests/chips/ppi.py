@@ -22,15 +22,12 @@ class Model:
 
     def __init__(self, readable: bool) -> None:
         self.chip = i8255.I8255(readable)
+        self.seen, self.last = {}, None
 
-    def run(self, words: list[int]) -> list[dict]:
-        seen, last, out = {}, None, []
-        for word in words:
-            if word != last:
-                seen = self.chip.settle(word)
-                last = word
-            out.append(seen)
-        return out
+    def clock(self, word: int) -> dict:
+        if word != self.last:
+            self.seen, self.last = self.chip.settle(word), word
+        return self.seen
 
 
 def settled(want: dict, got: int) -> str:

@@ -21,6 +21,3 @@ class Ad667:
             if not a_n & 8:
                 self.rank2 = self.rank1
         return before
-
-    def run(self, words: list[int]) -> list[int]:
-        return [self.clock(word) for word in words]

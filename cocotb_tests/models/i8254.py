@@ -208,7 +208,7 @@ class Counter:
 
 
 class I8254:
-    """The chip: three counters and the bus. `run` takes packed pins, one word per clock."""
+    """The chip: three counters and the bus. `clock` takes packed pins, one word per clock."""
 
     def __init__(self, nmos: bool = True, cascade: bool = False, split: bool = True) -> None:
         self.counters = [Counter(nmos, split) for _ in range(3)]
@@ -281,7 +281,3 @@ class I8254:
         """Cascade only: carry out `done` if it addresses counter n alone."""
         if done is not None and (done[0] == n or (done[0] == 3 and done[1] >> 6 == n)):
             self._bus_write(*done)
-
-    def run(self, words: list[int]) -> list[int]:
-        clock = self.clock
-        return [clock(word) for word in words]

@@ -24,6 +24,3 @@ class OneShot:
             self.left -= 1
         self.trig = trig
         return q
-
-    def run(self, words: list[int]) -> list[int]:
-        return [self.clock(word) for word in words]
