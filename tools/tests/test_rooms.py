@@ -29,6 +29,10 @@ def test_the_threshold_knows_no_room(known):
     assert known[""] == set()
 
 
+def test_rooms_and_arrows_are_few(known):
+    assert len(ROOMS) <= 10 and sum(map(len, known.values())) <= 30
+
+
 def test_no_circle(known):
     assert rooms.circle(known) == []
     inner = rooms.arrows(FOUND)
