@@ -4,6 +4,7 @@
 import itertools
 import json
 import zlib
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,14 @@ CYCLES = ("read", "write", "acknowledge")  # MMCS_BUS_...
 STROBES = ("", "DS0", "DS1", "DS0+DS1")
 ANSWERS = ("DTACK", "none", "BERR")
 MOST_CURRENT = 2047  # of the D/A
+HEADINGS = {  # of the table of axes
+    "rise_ms": "rise\nms",
+    "overshoot_pct": "over-\nshoot\n%",
+    "settle_ms": "settled\nms",
+    "steady_error_counts": "steady\nerror\ncounts",
+    "rms_error_counts": "rms\nerror\ncounts",
+    "final_counts": "final\ncounts",
+}
 FEW = 6  # more met expectations than this are not listed one by one
 
 
@@ -43,11 +52,8 @@ def _measure_axis(result, axis: int) -> dict:
         before = float(earlier[-1]) if len(earlier) else 0.0
         response = metrics.step_response(t[window], y[window], last["t0"], before, last["to"])
     error, current = setpoint - y, logcols.column(log, axis, "current")
+    figures |= asdict(response)
     return figures | {
-        "rise_ms": response.rise_ms,
-        "overshoot_pct": response.overshoot_pct,
-        "settle_ms": response.settle_ms,
-        "steady_error_counts": response.steady_error_counts,
         "rms_error_counts": round(float(np.sqrt(np.mean(error**2))), 3) if len(log) else None,
         "final_counts": float(y[-1]) if len(log) else None,
         "peak_current": float(np.abs(current).max()) if len(log) else None,
@@ -134,20 +140,11 @@ def print_report(report: dict, result, console) -> None:
     table.title_justify = "left"
     for heading in ("axis", "mode"):
         table.add_column(heading)
-    for heading in ("rise\nms", "over-\nshoot\n%", "settled\nms", "steady\nerror\ncounts",
-                    "rms\nerror\ncounts", "final\ncounts"):  # fmt: skip
+    for heading in HEADINGS.values():
         table.add_column(heading, justify="right")
     for axis in report["axes"]:
-        table.add_row(
-            cell(f"{axis['axis']} {axis['name']}".strip()),
-            axis["mode"],
-            _cell(axis["rise_ms"]),
-            _cell(axis["overshoot_pct"]),
-            _cell(axis["settle_ms"]),
-            _cell(axis["steady_error_counts"]),
-            _cell(axis["rms_error_counts"]),
-            _cell(axis["final_counts"]),
-        )
+        name = cell(f"{axis['axis']} {axis['name']}".strip())
+        table.add_row(name, axis["mode"], *(_cell(axis[key]) for key in HEADINGS))
     console.print(table)
     shown = ("interrupts", "missed", "overruns", "panics")
     counts = ", ".join(f"{report['stats'][name]} {name}" for name in shown)
