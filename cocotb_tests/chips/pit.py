@@ -30,14 +30,14 @@ class Pit(Script):
         return seen | {f"out{n}": seen["out"] >> n & 1 for n in range(3)}
 
     # Bus. The pins change to rubbish when the strobe ends: the chip must have captured them.
-    def write(self, addr: int, data: int, clocks: int = 1, **with_end) -> None:
-        self.step(clocks, cs_n=0, wr_n=0, a=addr, d=data)
+    def write(self, addr: int, data: int, **with_end) -> None:
+        self.step(cs_n=0, wr_n=0, a=addr, d=data)
         pins = {"rise": 0, "fall": 0} | with_end
         self.step(cs_n=1, wr_n=1, a=~addr & 3, d=~data & 0xFF, **pins)
         self.step(0, rise=0, fall=0)
 
-    def read(self, addr: int, want: int, note: str = "", clocks: int = 1) -> None:
-        self.step(clocks, cs_n=0, rd_n=0, a=addr)
+    def read(self, addr: int, want: int, note: str = "") -> None:
+        self.step(cs_n=0, rd_n=0, a=addr)
         self.seen(note or f"read of {addr}", d_o=want, oe=1)
         self.step(cs_n=1, rd_n=1, a=~addr & 3)
 
@@ -78,12 +78,12 @@ class Pit(Script):
         self.step(times, rise=mask, fall=mask)
         self.step(0, rise=0, fall=0)
 
-    def rise(self, mask: int = 1) -> None:
-        self.step(rise=mask)
+    def rise(self) -> None:
+        self.step(rise=1)
         self.step(0, rise=0)
 
-    def fall(self, mask: int = 1) -> None:
-        self.step(fall=mask)
+    def fall(self) -> None:
+        self.step(fall=1)
         self.step(0, fall=0)
 
     def gate(self, level: int, mask: int = 1) -> None:
@@ -97,7 +97,7 @@ class Pit(Script):
         """OUT of counter n (compared alone) after the last step."""
         self.checks.append((len(self.words), {f"out{n}": want}, note or f"OUT{n}"))
 
-    def golden(self, text: str, n: int = 0, base: int = 16) -> None:
+    def golden(self, text: str, n: int = 0) -> None:
         """`OUT:CE OUT:CE …`, one pair for each CLK pulse; CE read through the counter latch."""
         for at, pair in enumerate(text.split()):
             out, ce = pair.split(":")
@@ -105,7 +105,7 @@ class Pit(Script):
             note = f"pulse {at + 1} ({pair})"
             self.out(int(out), n, note)
             self.latch(n)
-            self.value(n, int(ce, base), note)
+            self.value(n, int(ce, 16), note)
 
     def outs(self, text: str, n: int = 0) -> None:
         """OUT after each CLK pulse, as a string of 0 and 1."""

@@ -51,7 +51,6 @@ class Driver:
         self.ffi, self.lib = ffi, _ = load()
         self.masked = self.serving = 0
         self.failed: BaseException | None = None  # in a call-back: C knows no exceptions
-        self.accesses = 0
         self.log: list[str] = []
         self.last_drive = 0.0  # when the last D/A write ended
         self._memory = ffi.new("char[]", self.lib.mc_size())
@@ -133,7 +132,6 @@ class Driver:
         return self.lib.MC_BUS_OK
 
     def _where(self, at: int) -> int:
-        self.accesses += 1
         return 0x6000 | at if self.front.front == VME else at
 
     def _delay(self, us: int) -> None:

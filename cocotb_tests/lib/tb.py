@@ -22,13 +22,12 @@ from mmcs import regs
 
 # Inputs that are 1 in health; all others are inert at 0.
 HEALTHY = ("estop_closed_i", "cable_ok_i", "pc_power_i", "power_i")
-ACTIVE_LOW = "_ni"
 
 # Short names of the registers that the tests use most. §4.3.3, §5.3.1
 PIT, PCCSR, VECTOR = regs.PIT0, regs.PCCSR, regs.VECTOR
 PORT_A, PORT_B, PORT_C = regs.CARD_PPI_A, regs.CARD_PPI_B, regs.CARD_PPI_C
 PPI_CONTROL, PPI_SETUP = regs.CARD_PPI_CONTROL, regs.PPI_MODE_BOARD
-ENC1, ENC2 = regs.CARD_ENC1_MSB, regs.CARD_ENC2_MSB
+ENC1 = regs.CARD_ENC1_MSB
 DAC1, DAC2 = regs.CARD_DAC1_LO, regs.CARD_DAC2_LO
 ADC_LO, ADC_HI = regs.CARD_ADC1_LO, regs.CARD_ADC_HI
 LATCH, LATCH_ALL = regs.CARD_LATCH, regs.CARD_LATCH_ALL
@@ -77,7 +76,7 @@ class Tb:
     def inputs_idle(self) -> None:
         for name in self._inputs():
             handle = getattr(self.dut, name)
-            high = name in HEALTHY or name.endswith(ACTIVE_LOW)
+            high = name in HEALTHY or name.endswith("_ni")
             handle.value = (1 << len(handle)) - 1 if high else 0
             if name == "dip_i":  # each card its own number
                 handle.value = dip(*range(len(handle) // 4))
@@ -175,11 +174,11 @@ class Host(Tb):
 
     base = regs.WINDOW_BASE
 
-    async def rd(self, offset: int, **how) -> int:
-        return await self.vme.read(self.base | offset, **how)
+    async def rd(self, offset: int) -> int:
+        return await self.vme.read(self.base | offset)
 
-    async def wr(self, offset: int, value: int, **how) -> None:
-        await self.vme.write(self.base | offset, value, **how)
+    async def wr(self, offset: int, value: int) -> None:
+        await self.vme.write(self.base | offset, value)
 
     @staticmethod
     def creg(card: int, register: int) -> int:

@@ -6,9 +6,8 @@ OUTS = (("code", 12),)
 
 
 class Ad667:
-    def __init__(self, power_up: int = 0x800) -> None:
-        self.rank1 = power_up
-        self.rank2 = power_up
+    def __init__(self) -> None:
+        self.rank1 = self.rank2 = 0x800
 
     def clock(self, word: int) -> int:
         cs_n, a_n, data = word & 1, (word >> 1) & 0xF, (word >> 5) & 0xFFF

@@ -32,7 +32,6 @@ class Buses(Host):
 
     async def begin(self):
         dut = self.dut
-        self.card_clks = []
         for n, period in enumerate(CARD_PS):
             cocotb.start_soon(self._card_clock(n, period))
         self.fights, self.turns, self.drives, self.close = [], 0, 0, []
