@@ -91,7 +91,7 @@ def chapter(text: str, original: Path, wanted: set[Path]) -> str:
         path = (original.parent / target).resolve()
         if not (path.is_relative_to(DOCS) and path.is_file()):
             wanted.add(path)
-        to = os.path.relpath(place(path), start(original))
+        to = os.path.relpath(place(path), place(original).parent)
         place_ = f"#{anchor}" if anchor and path.suffix == ".md" else ""
         return f"{match[1]}{to}{place_}{match[3]}"
 
@@ -103,24 +103,14 @@ def chapter(text: str, original: Path, wanted: set[Path]) -> str:
     return LIVE.sub(frame, "".join(parts))
 
 
-def start(original: Path) -> Path:
-    """The folder of a page in the book."""
-    return place(original).parent
-
-
 def place(path: Path) -> Path:
     """Where a file is in the book, from its top."""
     if path.is_relative_to(DOCS) and path.is_file():
         return path.relative_to(DOCS)
+    inside = Path("source") / path.relative_to(ROOT)
     if path.is_dir():
-        inside = (
-            path.relative_to(DOCS)
-            if path.is_relative_to(DOCS)
-            else Path("source") / path.relative_to(ROOT)
-        )
         return inside / "index.md"
-    name = path.relative_to(ROOT)
-    return Path("source") / (name if path.suffix == ".md" else name.with_name(name.name + ".md"))
+    return inside if path.suffix == ".md" else inside.with_name(inside.name + ".md")
 
 
 def write_source(path: Path, source: Path, wanted: set[Path]) -> None:

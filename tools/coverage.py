@@ -162,12 +162,18 @@ def functional(folder: Path) -> tuple[list[str], list[dict]]:
     return problems, rows
 
 
-def report(points: Counter) -> int:
+def report(points: Counter, some: bool) -> int:
+    """Of all tests a judgement, of some what each file reached."""
     problems, files, listings, sums, allowed = structural(points)
-    complaints, groups = functional(BUILD)
+    complaints, groups = ([], []) if some else functional(BUILD)
     problems += complaints
     page = PAGE.render(files=files, listings=listings, kinds=GOALS, groups=groups)
     (BUILD / "index.html").write_text(page)
+    if some:
+        for name, reached in files.items():
+            print(f"coverage: {name:32s} " + ", ".join(f"{k} {reached[k]}" for k in GOALS))
+        print("coverage: of some tests alone; report in build/coverage/index.html")
+        return 0
     for line in problems[:SHOWN]:
         print(f"coverage: {line}", file=sys.stderr)
     ok = not problems
@@ -184,17 +190,6 @@ def report(points: Counter) -> int:
         print(f"coverage: {g['name']:14s} {share:6.2f} % ({g['hit']} of {g['bins']} bins)")
     print(f"coverage: {len(allowed.entries)} exceptions; report in build/coverage/index.html")
     return 0 if ok else 1
-
-
-def report_some(points: Counter) -> int:
-    """What each file reached in some of the tests."""
-    _, files, listings, _, _ = structural(points)
-    page = PAGE.render(files=files, listings=listings, kinds=GOALS, groups=[])
-    (BUILD / "index.html").write_text(page)
-    for name, reached in files.items():
-        print(f"coverage: {name:32s} " + ", ".join(f"{k} {reached[k]}" for k in GOALS))
-    print("coverage: of some tests alone; report in build/coverage/index.html")
-    return 0
 
 
 def main() -> int:
@@ -221,7 +216,7 @@ def main() -> int:
     if not points:
         print("coverage: nothing was collected; run without --report", file=sys.stderr)
         return 2
-    return report_some(points) if args.only else report(points)
+    return report(points, some=bool(args.only))
 
 
 if __name__ == "__main__":
