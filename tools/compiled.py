@@ -80,8 +80,14 @@ def _is_fresh(folder: Path) -> bool:
         return False
 
 
+def ran(*command, check=False, cwd=ROOT, **options) -> subprocess.CompletedProcess:
+    """How a command of a test has ended, and what it said."""
+    words = [str(word) for word in command]
+    return subprocess.run(words, check=check, cwd=cwd, text=True, capture_output=True, **options)
+
+
 def _run(words: list[str]) -> str:
-    done = subprocess.run(words, text=True, capture_output=True, check=False, cwd=ROOT)
+    done = ran(*words)
     if done.returncode:
         raise CompileError(done.stderr)
     return done.stdout

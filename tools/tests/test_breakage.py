@@ -4,15 +4,13 @@
 That each one is caught is for `make sabotage`; this only keeps the list from going stale.
 """
 
-from pathlib import Path
-
 import pytest
 
+from mmcs import ROOT
 from tools.breakage import firmware_mutants as mutants
-from tools.breakage import mutate
 from tools.breakage import run as breakage
 
-ROOT = Path(__file__).resolve().parents[2]
+import mutate  # isort: skip  # run finds the folder
 
 ENTRIES = breakage.entries("tests")
 EVERY = {e["name"]: e for kind in breakage.KINDS for e in breakage.entries(kind)}

@@ -3,13 +3,11 @@
 
 import re
 import sys
-from pathlib import Path
 
 import pytest
 
 from fpga import limits
-
-ROOT = Path(__file__).resolve().parents[2]
+from mmcs import ROOT
 
 PINS = "fpga/board/board_pins.svh"
 

@@ -15,8 +15,7 @@ from pathlib import Path
 import pytest
 
 from fpga.build import BUS, TARGETS, read_command
-
-ROOT = Path(__file__).resolve().parents[2]
+from mmcs import ROOT
 
 READ = {t.top: read_command(t) for t in TARGETS
         if t.name in ("machine", "ulx3s") or t.files == BUS}  # fmt: skip

@@ -3,7 +3,6 @@
 
 import re
 import shlex
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,11 +11,9 @@ from click.testing import CliRunner
 from mmcs import ROOT
 from mmcs.cli.app import main
 from mmcs.tests.conftest import GOOD
+from tools.compiled import ran
 
-PAGES = subprocess.run(
-    ["git", "ls-files", "README.md", "CONTRIBUTING.md", "docs/*.md"],
-    cwd=ROOT, check=True, text=True, capture_output=True,
-).stdout.split()  # fmt: skip
+PAGES = ran("git", "ls-files", "README.md", "CONTRIBUTING.md", "docs/*.md").stdout.split()
 START = re.compile(r"(make|mmcs|\.venv/bin/\S+|python|pytest|cc|g\+\+|iverilog|\w+=\S+)( |$)")
 # What stands for the reader's own, and what makes a long command short; the options stay.
 INSTEAD = {

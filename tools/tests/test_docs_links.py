@@ -2,15 +2,14 @@
 """Every link of the docs leads somewhere, every page is reached, every file named exists."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-TRACKED = subprocess.run(
-    ["git", "ls-files"], cwd=ROOT, check=True, text=True, capture_output=True
-).stdout.split()
+from mmcs import ROOT
+from tools.compiled import ran
+
+TRACKED = ran("git", "ls-files", check=True).stdout.split()
 LEFT_OUT = ("CHANGELOG.md",)
 PAGES = [name for name in TRACKED if name.endswith(".md") and (ROOT / name).is_file()]
 

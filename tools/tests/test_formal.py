@@ -2,15 +2,12 @@
 """tools/formal.py without its provers: what it reads in logs, and that its files fit together."""
 
 import re
-from pathlib import Path
 
 import pytest
 
+from mmcs import ROOT
 from tools import formal, formal_doc
 from tools.breakage import run as breakage
-
-ROOT = Path(__file__).resolve().parents[2]
-
 
 GROUPS = formal.groups()
 BREAKS = [e["proof"] | {"name": e["name"]} for e in breakage.entries("proofs")]

@@ -3,12 +3,12 @@
 is no test, and stopped after three minutes at a module that its process could not find."""
 
 import ast
-import subprocess
 import sys
 
 import pytest
 
 from mmcs import ROOT
+from tools.compiled import ran
 
 STUDIES = sorted(str(p.relative_to(ROOT)) for p in (ROOT / "studies").rglob("*.py"))
 CHECK = """
@@ -32,8 +32,5 @@ def test_it_is_found(path):
     if not late:
         return
     module = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
-    done = subprocess.run(
-        [sys.executable, "-c", CHECK, module, *sorted(late)],
-        cwd=ROOT, check=False, capture_output=True, text=True,
-    )  # fmt: skip
+    done = ran(sys.executable, "-c", CHECK, module, *sorted(late))
     assert done.stdout.strip() == "[]", f"{path}: {done.stdout}{done.stderr}"

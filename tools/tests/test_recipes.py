@@ -16,6 +16,7 @@ from typing import NamedTuple
 import pytest
 
 from mmcs import ROOT
+from tools.compiled import ran
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("recipes")]  # some 30 starts of pytest
 PAGE = (ROOT / "CONTRIBUTING.md").read_text().partition("## How to add")[2]
@@ -124,8 +125,7 @@ CASES = [(recipe, step) for recipe, steps in RECIPES.items() for step in steps i
 def copy(tmp_path_factory):
     """The checkout's own files."""
     to = tmp_path_factory.mktemp("copy")
-    command = ["git", "ls-files", "-co", "--exclude-standard"]
-    listed = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=True).stdout
+    listed = ran("git", "ls-files", "-co", "--exclude-standard", check=True).stdout
     for name in listed.splitlines():
         if (ROOT / name).is_file():
             (to / name).parent.mkdir(parents=True, exist_ok=True)
@@ -134,7 +134,7 @@ def copy(tmp_path_factory):
 
 
 @contextmanager
-def done(copy, steps):
+def carried_out(copy, steps):
     """The steps, undone afterwards."""
     files = {copy / file for step in steps for file in (step.file, *GENERATED)}
     kept = {path: path.read_text() if path.is_file() else None for path in files}
@@ -164,15 +164,13 @@ def red(copy, tests):
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "-o",
                "addopts=", "--tb=short", "-q", *tests]  # fmt: skip
     environment = {n: value for n, value in os.environ.items() if not n.startswith("PYTEST_")}
-    ran = subprocess.run(
-        command, cwd=copy, env=environment, text=True, capture_output=True, check=False
-    )
-    return ran.returncode != 0, ran.stdout + ran.stderr
+    done = ran(*command, cwd=copy, env=environment)
+    return done.returncode != 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("recipe", RECIPES)
 def test_the_whole_recipe_is_green(copy, recipe):
-    with done(copy, RECIPES[recipe]):
+    with carried_out(copy, RECIPES[recipe]):
         failed, said = red(copy, sorted({step.test for step in RECIPES[recipe]} - {""}))
     assert not failed, said
 
@@ -181,7 +179,7 @@ def test_the_whole_recipe_is_green(copy, recipe):
     "recipe, step", CASES, ids=[f"{r.split()[-1]}-{s.file}-{n}" for n, (r, s) in enumerate(CASES)]
 )
 def test_a_step_left_out_is_red_and_named(copy, recipe, step):
-    with done(copy, [other for other in RECIPES[recipe] if other is not step]):
+    with carried_out(copy, [other for other in RECIPES[recipe] if other is not step]):
         failed, said = red(copy, [step.test])
     assert failed and step.says in said, said
 

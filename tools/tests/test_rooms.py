@@ -2,14 +2,11 @@
 """The arrows between the rooms of mmcs/: only those that a room announces, and no circle."""
 
 import ast
-from pathlib import Path
 
 import pytest
 
+from mmcs import ROOT
 from tools import rooms
-
-ROOT = Path(__file__).resolve().parents[2]
-
 
 FOUND = rooms.modules()
 ROOMS = sorted({rooms.room(name, FOUND) for name in FOUND} - {""})
@@ -59,7 +56,6 @@ DEEPER = {
     "sim/tests/engine/test_compilers.py": {"engine"},
     "sim/tests/hosts/test_again.py": {"tests"},
     "studies/campaign.py": {"sweeps"},
-    "studies/tests/test_evidence.py": {"sweeps"},
     "tools/breakage/": {"engine", "runs"},
     "tools/parsers.py": {"device", "runs", "sweeps"},
     "tools/setup_venv.py": {"engine"},

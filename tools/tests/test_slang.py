@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """slang, which shares nothing with our other tools, accepts the testbenches and all of rtl/."""
 
-import subprocess
 import sys
 
 from mmcs import ROOT
 from tools import slang
+from tools.compiled import ran
 
 
 def test_all_of_it_elaborates():
-    command = [sys.executable, "tools/slang.py"]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    done = ran(sys.executable, "tools/slang.py")
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -2,17 +2,14 @@
 """Who may know whom, between the trees: docs/architecture.md. For the rooms: test_rooms.py."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from mmcs import ROOT
+from tools.compiled import ran
 
-FILES = subprocess.run(
-    ["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, text=True, capture_output=True,
-    check=True,
-).stdout.splitlines()  # fmt: skip
+FILES = ran("git", "ls-files", "-co", "--exclude-standard", check=True).stdout.splitlines()
 HEADERS = [Path(f) for f in FILES if f.endswith((".h", ".svh", ".def"))]
 C, SV = (".h", ".c", ".cpp"), (".sv", ".svh")
 # folder: endings, and the folders whose headers it may include; what is generated has no home

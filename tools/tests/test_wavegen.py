@@ -8,15 +8,14 @@ import sys
 
 import pytest
 
-from mmcs import ROOT
 from tools import wavegen
+from tools.compiled import ran
 
 pytestmark = pytest.mark.xdist_group("wavegen")  # both write build/waves
 
 
 def test_the_diagrams_are_fresh():
-    command = [sys.executable, "tools/wavegen.py", "--check", "--sim", "icarus"]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    done = ran(sys.executable, "tools/wavegen.py", "--check", "--sim", "icarus")
     assert done.returncode == 0, done.stdout + done.stderr
 
 

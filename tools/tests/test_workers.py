@@ -7,11 +7,11 @@ makes the fixtures of a module, and simulates each bench of cocotb, for itself.
 
 import os
 import re
-import subprocess
 import sys
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from mmcs import ROOT
+from tools.compiled import ran
+
 TESTS = """
 import pytest
 
@@ -34,10 +34,7 @@ def pytest_in(folder, tests, *options):
     (folder / "test_it.py").write_text(tests)
     (folder / "conftest.py").write_text((ROOT / "conftest.py").read_text())
     kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")}
-    return subprocess.run(
-        [sys.executable, "-m", "pytest", *options],
-        check=False, cwd=folder, env=kept, capture_output=True, text=True,
-    )  # fmt: skip
+    return ran(sys.executable, "-m", "pytest", *options, cwd=folder, env=kept)
 
 
 def test_groups_stay_together(tmp_path):

@@ -5,9 +5,8 @@ from pathlib import Path
 
 from cocotb_tests.lib import runner
 from fpga.build import TARGETS, memory_file
+from mmcs import ROOT
 from tools.sources import core, sources
-
-ROOT = Path(__file__).resolve().parents[3]
 
 HERE = Path(__file__).parent
 RTL = ("uart_host", "spi_converters", "mmcs_board")

@@ -4,23 +4,15 @@ cycles are those of the engine's own machine, to the byte."""
 
 import json
 import os
-import subprocess
 import sys
 from collections import defaultdict
 from pathlib import Path
 
 import pytest
 
-from mmcs import (
-    load,
-    run_scenario,
-    simulate,
-)
+from mmcs import ROOT, load, run_scenario, simulate
 from tools import dpi
-from tools.compiled import compiled, written
-
-ROOT = Path(__file__).resolve().parents[3]
-
+from tools.compiled import compiled, ran, written
 
 CARDS = defaultdict(lambda: 3, lab500=1)
 WHOLE = ["lab500", "puma560", "puma560_coupled"]
@@ -92,7 +84,7 @@ def test_the_engine_sees_each_pin_at_the_clock_of_its_change():
     command = [*compiler, *(f"-Isim/{d}" for d in ("dpi", "model", "abi"))]
     parts = ["tests/dpi/bench.cpp", "dpi/dpi_model.cpp", "dpi/bench.cpp", "model/pins.cpp"]
     program = compiled("dpi_bench", command, [f"sim/{part}" for part in parts])
-    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    done = ran(program)
     assert (done.returncode, done.stdout) == (0, "")
 
 
@@ -145,9 +137,8 @@ def test_the_example_moves_its_motor():
     """The driver alone, in a testbench to copy: a step of 200 counts by a servo of 1 ms. As its
     page has it typed: in a shell that has not activated .venv."""
     make = ["make", "-s", "-f", "sim/dpi/Makefile", "library", "example"]
-    subprocess.run(make, cwd=ROOT, env={"PATH": os.defpath}, check=True, capture_output=True)
-    program = ROOT / "build/sim/dpi/example/example_tb"
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
+    ran(*make, env={"PATH": os.defpath}, check=True)
+    done = ran("build/sim/dpi/example/example_tb", check=True)
     said = "example: result 0, passes 163, missed 0, setpoint 200, encoder 199"
     assert done.stdout.splitlines()[0] == said
 
@@ -189,19 +180,15 @@ def test_the_hash_of_the_registers_is_not_made_up(tmp_path):
 
 def test_a_testbench_without_a_scenario_or_a_program_says_so():
     program = dpi.bench(1)
-    bare = subprocess.run([program], capture_output=True, text=True, check=False)
-    assert "no scenario; name one, as in +scenario=puma560" in bare.stdout
+    assert "no scenario; name one, as in +scenario=puma560" in ran(program).stdout
     env = {"MMCS": "no-such-program", "PATH": "/usr/bin:/bin"}
-    done = subprocess.run(
-        [program, "+scenario=lab500"], env=env, capture_output=True, text=True, check=False
-    )
+    done = ran(program, "+scenario=lab500", env=env)
     assert "no-such-program: not found" in done.stderr
     assert "the program ended with status 127" in done.stdout
 
 
 def test_the_line_is_given_by_a_simulator_only(tmp_path):
-    command = [sys.executable, "-m", "mmcs", "run", "lab500", "--dpi", "99", "--out", tmp_path]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = ran(sys.executable, "-m", "mmcs", "run", "lab500", "--dpi", "99", "--out", tmp_path)
     assert (
         done.stderr.strip() == "mmcs: --dpi 99: Bad file descriptor; a simulator gives this option"
     )

@@ -3,13 +3,13 @@
 
 import os
 import shutil
-import subprocess
 import sys
 
 import pytest
 
 from mmcs import ROOT, RunError
 from mmcs.engine import build
+from tools.compiled import ran
 
 HASH = """
 import sys
@@ -27,8 +27,7 @@ CLANG = pytest.mark.skipif(
 
 
 def hash_of(*library):
-    command = [sys.executable, "-c", HASH, *map(str, library)]
-    return subprocess.run(command, cwd=ROOT, text=True, check=True, capture_output=True).stdout
+    return ran(sys.executable, "-c", HASH, *library, check=True).stdout
 
 
 @CLANG
@@ -36,18 +35,15 @@ def hash_of(*library):
 @pytest.mark.req("API-1")
 def test_clang_builds_the_same_machine():
     env = build.make_env() | {"CI": "true", "CXX": "clang++", "CC": "clang"}
-    command = ["make", "-s", "-f", "sim/Makefile", "CARDS=1", "B=build/sim-clang"]
-    done = subprocess.run(command, cwd=ROOT, env=env, text=True, capture_output=True, check=False)
+    done = ran("make", "-s", "-f", "sim/Makefile", "CARDS=1", "B=build/sim-clang", env=env)
     assert done.returncode == 0, done.stdout + done.stderr
     assert hash_of(ROOT / "build/sim-clang/speed_c1/libmmcs_sim.so") == hash_of()
 
 
 def test_the_python_that_installed_is_not_the_one_that_builds(monkeypatch):
     monkeypatch.setenv("PYTHON", "/usr/bin/false")  # as `make sim PYTHON=...` exports it
-    done = subprocess.run(
-        ["make", "-n", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "flags"],
-        cwd=ROOT, env=build.make_env(), text=True, capture_output=True, check=True,
-    )  # fmt: skip
+    make = ("make", "-n", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "flags")
+    done = ran(*make, env=build.make_env(), check=True)
     assert sys.prefix in done.stdout
 
 

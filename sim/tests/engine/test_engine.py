@@ -2,14 +2,14 @@
 """The simulator core: time, bus, interrupts, determinism, and one motor that moves."""
 
 import math
-import subprocess
 import sys
 
 import machines
 import pytest
 from machines import event, input_number, ioctl, machine, notes, rise_ms, start, step_to
 
-from mmcs import ROOT, ensure_library, load, mcdef, regs, simulate
+from mmcs import ROOT, Sim, ensure_library, load, mcdef, regs, simulate
+from tools.compiled import ran
 
 STEP = 200
 
@@ -325,8 +325,6 @@ def test_impossible_configurations_are_refused():
 
 
 def machine_of_one_card(axes=1, **config):
-    from mmcs import Sim
-
     settings = {"cards": 1, "axes": axes, "seed": 1, "bus_timeout_us": 16.0, **config}
     return Sim(ensure_library(1, "speed"), settings, [machines.LAB500] * axes, [])
 
@@ -352,9 +350,8 @@ with machine() as sim:
 
 @pytest.mark.req("API-1")
 def test_interrupts_go_on_after_memory_was_full_in_one():
-    command = [sys.executable, "-c", FULL, str(ROOT / "sim/tests/engine")]
-    out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert out == "out of memory True\n"
+    done = ran(sys.executable, "-c", FULL, ROOT / "sim/tests/engine", check=True)
+    assert done.stdout == "out of memory True\n"
 
 
 # --- the build ---------------------------------------------------------------------------------
@@ -363,10 +360,7 @@ def test_interrupts_go_on_after_memory_was_full_in_one():
 @pytest.mark.req("API-1")
 def test_second_build_does_nothing():
     ensure_library(1, "speed")
-    done = subprocess.run(
-        ["make", "-f", "sim/Makefile", "CARDS=1", "KIND=speed", f"PYTHON={sys.executable}"],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    done = ran("make", "-f", "sim/Makefile", "CARDS=1", "KIND=speed", f"PYTHON={sys.executable}")
     assert done.returncode == 0 and "mmcs:" not in done.stdout, done.stdout + done.stderr
 
 
@@ -375,11 +369,5 @@ def test_second_build_does_nothing():
     ("argument", "says"), [("KIND=quick", "speed, trust or trace"), ("CARDS=17", "1 to 16")]
 )
 def test_bad_build_arguments_are_explained(argument, says):
-    done = subprocess.run(
-        ["make", "-f", "sim/Makefile", argument],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = ran("make", "-f", "sim/Makefile", argument)
     assert done.returncode == 2 and says in done.stderr

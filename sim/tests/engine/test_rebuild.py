@@ -3,12 +3,12 @@
 
 import os
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from mmcs import ROOT, ensure_library, make_env, service
+from tools.compiled import ran
 
 pytestmark = pytest.mark.req("API-1")
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
@@ -18,9 +18,7 @@ HEADERS = ["sim/abi/mmcs_sim.h", "sim/model/wires.h", "sim/model/board.h", "sim/
 
 
 def made(*options, folder=ROOT):
-    return subprocess.run(
-        [*MAKE, *options], cwd=folder, env=make_env(), text=True, check=True, capture_output=True
-    ).stdout
+    return ran(*MAKE, *options, cwd=folder, env=make_env(), check=True).stdout
 
 
 @pytest.fixture(scope="module")
@@ -99,8 +97,7 @@ def small(tmp_path):
 
     def compiled():
         made("-s", "build/sim/obj/engine.o", folder=tmp_path)
-        told = subprocess.run(["nm", "build/sim/obj/engine.o"], cwd=tmp_path, text=True, check=True,
-                              capture_output=True).stdout  # fmt: skip
+        told = ran("nm", "build/sim/obj/engine.o", cwd=tmp_path, check=True).stdout
         return set(re.findall(r" [RB] (\w+)", told))
 
     return plant, compiled

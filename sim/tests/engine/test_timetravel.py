@@ -3,17 +3,15 @@
 
 import os
 import random
-import subprocess
 from contextlib import contextmanager
-from pathlib import Path
 
 import machines
 import pytest
 from machines import event, everything, input_number, machine, notes, start, step_to
 
-from mmcs import Sim, ensure_library, load, mcdef, regs
+from mmcs import ROOT, Sim, ensure_library, load, mcdef, regs
+from tools.compiled import ran
 
-ROOT = Path(__file__).resolve().parents[3]
 LONG = os.environ.get("MMCS_LONG") == "1"
 SEED = int(os.environ.get("MMCS_SEED", "5"))
 
@@ -238,8 +236,7 @@ def test_the_digest_is_of_every_source():
     """Two builds that differ in a file of the model, the engine, the plant or the driver have other
     digests: a snapshot of one is none of the other."""
     show = "--eval=show: ; @echo $(ID_FILES)"
-    made = subprocess.run(["make", "-s", "-f", "sim/Makefile", show, "show"], cwd=ROOT, text=True,
-                          capture_output=True, check=True).stdout.split()  # fmt: skip
+    made = ran("make", "-s", "-f", "sim/Makefile", show, "show", check=True).stdout.split()
     folders = ("sim/abi", "sim/model", "sim/engine", "sim/plant", "firmware/mc")
     files = [p for folder in folders for p in (ROOT / folder).iterdir()]
     named = {str(p.relative_to(ROOT)) for p in files if p.suffix in (".c", ".cpp", ".h")}

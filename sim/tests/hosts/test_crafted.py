@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 from needed import needs
 
-from mmcs import hosts, load, machine, mcdef
+from mmcs import ROOT, hosts, load, machine, mcdef
 from tools.compiled import compiled, written
 
-ROOT = Path(__file__).resolve().parents[3]
 HEADER, DIGEST = 104, 96  # bytes of a snapshot's header; where it says what follows it
 ON_S = 0.0004  # that a machine goes on from what it took
 CORE = {"cpu_type": 0, "d0": 4, "pc": 4 * 34, "ir": 4 * 47}  # of Musashi; flags come after the FPU

@@ -3,14 +3,13 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 from needed import needs
 
+from mmcs import ROOT, load, simulate
 from studies.processors import cycles as bench
 
-ROOT = Path(__file__).resolve().parents[3]
 pytestmark = needs("m68020", "riscv64-unknown-elf-gcc")
 
 
@@ -41,7 +40,5 @@ def test_pd_of_six_axes_takes_0_26_ms_at_most():
 
 @pytest.mark.req("FW-1")
 def test_lab500_ends_as_native():
-    from mmcs import load, simulate
-
     finals = [simulate(load("lab500"), host=h).log[-1] for h in ("native", "m68020")]
     assert abs(finals[0][2] - finals[1][2]) <= 1

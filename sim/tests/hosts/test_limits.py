@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of the largest axis count and rate: how it is found, and that it is so. §5"""
 
-from pathlib import Path
-
 import pytest
 from needed import needs
 
+from mmcs import ROOT
 from studies.processors import limits
 from tools.pages import part
 
 pytestmark = pytest.mark.req("FW-1")
-ROOT = Path(__file__).resolve().parents[3]
 
 
 def page() -> dict[str, dict[str, str]]:

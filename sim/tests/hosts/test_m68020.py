@@ -2,7 +2,6 @@
 """The servo on the 68020: six axes end as on native, and what happens when things go wrong."""
 
 import contextlib
-from pathlib import Path
 
 import pytest
 from needed import needs
@@ -10,13 +9,11 @@ from sick import PASSES, sick_firmware
 
 from mmcs import RunError, Session, hosts, load, machine, make_report, simulate
 
-ROOT = Path(__file__).resolve().parents[3]
 pytestmark = [
     pytest.mark.slow,  # six axes for two seconds, and firmware that is compiled anew
     needs("m68020"),
 ]
 PANIC_S = 0.050
-CODES = (6, 13)  # errcode of the first two axes in a row of the log
 
 # What goes wrong in the servo's interrupt: (C statement, what the host is told)
 WRONG = {

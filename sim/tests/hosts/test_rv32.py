@@ -2,7 +2,6 @@
 """The servo on the SoC's own processor: results as native, and what happens when it goes wrong."""
 
 import contextlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,6 @@ from sick import PASSES, sick_firmware
 from mmcs import RunError, Session, hosts, load, machine, simulate
 from studies.processors import cycles
 
-ROOT = Path(__file__).resolve().parents[3]
-FIRMWARE = ROOT / "build" / "firmware" / "rv32"
 pytestmark = [
     pytest.mark.slow,  # a model with a processor in it takes its time to compile
     needs("rv32"),

@@ -7,14 +7,12 @@ after every tick.
 """
 
 import os
-from pathlib import Path
 
 import pytest
 from needed import needs
 
 from studies.processors import cycles as bench
 
-ROOT = Path(__file__).resolve().parents[3]
 pytestmark = needs("m68020", "riscv64-unknown-elf-gcc", "unicorn", by="make test")
 
 TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 20_000

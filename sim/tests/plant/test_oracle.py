@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The arm against the Robotics Toolbox's PUMA 560, and the robot file against its parameters."""
 
-import subprocess
 import tomllib
 
 import numpy as np
 import pytest
 from test_plant import ROOT, build
+
+from tools.compiled import ran
 
 SEED = 1989
 STATES = 500
@@ -42,9 +43,7 @@ def test_dynamics_equal_the_toolbox(puma):
     qd = rng.uniform(-3, 3, (STATES, 6))
     qdd = rng.uniform(-10, 10, (STATES, 6))
     lines = "\n".join(" ".join(f"{x:.17g}" for x in row) for row in np.hstack([q, qd, qdd]))
-    done = subprocess.run(
-        [build("arm_oracle")], input=lines, text=True, capture_output=True, check=True
-    )
+    done = ran(build("arm_oracle"), input=lines, check=True)
     ours = np.array([row.split() for row in done.stdout.splitlines()], dtype=float)
     assert ours.shape == (STATES, 48)
     free = puma.nofriction(coulomb=True, viscous=True)
