@@ -80,10 +80,10 @@ def _is_fresh(folder: Path) -> bool:
         return False
 
 
-def ran(*command, check=False, cwd=ROOT, **options) -> subprocess.CompletedProcess:
+def ran(*command, check=False, **options) -> subprocess.CompletedProcess:
     """How a command of a test has ended, and what it said."""
-    words = [str(word) for word in command]
-    return subprocess.run(words, check=check, cwd=cwd, text=True, capture_output=True, **options)
+    how = {"cwd": ROOT, "text": True, "capture_output": True} | options
+    return subprocess.run([str(word) for word in command], check=check, **how)
 
 
 def _run(words: list[str]) -> str:

@@ -3,15 +3,15 @@
 
 import re
 import signal
-import threading
 
 import pytest
 from click.testing import CliRunner
 
 from mmcs import ROOT
 from mmcs.cli.app import main
+from mmcs.device.sockets import socket_path
 from mmcs.lab.sheets import LABS, sheets
-from mmcs.tests.device_bench import Bench
+from mmcs.tests.device_bench import Bench, running
 
 GOOD = """
 description = "a test"
@@ -31,6 +31,22 @@ def call(*args):
     """The command's (status, stdout, stderr)."""
     result = CliRunner().invoke(main, [str(a) for a in args])
     return result.exit_code, result.stdout, result.stderr
+
+
+def good(answer, silent=False):
+    """What the command says that did what was asked; silent: and nothing on stderr."""
+    status, out, err = answer
+    assert status == 0 and not (silent and err), (status, out, err)
+    return out
+
+
+def cluster(workers):
+    """A scheduler of Dask with workers of one thread each."""
+    distributed = pytest.importorskip("distributed")
+    return distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+        silence_logs=50,
+    )  # fmt: skip
 
 
 def one_clear_line(answer, *words, start="", status=2, begun=False):
@@ -70,23 +86,33 @@ def scenario(tmp_path):
 
 
 @pytest.fixture
-def bench(tmp_path):
-    """A server that the test steps; programs are this process, so SIGUSR1 is ignored."""
+def unsignalled():
+    """This process is a program of the server: it ignores SIGUSR1."""
     before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-    with Bench(tmp_path) as made:
-        yield made
+    yield
     signal.signal(signal.SIGUSR1, before)
 
 
 @pytest.fixture
-def serving(bench, monkeypatch):
+def bench(tmp_path):
+    """A server that the test steps."""
+    with Bench(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def serving(unsignalled, bench, monkeypatch):
     """The same server, running in a thread."""
-    thread = threading.Thread(target=bench.server.run)
     monkeypatch.setenv("MMCS_SOCKET", str(bench.server.path))
-    thread.start()
-    yield bench
-    bench.server.stopping = True
-    thread.join()
+    with running(bench.server):
+        yield bench
+
+
+@pytest.fixture
+def mc0(tmp_path, monkeypatch):
+    """The path of the socket of mc0, in a folder of the test's own."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    return socket_path("mc0")
 
 
 @pytest.fixture(params=sheets(), ids=lambda sheet: sheet.name)

@@ -4,6 +4,8 @@
 import os
 import subprocess
 import sys
+import threading
+from contextlib import contextmanager
 
 from mmcs import ROOT
 from mmcs.device.execute import DEVICE, LIBRARY, cflags, environment, serve_program
@@ -16,6 +18,9 @@ from tools.compiled import compiled, written
 
 PROGRAMS = ROOT / "sim" / "tests" / "device"
 EXAMPLES = ROOT / "firmware" / "examples"
+
+FLAGS = ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware/include'}",
+         f"-I{ROOT / 'firmware/lib'}", f"-I{DEVICE / 'include'}")  # fmt: skip
 
 # Set by test_sanitizers.py for a run of its own: everything with sanitizers.
 SANITIZED = os.environ.get("MMCS_SANITIZE") == "1"
@@ -48,9 +53,8 @@ def make_sim(folder, sets=()) -> Sim:
 
 def compile_program(source, *flags):
     """A program of our own, or one of 1989 with the flags that `mmcs exec --cflags` prints."""
-    flags = flags or ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware' / 'include'}")
     seen = [ROOT / "firmware" / "include" / "mcdef.h", LIBRARY]  # where it was in 1989, and by whom
-    return compiled(source.stem, ["gcc", *flags], [source], ["-lpthread", "-lm"], seen)
+    return compiled(source.stem, ["gcc", *(flags or FLAGS)], [source], ["-lpthread", "-lm"], seen)
 
 
 def compile_1989(source):
@@ -62,8 +66,16 @@ def compile_example(source):
     if source.stem in ("bounce", "readregs"):
         return compile_1989(source)
     table = written("robot.h", header(str(ROBOT), 1000)).parent
-    folders = (ROOT / "firmware/include", ROOT / "firmware/lib", DEVICE / "include", table)
-    return compile_program(source, "-Wall", "-Wextra", "-O1", *(f"-I{f}" for f in folders))
+    return compile_program(source, *FLAGS, f"-I{table}")
+
+
+class Clock:
+    """A clock on the wall that only the test moves, in place of the module time."""
+
+    now = 1000.0
+
+    def monotonic(self):
+        return self.now
 
 
 class Bench:
@@ -85,6 +97,11 @@ class Bench:
 
     def python(self, text):
         return self.start(sys.executable, "-c", text)
+
+    def go_on(self, child):
+        """A line for a program that waits for one."""
+        child.stdin.write("\n")
+        child.stdin.flush()
 
     def until(self, ready):
         """Serves until ready() holds, however long the programs take."""
@@ -109,17 +126,35 @@ class Bench:
         self.sim.destroy()
 
 
-def run_in_lockstep(folder, *command, said=None, sets=()):
-    """A run of a program from power-on, in lock-step: its status, and the machine's hash."""
-    folder.mkdir(mode=0o700, exist_ok=True)
+@contextmanager
+def lockstep_server(folder, sets=(), **options):
+    """A server in lock-step, from power-on."""
     with make_sim(folder, sets) as sim:
-        tell = (lambda text: None) if said is None else said.append
-        server = Server(sim, folder / "mc0.sock", None, console=tell, lockstep=True)
+        server = Server(sim, folder / "mc0.sock", None, lockstep=True, **options)
         try:
-            status = serve_program(server, [str(c) for c in command])
-            return status, sim.hash()
+            yield server
         finally:
             server.close()
+
+
+@contextmanager
+def running(server):
+    """The server runs in a thread of its own."""
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        yield server
+    finally:
+        server.stopping = True
+        thread.join()
+        server.stopping = False
+
+
+def run_in_lockstep(folder, *command, sets=()):
+    """A run of a program from power-on, in lock-step: its status, and the machine's hash."""
+    folder.mkdir(mode=0o700, exist_ok=True)
+    with lockstep_server(folder, sets) as server:
+        return serve_program(server, [str(c) for c in command]), server.sim.hash()
 
 
 def output_in_lockstep(folder, *command, sets=()):

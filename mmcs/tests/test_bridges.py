@@ -6,7 +6,6 @@ import json
 import re
 import socket
 import struct
-import subprocess
 import sys
 from typing import ClassVar
 
@@ -17,6 +16,7 @@ from mmcs.device.link import HEAD, Samples
 from mmcs.errors import InputError, RunError
 from mmcs.runs.machine import machine as make_machine
 from mmcs.scenario.load import load
+from tools.compiled import ran
 
 
 def bridge_file(name: str):
@@ -158,7 +158,6 @@ def test_a_run_as_mcap():
 def test_the_socket_of_hal_takes_no_file_of_the_users(tmp_path):
     kept = tmp_path / "kept"
     kept.write_text("mine")
-    command = [sys.executable, ROOT / "bridges/linuxcnc/machine.py", "lab500", "--path", kept]
-    done = subprocess.run(command, text=True, capture_output=True, check=False)
+    done = ran(sys.executable, "bridges/linuxcnc/machine.py", "lab500", "--path", kept)
     assert done.returncode == 2 and "is there and is no socket" in done.stderr
     assert kept.read_text() == "mine"

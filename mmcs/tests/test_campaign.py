@@ -17,10 +17,13 @@ from mmcs.sweeps.classes import CLASSES, DANGEROUS, HARMLESS, LATE, MASKED, NEAR
 from mmcs.sweeps.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
 from mmcs.sweeps.store import ROWS
 from mmcs.sweeps.twin import Twin
-from mmcs.tests.conftest import one_clear_line
+from mmcs.tests.conftest import cluster, good, one_clear_line
 
 CARD, AXIS = "seu.g_card[1].u_card", "seu.g_card[1].u_card.g_axis[0].u_axis"
 SIZE = 100
+ROW = {"status": "ok", "class": MASKED, "motion": "m", "sort": "pin", "what": "w", "at": 0.1,
+       "lasts": True, "off": 0.0, "beyond": 0.0, "deg": 0.0, "deg_s": 0.0, "after_ms": None,
+       "by": "", "told": ""}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -185,6 +188,11 @@ def test_example_of_each_class_is_made_again_by_the_command_it_prints(
     assert status == 0 and row["hash"] in out
 
 
+def kept(folder):
+    """What the file of rows holds, line by line."""
+    return [json.loads(line) for line in (folder / ROWS).read_text().splitlines()[1:]]
+
+
 def campaign(mmcs, folder, count, *more):
     arguments = ("--faults", count, "--seed", 1, "--out", folder, *more)
     return mmcs("campaign", "arm_move", "puma560_hold", *arguments)
@@ -194,19 +202,15 @@ def campaign(mmcs, folder, count, *more):
 def test_rows_depend_on_nothing_but_the_plan(mmcs, rows, tmp_path):
     """Nor on the number of workers, nor on a stop half-way."""
     half, stopped = SIZE // 2, SIZE // 3
-    status, out, err = campaign(mmcs, tmp_path / "a", half, "--workers", 2)
-    assert status == 0, err
+    good(campaign(mmcs, tmp_path / "a", half, "--workers", 2))
     lines = (tmp_path / "a" / ROWS).read_text().splitlines(keepends=True)
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / ROWS).write_text("".join(lines[: stopped + 1]) + lines[stopped + 1][:20])
-    status, out, err = campaign(mmcs, tmp_path / "b", half, "--workers", 1, "--resume")
-    assert status == 0, err
+    out = good(campaign(mmcs, tmp_path / "b", half, "--workers", 1, "--resume"))
     assert out.startswith(f"{half - stopped} faults in")
     for folder in "ab":
-        kept = {}
-        for line in (tmp_path / folder / ROWS).read_text().splitlines()[1:]:
-            kept[json.loads(line)["n"]] = json.loads(line)["row"]
-        assert [kept[n] for n in range(half)] == rows[:half]
+        found = {line["n"]: line["row"] for line in kept(tmp_path / folder)}
+        assert [found[n] for n in range(half)] == rows[:half]
     reports = [(tmp_path / folder / "report.md").read_bytes() for folder in "ab"]
     assert reports[0] == reports[1]
     text = reports[0].decode()
@@ -219,17 +223,10 @@ def test_rows_depend_on_nothing_but_the_plan(mmcs, rows, tmp_path):
 
 @pytest.mark.slow  # a scheduler and a worker start
 def test_same_rows_from_dask(mmcs, plan, tmp_path):
-    distributed = pytest.importorskip("distributed")
-    cluster = distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
-        silence_logs=50,
-    )  # fmt: skip
-    with cluster:
-        status, _, err = campaign(mmcs, tmp_path, 12, "--dask", cluster.scheduler_address)
-    assert status == 0, err
-    lines = [json.loads(line) for line in (tmp_path / ROWS).read_text().splitlines()[1:]]
+    with cluster(1) as one_worker:
+        good(campaign(mmcs, tmp_path, 12, "--dask", one_worker.scheduler_address))
     here = [run_fault(twin_of(plan.setups[f.motion]), f) for f in map(plan.fault, range(12))]
-    assert {line["n"]: line["row"] for line in lines} == dict(enumerate(here))
+    assert {line["n"]: line["row"] for line in kept(tmp_path)} == dict(enumerate(here))
 
 
 def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
@@ -239,11 +236,9 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
         for numbers, (_, faults) in tasks:
             bad = 5 in numbers
             rows = [
-                {"status": "ok", "class": MASKED, "motion": f.motion, "sort": f.sort, "at": f.at,
-                 "what": f.what, "lasts": False, "off": 0, "beyond": 0, "deg": 0, "deg_s": 0,
-                 "after_ms": None, "by": "", "told": ""}
+                ROW | {"motion": f.motion, "sort": f.sort, "at": f.at, "what": f.what}
                 for f in faults
-            ]  # fmt: skip
+            ]
             done = {"status": "ok", "rows": rows, "core_s": 0.25}
             answer = {"status": "failed", "why": "no"} if bad else done
             yield numbers, answer, 0.0
@@ -251,7 +246,7 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
     monkeypatch.setattr("mmcs.sweeps.workers.run_here", here)
     status, out, _ = campaign(mmcs, tmp_path, 20)
     assert status == 1 and "1 of 20 faults could not be run" in out
-    lines = [json.loads(line) for line in (tmp_path / ROWS).read_text().splitlines()[1:]]
+    lines = kept(tmp_path)
     assert sorted(line["n"] for line in lines) == list(range(20))
     assert [line["n"] for line in lines if line["row"]["status"] == "failed"] == [5]
     faults, core_s, wall_s = cost_of(tmp_path)
@@ -272,8 +267,7 @@ def test_motions_take_turns():
 
 
 def test_show_tells_of_one_fault(mmcs, plan):
-    status, out, err = mmcs("campaign", "arm_move", "puma560_hold", "--show", 3)
-    assert status == 0, err
+    out = good(mmcs("campaign", "arm_move", "puma560_hold", "--show", 3))
     assert plan.command(3) in out and out.startswith("fault 3: ")
 
 
@@ -383,18 +377,14 @@ def test_rows_of_other_faults_are_run_again():
 def test_damaged_rows_are_run_again():
     from mmcs.sweeps.store import _entry, checksum
 
-    good = {"status": "ok", "class": MASKED, "motion": "m", "sort": "pin", "what": "w", "at": 0.1,
-            "lasts": True, "off": 0.0, "beyond": 0.0, "deg": 0.0, "deg_s": 0.0, "after_ms": None,
-            "by": "", "told": ""}  # fmt: skip
-
     def entry(row, sum_):
         line = json.dumps({"n": 3, "row": row, "sum": sum_}).encode()
         return _entry(line, "me", plans.is_row)
 
-    assert entry(good, checksum("me", 3, good)) == {3: good}
-    assert entry(good, checksum("another", 3, good)) == {}
-    assert entry(good | {"class": HARMLESS}, checksum("me", 3, good)) == {}  # by hand
+    assert entry(ROW, checksum("me", 3, ROW)) == {3: ROW}
+    assert entry(ROW, checksum("another", 3, ROW)) == {}
+    assert entry(ROW | {"class": HARMLESS}, checksum("me", 3, ROW)) == {}  # by hand
     for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", []),
                         ("deg", None), ("told", None)]:  # fmt: skip
-        bad = good | {name: value}
+        bad = ROW | {name: value}
         assert entry(bad, checksum("me", 3, bad)) == {}

@@ -10,11 +10,11 @@ import sys
 import numpy as np
 import pytest
 
+from mmcs import mcdef
 from mmcs.scenario import synthesis as ds
 from mmcs.scenario.load import load_robot
 from mmcs.scenario.motor import plant_of
-from mmcs.tests.conftest import one_clear_line
-from mmcs.tests.device_bench import Bench
+from mmcs.tests.conftest import good, one_clear_line
 
 T = 1e-3
 EXTRA = "missing; install it with: uv pip install -e .[test]"
@@ -160,15 +160,12 @@ def test_an_integral_adds_a_pole_and_leaves_the_others(slow):
 
 
 def test_command(mmcs, tmp_path):
-    status, out, err = mmcs("design", "--wn", "60", "--json", "--plot", tmp_path / "d.svg")
-    assert status == 0, err
-    made = json.loads(out)
+    made = json.loads(good(mmcs("design", "--wn", "60", "--json", "--plot", tmp_path / "d.svg")))
     assert made["stable"] and made["form"] == "PD" and made["b1"] == 0
     assert (tmp_path / "d.svg").read_text().startswith("<?xml")
     answer = mmcs("design", "--wn", "60", "--plot", tmp_path / "d.xyz")
     one_clear_line(answer, ": must end in .svg, .png, .pdf")
-    status, out, _ = mmcs("design", "-p", "4", "-d", "0.1", "--c")
-    assert status == 0 and "par.a0 = 104; par.a1 = -100;" in out
+    assert "par.a0 = 104; par.a1 = -100;" in good(mmcs("design", "-p", "4", "-d", "0.1", "--c"))
 
 
 @pytest.mark.parametrize(
@@ -196,75 +193,61 @@ with mmcs.Device() as device:
 """
 
 
-def test_apply_to_a_running_device(tmp_path):
+def test_apply_to_a_running_device(bench):
     """The axis named has the printed integers, the other one and all other parameters stay."""
     options = ("--robot", "lab500", "--wn", "60", "--json")
     design = ("-m", "mmcs", "design", *options)
-    with Bench(tmp_path) as bench:
-        user = bench.python(HOLD)
-        bench.until(lambda: bench.server.files)
-        wrong = [
-            (("--interval", "2000", "--apply", "1"), "--interval = 2000: the device samples every"),
-            (("--apply", "7"), "--apply 7: Invalid argument"),
-        ]
-        for args, text in wrong:
-            out, status = bench.finish(bench.start(sys.executable, *design, *args))
-            assert status != 0 and f"mmcs: {text}" in out
-        out, status = bench.finish(bench.start(sys.executable, *design, "--apply", "1"))
-        assert status == 0 and out.endswith("set on axis 1\n"), out
-        made = json.loads(out.rsplit("}", 1)[0] + "}")
-        out, status = bench.finish(user)
-        assert status == 0, out
-        other, param = out.splitlines()[1].split(maxsplit=1)
-        param = ast.literal_eval(param)
-        assert other == "1"
-        assert {k: param[k] for k in ("a0", "a1", "a2", "b0", "b1", "b2")} == {
-            k: made[k] for k in ("a0", "a1", "a2", "b0", "b1", "b2")
-        }
-        assert (param["clkdivisor"], param["mode"]) == (1, 0)
+    user = bench.python(HOLD)
+    bench.until(lambda: bench.server.files)
+    wrong = [
+        (("--interval", "2000", "--apply", "1"), "--interval = 2000: the device samples every"),
+        (("--apply", "7"), "--apply 7: Invalid argument"),
+    ]
+    for args, text in wrong:
+        out, status = bench.finish(bench.start(sys.executable, *design, *args))
+        assert status != 0 and f"mmcs: {text}" in out
+    out, status = bench.finish(bench.start(sys.executable, *design, "--apply", "1"))
+    assert status == 0 and out.endswith("set on axis 1\n"), out
+    made = json.loads(out.rsplit("}", 1)[0] + "}")
+    out, status = bench.finish(user)
+    assert status == 0, out
+    other, param = out.splitlines()[1].split(maxsplit=1)
+    param = ast.literal_eval(param)
+    assert other == "1"
+    assert {k: param[k] for k in ("a0", "a1", "a2", "b0", "b1", "b2")} == {
+        k: made[k] for k in ("a0", "a1", "a2", "b0", "b1", "b2")
+    }
+    assert (param["clkdivisor"], param["mode"]) == (1, 0)
 
 
-def test_apply_without_a_server(mmcs, monkeypatch, tmp_path):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+def test_apply_without_a_server(mmcs, mc0):
     answer = mmcs("design", "--wn", "60", "--apply", "0")
     one_clear_line(answer, "no simulator is serving", status=1, begun=True)
 
 
 @pytest.mark.req("DAC-1")
 @pytest.mark.parametrize(("method", "rings"), [("bilinear", True), ("backward", False)])
-def test_ringing_in_the_machine(tmp_path, method, rings):
+def test_ringing_in_the_machine(bench, method, rings):
     """Double-buffered D/As and the bilinear PID: the current alternates at half the sample rate."""
-    from mmcs.mcdef import (
-        MD_POS,
-        MDACMODE,
-        MENABLE,
-        MGETPARAM,
-        MSETINTERVAL,
-        MSETPARAM,
-        new_int,
-        new_param,
-    )
-
     plant = plant_of(load_robot("lab500")[1].axis[0])
     pd = ds.place(plant, 80.0)
     k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T))
-    with Bench(tmp_path) as bench:
-        sim = bench.sim
-        mc = sim.open(2)
-        assert sim.ioctl(mc, MSETINTERVAL, new_int(1000)) == 0
-        assert sim.ioctl(mc, MDACMODE, new_int(1)) == 0
-        param = new_param(0)
-        sim.ioctl(mc, MGETPARAM, param)
-        param.mode, param.ilim = MD_POS, 2047
-        param.a0, param.a1, param.a2 = k.a
-        param.b0, param.b1, param.b2 = k.b
-        assert sim.ioctl(mc, MSETPARAM, param) == 0
-        assert sim.ioctl(mc, MENABLE) == 0
-        sim.write(mc, [50, 0])
-        inow = []
-        for _ in range(400):
-            sim.run(sim.time + T)
-            inow.append(sim.read(mc, 1)[0]["inow"])
+    sim = bench.sim
+    mc = sim.open(2)
+    assert sim.ioctl(mc, mcdef.MSETINTERVAL, mcdef.new_int(1000)) == 0
+    assert sim.ioctl(mc, mcdef.MDACMODE, mcdef.new_int(1)) == 0
+    param = mcdef.new_param(0)
+    sim.ioctl(mc, mcdef.MGETPARAM, param)
+    param.mode, param.ilim = mcdef.MD_POS, 2047
+    param.a0, param.a1, param.a2 = k.a
+    param.b0, param.b1, param.b2 = k.b
+    assert sim.ioctl(mc, mcdef.MSETPARAM, param) == 0
+    assert sim.ioctl(mc, mcdef.MENABLE) == 0
+    sim.write(mc, [50, 0])
+    inow = []
+    for _ in range(400):
+        sim.run(sim.time + T)
+        inow.append(sim.read(mc, 1)[0]["inow"])
     tail = np.array(inow[-100:], dtype=float)
     alternation = abs(np.mean(tail * (-1.0) ** np.arange(100)))
     assert (alternation > 100) == rings, alternation
@@ -330,9 +313,8 @@ def test_the_robot_ships_what_design_makes(mmcs, axis, interval):
     _, robot = load_robot("puma560")
     recipe = robot.reference[f"design_{interval}us"].split("; ")
     chosen = next(r for r in recipe if f"J{axis + 1}" in r.split(": ")[0].split())
-    status, out, err = mmcs(*chosen.split(": ")[1].split()[1:], "--interval", str(interval),
-                            "--axis", str(axis), "--toml")  # fmt: skip
-    assert status == 0, err
+    out = good(mmcs(*chosen.split(": ")[1].split()[1:], "--interval", interval, "--axis", axis,
+                    "--toml"))  # fmt: skip
     shipped = getattr(robot.axis[axis].servo, f"pd_{interval}us")
     assert f"pd_{interval}us = {shipped}\n" in out
     a0, a1, b0, b1 = [*shipped, 0][:4]

@@ -8,7 +8,6 @@ import select
 import signal
 import socket
 import struct
-import subprocess
 import threading
 from pathlib import Path
 
@@ -28,6 +27,9 @@ from mmcs.tests.device_bench import (
     descriptors,
 )
 from mmcs.tests.raw import Asker, Raw, stop_line
+from tools.compiled import ran
+
+pytestmark = pytest.mark.usefixtures("unsignalled")
 
 
 def is_well(bench):
@@ -330,6 +332,5 @@ def test_a_server_that_lies_writes_nothing_beyond_what_was_asked_for(tmp_path):
 
         threading.Thread(target=accept, daemon=True).start()
         program = compile_program(PROGRAMS / "bounds.c")
-        done = subprocess.run([program], env=environment(path, SANITIZED), capture_output=True,
-                              text=True, check=False)  # fmt: skip
+        done = ran(program, env=environment(path, SANITIZED))
     assert done.stdout == "-1 5\n-1 5\n-1 5\ntouched 0\n"

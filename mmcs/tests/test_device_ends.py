@@ -10,7 +10,8 @@ from mmcs.device import pace as pacing
 from mmcs.device.execute import cflags, environment, serve_program
 from mmcs.device.pace import Pace
 from mmcs.device.server import Server
-from mmcs.tests.device_bench import Bench, make_sim
+from mmcs.tests.device_bench import Bench, Clock, lockstep_server
+from tools.compiled import ran
 
 NO_SAMPLES = """
 import mmcs
@@ -27,33 +28,21 @@ with mmcs.Device() as dev:
 @pytest.mark.parametrize("direct", [False, True])
 def test_mwait_ends_when_no_sample_comes(tmp_path, direct):
     """In lock-step, too; through the library and through a line of Python's own."""
-    with make_sim(tmp_path) as sim:
+    with lockstep_server(tmp_path) as server:
+        sim, out = server.sim, tmp_path / "out"
         sim.add_event(0.1, sim.input_names().index("irq_lost"), 0, 1)
-        server = Server(sim, tmp_path / "mc0.sock", None, lockstep=True)
-        out = tmp_path / "out"
         text = NO_SAMPLES.replace("Device()", "Device(lockstep=True)")
         keep = "env -u LD_PRELOAD -u MMCS_LOCKSTEP " if direct else ""
         command = ["sh", "-c", f'exec {keep}"$0" -c "$1" > {out}', sys.executable, text]
-        try:
-            if direct:
-                child = subprocess.Popen([*command], env=environment(server.path, lockstep=True))
-                while child.poll() is None:
-                    server.step()
-                status = child.returncode
-            else:
-                status = serve_program(server, command)
-            assert (status, out.read_text()) == (0, "5 True\n")
-            assert 2.5 < sim.time < 2.8
-        finally:
-            server.close()
-
-
-class Clock:
-    def __init__(self):
-        self.now = 100.0
-
-    def monotonic(self):
-        return self.now
+        if direct:
+            child = subprocess.Popen([*command], env=environment(server.path, lockstep=True))
+            while child.poll() is None:
+                server.step()
+            status = child.returncode
+        else:
+            status = serve_program(server, command)
+        assert (status, out.read_text()) == (0, "5 True\n")
+        assert 2.5 < sim.time < 2.8
 
 
 class Sim:
@@ -108,23 +97,21 @@ for call in (dev.stop, dev.stats, lambda: dev.write([1]), lambda: os.read(fd, 28
 
 
 @pytest.mark.parametrize("again", [False, True])
-def test_a_dead_server_is_eio(tmp_path, again):
+def test_a_dead_server_is_eio(bench, again):
     """Also when another one listens in its place."""
-    with Bench(tmp_path) as bench:
-        child = bench.python(RESTARTED)
-        bench.until(lambda: len(bench.server.files) == 2)
-        assert child.stdout.readline() == "open\n"
-        bench.server.close()
-        if again:
-            bench.server = Server(bench.sim, tmp_path / "mc0.sock", None)
-        child.stdin.write("\n")
-        child.stdin.flush()
-        while again and child.poll() is None:
-            bench.server.step()
-        child.wait()
-        assert child.stdout.read().split() == ["True"] * 4
-        if not again:
-            bench.server = Server(bench.sim, tmp_path / "mc0.sock", None)
+    child = bench.python(RESTARTED)
+    bench.until(lambda: len(bench.server.files) == 2)
+    assert child.stdout.readline() == "open\n"
+    bench.server.close()
+    if again:
+        bench.server = Server(bench.sim, bench.server.path, None)
+    bench.go_on(child)
+    while again and child.poll() is None:
+        bench.server.step()
+    child.wait()
+    assert child.stdout.read().split() == ["True"] * 4
+    if not again:
+        bench.server = Server(bench.sim, bench.server.path, None)
 
 
 def test_flags_of_1989_and_of_today(tmp_path):
@@ -132,7 +119,6 @@ def test_flags_of_1989_and_of_today(tmp_path):
     old.write_text("extern int errno;\nmain() { errno = 3; return errno != 3; }\n")
     new.write_text("#include <sys/mcdef.h>\nint main() { return MC_FSCALE != 1024; }\n")
     for compiler, source, flags in (("gcc", old, cflags()), ("g++", new, cflags(modern=True))):
-        done = subprocess.run([compiler, *flags, source, "-o", tmp_path / "a.out"],
-                              text=True, capture_output=True, check=False)  # fmt: skip
+        done = ran(compiler, *flags, source, "-o", tmp_path / "a.out")
         assert (done.returncode, done.stderr) == (0, "")
-        assert subprocess.run([tmp_path / "a.out"], check=False).returncode == 0
+        assert ran(tmp_path / "a.out").returncode == 0

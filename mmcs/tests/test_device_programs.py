@@ -16,16 +16,15 @@ from mmcs.device import execute
 from mmcs.device.client import Device
 from mmcs.device.execute import check_program, environment
 from mmcs.device.link import Link
-from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError
 from mmcs.tests.device_bench import PROGRAMS, SANITIZED, compile_program, write_scenario
-from tools.compiled import CompileError, compiled, written
+from tools.compiled import CompileError, compiled, ran, written
 
 # --- programs ---
 
 
 @pytest.mark.req("DRV-1", "DRV-4")
-def test_the_device_by_every_call_for_files(bench):
+def test_the_device_by_every_call_for_files(unsignalled, bench):
     out, status = bench.finish(bench.start(compile_program(PROGRAMS / "files.c")))
     assert (out, status) == ("done\n", 0)
 
@@ -48,10 +47,9 @@ def test_static_and_set_user_id_programs_are_refused_by_name(tmp_path, monkeypat
 
 
 @pytest.fixture
-def served(tmp_path, monkeypatch):
+def served(mc0, tmp_path):
     """A `mmcs serve` of its own, and the environment of its programs."""
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    env = environment(socket_path("mc0"), SANITIZED)  # first: nothing may end this with a server
+    env = environment(mc0, SANITIZED)  # first: nothing may end this with a server
     # Tests in the background or under nohup ignore some signals, and their children inherit that.
     command = ["env", "--default-signal=INT,HUP", sys.executable, "-m", "mmcs", "serve",
                str(write_scenario(tmp_path))]  # fmt: skip
@@ -85,7 +83,7 @@ os.read(fd, 56)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
-def test_the_server_ends_at_once_and_leaves_nothing(served, number):
+def test_the_server_ends_at_once_and_leaves_nothing(served, mc0, number):
     """Also while programs enable again and again at an interval of minutes."""
     server, env = served
     text = """
@@ -110,13 +108,11 @@ while True:
     assert server.wait(60) == 0
     child.wait(60)
     child.stdout.close()
-    folder = socket_path("mc0").parent
-    assert not list(folder.iterdir())
+    assert not list(mc0.parent.iterdir())
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_exec_passes_an_end_on_and_leaves_nothing(tmp_path, monkeypatch, number):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+def test_exec_passes_an_end_on_and_leaves_nothing(mc0, tmp_path, number):
     command = [sys.executable, "-m", "mmcs", "exec", "--scenario", str(write_scenario(tmp_path)),
                "--", "sh", "-c", "echo $$; exec sleep 1000"]  # fmt: skip
     runner = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
@@ -126,8 +122,7 @@ def test_exec_passes_an_end_on_and_leaves_nothing(tmp_path, monkeypatch, number)
     runner.stdout.close()
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
-    folder = socket_path("mc0").parent
-    assert not list(folder.iterdir())
+    assert not list(mc0.parent.iterdir())
 
 
 @pytest.mark.req("DRV-5")
@@ -142,8 +137,7 @@ fcntl.ioctl(fd, mcdef.MSETVERBOSITY, struct.pack("i", mcdef.M_VERBOSE))
 fcntl.ioctl(fd, mcdef.MENABLE)
 fcntl.ioctl(fd, mcdef.MSTOP)
 """
-    command = [sys.executable, "-m", "mmcs", "exec", "--", sys.executable, "-c", text]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    done = ran(sys.executable, "-m", "mmcs", "exec", "--", sys.executable, "-c", text)
     assert (done.stdout, done.returncode) == ("", 0)
     assert done.stderr.splitlines() == ["mc: cards: 1", "mc: enabled, axes: 2", "mc: stopped"]
 
@@ -249,6 +243,5 @@ with mmcs.Device() as dev:
         pass
 print("lives")
 """
-    done = subprocess.run([sys.executable, "-c", text], env=env, cwd=ROOT, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = ran(sys.executable, "-c", text, env=env)
     assert (done.stdout, done.returncode) == ("lives\n", 0), done.stderr

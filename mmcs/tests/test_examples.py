@@ -6,8 +6,7 @@ import re
 import pytest
 
 from mmcs import ROOT, mcdef
-from mmcs.device.execute import cflags
-from mmcs.tests.device_bench import Bench, compile_program
+from mmcs.tests.device_bench import compile_1989
 from tools.compiled import written
 
 PAGE = (ROOT / "docs" / "use" / "driver.md").read_text()
@@ -46,11 +45,9 @@ def title(example):
 
 @pytest.mark.req("DRV-1", "DRV-3")
 @pytest.mark.parametrize("example", EXAMPLES, ids=title)
-def test_example(tmp_path, example):
+def test_example(bench, example):
     source = written(f"example_{title(example)}.c", PROGRAM.replace("EXAMPLE", example))
-    with Bench(tmp_path) as bench:
-        out, status = bench.finish(bench.start(compile_program(source, *cflags())))
-    assert (out, status) == ("", 0)
+    assert bench.finish(bench.start(compile_1989(source))) == ("", 0)
 
 
 def test_every_request_has_an_example():

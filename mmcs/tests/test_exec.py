@@ -10,17 +10,11 @@ import time
 
 import pytest
 
-from mmcs import ROOT, mcdef
-from mmcs.tests.device_bench import EXAMPLES, PROGRAMS, Bench, compile_1989, compile_program
+from mmcs import mcdef
+from mmcs.tests.device_bench import EXAMPLES, PROGRAMS, compile_1989, compile_program
 
 LATE_S = 0.1  # of wire.c: no answer for so long, and signals are let through
 LONG = os.environ.get("MMCS_LONG") == "1"
-
-
-@pytest.fixture
-def bench(tmp_path):
-    with Bench(tmp_path) as made:
-        yield made
 
 
 @pytest.mark.req("DRV-1", "DRV-5", "DRV-6")
@@ -227,8 +221,7 @@ def test_a_close_has_happened_when_it_returns(bench):
 
 @pytest.mark.req("DRV-3")
 def test_a_program_takes_the_lease(bench):
-    include = (f"-I{ROOT / d}" for d in ("firmware/include", "sim/device/include"))
-    child = bench.start(compile_program(PROGRAMS / "lease.c", "-Wall", "-Wextra", *include))
+    child = bench.start(compile_program(PROGRAMS / "lease.c"))
     assert bench.finish(child) == ("done\n", 0)
 
 

@@ -12,8 +12,7 @@ import sys
 import pytest
 
 from mmcs.device.execute import environment
-from mmcs.device.server import Server
-from mmcs.tests.device_bench import make_sim
+from mmcs.tests.device_bench import lockstep_server
 from mmcs.tests.test_lockstep import EXAMPLES_RUN, example
 
 FAULT_S, END_S = 0.5, 1.1
@@ -61,13 +60,12 @@ def run(folder, command, neighbour, fault):
     """What happened: signals by process, notes, hash, whether power is on, and how far joints are
     from where the shutdown left them."""
     told = folder / "told"
-    with make_sim(folder) as sim:
-        name, value, until = FAULTS[fault]
+    with lockstep_server(folder) as server:
+        sim, (name, value, until) = server.sim, FAULTS[fault]
         number = sim.input_names().index(name)
         sim.add_event(FAULT_S, number, 0, value)
         if until is not None:
             sim.add_event(FAULT_S + until, number, 0, 0 if value else 1)
-        server = Server(sim, folder / "mc0.sock", None, lockstep=True)
         env = environment(server.path, lockstep=True)
         words = [[str(c) for c in command]]
         if neighbour != "none":
@@ -87,7 +85,6 @@ def run(folder, command, neighbour, fault):
                 for child in children:
                     child.kill()
                     child.wait()
-                server.close()
         heard = [n for n in sim.notes() if n["kind"] == "signal" and n["t"] >= FAULT_S]
         return {
             "signals": [n["t"] for n in heard], "clients": {n["text"] for n in heard},

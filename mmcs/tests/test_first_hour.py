@@ -4,7 +4,6 @@
 import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pytest
 
 from mmcs import ROOT
 from tools import chip_pages
+from tools.compiled import ran
 from tools.pages import part
 
 PAGE = next(ROOT.glob("docs/**/first_hour.md"))
@@ -32,8 +32,7 @@ def carry_out(part: str, folder: Path) -> str:
         if name:
             (folder / name).write_text(text)
         elif kind == "sh":
-            done = subprocess.run(["bash", "-ec", text], cwd=folder, env=env, text=True,
-                                  capture_output=True, check=False)  # fmt: skip
+            done = ran("bash", "-ec", text, cwd=folder, env=env)
             assert done.returncode == 0, done.stdout + done.stderr
             said += done.stdout
     return said
@@ -73,10 +72,8 @@ def test_every_method_of_the_device_is_in_the_table():
 def test_bench_of_the_chip(name, tmp_path):
     program = tmp_path / "tb"
     sources = [*chip_pages.files(name).split(), f"docs/hardware/chips/{name}_tb.sv"]
-    command = ["iverilog", "-g2012", "-Irtl", "-s", f"{name}_tb", "-o", program, *sources]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    said = subprocess.run(["vvp", program], check=True, text=True, capture_output=True).stdout
-    assert f"{name}: ok\n" in said
+    ran("iverilog", "-g2012", "-Irtl", "-s", f"{name}_tb", "-o", program, *sources, check=True)
+    assert f"{name}: ok\n" in ran("vvp", program, check=True).stdout
 
 
 @pytest.mark.parametrize("name", chip_pages.names())

@@ -4,7 +4,6 @@
 import ast
 import json
 import re
-import subprocess
 import sys
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 
 import mmcs
 from mmcs import ROOT
+from tools.compiled import ran
 
 PAGE = (ROOT / "docs" / "use" / "python.md").read_text()
 NOTEBOOK = json.loads((ROOT / "docs" / "use" / "study.ipynb").read_text())
@@ -163,16 +163,14 @@ def test_a_block_of_the_page_runs(block, tmp_path):
         body = "".join(f"    {line}\n" for line in block[at:].splitlines())
         block = f'{block[:at]}if __name__ == "__main__":\n{body}'
     (tmp_path / "study.py").write_text(block)
-    done = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = ran(sys.executable, "study.py", cwd=tmp_path)
     assert done.returncode == 0 and done.stdout, done.stderr
 
 
 def test_a_sweep_at_the_top_of_a_file_is_told_where_to_stand(tmp_path):
     text = 'import mmcs\nmmcs.sweep("lab500", random={"seed": "1..99"}, samples=2)\n'
     (tmp_path / "study.py").write_text(text)
-    done = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = ran(sys.executable, "study.py", cwd=tmp_path)
     assert done.returncode == 1 and 'stands under `if __name__ == "__main__":`' in done.stderr
 
 

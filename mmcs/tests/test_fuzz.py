@@ -2,7 +2,6 @@
 """A sample of `make fuzz`: damaged inputs for every parser end in a result or in a sentence."""
 
 import os
-import subprocess
 import sys
 
 import pytest
@@ -16,14 +15,12 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "firmware" / "tests")]
 from attack import fuzz  # noqa: E402
 from fwbuild import random_calls  # noqa: E402
 
-from tools.compiled import compiled  # noqa: E402
+from tools.compiled import compiled, ran  # noqa: E402
 
 
 def said(*command, **env):
     env = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0", **env}
-    done = subprocess.run(
-        [*map(str, command)], env=env, text=True, capture_output=True, check=False
-    )
+    done = ran(*command, env=env)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

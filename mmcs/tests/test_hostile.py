@@ -11,15 +11,14 @@ import tomllib
 import pytest
 
 from mmcs import ROBOTS, ROOT
-from mmcs.tests.conftest import GOOD, one_clear_line
+from mmcs.tests.conftest import GOOD, good, one_clear_line
+from tools.compiled import ran
 
 CLI = [sys.executable, "-m", "mmcs"]
 
 
 def command(*args, **options):
-    done = subprocess.run(
-        [*CLI, *map(str, args)], cwd=ROOT, capture_output=True, check=False, **options
-    )
+    done = ran(*CLI, *args, text=False, **options)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -34,8 +33,7 @@ def test_names_are_text(mmcs, tmp_path, name):
     path = tmp_path / f"{name}.toml"
     path.write_text(GOOD.replace('"a test"', '"[b]a\\u001b[7m :smile:"'))
     for args in (("check", path), ("show", path)):
-        status, out, err = mmcs(*args)
-        assert (status, err) == (0, "")
+        out = good(mmcs(*args), silent=True)
         assert "\x1b" not in out and "\r" not in out and "\udcff" not in out
     one_clear_line(mmcs("check", path, "--set", "axis.0.b0=0"))
     one_clear_line(mmcs("run", tmp_path / name / "none"))
@@ -49,8 +47,8 @@ def test_names_of_a_robot_are_text(mmcs, tmp_path, scenario):
     text = re.sub(r'^name = ".*"', lambda _: f"name = {name}", robot, flags=re.M)
     assert name in text
     (tmp_path / "mine.toml").write_text(text)
-    status, out, err = mmcs("show", scenario(GOOD.replace('"lab500"', '"./mine.toml"')))
-    assert (status, err) == (0, "") and "[red]\\x1b[31m" in out and "\x1b" not in out
+    out = good(mmcs("show", scenario(GOOD.replace('"lab500"', '"./mine.toml"'))), silent=True)
+    assert "[red]\\x1b[31m" in out and "\x1b" not in out
 
 
 def test_no_way_out_of_the_folder_of_results(mmcs, tmp_path):

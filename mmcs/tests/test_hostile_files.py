@@ -23,6 +23,7 @@ from mmcs.engine import build
 from mmcs.errors import RunError
 from mmcs.tests.conftest import GOOD, one_clear_line
 from mmcs.tests.test_hostile import command
+from tools.compiled import ran
 
 # --- records, snapshots, rows ------------------------------------------------------------------
 
@@ -261,8 +262,7 @@ def test_damaged_build_is_made_again(tmp_path, monkeypatch):
             return 0  # make finds nothing to do
         library.parent.mkdir(parents=True, exist_ok=True)
         library.write_bytes(b"good")
-        digest = subprocess.run(["sha256sum"], input=b"good", capture_output=True, check=True)
-        Path(f"{library}.sum").write_bytes(digest.stdout)
+        Path(f"{library}.sum").write_text(ran("sha256sum", input="good", check=True).stdout)
         made.append(command)
         return 0
 
@@ -361,8 +361,7 @@ print(*seen, caught())
 
 def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
     (tmp_path / "short.toml").write_text(GOOD)
-    done = subprocess.run([sys.executable, "-c", ABORTS, "short.toml"], cwd=tmp_path, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = ran(sys.executable, "-c", ABORTS, "short.toml", cwd=tmp_path)
     assert done.stdout.split() == ["0", "1", "1", "0"], done.stderr
 
 
@@ -371,8 +370,7 @@ def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
 def test_a_file_that_finds_no_room_is_not_left_half(tmp_path, args):
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))  # noqa: E731
     run = [sys.executable, "-B", "-m", "mmcs", *args]  # whole files of bytecode, or none
-    done = subprocess.run(run, cwd=tmp_path, text=True, capture_output=True, check=False,
-                          preexec_fn=limit)  # noqa: PLW1509  # fmt: skip
+    done = ran(*run, cwd=tmp_path, preexec_fn=limit)
     assert done.returncode in (1, 2) and "File too large" in done.stderr
     assert done.stderr.startswith("mmcs: ") and done.stderr.count("\n") == 1
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from mmcs.tests.device_bench import PROGRAMS, Bench, all_are_free, compile_program, descriptors
+from mmcs.tests.device_bench import PROGRAMS, all_are_free, compile_program, descriptors
 
 LONG = os.environ.get("MMCS_LONG") == "1"
 HEARTBEAT_S = 0.050
@@ -38,21 +38,20 @@ class SafetyWatch:
 
 
 @pytest.mark.req("DRV-2", "DRV-9", "HB-2")
-def test_controller_monitor_and_killer(tmp_path):
+def test_controller_monitor_and_killer(bench):
     """No hang, no leak, PANIC within 50 ms of each last close. MMCS_LONG=1: two thousand rounds."""
     seed, rounds = int(os.environ.get("MMCS_SEED", "5")), 2000 if LONG else 25
     program = compile_program(PROGRAMS / "controller.c")
-    with Bench(tmp_path) as bench:
-        watch, before = SafetyWatch(bench), descriptors()
-        killer = bench.start(sys.executable, PROGRAMS / "killer.py", program, seed, rounds)
-        out, status = bench.finish(killer)
-        assert status == 0, out
-        bench.until(lambda: not bench.server.connections)
-        figures = (
-            f"seed {seed}: {out.strip()}, {watch.checked} last closes, PANIC at most "
-            f"{1e3 * watch.slowest:.1f} ms later, {bench.sim.time:.1f} s of the machine"
-        )
-        print(figures)
-        assert out.startswith(f"{rounds} rounds") and watch.checked > 0
-        assert descriptors() <= before + 2  # to and from the killer
-        assert all_are_free(bench.sim)
+    watch, before = SafetyWatch(bench), descriptors()
+    killer = bench.start(sys.executable, PROGRAMS / "killer.py", program, seed, rounds)
+    out, status = bench.finish(killer)
+    assert status == 0, out
+    bench.until(lambda: not bench.server.connections)
+    figures = (
+        f"seed {seed}: {out.strip()}, {watch.checked} last closes, PANIC at most "
+        f"{1e3 * watch.slowest:.1f} ms later, {bench.sim.time:.1f} s of the machine"
+    )
+    print(figures)
+    assert out.startswith(f"{rounds} rounds") and watch.checked > 0
+    assert descriptors() <= before + 2  # to and from the killer
+    assert all_are_free(bench.sim)

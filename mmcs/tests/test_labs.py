@@ -14,7 +14,7 @@ from mmcs.lab.marks import _grader
 from mmcs.lab.sheets import LABS, find_sheet, sheets
 from mmcs.scenario.load import load_robot
 from mmcs.scenario.scenario import Host
-from mmcs.tests.conftest import call, one_clear_line
+from mmcs.tests.conftest import call, good, one_clear_line
 from mmcs.view import compare, plot
 
 ALL = sheets()
@@ -58,8 +58,7 @@ def test_commands_of_the_sheet(sheet, folder, unseen):
 
 
 def test_good_student(sheet, folder):
-    status, out, err = call("lab", "check", sheet.number, sheet.folder / "tests" / "good.toml")
-    assert status == 0, out + err
+    out = good(call("lab", "check", sheet.number, sheet.folder / "tests" / "good.toml"))
     assert re.search(r"^(\d+) of \1 points$", out, re.M)
 
 
@@ -124,10 +123,10 @@ DESIGNS = [
 @pytest.mark.parametrize("path, command", DESIGNS, ids=lambda v: getattr(v, "parent", v))
 def test_integers_are_those_of_the_design(path, command):
     """Of the scenario that names the command, or of the sheet's `--set`."""
-    status, out, _ = call(*shlex.split(command))
+    out = good(call(*shlex.split(command)))
     made = dict(re.findall(r"^([ab]\d) = (-?\d+)$", out, re.M))
     stands = dict(re.findall(r"\b([ab]\d) ?= ?(-?\d+)", path.read_text()))
-    assert status == 0 and len(made) == 6
+    assert len(made) == 6
     assert stands == {key: made[key] for key in stands} and len(stands) >= 3
 
 
@@ -174,9 +173,7 @@ def test_a_student_is_given_neither_grader_nor_answers(folder):
 
 
 def test_list():
-    status, out, _ = call("lab")
-    assert status == 0
-    assert [line.split()[:2] for line in out.splitlines()] == [
+    assert [line.split()[:2] for line in good(call("lab")).splitlines()] == [
         [str(sheet.number), sheet.name] for sheet in ALL
     ]
 
@@ -234,15 +231,14 @@ def test_what_cannot_be_run_is_no_point_but_a_reason(tmp_path):
 def test_a_sheet_of_ones_own(own_sheets, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert call("lab", "--sheets", own_sheets) == (0, " 1  gain            A gain\n", "")
-    status, out, _ = call("lab", "--sheets", own_sheets, "start", 1, "work")
-    assert status == 0
+    out = good(call("lab", "--sheets", own_sheets, "start", 1, "work"))
     assert f"then mmcs lab --sheets {own_sheets} check 1 work/answer.toml\n" in out
     given = {path.name for path in (tmp_path / "work").iterdir()}
     assert given == {"sheet.md", "answer.toml", "scenario.toml"}
     check = ("lab", "--sheets", own_sheets, "check", 1, "work")
     assert "0 of 10 points" in call(*check)[1]
-    good = "final = 195\ngains = { a0 = 29236, a1 = -28108, b0 = 128 }\n"
-    (tmp_path / "work" / "answer.toml").write_text(good)
+    right = "final = 195\ngains = { a0 = 29236, a1 = -28108, b0 = 128 }\n"
+    (tmp_path / "work" / "answer.toml").write_text(right)
     status, out, _ = call(*check)
     assert "  4 of 4  final: 195 counts agrees" in out
     (tmp_path / "work" / "answer.toml").write_text("gains = { a0 = 1, b0 = 0 }\n")

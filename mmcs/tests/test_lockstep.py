@@ -5,32 +5,31 @@ import asyncio
 import os
 import subprocess
 import sys
-import threading
 
 import pytest
 
 from mmcs.device import lockstep
 from mmcs.device.client import Device
 from mmcs.device.execute import environment
-from mmcs.device.server import Server
 from mmcs.device.wire import MWAIT
 from mmcs.tests.device_bench import (
     EXAMPLES,
     PROGRAMS,
     ROBOT,
-    Bench,
     compile_example,
     compile_program,
-    make_sim,
+    lockstep_server,
     output_in_lockstep,
+    running,
 )
+from tools.compiled import written
 
 PYTHON = (sys.executable, "-c")
 
 
 @pytest.mark.req("DRV-4")
 def test_every_wait_takes_its_time_of_the_machine(tmp_path):
-    program = compile_program(PROGRAMS / "waits.c", "-Wall", "-Wextra", "-O1")
+    program = compile_program(PROGRAMS / "waits.c")
     (said, status, _), again = (output_in_lockstep(tmp_path, program) for _ in range(2))
     assert status == 0 and again[0] == said
     first, *lines = said.splitlines()
@@ -212,9 +211,8 @@ int main(void) {
 
 def test_threads_run_in_the_order_of_their_creation(tmp_path):
     """Not in that in which the computer began them."""
-    source = tmp_path / "threads_in_order.c"
-    source.write_text(THREADS)
-    said, status, _ = output_in_lockstep(tmp_path, compile_program(source))
+    program = compile_program(written("threads_in_order.c", THREADS))
+    said, status, _ = output_in_lockstep(tmp_path, program)
     assert status == 0 and said.split() == 3 * [str(n) for n in range(12)]
 
 
@@ -264,8 +262,7 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
     here, there = os.pipe()  # that nobody attached has
     said, begun = [], tmp_path / "begun"
     text = text.replace("BEGUN", f"open({str(begun)!r}, 'w').close()")
-    with make_sim(tmp_path) as sim:
-        server = Server(sim, tmp_path / "mc0.sock", None, console=said.append, lockstep=True)
+    with lockstep_server(tmp_path, console=said.append) as server:
         env = environment(server.path, lockstep=True)
         child = subprocess.Popen([*PYTHON, text], env=env, stdin=here)
         try:
@@ -276,15 +273,14 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
             monkeypatch.setattr(lockstep, "OUTSIDE_S", 0.1)
             while not any("lock-step" in line for line in said) and child.poll() is None:
                 server.step()
-            stood = sim.clock
+            stood = server.sim.clock
             for _ in range(3):
                 server.step()
             assert child.poll() is None
-            assert sim.clock - stood < 1e4
+            assert server.sim.clock - stood < 1e4
         finally:
             child.kill()
             child.wait()
-            server.close()
             os.close(here)
             os.close(there)
     assert len([line for line in said if why in line]) == 1, said
@@ -294,16 +290,8 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
 @pytest.fixture
 def served(tmp_path):
     """A server in lock-step beside the test, which is a program by itself."""
-    with make_sim(tmp_path) as sim:
-        server = Server(sim, tmp_path / "mc0.sock", None, lockstep=True)
-        thread = threading.Thread(target=server.run)
-        thread.start()
-        try:
-            yield server
-        finally:
-            server.stopping = True
-            thread.join()
-            server.close()
+    with lockstep_server(tmp_path) as server, running(server):
+        yield server
 
 
 def test_a_python_program_joins_by_itself(served, monkeypatch):
@@ -320,7 +308,7 @@ def test_a_python_program_joins_by_itself(served, monkeypatch):
         assert asyncio.run(some(dev)) == list(range(first + 21, first + 26))
 
 
-def test_mwait_without_lockstep(tmp_path):
+def test_mwait_without_lockstep(bench):
     text = f"""
 import array, asyncio, fcntl, os
 import mmcs
@@ -338,12 +326,10 @@ with mmcs.Device() as dev:
 assert seen == sorted(set(seen)), seen
 print(seen[-1] - seen[0])
 """
-    with Bench(tmp_path) as bench:
-        out, status = bench.finish(bench.python(text))
+    out, status = bench.finish(bench.python(text))
     assert status == 0 and int(out) >= 29, out
 
 
-def test_lockstep_of_a_server_that_is_not(tmp_path):
-    with Bench(tmp_path) as bench:
-        out, status = bench.finish(bench.python("import mmcs; mmcs.Device(lockstep=True)"))
+def test_lockstep_of_a_server_that_is_not(bench):
+    out, status = bench.finish(bench.python("import mmcs; mmcs.Device(lockstep=True)"))
     assert status == 1 and "the machine is not in lock-step; start `mmcs serve --lockstep" in out

@@ -2,12 +2,11 @@
 """What Python reads from mcdef.h is what a C compiler reads from it."""
 
 import os
-import subprocess
 
 import pytest
 
 from mmcs import mcdef
-from tools.compiled import compiled, written
+from tools.compiled import compiled, ran, written
 
 
 @pytest.mark.req("DRV-1")
@@ -24,7 +23,7 @@ def test_constants_and_sizes_equal_those_of_the_compiler():
         + "\n}\n",
     )
     program = compiled("all", [os.environ.get("CXX", "g++")], [source])
-    printed = subprocess.run([program], check=True, capture_output=True, text=True).stdout
+    printed = ran(program, check=True).stdout
     sizes = [mcdef.make_ffi().sizeof(f"struct {name}") for name in structs]
     expected = [mcdef.constants()[name] for name in names] + sizes
     assert [int(line) for line in printed.split()] == expected

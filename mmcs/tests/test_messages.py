@@ -7,7 +7,6 @@ import json
 import os
 import random
 import re
-import signal
 import socket
 import struct
 import threading
@@ -18,7 +17,6 @@ from mmcs import ROOT, mcdef
 from mmcs.device.client import Device
 from mmcs.device.link import Link, Samples
 from mmcs.device.messages import REQUESTS, Messenger
-from mmcs.tests.device_bench import Bench
 from mmcs.tests.raw import Asker
 
 REPLIES = 100_000
@@ -385,20 +383,19 @@ def test_every_sample_and_every_change(serving, link):
     assert {"mode", "enabled", "panic", "brake", "heartbeat"} <= kinds
 
 
-def test_a_slow_reader_is_told_what_he_lost(tmp_path):
+def test_a_slow_reader_is_told_what_he_lost(bench):
     """He does not read until both rings have come round; nobody else waits for him."""
-    with Bench(tmp_path) as bench:
-        client = Asker(bench.server)
-        client.post({"op": "open", "mode": "rw"})
-        client.post({"op": "follow", "period_ms": 0})
-        client.post({"op": "call", "request": "MSETINTERVAL", "value": 200})
-        while bench.sim.tap_head()[0] < 12_000:
-            bench.server.step()
-        lost = lambda told: Samples(told).lost if told[:1] == b"S" else 0  # noqa: E731
-        behind = lost(client.heard(lost))
-        head = bench.sim.tap_head()[0]
-        assert 0 < behind < head
-        client.sock.close()
+    client = Asker(bench.server)
+    client.post({"op": "open", "mode": "rw"})
+    client.post({"op": "follow", "period_ms": 0})
+    client.post({"op": "call", "request": "MSETINTERVAL", "value": 200})
+    while bench.sim.tap_head()[0] < 12_000:
+        bench.server.step()
+    lost = lambda told: Samples(told).lost if told[:1] == b"S" else 0  # noqa: E731
+    behind = lost(client.heard(lost))
+    head = bench.sim.tap_head()[0]
+    assert 0 < behind < head
+    client.sock.close()
 
 
 def odd(chance):
@@ -431,21 +428,18 @@ NAMES = WORDS.split()
 
 
 @pytest.mark.parametrize("part", range(PARTS))
-def test_random_requests_are_answered(tmp_path, part):
+def test_random_requests_are_answered(unsignalled, bench, part):
     """Each with one reply, whatever they ask; then the server is as well as before. MMCS_LONG=1: a
     million."""
     chance = random.Random(int(os.environ.get("MMCS_SEED", "3")) + part)
     ops = [*REQUESTS, "sing"]
-    before = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-    with Bench(tmp_path) as bench:
-        client = Asker(bench.server)
-        for n in range(REQUESTS_EACH):
-            asked = {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(5))}
-            asked |= {"id": n, "op": chance.choice(ops)}
-            client.post(asked)
-            assert client.reply()["id"] == n, asked
-            bench.server.pace.set(None, False)
-    signal.signal(signal.SIGUSR1, before)
+    client = Asker(bench.server)
+    for n in range(REQUESTS_EACH):
+        asked = {name: odd(chance) for name in chance.sample(NAMES, chance.randrange(5))}
+        asked |= {"id": n, "op": chance.choice(ops)}
+        client.post(asked)
+        assert client.reply()["id"] == n, asked
+        bench.server.pace.set(None, False)
 
 
 def test_every_op_is_documented():

@@ -5,7 +5,6 @@ import bisect
 import json
 import math
 import random
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import pytest
 
 from mmcs import ROOT
 from mmcs.scenario.synthesis import Controller, Discrete, discretize, to_integers
+from tools.compiled import ran
 
 pytestmark = pytest.mark.req("TOOL-1", "SYN-1")
 NAMES = ("r", "y", "v", "e", "i", "t", "u")
@@ -23,9 +23,7 @@ def ask(questions: list[list]) -> list[dict]:
     """What the pages' own code says to each."""
     node = Path(sys.executable).with_name("node")
     script = ROOT / "web" / "tests" / "answers.mjs"
-    text = subprocess.run([node, script], input=json.dumps(questions), text=True,
-                          capture_output=True, check=True).stdout  # fmt: skip
-    return json.loads(text)
+    return json.loads(ran(node, script, input=json.dumps(questions), check=True).stdout)
 
 
 def some(rng: random.Random, low: float, high: float, zero: float = 0.3) -> float:

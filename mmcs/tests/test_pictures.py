@@ -5,7 +5,6 @@ import json
 import math
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
@@ -13,11 +12,10 @@ import pytest
 
 from mmcs import ROOT, logcols
 from mmcs.scenario.load import load
-from mmcs.tests.conftest import one_clear_line
+from mmcs.tests.conftest import good, one_clear_line
 from mmcs.view import chart, svg
 from mmcs.view.film import arm_points
-
-FIRST = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+from tools.compiled import ran
 
 
 @pytest.fixture
@@ -47,23 +45,20 @@ def test_a_notebooks_backend_does_not_matter(tmp_path, draw):
         "design": "from mmcs.cli.app import main;main(['design', '--wn', '50', '--plot', 'x.svg'])",
     }
     env = {**os.environ, "MPLBACKEND": "nonsense"}
-    done = subprocess.run([sys.executable, "-c", draws[draw]], cwd=tmp_path, env=env, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = ran(sys.executable, "-c", draws[draw], cwd=tmp_path, env=env)
     assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_compare_two_runs(mmcs, folder):
     a, b = folder("a"), folder("b", slope=2, hash_="0x2")
-    status, out, err = mmcs("compare", a, b)
-    assert (status, err) == (0, "")
+    out = good(mmcs("compare", a, b), silent=True)
     line = "axis 0 J0: largest difference encoder 49, error 49, current 0"
     assert out.splitlines()[0] == line
     assert out.splitlines()[1].startswith("different runs; ")
     picture = (b / "compare.svg").read_text()
     assert ">a</text>" in picture and ">b</text>" in picture
-    status, out, _ = mmcs("compare", a, a, "--out", b / "same.svg")
-    assert (status, (b / "same.svg").is_file()) == (0, True)
-    assert "the same run to the bit" in out
+    out = good(mmcs("compare", a, a, "--out", b / "same.svg"))
+    assert "the same run to the bit" in out and (b / "same.svg").is_file()
 
 
 def test_compare_mistakes(mmcs, folder, tmp_path):
@@ -103,8 +98,7 @@ def test_film(mmcs, folder):
 
     links = [{"alpha": 0.0, "a": 1.0, "d": 0.2, "theta0": 0.0}] * 2
     path = folder("arm", axes=2, links=links)
-    status, _, err = mmcs("film", path, "--slower", 5, "--pictures", 3)
-    assert (status, err) == (0, "")
+    good(mmcs("film", path, "--slower", 5, "--pictures", 3), silent=True)
     assert (path / "film.svg").read_text().startswith("<?xml")
     with Image.open(path / "film.gif") as gif:
         assert gif.n_frames == 5

@@ -4,7 +4,6 @@
 import os
 import re
 import runpy
-import subprocess
 import sys
 import sysconfig
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 
 from mmcs import BUILD, ROOT, SCENARIOS
 from mmcs.place import results
+from tools.compiled import ran
 
 READ_ONLY = """
 import os
@@ -25,10 +25,7 @@ place.workshop()
 
 
 def read_only(cache: Path, code: str = READ_ONLY):
-    env = {**os.environ, "XDG_CACHE_HOME": str(cache)}
-    return subprocess.run(
-        [sys.executable, "-c", code], text=True, capture_output=True, env=env, check=False
-    )
+    return ran(sys.executable, "-c", code, env={**os.environ, "XDG_CACHE_HOME": str(cache)})
 
 
 def test_results_are_beside_a_file_of_ones_own(tmp_path):
@@ -43,8 +40,7 @@ def test_a_checkout_that_cannot_be_written_builds_in_the_cache(tmp_path):
     assert done.returncode == 0 and work.parent == tmp_path / "mmcs" and runs == Path("runs")
     assert (work / "sim" / "Makefile").samefile(ROOT / "sim" / "Makefile")
     plan = ["make", "-n", "-f", "sim/Makefile", "CARDS=1", "KIND=speed", "MMCS_SIM_LOCKED=1"]
-    said = subprocess.run(plan, cwd=work, text=True, capture_output=True, check=True).stdout
-    assert "verilate" in said
+    assert "verilate" in ran(*plan, cwd=work, check=True).stdout
     assert read_only(tmp_path).returncode == 0  # a second time
 
 
@@ -130,18 +126,15 @@ def test_a_copied_checkout_runs_its_own_code(tmp_path):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text((ROOT / name).read_text())
     code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import mmcs; print(mmcs.BUILD)"
-    said = subprocess.run([sys.executable, "-P", "-c", code], text=True, capture_output=True,
-                          check=True, cwd="/").stdout  # fmt: skip
+    said = ran(sys.executable, "-P", "-c", code, check=True, cwd="/").stdout
     assert said.strip() == str(tmp_path / "build")
 
 
 def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     runpy.run_path(str(ROOT / "setup.py"))["copy_sources"](tmp_path)
     held = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
-    tracked = subprocess.run(
-        ["git", "ls-files", "rtl", "sim", "firmware", "web", "docs/labs", "mmcs.core"],
-        cwd=ROOT, text=True, capture_output=True, check=True,
-    ).stdout.split()  # fmt: skip
+    folders = ("rtl", "sim", "firmware", "web", "docs/labs", "mmcs.core")
+    tracked = ran("git", "ls-files", *folders, check=True).stdout.split()
     wanted = {name for name in tracked if "/tests/" not in name and (ROOT / name).is_file()}
     assert wanted <= held, sorted(wanted - held)
     assert not [name for name in held if "/tests/" in name]

@@ -5,15 +5,14 @@ import json
 import sys
 
 import pytest
-from click.testing import CliRunner
 
-from mmcs.cli.app import main
 from mmcs.errors import InputError
 from mmcs.scenario.load import load
 from mmcs.sweeps.campaign import WATCH_S, make_plan, run_fault, twin_of
 from mmcs.sweeps.classes import DANGEROUS, HARMLESS, MASKED, SAFE
 from mmcs.sweeps.faults import Fault
 from mmcs.sweeps.workers import run_row
+from mmcs.tests.conftest import call, good, one_clear_line
 from mmcs.tests.device_bench import write_scenario
 
 STEP = """
@@ -58,44 +57,36 @@ mean = [150, 250]
     return tmp_path
 
 
-def mmcs(*words):
-    return CliRunner().invoke(main, [str(word) for word in words])
-
-
 def test_a_program_is_a_scenario(folder):
     """Report, record and expectations; the record replays, and says when the program is another."""
     out = folder / "out"
-    done = mmcs("run", folder / "whole.toml", "--out", out)
-    assert done.exit_code == 0, done.output
+    good(call("run", folder / "whole.toml", "--out", out))
     report = json.loads((out / "report.json").read_text())
     assert [e["ok"] for e in report["expect"]] == [True, True]
     assert report["processes"][0]["status"] == 1  # its write() after the button is refused
     assert {"report.json", "log.csv", "plot.svg", "run.mmcs"} <= {p.name for p in out.iterdir()}
-    again = mmcs("replay", out)
-    assert again.exit_code == 0 and f"reproduced, hash {report['hash']}" in again.output
+    assert f"reproduced, hash {report['hash']}" in good(call("replay", out))
     (folder / "step.py").write_text(STEP.replace("200", "100").replace("min(n,", "min(n // 2,"))
-    other = mmcs("replay", out)
-    assert other.exit_code == 1 and "recorded with other files than" in other.output
+    status, said, _ = call("replay", out)
+    assert status == 1 and "recorded with other files than" in said
 
 
 def test_exec_leaves_results(folder):
     """`--set` counts, the program's status is that of the command, and its record replays."""
     out = folder / "out"
     words = ["exec", "--scenario", folder / "device.toml", "--out", out, "--set", "seed=3", "--"]
-    done = mmcs(*words, sys.executable, folder / "step.py", 200)
-    assert done.exit_code == 0, done.output
+    good(call(*words, sys.executable, folder / "step.py", 200))
     record = json.loads((out / "run.mmcs").read_text())
     assert record["seed"] == 3 and 0.4 < record["data"]["duration"] < 1.0
-    assert mmcs("replay", out).exit_code == 0
-    assert mmcs(*words, sys.executable, "-c", "raise SystemExit(7)").exit_code == 7
+    good(call("replay", out))
+    assert call(*words, sys.executable, "-c", "raise SystemExit(7)")[0] == 7
 
 
 def test_exec_replays_expectations_beyond_its_end(folder):
     """They are not met, and the record is one all the same."""
     words = ["exec", "--scenario", folder / "whole.toml", "--out", folder / "out", "--"]
-    assert mmcs(*words, sys.executable, "-c", "import mmcs; mmcs.Device().wait()").exit_code == 1
-    again = mmcs("replay", folder / "out")
-    assert again.exit_code == 0 and "reproduced" in again.output, again.output
+    assert call(*words, sys.executable, "-c", "import mmcs; mmcs.Device().wait()")[0] == 1
+    assert "reproduced" in good(call("replay", folder / "out"))
 
 
 def test_a_sweep_takes_one(folder):
@@ -112,10 +103,10 @@ def test_a_sweep_tells_of_failing_programs_and_prints_nothing_of_theirs(folder, 
 
 
 def test_run_tells_the_status_of_a_program_and_show_its_command(folder):
-    done = mmcs("run", folder / "whole.toml", "--out", folder / "out")
-    assert "step.py 200: status 1" in done.output.replace("\n", ""), done.output
-    shown = mmcs("show", folder / "whole.toml")
-    assert "step.py 200" in shown.output and " a0 " not in shown.output, shown.output
+    said = "".join(call("run", folder / "whole.toml", "--out", folder / "out")[1:])
+    assert "step.py 200: status 1" in said.replace("\n", ""), said
+    shown = good(call("show", folder / "whole.toml"))
+    assert "step.py 200" in shown and " a0 " not in shown, shown
 
 
 def test_a_program_under_the_fault_of_another_scenario(folder):
@@ -130,15 +121,13 @@ expect = []
 run = "{sys.executable} step.py 200"
 """)
     assert load("fault_estop").scenario.fault is not None
-    done = mmcs("run", folder / "fault.toml", "--out", folder / "out")
-    assert "estop[0] = 1" in done.output and "step.py 200: status 1" in done.output, done.output
+    said = "".join(call("run", folder / "fault.toml", "--out", folder / "out")[1:])
+    assert "estop[0] = 1" in said and "step.py 200: status 1" in said, said
 
 
 def test_exec_refuses_to_set_what_the_program_sets(folder):
     words = ["exec", "--scenario", folder / "device.toml", "--set", "axis.0.b0=3", "--", "true"]
-    done = mmcs(*words)
-    assert done.exit_code == 2 and "axis.0.b0=3" in done.output, done.output
-    assert "is the program's own job" in done.output
+    one_clear_line(call(*words), "axis.0.b0=3", "is the program's own job")
 
 
 def test_the_duration_ends_who_goes_on(folder):
@@ -194,8 +183,8 @@ run = "{sys.executable} step.py 200"
         assert row["class"] == wanted, row
         again = run_row(load(name, (f"duration={0.8 + WATCH_S!r}", *fault.sets([]))))
         assert again["hash"] == row["hash"]
-    done = mmcs("campaign", name, "--faults", 2, "--workers", 1, "--out", folder / "campaign")
-    assert done.exit_code == 0 and "2 faults" in done.output, done.output
+    words = ("--faults", 2, "--workers", 1, "--out", folder / "campaign")
+    assert "2 faults" in good(call("campaign", name, *words))
     (folder / "step.py").write_text("raise SystemExit(3)")
     with pytest.raises(InputError, match="ends with status 3, with no fault"):
         twin_of(make_plan((name,), (), 1, ("seed=2",)).setups[name])

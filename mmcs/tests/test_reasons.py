@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-from mmcs import ROOT, mcdef
+from mmcs import mcdef
 from mmcs.device import reasons
-from mmcs.tests.device_bench import PROGRAMS, Bench, compile_program, output_in_lockstep
+from mmcs.tests.device_bench import PROGRAMS, compile_program, output_in_lockstep
 
 REFUSED = """
 import os, sys
@@ -74,9 +74,8 @@ the device is closed
 
 
 @pytest.mark.req("DRV-3")
-def test_every_refusal_has_a_sentence(tmp_path):
-    with Bench(tmp_path) as bench:
-        out, status = bench.finish(bench.python(REFUSED))
+def test_every_refusal_has_a_sentence(bench):
+    out, status = bench.finish(bench.python(REFUSED))
     assert status == 0 and out.splitlines() == SAID.splitlines()
 
 
@@ -102,8 +101,6 @@ def test_in_lockstep_too(tmp_path):
     assert output_in_lockstep(tmp_path, sys.executable, "-c", REFUSED)[:2] == (SAID, 0)
 
 
-def test_a_c_program_asks(tmp_path):
-    include = (f"-I{ROOT / d}" for d in ("firmware/include", "sim/device/include"))
-    with Bench(tmp_path) as bench:
-        child = bench.start(compile_program(PROGRAMS / "why.c", "-Wall", "-Wextra", *include))
-        assert bench.finish(child) == ("[] MSETNUMJOINTS: 99 joints: must be 0 to 2\n", 0)
+def test_a_c_program_asks(bench):
+    child = bench.start(compile_program(PROGRAMS / "why.c"))
+    assert bench.finish(child) == ("[] MSETNUMJOINTS: 99 joints: must be 0 to 2\n", 0)

@@ -6,12 +6,12 @@ would be a slip everywhere.
 """
 
 import re
-import subprocess
 import sys
 
 import pytest
 
 from mmcs import ROOT, regs
+from tools.compiled import ran
 from tools.sources import sources
 
 pytestmark = pytest.mark.req("MAP-1")
@@ -68,8 +68,7 @@ def test_a_card_answers_to_its_number():
 
 
 def test_what_is_generated_is_fresh():
-    command = [sys.executable, "rtl/regs/generate.py", "--check"]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    done = ran(sys.executable, "rtl/regs/generate.py", "--check")
     assert done.returncode == 0, done.stderr
 
 

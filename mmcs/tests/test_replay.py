@@ -16,7 +16,7 @@ from mmcs.runs import record as records
 from mmcs.runs import snapshots
 from mmcs.runs.record import NAME
 from mmcs.service import log_lines
-from mmcs.tests.conftest import GOOD, call, one_clear_line
+from mmcs.tests.conftest import GOOD, call, good, one_clear_line
 from mmcs.tests.test_hostile_files import rewritten
 
 EVENT = """
@@ -57,8 +57,7 @@ def original(tmp_path_factory):
     path.write_text(GOOD + EVENT + TABLE)
     (folder / "way.csv").write_text("200\n210\n200\n")
     args = ["run", path, "--out", out, "--seed", 3, "--snapshot", 0.15]
-    status, said, problem = call(*args)
-    assert status == 0, problem
+    said = good(call(*args))
     shutil.rmtree(folder)
     return out, hash_of(said)
 
@@ -89,9 +88,7 @@ def test_record_alone_reproduces_the_run(mmcs, ran, tmp_path):
     alone = tmp_path / "elsewhere.mmcs"
     alone.write_bytes((out / NAME).read_bytes())
     for name in (out, out / NAME, alone):
-        status, text, err = mmcs("replay", name)
-        assert (status, err) == (0, ""), text
-        assert f"reproduced, hash {digest}" in text
+        assert f"reproduced, hash {digest}" in good(mmcs("replay", name), silent=True)
 
 
 @pytest.mark.req("API-1")
@@ -197,16 +194,14 @@ def test_run_from_a_snapshot_is_the_same_run(mmcs, ran, tmp_path, at):
     """Before, during and after the event; log, report and hash are those of the whole run."""
     out, digest = ran
     again = tmp_path / "again"
-    status, text, err = mmcs("run", "--from", f"{out}{at}", "--out", again)
-    assert (status, err) == (0, "")
+    text = good(mmcs("run", "--from", f"{out}{at}", "--out", again), silent=True)
     assert hash_of(text) == digest
     assert (again / "log.csv").read_bytes() == (out / "log.csv").read_bytes()
     then, now = (json.loads((d / "report.json").read_text()) for d in (out, again))
     for changing in ("wall_s", "rtf", "evals", "cache"):  # what is at rest is found out anew
         del then[changing], now[changing]
     assert now == then
-    status, text, _ = mmcs("replay", again)
-    assert status == 0, text
+    good(mmcs("replay", again))
 
 
 @pytest.mark.req("API-1")
@@ -224,8 +219,7 @@ def test_asked_snapshot_and_ring_are_in_the_file(ran):
 def test_run_from_a_snapshot_may_go_further(mmcs, ran, tmp_path):
     out, _ = ran
     more = tmp_path / "more"
-    status, text, _ = mmcs("run", "--from", f"{out}@0.15", "--out", more, "--duration", 0.4)
-    assert status == 0
+    good(mmcs("run", "--from", f"{out}@0.15", "--out", more, "--duration", 0.4))
     long, short = (len((d / "log.csv").read_text().splitlines()) for d in (more, out))
     assert long - short in (99, 100)
     assert mmcs("replay", more)[0] == 0
@@ -241,8 +235,7 @@ def test_bad_snapshots_are_refused_in_one_line(mmcs, ran, scenario, tmp_path):
         whole = {name: old.read(name).replace(b"c1 ", b"c2 ", 1) for name in old.namelist()}
     rewritten(file, foreign, **whole)
     process = scenario(GOOD.split("[[")[0] + PROCESS)
-    status, text, err = mmcs("run", process, "--out", tmp_path / "process", "--duration", 0.02)
-    assert status == 0, text + err
+    good(mmcs("run", process, "--out", tmp_path / "process", "--duration", 0.02))
     cases = {
         (broken,): "not a file of snapshots",
         (foreign,): "made by another build (c2",
@@ -312,12 +305,11 @@ def test_stretch_equals_the_same_stretch_of_a_traced_run(mmcs, scenario, tmp_pat
     out, full, part = tmp_path / "out", tmp_path / "full.fst", tmp_path / "part.fst"
     _, text, err = mmcs("run", path, "--duration", 0.05, "--out", out, "--trace", full)
     assert "trace" in text, text + err
-    status, text, err = mmcs("trace", out, "--at", 0.046, "--window", 3, "--out", part)
-    assert status == 0, text + err
+    text = good(mmcs("trace", out, "--at", 0.046, "--window", 3, "--out", part))
     assert "made again from the snapshot at 0.04" in text
     nowhere = tmp_path / "no" / "x.fst"
-    status, _, err = mmcs("trace", out, "--at", 0.046, "--out", nowhere)
-    assert (status, err) == (2, f"mmcs: {nowhere}: its folder does not exist\n")
+    answer = mmcs("trace", out, "--at", 0.046, "--out", nowhere)
+    one_clear_line(answer, start=f"{nowhere}: its folder does not exist\n")
     start_s = json.loads((out / "report.json").read_text())["motion_start_s"]
     # A few clocks inside the stretch, so that both files hold it.
     begin, end = ((start_s + t) * 1e12 + 8e6 for t in (0.04451, 0.04749))
@@ -335,8 +327,7 @@ def test_stretch_before_the_motion_and_of_a_record_alone_begin_at_power_on(mmcs,
     alone.write_bytes((out / NAME).read_bytes())
     wave = tmp_path / "w.fst"
     for run, at in ((out, -0.0005), (alone, 0.1)):
-        status, text, err = mmcs("trace", run, "--at", at, "--window", 1, "--out", wave)
-        assert status == 0, text + err
+        text = good(mmcs("trace", run, "--at", at, "--window", 1, "--out", wave))
         assert "made again from power-on" in text and f"the same hash, {digest}" in text
     assert wave.stat().st_size > 10_000
 
@@ -344,8 +335,7 @@ def test_stretch_before_the_motion_and_of_a_record_alone_begin_at_power_on(mmcs,
 @pytest.mark.req("API-1")
 def test_trace_around_an_event_of_the_report(mmcs, ran, tmp_path):
     out, digest = ran
-    status, text, err = mmcs("trace", out, "--at", "fault", "--window", 1)
-    assert status == 0, text + err
+    text = good(mmcs("trace", out, "--at", "fault", "--window", 1))
     assert f"the same hash, {digest}" in text
     wave = next(out.glob("test_0.12*.fst"))
     assert wave.with_suffix(".gtkw").exists() and wave.stat().st_size > 10_000

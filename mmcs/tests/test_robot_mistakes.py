@@ -4,7 +4,7 @@
 import pytest
 
 from mmcs.scenario.load import load
-from mmcs.tests.conftest import GOOD, one_clear_line, put
+from mmcs.tests.conftest import GOOD, good, one_clear_line, put
 
 OWN = GOOD.replace('"lab500"', '"own.toml"')
 
@@ -86,9 +86,7 @@ def test_robot_mistake(mmcs, scenario, case):
 
 def test_good_robot_of_ones_own(mmcs, scenario):
     scenario(ROBOT, "own.toml")
-    status, out, err = mmcs("check", scenario(OWN))
-    assert (status, err) == (0, "")
-    assert "good; axes 1, motions 1" in out
+    assert "good; axes 1, motions 1" in good(mmcs("check", scenario(OWN)), silent=True)
 
 
 def test_friction_of_a_robot_file_is_that_of_sweeps(scenario):

@@ -5,7 +5,7 @@ import pytest
 
 from mmcs import ROBOTS
 from mmcs.scenario.load import load_robot
-from mmcs.tests.conftest import one_clear_line, put
+from mmcs.tests.conftest import good, one_clear_line, put
 from mmcs.tests.test_robot_mistakes import ROBOT
 from mmcs.tests.test_sweep import SHORT, rows_of
 
@@ -15,8 +15,7 @@ FLEXIBLE = "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6"
 @pytest.mark.parametrize("name", sorted(path.stem for path in ROBOTS.glob("*.toml")))
 def test_ready_robots_are_good(mmcs, name):
     """The published inertia of the PUMA's forearm is that of no body, and `check` says so."""
-    status, out, err = mmcs("check", f"sim/robots/{name}.toml")
-    assert (status, err) == (0, "")
+    out = good(mmcs("check", f"sim/robots/{name}.toml"), silent=True)
     cautions = [line for line in out.splitlines() if line.startswith("caution")]
     assert [line[:34] for line in cautions] == (
         ["caution: link 2: its greatest prin"] if name == "puma560" else []
@@ -66,8 +65,7 @@ def test_copies(mmcs, scenario):
 
 def test_cautions(mmcs, scenario):
     text = ROBOT.replace("gear = 1.0", "gear = 1.0\nservo.ilim = 20\nservo.ic_pos = 2000")
-    status, out, _ = mmcs("check", scenario(text, "own.toml"))
-    assert status == 0
+    out = good(mmcs("check", scenario(text, "own.toml")))
     assert "caution: axis 0: takes 3413 D/A units to break away, ilim is less" in out
 
 

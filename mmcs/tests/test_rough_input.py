@@ -6,7 +6,7 @@ import re
 import pytest
 
 from mmcs import ROOT
-from mmcs.tests.conftest import GOOD, one_clear_line
+from mmcs.tests.conftest import GOOD, good, one_clear_line
 
 DIGITS = "9" * 5000
 TABLE = GOOD.replace('kind = "step"', 'kind = "table"\nfile = "t.csv"\nduration = 0.1').replace(
@@ -159,8 +159,7 @@ def test_gear_out_of_all_proportion(mmcs, scenario):
 
 def test_description_with_markup(mmcs, scenario, tmp_path):
     path = scenario(GOOD.replace("a test", "a [b] $x_{$ [/none] \\u001b[31m"))
-    status, out, _ = mmcs("run", path, "--out", tmp_path / "out")
-    assert status == 0
+    out = good(mmcs("run", path, "--out", tmp_path / "out"))
     assert out.startswith("test: a [b] $x_{$ [/none] \\x1b[31m\n")
     assert "shoot" in out and "…" not in out
 

@@ -3,12 +3,11 @@
 programs and random calls, once more. MMCS_LONG=1 makes the random calls last a minute."""
 
 import os
-import subprocess
 import sys
 
 import pytest
 
-from mmcs import ROOT
+from tools.compiled import ran
 
 OPTIONS = {
     # Python keeps memory at its end; faults of the mapped window are not errors
@@ -21,8 +20,7 @@ def runtime():
     """What must be loaded first into a program not made for it: the sanitizer, and C++'s library,
     whose exceptions it looks for when it starts."""
     ask = (["gcc", f"-print-file-name={name}.so"] for name in ("libasan", "libstdc++"))
-    found = [subprocess.run(a, text=True, capture_output=True, check=False) for a in ask]
-    paths = [one.stdout.strip() for one in found]
+    paths = [ran(*words).stdout.strip() for words in ask]
     return ":".join(paths) if all(map(os.path.isabs, paths)) else None
 
 
@@ -36,9 +34,7 @@ def test_programs_and_random_calls():
     command = [sys.executable, "-m", "pytest", "-x", "-s", "-p", "no:cacheprovider"]
     command += ["--timeout", "1800"]  # what hangs is told by name before this test itself times out
     command += ["-k", "not bounce"] if os.environ.get("MMCS_LONG") == "1" else []
-    done = subprocess.run(
-        [*command, *tests], cwd=ROOT, env=env, text=True, capture_output=True, check=False
-    )
+    done = ran(*command, *tests, env=env)
     text = done.stdout + done.stderr
     print(text)
     assert done.returncode == 0, text[-4000:]

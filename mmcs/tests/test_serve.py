@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server itself: its socket, its name, its death."""
 
-import os
 import signal
 import socket
 import subprocess
@@ -12,55 +11,48 @@ import pytest
 from mmcs import ROOT
 from mmcs.device import pace
 from mmcs.device.execute import environment
-from mmcs.device.sockets import Name, socket_path
+from mmcs.device.sockets import Name
 from mmcs.errors import InputError
-from mmcs.tests.device_bench import SANITIZED, Bench, write_scenario
+from mmcs.tests.device_bench import SANITIZED, Bench, Clock, write_scenario
 
 
-def test_socket_is_private_and_the_name_taken_once(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    path = socket_path("mc0")
-    first = Name(path)
+def test_socket_is_private_and_the_name_taken_once(mc0):
+    first = Name(mc0)
     first.listen(".sock")
-    assert path.stat().st_mode & 0o777 == 0o600
+    assert mc0.stat().st_mode & 0o777 == 0o600
     with pytest.raises(InputError, match="a server of this name is running"):
-        Name(path)
+        Name(mc0)
     first.release()
-    assert not path.exists()
+    assert not mc0.exists()
 
 
-def test_what_a_dead_server_left_is_taken_over_and_nothing_else(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    path = socket_path("mc0")
-    name = Name(path)
-    socket.socket(socket.AF_UNIX).bind(str(path))
+def test_what_a_dead_server_left_is_taken_over_and_nothing_else(mc0):
+    name = Name(mc0)
+    socket.socket(socket.AF_UNIX).bind(str(mc0))
     name.listen(".sock").close()
     name.release()
-    path.write_text("somebody's work")
-    name = Name(path)
+    mc0.write_text("somebody's work")
+    name = Name(mc0)
     with pytest.raises(InputError, match="is not a socket"):
         name.listen(".sock")
-    assert path.read_text() == "somebody's work"
+    assert mc0.read_text() == "somebody's work"
     name.release()
 
 
-def test_an_ending_server_leaves_its_successors_socket(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    path = socket_path("mc0")
-    old = Name(path)
+def test_an_ending_server_leaves_its_successors_socket(mc0):
+    old = Name(mc0)
     old.listen(".sock")
-    path.with_suffix(".lock").unlink()  # somebody cleaned up
-    new = Name(path)
+    mc0.with_suffix(".lock").unlink()  # somebody cleaned up
+    new = Name(mc0)
     new.listen(".sock")
     old.release()
-    assert path.exists()
+    assert mc0.exists()
     new.release()
 
 
 @pytest.mark.parametrize("make", ["open", "link", "file"])
-def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, monkeypatch, make):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    folder = tmp_path / f"mmcs-{os.getuid()}"
+def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, mc0, make):
+    folder = mc0.parent
     if make == "open":
         folder.mkdir(mode=0o755)
     elif make == "link":
@@ -69,26 +61,17 @@ def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, monkeypatch, make)
     else:
         folder.write_text("")
     with pytest.raises(InputError, match="not yours alone|not a folder"):
-        Name(socket_path("mc0"))
+        Name(mc0)
 
 
-def test_rubbish_is_hung_up(tmp_path):
-    with Bench(tmp_path) as bench, socket.socket(socket.AF_UNIX) as rude:
+def test_rubbish_is_hung_up(bench):
+    with socket.socket(socket.AF_UNIX) as rude:
         rude.connect(str(bench.server.path))
         rude.sendall(b"GET / HTTP/1.0\r\n" + b"x" * 100)
         for _ in range(5):
             bench.server.step()
         assert rude.recv(10) == b""
         assert not bench.server.connections
-
-
-class Clock:
-    """A clock on the wall that only the test moves."""
-
-    now = 1000.0
-
-    def monotonic(self):
-        return self.now
 
 
 @pytest.mark.req("DRV-9")
@@ -116,8 +99,7 @@ def test_real_time_and_standstill(tmp_path, monkeypatch):
 
 
 @pytest.mark.req("DRV-3")
-def test_killed_server_gives_eio(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+def test_killed_server_gives_eio(mc0, tmp_path):
     command = [sys.executable, "-m", "mmcs", "serve", str(write_scenario(tmp_path))]
     text = """
 import os
@@ -133,7 +115,7 @@ except OSError as error:
         client = None
         try:
             assert "serving" in server.stdout.readline()
-            env = environment(socket_path("mc0"), SANITIZED)
+            env = environment(mc0, SANITIZED)
             client = subprocess.Popen(
                 [sys.executable, "-c", text], env=env, stdout=subprocess.PIPE, text=True
             )

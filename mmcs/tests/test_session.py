@@ -2,7 +2,6 @@
 """A run on a fake machine: order of the requests, events, failures, report fields, judgement."""
 
 import json
-import subprocess
 import sys
 
 import numpy as np
@@ -14,8 +13,9 @@ from mmcs.runs import runner, session
 from mmcs.runs.report import make_report, write_log, write_report
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
-from mmcs.tests.conftest import GOOD, one_clear_line
+from mmcs.tests.conftest import GOOD, good, one_clear_line
 from mmcs.tests.fake import FakeSim
+from tools.compiled import ran
 
 
 def run(path, sim=None, **options):
@@ -123,8 +123,7 @@ def test_a_start_of_make_that_cannot_be_is_not_looked_at(
 
 def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path):
     out = tmp_path / "results"
-    status, text, err = mmcs("run", scenario(), "--out", out, "--seed", 7)
-    assert (status, err) == (0, "")
+    text = good(mmcs("run", scenario(), "--out", out, "--seed", 7), silent=True)
     report = json.loads((out / "report.json").read_text())
     assert report.keys() >= FIELDS
     assert (report["scenario"], report["host"], report["cards"]) == ("test", "native", 1)
@@ -169,8 +168,7 @@ missed = 0
 
 def test_expectations_decide_the_status(mmcs, scenario, fake_machine, tmp_path):
     out = tmp_path / "o"
-    status, text, _ = mmcs("run", scenario(GOOD + EXPECT.format(rise="[40, 50]")), "--out", out)
-    assert status == 0
+    text = good(mmcs("run", scenario(GOOD + EXPECT.format(rise="[40, 50]")), "--out", out))
     assert "ok      axis 0 rise in 40..50 ms: 43.8" in text
     assert "ok      missed = 0: 0" in text
     status, text, _ = mmcs("run", scenario(GOOD + EXPECT.format(rise="[1, 2]")), "--out", out)
@@ -221,10 +219,10 @@ def test_expected_events(mmcs, scenario, fake_machine, tmp_path):
 
 def test_expected_hash(scenario, tmp_path):
     _, result = run(scenario())
-    for digest, good in ((result.hash, True), ("0x" + "0" * 16, False)):
+    for digest, met in ((result.hash, True), ("0x" + "0" * 16, False)):
         text = GOOD + f'\n[[expect]]\nkind = "hash"\nhash = "{digest}"\n'
         _, again = run(scenario(text))
-        assert make_report(again, "native")["expect"][0]["ok"] is good
+        assert make_report(again, "native")["expect"][0]["ok"] is met
 
 
 def test_failed_assertion_of_the_machine_fails_the_run(mmcs, scenario, fake_machine, tmp_path):
@@ -257,21 +255,15 @@ def test_units(scenario):
 
 @pytest.mark.parametrize("name", ["run", "list", "show", "check", "waves"])
 def test_help_is_one_screen(mmcs, name):
-    status, out, err = mmcs(name, "--help")
-    assert (status, err) == (0, "")
-    assert len(out.splitlines()) < 25
+    assert len(good(mmcs(name, "--help"), silent=True).splitlines()) < 25
 
 
 def test_list_show_check(mmcs):
-    status, out, _ = mmcs("list")
-    assert status == 0
-    names = [line.split()[0] for line in out.splitlines()]
+    names = [line.split()[0] for line in good(mmcs("list")).splitlines()]
     assert {"lab500", "puma560"} <= set(names)
     for name in names:
-        status, out, err = mmcs("check", name)
-        assert (status, err) == (0, ""), name
-        status, out, err = mmcs("show", name)
-        assert (status, err) == (0, "") and name in out
+        good(mmcs("check", name), silent=True)
+        assert name in good(mmcs("show", name), silent=True)
 
 
 class Wall:
@@ -315,8 +307,7 @@ def test_real_time_run_that_is_too_slow_never_waits(scenario, monkeypatch):
 def test_real_time_option_reaches_the_session(mmcs, scenario, fake_machine, tmp_path, monkeypatch):
     wall = Wall()
     monkeypatch.setattr(session, "time", wall)
-    status, _, err = mmcs("run", scenario(), "--realtime", "--out", tmp_path / "out")
-    assert (status, err) == (0, "")
+    good(mmcs("run", scenario(), "--realtime", "--out", tmp_path / "out"), silent=True)
     assert sum(wall.slept) == pytest.approx(0.3)
 
 
@@ -338,7 +329,4 @@ simulate(load("lab500"))
 
 def test_nothing_is_imported_while_the_wall_clock_counts():
     """The real-time factor is of the simulation alone, bytecode or not."""
-    done = subprocess.run(
-        [sys.executable, "-c", IN_TIME], text=True, capture_output=True, check=True
-    )
-    assert done.stdout.split() == []
+    assert ran(sys.executable, "-c", IN_TIME, check=True).stdout.split() == []

@@ -5,9 +5,9 @@ import select
 
 import pytest
 
-from mmcs import ROOT
 from mmcs.device import wire
-from mmcs.tests.device_bench import Bench, compile_program
+from mmcs.tests.device_bench import compile_program
+from tools.compiled import written
 
 ASKED = """
 import os, sys
@@ -41,27 +41,24 @@ PANICS = [
 
 
 @pytest.mark.parametrize("name, index, value, why, pin", PANICS)
-def test_a_program_asks_how_the_machine_stands(tmp_path, name, index, value, why, pin):
+def test_a_program_asks_how_the_machine_stands(bench, name, index, value, why, pin):
     told = []
     known = f"the simulator knows: {pin}, axis 1: wires A and B are swapped"
-    with Bench(tmp_path) as bench:
-        bench.server.machine.console = told.append
-        child = bench.python(ASKED)
-        lines = [_line(bench, child) for _ in range(4)]
-        assert lines == ["False False True True True", "True", "False True True", "False"]
-        bench.server.machine.set_input("encoder_swap", 1, 1)
-        bench.server.machine.set_input(name, index, value)
-        child.stdin.write("\n")
-        child.stdin.flush()
-        assert _line(bench, child) == f"{why}{known})"
-        # it has passed, and something else comes: still what shut the machine down
-        bench.server.machine.set_input(name, index, 1 - value)
-        bench.sim.run(bench.sim.time + 0.2)
-        bench.server.machine.set_input("pc_power", 0, 0)
-        bench.sim.run(bench.sim.time + 0.2)
-        child.stdin.write("\n")
-        child.stdin.flush()
-        out, status = bench.finish(child)
+    bench.server.machine.console = told.append
+    child = bench.python(ASKED)
+    lines = [_line(bench, child) for _ in range(4)]
+    assert lines == ["False False True True True", "True", "False True True", "False"]
+    bench.server.machine.set_input("encoder_swap", 1, 1)
+    bench.server.machine.set_input(name, index, value)
+    bench.go_on(child)
+    assert _line(bench, child) == f"{why}{known})"
+    # it has passed, and something else comes: still what shut the machine down
+    bench.server.machine.set_input(name, index, 1 - value)
+    bench.sim.run(bench.sim.time + 0.2)
+    bench.server.machine.set_input("pc_power", 0, 0)
+    bench.sim.run(bench.sim.time + 0.2)
+    bench.go_on(child)
+    out, status = bench.finish(child)
     assert (out.strip(), status) == (f"{why}{known})", 0)
     assert told.count(known) == 1 and told[told.index(known) - 1].startswith("mc: PANIC: "), told
 
@@ -79,20 +76,18 @@ with mmcs.Device() as dev:
 
 
 @pytest.mark.req("DRV-9")
-def test_a_button_pressed_before_menable_is_told_as_the_simulators_knowledge(tmp_path):
+def test_a_button_pressed_before_menable_is_told_as_the_simulators_knowledge(bench):
     """No register tells: the latch is edge-triggered (§4.3.6)."""
     told = []
-    with Bench(tmp_path) as bench:
-        bench.server.machine.console = told.append
-        bench.server.machine.set_input("estop", 0, 1)
-        child = bench.python(PRESSED)
-        known = "the simulator knows: the hand-held button is pressed"
-        assert _line(bench, child) == f"True 0 PANIC stands, which no register tells ({known})"
-        assert told[-1] == f"{known}: PANIC stands, and the brakes stay on", told
-        bench.server.machine.set_input("estop", 0, 0)
-        child.stdin.write("\n")
-        child.stdin.flush()
-        assert bench.finish(child) == ("\n", 0)
+    bench.server.machine.console = told.append
+    bench.server.machine.set_input("estop", 0, 1)
+    child = bench.python(PRESSED)
+    known = "the simulator knows: the hand-held button is pressed"
+    assert _line(bench, child) == f"True 0 PANIC stands, which no register tells ({known})"
+    assert told[-1] == f"{known}: PANIC stands, and the brakes stay on", told
+    bench.server.machine.set_input("estop", 0, 0)
+    bench.go_on(child)
+    assert bench.finish(child) == ("\n", 0)
 
 
 def _line(bench, child):
@@ -120,9 +115,8 @@ with mmcs.Device() as dev:
 """
 
 
-def test_an_axis_that_shut_the_machine_down(tmp_path):
-    with Bench(tmp_path) as bench:
-        out, status = bench.finish(bench.python(LIMIT))
+def test_an_axis_that_shut_the_machine_down(bench):
+    out, status = bench.finish(bench.python(LIMIT))
     first, second = out.splitlines()
     assert (status, first) == (0, "an error of axis 1: see its errcode")
     assert "shut down by an error" in second
@@ -144,11 +138,7 @@ int main(void) {
 """
 
 
-def test_a_c_program_asks(tmp_path):
-    source = tmp_path / "asks.c"
-    source.write_text(C_ASKS)
+def test_a_c_program_asks(bench):
     assert wire.STATUS.size == 32 == wire.MSTATUS >> 16 & 0x1FFF
-    include = (f"-I{ROOT / d}" for d in ("firmware/include", "sim/device/include"))
-    with Bench(tmp_path) as bench:
-        child = bench.start(compile_program(source, "-Wall", "-Wextra", *include))
-        assert bench.finish(child) == ("0 0 1 -1\n", 0)
+    child = bench.start(compile_program(written("asks.c", C_ASKS)))
+    assert bench.finish(child) == ("0 0 1 -1\n", 0)

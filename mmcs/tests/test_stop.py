@@ -3,17 +3,27 @@
 
 import os
 import struct
-import threading
 
 import pytest
 
 from mmcs import mcdef
 from mmcs.device.link import Link
 from mmcs.device.wire import IOCTL, WRITE
+from mmcs.tests.device_bench import running
 from mmcs.tests.raw import Raw, holding, stop_line
 
 ROUNDS = 10_000
 FLOODERS = 15
+pytestmark = pytest.mark.usefixtures("unsignalled")
+
+
+@pytest.fixture
+def program(bench):
+    """A program that holds both axes."""
+    made = Raw(bench)
+    holding(bench, made)
+    yield made
+    made.close()
 
 
 @pytest.mark.req("DRV-9")
@@ -54,9 +64,7 @@ def test_a_stop_acts_in_the_first_step_that_could_read_it(bench, monkeypatch):
 
 
 @pytest.mark.req("DRV-9")
-def test_stop_is_latched_until_a_writers_enable(bench):
-    program = Raw(bench)
-    holding(bench, program)
+def test_stop_is_latched_until_a_writers_enable(bench, program):
     assert program.call(WRITE, 0, struct.pack("<2i", 7, 7))[0] == 8
     with stop_line(bench) as line:
         line.sendall(b"stop\nstate\n")
@@ -66,14 +74,11 @@ def test_stop_is_latched_until_a_writers_enable(bench):
     assert program.call(WRITE, 0, struct.pack("<2i", 7, 7))[0] == -5
     assert program.call(IOCTL, mcdef.MENABLE)[0] == 0
     assert program.call(WRITE, 0, struct.pack("<2i", 7, 7))[0] == 8
-    program.close()
 
 
 @pytest.mark.req("DRV-9")
-def test_a_stop_reaches_an_enable_that_waits(bench):
+def test_a_stop_reaches_an_enable_that_waits(bench, program):
     """MENABLE waits for relay and first pass; the line is read meanwhile, and MENABLE fails."""
-    program = Raw(bench)
-    holding(bench, program)
     assert program.call(IOCTL, mcdef.MSTOP)[0] == 0
     with stop_line(bench) as line:
         bench.server.step()
@@ -92,13 +97,10 @@ def test_a_stop_reaches_an_enable_that_waits(bench):
         assert program._answer(program.channel)[0] == -5
         assert len(looks) > 3
         assert not bench.sim.stats()["enabled"]
-    program.close()
 
 
 @pytest.mark.req("PAN-1")
-def test_the_button(bench):
-    program = Raw(bench)
-    holding(bench, program)
+def test_the_button(bench, program):
     with stop_line(bench) as line:
         line.sendall(b"press\n")
         bench.server.step()
@@ -108,17 +110,14 @@ def test_the_button(bench):
         bench.server.step()
         answers = line.recv(200).decode().splitlines()
         assert answers[0].startswith("released ") and answers[1].startswith("what?")
-    program.close()
 
 
-def test_a_monitor_may_stop(bench):
-    program, monitor = Raw(bench), Raw(bench, os.O_RDONLY)
-    holding(bench, program)
+def test_a_monitor_may_stop(bench, program):
+    monitor = Raw(bench, os.O_RDONLY)
     assert monitor.call(IOCTL, mcdef.MENABLE)[0] == -9
     assert monitor.call(IOCTL, mcdef.MSTOP)[0] == 0
     assert not bench.sim.stats()["enabled"]
-    for raw in (program, monitor):
-        raw.close()
+    monitor.close()
 
 
 def test_sleepers_on_the_stop_path_keep_nobody_out(bench):
@@ -137,10 +136,8 @@ def test_sleepers_on_the_stop_path_keep_nobody_out(bench):
 
 
 @pytest.mark.req("DRV-9")
-def test_a_line_sent_before_its_connection_is_closed_still_stops(bench):
+def test_a_line_sent_before_its_connection_is_closed_still_stops(bench, program):
     """64 others come between the connection and its line, in the same step of the server."""
-    program = Raw(bench)
-    holding(bench, program)
     with stop_line(bench) as line:
         bench.server.step()
         others = [stop_line(bench) for _ in range(64)]
@@ -150,32 +147,9 @@ def test_a_line_sent_before_its_connection_is_closed_still_stops(bench):
         assert line.recv(100).startswith(b"stopped ")
     for sock in others:
         sock.close()
-    program.close()
 
 
-def test_a_link_may_stop_too(bench):
-    program = Raw(bench)
-    holding(bench, program)
-    with Threaded(bench) as ask:
-        ask(lambda link: link.request("stop"))
+def test_a_link_may_stop_too(bench, program):
+    with running(bench.server), Link(path=bench.server.path, timeout=None) as link:
+        link.request("stop")
     assert not bench.sim.stats()["enabled"]
-    program.close()
-
-
-class Threaded:
-    """A Link in the test's thread while another one serves."""
-
-    def __init__(self, bench):
-        self.bench = bench
-
-    def __enter__(self):
-        self.thread = threading.Thread(target=self.bench.server.run)
-        self.thread.start()
-        self.link = Link(path=self.bench.server.path, timeout=None)
-        return lambda use: use(self.link)
-
-    def __exit__(self, *_):
-        self.link.close()
-        self.bench.server.stopping = True
-        self.thread.join()
-        self.bench.server.stopping = False

@@ -19,7 +19,8 @@ from mmcs.errors import RunError
 from mmcs.scenario.load import load
 from mmcs.sweeps import workers as sweep_run
 from mmcs.sweeps.plan import make_plan, parse_grid, parse_random
-from mmcs.tests.conftest import GOOD, call, one_clear_line
+from mmcs.sweeps.store import Store
+from mmcs.tests.conftest import GOOD, call, cluster, good, one_clear_line
 
 SHORT = GOOD.replace("duration = 0.3", "duration = 0.08")
 GAINS = ("--grid", "axis.0.b0=80,100", "--random", "seed=1..1000", "--samples", "4")
@@ -143,8 +144,7 @@ def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sweep")
     path = folder / "short.toml"
     path.write_text(SHORT)
-    status, said, problem = call("sweep", path, *GAINS, "--workers", 1, "--out", folder / "out")
-    assert status == 0, problem
+    said = good(call("sweep", path, *GAINS, "--workers", 1, "--out", folder / "out"))
     return path, folder / "out", said
 
 
@@ -253,8 +253,7 @@ def test_resume_runs_only_what_is_missing(mmcs, undisturbed, tmp_path, monkeypat
 
     monkeypatch.setattr(sweep_run, "run_here", counting)
     arguments = ("--out", tmp_path / "out", "--resume", "--workers", 1)
-    status, out, err = mmcs("sweep", path, *GAINS, *arguments)
-    assert status == 0, err
+    good(mmcs("sweep", path, *GAINS, *arguments))
     assert len(ran) == 3
     assert rows_of(tmp_path / "out") == rows_of(folder)
     answer = mmcs("sweep", path, *GAINS, *arguments, "--seed", 2)
@@ -297,28 +296,21 @@ def test_interrupted_keeps_what_is_done(undisturbed, tmp_path):
 
 @pytest.mark.slow  # a scheduler and two workers start, and one of them twice
 def test_same_table_from_dask_with_a_worker_killed(mmcs, undisturbed, tmp_path, monkeypatch):
-    distributed = pytest.importorskip("distributed")
     path, folder, _ = undisturbed
-    from mmcs.sweeps import store as sweep_store
-
-    cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
-        silence_logs=50,
-    )  # fmt: skip
-    add, killed = sweep_store.Store.add, []
+    two, add, killed = cluster(2), Store.add, []
 
     def add_and_kill(store, n, row):
         add(store, n, row)
         if not killed:
-            victim = next(iter(cluster.workers.values())).pid
+            victim = next(iter(two.workers.values())).pid
             os.kill(victim, signal.SIGKILL)
             killed.append(victim)
 
-    monkeypatch.setattr(sweep_store.Store, "add", add_and_kill)
-    with cluster:
-        address = cluster.scheduler_address
-        status, out, err = mmcs("sweep", path, *GAINS, "--dask", address, "--out", tmp_path / "out")
-    assert status == 0 and killed, (out, err)
+    monkeypatch.setattr(Store, "add", add_and_kill)
+    with two:
+        address = two.scheduler_address
+        good(mmcs("sweep", path, *GAINS, "--dask", address, "--out", tmp_path / "out"))
+    assert killed
     assert rows_of(tmp_path / "out") == rows_of(folder)
 
 

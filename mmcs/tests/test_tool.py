@@ -7,7 +7,6 @@ import io
 import json
 import math
 import socketserver
-import subprocess
 import sys
 import urllib.error
 import urllib.request
@@ -29,6 +28,7 @@ from mmcs.tool import gateway, judge, launch, moment, pages
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button
+from tools.compiled import ran
 
 PIPE = 65536  # bytes that a pipe holds
 
@@ -212,9 +212,8 @@ def test_the_designer_refuses_numbers_out_of_all_proportion():
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_machine_waits_for_nobody_to_hear_the_driver(tmp_path, monkeypatch):
+def test_a_machine_waits_for_nobody_to_hear_the_driver(mc0, tmp_path):
     """It said so much that a pipe that nobody reads is full: not even STOP would come through."""
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     socket = socket_path("talking")
     machine = _serve(str(write_scenario(tmp_path)), "talking", socket)
     try:
@@ -235,8 +234,7 @@ def test_a_machine_waits_for_nobody_to_hear_the_driver(tmp_path, monkeypatch):
     (["--theme", "2089"], "2089"),
 ])  # fmt: skip
 def test_bad_arguments_are_one_line(arguments, word):
-    command = [sys.executable, "-m", "mmcs", "tool", "--no-browser", *arguments]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    ended = ran(sys.executable, "-m", "mmcs", "tool", "--no-browser", *arguments)
     one_clear_line((ended.returncode, ended.stdout, ended.stderr), word)
 
 
@@ -245,7 +243,7 @@ def test_bad_arguments_are_one_line(arguments, word):
 def test_the_pages_logic(name):
     node = Path(sys.executable).with_name("node")
     script = ROOT / "web" / "tests" / f"{name}.test.mjs"
-    ended = subprocess.run([node, "--test", script], capture_output=True, text=True, check=False)
+    ended = ran(node, "--test", script)
     assert ended.returncode == 0, ended.stdout
 
 
@@ -271,8 +269,7 @@ def test_the_page_s_server_answers_get_alone_and_tells_of_a_port_in_use():
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_port_in_use_is_one_line(mmcs, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+def test_a_port_in_use_is_one_line(mmcs, mc0, tmp_path, monkeypatch):
     monkeypatch.setattr(launch, "check_libraries", lambda: None)  # `make tool` installs them
     with socketserver.TCPServer(("127.0.0.1", 0), None) as other:
         port = str(other.server_address[1])
