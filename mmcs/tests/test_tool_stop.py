@@ -2,6 +2,7 @@
 """The tool's end of the stop path: an order comes through, or it is told that none does."""
 
 import asyncio
+import functools
 import json
 from pathlib import Path
 
@@ -11,68 +12,65 @@ from mmcs.tool import stopper
 from mmcs.tool.stopper import Button, StopPath
 
 
-async def fake_stop_path(folder: Path, answers: dict[str, str], pause: float = 0.0):
+def in_a_loop(test):
+    """The test, which is a coroutine, as a function."""
+    return functools.wraps(test)(lambda *given, **named: asyncio.run(test(*given, **named)))
+
+
+async def fake_stop_path(folder: Path, answers: dict[str, str]):
     async def serve(reader, writer):
         while line := await reader.readline():
-            await asyncio.sleep(pause)
             writer.write((answers[line.decode().strip()] + "\n").encode())
 
     return await asyncio.start_unix_server(serve, str(folder / "x.stop"))
 
 
 @pytest.mark.req("TOOL-1")
-def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
-    async def play():
+@in_a_loop
+async def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
+    path = StopPath(tmp_path / "x.stop")
+    with pytest.raises(OSError):
+        await path.ask("stop")
+    async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5", "state": "state 2 a 1"}):
+        assert await asyncio.gather(path.ask("stop"), path.ask("state")) == [
+            "stopped 1.5",
+            "state 2 a 1",
+        ]
+        path.hang_up()
+        assert await path.ask("stop") == "stopped 1.5"
+        path.hang_up()
+
+
+@pytest.mark.req("TOOL-1")
+@in_a_loop
+async def test_an_answer_that_is_none_is_told_as_no_answer(tmp_path, monkeypatch):
+    """Of another program's socket, too: the button stays connected to its page."""
+    monkeypatch.setattr(stopper, "PATIENCE_S", 0.1)
+    async with await fake_stop_path(tmp_path, {"stop": 70_000 * "x"}):
         path = StopPath(tmp_path / "x.stop")
         with pytest.raises(OSError):
             await path.ask("stop")
-        async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5", "state": "state 2 a 1"}):
-            assert await asyncio.gather(path.ask("stop"), path.ask("state")) == [
-                "stopped 1.5",
-                "state 2 a 1",
-            ]
-            path.hang_up()
-            assert await path.ask("stop") == "stopped 1.5"
-            path.hang_up()
-
-    asyncio.run(play())
 
 
 @pytest.mark.req("TOOL-1")
-def test_an_answer_that_is_none_is_told_as_no_answer(tmp_path, monkeypatch):
-    """Of another program's socket, too: the button stays connected to its page."""
-    monkeypatch.setattr(stopper, "PATIENCE_S", 0.1)
-
-    async def play():
-        async with await fake_stop_path(tmp_path, {"stop": 70_000 * "x"}):
-            path = StopPath(tmp_path / "x.stop")
-            with pytest.raises(OSError):
-                await path.ask("stop")
-
-    asyncio.run(play())
-
-
-@pytest.mark.req("TOOL-1")
-def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
+@in_a_loop
+async def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
     """The stop path keeps 64 connections; the oldest is hung up on."""
     where = serving.server.path.with_suffix(".stop")
-
-    async def play():
-        path = StopPath(where)
-        assert (await path.ask("stop")).startswith("stopped")
-        others = [await asyncio.open_unix_connection(str(where)) for _ in range(70)]
-        while not path.reader.at_eof():
-            await asyncio.sleep(0.001)
-        assert (await path.ask("stop")).startswith("stopped")
-        path.hang_up()
-        for _, writer in others:
-            writer.close()
-
-    asyncio.run(play())
+    path = StopPath(where)
+    assert (await path.ask("stop")).startswith("stopped")
+    others = [await asyncio.open_unix_connection(str(where)) for _ in range(70)]
+    while not path.reader.at_eof():
+        await asyncio.sleep(0.001)
+    assert (await path.ask("stop")).startswith("stopped")
+    path.hang_up()
+    for _, writer in others:
+        writer.close()
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_stop_comes_through_however_often_its_connection_is_closed(tmp_path):
+@in_a_loop
+async def test_a_stop_comes_through_however_often_its_connection_is_closed(tmp_path):
     """Others may come so fast that a new connection is closed before its answer, too."""
     left = 5
 
@@ -84,43 +82,30 @@ def test_a_stop_comes_through_however_often_its_connection_is_closed(tmp_path):
             writer.write(b"stopped 1.5\n")
         writer.close()
 
-    async def play():
-        async with await asyncio.start_unix_server(serve, str(tmp_path / "x.stop")):
-            path = StopPath(tmp_path / "x.stop")
-            assert await path.ask("stop") == "stopped 1.5"
-            path.hang_up()
-
-    asyncio.run(play())
-
-
-@pytest.mark.req("TOOL-1")
-def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path):
-    async def play():
+    async with await asyncio.start_unix_server(serve, str(tmp_path / "x.stop")):
         path = StopPath(tmp_path / "x.stop")
-        for _ in range(2):
-            async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5"}):
-                assert await path.ask("stop") == "stopped 1.5"
-                path.writer.transport.abort()  # as the end of the machine does
-        with pytest.raises(OSError):
-            await path.ask("stop")
-
-    asyncio.run(play())
+        assert await path.ask("stop") == "stopped 1.5"
+        path.hang_up()
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_machine_that_does_not_answer_is_told(tmp_path):
-    async def play():
-        button = Button(tmp_path / "nowhere.stop")
-        said = []
-        button.clients = {object()}
-        original, stopper.broadcast = (
-            stopper.broadcast,
-            lambda _, text: said.append(json.loads(text)),
-        )
-        try:
-            await button.order("stop", 0.0)
-        finally:
-            stopper.broadcast = original
-        assert said == [{"order": "stop", "failed": "the machine does not answer"}]
+@in_a_loop
+async def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path):
+    path = StopPath(tmp_path / "x.stop")
+    for _ in range(2):
+        async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5"}):
+            assert await path.ask("stop") == "stopped 1.5"
+            path.writer.transport.abort()  # as the end of the machine does
+    with pytest.raises(OSError):
+        await path.ask("stop")
 
-    asyncio.run(play())
+
+@pytest.mark.req("TOOL-1")
+@in_a_loop
+async def test_a_machine_that_does_not_answer_is_told(tmp_path, monkeypatch):
+    button = Button(tmp_path / "nowhere.stop")
+    said = []
+    button.clients = {object()}
+    monkeypatch.setattr(stopper, "broadcast", lambda _, text: said.append(json.loads(text)))
+    await button.order("stop", 0.0)
+    assert said == [{"order": "stop", "failed": "the machine does not answer"}]

@@ -14,7 +14,6 @@ LAB500 = {
     "v_supply": 24.0, "amp_gain": 0.3, "amp_max": 3.0, "amp_tau": 2e-4, "gear": 1.0,
     "pot_v_per_rad": 0.5, "counts_per_rev": 2000, "index_per_rev": 1,
 }  # fmt: skip
-COULOMB_LSB = 105  # coulomb torque over km, in D/A units
 PD = {"mode": "position", "flags": ["coulcomp"], "a0": 7309, "a1": -7027, "b0": 64,
       "ic_pos": 84, "ic_neg": 84, "ilim": 2047}  # fmt: skip
 

@@ -3,13 +3,13 @@
 
 import os
 import random
-from contextlib import contextmanager
 
 import machines
 import pytest
 from machines import event, everything, input_number, machine, notes, start, step_to
 
-from mmcs import ROOT, Sim, ensure_library, load, mcdef, regs
+from mmcs import ROOT, ensure_library, load, mcdef, regs
+from mmcs import machine as machine_of
 from tools.compiled import ran
 
 LONG = os.environ.get("MMCS_LONG") == "1"
@@ -32,15 +32,6 @@ def busy(sim):
     return client
 
 
-@contextmanager
-def scenario_machine(name):
-    setup = load(name)
-    s = setup.scenario
-    library = ensure_library(s.cards, "speed", s.clk_hz)
-    with Sim(library, setup.config(), setup.motors(), setup.links()) as sim:
-        yield sim
-
-
 def arm(sim):
     client = start(sim)
     for axis in range(sim.axes):
@@ -54,17 +45,17 @@ def arm(sim):
 
 CASES = {
     "busy": (machine, busy, 700 if LONG else 40),
-    "coupled arm": (lambda: scenario_machine("puma560"), arm, 300 if LONG else 10),
+    "coupled arm": (lambda: machine_of(load("puma560")), arm, 300 if LONG else 10),
 }
 
 
 def test_machines_end_in_any_order():
     """One that ended before must leave nothing behind that another one trips over."""
     for _ in range(5):
-        with scenario_machine("lab500") as first:
-            with scenario_machine("lab500") as second:
+        with machine_of(load("lab500")) as first:
+            with machine_of(load("lab500")) as second:
                 second.run(0.001)
-            with scenario_machine("lab500"):
+            with machine_of(load("lab500")):
                 pass
             first.run(0.001)
 

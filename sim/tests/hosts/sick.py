@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Firmware that goes wrong in the middle of a run, for either processor."""
 
-import subprocess
+import contextlib
 from pathlib import Path
 
-from mmcs import ROOT
-from tools.compiled import compiled, written
+from mmcs import ROOT, RunError, Session, hosts, machine
+from tools.compiled import compiled, ran, written
 
 PASSES = 150  # the firmware goes wrong in this one
 FIRMWARE = ROOT / "firmware"
@@ -33,5 +33,16 @@ def sick_firmware(port: str, statement: str, folder: Path) -> Path:
     gcc += ["-DIMAGE_mc", "-DENTRY=port_main", "-DFATAL=port_dead"]
     after = [inner, "-lgcc", "-T", FIRMWARE / "ports" / port / "link.ld"]
     elf, image = compiled(f"{port}_sick.elf", gcc, [*sources, wrong], after), folder / "mc.bin"
-    subprocess.run([f"{prefix}-objcopy", "-O", "binary", elf, image], check=True)
+    ran(f"{prefix}-objcopy", "-O", "binary", elf, image, check=True)
     return image
+
+
+def notes_of_sick(port: str, statement: str, setup, folder: Path, monkeypatch) -> list[dict]:
+    """The events of a run on this firmware; its last requests may get no answer."""
+    image = str(sick_firmware(port, statement, folder))
+    config = hosts.config(port) | {"firmware": image}
+    monkeypatch.setattr(hosts, "config", lambda host: config)
+    with machine(setup, host=port) as sim:
+        with contextlib.suppress(RunError, OSError):
+            Session(sim, setup).run(lambda *_: None)
+        return sim.notes()

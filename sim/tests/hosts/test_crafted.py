@@ -24,8 +24,7 @@ class Crafted:
     def __init__(self, host):
         self.sim = machine(load("lab500", "duration=0.06", "expect=[]"), host=host)
         self.sim.run(0.0203)
-        self.state = self.sim.snapshot_bytes(self.sim.snapshot())
-        self.past, self.before = self.sim.history_bytes(), self.sim.hash()
+        self.keep()
         source = written(
             "digest.cpp",
             '#include "hash.h"\nextern "C" uint64_t of(const uint8_t *data, size_t size) '
@@ -35,6 +34,10 @@ class Crafted:
         library = compiled("digest.so", command, [source])
         self.of = ctypes.CDLL(str(library)).of
         self.of.restype = ctypes.c_uint64
+
+    def keep(self):
+        self.state = self.sim.snapshot_bytes(self.sim.snapshot())
+        self.past, self.before = self.sim.history_bytes(), self.sim.hash()
 
     def sealed(self, content: bytes) -> bytes:
         """With the digest that belongs to it: a digest is no signature."""
@@ -164,8 +167,7 @@ def test_physics_of_no_machine_are_refused(crafted):
     sim = crafted.sim
     sim.add_event(sim.time, sim.input_names().index("drive_offset"), 0, 5.0)
     sim.run(sim.time + 0.01)
-    crafted.state, crafted.past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
-    crafted.before = sim.hash()
+    crafted.keep()
     truth = sim.true(0)
     assert truth["velocity"] > 0
     joint = struct.pack("<dd", truth["angle"], truth["velocity"])
@@ -187,8 +189,7 @@ def test_statistics_below_nothing_are_refused(crafted):
     client = sim.open(2)
     assert sim.ioctl(client, mcdef.MENABLE) == 0
     sim.run(sim.time + 0.02)
-    crafted.state, crafted.past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
-    crafted.before = sim.hash()
+    crafted.keep()
     stats = sim.ioctl_bytes(client, mcdef.MGETSTATS, b"")[1]
     assert struct.unpack_from("<i", stats)[0] > 5
     place = crafted.state[HEADER:].index(stats)

@@ -5,9 +5,9 @@ import contextlib
 
 import pytest
 from needed import needs
-from sick import PASSES, sick_firmware
+from sick import PASSES, notes_of_sick
 
-from mmcs import RunError, Session, hosts, load, machine, make_report, simulate
+from mmcs import RunError, Session, load, machine, make_report, simulate
 
 pytestmark = [
     pytest.mark.slow,  # six axes for two seconds, and firmware that is compiled anew
@@ -109,14 +109,9 @@ def test_bus_error_while_servoing():
 @pytest.mark.parametrize("what", WRONG)
 def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     statement, told = WRONG[what]
-    config = hosts.config("m68020")
-    config["firmware"] = str(sick_firmware("m68020", statement, tmp_path))
-    monkeypatch.setattr(hosts, "config", lambda host: config)
     setup = load("lab500", "duration=0.25", "expect=[]")
-    with machine(setup, host="m68020") as sim:
-        with contextlib.suppress(RunError, OSError):
-            Session(sim, setup).run(lambda *_: None)
-        notes = [(n["kind"], n["text"], n["t"]) for n in sim.notes()]
+    found = notes_of_sick("m68020", statement, setup, tmp_path, monkeypatch)
+    notes = [(n["kind"], n["text"], n["t"]) for n in found]
     low = [t for kind, text, t in notes if kind == "panic" and "low" in text]
     high = [t for kind, text, t in notes if kind == "panic" and "high" in text]
     assert low and high and high[-1] > low[-1]

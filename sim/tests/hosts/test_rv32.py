@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The servo on the SoC's own processor: results as native, and what happens when it goes wrong."""
 
-import contextlib
-
 import numpy as np
 import pytest
 from needed import needs
-from sick import PASSES, sick_firmware
+from sick import PASSES, notes_of_sick
 
-from mmcs import RunError, Session, hosts, load, machine, simulate
+from mmcs import RunError, Session, load, machine, simulate
 from studies.processors import cycles
 
 pytestmark = [
@@ -76,14 +74,7 @@ def test_withheld_clocks_change_nothing(lab500, rv32):
 @pytest.mark.parametrize("what", WRONG)
 def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     statement, told = WRONG[what]
-    config = hosts.config("rv32")
-    config["firmware"] = str(sick_firmware("rv32", statement, tmp_path))
-    monkeypatch.setattr(hosts, "config", lambda host: config)
-    setup = load("lab500")
-    with machine(setup, host="rv32") as sim:
-        with contextlib.suppress(RunError):  # nobody answers the last read
-            Session(sim, setup, False).run(lambda _: None)
-        notes = sim.notes()
+    notes = notes_of_sick("rv32", statement, load("lab500"), tmp_path, monkeypatch)
     high = [n["t"] for n in notes if n["kind"] == "panic" and "high" in n["text"]]
     low = [n["t"] for n in notes if n["kind"] == "panic" and "low" in n["text"]]
     died = [n for n in notes if "the firmware died" in n["text"]]

@@ -2,12 +2,11 @@
 """sim/service against a recorder of requests: their order, and which refusal is told."""
 
 import errno
-import subprocess
 
 import pytest
 
 from mmcs import ROOT, mcdef
-from tools.compiled import compiled, written
+from tools.compiled import compiled, ran, written
 
 RECORDER = r"""
 #include <stdio.h>
@@ -105,7 +104,7 @@ def said():
     program = compiled("recorder", ["cc", *command[2:]], [recorder, *service], ["-lstdc++", "-lm"])
 
     def run(*words) -> list[str]:
-        out = subprocess.check_output([program, *map(str, words)], text=True)
+        out = ran(program, *words, check=True).stdout
         lines = [line.split() for line in out.splitlines()]
         return [" ".join([NAMES.get(line[0], line[0]), *line[1:]]) for line in lines]
 
