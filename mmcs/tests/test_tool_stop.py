@@ -11,6 +11,8 @@ import pytest
 from mmcs.tool import stopper
 from mmcs.tool.stopper import Button, StopPath
 
+pytestmark = pytest.mark.req("TOOL-1")
+
 
 def in_a_loop(test):
     """The test, which is a coroutine, as a function."""
@@ -25,7 +27,6 @@ async def fake_stop_path(folder: Path, answers: dict[str, str]):
     return await asyncio.start_unix_server(serve, str(folder / "x.stop"))
 
 
-@pytest.mark.req("TOOL-1")
 @in_a_loop
 async def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
     path = StopPath(tmp_path / "x.stop")
@@ -41,7 +42,6 @@ async def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
         path.hang_up()
 
 
-@pytest.mark.req("TOOL-1")
 @in_a_loop
 async def test_an_answer_that_is_none_is_told_as_no_answer(tmp_path, monkeypatch):
     """Of another program's socket, too: the button stays connected to its page."""
@@ -52,7 +52,6 @@ async def test_an_answer_that_is_none_is_told_as_no_answer(tmp_path, monkeypatch
             await path.ask("stop")
 
 
-@pytest.mark.req("TOOL-1")
 @in_a_loop
 async def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
     """The stop path keeps 64 connections; the oldest is hung up on."""
@@ -68,7 +67,6 @@ async def test_a_stop_comes_through_when_others_have_taken_its_place(serving):
         writer.close()
 
 
-@pytest.mark.req("TOOL-1")
 @in_a_loop
 async def test_a_stop_comes_through_however_often_its_connection_is_closed(tmp_path):
     """Others may come so fast that a new connection is closed before its answer, too."""
@@ -88,7 +86,6 @@ async def test_a_stop_comes_through_however_often_its_connection_is_closed(tmp_p
         path.hang_up()
 
 
-@pytest.mark.req("TOOL-1")
 @in_a_loop
 async def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path):
     path = StopPath(tmp_path / "x.stop")
@@ -100,7 +97,6 @@ async def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path
         await path.ask("stop")
 
 
-@pytest.mark.req("TOOL-1")
 @in_a_loop
 async def test_a_machine_that_does_not_answer_is_told(tmp_path, monkeypatch):
     button = Button(tmp_path / "nowhere.stop")

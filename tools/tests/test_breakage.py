@@ -8,9 +8,8 @@ import pytest
 
 from mmcs import ROOT
 from tools.breakage import firmware_mutants as mutants
+from tools.breakage import mutate
 from tools.breakage import run as breakage
-
-import mutate  # isort: skip  # run finds the folder
 
 ENTRIES = breakage.entries("tests")
 EVERY = {e["name"]: e for kind in breakage.KINDS for e in breakage.entries(kind)}

@@ -17,6 +17,7 @@ import pytest
 from fpga.build import BUS, TARGETS, read_command
 from mmcs import ROOT
 
+pytestmark = pytest.mark.req("VME-3", "ENC-1", "SW-1", "PAN-2")
 READ = {t.top: read_command(t) for t in TARGETS
         if t.name in ("machine", "ulx3s") or t.files == BUS}  # fmt: skip
 READ["soc_cross"] = "read_verilog -sv -Irtl rtl/lib/sync.sv rtl/soc/soc_cross.sv"
@@ -111,7 +112,6 @@ def complaints(top: str, folder: Path, file: str = "", old: str = "", new: str =
     return Net(json.loads((folder / "net.json").read_text())["modules"][top]).complaints()
 
 
-@pytest.mark.req("VME-3", "ENC-1", "SW-1", "PAN-2")
 @pytest.mark.parametrize("top", READ)
 def test_what_is_asynchronous_goes_through_the_cell(top, tmp_path):
     assert complaints(top, tmp_path) == set()
@@ -131,7 +131,6 @@ BROKEN = {  # file, the cell's output there, what is read instead, by whom it is
 }  # fmt: skip
 
 
-@pytest.mark.req("VME-3", "ENC-1", "SW-1", "PAN-2")
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_pin_around_the_cell_is_found(name, tmp_path):
     file, old, new, reader = BROKEN[name]

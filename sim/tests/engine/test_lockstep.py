@@ -10,6 +10,7 @@ from mmcs import load, machine, regs
 from studies import lockstep
 
 LONG = os.environ.get("MMCS_LONG") == "1"
+pytestmark = pytest.mark.req("API-1")
 
 
 class Pair:
@@ -44,7 +45,6 @@ def pair(request):
 BOTH_ROBOTS = pytest.mark.parametrize("pair", ["lab500", "puma560"], indirect=True)
 
 
-@pytest.mark.req("API-1")
 @pytest.mark.parametrize(
     ("name", "seed", "upsets"),
     [("puma560", 14, True), ("puma560", 62, False), ("puma560", 105, True), ("lab500", 1, False),
@@ -56,7 +56,7 @@ def test_a_stranger_finds_no_difference(name, seed, upsets):
     assert lockstep.lockstep_torture(seed, 1600, name, upsets) > 100_000
 
 
-@pytest.mark.req("API-1", "INT-1")
+@pytest.mark.req("INT-1")
 def test_a_fault_of_two_clocks_ends(pair):
     """The edge detector that was held at 1 sees again what SCLOCK is, in the machine and in boards
     that were at rest meanwhile."""
@@ -66,7 +66,7 @@ def test_a_fault_of_two_clocks_ends(pair):
     assert pair.hashes_are_equal() and pair.registers_are_equal()
 
 
-@pytest.mark.req("API-1", "DAC-1", "ADC-1", "INT-1")
+@pytest.mark.req("DAC-1", "ADC-1", "INT-1")
 @pytest.mark.parametrize(
     ("name", "bits"), [("dac_stuck1", 0x15), ("adc_stuck", 1), ("irq_lost", 1)]
 )
@@ -85,7 +85,7 @@ def test_bits_held_for_long_equal_the_plain_machine(name, bits):
     assert skipped[1]["evals"] * 4 < skipped[1]["cycles"]
 
 
-@pytest.mark.req("API-1", "PAN-2")
+@pytest.mark.req("PAN-2")
 @pytest.mark.parametrize("name", ["pc_power", "cable"])
 def test_a_command_cut_short(pair, name):
     """Power or cable away for a few clocks, ending at every clock of a read: the same answer."""
@@ -104,7 +104,7 @@ def test_a_command_cut_short(pair, name):
     assert answers == {0, 0xFF}
 
 
-@pytest.mark.req("API-1", "CRD-1")
+@pytest.mark.req("CRD-1")
 @BOTH_ROBOTS
 def test_a_switch_moves_within_a_command(pair):
     """The card's address leaves and comes back, at every clock of a write and after it: what the
@@ -123,7 +123,7 @@ def test_a_switch_moves_within_a_command(pair):
     assert not lockstep.failure(pair.plain)
 
 
-@pytest.mark.req("API-1", "CRD-1")
+@pytest.mark.req("CRD-1")
 @BOTH_ROBOTS
 def test_data_move_within_a_command(pair):
     """A bit of the bus master's data register flips at every clock of a write: the card sees it."""
@@ -142,7 +142,6 @@ def test_data_move_within_a_command(pair):
     assert seen == {1, 17}
 
 
-@pytest.mark.req("API-1")
 def test_a_wire_comes_back_while_a_pulled_card_is_asked(pair):
     """An encoder's wire leaves between two accesses to a card that is pulled, and is back within
     the second: nobody waited for the first edge, and the second must not be taken for none."""
@@ -160,7 +159,6 @@ def test_a_wire_comes_back_while_a_pulled_card_is_asked(pair):
         assert action[0] != "write" or pair.hashes_are_equal()
 
 
-@pytest.mark.req("API-1")
 def test_an_answer_comes_as_the_waiting_ends(pair):
     """SYSRESET* ends so late in a read that DTACK* comes in the clock in which the master gives up:
     the level that it then waits for may go within the clock that shows it."""
@@ -175,7 +173,6 @@ def test_an_answer_comes_as_the_waiting_ends(pair):
     assert {"TimeoutError", 0} <= seen
 
 
-@pytest.mark.req("API-1")
 def test_a_way_back_into_a_card_without_power(pair):
     """A bit of the D/A that is stuck stands against the reset of a card without power; so it does
     after a way back, which must not let the reset fall anew."""
@@ -187,7 +184,7 @@ def test_a_way_back_into_a_card_without_power(pair):
     assert pair.registers_are_equal()
 
 
-@pytest.mark.req("API-1", "INT-1")
+@pytest.mark.req("INT-1")
 def test_what_sticks_stands_against_an_upset(pair):
     """SCLOCK is high and its edge detector stuck at 1: a flipped bit of the detector flips nothing,
     so no edge is latched, in the machine and in the boards. Without the fault one is."""
@@ -202,7 +199,6 @@ def test_what_sticks_stands_against_an_upset(pair):
         assert pair.registers_are_equal()
 
 
-@pytest.mark.req("API-1")
 @pytest.mark.parametrize("name", ["pc_power", "cable", "sysreset"])
 def test_what_sticks_stands_against_a_reset(pair, name):
     """A card's reset that comes and goes within clocks leaves bits of the D/A where they stick, at
@@ -220,7 +216,6 @@ def test_what_sticks_stands_against_a_reset(pair, name):
     assert values == {2048, 2048 | 839}
 
 
-@pytest.mark.req("API-1")
 def test_a_difference_is_found(pair):
     """One machine has a bit of a counter flipped, which no access reads: the hash tells."""
     pair.skipping.add_event(1e-5, pair.numbers["seu_encoder"], 0, 4)
@@ -228,7 +223,7 @@ def test_a_difference_is_found(pair):
         lockstep.torture(pair.both, 1, 200)
 
 
-@pytest.mark.req("API-1", "ENC-1")
+@pytest.mark.req("ENC-1")
 @pytest.mark.parametrize("name", ["lab500", "puma560"])
 def test_the_stranger_keeps_encoders_busy(name):
     """At many of its actions an edge is between the first and the second flip-flop of a counter, so
@@ -253,7 +248,6 @@ def test_the_stranger_keeps_encoders_busy(name):
     assert min(len(seen) for seen in counted) > 20
 
 
-@pytest.mark.req("API-1")
 def test_the_command_goes_on_where_it_was(monkeypatch, capsys, tmp_path):
     """The stranger, then a scenario; a difference is kept with the rest; nothing is done twice."""
     asked = []
@@ -282,6 +276,5 @@ def test_the_command_goes_on_where_it_was(monkeypatch, capsys, tmp_path):
 
 if LONG:
 
-    @pytest.mark.req("API-1")
     def test_a_thousand_million_clocks():
         assert lockstep.main(["--clocks", "1e9"]) == 0

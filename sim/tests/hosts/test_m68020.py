@@ -12,6 +12,7 @@ from mmcs import RunError, Session, load, machine, make_report, simulate
 pytestmark = [
     pytest.mark.slow,  # six axes for two seconds, and firmware that is compiled anew
     needs("m68020"),
+    pytest.mark.req("FW-1"),
 ]
 PANIC_S = 0.050
 
@@ -24,7 +25,7 @@ WRONG = {
 }
 
 
-@pytest.mark.req("FW-1", "SRV-7")
+@pytest.mark.req("SRV-7")
 def test_six_axes_end_as_native():
     """A pass of six axes takes most of its millisecond here; none is late, MSTOP's wherever it
     falls between two samples."""
@@ -50,7 +51,6 @@ def test_six_axes_end_as_native():
     assert abs(sum(phases[p][1] for p in parts) - mean) < 1
 
 
-@pytest.mark.req("FW-1")
 def test_wait_states_and_cache_take_time():
     times = []
     for sets in ((), ("host.wait_states=2",), ("host.instruction_cache=256 bytes",)):
@@ -61,7 +61,6 @@ def test_wait_states_and_cache_take_time():
     assert times[1] > 1.05 * times[0] and times[2] > 1.05 * times[0]
 
 
-@pytest.mark.req("FW-1")
 @pytest.mark.parametrize("errors", [1, 3, 1000])
 def test_bus_error_while_probing(errors):
     """Accesses of the first open fail: there is no adaptor, as on native; then all is well."""
@@ -79,7 +78,6 @@ def test_bus_error_while_probing(errors):
     assert results[0] == results[1] == (-6, 0)  # ENXIO
 
 
-@pytest.mark.req("FW-1")
 def test_bus_error_while_servoing():
     """In a list of accesses or a single one: the axis is stopped, the processor goes on. The next
     sample makes good for a D/A write that failed; of the instants tried some must stop the axis."""
@@ -105,7 +103,6 @@ def test_bus_error_while_servoing():
     assert stopped >= 2
 
 
-@pytest.mark.req("FW-1")
 @pytest.mark.parametrize("what", WRONG)
 def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     statement, told = WRONG[what]
@@ -122,7 +119,6 @@ def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
         assert any(f"the firmware died: {told} " in text for _, text, _ in notes), notes
 
 
-@pytest.mark.req("FW-1")
 def test_calibration_of_six_axes_needs_more_than_a_millisecond():
     """At 1 kHz the processor has no time for the process, and says so; at 1.2 ms it has."""
     with pytest.raises(RunError, match=r"no time for requests .* overruns, .* longer interval_us"):
@@ -133,13 +129,12 @@ def test_calibration_of_six_axes_needs_more_than_a_millisecond():
     assert all(e["ok"] for e in report["expect"]) and report["stats"]["overruns"] == 0
 
 
-@pytest.mark.req("FW-1", "SRV-7")
+@pytest.mark.req("SRV-7")
 def test_wrong_vector_ends_the_firmware_and_says_so():
     with pytest.raises(RunError, match="the firmware died: exception 192 at 0x.*--host native"):
         simulate(load("fault_seu_vector"), host="m68020")
 
 
-@pytest.mark.req("FW-1")
 def test_bus_error_of_a_read_as_on_native():
     """The event meets another access than on native, unless it comes with the reads: 0.1 s."""
     setup = load("fault_bus_error_read")
