@@ -40,11 +40,11 @@ def carry_out(part: str, folder: Path) -> str:
 
 @ICARUS
 def test_engineer(tmp_path):
-    assert "i8254: ok" in carry_out("An FPGA engineer who wants the 8254", tmp_path)
+    assert "i8254: ok" in carry_out("An FPGA engineer who needs an 8254", tmp_path)
 
 
 def test_teacher(tmp_path):
-    said = carry_out("A teacher with an own motor", tmp_path)
+    said = carry_out("A teacher with a motor of their own", tmp_path)
     assert "[14639, -14076, 128]" in said and "a0 = 14639" in said
     assert "caution: axis 0: has no gains" in said
     assert (tmp_path / "runs" / "step" / "report.json").is_file()

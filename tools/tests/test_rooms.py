@@ -56,6 +56,7 @@ DEEPER = {
     "sim/tests/engine/test_compilers.py": {"engine"},
     "sim/tests/hosts/test_again.py": {"tests"},
     "studies/campaign.py": {"sweeps"},
+    "studies/tests/test_evidence.py": {"sweeps"},
     "tools/breakage/": {"engine", "runs"},
     "tools/parsers.py": {"device", "runs", "sweeps"},
     "tools/setup_venv.py": {"engine"},
