@@ -53,24 +53,16 @@ int timespec_get(struct timespec *at, int base) {
 
 /* --- timers ---------------------------------------------------------------------------- */
 
-static uint64_t ns_of(const struct timespec *at) {
-  return (uint64_t)at->tv_sec * SECOND + (uint64_t)at->tv_nsec;
-}
-
-static struct timespec span(uint64_t ns) {
-  return (struct timespec){(time_t)(ns / SECOND), (long)(ns % SECOND)};
-}
-
 /* Sets a timer, or asks (`to` is null); what was left of it. */
 static int set_timer(uint64_t number, const struct wire_timer *to, struct itimerspec *left) {
   struct wire_timer before = {0};
   uint32_t room = sizeof(before);
-  int result = lock_ask(WIRE_TIMER, number, to, to != NULL ? sizeof(*to) : 0, &before, &room);
+  int result = lock_ask(WIRE_TIMER, number, 0, to, to != NULL ? sizeof(*to) : 0, &before, &room);
   uint64_t now = lock_now();
   if (result < 0) return device_fail(result);
   if (left != NULL) {
-    left->it_interval = span(before.interval);
-    left->it_value = span(before.first == 0 ? 0 : before.first > now ? before.first - now : 1);
+    left->it_interval = lock_span(before.interval);
+    left->it_value = lock_span(before.first == 0 ? 0 : before.first > now ? before.first - now : 1);
   }
   return 0;
 }
@@ -85,9 +77,9 @@ static int is_time(const struct timespec *at) {
 static int arm(uint64_t number, struct wire_timer timer, clockid_t clock, int absolute,
                const struct itimerspec *to, struct itimerspec *left) {
   if (!is_time(&to->it_value) || !is_time(&to->it_interval)) return -1;
-  timer.interval = ns_of(&to->it_interval);
-  if (ns_of(&to->it_value) > 0) {
-    timer.first = absolute ? lock_until(clock, &to->it_value) : lock_after(ns_of(&to->it_value));
+  timer.interval = lock_ns(&to->it_interval);
+  if (lock_ns(&to->it_value) > 0) {
+    timer.first = absolute ? lock_until(clock, &to->it_value) : lock_after(lock_ns(&to->it_value));
     if (timer.first == 0) timer.first = 1; /* it was long ago, and is not off */
   }
   return set_timer(number, &timer, left);

@@ -5,6 +5,9 @@
 
 #include "wire.h"
 
+/* The C library's own. For who has included <dlfcn.h>. */
+#define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
 /* preload.c: the calls of a program on an open device. */
 ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
 ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length);

@@ -26,8 +26,6 @@
 #define MODE (S_IFCHR | 0600)
 #define MOST 4096 /* bytes of one call, as in preload.c */
 
-#define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
-
 /* --- stat, access ---------------------------------------------------------------------- */
 
 static dev_t number_of(const char *path) {

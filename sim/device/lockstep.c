@@ -67,27 +67,20 @@ static int answer(void *out, uint32_t *room) {
   return reply.result;
 }
 
-int lock_ask(uint32_t op, uint64_t a, const void *data, uint32_t length, void *out,
+int lock_ask(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length, void *out,
              uint32_t *out_length) {
   sigset_t all, before;
   int result = -EIO, saved = errno;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (request(op, a, 0, data, length) == 0) result = answer(out, out_length);
+  if (request(op, a, b, data, length) == 0) result = answer(out, out_length);
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   errno = saved;
   return result;
 }
 
 int lock_tell(uint32_t op, uint64_t a, uint64_t b) {
-  sigset_t all, before;
-  int result = -EIO, saved = errno;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (request(op, a, b, NULL, 0) == 0) result = answer(NULL, NULL);
-  pthread_sigmask(SIG_SETMASK, &before, NULL);
-  errno = saved;
-  return result;
+  return lock_ask(op, a, b, NULL, 0, NULL, NULL);
 }
 
 /* --- time ------------------------------------------------------------------------------ */
@@ -98,7 +91,7 @@ static void fire(void) {
     int32_t fd, count;
   } fired[64];
   uint32_t room = sizeof(fired);
-  if (lock_ask(WIRE_FIRED, 0, NULL, 0, fired, &room) < 0) return;
+  if (lock_ask(WIRE_FIRED, 0, 0, NULL, 0, fired, &room) < 0) return;
   for (uint32_t n = 0; n < room / sizeof(fired[0]); n++) {
     uint64_t count = (uint64_t)fired[n].count;
     (void)!syscall(SYS_write, fired[n].fd, &count, sizeof(count));
@@ -115,8 +108,17 @@ static void learn(const struct wire_now *now) {
 uint64_t lock_now(void) {
   struct wire_now now;
   uint32_t room = sizeof(now);
-  if (now_calls != wire_calls && lock_ask(WIRE_NOW, 0, NULL, 0, &now, &room) >= 0) learn(&now);
+  if (now_calls != wire_calls && lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room) >= 0) learn(&now);
   return now_ns;
+}
+
+struct timespec lock_span(uint64_t ns) {
+  return (struct timespec){(time_t)(ns / SECOND), (long)(ns % SECOND)};
+}
+
+uint64_t lock_ns(const struct timespec *span) {
+  if (span->tv_sec > INT32_MAX) return WIRE_NEVER - 1;
+  return (uint64_t)span->tv_sec * SECOND + (uint64_t)span->tv_nsec;
 }
 
 uint64_t lock_after(uint64_t ns) {
@@ -222,7 +224,8 @@ static int write_later(const char name[WIRE_NAME], const void *data, uint32_t le
 static void write_first(void) {
   struct wire_now now;
   uint32_t room = sizeof(now);
-  if (later != NULL && later->due && lock_on()) (void)lock_ask(WIRE_NOW, 0, NULL, 0, &now, &room);
+  if (later != NULL && later->due && lock_on())
+    (void)lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room);
 }
 
 static int wait_once(const struct wire_wait *head, const int *files, const sigset_t *mask,
@@ -316,7 +319,7 @@ static void open_line(enum wire_line kind, unsigned number) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  line = wire_connect();
+  line = wire_connect(1);
   line_pid = wire_pid();
   if (line < 0 ||
       request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), &memory,

@@ -36,11 +36,14 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
 void lock_wake(const void *key, unsigned count);
 /* A request without data in or out; what does not wait. */
 int lock_tell(uint32_t op, uint64_t a, uint64_t b);
-int lock_ask(uint32_t op, uint64_t a, const void *data, uint32_t length, void *out,
+int lock_ask(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length, void *out,
              uint32_t *out_length);
 /* The new thread's first act, and a thread's last. */
 void lock_begin_thread(unsigned number);
 
+struct timespec lock_span(uint64_t ns);
+/* Its ns; of what is too long, the most. */
+uint64_t lock_ns(const struct timespec *span);
 /* ns of machine time: a span from now, and a time of a clock (relative ones count from now). */
 uint64_t lock_after(uint64_t ns);
 uint64_t lock_until(clockid_t clock, const struct timespec *at);

@@ -28,8 +28,6 @@
 #define REQUEST_IN(r) (((r) & 0x80000000u) != 0)
 #define REQUEST_OUT(r) (((r) & 0x40000000u) != 0)
 
-#define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
-
 size_t (*device_await)(int fd, short events);
 int (*device_sample)(uint32_t *number);
 int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t length);

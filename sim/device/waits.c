@@ -30,16 +30,12 @@ static int interrupted(void) {
 
 /* --- sleeping -------------------------------------------------------------------------- */
 
-static struct timespec span(uint64_t ns) {
-  return (struct timespec){(time_t)(ns / SECOND), (long)(ns % SECOND)};
-}
-
 /* 0, or EINTR and what is left. */
 static int sleep_until(uint64_t until, struct timespec *left) {
   uint64_t now;
   if (lock_wait(0, until, NULL, NULL, 0, NULL, 0) != CAUSE_SIGNAL) return 0;
   now = lock_now();
-  if (left != NULL) *left = span(until > now ? until - now : 0);
+  if (left != NULL) *left = lock_span(until > now ? until - now : 0);
   return EINTR;
 }
 
@@ -47,16 +43,11 @@ static int is_time(const struct timespec *at) {
   return at->tv_sec >= 0 && at->tv_nsec >= 0 && at->tv_nsec < SECOND;
 }
 
-static uint64_t ns_of(const struct timespec *at) {
-  if (at->tv_sec > INT32_MAX) return WIRE_NEVER - 1;
-  return (uint64_t)at->tv_sec * SECOND + (uint64_t)at->tv_nsec;
-}
-
 int clock_nanosleep(clockid_t clock, int flags, const struct timespec *at, struct timespec *left) {
   if (!lock_on()) return REAL(clock_nanosleep)(clock, flags, at, left);
   if (!is_time(at)) return EINVAL;
   if (flags & TIMER_ABSTIME) return sleep_until(lock_until(clock, at), NULL);
-  return sleep_until(lock_after(ns_of(at)), left);
+  return sleep_until(lock_after(lock_ns(at)), left);
 }
 
 int nanosleep(const struct timespec *at, struct timespec *left) {
@@ -106,7 +97,7 @@ int sigtimedwait(const sigset_t *set, siginfo_t *info, const struct timespec *ti
   uint64_t until;
   sigset_t mask;
   if (!lock_on()) return REAL(sigtimedwait)(set, info, timeout);
-  until = timeout != NULL ? lock_after(ns_of(timeout)) : WIRE_NEVER;
+  until = timeout != NULL ? lock_after(lock_ns(timeout)) : WIRE_NEVER;
   pthread_sigmask(SIG_SETMASK, NULL, &mask);
   for (int n = 1; n < 65; n++)
     if (sigismember(set, n) == 1) sigdelset(&mask, n);
@@ -172,7 +163,7 @@ static int ppoll_once(struct pollfd *fds, nfds_t n, uint64_t until, const sigset
 
 int ppoll(struct pollfd *fds, nfds_t n, const struct timespec *timeout, const sigset_t *mask) {
   if (!lock_on()) return REAL(ppoll)(fds, n, timeout, mask);
-  return ppoll_once(fds, n, timeout != NULL ? lock_after(ns_of(timeout)) : WIRE_NEVER, mask);
+  return ppoll_once(fds, n, timeout != NULL ? lock_after(lock_ns(timeout)) : WIRE_NEVER, mask);
 }
 
 int poll(struct pollfd *fds, nfds_t n, int ms) {
@@ -226,7 +217,7 @@ int select(int n, fd_set *in, fd_set *out, fd_set *bad, struct timeval *timeout)
 int pselect(int n, fd_set *in, fd_set *out, fd_set *bad, const struct timespec *timeout,
             const sigset_t *mask) {
   if (!lock_on()) return REAL(pselect)(n, in, out, bad, timeout, mask);
-  return select_until(n, in, out, bad, timeout ? lock_after(ns_of(timeout)) : WIRE_NEVER, mask);
+  return select_until(n, in, out, bad, timeout ? lock_after(lock_ns(timeout)) : WIRE_NEVER, mask);
 }
 
 int epoll_pwait(int fd, struct epoll_event *events, int most, int ms, const sigset_t *mask) {

@@ -34,7 +34,7 @@ static const char *socket_path(void) {
 }
 
 /* The preload library interposes read, write and close; these go straight to the kernel. */
-static int send_all(int fd, const void *data, size_t length) {
+int wire_send(int fd, const void *data, size_t length) {
   const char *at = data;
   while (length > 0) {
     ssize_t n = syscall(SYS_sendto, fd, at, length, MSG_NOSIGNAL, NULL, 0);
@@ -128,8 +128,8 @@ static int is_mine(int fd) {
   return 0;
 }
 
-/* A connection to the server; bound first, so that it has a name of its own. */
-static int connect_to_server(int cloexec) {
+/* Bound first, so that it has a name of its own. */
+int wire_connect(int cloexec) {
   struct sockaddr_un address = {.sun_family = AF_UNIX};
   const struct timeval late = {0, LATE_MS * 1000};
   const char *path = socket_path();
@@ -145,14 +145,6 @@ static int connect_to_server(int cloexec) {
   }
   close_directly(fd);
   return -ENXIO; /* as a driver answers without its hardware */
-}
-
-int wire_connect(void) {
-  return connect_to_server(1);
-}
-
-int wire_send(int fd, const void *data, size_t length) {
-  return send_all(fd, data, length) < 0 ? -1 : 0;
 }
 
 /* Signals are blocked, or nothing is lost by them. */
@@ -191,8 +183,8 @@ static int exchange(int fd, const struct wire_request *request, const void *data
   uint32_t first = request->length <= 256 ? request->length : 0;
   memcpy(whole, request, sizeof(*request));
   if (first > 0) memcpy(whole + sizeof(*request), data, first);
-  if (send_all(fd, whole, sizeof(*request) + first) < 0) return LOST;
-  if (request->length > first && send_all(fd, data, request->length) < 0) return LOST;
+  if (wire_send(fd, whole, sizeof(*request) + first) < 0) return LOST;
+  if (request->length > first && wire_send(fd, data, request->length) < 0) return LOST;
   got = receive_reply(fd, &reply, out, room, before);
   if (got < 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
@@ -203,7 +195,7 @@ int wire_open(const char *path, int flags) {
   struct wire_request request = {.magic = WIRE_MAGIC, .op = WIRE_OPEN, .a = (uint64_t)flags};
   struct statx status = {0};
   sigset_t now;
-  int result, fd = connect_to_server((flags & O_CLOEXEC) != 0);
+  int result, fd = wire_connect((flags & O_CLOEXEC) != 0);
   if (fd < 0) return fd;
   pthread_sigmask(SIG_SETMASK, NULL, &now);
   if (statx(fd, "", AT_EMPTY_PATH, STATX_INO, &status) == 0) request.b = status.stx_ino;
@@ -285,7 +277,7 @@ void wire_after_fork(void) {
 }
 
 static int take_channel(void) {
-  int lives = channel_lives(), fd = lives ? channel : connect_to_server(1);
+  int lives = channel_lives(), fd = lives ? channel : wire_connect(1);
   channel = -1;
   if (!lives) named = -1;
   return fd;

@@ -142,9 +142,9 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
 /* Forgets the parent's channels; call in the child of a fork. */
 void wire_after_fork(void);
 pid_t wire_pid(void);
-/* A connection that is neither file nor channel, or a negative errno; all of some bytes, or of a
- * reply: 0, -1. */
-int wire_connect(void);
+/* A connection to the server, or a negative errno; all of some bytes, or of a reply: 0, or less if
+ * it is gone. */
+int wire_connect(int cloexec);
 int wire_send(int fd, const void *data, size_t length);
 int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room);
 /* What a call that takes long lets through, if not all that the program does (lockstep.c). */
