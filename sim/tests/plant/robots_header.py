@@ -2,9 +2,7 @@
 """The robot files as C initialisers, so that the plant's tests need no TOML reader."""
 
 import re
-import sys
 import tomllib
-from pathlib import Path
 
 from mmcs import ROOT
 
@@ -46,4 +44,4 @@ def header() -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(header())
+    print(header(), end="")
