@@ -34,8 +34,7 @@ SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html"
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
 STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call", "mmcs_server",
               "mmcs_client", "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event",
-              "mmcs_stats", "mmcs_tap_head", "mmcs_change",
-              "struct mc_param", "struct mc_state")  # fmt: skip
+              "mmcs_stats", "mmcs_tap_head", "mmcs_change", "struct mc_param")  # fmt: skip
 # name of a C type: letter for web/engine/sim.js, bytes where pointers have four
 KINDS = {"double": ("d", 8), "int32_t": ("i", 4), "int": ("i", 4), "uint32_t": ("u", 4),
          "int64_t": ("q", 8), "uint64_t": ("q", 8), "size_t": ("u", 4),

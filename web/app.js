@@ -41,7 +41,8 @@ export function run(carrier, workers, control, deadman_ms = 250) {
   const log = new Log(machine, room("said"));
   const status = statusBar(page, room("banner"));
   machine.addEventListener("hello", async () => {
-    await firstSample(machine);
+    // a machine that stands still sends none
+    if (!machine.history.latest(0)) await machine.seen(() => true, FIRST_SAMPLE_MS);
     const about = await machine.try(machine.link.request("machine"));
     page.units.motors = about?.motors ?? [];
     for (let axis = 0; axis < machine.hello.axes; axis++) page.panels.push(new Panel(page, axis));
@@ -99,9 +100,7 @@ function go(page) {
 
 /** Square waves go by the machine's time, also of panels that are not shown. */
 function squares(page) {
-  const { history } = page.machine;
-  const t = history.time(history.end - 1);
-  for (const panel of page.panels) panel.tick(t);
+  for (const panel of page.panels) panel.tick(page.machine.history.now);
 }
 
 async function begin(machine, interval_ms) {
@@ -113,11 +112,4 @@ async function begin(machine, interval_ms) {
   for (let axis = 0; asked.has("z") && axis < machine.hello.axes; axis++)
     await machine.try(machine.link.call("MSETENC", { value: axis }));
   await machine.read();
-}
-
-/** A machine that stands still sends none. */
-async function firstSample(machine) {
-  if (machine.history.end > machine.history.first) return;
-  const arrived = new Promise((done) => machine.addEventListener("samples", done, { once: true }));
-  await Promise.race([arrived, new Promise((done) => setTimeout(done, FIRST_SAMPLE_MS))]);
 }

@@ -14,6 +14,11 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** A button; more: further attributes. */
+export function button(id, textContent, onclick, more = {}) {
+  return el("button", { type: "button", id, textContent, onclick, ...more });
+}
+
 /** A select with [value, text] options. */
 export function choice(options, attributes = {}) {
   return el(

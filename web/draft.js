@@ -18,7 +18,8 @@ export class Drafts {
     return this.#turn;
   }
 
-  /** take(value) promises that the driver has it; of several by a slider that is dragged, the last. */
+  /** take(value) promises that the driver has it; of several by a slider that is dragged, the last.
+   * Returns the control. */
   watch(control, take) {
     const isText = control.type === "text" || control.type === "number";
     const value = () => (control.type === "checkbox" ? control.checked : control.value);
@@ -41,6 +42,7 @@ export class Drafts {
         this.#settle(control);
       });
     });
+    return control;
   }
 
   #mark(control, on) {

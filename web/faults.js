@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults by name: every input of the machine, what each means, and what happened since.
 
-import { choice, el, labelled, parseNumber, setText } from "./dom.js";
+import { button, choice, el, labelled, parseNumber, setText } from "./dom.js";
 
 export function faultsView(page) {
   const { machine } = page;
@@ -10,13 +10,10 @@ export function faultsView(page) {
   const value = el("input", { type: "text", size: 8, id: "fault-value", "aria-label": "value" });
   const since = el("ol", { className: "log", "aria-label": "since the last change" });
   const wrong = el("ul", { "aria-label": "what is wrong now" });
-  let inputs = [];
   const name = choice([], { id: "fault-name", onchange: () => describe() });
-  const apply = el("button", { type: "button", id: "fault-apply", textContent: "Make it so",
-    onclick: () => set(chosen(), Number(index.value), parseNumber(value.value)) });  // prettier-ignore
-  const heal = el("button", { type: "button", id: "fault-heal", textContent: "Heal everything",
-    onclick: () => healAll() });  // prettier-ignore
-  const chosen = () => inputs.find((input) => input.name === name.value);
+  const apply = button("fault-apply", "Make it so", () => set(chosen(), Number(index.value), parseNumber(value.value)));
+  const heal = button("fault-heal", "Heal everything", healAll);
+  const chosen = () => machine.inputs.find((input) => input.name === name.value);
 
   function describe() {
     const input = chosen();
@@ -30,23 +27,18 @@ export function faultsView(page) {
   async function set(input, at, to) {
     if (to === null) return machine.say("error", `"${value.value}" is no number`);
     since.replaceChildren();
-    await machine.try(machine.link.request("input", { name: input.name, index: at, value: to }));
-    return refresh();
+    return machine.try(machine.link.request("input", { name: input.name, index: at, value: to }));
   }
 
   async function healAll() {
-    for (const input of inputs)
+    for (const input of machine.inputs)
       for (const at of Object.keys(input.values))
         await machine.try(machine.link.request("input", { name: input.name, index: Number(at), value: input.healthy }));
-    await refresh();
   }
 
-  async function refresh() {
-    const reply = await machine.try(machine.link.request("inputs"));
-    if (!reply) return;
-    const first = !inputs.length;
-    inputs = reply.inputs;
-    if (first) {
+  function shown() {
+    const { inputs } = machine;
+    if (!name.length) {
       name.append(...inputs.map((i) => el("option", { value: i.name, textContent: i.name })));
       describe();
     }
@@ -54,6 +46,7 @@ export function faultsView(page) {
     wrong.replaceChildren(...(now.length ? now : ["nothing"]).map((text) => el("li", {}, text)));
   }
 
+  machine.addEventListener("inputs", shown);
   machine.addEventListener("event", ({ detail }) => {
     if (["client", "pace", "mode", "light"].includes(detail.kind)) return;
     since.append(el("li", {}, `${detail.t.toFixed(4)} s  ${detail.kind}: ${detail.text}`));
@@ -62,5 +55,5 @@ export function faultsView(page) {
   const element = el("div", { className: "faults" },
     el("div", { className: "row" }, labelled("Fault", name), index, labelled("value", value), apply, heal),
     meaning, el("h3", {}, "Wrong now"), wrong, el("h3", {}, "Since then"), since);  // prettier-ignore
-  return { title: "Faults", element, shown: refresh };
+  return { title: "Faults", element, shown };
 }

@@ -2,7 +2,7 @@
 // The topmost panel of chapter 3: enable, interval, diagnostics, who controls, and the great lamps.
 // Renders what the driver has, as panel.js does.
 
-import { choice, el, labelled, parseInteger, setText } from "./dom.js";
+import { button, choice, el, labelled, parseInteger, setText } from "./dom.js";
 import { Drafts } from "./draft.js";
 import { LINES } from "./samples.js";
 
@@ -22,26 +22,19 @@ export class Global {
       await machine.link.call(request, { value: Number(value) });
       await machine.read();
     };
-    const watched = (control, take) => {
-      this.drafts.watch(control, take);
-      return control;
-    };
-    const button = (id, textContent, onclick, more = {}) =>
-      el("button", { id, type: "button", textContent, onclick, ...more });
+    const watched = (control, take) => this.drafts.watch(control, take);
     this.control = button("control", "", () => this.toControl());
     this.enable = button("enable", "Enable", () => this.toEnable(), { title: "E, then Enter" });
     this.clear = button("clear", "Clear errors", () => machine.try(machine.link.call("MCLEARERROR")));
-    this.interval = watched(el("input", { id: "interval", type: "text", size: 6 }), async (text) => {
-      const value = parseInteger(text, 1, 1e9, "interval");
-      await machine.link.call("MSETINTERVAL", { value });
-      await machine.read();
-    });
+    this.interval = watched(el("input", { id: "interval", type: "text", size: 6 }), (text) =>
+      call("MSETINTERVAL")(parseInteger(text, 1, 1e9, "interval")),
+    );
     this.diag = watched(choice([[0, "None"], [M_ANDIAG, "Analog loop"], [M_ENDIAG, "Encoder"], [3, "Both"]],
       { id: "diag" }), call("MDIAGMODE"));  // prettier-ignore
     this.buffer = watched(el("input", { id: "double", type: "checkbox" }), call("MDACMODE"));
-    this.units = el("button", { id: "units", type: "button",
+    this.units = button("units", "", () => page.units.set(!page.units.physical), {
       title: "counts and D/A units, or degrees and amperes",
-      onclick: () => page.units.set(!page.units.physical) });  // prettier-ignore
+    });
     this.name = el("h1", {}, "mctool");
     this.time = el("output", { id: "time" });
     this.lamps = Object.fromEntries(

@@ -2,7 +2,7 @@
 // The lab sheets: their text, a form for the answer, and its marks. The form makes an answer.toml, which
 // mmcs/tool/labs.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
 
-import { choice, download, el, labelled, setText } from "./dom.js";
+import { button, choice, download, el, labelled, setText } from "./dom.js";
 
 const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
 const WORDS = new Set(["true", "false", "inf", "nan"]);
@@ -37,10 +37,8 @@ export function labsView(page) {
   const rows = el("tbody");
   const marks = el("table", { hidden: true, id: "lab-marks" }, el("thead", {},
     el("tr", {}, ...["question", "points", "why"].map((head) => el("th", {}, head)))), rows);  // prettier-ignore
-  const check = el("button", { type: "button", id: "lab-check", textContent: "Check",
-    title: "runs the sheet's scenarios with your answers", onclick: () => grade() });  // prettier-ignore
-  const save = el("button", { type: "button", id: "lab-save", textContent: "Save answer.toml",
-    onclick: () => download("answer.toml", answer(), "text/plain") });  // prettier-ignore
+  const check = button("lab-check", "Check", grade, { title: "runs the sheet's scenarios with your answers" });
+  const save = button("lab-save", "Save answer.toml", () => download("answer.toml", answer(), "text/plain"));
   const commands = el("p", { id: "lab-commands" });
   let grader = null;
   let sheet = null;
@@ -70,8 +68,7 @@ export function labsView(page) {
       ? members.map((name) => labelled(name, typedField(`${key}.${name}`, "", `${key} ${name}`)))
       : [typedField(key, example, key)];
     if (members.length && members.every((name) => name in (machine.driver.params[0] ?? {})))
-      inner.push(el("button", { type: "button", id: `lab-take-${key}`, textContent: "From the chosen axis",
-        onclick: () => takeFrom(field) }));  // prettier-ignore
+      inner.push(button(`lab-take-${key}`, "From the chosen axis", () => takeFrom(field)));
     return el("div", { className: "row" }, el("b", {}, key), ...inner, el("span", { className: "hint" }, hint));
   }
 

@@ -2,7 +2,7 @@
 // A compensator typed as D(z); and in a page with a machine of its own, a control law of one's own,
 // which a user's process carries out every millisecond in torque mode (§1.3.1).
 
-import { choice, el, labelled, parseNumber, setText } from "./dom.js";
+import { button, choice, el, labelled, parseNumber, setText } from "./dom.js";
 import { law, LAW_NAMES, transfer } from "./formula.js";
 
 const COST_MS = 1000;
@@ -18,7 +18,6 @@ export function lawView(page) {
   const goal = el("input", { id: "law-r", type: "text", size: 7, value: "500", "aria-label": "r, counts" });
   const said = el("p", { id: "law-said", role: "status" });
   const cost = el("output", { id: "law-cost" });
-  const button = (id, name, onclick) => el("button", { type: "button", id, textContent: name, onclick });
   const own = machine.hello.server === "page";
 
   const attempt = (f) => async () => {

@@ -1,41 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine's messages (docs/use/protocol.md) for a page: requests as promises, the stream as events.
+// Messages for a page: requests as promises, the stream as events. Of the machine
+// (docs/use/protocol.md), and of a worker of ours (mmcs/tool/worker.py).
 //
 // A carrier has send(text), close() and the hooks onText, onBytes, onClose; below is the one of a
-// WebSocket. Events: hello, event, samples (an ArrayBuffer), lost, closed (a reason).
-
-export class MachineError extends Error {
-  constructor(reply) {
-    super(reply.text || reply.error || `errno ${reply.errno}`);
-    this.name = reply.error || "EIO";
-    this.errno = reply.errno;
-  }
-}
+// WebSocket. Events: hello, event, progress, samples (an ArrayBuffer), lost, closed (a reason).
 
 export class Link extends EventTarget {
   #carrier;
   #waiting = new Map();
   #next = 1;
-  #open = false;
+  #gone = ""; // why, when it is closed
 
   constructor(carrier) {
     super();
     this.#carrier = carrier;
-    this.hello = null;
-    this.#open = true;
     carrier.onText = (text) => this.#hear(JSON.parse(text));
     carrier.onBytes = (buffer) => this.#tell("samples", buffer);
     carrier.onClose = (reason) => this.#end(reason);
   }
 
-  /** One request of docs/use/protocol.md; resolves to the reply, rejects with a MachineError. */
+  /** One request; resolves to the reply, rejects with the words of a refusal. */
   request(op, args = {}) {
-    if (!this.#open) return Promise.reject(new Error("the machine is not connected"));
+    if (this.#gone) return Promise.reject(new Error(this.#gone));
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject });
-      this.#carrier.send(JSON.stringify({ id, op, ...args }));
+      this.post(op, { ...args, id });
     });
+  }
+
+  /** A request whose reply nobody waits for. */
+  post(op, args = {}) {
+    this.#carrier.send(JSON.stringify({ op, ...args }));
   }
 
   /** A request of Table 2.3 by name. */
@@ -56,22 +52,19 @@ export class Link extends EventTarget {
   }
 
   #hear(message) {
-    if (message.type === "reply") {
+    if ("id" in message) {
       const waiter = this.#waiting.get(message.id);
       this.#waiting.delete(message.id);
-      if (message.ok) waiter?.resolve(message);
-      else waiter?.reject(new MachineError(message));
-    } else {
-      if (message.type === "hello") {
-        this.hello = message;
-        this.#open = true;
-      }
-      this.#tell(message.type, message);
+      if (message.error) waiter?.reject(new Error(message.text || message.error));
+      else waiter?.resolve(message);
+      return;
     }
+    if (message.type === "hello") this.#gone = "";
+    this.#tell(message.type, message);
   }
 
   #end(reason) {
-    this.#open = false;
+    this.#gone = reason;
     for (const { reject } of this.#waiting.values()) reject(new Error(reason));
     this.#waiting.clear();
     this.#tell("closed", reason);
@@ -82,14 +75,18 @@ export class Link extends EventTarget {
   }
 }
 
-/** A carrier over a WebSocket; connect() makes another when it is lost. */
-export function socketCarrier(address) {
+/** A carrier over a WebSocket; connect() makes another when it is lost. gone: what is told then, if
+ * the server gives no reason. */
+export function socketCarrier(address, gone = "the page's server is gone") {
   let socket = null;
   const carrier = {
     onText: () => {},
     onBytes: () => {},
     onClose: () => {},
-    send: (text) => socket.readyState === WebSocket.OPEN && socket.send(text),
+    send: (text) => {
+      if (socket.readyState === WebSocket.OPEN) socket.send(text);
+      else socket.addEventListener("open", ({ target }) => target.send(text));
+    },
     close: () => socket.close(),
     connect: () => {
       if (socket && socket.readyState !== WebSocket.CLOSED) return;
@@ -98,7 +95,7 @@ export function socketCarrier(address) {
       fresh.binaryType = "arraybuffer";
       fresh.onmessage = ({ data }) =>
         typeof data === "string" ? carrier.onText(data) : carrier.onBytes(data);
-      fresh.onclose = ({ reason }) => carrier.onClose(reason || "the page's server is gone");
+      fresh.onclose = ({ reason }) => carrier.onClose(reason || gone);
     },
   };
   carrier.connect();

@@ -3,12 +3,12 @@
 //
 // Address: ?demo=NAME, one of DEMOS. A bench motor on one card; the driver runs unless said otherwise.
 
-import { el, setText } from "./dom.js";
+import { button, el, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { Link } from "./link.js";
 import { Machine } from "./machine.js";
 import { errorWords } from "./params.js";
-import { cardOffset, fieldsText } from "./registers.js";
+import { fieldsText, hex, offsetOf } from "./registers.js";
 import { REGISTERS } from "./registers_table.js";
 import { LINES } from "./samples.js";
 
@@ -18,15 +18,9 @@ const DEADMAN_MS = 10_000;
 const TORQUE = 0.08; // N m at the shaft: more than its friction
 const register = (name) => REGISTERS.find((one) => one.name === name);
 const input = (m, name, value) => m.link.request("input", { name, index: 0, value });
-const load = async (m, name) => {
-  const { card, offset } = register(name);
-  return (await m.link.request("load", { offset: card ? cardOffset(0, offset) : offset })).value;
-};
-const store = (m, name, value) => {
-  const { card, offset } = register(name);
-  return m.link.request("store", { offset: card ? cardOffset(0, offset) : offset, value });
-};
-const hex = (value) => `0x${value.toString(16).padStart(2, "0").toUpperCase()}`;
+const offset = (name) => offsetOf(register(name), 0);
+const load = async (m, name) => (await m.link.request("load", { offset: offset(name) })).value;
+const store = (m, name, value) => m.link.request("store", { offset: offset(name), value });
 const shown = async (m, name) => {
   const value = await load(m, name);
   return `${hex(value)}  ${fieldsText(register(name), value)}`;
@@ -129,8 +123,7 @@ async function start() {
   const lamps = el("p", { className: "row" });
   const values = Object.keys(demo.shows).map((name) => [name, el("output")]);
   room.append(el("p", {}, demo.about), el("p", { className: "row" },
-    ...Object.entries(demo.acts).map(([name, act]) => el("button", { type: "button", textContent: name,
-      onclick: () => machine.try(act(machine)) }))), lamps,
+    ...Object.entries(demo.acts).map(([name, act]) => button("", name, () => machine.try(act(machine))))), lamps,
     el("table", {}, ...values.map(([name, output]) =>
       el("tr", {}, el("td", {}, name), el("td", {}, output)))), said);  // prettier-ignore
 

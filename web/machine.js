@@ -151,11 +151,11 @@ export class Machine extends EventTarget {
     }
   }
 
-  /** Resolves when a sample shows it, or none has for a while: the machine may be paused. */
-  seen(predicate) {
+  /** Resolves when a sample shows it, or none has for so long: the machine may be paused. */
+  seen(predicate, ms = SEEN_MS) {
     return new Promise((done) => {
       const look = () => predicate() && end();
-      const timer = setTimeout(() => end(), SEEN_MS);
+      const timer = setTimeout(() => end(), ms);
       const end = () => {
         clearTimeout(timer);
         this.removeEventListener("samples", look);
@@ -273,8 +273,7 @@ export class Machine extends EventTarget {
   }
 
   say(kind, text) {
-    const t = this.history?.end > this.history?.first ? this.history.time(this.history.end - 1) : 0;
-    const event = { t, kind, axis: -1, value: 0, text };
+    const event = { t: this.history?.now ?? 0, kind, axis: -1, value: 0, text };
     this.messages.push(event);
     this.dispatchEvent(new CustomEvent("event", { detail: event }));
   }

@@ -3,9 +3,8 @@
 //
 // Address: ?stop=URL (the stop frame), and what app.js says.
 
-import { Advice } from "./advice.js";
 import { run } from "./app.js";
-import { socketCarrier } from "./link.js";
+import { Link, socketCarrier } from "./link.js";
 
 const asked = new URLSearchParams(location.search);
 if (asked.get("stop")) document.getElementById("stop").src = asked.get("stop");
@@ -16,7 +15,8 @@ const socket = (name) => {
   return address.href.split("?")[0];
 };
 try {
-  const workers = { advice: new Advice(socket("advice")), labs: () => new Advice(socket("labs")) };
+  const worker = (name) => new Link(socketCarrier(socket(name), "the page's server is gone; load the page again"));
+  const workers = { advice: worker("advice"), labs: () => worker("labs") };
   run(socketCarrier(socket("machine")), workers, asked.has("control"));
 } catch ({ message }) {
   document.getElementById("said").textContent = message;

@@ -4,8 +4,8 @@
 
 import { choice, el, labelled, parseInteger, parseNumber, setText } from "./dom.js";
 import { Drafts } from "./draft.js";
-import { errorWords, FIELDS, FLAGS, gainsOf, INT_MAX, INT_MIN, MC_FSCALE, MODE_MASK, modeName, MODES,
-  setpointScale } from "./params.js";  // prettier-ignore
+import { errorWords, FIELDS, FLAGS, gainsOf, INT_MAX, INT_MIN, MC_FSCALE, MODE_MASK, MODE_NAMES, modeName,
+  MODES, setpointScale } from "./params.js";  // prettier-ignore
 
 const SQUARE_MS = 1000; // half a period, in the machine's time
 const GAINS = { p: 30000, i: 100000, d: 300 }; // ends of the sliders, %
@@ -37,17 +37,12 @@ export class Panel {
     const n = this.axis;
     const id = (what) => `axis${n}-${what}`;
     const named = (what, more = {}) => ({ id: id(what), "aria-label": `axis ${n} ${what}`, ...more });
-    const watched = (control, take) => {
-      this.drafts.watch(control, (value) => take.call(this, value));
-      return control;
-    };
+    const watched = (control, take) => this.drafts.watch(control, (value) => take.call(this, value));
     const number = (what, size, take) => watched(el("input", named(what, { type: "text", size })), take);
     const range = (what, take, more = {}) =>
       watched(el("input", named(what, { type: "range", step: 1, ...more })), take);
     const check = (what, take) => watched(el("input", named(what, { type: "checkbox" })), take);
-    this.mode = watched(choice(
-      [["off", "Off"], ["pos", "Pos"], ["vel", "Vel"], ["torq", "Torq"], ["test1", "Test1"],
-       ["diag", "Diag"]], named("mode")), this.#setMode);  // prettier-ignore
+    this.mode = watched(choice(Object.entries(MODE_NAMES), named("mode")), this.#setMode);
     this.source = watched(choice(
       [["slider", "Slider"], ["ad", "A/D"], ["square", "Square wave"]], named("setpoint source"),
     ), this.#setSource);  // prettier-ignore
@@ -157,12 +152,12 @@ export class Panel {
     return this.machine.enabled ? (this.machine.history.latest(this.axis)?.current ?? 0) : 0;
   }
 
-  #interval() {
-    return this.machine.driver.interval_us * 1e-6 * this.param.clkdivisor;
+  get #interval_s() {
+    return this.page.interval_s(this.axis);
   }
 
   #renderGains() {
-    const gains = gainsOf(this.param, this.#interval());
+    const gains = gainsOf(this.param, this.#interval_s);
     for (const [name, { slide, number }] of Object.entries(this.gains)) {
       const percent = gains ? Math.round(gains[name] * 1e4) / 100 : null;
       this.drafts.show(number, percent === null ? "–" : percent);
@@ -244,9 +239,9 @@ export class Panel {
   async #setGain(name, text) {
     const percent = parseNumber(String(text));
     if (percent === null) throw new Error(`"${text}" is no gain in %`);
-    const { p = 0, i = 0, d = 0, tau = 0 } = gainsOf(this.param, this.#interval()) ?? {};
+    const { p = 0, i = 0, d = 0, tau = 0 } = gainsOf(this.param, this.#interval_s) ?? {};
     const gains = { p, i, d, tau, [name]: percent / 100 };
-    const made = await this.page.design(gains, this.#interval());
+    const made = await this.page.design(gains, this.#interval_s);
     setText(this.warnings, made.warnings.join(" "));
     if (made.coefficients) await this.#change(made.coefficients);
   }

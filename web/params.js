@@ -4,6 +4,8 @@
 // mcdef.h, Tables 2.1 and 2.2
 export const MODES = { off: 0, pos: 1, vel: 2, torq: 3, test1: 4 };
 export const MODE_MASK = 0x00f;
+/** Of the panel: a mode, or "diag". */
+export const MODE_NAMES = { off: "Off", pos: "Pos", vel: "Vel", torq: "Torq", test1: "Test1", diag: "Diag" };
 export const FLAGS = { COULCOMP: 0x10, ADFB: 0x20, ZEROFB: 0x40, ADDMD: 0x80, ADOFF: 0x100,
   POSCHK: 0x200, SOFTERR: 0x400 };  // prettier-ignore
 const ERRORS = [
@@ -30,10 +32,12 @@ export function modeName(param, current = 0) {
   return name === "off" && current !== 0 ? "diag" : name;
 }
 
+export const isBounded = ({ plo, phi }) => plo > INT_MIN / 2 && phi < INT_MAX / 2;
+
 /** What the setpoint means in a mode: name, range, and what it is measured in (units.js). */
 export function setpointScale(mode, param) {
   const fed = param.mode & FLAGS.ADFB ? "adc" : "position";
-  const bounded = param.plo > INT_MIN / 2 && param.phi < INT_MAX / 2;
+  const bounded = isBounded(param);
   switch (mode) {
     case "pos":
       return {

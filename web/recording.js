@@ -3,6 +3,8 @@
 //
 // First line: "t_s,lines,encnow_0,…"; times in seconds with 9 digits, everything else whole numbers.
 
+import { History } from "./samples.js";
+
 const NUMBER = /^-?\d+(\.\d+)?$/;
 const MOST = 2 ** 31;
 
@@ -19,54 +21,29 @@ export function toCsv(history, from, to) {
   return `${lines.join("\n")}\n`;
 }
 
-/** A recording that was saved: the reading half of History. Throws one sentence. */
-export class Recording {
+/** A recording that was saved. Throws one sentence. */
+export class Recording extends History {
   constructor(text, name) {
-    this.name = name;
     const lines = text.split(/\r?\n/).filter((line) => line);
     const names = lines.length ? lines[0].split(",") : [];
     if (names[0] !== "t_s" || names[1] !== "lines")
       throw new Error(`${name}: not a recording; its first line must begin with t_s,lines`);
     const parts = names.slice(2).map((n) => /^([a-z]+)_(\d+)$/.exec(n));
     if (parts.some((part) => !part)) throw new Error(`${name}: a column is no field of an axis`);
-    this.fields = [...new Set(parts.map((part) => part[1]))];
+    super([...new Set(parts.map((part) => part[1]))], Infinity);
+    this.name = name;
     this.axes = Math.max(-1, ...parts.map((part) => Number(part[2]))) + 1;
     if (this.fields.length * this.axes !== parts.length)
       throw new Error(`${name}: an axis lacks a field`);
-    this.first = 0;
-    this.end = lines.length - 1;
-    this.linesColumn = 0;
-    this.width = names.length - 1;
-    this.times = new Float64Array(this.end);
-    this.ints = new Int32Array(this.end * this.width);
-    for (let row = 0; row < this.end; row++) {
-      const cells = lines[row + 1].split(",");
+    this.rowInts = this.lightsColumn(0);
+    const head = new Array(this.linesColumn).fill(0);
+    lines.slice(1).forEach((line, row) => {
+      const cells = line.split(",");
       const values = cells.map((cell) => (NUMBER.test(cell) ? Number(cell) : NaN));
       const fits = values.slice(1).every((value) => Number.isInteger(value) && Math.abs(value) <= MOST);
       if (values.length !== names.length || !Number.isFinite(values[0]) || !fits)
         throw new Error(`${name}: line ${row + 2} is damaged`);
-      this.times[row] = values[0];
-      this.ints.set(values.slice(1), row * this.width);
-    }
-  }
-
-  time(row) {
-    return this.times[row];
-  }
-  value(row, column) {
-    return this.ints[row * this.width + column];
-  }
-  column(axis, field) {
-    return 1 + axis * this.fields.length + this.fields.indexOf(field);
-  }
-  find(t) {
-    let low = 0;
-    let high = this.end;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.times[middle] < t) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+      this.add(row, values[0], [...head, values[1], this.axes, ...values.slice(2)]);
+    });
   }
 }

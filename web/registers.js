@@ -2,7 +2,7 @@
 // Registers with the names of their fields (generated from mmcs.rdl), read when asked, written with
 // control. A read is a real bus cycle: it can take a latched count that the driver wanted (§2.4).
 
-import { choice, el, labelled, parseInteger } from "./dom.js";
+import { button, choice, el, labelled, parseInteger } from "./dom.js";
 import { REGISTERS } from "./registers_table.js";
 
 export function registersView(page) {
@@ -10,8 +10,9 @@ export function registersView(page) {
   const cards = Array.from({ length: machine.hello.cards }, (_, n) => [n, `card ${n}`]);
   const card = choice(cards, { "aria-label": "card" });
   const rows = REGISTERS.map((register) => makeRow(page, register, card));
-  const all = el("button", { type: "button", textContent: "Read all that can be read",
-    onclick: async () => { for (const row of rows) await row.read(); } });  // prettier-ignore
+  const all = button("", "Read all that can be read", async () => {
+    for (const row of rows) await row.read();
+  });
   const element = el("div", { className: "registers" },
     el("p", {}, "Each read and write is a bus cycle of the machine, beside those of the driver."),
     el("div", { className: "row" }, labelled("Cards' registers of", card), all),
@@ -20,9 +21,14 @@ export function registersView(page) {
   return { title: "Registers", element };
 }
 
-/** VME offset of a card's register: PC A00-A04 are A01-A05, A10-A13 (the DIP switch) A06-A09. */
-export function cardOffset(card, offset) {
-  return (card << 6) | (offset << 1) | 1;
+/** VME offset of a register; of a card's, PC A00-A04 are A01-A05, A10-A13 (the DIP switch) A06-A09. */
+export function offsetOf(register, card) {
+  return register.card ? (card << 6) | (register.offset << 1) | 1 : register.offset;
+}
+
+/** A byte as it is shown. */
+export function hex(value) {
+  return `0x${value.toString(16).padStart(2, "0").toUpperCase()}`;
 }
 
 /** "BASE 24, SCLOCK_EN 1": the fields of a value. */
@@ -35,7 +41,7 @@ export function fieldsText(register, value) {
 
 function makeRow(page, register, card) {
   const { machine } = page;
-  const offset = () => (register.card ? cardOffset(Number(card.value), register.offset) : register.offset);
+  const offset = () => offsetOf(register, Number(card.value));
   const value = el("output");
   const fields = el("span");
   const input = el("input", { type: "text", size: 5, "aria-label": `write ${register.name}`,
@@ -45,7 +51,7 @@ function makeRow(page, register, card) {
     if (!register.readable) return;
     const reply = await machine.try(machine.link.request("load", { offset: offset() }));
     if (!reply) return;
-    value.textContent = `0x${reply.value.toString(16).padStart(2, "0").toUpperCase()}`;
+    value.textContent = hex(reply.value);
     fields.textContent = fieldsText(register, reply.value);
   }
 
@@ -64,10 +70,9 @@ function makeRow(page, register, card) {
     return undefined;
   }
 
-  const button = el("button", { type: "button", textContent: register.name,
-    title: register.text, onclick: read, disabled: !register.readable });  // prettier-ignore
+  const name = button("", register.name, read, { title: register.text, disabled: !register.readable });
   const address = `${register.card ? "+" : ""}0x${register.offset.toString(16).toUpperCase()}`;
-  const element = el("tr", {}, el("td", {}, address), el("td", {}, button), el("td", {}, value),
+  const element = el("tr", {}, el("td", {}, address), el("td", {}, name), el("td", {}, value),
     el("td", {}, fields), el("td", {}, register.writable ? input : ""));  // prettier-ignore
   return { element, read };
 }

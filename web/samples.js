@@ -2,7 +2,7 @@
 // Servo samples as they come (docs/use/protocol.md, Samples), kept whole for minutes.
 
 const HEAD_BYTES = 32;
-const ROW_HEAD_INTS = 6; // number and time as float64, lines, joints
+const ROW_HEAD_INTS = 6; // number and time as float64, lines, axes that the servo controls
 const CHUNK_ROWS = 8192;
 export const LINES = { panic: 1, brakes: 2, enabled: 4, stopped: 8, irq: 16 };
 
@@ -18,9 +18,7 @@ export function decode(buffer) {
     rows,
     rowBytes,
     axes: head.getUint16(12, true),
-    cards: head.getUint16(14, true),
     lost: head.getFloat64(16, true),
-    position: head.getFloat64(24, true),
     floats: new Float64Array(buffer, HEAD_BYTES, (rows * rowBytes) / 8),
     ints: new Int32Array(buffer, HEAD_BYTES, (rows * rowBytes) / 4),
   };
@@ -35,7 +33,6 @@ export class History {
     this.fields = fields;
     this.capacity = capacity;
     this.axes = 0;
-    this.cards = 0;
     this.lost = 0;
     this.rowInts = 0;
   }
@@ -49,27 +46,28 @@ export class History {
     return this.#first + full + (this.#chunks.at(-1)?.used ?? 0);
   }
 
-  /** Appends a message; returns the number of its rows. */
+  /** Appends the rows of a message. */
   append(buffer) {
     const message = decode(buffer);
     const rowInts = message.rowBytes / 4;
     if (rowInts !== this.rowInts || message.axes !== this.axes) this.clear();
     this.rowInts = rowInts;
     this.axes = message.axes;
-    this.cards = message.cards;
     this.lost = message.lost;
     for (let row = 0; row < message.rows; row++) {
-      let chunk = this.#chunks.at(-1);
-      if (!chunk || chunk.used === CHUNK_ROWS) chunk = this.#grow();
-      chunk.numbers[chunk.used] = message.floats[(row * message.rowBytes) / 8];
-      chunk.times[chunk.used] = message.floats[(row * message.rowBytes) / 8 + 1];
-      chunk.ints.set(
-        message.ints.subarray(row * rowInts, (row + 1) * rowInts),
-        chunk.used * rowInts,
-      );
-      chunk.used++;
+      const at = row * rowInts;
+      this.add(message.floats[at / 2], message.floats[at / 2 + 1], message.ints.subarray(at, at + rowInts));
     }
-    return message.rows;
+  }
+
+  /** Appends a row, whose values are at their columns. */
+  add(number, time, ints) {
+    let chunk = this.#chunks.at(-1);
+    if (!chunk || chunk.used === CHUNK_ROWS) chunk = this.#grow();
+    chunk.numbers[chunk.used] = number;
+    chunk.times[chunk.used] = time;
+    chunk.ints.set(ints, chunk.used * this.rowInts);
+    chunk.used++;
   }
 
   #grow() {
@@ -118,12 +116,16 @@ export class History {
     return chunk.times[at];
   }
 
+  /** Time of the latest row, s; 0 before the first. */
+  get now() {
+    return this.end > this.#first ? this.time(this.end - 1) : 0;
+  }
+
   /** Offset of a field of an axis in a row, for value(). */
   column(axis, field) {
     return ROW_HEAD_INTS + axis * this.fields.length + this.fields.indexOf(field);
   }
   linesColumn = 4;
-  jointsColumn = 5;
   lightsColumn(card) {
     return ROW_HEAD_INTS + this.axes * this.fields.length + card;
   }
@@ -148,11 +150,6 @@ export class History {
   /** Bits of a card's lights in the latest sample. */
   lights(card) {
     return this.end > this.#first ? this.value(this.end - 1, this.lightsColumn(card)) : 0;
-  }
-
-  /** Axes that the servo controls; 0 before the first sample. */
-  get joints() {
-    return this.end > this.first ? this.value(this.end - 1, this.jointsColumn) : 0;
   }
 
   /** The values of an axis by field name. */

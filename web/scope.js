@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scope: every sample of any field of any axis; roll and trigger, cursors, zoom, recordings.
 
-import { choice, colour, el, labelled, parseNumber, setText } from "./dom.js";
+import { button, choice, colour, el, labelled, parseNumber, setText } from "./dom.js";
 import { Lanes, quantityOf, style } from "./lanes.js";
 import { recordings } from "./scope_files.js";
 import { findTrigger } from "./trigger.js";
@@ -41,8 +41,7 @@ export class Scope {
     const fields = hello.sample.fields.map((name) => [name, name]);
     this.window = choice(WINDOWS.map((s) => [s, `${s} s`]), { id: "scope-window", onchange: () => this.roll() });
     this.window.value = "2";
-    this.run = el("button", { id: "scope-run", type: "button", textContent: "Hold",
-      onclick: () => (this.held ? this.roll() : this.hold()) });  // prettier-ignore
+    this.run = button("scope-run", "Hold", () => (this.held ? this.roll() : this.hold()));
     this.kind = choice(
       [["none", "no trigger"], ["rise", "rise"], ["fall", "fall"], ["error", "error"], ["panic", "PANIC"]],
       { id: "scope-trigger", onchange: () => this.roll() },
@@ -59,7 +58,6 @@ export class Scope {
     this.list = el("div", { className: "channels" });
     this.lost = el("output", { id: "scope-lost" });
     this.reading = el("pre", { className: "cursors" });
-    const button = (text, onclick, id = "") => el("button", { type: "button", textContent: text, onclick, id });
     this.element = el("div", { className: "scope" },
       el("div", { className: "row" }, this.run, labelled("Window", this.window),
         labelled("Chosen axis", this.followBox),
@@ -67,7 +65,7 @@ export class Scope {
           el("div", { className: "row" }, labelled("Trigger", this.kind), this.triggerAxis, this.triggerField,
             this.level, labelled("before", this.pre, "%"), labelled("again", this.again)),
           el("div", { className: "row" }, this.newAxis, this.newField,
-            button("Add channel", () => this.add(Number(this.newAxis.value), this.newField.value), "scope-add"),
+            button("scope-add", "Add channel", () => this.add(Number(this.newAxis.value), this.newField.value)),
             ...recordings(this)))), this.lost),
       this.list, this.lanes.element, this.reading);  // prettier-ignore
     const screen = this.lanes.element;
@@ -112,13 +110,12 @@ export class Scope {
       onchange: () => { channel.on = box.checked; this.#rebuild(); } });  // prettier-ignore
     channel.value = el("output", { "aria-label": name });
     const chip = el("span", { className: "chip" }, box, name, channel.value,
-      el("button", { type: "button", textContent: "×", "aria-label": `remove ${name}`,
-        onclick: () => {
-          this.followBox.checked = false;
-          this.channels = this.channels.filter((c) => c !== channel);
-          chip.remove();
-          this.#rebuild();
-        } }));  // prettier-ignore
+      button("", "×", () => {
+        this.followBox.checked = false;
+        this.channels = this.channels.filter((c) => c !== channel);
+        chip.remove();
+        this.#rebuild();
+      }, { "aria-label": `remove ${name}` }));  // prettier-ignore
     chip.style.borderColor = `var(${channel.stroke})`;
     this.list.append(chip);
     this.channels.push(channel);
@@ -148,12 +145,10 @@ export class Scope {
 
   view() {
     if (this.held) return [this.held.from, this.held.to];
-    const { history } = this.page.machine;
     const width = Number(this.window.value);
-    const { moment } = this.page;
+    const { moment, machine } = this.page;
     if (moment !== null) return [moment - width / 2, moment + width / 2];
-    const to = history.end > history.first ? history.time(history.end - 1) : 0;
-    return [to - width, to];
+    return [machine.history.now - width, machine.history.now];
   }
 
   /** Looks for the trigger in what is new; holds when all that belongs to it has come. */
@@ -168,7 +163,7 @@ export class Scope {
       if (row < 0) return;
       this.fired = history.time(row);
     }
-    if (history.time(history.end - 1) < this.fired + width - before) return;
+    if (history.now < this.fired + width - before) return;
     this.element.dataset.fired = String(this.fired);
     const from = this.fired - before;
     this.fired = null;

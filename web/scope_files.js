@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the scope saves and opens: CSV, and MCAP by the designer.
 
-import { download, el } from "./dom.js";
+import { button, download, el } from "./dom.js";
 import { Recording, toCsv } from "./recording.js";
 
 /** The scope's buttons for files. */
 export function recordings(scope) {
   const { machine, advice } = scope.page;
   const name = (kind) => `${machine.hello.scenario}.${kind}`;
-  const button = (text, onclick, id = "") => el("button", { type: "button", textContent: text, onclick, id });
 
   function csv() {
     const { history } = machine;
@@ -45,10 +44,10 @@ export function recordings(scope) {
   const input = el("input", { type: "file", accept: ".csv,.mcap", multiple: true, hidden: true,
     onchange: () => open(input.files) });  // prettier-ignore
   return [
-    button("Save CSV", () => download(name("csv"), csv(), "text/csv"), "scope-save"),
-    button("Save MCAP", saveMcap, "scope-mcap"),
-    button("Open", () => input.click(), "scope-open"),
+    button("scope-save", "Save CSV", () => download(name("csv"), csv(), "text/csv")),
+    button("scope-mcap", "Save MCAP", saveMcap),
+    button("scope-open", "Open", () => input.click()),
     input,
-    button("Close recordings", () => scope.closeAll()),
+    button("", "Close recordings", () => scope.closeAll()),
   ];
 }

@@ -5,7 +5,7 @@
 // `Run on`), speed=S (of the clock on the wall; 0: as fast as it goes), and what app.js says.
 
 import { run } from "./app.js";
-import { askedNumber, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
+import { askedNumber, button, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { readRecord, setupOf } from "./engine/record.js";
@@ -63,33 +63,31 @@ const link = (changes) => {
 };
 const go = (changes) => location.assign(link({ scenario: scenario.value, ...changes }));
 const repeat = () => (asked.has("record") ? location.reload() : go({}));
-const groups = Map.groupBy ? Map.groupBy(scenarios, (s) => s.folder) : null;
 const scenario = choice([], { id: "scenario", "aria-label": "scenario",
   onchange: () => go({ scenario: scenario.value }) });  // prettier-ignore
 for (const folder of new Set(scenarios.map((s) => s.folder))) {
-  const own = groups?.get(folder) ?? scenarios.filter((s) => s.folder === folder);
+  const own = scenarios.filter((s) => s.folder === folder);
   scenario.append(el("optgroup", { label: folder },
     ...own.map((s) => el("option", { value: s.name, textContent: s.name, title: s.description }))));  // prettier-ignore
 }
 const seed = el("input", { id: "seed", type: "text", size: 5, inputMode: "numeric",
   onchange: () => go({ seed: seed.value }) });  // prettier-ignore
-const again = el("button", { id: "again", type: "button", textContent: "Run again", onclick: repeat });
-const alone = el("button", { id: "alone", type: "button", textContent: asked.get("plays") === "0" ? "With its motion" : "Without its motion",
-  title: "the machine as `mmcs tool` starts it: nobody moves it but you",
-  onclick: () => go({ plays: asked.get("plays") === "0" ? 1 : 0 }) });  // prettier-ignore
+const again = button("again", "Run again", repeat);
+const still = asked.get("plays") === "0";
+const alone = button("alone", still ? "With its motion" : "Without its motion", () => go({ plays: Number(still) }), {
+  title: "the machine as `mmcs tool` starts it: nobody moves it but you" });  // prettier-ignore
 const permalink = el("a", { id: "permalink", textContent: "link" });
 const progress = el("output", { id: "progress" });
 const hash = el("output", { id: "hash", title: "digest of every sample and of the hardware at the end" });
-const record = el("button", { id: "record", type: "button", textContent: "Save record", disabled: true,
-  title: "run.mmcs, for `mmcs replay`", onclick: () => worker.postMessage({ record: "record" }) });  // prettier-ignore
-const log = el("button", { id: "log", type: "button", textContent: "Save log", disabled: true,
-  onclick: () => worker.postMessage({ record: "csv" }) });  // prettier-ignore
+const record = button("record", "Save record", () => worker.postMessage({ record: "record" }), {
+  disabled: true, title: "run.mmcs, for `mmcs replay`" });  // prettier-ignore
+const log = button("log", "Save log", () => worker.postMessage({ record: "csv" }), { disabled: true });
 const file = el("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
   onchange: async () => {
     sessionStorage.setItem("record", await file.files[0].text());
     location.assign("?record");
   } });  // prettier-ignore
-const open = el("button", { type: "button", textContent: "Replay a record", onclick: () => file.click() });
+const open = button("", "Replay a record", () => file.click());
 document.getElementById("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), again,
   alone, permalink, record, log, open, file, progress, hash);  // prettier-ignore
 
@@ -132,7 +130,7 @@ try {
   seed.value = String(setup.config.seed);
   permalink.hidden = expected !== null; // what a record changes is in no address
   permalink.href = link({ scenario: setup.name, seed: setup.config.seed });
-  const options = { paused: asked.has("paused"), plays: asked.get("plays") !== "0" };
+  const options = { paused: asked.has("paused"), plays: !still };
   const started = await startMachine(setup, options, hear);
   worker = started.worker;
   connectStop();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The views at the right, one at a time. A view is {title, element, shown(), update(row)}.
 
-import { el } from "./dom.js";
+import { button, el } from "./dom.js";
 import { faultsView } from "./faults.js";
 import { frontView } from "./front.js";
 import { labsView } from "./labs.js";
@@ -30,7 +30,7 @@ export function tabs(page, log) {
     view.element.id ||= `view-${view.title.toLowerCase()}`;
     view.element.setAttribute("aria-labelledby", id);
     if (!view.element.role) view.element.role = "tabpanel";
-    return el("button", { type: "button", role: "tab", id, textContent: view.title, onclick: () => show(n) });
+    return button(id, view.title, () => show(n), { role: "tab" });
   });
   bar.append(...buttons);
   bar.addEventListener("keydown", (event) => {

@@ -2,10 +2,8 @@
 // A tile for each axis: where it is, error, current, limits, brake. A press chooses the axis.
 
 import { el, setText } from "./dom.js";
-import { errorWords, INT_MAX, INT_MIN, modeName } from "./params.js";
+import { errorWords, isBounded, MODE_NAMES, modeName } from "./params.js";
 import { LINES } from "./samples.js";
-
-const NAMES = { off: "Off", pos: "Pos", vel: "Vel", torq: "Torq", test1: "Test1", diag: "Diag" };
 
 export function tiles(page, room) {
   const { machine } = page;
@@ -37,14 +35,14 @@ export function tiles(page, room) {
       const { units } = page;
       const place = units.scale(axis, "position");
       const amps = units.scale(axis, "current");
-      setText(tile.mode, NAMES[modeName(param, lines & LINES.enabled ? now.current : 0)]);
+      setText(tile.mode, MODE_NAMES[modeName(param, lines & LINES.enabled ? now.current : 0)]);
       setText(tile.place, `${units.show(axis, "position", now.encnow)} ${place.unit}`);
       setText(tile.error, `error ${param.mode & 0xf ? units.show(axis, "position", now.error) : "–"}`);
       setText(tile.current, `${units.show(axis, "current", now.current)} ${amps.unit}`);
       const share = param.ilim ? Math.min(1, Math.abs(now.current) / param.ilim) : 0;
       tile.bar.style.transform = `scaleX(${share.toFixed(2)})`;
       tile.bar.classList.toggle("full", share > 0.95);
-      const bounded = param.plo > INT_MIN / 2 && param.phi < INT_MAX / 2;
+      const bounded = isBounded(param);
       const at = bounded ? (now.fbnow - param.plo) / Math.max(1, param.phi - param.plo) : 0.5;
       tile.range.style.left = `${(100 * Math.max(0, Math.min(1, at))).toFixed(1)}%`;
       tile.range.hidden = !bounded;

@@ -2,7 +2,7 @@
 // The past and the pace, under everything: one slider over the time that is known. Moving it shows the
 // whole page that moment; the machine goes on meanwhile, unless it is sent back there.
 
-import { choice, el, labelled, setText } from "./dom.js";
+import { button, choice, el, labelled, setText } from "./dom.js";
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 2, 5];
 const STEP_S = 0.01;
@@ -22,8 +22,6 @@ export function timeBar(page, room) {
   const speed = choice(SPEEDS.map((s) => [s, `${s} ×`]), { id: "speed",
     onchange: () => ask("pace", { speed: Number(speed.value) }) });  // prettier-ignore
   speed.value = "1";
-  const button = (id, text, onclick, more = {}) =>
-    el("button", { type: "button", id, textContent: text, onclick, ...more });
   const ask = (op, args) => machine.try(machine.link.request(op, args));
   const pause = button("pause", "Pause", () => ask("pace", { paused: !machine.paused }));
   const step = button("step", "10 ms on", () => ask("advance", { seconds: STEP_S }));
@@ -35,8 +33,7 @@ export function timeBar(page, room) {
     where, now, back, waves), el("div", { className: "track" }, marks, slider));  // prettier-ignore
 
   const span = () => {
-    const { history } = machine;
-    const to = history.time(history.end - 1);
+    const to = machine.history.now;
     return [Math.min(to, Math.max(0, oldest)), to];
   };
 

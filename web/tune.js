@@ -2,7 +2,7 @@
 // Step response, Bode plot and auto-tune of one axis, beside what the design predicts.
 
 import uPlot from "./lib/uplot/uPlot.esm.js";
-import { choice, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
+import { button, choice, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
 
 const ALIVE_MS = 80; // the experiment is broken off after 250 ms of silence
 
@@ -30,7 +30,7 @@ export function tuneView(page) {
   async function experiment(op, args) {
     if (!machine.controls) return machine.say("error", "take control first");
     if (!machine.enabled) return machine.say("error", "enable the machine first");
-    const alive = () => advice.send({ op: "alive" });
+    const alive = () => advice.post("alive");
     const ticks = setInterval(alive, ALIVE_MS);
     machine.addEventListener("tick", alive); // also in a page that nobody looks at
     try {
@@ -157,7 +157,6 @@ export function tuneView(page) {
       el("tr", {}, el("td", {}, name), el("td", {}, String(value))))));  // prettier-ignore
   }
 
-  const button = (id, text, f) => el("button", { type: "button", id, textContent: text, onclick: f });
   const undo = button("tune-undo", "Undo", takeBack);
   const save = button("tune-save", "Save as TOML", () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
   undo.hidden = save.hidden = true;

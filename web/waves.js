@@ -2,7 +2,7 @@
 // Waveforms of the milliseconds around a moment: VME, PC bus, card 0, from a machine that goes through
 // them again with its nets watched (web/engine/past.js; of a served machine, mmcs/tool/moment.py).
 
-import { el, labelled, parseNumber, perFrame, setText } from "./dom.js";
+import { button, el, labelled, parseNumber, perFrame, setText } from "./dom.js";
 import { duration, Waves } from "./wave_data.js";
 import { HEAD, layOut, WaveScreen } from "./wave_screen.js";
 
@@ -37,8 +37,7 @@ class WavesView {
   }
 
   #build() {
-    const button = (id, text, f, title = "") =>
-      el("button", { type: "button", id, textContent: text, onclick: f, title, "aria-label": title || text });
+    const sign = (id, text, f, title) => button(id, text, f, { title, "aria-label": title });
     const submit = (event) => {
       if (event.key === "Enter") this.draws();
     };
@@ -53,17 +52,17 @@ class WavesView {
     this.sheet = el("div", { className: "sheet" }, this.canvas);
     this.screen = new WaveScreen(this.canvas);
     const served = !this.page.machine.hello.waves;
-    const trace = button("waves-trace", "As a file for gtkwave", () => this.trace(),
+    const trace = sign("waves-trace", "As a file for gtkwave", () => this.trace(),
       "by the trace build, which is made if need be");  // prettier-ignore
     this.element = el("div", { className: "waves" },
       el("div", { className: "row" }, labelled("Around", this.t, "s"), labelled("for", this.ms, "ms"),
         button("waves-draw", "Draw", () => this.draws()),
         button("waves-scope", "At the scope's A", () => this.fromScope()),
-        button("waves-now", "Now", () => this.ask(this.#now())), served ? trace : "", this.said),
-      el("div", { className: "row" }, button("waves-back", "◀", () => this.pan(-0.3), "earlier"),
-        button("waves-on", "▶", () => this.pan(0.3), "later"), button("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
-        button("waves-out", "−", () => this.zoom(ZOOM), "zoom out"), button("waves-all", "All", () => this.all()),
-        button("waves-a", "A", () => this.mark(0), "cursor A here"), button("waves-b", "B", () => this.mark(1), "cursor B here"),
+        button("waves-now", "Now", () => this.ask(this.#now)), served ? trace : "", this.said),
+      el("div", { className: "row" }, sign("waves-back", "◀", () => this.pan(-0.3), "earlier"),
+        sign("waves-on", "▶", () => this.pan(0.3), "later"), sign("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
+        sign("waves-out", "−", () => this.zoom(ZOOM), "zoom out"), button("waves-all", "All", () => this.all()),
+        sign("waves-a", "A", () => this.mark(0), "cursor A here"), sign("waves-b", "B", () => this.mark(1), "cursor B here"),
         this.chips),
       this.reading, this.sheet);  // prettier-ignore
     this.sheet.addEventListener("scroll", () => this.redraw());
@@ -74,13 +73,12 @@ class WavesView {
       this.canvas.addEventListener(type, (event) => this.#pointer(event));
   }
 
-  #now() {
-    const { history } = this.page.machine;
-    return history.end > history.first ? history.time(history.end - 1) : 0;
+  get #now() {
+    return this.page.machine.history.now;
   }
 
   shown() {
-    if (!this.t.value) this.t.value = (this.page.scope?.moment() ?? this.#now()).toFixed(6);
+    if (!this.t.value) this.t.value = (this.page.scope?.moment() ?? this.#now).toFixed(6);
     this.redraw();
   }
 

@@ -17,22 +17,24 @@ export class Law {
     this.integral = 0;
     this.u = 0;
     this.began = server.sim.time;
+    const { fields } = server.hello().sample;
+    this.at = ["encnow", "vel"].map((name) => fields.indexOf(name)); // in a state that is read
   }
 
   /** One turn; false: the law has no say any more, for the axis is in another mode, or stopped. */
   turn() {
-    const { sim, served, client, now, page, C } = this.server;
-    const states = sim.read(page, this.axis + 1);
-    if (!Array.isArray(states)) return false;
+    const { sim, served, client, now, C } = this.server;
+    const ask = (asked) => sim.request(served, client, now, asked, 0, "");
+    const { states } = ask({ op: "read" });
+    if (!states) return false;
     const { mode } = this.server.param(this.axis);
     if ((mode & 0xf) !== C.MD_TORQ || sim.stats().stopped) return false;
-    const { encnow, vel } = states[this.axis];
-    const e = this.r - encnow;
+    const [y, v] = this.at.map((place) => states[this.axis][place]);
+    const e = this.r - y;
     this.integral += e * PERIOD_S;
-    const values = { r: this.r, y: encnow, v: vel, e, i: this.integral, t: sim.time - this.began, u: this.u };
+    const values = { r: this.r, y, v, e, i: this.integral, t: sim.time - this.began, u: this.u };
     const wanted = this.law(values);
     this.u = Number.isFinite(wanted) ? Math.max(-MOST, Math.min(MOST, Math.round(wanted))) : 0;
-    const asked = { op: "setpoint", axis: this.axis, value: this.u };
-    return !sim.request(served, client, now, asked, 0, "").errno;
+    return !ask({ op: "setpoint", axis: this.axis, value: this.u }).errno;
   }
 }

@@ -40,14 +40,10 @@ export class Server {
   state(values) {
     return this.sim.fields("mmcs_server", this.served, values);
   }
-  /** The driver's number of the page's open device, or -1. */
-  get page() {
-    return this.sim.fields("mmcs_client", this.client).driver;
-  }
 
-  /** The scenario's program has opened the device, for writing or not. */
-  opened(writes) {
-    this.sim.opened(this.served, this.program, this.session.client, writes);
+  /** The scenario's program has the device open, to write if there is one. */
+  opened() {
+    this.sim.opened(this.served, this.program, this.session.client);
   }
 
   hello() {

@@ -101,49 +101,17 @@ export class Sim {
 
   // --- /dev/mc0 ---
 
-  open(flags = 2) {
+  open(flags) {
     return this.#m._mmcs_sim_open(this.#at, flags);
   }
   close(client) {
     return this.#m._mmcs_sim_close(this.#at, client);
   }
 
-  /** The argument in as bytes; [result, the argument out]. */
-  ioctl(client, request, argument = new Uint8Array()) {
-    const size = Math.max((request >>> 16) & 0x1fff, 256);
-    this.#m.HEAPU8.fill(0, this.#room, this.#room + size);
-    this.#m.HEAPU8.set(argument, this.#room);
-    const result = this.#m._mmcs_sim_ioctl(this.#at, client, request, this.#room);
-    return [result, this.#bytes(this.#room, (request >>> 16) & 0x1fff)];
-  }
-
-  write(client, setpoints) {
-    this.#ints(this.#room, setpoints);
-    return this.#m._mmcs_sim_write(this.#at, client, this.#room, 4 * setpoints.length);
-  }
-
-  /** What the driver reports, by axis; a negative number when it refuses. */
-  read(client, axes) {
-    const { size } = this.layouts.mc_state;
-    const got = this.#m._mmcs_sim_read(this.#at, client, this.#room, axes * size);
-    if (got < 0) return got;
-    const states = [];
-    for (let n = 0; n < got / size; n++) states.push(this.#get(this.#room + n * size, "mc_state"));
-    return states;
-  }
-
   /** What a scenario does with it: script.js. */
   newScript(driver, params) {
     return new Script({ m: this.#m, sim: this.#at, room: this.#room, axes: this.axes, driver, params,
       inputs: this.inputs, put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });  // prettier-ignore
-  }
-
-  #ints(at, values) {
-    new Int32Array(this.#m.HEAPU8.buffer, at, values.length).set(values);
-  }
-
-  stop() {
-    return this.#m._mmcs_sim_stop(this.#at);
   }
 
   // --- the part of a server that sim/service does ---
@@ -156,10 +124,10 @@ export class Sim {
     this.#m.stringToUTF8(name, this.#room + TEXT, TEXT);
     return this.#m._mmcs_server_enter(server, this.#room, this.#room + TEXT, 0);
   }
-  /** A client has /dev/mc0 open by this number of the driver's. */
-  opened(server, client, driver, writes) {
+  /** A client has /dev/mc0 open for writing, by this number of the driver's; -1: it opens it to read. */
+  opened(server, client, driver) {
     this.#m.stringToUTF8("/dev/mc0", this.#room, TEXT);
-    this.#m._mmcs_server_open(server, client, this.#room, writes ? 2 : 0, driver);
+    this.#m._mmcs_server_open(server, client, this.#room, driver < 0 ? 0 : 2, driver);
   }
   /** Fields of a mmcs_server or mmcs_client; and values that some of them take. */
   fields(structure, at, values = {}) {

@@ -47,10 +47,8 @@ async function start({ setup, module, layouts, constants, waves, plays, paused, 
     session.playing = false;
   };
   if (plays && session.begin()) motion = session.move();
-  const writes = session.client >= 0;
-  if (!writes) session.client = sim.open(0);
-  server.opened(writes);
-  postMessage(JSON.stringify({ type: "hello", ...server.hello() }));
+  server.opened();
+  say({ type: "hello", ...server.hello() });
   restart();
   turn();
 }
@@ -98,15 +96,14 @@ function finish() {
   motion = null;
   const hash = server.sim.hash();
   const record = server.spoiled ? null : makeRecord(session, log, hash, version);
-  ended = { hash, record, spoiled: server.spoiled };
+  ended = { hash, record };
   tell();
 }
 
 function tell() {
   const speed = work.ms ? (1000 * work.s) / work.ms : 0;
-  postMessage(JSON.stringify({ type: "told", time: server.sim.time, playing: Boolean(motion),
-    reached: session.reached ?? 0, duration: session.setup.duration, start: session.start, speed,
-    hash: ended?.hash ?? null, recorded: Boolean(ended?.record), spoiled: server.spoiled }));  // prettier-ignore
+  say({ type: "told", playing: Boolean(motion), reached: session.reached, duration: session.setup.duration, speed,
+    hash: ended?.hash ?? null, recorded: Boolean(ended?.record), spoiled: server.spoiled });  // prettier-ignore
 }
 
 let toldAt = 0;
@@ -144,9 +141,9 @@ onmessage = async ({ data }) => {
     if (typeof data === "string") await server?.hear(JSON.parse(data), now());
     else if (data.stopPort) hearStop(data.stopPort);
     else if (data.start) await start(data.start);
-    else if (data.record) postMessage(JSON.stringify({ type: "record", record: ended?.record ?? null,
-      csv: log.length ? server.sim.csv(log) : "", wanted: data.record }));  // prettier-ignore
+    else if (data.record) say({ type: "record", record: ended?.record ?? null,
+      csv: log.length ? server.sim.csv(log) : "", wanted: data.record });  // prettier-ignore
   } catch (error) {
-    postMessage(JSON.stringify({ type: "failed", text: error.message ?? String(error) }));
+    say({ type: "failed", text: error.message ?? String(error) });
   }
 };

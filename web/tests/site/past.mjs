@@ -2,46 +2,33 @@
 // Whatever is done to the machine, by a fixed seed, its past can be made again: another machine that
 // goes the same way has the same future to the bit. Usage: node past.mjs SITE SCENARIO STEPS
 
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-
-const [site, name, steps] = process.argv.slice(2);
-const engine = `${site}/engine/`;
-globalThis.require = createRequire(import.meta.url); // what emscripten's loader takes for granted
-globalThis.__dirname = engine;
-const { Past } = await import(`${engine}past.js`);
-const { Sim } = await import(`${engine}sim.js`);
-const { Session } = await import(`${engine}session.js`);
-const json = (path) => JSON.parse(readFileSync(engine + path));
-const { layouts, constants: C, waves } = json("knowledge.json");
-const setup = json(`setups/${name}.json`);
-const machine = `${engine}machine${setup.config.cards}`;
-const { default: load } = await import(`${machine}.mjs`);
-const module = await load({ wasmBinary: readFileSync(`${machine}.wasm`) });
+import { constants, machine, more, Past, Session, setup, waves } from "./engine.mjs";
 
 let seed = 1989;
 const random = (n) => {
   seed = (seed * 1103515245 + 12345) % 2 ** 31;
   return Math.floor((seed / 2 ** 31) * n);
 };
-const another = (skip) => new Sim(module, layouts, { ...setup, config: { ...setup.config, skip } });
+const another = (skip) => machine({ skip });
 const sim = another(1);
 const past = new Past(sim, another);
 const server = sim.serve();
 const client = sim.enter(server, "message", "");
-const session = new Session(sim, setup, C);
+const session = new Session(sim, setup, constants);
 session.begin();
 const motion = session.move();
-const integer = (value) => new Uint8Array(new Int32Array([value]).buffer);
+const program = sim.enter(server, "device", "");
+sim.opened(server, program, session.client);
+const ask = (by, op, args = {}) => sim.request(server, by, 0, { op, ...args }, 0, "");
 let [second, kept] = [-1, null];
 const deeds = [
-  () => sim.write(session.client, Array.from({ length: sim.axes }, () => random(2000) - 1000)),
-  () => sim.ioctl(session.client, C.MSETENC, integer(random(2))),
-  () => sim.ioctl(session.client, C.MENABLE),
-  () => sim.stop(),
-  () => sim.read(session.client, sim.axes),
-  () => sim.request(server, client, 0, { op: "load", offset: random(0x20) }, 0, ""),
-  () => sim.request(server, client, 0, { op: "store", offset: random(0x10), value: random(256) }, 0, ""),
+  () => ask(program, "write", { setpoints: Array.from({ length: sim.axes }, () => random(2000) - 1000) }),
+  () => ask(program, "call", { request: "MSETENC", value: random(2) }),
+  () => ask(program, "call", { request: "MENABLE" }),
+  () => ask(program, "stop"),
+  () => ask(program, "read"),
+  () => ask(client, "load", { offset: random(0x20) }),
+  () => ask(client, "store", { offset: random(0x10), value: random(256) }),
   () => sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0, random(2)),
   () => (second = second < 0 ? sim.open(0) : (sim.close(second), -1)),
   () => (kept = sim.snapshot()),
@@ -52,7 +39,7 @@ const deeds = [
 ];
 const names = waves.flatMap(({ signals }) => signals.map(({ net }) => net));
 let [same, drawn] = [0, 0];
-for (let n = 0; n < Number(steps); n++) {
+for (let n = 0; n < Number(more[0]); n++) {
   if (n < 30) motion.next();
   else sim.run(sim.time + random(4) / 1000);
   sim.takeLog();
