@@ -3,11 +3,21 @@
 
 import json
 import time
+from pathlib import Path
 
 from mmcs import BUILD, Link
 
 PICTURES = BUILD / "tool"
 PATIENCE_S = 240  # a loaded computer is slow, not wrong
+
+
+def new_page(browser, **options):
+    """A page that keeps what it raises."""
+    page = browser.new_page(**options)
+    page.set_default_timeout(PATIENCE_S * 1000)
+    page.errors = []
+    page.on("pageerror", lambda error: page.errors.append(str(error)))
+    return page
 
 
 class Desk:
@@ -20,10 +30,7 @@ class Desk:
         self.link.request("open", mode="r")
 
     def open(self, options: str = ""):
-        page = self.browser.new_page(viewport={"width": 1280, "height": 800})
-        page.set_default_timeout(PATIENCE_S * 1000)
-        page.errors = []
-        page.on("pageerror", lambda error: page.errors.append(str(error)))
+        page = new_page(self.browser, viewport={"width": 1280, "height": 800})
         page.goto(self.tool.address + options)
         page.wait_for_selector("body.ready")
         return page
@@ -67,6 +74,15 @@ class Desk:
 def enable(page) -> None:
     page.click("#enable")
     page.wait_for_function("() => mctool.machine.enabled")
+
+
+def saved(page, button: str, folder: Path) -> Path:
+    """The file that the page gives at a press of the button."""
+    with page.expect_download() as download:
+        page.click(button)
+    path = folder / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
 
 
 def picture(page, name: str) -> None:

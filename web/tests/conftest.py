@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page in a real browser: a machine, its tool, and Chromium."""
 
+import os
 import shutil
+import subprocess
 
 import pytest
 from bench import PATIENCE_S, Desk
 from playwright.sync_api import sync_playwright
+from stops import FLAGS
 
-from mmcs.tool.launch import start
-
-FLAGS = [
-    "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader", "--site-per-process",
-]  # fmt: skip
+from mmcs.device.execute import environment
+from mmcs.device.sockets import socket_path
+from mmcs.tests.device_bench import EXAMPLES, compile_1989
+from mmcs.tool.launch import _end, _serve, start
 
 
 @pytest.fixture(scope="session")
@@ -36,3 +36,23 @@ def desk(browser, request):
     errors = found.page.errors
     found.close()
     assert errors == []
+
+
+@pytest.fixture
+def attached():
+    """A machine that is there before its tool: its socket, and what starts the program bounce."""
+    name = f"attach-{os.getpid()}"
+    socket, started = socket_path(name), []
+    program = compile_1989(EXAMPLES / "bounce.c")
+    machine = _serve("puma560", name, socket)
+
+    def bounce():
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        started.append(subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet))
+        return started[0]
+
+    yield socket, bounce
+    for one in started:
+        one.kill()
+        one.wait()
+    _end(machine)

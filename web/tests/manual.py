@@ -13,14 +13,16 @@ HEADS = {
     "autotune": "| | g, counts/s² per D/A unit | Coulomb +/− | break-away | phase margin "
                 "| −3 dB, rad/s | rise, ms | overshoot | steady error | farthest |\n"
                 + "|---" * 10 + "|",
+    "stops": "| | stops | median, ms | 90 %, ms | greatest, ms |\n|---|---|---|---|---|",
     "stops_beside": "| | stops | missed | median, ms | 99 %, ms |\n|---|---|---|---|---|",
+    "stream": "| process | share of a core |\n|---|---|",
     "web": "| scenario | in WebAssembly | native | ratio |\n|---|---|---|---|",
 }  # fmt: skip
 PAGES = [ROOT / "docs" / "use" / name for name in ("tool.md", "web.md")]
 
 
 def tables() -> dict[str, str]:
-    made = {p.stem: p.read_text().rstrip() for p in PICTURES.glob("*.md")}
+    made = {}
     for path in PICTURES.glob("*.json"):
         rows = json.loads(path.read_text())
         lines = rows.values()

@@ -4,7 +4,7 @@
 import tomllib
 
 import pytest
-from bench import picture
+from bench import picture, saved
 
 from mmcs import ensure_library
 from mmcs.lab.marks import grade, read_answer
@@ -61,9 +61,7 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
         if student == "bad":
             picture(page, "labs")
     assert page.locator(".lab-text").bounding_box()["height"] > 200
-    with page.expect_download() as saved:
-        page.click("#lab-save")
-    saved.value.save_as(tmp_path / "answer.toml")
+    saved(page, "#lab-save", tmp_path)
     assert read_answer(sheet, tmp_path) == read_answer(sheet, path)
     page.fill("#lab-mean_cps", "1,5x")
     typing = page.query_selector("#lab-mean_cps")

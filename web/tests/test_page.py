@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Chapter 3, control by control: each changes what the driver reads back."""
 
+import tomllib
+
 import pytest
-from bench import enable, picture
+from bench import enable, picture, saved
 
 pytestmark = pytest.mark.req("TOOL-1")
 POS, VEL, TORQ, TEST1 = 1, 2, 3, 4
@@ -49,8 +51,7 @@ def test_modes_sources_feedback_and_switches(desk):
     desk.eventually(lambda: desk.param(0)["mode"] & FLAGS["COULCOMP"])
     desk.choose(3)
     desk.page.check("#axis3-LED")
-    desk.until("() => (mctool.machine.history.value(mctool.machine.history.end - 1, "
-               "mctool.machine.history.lightsColumn(1)) >> 9) & 1")  # fmt: skip
+    desk.until("() => (mctool.machine.history.lights(1) >> 9) & 1")
 
 
 def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
@@ -200,15 +201,9 @@ def test_pictures_for_the_manual(desk):
     picture(page, "telephone")
     page.keyboard.press("Escape")
     page.set_viewport_size({"width": 1280, "height": 800})
-    old = desk.open("&theme=1989")
-    old.wait_for_timeout(500)
-    picture(old, "1989")
-    old.close()
 
 
-def test_auto_tune_is_judged_undone_and_exported(desk):
-    import tomllib
-
+def test_auto_tune_is_judged_undone_and_exported(desk, tmp_path):
     page = desk.page
     desk.choose(4)
     enter(page, "#interval", "1000")
@@ -223,9 +218,7 @@ def test_auto_tune_is_judged_undone_and_exported(desk):
     assert page.locator(".plots .uplot").count() == 1
     tuned = desk.param(4)
     assert tuned["a0"] != before["a0"] and page.input_value("#axis4-a0") == str(tuned["a0"])
-    with page.expect_download() as saved:
-        page.click("#tune-save")
-    (servo,) = tomllib.loads(saved.value.path().read_text())["servo"]
+    (servo,) = tomllib.loads(saved(page, "#tune-save", tmp_path).read_text())["servo"]
     assert (servo["axis"], servo["a0"], servo["b0"]) == (4, tuned["a0"], tuned["b0"])
     page.click("#tune-undo")
     desk.eventually(lambda: desk.param(4) == before)

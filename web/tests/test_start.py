@@ -1,17 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the tool starts: switches, a machine that others drive, two pages, screen readers."""
 
-import os
-import subprocess
-
 import pytest
 from bench import Desk, picture
 
 from mmcs import Link
-from mmcs.device.execute import environment
-from mmcs.device.sockets import socket_path
-from mmcs.tests.device_bench import EXAMPLES, compile_1989
-from mmcs.tool.launch import _end, _serve, start
+from mmcs.tool.launch import _end, start
 
 pytestmark = pytest.mark.req("TOOL-1")
 VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "waves", "labs", "log")
@@ -59,17 +53,12 @@ def look(link, rows: int) -> dict:
     return link.request("call", request="MGETSTATS")["stats"]
 
 
-def test_a_page_beside_the_program_bounce_looks_on(browser):
+def test_a_page_beside_the_program_bounce_looks_on(browser, attached):
     """`--attach`: the program of chapter 2 drives, a page comes and goes. That it changes
     nothing is shown to the bit in mmcs/tests/test_monitor.py."""
-    name = f"attach-{os.getpid()}"
-    socket = socket_path(name)
-    program, env = compile_1989(EXAMPLES / "bounce.c"), environment(socket)
-    machine = _serve("puma560", name, socket)
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    bounce = subprocess.Popen([program, "-n100000"], env=env, **quiet)
-    link = Link(path=socket)
-    try:
+    socket, bounce = attached
+    program = bounce()
+    with Link(path=socket) as link:
         link.request("open", mode="r")
         alone = look(link, 1000)
         desk = Desk(browser, start("", socket, {}))
@@ -82,21 +71,14 @@ def test_a_page_beside_the_program_bounce_looks_on(browser):
         desk.link.close()
         for process in ("gateway", "stopper"):
             _end(desk.tool.processes[process])
-        assert link.request("hello")["enabled"] and bounce.poll() is None
-    finally:
-        bounce.kill()
-        bounce.wait()
-        link.close()
-        _end(machine)
+        assert link.request("hello")["enabled"] and program.poll() is None
 
 
 def test_two_pages_at_once_one_in_control(desk):
     other = desk.open()
     assert desk.page.inner_text("#control") == "Give control back"
     desk.page.click("#control")
-    other.wait_for_function(
-        "() => document.getElementById('control').textContent === 'Take control'"
-    )
+    other.wait_for_selector("#control:has-text('Take control')")
     other.click("#control")
     desk.until("() => document.getElementById('control').textContent.startsWith('Controlled')")
     desk.choose(3, other)

@@ -6,9 +6,10 @@ import signal
 
 import pytest
 from bench import Desk, enable
-from test_page import enter
+from test_page import choose, enter
 
 from mmcs import Link, mcdef
+from mmcs.tool.launch import start
 
 pytestmark = pytest.mark.req("TOOL-1")
 POS, VEL, TORQ = 1, 2, 3
@@ -175,10 +176,7 @@ def test_off_after_diag_takes_the_code_from_the_d_a(desk):
 def test_a_setpoint_moves_its_own_axis_alone(desk):
     page = desk.page
     for axis in (4, 5):
-        desk.link.request("name", name="test")
-        desk.choose(axis)
-        page.select_option(f"#axis{axis}-mode", "pos")
-        desk.eventually(lambda axis=axis: desk.param(axis)["mode"] == POS)
+        choose(desk, "mode", "pos", lambda mode: mode == POS, axis)
     enable(page)
     desk.choose(5)
     enter(page, "#axis5-setpoint", "694")
@@ -197,9 +195,7 @@ def test_setpoints_go_on_from_what_the_driver_has(desk):
     page = desk.page
     now = "([n, v]) => mctool.machine.history.latest(n).setpoint === v"
     for axis in (4, 5):
-        desk.choose(axis)
-        page.select_option(f"#axis{axis}-mode", "pos")
-        desk.eventually(lambda axis=axis: desk.param(axis)["mode"] == POS)
+        choose(desk, "mode", "pos", lambda mode: mode == POS, axis)
     enable(page)
     page.click("#tab-tune")
     page.select_option("#tune-axis", "4")
@@ -254,7 +250,7 @@ def test_the_banner_tells_the_cause_and_what_comes_next(desk):
     page = desk.page
     assert "At rest" in page.inner_text("#cause") and "PANIC" not in page.inner_text("#cause")
     page.click("#enable")
-    desk.eventually(lambda: page.inner_text("#cause").startswith("Servo on"))
+    page.wait_for_selector("#cause:has-text('Servo on')")
     desk.stop_frame.click("#press")
     desk.eventually(lambda: "the hand-held button was pressed" in page.inner_text("#cause"))
     assert "lacks a released hand-held button" in page.inner_text("#next")
@@ -344,34 +340,16 @@ def test_a_lost_connection_is_told_and_mended(desk):
     assert "Not connected" in page.inner_text("#cause")
 
 
-def test_an_onlooker_s_page_shows_what_a_program_drives(browser):
+def test_an_onlooker_s_page_shows_what_a_program_drives(browser, attached):
     """`bounce` drives in velocity mode: its page says so, and its gains."""
-    import subprocess
-
-    from mmcs.device.execute import environment
-    from mmcs.device.sockets import socket_path
-    from mmcs.tests.device_bench import EXAMPLES, compile_1989
-    from mmcs.tool.launch import _end, _serve, start
-
-    name = f"onlook-{os.getpid()}"
-    socket = socket_path(name)
-    machine = _serve("puma560", name, socket)
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    program = compile_1989(EXAMPLES / "bounce.c")
-    bounce = None
-    try:
-        desk = Desk(browser, start("", socket, {}))
-        assert desk.page.input_value("#axis0-mode") == "off"
-        bounce = subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet)
-        desk.until("() => mctool.machine.history.latest(0).setpoint !== 0")
-        param = desk.param(0)
-        assert param["mode"] & 0xF == VEL
-        desk.eventually(lambda: desk.page.input_value("#axis0-mode") == "vel")
-        assert desk.page.input_value("#axis0-a0") == str(param["a0"])
-        assert desk.page.input_value('[id="axis0-P gain"]') != "100"
-        desk.close()
-    finally:
-        if bounce:
-            bounce.kill()
-            bounce.wait()
-        _end(machine)
+    socket, bounce = attached
+    desk = Desk(browser, start("", socket, {}))
+    assert desk.page.input_value("#axis0-mode") == "off"
+    bounce()
+    desk.until("() => mctool.machine.history.latest(0).setpoint !== 0")
+    param = desk.param(0)
+    assert param["mode"] & 0xF == VEL
+    desk.eventually(lambda: desk.page.input_value("#axis0-mode") == "vel")
+    assert desk.page.input_value("#axis0-a0") == str(param["a0"])
+    assert desk.page.input_value('[id="axis0-P gain"]') != "100"
+    desk.close()

@@ -5,7 +5,7 @@ import os
 import signal
 
 import pytest
-from bench import PICTURES
+from bench import note
 
 HANG_MS = 700
 SILENT_MS = 20_000  # far longer than the dead man of that test
@@ -58,13 +58,11 @@ def test_a_hundred_stops(desk):
             late[kind].append(press(desk))
         finally:
             os.kill(gateway, signal.SIGCONT)
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    lines = ["| | stops | median, ms | 90 %, ms | greatest, ms |", "|---|---|---|---|---|"]
     for kind, values in late.items():
         values.sort()
         middle, most = values[len(values) // 2], values[int(len(values) * 0.9)]
-        lines.append(f"| {kind} | {len(values)} | {middle:.0f} | {most:.0f} | {values[-1]:.0f} |")
-    (PICTURES / "stops.md").write_text("\n".join(lines) + "\n")
+        figures = f"{len(values)} | {middle:.0f} | {most:.0f} | {values[-1]:.0f}"
+        note("stops", kind, f"| {kind} | {figures} |")
     assert [len(values) for values in late.values()] == [60, 20, 20]
 
 
@@ -74,13 +72,11 @@ def test_the_hand_held_button_and_the_space_bar(desk):
     frame = desk.stop_frame
     frame.click("#press")
     desk.until("() => mctool.machine.history.value(mctool.machine.history.end - 1, 4) & 1")
-    frame.wait_for_function(
-        "() => document.getElementById('press').textContent.startsWith('Release')"
-    )
+    frame.wait_for_selector("#press:has-text('Release')")
     desk.page.click("#tab-machine")
-    desk.until("() => document.getElementById('panic-cause').textContent.includes('button')")
+    desk.page.wait_for_selector("#panic-cause:has-text('button')")
     frame.click("#press")
-    frame.wait_for_function("() => document.getElementById('press').textContent.startsWith('Hand')")
+    frame.wait_for_selector("#press:has-text('Hand')")
     desk.page.evaluate("() => mctool.machine.reclaim()")  # starved by the picture of the arm
     desk.page.click("#clear")
     enable(desk)

@@ -4,7 +4,8 @@
 from pathlib import Path
 
 import pytest
-from bench import PICTURES, enable
+from bench import enable, note, saved
+from test_page import enter
 
 from mmcs import ensure_library
 
@@ -36,8 +37,7 @@ def cpu_s(pid: int) -> float:
 
 def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
     page = desk.page
-    page.fill("#interval", "1000")
-    page.press("#interval", "Enter")
+    enter(page, "#interval", "1000")
     desk.eventually(lambda: desk.link.request("call", request="MGETINTERVAL")["value"] == 1000)
     start = desk.state()["time"]
     pids = {name: process.pid for name, process in desk.tool.processes.items()}
@@ -50,11 +50,9 @@ def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
     numbers = page.evaluate(NUMBERS, first)
     assert numbers["gaps"] == 0 and numbers["rows"] >= (STREAM_S - 1) * 1000
     assert page.evaluate("() => mctool.machine.history.lost") == 0
-    lines = ["| process | share of a core |", "|---|---|"]
     for name, pid in pids.items():
-        lines.append(f"| {name} | {100 * (cpu_s(pid) - before[name]) / STREAM_S:.0f} % |")
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    (PICTURES / "stream.md").write_text("\n".join(lines) + "\n")
+        share = 100 * (cpu_s(pid) - before[name]) / STREAM_S
+        note("stream", name, f"| {name} | {share:.0f} % |")
 
 
 def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_path):
@@ -67,10 +65,7 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     desk.stop_frame.click("#press")
     desk.until("() => document.querySelector('.scope').dataset.fired")
     fired = float(page.evaluate("() => document.querySelector('.scope').dataset.fired"))
-    with page.expect_download() as saved:
-        page.click("#scope-save")
-    path = tmp_path / "saved.csv"
-    saved.value.save_as(path)
+    path = saved(page, "#scope-save", tmp_path).rename(tmp_path / "saved.csv")
     rows = path.read_text().splitlines()
     times = [float(row.split(",")[0]) for row in rows[1:]]
     assert times[0] < fired - 0.2 and times[-1] >= fired
@@ -79,11 +74,9 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     assert lines[at] & 1 and not lines[at - 1] & 1
     page.set_input_files("input[type=file]", path)
     desk.until("() => document.querySelector('.channels').textContent.includes('saved.csv')")
-    with page.expect_download() as saved:
-        page.click("#scope-mcap")
-    saved.value.save_as(tmp_path / "saved.mcap")
-    assert (tmp_path / "saved.mcap").read_bytes()[:5] == b"\x89MCAP"
-    page.set_input_files("input[type=file]", tmp_path / "saved.mcap")
+    path = saved(page, "#scope-mcap", tmp_path).rename(tmp_path / "saved.mcap")
+    assert path.read_bytes()[:5] == b"\x89MCAP"
+    page.set_input_files("input[type=file]", path)
     desk.until("() => document.querySelector('.channels').textContent.includes('saved.mcap')")
 
 

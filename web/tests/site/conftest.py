@@ -6,7 +6,7 @@ import threading
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
-from bench import PATIENCE_S
+from bench import new_page
 
 from mmcs import BUILD
 
@@ -35,10 +35,7 @@ def opened(browser, address):
 
     def go(query: str, ready: bool = True, **more):
         own = browser.new_context(**more) if more else context
-        page = own.new_page()
-        page.set_default_timeout(1000 * PATIENCE_S)
-        page.errors = []
-        page.on("pageerror", lambda error: page.errors.append(str(error)))
+        page = new_page(own)
         page.goto(address + query)
         if ready:
             page.wait_for_selector("body.ready, body[data-failed]")
