@@ -210,10 +210,10 @@ web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records,
 # --- bridges to what others use -------------------------------------------------------------
 
 learn-test: $(VENV)/.learn ## the Gymnasium environment, installed and tested
-	@$(BIN)/python -m pytest bridges/gymnasium/tests
+	@$(BIN)/python -m pytest mmcs/bridge/tests/test_gymnasium.py
 
 fmu-test: $(VENV)/.fmu ## the machine as an FMU 3.0, checked and run by FMPy
-	@$(BIN)/python -m pytest bridges/fmu/tests
+	@$(BIN)/python -m pytest mmcs/bridge/tests/test_fmu.py
 
 fusesoc-test: $(VENV)/.fusesoc ## FuseSoC lints, simulates and synthesises each core
 	@tools/need_debian.sh iverilog iverilog

@@ -51,8 +51,6 @@ def test_a_circle_of_c_files_is_found(tmp_path):
 
 # Who looks into a room from outside: its inside is what is tested, shipped or attacked.
 DEEPER = {
-    "bridges/fmu/tests/": {"bridge"},
-    "bridges/gymnasium/tests/": {"bridge"},
     "sim/tests/engine/test_compilers.py": {"engine"},
     "sim/tests/hosts/test_again.py": {"tests"},
     "studies/campaign.py": {"sweeps"},
