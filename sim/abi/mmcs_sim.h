@@ -267,7 +267,8 @@ int32_t mmcs_sim_register_width(int32_t reg);
 uint64_t mmcs_sim_register(mmcs_sim *sim, int32_t reg);
 int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event);
 
-/* Runs until simulated time t (s). 0, or -1 when the model raised an assertion (see the notes). */
+/* Runs until simulated time t (s); does nothing if t has passed. 0, or -1 when the model raised an
+ * assertion (see the notes). */
 int mmcs_sim_run(mmcs_sim *sim, double until_s);
 /* Runs to a clock, but returns earlier after a SIGUSR1 and, with samples != 0, after a servo
  * sample. */

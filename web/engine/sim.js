@@ -101,13 +101,6 @@ export class Sim {
 
   // --- /dev/mc0 ---
 
-  open(flags) {
-    return this.#m._mmcs_sim_open(this.#at, flags);
-  }
-  close(client) {
-    return this.#m._mmcs_sim_close(this.#at, client);
-  }
-
   /** What a scenario does with it: script.js. */
   newScript(driver, params) {
     return new Script({ m: this.#m, sim: this.#at, room: this.#room, axes: this.axes, driver, params,
@@ -281,13 +274,6 @@ export class Sim {
   }
   #done(result) {
     if (result) throw new Error("the past cannot be made again");
-  }
-
-  snapshot() {
-    return Number(this.#m._mmcs_sim_snapshot(this.#at));
-  }
-  restore(number) {
-    return this.#m._mmcs_sim_restore(this.#at, BigInt(number)) === 0;
   }
 
   /** Digest of all that decides what comes. */

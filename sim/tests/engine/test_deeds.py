@@ -25,7 +25,7 @@ def test_deeds_lead_another_machine_the_same_way():
             lambda: sim.ioctl(client, mcdef.MSETENC, mcdef.new_int(rng.randrange(2))),
             lambda: sim.ioctl(client, mcdef.MSETINTERVAL, mcdef.new_int(3)),
             lambda: sim.ioctl(client, mcdef.MENABLE),
-            sim.stop,
+            lambda: lib.mmcs_sim_stop(sim.handle),
             lambda: sim.bus_read(0x001),
             lambda: sim.bus_write(0x041, rng.randrange(256)),
             lambda: event(sim, sim.time + 0.0005, "pot_noise", rng.random()),
@@ -47,3 +47,21 @@ def test_deeds_lead_another_machine_the_same_way():
         assert other.future() != sim.future()
         assert lib.mmcs_sim_copy(other.handle, sim.handle) == 0
         assert other.future() == sim.future()
+
+
+@pytest.mark.req("API-1")
+def test_an_interrupt_that_waits_at_the_end_of_a_deed_waits_for_another_too():
+    """It rises within a bus cycle by hand, and no time passes before the next: it is served after."""
+    with machine() as sim, machine() as other:
+        start(sim)
+        sim.lib.mmcs_sim_keep_deeds(sim.handle)
+        sim.snapshot()
+        sampled, waited = sim.lib.mmcs_sim_samples(sim.handle), sim.clock
+        while sim.clock < waited + 32_000:  # some servo periods
+            sim.bus_read(0x001)
+        sim.run(sim.time)  # no time passes
+        assert sim.lib.mmcs_sim_samples(sim.handle) == sampled
+        assert sim.lib.mmcs_sim_again(other.handle, sim.handle, sim.clock) == 0
+        assert (other.clock, other.future()) == (sim.clock, sim.future())
+        sim.run(sim.time + 0.001)
+        assert sim.lib.mmcs_sim_samples(sim.handle) > sampled

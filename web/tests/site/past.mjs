@@ -20,7 +20,7 @@ const motion = session.move();
 const program = sim.enter(server, "device", "");
 sim.opened(server, program, session.client);
 const ask = (by, op, args = {}) => sim.request(server, by, 0, { op, ...args }, 0, "");
-let [second, kept] = [-1, null];
+let kept = null;
 const deeds = [
   () => ask(program, "write", { setpoints: Array.from({ length: sim.axes }, () => random(2000) - 1000) }),
   () => ask(program, "call", { request: "MSETENC", value: random(2) }),
@@ -30,12 +30,9 @@ const deeds = [
   () => ask(client, "load", { offset: random(0x20) }),
   () => ask(client, "store", { offset: random(0x10), value: random(256) }),
   () => sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0, random(2)),
-  () => (second = second < 0 ? sim.open(0) : (sim.close(second), -1)),
-  () => (kept = sim.snapshot()),
-  () => {
-    if (kept === null || random(2)) return;
-    sim.restore(kept);
-  },
+  () => ask(client, random(2) ? "open" : "close", { mode: "r" }),
+  () => (kept = ask(client, "snapshot").snapshot ?? kept),
+  () => kept && random(2) && ask(client, "rewind", { snapshot: kept.id }),
 ];
 const names = waves.flatMap(({ signals }) => signals.map(({ net }) => net));
 let [same, drawn] = [0, 0];
