@@ -61,7 +61,7 @@ def test_hal_enables_moves_stops_and_goes_on():
         assert flags == far.ENABLED | far.RELEASED and abs(position - 150) <= 6
         with pytest.raises(RunError, match="2000000 ns and the scenario.s interval_us 1000"):
             hal.period(on, ns=2_000_000)
-        with pytest.raises(RunError, match="build it anew"):
+        with pytest.raises(RunError, match="build the component again"):
             hal.bridge.exchange(bytes(16))
 
 
