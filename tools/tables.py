@@ -2,10 +2,12 @@
 """What the two tables of the machine say, in its other places: `make generate`.
 
 sim/abi/inputs.def: inputs of [[event]], in the manual. firmware/include/requests.def: requests, in
-mcdef.h, the manual and the manual page. mcdef.h: the names of its fields, in sim/service.
+mcdef.h, the manual and the manual page. mcdef.h: the names of its fields, in sim/service; those of
+mc_param, modes, flags and errors, in the page.
 """
 
 import argparse
+import json
 import re
 import sys
 import textwrap
@@ -20,6 +22,7 @@ from tools.pages import splice  # noqa: E402
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 DRIVER = ROOT / "docs" / "use" / "driver.md"
 NAMES = ROOT / "sim" / "service" / "asked.h"
+PAGE = ROOT / "web" / "params.js"
 MAN = ROOT / "docs" / "man" / "mc.4"
 SCENARIOS = ROOT / "docs" / "use" / "scenarios.md"
 SIZES = {"int": "MC_INT", "unsigned int": "MC_INT", "struct mc_param": "MC_PARAM",
@@ -53,6 +56,22 @@ def names() -> str:
     return "\n".join(lines)
 
 
+def page_numbers() -> str:
+    """What the page needs of mcdef.h."""
+    known = mcdef.constants()
+    modes = {name.removeprefix("MD_").lower(): known[name] for name in mcdef.MODES.values()}
+    flags = {name.upper(): known[name.upper()] for name in mcdef.FLAGS}
+    errors = {name: known[f"MERR_{name}"] for name in ("PLO", "PHI", "ILIM", "PANIC", "ZINDEX")}
+    fields = [name for name in mcdef.fields("mc_param") if name != "which"]
+    values = {"MODES": modes, "MODE_MASK": known["MD_MASK"], "FLAGS": flags, "ERRORS": errors,
+              "FIELDS": fields, "MC_FSCALE": known["MC_FSCALE"]}  # fmt: skip
+    lines = []
+    for name, value in values.items():
+        text = f"export const {name} = {json.dumps(value, separators=(', ', ':'))};"
+        lines += textwrap.wrap(text, 106, subsequent_indent="  ")
+    return "\n".join(lines)
+
+
 def driver_table() -> str:
     lines = ["| request | argument | | what it does, and errors |", "|---|---|---|---|"]
     for r in requests():
@@ -80,11 +99,13 @@ def pages() -> dict[Path, str]:
     """Each file as it should be."""
     begin, end = "/* generated: requests of requests.def */", "/* end of requests */"
     fields = "// generated: fields of mcdef.h", "// end of fields"
+    numbers = "// generated: numbers of mcdef.h", "// end of numbers"
     man = '.\\" generated: requests', '.\\" end of requests'
     return {
         HEADER: between(HEADER.read_text(), begin, end, defines()),
         DRIVER: splice(DRIVER.read_text(), "requests", driver_table()),
         NAMES: between(NAMES.read_text(), *fields, names()),
+        PAGE: between(PAGE.read_text(), *numbers, page_numbers()),
         MAN: between(MAN.read_text(), *man, man_list()),
         SCENARIOS: splice(SCENARIOS.read_text(), "inputs", inputs.table()),
     }

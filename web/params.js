@@ -1,29 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // What struct mc_param means to people: modes, errors, the setpoint's range, gains in %. Chapter 3.
 
-// mcdef.h, Tables 2.1 and 2.2
-export const MODES = { off: 0, pos: 1, vel: 2, torq: 3, test1: 4 };
-export const MODE_MASK = 0x00f;
+// generated: numbers of mcdef.h
+export const MODES = {"off":0, "pos":1, "vel":2, "torq":3, "test1":4};
+export const MODE_MASK = 15;
+export const FLAGS = {"COULCOMP":16, "ADFB":32, "ZEROFB":64, "ADDMD":128, "ADOFF":256, "POSCHK":512,
+  "SOFTERR":1024};
+export const ERRORS = {"PLO":1, "PHI":2, "ILIM":4, "PANIC":8, "ZINDEX":16};
+export const FIELDS = ["a2", "a1", "a0", "b2", "b1", "b0", "ic_pos", "ic_neg", "mode", "clkdivisor",
+  "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole"];
+export const MC_FSCALE = 1024;
+// end of numbers
+
 /** Of the panel: a mode, or "diag". */
 export const MODE_NAMES = { off: "Off", pos: "Pos", vel: "Vel", torq: "Torq", test1: "Test1", diag: "Diag" };
-export const FLAGS = { COULCOMP: 0x10, ADFB: 0x20, ZEROFB: 0x40, ADDMD: 0x80, ADOFF: 0x100,
-  POSCHK: 0x200, SOFTERR: 0x400 };  // prettier-ignore
-const ERRORS = [
-  [0x01, "low position limit"],
-  [0x02, "high position limit"],
-  [0x04, "current limit too long"],
-  [0x08, "PANIC"],
-  [0x10, "index found"],
-];
-export const FIELDS = ["a2", "a1", "a0", "b2", "b1", "b0", "ic_pos", "ic_neg", "clkdivisor", "ilim",
-  "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole", "mode"];  // prettier-ignore
-export const MC_FSCALE = 1024;
+const ERROR_WORDS = { PLO: "low position limit", PHI: "high position limit", ILIM: "current limit too long",
+  PANIC: "PANIC", ZINDEX: "index found" };  // prettier-ignore
 export const INT_MIN = -(2 ** 31);
 export const INT_MAX = 2 ** 31 - 1;
 
 export function errorWords(errcode) {
-  const words = ERRORS.filter(([bit]) => errcode & bit).map(([, text]) => text);
-  return words.join(", ");
+  const seen = Object.keys(ERRORS).filter((name) => errcode & ERRORS[name]);
+  return seen.map((name) => ERROR_WORDS[name]).join(", ");
 }
 
 /** The panel's name for the mode of an axis. Diag is MD_OFF with a D/A code by MSETDAC. */
