@@ -51,7 +51,7 @@ def test_deeds_lead_another_machine_the_same_way():
 
 @pytest.mark.req("API-1")
 def test_an_interrupt_that_waits_at_the_end_of_a_deed_waits_for_another_too():
-    """It rises within a bus cycle by hand, and no time passes before the next: it is served after."""
+    """It rises within a bus cycle by hand, and no time passes until the next: served after it."""
     with machine() as sim, machine() as other:
         start(sim)
         sim.lib.mmcs_sim_keep_deeds(sim.handle)
