@@ -14,9 +14,9 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** A button; more: further attributes. */
+/** A button; id: "" for none; more: further attributes. */
 export function button(id, textContent, onclick, more = {}) {
-  return el("button", { type: "button", id, textContent, onclick, ...more });
+  return el("button", { type: "button", ...(id && { id }), textContent, onclick, ...more });
 }
 
 /** A select with [value, text] options. */

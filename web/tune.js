@@ -103,9 +103,9 @@ export function tuneView(page) {
     if (!Number.isInteger(counts)) return machine.say("error", `"${size.value}" is no step in counts`);
     const { history } = machine;
     const from = history.latest(chosen).setpoint;
-    const start = history.time(history.end - 1);
+    const start = history.now;
     if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
-    await until(() => history.time(history.end - 1) > start + 0.6);
+    await until(() => history.now > start + 0.6);
     const rows = stepResponse(history, chosen, start, from, counts);
     const made = await predicted(chosen, { step: counts, seconds: rows.t.at(-1) });
     table(stepRows(rows, made));

@@ -96,7 +96,7 @@ uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
   return hash.value();
 }
 
-// When no time is to pass nothing does: an interrupt that waits is served as time goes on.
+// A clock that has passed runs nothing: a pending interrupt is served when time goes on.
 bool Timeline::run_until(int64_t clock) {
   if (machine_.clock() >= clock) return !machine_.failed();
   if (ring_count_ == 0) return host_.run_until(clock);

@@ -113,7 +113,7 @@ export class Server {
   spoil(why) {
     if (!this.session.playing || this.spoiled) return;
     this.spoiled = why;
-    this.sim.tapNote("log", 0, `no record of this run: ${why}`);
+    this.sim.tapNote(`no record of this run: ${why}`);
   }
 
   checkDeadman(now) {

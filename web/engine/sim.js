@@ -99,9 +99,7 @@ export class Sim {
     return this.#m.HEAPU8.slice(at, at + length);
   }
 
-  // --- /dev/mc0 ---
-
-  /** What a scenario does with it: script.js. */
+  /** What a scenario does with /dev/mc0: script.js. */
   newScript(driver, params) {
     return new Script({ m: this.#m, sim: this.#at, room: this.#room, axes: this.axes, driver, params,
       inputs: this.inputs, put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });  // prettier-ignore
@@ -246,10 +244,11 @@ export class Sim {
     this.#m._mmcs_sim_tap_head(this.#at, this.#room);
     return this.#get(this.#room, "mmcs_tap_head");
   }
-  tapNote(kind, value = 0, text = "", axis = -1) {
-    this.#m.stringToUTF8(kind, this.#room, 64);
+  /** A line of the log, about no axis. */
+  tapNote(text) {
+    this.#m.stringToUTF8("log", this.#room, 64);
     this.#m.stringToUTF8(text, this.#room + 64, 200);
-    this.#m._mmcs_sim_tap_note(this.#at, this.#room, axis, value, this.#room + 64);
+    this.#m._mmcs_sim_tap_note(this.#at, this.#room, -1, 0, this.#room + 64);
   }
 
   // --- time travel ---
