@@ -84,5 +84,5 @@ def design_integers(num: list[float], den: list[float], scale: int | None) -> di
     return _answered(lib.mmcs_design_integers(num, len(num), den, len(den), given))
 
 
-def design_answer(gains: list[float], t: float, num: list[float], den: list[float]) -> dict:
-    return _answered(load()[1].mmcs_design_answer(gains, t, num, len(num), den, len(den)))
+def design_answer(gains: list[float], t: float) -> dict:
+    return _answered(load()[1].mmcs_design_answer(gains, t))

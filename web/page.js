@@ -43,7 +43,7 @@ export class Page extends EventTarget {
     return interval_us * 1e-6 * (params[axis]?.clkdivisor ?? 1);
   }
 
-  /** {coefficients, warnings} of continuous gains, or of D(z) {num, den}. Rejects with a line for people. */
+  /** {coefficients, warnings} of continuous gains. Rejects with a line for people. */
   async design(asked, interval_s) {
     const by = this.machine.hello.server === "page" ? this.machine.link : this.advice;
     if (!by) throw new Error("there is no designer here; set a2 … b0 by number");

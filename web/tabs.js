@@ -5,7 +5,6 @@ import { button, el } from "./dom.js";
 import { faultsView } from "./faults.js";
 import { frontView } from "./front.js";
 import { labsView } from "./labs.js";
-import { lawView } from "./law.js";
 import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
 import { tuneView } from "./tune.js";
@@ -15,7 +14,6 @@ export function tabs(page, log) {
   const views = [
     scopeView(page),
     tuneView(page),
-    lawView(page),
     frontView(page),
     registersView(page),
     faultsView(page),

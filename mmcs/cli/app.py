@@ -16,7 +16,7 @@ import click
 from mmcs import __version__
 from mmcs.cli.again import replay, trace
 from mmcs.cli.board import board
-from mmcs.cli.bridge import fmu, live, mcap
+from mmcs.cli.bridge import fmu, mcap
 from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
@@ -312,6 +312,6 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     sys.exit(0 if good else 1)
 
 
-for _command in (board, campaign, compare, design, exec_, faults, film, fmu, lab, live, mcap,
+for _command in (board, campaign, compare, design, exec_, faults, film, fmu, lab, mcap,
                  replay, serve, sweep, tool, trace):  # fmt: skip
     main.add_command(_command)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`mmcs live`, `mmcs mcap`, `mmcs fmu`: samples and machines for tools that others wrote."""
+"""`mmcs mcap`, `mmcs fmu`: samples and machines for tools that others wrote."""
 
 from pathlib import Path
 
@@ -7,23 +7,6 @@ import click
 
 from mmcs.errors import InputError
 from mmcs.screen import echo
-
-
-@click.command()
-@click.option("--dev", "name", default="mc0", metavar="NAME", help="Name of the server.")
-@click.option("--to", "where", default="127.0.0.1:9870", metavar="HOST:PORT", help="PlotJuggler.")
-@click.option("--every", type=click.IntRange(1, 10000), default=1, help="Every n-th sample.")
-def live(name: str, where: str, every: int) -> None:
-    """Send what a served machine samples to PlotJuggler, as JSON by UDP. Ends with Ctrl-C."""
-    from mmcs.bridge.live import send
-    from mmcs.device.link import Link
-
-    host, _, port = where.rpartition(":")
-    if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise InputError.one("--to", "", where, "must be HOST:PORT")
-    with Link(name, timeout=None) as link:
-        echo(f"mmcs: {link.hello['scenario']}, {link.hello['axes']} axes, to {where}", err=True)
-        send(link, (host, int(port)), every)
 
 
 @click.command()

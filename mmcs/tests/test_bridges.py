@@ -3,17 +3,12 @@
 
 import importlib.util
 import json
-import re
-import socket
-import struct
 import sys
-from typing import ClassVar
 
 import pytest
 
-from mmcs import ROOT, mcdef
-from mmcs.device.link import HEAD, Samples
-from mmcs.errors import InputError, RunError
+from mmcs import ROOT
+from mmcs.errors import RunError
 from mmcs.runs.machine import machine as make_machine
 from mmcs.scenario.load import load
 from tools.compiled import ran
@@ -63,78 +58,6 @@ def test_hal_enables_moves_stops_and_goes_on():
             hal.period(on, ns=2_000_000)
         with pytest.raises(RunError, match="build the component again"):
             hal.bridge.exchange(bytes(16))
-
-
-@pytest.mark.req("SYN-1")
-def test_a_linear_plant_moves_as_the_machine_does(tmp_path):
-    """A step of the D/A, friction taken out of the robot: within one part in a hundred."""
-    import control
-    import numpy as np
-
-    from mmcs import ROBOTS
-    from mmcs.bridge.linear import state_space
-
-    text = (ROBOTS / "lab500.toml").read_text()
-    for name in ("coulomb_pos", "coulomb_neg", "stiction_pos", "stiction_neg"):
-        text = re.sub(rf"^{name} = \d.*$", f"{name} = 0.0", text, flags=re.M)
-    (tmp_path / "free.toml").write_text(text)
-    scenario = tmp_path / "run.toml"
-    scenario.write_text(
-        f'extends = "{ROOT}/sim/scenarios/basic/lab500.toml"\nrobot = "free.toml"\nexpect = []\n'
-        'motion = []\n[[servo]]\naxis = 0\nmode = "torque"\nflags = []\nilim = 2047\n'
-    )
-    setup = load(str(scenario), ())
-    with make_machine(setup) as sim:
-        client = sim.open()
-        sim.ioctl(client, mcdef.MSETINTERVAL, mcdef.new_int(1000))
-        param = mcdef.new_param(0)
-        mcdef.fill_param(param, setup.params[0])
-        assert sim.ioctl(client, mcdef.MSETPARAM, param) == 0
-        assert sim.ioctl(client, mcdef.MENABLE, None) == 0
-        sim.write(client, [40])
-        sim.run(sim.time + 0.0011)  # the next pass writes it
-        begin = sim.true(0)
-        sim.run(sim.time + 0.1)
-        turned = sim.true(0)["count"] - begin["count"]
-    plant = state_space(str(scenario))
-    t = np.linspace(0, 0.101, 1012)
-    counts = control.forced_response(plant, t, np.full(len(t), 40 * 10 / 2048)).outputs
-    assert turned > 200
-    assert counts[-11] * 0.97 < turned < counts[-1] * 1.03
-    sampled = state_space(str(scenario), interval_s=0.001)
-    assert sampled.dt == 0.001 and len(sampled.poles()) == len(plant.poles())
-    with pytest.raises(InputError, match="axis"):
-        state_space("lab500", axis=2)
-
-
-@pytest.mark.req("TOOL-1")
-def test_what_plotjuggler_is_sent():
-    """Each datagram one JSON object with its time, as PlotJuggler's own example client does."""
-    from mmcs.bridge.live import message, send
-
-    fields = ["adcvai", "encnow", *"abcdefg", "current"]
-    row = {"t": 1.25, "lines": 6, "axes": [list(range(10)), list(range(10, 20))]}
-    got = json.loads(message(row, fields))
-    assert got["timestamp"] == 1.25 and got["mmcs"]["axis1"]["encnow"] == 11
-    assert got["mmcs"]["lines"] == {"panic": 0, "brakes_released": 1, "enabled": 1, "stopped": 0,
-                                    "irq": 0}  # fmt: skip
-
-    class Machine:
-        hello: ClassVar = {"sample": {"fields": fields}}
-
-        def request(self, op, **how):
-            assert (op, how) == ("follow", {"every": 2, "events": False})
-
-        def receive(self):
-            head = HEAD.pack(b"S1\0\0", 3, 80, 1, 1, 0.0, 0.0)
-            line = struct.pack("<ddii10i1i", 7, 0.5, 1, 1, *range(10), 0).ljust(80, b"\0")
-            return Samples(head + 3 * line)
-
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as juggler:
-        juggler.bind(("127.0.0.1", 0))
-        assert send(Machine(), juggler.getsockname(), every=2, samples=4) == 4
-        seen = [json.loads(juggler.recv(4096)) for _ in range(4)]
-    assert seen[3]["timestamp"] == 0.5 and seen[3]["mmcs"]["axis0"]["current"] == 9
 
 
 @pytest.mark.req("TOOL-1")

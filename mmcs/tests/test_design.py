@@ -121,6 +121,12 @@ def test_warnings():
     with pytest.raises(ds.DesignError, match="scale = 1: .* exceeds 32 bits; take smaller gains"):
         ds.to_integers(huge)
     assert ["overflows 32-bit" in text for text in ds.to_integers(high).warnings] == [True]
+    with pytest.raises(ds.DesignError, match="order 2 at most"):
+        ds.to_integers(ds.Discrete((1.0,) * 4, (1.0,)))
+    with pytest.raises(ds.DesignError, match="den begins with 1"):
+        ds.to_integers(ds.Discrete((1.0,), (2.0,)))
+    (told,) = ds.to_integers(ds.Discrete((1.0,), (1.0, 0.95))).warnings
+    assert told.startswith("pole at z = -0.95: the loop rings")
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.24, 40.0])

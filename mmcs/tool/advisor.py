@@ -3,7 +3,7 @@
 
 Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experiment gets on.
 
-  design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s; or num, den: D(z)
+  design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
   predict  motor {g, lag, …}, param, interval_s, step (counts), away: the step with limit and
            friction, and the closed loop's Bode plot
   mcap     csv (web/recording.js): base64
@@ -46,8 +46,7 @@ class Advisor(Worker):
 
     def do_design(self, message: dict) -> dict:
         gains = [float(message.get(name, 0.0)) for name in ("p", "i", "d", "tau")]
-        num, den = ([float(v) for v in message.get(name, ())] for name in ("num", "den"))
-        return design_answer(gains, _interval(message), num, den)
+        return design_answer(gains, _interval(message))
 
     def do_predict(self, message: dict) -> dict:
         param, t = message["param"], _interval(message)

@@ -190,10 +190,8 @@ const char *mmcs_design_discrete(const double *gains, const char *method, double
  * of two. */
 const char *mmcs_design_integers(const double *num, int32_t nums, const double *den, int32_t dens,
                                  const int64_t *scale);
-/* The same for pages: coefficients by name, warnings, gain_error. nums = 0: backward from the
- * gains. */
-const char *mmcs_design_answer(const double *gains, double t, const double *num, int32_t nums,
-                               const double *den, int32_t dens);
+/* The same for pages, backward from the gains: coefficients by name, warnings, gain_error. */
+const char *mmcs_design_answer(const double *gains, double t);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

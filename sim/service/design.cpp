@@ -231,10 +231,6 @@ const char *told(F make) {
   return said.c_str();
 }
 
-Discrete given(const double *num, int32_t nums, const double *den, int32_t dens) {
-  return {List(num, num + nums), List(den, den + dens)};
-}
-
 }  // namespace design
 }  // namespace
 
@@ -252,19 +248,16 @@ const char *mmcs_design_discrete(const double *g, const char *method, double t, 
 const char *mmcs_design_integers(const double *num, int32_t nums, const double *den, int32_t dens,
                                  const int64_t *scale) {
   return design::told([&] {
-    const auto made = design::integers(design::given(num, nums, den, dens), scale);
+    const auto made = design::integers({{num, num + nums}, {den, den + dens}}, scale);
     return fields("a", made.a, "b", made.b, "gain_error", made.gain_error, "warnings",
                   made.warnings);
   });
 }
 
-const char *mmcs_design_answer(const double *g, double t, const double *num, int32_t nums,
-                               const double *den, int32_t dens) {
+const char *mmcs_design_answer(const double *g, double t) {
   return design::told([&] {
-    auto made =
-        design::integers(nums ? design::given(num, nums, den, dens)
-                              : design::discrete({g[0], g[1], g[2], g[3]}, "backward", t, 0),
-                         nullptr);
+    const auto wanted = design::discrete({g[0], g[1], g[2], g[3]}, "backward", t, 0);
+    auto made = design::integers(wanted, nullptr);
     const double kick = std::fabs(1. * made.a[0] / made.b[0]);
     if (kick > design::kKick)
       made.warnings.push_back("one count commands " + whole(kick) +

@@ -2,7 +2,6 @@
 // The machine's messages (docs/use/protocol.md) inside a page: what mmcs/device/ is for a socket, for
 // one page and the frame of STOP. The scenario's own program is client 1.
 
-import { Law } from "./law.js";
 import { MOST_MS } from "./past.js";
 
 const SPOILS = { load: "a register was read by hand", store: "a register was written by hand",
@@ -33,7 +32,6 @@ export class Server {
     this.state({ speed: 1 });
     this.spoiled = ""; // why the record would not replay
     this.arrived = null; // told at the end of `advance`
-    this.law = null; // of a person's own (law.js)
   }
 
   /** Fields of mmcs_server; and values that some of them take. */
@@ -187,23 +185,11 @@ const OPERATIONS = {
 
 /** Of a page alone, with the arguments as they come. */
 const OF_PAGE = {
-  law: (s, { axis, text, r }) => {
-    if (s.session.playing) throw new Refused(E.EBUSY, PLAYING);
-    if (s.law) s.ask({ op: "setpoint", axis: s.law.axis, value: 0 });
-    s.law = null;
-    if (text === null) return {};
-    const made = new Law(s, axis, text, r);
-    s.ask({ op: "setpoint", axis, value: 0 }); // no current yet
-    s.ask({ op: "change", axis, param: { mode: s.C.MD_TORQ } });
-    s.law = made;
-    return {};
-  },
   design: (s, asked) => {
     const made = s.sim.design(asked);
     if (made.error) throw new Refused(E.EINVAL, made.error);
     return made;
   },
-  cost: (s) => ({ cycles: s.sim.stats().bus_cycles, samples: s.sim.tapHead().rows }),
   waves: (s, { t, ms = 2 }) => s.waves(t, ms),
   memory: (s) => ({ bytes: s.sim.memory }),
 };

@@ -222,12 +222,10 @@ export class Sim {
     return [lines(log.at(-1).cols, 0, 0), ...texts].join("");
   }
   /** What mmcs_design_answer() gives, or {error}. */
-  design({ p = 0, i = 0, d = 0, tau = 0, interval_s, num = [], den = [] }) {
+  design({ p = 0, i = 0, d = 0, tau = 0, interval_s }) {
     const [m, at] = [this.#m, this.#room];
-    new Float64Array(m.HEAPU8.buffer, at, ROOM / 8).set([p, i, d, tau, ...num, ...den]);
-    const [numAt, denAt] = [at + 32, at + 32 + 8 * num.length];
-    const told = m._mmcs_design_answer(at, interval_s, numAt, num.length, denAt, den.length);
-    return JSON.parse(m.UTF8ToString(told));
+    new Float64Array(m.HEAPU8.buffer, at, ROOM / 8).set([p, i, d, tau]);
+    return JSON.parse(m.UTF8ToString(m._mmcs_design_answer(at, interval_s)));
   }
   /** use(address) of a copy of these bytes. */
   #lend(bytes, use) {

@@ -4,7 +4,6 @@
 // In: {start: {setup, module, layouts, constants, waves, plays, paused, version}}, {stopPort}, texts of
 // docs/use/protocol.md, {record: true}. Out: those texts, samples as ArrayBuffers, {told: {...}}.
 
-import { PERIOD_S } from "./law.js";
 import { Past } from "./past.js";
 import { makeRecord } from "./record.js";
 import { Server } from "./server.js";
@@ -78,10 +77,6 @@ function pass() {
     const { done } = motion.next();
     log.push(sim.takeLog());
     if (done) finish();
-  } else if (server.law) {
-    sim.run(before + PERIOD_S);
-    if (!server.law.turn()) server.law = null;
-    sim.takeLog();
   } else {
     sim.run(before + CHUNK_S);
     if (sim.time - before < CHUNK_S / 2) server.state({ paused: 1 }); // an assertion failed

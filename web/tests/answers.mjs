@@ -5,15 +5,12 @@
 import { readFileSync } from "node:fs";
 
 import { duration, Net, tickStep } from "../wave_data.js";
-import { law, transfer } from "../formula.js";
 import { gainsOf } from "../params.js";
 
 const FUNCTIONS = {
-  transfer,
   gainsOf,
   duration,
   tickStep,
-  law: (text, values) => String(law(text, Object.keys(values))(values)),
   net: (clocks, values, asked) => {
     const net = new Net({ name: "", width: 32, form: "hex", names: {} }, { clocks, values });
     return asked.map((clock) => [net.at(clock), net.next(clock, true), net.next(clock, false)]);

@@ -8,7 +8,7 @@ from mmcs import Link
 from mmcs.tool.launch import _end, start
 
 pytestmark = pytest.mark.req("TOOL-1")
-VIEWS = ("scope", "tune", "law", "machine", "registers", "faults", "waves", "labs", "log")
+VIEWS = ("scope", "tune", "machine", "registers", "faults", "waves", "labs", "log")
 NAMED = {"button", "textbox", "combobox", "slider", "checkbox", "spinbutton", "tab", "Iframe"}
 
 

@@ -276,8 +276,8 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
         page.wait_for_timeout(300)
         return not desk.state()["enabled"]
 
-    page.click("#tab-law")
-    page.fill("#law-dz", "")
+    page.click("#tab-tune")
+    page.fill("#step-size", "")
 
     def key(where: str, name: str):
         def press() -> None:
@@ -289,12 +289,12 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
     box = '[id="axis0-Coulomb compensation"]'
     assert not stops(key(box, "Space"))
     desk.eventually(lambda: desk.param(0)["mode"] & mcdef.COULCOMP)
-    assert not stops(key("#law-dz", "Space")) and page.input_value("#law-dz") == " "
+    assert not stops(key("#step-size", "Space")) and page.input_value("#step-size") == " "
     assert not stops(key("#axis0-mode", "Space"))
     page.keyboard.press("Escape")
-    for where in ("#clear", "[id='axis0-P gain slider']", "#tab-law"):
+    for where in ("#clear", "[id='axis0-P gain slider']", "#tab-tune"):
         assert stops(key(where, "Space")), where
-    for where in ("#law-dz", box, "#clear"):
+    for where in ("#step-size", box, "#clear"):
         assert stops(key(where, "Escape")), where
 
 

@@ -103,7 +103,7 @@ def test_both_carriers_give_the_same_replies(tmp_path):
 
 
 def designs() -> list[dict]:
-    """P, PD, PID with and without a filter, at any interval, and a D(z) of one's own."""
+    """P, PD, PID with and without a filter, at any interval."""
     rng = random.Random(1989)
 
     def some(low: float, high: float, zero: float = 0.3) -> float:
@@ -116,11 +116,7 @@ def designs() -> list[dict]:
     ]  # fmt: skip
     asked += [{**gains, "p": -gains["p"]} for gains in asked[:50]]
     asked += [{"p": size, "interval_s": 1e-3} for size in (1e9, 3e9, 1e12, 0.5, 1.5, 2.5, 1e-9)]
-    asked += [{"interval_s": 1e-3}, {"num": [1] * 4, "den": [1], "interval_s": 1e-3}]
-    for _ in range(300):
-        num = [rng.uniform(-1, 1) * some(0.01, 1e4) for _ in range(rng.randint(1, 3))]
-        a, b = (rng.choice((1.0, 0.0, rng.uniform(-0.999, 0.999))) for _ in range(2))
-        asked.append({"num": num, "den": [1, -a - b, a * b], "interval_s": 1e-3})
+    asked += [{"interval_s": 1e-3}]
     return [{"op": "design"} | one for one in asked]
 
 
@@ -134,7 +130,7 @@ def test_both_carriers_give_the_same_designs():
         off = page.pop("gain_error", 0) - own.pop("gain_error", 0)
         assert abs(off) < NEAR and all(page[key] == own[key] for key in own if key != "error")
         met |= {word.split()[0] for word in own.get("warnings", [own.get("error")])}
-    assert met == {"S*I*T", "a", "rounding", "one", "pole", "scale", "the"}  # each was met
+    assert met == {"S*I*T", "a", "rounding", "one", "scale"}  # each was met
 
 
 @pytest.mark.req("SIM-3", "API-1")

@@ -232,31 +232,6 @@ def test_the_first_motion_comes_soon(opened):
     picture(page, "web")
 
 
-@pytest.mark.req("SYN-1")
-def test_a_compensator_and_a_law_as_typed(opened):
-    page = opened("?scenario=lab500&plays=0&deadman=240000")
-    enable(page)
-    page.click("#tab-law")
-    page.fill("#law-dz", "(110*z - 106)/z")
-    page.click("#law-set")
-    page.wait_for_function(
-        "() => document.getElementById('law-said').textContent.includes('a 110 -106 0')"
-    )
-    page.fill("#law-text", "fetch(1)")
-    page.click("#law-go")
-    page.wait_for_function(
-        "() => document.getElementById('law-said').textContent.includes('no fetch()')"
-    )
-    page.fill("#law-text", "4*e - 100*v + 60*sign(e)")
-    page.click("#law-go")
-    page.wait_for_function("() => Math.abs(mctool.machine.history.latest(0).encnow - 500) < 25")
-    page.wait_for_function(
-        "() => document.getElementById('law-cost').textContent.includes('bus cycles')"
-    )
-    page.click("#law-end")
-    page.wait_for_function("() => mctool.machine.history.latest(0).current === 0")
-
-
 def test_the_lab_sheets_are_there_and_checking_names_the_command(opened):
     page = opened("?scenario=lab500&plays=0")
     page.click("#tab-labs")
