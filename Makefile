@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: cocotb edges dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation mutation-firmware help sim test test-fast test-loaded test-icarus waves lint format generate coverage sabotage formal firmware clean distclean fpga test-netlist release
+.PHONY: cocotb edges dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -138,10 +138,6 @@ coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in
 edges: $(VENV)/.test ## sweep the asynchronous inputs, into docs/evidence/edges.md
 	@$(BIN)/python tools/edges.py --doc
 
-sabotage: $(VENV)/.test ## break RTL and driver line by line; a named test must turn red each time
-	@tools/need_debian.sh iverilog iverilog
-	@JOBS=$(JOBS) $(BIN)/python tools/breakage/run.py tests --only "$(ONLY)"
-
 attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
 	@$(BIN)/python tools/attack.py $(ATTACK)
 
@@ -154,15 +150,14 @@ fuzz: $(VENV)/.fuzz ## inputs led by coverage for every parser, with sanitizers:
 falsify: $(VENV)/.test ## which scenarios notice wrong physics, a score; ONLY=TEXT; WRITE=1: write their paths
 	@$(BIN)/python -m studies.falsify $(if $(WRITE),--write) --only "$(ONLY)"
 
-formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SABOTAGE=1: break the RTL; ONLY=TEXT
-	@JOBS=$(JOBS) $(BIN)/python tools/$(if $(SABOTAGE),breakage/run.py proofs,formal.py $(if $(FAST),--fast)) \
+formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SEEDED=1: with seeded faults; ONLY=TEXT
+	@JOBS=$(JOBS) $(BIN)/python tools/$(if $(SEEDED),mutation/faults.py proofs,formal.py $(if $(FAST),--fast)) \
 	    --only "$(ONLY)"
 
-mutation: $(VENV)/.test $(VENV)/.formal ## mutation score of the RTL (1,310 mutants); FAST=1: a fixed random 60
-	@JOBS=$(JOBS) $(BIN)/python tools/breakage/run.py mutants $(if $(FAST),--sample 60 --strict,--resume) --only "$(ONLY)"
-
-mutation-firmware: $(VENV)/.test ## mutation score of the servo and driver (480 mutants, some 20 minutes)
-	@$(BIN)/python tools/breakage/run.py driver-mutants --write
+mutation: $(VENV)/.test $(VENV)/.formal ## seeded faults and mutants that tests must catch; SHARE=0 to 9: a tenth; ONLY=TEXT
+	@tools/need_debian.sh iverilog iverilog
+	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py tests --only "$(ONLY)"
+	@JOBS=$(JOBS) $(BIN)/python tools/mutation/mutate.py --resume --only "$(ONLY)"
 
 # --- firmware for real processors ----------------------------------------------------------
 

@@ -2,8 +2,7 @@
 """Proves formal/*.sby with SymbiYosys, two tasks at a time, and prints a table: `make formal`.
 
     formal.py [--fast] [--only TEXT]      prove; exit 1 unless all is proved and every cover reached
-    formal.py --doc [--only TEXT]         prove, then rewrite their tables of the docs
-    formal.py --picture                   draw the counter-example of docs/evidence/formal.md
+    formal.py --doc                       prove, then rewrite the table of docs/evidence/formal.md
 
 A .sby file says {MODULE} for the files of rtl/ that a module is made of, a line with {part} or
 {card} stands for one each of sim/model/parts.toml, {strobes} for the clocks of the bus, and [files]
@@ -30,7 +29,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tools import carried
-from tools.formal_doc import picture, properties, write_doc
+from tools.pages import rewrite
 from tools.sources import made_of, sources
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -47,6 +46,10 @@ select -set strobes w:*u_strobe.begun_q w:*u_strobe.ended_q \
 w:*u_strobe.ds0_fell_q w:*u_strobe.ds0_stale_q w:*u_bus_slave.bus_*_q \
 w:*u_bus_interrupter.respond_q w:*u_bus_interrupter.iackin_stale_q
 clk2fflogic @strobes %ci1 t:$adff t:$dff %u %i"""
+DOC = ROOT / "docs" / "evidence" / "formal.md"
+PROVE = re.compile(r"`MMCS_PROVE\s*\(\s*(\w+)\s*,\s*\"([^\"]*)\"\s*,")
+RULE = re.compile(r"`MMCS_RULE\(\d+, (\w+),[^`]*?\"([^\"]*)\"\)", re.S)
+TEXT = re.compile(r"\"([^\"]*)\"\s*\)\s*$", re.M)
 LIMIT_S = int(
     os.environ.get("MMCS_FORMAL_LIMIT", "1800")
 )  # a guard against what hangs, not a measure
@@ -226,23 +229,41 @@ def vacuous(files: list[Path]) -> list[str]:
     return [f.name for f in files if not any(t.startswith("cover") for t in tasks(f))]
 
 
-def draw() -> int:
-    """Breaks what the list of breakages gives a picture, and draws the trace."""
-    from tools.breakage import run as breakages
+def properties(sby: Path) -> list[tuple[str, str, str]]:
+    """(name, section, sentence) of every property that a .sby file proves.
 
-    for entry in breakages.entries("proofs"):
-        if "picture" not in entry:
-            continue
-        folder = ROOT / WORK / "picture"
-        complaint = breakages.broken(entry, folder, breakages.PARTS["proof"])
-        group, task = entry["proof"]["group"], entry["proof"].get("task", "prove")
-        result = run(ROOT / "formal" / f"{group}.sby", task, folder)
-        if complaint or result.verdict != "FAIL":
-            print(f"formal: no trace: {complaint or result.verdict}", file=sys.stderr)
-            return 1
-        work = folder / WORK / f"{group}_{task}" / "engine_0"
-        picture(entry, work / "trace.vcd")
-    return 0
+    `# rules:` in the .sby file names the bus checkers whose rules are proved as well, `# wires:`
+    those of them that a wire of the design fulfils by itself: they are no properties.
+    """
+    out = []
+    for name in re.findall(r"\b(\w+_props\.sv)\b", sby.read_text()):
+        source = re.sub(r"^\s*//.*$", "", (ROOT / "formal" / name).read_text(), flags=re.M)
+        for begin in PROVE.finditer(source):
+            end = TEXT.search(source, begin.end())
+            out.append((begin[1], begin[2], end[1] if end else ""))
+    wires = re.findall(r"\w+", "".join(re.findall(r"^# wires: (.*)$", sby.read_text(), re.M)))
+    named = re.search(r"^# rules: (.*)$", sby.read_text(), re.M)
+    for checker in named[1].split() if named else []:
+        source = (ROOT / "rtl" / "checkers" / f"{checker}.sv").read_text()
+        section = re.search(r"§([\d.]+)", source)
+        rules = [(n, t) for n, t in RULE.findall(source) if n not in wires]
+        out += [(f"{checker}: {n}", section[1], t) for n, t in rules]
+    return out
+
+
+def write_doc(files: list[Path], results: list[Result], cpu: float) -> None:
+    count = sum(len(properties(f)) for f in files)
+    lines = [f"{count} properties in {len(files)} groups, {cpu:.0f} s of processor time.", ""]
+    lines += ["| group | what | properties | status | s |", "|---|---|---|---|---|"]
+    for file in files:
+        mine = [r for r in results if r.group == file.stem]
+        title = re.search(r"^# (?!SPDX|slow|rules|wires)(.*)$", file.read_text(), re.M)[1]
+        status = ", ".join(sorted({r.status() for r in mine if r.mode != "cover"}))
+        seconds = sum(r.seconds for r in mine)
+        lines.append(
+            f"| `{file.stem}` | {title} | {len(properties(file))} | {status} | {seconds:.0f} |"
+        )
+    rewrite(DOC, "proofs", "\n".join(lines), "make .venv/.formal; tools/formal.py --doc")
 
 
 def main() -> int:
@@ -253,14 +274,11 @@ def main() -> int:
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--task", default="", metavar="TEXT")
     parser.add_argument("--doc", action="store_true")
-    parser.add_argument("--picture", action="store_true")
     args = parser.parse_args()
     missing = [tool for tool in NEEDED if not shutil.which(tool)]
     if missing:
         print(f"formal: {missing[0]} is missing; `make formal` installs it", file=sys.stderr)
         return 2
-    if args.picture:
-        return draw()
     files = [f for f in groups() if args.only in f.stem]
     if not files:
         print(f"formal: no formal/*.sby is called {args.only!r}", file=sys.stderr)
@@ -278,8 +296,8 @@ def main() -> int:
         f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
         f" {len(results)} tasks pass, {took:.0f} s, processors {cpu:.0f} s"
     )
-    if args.doc and not args.task and not args.fast:
-        write_doc(files, results, took, cpu, whole=not args.only)
+    if args.doc and not (args.only or args.task or args.fast):
+        write_doc(files, results, cpu)
     return 1 if bad or vacuous(files) else 0
 
 

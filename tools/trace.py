@@ -2,8 +2,8 @@
 """Joins the requirements (docs/requirements.toml) with the tests that carry their ids.
 
 Writes docs/evidence/traceability.md; fails on a requirement without a test, a test with an unknown
-id, a file that is not there, or a requirement of rtl/ without a breakage whose test carries its id
-(tools/breakage/list.toml).
+id, a file that is not there, or a requirement of RTL or driver that has neither a seeded fault
+whose test carries its id nor a reason (tools/mutation/faults.toml).
 """
 
 import argparse
@@ -13,15 +13,13 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections import Counter, defaultdict
 from pathlib import Path
 
-from tools.breakage import run as breakages
+from tools.mutation import faults
 from tools.pages import fill
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "evidence" / "traceability.md"
-NONE = {"files": []}
 # Tests that hold no RTL, and what they hold: of a requirement of rtl/ they show nothing.
 WITHOUT_RTL = {
     "cocotb_tests/checkers": "the bus checkers alone",
@@ -50,13 +48,10 @@ def collect() -> dict[str, list[str]]:
         return json.loads(out.read_text())
 
 
-def test_files(nodes: list[str]) -> list[str]:
-    """Test files with the number of tests in each, for one requirement."""
-    count = defaultdict(set)
-    for node in nodes:
-        file, _, name = node.partition("::")
-        count[file].add(re.sub(r"\[(verilator|icarus)\]$", "", name))
-    return [f"[{Path(f).name}](../../{f}) ({len(names)})" for f, names in sorted(count.items())]
+def test_files(nodes: list[str]) -> str:
+    """The files of the tests of one requirement."""
+    files = sorted({node.partition("::")[0] for node in nodes})
+    return ", ".join(f"[{Path(f).name}](../../{f})" for f in files)
 
 
 def in_rtl(requirement: dict) -> bool:
@@ -67,54 +62,32 @@ def holds_rtl(node: str) -> bool:
     return not any(node.startswith((f"{place}::", f"{place}/")) for place in WITHOUT_RTL)
 
 
-def unbroken(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) -> list[str]:
-    """What a list of breakages lacks: a requirement of rtl/, or its id at a row's test."""
-    named = {row["req"] for row in rows}
-    out = [f"{k}: no breakage of {breakages.LIST.name} breaks it" for k, r in requirements.items()
-           if in_rtl(r) and k not in named]  # fmt: skip
+def unseeded(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
+    """What the list of seeded faults lacks: a requirement, or its id at a fault's test."""
+    listed, without = faults.read()
+    rows = [f for f in listed if "req" in f]
+    named = [row["req"] for row in rows] + list(without)
+    here = {k for k, r in requirements.items() if r["files"][0].startswith(("rtl", "firmware"))}
+    out = [f"{k}: wants one fault or one reason in {faults.LIST.name}"
+           for k in {*here, *named} if k not in requirements or named.count(k) != 1]  # fmt: skip
     for row in rows:
-        for test in row["test"].split():
-            ids = tests.get(re.sub(r"icarus\]$", "verilator]", test), [])
-            if row["req"] not in ids:
-                out.append(f"{row['name']}: {test} does not carry {row['req']}")
+        ids = tests.get(re.sub(r"icarus\]$", "verilator]", row["test"]), [])
+        if row["req"] not in ids:
+            out.append(f"{row['name']}: {row['test']} does not carry {row['req']}")
     return out
 
 
-def shown(requirement: dict, nodes: list[str]) -> str:
-    """The tests of a requirement; if it is one of rtl/, those without RTL apart."""
-    rest = [n for n in nodes if in_rtl(requirement) and not holds_rtl(n)]
-    held = ", ".join(test_files([n for n in nodes if n not in rest]))
-    held = held or ("open" if requirement.get("open") else "**MISSING**")
-    return held + (f"; without RTL: {', '.join(test_files(rest))}" if rest else "")
-
-
-def page(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) -> str:
-    broken = Counter(row["req"] for row in rows)
-    lines = [
-        "| id | report § | requirement | implemented in | tests | breakages |",
-        "|---|---|---|---|---|---|",
-    ]
+def page(requirements: dict, tests: dict[str, list[str]]) -> str:
+    lines = ["| id | report § | requirement | implemented in | tests |", "|---|---|---|---|---|"]
     for key, req in requirements.items():
-        nodes = [n for n, ids in tests.items() if key in ids]
-        files = ", ".join(
-            f"[{Path(f).name}](../../{f})" for f in req["files"] if (ROOT / f).exists()
-        )
-        row = (key, req["section"], req["text"], files, shown(req, nodes), str(broken[key] or ""))
-        lines.append(f"| {' | '.join(row)} |")
-    covered = sum(any(k in ids for ids in tests.values()) for k in requirements)
-    entries = [n for n, ids in tests.items() for i in ids if in_rtl(requirements.get(i, NONE))]
-    without = sum(not holds_rtl(n) for n in entries)
-    lines += [
-        "",
-        f"{covered} of {len(requirements)} requirements have tests. Of {len(entries)} entries of",
-        f"requirements in `rtl/` {without} hold no RTL and do not count:",
-        "",
-        *(f"* `{file}` holds {what}" for file, what in WITHOUT_RTL.items()),
-    ]
+        nodes = [n for n, ids in tests.items() if key in ids and (not in_rtl(req) or holds_rtl(n))]
+        files = ", ".join(f"[{Path(f).name}](../../{f})" for f in req["files"])
+        held = test_files(nodes) or ("open" if req.get("open") else "**MISSING**")
+        lines.append(f"| {key} | {req['section']} | {req['text']} | {files} | {held} |")
     return fill(PAGE, {"requirements": lines})
 
 
-def problems(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) -> list[str]:
+def problems(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
     used = {i for ids in tests.values() for i in ids}
     held = {i for node, ids in tests.items() if holds_rtl(node) for i in ids}
     out = [
@@ -122,7 +95,7 @@ def problems(requirements: dict, tests: dict[str, list[str]], rows: list[dict]) 
         for k, r in requirements.items()
         if k in used - held and in_rtl(r)
     ]
-    out += unbroken(requirements, tests, rows)
+    out += unseeded(requirements, tests)
     out += [f"{f} is not there: WITHOUT_RTL" for f in WITHOUT_RTL if not (ROOT / f).exists()]
     out += [
         f"{k}: no test carries this id"
@@ -151,9 +124,8 @@ def main() -> int:
     check = parser.parse_args().check
     requirements = tomllib.loads((ROOT / "docs" / "requirements.toml").read_text())
     tests = collect()
-    rows = [e for e in breakages.entries("tests") if "test" in e]
-    text = page(requirements, tests, rows)
-    found = problems(requirements, tests, rows)
+    text = page(requirements, tests)
+    found = problems(requirements, tests)
     if check:
         if PAGE.read_text() != text:
             found.append("docs/evidence/traceability.md is stale: run `make generate`")

@@ -94,7 +94,7 @@ def build_root() -> Path:
 
 
 def _limit_s() -> int:
-    """HANG_S, or what is left to this process, which may have a lower limit (`make sabotage`)."""
+    """HANG_S, or what is left to this process, which may have a lower limit (`make mutation`)."""
     most = resource.getrlimit(resource.RLIMIT_CPU)[1]
     return HANG_S if most == resource.RLIM_INFINITY else min(HANG_S, most)
 

@@ -72,7 +72,7 @@ def test_a_simulator_that_never_ends_is_ended_by_the_time_it_uses(monkeypatch):
 
 
 def test_a_simulator_runs_under_a_lower_limit():
-    """As tools/breakage/run.py tests sets one: a limit cannot be raised again."""
+    """As tools/mutation/faults.py sets one: a limit cannot be raised again."""
     script = (
         "import os, resource, sys; resource.setrlimit(resource.RLIMIT_CPU, (60, 60));"
         "from cocotb_tests.lib import runner; simulator = runner._Runner();"

@@ -18,7 +18,7 @@ OTHERWISE = {
     "cocotb": "a part of test; SIM=icarus is test-icarus",
 }
 # Suites that their name does not tell.
-MORE = {"lint", "sim", "firmware", "formal", "mutation", "sabotage"}
+MORE = {"lint", "sim", "firmware", "formal", "mutation"}
 
 
 def suites(makefile: str) -> set[str]:

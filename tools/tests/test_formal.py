@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/formal.py without its provers: what it reads in logs, and that its files fit together."""
 
-import re
-
 import pytest
 
 from mmcs import ROOT
-from tools import formal, formal_doc
-from tools.breakage import run as breakage
+from tools import formal
 
 GROUPS = formal.groups()
-BREAKS = [e["proof"] | {"name": e["name"]} for e in breakage.entries("proofs")]
 
 
 def read(text: str, mode: str = "prove") -> formal.Result:
@@ -63,7 +59,7 @@ def test_a_group_is_whole(file):
     tasks = formal.tasks(file)
     assert any(t.startswith("cover") for t in tasks)
     assert any(t.startswith(("prove", "bmc")) for t in tasks)
-    properties = formal_doc.properties(file)
+    properties = formal.properties(file)
     assert properties
     for name, section, text in properties:
         assert section and text, name
@@ -82,34 +78,3 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
     group.write_text("[options]\n\n[script]\nread_verilog -sv {no_such_module}\n")
     with pytest.raises(SystemExit, match=r"group.sby reads 'no_such_module', which is not there"):
         formal.text(group)
-
-
-@pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
-def test_a_group_has_a_breakage(file):
-    assert any(e["group"] == file.stem for e in BREAKS), "no breakage shows that it can fail"
-
-
-@pytest.mark.parametrize("entry", BREAKS, ids=lambda e: e["name"].replace(" ", "_"))
-def test_a_breakage_has_its_proof(entry):
-    """The proof that must turn red is there."""
-    sby = ROOT / "formal" / f"{entry['group']}.sby"
-    assert entry.get("task", "prove") in formal.tasks(sby)
-    if wanted := entry.get("property"):
-        sources = [*(ROOT / "formal").glob("*.sv"), *(ROOT / "rtl" / "checkers").glob("*.sv")]
-        assert any(re.search(rf"\b{wanted}\b", f.read_text()) for f in sources), wanted
-
-
-@pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
-def test_the_page_has_every_property(file):
-    page = (ROOT / "docs" / "evidence" / "formal.md").read_text()
-    for name, section, text in formal_doc.properties(file):
-        assert f"| {name} | {section} | {text} |" in page, "run tools/formal.py --doc"
-
-
-def test_the_counter_example_is_drawn_of_nets_that_there_are():
-    drawn = [entry for entry in breakage.entries("proofs") if "picture" in entry]
-    assert len(drawn) == 1
-    group, name = (drawn[0]["proof"][key] for key in ("group", "property"))
-    text = (ROOT / "formal" / f"{group}_props.sv").read_text()
-    assert [net for net in drawn[0]["picture"] if not re.search(rf"\b{net}\b", text)] == []
-    assert f"![Counter-example to {name}]" in (ROOT / "docs/evidence/formal.md").read_text()

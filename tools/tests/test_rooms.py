@@ -55,7 +55,6 @@ DEEPER = {
     "sim/tests/hosts/test_again.py": {"tests"},
     "studies/campaign.py": {"sweeps"},
     "studies/tests/test_evidence.py": {"sweeps"},
-    "tools/breakage/": {"engine", "runs"},
     "tools/parsers.py": {"device", "runs", "sweeps"},
     "tools/setup_venv.py": {"engine"},
     "tools/tests/test_docs_commands.py": {"cli", "tests"},

