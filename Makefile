@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: cocotb edges dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz falsify tool tool-test web web-test book bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
+.PHONY: cocotb edges dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz tool tool-test web web-test book bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
 
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -146,9 +146,6 @@ N ?= 100000
 fuzz: $(VENV)/.fuzz ## inputs led by coverage for every parser, with sanitizers: N=10000000, ONLY=TEXT
 	@tools/need_debian.sh clang-16 clang-16 libclang-rt-16-dev
 	@$(BIN)/python tools/fuzz.py --inputs $(N) --only "$(ONLY)"
-
-falsify: $(VENV)/.test ## which scenarios notice wrong physics, a score; ONLY=TEXT; WRITE=1: write their paths
-	@$(BIN)/python -m studies.falsify $(if $(WRITE),--write) --only "$(ONLY)"
 
 formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SEEDED=1: with seeded faults; ONLY=TEXT
 	@JOBS=$(JOBS) $(BIN)/python tools/$(if $(SEEDED),mutation/faults.py proofs,formal.py $(if $(FAST),--fast)) \

@@ -16,7 +16,7 @@ __all__ = [  # noqa: F822  (those of the front come when they are asked for)
 _MORE = {
     # scenarios and robots, and control design
     "scenario.load": "load_robot",
-    "scenario.files": "scenario_names find Files read_toml",
+    "scenario.files": "FAULTS scenario_names find Files read_toml",
     "scenario.setup": "make_setup Setup",
     "scenario.describe": "robot_cautions",
     "scenario": "arm synthesis",

@@ -13,7 +13,6 @@ PLANT = {
     "signal": plant.signal,
     "physics": plant.physics,
     "calibration": plant.calibration,
-    "path": plant.path,
     "refused": plant.refused,
 }
 NOTE_CHARS = 99  # of an event's text are kept

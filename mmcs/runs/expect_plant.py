@@ -9,7 +9,6 @@ import numpy as np
 from mmcs import logcols, mcdef
 from mmcs.scenario.scenario import (
     CalibrationExpect,
-    PathExpect,
     PhysicsExpect,
     RefusedExpect,
     SignalExpect,
@@ -61,22 +60,6 @@ def signal(entry: SignalExpect, result) -> list[dict]:
         value = round(float(FIGURES[name](values)), 3) if len(values) else None
         what = f"axis {axis} {entry.signal} {name} {band_text(band)}"
         verdicts.append(verdict(what, value, band))
-    return verdicts
-
-
-def path(entry: PathExpect, result) -> list[dict]:
-    """The farthest that an axis is from the counts given, at their instants."""
-    verdicts, t = [], result.log[:, 0]
-    axes = axes_of(entry, result)
-    lists = entry.counts * len(axes) if len(entry.counts) == 1 else entry.counts
-    for axis, counts in zip(axes, lists, strict=True):
-        values = logcols.column(result.log, axis, "encoder")
-        places = np.searchsorted(t, entry.every * np.arange(1, len(counts) + 1) - 1e-9)
-        value = None
-        if counts and places[-1] < len(values):
-            value = float(np.abs(values[places] - counts).max())
-        band = [-entry.within, entry.within]
-        verdicts.append(verdict(f"axis {axis} off its path {band_text(band)} counts", value, band))
     return verdicts
 
 

@@ -13,12 +13,20 @@ MAX_FILES = 16 << 20  # of a scenario, together
 LONG_KEY = re.compile(
     r"""(?<![\w"'.-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}"""
 )
+FAULTS = SCENARIOS / "faults" / "faults.toml"
+ENTRY = re.compile(r"^\[(\w+)\]$", re.M)
+# Seconds from the start of motion to a fault of the table, by the scenario that its entry extends.
+FAULT_S = {"arm_move": 0.1, "arm_calibrate": 0.0}
 DEEPEST = 10  # levels of tables and lists in a file; a good one has four
 
 
 def named(folder: Path = SCENARIOS) -> dict[str, Path]:
-    """The files of a folder and of those in it, by name."""
-    return {path.stem: path for path in sorted(folder.rglob("*.toml"), key=lambda p: p.stem)}
+    """The files of a folder and of those in it, by name. An entry of the fault table has a path of
+    its own, FAULTS/NAME, and is read like a file."""
+    found = {path.stem: path for path in folder.rglob("*.toml") if path != FAULTS}
+    if folder == SCENARIOS:
+        found |= {name: FAULTS / name for name in ENTRY.findall(FAULTS.read_text())}
+    return dict(sorted(found.items()))
 
 
 def scenario_names() -> list[str]:
@@ -122,7 +130,7 @@ def read_scenario(path: Path, below: tuple[Path, ...] = ()) -> tuple[dict, dict[
     A key of the file replaces the same key of the one it extends; only tables, like [host], are
     merged key by key. below: the files that extend this one.
     """
-    data = read_toml(path)
+    data = read_toml(path) if path.resolve().parent != FAULTS else fault_scenario(path.stem)
     if "extends" not in data:
         return data, {}
     name = data.pop("extends")
@@ -147,6 +155,21 @@ def read_scenario(path: Path, below: tuple[Path, ...] = ()) -> tuple[dict, dict[
             out[key] = value
         origins.pop(key, None)
     return out, origins
+
+
+def fault_scenario(name: str) -> dict:
+    """An entry of the fault table (its head says what one holds) as a file that extends another."""
+    entry = {"extends": "arm_move"} | read_toml(FAULTS)[name]
+    at = FAULT_S[entry["extends"]]
+    noticed, moved, stats = (entry.pop(key, None) for key in ("noticed", "moved", "stats"))
+    expect = [{"kind": "event", "after": at} | event for event in noticed or []]
+    if noticed == []:
+        expect = [{"kind": "event", "event": ["error", "panic"], "seen": False}]
+    expect += [{"kind": "stats"} | stats] if stats else []
+    expect += [{"kind": "physics", "after": at} | joints for joints in moved or []]
+    entry["expect"] = expect + entry.get("expect", [])
+    entry["event"] = [{"at": at} | event for event in entry.get("event", [])]
+    return {key: value for key, value in entry.items() if key not in ("name", "why")}
 
 
 def _move(data: dict, folder: Path) -> None:
@@ -184,4 +207,4 @@ def is_robot(name: str) -> bool:
         except InputError:
             return path.resolve().parent == ROBOTS
         return "axis" in data and "robot" not in data
-    return name not in named() and name in named(ROBOTS)
+    return name in named(ROBOTS) and name not in named()

@@ -175,13 +175,6 @@ class Program(Strict):
     digest: str = ""  # of the files it names, when a record was made
 
 
-class Fault(Strict):
-    """What the scenario shows in the fault table, docs/evidence/faults.md."""
-
-    name: str = Field(min_length=1, description="the fault in a few words")
-    why: str = Field(min_length=1, description="what the design of 1989 does about it, and why")
-
-
 class AxisExpect(Strict):
     """About the measured response of axes."""
 
@@ -250,16 +243,6 @@ class PhysicsExpect(Strict):
     off_counts: Limit | None = None  # true position minus encoder count at the end
 
 
-class PathExpect(Strict):
-    """About where axes are on their way: what falsified physics cannot keep to."""
-
-    kind: Literal["path"]
-    axis: Axes = "all"
-    every: float = Field(ge=1e-3, le=LONGEST_S, description="seconds from one count to the next")
-    counts: list[list[Int32]] = Field(min_length=1, description="a list for each axis, or one list")
-    within: float = Field(10.0, ge=0)  # counts
-
-
 class CalibrationExpect(Strict):
     """About the absolute position found with potentiometer and index."""
 
@@ -290,7 +273,6 @@ Expect = Annotated[
     | EventExpect
     | SignalExpect
     | PhysicsExpect
-    | PathExpect
     | CalibrationExpect
     | RefusedExpect
     | HashExpect,
@@ -325,5 +307,4 @@ class Scenario(Strict):
     call: list[Call] = []
     process: list[Process] = []
     program: list[Program] = []
-    fault: Fault | None = None
     expect: list[Expect] = []

@@ -384,13 +384,8 @@ class _Cross:
             elif isinstance(getattr(entry, "axis", None), int):
                 self.chosen(f"expect.{n}", [entry.axis])
             self._must_begin(f"expect.{n}.after", getattr(entry, "after", -1.0))
-            if entry.kind == "path":
-                count = len(self.chosen(f"expect.{n}", entry.axis))
-                if len(entry.counts) not in (1, count):
-                    allowed = f"must be {count} lists, one for each axis named, or one for all"
-                    self.wrong(f"expect.{n}.counts", entry.counts, allowed)
             for key, band in entry:
-                if entry.kind != "path" and isinstance(band, list) and isinstance(band[0], list):
+                if isinstance(band, list) and isinstance(band[0], list):
                     count = self.axes if entry.axis == "all" else len(entry.axis)
                     self._pick(f"expect.{n}.{key}", band, 0, count)
             where = {"kind", "axis", "signal", "after", "until"}

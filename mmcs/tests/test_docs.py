@@ -24,7 +24,6 @@ def models():
     """(heading of the section, model) for every table of a scenario."""
     yield "Top level", scenario.Scenario
     yield "Top level", scenario.Host
-    yield "`[fault]`", scenario.Fault
     for name in TABLES:
         (member,) = typing.get_args(scenario.Scenario.model_fields[name].annotation)
         member = typing.get_args(member)[0] if typing.get_args(member) else member
@@ -53,7 +52,7 @@ def all_keys():
         pytest.param(heading, model, key, id=f"{model.__name__}.{key}")
         for heading, model in models()
         for key in model.model_fields
-        if key != "kind" and not (model is scenario.Scenario and key in (*TABLES, "fault", "host"))
+        if key != "kind" and not (model is scenario.Scenario and key in (*TABLES, "host"))
     ]
 
 
@@ -74,9 +73,9 @@ def test_key_is_documented(heading, model, key):
 
 
 def test_every_table_has_its_section():
-    missing = [t for t in (*TABLES, "fault") if not any(f"[{t}]" in head for head in SECTIONS)]
+    missing = [t for t in TABLES if not any(f"[{t}]" in head for head in SECTIONS)]
     assert missing == []
-    assert set(TABLES) | {"fault", "host"} == {
+    assert set(TABLES) | {"host"} == {
         name
         for name, field in scenario.Scenario.model_fields.items()
         if isinstance(field.annotation, type)
@@ -106,15 +105,6 @@ def test_defaults_are_current():
             assert float(Fraction(default)) == pytest.approx(field.default), key
         else:
             assert json.loads(default.strip("`")) == field.default, key
-
-
-def test_registers_of_the_inputs_are_in_the_fault_table():
-    from studies.faults import DOCUMENT
-
-    page = DOCUMENT.read_text()
-    upsets = {name: i.code for name, i in INPUTS.items() if i.made_by == "UPSET"}
-    missing = [name for name, reg in upsets.items() if f"\n| `{name}` | `{reg}` |" not in page]
-    assert not missing, f"{missing}: run `python -m studies.faults`"
 
 
 def test_example_is_a_good_scenario(mmcs, scenario):

@@ -5,7 +5,7 @@ import pytest
 
 from mmcs import SCENARIOS
 from mmcs.errors import InputError
-from mmcs.scenario.files import named, read_scenario
+from mmcs.scenario.files import FAULTS, find, read_scenario, read_toml, scenario_names
 from mmcs.scenario.load import load
 
 STEP = '[[motion]]\naxis = 0\nkind = "step"\nat = 0.05\nto = {}\n'
@@ -91,12 +91,12 @@ def test_an_old_path_tells_the_present_one():
 
 
 def test_names_are_unique_and_no_file_is_outside_a_folder():
-    files = list(SCENARIOS.rglob("*.toml"))
-    assert len(files) == len(named()) and not list(SCENARIOS.glob("*.toml"))
+    files = [path.stem for path in SCENARIOS.rglob("*.toml") if path != FAULTS]
+    assert sorted([*files, *read_toml(FAULTS)]) == scenario_names()
+    assert not list(SCENARIOS.glob("*.toml"))
 
 
 def test_faults_do_not_repeat_the_machine():
-    for name, path in named(SCENARIOS / "faults").items():
-        if name.startswith("fault_"):
-            assert "robot =" not in path.read_text(), name
-            assert read_scenario(path)[0]["robot"] == "puma560"
+    for name, entry in read_toml(FAULTS).items():
+        assert "robot" not in entry, name
+        assert read_scenario(find(name))[0]["robot"] == "puma560"

@@ -120,7 +120,7 @@ expect = []
 [[program]]
 run = "{sys.executable} step.py 200"
 """)
-    assert load("fault_estop").scenario.fault is not None
+    assert load("fault_estop").scenario.event
     said = "".join(call("run", folder / "fault.toml", "--out", folder / "out")[1:])
     assert "estop[0] = 1" in said and "step.py 200: status 1" in said, said
 

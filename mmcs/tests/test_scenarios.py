@@ -5,8 +5,6 @@ Run in the build that skips idle clocks; its runs are those of the plain build t
 test_skipping_changes_nothing shows on two of them.
 """
 
-import re
-
 import pytest
 
 from mmcs.runs.expect_plant import index_counts
@@ -92,10 +90,8 @@ def test_expectations_can_fail():
     pot = 'event=[{at=0.0, input="pot_cut", index=2, value=1}]'
     wrong = failures(carry_out("puma560_calibrate_10", pot)[1])
     assert [what.split(",")[0] for what in wrong] == ["axis 2 calibrated at 2 marks"]
-    wrong = failures(carry_out("fault_encoder_slip", "event=[]")[1])  # no slip, another path
-    assert [what.split(" counts")[0] for what in wrong] == [
-        "joint 0 true minus encoder in -54..-46", "axis 0 off its path within ±10",
-    ]  # fmt: skip
+    wrong = failures(carry_out("fault_encoder_slip", "event=[]")[1])  # no slip
+    assert [what.split(" in ")[0] for what in wrong] == ["joint 0 true minus encoder"]
     assert len(failures(carry_out("fault_dip_double", "event=[]")[1])) == 1
 
 
@@ -113,26 +109,11 @@ def test_every_named_requirement_belongs_to_a_scenario():
     assert set(REQUIREMENTS) <= set(scenario_names())
 
 
-def test_fault_table_has_every_fault():
-    """docs/evidence/faults.md, by `python -m studies.faults`, must not forget a scenario."""
-    from studies.faults import DOCUMENT, fault_scenarios
-
-    text = DOCUMENT.read_text()
-    for name in re.findall(r"^\* \*\*.*\*\* \(`(\w+)`\)", text, re.M):
-        assert name in scenario_names(), f"{name}: is not there; run `python -m studies.faults`"
-    for name, setup in fault_scenarios():
-        fault = setup.scenario.fault
-        stale = f"{name}: run `python -m studies.faults`"
-        assert f"\n| {fault.name} |" in text, stale
-        assert f"* **{fault.name}** (`{name}`). {fault.why}\n" in text, stale
-
-
 def test_fault_table_is_that_of_today():
     """Every row of docs/evidence/faults.md is run again: some 10 s of a processor."""
-    from studies.faults import DOCUMENT, document, fault_scenarios, healthy, measure
+    from studies.faults import DOCUMENT, table
 
-    rows = [measure(name, setup) for name, setup in fault_scenarios()]
-    old, new = DOCUMENT.read_text().splitlines(), document(rows, healthy()).splitlines()
+    old, new = DOCUMENT.read_text().splitlines(), table().splitlines()
     stale = [line for line in new if line not in old]
     assert old == new, f"run `python -m studies.faults`; it would write {stale}"
 
@@ -141,7 +122,7 @@ def test_fault_table_is_that_of_today():
 def test_fault_table_row_of_the_emergency_stop():
     from studies.faults import measure
 
-    row = measure("fault_estop", load("fault_estop", ("skip=true",)))
+    row = measure("fault_estop", "Emergency stop pressed")
     assert (row.detected, round(row.after_ms, 1)) == ("PANIC line", 0.0)
     assert max(row.moved[:3]) < 2
     assert row.state.startswith("yes: brakes after 0 ms")
