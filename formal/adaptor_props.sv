@@ -8,8 +8,7 @@
 `include "mmcs_formal.svh"
 
 module adaptor_props #(
-  parameter int ClkHz = 8_000_000,
-  parameter bit Safety2026 = 1'b0
+  parameter int ClkHz = 8_000_000
 ) (
   input wire logic        clk_i,
   // What the master does next
@@ -80,8 +79,7 @@ module adaptor_props #(
   logic [3:1] drq;
 
   adaptor_vme #(
-    .ClkHz(ClkHz),
-    .Safety2026(Safety2026)
+    .ClkHz(ClkHz)
   ) dut (
     .clk_i, .rst_ni,
     .vme_a_i({5'b01100, a_q}),
@@ -115,11 +113,12 @@ module adaptor_props #(
 
   // --- what was written, as the bus showed it -------------------------------------------------
 
-  logic answered, to_pccsr, to_vector, to_pc;
+  logic answered, to_pccsr, to_none, to_vector, to_pc;
   assign answered = state_q == StStrobe && !dtack_n;   // DTACK* has come
   assign to_pc = !a_q[10];
   assign to_vector = a_q[10] && a_q[6];
   assign to_pccsr = a_q[10] && !a_q[6] && a_q[5:3] == 3'b001;
+  assign to_none = a_q[10] && !a_q[6] && a_q[5:4] != 2'b00;
 
   logic [7:0] csr_q = '0, vector_q = 8'h0F;
   logic known_q = 1'b1;
@@ -218,19 +217,6 @@ module adaptor_props #(
   `MMCS_LEMMA(PowerTimer, dut.u_core.power_timer_q == Width'(ResetClks) - since_q,
               "RESET DRV after power counts its clocks")
 
-  // --- the register of 2026 ---------------------------------------------------------------------
-
-  logic to_safety, releases, panic_q = 1'b1;
-  logic stood_q = 1'b0;          // PANIC, since the cycle began
-  logic [2:0] released_q = '0;
-  assign to_safety = a_q[10] && !a_q[6] && a_q[5:3] == 3'b010;
-  assign releases = state_q == StStrobe && write_q && !iack_q && to_safety && d_q == 8'h5A;
-  always @(posedge clk_i) begin
-    panic_q <= panic;
-    stood_q <= panic && (stood_q || state_q == StAddress);
-    if (rst_ni) released_q <= {released_q[1:0], releases};
-  end
-
   // --- properties -------------------------------------------------------------------------------
 
   logic reads;
@@ -265,18 +251,9 @@ module adaptor_props #(
   `MMCS_PROVE(NothingElseResets, "4.3.8", &up_q && power && since_q == Width'(ResetClks),
               !reset_drv,
               "nothing else resets the cards")
-  `MMCS_PROVE(NoRegister, "4.3.2", reads && to_safety, d_oe && (d == 8'hFF || Safety2026),
-              "without Safety2026 0x411 reads 0xFF")
-
-  if (Safety2026) begin : g_2026
-    `MMCS_PROVE(PanicStands, "2026", Safety2026 && panic_q && !panic, releases || |released_q,
-                "PANIC goes by a write of 0x5A to SAFETY and by nothing else")
-    `MMCS_PROVE(SysresetPanics, "2026", Safety2026 && &down4_q, panic, "SYSRESET* is PANIC")
-    `MMCS_PROVE(SafetyReads, "2026", Safety2026 && reads && to_safety && stood_q && panic,
-                d[7:2] == '0 && d[0], "SAFETY reads PANIC as it stands")
-  end else begin : g_1989
-    `MMCS_PROVE(NothingElsePanics, "4.3.5", good_q == 4'd15 && good, !panic, "nothing else is")
-  end
+  `MMCS_PROVE(NoRegister, "4.3.3", reads && to_none, d_oe && d == 8'hFF,
+              "an address of the adaptor without a register reads 0xFF")
+  `MMCS_PROVE(NothingElsePanics, "4.3.5", good_q == 4'd15 && good, !panic, "nothing else is")
   `MMCS_REACH(Acknowledged, answered && iack_q && d == 8'h5A, "a written vector is acknowledged")
 
 endmodule

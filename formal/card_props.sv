@@ -11,8 +11,7 @@
 
 module card_props #(
   parameter int ClkHz = 8_000_000,
-  parameter bit Safety2026 = 1'b0,
-  parameter int HeartbeatUs = Safety2026 ? 10_000 : 50_000,
+  parameter int HeartbeatUs = 50_000,
   parameter int RelayUs = 1_000,
   parameter int AdcConvNs = 25_000,
   parameter bit Steps = 1'b1        // the steps of the induction are proved too
@@ -57,7 +56,6 @@ module card_props #(
 
   mark1 #(
     .ClkHz(ClkHz),
-    .Safety2026(Safety2026),
     .HeartbeatUs(HeartbeatUs),
     .RelayUs(RelayUs),
     .AdcConvNs(AdcConvNs)
@@ -233,25 +231,20 @@ module card_props #(
 
   // --- heartbeats: clocks since the low byte was written --------------------------------------
 
-  // Of 2026, a write beats only if the D/A has taken the one before.
   logic [BeatWidth-1:0] since_q[2];
-  logic [1:0] low_was, beats, taken_q, beat;
+  logic [1:0] low_was, beats;
   for (genvar j = 0; j < 2; j++) begin : g_beat
     always @(posedge clk_i or negedge rst_n) begin
       if (!rst_n) begin
         low_was[j] <= 1'b0;
-        taken_q[j] <= 1'b1;
         since_q[j] <= BeatWidth'(Beat);
       end else begin
-        low_was[j] <= beat[j];
-        if (to_outputs || !b[3]) taken_q[j] <= 1'b1;
-        else if (low_byte[j]) taken_q[j] <= 1'b0;
-        if (beat[j] && !low_was[j]) since_q[j] <= '0;
+        low_was[j] <= low_byte[j];
+        if (low_byte[j] && !low_was[j]) since_q[j] <= '0;
         else if (!beats[j]) since_q[j] <= since_q[j];
         else since_q[j] <= since_q[j] + 1'b1;
       end
     end
-    assign beat[j] = low_byte[j] && (taken_q[j] || !Safety2026);
     assign beats[j] = since_q[j] < BeatWidth'(Beat);
   end
 
@@ -260,10 +253,7 @@ module card_props #(
   logic dead, reads, reads_c;
   logic [1:0] grounded, driven;
   logic [7:0] low_code;
-  // The counters' flags: formal/thct2000_props.sv says when they are set.
-  logic [1:0] illegal;
-  assign illegal = Safety2026 ? dut.illegal : 2'b00;
-  assign dead = |(enabled & (~beats | illegal));
+  assign dead = |(enabled & ~beats);
   logic [2:0] dead_q = '0, alive_q = '0;   // in the last clocks
   always @(posedge clk_i) begin
     dead_q  <= {dead_q[1:0], rst_n && dead};
@@ -277,7 +267,7 @@ module card_props #(
   assign reads_c = reads && a_i[4:0] == 5'h02 && {mode_q[6:5], mode_q[3:2], mode_q[0]} == 5'b00101;
 
   `MMCS_PROVE(DeadPanics, "5.3.6", dead && &dead_q && power_i, irq == 5'b10000,
-              "an enabled axis whose D/A was not written in time asserts PANIC; of 2026 a flag")
+              "an enabled axis whose D/A was not written in time asserts PANIC")
   `MMCS_PROVE(NothingElsePanics, "5.4.1", (!dead && &alive_q) || !power_i, irq == 5'b00000,
               "nothing else does; the heartbeat of an axis that is switched off is ignored")
   `MMCS_PROVE(BeatsShown, "5.3.6", reads_c, {d[2], d[0]} == beats && leds[7:6] == beats,
@@ -314,10 +304,7 @@ module card_props #(
   (* hierconn *) wire \dut.u_ppi.wr_q ;
   (* hierconn *) wire \dut.u_latch.sclock_q , \dut.u_latch.sw_latch_q , \dut.u_relay.joint_q ;
   (* hierconn *) wire [SettleWidth-1:0] \dut.u_relay.left_q ;
-  (* hierconn *) wire \dut.g_axis[0].u_axis.g_beat.taken_q ;
-  (* hierconn *) wire \dut.g_axis[1].u_axis.g_beat.taken_q ;
   (* hierconn *) wire [1:0] \dut.u_axis_enable.first_q , \dut.u_axis_enable.second_q ;
-  (* hierconn *) wire [1:0] \dut.illegal ;
   (* hierconn *) wire [11:0] \dut.g_axis[0].u_axis.u_dac.rank1_q ;
   (* hierconn *) wire [11:0] \dut.g_axis[0].u_axis.u_dac.rank2_q ;
   (* hierconn *) wire [11:0] \dut.g_axis[0].u_axis.u_adc.code_q ;
@@ -369,9 +356,6 @@ module card_props #(
                 "switches pass two flip-flops")
     `AXIS_LEMMAS(0)
     `AXIS_LEMMAS(1)
-    `MMCS_LEMMA(Taken, !Safety2026 ||
-                {`AXIS(1).g_beat.taken_q, `AXIS(0).g_beat.taken_q} == taken_q,
-                "of 2026, a D/A has taken the write before")
   end
 
 endmodule

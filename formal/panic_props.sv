@@ -6,9 +6,7 @@
 `default_nettype none
 `include "mmcs_formal.svh"
 
-module panic_props #(
-  parameter bit Latched = 1'b0       // of 2026; without it the commands are inert
-) (
+module panic_props (
   (* gclk *) input wire logic clk_i, // the steps
   input wire logic clock_i,          // the design's clock
   input wire logic no_reset_i,
@@ -16,8 +14,6 @@ module panic_props #(
   input wire logic estop_closed_i,
   input wire logic cable_ok_i,
   input wire logic pc_power_i,
-  input wire logic trip_i,
-  input wire logic release_i,
   input wire logic pick_i            // some fault of all
 );
 
@@ -28,12 +24,11 @@ module panic_props #(
   logic panic, brake, alive, bad;
 
   panic #(
-    .AliveClks(Alive),
-    .Latched(Latched)
+    .AliveClks(Alive)
   ) dut (
     .clk_i(clock_i),
     .rst_ni(rst_ni & no_reset_i),
-    .bus_panic_i, .estop_closed_i, .cable_ok_i, .pc_power_i, .trip_i, .release_i,
+    .bus_panic_i, .estop_closed_i, .cable_ok_i, .pc_power_i,
     .panic_o(panic),
     .brake_release_o(brake),
     .alive_o(alive)
@@ -48,25 +43,12 @@ module panic_props #(
   logic [2:0] after_q = 3'd7;            // clocks since a fault that began in health; 7: none
   logic [2:0] still_q = '0;              // clocks in which alive stood
   assign tick = clock_i && !clock_q;
-  // The design takes what its inputs were before the edge.
-  logic trip_q = 1'b0, release_q = 1'b0;
-  logic tripped_q = 1'b0;                // the last clock was told to panic
-  logic let_q = 1'b0, freed_q = 1'b0;    // an edge was told to release; since then all was good
-  logic freed;
-  assign freed = !Latched || (freed_q && !(tick && trip_q));
 
   always @(posedge clk_i) begin
     clock_q <= clock_i;
     brake_q <= brake;
     panic_q <= panic;
     alive_q <= alive;
-    trip_q <= trip_i;
-    release_q <= release_i;
-    if (!rst_ni || !no_reset_i) tripped_q <= 1'b0;
-    else if (tick) tripped_q <= trip_q;
-    let_q <= tick && release_q && !trip_q;
-    if (bad || !rst_ni || (tick && trip_q)) freed_q <= 1'b0;
-    else if (tick && release_q && good_q >= 4'd12) freed_q <= 1'b1;
     if (bad || !rst_ni) good_q <= '0;
     else if (tick && good_q != 4'd15) good_q <= good_q + 4'd1;
     if (bad && pick_i && rst_ni) after_q <= '0;
@@ -83,18 +65,11 @@ module panic_props #(
               "whatever was bad, however short, is system PANIC three clocks later")
   `MMCS_PROVE(NoGap, "4.3.5", brake, good_q >= 4'd7,
               "brakes are released only after seven clocks of health, after a reset too")
-  `MMCS_PROVE(PanicGoes, "4.3.5", good_q == 4'd15 && !bad && freed, !panic && brake,
+  `MMCS_PROVE(PanicGoes, "4.3.5", good_q == 4'd15 && !bad, !panic && brake,
               "after fifteen clocks of health PANIC is low and the brakes are released")
   `MMCS_PROVE(Lives, "4.2.1", no_reset_i && good_q != '0, still_q <= 3'(Alive),
               "the sign of life changes as long as the clock runs")
   `MMCS_REACH(Healthy, brake && alive, "PANIC can go and the brakes be released")
-  if (Latched) begin : g_latched
-    `MMCS_PROVE(Stands, "2026", Latched && panic_q && !panic, tick && release_q && !trip_q,
-                "a latched PANIC goes by a release and by nothing else")
-    `MMCS_PROVE(Trips, "2026", Latched && tripped_q && !tick, panic && !brake,
-                "a trip is PANIC after its clock")
-  end
-  `MMCS_REACH(Released, let_q && !panic && brake, "a release is told, and PANIC is low")
   `MMCS_REACH(Pulse, panic && !panic_q && good_q == 4'd2, "a fault shorter than a clock panics")
 
 endmodule

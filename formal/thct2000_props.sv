@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder counter, for all pins, modes and bus accesses, of 1989 and of 2026. §5.3.2
+// The encoder counter, for all pins, modes and bus accesses. §5.3.2
 `default_nettype none
 `include "mmcs_formal.svh"
 
-module thct2000_props #(
-  parameter bit Safety2026 = 1'b0
-) (
+module thct2000_props (
   input wire logic       clk_i,
   input wire logic       no_reset_i,
   input wire logic       reset_i,
@@ -28,9 +26,7 @@ module thct2000_props #(
   logic oe, illegal;
   logic [15:0] count;
 
-  thct2000 #(
-    .Safety2026(Safety2026)
-  ) dut (
+  thct2000 dut (
     .clk_i, .rst_ni, .reset_i, .clk_en_i, .m_i, .a_i, .b_i, .latch_i, .other_i,
     .cs_ni, .rd_ni, .wr_ni, .rs_i, .d_i,
     .d_o(d),
@@ -123,35 +119,11 @@ module thct2000_props #(
           {latched_q, latch_q} <= {1'b1, count_q};
         end
         if (clk_en_i && step_mode && apart == 2'd2) illegal_q <= 1'b1;
-        else if (Safety2026 && store) illegal_q <= 1'b0;
-        else if (cut) illegal_q <= 1'b1;
         if (store) {open_q, open_wr_q, open_rs_q, waits_q} <= {!both, 1'b1, wr_rs_q, wr_d_q};
         if (store) count_q <= wr_rs_q ? {kept[15:8], wr_d_q} : {wr_d_q, kept[7:0]};
         else if (clk_en_i) count_q <= next;
         if (other_i || m_i != mode_q) open_q <= 1'b0;
       end
-    end
-  end
-
-  // --- the model of 2026: a cut wire ----------------------------------------------------------
-
-  // Steps over edges of one input, less one for each latch, since one of the other or a write.
-  logic steps, of_a, cut, of_a_q;
-  logic [3:0] alone_q;
-  logic [1:0] boundary;
-  assign steps    = clk_en_i && step_mode && apart[0];
-  assign boundary = apart == 2'd1 ? place(seen3_q) : place(seen2_q);
-  assign of_a     = !boundary[0];
-  assign cut      = Safety2026 && alone_q == 4'd8;
-
-  always @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      {alone_q, of_a_q} <= '0;
-    end else begin
-      if (steps) of_a_q <= of_a;
-      if (reset_i || store) alone_q <= 4'd0;
-      else if (steps) alone_q <= of_a != of_a_q ? 4'd1 : cut ? 4'd8 : alone_q + 4'd1;
-      else if (latch_i && alone_q != 4'd0) alone_q <= alone_q - 4'd1;
     end
   end
 
@@ -168,9 +140,9 @@ module thct2000_props #(
               count - $past(count) == sum2_q - $past(sum2_q),
               "in mode 5 every step at the pins reaches the count three ticks later")
   `MMCS_PROVE(Illegal, "5.3.2", illegal_q, illegal,
-              "two edges between two ticks are flagged; of 2026 eight of one input alone, too")
+              "two edges between two ticks are flagged")
   `MMCS_PROVE(Legal, "5.3.2", !illegal_q, !illegal,
-              "nothing else is flagged; of 2026, a count that is written takes the flag back")
+              "nothing else is flagged")
   `MMCS_PROVE(High, "5.3.2", rd && !rs_i, oe && d == sample[15:8],
               "the high byte of a read is that of the sample which the first byte took")
   `MMCS_PROVE(Low, "5.3.2", rd && rs_i, oe && d == sample[7:0],
@@ -186,14 +158,6 @@ module thct2000_props #(
               "the second byte written stores both, whatever was counted in between")
   `MMCS_REACH(BothBytes, rd && !rd_q && !snaps && sample[15:8] != 8'h00 && sample != count_q,
               "a second byte of an older sample is read")
-  logic both_moved_q;
-  always @(posedge clk_i or negedge rst_ni)
-    if (!rst_ni) both_moved_q <= 1'b0;
-    else both_moved_q <= both_moved_q || apart == 2'd2;
-  if (Safety2026) begin : g_2026
-    `MMCS_REACH(CutWire, illegal && !both_moved_q && latched_q,
-                "a wire that is cut is flagged beside latches")
-  end
 
   // --- steps on the way -----------------------------------------------------------------------
 
@@ -219,11 +183,6 @@ module thct2000_props #(
               {dut.pair_wr_q, dut.pair_rs_q} == {open_wr_q, open_rs_q} &&
               (!wr_q || {dut.rs_q, dut.d_q} == {wr_rs_q, wr_d_q}),
               "both know the byte that waits for the other")
-  (* hierconn *) wire [3:0] \dut.g_alone.alone_q ;
-  (* hierconn *) wire \dut.g_alone.of_a_q ;
-  `MMCS_LEMMA(Alone, !Safety2026 || (alone_q <= 4'd8 &&
-              {dut.g_alone.alone_q, dut.g_alone.of_a_q} == {alone_q, of_a_q}),
-              "both count the edges of one input alone")
 
 endmodule
 

@@ -19,7 +19,6 @@ module mmcs_cards #(
   parameter int AdcConvNs = 25_000,
   parameter int RelayUs = 1_000,
   parameter int HeartbeatUs = 50_000,
-  parameter bit Safety2026 = 1'b0,
   // What the report leaves open
   parameter logic [7:0] PpiFloatB = 8'h00,
   parameter int EncoderFilter = 0,
@@ -90,7 +89,6 @@ module mmcs_cards #(
       .AdcConvNs(AdcConvNs),
       .RelayUs(RelayUs),
       .HeartbeatUs(HeartbeatUs),
-      .Safety2026(Safety2026),
       .PpiFloatB(PpiFloatB),
       .EncoderFilter(EncoderFilter),
       .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 + 32'(n) : 32'h0)

@@ -21,8 +21,7 @@ module mmcs_core #(
   // Times
   parameter int AdcConvNs = 25_000,
   parameter int RelayUs = 1_000,
-  parameter bit Safety2026 = 1'b0,  // PANIC latched, heartbeats of 10 ms, illegal steps of encoders
-  parameter int HeartbeatUs = Safety2026 ? 10_000 : 50_000,
+  parameter int HeartbeatUs = 50_000,
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
   // What the report leaves open
@@ -95,7 +94,6 @@ module mmcs_core #(
       .PanicIrq(PanicIrq),
       .CmdNs(CmdNs),
       .IochrdyLimitClks(IochrdyLimitClks),
-      .Safety2026(Safety2026),
       .PitNmosRewrite(PitNmosRewrite),
       .PitSplitCr(PitSplitCr),
       .RandomPowerUp(RandomPowerUp)
@@ -134,7 +132,6 @@ module mmcs_core #(
     .AdcConvNs(AdcConvNs),
     .RelayUs(RelayUs),
     .HeartbeatUs(HeartbeatUs),
-    .Safety2026(Safety2026),
     .PpiFloatB(PpiFloatB),
     .EncoderFilter(EncoderFilter),
     .RandomPowerUp(RandomPowerUp)

@@ -25,7 +25,6 @@ from cocotb_tests.lib.tb import (
     Machine,
 )
 from cocotb_tests.system.machine import USUAL
-from mmcs import regs
 
 TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
@@ -58,16 +57,6 @@ async def keep_beating(tb: Machine, axes, us: float) -> None:
         for axis in axes:
             await tb.cwr(axis // 2, DAC1 + 2 * (axis % 2), 0)
         await tb.us(20)
-
-
-@machine_test("PAN-1")
-async def safety_of_2026_is_not_there(tb):
-    assert not panic(tb)
-    assert await tb.rd(regs.SAFETY) == 0xFF
-    for value in (regs.SAFETY_TRIP, regs.SAFETY_RELEASE, 0xFF, 0):
-        await tb.wr(regs.SAFETY, value)
-        await tb.clocks(2)
-        assert not panic(tb)
 
 
 @test("HB-2", "PAN-1")

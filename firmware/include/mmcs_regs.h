@@ -7,8 +7,6 @@
 #include <stdint.h>
 
 /* The window. */
-#define MMCS_SAFETY_RELEASE 0x5Au /* SAFETY COMMAND that ends a latched PANIC */
-#define MMCS_SAFETY_TRIP 0xA5u /* SAFETY COMMAND that raises PANIC */
 #define MMCS_WINDOW_BASE 0x6000u /* A16 address of the window as shipped (jumpers A15-A11) */
 #define MMCS_WINDOW_SIZE 0x800u /* its length in bytes */
 #define MMCS_CARDS_MAX 0x10u /* cards on one PC bus */
@@ -25,7 +23,6 @@
 #define MMCS_PIT2 0x405u /* Timer 2: counts SCLOCK */
 #define MMCS_PIT_CONTROL 0x407u /* Timer control word */
 #define MMCS_PCCSR 0x409u /* PC control and status */
-#define MMCS_SAFETY 0x411u /* Safety of 2026 */
 #define MMCS_VECTOR 0x441u /* Interrupt vector */
 
 /* Card registers: offsets on the PC bus, for MMCS_CARD_OFFSET. */
@@ -73,13 +70,6 @@
 #define MMCS_PCCSR_PANIC_EN_bp 6u
 #define MMCS_PCCSR_LATCH_EN_bm 0x80u /* 0 holds both latches clear */
 #define MMCS_PCCSR_LATCH_EN_bp 7u
-
-#define MMCS_SAFETY_PANIC_bm 0x01u /* PANIC stands, latched or not */
-#define MMCS_SAFETY_PANIC_bp 0u
-#define MMCS_SAFETY_CAUSE_bm 0x02u /* One of its causes stands now */
-#define MMCS_SAFETY_CAUSE_bp 1u
-#define MMCS_SAFETY_COMMAND_bm 0xFFu /* 0x5A ends a latched PANIC whose causes have passed, 0xA5 raises one; others do nothing */
-#define MMCS_SAFETY_COMMAND_bp 0u
 
 #define MMCS_CARD_PPI_A_ENC_MODE_bm 0x07u /* Mode of both encoder counters; 5 counts all four edges */
 #define MMCS_CARD_PPI_A_ENC_MODE_bp 0u

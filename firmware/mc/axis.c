@@ -42,7 +42,6 @@ int axis_demand(struct mc *mc, int axis, int n, const int32_t *values) {
     mc->axis[axis + i].setpoint = values[i];
     mc->axis[axis + i].adopt = 0;
   }
-  if (mc->config.guard.lease > 0) mc->unwritten = 1;
   return 0;
 }
 

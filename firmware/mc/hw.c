@@ -149,18 +149,6 @@ void hw_write_dacs(struct mc *mc) {
   hw_put_list(mc, mc->list.drive, values, (unsigned)(v - values));
 }
 
-void hw_write_dacs_high(struct mc *mc) {
-  uint16_t offsets[MC_MAX_AXES];
-  uint8_t values[MC_MAX_AXES];
-  unsigned n = 0;
-  for (const struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
-    int high = (x->code - x->low + 128) >> 8;
-    offsets[n] = mc->list.drive[2 * n + 1];
-    values[n++] = (uint8_t)(high < 0 ? 0 : high > 15 ? 15 : high);
-  }
-  hw_put_list(mc, offsets, values, n);
-}
-
 uint8_t hw_heartbeat_bm(int axis) {
   return (axis & 1) != 0 ? MMCS_CARD_PPI_C_HEARTBEAT2_bm : MMCS_CARD_PPI_C_HEARTBEAT1_bm;
 }

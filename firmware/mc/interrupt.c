@@ -11,18 +11,6 @@ static void measure(struct mc_axis *x, uint16_t counter, uint16_t raw) {
   x->state.adcvai = SERVO_PHI(&x->par, &x->law, raw);
 }
 
-/* Around a pass of MC_ENDING: the axes have what holds them, and then what they had. */
-RARE static void swap_held(struct mc *mc) {
-  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
-    int mode = x->par.mode;
-    int32_t setpoint = x->setpoint;
-    x->par.mode = x->held;
-    x->held = mode;
-    x->setpoint = x->hold_at;
-    x->hold_at = setpoint;
-  }
-}
-
 /* A sample of an axis that no demand moves. */
 RARE static void rest_axis(struct mc_axis *x) {
   servo_sense(&x->par, &x->servo, &x->state);
@@ -58,7 +46,6 @@ RARE static int fail(struct mc *mc, struct mc_axis *x, int failed) {
   error_raise(mc, axis, events);
   tell(mc, axis, events);
   if ((x->par.mode & SOFTERR) != 0) return failed;
-  x->faulty = (events & MERR_ILIM) != 0;
   if (!failed) power_blame(mc, MCAUSE_AXIS, axis);
   return 1;
 }
@@ -69,8 +56,7 @@ static void servo_all(struct mc *mc) {
   const struct mc_axis *served = mc->power == MC_IDLE ? mc->axis : joints;
   const uint16_t *counter = mc->sample.counter, *raw = mc->sample.raw;
   unsigned due = 0;
-  int raised = 0, fatal = 0, ending = mc->power == MC_ENDING;
-  if (ending) swap_held(mc);
+  int raised = 0, fatal = 0;
   for (struct mc_axis *x = mc->axis; x < end; x++) {
     measure(x, *counter++, *raw++);
     if (x->wait > 0) {
@@ -81,14 +67,13 @@ static void servo_all(struct mc *mc) {
     if (x < joints) due++;
     if (x >= served) {
       rest_axis(x);
-    } else if (servo_axis(mc, x) != 0 && !ending) { /* then limits have been told */
+    } else if (servo_axis(mc, x) != 0) {
       fatal = fail(mc, x, fatal);
       raised = 1;
     }
   }
-  if (ending) swap_held(mc);
   mc->os.compute(mc->os.ctx, due);
-  if (fatal) power_end(mc);
+  if (fatal) power_stop(mc);
   if (raised) error_signal(mc);
 }
 
@@ -112,7 +97,6 @@ static int enter(struct mc *mc) {
   mc_count(&mc->stats.missed, passed - 1);
   mc->grace -= passed < mc->grace ? passed : mc->grace;
   mc->skipped += passed;
-  if (mc->power == MC_ENDING) power_count_ending(mc, passed);
   return 1;
 }
 
@@ -178,12 +162,9 @@ static int servo_pass(struct mc *mc) {
     if (!skip_pass(mc) && mc->power == MC_RUNNING) hw_write_dacs(mc);
     return 0;
   }
-  if (guard_trips(mc)) return 0;
   mc->skipped = 0;
   servo_all(mc);
-  if (mc->power == MC_ENDING) {
-    hw_write_dacs_high(mc);
-  } else if (mc->power != MC_IDLE) {
+  if (mc->power != MC_IDLE) {
     hw_write_dacs(mc);
     mc->power = MC_RUNNING;
   }

@@ -9,7 +9,6 @@ union argument {
   struct mc_param param;
   struct mc_stats stats;
   struct mmcs_setpoint setpoint;
-  struct mmcs_setpoints setpoints;
 };
 
 struct request {
@@ -23,8 +22,6 @@ struct request {
 
 _Static_assert(SIZE_OF(MGETPARAM) == sizeof(struct mc_param), "mcdef.h: MC_PARAM");
 _Static_assert(SIZE_OF(MGETSTATS) == sizeof(struct mc_stats), "mcdef.h: MC_STATS");
-_Static_assert(SIZE_OF(MSETPOINTS) == sizeof(struct mmcs_setpoints), "sys/mmcs.h: MSETPOINTS");
-_Static_assert(MMCS_AXES == MC_MAX_AXES, "sys/mmcs.h: MMCS_AXES");
 _Static_assert(SIZE_OF(MSETENC) == sizeof(int), "mcdef.h: MC_INT");
 _Static_assert(SIZE_OF(MSETPOINT) == sizeof(struct mmcs_setpoint), "sys/mmcs.h: MSETPOINT");
 _Static_assert(sizeof(struct mc_state) == 28, "read() counts in states of 28 bytes");
@@ -47,7 +44,6 @@ static int get_num_cards(struct mc *mc, int client, union argument *arg) {
 static int set_num_joints(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (arg->value < 0 || arg->value > mc->axes) return -MC_EINVAL;
-  if (guard_locks(mc)) return -MC_EBUSY;
   int low = arg->value < mc->joints ? arg->value : mc->joints;
   int high = arg->value < mc->joints ? mc->joints : arg->value;
   for (int axis = low; axis < high; axis++) {
@@ -102,7 +98,6 @@ static int set_param(struct mc *mc, int client, union argument *arg) {
     return -MC_EBUSY;
   }
   struct mc_axis *x = &mc->axis[to->which];
-  if (guard_locks_gains(mc, &x->par, to)) return -MC_EBUSY;
   servo_change(&x->servo, &x->par, to);
   servo_prepare(&x->law, to);
   if (((to->mode ^ x->par.mode) & MD_MASK) != 0) x->code = MC_DAC_ZERO;
@@ -129,7 +124,7 @@ static int stop(struct mc *mc, int client, union argument *arg) {
 static int enable(struct mc *mc, int client, union argument *arg) {
   (void)client;
   (void)arg;
-  int result = guard_locks(mc) ? -MC_EBUSY : power_enable(mc);
+  int result = power_enable(mc);
   if (result == 0) say(mc, "enabled, axes:", mc->axes);
   return result;
 }
@@ -156,7 +151,6 @@ static int clear_error(struct mc *mc, int client, union argument *arg) {
 static int set_interval(struct mc *mc, int client, union argument *arg) {
   uint32_t n0 = 0, n1 = 0;
   (void)client;
-  if (guard_locks(mc)) return -MC_EBUSY;
   if (timer_counts(mc, arg->word, &n0, &n1) != 0) return -MC_EINVAL;
   for (int axis = 0; axis < mc->axes; axis++) {
     if (!is_too_slow(&mc->axis[axis].par, arg->word)) continue;
@@ -184,7 +178,6 @@ static void renumber(const struct mc *mc, struct mc_axis *x, int64_t by) {
   if (mc->power != MC_IDLE && (mode & MD_MASK) == MD_POS && (mode & ZEROFB) == 0) {
     x->setpoint = servo_shifted(x->setpoint, by);
   }
-  if (mc->power == MC_ENDING) x->hold_at = servo_shifted(x->hold_at, by);
 }
 
 /* The pair is read twice: the first read may be what SCLOCK latched before. */
@@ -194,7 +187,6 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if (!has_axis(mc, axis)) return -MC_EINVAL;
   struct mc_axis *x = &mc->axis[axis];
-  if (guard_locks(mc) && !axis_is_off(&x->par)) return -MC_EBUSY;
   unsigned msb = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
   (void)hw_counter(mc, axis);
   int32_t before = servo_extend(x->position, x->counter, hw_counter(mc, axis));
@@ -205,7 +197,6 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
   x->counter = hw_counter(mc, axis);
   x->position = (int16_t)value + (int16_t)(uint16_t)(x->counter - value);
   x->lost = 0;
-  x->still_at = x->position;
   renumber(mc, x, (int64_t)(int16_t)value - before);
   return 0;
 }
@@ -227,7 +218,6 @@ static int set_led(struct mc *mc, int client, union argument *arg) {
 static int diag_mode(struct mc *mc, int client, union argument *arg) {
   (void)client;
   if ((arg->value & ~(M_ANDIAG | M_ENDIAG)) != 0) return -MC_EINVAL;
-  if (guard_locks(mc)) return -MC_EBUSY;
   int blind = (arg->value & M_ENDIAG) != 0 && mc->power != MC_IDLE ? axis_needing_encoder(mc) : -1;
   if (blind >= 0) {
     text_log(mc, "diag mode: axis", blind, " needs its encoder, which M_ENDIAG cuts off");
@@ -253,7 +243,6 @@ static int set_dac(struct mc *mc, int client, union argument *arg) {
 
 static int dac_mode(struct mc *mc, int client, union argument *arg) {
   (void)client;
-  if (guard_locks(mc)) return -MC_EBUSY;
   mc->double_buffer = arg->value != 0;
   mc->buffered = mc->double_buffer;
   hw_apply_modes(mc);
@@ -294,19 +283,9 @@ static int calibrate_end(struct mc *mc, int client, union argument *arg) {
 
 static int set_setpoint(struct mc *mc, int client, union argument *arg) {
   (void)client;
-  if (!has_axis(mc, arg->setpoint.axis) || mc->config.guard.checked) return -MC_EINVAL;
+  if (!has_axis(mc, arg->setpoint.axis)) return -MC_EINVAL;
   int32_t value = arg->setpoint.value;
   return axis_demand(mc, arg->setpoint.axis, 1, &value);
-}
-
-static int set_setpoints(struct mc *mc, int client, union argument *arg) {
-  const struct mmcs_setpoints *s = &arg->setpoints;
-  int32_t values[MC_MAX_AXES];
-  (void)client;
-  int result = guard_refuses(mc, s);
-  if (result != 0) return result;
-  for (unsigned axis = 0; axis < s->axes; axis++) values[axis] = s->value[axis];
-  return axis_demand(mc, 0, (int)s->axes, values);
 }
 
 static const struct request requests[] = {

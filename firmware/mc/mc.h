@@ -56,39 +56,12 @@ struct mc_os {
   /* Copies from or to the calling process: 0, or -MC_EFAULT. */
   int (*copy_in)(void *ctx, void *to, const void *from_user, size_t len);
   int (*copy_out)(void *ctx, void *to_user, const void *from, size_t len);
-  /* Free-running microseconds of a clock of the host's own; null: it has none. */
-  uint32_t (*clock_us)(void *ctx);
-};
-
-/* Checks that the report does not have; what is 0 is off. What one finds stops the machine as a
- * PANIC does. */
-struct mc_guard {
-  int32_t jump;      /* counts that a counter may move in an SCLOCK interval */
-  int32_t follow;    /* counts that an axis in position mode may be off its demand, */
-  uint32_t samples;  /* for so many samples in a row; in velocity mode, that it may lose on the
-                      * demand beyond a quarter of it; of an axis that is off, that it may move;
-                      * with ZEROFB an axis has nothing to follow */
-  int32_t runaway;   /* counts an SCLOCK interval that an axis may gain on its way from its demand
-                      * while its current is at its limit */
-  uint32_t missed;   /* SCLOCKs in a row, and one more, that no pass may serve */
-  uint32_t lease;    /* SCLOCKs that a write() holds; before they are over, another must come */
-  uint32_t clock;    /* SCLOCK is as fast as the host's own clock, mc_os's clock_us, says */
-  uint32_t lock;     /* under power MENABLE, MSETINTERVAL, MDACMODE, MDIAGMODE, MSETNUMJOINTS give
-                      * EBUSY; of an axis that is on MSETENC, and an MSETPARAM that keeps its mode
-                      * and changes something else */
-  uint32_t readback; /* each pass reads the modes of one card back */
-  uint32_t checked;  /* setpoints come by MSETPOINTS of <sys/mmcs.h>; write() gives EINVAL */
-  uint32_t latched;  /* the adaptor has the register SAFETY: a stop trips PANIC, MENABLE releases
-                      * it */
-  uint32_t brakes;   /* us that the slowest brake takes to close: after a stop the servo holds the
-                      * axes until the brakes are closed, and only then lets go */
 };
 
 struct mc_config {
   uint32_t sysclk_hz; /* rate of the system clock that feeds timer 0: 8, 4, 2 or 1 MHz */
   uint8_t vector;     /* interrupt vector number written to 0x441 */
-  struct mc_guard guard;
-  uint32_t speed; /* of the fastest axis, counts/s; 0: not known */
+  uint32_t speed;     /* of the fastest axis, counts/s; 0: not known */
 };
 
 #define MC_MAX_CARDS 16

@@ -16,7 +16,6 @@
 #define MC_HEARTBEAT_US 60000  /* one-shot (50 ms) and a margin */
 #define MC_SERVO_US 50000      /* longest servo period of several SCLOCKs: the one-shot's */
 #define MC_SKIP_US 25000       /* so long no servo sample: the machine stops */
-#define MC_MARK 256u           /* SCLOCKs that are compared with the host's clock together */
 #define MC_CROWDED_US 50000    /* so long one pass after the other: the console is told */
 #define MC_RELAY_US 2000       /* relay (1 ms) and a margin */
 #define MC_QUIET_US 50000      /* so long no interrupt: something has turned them off */
@@ -31,8 +30,7 @@
 enum mc_power {
   MC_IDLE,     /* not enabled: no D/A low byte is written, the joints are isolated */
   MC_STARTING, /* MENABLE waits for the first servo pass */
-  MC_RUNNING,  /* every pass writes every D/A */
-  MC_ENDING    /* after a stop: the servo holds the axes, no heartbeat is renewed, brakes close */
+  MC_RUNNING   /* every pass writes every D/A */
 };
 
 /* What keeps write() and the servo from going on until MENABLE. */
@@ -57,21 +55,13 @@ struct mc_axis {
   int32_t setpoint;
   int32_t position; /* 32 bits, congruent to the counter */
   int32_t wait;     /* SCLOCKs until the next servo sample */
-  uint32_t astray;  /* samples in a row that were too far off the demand */
-  int32_t slip;     /* counts that a velocity axis has lost on its demand */
-  int32_t slowest;  /* counts a pass at least, since its current limits what moves it away */
-  int32_t still_at; /* where an axis was when it was let off */
   uint16_t index;   /* count at the last index */
   uint16_t counter; /* the 16-bit counter at the last sample */
   uint16_t raw;     /* A/D at the last sample */
   uint16_t code;    /* D/A code written at every SCLOCK while enabled */
-  uint16_t low;     /* MC_ENDING: its low byte, which stays in the D/A */
   uint8_t adopt;    /* at the next servo sample a position axis demands what is fed back */
   uint8_t calib;    /* waits for its index */
   uint8_t lost;     /* nobody knows its 32 bits: MSETENC or an index tells */
-  uint8_t faulty;   /* what stopped the machine is this axis: MC_ENDING does not hold it */
-  int32_t held;     /* MC_ENDING: its mode word before the stop, */
-  int32_t hold_at;  /* and its setpoint */
 };
 
 struct mc_card {
@@ -138,15 +128,7 @@ struct mc {
   uint8_t told_fault; /* a bus error in a pass was told, and no sample has come since */
   uint32_t told_at;   /* stats.total when the end of the interrupts was told */
   uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
-  uint32_t marked_us; /* the host's clock at a pass, and */
-  uint32_t marked;    /* clocks that SCLOCKs have taken since; */
-  uint8_t is_marked;  /* 0: there is no such pass */
-  uint32_t unwritten; /* SCLOCKs since the last write(), from 1; 0: none, or no lease */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
-  uint32_t ending;    /* SCLOCKs until MC_ENDING is over */
-  uint32_t sequence;  /* of the last MSETPOINTS, */
-  uint8_t sequenced;  /* if one has come since MENABLE */
-  uint8_t looked;     /* the card that was read back last */
   int verbosity;
   uint32_t crowded; /* passes in a row that outlasted an SCLOCK; UINT32_MAX: was told */
   uint32_t overran; /* stats.total at the last of them */
@@ -176,8 +158,6 @@ int hw_answers(struct mc *mc, int card);
 uint16_t hw_counter(struct mc *mc, int axis);
 /* All, in the order of such writes. */
 void hw_write_dacs(struct mc *mc);
-/* The high nibbles alone, as near as they come: no heartbeat is renewed. */
-void hw_write_dacs_high(struct mc *mc);
 uint8_t hw_heartbeat_bm(int axis);
 uint8_t hw_index_bm(int axis);
 
@@ -193,8 +173,6 @@ int timer_counts(const struct mc *mc, uint32_t us, uint32_t *n0, uint32_t *n1);
 void timer_start(struct mc *mc);
 /* Of mc->n0 and mc->n1; a division, which no stop and no pass can afford: mc->interval_us. */
 uint32_t timer_interval_us(const struct mc *mc);
-/* Once a pass with a sample: 1, SCLOCK is not what the host's own clock says. */
-int timer_is_off(struct mc *mc);
 /* SCLOCKs that last at least `us`, at least 1. */
 uint32_t timer_ticks(const struct mc *mc, uint32_t us);
 /* SCLOCKs since the last one served; that becomes the one being served. */
@@ -214,13 +192,6 @@ int power_enable(struct mc *mc);
 void power_restart_axes(struct mc *mc);
 /* Zero current on all axes, then silence: PANIC and brakes follow within 50 ms. */
 void power_stop(struct mc *mc);
-/* The same once the brakes have closed, if struct mc_guard has `brakes`: until then the servo holds
- * the axes. For stops after which cards and passes can still be relied upon. */
-void power_end(struct mc *mc);
-/* So many SCLOCKs have passed. */
-void power_count_ending(struct mc *mc, uint32_t passed);
-/* In process context: returns when MC_ENDING is over. */
-void power_await_end(struct mc *mc);
 /* MSTOP, and what the last writer leaves behind: the same, and all modes off. */
 void power_rest(struct mc *mc);
 void power_panic(struct mc *mc);
@@ -268,14 +239,6 @@ void error_unseen(struct mc *mc, int client, int axes, const struct mc_state *sh
 void error_clear(struct mc *mc, int client);
 void error_signal(struct mc *mc);
 void mc_count(int *counter, unsigned by);
-
-/* guard.c */
-int guard_trips(struct mc *mc);
-/* 0, or why a MSETPOINTS is refused; one that shows that another was lost stops the machine. */
-int guard_refuses(struct mc *mc, const struct mmcs_setpoints *s);
-int guard_locks(const struct mc *mc); /* 1: a request that disturbs the servo is refused now */
-/* 1: so is a change of parameters, but for one of the mode, which brings its own. */
-int guard_locks_gains(const struct mc *mc, const struct mc_param *from, const struct mc_param *to);
 
 /* text.c: one line for the console out of words and a number; "" and -1 leave out. */
 void text_log(struct mc *mc, const char *what, int number, const char *more);

@@ -8,16 +8,9 @@
 #include "mc_priv.h"
 
 void power_restart_axes(struct mc *mc) {
-  mc->unwritten = 0;
-  mc->sequenced = 0;
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;
-    x->astray = 0;
-    x->slip = 0;
-    x->slowest = INT32_MAX;
-    x->still_at = x->position;
-    x->faulty = 0;
     axis_forget_demand(x);
   }
 }
@@ -53,7 +46,6 @@ static int write_zeros(struct mc *mc, const uint8_t *port_c) {
 /* From here on nothing tells of PANIC, which is the stop's own. */
 static void deafen(struct mc *mc) {
   hw_set_pccsr(mc, 0, MMCS_PCCSR_PANIC_EN_bm);
-  if (mc->config.guard.latched) hw_put(mc, MMCS_SAFETY, MMCS_SAFETY_TRIP);
 }
 
 /* The relay isolates all D/As once they are at zero. The stop is deaf to PANIC by now. */
@@ -78,62 +70,13 @@ void power_stop(struct mc *mc) {
   silence(mc, port_c);
 }
 
-/* What an axis is held by. */
-static void hold(struct mc_axis *x) {
-  int mode = x->par.mode & MD_MASK;
-  x->held = x->par.mode;
-  x->hold_at = x->setpoint;
-  x->low = x->code & 0xFF;
-  if (mode == MD_VEL) {
-    x->held &= ~ADDMD;
-    x->hold_at = 0;
-  }
-  if (!x->faulty && (mode == MD_POS || mode == MD_VEL)) return;
-  x->held = MD_OFF;
-  x->code = MC_DAC_ZERO;
-}
-
-static int can_hold(const struct mc *mc) {
-  return mc->config.guard.brakes > 0 && mc->power == MC_RUNNING;
-}
-
-void power_end(struct mc *mc) {
-  const struct mc_guard *g = &mc->config.guard;
-  if (mc->power == MC_ENDING) return;
-  if (!can_hold(mc)) {
-    power_stop(mc);
-    return;
-  }
-  deafen(mc);
-  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) hold(x);
-  mc->power = MC_ENDING;
-  mc->ending = timer_ticks(mc, (g->latched ? 0 : MC_HEARTBEAT_US) + g->brakes);
-}
-
-/* Modes that MSTOP let off meanwhile are at rest only now. */
-void power_count_ending(struct mc *mc, uint32_t passed) {
-  static const uint8_t no_heartbeat[MC_MAX_CARDS] = {0};
-  mc->ending -= passed < mc->ending ? passed : mc->ending;
-  if (mc->ending > 0) return;
-  silence(mc, no_heartbeat);
-  for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) servo_reset(&x->servo);
-}
-
-void power_await_end(struct mc *mc) {
-  uint64_t us = (uint64_t)(mc->ending + 2) * mc->interval_us;
-  for (; us > 0 && mc->power == MC_ENDING; us -= us < 1000 ? us : 1000) {
-    mc->os.delay_us(mc->os.ctx, us < 1000 ? (uint32_t)us : 1000);
-  }
-}
-
 void power_rest(struct mc *mc) {
   calib_cancel(mc);
-  power_end(mc);
+  power_stop(mc);
   hw_apply_modes(mc);
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->par.mode &= ~MD_MASK;
     x->setpoint = 0;
-    if (mc->power == MC_ENDING) continue; /* the servo still holds it */
     x->servo.primed = 0;     /* at rest from now on; all else ends at MENABLE, which has the time */
     x->law.kind = SERVO_OFF; /* as servo_prepare() has it of this mode */
     x->law.top = 0;
@@ -195,11 +138,7 @@ void power_blame(struct mc *mc, int cause, int number) {
 
 void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more) {
   power_blame(mc, cause, -1);
-  if (cause == MCAUSE_GUARD) {
-    power_end(mc);
-  } else {
-    power_stop(mc);
-  }
+  power_stop(mc);
   tell_all(mc);
   text_log(mc, what, number, more);
 }
@@ -210,7 +149,6 @@ void power_overrun(struct mc *mc) {
 
 void power_panic(struct mc *mc) {
   uint8_t port_c[MC_MAX_CARDS] = {0}, dead[MC_MAX_CARDS] = {0};
-  if (mc->power == MC_ENDING) return; /* our own stop's */
   if (mc->power == MC_IDLE) {
     if (mc->grace == 0) mc_count(&mc->stats.panics, 1);
     mc->grace = 0;
@@ -219,12 +157,8 @@ void power_panic(struct mc *mc) {
   int started = mc->power == MC_RUNNING;
   diagnose(mc, port_c, dead);
   blame_panic(mc, port_c, dead);
-  if (can_hold(mc) && !mc->silent) {
-    power_end(mc);
-  } else {
-    deafen(mc);
-    silence(mc, port_c);
-  }
+  deafen(mc);
+  silence(mc, port_c);
   tell_all(mc);
   if (started) report_panic(mc, port_c, dead);
 }
@@ -297,15 +231,6 @@ static void await_first_pass(struct mc *mc) {
   }
 }
 
-/* Whatever raised PANIC has passed, or brakes and amplifiers stay off. */
-static int release(struct mc *mc) {
-  if (!mc->config.guard.latched) return 0;
-  hw_put(mc, MMCS_SAFETY, MMCS_SAFETY_RELEASE);
-  if ((hw_get(mc, MMCS_SAFETY) & MMCS_SAFETY_PANIC_bm) == 0) return 0;
-  text_log(mc, "enable: PANIC stands: button, cable, power or an encoder", -1, "");
-  return -MC_EIO;
-}
-
 static int check_first_pass(struct mc *mc) {
   if (mc->power == MC_IDLE) {
     text_log(mc, "enable: stopped by an error, PANIC or MSTOP", -1, "");
@@ -340,7 +265,6 @@ static int start(struct mc *mc) {
   if (result == 0) result = check_heartbeats(mc);
   unsigned level = mc->os.mask(mc->os.ctx);
   if (result == 0) result = check_first_pass(mc); /* a stop may have come meanwhile */
-  if (result == 0) result = release(mc);
   if (result != 0) {
     power_stop(mc);
   } else {
@@ -351,12 +275,9 @@ static int start(struct mc *mc) {
 }
 
 int power_enable(struct mc *mc) {
-  if (mc->power == MC_ENDING) power_await_end(mc);
   int result = check_cards(mc);
   if (result == 0) result = check_counts(mc);
-  if (mc->power == MC_STARTING || mc->power == MC_ENDING || (mc->power == MC_IDLE && mc->drive)) {
-    return -MC_EBUSY;
-  }
+  if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
   if (mc->power == MC_RUNNING) {
     unsigned level = mc->os.mask(mc->os.ctx);
     if (result == 0) power_restart_axes(mc);

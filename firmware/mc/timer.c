@@ -60,7 +60,7 @@ void timer_start(struct mc *mc) {
   program(mc, 2, 0);
   program(mc, 0, mc->n0);
   program(mc, 1, mc->n1);
-  mc->synced = mc->is_marked = 0;
+  mc->synced = 0;
   mc->interval_us = timer_interval_us(mc);
   hw_set_pccsr(mc, MMCS_PCCSR_LATCH_EN_bm | MMCS_PCCSR_SCLOCK_EN_bm, 0);
 }
@@ -93,29 +93,10 @@ unsigned timer_enter(struct mc *mc) {
     now = rises(mc, now);
     passed = (uint16_t)(now - mc->rises);
   }
-  if (!mc->synced || mc->fault) {
-    passed = 1;
-    mc->is_marked = 0;
-  }
+  if (!mc->synced || mc->fault) passed = 1;
   mc->synced = !mc->fault; /* what could not be read tells nothing */
   mc->rises = now;
   return passed;
-}
-
-/* A pass is served within its interval: of two passes the host's clock tells the SCLOCKs between
- * them less or more one, else SCLOCK has another rate. Counted in clocks of timer 0, in which an
- * interval is exact. */
-int timer_is_off(struct mc *mc) {
-  uint32_t interval = mc->n0 * mc->n1, now = mc->os.clock_us(mc->os.ctx);
-  uint32_t since = (now - mc->marked_us) * (mc->config.sysclk_hz / 1000000u);
-  mc->marked += mc->skipped * interval;
-  int off = mc->is_marked && since - mc->marked + interval > 2 * interval;
-  if (!mc->is_marked || mc->marked >= MC_MARK * interval) {
-    mc->marked_us = now;
-    mc->marked = 0;
-    mc->is_marked = 1;
-  }
-  return off;
 }
 
 int timer_moved(struct mc *mc) {

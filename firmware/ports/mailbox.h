@@ -13,7 +13,7 @@
 
 #include <stdint.h>
 
-#define MAILBOX_VERSION 3
+#define MAILBOX_VERSION 4
 #define MAILBOX_MAGIC 0x4D4D4353 /* "MMCS", once the firmware is up */
 
 /* Where things are; the linker scripts agree. */
@@ -58,7 +58,6 @@ enum mailbox_call {
 #define MAILBOX_AXES 32
 #define MAILBOX_DATA_WORDS 224 /* 32 states of 28 bytes */
 #define MAILBOX_TEXT 128
-#define MAILBOX_GUARD 12
 
 struct mailbox_axis {
   int32_t setpoint;
@@ -82,10 +81,9 @@ struct mailbox {
   int32_t joints;
   int32_t stats[6]; /* struct mc_stats */
   uint32_t stop, stopped;
-  int32_t enabled, latched;      /* mc_is_enabled(), mc_is_stopped() */
-  uint32_t quiet_us;             /* set with a ring: mc_watch(), and 0 again */
-  int32_t cause, cause_of;       /* mc_cause() */
-  uint32_t guard[MAILBOX_GUARD]; /* struct mc_guard, from the host before the firmware starts */
+  int32_t enabled, latched; /* mc_is_enabled(), mc_is_stopped() */
+  uint32_t quiet_us;        /* set with a ring: mc_watch(), and 0 again */
+  int32_t cause, cause_of;  /* mc_cause() */
   struct mailbox_axis axis[MAILBOX_AXES];
   int32_t mode[MAILBOX_AXES]; /* as the last answer or stop left it */
   uint32_t data[MAILBOX_DATA_WORDS];

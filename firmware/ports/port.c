@@ -38,15 +38,11 @@ static void compute(void *ctx, unsigned axes) {
   (void)axes;
 }
 
-static uint32_t clock_us(void *ctx) {
-  (void)ctx;
-  return CONTROL(MAILBOX_CLOCK_US);
-}
-
 static void delay_us(void *ctx, uint32_t us) {
-  uint32_t start = clock_us(ctx);
+  uint32_t start = CONTROL(MAILBOX_CLOCK_US);
+  (void)ctx;
   /* one more, as the first may have been nearly over */
-  while (clock_us(ctx) - start <= us) {
+  while (CONTROL(MAILBOX_CLOCK_US) - start <= us) {
   }
 }
 
@@ -71,8 +67,7 @@ static int copy(void *ctx, void *to, const void *from, size_t len) {
 }
 
 static const struct mc_bus bus = {NULL, port_read8, port_write8, PORT_READ_LIST, PORT_WRITE_LIST};
-static const struct mc_os os = {NULL, signal, log,  compute, delay_us,
-                                mask, unmask, copy, copy,    clock_us};
+static const struct mc_os os = {NULL, signal, log, compute, delay_us, mask, unmask, copy, copy};
 
 /* --- what the host sees ---------------------------------------------------------------------- */
 
@@ -175,12 +170,9 @@ static int32_t serve(void) {
   }
 }
 
-_Static_assert(sizeof(struct mc_guard) == sizeof BOX->guard, "MAILBOX_GUARD counts its words");
-
 /* Entered with everything masked. */
 void port_main(void) {
   struct mc_config config = {.sysclk_hz = 8000000, .vector = PORT_VECTOR};
-  for (unsigned n = 0; n < MAILBOX_GUARD; n++) ((uint32_t *)&config.guard)[n] = BOX->guard[n];
   (void)mc_attach(&driver, &bus, &os, &config);
   BOX->posted = BOX->done = 0;
   BOX->stop = BOX->stopped = 0;

@@ -21,24 +21,4 @@ static inline struct mc *listening(int cards) {
   return mc;
 }
 
-static inline void set_modes(struct mc *mc, int mode) {
-  for (int axis = 0; axis < 2; axis++) {
-    set_mode(mc, axis, mode);
-  }
-}
-
-/* Two axes under power in position mode, at rest, 1 ms. */
-static inline struct mc *guarded(struct mc_guard guard) {
-  struct mc *mc = listening(1);
-  mc->config.guard = guard;
-  call(mc, MSETINTERVAL, 1000);
-  set_modes(mc, MD_POS);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  mock_run(&m, 20000);
-  CHECK(mc_is_enabled(mc));
-  said[0] = 0;
-  m.signals[0] = 0;
-  return mc;
-}
-
 #endif

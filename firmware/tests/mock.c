@@ -33,7 +33,7 @@ static void fall(struct mock *m) {
   }
 }
 
-static int causes(const struct mock *m) {
+int mock_panic(const struct mock *m) {
   if (m->estop_open) return 1;
   for (int i = 0; i < 16; i++) {
     const struct mock_card *c = &m->card[i];
@@ -42,10 +42,6 @@ static int causes(const struct mock *m) {
     }
   }
   return 0;
-}
-
-int mock_panic(const struct mock *m) {
-  return m->latched || causes(m);
 }
 
 static uint8_t level(const struct mock_card *c, int j) {
@@ -77,7 +73,6 @@ static void step(struct mock *m) {
     if (falls) fall(m);
     if (m->phase == 0 && !falls) sclock_rise(m);
   }
-  m->latched = m->latched || (m->safety && causes(m));
   int panic = mock_panic(m);
   if (panic && !m->panic && (m->pccsr & 0x80)) m->panic_latch = 1;
   if (m->panic && !panic) m->releases++;
@@ -299,8 +294,6 @@ static enum mc_bus_result bus_read(void *ctx, uint16_t offset, uint8_t *value) {
     *value = card_read(m, &m->card[offset >> 6], offset >> 1 & 0x1F);
   } else if (offset == MMCS_PCCSR) {
     *value = (uint8_t)((m->pccsr & 0x9F) | m->sclock_latch << 5 | m->panic_latch << 6);
-  } else if (m->safety && offset == MMCS_SAFETY) {
-    *value = (uint8_t)(mock_panic(m) | causes(m) << 1);
   } else {
     *value = offset < MMCS_PIT_CONTROL ? read_timer(m, (offset - 0x401) / 2) : 0xFF;
   }
@@ -326,9 +319,6 @@ static enum mc_bus_result bus_write(void *ctx, uint16_t offset, uint8_t v) {
     m->vector = v;
   } else if (offset == MMCS_PIT_CONTROL) {
     control(m, v);
-  } else if (offset == MMCS_SAFETY) {
-    if (m->safety && v == MMCS_SAFETY_TRIP) m->latched = 1;
-    if (v == MMCS_SAFETY_RELEASE) m->latched = 0;
   } else {
     count(m, (offset - 0x401) / 2, v);
   }
@@ -355,10 +345,6 @@ static void os_compute(void *ctx, unsigned axes) {
   m->computed_axes = (int)axes;
   int64_t until = m->now + m->compute_us * axes;
   while (m->now < until) advance(m, until - m->now);
-}
-
-static uint32_t os_clock(void *ctx) {
-  return (uint32_t)((struct mock *)ctx)->now;
 }
 
 static void os_delay(void *ctx, uint32_t us) {
@@ -397,7 +383,7 @@ struct mc *mock_start(struct mock *m, int cards) {
   m->irq_since = -1;
   m->bus = (struct mc_bus){m, bus_read, bus_write, NULL, NULL};
   m->os = (struct mc_os){m,       os_signal, os_log,  os_compute, os_delay,
-                         os_mask, os_unmask, os_copy, os_copy,    os_clock};
+                         os_mask, os_unmask, os_copy, os_copy};
   m->memory = calloc(1, mc_size());
   m->panic = mock_panic(m);
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x40};

@@ -45,7 +45,6 @@ struct mock {
   struct mock_card card[16];
   uint8_t pccsr, sclock_latch, panic_latch, vector;
   int estop_open, panic;
-  int safety, latched; /* the adaptor has SAFETY; PANIC is latched there */
   /* timers: 0 and 1 as one divider in us, 2 as its count of falls */
   uint32_t n[3];
   uint8_t byte_no[3], latch_no, status;

@@ -48,19 +48,12 @@ static void random_ioctl(struct mc *mc, int client) {
   union {
     struct mc_param param;
     struct mc_stats stats;
-    struct mmcs_setpoints setpoints;
-    int32_t words[35];
+    int32_t words[18];
   } arg;
   uint32_t request = requests[chance(sizeof requests / sizeof requests[0])];
   if (request == MENABLE && chance(50) != 0) return; /* it waits for milliseconds */
   if (request == MDIAGMODE && chance(8) != 0) return;
-  for (int i = 0; i < 35; i++) arg.words[i] = number();
-  if (request == MSETPOINTS && chance(2) != 0) { /* one that may pass */
-    static unsigned sequence;
-    arg.setpoints.sequence = chance(8) != 0 ? ++sequence : 0;
-    arg.setpoints.axes = chance(5);
-    arg.setpoints.check = mmcs_check(&arg.setpoints);
-  }
+  for (int i = 0; i < 18; i++) arg.words[i] = number();
   if (request == MSETPARAM && chance(2) != 0) { /* one that may pass */
     arg.param.which = (int)chance(4);
     arg.param.mode = (int)chance(0x800);

@@ -205,7 +205,6 @@ TEST(test_fuzz, "DRV-3 DRV-4") {
     struct mc_param par;
     uint32_t word[18];
     struct mc_state state[9];
-    struct mmcs_setpoints setpoints;
   } arg = {0};
   (void)mc_open(mc, MC_O_RDONLY);
   for (int i = 0; i < 20000; i++) {

@@ -114,7 +114,9 @@ def write(setup: Setup, path: Path) -> None:
         raise InputError.one("fmu", "", None, f"needs Linux on {', '.join(MACHINES)}; here: {what}")
     machine = describe(setup)
     scenario = setup.scenario
-    engine = ensure_library(scenario.cards, "speed", scenario.clk_hz, safety=setup.hardware())
+    engine = ensure_library(
+        scenario.cards, "speed", scenario.clk_hz, heartbeat_us=scenario.heartbeat_us
+    )
     token = hashlib.sha256(machine + engine.read_bytes()).hexdigest()[: TOKEN - 1]
     place = f"binaries/{MACHINES[platform.machine()]}"
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(path, "w") as out:

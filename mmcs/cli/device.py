@@ -28,15 +28,6 @@ def _pace(realtime: bool, speed: float | None, lockstep: bool) -> float | None:
     return 1.0 if realtime else speed
 
 
-safety_option = click.option(
-    "--safety", type=click.Choice(["1989", "2026"]), help="2026: the safe machine, all of it."
-)
-
-
-def safety_sets(safety: str | None) -> tuple[str, ...]:
-    return () if safety is None else (f'safety="{safety}"',)
-
-
 def _with_results(scenario: str, sets: tuple[str, ...], command: list[str], out: Path) -> int:
     from mmcs.device.execute import check_program
     from mmcs.runs import runner
@@ -57,7 +48,7 @@ def _machine(scenario: str, sets: tuple[str, ...] = ()):
         axes = f"axis {bare[0]} has" if len(bare) == 1 else f"axes {bare[0]} to {bare[-1]} have"
         echo(f"mmcs: {scenario}: {axes} no motor, and will not move", err=True)
     about = {"gravity": setup.config()["gravity"], "motors": setup.motors(),
-             "links": setup.robot.links(), "safety": setup.scenario.safety}  # fmt: skip
+             "links": setup.robot.links()}  # fmt: skip
     return machine(setup), {"scenario": scenario, "machine": about}
 
 
@@ -67,15 +58,7 @@ def _machine(scenario: str, sets: tuple[str, ...] = ()):
 @_speed
 @_lockstep
 @click.option("--dev", "name", default="mc0", metavar="NAME", help="Name of the server.")
-@safety_option
-def serve(
-    scenario: str,
-    realtime: bool,
-    speed: float | None,
-    lockstep: bool,
-    name: str,
-    safety: str | None,
-) -> None:
+def serve(scenario: str, realtime: bool, speed: float | None, lockstep: bool, name: str) -> None:
     """Offer /dev/mc0 and /dev/vme16 of a scenario's machine to other processes.
 
     Time passes while a program holds a device open. What the driver says comes on stderr. Ends with
@@ -88,7 +71,7 @@ def serve(
     pace = _pace(realtime, speed, lockstep)
     if not name.replace("-", "").replace("_", "").isalnum():
         raise InputError.one("--dev", "", name, "must be letters, digits, - and _")
-    sim, about = _machine(scenario, safety_sets(safety))
+    sim, about = _machine(scenario)
     with sim:
         server = Server(sim, socket_path(name), pace, about, console=say, lockstep=lockstep)
 
@@ -114,12 +97,11 @@ def serve(
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Results, as of a run.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Override a key.")
 @click.option("--cflags", "show_flags", is_flag=True, help="Print the flags for gcc and end.")
-@safety_option
 @click.option("--modern", is_flag=True, help="With --cflags: C or C++ of today, warnings on.")
 @click.option("--robot", metavar="R", help="Print a robot's joints as a C header and end.")
 @click.option("--interval", default=1000, metavar="US", help="With --robot: servo period.")
 @click.argument("command", nargs=-1, type=click.UNPROCESSED, metavar="-- PROGRAM [ARGS...]")
-def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, safety, modern, robot,
+def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, modern, robot,
           interval, command):  # fmt: skip
     """Run an unmodified program that opens /dev/mc0 or /dev/vme16."""
     from mmcs.device.execute import cflags, run_program
@@ -133,7 +115,6 @@ def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, safe
         echo(" ".join(cflags(modern)))
         return
     pace = _pace(realtime, speed, lockstep)
-    sets = (*safety_sets(safety), *sets)
     if not command:
         raise InputError.one("mmcs exec", "", None, "name the program to run after --")
     for text in sets:
@@ -143,7 +124,7 @@ def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, safe
         if pace is not None or lockstep:
             raise InputError.one("mmcs exec", "", None, "the pace is the server's; give --scenario")
         if out or sets:
-            allowed = "--out, --set and --safety go with --scenario"
+            allowed = "--out and --set go with --scenario"
             raise InputError.one("mmcs exec", "", None, allowed)
         sys.exit(run_program(list(command), name=name))
     if out is not None:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import click
 
-from mmcs.cli.device import safety_option, safety_sets
 from mmcs.errors import InputError
 from mmcs.screen import echo
 
@@ -22,12 +21,9 @@ from mmcs.screen import echo
               help="Silence of a page in control that stops the machine; default 250.")  # fmt: skip
 @click.option("--sheets", "own", type=click.Path(path_type=Path), metavar="DIR",
               help="Own lab sheets, as for `mmcs lab`.")  # fmt: skip
-@safety_option
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; default: any.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
-def tool(
-    scenario, attach, interval, frozen, zero, theme, deadman, own, safety, port, no_browser
-) -> None:
+def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no_browser) -> None:
     """Tune and watch the machine: starts it in real time and opens one page.
 
     Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
@@ -54,9 +50,9 @@ def tool(
     sheets(folder)  # what is wrong with them is told here, in one line
     socket = _socket(attach)
     if socket is None:
-        setup = load(scenario, safety_sets(safety))  # its mistakes are told here, in one line
+        setup = load(scenario)  # its mistakes are told here, in one line
         library_of(setup)  # and that it has to be built
-    with start(scenario, socket, options, port, folder, safety) as running:
+    with start(scenario, socket, options, port, folder) as running:
         echo(running.address)
         if not no_browser and not open_browser(running.address):
             echo("open this address in a browser on this machine; Ctrl-C ends the tool")

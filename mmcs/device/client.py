@@ -41,8 +41,7 @@ class State:
 CAUSES = ("axis {} has no heartbeat", "card {} does not answer", "no card answers: cable or power",
           "button, or a cause that has passed", "an error of axis {}: see its errcode",
           "bus error, or the adaptor does not answer", "SYSRESET*",
-          "no interrupts, or passes outlast SCLOCK",
-          "the driver's guard; the console tells which check")  # fmt: skip
+          "no interrupts, or passes outlast SCLOCK")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -133,17 +132,6 @@ class Device:
         """The setpoint of one axis; the others keep theirs, whoever writes them."""
         data = struct.pack("<ii", _axis(axis), _checked("setpoint", setpoint))
         self.ioctl(mcdef.MSETPOINT, data)
-
-    def write_checked(self, sequence: int, *setpoints: int) -> None:
-        """As write(), in a message with a check, whose number is one more than the last one's."""
-        values = [_checked("setpoint", value) for value in setpoints]
-        check = 0x4D4D4353 ^ _checked("sequence", sequence, 0, (1 << 32) - 1)
-        for word in (len(values), *values):
-            check = ((check << 5 | check >> 27) ^ word) & 0xFFFFFFFF
-        rest = [0] * (wire.MMCS_AXES - len(values))
-        self.ioctl(
-            mcdef.MSETPOINTS, wire.CHECKED.pack(sequence, len(values), *values, *rest, check)
-        )
 
     def wait(self) -> int:
         """Waits for the next servo sample; its number since power-on."""

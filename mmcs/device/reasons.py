@@ -21,7 +21,7 @@ OF_OPEN = {
 # What the driver says nothing about, of any request.
 OF_ANY = {
     EIO: "a card or the adaptor does not answer",
-    EBUSY: "the machine starts or stops just now, or guard_lock refuses it while enabled",
+    EBUSY: "the machine starts or stops just now",
     EINVAL: "the argument is beyond its bounds",
     errno.EFAULT: "the argument lies outside the program's memory",
 }
@@ -41,7 +41,7 @@ def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) 
         return f"{name}: the device is open for reading only"
     if error == EIO and name == "MSETDAC":
         return f"{name}: the machine is not enabled"
-    if error == EIO and name in ("MSETPOINT", "MSETPOINTS"):
+    if error == EIO and name == "MSETPOINT":
         return f"{name}: {STOPPED}"
     of_argument = _of_argument(name, argument, joints, axes) if error == EINVAL else ""
     return of_argument or f"{name}: {OF_ANY.get(error, f'errno {error}')}"
@@ -49,8 +49,6 @@ def of_ioctl(error: int, request: int, argument: bytes, joints: int, axes: int) 
 
 def _of_argument(name: str, argument: bytes, joints: int, axes: int) -> str:
     """What of it must be another; "" if nothing is known."""
-    if name == "MSETPOINTS":
-        return f"{name}: more axes than joints, or its check is wrong"
     if name in ("MGETPARAM", "MSETPARAM"):
         return _of_param(name, argument, joints)
     (value,) = struct.unpack_from("<I", argument.ljust(4, b"\0"))

@@ -15,6 +15,7 @@ from mmcs.errors import RunError
 from mmcs.place import BUILD, ROOT, WORK, is_whole, workshop
 
 CLK_HZ = 8_000_000
+HEARTBEAT_US = 50_000
 LOG = BUILD / "sim" / "build.log"
 ROOM = 4 << 20  # bytes: less than a file of a build
 # what linker and make say of files that a kill or a full disk has cut
@@ -32,28 +33,32 @@ NOT_OURS = (
 
 
 def library_path(
-    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, safety: str = "1989"
+    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, heartbeat_us: int = HEARTBEAT_US
 ) -> Path:
     if kind == "dpi":
         return BUILD / "sim" / "dpi" / "libmmcs_dpi.so"
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
-    safe = "" if safety == "1989" else f"_{safety}"
-    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{safe}{clk}"
+    beat = "" if heartbeat_us == HEARTBEAT_US else f"_beat{heartbeat_us}"
+    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{beat}{clk}"
     return BUILD / "sim" / name / "libmmcs_sim.so"
 
 
 def ensure_library(
-    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, safety: str = "1989"
+    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, heartbeat_us: int = HEARTBEAT_US
 ) -> Path:
     """The library of a build; kind is "speed", "trust" (assertions live), "trace", or
     "dpi" (no machine: a simulator has it).
 
-    soc: the machine has its own processor (docs/hardware/soc.md). safety: "2026" is the hardware
-    with Safety2026 (docs/hardware/safety.md).
+    soc: the machine has its own processor (docs/hardware/soc.md). heartbeat_us: the RTL's
+    parameter HeartbeatUs.
     """
-    path = library_path(cards, kind, clk_hz, soc, safety)
+    path = library_path(cards, kind, clk_hz, soc, heartbeat_us)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
-    command += [f"CLK_HZ={clk_hz}", f"HOST={'rv32' if soc else 'vme'}", f"SAFETY={safety}"]
+    command += [
+        f"CLK_HZ={clk_hz}",
+        f"HOST={'rv32' if soc else 'vme'}",
+        f"HEARTBEAT_US={heartbeat_us}",
+    ]
     env = make_env()
     if is_whole(path) and _run([*command, "-q"], env) == 0:
         return path

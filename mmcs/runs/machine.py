@@ -36,14 +36,18 @@ def machine(
         skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
     library = library or ensure_library(
-        scenario.cards, kind, scenario.clk_hz, soc=host == "rv32", safety=setup.hardware()
+        scenario.cards,
+        kind,
+        scenario.clk_hz,
+        soc=host == "rv32",
+        heartbeat_us=scenario.heartbeat_us,
     )
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())
 
 
 def _machine_of_simulator(setup: Setup, line: int):
-    from mmcs.engine.build import ensure_library
+    from mmcs.engine.build import HEARTBEAT_US, ensure_library
     from mmcs.engine.dpi import DpiSim, Line
     from mmcs.inputs import UPSET
 
@@ -51,6 +55,8 @@ def _machine_of_simulator(setup: Setup, line: int):
         if event.input.startswith(UPSET):
             raise RunError(f"{event.input}: through DPI no register can be read or written")
     scenario = setup.scenario
+    if scenario.heartbeat_us != HEARTBEAT_US:
+        raise RunError(f"heartbeat_us: through DPI it must be {HEARTBEAT_US}, as the testbench has")
     testbench = Line(line, ensure_library(scenario.cards, "dpi"))
     for what, has, wanted in (
         ("NumCards", testbench.mmcs_sim_build_cards(), scenario.cards),
@@ -90,16 +96,17 @@ def progress(duration: float):
 
 
 @functools.cache
-def _library(cards: int, clk_hz: int, safety: str):
+def _library(cards: int, clk_hz: int, heartbeat_us: int):
     from mmcs.engine.build import ensure_library
 
-    return ensure_library(cards, "speed", clk_hz, safety=safety)
+    return ensure_library(cards, "speed", clk_hz, heartbeat_us=heartbeat_us)
 
 
 def library_of(setup):
     """The simulator's library that the setup runs on, which this process looks for once; builds it
     if need be."""
-    return _library(setup.scenario.cards, setup.scenario.clk_hz, setup.hardware())
+    scenario = setup.scenario
+    return _library(scenario.cards, scenario.clk_hz, scenario.heartbeat_us)
 
 
 def build_of(setup) -> str:

@@ -146,7 +146,7 @@ class Session:
 
     def begin(self) -> int:
         """Configures the driver and starts the motion; the driver's number of the program."""
-        for segment in self.setup.segments or self._renewed():
+        for segment in self.setup.segments:
             self.sim.add_segment(**segment)
         return self.configure()
 
@@ -171,12 +171,6 @@ class Session:
         """Runs to a time of the motion and carries the script out; False: an assertion failed."""
         result, what = self.sim.play(self.script, until)
         return self._answered(what, result) == 0
-
-    def _renewed(self) -> list[dict]:
-        """Under a lease a program that only holds its axes writes their setpoints again, too."""
-        if not self.setup.guard()["guard_lease"] or self.setup.scenario.process:
-            return []
-        return [{"axis": self.setup.axes - 1, "kind": "hold", "t0": 0.0, "to": 0.0}]
 
     def _last_state(self, client: int) -> list:
         try:

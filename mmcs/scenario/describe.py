@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs show` and the cautions of `mmcs check`: what a scenario amounts to."""
 
-from mmcs.errors import show
-from mmcs.scenario import safety
 from mmcs.scenario.arm import has_mass_distribution
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 
 LEAST_PHASE_DEG = 20
-HEARTBEAT_US = 50_000
 
 
 def show_setup(setup: Setup) -> None:
@@ -34,8 +31,6 @@ def show_setup(setup: Setup) -> None:
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
-    if told := _safety(setup):
-        console.print(f"  safety: {told}")
     for program in scenario.program:
         console.print(f"  program {cell(program.run)}")
     table = Table("", box=None)
@@ -72,28 +67,14 @@ def show_setup(setup: Setup) -> None:
         console.print(f"  expects {entry.kind}: {text}")
 
 
-def _safety(setup: Setup) -> str:
-    """What there is of the safe machine, with its limits; "" of the machine of 1989."""
-    found = {key: safety.given(setup.scenario, key) for key in safety.WHOLE}
-    found |= safety.guard(setup.scenario, setup.robot)
-    del found["guard_latched"]  # the hardware's
-    return ", ".join(f"{k} = {show(v)}" for k, v in found.items() if v and v != "1989")
-
-
 def cautions(setup: Setup) -> list[str]:
     """Legal settings that will probably disappoint, one sentence each."""
     scenario, out = setup.scenario, []
-    latched = safety.given(scenario, "hardware") == "2026"
-    heartbeat = safety.HEARTBEAT_US if latched else HEARTBEAT_US
+    heartbeat = scenario.heartbeat_us
     if scenario.interval_us > heartbeat:
         out.append(
             f"interval_us = {scenario.interval_us}: above the heartbeat's {heartbeat} us the "
             "machine panics by design"
-        )
-    if scenario.safety == "2026" and not safety.guard(scenario, setup.robot)["guard_follow"]:
-        out.append(
-            f'safety = "2026": {scenario.robot} has no [axis.servo] follow, so nobody asks how far '
-            "an axis is off its demand; host.guard_follow sets it"
         )
     host = scenario.host
     busy = setup.axes * host.cpu_us_per_axis + host.latency_max_us + 9 * setup.axes

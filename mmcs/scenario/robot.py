@@ -61,7 +61,6 @@ class RobotServo(Strict):
     """Suggestions for the driver, in its own units."""
 
     ilim: int = Field(1024, ge=0, le=2047)
-    follow: int = Field(0, ge=0)  # counts off the demand that no healthy motion needs; 0: unknown
     ic_pos: int = Field(0, ge=-2047, le=2047)
     ic_neg: int = Field(0, ge=-2047, le=2047)
     pd_1000us: Gains | None = None

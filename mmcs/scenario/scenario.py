@@ -25,18 +25,6 @@ class Host(Strict):
     cpu_us_per_axis: float = Field(430 / 6, ge=0, le=10_000)  # a Sun 3/160: 430 us for six
     latency_max_us: float = Field(100.0, ge=0, le=100_000)
     bus_timeout_us: float = Field(16.0, ge=2, le=1000)
-    # checks that the report does not have (struct mc_guard)
-    guard_jump: int = Field(0, ge=0, le=32767)
-    guard_follow: int = Field(0, ge=0, le=INT_MAX)
-    guard_samples: int = Field(5, ge=0, le=INT_MAX)
-    guard_runaway: int = Field(0, ge=0, le=32767)
-    guard_missed: int = Field(0, ge=0, le=INT_MAX)
-    guard_clock: bool = False
-    guard_lease: int = Field(0, ge=0, le=INT_MAX)
-    guard_lock: bool = False
-    guard_readback: bool = False
-    guard_checked: bool = False
-    guard_brakes: int = Field(0, ge=0, le=1_000_000)  # us
     # --host m68020 only
     wait_states: int = Field(0, ge=0, le=100)
     instruction_cache: Literal["ideal", "256 bytes"] = "ideal"
@@ -294,9 +282,8 @@ class Scenario(Strict):
     dynamics: Literal["independent", "coupled"] = "independent"
     gravity: bool = True  # of a coupled arm
     pose_deg: list[Degrees] = []  # joint angles at the start, instead of the robot file's
-    safety: Literal["1989", "2026"] = "1989"  # "2026": all of hardware, the cut and the guard
-    hardware: Literal["1989", "2026"] = "1989"  # the RTL's parameter Safety2026
-    amp_panic_cut: Literal[False, True, "brakes first", "dynamic brake"] = False
+    heartbeat_us: int = Field(50_000, ge=1_000, le=50_000)  # the RTL's HeartbeatUs
+    amp_panic_cut: bool = False
     skip: bool = True  # pass over clocks in which nothing happens
     verbose: bool = False
     host: Host = Host()

@@ -15,7 +15,6 @@ from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
 from mmcs.files import MAX_TABLE, is_name
 from mmcs.inputs import INPUTS, find
-from mmcs.scenario import safety
 from mmcs.scenario.files import MAX_FILES, Files, find_robot
 from mmcs.scenario.robot import Robot, with_values
 from mmcs.scenario.scenario import Chirp, Glide, Scenario, Servo, Step, Table, Trapezoid, Wave
@@ -52,19 +51,12 @@ class Setup:
             "seed": scenario.seed,
             "gravity": self.robot.gravity if scenario.gravity else [0.0, 0.0, 0.0],
             **host.model_dump(include={"cpu_us_per_axis", "latency_max_us", "bus_timeout_us"}),
-            **self.guard(),
             "wait_states": host.wait_states,
             "instruction_cache": 256 if host.instruction_cache == "256 bytes" else 0,
             "axis_speed": self.robot.fastest(),
             "skip": int(scenario.skip),
-            "amp_panic_cut": safety.cut(scenario),
+            "amp_panic_cut": int(scenario.amp_panic_cut),
         }
-
-    def hardware(self) -> str:  # which RTL: that of 1989 or with Safety2026
-        return safety.given(self.scenario, "hardware")
-
-    def guard(self) -> dict:  # the fields of mmcs_config of the driver's guard
-        return safety.guard(self.scenario, self.robot)
 
     def driver(self) -> dict:  # the fields of mmcs_driver
         keys = ("verbose", "interval_us", "double_buffer")

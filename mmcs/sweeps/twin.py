@@ -28,8 +28,8 @@ PROMISE_S = 0.050  # the heartbeats': a stop that comes later is late
 class Twin:
     """One motion on one simulated machine, which then makes all its faulty runs."""
 
-    def __init__(self, setup: Setup, snapshots: bool = True):
-        """Raises InputError for a motion that stops by itself. snapshots: it makes faulty runs."""
+    def __init__(self, setup: Setup):
+        """Raises InputError for a motion that stops by itself."""
         self.setup, self.axes = setup, range(setup.axes)
         self.scale = np.array([abs(setup.robot.counts_per_rad(n)) for n in self.axes])
         self.calls = sorted(setup.scenario.call, key=lambda call: call.at)
@@ -39,7 +39,6 @@ class Twin:
         self.start = self.session.start
         self.inputs = {name: n for n, name in enumerate(self.sim.input_names())}
         self.looks = round(setup.scenario.duration / LOOK_S)
-        self._keeps = snapshots
         self._stops: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         try:
             self._go()
@@ -59,8 +58,6 @@ class Twin:
             times.append(sim.time)
             angles.append(self._angles())
             sim.take_log()
-            if not self._keeps:
-                continue
             futures.append(sim.future())
             if look % EVERY == 0:
                 number = sim.snapshot()

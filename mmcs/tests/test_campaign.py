@@ -96,24 +96,6 @@ def test_known_faults_get_their_class(plan, motion, event, name):
     assert row["class"] == name, row
 
 
-GUARDED = [
-    ("host.guard_jump=200", {"input": f"{AXIS}.u_encoder.count_q", "value": 512}, SAFE),
-    ("host.guard_jump=200", {"input": "motor_jam", "index": 0, "value": 1}, DANGEROUS),
-    ("host.guard_follow=60", {"input": "motor_jam", "index": 0, "value": 1}, SAFE),
-    ("host.guard_missed=5", {"input": "irq_lost", "value": 1, "until": 0.13}, SAFE),
-    ("host.guard_lease=10", {"input": "writes_lost", "value": 1000}, LATE),
-]
-
-
-@pytest.mark.req("DRV-9")
-@pytest.mark.parametrize(("option", "event", "name"), GUARDED)
-def test_guard_of_the_driver_notices_what_nobody_did(plan, option, event, name):
-    event = {"at": 0.1, **event}
-    assert one(plan, "arm_move", event)["class"] == DANGEROUS
-    guarded = make_plan(("arm_move",), SORTS, 1, (option,))
-    assert one(guarded, "arm_move", event)["class"] == name
-
-
 def test_message_that_nobody_meant(plan):
     wrong = {"at": 0.1, "request": "MSETPARAM", "axis": [3], "set": {"ic_pos": 2000}}
     assert one(plan, "arm_move", call=wrong)["class"] == DANGEROUS
@@ -352,7 +334,6 @@ def test_wilson(k, n, low, high):
         (("--workers", 0), "must be 1 to 256"),
         (("--workers", 1, "--dask", "tcp://x"), "not with --dask"),
         (("--show", -1), "must be 0 to 999999"),
-        (("arm_move", "--set", "host.guard_follow=5"), "does not follow): change what stops it"),
         (("arm_calibrate", "--set", "axis.all.ilimax=20"), "stops by itself 0.044 s after it"),
         (("--resume", "--out", "/nowhere"), "holds no campaign to go on with"),
     ],

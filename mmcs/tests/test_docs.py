@@ -81,7 +81,7 @@ def test_every_table_has_its_section():
         if isinstance(field.annotation, type)
         and issubclass(field.annotation, Strict)
         or typing.get_args(field.annotation)
-        and name not in ("dynamics", "pose_deg", "safety", "hardware", "amp_panic_cut")
+        and name not in ("dynamics", "pose_deg")
     }
 
 

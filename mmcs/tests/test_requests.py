@@ -10,7 +10,7 @@ from tools import tables
 
 REQUESTS = mcdef.requests()
 SIZES = {"-": 0, "int": 4, "unsigned int": 4, "struct mc_param": 72, "struct mc_stats": 24,
-         "struct mmcs_setpoint": 8, "struct mmcs_setpoints": 140}  # fmt: skip
+         "struct mmcs_setpoint": 8}  # fmt: skip
 
 
 @pytest.mark.req("DRV-3")

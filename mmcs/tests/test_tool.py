@@ -302,17 +302,6 @@ def test_a_predicted_step_knows_limit_and_friction():
     assert back["steady_error_counts"] == pytest.approx(off, abs=1)
 
 
-def test_auto_tune_refuses_the_safe_machine_and_leaves_it_running(serving):
-    serving.server.about["machine"] = {"safety": "2026"}
-    out = Said()
-    with Device() as dev:
-        dev.enable()
-        message = {"id": 1, "op": "tune", "axis": 0, "wn": 60, "half": 2000, "lender": 0}
-        Advisor(serving.server.path, out).run([json.dumps(message) + "\n"])
-        (told,) = out.replies()
-        assert told["error"].endswith("use --safety 1989") and dev.status().enabled
-
-
 @pytest.mark.req("TOOL-1")
 @pytest.mark.parametrize("changes,word", [
     ({}, "As designed"),

@@ -58,7 +58,6 @@ def start(
     options: dict[str, str],
     port: int = 0,
     sheets: Path = LABS,
-    safety: str | None = None,
 ) -> Tool:
     """scenario: of a machine of our own; socket: of a machine that others drive, instead.
 
@@ -69,7 +68,7 @@ def start(
         if socket is None:
             name = f"tool-{os.getpid()}"
             socket = socket_path(name)
-            tool.processes["machine"] = _serve(scenario, name, socket, safety)
+            tool.processes["machine"] = _serve(scenario, name, socket)
             prefer(tool.processes["machine"].pid)
             options = {"control": "1", **options}
         tool.socket = socket
@@ -122,10 +121,10 @@ def open_browser(address: str) -> bool:
     return False
 
 
-def _serve(scenario: str, name: str, socket: Path, safety: str | None = None) -> subprocess.Popen:
+def _serve(scenario: str, name: str, socket: Path) -> subprocess.Popen:
     """However long it takes: its library may have to be built."""
     command = [sys.executable, "-m", "mmcs.tool.urgent", "serve", scenario, "--realtime"]
-    command += ["--dev", name, *(["--safety", safety] if safety else [])]
+    command += ["--dev", name]
     machine = subprocess.Popen(
         command,
         stdout=subprocess.DEVNULL,

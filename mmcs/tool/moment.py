@@ -45,12 +45,11 @@ def find(socket: Path, t: float, ms: float) -> Moment:
         t = min(max(t, first), now)
         begin = max(first, t - ms / 2000)
         before = [s for s in kept if s["t"] <= begin - BUSY_S] or kept[:1]
-        scenario, safety = link.hello["scenario"], link.request("machine")["safety"]
+        scenario = link.hello["scenario"]
         data = Path(link.request("export", snapshot=before[-1]["id"])["file"]).read_bytes()
     size = int.from_bytes(data[:8], "little")
     state, past = data[8 : 8 + size], data[8 + size :]
-    sets = (f'safety="{safety}"',)
-    return Moment(load(scenario, sets), state, past, begin, min(now, t + ms / 2000))
+    return Moment(load(scenario), state, past, begin, min(now, t + ms / 2000))
 
 
 def waves(socket: Path, t: float, ms: float) -> dict:

@@ -14,7 +14,6 @@ module adaptor_core #(
   parameter int IochrdyLimitClks = 10,
   parameter int ResetDrvUs = 50,   // RESET DRV after the PC side's power returns
   parameter int AliveUs = 500,     // between two edges of alive_o
-  parameter bit Safety2026 = 1'b0, // PANIC is latched, and SYSRESET* raises it
   parameter bit PitNmosRewrite = 1'b1,  // see i8254_counter
   parameter bit PitSplitCr = 1'b1,
   parameter bit RandomPowerUp = 1'b0
@@ -77,15 +76,13 @@ module adaptor_core #(
 
   localparam logic [10:0] PitOffset = mmcs_regs_pkg::PIT0;
   localparam logic [10:0] PccsrOffset = mmcs_regs_pkg::PCCSR;
-  localparam logic [10:0] SafetyOffset = mmcs_regs_pkg::SAFETY;
 
-  logic sel_pc, sel_pit, sel_pccsr, sel_safety, sel_vector;
+  logic sel_pc, sel_pit, sel_pccsr, sel_vector;
 
   assign sel_pc = ~hp_a_i[10];
   assign sel_vector = hp_a_i[10] & hp_a_i[6];
   assign sel_pit = hp_a_i[10] & ~hp_a_i[6] & (hp_a_i[5:3] == PitOffset[5:3]);
   assign sel_pccsr = hp_a_i[10] & ~hp_a_i[6] & (hp_a_i[5:3] == PccsrOffset[5:3]);
-  assign sel_safety = Safety2026 & hp_a_i[10] & ~hp_a_i[6] & (hp_a_i[5:3] == SafetyOffset[5:3]);
 
   // --- accesses to the adaptor's own registers --------------------------------------------
 
@@ -99,7 +96,7 @@ module adaptor_core #(
   logic   [LocalWidth-1:0] timer_d, timer_q;  // clocks of the strobe after the present one
   logic   [           7:0] local_rdata_d, local_rdata_q;
   logic   [           7:0] vector_d, vector_q;
-  logic   [           7:0] pit_rdata, pccsr_rdata, safety_rdata;
+  logic   [           7:0] pit_rdata, pccsr_rdata;
   logic                    strobe;
   logic                    local_write;       // the clock in which a written register changes
 
@@ -126,7 +123,6 @@ module adaptor_core #(
           local_rdata_d = 8'hFF;
           if (!hp_write_i && sel_pit) local_rdata_d = pit_rdata;
           if (!hp_write_i && sel_pccsr) local_rdata_d = pccsr_rdata;
-          if (!hp_write_i && sel_safety) local_rdata_d = safety_rdata;
         end
       end
       default: state_d = StIdle;
@@ -262,26 +258,15 @@ module adaptor_core #(
   // --- panic, resets, interrupts ----------------------------------------------------------
 
   logic sys_reset;
-  logic panic_cause, panic_trip, panic_release;
   logic [ResetWidth-1:0] power_timer_d, power_timer_q;  // clocks that RESET DRV still stands
 
-  assign panic_trip = sys_reset |
-                      (local_write & sel_safety & (hp_wdata_i == mmcs_regs_pkg::SAFETY_TRIP));
-  assign panic_release = local_write & sel_safety & (hp_wdata_i == mmcs_regs_pkg::SAFETY_RELEASE);
-  assign safety_rdata = (8'(panic_o) << mmcs_regs_pkg::SAFETY_PANIC) |
-                        (8'(panic_cause) << mmcs_regs_pkg::SAFETY_CAUSE);
-
   panic #(
-    .AliveClks(AliveUs * ClkMHz),
-    .Latched(Safety2026)
+    .AliveClks(AliveUs * ClkMHz)
   ) u_panic (
     .clk_i, .rst_ni,
     .bus_panic_i(pc_irq_i[PanicIrq]),
     .estop_closed_i, .cable_ok_i, .pc_power_i,
-    .trip_i(panic_trip),
-    .release_i(panic_release),
     .panic_o, .brake_release_o, .alive_o,
-    .cause_o(panic_cause),
     .cable_ok_o(cable_ok),
     .pc_power_o
   );

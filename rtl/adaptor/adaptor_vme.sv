@@ -12,7 +12,6 @@ module adaptor_vme #(
   parameter int PanicIrq = 7,
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
-  parameter bit Safety2026 = 1'b0,
   parameter bit PitNmosRewrite = 1'b1,
   parameter bit PitSplitCr = 1'b1,
   parameter bit RandomPowerUp = 1'b0
@@ -101,7 +100,6 @@ module adaptor_vme #(
     .PanicIrq(PanicIrq),
     .CmdNs(CmdNs),
     .IochrdyLimitClks(IochrdyLimitClks),
-    .Safety2026(Safety2026),
     .PitNmosRewrite(PitNmosRewrite),
     .PitSplitCr(PitSplitCr),
     .RandomPowerUp(RandomPowerUp)

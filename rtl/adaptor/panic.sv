@@ -6,8 +6,7 @@
 `default_nettype none
 
 module panic #(
-  parameter int AliveClks = 4000,      // clocks between two edges of alive_o
-  parameter bit Latched = 1'b0         // of 2026: PANIC stands until release_i, trip_i raises it
+  parameter int AliveClks = 4000       // clocks between two edges of alive_o
 ) (
   input  wire logic clk_i,
   input  wire logic rst_ni,
@@ -16,12 +15,8 @@ module panic #(
   input  wire logic estop_closed_i,
   input  wire logic cable_ok_i,
   input  wire logic pc_power_i,
-  // Commands, one clock; nothing but with Latched
-  input  wire logic trip_i,
-  input  wire logic release_i,
   // Result
   output logic      panic_o,
-  output logic      cause_o,           // what makes PANIC stands now, or stood a moment ago
   output logic      brake_release_o,
   output logic      alive_o,
   output logic      cable_ok_o,        // synchronised
@@ -66,8 +61,7 @@ module panic #(
   );
 
   assign hold_d = tripped ? '0 : {hold_q[Hold-2:0], 1'b1};
-  assign cause_o = tripped | ~hold_q[Hold-1];
-  assign panic_d = cause_o | (Latched & (trip_i | (panic_q & ~release_i)));
+  assign panic_d = tripped | ~hold_q[Hold-1];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

@@ -10,8 +10,7 @@
 
 module thct2000 #(
   parameter int Filter = 0,                 // further equal samples an input must show, 0 to 3
-  parameter logic [15:0] PowerUp = 16'h0000, // the count before the first RESET
-  parameter bit Safety2026 = 1'b0           // a cut wire is illegal, too; a written count is not
+  parameter logic [15:0] PowerUp = 16'h0000  // the count before the first RESET
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
@@ -123,45 +122,6 @@ module thct2000 #(
   assign gate_closes = (m_i == ModeInterval && a_prev && !a) ||
                        (m_i == ModeFrequency && b_prev && !b);
 
-  // --- of 2026: a cut wire --------------------------------------------------------------------
-
-  // Edges of one input since the last of the other, less one for each latch. A servo can make an
-  // axis swing over one edge once a sample; more of them are an encoder that turns with one wire.
-  localparam logic [3:0] MaxAlone = 4'd8;
-  logic wr_end;  // a write ends
-  logic cut;
-
-  if (Safety2026) begin : g_alone
-    logic [3:0] alone_d, alone_q;
-    logic of_a_d, of_a_q;
-
-    always_comb begin
-      alone_d = alone_q;
-      of_a_d  = of_a_q;
-      if (clk_en_i && by_steps && a_edge != b_edge) begin
-        of_a_d  = a_edge;
-        alone_d = of_a_q != a_edge ? 4'd1 : cut ? alone_q : alone_q + 4'd1;
-      end else if (latch_i && alone_q != '0) begin
-        alone_d = alone_q - 4'd1;
-      end
-      if (wr_end || reset_i) alone_d = '0;
-    end
-
-    always_ff @(posedge clk_i or negedge rst_ni) begin
-      if (!rst_ni) begin
-        alone_q <= '0;
-        of_a_q  <= 1'b0;
-      end else begin
-        alone_q <= alone_d;
-        of_a_q  <= of_a_d;
-      end
-    end
-
-    assign cut = alone_q == MaxAlone;
-  end else begin : g_alone
-    assign cut = 1'b0;
-  end
-
   // --- bus ------------------------------------------------------------------------------------
 
   logic rd, wr, rd_q, wr_q;
@@ -171,6 +131,7 @@ module thct2000 #(
   logic rs_d, rs_q;                 // the write under way
   logic [2:0] m_q;
   logic [7:0] d_d, d_q, held_d, held_q;
+  logic wr_end;                     // a write ends
   logic sample;                     // this clock begins a read that is no second byte
   logic wr_second;                  // it is the second byte of a pair
   logic [15:0] shown, snap_d, snap_q;
@@ -205,7 +166,7 @@ module thct2000 #(
   // the next sample.
   always_comb begin
     count_d   = wr_end ? written : ticked;
-    illegal_d = ((illegal_q || cut) && !(Safety2026 && wr_end)) || (clk_en_i && illegal);
+    illegal_d = illegal_q || (clk_en_i && illegal);
     held_d    = wr_end ? d_q : held_q;
     snap_d    = snap_q;
     latch_d   = latch_q;

@@ -8,7 +8,6 @@ module axis #(
   parameter bit DacSpan10 = 1'b0,            // E007-E008
   parameter int ConvClks = 200,
   parameter int HeartbeatClks = 400_000,
-  parameter bit Safety2026 = 1'b0,
   parameter int EncoderFilter = 0,           // further equal samples that A, B and I must show
   // What stands in the chips before they are told anything
   parameter logic [11:0] DacPowerUp = 12'h800,
@@ -47,7 +46,6 @@ module axis #(
   output logic      [15:0] drive_v_o,
   // Status
   output logic             heartbeat_o,
-  output logic             illegal_o,        // of 2026: illegal step or cut wire, the count is lost
   output logic             index_o,          // index has been latched
   output logic             converting_o
 );
@@ -82,14 +80,10 @@ module axis #(
 
   // --- encoder counter ----------------------------------------------------------------------
 
-  logic illegal;
-  assign illegal_o = Safety2026 & illegal;
-
-  /* verilator lint_off PINCONNECTEMPTY */  // debugging output
+  /* verilator lint_off PINCONNECTEMPTY */  // debugging outputs
   thct2000 #(
     .Filter(EncoderFilter),
-    .PowerUp(CountPowerUp),
-    .Safety2026(Safety2026)
+    .PowerUp(CountPowerUp)
   ) u_encoder (
     .clk_i, .rst_ni, .reset_i, .clk_en_i,
     .m_i(enc_mode_i),
@@ -104,7 +98,7 @@ module axis #(
     .d_o(enc_d_o),
     .d_oe_o(enc_d_oe_o),
     .count_o(),
-    .illegal_o(illegal)
+    .illegal_o()
   );
   /* verilator lint_on PINCONNECTEMPTY */
 
@@ -162,29 +156,11 @@ module axis #(
 
   // --- heartbeat ----------------------------------------------------------------------------
 
-  // Of 2026: a D/A that waits for latches which do not come is none that is served. Only a write
-  // after the latch of the one before is a beat.
-  logic beat;
-
-  if (Safety2026) begin : g_beat
-    logic taken_d, taken_q;  // the D/A has taken what was written before
-    assign taken_d = dac_update_i | ~dac_double_i | (taken_q & ~dac_lo_i);
-
-    always_ff @(posedge clk_i or negedge rst_ni) begin
-      if (!rst_ni) taken_q <= 1'b1;
-      else taken_q <= taken_d;
-    end
-
-    assign beat = dac_lo_i & taken_q;
-  end else begin : g_beat
-    assign beat = dac_lo_i;
-  end
-
   oneshot #(
     .PulseClks(HeartbeatClks)
   ) u_heartbeat (
     .clk_i, .rst_ni,
-    .trig_i(beat),
+    .trig_i(dac_lo_i),
     .clr_ni(1'b1),
     .q_o(heartbeat_o)
   );

@@ -17,7 +17,6 @@ module mark1 #(
   parameter int AdcConvNs = 25_000,
   parameter int RelayUs = 1_000,
   parameter int HeartbeatUs = 50_000,
-  parameter bit Safety2026 = 1'b0,             // an illegal step of an encoder is PANIC
   parameter logic [7:0] PpiFloatB = 8'h00,      // what the board sees while port B floats
   parameter int EncoderFilter = 0,              // further equal samples of A, B and I, 0 to 3
   parameter logic [31:0] PowerUpSeed = 32'h0    // else chips without reset wake with contents of it
@@ -174,7 +173,7 @@ module mark1 #(
   // --- two axes -----------------------------------------------------------------------------
 
   logic [15:0] enc_d;
-  logic [1:0] enc_d_oe, mux_a, mux_b, mux_i, index, illegal;
+  logic [1:0] enc_d_oe, mux_a, mux_b, mux_i, index;
   logic [23:0] adc_code;
 
   assign mux_a = pb[EncJoint] ? enc_a_i : {2{pa[SynA]}};
@@ -197,7 +196,6 @@ module mark1 #(
       .DacSpan10(DacSpan10[j]),
       .ConvClks(ConvClks),
       .HeartbeatClks(BeatClks),
-      .Safety2026(Safety2026),
       .EncoderFilter(EncoderFilter),
       .DacPowerUp(DacPowerUp[12*j+:12]),
       .AdcPowerUp(AdcPowerUp[12*j+:12]),
@@ -231,7 +229,6 @@ module mark1 #(
       .adc_v_i(adc_v_i[16*j+:16]),
       .drive_v_o(drive_v_o[16*j+:16]),
       .heartbeat_o(heartbeat[j]),
-      .illegal_o(illegal[j]),
       .index_o(index_latched[j]),
       .converting_o(converting[j])
     );
@@ -253,7 +250,7 @@ module mark1 #(
 
   // From a flip-flop: whoever hears the line takes any pulse of it, however short.
   logic panic_d, panic_q;
-  assign panic_d = |(axis_enable & (~heartbeat | illegal));
+  assign panic_d = |(axis_enable & ~heartbeat);
 
   always_ff @(posedge clk_i or negedge rst_n) begin
     if (!rst_n) panic_q <= 1'b0;

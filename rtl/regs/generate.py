@@ -15,12 +15,7 @@ SPDX = "SPDX-License-Identifier: Apache-2.0"
 ORIGIN = "Generated from rtl/regs/mmcs.rdl by rtl/regs/generate.py; do not edit."
 
 # Facts about the window that are no registers: name, value, why.
-COMMANDS = [
-    ("SAFETY_RELEASE", 0x5A, "SAFETY COMMAND that ends a latched PANIC"),
-    ("SAFETY_TRIP", 0xA5, "SAFETY COMMAND that raises PANIC"),
-]
 FACTS = [
-    *COMMANDS,
     ("WINDOW_BASE", 0x6000, "A16 address of the window as shipped (jumpers A15-A11)"),
     ("WINDOW_SIZE", 0x800, "its length in bytes"),
     ("CARDS_MAX", 16, "cards on one PC bus"),
@@ -151,7 +146,6 @@ def to_sv(card, adaptor, words) -> str:
             value = int(reg.reset(), 16)
             out.append(f"  localparam logic [7:0] {reg.name}_RESET = 8'h{value:02X};")
     out += ["", "  // Card registers: A4-A0 on the PC bus."]
-    out += [f"  localparam logic [7:0] {name} = 8'h{value:02X};" for name, value, _ in COMMANDS]
     out += [f"  localparam logic [4:0] {r.name} = 5'h{r.address:02X};" for r in card]
     out += ["", "  // Lowest bit of each field."]
     for reg in [*adaptor, *card, *words]:

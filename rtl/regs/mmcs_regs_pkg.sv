@@ -12,14 +12,11 @@ package mmcs_regs_pkg;
   localparam logic [10:0] PIT2 = 11'h405;
   localparam logic [10:0] PIT_CONTROL = 11'h407;
   localparam logic [10:0] PCCSR = 11'h409;
-  localparam logic [10:0] SAFETY = 11'h411;
   localparam logic [10:0] VECTOR = 11'h441;
   localparam logic [7:0] PCCSR_RESET = 8'h00;
   localparam logic [7:0] VECTOR_RESET = 8'h0F;
 
   // Card registers: A4-A0 on the PC bus.
-  localparam logic [7:0] SAFETY_RELEASE = 8'h5A;
-  localparam logic [7:0] SAFETY_TRIP = 8'hA5;
   localparam logic [4:0] CARD_PPI_A = 5'h00;
   localparam logic [4:0] CARD_PPI_B = 5'h01;
   localparam logic [4:0] CARD_PPI_C = 5'h02;
@@ -49,9 +46,6 @@ package mmcs_regs_pkg;
   localparam int PCCSR_PANIC_LATCHED = 6;
   localparam int PCCSR_PANIC_EN = 6;
   localparam int PCCSR_LATCH_EN = 7;
-  localparam int SAFETY_PANIC = 0;
-  localparam int SAFETY_CAUSE = 1;
-  localparam int SAFETY_COMMAND = 0;
   localparam int CARD_PPI_A_ENC_MODE = 0;
   localparam int CARD_PPI_A_LED1 = 3;
   localparam int CARD_PPI_A_LED2 = 4;

@@ -12,8 +12,7 @@ module mmcs_soc #(
   parameter InitFile = "",              // memory at power-on, $readmemh
   parameter int AdcConvNs = 25_000,
   parameter int RelayUs = 1_000,
-  parameter bit Safety2026 = 1'b0,      // as mmcs has it
-  parameter int HeartbeatUs = Safety2026 ? 10_000 : 50_000,
+  parameter int HeartbeatUs = 50_000,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic                   clk_i,
@@ -80,7 +79,6 @@ module mmcs_soc #(
     .ClkHz(ClkHz),
     .AdcConvNs(AdcConvNs),
     .RelayUs(RelayUs),
-    .Safety2026(Safety2026),
     .HeartbeatUs(HeartbeatUs),
     .RandomPowerUp(RandomPowerUp)
   ) u_mmcs (

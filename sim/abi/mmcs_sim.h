@@ -73,19 +73,14 @@ typedef struct mmcs_config {
   double latency_max_us;  /* interrupt latency is uniform in 0..this, by seed */
   double bus_timeout_us;  /* VME bus timer */
   int32_t skip;           /* 1: event skipping on, if the model was built for it */
-  int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high; 2: those of axes
-                           * with a brake only when the brake has had the time to close; 3: the
-                           * same, and a motor that is cut off is shorted */
+  int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high */
   int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
   int32_t instruction_cache; /* its bytes: 256, or 0 for one in which every fetch hits */
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
-  /* struct mc_guard, all 0: as the report has it */
-  int32_t guard_jump, guard_follow, guard_samples, guard_missed, guard_lease, guard_lock;
-  int32_t guard_readback, guard_checked, guard_latched, guard_brakes, guard_runaway, guard_clock;
-  const char *processor; /* file names for a real processor: its library, */
-  const char *firmware;  /* and the image that it runs */
+  const char *processor;     /* file names for a real processor: its library, */
+  const char *firmware;      /* and the image that it runs */
 } mmcs_config;
 enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1, MMCS_HOST_RV32 = 2 };
 

@@ -47,7 +47,7 @@ bool driver_is_possible(const std::vector<uint64_t> &memory) {
     return false;
   int power;  // as a number: any other one is no enum mc_power
   std::memcpy(&power, &mc.power, sizeof power);
-  if (!within(mc.joints, 0, mc.axes) || !within(power, MC_IDLE, MC_ENDING)) return false;
+  if (!within(mc.joints, 0, mc.axes) || !within(power, MC_IDLE, MC_RUNNING)) return false;
   const uint32_t hz = mc.config.sysclk_hz;
   if (hz != 8000000 && hz != 4000000 && hz != 2000000 && hz != 1000000) return false;
   if (opens > 0 && !has_timers(mc)) return false;

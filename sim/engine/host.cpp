@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "../../firmware/ports/mailbox.h"
-#include "sys/mmcs.h"
 
 namespace mmcs {
 namespace {
@@ -36,19 +35,9 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
       cpu_us_per_axis_(config.cpu_us_per_axis),
       signals_(MC_MAX_CLIENTS),
       motion_(config.axes),
-      rewrites_(config.guard_lease > 0),
-      checked_(config.guard_checked != 0),
       recorder_(config.axes) {
   bind();
-  const struct mc_config mc_config = {
-      kSysclkHz,
-      kVector,
-      {config.guard_jump, config.guard_follow, static_cast<uint32_t>(config.guard_samples),
-       config.guard_runaway, static_cast<uint32_t>(config.guard_missed),
-       static_cast<uint32_t>(config.guard_lease), config.guard_clock != 0, config.guard_lock != 0,
-       config.guard_readback != 0, config.guard_checked != 0, config.guard_latched != 0,
-       static_cast<uint32_t>(config.guard_brakes)},
-      static_cast<uint32_t>(config.axis_speed)};
+  const struct mc_config mc_config = {kSysclkHz, kVector, static_cast<uint32_t>(config.axis_speed)};
   if (mc_attach(mc(), &mc_bus_, &mc_os_, &mc_config) != 0) {
     throw std::runtime_error("the driver refuses its configuration");
   }
@@ -56,9 +45,7 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
   MailboxHost::Events events{[this] { recorder_.mark(machine_); },
                              [this](bool sampled) { served(sampled); },
                              [this](int client) { mc_os_.signal(this, client); },
-                             [this](const std::string &text) { mc_os_.log(this, text.c_str()); },
-                             {}};
-  if (checked_) events.number = [this](const auto &values) { return number(values); };
+                             [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
   if (config.host == MMCS_HOST_RV32) {
     cpu_ = std::make_unique<Soc>(machine_, mc(), config.firmware, std::move(events));
   } else {
@@ -98,9 +85,6 @@ void Host::bind() {
   mc_os_.unmask = [](void *ctx, unsigned previous) {
     of(ctx).masked_ = previous != 0;
     of(ctx).poll();
-  };
-  mc_os_.clock_us = [](void *ctx) {
-    return static_cast<uint32_t>(of(ctx).machine_.clock() * 1000000 / Model::clk_hz());
   };
   mc_os_.copy_in = mc_os_.copy_out = [](void *, void *to, const void *from, size_t len) {
     if (!to || !from) return -MC_EFAULT;
@@ -252,7 +236,7 @@ void Host::write_setpoints() {
     values[static_cast<size_t>(axis)] =
         motion_.moves(axis) ? motion_.at(axis, t) : mc_setpoint(mc(), axis);
   }
-  if (values == written_ && !rewrites_) return;
+  if (values == written_) return;
   if (cpu_) {
     cpu_->post_write(motion_client_, values);
   } else {
@@ -261,29 +245,11 @@ void Host::write_setpoints() {
   written_.swap(values);
 }
 
-// What write() of the host's library does: with a driver that wants them so, setpoints go checked.
-// What the way to the driver changes of a program's is changed behind the check.
+// What the way to the driver changes of a program's setpoints is changed here.
 int Host::send(int client, std::vector<int32_t> values) {
-  const int bytes = static_cast<int>(4 * values.size());
-  if (!checked_) {
-    if (!machine_.pass_write(values)) return bytes;
-    return mc_write(mc(), client, values.data(), 4 * values.size());
-  }
-  if (values.size() > MMCS_AXES) return -MC_EINVAL;
-  struct mmcs_setpoints message = number(values);
-  if (!machine_.pass_write(values)) return bytes;
-  std::copy(values.begin(), values.end(), message.value);
-  const int result =
-      cpu_ ? cpu_->call(MAILBOX_IOCTL, client, MSETPOINTS, &message, sizeof message, 0)
-           : mc_ioctl(mc(), client, MSETPOINTS, &message);
-  return result < 0 ? result : bytes;
-}
-
-struct mmcs_setpoints Host::number(const std::vector<int32_t> &values) {
-  struct mmcs_setpoints message = {++sequence_, static_cast<unsigned>(values.size()), {}, 0};
-  std::copy(values.begin(), values.end(), message.value);
-  message.check = mmcs_check(&message);
-  return message;
+  const size_t bytes = 4 * values.size();
+  if (!machine_.pass_write(values)) return static_cast<int>(bytes);
+  return mc_write(mc(), client, values.data(), bytes);
 }
 
 // --- /dev/mc0 ----------------------------------------------------------------------------------
@@ -344,7 +310,6 @@ int Host::close(int client) {
 
 int Host::ioctl(int client, uint32_t request, void *arg) {
   return this->request([=] {
-    if (checked_ && request == MSETPOINT && arg) return set_one(client, arg);
     if (!cpu_) return mc_ioctl(mc(), client, request, arg);
     const size_t size = request >> 16 & 0x1FFF;
     return cpu_->call(MAILBOX_IOCTL, client, request, arg, request & MC_ARG_IN ? size : 0,
@@ -358,7 +323,7 @@ int Host::read(int client, void *buf, size_t len) {
 }
 
 int Host::write(int client, const void *buf, size_t len) {
-  if (buf == nullptr || len % sizeof(int32_t) != 0 || len == 0 || (cpu_ && !checked_)) {
+  if (buf == nullptr || len % sizeof(int32_t) != 0 || len == 0 || cpu_) {
     return cpu_ ? cpu_->call(MAILBOX_WRITE, client, static_cast<uint32_t>(len),
                              const_cast<void *>(buf), len, 0)
                 : mc_write(mc(), client, buf, len);
@@ -366,17 +331,6 @@ int Host::write(int client, const void *buf, size_t len) {
   std::vector<int32_t> values(len / sizeof(int32_t));
   std::memcpy(values.data(), buf, len);
   return send(client, std::move(values));
-}
-
-// The others' setpoints are sent again.
-int Host::set_one(int client, const void *arg) {
-  struct mmcs_setpoint one;
-  std::memcpy(&one, arg, sizeof one);
-  std::vector<int32_t> values(static_cast<size_t>(mc_joints(mc())));
-  if (one.axis < 0 || static_cast<size_t>(one.axis) >= values.size()) return -MC_EINVAL;
-  for (size_t n = 0; n < values.size(); ++n) values[n] = mc_setpoint(mc(), static_cast<int>(n));
-  values[static_cast<size_t>(one.axis)] = one.value;
-  return std::min(send(client, values), 0);
 }
 
 int Host::stop() {

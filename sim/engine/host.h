@@ -77,7 +77,6 @@ class Host {
     a(motion_client_);
     a(motion_axes_);
     a(written_);
-    a(sequence_);
     recorder_.state(a);
     if constexpr (A::kReads) {
       A::expect(opens_ >= 0 && opens_ <= MC_MAX_CLIENTS);
@@ -119,8 +118,6 @@ class Host {
   void watch();
   void write_setpoints();
   int send(int client, std::vector<int32_t> values);
-  struct mmcs_setpoints number(const std::vector<int32_t> &values);
-  int set_one(int client, const void *arg);
 
   enum mc_bus_result access(bool write, uint16_t offset, uint8_t *value);
   static Host &of(void *ctx) { return *static_cast<Host *>(ctx); }
@@ -150,9 +147,6 @@ class Host {
   int motion_client_ = -1;
   int motion_axes_ = 0;
   std::vector<int32_t> written_;
-  const bool rewrites_;  // at every sample, since the driver's guard asks for it
-  const bool checked_;   // it asks for MSETPOINTS
-  uint32_t sequence_ = 0;
   Recorder recorder_;
   int (*look_)(void *) = nullptr;
   void *look_ctx_ = nullptr;

@@ -25,10 +25,6 @@ constexpr double kAnswerS = 1.0;
 }  // namespace
 
 void MailboxHost::start() {
-  static_assert(sizeof(struct mc_guard) == 4 * MAILBOX_GUARD);
-  uint32_t guard[MAILBOX_GUARD];
-  std::memcpy(guard, &mirror_->config.guard, sizeof guard);
-  for (size_t n = 0; n < MAILBOX_GUARD; ++n) set_word(FIELD(guard) + 4 * n, guard[n]);
   const int64_t end = machine_.clock() + machine_.clocks(kStartS);
   while (!up_ && machine_.clock() < end && !machine_.failed()) step(end);
   if (!up_) throw std::runtime_error("the firmware does not come up");
@@ -91,13 +87,8 @@ void MailboxHost::post_write(int client, const std::vector<int32_t> &values) {
     pending_.insert(pending_.begin(), client);
     return;
   }
-  if (!events_.number) {
-    post(MAILBOX_WRITE, client, static_cast<uint32_t>(4 * values.size()), values.data(),
-         4 * values.size());
-    return;
-  }
-  const struct mmcs_setpoints message = events_.number(values);
-  post(MAILBOX_IOCTL, client, MSETPOINTS, &message, sizeof message);
+  post(MAILBOX_WRITE, client, static_cast<uint32_t>(4 * values.size()), values.data(),
+       4 * values.size());
 }
 
 void MailboxHost::stop() {

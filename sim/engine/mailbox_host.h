@@ -14,7 +14,6 @@
 #include "driver.h"
 #include "machine.h"
 #include "phases.h"
-#include "sys/mmcs.h"
 
 namespace mmcs {
 
@@ -26,8 +25,6 @@ class MailboxHost {
     std::function<void(bool sampled)> served;
     std::function<void(int client)> signal;
     std::function<void(const std::string &text)> log;
-    // What a write() becomes for a driver that wants its setpoints checked; empty: for others.
-    std::function<struct mmcs_setpoints(const std::vector<int32_t> &)> number;
   };
 
   MailboxHost(Machine &machine, struct mc *mirror, Events events)

@@ -49,7 +49,6 @@ class Phases {
     if (card && now_ == Phase::kEnter) turn(Phase::kRead, from_us);
     // after a look at timer 2 the law runs until the first D/A is written
     if (card && write && reg >= 0x8 && reg <= 0xB) {
-      if (now_ == Phase::kRead) turn(Phase::kCompute, last_);  // the guard has read a card after it
       if (now_ == Phase::kCompute) turn(Phase::kWrite, from_us);
       wrote_ = wrote_ || now_ == Phase::kWrite;
     }

@@ -37,12 +37,6 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
       return "the instruction cache has 256 bytes, or 0 for one that always hits";
     }
   }
-  for (int32_t n :
-       {config->guard_jump, config->guard_follow, config->guard_samples, config->guard_missed,
-        config->guard_lease, config->guard_lock, config->guard_readback, config->guard_checked,
-        config->guard_latched, config->guard_brakes, config->guard_runaway, config->guard_clock}) {
-    if (n < 0) return "a limit of the guard is negative";
-  }
   for (double us : {config->cpu_us_per_axis, config->latency_max_us, config->bus_timeout_us}) {
     if (!(us >= 0 && us <= 1e7)) return "a host time is negative or beyond 10 s";
   }

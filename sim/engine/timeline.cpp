@@ -74,12 +74,6 @@ uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
   for (double x : {config.cpu_us_per_axis, config.latency_max_us, config.bus_timeout_us}) {
     hash.add(x);
   }
-  for (int32_t n :
-       {config.guard_jump, config.guard_follow, config.guard_samples, config.guard_missed,
-        config.guard_lease, config.guard_lock, config.guard_readback, config.guard_checked,
-        config.guard_latched, config.guard_brakes, config.guard_runaway, config.guard_clock}) {
-    hash.add(static_cast<uint64_t>(n));
-  }
   if (config.host != MMCS_HOST_NATIVE) {
     hash.add(static_cast<uint64_t>(config.host));
     hash.add(static_cast<uint64_t>(config.wait_states));

@@ -76,8 +76,7 @@ void Axis::step_brake(AxisState &s, bool release) const {
   }
 }
 
-double Axis::drive(AxisState &s, double volts, bool brake_release, bool amp_enable,
-                   bool shorted) const {
+double Axis::drive(AxisState &s, double volts, bool brake_release, bool amp_enable) const {
   if (m_.brake_torque > 0.0) step_brake(s, brake_release);
 
   double target = m_.amp_gain * (volts + s.input[kDriveOffset]);
@@ -96,7 +95,6 @@ double Axis::drive(AxisState &s, double volts, bool brake_release, bool amp_enab
     s.current = std::clamp(s.current, (-m_.v_supply - emf) / m_.resistance,
                            (m_.v_supply - emf) / m_.resistance);
   }
-  if (shorted && m_.v_supply > 0.0) s.current = -m_.km * s.omega / m_.resistance;
   return m_.km * s.current - s.input[kLoadTorque];
 }
 

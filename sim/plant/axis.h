@@ -52,8 +52,7 @@ class Axis {
   bool flexible() const { return m_.stiffness > 0.0; }
 
   // The first half of a step: current, brake. Returns the torque on the shaft but for friction.
-  // A motor that is shorted is cut off its amplifier, and brakes with its own back-EMF.
-  double drive(AxisState &s, double volts, bool brake_release, bool amp_enable, bool shorted) const;
+  double drive(AxisState &s, double volts, bool brake_release, bool amp_enable) const;
   // What the brake adds to the friction of the motor: nothing, its torque, or more than anything.
   double extra_friction(const AxisState &s) const;
   Resistance resistance(double extra) const;

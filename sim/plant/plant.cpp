@@ -29,8 +29,6 @@ class AxesPlant : public Plant {
   AxesPlant(const mmcs_config &config, const mmcs_motor *motors, int clks_per_step, int min_gap)
       : edges_per_step_(static_cast<size_t>(config.axes) *
                         static_cast<size_t>(clks_per_step / min_gap + 1)),
-        brakes_first_(config.amp_panic_cut >= 2),
-        shorts_(config.amp_panic_cut == 3),
         before_(static_cast<size_t>(config.axes)),
         torque_(static_cast<size_t>(config.axes)) {
     uint64_t seed = config.seed;
@@ -52,9 +50,7 @@ class AxesPlant : public Plant {
     double *const before = before_.data(), *const torque = torque_.data();
     for (size_t i = 0; i < n; ++i) {
       before[i] = state[i].theta;
-      const bool open = axis[i].motor().brake_torque > 0.0 && state[i].brake_on == 0;
-      const bool live = amp_enable || (brakes_first_ && open);
-      torque[i] = axis[i].drive(state[i], drive_v[i], brake_release, live, shorts_ && !live);
+      torque[i] = axis[i].drive(state[i], drive_v[i], brake_release, amp_enable);
     }
     move();
     for (size_t i = 0; i < n; ++i) axis[i].sense(state[i], before[i], edges);
@@ -118,8 +114,6 @@ class AxesPlant : public Plant {
   const AxisState &at(int axis) const { return state_[static_cast<size_t>(axis)]; }
 
   size_t edges_per_step_;
-  const bool brakes_first_;  // amplifiers of axes with a brake are cut when it is closed
-  const bool shorts_;        // and what cuts a motor off shorts it
   std::vector<Axis> axis_;
   std::vector<AxisState> state_;
   std::vector<double> before_;  // motor angles before the step

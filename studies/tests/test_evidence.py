@@ -1,21 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pages of long measurements hold what today's code gives, as far as a short run can tell."""
 
-from mmcs.sweeps.campaign import make_plan, run_chunk
-from studies import bench, campaign
-
-
-def test_campaign_page_is_of_todays_machines():
-    """docs/evidence/campaign.md: the first faults of each machine end as the page says."""
-    found = {}
-    for name in ("remedies", "2026"):
-        plan = make_plan((), (), campaign.SEED, campaign.MACHINES[name])
-        first = [n for n in range(2 * campaign.SAMPLE) if plan.fault(n).sort != "register"]
-        rows: dict[int, dict] = {}
-        for numbers, task in plan.chunks(first[: campaign.SAMPLE]):
-            rows |= dict(zip(numbers, run_chunk(task)["rows"], strict=True))
-        found[name] = [rows[n] for n in sorted(rows)]
-    assert campaign.sample_line(found) in campaign.PAGE.read_text()
+from studies import bench
 
 
 def test_bench_page_has_todays_rows():

@@ -53,8 +53,6 @@ def test_a_circle_of_c_files_is_found(tmp_path):
 DEEPER = {
     "sim/tests/engine/test_compilers.py": {"engine"},
     "sim/tests/hosts/test_again.py": {"tests"},
-    "studies/campaign.py": {"sweeps"},
-    "studies/tests/test_evidence.py": {"sweeps"},
     "tools/parsers.py": {"device", "runs", "sweeps"},
     "tools/setup_venv.py": {"engine"},
     "tools/tests/test_docs_commands.py": {"cli", "tests"},

@@ -38,7 +38,6 @@ struct mmcs_status {
 #define MCAUSE_BUS 6       /* bus error in a servo pass, or the adaptor does not answer */
 #define MCAUSE_RESET 7     /* SYSRESET* */
 #define MCAUSE_LATE 8      /* no interrupts, or passes outlast SCLOCK */
-#define MCAUSE_GUARD 9     /* struct mc_guard; of axis `number`, or -1 */
 
 /* int, by pointer: ends the calibration of this axis only; succeeds also if there is none. */
 #define MCALIBEND 0x80044D44
@@ -49,28 +48,5 @@ struct mmcs_setpoint {
   int value;
 };
 #define MSETPOINT 0x80084D45
-
-/* struct mmcs_setpoints: as write(), but checked; with `checked` in the driver's guard setpoints
- * come this way only. The first message after MENABLE may have any sequence number, each later one
- * the next; `check` is mmcs_check(). EINVAL: `check` or `axes` is wrong. A lost message, or one
- * whose check is wrong, stops the machine under power. */
-#define MMCS_AXES 32
-struct mmcs_setpoints {
-  unsigned sequence;
-  unsigned axes; /* of value[], from axis 0 on */
-  int value[MMCS_AXES];
-  unsigned check;
-};
-#define MSETPOINTS 0x808C4D46
-
-/* A change of any one word changes the result. */
-static inline unsigned mmcs_check(const struct mmcs_setpoints *s) {
-  unsigned check = 0x4D4D4353u ^ s->sequence, n;
-  check = (check << 5 | check >> 27) ^ s->axes;
-  for (n = 0; n < MMCS_AXES && n < s->axes; n++) {
-    check = (check << 5 | check >> 27) ^ (unsigned)s->value[n];
-  }
-  return check;
-}
 
 #endif
