@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts what a run is built of into the package: RTL, firmware, engine, scenarios, pages."""
+"""Puts what a run is built of into the package: RTL, firmware, engine, scenarios, pages; and the
+lab sheets, a package of their own, beside it."""
 
 import hashlib
 import shutil
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-TREES = ("rtl", "sim", "firmware", "web", "docs/labs")
+TREES = ("rtl", "sim", "firmware", "web")
 FILES = ("mmcs.core", "tools/sources.py")
+LABS = "labs/mmcs_labs"
 LEFT_OUT = {"tests", "__pycache__", "node_modules"}
 # The page's libraries, where `make tool` has fetched them; without them the package has no mctool.
 UNSHIPPED = shutil.ignore_patterns("axe-core")  # of the tests
@@ -41,6 +43,9 @@ def main() -> None:
             super().run()
             if not self.editable_mode:
                 copy_sources(Path(self.build_lib) / "mmcs" / "source")
+                labs = Path(self.build_lib) / "mmcs_labs"
+                without = shutil.ignore_patterns(*LEFT_OUT)
+                shutil.copytree(HERE / LABS, labs, ignore=without, dirs_exist_ok=True)
 
     setup(cmdclass={"build_py": BuildWithSources})
 

@@ -18,9 +18,9 @@ _MORE = {
     "scenario.load": "load_robot",
     "scenario.files": "FAULTS scenario_names find Files read_toml",
     "scenario.setup": "make_setup Setup",
-    "scenario.describe": "robot_cautions",
+    "scenario.describe": "lacking_gains robot_cautions",
     "scenario": "arm synthesis",
-    "scenario.schema": "Strict",
+    "scenario.schema": "Strict validate",
     "scenario.synthesis": "Controller discretize margins to_integers",
     "scenario.motor": "plant_of",
     # the machine at the C ABI, its builds and processors
@@ -28,7 +28,7 @@ _MORE = {
     "engine.build": "ensure_library library_path make_env",
     "engine": "hosts",
     # a run, and what it showed
-    "runs.machine": "machine",
+    "runs.machine": "library_of machine",
     "runs.session": "Session",
     "runs.runner": "simulate run_scenario",
     "runs.report": "make_report measure write_log",
@@ -40,12 +40,14 @@ _MORE = {
     "runs.record": "make_record write_record parse",
     # pictures
     "view": "svg waves",
-    # servers, and graders of lab sheets
+    # servers, workers of a page, files and words
     "device.client": "Device",
     "device.motion": "Motion",
     "device.link": "Link",
-    "lab.trial": "Gains",
-    "lab.marks": "Question Verdict arrives near",
+    "tool.worker": "Worker work",
+    "logcols": "column",
+    "folder": "whole_file",
+    "screen": "echo",
 }
 _HOMES = dict.fromkeys(__all__[4:], "front")
 _HOMES |= {name: home for home, names in _MORE.items() for name in names.split()}
@@ -55,7 +57,7 @@ def __getattr__(name: str):
     """Names of the front door, loaded when they are asked for."""
     if name not in _HOMES:
         raise AttributeError(f"module 'mmcs' has no attribute {name!r}")
-    home = f"mmcs.{_HOMES[name]}"
-    if "." in _HOMES[name] or _HOMES[name] == "front":
-        return getattr(import_module(home), name)
-    return import_module(f"{home}.{name}")  # a module of that room
+    home = import_module(f"mmcs.{_HOMES[name]}")
+    if hasattr(home, "__path__"):  # a module of that room
+        return import_module(f"{home.__name__}.{name}")
+    return getattr(home, name)

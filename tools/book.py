@@ -60,9 +60,7 @@ def main() -> None:
     argparse.ArgumentParser(description=__doc__).parse_args()
     shutil.rmtree(STAGE, ignore_errors=True)
     source = STAGE / "src"
-    shutil.copytree(
-        DOCS, source, ignore=shutil.ignore_patterns("grader.py", "tests", "__pycache__")
-    )
+    shutil.copytree(DOCS, source)
     (BUILD / "FUSESOC_IGNORE").touch()  # copies of .core files are no cores
     for name in LOOK:
         shutil.copy(ROOT / "web" / name, source)

@@ -22,9 +22,9 @@ from mmcs import BUILD, ROOT, SCENARIOS, SEGMENT_KINDS, __version__, find, load,
 from mmcs.runs.record import inline
 from mmcs.runs.script import process_fields
 from mmcs.scenario.files import named
-from mmcs.tool import labs
 from mmcs.tool.pages import LIBRARIES, library_folder
 from mmcs.view.watched import groups
+from mmcs_labs import page as labs
 
 SITE = BUILD / "web"
 CARDS = (1, 3)  # machines of these sizes are built

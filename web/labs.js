@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lab sheets: their text, a form for the answer, and its marks. The form makes an answer.toml, which
-// mmcs/tool/labs.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
+// labs/mmcs_labs/page.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
 
 import { button, choice, download, el, labelled, setText } from "./dom.js";
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine for what others use: Gymnasium, FMI.
 
-May know: device, engine, scenario.
+May know: engine, scenario.
 """

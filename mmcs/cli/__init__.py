@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: one file for each family of commands.
 
-May know: bridge, device, engine, lab, runs, scenario, sweeps, tool, view.
+May know: bridge, device, engine, runs, scenario, sweeps, tool, view.
 """

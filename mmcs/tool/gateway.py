@@ -17,6 +17,8 @@ from pathlib import Path
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
+from mmcs.errors import InputError
+from mmcs.labs import offered
 from mmcs.tool.pages import LOOPBACK, Site, listen
 
 LENGTH = struct.Struct("<I")
@@ -65,12 +67,12 @@ async def carry(page: ServerConnection, path: Path) -> None:
         await page.close(GONE if lost else 1000, "the machine is gone" if lost else "")
 
 
-async def advise(page: ServerConnection, what: str, module: str, given: str) -> None:
+async def advise(page: ServerConnection, what: str, module: str, *given: str) -> None:
     """A worker for one page (mmcs/tool/worker.py): a process of its own, one line a message.
 
     It ends with the page, and stops what it had begun; should it end before, the page is told."""
     worker = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", module, given),
+        *(sys.executable, "-m", module, *given),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         limit=MAX_MESSAGE,
@@ -98,8 +100,8 @@ async def advise(page: ServerConnection, what: str, module: str, given: str) -> 
 
 
 async def main(config: dict) -> None:
-    """config: token, socket, stop (address of the stop button's frame), sheets (folder of the lab
-    sheets), port (0: any).
+    """config: token, socket, stop (address of the stop button's frame), sheets (folder of own
+    lab sheets, or null), port (0: any).
 
     Says its address on standard output in one line and serves until standard input ends."""
     stop = config["stop"]
@@ -113,8 +115,10 @@ async def main(config: dict) -> None:
     path = Path(config["socket"])
     workers = {
         "advice": ("designer", "mmcs.tool.advisor", config["socket"]),
-        "labs": ("grader", "mmcs.tool.labs", config["sheets"]),
     }
+    with contextlib.suppress(InputError):  # no lab sheets are installed
+        given = [config["sheets"]] if config["sheets"] else []
+        workers["labs"] = ("grader", offered("page").module, *given)
 
     site = Site(config["token"], origins, policy)
 

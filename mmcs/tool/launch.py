@@ -19,7 +19,6 @@ from urllib.parse import urlencode
 
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError, RunError
-from mmcs.lab.sheets import LABS
 from mmcs.tool.pages import library_folder
 from mmcs.tool.urgent import prefer
 
@@ -57,7 +56,7 @@ def start(
     socket: Path | None,
     options: dict[str, str],
     port: int = 0,
-    sheets: Path = LABS,
+    sheets: Path | None = None,
 ) -> Tool:
     """scenario: of a machine of our own; socket: of a machine that others drive, instead.
 
@@ -88,7 +87,7 @@ def start(
                 "socket": str(messages),
                 "stop": frame,
                 "port": port,
-                "sheets": str(sheets),
+                "sheets": str(sheets) if sheets else None,
             },
         )
         tool.processes["gateway"] = gate

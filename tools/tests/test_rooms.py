@@ -51,6 +51,7 @@ def test_a_circle_of_c_files_is_found(tmp_path):
 
 # Who looks into a room from outside: its inside is what is tested, shipped or attacked.
 DEEPER = {
+    "labs/tests/": {"scenario", "tests", "view"},
     "sim/tests/engine/test_compilers.py": {"engine"},
     "sim/tests/hosts/test_again.py": {"tests"},
     "tools/parsers.py": {"device", "runs", "sweeps"},
@@ -58,7 +59,7 @@ DEEPER = {
     "tools/tests/test_docs_commands.py": {"cli", "tests"},
     "tools/wavegen.py": {"view"},
     "tools/website.py": {"runs", "scenario", "tool", "view"},
-    "web/tests/": {"device", "lab", "tests", "tool"},
+    "web/tests/": {"device", "tests", "tool"},
 }
 
 
@@ -90,7 +91,7 @@ def test_every_name_of_the_door_is_there():
 
 def test_the_product_knows_nobody_above_it():
     """Studies, tests and tools look at the product; it does not know them."""
-    above = ("studies", "cocotb_tests", "tools", "bridges", "mmcs.tests")
+    above = ("studies", "cocotb_tests", "tools", "bridges", "mmcs_labs", "mmcs.tests")
     for name, path in FOUND.items():
         known = [other for other in rooms.imports(path) if other.split(".")[0] in above]
         assert not known and "mmcs.tests" not in rooms.imports(path), name

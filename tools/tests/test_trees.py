@@ -26,6 +26,7 @@ MAY_INCLUDE = {
 # tree: what of it is exempt, and the modules of ours that the rest may import
 MAY_IMPORT = {
     "bfm": ((), ()),
+    "labs": (("labs/tests/",), ("mmcs",)),
     "cocotb_tests": (
         (
             "cocotb_tests/hosts/",

@@ -7,9 +7,8 @@ import pytest
 from bench import picture, saved
 
 from mmcs import ensure_library
-from mmcs.lab.marks import grade, read_answer
-from mmcs.lab.sheets import find_sheet, sheets
-from mmcs.tests.test_labs import VELOCITY
+from mmcs_labs.marks import grade, read_answer
+from mmcs_labs.sheets import LABS, find_sheet, sheets
 
 ROWS = """() => [...document.querySelectorAll("#lab-marks tbody tr")]
   .map((row) => [...row.cells].map((cell) => cell.textContent))"""
@@ -50,7 +49,7 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     assert "mmcs lab start 1" in page.inner_text("#lab-commands")
     sheet = find_sheet("1")
     for student in ("bad", "good"):  # the manual has no right answers
-        path = VELOCITY / f"{student}.toml"
+        path = LABS / "01_velocity" / "tests" / f"{student}.toml"
         fill(page, tomllib.loads(path.read_text()))
         marks = grade(sheet, read_answer(sheet, path))
         points = sum(mark.points for mark in marks)
