@@ -247,7 +247,6 @@ format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
 generate: $(VENV)/.test ## rewrite what is generated: registers, tables, cores
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/tables.py
-	@$(BIN)/python tools/trace.py
 	@$(BIN)/python tools/chip_pages.py
 	@$(BIN)/python tools/rooms.py
 	@$(BIN)/python tools/cores.py
