@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mmcs import ROOT, load, logcols, make_report, simulate, step_response
+from mmcs import ROOT, load, make_report, simulate, step_response
 from studies.one_axis import move
 from tools.pages import fill
 
@@ -158,45 +158,8 @@ def outside_shipped(axis: int, size: int) -> list[str]:
     return out
 
 
-def flagship() -> dict[str, list[dict]]:
-    """What the move of puma560_coupled takes of each joint, before and after."""
-    quintic = (
-        'motion=[{axis="all", kind="quintic", at=0.05, duration=0.5, '
-        "to=[4000, 4000, 3000, 4000, 4000, 4000]}]"
-    )
-    old = [f"axis.{n}.{key}={value}" for n, gains in enumerate(GAINS["puma560"]["pd_1000us"])
-           for key, value in zip(("a0", "a1", "b0", "b1"), [*gains, 0], strict=True)]  # fmt: skip
-    common = ("expect=[]", "duration=0.64")
-    runs = {
-        "before": (quintic, "servo=[]", "call=[]", *common, *old),
-        "after": ("motion.1.at=0.639", *common),
-    }
-    found: dict[str, list[dict]] = {}
-    for name, sets in runs.items():
-        result = simulate(load("puma560_coupled", *sets))
-        found[name] = []
-        for axis, motor in enumerate(result.setup.robot.axis):
-            error = logcols.column(result.log, axis, "error")[:638]
-            current = logcols.column(result.log, axis, "current")[:638]
-            change = np.diff(current[50:550].astype(float))
-            found[name].append({
-                "error": int(np.abs(error).max()),
-                "highest": int(np.abs(current).max()),
-                "limited": int((np.abs(current) >= motor.servo.ilim).sum()),
-                "noise": float(np.sqrt(np.mean(change**2))),
-                "count": _count_step(result.setup.params[axis]),
-            })  # fmt: skip
-    return found
-
-
-def _count_step(p: dict) -> float:
-    """D/A units that one count makes through the derivative: the first sample less the gain at
-    rest."""
-    return p["a0"] / p["b0"] - (p["a0"] + p["a1"]) / (p["b0"] + p["b1"])
-
-
 def document() -> str:
-    return fill(DOCUMENT, {"steps": _steps(), "shipped": _shipped(), "flagship": _flagship()})
+    return fill(DOCUMENT, {"steps": _steps(), "shipped": _shipped()})
 
 
 def _steps() -> list[str]:
@@ -229,19 +192,6 @@ def _shipped() -> list[str]:
             cells.append(f"{_cell(modelled(axis, size))} → {_cell(figures)}")
             left += [f"no: {figure} at {size}" for figure in outside_shipped(axis, size)]
         lines.append(f"| J{axis + 1} | {' | '.join(cells)} | {'; '.join(left) or 'yes'} |")
-    return lines
-
-
-def _flagship() -> list[str]:
-    lines = [
-        "| axis | error | current | at the limit | noise | one count |",
-        "|---|---|---|---|---|---|",
-    ]
-    found = flagship()
-    for axis in range(6):
-        a, b = found["before"][axis], found["after"][axis]
-        cells = [f"{a[key]:.0f} → {b[key]:.0f}" for key in a]
-        lines.append(f"| J{axis + 1} | {' | '.join(cells)} |")
     return lines
 
 
