@@ -158,7 +158,7 @@ mutation: $(VENV)/.test $(VENV)/.formal ## seeded faults and mutants that tests 
 
 # --- firmware for real processors ----------------------------------------------------------
 
-firmware: $(VENV)/.hosts ## cross-compile the 68020 and RV32 images, print sizes
+firmware: $(VENV)/.hosts ## cross-compile the 68020 and RISC-V images, print sizes
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(MAKE) -s -f firmware/Makefile
@@ -225,7 +225,7 @@ linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; P
 
 # --- programmable logic --------------------------------------------------------------------
 
-fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=ulx3s
+fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=isa_mark1
 	@$(BIN)/python fpga/build.py $(ONLY)
 
 test-netlist: $(VENV)/.test ## the synthesised netlists in the tests of the RTL, with the vendors' cells

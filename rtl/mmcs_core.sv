@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine at its host port: the adaptor's core and the cards, for hosts without VME. §4.2.1
 //
-// Masters of the host port: adaptor_axil, adaptor_wb, adaptor_apb, soc_host, uart_host. Every input
-// after adc_v_i is inert at 0, sysreset_ni at 1.
+// Masters of the host port: adaptor_axil, adaptor_wb, adaptor_apb. Every input after
+// adc_v_i is inert at 0, sysreset_ni at 1.
 `default_nettype none
 
 module mmcs_core #(

@@ -29,7 +29,7 @@ class Bad(Exception):
 
 def parts() -> list[str]:
     """All modules that have a cache."""
-    boards = [board for boards in RULES["boards"].values() for board in boards]
+    boards = RULES["boards"]
     return list(dict.fromkeys((*boards, *RULES["chips"])))
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from fpga.build import BUS, TARGETS
 from tools.cores import CHIPS
 from tools.file_rules import tracked
-from tools.sources import core_arguments, sources
+from tools.sources import sources
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "sim/model"))
@@ -25,7 +25,7 @@ TOPS = [
     ("mmcs", {"NumCards": 16}),
     ("mmcs_core", {}),
     ("sync", {"Width": 3}),
-    *((board, {}) for board in sorted({b for own in RULES["boards"].values() for b in own})),
+    *((board, {}) for board in ("adaptor_core", *RULES["boards"])),
     *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
     *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),
     ("adaptor_wb", {"Pipelined": 1}),
@@ -40,9 +40,9 @@ OWN_FLAGS = {"sim/model/fast.cpp": [f"-DMMCS_MODEL=V{CARD}", f'-DMMCS_PORTS="{CA
                                     "-include", f"V{CARD}___024root.h"]}  # fmt: skip
 
 
-def model_flags(host: str) -> list[str]:
+def model_flags() -> list[str]:
     """How the simulator's build sees sim/model; what it includes is made of the design first."""
-    make = ["make", "-s", "-f", "sim/Makefile", "CARDS=1", "KIND=trust", f"HOST={host}"]
+    make = ["make", "-s", "-f", "sim/Makefile", "CARDS=1", "KIND=trust"]
     for target in ("generated", "flags"):
         done = subprocess.run(
             [*make, target], cwd=ROOT, check=False, text=True, capture_output=True
@@ -50,23 +50,6 @@ def model_flags(host: str) -> list[str]:
         if done.returncode:
             raise SystemExit(f"lint: {' '.join(make)} {target} failed\n{done.stderr[-2000:]}")
     return done.stdout.split()
-
-
-def board_files(board: str, middle: str = "mmcs_board") -> list[str]:
-    """A board's top with its bench, which stands in for its PLL."""
-    tops = [f"fpga/board/{n}.sv" for n in ("uart_host", "spi_converters", middle, board)]
-    return [
-        "-Ifpga/board",
-        *tops,
-        *tracked("fpga/board/tests/cells/*.sv"),
-        f"fpga/board/tests/bench_{board}.sv",
-    ]
-
-
-def bus_files() -> list[str]:
-    """The tops for real buses, and what they take from the boards."""
-    tops = [file for file in tracked("fpga/bus/*.sv") if "tests" not in file]
-    return [*tops, "fpga/board/spi_converters.sv"]
 
 
 def checks() -> list[tuple[str, list[str]]]:
@@ -77,28 +60,16 @@ def checks() -> list[tuple[str, list[str]]]:
         for f in tracked("firmware/*.[ch]", "bridges/*.c", "sim/*.[ch]", "sim/*.cpp", "studies/*.c")
         if not f.endswith("mmcs_regs.h")
     ]
-    model_of = {host: model_flags(host) for host in ("vme", "rv32")}
+    of_model = model_flags()
     jobs = []
     verilator = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
     for top, parameters in TOPS:
         name = top + "".join(f" {k}={v}" for k, v in parameters.items())
         sets = [f"-G{k}={v}" for k, v in parameters.items()]
         jobs.append((f"verilator {name}", [*verilator, "--top-module", top, *sets, *rtl]))
-    # Tops that hold the processor core, or belong to programmable logic.
-    soc = [*rtl, *(str(f) for f in sources("soc"))]
-    for top, extra in (
-        ("mmcs_soc", core_arguments()),
-        ("mmcs_soc_fpga", [*core_arguments(), "fpga/mmcs_soc_fpga.sv"]),
-        ("bench_ulx3s_soc", [*core_arguments(), *board_files("ulx3s_soc", "soc_console")]),
-        ("mmcs_fpga", ["fpga/mmcs_fpga.sv"]),
-        *((f"bench_{board}", board_files(board)) for board in ("ulx3s", "icebreaker")),
-        *((target.top, bus_files()) for target in TARGETS if target.files == BUS),
-        ("bench_bus", [*bus_files(), "fpga/bus/tests/bench_bus.sv"]),
-    ):
-        command = [*verilator, "--top-module", top, *extra, *soc]
-        if "soc" not in top:
-            command = [c for c in command if "rtl/soc" not in c]
-        jobs.append((f"verilator {top}", command))
+    for top in (*(target.top for target in TARGETS), "bench_bus"):
+        tops = [*BUS, "fpga/tests/bench_bus.sv"] if top == "bench_bus" else BUS
+        jobs.append((f"verilator {top}", [*verilator, "--top-module", top, *tops, *rtl]))
     # A testbench leaves pins open, keeps what its call returned, has room for 16 cards, begins with
     # pins at rest and samples by its clock what others take without one; modules without a
     # timescale take its own.
@@ -137,8 +108,7 @@ def checks() -> list[tuple[str, list[str]]]:
             continue
         flags = ["-std=c11"] if file.endswith(".c") else ["-std=c++17"]
         if file.startswith("sim/model/") and file.endswith(".cpp"):
-            flags = model_of["rv32" if "soc_" in file else "vme"]
-            flags = [*flags, *OWN_FLAGS.get(file, [])]
+            flags = [*of_model, *OWN_FLAGS.get(file, [])]
         sim = ["sim/abi", "sim/engine", "sim/model", "sim/plant"]
         dirs = [f"-I{d}" for d in ("firmware/include", "firmware/mc", *sim)]
         jobs.append((f"clang-tidy {file}", ["clang-tidy", "--quiet", file, "--", *flags, *dirs]))

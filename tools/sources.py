@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The RTL files in compile order, from mmcs.core; or the arguments for the SoC's processor core,
-which is not ours: the installed package pythondata-cpu-ibex holds it."""
+"""The RTL files in compile order, from mmcs.core."""
 
 import argparse
-import importlib.util
 import os
 import re
 import sys
@@ -72,49 +70,11 @@ def in_tree(file: Path) -> Path:
     return _tree() / file.relative_to(ROOT) if inside else file
 
 
-# Ibex is found module by module in its folders; only its packages have an order.
-IBEX_PACKAGES = ("prim_util_pkg", "prim_count_pkg", "prim_mubi_pkg", "prim_ram_1p_pkg",
-                 "prim_secded_pkg", "prim_cipher_pkg")  # fmt: skip
-
-
-class CoreMissing(Exception):
-    """The processor core is not installed."""
-
-
-def core() -> tuple[list[Path], list[Path], list[Path]]:
-    """The SoC's processor core: files in compile order, library folders, include folders."""
-    spec = importlib.util.find_spec("pythondata_cpu_ibex")
-    if spec is None or not spec.submodule_search_locations:
-        raise CoreMissing("the processor core is missing; install it with: make firmware")
-    home = Path(spec.submodule_search_locations[0]) / "system_verilog"
-    prim = home / "vendor/lowrisc_ip/ip/prim/rtl"
-    files = [prim / f"{name}.sv" for name in IBEX_PACKAGES]
-    files += [home / "rtl/ibex_pkg.sv"]
-    return files, [home / "rtl", prim], [prim, home / "vendor/lowrisc_ip/dv/sv/dv_utils"]
-
-
-def core_arguments() -> list[str]:
-    """The same for Verilator's command line, its warnings silenced."""
-    files, libraries, includes = core()
-    out = [str(ROOT / "rtl/soc/core.vlt"), *(f"-I{d}" for d in includes)]
-    for folder in libraries:
-        out += ["-y", str(folder)]
-    return out + [str(f) for f in files]
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--set", default="rtl", metavar="NAME", help="rtl, soc or checkers")
+    parser.add_argument("--set", default="rtl", metavar="NAME", help="rtl or checkers")
     parser.add_argument("--of", metavar="MODULE", help="only what this module is made of")
-    parser.add_argument("--core", action="store_true", help="Verilator's arguments for the core")
     options = parser.parse_args()
-    if options.core:
-        try:
-            print("\n".join(core_arguments()))
-        except CoreMissing as error:
-            print(f"sources: {error}", file=sys.stderr)
-            return 2
-        return 0
     try:
         every = sources(options.set, Path())
         if options.of and options.of not in (file.stem for file in every):

@@ -7,9 +7,6 @@
 #include "servo_narrow.h"
 
 #define AXES 6
-#ifndef BENCH_MARK
-#define BENCH_MARK(value) (*mark = (value))
-#endif
 
 struct bench {
   uint32_t profile, ticks;
@@ -148,12 +145,12 @@ static uint32_t run(uint32_t profile, uint32_t ticks, volatile uint32_t *mark) {
       seed = seed * 1664525u + 1013904223u;
       move(x, profile, seed, (tick & 255) == 0);
     }
-    BENCH_MARK(1);
+    *mark = 1;
     for (EACH(x)) {
       x->m.adcvai = SERVO_PHI(&x->par, &x->law, x->raw);
       x->current = SERVO_STEP(&x->par, &x->law, &x->state, x->setpoint, &x->m);
     }
-    BENCH_MARK(0);
+    *mark = 0;
     for (EACH(x)) {
       mix((uint32_t)x->current);
       mix((uint32_t)x->m.inow);

@@ -27,8 +27,8 @@
   (MAILBOX_CONTROL + 4)                        /* write: the host's ring is noticed, level 2 ends \
                                                 */
 #define MAILBOX_CLOCK_US (MAILBOX_CONTROL + 8) /* read: free-running microseconds */
-/* The adaptor's 2 KiB window: on the VMEbus in short I/O space, jumpers A15-A11 at 0x6000; at the
- * bridge of rtl/soc a word for each register. */
+/* The adaptor's 2 KiB window: on the VMEbus in short I/O space, jumpers A15-A11 at 0x6000; beside
+ * a RISC-V processor a word for each register. */
 #define MAILBOX_SHORT_IO 0xFFFF0000u
 #define MAILBOX_WINDOW 0xFFFF6000u
 #ifdef __riscv

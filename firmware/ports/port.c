@@ -4,9 +4,6 @@
 
 #include "mailbox.h"
 #include "mc_priv.h"
-#ifdef PORT_BEGIN
-void PORT_BEGIN(struct mc *mc); /* what the image does by itself before it serves requests */
-#endif
 
 #define BOX ((volatile struct mailbox *)MAILBOX_BASE)
 #define CONTROL(address) (*(volatile uint32_t *)(address))
@@ -180,11 +177,6 @@ void port_main(void) {
   BOX->version = MAILBOX_VERSION;
   BOX->magic = MAILBOX_MAGIC;
   report(MAILBOX_UP);
-#ifdef PORT_BEGIN
-  port_unmask(0);
-  PORT_BEGIN(&driver);
-  (void)port_mask();
-#endif
   for (;;) {
     while (BOX->posted == BOX->done) port_idle();
     port_unmask(0);

@@ -61,7 +61,7 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
     origin = "power-on" if snapshot is None else f"the snapshot at {snapshot:.6f} s"
     echo(f"made again from {origin}")
-    write_views(path, record.host)
+    write_views(path)
     if where is not None:
         echo(f"caution: this is not the same run; it differs first at {where}")
         sys.exit(1)

@@ -15,7 +15,6 @@ import click
 
 from mmcs import __version__
 from mmcs.cli.again import replay, trace
-from mmcs.cli.board import board
 from mmcs.cli.bridge import fmu, mcap
 from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
@@ -172,9 +171,7 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.argument("scenario", metavar="SCENARIO", required=False)
 @click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
-@click.option(
-    "--host", default="native", metavar="native|m68020|rv32", help="What runs the firmware."
-)
+@click.option("--host", default="native", metavar="native|m68020", help="What runs the firmware.")
 @click.option("--trace", type=click.Path(path_type=Path), metavar="FILE.fst", help="Record waves.")
 @click.option("--realtime", is_flag=True, help="Not faster than the clock on the wall.")
 @click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
@@ -312,6 +309,6 @@ def waves(scenario, duration, at, window, whole, no_viewer) -> None:
     sys.exit(0 if good else 1)
 
 
-for _command in (board, campaign, compare, design, exec_, faults, film, fmu, lab, mcap,
+for _command in (campaign, compare, design, exec_, faults, film, fmu, lab, mcap,
                  replay, serve, sweep, tool, trace):  # fmt: skip
     main.add_command(_command)

@@ -28,43 +28,33 @@ DAMAGED = re.compile(
 # variables of the user's own work that sim/Makefile or make would take for its own
 NOT_OURS = (
     "MAKEFLAGS", "GNUMAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEFILES", "SOURCES", "RTL_DIR",
-    "CPU_CLKS", "PYTHONIOENCODING",
+    "PYTHONIOENCODING",
 )  # fmt: skip
 
 
 def library_path(
-    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, heartbeat_us: int = HEARTBEAT_US
+    cards: int, kind: str, clk_hz: int = CLK_HZ, heartbeat_us: int = HEARTBEAT_US
 ) -> Path:
     if kind == "dpi":
         return BUILD / "sim" / "dpi" / "libmmcs_dpi.so"
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
     beat = "" if heartbeat_us == HEARTBEAT_US else f"_beat{heartbeat_us}"
-    name = f"{kind}_c{cards}{'_rv32' if soc else ''}{beat}{clk}"
-    return BUILD / "sim" / name / "libmmcs_sim.so"
+    return BUILD / "sim" / f"{kind}_c{cards}{beat}{clk}" / "libmmcs_sim.so"
 
 
 def ensure_library(
-    cards: int, kind: str, clk_hz: int = CLK_HZ, soc: bool = False, heartbeat_us: int = HEARTBEAT_US
+    cards: int, kind: str, clk_hz: int = CLK_HZ, heartbeat_us: int = HEARTBEAT_US
 ) -> Path:
     """The library of a build; kind is "speed", "trust" (assertions live), "trace", or
-    "dpi" (no machine: a simulator has it).
-
-    soc: the machine has its own processor (docs/hardware/soc.md). heartbeat_us: the RTL's
-    parameter HeartbeatUs.
-    """
-    path = library_path(cards, kind, clk_hz, soc, heartbeat_us)
+    "dpi" (no machine: a simulator has it). heartbeat_us: the RTL's parameter HeartbeatUs."""
+    path = library_path(cards, kind, clk_hz, heartbeat_us)
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
-    command += [
-        f"CLK_HZ={clk_hz}",
-        f"HOST={'rv32' if soc else 'vme'}",
-        f"HEARTBEAT_US={heartbeat_us}",
-    ]
+    command += [f"CLK_HZ={clk_hz}", f"HEARTBEAT_US={heartbeat_us}"]
     env = make_env()
     if is_whole(path) and _run([*command, "-q"], env) == 0:
         return path
     check_tools(env)
-    what = f"{kind} build" + (", with its own processor" if soc else "")
-    text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {what})"
+    text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {kind} build)"
     with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
         if path.exists() and not is_whole(path):
             _forget(path)

@@ -11,11 +11,8 @@ from mmcs.engine.build import make_env, one_at_a_time
 from mmcs.errors import InputError, RunError
 from mmcs.place import BUILD, is_whole, workshop
 
-HOSTS = ("native", "m68020", "rv32")
-COMPILERS = {  # and the Python package that holds the processor
-    "m68020": ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu", "machine68k"),
-    "rv32": ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "pythondata_cpu_ibex"),
-}
+HOSTS = ("native", "m68020")
+COMPILER, CORE = "m68k-linux-gnu-gcc", "machine68k"  # CORE: the Python package with the processor
 
 
 def check(host: str, given_in: object = "--host", key: str = "") -> str:
@@ -32,11 +29,12 @@ def config(host: str) -> dict:
         return {}
     _need(host)
     make("firmware/Makefile", host, BUILD / "firmware" / host / "mc.bin")
-    image = {"host": HOSTS.index(host), "firmware": str(BUILD / "firmware" / host / "mc.bin")}
-    if host == "rv32":
-        return image
     make("sim/hosts/Makefile", "all", BUILD / "hosts" / "libm68020.so")
-    return image | {"processor": str(BUILD / "hosts" / "libm68020.so")}
+    return {
+        "host": HOSTS.index(host),
+        "firmware": str(BUILD / "firmware" / host / "mc.bin"),
+        "processor": str(BUILD / "hosts" / "libm68020.so"),
+    }
 
 
 def image_digest(host: str) -> str:
@@ -46,12 +44,10 @@ def image_digest(host: str) -> str:
 
 
 def _need(host: str) -> None:
-    compiler, package, core = COMPILERS[host]
-    if not shutil.which(compiler):
-        raise RunError(
-            f"--host {host} needs {compiler}; install it with: sudo apt-get install {package}"
-        )
-    if importlib.util.find_spec(core) is None:
+    if not shutil.which(COMPILER):
+        install = "sudo apt-get install gcc-m68k-linux-gnu"
+        raise RunError(f"--host {host} needs {COMPILER}; install it with: {install}")
+    if importlib.util.find_spec(CORE) is None:
         raise RunError(f"--host {host} needs its processor core; install it with: make firmware")
 
 

@@ -36,11 +36,7 @@ def machine(
         skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
     library = library or ensure_library(
-        scenario.cards,
-        kind,
-        scenario.clk_hz,
-        soc=host == "rv32",
-        heartbeat_us=scenario.heartbeat_us,
+        scenario.cards, kind, scenario.clk_hz, scenario.heartbeat_us
     )
     config = setup.config() | {"skip": int(skip)} | on
     return Sim(library, config, setup.motors(), setup.links())

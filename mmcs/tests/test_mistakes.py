@@ -178,7 +178,7 @@ OPTIONS = {
     "no such file": (["run", "./nowhere.toml"], "./nowhere.toml: no such scenario file"),
     "host": (
         ["run", "lab500", "--host", "vax"],
-        '--host = "vax": must be one of "native", "m68020", "rv32"',
+        '--host = "vax": must be one of "native", "m68020"',
     ),
     "trace": (
         ["run", "lab500", "--trace", "x.vcd"],

@@ -80,9 +80,8 @@ def test_declarations_drop_what_cffi_cannot_read():
     assert "#include" not in declarations(text) and "int f(void);" in declarations(text)
 
 
-@pytest.mark.parametrize("host", ["m68020", "rv32"])
-def test_a_host_whose_processor_is_not_installed(host, monkeypatch):
+def test_a_host_whose_processor_is_not_installed(monkeypatch):
     monkeypatch.setattr(hosts.shutil, "which", lambda name: name)
     monkeypatch.setattr(hosts.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(RunError, match=f"--host {host} needs .* core; .* with: make firmware"):
-        hosts.config(host)
+    with pytest.raises(RunError, match="--host m68020 needs .* core; .* with: make firmware"):
+        hosts.config("m68020")

@@ -16,11 +16,8 @@ class Pass(NamedTuple):
     last_write: int
 
 
-def first_pass(trace: Path, machine: str, soc: bool = False) -> Pass | None:
-    """The first servo pass in the trace from its SCLOCK to the next one; None: there is none.
-
-    soc: the machine has its own processor, whose interrupt knows no acknowledge cycle.
-    """
+def first_pass(trace: Path, machine: str) -> Pass | None:
+    """The first servo pass in the trace from its SCLOCK to the next one; None: there is none."""
     import pywellen
 
     found = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
@@ -31,10 +28,10 @@ def first_pass(trace: Path, machine: str, soc: bool = False) -> Pass | None:
         return [time for (_, before), (time, after) in pairs if before != after == to]
 
     clocks = edges("sclock_o", 1)
-    acks = [] if soc else edges("u_adaptor.vme_iackin_ni", 0)
+    acks = edges("u_adaptor.vme_iackin_ni", 0)
     reads, writes = edges("pcx_ior_no", 0), edges("pcx_iow_no", 1)
     for begin, end in zip(clocks, clocks[1:], strict=False):
-        ack = next((t for t in acks if begin <= t < end), begin if soc else None)
+        ack = next((t for t in acks if begin <= t < end), None)
         if ack is None:
             continue
         read = next((t for t in reads if ack <= t < end), None)

@@ -19,12 +19,9 @@ from mmcs.screen import echo
 from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import write_tables
 
-TOP = "TOP"
-MACHINE = f"{TOP}.mmcs"
+MACHINE = "TOP.mmcs"
 CARD = "g_card[0].u_card"
 AXIS = f"{CARD}.g_axis[0].u_axis"
-SOC_MACHINE = f"{TOP}.mmcs_soc.u_mmcs"  # of --host rv32
-CPU = "/mmcs_soc.u_host.u_cpu.u_ibex_core"
 BIN, HEX, SIGNED = "28", "22", "424"  # GTKWave's codes of a number format
 STATE = "100000028"  # by the names of its enumeration, which is in the trace
 GROUP_BEGIN, GROUP_END = "800200", "1000200"
@@ -37,7 +34,7 @@ NAME_PIXELS = 6  # of a letter of a marker's name
 
 
 class Signal(NamedTuple):
-    path: str  # below the machine, or with / below what holds it
+    path: str  # below the machine
     width: int = 1
     form: str = BIN
     low: int = 0  # its lowest bit
@@ -46,16 +43,12 @@ class Signal(NamedTuple):
     state_of: str = ""  # the module whose states it has
     port: str = ""  # of a board, that holds it from bit 0 on: what stands for it without a trace
 
-    def full(self, machine: str = MACHINE) -> str:
-        if self.path[0] == "/":
-            return TOP + "." + self.path[1:]
+    def full(self) -> str:
         cards = "u_cards." if self.path.startswith("g_card") else ""
-        return f"{machine}.{cards}{self.path}"
+        return f"{MACHINE}.{cards}{self.path}"
 
-    def gtkwave(self, machine: str = MACHINE) -> str:
-        return self.full(machine) + (
-            f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else ""
-        )
+    def gtkwave(self) -> str:
+        return self.full() + (f"[{self.low + self.width - 1}:{self.low}]" if self.width > 1 else "")
 
     @property
     def label(self) -> str:
@@ -64,14 +57,14 @@ class Signal(NamedTuple):
         block = next((b.removeprefix("u_") for b in reversed(above) if b.startswith("u_")), "mmcs")
         return f"{block}/{name}"
 
-    def lines(self, machine: str, folder: Path, tables: dict[str, int]) -> list[str]:
+    def lines(self, folder: Path, tables: dict[str, int]) -> list[str]:
         """Of a .gtkw file, which numbers its tables as they come."""
         flags = int(self.form, 16) | (NAMED if self.names else 0) | (CURVE if self.curve else 0)
         number = tables.setdefault(self.names, len(tables) + 1) if self.names else 0
         return [
             f"@{flags:x}",
             *([f"^{number} {folder / self.names}.txt"] if self.names else ()),
-            f"+{{{self.label}}} {self.gtkwave(machine)}",
+            f"+{{{self.label}}} {self.gtkwave()}",
             *([f"@{ROOM}", *["-"] * CURVE_LINES] if self.curve else ()),
         ]
 
@@ -141,65 +134,22 @@ GROUPS = {
 }
 
 
-# What takes the place of these groups where the machine has its own processor.
-SOC_GROUPS = {
-    "VME": (
-        "host port",
-        [
-            Signal("hp_req_i"),
-            Signal("hp_write_i"),
-            Signal("hp_a_i", 10, HEX, 1),
-            Signal("hp_wdata_i", 8, HEX),
-            Signal("hp_rdata_o", 8, HEX),
-            Signal("hp_ack_o"),
-        ],
-    ),
-    "firmware": (
-        "firmware",
-        [
-            Signal("u_host_view.phase", 3, HEX, names="phases"),
-            Signal("/mmcs_soc.u_host.u_cpu.u_ibex_core.pc_id", 32, HEX),
-        ],
-    ),
-}
-
-
-def view(host: str = "native") -> tuple[str, dict[str, list[Signal]]]:
-    """The machine's place in a trace, and the groups of its prepared view."""
-    if host != "rv32":
-        return MACHINE, GROUPS
-    return SOC_MACHINE, dict(
-        SOC_GROUPS.get(name, (name, [_of_core(signal) for signal in group]))
-        for name, group in GROUPS.items()
-    )
-
-
-def _of_core(signal: Signal) -> Signal:
-    """The same signal where the adaptor is its core alone."""
-    path = signal.path.replace("u_adaptor.u_core.", "u_adaptor.")
-    path = path.replace("u_adaptor.", "u_adaptor.u_core.").replace("led_irq_o", "irq_req_o")
-    return signal._replace(path=path)
-
-
-def write_views(trace: Path, host: str = "native") -> tuple[Path, Path]:
+def write_views(trace: Path) -> tuple[Path, Path]:
     """Writes the two view files beside the trace, and the tables of names."""
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
-    machine, groups = view(host)
     names = trace.resolve().with_suffix(".names")
     write_tables(names)
-    seen = first_pass(trace, machine, soc=host == "rv32")
+    seen = first_pass(trace, MACHINE)
     for path, text in (
-        (gtkw, _gtkwave(trace, machine, groups, names, seen)),
-        (sucl, _surfer(machine, groups, seen)),
+        (gtkw, _gtkwave(trace, names, seen)),
+        (sucl, _surfer(seen)),
     ):
         with whole_file(path) as part:
             part.write_text(text)
     return gtkw, sucl
 
 
-def _gtkwave(
-    trace: Path, machine: str, groups: dict[str, list[Signal]], names: Path, seen: Pass | None
-) -> str:
+def _gtkwave(trace: Path, names: Path, seen: Pass | None) -> str:
     lines, tables = [f'[dumpfile] "{trace.resolve()}"'], {}
     if seen:
         span = seen.last_write - seen.sclock
@@ -210,10 +160,10 @@ def _gtkwave(
         letters = zip(LETTERS, marker_names(seen), strict=True)
         lines += [f"[markername] {letter}{name}" for letter, name in letters]
     lines += ["[sst_expanded] 1"]
-    for name, signals in groups.items():
+    for name, signals in GROUPS.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]
         for signal in signals:
-            lines += signal.lines(machine, names, tables)
+            lines += signal.lines(names, tables)
         lines += [f"@{GROUP_END}", f"-{name}"]
     return "\n".join(lines) + "\n"
 
@@ -228,11 +178,11 @@ def marker_names(seen: Pass) -> tuple[str, ...]:
     return LETTERS
 
 
-def _surfer(machine: str, groups: dict[str, list[Signal]], seen: Pass | None) -> str:
+def _surfer(seen: Pass | None) -> str:
     lines = []
-    for name, signals in groups.items():
+    for name, signals in GROUPS.items():
         lines.append(f"divider_add {name}")
-        lines += [f"variable_add {signal.full(machine)}" for signal in signals]
+        lines += [f"variable_add {signal.full()}" for signal in signals]
     lines += ["zoom_fit", *([f"cursor_set {seen.sclock}"] if seen else ())]
     return "\n".join(lines) + "\n"
 

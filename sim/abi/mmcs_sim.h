@@ -82,7 +82,7 @@ typedef struct mmcs_config {
   const char *processor;     /* file names for a real processor: its library, */
   const char *firmware;      /* and the image that it runs */
 } mmcs_config;
-enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1, MMCS_HOST_RV32 = 2 };
+enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1 };
 
 /* A motion: what the user program writes as the setpoint of one axis, in counts (or the axis'
  * own setpoint units), evaluated at every servo sample. Segments of one axis follow each other. */

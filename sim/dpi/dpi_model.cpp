@@ -110,9 +110,6 @@ bool Model::skip() {
 bool Model::traced() {
   return false;
 }
-bool Model::soc() {
-  return false;
-}
 
 // The one register that a run looks at: a witness of where the card believes the axis is.
 uint16_t Model::encoder_register(int axis) {

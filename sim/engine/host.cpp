@@ -46,11 +46,7 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
                              [this](bool sampled) { served(sampled); },
                              [this](int client) { mc_os_.signal(this, client); },
                              [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
-  if (config.host == MMCS_HOST_RV32) {
-    cpu_ = std::make_unique<Soc>(machine_, mc(), config.firmware, std::move(events));
-  } else {
-    cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config, std::move(events));
-  }
+  cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config, std::move(events));
 }
 
 void Host::bind() {

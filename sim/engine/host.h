@@ -18,7 +18,6 @@
 #include "machine.h"
 #include "motion.h"
 #include "processor.h"
-#include "soc.h"
 #include "recorder.h"
 #include "vme_bus.h"
 

@@ -158,7 +158,6 @@ int64_t Machine::next_due() const {
 
 bool Machine::advance(int64_t n, Watch watch) {
   const int64_t limit = clock_ + n;
-  char text[40];
   const int dtack = watch == Watch::kDtackLow ? 0 : watch == Watch::kDtackHigh ? 1 : -1;
   while (clock_ < limit && !failed()) {
     if (clock_ >= due_) {
@@ -178,12 +177,6 @@ bool Machine::advance(int64_t n, Watch watch) {
       irq_changed = ((model_->lines() ^ lines_) & kLineIrq) != 0;
       lines_changed();
     }
-    if (const unsigned offset = model_->take_bus_error()) {
-      ++soc_failures_;
-      std::snprintf(text, sizeof text, "bus error at 0x%04X", offset);
-      note("bus", -1, text);
-    }
-    if (model_->report() != 0) return watch == Watch::kReport;
     if (dtack >= 0 && model_->dtack() == (dtack == 0)) return true;
     if (irq_changed && watch == Watch::kIrq) return true;
   }
@@ -233,7 +226,6 @@ std::string Machine::check_event(const mmcs_event &event) const {
   if (input.action == Action::kUpset) return model_->cannot(Pin::kCount);
   if (input.action != Action::kPin) return "";
   const auto pin = static_cast<Pin>(input.number);
-  if (pin == Pin::kClockStop && Model::soc()) return "its processor would stop with it";
   return model_->cannot(pin);
 }
 
@@ -301,7 +293,6 @@ void Machine::apply(const mmcs_event &event) {
       break;
     case Action::kBusError:
       bus_errors_ = value;
-      model_->soc_errors(value);
       break;
     case Action::kHostDead:
       host_dead_ = host_dead_ || value != 0;

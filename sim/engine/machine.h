@@ -33,7 +33,7 @@ inline constexpr bool kFull<mmcs_note> =
     sizeof(double) + sizeof(int32_t) + sizeof(mmcs_note::kind) + sizeof(mmcs_note::text);
 
 // What advance() may end on before its clocks are up.
-enum class Watch { kNothing, kIrq, kDtackLow, kDtackHigh, kReport };
+enum class Watch { kNothing, kIrq, kDtackLow, kDtackHigh };
 
 class Machine {
  public:
@@ -87,8 +87,6 @@ class Machine {
     return true;
   }
 
-  // Accesses that failed at the SoC's bridge.
-  int32_t soc_failures() const { return soc_failures_; }
 
   // Clock and joint angles at the last rising edge of SCLOCK.
   int64_t sample_clock() const { return sample_clock_; }
@@ -126,7 +124,6 @@ class Machine {
     }
     a(lines_);
     a.same(write_flips_);
-    past(a, soc_failures_);
     past(a, notes_lost_);
     a.same(step_angles_);
     a.same(sample_angles_);
@@ -205,7 +202,6 @@ class Machine {
   int64_t alive_ = 0;                  // the sign of life, as it was a step ago
   std::vector<uint32_t> write_flips_;  // by axis
   unsigned lines_ = 0;
-  int32_t soc_failures_ = 0;
   int64_t sample_clock_ = 0;
   std::vector<double> step_angles_;  // at the begin of the step
   std::vector<double> sample_angles_;

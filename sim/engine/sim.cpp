@@ -19,19 +19,12 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
     return "this build of the model has " + std::to_string(mmcs::Model::cards()) +
            " cards, the configuration " + std::to_string(config->cards);
   }
-  if (mmcs::Model::soc() != (config->host == MMCS_HOST_RV32)) {
-    return "the host RV32 and its own build of the model belong together";
-  }
   if (config->axes < 0 || config->axes > 2 * config->cards) return "more motors than axes";
   if (config->axes > 0 && !motors) return "no motors given";
   if (config->links != 0 && !links) return "no links given";
   if (config->host != MMCS_HOST_NATIVE) {
-    if (config->host != MMCS_HOST_M68020 && config->host != MMCS_HOST_RV32) {
-      return "this host is not available";
-    }
-    if (!config->firmware || (config->host == MMCS_HOST_M68020 && !config->processor)) {
-      return "no processor or no firmware named";
-    }
+    if (config->host != MMCS_HOST_M68020) return "this host is not available";
+    if (!config->firmware || !config->processor) return "no processor or no firmware named";
     if (config->wait_states < 0 || config->wait_states > 100) return "impossible wait states";
     if (config->instruction_cache != 0 && config->instruction_cache != 256) {
       return "the instruction cache has 256 bytes, or 0 for one that always hits";
@@ -180,7 +173,7 @@ void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats) {
   stats->panics = driver.panics;
   stats->spurious = driver.spurious;
   stats->clips = driver.clips;
-  stats->bus_errors = sim->bus.failures() + sim->machine.soc_failures();
+  stats->bus_errors = sim->bus.failures();
   stats->panic_level = sim->machine.panic();
   stats->bus_cycles = sim->bus.cycles();
   const struct mc *mc = sim->host.driver();

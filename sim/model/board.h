@@ -86,10 +86,6 @@ class Board {
   // without a clock. One clock, with what follows. What follows from registers that were written.
   virtual bool inputs() = 0;
   virtual void clock() = 0;
-  // The same of several clocks at once, by their places among the model's triggers, as trigger()
-  // gives them; 0: it has no clock of this name.
-  virtual void clocks(uint64_t triggers) = 0;
-  virtual uint64_t trigger(const std::string &clock) const = 0;
   virtual void settle() = 0;
   // No edge of a reset or strobe has been until now.
   virtual void sync() = 0;

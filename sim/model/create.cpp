@@ -2,12 +2,7 @@
 // Which machine a build has.
 
 #include "model.h"
-#if MMCS_SOC
-#include "soc_core.h"
-#endif
-#if MMCS_SOC && MMCS_PLAIN
-#include "plain.h"
-#elif MMCS_TRACE
+#if MMCS_TRACE
 #include "plain.h"
 #elif MMCS_PLAIN
 #include "checked.h"
@@ -18,18 +13,14 @@
 namespace mmcs {
 
 std::unique_ptr<Model> Model::create(bool two_evals, bool skip, uint64_t seed) {
-#if MMCS_SOC && !MMCS_PLAIN
-  return std::make_unique<SocModel<Rack>>(two_evals, skip, seed);
-#elif !MMCS_PLAIN
+#if !MMCS_PLAIN
   auto rack = std::make_unique<Rack>(two_evals, skip, seed);
   rack->power_on();
   return rack;
 #else
   static_cast<void>(two_evals);
   static_cast<void>(skip);
-#if MMCS_SOC
-  return std::make_unique<SocModel<Plain>>(seed);
-#elif MMCS_TRACE
+#if MMCS_TRACE
   auto plain = std::make_unique<Plain>(seed);
   plain->power_on();
   return plain;
@@ -45,10 +36,6 @@ bool Model::skip() {
 
 bool Model::traced() {
   return MMCS_TRACE;
-}
-
-bool Model::soc() {
-  return MMCS_SOC;
 }
 
 }  // namespace mmcs

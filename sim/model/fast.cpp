@@ -67,8 +67,6 @@ class Fast final : public Board {
 #if MMCS_PLAIN  // the machine as a whole goes the slow way
   bool inputs() override { return eval(), true; }
   void clock() override { eval(); }
-  void clocks(uint64_t) override { eval(); }
-  uint64_t trigger(const std::string &) const override { return 0; }
   void sync() override {}
 #else
   bool inputs() override {
@@ -76,11 +74,6 @@ class Fast final : public Board {
     MMCS_ICO(root_);
     return follow();
   }
-  void clocks(uint64_t triggers) override {
-    root_->__VnbaTriggered[0] = triggers;
-    MMCS_NBA(root_);
-  }
-  uint64_t trigger(const std::string &clock) const override { return trigger_of(clock); }
   void clock() override {
     clocks(kClock);
     follow();
@@ -121,6 +114,11 @@ class Fast final : public Board {
       any = true;
     }
     return any;
+  }
+  // The registers behind these triggers.
+  void clocks(uint64_t triggers) {
+    root_->__VnbaTriggered[0] = triggers;
+    MMCS_NBA(root_);
   }
   static constexpr uint64_t kClock = trigger_of("clk_i");
 #endif

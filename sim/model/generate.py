@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes of the design what the model needs: `generate.py boards|wires|extra|triggers ...`.
+"""Makes of the design what the model needs: `generate.py boards|wires|checkers|triggers ...`.
 
-boards DIR HOST CLK   registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
+boards DIR CLK        registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
                       *_shell.sv, *_shell.vlt: what stands for a chip in other parts
                       plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
                       boards.inc: registers and ports of each part, by name
                       decoder.inc: what a card's decoder says
-wires DIR HOST CLK N  wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
-extra DIR HOST CLK N  extra.inc, extra.vlt: registers of a SoC outside the boards
-                      checkers.inc, extra.vlt: the bus checkers, whose reset can be forced
+wires DIR CLK N       wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
+checkers DIR CLK N    checkers.inc, checkers.vlt: the bus checkers, whose reset can be forced
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
                       V*.edges: values before and now of what edges are looked for
-
-With HOST rv32 the machine is the one in rtl/soc/mmcs_soc.sv, and its host one board more.
 """
 
 import os
@@ -30,19 +27,18 @@ from parts import CHIPS, RULES, Board  # noqa: E402
 from wires import wires_text  # noqa: E402
 
 
-def read_design(folder: Path, cards: int, clk_hz: str, top: str = "mmcs",
-                sets: tuple[str, ...] = ("rtl",)) -> Netlist:  # fmt: skip
-    from sources import core_arguments, sources
+def read_design(folder: Path, cards: int, clk_hz: str, *sets: str) -> Netlist:
+    from sources import sources
 
     folder.mkdir(parents=True, exist_ok=True)
     files = [str(f) for name in sets for f in sources(name)]
     subprocess.run(
         ["verilator", "--json-only", "--no-timing", "-Wno-fatal", "-Wno-lint", "--quiet",
          f"-GNumCards={cards}", f"-GClkHz={clk_hz}",
-         *os.environ.get("MMCS_RTL_PARAMETERS", "").split(), "--top-module", top,
+         *os.environ.get("MMCS_RTL_PARAMETERS", "").split(), "--top-module", "mmcs",
          "--prefix", "Vtree",
          f"-I{ROOT / 'rtl'}", "-Mdir", str(folder), "-DMMCS_NO_ASSERT", "-DMMCS_NO_BUS_TIMES",
-         *(core_arguments() if "soc" in sets else []), *files],
+         *files],
         check=True)  # fmt: skip
     return Netlist(folder / "Vtree.tree.json")
 
@@ -69,18 +65,6 @@ def chips(netlist: Netlist) -> dict[str, Module]:
             ):
                 raise SystemExit(f"generate: chips {i.module.name} of different parameters")
     return found
-
-
-def machine(netlist: Netlist) -> tuple[Netlist, tuple | None]:
-    """The netlist with the boards at its top; and, in a SoC, its host: path, module, pins by port,
-    and the pins of the machine."""
-    cells = {path: (netlist.modules[key], pins) for path, key, pins in netlist.top.cells}
-    host = None
-    if "u_mmcs" in cells:
-        netlist.top, outer = cells["u_mmcs"]
-        host = ("u_host", *cells["u_host"], outer)
-    dissolve(netlist, netlist.top, "u_cards")
-    return netlist, host
 
 
 def config(folder: Path, netlist: Netlist) -> None:
@@ -152,7 +136,7 @@ def part_rows(path: str, module: Module, ports: list[str]) -> list[str]:
     return [f'  {{"{path}", "{module.name}", {{', *ports, "  }},"]
 
 
-def boards_text(netlist: Netlist, soc: list[str]) -> str:
+def boards_text(netlist: Netlist) -> str:
     out = ["// Made by sim/model/generate.py.", "static const std::vector<BoardTable> kBoards = {"]
     for name, module in boards(netlist).items():
         board = Board(netlist, module)
@@ -187,18 +171,7 @@ def boards_text(netlist: Netlist, soc: list[str]) -> str:
         decides = [f'  {{"{path}", "{net.strip("!")}", {part}, {int(net[0] != "!")}}},'
                    for path, net, part in board.decides]  # fmt: skip
         out += table(name, registers, slices, parts, own, decides)
-    return "\n".join([*out, *soc, "};"]) + "\n"
-
-
-def host_rows(module: Module, pins: dict, outer: dict) -> list[str]:
-    """The table of a SoC's host: ports only, as it rests by rules of its own (soc_core.cpp)."""
-    nets = {e["name"] for e in outer.values() if e is not None and e["type"] == "VARREF"}
-    met = [p for p in module.ports
-           if "clk" not in p.name and (pins.get(p.name) or {}).get("name") in nets]  # fmt: skip
-    rows = [("", p, p.direction == "OUTPUT", "Kind::kControl", False, n)
-            for n, p in enumerate(met)]  # fmt: skip
-    parts = part_rows("", module, port_rows(rows, {}))
-    return table("soc_host", [], [], parts, {p.name: n for n, p in enumerate(met)}, [])
+    return "\n".join([*out, "};"]) + "\n"
 
 
 def decoder_text(netlist: Netlist) -> str:
@@ -210,37 +183,16 @@ def decoder_text(netlist: Netlist) -> str:
     return "".join(f"MMCS_SAYS({p.name}, {p.width})\n" for p in outputs)
 
 
-def extra(folder: Path, netlist: Netlist) -> None:
-    """What there is outside the boards: bus checkers, or the registers of a SoC's processor."""
-    known = {board for own in RULES["boards"].values() for board in own} | {"mmcs_cards"}
-    soc = netlist.top.name == "mmcs_soc"
-    checkers = [(name, netlist.modules[key].name) for name, key, _ in netlist.top.cells
-                if not soc and netlist.modules[key].name not in known]  # fmt: skip
-    rows, lines = [], set()
-
-    def visit(module: Module, path: str) -> None:
-        for r in module.registers:
-            scope, _, last = r.rpartition(".")
-            rows.append(f'{{"{path}{scope and "." + scope}", "{last}"}},')
-            lines.add(f'public_flat_rd -module "{module.name}" -var "{last}"')
-        for name, key, _ in module.cells:
-            below = netlist.modules[key]
-            if below.name not in known:
-                visit(below, f"{path}.{name}")
-
-    if soc:
-        visit(netlist.top, f"TOP.{netlist.top.name}")
-    lines |= {f'forceable -module "{module}" -var "rst_ni"' for _, module in checkers}
-    for module in {m.name for m in netlist.modules.values()} & set(RULES["soc"]):
-        lines |= {f'public_flat_rd -module "{module}" -var "{n}"' for n in RULES["soc"][module]}
+def checkers(folder: Path, netlist: Netlist) -> None:
+    """The bus checkers, which are outside the boards."""
+    known = {*RULES["boards"], "mmcs_cards"}
+    found = [(name, netlist.modules[key].name) for name, key, _ in netlist.top.cells
+             if netlist.modules[key].name not in known]  # fmt: skip
+    lines = {f'forceable -module "{module}" -var "rst_ni"' for _, module in found}
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "extra.inc").write_text("\n".join(rows) + "\n")
-    (folder / "checkers.inc").write_text("".join(f'"{name}",\n' for name, _ in checkers))
-    (folder / "extra.vlt").write_text("\n".join(["`verilator_config", *sorted(lines)]) + "\n")
+    (folder / "checkers.inc").write_text("".join(f'"{name}",\n' for name, _ in found))
+    (folder / "checkers.vlt").write_text("\n".join(["`verilator_config", *sorted(lines)]) + "\n")
     write_ports(folder / "mmcs", netlist.top)
-    for module in (netlist.modules[key] for _, key, _ in netlist.top.cells):
-        if module.name == "soc_host":
-            write_ports(folder / module.name, module)
 
 
 def edges_text(model: Path) -> str:
@@ -276,22 +228,20 @@ def main() -> int:
                 name = model.name.partition("___024root")[0]
                 (out / f"{name}.edges").write_text(edges_text(model))
         return 0
-    host, clk_hz, *number = rest
+    clk_hz, *number = rest
     cards = int(number[0]) if number else len(RULES["heard"])  # one of each type
-    top, sets = ("mmcs_soc", ("rtl", "soc")) if host == "rv32" else ("mmcs", ("rtl",))
-    if what == "extra":
-        sets = sets if host == "rv32" else ("rtl", "checkers")
-        extra(out, read_design(out / "tree", cards, clk_hz, top, sets))
+    if what == "checkers":
+        checkers(out, read_design(out / "tree", cards, clk_hz, "rtl", "checkers"))
         return 0
-    netlist, soc = machine(read_design(out / "tree", cards, clk_hz, top, sets))
+    netlist = read_design(out / "tree", cards, clk_hz, "rtl")
+    dissolve(netlist, netlist.top, "u_cards")
     if what == "wires":
-        (out / "wires.cpp").write_text(wires_text(netlist, cards, soc))
+        (out / "wires.cpp").write_text(wires_text(netlist, cards))
     else:
         config(out, netlist)
-        host_table = host_rows(*soc[1:]) if soc else []
-        (out / "boards.inc").write_text(boards_text(netlist, host_table))
+        (out / "boards.inc").write_text(boards_text(netlist))
         (out / "decoder.inc").write_text(decoder_text(netlist))
-        models = dict.fromkeys([*RULES["boards"][host], *CHIPS, *(["soc_host"] if soc else [])])
+        models = dict.fromkeys([*RULES["boards"], *CHIPS])
         (out / "models.inc").write_text("".join(f"MMCS_MODEL_OF({m})\n" for m in models))
     return 0
 

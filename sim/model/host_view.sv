@@ -9,6 +9,5 @@ module host_view;
 endmodule
 
 bind mmcs host_view u_host_view ();
-bind mmcs_core host_view u_host_view ();  // of a SoC
 
 `default_nettype wire

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,10 +22,6 @@ inline constexpr unsigned kLinePanic = 1u << 8;
 inline constexpr unsigned kLineBrakeRelease = 1u << 9;
 inline constexpr unsigned kLineSclock = 1u << 10;
 
-// What the SoC's processor just did: it took the adaptor's interrupt, or an access to the adaptor
-// begins, or has read or written.
-enum class SocStep { kInterrupt, kAccess, kRead, kWrite };
-
 // The three wires of an encoder from a clock on, as Pins::set_encoder() is told.
 struct EncoderEdge {
   int64_t clock;
@@ -41,7 +36,7 @@ struct CacheFigures {
   uint64_t states, bytes;
 };
 
-enum class Stop { kDone, kLines, kDtack, kReport, kFailed };
+enum class Stop { kDone, kLines, kDtack, kFailed };
 
 // What a snapshot of the hardware holds: registers in the order of registers(), so that every build
 // understands it, and the pins.
@@ -61,7 +56,6 @@ class Model : protected Ports {
   static int clk_hz();
   static bool skip();  // this build can
   static bool traced();
-  static bool soc();  // the machine has its own processor, and no VME bus
 
   // Advances up to n clocks. Stops after the clock in which a line changed, or, if dtack is 0 or
   // 1, in which DTACK* has that level. *ran: clocks that passed.
@@ -91,20 +85,6 @@ class Model : protected Ports {
   // What a processor outside is doing, for the waveform only.
   virtual void host_phase(unsigned, uint32_t) {}
 
-  // The SoC's processor. Memory by words; without a SoC nothing happens.
-  virtual void soc_run(bool) {}
-  virtual void soc_ring() {}
-  virtual void soc_errors(unsigned) {}
-  // Called within run(), with the offset of an access that has ended; clock() is the clock.
-  virtual void watch_soc(const std::function<void(SocStep, unsigned)> &) {}
-  virtual uint32_t soc_read(unsigned) const { return 0; }
-  virtual void soc_write(unsigned, uint32_t) {}
-  // What it reported, or 0: run() ends with it, and it waits until the next run().
-  virtual unsigned report() const { return 0; }
-  virtual void take_report() {}
-  // Offset of the last access that failed by soc_errors(), or 0; asking forgets it.
-  virtual unsigned take_bus_error() { return 0; }
-
   // A register of registers(), read without disturbing it.
   virtual uint64_t read(int reg) = 0;
   // Flips these bits, as a particle would; everything behind the register follows at once.
@@ -130,14 +110,6 @@ class Model : protected Ports {
 
  protected:
   virtual void put_back(const Saved &state) = 0;
-  // What a SoC has besides (soc_core.h), around each clock; where its host is a board, its edge.
-  virtual void before_clock() {}
-  virtual void host_edge() {}
-  virtual void after_clock() {}
-  virtual bool halted() const { return false; }  // run() is to end
-  // The last clock changed nothing but what counts for ever; so many more were like it.
-  virtual bool host_rests() { return false; }
-  virtual void host_pass(int64_t) {}
   void disturb() override { upset_ = true; }
   uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
 

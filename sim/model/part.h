@@ -112,7 +112,6 @@ class Part {
   uint64_t read(const Place &place) const;
   void forget();  // the cache begins anew
   // Somebody else runs its model: what its outputs are now.
-  void refresh() { store(); }
 
   // Outputs that moved since they were last taken, of those that somebody looks at: control bits,
   // cells.

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The parts of a board, as parts.toml lists them, and the nets between them, from the netlist.
 
-`parts.py vme|rv32` prints what sim/Makefile asks for: the boards and chips, and where packages are.
+`parts.py` prints what sim/Makefile asks for: the boards and chips, and where packages are.
 """
 
 import re
-import sys
 import sysconfig
 import tomllib
 from dataclasses import replace
@@ -194,6 +193,6 @@ def net_name(expr: dict) -> str:
 
 
 if __name__ == "__main__":
-    own = RULES["boards"][sys.argv[1]]
+    own = RULES["boards"]
     print(*(f"board:{b}" for b in own), *(f"chip:{c}" for c in CHIPS if c not in own),
           f"packages:{sysconfig.get_path('purelib')}")  # fmt: skip

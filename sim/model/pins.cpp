@@ -29,12 +29,8 @@ constexpr struct {
 #include "inputs.def"
 };
 
-// The board at whose pins the ribbon begins: in a SoC the adaptor is its core.
-#if defined(MMCS_SOC) && MMCS_SOC
-const char *const kAdaptor = "u_adaptor.u_core";
-#else
+// The board at whose pins the ribbon begins.
 const char *const kAdaptor = "u_adaptor";
-#endif
 
 }  // namespace
 
@@ -203,8 +199,6 @@ void Pins::fault(Pin pin, int index, uint64_t value) {
     }
     case Pin::kIrqLost:  // its edge detector takes SCLOCK for high all the time
       return ports_.stick("u_adaptor.u_core.u_pccsr.sclock_q", 0, on);
-    case Pin::kIrqOpen:
-      return ports_.stick("irq", 0, on);
     case Pin::kClockStop:
       if (on) ports_.disturb();
       return ports_.stop_clock(on);
@@ -280,8 +274,6 @@ std::vector<uint64_t> Pins::save() const {
 
 bool Pins::is_possible(Pin pin, int index, uint64_t value) const {
   if (has_port(pin)) return value == 0;
-  if (pin == Pin::kIrqOpen) return index == 0 && value <= (Model::soc() ? 1 : 0);
-  if (pin == Pin::kClockStop && Model::soc()) return value == 0;  // its processor would stop, too
   const auto &[scope, highest] = kBounds[static_cast<size_t>(pin)];
   const int count = scope == Scope::kMachine ? 1 : scope == Scope::kCard ? cards_ : 2 * cards_;
   return index >= 0 && index < count && value <= highest;

@@ -24,7 +24,6 @@ inline std::string axis_path(int axis) {
 enum class Pin {
 #define PIN(pin, ...) pin,
 #include "inputs.def"
-  kIrqOpen,  // 1 bit; the SoC's processor sees no interrupt
   kCount
 };
 enum class Scope { kMachine, kCard, kAxis };  // what an index of the table counts

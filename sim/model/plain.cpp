@@ -21,16 +21,10 @@ namespace {
 
 constexpr int kResetClks = 64;
 constexpr double kPsPerClk = 1e12 / MMCS_CLK_HZ;
-#if MMCS_SOC
-const std::string kTop = "TOP.mmcs_soc.u_mmcs";
-#else
 const std::string kTop = "TOP.mmcs";
-#endif
-#if !MMCS_SOC
 const char *const kCheckers[] = {
 #include "checkers.inc"
 };
-#endif
 // After a way back the bus checkers begin anew when the buses have been idle for so long.
 constexpr int kIdleClks = 16;
 // What the model prints and where it stopped, until the run that caused it looks.
@@ -85,7 +79,6 @@ Plain::Plain(uint64_t seed) : context_(create_context(seed)) {
   alive_ = board_->port("alive_o");
   for (int port = 0; port < kPorts; ++port) {
     ports_[port] = board_->port(kPortNames[port]);
-    if (!ports_[port] && port == kVmeSysreset) ports_[port] = board_->port("sysreset_ni");
   }
   for (const Register &r : registers()) {
     const RegisterRow &row = board_table(kWires.boards[static_cast<size_t>(r.board)].module)
@@ -96,18 +89,13 @@ Plain::Plain(uint64_t seed) : context_(create_context(seed)) {
     net.width = r.width;
     nets_.push_back(net);
   }
-#if !MMCS_SOC
   for (const char *path : kCheckers) {
     find(path, "rst_ni__VforceVal").put(0);
     checkers_.push_back(find(path, "rst_ni__VforceEn"));
   }
   master_ = find_register("u_adaptor.u_core.u_master.state_q");
-#endif
   const std::pair<const char *, int> lines[] = {
-      {MMCS_SOC ? "led_irq_o" : "vme_irq_no", MMCS_SOC ? 5 : 1},
-      {"panic_o", 8},
-      {"brake_release_o", 9},
-      {"sclock_o", 10}};
+      {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) line_nets_.emplace_back(board_->port(name), bit);
 }
 
@@ -159,13 +147,11 @@ void Plain::clock_once() {
     return look_at_lines();
   }
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
-  before_clock();
   half(true, t);
   stick();
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
   stick();  // a pin may have begun a reset
-  after_clock();
   if (held_) {
     idle_clks_ = idle() ? idle_clks_ + 1 : 0;
     if (idle_clks_ == kIdleClks) hold_checkers(false);
@@ -207,7 +193,7 @@ bool Plain::idle() const {
 void Plain::look_at_lines() {
   unsigned lines = 0;
   for (const auto &[net, bit] : line_nets_) lines |= static_cast<unsigned>(net.get()) << bit;
-  shown_lines_ = MMCS_SOC ? lines : lines ^ kLineIrq;
+  shown_lines_ = lines ^ kLineIrq;
 }
 
 Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
@@ -226,10 +212,6 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
     }
     if (moved) {
       stop = Stop::kLines;
-      break;
-    }
-    if (halted()) {
-      stop = Stop::kReport;
       break;
     }
     if (dtack >= 0 && this->dtack() == (dtack == 0)) {
@@ -269,7 +251,6 @@ unsigned Plain::vme_sample() {
   const auto port = [this](const char *name) {
     return static_cast<unsigned>(board_->port(name).get());
   };
-  if (MMCS_SOC) return 0x2FFFF;
   return port("vme_iackout_no") << 17 | port("vme_d_oe_o") << 16 | port("vme_d_o");
 }
 

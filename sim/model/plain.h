@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // rtl/mmcs.sv Verilated whole: every clock, both its edges, as a simulator would. With assertions
-// and bus checkers, and in trace builds waveforms; in SoC builds the top is mmcs_soc (soc_core.h).
+// and bus checkers, and in trace builds waveforms.
 #pragma once
 
 #include <map>
@@ -47,12 +47,6 @@ class Plain : public Model {
   bool failed();
   // A variable below the top, or a port of it.
   Net find(const std::string &path, const std::string &name) const;
-  // A SoC's host is a part of it, and has every clock (soc_core.h).
-  Board &host_board() { return *board_; }
-  static std::string host_scope() { return "TOP.mmcs_soc.u_host"; }
-  void wake_host() {}
-  void catch_up_host() {}
-  static bool host_alone() { return false; }
   // Ports: what pins.h does to a machine.
   void put(Port port, int lsb, int width, uint64_t value) override;
   void stop_clock(bool stopped) override { stopped_ = stopped; }

@@ -102,7 +102,7 @@ void Rack::tell(Part &part) {
 void Rack::look_at_lines() {
   unsigned lines = 0;
   for (const auto &[wire, bit] : lines_of_) lines |= static_cast<unsigned>(wire->get()) << bit;
-  shown_lines_ = host_ ? lines : lines ^ kLineIrq;
+  shown_lines_ = lines ^ kLineIrq;
 }
 
 // Which cards hear the bus now; those that heard it until now see it end. A deaf card keeps what it
@@ -165,7 +165,6 @@ void Rack::settle() {
 
 // A part may be due at another edge than before.
 void Rack::plan(const Part &part) {
-  if (&part == host_) return plan_host(true);
   const uint64_t bit = uint64_t{1} << part.number;
   const int64_t edge = part.due();
   int64_t &before = due_at_[part.number];
@@ -219,15 +218,10 @@ int64_t Rack::first_later() {
 int64_t Rack::first_due() {
   if (stopped_) return kNever;
   if (due_next_ || !skip_) return clock_ + 1;
-  return host_ ? std::min(host_due_, first_later()) : first_later();
+  return first_later();
 }
 
 void Rack::step(int64_t t) {
-  const bool host = host_ && (!skip_ || host_due_ <= t);
-  if (host) {
-    clock_ = t - 1;
-    host_clocks();
-  }
   uint64_t due = due_next_;
   if (!skip_) due = every_;
   if (first_later() <= t) {
@@ -256,20 +250,8 @@ void Rack::step(int64_t t) {
   for (uint64_t rest = telling; rest; rest &= rest - 1) {
     tell(*parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
   }
-  if (host) {
-    host_edge();
-    host_->refresh();
-    host_clock_ = t;
-    plan_host(false);
-    tell(*host_);
-  }
   arrive_until(t);
   settle();
-  if (host) {
-    after_clock();
-    host_->refresh();
-    if (!host_rests()) plan_host(true);
-  }
   if (!watched_.empty()) look_at_watched();
 }
 
@@ -289,7 +271,7 @@ void Rack::stop_clock(bool stopped) {
 }
 
 bool Rack::expect(std::vector<EncoderEdge> &edges) {
-  if (host_ || !skip_) return false;
+  if (!skip_) return false;
   coming_.swap(edges);
   next_coming_ = 0;
   plan_coming();
@@ -328,10 +310,6 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
       if (stop_lines_) {
         stop_lines_ = false;
         stop = Stop::kLines;
-        break;
-      }
-      if (host_ && halted()) {
-        stop = Stop::kReport;
         break;
       }
     }
@@ -385,9 +363,7 @@ void Rack::power_on() {
   skip_ = skip;
   evals_ = 0;
   if (skip_) {
-    for (const auto &part : parts_) {
-      if (part.get() != host_) part->run_always(false);
-    }
+    for (const auto &part : parts_) part->run_always(false);
   }
 }
 

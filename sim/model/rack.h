@@ -62,12 +62,6 @@ class Rack : public Model, private Listener {
   std::vector<CacheFigures> cache_figures() const override;
 
  protected:
-  // A SoC's host is a board, too (soc_core.h).
-  Board &host_board() { return *host_->model; }
-  std::string host_scope() const { return host_->model->name() + ".soc_host"; }
-  bool host_alone() const { return !slow_; }
-  void wake_host();
-  void catch_up_host();
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
   const Context context_;
 
@@ -87,8 +81,6 @@ class Rack : public Model, private Listener {
   }
   unsigned level() const { return dtack_ ? static_cast<unsigned>(dtack_->get()) : 1u; }
   void add_parts(const BoardInfo &board);
-  void host_clocks();
-  void plan_host(bool due);
   void step(int64_t t);
   // What stands at the ports after edge t arrives. What waits is older: the levels of power-on wait
   // when the first edge comes.
@@ -184,8 +176,6 @@ class Rack : public Model, private Listener {
   int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
   std::vector<int> d_logic_;
   std::vector<Wire *> d_wires_;
-  Part *host_ = nullptr;
-  int64_t host_clock_ = 0, host_due_ = 0;  // the edge up to which the host is; its next
   std::vector<std::pair<const Wire *, int>> lines_of_;
   // Parts: due at the next edge; at a later one before late_; from there on. The first later one;
   // 0: to be found.

@@ -8,7 +8,6 @@
 namespace mmcs {
 
 unsigned Rack::vme_sample() {
-  if (host_) return 0x2FFFF;  // no bus
   if (!stopped_) parts_.front()->catch_up(clock_);
   for (Wire *wire : d_wires_) drive(*wire);
   for (int l : d_logic_) kWires.logic[static_cast<size_t>(l)].run(wires_);
@@ -75,7 +74,6 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
 std::vector<CacheFigures> Rack::cache_figures() const {
   std::vector<CacheFigures> found;
   for (const auto &[module, cache] : caches_) {
-    if (module == "soc_host") continue;
     found.push_back({module, 0, 0, cache->states(), cache->bytes()});
     for (const auto &part : parts_) {
       if (part->cache != cache) continue;
@@ -187,7 +185,7 @@ void Rack::put_back(const Saved &state) {
     if (!stopped_) part->catch_up(clock_);
     part->pass(state.clock);
   }
-  clock_ = host_clock_ = state.clock;
+  clock_ = state.clock;
   pins_.restore(state.pins);
   coming_.clear();
   plan_coming();

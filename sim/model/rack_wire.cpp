@@ -26,7 +26,7 @@ void Rack::add_parts(const BoardInfo &board) {
     parts_.push_back(
         std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_));
     parts_.back()->number = parts_.size() - 1;
-    if (module != "soc_host") every_ |= uint64_t{1} << parts_.back()->number;
+    every_ |= uint64_t{1} << parts_.back()->number;
   }
   for (size_t n = first; n < parts_.size(); ++n) {
     for (const auto &out : parts_[n]->ports()) {
@@ -149,10 +149,8 @@ void Rack::wire() {
     }
   }
   for (int port = 0; port < kPorts; ++port) {
-    const bool bare = MMCS_SOC && port == kVmeSysreset;
     Input &input = inputs_[port];
-    const int n = input.net = Wires::find(bare ? "sysreset_ni" : kPortNames[port]);
-    if (n < 0 && MMCS_SOC && port < kVmeSysreset) continue;  // a SoC has no VMEbus
+    const int n = input.net = Wires::find(kPortNames[port]);
     if (n < 0) throw std::runtime_error(std::string("rtl/mmcs.sv has no port ") + kPortNames[port]);
     if (!followers_[static_cast<size_t>(n)].empty()) continue;
     const int width = kPortFields[port], whole = kWires.nets[static_cast<size_t>(n)].width;
@@ -185,19 +183,12 @@ void Rack::wire() {
     if (!found) throw std::runtime_error(std::string("the adaptor has no port ") + name);
     return found;
   };
-  if (kWires.boards.size() > static_cast<size_t>(kWires.cards) + 1) {
-    host_ = parts_.back().get();
-    host_->run_always(true);
-  } else {
-    iackout_ = of_adaptor("vme_iackout_no");
-    d_oe_ = of_adaptor("vme_d_oe_o");
-    dtack_ = of_adaptor("vme_dtack_no");
-  }
+  iackout_ = of_adaptor("vme_iackout_no");
+  d_oe_ = of_adaptor("vme_d_oe_o");
+  dtack_ = of_adaptor("vme_dtack_no");
   alive_ = of_adaptor("alive_o");
-  const std::pair<const char *, int> lines[] = {{host_ ? "irq_req_o" : "vme_irq_no", host_ ? 5 : 1},
-                                                {"panic_o", 8},
-                                                {"brake_release_o", 9},
-                                                {"sclock_o", 10}};
+  const std::pair<const char *, int> lines[] = {
+      {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) {
     const Wire *wire = of_adaptor(name);
     wire->part->line_mask |= wire->port->mask;
@@ -207,7 +198,7 @@ void Rack::wire() {
   std::vector<const Wire *> shown = {alive_};
   shown.insert(shown.end(), drives_.begin(), drives_.end());
   shown.insert(shown.end(), leds_.begin(), leds_.end());
-  if (dtack_) shown.push_back(dtack_);
+  shown.push_back(dtack_);
   for (const Wire *wire : shown) wire->part->show(*wire->port);
   if (skip_) select();
 }

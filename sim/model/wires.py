@@ -17,9 +17,8 @@ def constant(node: dict) -> int:
 
 
 class Wires:
-    def __init__(self, netlist: Netlist, cards: int, host: tuple | None):
+    def __init__(self, netlist: Netlist, cards: int):
         self.netlist, self.top, self.cards = netlist, netlist.top, cards
-        self.host = host  # of a SoC: path, module, pins, and the pins of the machine beside it
         self.nets = {v.name: n for n, v in enumerate(
             v for v in self.top.vars.values() if not v.is_param and v.width)}  # fmt: skip
         self.pins: list[str] = []
@@ -155,25 +154,11 @@ class Wires:
                                reads(expr), {name})  # fmt: skip
             self.pins.append(f'  {{{number}, "{port}", {place[0]}, {place[1]}, {var.width}}},')
 
-    def add_host(self, number: int) -> None:
-        """A SoC's host: those of its pins that meet the machine's. The others are the model's."""
-        _, module, pins, outer = self.host
-        nets = {e["name"]: self.nets[port] for port, e in outer.items()
-                if e is not None and e["type"] == "VARREF"}  # fmt: skip
-        for port, expr in pins.items():
-            name = expr["name"] if expr is not None and expr["type"] == "VARREF" else None
-            if name in nets and "clk" not in port:
-                width = module.vars[port].width
-                self.pins.append(f'  {{{number}, "{port}", {nets[name]}, 0, {width}}},')
-
     def text(self) -> str:
         self.extra: dict[str, int] = {}
         cells = [(path, self.netlist.modules[key], pins) for path, key, pins in self.top.cells]
         for number, (path, module, pins) in enumerate(cells):
             self.add_cell(number, path, module, pins)
-        if self.host:
-            self.add_host(len(cells))
-            cells.append(self.host[:3])
         for block in self.top.blocks:
             if not any(a.clocked for a in self.top.assigns):
                 self.add_block(block)
@@ -198,5 +183,5 @@ def _vars(node: dict):
     return (n for n in walk(node) if n.get("type") == "VAR")
 
 
-def wires_text(netlist: Netlist, cards: int, host: tuple | None) -> str:
-    return Wires(netlist, cards, host).text()
+def wires_text(netlist: Netlist, cards: int) -> str:
+    return Wires(netlist, cards).text()

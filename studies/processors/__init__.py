@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the firmware costs on the 68020 and on RISC-V: the tables of simulator/processors.md."""
+"""What the firmware costs on the 68020: the tables of simulator/processors.md."""

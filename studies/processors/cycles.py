@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the servo arithmetic (firmware/ports/bench.c) natively, on the 68020 and on RV32; times it.
+"""Runs the servo arithmetic (firmware/ports/bench.c) natively and on the 68020; times it.
 
 As a program it rewrites the tables of docs/simulator/processors.md.
 """
@@ -9,14 +9,13 @@ import ctypes as c
 import os
 import subprocess
 
-from mmcs import ROOT, Session, Sim, ensure_library, hosts, load, machine
+from mmcs import ROOT, Session, hosts, load, machine
 from tools.pages import rewrite
 
 FIRMWARE = ROOT / "build" / "firmware"
 BLOCK = 0x1E000
 MARK, DONE = BLOCK + 16, BLOCK + 12
 MHZ = 50 / 3
-RV32_MHZ = 24  # CPU_CLKS of sim/Makefile times 8 MHz
 PROFILES = ("P", "PD, gains of the PUMA 560", "PID, friction, filter, limits", "velocity",
             "torque, A/D offset", "A/D feedback, 2nd order", "triangle",
             "A/D demand, open loop, b0 = 19", "PD, limits, saturated",
@@ -35,12 +34,11 @@ class Timing(c.Structure):
     _fields_ = [("cache", c.c_int32), ("wait_states", c.c_int32)]
 
 
-def build(*names: str) -> None:
-    """Compiles what is not up to date, for all processors or those named."""
-    for host in names or ("m68020", "rv32"):
+def build() -> None:
+    """Compiles what is not up to date, for both processors."""
+    for host in ("m68020", "rv32"):
         hosts.make("firmware/Makefile", host)
-    if "m68020" in (names or ("m68020",)):
-        hosts.make("sim/hosts/Makefile", "all")
+    hosts.make("sim/hosts/Makefile", "all")
 
 
 def native():
@@ -110,37 +108,18 @@ def on_68020(profile: int, ticks: int, cache: int = 0, waits: int = 0):
     return words[BLOCK + 8], sum(spans) / len(spans), max(spans)
 
 
-def on_rv32(ticks: int) -> list[tuple[int, float, int]]:
-    """For each profile as on_68020(), counted by the core of the SoC itself, in the RTL."""
-    setup = load("lab500")
-    config = setup.config() | {"skip": 0, "host": hosts.HOSTS.index("rv32"),
-                               "firmware": str(FIRMWARE / "rv32" / "timing.bin")}  # fmt: skip
-    library = ensure_library(setup.scenario.cards, "speed", soc=True)
-    found = []
-    with Sim(library, config, setup.motors(), setup.links()) as sim:
-        for profile in range(len(PROFILES)):
-            total = sim.close(profile + 16 * ticks)  # the requests of firmware/ports/timing.c
-            worst, hash_ = sim.close(1 << 28), sim.close(2 << 28)
-            assert 0 < worst <= total, "the core does not answer"
-            found.append((hash_ & 0xFFFFFFFF, total / ticks, worst))
-    return found
-
-
 TABLE = [("all fetches cached", 0, 0), ("256 B cache, 0 waits", 1, 0),
          ("256 B cache, 1 wait", 1, 1), ("256 B cache, 2 waits", 1, 2)]  # fmt: skip
 
 
 def table(ticks: int = 100) -> str:
-    columns = [f"68020, {name}" for name, *_ in TABLE] + [f"RV32, {RV32_MHZ} MHz"]
+    columns = [f"68020, {name}" for name, *_ in TABLE]
     lines = ["| six axes | " + " | ".join(columns) + " |", "|---|" + "---|" * len(columns)]
-    rv32 = on_rv32(ticks)
     for profile, name in enumerate(PROFILES):
         cells = []
         for _, cache, waits in TABLE:
             _, mean, worst = on_68020(profile, ticks, cache, waits)
             cells.append(f"{mean:.0f} = {mean / MHZ / 1000:.3f} ms (worst {worst})")
-        _, mean, worst = rv32[profile]
-        cells.append(f"{mean:.0f} = {mean / RV32_MHZ / 1000:.3f} ms (worst {worst})")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -148,13 +127,13 @@ def table(ticks: int = 100) -> str:
 PASS_PARTS = ("latency", "enter", "read", "compute", "write", "publish", "pass")
 
 
-def passes(scenario: str, host: str, cache: int, waits: int):
+def passes(scenario: str, cache: int, waits: int):
     """What one servo pass of the compiled driver takes beside the RTL, and how it ended."""
     bytes_ = '"256 bytes"' if cache else '"ideal"'
     sets = ("duration=0.3", "interval_us=2000", "motion=[]", "expect=[]",
             f"host.wait_states={waits}", f"host.instruction_cache={bytes_}")  # fmt: skip
     setup = load(scenario, *sets)
-    with machine(setup, host=host) as sim:
+    with machine(setup, host="m68020") as sim:
         Session(sim, setup).run(lambda *_: None)
         return sim.phases(), sim.stats()
 
@@ -162,16 +141,14 @@ def passes(scenario: str, host: str, cache: int, waits: int):
 def pass_table() -> str:
     lines = ["| | " + " | ".join((*PASS_PARTS, "longest")) + " |"]
     lines += ["|---|" + "---|" * (len(PASS_PARTS) + 1)]
-    hosts = [(f"68020, {name}", "m68020", *memory) for name, *memory in TABLE]
-    hosts += [(f"RV32, {RV32_MHZ} MHz", "rv32", 0, 0)]
     for scenario, axes in (("lab500", "2 axes"), ("puma560", "6 axes")):
-        for name, *host in hosts:
+        for name, *memory in TABLE:
             # slow enough for the slowest: what a pass takes does not depend on it
-            phases, stats = passes(scenario, *host)
+            phases, stats = passes(scenario, *memory)
             assert stats["overruns"] == 0, "a pass takes more than 2 ms"
             cells = [f"{phases[part][1]:.0f}" for part in PASS_PARTS]
             cells.append(f"{phases['pass'][2]:.0f}")
-            lines.append(f"| {axes}, {name} | " + " | ".join(cells) + " |")
+            lines.append(f"| {axes}, 68020, {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 

@@ -4,7 +4,7 @@
 A host sustains a rate if the compiled driver beside the RTL, with all axes in motion and a process
 that writes all setpoints at every sample, misses no SCLOCK, is overtaken by none (the driver's own
 counts, MGETSTATS) and answers every request. The machine is always the largest, 16 cards, of which
-those that are not wanted are absent: one build of the model for each kind of host.
+those that are not wanted are absent: one build of the model.
 """
 
 import tempfile
@@ -34,17 +34,14 @@ LAWS = {
 
 @dataclass(frozen=True)
 class Case:
-    """A processor with its memory, and the law that it computes."""
+    """The 68020 with its memory, and the law that it computes."""
 
-    host: str
     cache: str = "ideal"
     waits: int = 0
     law: str = "PD"
 
     def __str__(self) -> str:
-        if self.host != "m68020":
-            name = "RV32, 24 MHz"
-        elif self.cache == "ideal":
+        if self.cache == "ideal":
             name = "68020, all fetches cached"
         else:
             waits = f"{self.waits} wait{'' if self.waits == 1 else 's'}"
@@ -53,10 +50,7 @@ class Case:
 
 
 MEMORIES = [("ideal", 0), *(("256 bytes", waits) for waits in (0, 1, 2))]
-CASES = [
-    *(Case("m68020", *memory, law=law) for law in LAWS for memory in MEMORIES),
-    *(Case("rv32", law=law) for law in LAWS),
-]
+CASES = [Case(*memory, law=law) for law in LAWS for memory in MEMORIES]
 
 
 @dataclass(frozen=True)
@@ -91,7 +85,7 @@ def setup_of(case: Case, axes: int, interval_us: int):
 def run(case: Case, axes: int, interval_us: int) -> Verdict:
     """One real run."""
     setup, refused = setup_of(case, axes, interval_us), ""
-    with machine(setup, host=case.host) as sim:
+    with machine(setup, host="m68020") as sim:
         try:
             Session(sim, setup).run()
         except RunError as error:

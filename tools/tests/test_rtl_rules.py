@@ -23,11 +23,11 @@ PUT_BACK = [
     ("rtl/mmcs.sv", "  input  wire logic [2:0] sclock_open_i,"),
     ("rtl/mmcs.sv", "  input  wire logic [11:0] dip_xor_i,"),
     ("rtl/mmcs.sv", "  input  wire logic [71:0] dac_stuck1_i,"),
-    ("rtl/soc/soc_bridge.sv", "  input  wire logic fault_i,"),
-    ("rtl/soc/soc_host.sv", "  // when skipping, the next edge matters"),
+    ("rtl/adaptor/reg_window.sv", "  input  wire logic fault_i,"),
+    ("rtl/adaptor/adaptor_vme.sv", "  // when skipping, the next edge matters"),
     ("rtl/chips/i8255.sv", "  // so that a simulator keeps the result"),
-    ("fpga/mmcs_fpga.sv", "    .skip_extra_i('0),"),
-    ("fpga/board/uart_host.sv", "  // nothing that a simulator need know"),
+    ("fpga/bus/vme_adaptor.sv", "    .skip_extra_i('0),"),
+    ("fpga/bus/spi_converters.sv", "  // nothing that a simulator need know"),
 ]
 
 
@@ -54,8 +54,6 @@ DECIDED = [  # file, what holds `q <= d`, what decides instead
     ("rtl/adaptor/panic.sv", "hold_q  <= hold_d;", "if (tripped) hold_q <= '0;"),
     ("rtl/adaptor/vme_slave.sv", "busy_q     <= busy_d;", "busy_q <= ds0_valid & ds_any_sync;"),
     ("rtl/adaptor/sysclk.sv", "phase_q <= phase_d;", "phase_q <= phase_q + 1'b1;"),
-    ("fpga/mmcs_soc_fpga.sv", "host_q <= host_d;", "if (ack) host_q <= host_d;"),
-    ("fpga/board/uart_host.sv", "forget_q   <= forget_d;", "forget_q <= forget_q - 1'b1;"),
     ("fpga/bus/pcbus_pins.sv", "pc_ale       <= ale_d;", "pc_ale <= ~(|ior_q);"),
 ]
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Start-up, traps and bus errors of the RV32 core of rtl/soc, §5. Memory map: docs/hardware/soc.md.
+/* Start-up, traps and bus errors of a RISC-V processor with the standard interrupts, §5.
  *
- * The core takes its vectors from address 0 (cause 0 and all exceptions first, interrupt n at 4 n)
+ * The processor takes its vectors from address 0 (cause 0 and all exceptions first, interrupt n at 4 n)
  * and starts at 0x80. */
 
-#if defined(IMAGE_bench) || defined(IMAGE_timing)
+#ifdef IMAGE_bench
 #define port_servo_interrupt fatal
 #define port_doorbell_interrupt fatal
 #endif
@@ -31,7 +31,6 @@
 
         .org    0x80
 start:  csrw    mie, zero
-        csrwi   mcountinhibit, 5        /* nobody reads the counters: they stand */
         la      sp, stack_top
         clear_bss
         li      t0, SOURCES

@@ -8,7 +8,6 @@ import pytest
 
 HOSTS = {
     "m68020": ("m68k-linux-gnu-gcc", "machine68k"),
-    "rv32": ("riscv64-unknown-elf-gcc", "pythondata_cpu_ibex"),
 }
 
 

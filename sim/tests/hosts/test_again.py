@@ -11,16 +11,7 @@ from needed import HOSTS, missing, needs
 from mmcs import ROOT, Session, hosts, load, machine, waves
 from mmcs.tests.conftest import call
 
-ON = [
-    pytest.param(
-        host,
-        marks=[
-            needs(host),
-            *([pytest.mark.slow] if host == "rv32" else []),  # its model takes a minute to compile
-        ],
-    )
-    for host in HOSTS
-]
+ON = [pytest.param(host, marks=needs(host)) for host in HOSTS]
 
 
 @pytest.fixture
@@ -87,20 +78,19 @@ def test_stretch_with_waveforms(mmcs, runs, host, tmp_path):
     status, text, _ = mmcs("trace", out, "--at", 0.1, "--window", 3.5, "--out", path)
     assert status == 0 and f"the same hash, {digest}" in text
     signals = {v.full_name: v for v in pywellen.Waveform(str(path)).all_vars()}
-    machine_, groups = waves.view(host)
-    widths = {s: getattr(signals.get(s.full(machine_)), "length", None)
-              for group in groups.values() for s in group}  # fmt: skip
+    widths = {s: getattr(signals.get(s.full()), "length", None)
+              for group in waves.GROUPS.values() for s in group}  # fmt: skip
     assert all(s.width == found for s, found in widths.items())
     view = path.with_suffix(".gtkw").read_text()
-    assert all(s.gtkwave(machine_) in view for s in widths)
+    assert all(s.gtkwave() in view for s in widths)
 
-    phase = [(t, v) for t, v in signals[groups["firmware"][0].full(machine_)].tv]
+    phase = [(t, v) for t, v in signals[waves.GROUPS["firmware"][0].full()].tv]
     enters = [n for n, (_, v) in enumerate(phase) if v == ENTER]
     whole = [n for n in enters if n + 5 < len(phase)]
     assert len(whole) >= 2
     strobe = waves.Signal(f"{waves.AXIS}.dac_hi_i")
-    writes = [t for t, v in signals[strobe.full(machine_)].tv if v]
-    pc = list(signals[groups["firmware"][1].full(machine_)].tv)
+    writes = [t for t, v in signals[strobe.full()].tv if v]
+    pc = list(signals[waves.GROUPS["firmware"][1].full()].tv)
     for n in whole:
         assert [v for _, v in phase[n : n + 5]] == [ENTER, READ, COMPUTE, WRITE, PUBLISH]
         assert phase[n + 5][1] in (PROGRAM, STOPPED)
@@ -123,7 +113,7 @@ def test_replay_tells_of_another_image(mmcs, runs, tmp_path):
     text["host"] = "vax"
     (tmp_path / "run.mmcs").write_text(json.dumps(text))
     status, _, err = mmcs("replay", tmp_path)
-    assert status == 2 and 'host = "vax": must be one of "native", "m68020", "rv32"' in err
+    assert status == 2 and 'host = "vax": must be one of "native", "m68020"' in err
 
 
 TIMES = (0.0305, 0.0403, 0.0407)  # snapshots, seconds

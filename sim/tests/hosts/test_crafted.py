@@ -134,22 +134,6 @@ def test_whatever_a_68020_is_said_to_be_in(crafted):
     assert min(ends.values()) > 30, ends
 
 
-@needs("rv32")
-@pytest.mark.slow  # its model takes a minute to compile
-@pytest.mark.req("SW-1")
-@pytest.mark.parametrize("crafted", ["rv32"], indirect=True)
-def test_whatever_an_rv32_is_said_to_be_in(crafted):
-    dice = random.Random(18)
-    ends = {True: 0, False: 0}
-    for n in range(100):
-        content = bytearray(crafted.state[HEADER:])
-        for _ in range(dice.randrange(1, 40)):
-            at = dice.randrange(len(content))
-            content[at] = dice.randrange(256) if n % 2 else content[at] ^ 1 << dice.randrange(8)
-        ends[crafted.taken(crafted.sealed(content))] += 1
-    assert min(ends.values()) > 5, ends
-
-
 NOT = float("nan")
 PLANT = {  # members of AxisState, eight bytes each, and what none of them can be
     **{n: (NOT, float("inf"), -1e13) for n in range(6)},  # angles, speeds, current, A/D

@@ -107,7 +107,7 @@ def test_bus_error_while_servoing():
 def test_firmware_gone_wrong_ends_in_panic(what, tmp_path, monkeypatch):
     statement, told = WRONG[what]
     setup = load("lab500", "duration=0.25", "expect=[]")
-    found = notes_of_sick("m68020", statement, setup, tmp_path, monkeypatch)
+    found = notes_of_sick(statement, setup, tmp_path, monkeypatch)
     notes = [(n["kind"], n["text"], n["t"]) for n in found]
     low = [t for kind, text, t in notes if kind == "panic" and "low" in text]
     high = [t for kind, text, t in notes if kind == "panic" and "high" in text]

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The servo arithmetic compiled for the 68020 and for RV32 equals native, to the bit. §1.3.1, §5.
 
-The images run on the processor models of unicorn, which share nothing with Musashi (test_hosts.py)
-nor with the core in the RTL (test_rv32.py). Each hash covers the results and the state of six axes
-after every tick.
+The images run on the processor models of unicorn, which share nothing with Musashi (test_hosts.py).
+Each hash covers the results and the state of six axes after every tick.
 """
 
 import os
@@ -17,8 +16,6 @@ pytestmark = needs("m68020", "riscv64-unknown-elf-gcc", "unicorn", by="make test
 
 TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 20_000
 RAM_BYTES = 0x20000
-# The model has no mcountinhibit, which start-up writes; the real core has.
-CSRWI_MCOUNTINHIBIT, NOP = (word.to_bytes(4, "little") for word in (0x3202D073, 0x00000013))
 STOP = {"m68020": bytes.fromhex("4E722700"), "rv32": (0x10500073).to_bytes(4, "little")}  # or WFI
 
 
@@ -48,7 +45,7 @@ def run(port: str, profile: int, ticks: int) -> int:
     image = (bench.FIRMWARE / port / "bench.bin").read_bytes()
     cpu, order, start = PROCESSORS[port](image)
     cpu.mem_map(0, RAM_BYTES)
-    cpu.mem_write(0, image.replace(CSRWI_MCOUNTINHIBIT, NOP) if port == "rv32" else image)
+    cpu.mem_write(0, image)
     cpu.mem_write(bench.BLOCK, profile.to_bytes(4, order) + ticks.to_bytes(4, order))
     cpu.emu_start(start, image.index(STOP[port], start))
     assert int.from_bytes(cpu.mem_read(bench.DONE, 4), order) == 1, "the image did not end"

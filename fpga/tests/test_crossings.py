@@ -14,18 +14,15 @@ from pathlib import Path
 
 import pytest
 
-from fpga.build import BUS, TARGETS, read_command
+from fpga.build import TARGETS, read_command
 from mmcs import ROOT
 
 pytestmark = pytest.mark.req("VME-3", "ENC-1", "SW-1", "PAN-2")
-READ = {t.top: read_command(t) for t in TARGETS
-        if t.name in ("machine", "ulx3s") or t.files == BUS}  # fmt: skip
-READ["soc_cross"] = "read_verilog -sv -Irtl rtl/lib/sync.sv rtl/soc/soc_cross.sv"
+READ = {t.top: read_command(t) for t in TARGETS}
+READ["mmcs"] = READ["vme_adaptor"]
 FLOPS = ("$dff", "$adff", "$aldff", "$dffsr")
 BY_BIT = ("$and", "$or", "$xor", "$xnor", "$not", "$mux")
 EXEMPT = {  # pin or flip-flop: why it may be read as it is
-    "start_i": "of the clock that reads it",
-    "far_finish_i": "of the clock that reads it",
     "dip*": "switches that stand while the power is on",
     "adc_v_i": "a number in place of a voltage",
     "adc_dout": "follows SCLK, half of whose period it stands before it is taken",

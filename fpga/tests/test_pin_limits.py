@@ -9,8 +9,6 @@ import pytest
 from fpga import limits
 from mmcs import ROOT
 
-PINS = "fpga/board/board_pins.svh"
-
 
 @pytest.mark.parametrize("kind", ["sdc", "xdc"])
 def test_the_files_hold_each_limit(kind, tmp_path, monkeypatch):
@@ -25,9 +23,7 @@ def test_the_files_hold_each_limit(kind, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("top", limits.tops())
 def test_every_pin_of_a_limit_is_a_port(top):
-    folder = "bus" if (ROOT / f"fpga/bus/{top}.sv").is_file() else "board"
-    text = (ROOT / f"fpga/{folder}/{top}.sv").read_text()
-    text += (ROOT / PINS).read_text() if "`BOARD_PINS" in text else ""
+    text = (ROOT / f"fpga/bus/{top}.sv").read_text()
     declared = re.findall(
         r"(?:input|output|inout)\s+(?:wire\s+)?(?:logic)?\s*(\[[^]]*\])?\s*(\w+)", text
     )

@@ -9,7 +9,7 @@ from tools.compiled import ran
 
 
 @pytest.mark.slow  # some ten seconds
-@pytest.mark.req("SOC-1")
-def test_both_tops_elaborate():
+@pytest.mark.req("SW-1")
+def test_all_tops_elaborate():
     done = ran(sys.executable, "fpga/build.py", "--elaborate")
     assert done.returncode == 0, done.stdout + done.stderr
