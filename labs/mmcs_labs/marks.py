@@ -2,12 +2,11 @@
 """What an answer is worth: questions, their points, and the reason for each."""
 
 import re
-import sys
+import runpy
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
@@ -151,12 +150,9 @@ def _state(sheet: Sheet) -> tuple[Path, int]:
 def _loaded(path: Path, _: int) -> tuple[tuple[Question, ...], type[Strict]]:
     """QUESTIONS of a grader, and the model of their answers; once a process for each state of the
     file, so that there is one model."""
-    spec = spec_from_file_location(f"grader_of_{path.parent.name}", path)
-    module = module_from_spec(spec)
-    sys.modules[spec.name] = module  # models of pydantic look there for their types
     try:
-        spec.loader.exec_module(module)
-        fields = {one.key: (one.kind | None, None) for one in module.QUESTIONS}
-        return tuple(module.QUESTIONS), create_model("Answer", __base__=Strict, **fields)
+        questions = tuple(runpy.run_path(str(path))["QUESTIONS"])
+        fields = {one.key: (one.kind | None, None) for one in questions}
+        return questions, create_model("Answer", __base__=Strict, **fields)
     except Exception as error:
         raise InputError.one(path, "", None, f"{type(error).__name__}: {error}") from None

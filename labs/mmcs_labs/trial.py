@@ -9,22 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs import (
-    InputError,
-    RunError,
-    Session,
-    Strict,
-    column,
-    echo,
-    lacking_gains,
-    library_of,
-    load,
-    machine,
-    measure,
-)
+import mmcs
 
 
-class Gains(Strict):
+class Gains(mmcs.Strict):
     """The compensator's integers, as `mmcs design --toml` prints them."""
 
     a0: int
@@ -55,7 +43,7 @@ class Seen:
 
     def column(self, name: str, axis: int = 0, after: float = 0.0, until: float = 1e9):
         """A column of the log from `after` to `until`, seconds of motion."""
-        return column(self.result.log, axis, name)[(self.t >= after) & (self.t < until)]
+        return mmcs.column(self.result.log, axis, name)[(self.t >= after) & (self.t < until)]
 
     def true_speed(self, axis: int = 0) -> np.ndarray:
         """Of the joint, from the physics, rad/s."""
@@ -64,7 +52,7 @@ class Seen:
     @cached_property
     def axes(self) -> list[dict]:
         """The figures that `mmcs run` prints."""
-        return measure(self.result)
+        return mmcs.measure(self.result)
 
     def after(self, kind: str, text: str, moment: float) -> float | None:
         """Milliseconds from a moment of the motion to the first such event."""
@@ -84,17 +72,17 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
     words = [word for text in sets for word in ("--set", text)]
     command = shlex.join(["mmcs", "run", name, *words])
     try:
-        setup = load(folder / name, *sets)
-    except InputError as error:
+        setup = mmcs.load(folder / name, *sets)
+    except mmcs.InputError as error:
         mistake = error.mistakes[0]
-        raise RunError(f"{mistake.key or name}: {mistake.allowed}") from None
-    for text in lacking_gains(setup):
+        raise mmcs.RunError(f"{mistake.key or name}: {mistake.allowed}") from None
+    for text in mmcs.lacking_gains(setup):
         _caution(text)
-    with machine(setup, library=library_of(setup)) as sim:
-        return Seen(command, Session(sim, setup).run())
+    with mmcs.machine(setup, library=mmcs.library_of(setup)) as sim:
+        return Seen(command, mmcs.Session(sim, setup).run())
 
 
 @cache
 def _caution(text: str) -> None:
     """To the teacher, once for a class."""
-    echo(f"caution: {text}", err=True)
+    mmcs.echo(f"caution: {text}", err=True)

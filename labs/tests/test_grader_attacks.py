@@ -27,7 +27,7 @@ def is_number(value) -> bool:
 def degenerate(key: str, value):
     """What somebody writes who has done nothing."""
     if isinstance(value, dict) and "b0" in value:
-        yield {**{k: 0 for k in value}, **{k: v for k, v in NOTHING.items() if k in value}}
+        yield {k: NOTHING.get(k, 0) for k in value}
         yield {**value, "a0": 1, **{k: 0 for k in ("a1", "a2") if k in value}}
     elif isinstance(value, dict):
         yield {k: 0 for k in value}

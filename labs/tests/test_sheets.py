@@ -268,7 +268,7 @@ BROKEN_SHEETS = {
     "no grader": ("grader.py", None, "a sheet needs a file grader.py"),
     "no answer": ("answer.toml", None, "a sheet needs a file answer.toml"),
     "wrong grader": ("grader.py", "import nowhere", "ModuleNotFoundError: No module named"),
-    "no questions": ("grader.py", "ANSWER = 1", "no attribute 'QUESTIONS'"),
+    "no questions": ("grader.py", "ANSWER = 1", "KeyError: 'QUESTIONS'"),
 }
 
 
