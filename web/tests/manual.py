@@ -14,7 +14,6 @@ HEADS = {
                 "| −3 dB, rad/s | rise, ms | overshoot | steady error | farthest |\n"
                 + "|---" * 10 + "|",
     "stops": "| | stops | median, ms | 90 %, ms | greatest, ms |\n|---|---|---|---|---|",
-    "stops_beside": "| | stops | missed | median, ms | 99 %, ms |\n|---|---|---|---|---|",
     "stream": "| process | share of a core |\n|---|---|",
     "web": "| scenario | in WebAssembly | native | ratio |\n|---|---|---|---|",
 }  # fmt: skip
