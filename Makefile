@@ -216,12 +216,11 @@ litex-test: $(VENV)/.litex ## a LiteX SoC whose processor runs the driver and mo
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(BIN)/python -m pytest bridges/litex/tests
 
-linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL; PLOT=1: draws it into docs
+linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL
 	@tools/need_debian.sh halcompile linuxcnc-uspace-dev
 	@cd build && halcompile --install ../bridges/linuxcnc/mmcs.comp >linuxcnc.log 2>&1 || \
 	  { cat linuxcnc.log; echo "mmcs: the component goes into LinuxCNC's own folder: run this as root"; exit 2; }
 	@$(BIN)/python -m pytest bridges/linuxcnc/tests
-	@$(if $(PLOT),$(BIN)/python bridges/linuxcnc/plot.py)
 
 # --- programmable logic --------------------------------------------------------------------
 

@@ -39,7 +39,7 @@ _MORE = {
     "runs.replay": "replay trace",
     "runs.record": "make_record write_record parse",
     # pictures
-    "view": "svg waves",
+    "view": "waves",
     # servers, workers of a page, files and words
     "device.client": "Device",
     "device.motion": "Motion",

@@ -27,7 +27,6 @@ sys.path.insert(0, str(HERE))
 import machine as far_end  # noqa: E402
 
 ROOT = HERE.parents[1]
-BUILD = ROOT / "build" / "linuxcnc"
 REALTIME, MODULE = "/usr/lib/linuxcnc/realtime", Path("/usr/lib/linuxcnc/modules/mmcs.so")
 NOBODY = 65534
 PATIENCE = 5_000  # looks at a pin, of a machine that may have much else to do
@@ -173,8 +172,6 @@ def moved(folder):
             assert get("mmcs.estop-ok-out") == "TRUE", "a stop is no fault"
             assert get("mmcs.lost") == "0"
     rows = [[float(x) for x in line.split()] for line in samples.read_text().splitlines()]
-    BUILD.mkdir(parents=True, exist_ok=True)
-    shutil.copy(samples, BUILD / "samples.txt")  # bridges/linuxcnc/plot.py
     return [row for row in rows if row[-1]], host.log, scale
 
 
