@@ -112,8 +112,7 @@ test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped
 
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
-    chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor mark* expansion hosts \
-    system/cocotb_cards.py system/cocotb_interrupts.py system/cocotb_vme.py \
+    chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor card system/cocotb_cards.py \
     functional/test_simulators_agree.py)
 
 SIM ?= verilator

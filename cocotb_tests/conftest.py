@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """pytest collects every cocotb_*.py here: one item for each test x variant x simulator.
 
-A module says `TOPLEVEL`, and if it likes `PARAMETERS` (one dictionary) or `VARIANTS` (name:
-dictionary) and `SOURCES` (further files beside it), and by variant what runs behind `DPI`. The
-simulation of a module runs once for each variant and simulator with all selected tests; the items
-read their result.
+A module says `TOPLEVEL` (one name, or one for each variant), and if it likes `PARAMETERS` (one
+dictionary) or `VARIANTS` (name: dictionary) and `SOURCES` (further files beside it), and by variant
+what runs behind `DPI`. The simulation of a module runs once for each variant and simulator with all
+selected tests; the items read their result.
 """
 
 import importlib.util
@@ -78,12 +78,13 @@ class CocotbFile(pytest.File):
             for sim in sims:
                 job = runner.Job(
                     name,
-                    module.TOPLEVEL,
+                    runner.toplevel(module, variant),
                     sim,
                     tuple(sorted(parameters.items())),
                     extra,
                     self.config.getoption("--rtl-coverage") and sim == "verilator",
                     dpi=getattr(module, "DPI", {}).get(variant, ""),
+                    environment=(("MMCS_VARIANT", variant),),
                     waves=self.config.getoption("--waves"),
                 )
                 label = f"{variant}-{sim}" if variant else sim

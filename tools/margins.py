@@ -126,7 +126,7 @@ def main() -> int:
         where = ", ".join(map(str, args.folders)) or ROOT / "build" / "cocotb"
         print(
             f"margins: no MARGIN lines of the present RTL below {where}: "
-            "run `pytest cocotb_tests/system` first",
+            "run `pytest cocotb_tests/adaptor cocotb_tests/system` first",
             file=sys.stderr,
         )
         return 2

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The adaptor's five functions behind the host port, with no VME in sight. §4.2.1"""
+"""The adaptor's five functions behind the host port of its core. §4.2.1, §4.3.8"""
 
 import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.pcbus import PcBus, PcBusSlave
 
-from cocotb_tests.lib.req import tests_on, variants
-from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, SCLOCK_IRQ, VECTOR, Host
+from cocotb_tests.adaptor.fronts import HostPort
+from cocotb_tests.lib.req import tests_on
+from cocotb_tests.lib.tb import PCCSR, VECTOR
 
 TOPLEVEL = "adaptor_core"
 VARIANTS = {
@@ -16,41 +17,8 @@ VARIANTS = {
 }
 
 
-class HostPort(Host):
-    """One request at a time, as a host front makes them."""
-
-    async def start(self):
-        await super().start()
-        self.dut.pc_d_i.value = 0xFF
-        return self
-
-    async def access(self, offset: int, value: int | None = None, wait: int = 1000) -> int:
-        dut = self.dut
-        dut.hp_a_i.value = offset >> 1
-        dut.hp_write_i.value = int(value is not None)
-        dut.hp_wdata_i.value = value or 0
-        dut.hp_req_i.value = 1
-        for n in range(wait):
-            await FallingEdge(dut.clk_i)  # between the edges all is settled
-            if int(dut.hp_ack_o.value):
-                data = int(dut.hp_rdata_o.value)
-                await RisingEdge(dut.clk_i)
-                dut.hp_req_i.value = 0
-                await RisingEdge(dut.clk_i)
-                assert not int(dut.hp_ack_o.value), "one clock of answer"
-                assert int(dut.hp_rdata_o.value) == data, "held after the answer"
-                self.took = n + 1
-                return data
-        raise AssertionError(f"no answer at {offset:03X}")
-
-    async def rd(self, offset: int) -> int:
-        return await self.access(offset)
-
-    async def wr(self, offset: int, value: int) -> None:
-        assert await self.access(offset, value) == 0xFF, "a write answers nothing"
-
-
 port_test = tests_on(HostPort)
+usual_test = tests_on(HostPort, "8MHz")
 
 
 @port_test("ADP-1", "VME-5", "CSR-1")
@@ -220,29 +188,6 @@ async def iochrdy(dut, tb):
         assert await tb.rd(0x021) == 0x5A
 
 
-@port_test("ADP-1", "PIT-2", "INT-1", "INT-2")
-async def interrupts_by_the_port(dut, tb):
-    await tb.us(2)
-    await tb.wr(0x407, 0x70)
-    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
-    assert not int(dut.irq_req_o.value)
-    await tb.wr(0x407, 0x74)
-    await tb.clocks(3)
-    assert int(dut.irq_req_o.value)
-    assert int(dut.pc_drq_o.value) == 0b100
-    await tb.wr(PCCSR, BASE)
-    await tb.clocks(2)
-    assert not int(dut.irq_req_o.value)
-    await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
-    dut.pc_irq_i.value = 1 << 4
-    await tb.clocks(5)
-    assert int(dut.irq_req_o.value) and int(dut.panic_o.value)
-    dut.pc_irq_i.value = 0
-    await tb.clocks(HEALTH_CLKS)
-    assert int(dut.irq_req_o.value) and not int(dut.panic_o.value)
-    assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
-
-
 @port_test("PAN-1", "PAN-2", "ADP-1")
 async def safety_by_the_port(dut, tb):
     """Each of button, cable and power alone; without a link the PC bus reads 0xFF at full speed."""
@@ -270,23 +215,6 @@ async def safety_by_the_port(dut, tb):
             assert int(dut.panic_o.value) == (clocks_left > 0)
         await tb.us(60)
         assert not int(dut.panic_o.value)
-
-
-@port_test("PCB-1", "CSR-1")
-@variants("8MHz")
-async def sysreset_passes_to_reset_drv(dut, tb):
-    await tb.us(60)
-    await tb.wr(PCCSR, 0x9F)
-    await tb.wr(VECTOR, 0x44)
-    assert not int(dut.pc_reset_drv_o.value)
-    dut.sys_reset_i.value = 1
-    await tb.us(3)
-    assert int(dut.pc_reset_drv_o.value)
-    dut.sys_reset_i.value = 0
-    await tb.us(1)
-    assert not int(dut.pc_reset_drv_o.value)
-    assert await tb.rd(PCCSR) == 0
-    assert int(dut.vector_o.value) == 0x44
 
 
 @port_test("ADP-1", "PIT-1", "PIT-2")
@@ -348,3 +276,47 @@ async def random_requests(dut, tb):
             await tb.wr(tb.random.randrange(0x200) << 1 | 1, 0)
         await tb.clocks(tb.random.randrange(4))
     assert answers == requests
+
+
+@usual_test("PCB-1", "CSR-1")
+async def reset_drv_stands_from_power_on(dut, tb):
+    """It is high while the power-on reset is, and until SYSRESET* has ended."""
+    dut.sys_reset_i.value = 1
+    dut.rst_ni.value = 0
+    await Timer(10, "ns")
+    assert int(dut.pc_reset_drv_o.value)
+    for pin, value in ((dut.rst_ni, 1), (dut.sys_reset_i, 0)):
+        for _ in range(30):
+            await FallingEdge(dut.clk_i)
+            assert int(dut.pc_reset_drv_o.value)
+        pin.value = value
+    await tb.clocks(4)
+    assert not int(dut.pc_reset_drv_o.value)
+
+
+@usual_test("PCB-1", "PAN-2")
+async def cable_that_bounces_in_a_command(dut, tb):
+    """Out and back at any clock of an access: one command at most, and what is cut reads 0xFF."""
+    await tb.us(60)
+    dut.pc_d_i.value = 0x33
+    commands = cut = 0
+    for write in (1, 0):
+        strobe = dut.pc_iow_no if write else dut.pc_ior_no
+        for begin in range(10):
+            for length in (1, 2, 3, 5):
+                task = cocotb.start_soon(tb.access(0x001, 0x77 if write else None))
+                falls, before, low = 0, 1, 0
+                for n in range(16):
+                    await FallingEdge(dut.clk_i)
+                    falls += before and not int(strobe.value)
+                    before = int(strobe.value)
+                    low += not before
+                    out = begin + 2 <= n < begin + 2 + length  # synchronised
+                    assert before or not out, "a command without a link"
+                    dut.cable_ok_i.value = int(not begin <= n < begin + length)
+                assert falls <= 1, f"{falls} commands, cable out in clock {begin} for {length}"
+                assert await task == (0xFF if write or low < 4 else 0x33)
+                commands += falls
+                cut += low < 4
+                await tb.clocks(8)
+    assert commands >= 40 and cut >= 20

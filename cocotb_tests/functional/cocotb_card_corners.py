@@ -7,6 +7,8 @@ Each of these was found by breaking the RTL and seeing that no test noticed.
 import cocotb
 from cocotb.triggers import FallingEdge
 
+from cocotb_tests.card.host import VARIANTS as CARDS
+from cocotb_tests.card.host import Slot
 from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import (
     B_INDEX,
@@ -27,18 +29,16 @@ from cocotb_tests.lib.tb import (
     RUN,
     volts_of,
 )
-from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
-from cocotb_tests.mark1.cocotb_mark1 import Card
 
 TOPLEVEL = "mark1"
-PARAMETERS = CARDS["short"]
+PARAMETERS = CARDS["slot"]
 CODES = (0x9A5, 0x35C)
-card_test = tests_on(Card)
+card_test = tests_on(Slot)
 
 
-async def driving(dut) -> Card:
+async def driving(dut) -> Slot:
     """Both D/As written and connected; the heartbeats have run out."""
-    tb = await Card(dut).start()
+    tb = await Slot(dut).start()
     for joint, code in enumerate(CODES):
         await tb.dac(joint, code)
     await tb.us(130)
@@ -68,7 +68,7 @@ async def latch_leaves_a_single_buffered_output(tb):
     for joint in (0, 1):
         await tb.pc.write(DAC1 + 2 * joint, 0x77)
     await tb.pc.write(LATCH, 0)
-    await tb.sclock()
+    await tb.pulse()
     await tb.clocks(3)
     assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
 
@@ -331,7 +331,7 @@ async def free_bits_of_port_b_leave_sclock_alone(tb):
         for enabled in (B_SCLOCK, 0):
             await tb.pc.write(PORT_B, RUN & ~B_SCLOCK | enabled | high << 5)
             await tb.preset(0, 100)
-            await tb.sclock()
+            await tb.pulse()
             await tb.enc[0].move(5, 300)
             await tb.us(1)
             assert await tb.encoder(0) == (100 if enabled else 105), f"{high} {enabled}"
@@ -344,7 +344,7 @@ async def lights_follow_port_a_and_a_card_without_power_is_dark(dut, tb):
     for value in range(32):
         await tb.pc.write(PORT_A, QUAD | value << 3)
         await tb.clocks(2)
-        assert (tb.led("gp1"), tb.led("gp2")) == (value & 1, value >> 1 & 1), f"{value:02X}"
+        assert (tb.led(0, "gp1"), tb.led(0, "gp2")) == (value & 1, value >> 1 & 1), f"{value:02X}"
     await tb.us(tb.parameters["HeartbeatUs"] + 2)
     dut.enc_a_i.value = dut.enc_b_i.value = dut.enc_i_i.value = 3
     await tb.clocks(8)

@@ -3,18 +3,18 @@
 
 import cocotb
 
+from cocotb_tests.card.host import VARIANTS as CARDS
+from cocotb_tests.card.host import Slot
 from cocotb_tests.functional import cover
 from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import PORT_A, PPI_CONTROL, PPI_SETUP
-from cocotb_tests.mark1.cocotb_mark1 import VARIANTS as CARDS
-from cocotb_tests.mark1.cocotb_mark1 import Card
 
 TOPLEVEL = "mark1"
-PARAMETERS = CARDS["short"]
+PARAMETERS = CARDS["slot"]
 READABLE = {*range(8), 12, 13, 14}
 
 
-class Numbered(Card):
+class Numbered(Slot):
     async def number(self, dip: int) -> None:
         self.dut.dip_i.value = dip
         self.pc.base = 0x300 | dip << 10

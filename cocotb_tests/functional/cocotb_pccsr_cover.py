@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every transition of the PCCSR: from every state by every write and every edge. §4.3.3, §4.3.6"""
 
-from cocotb_tests.adaptor.cocotb_host_port import HostPort
+from cocotb_tests.adaptor.fronts import HostPort
 from cocotb_tests.functional import cover
 from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import HEALTH_CLKS, PCCSR, PIT

@@ -6,6 +6,9 @@ A net is forced, a register held. lib/visible.vlt lists the nets for Verilator.
 
 from cocotb.handle import Force, Release
 
+from cocotb_tests.adaptor.cocotb_interrupts import machine as interrupts
+from cocotb_tests.adaptor.cocotb_interrupts import panic_edge, panic_low, sclock_edge, sclock_low
+from cocotb_tests.card.host import Rack
 from cocotb_tests.lib.req import test
 from cocotb_tests.lib.tb import (
     ADC_LO,
@@ -19,10 +22,6 @@ from cocotb_tests.lib.tb import (
     SCLOCK_IRQ,
     volts_of,
 )
-from cocotb_tests.system.cocotb_cards import CONVERT_US, pulse
-from cocotb_tests.system.cocotb_cards import machine as cards
-from cocotb_tests.system.cocotb_interrupts import machine as interrupts
-from cocotb_tests.system.cocotb_interrupts import panic_edge, panic_low, sclock_edge, sclock_low
 from cocotb_tests.system.cocotb_safety import BEAT_US, panic
 from cocotb_tests.system.cocotb_safety import machine as safety
 from cocotb_tests.system.machine import USUAL
@@ -64,10 +63,10 @@ async def panic_line_open(dut):
 @test("LAT-1", "JMP-1")
 async def sclock_line_open(dut):
     """A card whose DRQ jumper is off never latches; its neighbours do."""
-    tb = await cards(dut)
+    tb = await Rack(dut).start()
     tb.stuck(dut.u_cards.g_card[1].u_card.u_latch.sclock_q, 1)  # so that no edge is seen
     tb.inputs([0x1000] * 6)
-    await pulse(tb)
+    await tb.pulse()
     await tb.us(1)
     assert [await tb.crd(c, PORT_C) & C_DONE for c in range(3)] == [0, C_DONE, 0]
 
@@ -75,7 +74,7 @@ async def sclock_line_open(dut):
 @test("DAC-1", "ADC-1")
 async def stuck_converters(dut):
     """A D/A that is stuck shows it at the output; a stuck A/D converts and keeps its code."""
-    tb = await cards(dut)
+    tb = await Rack(dut).start()
     axis = dut.u_cards.g_card[1].u_card.g_axis[0].u_axis
     stuck = tb.stuck(axis.u_dac.rank2_q, 0x901)
     for n in (2, 3):
@@ -87,6 +86,6 @@ async def stuck_converters(dut):
     tb.inputs([0x2000] * 6)
     tb.stuck(axis.u_adc.next_q, 0x900)
     await tb.cwr(0, LATCH_ALL, 0)
-    await tb.us(CONVERT_US + 1)
+    await tb.converted()
     assert [await tb.adc(n) for n in range(4)] == [0xA00, 0xA00, 0x900, 0xA00]
     assert await tb.crd(1, ADC_LO) == 0

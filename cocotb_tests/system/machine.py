@@ -6,4 +6,4 @@ Heartbeat, relay and A/D are shortened where a test does not measure the real ti
 
 SHORT = {"HeartbeatUs": 400, "RelayUs": 20}
 USUAL = {"NumCards": 3, **SHORT}
-SINGLE = {"NumCards": 1, **SHORT}
+SINGLE = {"NumCards": 1, "HeartbeatUs": 2000, "RelayUs": 20}

@@ -18,19 +18,21 @@ MACHINE = Target(
     parameters=tuple(sorted(USUAL.items())),
 )  # fmt: skip
 SMOKE = {
-    "cocotb_vme": ("every_adaptor_address_reads", "timer_registers_are_where_they_should_be",
-                   "absent_card_reads_ff", "word_write_takes_the_low_byte"),
-    "cocotb_cards": ("cards_are_separate", "encoders_count_at_full_speed", "dac_double_buffering",
-                     "adc_codes", "software_latch_updates_double_buffered_dacs"),
-    "cocotb_interrupts": ("acknowledge_gives_the_vector", "handler_serves_every_sclock"),
-    "cocotb_safety": ("panic_stands_until_every_da_is_written", "heartbeat_to_the_clock",
-                      "sysreset_resets_what_it_should"),
+    "adaptor.cocotb_vme": ("timer_registers_are_where_they_should_be", "absent_card_reads_ff",
+                           "word_write_takes_the_low_byte"),
+    "adaptor.cocotb_interrupts": ("acknowledge_gives_the_vector", "handler_serves_every_sclock"),
+    "card.cocotb_registers": ("every_register", "random_traffic"),
+    "card.cocotb_encoders": ("counts_at_full_speed",),
+    "card.cocotb_converters": ("double_buffering", "analogue_loop", "heartbeat_to_the_clock",
+                               "software_latch_updates_double_buffered_dacs"),
+    "system.cocotb_safety": ("panic_stands_until_every_da_is_written",
+                             "sysreset_resets_what_it_should"),
 }  # fmt: skip
 
 
 def run(module: str, netlist: Path) -> dict[str, runner.Outcome]:
     job = runner.Job(
-        f"cocotb_tests.system.{module}", "mmcs", "verilator", MACHINE.parameters,
+        f"cocotb_tests.{module}", "mmcs", "verilator", MACHINE.parameters,
         netlist=(netlist, CELLS),
     )  # fmt: skip
     return runner.run(job, list(SMOKE[module]), runner.DEFAULT_SEED)

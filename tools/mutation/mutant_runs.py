@@ -51,11 +51,12 @@ def groups(top: str) -> list[Group]:
         name, _, other = entry.partition("=")
         module, variant, parameters = find(name)
         parameters = find(other)[2] if other else parameters
+        top = runner.toplevel(module, variant)
         base = Path(module.__file__).parent
         extra = tuple((base / s).resolve() for s in getattr(module, "SOURCES", ()))
         group = found.setdefault(
-            (module.TOPLEVEL, parameters),
-            Group(runner.Job("", module.TOPLEVEL, "verilator", parameters, extra), []),
+            (top, parameters),
+            Group(runner.Job("", top, "verilator", parameters, extra), []),
         )
         for attribute, it in vars(module).items():
             if not isinstance(it, TestGenerator) or it.module != module.__name__:

@@ -29,7 +29,7 @@ MAY_IMPORT = {
     "labs": (("labs/tests/",), ("mmcs",)),
     "cocotb_tests": (
         (
-            "cocotb_tests/hosts/",
+            "cocotb_tests/adaptor/driver.py",
             "cocotb_tests/dpi/",
             "cocotb_tests/edges/",
             "cocotb_tests/lib/runner.py",

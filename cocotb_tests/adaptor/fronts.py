@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One way to each front: rd(offset), wr(offset, value) by the offsets of the VME window, and raw().
+"""One way to each host: rd(offset), wr(offset, value) by the offsets of the VME window, and raw().
 
-The masters are packages that others wrote, so that both sides of a handshake are not ours.
+The masters of bus fronts are packages that others wrote, so that both sides of a handshake are not
+ours. The host port of the core alone is driven by HostPort.
 """
 
 import logging
+import os
 
-import cocotb
-from cocotb.triggers import RisingEdge
+from cocotb.triggers import FallingEdge, RisingEdge
 from cocotbext.apb import ApbBus, ApbMaster
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster
 from cocotbext.vme import VmeBus, VmeMaster
@@ -16,8 +17,7 @@ from cocotbext.wishbone.driver import WBOp, WishboneMaster
 from cocotb_tests.lib.tb import Host
 
 VME, AXIL, WB, WB_PIPELINED, APB, WB_BYTES, APB_BYTES = range(7)
-NAMES = ("VME", "AXI4-Lite", "Wishbone classic", "Wishbone pipelined", "APB",
-         "Wishbone classic, 8 bits", "APB, 8 bits")  # fmt: skip
+NAMES = ("vme", "axil", "wb", "wb-pipelined", "apb", "wb-8bit", "apb-8bit")  # variants of the tests
 PREFIX = {WB: "wb", WB_PIPELINED: "wb", WB_BYTES: "wb", APB: "apb", APB_BYTES: "apb"}
 
 
@@ -28,8 +28,6 @@ class Refused(Exception):
 WB_PINS = {"cyc": "cyc_i", "stb": "stb_i", "we": "we_i", "adr": "adr_i", "sel": "sel_i",
            "datwr": "dat_i", "datrd": "dat_o", "ack": "ack_o", "err": "err_o"}  # fmt: skip
 LIMIT_CLOCKS = 200  # in which a Wishbone front answers: simulated time, not the wall's
-clocks: list = []  # of this test: they start once, however many fronts follow
-masters: list = []  # tasks of the last front's master, which would go on beside the next one
 
 
 class Front(Host):
@@ -37,33 +35,23 @@ class Front(Host):
 
     limit_ms = 200
 
-    def __init__(self, dut, front: int):
+    def __init__(self, dut):
         super().__init__(dut)
-        self.front, self.width = front, 8 if front in (WB_BYTES, APB_BYTES) else 32
+        self.front = NAMES.index(os.environ["MMCS_VARIANT"])
+        self.width = 8 if self.front in (WB_BYTES, APB_BYTES) else 32
 
     async def start(self):
         dut, front = self.dut, self.front
-        if not clocks:
-            clocks.append(True)
-            await super().start()
-        self.inputs_idle()
-        dut.rst_ni.value = 0
-        for name in ("awvalid", "wvalid", "arvalid", "bready", "rready"):
-            getattr(dut, f"s_axil_{name}").value = 0
-        dut.apb_psel.value = dut.apb_penable.value = 0
-        dut.front_i.value, dut.axis_enable_i.value = front or AXIL, 3
+        await super().start()
+        dut.axis_enable_i.value = 3
+        self.irq = dut.led_irq_o if front == VME else dut.irq_o
+        if front != VME:
+            for name in ("awvalid", "wvalid", "arvalid", "bready", "rready"):
+                getattr(dut, f"s_axil_{name}").value = 0
+            dut.apb_psel.value = dut.apb_penable.value = 0
+            dut.front_i.value = front
         self.enc = self.encoders(2)
-        await self.clocks(4)
-        dut.rst_ni.value = 1
-        await self.clocks(4)
-        while masters:
-            masters.pop().cancel()
-        start_soon = cocotb.start_soon
-        cocotb.start_soon = lambda coroutine: masters.append(start_soon(coroutine)) or masters[-1]
-        try:
-            self._take_master(PREFIX.get(front))
-        finally:
-            cocotb.start_soon = start_soon
+        self._take_master(PREFIX.get(front))
         await self.clocks(4)
         return self
 
@@ -143,3 +131,37 @@ class Front(Host):
             await super().wr(offset, value)
         else:
             await self.raw(self.place(offset), value)
+
+
+class HostPort(Host):
+    """One request at a time, as a host front makes them."""
+
+    async def start(self):
+        await super().start()
+        self.dut.pc_d_i.value = 0xFF
+        return self
+
+    async def access(self, offset: int, value: int | None = None, wait: int = 1000) -> int:
+        dut = self.dut
+        dut.hp_a_i.value = offset >> 1
+        dut.hp_write_i.value = int(value is not None)
+        dut.hp_wdata_i.value = value or 0
+        dut.hp_req_i.value = 1
+        for n in range(wait):
+            await FallingEdge(dut.clk_i)  # between the edges all is settled
+            if int(dut.hp_ack_o.value):
+                data = int(dut.hp_rdata_o.value)
+                await RisingEdge(dut.clk_i)
+                dut.hp_req_i.value = 0
+                await RisingEdge(dut.clk_i)
+                assert not int(dut.hp_ack_o.value), "one clock of answer"
+                assert int(dut.hp_rdata_o.value) == data, "held after the answer"
+                self.took = n + 1
+                return data
+        raise AssertionError(f"no answer at {offset:03X}")
+
+    async def rd(self, offset: int) -> int:
+        return await self.access(offset)
+
+    async def wr(self, offset: int, value: int) -> None:
+        assert await self.access(offset, value) == 0xFF, "a write answers nothing"

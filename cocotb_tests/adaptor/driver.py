@@ -12,7 +12,7 @@ import cffi
 from cocotb.task import bridge, resume
 from cocotb.triggers import First, RisingEdge, Timer
 
-from cocotb_tests.hosts.fronts import VME, Refused
+from cocotb_tests.adaptor.fronts import VME, Refused
 from cocotb_tests.lib.runner import ROOT
 from cocotb_tests.lib.tb import DAC1, Machine
 from tools.compiled import compiled
@@ -143,10 +143,10 @@ class Driver:
     async def _wait(self, ps: float) -> None:
         """Until an interrupt is asked for, at most so long."""
         timer = Timer(max(int(ps), 1000), "ps")
-        if int(self.front.dut.irq_o.value):
+        if int(self.front.irq.value):
             await Timer(1, "us")
         else:
-            await First(timer, RisingEdge(self.front.dut.irq_o))
+            await First(timer, RisingEdge(self.front.irq))
 
     def _mask(self, value: int) -> int:
         before, self.masked = self.masked, value
@@ -157,7 +157,7 @@ class Driver:
         self._poll()
 
     def _poll(self) -> None:
-        if self.masked or self.serving or not int(self.front.dut.irq_o.value):
+        if self.masked or self.serving or not int(self.front.irq.value):
             return
         self.serving, before = 1, self._mask(1)
         if self.front.front == VME:

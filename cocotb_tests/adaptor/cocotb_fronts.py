@@ -1,58 +1,41 @@
 # SPDX-License-Identifier: Apache-2.0
 """The host fronts, each driven by a bus model from elsewhere: registers, errors, our driver."""
 
-import functools
 import math
 
 import cocotb
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from cocotb_tests.hosts.driver import Driver
-from cocotb_tests.hosts.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused, clocks, masters
-from cocotb_tests.lib.req import test
-from cocotb_tests.lib.tb import BASE, PCCSR, PIT, PORT_A, QUAD, VECTOR, Tb
+from cocotb_tests.adaptor.driver import Driver
+from cocotb_tests.adaptor.fronts import AXIL, NAMES, PREFIX, VME, Front, Refused
+from cocotb_tests.lib.req import tests_on
+from cocotb_tests.lib.tb import BASE, PCCSR, PIT, PORT_A, QUAD, VECTOR
+from cocotb_tests.system.machine import SINGLE
 from mmcs import mcdef
 
-TOPLEVEL = "bench_hosts"
+TOPLEVEL = dict.fromkeys(NAMES, "bench_hosts") | {"vme": "mmcs"}
 SOURCES = ("bench_hosts.sv",)
-BEAT = {"HeartbeatUs": 2000}
-VARIANTS = {"vme": {"HostPort": 0} | BEAT, "hosts": {"HostPort": 1} | BEAT}
+VARIANTS = dict.fromkeys(NAMES, {"HeartbeatUs": SINGLE["HeartbeatUs"]}) | {"vme": SINGLE}
 # Interrupt to last D/A write of the driver's pass over one card, by front (hardware/adaptor.md).
 CLOCKS = (327, 314, 314, 314, 314, 314, 314)
 INTERVAL_US = 200
 
 
-def each_front(test):
-    """Runs the test on one front after the other, from reset each time."""
-
-    @functools.wraps(test)
-    async def all_of_them(dut):
-        clocks.clear()
-        masters.clear()
-        for front in fronts(dut):
-            await test(dut, front)
-
-    del all_of_them.__wrapped__  # cocotb would look for the front among its own parameters
-    return all_of_them
-
-
-def fronts(dut) -> list[int]:
-    return list(range(1, 7)) if Tb(dut).parameters["HostPort"] else [VME]
-
-
-async def ready(dut, front: int) -> Front:
-    tb = await Front(dut, front).start()
+async def ready(dut) -> Front:
+    tb = await Front(dut).start()
     await tb.wr(PCCSR, BASE)
     await tb.setup(0, 0x03)
     return tb
 
 
-@test("ADP-1", "VME-5")
-@each_front
-async def the_same_registers(dut, front):
+front_test = tests_on(ready)
+bus_test = tests_on(ready, *NAMES[1:])  # VME ends in the bus timer: cocotb_vme.py
+
+
+@front_test("ADP-1", "VME-5")
+async def the_same_registers(tb):
     """Card, PCCSR, timers and holes answer as on VME; the vector can be read."""
-    tb = await ready(dut, front)
-    for value in (0x01, 0x80, 0x55, 0xFF, QUAD):
+    for value in (*(1 << n for n in range(8)), 0x00, 0x55, 0xFF, QUAD):
         await tb.cwr(0, PORT_A, value)
         assert await tb.crd(0, PORT_A) == value
     assert await tb.rd(PCCSR) == BASE
@@ -60,19 +43,16 @@ async def the_same_registers(dut, front):
     await tb.wr(PIT, 0x34)
     await tb.wr(VECTOR, 0xC0)
     assert await tb.rd(VECTOR) == (0xFF if tb.front == VME else 0xC0)
-    for hole in (0x411, 0x431, 0x407, tb.creg(1, PORT_A), tb.creg(0, 0x1F)):
+    absent = [tb.creg(card, PORT_A) for card in range(1, 16)]
+    for hole in (0x411, 0x431, 0x407, *absent, tb.creg(0, 0x1F)):
         assert await tb.rd(hole) == 0xFF, f"{hole:03X}"
         await tb.wr(hole if hole != 0x407 else 0x411, 0x00)
     assert await tb.rd(PCCSR) == BASE
 
 
-@test("ADP-1", "VME-5")
-@each_front
-async def what_is_no_register_ends_in_the_bus_error(dut, front):
+@bus_test("ADP-1", "VME-5")
+async def what_is_no_register_ends_in_the_bus_error(tb):
     """Outside the window, between registers, of another width; and the front goes on after it."""
-    tb = await ready(dut, front)
-    if tb.front == VME:
-        return  # the bus timer's affair: cocotb_vme.py
     size = 1 << (11 if tb.width == 8 else 12)
     bad = [(size + tb.place(PCCSR), None, None), (0x8000 + tb.place(PCCSR), 0xFF, None)]
     bad += [(tb.place(PCCSR) - 1, None, None)] if tb.width == 8 else []
@@ -128,11 +108,9 @@ async def motor(tb) -> None:
         await tb.enc[0].move(y - before, 1000)
 
 
-@test("ADP-1", "DAC-1", "LAT-1", "INT-1")
-@each_front
-async def our_driver_is_the_same_to_the_count(dut, front):
+@tests_on(Front)("ADP-1", "DAC-1", "LAT-1", "INT-1")
+async def our_driver_is_the_same_to_the_count(tb):
     """The mc driver on each front, double-buffered: 40 samples as plain arithmetic has them."""
-    tb = await Front(dut, front).start()
     counts, codes, took, begin = [], [], [], [0.0]
 
     def on_pass(driver):
@@ -143,7 +121,7 @@ async def our_driver_is_the_same_to_the_count(dut, front):
 
     async def note_interrupts():
         while True:
-            await RisingEdge(dut.irq_o)
+            await RisingEdge(tb.irq)
             begin[0] = tb.now()
 
     tasks = [cocotb.start_soon(motor(tb)), cocotb.start_soon(note_interrupts())]
@@ -170,15 +148,13 @@ async def our_driver_is_the_same_to_the_count(dut, front):
     assert STEP - 10 < counts[-1] < STEP + 10, "the loop works"
     stats = mc.lib.mc_stats_of(mc.mc)
     assert (stats.missed, stats.overrun, stats.panics, stats.spurious) == (0, 0, 0, 0)
-    dut._log.info("%s: interrupt to last D/A write %d clocks", NAMES[front], max(took))
-    assert max(took) == CLOCKS[front], f"{NAMES[front]}: {max(took)} clocks"
+    tb.log.info("interrupt to last D/A write: %d clocks", max(took))
+    assert max(took) == CLOCKS[tb.front], f"{max(took)} clocks"
 
 
-@test("ADP-1")
-@each_front
-async def masters_that_pause_and_masters_that_give_up(dut, front):
+@tests_on(ready, "axil", "wb", "wb-pipelined", "wb-8bit")("ADP-1")
+async def masters_that_pause_and_masters_that_give_up(dut, tb):
     """A response that is not taken waits; a Wishbone cycle given up leaves nothing behind."""
-    tb = await ready(dut, front)
     if tb.front == AXIL:
         for pause in (0, 1, 7):
             dut.s_axil_rready.value = 0
@@ -189,10 +165,10 @@ async def masters_that_pause_and_masters_that_give_up(dut, front):
             assert int(dut.s_axil_rvalid.value) and int(dut.s_axil_rdata.value) == BASE
             tb.axil.read_if.r_channel.pause = False
             assert await task == BASE
-    elif PREFIX.get(front, "").startswith("wb"):
+    else:
 
         def pin(name):
-            return getattr(dut, f"{PREFIX[front]}_{name}")
+            return getattr(dut, f"{PREFIX[tb.front]}_{name}")
 
         cyc, stb = pin("cyc_i"), pin("stb_i")
         for clocks in range(1, 16):

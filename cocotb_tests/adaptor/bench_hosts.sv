@@ -1,32 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine with one card behind each of its host fronts. §4.2.1
+// The machine with one card behind each of its host fronts but VME. §4.2.1
 //
-// HostPort 0: VME. 1: front_i chooses 1 AXI4-Lite, 2 Wishbone classic, 3 pipelined, 4 APB; of 8
-// bits 5 Wishbone classic, 6 APB. The fronts of one bus share its pins.
+// front_i chooses 1 AXI4-Lite, 2 Wishbone classic, 3 pipelined, 4 APB; of 8 bits 5 Wishbone
+// classic, 6 APB. The fronts of one bus share its pins.
 `default_nettype none
 
 module bench_hosts #(
-  parameter bit HostPort = 1'b1,
   parameter int HeartbeatUs = 400
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_ni,
   input  wire logic [ 2:0] front_i,
-  input  wire logic [15:1] vme_a_i,
-  input  wire logic [ 5:0] vme_am_i,
-  input  wire logic        vme_as_ni,
-  input  wire logic [ 1:0] vme_ds_ni,
-  input  wire logic        vme_write_ni,
-  input  wire logic        vme_lword_ni,
-  input  wire logic [15:0] vme_d_i,
-  output logic      [15:0] vme_d_o,
-  output logic             vme_d_oe_o,
-  output logic             vme_dtack_no,
-  input  wire logic        vme_iack_ni,
-  input  wire logic        vme_iackin_ni,
-  output logic             vme_iackout_no,
-  output logic      [ 7:1] vme_irq_no,
-  input  wire logic        vme_sysreset_ni,
   input  wire logic [15:0] s_axil_awaddr,
   input  wire logic [ 2:0] s_axil_awprot,
   input  wire logic        s_axil_awvalid,
@@ -148,71 +132,38 @@ module bench_hosts #(
   );
 
   /* verilator lint_off PINCONNECTEMPTY */
-  if (HostPort) begin : g_port
-    mmcs_core #(
-      .NumCards(1),
-      .HeartbeatUs(HeartbeatUs),
-      .RelayUs(20)
-    ) u_mmcs (
-      .clk_i, .rst_ni,
-      .hp_req_i(|req),
-      .hp_write_i(write[front_i]),
-      .hp_a_i(a[front_i]),
-      .hp_wdata_i(wdata[front_i]),
-      .hp_ack_o(hp_ack),
-      .hp_rdata_o(hp_rdata),
-      .irq_req_o(irq_o),
-      .vector_o(vector),
-      .sysreset_ni(vme_sysreset_ni),
-      .estop_closed_i, .cable_ok_i, .pc_power_i,
-      .brake_release_o(),
-      .alive_o(),
-      .panic_o(),
-      .sclock_o,
-      .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
-      .dip_i(4'h0),
-      .adc_v_i(32'h0),
-      .drive_v_o,
-      .card_leds_o(),
-      .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(),
-      .pcx_aen_o(), .pcx_clk_en_o(), .pcx_reset_drv_o(), .pcx_drq_o(),
-      .pcx_d_i(8'h0),
-      .pcx_d_oe_i(1'b0),
-      .pcx_wait_i(1'b0),
-      .pcx_irq_i(5'h0)
-    );
-    assign {vme_d_o, vme_d_oe_o} = {16'hFFFF, 1'b0};
-    assign {vme_dtack_no, vme_iackout_no, vme_irq_no} = '1;
-  end else begin : g_vme
-    mmcs #(
-      .NumCards(1),
-      .HeartbeatUs(HeartbeatUs),
-      .RelayUs(20)
-    ) u_mmcs (
-      .clk_i, .rst_ni,
-      .vme_a_i, .vme_am_i, .vme_as_ni, .vme_ds_ni, .vme_write_ni, .vme_lword_ni, .vme_d_i,
-      .vme_d_o, .vme_d_oe_o, .vme_dtack_no, .vme_iack_ni, .vme_iackin_ni, .vme_iackout_no,
-      .vme_irq_no, .vme_sysreset_ni,
-      .led_irq_o(irq_o),
-      .estop_closed_i, .cable_ok_i, .pc_power_i,
-      .brake_release_o(),
-      .alive_o(),
-      .panic_o(),
-      .sclock_o,
-      .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
-      .dip_i(4'h0),
-      .adc_v_i(32'h0),
-      .drive_v_o,
-      .card_leds_o(),
-      .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(),
-      .pcx_aen_o(), .pcx_clk_en_o(), .pcx_reset_drv_o(), .pcx_drq_o(),
-      .pcx_d_i(8'h0),
-      .pcx_d_oe_i(1'b0),
-      .pcx_wait_i(1'b0),
-      .pcx_irq_i(5'h0)
-    );
-    assign {hp_ack, hp_rdata, vector} = '0;
-  end
+  mmcs_core #(
+    .NumCards(1),
+    .HeartbeatUs(HeartbeatUs),
+    .RelayUs(20)
+  ) u_mmcs (
+    .clk_i, .rst_ni,
+    .hp_req_i(|req),
+    .hp_write_i(write[front_i]),
+    .hp_a_i(a[front_i]),
+    .hp_wdata_i(wdata[front_i]),
+    .hp_ack_o(hp_ack),
+    .hp_rdata_o(hp_rdata),
+    .irq_req_o(irq_o),
+    .vector_o(vector),
+    .sysreset_ni(1'b1),
+    .estop_closed_i, .cable_ok_i, .pc_power_i,
+    .brake_release_o(),
+    .alive_o(),
+    .panic_o(),
+    .sclock_o,
+    .enc_a_i, .enc_b_i, .enc_i_i, .axis_enable_i,
+    .dip_i(4'h0),
+    .adc_v_i(32'h0),
+    .drive_v_o,
+    .card_leds_o(),
+    .pcx_a_o(), .pcx_d_o(), .pcx_d_oe_o(), .pcx_ior_no(), .pcx_iow_no(),
+    .pcx_aen_o(), .pcx_clk_en_o(), .pcx_reset_drv_o(), .pcx_drq_o(),
+    .pcx_d_i(8'h0),
+    .pcx_d_oe_i(1'b0),
+    .pcx_wait_i(1'b0),
+    .pcx_irq_i(5'h0)
+  );
   /* verilator lint_on PINCONNECTEMPTY */
 
 endmodule
