@@ -37,6 +37,15 @@ async def answers_only_at_its_switch_setting(tb):
     assert await tb.pc.read(PORT_A) == QUAD
 
 
+@slot_test("CRD-1", "CRD-2")
+async def every_switch_setting(dut, tb):
+    for dip in range(16):
+        dut.dip_i.value = dip
+        await ClockCycles(dut.clk_i, 2)
+        found = [d for d in range(16) if await tb.pc.inb(d << 10 | 0x300) != 0xFF]
+        assert found == [dip]
+
+
 @card_test("CRD-1", "PPI-1")
 async def every_register(tb):
     """What each of the 32 offsets reads. Holes and write-only ones read 0xFF; writing holes and the
@@ -133,7 +142,7 @@ async def heartbeat_leds_and_port_c(tb):
     assert not any(tb.led(c, f"beat{j}") for c in range(3) for j in (1, 2))
 
 
-@card_test("CRD-1", "CRD-2", "MAP-1", "DAC-1", "ENC-1")
+@card_test("CRD-1", "CRD-2", "MAP-1", "DAC-1", "ENC-1", "ANA-1")
 async def random_traffic(tb):
     """400 random accesses against a model of all ports, D/As and encoders."""
     await tb.relay()
