@@ -61,5 +61,5 @@ def test_a_netlist_with_one_wrong_cell_fails(tmp_path):
     assert changed == 1
     bad = tmp_path / good.name
     bad.write_text(text)
-    outcome = run("cocotb_safety", bad)["panic_stands_until_every_da_is_written"]
+    outcome = run("system.cocotb_safety", bad)["panic_stands_until_every_da_is_written"]
     assert not outcome.passed and "AssertionError" in outcome.text
