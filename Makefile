@@ -90,7 +90,7 @@ waves: $(VENV)/.test
 	@$(BIN)/python tools/wavegen.py --trace "$(TEST)"
 else
 waves: $(VENV)/.sim ## the run traced to FST with a prepared view; TEST=NAME: a trace of docs/waves
-	@$(BIN)/mmcs waves "$(SCENARIO)"
+	@$(BIN)/mmcs trace "$(SCENARIO)" --view
 endif
 
 dpi: $(VENV)/.sim ## a scenario through DPI, by a testbench of SystemVerilog; TRACE=1: waveforms

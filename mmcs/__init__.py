@@ -8,7 +8,7 @@ from mmcs.place import BUILD, ROBOTS, ROOT, SCENARIOS
 __version__ = "0.2.0"
 __all__ = [  # noqa: F822  (those of the front come when they are asked for)
     "BUILD", "ROBOTS", "ROOT", "SCENARIOS",
-    "Device", "InputError", "Machine", "Motion", "Run", "RunError", "compare", "load", "run",
+    "Device", "InputError", "Machine", "Run", "RunError", "compare", "load", "run",
     "sweep",
 ]  # fmt: skip
 
@@ -42,7 +42,6 @@ _MORE = {
     "view": "waves",
     # servers, workers of a page, files and words
     "device.client": "Device",
-    "device.motion": "Motion",
     "device.link": "Link",
     "tool.worker": "Worker work",
     "logcols": "column",

@@ -1,25 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All joints of a robot at once, with the motion library: there with constant acceleration, back on
-a polynomial of fifth order; and how far they were off.
+"""All joints of a robot by 0.2 rad at once, jerk limited, with the package ruckig.
 
 mmcs exec --lockstep --scenario puma560 -- python firmware/examples/move.py puma560
 """
 
 import sys
 
-import mmcs
+from ruckig import InputParameter, Result, Ruckig, Trajectory
 
+import mmcs
+from mmcs import mcdef as mc
+
+_, robot = mmcs.load_robot(sys.argv[1])
+axes = range(robot.axes())
+counts = [robot.counts_per_rad(axis) for axis in axes]
 with mmcs.Device() as dev:
-    arm = mmcs.Motion(dev, sys.argv[1])
-    arm.enable()
-    back = arm.positions()
-    to = [q + 1.0 / (2 + n) for n, q in enumerate(back)]  # rad
-    for profile, goal in (("trapezoid", to), ("quintic", back)):
-        arm.move(goal, 0.2, profile)
-        began, most, goes_on = arm.time, [0] * arm.axes, True
-        while goes_on:
-            goes_on = arm.step()
-            most = [max(a, abs(s.error)) for a, s in zip(most, dev.read(arm.axes), strict=True)]
-        names = " ".join(f"{j.name} {e}" for j, e in zip(arm.joints, most, strict=True))
-        print(f"{profile}: {arm.time - began:.3f} s; {names} counts off")
+    dev.set_num_joints(len(axes))
+    dev.set_interval(1000)
+    for axis in axes:
+        servo = robot.servo(axis, 1000)
+        mode = mc.mode_word(servo.pop("mode"), servo.pop("flags"))
+        dev.set_param(axis, dev.get_param(axis) | {"mode": mode, **servo})
+    dev.enable()
+    begin = now = dev.wait()
+    start = [s.encnow / c for s, c in zip(dev.read(len(axes)), counts, strict=True)]
+    goal, way = InputParameter(len(axes)), Trajectory(len(axes))
+    goal.current_position, goal.target_position = start, [q + 0.2 for q in start]
+    goal.max_velocity, goal.max_acceleration = [0.5] * len(axes), [2.0] * len(axes)
+    goal.max_jerk = [20.0] * len(axes)
+    assert Ruckig(len(axes)).calculate(goal, way) == Result.Working
+    while (now - begin) * 1e-3 < way.duration:
+        position = way.at_time((now + 1 - begin) * 1e-3)[0]
+        dev.write([round(q * c) for q, c in zip(position, counts, strict=True)])
+        now = dev.wait()
+    off = [s.error for s in dev.read(len(axes))]
+    print(f"there after {way.duration:.3f} s; {off} counts off")
     dev.stop()

@@ -35,26 +35,30 @@ def replay(run: str) -> None:
 
 
 @click.command()
-@_run
-@click.option("--at", required=True, metavar="T|KIND", help="Seconds of motion, or panic, error...")
-@click.option("--window", default=2.0, metavar="MS", help="How long the stretch is, around it.")
+@click.argument("run", metavar="RUN|SCENARIO")
+@click.option("--at", metavar="T|KIND", help="Seconds of motion, or panic, error...")
+@click.option("--window", default=5.0, metavar="MS", help="How much is traced around it; 5 ms.")
+@click.option("--whole", is_flag=True, help="Trace the whole run: some 80 MB a second.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.fst", help="The trace.")
 @click.option("--view", is_flag=True, help="Open it in a viewer.")
-def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> None:
-    """Waveforms of a stretch of a run that was not traced.
+def trace(
+    run: str, at: str | None, window: float, whole: bool, out: Path | None, view: bool
+) -> None:
+    """Waveforms of a stretch of a run, with a prepared view.
 
-    RUN is a run.mmcs, its folder, or the name of a scenario that has run. The run is made again
-    from the nearest of its snapshots, in the stretch clock by clock with all assertions live.
+    RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again from the nearest
+    of its snapshots, in the stretch clock by clock with all assertions live. Without --at the
+    stretch begins at the first event, or where the motion begins.
     """
     from mmcs.folder import check_file
     from mmcs.runs import replay as replays
-    from mmcs.runs.record import read_record
     from mmcs.view.waves import open_viewer, write_views
 
     if out is not None and out.suffix != ".fst":
         raise InputError.one("--out", "", str(out), "must be a file name ending in .fst")
-    record = read_record(run)
-    from_s, to_s = replays.stretch(record, at, window)
+    replays.check_window(window)
+    record, good = _made(run)
+    from_s, to_s = replays.stretch(record, at, window, whole)
     path = check_file(out or replays.default_path(record, from_s, to_s))
     snapshot, where = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
@@ -62,9 +66,29 @@ def trace(run: str, at: str, window: float, out: Path | None, view: bool) -> Non
     origin = "power-on" if snapshot is None else f"the snapshot at {snapshot:.6f} s"
     echo(f"made again from {origin}")
     write_views(path)
-    if where is not None:
+    if where is None:
+        echo(f"the run made again has the same hash, {record.hash}")
+    else:
         echo(f"caution: this is not the same run; it differs first at {where}")
-        sys.exit(1)
-    echo(f"the run made again has the same hash, {record.hash}")
+        good = False
     if view:
         open_viewer(path)
+    sys.exit(0 if good else 1)
+
+
+def _made(name: str):
+    """The record of a run, or of a scenario's that is made now; and whether that was good."""
+    from mmcs.place import results
+    from mmcs.runs.record import read_record
+    from mmcs.runs.runner import run_scenario
+    from mmcs.scenario.files import named
+    from mmcs.scenario.load import load
+
+    is_scenario = name.endswith(".toml") or name in named() and not Path(name).exists()
+    if not is_scenario:
+        return read_record(name), True
+    setup = load(name, ())
+    folder = results("runs", setup.path) / setup.name
+    good = run_scenario(setup, folder)
+    return read_record(str(folder)), good
+

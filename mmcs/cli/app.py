@@ -2,7 +2,6 @@
 """The command line. Heavy imports happen inside the commands: `mmcs list` answers at once."""
 
 import errno
-import math
 import os
 import signal
 import sys
@@ -15,14 +14,14 @@ import click
 
 from mmcs import __version__
 from mmcs.cli.again import replay, trace
-from mmcs.cli.bridge import fmu, mcap
 from mmcs.cli.campaign import campaign
 from mmcs.cli.design import design
 from mmcs.cli.device import exec_, serve
+from mmcs.cli.export import export
 from mmcs.cli.lab import lab
 from mmcs.cli.sweep import sweep
 from mmcs.cli.tool import tool
-from mmcs.cli.view import compare, faults, film
+from mmcs.cli.view import compare, faults
 from mmcs.errors import InputError, RunError, out_of_memory
 from mmcs.place import results
 from mmcs.screen import echo
@@ -30,6 +29,13 @@ from mmcs.screen import echo
 STARTED = time.time()
 
 LONGEST = 200  # letters of a word in a message
+GROUPS = {
+    "Run": "run list show check faults replay",
+    "Look": "tool trace compare",
+    "Program": "serve exec",
+    "Study": "design sweep campaign lab",
+    "Export": "export",
+}
 SET_HELP = "Override a key of the scenario, e.g. host.cpu_us_per_axis=0."
 
 
@@ -65,6 +71,14 @@ class Group(click.Group):
             if error.errno in (errno.ENOSPC, errno.EDQUOT):
                 _fail(f"{where}no room is left on the disk: free some and run it again", 1)
             _fail(f"{where}{error.strerror or error}", 1)  # a folder that went away
+
+
+    def format_commands(self, ctx, formatter) -> None:
+        """As click does it, in groups."""
+        for title, names in GROUPS.items():
+            rows = [(name, self.commands[name].get_short_help_str(62)) for name in names.split()]
+            with formatter.section(title):
+                formatter.write_dl(rows)
 
 
 @contextmanager
@@ -268,47 +282,6 @@ def _check_places(folder: Path, trace: Path | None) -> None:
         check_file(trace)
 
 
-@main.command()
-@_scenario
-@click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
-@click.option("--at", type=float, metavar="S", help="Seconds of motion; where something begins.")
-@click.option("--window", type=float, default=5.0, metavar="MS", help="How much is traced; 5 ms.")
-@click.option("--whole", is_flag=True, help="Trace the whole run: some 80 MB a second.")
-@click.option("--no-viewer", is_flag=True, help="Only write the files.")
-def waves(scenario, duration, at, window, whole, no_viewer) -> None:
-    """Run a scenario, trace a window of it, and open that in a prepared view.
-
-    The window begins at the first event, or where the motion begins. The view shows its first whole
-    servo pass.
-    """
-    from functools import partial
-
-    from mmcs.runs.runner import run_scenario, simulate
-    from mmcs.scenario.load import load
-    from mmcs.view.moments import LEAST_MS
-    from mmcs.view.waves import open_viewer, write_views
-
-    setup = load(scenario, (), duration=duration)
-    folder = results("runs", setup.path) / setup.name
-    trace = folder / f"{setup.name}.fst"
-    end = setup.scenario.duration
-    if at is not None and not 0 <= at < end:
-        raise InputError.one("--at", "", at, f"must be from 0 to {end:g} s, when the motion ends")
-    if not LEAST_MS <= window < math.inf:
-        raise InputError.one("--window", "", window, f"must be {LEAST_MS:g} ms or more")
-    begin = setup.moment() if at is None else at
-    begin = max(0.0, min(begin, end - window / 1000))
-    stretch = None if whole else (begin, begin + window / 1000)
-    carry_out = partial(simulate, trace=trace, stretch=stretch)
-    good = run_scenario(setup, folder, trace=trace, started=STARTED, carry_out=carry_out)
-    if stretch:
-        echo(f"traced from {begin:g} s of motion for {window:g} ms; --whole traces all")
-    write_views(trace)
-    if not no_viewer:
-        open_viewer(trace)
-    sys.exit(0 if good else 1)
-
-
-for _command in (campaign, compare, design, exec_, faults, film, fmu, lab, mcap,
-                 replay, serve, sweep, tool, trace):  # fmt: skip
+for _command in (campaign, compare, design, exec_, export, faults, lab, replay, serve, sweep,
+                 tool, trace):  # fmt: skip
     main.add_command(_command)

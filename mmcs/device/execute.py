@@ -30,7 +30,7 @@ def cflags(modern: bool = False) -> list[str]:
     preload_library()  # the compiler runs with it
     return [
         *(
-            ("-Wall", "-Wextra", f"-I{ROOT / 'firmware' / 'lib'}")
+            ("-Wall", "-Wextra", f"-I{ROOT / 'firmware' / 'examples'}")
             if modern
             else ("-std=gnu89", "-w", "-include", "errno.h")
         ),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs replay` and `mmcs trace`: a run made again from its record."""
 
+import math
 import tempfile
 from pathlib import Path
 
@@ -42,21 +43,38 @@ def cautions(record: Record) -> list[str]:
 # --- a stretch with waveforms ------------------------------------------------------------------
 
 
-def stretch(record: Record, at: str, window_ms: float) -> tuple[float, float]:
+def check_window(window_ms: float) -> None:
+    if not LEAST_MS <= window_ms < math.inf:
+        raise InputError.one("--window", "", window_ms, f"must be {LEAST_MS:g} ms or more")
+
+
+def stretch(
+    record: Record, at: str | None, window_ms: float, whole: bool = False
+) -> tuple[float, float]:
     """From and to, in seconds since power-on; `at` is a time since the motion began, or the kind
     of an event in the run's report."""
-    if not window_ms >= LEAST_MS:
-        raise InputError.one("--window", "", window_ms, f"must be {LEAST_MS:g} ms or more")
+    end = record.motion_start_s + record.data["duration"]
+    if whole:
+        return 0.0, end
+    half = window_ms * 5e-4
+    if at is None:
+        return _first_moment(record, 2 * half, end)
     try:
         middle = record.motion_start_s + float(at)
     except ValueError:
         middle = _event_time(record, at)
-    half = window_ms * 5e-4
-    end = record.motion_start_s + record.data["duration"]
     if not 0 <= middle <= end:
         allowed = f"must be {-record.motion_start_s:.4f} to {record.data['duration']:g}"
         raise InputError.one("--at", "", at, allowed + " s; the motion begins at 0")
     return max(0.0, middle - half), min(end, middle + half)
+
+
+def _first_moment(record: Record, window_s: float, end: float) -> tuple[float, float]:
+    """From the first event, or the first setpoint."""
+    with tempfile.TemporaryDirectory() as folder:
+        begin = record.motion_start_s + record.setup(Path(folder)).moment()
+    begin = max(record.motion_start_s, min(begin, end - window_s))
+    return begin, min(end, begin + window_s)
 
 
 def _event_time(record: Record, kind: str) -> float:

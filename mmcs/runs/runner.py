@@ -91,14 +91,12 @@ def simulate(
     realtime: bool = False,
     snapshots_at: tuple[float, ...] = (),
     host: str = "native",
-    stretch: tuple[float, float] | None = None,
     bus: bool = False,
     dpi: int | None = None,
 ):
     """Carries the setup out on the real machine.
 
-    stretch: of the motion, to trace only that; bus: keep the cycles of the VME bus; dpi: the line
-    to a simulator that has the machine.
+    bus: keep the cycles of the VME bus; dpi: the line to a simulator that has the machine.
     """
     from mmcs.engine.hosts import image_digest
     from mmcs.runs.machine import machine, progress
@@ -109,12 +107,11 @@ def simulate(
     kind = "trace" if trace else "speed"
     with machine(setup, kind, host=host, dpi=dpi) as sim, progress(duration) as advance:
         image = image_digest(host)
-        if trace and not stretch:
+        if trace:
             sim.trace(trace)
         if dpi is not None:  # no snapshots there
             return session_of(sim, setup, realtime, bus).run(advance)
-        window = (trace, *stretch) if trace and stretch else None
-        taking = Taking(sim, snapshots_at, duration, window)
+        taking = Taking(sim, snapshots_at, duration)
         result = session_of(taking, setup, realtime, bus).run(advance)
         result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())
         return result

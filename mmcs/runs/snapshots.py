@@ -35,14 +35,11 @@ EVERY_S = 0.02  # but are not closer than this
 
 
 class Taking:
-    """A Sim that takes snapshots at these times since the start of motion, and a ring of them.
+    """A Sim that takes snapshots at these times since the start of motion, and a ring of them."""
 
-    window: a file, and the stretch of motion to trace into it.
-    """
-
-    def __init__(self, sim, times: tuple[float, ...], duration: float, window: tuple | None):
+    def __init__(self, sim, times: tuple[float, ...], duration: float):
         self._sim, self._times, self._asked = sim, sorted(times), {}
-        self._start, self._window = 0.0, window
+        self._start = 0.0
         self._every = max(EVERY_S, duration / RING)
 
     def __getattr__(self, name):
@@ -51,9 +48,6 @@ class Taking:
     def started(self, start: float) -> None:
         """The motion begins now."""
         self._start = start
-        if self._window:
-            path, begin, end = self._window
-            self._sim.trace_window(path, start + begin, start + end)
         self._sim.ring(self._every, RING)
 
     def play(self, script, until: float) -> tuple[int, str]:

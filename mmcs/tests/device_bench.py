@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 from mmcs import ROOT
 from mmcs.device.execute import DEVICE, LIBRARY, cflags, environment, serve_program
-from mmcs.device.motion import header
+from mmcs.device.robot_header import header
 from mmcs.device.server import Server
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
@@ -20,7 +20,7 @@ PROGRAMS = ROOT / "sim" / "tests" / "device"
 EXAMPLES = ROOT / "firmware" / "examples"
 
 FLAGS = ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware/include'}",
-         f"-I{ROOT / 'firmware/lib'}", f"-I{DEVICE / 'include'}")  # fmt: skip
+         f"-I{ROOT / 'firmware/examples'}", f"-I{DEVICE / 'include'}")  # fmt: skip
 
 # Set by test_sanitizers.py for a run of its own: everything with sanitizers.
 SANITIZED = os.environ.get("MMCS_SANITIZE") == "1"

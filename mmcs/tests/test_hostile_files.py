@@ -227,7 +227,7 @@ def test_log_of_one_endless_line(mmcs, good_run, tmp_path):
     """A log is read by groups of lines; one that does not end is not held to be refused."""
     folder = shutil.copytree(good_run, tmp_path / "run")
     os.truncate(folder / "log.csv", 100 << 20)
-    one_clear_line(mmcs("mcap", folder), "log.csv has a line of more than 16 KB")
+    one_clear_line(mmcs("export", "mcap", folder), "log.csv has a line of more than 16 KB")
 
 
 def test_folder_that_reaches_beyond_itself(mmcs, good_run, tmp_path):

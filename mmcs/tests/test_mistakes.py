@@ -184,6 +184,10 @@ OPTIONS = {
         ["run", "lab500", "--trace", "x.vcd"],
         '--trace = "x.vcd": must be a file name ending in .fst',
     ),
+    "record as a log": (
+        ["export", "mcap", "lab500", "--out", "run.mmcs"],
+        '--out = "run.mmcs": must end in .mcap',
+    ),
     "set": (
         ["run", "lab500", "--set", "cards"],
         "--set: cards: must be key=value, like servo.0.ilim=500",

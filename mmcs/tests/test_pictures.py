@@ -98,7 +98,7 @@ def test_film(mmcs, folder):
 
     links = [{"alpha": 0.0, "a": 1.0, "d": 0.2, "theta0": 0.0}] * 2
     path = folder("arm", axes=2, links=links)
-    good(mmcs("film", path, "--slower", 5, "--pictures", 3), silent=True)
+    good(mmcs("export", "film", path, "--slower", 5, "--pictures", 3), silent=True)
     assert (path / "film.svg").read_text().startswith("<?xml")
     with Image.open(path / "film.gif") as gif:
         assert gif.n_frames == 5
@@ -107,7 +107,7 @@ def test_film(mmcs, folder):
 def test_film_of_what_is_no_arm(mmcs, folder):
     path = folder("a")
     told = f"{path}: its robot has no [[link]]: there is no arm\n"
-    one_clear_line(mmcs("film", path), start=told)
+    one_clear_line(mmcs("export", "film", path), start=told)
 
 
 def test_an_svg_file_holds_the_points_that_were_drawn(tmp_path):

@@ -15,6 +15,7 @@ import pytest
 from mmcs.runs import record as records
 from mmcs.runs import snapshots
 from mmcs.runs.record import NAME
+from mmcs.scenario.load import load
 from mmcs.service import log_lines
 from mmcs.tests.conftest import GOOD, call, good, one_clear_line
 from mmcs.tests.test_hostile_files import rewritten
@@ -341,6 +342,15 @@ def test_trace_around_an_event_of_the_report(mmcs, ran, tmp_path):
     assert wave.with_suffix(".gtkw").exists() and wave.stat().st_size > 10_000
     stretch = re.search(r"([\d.]+) to ([\d.]+) s of motion", text)
     assert float(stretch[1]) < 0.12 < float(stretch[2])
+
+
+@pytest.mark.req("API-1")
+def test_trace_of_a_scenario_runs_it_and_begins_at_its_first_event(mmcs, scenario):
+    path = scenario(GOOD.split("[[expect]]")[0] + FAULTS)
+    text = good(mmcs("trace", path, "--window", 1))
+    first = load(str(path)).moment()
+    assert "expectations" in text and f"{first:.6f} to {first + 1e-3:.6f} s of motion" in text
+    assert list((path.parent / "runs" / "test").glob("test_*.fst"))
 
 
 @pytest.mark.req("SW-1")

@@ -121,7 +121,7 @@ def test_result_that_is_a_folder_is_told_before_the_run(mmcs, tmp_path, name):
 def test_file_that_is_a_folder(mmcs, tmp_path):
     """As of every command that writes one."""
     (tmp_path / "x.fmu").mkdir()
-    answer = mmcs("fmu", "lab500", "--out", tmp_path / "x.fmu")
+    answer = mmcs("export", "fmu", "lab500", "--out", tmp_path / "x.fmu")
     one_clear_line(answer, start=f"{tmp_path}/x.fmu: is a folder, and the name of a result\n")
 
 
@@ -146,7 +146,7 @@ def test_folder_that_cannot_be_written(mmcs):
 def test_folder_that_is_not_a_run(mmcs, tmp_path, report, log, expected):
     (tmp_path / "report.json").write_text(report)
     (tmp_path / "log.csv").write_text(log)
-    for args in (["compare", tmp_path, tmp_path], ["film", tmp_path]):
+    for args in (["compare", tmp_path, tmp_path], ["export", "film", tmp_path]):
         one_clear_line(mmcs(*args), start=f"{tmp_path}: {expected}\n")
 
 

@@ -253,7 +253,7 @@ def test_units(scenario):
     assert setup.segments[0]["to"] == pytest.approx(-62.6111 * 1000 / 360)
 
 
-@pytest.mark.parametrize("name", ["run", "list", "show", "check", "waves"])
+@pytest.mark.parametrize("name", ["run", "list", "show", "check", "trace"])
 def test_help_is_one_screen(mmcs, name):
     assert len(good(mmcs(name, "--help"), silent=True).splitlines()) < 25
 

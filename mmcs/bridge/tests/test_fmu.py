@@ -156,7 +156,7 @@ def test_a_damaged_unit_does_not_begin(folder, tmp_path, harm):
 
 def test_the_command(tmp_path):
     def mmcs(*words: str) -> subprocess.CompletedProcess:
-        command = [sys.executable, "-m", "mmcs", "fmu", *words]
+        command = [sys.executable, "-m", "mmcs", "export", "fmu", *words]
         return subprocess.run(command, cwd=tmp_path, text=True, capture_output=True, check=False)
 
     assert mmcs("lab500").returncode == 0 and (tmp_path / "lab500.fmu").is_file()

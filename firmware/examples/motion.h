@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Motions of several joints in rad and A, for programs that use /dev/mc0 (docs/use/motion.md).
+/* Motions of several joints in rad and A, for programs that use /dev/mc0 (docs/use/device.md).
  *
  * A motion is a buffer of timed knots; between two of them every joint follows the polynomial of
  * fifth order that has their positions, velocities and accelerations. motion_step() waits for the
