@@ -91,4 +91,3 @@ def _made(name: str):
     folder = results("runs", setup.path) / setup.name
     good = run_scenario(setup, folder)
     return read_record(str(folder)), good
-

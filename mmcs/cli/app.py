@@ -72,7 +72,6 @@ class Group(click.Group):
                 _fail(f"{where}no room is left on the disk: free some and run it again", 1)
             _fail(f"{where}{error.strerror or error}", 1)  # a folder that went away
 
-
     def format_commands(self, ctx, formatter) -> None:
         """As click does it, in groups."""
         for title, names in GROUPS.items():

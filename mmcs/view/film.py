@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`mmcs export film RUN`: the arm in three dimensions, as a strip of pictures and as an animation."""
+"""`mmcs export film RUN`: the arm in three dimensions, as a strip of pictures and an animation."""
 
 import math
 from pathlib import Path
