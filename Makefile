@@ -59,9 +59,7 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@$(call INSTALL,the page's server,-e .[tool])
 	@$(call INSTALL,the processor models,-e .[hosts]) $(ELSE_SKIP)
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu $(ELSE_SKIP)
-	@tools/need_debian.sh gtkwave gtkwave $(ELSE_SKIP)
 	@tools/need_debian.sh clang++ clang $(ELSE_SKIP)
-	@tools/need_debian.sh Xvfb xvfb $(ELSE_SKIP)
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf $(ELSE_SKIP)
 	@tools/need_debian.sh iverilog iverilog $(ELSE_SKIP)
 	@touch $@
@@ -85,13 +83,8 @@ export MMCS_STARTED := $(shell date +%s.%N)
 sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
 	@$(BIN)/mmcs run "$(SCENARIO)"
 
-ifdef TEST
-waves: $(VENV)/.test
-	@$(BIN)/python tools/wavegen.py --trace "$(TEST)"
-else
-waves: $(VENV)/.sim ## the run traced to FST with a prepared view; TEST=NAME: a trace of docs/waves
+waves: $(VENV)/.sim ## the run traced to FST with a prepared view
 	@$(BIN)/mmcs trace "$(SCENARIO)" --view
-endif
 
 dpi: $(VENV)/.sim ## a scenario through DPI, by a testbench of SystemVerilog; TRACE=1: waveforms
 	@$(BIN)/python tools/dpi.py "$(SCENARIO)" $(if $(TRACE),--trace)
@@ -245,9 +238,7 @@ format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
 generate: $(VENV)/.test ## rewrite what is generated: registers, tables, cores
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/tables.py
-	@$(BIN)/python tools/chip_pages.py
 	@$(BIN)/python tools/rooms.py
-	@$(BIN)/python tools/cores.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

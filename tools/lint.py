@@ -10,7 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from fpga.build import BUS, TARGETS
-from tools.cores import CHIPS
 from tools.file_rules import tracked
 from tools.sources import sources
 
@@ -29,7 +28,7 @@ TOPS = [
     *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
     *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),
     ("adaptor_wb", {"Pipelined": 1}),
-    *((chip, {}) for chip in CHIPS),
+    *((f.stem, {}) for f in sources("rtl") if f.parent.name == "chips"),
 ]
 INCLUDE = ROOT / "rtl"
 NEED_PACKAGE = ("sim/hosts/m68020/musashi.c",)  # includes what a package brings

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from mmcs import ROOT
-from tools import chip_pages
 from tools.compiled import ran
-from tools.pages import part
+from tools.sources import made_of
 
+CHIPS = ("ad574", "ad667", "i8254", "i8255", "oneshot", "thct2000")
 PAGE = next(ROOT.glob("docs/**/first_hour.md"))
 PARTS = dict(part.split("\n", 1) for part in PAGE.read_text().split("\n## ")[1:])
 ICARUS = pytest.mark.skipif(
@@ -68,36 +68,20 @@ def test_every_method_of_the_device_is_in_the_table():
 
 
 @ICARUS
-@pytest.mark.parametrize("name", chip_pages.names())
+@pytest.mark.parametrize("name", CHIPS)
 def test_bench_of_the_chip(name, tmp_path):
     program = tmp_path / "tb"
-    sources = [*chip_pages.files(name).split(), f"docs/hardware/chips/{name}_tb.sv"]
+    sources = [*made_of(name), f"docs/hardware/chips/{name}_tb.sv"]
     ran("iverilog", "-g2012", "-Irtl", "-s", f"{name}_tb", "-o", program, *sources, check=True)
     assert f"{name}: ok\n" in ran("vvp", program, check=True).stdout
 
 
-@pytest.mark.parametrize("name", chip_pages.names())
-def test_page_of_the_chip_is_fresh(name):
-    text = (chip_pages.PAGES / f"{name}.md").read_text()
-    assert chip_pages.page(name, text) == text, "run python tools/chip_pages.py"
-    assert len(chip_pages.ports(name)) >= 5
-    assert all(meaning for _, _, _, meaning in chip_pages.ports(name))
-
-
-@pytest.mark.parametrize("change", ["cs_ni", "nobody_i"])
-def test_a_port_without_a_meaning_is_told(change, monkeypatch):
-    """One that is missing, and one that the RTL does not have."""
-    said = dict(chip_pages.SAID["i8254"]["ports"])
-    said.pop(change, None) or said.update({change: "x"})
-    monkeypatch.setitem(chip_pages.SAID, "i8254", chip_pages.SAID["i8254"] | {"ports": said})
-    with pytest.raises(SystemExit, match=rf"ports.toml: i8254: {change}: has a meaning there"):
-        chip_pages.ports("i8254")
-
-
-@pytest.mark.slow  # a minute of synthesis
-def test_sizes_of_the_chips_are_fresh():
-    told = part(chip_pages.SIZES.read_text(), "chips").strip()
-    assert told == chip_pages.sizes(), "run `python tools/chip_pages.py --sizes`"
+@pytest.mark.parametrize("name", CHIPS)
+def test_page_of_the_chip_has_its_ports(name):
+    text = (ROOT / f"rtl/chips/{name}.sv").read_text()
+    ports = re.findall(r"^  (?:input|output)\b.*?(\w+) *,? *(?://.*)?$", text, re.M)
+    page = (ROOT / f"docs/hardware/chips/{name}.md").read_text()
+    assert len(ports) >= 5 and re.findall(r"^\| `(\w+)` \| (?:in|out)put", page, re.M) == ports
 
 
 def test_gains_that_do_not_fit_are_cautioned(mmcs):

@@ -12,7 +12,6 @@ from mmcs.errors import RunError
 from mmcs.view import watched, waves
 from mmcs.view.moments import Pass, first_pass
 from mmcs.view.names import registers
-from tools import screenshot
 
 SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 
@@ -158,32 +157,6 @@ def test_registers_by_address():
     assert names[regs.WINDOW_BASE + regs.PCCSR >> 1] == "PCCSR"
     assert names[regs.WINDOW_BASE + regs.card_offset(2, regs.CARD_DAC2_HI) >> 1] == "2:DAC2_HI"
     assert len(names) == 6 + 16 * 17
-
-
-@pytest.mark.skipif(bool(screenshot.missing()), reason=f"{screenshot.missing()} missing: apt-get")
-def test_gtkwave_shows_the_pass(trace, tmp_path):
-    """All four markers are on its screen, far apart, and many nets move between them."""
-    gtkw, _ = waves.write_views(trace)
-    # A busy computer draws the window long before what is in it.
-    marks, busy = _seen(screenshot.shoot(trace, gtkw, lambda image: len(_seen(image)[0]) == 4))
-    assert len(marks) == 4 and marks[-1] - marks[0] > 300 and busy > 100
-    flat = tmp_path / "flat.gtkw"
-    flat.write_text(re.sub(r"^(\*|\[timestart\]).*\n", "", gtkw.read_text(), flags=re.M))
-    marks, busy = _seen(screenshot.shoot(trace, flat))
-    assert not marks and busy < 60
-
-
-def _seen(screen):
-    """Columns of the markers, and how many different columns the screen has."""
-    image = np.asarray(screen).astype(int)[110:, 460:1580]
-    red, green, blue = image[..., 0], image[..., 1], image[..., 2]
-    yellow = ((red > 180) & (green > 180) & (blue < 140)).sum(axis=0) > image.shape[0] // 4
-    other = ((red > 180) & (green < 140)).sum(axis=0) > image.shape[0] // 4
-    assert not other.any(), "the red marker is drawn over another"
-    columns = np.flatnonzero(yellow)
-    marks = [c for n, c in enumerate(columns) if n == 0 or c > columns[n - 1] + 2]
-    nets = (green > 150) & (red < 80)
-    return marks, len(np.unique(nets, axis=1).T)  # columns that differ: something moves
 
 
 def test_without_display_the_commands_are_printed(tmp_path, monkeypatch, capsys):

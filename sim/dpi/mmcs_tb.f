@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by tools/cores.py from mmcs.core: change that, and run `make generate`.
+// The files of mmcs.core in their order; tools/tests/test_sources.py compares.
 // SIMULATOR -f sim/dpi/mmcs_tb.f, from the top of the checkout; see docs/use/dpi.md.
 +incdir+rtl
 +define+MMCS_NO_BUS_TIMES
