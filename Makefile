@@ -235,10 +235,9 @@ format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
 	@ruff format -q .
 	@ruff check -q --fix .
 
-generate: $(VENV)/.test ## rewrite what is generated: registers, tables, cores
+generate: $(VENV)/.test ## rewrite what is generated: registers, tables
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/tables.py
-	@$(BIN)/python tools/rooms.py
 
 release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py

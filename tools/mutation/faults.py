@@ -51,6 +51,7 @@ def seed(fault: dict, folder: Path) -> str | None:
         (folder / part).parent.mkdir(parents=True, exist_ok=True)
         copy = shutil.copytree if (ROOT / part).is_dir() else shutil.copy
         copy(ROOT / part, folder / part)
+    (folder / "FUSESOC_IGNORE").touch()  # its mmcs.core is not another core
     file = folder / fault["file"]
     text = file.read_text() if file.is_file() else ""
     if text.count(fault["find"]) != 1:

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may know whom, between the trees: docs/architecture.md. For the rooms: test_rooms.py."""
+"""Who may know whom, between the trees and the folders of mmcs/: docs/architecture.md."""
 
+import ast
 import re
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -86,3 +88,78 @@ def test_imports_are_of_the_trees_that_it_knows(tree):
             if module.split(".")[0] in OURS and not path.startswith(exempt or "-"):
                 allowed = module in known or module.split(".")[0] in {"cocotb_tests"} & set(known)
                 assert allowed, f"{path} imports {module}"
+
+
+# --- the folders of mmcs/ ----------------------------------------------------------------------
+
+PACKAGE = [f for f in FILES if re.match(r"mmcs/(?!.*tests/).*\.py$", f) and (ROOT / f).is_file()]
+FOLDERS = sorted({f.split("/")[1] for f in PACKAGE if f.count("/") > 1})
+HAND_ON = ("mmcs/__init__.py", "mmcs/__main__.py", "mmcs/front.py")  # public names
+# What looks into a folder of mmcs/ from outside, to test, ship or attack it.
+DEEPER = {
+    "sim/tests/": {"engine", "tests"},
+    "studies/": {"sweeps"},
+    "tools/": {"cli", "device", "engine", "runs", "scenario", "sweeps", "tests", "tool", "view"},
+    "web/tests/": {"device", "lab", "tests", "tool"},
+}
+
+
+def imported(path: str) -> set[str]:
+    """Full names of what a file imports, at its top or within a function."""
+    found = set()
+    for node in ast.walk(ast.parse((ROOT / path).read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def folders_of(path: str) -> set[str]:
+    """Folders of mmcs/ that a file imports from."""
+    names = [name.split(".") for name in imported(path)]
+    known = {*FOLDERS, "tests"}
+    return {name[1] for name in names if name[0] == "mmcs" and name[1:] and name[1] in known}
+
+
+def may_know(folder: str) -> set[str]:
+    text = ast.get_docstring(ast.parse((ROOT / "mmcs" / folder / "__init__.py").read_text()))
+    (line,) = re.findall(r"^May know: ([^.]+)\.", text, re.M)
+    return set(re.findall(r"\w+", line)) - {"nothing"}
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_a_folder_imports_those_that_it_announces(folder):
+    files = [f for f in PACKAGE if f.startswith(f"mmcs/{folder}/")]
+    assert set().union(*map(folders_of, files)) - {folder} == may_know(folder)
+
+
+def test_folders_make_no_circle():
+    TopologicalSorter({folder: may_know(folder) for folder in FOLDERS}).prepare()
+
+
+def test_what_lies_above_folders_imports_none():
+    for path in (f for f in PACKAGE if f.count("/") == 1 and f not in HAND_ON):
+        assert not folders_of(path), path
+
+
+def test_the_package_imports_nothing_above_it():
+    above = {"studies", "cocotb_tests", "tools", "bridges"}
+    for path in PACKAGE:
+        assert not above & {name.split(".")[0] for name in imported(path)}, path
+
+
+def test_outside_everybody_imports_public_names():
+    for path in (f for f in FILES if f.endswith(".py") and not f.startswith("mmcs/")):
+        if (ROOT / path).is_file():
+            allowed = next((known for k, known in DEEPER.items() if path.startswith(k)), set())
+            assert folders_of(path) <= allowed, path
+
+
+def test_every_public_name_is_there():
+    import mmcs
+
+    for name in mmcs._HOMES:
+        assert getattr(mmcs, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = mmcs.nothing
