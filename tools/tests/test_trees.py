@@ -97,10 +97,11 @@ FOLDERS = sorted({f.split("/")[1] for f in PACKAGE if f.count("/") > 1})
 HAND_ON = ("mmcs/__init__.py", "mmcs/__main__.py", "mmcs/front.py")  # public names
 # What looks into a folder of mmcs/ from outside, to test, ship or attack it.
 DEEPER = {
+    "labs/tests/": {"scenario", "tests", "view"},
     "sim/tests/": {"engine", "tests"},
     "studies/": {"sweeps"},
     "tools/": {"cli", "device", "engine", "runs", "scenario", "sweeps", "tests", "tool", "view"},
-    "web/tests/": {"device", "lab", "tests", "tool"},
+    "web/tests/": {"device", "tests", "tool"},
 }
 
 
