@@ -8,12 +8,17 @@ import subprocess
 import pytest
 from bench import PATIENCE_S, Desk
 from playwright.sync_api import sync_playwright
-from stops import FLAGS
 
 from mmcs.device.execute import environment
 from mmcs.device.sockets import socket_path
 from mmcs.tests.device_bench import EXAMPLES, compile_1989
 from mmcs.tool.launch import _end, _serve, start
+
+FLAGS = [
+    "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader", "--site-per-process",
+]  # fmt: skip
 
 
 @pytest.fixture(scope="session")
