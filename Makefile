@@ -19,8 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: cocotb edges dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz tool tool-test web web-test book bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
-
+.PHONY: cocotb dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz tool tool-test web web-test book bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
@@ -106,7 +105,7 @@ test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped
 # One file for each block; all of them take three times as long.
 ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
     chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor card system/cocotb_cards.py \
-    functional/test_simulators_agree.py)
+    system/test_simulators_agree.py)
 
 SIM ?= verilator
 
@@ -124,11 +123,8 @@ bench: $(VENV)/.test ## how fast it is, into docs/evidence/bench.md; BASE=commit
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench $(BASE)
 
-coverage: $(VENV)/.test ## line, branch, toggle and functional coverage, HTML in build/coverage; ONLY=TEXT: of tests of that name
+coverage: $(VENV)/.test ## line, branch and toggle coverage, HTML in build/coverage; ONLY=TEXT: of tests of that name
 	@$(BIN)/python tools/coverage.py $(if $(ONLY),--only "$(ONLY)")
-
-edges: $(VENV)/.test ## sweep the asynchronous inputs, into docs/evidence/edges.md
-	@$(BIN)/python tools/edges.py --doc
 
 attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
 	@$(BIN)/python tools/attack.py $(ATTACK)

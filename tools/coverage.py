@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Line, branch, toggle and functional coverage of rtl/: `make coverage`.
+"""Line, branch and toggle coverage of rtl/: `make coverage`.
 
 Runs the cocotb regression on coverage builds, merges what every simulation wrote, and makes
 build/coverage/index.html. Points that cannot be reached stand in
 cocotb_tests/coverage_exceptions.toml, each with its reason; one that was reached after all, or
-whose line is gone, fails. The functional bins are those of cocotb_tests/functional/cover.py.
+whose line is gone, fails.
 `--report` only merges what is there; `--only TEXT` runs tests whose name, file or folder
 holds the text, tells what each file reached, and judges nothing.
 """
@@ -21,13 +21,11 @@ from pathlib import Path
 
 import jinja2
 
-from cocotb_tests.functional import cover
-
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "coverage"
 EXCEPTIONS = ROOT / "cocotb_tests" / "coverage_exceptions.toml"
 GOALS = {"line": 100.0, "branch": 100.0, "toggle": 95.0}
-SHOWN = 60  # complaints on the terminal, bins in the report
+SHOWN = 60  # complaints on the terminal
 
 PAGE = jinja2.Template(
     """<!doctype html><meta charset="utf-8"><title>MMCS RTL coverage</title>
@@ -37,12 +35,6 @@ pre{margin:0;font:12px monospace}.miss{background:#fdd}.hit{background:#efe}.exc
 <h1>RTL coverage</h1><table><tr><th>file<th>line<th>branch<th>toggle</tr>
 {% for f, s in files.items() %}<tr><td><a href="#{{ f }}">{{ f }}</a>
 {% for k in kinds %}<td>{{ s[k] }}{% endfor %}</tr>{% endfor %}</table>
-<h1>Functional coverage</h1><table><tr><th>group<th>axes<th>hit<th>bins<th>missed, excluded</tr>
-{% for g in groups %}<tr class="{{ 'miss' if g.missed else 'hit' }}">
-<td>{{ g.name }}<td>{{ g.axes }}
-<td>{{ g.hit }}<td>{{ g.bins }}<td>{{ g.missed|join("; ")|e }}
-{% for why, n in g.never.items() %}<br>{{ n }} combinations are no bins: {{ why|e }}{% endfor %}
-</tr>{% endfor %}</table>
 {% for f, rows in listings.items() %}<h2 id="{{ f }}">{{ f }}</h2>
 {% for r in rows %}<pre class="{{ r.cls }}"><span class="n">{{ "%4d" % r.n }}</span> {{ r.text|e }}\
 {% if r.note %}<span class="n">  // {{ r.note|e }}</span>{% endif %}</pre>{% endfor %}{% endfor %}
@@ -134,40 +126,10 @@ def structural(points: Counter) -> tuple[list[str], dict, dict, dict, Exceptions
     return problems + allowed.idle(), files, listings, sums, allowed
 
 
-def functional(folder: Path) -> tuple[list[str], list[dict]]:
-    """Complaints and one row for each group."""
-    cover.load(folder)
-    problems, rows = [], []
-    for group in cover.GROUPS.values():
-        bins = set(group.bins())
-        missed = sorted(bins - group.hits)
-        never: Counter = Counter()
-        for combination in cover.product(*group.axes.values()):
-            if reason := group.reason(combination):
-                never[reason] += 1
-        if group.strays():
-            problems.append(f"{group.name}: {group.strays()[0]} is no bin")
-        if missed:
-            problems.append(f"{group.name}: {len(missed)} bins not hit, as {' '.join(missed[0])}")
-        rows.append(
-            {
-                "name": group.name,
-                "axes": " x ".join(f"{k} ({len(v)})" for k, v in group.axes.items()),
-                "hit": len(bins & group.hits),
-                "bins": len(bins),
-                "missed": [" ".join(m) for m in missed[:SHOWN]],
-                "never": never,
-            }
-        )
-    return problems, rows
-
-
 def report(points: Counter, some: bool) -> int:
     """Of all tests a judgement, of some what each file reached."""
     problems, files, listings, sums, allowed = structural(points)
-    complaints, groups = ([], []) if some else functional(BUILD)
-    problems += complaints
-    page = PAGE.render(files=files, listings=listings, kinds=GOALS, groups=groups)
+    page = PAGE.render(files=files, listings=listings, kinds=GOALS)
     (BUILD / "index.html").write_text(page)
     if some:
         for name, reached in files.items():
@@ -185,9 +147,6 @@ def report(points: Counter, some: bool) -> int:
             f"coverage: {kind:6s} {percent:6.2f} % ({hit} of {all_}), goal {goal:g} %; "
             f"{excepted} points excepted"
         )
-    for g in groups:
-        share = 100 * g["hit"] / g["bins"]
-        print(f"coverage: {g['name']:14s} {share:6.2f} % ({g['hit']} of {g['bins']} bins)")
     print(f"coverage: {len(allowed.entries)} exceptions; report in build/coverage/index.html")
     return 0 if ok else 1
 
@@ -198,7 +157,7 @@ def main() -> int:
     parser.add_argument("--only", default="", metavar="TEXT", help="tests that -k TEXT chooses")
     args = parser.parse_args()
     if not args.report:
-        for old in (*BUILD.rglob("coverage.dat"), *BUILD.rglob(cover.FILE)):
+        for old in BUILD.rglob("coverage.dat"):
             old.unlink()  # what an earlier run, or an earlier design, has reached
         command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup"]
         env = dict(os.environ, MMCS_BUILD=str(BUILD))

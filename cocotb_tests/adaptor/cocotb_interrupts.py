@@ -2,7 +2,7 @@
 # Length: many short cases of one block, read one at a time.
 """VME as the host: interrupt lines, their latches, the acknowledge chain. §4.3.3, §4.3.6
 
-Every transition of the PCCSR: functional/cocotb_pccsr_cover.py.
+Every transition of the PCCSR: cocotb_pccsr.py.
 
 Edges are placed on every clock around the writes of bit 7: which ones are lost is the race window
 that the documentation states.

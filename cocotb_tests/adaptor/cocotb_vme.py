@@ -2,7 +2,7 @@
 # Length: many short cases of one block, read one at a time.
 """VME as the host of the machine: its cycles, and what breaks them. §4.3.1-4.3.3
 
-Every address, size and modifier: functional/cocotb_vme_cover.py.
+Every address, size and modifier: system/cocotb_window.py.
 """
 
 import cocotb

@@ -8,10 +8,11 @@ operation and both values; the same seed gives the same stimulus everywhere.
 import os
 import random
 from bisect import bisect_right
-from itertools import cycle
+from itertools import cycle, product
 
 import cocotb
 
+from cocotb_tests.chips.pit import BOTH, LSB, MSB, Pit
 from cocotb_tests.chips.replay import CASCADE, QUICK_OPS, VARIANT, Bench, Layout, mismatch
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import i8254
@@ -192,3 +193,64 @@ async def random_chmos_part(dut):
 @test("PIT-1", "PIT-2")
 async def random_cascade(dut):
     await compare(dut, (0, 2, 2, 2, 3, 3, 4), "cascade", QUICK_OPS // 2, CASCADE)
+
+
+# What a counter meets at every stage, in this order; `first` and `second` are the bytes of a count.
+TOUR = """control status look count more clk trigger clk clk status look read latch clk latch read
+    counts read both look read low clk clk high clk clk count clk"""
+BYTES_APART = "first read clk second look count look"
+TO_ZERO = "clk trigger to_zero"
+BEGIN = "control count trigger clk clk"
+ENDS = f"{BEGIN} latch {BEGIN} stop"
+ENDS_BETWEEN_BYTES = f"{BEGIN} first {BEGIN} look"
+
+
+class Tour(Pit):
+    """One counter through all that can happen to it, in one mode and format."""
+
+    def tour(self, n: int, mode: int, rw: int, bcd: int) -> None:
+        value, more = (0x0100, 0x0200) if rw == MSB else (7, 9)
+        acts = {
+            "control": lambda: self.cw(n, mode, rw, bcd),
+            "count": lambda: self.count(n, value),
+            "more": lambda: self.count(n, more),
+            "first": lambda: self.write(n, 5),
+            "second": lambda: self.write(n, 0),
+            "clk": lambda: self.pulse(1, 1 << n),
+            "to_zero": lambda: self.pulse((3 * 256 if rw == MSB else value) + 6, 1 << n),
+            "trigger": lambda: self.trigger(1 << n),
+            "low": lambda: self.gate(0, 1 << n),
+            "high": lambda: self.gate(1, 1 << n),
+            "latch": lambda: self.latch(n),
+            "status": lambda: self.read_back(n, status=True),
+            "counts": lambda: self.read_back(n, count=True),
+            "both": lambda: self.read_back(n, count=True, status=True),
+            "look": lambda: self.look(n),
+            "read": lambda: [self.look(n) for _ in range(1 + (rw == BOTH))],
+            "stop": lambda: self.cw(n, 0),
+        }
+        parts = [TOUR, TO_ZERO, ENDS]
+        if rw == BOTH:
+            parts = [TOUR, BYTES_APART, TO_ZERO, ENDS_BETWEEN_BYTES, ENDS]
+        for word in " ".join(parts).split():
+            acts[word]()
+
+    def look(self, n: int) -> None:
+        self.step(cs_n=0, rd_n=0, a=n)
+        self.step(cs_n=1, rd_n=1)
+
+
+@test("PIT-1")
+async def tour_of_every_mode_and_format(dut):
+    """Modes as written, 6 and 7 are 2 and 3; each counter takes a third of them."""
+    script = Tour()
+    for mode, (number, (rw, bcd)) in product(
+        range(8), enumerate(product((LSB, MSB, BOTH), (0, 1)))
+    ):
+        script.tour((mode + number) % 3, mode, rw, bcd)
+    script.step(2)
+    model = script.model()
+    want = [model.clock(word) for word in script.words]
+    got = await Bench(dut).replay(script.words)
+    for at, (w, g) in enumerate(zip(want, got, strict=True)):
+        assert w == g, f"clock {at}: {mismatch(OUT, w, g)}"

@@ -147,7 +147,8 @@ def _design(job: Job) -> tuple[list[Path], list[Path]]:
     ports = written(f"{job.toplevel}_ports.vlt", PORTS.format(top=job.toplevel))
     if job.netlist:
         return [ports, *job.extra, *job.netlist], [job.netlist[-1].parent, *job.includes]
-    rtl = sources("rtl")
+    models = {file.name for file in job.extra}  # in the place of files of rtl/ of the same name
+    rtl = [file for file in sources("rtl") if file.name not in models]
     testbench = [TESTBENCH] if job.dpi and not job.extra else []
     try:
         files = reached([job.toplevel], [*rtl, *job.extra, *testbench])
@@ -324,7 +325,7 @@ def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
             timescale=TIMESCALE,
             parameters=dict(job.parameters),
             log_file=log,
-            plusargs=[f"+scenario={job.dpi}"] if job.dpi else [],
+            plusargs=[f"+verilator+seed+{seed}", *([f"+scenario={job.dpi}"] if job.dpi else [])],
             test_args=["--trace-file", WAVES[job.sim]] if _traced(job) else [],
             waves=job.waves,
             extra_env={

@@ -23,38 +23,37 @@ WIDTH = 12  # bits of the number that picks a mutant
 SHORT = {"HeartbeatUs": 100, "RelayUs": 20}
 
 # file, the parameters of the instance that is mutated (others: their defaults), how many mutants.
-# For each test top: the test modules that its mutants meet, with their variant; `=` and the name of
+# For each group: the test modules that its mutants meet, with their variant; `=` and the name of
 # another: with its parameters.
 TOPS = {
-    "bench_i8254": (
-        ["chips.cocotb_i8254_modes", "chips.cocotb_i8254_bus", "chips.cocotb_i8254_random",
-         "functional.cocotb_pit_cover"],
+    "i8254": (
+        ["chips.cocotb_i8254_modes", "chips.cocotb_i8254_bus", "chips.cocotb_i8254_random"],
         {"chips/i8254": ({}, 60), "chips/i8254_counter": ({}, 170)},
     ),
-    "bench_i8255": (["chips.cocotb_i8255"], {"chips/i8255": ({}, 120)}),
-    "bench_thct2000": (["chips.cocotb_thct2000"], {"chips/thct2000": ({}, 120)}),
-    "bench_analog": (
+    "i8255": (["chips.cocotb_i8255"], {"chips/i8255": ({}, 120)}),
+    "thct2000": (["chips.cocotb_thct2000"], {"chips/thct2000": ({}, 120)}),
+    "analog": (
         ["chips.cocotb_analog"],
         {"chips/ad574": ({"ConvClks": "CONV"}, 60), "chips/ad667": ({}, 30),
          "chips/oneshot": ({"PulseClks": "PULSE"}, 30)},
     ),
     "mark1": (
         ["card.cocotb_registers:slot", "card.cocotb_encoders:slot", "card.cocotb_converters:slot",
-         "functional.cocotb_card_corners", "functional.cocotb_card_cover",
+         "card.cocotb_side_effects",
          "card.cocotb_registers:vme=card.cocotb_registers:slot",
          "card.cocotb_converters:vme=card.cocotb_registers:slot",
-         "functional.cocotb_reset=card.cocotb_registers:slot"],
+         "system.cocotb_reset=card.cocotb_registers:slot"],
         {"mark1/decode": ({}, 50), "mark1/latch": ({}, 30),
          "mark1/relay": ({"SettleClks": 160}, 30), "mark1/axis": ({"HeartbeatClks": 800}, 70),
          "mark1/mark1": (SHORT, 80)},
     ),
     "mmcs": (
-        ["adaptor.cocotb_host_port:8MHz", "functional.cocotb_pccsr_cover",
+        ["adaptor.cocotb_host_port:8MHz", "adaptor.cocotb_pccsr",
          "adaptor.cocotb_host_port:slow-bus", "adaptor.cocotb_vme_strays", "system.cocotb_safety",
          "adaptor.cocotb_interrupts", "adaptor.cocotb_vme",
          "system.cocotb_sclock:8MHz=system.cocotb_safety", "system.cocotb_cards:vme",
          "card.cocotb_registers:vme",
-         "functional.cocotb_machine_corners", "functional.cocotb_reset"],
+         "system.cocotb_bits", "system.cocotb_reset"],
         {"adaptor/pcbus_master": ({}, 60), "adaptor/pccsr": ({}, 40),
          "adaptor/sysclk": ({"SysClkMHz": 1}, 20), "adaptor/panic": ({}, 20),
          "adaptor/vme_strobe": ({}, 40), "adaptor/vme_slave": ({}, 60),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every assumption of a proof, and every pin it ties, stands in docs/evidence/edges.md."""
+"""Every assumption of a proof, and every pin it ties, stands in docs/evidence/formal.md."""
 
 import re
 
@@ -7,14 +7,19 @@ import pytest
 
 from mmcs import ROOT
 
-PAGE = (ROOT / "docs" / "evidence" / "edges.md").read_text()
+PAGE = (ROOT / "docs" / "evidence" / "formal.md").read_text()
 HEAD = "## What the proofs take for granted"
+
+
+def rows_of(text: str) -> list[list[str]]:
+    """The cells of the section's table."""
+    section = text.split(HEAD, 1)[1].split("\n## ", maxsplit=1)[0]
+    return [row.split("|") for row in section.splitlines() if row.startswith("|")]
 
 
 def named(text: str) -> set[str]:
     """Words of the second column of the table: the names are among them."""
-    rows = [row.split("|") for row in text.split(HEAD, 1)[1].splitlines() if row.startswith("|")]
-    return {word for row in rows if row[3].strip() for word in re.findall(r"\w+", row[2])}
+    return {word for row in rows_of(text) if row[3].strip() for word in re.findall(r"\w+", row[2])}
 
 
 def missing(sources: dict[str, str], page: str) -> list[str]:
@@ -30,8 +35,7 @@ def missing(sources: dict[str, str], page: str) -> list[str]:
 
 def tied(sources: dict[str, str], page: str) -> list[str]:
     """Input pins that a formal top ties to a constant and no row of its group names."""
-    rows = [row.split("|") for row in page.split(HEAD, 1)[1].splitlines() if row.startswith("|")]
-    found = []
+    rows, found = rows_of(page), []
     for name, text in sources.items():
         group = name.removesuffix("_props.sv")
         listed = {w for r in rows if f"`{group}`" in r[1] for w in re.findall(r"`(\w+)`", r[2])}

@@ -33,7 +33,6 @@ MAY_IMPORT = {
         (
             "cocotb_tests/adaptor/driver.py",
             "cocotb_tests/dpi/",
-            "cocotb_tests/edges/",
             "cocotb_tests/lib/runner.py",
         ),
         ("cocotb_tests", "mmcs", "mmcs.regs", "tools.sources"),

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every address, access size and address modifier: answered, or left alone. §4.3.1-4.3.3"""
 
+from itertools import product
+
 import cocotb
 from cocotb.triggers import FallingEdge
 from cocotbext.vme import VmeTiming
 
-from cocotb_tests.functional import cover
 from cocotb_tests.lib.req import tests_on
-from cocotb_tests.lib.tb import PCCSR, PIT, Machine
+from cocotb_tests.lib.tb import PCCSR, PIT, PORT_A, VECTOR, Machine
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -16,6 +17,19 @@ ELSEWHERE = 0x07  # a base at which no card listens
 QUIET_NS = 1500  # an own register is answered by then, a PC cycle begun
 NOTHING = 0xF0  # a read-back command that selects no counter
 BYTES = {"even": 1, "odd": 1, "word": 2, "long": 4}
+KINDS, MODIFIERS = ("read", "write"), (0x29, 0x2D)
+TARGETS = {
+    "card": Machine.creg(0, PORT_A),
+    "absent card": Machine.creg(15, PORT_A),
+    "counter 0": PIT,
+    "counter 1": PIT + 2,
+    "counter 2": PIT + 4,
+    "control word": PIT + 6,
+    "PCCSR": PCCSR,
+    "hole": 0x411,
+    "vector": VECTOR,
+    "mirror": 0x789,
+}
 
 
 class Space(Machine):
@@ -90,35 +104,21 @@ space_test = tests_on(Space)
 
 
 @space_test("VME-1", "VME-2", "VME-4", "VME-5", "MAP-1")
-@cocotb.parametrize(modifier=cover.MODIFIERS)
-async def every_address_and_size(tb, modifier):
-    am = int(modifier, 16)
-    for offset in range(0, 0x800, 2):
-        for size in cover.SIZES:
-            for kind in cover.KINDS:
-                await tb.access(0x6000 | offset, size, am, kind, True)
-                cover.VME_ADDRESS.hit(f"{offset:03X}", size, modifier, kind)
-    cover.save()
+@cocotb.parametrize(am=MODIFIERS)
+async def every_address_and_size(tb, am):
+    for offset, size, kind in product(range(0, 0x800, 2), BYTES, KINDS):
+        await tb.access(0x6000 | offset, size, am, kind, True)
 
 
 @space_test("VME-1", "VME-2", "VME-6")
 async def every_modifier_and_size(tb):
     for am in range(64):
-        for target, offset in cover.TARGETS.items():
-            for size in cover.SIZES:
-                for kind in cover.KINDS:
-                    await tb.access(0x6000 | offset, size, am, kind, am in (0x29, 0x2D))
-                    cover.VME_MODIFIER.hit(f"{am:02X}", size, target, kind)
+        for offset, size, kind in product(TARGETS.values(), BYTES, KINDS):
+            await tb.access(0x6000 | offset, size, am, kind, am in MODIFIERS)
         assert await tb.rd(PCCSR) == tb.base_bits
-    cover.save()
 
 
 @space_test("VME-1", "VME-6")
 async def every_segment_and_size(tb):
-    for segment in range(32):
-        for modifier in cover.MODIFIERS:
-            for size in cover.SIZES:
-                ours = segment == 0b01100
-                await tb.access(segment << 11 | 0x408, size, int(modifier, 16), "read", ours)
-                cover.VME_SEGMENT.hit(f"{segment:02d}", size, modifier)
-    cover.save()
+    for segment, am, size in product(range(32), MODIFIERS, BYTES):
+        await tb.access(segment << 11 | 0x408, size, am, "read", segment == 0b01100)

@@ -5,11 +5,11 @@ import shutil
 
 import pytest
 
-from cocotb_tests.functional.agree_scene import CLOCKS, FILE
 from cocotb_tests.lib.runner import MISSING, SIMULATORS, Job, run
+from cocotb_tests.system.agree_scene import CLOCKS, FILE
 from cocotb_tests.system.machine import USUAL
 
-SCENE, TEST = "cocotb_tests.functional.agree_scene", "random_traffic"
+SCENE, TEST = "cocotb_tests.system.agree_scene", "random_traffic"
 
 
 @pytest.mark.skipif(not shutil.which("iverilog"), reason=MISSING["icarus"])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands for rtl/lib/sync.sv in a sweep: an input that moved shortly before the clock is taken as
-// it was or as it is, each bit by itself and at random; so is a clear that ended then.
+// Stands for rtl/lib/sync.sv in simulation: an input that changed shortly before the clock is taken
+// as it was or as it is, each bit by itself and at random; so is a clear that ended then.
 `timescale 1ps/1ps
 `default_nettype none
 
@@ -14,6 +14,8 @@ module sync #(
   input  wire logic [Width-1:0] d_i,
   output logic      [Width-1:0] q_o
 );
+
+  localparam longint WindowPs = 2_000;
 
   for (genvar n = 0; n < Width; n++) begin : g_bit
     logic first_q, second_q, level, level_q, before_q;
@@ -33,8 +35,7 @@ module sync #(
         first_q  <= ResetValue[n];
         second_q <= ResetValue[n];
       end else if (en_i) begin
-        first_q  <= ($time - moved_q < longint'(metastable_pkg::window) && 1'($urandom)) ?
-                    before_q : level;
+        first_q  <= ($time - moved_q < WindowPs && 1'($urandom)) ? before_q : level;
         second_q <= first_q;
       end
     end
