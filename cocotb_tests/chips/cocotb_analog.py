@@ -15,23 +15,11 @@ PARAMETERS = {"ConvClks": CONV, "PulseClks": PULSE}
 
 
 class Converter(Scripts, of=Analog, req="ADC-1"):
-    def ad574_power_up_is_not_busy(s):
-        s.step(3)
-        s.expect(sts=0, oe=0)
-
-    def ad574_busy_for_exactly_the_conversion(s):
-        s.start(0)
-        s.seen("the clock that starts", sts=0)
-        s.expect("one clock later", sts=1)
-        s.step(CONV - 1)
-        s.expect("last clock", sts=1)
-        s.step()
-        s.expect("over", sts=0)
-
-    def ad574_zero_volt_is_mid_scale(s):
-        for span10 in (0, 1):
-            s.convert(0, span10)
-            s.result(0x800)
+    ad574_power_up_is_not_busy = "step(3) expect(sts=0, oe=0)"
+    ad574_busy_for_exactly_the_conversion = """
+        start(0) seen('the clock that starts', sts=0) expect('one clock later', sts=1)
+        step(CONV - 1) expect('last clock', sts=1) step() expect('over', sts=0)"""
+    ad574_zero_volt_is_mid_scale = "convert(0, 0) result(0x800) convert(0, 1) result(0x800)"
 
     def ad574_end_points_20_v(s):
         for vin, code in ((-32768, 0), (32767, 0xFFF), (32736, 0xFFE), (-32752, 1), (16384, 0xC00)):
@@ -59,29 +47,14 @@ class Converter(Scripts, of=Analog, req="ADC-1"):
             s.convert(vin, 1)
             s.result(code, f"{vin}")
 
-    def ad574_samples_at_the_start(s):
-        s.start(16384)
-        s.step(CONV + 2, ad_vin=0x8000)
-        s.result(0xC00)
-
-    def ad574_start_while_busy_is_ignored(s):
-        s.start(16384)
-        s.step(50)
-        s.start(-16384)
-        s.step(CONV - 52)
-        s.expect("still the first conversion", sts=1)
-        s.step(1)
-        s.expect("not prolonged", sts=0)
-        s.result(0xC00)
-
-    def ad574_start_held_gives_one_conversion(s):
-        s.step(3 * CONV, ad_ce=1, ad_cs_n=0, ad_rc_n=0)
-        s.expect(sts=0)
-        s.step(ad_rc_n=1)
-        s.start(16384)
-        s.expect("a new edge starts again", sts=1)
-        s.step(CONV + 1)
-        s.result(0xC00)
+    ad574_samples_at_the_start = "start(16384) step(CONV + 2, ad_vin=0x8000) result(0xC00)"
+    ad574_start_while_busy_is_ignored = """
+        start(16384) step(50) start(-16384) step(CONV - 52)
+        expect('still the first conversion', sts=1) step(1) expect('not prolonged', sts=0)
+        result(0xC00)"""
+    ad574_start_held_gives_one_conversion = """
+        step(3 * CONV, ad_ce=1, ad_cs_n=0, ad_rc_n=0) expect(sts=0) step(ad_rc_n=1) start(16384)
+        expect('a new edge starts again', sts=1) step(CONV + 1) result(0xC00)"""
 
     def ad574_any_of_the_three_pins_may_start(s):
         on = {"ad_ce": 1, "ad_cs_n": 0, "ad_rc_n": 0}
@@ -94,31 +67,18 @@ class Converter(Scripts, of=Analog, req="ADC-1"):
             s.expect(last, sts=1)
             s.step(CONV + 1, **off)
 
-    def ad574_needs_ce_and_cs(s):
-        s.step(3, ad_ce=0, ad_cs_n=0, ad_rc_n=0)
-        s.expect(sts=0)
-        s.step(3, ad_rc_n=1)
-        s.step(3, ad_ce=1, ad_cs_n=1, ad_rc_n=0)
-        s.expect(sts=0)
-        s.step(3, ad_rc_n=1)
-        s.seen("not selected", oe=0)
-
-    def ad574_8_bit_bus_is_left_justified(s):
-        s.convert(5 * 16)
-        s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0, ad_a0=0)
-        s.seen("high byte", byte=0x80, oe=1)
-        s.step(2, ad_a0=1)
-        s.seen("low nibble and zeros", byte=0x50, oe=1)
-        s.step(ad_cs_n=1, ad_a0=0)
-
-    def ad574_short_conversion_is_no_longer(s):
-        s.start(16384, ad_a0=1)
-        s.expect(sts=1)
-        s.step(CONV, ad_a0=0)
-        s.expect(sts=0)
-        s.step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0)
-        s.seen("eight good bits", byte=0xC0)
-        s.step(ad_cs_n=1)
+    ad574_needs_ce_and_cs = """
+        step(3, ad_ce=0, ad_cs_n=0, ad_rc_n=0) expect(sts=0) step(3, ad_rc_n=1)
+        step(3, ad_ce=1, ad_cs_n=1, ad_rc_n=0) expect(sts=0) step(3, ad_rc_n=1)
+        seen('not selected', oe=0)"""
+    ad574_8_bit_bus_is_left_justified = """
+        convert(5 * 16) step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0, ad_a0=0)
+        seen('high byte', byte=0x80, oe=1) step(2, ad_a0=1)
+        seen('low nibble and zeros', byte=0x50, oe=1) step(ad_cs_n=1, ad_a0=0)"""
+    ad574_short_conversion_is_no_longer = """
+        start(16384, ad_a0=1) expect(sts=1) step(CONV, ad_a0=0) expect(sts=0)
+        step(2, ad_ce=1, ad_cs_n=0, ad_rc_n=1, ad_mode12=0) seen('eight good bits', byte=0xC0)
+        step(ad_cs_n=1)"""
 
 
 @script(Analog, "DAC-1", "ANA-1")
@@ -127,13 +87,10 @@ def ad667_power_up_is_zero_volt(s):
 
 
 class Output(Scripts, of=Analog, req="DAC-1"):
-    def ad667_first_rank_waits(s):
-        s.load(0b1110, 0xFFF)
-        s.load(0b1101, 0xFFF)
-        s.load(0b1011, 0xFFF)
-        s.expect("rank 2 untouched", code=0x800)
-        s.load(0b0111, 0x000)
-        s.expect("rank 2 from rank 1", code=0xFFF)
+    ad667_first_rank_waits = """
+        load(0b1110, 0xFFF) load(0b1101, 0xFFF) load(0b1011, 0xFFF)
+        expect('rank 2 untouched', code=0x800) load(0b0111, 0x000)
+        expect('rank 2 from rank 1', code=0xFFF)"""
 
     def ad667_nibbles_are_apart(s):
         for a_n, want in ((0b1110, 0x805), (0b1101, 0x855), (0b1011, 0x555)):
@@ -141,55 +98,28 @@ class Output(Scripts, of=Analog, req="DAC-1"):
             s.load(0b0111, 0xAAA)
             s.expect(code=want)
 
-    def ad667_all_transparent(s):
-        for value in (0x123, 0xFED, 0x000):
-            s.step(2, da_cs_n=0, da_a_n=0, da_d=value)
-            s.expect(code=value)
-
-    def ad667_rank_2_sees_a_coincident_first_rank(s):
-        s.load(0b1100, 0x034)
-        s.expect(code=0x800)
-        s.load(0b0011, 0xA00)
-        s.expect("high nibble and transfer in one write", code=0xA34)
-
-    def ad667_nothing_without_chip_select(s):
-        s.step(3, da_cs_n=1, da_a_n=0, da_d=0x123)
-        s.step(da_a_n=15)
-        s.expect(code=0x800)
-        s.step(3, da_cs_n=0, da_a_n=15, da_d=0x123)
-        s.expect("no rank enabled", code=0x800)
-
-    def ad667_value_holds_after_the_strobe(s):
-        s.load(0, 0x3C3)
-        s.step(20, da_d=0xFFF)
-        s.expect(code=0x3C3)
+    ad667_all_transparent = """
+        step(2, da_cs_n=0, da_a_n=0, da_d=0x123) expect(code=0x123)
+        step(2, da_cs_n=0, da_a_n=0, da_d=0xFED) expect(code=0xFED)
+        step(2, da_cs_n=0, da_a_n=0, da_d=0) expect(code=0)"""
+    ad667_rank_2_sees_a_coincident_first_rank = """
+        load(0b1100, 0x034) expect(code=0x800) load(0b0011, 0xA00)
+        expect('high nibble and transfer in one write', code=0xA34)"""
+    ad667_nothing_without_chip_select = """
+        step(3, da_cs_n=1, da_a_n=0, da_d=0x123) step(da_a_n=15) expect(code=0x800)
+        step(3, da_cs_n=0, da_a_n=15, da_d=0x123) expect('no rank enabled', code=0x800)"""
+    ad667_value_holds_after_the_strobe = "load(0, 0x3C3) step(20, da_d=0xFFF) expect(code=0x3C3)"
 
 
 class Heartbeat(Scripts, of=Analog, req="HB-1"):
-    def oneshot_lasts_exactly(s):
-        s.expect("low at power-up", q=0)
-        s.step(os_trig=1)
-        s.seen(q=0)
-        s.expect(q=1)
-        s.step(PULSE - 1, os_trig=0)
-        s.expect("last clock", q=1)
-        s.step()
-        s.expect("over", q=0)
-
-    def oneshot_triggers_on_the_edge_only(s):
-        s.step(PULSE, os_trig=1)
-        s.expect(q=1)
-        s.step(3)
-        s.expect("level does not prolong", q=0)
-
-    def oneshot_retrigger_extends(s):
-        s.step(os_trig=1)
-        s.step(9, os_trig=0)
-        s.step(os_trig=1)
-        s.step(PULSE - 1, os_trig=0)
-        s.expect("full length from the last trigger", q=1)
-        s.step()
-        s.expect(q=0)
+    oneshot_lasts_exactly = """
+        expect('low at power-up', q=0) step(os_trig=1) seen(q=0) expect(q=1)
+        step(PULSE - 1, os_trig=0) expect('last clock', q=1) step() expect('over', q=0)"""
+    oneshot_triggers_on_the_edge_only = """
+        step(PULSE, os_trig=1) expect(q=1) step(3) expect('level does not prolong', q=0)"""
+    oneshot_retrigger_extends = """
+        step(os_trig=1) step(9, os_trig=0) step(os_trig=1) step(PULSE - 1, os_trig=0)
+        expect('full length from the last trigger', q=1) step() expect(q=0)"""
 
     def oneshot_trigger_in_the_last_clock_has_no_glitch(s):
         s.step(os_trig=1)
@@ -200,25 +130,12 @@ class Heartbeat(Scripts, of=Analog, req="HB-1"):
             s.step(os_trig=0)
         s.expect(q=0)
 
-    def oneshot_trigger_one_clock_late_drops_once(s):
-        s.step(os_trig=1)
-        s.step(PULSE, os_trig=0)
-        s.expect(q=0)
-        s.step(os_trig=1)
-        s.expect(q=1)
-
-    def oneshot_clear_ends_and_inhibits(s):
-        s.step(os_trig=1)
-        s.step(3, os_trig=0)
-        s.step(os_clr_n=0)
-        s.expect("ended", q=0)
-        s.step(os_trig=1)
-        s.step(2, os_trig=0)
-        s.expect("inhibited", q=0)
-        s.step(2, os_clr_n=1)
-        s.expect(q=0)
-        s.step(os_trig=1)
-        s.expect("works again", q=1)
+    oneshot_trigger_one_clock_late_drops_once = """
+        step(os_trig=1) step(PULSE, os_trig=0) expect(q=0) step(os_trig=1) expect(q=1)"""
+    oneshot_clear_ends_and_inhibits = """
+        step(os_trig=1) step(3, os_trig=0) step(os_clr_n=0) expect('ended', q=0) step(os_trig=1)
+        step(2, os_trig=0) expect('inhibited', q=0) step(2, os_clr_n=1) expect(q=0)
+        step(os_trig=1) expect('works again', q=1)"""
 
 
 def random_words(seed: str, clocks: int) -> list[int]:

@@ -15,19 +15,11 @@ SOURCES = ("bench_i8255.sv", "bench_replay.sv")
 
 
 class Ports(Scripts, of=Ppi, req="PPI-1"):
-    def power_up_is_all_input(s):
-        s.pins(pa_oe=0, pb_oe=0, pc_oe=0, oe=0, d_o=0xFF)
-
-    def reset_makes_all_ports_inputs(s):
-        s.mode()
-        s.write(A, 0x12)
-        s.pins(pa_oe=0xFF, pb_oe=0xFF, pc_oe=0xFF, pa=0x12)
-        s.step(SETTLE, reset=1)
-        s.seen(pa_oe=0, pb_oe=0, pc_oe=0)
-        s.step(SETTLE, reset=0)
-        s.pins(pa_oe=0, pb_oe=0, pc_oe=0)
-        s.step(pa=0x5A)
-        s.read(A, 0x5A, "mode 0 input")
+    power_up_is_all_input = "pins(pa_oe=0, pb_oe=0, pc_oe=0, oe=0, d_o=0xFF)"
+    reset_makes_all_ports_inputs = """
+        mode() write(A, 0x12) pins(pa_oe=0xFF, pb_oe=0xFF, pc_oe=0xFF, pa=0x12)
+        step(SETTLE, reset=1) seen(pa_oe=0, pb_oe=0, pc_oe=0) step(SETTLE, reset=0)
+        pins(pa_oe=0, pb_oe=0, pc_oe=0) step(pa=0x5A) read(A, 0x5A, 'mode 0 input')"""
 
     def cycle_that_ends_with_reset_is_none(s):
         """The port is neither written nor, in mode 1, read."""
@@ -60,51 +52,26 @@ class Ports(Scripts, of=Ppi, req="PPI-1"):
                 s.read(port, value, "the output latch")
         s.pins(pa=0x5A, pb=0x5A, pc=0x5A)
 
-    def inputs_are_not_latched_in_mode0(s):
-        s.mode(a_in=1, ch_in=1, b_in=1, cl_in=1)
-        for value in (0x00, 0xFF, 0x3C):
-            s.step(pa=value, pb=value ^ 0xFF, pc=value ^ 0x0F)
-            s.read(A, value)
-            s.read(B, value ^ 0xFF)
-            s.read(C, value ^ 0x0F)
-        s.step(SETTLE, cs_n=0, rd_n=0, a=A)
-        s.step(2, pa=0x77)
-        s.seen("follows the pins while RD# is low", d_o=0x77)
-        s.step(cs_n=1, rd_n=1)
-
-    def port_c_halves(s):
-        s.mode(ch_in=1, cl_in=0)
-        s.write(C, 0xA6)
-        s.step(pc=0x3F)
-        s.pins(pc_oe=0x0F, pc3=0, pc2=1, pc1=1, pc0=0)
-        s.read(C, 0x36, "upper pins, lower latch")
-        s.mode(ch_in=0, cl_in=1)
-        s.write(C, 0xA6)
-        s.step(pc=0xC9)
-        s.read(C, 0xA9, "upper latch, lower pins")
-
-    def mode_set_clears_the_latches(s):
-        s.mode()
-        for port in (A, B, C):
-            s.write(port, 0xFF)
-        s.mode()
-        s.pins("the same mode again", pa=0, pb=0, pc=0)
-        for port in (A, B, C):
-            s.read(port, 0)
-
-    def mode_set_of_one_group_clears_the_other(s):
-        s.mode(cl_in=1)
-        s.write(A, 0x11)
-        s.write(B, 0x22)
-        s.mode(cl_in=1, ch_in=1)
-        s.pins(pa=0, pb=0)
-
-    def board_setting_is_safe(s):
-        """0x89, A and B out, C in: everything low at once."""
-        s.write(CONTROL, 0x89)
-        s.pins(pa=0, pb=0, pa_oe=0xFF, pb_oe=0xFF, pc_oe=0)
-        s.step(pc=0xE5)
-        s.read(C, 0xE5)
+    inputs_are_not_latched_in_mode0 = """
+        mode(a_in=1, ch_in=1, b_in=1, cl_in=1) step(pa=0, pb=0xFF, pc=0x0F) read(A, 0)
+        read(B, 0xFF) read(C, 0x0F) step(pa=0xFF, pb=0, pc=0xF0) read(A, 0xFF) read(B, 0)
+        read(C, 0xF0) step(pa=0x3C, pb=0xC3, pc=0x33) read(A, 0x3C) read(B, 0xC3) read(C, 0x33)
+        step(SETTLE, cs_n=0, rd_n=0, a=A) step(2, pa=0x77)
+        seen('follows the pins while RD# is low', d_o=0x77) step(cs_n=1, rd_n=1)"""
+    port_c_halves = """
+        mode(ch_in=1, cl_in=0) write(C, 0xA6) step(pc=0x3F)
+        pins(pc_oe=0x0F, pc3=0, pc2=1, pc1=1, pc0=0) read(C, 0x36, 'upper pins, lower latch')
+        mode(ch_in=0, cl_in=1) write(C, 0xA6) step(pc=0xC9)
+        read(C, 0xA9, 'upper latch, lower pins')"""
+    mode_set_clears_the_latches = """
+        mode() write(A, 0xFF) write(B, 0xFF) write(C, 0xFF) mode()
+        pins('the same mode again', pa=0, pb=0, pc=0) read(A, 0) read(B, 0) read(C, 0)"""
+    mode_set_of_one_group_clears_the_other = """
+        mode(cl_in=1) write(A, 0x11) write(B, 0x22) mode(cl_in=1, ch_in=1) pins(pa=0, pb=0)"""
+    # 0x89, A and B out, C in: everything low at once
+    board_setting_is_safe = """
+        write(CONTROL, 0x89) pins(pa=0, pb=0, pa_oe=0xFF, pb_oe=0xFF, pc_oe=0) step(pc=0xE5)
+        read(C, 0xE5)"""
 
     def bit_set_and_reset(s):
         s.mode()
@@ -118,34 +85,15 @@ class Ports(Scripts, of=Ppi, req="PPI-1"):
             value &= ~(1 << n)
             s.pins(f"reset {n}", pc=value)
 
-    def bit_set_leaves_ports_a_and_b(s):
-        s.mode()
-        s.write(A, 0x3C)
-        s.write(B, 0xC3)
-        s.bit(5, 1)
-        s.pins(pa=0x3C, pb=0xC3, pc=0x20)
-
-    def bit_set_on_inputs_stays_hidden(s):
-        s.mode(ch_in=1, cl_in=1)
-        s.bit(4, 1)
-        s.step(pc=0x00)
-        s.pins(pc_oe=0)
-        s.read(C, 0)
-        s.mode()
-        s.pins("cleared by the mode set", pc=0)
-
-    def writes_to_inputs_are_ignored(s):
-        s.mode(a_in=1, b_in=1)
-        s.write(A, 0x12)
-        s.write(B, 0x34)
-        s.step(pa=0xAB, pb=0xCD)
-        s.read(A, 0xAB)
-        s.read(B, 0xCD)
-        s.pins(pa_oe=0, pb_oe=0)
-
-    def control_word_is_write_only(s):
-        s.write(CONTROL, 0x89)
-        s.read(CONTROL, 0xFF)
+    bit_set_leaves_ports_a_and_b = """
+        mode() write(A, 0x3C) write(B, 0xC3) bit(5, 1) pins(pa=0x3C, pb=0xC3, pc=0x20)"""
+    bit_set_on_inputs_stays_hidden = """
+        mode(ch_in=1, cl_in=1) bit(4, 1) step(pc=0x00) pins(pc_oe=0) read(C, 0) mode()
+        pins('cleared by the mode set', pc=0)"""
+    writes_to_inputs_are_ignored = """
+        mode(a_in=1, b_in=1) write(A, 0x12) write(B, 0x34) step(pa=0xAB, pb=0xCD) read(A, 0xAB)
+        read(B, 0xCD) pins(pa_oe=0, pb_oe=0)"""
+    control_word_is_write_only = "write(CONTROL, 0x89) read(CONTROL, 0xFF)"
 
 
 @script(Ppi, "PPI-1", readable=True)
@@ -158,89 +106,43 @@ def control_word_readable_variant(s):
 
 
 class Handshakes(Scripts, of=Ppi, req="PPI-1"):
-    def write_needs_chip_select(s):
-        s.mode()
-        s.write(A, 0x12)
-        s.step(SETTLE, wr_n=0, a=A, d=0x99)
-        s.step(SETTLE, wr_n=1)
-        s.pins(pa=0x12)
-
-    def write_needs_its_strobe(s):
-        """Selected and left alone: nothing is written, and a write is over when WR# rises."""
-        s.mode()
-        s.write(A, 0x12)
-        s.step(SETTLE, cs_n=0, a=A, d=0x99)
-        s.step(SETTLE, cs_n=1)
-        s.pins(pa=0x12)
-        s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x34)
-        s.step(SETTLE, wr_n=1, d=0x99)
-        s.step(SETTLE, cs_n=1)
-        s.pins(pa=0x34)
-
-    def write_takes_effect_when_wr_rises(s):
-        s.mode()
-        s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x55)
-        s.seen("WR# low", pa=0)
-        s.step(cs_n=1, wr_n=1)
-        s.expect("WR# high", pa=0x55)
-
-    def bus_floats_unless_read(s):
-        s.step(3, cs_n=1, rd_n=0)
-        s.seen(oe=0, d_o=0xFF)
-        s.step(3, cs_n=0, rd_n=1)
-        s.seen(oe=0, d_o=0xFF)
-        s.step(cs_n=1)
-
-    def mode1_input_a(s):
-        """STB# = PC4, IBF = PC5, INTR = PC3."""
-        s.mode(a=1, a_in=1, ch_in=1, cl_in=1)
-        s.pins("at rest", pc_oe=0x28, pc5=0, pc3=0, pa_oe=0)
-        s.bit(4, 1)
-        s.step(SETTLE, pc=0xEF, pa=0x5A)
-        s.seen("STB# low", pc5=1, pc3=0)
-        s.step(SETTLE, pc=0xFF)
-        s.seen("STB# high", pc5=1, pc3=1)
-        s.step(pa=0x00)
-        s.step(SETTLE, cs_n=0, rd_n=0, a=A)
-        s.seen("the latched byte; RD# low takes INTR away", d_o=0x5A, pc3=0, pc5=1)
-        s.step(SETTLE, cs_n=1, rd_n=1)
-        s.seen("RD# high frees the buffer", pc5=0, pc3=0)
-
-    def mode1_input_b(s):
-        """STB# = PC2, IBF = PC1, INTR = PC0."""
-        s.mode(b=1, b_in=1, ch_in=1, cl_in=1)
-        s.pins(pc_oe=0x03, pc1=0, pc0=0)
-        s.bit(2, 1)
-        s.strobe(2, pb=0xC3)
-        s.pins(pc1=1, pc0=1)
-        s.step(pb=0)
-        s.read(B, 0xC3)
-        s.pins(pc1=0, pc0=0)
-
-    def mode1_output_a(s):
-        """OBF# = PC7, ACK# = PC6, INTR = PC3."""
-        s.mode(a=1, ch_in=1, cl_in=1)
-        s.pins("empty", pc_oe=0x88, pc7=1, pc3=0, pa_oe=0xFF)
-        s.bit(6, 1)
-        s.pins("INTE", pc3=1)
-        s.step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x77)
-        s.seen("WR# low takes INTR away", pc3=0, pc7=1)
-        s.step(SETTLE, cs_n=1, wr_n=1)
-        s.seen("full", pc7=0, pc3=0, pa=0x77)
-        s.step(SETTLE, pc=0xBF)
-        s.seen("ACK# low", pc7=1, pc3=0)
-        s.step(SETTLE, pc=0xFF)
-        s.seen("ACK# high", pc7=1, pc3=1, pa=0x77)
-
-    def mode1_output_b(s):
-        """OBF# = PC1, ACK# = PC2, INTR = PC0."""
-        s.mode(b=1, ch_in=1, cl_in=1)
-        s.pins(pc_oe=0x03, pc1=1, pc0=0, pb_oe=0xFF)
-        s.bit(2, 1)
-        s.write(B, 0x66)
-        s.pins(pc1=0, pc0=0, pb=0x66)
-        s.strobe(2)
-        s.pins(pc1=1, pc0=1)
+    write_needs_chip_select = """
+        mode() write(A, 0x12) step(SETTLE, wr_n=0, a=A, d=0x99) step(SETTLE, wr_n=1)
+        pins(pa=0x12)"""
+    # Selected and left alone: nothing is written, and a write is over when WR# rises
+    write_needs_its_strobe = """
+        mode() write(A, 0x12) step(SETTLE, cs_n=0, a=A, d=0x99) step(SETTLE, cs_n=1)
+        pins(pa=0x12) step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x34) step(SETTLE, wr_n=1, d=0x99)
+        step(SETTLE, cs_n=1) pins(pa=0x34)"""
+    write_takes_effect_when_wr_rises = """
+        mode() step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x55) seen('WR# low', pa=0)
+        step(cs_n=1, wr_n=1) expect('WR# high', pa=0x55)"""
+    bus_floats_unless_read = """
+        step(3, cs_n=1, rd_n=0) seen(oe=0, d_o=0xFF) step(3, cs_n=0, rd_n=1) seen(oe=0, d_o=0xFF)
+        step(cs_n=1)"""
+    # STB# = PC4, IBF = PC5, INTR = PC3
+    mode1_input_a = """
+        mode(a=1, a_in=1, ch_in=1, cl_in=1) pins('at rest', pc_oe=0x28, pc5=0, pc3=0, pa_oe=0)
+        bit(4, 1) step(SETTLE, pc=0xEF, pa=0x5A) seen('STB# low', pc5=1, pc3=0)
+        step(SETTLE, pc=0xFF) seen('STB# high', pc5=1, pc3=1) step(pa=0x00)
+        step(SETTLE, cs_n=0, rd_n=0, a=A)
+        seen('the latched byte; RD# low takes INTR away', d_o=0x5A, pc3=0, pc5=1)
+        step(SETTLE, cs_n=1, rd_n=1) seen('RD# high frees the buffer', pc5=0, pc3=0)"""
+    # STB# = PC2, IBF = PC1, INTR = PC0
+    mode1_input_b = """
+        mode(b=1, b_in=1, ch_in=1, cl_in=1) pins(pc_oe=0x03, pc1=0, pc0=0) bit(2, 1)
+        strobe(2, pb=0xC3) pins(pc1=1, pc0=1) step(pb=0) read(B, 0xC3) pins(pc1=0, pc0=0)"""
+    # OBF# = PC7, ACK# = PC6, INTR = PC3
+    mode1_output_a = """
+        mode(a=1, ch_in=1, cl_in=1) pins('empty', pc_oe=0x88, pc7=1, pc3=0, pa_oe=0xFF) bit(6, 1)
+        pins('INTE', pc3=1) step(SETTLE, cs_n=0, wr_n=0, a=A, d=0x77)
+        seen('WR# low takes INTR away', pc3=0, pc7=1) step(SETTLE, cs_n=1, wr_n=1)
+        seen('full', pc7=0, pc3=0, pa=0x77) step(SETTLE, pc=0xBF) seen('ACK# low', pc7=1, pc3=0)
+        step(SETTLE, pc=0xFF) seen('ACK# high', pc7=1, pc3=1, pa=0x77)"""
+    # OBF# = PC1, ACK# = PC2, INTR = PC0
+    mode1_output_b = """
+        mode(b=1, ch_in=1, cl_in=1) pins(pc_oe=0x03, pc1=1, pc0=0, pb_oe=0xFF) bit(2, 1)
+        write(B, 0x66) pins(pc1=0, pc0=0, pb=0x66) strobe(2) pins(pc1=1, pc0=1)"""
 
     def set_reset_writes_ibf_obf_and_intr(s):
         """Every port C line that is an output may be written so, the handshake's own included."""
@@ -257,113 +159,50 @@ class Handshakes(Scripts, of=Ppi, req="PPI-1"):
             s.bit(n, 1)
             s.pins(f"set {n}", **{f"pc{n}": 1})
 
-    def written_flags_are_the_flags(s):
-        """IBF set so interrupts and is reset by a read; OBF# reset so waits for ACK#."""
-        s.mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1)
-        s.bit(4, 1)
-        s.bit(5, 1)
-        s.pins("a full buffer interrupts", pc5=1, pc3=1)
-        s.step(SETTLE, cs_n=0, rd_n=0, a=A)
-        s.seen("RD# low takes INTR away", pc5=1, pc3=0)
-        s.step(SETTLE, cs_n=1, rd_n=1)
-        s.seen("and its end IBF", pc5=0, pc3=0)
-        s.bit(2, 1)
-        s.pins("B is empty", pc1=1, pc0=1)
-        s.bit(1, 0)
-        s.pins("as if written", pc1=0, pc0=0)
-        s.strobe(2)
-        s.pins("and taken", pc1=1, pc0=1)
-
-    def written_intr_lasts_until_the_next_event(s):
-        s.mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1)
-        s.bit(4, 1)
-        s.bit(3, 1)
-        s.pins("set with an empty buffer", pc3=1)
-        s.step(SETTLE, cs_n=0, rd_n=0, a=A)
-        s.seen("RD# low takes it away", pc3=0)
-        s.step(SETTLE, cs_n=1, rd_n=1)
-        s.seen("for good", pc3=0)
-        s.strobe(4, pa=0x21)
-        s.pins("an event of the port", pc5=1, pc3=1)
-        s.bit(3, 0)
-        s.pins("reset with a full one", pc5=1, pc3=0)
-        s.read(A, 0x21)
-        s.strobe(4, pa=0x22)
-        s.pins("the next event sets it again", pc5=1, pc3=1)
-
-    def mode1_without_inte_never_interrupts(s):
-        s.mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1)
-        s.strobe(4, pa=1)
-        s.write(B, 2)
-        s.strobe(2)
-        s.pins(pc5=1, pc3=0, pc1=1, pc0=0)
-
-    def mode1_status_word(s):
-        """Port C read in mode 1: INTE stands where the strobes come in."""
-        s.mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1)
-        s.step(pc=0x7F)
-        s.read(C, 0x42, "PC6 pin; OBFB# 1")
-        s.bit(4, 1)
-        s.bit(2, 1)
-        s.read(C, 0x42 | 0x10 | 0x04 | 0x01, "INTE A, INTE B and INTR B")
-        s.strobe(4, pa=9)
-        s.read(C, 0x42 | 0x10 | 0x05 | 0x20 | 0x08, "IBF A, INTR A")
-
-    def mode1_spare_bits_of_port_c(s):
-        """PC6, PC7 beside an input port A, PC4, PC5 beside an output one."""
-        s.mode(a=1, a_in=1, ch_in=0, cl_in=1)
-        s.bit(7, 1)
-        s.pins(pc_oe=0xE8, pc7=1, pc6=0)
-        s.bit(6, 1)
-        s.pins(pc7=1, pc6=1)
-        s.mode(a=1, a_in=0, ch_in=0, cl_in=1)
-        s.bit(5, 1)
-        s.pins(pc_oe=0xB8, pc5=1, pc4=0)
-
-    def mode1_reset_by_mode_set(s):
-        s.mode(a=1, a_in=1, ch_in=1, cl_in=1)
-        s.bit(4, 1)
-        s.strobe(4, pa=0x12)
-        s.pins(pc5=1, pc3=1)
-        s.mode(a=1, a_in=1, ch_in=1, cl_in=1)
-        s.pins("flags and INTE cleared", pc5=0, pc3=0)
-        s.strobe(4, pa=0x12)
-        s.pins(pc5=1, pc3=0)
-
-    def mode2_output_side(s):
-        """The pins of port A are driven only while ACK# is low."""
-        s.mode(a=2, cl_in=1)
-        s.pins(pc7=1, pc3=0, pa_oe=0)
-        s.bit(6, 1)
-        s.pins("INTE1", pc3=1)
-        s.write(A, 0x9C)
-        s.pins(pc7=0, pc3=0, pa_oe=0)
-        s.step(SETTLE, pc=0xBF)
-        s.seen("ACK# low", pa_oe=0xFF, pa=0x9C, pc7=1)
-        s.step(SETTLE, pc=0xFF)
-        s.seen("ACK# high", pa_oe=0, pc7=1, pc3=1)
-
-    def mode2_input_side(s):
-        s.mode(a=2, cl_in=1)
-        s.bit(4, 1)
-        s.strobe(4, pa=0x41)
-        s.pins(pc5=1, pc3=1)
-        s.write(A, 0x99)
-        s.step(pa=0)
-        s.read(A, 0x41, "the input latch, not the output one")
-        s.pins(pc5=0, pc7=0, pc3=0)
-
-    def mode2_interrupts_apart(s):
-        s.mode(a=2, cl_in=1)
-        s.strobe(4, pa=1)
-        s.pins("no INTE", pc3=0)
-        s.bit(4, 1)
-        s.pins("INTE2", pc3=1)
-        s.bit(4, 0)
-        s.pins(pc3=0)
-        s.bit(6, 1)
-        s.pins("INTE1", pc3=1)
-        s.read(C, 0x80 | 0x40 | 0x20 | 0x08 | 0x07, "status word")
+    # IBF set so interrupts and is reset by a read; OBF# reset so waits for ACK#
+    written_flags_are_the_flags = """
+        mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1) bit(4, 1) bit(5, 1)
+        pins('a full buffer interrupts', pc5=1, pc3=1) step(SETTLE, cs_n=0, rd_n=0, a=A)
+        seen('RD# low takes INTR away', pc5=1, pc3=0) step(SETTLE, cs_n=1, rd_n=1)
+        seen('and its end IBF', pc5=0, pc3=0) bit(2, 1) pins('B is empty', pc1=1, pc0=1)
+        bit(1, 0) pins('as if written', pc1=0, pc0=0) strobe(2) pins('and taken', pc1=1, pc0=1)"""
+    written_intr_lasts_until_the_next_event = """
+        mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1) bit(4, 1) bit(3, 1)
+        pins('set with an empty buffer', pc3=1) step(SETTLE, cs_n=0, rd_n=0, a=A)
+        seen('RD# low takes it away', pc3=0) step(SETTLE, cs_n=1, rd_n=1) seen('for good', pc3=0)
+        strobe(4, pa=0x21) pins('an event of the port', pc5=1, pc3=1) bit(3, 0)
+        pins('reset with a full one', pc5=1, pc3=0) read(A, 0x21) strobe(4, pa=0x22)
+        pins('the next event sets it again', pc5=1, pc3=1)"""
+    mode1_without_inte_never_interrupts = """
+        mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1) strobe(4, pa=1) write(B, 2) strobe(2)
+        pins(pc5=1, pc3=0, pc1=1, pc0=0)"""
+    # Port C read in mode 1: INTE stands where the strobes come in
+    mode1_status_word = """
+        mode(a=1, a_in=1, b=1, ch_in=1, cl_in=1) step(pc=0x7F) read(C, 0x42, 'PC6 pin; OBFB# 1')
+        bit(4, 1) bit(2, 1) read(C, 0x42 | 0x10 | 0x04 | 0x01, 'INTE A, INTE B and INTR B')
+        strobe(4, pa=9) read(C, 0x42 | 0x10 | 0x05 | 0x20 | 0x08, 'IBF A, INTR A')"""
+    # PC6, PC7 beside an input port A, PC4, PC5 beside an output one
+    mode1_spare_bits_of_port_c = """
+        mode(a=1, a_in=1, ch_in=0, cl_in=1) bit(7, 1) pins(pc_oe=0xE8, pc7=1, pc6=0) bit(6, 1)
+        pins(pc7=1, pc6=1) mode(a=1, a_in=0, ch_in=0, cl_in=1) bit(5, 1)
+        pins(pc_oe=0xB8, pc5=1, pc4=0)"""
+    mode1_reset_by_mode_set = """
+        mode(a=1, a_in=1, ch_in=1, cl_in=1) bit(4, 1) strobe(4, pa=0x12) pins(pc5=1, pc3=1)
+        mode(a=1, a_in=1, ch_in=1, cl_in=1) pins('flags and INTE cleared', pc5=0, pc3=0)
+        strobe(4, pa=0x12) pins(pc5=1, pc3=0)"""
+    # The pins of port A are driven only while ACK# is low
+    mode2_output_side = """
+        mode(a=2, cl_in=1) pins(pc7=1, pc3=0, pa_oe=0) bit(6, 1) pins('INTE1', pc3=1)
+        write(A, 0x9C) pins(pc7=0, pc3=0, pa_oe=0) step(SETTLE, pc=0xBF)
+        seen('ACK# low', pa_oe=0xFF, pa=0x9C, pc7=1) step(SETTLE, pc=0xFF)
+        seen('ACK# high', pa_oe=0, pc7=1, pc3=1)"""
+    mode2_input_side = """
+        mode(a=2, cl_in=1) bit(4, 1) strobe(4, pa=0x41) pins(pc5=1, pc3=1) write(A, 0x99)
+        step(pa=0) read(A, 0x41, 'the input latch, not the output one') pins(pc5=0, pc7=0, pc3=0)"""
+    mode2_interrupts_apart = """
+        mode(a=2, cl_in=1) strobe(4, pa=1) pins('no INTE', pc3=0) bit(4, 1) pins('INTE2', pc3=1)
+        bit(4, 0) pins(pc3=0) bit(6, 1) pins('INTE1', pc3=1)
+        read(C, 0x80 | 0x40 | 0x20 | 0x08 | 0x07, 'status word')"""
 
     def request_falls_with_the_strobe(s):
         """With its first clock, stays low to its last and after it: a byte is read, or written."""
@@ -381,24 +220,13 @@ class Handshakes(Scripts, of=Ppi, req="PPI-1"):
                 s.step(cs_n=1, wr_n=1, rd_n=1, a=port)
                 s.seen(f"{place} {request}", **{request: 0})
 
-    def mode2_with_mode1_on_port_b(s):
-        s.mode(a=2, b=1, b_in=1)
-        s.pins(pc_oe=0xAB)
-        s.bit(2, 1)
-        s.strobe(2, pb=0x3D)
-        s.pins(pc1=1, pc0=1, pc5=0)
-        s.read(B, 0x3D)
-
-    def mode2_is_any_1x(s):
-        s.mode(a=3, cl_in=1)
-        s.write(A, 0x18)
-        s.pins(pc7=0, pa_oe=0)
-
-    def group_b_plain_beside_mode2(s):
-        s.mode(a=2, b=0, b_in=0, cl_in=0)
-        s.write(B, 0x81)
-        s.bit(1, 1)
-        s.pins(pb=0x81, pc_oe=0xAF, pc2=0, pc1=1, pc0=0)
+    mode2_with_mode1_on_port_b = """
+        mode(a=2, b=1, b_in=1) pins(pc_oe=0xAB) bit(2, 1) strobe(2, pb=0x3D)
+        pins(pc1=1, pc0=1, pc5=0) read(B, 0x3D)"""
+    mode2_is_any_1x = "mode(a=3, cl_in=1) write(A, 0x18) pins(pc7=0, pa_oe=0)"
+    group_b_plain_beside_mode2 = """
+        mode(a=2, b=0, b_in=0, cl_in=0) write(B, 0x81) bit(1, 1)
+        pins(pb=0x81, pc_oe=0xAF, pc2=0, pc1=1, pc0=0)"""
 
 
 class Walk:

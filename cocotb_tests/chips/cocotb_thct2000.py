@@ -31,13 +31,8 @@ def discriminator(s: Encoder, mode: int, up: tuple[int, int, int, int]) -> None:
 
 
 class Counting(Scripts, of=Encoder, req="ENC-1"):
-    def mode5_counts_up_when_a_leads(s):
-        s.turn(8)
-        s.count(8)
-
-    def mode5_counts_down_when_b_leads(s):
-        s.turn(-8)
-        s.count(-8)
+    mode5_counts_up_when_a_leads = "turn(8) count(8)"
+    mode5_counts_down_when_b_leads = "turn(-8) count(-8)"
 
     def mode5_every_edge_counts_once(s):
         for n in range(1, 10):
@@ -47,37 +42,16 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
             s.turn(-1)
             s.count(n)
 
-    def four_million_counts_a_second(s):
-        """A transition every other clock of 8 MHz, both ways, none lost."""
-        s.turn(2000, clocks=2)
-        s.count(2000)
-        s.turn(-3000, clocks=2)
-        s.count(-1000)
-
-    def wraps_upward(s):
-        s.init(0xFFFE)
-        for want in (0xFFFF, 0, 1):
-            s.turn(1)
-            s.count(want)
-
-    def wraps_downward(s):
-        s.init(1)
-        for want in (0, 0xFFFF, 0xFFFE):
-            s.turn(-1)
-            s.count(want)
-
-    def both_inputs_at_once_count_nothing(s):
-        s.expect(illegal=0)
-        for _ in range(4):
-            s.step(3, a=1, b=1)
-            s.step(3, a=0, b=0)
-        s.count(0)
-        s.expect("and it is remembered", illegal=1)
-        s.turn(3)
-        s.count(3, "counting goes on")
-        s.step(2, reset=1)
-        s.step(1, reset=0)
-        s.expect("until RESET", illegal=0)
+    # A transition every other clock of 8 MHz, both ways, none lost
+    four_million_counts_a_second = """
+        turn(2000, clocks=2) count(2000) turn(-3000, clocks=2) count(-1000)"""
+    wraps_upward = "init(0xFFFE) turn(1) count(0xFFFF) turn(1) count(0) turn(1) count(1)"
+    wraps_downward = "init(1) turn(-1) count(0) turn(-1) count(0xFFFF) turn(-1) count(0xFFFE)"
+    both_inputs_at_once_count_nothing = """
+        expect(illegal=0) step(3, a=1, b=1) step(3, a=0, b=0) step(3, a=1, b=1) step(3, a=0, b=0)
+        step(3, a=1, b=1) step(3, a=0, b=0) step(3, a=1, b=1) step(3, a=0, b=0) count(0)
+        expect('and it is remembered', illegal=1) turn(3) count(3, 'counting goes on')
+        step(2, reset=1) step(1, reset=0) expect('until RESET', illegal=0)"""
 
     def both_inputs_at_once_are_legal_where_no_steps_are_counted(s):
         """Holding, and in the modes that measure an interval or a frequency; not in any other."""
@@ -118,13 +92,11 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
     def mode5_counts_all_edges(s):
         discriminator(s, 5, (1, 1, 1, 1))
 
-    def mode6_measures_an_interval(s):
-        s.step(2, m=6)
-        for length in (7, 1, 100):
-            s.step(length, a=1)
-            s.step(6, a=0)
-            s.expect("starts anew", count=0)
-            s.value(length, f"A high for {length} CLKs")
+    mode6_measures_an_interval = """
+        step(2, m=6) step(7, a=1) step(6, a=0) expect('starts anew', count=0)
+        value(7, 'A high for 7 CLKs') step(1, a=1) step(6, a=0) expect('starts anew', count=0)
+        value(1, 'A high for 1 CLKs') step(0x64, a=1) step(6, a=0) expect('starts anew', count=0)
+        value(0x64, 'A high for 100 CLKs')"""
 
     def mode7_measures_a_frequency(s):
         s.step(2, m=7)
@@ -140,12 +112,10 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
             s.step(3, a=0)
             s.count(0, "not while B is low")
 
-    def mode_change_keeps_the_count(s):
-        s.turn(7)
-        for mode in (0, 1, 2, 3, 4, 5):
-            s.settle()
-            s.step(5, m=mode)
-            s.count(7, f"mode {mode}")
+    mode_change_keeps_the_count = """
+        turn(7) settle() step(5, m=0) count(7, 'mode 0') settle() step(5, m=1) count(7, 'mode 1')
+        settle() step(5, m=2) count(7, 'mode 2') settle() step(5, m=3) count(7, 'mode 3')
+        settle() step(5, m=4) count(7, 'mode 4') settle() step(5, m=5) count(7, 'mode 5')"""
 
     def counts_on_its_clock_only(s):
         """Slower CLK: the inputs are looked at on its ticks."""
@@ -166,30 +136,14 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
             s.step(clk_en=0)
         s.expect(count=9)
 
-    def reset_clears(s):
-        s.init(0x1234)
-        s.latch()
-        s.step(4, reset=1)
-        s.expect(count=0)
-        s.step(2, reset=0)
-        s.turn(2)
-        s.settle()
-        s.value(2, "the latch flag is gone too")
-
-    def turning_in_reset_counts_nothing(s):
-        s.step(2, reset=1)
-        s.turn(5, clocks=2)
-        s.settle()
-        s.step(2, reset=0)
-        s.count(0)
-
-    def bus_floats_unless_read(s):
-        s.init(0)
-        s.step(2, cs_n=1, rd_n=0)
-        s.seen(oe=0, d_o=0xFF)
-        s.step(2, cs_n=0, rd_n=1)
-        s.seen(oe=0, d_o=0xFF)
-        s.step(cs_n=1)
+    reset_clears = """
+        init(0x1234) latch() step(4, reset=1) expect(count=0) step(2, reset=0) turn(2) settle()
+        value(2, 'the latch flag is gone too')"""
+    turning_in_reset_counts_nothing = """
+        step(2, reset=1) turn(5, clocks=2) settle() step(2, reset=0) count(0)"""
+    bus_floats_unless_read = """
+        init(0) step(2, cs_n=1, rd_n=0) seen(oe=0, d_o=0xFF) step(2, cs_n=0, rd_n=1)
+        seen(oe=0, d_o=0xFF) step(cs_n=1)"""
 
 
 @test("ENC-2")
@@ -333,67 +287,31 @@ async def reset_ends_a_pair(dut):
 
 
 class Bytes(Scripts, of=Encoder, req="ENC-2"):
-    def written_value_is_read(s):
-        for value in (0x1234, 0xFFFF, 0x8001, 0):
-            s.init(value)
-            s.expect(count=value)
-            s.value(value)
-
-    def written_lsb_first(s):
-        for value in (0x1234, 0xA55A):
-            s.init(value, first=LSB)
-            s.value(value, first=LSB)
-
-    def a_byte_written_is_stored_at_once(s):
-        s.init(0x1111)
-        s.write(MSB, 0x22)
-        s.expect(count=0x2211)
-        s.other()
-        s.write(LSB, 0x33)
-        s.expect(count=0x2233)
-        s.turn(1)
-        s.settle()
-        s.write(LSB, 0x44)
-        s.expect("again the same byte", count=0x2244)
-
-    def read_while_running_is_coherent(s):
-        """MSB read, then the count passes a byte border, then LSB: both of one sample."""
-        s.init(0x12FF)
-        s.read(MSB, 0x12)
-        s.turn(3)
-        s.settle()
-        s.read(LSB, 0xFF)
-        s.value(0x1302, "live")
-
-    def read_lsb_first_is_coherent(s):
-        s.init(0x1300)
-        s.read(LSB, 0x00)
-        s.turn(-1)
-        s.settle()
-        s.read(MSB, 0x13)
-        s.value(0x12FF, first=LSB)
-
-    def data_stands_still_during_a_read(s):
-        s.init(0x00FE)
-        s.read(MSB, 0)
-        s.read(LSB, 0xFE)
-        s.step(3, cs_n=0, rd_n=0, rs=MSB)
-        for _ in range(6):
-            s.turn(1)
-            s.seen("while the count runs", d_o=0)
-        s.step(2, cs_n=1, rd_n=1)
-        s.read(LSB, 0xFE)
-
-    def a_byte_read_again_samples_again(s):
-        s.init(0x10FF)
-        s.read(MSB, 0x10)
-        s.turn(1)
-        s.settle()
-        s.read(MSB, 0x11)
-        s.turn(-1)
-        s.settle()
-        s.read(LSB, 0x00, "of the second sample")
-        s.value(0x10FF)
+    written_value_is_read = """
+        init(0x1234) expect(count=0x1234) value(0x1234) init(0xFFFF) expect(count=0xFFFF)
+        value(0xFFFF) init(0x8001) expect(count=0x8001) value(0x8001) init(0) expect(count=0)
+        value(0)"""
+    written_lsb_first = """
+        init(0x1234, first=LSB) value(0x1234, first=LSB) init(0xA55A, first=LSB)
+        value(0xA55A, first=LSB)"""
+    a_byte_written_is_stored_at_once = """
+        init(0x1111) write(MSB, 0x22) expect(count=0x2211) other() write(LSB, 0x33)
+        expect(count=0x2233) turn(1) settle() write(LSB, 0x44)
+        expect('again the same byte', count=0x2244)"""
+    # MSB read, then the count passes a byte border, then LSB: both of one sample
+    read_while_running_is_coherent = """
+        init(0x12FF) read(MSB, 0x12) turn(3) settle() read(LSB, 0xFF) value(0x1302, 'live')"""
+    read_lsb_first_is_coherent = """
+        init(0x1300) read(LSB, 0x00) turn(-1) settle() read(MSB, 0x13) value(0x12FF, first=LSB)"""
+    data_stands_still_during_a_read = """
+        init(0x00FE) read(MSB, 0) read(LSB, 0xFE) step(3, cs_n=0, rd_n=0, rs=MSB) turn(1)
+        seen('while the count runs', d_o=0) turn(1) seen('while the count runs', d_o=0) turn(1)
+        seen('while the count runs', d_o=0) turn(1) seen('while the count runs', d_o=0) turn(1)
+        seen('while the count runs', d_o=0) turn(1) seen('while the count runs', d_o=0)
+        step(2, cs_n=1, rd_n=1) read(LSB, 0xFE)"""
+    a_byte_read_again_samples_again = """
+        init(0x10FF) read(MSB, 0x10) turn(1) settle() read(MSB, 0x11) turn(-1) settle()
+        read(LSB, 0x00, 'of the second sample') value(0x10FF)"""
 
     def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(s):
         """What remains: nothing came between to tell that they are no pair."""
@@ -405,69 +323,23 @@ class Bytes(Scripts, of=Encoder, req="ENC-2"):
         s.read(LSB, 0x00, "a new pair")
         s.read(MSB, 0x41)
 
-    def write_touches_no_latch(s):
-        s.init(77)
-        s.latch()
-        s.init(500)
-        s.value(77, "the latch survives a write")
-        s.value(500)
-
-    def first_read_after_a_latch_gives_the_latched_count(s):
-        s.init(100)
-        s.latch()
-        s.turn(7)
-        s.settle()
-        s.value(100, "latched")
-        s.value(107, "live")
-
-    def second_latch_overwrites(s):
-        s.init(100)
-        s.latch()
-        s.turn(5)
-        s.settle()
-        s.latch()
-        s.turn(5)
-        s.settle()
-        s.value(105)
-        s.value(110)
-
-    def latches_of_neighbouring_clocks_both_act(s):
-        """Each clock of the latch input is an event of its own: the later one stands."""
-        s.init(50)
-        s.turn(1, clocks=3)
-        s.step(latch=1)
-        s.step(latch=1)
-        s.step(latch=0)
-        s.settle()
-        s.value(51, "the second, which saw the edge")
-        s.turn(3)
-        s.settle()
-        s.value(54, "live")
-
-    def latch_between_the_bytes_waits_for_the_next_pair(s):
-        s.init(0x10FF)
-        s.read(MSB, 0x10)
-        s.turn(1)
-        s.settle()
-        s.latch()
-        s.turn(5)
-        s.settle()
-        s.read(LSB, 0xFF)
-        s.value(0x1100, "the latched one")
-        s.value(0x1105, "live")
-
-    def latch_during_a_read_is_not_lost(s):
-        s.init(0x2000)
-        s.read(MSB, 0x20)
-        s.read(LSB, 0x00)
-        s.step(2, cs_n=0, rd_n=0, rs=MSB)
-        s.step(2, latch=1)
-        s.step(2, cs_n=1, rd_n=1, latch=0)
-        s.read(LSB, 0x00)
-        s.turn(3)
-        s.settle()
-        s.value(0x2000, "latched during the read")
-        s.value(0x2003)
+    write_touches_no_latch = """
+        init(77) latch() init(500) value(77, 'the latch survives a write') value(500)"""
+    first_read_after_a_latch_gives_the_latched_count = """
+        init(100) latch() turn(7) settle() value(100, 'latched') value(107, 'live')"""
+    second_latch_overwrites = """
+        init(100) latch() turn(5) settle() latch() turn(5) settle() value(105) value(110)"""
+    # Each clock of the latch input is an event of its own: the later one stands
+    latches_of_neighbouring_clocks_both_act = """
+        init(50) turn(1, clocks=3) step(latch=1) step(latch=1) step(latch=0) settle()
+        value(51, 'the second, which saw the edge') turn(3) settle() value(54, 'live')"""
+    latch_between_the_bytes_waits_for_the_next_pair = """
+        init(0x10FF) read(MSB, 0x10) turn(1) settle() latch() turn(5) settle() read(LSB, 0xFF)
+        value(0x1100, 'the latched one') value(0x1105, 'live')"""
+    latch_during_a_read_is_not_lost = """
+        init(0x2000) read(MSB, 0x20) read(LSB, 0x00) step(2, cs_n=0, rd_n=0, rs=MSB)
+        step(2, latch=1) step(2, cs_n=1, rd_n=1, latch=0) read(LSB, 0x00) turn(3) settle()
+        value(0x2000, 'latched during the read') value(0x2003)"""
 
 
 @test("ENC-2", "LAT-1")

@@ -97,6 +97,10 @@ class Pit(Script):
         """OUT of counter n (compared alone) after the last step."""
         self.checks.append((len(self.words), {f"out{n}": want}, note or f"OUT{n}"))
 
+    def word(self, word: str) -> None:
+        """A pair of golden(), or a string of outs()."""
+        (self.golden if ":" in word else self.outs)(word)
+
     def golden(self, text: str, n: int = 0) -> None:
         """`OUT:CE OUT:CE …`, one pair for each CLK pulse; CE read through the counter latch."""
         for at, pair in enumerate(text.split()):

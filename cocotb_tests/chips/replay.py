@@ -6,10 +6,10 @@ every directed case checks both.
 """
 
 import os
+import re
 import sys
 from collections.abc import Callable
-from functools import wraps
-from inspect import isfunction
+from functools import partial, wraps
 from pathlib import Path
 
 from cocotb.clock import Clock
@@ -141,6 +141,19 @@ class Script:
         """What the outputs are in the last clock itself, before its edge."""
         self.checks.append((len(self.words) - 1, outs, note))
 
+    def word(self, word: str) -> None:
+        """A word of play() that is no call."""
+        raise ValueError(f"{word!r} is no word of these scripts")
+
+    def play(self, text: str) -> None:
+        """Calls of a script's functions one after the other, `program(0, 4) pulse(3)`."""
+        names = vars(sys.modules[type(self).__module__])
+        for call, word in re.findall(r"(\w+\([^)]*\))|(\S+)", text):
+            if call:
+                eval(f"s.{call}", names, {"s": self})
+            else:
+                self.word(word)
+
     async def run(self, dut) -> None:
         assert self.checks, "a script without an expectation proves nothing"
         self.step(2)
@@ -177,10 +190,17 @@ def script(kind: type[Script], *ids: str, **settings) -> Callable:
 
 
 class Scripts:
-    """Its functions are tests of the module, each as by script(of, req)."""
+    """Its functions and texts are tests of the module, each as by script(of, req, **settings)."""
 
-    def __init_subclass__(cls, of: type[Script], req: str):
+    def __init_subclass__(cls, of: type[Script], req: str, **settings):
+        module = sys.modules[cls.__module__]
         for name, fill in [*vars(cls).items()]:
-            if isfunction(fill):
-                fill.__qualname__ = name
-                setattr(sys.modules[cls.__module__], name, script(of, req)(fill))
+            if name.startswith("__"):
+                continue
+            if isinstance(fill, str):
+                filler = partial(of.play, text=fill)
+                filler.__name__, filler.__module__ = name, cls.__module__
+            else:
+                filler = fill
+            filler.__qualname__ = name
+            setattr(module, name, script(of, *req.split(), **settings)(filler))
