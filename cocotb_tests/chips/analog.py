@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Script words for the A/D, the D/A and the one-shot, which share one bench."""
 
-from cocotb_tests.chips.replay import Layout, Script
+from cocotb_tests.chips.replay import ANALOG, Layout, Script
 from cocotb_tests.models import ad574, ad667, oneshot
 
-CONV, PULSE = 201, 20  # odd, and odd for 8 bits: what turns over in every clock shows
+CONV, PULSE = (
+    201,
+    20,
+)  # of bench_chips.sv; odd, and odd for 8 bits: what turns over in every clock shows
 PINS = (
     *((f"ad_{n}", w) for n, w in ad574.PINS),
     *((f"da_{n}", w) for n, w in ad667.PINS),
@@ -34,6 +37,7 @@ class Models:
 
 
 class Analog(Script):
+    CHIP = ANALOG
     PINS, OUTS, IDLE = PINS, OUTS, IDLE
 
     def model(self):

@@ -5,13 +5,12 @@ import os
 import random
 
 from cocotb_tests.chips.analog import CONV, IDLE, IN, OUTS, PULSE, Analog, Models
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, Scripts, mismatch, script
+from cocotb_tests.chips.replay import ANALOG, QUICK_OPS, Bench, Layout, Scripts, mismatch, script
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import ad574
 
-TOPLEVEL = "bench_analog"
-SOURCES = ("bench_analog.sv", "bench_replay.sv")
-PARAMETERS = {"ConvClks": CONV, "PulseClks": PULSE}
+TOPLEVEL = "bench_chips"
+SOURCES = ("bench_chips.sv",)
 
 
 class Converter(Scripts, of=Analog, req="ADC-1"):
@@ -169,7 +168,7 @@ async def random_ad574_ad667_oneshot(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-analog"
     words = random_words(seed, min(250_000, max(QUICK_OPS, 5000) * 20))
     models, layout, codes = Models(), Layout(OUTS), set()
-    bench = Bench(dut)
+    bench = Bench(dut, ANALOG)
     got = await bench.replay(words)
     for at, (word, response) in enumerate(zip(words, got, strict=True)):
         want = models.clock(word)

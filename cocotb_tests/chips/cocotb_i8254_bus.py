@@ -6,8 +6,8 @@ from cocotb_tests.chips.pit import BOTH, LSB, MSB, Pit
 from cocotb_tests.chips.replay import Scripts, script
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "bench_i8254"
-SOURCES = ("bench_i8254.sv", "bench_replay.sv")
+TOPLEVEL = "bench_chips"
+SOURCES = ("bench_chips.sv",)
 
 
 @script(Pit, "PIT-1", "VME-5")

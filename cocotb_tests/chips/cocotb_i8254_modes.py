@@ -4,8 +4,8 @@
 from cocotb_tests.chips.pit import LSB, Pit
 from cocotb_tests.chips.replay import Scripts
 
-TOPLEVEL = "bench_i8254"
-SOURCES = ("bench_i8254.sv", "bench_replay.sv")
+TOPLEVEL = "bench_chips"
+SOURCES = ("bench_chips.sv",)
 
 
 class Modes(Scripts, of=Pit, req="PIT-1"):

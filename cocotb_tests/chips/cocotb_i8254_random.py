@@ -13,12 +13,12 @@ from itertools import cycle, product
 import cocotb
 
 from cocotb_tests.chips.pit import BOTH, LSB, MSB, Pit
-from cocotb_tests.chips.replay import CASCADE, QUICK_OPS, VARIANT, Bench, Layout, mismatch
+from cocotb_tests.chips.replay import CASCADE, I8254, QUICK_OPS, VARIANT, Bench, Layout, mismatch
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import i8254
 
-TOPLEVEL = "bench_i8254"
-SOURCES = ("bench_i8254.sv", "bench_replay.sv")
+TOPLEVEL = "bench_chips"
+SOURCES = ("bench_chips.sv",)
 
 IDLE = 0x1C00  # CS#, RD#, WR# high
 CS, RD, WR = 0x400, 0x800, 0x1000
@@ -146,7 +146,7 @@ class Stimulus:
 
 
 async def compare(dut, modes: tuple[int, ...], name: str, ops: int, pick: int = 0) -> None:
-    bench, done, piece, out_edges = Bench(dut), 0, 0, 0
+    bench, done, piece, out_edges = Bench(dut, I8254), 0, 0, 0
     nulls = {0: 0, 1: 0}
     while done < ops:
         seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-{name}-{piece}"
@@ -251,6 +251,6 @@ async def tour_of_every_mode_and_format(dut):
     script.step(2)
     model = script.model()
     want = [model.clock(word) for word in script.words]
-    got = await Bench(dut).replay(script.words)
+    got = await Bench(dut, I8254).replay(script.words)
     for at, (w, g) in enumerate(zip(want, got, strict=True)):
         assert w == g, f"clock {at}: {mismatch(OUT, w, g)}"

@@ -6,12 +6,12 @@ import os
 import random
 
 from cocotb_tests.chips.ppi import CONTROL, IDLE, IN, SETTLE, A, B, C, Ppi, mode_word, settled
-from cocotb_tests.chips.replay import QUICK_OPS, VARIANT, Bench, Scripts, script
+from cocotb_tests.chips.replay import I8255, QUICK_OPS, VARIANT, Bench, Scripts, script
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import i8255
 
-TOPLEVEL = "bench_i8255"
-SOURCES = ("bench_i8255.sv", "bench_replay.sv")
+TOPLEVEL = "bench_chips"
+SOURCES = ("bench_chips.sv",)
 
 
 class Ports(Scripts, of=Ppi, req="PPI-1"):
@@ -287,7 +287,7 @@ async def compare(dut, name: str, modes: bool) -> None:
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-{name}"
     walk = Walk(seed, min(QUICK_OPS, 20_000), modes)
     words = [w for w in walk.states for _ in range(SETTLE)]
-    got = (await Bench(dut).replay(words))[SETTLE - 1 :: SETTLE]
+    got = (await Bench(dut, I8255).replay(words))[SETTLE - 1 :: SETTLE]
     assert len(got) == len(walk.wants) > QUICK_OPS // 2
     for at, (want, seen) in enumerate(zip(walk.wants, got, strict=True)):
         wrong = settled(want, seen)
@@ -312,4 +312,4 @@ def mode_word_helper(s):
         assert mode_word(**{field: 1}) == value
         s.mode(**{field: 1})
         s.read(CONTROL, value)
-    assert s.PICK == VARIANT
+    assert s.VARIANT == VARIANT

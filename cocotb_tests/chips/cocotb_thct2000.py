@@ -6,12 +6,20 @@ import os
 import random
 
 from cocotb_tests.chips.encoder import GREY, IDLE, IN, LSB, MSB, Encoder
-from cocotb_tests.chips.replay import QUICK_OPS, Bench, Layout, ModelDut, Scripts, mismatch
+from cocotb_tests.chips.replay import (
+    QUICK_OPS,
+    THCT2000,
+    Bench,
+    Layout,
+    ModelDut,
+    Scripts,
+    mismatch,
+)
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import thct2000
 
-TOPLEVEL = "bench_thct2000"
-SOURCES = ("bench_thct2000.sv", "bench_replay.sv")
+TOPLEVEL = "bench_chips"
+SOURCES = ("bench_chips.sv",)
 
 
 def discriminator(s: Encoder, mode: int, up: tuple[int, int, int, int]) -> None:
@@ -463,7 +471,7 @@ class Walk:
 @test("ENC-1", "ENC-2")
 async def random_against_the_model(dut):
     seed = f"{os.environ.get('COCOTB_RANDOM_SEED', '1989')}-thct2000"
-    bench, compared = Bench(dut), 0
+    bench, compared = Bench(dut, THCT2000), 0
     for piece in range(max(1, QUICK_OPS // 20_000)):
         words = Walk(f"{seed}-{piece}", min(QUICK_OPS, 20_000)).words
         model = thct2000.Thct2000()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Script words for the encoder chip: quadrature steps, byte reads and writes."""
 
-from cocotb_tests.chips.replay import VARIANT, Layout, Script
+from cocotb_tests.chips.replay import THCT2000, VARIANT, Layout, Script
 from cocotb_tests.models import thct2000
 
 IDLE = {
@@ -14,11 +14,12 @@ GREY = ((0, 0), (1, 0), (1, 1), (0, 1))  # (A, B) counting up
 
 
 class Encoder(Script):
+    CHIP = THCT2000
     PINS, OUTS, IDLE = thct2000.PINS, thct2000.OUTS, IDLE
 
     def __init__(self, mode: int = 5, filtered: bool = False) -> None:
         super().__init__()
-        self.PICK = VARIANT if filtered else 0
+        self.VARIANT = VARIANT if filtered else 0
         self.phase = 0
         self.step(2, m=mode)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Script words for the 8254: control words, counts, CLK pulses, reads, golden sequences."""
 
-from cocotb_tests.chips.replay import CASCADE, VARIANT, Script
+from cocotb_tests.chips.replay import CASCADE, I8254, VARIANT, Script
 from cocotb_tests.models import i8254
 
 LSB, MSB, BOTH = 1, 2, 3
@@ -12,13 +12,14 @@ def bcd(value: int) -> int:
 
 
 class Pit(Script):
+    CHIP = I8254
     PINS, OUTS = i8254.PINS, i8254.OUTS
     IDLE = {"d": 0, "a": 0, "cs_n": 1, "rd_n": 1, "wr_n": 1, "rise": 0, "fall": 0, "gate": 7}
 
     def __init__(self, chmos: bool = False, cascade: bool = False) -> None:
         super().__init__()
         self.chmos, self.cascade = chmos, cascade
-        self.PICK = (VARIANT if chmos else 0) | (CASCADE if cascade else 0)
+        self.VARIANT = (VARIANT if chmos else 0) | (CASCADE if cascade else 0)
         self.rw = [0, 0, 0]
 
     def model(self):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Script words for the 8255A: register writes and reads, handshake strobes."""
 
-from cocotb_tests.chips.replay import VARIANT, Layout, Script
+from cocotb_tests.chips.replay import I8255, VARIANT, Layout, Script
 from cocotb_tests.models import i8255
 
 A, B, C, CONTROL = range(4)
@@ -41,12 +41,13 @@ def settled(want: dict, got: int) -> str:
 
 
 class Ppi(Script):
+    CHIP = I8255
     PINS, OUTS, IDLE = i8255.PINS, i8255.OUTS, IDLE
 
     def __init__(self, readable: bool = False) -> None:
         super().__init__()
         self.readable = readable
-        self.PICK = VARIANT if readable else 0
+        self.VARIANT = VARIANT if readable else 0
 
     def model(self):
         return Model(self.readable)

@@ -19,7 +19,8 @@ from cocotb.utils import get_sim_time
 from cocotb_tests.lib.req import test
 
 CLOCK_NS = 10
-VARIANT, CASCADE = 1, 2  # bits of pick_i
+ANALOG, I8254, I8255, THCT2000 = range(4)  # values of chip_i
+VARIANT, CASCADE = 1, 2  # bits of variant_i
 QUICK_OPS = int(os.environ.get("MMCS_RANDOM_OPS", "5000"))  # full depth: 100000
 
 
@@ -52,8 +53,8 @@ class ModelDut:
 class Bench:
     """The replay bench around a chip: writes stimulus, waits, reads what was seen."""
 
-    def __init__(self, dut) -> None:
-        self.dut = dut
+    def __init__(self, dut, chip: int) -> None:
+        self.dut, self.chip = dut, chip
         self.clock = None
         self.began_ns = 0
 
@@ -61,13 +62,14 @@ class Bench:
         """A clock of the replay as a failure tells it, with its time in waves."""
         return f"clock {at} ({self.began_ns + at * CLOCK_NS} ns in waves)"
 
-    async def _start(self, lines: list[str], pick: int) -> list[str]:
+    async def _start(self, lines: list[str], variant: int) -> list[str]:
         dut, ident = self.dut, os.getpid()
         stim, resp = Path(f"stim_{ident}.hex"), Path(f"resp_{ident}.hex")
         stim.write_text("\n".join(lines) + "\n")
         dut.go_i.value = 0
         dut.rst_ni.value = 0
-        dut.pick_i.value = pick
+        dut.chip_i.value = self.chip
+        dut.variant_i.value = variant
         dut.id_i.value = ident
         dut.length_i.value = len(lines)
         if self.clock is None:
@@ -88,10 +90,10 @@ class Bench:
         resp.unlink()
         return seen
 
-    async def replay(self, words: list[int], pick: int = 0) -> list[int]:
+    async def replay(self, words: list[int], variant: int = 0) -> list[int]:
         """One response per word, each as the clock edge that takes the word sees it."""
         assert len(words) < 262_144, "longer than the bench's memory: replay in pieces"
-        lines = await self._start([f"{word:x}" for word in words], pick)
+        lines = await self._start([f"{word:x}" for word in words], variant)
         assert len(lines) == len(words), f"{len(lines)} responses to {len(words)} words"
         try:
             return [int(line, 16) for line in lines]
@@ -114,9 +116,10 @@ def mismatch(layout: Layout, want, got: int) -> str | None:
 class Script:
     """Pins over time with expectations. Subclasses name the chip's pins, model and idle state."""
 
+    CHIP: int
     PINS = OUTS = ()
     IDLE: dict = {}
-    PICK = 0
+    VARIANT = 0
 
     def __init__(self) -> None:
         self.layout_in, self.layout_out = Layout(self.PINS), Layout(self.OUTS)
@@ -157,12 +160,12 @@ class Script:
     async def run(self, dut) -> None:
         assert self.checks, "a script without an expectation proves nothing"
         self.step(2)
-        bench = Bench(dut)
+        bench = Bench(dut, self.CHIP)
         if isinstance(dut, ModelDut):
             model = self.model()
             responses = [model.clock(word) for word in self.words]
         else:
-            responses = await bench.replay(self.words, self.PICK)
+            responses = await bench.replay(self.words, self.VARIANT)
         for at, outs, note in self.checks:
             got = self.outputs(responses[at])
             wrong = [f"{k}: expected {v:#x}, got {got.get(k)}" for k, v in outs.items()

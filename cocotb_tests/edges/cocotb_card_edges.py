@@ -30,7 +30,7 @@ TOPLEVEL = "mark1"
 SOURCES = ("sync.sv",)
 PARAMETERS = CARDS["slot"]
 CLK, WINDOW = 125, 2  # ns
-CASES = 200  # of a row of a table
+CASES = 100  # of a row of a table
 PHASES = ((0, 0), (1, 0), (1, 1), (0, 1))  # A and B of a quarter period
 
 

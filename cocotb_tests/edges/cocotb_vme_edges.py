@@ -24,7 +24,7 @@ TOPLEVEL = "adaptor_vme"
 SOURCES = ("sync.sv",)
 MHZ = (8, 16, 48, 80)  # at the last a synchroniser's window is a sixth of a clock
 WIRE_PS = 5_000
-CASES = 60  # of a row of a table
+CASES = 24  # of a row of a table
 VEC, LEVEL, OTHER_LEVEL = 0xC5, 5, 3
 LINES = ("estop_closed_i", "cable_ok_i", "pc_power_i")
 
