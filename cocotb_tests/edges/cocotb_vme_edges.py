@@ -398,19 +398,22 @@ async def strobes_of_a_word(tb):
 
 @edge_test("VME-3")
 async def sysreset_around_a_strobe(tb):
-    """Nothing is driven in SYSRESET*; afterwards all is well."""
-    for cycle in (WRITE, READ, NEIGHBOURS["another board's write"]):
+    """Nothing is taken long after its fall, and nothing driven; afterwards all is well."""
+    register = Cycle(0x6000 | PCCSR)  # is answered before SYSRESET* falls, or not
+    for cycle in (WRITE, READ, register, NEIGHBOURS["another board's write"]):
         for _ in range(CASES):
             await tb.align()
-            when = 3 * tb.ns + 11
-            tb.later(when + tb.around(), vme_sysreset_ni=0)
-            await tb.play(f"{3 * tb.ns}")
+            at = tb.span(-5 * tb.ns, 10 * tb.ns)
+            tb.later(5 * tb.ns + 11 + at, vme_sysreset_ni=0)
+            await tb.play(f"{5 * tb.ns}")
             await tb.begin(cycle)
-            await tb.play(f"{13 * tb.ns} ds_n=3 as_n=1")
+            await tb.play(f"{16 * tb.ns + 10}")
+            assert int(tb.dut.vme_dtack_no.value) and not int(tb.dut.vme_d_oe_o.value)
+            await tb.play("ds_n=3 as_n=1")
             await tb.arrived()
             await tb.clocks(20)
             tb.cycle = None
-            assert int(tb.dut.vme_dtack_no.value) and not int(tb.dut.vme_d_oe_o.value)
+            assert at > -4 * tb.ns or not tb.written, "taken in SYSRESET*"
             tb.dut.vme_sysreset_ni.value = 1
             await tb.clocks(6)
             tb.written.clear()
