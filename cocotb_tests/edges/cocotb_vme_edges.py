@@ -44,7 +44,7 @@ class Cycle:
     @property
     def lines(self) -> str:
         """Address, modifier and IACK*, as a line of stimulus."""
-        at = self.address if self.ack else self.address >> 1
+        at = 0x3000 | self.address if self.ack else self.address >> 1  # A15-A04 are anything
         return f"a={at} am={self.am} lword_n=1 iack_n={int(not self.ack)}"
 
     @property
