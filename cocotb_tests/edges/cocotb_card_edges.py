@@ -8,6 +8,8 @@ value. Times are random, half of them whole clocks; half of the cases begin next
 import cocotb
 from cocotb.triggers import RisingEdge, Timer
 
+from cocotb_tests.card.host import VARIANTS as CARDS
+from cocotb_tests.card.host import Slot
 from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import (
     B_INDEX,
@@ -23,8 +25,6 @@ from cocotb_tests.lib.tb import (
     RUN,
     volts_of,
 )
-from cocotb_tests.card.host import VARIANTS as CARDS
-from cocotb_tests.card.host import Slot
 
 TOPLEVEL = "mark1"
 SOURCES = ("sync.sv",)

@@ -458,7 +458,7 @@ async def request_around_iackin(tb):
 async def data_and_acknowledge(tb):
     """A data cycle, ours or a neighbour's, an acknowledge, pipelined or not, and a data cycle."""
     await tb.request(True)
-    ack = Cycle(LEVEL, ack=True)
+    ack, reads = Cycle(LEVEL, ack=True), tb.pc.reads
     for first, pipelined in product((WRITE, NEIGHBOURS["another board's write"]), (False, True)):
         for _ in range(CASES):
             await tb.align()
@@ -475,6 +475,7 @@ async def data_and_acknowledge(tb):
             await tb.play(f"{NEXT_WRITE.lines} {NEXT_WRITE.data_lines} {tb.span(30, 375)} as_n=0")
             await tb.finish(NEXT_WRITE)
             tb.expect(first, *([first] if first.ours else []), NEXT_WRITE)
+            assert tb.pc.reads == reads, "an acknowledge is taken for an access"
 
 
 @edge_test("INT-1", "PAN-2")
