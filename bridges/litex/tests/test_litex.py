@@ -31,7 +31,7 @@ def test_the_headers_are_litex_own(sources):
 
 
 @pytest.mark.req("ADP-1", "INT-1", "DRV-7", "FW-1")
-def test_litex_moves_a_motor(sources, monkeypatch):
+def test_litex_moves_two_motors(sources, monkeypatch):
     folder = sources[0].parent
     monkeypatch.delenv("PYTEST_CURRENT_TEST")  # the runner would end the process
     runner = get_runner("verilator")
