@@ -64,15 +64,21 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@touch $@
 
 # Each set of optional packages of pyproject.toml, by its name; most of them beside the test tools.
-$(addprefix $(VENV)/.,lint learn fmu fusesoc litex fuzz fpga): $(VENV)/.test
-$(VENV)/.fpga: $(VENV)/.hosts
+$(addprefix $(VENV)/.,lint fmu fuzz): $(VENV)/.test
 $(VENV)/.book: $(VENV)/.tool
 $(VENV)/.%: $(VENV)/.sim
 	@$(call INSTALL,the packages of [$*],-e .[$*])
 	@touch $@
+BRIDGES := $(addprefix $(VENV)/.,gymnasium fusesoc litex)
+$(BRIDGES): $(VENV)/.%: $(VENV)/.test bridges/pyproject.toml
+	@$(call INSTALL,the bridge [$*],-e './bridges[$*]')
+	@touch $@
+$(VENV)/.fpga: $(VENV)/.test fpga/pyproject.toml
+	@$(call INSTALL,the tools of fpga,-e ./fpga)
+	@touch $@
 
 # All that the suites of .ci/run need of Python and Node, so that none of them installs beside another.
-installed: $(addprefix $(VENV)/.,lint formal hosts tool-test book learn fmu fusesoc litex)
+installed: $(addprefix $(VENV)/.,lint formal hosts tool-test book fmu) $(BRIDGES)
 
 # --- the main job --------------------------------------------------------------------------
 
@@ -189,8 +195,8 @@ web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records,
 
 # --- bridges to what others use -------------------------------------------------------------
 
-learn-test: $(VENV)/.learn ## the Gymnasium environment, installed and tested
-	@$(BIN)/python -m pytest mmcs/bridge/tests/test_gymnasium.py
+learn-test: $(VENV)/.gymnasium ## the Gymnasium environment, installed and tested
+	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
 fmu-test: $(VENV)/.fmu ## the machine as an FMU 3.0, checked and run by FMPy
 	@$(BIN)/python -m pytest mmcs/bridge/tests/test_fmu.py
@@ -200,7 +206,7 @@ fusesoc-test: $(VENV)/.fusesoc ## FuseSoC lints, simulates and synthesises each 
 	@tools/need_debian.sh yosys yosys
 	@$(BIN)/python -m pytest bridges/fusesoc/tests
 
-litex-test: $(VENV)/.litex ## a LiteX SoC whose processor runs the driver and moves a motor
+litex-test: $(VENV)/.litex ## a LiteX SoC whose processor runs the driver and moves two motors
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(BIN)/python -m pytest bridges/litex/tests
 
@@ -216,7 +222,7 @@ fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes a
 	@$(BIN)/python fpga/build.py $(ONLY)
 
 test-netlist: $(VENV)/.test ## the synthesised netlists in the tests of the RTL, with the vendors' cells
-	@$(BIN)/python -m pytest fpga/tests
+	@$(BIN)/python -m pytest fpga/netlists
 
 # --- checks and housekeeping ---------------------------------------------------------------
 

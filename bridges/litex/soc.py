@@ -15,7 +15,7 @@ try:
     from litex.build.generic_platform import GenericPlatform, Pins
 except ImportError:
     sys.exit(
-        "mmcs: LiteX is not installed; `make litex-test` installs it, or pip install -e .[litex]"
+        "mmcs: LiteX is missing; `make litex-test` installs it, or pip install './bridges[litex]'"
     )
 from litex.build.io import CRG
 from litex.soc.integration import export
@@ -89,7 +89,7 @@ def compile_firmware(soc: Soc, folder: Path) -> Path:
 
 
 def with_firmware(make: Callable[..., Soc], folder: Path) -> Soc:
-    """The SoC with its program: made once for LiteX's headers, then again with what they compile."""
+    """The SoC with its program: made for LiteX's headers, then again with what they compile."""
     if not shutil.which(GCC):
         sys.exit(f"mmcs: {GCC} is missing; sudo apt-get install gcc-riscv64-unknown-elf")
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The machine for what others use: Gymnasium, FMI.
+"""The machine for what others use: FMI.
 
 May know: engine, scenario.
 """

@@ -29,6 +29,8 @@ MAY_INCLUDE = {
 MAY_IMPORT = {
     "bfm": ((), ()),
     "labs": (("labs/tests/",), ("mmcs",)),
+    "bridges": ((), ("mmcs",)),
+    "fpga": (("fpga/tests/", "fpga/netlists/"), ("fpga.build", "tools.pages", "tools.sources")),
     "cocotb_tests": (
         (
             "cocotb_tests/adaptor/driver.py",

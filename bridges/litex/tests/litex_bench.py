@@ -16,7 +16,12 @@ class Motor:
     def __init__(self, dut, lane: int):
         pins = (Pins(h) for h in (dut.enc_a, dut.enc_b, dut.enc_i))
         self.encoder = QuadratureSource(*pins, lane)
-        self.sink, self.drives, self.position, self.speed = AnalogSink(dut.drive_v, lane), set(), 0, 0
+        self.sink, self.drives, self.position, self.speed = (
+            AnalogSink(dut.drive_v, lane),
+            set(),
+            0,
+            0,
+        )
 
     async def step(self) -> None:
         drive = self.sink.raw()
@@ -48,7 +53,7 @@ async def the_processor_moves_two_motors(dut):
     dut.rst.value = 0
     said = []
     cocotb.start_soon(hear(dut.scratch_storage, said))
-    for n in range(LIMIT):
+    for _ in range(LIMIT):
         await RisingEdge(dut.sclock)
         await ClockCycles(dut.clk, 12)
         assert not said, f"the program on LiteX's processor ends with: {'; '.join(said)}"
@@ -56,7 +61,7 @@ async def the_processor_moves_two_motors(dut):
         if int(dut.card_leds.value) >> GP1 & 1:
             break
     positions = [motor.position for motor in motors]
-    dut._log.info("positions %s, told after %d SCLOCKs", positions, n)
+    dut._log.info("positions %s", positions)
     assert int(dut.card_leds.value) >> GP1 & 1, f"not there: {positions}"
     for motor, goal in zip(motors, GOALS, strict=True):
         assert abs(motor.position - goal) <= NEAR and len(motor.drives) > 10

@@ -5,9 +5,9 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from mmcs_gymnasium import ID
 
 from mmcs import InputError
-from mmcs.bridge.env import ID
 
 pytestmark = pytest.mark.req("DRV-4")
 SHORT = {"episode_steps": 60}

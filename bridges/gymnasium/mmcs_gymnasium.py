@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine as a Gymnasium environment: torque in, encoders out, the whole loop between.
 
-    env = gymnasium.make("MMCS/Reach-v0", scenario="lab500")
+    env = gymnasium.make("mmcs_gymnasium:MMCS/Reach-v0", scenario="lab500")
     envs = gymnasium.make_vec("MMCS/Reach-v0", num_envs=4, vectorization_mode="async")
 
 What acts is a user's program that closes the loop itself (§1.3.1): each step writes torques
@@ -12,7 +12,7 @@ this module registers the environment.
 try:
     import gymnasium
 except ImportError:
-    raise ImportError("Gymnasium is not installed; pip install -e '.[learn]'") from None
+    raise ImportError("Gymnasium is not installed; pip install './bridges[gymnasium]'") from None
 import numpy as np
 from gymnasium import spaces
 
@@ -88,4 +88,4 @@ class ReachEnv(gymnasium.Env):
         self.machine.close()
 
 
-gymnasium.register(ID, entry_point="mmcs.bridge.env:ReachEnv")
+gymnasium.register(ID, entry_point="mmcs_gymnasium:ReachEnv")
