@@ -52,7 +52,8 @@ async def the_processor_moves_two_motors(dut):
     await ClockCycles(dut.clk, 8)
     dut.rst.value = 0
     said = []
-    cocotb.start_soon(hear(dut.scratch_storage, said))
+    register = next(handle for handle in dut if handle._name.endswith("scratch_storage"))
+    cocotb.start_soon(hear(register, said))
     for _ in range(LIMIT):
         await RisingEdge(dut.sclock)
         await ClockCycles(dut.clk, 12)
