@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: cocotb dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz tool tool-test web web-test book bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
+.PHONY: cocotb dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz tool tool-test web web-test docs bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
 help: ## print the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
@@ -65,7 +65,6 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 
 # Each set of optional packages of pyproject.toml, by its name; most of them beside the test tools.
 $(addprefix $(VENV)/.,lint fmu fuzz): $(VENV)/.test
-$(VENV)/.book: $(VENV)/.tool
 $(VENV)/.%: $(VENV)/.sim
 	@$(call INSTALL,the packages of [$*],-e .[$*])
 	@touch $@
@@ -78,7 +77,7 @@ $(VENV)/.fpga: $(VENV)/.test fpga/pyproject.toml
 	@touch $@
 
 # All that the suites of .ci/run need of Python and Node, so that none of them installs beside another.
-installed: $(addprefix $(VENV)/.,lint formal hosts tool-test book fmu) $(BRIDGES)
+installed: $(addprefix $(VENV)/.,lint formal hosts tool-test docs fmu) $(BRIDGES)
 
 # --- the main job --------------------------------------------------------------------------
 
@@ -181,15 +180,14 @@ tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 
 
 # --- the machine in a page ------------------------------------------------------------------
 
-web: $(VENV)/.book ## the whole machine and the book as a static site in build/web, for any file server
+web: $(VENV)/.tool ## the whole machine as a static site in build/web, for any file server
 	@tools/need_debian.sh em++ emscripten
 	@$(BIN)/python tools/website.py
+
+docs: $(VENV)/.docs ## the documentation site into build/docs; a link that leads nowhere ends it
 	@$(BIN)/python tools/book.py
 
-book: $(VENV)/.book ## the book alone, in build/web/book; a link that leads nowhere ends it
-	@$(BIN)/python tools/book.py
-
-web-test: $(VENV)/.tool-test web ## the site in a real browser: hashes, records, offline, a telephone
+web-test: $(VENV)/.tool-test web docs ## the site in a real browser: hashes, records, offline, a telephone
 	@$(BIN)/python -m pytest web/tests/site
 	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
 

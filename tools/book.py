@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The docs as a searchable site in build/web/book, every link checked; part of `make web`.
+"""`make docs`: the docs as a searchable site in build/docs, every link checked.
 
 The chapters are those of docs/ in the order of docs/README.md. Files of the sources that a chapter
 names are pages of the book as well, and a mark like <!-- live: panic --> becomes the machine itself
-(web/live.html).
+(web/live.html), which `make web` builds beside it.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from mmcs import BUILD, ROOT
 
 DOCS = ROOT / "docs"
 STAGE = BUILD / "book"
-BOOK = BUILD / "web" / "book"
+BOOK = BUILD / "docs"
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LIVE = re.compile(r"<!-- live: (\w+) -->")
 LANGUAGES = {".sv": "systemverilog", ".svh": "systemverilog", ".py": "python", ".c": "c", ".h": "c",
@@ -96,7 +96,7 @@ def chapter(text: str, original: Path, wanted: set[Path]) -> str:
     parts = re.split(r"(^```.*?^```)", text, flags=re.M | re.S)
     parts[::2] = [LINK.sub(link, part) for part in parts[::2]]
     up = "../" * (len(original.relative_to(DOCS).parts) if original.is_relative_to(DOCS) else 1)
-    frame = f'<iframe src="{up}live.html?demo=\\1" title="the machine itself" loading="lazy" ' \
+    frame = f'<iframe src="{up}web/live.html?demo=\\1" title="the machine itself" loading="lazy" ' \
             'style="width: 100%; height: 300px; border: 1px solid #ccc"></iframe>'  # fmt: skip
     return LIVE.sub(frame, "".join(parts))
 

@@ -102,8 +102,6 @@ def write() -> None:
     listed = [{k: one[k] for k in ("name", "folder", "description")} for one in found]
     (fresh / "engine" / "scenarios.json").write_text(json.dumps(listed))
     _write_cache(fresh)
-    if (SITE / "book").exists():  # tools/book.py writes it, and no file that is kept offline
-        (SITE / "book").rename(fresh / "book")
     shutil.rmtree(SITE, ignore_errors=True)
     fresh.rename(SITE)
 

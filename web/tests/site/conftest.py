@@ -10,8 +10,6 @@ from bench import new_page
 
 from mmcs import BUILD
 
-SITE = BUILD / "web"
-
 
 class Quiet(SimpleHTTPRequestHandler):
     def log_message(self, *_) -> None:
@@ -20,10 +18,12 @@ class Quiet(SimpleHTTPRequestHandler):
 
 @pytest.fixture(scope="session")
 def address():
-    assert (SITE / "index.html").is_file(), "build/web is not there; `make web` makes it"
-    server = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=SITE))
+    for name in ("web", "docs"):
+        page = BUILD / name / "index.html"
+        assert page.is_file(), f"build/{name} is not there; `make {name}` makes it"
+    server = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=BUILD))
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}/"
+    yield f"http://127.0.0.1:{server.server_port}/web/"
     server.shutdown()
 
 

@@ -10,7 +10,7 @@ import pytest
 from mmcs import BUILD, ROOT
 
 pytestmark = pytest.mark.req("TOOL-1")
-BOOK = BUILD / "web" / "book"
+BOOK = BUILD / "docs"
 
 
 def test_every_chapter_is_in_it_and_can_be_searched():
@@ -66,7 +66,7 @@ def test_chapters_hold_the_machine(opened):
     book = "".join(page.read_text() for page in BOOK.rglob("*.html"))
     demos = set(re.findall(r'src="[./]*live.html\?demo=(\w+)"', book))
     assert demos == {"panic", "pccsr", "counter", "servo"}
-    page = opened("book/hardware/chips/thct2000.html", ready=False)
+    page = opened("../docs/hardware/chips/thct2000.html", ready=False)
     frame = page.frame_locator("iframe")
     page.locator("iframe").scroll_into_view_if_needed()
     frame.locator("body.ready").wait_for()
