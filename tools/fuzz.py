@@ -56,9 +56,9 @@ def snapshot() -> Path:
 
 def calls() -> Path:
     sys.path.insert(0, str(ROOT / "firmware" / "tests"))
-    from fwbuild import random_calls
+    from test_firmware import program
 
-    return random_calls()
+    return program()
 
 
 def corpus(name: str) -> Path:
@@ -85,7 +85,8 @@ def fuzz(name: str, command: list, inputs: int, **env) -> bool:
 
 
 def random_calls(inputs: int) -> bool:
-    done = subprocess.run([calls(), str(inputs)], text=True, capture_output=True, check=False)
+    command = [calls(), "test_random_calls", str(inputs), "1"]
+    done = subprocess.run(command, text=True, capture_output=True, check=False)
     state = "well" if done.returncode == 0 else f"WRONGLY: {done.stdout}{done.stderr}"
     print(f"fuzz: calls: {inputs} calls of the driver, ended {state}", flush=True)
     return done.returncode == 0

@@ -59,7 +59,7 @@ static int start(struct mc *mc) {
     result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);
     timer_start(mc);
     /* heartbeats that the last close ended may still be running out */
-    if (mc->grace > 0) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+    if (mc->grace > 0) mc->grace = timer_grace(mc);
   }
   mc->os.unmask(mc->os.ctx, level);
   return result;

@@ -160,7 +160,7 @@ static int set_interval(struct mc *mc, int client, union argument *arg) {
   mc->n0 = n0;
   mc->n1 = n1;
   timer_start(mc);
-  if (mc->grace > 0) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+  if (mc->grace > 0) mc->grace = timer_grace(mc);
   return 0;
 }
 

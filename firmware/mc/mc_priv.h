@@ -175,6 +175,8 @@ void timer_start(struct mc *mc);
 uint32_t timer_interval_us(const struct mc *mc);
 /* SCLOCKs that last at least `us`, at least 1. */
 uint32_t timer_ticks(const struct mc *mc, uint32_t us);
+/* SCLOCKs during which our own stop may raise PANIC. */
+uint32_t timer_grace(const struct mc *mc);
 /* SCLOCKs since the last one served; that becomes the one being served. */
 unsigned timer_enter(struct mc *mc);
 /* 1 if another SCLOCK rose since timer_enter(). */

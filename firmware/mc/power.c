@@ -52,7 +52,7 @@ static void deafen(struct mc *mc) {
 static void silence(struct mc *mc, const uint8_t *port_c) {
   mc->buffered = 0;
   hw_apply_modes(mc);
-  if (write_zeros(mc, port_c)) mc->grace = timer_ticks(mc, MC_HEARTBEAT_US);
+  if (write_zeros(mc, port_c)) mc->grace = timer_grace(mc);
   mc->power = MC_IDLE;
   mc->drive = 0;
   hw_apply_modes(mc);

@@ -44,6 +44,12 @@ uint32_t timer_ticks(const struct mc *mc, uint32_t us) {
   return (us + interval - 1) / interval + 1;
 }
 
+/* One is left when the SCLOCK after the end of the heartbeats comes. */
+uint32_t timer_grace(const struct mc *mc) {
+  uint32_t ticks = timer_ticks(mc, MC_HEARTBEAT_US), least = timer_ticks(mc, MC_SERVO_US) + 1;
+  return ticks > least ? ticks : least;
+}
+
 static void program(struct mc *mc, unsigned timer, uint32_t count) {
   uint16_t data = (uint16_t)(MMCS_PIT0 + 2 * timer);
   hw_put(mc, MMCS_PIT_CONTROL, (uint8_t)(SELECT(timer) | MMCS_PIT_CONTROL_RW_BOTH_gc | MODE2));

@@ -15,10 +15,3 @@ SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "
 
 def compile_c(name: str, sources: list[Path], extra: list[str]) -> Path:
     return compiled(name, ["cc", *WARN, *INCLUDE, *extra], sources)
-
-
-def random_calls() -> Path:
-    """random_calls.c with driver and mock, sanitizers on."""
-    driver = sorted((ROOT / "firmware" / "mc").glob("*.c"))
-    here = ROOT / "firmware" / "tests"
-    return compile_c("random_calls", [here / "random_calls.c", here / "mock.c", *driver], SANITIZE)

@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A test program: `prog` lists its tests, `prog name` runs one; exit status 1 says it failed. */
+/* The test program: `prog` lists its tests, `prog name` runs one; exit status 1 says it failed. */
 #ifndef HARNESS_H
 #define HARNESS_H
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+extern int test_argc;
+extern char **test_argv;
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
 
 struct test {
   const char *name;
@@ -30,24 +35,10 @@ struct test {
     }                                                                                            \
   } while (0)
 
-/* A row of the linker's section `tests`, all of which `main` sees; then the requirements shown. */
+/* A row of the linker's section `tests`, all of which main() sees; then the requirements shown. */
 #define TEST(name, ...)                                                                        \
   static void name(void);                                                                      \
   static const struct test name##_row __attribute__((used, section("tests"))) = {#name, name}; \
   static void name(void)
-
-#define MAIN                                                                     \
-  extern const struct test __start_tests[], __stop_tests[];                      \
-  int main(int argc, char **argv) {                                              \
-    for (const struct test *test = __start_tests; test < __stop_tests; test++) { \
-      if (argc < 2) {                                                            \
-        puts(test->name);                                                        \
-      } else if (strcmp(argv[1], test->name) == 0) {                             \
-        test->run();                                                             \
-        return 0;                                                                \
-      }                                                                          \
-    }                                                                            \
-    return argc < 2 ? 0 : 2;                                                     \
-  }
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Error codes, who is told of them, and what a clear leaves; PANIC and its messages. §2.3.4 */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 static struct mc *enabled(int cards) {
   struct mc *mc = listening(cards);
@@ -37,71 +36,10 @@ TEST(test_codes_tell_flags_axis_and_count, "DRV-5") {
   CHECK_EQ(m.signals[0], 0); /* raising alone tells nobody */
 }
 
-TEST(test_a_clear_takes_what_was_read_only, "DRV-5") {
-  struct mc *mc = listening(2);
-  int other = mc_open(mc, MC_O_RDWR);
-  for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO | MERR_ILIM);
-  clear(mc, 0); /* has never read: everything */
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
-  CHECK_EQ(m.signals[0], 0); /* nothing remains, nobody is told */
-  for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PLO);
-  look(mc, 0, 4);
-  for (int axis = 0; axis < 4; axis++) {
-    error_raise(mc, axis, axis == 0 ? MERR_PHI : 0);
-  }
-  clear(mc, 0);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* came since */
-  for (int axis = 1; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
-  CHECK_EQ(m.signals[0], 1); /* it signals again, everybody */
-  CHECK_EQ(m.signals[other], 1);
-  clear(mc, 0); /* not read since: still there, and told already */
-  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
-  CHECK_EQ(m.signals[0], 1);
-  error_raise(mc, 0, MERR_PHI); /* once more: that is news */
-  clear(mc, 0);
-  CHECK_EQ(m.signals[0], 2);
-  look(mc, other, 4); /* another's read does not count */
-  clear(mc, 0);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
-  clear(mc, other);
-  CHECK_EQ(errcode_of(&m, 0), 0);
-  CHECK_EQ(m.signals[0], 2);
-  CHECK_EQ(m.masked, 0);
-}
-
 static int shown(struct mc *mc, int client, int axis) {
   struct mc_state state[MC_MAX_AXES];
   CHECK_EQ(mc_read(mc, client, state, (size_t)(axis + 1) * 28), (axis + 1) * 28);
   return state[axis].errcode;
-}
-
-/* Whoever clears: every other reader still sees once what came since it looked. */
-TEST(test_every_reader_is_told, "DRV-5") {
-  struct mc *mc = listening(2);
-  int other = mc_open(mc, MC_O_RDWR), monitor = mc_open(mc, MC_O_RDONLY);
-  error_raise_index(mc, 2, 77);
-  error_raise(mc, 1, MERR_ILIM);
-  look(mc, 0, 4);
-  clear(mc, 0);
-  CHECK_EQ(errcode_of(&m, 2), 0);
-  CHECK_EQ(shown(mc, 0, 2), 0);
-  CHECK_EQ(shown(mc, monitor, 1), 0x100 | MERR_ILIM);
-  CHECK_EQ(shown(mc, monitor, 2), 77 << 16 | 0x200 | MERR_ZINDEX); /* not covered before */
-  CHECK_EQ(shown(mc, monitor, 2), 0);
-  error_raise(mc, 2, MERR_PLO);
-  CHECK_EQ(shown(mc, monitor, 2), 0x200 | MERR_PLO); /* pending: again and again */
-  CHECK_EQ(shown(mc, monitor, 2), 0x200 | MERR_PLO);
-  m.bad_pointer = 1;
-  char buf[112];
-  CHECK_EQ(mc_read(mc, other, buf, sizeof buf), -MC_EFAULT);
-  m.bad_pointer = 0;
-  clear(mc, 0);
-  CHECK_EQ(errcode_of(&m, 2), MERR_PLO | 0x200); /* came since its read */
-  clear(mc, other); /* never has read: everything, and wants to hear no more of it */
-  CHECK_EQ(errcode_of(&m, 2), 0);
-  CHECK_EQ(shown(mc, other, 2), 0);
-  CHECK_EQ(shown(mc, 0, 2), 0x200 | MERR_PLO);
-  CHECK_EQ(shown(mc, mc_open(mc, MC_O_RDWR), 2), 0); /* the past is not a newcomer's */
 }
 
 /* The handler of Fig. 2.4 under MSETNUMJOINTS 1, PANIC on all axes: one signal, then silence. */
@@ -118,24 +56,6 @@ TEST(test_a_handler_that_reads_and_clears_is_done, "DRV-5") {
   }
   CHECK_EQ(handled, 1);
   for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
-}
-
-/* Table 2.3: "clears the error status for all axes". */
-TEST(test_a_clear_covers_all_axes, "DRV-4 DRV-5") {
-  for (int axes = 1; axes <= 4; axes++) {
-    struct mc *mc = listening(2);
-    for (int axis = 0; axis < 4; axis++) error_raise(mc, axis, MERR_PHI);
-    look(mc, 0, axes);
-    error_raise(mc, 3, MERR_ILIM);
-    clear(mc, 0);
-    for (int axis = 0; axis < 4; axis++)
-      CHECK_EQ(errcode_of(&m, axis), axis == 3 ? 0x300 | MERR_ILIM : 0);
-    CHECK_EQ(m.signals[0], 1);
-    look(mc, 0, axes);
-    clear(mc, 0);
-    CHECK_EQ(errcode_of(&m, 3), 0);
-    CHECK_EQ(m.signals[0], 1);
-  }
 }
 
 TEST(test_a_failed_read_has_seen_nothing, "DRV-4 DRV-5") {
@@ -165,19 +85,6 @@ TEST(test_a_failed_read_has_seen_nothing, "DRV-4 DRV-5") {
   clear(mc, other);
   CHECK_EQ(errcode_of(&m, 0), 0);
   CHECK_EQ(shown(mc, 0, 0), MERR_PLO | MERR_PHI); /* the failed read has not shown it */
-}
-
-TEST(test_the_count_lives_as_long_as_its_flag, "DRV-5 CAL-1") {
-  struct mc *mc = listening(1);
-  error_raise_index(mc, 1, 55);
-  look(mc, 0, 2);
-  error_raise(mc, 1, MERR_PLO);
-  clear(mc, 0);
-  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PLO);
-  look(mc, 0, 2);
-  error_raise_index(mc, 1, 66);
-  clear(mc, 0);
-  CHECK_EQ(errcode_of(&m, 1), 66 << 16 | 0x100 | MERR_ZINDEX);
 }
 
 TEST(test_writers_are_told_readers_and_the_gone_are_not, "DRV-5") {
@@ -249,6 +156,7 @@ TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
                 "mc: PANIC: card 2 does not answer\nmc: PANIC: button, cable or power\n"}};
   for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     struct mc *mc = enabled(3);
+    set_mode(mc, 0, MD_TORQ | SOFTERR); /* which is for other errors */
     for (unsigned axis = 0; axis < 6; axis++) {
       if (cases[i].dead >> axis & 1) m.card[axis / 2].beat_until[axis & 1] = 0;
     }
@@ -283,6 +191,22 @@ TEST(test_panic_while_both_indexes_are_latched, "DRV-8 DRV-12") {
   CHECK_EQ(strcmp(said, "mc: PANIC: button, cable or power\n"), 0);
 }
 
+/* Whenever an SCLOCK follows the stop: its PANIC may be seen by the last SCLOCK that forgives it.
+ */
+TEST(test_own_panic_is_forgiven_at_any_interval, "DRV-6 DRV-9") {
+  for (int us = 9000; us < 40000; us += 2426) {
+    for (int phase = 0; phase < us; phase += us / 20) {
+      struct mc *mc = mock_open(&m, 1);
+      call(mc, MSETINTERVAL, us);
+      call(mc, MENABLE, 0);
+      mock_run(&m, phase);
+      call(mc, MSTOP, 0);
+      mock_run(&m, 200000);
+      CHECK_EQ(mc_stats_of(mc)->panics, 0);
+    }
+  }
+}
+
 TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
   for (int after = 40; after < 80; after += 2) {
     struct mc *mc = enabled(1);
@@ -294,6 +218,7 @@ TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
     mock_run(&m, 4000);
     CHECK_EQ(mc_stats_of(mc)->panics, after >= 60);
     CHECK_EQ(m.signals[0], 0);
+    CHECK_EQ(errcode_of(&m, 0), 0);
     m.estop_open = 0;
     mock_run(&m, 4000);
     m.estop_open = 1; /* one only */
@@ -301,5 +226,3 @@ TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
     CHECK_EQ(mc_stats_of(mc)->panics, 1 + (after >= 60));
   }
 }
-
-MAIN

@@ -2,7 +2,6 @@
 /* Requests of <sys/mmcs.h>, which the report does not have: the setpoint of one axis, the end of
  * one axis' calibration. */
 #include "traffic.h"
-#include "sys/mmcs.h"
 
 static int set(struct mc *mc, int axis, int value) {
   struct mmcs_setpoint one = {.axis = axis, .value = value};
@@ -11,18 +10,6 @@ static int set(struct mc *mc, int axis, int value) {
 
 static int end(struct mc *mc, int axis) {
   return mc_ioctl(mc, 0, MCALIBEND, &axis);
-}
-
-TEST(test_a_setpoint_of_one_axis, "DRV-4") {
-  struct mc *mc = mock_open(&m, 2);
-  int32_t all[4] = {10, 20, 30, 40};
-  CHECK_EQ(mc_write(mc, 0, all, 16), 16);
-  CHECK_EQ(set(mc, 2, -7), 0);
-  for (int axis = 0; axis < 4; axis++) {
-    CHECK_EQ(mc_setpoint(mc, axis), axis == 2 ? -7 : all[axis]);
-  }
-  CHECK_EQ(set(mc, 4, 1), -MC_EINVAL);
-  CHECK_EQ(set(mc, -1, 1), -MC_EINVAL);
 }
 
 /* It takes no axis but its own out of where a new mode holds it. */
@@ -72,8 +59,7 @@ TEST(test_the_end_leaves_the_position, "DRV-8 DRV-11") {
   pass_index(&m, 0, 300);
   m.logging = 1;
   CHECK_EQ(end(mc, 0), 0);
-  static const struct mock_access want[] = {W(0x003, 5), PAIR(0x009)};
-  EXPECT(&m, want);
+  TRAFFIC(W(0x003, 5), PAIR(0x009));
   m.logging = 0;
   mock_run(&m, 5000);
   CHECK_EQ(errcode_of(&m, 0), 0);
@@ -92,5 +78,3 @@ TEST(test_an_end_of_nothing, "DRV-3") {
   CHECK_EQ(end(mc, 2), -MC_EINVAL);
   CHECK_EQ(end(mc, -1), -MC_EINVAL);
 }
-
-MAIN

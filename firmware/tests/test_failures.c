@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Hardware that fails behind the driver's back, on the mock machine. §2.3.4, §5.3.6 */
-#include "mc_priv.h"
 #include "traffic.h"
 
 static struct mc *enabled(int mode) {
@@ -80,5 +79,3 @@ TEST(test_a_read_that_failed_is_one_panic, "DRV-7 DRV-9") {
     CHECK_EQ(mc_stats_of(mc)->missed, which == 0); /* PCCSR: nobody knows of the SCLOCK */
   }
 }
-
-MAIN

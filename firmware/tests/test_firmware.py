@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs every TEST(name, "ID ID") of the C test programs as an item of its own, which covers the
+"""Runs every TEST(name, "ID ID") of the C test program as an item of its own, which covers the
 requirements of these ids."""
 
 import re
@@ -15,26 +15,24 @@ from tools.compiled import compiled, ran, written
 HERE = Path(__file__).parent
 
 DRIVER = sorted((ROOT / "firmware" / "mc").glob("*.c"))
+TESTS = [*sorted(HERE.glob("test_*.c")), HERE / "harness.c", HERE / "mock.c"]
 FUNCTION = re.compile(r'^TEST\((test_\w+)(?:, "([^"]*)")?\)', re.M)
 
 
 def cases():
-    for source in sorted(HERE.glob("test_*.c")):
+    for source in TESTS:
         for name, ids in FUNCTION.findall(source.read_text()):
             marks = [pytest.mark.req(*ids.split())] if ids else []
-            yield pytest.param(source, name, id=f"{source.stem}-{name}", marks=marks)
+            yield pytest.param(name, id=f"{source.stem}-{name}", marks=marks)
 
 
-def program_of(source: Path) -> Path:
-    """The test program of a file; the driver is compiled once for all of them."""
-    driver = compile_c("driver_and_mock.o", [HERE / "mock.c", *DRIVER], [*SANITIZE, "-r"])
-    return compile_c(source.stem, [source, driver], SANITIZE)
+def program() -> Path:
+    return compile_c("driver_tests", [*TESTS, *DRIVER], SANITIZE)
 
 
-@pytest.mark.parametrize("source,name", list(cases()))
-def test_c(source, name):
-    program = program_of(source)
-    done = ran(program, name)
+@pytest.mark.parametrize("name", list(cases()))
+def test_c(name):
+    done = ran(program(), name)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

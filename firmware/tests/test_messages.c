@@ -95,10 +95,4 @@ TEST(test_passes_that_are_samples, "DRV-7") {
   CHECK_EQ(mc_stats_of(mc)->total - total, 10);
   CHECK_EQ(mc_interrupt(mc), 0); /* nobody asked */
   CHECK_EQ(mc_stats_of(mc)->spurious, 1);
-  m.estop_open = 1;
-  passes = m.passes;
-  m.adaptor_dead = 1;
-  CHECK_EQ(mc_interrupt(mc), 0);
 }
-
-MAIN

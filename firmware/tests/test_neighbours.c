@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What one program leaves to the next and to those beside it. §2.3.1, §2.3.4 */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 /* Everything that a program can change, as far as it outlives the program. */
 static void change_all(struct mc *mc, int client) {
@@ -24,7 +23,13 @@ static void change_all(struct mc *mc, int client) {
 }
 
 static void expect_defaults(struct mc *mc, int client) {
-  static const struct mc_param initial = MC_PARAM_INITIAL;
+  const struct mc_param initial = {.a0 = 1,
+                                   .b0 = 1,
+                                   .clkdivisor = 1,
+                                   .ilim = 1024,
+                                   .adc_a = 1,
+                                   .plo = INT32_MIN,
+                                   .phi = INT32_MAX}; /* Table 2.1 */
   static const struct mc_stats none;
   int32_t set[4] = {0};
   CHECK_EQ(mc_joints(mc), 4);
@@ -43,6 +48,26 @@ static void expect_defaults(struct mc *mc, int client) {
   }
   for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 5);
   CHECK_EQ(mc_write(mc, client, set, 16), 16);
+}
+
+TEST(test_an_open_finds_the_defaults, "DRV-2") {
+  struct mc *mc = listening(2);
+  struct mc_state state[4];
+  expect_defaults(mc, 0);
+  change_all(mc, 0);
+  call(mc, MSETNUMJOINTS, 4);
+  call(mc, MCALIB, 2);
+  mc_spurious(mc);
+  CHECK_EQ(mc_close(mc, 0), 0);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  expect_defaults(mc, 0);
+  set_mode(mc, 1, MD_POS);
+  m.card[0].count[1] = 44;
+  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(mc_setpoint(mc, 1), 44); /* that it was written belongs to the past */
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
+  CHECK_EQ(state[1].fbnow, 44);
+  for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 7); /* nor is a calibration left */
 }
 
 /* The first writer after there was none starts as if it were alone; a second one does not. */
@@ -97,27 +122,6 @@ TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone, "DRV-2") {
   mock_run(&m, 5000);
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 99);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
-}
-
-/* A reads; an event comes; B reads and clears it; A clears what it has read, and is told yet. */
-TEST(test_a_clear_takes_nobody_s_event, "DRV-5") {
-  for (int axes = 0; axes <= 2; axes++) { /* A's read may have been of fewer axes than that */
-    struct mc *mc = mock_open(&m, 1);
-    struct mc_state state[2];
-    int a = 0, b = mc_open(mc, MC_O_RDWR);
-    if (axes > 0) CHECK_EQ(mc_read(mc, a, state, (size_t)axes * 28), axes * 28);
-    error_raise(mc, 1, MERR_PHI);
-    CHECK_EQ(mc_read(mc, b, state, 56), 56);
-    CHECK_EQ(state[1].errcode, 0x100 | MERR_PHI);
-    CHECK_EQ(mc_ioctl(mc, b, MCLEARERROR, NULL), 0);
-    CHECK_EQ(mc_ioctl(mc, a, MCLEARERROR, NULL), 0);
-    for (int round = 0; round < 2; round++) {
-      CHECK_EQ(mc_read(mc, a, state, 56), 56);
-      CHECK_EQ(state[1].errcode, axes > 0 && round == 0 ? 0x100 | MERR_PHI : 0);
-      CHECK_EQ(mc_read(mc, b, state, 56), 56);
-      CHECK_EQ(state[1].errcode, 0);
-    }
-  }
 }
 
 TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
@@ -176,5 +180,3 @@ TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
     CHECK_EQ(m.card[0].b & 1, want != 0);
   }
 }
-
-MAIN

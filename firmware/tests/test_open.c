@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Attach, open, scan, close, read and write: traffic, limits, and what a later one finds. §2.3.1 */
-#include "mc_priv.h"
 #include "traffic.h"
 
 TEST(test_attach_takes_what_the_adaptor_can_have, "DRV-1") {
@@ -91,6 +90,10 @@ TEST(test_first_open_traffic, "DRV-2 DRV-3 DIA-2") {
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   traffic_check(__FILE__, __LINE__, &m, want, n);
   CHECK_EQ(m.masked, 0);
+  CHECK_EQ(mc_joints(mc), 4);
+  m.used = 0;
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1); /* a later open touches nothing */
+  CHECK_EQ(m.used, 0);
 }
 
 TEST(test_positions_are_known_from_the_open_on, "DRV-2 DRV-10") {
@@ -144,8 +147,7 @@ TEST(test_last_close_is_silent_and_says_no_more_than_it_must, "DRV-2 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_close(mc, 0), 0);
-  static const struct mock_access want[] = {W(0x409, 0x18)};
-  EXPECT(&m, want);
+  TRAFFIC(W(0x409, 0x18));
   CHECK_EQ(m.logs, 0); /* no A/D was late */
   CHECK_EQ(m.masked, 0);
   CHECK_EQ(mc_close(mc, 0), -MC_EBADF);
@@ -156,46 +158,6 @@ TEST(test_last_close_is_silent_and_says_no_more_than_it_must, "DRV-2 DRV-6") {
     CHECK_EQ(m.pccsr, 0x18);
   }
   CHECK_EQ(mc_open(mc, -1), -MC_EINVAL);
-}
-
-TEST(test_a_new_open_finds_the_defaults_again, "DRV-2") {
-  struct mc *mc = mock_open(&m, 2);
-  struct mc_param first = param_of(mc, 1), par = first;
-  struct mc_stats stats;
-  struct mc_state state[4];
-  int verbosity;
-  DEMAND(mc, 9, 9, 9, 9);
-  par.mode = MD_POS;
-  par.clkdivisor = 25;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  call(mc, MDACMODE, 1);
-  call(mc, MDIAGMODE, M_ANDIAG | M_ENDIAG);
-  call(mc, MCALIB, 2);
-  call(mc, MSETVERBOSITY, 1);
-  mock_run(&m, 5000);
-  call(mc, MSETNUMJOINTS, 1);
-  mc_spurious(mc);
-  CHECK_EQ(mc_close(mc, 0), 0);
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);
-  static const struct mc_stats none;
-  CHECK(memcmp(&stats, &none, sizeof none) == 0);
-  CHECK_EQ(mc_joints(mc), 4);
-  par = param_of(mc, 1);
-  CHECK(memcmp(&par, &first, sizeof par) == 0);
-  for (int i = 0; i < 4; i++) CHECK_EQ(mc_setpoint(mc, i), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MGETVERBOSITY, &verbosity), 0);
-  CHECK_EQ(verbosity, 0);
-  CHECK_EQ(m.card[0].b, 5);
-  CHECK_EQ(m.card[1].b, 5); /* waits for no index */
-  set_mode(mc, 1, MD_POS);
-  m.card[0].count[1] = 44;
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
-  CHECK_EQ(mc_setpoint(mc, 1), 44); /* that it was written belongs to the past */
-  CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
-  CHECK_EQ(state[1].fbnow, 44);
-  CHECK_EQ(m.card[0].b, 7);
-  CHECK_EQ(m.card[1].b, 7); /* no calibration is left over */
 }
 
 /* The heartbeats that the close ended run out while the machine is open again. */
@@ -296,12 +258,11 @@ TEST(test_read_gives_every_axis_its_state, "DRV-4") {
       CHECK_EQ(state[axis].encnow, axis * 28 < got ? 100 + axis : 0x5A5A5A5A);
     }
   }
-  call(mc, MSETNUMJOINTS, 0);
-  m.bad_pointer = 1; /* nothing to copy */
-  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 0);
-  CHECK_EQ(mc_write(mc, 0, state, 0), 0);
-  CHECK_EQ(mc_write(mc, 0, state, 4), -MC_EINVAL);
-  CHECK_EQ(m.masked, 0);
+  for (int client = 1; client < MC_MAX_CLIENTS; client++) {
+    CHECK_EQ(mc_open(mc, MC_O_RDONLY), client);
+  }
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), -MC_ENFILE);
+  CHECK_EQ(mc_read(mc, MC_MAX_CLIENTS, state, 28), -MC_EBADF);
 }
 
 /* The start of SCLOCK has begun a conversion: read() need not wait for the first sample. */
@@ -319,31 +280,3 @@ TEST(test_first_read_has_the_converters_values, "DRV-4") {
   CHECK_EQ(state[0].adcvai, 5);
   CHECK_EQ(m.masked, 0);
 }
-
-TEST(test_write_sets_as_many_as_it_brings, "DRV-4") {
-  struct mc *mc = mock_open(&m, 2);
-  int32_t set[4] = {11, -12, INT32_MAX, INT32_MIN};
-  CHECK_EQ(mc_write(mc, 0, set, 16), 16);
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), set[axis]);
-  call(mc, MSETNUMJOINTS, 3);
-  set[0] = 21;
-  CHECK_EQ(mc_write(mc, 0, set, 16), -MC_EINVAL);
-  for (size_t odd = 1; odd < 4; odd++) CHECK_EQ(mc_write(mc, 0, set, 8 + odd), -MC_EINVAL);
-  CHECK_EQ(mc_setpoint(mc, 0), 11);
-  CHECK_EQ(mc_write(mc, 0, set, 12), 12);
-  CHECK_EQ(mc_setpoint(mc, 0), 21);
-  CHECK_EQ(mc_setpoint(mc, 3), INT32_MIN);
-  m.bad_pointer = 1;
-  set[0] = 31;
-  CHECK_EQ(mc_write(mc, 0, set, 4), -MC_EFAULT);
-  CHECK_EQ(mc_setpoint(mc, 0), 21);
-  CHECK_EQ(m.masked, 0);
-  for (int client = 16; client < 18; client++) { /* one beyond the last */
-    CHECK_EQ(mc_write(mc, client, set, 4), -MC_EBADF);
-    CHECK_EQ(mc_read(mc, client, set, 28), -MC_EBADF);
-    CHECK_EQ(mc_ioctl(mc, client, MSTOP, NULL), -MC_EBADF);
-    CHECK_EQ(mc_close(mc, client), -MC_EBADF);
-  }
-}
-
-MAIN

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Passes that read until the next SCLOCK has risen: what they may keep alive. §2.3.4, §5.3.6 */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 static int64_t slow; /* how long the reads of each pass take longer */
 
@@ -170,5 +169,3 @@ TEST(test_waiting_axes_wait_on_in_a_pass_without_a_sample, "DRV-7 DRV-9") {
   CHECK_EQ(m.computed_axes, 2);
   CHECK_EQ(mc_stats_of(mc)->overrun, before + 1);
 }
-
-MAIN

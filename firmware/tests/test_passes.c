@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Servo passes: what is sampled, published and written, early, late and broken. §4.3.6, §5.3 */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 TEST(test_every_axis_gets_its_own_numbers, "DRV-7 DRV-11") {
   struct mc *mc = listening(3);
@@ -234,5 +233,3 @@ TEST(test_only_joints_under_power_are_servoed, "DRV-7") {
     CHECK_EQ(mock_dac(&m, axis) != 0x800, axis < joints);
   }
 }
-
-MAIN

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Enable, stop and PANIC in detail: accesses, waits and messages, each in its order. §2.3.4, §5.3.6
  */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 static uint32_t waited[200];
 static int waits;
@@ -39,18 +38,16 @@ TEST(test_enable_traffic, "DRV-9 PAN-2") {
   m.logging = 1;
   m.on_access = traffic_of_process;
   CHECK_EQ(enable(mc), 0);
-  static const struct mock_access want[] = {
-      R(0x001),       R(0x003),       W(0x001, 0x1D), R(0x001),
-      W(0x001, 0x05), R(0x001), /* card 0 answers */
-      R(0x041),       R(0x043),       W(0x041, 0x1D), R(0x041),
-      W(0x041, 0x05), R(0x041),       W(0x003, 0x05), W(0x043, 0x05), /* outputs act at once */
-      W(0x013, 0x08), W(0x017, 0x08), W(0x053, 0x08), W(0x057, 0x08), /* 0 V, no heartbeat */
-      W(0x003, 0x07), W(0x043, 0x07),                                 /* joints connected */
-      W(0x003, 0x0F), W(0x043, 0x0F),                                 /* double-buffered as asked */
-      R(0x005),       R(0x005),       R(0x045),       R(0x045),       /* all heartbeats live */
-      W(0x409, 0xF8)};                                                /* PANIC may interrupt */
-  EXPECT(&m, want);
-  CHECK_EQ(waited[0], 2000); /* the relay */
+  TRAFFIC(R(0x001), R(0x003), W(0x001, 0x1D), R(0x001), W(0x001, 0x05),
+          R(0x001), /* card 0 answers */
+          R(0x041), R(0x043), W(0x041, 0x1D), R(0x041), W(0x041, 0x05), R(0x041), W(0x003, 0x05),
+          W(0x043, 0x05),                                                 /* outputs act at once */
+          W(0x013, 0x08), W(0x017, 0x08), W(0x053, 0x08), W(0x057, 0x08), /* 0 V, no heartbeat */
+          W(0x003, 0x07), W(0x043, 0x07),                                 /* joints connected */
+          W(0x003, 0x0F), W(0x043, 0x0F),         /* double-buffered as asked */
+          R(0x005), R(0x005), R(0x045), R(0x045), /* all heartbeats live */
+          W(0x409, 0xF8));                        /* PANIC may interrupt */
+  CHECK_EQ(waited[0], 2000);                      /* the relay */
   CHECK(waits >= 2 && waits <= 4);
   for (int i = 1; i < waits; i++) CHECK_EQ(waited[i], 1000);
   CHECK_EQ(m.masked, 0);
@@ -339,5 +336,3 @@ TEST(test_enable_names_the_axis_without_a_heartbeat, "DRV-9 PAN-2") {
     CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
   }
 }
-
-MAIN

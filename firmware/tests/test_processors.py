@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from fwbuild import INCLUDE, ROOT, WARN
-from test_firmware import DRIVER, HERE, cases
+from test_firmware import DRIVER, HERE, TESTS, cases
 
 from tools.compiled import compiled, ran
 
@@ -38,19 +38,13 @@ LINK = ["-nostdlib", "-static", "-Wl,-N", f"-Wl,-Ttext={BASE:#x}", "-Wl,-e,free_
         "-Wl,--build-id=none", "-Wl,--no-relax", "-Wl,--no-warn-rwx-segments"]  # fmt: skip
 
 
-def program_of(port: str, source: Path) -> Path:
-    """The test program of a file; the driver is compiled once for all of them."""
-    prefix, cpu, _ = PORTS[port]
-    command = [f"{prefix}gcc", *WARN, *INCLUDE, *cpu, *FLAGS, "-nostdlib"]
-    parts = [HERE / "mock.c", FREE / "free.c", ROOT / "firmware" / "ports" / "memory.c", *DRIVER]
-    driver = compiled(f"driver_and_mock.{port}.o", [*command, "-r"], parts)
-    return compiled(f"{source.stem}.{port}", [*command, *LINK], [source, driver], ["-lgcc"])
-
-
 @functools.cache
-def image_of(port: str, source: Path) -> tuple[bytes, dict[str, int]]:
+def image_of(port: str) -> tuple[bytes, dict[str, int]]:
     """What its memory holds, and where its symbols are."""
-    program, prefix = program_of(port, source), PORTS[port][0]
+    prefix, cpu, _ = PORTS[port]
+    sources = [*TESTS, FREE / "free.c", ROOT / "firmware" / "ports" / "memory.c", *DRIVER]
+    command = [f"{prefix}gcc", *WARN, *INCLUDE, *cpu, *FLAGS, *LINK]
+    program = compiled(f"driver_tests.{port}", command, sources, ["-lgcc"])
     listed = ran(f"{prefix}nm", program, check=True).stdout
     rows = [line.split() for line in listed.splitlines()]
     with tempfile.NamedTemporaryFile() as binary:
@@ -75,9 +69,9 @@ def processor(port: str):
     return cpu
 
 
-def run(port: str, source: Path, name: str) -> tuple[int, str]:
+def run(port: str, name: str) -> tuple[int, str]:
     """Exit status and output of a test."""
-    image, at = image_of(port, source)
+    image, at = image_of(port)
     cpu = processor(port)
     cpu.mem_write(BASE, image)
     cpu.mem_write(at["wanted"], name.encode())
@@ -88,6 +82,6 @@ def run(port: str, source: Path, name: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("port", PORTS)
-@pytest.mark.parametrize("source,name", list(cases()))
-def test_c(port, source, name):
-    assert run(port, source, name) == (0, "")
+@pytest.mark.parametrize("name", list(cases()))
+def test_c(port, name):
+    assert run(port, name) == (0, "")

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Cards that are silent for a while, resets and bus errors: counts and who is told. §2.3.4 */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 static struct mc *at(struct mc *mc, int axis, int32_t place) {
   for (int32_t count = 20000; count < place; count += 20000) {
@@ -229,5 +228,3 @@ TEST(test_the_end_of_interrupts_is_told, "DRV-13") {
     }
   }
 }
-
-MAIN

@@ -24,30 +24,6 @@ TEST(test_enable_opens_brakes_with_the_servo, "DRV-9") {
   CHECK_EQ(m.pccsr, 0xF8);
 }
 
-TEST(test_stop, "DRV-9 DRV-6") {
-  struct mc *mc = mock_open(&m, 1);
-  set_mode_within_100(mc, 0, MD_TORQ);
-  call(mc, MENABLE, 0);
-  DEMAND(mc, 500);
-  mock_run(&m, 5000);
-  CHECK_EQ(mock_dac(&m, 0), 0x800 + 500);
-  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
-  CHECK_EQ(mock_dac(&m, 0), 0x800);
-  CHECK_EQ(m.pccsr, 0xB8);
-  CHECK_EQ(m.card[0].b, 5);
-  mock_run(&m, 49000);
-  CHECK(!mock_panic(&m));
-  mock_run(&m, 2000);
-  CHECK(mock_panic(&m));
-  mock_run(&m, 100000);
-  CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
-  CHECK_EQ(errcode_of(&m, 0), 0);
-  CHECK_EQ(m.signals[0], 0);
-  struct mc_param par = param_of(mc, 0);
-  CHECK_EQ(par.mode, MD_OFF);
-  call(mc, MENABLE, 0); /* and again */
-}
-
 TEST(test_limit_without_softerr_shuts_down, "DRV-5 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   set_mode_within_100(mc, 0, MD_POS | POSCHK);
@@ -93,22 +69,6 @@ TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
   CHECK_EQ(errcode_of(&m, 1), 0);
 }
 
-TEST(test_same_event_again_survives_the_clear, "DRV-5") {
-  struct mc *mc = mock_open(&m, 1);
-  struct mc_state state[2];
-  set_mode_within_100(mc, 0, MD_POS | POSCHK | SOFTERR);
-  call(mc, MENABLE, 0);
-  m.card[0].count[0] = 101;
-  mock_run(&m, 2100);
-  CHECK_EQ(mc_read(mc, 0, state, sizeof state), 56);
-  m.card[0].count[0] = 0;
-  mock_run(&m, 2100);
-  m.card[0].count[0] = 101;
-  mock_run(&m, 2100);
-  CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
-}
-
 TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_param par = param_of(mc, 0);
@@ -122,22 +82,6 @@ TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
   mock_run(&m, 4000);
   CHECK_EQ(errcode_of(&m, 0), MERR_ILIM);
   CHECK_EQ(mock_dac(&m, 0), 0x800);
-}
-
-TEST(test_button, "DRV-5 DRV-6 DRV-12") {
-  struct mc *mc = mock_open(&m, 2);
-  set_mode_within_100(mc, 0, MD_TORQ | SOFTERR);
-  call(mc, MENABLE, 0);
-  mock_run(&m, 10000);
-  m.estop_open = 1;
-  mock_run(&m, 100);
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_PANIC);
-  CHECK_EQ(m.signals[0], 1);
-  CHECK_EQ(mc_stats_of(mc)->panics, 1);
-  CHECK_EQ(m.card[0].b & 2, 0);
-  CHECK(strstr(m.last_log, "button, cable or power") != NULL);
-  mock_run(&m, 100000);
-  CHECK_EQ(mc_stats_of(mc)->panics, 1);
 }
 
 TEST(test_lost_card, "DRV-7 DRV-12") {
@@ -172,29 +116,3 @@ TEST(test_missed_are_counted_in_a_panic_too, "DRV-7") {
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(mc_stats_of(mc)->missed, 39);
 }
-
-TEST(test_panic_while_idle_is_counted_only, "DRV-9") {
-  struct mc *mc = mock_open(&m, 1);
-  m.card[0].enabled[0] = m.card[0].enabled[1] = 0;
-  mock_run(&m, 5000);
-  m.estop_open = 1;
-  mock_run(&m, 5000);
-  CHECK_EQ(mc_stats_of(mc)->panics, 1);
-  CHECK_EQ(m.signals[0], 0);
-  CHECK_EQ(errcode_of(&m, 0), 0);
-}
-
-TEST(test_mode_change_under_power_does_not_jump, "DRV-9 SRV-6") {
-  struct mc *mc = mock_open(&m, 1);
-  set_mode_within_100(mc, 0, MD_VEL);
-  call(mc, MENABLE, 0);
-  DEMAND(mc, 30);
-  m.card[0].count[0] = 5000;
-  mock_run(&m, 8000);
-  set_mode_within_100(mc, 0, MD_POS);
-  mock_run(&m, 2100);
-  CHECK_EQ(mc_setpoint(mc, 0), 5000);
-  CHECK_EQ(mock_dac(&m, 0), 0x800);
-}
-
-MAIN

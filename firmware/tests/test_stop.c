@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stops: whose they are, how long they last, and what they leave behind. §2.3.4, Table 2.3 */
-#include "mc_priv.h"
-#include "hear.h"
+#include "traffic.h"
 
 static int enable(struct mc *mc, int client) {
   return mc_ioctl(mc, client, MENABLE, NULL);
@@ -34,6 +33,13 @@ TEST(test_a_stop_holds_until_an_enable, "DRV-4 DRV-9") {
     CHECK_EQ(how == 0 ? mc_halt(mc) : mc_ioctl(mc, other, MSTOP, NULL), 0);
     at_rest(mc);
     CHECK(mc_is_stopped(mc));
+    mock_run(&m, 49000);
+    CHECK(!mock_panic(&m));
+    mock_run(&m, 2000);
+    CHECK(mock_panic(&m));
+    CHECK_EQ(mc_stats_of(mc)->panics, 0); /* its own */
+    CHECK_EQ(errcode_of(&m, 0), 0);
+    CHECK_EQ(m.signals[0], 0);
     said[0] = 0;
     for (int i = 0; i < 3; i++) {
       CHECK_EQ(mc_write(mc, i & 1, set, 8), -MC_EIO);
@@ -141,8 +147,7 @@ TEST(test_the_last_writer_stops_the_machine, "DRV-2 DRV-9") {
   CHECK_EQ(mc_close(mc, next), 0);
   m.logging = 1;
   CHECK_EQ(mc_close(mc, monitor), 0);
-  static const struct mock_access want[] = {W(0x409, 0x18)};
-  EXPECT(&m, want);
+  TRAFFIC(W(0x409, 0x18));
 }
 
 /* The law that an axis had before the stop is not what MD_OFF runs. */
@@ -245,5 +250,3 @@ TEST(test_a_stop_prepares_what_a_mode_of_off_has, "DRV-9 SRV-1") {
     CHECK_EQ(stopped.limit, law->limit);
   }
 }
-
-MAIN

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Requests that act on hardware: interval, encoders, lights, diagnostic and buffer modes, stop,
  * statistics. §2.3.5, §5.3 */
-#include "mc_priv.h"
 #include "traffic.h"
 
 TEST(test_a_new_interval_keeps_the_grace_of_a_stop, "DRV-6 DRV-9") {
-  static const unsigned intervals[] = {100, 500, 2000, 9000, 100000};
+  static const unsigned intervals[] = {100, 500, 2000, 9000, 16279, 100000};
   for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
     struct mc *mc = mock_open(&m, 1);
     call(mc, MSETINTERVAL, intervals[i]);
@@ -18,7 +17,9 @@ TEST(test_a_new_interval_keeps_the_grace_of_a_stop, "DRV-6 DRV-9") {
     for (uint32_t left = 1; left < 3; left++) {
       mc->grace = left;
       call(mc, MSETINTERVAL, intervals[i]);
-      CHECK_EQ(mc->grace, 60000 / intervals[i] + (60000 % intervals[i] != 0) + 1);
+      uint32_t longer = 60000 / intervals[i] + (60000 % intervals[i] != 0) + 1;
+      uint32_t least = 50000 / intervals[i] + (50000 % intervals[i] != 0) + 2;
+      CHECK_EQ(mc->grace, longer > least ? longer : least);
     }
     unsigned bad = 99;
     mc->grace = 1;
@@ -121,10 +122,8 @@ TEST(test_each_axis_has_its_light, "DRV-12") {
   call(mc, MSETLED, 0xFFFFFE00u); /* other bits: nothing */
   call(mc, MSETLED, 0xFFFFFF00u | 3);
   call(mc, MSETLED, 3);
-  static const struct mock_access want[] = {W(0x001, 0x0D), W(0x001, 0x1D), W(0x041, 0x0D),
-                                            W(0x041, 0x1D), W(0x001, 0x15), W(0x041, 0x1D),
-                                            W(0x041, 0x0D)};
-  EXPECT(&m, want);
+  TRAFFIC(W(0x001, 0x0D), W(0x001, 0x1D), W(0x041, 0x0D), W(0x041, 0x1D), W(0x001, 0x15),
+          W(0x041, 0x1D), W(0x041, 0x0D));
 }
 
 static int relays;
@@ -174,12 +173,10 @@ TEST(test_double_buffering, "DRV-12") {
   m.on_access = traffic_of_process;
   call(mc, MDACMODE, 0x100); /* anything but 0 */
   call(mc, MDACMODE, 1);     /* it is so already: no access */
-  static const struct mock_access on[] = {W(0x003, 0x0F), W(0x043, 0x0F)};
-  EXPECT(&m, on);
+  TRAFFIC(W(0x003, 0x0F), W(0x043, 0x0F));
   m.used = 0;
   call(mc, MDACMODE, 0);
-  static const struct mock_access off[] = {W(0x003, 0x07), W(0x043, 0x07)};
-  EXPECT(&m, off);
+  TRAFFIC(W(0x003, 0x07), W(0x043, 0x07));
   call(mc, MDACMODE, 1);
   CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
   CHECK_EQ(m.card[0].b, 5); /* not while stopped */
@@ -232,5 +229,3 @@ TEST(test_every_counter_of_the_statistics, "DRV-3") {
   CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
   CHECK(memcmp(mc_stats_of(mc), &none, sizeof none) == 0);
 }
-
-MAIN

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The driver's own helpers, one by one: registers, timer arithmetic, text, counters. §4.3, §5.3 */
-#include "mc_priv.h"
 #include "traffic.h"
 
 /* --- registers ------------------------------------------------------------------------------- */
@@ -14,10 +13,8 @@ TEST(test_registers_of_every_axis, "DRV-10") {
     m.card[axis / 2].count[axis & 1] = (uint16_t)(0xA1F0 + axis);
     m.card[axis / 2].has_latch[axis & 1] = 0;
     CHECK_EQ(hw_counter(mc, (int)axis), 0xA1F0 + axis);
-    const struct mock_access want[] = {
-        R((uint16_t)(base | 5)), /* another byte, then the high one */
-        R(enc), R((uint16_t)(enc + 2))};
-    EXPECT(&m, want);
+    TRAFFIC(R((uint16_t)(base | 5)), /* another byte, then the high one */
+            R(enc), R((uint16_t)(enc + 2)));
     CHECK_EQ(hw_heartbeat_bm((int)axis), axis & 1 ? 0x04 : 0x01);
     CHECK_EQ(hw_index_bm((int)axis), axis & 1 ? 0x08 : 0x02);
   }
@@ -40,10 +37,8 @@ TEST(test_bits_are_set_and_cleared_one_by_one, "DRV-12") {
   hw_set_b(mc, 1, 0x0A, 0);
   hw_set_b(mc, 1, 0x10, 0x02);
   hw_set_b(mc, 1, 0x01, 0xFF);
-  static const struct mock_access want[] = {W(0x409, 0xF8), W(0x409, 0xD8), W(0x409, 0x98),
-                                            W(0x409, 0xB8), W(0x043, 0x0F), W(0x043, 0x1D),
-                                            W(0x043, 0x01)};
-  EXPECT(&m, want);
+  TRAFFIC(W(0x409, 0xF8), W(0x409, 0xD8), W(0x409, 0x98), W(0x409, 0xB8), W(0x043, 0x0F),
+          W(0x043, 0x1D), W(0x043, 0x01));
   CHECK_EQ(mc->card[1].b, 0x01);
   CHECK_EQ(mc->card[0].b, 0x05);
 }
@@ -289,5 +284,3 @@ TEST(test_counters_stop_at_the_largest, "DRV-3") {
     CHECK_EQ(counter, cases[i].to);
   }
 }
-
-MAIN

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Register traffic that a test expects, access by access. */
+/* What tests of the driver share: the traffic that they expect, what the driver says, calls. */
 #ifndef TRAFFIC_H
 #define TRAFFIC_H
 
 #include "harness.h"
+#include "mc_priv.h"
 #include "mock.h"
 
 #define R(offset) {0, offset, 0}
@@ -32,6 +33,11 @@ static inline void traffic_check(const char *file, int line, const struct mock *
 
 #define EXPECT(m, want) \
   traffic_check(__FILE__, __LINE__, m, want, (int)(sizeof want / sizeof want[0]))
+#define TRAFFIC(...)                                     \
+  do {                                                   \
+    const struct mock_access traffic_[] = {__VA_ARGS__}; \
+    EXPECT(&m, traffic_);                                \
+  } while (0)
 
 /* A hook for mock.on_access: the handler's accesses are left out of the log. */
 static inline void traffic_of_process(struct mock *m) {
@@ -86,5 +92,23 @@ static inline void set_mode_within_100(struct mc *mc, int axis, int mode) {
 }
 
 static struct mock m; /* of the test */
+
+/* What the driver says: its lines, each with a newline. */
+static char said[1024];
+
+static inline void hear(void *ctx, const char *text) {
+  (void)ctx;
+  CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
+  strcat(said, text);
+  strcat(said, "\n");
+}
+
+/* A driver of so many cards, opened once, that is listened to. */
+static inline struct mc *listening(int cards) {
+  struct mc *mc = mock_open(&m, cards);
+  mc->os.log = hear;
+  said[0] = 0;
+  return mc;
+}
 
 #endif
