@@ -3,9 +3,13 @@
 #ifndef HARNESS_H
 #define HARNESS_H
 
+#if __STDC_HOSTED__
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#else
+#include "free/libc.h"
+#endif
 
 extern int test_argc;
 extern char **test_argv;

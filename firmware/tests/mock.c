@@ -3,8 +3,7 @@
 /* See mock.h. §4.3, §5.3 */
 #include "mock.h"
 
-#include <stdlib.h>
-#include <string.h>
+#include "harness.h"
 
 static void latch_card(struct mock *m, struct mock_card *c) {
   for (int j = 0; j < 2; j++) {

@@ -280,3 +280,105 @@ TEST(test_first_read_has_the_converters_values, "DRV-4") {
   CHECK_EQ(state[0].adcvai, 5);
   CHECK_EQ(m.masked, 0);
 }
+
+/* The first writer after there was none starts afresh; counts go on. */
+TEST(test_a_new_writer_starts_as_if_it_were_alone, "DRV-2") {
+  for (int watched = 0; watched < 2; watched++) { /* by a monitor, meanwhile */
+    struct mc *mc = listening(2);
+    static const struct mc_stats none;
+    if (watched) CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1);
+    for (int i = 1; i <= 5; i++) {
+      m.card[1].count[0] = (uint16_t)(20000 * i);
+      mock_run(&m, 2000);
+    }
+    call(mc, MDACMODE, 1);
+    call(mc, MCALIB, 0);
+    call(mc, MDIAGMODE, M_ANDIAG | M_ENDIAG);
+    mc_spurious(mc);
+    CHECK_EQ(mc_close(mc, 0), 0);
+    mock_run(&m, 5000);
+    CHECK_EQ(m.card[0].b, 5);                        /* the joints' encoders count again */
+    m.card[1].count[0] = (uint16_t)(100000 + 30000); /* pushed by hand */
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+    CHECK(memcmp(mc_stats_of(mc), &none, sizeof none) == 0);
+    CHECK_EQ(mc_state_of(mc, 2)->encnow, 130000);
+    set_mode(mc, 1, MD_POS);
+    m.card[0].count[1] = 44;
+    call(mc, MENABLE, 0);
+    CHECK_EQ(mc_setpoint(mc, 1), 44);
+    for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 7); /* no calibration is left */
+  }
+}
+
+/* The open for writing fails; the monitor goes on. */
+TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone, "DRV-2") {
+  struct mc *mc = mock_start(&m, 1);
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
+  mock_run(&m, 5000);
+  m.adaptor_dead = 1;
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
+  m.adaptor_dead = 0;
+  CHECK_EQ(mc->pccsr, 0xB8);
+  m.card[0].count[0] = 99;
+  mock_run(&m, 5000);
+  CHECK_EQ(mc_state_of(mc, 0)->encnow, 99);
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
+}
+
+TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
+  for (int panic = 0; panic < 2; panic++) {
+    struct mc *mc = listening(1);
+    int32_t set[2] = {10, 10};
+    CHECK_EQ(mc_write(mc, 0, set, 8), 8); /* before the first MENABLE, too */
+    set_mode_within_100(mc, 0, MD_POS | POSCHK);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    m.estop_open = panic;
+    m.card[0].count[0] = 200;
+    mock_run(&m, 4000);
+    CHECK_EQ(mc_is_enabled(mc), 0);
+    int number;
+    CHECK_EQ(mc_cause(mc, &number), panic ? MCAUSE_PASSED : MCAUSE_AXIS);
+    CHECK_EQ(number, panic ? -1 : 0);
+    said[0] = 0;
+    for (int i = 0; i < 3; i++) CHECK_EQ(mc_write(mc, 0, set, 8), -MC_EIO);
+    CHECK_EQ(strcmp(said, "mc: write: shut down by an error, MENABLE first\n"), 0);
+    m.estop_open = 0;
+    mock_run(&m, 100000);
+    set_mode_within_100(mc, 0, MD_POS);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(mc_write(mc, 0, set, 8), 8);
+  }
+}
+
+/* Artificial signals and an axis that is servoed by its encoder exclude each other under power. */
+TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
+  static const struct {
+    int mode, needs;
+  } cases[] = {{MD_OFF, 0},         {MD_POS, 1},          {MD_VEL, 1},
+               {MD_TORQ, 0},        {MD_TEST1, 0},        {MD_TORQ | POSCHK, 1},
+               {MD_POS | ADFB, 0},  {MD_VEL | ZEROFB, 0}, {MD_VEL | ZEROFB | POSCHK, 1},
+               {MD_OFF | POSCHK, 0}};
+  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    int on = M_ENDIAG, off = 0, want = cases[i].needs ? -MC_EBUSY : 0;
+    struct mc *mc = listening(1);
+    set_mode_within_100(mc, 1, cases[i].mode);
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), 0); /* at rest */
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), want);
+    CHECK_EQ(mc_is_enabled(mc), !want);
+    CHECK_EQ(
+        strcmp(said, want ? "mc: enable: axis 1 needs its encoder, which M_ENDIAG cuts off\n" : ""),
+        0);
+    set_mode_within_100(mc, 1, MD_OFF);
+    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    struct mc_param par = *mc_param_of(mc, 1);
+    par.mode = cases[i].mode;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), want);
+    CHECK_EQ(mc_param_of(mc, 1)->mode, want ? MD_OFF : cases[i].mode);
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &off), 0);
+    set_mode_within_100(mc, 1, cases[i].mode);
+    CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), want);
+    CHECK_EQ(mc_diag(mc), want ? 0 : M_ENDIAG);
+    CHECK_EQ(m.card[0].b & 1, want != 0);
+  }
+}

@@ -33,7 +33,7 @@ pytestmark = [
 BASE, BYTES = 0x10000, 1 << 23
 FREE = HERE / "free"
 FLAGS = ["-O2", "-ffreestanding", "-fno-pic", "-fno-stack-protector", "-DSERVO_NARROW",
-         "-fno-tree-loop-distribute-patterns", f"-I{FREE}"]  # fmt: skip
+         "-fno-tree-loop-distribute-patterns"]  # fmt: skip
 LINK = ["-nostdlib", "-static", "-Wl,-N", f"-Wl,-Ttext={BASE:#x}", "-Wl,-e,free_start",
         "-Wl,--build-id=none", "-Wl,--no-relax", "-Wl,--no-warn-rwx-segments"]  # fmt: skip
 

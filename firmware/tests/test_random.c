@@ -83,6 +83,14 @@ static uint32_t random_request(union argument *arg) {
   return request;
 }
 
+static const struct mc_param table_2_1 = {.a0 = 1,
+                                          .b0 = 1,
+                                          .clkdivisor = 1,
+                                          .ilim = 1024,
+                                          .adc_a = 1,
+                                          .plo = INT32_MIN,
+                                          .phi = INT32_MAX};
+
 /* --- any calls, right and wrong ones, of hardware that fails ---------------------------------- */
 
 static void disturb(void) {
@@ -197,7 +205,7 @@ static int model_open(int flags) {
   while (s.client[i].used) i++;
   if (users() == 0 || (flags != MC_O_RDONLY && writers() == 0)) {
     for (int axis = 0; axis < AXES; axis++) {
-      s.param[axis] = (struct mc_param)MC_PARAM_INITIAL;
+      s.param[axis] = table_2_1;
       s.param[axis].which = axis;
       s.pending[axis] = 0;
     }

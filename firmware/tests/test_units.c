@@ -4,45 +4,6 @@
 
 /* --- registers ------------------------------------------------------------------------------- */
 
-TEST(test_registers_of_every_axis, "DRV-10") {
-  struct mc *mc = mock_open(&m, 3);
-  m.logging = 1;
-  for (unsigned axis = 0; axis < 6; axis++) {
-    uint16_t base = (uint16_t)((axis / 2) << 6), enc = (uint16_t)(base | (axis & 1 ? 0x0D : 0x09));
-    m.used = 0;
-    m.card[axis / 2].count[axis & 1] = (uint16_t)(0xA1F0 + axis);
-    m.card[axis / 2].has_latch[axis & 1] = 0;
-    CHECK_EQ(hw_counter(mc, (int)axis), 0xA1F0 + axis);
-    TRAFFIC(R((uint16_t)(base | 5)), /* another byte, then the high one */
-            R(enc), R((uint16_t)(enc + 2)));
-    CHECK_EQ(hw_heartbeat_bm((int)axis), axis & 1 ? 0x04 : 0x01);
-    CHECK_EQ(hw_index_bm((int)axis), axis & 1 ? 0x08 : 0x02);
-  }
-  m.used = 0;
-  for (int axis = 0; axis < 6; axis++) mc->axis[axis].code = (uint16_t)(0x345 + 0x111 * axis);
-  hw_write_dacs(mc);
-  CHECK_EQ(m.used, 12);
-  for (int axis = 0; axis < 6; axis++) CHECK_EQ(mock_dac(&m, axis), 0x345 + 0x111 * axis);
-  for (int i = 0; i < 12; i++) CHECK_EQ(m.log[i].offset, i / 4 << 6 | (0x11 + 2 * (i % 4)));
-}
-
-TEST(test_bits_are_set_and_cleared_one_by_one, "DRV-12") {
-  struct mc *mc = mock_open(&m, 2);
-  m.logging = 1;
-  CHECK_EQ(mc->pccsr, 0xB8);
-  hw_set_pccsr(mc, 0x40, 0);
-  hw_set_pccsr(mc, 0x40, 0x20);
-  hw_set_pccsr(mc, 0, 0x40);
-  hw_set_pccsr(mc, 0x20, 0x20); /* both: set wins */
-  hw_set_b(mc, 1, 0x0A, 0);
-  hw_set_b(mc, 1, 0x10, 0x02);
-  hw_set_b(mc, 1, 0x01, 0xFF);
-  TRAFFIC(W(0x409, 0xF8), W(0x409, 0xD8), W(0x409, 0x98), W(0x409, 0xB8), W(0x043, 0x0F),
-          W(0x043, 0x1D), W(0x043, 0x01));
-  CHECK_EQ(mc->card[1].b, 0x01);
-  CHECK_EQ(mc->card[0].b, 0x05);
-}
-
 static int bad_reads, bad_writes, lists;
 
 static enum mc_bus_result faulty_read(void *ctx, uint16_t offset, uint8_t *value) {
@@ -213,18 +174,6 @@ TEST(test_interval_arithmetic, "DRV-3") {
     CHECK(n0 == 65536 && n1 == 65536);
     CHECK_EQ(timer_counts(mc, us + 1, &n0, &n1), -MC_EINVAL);
     CHECK_EQ(timer_counts(mc, UINT32_MAX, &n0, &n1), -MC_EINVAL);
-  }
-}
-
-TEST(test_ticks_last_at_least_as_long, "DRV-6 DRV-9") {
-  struct mc *mc = mock_open(&m, 1);
-  static const uint32_t intervals[] = {100, 500, 2000, 60000, 70000};
-  for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
-    mc->interval_us = intervals[i];
-    for (uint32_t us = 1; us < 70000; us += 499) { /* one has partly passed */
-      uint32_t whole = us / intervals[i] + (us % intervals[i] != 0);
-      CHECK_EQ(timer_ticks(mc, us), whole + 1);
-    }
   }
 }
 

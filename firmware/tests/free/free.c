@@ -3,9 +3,8 @@
  * from free_start() to free_end(), and finds `status` and what was printed in `told`. */
 #include <stdarg.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+
+#include "libc.h"
 
 char wanted[128], told[1024];
 int status;

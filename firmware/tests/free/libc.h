@@ -1,9 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Of the C library, what the test programs use: see free.c. */
-#ifndef FREE_STRING_H
-#define FREE_STRING_H
+/* Of the C library, what the test program uses: see free.c. */
+#ifndef FREE_LIBC_H
+#define FREE_LIBC_H
 
 #include <stddef.h>
+
+int printf(const char *format, ...);
+int puts(const char *text);
+
+void *calloc(size_t n, size_t size);
+void free(void *at);
+void exit(int status) __attribute__((noreturn));
+void abort(void) __attribute__((noreturn));
 
 void *memcpy(void *to, const void *from, size_t n);
 void *memmove(void *to, const void *from, size_t n);
