@@ -145,6 +145,7 @@ TEST(test_a_doubtful_index_is_dropped_and_the_next_one_taken, "DRV-8 CAL-1") {
       doubts++;
       CHECK_EQ(errcode_of(&m, 3), 0);
       CHECK_EQ(m.card[1].index[1], 0);
+      m.card[1].index[1] = strike_at & 1; /* a latch that is not armed is not believed */
       mock_pass(&m);
       CHECK_EQ(errcode_of(&m, 3), 0);
       CHECK_EQ(m.card[1].b, 0x11); /* armed again, one SCLOCK later */
@@ -199,31 +200,6 @@ TEST(test_the_doubt_of_one_axis_is_not_the_others, "DRV-8 CAL-1") {
   CHECK_EQ(doubts, 3 + 1);
 }
 
-/* Latches that are cleared cannot show an index: one that does has an unknown count. */
-TEST(test_an_index_while_not_armed_is_not_believed, "DRV-8") {
-  for (strike_at = 1; strike_at < 26; strike_at++) {
-    struct mc *mc = mock_open(&m, 2);
-    call(mc, MCALIB, 3);
-    m.latency_us = 20;
-    mock_pass(&m);
-    m.logging = 1;
-    struck_axis = 3;
-    m.on_access = strike;
-    mock_pass(&m);
-    m.on_access = NULL;
-    if (m.card[1].b == 0x01) {
-      m.card[1].index[1] = 1;
-      mock_pass(&m);
-      CHECK_EQ(errcode_of(&m, 3), 0);
-      CHECK_EQ(m.signals[0], 0);
-      CHECK_EQ(m.card[1].b, 0x11);
-    } else {
-      mock_pass(&m);
-      CHECK_EQ(errcode_of(&m, 3), 3 << 8 | MERR_ZINDEX);
-    }
-  }
-}
-
 /* What the index latched is up to an interval old: the servo wants to know where the axis is. */
 TEST(test_the_servo_sees_where_the_axis_is, "DRV-8 SRV-1") {
   for (int axis = 2; axis < 4; axis++) {
@@ -231,10 +207,7 @@ TEST(test_the_servo_sees_where_the_axis_is, "DRV-8 SRV-1") {
       struct mc *mc = mock_open(&m, 2);
       int passing = waits ? axis : axis ^ 1; /* or its neighbour, whose index nobody waits for */
       for (int i = 2; i < 4; i++) {
-        struct mc_param par = param_of(mc, i);
-        par.mode = MD_POS;
-        par.a0 = 2;
-        CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+        CHANGE(mc, i, par.mode = MD_POS, par.a0 = 2);
       }
       CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
       call(mc, MCALIB, axis);

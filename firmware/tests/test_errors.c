@@ -18,24 +18,6 @@ static void look(struct mc *mc, int client, int axes) {
   CHECK_EQ(mc_read(mc, client, state, (size_t)axes * 28), axes * 28);
 }
 
-TEST(test_codes_tell_flags_axis_and_count, "DRV-5") {
-  struct mc *mc = listening(16);
-  CHECK_EQ(mc_joints(mc), 32);
-  for (int axis = 0; axis < 32; axis++) {
-    error_raise(mc, axis, MERR_PLO);
-    CHECK_EQ(errcode_of(&m, axis), axis << 8 | MERR_PLO);
-    error_raise(mc, axis, MERR_ILIM | MERR_PANIC);
-    CHECK_EQ(errcode_of(&m, axis), axis << 8 | 0x0D);
-    error_raise_index(mc, axis, 0xFFFE);
-    CHECK_EQ((uint32_t)errcode_of(&m, axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1D);
-    error_raise(mc, axis, MERR_PHI); /* the count stays */
-    CHECK_EQ((uint32_t)errcode_of(&m, axis), 0xFFFE0000u | (unsigned)axis << 8 | 0x1F);
-    error_raise_index(mc, axis, 7); /* the latest count */
-    CHECK_EQ(errcode_of(&m, axis), 7 << 16 | axis << 8 | 0x1F);
-  }
-  CHECK_EQ(m.signals[0], 0); /* raising alone tells nobody */
-}
-
 static int shown(struct mc *mc, int client, int axis) {
   struct mc_state state[MC_MAX_AXES];
   CHECK_EQ(mc_read(mc, client, state, (size_t)(axis + 1) * 28), (axis + 1) * 28);
@@ -228,13 +210,7 @@ TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
 }
 
 static void limits(struct mc *mc, int axis, int mode) {
-  struct mc_param par = param_of(mc, axis);
-  par.mode = mode;
-  par.plo = -100;
-  par.phi = 100;
-  par.ilim = 50;
-  par.ilimax = 3;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHANGE(mc, axis, par.mode = mode, par.plo = -100, par.phi = 100, par.ilim = 50, par.ilimax = 3);
 }
 
 /* Drives axis 1 over a limit and back; returns how many lines that made. */
@@ -308,16 +284,4 @@ TEST(test_every_axis_is_watched_for_its_heartbeat, "DRV-7 DRV-12") {
     CHECK_EQ(m.last_log[(int)strlen("mc: PANIC: axis ")], '0' + axis);
     CHECK_EQ(m.card[axis / 2].beat_until[axis % 2], 0); /* and is not started again */
   }
-}
-
-TEST(test_passes_that_are_samples, "DRV-7") {
-  struct mc *mc = mock_open(&m, 1);
-  mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
-  int passes = m.passes;
-  int total = mc_stats_of(mc)->total;
-  mock_run(&m, 20000); /* idle too: read() follows the axes */
-  CHECK_EQ(m.passes - passes, 10);
-  CHECK_EQ(mc_stats_of(mc)->total - total, 10);
-  CHECK_EQ(mc_interrupt(mc), 0); /* nobody asked */
-  CHECK_EQ(mc_stats_of(mc)->spurious, 1);
 }

@@ -16,10 +16,7 @@ static void read_slowly(struct mock *mock) {
 static struct mc *started(int mode0, int mode1, int divisor) {
   struct mc *mc = listening(1);
   for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = param_of(mc, axis);
-    par.mode = axis ? mode1 : mode0;
-    par.clkdivisor = divisor;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    CHANGE(mc, axis, par.mode = axis ? mode1 : mode0, par.clkdivisor = divisor);
   }
   CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
   DEMAND(mc, 90, 80);

@@ -65,10 +65,7 @@ TEST(test_joints_that_come_and_go, "DRV-3 DRV-6") {
   struct mc *mc = mock_open(&m, 2);
   int32_t values[4] = {100, 200, 300, 400};
   for (int axis = 0; axis < 4; axis++) {
-    struct mc_param par = param_of(mc, axis);
-    par.mode = axis < 3 ? MD_TORQ : MD_POS;
-    par.clkdivisor = axis == 2 ? 25 : 1;
-    set(mc, par);
+    CHANGE(mc, axis, par.mode = axis < 3 ? MD_TORQ : MD_POS, par.clkdivisor = axis == 2 ? 25 : 1);
   }
   call(mc, MENABLE, 0);
   CHECK_EQ(mc_write(mc, 0, values, 12), 12);
@@ -105,10 +102,7 @@ TEST(test_joints_that_come_and_go, "DRV-3 DRV-6") {
 TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 2; axis++) {
-    struct mc_param par = param_of(mc, axis);
-    par.mode = MD_POS | ZEROFB;
-    par.b1 = -1;
-    set(mc, par);
+    CHANGE(mc, axis, par.mode = MD_POS | ZEROFB, par.b1 = -1);
   }
   call(mc, MENABLE, 0);
   DEMAND(mc, 1, 2);
@@ -222,10 +216,7 @@ TEST(test_axes_wait_each_by_itself, "SRV-1 DRV-7") {
   static const int divisors[] = {3, 1, 2, 5};
   int samples[4] = {0};
   for (int axis = 0; axis < 4; axis++) {
-    struct mc_param par = param_of(mc, axis);
-    par.clkdivisor = divisors[axis];
-    par.mode = MD_TEST1;
-    set(mc, par);
+    CHANGE(mc, axis, par.clkdivisor = divisors[axis], par.mode = MD_TEST1);
   }
   call(mc, MENABLE, 0);
   for (int axis = 0; axis < 4; axis++) samples[axis] = mc_state_of(mc, axis)->inow;

@@ -155,12 +155,7 @@ TEST(test_no_error_of_the_old_mode_after_a_stop, "DRV-6 SRV-6") {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1};
   for (int i = 0; i < 8; i++) {
     struct mc *mc = listening(1);
-    struct mc_param par = param_of(mc, 0);
-    par.mode = modes[i / 2];
-    par.ilim = 30;
-    par.ilimax = 3;
-    par.a0 = 500;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+    CHANGE(mc, 0, par.mode = modes[i / 2], par.ilim = 30, par.ilimax = 3, par.a0 = 500);
     CHECK_EQ(enable(mc, 0), 0);
     CHECK_EQ(i & 1 ? mc_halt(mc) : mc_ioctl(mc, 0, MSTOP, NULL), 0);
     m.card[0].count[0] = 2000;
@@ -320,10 +315,7 @@ TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
 
 TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = param_of(mc, 0);
-  par.mode = MD_TORQ;
-  par.ilimax = 10;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHANGE(mc, 0, par.mode = MD_TORQ, par.ilimax = 10);
   call(mc, MENABLE, 0);
   DEMAND(mc, 1025);
   mock_run(&m, 20000);

@@ -51,10 +51,16 @@ static inline struct mc_param param_of(struct mc *mc, int axis) {
   return par;
 }
 
+/* Assignments to members of `par`, the parameters of an axis. */
+#define CHANGE(mc, axis, ...)                      \
+  do {                                             \
+    struct mc_param par = param_of(mc, axis);      \
+    __VA_ARGS__;                                   \
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0); \
+  } while (0)
+
 static inline void set_mode(struct mc *mc, int axis, int mode) {
-  struct mc_param par = param_of(mc, axis);
-  par.mode = mode;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHANGE(mc, axis, par.mode = mode);
 }
 
 /* A request of the first client whose argument is a number, and which succeeds. */
@@ -84,11 +90,7 @@ static inline void pass_index(struct mock *m, int axis, uint16_t at) {
 
 /* Another mode of an axis, its position limits at 100 counts to both sides. */
 static inline void set_mode_within_100(struct mc *mc, int axis, int mode) {
-  struct mc_param par = param_of(mc, axis);
-  par.mode = mode;
-  par.plo = -100;
-  par.phi = 100;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHANGE(mc, axis, par.mode = mode, par.plo = -100, par.phi = 100);
 }
 
 static struct mock m; /* of the test */
