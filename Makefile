@@ -19,9 +19,14 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: cocotb dpi test-all installed fmu-test litex-test fusesoc-test learn-test linuxcnc-test attack fuzz tool tool-test web web-test docs bench mutation help sim test test-fast test-loaded test-icarus waves lint format generate coverage formal firmware clean distclean fpga test-netlist release
-help: ## print the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test fuzz generate help help-all installed learn-test lint linuxcnc-test litex-test mutation release sim test test-all test-fast test-icarus test-loaded test-netlist tool tool-test waves web web-test
+
+help:
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo "make help-all   the other targets"
+
+help-all:
+	@awk -F ':.*#: ' '/^[a-z-]+:.*#: /{printf "make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 # --- what the targets stand on -------------------------------------------------------------
 
@@ -90,53 +95,48 @@ sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
 waves: $(VENV)/.sim ## the run traced to FST with a prepared view
 	@$(BIN)/mmcs trace "$(SCENARIO)" --view
 
-dpi: $(VENV)/.sim ## a scenario through DPI, by a testbench of SystemVerilog; TRACE=1: waveforms
+dpi: $(VENV)/.sim #: a scenario through DPI, by a testbench of SystemVerilog; TRACE=1: waveforms
 	@$(BIN)/python tools/dpi.py "$(SCENARIO)" $(if $(TRACE),--trace)
 
 # --- tests ---------------------------------------------------------------------------------
 
-test: $(VENV)/.test ## the whole test suite
+test: export SHARE ?= $(shell $(PYTHON) tools/share.py)
+test: $(VENV)/.test ## the test suite, and one share of ten of its slow tests (SHARE=n; SHARE= all)
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
-test-all: ## every suite, whole: .ci/run without its samples (some hours)
+test-all: #: every suite, whole: .ci/run with all shares (some hours)
 	@.ci/run --all
 
 test-fast: $(VENV)/.test ## all but the slow tests: some minutes once built
 	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not slow"
 
-test-loaded: $(VENV)/.test ## the suite beside busy loops, its processes stopped at random moments
+test-loaded: $(VENV)/.test #: the suite beside busy loops, its processes stopped at random moments
 	@tools/stall.py -- $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
-
-# One file for each block; all of them take three times as long.
-ICARUS_FAST := $(addprefix cocotb_tests/,lib chips/cocotb_analog.py chips/cocotb_i8254_modes.py \
-    chips/cocotb_i8255.py chips/cocotb_thct2000.py adaptor card system/cocotb_cards.py \
-    system/test_simulators_agree.py)
 
 SIM ?= verilator
 
-cocotb: $(VENV)/.test ## the cocotb regression; SIM=icarus, SIM=both: on another simulator
+cocotb: $(VENV)/.test #: the cocotb regression; SIM=icarus, SIM=both: on another simulator
 	@$(if $(filter verilator,$(SIM)),,tools/need_debian.sh iverilog iverilog)
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim "$(SIM)" cocotb_tests
 
 test-icarus: SEED ?= 7
-test-icarus: $(VENV)/.test ## the cocotb regression on Icarus, with random runs of its own (SEED=N); FAST=1: one file for each block
+test-icarus: $(VENV)/.test #: the cocotb regression on Icarus, with random runs of its own (SEED=N)
 	@tools/need_debian.sh iverilog iverilog
-	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --sim icarus --seed $(SEED) \
-	    $(if $(FAST),$(ICARUS_FAST),cocotb_tests)
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --share --sim icarus --seed $(SEED) cocotb_tests
 
-bench: $(VENV)/.test ## how fast it is, into docs/evidence/bench.md; BASE=commit: and against that one
+bench: $(VENV)/.test #: how fast it is, into docs/evidence/bench.md; BASE=commit: and against that one
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench $(BASE)
 
 coverage: $(VENV)/.test ## line, branch and toggle coverage, HTML in build/coverage; ONLY=TEXT: of tests of that name
 	@$(BIN)/python tools/coverage.py $(if $(ONLY),--only "$(ONLY)")
 
-attack: $(VENV)/.test ## every test that means no good, and damaged inputs for every parser in Python
+attack: $(VENV)/.test #: every test that means no good, and damaged inputs for every parser in Python
 	@$(BIN)/python tools/attack.py $(ATTACK)
 
 N ?= 100000
 
-fuzz: $(VENV)/.fuzz ## inputs led by coverage for every parser, with sanitizers: N=10000000, ONLY=TEXT
+fuzz: $(VENV)/.fuzz #: inputs led by coverage for every parser, with sanitizers: N=10000000, ONLY=TEXT
 	@tools/need_debian.sh clang-16 clang-16 libclang-rt-16-dev
 	@$(BIN)/python tools/fuzz.py --inputs $(N) --only "$(ONLY)"
 
@@ -147,6 +147,7 @@ formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SEED
 mutation: $(VENV)/.test $(VENV)/.formal ## seeded faults and mutants that tests must catch; SHARE=0 to 9: a tenth; ONLY=TEXT
 	@tools/need_debian.sh iverilog iverilog
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py tests --only "$(ONLY)"
+	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py proofs --only "$(ONLY)"
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/mutate.py --resume --only "$(ONLY)"
 
 # --- firmware for real processors ----------------------------------------------------------
@@ -174,8 +175,8 @@ $(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
 	@tools/need_debian.sh chromium chromium
 	@touch $@
 
-tool-test: $(VENV)/.tool-test ## the page in a real browser: every control, 100 stops; WRITE=1: into the manual
-	@$(BIN)/python -m pytest web/tests --ignore web/tests/site
+tool-test: $(VENV)/.tool-test #: the page in a real browser: every control, 100 stops; WRITE=1: into the manual
+	@$(BIN)/python -m pytest --share web/tests --ignore web/tests/site
 	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
 
 # --- the machine in a page ------------------------------------------------------------------
@@ -187,28 +188,28 @@ web: $(VENV)/.tool ## the whole machine as a static site in build/web, for any f
 docs: $(VENV)/.docs ## the documentation site into build/docs; a link that leads nowhere ends it
 	@$(BIN)/python tools/book.py
 
-web-test: $(VENV)/.tool-test web docs ## the site in a real browser: hashes, records, offline, a telephone
+web-test: $(VENV)/.tool-test web docs #: the site in a real browser: hashes, records, offline, a telephone
 	@$(BIN)/python -m pytest web/tests/site
 	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
 
 # --- bridges to what others use -------------------------------------------------------------
 
-learn-test: $(VENV)/.gymnasium ## the Gymnasium environment, installed and tested
+learn-test: $(VENV)/.gymnasium #: the Gymnasium environment, installed and tested
 	@$(BIN)/python -m pytest bridges/gymnasium/tests
 
-fmu-test: $(VENV)/.fmu ## the machine as an FMU 3.0, checked and run by FMPy
+fmu-test: $(VENV)/.fmu #: the machine as an FMU 3.0, checked and run by FMPy
 	@$(BIN)/python -m pytest mmcs/bridge/tests/test_fmu.py
 
-fusesoc-test: $(VENV)/.fusesoc ## FuseSoC lints, simulates and synthesises each core
+fusesoc-test: $(VENV)/.fusesoc #: FuseSoC lints, simulates and synthesises each core
 	@tools/need_debian.sh iverilog iverilog
 	@tools/need_debian.sh yosys yosys
 	@$(BIN)/python -m pytest bridges/fusesoc/tests
 
-litex-test: $(VENV)/.litex ## a LiteX SoC whose processor runs the driver and moves two motors
+litex-test: $(VENV)/.litex #: a LiteX SoC whose processor runs the driver and moves two motors
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 	@$(BIN)/python -m pytest bridges/litex/tests
 
-linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL
+linuxcnc-test: $(VENV)/.test #: LinuxCNC (Debian's) moves the arm through HAL
 	@tools/need_debian.sh halcompile linuxcnc-uspace-dev
 	@cd build && halcompile --install ../bridges/linuxcnc/mmcs.comp >linuxcnc.log 2>&1 || \
 	  { cat linuxcnc.log; echo "mmcs: the component goes into LinuxCNC's own folder: run this as root"; exit 2; }
@@ -219,7 +220,7 @@ linuxcnc-test: $(VENV)/.test ## LinuxCNC (Debian's) moves the arm through HAL
 fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=isa_mark1
 	@$(BIN)/python fpga/build.py $(ONLY)
 
-test-netlist: $(VENV)/.test ## the synthesised netlists in the tests of the RTL, with the vendors' cells
+test-netlist: $(VENV)/.test #: the synthesised netlists in the tests of the RTL, with the vendors' cells
 	@$(BIN)/python -m pytest fpga/netlists
 
 # --- checks and housekeeping ---------------------------------------------------------------
@@ -230,20 +231,20 @@ lint: $(VENV)/.lint ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python tools/lint.py
 
-format: $(VENV)/.lint ## rewrite C, C++ and Python in the project's format
+format: $(VENV)/.lint #: rewrite C, C++ and Python in the project's format
 	@clang-format -i $(C_FILES)
 	@ruff format -q .
 	@ruff check -q --fix .
 
-generate: $(VENV)/.test ## rewrite what is generated: registers, tables
+generate: $(VENV)/.test #: rewrite what is generated: registers, tables
 	@$(BIN)/python rtl/regs/generate.py
 	@$(BIN)/python tools/tables.py
 
-release: $(VENV)/.sim ## wheel and sdist into dist/, each run in an empty environment elsewhere
+release: $(VENV)/.sim #: wheel and sdist into dist/, each run in an empty environment elsewhere
 	@$(BIN)/python tools/release.py
 
-clean: ## remove build/
+clean: #: remove build/
 	@rm -rf build
 
-distclean: clean ## remove build/ and .venv
+distclean: clean #: remove build/ and .venv
 	@rm -rf $(VENV) mmcs.egg-info bfm/*.egg-info dist

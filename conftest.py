@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tools.share import mixed, shared
+
 # `.venv/bin/python -m pytest` finds the simulators as `make test` does.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
 # What tests import is compiled once and kept: the suite starts Python some hundred times.
@@ -20,6 +22,7 @@ def pytest_addoption(parser):
         "--req-json", metavar="FILE", help="write which requirement ids each collected test carries"
     )
     parser.addoption("--req", metavar="ID", help="only tests that hold this requirement: INT-1")
+    parser.addoption("--share", action="store_true", help="SHARE is of all tests, not of slow ones")
 
 
 def pytest_itemcollected(item):
@@ -41,11 +44,38 @@ def pytest_collection_modifyitems(config, items):
         others = [item for item in items if wanted not in _requirements(item)]
         config.hook.pytest_deselected(items=others)
         items[:] = [item for item in items if wanted in _requirements(item)]
+    if os.environ.get("SHARE"):
+        _keep_share(config, items)
     for item in items:
         for mark in item.iter_markers("xdist_group"):
             if "]" in mark.args[0]:  # xdist would take it for the end of the test's own name
                 raise pytest.UsageError(f"{item.nodeid}: a group's name holds no ]: {mark.args[0]}")
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
+def _keep_share(config, items):
+    """Of what costs most only the share of ten that SHARE names: slow tests, with --share all."""
+    every = config.getoption("--share")
+    unit = {}  # what is run together is in one share
+    for item in items:
+        if every or item.get_closest_marker("slow"):
+            group = item.get_closest_marker("xdist_group") if every else None
+            unit[item] = group.args[0] if group else item.nodeid
+    kept = set(shared(mixed(set(unit.values()))))
+    others = [item for item in unit if unit[item] not in kept]
+    config.hook.pytest_deselected(items=others)
+    items[:] = [item for item in items if unit.get(item) is None or unit[item] in kept]
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if share := os.environ.get("SHARE"):
+        what = "all tests" if config.getoption("--share") else "the slow tests"
+        terminalreporter.write_line(f"Share {share} of ten of {what}; SHARE= runs every one.")
+
+
+def pytest_sessionfinish(session, exitstatus):
+    if exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED and os.environ.get("SHARE"):
+        session.exitstatus = pytest.ExitCode.OK  # a share may be empty
 
 
 def pytest_collection_finish(session):

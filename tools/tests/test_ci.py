@@ -2,13 +2,15 @@
 """No suite of the Makefile is unseen: .ci/run runs each."""
 
 import importlib.metadata
+import os
 import re
+import sys
 import tomllib
 
-import pytest
 from packaging.specifiers import SpecifierSet
 
 from mmcs import ROOT
+from tools.compiled import ran
 
 # Not suites of their own, and why.
 OTHERWISE = {
@@ -32,53 +34,44 @@ def suites(makefile: str) -> set[str]:
 
 
 def run_by(script: str) -> list[str]:
-    """The targets in the list of .ci/run."""
-    table = re.search(r"^suites=\(\n(.*?)^\)", script, re.M | re.S)[1]
-    return re.findall(r'^ *"([\w-]+)[^"]*"', table, re.M)
-
-
-def unseen(makefile: str, script: str) -> set[str]:
-    return suites(makefile) - set(run_by(script))
-
-
-MAKEFILE = (ROOT / "Makefile").read_text()
-SCRIPT = (ROOT / ".ci" / "run").read_text()
+    """The suites of .ci/run, those of one share among them."""
+    every = re.search(r"^suites=\(\n(.*?)^\)", script, re.M | re.S)[1]
+    once = re.search(r"^declare -A whole=\((.*)\)", script, re.M)[1]
+    return re.findall(r'"([\w-]+)[^"]*"', every + once)
 
 
 def test_every_suite_is_run():
-    missing = unseen(MAKEFILE, SCRIPT)
-    assert not missing, f"suites that .ci/run does not run: {', '.join(sorted(missing))}"
-    names = run_by(SCRIPT)
-    assert len(names) == len(set(names)), "a suite stands twice in .ci/run"
+    makefile = (ROOT / "Makefile").read_text()
+    names = run_by((ROOT / ".ci" / "run").read_text())
+    assert sorted(names) == sorted(suites(makefile))
     for name in (*names, *OTHERWISE):
-        assert re.search(rf"^{name}:", MAKEFILE, re.M), f"the Makefile has no target {name}"
+        assert re.search(rf"^{name}:", makefile, re.M), f"the Makefile has no target {name}"
 
 
-@pytest.mark.parametrize("name", run_by(SCRIPT))
-def test_a_suite_that_is_left_out_is_missed(name):
-    without = re.sub(rf'^  "{name}( [^"]*)?"\n', "", SCRIPT, flags=re.M)
-    assert unseen(MAKEFILE, without) == {name}
+TESTS = """
+import pytest
+
+@pytest.mark.parametrize("n", range(100))
+@pytest.mark.slow
+def test_slow(n):
+    pass
+
+def test_quick():
+    pass
+"""
 
 
-@pytest.mark.parametrize(
-    "rule",
-    [
-        "new-test: x ## text\n\t@true\n",
-        "test-new: x\n\t@true\n",
-        "dpi: x ## text\n\t@need x\n\t@$(BIN)/python \\\n\t    -m pytest sim/dpi\n",
-    ],
-)
-def test_a_new_suite_is_missed(rule):
-    assert unseen(MAKEFILE + rule, SCRIPT) == {rule.partition(":")[0]}
-
-
-def test_a_sample_is_fixed_and_whole_in_test_all():
-    """What .ci/run shortens it shortens by FAST=1 alone, which --all takes away."""
-    listed = re.search(r"^suites=\(\n(.*?)^\)", SCRIPT, re.M | re.S)[1]
-    for name, words in re.findall(r'^ *"([\w-]+)([^"]*)"', listed, re.M):
-        assert words in ("", " FAST=1"), f".ci/run: {name}{words}"
-    assert "suites%" not in SCRIPT and '"${suites[@]% FAST=1}"' in SCRIPT
-    assert re.search(r"^test-all:.*\n\t@\.ci/run --all$", MAKEFILE, re.M)
+def test_every_slow_test_is_in_one_share(tmp_path):
+    (tmp_path / "test_it.py").write_text(TESTS)
+    (tmp_path / "conftest.py").write_text((ROOT / "conftest.py").read_text())
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:xdist"]
+    found = []
+    for share in map(str, range(10)):
+        env = os.environ | {"SHARE": share, "PYTHONPATH": str(ROOT)}
+        lines = ran(*command, cwd=tmp_path, env=env, check=True).stdout.splitlines()
+        assert "test_it.py::test_quick" in lines
+        found += [line for line in lines if "test_slow" in line]
+    assert len(found) == len(set(found)) == 100
 
 
 def test_every_package_takes_the_least_python():
