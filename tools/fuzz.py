@@ -19,13 +19,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "fuzz"
-CC, CXX = "clang-16", "clang++-16"
+CC = "clang-16"
 SANITIZE = ["-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=undefined"]
-ENGINE = [
-    "make", "-f", "sim/Makefile", "KIND=asan", "CARDS=1", f"CC={CC}", f"CXX={CXX}", "WARN=-w",
-    "B=build/fuzz/sim", f"PYTHON={sys.executable}", "UNDEFINED=-fsanitize=undefined,fuzzer-no-link "
-    "-fno-sanitize-recover=undefined",
-]  # fmt: skip
 OPTIONS = {
     "ASAN_OPTIONS": "detect_leaks=0:quarantine_size_mb=16", "UBSAN_OPTIONS": "print_stacktrace=1",
 }  # fmt: skip
@@ -44,16 +39,6 @@ def client() -> Path:
     return made("client", CC, *SANITIZE, "-Isim/device", source, "-ldl", "-lpthread")
 
 
-def snapshot() -> Path:
-    subprocess.run(ENGINE, cwd=ROOT, check=True)
-    folder = BUILD / "sim" / "asan_c1"
-    return made(
-        "snapshot", CXX, "-std=c++17", *SANITIZE, "-Isim/abi", "-Isim/engine", "-Ifirmware/include",
-        "sim/tests/fuzz/snapshot.cpp", folder / "libmmcs_sim.so", "-latomic",
-        f"-Wl,-rpath,{folder}",
-    )  # fmt: skip
-
-
 def calls() -> Path:
     sys.path.insert(0, str(ROOT / "firmware" / "tests"))
     from test_firmware import program
@@ -67,14 +52,14 @@ def corpus(name: str) -> Path:
     return folder
 
 
-def fuzz(name: str, command: list, inputs: int, **env) -> bool:
+def fuzz(name: str, command: list, inputs: int) -> bool:
     """One run to its end; its last lines are told, and all of it kept."""
     log = BUILD / f"{name}.log"
     with log.open("w") as file:
         done = subprocess.run(
             [*map(str, command), f"-runs={inputs}", *LIMITS, f"-artifact_prefix={BUILD}/{name}-",
              str(corpus(name))],
-            env={**os.environ, **OPTIONS, **env}, cwd=ROOT, stdout=file, stderr=file, check=False,
+            env={**os.environ, **OPTIONS}, cwd=ROOT, stdout=file, stderr=file, check=False,
         )  # fmt: skip
     reached = re.findall(r"cov: (\d+)", text := log.read_text(errors="replace"))
     runs = re.findall(r"^#(\d+)", text, flags=re.M)
@@ -125,9 +110,6 @@ def main() -> int:
     every = {
         "calls": random_calls,
         "client": lambda n: fuzz("client", [client()], n),
-        "engine": lambda n: fuzz("engine", [snapshot()], n, SEEDS=str(corpus("engine"))),
-        "resumed": lambda n: fuzz(
-            "resumed", [snapshot()], n // 10, GOES_ON="1", SEEDS=str(corpus("resumed"))),
     } | {
         name: lambda n, name=name: fuzz(name, [sys.executable, __file__, name, "--"], n // 100)
         for name in names

@@ -23,7 +23,7 @@ class Parser:
 def parsers(folder: Path) -> list[Parser]:
     """Files go into this folder."""
     return [
-        _scenario(folder), _robot(folder), _record(folder), *_snapshots(folder), _rows(), _grid(),
+        _scenario(folder), _robot(folder), _record(folder), _snapshot(folder), _rows(), _grid(),
         _wire(folder), _messages(folder), _stop(folder),
     ]  # fmt: skip
 
@@ -75,8 +75,7 @@ def _record(folder: Path) -> Parser:
     return Parser("record", good, lambda data: parse(folder / "x", loads(data)), refusals)
 
 
-def _snapshots(folder: Path) -> list[Parser]:
-    """The archive as it is, and its index with the sum that belongs to it, as a forger has it."""
+def _snapshot(folder: Path) -> Parser:
     from mmcs.runs.snapshots import Snapshot
 
     sizes = {"history.bin": 64, "0.bin": 64, "log.bin": 128, "truth.bin": 24}
@@ -86,20 +85,16 @@ def _snapshots(folder: Path) -> list[Parser]:
     index = {"snapshots": [one], "pots": {"0": [1, 2]}, "log": [2, 8], "truth": [1, 3],
              "sha256": {n: hashlib.sha256(m).hexdigest() for n, m in members.items()}}  # fmt: skip
 
-    def archive(text: bytes) -> bytes:
-        packed = io.BytesIO()
-        with zipfile.ZipFile(packed, "w") as file:
-            for name, data in (members | {"index.json": text}).items():
-                file.writestr(name, data)
-            file.comment = hashlib.sha256(text).hexdigest().encode()
-        return packed.getvalue()
+    text, packed = json.dumps(index).encode(), io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as file:
+        for name, data in (members | {"index.json": text}).items():
+            file.writestr(name, data)
+        file.comment = hashlib.sha256(text).hexdigest().encode()
 
     def take(data: bytes) -> None:
         Snapshot(_written(folder / "run.mmsnap", data))
 
-    text = json.dumps(index).encode()
-    return [Parser("snapshot", archive(text), take),
-            Parser("index", text, lambda data: take(archive(data)))]  # fmt: skip
+    return Parser("snapshot", packed.getvalue(), take)
 
 
 def _rows() -> Parser:

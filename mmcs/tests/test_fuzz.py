@@ -7,9 +7,7 @@ import sys
 import pytest
 
 from mmcs import ROOT
-from mmcs.engine.build import ensure_library
 
-FUZZ = ROOT / "sim" / "tests" / "fuzz"
 SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "firmware" / "tests")]
 from attack import fuzz  # noqa: E402
@@ -18,8 +16,8 @@ from test_firmware import program  # noqa: E402
 from tools.compiled import compiled, ran  # noqa: E402
 
 
-def said(*command, **env):
-    env = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0", **env}
+def said(*command):
+    env = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
     done = ran(*command, env=env)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
@@ -35,20 +33,7 @@ def test_any_call_of_the_driver():
 
 
 def test_whatever_a_server_answers():
-    command = ["cc", *SANITIZE, f"-I{ROOT}/sim/device"]
-    sources = [FUZZ / "client.c", FUZZ / "sample.c"]
-    program = compiled("fuzz_client", command, sources, ["-ldl", "-lpthread"])
+    command = ["cc", "-DSAMPLE", *SANITIZE, f"-I{ROOT}/sim/device"]
+    source = ROOT / "sim" / "tests" / "fuzz" / "client.c"
+    program = compiled("fuzz_client", command, [source], ["-ldl", "-lpthread"])
     assert said(program, 20_000) == "20000 inputs\n"
-
-
-def test_whatever_a_snapshot_holds(tmp_path):
-    library = ensure_library(1, "speed")
-    sample = compiled("sample.o", ["cc", "-c"], [FUZZ / "sample.c"])
-    folders = ("sim/abi", "sim/engine", "firmware/include")
-    command = ["c++", "-std=c++17", *(f"-I{ROOT / folder}" for folder in folders)]
-    after = [library, f"-Wl,-rpath,{library.parent}"]
-    program = compiled("fuzz_snapshot", command, [FUZZ / "snapshot.cpp", sample], after)
-    said(program, 0, SEEDS=str(tmp_path))
-    seeds = sorted(tmp_path.glob("seed*"))
-    assert len(seeds) == 4
-    assert said(program, 10_000, *seeds, GOES_ON="1") == "10000 inputs\n"

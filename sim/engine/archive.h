@@ -65,8 +65,7 @@ void past(A &a, T &value) {
   if constexpr (!A::kFutureOnly) a(value);
 }
 
-// Throws std::invalid_argument when the bytes end too early, or hold what no machine holds: files
-// come from anywhere, and a digest is no signature.
+// Throws std::invalid_argument when the bytes end too early, or are those of another machine.
 class Reader {
  public:
   static constexpr bool kReads = true;
@@ -104,7 +103,7 @@ class Reader {
     if (count > static_cast<size_t>(end_ - at_) / bytes) cut();
   }
   static void expect(bool possible) {
-    if (!possible) throw std::invalid_argument("the snapshot holds what no machine holds");
+    if (!possible) throw std::invalid_argument("the snapshot is of another machine");
   }
   void raw(void *data, size_t size) {
     if (size > static_cast<size_t>(end_ - at_)) cut();

@@ -12,11 +12,6 @@ namespace mmcs {
 
 // Where in the driver's memory its state begins; bus and host functions are in front of it.
 size_t driver_state_begin();
-// What was read leads the driver nowhere that it could not have come by itself: no index, divisor
-// or shift is out of bounds.
-bool driver_is_possible(const std::vector<uint64_t> &memory);
-// The same where a processor runs the driver, and this memory only mirrors what it publishes.
-bool mirror_is_possible(const std::vector<uint64_t> &memory);
 
 template <class A>
 void driver_state(A &a, std::vector<uint64_t> &memory) {

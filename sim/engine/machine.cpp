@@ -229,27 +229,6 @@ std::string Machine::check_event(const mmcs_event &event) const {
   return model_->cannot(pin);
 }
 
-bool Machine::is_possible() const {
-  constexpr int64_t kLongest = int64_t{1} << 50;  // clocks
-  if (pump_ < 0 || pump_ > kPumpSteps || (alive_ | 1) != 1) return false;
-  for (int64_t clock : {clock_, next_step_, step_start_, stalled_until_, bus_errors_, sample_clock_,
-                        writes_lost_}) {
-    if (clock < 0 || clock > kLongest) return false;
-  }
-  if (next_step_ < clock_ || next_step_ > clock_ + clks_per_step_ || step_start_ > clock_) {
-    return false;
-  }
-  if (next_edge_ > edges_.size() || next_event_ > events_.size()) return false;
-  for (const PinEdge &edge : edges_) {
-    if (edge.axis >= axes_ || edge.clk < 0) return false;
-  }
-  const double last = static_cast<double>(kLongest) / Model::clk_hz();
-  for (const mmcs_event &event : events_) {
-    if (!(event.t >= -last && event.t <= last) || !check_event(event).empty()) return false;
-  }
-  return true;
-}
-
 void Machine::add_event(const mmcs_event &event) {
   // After all events of the same time, so that they happen in the order given.
   const auto at =

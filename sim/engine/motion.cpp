@@ -99,14 +99,6 @@ static std::string check(const mmcs_segment &segment) {
   return "";
 }
 
-bool Motion::is_possible(const Axis &axis) {
-  for (const Segment &segment : axis.segments) {
-    if (!check(segment.s).empty()) return false;
-    if (segment.s.kind == MMCS_SEG_TABLE && segment.table.empty()) return false;
-  }
-  return axis.next <= axis.segments.size();
-}
-
 std::string Motion::add(const mmcs_segment &segment) {
   if (segment.axis < 0 || static_cast<size_t>(segment.axis) >= axes_.size()) return "no such axis";
   if (const std::string why = check(segment); !why.empty()) return why;

@@ -43,7 +43,6 @@ class Motion {
       }
       a(axis.next);
       a(axis.from);
-      if constexpr (A::kReads) A::expect(is_possible(axis));
     }
   }
   // Value at t; t must not go back. Before the first segment: the start value.
@@ -59,7 +58,6 @@ class Motion {
     size_t next = 0;    // segments before this one have begun
     double from = 0.0;  // value at the beginning of segment next - 1, or the start value
   };
-  static bool is_possible(const Axis &axis);
   static double value(const Segment &segment, double from, double t);
 
   std::vector<Axis> axes_;

@@ -213,7 +213,6 @@ std::string Timeline::restore_bytes(const uint8_t *snapshot, size_t size, const 
     past(before);
     Reader now(snapshot + sizeof(Header), size - sizeof(Header));
     state(now);
-    Reader::expect(machine_.plant().is_possible());
   } catch (...) {  // nothing has happened
     const Bytes kept_past = own_past.take(), kept = own.take();
     Reader before(kept_past.data(), kept_past.size()), now(kept.data(), kept.size());

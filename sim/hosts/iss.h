@@ -47,8 +47,7 @@ uint8_t *iss_memory(struct iss *iss);
 /* Registers and cache as bytes without addresses of this process, for snapshots. */
 size_t iss_state_size(void);
 void iss_get_state(struct iss *iss, uint8_t *bytes);
-/* 0, or 1 for what no processor of this kind is in: nothing has changed then. */
-int iss_set_state(struct iss *iss, const uint8_t *bytes);
+void iss_set_state(struct iss *iss, const uint8_t *bytes);
 
 #ifdef __cplusplus
 }

@@ -137,8 +137,6 @@ class Pins {
     hands_[port] = value;
     later(port, 0, width, value);
   }
-  bool is_possible(Pin pin, int index, uint64_t value) const;
-  bool is_possible(const Change &change) const;
   void put(int port, int lsb, int width, uint64_t value);
   void fault(Pin pin, int index, uint64_t value);
   uint64_t &standing(Pin pin, int index);

@@ -57,15 +57,6 @@ AxisState Axis::initial(uint64_t seed) const {
   return s;
 }
 
-bool Axis::is_possible(const AxisState &s) const {
-  const auto usual = [](double x) { return x >= -kLargest && x <= kLargest; };
-  bool good = usual(s.theta) && usual(s.omega) && usual(s.q) && usual(s.qd) && usual(s.current) &&
-              usual(s.adc) && usual(s.encoder.slip) && (s.brake_on | s.faulty | 1) == 1 &&
-              s.brake_steps >= 0 && s.brake_steps <= std::max(brake_on_steps_, brake_off_steps_);
-  for (double value : s.input) good = good && value >= -kLargestInput && value <= kLargestInput;
-  return good && encoder_.is_possible(s.encoder, s.theta);
-}
-
 // The brake closes after brake_delay without supply and opens after brake_release_delay with it.
 void Axis::step_brake(AxisState &s, bool release) const {
   if (release == (s.brake_on == 0)) {

@@ -47,7 +47,6 @@ class Axis {
   Axis(const mmcs_motor &motor, int number, int clks_per_step, int min_gap);
 
   AxisState initial(uint64_t seed) const;
-  bool is_possible(const AxisState &s) const;  // whether some machine holds this
   const mmcs_motor &motor() const { return m_; }
   bool flexible() const { return m_.stiffness > 0.0; }
 

@@ -9,7 +9,6 @@ namespace mmcs {
 namespace {
 
 constexpr int64_t kNever = INT64_C(1) << 62;
-constexpr int64_t kLag = 100'000'000;  // counts that a disc may be ahead of its pins
 
 // Keeps edges in order of clock; equal clocks stay in order of arrival. Few edges: from the back.
 void insert_by_clock(std::vector<PinEdge> &edges, const PinEdge &edge) {
@@ -39,19 +38,6 @@ EncoderState Encoder::initial(double motor_angle, uint64_t seed) const {
   std::fill(s.glitch_at, s.glitch_at + 3, kNever);
   s.pins = pins_of(s, EncoderFaults{});
   return s;
-}
-
-bool Encoder::is_possible(const EncoderState &s, double motor_angle) const {
-  const int64_t target = nearest(motor_angle * counts_per_rad_ + offset_ + s.slip);
-  bool good = s.start > -kNever / 2 && s.start < kNever / 2 && target > -kNever / 2 &&
-              target < kNever / 2 && s.state >= target - kLag && s.state <= target + kLag &&
-              s.turn >= 0 && s.turn < counts_per_rev_ && s.last_edge >= -min_gap_ &&
-              s.last_edge <= clks_ && s.pins >= 0 && s.pins <= 7 && (s.refresh | s.noisy | 1) == 1;
-  for (int w = 0; w < 3; ++w) {
-    const bool soon = s.glitch_at[w] >= -clks_ && s.glitch_at[w] <= clks_ + 8 * min_gap_;
-    good = good && (soon || s.glitch_at[w] == kNever) && (s.glitch_on[w] | 1) == 1;
-  }
-  return good;
 }
 
 int64_t Encoder::pins_of(const EncoderState &s, const EncoderFaults &f) const {

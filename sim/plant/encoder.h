@@ -44,7 +44,6 @@ class Encoder {
 
   EncoderState initial(double motor_angle, uint64_t seed) const;
   // Whether some machine holds this, at this angle of the motor.
-  bool is_possible(const EncoderState &s, double motor_angle) const;
   // Moves the shaft from one angle to the next during one step; inserts the edges by clock.
   void step(EncoderState &s, const EncoderFaults &f, double from, double to,
             std::vector<PinEdge> &edges) const {

@@ -13,8 +13,6 @@ namespace mmcs {
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kInfinity = 1e300;  // as a bound only; never enters a sum
 
-inline constexpr double kLargest = 1e12;  // of what an axis may hold; in it all casts are safe
-
 // Largest integer <= x, for |x| < 2^62; 0 for what is beyond, or no number.
 inline int64_t floor_int(double x) {
   if (!(x > -0x1p62 && x < 0x1p62)) return 0;

@@ -99,13 +99,6 @@ class AxesPlant : public Plant {
     std::memcpy(state_.data(), bytes.data(), bytes.size());
   }
 
-  bool is_possible() const override {
-    for (size_t i = 0; i < axis_.size(); ++i) {
-      if (!axis_[i].is_possible(state_[i])) return false;
-    }
-    return true;
-  }
-
  protected:
   virtual void move() {
     for (size_t i = 0; i < axis_.size(); ++i) axis_[i].step_alone(state_[i], torque_[i]);

@@ -17,7 +17,6 @@
 namespace mmcs {
 
 inline constexpr int kStepUs = 50;
-inline constexpr double kLargestInput = 1e9;  // of any of them
 
 // New levels of one axis' encoder pins, `clk` clocks after the start of the step (0-based).
 struct PinEdge {
@@ -53,8 +52,6 @@ class Plant {
   // Everything that changes, as bytes; restoring gives a bit-identical future.
   virtual std::vector<uint8_t> save() const = 0;
   virtual void restore(const std::vector<uint8_t> &state) = 0;
-  // Whether some machine holds what it holds now; a state from elsewhere may be anything.
-  virtual bool is_possible() const = 0;
 };
 
 }  // namespace mmcs

@@ -7,8 +7,7 @@
 #include "m68kcpu.h"
 
 #define EXPORT __attribute__((visibility("default")))
-#define LINES 64 /* longwords of instruction cache, direct mapped */
-#define MOST_CYCLES ((int64_t)1 << 50)
+#define LINES 64      /* longwords of instruction cache, direct mapped */
 #define MISS_CYCLES 3 /* a bus cycle without wait states; none of it is taken to overlap */
 
 struct iss {
@@ -207,31 +206,9 @@ EXPORT void iss_get_state(struct iss *iss, uint8_t *bytes) {
   memcpy(bytes + CORE_BYTES + sizeof iss->cycles, iss->tag, sizeof iss->tag);
 }
 
-/* Whether the core can be in this state: what kind it is stays, what indexes a table is an index.
- * Files come from anywhere; registers and flags may hold anything. */
-static int possible(const m68ki_cpu_core *core) {
-  const size_t times = offsetof(m68ki_cpu_core, virq_state);
-  const size_t first = offsetof(m68ki_cpu_core, cyc_bcc_notake_b);
-  return core->cpu_type == m68ki_cpu.cpu_type && core->address_mask == m68ki_cpu.address_mask &&
-         core->sr_mask == m68ki_cpu.sr_mask && core->has_pmmu == m68ki_cpu.has_pmmu &&
-         core->pmmu_enabled == 0 && core->reset_cycles == 0 &&
-         memcmp((const char *)core + first, (const char *)&m68ki_cpu + first, times - first) == 0 &&
-         (core->s_flag & ~4u) == 0 && (core->m_flag & ~2u) == 0 && core->ir <= 0xFFFF &&
-         (core->int_mask & ~0x700u) == 0 && (core->int_level & ~0x700u) == 0 &&
-         (core->stopped & ~3u) == 0 && core->instr_mode <= 8 && core->run_mode <= 2 &&
-         core->virq_state == 0 && core->nmi_pending <= 1;
-}
-
-EXPORT int iss_set_state(struct iss *iss, const uint8_t *bytes) {
-  m68ki_cpu_core core;
-  int64_t cycles;
+EXPORT void iss_set_state(struct iss *iss, const uint8_t *bytes) {
   enter(iss);
-  core = m68ki_cpu;
-  memcpy(&core, bytes, CORE_BYTES);
-  memcpy(&cycles, bytes + CORE_BYTES, sizeof cycles);
-  if (!possible(&core) || cycles < 0 || cycles > MOST_CYCLES) return 1;
   memcpy(&m68ki_cpu, bytes, CORE_BYTES);
   memcpy(&iss->cycles, bytes + CORE_BYTES, sizeof iss->cycles);
   memcpy(iss->tag, bytes + CORE_BYTES + sizeof iss->cycles, sizeof iss->tag);
-  return 0;
 }

@@ -174,3 +174,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   if (channel >= 0) channel = -1;
   return 0;
 }
+
+#ifdef SAMPLE /* where there is no fuzzer: PROGRAM COUNT, so many random inputs */
+int main(int argc, char **argv) {
+  static uint8_t data[200];
+  const long count = argc > 1 ? atol(argv[1]) : 1000;
+  srandom(1989);
+  for (long n = 0; n < count; n++) {
+    const size_t size = (size_t)random() % sizeof data;
+    for (size_t i = 0; i < size; i++) data[i] = (uint8_t)random();
+    (void)LLVMFuzzerTestOneInput(data, size);
+  }
+  printf("%ld inputs\n", count);
+  return 0;
+}
+#endif
