@@ -17,9 +17,8 @@ from tools.parsers import parsers
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTS = [f"mmcs/tests/test_{name}.py" for name in (
-    "hostile", "hostile_files", "whole", "mistakes", "robot_mistakes", "rough_input", "kills",
-    "exec", "place", "device_attacks", "device_ends", "lab_attacks", "messages", "stop",
-    "tool_stop")]  # fmt: skip
+    "hostile", "damaged", "whole", "mistakes", "exec", "place", "device_attacks", "device_ends",
+    "lab_attacks", "messages", "stop", "tool_stop")]  # fmt: skip
 
 
 def damaged(data: bytes, chance: random.Random) -> bytes:

@@ -59,15 +59,11 @@ def test_no_way_out_of_the_folder_of_results(mmcs, tmp_path):
     assert [p.name for p in tmp_path.iterdir() if p.is_dir()] == []
 
 
-# the screen itself; what talks to a process; what cleans by itself
-OWN = ("screen.py", "gateway.py", "execute.py")
-
-
-def test_nobody_prints_by_himself():
-    for path in (ROOT / "mmcs").rglob("*.py"):
-        if path.name not in OWN and "tests" not in path.parts:
-            found = re.search(r"click\.echo|\bConsole\(|^\s*print\(", path.read_text(), re.M)
-            assert not found, f"{path}: {found[0]}: what is printed goes through mmcs.screen"
+def test_description_with_markup(mmcs, scenario, tmp_path):
+    path = scenario(GOOD.replace("a test", "a [b] $x_{$ [/none] \\u001b[31m"))
+    out = good(mmcs("run", path, "--out", tmp_path / "out"))
+    assert out.startswith("test: a [b] $x_{$ [/none] \\x1b[31m\n")
+    assert "shoot" in out and "…" not in out
 
 
 # --- surroundings ------------------------------------------------------------------------------
@@ -114,16 +110,6 @@ def test_file_that_never_ends(mmcs, scenario, tmp_path):
     one_clear_line(
         mmcs("check", scenario(GOOD.replace('"lab500"', '"./big.toml"'))), "is larger than 1 MB"
     )
-
-
-@pytest.mark.parametrize("args", [
-    ("--grid", "axis.0.b0=" + "9" * 5000), ("--grid", "axis.0.b0=1.." + "9" * 5000),
-    ("--grid", "axis.0.b0=1..9:" + "9" * 5000), ("--grid", "axis.0.b0=1e999..2"),
-    ("--random", "axis.0.b0=" + "9" * 5000 + "..2"), ("--set", "axis.0.b0=" + "9" * 5000,
-     "--grid", "axis.0.b0=1,2"), ("--grid", "axis.0.b0=" + "[" * 5000),
-])  # fmt: skip
-def test_numbers_of_thousands_of_digits(mmcs, tmp_path, args):
-    one_clear_line(mmcs("sweep", "lab500", *args, "--out", tmp_path))
 
 
 @pytest.mark.parametrize(

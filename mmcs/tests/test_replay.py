@@ -18,7 +18,6 @@ from mmcs.runs.record import NAME
 from mmcs.scenario.load import load
 from mmcs.service import log_lines
 from mmcs.tests.conftest import GOOD, call, good, one_clear_line
-from mmcs.tests.test_hostile_files import rewritten
 
 EVENT = """
 [[event]]
@@ -168,21 +167,13 @@ def test_digests_narrow_it_down():
 
 
 @pytest.mark.req("SW-1")
-@pytest.mark.parametrize(
-    ("content", "says"),
-    [
-        ("", "not a run record"),
-        ("{}", "not a run record"),
-        ('{"mmcs_run": 1}', "not a run record"),
-        ('{"mmcs_run": 99}', "reads format 1"),
-        ("[1, 2", "not a run record"),
-    ],
-)
-def test_bad_records_are_refused_in_one_line(mmcs, tmp_path, content, says):
+def test_bad_records_are_refused_in_one_line(mmcs, tmp_path):
     file = tmp_path / "bad.mmcs"
-    file.write_text(content)
-    for command in (("replay", file), ("trace", file, "--at", "0.1")):
-        one_clear_line(mmcs(*command), says)
+    for content in ("", "{}", '{"mmcs_run": 1}', '{"mmcs_run": 99}', "[1, 2"):
+        file.write_text(content)
+        says = "reads format 1" if "99" in content else "not a run record"
+        for command in (("replay", file), ("trace", file, "--at", "0.1")):
+            one_clear_line(mmcs(*command), says)
     one_clear_line(mmcs("replay", tmp_path / "no-such-run"), "no such run")
 
 
@@ -227,19 +218,14 @@ def test_run_from_a_snapshot_may_go_further(mmcs, ran, tmp_path):
 
 
 @pytest.mark.req("SW-1")
-def test_bad_snapshots_are_refused_in_one_line(mmcs, ran, scenario, tmp_path):
+def test_bad_snapshots_are_refused_in_one_line(mmcs, ran, scenario, tmp_path, monkeypatch):
     out, _ = ran
-    file = out / snapshots.NAME
-    broken, foreign = tmp_path / "broken.mmsnap", tmp_path / "foreign.mmsnap"
-    broken.write_bytes(file.read_bytes()[:-100])
-    with zipfile.ZipFile(file) as old:
-        whole = {name: old.read(name).replace(b"c1 ", b"c2 ", 1) for name in old.namelist()}
-    rewritten(file, foreign, **whole)
+    broken = tmp_path / "broken.mmsnap"
+    broken.write_bytes((out / snapshots.NAME).read_bytes()[:-100])
     process = scenario(GOOD.split("[[")[0] + PROCESS)
     good(mmcs("run", process, "--out", tmp_path / "process", "--duration", 0.02))
     cases = {
         (broken,): "not a file of snapshots",
-        (foreign,): "made by another build (c2",
         (f"{out}@-1",): "the first snapshot in",
         (f"{out}@soon",): "must be a time",
         (tmp_path / "nothing",): "no such snapshots",
@@ -248,9 +234,12 @@ def test_bad_snapshots_are_refused_in_one_line(mmcs, ran, scenario, tmp_path):
         (f"{out}@0.15", "--seed", 1): "not together with --from",
     }
     for args, says in cases.items():
-        answer = mmcs("run", "--out", tmp_path / "o", "--from", *args)
-        one_clear_line(answer, says, begun="another build" in says)
+        one_clear_line(mmcs("run", "--out", tmp_path / "o", "--from", *args), says)
     one_clear_line(mmcs("run", "lab500", "--snapshot", 99), "--snapshot = 99")
+    member = snapshots._member
+    monkeypatch.setattr(snapshots, "_member", lambda *a: member(*a).replace(b"c1 ", b"c2 ", 1))
+    answer = mmcs("run", "--out", tmp_path / "o", "--from", out)
+    one_clear_line(answer, "made by another build (c2", begun=True)
 
 
 # --- waveforms afterwards ----------------------------------------------------------------------

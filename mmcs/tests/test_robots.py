@@ -6,7 +6,7 @@ import pytest
 from mmcs import ROBOTS
 from mmcs.scenario.load import load_robot
 from mmcs.tests.conftest import good, one_clear_line, put
-from mmcs.tests.test_robot_mistakes import ROBOT
+from mmcs.tests.test_mistakes import ROBOT
 from mmcs.tests.test_sweep import SHORT, rows_of
 
 FLEXIBLE = "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6"

@@ -188,12 +188,6 @@ def test_text_that_was_cut_decides_nothing(run):
     assert status == 1 and "an event's text is cut after 99 characters" in out
 
 
-def test_window_after_the_end_decides_nothing(mmcs, scenario):
-    expect = '[[expect]]\nkind = "event"\nevent = "panic"\nafter = 0.3\nseen = false\n'
-    told = "expect.0.after = 0.3: must be before the end of the run"
-    one_clear_line(mmcs("check", scenario(GOOD + expect)), told)
-
-
 def test_record_is_of_what_was_loaded(run, tmp_path):
     """Robot and table are edited, or gone, while the run goes on."""
     robot, table = tmp_path / "mine.toml", tmp_path / "t.csv"

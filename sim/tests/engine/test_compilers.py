@@ -47,6 +47,18 @@ def test_the_python_that_installed_is_not_the_one_that_builds(monkeypatch):
     assert sys.prefix in done.stdout
 
 
+def test_make_is_told_nothing_of_the_users_own_work(monkeypatch, tmp_path):
+    """Nor does it build a model of no boards, as of a list that cannot be read."""
+    make = ["make", "-n", "-s", "-f", "sim/Makefile", f"B={tmp_path}"]
+    bad = {"PYTHONIOENCODING": "utf-16", "RTL_DIR": "/nonexistent", "MAKEFILES": "/etc/passwd",
+           "PYTHON": "/nonexistent"}  # fmt: skip
+    for name, value in bad.items():
+        monkeypatch.setenv(name, value)
+    for env, wrong in (({**os.environ, "MAKEFILES": ""}, True), (build.make_env(), False)):
+        done = ran(*make, env=env)
+        assert (done.returncode != 0) == wrong == ("lists no boards" in done.stderr)
+
+
 @pytest.mark.parametrize("tool", ["make", "g++"])
 def test_a_tool_that_is_missing_is_named(monkeypatch, tmp_path, tool):
     """As a wheel on a machine without a compiler has it."""
@@ -86,19 +98,37 @@ def small(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("damage", ["object", "rules", "library"])
+@pytest.mark.parametrize("damage", ["object", "rules", "half", "byte", "empty", "no sum"])
 def test_a_damaged_build_is_made_again(small, damage):
-    """As a full disk or a kill leaves it; make, compiler and linker are real."""
+    """As a full disk or a kill leaves it; make, compiler and linker are real. A library that is not
+    the one that was built is never loaded."""
     path = build.ensure_library(1, "speed")
     whole, objects = path.read_bytes(), small / "build" / "sim" / "obj"
+    sum_ = path.with_name(f"{path.name}.sum")
     if damage == "object":
         os.truncate(objects / "x.o", 100)
         path.unlink()
     elif damage == "rules":
         (objects / "x.d").write_bytes(b"\x00\xff garbage : : :\n\tx")
+    elif damage == "no sum":
+        sum_.unlink()
     else:
-        os.truncate(path, 100)
-    assert build.ensure_library(1, "speed").read_bytes() == whole
+        changed = {"half": whole[:100], "byte": whole[:-1] + bytes([whole[-1] ^ 1]), "empty": b""}
+        path.write_bytes(changed[damage])
+    assert build.ensure_library(1, "speed").read_bytes() == whole and sum_.exists()
+    made = path.stat().st_mtime_ns
+    assert build.ensure_library(1, "speed").stat().st_mtime_ns == made
+
+
+def test_a_build_of_which_files_are_gone_is_made_again(small):
+    """Stamps alone tell make that all is there."""
+    stamp = small / "build" / "sim" / "boards" / "boards.stamp"
+    rule = "$(O)/x.o: sim/x.cpp\n"
+    gone = f"\t@! test -e {stamp} || {{ echo fatal error: x.h: No such file; exit 1; }}\n"
+    (small / "sim" / "Makefile").write_text(SMALL.replace(rule, rule + gone))
+    stamp.parent.mkdir(parents=True)
+    stamp.touch()
+    assert build.ensure_library(1, "speed").exists() and not stamp.exists()
 
 
 def test_an_error_of_the_source_is_told(small):

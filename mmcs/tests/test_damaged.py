@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of results that are damaged or none, and disks that are full: one clear line, and nothing
+is lost."""
+
+import io
+import os
+import random
+import resource
+import shutil
+import sys
+import zipfile
+from types import SimpleNamespace
+
+import pytest
+
+from mmcs.engine import build
+from mmcs.errors import InputError, RunError
+from mmcs.runs.record import read_record
+from mmcs.runs.snapshots import Snapshot
+from mmcs.sweeps.store import Store
+from mmcs.tests.conftest import GOOD, one_clear_line
+from mmcs.tests.test_hostile import command
+from tools.compiled import ran
+
+# --- records, snapshots, rows ------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def good_run(tmp_path_factory):
+    """A real run of a moment, with snapshots."""
+    folder = tmp_path_factory.mktemp("run")
+    path = folder / "short.toml"
+    path.write_text(GOOD.replace("duration = 0.3", "duration = 0.06"))
+    assert command("run", path, "--out", folder / "out")[0] == 0
+    return folder / "out"
+
+
+def damaged(whole: bytes, chance: random.Random) -> bytes:
+    """A byte of it is another, or its end is missing."""
+    at = chance.randrange(len(whole))
+    if chance.randrange(3):
+        return whole[:at] + bytes([chance.randrange(256)]) + whole[at + 1 :]
+    return whole[:at]
+
+
+@pytest.mark.parametrize(("name", "take"), [
+    ("run.mmcs", lambda folder: read_record(str(folder)).setup(folder)),
+    ("run.mmsnap", lambda folder: Snapshot(str(folder)).setup()),
+])  # fmt: skip
+def test_damaged_record_or_snapshots(good_run, tmp_path, name, take):
+    """A sentence, or the run all the same."""
+    whole, chance = (good_run / name).read_bytes(), random.Random(1)
+    for n in range(250):
+        (tmp_path / name).write_bytes(damaged(whole, chance))
+        try:
+            take(tmp_path)
+        except Exception as error:
+            assert type(error) is InputError, (n, repr(error))
+
+
+@pytest.mark.parametrize("name", ["record.json", "index.json", "history.bin", "log.bin",
+                                  "truth.bin", "0.bin"])  # fmt: skip
+def test_no_byte_of_a_snapshot_can_be_another(mmcs, good_run, tmp_path, name):
+    """Figures that were changed never stand beside the hash of a true run."""
+    with zipfile.ZipFile(good_run / "run.mmsnap") as old:
+        members = {one: bytearray(old.read(one)) for one in old.namelist()}
+        comment = old.comment
+    data = members[name]
+    data[data.index(b"0") if name.endswith("json") else len(data) // 2] ^= 1
+    with zipfile.ZipFile(tmp_path / "run.mmsnap", "w") as new:
+        for one, content in members.items():
+            new.writestr(one, bytes(content))
+        new.comment = comment
+    where = f"{tmp_path}@0" if name == "0.bin" else tmp_path
+    one_clear_line(mmcs("run", "--from", where), "not a file of snapshots of MMCS, or damaged")
+
+
+def test_damaged_rows(tmp_path):
+    store = Store(tmp_path, "me", False)
+    row = {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}
+    for n in range(5):
+        store.add(n, row)
+    with pytest.raises(InputError, match="another sweep is writing here"):
+        Store(tmp_path, "me", False)
+    store.close()
+    lines = (tmp_path / "rows.jsonl").read_bytes().splitlines(keepends=True)
+    bad = [b"\xff\n", b"[]\n", b"[" * 5000 + b"\n", b'{"n": -1, "row": {}}\n', b"\n", b'"x"\n',
+           b'{"n": 2, "row": {"status": "ok"}}\n', b'{"n": 2, "row": []}\n', b"null\n"]  # fmt: skip
+    for line in [*bad, lines[3].replace(b"1.5", b"1.4")]:
+        (tmp_path / "rows.jsonl").write_bytes(b"".join([*lines[:3], line, *lines[4:], b'{"n": 4']))
+        again = Store(tmp_path, "me", True)
+        assert sorted(again.rows) == [0, 1, 3, 4], line  # what is damaged is run again
+        again.close()
+    (tmp_path / "rows.jsonl").write_bytes(b"\xff" + lines[0])
+    with pytest.raises(InputError, match="is damaged; leave out --resume"):
+        Store(tmp_path, "me", True)
+
+
+@pytest.mark.parametrize("report", [
+    "[" * 50_000, '{"scenario": 1, "axes": [], "hash": ""}', "nul", "\ud800".encode(
+        errors="surrogatepass"), '{"scenario": "x", "axes": [1], "hash": "0x1"}',
+])  # fmt: skip
+def test_damaged_report(mmcs, good_run, tmp_path, report):
+    folder = tmp_path / "run"
+    shutil.copytree(good_run, folder)
+    data = report if isinstance(report, bytes) else report.encode()
+    (folder / "report.json").write_bytes(data)
+    one_clear_line(mmcs("compare", folder, folder), f"{folder}: ")
+    one_clear_line(mmcs("trace", folder, "--at", "panic"))
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+@pytest.mark.parametrize("name", ["report.json", "log.csv", "run.mmcs", "run.mmsnap", ".lock"])
+def test_results_that_are_no_files(mmcs, good_run, tmp_path, name, kind):
+    """Who waits for the other end of a pipe, or for the end of a device, waits for ever."""
+    folder = tmp_path / "run"
+    shutil.copytree(good_run, folder)
+    (folder / name).unlink(missing_ok=True)
+    if kind == "pipe":
+        os.mkfifo(folder / name)
+    elif kind == "device":
+        (folder / name).symlink_to("/dev/zero")
+    else:
+        (folder / name).mkdir()
+    told = {"report.json": ("compare", folder, good_run), "log.csv": ("compare", folder, good_run),
+            "run.mmcs": ("replay", folder), "run.mmsnap": ("run", "--from", folder)}  # fmt: skip
+    if name != ".lock":
+        one_clear_line(mmcs(*told[name]))
+    elif kind != "pipe":  # a pipe can be locked like a file
+        one_clear_line(mmcs("run", "lab500", "--out", folder), status=1)
+
+
+def test_folder_that_reaches_beyond_itself(mmcs, good_run, tmp_path):
+    """What a folder of results says of itself moves nothing elsewhere, and empties nothing."""
+    folder, mine = tmp_path / "a" / "run", tmp_path / "a" / "mine"
+    shutil.copytree(good_run, folder)
+    mine.write_text("mine")
+    for text in ('["../../mine"]', '["report.json", "/etc/passwd"]', '{"a": 1}', "[[", "7", '[""]'):
+        (folder / ".new").mkdir()
+        (folder / ".new" / "whole.json").write_text(text)
+        one_clear_line(mmcs("compare", folder, good_run), "was not written by MMCS; it is removed")
+        assert mine.read_text() == "mine" and not (folder / ".new").exists()
+        assert mmcs("compare", folder, good_run, "--out", tmp_path / "c.svg")[0] == 0
+    (folder / ".lock").unlink(missing_ok=True)
+    (folder / ".lock").symlink_to(mine)
+    one_clear_line(mmcs("run", "lab500", "--out", folder), ".lock: ", status=1)
+    assert mine.read_text() == "mine"
+
+
+# --- the library of programs, and no room on the disk ------------------------------------------
+
+
+def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
+    """Who has it in front of his program would die of it."""
+    from mmcs.device import libraries
+
+    library = tmp_path / "device" / "libmmcs_preload.so"
+    monkeypatch.setattr(libraries, "LIBRARY", library)
+    good = libraries.preload_library().read_bytes()
+    for damage in (good[:-1], bytes([good[0] ^ 1]) + good[1:], b""):
+        library.write_bytes(damage)
+        assert libraries.preload_library().read_bytes() == good
+    library.with_name(f"{library.name}.sum").unlink()
+    assert libraries.preload_library().read_bytes() == good
+    before = library.stat().st_ino
+    libraries.preload_library()
+    assert library.stat().st_ino == before
+    assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
+
+
+def test_waveforms_that_find_no_room_are_told(tmp_path):
+    """A limit on the size of files does what a full disk does."""
+    path = tmp_path / "short.toml"
+    path.write_text(GOOD)
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # noqa: E731
+    run = ("run", path, "--out", tmp_path / "o", "--trace", tmp_path / "x.fst")
+    assert command(*run)[0] == 0  # what has to be built is built
+    status, _, err = command(*run, preexec_fn=limit)  # noqa: PLW1509
+    assert status == 1 and b"aborted where waveforms are written: if the disk is full" in err
+    assert not list(tmp_path.glob("x.*"))  # nothing that is half
+
+
+ABORTS = """
+import mmcs, sys
+def caught():
+    line = next(x for x in open("/proc/self/status") if x.startswith("SigCgt"))
+    return int(line.split()[1], 16) >> 5 & 1
+seen = [caught()]
+with mmcs.machine(mmcs.load(sys.argv[1]), "trace") as sim:
+    for name in ("a.fst", "b.fst"):
+        sim.trace(name)
+        seen.append(caught())
+print(*seen, caught())
+"""
+
+
+def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
+    (tmp_path / "short.toml").write_text(GOOD)
+    done = ran(sys.executable, "-c", ABORTS, "short.toml", cwd=tmp_path)
+    assert done.stdout.split() == ["0", "1", "1", "0"], done.stderr
+
+
+@pytest.mark.parametrize("args", [("design", "--wn", "50", "--plot", "x.svg"),
+                                  ("lab", "start", "1", "x")])  # fmt: skip
+def test_a_file_that_finds_no_room_is_not_left_half(tmp_path, args):
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))  # noqa: E731
+    run = [sys.executable, "-B", "-m", "mmcs", *args]  # whole files of bytecode, or none
+    done = ran(*run, cwd=tmp_path, preexec_fn=limit)
+    assert done.returncode in (1, 2) and "File too large" in done.stderr
+    assert done.stderr.startswith("mmcs: ") and done.stderr.count("\n") == 1
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+def test_full_disk_is_told_as_such(tmp_path, monkeypatch):
+    """Whatever the tool says that could not write: here Python's reader of a tree that was cut."""
+    (tmp_path / "sim").mkdir()
+    monkeypatch.setattr(build, "BUILD", tmp_path)
+    monkeypatch.setattr(build, "LOG", tmp_path / "sim" / "build.log")
+    monkeypatch.setattr(build, "WORK", tmp_path)
+    monkeypatch.setattr(build, "_run", lambda *_, **__: 1)
+    monkeypatch.setattr(build, "_spinner", lambda _: io.StringIO())
+    build.LOG.write_text("json.decoder.JSONDecodeError: Unterminated string\n")
+    usage = lambda free: lambda _: SimpleNamespace(free=free)  # noqa: E731
+    monkeypatch.setattr(build.shutil, "disk_usage", usage(4096))
+    with pytest.raises(RunError, match="no room is left on the disk of .*: free some"):
+        build.ensure_library(1, "speed")
+    monkeypatch.setattr(build.shutil, "disk_usage", usage(1 << 30))
+    with pytest.raises(RunError, match="JSONDecodeError"):
+        build.ensure_library(1, "speed")
