@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from mmcs.inputs import INPUTS
-from mmcs.sweeps import campaign as plans
 from mmcs.sweeps import twin as twins
 from mmcs.sweeps.campaign import CHUNK, Plan, make_plan, run_fault, twin_of
 from mmcs.sweeps.campaign_report import cost_of, how_far, wilson
@@ -297,19 +296,17 @@ def test_every_fault_drawn_is_one_that_a_scenario_takes(plan):
         make_setup(plan.setups["arm_move"].path, data, files)
 
 
-def test_register_has_one_name_for_all_cards_and_axes():
+NAMES = {
+    "vme_a_stuck0 0": "VME A1 at 0", "vme_am_stuck1 5": "VME AM5 at 1",
+    "vme_control_stuck0 3": "VME WRITE* at 0", "pc_d_stuck1 7": "ribbon D7 at 1",
+    "pc_a_stuck0 9": "ribbon A9 at 0", "pc_control_stuck1 1": "ribbon IOW# at 1",
+    "MSETPARAM a0": "MSETPARAM a0",
+}  # fmt: skip
+
+
+def test_lines_have_the_names_of_their_bus_and_a_register_one_for_all_cards_and_axes():
+    assert {what: line_name(what) for what in NAMES} == NAMES
     assert plain("g_card[2].u_card.g_axis[1].u_axis.u_dac.rank1_q") == "card.u_axis.u_dac.rank1_q"
-
-
-@pytest.mark.parametrize(
-    ("what", "name"),
-    [("vme_a_stuck0 0", "VME A1 at 0"), ("vme_am_stuck1 5", "VME AM5 at 1"),
-     ("vme_control_stuck0 3", "VME WRITE* at 0"), ("pc_d_stuck1 7", "ribbon D7 at 1"),
-     ("pc_a_stuck0 9", "ribbon A9 at 0"), ("pc_control_stuck1 1", "ribbon IOW# at 1"),
-     ("MSETPARAM a0", "MSETPARAM a0")],
-)  # fmt: skip
-def test_lines_have_the_names_of_their_bus(what, name):
-    assert line_name(what) == name
 
 
 @pytest.mark.parametrize(
@@ -340,32 +337,3 @@ def test_wilson(k, n, low, high):
 )  # fmt: skip
 def test_mistakes_are_told_in_one_line(mmcs, arguments, told):
     one_clear_line(mmcs("campaign", *arguments), told)
-
-
-def test_rows_of_other_faults_are_run_again():
-    """A crafted row names a motion, or a line, that no table knows."""
-    plan = plans.make_plan(("arm_move",), (), 1)
-    for n in range(20):
-        fault = plan.fault(n)
-        row = {"status": "ok", "motion": "arm_move", "sort": fault.sort, "what": fault.what,
-               "at": fault.at}  # fmt: skip
-        assert plan.is_of(n, row)
-        for key, value in (("motion", "x"), ("sort", "x"), ("what", "vme_a_stuck0 x"), ("at", -1)):
-            assert not plan.is_of(n, row | {key: value})
-    assert plan.is_of(0, {"status": "failed", "why": "no"})
-
-
-def test_damaged_rows_are_run_again():
-    from mmcs.sweeps.store import _entry, checksum
-
-    def entry(row, sum_):
-        line = json.dumps({"n": 3, "row": row, "sum": sum_}).encode()
-        return _entry(line, "me", plans.is_row)
-
-    assert entry(ROW, checksum("me", 3, ROW)) == {3: ROW}
-    assert entry(ROW, checksum("another", 3, ROW)) == {}
-    assert entry(ROW | {"class": HARMLESS}, checksum("me", 3, ROW)) == {}  # by hand
-    for name, value in [("class", "x"), ("off", "far"), ("at", None), ("by", 1), ("what", []),
-                        ("deg", None), ("told", None)]:  # fmt: skip
-        bad = ROW | {name: value}
-        assert entry(bad, checksum("me", 3, bad)) == {}

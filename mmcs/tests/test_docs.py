@@ -8,12 +8,10 @@ from fractions import Fraction
 
 import pytest
 
-from mmcs import ROOT, logcols
+from mmcs import ROOT
 from mmcs.inputs import INPUTS
 from mmcs.scenario import scenario
-from mmcs.scenario.schema import Strict
 from mmcs.tests.conftest import good
-from tools.sources import sources
 
 TEXT = (ROOT / "docs" / "use" / "scenarios.md").read_text()
 SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])
@@ -72,19 +70,6 @@ def test_key_is_documented(heading, model, key):
         assert key in found, f"{heading} says nothing of {key} {kind}"
 
 
-def test_every_table_has_its_section():
-    missing = [t for t in TABLES if not any(f"[{t}]" in head for head in SECTIONS)]
-    assert missing == []
-    assert set(TABLES) | {"host"} == {
-        name
-        for name, field in scenario.Scenario.model_fields.items()
-        if isinstance(field.annotation, type)
-        and issubclass(field.annotation, Strict)
-        or typing.get_args(field.annotation)
-        and name not in ("dynamics", "pose_deg")
-    }
-
-
 def test_nothing_is_documented_that_is_no_key():
     for heading in {heading for heading, _ in models()}:
         known = {k for h, m in models() if h == heading for k in (*m.model_fields, *kinds(m))}
@@ -133,32 +118,6 @@ def test_ports_and_parameters_of_the_machine():
         number = value.strip().replace("_", "")
         if number.isdigit():
             assert re.search(rf"\b{number}\b", row.split(" | ")[1]), name
-
-
-@pytest.mark.parametrize(
-    "page", sorted((ROOT / "docs" / "hardware" / "chips").glob("*.md")), ids=lambda p: p.stem
-)
-def test_what_differs_names_what_is_in_the_chip(page):
-    """The list "differs from the sheet" quotes the RTL."""
-    rtl = "\n".join(f.read_text() for f in (ROOT / "rtl" / "chips").glob(f"{page.stem}*.sv"))
-    rtl = " ".join(re.sub(r"//.*", "", rtl).split())
-    quotes = re.findall(r"`([^`]*)`", page.read_text().split("## Differs from the sheet\n")[1])
-    assert len(quotes) >= 4
-    missing = [q for q in quotes if not re.search(rf"(?<!\w){re.escape(q)}(?!\w)", rtl)]
-    assert missing == []
-
-
-def test_the_log_has_the_columns_that_the_page_names():
-    row = re.search(r"^\| `log.csv` \|.*$", TEXT, re.M)[0]
-    told = re.findall(r"`(\w+)_n`", row)
-    assert tuple(told) == logcols.FIELDS
-
-
-def test_the_reading_order_names_every_file_of_the_hardware():
-    order = (ROOT / "docs" / "README.md").read_text().partition("**Reading the hardware")[2]
-    named = set(re.findall(r"`(?:rtl/)?(?:\w+/)?(\w+)(?:\.sv)?`", order))
-    files = {path.stem for path in sources("rtl") if path.parent.name != "regs"}
-    assert files <= named, sorted(files - named)
 
 
 def test_the_manual_page_names_every_command():

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from mmcs import ROOT, mcdef
+from mmcs import ROOT
 from mmcs.tests.device_bench import compile_1989
 from tools.compiled import written
 
@@ -48,15 +48,3 @@ def title(example):
 def test_example(bench, example):
     source = written(f"example_{title(example)}.c", PROGRAM.replace("EXAMPLE", example))
     assert bench.finish(bench.start(compile_1989(source))) == ("", 0)
-
-
-def test_every_request_has_an_example():
-    names = re.findall(r"^#define (M[A-Z]+) \(MC_(?!INT|PARAM)", header(), flags=re.M)
-    assert len(names) == 19
-    for name in names:
-        assert any(name in example for example in EXAMPLES), name
-        assert hasattr(mcdef, name)
-
-
-def header():
-    return (ROOT / "firmware" / "include" / "mcdef.h").read_text()

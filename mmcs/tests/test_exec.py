@@ -11,7 +11,14 @@ import time
 import pytest
 
 from mmcs import mcdef
-from mmcs.tests.device_bench import EXAMPLES, PROGRAMS, compile_1989, compile_program
+from mmcs.tests.device_bench import (
+    EXAMPLES,
+    PROGRAMS,
+    all_are_free,
+    compile_1989,
+    compile_program,
+    descriptors,
+)
 
 LATE_S = 0.1  # of wire.c: no answer for so long, and signals are let through
 LONG = os.environ.get("MMCS_LONG") == "1"
@@ -225,32 +232,19 @@ def test_a_program_takes_the_lease(bench):
     assert bench.finish(child) == ("done\n", 0)
 
 
-@pytest.mark.req("DRV-3", "DRV-4")
-def test_random_calls(bench):
-    """Only documented errors, and nothing changed by what is rejected."""
-    seed = int(os.environ.get("MMCS_SEED", "7"))
-    print("seed", seed)
-    calls = 200_000 if LONG else 20_000
-    child = bench.start(compile_program(PROGRAMS / "fuzz.c"), seed, calls)
-    out, status = bench.finish(child)
-    assert status == 0, out
-    assert out.startswith(f"{calls} calls")
-    print(out)
-
-
 @pytest.mark.req("DRV-2", "DRV-9", "HB-2")
 def test_three_processes_killed_at_random(bench):
-    """Controller and monitor die by SIGKILL at any moment and come again; no hang, no leak, and
-    PANIC within 50 ms of each last close."""
+    """Controller and monitor die by SIGKILL at any moment, also before they have opened the device,
+    and come again; no hang, no leak, and PANIC within 50 ms of each last close."""
     program = compile_program(PROGRAMS / "controller.c")
     seed = int(os.environ.get("MMCS_SEED", "11"))
     print("seed", seed)
-    chance = random.Random(seed)
-    for _ in range(200 if LONG else 4):
+    chance, sim, before = random.Random(seed), bench.sim, descriptors()
+    for turn in range(2000 if LONG else 6):
         pair = [bench.start(program, role) for role in ("controller", "monitor")]
-        steps = chance.randrange(200)
-        bench.until(lambda pair=pair: len(bench.server.files) == 2)
-        for _ in range(steps):
+        if turn % 3:
+            bench.until(lambda: len(bench.server.files) == 2)
+        for _ in range(chance.randrange(200)):
             bench.server.step()
         chance.shuffle(pair)
         for child in pair:
@@ -260,11 +254,16 @@ def test_three_processes_killed_at_random(bench):
             for _ in range(chance.randrange(20)):
                 bench.server.step()
         bench.until(lambda: not bench.server.files)
-        closed = bench.sim.time
-        assert bench.sim.run(closed + 0.052)
-        assert bench.sim.stats()["panic_level"] == 1
-        assert all(abs(bench.sim.true(axis)["current"]) < 0.01 for axis in (0, 1))
-        bench.until(lambda: not bench.server.connections)  # no connection is left
+        closed = sim.time
+        assert sim.run(closed + 0.052)
+        assert sim.stats()["panic_level"] == 1
+        assert all(abs(sim.true(axis)["current"]) < 0.01 for axis in (0, 1))
+        bench.until(lambda: not bench.server.connections)
+        for child in pair:
+            child.stdin.close()
+            child.stdout.close()
+        bench.children.clear()
+    assert descriptors() == before and all_are_free(sim)
 
 
 @pytest.mark.req("DRV-3", "DRV-4")

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pytest
 
-from mmcs import ROOT, logcols
+from mmcs import logcols
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import good, one_clear_line
 from mmcs.view import chart, svg
@@ -131,14 +131,6 @@ def test_an_svg_file_holds_the_points_that_were_drawn(tmp_path):
     bars = re.search(r'd="([^"]*)"[^>]*fill: #123456', text)[1]
     assert bars.count("z") == 2 and text.count("#123456") == 1
     assert svg.smaller(text) == text
-
-
-def test_the_pictures_of_the_docs_are_small():
-    for path in (ROOT / "docs").rglob("*.svg"):
-        text = path.read_text()
-        assert len(text) < 60_000, path
-        if text.startswith("<?xml"):  # Matplotlib's
-            assert svg.smaller(text) == text, path
 
 
 @pytest.mark.parametrize(("low", "high", "expected"), [

@@ -3,15 +3,12 @@
 
 import pytest
 
-from mmcs import mcdef, regs
 from mmcs.engine import hosts
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.errors import RunError
 from mmcs.mcdef import declarations
 from mmcs.scenario.load import load
-
-PCCSR, VECTOR, NOBODY = regs.PCCSR, regs.VECTOR, 0x408  # the last is an even byte
 
 
 @pytest.fixture
@@ -29,37 +26,6 @@ def sim(setup):
 def test_build_says_what_it_is(sim):
     assert sim.build() == {"cards": 1, "clk_hz": 8_000_000, "skip": 1, "trace": 0}
     assert (sim.time, sim.clock) == (0.0, 0)
-
-
-@pytest.mark.req("CSR-1", "VME-5", "VME-6", "API-1")
-def test_registers_by_hand(sim):
-    sim.bus_write(PCCSR, 0x18)
-    assert sim.bus_read(PCCSR) & 0x9F == 0x18
-    assert sim.bus_read(PCCSR, am=0x29) & 0x9F == 0x18
-    assert sim.bus_read(VECTOR) == 0xFF
-    with pytest.raises(TimeoutError, match="bus time-out at offset 0x408"):
-        sim.bus_read(NOBODY)
-    assert sim.time > 0
-
-
-@pytest.mark.req("DRV-2", "DRV-4")
-def test_device_by_hand(sim):
-    client = sim.open(mcdef.O_RDONLY)
-    assert client >= 0
-    cards = mcdef.new_int(0)
-    assert sim.ioctl(client, mcdef.MGETNUMCARDS, cards) == 0
-    assert cards[0] == 1
-    assert sim.ioctl(client, mcdef.MENABLE) == -9  # EBADF: open for reading only
-    assert [s["errcode"] for s in sim.read(client, 2)] == [0, 0]
-    assert sim.signals(client) == 0
-    assert sim.close(client) == 0
-
-
-def test_log_is_empty_before_motion(sim):
-    assert sim.log().shape == (0, 8)
-    assert sim.run(0.01)
-    assert sim.log().shape == (0, 8)
-    assert sim.time == pytest.approx(0.01, abs=2e-7)
 
 
 def test_refusals_are_one_line(setup, sim, tmp_path):

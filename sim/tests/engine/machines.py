@@ -76,14 +76,5 @@ def everything(sim):
     return sim.hash(), sim.log().tobytes(), sim.notes(), stats, sim.checkpoints()
 
 
-def rise_ms(log, axis, target):
-    """From 10 to 90 % of the way, in milliseconds, by the encoder column of the log."""
-    way = log[:, 2 + 7 * axis]
-    times = log[:, 0]
-    first = next(t for t, y in zip(times, way, strict=True) if y >= 0.1 * target)
-    last = next(t for t, y in zip(times, way, strict=True) if y >= 0.9 * target)
-    return 1e3 * (last - first)
-
-
 def pairwise_diff(values):
     return [b - a for a, b in itertools.pairwise(values)]

@@ -6,7 +6,7 @@ import os
 import machines
 import pytest
 
-from mmcs import load, machine, regs
+from mmcs import regs
 from studies import lockstep
 
 LONG = os.environ.get("MMCS_LONG") == "1"
@@ -221,57 +221,6 @@ def test_a_difference_is_found(pair):
     pair.skipping.add_event(1e-5, pair.numbers["seu_encoder"], 0, 4)
     with pytest.raises(lockstep.Differs, match="seed 1"):
         lockstep.torture(pair.both, 1, 200)
-
-
-@pytest.mark.req("ENC-1")
-@pytest.mark.parametrize("name", ["lab500", "puma560"])
-def test_the_stranger_keeps_encoders_busy(name):
-    """At many of its actions an edge is between the first and the second flip-flop of a counter, so
-    that one which comes a clock late, or is lost, shows; and all counters have counted."""
-    sim = machine(load(name))
-    with sim:
-        numbers = {name: number for number, name in enumerate(sim.input_names())}
-        names, cards = list(sim.registers()), sim.build()["cards"]
-        registers = ("u_pins.first_q", "u_pins.second_q", "count_q")
-        first, second, counts = ([names.index(n) for n in names if n.endswith(f"u_encoder.{q}")]
-                                 for q in registers)  # fmt: skip
-        under_way, counted = [], [set() for _ in counts]
-        strange = lockstep.stranger(1, cards, sim.axes, 1600, {})
-        for action in lockstep.lively(1, cards, sim.axes, strange):
-            if action[0] not in ("snapshot", "back"):
-                lockstep.act(sim, action, numbers)
-            under_way.append(any(sim.register(a) != sim.register(b)
-                                 for a, b in zip(first, second, strict=True)))  # fmt: skip
-            for number, seen in zip(counts, counted, strict=True):
-                seen.add(sim.register(number))
-    assert sum(under_way) > len(under_way) / 10
-    assert min(len(seen) for seen in counted) > 20
-
-
-def test_the_command_goes_on_where_it_was(monkeypatch, capsys, tmp_path):
-    """The stranger, then a scenario; a difference is kept with the rest; nothing is done twice."""
-    asked = []
-
-    def torture(seed, actions, name, upsets):
-        asked.append((seed, actions, name, upsets))
-        if seed == 3:
-            raise lockstep.Differs("seed 3: they part")
-        return 2
-
-    monkeypatch.setattr(lockstep, "scenario_names", lambda: ["lab500"])
-    monkeypatch.setattr(lockstep, "lockstep_torture", torture)
-    log = tmp_path / "runs"
-    arguments = ["--seed", "1", "--actions", "50", "--log", str(log), "--clocks"]
-    assert lockstep.main([*arguments, "7"]) == 1
-    out, err = capsys.readouterr()
-    assert "clocks equal, the last of lab500, seed 4" in out and "they part" in err
-    assert asked == [(1, 50, "puma560", False), (2, 50, "puma560", True), (3, 50, "lab500", False),
-                     (4, 50, "lab500", True)]  # fmt: skip
-    *_, scenario = lockstep.made(log)
-    assert scenario["upsets"] is None and scenario["clocks"] > 1e6 and not scenario["differs"]
-    assert lockstep.main([*arguments, "7"]) == 1
-    assert lockstep.main([*arguments, str(scenario["clocks"] + 7)]) == 1
-    assert [seed for seed, *_ in asked] == [1, 2, 3, 4, 5]
 
 
 if LONG:

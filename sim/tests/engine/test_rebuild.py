@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A build that goes on: who includes what changed is compiled again, and files come and go."""
 
-import os
 import re
-from pathlib import Path
 
 import pytest
 
@@ -12,64 +10,32 @@ from tools.compiled import ran
 
 pytestmark = pytest.mark.req("API-1")
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
-INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
-HEADERS = ["sim/abi/mmcs_sim.h", "sim/model/wires.h", "sim/model/board.h", "sim/model/cache.h",
-           "sim/engine/sim.h", "sim/plant/encoder.h", "firmware/mc/mc.h"]  # fmt: skip
+BOARDS = "boards/parts boards/rack wires_c3/wires speed_c3/kind"
+# A file, and objects that are compiled of it.
+MADE_OF = {
+    "sim/abi/mmcs_sim.h": "obj/engine obj/service",
+    "sim/model/wires.h": "boards/rack wires_c3/wires obj/engine",
+    "sim/model/board.h": "boards/parts boards/rack",
+    "sim/model/cache.h": "boards/rack",
+    "sim/engine/sim.h": "obj/engine",
+    "sim/plant/encoder.h": "obj/engine",
+    "firmware/mc/mc.h": "obj/engine obj/mc/hw obj/mc/ioctl obj/mc/servo",
+    "rtl/mark1/axis.sv": BOARDS,
+    "rtl/mmcs_assert.svh": BOARDS,
+    "rtl/mmcs.sv": BOARDS,
+}
 
 
 def made(*options, folder=ROOT):
     return ran(*MAKE, *options, cwd=folder, env=make_env(), check=True).stdout
 
 
-@pytest.fixture(scope="module")
-def reads():
-    """Of each object of the library: the files that it is compiled of, as #include names them."""
+def test_whatever_a_changed_file_is_in_is_compiled_again():
     ensure_library(3, "speed")
-    objects = [Path(o) for o in made("parts").split() if "runtime" not in o]
-    own = [
-        f"firmware/mc/{o.stem}.c" if o.parent.name == "mc" else o.with_suffix(".cpp")
-        for o in objects
-    ]
-    folders = [*dict.fromkeys(o.parent for o in objects)]
-    folders += [f / "v" for f in folders]
-    sim = [Path("sim", name) for name in ("abi", "engine", "model", "plant", "service")]
-    folders += [Path(), *sim, Path("firmware/mc"), Path("firmware/include")]
-
-    def closure(first):
-        found, todo = set(), [Path(first)]
-        while todo:
-            file = todo.pop()
-            if file in found or not (ROOT / file).is_file():
-                continue
-            found.add(file)
-            for name in INCLUDE.findall((ROOT / file).read_text(errors="replace")):
-                todo += [f / name for f in (file.parent, *folders)]
-        return {os.path.normpath(f) for f in found}
-
-    return {str(o): closure(f) for o, f in zip(objects, own, strict=True)}
-
-
-def again(file):
-    """The objects that are compiled anew once this file is newer."""
-    return set(re.findall(r"-o (build/\S+\.o)\b", made("-n", "-W", file)))
-
-
-@pytest.mark.parametrize("header", HEADERS)
-def test_whoever_includes_a_header_is_compiled_again(reads, header):
-    wanted = {o for o, files in reads.items() if header in files}
-    assert wanted
-    assert wanted - again(header) == set()
-
-
-def test_a_build_that_stands_is_left_alone(reads):
-    assert "-o build/" not in made("-n")
-
-
-@pytest.mark.parametrize("file", ["rtl/mark1/axis.sv", "rtl/mmcs_assert.svh", "rtl/mmcs.sv"])
-def test_hardware_that_changed_is_made_anew_with_all_that_knows_it(reads, file):
-    hardware = {o for o in reads if "/boards" in o or "/wires" in o or "/speed_c3" in o}
-    assert hardware
-    assert hardware - again(file) == set()
+    assert "-o build/" not in made("-n"), "a build that stands is left alone"
+    for file, objects in MADE_OF.items():
+        again = re.findall(r"-o build/sim/(\S+)\.o\b", made("-n", "-W", file))
+        assert set(objects.split()) <= set(again), file
 
 
 def test_the_service_is_not_compiled_again(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ import machines
 import pytest
 from machines import event, everything, input_number, machine, notes, start, step_to
 
-from mmcs import ROOT, ensure_library, load, mcdef, regs
+from mmcs import ROOT, load, mcdef, regs
 from mmcs import machine as machine_of
 from tools.compiled import ran
 
@@ -149,29 +149,13 @@ def test_ring_keeps_the_last_ones_and_changes_nothing():
 
 
 @pytest.mark.req("API-1")
-@pytest.mark.parametrize("skip", [0, 1])
-def test_bytes_continue_in_another_simulation(skip, monkeypatch):
-    library = ensure_library(1, "speed")
-    monkeypatch.setattr(machines, "ensure_library", lambda *_: library)
-    with machine(skip=skip) as sim:
-        busy(sim)
-        sim.run(sim.time + 0.05)
-        state = sim.snapshot_bytes(sim.snapshot())
-        goal = sim.time + 0.05
-        sim.run(goal)
-        past = sim.history_bytes()  # longer than the snapshot's: it takes what is its own
-        expected = everything(sim)
-    with machine(skip=skip) as other:
-        other.restore_bytes(state, past)
-        assert other.run(goal)
-        assert everything(other) == expected
-
-
-@pytest.mark.req("API-1")
-@pytest.mark.parametrize(("first", "then"), [("speed", "trust"), ("speed", "trace"),
-                                             ("trust", "speed"), ("trace", "trust")])  # fmt: skip
-def test_bytes_continue_in_another_build(first, then):
-    """Upset, faults that stand, faults on their way, a strange seed: all in the snapshot."""
+@pytest.mark.parametrize(("first", "then"), [
+    ("speed", "speed"), ("speed", "trust"), ("speed", "trace"), ("trust", "speed"),
+    ("trace", "trust"),
+])  # fmt: skip
+def test_bytes_continue_in_another_machine(first, then):
+    """Of the same build or of another: upset, faults that stand or are on their way, a strange seed
+    are all in the snapshot."""
     with machine(kind=first, seed=77) as sim:
         busy(sim)
         for after, name, value in ((0.01, "seu_dac_input", 64), (0.02, "irq_lost", 1),
@@ -261,21 +245,6 @@ def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
 
 
 # --- bad arguments -----------------------------------------------------------------------------
-
-
-@pytest.mark.req("API-1")
-def test_events_of_the_plant_are_checked():
-    with machine() as sim:
-        number = input_number(sim, "pot_noise")
-        for index, value in ((2, 1.0), (-2, 1.0), (0, float("nan")), (0, float("inf"))):
-            with pytest.raises(Exception, match="event refused"):
-                sim.add_event(sim.time, number, index, value)
-        for when in (float("nan"), 1e300):
-            with pytest.raises(Exception, match="event refused"):
-                sim.add_event(when, number, 0, 1.0)
-        assert len(notes(sim, "log")) == 6
-        sim.add_event(sim.time, number, 1, 1.0)
-        assert sim.run(sim.time + 1e-3)
 
 
 @pytest.mark.req("API-1")
