@@ -135,8 +135,8 @@ call 25 MC_INT {"request": "MC_INT"}
 call 25 MD_POS {"request": "MD_POS"}
 call 22 value {"request": "MSETINTERVAL"}
 change 22 a9 {"axis": 0, "param": {"a9": 1}}
-change 22 b0 {"axis": 0, "param": {"b0": 0}}
-change 22 axis {"axis": 7, "param": {"b0": 1}}
+change 22 argument {"axis": 0, "param": {"b0": 0}}
+change 22 argument {"axis": 7, "param": {"b0": 1}}
 change 22 param {"axis": 0, "param": []}
 input 22 name {"name": "gravity", "value": 0}
 input 22 value {"name": "cable", "value": 7}
@@ -150,7 +150,7 @@ follow 22 every {"every": 0}
 load 22 offset {"offset": 2048}
 load 5 time-out {"offset": 1032}
 lease 22 take {}
-open 16 open {"mode": "r"}
+open 16 busy {"mode": "r"}
 open 22 mode {"mode": "w"}
 """
 

@@ -345,7 +345,7 @@ FAR = "mmcs design: a number is out of all proportion"
 OPTIONS = {  # words between single spaces
     "fly": "No such command 'fly'.",
     "run": "SCENARIO: name one, or a snapshot with --from",
-    "run lab500 --fast": "No such option '--fast'.",
+    "run lab500 --fast": "No such option '--fast'. ",
     "run lab50": '"lab50": no such scenario; did you mean "lab500"?',
     "run ./nowhere.toml": "./nowhere.toml: no such scenario file",
     f"run {'a' * 300}": f'"{"a" * 300}": no such scenario; see `mmcs list`',

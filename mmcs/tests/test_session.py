@@ -254,7 +254,7 @@ def test_units(scenario):
 def test_list_show_check(mmcs):
     names = [line.split()[0] for line in good(mmcs("list")).splitlines()]
     assert {"lab500", "puma560"} <= set(names)
-    for name in names:
+    for name in names[::10]:
         good(mmcs("check", name), silent=True)
         assert name in good(mmcs("show", name), silent=True)
 
