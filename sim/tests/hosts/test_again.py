@@ -6,12 +6,12 @@ import re
 from pathlib import Path
 
 import pytest
-from needed import HOSTS, missing, needs
+from needed import needs
 
 from mmcs import ROOT, Session, hosts, load, machine, waves
 from mmcs.tests.conftest import call
 
-ON = [pytest.param(host, marks=needs(host)) for host in HOSTS]
+pytestmark = needs("m68020")
 
 
 @pytest.fixture
@@ -21,43 +21,34 @@ def mmcs(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """By host: the folder of a run, made once, and its hash."""
-    made = {}
-
-    def of(host):
-        if host not in made:
-            out = tmp_path_factory.mktemp(host)
-            args = ["run", "lab500", "--duration", "0.15", "--set", "expect=[]", "--host", host,
-                    "--out", str(out), "--snapshot", "0.05"]  # fmt: skip
-            status, said, problem = call(*args)
-            assert status == 0, problem
-            made[host] = out, re.search(r"hash (0x[0-9a-f]{16})", said)[1]
-        return made[host]
-
-    return of
+def run(tmp_path_factory):
+    """The folder of a run, and its hash."""
+    out = tmp_path_factory.mktemp("run")
+    args = ["run", "lab500", "--duration", "0.15", "--set", "expect=[]", "--host", "m68020",
+            "--out", str(out), "--snapshot", "0.05"]  # fmt: skip
+    status, said, problem = call(*args)
+    assert status == 0, problem
+    return out, re.search(r"hash (0x[0-9a-f]{16})", said)[1]
 
 
 @pytest.mark.req("API-1", "FW-1")
-@pytest.mark.parametrize("host", ON)
-def test_record_reproduces_the_run(mmcs, runs, host):
-    out, digest = runs(host)
-    assert json.loads((out / "run.mmcs").read_text())["host"] == host
+def test_record_reproduces_the_run(mmcs, run):
+    out, digest = run
+    assert json.loads((out / "run.mmcs").read_text())["host"] == "m68020"
     status, text, _ = mmcs("replay", out)
     assert status == 0 and f"reproduced, hash {digest}" in text
 
 
 @pytest.mark.req("API-1", "FW-1")
-@pytest.mark.parametrize("host", ON)
-def test_run_from_a_snapshot_is_the_same_run(mmcs, runs, host, tmp_path):
+def test_run_from_a_snapshot_is_the_same_run(mmcs, run, tmp_path):
     """The processor's registers, memory, cache and time are in it; the host is the record's."""
-    out, digest = runs(host)
+    out, digest = run
     for at in ("@0.05", ""):
         again = tmp_path / f"again{at}"
         status, text, _ = mmcs("run", "--from", f"{out}{at}", "--out", again)
         assert status == 0 and digest in text
         then, now = (json.loads((d / "report.json").read_text()) for d in (out, again))
-        assert now["host"] == host and now["stats"] == then["stats"]
+        assert now["host"] == "m68020" and now["stats"] == then["stats"]
         assert (again / "log.csv").read_bytes() == (out / "log.csv").read_bytes()
     status, _, err = mmcs("run", "--from", out, "--out", tmp_path / "no", "--host", "m68020")
     assert status == 2 and "--host" in err and "the snapshot decides" in err
@@ -67,13 +58,12 @@ STOPPED, PROGRAM, ENTER, READ, COMPUTE, WRITE, PUBLISH = range(7)  # host_phase
 
 
 @pytest.mark.req("API-1", "FW-1")
-@pytest.mark.parametrize("host", ON)
-def test_stretch_with_waveforms(mmcs, runs, host, tmp_path):
+def test_stretch_with_waveforms(mmcs, run, tmp_path):
     """The trace build goes the same way; its prepared view shows code and bus on one time line:
     each pass runs through the phases, the D/As are written within the one of that name."""
     import pywellen
 
-    out, digest = runs(host)
+    out, digest = run
     path = tmp_path / "part.fst"
     status, text, _ = mmcs("trace", out, "--at", 0.1, "--window", 3.5, "--out", path)
     assert status == 0 and f"the same hash, {digest}" in text
@@ -103,8 +93,8 @@ def test_stretch_with_waveforms(mmcs, runs, host, tmp_path):
 
 
 @pytest.mark.req("SW-1")
-def test_replay_tells_of_another_image(mmcs, runs, tmp_path):
-    out, _ = runs(next(h for h in HOSTS if not missing(h)))
+def test_replay_tells_of_another_image(mmcs, run, tmp_path):
+    out, _ = run
     text = json.loads((out / "run.mmcs").read_text())
     text["image"], text["hash"] = "00000000", "0x0000000000000000"
     (tmp_path / "run.mmcs").write_text(json.dumps(text))
@@ -141,7 +131,6 @@ class Halting:
     [(), ("host.wait_states=1", "host.instruction_cache=256 bytes")],
     ids=["ideal cache", "256 bytes"],
 )
-@needs("m68020")
 def test_m68020_goes_back_and_on(sets):
     """From instants of a run, also ones within a pass, another machine comes to the end of a run
     that was never interrupted."""
@@ -172,7 +161,6 @@ def test_m68020_goes_back_and_on(sets):
 
 
 @pytest.mark.req("SW-1", "FW-1")
-@needs("m68020")
 def test_snapshot_fits_its_own_processor_only(monkeypatch, tmp_path):
     """Other wait states or another image are another machine, and leave it as it was."""
     setup = load("lab500", "duration=0.06", "expect=[]")
