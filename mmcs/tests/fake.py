@@ -39,12 +39,10 @@ class FakeScript:
 class FakeSim:
     """Records every request; `fail` maps a request's name to the errno it returns."""
 
-    def __init__(self, axes=1, fail=None, notes=(), assert_at=None, short=0.0, late=None):
+    def __init__(self, axes=1, fail=None, notes=(), assert_at=None, short=0.0):
         self.axes, self.fail, self.assert_at, self.short = axes, fail or {}, assert_at, short
         self.calls, self.segments, self.events = [], [], []
         self.rows, self.taken, self._notes, self.lost = [], [], list(notes), 0
-        self.late = late or {}  # counts of a processor that is too slow; None: native
-        self._phases = {} if late is None else {"pass": (1, 900.0, 900.0)}
         self.now, self.start = 0.0, None
         self.y = [0.0] * axes
 
@@ -125,10 +123,10 @@ class FakeSim:
     def stats(self):
         names = "interrupts missed overruns panics spurious clips bus_errors evals bus_cycles"
         names += " cache_hits cache_misses cache_bytes"
-        return {n: 0 for n in names.split()} | {"cycles": int(self.now * 8e6)} | self.late
+        return {n: 0 for n in names.split()} | {"cycles": int(self.now * 8e6)}
 
     def phases(self):
-        return self._phases
+        return {}
 
     def true(self, axis):
         y = self.y[axis]

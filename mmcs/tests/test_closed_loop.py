@@ -106,14 +106,6 @@ def test_six_joints_and_three_witnesses():
     assert all(abs(truth["count"]) > 4000 for truth in result.witnesses)
 
 
-@pytest.mark.req("FW-2", "DRV-7")
-def test_no_interrupt_is_missed_and_every_sample_is_logged():
-    result, report = carry_out("puma560")
-    assert report["stats"]["missed"] == report["stats"]["overruns"] == 0
-    assert len(result.log) == pytest.approx(result.setup.scenario.duration * 1000, abs=1)
-    assert report["stats"]["interrupts"] >= len(result.log)
-
-
 def test_python_reads_the_inputs_as_the_engine_has_them():
     from mmcs.engine.build import ensure_library
     from mmcs.engine.sim import Sim

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs.Device`, the Python client."""
 
-import os
 import re
 
 import pytest
@@ -31,15 +30,6 @@ def test_calls(serving):
         with pytest.raises(OSError) as refused:
             mc.get_param(7)
         assert refused.value.errno == 22
-
-
-@pytest.mark.req("DRV-2")
-def test_monitor_may_only_look(serving):
-    with Device(flags=os.O_RDONLY) as mc:
-        assert mc.num_cards() == 1
-        with pytest.raises(OSError) as refused:
-            mc.enable()
-        assert refused.value.errno == 9
 
 
 def test_nobody_serves(tmp_path, monkeypatch):

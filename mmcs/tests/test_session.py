@@ -53,45 +53,6 @@ def test_refused_request_ends_the_run(scenario, request_name, number, line):
     assert str(failure.value) == line
 
 
-@pytest.mark.req("FW-1")
-@pytest.mark.parametrize(
-    ("late", "notes", "end"),
-    [
-        (
-            {"interrupts": 400, "overruns": 300, "missed": 100},
-            [],
-            "the servo leaves the processor no time for requests (400 passes, 300 overruns,"
-            " 100 missed at 1000 us); take fewer axes, a longer interval_us or --host native",
-        ),
-        (
-            {"interrupts": 400},
-            ["the firmware died: exception 192 at 0x6044"],
-            "the firmware died: exception 192 at 0x6044;"
-            " only --host native goes on and gives results",
-        ),
-        ({"interrupts": 400, "overruns": 9}, [], None),
-        (None, ["the firmware died: exception 192 at 0x6044"], None),
-    ],
-)
-def test_silent_processor_is_explained(scenario, monkeypatch, late, notes, end):
-    """A request or a read that times out; native code, or an unknown reason, keeps the errno."""
-
-    def read(*_):
-        raise OSError(5, "read of /dev/mc0")
-
-    kept = [{"t": 0.1, "kind": "log", "axis": -1, "text": text} for text in notes]
-    sim = FakeSim(1, fail={"MENABLE": 5}, notes=kept, late=late)
-    with pytest.raises(RunError) as failure:
-        run(scenario(), sim)
-    assert str(failure.value) == "MENABLE: " + (end or "EIO (Input/output error)")
-    sim = FakeSim(1, notes=kept, late=late)
-    monkeypatch.setattr(sim, "read", read)
-    with pytest.raises(RunError) as failure:
-        run(scenario(), sim)
-    last = "[Errno 5] read of /dev/mc0; the driver answers no more"
-    assert str(failure.value) == "read of the last state: " + (end or last)
-
-
 @pytest.fixture
 def fake_machine(monkeypatch):
     """`mmcs run` on a fake; options of FakeSim go into the dictionary."""

@@ -5,10 +5,6 @@ import select
 
 import pytest
 
-from mmcs.device import wire
-from mmcs.tests.device_bench import compile_program
-from tools.compiled import written
-
 ASKED = """
 import os, sys
 import mmcs
@@ -120,25 +116,3 @@ def test_an_axis_that_shut_the_machine_down(bench):
     first, second = out.splitlines()
     assert (status, first) == (0, "an error of axis 1: see its errcode")
     assert "shut down by an error" in second
-
-
-C_ASKS = """
-#include <fcntl.h>
-#include <stdio.h>
-#include <sys/ioctl.h>
-#include <sys/mcdef.h>
-#include <sys/mmcs.h>
-int main(void) {
-  struct mmcs_status s;
-  int fd = open("/dev/mc0", O_RDONLY);
-  if (sizeof s != 32 || ioctl(fd, MSTATUS, &s) < 0) return 1;
-  printf("%d %d %d %d\\n", s.enabled, s.stopped, s.cause == MCAUSE_NONE, s.number);
-  return 0;
-}
-"""
-
-
-def test_a_c_program_asks(bench):
-    assert wire.STATUS.size == 32 == wire.MSTATUS >> 16 & 0x1FFF
-    child = bench.start(compile_program(written("asks.c", C_ASKS)))
-    assert bench.finish(child) == ("0 0 1 -1\n", 0)

@@ -7,9 +7,7 @@ import struct
 import pytest
 
 from mmcs import mcdef
-from mmcs.device.link import Link
 from mmcs.device.wire import IOCTL, WRITE
-from mmcs.tests.device_bench import running
 from mmcs.tests.raw import Raw, holding, stop_line
 
 ROUNDS = 10_000
@@ -147,9 +145,3 @@ def test_a_line_sent_before_its_connection_is_closed_still_stops(bench, program)
         assert line.recv(100).startswith(b"stopped ")
     for sock in others:
         sock.close()
-
-
-def test_a_link_may_stop_too(bench, program):
-    with running(bench.server), Link(path=bench.server.path, timeout=None) as link:
-        link.request("stop")
-    assert not bench.sim.stats()["enabled"]

@@ -6,6 +6,7 @@ import json
 import multiprocessing
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -223,10 +224,10 @@ def test_missed_expectations_are_counted(mmcs, scenario, tmp_path):
 def test_parquet_holds_the_same(mmcs, undisturbed, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     path, folder, _ = undisturbed
-    arguments = ("--out", tmp_path / "out", "--format", "parquet", "--by", "settle_ms")
-    arguments += ("--workers", 1)
-    assert mmcs("sweep", path, *GAINS, *arguments)[0] == 0
-    table = parquet.read_table(tmp_path / "out" / "table.parquet").to_pylist()
+    out = shutil.copytree(folder, tmp_path / "out")
+    arguments = ("--out", out, "--resume", "--format", "parquet", "--by", "settle_ms")
+    assert mmcs("sweep", path, *GAINS, *arguments, "--workers", 1)[0] == 0
+    table = parquet.read_table(out / "table.parquet").to_pylist()
     rows = rows_of(folder)
     assert list(table[0]) == list(rows[0])
     assert [[str("" if v is None else v) for v in line.values()] for line in table] == [
