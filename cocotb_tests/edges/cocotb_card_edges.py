@@ -216,7 +216,7 @@ async def a_lone_byte_leaves_nothing_behind(tb):
             await tb.setup(0, RUN)
         if latched:
             await tb.pulse()
-        for n in range(1, 4):
+        for n in range(1, 5):  # a whole period: A and B are 0 when the next case resets the card
             tb.step()
             await tb.clocks(6)
             want = count if latched and n == 1 else count + n
