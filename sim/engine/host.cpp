@@ -42,10 +42,10 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
     throw std::runtime_error("the driver refuses its configuration");
   }
   if (config.host == MMCS_HOST_NATIVE) return;
-  MailboxHost::Events events{[this] { recorder_.mark(machine_); },
-                             [this](bool sampled) { served(sampled); },
-                             [this](int client) { mc_os_.signal(this, client); },
-                             [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
+  Processor::Events events{[this] { recorder_.mark(machine_); },
+                           [this](bool sampled) { served(sampled); },
+                           [this](int client) { mc_os_.signal(this, client); },
+                           [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
   cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config, std::move(events));
 }
 

@@ -76,11 +76,7 @@ class Host {
     a(written_);
     recorder_.state(a);
     if (!cpu_) return;
-    if constexpr (A::kReads) {
-      cpu_->restore(a);
-    } else {
-      cpu_->save(a);
-    }
+    cpu_->state(a);
   }
   template <class A>
   void history(A &a) {
@@ -94,7 +90,7 @@ class Host {
   const Recorder &recorder() const { return recorder_; }
   void took_log() { recorder_.took(); }
   // Of a real processor; nullptr: there is none, or it keeps none.
-  const Phases *phases() const { return cpu_ ? cpu_->phases() : nullptr; }
+  const Phases *phases() const { return cpu_ ? &cpu_->phases() : nullptr; }
   const struct mc_stats &stats() const { return *mc_stats_of(mc()); }
   const struct mc *driver() const { return mc(); }
 
@@ -145,8 +141,8 @@ class Host {
   int64_t patience_ends_ = 0;  // clock at which the request under way waits no more
   bool waiting_ = false;
   Ends ends_ = Ends::kAtClock;
-  bool ended_ = false;                // what ends_ asks for has come
-  std::unique_ptr<MailboxHost> cpu_;  // null: the driver is native code
+  bool ended_ = false;              // what ends_ asks for has come
+  std::unique_ptr<Processor> cpu_;  // null: the driver is native code
 };
 
 }  // namespace mmcs

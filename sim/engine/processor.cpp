@@ -43,8 +43,10 @@ struct Processor::Functions {
 
 Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmcs_config &config,
                      Events events)
-    : MailboxHost(machine, mirror, std::move(events)),
+    : machine_(machine),
       bus_(bus),
+      mirror_(mirror),
+      events_(std::move(events)),
       units_per_cycle_(kUnitsPerCycleAt8MHz * (Model::clk_hz() / 8000000)),
       clocks_per_us_(Model::clk_hz() / 1000000) {
   const std::string library = config.processor, image = config.firmware;
@@ -95,28 +97,6 @@ Processor::~Processor() {
   if (iss_) f_->destroy(iss_);
   delete f_;
   if (library_) dlclose(library_);
-}
-
-// --- the mailbox -------------------------------------------------------------------------------
-
-uint32_t Processor::word(size_t offset) const {
-  const uint8_t *m = memory_ + MAILBOX_BASE + offset;
-  return static_cast<uint32_t>(m[0]) << 24 | static_cast<uint32_t>(m[1]) << 16 |
-         static_cast<uint32_t>(m[2]) << 8 | m[3];
-}
-
-void Processor::set_word(size_t offset, uint32_t value) {
-  uint8_t *m = memory_ + MAILBOX_BASE + offset;
-  for (int n = 3; n >= 0; --n, value >>= 8) m[n] = static_cast<uint8_t>(value);
-}
-
-uint8_t Processor::byte(size_t offset) const {
-  return memory_[MAILBOX_BASE + offset];
-}
-
-void Processor::ring() {
-  doorbell_ = 1;
-  set_level();
 }
 
 // --- time and bus ------------------------------------------------------------------------------

@@ -6,6 +6,7 @@
 // the machine. Files and requests go through the mailbox of firmware/ports/mailbox.h.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -13,24 +14,44 @@
 
 #include "../hosts/iss.h"
 #include "archive.h"
-#include "mailbox_host.h"
+#include "driver.h"
+#include "machine.h"
+#include "phases.h"
 #include "vme_bus.h"
 
 namespace mmcs {
 
-class Processor final : public MailboxHost {
+class Processor {
  public:
+  // What the firmware reports. The mirror holds joints, setpoints, states and counts by then.
+  struct Events {
+    std::function<void()> acknowledged;
+    std::function<void(bool sampled)> served;
+    std::function<void(int client)> signal;
+    std::function<void(const std::string &text)> log;
+  };
+
   // Throws std::runtime_error with one sentence.
   Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmcs_config &config,
             Events events);
-  ~Processor() override;
+  ~Processor();
+  Processor(const Processor &) = delete;
+  Processor &operator=(const Processor &) = delete;
 
-  bool run_until(int64_t clock, const std::function<void()> &idle) override;
-  const Phases *phases() const override { return &phases_; }
-  void save(Writer &a) override { state(a); }
-  void restore(Reader &a) override { state(a); }
+  // One request of /dev/mc; time passes until it is answered. `in` and `out` bytes of `data` go
+  // there and back. -EIO when the firmware is dead or silent for a second.
+  int call(uint32_t what, int client, uint32_t a, void *data, size_t in, size_t out);
+  // A write() that nobody waits for, by a process that runs between two samples.
+  void post_write(int client, const std::vector<int32_t> &values);
+  // Stops the machine as soon as the processor takes its interrupt, whatever request it is at.
+  void stop();
+  // So many microseconds no interrupt has come: mc_watch().
+  void watch(uint32_t us);
+  // As Host::run_until().
+  bool run_until(int64_t clock, const std::function<void()> &idle);
+  // What the firmware is doing.
+  const Phases &phases() const { return phases_; }
 
- private:
   template <class A>
   void state(A &a) {
     std::vector<uint8_t> core(core_size()), memory(memory_, memory_ + memory_size());
@@ -39,30 +60,61 @@ class Processor final : public MailboxHost {
     a(memory);
     for (auto *n : {&units_, &seen_cycles_}) a(*n);
     a(doorbell_);
-    mailbox_state(a);
-    if constexpr (A::kReads) put_back(core, memory);
+    a(up_);
+    a(dead_);
+    a(pending_);
+    if constexpr (A::kReads) {
+      A::expect((up_ & ~1) == 0 && (dead_ & ~1) == 0 && pending_.size() <= 1 + MC_MAX_AXES);
+      put_back(core, memory);
+    }
   }
+
+ private:
+  // The one that call() waits for.
+  struct Request {
+    uint32_t what;
+    void *data;
+    size_t out;
+    int result;
+    bool done;
+  };
+  // A word of the mailbox, by its place in bytes.
+  uint32_t word(size_t offset) const;
+  void set_word(size_t offset, uint32_t value);
+  void ring();
+  // Lets the firmware start. Throws std::runtime_error when it does not.
+  void start();
+  bool busy() const;
+  void report(uint32_t what);
+  void collect(Request &request);
+  void post(uint32_t what, int client, uint32_t a, const void *data, size_t bytes);
+  void mirror();
+  std::string text() const;
 
   size_t core_size() const;
   size_t memory_size() const;
   void get_core(uint8_t *bytes);
   void put_back(const std::vector<uint8_t> &core, const std::vector<uint8_t> &memory);
-  uint32_t word(size_t offset) const override;
-  void set_word(size_t offset, uint32_t value) override;
-  uint8_t byte(size_t offset) const override;
-  void ring() override;
   void account();
   void catch_up();
   void meet();
   void set_level();
-  void step(int64_t limit) override;
+  void step(int64_t limit);
   int read(uint32_t address, int size, uint32_t *value);
   int write(uint32_t address, int size, uint32_t value);
   int acknowledge(int level);
   double now_us() const;
   void show();
 
+  Machine &machine_;
   VmeBus &bus_;
+  struct mc *mirror_;
+  Events events_;
+  int up_ = 0;
+  int dead_ = 0;
+  bool asks_ = false;  // call() waits for its turn
+  Request *request_ = nullptr;
+  std::vector<int32_t> pending_;  // a write that waits for the one before: client, values
   void *library_ = nullptr;
   struct Functions;
   Functions *f_ = nullptr;

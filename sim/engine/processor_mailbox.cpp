@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host's end of the mailbox: see mailbox_host.h.
+// The host's end of the mailbox, firmware/ports/mailbox.h: requests, and what the firmware reports.
 
-#include "mailbox_host.h"
+#include "processor.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -24,17 +24,33 @@ constexpr double kAnswerS = 1.0;
 
 }  // namespace
 
-void MailboxHost::start() {
+void Processor::start() {
   const int64_t end = machine_.clock() + machine_.clocks(kStartS);
   while (!up_ && machine_.clock() < end && !machine_.failed()) step(end);
   if (!up_) throw std::runtime_error("the firmware does not come up");
 }
 
-bool MailboxHost::busy() const {
+uint32_t Processor::word(size_t offset) const {
+  const uint8_t *m = memory_ + MAILBOX_BASE + offset;
+  return static_cast<uint32_t>(m[0]) << 24 | static_cast<uint32_t>(m[1]) << 16 |
+         static_cast<uint32_t>(m[2]) << 8 | m[3];
+}
+
+void Processor::set_word(size_t offset, uint32_t value) {
+  uint8_t *m = memory_ + MAILBOX_BASE + offset;
+  for (int n = 3; n >= 0; --n, value >>= 8) m[n] = static_cast<uint8_t>(value);
+}
+
+void Processor::ring() {
+  doorbell_ = 1;
+  set_level();
+}
+
+bool Processor::busy() const {
   return word(FIELD(posted)) != word(FIELD(done));
 }
 
-void MailboxHost::post(uint32_t what, int client, uint32_t a, const void *data, size_t bytes) {
+void Processor::post(uint32_t what, int client, uint32_t a, const void *data, size_t bytes) {
   set_word(FIELD(call), what);
   set_word(FIELD(client), static_cast<uint32_t>(client));
   set_word(FIELD(a), a);
@@ -49,7 +65,7 @@ void MailboxHost::post(uint32_t what, int client, uint32_t a, const void *data, 
   ring();
 }
 
-int MailboxHost::call(uint32_t what, int client, uint32_t a, void *data, size_t in, size_t out) {
+int Processor::call(uint32_t what, int client, uint32_t a, void *data, size_t in, size_t out) {
   const int64_t end = machine_.clock() + machine_.clocks(kAnswerS);
   const auto late = [&] { return dead_ || machine_.clock() >= end || machine_.failed(); };
   asks_ = true;
@@ -65,7 +81,7 @@ int MailboxHost::call(uint32_t what, int client, uint32_t a, void *data, size_t 
 }
 
 // At once: the mailbox belongs to the next request after this.
-void MailboxHost::collect(Request &request) {
+void Processor::collect(Request &request) {
   request.done = true;
   request.result = static_cast<int>(word(FIELD(result)));
   if (request.result < 0 || !request.data) return;
@@ -80,7 +96,7 @@ void MailboxHost::collect(Request &request) {
   }
 }
 
-void MailboxHost::post_write(int client, const std::vector<int32_t> &values) {
+void Processor::post_write(int client, const std::vector<int32_t> &values) {
   if (busy() && asks_) return;  // the process asks for something else, and waits for that
   if (busy()) {
     pending_ = values;
@@ -91,18 +107,18 @@ void MailboxHost::post_write(int client, const std::vector<int32_t> &values) {
        4 * values.size());
 }
 
-void MailboxHost::stop() {
+void Processor::stop() {
   set_word(FIELD(stop), word(FIELD(stop)) + 1);
   ring();
 }
 
-void MailboxHost::watch(uint32_t us) {
+void Processor::watch(uint32_t us) {
   set_word(FIELD(quiet_us), us);
   ring();
 }
 
 // What the firmware published, as the native driver would hold it.
-void MailboxHost::mirror() {
+void Processor::mirror() {
   mirror_->joints = static_cast<int>(std::min<uint32_t>(word(FIELD(joints)), MAILBOX_AXES));
   int32_t stats[6];
   for (size_t n = 0; n < 6; ++n) stats[n] = static_cast<int32_t>(word(FIELD(stats) + 4 * n));
@@ -124,7 +140,7 @@ void MailboxHost::mirror() {
   }
 }
 
-void MailboxHost::report(uint32_t what) {
+void Processor::report(uint32_t what) {
   switch (what) {
     case MAILBOX_UP:
       up_ = 1;
@@ -168,10 +184,10 @@ void MailboxHost::report(uint32_t what) {
   }
 }
 
-std::string MailboxHost::text() const {
+std::string Processor::text() const {
   std::string out;
   for (size_t n = 0; n < MAILBOX_TEXT; ++n) {
-    const char c = static_cast<char>(byte(FIELD(text) + n));
+    const char c = static_cast<char>(memory_[MAILBOX_BASE + FIELD(text) + n]);
     if (c == 0) break;
     out += c;
   }
