@@ -7,6 +7,7 @@ did (bus.csv) is what was seen.
 """
 
 import csv
+import os
 from pathlib import Path
 
 import cocotb
@@ -15,13 +16,14 @@ from cocotb.utils import get_sim_time
 from cocotbext.pcbus import PcBus, PcBusMonitor
 from cocotbext.vme import VmeBus, VmeMonitor
 
-from cocotb_tests.lib.req import slow, test, variants
+from cocotb_tests.lib.req import test
 from mmcs import regs
 
 TOPLEVEL = "mmcs_tb"
 RUN = "lab500 --set motion.0.at=0.005 --set duration={} --bus --out run"
-VARIANTS = {"brief": {"NumCards": 1}, "second": {"NumCards": 1}}
-DPI = {"brief": RUN.format(0.03), "second": RUN.format(1.0)}
+PASSES = 1000 if os.environ.get("MMCS_LONG") == "1" else 100  # of the servo, 1 ms each
+PARAMETERS = {"NumCards": 1}
+DPI = {"": RUN.format(PASSES / 1000)}
 
 CLK_NS = 125
 FIRST_CLK = 64  # of the engine, counted from the first edge
@@ -169,15 +171,6 @@ async def watch(dut, passes: int):
 
 
 @test("VME-3", "VME-4", "VME-5", "MAP-1", "PCB-1", "INT-1", "INT-2", "FW-1")
-@variants("brief")
 async def everything_the_firmware_does_keeps_the_rules(dut):
-    """From power-on over thirty servo passes."""
-    await watch(dut, 28)
-
-
-@test("VME-3", "VME-4", "VME-5", "MAP-1", "PCB-1", "INT-1", "INT-2", "FW-1")
-@slow
-@variants("second")
-async def a_whole_servo_second_keeps_the_rules(dut):
-    """The same over a thousand passes."""
-    await watch(dut, 990)
+    """From power-on over a hundred servo passes; MMCS_LONG=1: a thousand."""
+    await watch(dut, PASSES - 10)
