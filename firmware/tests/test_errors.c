@@ -173,22 +173,6 @@ TEST(test_panic_while_both_indexes_are_latched, "DRV-8 DRV-12") {
   CHECK_EQ(strcmp(said, "mc: PANIC: button, cable or power\n"), 0);
 }
 
-/* Whenever an SCLOCK follows the stop: its PANIC may be seen by the last SCLOCK that forgives it.
- */
-TEST(test_own_panic_is_forgiven_at_any_interval, "DRV-6 DRV-9") {
-  for (int us = 9000; us < 40000; us += 2426) {
-    for (int phase = 0; phase < us; phase += us / 20) {
-      struct mc *mc = mock_open(&m, 1);
-      call(mc, MSETINTERVAL, us);
-      call(mc, MENABLE, 0);
-      mock_run(&m, phase);
-      call(mc, MSTOP, 0);
-      mock_run(&m, 200000);
-      CHECK_EQ(mc_stats_of(mc)->panics, 0);
-    }
-  }
-}
-
 TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
   for (int after = 40; after < 80; after += 2) {
     struct mc *mc = enabled(1);

@@ -84,27 +84,6 @@ TEST(test_an_enabled_machine_starts_afresh_at_enable, "DRV-9 DRV-10") {
   CHECK(strstr(said, "mc: enable: card 0 does not answer\n") != NULL);
 }
 
-TEST(test_what_axes_hold_at_the_first_pass, "DRV-9") {
-  static const int modes[] = {MD_OFF, MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_POS};
-  struct mc *mc = opened(3);
-  for (int axis = 0; axis < 6; axis++) {
-    set_mode(mc, axis, modes[axis]);
-    m.card[axis / 2].count[axis & 1] = (uint16_t)(500 + axis);
-  }
-  mock_run(&m, 4100);
-  CHECK_EQ(enable(mc), 0);
-  for (int axis = 0; axis < 6; axis++) {
-    CHECK_EQ(mc_setpoint(mc, axis), modes[axis] == MD_POS ? 500 + axis : 0);
-    CHECK_EQ(mock_dac(&m, axis), 0x800);
-    CHECK_EQ(mc_state_of(mc, axis)->vel, 0);
-  }
-  DEMAND(mc, 4000);
-  m.card[0].count[1] = 501 + 20;
-  mock_run(&m, 4100);
-  CHECK_EQ(mc_setpoint(mc, 1), 501);
-  CHECK_EQ(mock_dac(&m, 1), 0x800 - 20);
-}
-
 /* The low byte is written only where the heartbeat lives: a dead one must not start again. */
 TEST(test_stop_traffic, "DRV-6 DRV-9 PAN-2") {
   for (unsigned live = 0; live < 16; live++) {

@@ -369,7 +369,8 @@ static int model_ioctl(int i, uint32_t request, union argument *arg, int good) {
       return 0;
     case MSETPOINT:
       if (value < 0 || value >= s.joints) return -MC_EINVAL;
-      return model_set(value, 1, &arg->setpoint.value);
+      int32_t one = arg->setpoint.value;
+      return model_set(value, 1, &one);
     case MGETNUMCARDS:
       arg->words[0] = AXES / 2;
       break;

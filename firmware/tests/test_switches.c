@@ -26,6 +26,11 @@ TEST(test_a_new_interval_keeps_the_grace_of_a_stop, "DRV-6 DRV-9") {
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &bad), -MC_EINVAL);
     CHECK_EQ(mc->grace, 1);
   }
+  struct mc *mc = mock_open(&m, 1);
+  unsigned slow = 25001;
+  CHANGE(mc, 1, par.clkdivisor = 2);
+  CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &slow), -MC_EINVAL);
+  CHECK(strstr(m.last_log, "interval: axis 1") != NULL);
 }
 
 static int moves, mover;
