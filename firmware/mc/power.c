@@ -191,9 +191,13 @@ static int check_counts(struct mc *mc) {
   return -MC_EBUSY;
 }
 
-/* Our own stop may still be raising PANIC: wait until all heartbeats are dead. */
+/* Our own stop may still be raising PANIC: wait until all heartbeats are dead, and an SCLOCK has
+ * seen it. */
 static void wait_for_silence(struct mc *mc) {
-  for (uint32_t us = 0; us < MC_HEARTBEAT_US && mc->grace > 0; us += 1000) {
+  uint32_t interval = mc->interval_us < MC_SERVO_US ? mc->interval_us : MC_SERVO_US;
+  uint32_t most = MC_SERVO_US + interval + 1000;
+  if (most < MC_HEARTBEAT_US) most = MC_HEARTBEAT_US;
+  for (uint32_t us = 0; us < most && mc->grace > 0; us += 1000) {
     mc->os.delay_us(mc->os.ctx, 1000);
   }
   mc->grace = 0;

@@ -118,6 +118,27 @@ TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
 
 /* --- parameters ------------------------------------------------------------------------------ */
 
+TEST(test_parameters_have_bounds, "DRV-3 HB-2") {
+  struct mc *mc = mock_open(&m, 1);
+  struct mc_param par, good = param_of(mc, 1);
+  const struct {
+    int *member, last, beyond;
+  } cases[] = {{&par.which, 0, -1},       {&par.which, 1, 2},
+               {&par.b0, 1, 0},           {&par.clkdivisor, 1, 0},
+               {&par.clkdivisor, 25, 26}, /* 50 ms: the heartbeats' */
+               {&par.ipole, 0, -1},       {&par.ipole, MC_FSCALE - 1, MC_FSCALE},
+               {&par.ilim, 0, -1},        {&par.ilimax, 0, -1}};
+  for (unsigned i = 0; i < COUNT(cases); i++) {
+    par = good;
+    *cases[i].member = cases[i].beyond;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), -MC_EINVAL);
+    *cases[i].member = cases[i].last;
+    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  }
+  call(mc, MSETINTERVAL, 60000); /* a single SCLOCK may last longer */
+  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &good), 0);
+}
+
 TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   DEMAND(mc, 70, 80);
