@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.drive import Pins, expect
+from cocotb_tests.checkers.drive import BENCH, Pins, expect
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "pcbus_checker"
-SOURCES = ("../../rtl/checkers/pcbus_checker.sv",)
-PARAMETERS = {"Stop": 0, "MaxClks": 14, "NumCards": 3}
+TOPLEVEL, SOURCES = BENCH
+CHECKER = "pcbus_checker"
 
 
 def read(clocks=4, drivers=1, address=0x304) -> str:
@@ -37,7 +36,7 @@ FAULTS = {
 
 @test("PCB-1", "MAP-1")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut), GOOD)
+    await expect(Pins(dut, CHECKER), GOOD)
     assert not int(dut.conflict_o.value)
 
 
@@ -45,10 +44,10 @@ async def good_cycles_break_nothing(dut):
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
     rule, stimulus = FAULTS[fault]
-    await expect(Pins(dut), stimulus, rule)
+    await expect(Pins(dut, CHECKER), stimulus, rule)
 
 
 @test("PCB-2")
 async def two_cards_that_answer_are_told(dut):
-    await expect(Pins(dut), read(drivers=5))
+    await expect(Pins(dut, CHECKER), read(drivers=5))
     assert int(dut.conflict_o.value)

@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.drive import Timed
+from cocotb_tests.checkers.drive import BENCH, Timed
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "pcbus_timing"
-SOURCES = ("../../rtl/checkers/pcbus_timing.sv",)
-PARAMETERS = {"Stop": 0, "LongestNs": 1875}
+TOPLEVEL, SOURCES = BENCH
+CHECKER = "pcbus_timing"
 NAMES = [
     "addr_setup", "command", "longest", "addr_hold", "data_setup", "data_hold", "read_setup",
     "recovery",
@@ -60,7 +59,7 @@ FAULTS = {
 
 @test("PCB-1")
 async def limits_met_exactly_are_good(dut):
-    b = await Bus(dut, NAMES).start()
+    b = await Bus(dut, CHECKER, NAMES).start()
     for write in (WRITE, READ, WRITE, READ):
         await b.cycle(write)
     await b.cycle(WRITE, command=1875)
@@ -73,7 +72,7 @@ async def limits_met_exactly_are_good(dut):
 @cocotb.parametrize(name=list(FAULTS))
 async def limit_goes_red(dut, name):
     write, times = FAULTS[name]
-    b = await Bus(dut, NAMES).start()
+    b = await Bus(dut, CHECKER, NAMES).start()
     await b.cycle(write, pause=200)
     await b.cycle(write, **times)
     if name == "addr_setup":

@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.drive import Pins, expect
+from cocotb_tests.checkers.drive import BENCH, Pins, expect
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "vme_claim_checker"
-SOURCES = ("../../rtl/checkers/vme_claim_checker.sv",)
-PARAMETERS = {"Stop": 0}
+TOPLEVEL, SOURCES = BENCH
+CHECKER = "vme_claim_checker"
 OURS = 0x6409 >> 1
 LEVEL_5 = 0x7F & ~(1 << 4)
 
@@ -53,11 +52,11 @@ FAULTS = {
 
 @test("VME-1", "VME-2", "INT-2")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut), GOOD)
+    await expect(Pins(dut, CHECKER), GOOD)
 
 
 @test("VME-1", "VME-2", "INT-2")
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
     rule, stimulus = FAULTS[fault]
-    await expect(Pins(dut), stimulus, rule)
+    await expect(Pins(dut, CHECKER), stimulus, rule)

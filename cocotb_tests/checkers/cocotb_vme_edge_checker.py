@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.drive import broken_by
+from cocotb_tests.checkers.drive import BENCH, broken_by
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "vme_edge_checker"
-SOURCES = ("../../rtl/checkers/vme_edge_checker.sv",)
-PARAMETERS = {"Stop": 0}
+TOPLEVEL, SOURCES = BENCH
+CHECKER = "vme_edge_checker"
 NAMES = ["strobed", "dtack_ours", "stays", "off", "drive_ours", "inside", "fate"]
 # Stimuli in ns. The last instant is judged by the next.
 END = """ds_ni=3 d_oe_o=0 10 as_ni=1 iackin_ni=1 iackout_no=1 dtack_no=1 iack_ni=1 10
@@ -36,11 +35,11 @@ FAULTS = {
 @test("VME-3", "INT-2")
 async def what_is_right_breaks_nothing(dut):
     for stimulus in (READ, f"{ACKNOWLEDGE} {ANSWER}", PASS):
-        assert await broken_by(dut, NAMES, f"{stimulus} {END}") == [], stimulus
+        assert await broken_by(dut, CHECKER, NAMES, f"{stimulus} {END}") == [], stimulus
 
 
 @test("VME-3", "INT-2")
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
     rules, stimulus = FAULTS[fault]
-    assert await broken_by(dut, NAMES, f"{stimulus} {END}") == rules
+    assert await broken_by(dut, CHECKER, NAMES, f"{stimulus} {END}") == rules

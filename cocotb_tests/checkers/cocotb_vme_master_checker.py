@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.drive import Pins, expect
+from cocotb_tests.checkers.drive import BENCH, Pins, expect
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "vme_master_checker"
-SOURCES = ("../../rtl/checkers/vme_master_checker.sv",)
-PARAMETERS = {"Stop": 0}
+TOPLEVEL, SOURCES = BENCH
+CHECKER = "vme_master_checker"
 OURS = 0x6409 >> 1
 BEGIN, BREAK_OFF = "1 as_ni=0 1 ds_ni=2 3", "as_ni=1 ds_ni=3"
 END = f"dtack_no=0 2 {BREAK_OFF} iackin_ni=1 iack_ni=1 2 dtack_no=1 write_ni=1 2"
@@ -32,11 +31,11 @@ FAULTS = {
 
 @test("VME-3", "VME-6")
 async def good_cycles_break_nothing(dut):
-    await expect(Pins(dut, vme_a_i=OURS), GOOD)
+    await expect(Pins(dut, CHECKER, vme_a_i=OURS), GOOD)
 
 
 @test("VME-3", "VME-6")
 @cocotb.parametrize(fault=list(FAULTS))
 async def rule_goes_red(dut, fault):
     rule, stimulus = FAULTS[fault]
-    await expect(Pins(dut, vme_a_i=OURS), stimulus, rule)
+    await expect(Pins(dut, CHECKER, vme_a_i=OURS), stimulus, rule)

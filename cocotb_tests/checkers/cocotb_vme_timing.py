@@ -3,12 +3,11 @@
 
 import cocotb
 
-from cocotb_tests.checkers.drive import broken_by
+from cocotb_tests.checkers.drive import BENCH, broken_by
 from cocotb_tests.lib.req import test
 
-TOPLEVEL = "vme_timing"
-SOURCES = ("../../rtl/checkers/vme_timing.sv",)
-PARAMETERS = {"Stop": 0}
+TOPLEVEL, SOURCES = BENCH
+CHECKER = "vme_timing"
 NAMES = [
     "addr_setup", "as_high", "write_setup", "data_setup", "as_to_ds", "ds_skew", "ds_high",
     "addr_hold", "data_hold", "strobe_hold", "next_strobe", "ds_to_dtack", "answer",
@@ -76,10 +75,10 @@ FAULTS = {
 
 @test("VME-3")
 async def limits_met_exactly_are_good(dut):
-    assert await broken_by(dut, NAMES, GOOD) == []
+    assert await broken_by(dut, CHECKER, NAMES, GOOD) == []
 
 
 @test("VME-3")
 @cocotb.parametrize(name=list(FAULTS))
 async def limit_goes_red(dut, name):
-    assert await broken_by(dut, NAMES, FAULTS[name]) == (ALSO.get(name) or [name])
+    assert await broken_by(dut, CHECKER, NAMES, FAULTS[name]) == (ALSO.get(name) or [name])

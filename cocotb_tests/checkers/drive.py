@@ -7,6 +7,12 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
 from cocotb_tests.lib.play import play
 
+BENCH = (
+    "bench_checkers",
+    ("bench_checkers.sv", *(f"../../rtl/checkers/{file}.sv" for file in (
+        "pcbus_checker", "pcbus_timing", "vme_claim_checker", "vme_edge_checker",
+        "vme_master_checker", "vme_slave_checker", "vme_timing"))),
+)  # fmt: skip
 # Both buses at rest.
 IDLE = {
     "vme_a_i": 0, "vme_am_i": 0x29, "vme_as_ni": 1, "vme_ds_ni": 3, "vme_write_ni": 1,
@@ -21,8 +27,8 @@ IDLE = {
 class Pins:
     """The inputs of a checker. Changes are made on falling edges, far from any sampling."""
 
-    def __init__(self, dut, **others: int):
-        self.dut = dut
+    def __init__(self, dut, checker: str, **others: int):
+        self.dut, self.checker = dut, checker
         self.idle = {name: v for name, v in IDLE.items() if hasattr(dut, name)} | others
 
     async def start(self):
@@ -46,23 +52,29 @@ class Pins:
 
     async def play(self, text: str) -> None:
         """As play() says; a pin without the prefix of its bus."""
-        full = {name.removeprefix("vme_").removeprefix("pc_"): name for name in self.idle}
+        others = "pc_" if self.checker.startswith("vme_") else "vme_"
+        names = [name for name in self.idle if not name.startswith(others)]
+        full = {name.removeprefix("vme_").removeprefix("pc_"): name for name in names}
         await play(text, lambda name, value: self.put(**{full[name]: value}), self.wait)
 
     async def broken(self) -> set[int]:
         await RisingEdge(self.dut.clk_i)
         await RisingEdge(self.dut.clk_i)
         await ReadOnly()
-        bits = int(self.dut.broken_o.value)
+        bits = self.bits()
         await FallingEdge(self.dut.clk_i)
-        return {n for n in range(len(self.dut.broken_o)) if bits >> n & 1}
+        return {n for n in range(bits.bit_length()) if bits >> n & 1}
+
+    def bits(self) -> int:
+        """The rules that the checker reports, one bit each."""
+        return int(getattr(self.dut, f"{self.checker}_o").value)
 
 
 class Timed(Pins):
     """Of a checker of times: nanosecond by nanosecond, and rules by name."""
 
-    def __init__(self, dut, names: list[str]):
-        super().__init__(dut)
+    def __init__(self, dut, checker: str, names: list[str]):
+        super().__init__(dut, checker)
         self.names = names
 
     async def wait(self, ns: float) -> None:
@@ -82,7 +94,7 @@ class Timed(Pins):
     async def broken(self) -> list[str]:
         await Timer(1, "ns")
         await ReadOnly()
-        bits = int(self.dut.broken_o.value)
+        bits = self.bits()
         await Timer(1, "ns")
         return [name for n, name in enumerate(self.names) if bits >> n & 1]
 
@@ -96,8 +108,8 @@ async def expect(pins: Pins, stimulus: str, *rules: int) -> None:
     cocotb.log.info("broken, as it must be: %s", sorted(found))
 
 
-async def broken_by(dut, names: list[str], stimulus: str) -> list[str]:
+async def broken_by(dut, checker: str, names: list[str], stimulus: str) -> list[str]:
     """The rules, by their names, that a stimulus in ns breaks."""
-    pins = await Timed(dut, names).start()
+    pins = await Timed(dut, checker, names).start()
     await pins.play(stimulus)
     return await pins.broken()

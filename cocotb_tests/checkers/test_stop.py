@@ -13,10 +13,8 @@ TEST = "rule_goes_red/fault=0"  # a slave that pulls DTACK* with no strobe
 
 
 @pytest.mark.req("VME-3")
-@pytest.mark.parametrize("stop", [1, 0])
-def test_a_broken_rule_ends_the_run(stop):
-    job = Job(SCENE, "vme_slave_checker", "verilator", (("Stop", stop),), (CHECKER,))
-    outcome = run(job, [TEST], seed=1, worker=f"stop{stop}")[TEST]
-    assert outcome.passed != bool(stop), outcome.text
-    if stop:
-        assert "DTACK* falls only while a data strobe is low" in outcome.log.read_text()
+def test_a_broken_rule_ends_the_run():
+    job = Job(SCENE, "vme_slave_checker", "verilator", (), (CHECKER,))
+    outcome = run(job, [TEST], seed=1)[TEST]
+    assert not outcome.passed
+    assert "DTACK* falls only while a data strobe is low" in outcome.log.read_text()
