@@ -3,7 +3,7 @@
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, Combine, RisingEdge, Timer, ValueChange
+from cocotb.triggers import ClockCycles, RisingEdge, Timer, ValueChange, gather
 from cocotbext.analog import AnalogSink
 from cocotbext.quadrature import Pins, QuadratureSource
 
@@ -13,15 +13,10 @@ GOALS, NEAR, GP1, LIMIT = (200, -120), 4, 8, 300  # SCLOCKs in which the program
 class Motor:
     """What a code of the D/A drives against viscous friction; counts on the encoder's pins."""
 
-    def __init__(self, dut, lane: int):
-        pins = (Pins(h) for h in (dut.enc_a, dut.enc_b, dut.enc_i))
+    def __init__(self, dut, pins: list, lane: int):
         self.encoder = QuadratureSource(*pins, lane)
-        self.sink, self.drives, self.position, self.speed = (
-            AnalogSink(dut.drive_v, lane),
-            set(),
-            0,
-            0,
-        )
+        self.sink, self.drives = AnalogSink(dut.drive_v, lane), set()
+        self.position = self.speed = 0
 
     async def step(self) -> None:
         drive = self.sink.raw()
@@ -47,7 +42,8 @@ async def the_processor_moves_two_motors(dut):
     """LiteX's CPU runs the driver: interrupt, Wishbone, card, D/A, encoder, and back."""
     dut.rst.value, dut.axis_enable.value = 1, 3
     dut.estop_closed.value, dut.pc_power.value = 1, 1
-    motors = [Motor(dut, lane) for lane in range(2)]
+    pins = [Pins(handle) for handle in (dut.enc_a, dut.enc_b, dut.enc_i)]
+    motors = [Motor(dut, pins, lane) for lane in range(2)]
     Clock(dut.clk, 41.666, "ns").start()
     await ClockCycles(dut.clk, 8)
     dut.rst.value = 0
@@ -58,7 +54,7 @@ async def the_processor_moves_two_motors(dut):
         await RisingEdge(dut.sclock)
         await ClockCycles(dut.clk, 12)
         assert not said, f"the program on LiteX's processor ends with: {'; '.join(said)}"
-        await Combine(*(cocotb.start_soon(motor.step()) for motor in motors))
+        await gather(*(motor.step() for motor in motors))
         if int(dut.card_leds.value) >> GP1 & 1:
             break
     positions = [motor.position for motor in motors]
