@@ -25,6 +25,7 @@ BY_BIT = ("$and", "$or", "$xor", "$xnor", "$not", "$mux")
 EXEMPT = {  # pin or flip-flop: why it may be read as it is
     "dip*": "switches that stand while the power is on",
     "adc_v_i": "a number in place of a voltage",
+    "pcx_d*": "a card's data stand until IOR# ends, which takes them",
     "adc_dout": "follows SCLK, half of whose period it stands before it is taken",
     "*.u_bus_slave.bus_*_q": "taken at DS0* or AS*; read once `sync` has seen the strobe",
     "*.u_bus_interrupter.respond_q": "stands from IACKIN* to its end, as does the next",
@@ -73,9 +74,9 @@ class Net:
         return frozenset(found)
 
     def of_pins(self, bits) -> list[str]:
-        """Names of the pins in it that are no clock."""
+        """Names of the pins in it, less clocks and the reset of rtl/mmcs.sv, ended by one."""
         names = [self.pins[b] for b in bits if b in self.pins]
-        return [n for n in names if "clk" not in n]
+        return [n for n in names if "clk" not in n and n != "rst_ni"]
 
     def complaints(self) -> set[str]:
         domains = {clock: self.sources(clock) for clock, *_ in self.flops.values()}
