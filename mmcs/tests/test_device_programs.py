@@ -61,6 +61,14 @@ def served(mc0, tmp_path):
             server.kill()
 
 
+def started(text, env):
+    """A program that has said that it has the device open."""
+    child = subprocess.Popen([sys.executable, "-c", text], env=env, text=True, cwd=ROOT,
+                             stdin=subprocess.PIPE, stdout=subprocess.PIPE)  # fmt: skip
+    assert child.stdout.readline() == "open\n"
+    return child
+
+
 def test_an_alarm_comes_through_when_the_server_is_stopped(served):
     server, env = served
     text = """
@@ -71,15 +79,28 @@ input()
 signal.setitimer(signal.ITIMER_REAL, 0.01)
 os.read(fd, 56)
 """
-    child = subprocess.Popen([sys.executable, "-c", text], env=env, text=True,
-                             stdin=subprocess.PIPE, stdout=subprocess.PIPE)  # fmt: skip
-    assert child.stdout.readline() == "open\n"
-    server.send_signal(signal.SIGSTOP)
-    child.stdin.write("\n")
-    child.stdin.flush()
-    assert child.wait(60) == -signal.SIGALRM
-    child.stdin.close()
-    child.stdout.close()
+    with started(text, env) as child:
+        server.send_signal(signal.SIGSTOP)
+        child.stdin.write("\n")
+        child.stdin.flush()
+        assert child.wait(60) == -signal.SIGALRM
+
+
+@pytest.mark.req("DRV-3")
+def test_a_killed_server_gives_eio(served):
+    server, env = served
+    text = """
+import os
+fd = os.open("/dev/mc0", os.O_RDWR)
+print("open", flush=True)
+try:
+    while os.read(fd, 56): pass
+except OSError as error:
+    print(error.errno, flush=True)
+"""
+    with started(text, env) as child:
+        server.kill()
+        assert child.communicate()[0] == "5\n"
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
@@ -100,14 +121,10 @@ while True:
     if not os.path.exists(os.environ["MMCS_SOCKET"]):
         break
 """
-    child = subprocess.Popen(
-        [sys.executable, "-c", text], env=env, text=True, stdout=subprocess.PIPE, cwd=ROOT
-    )
-    assert child.stdout.readline() == "open\n"
-    server.send_signal(number)
-    assert server.wait(60) == 0
-    child.wait(60)
-    child.stdout.close()
+    with started(text, env) as child:
+        server.send_signal(number)
+        assert server.wait(60) == 0
+        child.wait(60)
     assert not list(mc0.parent.iterdir())
 
 

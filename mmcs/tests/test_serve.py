@@ -1,19 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server itself: its socket, its name, its death."""
 
-import signal
 import socket
-import subprocess
-import sys
 
 import pytest
 
-from mmcs import ROOT
 from mmcs.device import pace
-from mmcs.device.execute import environment
 from mmcs.device.sockets import Name
 from mmcs.errors import InputError
-from mmcs.tests.device_bench import SANITIZED, Bench, Clock, write_scenario
+from mmcs.tests.device_bench import Bench, Clock
 
 
 def test_socket_is_private_and_the_name_taken_once(mc0):
@@ -96,34 +91,3 @@ def test_real_time_and_standstill(tmp_path, monkeypatch):
         for _ in range(8):
             bench.server.step()
         assert bench.sim.time - simulated <= 1.001 * pace.CHUNK_MAX_S
-
-
-@pytest.mark.req("DRV-3")
-def test_killed_server_gives_eio(mc0, tmp_path):
-    command = [sys.executable, "-m", "mmcs", "serve", str(write_scenario(tmp_path))]
-    text = """
-import os
-fd = os.open("/dev/mc0", os.O_RDWR)
-print("open", flush=True)
-try:
-    while os.read(fd, 56): pass
-except OSError as error:
-    print(error.errno, flush=True)
-"""
-    for _ in range(2):  # the second takes over the socket that the first one left
-        server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
-        client = None
-        try:
-            assert "serving" in server.stdout.readline()
-            env = environment(mc0, SANITIZED)
-            client = subprocess.Popen(
-                [sys.executable, "-c", text], env=env, stdout=subprocess.PIPE, text=True
-            )
-            assert client.stdout.readline() == "open\n"
-            server.send_signal(signal.SIGKILL)
-            assert client.communicate()[0] == "5\n"
-        finally:  # a failure above must not leave anything to wait for
-            for process in filter(None, (server, client)):
-                process.kill()
-                process.wait()
-                process.stdout.close()

@@ -10,7 +10,7 @@ from mmcs import mcdef
 from mmcs.device.wire import IOCTL, WRITE
 from mmcs.tests.raw import Raw, holding, stop_line
 
-ROUNDS = 10_000
+ROUNDS = 2000
 FLOODERS = 15
 pytestmark = pytest.mark.usefixtures("unsignalled")
 
@@ -26,7 +26,7 @@ def program(bench):
 
 @pytest.mark.req("DRV-9")
 def test_a_stop_acts_in_the_first_step_that_could_read_it(bench, monkeypatch):
-    """Under fifteen flooding clients, ten thousand times; each time a snapshot gives back the
+    """Under fifteen flooding clients, two thousand times; each time a snapshot gives back the
     machine as it was, under power and holding."""
     programs = [Raw(bench) for _ in range(FLOODERS)]
     holding(bench, programs[0])

@@ -72,9 +72,19 @@ def test_log_and_bus_cycles_are_the_engines(tmp_path, scenario):
 
 @pytest.mark.slow
 @pytest.mark.req("FW-1", "API-1")
-@pytest.mark.parametrize("scenario", [*WHOLE, *FAULTS])
+@pytest.mark.parametrize("scenario", WHOLE)
 def test_whole_scenarios_are_the_engines(tmp_path, scenario):
     assert differing(scenario, tmp_path, CARDS[scenario]) == []
+
+
+@pytest.mark.slow
+@pytest.mark.req("FW-1", "API-1")
+@pytest.mark.parametrize("scenario", FAULTS)
+def test_faults_are_the_engines(tmp_path, scenario):
+    """Until 0.1 s after the last event: the heartbeats end 50 ms after it."""
+    ends = [event.until or event.at for event in load(scenario).scenario.event]
+    sets = ("expect=[]", f"duration={max(ends, default=0.1) + 0.1:g}")
+    assert differing(scenario, tmp_path, 3, sets) == []
 
 
 @pytest.mark.req("FW-1")

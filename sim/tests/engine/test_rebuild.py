@@ -14,12 +14,12 @@ BOARDS = "boards/parts boards/rack wires_c3/wires speed_c3/kind"
 # A file, and objects that are compiled of it.
 MADE_OF = {
     "sim/abi/mmcs_sim.h": "obj/engine obj/service",
-    "sim/model/wires.h": "boards/rack wires_c3/wires obj/engine",
+    "sim/model/wires.h": "boards/rack boards/shared wires_c3/wires",
     "sim/model/board.h": "boards/parts boards/rack",
     "sim/model/cache.h": "boards/rack",
     "sim/engine/sim.h": "obj/engine",
     "sim/plant/encoder.h": "obj/engine",
-    "firmware/mc/mc.h": "obj/engine obj/mc/hw obj/mc/ioctl obj/mc/servo",
+    "firmware/mc/mc.h": "obj/engine obj/mc/hw obj/mc/ioctl obj/mc/timer",
     "rtl/mark1/axis.sv": BOARDS,
     "rtl/mmcs_assert.svh": BOARDS,
     "rtl/mmcs.sv": BOARDS,
