@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The mc driver on LiteX's processor: brings both joints to a count, then lights gp1 of the card. */
+/* The mc driver on LiteX's processor: brings both joints to a count, then lights gp1 of the card.
+ */
 #include <generated/csr.h>
 #include <generated/mem.h>
 #include <generated/soc.h>

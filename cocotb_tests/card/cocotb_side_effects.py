@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: one test for each thing that must not happen, on three hosts.
 """What must not happen on a card: reads that write, latches that update, slow relays. §5.3"""
 
 import cocotb

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: one random case and the rules that judge it at every instant.
 """The adaptor on a VMEbus whose lines change at any time against each other and the clock. §4.3
 
 Each wire of the bus comes up to 5 ns early or late, the synchronisers take an input that changed

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* Length: one model of every call of the manual. */
 /* Random calls of the driver, of which a model of the manual says what each must answer. §2.3
  *
  * `driver_tests test_random_calls N SEED` makes other ones, `driver_tests NAME HEX` those that the

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: one test for each kind of message.
 """The messages beside a program: device, lease, inputs, pace, the past, the stream."""
 
 import itertools

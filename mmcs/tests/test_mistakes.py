@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: one row for each class of bad input.
 """Every class of bad input, each with the exact line that a user sees, and status 2. Where a line
 ends in a space, more of it follows: what is allowed."""
 

@@ -87,7 +87,6 @@ class Machine {
     return true;
   }
 
-
   // Clock and joint angles at the last rising edge of SCLOCK.
   int64_t sample_clock() const { return sample_clock_; }
   const std::vector<double> &sample_angles() const { return sample_angles_; }
