@@ -228,27 +228,13 @@ static uint8_t card_read(struct mock *m, struct mock_card *c, unsigned reg) {
   if (!c->present) return 0xFF;
   c->written = -1;
   if (reg < 4 || reg > 7) c->paired = -1;
-  switch (reg) {
-    case 0:
-      return c->a;
-    case 1:
-      return c->b;
-    case 2:
-      return port_c(m, c);
-    case 4:
-    case 5:
-    case 6:
-    case 7:
-      return read_encoder(c, reg);
-    case 0xC:
-      return (uint8_t)c->adc[0];
-    case 0xD:
-      return (uint8_t)c->adc[1];
-    case 0xE:
-      return (uint8_t)(c->adc[0] >> 8 | (c->adc[1] >> 8) << 4);
-    default:
-      return 0xFF;
-  }
+  if (reg == 0) return c->a;
+  if (reg == 1) return c->b;
+  if (reg == 2) return port_c(m, c);
+  if (reg >= 4 && reg <= 7) return read_encoder(c, reg);
+  if (reg == 0xC || reg == 0xD) return (uint8_t)c->adc[reg & 1];
+  if (reg == 0xE) return (uint8_t)(c->adc[0] >> 8 | (c->adc[1] >> 8) << 4);
+  return 0xFF;
 }
 
 static void card_write(struct mock *m, struct mock_card *c, unsigned reg, uint8_t v) {

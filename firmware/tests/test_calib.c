@@ -84,30 +84,20 @@ TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
   }
 }
 
-TEST(test_two_at_once_are_one_signal, "DRV-5 DRV-8") {
-  struct mc *mc = mock_open(&m, 2);
-  call(mc, MCALIB, 1);
-  call(mc, MCALIB, 2);
-  pass_index(&m, 1, 11);
-  pass_index(&m, 2, 22);
-  mock_pass(&m);
-  CHECK_EQ(errcode_of(&m, 1), 11 << 16 | 1 << 8 | MERR_ZINDEX);
-  CHECK_EQ(errcode_of(&m, 2), 22 << 16 | 2 << 8 | MERR_ZINDEX);
-  CHECK_EQ(m.signals[0], 1);
-}
-
 /* Port C then reads as an absent card's does. */
-TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-7 DRV-8") {
-  struct mc *mc = mock_open(&m, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-5 DRV-7 DRV-8") {
+  struct mc *mc = mock_open(&m, 2);
+  CHECK_EQ(enable(mc), 0);
   call(mc, MCALIB, 0);
   call(mc, MCALIB, 1);
+  call(mc, MCALIB, 2);
   mock_run(&m, 200);
-  pass_index(&m, 0, 11);
-  pass_index(&m, 1, 22);
+  for (int axis = 0; axis < 3; axis++) pass_index(&m, axis, (uint16_t)(11 * (axis + 1)));
   mock_pass(&m);
   CHECK_EQ(errcode_of(&m, 0), 11 << 16 | MERR_ZINDEX);
   CHECK_EQ(errcode_of(&m, 1), 22 << 16 | 1 << 8 | MERR_ZINDEX);
+  CHECK_EQ(errcode_of(&m, 2), 33 << 16 | 2 << 8 | MERR_ZINDEX);
+  CHECK_EQ(m.signals[0], 1); /* of all of them */
   CHECK_EQ(m.card[0].b, 7);
   CHECK(!mock_panic(&m));
 }
@@ -209,7 +199,7 @@ TEST(test_the_servo_sees_where_the_axis_is, "DRV-8 SRV-1") {
       for (int i = 2; i < 4; i++) {
         CHANGE(mc, i, par.mode = MD_POS, par.a0 = 2);
       }
-      CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+      CHECK_EQ(enable(mc), 0);
       call(mc, MCALIB, axis);
       for (int pass = 0; pass < 5; pass++) {
         uint16_t now = (uint16_t)(100 * pass);
@@ -270,7 +260,7 @@ TEST(test_a_stop_gives_calibrations_up, "DRV-8 DRV-9") {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = mock_open(&m, 2);
       int monitor = mc_open(mc, MC_O_RDONLY);
-      if (enabled) CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+      if (enabled) CHECK_EQ(enable(mc), 0);
       call(mc, MCALIB, 1);
       call(mc, MCALIB, 2);
       mock_run(&m, 5000);

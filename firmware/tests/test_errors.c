@@ -4,7 +4,7 @@
 
 static struct mc *enabled(int cards) {
   struct mc *mc = listening(cards);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   mock_run(&m, 10000);
   return mc;
 }
@@ -29,7 +29,7 @@ TEST(test_a_handler_that_reads_and_clears_is_done, "DRV-5") {
   struct mc *mc = listening(3);
   int handled = 0;
   call(mc, MSETNUMJOINTS, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   m.estop_open = 1;
   mock_run(&m, 5000);
   for (; handled < m.signals[0] && handled < 10; handled++) {
@@ -145,7 +145,7 @@ TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
     for (unsigned card = 0; card < 3; card++) m.card[card].present = !(cases[i].gone >> card & 1);
     m.estop_open = 1;
     mock_run(&m, 100);
-    CHECK_EQ(strcmp(said, cases[i].text), 0);
+    SAID(cases[i].text);
     int number;
     CHECK_EQ(mc_cause(mc, &number), cases[i].cause);
     CHECK_EQ(number, cases[i].number);
@@ -170,7 +170,7 @@ TEST(test_panic_while_both_indexes_are_latched, "DRV-8 DRV-12") {
   m.card[1].index[0] = m.card[1].index[1] = 1;
   m.estop_open = 1;
   mock_run(&m, 10);
-  CHECK_EQ(strcmp(said, "mc: PANIC: button, cable or power\n"), 0);
+  SAID("mc: PANIC: button, cable or power\n");
 }
 
 TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
@@ -214,7 +214,7 @@ static int cross(struct mc *mc, int count) {
 TEST(test_limits_are_told_when_asked_for, "DRV-2 DRV-6") {
   struct mc *mc = mock_open(&m, 2);
   limits(mc, 1, MD_POS | POSCHK | SOFTERR);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   for (int say = 0; say < 4; say++) {
     call(mc, MSETVERBOSITY, say);
     CHECK_EQ(cross(mc, 101), say != 0);
@@ -227,7 +227,7 @@ TEST(test_limits_are_told_when_asked_for, "DRV-2 DRV-6") {
 TEST(test_overload_is_told, "DRV-2 SRV-4") {
   struct mc *mc = mock_open(&m, 1);
   limits(mc, 1, MD_TORQ | SOFTERR);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   call(mc, MSETVERBOSITY, M_ERRORPRINT);
   int before = m.logs;
   DEMAND(mc, 0, 60);
@@ -245,7 +245,7 @@ TEST(test_the_verbose_hear_of_the_normal_course, "DRV-2") {
     call(mc, MSETVERBOSITY, say);
     CHECK_EQ(m.logs - before, lines);
     CHECK(!lines || strcmp(m.last_log, "mc: cards: 2") == 0);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     CHECK_EQ(m.logs - before, 2 * lines);
     CHECK(!lines || strcmp(m.last_log, "mc: enabled, axes: 4") == 0);
     CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
@@ -257,7 +257,7 @@ TEST(test_the_verbose_hear_of_the_normal_course, "DRV-2") {
 TEST(test_every_axis_is_watched_for_its_heartbeat, "DRV-7 DRV-12") {
   for (int axis = 0; axis < 4; axis++) {
     struct mc *mc = mock_open(&m, 2);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     mock_run(&m, 10000);
     int passes = m.passes;
     m.card[axis / 2].enabled[axis % 2] = 0;

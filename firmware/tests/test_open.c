@@ -31,7 +31,7 @@ TEST(test_attach_begins_anew, "DRV-1 DRV-2") {
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x77};
   struct mc_state state;
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, MC_O_RDWR), i);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
   CHECK_EQ(mc_joints(mc), 0);
   for (int i = 0; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_read(mc, i, &state, 28), -MC_EBADF);
@@ -166,12 +166,12 @@ TEST(test_reopened_at_once_the_own_panic_is_no_error, "DRV-6 DRV-9") {
     static const unsigned intervals[] = {2000, 500, 20000};
     struct mc *mc = mock_open(&m, 1);
     call(mc, MSETINTERVAL, intervals[gap / 500 % 3]);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     mock_run(&m, 10000);
     CHECK_EQ(mc_close(mc, 0), 0);
     mock_run(&m, gap);
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     mock_run(&m, 60000);
     CHECK_EQ(mc_stats_of(mc)->panics, 0);
     CHECK_EQ(m.releases, 2); /* the brakes held in between */
@@ -195,7 +195,7 @@ TEST(test_nothing_but_motion_moves_a_count, "DRV-2 DRV-9 DRV-10 DIA-2") {
       for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
         CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &modes[i]), 0);
         mock_run(&m, 3000);
-        if (i == 1 || i == 3) CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+        if (i == 1 || i == 3) CHECK_EQ(enable(mc), 0);
         if (i == 4) CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
         CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
         for (int j = 0; j < 2; j++) CHECK_EQ(state[j].encnow, 0x7FFE + j);
@@ -332,7 +332,7 @@ TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
     int32_t set[2] = {10, 10};
     CHECK_EQ(mc_write(mc, 0, set, 8), 8); /* before the first MENABLE, too */
     set_mode_within_100(mc, 0, MD_POS | POSCHK);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     m.estop_open = panic;
     m.card[0].count[0] = 200;
     mock_run(&m, 4000);
@@ -342,11 +342,11 @@ TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {
     CHECK_EQ(number, panic ? -1 : 0);
     said[0] = 0;
     for (int i = 0; i < 3; i++) CHECK_EQ(mc_write(mc, 0, set, 8), -MC_EIO);
-    CHECK_EQ(strcmp(said, "mc: write: shut down by an error, MENABLE first\n"), 0);
+    SAID("mc: write: shut down by an error, MENABLE first\n");
     m.estop_open = 0;
     mock_run(&m, 100000);
     set_mode_within_100(mc, 0, MD_POS);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     CHECK_EQ(mc_write(mc, 0, set, 8), 8);
   }
 }
@@ -364,13 +364,11 @@ TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
     struct mc *mc = listening(1);
     set_mode_within_100(mc, 1, cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), 0); /* at rest */
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), want);
+    CHECK_EQ(enable(mc), want);
     CHECK_EQ(mc_is_enabled(mc), !want);
-    CHECK_EQ(
-        strcmp(said, want ? "mc: enable: axis 1 needs its encoder, which M_ENDIAG cuts off\n" : ""),
-        0);
+    SAID(want ? "mc: enable: axis 1 needs its encoder, which M_ENDIAG cuts off\n" : "");
     set_mode_within_100(mc, 1, MD_OFF);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     struct mc_param par = *mc_param_of(mc, 1);
     par.mode = cases[i].mode;
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), want);

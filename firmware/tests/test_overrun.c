@@ -18,7 +18,7 @@ static struct mc *started(int mode0, int mode1, int divisor) {
   for (int axis = 0; axis < 2; axis++) {
     CHANGE(mc, axis, par.mode = axis ? mode1 : mode0, par.clkdivisor = divisor);
   }
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   DEMAND(mc, 90, 80);
   mock_run(&m, 40000);
   slow = 0;
@@ -49,7 +49,7 @@ TEST(test_a_servo_that_computes_no_more_stops_the_machine, "DRV-7 DRV-9") {
       CHECK_EQ(mc_state_of(mc, axis)->errcode, axis << 8 | MERR_PANIC);
       CHECK_EQ(mock_dac(&m, axis), 0x800);
     }
-    CHECK_EQ(strcmp(said, "mc: PANIC: passes outlast SCLOCK, no servo sample for 25 ms\n"), 0);
+    SAID("mc: PANIC: passes outlast SCLOCK, no servo sample for 25 ms\n");
     CHECK_EQ(m.signals[0], 1);
     CHECK_EQ(mc_stats_of(mc)->panics, 1);
     CHECK(!mc_is_enabled(mc));
@@ -58,7 +58,7 @@ TEST(test_a_servo_that_computes_no_more_stops_the_machine, "DRV-7 DRV-9") {
     CHECK(mock_panic(&m));
     slow = 0;
     mock_run(&m, 30000);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0); /* and on it goes */
+    CHECK_EQ(enable(mc), 0); /* and on it goes */
   }
 }
 
@@ -104,7 +104,7 @@ TEST(test_late_passes_that_compute_go_on, "DRV-7 DRV-9") {
   mock_run(&m, 49000);
   CHECK_EQ(said[0], 0);
   mock_run(&m, 351000);
-  CHECK_EQ(strcmp(said, crowded), 0);
+  SAID(crowded);
   CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
   CHECK(mc_is_enabled(mc) && !mock_panic(&m));
   CHECK(mc_stats_of(mc)->overrun > 90);
@@ -117,12 +117,12 @@ TEST(test_a_processor_that_is_too_slow_is_told_at_rest, "DRV-7") {
   for (int n = 0; n < 2; n++) {
     m.compute_us = 1200;
     mock_run(&m, 80000);
-    CHECK_EQ(strcmp(said, crowded), 0);
+    SAID(crowded);
     m.compute_us = 0;
     mock_run(&m, 10000);
     m.compute_us = 1200;
     mock_run(&m, 200000);
-    CHECK_EQ(strcmp(said, crowded), 0);
+    SAID(crowded);
     m.compute_us = 0;
     CHECK_EQ(mc_close(mc, 0), 0);
     said[0] = 0;

@@ -11,7 +11,7 @@ TEST(test_every_axis_gets_its_own_numbers, "DRV-7 DRV-11") {
     m.card[axis / 2].count[axis & 1] = (uint16_t)(1000 * axis - 2500);
     m.card[axis / 2].adc[axis & 1] = (uint16_t)(0xA51 + 0x111 * axis);
   }
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   CHECK_EQ(mc_write(mc, 0, values, 24), 24);
   mock_pass(&m);
   mock_pass(&m);
@@ -54,7 +54,7 @@ TEST(test_late_converters_keep_the_old_values_of_their_card, "DRV-11") {
     for (int axis = 0; axis < 6; axis++) {
       CHECK_EQ(mc_state_of(mc, axis)->adcvai, axis / 2 == 1 ? 100 + axis : 200 + axis);
     }
-    CHECK_EQ(strcmp(said, "mc: A/D time-out: card 1\n"), 0); /* once each time it begins */
+    SAID("mc: A/D time-out: card 1\n"); /* once each time it begins */
     said[0] = 0;
     m.card[1].adc_until = 0;
     mock_pass(&m);
@@ -64,7 +64,7 @@ TEST(test_late_converters_keep_the_old_values_of_their_card, "DRV-11") {
     CHECK_EQ(said[0], 0);
   }
   CHECK_EQ(mc_close(mc, 0), 0);
-  CHECK_EQ(strcmp(said, "mc: close, A/D time-outs: 4\n"), 0);
+  SAID("mc: close, A/D time-outs: 4\n");
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0); /* counted from the open on; no value yet: 0 */
   for (int card = 0; card < 3; card++) m.card[card].adc_until = INT64_MAX;
   mock_pass(&m);
@@ -129,7 +129,7 @@ TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
         set_mode_within_100(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
       }
       call(mc, MSETVERBOSITY, M_ERRORPRINT);
-      CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+      CHECK_EQ(enable(mc), 0);
       for (int axis = 0; axis < 4; axis++) {
         if (crossed >> axis & 1)
           m.card[axis / 2].count[axis & 1] = (uint16_t)(axis & 2 ? 101 : -101);
@@ -153,7 +153,7 @@ TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
   for (int64_t latency = 1; latency < 2300; latency += latency > 960 && latency < 1060 ? 1 : 97) {
     struct mc *mc = listening(1);
     call(mc, MSETINTERVAL, 1000);
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     mock_run(&m, 1000 - (m.now - m.origin) % 1000 + 500);
     CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
     int passes = m.passes;
@@ -175,7 +175,7 @@ TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
 TEST(test_axes_are_off_by_default, "DRV-2 SRV-6") {
   struct mc *mc = listening(2);
   DEMAND(mc, 5000, -5000, 1, 100000);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   for (int i = 1; i < 5; i++) {
     for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 * i);
     mock_pass(&m);
@@ -196,7 +196,7 @@ TEST(test_overruns_of_any_length, "DRV-7") {
   struct mc *mc = listening(1);
   call(mc, MSETINTERVAL, 1000);
   call(mc, MSETNUMJOINTS, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   for (int64_t length = 50; length < 4500; length += 50) {
     if (length > 900 && length < 1000) continue; /* the accesses take their time too */
     mock_run(&m, 10000);
@@ -211,7 +211,7 @@ TEST(test_overruns_of_any_length, "DRV-7") {
 
 TEST(test_pass_enabled, "DRV-7 SRV-1 DRV-11") {
   struct mc *mc = mock_open(&m, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   mock_run(&m, 500);
   m.logging = 1;
   m.latency_us = 20;

@@ -25,12 +25,6 @@ static struct mc *opened(int cards) {
   return mc;
 }
 
-static int enable(struct mc *mc) {
-  return mc_ioctl(mc, 0, MENABLE, NULL);
-}
-
-#define SAID(text) CHECK_EQ(strcmp(said, text), 0)
-
 TEST(test_enable_traffic, "DRV-9 PAN-2") {
   struct mc *mc = opened(2);
   call(mc, MDACMODE, 1);
@@ -106,7 +100,7 @@ TEST(test_stop_traffic, "DRV-6 DRV-9 PAN-2") {
     for (unsigned axis = 0; axis < 4; axis++) {
       uint16_t low = (uint16_t)((axis / 2) << 6 | (axis & 1 ? 0x15 : 0x11));
       if (live >> axis & 1) want[n++] = (struct mock_access)W(low, 0x00);
-      want[n++] = (struct mock_access)W((uint16_t)(low + 2), 0x08);
+      want[n++] = (struct mock_access)W(low + 2, 0x08);
     }
     want[n++] = (struct mock_access)W(0x003, 0x05); /* isolated */
     want[n++] = (struct mock_access)W(0x043, 0x05);
@@ -261,18 +255,10 @@ TEST(test_a_card_that_lost_power_is_revived, "DRV-9 DRV-10") {
       m.on_access = traffic_of_process;
       CHECK_EQ(enable(mc), 0);
       m.logging = 0;
-      const struct mock_access want[] = {W((uint16_t)(base | 0x07), 0x89),
-                                         W((uint16_t)(base | 0x01), 0x00),
-                                         W((uint16_t)(base | 0x03), 0x05),
-                                         R((uint16_t)(base | 0x03)),
-                                         R((uint16_t)(base | 0x03)),
-                                         R((uint16_t)(base | 0x03)),
-                                         R((uint16_t)(base | 0x03)),
-                                         W((uint16_t)(base | 0x01), 0x05),
-                                         PAIR(base | 0x09),
-                                         PAIR(base | 0x09),
-                                         PAIR(base | 0x0D),
-                                         PAIR(base | 0x0D)};
+      const struct mock_access want[] = {
+          W(base | 0x07, 0x89), W(base | 0x01, 0x00), W(base | 0x03, 0x05), R(base | 0x03),
+          R(base | 0x03),       R(base | 0x03),       R(base | 0x03),       W(base | 0x01, 0x05),
+          PAIR(base | 0x09),    PAIR(base | 0x09),    PAIR(base | 0x0D),    PAIR(base | 0x0D)};
       int at = 6 * lost + (part == 2 ? 2 : 1); /* B is asked if A is right */
       if (part != 2) CHECK_EQ(m.log[at].write, 1);
       memmove(m.log, m.log + at, sizeof want);

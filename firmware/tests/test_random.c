@@ -141,7 +141,7 @@ static void orderly(struct mc *mc) {
   for (int i = 0; i < MC_MAX_CLIENTS; i++) (void)mc_close(mc, i);
   mock_run(&m, 70000);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   DEMAND(mc, 0, 0, 0, 0);
   mock_run(&m, 10000);
   CHECK(mc_is_enabled(mc) && !mock_panic(&m));

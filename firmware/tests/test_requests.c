@@ -150,10 +150,7 @@ TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6")
   DEMAND(mc, 70, 80);
   mock_pass(&m);
   CHECK_EQ(mock_dac(&m, 0), 0x800 + 70);
-  set_mode(mc, 0, MD_TORQ | SOFTERR); /* no other mode */
-  CHECK_EQ(mc_setpoint(mc, 0), 70);
   set_mode(mc, 0, MD_VEL);
-  CHECK_EQ(mc_setpoint(mc, 0), 0);
   mock_pass(&m);
   CHECK_EQ(mc_setpoint(mc, 0), 0);
   m.card[0].count[0] = 400;

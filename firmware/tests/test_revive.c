@@ -13,9 +13,9 @@ static struct mc *at(struct mc *mc, int axis, int32_t place) {
   return mc;
 }
 
-static int enable(struct mc *mc) {
+static int enable_anew(struct mc *mc) {
   said[0] = 0;
-  return mc_ioctl(mc, 0, MENABLE, NULL);
+  return enable(mc);
 }
 
 /* The ribbon cable: no card answers, nor takes what is written. */
@@ -34,7 +34,7 @@ TEST(test_a_short_silence_leaves_the_count_whole, "DRV-13 DRV-10") {
     for (int us = 500; us <= 6000; us += 500) {
       struct mc *mc = at(listening(2), 2, 171586);
       set_mode(mc, 2, MD_POS);
-      if (enabled) CHECK_EQ(enable(mc), 0);
+      if (enabled) CHECK_EQ(enable_anew(mc), 0);
       mock_run(&m, 10000);
       cable(0);
       mock_run(&m, us);
@@ -43,7 +43,7 @@ TEST(test_a_short_silence_leaves_the_count_whole, "DRV-13 DRV-10") {
       mock_run(&m, 100000);
       CHECK_EQ(mc_state_of(mc, 2)->encnow, 201586);
       CHECK_EQ(m.card[1].b & 2, 0); /* what the silence swallowed was written again */
-      CHECK_EQ(enable(mc), 0);
+      CHECK_EQ(enable_anew(mc), 0);
       CHECK_EQ(mc_setpoint(mc, 2), 201586);
       CHECK_EQ(said[0], 0);
     }
@@ -70,10 +70,9 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
                          "mc: card 0 was silent for too long: its counts are lost\n"
                          "mc: card 1 was silent for too long: its counts are lost\n");
       CHECK_EQ(wrong == 0, cases[i].lost);
-      CHECK_EQ(enable(mc), cases[i].lost ? -MC_EIO : 0);
+      CHECK_EQ(enable_anew(mc), cases[i].lost ? -MC_EIO : 0);
       if (cases[i].lost) {
-        CHECK_EQ(strcmp(said, "mc: enable: axis 1: its count was lost: MSETENC or MCALIB first\n"),
-                 0);
+        SAID("mc: enable: axis 1: its count was lost: MSETENC or MCALIB first\n");
         CHECK_EQ(m.card[0].b & 2, 0);
         if (cure == 0) call(mc, MSETENC, 1 | 5 << 8);
         if (cure == 1) set_mode(mc, 1, MD_VEL); /* which needs no place */
@@ -83,7 +82,7 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
           mock_run(&m, 4000);
           CHECK_EQ(errcode_of(&m, 1) & MERR_ZINDEX, MERR_ZINDEX);
         }
-        CHECK_EQ(enable(mc), 0);
+        CHECK_EQ(enable_anew(mc), 0);
       }
     }
   }
@@ -102,7 +101,7 @@ TEST(test_a_reset_card_needs_calibration, "DRV-13 PAN-2") {
       cable(1);
       mock_run(&m, seen ? 5000 : 0);
       if (seen) CHECK_EQ(mc_state_of(mc, 3)->encnow, 77);
-      CHECK_EQ(enable(mc), mode == MD_POS ? -MC_EIO : 0);
+      CHECK_EQ(enable_anew(mc), mode == MD_POS ? -MC_EIO : 0);
       CHECK_EQ(mc_state_of(mc, 3)->encnow, seen || mode != MD_POS ? 77 : 171586);
     }
   }
@@ -118,15 +117,15 @@ TEST(test_an_open_does_not_find_a_lost_count_again, "DRV-13 DRV-2") {
   CHECK_EQ(mc_close(mc, 0), 0);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   set_mode(mc, 1, MD_POS);
-  CHECK_EQ(enable(mc), -MC_EIO);
+  CHECK_EQ(enable_anew(mc), -MC_EIO);
 }
 
 TEST(test_enable_without_cable_says_nothing_of_a_reset, "DRV-12") {
   struct mc *mc = at(listening(2), 1, 100000);
   cable(0);
   mock_run(&m, 5000);
-  CHECK_EQ(enable(mc), -MC_EIO);
-  CHECK_EQ(strcmp(said, "mc: enable: card 0 does not answer\n"), 0);
+  CHECK_EQ(enable_anew(mc), -MC_EIO);
+  SAID("mc: enable: card 0 does not answer\n");
   CHECK_EQ(mc_state_of(mc, 1)->encnow, 100000);
 }
 
@@ -135,12 +134,12 @@ TEST(test_a_bus_error_is_told_once, "DRV-13") {
     struct mc *mc = listening(1);
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
     CHECK_EQ(mc_open(mc, MC_O_RDONLY), 2);
-    if (enabled) CHECK_EQ(enable(mc), 0);
+    if (enabled) CHECK_EQ(enable_anew(mc), 0);
     for (int round = 1; round < 3; round++) {
       said[0] = 0;
       m.adaptor_dead = 1;
       for (int i = 0; i < 5; i++) CHECK_EQ(mc_interrupt(mc), 0);
-      CHECK_EQ(strcmp(said, "mc: PANIC: bus error in a servo pass\n"), 0);
+      SAID("mc: PANIC: bus error in a servo pass\n");
       for (int client = 0; client < 3; client++)
         CHECK_EQ(m.signals[client], client < 2 ? round : 0);
       CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PANIC);
@@ -158,7 +157,7 @@ TEST(test_sysreset_is_told_and_the_state_goes_on, "DRV-13 PAN-2") {
     struct mc *mc = at(listening(2), 1, 100000);
     CHECK_EQ(mc_open(mc, MC_O_RDONLY), 1);
     set_mode(mc, 1, MD_POS);
-    if (enabled) CHECK_EQ(enable(mc), 0);
+    if (enabled) CHECK_EQ(enable_anew(mc), 0);
     mock_run(&m, 10000);
     CHECK_EQ(mc_watch(mc, 0), 0);
     CHECK_EQ(mc_watch(mc, 53999), 0); /* two intervals and 50 ms */
@@ -180,10 +179,10 @@ TEST(test_sysreset_is_told_and_the_state_goes_on, "DRV-13 PAN-2") {
     m.card[0].count[1] = 12;
     mock_run(&m, 5000);
     CHECK_EQ(mc_state_of(mc, 1)->encnow, 12);
-    CHECK_EQ(enable(mc), -MC_EIO); /* in MD_POS, with a count that was cleared */
+    CHECK_EQ(enable_anew(mc), -MC_EIO); /* in MD_POS, with a count that was cleared */
     set_mode(mc, 1, MD_OFF);
     CHECK_EQ(cause(mc), MCAUSE_RESET); /* until an MENABLE succeeds */
-    CHECK_EQ(enable(mc), 0);
+    CHECK_EQ(enable_anew(mc), 0);
     CHECK_EQ(cause(mc), MCAUSE_NONE);
   }
 }
@@ -200,7 +199,7 @@ TEST(test_sysreset_may_leave_the_counts, "DRV-13") {
     CHECK_EQ(mc_watch(mc, 54000), 1);
     mock_run(&m, 5000);
     CHECK_EQ(mc_state_of(mc, 1)->encnow, 120000);
-    CHECK_EQ(enable(mc), slow ? 0 : -MC_EIO);
+    CHECK_EQ(enable_anew(mc), slow ? 0 : -MC_EIO);
   }
 }
 
@@ -209,7 +208,7 @@ TEST(test_the_end_of_interrupts_is_told, "DRV-13") {
   for (int dead = 0; dead < 2; dead++) {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = listening(1);
-      if (enabled) CHECK_EQ(enable(mc), 0);
+      if (enabled) CHECK_EQ(enable_anew(mc), 0);
       said[0] = 0;
       m.adaptor_dead = dead;
       int told = dead || enabled;
@@ -217,10 +216,9 @@ TEST(test_the_end_of_interrupts_is_told, "DRV-13") {
       CHECK_EQ(m.signals[0], told);
       CHECK_EQ(mc_stats_of(mc)->panics, told);
       CHECK_EQ(cause(mc), dead ? MCAUSE_BUS : told ? MCAUSE_LATE : MCAUSE_NONE);
-      CHECK_EQ(strcmp(said, dead   ? "mc: PANIC: no interrupts, the adaptor does not answer\n"
-                            : told ? "mc: PANIC: no interrupts\n"
-                                   : ""),
-               0);
+      SAID(dead   ? "mc: PANIC: no interrupts, the adaptor does not answer\n"
+           : told ? "mc: PANIC: no interrupts\n"
+                  : "");
       m.adaptor_dead = 0;
       CHECK_EQ(mc_close(mc, 0), 0);
       CHECK_EQ(mc_watch(mc, 60000), 0); /* nobody has it open */
@@ -232,7 +230,7 @@ TEST(test_the_end_of_interrupts_is_told, "DRV-13") {
 static struct mc *enabled(int mode) {
   struct mc *mc = mock_open(&m, 1);
   set_mode(mc, 0, mode);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable_anew(mc), 0);
   return mc;
 }
 
@@ -274,7 +272,7 @@ TEST(test_enable_stops_at_the_first_card_that_is_silent, "DRV-9 DRV-12") {
     for (int card = 0; card < 3; card++) m.card[card].present = card < first;
     m.logging = 1;
     m.used = 0;
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), -MC_EIO);
+    CHECK_EQ(enable_anew(mc), -MC_EIO);
     CHECK_EQ(m.last_log[(int)strlen("mc: enable: card ")], '0' + first);
     for (int i = 0; i < m.used; i++) CHECK(m.log[i].offset < (first + 1) << 6);
   }

@@ -73,7 +73,7 @@ TEST(test_failed_accesses_are_noted, "DRV-3 DRV-7") {
 
 static int traffic_of_a_pass(int with_lists, struct mock_access *log) {
   struct mc *mc = faulty(with_lists);
-  CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+  CHECK_EQ(enable(mc), 0);
   m.latency_us = 20;
   m.logging = 1;
   lists = 0;
@@ -96,7 +96,7 @@ TEST(test_requests_report_a_dead_adaptor, "DRV-3 DRV-6") {
     struct mc *mc = faulty(kind & 1);
     unsigned us = 1000, where = 1, light = 0x100, on = 1;
     int axis = 0;
-    CHECK_EQ(mc_ioctl(mc, 0, MENABLE, NULL), 0);
+    CHECK_EQ(enable(mc), 0);
     bad_reads = kind & 2;
     bad_writes = !bad_reads;
     CHECK_EQ(mc_ioctl(mc, 0, MSETENC, &where), -MC_EIO);

@@ -7,12 +7,11 @@
 #include "mc_priv.h"
 #include "mock.h"
 
-#define R(offset) {0, offset, 0}
-#define W(offset, value) {1, offset, value}
+#define R(offset) {0, (uint16_t)(offset), 0}
+#define W(offset, value) {1, (uint16_t)(offset), (uint8_t)(value)}
 /* A counter, its high byte at `offset`: port C of its card, which begins a new pair, and the pair.
  */
-#define PAIR(offset) \
-  R((uint16_t)(((offset) & ~0x3F) | 5)), R((uint16_t)(offset)), R((uint16_t)((offset) + 2))
+#define PAIR(offset) R(((offset) & ~0x3F) | 5), R(offset), R((offset) + 2)
 
 /* What was logged is `want`, in order. Values count for writes only. */
 static inline void traffic_check(const char *file, int line, const struct mock *m,
@@ -103,6 +102,12 @@ static inline void hear(void *ctx, const char *text) {
   CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
   strcat(said, text);
   strcat(said, "\n");
+}
+
+#define SAID(text) CHECK_EQ(strcmp(said, text), 0)
+
+static inline int enable(struct mc *mc) {
+  return mc_ioctl(mc, 0, MENABLE, NULL);
 }
 
 /* A driver of so many cards, opened once, that is listened to. */
