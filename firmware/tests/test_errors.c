@@ -102,7 +102,7 @@ TEST(test_panic_traffic, "DRV-7 DRV-9 PAN-2") {
         R(0x405),       R(0x405), /* of an SCLOCK only: was one missed? */
         R(0x005),       W(0x409, 0xB8), W(0x011, 0x00), W(0x013, 0x08),
         W(0x015, 0x00), W(0x017, 0x08), W(0x003, 0x05)};
-    int n = (int)(sizeof want / sizeof want[0]);
+    int n = (int)(COUNT(want));
     if (with_sclock) {
       traffic_check(__FILE__, __LINE__, &m, want, n);
     } else {
@@ -136,7 +136,7 @@ TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
                {0x00, 7, MCAUSE_SILENT, -1,
                 "mc: PANIC: card 0 does not answer\nmc: PANIC: card 1 does not answer\n"
                 "mc: PANIC: card 2 does not answer\nmc: PANIC: button, cable or power\n"}};
-  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+  for (unsigned i = 0; i < COUNT(cases); i++) {
     struct mc *mc = enabled(3);
     set_mode(mc, 0, MD_TORQ | SOFTERR); /* which is for other errors */
     for (unsigned axis = 0; axis < 6; axis++) {

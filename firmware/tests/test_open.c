@@ -9,11 +9,11 @@ TEST(test_attach_takes_what_the_adaptor_can_have, "DRV-1") {
   struct mc *mc = mock_start(&m, 1);
   struct mc_config config = {.vector = 0x40};
   m.logging = 1;
-  for (unsigned i = 0; i < sizeof good / sizeof good[0]; i++) {
+  for (unsigned i = 0; i < COUNT(good); i++) {
     config.sysclk_hz = good[i];
     CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
   }
-  for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+  for (unsigned i = 0; i < COUNT(bad); i++) {
     config.sysclk_hz = bad[i];
     CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), -MC_EINVAL);
   }
@@ -83,7 +83,7 @@ TEST(test_first_open_traffic, "DRV-2 DRV-3 DIA-2") {
       n = add(want, n, 0, msb + 2, 0);
     }
   }
-  for (unsigned i = 0; i < sizeof timers / sizeof timers[0]; i++) {
+  for (unsigned i = 0; i < COUNT(timers); i++) {
     n = add(want, n, 1, timers[i][0], timers[i][1]);
   }
   m.logging = 1;
@@ -192,7 +192,7 @@ TEST(test_nothing_but_motion_moves_a_count, "DRV-2 DRV-9 DRV-10 DIA-2") {
     for (int round = 0; round < 4; round++) {
       if (round == 2) m.card[0].a = m.card[0].b = 0; /* as after RESET DRV, but for the counts */
       CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-      for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+      for (unsigned i = 0; i < COUNT(modes); i++) {
         CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &modes[i]), 0);
         mock_run(&m, 3000);
         if (i == 1 || i == 3) CHECK_EQ(enable(mc), 0);
@@ -359,7 +359,7 @@ TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
                {MD_TORQ, 0},        {MD_TEST1, 0},        {MD_TORQ | POSCHK, 1},
                {MD_POS | ADFB, 0},  {MD_VEL | ZEROFB, 0}, {MD_VEL | ZEROFB | POSCHK, 1},
                {MD_OFF | POSCHK, 0}};
-  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+  for (unsigned i = 0; i < COUNT(cases); i++) {
     int on = M_ENDIAG, off = 0, want = cases[i].needs ? -MC_EBUSY : 0;
     struct mc *mc = listening(1);
     set_mode_within_100(mc, 1, cases[i].mode);

@@ -30,8 +30,8 @@ TEST(test_converters_share_their_high_nibbles, "DRV-11") {
   struct mc *mc = listening(1);
   static const uint16_t codes[] = {0,     0xFFF, 0x00F, 0x0F0, 0xF00, 0x100, 0x200,
                                    0x400, 0x800, 0x555, 0xAAA, 0x0FF, 0xFF0};
-  for (unsigned i = 0; i < sizeof codes / sizeof codes[0]; i++) {
-    for (unsigned k = 0; k < sizeof codes / sizeof codes[0]; k++) {
+  for (unsigned i = 0; i < COUNT(codes); i++) {
+    for (unsigned k = 0; k < COUNT(codes); k++) {
       m.card[0].adc[0] = codes[i];
       m.card[0].adc[1] = codes[k];
       mock_pass(&m);

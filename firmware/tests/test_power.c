@@ -10,7 +10,7 @@ static int answer;
 
 static void wait_us(void *ctx, uint32_t us) {
   CHECK(!m.masked); /* interrupts may come */
-  CHECK(waits < (int)(sizeof waited / sizeof waited[0]));
+  CHECK(waits < (int)(COUNT(waited)));
   waited[waits++] = us;
   if (meanwhile) answer = meanwhile(m.memory);
   mock_run(ctx, us);
@@ -187,7 +187,7 @@ TEST(test_enable_that_is_stopped_says_so, "DRV-9") {
 
 TEST(test_enable_waits_for_two_passes_at_most, "DRV-9") {
   static const unsigned intervals[] = {100, 400, 999, 1000, 2000, 40000};
-  for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
+  for (unsigned i = 0; i < COUNT(intervals); i++) {
     struct mc *mc = opened(1);
     unsigned us = intervals[i];
     CHECK_EQ(mc_ioctl(mc, 0, MSETINTERVAL, &us), 0);
@@ -262,7 +262,7 @@ TEST(test_a_card_that_lost_power_is_revived, "DRV-9 DRV-10") {
       int at = 6 * lost + (part == 2 ? 2 : 1); /* B is asked if A is right */
       if (part != 2) CHECK_EQ(m.log[at].write, 1);
       memmove(m.log, m.log + at, sizeof want);
-      m.used = (int)(sizeof want / sizeof want[0]);
+      m.used = (int)(COUNT(want));
       EXPECT(&m, want);
       char text[] = "mc: card 0 was reset: initialised again\n";
       text[9] = (char)('0' + lost);

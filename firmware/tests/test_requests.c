@@ -37,7 +37,7 @@ TEST(test_every_request_is_atomic_and_copies_its_argument_only, "DRV-3 DRV-4") {
                {MGETINTERVAL, 0, 4},  {MSETENC, 4, 0},       {MSETLED, 4, 0},
                {MDIAGMODE, 4, 0},     {MDACMODE, 4, 0},      {MGETSTATS, 0, 24},
                {MZEROSTATS, 0, 0},    {MCALIB, 4, 0}};
-  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+  for (unsigned i = 0; i < COUNT(cases); i++) {
     struct mc *mc = mock_open(&m, 1);
     mc->os.mask = count_mask;
     mc->os.copy_in = copy_in;
@@ -179,7 +179,7 @@ TEST(test_a_change_of_feedback_does_not_jump, "DRV-9 SRV-6") {
                                    {MD_POS, MD_POS | ZEROFB}, {MD_POS | ZEROFB, MD_POS},
                                    {MD_VEL, MD_VEL | ADFB},   {MD_VEL | ZEROFB, MD_VEL},
                                    {MD_POS | ADDMD, MD_POS},  {MD_VEL | ADDMD, MD_VEL}};
-  for (unsigned i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+  for (unsigned i = 0; i < COUNT(changes); i++) {
     struct mc *mc = mock_open(&m, 1);
     set_mode(mc, 0, changes[i][0]);
     set_mode(mc, 1, MD_TORQ);

@@ -57,7 +57,7 @@ TEST(test_a_long_silence_loses_the_count, "DRV-13") {
     int us, lost;
   } cases[] = {{0, 6000, 0},        {0, 12000, 1},       {4000000, 12000, 1}, {100000, 12000, 0},
                {100000, 320000, 0}, {100000, 335000, 1}, {8000000, 6000, 1}};
-  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+  for (unsigned i = 0; i < COUNT(cases); i++) {
     for (int cure = 0; cure < 3; cure++) {
       struct mc *mc = at(listening(2), 1, 100000);
       mc->config.speed = cases[i].speed;

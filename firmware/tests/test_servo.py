@@ -18,7 +18,6 @@ from mmcs import mcdef
 SAMPLES = 100  # per set of parameters
 TOTAL = 1_000_000
 QUICK = 100_000
-FLAGS = 0x7F0
 CORNERS = [0, 1, -1, 2, -2, 1024, -1024, 2047, 2048, 32767, -32768, 65535,
            2**31 - 1, -(2**31), 2**31 - 2, -(2**31) + 1]  # fmt: skip
 COLUMNS = ["position", "phi", "fb", "vel", "error", "current", "inow", "events", "clipped"]

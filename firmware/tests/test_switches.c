@@ -5,7 +5,7 @@
 
 TEST(test_a_new_interval_keeps_the_grace_of_a_stop, "DRV-6 DRV-9") {
   static const unsigned intervals[] = {100, 500, 2000, 9000, 16279, 100000};
-  for (unsigned i = 0; i < sizeof intervals / sizeof intervals[0]; i++) {
+  for (unsigned i = 0; i < COUNT(intervals); i++) {
     struct mc *mc = mock_open(&m, 1);
     call(mc, MSETINTERVAL, intervals[i]);
     CHECK_EQ(mc->grace, 0);
@@ -113,7 +113,7 @@ static void move_along(int mode, int renumbered, int32_t seen[][3]) {
 TEST(test_another_number_for_the_place_moves_no_axis, "DRV-10 DRV-9 SRV-1") {
   static const int modes[] = {MD_POS, MD_VEL, MD_POS | ADFB, MD_POS | ZEROFB | COULCOMP, MD_TORQ};
   int32_t plain[20][3], renumbered[20][3];
-  for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+  for (unsigned i = 0; i < COUNT(modes); i++) {
     move_along(modes[i], 0, plain);
     move_along(modes[i], 1, renumbered);
     CHECK(memcmp(plain, renumbered, sizeof plain) == 0);
@@ -149,7 +149,7 @@ TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
     relays = 0;
     int before = 0;
     static const int modes[] = {0, 1, 1, 3, 2, 2, 0, 2, 3, 1, 0};
-    for (unsigned i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+    for (unsigned i = 0; i < COUNT(modes); i++) {
       int expected = relays + (live && ((modes[i] ^ before) & M_ANDIAG));
       call(mc, MDIAGMODE, (unsigned)modes[i]);
       uint8_t b =
@@ -163,7 +163,7 @@ TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
     CHECK(!live || relay_us == 2000);
     static const int bad[] = {4, 5, 8, -1, INT32_MIN};
     m.logging = 1;
-    for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    for (unsigned i = 0; i < COUNT(bad); i++) {
       int arg = bad[i];
       CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &arg), -MC_EINVAL);
     }

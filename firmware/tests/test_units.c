@@ -189,7 +189,7 @@ TEST(test_lines_for_the_console, "DRV-2") {
                {10, "mc: a 10 b"},       {11, "mc: a 11 b"},
                {19, "mc: a 19 b"},       {100, "mc: a 100 b"},
                {98765, "mc: a 98765 b"}, {INT32_MAX, "mc: a 2147483647 b"}};
-  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+  for (unsigned i = 0; i < COUNT(cases); i++) {
     text_log(mc, "a", cases[i].number, " b");
     CHECK_EQ(strcmp(m.last_log, cases[i].line), 0);
   }
@@ -212,24 +212,12 @@ TEST(test_lines_for_the_console, "DRV-2") {
 }
 
 TEST(test_counters_stop_at_the_largest, "DRV-3") {
-  static const struct {
-    int from;
-    unsigned by;
-    int to;
-  } cases[] = {{0, 0, 0},
-               {0, 1, 1},
-               {5, 7, 12},
-               {0, INT32_MAX, INT32_MAX},
-               {1, INT32_MAX, INT32_MAX},
-               {INT32_MAX - 2, 1, INT32_MAX - 1},
-               {INT32_MAX - 1, 1, INT32_MAX},
-               {INT32_MAX, 1, INT32_MAX},
-               {INT32_MAX, 0, INT32_MAX},
-               {0, UINT32_MAX, INT32_MAX},
-               {3, 0x80000000u, INT32_MAX}};
-  for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-    int counter = cases[i].from;
-    mc_count(&counter, cases[i].by);
-    CHECK_EQ(counter, cases[i].to);
+  static const unsigned from[] = {0, 1, 3, 5, INT32_MAX - 2, INT32_MAX - 1, INT32_MAX};
+  static const unsigned by[] = {0, 1, 7, INT32_MAX, 0x80000000u, UINT32_MAX};
+  for (unsigned i = 0; i < COUNT(from) * COUNT(by); i++) {
+    unsigned begun = from[i / COUNT(by)], more = by[i % COUNT(by)];
+    int counter = (int)begun;
+    mc_count(&counter, more);
+    CHECK_EQ(counter, begun < INT32_MAX - more && more < INT32_MAX ? begun + more : INT32_MAX);
   }
 }

@@ -30,8 +30,7 @@ static inline void traffic_check(const char *file, int line, const struct mock *
   }
 }
 
-#define EXPECT(m, want) \
-  traffic_check(__FILE__, __LINE__, m, want, (int)(sizeof want / sizeof want[0]))
+#define EXPECT(m, want) traffic_check(__FILE__, __LINE__, m, want, (int)(COUNT(want)))
 #define TRAFFIC(...)                                     \
   do {                                                   \
     const struct mock_access traffic_[] = {__VA_ARGS__}; \
