@@ -150,7 +150,7 @@ def sweep(scenario: str, *sets: str, grid: dict | None = None, random: dict | No
         str(scenario), typed("grid", grid), typed("random", random), samples, seed, sets
     )
     tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
-    done = {n: row for n, row, _ in run_here(tasks, min(crew, len(plan)))}
+    done = dict(run_here(tasks, min(crew, len(plan))))
     return _pandas().DataFrame([plan.values(n) | done[n] for n in range(len(plan))])
 
 

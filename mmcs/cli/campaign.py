@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs campaign`: very many faults in some motions, each beside its fault-free twin."""
 
-import json
 import shlex
 import sys
-import time
 from pathlib import Path
 
 import click
 
-from mmcs.cli.sweep import check_workers, kept, many_runs, progress
+from mmcs.cli.sweep import carry_out, check_workers, ended, kept, many_runs
 from mmcs.errors import InputError
 from mmcs.place import results
 from mmcs.screen import console as screen
@@ -67,79 +65,32 @@ def _show(plan, n: int) -> None:
 
 def _run(plan, store, client, workers: int, count: int) -> bool:
     """Runs what is not yet in the store; False when stopped by hand."""
-    from mmcs.runs.machine import build_of
     from mmcs.sweeps.campaign import run_chunk
-    from mmcs.sweeps.workers import run_dask, run_here
 
     todo = [n for n in range(count) if n not in store.rows]
-    began, done, core = time.perf_counter(), 0, 0.0
     chunks = list(plan.chunks(todo))
-    with progress(count, len(store.rows), "faults") as advance:
-        while chunks:
-            if client is None:
-                flow = run_here(iter(chunks), min(workers, len(chunks)), run_chunk)
-            else:
-                flow = run_dask(client, iter(chunks), build_of, run_chunk, lambda task: task[0])
-            single = []  # the faults of a chunk that did not end: one of them may be the cause
-            try:
-                for numbers, answer, _ in flow:
-                    if answer["status"] == "ok":
-                        done, core = done + len(numbers), core + answer["core_s"]
-                        for n, row in zip(numbers, answer["rows"], strict=True):
-                            store.add(n, row)
-                    elif len(numbers) > 1:
-                        single += [((n,), plan.task(plan.fault(n).motion, (n,))) for n in numbers]
-                        continue
-                    else:
-                        store.add(numbers[0], answer)
-                    advance(store.rows)
-            except KeyboardInterrupt:
-                flow.close()
-                _cost(store.path.parent, done, core, began)
-                return False
-            chunks = single
-    _cost(store.path.parent, done, core, began)
+    while chunks:
+        crew = min(workers, len(chunks))
+        lost = carry_out(
+            store, count, iter(chunks), client, crew, run_chunk, "faults", lambda task: task[0]
+        )
+        if lost is None:
+            return False
+        # the faults of a chunk that did not end: one of them may be the cause
+        chunks = [((n,), plan.task(plan.fault(n).motion, (n,))) for n in lost]
     return True
-
-
-def _cost(folder: Path, done: int, core: float, began: float) -> None:
-    """Tells what a fault cost, and adds it to what is known of the campaign."""
-    from mmcs.folder import whole_file
-    from mmcs.sweeps.campaign_report import COST, cost_of
-
-    if not done:
-        return
-    wall = time.perf_counter() - began
-    echo(f"{done} faults in {wall:.1f} s, {1e3 * core / done:.0f} ms of a core each")
-    faults, core_s, wall_s = cost_of(folder)
-    kept = {"faults": faults + done, "core_s": core_s + core, "wall_s": wall_s + wall}
-    with whole_file(folder / COST) as part:
-        part.write_text(json.dumps(kept))
 
 
 def _finish(plan, rows: dict[int, dict], folder: Path, command: str, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
-    from mmcs.files import short
-    from mmcs.sweeps.campaign_report import (
-        REPORT,
-        WHEN,
-        WHERE,
-        print_summary,
-        write_maps,
-        write_report,
-    )
+    from mmcs.sweeps.campaign_report import REPORT, print_summary, write_report
 
     console = screen()
     rows = {n: rows[n] for n in sorted(rows)}
     if rows:
         write_report(folder, plan, rows, command)
-        write_maps(folder, plan, rows)
         print_summary(plan, rows, console)
     lost = sum(row["status"] == "failed" for row in rows.values())
     if lost:
         console.print(f"{lost} of {len(rows)} faults could not be run")
-    console.print(f"results in {short(folder)}: {REPORT}, {WHERE}, {WHEN}")
-    if not whole:
-        console.print(f"stopped after {len(rows)} faults; go on with --resume")
-        return 130
-    return 1 if lost else 0
+    return ended(console, folder, REPORT, "" if whole else f"{len(rows)} faults", bool(lost))

@@ -5,6 +5,7 @@ import functools
 import sys
 import time
 from contextlib import ExitStack, closing, contextmanager
+from itertools import chain
 from pathlib import Path
 
 import click
@@ -73,7 +74,7 @@ def sweep(
     """
     from mmcs.sweeps.plan import make_plan
     from mmcs.sweeps.store import FORMATS, check_figure, check_format, is_row
-    from mmcs.sweeps.workers import cores
+    from mmcs.sweeps.workers import cores, run_row
 
     if form not in FORMATS:
         raise InputError.one("--format", "", form, "must be csv or parquet")
@@ -86,62 +87,70 @@ def sweep(
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
     with kept(folder, plan, first, resume, dask, "sweep", is_row) as (store, client):
-        whole = _run(plan, store, client, workers or cores())
+        tasks = _tasks(plan, store)
+        whole = carry_out(store, len(plan), tasks, client, workers or cores(), run_row) is not None
     sys.exit(_finish(plan, store.rows, folder, by, form, whole))
 
 
-def _run(plan, store, client, workers: int) -> bool:
-    """Runs what is not yet in the store; False when stopped by hand."""
-    from mmcs.runs.machine import build_of
-    from mmcs.sweeps.workers import failed, run_dask, run_here
+def _tasks(plan, store):
+    """What is not yet in the store; combinations that are no good together are rows at once."""
+    from mmcs.sweeps.workers import failed
 
-    todo = [n for n in range(len(plan)) if n not in store.rows]
-    impossible = []  # combinations that are no good together
-
-    def tasks():
-        for n in todo:
-            try:
-                setup = plan.setup(plan.values(n))
-            except InputError as error:
-                impossible.append((n, failed(str(error))))
-                continue
-            yield n, setup
-
-    if not todo:
-        return True
-    if client is None:
-        flow = run_here(tasks(), min(workers, len(todo)))
-    else:
-        flow = run_dask(client, tasks(), build_of)
-    began = time.perf_counter()
-    with progress(len(plan), len(store.rows)) as advance:
+    for n in range(len(plan)):
+        if n in store.rows:
+            continue
         try:
-            for n, row, _ in flow:
-                store.add(n, row)
-                while impossible:
-                    store.add(*impossible.pop())
-                advance(store.rows)
+            setup = plan.setup(plan.values(n))
+        except InputError as error:
+            store.add(n, failed(str(error)))
+            continue
+        yield (n,), setup
+
+
+def carry_out(store, total: int, tasks, client, workers: int, work, what: str = "runs",
+              setup_of=lambda task: task):  # fmt: skip
+    """Puts the rows of tasks, (numbers, task), into the store. The numbers of tasks that ended
+    without rows, or None when stopped by hand."""
+    from mmcs.runs.machine import build_of
+    from mmcs.sweeps.workers import run_dask, run_here
+
+    if (first := next(tasks, None)) is None:
+        return []
+    tasks = chain([first], tasks)
+    if client is None:
+        flow = run_here(tasks, min(workers, total), work)
+    else:
+        flow = run_dask(client, tasks, build_of, work, setup_of)
+    began, before, lost = time.perf_counter(), len(store.rows), []
+    with progress(total, store, what) as advance:
+        try:
+            for numbers, answer in flow:
+                if "rows" not in answer and len(numbers) > 1:
+                    lost += numbers
+                    continue
+                for n, row in zip(numbers, answer.get("rows", [answer]), strict=True):
+                    store.add(n, row)
+                advance()
         except KeyboardInterrupt:
             flow.close()
-            return False
-        while impossible:
-            store.add(*impossible.pop())
-    wall = time.perf_counter() - began
-    echo(f"{len(todo)} runs in {wall:.1f} s, {len(todo) / wall:.1f} a second")
-    return True
+            return None
+    wall, done = time.perf_counter() - began, len(store.rows) - before
+    if done:
+        echo(f"{done} {what} in {wall:.1f} s, {done / wall:.1f} a second")
+    return lost
 
 
 @contextmanager
-def progress(total: int, done: int, what: str = "runs"):
+def progress(total: int, store, what: str):
     """A bar if somebody watches, else a line now and then."""
     if not sys.stderr.isatty():
         told = time.monotonic()
 
-        def tell(rows: dict) -> None:
+        def tell() -> None:
             nonlocal told
             if time.monotonic() > told + TELL_EACH_S:
                 told = time.monotonic()
-                echo(f"mmcs: {len(rows)} of {total} {what}", err=True)
+                echo(f"mmcs: {len(store.rows)} of {total} {what}", err=True)
 
         yield tell
         return
@@ -152,22 +161,17 @@ def progress(total: int, done: int, what: str = "runs"):
                TextColumn("{task.fields[bad]}"))  # fmt: skip
     bar = Progress(*columns, console=screen(stderr=True), transient=True)
     with bar:
-        task = bar.add_task("sweep", total=total, completed=done, bad="")
-        bad = 0
+        task = bar.add_task("sweep", total=total, completed=len(store.rows), bad="")
 
-        def advance(rows: dict) -> None:
-            nonlocal bad
-            row = next(reversed(rows.values()))
-            bad += row["status"] != "ok"
-            bar.update(task, completed=len(rows), bad=f"{bad} missed or failed" if bad else "")
+        def advance() -> None:
+            bad = f"{store.bad} missed or failed" if store.bad else ""
+            bar.update(task, completed=len(store.rows), bad=bad)
 
         yield advance
 
 
 def _finish(plan, rows: dict, folder: Path, by: str, form: str, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
-
-    from mmcs.files import short
     from mmcs.sweeps.store import print_summary, write_plot, write_table
 
     console = screen()
@@ -180,8 +184,16 @@ def _finish(plan, rows: dict, folder: Path, by: str, form: str, whole: bool) -> 
     lost = sum(row["status"] == "failed" for row in rows.values())
     if missed or lost:
         console.print(f"{missed} of {len(rows)} runs missed an expectation, {lost} failed")
-    console.print(f"results in {short(folder)}: table.{form}, plot.svg")
-    if not whole:
-        console.print(f"stopped after {len(rows)} of {len(plan)} runs; go on with --resume")
+    done = "" if whole else f"{len(rows)} of {len(plan)} runs"
+    return ended(console, folder, f"table.{form}, plot.svg", done, bool(missed or lost))
+
+
+def ended(console, folder: Path, files: str, stopped: str, bad: bool) -> int:
+    """Prints where the results are, and after what it was stopped; the exit status."""
+    from mmcs.files import short
+
+    console.print(f"results in {short(folder)}: {files}")
+    if stopped:
+        console.print(f"stopped after {stopped}; go on with --resume")
         return 130
-    return 1 if missed or lost else 0
+    return int(bad)

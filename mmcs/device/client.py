@@ -18,7 +18,7 @@ from pathlib import Path
 
 from mmcs import mcdef
 from mmcs.device import reasons, wire
-from mmcs.device.line import OwnLine, ask, sample_of, take, take_async
+from mmcs.device.line import ask, sample_of, take, take_async
 from mmcs.device.sockets import connect, socket_path
 
 MC_STATE = struct.Struct("<7i")
@@ -71,21 +71,18 @@ class Device:
 
     flags: os.O_RDWR, or os.O_RDONLY for a monitor, which may only read, get, and stop.
     server: name given to `mmcs serve --dev`; ignored inside `mmcs exec`.
-    lockstep: machine time passes only in wait(); needs `mmcs serve --lockstep`, and goes without
-    saying inside `mmcs exec --lockstep`, where every call that sleeps waits as well.
+    Inside `mmcs exec --lockstep` machine time passes only in wait() and other calls that sleep.
 
     Threads and signal handlers may call it at any time, also while another call is under way: each
     call has a channel of its own to the server. One that an exception cuts short (Ctrl-C) may or
     may not have been carried out. SIGUSR1 comes only to a process that has a handler for it.
     """
 
-    def __init__(self, path: str = "/dev/mc0", flags: int = os.O_RDWR, server: str = "mc0",
-                 lockstep: bool = False):  # fmt: skip
+    def __init__(self, path: str = "/dev/mc0", flags: int = os.O_RDWR, server: str = "mc0"):
         self._where = Path(os.environ.get("MMCS_SOCKET") or socket_path(server))
         self._idle: list[socket.socket] = []  # channels without a call; append and pop are atomic
         self._owner = os.getpid()
         self._attached = "MMCS_LOCKSTEP" in os.environ  # by the library that every thread has
-        self._line = OwnLine(self._where) if lockstep and not self._attached else None
         self._file = connect(self._where)
         try:
             self._name = self._file.getsockname().strip(b"\0")
@@ -108,8 +105,6 @@ class Device:
         self._file.close()
         while self._idle:
             self._idle.pop().close()
-        if self._line is not None:
-            self._line.close()
 
     # --- the calls ---
 
@@ -135,8 +130,6 @@ class Device:
 
     def wait(self) -> int:
         """Waits for the next servo sample; its number since power-on."""
-        if self._line is not None:
-            return self._line.wait()
         if self._attached:
             number = array.array("I", [0])
             fcntl.ioctl(self._fileno(), wire.MWAIT, number)
@@ -145,8 +138,6 @@ class Device:
 
     async def next_sample(self) -> int:
         """wait() for an event loop, whose other tasks go on meanwhile."""
-        if self._line is not None:
-            return await self._line.next_sample()
         channel = self._take_channel()
         try:
             ask(channel, wire.SAMPLE, 0, name=self._name)

@@ -1,48 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The line of a Python program that joins a machine in lock-step by itself (see lockstep.py).
-
-Under `mmcs exec --lockstep` no program needs one: its library has a line for every thread.
-"""
+"""Requests of a Python program to the server, and their replies, over a socket (see wire.py)."""
 
 import asyncio
 import errno
 import os
 import socket
-from pathlib import Path
 
 from mmcs.device import wire
-from mmcs.device.sockets import connect
-
-ALL_SIGNALS = (1 << 64) - 1  # none ends a wait: Python's handlers run by themselves
-
-
-class OwnLine:
-    """From now on machine time stands still but in wait()."""
-
-    def __init__(self, where: Path):
-        self._sock: socket.socket = connect(where)
-        ask(self._sock, wire.LINE, wire.LINE_PROGRAM)
-        result, _ = take(self._sock)
-        if result < 0:
-            self.close()
-            text = "the machine is not in lock-step; start `mmcs serve --lockstep SCENARIO`"
-            raise OSError(errno.EINVAL, text, "/dev/mc0")
-
-    def close(self) -> None:
-        self._sock.close()
-
-    def _post(self) -> None:
-        head = wire.WAIT_HEAD.pack(wire.NEVER, 0, ALL_SIGNALS, 0, wire.WAIT_SAMPLE, 0)
-        ask(self._sock, wire.WAIT, 0, head)
-
-    def wait(self) -> int:
-        """The number of the next sample, when it has come."""
-        self._post()
-        return sample_of(take(self._sock))
-
-    async def next_sample(self) -> int:
-        self._post()
-        return sample_of(await take_async(self._sock))
 
 
 def ask(sock: socket.socket, op: int, a: int, data: bytes = b"", name: bytes = b"",

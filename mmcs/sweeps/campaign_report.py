@@ -7,7 +7,6 @@ from collections import Counter
 from pathlib import Path
 from statistics import median
 
-from mmcs.files import read_json
 from mmcs.folder import whole_file
 from mmcs.sweeps.classes import CLASSES, DANGEROUS, LATE, STEPS
 from mmcs.sweeps.faults import line_name
@@ -15,20 +14,7 @@ from mmcs.sweeps.faults import line_name
 Z = 1.959964  # 95 %
 PARTS = 10  # of a motion, in the table by time
 HOLES = 25
-SHORT = dict(zip(CLASSES, ("masked", "safe", "late", "harmless", "dangerous"), strict=True))
-COLOURS = dict(zip(CLASSES, ("#d7dce1", "#7fa8d1", "#e0a040", "#b9c9a8", "#b3363e"), strict=True))
-REPORT, WHERE, WHEN = "report.md", "where.svg", "when.svg"
-COST = "cost.json"
-
-
-def cost_of(folder: Path) -> tuple[int, float, float]:
-    """(faults, seconds of a core for them, seconds by the clock) of what a folder's campaign has
-    cost so far."""
-    try:
-        kept = read_json(folder / COST)
-        return int(kept["faults"]), float(kept["core_s"]), float(kept["wall_s"])
-    except (ValueError, KeyError, TypeError, OverflowError):
-        return 0, 0.0, 0.0
+REPORT = "report.md"
 
 
 def wilson(k: int, n: int) -> tuple[float, float]:
@@ -192,66 +178,6 @@ def write_report(folder: Path, plan, rows: dict[int, dict], command: str) -> Pat
     path = folder / REPORT
     with whole_file(path) as part:
         part.write_text("\n".join(lines) + "\n")
-    return path
-
-
-# --- maps --------------------------------------------------------------------------------------
-
-
-def write_maps(folder: Path, plan, rows: dict[int, dict]) -> list[Path]:
-    """Register x outcome and time x outcome."""
-    some = good(rows)
-    return [_where(folder / WHERE, some), _when(folder / WHEN, plan, some)]
-
-
-def _where(path: Path, rows: list[dict]) -> Path:
-    """Of every register, input and request that did any harm: the share of each class."""
-    counts = Counts(rows, lambda r: (r["sort"], r["what"]))
-    harm = lambda name: counts.by[name][DANGEROUS] + counts.by[name][LATE]  # noqa: E731
-    names = sorted((n for n in counts.by if harm(n)), key=lambda n: (n[0], harm(n)))[-60:]
-    figure, axes, plt = _bars(len(names))
-    _stack(axes, counts, names, lambda name: line_name(name[1]))
-    return _save(path, figure, plt, "where it hits")
-
-
-def _when(path: Path, plan, rows: list[dict]) -> Path:
-    part = {m.name: m.until / PARTS for m in plan.motions}
-    counts = Counts(rows, lambda r: (r["motion"], int(r["at"] / part[r["motion"]])))
-    names = sorted(counts.by, key=lambda k: (plan.names.index(k[0]), k[1]), reverse=True)
-    figure, axes, plt = _bars(len(names))
-    _stack(axes, counts, names, lambda k: f"{k[0]} {1e3 * k[1] * part[k[0]]:.0f} ms")
-    return _save(path, figure, plt, "when it hits")
-
-
-def _bars(count: int):
-    from mmcs.view.plot import style
-
-    plt = style()
-    figure, axes = plt.subplots(figsize=(9, max(2.0, 1.2 + 0.19 * count)), layout="constrained")
-    return figure, axes, plt
-
-
-def _stack(axes, counts: Counts, names: list, shown) -> None:
-    left = [0.0] * len(names)
-    for name in CLASSES:
-        shares = [100 * counts.by[n][name] / counts.total(n) for n in names]
-        axes.barh(range(len(names)), shares, left=left, color=COLOURS[name], label=name)
-        left = [a + b for a, b in zip(left, shares, strict=True)]
-    axes.set_yticks(range(len(names)), [shown(n) for n in names], fontsize=7)
-    axes.set_xlim(0, 100)
-    axes.set_xlabel("%")
-    if names:
-        axes.set_ylim(-0.6, len(names) - 0.4)
-
-
-def _save(path: Path, figure, plt, title: str) -> Path:
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
-                  ncols=len(CLASSES), frameon=False, fontsize=7, title=title)  # fmt: skip
-    from mmcs.view import svg
-
-    with whole_file(path) as part:
-        svg.save(figure, part)
-    plt.close(figure)
     return path
 
 

@@ -34,6 +34,7 @@ class Store:
         self.path, self._what, self._good = folder / ROWS, what, good or is_row
         self._identity = identity
         self.rows: dict[int, dict] = {}
+        self.bad = 0  # of those added now
         self._lock = lock(folder, what)
         if resume:
             try:
@@ -69,6 +70,7 @@ class Store:
     def add(self, n: int, row: dict) -> None:
         self._line({"n": n, "row": row, "sum": checksum(self._identity, n, row)})
         self.rows[n] = row
+        self.bad += row["status"] != "ok"
 
     def _line(self, entry: dict) -> None:
         self._file.write(json.dumps(entry, separators=(",", ":")) + "\n")

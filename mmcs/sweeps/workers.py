@@ -11,10 +11,10 @@ import math
 import multiprocessing
 import os
 import signal
-import time
 from collections import deque
 from collections.abc import Iterator
-from multiprocessing.connection import wait
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 
@@ -106,96 +106,77 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def _serve(pipe, work) -> None:
-    """What a worker process does: tasks in, rows out, until the pipe closes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that commands
-    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
-        pipe.send("ready")
-        while True:
-            task = pipe.recv()
-            began = time.perf_counter()
-            row = work(task)
-            pipe.send((row, time.perf_counter() - began))
+def _leave_ctrl_c() -> None:
+    """Ctrl-C is for the process that commands."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-class _Worker:
-    def __init__(self, context, work):
-        self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=_serve, args=(theirs, work), daemon=True)
-        self.process.start()
-        theirs.close()
-        self.task: tuple | None = None  # (row number, what it is given, attempts so far)
-        self.ready = False
-
-    def give(self, task: tuple) -> None:
-        self.task = task
-        with contextlib.suppress(OSError):  # it died while idle: told by its pipe
-            self.pipe.send(task[1])
-
-    def end(self) -> None:
-        self.pipe.close()
-        self.process.kill()
-        self.process.join()
+def _pool(workers: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(
+        workers, multiprocessing.get_context("spawn"), initializer=_leave_ctrl_c
+    )
 
 
 def run_here(
     tasks: Iterator[tuple[object, object]], workers: int, work=run_row
-) -> Iterator[tuple[object, dict, float]]:
-    """(number, row, seconds) of each (number, task), as they come; work: a function of a module
-    that makes rows of tasks. Raises RunError when no worker starts."""
-    context = multiprocessing.get_context("spawn")
-    crew: list[_Worker] = []
-    again: deque = deque()  # what dead workers were at
-    fed = False  # tasks has no more
-    unborn = 0  # workers that died before they were ready, since the last that was not
+) -> Iterator[tuple[object, dict]]:
+    """(number, row) of each (number, task), as they come; work: a function of a module that makes
+    rows of tasks. Raises RunError when no worker starts.
 
-    def feed(worker: _Worker) -> None:
-        nonlocal fed
-        if again:
-            worker.give(again.popleft())
-        elif not fed:
-            n, given = next(tasks, (None, None))
-            fed = n is None
-            if not fed:
-                worker.give((n, given, 0))
-
+    A pool ends with the first worker that dies. The tasks under way are then repeated, one at a
+    time: the one that kills its worker alone ATTEMPTS times is a failed row."""
+    pool, broken, running, again = _pool(workers), False, {}, deque()
     try:
-        crew += [_Worker(context, work) for _ in range(workers)]
-        while not fed or again or any(w.task for w in crew):
-            pipes = {w.pipe: w for w in crew}
-            for pipe in wait(list(pipes)):
-                worker = pipes[pipe]
+        _start(pool)
+        while True:
+            width = 1 if again else workers
+            while len(running) < width and not broken:
+                entry = again.popleft() if again else (*next(tasks, (None, None)), 0)
+                if entry[0] is None:
+                    break
                 try:
-                    message = pipe.recv()
-                except (EOFError, OSError):
-                    crew.remove(worker)
-                    worker.end()
-                    if not worker.ready:
-                        unborn += 1
-                        if unborn >= ATTEMPTS * workers:
-                            raise RunError(
-                                "no worker of the sweep starts; in a file of your own a sweep "
-                                'stands under `if __name__ == "__main__":`'
-                            ) from None
-                    if worker.task is not None:
-                        n, given, deaths = worker.task
-                        if deaths + 1 < ATTEMPTS:
-                            again.append((n, given, deaths + 1))
-                        else:
-                            yield n, failed(f"the worker died {ATTEMPTS} times in this run"), 0.0
-                    crew.append(_Worker(context, work))
+                    running[pool.submit(work, entry[1])] = entry
+                except BrokenProcessPool:
+                    again.append(entry)
+                    broken = True
+            if not running and not again:
+                return
+            for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
+                n, given, deaths = running.pop(future)
+                if not isinstance(future.exception(), BrokenProcessPool):
+                    yield n, _row_of(future)
                     continue
-                unborn = 0
-                if worker.ready:
-                    (n, _, _), worker.task = worker.task, None
-                    yield n, *message
-                worker.ready = True
-            for worker in crew:
-                if worker.ready and worker.task is None:
-                    feed(worker)
+                broken = True
+                if deaths + 1 < ATTEMPTS:
+                    again.append((n, given, deaths + 1))
+                else:
+                    yield n, failed(f"the worker died {ATTEMPTS} times in this run")
+            if broken and not running:
+                _end(pool)
+                pool, broken = _pool(workers), False
     finally:
-        for worker in crew:
-            worker.end()
+        _end(pool)
+
+
+def _start(pool: ProcessPoolExecutor) -> None:
+    try:
+        pool.submit(os.getpid).result()
+    except BrokenProcessPool:
+        raise RunError(
+            "no worker of the sweep starts; in a file of your own a sweep stands under "
+            '`if __name__ == "__main__":`'
+        ) from None
+
+
+def _end(pool: ProcessPoolExecutor) -> None:
+    for process in list((pool._processes or {}).values()):
+        process.kill()  # shutdown() alone waits for the end of its run
+    pool.shutdown(cancel_futures=True)
+
+
+def _row_of(future) -> dict:
+    problem = future.exception()
+    return failed(f"{type(problem).__name__}: {problem}") if problem else future.result()
 
 
 # --- workers of Dask ---------------------------------------------------------------------------
@@ -227,17 +208,16 @@ def _quiet() -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
-def run_timed(setup, build: str, work, task) -> tuple[dict, float]:
+def run_on(setup, build: str, work, task) -> dict:
     """What a Dask worker does: one run at a time in a process, on the very same simulator."""
     with _one_at_a_time():
-        began = time.perf_counter()
         try:
             here = build_of(setup)
         except RunError as error:
-            return failed(str(error)), 0.0
+            return failed(str(error))
         if here != build:
-            return failed(f"the worker's simulator is another build: {here}, not {build}"), 0.0
-        return work(task), time.perf_counter() - began
+            return failed(f"the worker's simulator is another build: {here}, not {build}")
+        return work(task)
 
 
 @functools.cache
@@ -247,22 +227,19 @@ def _one_at_a_time():
     return threading.Lock()
 
 
-def _answer(future) -> tuple[dict, float]:
+def _answer(future) -> dict:
     """Of a run that ended. Raises RunError when it did because the scheduler has."""
     from concurrent.futures import CancelledError
 
     with contextlib.suppress(OSError, CancelledError):  # it went while this was fetched
-        if future.status == "finished":
-            return future.result()
-        if future.status == "error":
-            problem = future.exception()
-            return failed(f"{type(problem).__name__}: {problem}"), 0.0
+        if future.status in ("finished", "error"):
+            return _row_of(future)
     raise RunError("the Dask scheduler is gone; go on later with --resume")
 
 
 def run_dask(
     client, tasks: Iterator[tuple[object, object]], builds, work=run_row, setup_of=lambda task: task
-) -> Iterator[tuple[object, dict, float]]:
+) -> Iterator[tuple[object, dict]]:
     """As run_here(), on the scheduler's workers; Dask itself repeats what a dead one was at.
     setup_of: the setup in a task, which says what simulator it wants."""
     from distributed import as_completed
@@ -272,7 +249,7 @@ def run_dask(
     def start(numbered: tuple[object, object]) -> None:
         n, task = numbered
         setup = setup_of(task)
-        future = client.submit(run_timed, setup, builds(setup), work, task, pure=False)
+        future = client.submit(run_on, setup, builds(setup), work, task, pure=False)
         numbers[future] = n
         flow.add(future)
 
@@ -283,8 +260,7 @@ def run_dask(
             start(task)
         for future in flow:
             n = numbers.pop(future)
-            row, seconds = _answer(future)
-            yield n, row, seconds
+            yield n, _answer(future)
             if (task := next(tasks, None)) is not None:
                 start(task)
     finally:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lock-step: time passes only while every attached program waits, so that programs repeat."""
 
-import asyncio
 import os
 import subprocess
 import sys
@@ -9,7 +8,6 @@ import sys
 import pytest
 
 from mmcs.device import lockstep
-from mmcs.device.client import Device
 from mmcs.device.execute import environment
 from mmcs.device.wire import MWAIT
 from mmcs.tests.device_bench import (
@@ -20,7 +18,6 @@ from mmcs.tests.device_bench import (
     compile_program,
     lockstep_server,
     output_in_lockstep,
-    running,
 )
 from tools.compiled import written
 
@@ -283,27 +280,6 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
     assert "machine time stands still" in said[-1]
 
 
-@pytest.fixture
-def served(tmp_path):
-    """A server in lock-step beside the test, which is a program by itself."""
-    with lockstep_server(tmp_path) as server, running(server):
-        yield server
-
-
-def test_a_python_program_joins_by_itself(served, monkeypatch):
-    monkeypatch.setenv("MMCS_SOCKET", str(served.path))
-
-    async def some(dev):
-        return [await dev.next_sample() for _ in range(5)]
-
-    with Device(lockstep=True) as dev:
-        first = dev.wait()
-        assert [dev.wait() for _ in range(20)] == list(range(first + 1, first + 21))
-        clock = served.sim.clock
-        assert sum(range(100_000)) and served.sim.clock == clock  # nothing passes by itself
-        assert asyncio.run(some(dev)) == list(range(first + 21, first + 26))
-
-
 def test_mwait_without_lockstep(bench):
     text = f"""
 import array, asyncio, fcntl, os
@@ -324,8 +300,3 @@ print(seen[-1] - seen[0])
 """
     out, status = bench.finish(bench.python(text))
     assert status == 0 and int(out) >= 29, out
-
-
-def test_lockstep_of_a_server_that_is_not(bench):
-    out, status = bench.finish(bench.python("import mmcs; mmcs.Device(lockstep=True)"))
-    assert status == 1 and "the machine is not in lock-step; start `mmcs serve --lockstep" in out

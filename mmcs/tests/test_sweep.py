@@ -174,7 +174,7 @@ def test_two_workers_one_of_them_killed(undisturbed):
     tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
     rows, killed = {}, False
     flow = sweep_run.run_here(tasks, 2)
-    for n, row, _ in flow:
+    for n, row in flow:
         assert n not in rows
         rows[n] = row
         if not killed:
@@ -195,7 +195,7 @@ class Deadly:
 def test_a_run_that_always_kills_its_worker_is_one_failed_row(undisturbed):
     setup = load(str(undisturbed[0]))
     tasks = iter([(0, setup), (1, Deadly()), (2, setup)])
-    rows = {n: row for n, row, _ in sweep_run.run_here(tasks, 2)}
+    rows = dict(sweep_run.run_here(tasks, 2))
     assert rows[1] == sweep_run.failed("the worker died 3 times in this run")
     assert rows[0]["status"] == rows[2]["status"] == "ok" and rows[0]["hash"] == rows[2]["hash"]
 
