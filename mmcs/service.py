@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What sim/service decides without a machine: digests and text of a log, control design."""
+"""What sim/service decides without a machine: the text of a log, control design."""
 
 import functools
 import json
 import os
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -40,18 +39,6 @@ def _simulator(inputs: list[Path]) -> Path | None:
 
 def _rows(ffi, rows: np.ndarray):
     return ffi.from_buffer("double[]", np.ascontiguousarray(rows, np.float64))
-
-
-def digests(blocks: Iterable[np.ndarray], shape: tuple[int, int], each: int = 0,
-            marks: list[int] = (), points: list[tuple] = ()) -> dict:  # fmt: skip
-    """Of a log, as mmcs_digests_told() has them; each 0: as a record of these rows."""
-    ffi, lib = load()
-    made = lib.mmcs_digests_create(shape[1], shape[0], each, list(marks), len(marks))
-    made = ffi.gc(made, lib.mmcs_digests_destroy)
-    for rows in blocks:
-        lib.mmcs_digests_take(made, _rows(ffi, rows), len(rows))
-    given = ffi.new("mmcs_checkpoint[]", list(points))
-    return json.loads(ffi.string(lib.mmcs_digests_told(made, given, len(points))))
 
 
 def log_lines(columns: int, rows: np.ndarray | None = None) -> bytes:

@@ -61,7 +61,7 @@ def _good_record() -> dict:
     packed = base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
     plain = {key: kind() for key, kind in KINDS.items() if isinstance(kind, type)}
     return {"mmcs_run": 1} | plain | {
-        "scenario": "lab500", "motion_start_s": 0.1, "clk_hz": 8_000_000, "rows_each": 8,
+        "scenario": "lab500", "motion_start_s": 0.1, "clk_hz": 8_000_000,
         "files": packed, "data": {"robot": "./robot.toml", "duration": 0.3},
     }  # fmt: skip
 

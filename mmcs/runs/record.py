@@ -2,8 +2,8 @@
 """The run record, run.mmcs: a few kB from which a run can be made again, and judged.
 
 It holds the scenario as it was in force (overrides applied), robot and tables as they were, and
-what came out: the hash, running hashes at samples in between, and short digests of the log's rows
-and columns, so that a replay can say where it parts from the run.
+what came out: the hash, and running hashes at samples in between, so that a replay can say where it
+parts from the run.
 """
 
 import base64
@@ -17,13 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from mmcs import __version__, logcols
-from mmcs.engine.rows import BLOCK, blocks
+from mmcs.engine.rows import BLOCK
 from mmcs.errors import InputError
 from mmcs.files import LONGEST_S, is_name, loads, log_lines, open_file, read_json, short
 from mmcs.folder import settle
 from mmcs.place import run_file
 from mmcs.runs.programs import absolute, digest
-from mmcs.service import digests
 
 NAME = "run.mmcs"
 FORMAT = 1
@@ -31,6 +30,7 @@ MAX_UNPACKED = 64 << 20  # bytes of files; four times what a scenario may have
 MAX_SAMPLES = 40_000_000  # an hour of the shortest interval
 FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv")
 POINT = struct.Struct("<qqQQ")  # samples, clock, hash of samples, hash of what left the machine
+MOST_POINTS = 32  # that are kept
 
 
 @dataclass
@@ -77,7 +77,9 @@ def inline(data: dict, folder: Path) -> dict:
 
 def make_record(result, host: str) -> dict:
     """What run.mmcs will say of a run."""
-    setup, log = result.setup, result.log
+    setup, points = result.setup, result.checkpoints
+    every = max(1, -(-len(points) // MOST_POINTS))
+    kept = b"".join(POINT.pack(*point) for point in points[every - 1 :: every])
     packed = zlib.compress(json.dumps(setup.files).encode(), 9)
     return {
         "mmcs_run": FORMAT,
@@ -91,10 +93,10 @@ def make_record(result, host: str) -> dict:
         "cycles": result.cycles,
         "clk_hz": result.clk_hz,
         "motion_start_s": result.motion_start_s,
-        "samples": len(log),
+        "samples": len(result.log),
         "data": inline(setup.data, setup.path.parent),
         "files": base64.b64encode(packed).decode(),
-        **digests(blocks(log), log.shape, points=result.checkpoints),
+        "checkpoints": base64.b64encode(kept).decode(),
     }
 
 
@@ -129,8 +131,7 @@ def read_record(name: str) -> Record:
 KINDS = {
     "version": str, "build": str, "scenario": str, "host": str, "image": str, "seed": int,
     "hash": str, "cycles": int, "clk_hz": int, "motion_start_s": (int, float), "samples": int,
-    "data": dict, "files": str, "checkpoints": str, "rows_each": int, "rows": str, "marks": list,
-    "columns": str,
+    "data": dict, "files": str, "checkpoints": str,
 }  # fmt: skip
 
 
@@ -148,7 +149,7 @@ def parse(path: Path, text: dict) -> Record:
         raise ValueError("scenario must be a name")
     files = _unpack_files(text["files"])
     _check_data(text["data"], files)
-    _check_digests(text)
+    _check_figures(text)
     return Record(path, text, files)
 
 
@@ -181,18 +182,11 @@ def _check_data(data: dict, files: dict[str, str]) -> None:
         raise ValueError("it names a file that it does not hold")
 
 
-def _check_digests(text: dict) -> None:
-    marks, samples, each = text["marks"], text["samples"], text["rows_each"]
+def _check_figures(text: dict) -> None:
     if not 0 <= text["motion_start_s"] <= LONGEST_S or not 0 < text["clk_hz"] <= 10**9:
         raise ValueError("a time is wrong")
-    if not 0 <= samples <= MAX_SAMPLES or not 1 <= each <= MAX_SAMPLES:
+    if not 0 <= text["samples"] <= MAX_SAMPLES:
         raise ValueError("the number of samples is wrong")
-    if len(_decode(text["rows"])) != -(-samples // each):
-        raise ValueError("rows are missing")
-    if not all(type(m) is int and 0 <= m <= samples for m in marks) or marks != sorted(marks):
-        raise ValueError("its marks are wrong")
-    if len(_decode(text["columns"])) % (2 * len(marks) or 1):
-        raise ValueError("columns are missing")
     if len(_decode(text["checkpoints"])) % POINT.size:
         raise ValueError("checkpoints are missing")
 
@@ -209,7 +203,6 @@ def first_difference(record: Record, log: np.ndarray, points) -> str | None:
     return (
         _by_points(record, points, before_motion=True)
         or _by_log_file(record, log)
-        or _by_digests(record, log)
         or _by_points(record, points)
     )
 
@@ -253,36 +246,6 @@ def _first_in(then: np.ndarray, now: np.ndarray, rounding: np.ndarray, at: int) 
         f"sample {at + row} (t = {now[row, 0]:.6f} s), {_name(column)}: "
         f"{then[row, column]:.10g} in the run, {now[row, column]:.10g} now"
     )
-
-
-def _by_digests(record: Record, log: np.ndarray) -> str | None:
-    """To within a group of rows, and to the field as far as two bytes can tell."""
-    every, width, marks = record.rows_each, log.shape[1], record.marks
-    known = [mark for mark in marks if mark <= len(log)]
-    told = digests(blocks(log), log.shape, every, known)
-    then, now = base64.b64decode(record.rows), base64.b64decode(told["rows"])
-    shared = min(record.samples, len(log))
-    whole = -(-shared // every) if record.samples == len(log) else shared // every
-    group = next((n for n in range(whole) if then[n] != now[n]), None)
-    size = 2 * width * len(known)
-    columns = np.frombuffer(base64.b64decode(record.columns)[:size], "<u2").reshape(-1, width)
-    now_columns = np.frombuffer(base64.b64decode(told["columns"]), "<u2").reshape(-1, width)
-    differs = columns != now_columns
-    mark = next((n for n, row in enumerate(differs) if row.any()), None)
-    if group is None and mark is None:
-        if len(log) == record.samples:
-            return None
-        return f"the end: {len(log)} samples of motion instead of {record.samples}"
-    first, last = 0, len(log) - 1
-    if mark is not None:
-        first, last = marks[mark - 1] if mark else 0, marks[mark] - 1
-    # A row's single byte may agree by chance; then the columns come first.
-    if group is not None and (mark is None or group * every <= last):
-        first, last = group * every, min((group + 1) * every, len(log)) - 1
-    names = [] if mark is None else [_name(n) for n in np.flatnonzero(differs[mark])]
-    fields = "; ".join(names[:3]) + (" and others" if len(names) > 3 else "")
-    span = f"sample {first}" if first == last else f"samples {first} to {last}"
-    return f"{span} (t = {log[first, 0]:.6f} s), {fields or 'field unknown'}"
 
 
 def _by_points(record: Record, points, before_motion: bool = False) -> str | None:

@@ -93,8 +93,8 @@ def test_record_alone_reproduces_the_run(mmcs, ran, tmp_path):
 
 @pytest.mark.req("API-1")
 def test_replay_tells_where_it_first_differs(mmcs, ran):
-    """The setpoint of one table changes by one count at 0.25 s: exactly with log.csv, and to
-    within its sample group and field without."""
+    """The setpoint of one table changes by one count at 0.25 s: exactly with log.csv, and between
+    two running hashes without."""
     out, digest = ran
 
     def other_way(text):
@@ -119,7 +119,8 @@ def test_replay_tells_where_it_first_differs(mmcs, ran):
     (out / "log.csv").unlink()
     status, text, _ = mmcs("replay", out)
     assert status == 1
-    assert f"first at sample {sample} (t = {found[2]} s), axis 0, setpoint" in text
+    first, last = map(int, re.search(r"first at servo samples (\d+) to (\d+)", text).groups())
+    assert last - first < 64 and first - 5 < sample <= last  # a few came before the motion
 
 
 @pytest.mark.req("API-1")
@@ -140,30 +141,10 @@ def test_difference_that_no_sample_shows(mmcs, ran):
     assert len(log) == record.samples
 
 
-@pytest.mark.req("API-1")
-def test_digests_narrow_it_down():
-    rng = np.random.default_rng(4)
-    log = rng.integers(-999, 999, (3072, 15)).astype(float)
-    text = {"samples": 3072, **records.digests([log], log.shape)}
-    assert (text["rows_each"], text["marks"]) == (3, [384 * n for n in range(1, 9)])
-    rows, columns = (base64.b64decode(text[name]) for name in ("rows", "columns"))
-    groups = bytes(zlib.crc32(log[n : n + 3].tobytes()) & 0xFF for n in range(0, 3072, 3))
-    whole = [zlib.crc32(column.tobytes()) & 0xFFFF for column in log.T]
+def test_lines_of_a_log():
+    log = np.random.default_rng(4).integers(-999, 999, (100, 15)) / 7
     line = ",".join(["%.6f"] + (["%d"] * 6 + ["%.9f"]) * 2)
-    assert log_lines(15, log / 7).decode().split("\n")[70] == line % tuple(log[70] / 7)
-    assert rows == groups and columns[-30:] == np.array(whole, "<u2").tobytes()
-    record = records.Record(records.Path("x"), text, {})
-    assert records._by_digests(record, log) is None
-    for row, column, name in ((0, 0, "time"), (1234, 9, "axis 1, encoder"), (2999, 7, "angle_rad")):
-        bent = log.copy()
-        bent[row, column] += 1
-        where = records._by_digests(record, bent)
-        first, last = map(int, re.match(r"samples (\d+) to (\d+)", where).groups())
-        assert first <= row <= last and last - first < 384
-        assert name in where
-    assert (
-        records._by_digests(record, log[:-40]) == "the end: 3032 samples of motion instead of 3072"
-    )
+    assert log_lines(15, log).decode().split("\n")[70] == line % tuple(log[70])
 
 
 @pytest.mark.req("SW-1")

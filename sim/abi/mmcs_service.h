@@ -165,18 +165,6 @@ int64_t mmcs_server_stream(mmcs_server *server, mmcs_client *client, double now,
 const char *mmcs_server_request(mmcs_server *server, mmcs_client *client, double now,
                                 const char *asked, int only_check, const char *held);
 
-/* Digests of a log in run.mmcs, from its rows in order: a byte for every `each` rows, and two bytes
- * for each column up to each mark (marks ascend). each = 0: as a new record of `rows` rows has
- * them. */
-typedef struct mmcs_digests mmcs_digests;
-mmcs_digests *mmcs_digests_create(int32_t columns, int64_t rows, int64_t each, const int64_t *marks,
-                                  int32_t count);
-void mmcs_digests_destroy(mmcs_digests *digests);
-void mmcs_digests_take(mmcs_digests *digests, const double *rows, int64_t count);
-/* After the last row: the digests as a JSON object, valid until they are destroyed: rows_each,
- * rows, marks, columns, and the checkpoints that a record keeps; bytes as base64. */
-const char *mmcs_digests_told(mmcs_digests *digests, const struct mmcs_checkpoint *points,
-                              int32_t count);
 /* Rows as lines of log.csv; with count 0 its heading. Valid until the next call. */
 const char *mmcs_log_lines(int32_t columns, const double *rows, int64_t count);
 

@@ -26,7 +26,7 @@ export function makeRecord(session, log, hash, version) {
     samples: log.reduce((sum, { rows }) => sum + rows, 0),
     data,
     files: setup.files,
-    ...sim.digests(log),
+    checkpoints: sim.checkpoints(),
   };
 }
 
