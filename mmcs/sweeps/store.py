@@ -239,8 +239,7 @@ def _number(value: object) -> str:
 
 def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path:
     """One panel per key (the first six), the figure over its values; a map for a grid of two."""
-    from mmcs.view import svg
-    from mmcs.view.plot import BLUE, GREY, RED, style
+    from mmcs.view.plot import BLUE, GREY, RED, save, style
 
     plt = style()
     keys = plan.keys[:6]
@@ -273,8 +272,7 @@ def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path
     figure.suptitle(one_line(f"{plan.name}: {len(rows)} runs"), x=0.01, ha="left", size=11)
     path = folder / PLOT
     with whole_file(path) as part:
-        svg.save(figure, part)
-    plt.close(figure)
+        save(figure, part)
     return path
 
 

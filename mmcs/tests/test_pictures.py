@@ -13,7 +13,7 @@ import pytest
 from mmcs import logcols
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import good, one_clear_line
-from mmcs.view import chart, svg
+from mmcs.view import chart
 from mmcs.view.film import arm_points
 from tools.compiled import ran
 
@@ -108,29 +108,6 @@ def test_film_of_what_is_no_arm(mmcs, folder):
     path = folder("a")
     told = f"{path}: its robot has no [[link]]: there is no arm\n"
     one_clear_line(mmcs("export", "film", path), start=told)
-
-
-def test_an_svg_file_holds_the_points_that_were_drawn(tmp_path):
-    from mmcs.view.plot import style
-
-    plt = style()
-    figure, axes = plt.subplots()
-    y = np.cumsum(np.random.default_rng(1).normal(size=300))
-    (line,) = axes.plot(np.arange(300), y, gid="line")
-    axes.bar([10, 200], [3.0, -2.0], color="#123456")
-    svg.save(figure, tmp_path / "a.svg")
-    drawn = line.get_transform().transform(line.get_xydata())
-    points = drawn * [1, -1] * 72 / figure.dpi + [0, 72 * figure.get_figheight()]
-    plt.close(figure)
-    text = (tmp_path / "a.svg").read_text()
-    path = re.search(r'd="(M[^"]*)"[^>]*stroke: #1f77b4', text)[1]
-    moves = [(float(x), float(y)) for x, y in re.findall(r"[Ml](\S+) ([^lM]+)", path)]
-    assert len(moves) > 250  # Matplotlib leaves out what lies on a line
-    for point in np.cumsum(moves, axis=0):
-        assert np.abs(points - point).max(axis=1).min() < 0.1
-    bars = re.search(r'd="([^"]*)"[^>]*fill: #123456', text)[1]
-    assert bars.count("z") == 2 and text.count("#123456") == 1
-    assert svg.smaller(text) == text
 
 
 @pytest.mark.parametrize(("low", "high", "expected"), [

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs.errors import InputError
-from mmcs.view import svg
-from mmcs.view.plot import BLUE, GREY, ORANGE, style
+from mmcs.view.plot import BLUE, GREY, ORANGE, save, style
 from mmcs.view.runs import Run
 
 GIF_FPS = 20
@@ -55,8 +54,7 @@ def write_strip(run: Run, path: Path, pictures: int = 6) -> None:
         _draw(cell, arm, k)
         cell.set_title(f"{t[k]:.2f} s", size=10)
     figure.subplots_adjust(0, 0, 1, 0.92, 0, 0)
-    svg.save(figure, path)
-    plt.close(figure)
+    save(figure, path)
 
 
 def write_gif(run: Run, path: Path, slower: float = 1.0) -> int:

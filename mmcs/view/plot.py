@@ -43,6 +43,12 @@ def style():
     return plt
 
 
+def save(figure, path: Path) -> None:
+    """As SVG, the same for the same data; and closes it."""
+    figure.savefig(path, format="svg", metadata={"Date": None})
+    pyplot().close(figure)
+
+
 def grid(names: list[str], heights: tuple, labels: tuple) -> tuple[list[list[Cell]], tuple]:
     """A column of cells, one above the other, for each axis, and the picture's size in points."""
     axes = len(names)
