@@ -25,6 +25,15 @@ def has_mass_distribution(inertia: list[float]) -> bool:
     return is_body([half - own for own in inertia[:3]] + [-product for product in inertia[3:]])
 
 
+def link_frame(alpha: float, a: float, d: float, angle: float) -> np.ndarray:
+    """Of a link in that of the one before (Denavit-Hartenberg)."""
+    c, s = math.cos(angle), math.sin(angle)
+    ca, sa = math.cos(alpha), math.sin(alpha)
+    return np.array([
+        [c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1],
+    ])  # fmt: skip
+
+
 def mass_matrix(links, q) -> np.ndarray:
     """By the Jacobians of the links' centres of mass."""
     frame, n = np.eye(4), len(links)
@@ -32,12 +41,7 @@ def mass_matrix(links, q) -> np.ndarray:
     for k, (link, angle) in enumerate(zip(links, q, strict=True)):
         axes.append(frame[:3, 2].copy())
         origins.append(frame[:3, 3].copy())
-        c, s = math.cos(angle + link.theta0), math.sin(angle + link.theta0)
-        ca, sa = math.cos(link.alpha), math.sin(link.alpha)
-        frame = frame @ np.array([
-            [c, -s * ca, s * sa, link.a * c], [s, c * ca, -c * sa, link.a * s],
-            [0, sa, ca, link.d], [0, 0, 0, 1],
-        ])  # fmt: skip
+        frame = frame @ link_frame(link.alpha, link.a, link.d, angle + link.theta0)
         turn = frame[:3, :3]
         centre = frame[:3, 3] + turn @ np.array(link.com)
         xx, yy, zz, xy, yz, xz = link.inertia

@@ -238,37 +238,32 @@ def _number(value: object) -> str:
 
 
 def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path:
-    """One panel per key (the first six), the figure over its values; a map for a grid of two."""
+    """One panel per key (the first six), the figure over its values."""
     from mmcs.view.plot import BLUE, GREY, RED, save, style
 
     plt = style()
     keys = plan.keys[:6]
     good = [n for n in sorted(rows) if _finite(rows[n].get(by))]
     values = {n: plan.values(n) for n in good}
-    surface = len(plan.grid) == 2 and not plan.drawn and _is_numeric(values, keys)
-    panels = 1 if surface else len(keys)
-    figure, axes = plt.subplots(
-        1, panels, squeeze=False, sharey=not surface, layout="constrained",
-        figsize=(max(6.0, 3.2 * panels), 4.2),
+    figure, (axes,) = plt.subplots(
+        1, len(keys), squeeze=False, sharey=True, layout="constrained",
+        figsize=(max(6.0, 3.2 * len(keys)), 4.2),
     )  # fmt: skip
-    if surface:
-        _draw_map(figure, axes[0][0], plan, rows, by)
+    for cell, key in zip(axes, keys, strict=True):
+        for status, colour, marker in (("ok", BLUE, "o"), ("missed", RED, "x")):
+            some = [n for n in good if rows[n]["status"] == status]
+            x = [_plain(values[n][key]) for n in some]
+            x = x if _is_numeric(values, key) else [str(v) for v in x]
+            y = [abs(rows[n][by]) for n in some]
+            label = {"ok": "meets all expectations", "missed": "misses some"}[status]
+            if x:
+                cell.plot(x, y, marker, color=colour, ms=4, alpha=0.7, label=label)
+        cell.set_xlabel(key)
+    axes[0].set_ylabel(f"{by}, worst axis" if not by[-1].isdigit() else by)
+    if good:
+        axes[0].legend(loc="best", frameon=False)
     else:
-        for place, key in enumerate(keys):
-            for status, colour, marker in (("ok", BLUE, "o"), ("missed", RED, "x")):
-                some = [n for n in good if rows[n]["status"] == status]
-                x = [_plain(values[n][key]) for n in some]
-                x = x if _is_numeric(values, [key]) else [str(v) for v in x]
-                y = [abs(rows[n][by]) for n in some]
-                label = {"ok": "meets all expectations", "missed": "misses some"}[status]
-                if x:
-                    axes[0][place].plot(x, y, marker, color=colour, ms=4, alpha=0.7, label=label)
-            axes[0][place].set_xlabel(key)
-        axes[0][0].set_ylabel(f"{by}, worst axis" if not by[-1].isdigit() else by)
-        if good:
-            axes[0][0].legend(loc="best", frameon=False)
-    if not good:
-        axes[0][0].text(0.5, 0.5, f"no run has {by}", ha="center", color=GREY)
+        axes[0].text(0.5, 0.5, f"no run has {by}", ha="center", color=GREY)
     figure.suptitle(one_line(f"{plan.name}: {len(rows)} runs"), x=0.01, ha="left", size=11)
     path = folder / PLOT
     with whole_file(path) as part:
@@ -280,36 +275,7 @@ def _finite(value: float | None) -> bool:
     return value is not None and math.isfinite(value)
 
 
-def _is_numeric(values: dict[int, dict], keys: list[str]) -> bool:
+def _is_numeric(values: dict[int, dict], key: str) -> bool:
     return all(
-        isinstance(v[key], int | float) and not isinstance(v[key], bool)
-        for v in values.values()
-        for key in keys
+        isinstance(v[key], int | float) and not isinstance(v[key], bool) for v in values.values()
     )
-
-
-def _draw_map(figure, cell, plan: Plan, rows: dict[int, dict], by: str) -> None:
-    import numpy as np
-
-    across, up = plan.grid
-    field = np.full((len(up.values), len(across.values)), np.nan)
-    missed = []
-    for n, row in rows.items():
-        a, b = divmod(n, len(up.values))
-        if _finite(row.get(by)):
-            field[b, a] = abs(row[by])
-        if row["status"] != "ok":
-            missed.append((a, b))
-    image = cell.imshow(field, origin="lower", aspect="auto", cmap="viridis")
-    cell.grid(False)
-    for ticks, vary, name in (
-        (cell.set_xticks, across, cell.set_xlabel),
-        (cell.set_yticks, up, cell.set_ylabel),
-    ):
-        every = max(1, len(vary.values) // 8)
-        ticks(range(0, len(vary.values), every), [f"{v:g}" for v in vary.values[::every]])
-        name(vary.key)
-    if missed:
-        cell.plot(*zip(*missed, strict=True), "x", color="#b3363e", label="misses expectations")
-        cell.legend(loc="upper right")
-    figure.colorbar(image, ax=cell, label=by)

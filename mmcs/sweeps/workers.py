@@ -232,7 +232,9 @@ def _answer(future) -> dict:
     from concurrent.futures import CancelledError
 
     with contextlib.suppress(OSError, CancelledError):  # it went while this was fetched
-        if future.status in ("finished", "error"):
+        if future.status == "finished":
+            return future.result()
+        if future.status == "error":
             return _row_of(future)
     raise RunError("the Dask scheduler is gone; go on later with --resume")
 

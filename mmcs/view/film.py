@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs export film RUN`: the arm in three dimensions, as a strip of pictures and an animation."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 
 from mmcs.errors import InputError
+from mmcs.scenario.arm import link_frame
 from mmcs.view.plot import BLUE, GREY, ORANGE, save, style
 from mmcs.view.runs import Run
 
@@ -19,16 +19,8 @@ def arm_points(links: list[dict], angles: np.ndarray) -> np.ndarray:
     """Corners of the arm in the base frame, m: base, then two per link (along d, then along a)."""
     frame, points = np.eye(4), [np.zeros(3)]
     for link, q in zip(links, angles, strict=True):
-        angle = q + link["theta0"]
-        c, s = math.cos(angle), math.sin(angle)
-        ca, sa = math.cos(link["alpha"]), math.sin(link["alpha"])
         points.append((frame @ np.array([0, 0, link["d"], 1]))[:3])
-        frame = frame @ np.array([
-            [c, -s * ca, s * sa, link["a"] * c],
-            [s, c * ca, -c * sa, link["a"] * s],
-            [0, sa, ca, link["d"]],
-            [0, 0, 0, 1],
-        ])  # fmt: skip
+        frame = frame @ link_frame(link["alpha"], link["a"], link["d"], q + link["theta0"])
         points.append(frame[:3, 3].copy())
     # The flange has no length of its own; a short tool shows which way it points.
     points.append((frame @ np.array([0, 0, 0.1, 1]))[:3])
