@@ -247,8 +247,8 @@ def test_resume_runs_only_what_is_missing(mmcs, undisturbed, tmp_path, monkeypat
     ran = []
     here = sweep_run.run_here
 
-    def counting(tasks, workers):
-        for result in here(tasks, workers):
+    def counting(*args):
+        for result in here(*args):
             ran.append(result[0])
             yield result
 
