@@ -23,6 +23,7 @@ module bench_chips #(
   logic [InBits-1:0] words[0:Depth-1];
   logic [InBits-1:0] stim;
   logic [3:0][OutBits-1:0] resp;   // as seen by the clock edge that also sees stim
+  logic [3:0] clk;                 // only the chip that is replayed is clocked
   logic go_q = 1'b0;
   logic busy = 1'b0;
   int at = 0;
@@ -30,6 +31,7 @@ module bench_chips #(
   string name;
 
   initial done_o = 1'b0;
+  assign clk = 4'(clk_i) << chip_i;
 
   always @(posedge clk_i) begin
     go_q <= go_i;
@@ -65,17 +67,19 @@ module bench_chips #(
   assign {clr_n, trig, da_d, da_a_n, da_cs_n, vin, span10, mode12, ad_a0, rc_n, ad_cs_n, ce} =
       busy && chip_i == 2'd0 ? stim : {2'b10, 12'h000, 4'hF, 1'b1, 16'h0000, 6'b010110};
 
-  ad667 u_da (.clk_i, .rst_ni, .cs_ni(da_cs_n), .a_ni(da_a_n), .d_i(da_d), .code_o(resp[0][25:14]));
+  ad667 u_da (
+    .clk_i(clk[0]), .rst_ni, .cs_ni(da_cs_n), .a_ni(da_a_n), .d_i(da_d), .code_o(resp[0][25:14])
+  );
 
   ad574 #(.ConvClks(201)) u_ad (
-    .clk_i, .rst_ni,
+    .clk_i(clk[0]), .rst_ni,
     .ce_i(ce), .cs_ni(ad_cs_n), .rc_ni(rc_n), .a0_i(ad_a0), .mode12_i(mode12), .span10_i(span10),
     .vin_i(vin),
     .sts_o(resp[0][13]), .db_o(resp[0][11:0]), .db_oe_o(resp[0][12])
   );
 
   oneshot #(.PulseClks(20)) u_shot (
-    .clk_i, .rst_ni, .trig_i(trig), .clr_ni(clr_n), .q_o(resp[0][26])
+    .clk_i(clk[0]), .rst_ni, .trig_i(trig), .clr_ni(clr_n), .q_o(resp[0][26])
   );
 
   assign resp[0][OutBits-1:27] = '0;
@@ -100,7 +104,7 @@ module bench_chips #(
       .NmosRewrite(v == 0),
       .SplitCr(v == 0)
     ) u_part (
-      .clk_i, .rst_ni,
+      .clk_i(clk[1]), .rst_ni,
       .cs_ni(pit_cs_n), .rd_ni(pit_rd_n), .wr_ni(pit_wr_n), .a_i(pit_a), .d_i(pit_d),
       .d_o(pit[v][7:0]), .d_oe_o(pit[v][8]),
       .clk0_rise_i(rise[0]), .clk0_fall_i(fall[0]),
@@ -131,7 +135,7 @@ module bench_chips #(
     i8255 #(
       .ControlReadable(v == 1)
     ) u_part (
-      .clk_i, .rst_ni,
+      .clk_i(clk[2]), .rst_ni,
       .reset_i(ppi_reset),
       .cs_ni(ppi_cs_n), .rd_ni(ppi_rd_n), .wr_ni(ppi_wr_n), .a_i(ppi_a), .d_i(ppi_d),
       .d_o(ppi[v][7:0]), .d_oe_o(ppi[v][8]),
@@ -156,7 +160,7 @@ module bench_chips #(
     thct2000 #(
       .Filter(2 * v)
     ) u_part (
-      .clk_i, .rst_ni,
+      .clk_i(clk[3]), .rst_ni,
       .reset_i(enc_reset), .clk_en_i(clk_en), .m_i(m), .a_i(a), .b_i(b),
       .latch_i(latch), .other_i(other),
       .cs_ni(enc_cs_n), .rd_ni(enc_rd_n), .wr_ni(enc_wr_n), .rs_i(rs), .d_i(enc_d),
