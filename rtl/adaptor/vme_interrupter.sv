@@ -28,9 +28,10 @@ module vme_interrupter #(
 
   logic ds_any, ds_any_sync;     // a data strobe is low: the pins; synchronised
   logic level_match, ds0_valid;  // an acknowledge of our level; its DS0*
-  logic respond_d, respond_q;    // it found us asking: answered, else passed on
+  logic respond_d;
+  logic respond_q = 1'b0;        // it found us asking: answered, else passed on
   logic iackin, iackin_sync;     // IACKIN* is low: the pin; synchronised
-  logic iackin_stale_q;          // it stood as AS* rose: of a cycle that is over
+  logic iackin_stale_q = 1'b0;   // it stood as AS* rose: of a cycle that is over
   logic iackin_valid;
   logic done_d, done_q;          // answered already, or SYSRESET* came in between
   logic answer_start, answer_d, answer_q;

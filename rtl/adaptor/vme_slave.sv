@@ -43,9 +43,14 @@ module vme_slave #(
   logic ds0_held_d, ds0_held_q;  // neither DS0* high nor SYSRESET* since it was taken
   logic answer_d, answer_q;      // DTACK*, if it had not been high when the host port answered
   logic hold_answer, answered;
-  logic [10:1] bus_a_q, hp_a_d, hp_a_q;
-  logic [ 7:0] bus_d_q, hp_wdata_d, hp_wdata_q;
-  logic bus_write, bus_write_q, hp_write_d, hp_write_q;
+  // Taken by edges of the pins, with a value before the first one.
+  logic [10:1] bus_a_q = '0;
+  logic [ 7:0] bus_d_q = '0;
+  logic bus_write_q = 1'b0;
+  logic bus_write;
+  logic [10:1] hp_a_d, hp_a_q;
+  logic [ 7:0] hp_wdata_d, hp_wdata_q;
+  logic hp_write_d, hp_write_q;
 
   assign ds_any = ~(&vme_ds_ni);
   assign ds0_n = vme_ds_ni[0];

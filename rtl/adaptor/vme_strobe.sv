@@ -23,10 +23,12 @@ module vme_strobe (
   output logic      ds0_valid_o
 );
 
-  logic begun_d, begun_q;  // at the fall of AS*: other than ended_q if the cycle is ours
-  logic ended_q;           // at the rise of AS*: the same
-  logic ds0_fell_q;        // since the reset: a strobe that stands through it is old
-  logic ds0_stale_q;       // this strobe stood as AS* rose
+  // No clock but the pins moves these: each has its value before the first edge, too.
+  logic begun_d;
+  logic begun_q = 1'b0;      // at the fall of AS*: other than ended_q if the cycle is ours
+  logic ended_q = 1'b0;      // at the rise of AS*: the same
+  logic ds0_fell_q = 1'b0;   // since the reset: a strobe that stands through it is old
+  logic ds0_stale_q = 1'b0;  // this strobe stood as AS* rose
 
   assign begun_d = ended_q ^ match_i;
 
