@@ -144,46 +144,21 @@ async def edges_while_bit_7_is_0_are_lost(tb, source):
     await low(tb)
 
 
-async def edges_around(tb: Machine, before: int, after: int, bit: int, span: range):
-    """For each delay: PANIC rises that many clocks after the write cycle began.
-
-    Gives {clocks from the PANIC edge to the end of the write: latched}.
-    """
-    out = []
-    dut = tb.dut
-    for delay in span:
+@machine_test("INT-1")
+async def edge_on_every_clock_around_clearing_bit_7(dut, tb):
+    """Whatever the clock: after the write has been acknowledged the latch is clear and stays so."""
+    for delay in range(24):
         await panic_low(tb)
         await tb.wr(PCCSR, BASE)
-        await tb.wr(PCCSR, before)
+        await tb.wr(PCCSR, ARMED | BASE)
         await tb.clocks(4)
-        op = tb.vme.init_write(0x6409, after)
+        op = tb.vme.init_write(0x6409, BASE)
         await tb.clocks(delay)
         dut.estop_closed_i.value = 0
         await RisingEdge(dut.panic_o)
-        rose = tb.now()
         await op.wait()
         await tb.clocks(8)
-        out.append(((rose - op.dtack_ns * 1000) / tb.period, bool(await tb.rd(PCCSR) & bit)))
-    return out
-
-
-@machine_test("INT-1")
-async def edge_on_every_clock_around_setting_bit_7(tb):
-    """Before some clock all edges are lost, from it on all are latched: one step, no gap."""
-    seen = await edges_around(tb, BASE, ARMED | BASE, PANIC_IRQ, range(0, 24))
-    latched = [hit for _, hit in sorted(seen)]
-    tb.log.info("edge to DTACK* in clocks: %s", [(round(t, 1), h) for t, h in sorted(seen)])
-    assert latched == sorted(latched), "latched, lost, latched: the window has a hole"
-    assert True in latched and False in latched
-    first = min(t for t, hit in seen if hit)
-    assert -2 <= first <= 2, f"the first edge that counts is {first} clocks from DTACK*"
-
-
-@machine_test("INT-1")
-async def edge_on_every_clock_around_clearing_bit_7(tb):
-    """Whatever the clock: after the write has been acknowledged the latch is clear and stays so."""
-    seen = await edges_around(tb, ARMED | BASE, BASE, PANIC_IRQ, range(0, 24))
-    assert not any(hit for _, hit in seen)
+        assert not await tb.rd(PCCSR) & PANIC_IRQ
 
 
 @machine_test("INT-1", "DRV-7")
@@ -349,39 +324,6 @@ async def iackout_follows_the_cycle(dut, tb):
         assert int(dut.vme_iackout_no.value) == 1
     assert len(rises) >= 5 and max(rises) <= 40
     assert await tb.rd(PCCSR) == BASE
-
-
-@machine_test("INT-2", "INT-1")
-async def request_on_every_clock_around_the_acknowledge(dut, tb):
-    """PANIC rises at each clock around IACKIN*: the cycle is answered or passed on, never both,
-
-    never neither; passed on until some clock, answered never after it was decided.
-    """
-    tb.vme.downstream = {5: 0x33}
-    fates = []
-    for delay in range(0, 26):
-        await panic_low(tb)
-        await tb.wr(PCCSR, BASE)
-        await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
-        await Timer(1 + tb.random.randrange(125), "ns")
-        await tb.clocks(12 - delay if delay < 12 else 0)
-        if delay < 12:  # request first, acknowledge later
-            dut.estop_closed_i.value = 0
-            await tb.clocks(12 - delay)
-            fate = await tb.vme.iack(5)
-        else:
-            op = tb.vme.init_iack(5)
-            await tb.clocks(delay - 12)
-            dut.estop_closed_i.value = 0
-            await op.wait()
-            assert op.error is None, op.error
-            fate = op.data
-        fates.append(fate)
-        await tb.clocks(6)
-        assert irq(tb) == 1 << 5
-        assert await tb.vme.iack(5) == VEC, "the request is still there"
-    assert set(fates) == {0x33, VEC}
-    assert fates == sorted(fates, reverse=True), f"the order of fates is {fates}"
 
 
 @machine_test("INT-2")
