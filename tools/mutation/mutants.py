@@ -55,7 +55,7 @@ TOPS = {
          "card.cocotb_registers:vme",
          "system.cocotb_bits", "system.cocotb_reset"],
         {"adaptor/pcbus_master": ({}, 60), "adaptor/pccsr": ({}, 40),
-         "adaptor/sysclk": ({"SysClkMHz": 1}, 20), "adaptor/panic": ({}, 20),
+         "adaptor/sysclk": ({"ClkHz": 16_000_000, "SysClkMHz": 2}, 20), "adaptor/panic": ({}, 20),
          "adaptor/vme_strobe": ({}, 40), "adaptor/vme_slave": ({}, 60),
          "adaptor/vme_interrupter": ({}, 50),
          "adaptor/adaptor_vme": ({}, 30),
