@@ -37,19 +37,9 @@ async def answers_only_at_its_switch_setting(tb):
     assert await tb.pc.read(PORT_A) == QUAD
 
 
-@slot_test("CRD-1", "CRD-2")
-async def every_switch_setting(dut, tb):
-    for dip in range(16):
-        dut.dip_i.value = dip
-        await ClockCycles(dut.clk_i, 2)
-        found = [d for d in range(16) if await tb.pc.inb(d << 10 | 0x300) != 0xFF]
-        assert found == [dip]
-
-
 @card_test("CRD-1", "PPI-1")
 async def every_register(tb):
-    """What each of the 32 offsets reads. Holes and write-only ones read 0xFF; writing holes and the
-    A/D changes nothing."""
+    """What each of the 32 offsets reads; holes and write-only ones are 0xFF."""
     card = tb.cards - 1
     await tb.relay()
     await tb.preset(2 * card, 0x1234)
@@ -59,14 +49,10 @@ async def every_register(tb):
     await tb.converted()
     expected = {0: QUAD, 1: RUN, 2: 0xF0, 4: 0x12, 5: 0x34, 6: 0x56, 7: 0x78}
     expected |= {0x0C: 0x23, 0x0D: 0x56, 0x0E: 0xC9}
-    for written in (False, True):
-        for register in (*range(0x0C, 0x10), 0x11, *range(0x13, 0x20)) if written else ():
-            await tb.cwr(card, register, 0x40 | register)
-        for register in range(32):
-            if register not in (LATCH, LATCH_ALL):
-                value = await tb.crd(card, register)
-                assert value == expected.get(register, 0xFF), f"offset {register:02X}: {value:02X}"
-    assert not any(tb.drives())
+    for register in range(32):
+        if register not in (LATCH, LATCH_ALL):
+            value = await tb.crd(card, register)
+            assert value == expected.get(register, 0xFF), f"offset {register:02X}: {value:02X}"
 
 
 @slot_test("PPI-1")
@@ -92,18 +78,6 @@ async def reset_drv_makes_ports_inputs(dut, tb):
     await tb.relay()
     assert tb.volts(0) == 0x4000
     assert await tb.encoder(0) == 0
-
-
-@slot_test("PPI-1", "CRD-2")
-async def port_b_bits_5_to_7_are_free(tb):
-    """Unassigned bits hold what is written and move nothing; port C shows 1 there."""
-    await tb.relay()
-    await tb.dac(0, 0xC00)
-    for high in range(8):
-        await tb.pc.write(PORT_B, RUN | high << 5)
-        assert await tb.pc.read(PORT_B) == RUN | high << 5
-        assert tb.volts(0) == 0x4000
-        assert await tb.pc.read(PORT_C) & 0xE0 == 0xE0
 
 
 @rack_test("LED-2")

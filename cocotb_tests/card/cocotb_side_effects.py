@@ -42,7 +42,7 @@ async def driving(dut) -> Slot:
     for joint, code in enumerate(CODES):
         await tb.dac(joint, code)
     await tb.us(130)
-    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
+    assert tb.drives() == [volts_of(code) for code in CODES]
     assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2)
     return tb
 
@@ -59,7 +59,7 @@ async def reading_a_converter_writes_nothing(dut, tb):
         assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2), f"read of {register:02X}"
     for joint, code in enumerate(CODES):
         await tb.pc.write(DAC1 + 2 * joint + 1, code >> 8)
-    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
+    assert tb.drives() == [volts_of(code) for code in CODES]
 
 
 @driving_test("DAC-1", "LAT-1")
@@ -70,7 +70,7 @@ async def latch_leaves_a_single_buffered_output(tb):
     await tb.pc.write(LATCH, 0)
     await tb.pulse()
     await tb.clocks(3)
-    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
+    assert tb.drives() == [volts_of(code) for code in CODES]
 
 
 @driving_test("DIA-1")
@@ -78,31 +78,13 @@ async def joints_are_isolated_at_once(tb):
     """The relay takes its time, but nothing is driven from the moment its coil is off."""
     await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
     await tb.clocks(1)
-    assert [tb.volts(j) for j in (0, 1)] == [0, 0]
+    assert tb.drives() == [0, 0]
 
 
 @card_test("LAT-1", "CRD-1")
-async def software_latch_is_one_instant(dut, tb):
-    """The first clock of the command: however long it lasts, what comes later is not latched."""
-    await tb.preset(0, 0)
-    tb.pc.command = 60
-    for _ in range(3):
-        turning = cocotb.start_soon(tb.enc[0].move(60, 300))
-        await tb.us(2.5)
-        latch = cocotb.start_soon(tb.pc.write(LATCH, 0))
-        await FallingEdge(dut.pc_iow_ni)
-        at = tb.enc[0].count
-        await latch
-        await turning
-        latched = await tb.encoder(0)
-        assert at - 2 <= latched <= at + 1, f"{latched} latched, {at} when the command began"
-        await tb.enc[0].move(-60, 300)
-        await tb.us(1)
-
-
-@card_test("LAT-1", "CRD-1")
-async def sclock_within_a_software_latch(dut, tb):
-    """Each is a latch of its own: the later one, SCLOCK's, is what is read."""
+@cocotb.parametrize(sclock=[False, True])
+async def software_latch_is_one_instant(dut, tb, sclock):
+    """The first clock of the command, however long it lasts; an SCLOCK within it latches again."""
     await tb.preset(0, 0)
     tb.pc.command = 60
     for _ in range(3):
@@ -111,14 +93,15 @@ async def sclock_within_a_software_latch(dut, tb):
         await tb.us(2.5)
         latch = cocotb.start_soon(tb.pc.write(LATCH, 0))
         await FallingEdge(dut.pc_iow_ni)
-        await tb.us(4)
-        await tb.clocks(1)
+        if sclock:
+            await tb.us(4)
+            await tb.clocks(1)
+            dut.pc_drq_i.value = 1 << 2
         at = tb.enc[0].count
-        dut.pc_drq_i.value = 1 << 2
         await latch
         await turning
         latched = await tb.encoder(0)
-        assert at - 2 <= latched <= at + 1, f"{latched} latched, {at} when SCLOCK rose"
+        assert at - 2 <= latched <= at + 1, f"{latched} latched at {at}"
         await tb.enc[0].move(-60, 300)
         await tb.us(1)
 
@@ -136,7 +119,7 @@ async def an_address_alone_does_nothing(tb):
     await tb.us(1)
     assert await tb.encoder(0) == 105, "latched"
     assert await tb.pc.read(PORT_C) & (C_DONE | C_BEAT1 | C_BEAT2) == C_DONE, "converting, beating"
-    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
+    assert tb.drives() == [volts_of(code) for code in CODES]
 
 
 @driving_test("CRD-1", "DAC-1", "ENC-1")
@@ -149,7 +132,7 @@ async def writing_what_is_read_only_writes_nothing(tb):
         assert not await tb.pc.read(PORT_C) & (C_BEAT1 | C_BEAT2), f"write of {register:02X}"
     for joint, code in enumerate(CODES):
         await tb.pc.write(DAC1 + 2 * joint + 1, code >> 8)
-    assert [tb.volts(j) for j in (0, 1)] == [volts_of(c) for c in CODES]
+    assert tb.drives() == [volts_of(code) for code in CODES]
     assert [await tb.encoder(j) for j in (0, 1)] == [0x1234, 0x5678]
     assert await tb.pc.read(PORT_B) == RUN
 
@@ -161,7 +144,7 @@ async def the_relay_takes_the_same_time_each_time(dut, tb):
     times = set()
     for wait in range(6):
         await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
-        await tb.us(tb.parameters["RelayUs"] + 2)
+        await tb.relay()
         await tb.clocks(wait)
         if wait > 2:
             await tb.pc.write(PORT_B, RUN)
@@ -176,11 +159,11 @@ async def the_relay_takes_the_same_time_each_time(dut, tb):
         assert tb.volts(0) == volts_of(CODES[0])
     for before in range(-2, 12):  # switched back around the very clock in which it has closed
         await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
-        await tb.us(tb.parameters["RelayUs"] + 2)
+        await tb.relay()
         await tb.pc.write(PORT_B, RUN)
         await tb.clocks(clocks - before)
         await tb.pc.write(PORT_B, RUN & ~B_TO_JOINT)
-        await tb.us(tb.parameters["RelayUs"] + 2)
+        await tb.relay()
         await tb.pc.write(PORT_B, RUN)
         begin = tb.now()
         await dut.drive_v_o.value_change
@@ -289,25 +272,10 @@ async def an_index_of_one_sample_latches(dut, tb):
         await tb.clocks(6)
 
 
-@card_test("ADC-1")
-async def the_last_code_is_read_while_the_next_is_made(tb):
-    await tb.us(tb.parameters["RelayUs"] + 2)
-    last = None
-    for code in (0x123, 0xEDC, 0x555, 0xAAA, 0x0F0, 0xF0F, 0x7FF, 0x800):
-        tb.inputs([volts_of(code)] * 2)
-        await tb.pc.write(LATCH, 0)
-        for _ in range(4 if last is not None else 0):
-            assert [await tb.adc(j) for j in (0, 1)] == [last, last]
-            await tb.clocks(1)
-        await tb.us(26)
-        assert [await tb.adc(j) for j in (0, 1)] == [code, code]
-        last = code
-
-
 @card_test("PPI-1", "HB-1", "CAL-1", b=RUN | B_INDEX)
 async def every_status_bit_by_itself(dut, tb):
     """Heartbeats and indices of both joints in port C; an open port B reads 0 (PpiFloatB)."""
-    await tb.us(tb.parameters["RelayUs"] + 2)
+    await tb.relay()
     for index in range(4):
         await tb.pc.write(PORT_B, RUN)
         await tb.pc.write(PORT_B, RUN | B_INDEX)
@@ -324,12 +292,17 @@ async def every_status_bit_by_itself(dut, tb):
     assert await tb.pc.read(PORT_B) == 0
 
 
-@card_test("PPI-1", "LAT-1")
-async def free_bits_of_port_b_leave_sclock_alone(tb):
-    """Bits 7-5 lead nowhere: SCLOCK latches where bit 2 says so, and only there."""
+@driving_test("PPI-1", "LAT-1", "CRD-2")
+async def free_bits_of_port_b_lead_nowhere(tb):
+    """Bits 7-5 hold what is written and move nothing: SCLOCK latches where bit 2 says so, and only
+    there. Port C shows 1 in these places."""
     for high in range(8):
         for enabled in (B_SCLOCK, 0):
-            await tb.pc.write(PORT_B, RUN & ~B_SCLOCK | enabled | high << 5)
+            value = RUN & ~B_SCLOCK | enabled | high << 5
+            await tb.pc.write(PORT_B, value)
+            assert await tb.pc.read(PORT_B) == value
+            assert await tb.pc.read(PORT_C) & 0xE0 == 0xE0
+            assert tb.drives() == [volts_of(code) for code in CODES]
             await tb.preset(0, 100)
             await tb.pulse()
             await tb.enc[0].move(5, 300)

@@ -2,32 +2,13 @@
 """Loss of power; each bit of the analog side and of the switches of every card. §5.3.1-5.3.4"""
 
 from cocotb_tests.lib.req import tests_on
-from cocotb_tests.lib.tb import HEALTH_CLKS, LATCH_ALL, PCCSR, PORT_A, QUAD, Machine, dip
+from cocotb_tests.lib.tb import HEALTH_CLKS, LATCH_ALL, PORT_A, QUAD, Machine, dip
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
 PARAMETERS = USUAL
 RELAY_US = USUAL["RelayUs"]
 machine_test = tests_on(Machine)
-
-
-@machine_test("PAN-2", "ANA-1", setup=True)
-async def power_loss_forgets_the_converters(dut, tb):
-    """After power comes back, and the ports are set anew, the D/As stand at 0 V."""
-    axes = range(2 * tb.cards)
-    for axis in axes:
-        await tb.dac(axis, 0xA00 + axis)
-    await tb.us(RELAY_US + 2)
-    assert [tb.volts(a) for a in axes] == [(0x200 + a) * 16 for a in axes]
-    dut.pc_power_i.value = 0
-    await tb.us(10)
-    assert [tb.volts(a) for a in axes] == [0 for _ in axes]
-    dut.pc_power_i.value = 1
-    await tb.us(60)
-    for card in range(tb.cards):
-        await tb.setup(card)
-    await tb.us(RELAY_US + 2)
-    assert [tb.volts(a) for a in axes] == [0 for _ in axes]
 
 
 @machine_test("DAC-1", "ANA-1", setup=True)
@@ -80,15 +61,3 @@ async def every_wrong_switch_of_every_card(dut, tb):
         dut.dip_i.value = dip(*range(tb.cards))
         await tb.clocks(3)
         assert await tb.crd(card, PORT_A) == QUAD
-
-
-@machine_test("PCB-2", "VME-4", setup=True)
-async def every_bit_that_another_card_drives(dut, tb):
-    """A card in the expansion slot answers where none of ours does; every bit of it arrives."""
-    await tb.wr(PCCSR, 0)  # away from the cards
-    dut.pcx_d_oe_i.value = 1
-    for value in [n for bit in range(8) for n in (1 << bit, ~(1 << bit) & 0xFF)]:
-        dut.pcx_d_i.value = value
-        assert await tb.rd(0x001) == value
-    dut.pcx_d_oe_i.value = 0
-    assert await tb.rd(0x001) == 0xFF

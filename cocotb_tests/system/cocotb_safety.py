@@ -177,18 +177,21 @@ async def cable_pulled(dut, tb):
     assert tb.volts(0) == 0x4000, "SCLOCK works again"
 
 
-@machine_test("PAN-2", "PPI-1")
+@machine_test("PAN-2", "PPI-1", "ANA-1")
 async def pc_power_lost_and_back(dut, tb):
-    """Cards reset, one-shots low, drives 0, LEDs off; back with a RESET DRV pulse, counts lost."""
+    """Cards reset, one-shots low, drives 0, LEDs off; back with a RESET DRV pulse, counts lost, and
+    the D/As at 0 V."""
     await tb.wr(VECTOR, 0x77)
     await tb.preset(0, 500)
     await tb.timer(2, 0x1234, 1)
-    await tb.dac(0, 0xC00)
-    assert tb.volts(0) == 0x4000
+    axes = range(2 * tb.cards)
+    for axis in axes:
+        await tb.dac(axis, 0xC00 + axis)
+    assert [tb.volts(a) for a in axes] == [(0x400 + a) * 16 for a in axes]
     await tb.wr(PCCSR, ARMED | PANIC_IRQ | BASE)
     dut.pc_power_i.value = 0
     await tb.us(1)
-    assert tb.volts(0) == 0 and int(dut.card_leds_o.value) == 0 and panic(tb)
+    assert not int(dut.drive_v_o.value) and not int(dut.card_leds_o.value) and panic(tb)
     assert await tb.crd(0, PORT_A) == 0xFF
     assert await tb.rd(PCCSR) == ARMED | PANIC_IRQ | BASE
     assert await tb.vme.iack(5) == 0x77
@@ -198,11 +201,14 @@ async def pc_power_lost_and_back(dut, tb):
     assert int(dut.pcx_reset_drv_o.value) == 1
     await FallingEdge(dut.pcx_reset_drv_o)
     assert panic(tb), "the one-shots are low"
-    await tb.setup(0)
+    for card in range(tb.cards):
+        await tb.setup(card)
     assert await tb.crd(0, PORT_A) == QUAD
     assert await tb.encoder(0) == 0
     assert await tb.crd(0, PORT_C) & 5 == 0
-    assert tb.volts(0) == 0, "the relay has let go"
+    for wait_us in (0, 25):  # the relays have let go; then they connect the D/As
+        await tb.us(wait_us)
+        assert not int(dut.drive_v_o.value)
     await tb.beat()
     await tb.clocks(HEALTH_CLKS)
     assert not panic(tb)
