@@ -49,8 +49,8 @@ TOPS = {
     ),
     "mmcs": (
         ["adaptor.cocotb_host_port:8MHz", "adaptor.cocotb_pccsr",
-         "adaptor.cocotb_host_port:slow-bus", "adaptor.cocotb_vme_strays", "system.cocotb_safety",
-         "adaptor.cocotb_interrupts", "adaptor.cocotb_vme",
+         "adaptor.cocotb_host_port:slow-bus", "adaptor.cocotb_vme_strays", "edges.cocotb_vme_edges",
+         "system.cocotb_safety", "adaptor.cocotb_interrupts", "adaptor.cocotb_vme",
          "system.cocotb_sclock:8MHz=system.cocotb_safety", "system.cocotb_cards:vme",
          "card.cocotb_registers:vme",
          "system.cocotb_bits", "system.cocotb_reset"],
