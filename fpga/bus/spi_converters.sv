@@ -45,7 +45,9 @@ module spi_converters #(
   logic [5:0] bit_d, bit_q;          // 0 to 31; 32 and 33: both selects high
   logic high_d, high_q, joint_d, joint_q, ldac_nd, ldac_nq;
   logic [1:0] told_d;
+  /* verilator lint_off PROCASSINIT */
   logic [1:0] told_q = '0;           // words of the start that are on their way or out
+  /* verilator lint_on PROCASSINIT */
   logic ready;
   logic known_d, known_q;            // the D/A knows what CLR# means; no reset takes that from it
   logic [15:0] other_d, other_q;     // of joint 2, when joint 1's was taken

@@ -29,9 +29,11 @@ module vme_interrupter #(
   logic ds_any, ds_any_sync;     // a data strobe is low: the pins; synchronised
   logic level_match, ds0_valid;  // an acknowledge of our level; its DS0*
   logic respond_d;
+  /* verilator lint_off PROCASSINIT */
   logic respond_q = 1'b0;        // it found us asking: answered, else passed on
   logic iackin, iackin_sync;     // IACKIN* is low: the pin; synchronised
   logic iackin_stale_q = 1'b0;   // it stood as AS* rose: of a cycle that is over
+  /* verilator lint_on PROCASSINIT */
   logic iackin_valid;
   logic done_d, done_q;          // answered already, or SYSRESET* came in between
   logic answer_start, answer_d, answer_q;

@@ -44,9 +44,11 @@ module vme_slave #(
   logic answer_d, answer_q;      // DTACK*, if it had not been high when the host port answered
   logic hold_answer, answered;
   // Taken by edges of the pins, with a value before the first one.
+  /* verilator lint_off PROCASSINIT */
   logic [10:1] bus_a_q = '0;
   logic [ 7:0] bus_d_q = '0;
   logic bus_write_q = 1'b0;
+  /* verilator lint_on PROCASSINIT */
   logic bus_write;
   logic [10:1] hp_a_d, hp_a_q;
   logic [ 7:0] hp_wdata_d, hp_wdata_q;

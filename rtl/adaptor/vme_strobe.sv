@@ -25,10 +25,12 @@ module vme_strobe (
 
   // No clock but the pins moves these: each has its value before the first edge, too.
   logic begun_d;
+  /* verilator lint_off PROCASSINIT */
   logic begun_q = 1'b0;      // at the fall of AS*: other than ended_q if the cycle is ours
   logic ended_q = 1'b0;      // at the rise of AS*: the same
   logic ds0_fell_q = 1'b0;   // since the reset: a strobe that stands through it is old
   logic ds0_stale_q = 1'b0;  // this strobe stood as AS* rose
+  /* verilator lint_on PROCASSINIT */
 
   assign begun_d = ended_q ^ match_i;
 
