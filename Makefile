@@ -247,4 +247,4 @@ clean: #: remove build/
 	@rm -rf build
 
 distclean: clean #: remove build/ and .venv
-	@rm -rf $(VENV) mmcs.egg-info bfm/*.egg-info dist
+	@rm -rf $(VENV) mmcs.egg-info bridges/gymnasium/*.egg-info fpga/*.egg-info dist
