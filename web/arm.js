@@ -33,7 +33,7 @@ export function frames(links, angles) {
 }
 
 /** Joint angle, rad, of a count. The counter is 0 where the joint stood at power-on. */
-export function jointAngle(motor, count) {
+function jointAngle(motor, count) {
   return motor.angle0 + (2 * Math.PI * count) / (motor.counts_per_rev * motor.gear);
 }
 

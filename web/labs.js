@@ -8,7 +8,7 @@ const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
 const WORDS = new Set(["true", "false", "inf", "nan"]);
 
 /** A value as people type it, as TOML has it: `zoh, matched` is a list of two names. */
-export function tomlValue(typed) {
+function tomlValue(typed) {
   const text = typed.trim();
   if (BARE.test(text) && !WORDS.has(text)) return JSON.stringify(text);
   if (!text.includes(",") || /^["'[{]/.test(text)) return text;

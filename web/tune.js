@@ -210,7 +210,7 @@ function stepRows(measured, predicted) {
 }
 
 /** Rise 10-90 %, overshoot, settling into 2 % (at least 2 counts), mean error of the last 20 ms. */
-export function stepResponse(history, axis, since, from, size) {
+function stepResponse(history, axis, since, from, size) {
   const setpoint = history.column(axis, "setpoint");
   const count = history.column(axis, "encnow");
   let first = history.find(since);
