@@ -18,11 +18,15 @@ SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 
 @pytest.fixture(scope="module")
 def trace(tmp_path_factory):
+    from mmcs.runs.record import make_record, read_record, write_record
+    from mmcs.runs.replay import trace
     from mmcs.runs.runner import simulate
     from mmcs.scenario.load import load
 
-    path = tmp_path_factory.mktemp("trace") / "lab500.fst"
-    simulate(load("lab500", SETS), trace=path, stretch=(0.004, 0.009))
+    folder = tmp_path_factory.mktemp("trace")
+    write_record(make_record(simulate(load("lab500", SETS)), "native"), folder)
+    path = folder / "lab500.fst"
+    assert trace(read_record(str(folder)), path, 0.004, 0.009) == (None, None)
     return path
 
 
