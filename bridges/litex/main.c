@@ -64,7 +64,7 @@ static int copy(void *ctx, void *to, const void *from, size_t len) {
 
 static struct window window = {WINDOW_WORDS, (void *)MMCS_BASE, window_load_word,
                                window_store_word};
-static const struct mc_os os = {0, ignore, say, no_time, delay_us, mask, unmask, copy, copy, 0};
+static const struct mc_os os = {0, ignore, say, no_time, delay_us, mask, unmask, copy, copy};
 
 static void start_interrupts(void) {
   CSR32(CSR_MMCS_EV_ENABLE_ADDR) = 1;

@@ -123,8 +123,7 @@ static void say(void *ctx, const char *text) {
 
 static void run(void) {
   static const struct mc_bus bus = {.read8 = read8, .write8 = write8};
-  static const struct mc_os os = {NULL, tell,   say,  compute, delay_us,
-                                  mask, unmask, copy, copy,    NULL};
+  static const struct mc_os os = {NULL, tell, say, compute, delay_us, mask, unmask, copy, copy};
   static const struct mc_config config = {.sysclk_hz = 8000000, .vector = kVector};
   int joints = 1, interval_us = 1000, setpoint = kStep;
   struct mc_param law = MC_PARAM_INITIAL; /* axis 0, the whole law a PD: 40 - 36/z, over 4 */
