@@ -68,6 +68,7 @@ def test_scenario(name):
     assert failures(report) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["puma560_calibrate_30", "fault_estop"])
 def test_skipping_changes_nothing(name):
     skipped, _ = carry_out(name)
