@@ -291,6 +291,7 @@ def test_stretch_equals_the_same_stretch_of_a_traced_run(mmcs, scenario, tmp_pat
     assert part.stat().st_size < full.stat().st_size
 
 
+@pytest.mark.slow
 @pytest.mark.req("API-1")
 def test_stretch_before_the_motion_and_of_a_record_alone_begin_at_power_on(mmcs, ran, tmp_path):
     out, digest = ran
