@@ -168,6 +168,7 @@ def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
 
 
+@pytest.mark.slow
 def test_waveforms_that_find_no_room_are_told(tmp_path):
     """A limit on the size of files does what a full disk does."""
     path = tmp_path / "short.toml"
