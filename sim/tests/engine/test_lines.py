@@ -34,6 +34,7 @@ def disturbed(sim, name, value):
     return ends
 
 
+@pytest.mark.slow
 @pytest.mark.req("API-1")
 def test_held_lines_matter_are_the_same_in_every_build_and_go_into_snapshots():
     seen = set()
