@@ -31,8 +31,8 @@ def test_host_that_dies_is_panic_after_the_heartbeat(heartbeat_us):
 def test_each_heartbeat_is_a_build_with_an_identity_of_its_own():
     paths = {library_path(3, "speed", heartbeat_us=us) for us in (10_000, 20_000, 50_000)}
     assert len(paths) == 3 and library_path(3, "speed") in paths
-    short, usual = load("arm_move", ("heartbeat_us=10000",)), load("arm_move")
-    assert build_of(short).split()[0] == "c3_beat10000" and build_of(usual).split()[0] == "c3"
+    short, usual = load("lab500", ("heartbeat_us=10000",)), load("lab500")
+    assert build_of(short).split()[0] == "c1_beat10000" and build_of(usual).split()[0] == "c1"
 
 
 @pytest.mark.parametrize("given", ["999", "50001", "10000.5", "'short'", "true"])
