@@ -155,7 +155,7 @@ mutation: $(VENV)/.test $(VENV)/.formal ## seeded faults and mutants that tests 
 firmware: $(VENV)/.hosts ## cross-compile the 68020 and RISC-V images, print sizes
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
-	@$(MAKE) -s -f firmware/Makefile
+	@mkdir -p build && flock build/firmware.lock $(MAKE) -s -f firmware/Makefile
 
 # --- mctool in the browser ------------------------------------------------------------------
 

@@ -304,9 +304,7 @@ def _processor_s() -> float:
 
 def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
     """One simulation: the outcomes it left, what to say about those it did not, its log."""
-    folder = runner.build_dir / f"{job.module.rsplit('.', 1)[-1]}-{label}"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    folder = _run_folder(runner.build_dir / f"{job.module.rsplit('.', 1)[-1]}-{label}")
     log, results = folder / "sim.log", folder / "results.xml"
     names = "|".join(re.escape(t) for t in tests)
     # under pytest the runner would look at results.xml by itself and end the process
@@ -341,6 +339,17 @@ def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
         if current is not None:
             os.environ["PYTEST_CURRENT_TEST"] = current
     return _read(results, log), f"{note}\n{_tail(log, 12)}", log
+
+
+def _run_folder(stem: Path) -> Path:
+    """An empty folder that no other process writes to; those of ended processes go."""
+    for old in stem.parent.glob(f"{stem.name}-*"):
+        if not Path(f"/proc/{old.name.rpartition('-')[2]}").is_dir():
+            shutil.rmtree(old, ignore_errors=True)
+    folder = stem.with_name(f"{stem.name}-{os.getpid()}")
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
 
 
 def _salvage(job: Job, log: Path) -> dict[str, Outcome]:

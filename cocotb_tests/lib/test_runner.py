@@ -68,3 +68,13 @@ def test_a_simulator_that_never_ends_is_ended_by_the_time_it_uses(monkeypatch):
     simulator._execute_cmds([[sys.executable, "-c", "import time; time.sleep(1.5)"]], None)
     with pytest.raises(RuntimeError, match=r"ended with -"):
         simulator._execute_cmds([[sys.executable, "-c", "while True: pass"]], None)
+
+
+def test_a_simulation_shares_no_folder_with_another_process(tmp_path):
+    own = runner._run_folder(tmp_path / "m-gw0-0")
+    (own / "left").touch()
+    living, ended = tmp_path / "m-gw0-0-1", tmp_path / f"m-gw0-0-{2**30}"
+    living.mkdir()
+    ended.mkdir()
+    assert runner._run_folder(tmp_path / "m-gw0-0") == own
+    assert not list(own.iterdir()) and living.is_dir() and not ended.exists()
