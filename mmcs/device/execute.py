@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mmcs import ROOT
+from mmcs import FOR_NUMPY, ROOT
 from mmcs.device.libraries import DEVICE, LIBRARY, preload_library
 from mmcs.device.link import Link
 from mmcs.device.server import Server
@@ -47,7 +47,8 @@ def environment(path: Path, sanitize: bool = False, lockstep: bool = False) -> d
     if sanitize:  # the sanitizer's own library comes first, whatever else there is
         libraries.sort(key=lambda name: "libasan" not in name)
     more = {"MMCS_LOCKSTEP": "1", "PYTHONHASHSEED": "0"} if lockstep else {}
-    return {**os.environ, **more, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
+    given = {name: value for name, value in os.environ.items() if name not in FOR_NUMPY}
+    return {**given, **more, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
 
 
 def run_program(command: list[str], sim=None, speed: float | None = None, name: str = "mc0",

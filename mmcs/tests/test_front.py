@@ -2,9 +2,13 @@
 """The names of `mmcs` for studies: runs, sweeps and a machine in lock-step. docs/use/python.md"""
 
 import ast
+import importlib
 import json
+import os
 import re
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -189,3 +193,34 @@ def test_the_notebook_runs_and_shows_something():
     steady = shown[2][1]
     assert steady[0] < 8 and steady[1] > 20, "friction shows"
     assert len(shown[3]) == 6 and 150 < shown[4] < 250
+
+
+def test_a_type_checker_follows_every_name():
+    """The list for it is the one that names are loaded by; numpy is not, until one needs it."""
+    tree = ast.parse(Path(mmcs.__file__).read_text())
+    (listed,) = (node for node in tree.body if isinstance(node, ast.If))
+    names = {
+        alias.asname: (line.module, alias.name) for line in listed.body for alias in line.names
+    }
+    assert set(mmcs.__all__) - {"BUILD", "ROBOTS", "ROOT", "SCENARIOS"} <= set(names)
+    for name, (module, of_it) in names.items():
+        found = getattr(importlib.import_module(module), of_it, None)
+        assert getattr(mmcs, name) is (found or sys.modules[f"{module}.{of_it}"]), name
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = mmcs.nothing
+
+
+@pytest.mark.parametrize("own", [None, "3"])
+def test_numpy_starts_no_threads_unless_the_user_wants_them(own, tmp_path):
+    """What the user has set stays; a program gets what the user has, not what mmcs has."""
+    env = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    env |= {"OPENBLAS_NUM_THREADS": own} if own else {}
+    text = """
+import sys, mmcs
+print("numpy" in sys.modules)
+import os
+from mmcs.device.execute import environment
+print(os.environ["OPENBLAS_NUM_THREADS"], environment(mmcs.ROOT).get("OPENBLAS_NUM_THREADS"))
+"""
+    said = subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True)
+    assert said.stdout.split() == ["False", own or "1", str(own)], said.stderr
