@@ -2,7 +2,6 @@
 """Puts what a run is built of into the package: RTL, firmware, engine, scenarios, pages; and the
 lab sheets, a package of their own, beside it."""
 
-import hashlib
 import shutil
 from pathlib import Path
 
@@ -24,14 +23,11 @@ def sources() -> list[str]:
 
 
 def copy_sources(target: Path) -> None:
-    digest = hashlib.sha256()
     for name in sources():
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HERE / name, target / name)
-        digest.update(f"{name}\n".encode() + (HERE / name).read_bytes())
     if LIBRARIES.is_dir():
         shutil.copytree(LIBRARIES, target / "web" / "lib", ignore=UNSHIPPED, dirs_exist_ok=True)
-    (target / "DIGEST").write_text(digest.hexdigest() + "\n")
 
 
 def main() -> None:

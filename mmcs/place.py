@@ -23,10 +23,8 @@ LINKED = ("rtl", "sim", "firmware", "tools", "mmcs.core")  # what the makefiles 
 
 def _cache() -> Path:
     """A folder in the user's cache for these very sources."""
-    digest = ROOT / "DIGEST"  # a checkout has none: make tells by time what is old
-    told = str(ROOT) + (digest.read_text() if digest.is_file() else "")
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "mmcs" / hashlib.sha256(told.encode()).hexdigest()[:12]
+    return Path(base) / "mmcs" / hashlib.sha256(str(ROOT).encode()).hexdigest()[:12]
 
 
 WRITABLE = IN_CHECKOUT and os.access(ROOT, os.W_OK)
@@ -66,22 +64,26 @@ def _check_owner(folder: Path) -> None:
             )
 
 
-def is_whole(path: Path) -> bool:
+def is_whole(path: Path, made_of: str = "") -> bool:
     """Whether it is what was built: a kill, a full disk or a bad one may have left something else,
-    and who loads that dies of SIGBUS or SIGSEGV."""
+    and who loads that dies of SIGBUS or SIGSEGV. made_of: and whether of sources of this digest."""
     try:
-        told = path.with_name(f"{path.name}.sum").read_text().split()[0]
-        return hashlib.sha256(path.read_bytes()).hexdigest() == told
+        told = path.with_name(f"{path.name}.sum").read_text().split()
+        whole = hashlib.sha256(path.read_bytes()).hexdigest() == told[0]
     except (OSError, ValueError, IndexError):
         return False
+    return whole and made_of in ("", told[-1])
 
 
 def compiled(library: Path, command: list, inputs: list[Path]) -> Path:
-    """A library that this command makes, when missing, damaged or older than its inputs."""
+    """A library that this command makes, when missing, damaged or of other inputs."""
     import subprocess
 
     workshop()  # nobody else may write there: what is found there is loaded
-    if is_whole(library) and library.stat().st_mtime > max(f.stat().st_mtime for f in inputs):
+    made_of = hashlib.sha256(repr([*map(str, command)]).encode())
+    for file in inputs:
+        made_of.update(file.read_bytes())
+    if is_whole(library, made_of.hexdigest()):
         return library
     library.parent.mkdir(parents=True, exist_ok=True)
     fresh = library.with_suffix(f".{os.getpid()}")
@@ -94,10 +96,10 @@ def compiled(library: Path, command: list, inputs: list[Path]) -> Path:
         raise RunError(text) from None
     if done.returncode:
         raise RunError(f"{library.name} does not compile: {done.stderr.strip()[:200]}")
-    digest = fresh.with_suffix(f"{fresh.suffix}.sum")
-    digest.write_text(hashlib.sha256(fresh.read_bytes()).hexdigest() + "\n")
+    told = fresh.with_suffix(f"{fresh.suffix}.sum")
+    told.write_text(f"{hashlib.sha256(fresh.read_bytes()).hexdigest()} {made_of.hexdigest()}\n")
     fresh.rename(library)
-    digest.rename(library.with_name(f"{library.name}.sum"))
+    told.rename(library.with_name(f"{library.name}.sum"))
     return library
 
 

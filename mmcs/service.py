@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mmcs.engine.build import digest
 from mmcs.mcdef import ABI, make_ffi
 from mmcs.place import BUILD, ROOT, compiled, is_whole, workshop
 
@@ -21,18 +22,18 @@ def load() -> tuple:
     command = [*(os.environ.get("CXX") or "g++").split(), "-std=c++17", "-O2", "-ffp-contract=off"]
     command += [f"-I{ABI[0].parent}", *files]
     inputs = [*files, *ABI, files[0].with_name("json.h")]
-    library = _simulator(inputs)
+    library = _simulator()
     if library is None:
         library = compiled(BUILD / "service" / "libmmcs_service.so", command, inputs)
     return make_ffi(), make_ffi().dlopen(str(library))
 
 
-def _simulator(inputs: list[Path]) -> Path | None:
-    """A simulator's library that is whole and newer than these files."""
+def _simulator() -> Path | None:
+    """A simulator's library of these very sources."""
     workshop()  # nobody else may write there: what is found there is loaded
-    newest = max(f.stat().st_mtime for f in inputs)
+    made_of = digest()
     for library in sorted((BUILD / "sim").glob("speed_*/libmmcs_sim.so")):
-        if is_whole(library) and library.stat().st_mtime > newest:
+        if is_whole(library, made_of):
             return library
     return None
 

@@ -17,7 +17,7 @@ const asked = new URLSearchParams(location.search);
 const said = document.getElementById("said");
 const scenarios = await json("scenarios");
 let worker = null;
-let expected = null; // hash of the record that is replayed
+let expected = null; // hash and build of the record that is replayed
 
 async function setupNamed(name) {
   if (scenarios.some((one) => one.name === name)) return json(`setups/${name}`);
@@ -29,9 +29,9 @@ async function chosen() {
   const kept = asked.has("record") && sessionStorage.getItem("record");
   if (kept) {
     const record = readRecord(kept);
-    const found = setupOf(record, await setupNamed(record.scenario));
-    expected = found.hash;
-    return found.setup;
+    const setup = setupOf(record, await setupNamed(record.scenario));
+    expected = record;
+    return setup;
   }
   const setup = await setupNamed(asked.get("scenario") ?? FIRST);
   if (asked.has("seed")) {
@@ -98,8 +98,9 @@ function show(told) {
   record.disabled = !recorded;
   log.disabled = !told.hash;
   if (!told.hash) return;
-  const same = expected === null ? "" : told.hash === expected ? ", as recorded" : `, recorded ${expected}`;
-  setText(hash, spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}`);
+  const same = expected === null ? "" : told.hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`;
+  const by = expected === null || told.build === expected.build ? "" : ` by build ${expected.build}, this is ${told.build}`;
+  setText(hash, spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}${by}`);
   document.body.dataset.hash = told.hash;
   document.body.dataset.speed = speed;
 }

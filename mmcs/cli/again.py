@@ -23,15 +23,15 @@ def replay(run: str) -> None:
     from mmcs.runs.record import read_record
 
     record = read_record(run)
-    hash_, where = replays.replay(record)
+    hash_, where, other_build = replays.replay(record)
     if where is None:
         echo(f"{record.path}: reproduced, hash {hash_}")
-        return
-    echo(f"{record.path}: differs, hash {hash_} instead of {record.hash}")
-    echo(f"  first at {where}")
-    for text in replays.cautions(record):
+    else:
+        echo(f"{record.path}: differs, hash {hash_} instead of {record.hash}")
+        echo(f"  first at {where}")
+    for text in [other_build] * bool(other_build) + (replays.cautions(record) if where else []):
         echo(f"  {text}")
-    sys.exit(1)
+    sys.exit(where is not None)
 
 
 @click.command()

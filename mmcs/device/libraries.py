@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The libraries of sim/device, compiled when missing, damaged or older than their sources."""
+"""The libraries of sim/device, compiled when missing, damaged or of other sources."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ LIBRARY = BUILD / "device" / "libmmcs_preload.so"
 
 
 def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
-    """The preload library, compiled if missing, damaged or older than its sources."""
+    """The preload library, compiled if missing, damaged or of other sources."""
     stem = "mmcs_preload" + ("_lockstep" if lockstep else "") + ("_asan" if sanitize else "")
     return compiled_library(stem, LOCKSTEP if lockstep else SOURCES, sanitize)
 

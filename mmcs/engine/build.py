@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gets the simulator library: asks make whether it is there and fresh, and builds it if not."""
+"""Gets the simulator library: builds it if there is none of these very sources."""
 
 import fcntl
+import functools
 import os
-import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -18,12 +19,6 @@ CLK_HZ = 8_000_000
 HEARTBEAT_US = 50_000
 LOG = BUILD / "sim" / "build.log"
 ROOM = 4 << 20  # bytes: less than a file of a build
-# what linker and make say of files that a kill or a full disk has cut
-DAMAGED = re.compile(
-    r"truncated|not recognized|malformed|undefined reference|corrupt|file too short|bad magic"
-    r"|\.d:\d+: \*\*\*|No rule to make target|No such file",
-    re.I,
-)
 
 # variables of the user's own work that sim/Makefile or make would take for its own
 NOT_OURS = (
@@ -48,19 +43,25 @@ def ensure_library(
     """The library of a build; kind is "speed", "trust" (assertions live), "trace", or
     "dpi" (no machine: a simulator has it). heartbeat_us: the RTL's parameter HeartbeatUs."""
     path = library_path(cards, kind, clk_hz, heartbeat_us)
+    workshop()  # nobody else may write there: what is found there is loaded
+    if is_whole(path, digest()):
+        return path
     command = ["make", "-s", "-f", "sim/Makefile", f"CARDS={cards}", f"KIND={kind}"]
     command += [f"CLK_HZ={clk_hz}", f"HEARTBEAT_US={heartbeat_us}"]
     env = make_env()
-    if is_whole(path) and _run([*command, "-q"], env) == 0:
-        return path
     check_tools(env)
     text = f"building the simulator ({cards} card{'s' if cards > 1 else ''}, {kind} build)"
     with one_at_a_time(LOG.parent / "build.lock"), _spinner(text):
         if path.exists() and not is_whole(path):
             _forget(path)
-        status = _run(command, env, log=True)
-        if status and DAMAGED.search(LOG.read_text(errors="replace")) and _forget(path):
-            status = _run(command, env, log=True)
+        before = _made_of()
+        status = _run(command, env)
+        if status and before and before == _made_of():
+            # not by a change of the sources: a kill or a full disk may have cut what is compiled
+            _forget(path)
+            status = _run(command, env)
+            if status:
+                (BUILD / "sim" / "sources").unlink(missing_ok=True)  # next time once only
     if status or not path.exists():
         log = LOG.relative_to(WORK) if WORK == ROOT else LOG
         raise RunError(f"the simulator does not build; {_reason()}; see {log}")
@@ -70,17 +71,28 @@ def ensure_library(
     return path
 
 
-def _forget(path: Path) -> bool:
-    """Removes a build and what it may be made of; whether there was anything."""
-    base = path.parent.parent
-    folders = [
-        path.parent,
-        *(f for kind in ("obj", "boards", "wires") for f in base.glob(f"{kind}*")),
-    ]
-    found = any(folder.exists() for folder in folders)
-    for folder in folders:
-        shutil.rmtree(folder, ignore_errors=True)
-    return found
+def digest() -> str:
+    """Of the simulator's sources as they are now: 16 digits, those at the end of a build's
+    identity (mmcs_sim_build_id)."""
+    script = _script()
+    return script["digest"](script["sources"](ROOT))
+
+
+@functools.cache
+def _script() -> dict:
+    return runpy.run_path(str(ROOT / "sim" / "model" / "digest.py"))
+
+
+def _made_of() -> bytes | None:
+    """The sources that what is compiled was made of."""
+    path = BUILD / "sim" / "sources"
+    return path.read_bytes() if path.is_file() else None
+
+
+def _forget(path: Path) -> None:
+    """Removes a library and all that it may be made of."""
+    path.unlink(missing_ok=True)
+    _script()["forget"](BUILD / "sim")
 
 
 def check_tools(env: dict) -> None:
@@ -116,8 +128,8 @@ def one_at_a_time(lock: Path):
         yield
 
 
-def _run(command: list[str], env: dict, log: bool = False) -> int:
-    with (LOG if log else Path(os.devnull)).open("w") as out:
+def _run(command: list[str], env: dict) -> int:
+    with LOG.open("w") as out:
         return subprocess.run(
             command, check=False, cwd=workshop(), env=env, stdout=out, stderr=subprocess.STDOUT
         ).returncode

@@ -14,16 +14,19 @@ from mmcs.runs.record import Record, first_difference
 from mmcs.view.moments import LEAST_MS
 
 
-def replay(record: Record) -> tuple[str, str | None]:
-    """The hash that comes out now, and where the replay first differs (None: nowhere)."""
+def replay(record: Record) -> tuple[str, str | None, str]:
+    """The hash that comes out now, where the replay first differs (None: nowhere), and what is said
+    of another build ("": it is the same)."""
     from mmcs.runs.runner import simulate
 
     with tempfile.TemporaryDirectory() as folder:
         result = simulate(record.setup(Path(folder)), host=check(record.host, record.path, "host"))
+    other = "" if record.build == result.build else f"recorded by build {record.build}"
+    other += other and f", this is {result.build}"
     if result.hash == record.hash:
-        return result.hash, None
+        return result.hash, None, other
     where = first_difference(record, result.log, result.checkpoints)
-    return result.hash, where or "only in the registers at the end"
+    return result.hash, where or "only in the registers at the end", other
 
 
 def cautions(record: Record) -> list[str]:

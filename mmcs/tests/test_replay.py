@@ -88,7 +88,11 @@ def test_record_alone_reproduces_the_run(mmcs, ran, tmp_path):
     alone = tmp_path / "elsewhere.mmcs"
     alone.write_bytes((out / NAME).read_bytes())
     for name in (out, out / NAME, alone):
-        assert f"reproduced, hash {digest}" in good(mmcs("replay", name), silent=True)
+        said = good(mmcs("replay", name), silent=True)
+        assert f"reproduced, hash {digest}" in said and "build" not in said
+    edit(out, lambda text: text.update(build="c1 0123456789abcdef"))
+    said = good(mmcs("replay", out), silent=True)
+    assert f"hash {digest}" in said and "recorded by build c1 0123456789abcdef" in said
 
 
 @pytest.mark.req("API-1")
@@ -102,7 +106,7 @@ def test_replay_tells_where_it_first_differs(mmcs, ran):
         name = next(n for n in files if n.startswith("table"))
         files[name] = "200\n213\n200\n"
         text["files"] = base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
-        text["version"] = "0.0.9"
+        text["version"], text["build"] = "0.0.9", "c1 0123456789abcdef"
 
     log = np.loadtxt(out / "log.csv", delimiter=",", skiprows=1)
     edit(out, other_way)
@@ -116,6 +120,7 @@ def test_replay_tells_where_it_first_differs(mmcs, ran):
     assert 0.25 < float(found[2]) < 0.256
     assert log[sample, 1] == float(found[3]) and int(found[4]) > int(found[3])
     assert "recorded by version 0.0.9" in text
+    assert "recorded by build c1 0123456789abcdef, this is c1 " in text
     (out / "log.csv").unlink()
     status, text, _ = mmcs("replay", out)
     assert status == 1

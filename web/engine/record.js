@@ -45,7 +45,7 @@ export function readRecord(text) {
   return record;
 }
 
-/** {setup, hash} of a record, from the site's own setup of its scenario. Throws one sentence. */
+/** The setup of a record, from the site's own setup of its scenario. Throws one sentence. */
 export function setupOf(record, setup) {
   const names = new Set([...Object.keys(record.data), ...Object.keys(setup.data)]);
   for (const name of names) {
@@ -67,7 +67,7 @@ export function setupOf(record, setup) {
   made.duration = duration;
   made.calls = call.map((c) => ({ axis: "all", value: 0, ...c }));
   made.events = event.map((e) => ({ index: 0, until: null, at_power_on: false, ...e }));
-  return { setup: made, hash: record.hash };
+  return made;
 }
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);

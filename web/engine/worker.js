@@ -98,7 +98,7 @@ function finish() {
 function tell() {
   const speed = work.ms ? (1000 * work.s) / work.ms : 0;
   say({ type: "told", playing: Boolean(motion), reached: session.reached, duration: session.setup.duration, speed,
-    hash: ended?.hash ?? null, recorded: Boolean(ended?.record), spoiled: server.spoiled });  // prettier-ignore
+    hash: ended?.hash ?? null, build: server.sim.build_id, recorded: Boolean(ended?.record), spoiled: server.spoiled });  // prettier-ignore
 }
 
 let toldAt = 0;
