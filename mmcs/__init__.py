@@ -21,6 +21,7 @@ FOR_NUMPY = {"OPENBLAS_NUM_THREADS"} - set(os.environ)
 os.environ |= dict.fromkeys(FOR_NUMPY, "1")
 
 if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded when asked for
+    from mmcs.cached import once as once
     from mmcs.device.client import Device as Device
     from mmcs.device.link import Link as Link
     from mmcs.engine import hosts as hosts

@@ -7,13 +7,14 @@ Everything is read from the headers themselves; nothing is repeated here.
 
 import functools
 import hashlib
-import os
 import re
 import runpy
+import threading
 from typing import NamedTuple
 
 import cffi
 
+from mmcs.cached import once
 from mmcs.errors import RunError
 from mmcs.place import BUILD, ROOT, workshop
 
@@ -55,7 +56,7 @@ def fields(structure: str) -> tuple[str, ...]:
     return tuple(re.findall(r"(\w+)[,;]", body))
 
 
-@functools.cache
+@once
 def make_ffi() -> cffi.FFI:
     """Structures and calls. cffi's parser takes as long as a short run: what it makes is kept."""
     text = "\n".join([structures(), *(declarations(header.read_text()) for header in ABI)])
@@ -72,7 +73,7 @@ def make_ffi() -> cffi.FFI:
 
         workshop()
         kept.parent.mkdir(parents=True, exist_ok=True)
-        part = kept.with_suffix(f".{os.getpid()}")
+        part = kept.with_suffix(f".{threading.get_native_id()}")
         make_py_source(ffi, "mmcs_declared", str(part))
         part.replace(kept)
     except (OSError, RunError):

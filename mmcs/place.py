@@ -8,6 +8,7 @@ built in the user's cache; so are those of a checkout that cannot be written.
 import hashlib
 import os
 import stat
+import threading
 from contextlib import suppress
 from pathlib import Path
 
@@ -86,7 +87,7 @@ def compiled(library: Path, command: list, inputs: list[Path]) -> Path:
     if is_whole(library, made_of.hexdigest()):
         return library
     library.parent.mkdir(parents=True, exist_ok=True)
-    fresh = library.with_suffix(f".{os.getpid()}")
+    fresh = library.with_suffix(f".{threading.get_native_id()}")
     try:
         command = [*command, "-fPIC", "-shared", "-o", fresh]
         done = subprocess.run(command, text=True, capture_output=True, check=False)

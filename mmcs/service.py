@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What sim/service decides without a machine: the text of a log, control design."""
 
-import functools
 import json
 import os
 from pathlib import Path
 
 import numpy as np
 
+from mmcs.cached import once
 from mmcs.engine.build import digest
 from mmcs.mcdef import ABI, make_ffi
 from mmcs.place import BUILD, ROOT, compiled, is_whole, workshop
@@ -15,7 +15,7 @@ from mmcs.place import BUILD, ROOT, compiled, is_whole, workshop
 SOURCES = ("record.cpp", "design.cpp")
 
 
-@functools.cache
+@once
 def load() -> tuple:
     """The library, and its declarations: a simulator's, or one of its own where none is built."""
     files = [ROOT / "sim" / "service" / name for name in SOURCES]

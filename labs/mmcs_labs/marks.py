@@ -6,13 +6,13 @@ import runpy
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pydantic import create_model
 
-from mmcs import InputError, RunError, Strict, read_toml, validate
+from mmcs import InputError, RunError, Strict, once, read_toml, validate
 from mmcs_labs.sheets import ANSWER, GRADER, Sheet
 from mmcs_labs.trial import Run, run
 
@@ -146,7 +146,7 @@ def _state(sheet: Sheet) -> tuple[Path, int]:
     return path, path.stat().st_mtime_ns
 
 
-@cache
+@once
 def _loaded(path: Path, _: int) -> tuple[tuple[Question, ...], type[Strict]]:
     """QUESTIONS of a grader, and the model of their answers; once a process for each state of the
     file, so that there is one model."""

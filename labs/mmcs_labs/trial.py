@@ -4,7 +4,7 @@
 import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +66,7 @@ class Seen:
 Run = Callable[..., Seen]  # of a scenario's file and its overrides
 
 
-@cache
+@mmcs.once
 def run(folder: Path, name: str, *sets: str) -> Seen:
     """Runs a scenario of a sheet with these overrides; the same run is made once."""
     words = [word for text in sets for word in ("--set", text)]
@@ -82,7 +82,7 @@ def run(folder: Path, name: str, *sets: str) -> Seen:
         return Seen(command, mmcs.Session(sim, setup).run())
 
 
-@cache
+@mmcs.once
 def _caution(text: str) -> None:
     """To the teacher, once for a class."""
     mmcs.echo(f"caution: {text}", err=True)

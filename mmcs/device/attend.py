@@ -3,12 +3,12 @@
 
 import contextlib
 import ctypes
-import functools
 import os
 import time
 
 import cffi
 
+from mmcs.cached import once
 from mmcs.device.libraries import compiled_library
 from mmcs.device.lockstep import NO_SAMPLE_S, STRETCH_S
 from mmcs.device.pace import IDLE_S
@@ -36,7 +36,7 @@ int attend(struct attend *a, int turns);
 """
 
 
-@functools.cache
+@once
 def _library():
     ffi = cffi.FFI()
     ffi.cdef(CDEF)

@@ -6,7 +6,6 @@ The C declarations are read from the very headers of sim/abi (mcdef.py), so they
 
 from __future__ import annotations
 
-import functools
 import os
 import re
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from mmcs import mcdef
+from mmcs.cached import once
 from mmcs.engine.script import Playing, listed
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
@@ -22,7 +22,7 @@ from mmcs.mcdef import make_ffi
 SEGMENT_KINDS = [name.lower() for name in re.findall(r"MMCS_SEG_(\w+) =", mcdef.ABI[0].read_text())]
 
 
-@functools.cache
+@once
 def load_library(path: Path):
     try:
         return make_ffi().dlopen(str(path))

@@ -11,6 +11,7 @@ import math
 import multiprocessing
 import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
@@ -208,9 +209,12 @@ def _quiet() -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
+_one_at_a_time = threading.Lock()
+
+
 def run_on(setup, build: str, work, task) -> dict:
     """What a Dask worker does: one run at a time in a process, on the very same simulator."""
-    with _one_at_a_time():
+    with _one_at_a_time:
         try:
             here = build_of(setup)
         except RunError as error:
@@ -218,13 +222,6 @@ def run_on(setup, build: str, work, task) -> dict:
         if here != build:
             return failed(f"the worker's simulator is another build: {here}, not {build}")
         return work(task)
-
-
-@functools.cache
-def _one_at_a_time():
-    import threading
-
-    return threading.Lock()
 
 
 def _answer(future) -> dict:
