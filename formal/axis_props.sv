@@ -33,7 +33,7 @@ module axis_props (
 
   logic [15:0] drive_v;
   logic index;
-  axis dut (
+  mark1_axis dut (
     .clk_i, .rst_ni, .reset_i, .clk_en_i, .card_i, .enc_cs_ni, .ior_ni, .iow_ni,
     .a0_i, .d_i, .dac_lo_i, .dac_hi_i,
     .latch_i, .dac_update_i, .enc_mode_i, .dac_double_i, .index_en_i, .loop_i, .drive_i, .a_i,

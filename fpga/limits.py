@@ -107,7 +107,7 @@ def constraints(top: str, xdc: bool) -> str:
     for limit in limits(top):
         out += [f"# {limit.why}"] if limit.why else []
         out += command(limit, period, port_period, xdc)
-    out.append("# The first flip-flop of each synchroniser is read by the second: rtl/lib/sync.sv")
+    out.append("# The first flip-flop of each synchroniser is read by the second: rtl/lib")
     if xdc:
         find = "[get_cells -hierarchical -filter {{NAME =~ */{}_q_reg*}}]"
     else:

@@ -347,7 +347,7 @@ def deaf(part: Part, rule: dict) -> str:
     props = f"  deaf_props #(.Registers({width}), .Outputs({pins})) u_props (.*);\nendmodule\n"
     if "select" in rule:
         return f"{HEAD}{text}  wire unheard = {esc(rule['select'])};\n{props}"
-    decoder = read(rule["decoder"].removeprefix("u_"), rule["folder"])
+    decoder = read(f"{part.name}_{rule['decoder'].removeprefix('u_')}", rule["folder"])
     for inst in ("one", "two"):
         path = f"{inst}.{rule['decoder']}"
         text += "".join(wire(f"{path}.{p}", w) for p, w in decoder.outputs.items())

@@ -23,7 +23,7 @@ TOPS = [
     ("mmcs", {"NumCards": 1, "ClkHz": 48_000_000, "SysClkMHz": 1}),
     ("mmcs", {"NumCards": 16}),
     ("mmcs_core", {}),
-    ("sync", {"Width": 3}),
+    *((s, {"Width": 3}) for s in ("mmcs_sync", "mmcs_sync_en")),
     *((board, {}) for board in ("adaptor_core", *RULES["boards"])),
     *((front, {}) for front in ("adaptor_axil", "adaptor_wb", "adaptor_apb")),
     *((front, {"DataWidth": 8}) for front in ("adaptor_wb", "adaptor_apb")),

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands for rtl/lib/sync.sv in simulation: an input that changed shortly before the clock is taken
+// Stands for rtl/lib in simulation: an input that changed shortly before the clock is taken
 // as it was or as it is, each bit by itself and at random; so is a clear that ended then.
 `timescale 1ps/1ps
 `default_nettype none
 
-module sync #(
+module mmcs_sync_en #(
   parameter int Width = 1,
   parameter logic [Width-1:0] ResetValue = '0
 ) (
@@ -41,6 +41,20 @@ module sync #(
     end
     assign q_o[n] = second_q;
   end
+
+endmodule
+
+module mmcs_sync #(
+  parameter int Width = 1,
+  parameter logic [Width-1:0] ResetValue = '0
+) (
+  input  wire logic             clk_i,
+  input  wire logic             rst_ni,
+  input  wire logic [Width-1:0] d_i,
+  output logic      [Width-1:0] q_o
+);
+
+  mmcs_sync_en #(.Width(Width), .ResetValue(ResetValue)) u_sync (.en_i(1'b1), .*);
 
 endmodule
 

@@ -52,9 +52,9 @@ module isa_mark1 #(
   localparam int EnWidth = $clog2(EnClks);
 
   logic rst_n_q, reset_drv;
-  sync u_reset (.clk_i(clk), .rst_ni(rst_n), .en_i(1'b1), .d_i(1'b1), .q_o(rst_n_q));
-  sync #(.ResetValue(1'b1)) u_reset_drv (
-    .clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i(isa_reset_drv), .q_o(reset_drv)
+  mmcs_sync u_reset (.clk_i(clk), .rst_ni(rst_n), .d_i(1'b1), .q_o(rst_n_q));
+  mmcs_sync #(.ResetValue(1'b1)) u_reset_drv (
+    .clk_i(clk), .rst_ni(rst_n_q), .d_i(isa_reset_drv), .q_o(reset_drv)
   );
 
   // --- bus in -----------------------------------------------------------------------------
@@ -66,14 +66,14 @@ module isa_mark1 #(
   logic [7:0] bus_d, d_d, d_q;
   logic idle;
 
-  sync #(.Width(2), .ResetValue(2'b11)) u_commands (
-    .clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i({isa_ior_n, isa_iow_n}), .q_o({ior_n, iow_n})
+  mmcs_sync #(.Width(2), .ResetValue(2'b11)) u_commands (
+    .clk_i(clk), .rst_ni(rst_n_q), .d_i({isa_ior_n, isa_iow_n}), .q_o({ior_n, iow_n})
   );
-  sync #(.Width(25), .ResetValue({1'b1, 24'd0})) u_bus (
-    .clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i({isa_aen, isa_a, isa_d}),
+  mmcs_sync #(.Width(25), .ResetValue({1'b1, 24'd0})) u_bus (
+    .clk_i(clk), .rst_ni(rst_n_q), .d_i({isa_aen, isa_a, isa_d}),
     .q_o({bus_aen, bus_a, bus_d})
   );
-  sync #(.Width(3)) u_sclock (.clk_i(clk), .rst_ni(rst_n_q), .en_i(1'b1), .d_i(isa_drq), .q_o(drq));
+  mmcs_sync #(.Width(3)) u_sclock (.clk_i(clk), .rst_ni(rst_n_q), .d_i(isa_drq), .q_o(drq));
 
   // The card's commands begin a clock late, with the address that stands by then, and end with the
   // command. What they go with is kept: the address while they last, data of the clock before the
@@ -108,7 +108,7 @@ module isa_mark1 #(
 
   logic reading;
   assign reading = ~isa_ior_n;
-  sync u_reading (.clk_i(clk), .rst_ni(reading), .en_i(1'b1), .d_i(1'b1), .q_o(reading_sync));
+  mmcs_sync u_reading (.clk_i(clk), .rst_ni(reading), .d_i(1'b1), .q_o(reading_sync));
 
   data_turn u_turn (
     .clk_i(clk), .rst_ni(rst_n_q),

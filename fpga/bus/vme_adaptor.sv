@@ -70,7 +70,7 @@ module vme_adaptor #(
   logic aen, ior_n, iow_n, clk_en, reset_drv, pc_on;
   logic [3:1] drq;
 
-  sync u_reset (.clk_i(clk), .rst_ni(rst_n), .en_i(1'b1), .d_i(1'b1), .q_o(rst_n_q));
+  mmcs_sync u_reset (.clk_i(clk), .rst_ni(rst_n), .d_i(1'b1), .q_o(rst_n_q));
 
   /* verilator lint_off PINCONNECTEMPTY */  // the pins' own transceiver knows its direction
   adaptor_vme #(

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is asynchronous ends in the cell `sync`, whose first stage has one reader.
+"""What is asynchronous ends in a cell of rtl/lib, whose first stage has one reader.
 
 Read from the netlists of the tops: a pin is asynchronous unless EXEMPT names it; so are a flip-flop
 of another clock and one that a pin sets. What such a source reaches through gates must be a first
-stage of rtl/lib/sync.sv. What a strobe of the bus clocks takes what stands around the strobe.
+stage of such a cell. What a strobe of the bus clocks takes what stands around the strobe.
 """
 
 import json
@@ -27,10 +27,10 @@ EXEMPT = {  # pin or flip-flop: why it may be read as it is
     "adc_v_i": "a number in place of a voltage",
     "pcx_d*": "a card's data stand until IOR# ends, which takes them",
     "adc_dout": "follows SCLK, half of whose period it stands before it is taken",
-    "*.u_bus_slave.bus_*_q": "taken at DS0* or AS*; read once `sync` has seen the strobe",
+    "*.u_bus_slave.bus_*_q": "taken at DS0* or AS*; read once `mmcs_sync` has seen the strobe",
     "*.u_bus_interrupter.respond_q": "stands from IACKIN* to its end, as does the next",
-    "*.u_bus_interrupter.iackin_stale_q": "read once `sync` has seen IACKIN*",
-    "*.u_strobe.ended_q": "changes at the end of AS* only; read once `sync` has seen DS0*",
+    "*.u_bus_interrupter.iackin_stale_q": "read once `mmcs_sync` has seen IACKIN*",
+    "*.u_strobe.ended_q": "changes at the end of AS* only; read once `mmcs_sync` has seen DS0*",
 }
 
 
@@ -49,7 +49,7 @@ class Net:
                 value = cell["parameters"].get("ARST_VALUE", "").zfill(len(pins["Q"]))[::-1]
                 for n, (q, d) in enumerate(zip(pins["Q"], pins["D"], strict=True)):
                     sets = pins.get("SET", pins["ARST"] if value[n] == "1" else [])
-                    first = "rtl/lib/sync.sv" in cell["attributes"]["src"]
+                    first = "rtl/lib/mmcs_sync" in cell["attributes"]["src"]
                     self.flops[q] = pins["CLK"][0], d, sets, first and "first_q" in self.name(q)
                 continue
             ways = cell["port_directions"]
@@ -120,9 +120,10 @@ BROKEN = {  # file, the cell's output there, what is read instead, by whom it is
                  "    .q_o()\n  );\n  assign axis_enable = axis_enable_i;", "panic_q"),
     "an encoder": ("rtl/chips/thct2000.sv", ".q_o(in));", ".q_o());\n  assign in = {a_i, b_i};",
                    "prev_q"),
-    "an index": ("rtl/mark1/axis.sv", ".q_o(index_in));", ".q_o());\n  assign index_in = i_i;",
+    "an index": ("rtl/mark1/mark1_axis.sv", ".q_o(index_in));",
+                 ".q_o());\n  assign index_in = i_i;",
                  "index_late_q"),
-    "a first stage": ("rtl/lib/sync.sv", "assign q_o = second_q;", "assign q_o = first_q;",
+    "a first stage": ("rtl/lib/mmcs_sync_en.sv", "assign q_o = second_q;", "assign q_o = first_q;",
                       "u_pins.first_q: read by"),
     "IOCHRDY": ("rtl/adaptor/pcbus_master.sv", ".q_o(iochrdy_low));",
                 ".q_o());\n  assign iochrdy_low = pc_wait_i;", "pc_iochrdy"),

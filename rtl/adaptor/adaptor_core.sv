@@ -274,10 +274,10 @@ module adaptor_core #(
   assign link_ok = cable_ok & pc_power_o;
 
   // RESET DRV stands from power-on on.
-  sync #(
+  mmcs_sync #(
     .ResetValue(1'b1)
   ) u_sys_reset (
-    .clk_i, .rst_ni, .en_i(1'b1),
+    .clk_i, .rst_ni,
     .d_i(sys_reset_i),
     .q_o(sys_reset)
   );

@@ -43,19 +43,19 @@ module panic #(
     else trip_q <= trip_d;
   end
 
-  sync #(
+  mmcs_sync #(
     .ResetValue(1'b1)
   ) u_trip (
-    .clk_i, .rst_ni, .en_i(1'b1),
+    .clk_i, .rst_ni,
     .d_i(trip_q),
     .q_o(tripped)
   );
 
-  sync #(
+  mmcs_sync #(
     .Width(2),
     .ResetValue(2'b11)
   ) u_link (
-    .clk_i, .rst_ni, .en_i(1'b1),
+    .clk_i, .rst_ni,
     .d_i({cable_ok_i, pc_power_i}),
     .q_o({cable_ok_o, pc_power_o})
   );

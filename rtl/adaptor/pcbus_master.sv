@@ -57,7 +57,7 @@ module pcbus_master #(
   logic                    last, iochrdy_low, waiting, counts, command;
   logic   [           1:0] counts_d, counts_q;  // counting begins as late as IOCHRDY is seen
 
-  sync u_wait (.clk_i, .rst_ni, .en_i(1'b1), .d_i(pc_wait_i), .q_o(iochrdy_low));
+  mmcs_sync u_wait (.clk_i, .rst_ni, .d_i(pc_wait_i), .q_o(iochrdy_low));
 
   assign last = (timer_q == '0);
   assign waiting = iochrdy_low & link_ok_i;

@@ -64,8 +64,8 @@ module vme_interrupter #(
   end
 
   // Low with IACKIN* high, at once.
-  sync u_iackin (.clk_i, .rst_ni(iackin), .en_i(1'b1), .d_i(1'b1), .q_o(iackin_sync));
-  sync u_ds_any (.clk_i, .rst_ni, .en_i(1'b1), .d_i(ds_any), .q_o(ds_any_sync));
+  mmcs_sync u_iackin (.clk_i, .rst_ni(iackin), .d_i(1'b1), .q_o(iackin_sync));
+  mmcs_sync u_ds_any (.clk_i, .rst_ni, .d_i(ds_any), .q_o(ds_any_sync));
 
   assign iackin_valid = iackin_sync & ~iackin_stale_q;
   assign answer_start = iackin_valid & respond_q & ~done_q & ds0_valid & ds_any_sync & ~sys_reset_i;

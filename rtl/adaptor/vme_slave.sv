@@ -71,7 +71,7 @@ module vme_slave #(
   );
   /* verilator lint_on PINCONNECTEMPTY */
 
-  sync u_ds_any (.clk_i, .rst_ni, .en_i(1'b1), .d_i(ds_any), .q_o(ds_any_sync));
+  mmcs_sync u_ds_any (.clk_i, .rst_ni, .d_i(ds_any), .q_o(ds_any_sync));
 
   always_ff @(negedge vme_as_ni or negedge rst_ni) begin
     if (!rst_ni) bus_a_q <= '0;

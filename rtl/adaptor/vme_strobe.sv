@@ -60,9 +60,9 @@ module vme_strobe (
   assign selected_o = begun_q ^ ended_q;
 
   // The second flip-flop is high only if DS0* has been low without a break since the first took it.
-  sync u_ds0_valid (
+  mmcs_sync u_ds0_valid (
     .clk_i,
-    .rst_ni(ds0), .en_i(1'b1),
+    .rst_ni(ds0),
     .d_i(selected_o & ds0_fell_q & ~ds0_stale_q & ~ds0_ni),
     .q_o(ds0_valid_o)
   );

@@ -51,7 +51,7 @@ module thct2000 #(
   logic [1:0] in, now, prev_d, prev_q;  // {A, B}
   logic a, b, a_prev, b_prev;
 
-  sync #(.Width(2)) u_pins (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i({a_i, b_i}), .q_o(in));
+  mmcs_sync_en #(.Width(2)) u_pins (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i({a_i, b_i}), .q_o(in));
 
   assign prev_d = clk_en_i ? now : prev_q;
   assign {a, b} = now;

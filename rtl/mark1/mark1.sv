@@ -3,7 +3,7 @@
 //
 // Complete in itself: it needs an 8-bit PC bus, not the adaptor. The bus moves with clk_i, as the
 // adaptor's does; in a slot with a clock of its own, commands and what goes with them go through
-// `sync` first. Times hold at any ClkHz, rounded up to a clock.
+// `mmcs_sync` first. Times hold at any ClkHz, rounded up to a clock.
 `default_nettype none
 `include "mmcs_assert.svh"
 
@@ -80,9 +80,9 @@ module mark1 #(
   // A switch is asynchronous and has no state but its own, hence no reset.
   logic [1:0] axis_enable;
 
-  sync #(.Width(2)) u_axis_enable (
+  mmcs_sync #(.Width(2)) u_axis_enable (
     .clk_i,
-    .rst_ni(1'b1), .en_i(1'b1),
+    .rst_ni(1'b1),
     .d_i(axis_enable_i),
     .q_o(axis_enable)
   );
@@ -92,7 +92,7 @@ module mark1 #(
   logic ppi_cs_n, adc_read, sw_latch, ours;
   logic [1:0] enc_cs_n, dac_lo, dac_hi;
 
-  decode u_decode (
+  mark1_decode u_decode (
     .pc_a_i(pc_a_i[13:0]),
     .pc_aen_i(pc_aen_i | ~power_i),
     .pc_ior_ni, .pc_iow_ni, .dip_i,
@@ -147,7 +147,7 @@ module mark1 #(
 
   assign sclock = pc_drq_i[SclockDrq];
 
-  latch #(
+  mark1_latch #(
     .SoftLatchDac(SoftLatchDac)
   ) u_latch (
     .clk_i,
@@ -160,7 +160,7 @@ module mark1 #(
     .dac_update_o(dac_update)
   );
 
-  relay #(
+  mark1_relay #(
     .SettleClks(RelayClks)
   ) u_relay (
     .clk_i,
@@ -191,7 +191,7 @@ module mark1 #(
     end
     assign index[j] = index_q;
 
-    axis #(
+    mark1_axis #(
       .AdcSpan10(AdcSpan10[j]),
       .DacSpan10(DacSpan10[j]),
       .ConvClks(ConvClks),

@@ -4,7 +4,8 @@
 +incdir+rtl
 +define+MMCS_NO_BUS_TIMES
 rtl/regs/mmcs_regs_pkg.sv
-rtl/lib/sync.sv
+rtl/lib/mmcs_sync.sv
+rtl/lib/mmcs_sync_en.sv
 rtl/chips/i8254_counter.sv
 rtl/chips/i8254.sv
 rtl/chips/i8255.sv
@@ -12,10 +13,10 @@ rtl/chips/thct2000.sv
 rtl/chips/ad574.sv
 rtl/chips/ad667.sv
 rtl/chips/oneshot.sv
-rtl/mark1/decode.sv
-rtl/mark1/latch.sv
-rtl/mark1/relay.sv
-rtl/mark1/axis.sv
+rtl/mark1/mark1_decode.sv
+rtl/mark1/mark1_latch.sv
+rtl/mark1/mark1_relay.sv
+rtl/mark1/mark1_axis.sv
 rtl/mark1/mark1.sv
 rtl/adaptor/sysclk.sv
 rtl/adaptor/pcbus_master.sv

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "Vdecode.h"
+#include "Vmark1_decode.h"
 #include "board.h"
 #include "ears.h"
 
@@ -25,7 +25,7 @@ std::unique_ptr<Board> Board::create(const std::string &module, VerilatedContext
 
 struct Ears::Decoder {
   VerilatedContext context;
-  Vdecode top{&context, "EARS"};
+  Vmark1_decode top{&context, "EARS"};
 };
 
 Ears::Ears() : decoder_(std::make_unique<Decoder>()), known_(1 << 16) {}
@@ -49,7 +49,7 @@ void Ears::forget() {
 }
 
 bool Ears::hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n, unsigned dip) {
-  Vdecode &d = decoder_->top;
+  Vmark1_decode &d = decoder_->top;
   const auto said = [&d] {
     d.eval();
     uint64_t all = 0;  // everything that a decoder says, as one number to compare

@@ -43,8 +43,9 @@ TOPS = {
          "card.cocotb_registers:vme=card.cocotb_registers:slot",
          "card.cocotb_converters:vme=card.cocotb_registers:slot",
          "system.cocotb_reset=card.cocotb_registers:slot"],
-        {"mark1/decode": ({}, 50), "mark1/latch": ({}, 30),
-         "mark1/relay": ({"SettleClks": 160}, 30), "mark1/axis": ({"HeartbeatClks": 800}, 70),
+        {"mark1/mark1_decode": ({}, 50), "mark1/mark1_latch": ({}, 30),
+         "mark1/mark1_relay": ({"SettleClks": 160}, 30),
+         "mark1/mark1_axis": ({"HeartbeatClks": 800}, 70),
          "mark1/mark1": (SHORT, 80)},
     ),
     "mmcs": (

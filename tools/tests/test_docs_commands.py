@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every command of README and the docs: run as it stands, or its parts looked up, and why."""
+"""Every piece of code of README and the docs: run as it stands, or its parts looked up, and why."""
 
+import os
 import re
 import shlex
+import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -11,10 +14,24 @@ from click.testing import CliRunner
 from mmcs import ROOT
 from mmcs.cli.app import main
 from mmcs.tests.conftest import GOOD
-from tools.compiled import ran
+from tools.compiled import ran, written
 
-PAGES = ran("git", "ls-files", "README.md", "CONTRIBUTING.md", "docs/*.md").stdout.split()
-START = re.compile(r"(make|mmcs|\.venv/bin/\S+|python|pytest|cc|g\+\+|iverilog|\w+=\S+)( |$)")
+PAGES = ran("git", "ls-files", "*README.md", "CONTRIBUTING.md", "docs/*.md").stdout.split()
+# Before a fence that nothing runs: what it needs that a test has not.
+NO_RUN = "no-run: "
+FENCE = re.compile(r"(?:<!-- no-run: ([^\n]+) -->\n)?^ *```(\w*)([^\n]*)\n(.*?)^ *```", re.M | re.S)
+# Fences that tests of their own run, by page and language.
+CARRIED = {
+    "docs/use/first_hour.md": ({"sh"}, "mmcs/tests/test_first_hour.py"),
+    "docs/use/driver.md": ({"c"}, "mmcs/tests/test_examples.py"),
+    "docs/use/python.md": ({"python"}, "mmcs/tests/test_front.py"),
+    "docs/use/device.md": ({"python"}, "mmcs/tests/test_device.py"),
+    "docs/simulator/simulator.md": ({"c"}, "tools/tests/test_docs_commands.py"),
+    "labs/README.md": ({"python"}, "labs/tests/conftest.py"),
+}
+LANGUAGES = {"sh", "c", "python", "systemverilog", "toml", "json", "text"}
+WHOLE = re.compile(r"^(cc|g\+\+|iverilog) ", re.M)  # fences that are run from first line to last
+START = re.compile(r"make|mmcs|\.ci/run|\. \.venv/bin/activate|\.venv/bin/\S+|python|pytest|cc")
 # What stands for the reader's own, and what makes a long command short; the options stay.
 INSTEAD = {
     "RUN": "own", "RUN@0.25": "own@0.25", "NAME": "lab500", "...": "seed=1..1000",
@@ -34,19 +51,25 @@ MISSES = {
 }
 
 
-def commands(page: str) -> list[str]:
-    found = []
-    for kind, body in re.findall(
-        r"^```(\w*)[^\n]*\n(.*?)^```", (ROOT / page).read_text(), re.M | re.S
-    ):
-        if kind in ("", "sh"):
-            lines = (re.sub(r"\s+#.*", "", line).strip() for line in
-                     body.replace("\\\n", " ").splitlines())  # fmt: skip
-            found += [line.removesuffix("&").strip() for line in lines if START.match(line)]
-    return [line for line in found if not re.match(r"mmcs[./]", line)]  # a drawing
+def fences(page: str) -> list[tuple[str, str, str]]:
+    """(reason for not running it or "", language, text) of each."""
+    found = FENCE.findall((ROOT / page).read_text())
+    return [(reason, kind, textwrap.dedent(body)) for reason, kind, _, body in found]
 
 
-CASES = [(page, line) for page in PAGES for line in commands(page)]
+FENCES = [(page, *fence) for page in PAGES for fence in fences(page)]
+
+
+def commands(body: str) -> list[str]:
+    lines = (re.sub(r"\s+#.*", "", line).strip() for line in
+             body.replace("\\\n", " ").splitlines())  # fmt: skip
+    return [line.removesuffix("&").strip() for line in lines if line]
+
+
+CASES = [(page, line) for page, reason, kind, body in FENCES if kind == "sh" and not reason
+         for line in commands(body)]  # fmt: skip
+PROGRAMS = [(page, body) for page, reason, kind, body in FENCES if kind == "sh" and not reason
+            and WHOLE.search(body) and "sh" not in CARRIED.get(page, ((), ""))[0]]  # fmt: skip
 
 
 def of_mmcs(line: str) -> list[str]:
@@ -104,6 +127,87 @@ def test_mmcs(folder, tmp_path, line):
         assert not writes or "caution" not in result.output, result.output
 
 
+def test_every_fence_says_its_language():
+    bad = [f"{page}: {body[:60]}" for page, _, kind, body in FENCES if kind not in LANGUAGES]
+    assert bad == []
+    unclosed = [page for page in PAGES if (ROOT / page).read_text().count("```") % 2]
+    assert unclosed == []
+
+
+def test_few_fences_are_not_run():
+    reasons = [reason for _, reason, _, _ in FENCES if reason]
+    assert len(reasons) <= 10
+    marks = sum((ROOT / page).read_text().count(NO_RUN) for page in PAGES)
+    assert marks == len(reasons), "a mark stands on the line before its fence"
+
+
+def test_every_fence_of_code_is_run_or_part_of_what_is():
+    """Part of a file that tests run: its lines in their order, however far indented."""
+    files = ran("git", "ls-files", "*.py", "*.sv").stdout.split()
+    text = {file: flat((ROOT / file).read_text()) for file in files}
+    lost = []
+    for page, reason, kind, body in FENCES:
+        if reason or kind in CARRIED.get(page, ((), ""))[0]:
+            continue
+        if kind == "sh":
+            lost += [f"{page}: {line}" for line in commands(body)
+                     if not WHOLE.search(body) and not START.match(line)]  # fmt: skip
+        elif kind in ("c", "python", "systemverilog") and not any(
+            flat(body) in text[file] for file in files
+        ):
+            lost.append(f"{page}: {body[:60]}")
+    assert lost == []
+    for page, (_, test) in CARRIED.items():
+        name = "sheet.md" if page.startswith("labs/") else Path(page).name
+        assert name in (ROOT / test).read_text() or "README.md" in (ROOT / test).read_text(), test
+
+
+def flat(text: str) -> str:
+    return "\n".join(line.strip() for line in text.splitlines())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("page", "body"), PROGRAMS, ids=[page for page, _ in PROGRAMS])
+def test_program(tmp_path, page, body):
+    """Compiled and run, from the first line to the last; a chip's bench must find itself good."""
+    for name in ("rtl", "firmware", "docs"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    env = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    done = ran("bash", "-ec", body.replace("-Irtl", "-Wall -Wno-timescale -Irtl"),
+               cwd=tmp_path, env=env)  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    chip = Path(page).stem
+    if (ROOT / f"docs/hardware/chips/{chip}_tb.sv").exists():
+        assert done.stdout.endswith(f"{chip}: ok\n") and not done.stderr, done.stdout + done.stderr
+
+
+def test_program_of_the_simulators_page():
+    """Its names as the headers declare them."""
+    [body] = [b for p, _, kind, b in FENCES if p == "docs/simulator/simulator.md" and kind == "c"]
+    text = f"""#include "mmcs_sim.h"
+#include "mmcs_service.h"
+#include "mcdef.h"
+extern mmcs_config config; extern mmcs_motor motors[]; extern mmcs_driver driver;
+extern struct mc_param params[]; extern mmcs_segment step;
+int main(void) {{
+{body}
+return 0; }}
+"""
+    done = ran("cc", "-std=c11", "-Wall", "-Werror", "-fsyntax-only", "-Isim/abi",
+               "-Ifirmware/include", written("program_of_the_page.c", text), cwd=ROOT)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", sorted({line for _, line in CASES if "pytest" in line.split()}))
+def test_pytest(line):
+    """Finds tests; whether they pass is theirs to say."""
+    words = shlex.split(line)
+    options = words[words.index("pytest") + 1 :]
+    done = ran(sys.executable, "-m", "pytest", "--collect-only", "-q", *options, cwd=ROOT)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_make():
     text = (ROOT / "Makefile").read_text()
     targets = set(re.findall(r"^([\w-]+):", text, re.M)) | {""}
@@ -119,7 +223,7 @@ def test_make():
 def test_files_and_tools_that_commands_name():
     for page, line in CASES:
         for word in line.split():
-            if re.fullmatch(r"[\w./-]+\.(py|sv|c|cpp|h)", word):
+            if re.fullmatch(r"[\w.-]*/[\w./-]+\.(py|sv|c|cpp|h)", word):
                 assert (ROOT / word).exists(), f"{page}: {word}"
 
 

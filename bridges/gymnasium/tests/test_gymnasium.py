@@ -36,6 +36,16 @@ def pd(observation: np.ndarray) -> np.ndarray:
     return np.clip(6 * observation[:axes] - 0.25 * observation[axes : 2 * axes], -1, 1)
 
 
+def test_the_lines_of_the_page():
+    import gymnasium
+
+    env = gymnasium.make("mmcs_gymnasium:MMCS/Reach-v0", scenario="puma560", step_intervals=5)
+    observation, info = env.reset(seed=1)
+    observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+    assert observation in env.observation_space
+    env.close()
+
+
 def test_the_same_seed_is_the_same_episode_after_any_other():
     env = gymnasium.make(ID, **SHORT)
     first, _ = episode(env, 7, pd)

@@ -24,7 +24,7 @@ MADE_OF = {
     "sim/engine/sim.h": "obj/engine",
     "sim/plant/encoder.h": "obj/engine",
     "firmware/mc/mc.h": "obj/engine obj/mc/hw obj/mc/ioctl obj/mc/timer",
-    "rtl/mark1/axis.sv": BOARDS,
+    "rtl/mark1/mark1_axis.sv": BOARDS,
     "rtl/mmcs_assert.svh": BOARDS,
     "rtl/mmcs.sv": BOARDS,
 }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Synchroniser: two flip-flops, of which the second alone reads the first. §4.3.1
-//
-// Only a level that stands longer than a clock is sure to be seen, and bits of a bus may come a
-// clock apart: what belongs together crosses as one bit.
+// Synchroniser with an enable: mmcs_sync whose flip-flops take their inputs in some clocks only.
 `default_nettype none
 
-module sync #(
+module mmcs_sync_en #(
   parameter int Width = 1,
   parameter logic [Width-1:0] ResetValue = '0
 ) (

@@ -4,7 +4,7 @@
 // Both act by their own rising edge, so that a software latch works while SCLOCK is high.
 `default_nettype none
 
-module latch #(
+module mark1_latch #(
   parameter bit SoftLatchDac = 1'b1   // E023-E022: the D/As follow the software latch too
 ) (
   input  wire logic clk_i,

@@ -4,7 +4,7 @@
 // It follows its coil after RelayUs. The joints are isolated as soon as the coil says so.
 `default_nettype none
 
-module relay #(
+module mark1_relay #(
   parameter int SettleClks = 8000
 ) (
   input  wire logic clk_i,

@@ -2,7 +2,7 @@
 // Card address decoder: A9-A5 = 11000, A13-A10 = DIP switch, A4-A0 the register. §5.3.1
 `default_nettype none
 
-module decode (
+module mark1_decode (
   // PC bus; a switch that is on stands for 0, so dip_i is the card number
   input  wire logic [13:0] pc_a_i,
   input  wire logic        pc_aen_i,

@@ -3,7 +3,7 @@
 `default_nettype none
 `include "mmcs_assert.svh"
 
-module axis #(
+module mark1_axis #(
   parameter bit AdcSpan10 = 1'b0,            // E001-E003: 10 V instead of 20 V
   parameter bit DacSpan10 = 1'b0,            // E007-E008
   parameter int ConvClks = 200,
@@ -58,7 +58,7 @@ module axis #(
   logic [EncoderFilter:0] index_late_d, index_late_q;
   logic index_in, index, index_q, index_latch_d, index_latch_q;
 
-  sync u_index (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i(i_i), .q_o(index_in));
+  mmcs_sync_en u_index (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i(i_i), .q_o(index_in));
 
   assign index = (&index_late_q) & index_en_i;
   assign index_late_d = clk_en_i ? (EncoderFilter + 1)'({index_late_q, index_in}) : index_late_q;
