@@ -30,11 +30,11 @@ help-all:
 
 # --- what the targets stand on -------------------------------------------------------------
 
+# FETCH WHAT COMMAND: an installer, with progress, pip's settings, and a remedy when it fails.
+FETCH = $(BIN)/python tools/fetch.py
 # Bytecode is compiled now: where Python may write none, every start would compile it all anew.
-INSTALL = echo "mmcs: installing $(1)"; { $(BIN)/python -m uv pip install -q --compile-bytecode \
-    --python $(BIN)/python -c requirements.lock $(2) || $(OFFLINE); } && $(BIN)/python tools/setup_venv.py
-OFFLINE = { echo "mmcs: not installed, see above. Packages come from the network (PyPI), or from the index that" \
-    "PIP_INDEX_URL and UV_INDEX_URL name" >&2; false; }
+INSTALL = $(FETCH) "$(1)" $(BIN)/python -m uv pip install --compile-bytecode --python $(BIN)/python \
+    -c requirements.lock $(2) && $(BIN)/python tools/setup_venv.py
 
 # An environment knows where it was made: one that was moved or copied with its checkout is made anew.
 PLACE := $(VENV)/.place
@@ -48,7 +48,7 @@ endif
 $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/verilator.py
 	@tools/check_host.sh "$(PYTHON)" "$(CXX)"
 	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
-	@$(BIN)/python -m pip install -q --disable-pip-version-check -c requirements.lock uv || $(OFFLINE)
+	@$(FETCH) uv $(BIN)/python -m pip install --disable-pip-version-check -c requirements.lock uv
 	@$(call INSTALL,into $(VENV),-e .)
 	@echo "$(CURDIR)" >$(PLACE)
 	@touch $@
@@ -161,9 +161,8 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RISC-V images, print siz
 
 $(VENV)/.tool: $(VENV)/.sim web/package.json web/package-lock.json
 	@$(call INSTALL,mctool,-e .[tool])
-	@echo "mmcs: installing the page's libraries"
 	@mkdir -p $(VENV)/share/mmcs && cp web/package.json web/package-lock.json $(VENV)/share/mmcs
-	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --omit=dev --silent --ignore-scripts --no-audit --no-fund
+	@$(FETCH) "the page's libraries" $(BIN)/npm --prefix $(VENV)/share/mmcs ci --omit=dev --ignore-scripts --no-audit --no-fund
 	@touch $@
 
 tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool [SCENARIO=puma560]
@@ -171,7 +170,7 @@ tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool
 
 $(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
 	@$(call INSTALL,the browser's test tools,-e .[tool-test])
-	@cd $(VENV)/share/mmcs && $(CURDIR)/$(BIN)/npm ci --silent --ignore-scripts --no-audit --no-fund
+	@$(FETCH) "the page's test tools" $(BIN)/npm --prefix $(VENV)/share/mmcs ci --ignore-scripts --no-audit --no-fund
 	@tools/need_debian.sh chromium chromium
 	@touch $@
 

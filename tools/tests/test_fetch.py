@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an installation tells, and whose settings it takes."""
+
+import http.server
+import os
+import re
+import ssl
+import subprocess
+import sys
+import threading
+import zipfile
+
+import pytest
+
+from mmcs import ROOT
+from tools import fetch
+
+SET = re.compile(r"(UV|PIP|SSL|NODE|REQUESTS|CURL|npm)_|.*_(CERT|CERTS)$|.*proxy", re.I)
+
+
+@pytest.fixture
+def plain(monkeypatch, tmp_path):
+    """The environment of a user who has configured pip alone; the file to do it in."""
+    for name in filter(SET.match, list(os.environ)):
+        monkeypatch.delenv(name)
+    config = tmp_path / "pip.conf"
+    monkeypatch.setenv("PIP_CONFIG_FILE", str(config))
+    return config
+
+
+def test_settings_of_pip_reach_uv_and_npm(plain, monkeypatch):
+    plain.write_text("[global]\nindex-url = https://a/simple\ncert = /ca.pem\nproxy = http://p:1\n")
+    monkeypatch.setenv("HTTP_PROXY", "http://own")
+    env = fetch.environment()
+    assert env["UV_DEFAULT_INDEX"] == "https://a/simple"
+    assert env["SSL_CERT_FILE"] == env["NODE_EXTRA_CA_CERTS"] == "/ca.pem"
+    assert (env["HTTPS_PROXY"], env["HTTP_PROXY"]) == ("http://p:1", "http://own")
+    assert env["UV_SYSTEM_CERTS"] == env["NODE_USE_SYSTEM_CA"] == "1"
+
+
+def test_a_silent_installer_is_told_of(plain, capfd, monkeypatch):
+    monkeypatch.setattr(fetch, "EVERY_S", 0.05)
+    script = "import sys, time; print('got it', flush=True); sys.stdin.read()"
+    reader, writer = os.pipe()
+    monkeypatch.setattr(fetch.subprocess, "Popen", lambda *a, **k: POPEN(*a, stdin=reader, **k))
+    thread = threading.Thread(target=fetch.run, args=("it", [sys.executable, "-c", script]))
+    thread.start()
+    said = ""
+    while "s: got it" not in said:
+        said += capfd.readouterr().out
+    os.close(writer)
+    thread.join()
+    os.close(reader)
+    assert re.search(r"mmcs: installing it\n(.*\n)*mmcs: installing it, \d+ s: got it\n", said)
+
+
+POPEN = subprocess.Popen
+
+
+@pytest.mark.parametrize(
+    ("last", "what"),
+    [
+        ("npm error code SELF_SIGNED_CERT_IN_CHAIN: self-signed certificate", "global.cert FILE"),
+        ("error: No space left on device (os error 28)", "disk is full"),
+        ("error: Hash mismatch for `x`", "requirements.lock"),
+        ("npm error network request failed", "global.index-url URL"),
+    ],
+)
+def test_a_failure_ends_in_the_tools_words_and_a_remedy(plain, capfd, last, what):
+    script = (
+        f"import sys; [print(n) for n in range(30)]; print({last!r}, file=sys.stderr); sys.exit(7)"
+    )
+    assert fetch.run("the tools", [sys.executable, "-u", "-c", script]) == 2
+    told = capfd.readouterr().err.splitlines()
+    assert told[-2] == f"  {last}" and told[0] == "  19"
+    assert told[-1].startswith("mmcs: not installed, the tools; ") and what in told[-1]
+
+
+def test_uv_trusts_the_certificate_that_pip_is_configured_with(plain, tmp_path, capfd):
+    """An index behind a certificate that no system knows."""
+    served = tmp_path / "simple" / "mmcs-probe"
+    served.mkdir(parents=True)
+    wheel = "mmcs_probe-1-py3-none-any.whl"
+    with zipfile.ZipFile(served / wheel, "w") as file:
+        head = "mmcs_probe-1.dist-info/"
+        file.writestr(head + "METADATA", "Metadata-Version: 2.1\nName: mmcs-probe\nVersion: 1\n")
+        file.writestr(
+            head + "WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+        )
+        file.writestr(head + "RECORD", "")
+    (served / "index.html").write_text(f'<a href="{wheel}">{wheel}</a>')
+    (tmp_path / "names").write_text("subjectAltName=DNS:localhost")
+    made = "openssl req -newkey rsa:2048 -nodes -subj /CN=probe"
+    for command in (
+        f"{made} -x509 -keyout ca.key -out ca.pem", f"{made} -keyout key.pem -out request",
+        "openssl x509 -req -in request -CA ca.pem -CAkey ca.key -extfile names -out cert.pem",
+    ):  # fmt: skip
+        subprocess.run(command.split(), check=True, capture_output=True, cwd=tmp_path)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(tmp_path / "cert.pem", tmp_path / "key.pem")
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def __init__(self, *args):
+            super().__init__(*args, directory=str(tmp_path))
+
+        def log_message(self, *args):
+            pass
+
+    with http.server.ThreadingHTTPServer(("localhost", 0), Handler) as server:
+        server.socket = context.wrap_socket(server.socket, server_side=True)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        index = f"https://localhost:{server.server_port}/simple"
+        command = [sys.executable, "-m", "uv", "pip", "install", "--no-cache", "--dry-run",
+                   "--no-config", "--python", sys.executable, "mmcs-probe"]  # fmt: skip
+        plain.write_text(f"[global]\nindex-url = {index}\n")
+        assert fetch.run("a package", command) == 2
+        assert "global.cert FILE" in capfd.readouterr().err
+        plain.write_text(f"[global]\nindex-url = {index}\ncert = {tmp_path}/ca.pem\n")
+        assert fetch.run("a package", command) == 0
+        server.shutdown()
+
+
+def test_every_installer_of_the_makefile_is_run_so():
+    text = (ROOT / "Makefile").read_text().replace("\\\n", " ")
+    lines = [line for line in text.splitlines() if re.search(r"pip install|/npm .*\bci\b", line)]
+    assert len(lines) >= 4
+    assert [line for line in lines if "$(FETCH)" not in line and "UV =" not in line] == []
