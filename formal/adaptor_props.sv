@@ -73,7 +73,7 @@ module adaptor_props #(
   assign ds_n = as_n;
   always @(posedge clk_i) strobe_q <= rst_ni && !as_n;
 
-  logic panic, sclock, led_irq, reset_drv, power, ior_n, iow_n;
+  logic panic, sclock, led_irq, reset_drv, power, ior_n, iow_n, pc_d_oe, clk_en;
   logic [15:0] pc_a;
   logic [7:0] pc_wdata;
   logic [3:1] drq;
@@ -103,8 +103,10 @@ module adaptor_props #(
     .led_irq_o(led_irq),
     .pc_a_o(pc_a),
     .pc_d_o(pc_wdata),
+    .pc_d_oe_o(pc_d_oe),
     .pc_ior_no(ior_n),
     .pc_iow_no(iow_n),
+    .pc_clk_en_o(clk_en),
     .pc_reset_drv_o(reset_drv),
     .pc_drq_o(drq),
     .pc_power_o(power),
@@ -197,7 +199,8 @@ module adaptor_props #(
 
   // --- resets and power -------------------------------------------------------------------------
 
-  logic [3:0] down4_q = '0, cable_q = '0;   // the last clocks
+  logic [3:0] down4_q = '0, cable_q = '1;   // the last clocks
+  logic [1:0] power_q = '1;
   logic [3:0] good_q = '0;                        // clocks that all was good, up to 15
   logic [2:0] bad_q = '0;                         // and that something was not, up to 5
   logic good;
@@ -207,6 +210,7 @@ module adaptor_props #(
     if (rst_ni) begin
       down4_q <= {down4_q[2:0], !sysreset_ni};
       cable_q <= {cable_q[2:0], cable_ok_i};
+      power_q <= {power_q[0], pc_power_i};
       good_q  <= !good ? '0 : good_q + 4'(good_q != 4'd15);
       bad_q   <= good ? '0 : bad_q + 3'(bad_q != 3'd5);
       if (!power) since_q <= '0;
@@ -251,6 +255,12 @@ module adaptor_props #(
   `MMCS_PROVE(NothingElseResets, "4.3.8", &up_q && power && since_q == Width'(ResetClks),
               !reset_drv,
               "nothing else resets the cards")
+  `MMCS_PROVE(NoLink, "4.3.5", cable_q[1:0] == '0 || power_q == '0,
+              ior_n && iow_n && !pc_d_oe && drq == '0,
+              "with the cable out or no power at the cards: no command, no data, no DRQ")
+  `MMCS_PROVE(NoCable, "4.3.5", cable_q[1:0] == '0,
+              !clk_en && (!reset_drv || since_q < Width'(ResetClks)),
+              "with the cable out no CLK and no RESET DRV, but that after power")
   `MMCS_PROVE(NoRegister, "4.3.3", reads && to_none, d_oe && d == 8'hFF,
               "an address of the adaptor without a register reads 0xFF")
   `MMCS_PROVE(NothingElsePanics, "4.3.5", good_q == 4'd15 && good, !panic, "nothing else is")

@@ -286,9 +286,11 @@ module card_props #(
               d == {code_q[1][11:8], code_q[0][11:8]}, "its high four bits too")
   `MMCS_PROVE(DoneShown, "Table 5.1", reads_c, d[4] == !converting_q,
               "port C bit 4 is low while the A/Ds convert: begun by SCLOCK only with B2 = 1")
-  `MMCS_PROVE(Drives, "5.3.1", power_i, d_oe == (reads && (a_i[4:3] == 2'b00 ||
+  `MMCS_PROVE(Dark, "5.3.1", !power_i, drive_v == '0 && leds == '0 && !irq,
+              "a card without power drives no joint, no interrupt and no light")
+  `MMCS_PROVE(Drives, "5.3.1", 1'b1, d_oe == (reads && (a_i[4:3] == 2'b00 ||
               a_i[4:0] == 5'h0C || a_i[4:0] == 5'h0D || a_i[4:0] == 5'h0E)),
-              "the card drives the bus in a read of a register that can be read, at no other time")
+              "the card drives the bus in a read of a register that can be read, given power, only")
 
   `MMCS_REACH(LoopedBack, reads && a_i[4:0] == 5'h0C && known_q && d == 8'hA5 && !b[1],
               "a D/A is read back through its A/D")

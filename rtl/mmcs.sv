@@ -30,9 +30,6 @@ module mmcs #(
   parameter int IochrdyLimitClks = 10,
   // What the report leaves open
   parameter logic [7:0] PpiFloatB = 8'h00,
-  parameter bit PitNmosRewrite = 1'b1,
-  parameter bit PitSplitCr = 1'b1,
-  parameter int EncoderFilter = 0,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic                   clk_i,
@@ -109,8 +106,6 @@ module mmcs #(
     .PanicIrq(PanicIrq),
     .CmdNs(CmdNs),
     .IochrdyLimitClks(IochrdyLimitClks),
-    .PitNmosRewrite(PitNmosRewrite),
-    .PitSplitCr(PitSplitCr),
     .RandomPowerUp(RandomPowerUp)
   ) u_adaptor (
     .clk_i, .rst_ni,
@@ -153,7 +148,6 @@ module mmcs #(
     .RelayUs(RelayUs),
     .HeartbeatUs(HeartbeatUs),
     .PpiFloatB(PpiFloatB),
-    .EncoderFilter(EncoderFilter),
     .RandomPowerUp(RandomPowerUp)
   ) u_cards (
     .clk_i, .rst_ni,

@@ -21,7 +21,6 @@ module mmcs_cards #(
   parameter int HeartbeatUs = 50_000,
   // What the report leaves open
   parameter logic [7:0] PpiFloatB = 8'h00,
-  parameter int EncoderFilter = 0,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic                   clk_i,
@@ -63,8 +62,6 @@ module mmcs_cards #(
   `MMCS_REQUIRE(ReqRelay, RelayUs >= 1 && RelayUs <= 100_000, "mmcs: RelayUs must be 1 to 100000")
   `MMCS_REQUIRE(ReqBeat, HeartbeatUs >= 1 && HeartbeatUs <= 10_000_000,
                 "mmcs: HeartbeatUs must be 1 to 10000000")
-  `MMCS_REQUIRE(ReqFilter, EncoderFilter >= 0 && EncoderFilter <= 3,
-                "mmcs: EncoderFilter must be 0 to 3")
   for (genvar n = 0; n < NumCards; n++) begin : g_check
     `MMCS_REQUIRE(ReqCardDrq, CardSclockDrq[4*n+:4] >= 1 && CardSclockDrq[4*n+:4] <= 3,
                   "mmcs: CardSclockDrq must be 1 to 3 for each card")
@@ -90,7 +87,6 @@ module mmcs_cards #(
       .RelayUs(RelayUs),
       .HeartbeatUs(HeartbeatUs),
       .PpiFloatB(PpiFloatB),
-      .EncoderFilter(EncoderFilter),
       .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 + 32'(n) : 32'h0)
     ) u_card (
       .clk_i, .rst_ni,

@@ -26,9 +26,6 @@ module mmcs_core #(
   parameter int IochrdyLimitClks = 10,
   // What the report leaves open
   parameter logic [7:0] PpiFloatB = 8'h00,
-  parameter bit PitNmosRewrite = 1'b1,
-  parameter bit PitSplitCr = 1'b1,
-  parameter int EncoderFilter = 0,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic                   clk_i,
@@ -94,8 +91,6 @@ module mmcs_core #(
       .PanicIrq(PanicIrq),
       .CmdNs(CmdNs),
       .IochrdyLimitClks(IochrdyLimitClks),
-      .PitNmosRewrite(PitNmosRewrite),
-      .PitSplitCr(PitSplitCr),
       .RandomPowerUp(RandomPowerUp)
     ) u_core (
       .clk_i, .rst_ni,
@@ -133,7 +128,6 @@ module mmcs_core #(
     .RelayUs(RelayUs),
     .HeartbeatUs(HeartbeatUs),
     .PpiFloatB(PpiFloatB),
-    .EncoderFilter(EncoderFilter),
     .RandomPowerUp(RandomPowerUp)
   ) u_cards (
     .clk_i, .rst_ni,

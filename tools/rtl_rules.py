@@ -3,7 +3,8 @@
 
 What is read, proved, covered, mutated and put on an FPGA is what runs; speed and faults come from
 outside. rtl/checkers watches buses in simulation and may say so. `always_ff` holds reset and
-`q <= d`: what decides stands before it.
+`q <= d`: what decides stands before it. A flip-flop that a pin clocks has an initial value: a reset
+that is low from time 0 has no edge, and the pin may have none for ever.
 """
 
 import argparse
@@ -31,6 +32,8 @@ LINT = re.compile(r"verilator lint_o\w+ \w+|__ICARUS__|verilator coverage_\w+")
 NAME = re.compile(r"[A-Za-z_]\w*")
 PART = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
+CLOCKS = {"clk_i", "clk", "pclk"}
+FLIP_FLOPS = re.compile(r"always_ff @\(\w+ (\w+)(.*?)\n\n", re.S)  # clock, the rest of the block
 DECIDES = re.compile(r"\b(case|for)\b|else if|<=.*([?&|^~+!=<>]|[\w)] - )")
 
 
@@ -66,6 +69,15 @@ def deciding(text: str) -> list[int]:
     return found
 
 
+def without_value(text: str) -> list[str]:
+    """Flip-flops clocked by a pin that are declared without an initial value."""
+    found = []
+    for clock, block in FLIP_FLOPS.findall(text):
+        nets = re.findall(r"\w+_q\b(?=[\w, }]*<=)", block) if clock not in CLOCKS else []
+        found += [n for n in dict.fromkeys(nets) if not re.search(rf"\b{n} = ", text)]
+    return found
+
+
 def complaints(root: Path) -> list[str]:
     found = []
     for file in sorted({f for place in PLACES for f in root.glob(place)}):
@@ -74,6 +86,8 @@ def complaints(root: Path) -> list[str]:
             continue
         for number in () if name.startswith(CHECKERS) else deciding(text):
             found.append(f"{name}:{number}: next state within always_ff: a net of its own decides")
+        for net in () if name.startswith(CHECKERS) else without_value(text):
+            found.append(f"{name}: {net}: a pin clocks it: give it an initial value as well")
         for number, line in enumerate(text.splitlines(), 1):
             code, _, comment = LINT.sub("", line).partition("//")
             code = re.sub(r'"[^"]*"', "", code)

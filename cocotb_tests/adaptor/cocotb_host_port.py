@@ -294,6 +294,40 @@ async def reset_drv_stands_from_power_on(dut, tb):
 
 
 @usual_test("PCB-1", "PAN-2")
+@cocotb.parametrize(what=["cable", "power"])
+async def a_link_that_is_gone_moves_nothing(dut, tb, what):
+    """Whatever the host does, SCLOCK high, SYSRESET* low: no command, data, DRQ; without the cable
+    no CLK and no RESET DRV either."""
+    pin = {"cable": dut.cable_ok_i, "power": dut.pc_power_i}[what]
+    lines = {dut.pc_ior_no: 1, dut.pc_iow_no: 1, dut.pc_d_oe_o: 0, dut.pc_drq_o: 0}
+    if what == "cable":
+        lines |= {dut.pc_clk_en_o: 0, dut.pc_reset_drv_o: 0}
+    for mode in (0x70, 0x74):  # SCLOCK low, then high
+        await tb.wr(0x407, mode)
+    moved = set()
+
+    async def watch():
+        while True:
+            await FallingEdge(dut.clk_i)
+            moved.update(line._name for line, idle in lines.items() if int(line.value) != idle)
+
+    watching = cocotb.start_soon(watch())
+    for linked in (True, False):
+        pin.value = int(linked)
+        await tb.clocks(2)  # two flip-flops
+        moved.clear()
+        for offset in (0x001, 0x011):
+            await tb.wr(offset, 0x55)
+            await tb.rd(offset)
+        dut.sys_reset_i.value = 1
+        await tb.us(3)
+        dut.sys_reset_i.value = 0
+        await tb.clocks(4)
+        assert moved == ({line._name for line in lines} if linked else set())
+    watching.cancel()
+
+
+@usual_test("PCB-1", "PAN-2")
 async def cable_that_bounces_in_a_command(dut, tb):
     """Out and back at any clock of an access: one command at most, and what is cut reads 0xFF."""
     await tb.us(60)

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every transition of the PCCSR: from every state by every write and every edge. §4.3.3, §4.3.6"""
 
+import cocotb
+from cocotb.triggers import FallingEdge
+
 from cocotb_tests.adaptor.fronts import HostPort
 from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import HEALTH_CLKS, PCCSR, PIT
@@ -86,6 +89,30 @@ async def every_base_after_every_other(tb):
             assert await tb.rd(PCCSR) == old
             await tb.wr(PCCSR, new)
             assert await tb.rd(PCCSR) == new
+
+
+@csr_test("CSR-1", "PAN-2")
+async def no_write_wins_over_sysreset(dut, tb):
+    """A write that ends in any clock around the end of SYSRESET*: lost within it, kept after it."""
+    kept = set()
+
+    async def reset_at_the_answer() -> int:
+        while not int(dut.hp_ack_o.value):
+            await FallingEdge(dut.clk_i)
+        return int(dut.sys_reset_o.value)
+
+    for clocks in range(8):
+        dut.sys_reset_i.value = 1
+        await tb.clocks(4)
+        answered = cocotb.start_soon(reset_at_the_answer())
+        write = cocotb.start_soon(tb.wr(PCCSR, 0x9F))
+        await tb.clocks(clocks)
+        dut.sys_reset_i.value = 0
+        await write
+        in_reset = await answered
+        assert await tb.rd(PCCSR) == (0 if in_reset else 0x9F), f"{clocks} clocks"
+        kept.add(in_reset)
+    assert kept == {0, 1}
 
 
 @csr_test("INT-1")

@@ -136,7 +136,8 @@ async def iackin_without_iack_is_not_ours(dut, tb):
 
 @adaptor_test("VME-3")
 async def sysreset_ends_an_answer(dut, tb):
-    """Three clocks into SYSRESET* DTACK* is high, and stays so, whatever a transfer has come to."""
+    """Three clocks into SYSRESET* DTACK* is high and no data are driven, and both stay so, whatever
+    a transfer has come to."""
     bus, answers = tb.bus, set()
     bus.am.value, bus.lword_n.value, bus.write_n.value, bus.a.value = 0x2D, 1, 1, OURS
     for clocks in range(1, 16):
@@ -150,6 +151,7 @@ async def sysreset_ends_an_answer(dut, tb):
         for _ in range(8):
             await Timer(1, "ns")
             assert int(dut.vme_dtack_no.value), f"SYSRESET* {clocks} clocks after the strobe"
+            assert not int(dut.vme_d_oe_o.value), f"SYSRESET* {clocks} clocks after the strobe"
             await tb.clocks(1)
         bus.as_n.value, bus.ds_n.value = 1, 0b11
         await tb.clocks(40)

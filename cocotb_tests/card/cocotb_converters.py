@@ -12,6 +12,7 @@ from cocotb_tests.lib.req import slow, test, variants
 from cocotb_tests.lib.tb import (
     B_DOUBLE,
     B_REAL_ENC,
+    B_SCLOCK,
     B_TO_JOINT,
     C_BEAT1,
     C_DONE,
@@ -159,6 +160,9 @@ async def port_b2_gates_sclock(tb):
     assert not await tb.pc.read(PORT_C) & C_DONE
     assert tb.volts(0) == volts_of(0xC00)
     assert [await tb.encoder(0), await tb.encoder(0)] == [80, 83]
+    await tb.converted()
+    await tb.pc.write(PORT_B, await tb.pc.read(PORT_B) | B_SCLOCK)
+    assert await tb.pc.read(PORT_C) & C_DONE, "SCLOCK was high before PB2 was: no edge"
 
 
 @slot_test("ADC-1", "ANA-1")

@@ -7,6 +7,7 @@ from cocotb_tests.card import host
 from cocotb_tests.card.host import card_test, rack_test, slot_test
 from cocotb_tests.lib.tb import (
     C_BEAT1,
+    C_DONE,
     DAC1,
     LATCH,
     LATCH_ALL,
@@ -35,6 +36,9 @@ async def answers_only_at_its_switch_setting(tb):
     assert await tb.pc.inb(tb.pc.base | PORT_A, aen=1) == 0xFF
     await tb.pc.outb(tb.pc.base | PORT_A, 0x77, aen=1)
     assert await tb.pc.read(PORT_A) == QUAD
+    for register in (LATCH, LATCH_ALL):
+        await tb.pc.inb(tb.pc.base | register, aen=1)
+        assert await tb.pc.read(PORT_C) & C_DONE, "a latch starts a conversion"
 
 
 @card_test("CRD-1", "PPI-1")

@@ -313,7 +313,7 @@ async def free_bits_of_port_b_lead_nowhere(tb):
 
 @card_test("LED-2", "PAN-2", "HB-2")
 async def lights_follow_port_a_and_a_card_without_power_is_dark(dut, tb):
-    """Bits 3 and 4 light the two lights, whatever the rest; no power: dark, no PANIC."""
+    """Bits 3 and 4 light the two lights, whatever the rest; no power: no light, PANIC, data."""
     for value in range(32):
         await tb.pc.write(PORT_A, QUAD | value << 3)
         await tb.clocks(2)
@@ -325,6 +325,7 @@ async def lights_follow_port_a_and_a_card_without_power_is_dark(dut, tb):
     dut.power_i.value = 0
     await tb.clocks(2)
     assert not tb.panic() and not int(dut.leds_o.value)
+    assert {await tb.pc.read(register) for register in range(32)} == {0xFF}
     dut.power_i.value = 1
     await tb.clocks(2)
 

@@ -180,9 +180,10 @@ async def panic_leaves_the_card_from_a_flip_flop(dut):
 
 @machine_test("PAN-1")
 async def alive_while_the_clock_runs(dut, tb):
-    """An edge every 500 us; none without a clock, none in a reset."""
+    """An edge every 500 us, in PANIC too; none without a clock, none in a reset."""
     await ValueChange(dut.alive_o)
-    for _ in range(4):
+    for closed in (1, 1, 0, 0):
+        dut.estop_closed_i.value = closed
         before, level = tb.now(), int(dut.alive_o.value)
         await ValueChange(dut.alive_o)
         assert tb.now() - before == ALIVE_US * 1e6 and int(dut.alive_o.value) != level

@@ -8,15 +8,12 @@ from cocotb_tests.lib.req import test, tests_on, variants
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
-    B_INDEX,
-    B_REAL_ENC,
     B_TO_JOINT,
     BASE,
     C_DONE,
     LATCH,
     LATCH_ALL,
     PCCSR,
-    PIT,
     PORT_A,
     PORT_B,
     PORT_C,
@@ -31,7 +28,7 @@ from cocotb_tests.system.machine import SHORT
 TOPLEVEL = "mmcs"
 VARIANTS = {
     # all cards, another base, level and lines, all consistent; A/D and D/A of 10 V; only card 0's
-    # software latch reaches its D/As; encoders filtered
+    # software latch reaches its D/As
     "moved": {
         "NumCards": 16,
         "BaseA15A11": "5'b10110",
@@ -45,10 +42,9 @@ VARIANTS = {
         "AdcSpan10": "32'h00000003",
         "DacSpan10": "32'h00000006",
         "PpiFloatB": "8'hFF",
-        "EncoderFilter": 2,
         **SHORT,
     },
-    # J5 and J7 apart, card 1 on other lines than the adaptor; an 82C54; another clock
+    # J5 and J7 apart, card 1 on other lines than the adaptor; another clock
     "mismatch": {
         "NumCards": 2,
         "ClkHz": 16_000_000,
@@ -57,8 +53,6 @@ VARIANTS = {
         "AckLevel": 4,
         "CardSclockDrq": "64'h3333333333333313",
         "CardPanicIrq": "64'h7777777777777757",
-        "PitNmosRewrite": "1'b0",
-        "PitSplitCr": "1'b0",
         "RandomPowerUp": "1'b1",
         **SHORT,
     },
@@ -251,46 +245,6 @@ async def random_power_up(tb):
     await tb.dac(0, 0x800)
     await tb.dac(1, 0x800)
     assert [tb.volts(a) for a in (0, 1)] == [0, 0]
-
-
-@moved_test("ENC-1")
-async def encoder_filter(dut, tb):
-    """EncoderFilter = 2: two ticks of A are not seen, three count; the next begins at 0."""
-    await tb.cwr(0, PORT_A, 6)  # ticks while A is 1
-    await tb.preset(0, 0x1000)
-    for ticks, count in ((1, 0x1000), (2, 0x1000), (3, 0x1003), (5, 5)):
-        dut.enc_a_i.value = 1
-        await tb.clocks(ticks)
-        dut.enc_a_i.value = 0
-        await tb.clocks(12)
-        assert await tb.encoder(0) == count, f"after {ticks} ticks"
-
-
-@moved_test("CAL-1")
-async def filtered_index_latches_its_own_count(tb):
-    """Index and count are delayed alike: an edge that comes with the index is counted."""
-    tb.enc[0].lines = 5  # an index every 20 counts
-    await tb.enc[0].move(6, 1000)
-    for first, last in ((6, 34), (34, 6)):
-        await tb.cwr(0, PORT_B, B_REAL_ENC)
-        await tb.preset(0, first)
-        await tb.cwr(0, PORT_B, B_REAL_ENC | B_INDEX)
-        await tb.enc[0].move(last - first, 6 * tb.period / 1000)
-        await tb.us(5)
-        assert [await tb.encoder(0), await tb.encoder(0)] == [20, last]
-
-
-@mismatch_test("PIT-1")
-async def timers_of_the_82c54(tb):
-    """PitNmosRewrite = 0: after a rollover the first of two bytes stops no count of mode 0."""
-    await tb.timer(0, 5, mode=0)
-    await tb.us(5)
-    await tb.wr(PIT, 0x34)
-    first = await tb.timer_value(0)
-    assert await tb.timer_value(0) != first, "the count has stopped"
-    await tb.wr(PIT, 0x12)
-    await tb.us(1)
-    assert 0x1200 <= await tb.timer_value(0) <= 0x1234
 
 
 @moved_test("CRD-1", "MAP-1", "LAT-1", "ENC-1")

@@ -199,7 +199,9 @@ async def pc_power_lost_and_back(dut, tb):
     dut.pc_power_i.value = 1
     await tb.clocks(6)
     assert int(dut.pcx_reset_drv_o.value) == 1
+    back = tb.now()
     await FallingEdge(dut.pcx_reset_drv_o)
+    assert 49 <= (tb.now() - back) / 1e6 <= 51, "RESET DRV for 50 us"
     assert panic(tb), "the one-shots are low"
     for card in range(tb.cards):
         await tb.setup(card)

@@ -14,8 +14,6 @@ module adaptor_core #(
   parameter int IochrdyLimitClks = 10,
   parameter int ResetDrvUs = 50,   // RESET DRV after the PC side's power returns
   parameter int AliveUs = 500,     // between two edges of alive_o
-  parameter bit PitNmosRewrite = 1'b1,  // see i8254_counter
-  parameter bit PitSplitCr = 1'b1,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic        clk_i,
@@ -212,8 +210,6 @@ module adaptor_core #(
 
   /* verilator lint_off PINCONNECTEMPTY */  // nothing follows timer 2; the bus is never shared
   i8254 #(
-    .NmosRewrite(PitNmosRewrite),
-    .SplitCr(PitSplitCr),
     .PowerUpSeed(RandomPowerUp ? 32'h1989_0217 : 32'h0)
   ) u_pit (
     .clk_i, .rst_ni,

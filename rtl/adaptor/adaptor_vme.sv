@@ -12,8 +12,6 @@ module adaptor_vme #(
   parameter int PanicIrq = 7,
   parameter int CmdNs = 500,
   parameter int IochrdyLimitClks = 10,
-  parameter bit PitNmosRewrite = 1'b1,
-  parameter bit PitSplitCr = 1'b1,
   parameter bit RandomPowerUp = 1'b0
 ) (
   input  wire logic        clk_i,
@@ -100,8 +98,6 @@ module adaptor_vme #(
     .PanicIrq(PanicIrq),
     .CmdNs(CmdNs),
     .IochrdyLimitClks(IochrdyLimitClks),
-    .PitNmosRewrite(PitNmosRewrite),
-    .PitSplitCr(PitSplitCr),
     .RandomPowerUp(RandomPowerUp)
   ) u_core (
     .clk_i, .rst_ni,

@@ -36,13 +36,20 @@ module vme_slave #(
   localparam logic [5:0] AmShortUser = 6'h29;
   localparam logic [5:0] AmShortSupervisor = 6'h2D;
 
+  // Each bit is a flip-flop of its own: a strobe was taken, which the first alone decides; the host
+  // port has answered; DTACK*.
+  typedef enum logic [2:0] {
+    StIdle    = 3'b000,
+    StRequest = 3'b100,  // the host port is asked
+    StAnswer  = 3'b111,  // until both data strobes are high
+    StDrop    = 3'b110   // the strobe was withdrawn, or SYSRESET* came: no answer
+  } state_e;
+
+  state_e state_d;
+  logic busy_d, busy_q, done_d, done_q, answer_d, answer_q;
   logic match, ds0_n, ds0, ds0_valid;
   logic ds_any, ds_any_sync;     // a data strobe is low: the pins; synchronised
-  logic busy_d, busy_q;          // a strobe was taken: this flip-flop decides
-  logic done_d, done_q;          // the host port has answered
   logic ds0_held_d, ds0_held_q;  // neither DS0* high nor SYSRESET* since it was taken
-  logic answer_d, answer_q;      // DTACK*, if it had not been high when the host port answered
-  logic hold_answer, answered;
   // Taken by edges of the pins, with a value before the first one.
   /* verilator lint_off PROCASSINIT */
   logic [10:1] bus_a_q = '0;
@@ -92,11 +99,21 @@ module vme_slave #(
     else ds0_held_q <= ds0_held_d;
   end
 
-  assign hold_answer = answer_q & ds_any_sync & ~sys_reset_i;
-  assign answered = busy_q & hp_ack_i;
-  assign busy_d = busy_q ? (~done_q | hold_answer) : (ds0_valid & ds_any_sync & ~sys_reset_i);
-  assign done_d = done_q ? hold_answer : answered;
-  assign answer_d = done_q ? hold_answer : (answered & ds0_held_q & ~sys_reset_i);
+  always_comb begin
+    state_d = StIdle;
+    case ({busy_q, done_q, answer_q})
+      StIdle: if (ds0_valid && ds_any_sync && !sys_reset_i) state_d = StRequest;
+      StRequest: begin
+        if (!hp_ack_i) state_d = StRequest;
+        else if (ds0_held_q && !sys_reset_i) state_d = StAnswer;
+        else state_d = StDrop;
+      end
+      StAnswer: if (ds_any_sync && !sys_reset_i) state_d = StAnswer;
+      default: state_d = StIdle;
+    endcase
+  end
+
+  assign {busy_d, done_d, answer_d} = state_d;
   assign {hp_a_d, hp_wdata_d, hp_write_d} = busy_q ? {hp_a_q, hp_wdata_q, hp_write_q} :
                                                      {bus_a_q, bus_d_q, bus_write_q};
 

@@ -18,7 +18,6 @@ module mark1 #(
   parameter int RelayUs = 1_000,
   parameter int HeartbeatUs = 50_000,
   parameter logic [7:0] PpiFloatB = 8'h00,      // what the board sees while port B floats
-  parameter int EncoderFilter = 0,              // further equal samples of A, B and I, 0 to 3
   parameter logic [31:0] PowerUpSeed = 32'h0    // else chips without reset wake with contents of it
 ) (
   input  wire logic        clk_i,
@@ -196,7 +195,6 @@ module mark1 #(
       .DacSpan10(DacSpan10[j]),
       .ConvClks(ConvClks),
       .HeartbeatClks(BeatClks),
-      .EncoderFilter(EncoderFilter),
       .DacPowerUp(DacPowerUp[12*j+:12]),
       .AdcPowerUp(AdcPowerUp[12*j+:12]),
       .CountPowerUp(CountPowerUp[16*j+:16])

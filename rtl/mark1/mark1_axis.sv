@@ -8,7 +8,6 @@ module mark1_axis #(
   parameter bit DacSpan10 = 1'b0,            // E007-E008
   parameter int ConvClks = 200,
   parameter int HeartbeatClks = 400_000,
-  parameter int EncoderFilter = 0,           // further equal samples that A, B and I must show
   // What stands in the chips before they are told anything
   parameter logic [11:0] DacPowerUp = 12'h800,
   parameter logic [11:0] AdcPowerUp = 12'h000,
@@ -53,20 +52,19 @@ module mark1_axis #(
   // --- index latch --------------------------------------------------------------------------
 
   // A and B pass two flip-flops in the counter and are counted at the third clock. The index passes
-  // three, so that an edge of A or B which comes with it is in the count that it latches; a filter
-  // delays both alike.
-  logic [EncoderFilter:0] index_late_d, index_late_q;
+  // three, so that an edge of A or B which comes with it is in the count that it latches.
+  logic index_late_d, index_late_q;
   logic index_in, index, index_q, index_latch_d, index_latch_q;
 
   mmcs_sync_en u_index (.clk_i, .rst_ni, .en_i(clk_en_i), .d_i(i_i), .q_o(index_in));
 
-  assign index = (&index_late_q) & index_en_i;
-  assign index_late_d = clk_en_i ? (EncoderFilter + 1)'({index_late_q, index_in}) : index_late_q;
+  assign index = index_late_q & index_en_i;
+  assign index_late_d = clk_en_i ? index_in : index_late_q;
   assign index_latch_d = index_en_i & (index_latch_q | index);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      index_late_q  <= '0;
+      index_late_q  <= 1'b0;
       index_q       <= 1'b0;
       index_latch_q <= 1'b0;
     end else begin
@@ -82,7 +80,6 @@ module mark1_axis #(
 
   /* verilator lint_off PINCONNECTEMPTY */  // debugging outputs
   thct2000 #(
-    .Filter(EncoderFilter),
     .PowerUp(CountPowerUp)
   ) u_encoder (
     .clk_i, .rst_ni, .reset_i, .clk_en_i,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What rtl/ and fpga/ may hold: green as it is, red for each name and each decision put back."""
 
+import re
 import shutil
 
 import pytest
@@ -65,3 +66,15 @@ def test_next_state_within_always_ff_is_found(tmp_path, file, old, new):
     line = text[: text.index(old)].count("\n") + 1
     found = with_text(tmp_path, file, text.replace(old, new))
     assert found[0].startswith(f"{file}:{line}: next state"), found
+
+
+UNKNOWN = [("vme_slave", "bus_write_q"), ("vme_slave", "bus_d_q"), ("vme_strobe", "begun_q"),
+           ("vme_strobe", "ds0_stale_q"), ("vme_interrupter", "iackin_stale_q")]  # fmt: skip
+
+
+@pytest.mark.parametrize(("module", "net"), UNKNOWN)
+def test_a_flip_flop_of_a_pin_without_an_initial_value_is_found(tmp_path, module, net):
+    file = f"rtl/adaptor/{module}.sv"
+    text = re.sub(rf"({net}) = [^;]*;", r"\1;", (rtl_rules.ROOT / file).read_text(), count=1)
+    found = with_text(tmp_path, file, text)
+    assert found == [f"{file}: {net}: a pin clocks it: give it an initial value as well"]
