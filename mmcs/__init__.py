@@ -12,7 +12,7 @@ from mmcs.place import BUILD, ROBOTS, ROOT, SCENARIOS
 __version__ = "0.2.0"
 __all__ = [
     "BUILD", "ROBOTS", "ROOT", "SCENARIOS",
-    "Device", "InputError", "Machine", "Run", "RunError", "compare", "load", "run",
+    "Device", "InputError", "Machine", "Run", "RunError", "campaign", "compare", "load", "run",
     "sweep",
 ]  # fmt: skip
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.folder import whole_file as whole_file
     from mmcs.front import Machine as Machine
     from mmcs.front import Run as Run
+    from mmcs.front import campaign as campaign
     from mmcs.front import compare as compare
     from mmcs.front import load as load
     from mmcs.front import run as run

@@ -24,6 +24,7 @@ import numpy as np
 
 from mmcs import logcols, mcdef
 from mmcs.errors import InputError, RunError
+from mmcs.place import installs
 from mmcs.scenario.load import load as _load
 from mmcs.scenario.setup import Setup
 
@@ -152,6 +153,28 @@ def sweep(scenario: str, *sets: str, grid: dict | None = None, random: dict | No
     tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
     done = dict(run_here(tasks, min(crew, len(plan))))
     return _pandas().DataFrame([plan.values(n) | done[n] for n in range(len(plan))])
+
+
+def campaign(*motions: str | Path, faults: int = 1000, seed: int = 1, sorts: tuple[str, ...] = (),
+             sets: tuple[str, ...] = (), workers: int | None = None):  # fmt: skip
+    """A pandas frame with a row for each fault of `mmcs campaign`, by its number.
+
+    motions: scenarios; those of `mmcs campaign` if none. Raises InputError as that refuses.
+    """
+    from mmcs.sweeps.campaign import make_plan, make_twin, run_chunk
+    from mmcs.sweeps.plan import MAX_RUNS
+    from mmcs.sweeps.workers import cores, run_here
+
+    count = _whole("faults", faults, 1, MAX_RUNS)
+    crew = cores() if workers is None else _whole("workers", workers, 1)
+    plan = make_plan(tuple(map(str, motions)), tuple(sorts), _whole("seed", seed, 0), tuple(sets))
+    for setup in plan.setups.values():
+        make_twin(setup).close()  # a motion that stops by itself is told here
+    chunks = list(plan.chunks(range(count)))
+    rows = {}
+    for numbers, answer in run_here(iter(chunks), min(crew, len(chunks)), run_chunk):
+        rows |= zip(numbers, answer.get("rows", [answer] * len(numbers)), strict=True)
+    return _pandas().DataFrame([rows[n] for n in range(count)])
 
 
 class Machine:
@@ -294,5 +317,5 @@ def _pandas():
     try:
         import pandas
     except ImportError:
-        raise RunError("pandas is not installed: pip install 'mmcs[study]'") from None
+        raise RunError(f"pandas is not installed: {installs('study')}") from None
     return pandas

@@ -11,4 +11,4 @@ def offered(name: str) -> EntryPoint:
     """Raises InputError where no such package is installed."""
     for found in entry_points(group="mmcs.labs", name=name):
         return found
-    raise InputError.one("mmcs lab", "", None, "no lab sheets are installed; pip install ./labs")
+    raise InputError.one("mmcs lab", "", None, "no lab sheets are installed: make .venv/.sim")

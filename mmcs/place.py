@@ -8,6 +8,7 @@ built in the user's cache; so are those of a checkout that cannot be written.
 import hashlib
 import os
 import stat
+import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
@@ -63,6 +64,18 @@ def _check_owner(folder: Path) -> None:
                 f"{place}: another user may write there, and builds in it would run as you; "
                 "set XDG_CACHE_HOME to a folder of your own"
             )
+
+
+def installs(extra: str) -> str:
+    """The command that installs the packages of [extra] here: a checkout's target, or the packages
+    by name, since no index has mmcs itself."""
+    if IN_CHECKOUT:
+        return f"make {'firmware' if extra == 'hosts' else f'.venv/.{extra}'}"
+    from importlib.metadata import requires
+
+    wanted = (entry.split(";") for entry in requires("mmcs") or ())
+    names = [name.strip() for name, *when in wanted if f'"{extra}"' in "".join(when)]
+    return f"{sys.executable} -m pip install {' '.join(names)}"
 
 
 def is_whole(path: Path, made_of: str = "") -> bool:

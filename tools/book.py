@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 from mmcs import BUILD, ROOT
@@ -75,7 +76,9 @@ def main() -> None:
         for path in sorted(todo):
             write_source(path, source, wanted)
         done |= todo
-    (STAGE / "mkdocs.yml").write_text(CONFIG + nav())
+    address = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mmcs"]["repository"]
+    link = f"repo_url: {address}\n" if address else ""
+    (STAGE / "mkdocs.yml").write_text(link + CONFIG + nav())
     build()
 
 

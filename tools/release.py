@@ -29,6 +29,9 @@ def versions() -> dict[str, str]:
     return {
         "mmcs/__init__.py": __version__,
         "pyproject.toml": re.search(r'^version = "([^"]+)"', project, re.M)[1],
+        "CITATION.cff": re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.M)[
+            1
+        ],
         "CHANGELOG.md": re.search(r"^## \[(\d[^]]*)\]", log, re.M)[1],
     }
 

@@ -9,7 +9,7 @@ import click
 
 from mmcs.cli.sweep import carry_out, check_workers, ended, kept, many_runs
 from mmcs.errors import InputError
-from mmcs.place import results
+from mmcs.place import SCENARIOS, results
 from mmcs.screen import console as screen
 from mmcs.screen import echo
 
@@ -42,8 +42,10 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     if show is not None:
         _show(plan, show)
         return
-    folder = out or results("campaigns") / "-".join(motions or ["all"])[:100]
     first = plan.setups[plan.names[0]]
+    own = (setup.path for setup in plan.setups.values() if SCENARIOS not in setup.path.parents)
+    named = "-".join(Path(motion).stem for motion in motions) or "all"
+    folder = out or results("campaigns", next(own, None)) / named[:100]
     with kept(folder, plan, first, resume, dask, "campaign", is_row) as (store, client):
         store.rows = {n: row for n, row in store.rows.items() if plan.is_of(n, row)}
         whole = _run(plan, store, client, workers or cores(), count)

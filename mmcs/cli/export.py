@@ -7,6 +7,7 @@ import click
 
 from mmcs.errors import InputError
 from mmcs.files import short
+from mmcs.place import installs
 from mmcs.screen import echo
 
 
@@ -51,7 +52,7 @@ def mcap(run: str, out: Path | None) -> None:
     try:
         from mmcs.view.mcap_file import from_run
     except ImportError:
-        raise InputError.one("mcap", "", None, "is not installed; pip install mmcs[tool]") from None
+        raise InputError.one("mcap", "", None, f"is not installed: {installs('tool')}") from None
     from mmcs.folder import check_file, whole_file
     from mmcs.view.runs import read_run
 

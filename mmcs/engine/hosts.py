@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mmcs.engine.build import make_env, one_at_a_time
 from mmcs.errors import InputError, RunError
-from mmcs.place import BUILD, is_whole, workshop
+from mmcs.place import BUILD, installs, is_whole, workshop
 
 HOSTS = ("native", "m68020")
 COMPILER, CORE = "m68k-linux-gnu-gcc", "machine68k"  # CORE: the Python package with the processor
@@ -48,7 +48,7 @@ def _need(host: str) -> None:
         install = "sudo apt-get install gcc-m68k-linux-gnu"
         raise RunError(f"--host {host} needs {COMPILER}; install it with: {install}")
     if importlib.util.find_spec(CORE) is None:
-        raise RunError(f"--host {host} needs its processor core; install it with: make firmware")
+        raise RunError(f"--host {host} needs its processor core: {installs('hosts')}")
 
 
 def make(makefile: str, target: str, made: Path | None = None) -> None:

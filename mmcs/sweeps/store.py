@@ -10,6 +10,7 @@ from pathlib import Path
 
 from mmcs.errors import InputError, one_line, show
 from mmcs.folder import lock, whole_file
+from mmcs.place import installs
 from mmcs.sweeps.plan import MAX_RUNS, Plan
 
 ROWS = "rows.jsonl"
@@ -145,7 +146,7 @@ def check_format(form: str) -> None:
         try:
             import pyarrow.parquet  # noqa: F401
         except ImportError:
-            allowed = 'needs the package "pyarrow": pip install "mmcs[parquet]"'
+            allowed = f"needs the package pyarrow: {installs('parquet')}"
             raise InputError.one("--format", "", form, allowed) from None
 
 

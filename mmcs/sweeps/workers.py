@@ -11,16 +11,19 @@ import math
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from types import ModuleType
 
 import numpy as np
 
 from mmcs import logcols
 from mmcs.errors import InputError, RunError
+from mmcs.place import installs
 from mmcs.runs.machine import build_of, library_of, machine
 
 CONNECT_S = 10  # to the scheduler
@@ -112,10 +115,25 @@ def _leave_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+class _Worker(multiprocessing.context.SpawnProcess):
+    """Does not run the user's own file again, which may be a script, a notebook or stdin."""
+
+    @staticmethod
+    def _Popen(process):  # noqa: N802
+        own = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            return multiprocessing.context.SpawnProcess._Popen(process)
+        finally:
+            sys.modules["__main__"] = own
+
+
+class _Spawn(multiprocessing.context.SpawnContext):
+    Process = _Worker
+
+
 def _pool(workers: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(
-        workers, multiprocessing.get_context("spawn"), initializer=_leave_ctrl_c
-    )
+    return ProcessPoolExecutor(workers, _Spawn(), initializer=_leave_ctrl_c)
 
 
 def run_here(
@@ -163,10 +181,7 @@ def _start(pool: ProcessPoolExecutor) -> None:
     try:
         pool.submit(os.getpid).result()
     except BrokenProcessPool:
-        raise RunError(
-            "no worker of the sweep starts; in a file of your own a sweep stands under "
-            '`if __name__ == "__main__":`'
-        ) from None
+        raise RunError("no worker of the sweep starts: it died at once") from None
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
@@ -188,7 +203,7 @@ def dask_client(address: str):
     try:
         from distributed import Client
     except ImportError:
-        allowed = 'needs the package "distributed": pip install "mmcs[dask]"'
+        allowed = f"needs the package distributed: {installs('dask')}"
         raise InputError.one("--dask", "", address, allowed) from None
     _quiet()
     try:

@@ -332,3 +332,9 @@ def test_wilson(k, n, low, high):
 )  # fmt: skip
 def test_mistakes_are_told_in_one_line(mmcs, arguments, told):
     one_clear_line(mmcs("campaign", *arguments), told)
+
+
+def test_of_an_own_scenario_lies_beside_it(mmcs, tmp_path):
+    (tmp_path / "my.toml").write_text('extends = "lab500"\nduration = 0.1\nexpect = []\n')
+    good(mmcs("campaign", str(tmp_path / "my.toml"), "--faults", "2", "--workers", "1"))
+    assert (tmp_path / "campaigns" / "my" / "report.md").is_file()

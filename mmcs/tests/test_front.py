@@ -161,21 +161,26 @@ def test_a_sweep_is_a_frame():
 
 @pytest.mark.parametrize("block", re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S))
 def test_a_block_of_the_page_runs(block, tmp_path):
-    """As a file, too, whose sweep stands where the page says."""
-    if "sweep(" in block:
-        at = block.index("frame = ")
-        body = "".join(f"    {line}\n" for line in block[at:].splitlines())
-        block = f'{block[:at]}if __name__ == "__main__":\n{body}'
     (tmp_path / "study.py").write_text(block)
     done = ran(sys.executable, "study.py", cwd=tmp_path)
     assert done.returncode == 0 and done.stdout, done.stderr
 
 
-def test_a_sweep_at_the_top_of_a_file_is_told_where_to_stand(tmp_path):
-    text = 'import mmcs\nmmcs.sweep("lab500", random={"seed": "1..99"}, samples=2)\n'
+def test_a_sweep_at_the_top_of_a_file_and_from_stdin(tmp_path):
+    text = 'import mmcs\nprint(len(mmcs.sweep("lab500", random={"seed": "1..99"}, samples=2)))\n'
     (tmp_path / "study.py").write_text(text)
-    done = ran(sys.executable, "study.py", cwd=tmp_path)
-    assert done.returncode == 1 and 'stands under `if __name__ == "__main__":`' in done.stderr
+    as_file = ran(sys.executable, "study.py", cwd=tmp_path)
+    typed = ran(sys.executable, "-", cwd=tmp_path, input=text)
+    for done in (as_file, typed):
+        assert (done.returncode, done.stdout, done.stderr) == (0, "2\n", "")
+
+
+def test_a_campaign_is_a_frame():
+    frame = mmcs.campaign("arm_move", faults=4, sorts=("register",), sets=("amp_panic_cut=true",))
+    assert list(frame.index) == [0, 1, 2, 3] and (frame["status"] == "ok").all()
+    assert set(frame["sort"]) == {"register"} and frame["class"].notna().all()
+    with pytest.raises(mmcs.InputError, match="must be one of register"):
+        mmcs.campaign("arm_move", sorts=("rust",))
 
 
 def test_the_notebook_runs_and_shows_something():

@@ -5,11 +5,12 @@ import os
 import runpy
 import sys
 import sysconfig
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from mmcs import BUILD, ROOT, SCENARIOS
+from mmcs import BUILD, ROOT, SCENARIOS, place
 from mmcs.place import results
 from tools.compiled import ran
 
@@ -132,3 +133,25 @@ def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     assert wanted <= held, sorted(wanted - held)
     assert not [name for name in held if "/tests/" in name]
     assert os.access(tmp_path / "sim" / "device" / "cc_wrapper.sh", os.X_OK)
+
+
+def test_the_command_that_installs_an_extra_is_true_where_it_is_told(monkeypatch):
+    assert place.installs("tool") == "make .venv/.tool"
+    assert place.installs("hosts") == "make firmware"
+    monkeypatch.setattr(place, "IN_CHECKOUT", False)
+    told = place.installs("tool")
+    assert told.startswith(f"{sys.executable} -m pip install ") and "websockets==" in told
+    assert "machine68k==" in place.installs("hosts") and "mmcs" not in place.installs("dask")
+
+
+@pytest.mark.parametrize("command", [("tool", "lab500"), ("export", "mcap", "none")])
+def test_a_command_without_its_packages_is_one_line(mmcs, monkeypatch, command):
+    monkeypatch.setattr(import_module("mmcs.cli.tool"), "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "mmcs.view.mcap_file", None)
+    status, out, err = mmcs(*command)
+    assert status == 2 and err.count("\n") == 1 and "make .venv/.tool" in err and out == ""
+
+
+def test_nobody_is_told_to_fetch_mmcs_from_an_index():
+    text = ran("git", "grep", "-nE", r"pip install .?mmcs", "--", ":!CHANGELOG.md", ":!mmcs/tests")
+    assert text.stdout == ""
