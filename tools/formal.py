@@ -29,7 +29,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tools import carried
-from tools.pages import rewrite
+from tools.pages import committed, rewrite
 from tools.sources import made_of, sources
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -47,6 +47,7 @@ w:*u_strobe.ds0_fell_q w:*u_strobe.ds0_stale_q w:*u_bus_slave.bus_*_q \
 w:*u_bus_interrupter.respond_q w:*u_bus_interrupter.iackin_stale_q
 clk2fflogic @strobes %ci1 t:$adff t:$dff %u %i"""
 DOC = ROOT / "docs" / "evidence" / "formal.md"
+FOLDERS = "rtl formal"  # that the table depends on
 PROVE = re.compile(r"`MMCS_PROVE\s*\(\s*(\w+)\s*,\s*\"([^\"]*)\"\s*,")
 RULE = re.compile(r"`MMCS_RULE\(\d+, (\w+),[^`]*?\"([^\"]*)\"\)", re.S)
 TEXT = re.compile(r"\"([^\"]*)\"\s*\)\s*$", re.M)
@@ -263,7 +264,7 @@ def write_doc(files: list[Path], results: list[Result], cpu: float) -> None:
         lines.append(
             f"| `{file.stem}` | {title} | {len(properties(file))} | {status} | {seconds:.0f} |"
         )
-    rewrite(DOC, "proofs", "\n".join(lines), "make .venv/.formal; tools/formal.py --doc")
+    rewrite(DOC, "proofs", "\n".join(lines), "make .venv/.formal; tools/formal.py --doc", FOLDERS)
 
 
 def main() -> int:
@@ -283,6 +284,8 @@ def main() -> int:
     if not files:
         print(f"formal: no formal/*.sby is called {args.only!r}", file=sys.stderr)
         return 2
+    if args.doc:
+        committed(FOLDERS)
     started = time.monotonic()
     results = prove(files, args.task, args.fast)
     took = time.monotonic() - started

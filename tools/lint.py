@@ -11,6 +11,7 @@ from pathlib import Path
 
 from fpga.build import BUS, TARGETS
 from tools.file_rules import tracked
+from tools.pages import told_age
 from tools.sources import sources
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -133,6 +134,7 @@ def main() -> int:
                 failed += 1
                 print(f"lint: {name} ({seconds:.0f} s) failed\n{text[:4000]}", file=sys.stderr)
     print(f"lint: {len(jobs) - failed} checks clean, {failed} failed")
+    print(f"lint: {told_age()}")
     return 1 if failed else 0
 
 

@@ -144,7 +144,7 @@ def main() -> int:
     if args.show:
         print(text)
         return 0
-    rewrite(PAGE, "margins", text, "make test, then tools/margins.py")
+    rewrite(PAGE, "margins", text, "make cocotb; tools/margins.py", "rtl cocotb_tests bfm")
     print(f"margins: {len(found)} parameters of {len(logs)} runs into docs/hardware/timing.md")
     return 0
 

@@ -10,9 +10,10 @@ import os
 import subprocess
 
 from mmcs import ROOT, Session, hosts, load, machine
-from tools.pages import rewrite
+from tools.pages import committed, rewrite
 
 FIRMWARE = ROOT / "build" / "firmware"
+FOLDERS = "firmware rtl sim"  # that the tables depend on
 BLOCK = 0x1E000
 MARK, DONE = BLOCK + 16, BLOCK + 12
 MHZ = 50 / 3
@@ -160,7 +161,9 @@ def main(names: list[str]) -> None:
     path = ROOT / "docs" / "simulator" / "processors.md"
     for name, make in {"cycles": table, "passes": pass_table, "limits": limits.table}.items():
         if not names or name in names:
-            rewrite(path, name, make(), f"make -f sim/hosts/Makefile table TABLES={name}")
+            committed(FOLDERS)
+            command = f"make -f sim/hosts/Makefile table TABLES={name}"
+            rewrite(path, name, make(), command, FOLDERS)
 
 
 if __name__ == "__main__":

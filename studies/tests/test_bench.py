@@ -19,7 +19,7 @@ def test_page_has_what_a_bound_is_of():
 def test_rows_are_medians_of_the_rounds():
     name = "6 axes, full joint speed"
     assert bench.row(name, [[3.0, 2.0], [8.0, 4.0], [9.0, 6.0]]) == (
-        f"| {name} | 4.00x | 8.00x | 1.50 | ≥ 1, aim 1.8 |"
+        f"| {name} | 4.00x | 8.00x | 2.00 (1.50 to 2.00) | ≥ 1, aim 1.8 |"
     )
     name = "campaign, CPU of a fault"
     assert bench.row(name, [[0.02, None]]) == f"| {name} | – | 0.02 s | – | ≤ 0.65, aim 0.35 |"

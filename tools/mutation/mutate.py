@@ -18,7 +18,6 @@ or if more than a twentieth of the relevant mutants survives without a waiver.
 """
 
 import argparse
-import datetime
 import json
 import multiprocessing
 import os
@@ -31,11 +30,12 @@ from dataclasses import asdict
 
 from tools.mutation.mutant_runs import BATCH, baseline, fates
 from tools.mutation.mutants import ROOT, SEED, TOPS, WORK, Mutant, prepare
-from tools.pages import rewrite
+from tools.pages import committed, rewrite
 from tools.share import shared
 
 RESULTS = ROOT / WORK / "results.json"
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"
+FOLDERS = "rtl cocotb_tests tools/mutation"  # that the score depends on
 UNWAIVED = 0.05  # of the relevant mutants may survive without a waiver
 WAIVERS = ROOT / "tools" / "mutation" / "waivers.toml"
 
@@ -108,6 +108,8 @@ def main() -> int:
         if not shutil.which(tool):
             print(f"mutate: {tool} is missing; `make mutation` installs it", file=sys.stderr)
             return 2
+    if args.write:
+        committed(FOLDERS)
     started = time.monotonic()
     listed = shared([(top, block) for top in TOPS for block in TOPS[top][1]])
     blocks = {
@@ -147,10 +149,10 @@ def main() -> int:
     minutes = (time.monotonic() - started) / 60
     print(table(mutants))
     command = " ".join(["mutate.py", *sys.argv[1:]])
-    head = f"{datetime.date.today()}, `{command}`, seed {SEED}, {minutes:.0f} minutes."
-    print(f"mutate: {head}")
+    print(f"mutate: {command}: {minutes:.0f} minutes")
     if args.write:
-        rewrite(PAGE, "score", f"{head}\n\n{table(mutants)}")
+        text = f"Seed {SEED}, {minutes:.0f} minutes.\n\n{table(mutants)}"
+        rewrite(PAGE, "score", text, f"tools/mutation/{command}", FOLDERS)
     for module in dict.fromkeys(m.module for m in mutants):
         if not any(m.fate == "killed" for m in mutants if m.module == module):
             print(f"mutate: {module}: no mutant is noticed; are its parameters in a build?")

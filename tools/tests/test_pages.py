@@ -6,7 +6,9 @@ import re
 import pytest
 
 from mmcs import ROOT
-from tools.pages import marks, part, rewrite, splice
+from tools import pages
+from tools.compiled import ran
+from tools.pages import MARK, aged, marks, old_ones, part, rewrite, splice
 
 PAGE = "before\n<!-- generated: x -->\nold\n<!-- end of x -->\nafter\n"
 
@@ -23,11 +25,55 @@ def test_a_page_without_the_marks(capsys):
     assert 'no lines "<!-- generated: x -->"' in capsys.readouterr().err
 
 
-def test_what_was_measured_says_when(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(PAGE)
-    rewrite(page, "x", "| 1 |", measured_by="make x")
-    assert re.search(r"\*Measured \d{4}-\d\d-\d\d by `make x`\.\*\n\n\| 1 \|", page.read_text())
+@pytest.fixture
+def tree(tmp_path, monkeypatch):
+    """A checkout of another project: two folders, one commit, one page with a measured table."""
+    monkeypatch.setattr(pages, "ROOT", tmp_path)
+    for name in ("rtl/a.sv", "sim/b.cpp"):
+        (tmp_path / name).parent.mkdir()
+        (tmp_path / name).write_text("one\n")
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "page.md").write_text(PAGE)
+    commit(tmp_path)
+    return tmp_path
+
+
+def commit(tree) -> None:
+    git = ["git", "-C", tree, "-c", "user.name=x", "-c", "user.email=x@x"]
+    for words in (["init", "-q"], ["add", "."], ["commit", "-q", "-m", "x"]):
+        ran(*git, *words, check=True)
+
+
+def test_a_measured_table_tells_its_age(tree):
+    page = tree / "docs" / "page.md"
+    rewrite(page, "x", "| 1 |", "make x", "rtl sim")
+    text = page.read_text()
+    told = r"\*Measured \d{4}-\d\d-\d\d at [0-9a-f]{7,} by `make x`\.\* <!-- of "
+    assert re.search(told + r"rtl@\w{8} sim@\w{8} -->\n\n\| 1 \|", text)
+    assert "Nothing of it changed since" in aged(text) and old_ones() == []
+    (tree / "rtl" / "a.sv").write_text("two\n")
+    (tree / "docs" / "more.md").write_text("a page changes no figure\n")
+    commit(tree)
+    assert "**Changed since: `rtl`.**" in aged(text) and "sim" not in aged(text).split("x`.*")[1]
+    assert len(old_ones()) == 1 and old_ones()[0].endswith("changed: rtl")
+    (tree / "sim" / "b.cpp").unlink()
+    commit(tree)
+    assert "**Changed since: `rtl`, `sim`.**" in aged(text)
+
+
+def test_no_figure_is_of_changes_that_no_commit_has(tree):
+    (tree / "rtl" / "a.sv").write_text("two\n")
+    with pytest.raises(SystemExit, match="a figure is of a commit, and rtl/a.sv is changed"):
+        rewrite(tree / "docs" / "page.md", "x", "| 1 |", "make x", "rtl sim")
+    assert (tree / "docs" / "page.md").read_text() == PAGE
+    with pytest.raises(SystemExit, match="HEAD has no gone"):
+        rewrite(tree / "docs" / "page.md", "x", "| 1 |", "make x", "gone sim")
+
+
+def test_every_measured_line_has_its_mark():
+    for page in (ROOT / "docs").rglob("*.md"):
+        for line in re.findall(r"^\*Measured [^|]*?(?:\n\n|\Z)", page.read_text(), re.M):
+            assert MARK.search(line), f"{page.name}: {line}"
 
 
 def test_every_begin_has_its_end():

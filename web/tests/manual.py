@@ -7,7 +7,7 @@ import shutil
 from bench import PICTURES
 
 from mmcs import ROOT
-from tools.pages import marks, splice
+from tools.pages import marks, rewrite
 
 HEADS = {
     "autotune": "| | g, counts/s² per D/A unit | Coulomb +/− | break-away | phase margin "
@@ -15,7 +15,6 @@ HEADS = {
                 + "|---" * 10 + "|",
     "stops": "| | stops | median, ms | 90 %, ms | greatest, ms |\n|---|---|---|---|---|",
     "stream": "| process | share of a core |\n|---|---|",
-    "web": "| scenario | in WebAssembly | native | ratio |\n|---|---|---|---|",
 }  # fmt: skip
 PAGES = [ROOT / "docs" / "use" / name for name in ("tool.md", "web.md")]
 
@@ -32,11 +31,9 @@ def tables() -> dict[str, str]:
 def main() -> None:
     found = tables()
     for page in PAGES:
-        text = page.read_text()
         for name, table in found.items():
-            if marks(name)[0] in text:
-                text = splice(text, name, table)
-        page.write_text(text)
+            if marks(name)[0] in page.read_text():
+                rewrite(page, name, table, "make tool-test WRITE=1", "web mmcs sim firmware")
     for picture in PICTURES.glob("*.png"):
         name = picture.name if picture.name.startswith("web") else f"tool_{picture.name}"
         target = ROOT / "docs" / "images" / name
