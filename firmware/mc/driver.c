@@ -52,8 +52,7 @@ static int start(struct mc *mc) {
     mc->shut = MC_FREE;
     mc->cause = MCAUSE_NONE;
     mc->cause_of = 0;
-    mc->silent = mc->told_fault = 0;
-    mc->told_at = UINT32_MAX;
+    mc->silent = mc->told = 0;
     mc->stats = (struct mc_stats){0};
     mc_scan(mc);
     result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);

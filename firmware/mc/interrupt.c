@@ -130,10 +130,9 @@ static void overran(struct mc *mc) {
   uint32_t total = (uint32_t)mc->stats.total;
   int follows = total - mc->overran == 1;
   mc->overran = total;
-  if (mc->crowded == UINT32_MAX) return;
   mc->crowded = follows ? mc->crowded + 1 : 1;
   if ((uint64_t)mc->crowded * mc->interval_us < MC_CROWDED_US) return;
-  mc->crowded = UINT32_MAX;
+  if (!watch_tell(mc, MC_TOLD_CROWDED)) return;
   text_log(mc, "passes outlast SCLOCK, programs get no time: the interval is too short", -1, "");
 }
 
@@ -151,8 +150,12 @@ static int refuse_sample(struct mc *mc, int good) {
   return 0;
 }
 
-static int servo_pass(struct mc *mc) {
-  if (!enter(mc)) return 0;
+/* PANIC first: a pulled cable would make all else read 0xFF. At rest it stops nothing: the sample
+ * is read, and judged, as any other. */
+static int servo_pass(struct mc *mc, int panic) {
+  int begun = enter(mc), idle = mc->power == MC_IDLE;
+  if (panic) power_panic(mc);
+  if (!begun || (panic && !idle)) return 0;
   int good = sample_read(mc, &mc->sample);
   if (!good || !heartbeats_live(mc) || mc->silent) return refuse_sample(mc, good);
   int straddled = timer_moved(mc);
@@ -163,6 +166,7 @@ static int servo_pass(struct mc *mc) {
     return 0;
   }
   mc->skipped = 0;
+  mc->told &= MC_TOLD_CROWDED;
   servo_all(mc);
   if (mc->power != MC_IDLE) {
     hw_write_dacs(mc);
@@ -172,7 +176,6 @@ static int servo_pass(struct mc *mc) {
   return 1;
 }
 
-/* PANIC first: a pulled cable would make all else read 0xFF. */
 int mc_interrupt(struct mc *mc) {
   mc_count(&mc->stats.total, 1);
   mc->fault = 0;
@@ -181,13 +184,13 @@ int mc_interrupt(struct mc *mc) {
     watch_bus_error(mc);
     return 0;
   }
-  if ((seen & MMCS_PCCSR_PANIC_LATCHED_bm) != 0) {
-    if ((seen & MMCS_PCCSR_SCLOCK_LATCHED_bm) != 0) (void)enter(mc);
+  int panic = (seen & MMCS_PCCSR_PANIC_LATCHED_bm) != 0;
+  if ((seen & MMCS_PCCSR_SCLOCK_LATCHED_bm) != 0) return servo_pass(mc, panic);
+  if (panic) {
     power_panic(mc);
-    return 0;
+  } else {
+    mc_count(&mc->stats.spurious, 1);
   }
-  if ((seen & MMCS_PCCSR_SCLOCK_LATCHED_bm) != 0) return servo_pass(mc);
-  mc_count(&mc->stats.spurious, 1);
   return 0;
 }
 

@@ -106,8 +106,9 @@ int mc_halt(struct mc *mc);
 int mc_interrupt(struct mc *mc);
 /* The acknowledge cycle failed: counts a spurious interrupt. */
 void mc_spurious(struct mc *mc);
-/* So many microseconds no interrupt has come: a host that has a clock calls it every 50 ms or so,
- * so that the writers are told of a SYSRESET*, which turns the interrupts off. */
+/* So many microseconds no interrupt has come: a host that has a clock calls it every 10 ms or so,
+ * so that the writers are told of a SYSRESET*, which turns the interrupts off, and that these are
+ * on again as soon as the adaptor answers. */
 int mc_watch(struct mc *mc, uint64_t us); /* 1: they have been told */
 
 /* For the host's log, valid after every call: what is in force, and what was published last, of an

@@ -40,6 +40,14 @@ enum mc_latch {
   MC_LATCHED_TOLD /* a write was refused, and told so */
 };
 
+/* What the console was told and is not told again, until a sample is published. */
+enum mc_told {
+  MC_TOLD_FAULT = 1, /* a bus error in a pass */
+  MC_TOLD_QUIET = 2, /* the end of the interrupts */
+  MC_TOLD_CROWDED =
+      4 /* passes outlast SCLOCK: samples may come meanwhile, so until the next open */
+};
+
 /* The index latch of a card that calibrates. */
 enum mc_rearm {
   MC_ARMED,
@@ -125,12 +133,11 @@ struct mc {
   uint8_t cause;      /* of that, MCAUSE_... */
   uint8_t cause_of;   /* 1 + its axis or card; 0: none */
   uint8_t silent;     /* a card is */
-  uint8_t told_fault; /* a bus error in a pass was told, and no sample has come since */
-  uint32_t told_at;   /* stats.total when the end of the interrupts was told */
+  uint8_t told;       /* enum mc_told */
   uint32_t skipped;   /* SCLOCKs since the last pass with a sample */
   uint32_t grace;     /* SCLOCKs during which our own stop may raise PANIC */
   int verbosity;
-  uint32_t crowded; /* passes in a row that outlasted an SCLOCK; UINT32_MAX: was told */
+  uint32_t crowded; /* passes in a row that outlasted an SCLOCK */
   uint32_t overran; /* stats.total at the last of them */
   int adc_timeouts; /* samples of a card whose old A/D values stayed; told on the console */
 };
@@ -212,6 +219,8 @@ void revive_cards(struct mc *mc);
 
 /* watch.c */
 void watch_bus_error(struct mc *mc);
+/* 1: not told yet, enum mc_told; it is from now on. */
+int watch_tell(struct mc *mc, uint8_t what);
 
 /* calib.c */
 int calib_disturbs(const struct mc_param *par);

@@ -71,7 +71,6 @@ void revive_note(struct mc *mc) {
 
 void revive_cards(struct mc *mc) {
   mc->silent = 0;
-  mc->told_fault = 0;
   for (int card = 0; card < mc->cards; card++) {
     if (mc->card[card].silent) (void)revive_card(mc, card);
   }

@@ -2,12 +2,22 @@
 /* What stops the machine beside PANIC: bus errors, resets, interrupts that do not come, §2.3.4. */
 #include "mc_priv.h"
 
-/* Once, until a sample comes. */
+int watch_tell(struct mc *mc, uint8_t what) {
+  if ((mc->told & what) != 0) return 0;
+  mc->told |= what;
+  return 1;
+}
+
 void watch_bus_error(struct mc *mc) {
   revive_note(mc);
-  if (mc->told_fault) return;
-  mc->told_fault = 1;
+  if (!watch_tell(mc, MC_TOLD_FAULT)) return;
   power_trip(mc, MCAUSE_BUS, "PANIC: bus error in a servo pass", -1, "");
+}
+
+static int trip(struct mc *mc, int cause, const char *what) {
+  if (!watch_tell(mc, MC_TOLD_QUIET)) return 0;
+  power_trip(mc, cause, what, -1, "");
+  return 1;
 }
 
 /* SYSRESET* has cleared PCCSR, and with it the interrupts; cards may have been reset, too. For so
@@ -22,24 +32,23 @@ static void restart(struct mc *mc, uint64_t us) {
   }
 }
 
+/* Looks at every call, since an adaptor that does not answer may do so later; a changed vector
+ * shows in nothing but the missing interrupts. */
 int mc_watch(struct mc *mc, uint64_t us) {
   const uint8_t kept = MMCS_PCCSR_BASE_bm | MMCS_PCCSR_LATCH_EN_bm;
-  int told = 1;
+  int told = 0;
   if (mc->opens == 0 || us < MC_QUIET_US + 2 * (uint64_t)mc->interval_us) return 0;
-  if (mc->told_at == (uint32_t)mc->stats.total) return 0;
   unsigned level = mc->os.mask(mc->os.ctx);
-  mc->told_at = (uint32_t)mc->stats.total;
   mc->fault = 0;
   int reset = ((hw_get(mc, MMCS_PCCSR) ^ mc->pccsr) & kept) != 0;
+  if (!mc->fault) hw_put(mc, MMCS_VECTOR, mc->config.vector);
   if (mc->fault) {
-    power_trip(mc, MCAUSE_BUS, "PANIC: no interrupts, the adaptor does not answer", -1, "");
+    told = trip(mc, MCAUSE_BUS, "PANIC: no interrupts, the adaptor does not answer");
   } else if (reset) {
-    power_trip(mc, MCAUSE_RESET, "PANIC: SYSRESET*, the adaptor was reset", -1, "");
+    told = trip(mc, MCAUSE_RESET, "PANIC: SYSRESET*, the adaptor was reset");
     restart(mc, us);
   } else if (mc->power != MC_IDLE) {
-    power_trip(mc, MCAUSE_LATE, "PANIC: no interrupts", -1, "");
-  } else {
-    told = 0;
+    told = trip(mc, MCAUSE_LATE, "PANIC: no interrupts");
   }
   mc->os.unmask(mc->os.ctx, level);
   return told;

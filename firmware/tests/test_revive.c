@@ -187,6 +187,33 @@ TEST(test_sysreset_is_told_and_the_state_goes_on, "DRV-13 PAN-2") {
   }
 }
 
+/* Interrupts are off while SYSRESET* is low, and the adaptor does not answer; the host's clock
+ * looks again until it does. Within 50 ms nobody sees it low. */
+TEST(test_sysreset_of_any_length_is_told_once_and_samples_come_back, "DRV-13 PAN-2") {
+  static const int ms[] = {1, 30, 55, 70, 100, 300, 1000};
+  for (unsigned i = 0; i < 2 * COUNT(ms); i++) {
+    struct mc *mc = listening(2);
+    if (i % 2) CHECK_EQ(enable_anew(mc), 0);
+    mock_run(&m, 10000);
+    said[0] = 0;
+    int64_t now = m.now, end = now + 1000 * ms[i / 2];
+    int told = 0;
+    m.pccsr = 0;
+    for (int passes = m.passes; m.passes < passes + 3; mock_run(&m, 10000)) {
+      m.adaptor_dead = m.now < end;
+      if (passes == m.passes) told += mc_watch(mc, (uint64_t)(m.now - now));
+      CHECK(m.now < end + 100000);
+    }
+    CHECK_EQ(told, 1);
+    CHECK_EQ(m.signals[0], 1);
+    CHECK_EQ(mc_stats_of(mc)->panics, 1);
+    CHECK_EQ(cause(mc), ms[i / 2] < 60 ? MCAUSE_RESET : MCAUSE_BUS);
+    const char *panic = strstr(said, "PANIC"); /* then cards, whose counts may be lost */
+    CHECK(panic != NULL && strstr(panic + 1, "PANIC") == NULL);
+    CHECK_EQ(enable_anew(mc), 0);
+  }
+}
+
 /* Cards whose counters went on alone: too long for any axis, but not for a slow one. */
 TEST(test_sysreset_may_leave_the_counts, "DRV-13") {
   for (int slow = 0; slow < 2; slow++) {

@@ -346,3 +346,21 @@ TEST(test_missed_are_counted_in_a_panic_too, "DRV-7") {
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(mc_stats_of(mc)->missed, 39);
 }
+
+/* The PANIC that the end of our own heartbeats makes 50 ms later costs no sample, nor does one of
+ * the button while the machine is at rest. */
+TEST(test_a_panic_at_rest_costs_no_sample, "DRV-7 DRV-9") {
+  struct mc *mc = mock_open(&m, 1);
+  CHECK_EQ(enable(mc), 0);
+  mock_run(&m, 10000);
+  for (int button = 0; button < 2; button++) {
+    m.estop_open = button;
+    call(mc, MSTOP, 0);
+    int passes = m.passes;
+    mock_run(&m, 100000);
+    CHECK(mock_panic(&m));
+    CHECK_EQ(m.passes - passes, 50);
+    CHECK_EQ(mc_stats_of(mc)->missed, 0);
+    CHECK_EQ(mc_stats_of(mc)->panics, 0);
+  }
+}

@@ -76,7 +76,8 @@ class Program(Connection):
         self._name = bytes(address).strip(b"\0") if address else b""
         self._server, self._machine = server, server.machine
         self._files: dict[bytes, Program] = server.files
-        self.client = None  # of a file: its mmcs_client
+        self.client = None  # of a file: its mmcs_client, and O_RDONLY, O_WRONLY or O_RDWR
+        self.access = 0
         self.holders: Holders | None = None
         self._said = ""  # by the driver, when the last call on this channel failed
         self._lockstep = server.lockstep
@@ -202,6 +203,8 @@ class Program(Connection):
             self._said = "the simulator that had this file open is gone"
             return -wire.EIO, b""
         file.holders.add(pid)
+        if op == wire.HOLD:
+            return int(file.client.driver < 0) | file.access << 1, b""
         result, out = self._of_file(file.client, op, a, b, payload)
         if result < 0:
             self._said = self._machine.said or self._because(file.client, -result, op, a, payload)
@@ -232,8 +235,6 @@ class Program(Connection):
     def _of_file(self, client, op: int, a: int, b: int, payload: bytes):
         machine = self._machine
         machine.said = ""
-        if op == wire.HOLD:
-            return int(client.driver < 0), b""
         if op in (wire.LOAD, wire.STORE):
             if client.driver >= 0:
                 return wire.BUS_TIMEOUT, b""
@@ -264,7 +265,7 @@ class Program(Connection):
         if result < 0:
             machine.leave(client)
             return result
-        self.client = client
+        self.client, self.access = client, flags & os.O_ACCMODE
         self.holders = Holders(inode, bool(flags & wire.GENTLE))
         self.holders.add(pid)
         self._files[self._name] = self

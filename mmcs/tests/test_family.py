@@ -15,7 +15,7 @@ from mmcs.device.execute import environment
 from mmcs.tests.device_bench import lockstep_server
 from mmcs.tests.test_lockstep import EXAMPLES_RUN, example
 
-FAULT_S, END_S = 0.5, 1.1
+FAULT_S, END_S, AFTER_S = 0.5, 1.1, 0.15
 
 # Of a neighbour: it has the device open all the time, and says when it is signalled.
 NEIGHBOUR = """
@@ -25,7 +25,7 @@ told = open(sys.argv[2], "a", buffering=1)
 kind = sys.argv[1]
 signal.signal(signal.SIGUSR1, lambda *_: told.write("signal\\n"))
 with mmcs.Device(flags=os.O_RDONLY if kind == "monitor" else os.O_RDWR) as dev:
-    for turn in range(400):
+    for turn in range(600):
         time.sleep(0.0037)
         try:
             if any(s.errcode for s in dev.read()):
@@ -41,31 +41,38 @@ with mmcs.Device(flags=os.O_RDONLY if kind == "monitor" else os.O_RDWR) as dev:
             time.sleep(2.0)
 """
 NEIGHBOURS = ("none", "monitor", "writer", "killed", "stopped")
-# name of the input, its value, and for how long (None: for ever)
+# name of the input, its value, and for how long, one after the other (None: for ever)
+LENGTHS_S = (0.001, 0.02, 0.055, 0.07, 0.2, 1.0)
 FAULTS = {
-    "button": ("estop", 1, None),
-    "cable for a moment": ("cable", 0, 0.02),
-    "power for a moment": ("pc_power", 0, 0.02),
-    "bus error": ("bus_error", 40, None),
-    "SYSRESET*": ("sysreset", 1, 0.001),
-    "no interrupts": ("irq_lost", 1, 0.2),
+    "button": ("estop", 1, [None]),
+    "cable for a moment": ("cable", 0, LENGTHS_S),
+    "power for a moment": ("pc_power", 0, LENGTHS_S),
+    "bus error": ("bus_error", 40, [None]),
+    "SYSRESET*": ("sysreset", 1, LENGTHS_S),
+    "no interrupts": ("irq_lost", 1, LENGTHS_S[3:]),  # nobody notices a shorter one
 }
 # Those that move from before the fault to the end; the others are over, or stop by themselves.
 PROGRAMS = {p.name: p for p in EXAMPLES_RUN if p.name in ("bounce.c", "sine.c", "sine.py")}
-ALL = [*itertools.product(PROGRAMS, NEIGHBOURS, FAULTS)]
+ALL = [
+    (*pair, fault, FAULTS[fault][2][number % len(FAULTS[fault][2])])
+    for number, pair in enumerate(itertools.product(PROGRAMS, NEIGHBOURS))
+    for fault in FAULTS
+]
 PAIRS = ALL if os.environ.get("MMCS_FAMILY") == "all" else ALL[::7]
 
 
-def run(folder, command, neighbour, fault):
-    """What happened: signals by process, notes, hash, whether power is on, and how far joints are
-    from where the shutdown left them."""
+def run(folder, command, neighbour, fault, length):
+    """What happened: signals by process, notes, hash, whether power is on, how far joints are from
+    where the shutdown left them, and how many samples came once the fault was over for a while."""
     told = folder / "told"
     with lockstep_server(folder) as server:
-        sim, (name, value, until) = server.sim, FAULTS[fault]
+        sim, (name, value, _) = server.sim, FAULTS[fault]
         number = sim.input_names().index(name)
         sim.add_event(FAULT_S, number, 0, value)
-        if until is not None:
-            sim.add_event(FAULT_S + until, number, 0, 0 if value else 1)
+        if length is not None:
+            sim.add_event(FAULT_S + length, number, 0, 0 if value else 1)
+        over = FAULT_S + (length or 0) + AFTER_S / 2
+        end, samples = max(END_S, over + AFTER_S / 2), None
         env = environment(server.path, lockstep=True)
         words = [[str(c) for c in command]]
         if neighbour != "none":
@@ -77,8 +84,10 @@ def run(folder, command, neighbour, fault):
                     children.append(subprocess.Popen(line, env=env, stdout=out, stderr=out))
                     server.lockstep.expect(children[-1].pid)
                 program = children[-1]
-                while sim.time < END_S and any(server.lockstep.has(c.pid) for c in children):
+                while sim.time < end and any(server.lockstep.has(c.pid) for c in children):
                     server.step()
+                    if samples is None and sim.time >= over:
+                        samples = sim.samples
                 program.poll()
                 enabled = sim.stats()["enabled"]  # while who is still there has it open
             finally:
@@ -90,15 +99,18 @@ def run(folder, command, neighbour, fault):
             "signals": [n["t"] for n in heard], "clients": {n["text"] for n in heard},
             "enabled": enabled, "status": program.returncode,
             "notes": [n["text"] for n in sim.notes() if n["kind"] == "log"],
+            "samples": sim.samples - (samples or 0), "end": end,
             "resting": abs(sim.true(1)["angle"]), "hash": sim.hash(),
             "told": told.read_text() if told.exists() else "", "time": sim.time,
         }  # fmt: skip
 
 
 @pytest.mark.req("DRV-5", "DRV-13")
-@pytest.mark.parametrize("name, neighbour, fault", PAIRS, ids=lambda v: str(v).replace(" ", "_"))
-def test_beside_a_neighbour_under_a_fault(name, neighbour, fault, tmp_path):
-    got = run(tmp_path, example(PROGRAMS[name]), neighbour, fault)
+@pytest.mark.parametrize(
+    "name, neighbour, fault, length", PAIRS, ids=lambda v: str(v).replace(" ", "_")
+)
+def test_beside_a_neighbour_under_a_fault(name, neighbour, fault, length, tmp_path):
+    got = run(tmp_path, example(PROGRAMS[name]), neighbour, fault, length)
     # who must know: every writer there is, by a signal, soon; and the console says why
     assert got["signals"] and got["signals"][0] < FAULT_S + 0.08, got
     assert len(got["clients"]) == 1 + (neighbour in ("writer", "stopped")), got
@@ -108,6 +120,8 @@ def test_beside_a_neighbour_under_a_fault(name, neighbour, fault, tmp_path):
     if name != "bounce.c":  # whose second axis moves, too
         assert got["status"] not in (None, 0), got  # EIO, or SIGUSR1 without a handler
         assert got["resting"] == pytest.approx(0, abs=0.01), got
+    if neighbour in ("monitor", "writer"):  # who has it open to the end: the machine lives again
+        assert got["time"] >= got["end"] and got["samples"] > 10, got
     if neighbour == "writer":
         assert "signal" in got["told"] and "errcode" in got["told"], got
     if neighbour == "monitor" and got["time"] > FAULT_S + 0.1:

@@ -32,7 +32,8 @@ extern int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t len
 extern int (*device_later)(const char name[WIRE_NAME], const void *data, uint32_t length);
 
 /* vme_map.c: the mapped window of /dev/vme16. */
-void *vme_map(void *address, uint64_t length, int prot, int64_t offset, const char name[WIRE_NAME]);
+void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
+              const char name[WIRE_NAME]);
 /* 1 if the range belonged to a window and was unmapped. */
 int vme_unmap(void *address, uint64_t length);
 

@@ -265,9 +265,33 @@ static void each_file(void (*use)(int fd, const char name[WIRE_NAME], void *arg)
   closedir(folder);
 }
 
-int device_is_vme(const char name[WIRE_NAME]) {
-  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL) == 1;
+/* Which device, and how it was opened; or a negative errno. */
+static int hold_file(const char name[WIRE_NAME]) {
+  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
 }
+
+int device_is_vme(const char name[WIRE_NAME]) {
+  int held = hold_file(name);
+  return held >= 0 && (held & 1) != 0;
+}
+
+/* The socket is open both ways; all other flags are the kernel's business. */
+#define FCNTL_LIKE(name)                                                             \
+  int name(int fd, int command, ...) {                                               \
+    char file[WIRE_NAME];                                                            \
+    va_list list;                                                                    \
+    void *argument;                                                                  \
+    int result, held;                                                                \
+    va_start(list, command);                                                         \
+    argument = va_arg(list, void *);                                                 \
+    va_end(list);                                                                    \
+    result = (int)syscall(SYS_fcntl, fd, command, argument);                         \
+    if (result < 0 || command != F_GETFL || !wire_is_file(fd, file)) return result;  \
+    held = hold_file(file);                                                          \
+    return held < 0 ? device_fail(held) : ((result & ~O_ACCMODE) | (held >> 1 & 3)); \
+  }
+FCNTL_LIKE(fcntl)
+FCNTL_LIKE(fcntl64)
 
 static void hold(int fd, const char name[WIRE_NAME], void *arg) {
   (void)fd;
@@ -291,7 +315,7 @@ void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offs
   char name[WIRE_NAME];
   if (fd < 0 || (flags & MAP_ANONYMOUS) || !wire_is_file(fd, name))
     return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
-  if (device_is_vme(name)) return vme_map(address, length, prot, offset, name);
+  if (device_is_vme(name)) return vme_map(address, length, prot, fd, offset, name);
   errno = ENODEV;
   return MAP_FAILED;
 }

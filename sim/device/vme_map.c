@@ -13,6 +13,7 @@
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -30,6 +31,7 @@ static struct window {
   uint8_t *base;
   uint64_t length;
   int writable;
+  int fd;         /* keeps the file open when the program closes its own */
   int64_t offset; /* A16 address of the first byte */
   char name[WIRE_NAME];
 } windows[MAX_WINDOWS];
@@ -229,7 +231,7 @@ sighandler_t signal(int number, sighandler_t handler) {
   return old.sa_handler;
 }
 
-void *vme_map(void *address, uint64_t length, int prot, int64_t offset,
+void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
               const char name[WIRE_NAME]) {
 #if defined(__x86_64__)
   struct window *w = NULL;
@@ -247,6 +249,11 @@ void *vme_map(void *address, uint64_t length, int prot, int64_t offset,
   fixed = address != NULL && ((uintptr_t)address & 0xFFF) == 0 ? MAP_FIXED : 0;
   got = syscall(SYS_mmap, address, length, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | fixed, -1, 0L);
   if (got == -1) return MAP_FAILED;
+  w->fd = (int)syscall(SYS_fcntl, fd, F_DUPFD_CLOEXEC, 3);
+  if (w->fd < 0) {
+    (void)syscall(SYS_munmap, got, length);
+    return MAP_FAILED;
+  }
   w->length = length;
   w->offset = offset;
   w->writable = (prot & PROT_WRITE) != 0;
@@ -255,7 +262,7 @@ void *vme_map(void *address, uint64_t length, int prot, int64_t offset,
   catch_faults();
   return w->base;
 #else
-  (void)address, (void)length, (void)prot, (void)offset, (void)name;
+  (void)address, (void)length, (void)prot, (void)fd, (void)offset, (void)name;
   errno = ENODEV; /* needs the instruction decoder above for this processor */
   return MAP_FAILED;
 #endif
@@ -266,6 +273,7 @@ int vme_unmap(void *address, uint64_t length) {
   for (i = 0; i < MAX_WINDOWS; i++) {
     if (windows[i].base != address || address == NULL) continue;
     windows[i].base = NULL;
+    (void)syscall(SYS_close, windows[i].fd);
     (void)syscall(SYS_munmap, address, length);
     return 1;
   }

@@ -206,6 +206,7 @@ int wire_open(const char *path, int flags) {
     close_directly(fd);
     return result == LOST ? -ENXIO : result;
   }
+  (void)fcntl(fd, F_SETFL, flags); /* of these the kernel keeps O_NONBLOCK and O_APPEND */
   return fd;
 }
 

@@ -30,7 +30,8 @@ enum wire_op {
   WIRE_WRITE = 4,   /* data = bytes */
   WIRE_LOAD = 5,    /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
   WIRE_STORE = 6,   /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,    /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
+  WIRE_HOLD = 7,    /* this process holds the file now (after fork or exec); result bit 0: of
+                       /dev/vme16; from bit 1: O_RDONLY, O_WRONLY or O_RDWR */
   WIRE_CHANGE = 8,  /* a = axis, data = pairs of a field's place in struct mc_param and its value:
                        the other fields stay; reply data = struct mc_param */
   WIRE_LEASE = 9,   /* a = 1: nobody else may change anything from now on; 0: others may again */

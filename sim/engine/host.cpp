@@ -43,7 +43,10 @@ Host::Host(Machine &machine, VmeBus &bus, const mmcs_config &config)
   }
   if (config.host == MMCS_HOST_NATIVE) return;
   Processor::Events events{[this] { recorder_.mark(machine_); },
-                           [this](bool sampled) { served(sampled); },
+                           [this](bool sampled) {
+                             heard();
+                             served(sampled);
+                           },
                            [this](int client) { mc_os_.signal(this, client); },
                            [this](const std::string &text) { mc_os_.log(this, text.c_str()); }};
   cpu_ = std::make_unique<Processor>(machine_, bus_, mc(), config, std::move(events));
@@ -115,9 +118,12 @@ bool Host::due() const {
          machine_.clock() >= machine_.stalled_until() && !machine_.host_dead();
 }
 
+// A request that nobody takes stays: between two of its interrupts others have their turn.
 void Host::poll() {
+  int64_t quiet_since = -1;
   track_request();
-  while (due() && !machine_.failed()) {
+  while (due() && !machine_.failed() && quiet_since != quiet_since_) {
+    quiet_since = quiet_since_;
     serve();
     track_request();
   }
@@ -133,7 +139,9 @@ bool Host::interrupt() {
   recorder_.mark(machine_);
   uint8_t vector = 0;
   if (bus_.acknowledge(kLevel, &vector) == BusResult::kOk && vector == kVector) {
-    return mc_interrupt(mc()) == 1;
+    const bool sampled = mc_interrupt(mc()) == 1;
+    heard();
+    return sampled;
   }
   mc_spurious(mc());
   return false;
@@ -146,7 +154,6 @@ void Host::serve() {
 // An interrupt is over: what it found is recorded, and the process writes for the next one.
 void Host::served(bool sampled) {
   if (machine_.host_dead()) return;  // in the midst of it: what the driver did then was no more
-  heard();
   if (sampled) {
     recorder_.sample(mc(), machine_);
     machine_.tap().sample(mc(), machine_.model(), recorder_.samples(), recorder_.sample_clock());
@@ -158,16 +165,19 @@ void Host::served(bool sampled) {
 }
 
 void Host::heard() {
+  if (machine_.host_dead()) return;
   quiet_since_ = machine_.clock();
   watch_clock_ = quiet_since_ + machine_.clocks(kQuietS);
 }
 
-// The clock of Unix: the driver is told when no interrupt has come for long.
+// The clock of Unix: the driver is told when no interrupt has come for long. A request that has
+// waited longer than its latency is one that nobody takes: of a wrong vector.
 void Host::watch() {
   const int64_t now = machine_.clock();
   if (opens_ == 0 || now < watch_clock_) return;
   watch_clock_ = std::max(now, machine_.stalled_until()) + machine_.clocks(kAgainS);
-  if (requested_ || now < machine_.stalled_until() || machine_.host_dead()) return;
+  if (requested_ && now - quiet_since_ < latency_clks_ + machine_.clocks(kQuietS)) return;
+  if (now < machine_.stalled_until() || machine_.host_dead()) return;
   const auto us =
       static_cast<uint32_t>(static_cast<double>(now - quiet_since_) * 1e6 / Model::clk_hz());
   if (cpu_) {

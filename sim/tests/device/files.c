@@ -106,6 +106,28 @@ static void streams(void) {
   EXPECT(open("/dev/vme16", O_RDWR | O_CREAT | O_EXCL, 0600) < 0 && errno == EEXIST);
 }
 
+/* As of open(), also for a copy; a mapping outlives its descriptor. */
+static void flags(void) {
+  static const int access[] = {O_RDONLY, O_WRONLY, O_RDWR};
+  for (int i = 0; i < 6; i++) {
+    int some = i < 3 ? O_NONBLOCK : 0, fd = open("/dev/mc0", access[i % 3] | some), copy = dup(fd);
+    EXPECT(fcntl(copy, F_GETFL) == (access[i % 3] | some));
+    EXPECT(fcntl(fd, F_SETFL, some ^ O_NONBLOCK) == 0);
+    EXPECT(fcntl(copy, F_GETFL) == (access[i % 3] | (some ^ O_NONBLOCK)));
+    EXPECT(fcntl(fd, F_GETFD) == 0 && close(fd) == 0 && close(copy) == 0);
+  }
+}
+
+static void window(void) {
+  int fd = open("/dev/vme16", O_RDWR), first = dup(fd);
+  volatile uint8_t *reg = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0x6000);
+  EXPECT(reg != MAP_FAILED && close(fd) == 0 && close(first) == 0);
+  EXPECT((reg[0x409] & 0x1F) == 0x18);
+  EXPECT(munmap((void *)(uintptr_t)reg, 4096) == 0);
+  fd = open("/dev/vme16", O_RDWR);
+  EXPECT(fd <= first && close(fd) == 0); /* nothing is left open */
+}
+
 int main(void) {
   int fd, number = 5;
   struct stat status, named;
@@ -115,6 +137,8 @@ int main(void) {
   vectors(fd);
   bad_pointers(fd);
   streams();
+  flags();
+  window();
   EXPECT(mmap(NULL, 4096, PROT_READ, MAP_SHARED, fd, 0) == MAP_FAILED && errno == ENODEV);
   number = open("/dev/vme16", O_RDWR);
   EXPECT(fstat(number, &status) == 0 && stat("/dev/vme16", &named) == 0 &&

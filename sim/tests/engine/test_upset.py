@@ -4,7 +4,7 @@
 import re
 
 import pytest
-from machines import event, machine, notes, start
+from machines import event, ioctl, machine, notes, start
 
 from mmcs import ensure_library, regs
 
@@ -67,11 +67,28 @@ def test_registers_of_the_adaptor(sim):
 
 
 @pytest.mark.req("INT-2")
-def test_wrong_vector_is_spurious(sim):
-    rest(sim)
-    event(sim, 0.0, "seu_vector", 0x80)
-    sim.run(sim.time + 0.005)
-    assert sim.stats()["spurious"] >= 3
+def test_wrong_vector_is_spurious_until_the_driver_is_asked_why_it_is_quiet():
+    with machine() as sim:
+        client = rest(sim)
+        event(sim, 0.0, "seu_vector", 0x80)
+        sim.run(sim.time + 0.005)
+        assert sim.stats()["spurious"] >= 3
+        sim.run(sim.time + 0.1)
+        assert "mc: PANIC: no interrupts" in [n["text"] for n in notes(sim, "log")]
+        samples, spurious = sim.samples, sim.stats()["spurious"]
+        sim.run(sim.time + 0.05)
+        assert sim.samples - samples > 40 and sim.stats()["spurious"] == spurious
+        ioctl(sim, client, "MENABLE")
+
+
+@pytest.mark.req("INT-2")
+def test_interrupts_of_a_wrong_vector_leave_time_to_others():
+    """Without latency one follows the other."""
+    with machine(latency_max_us=0) as sim:
+        rest(sim)
+        event(sim, 0.0, "seu_vector", 0x80)
+        sim.run(sim.time + 0.0012)
+        assert sim.stats()["spurious"] >= 3
 
 
 @pytest.mark.req("API-1")
