@@ -33,6 +33,7 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.engine.sim import make_ffi as make_ffi
     from mmcs.errors import InputError as InputError
     from mmcs.errors import RunError as RunError
+    from mmcs.errors import one_line as one_line
     from mmcs.folder import whole_file as whole_file
     from mmcs.front import Machine as Machine
     from mmcs.front import Run as Run

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from mmcs import echo
+from mmcs import echo, one_line
 
 _number = click.argument("number", metavar="N")
 
@@ -79,12 +79,20 @@ def check(own: Path, number: str, answer: Path, form: str | None) -> None:
         table.writeheader()
         for row in rows:
             points = {key: mark["points"] for key, mark in row.pop("marks").items()}
-            table.writerow(row | points)
+            table.writerow({key: _plain(value) for key, value in (row | points).items()})
     else:
         for row in rows:
             why = f"  {row['mistake']}" if row["mistake"] else ""
             echo(f"{row['student']}: {row['points']} of {row['of']} points{why}")
     sys.exit(0 if all(row["points"] == row["of"] for row in rows) else 1)
+
+
+def _plain(value: object) -> object:
+    """A cell that neither a terminal nor a spreadsheet carries out."""
+    if not isinstance(value, str):
+        return value
+    text = one_line(value)
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
 
 
 def _tell(sheet, marks) -> None:

@@ -90,8 +90,13 @@ def read_answer(sheet: Sheet, path: Path) -> Strict:
 
 def answers(folder: Path) -> dict[str, Path]:
     """The answers of a class by student: NAME.toml, or NAME/answer.toml. Raises InputError."""
-    found = {path.stem: path for path in folder.glob("*.toml")}
-    found |= {path.parent.name: path for path in folder.glob(f"*/{ANSWER}")}
+    found: dict[str, Path] = {}
+    for path in sorted([*folder.glob("*.toml"), *folder.glob(f"*/{ANSWER}")]):
+        name = path.parent.name if path.name == ANSWER else path.stem
+        if name in found:
+            allowed = f"is a second answer of {name}, beside {found[name]}: remove one"
+            raise InputError.one(path, "", None, allowed)
+        found[name] = path
     if not found:
         allowed = f"holds no answers: no NAME.toml and no NAME/{ANSWER} is there"
         raise InputError.one(folder, "", None, allowed)
@@ -131,7 +136,7 @@ def _mark(sheet: Sheet, question: Question, answer: Strict) -> Mark:
         good, why = False, f"cannot be run: {text}"
     except InputError:
         raise
-    except Exception as error:  # a mistake of the grader, not of the student
+    except (Exception, SystemExit) as error:  # a mistake of the grader, not of the student
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if Path(frame.filename).name == GRADER]
         frame = (own or frames)[-1]
@@ -152,7 +157,12 @@ def _loaded(path: Path, _: int) -> tuple[tuple[Question, ...], type[Strict]]:
     file, so that there is one model."""
     try:
         questions = tuple(runpy.run_path(str(path))["QUESTIONS"])
+        keys = [one.key for one in questions if type(one.points) is int]
+        if len(keys) < len(questions):
+            raise TypeError("points of a question must be a whole number")
+        if twice := {key for key in keys if keys.count(key) > 1}:
+            raise ValueError(f"QUESTIONS has {min(twice)} twice")
         fields = {one.key: (one.kind | None, None) for one in questions}
         return questions, create_model("Answer", __base__=Strict, **fields)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError.one(path, "", None, f"{type(error).__name__}: {error}") from None

@@ -22,7 +22,7 @@ from pydantic import BaseModel
 
 from mmcs import InputError, Worker, work
 from mmcs_labs.marks import answer_model, grade, read_answer
-from mmcs_labs.sheets import ANSWER, LABS, SHEET, Sheet, find_sheet, sheets
+from mmcs_labs.sheets import ANSWER, LABS, SHEET, Sheet, find_sheet, read, sheets
 
 POLITE = 10  # the machine in real time, and STOP, come before a grader's runs
 FORM = r"^# {key} = (.*?)(?:\s+# (.*))?$"  # of a field in answer.toml
@@ -35,8 +35,7 @@ def listed(folder: Path = LABS) -> list[dict]:
 
 def told(sheet: Sheet) -> dict:
     """What a student is given of a sheet. Raises InputError."""
-    text = (sheet.folder / SHEET).read_text()
-    form = (sheet.folder / ANSWER).read_text()
+    text, form = read(sheet.folder / SHEET), read(sheet.folder / ANSWER)
     html = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
     return {"number": sheet.number, "html": html, "fields": _fields(answer_model(sheet), form),
             **_commands(sheet)}  # fmt: skip

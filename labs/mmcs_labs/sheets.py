@@ -25,7 +25,15 @@ class Sheet:
 
     @property
     def title(self) -> str:
-        return (self.folder / SHEET).read_text().splitlines()[0].removeprefix("# ")
+        return (read(self.folder / SHEET).splitlines() or [""])[0].removeprefix("# ")
+
+
+def read(path: Path) -> str:
+    """The text of a sheet's file. Raises InputError."""
+    try:
+        return path.read_text()
+    except (OSError, ValueError) as error:
+        raise InputError.one(path, "", None, f"cannot be read: {error}") from None
 
 
 def sheets(folder: Path = LABS) -> list[Sheet]:
@@ -39,6 +47,8 @@ def sheets(folder: Path = LABS) -> list[Sheet]:
             if not (path.parent / needed).is_file():
                 raise InputError.one(path.parent, "", None, f"a sheet needs a file {needed}")
         found.append(Sheet(int(number), name, path.parent))
+        if [s.number for s in found].count(int(number)) > 1:
+            raise InputError.one(path.parent, "", None, f"there is another sheet {int(number)}")
     if not found:
         raise InputError.one(folder, "", None, f"holds no sheets: no NN_name/{SHEET} is there")
     return found

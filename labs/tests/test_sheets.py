@@ -263,7 +263,22 @@ from mmcs_labs.marks import Question
 
 QUESTIONS = [Question("final", 4, int, lambda answer, run: answer.nothing)]
 """
+QUESTION = "from mmcs_labs.marks import Question\nQUESTIONS = "
+LEAVES = QUESTION + "[Question('final', 4, int, lambda answer, run: __import__('sys').exit(0))]"
 BROKEN_SHEETS = {
+    "a question that ends the grader": ("grader.py", LEAVES, "final, grader.py:2: SystemExit: 0"),
+    "a grader that ends": ("grader.py", "import sys; sys.exit(0)", "grader.py: SystemExit: 0"),
+    "one question twice": (
+        "grader.py",
+        QUESTION + "2 * [Question('final', 4, int, print)]",
+        "QUESTIONS has final twice",
+    ),
+    "points that are none": (
+        "grader.py",
+        QUESTION + "[Question('final', '4', int, print)]",
+        "points of a question must be a whole number",
+    ),
+    "a title that is no text": ("sheet.md", b"# \xff", "sheet.md: cannot be read: "),
     "a mistake in a question": ("grader.py", MISTAKEN, "final, grader.py:4: AttributeError"),
     "no grader": ("grader.py", None, "a sheet needs a file grader.py"),
     "no answer": ("answer.toml", None, "a sheet needs a file answer.toml"),
@@ -276,10 +291,15 @@ BROKEN_SHEETS = {
 def test_a_broken_sheet_is_told(own_sheets, case):
     name, text, expected = case
     path = own_sheets / "01_gain" / name
-    path.unlink() if text is None else path.write_text(text)
+    path.unlink() if text is None else path.write_bytes(getattr(text, "encode", lambda: text)())
     (own_sheets / "mine.toml").write_text("final = 1")
-    mine = ("check", 1, own_sheets / "mine.toml")
+    mine = () if name == "sheet.md" else ("check", 1, own_sheets / "mine.toml")
     one_clear_line(call("lab", "--sheets", own_sheets, *mine), expected)
+
+
+def test_two_sheets_of_one_number(own_sheets):
+    shutil.copytree(own_sheets / "01_gain", own_sheets / "1_other")
+    one_clear_line(call("lab", "--sheets", own_sheets), "1_other: there is another sheet 1")
 
 
 def test_an_empty_folder_holds_no_sheets(tmp_path):
@@ -305,3 +325,10 @@ def test_a_class(tmp_path):
     assert all(mark["why"] for row in told[:2] for mark in row["marks"].values())
     one = call("lab", "check", 1, tmp_path / "bert.toml", "--csv")
     assert one[0] == 0 and "bert," in one[1]
+    for name, cell in (("=1+1", "'=1+1"), ("a\x1b[2Jb", r"a\x1b[2Jb")):
+        (tmp_path / "carl.toml").rename(tmp_path / f"{name}.toml")
+        rows = list(csv.DictReader(call("lab", "check", 1, tmp_path, "--csv")[1].splitlines()))
+        assert cell in [row["student"] for row in rows]
+        (tmp_path / f"{name}.toml").rename(tmp_path / "carl.toml")
+    shutil.copy(VELOCITY / "good.toml", tmp_path / "anna.toml")
+    one_clear_line(call("lab", "check", 1, tmp_path), "is a second answer of anna, beside ")
