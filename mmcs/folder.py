@@ -61,6 +61,8 @@ def writing(folder: Path) -> Iterator[Path]:
             stage.mkdir()
             yield stage
             names = sorted(path.name for path in stage.iterdir())
+            for name in names:
+                _sync(stage / name)
             with whole_file(stage / WHOLE) as path:
                 path.write_text(json.dumps(names))
         except BaseException:
@@ -130,12 +132,22 @@ def _locked(folder: Path, how: int) -> Iterator[None]:
         os.close(handle)
 
 
+def _sync(path: Path) -> None:
+    """A file's content is on the disk before its name is: a power cut leaves no empty results."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """A name to write to; what is written becomes the file at once, when it is whole."""
     part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield part
+        _sync(part)
         os.replace(part, path)
     except OSError as error:
         error.filename = error.filename or str(path)  # a full disk names none

@@ -33,7 +33,11 @@ def console(stderr: bool = False):
             texts = (clean(o) if isinstance(o, str) else o for o in objects)
             super().print(*texts, **options)
 
-    return Plain(highlight=False, soft_wrap=True, markup=False, emoji=False, stderr=stderr)
+    told = dict(os.environ)
+    if not told.get("COLUMNS", "").strip("0"):  # no width: nothing would be printed
+        told.pop("COLUMNS", None)
+    return Plain(highlight=False, soft_wrap=True, markup=False, emoji=False, stderr=stderr,
+                 _environ=told)  # fmt: skip
 
 
 def cell(text: str, style: str = ""):

@@ -81,12 +81,12 @@ def sweep(
     check_workers(workers, dask)
     check_format(form)
     plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
-    for text in plan.cautions():
-        echo(f"caution: {text}")
     first = plan.first()
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
     with kept(folder, plan, first, resume, dask, "sweep", is_row) as (store, client):
+        for text in plan.cautions():
+            echo(f"caution: {text}")
         tasks = _tasks(plan, store)
         whole = carry_out(store, len(plan), tasks, client, workers or cores(), run_row) is not None
     sys.exit(_finish(plan, store.rows, folder, by, form, whole))
@@ -122,7 +122,7 @@ def carry_out(store, total: int, tasks, client, workers: int, work, what: str = 
     else:
         flow = run_dask(client, tasks, build_of, work, setup_of)
     began, before, lost = time.perf_counter(), len(store.rows), []
-    with progress(total, store, what) as advance:
+    with closing(flow), progress(total, store, what) as advance:
         try:
             for numbers, answer in flow:
                 if "rows" not in answer and len(numbers) > 1:
@@ -132,7 +132,6 @@ def carry_out(store, total: int, tasks, client, workers: int, work, what: str = 
                     store.add(n, row)
                 advance()
         except KeyboardInterrupt:
-            flow.close()
             return None
     wall, done = time.perf_counter() - began, len(store.rows) - before
     if done:

@@ -3,6 +3,7 @@
 
 import mmap
 import tempfile
+import weakref
 from collections.abc import Iterator
 
 import numpy as np
@@ -17,6 +18,7 @@ class Rows:
     def __init__(self, columns: int, in_memory: int = IN_MEMORY):
         self.columns, self._in_memory, self._count = columns, in_memory, 0
         self._file = tempfile.SpooledTemporaryFile(max_size=in_memory)  # noqa: SIM115
+        weakref.finalize(self, self._file.close)  # its mapping stays
 
     def append(self, rows: np.ndarray) -> None:
         rows = np.ascontiguousarray(rows, dtype=np.float64).reshape(-1, self.columns)

@@ -143,6 +143,8 @@ def read_scenario(path: Path, below: tuple[Path, ...] = ()) -> tuple[dict, dict[
     except InputError as error:
         raise InputError.one(path, "extends", name, error.mistakes[0].allowed) from None
     files = (*below, path.resolve())
+    if len(files) > DEEPEST:
+        raise InputError.one(path, "extends", name, f"is the {DEEPEST}th in a row: name fewer")
     if base.resolve() in files:
         raise InputError.one(path, "extends", name, "extends itself, at last: name another one")
     out, origins = read_scenario(base, files)
@@ -160,7 +162,9 @@ def read_scenario(path: Path, below: tuple[Path, ...] = ()) -> tuple[dict, dict[
 def fault_scenario(name: str) -> dict:
     """An entry of the fault table (its head says what one holds) as a file that extends another."""
     entry = {"extends": "arm_move"} | read_toml(FAULTS)[name]
-    at = FAULT_S[entry["extends"]]
+    if (at := FAULT_S.get(entry["extends"])) is None:
+        allowed = "must be one of " + ", ".join(FAULT_S)
+        raise InputError.one(FAULTS, f"{name}.extends", entry["extends"], allowed)
     noticed, moved, stats = (entry.pop(key, None) for key in ("noticed", "moved", "stats"))
     expect = [{"kind": "event", "after": at} | event for event in noticed or []]
     if noticed == []:

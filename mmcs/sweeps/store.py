@@ -46,7 +46,7 @@ class Store:
         elif self.path.exists():  # finished or not, it was somebody's hour
             self.path.replace(self.path.with_suffix(".before.jsonl"))
         new = not self.path.exists()
-        self._file = self.path.open("a")
+        self._file = self.path.open("ab", buffering=0)
         if new:
             self._line({"sweep": identity})
 
@@ -74,8 +74,13 @@ class Store:
         self.bad += row["status"] != "ok"
 
     def _line(self, entry: dict) -> None:
-        self._file.write(json.dumps(entry, separators=(",", ":")) + "\n")
-        self._file.flush()
+        left = memoryview(json.dumps(entry, separators=(",", ":")).encode() + b"\n")
+        try:
+            while left:
+                left = left[self._file.write(left) :]
+        except OSError as error:
+            error.filename = str(self.path)  # a full disk names none
+            raise
 
     def close(self) -> None:
         self._file.close()

@@ -239,8 +239,9 @@ def run_on(setup, build: str, work, task) -> dict:
         return work(task)
 
 
-def _answer(future) -> dict:
-    """Of a run that ended. Raises RunError when it did because the scheduler has."""
+def _answer(client, future) -> dict | None:
+    """Of a run that ended; None: its worker is gone, with the answer. Raises RunError when the
+    scheduler is."""
     from concurrent.futures import CancelledError
 
     with contextlib.suppress(OSError, CancelledError):  # it went while this was fetched
@@ -248,6 +249,9 @@ def _answer(future) -> dict:
             return future.result()
         if future.status == "error":
             return _row_of(future)
+    with contextlib.suppress(Exception):
+        if client.status == "running" and client.run_on_scheduler(int) == 0:
+            return None
     raise RunError("the Dask scheduler is gone; go on later with --resume")
 
 
@@ -260,23 +264,26 @@ def run_dask(
 
     numbers, flow = {}, as_completed(loop=client.loop)
 
-    def start(numbered: tuple[object, object]) -> None:
-        n, task = numbered
+    def start(n: object, task: object, deaths: int = 0) -> None:
         setup = setup_of(task)
         future = client.submit(run_on, setup, builds(setup), work, task, pure=False)
-        numbers[future] = n
+        numbers[future] = n, task, deaths
         flow.add(future)
 
     try:
         for _ in range(max(16, 4 * sum(client.nthreads().values()))):
             if (task := next(tasks, None)) is None:
                 break
-            start(task)
+            start(*task)
         for future in flow:
-            n = numbers.pop(future)
-            yield n, _answer(future)
+            n, task, deaths = numbers.pop(future)
+            answer = _answer(client, future)
+            if answer is None and deaths + 1 < ATTEMPTS:
+                start(n, task, deaths + 1)
+                continue
+            yield n, answer or failed(f"the worker died {ATTEMPTS} times in this run")
             if (task := next(tasks, None)) is not None:
-                start(task)
+                start(*task)
     finally:
         with contextlib.suppress(Exception):  # the scheduler may be gone
             client.cancel(list(numbers))

@@ -212,6 +212,16 @@ def test_a_file_that_finds_no_room_is_not_left_half(tmp_path, args):
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
+def test_a_disk_that_gets_full_during_a_sweep(tmp_path):
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (300, 300))  # noqa: E731
+    (tmp_path / "short.toml").write_text(GOOD)
+    grid = ("--grid", "seed=1..3", "--workers", 1, "--out", tmp_path / "out")
+    run = [sys.executable, "-B", "-m", "mmcs", "sweep", tmp_path / "short.toml", *map(str, grid)]
+    done = ran(*run, preexec_fn=limit)
+    told = f"mmcs: {tmp_path}/out/rows.jsonl: File too large\n"
+    assert (done.returncode, done.stderr) == (1, told)
+
+
 def test_full_disk_is_told_as_such(tmp_path, monkeypatch):
     """Whatever the tool says that could not write: here Python's reader of a tree that was cut."""
     (tmp_path / "sim").mkdir()

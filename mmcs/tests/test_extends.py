@@ -5,8 +5,10 @@ import pytest
 
 from mmcs import SCENARIOS
 from mmcs.errors import InputError
+from mmcs.scenario import files
 from mmcs.scenario.files import FAULTS, find, read_scenario, read_toml, scenario_names
 from mmcs.scenario.load import load
+from mmcs.tests.conftest import one_clear_line
 
 STEP = '[[motion]]\naxis = 0\nkind = "step"\nat = 0.05\nto = {}\n'
 BASE = (
@@ -69,6 +71,18 @@ def test_mistake(tmp_path, text, told):
     with pytest.raises(InputError, match=r"^[^\n]*toml: ") as caught:
         load(str(tmp_path / "mine.toml"))
     assert told in str(caught.value)
+
+
+def test_files_that_extend_each_other_without_end(mmcs, tmp_path):
+    for n in range(1200):
+        (tmp_path / f"{n}.toml").write_text(f'extends = "./{n + 1}.toml"\n')
+    one_clear_line(mmcs("check", tmp_path / "0.toml"), "is the 10th in a row: name fewer")
+
+
+def test_a_fault_of_another_base(monkeypatch):
+    monkeypatch.setattr(files, "read_toml", lambda _: {"fault_x": {"extends": "lab500"}})
+    with pytest.raises(InputError, match="fault_x.extends = .lab500.: must be one of arm_move, "):
+        files.fault_scenario("fault_x")
 
 
 def test_a_mistake_is_told_of_the_file_that_makes_it(tmp_path):

@@ -80,6 +80,12 @@ def test_locale_without_unicode(tmp_path):
     assert status == 0 and "ein Tüst" in out.decode()
 
 
+def test_no_width_and_warnings_that_are_errors(tmp_path, scenario):
+    env = os.environ | {"COLUMNS": "0", "PYTHONWARNINGS": "error"}
+    status, out, err = command("run", scenario(), "--out", tmp_path / "out", env=env)
+    assert (status, err) == (0, b"") and b"shoot" in out
+
+
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-", "2>/dev/full"])
 def test_closed_files_lose_nothing(mmcs, tmp_path, scenario, closed):
     out = tmp_path / "out"

@@ -167,7 +167,7 @@ def test_refusals_name_what_is_wrong(link):
 @pytest.mark.parametrize(
     "bytes_",
     [b"\0\0\0\0", b"\xff\xff\xff\xff", b"\4\0\0\0[1]]", b"\3\0\0\0[1]", b"\2\0\0\0\xff\xff",
-     struct.pack("<I", 60000) + b"[" * 60000],
+     struct.pack("<I", 60000) + b"[" * 60000, b"\x17\0\0\0" + b'{"op":"hello","id":NaN}'],
 )  # fmt: skip
 def test_rubbish_is_hung_up(serving, bytes_):
     with socket.socket(socket.AF_UNIX) as rude:

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import CancelledError
+from types import SimpleNamespace
 
 import pytest
 
@@ -358,7 +359,9 @@ def test_killed_scheduler_is_one_line(undisturbed, tmp_path):
 
 
 @pytest.mark.parametrize("gone", [OSError("reset"), CancelledError(), "cancelled", "lost"])
-def test_scheduler_that_goes_while_an_answer_is_fetched(gone):
+def test_scheduler_or_worker_that_goes_while_an_answer_is_fetched(gone, monkeypatch):
+    """A worker's runs are made again, as often as in a pool; the scheduler is not blamed."""
+
     class Future:
         status = gone if isinstance(gone, str) else "finished"
 
@@ -366,4 +369,21 @@ def test_scheduler_that_goes_while_an_answer_is_fetched(gone):
             raise gone
 
     with pytest.raises(RunError, match="the Dask scheduler is gone; go on later with --resume"):
-        sweep_run._answer(Future())
+        sweep_run._answer(SimpleNamespace(status="closed"), Future())
+
+    class Flow(list):
+        def __init__(self, loop):
+            self.add = self.append
+
+        def __iter__(self):
+            while self:
+                yield self.pop()
+
+    starts = []
+    submit = lambda *given, **_: starts.append(given) or Future()  # noqa: E731
+    client = SimpleNamespace(status="running", run_on_scheduler=lambda f: f(), loop=None,
+                             submit=submit, nthreads=dict, cancel=print)  # fmt: skip
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(as_completed=Flow))
+    rows = dict(sweep_run.run_dask(client, iter([(7, "task")]), lambda setup: "build"))
+    assert rows == {7: sweep_run.failed("the worker died 3 times in this run")}
+    assert len(starts) == 3

@@ -97,7 +97,11 @@ def played(client, play, **options):
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_page_is_told_when_its_designer_dies(monkeypatch):
+@pytest.mark.parametrize(("most", "told"), [
+    (8, "the designer is gone; load the page again"),
+    (0, "0 designers and graders are open: close a page"),
+])  # fmt: skip
+def test_a_page_is_told_when_its_designer_dies_or_too_many_are_open(monkeypatch, most, told):
     def designer(page):
         return gateway.advise(page, "designer", "mmcs.tool.advisor", "")
 
@@ -107,8 +111,8 @@ def test_a_page_is_told_when_its_designer_dies(monkeypatch):
         return page.close_code, page.close_reason
 
     monkeypatch.setattr(gateway.sys, "executable", "true")
-    told = (gateway.GONE, "the designer is gone; load the page again")
-    assert played(designer, play) == told
+    monkeypatch.setattr(gateway, "MOST_WORKERS", most)
+    assert played(designer, play) == (gateway.GONE, told) and not gateway._at_work
 
 
 @pytest.mark.req("TOOL-1")

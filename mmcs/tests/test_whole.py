@@ -110,6 +110,16 @@ def test_a_run_that_is_stopped_leaves_what_was_there(tmp_path, number):
     assert generations(tmp_path) == ({"old"}, len(RESULTS)) and not (tmp_path / ".new").exists()
 
 
+def test_results_are_on_the_disk_before_their_names(tmp_path, monkeypatch):
+    steps, replace = [], os.replace
+    name = lambda fd: Path(os.readlink(f"/proc/self/fd/{fd}")).name  # noqa: E731
+    monkeypatch.setattr(os, "fsync", lambda fd: steps.append(name(fd)))
+    monkeypatch.setattr(os, "replace", lambda a, b: steps.append(Path(b).name) or replace(a, b))
+    results(tmp_path, "new", ("report.json", "log.csv"))
+    staged = ["log.csv", "report.json", f".whole.{os.getpid()}.json", "whole.json"]
+    assert steps == [*staged, "log.csv", "report.json"]
+
+
 def test_one_run_at_a_time(tmp_path):
     results(tmp_path, "old")
     with writing(tmp_path):

@@ -25,6 +25,8 @@ LENGTH = struct.Struct("<I")
 MAX_MESSAGE = 1 << 26  # from the machine: samples of the whole ring
 MAX_RECORDING = 1 << 27  # from the page: a recording to be made an MCAP file
 GONE = 4001  # close code of a WebSocket: the machine is gone
+MOST_WORKERS = 8  # at once, of all pages: each is a process of some 30 MB
+_at_work: set[ServerConnection] = set()
 
 
 async def to_page(reader: asyncio.StreamReader, page: ServerConnection) -> None:
@@ -71,6 +73,17 @@ async def advise(page: ServerConnection, what: str, module: str, *given: str) ->
     """A worker for one page (mmcs/tool/worker.py): a process of its own, one line a message.
 
     It ends with the page, and stops what it had begun; should it end before, the page is told."""
+    if len(_at_work) >= MOST_WORKERS:
+        await page.close(GONE, f"{MOST_WORKERS} designers and graders are open: close a page")
+        return
+    _at_work.add(page)
+    try:
+        await _work(page, what, module, *given)
+    finally:
+        _at_work.discard(page)
+
+
+async def _work(page: ServerConnection, what: str, module: str, *given: str) -> None:
     worker = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", module, *given),
         stdin=asyncio.subprocess.PIPE,
