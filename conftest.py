@@ -4,6 +4,7 @@
 import json
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,13 @@ def pytest_terminal_summary(terminalreporter, config):
     if share := os.environ.get("SHARE"):
         what = "all tests" if config.getoption("--share") else "the slow tests"
         terminalreporter.write_line(f"Share {share} of ten of {what}; SHARE= runs every one.")
+    told = [report.longrepr for report in terminalreporter.stats.get("skipped", [])]
+    reasons = Counter(one[2] if isinstance(one, tuple) else str(one) for one in told)
+    if reasons:
+        line = f"{len(told)} tests did NOT run; with CI=true they fail. Why, and what to install:"
+        terminalreporter.write_line(line, yellow=True)
+    for reason, number in reasons.most_common():
+        terminalreporter.write_line(f"  {number}: {reason.removeprefix('Skipped: ')}", yellow=True)
 
 
 def pytest_sessionfinish(session, exitstatus):

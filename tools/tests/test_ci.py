@@ -7,6 +7,7 @@ import re
 import sys
 import tomllib
 
+import pytest
 from packaging.specifiers import SpecifierSet
 
 from mmcs import ROOT
@@ -83,6 +84,29 @@ def test_every_slow_test_is_in_one_share(tmp_path):
         assert "test_it.py::test_quick" in lines
         found += [line for line in lines if "test_slow" in line]
     assert len(found) == len(set(found)) == 100
+
+
+SKIPPED = """
+import pytest
+
+@pytest.mark.parametrize("n", range(3))
+def test_of_a_tool(n):
+    pytest.skip("missing; install it with: sudo apt-get install tool")
+"""
+
+
+@pytest.mark.parametrize("ci", ["", "true"])
+def test_what_does_not_run_is_said_last_or_fails(tmp_path, ci):
+    (tmp_path / "test_it.py").write_text(SKIPPED)
+    (tmp_path / "conftest.py").write_text((ROOT / "conftest.py").read_text())
+    env = os.environ | {"CI": ci, "PYTHONPATH": str(ROOT), "SHARE": ""}
+    done = ran(sys.executable, "-m", "pytest", "-p", "no:xdist", cwd=tmp_path, env=env)
+    if ci:
+        assert done.returncode == 1 and "CI=true allows no skip" in done.stdout
+        return
+    why, tool, _ = done.stdout.splitlines()[-3:]
+    assert why.startswith("3 tests did NOT run") and done.returncode == 0
+    assert tool == "  3: missing; install it with: sudo apt-get install tool"
 
 
 def test_every_package_takes_the_least_python():

@@ -146,7 +146,7 @@ def test_what_lies_above_folders_imports_none():
 
 
 def test_the_package_imports_nothing_above_it():
-    above = {"studies", "cocotb_tests", "tools", "bridges"}
+    above = {"studies", "cocotb_tests", "tools", "bridges", "fpga", "mmcs_gymnasium", "mmcs_labs"}
     for path in PACKAGE:
         assert not above & {name.split(".")[0] for name in imported(path)}, path
 
@@ -161,7 +161,7 @@ def test_outside_everybody_imports_public_names():
 def test_every_public_name_is_there():
     import mmcs
 
-    for name in mmcs._HOMES:
+    for name in mmcs._homes():
         assert getattr(mmcs, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = mmcs.nothing
