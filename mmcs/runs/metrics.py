@@ -63,7 +63,7 @@ def steady_error(t: np.ndarray, setpoint: np.ndarray, y: np.ndarray) -> float | 
     """Setpoint minus y, mean over the last 20 ms: positive when the axis stopped short."""
     if len(t) == 0:
         return None
-    tail = t > t[-1] - STEADY_SECONDS
+    tail = t > t[-1] - STEADY_SECONDS + 1e-9
     return _rounded(float(np.mean(setpoint[tail] - y[tail])))
 
 

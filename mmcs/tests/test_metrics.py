@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from mmcs.runs.metrics import step_response
+from mmcs.runs.metrics import steady_error, step_response
 
 T = np.arange(0, 0.5, 0.001)
 
@@ -40,6 +40,16 @@ def test_stuck_short_never_settles_but_has_a_steady_error():
 
 def test_steady_error_keeps_its_sign_for_negative_steps():
     assert step_response(T, first_order(-175), 0.05, 0, -200).steady_error_counts < -24
+
+
+@pytest.mark.parametrize("samples", range(300, 320))
+def test_steady_error_is_of_twenty_milliseconds(samples):
+    """Of 20 samples and no more, however their times are rounded."""
+    t = T[:samples] - 0.05
+    for place, error in ((-21, 0), (-20, 5), (-1, 5)):
+        y = np.full(samples, 200.0)
+        y[place] -= 100
+        assert steady_error(t, np.full(samples, 200.0), y) == error
 
 
 def test_dead_axis_and_step_beyond_the_log():

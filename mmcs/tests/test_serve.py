@@ -45,11 +45,11 @@ def test_an_ending_server_leaves_its_successors_socket(mc0):
     new.release()
 
 
-@pytest.mark.parametrize("make", ["open", "link", "file"])
+@pytest.mark.parametrize("make", ["755", "750", "701", "link", "file"])
 def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, mc0, make):
     folder = mc0.parent
-    if make == "open":
-        folder.mkdir(mode=0o755)
+    if make.isdigit():
+        folder.mkdir(mode=int(make, 8))
     elif make == "link":
         (tmp_path / "elsewhere").mkdir(mode=0o700)
         folder.symlink_to(tmp_path / "elsewhere")

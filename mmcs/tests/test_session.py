@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run on a fake machine: order of the requests, events, failures, report fields, judgement."""
 
+import errno
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,9 +11,11 @@ import pytest
 from mmcs import logcols
 from mmcs.errors import RunError
 from mmcs.runs import runner, session
+from mmcs.runs.expect import judge
 from mmcs.runs.report import make_report, write_log, write_report
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
+from mmcs.scenario.scenario import RefusedExpect
 from mmcs.tests.conftest import GOOD, good, one_clear_line
 from mmcs.tests.fake import FakeSim
 
@@ -51,6 +55,17 @@ def test_refused_request_ends_the_run(scenario, request_name, number, line):
     with pytest.raises(RunError) as failure:
         run(scenario(), sim)
     assert str(failure.value) == line
+
+
+@pytest.mark.parametrize(("refused", "granted"), [(0, 0), (1, 0), (2, 1)])
+def test_an_expected_refusal_is_of_one_request(refused, granted):
+    """A second one of the same request is a failure that nobody expected."""
+    entry = RefusedExpect(kind="refused", request="MENABLE", error="EIO")
+    result = SimpleNamespace(
+        setup=SimpleNamespace(scenario=SimpleNamespace(expect=[entry])),
+        refused=refused * [("MENABLE", errno.EIO)], assertion=False, ended="",
+    )  # fmt: skip
+    assert [v["ok"] for v in judge(result, [])] == [refused > 0] + granted * [False]
 
 
 @pytest.fixture

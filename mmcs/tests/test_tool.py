@@ -330,13 +330,15 @@ def shake(*requests: str, client=None) -> list[bytes]:
 @pytest.mark.req("TOOL-1")
 def test_a_request_that_is_none_is_refused_and_not_logged(caplog):
     """By whoever reaches the port, with the token or without it."""
-    socket = "GET /secret/x HTTP/1.1\r\nUpgrade: websocket\r\nOrigin: http://127.0.0.1:1\r\n"
+    other = "GET /secret/x HTTP/1.1\r\nUpgrade: websocket\r\nX: "
+    socket = f"{other}\r\nOrigin: {ORIGIN}\r\n"
     answers = shake(
         "GET http://[::1/secret/ HTTP/1.1", "GET //[ HTTP/1.1",
         f"GET /secret/{'a' * 3000} HTTP/1.1", f"GET /secret/{'aa/' * 2000} HTTP/1.1",
-        f"{socket}Origin: http://evil", f"{socket}Upgrade: websocket",
+        f"{socket}Origin: http://evil", other, f"{other}\r\nOrigin: http://evil",
+        f"{other}\r\nOrigin: {ORIGIN}0", f"{socket}Upgrade: websocket",
     )  # fmt: skip
-    assert [answer.split()[1] for answer in answers] == 4 * [b"404"] + [b"403", b"426"]
+    assert [answer.split()[1] for answer in answers] == 4 * [b"404"] + 4 * [b"403"] + [b"426"]
     assert not caplog.records
 
 

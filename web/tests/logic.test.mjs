@@ -13,7 +13,7 @@ import { Recording, toCsv } from "../recording.js";
 import { fieldsText, offsetOf } from "../registers.js";
 import { REGISTERS } from "../registers_table.js";
 import { decode, envelope, History } from "../samples.js";
-import { causeOf } from "../status.js";
+import { causeOf, panicCauses } from "../status.js";
 import { findTrigger } from "../trigger.js";
 import { Units } from "../units.js";
 
@@ -134,6 +134,12 @@ test("why the power went is the first that explains it", () => {
   assert.equal(causeOf([at(1, "error", 2, "axis 2: high position limit crossed")], 1), "axis 2: high position limit crossed");
   assert.equal(causeOf([at(1, "log", 0, "client 3 is silent: stopped")], 1), "client 3 is silent: stopped");
   assert.equal(causeOf([at(0.5, "error", 2, "long ago"), at(1, "stopped", 1, "")], 1), "STOP");
+});
+
+test("an axis without heartbeat is named by its own light: bit 6 of the even one, 7 of the odd one", () => {
+  const lights = [0b01000000, 0b10000000]; // of two cards
+  const machine = { history: { lights: (card) => lights[card] }, hello: { axes: 4 }, input: () => undefined, inputs: [] };
+  assert.deepEqual(panicCauses(machine), ["axis 1 has no heartbeat", "axis 2 has no heartbeat"]);
 });
 
 test("gains come back from integers: P, PD, PID, PD with a filter, and no other", () => {
