@@ -90,7 +90,7 @@ export function condition(machine, end, now) {
     const at = errors.findIndex(Boolean);
     if (at >= 0)
       return { kind: "warn", cause: `Servo on; axis ${at}: ${errorWords(errors[at])}.`, next: "Clear errors once it is seen to." };
-    const tail = machine.paused ? " Time is paused: Run on." : "";
+    const tail = machine.paused && machine.controls ? " Time is paused: Run on." : "";
     return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}` };
   }
   if (end) return { kind: "warn", cause: `Stopped at ${end.t.toFixed(3)} s: ${end.cause}.`, next };

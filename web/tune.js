@@ -19,9 +19,9 @@ export function tuneView(page) {
   const progress = el("p", { id: "tune-progress", role: "status" });
   const plots = el("div", { className: "plots" });
   const verdict = el("p", { id: "tune-verdict", className: "verdict", role: "status" });
-  const motors = new Map(); // axis -> {motor, away}: as identified
+  const motors = new Map(); // axis -> {motor, away, wn, zeta}: as identified, and what was asked
   let before = null; // {axis, param}: what auto-tune found
-  let tuned = null; // and what it left
+  let tuned = null; // and what it made
   advice.addEventListener("progress", ({ detail }) => {
     if (detail.text) setText(progress, detail.text);
     if (detail.lend) machine.lend(detail.lend);
@@ -57,35 +57,41 @@ export function tuneView(page) {
       half: parseNumber(half.value),
     });
     if (!done) return;
-    motors.set(chosen, { motor: done.motor, away: done.break_away });
-    const { motor, step, predicted, margins, gains, warnings } = done;
+    motors.set(chosen, { motor: done.motor, away: done.break_away, wn: parseNumber(wn.value), zeta: parseNumber(zeta.value) });
+    const { motor, step, predicted, margins, gains } = done;
     before = { axis: chosen, param: done.before };
     tuned = { axis: chosen, param: done.param };
-    undo.hidden = save.hidden = false;
-    verdict.className = `verdict ${done.fine ? "good" : "bad"}`;
-    setText(verdict, `${done.fine ? "✓" : "✗"} ${done.verdict}`);
+    undo.hidden = !done.fine;
+    keep.hidden = done.fine;
+    save.hidden = false;
+    judged(done.fine, `${done.verdict}${done.fine ? "" : " The axis has its old parameters again."}`);
     table({
-      ...stepRows(step, predicted),
+      ...figures(step, predicted),
       "g, counts/s² per D/A unit": motor.g.toFixed(2),
       "viscous, 1/s": motor.lag.toFixed(2),
       "Coulomb +/−, break-away, D/A units": `${motor.tc_pos.toFixed(0)} / ${motor.tc_neg.toFixed(0)}, ${done.break_away.toFixed(0)}`,
       "fit of the motion": motor.fit.toFixed(3),
       "P, I, D, filter": `${gains.p.toFixed(2)}, ${gains.i.toFixed(1)}, ${gains.d.toFixed(3)}, ${(gains.tau * 1000).toFixed(2)} ms`,
       "phase margin": `${margins.phase_deg.toFixed(0)}°`,
-      warnings: warnings.join(" ") || "none",
     });
     plots.replaceChildren();
     beside(step, predicted);
   }
 
-  /** The parameters as they were before auto-tune. */
-  async function takeBack() {
+  function judged(fine, text) {
+    verdict.className = `verdict ${fine ? "good" : "bad"}`;
+    setText(verdict, `${fine ? "✓" : "✗"} ${text}`);
+  }
+
+  /** Parameters as they were before auto-tune, or as it made them. */
+  async function put({ axis: which, param: all }, told) {
     if (!machine.controls) return machine.say("error", "take control first");
-    const { which, ...param } = before.param;
-    if ((await machine.try(machine.change(before.axis, param))) === null) return undefined;
+    const { which: _, ...param } = all;
+    if ((await machine.try(machine.change(which, param))) === null) return undefined;
     verdict.className = "verdict";
-    undo.hidden = save.hidden = true;
-    return setText(verdict, `Axis ${before.axis} has its old parameters again.`);
+    undo.hidden = !keep.hidden;
+    keep.hidden = !undo.hidden;
+    return setText(verdict, `Axis ${which} has ${told}.`);
   }
 
   /** As a scenario has them: [[servo]] of docs/use/scenarios.md. */
@@ -106,11 +112,16 @@ export function tuneView(page) {
     const start = history.now;
     if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
     await until(() => history.now > start + 0.6);
-    const rows = stepResponse(history, chosen, start, from, counts);
-    const made = await predicted(chosen, { step: counts, seconds: rows.t.at(-1) });
-    table(stepRows(rows, made));
+    const { motor, wn: asked, zeta: damping } = motors.get(chosen) ?? {};
+    const seen = { ...stepRows(history, chosen, start, from, counts), size: counts, motor, wn: asked ?? 1, zeta: damping ?? 1 };
+    const param = machine.driver.params[chosen];
+    const done = await machine.try(advice.request("judge", { ...seen, param, interval_s: page.interval_s(chosen) }));
+    if (!done) return undefined;
+    if (motor) judged(done.fine, done.verdict);
+    const made = await predicted(chosen, { step: counts, seconds: done.t.at(-1) });
+    table(figures(done, made));
     plots.replaceChildren();
-    return beside(rows, made);
+    return beside(done, made);
   }
 
   /** What Python expects of an axis, once its motor is known. */
@@ -157,17 +168,19 @@ export function tuneView(page) {
       el("tr", {}, el("td", {}, name), el("td", {}, String(value))))));  // prettier-ignore
   }
 
-  const undo = button("tune-undo", "Undo", takeBack);
+  const undo = button("tune-undo", "Undo", () => put(before, "its old parameters again"));
+  const keep = button("tune-keep", "Keep all the same", () => put(tuned, "the parameters that auto-tune made"));
   const save = button("tune-save", "Save as TOML", () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
-  undo.hidden = save.hidden = true;
+  undo.hidden = keep.hidden = save.hidden = true;
   page.addEventListener("choose", () => { axis.value = page.axis; });
   const element = el("div", { className: "tune" },
     el("div", { className: "row" }, labelled("Axis", axis), labelled("Step", size, "counts"),
       button("step-go", "Step", step), button("bode-go", "Bode plot", bode)),
     el("div", { className: "row" }, labelled("Bandwidth", wn, "rad/s"), labelled("Damping", zeta),
-      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, save),
+      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, keep, save),
     el("p", {}, "Auto-tune moves the axis within the safe range about where it stands, in torque " +
-      "mode; STOP ends it. It sets gains and friction compensation and leaves the axis in Pos."),
+      "mode; STOP ends it. Gains and friction compensation whose step does what is asked stay, and the " +
+      "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
     progress, verdict, result, plots);  // prettier-ignore
   return { title: "Tune", element };
 
@@ -197,7 +210,7 @@ function draw(room, unit, data, series, logarithmic = false) {
   );
 }
 
-function stepRows(measured, predicted) {
+function figures(measured, predicted) {
   const say = (value, unit) => (value === null || value === undefined ? "never" : `${value} ${unit}`);
   const row = (name, unit) =>
     say(measured[name], unit) + (predicted && name in predicted ? `  (${say(predicted[name], unit)} predicted)` : "");
@@ -209,36 +222,16 @@ function stepRows(measured, predicted) {
   };
 }
 
-/** Rise 10-90 %, overshoot, settling into 2 % (at least 2 counts), mean error of the last 20 ms. */
-function stepResponse(history, axis, since, from, size) {
-  const setpoint = history.column(axis, "setpoint");
-  const count = history.column(axis, "encnow");
+/** Times, counts from the old setpoint on, and currents of a step that the driver has taken. */
+function stepRows(history, axis, since, from, size) {
+  const columns = ["setpoint", "encnow", "current"].map((field) => history.column(axis, field));
   let first = history.find(since);
-  while (first < history.end && history.value(first, setpoint) !== from + size) first++;
-  const y0 = history.value(Math.max(first - 1, history.first), count);
-  const t = [];
-  const y = [];
+  while (first < history.end && history.value(first, columns[0]) !== from + size) first++;
+  const rows = { t: [], y: [], u: [] };
   for (let row = first; row < history.end; row++) {
-    t.push(history.time(row) - history.time(first));
-    y.push(history.value(row, count) - from);
+    rows.t.push(history.time(row));
+    rows.y.push(history.value(row, columns[1]) - from);
+    rows.u.push(history.value(row, columns[2]));
   }
-  const share = y.map((value) => (value - (y0 - from)) / size);
-  const crossing = (level) => {
-    const n = share.findIndex((value) => value >= level);
-    if (n < 1) return n < 0 ? null : 0;
-    return t[n - 1] + ((level - share[n - 1]) / (share[n] - share[n - 1])) * (t[n] - t[n - 1]);
-  };
-  const [low, high] = [crossing(0.1), crossing(0.9)];
-  const band = Math.max(0.02 * Math.abs(size), 2);
-  const outside = y.findLastIndex((value) => Math.abs(size - value) > band);
-  const last = y.filter((_, n) => t[n] > t.at(-1) - 0.02);
-  const round = (value) => Math.round(value * 100) / 100;
-  return {
-    t,
-    y,
-    rise_ms: low === null || high === null ? null : round((high - low) * 1000),
-    overshoot_pct: round(Math.max(0, ...y.map((value) => ((value - size) / size) * 100))),
-    settle_ms: outside + 1 < y.length ? round((t[outside + 1] ?? 0) * 1000) : null,
-    steady_error_counts: round(last.reduce((sum, value) => sum + size - value, 0) / last.length),
-  };
+  return rows;
 }

@@ -9,6 +9,8 @@ Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experim
   mcap     csv (web/recording.js): base64
   csv      base64 of such an MCAP file: csv
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
+  judge    t (s), y, u of a step of `size` counts, wn, zeta, param, interval_s, motor: its figures,
+           and with a motor whether they are as asked
   chirp    axis, amplitude, low, high (Hz), seconds, lender
   waves    t (s), ms: what nets do around that moment, as web/waves.js draws it
   trace    t, ms: the same as a file: file, view, opened (in gtkwave)
@@ -78,6 +80,17 @@ class Advisor(Worker):
             "bode_deg": np.degrees(np.unwrap(np.angle(response))).tolist(),
         }  # fmt: skip
 
+    def do_judge(self, message: dict) -> dict:
+        from mmcs.tool.judge import Wish, judge, step_figures
+
+        t, y, u = (np.array(message[name], dtype=float) for name in "tyu")
+        step = step_figures(t, y, u, float(message["size"]))
+        if not message.get("motor"):
+            return step
+        wish = Wish(float(message["wn"]), float(message["zeta"]), _interval(message))
+        verdict = judge(step, wish, Motor(**message["motor"]), message["param"])
+        return step | {"fine": verdict.met, "verdict": verdict.text}
+
     def do_mcap(self, message: dict) -> dict:
         from mmcs.view.mcap_file import from_csv
 
@@ -115,6 +128,7 @@ class Advisor(Worker):
             check(link)
             self.say({"type": "progress", "lend": link.hello["you"]})
             self._wait_for_lease(link)
+            probe = None
             try:
                 probe = Probe(link, int(message["axis"]), self._alive)
                 done = work(probe)
@@ -124,6 +138,8 @@ class Advisor(Worker):
                     raise ValueError(f"{error} (the machine is stopped)") from None
                 raise
             finally:
+                if probe:
+                    probe.release()
                 self._give_back(link, message)
             return done
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Experiments on one axis of a running machine, and gains from them: the auto-tune of mctool.
 
-A client of the messages beside the page: the page lends it the lease. Between two samples of the
-stream it sees nothing, so it asks for currents that the axis survives for that long.
+A client of the messages beside the page: the page lends it the lease. The machine is paused, and
+goes on from look to look, so that a busy computer is slow, not late.
 """
 
-import select
 import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -14,7 +13,6 @@ import numpy as np
 
 from mmcs import mcdef
 from mmcs.device.link import Link, Samples
-from mmcs.runs.metrics import step_response
 from mmcs.scenario.identify import Frequency, Motor, frequency, identify
 from mmcs.scenario.motor import COMPENSATED
 from mmcs.scenario.synthesis import (
@@ -25,27 +23,36 @@ from mmcs.scenario.synthesis import (
     place,
     to_integers,
 )
-from mmcs.tool.judge import HELD_OFF, MORE_OVERSHOOT, judge, predict
+from mmcs.tool.judge import Verdict, Wish, judge, predict, step_figures
 
 ENCNOW, SETPOINT, CURRENT = 1, 7, 9  # within an axis's ten values of a row
 ENABLED, STOPPED = 4, 8  # bits of a row's lines
-PERIOD_MS = 2  # between messages of the stream
+LOOK_S = 0.002  # of the machine's time between two looks
 RAMP_LSB_S = 400.0  # of the search for the current that breaks the axis away
 MOVED = 12  # counts that count as moving
 PULSES = (1.6, 2.2, 3.0)  # currents of the relay, in break-away currents
 RELAY_S = 4.0
 REACH = 0.8  # of the range: how far the relay may let an axis run on
-LEAST_MARGIN_DEG = 35.0
+STILL_S = 0.05  # an axis that counts nothing for so long is at rest
+REST_S = 2.0  # the longest wait for it
+BRAKE_ROWS = 50  # in which the greatest current is taken for the one that gave an axis its speed
 CHIRP_S = 0.002  # between setpoints of a chirp; what came of each is recorded with the samples
 CORNER_HZ = 4.0
 STEP_S = 0.4
-INTEGRALS = (8.0, 24.0)  # so many times below the bandwidth is the pole of one that is tried
+# What is tried: so many times the bandwidth, and so many times below it the pole of an integral (0:
+# none). A stiffer loop holds against more friction, and settles sooner than an integral does.
+TRIES = ((1.0, 0.0), (1.4, 0.0), (2.0, 0.0), (1.0, 8.0), (1.0, 24.0))
 LONG_STEP_S = 1.2  # the integral takes its time
+LEAST_MARGIN_DEG = 25.0  # of a loop that is tried, but for the one asked for
 D_PER_COUNT = 150.0  # LSB that one count may cause through the derivative
 
 
 class TuneError(Exception):
     """The experiment cannot go on; the text says why and what to do."""
+
+
+class LeftRange(TuneError):
+    """The axis is out of its safe range, and to be braked."""
 
 
 @dataclass(frozen=True)
@@ -56,22 +63,48 @@ class Rows:
     u: np.ndarray  # current, LSB
 
 
+class Range:
+    """The counts that are safe about a centre, half of them to each side."""
+
+    def __init__(self, centre: int, half: float):
+        self.centre, self.half = centre, half
+        self.sense = 1  # -1: the axis counts against the current
+
+    def check(self, position: int) -> None:
+        if abs(position - self.centre) > self.half:
+            low, high = self.centre - self.half, self.centre + self.half
+            raise LeftRange(
+                f"the axis left its safe range, {low:.0f} to {high:.0f}, and was braked; "
+                "allow a wider one"
+            )
+
+
 class Probe:
     """One axis under experiment: commands, and every sample meanwhile.
 
-    alive() is called often; it raises to end the experiment, whatever the axis does then."""
+    alive() is called often; it raises to end the experiment, whatever the axis does then. With
+    `safe` set, every look holds the position against it."""
 
-    period_ms = PERIOD_MS
-
-    def __init__(self, link: Link, axis: int, alive=lambda: None):
-        self.link, self.axis, self.alive = link, axis, alive
+    def __init__(self, link: Link, axis: int, alive=lambda: None, look_wall_s: float = LOOK_S):
+        """look_wall_s: the least that a look may take, s; 0 hurries."""
+        self.link, self.axis, self.alive, self.look_wall_s = link, axis, alive, look_wall_s
+        self.safe: Range | None = None
+        self.late_s = LOOK_S  # until what is written acts
         self._rows: list[tuple[float, int, int, int]] = []
         self._setpoints = [0] * link.hello["axes"]
         self.joints = link.hello["axes"]
         self._lost = 0.0
-        self._heard = time.monotonic()
-        link.request("follow", events=False, period_ms=self.period_ms)
+        self._ran_on = not link.hello["paused"]
+        self._due = time.monotonic()
+        link.request("pace", paused=True)
+        link.request("follow", events=False, period_ms=0)
+        self.interval_s = link.request("call", request="MGETINTERVAL")["value"] * 1e-6
         self.wait(0.05)
+
+    def release(self) -> None:
+        """Lets time run as before the experiment."""
+        if self._ran_on:
+            self.link.request("pace", paused=False)
 
     @property
     def position(self) -> int:
@@ -80,6 +113,11 @@ class Probe:
     @property
     def setpoint(self) -> int:
         return self._rows[-1][2]
+
+    def speed(self) -> float:
+        """Counts/s, over the last two intervals."""
+        (t, y, *_), (t2, y2, *_) = self._rows[-1], self._rows[max(-3, -len(self._rows))]
+        return (y - y2) / (t - t2) if t > t2 else 0.0
 
     @property
     def now(self) -> float:
@@ -111,17 +149,19 @@ class Probe:
             self._listen()
 
     def _listen(self) -> None:
+        """A look: the machine goes on by LOOK_S, no faster than time itself."""
         self.alive()
-        if not select.select([self.link.fileno()], [], [], 0.05)[0]:
-            if time.monotonic() - self._heard > 5.0:
-                raise TuneError("the machine sends no samples; is it paused?")
-            return
-        message = self.link.receive()
-        self._heard = time.monotonic()
-        if isinstance(message, Samples):
-            self._take(message)
-        elif message.get("ok") is False:
-            raise TuneError(message["text"])
+        time.sleep(max(0.0, self._due - time.monotonic()))
+        self._due = max(self._due, time.monotonic() - LOOK_S) + self.look_wall_s
+        until = self.link.request("advance", seconds=LOOK_S)["t"]
+        while not self._rows or self.now < until - 1.5 * self.interval_s:
+            message = self.link.receive()
+            if isinstance(message, Samples):
+                self._take(message)
+            elif message.get("ok") is False:
+                raise TuneError(message["text"])
+        if self.safe:
+            self.safe.check(self.position)
 
     def _take(self, message: Samples) -> None:
         if message.lost > self._lost and self._rows:
@@ -161,68 +201,70 @@ def break_away(probe: Probe, sign: int, most: int) -> tuple[float, int]:
             )
 
 
-class Range:
-    """The counts that are safe; to be asked at every look, wherever the axis is."""
-
-    def __init__(self, probe: Probe, centre: int, half: float):
-        self.probe, self.centre, self.half = probe, centre, half
-        self.sense = 1  # -1: the axis counts against the current
-
-    def check(self) -> None:
-        if abs(self.probe.position - self.centre) > self.half:
-            raise TuneError(
-                f"the axis left its safe range, {self.centre - self.half:.0f} to "
-                f"{self.centre + self.half:.0f}; allow a wider one"
-            )
-
-    def along(self, sign: int) -> int:
-        """Counts from the centre, in the direction that a current of this sign drives to."""
-        self.check()
-        return sign * self.sense * (self.probe.position - self.centre)
-
-
-def relay(probe: Probe, safe: Range, away: float, most: int) -> Rows:
+def relay(probe: Probe, away: float, most: int) -> Rows:
     """Back and forth about the centre in torque mode with growing currents; what was recorded."""
     began, sign, turns = probe.now, 1, 0
     amplitudes = [min(share * away, most) for share in PULSES]
     while probe.now < began + RELAY_S or turns < 2 * len(PULSES):
         now, then = (amplitudes[n // 2 % len(PULSES)] for n in (turns, turns + 1))
         probe.write(sign * now)
-        stroke(probe, safe, sign, max(1.0, now / then))
+        stroke(probe, sign, now / then)
         sign, turns = -sign, turns + 1
         if turns > 400:
             break
     rows = probe.rows(began)
-    brake(probe, safe, sign, now)
+    halt(probe)
     return rows
 
 
-def stroke(probe: Probe, safe: Range, sign: int, longer: float) -> None:
-    """Waits until it is time to turn: friction helps to stop an axis, so it runs on no farther than
-    it ran to get its speed, and so many times as far with a current so many times smaller."""
-    lowest = [safe.along(sign)]
+def stroke(probe: Probe, sign: int, weaker: float) -> None:
+    """Waits until it is time to turn: the axis may come to rest at REACH of the range.
+
+    Friction helps to stop an axis, so with the same current it stops at least as fast as it got its
+    speed, with one `weaker` times smaller so many times slower. Speed and run-up are measured; for
+    one look and two samples, until the turn acts, it gains speed."""
+    safe, late = probe.safe, probe.late_s
+    way = sign * safe.sense
+    lowest = [way * (probe.position - safe.centre)]
 
     def is_time() -> bool:
-        at = safe.along(sign)
+        at, v = way * (probe.position - safe.centre), way * probe.speed()
         lowest[0] = min(lowest[0], at)
-        return at + longer * (at - lowest[0]) >= REACH * safe.half
+        run = at - lowest[0]
+        if v <= 0 or run <= 0:
+            return False
+        a = v * v / (2 * run)
+        rest = at + v * late + a * late**2 / 2 + weaker * (v + a * late) ** 2 / (2 * a)
+        return rest >= REACH * safe.half
 
     probe.wait(1.0, is_time)
 
 
-def brake(probe: Probe, safe: Range, sign: int, current: float) -> None:
-    """Brings the axis to rest: a current that way until it turns round, then none."""
-    probe.write(sign * current)
-    last = [probe.position]
+def halt(probe: Probe) -> None:
+    """Brings an axis in torque mode to rest: a current against its motion, of the size that it last
+    had, until the axis would turn round before the next command acts; then none."""
+    safe, probe.safe = probe.safe, None
+    end, v = probe.now + REST_S, probe.speed()
+    way, v = np.sign(v), abs(v)
+    current = max(abs(u) for *_, u in probe._rows[-BRAKE_ROWS:])
+    probe.write(-way * safe.sense * max(current, 1))
+    while v > MOVED / STILL_S and probe.now < end:
+        probe.wait(LOOK_S)
+        before, v = v, way * probe.speed()
+        if v <= (before - v) * probe.late_s / LOOK_S:
+            break
+    rest(probe)
+    probe.safe = safe
 
-    def turned() -> bool:
-        safe.check()
-        before, last[0] = last[0], probe.position
-        return sign * safe.sense * (last[0] - before) > 0
 
-    probe.wait(1.0, turned)
+def rest(probe: Probe) -> None:
+    """Without current, until the axis counts nothing for STILL_S; REST_S at most."""
     probe.write(0)
-    probe.wait(0.3, lambda: safe.check() or False)
+    end = probe.now + REST_S
+    while probe.now < end:
+        at = probe.position
+        if not probe.wait(STILL_S, lambda at=at: probe.position != at):
+            return
 
 
 def gains(
@@ -237,95 +279,92 @@ def gains(
     return controller, made
 
 
-def identify_axis(probe: Probe, half: float, most: int) -> tuple[Motor, float]:
+def identify_axis(probe: Probe, most: int) -> tuple[Motor, float]:
     """The motor, and its break-away current; leaves the axis at rest in torque mode."""
-    safe = Range(probe, probe.position, half)
     probe.write(0)
-    probe.wait(0.05)  # the demand is 0 before the mode can act on it
     probe.mode(mcdef.MD_TORQ)
     probe.wait(0.1)
     away = 0.0
     for sign in (1, -1):
-        current, safe.sense = break_away(probe, sign, most)
+        current, probe.safe.sense = break_away(probe, sign, most)
         away = max(away, current)
-        probe.wait(0.3)  # it comes to rest
-    rows = relay(probe, safe, away, most)
+        rest(probe)
+    rows = relay(probe, away, most)
     return identify(rows.t, rows.y, rows.u), away
 
 
 def tune(probe: Probe, wn: float, zeta: float, half: float, say=lambda text: None) -> dict:
-    """Identifies, designs, sets the gains, and makes a step; everything as plain numbers."""
-    param = probe.param()
-    most = param["ilim"]
-    t = probe.link.request("call", request="MGETINTERVAL")["value"] * 1e-6 * param["clkdivisor"]
-    say("looking for the current that moves the axis, then back and forth")
-    motor, away = identify_axis(probe, half, most)
-    say(f"g {motor.g:.4g}, friction {motor.tc_pos:.0f}/{motor.tc_neg:.0f}: designing")
-    controller, made = gains(motor, wn, zeta, t)
-    margin = margins(made.discrete(), motor.plant, t)
-    sign = 1 if motor.g > 0 else -1
-    fields = made.named(sign) | {
-        "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
-        "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
-    }
-    fields["mode"] = mcdef.MD_POS | mcdef.COULCOMP
-    probe.write(probe.position)
-    probe.change(**fields)
-    probe.wait(0.3)
-    say("a step with the new gains")
-    size = min(200.0, half / 4)
-    step = make_step(probe, size)
-    tried = ""
-    if abs(step["steady_error_counts"]) > HELD_OFF:
-        say(f"friction holds it {step['steady_error_counts']:.0f} counts off: an integral is tried")
-        found, how = (controller, made, fields, step), ""
-        for share in INTEGRALS:
-            found, how = _with_integral(probe, found, gains(motor, wn, zeta, t, wn / share), sign)
-            if abs(found[3]["steady_error_counts"]) <= HELD_OFF:
-                break
-        off = abs(step["steady_error_counts"])
-        controller, made, fields, step = found
-        now = abs(step["steady_error_counts"])
-        tried = f"With an integral it {how}: none was taken."
-        if controller.i:
-            tried = f"An integral ends {now:.0f} counts off instead of {off:.0f}."
-        margin = margins(made.discrete(), motor.plant, t)
-    fresh = probe.param()
-    predicted = predict(motor, fresh, t, step["size"], step["t"][-1], away)
-    warnings = list(made.warnings)
-    if not margin.stable:
-        warnings.append("the loop is unstable with double-buffered D/As; take a lower bandwidth")
-    elif margin.phase_deg < LEAST_MARGIN_DEG:
-        warnings.append(
-            f"phase margin {margin.phase_deg:.0f} degrees: too fast for {t * 1e6:.0f} us"
-        )
-    fine, verdict = judge(step, predicted)
+    """Identifies, designs, and makes a step with each set of gains until one does what is wished;
+    where none does the axis gets its old parameters back. Everything as plain numbers."""
+    before = probe.param()
+    t = probe.interval_s * before["clkdivisor"]
+    probe.late_s = LOOK_S + 2 * t
+    probe.safe = Range(probe.position, half)
+    try:
+        say("looking for the current that moves the axis, then back and forth")
+        motor, away = identify_axis(probe, before["ilim"])
+        say(f"g {motor.g:.4g}, friction {motor.tc_pos:.0f}/{motor.tc_neg:.0f}: designing")
+        wish = Wish(wn, zeta, t)
+        made = _first_good(probe, motor, wish, min(200.0, half / 4), say)
+    except LeftRange:
+        probe.change(mode=mcdef.MD_TORQ)  # no sample passes before the current is a braking one
+        halt(probe)
+        raise
+    finally:
+        probe.safe = None
+    controller, laws, step, verdict = made
+    param = {name: probe.param()[name] for name in laws}
+    if not verdict.met:
+        undo(probe, before)
+    predicted = predict(motor, before | param, t, step["size"], step["t"][-1], away)
     return {
-        "motor": asdict(motor), "break_away": away, "param": fields, "before": param,
-        "warnings": warnings, "gains": asdict(controller), "step": step, "predicted": predicted,
-        "fine": fine, "verdict": f"{verdict} {tried}".strip(),
-        "margins": {"phase_deg": margin.phase_deg, "gain_db": margin.gain_db,
-                    "crossover": margin.crossover, "peak": margin.peak},
+        "motor": asdict(motor), "break_away": away, "param": param, "before": before,
+        "gains": asdict(controller), "step": step, "predicted": predicted,
+        "fine": verdict.met, "verdict": verdict.text, "wish": wish.figures(),
+        "margins": {"phase_deg": verdict.margins.phase_deg},
     }  # fmt: skip
 
 
-def _with_integral(
-    probe: Probe, held: tuple, placed: tuple[Controller, Coefficients], sign: int
-) -> tuple[tuple, str]:
-    """The gains with an integral, if that brings the axis nearer and does not swing; else as they
-    were, and what was wrong with it."""
-    pid, made = placed
-    _, _, fields, step = held
-    law = made.named(sign)
-    probe.change(**law)
-    probe.wait(0.3)
-    better = make_step(probe, step["size"], LONG_STEP_S)
-    off, now = (abs(s["steady_error_counts"]) for s in (step, better))
-    if now < off and better["overshoot_pct"] <= step["overshoot_pct"] + MORE_OVERSHOOT:
-        return (pid, made, fields | law, better), ""
-    probe.change(**{name: fields[name] for name in law})
-    probe.wait(0.3)
-    return held, "swings" if now < off else "ends no nearer"
+def undo(probe: Probe, before: dict) -> None:
+    """The old parameters, about where the axis is."""
+    probe.write(probe.position)
+    probe.change(**{name: value for name, value in before.items() if name != "which"})
+
+
+def _first_good(probe: Probe, motor: Motor, wish: Wish, size: float, say) -> tuple:
+    """(controller, parameters, step, verdict) of the first gains that do what is wished, else of
+    the best of them: a PD, and where it ends off with integrals."""
+
+    def rank(step: dict, verdict: Verdict) -> tuple:
+        return len(verdict.unmet), abs(step["steady_error_counts"])
+
+    best = None
+    for faster, slower in TRIES:
+        wn, slow = faster * wish.wn, wish.wn / slower if slower else 0.0
+        controller, law = gains(motor, wn, wish.zeta, wish.t, slow)
+        if best and margins(law.discrete(), motor.plant, wish.t).phase_deg < LEAST_MARGIN_DEG:
+            continue
+        sign = 1 if motor.g > 0 else -1
+        param = law.named(sign) | {
+            "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
+            "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
+            "mode": mcdef.MD_POS | mcdef.COULCOMP,
+        }
+        probe.write(probe.position)
+        probe.change(**param)
+        probe.wait(0.3)
+        say(f"a step with {wn:.0f} rad/s{', and an integral' if slow else ''}")
+        step = make_step(probe, size, LONG_STEP_S if slow else STEP_S)
+        verdict = judge(step, wish, motor, probe.param())
+        say(verdict.text)
+        if best is None or rank(step, verdict) < rank(*best[2:]):
+            best = controller, param, step, verdict
+        if verdict.met or verdict.unmet == ("overshoot",):
+            break
+    if best[2] is not step:
+        probe.change(**best[1])
+        probe.wait(0.3)
+    return best
 
 
 def make_step(probe: Probe, size: float, seconds: float = STEP_S) -> dict:
@@ -340,13 +379,7 @@ def make_step(probe: Probe, size: float, seconds: float = STEP_S) -> dict:
     probe.write(before)
     probe.wait(seconds)
     first = int(np.argmax(rows.w == target))
-    at = rows.t[first]
-    response = step_response(rows.t, rows.y, at, before, target)
-    return asdict(response) | {
-        "size": target - before,
-        "t": (rows.t[first:] - at).tolist(),
-        "y": (rows.y[first:] - before).tolist(),
-    }
+    return step_figures(rows.t[first:], rows.y[first:] - before, rows.u[first:], target - before)
 
 
 def chirp(probe: Probe, amplitude: float, low: float, high: float, seconds: float) -> Frequency:
