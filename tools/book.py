@@ -103,6 +103,8 @@ def chapter(text: str, original: Path, wanted: set[Path]) -> str:
     up = "../" * (len(original.relative_to(DOCS).parts) if original.is_relative_to(DOCS) else 1)
     frame = f'<iframe src="{up}web/live.html?demo=\\1" title="the machine itself" loading="lazy" ' \
             'style="width: 100%; height: 300px; border: 1px solid #ccc"></iframe>'  # fmt: skip
+    if not (BUILD / "web" / "live.html").is_file():
+        frame = ""  # only `make web` makes the machine that it would show
     return LIVE.sub(frame, "".join(parts))
 
 
@@ -178,6 +180,7 @@ def build() -> None:
     shutil.rmtree(BOOK, ignore_errors=True)
     BOOK.parent.mkdir(parents=True, exist_ok=True)
     (STAGE / "site").rename(BOOK)
+    print(f"mmcs: {(BOOK / 'index.html').relative_to(ROOT)}")
 
 
 if __name__ == "__main__":

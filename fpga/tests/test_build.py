@@ -5,6 +5,7 @@ import sys
 
 import pytest
 
+from fpga import build
 from tools.compiled import ran
 
 
@@ -13,3 +14,19 @@ from tools.compiled import ran
 def test_all_tops_elaborate():
     done = ran(sys.executable, "fpga/build.py", "--elaborate")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("write", [False, True])
+def test_the_page_is_written_only_when_asked(monkeypatch, tmp_path, write):
+    monkeypatch.setattr(build, "OUT", tmp_path)
+    monkeypatch.setattr(build, "need", lambda *tools: None)
+    monkeypatch.setattr(build, "build", lambda target: "a row")
+    page = tmp_path / "fpga.md"
+    page.write_text("<!-- generated: sizes -->\nold\n<!-- end of sizes -->\n")
+    monkeypatch.setattr(build, "PAGE", page)
+    monkeypatch.setattr(build, "table", lambda built: "new\n")
+    monkeypatch.setattr(
+        build.sys, "argv", ["build.py", build.TARGETS[0].name, *["--write"] * write]
+    )
+    assert build.main() == 0
+    assert ("new" in page.read_text()) == write

@@ -60,7 +60,7 @@ def trace(
     record, good = _made(run)
     from_s, to_s = replays.stretch(record, at, window, whole)
     path = check_file(out or replays.default_path(record, from_s, to_s))
-    snapshot, where = replays.trace(record, path, from_s, to_s)
+    snapshot, where, other_build = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
     echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
     origin = "power-on" if snapshot is None else f"the snapshot at {snapshot:.6f} s"
@@ -70,6 +70,8 @@ def trace(
         echo(f"the run made again has the same hash, {record.hash}")
     else:
         echo(f"caution: this is not the same run; it differs first at {where}")
+        for text in [other_build] * bool(other_build) + replays.cautions(record):
+            echo(f"  {text}: `mmcs run` it again, if that is meant")
         good = False
     if view:
         open_viewer(path)

@@ -193,9 +193,23 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--snapshot", "times", multiple=True, type=float, metavar="T", help="Keep one of T.")
 @click.option("--from", "origin", metavar="RUN[@T]", help="Go on from a snapshot of a run.")
 @click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
+@click.option("-v", "verbose", is_flag=True, help="Also the cache's hits, and how soon it moved.")
 @click.option("--dpi", type=int, hidden=True)
 def run(
-    scenario, duration, out, host, trace, realtime, seed, no_skip, sets, times, origin, bus, dpi
+    scenario,
+    duration,
+    out,
+    host,
+    trace,
+    realtime,
+    seed,
+    no_skip,
+    sets,
+    times,
+    origin,
+    bus,
+    verbose,
+    dpi,
 ) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     from mmcs.engine import hosts
@@ -219,7 +233,7 @@ def run(
             if value is not None:
                 allowed = "not together with --from: the snapshot decides"
                 raise InputError.one(name, "", None, allowed)
-        sys.exit(0 if _run_from(origin, duration, out, realtime) else 1)
+        sys.exit(0 if _run_from(origin, duration, out, realtime, verbose) else 1)
     if no_skip:
         sets = (*sets, "skip=false")
     if scenario is None:
@@ -234,12 +248,15 @@ def run(
         if not 0 <= t <= setup.scenario.duration:
             allowed = f"must be 0 to {setup.scenario.duration:g} s"
             raise InputError.one("--snapshot", "", t, allowed)
-    folder = out or results("runs", setup.path) / setup.name
+    name = setup.name if host == "native" else f"{setup.name}-{host}"
+    folder = out or results("runs", setup.path) / name
     _check_places(folder, trace)
     carry_out = partial(
         simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host, bus=bus, dpi=dpi
     )
-    good = run_scenario(setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out)
+    good = run_scenario(
+        setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
+    )
     sys.exit(0 if good else 1)
 
 
@@ -255,7 +272,7 @@ def _check_dpi(host, trace, times, origin) -> None:
             raise InputError.one(name, "", None, f"not through DPI: {why}")
 
 
-def _run_from(origin: str, duration: float | None, out: Path | None, realtime: bool) -> bool:
+def _run_from(origin, duration: float | None, out: Path | None, realtime, verbose) -> bool:
     from mmcs.runs.runner import run_scenario
     from mmcs.runs.snapshots import Snapshot, resume
 
@@ -266,7 +283,7 @@ def _run_from(origin: str, duration: float | None, out: Path | None, realtime: b
     echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
     return run_scenario(
         setup, folder, realtime=realtime, host=snapshot.record.host, started=STARTED,
-        carry_out=lambda s: resume(s, snapshot, realtime),
+        carry_out=lambda s: resume(s, snapshot, realtime), verbose=verbose,
     )  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def film(run: str, pictures: int, slower: float) -> None:
         write_strip(seen, part, pictures)
     with whole_file(seen.folder / "film.gif") as part:
         frames = write_gif(seen, part, slower)
-    echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames})")
+    echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames} frames)")
 
 
 @export.command()

@@ -17,7 +17,7 @@ def compare(a: str, b: str, out: Path | None) -> None:
     """Draw two runs over each other; A and B are folders, or names of scenarios that were run."""
     from mmcs.files import short
     from mmcs.folder import check_file, whole_file
-    from mmcs.view.compare import write_comparison
+    from mmcs.view.compare import print_comparison, write_comparison
     from mmcs.view.runs import read_run
 
     first, second = read_run(a), read_run(b)
@@ -26,13 +26,7 @@ def compare(a: str, b: str, out: Path | None) -> None:
         raise InputError.one("--out", "", str(out), "must end in .svg")
     with whole_file(path) as part:
         differences = write_comparison(first, second, part)
-    for seen in differences:
-        name = f"axis {seen['axis']} {seen['name']}".strip()
-        texts = [
-            "no samples in common" if seen[k] is None else f"{k} {seen[k]:g}"
-            for k in ("encoder", "error", "current")
-        ]
-        echo(f"{name}: largest difference {', '.join(texts)}")
+    print_comparison(first, second, differences)
     same = first.report["hash"] == second.report["hash"]
     echo(f"{'the same run to the bit' if same else 'different runs'}; {short(path)}")
 

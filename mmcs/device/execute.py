@@ -35,6 +35,8 @@ def cflags(modern: bool = False) -> list[str]:
             else ("-std=gnu89", "-w", "-include", "errno.h")
         ),
         f"-I{DEVICE / 'include'}",
+        "-idirafter",  # <mcdef.h> alone, as the driver's sources have it
+        str(ROOT / "firmware" / "include"),
         "-wrapper",
         f"{DEVICE / 'cc_wrapper.sh'},{LIBRARY}",
     ]

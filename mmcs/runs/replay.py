@@ -21,12 +21,17 @@ def replay(record: Record) -> tuple[str, str | None, str]:
 
     with tempfile.TemporaryDirectory() as folder:
         result = simulate(record.setup(Path(folder)), host=check(record.host, record.path, "host"))
-    other = "" if record.build == result.build else f"recorded by build {record.build}"
-    other += other and f", this is {result.build}"
+    other = _other_build(record, result)
     if result.hash == record.hash:
         return result.hash, None, other
     where = first_difference(record, result.log, result.checkpoints)
     return result.hash, where or "only in the registers at the end", other
+
+
+def _other_build(record: Record, result) -> str:
+    """What is said of another build of the simulator; "": it is the same."""
+    same = record.build == result.build
+    return "" if same else f"recorded by build {record.build}, this is {result.build}"
 
 
 def cautions(record: Record) -> list[str]:
@@ -97,9 +102,10 @@ def _event_time(record: Record, kind: str) -> float:
 
 def trace(
     record: Record, path: Path, from_s: float, to_s: float
-) -> tuple[float | None, str | None]:
+) -> tuple[float | None, str | None, str]:
     """Makes the run again with waveforms of this stretch: the snapshot's time of motion that it
-    began at (None: at power-on), and where it differs (None: nowhere).
+    began at (None: at power-on), where it differs (None: nowhere), and what is said of another
+    build.
 
     The nearest snapshot of the run is gone on from without waveforms; the stretch is the trace
     build's, clock by clock, with assertions; the rest is without them again. The hash at the end
@@ -113,14 +119,14 @@ def trace(
             raise
         snapshot = None  # of another build of the simulator
         result = _traced(record, path, (from_s, to_s), None)
-    began = None if snapshot is None else snapshot.t
+    began, other = None if snapshot is None else snapshot.t, _other_build(record, result)
     if result.assertion:
         notes = [n["text"] for n in result.notes if n["kind"] == "assert"]
-        return began, "an assertion of the model fails: " + (notes or ["no text"])[-1]
+        return began, "an assertion of the model fails: " + (notes or ["no text"])[-1], other
     if result.hash == record.hash:
-        return began, None
+        return began, None, other
     where = first_difference(record, result.log, result.checkpoints)
-    return began, where or "only in the registers at the end"
+    return began, where or "only in the registers at the end", other
 
 
 def _nearest(record: Record, from_s: float):

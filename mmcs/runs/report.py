@@ -27,6 +27,7 @@ HEADINGS = {  # of the table of axes
     "rms_error_counts": "rms\nerror\ncounts",
     "final_counts": "final\ncounts",
 }
+NONE = "-: not a step, or never there (rise: 90 % of the step; settled: within 2 % of it)"
 FEW = 6  # more met expectations than this are not listed one by one
 
 
@@ -130,7 +131,7 @@ def write_bus(cycles, folder: Path) -> None:
                 )
 
 
-def print_report(report: dict, result, console) -> None:
+def print_report(report: dict, result, console, verbose: bool = False) -> None:
     from rich.table import Table
 
     from mmcs.screen import cell
@@ -144,10 +145,12 @@ def print_report(report: dict, result, console) -> None:
         table.add_column(heading, justify="right")
     for axis in report["axes"]:
         name = cell(f"{axis['axis']} {axis['name']}".strip())
-        table.add_row(name, axis["mode"], *(_cell(axis[key]) for key in HEADINGS))
+        table.add_row(name, axis["mode"], *(shown(axis[key]) for key in HEADINGS))
     console.print(table)
-    shown = ("interrupts", "missed", "overruns", "panics")
-    counts = ", ".join(f"{report['stats'][name]} {name}" for name in shown)
+    if any(axis[key] is None for axis in report["axes"] for key in HEADINGS):
+        console.print(NONE)
+    named = ("interrupts", "missed", "overruns", "panics")
+    counts = ", ".join(f"{report['stats'][name]} {name}" for name in named)
     known = f"hash {report['hash']}" if report["hash"] else "no hash: no register can be read"
     console.print(f"{counts}; {known}")
     for axis in report["axes"]:
@@ -177,12 +180,13 @@ def print_report(report: dict, result, console) -> None:
         f"real-time factor {report['rtf']:.2f}"
     )
     cache = report["cache"]
-    if steps := cache["hits"] + cache["misses"]:
+    if verbose and (steps := cache["hits"] + cache["misses"]):
         console.print(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
                       f"{cache['misses']} misses, {cache['bytes'] / 1e6:.1f} MB")  # fmt: skip
 
 
-def _cell(value: float | None) -> str:
+def shown(value: float | None) -> str:
+    """A figure in a table."""
     if value is None:
         return "-"
     return f"{value:.0f}" if value == round(value) else f"{value:.1f}"

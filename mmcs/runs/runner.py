@@ -25,10 +25,12 @@ def run_scenario(
     started: float | None = None,
     carry_out=None,
     stderr: bool = False,
+    verbose: bool = False,
 ) -> bool:
     """Runs, writes folder and prints the table; True when every expectation held.
 
-    carry_out: what makes a result of the setup, when not simulate(). stderr: prints there.
+    carry_out: what makes a result of the setup, when not simulate(). stderr: prints there. verbose:
+    also what the model's cache did, and the time to the first motion.
     """
     from mmcs.folder import check_folder, writing
     from mmcs.runs import record as records
@@ -53,8 +55,8 @@ def run_scenario(
                 stage / snapshots.NAME, lambda path: snapshots.write_snapshots(path, record, result)
             )
     console = screen(stderr=stderr)
-    reports.print_report(report, result, console)
-    if result.first_motion_wall and started:
+    reports.print_report(report, result, console, verbose)
+    if verbose and result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
         told = 0.0
         with contextlib.suppress(KeyError, ValueError):
@@ -63,7 +65,11 @@ def run_scenario(
         console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
     if lacking:
         console.print(f"out of memory: without {' and '.join(lacking)}")
-    console.print(f"results in {short(folder)}" + (f", trace {short(trace)}" if trace else ""))
+    plot = () if "plot.svg" in lacking else (folder / "plot.svg",)
+    files = [f"{short(file)}" for file in (*plot, *([trace] if trace else []))]
+    console.print(", ".join([f"results in {short(folder)}", *files]))
+    if result.hash and not stderr:
+        console.print(f"next: mmcs trace {short(folder)} (waveforms), mmcs compare A B (two runs)")
     return all(item["ok"] for item in report["expect"])
 
 

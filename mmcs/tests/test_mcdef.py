@@ -6,6 +6,7 @@ import os
 import pytest
 
 from mmcs import mcdef
+from mmcs.device.execute import cflags
 from tools.compiled import compiled, ran, written
 
 
@@ -68,3 +69,10 @@ def test_declarations_are_parsed_once_and_again_where_they_were_damaged(tmp_path
     monkeypatch.setattr(mcdef, "BUILD", tmp_path / "file" / "below")
     (tmp_path / "file").touch()
     assert make().sizeof("struct mc_param") == size
+
+
+@pytest.mark.parametrize("modern", [False, True])
+def test_a_program_may_include_it_as_the_driver_does(modern):
+    source = written("plain.c", "#include <mcdef.h>\nint axes = sizeof(struct mc_param);\n")
+    done = ran("cc", *cflags(modern), "-fsyntax-only", source)
+    assert (done.returncode, done.stderr) == (0, "")

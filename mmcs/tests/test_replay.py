@@ -342,3 +342,13 @@ def test_bad_stretches_are_refused_in_one_line(mmcs, ran):
     }
     for args, says in cases.items():
         one_clear_line(mmcs("trace", out, *args), says)
+
+
+def test_trace_after_an_edit_tells_that_the_build_differs(mmcs, ran, monkeypatch):
+    out, _ = ran
+    seen = (None, "sample 3", "recorded by build c1 a, this is c1 b")
+    monkeypatch.setattr("mmcs.runs.replay.trace", lambda *_: seen)
+    monkeypatch.setattr("mmcs.view.waves.write_views", lambda path: None)
+    status, text, _ = mmcs("trace", out)
+    assert status == 1 and "not the same run; it differs first at sample 3\n" in text
+    assert "  recorded by build c1 a, this is c1 b: `mmcs run` it again" in text

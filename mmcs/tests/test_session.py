@@ -91,7 +91,7 @@ def test_a_start_of_make_that_cannot_be_is_not_looked_at(
     mmcs, scenario, fake_machine, tmp_path, monkeypatch, started
 ):
     monkeypatch.setenv("MMCS_STARTED", started)
-    text = mmcs("run", scenario(), "--out", tmp_path / "results")[1]
+    text = mmcs("run", scenario(), "-v", "--out", tmp_path / "results")[1]
     assert 0 <= float(text.split("time to first motion ")[1].split()[0]) < runner.A_DAY_S
 
 
@@ -114,8 +114,9 @@ def test_report_log_and_plot(mmcs, scenario, fake_machine, tmp_path):
     assert lines[-1].startswith("0.300000,200,200,0,0,0,0,0.")
     picture = (out / "plot.svg").read_text()
     assert picture.startswith("<?xml") and "setpoint" in picture and "current" in picture
-    for word in ("real-time factor", "time to first motion", "hash 0x", "axis"):
+    for word in ("real-time factor", "hash 0x", "axis", f"{out}/plot.svg", "next: mmcs trace"):
         assert word in text
+    assert "model's cache" not in text and "time to first motion" not in text
 
 
 def test_log_of_two_axes_has_its_columns_in_order(scenario, tmp_path):
@@ -276,3 +277,23 @@ def test_real_time_option_reaches_the_session(mmcs, scenario, fake_machine, tmp_
     monkeypatch.setattr(session, "time", wall)
     good(mmcs("run", scenario(), "--realtime", "--out", tmp_path / "out"), silent=True)
     assert sum(wall.slept) == pytest.approx(0.3)
+
+
+def test_a_dash_in_the_table_is_explained_under_it(mmcs, scenario, fake_machine, tmp_path):
+    text = mmcs("run", scenario(), "--out", tmp_path / "step")[1]
+    assert "-: not a step" not in text
+    ramp = GOOD.replace('kind = "step"', 'kind = "ramp"').replace(
+        "to = 200", "to = 200\nduration = 0.1"
+    )
+    text = mmcs("run", scenario(ramp), "--out", tmp_path / "ramp")[1]
+    assert (
+        "-: not a step, or never there (rise: 90 % of the step; settled: within 2 % of it)" in text
+    )
+
+
+def test_a_run_of_another_host_has_a_folder_of_its_own(mmcs, scenario, fake_machine, monkeypatch):
+    path = scenario()
+    for host in ("native", "m68020"):
+        mmcs("run", path, "--host", host)
+    found = {folder.name for folder in (path.parent / "runs").iterdir()}
+    assert found == {path.stem, f"{path.stem}-m68020"}

@@ -26,7 +26,7 @@ def trace(tmp_path_factory):
     folder = tmp_path_factory.mktemp("trace")
     write_record(make_record(simulate(load("lab500", SETS)), "native"), folder)
     path = folder / "lab500.fst"
-    assert trace(read_record(str(folder)), path, 0.004, 0.009) == (None, None)
+    assert trace(read_record(str(folder)), path, 0.004, 0.009) == (None, None, "")
     return path
 
 

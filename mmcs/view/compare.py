@@ -11,6 +11,9 @@ from mmcs.view.plot import BLUE, GREY, MAX_POINTS, ORANGE, grid
 from mmcs.view.runs import Run
 
 SIGNALS = ("encoder", "error", "current")
+FIGURES = {
+    "rms_error_counts": "rms error\ncounts", "rise_ms": "rise\nms", "final_counts": "final\ncounts",
+}  # fmt: skip
 LABELS = (("position", "counts"), ("error", "counts"), ("current", "D/A"))
 
 
@@ -44,6 +47,26 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
         _line(column[0], a, axis, "setpoint", GREY, 0.7, steps=True)
     path.write_text(chart.picture(sum(columns, []), *size, " and ".join(runs)))
     return found
+
+
+def print_comparison(a: Run, b: Run, found: list[dict]) -> None:
+    """A table: how far the signals are apart at most, and rms error, rise and end of A and B."""
+    from rich.table import Table
+
+    from mmcs.runs.report import shown
+    from mmcs.screen import cell, console
+
+    table = Table("axis", title=cell(f"A {_label(a, b)}, B {_label(b, a)}", "table.title"))
+    table.title_justify = "left"
+    for signal, (_, unit) in zip(SIGNALS, LABELS, strict=True):
+        table.add_column(f"{signal}\napart,\n{unit}", justify="right")
+    for heading in FIGURES.values():
+        table.add_column(f"{heading}\nA | B", justify="right")
+    for seen, *axes in zip(found, a.report["axes"], b.report["axes"], strict=True):
+        figures = (" | ".join(shown(axis.get(key)) for axis in axes) for key in FIGURES)
+        name = cell(f"{seen['axis']} {seen['name']}".strip())
+        table.add_row(name, *(shown(seen[signal]) for signal in SIGNALS), *figures)
+    console().print(table)
 
 
 def _line(cell, run: Run, axis: int, signal: str, *look, **more) -> None:

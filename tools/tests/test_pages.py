@@ -6,7 +6,7 @@ import re
 import pytest
 
 from mmcs import ROOT
-from tools import pages
+from tools import book, pages
 from tools.compiled import ran
 from tools.pages import MARK, aged, marks, old_ones, part, rewrite, splice
 
@@ -82,3 +82,12 @@ def test_every_begin_has_its_end():
         for name in re.findall(r"^<!-- generated: ([^>]+) -->$", text, re.M):
             begin, end = marks(name)
             assert text.count(begin) == text.count(end) == 1, f"{page.name}: {name}"
+
+
+def test_the_book_shows_the_machine_only_where_it_has_been_built(monkeypatch, tmp_path):
+    page = ROOT / "docs" / "hardware" / "adaptor.md"
+    monkeypatch.setattr(book, "BUILD", tmp_path)
+    assert "iframe" not in book.chapter("<!-- live: panic -->", page, set())
+    (tmp_path / "web").mkdir()
+    (tmp_path / "web" / "live.html").touch()
+    assert "web/live.html?demo=panic" in book.chapter("<!-- live: panic -->", page, set())
