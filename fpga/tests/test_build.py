@@ -19,14 +19,18 @@ def test_all_tops_elaborate():
 @pytest.mark.parametrize("write", [False, True])
 def test_the_page_is_written_only_when_asked(monkeypatch, tmp_path, write):
     monkeypatch.setattr(build, "OUT", tmp_path)
+    asked = []
+    monkeypatch.setattr(build, "committed", asked.append)
     monkeypatch.setattr(build, "need", lambda *tools: None)
     monkeypatch.setattr(build, "build", lambda target: "a row")
     page = tmp_path / "fpga.md"
-    page.write_text("<!-- generated: sizes -->\nold\n<!-- end of sizes -->\n")
+    page.write_text("old")
+    monkeypatch.setattr(build, "splice", lambda text, name, new: new)
     monkeypatch.setattr(build, "PAGE", page)
     monkeypatch.setattr(build, "table", lambda built: "new\n")
     monkeypatch.setattr(
         build.sys, "argv", ["build.py", build.TARGETS[0].name, *["--write"] * write]
     )
     assert build.main() == 0
+    assert bool(asked) == write, "sources that are changed may be built, not put down"
     assert ("new" in page.read_text()) == write
