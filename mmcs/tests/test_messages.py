@@ -212,6 +212,9 @@ def test_the_lease(serving, link):
     with Device() as dev, Link(path=serving.server.path, timeout=None) as other:
         dev.write([0])
         assert refused(link, "lease", take=True)[0] == 9  # nothing is open
+        link.request("open", mode="r")
+        assert refused(link, "lease", take=True)[0] == 9  # not for writing
+        link.request("close")
         link.request("open", mode="rw")
         link.request("lease", take=True)
         with pytest.raises(OSError, match="mctool\\) has the lease") as no:
@@ -228,6 +231,9 @@ def test_the_lease(serving, link):
         assert refused(other, "store", offset=0x409, value=0)[0] == 16
         assert refused(other, "input", name="estop", value=0)[0] == 16
         other.request("input", name="estop", value=1)
+        other.request("open", mode="r")
+        assert refused(link, "lease", give=other.hello["you"])[0] == 22
+        other.request("close")
         other.request("open", mode="rw")
         assert refused(other, "lease", take=True)[0] == 16
         link.request("lease", give=other.hello["you"])

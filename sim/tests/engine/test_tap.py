@@ -46,6 +46,8 @@ def test_rows_hold_what_the_log_holds():
         assert layout.size == size
         table = list(layout.iter_unpack(data))
         log = sim.log()
+        # IRQ, stopped, enabled, brakes released, PANIC: IRQ only in the pass that the button meets
+        assert {row[2] for row in table} == {0b00001, 0b00010, 0b00110, 0b10101}
         began = table[-1][1] - log[-1][0]
         kept = [row for row in table if row[1] >= began - 1e-9]
         assert len(kept) >= len(log) > 100

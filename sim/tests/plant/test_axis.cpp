@@ -298,6 +298,29 @@ TEST(backlash_and_spring_at_a_stop) {
   }
 }
 
+// While the motor is ahead its teeth push the load or leave it alone, also while it turns round.
+TEST(backlash_never_pulls) {
+  mmcs_motor m = ideal();
+  m.gear = 10.0;
+  m.load_inertia = 0.03;
+  m.stiffness = 100.0;
+  m.damping = 1.0;
+  m.backlash = 0.02;
+  auto plant = bench::alone(m);
+  std::vector<PinEdge> edges;
+  int ahead = 0;
+  for (int step = 0; step < 4000; ++step) {
+    const double volts = step < 2000 ? 1.0 : -10.0, speed = plant->velocity(0);
+    const bool pushes = plant->count(0) * 2 * M_PI / 1000 / m.gear > plant->angle(0) + 1e-3;
+    plant->step(&volts, true, true, edges);
+    if (!pushes) continue;
+    CHECK(plant->velocity(0) >= speed, "pulled from %g to %g rad/s at step %d", speed,
+          plant->velocity(0), step);
+    ahead += step > 2000;
+  }
+  CHECK(ahead > 10, "it turned round away from the teeth");
+}
+
 TEST(saved_state_has_the_same_future) {
   mmcs_motor motors[2] = {robots::puma560[1], robots::lab500[0]};
   motors[0].stiffness = 3000.0;
