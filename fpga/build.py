@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesis, placement and routing with open tools; `make fpga`.
 
-With --write the sizes come into docs/hardware/fpga.md; a row that is not built stays as it is there.
+With --write the sizes come into docs/hardware/fpga.md; a row that is not built stays as it is.
 Figures are those of one seed of the placer, and of the versions named in requirements.lock.
 """
 

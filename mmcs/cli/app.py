@@ -141,7 +141,7 @@ def show(scenario: str, sets: tuple[str, ...]) -> None:
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 def check(scenario: str, sets: tuple[str, ...]) -> None:
     """Explain every mistake in a scenario and its robot file, or in a robot file alone."""
-    from mmcs.scenario.describe import cautions
+    from mmcs.scenario.describe import cautions, foreign_expectations
     from mmcs.scenario.files import is_robot
     from mmcs.scenario.load import load
 
@@ -151,7 +151,7 @@ def check(scenario: str, sets: tuple[str, ...]) -> None:
 
     with _every_mistake():
         setup = load(scenario, sets)
-    for text in cautions(setup):
+    for text in cautions(setup) + foreign_expectations(setup):
         echo(f"caution: {text}")
     echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
 

@@ -114,3 +114,14 @@ def test_faults_do_not_repeat_the_machine():
     for name, entry in read_toml(FAULTS).items():
         assert "robot" not in entry, name
         assert read_scenario(find(name))[0]["robot"] == "puma560"
+
+
+def test_expectations_of_other_motions_are_cautioned(mmcs, tmp_path):
+    mine = 'description = "Mine"\nextends = "lab500"\n'
+    write(
+        tmp_path, own=mine + STEP.format(9), same=mine, none=mine + "expect = []\n" + STEP.format(9)
+    )
+    said = {name: mmcs("check", tmp_path / f"{name}.toml")[1] for name in ("own", "same", "none")}
+    assert "caution: its motions are its own, its expectations (" in said["own"]
+    assert "those of lab500: give [[expect]]s" in said["own"]
+    assert "caution" not in said["same"] + said["none"]

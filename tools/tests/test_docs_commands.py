@@ -220,6 +220,12 @@ def test_make():
                 assert "=" not in word or f"$({variable})" in text or f"{variable}" in text, line
 
 
+def test_the_table_of_what_to_run_has_every_suite_of_the_hardware():
+    table = (ROOT / "CONTRIBUTING.md").read_text().split("| you change |")[1].split("\n\n")[0]
+    folders = {file.parent.name for file in ROOT.glob("cocotb_tests/*/cocotb_*.py")}
+    assert len(folders) > 6 and {f for f in folders if not re.search(rf"\b{f}\b", table)} == set()
+
+
 def test_files_and_tools_that_commands_name():
     for page, line in CASES:
         for word in line.split():
