@@ -17,11 +17,12 @@ from mmcs.screen import echo
 @click.command()
 @click.argument("motions", nargs=-1, metavar="[SCENARIO]...")
 @click.option("--faults", "count", type=int, default=1000, metavar="N", help="How many; 1000.")
+@click.option("--stops", is_flag=True, help="Degrees moved after each way to stop ROBOT, SCENARIO.")
 @click.option("--seed", type=int, default=1, metavar="S", help="Seed of the faults; 1.")
 @click.option("--sort", "sorts", metavar="A,B", help="register, line, pin, message, kill; all.")
 @many_runs("campaign")
 @click.option("--show", type=int, metavar="N", help="Only tell of fault N, and how to make it.")
-def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show) -> None:
+def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resume, show) -> None:
     """Flip, break, kill: what becomes of it, and does anybody notice? Status 0 done, 2 bad input.
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
@@ -35,6 +36,11 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     if show is not None and not 0 <= show < MAX_RUNS:
         raise InputError.one("--show", "", show, f"must be 0 to {MAX_RUNS - 1}")
     check_workers(workers, dask)
+    if stops:
+        if dask or resume or sorts or show is not None:
+            allowed = "goes with scenarios, a robot, --set, --workers and --out alone"
+            raise InputError.one("--stops", "", None, allowed)
+        sys.exit(_stops(motions, sets, workers or cores(), out))
     chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
     plan = make_plan(motions, chosen, seed, sets)
     for setup in plan.setups.values():
@@ -53,6 +59,30 @@ def campaign(motions, count, seed, sorts, sets, workers, dask, out, resume, show
     command += ["--sort", sorts] if sorts else []
     command += [word for text in sets for word in ("--set", text)]
     sys.exit(_finish(plan, store.rows, folder, shlex.join(command), whole))
+
+
+def _stops(words, sets, workers: int, out: Path | None) -> int:
+    from mmcs.folder import check_folder, whole_file
+    from mmcs.sweeps.campaign_report import REPORT
+    from mmcs.sweeps.stops import MOMENTS, markdown, motions, run_motion, worst
+    from mmcs.sweeps.workers import run_here
+
+    setups, left = motions(words, sets)
+    folder = out or results("campaigns") / f"stops-{'-'.join(Path(word).stem for word in words)}"
+    check_folder(folder)
+    tasks = iter([(setup.name, (setup, MOMENTS)) for setup in setups])
+    found = dict(run_here(tasks, min(workers, len(setups)), run_motion))
+    left |= {name: one["why"] for name, one in found.items() if "moved" not in one}
+    found = {setup.name: found[setup.name] for setup in setups if setup.name not in left}
+    for name, why in left.items():
+        echo(f"left out: {name}: {why}")
+    if not found:
+        raise InputError.one("--stops", "", " ".join(words), "no motion is left")
+    table = markdown(*worst(found, setups))
+    with whole_file(folder / REPORT) as part:
+        part.write_text(table)
+    echo(table)
+    return ended(screen(), folder, REPORT, "", False)
 
 
 def _show(plan, n: int) -> None:

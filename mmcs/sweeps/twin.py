@@ -99,14 +99,8 @@ class Twin:
 
     def run(self, fault: Fault, whole: bool = False) -> tuple[Seen, dict]:
         """What is seen of it, and what else is told; whole: to the end, for its hash."""
-        sim, calls = self.sim, list(self.calls)
-        look = self._restore(fault.at)
-        if fault.event:
-            self._add(fault.event)
-        else:
-            calls.append(Call.model_validate(fault.call))
-        script = make_script(sim, self.setup, calls)
-        script.resume(self.session.script.client, self.start, LOOK_S * look, False)
+        sim = self.sim
+        look, script = self._begin(fault)
         before = sim.stats()
         began = len(sim.notes())
         times, angles, same, since = [], [], False, 0
@@ -127,6 +121,33 @@ class Twin:
         times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
         more = {"by": by, "told": told, **({"hash": ended} if whole else {})}
         return self._seen(fault.at, times, angles, (same, detected), more)
+
+    def _begin(self, fault: Fault):
+        """The look at which the faulty run begins, and its script."""
+        calls, look = list(self.calls), self._restore(fault.at)
+        if fault.event:
+            self._add(fault.event)
+        else:
+            calls.append(Call.model_validate(fault.call))
+        script = make_script(self.sim, self.setup, calls)
+        script.resume(self.session.script.client, self.start, LOOK_S * look, False)
+        return look, script
+
+    def stopped(self, fault: Fault, longest_s: float) -> tuple[np.ndarray, bool]:
+        """The joints' angles from a stop on until all rest, counts, a row for each look; and
+        whether they do within so many seconds."""
+        look, script = self._begin(fault)
+        last, still = look + round((longest_s + LOOK_S * EVERY) / LOOK_S), 0
+        self.sim.play(script, fault.at)
+        seen = [self._angles()]
+        while look < last and LOOK_S * still < PROMISE_S:
+            look += STEP
+            if LOOK_S * look <= fault.at:
+                continue
+            self.sim.play(script, LOOK_S * look)
+            seen.append(self._angles())
+            still = still + STEP if np.array_equal(seen[-1], seen[-2]) else 0
+        return np.array(seen), LOOK_S * still >= PROMISE_S
 
     def _seen(self, at: float, times, angles, known: tuple, more: dict) -> tuple[Seen, dict]:
         """known: whether all is the twin's again, and when it was told."""

@@ -8,7 +8,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from mmcs import ROBOTS, expect_plant, load, simulate
 from mmcs.inputs import INPUTS
+from mmcs.sweeps import stops
 from mmcs.sweeps import twin as twins
 from mmcs.sweeps.campaign import CHUNK, Plan, make_plan, run_fault, twin_of
 from mmcs.sweeps.campaign_report import how_far, wilson
@@ -338,3 +340,47 @@ def test_of_an_own_scenario_lies_beside_it(mmcs, tmp_path):
     (tmp_path / "my.toml").write_text('extends = "lab500"\nduration = 0.1\nexpect = []\n')
     good(mmcs("campaign", str(tmp_path / "my.toml"), "--faults", "2", "--workers", "1"))
     assert (tmp_path / "campaigns" / "my" / "report.md").is_file()
+
+
+# --- ways to stop ------------------------------------------------------------------------------
+
+
+def test_stops_are_those_of_whole_runs(mmcs, tmp_path, monkeypatch):
+    """The worst degrees after the button and after MSTOP, by runs that know nothing of snapshots;
+    and an own robot file moves as others with as many axes."""
+    monkeypatch.setattr(stops, "MOMENTS", 4)
+    worst = {}
+    for n in range(4):
+        at = 0.1 * n
+        for way, key, entry in (("button", "event", 'input = "estop", value = 1'),
+                                ("MSTOP", "call", 'request = "MSTOP"')):  # fmt: skip
+            sets = ("duration=1.0", "expect=[]", f"{key}=[{{at = {at}, {entry}}}]")
+            result = simulate(load("lab500", *sets))
+            worst[way] = max(worst.get(way, 0.0), expect_plant.moved_deg(result, 0, at))
+    own = tmp_path / "own.toml"
+    own.write_text((ROBOTS / "lab500.toml").read_text())
+    for robot in ("lab500", str(own)):
+        out = good(mmcs("campaign", robot, "--stops", "--workers", 1, "--out", tmp_path / "out"))
+        table = stops_of("\n".join(line for line in out.splitlines() if line.startswith("|")))
+        assert set(stops.WAYS) < set(table) and "left out: user_loop: it has a [[process]]" in out
+        for way, degrees in worst.items():
+            assert float(table[way][1].strip("≥ ")) >= degrees - 0.1, (way, table)
+        assert "≥" in table["host dead"][1], "a bench motor has no brake: it goes on"
+        assert table == stops_of((tmp_path / "out" / "report.md").read_text())
+
+
+def stops_of(text):
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()]
+    return {row[0]: row for row in rows}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((), "wants a robot, or scenarios"),
+        (("fault_estop",), "nothing to stop: fault_estop: it has a [[event]]"),
+        (("lab500", "--sort", "pin"), "goes with scenarios, a robot, --set, --workers and --out"),
+    ],
+)
+def test_mistakes_of_stops_are_told_in_one_line(mmcs, arguments, told):
+    one_clear_line(mmcs("campaign", "--stops", *arguments), told)
