@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The models of this build, by the name of their module; and the decoder's, which has no registers.
+// The models of this build, by the name of their module; and that of the card's address decoder.
 
 #include <stdexcept>
 
 #include "Vmark1_decode.h"
 #include "board.h"
-#include "ears.h"
+#include "decoder.h"
 
 namespace mmcs {
 
@@ -23,49 +23,51 @@ std::unique_ptr<Board> Board::create(const std::string &module, VerilatedContext
   throw std::runtime_error("no model of the board " + module);
 }
 
-struct Ears::Decoder {
+struct Decoder::Verilated {
   VerilatedContext context;
-  Vmark1_decode top{&context, "EARS"};
+  Vmark1_decode top{&context, "DECODER"};
 };
 
-Ears::Ears() : decoder_(std::make_unique<Decoder>()), known_(1 << 16) {}
-Ears::~Ears() = default;
+Decoder::Decoder() : model_(std::make_unique<Verilated>()), known_(1 << 16) {}
+Decoder::~Decoder() = default;
 
-uint32_t Ears::hear(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
-                    const std::vector<unsigned> &dips) {
+uint32_t Decoder::select(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
+                         const std::vector<unsigned> &dips) {
   const uint32_t key = address << 3 | aen << 2 | ior_n << 1 | iow_n;
   Entry &entry = known_[key * 2654435761u >> 16];
-  if (entry.key != key || entry.age != age_) {
-    entry = {key, 0, age_};
+  if (entry.key != key || entry.switches != switches_) {
+    entry = {key, 0, switches_};
     for (size_t n = 0; n < dips.size(); ++n) {
-      if (hears(address, aen, ior_n, iow_n, dips[n])) entry.cards |= 1u << n;
+      if (selects(address, aen, ior_n, iow_n, dips[n])) entry.cards |= 1u << n;
     }
   }
   return entry.cards;
 }
 
-void Ears::forget() {
-  ++age_;  // emptied instead, it would be most of what a restore costs
+void Decoder::forget() {
+  ++switches_;  // to empty the table would be most of what a restore costs
 }
 
-bool Ears::hears(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n, unsigned dip) {
-  Vmark1_decode &d = decoder_->top;
-  const auto said = [&d] {
+// A card is selected if any output of its decoder differs from that without a command.
+bool Decoder::selects(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
+                      unsigned dip) {
+  Vmark1_decode &d = model_->top;
+  const auto outputs = [&d] {
     d.eval();
-    uint64_t all = 0;  // everything that a decoder says, as one number to compare
-#define MMCS_SAYS(output, width) all = all << width | d.output;
+    uint64_t all = 0;
+#define MMCS_DECODED(output, width) all = all << width | d.output;
 #include "decoder.inc"
-#undef MMCS_SAYS
+#undef MMCS_DECODED
     return all;
   };
   d.pc_a_i = static_cast<SData>(address & 0x3FFF);
   d.pc_aen_i = aen & 1;
   d.dip_i = dip & 15;
   d.pc_ior_ni = d.pc_iow_ni = 1;
-  const uint64_t silent = said();
+  const uint64_t idle = outputs();
   d.pc_ior_ni = ior_n & 1;
   d.pc_iow_ni = iow_n & 1;
-  return said() != silent;
+  return outputs() != idle;
 }
 
 }  // namespace mmcs

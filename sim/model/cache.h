@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// What parts of one module do, remembered: states, and the transitions between them.
+// What parts of one module do, cached: states, and the transitions between them. Terms:
+// docs/simulator/simulator.md.
 //
-// A state is all control registers and control inputs of a part, with what its control outputs are;
-// where data decide, these can differ by the data. Data and counters are cells beside it; a counter
-// at its margin or below is part of the state.
-// A transition says what a clock, or inputs that moved, make of a state and of the cells. The model
-// is asked once: with several sets of marks in the cells, so that it shows which bit goes where.
+//   State       a part's control registers, inputs and outputs, and the transitions from it
+//   key         what a state is found by: registers, counters at their margin, inputs
+//   DataField   a register or port whose bits are only moved, or a counter; no part of the key
+//   Transition  what a clock, or inputs that changed, make of a state and of the data fields
+//   Copy        bits of a data field that another one gets
+//   Count       by how much a counter goes on
+//   Observation the data fields before and after a step of the model
+//   Cache       all states and transitions of a module
+//
+// Where data decide (parts.toml), a transition is found by their values: a case. To learn a
+// transition, the model makes the step with kPatterns sets of values in the data fields; every bit
+// has its own pattern over the sets, which shows where it goes.
 #pragma once
 
 #include <cstdint>
@@ -19,63 +27,61 @@ namespace mmcs {
 class Part;
 struct State;
 
-constexpr int kMarks = 16;  // sets of them
-constexpr size_t kMostCells = 32;
+constexpr int kPatterns = 16;
+constexpr size_t kMostFields = 32;
 constexpr size_t kMostBytes = 256;  // of control registers
 
-// A register or port that is data, or a counter.
-struct Cell {
+struct DataField {
   uint32_t mask;
-  int margin;  // of a counter that is control at some values, else -1
-  bool counter, in, out;
-  bool decides;     // in the situations that parts.toml names
-  uint64_t driven;  // an input of all ones while this control input is 0; or 0
+  int margin;  // of a counter that is part of the key from this value on down; else -1
+  bool counter, input, output;
+  bool decides;     // its value, in the situations that parts.toml names
+  uint64_t driven;  // of an input: all ones while this control input is 0; or 0
 };
 
-// Bits of one cell that another one gets: rotated, masked.
 struct Copy {
-  uint8_t to, from, left;
-  uint32_t keep, value, mask;  // of its own bits; constants, and what is inverted; of the other's
+  uint8_t to, from, left;  // fields; rotation of what is copied
+  // Of the field's bits: those it keeps; constants, and what is inverted; those of the other field.
+  uint32_t keep, value, mask;
 
   uint32_t apply(uint32_t own, uint32_t other) const {
     return (own & keep) ^ value ^ ((other << left | other >> (-left & 31)) & mask);
   }
 };
 struct Count {
-  uint8_t cell;
-  int8_t margin;  // the cell's
+  uint8_t field;
+  int8_t margin;  // the field's
   uint32_t by, mask;
 };
 
-// What a transition is before its place in memory is known.
+// A transition before its place in memory is known.
 struct Draft {
-  bool rests = false, near = false, tells = true;
-  bool computed = false;  // a cell became what no other one was: there is no such transition
+  bool idle = false, near_margin = false, observed = true;
+  bool computed = false;  // a field became what no other one was: there is no such transition
   uint32_t sources = 0;
   std::vector<Copy> copies;
   std::vector<Count> counts;
-  std::vector<Copy> shown;
+  std::vector<Copy> feedthroughs;
 };
 
 // A hit touches little memory: copies and counts lie right behind the transition.
 struct Transition {
-  uint64_t in = 0;             // the inputs that lead to it
-  State *to = nullptr;         // null: data decide, or the model computes what becomes of them
+  uint64_t key = 0;            // the inputs that lead to it; of a case, the values that decide
+  State *to = nullptr;         // null: data decide, or the model computes the step
   Transition *next = nullptr;  // another one from the same state
   union {
-    State *other = nullptr;  // the same, with other counters at their margin
-    Transition *cases;       // where data decide: by their values
+    State *at_margin = nullptr;  // `to` with other counters at their margin
+    Transition *cases;           // where data decide
   };
-  uint32_t sources = 0;                                    // data inputs that it looks at
-  uint8_t copy_count = 0, out_count = 0, count_count = 0;  // out: copies to outputs, the first
-  uint8_t shown_count = 0;
-  bool decided : 1;  // by data: its cases are
-  bool is_case : 1;  // one of them
-  bool rests : 1;    // from a state to itself, and it may go on
-  bool near : 1;     // a counter may come to its margin, or from it
-  bool tells : 1;    // outputs that somebody looks at move
-  bool moves : 1;    // it has copies or counts
-  bool swaps : 1;    // a copy reads what one before it writes
+  uint32_t sources = 0;  // data inputs that are copied
+  uint8_t copy_count = 0, output_copy_count = 0, count_count = 0, feedthrough_count = 0;
+  bool decided : 1;      // by data: see `cases`
+  bool is_case : 1;      // one of them
+  bool idle : 1;         // leads to the same state, and k of them are k counts
+  bool near_margin : 1;  // a counter may come to its margin, or leave it
+  bool observed : 1;     // an observed output changes
+  bool moves : 1;        // it has copies or counts
+  bool overlaps : 1;     // a copy reads what one before it writes
 
   template <class T>
   struct Span {
@@ -83,6 +89,7 @@ struct Transition {
     const T *begin() const { return first; }
     const T *end() const { return last; }
   };
+  // To outputs, then to the others.
   Span<Copy> copies() const {
     const Copy *first = reinterpret_cast<const Copy *>(this + 1);
     return {first, first + copy_count};
@@ -91,86 +98,90 @@ struct Transition {
     const Count *first = reinterpret_cast<const Count *>(copies().last);
     return {first, first + count_count};
   }
-  // Of data inputs to outputs, if these have moved, too.
-  Span<Copy> shown() const {
+  // Data inputs that outputs follow without a clock: copied if the input has changed.
+  Span<Copy> feedthroughs() const {
     const Copy *first = reinterpret_cast<const Copy *>(counts().last);
-    return {first, first + shown_count};
+    return {first, first + feedthrough_count};
   }
 };
 
 struct State {
-  uint64_t in, out;  // control inputs and outputs
-  uint64_t near;     // a byte each counter with a margin: its value, or one above it
-  Transition *clock = nullptr;
-  Transition *same = nullptr;    // when data inputs alone move
-  Transition *inputs = nullptr;  // by what they become: a list
-  // So many clocks tell nothing; then it rests for good. -1: not known yet, or by its cells.
-  int16_t quiet = -1;
-  bool ends = false;
-  bool rests = false, still = false;  // a clock copies nothing; and nothing counts
-  Transition *ahead = nullptr;        // these clocks as one transition, if they are more than one
-  Transition *told = nullptr;         // with the one after them, which tells something
+  uint64_t inputs, outputs;  // of control
+  uint64_t counters;  // a byte each counter with a margin: its value, or one above the margin
+  Transition *on_clock = nullptr;
+  Transition *on_data = nullptr;    // when data inputs alone change
+  Transition *on_inputs = nullptr;  // a list, by the new control inputs
+  // Clocks from here that change no observed output; -1: not known yet, or by the data fields.
+  int16_t silent_clocks = -1;
+  bool then_idle = false;  // after them the part is idle
+  bool idle = false;       // from now on: a clock copies nothing
+  bool constant = false;   // and nothing counts
 
   uint8_t *registers() { return reinterpret_cast<uint8_t *>(this + 1); }
 };
 
+struct Observation {
+  uint32_t before[kMostFields], data[kMostFields],
+      after[kMostFields];  // data: inputs alone changed
+};
+
 class Cache {
  public:
-  Cache(std::vector<Cell> cells, size_t register_bytes);
+  Cache(std::vector<DataField> fields, size_t register_bytes);
 
-  // The state of these registers, and of these outputs if they are given; made if it is new.
-  State *find(const uint8_t *registers, uint64_t near, uint64_t in, const uint64_t *out);
-  State *make(const uint8_t *registers, uint64_t near, uint64_t in, uint64_t out);
-  Transition *add(const Draft &draft, uint64_t in, State *to);
-  // From what the marks became: the copies and counts of a transition; false: it is none.
-  // before, data, after: by mark, then by cell; data: when data inputs alone have moved. fixed:
-  // cells that had no marks.
-  struct Seen {
-    uint32_t before[kMostCells], data[kMostCells], after[kMostCells];
-  };
-  bool explain(const std::vector<Seen> &seen, uint32_t fixed, bool clock, Draft *t) const;
-  // The values of the cells that may decide.
-  uint64_t values(const uint32_t *cells) const {
+  // The state of this key, and with these outputs if they are given; made if it is new.
+  State *find(const uint8_t *registers, uint64_t counters, uint64_t inputs,
+              const uint64_t *outputs);
+  State *make(const uint8_t *registers, uint64_t counters, uint64_t inputs, uint64_t outputs);
+  Transition *add(const Draft &draft, uint64_t key, State *to);
+  // The copies and counts of a transition, from what became of the patterns; false: there is none.
+  // fixed: fields without a pattern, by bit.
+  bool derive(const std::vector<Observation> &seen, uint32_t fixed, bool clock, Draft *t) const;
+  // The values of the fields that may decide.
+  uint64_t values(const uint32_t *fields) const {
     uint64_t all = 0;
-    for (size_t c : deciding_) all = all << 16 | cells[c];
+    for (size_t f : deciding_) all = all << 16 | fields[f];
     return all;
   }
   const std::vector<size_t> &deciding() const { return deciding_; }
-  uint32_t mark(int set, size_t cell) const { return marks_[static_cast<size_t>(set)][cell]; }
+  uint32_t pattern(int set, size_t field) const {
+    return patterns_[static_cast<size_t>(set)][field];
+  }
 
-  uint64_t near(const uint32_t *cells) const {
+  // The counters' share of the key.
+  uint64_t counters(const uint32_t *fields) const {
     uint64_t all = 0;
     int place = 0;
-    for (size_t c : margins_) {
-      const uint32_t top = static_cast<uint32_t>(cells_[c].margin) + 1;
-      all |= static_cast<uint64_t>(cells[c] < top ? cells[c] : top) << place;
+    for (size_t f : margins_) {
+      const uint32_t top = static_cast<uint32_t>(fields_[f].margin) + 1;
+      all |= static_cast<uint64_t>(fields[f] < top ? fields[f] : top) << place;
       place += 8;
     }
     return all;
   }
-  // Those cells that have no marks in a state.
-  uint32_t fixed(uint64_t near, uint64_t in) const;
+  // Fields that have one value only while counters and inputs are so, by bit.
+  uint32_t fixed(uint64_t counters, uint64_t inputs) const;
 
   bool full() const { return bytes_ > kFull; }
   void clear();
 
-  const std::vector<Cell> &cells() const { return cells_; }
+  const std::vector<DataField> &fields() const { return fields_; }
   size_t bytes() const { return bytes_; }
   size_t states() const { return states_.size(); }
 
  private:
   static constexpr size_t kFull = size_t{4} << 20;
   struct Source {
-    uint8_t cell, bit;
-    bool flip, constant;
+    uint8_t field, bit;
+    bool inverted, constant;
   };
-  void make_marks();
+  void make_patterns();
 
-  const std::vector<Cell> cells_;
+  const std::vector<DataField> fields_;
   const size_t register_bytes_;
-  std::vector<size_t> margins_, deciding_;  // cells with a margin; that decide
-  std::vector<std::vector<uint32_t>> marks_;
-  std::unordered_map<uint32_t, Source> sources_;  // by what a bit was in each set of marks
+  std::vector<size_t> margins_, deciding_;  // fields with a margin; that decide
+  std::vector<std::vector<uint32_t>> patterns_;
+  std::unordered_map<uint32_t, Source> sources_;  // by the pattern of a bit
   // Memory that is given back as a whole.
   void *take(size_t bytes);
   static constexpr size_t kLine = 64, kChunk = size_t{1} << 16;

@@ -5,8 +5,9 @@ boards DIR CLK        registers.vlt (what Verilator keeps visible), *.args (para
                       *_shell.sv, *_shell.vlt: what stands for a chip in other parts
                       plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
                       boards.inc: registers and ports of each part, by name
-                      decoder.inc: what a card's decoder says
-wires DIR CLK N       wires.cpp: what rtl/mmcs.sv wires and computes between the boards of N cards
+                      decoder.inc: the outputs of a card's address decoder
+wires DIR CLK N       wires.cpp: how rtl/mmcs.sv wires the boards of N cards
+                      *_shell.sv, glue.vlt: empty boards, and what is visible between them
 checkers DIR CLK N    checkers.inc, checkers.vlt: the bus checkers, whose reset can be forced
 triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
                       V*.edges: values before and now of what edges are looked for
@@ -24,7 +25,7 @@ sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
 from netlist import Module, Netlist, dissolve, instances  # noqa: E402
 from parts import CHIPS, RULES, Board  # noqa: E402
-from wires import wires_text  # noqa: E402
+from wires import Wires  # noqa: E402
 
 
 def read_design(folder: Path, cards: int, clk_hz: str, *sets: str) -> Netlist:
@@ -104,12 +105,12 @@ def write_ports(path: Path, module: Module) -> None:
     )
 
 
-def shell(chip: Module) -> str:
-    """A chip without contents: its outputs are written by the model."""
-    parameters = ", ".join(f"parameter {v.name} = 0" for v in chip.vars.values() if v.is_param)
+def shell(module: Module) -> str:
+    """A chip or board without contents: its outputs are written by the model."""
+    parameters = ", ".join(f"parameter {v.name} = 0" for v in module.vars.values() if v.is_param)
     ports = ",\n".join(f"  {p.direction.lower()} logic [{p.width - 1}:0] {p.name}"
-                       for p in chip.ports)  # fmt: skip
-    return f"module {chip.name} #({parameters}) (\n{ports}\n);\nendmodule\n"
+                       for p in module.ports)  # fmt: skip
+    return f"module {module.name} #({parameters}) (\n{ports}\n);\nendmodule\n"
 
 
 def _literal(value: str) -> str:
@@ -174,13 +175,23 @@ def boards_text(netlist: Netlist) -> str:
     return "\n".join([*out, "};"]) + "\n"
 
 
+def wires(folder: Path, netlist: Netlist, cards: int) -> None:
+    found = Wires(netlist, cards)
+    (folder / "wires.cpp").write_text(found.text())
+    visible = [f'public_flat_{"rd" if module == "mmcs" else "rw"} -module "{module}" -var "{name}"'
+               for module, name in sorted(found.glue_ports())]  # fmt: skip
+    (folder / "glue.vlt").write_text("\n".join(["`verilator_config", *visible]) + "\n")
+    for board in found.modules():
+        (folder / f"{board.name}_shell.sv").write_text(shell(board))
+
+
 def decoder_text(netlist: Netlist) -> str:
-    """All that the decoder says by which a board hears."""
+    """All outputs of a card's address decoder."""
     card, rule = next(iter(RULES["heard"].items()))  # all cards have the same decoder
     decoder = next(i for i in instances(netlist, boards(netlist)[card])
                    if i.path == rule["decoder"])  # fmt: skip
     outputs = (p for p in decoder.module.ports if p.direction == "OUTPUT")
-    return "".join(f"MMCS_SAYS({p.name}, {p.width})\n" for p in outputs)
+    return "".join(f"MMCS_DECODED({p.name}, {p.width})\n" for p in outputs)
 
 
 def checkers(folder: Path, netlist: Netlist) -> None:
@@ -236,7 +247,7 @@ def main() -> int:
     netlist = read_design(out / "tree", cards, clk_hz, "rtl")
     dissolve(netlist, netlist.top, "u_cards")
     if what == "wires":
-        (out / "wires.cpp").write_text(wires_text(netlist, cards))
+        wires(out, netlist, cards)
     else:
         config(out, netlist)
         (out / "boards.inc").write_text(boards_text(netlist))

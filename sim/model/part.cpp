@@ -9,7 +9,7 @@
 namespace mmcs {
 namespace {
 
-constexpr int kLongest = 64;  // clocks that are put off, unless it rests then
+constexpr int kLongest = 64;  // clocks that are postponed at once, unless the part is idle then
 
 uint32_t mask_of(int width) {
   if (width > 32) throw std::logic_error("data of more than 32 bits");
@@ -29,7 +29,8 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
   if (const Net clk = model->port("clk_i")) clk.put(1);
   const PartRow &own = table.parts[n];
   const std::string scope = model->name() + "." + own.module;
-  std::vector<Cell> cells;
+  std::vector<DataField> fields;
+  // A net by the path of its instance on the board.
   const auto find = [&](std::string path, const char *name) {
     if (const size_t outer = std::strlen(own.path)) {
       path = path.size() > outer ? path.substr(outer + 1) : "";
@@ -41,157 +42,167 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
   };
   for (const DecideRow &row : table.decides) {
     if (static_cast<size_t>(row.part) == n) {
-      decides_.emplace_back(find(row.path, row.name), row.level);
+      layout_.deciding.emplace_back(find(row.path, row.name), row.level);
     }
   }
-  places_by_row_.resize(table.registers.size());
+  layout_.by_row.resize(table.registers.size());
   for (size_t r = 0; r < table.registers.size(); ++r) {
     const RegisterRow &row = table.registers[r];
-    if (static_cast<size_t>(row.part) != n) continue;
-    Place place{find(row.path, row.name), -1, 0};
-    place.net.width = row.width;
-    if (row.kind == Kind::kControl) {
-      place.at = static_cast<int>(register_bytes_);
-      register_bytes_ += static_cast<size_t>(place.net.bytes);
-    } else {
-      place.cell = static_cast<int>(cells.size());
-      const bool counter = row.kind == Kind::kCounter;
-      cells.push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false,
-                       row.kind == Kind::kDecides, 0});
-      cell_ports_.push_back(nullptr);
-    }
-    places_.push_back(std::make_unique<Place>(place));
-    places_by_row_[r] = places_.back().get();
+    if (static_cast<size_t>(row.part) == n) add_register(r, row, find(row.path, row.name), &fields);
   }
   for (const SliceRow &row : table.slices) {
-    const Place *place = places_by_row_[static_cast<size_t>(row.reg)];
+    const RegisterPlace *place = layout_.by_row[static_cast<size_t>(row.reg)];
     if (!place) continue;
-    slices_.push_back({static_cast<int>(cells.size()), row.lsb, place});
-    cells.push_back({mask_of(row.width), -1, false, false, false, row.kind == Kind::kDecides, 0});
-    cell_ports_.push_back(nullptr);
+    layout_.slices.push_back({static_cast<int>(fields.size()), row.lsb, place});
+    fields.push_back({mask_of(row.width), -1, false, false, false, row.kind == Kind::kDecides, 0});
   }
-  if (register_bytes_ > kMostBytes) throw std::logic_error("a part with too many registers");
-  int ins = 0;
+  if (layout_.register_bytes > kMostBytes) throw std::logic_error("a part with too many registers");
+  ports_.by_field.resize(fields.size());
   for (const PortRow &row : own.ports) {
-    auto port = std::make_unique<PartPort>();
-    port->row = &row;
-    port->net =
+    const Net net =
         *row.path ? find_net(context, scope + "." + row.path, row.name) : model->port(row.name);
-    if (!port->net) throw std::runtime_error(scope + " has no port " + row.name);
-    port->net.width = 8 * port->net.bytes;
-    port->width = row.width;
-    port->out = row.out;
-    port->data = row.kind != Kind::kControl;
-    port->whole = std::none_of(own.ports.begin(), own.ports.end(), [&row](const PortRow &r) {
-      return &r != &row && std::strcmp(r.name, row.name) == 0 && std::strcmp(r.path, row.path) == 0;
-    });
-    if (port->data) {
-      port->at = static_cast<int>(cells.size());
-      cells.push_back(
-          {mask_of(row.width), -1, false, !row.out, row.out, row.kind == Kind::kDecides, 0});
-      cell_ports_.push_back(port.get());
-    } else {
-      port->at = row.out ? static_cast<int>(out_ports_.size()) : ins;
-      port->mask = bits(row.width, port->at);
-      if (row.out) {
-        out_ports_.insert(out_ports_.end(), static_cast<size_t>(row.width), port.get());
-      } else {
-        ins += row.width;
-      }
-    }
-    ports_.push_back(std::move(port));
+    if (!net) throw std::runtime_error(scope + " has no port " + row.name);
+    add_port(own, row, net, &fields);
   }
-  for (const auto &port : ports_) {
+  for (const auto &port : ports_.all) {
     if (port->row->driven < 0) continue;
-    const PartPort &tells = *ports_[static_cast<size_t>(port->row->driven)];
-    cells[static_cast<size_t>(port->at)].driven = tells.mask;
+    fields[static_cast<size_t>(port->field)].driven =
+        ports_.all[static_cast<size_t>(port->row->driven)]->mask;
   }
-  if (!*known) *known = std::make_shared<Cache>(cells, register_bytes_);
-  cache = free_ = *known;
-  put_inputs(cells_, 0);
+  if (!*known) *known = std::make_shared<Cache>(fields, layout_.register_bytes);
+  cache = module_cache_ = *known;
+  write_model_inputs(fields_, 0);
 }
 
-void Part::wired() {
-  seen_out_ = line_mask;
-  for (const auto &port : ports_) {
-    if (!port->out || (!port->wire && port->links.empty())) continue;
-    if (port->data) {
-      seen_cells_ |= 1u << port->at;
-    } else {
-      seen_out_ |= port->mask;
+void Part::add_register(size_t row_number, const RegisterRow &row, Net net,
+                        std::vector<DataField> *fields) {
+  net.width = row.width;
+  auto place = std::make_unique<RegisterPlace>(RegisterPlace{net, kNoField, 0});
+  if (row.kind == Kind::kControl) {
+    place->at = static_cast<int>(layout_.register_bytes);
+    layout_.register_bytes += static_cast<size_t>(net.bytes);
+  } else {
+    place->field = static_cast<int>(fields->size());
+    const bool counter = row.kind == Kind::kCounter;
+    fields->push_back({mask_of(row.width), counter ? row.margin : -1, counter, false, false,
+                       row.kind == Kind::kDecides, 0});
+  }
+  layout_.by_row[row_number] = place.get();
+  layout_.places.push_back(std::move(place));
+}
+
+void Part::add_port(const PartRow &own, const PortRow &row, Net net,
+                    std::vector<DataField> *fields) {
+  net.width = 8 * net.bytes;
+  const bool data = row.kind != Kind::kControl;
+  const bool whole = std::none_of(own.ports.begin(), own.ports.end(), [&row](const PortRow &r) {
+    return &r != &row && std::strcmp(r.name, row.name) == 0 && std::strcmp(r.path, row.path) == 0;
+  });
+  auto port = std::make_unique<PartPort>(PartPort{&row, net, row.width, row.out, data, whole});
+  if (data) {
+    port->field = static_cast<int>(fields->size());
+    fields->push_back(
+        {mask_of(row.width), -1, false, !row.out, row.out, row.kind == Kind::kDecides, 0});
+    ports_.by_field.push_back(port.get());
+  } else if (row.out) {
+    port->shift = static_cast<int>(ports_.by_output_bit.size());
+    ports_.by_output_bit.insert(ports_.by_output_bit.end(), static_cast<size_t>(row.width),
+                                port.get());
+  } else {
+    for (const auto &other : ports_.all) {
+      if (!other->data && !other->output) port->shift += other->width;
     }
   }
-  shown_out_ |= seen_out_;
-  shown_cells_ |= seen_cells_;
+  if (!data) port->mask = bits(row.width, port->shift);
+  ports_.all.push_back(std::move(port));
+}
+
+void Part::connected() {
+  out_.observed = line_mask;
+  for (const auto &port : ports_.all) {
+    if (!port->output || (!port->wire && port->links.empty())) continue;
+    if (port->data) {
+      out_.observed_fields |= 1u << port->field;
+    } else {
+      out_.observed |= port->mask;
+    }
+  }
+  out_.sampled |= out_.observed;
+  out_.sampled_fields |= out_.observed_fields;
 }
 
 // --- with the cache --------------------------------------------------------------------------
 
-// Counters have come to their margin, or have left it.
-void Part::near(const Transition &t) {
-  const uint64_t near = cache->near(cells_);
-  if (near == state_->near) return;
+// Counters may have come to their margin, or have left it: then the state is another one.
+void Part::enter_margin(const Transition &t) {
+  const uint64_t counters = cache->counters(fields_);
+  if (counters == state_->counters) return;
   Transition &known = const_cast<Transition &>(t);
-  if (!known.other || known.other->near != near)
-    known.other = state_of(state_->registers(), t.is_case);
-  state_ = known.other;
+  if (!known.at_margin || known.at_margin->counters != counters)
+    known.at_margin = state_of(state_->registers(), t.is_case);
+  state_ = known.at_margin;
 }
 
-// A step that is not learned yet, that data decide, or that the model is asked about, too.
-void Part::ask(Transition **at, bool clock) {
+// A step that is not learned yet, that data decide, or that is compared with the model.
+void Part::step_slowly(Transition **at, bool clock) {
   bool known = *at;
-  if (!known) *at = learn(clock, in_, false);
+  if (!known) *at = learn(clock, in_.control, false);
   if ((*at)->decided) {
-    const uint64_t values = cache->values(cells_);
+    const uint64_t values = cache->values(fields_);
     at = &(*at)->cases;
-    while (*at && (*at)->in != values) at = &(*at)->next;
+    while (*at && (*at)->key != values) at = &(*at)->next;
     known = *at;
     if (!known) *at = learn(clock, values, true);
   }
   Transition *t = *at;
   if (!t->to) {
     ++misses;
-    run(clock);
-    return;
+    load();
+    evaluate(clock);
+    return store();
   }
   ++(known ? hits : misses);
-  if (check && ++asked_ % static_cast<unsigned>(check) == 0) {
-    load();
-    op(clock);
-    uint8_t registers[kMostBytes] = {};
-    uint32_t cells[kMostCells] = {};
-    const uint64_t out = look(registers, cells);
-    perform(*t);
-    bool same = out == out_ && !std::memcmp(registers, state_->registers(), register_bytes_);
-    for (size_t c = 0; c < cache->cells().size(); ++c) {
-      same = same && (cache->cells()[c].in || cells[c] == cells_[c]);
-    }
-    if (!same) throw std::logic_error(model->name() + ": the cache differs from the model");
-    return;
-  }
+  if (check && ++mode_.steps % static_cast<unsigned>(check) == 0)
+    return compare_with_model(*t, clock);
   perform(*t);
 }
 
-// The cache does not know its state.
-bool Part::follow_slowly(int64_t t) {
-  catch_up(t);
-  if (cached_) {
-    store();
-    return follow(last_);
+// Makes a step of the cache and of the model.
+void Part::compare_with_model(const Transition &t, bool clock) {
+  load();
+  evaluate(clock);
+  uint8_t registers[kMostBytes] = {};
+  uint32_t fields[kMostFields] = {};
+  const uint64_t outputs = read_model(registers, fields);
+  perform(t);
+  bool same = outputs == out_.control &&
+              !std::memcmp(registers, state_->registers(), layout_.register_bytes);
+  for (size_t f = 0; f < cache->fields().size(); ++f) {
+    same = same && (cache->fields()[f].input || fields[f] == fields_[f]);
   }
-  op(false);
-  data_ = 0;
+  if (!same) throw std::logic_error(model->name() + ": the cache differs from the model");
+}
+
+// The cache does not know its state.
+bool Part::inputs_changed_slowly(int64_t t) {
+  catch_up(t);
+  if (mode_.cached) {
+    store();
+    return inputs_changed(time_.last);
+  }
+  evaluate(false);
+  in_.changed_fields = 0;
   store();
   plan();
   return true;
 }
 
 void Part::clock_slowly() {
-  if (cached_) {
+  if (mode_.cached) {
     store();
-    step(&state_->clock, true);
+    step(&state_->on_clock, true);
   } else {
-    op(true);
+    evaluate(true);
     store();
   }
   plan();
@@ -202,123 +213,81 @@ void Part::slow_clock(int64_t t) {
     if (const Net clk = model->port("clk_i")) clk.put(level);
     model->eval();
   }
-  poke();
+  apply_held_bits();
   store();
-  last_ = t;
+  time_.last = t;
   plan();
 }
 
 void Part::catch_up_slowly(int64_t t) {
-  while (last_ < t) {
-    const Transition *ahead = state_ ? state_->ahead : nullptr;
-    const Transition *next = state_ ? state_->clock : nullptr;
-    if (ahead && state_->quiet <= t - last_) {
-      hits += static_cast<uint64_t>(state_->quiet);
-      last_ += state_->quiet;
-      perform(*ahead);
-    } else if (!next || !next->to) {  // the model's own clock is none that is put off
-      last_ = t;
-    } else if (next->rests && holds(*next)) {
-      count(*next, t - last_);
-      last_ = t;
+  while (time_.last < t) {
+    const Transition *next = state_ ? state_->on_clock : nullptr;
+    if (!next || !next->to) {  // a clock that the model computes is not postponed
+      time_.last = t;
+    } else if (next->idle && changes_nothing(*next)) {
+      count(*next, t - time_.last);
+      time_.last = t;
     } else {
       perform(*next);
       ++hits;
-      ++last_;
+      ++time_.last;
     }
   }
 }
 
-// A clock leaves the cells as they are, but for what counts.
-bool Part::holds(const Transition &t) const {
+// A clock leaves the data fields as they are, but for what counts.
+bool Part::changes_nothing(const Transition &t) const {
   for (const Copy &c : t.copies()) {
-    if (c.apply(cells_[c.to], cells_[c.from]) != cells_[c.to]) return false;
+    if (c.apply(fields_[c.to], fields_[c.from]) != fields_[c.to]) return false;
   }
   return true;
 }
 
-// When it is due by its cells, or for the first time.
+// Plans by the data fields, or in this state for the first time.
 void Part::plan_slowly() {
-  const Transition *t = state_->clock;
+  const Transition *t = state_->on_clock;
   if (!t) return;
-  if (t->rests && (t->near || t->copy_count != 0)) {
-    state_->rests = t->copy_count == 0;
-    rests_ = holds(*t);
-    if (rests_) due_ = t->near ? room(*t) : kNever;
+  if (t->idle && (t->near_margin || t->copy_count != 0)) {
+    state_->idle = t->copy_count == 0;
+    time_.idle = changes_nothing(*t);
+    if (time_.idle) time_.due = t->near_margin ? margin_edge(*t) : kNever;
     return;
   }
   look_ahead(state_);
-  if (state_->quiet >= 0) plan();
+  if (state_->silent_clocks >= 0) plan();
 }
 
-// How many clocks of a state tell nothing, if all of them are known.
+// Finds the silent clocks of a state, if the transitions of all of them are known.
 void Part::look_ahead(State *s) {
-  std::vector<const Transition *> clocks;
-  const Transition *t = s->clock;
-  for (;; t = t->to->clock) {
+  int16_t clocks = 0;
+  for (const Transition *t = s->on_clock;; t = t->to->on_clock, ++clocks) {
     if (!t) return;
-    if (clocks.size() == kLongest || !t->to || t->near || t->tells) break;
-    if (t->rests) {
-      if (t->count_count != 0 && !clocks.empty()) break;
-      s->ends = t->copy_count == 0;
+    if (clocks == kLongest || !t->to || t->near_margin || t->observed) break;
+    if (t->idle) {
+      if (t->count_count != 0 && clocks != 0) break;
+      s->then_idle = t->copy_count == 0;
       break;
     }
-    clocks.push_back(t);
   }
-  s->quiet = static_cast<int16_t>(clocks.size());
-  s->rests = s->ends && clocks.empty();
-  s->still = s->rests && s->clock->count_count == 0;
-  if (clocks.size() > 1) s->ahead = join(s, clocks);
-  if (clocks.empty() || s->ends || !t->to || t->near) return;
-  clocks.push_back(t);
-  s->told = join(s, clocks);
+  s->silent_clocks = clocks;
+  s->idle = s->then_idle && clocks == 0;
+  s->constant = s->idle && s->on_clock->count_count == 0;
 }
 
-// Transitions one after the other as one, by the marks that they carry on; null: what one has
-// counted, another copies.
-Transition *Part::join(const State *from, const std::vector<const Transition *> &clocks) {
-  const auto &cells = cache->cells();
-  const uint32_t fixed = cache->fixed(from->near, from->in), moved = moved_;
-  uint32_t actual[kMostCells];
-  std::memcpy(actual, cells_, sizeof actual);
-  std::vector<Cache::Seen> seen(kMarks);
-  for (int set = 0; set < kMarks; ++set) {
-    for (size_t c = 0; c < cells.size(); ++c) {
-      if (cells[c].out) {
-        cells_[c] = set & 1 ? cells[c].mask : 0;
-      } else if (!(fixed >> c & 1)) {
-        cells_[c] = cache->mark(set, c);
-      } else if (cells[c].in) {
-        cells_[c] = cells[c].mask;
-      }
-    }
-    Cache::Seen &s = seen[static_cast<size_t>(set)];
-    std::memcpy(s.before, cells_, sizeof s.before);
-    for (const Transition *t : clocks) apply(*t);
-    std::memcpy(s.after, cells_, sizeof s.after);
-    std::memcpy(cells_, actual, sizeof actual);
-  }
-  moved_ = moved;
-  Draft draft;
-  if (!cache->explain(seen, fixed, true, &draft) || draft.near) return nullptr;
-  draft.rests = false;
-  return cache->add(draft, from->in, clocks.back()->to);
-}
-
-// The edge at which a part at rest has a counter at its margin.
-int64_t Part::room(const Transition &t) const {
-  int64_t room = kNever;
+// The edge at which a counter of an idle part comes to its margin.
+int64_t Part::margin_edge(const Transition &t) const {
+  int64_t clocks = kNever;
   for (const Count &c : t.counts()) {
     if (c.margin < 0) continue;
-    const uint32_t down = (0 - c.by) & c.mask, now = cells_[c.cell];
+    const uint32_t down = (0 - c.by) & c.mask, now = fields_[c.field];
     int64_t left = int64_t{now} - c.margin - 1;
     if (down > c.mask / 2 + 1)
       left = (int64_t{c.mask} - now) / c.by;
     else if (down != 1)
       left /= down;
-    room = std::min(room, left);
+    clocks = std::min(clocks, left);
   }
-  return room == kNever ? kNever : last_ + room + 1;
+  return clocks == kNever ? kNever : time_.last + clocks + 1;
 }
 
 }  // namespace mmcs

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part of the machine, board or chip: its state in the cache of its module, its cells, its ports.
+// A part of the machine, board or chip: its state in the cache of its module (cache.h), the values
+// of its data fields, its ports. Terms: docs/simulator/simulator.md.
 //
-// Its Verilated model is behind as long as the cache knows what happens. A miss, data that decide,
-// a register that is looked at or written from outside: then the model is brought up to the state.
+//   Link, PartPort     a port, and the inputs of other parts that it drives
+//   RegisterPlace      where a register is: in the model, and in the state or the data fields
+//   HeldBits           bits of a register that a fault holds
+//   Part               state, inputs, outputs, time, and what is known of its module
+//
+// The Verilated model is behind as long as the cache knows the transitions. It is brought up to the
+// state by a miss, by a step that the cache cannot know, and where a register is read or written
+// from outside (part_model.cpp).
 #pragma once
 
 #include <cstdint>
@@ -18,39 +25,39 @@
 namespace mmcs {
 
 constexpr int64_t kNever = INT64_MAX;
+constexpr int kNoField = -1;  // a control input, output or register
 
 struct Wire;
 
-// An input of a part, of all that a value needs to get there.
+// An input of a part, with all that a value needs to get there.
 struct Link {
   Part *part;
-  uint64_t mask;  // of control: its bits there
-  int at;         // its lowest bit among the control inputs; of data, its cell
-  bool data;
+  uint64_t mask;  // its bits among the control inputs
+  int shift;      // the lowest of them
+  int field;      // of data, else kNoField
 };
 
 struct PartPort {
   const PortRow *row;
   Net net;  // in the model
   int width;
-  bool out, data;
-  bool whole;               // it is all of its variable
-  int at;                   // its lowest bit among the control inputs or outputs; of data, its cell
-  uint64_t mask;            // of control: its bits there
-  std::vector<Link> links;  // of an output: inputs of the board
-  Wire *wire = nullptr;     // of an output: to a net that somebody looks at
+  bool output, data;
+  bool whole;                 // it is all of its variable
+  int shift = 0;              // its lowest bit among the control inputs or outputs
+  uint64_t mask = 0;          // its bits there
+  int field = kNoField;       // of data
+  std::vector<Link> links{};  // of an output: inputs on the same board
+  Wire *wire = nullptr;       // of an output: to a net that is read outside the board
 };
 
-// A register, in the model.
-struct Place {
-  Net net;
-  int cell;  // or -1: control
-  int at;    // among the bytes of control registers
+struct RegisterPlace {
+  Net net;    // in the model
+  int field;  // of data, else kNoField
+  int at;     // of control: its first byte in State::registers()
 };
 
-// Bits of a register that a fault holds.
-struct Poke {
-  Place *place;
+struct HeldBits {
+  RegisterPlace *place;
   uint64_t clear, set;
 };
 
@@ -60,293 +67,309 @@ class Part {
        std::shared_ptr<Cache> *cache, VerilatedContext &context);
   Part(const Part &) = delete;
 
-  // Its model is run at every clock, by itself.
-  void run_always(bool always) { cached_ = !always; }
-  // Bits of a register are held from now on; none: it is free.
-  void hold(const Poke &poke);
+  // Its model is evaluated at every clock, without the cache.
+  void run_always(bool always) { mode_.cached = !always; }
+  // Bits of a register are held from now on; if there are none, the register is free.
+  void hold(const HeldBits &bits);
 
-  // An input has this value from now on, after edge t. True: follow() must come.
+  // An input has this value after edge t. True: inputs_changed() must be called.
   template <class Input>
   bool put(const Input &port, uint64_t value, int64_t t) {
-    if (port.data) return put_data(port.at, static_cast<uint32_t>(value), t);
-    return put(-1, value << port.at, port.mask, t);
+    if (port.field != kNoField) return put_data(port.field, static_cast<uint32_t>(value), t);
+    return put(kNoField, value << port.shift, port.mask, t);
   }
-  // Some bits of a cell; -1: of the control inputs.
-  bool put(int cell, uint64_t bits, uint64_t mask, int64_t t) {
-    if (cell >= 0) {
+  // Some bits of a data field, or of the control inputs.
+  bool put(int field, uint64_t bits, uint64_t mask, int64_t t) {
+    if (field != kNoField) {
       const uint32_t some = static_cast<uint32_t>(mask), value = static_cast<uint32_t>(bits);
-      return put_data(cell, (cells_[cell] & ~some) | (value & some), t);
+      return put_data(field, (fields_[field] & ~some) | (value & some), t);
     }
-    const uint64_t now = (in_ & ~mask) | (bits & mask);
-    if (now == in_) return false;
-    in_ = now;
+    const uint64_t now = (in_.control & ~mask) | (bits & mask);
+    if (now == in_.control) return false;
+    in_.control = now;
     return true;
   }
   uint64_t get(const PartPort &port) const {
-    if (port.data) return cells_[port.at];
-    return ((port.out ? out_ : in_) & port.mask) >> port.at;
+    if (port.data) return fields_[port.field];
+    return ((port.output ? out_.control : in_.control) & port.mask) >> port.shift;
   }
 
-  // After edge t inputs have moved: what follows from them. False: it is due when it was.
-  bool follow(int64_t t);
-  // Edge t, with inputs as they stand.
+  // Makes the transition that follows from inputs that changed after edge t. False: due() is as it
+  // was.
+  bool inputs_changed(int64_t t);
+  // Makes the transition of clock edge t, with the inputs as they are.
   void clock(int64_t t);
   // Both edges of the clock by Verilator's own eval().
   void slow_clock(int64_t t);
-  // Its counters up to edge t; nothing else happens to it until then.
+  // Makes the clocks up to edge t that were postponed; they change no observed output.
   void catch_up(int64_t t) {
-    if (last_ >= t) return;
-    if (!rests_) return catch_up_slowly(t);
-    if (state_ && !state_->still) count(*state_->clock, t - last_);
-    last_ = t;
+    if (time_.last >= t) return;
+    if (!time_.idle) return catch_up_slowly(t);
+    if (state_ && !state_->constant) count(*state_->on_clock, t - time_.last);
+    time_.last = t;
   }
   // No clock came up to edge t.
-  void pass(int64_t t) { last_ = t; }
-  // The edge that it needs next.
-  int64_t due() const { return due_; }
+  void pass(int64_t t) { time_.last = t; }
+  // The edge whose clock cannot be postponed.
+  int64_t due() const { return time_.due; }
   void plan();
 
-  // The model has its registers, to be looked at; or to be written, if written() follows.
+  // Brings the model up to the state, so that its registers can be read; or written, if written()
+  // is called then.
   void load();
   void written(int64_t t);
-  uint64_t read(const Place &place) const;
-  void forget();  // the cache begins anew
-  // Somebody else runs its model: what its outputs are now.
+  uint64_t read(const RegisterPlace &place) const;
+  void forget();  // the cache is about to be emptied
 
-  // Outputs that moved since they were last taken, of those that somebody looks at: control bits,
-  // cells.
-  bool tells() const {
-    if (((out_ ^ told_) & seen_out_) != 0) return true;
-    const uint32_t moved = moved_ & seen_cells_;
-    return moved != 0 && selected(moved, out_) != 0;
+  // Whether observed outputs have changed since they were taken.
+  bool has_pending_outputs() const {
+    if (((out_.control ^ out_.taken) & out_.observed) != 0) return true;
+    const uint32_t changed = out_.pending_fields & out_.observed_fields;
+    return changed != 0 && not_ignored(changed, out_.control) != 0;
   }
-  uint64_t take_out() {
-    const uint64_t moved = (out_ ^ told_) & seen_out_;
-    told_ = out_;
-    return moved;
+  // Those outputs: bits of control; data fields, by bit.
+  uint64_t take_outputs() {
+    const uint64_t changed = (out_.control ^ out_.taken) & out_.observed;
+    out_.taken = out_.control;
+    return changed;
   }
-  uint32_t take_cells() {
-    const uint32_t moved = moved_ & seen_cells_;
-    moved_ = 0;
-    return moved;
+  uint32_t take_data_outputs() {
+    const uint32_t changed = out_.pending_fields & out_.observed_fields;
+    out_.pending_fields = 0;
+    return changed;
   }
-  // All is wired: who looks at which output is known.
-  void wired();
-  // This output is looked at at any time, without being told.
-  void show(const PartPort &port) {
+  // All ports are connected: outputs that lead anywhere are observed.
+  void connected();
+  // An output that is read at any time, too, whether it has changed or not.
+  void sample(const PartPort &port) {
     if (port.data) {
-      shown_cells_ |= 1u << port.at;
+      out_.sampled_fields |= 1u << port.field;
     } else {
-      shown_out_ |= port.mask;
+      out_.sampled |= port.mask;
     }
   }
-  // While all of these outputs are 1 nobody looks at this one.
-  void select(uint64_t outputs, const PartPort &port) {
-    selects_.push_back({outputs, 1u << port.at});
+  // While all of these control outputs are 1, this data output is not observed.
+  void ignore_while(uint64_t outputs, const PartPort &port) {
+    out_.ignored.push_back({outputs, 1u << port.field});
   }
-  // A fault holds what selects: it is looked at always.
-  void select_always(bool always);
-  const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_; }
-  const PartPort &port_at(int bit) const { return *out_ports_[bit]; }
-  const PartPort *port_of(int cell) const { return cell_ports_[cell]; }
-  Place *place(size_t row) const { return places_by_row_[row]; }
+  // A fault holds such a control output: its data outputs are observed always.
+  void never_ignore(bool never);
+  const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_.all; }
+  const PartPort &port_at(int bit) const { return *ports_.by_output_bit[bit]; }
+  const PartPort *port_of(int field) const { return ports_.by_field[field]; }
+  RegisterPlace *place(size_t row) const { return layout_.by_row[row]; }
 
   std::unique_ptr<Board> model;
   size_t number = 0;       // among the parts
-  uint64_t line_mask = 0;  // outputs that run() ends at
+  uint64_t line_mask = 0;  // control outputs that Rack::run() ends at
   std::shared_ptr<Cache> cache;
-  int check = 0;                  // every so many hits the model is asked, too; 0: never
-  uint64_t hits = 0, misses = 0;  // a miss runs the model
+  int check = 0;                  // every so many hits are compared with the model; 0: none
+  uint64_t hits = 0, misses = 0;  // steps from the cache; steps that the model was evaluated for
 
  private:
+  void add_register(size_t row_number, const RegisterRow &row, Net net,
+                    std::vector<DataField> *fields);
+  void add_port(const PartRow &own, const PortRow &row, Net net, std::vector<DataField> *fields);
+  // With the cache (part.cpp).
   void perform(const Transition &t);
-  void near(const Transition &t);
-  void catch_up_slowly(int64_t t);
-  Transition *learn(bool clock, uint64_t in, bool is_case);
-  bool decided() const;
-  bool holds(const Transition &t) const;
-  int64_t room(const Transition &t) const;
-  void count(const Transition &t, int64_t clocks);
-  void look_ahead(State *s);
-  Transition *join(const State *from, const std::vector<const Transition *> &clocks);
-  void plan_slowly();
-  void run(bool clock);
-  void op(bool clock);
-  void own_cache(bool own);
-  void put_inputs(const uint32_t *cells, uint64_t in);
-  void store();
-  void poke();
-  void step(Transition **at, bool clock);
-  void ask(Transition **at, bool clock);
-  bool follow_slowly(int64_t t);
-  void clock_slowly();
   void apply(const Transition &t);
-  void show(const Transition &t);
-  // Clocks that were put off see the input as it was; nobody may look at it.
-  bool put_data(int cell, uint32_t value, int64_t t) {
-    if (cells_[cell] == value) return false;
-    const uint32_t bit = 1u << cell;
-    if (rests_ && state_->clock->sources & bit) {
+  void apply_feedthroughs(const Transition &t);
+  void step(Transition **at, bool clock);
+  void step_slowly(Transition **at, bool clock);
+  void compare_with_model(const Transition &t, bool clock);
+  void enter_margin(const Transition &t);
+  bool inputs_changed_slowly(int64_t t);
+  void clock_slowly();
+  void catch_up_slowly(int64_t t);
+  void plan_slowly();
+  void look_ahead(State *s);
+  bool changes_nothing(const Transition &t) const;
+  int64_t margin_edge(const Transition &t) const;
+  void count(const Transition &t, int64_t clocks);
+  // With the model (part_model.cpp).
+  Transition *learn(bool clock, uint64_t key, bool is_case);
+  bool observe(int set, bool clock, uint32_t fixed, uint32_t valued, Observation *seen);
+  void evaluate(bool clock);
+  void store();
+  void apply_held_bits();
+  bool data_decide() const;
+  void own_cache(bool own);
+  State *state_of(const uint8_t *registers, bool is_case);
+  void write_model_inputs(const uint32_t *fields, uint64_t inputs);
+  void write_model(const uint8_t *registers, const uint32_t *fields, uint64_t inputs);
+  uint64_t read_model(uint8_t *registers, uint32_t *fields) const;
+  uint64_t read_model_outputs(uint32_t *fields) const;
+
+  // Postponed clocks are made with the input as it was.
+  bool put_data(int field, uint32_t value, int64_t t) {
+    if (fields_[field] == value) return false;
+    const uint32_t bit = 1u << field;
+    if (time_.idle && state_->on_clock->sources & bit) {
       catch_up(t);
-      rests_ = false;
-    } else if (!rests_) {
+      time_.idle = false;
+    } else if (!time_.idle) {
       catch_up(t);
     }
-    cells_[cell] = value;
-    if (state_ && in_ == state_->in && cached_) {
-      const Transition *same = state_->same, *clock = state_->clock;
-      if (same && same->to && clock && !((same->sources | clock->sources) & bit)) {
-        live_ = false;
+    fields_[field] = value;
+    if (state_ && in_.control == state_->inputs && mode_.cached) {
+      const Transition *on_data = state_->on_data, *clock = state_->on_clock;
+      if (on_data && on_data->to && clock && !((on_data->sources | clock->sources) & bit)) {
+        mode_.model_current = false;
         return false;
       }
     }
-    data_ |= bit;
+    in_.changed_fields |= bit;
     return true;
   }
-  // Of these cells those that somebody looks at while the outputs are so.
-  uint32_t selected(uint32_t cells, uint64_t out) const {
-    if (always_selected_) return cells;
-    for (const Select &s : selects_) {
-      if ((out & s.outputs) == s.outputs) cells &= ~s.cells;
+  // Of these data outputs those that are not ignored while the control outputs are so.
+  uint32_t not_ignored(uint32_t fields, uint64_t outputs) const {
+    if (out_.never_ignored) return fields;
+    for (const auto &[ones, ignored] : out_.ignored) {
+      if ((outputs & ones) == ones) fields &= ~ignored;
     }
-    return cells;
+    return fields;
   }
-  State *state_of(const uint8_t *registers, bool is_case);
-  void put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in);
-  uint64_t look(uint8_t *registers, uint32_t *cells) const;
-  uint64_t look_at_outputs(uint32_t *cells) const;
 
   State *state_ = nullptr;  // null: only the model knows
-  bool live_ = true;        // the model is at the state
-  bool cached_ = true;
-  bool rests_ = false;  // its clocks do nothing but count, until an input moves or it is due
-  std::vector<Poke> pokes_;
-  std::shared_ptr<Cache> free_;  // the cache of the module, for when no bits are held
-  uint64_t in_ = 0, out_ = 0, told_ = 0;
-  uint64_t model_in_ = 0;  // control inputs of the model, while it is at the state
-  uint32_t cells_[kMostCells] = {};
-  uint32_t data_ = 0;        // data inputs that moved
-  uint32_t moved_ = 0;       // cells that moved
-  uint64_t seen_out_ = 0;    // control outputs that somebody looks at
-  uint32_t seen_cells_ = 0;  // the same of data
-  uint64_t shown_out_ = 0;   // these, and those that are looked at at any time
-  uint32_t shown_cells_ = 0;
-  struct Select {
-    uint64_t outputs;
-    uint32_t cells;
+  uint32_t fields_[kMostFields] = {};
+  struct {
+    uint64_t control = 0;
+    uint32_t changed_fields = 0;  // data inputs that changed, by bit
+  } in_;
+  struct {
+    uint64_t control = 0;
+    uint64_t taken = 0;            // as take_outputs() saw them last
+    uint32_t pending_fields = 0;   // data outputs that changed since they were taken, by bit
+    uint64_t observed = 0;         // those that other parts, nets or lines read
+    uint32_t observed_fields = 0;  // the same of data
+    uint64_t sampled = 0;          // these, and those that are read at any time
+    uint32_t sampled_fields = 0;
+    struct Ignored {
+      uint64_t ones;    // control outputs
+      uint32_t fields;  // data outputs, not observed while all of them are 1
+    };
+    std::vector<Ignored> ignored;
+    bool never_ignored = false;
+  } out_;
+  struct {
+    int64_t last = 0;   // the edge of the last clock that was made
+    int64_t due = 0;    // see due()
+    bool idle = false;  // clocks do nothing but count, until an input changes or it is due
+  } time_;
+  struct {
+    bool cached = true;
+    bool model_current = true;  // the model has the state
+    uint64_t model_inputs = 0;  // its control inputs then
+    unsigned steps = 0;         // for `check`
+  } mode_;
+  std::vector<HeldBits> held_;
+  std::shared_ptr<Cache> module_cache_;  // for when no bits are held
+  struct {
+    std::vector<std::unique_ptr<PartPort>> all;
+    std::vector<const PartPort *> by_output_bit, by_field;
+  } ports_;
+  struct Slice {  // a data field that is bits of a control register
+    int field, lsb;
+    const RegisterPlace *within;
   };
-  std::vector<Select> selects_;
-  bool always_selected_ = false;
-  int64_t last_ = 0, due_ = 0;
-  unsigned asked_ = 0;  // steps, for `check`
-  size_t register_bytes_ = 0;
-  std::vector<std::unique_ptr<PartPort>> ports_;
-  std::vector<const PartPort *> out_ports_, cell_ports_;
-  struct Slice {  // a cell that is bits of a control register
-    int cell, lsb;
-    const Place *within;
-  };
-  std::vector<Slice> slices_;
-  std::vector<std::pair<Net, bool>> decides_;  // nets at which data decide, and at which level
-  std::vector<std::unique_ptr<Place>> places_;
-  std::vector<Place *> places_by_row_;
+  struct {
+    size_t register_bytes = 0;
+    std::vector<std::unique_ptr<RegisterPlace>> places;
+    std::vector<RegisterPlace *> by_row;  // of BoardTable::registers
+    std::vector<Slice> slices;
+    std::vector<std::pair<Net, bool>> deciding;  // nets at which data decide, and at which level
+  } layout_;
 };
 
-// What a transition does to the cells.
+// What a transition does to the data fields.
 inline void Part::apply(const Transition &t) {
-  uint32_t own[kMostCells];
-  const uint32_t *before = cells_;
-  if (t.swaps) before = static_cast<uint32_t *>(std::memcpy(own, cells_, sizeof own));
+  uint32_t own[kMostFields];
+  const uint32_t *before = fields_;
+  if (t.overlaps) before = static_cast<uint32_t *>(std::memcpy(own, fields_, sizeof own));
   const Copy *c = t.copies().first;
-  for (const Copy *end = c + t.out_count; c != end; ++c) {
-    const uint32_t was = cells_[c->to], now = c->apply(was, before[c->from]);
-    moved_ |= uint32_t{was != now} << c->to;
-    cells_[c->to] = now;
+  for (const Copy *end = c + t.output_copy_count; c != end; ++c) {
+    const uint32_t was = fields_[c->to], now = c->apply(was, before[c->from]);
+    out_.pending_fields |= uint32_t{was != now} << c->to;
+    fields_[c->to] = now;
   }
   for (const Copy *end = t.copies().last; c != end; ++c) {
-    cells_[c->to] = c->apply(cells_[c->to], before[c->from]);
+    fields_[c->to] = c->apply(fields_[c->to], before[c->from]);
   }
-  for (const Count &n : t.counts()) cells_[n.cell] = (cells_[n.cell] + n.by) & n.mask;
+  for (const Count &n : t.counts()) fields_[n.field] = (fields_[n.field] + n.by) & n.mask;
 }
 
-// Data inputs that moved are copied to outputs.
-inline void Part::show(const Transition &t) {
-  for (const Copy &c : t.shown()) {
-    if (!(data_ >> c.from & 1)) continue;
-    const uint32_t was = cells_[c.to], now = c.apply(was, cells_[c.from]);
-    moved_ |= uint32_t{was != now} << c.to;
-    cells_[c.to] = now;
+// Data inputs that changed are copied to the outputs that follow them.
+inline void Part::apply_feedthroughs(const Transition &t) {
+  for (const Copy &c : t.feedthroughs()) {
+    if (!(in_.changed_fields >> c.from & 1)) continue;
+    const uint32_t was = fields_[c.to], now = c.apply(was, fields_[c.from]);
+    out_.pending_fields |= uint32_t{was != now} << c.to;
+    fields_[c.to] = now;
   }
 }
 
 inline void Part::perform(const Transition &t) {
   if (t.moves) apply(t);
-  if (data_ != 0) show(t);
+  if (in_.changed_fields != 0) apply_feedthroughs(t);
   state_ = t.to;
-  live_ = false;
-  if (t.near) near(t);
-  out_ = state_->out;
+  mode_.model_current = false;
+  if (t.near_margin) enter_margin(t);
+  out_.control = state_->outputs;
 }
 
 inline void Part::step(Transition **at, bool clock) {
   const Transition *t = *at;
-  if (!t || !t->to || check != 0) return ask(at, clock);
+  if (!t || !t->to || check != 0) return step_slowly(at, clock);
   ++hits;
   perform(*t);
 }
 
 inline void Part::plan() {
-  due_ = last_ + 1;
-  rests_ = false;
-  if (!state_ || !cached_) return;
-  const int quiet = state_->quiet;
-  if (quiet < 0) return plan_slowly();
-  due_ = state_->ends ? kNever : due_ + quiet;
-  rests_ = state_->rests;
+  time_.due = time_.last + 1;
+  time_.idle = false;
+  if (!state_ || !mode_.cached) return;
+  const int silent = state_->silent_clocks;
+  if (silent < 0) return plan_slowly();
+  time_.due = state_->then_idle ? kNever : time_.due + silent;
+  time_.idle = state_->idle;
 }
 
-inline bool Part::follow(int64_t t) {
-  if (!state_ || !cached_) return follow_slowly(t);
+inline bool Part::inputs_changed(int64_t t) {
+  if (!state_ || !mode_.cached) return inputs_changed_slowly(t);
   State *from = state_;
-  if (in_ == from->in) {
-    const Transition *same = from->same;
-    // What it counts at rest has nothing to do with inputs that are shown only.
-    if (!rests_ || !same || same->to != from || same->moves) catch_up(t);
-    if (!same || !same->to || same->sources & data_)
-      step(&from->same, false);
+  if (in_.control == from->inputs) {
+    const Transition *on_data = from->on_data;
+    // Counts while idle do not depend on data inputs that only feed through.
+    if (!time_.idle || !on_data || on_data->to != from || on_data->moves) catch_up(t);
+    if (!on_data || !on_data->to || on_data->sources & in_.changed_fields)
+      step(&from->on_data, false);
     else
-      live_ = false;
-    data_ = 0;
-    if (rests_ && state_ == from) return false;
+      mode_.model_current = false;
+    in_.changed_fields = 0;
+    if (time_.idle && state_ == from) return false;
   } else {
     catch_up(t);
-    Transition **at = &state_->inputs;
-    while (*at && (*at)->in != in_) at = &(*at)->next;
+    Transition **at = &state_->on_inputs;
+    while (*at && (*at)->key != in_.control) at = &(*at)->next;
     step(at, false);
   }
-  data_ = 0;
+  in_.changed_fields = 0;
   plan();
   return true;
 }
 
 inline void Part::count(const Transition &t, int64_t clocks) {
   for (const Count &c : t.counts()) {
-    cells_[c.cell] = (cells_[c.cell] + c.by * static_cast<uint32_t>(clocks)) & c.mask;
+    fields_[c.field] = (fields_[c.field] + c.by * static_cast<uint32_t>(clocks)) & c.mask;
   }
-  live_ = false;
+  mode_.model_current = false;
 }
 
 inline void Part::clock(int64_t t) {
-  if (state_ && state_->told && t - last_ == state_->quiet + 1 && cached_ && check == 0) {
-    hits += static_cast<uint64_t>(t - last_);
-    last_ = t;
-    perform(*state_->told);
-    return plan();
-  }
   catch_up(t - 1);
-  last_ = t;
-  if (!state_ || !cached_) return clock_slowly();
-  step(&state_->clock, true);
+  time_.last = t;
+  if (!state_ || !mode_.cached) return clock_slowly();
+  step(&state_->on_clock, true);
   plan();
 }
 

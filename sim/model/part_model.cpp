@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// See part.h: a part and its Verilated model, which is run where the cache does not know.
+// See part.h: a part and its Verilated model, which is evaluated where the cache does not know.
 
 #include <algorithm>
 
@@ -27,10 +27,10 @@ inline void copy_bytes(void *to, const void *from, int bytes) {
 
 }  // namespace
 
-void Part::put_inputs(const uint32_t *cells, uint64_t in) {
-  for (const auto &port : ports_) {
-    if (port->out) continue;
-    const uint64_t value = port->data ? cells[port->at] : (in & port->mask) >> port->at;
+void Part::write_model_inputs(const uint32_t *fields, uint64_t inputs) {
+  for (const auto &port : ports_.all) {
+    if (port->output) continue;
+    const uint64_t value = port->data ? fields[port->field] : (inputs & port->mask) >> port->shift;
     if (port->whole) {
       port->net.put(value);
       continue;
@@ -38,222 +38,226 @@ void Part::put_inputs(const uint32_t *cells, uint64_t in) {
     const uint64_t bits = ((uint64_t{1} << port->width) - 1) << port->row->lsb;
     port->net.put((port->net.get() & ~bits) | value << port->row->lsb);
   }
-  model_in_ = in;
+  mode_.model_inputs = inputs;
 }
 
 // The model has these registers and inputs, and all that follows from them.
-void Part::put_state(const uint8_t *registers, const uint32_t *cells, uint64_t in) {
-  for (const auto &place : places_) {
-    if (place->cell >= 0) {
-      place->net.put(cells[place->cell]);
+void Part::write_model(const uint8_t *registers, const uint32_t *fields, uint64_t inputs) {
+  for (const auto &place : layout_.places) {
+    if (place->field != kNoField) {
+      place->net.put(fields[place->field]);
     } else {
       copy_bytes(place->net.at, registers + place->at, place->net.bytes);
     }
   }
-  for (const Slice &s : slices_) {
+  for (const Slice &s : layout_.slices) {
     const Net &net = s.within->net;
-    net.put(net.get() | static_cast<uint64_t>(cells[s.cell]) << s.lsb);
+    net.put(net.get() | static_cast<uint64_t>(fields[s.field]) << s.lsb);
   }
-  put_inputs(cells, in);
+  write_model_inputs(fields, inputs);
   model->settle();
   model->sync();
 }
 
-// Registers and data outputs of the model; control outputs.
-uint64_t Part::look(uint8_t *registers, uint32_t *cells) const {
-  for (const auto &place : places_) {
-    if (place->cell >= 0) {
-      cells[place->cell] = static_cast<uint32_t>(place->net.get());
+// Registers, data fields and control outputs of the model.
+uint64_t Part::read_model(uint8_t *registers, uint32_t *fields) const {
+  for (const auto &place : layout_.places) {
+    if (place->field != kNoField) {
+      fields[place->field] = static_cast<uint32_t>(place->net.get());
     } else {
       copy_bytes(registers + place->at, place->net.at, place->net.bytes);
     }
   }
-  for (const Slice &s : slices_) {
-    const uint64_t mask = cache->cells()[static_cast<size_t>(s.cell)].mask;
+  for (const Slice &s : layout_.slices) {
+    const uint64_t mask = cache->fields()[static_cast<size_t>(s.field)].mask;
     uint64_t own = 0;
     copy_bytes(&own, registers + s.within->at, s.within->net.bytes);
-    cells[s.cell] = static_cast<uint32_t>(own >> s.lsb & mask);
+    fields[s.field] = static_cast<uint32_t>(own >> s.lsb & mask);
     own &= ~(mask << s.lsb);
     copy_bytes(registers + s.within->at, &own, s.within->net.bytes);
   }
-  return look_at_outputs(cells);
+  return read_model_outputs(fields);
 }
 
-uint64_t Part::look_at_outputs(uint32_t *cells) const {
-  uint64_t out = 0;
-  for (const auto &port : ports_) {
-    if (!port->out) continue;
+uint64_t Part::read_model_outputs(uint32_t *fields) const {
+  uint64_t outputs = 0;
+  for (const auto &port : ports_.all) {
+    if (!port->output) continue;
     if (port->data) {
-      cells[port->at] = static_cast<uint32_t>(port->net.get());
+      fields[port->field] = static_cast<uint32_t>(port->net.get());
     } else {
-      out |= port->net.get() << port->at & port->mask;
+      outputs |= port->net.get() << port->shift & port->mask;
     }
   }
-  return out;
+  return outputs;
 }
 
 // Data decide what the model does now.
-bool Part::decided() const {
+bool Part::data_decide() const {
   bool found = false;
-  for (const auto &[net, level] : decides_) found = found || (net.get() != 0) == level;
+  for (const auto &[net, level] : layout_.deciding) found = found || (net.get() != 0) == level;
   return found;
 }
 
-void Part::op(bool clock) {
+void Part::evaluate(bool clock) {
   if (clock) {
     model->clock();
   } else {
-    put_inputs(cells_, in_);
+    write_model_inputs(fields_, in_.control);
     model->inputs();
   }
-  poke();
+  apply_held_bits();
 }
 
 void Part::load() {
-  if (!live_ && state_) put_state(state_->registers(), cells_, state_->in);
-  live_ = true;
+  if (!mode_.model_current && state_) write_model(state_->registers(), fields_, state_->inputs);
+  mode_.model_current = true;
 }
 
-void Part::run(bool clock) {
-  load();
-  op(clock);
-  store();
-}
-
-// The state and the cells are what the model has.
+// Takes state and data fields from the model.
 void Part::store() {
   uint8_t registers[kMostBytes] = {};
-  uint32_t before[kMostCells];
-  std::memcpy(before, cells_, sizeof before);
-  out_ = look(registers, cells_);
-  const auto &cells = cache->cells();
-  for (size_t c = 0; c < cells.size(); ++c) {
-    if (cells[c].out && cells_[c] != before[c]) moved_ |= 1u << c;
+  uint32_t before[kMostFields];
+  std::memcpy(before, fields_, sizeof before);
+  out_.control = read_model(registers, fields_);
+  const auto &fields = cache->fields();
+  for (size_t f = 0; f < fields.size(); ++f) {
+    if (fields[f].output && fields_[f] != before[f]) out_.pending_fields |= 1u << f;
   }
-  live_ = true;
+  mode_.model_current = true;
   state_ = nullptr;
-  if (cached_) state_ = cache->make(registers, cache->near(cells_), model_in_, out_);
+  if (mode_.cached)
+    state_ = cache->make(registers, cache->counters(fields_), mode_.model_inputs, out_.control);
 }
 
-// The state with these registers, the cells and inputs as they are; is_case: its outputs may be by
-// the values of cells.
+// The state with these registers and the inputs and data fields as they are; is_case: its outputs
+// may depend on the values of fields.
 State *Part::state_of(const uint8_t *registers, bool is_case) {
-  const uint64_t near = cache->near(cells_);
-  State *known = is_case ? nullptr : cache->find(registers, near, in_, nullptr);
+  const uint64_t counters = cache->counters(fields_);
+  State *known = is_case ? nullptr : cache->find(registers, counters, in_.control, nullptr);
   if (known) return known;
-  put_state(registers, cells_, in_);
+  write_model(registers, fields_, in_.control);
   uint8_t unused[kMostBytes];
-  uint32_t cells[kMostCells];
-  return cache->make(registers, near, in_, look(unused, cells));
+  uint32_t fields[kMostFields];
+  return cache->make(registers, counters, in_.control, read_model(unused, fields));
 }
 
-// A transition of the state, by its inputs or, where data decide, by the values of the cells.
-Transition *Part::learn(bool clock, uint64_t in, bool is_case) {
+// Makes a step of the model with one set of patterns. valued: the fields that decide, by bit, which
+// have their values; fixed: these, and others without a pattern. True: data decide.
+bool Part::observe(int set, bool clock, uint32_t fixed, uint32_t valued, Observation *seen) {
   State *from = state_;
-  const auto &cells = cache->cells();
-  uint32_t fixed = cache->fixed(from->near, in_), valued = 0;
+  const auto &fields = cache->fields();
+  for (size_t f = 0; f < fields.size(); ++f) {
+    if (!(fixed >> f & 1))
+      fields_[f] = cache->pattern(set, f);
+    else if (fields[f].input && !(valued >> f & 1))
+      fields_[f] = fields[f].mask;
+  }
+  for (const HeldBits &h : held_) {
+    if (h.place->field == kNoField) continue;
+    uint32_t &field = fields_[h.place->field];
+    field = static_cast<uint32_t>((field & ~h.clear) | h.set);
+  }
+  std::memcpy(seen->before, fields_, sizeof seen->before);
+  std::memcpy(seen->after, fields_, sizeof seen->after);
+  write_model(from->registers(), fields_, from->inputs);
+  if (!clock) {  // data inputs had other values before
+    uint32_t old[kMostFields];
+    for (size_t f = 0; f < fields.size(); ++f) {
+      const bool ones = fields[f].driven && !(from->inputs & fields[f].driven);
+      old[f] = !fields[f].input || valued >> f & 1 ? fields_[f]
+               : ones                              ? fields[f].mask
+                                                   : ~cache->pattern(set, f) & fields[f].mask;
+    }
+    read_model_outputs(seen->data);
+    write_model(from->registers(), old, from->inputs);
+  }
+  read_model_outputs(seen->before);
+  const bool before = data_decide();
+  evaluate(clock);
+  return before || data_decide();
+}
+
+// A transition of the state, by its inputs or, where data decide, by the values of the fields.
+Transition *Part::learn(bool clock, uint64_t key, bool is_case) {
+  State *from = state_;
+  uint32_t valued = 0;
   if (is_case) {
-    for (size_t c : cache->deciding()) valued |= 1u << c;
+    for (size_t f : cache->deciding()) valued |= 1u << f;
   }
-  fixed |= valued;
-  std::vector<Cache::Seen> seen(kMarks);
+  const uint32_t fixed = cache->fixed(from->counters, in_.control) | valued;
+  std::vector<Observation> seen(kPatterns);
   uint8_t registers[kMostBytes] = {}, others[kMostBytes] = {};
-  uint64_t out = 0;
-  bool same = true;
-  uint32_t actual[kMostCells];
-  std::memcpy(actual, cells_, sizeof actual);
-  for (int set = 0; set < kMarks && same; ++set) {
-    Cache::Seen &s = seen[static_cast<size_t>(set)];
-    for (size_t c = 0; c < cells.size(); ++c) {
-      if (!(fixed >> c & 1))
-        cells_[c] = cache->mark(set, c);
-      else if (cells[c].in && !(valued >> c & 1))
-        cells_[c] = cells[c].mask;
+  uint64_t outputs = 0;
+  bool same = true;  // of all sets: the key of the next state
+  uint32_t actual[kMostFields];
+  std::memcpy(actual, fields_, sizeof actual);
+  for (int set = 0; set < kPatterns && same; ++set) {
+    Observation &s = seen[static_cast<size_t>(set)];
+    same = !observe(set, clock, fixed, valued, &s) || is_case;
+    const uint64_t now = read_model(set ? others : registers, s.after);
+    if (set) {
+      same = same && now == outputs && !std::memcmp(registers, others, layout_.register_bytes);
     }
-    for (const Poke &p : pokes_) {
-      if (p.place->cell < 0) continue;
-      uint32_t &cell = cells_[p.place->cell];
-      cell = static_cast<uint32_t>((cell & ~p.clear) | p.set);
-    }
-    std::memcpy(s.before, cells_, sizeof s.before);
-    std::memcpy(s.after, cells_, sizeof s.after);
-    if (!clock) {  // inputs that are data come from other values
-      uint32_t old[kMostCells];
-      for (size_t c = 0; c < cells.size(); ++c) {
-        const bool ones = cells[c].driven && !(from->in & cells[c].driven);
-        old[c] = !cells[c].in || valued >> c & 1 ? cells_[c]
-                 : ones                          ? cells[c].mask
-                                                 : ~cache->mark(set, c) & cells[c].mask;
-      }
-      put_state(from->registers(), cells_, from->in);
-      look_at_outputs(s.data);
-      put_state(from->registers(), old, from->in);
-    } else {
-      put_state(from->registers(), cells_, from->in);
-    }
-    look_at_outputs(s.before);
-    const bool before = decided();
-    op(clock);
-    if ((before || decided()) && !is_case) same = false;
-    const uint64_t outs = look(set ? others : registers, s.after);
-    if (set) same = same && outs == out && !std::memcmp(registers, others, register_bytes_);
-    out = outs;
+    outputs = now;
   }
-  std::memcpy(cells_, actual, sizeof actual);
-  live_ = false;
+  std::memcpy(fields_, actual, sizeof actual);
+  mode_.model_current = false;
   Draft draft;
-  const bool found = same && cache->explain(seen, fixed, clock, &draft);
-  Transition *t = cache->add(found ? draft : Draft{}, in, nullptr);
+  const bool found = same && cache->derive(seen, fixed, clock, &draft);
+  Transition *t = cache->add(found ? draft : Draft{}, key, nullptr);
   t->is_case = is_case;
-  if (found) {
-    const uint32_t moved = moved_;
-    apply(*t);  // what is shown does not matter
-    t->to = state_of(registers, is_case);
-    t->rests = t->rests && t->to == from;
-    t->tells = ((t->to->out ^ from->out) & shown_out_) != 0;
-    const uint32_t shown = selected(shown_cells_, from->out) | selected(shown_cells_, t->to->out);
-    for (const Copy &c : draft.copies) t->tells = t->tells || shown >> c.to & 1;
-    std::memcpy(cells_, actual, sizeof actual);
-    moved_ = moved;
-  } else {
+  if (!found) {
     t->decided = !is_case && !draft.computed && !cache->deciding().empty();
+    return t;
   }
+  const uint32_t pending = out_.pending_fields;
+  apply(*t);  // feedthroughs do not change the key
+  t->to = state_of(registers, is_case);
+  std::memcpy(fields_, actual, sizeof actual);
+  out_.pending_fields = pending;
+  t->idle = t->idle && t->to == from;
+  t->observed = ((t->to->outputs ^ from->outputs) & out_.sampled) != 0;
+  const uint32_t sampled = not_ignored(out_.sampled_fields, from->outputs) |
+                           not_ignored(out_.sampled_fields, t->to->outputs);
+  for (const Copy &c : draft.copies) t->observed = t->observed || sampled >> c.to & 1;
   return t;
 }
 
 void Part::written(int64_t t) {
   model->settle();
   model->inputs();
-  poke();
+  apply_held_bits();
   store();
-  last_ = t;
-  due_ = t + 1;
-  rests_ = false;
+  time_.last = t;
+  time_.due = t + 1;
+  time_.idle = false;
 }
 
 // With held bits its transitions are others than those of its module: it has a cache of its own.
-void Part::hold(const Poke &poke) {
-  pokes_.erase(std::remove_if(pokes_.begin(), pokes_.end(),
-                              [&poke](const Poke &p) { return p.place == poke.place; }),
-               pokes_.end());
-  if (poke.clear || poke.set) pokes_.push_back(poke);
-  own_cache(!pokes_.empty() || always_selected_);
+void Part::hold(const HeldBits &bits) {
+  held_.erase(std::remove_if(held_.begin(), held_.end(),
+                             [&bits](const HeldBits &h) { return h.place == bits.place; }),
+              held_.end());
+  if (bits.clear || bits.set) held_.push_back(bits);
+  own_cache(!held_.empty() || out_.never_ignored);
 }
 
-void Part::select_always(bool always) {
-  if (always == always_selected_) return;
-  always_selected_ = always;
-  own_cache(!pokes_.empty() || always_selected_);
+void Part::never_ignore(bool never) {
+  if (never == out_.never_ignored) return;
+  out_.never_ignored = never;
+  own_cache(!held_.empty() || out_.never_ignored);
 }
 
 void Part::own_cache(bool own) {
-  cache = own ? std::make_shared<Cache>(free_->cells(), register_bytes_) : free_;
+  cache = own ? std::make_shared<Cache>(module_cache_->fields(), layout_.register_bytes)
+              : module_cache_;
   state_ = nullptr;
 }
 
-void Part::poke() {
+void Part::apply_held_bits() {
   bool changed = false;
-  for (const Poke &p : pokes_) {
+  for (const HeldBits &p : held_) {
     const Net &net = p.place->net;
     const uint64_t before = net.get(), after = (before & ~p.clear) | p.set;
     changed = changed || before != after;
@@ -262,13 +266,13 @@ void Part::poke() {
   if (changed) model->settle();
 }
 
-uint64_t Part::read(const Place &place) const {
-  if (live_) return place.net.get();
-  if (place.cell >= 0) return cells_[place.cell];
+uint64_t Part::read(const RegisterPlace &place) const {
+  if (mode_.model_current) return place.net.get();
+  if (place.field != kNoField) return fields_[place.field];
   uint64_t value = 0;
   std::memcpy(&value, state_->registers() + place.at, static_cast<size_t>(place.net.bytes));
-  for (const Slice &s : slices_) {
-    if (s.within == &place) value |= static_cast<uint64_t>(cells_[s.cell]) << s.lsb;
+  for (const Slice &s : layout_.slices) {
+    if (s.within == &place) value |= static_cast<uint64_t>(fields_[s.field]) << s.lsb;
   }
   return value;
 }

@@ -20,6 +20,7 @@ namespace {
 
 constexpr auto kFaultPins = static_cast<size_t>(Pin::kCount);
 constexpr uint64_t kCodeMask = 0xFFF;
+constexpr size_t kChangeWords = 5;  // of a change in a snapshot
 
 // The board at whose pins the ribbon begins.
 const char *const kAdaptor = "u_adaptor";
@@ -80,33 +81,32 @@ void Pins::set(Pin pin, int index, unsigned value) {
     case Pin::kDipXor:  // a switch that is right has the number of its card
       return later(kDip, 4 * index, 4, (static_cast<unsigned>(index) ^ value) & 15);
     default:
-      changes_.push_back({-1, static_cast<int>(pin), index, value});
-      if (also_) also_->changes_.push_back(changes_.back());
+      later(FaultChange{pin, index, value});
   }
 }
 
 void Pins::vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data,
                        bool iack) {
-  hand(kVmeA, 15, address >> 1 & 0x7FFF);
-  hand(kVmeAm, 6, am & 63);
-  hand(kVmeWrite, 1, !write);
-  hand(kVmeLword, 1, !lword);
-  hand(kVmeD, 16, data & 0xFFFF);
-  hand(kVmeIack, 1, !iack);
+  drive(kVmeA, 15, address >> 1 & 0x7FFF);
+  drive(kVmeAm, 6, am & 63);
+  drive(kVmeWrite, 1, !write);
+  drive(kVmeLword, 1, !lword);
+  drive(kVmeD, 16, data & 0xFFFF);
+  drive(kVmeIack, 1, !iack);
 }
 
 void Pins::vme_strobe(unsigned ds) {
-  hand(kVmeAs, 1, 0);
-  hand(kVmeDs, 2, ~ds & 3);
+  drive(kVmeAs, 1, 0);
+  drive(kVmeDs, 2, ~ds & 3);
 }
 
 void Pins::vme_release() {
-  hand(kVmeAs, 1, 1);
-  hand(kVmeDs, 2, 3);
-  hand(kVmeIack, 1, 1);
-  hand(kVmeIackin, 1, 1);
-  hand(kVmeWrite, 1, 1);
-  hand(kVmeLword, 1, 1);
+  drive(kVmeAs, 1, 1);
+  drive(kVmeDs, 2, 3);
+  drive(kVmeIack, 1, 1);
+  drive(kVmeIackin, 1, 1);
+  drive(kVmeWrite, 1, 1);
+  drive(kVmeLword, 1, 1);
 }
 
 // Lines of the VME bus: those held low win.
@@ -224,10 +224,11 @@ void Pins::apply() {
   std::vector<Change> now;
   now.swap(changes_);
   for (const Change &c : now) {
-    if (c.port >= 0) {
-      put(c.port, c.lsb, c.width, c.value);
+    if (const auto *p = std::get_if<PortChange>(&c)) {
+      put(p->port, p->lsb, p->width, p->value);
     } else {
-      fault(static_cast<Pin>(c.lsb), c.width, c.value);
+      const auto &f = std::get<FaultChange>(c);
+      fault(f.pin, f.index, f.value);
     }
   }
   now.clear();
@@ -258,8 +259,12 @@ std::vector<uint64_t> Pins::save() const {
   out.insert(out.end(), faults_.begin(), faults_.end());
   out.insert(out.end(), codes_.begin(), codes_.end());
   for (const Change &c : changes_) {
-    for (int n : {c.port, c.lsb, c.width}) out.push_back(static_cast<uint64_t>(int64_t{n}));
-    out.push_back(c.value);
+    const auto *p = std::get_if<PortChange>(&c);
+    const auto *f = std::get_if<FaultChange>(&c);
+    const int head[] = {f != nullptr, p ? p->port : static_cast<int>(f->pin), p ? p->lsb : f->index,
+                        p ? p->width : 0};
+    for (int n : head) out.push_back(static_cast<uint64_t>(n));
+    out.push_back(p ? p->value : f->value);
   }
   return out;
 }
@@ -267,7 +272,7 @@ std::vector<uint64_t> Pins::save() const {
 void Pins::restore(const std::vector<uint64_t> &state) {
   size_t at = faults_.size() + codes_.size();
   for (const auto &level : levels_) at += level.size();
-  if (state.size() < at || (state.size() - at) % 4 != 0) {
+  if (state.size() < at || (state.size() - at) % kChangeWords != 0) {
     throw std::invalid_argument("a snapshot of another machine");
   }
   at = 0;
@@ -287,11 +292,17 @@ void Pins::restore(const std::vector<uint64_t> &state) {
   at += faults_.size();
   for (uint64_t &code : codes_) code = state[at++];
   changes_.clear();
-  for (; at + 3 < state.size(); at += 4) {
-    changes_.push_back({static_cast<int>(state[at]), static_cast<int>(state[at + 1]),
-                        static_cast<int>(state[at + 2]), state[at + 3]});
+  for (; at + kChangeWords <= state.size(); at += kChangeWords) {
+    const int what = static_cast<int>(state[at + 1]), index = static_cast<int>(state[at + 2]);
+    const uint64_t value = state[at + 4];
+    if (state[at]) {
+      changes_.emplace_back(FaultChange{static_cast<Pin>(what), index, value});
+    } else {
+      changes_.emplace_back(
+          PortChange{static_cast<Port>(what), index, static_cast<int>(state[at + 3]), value});
+    }
   }
-  for (int port = 0; port < kVmeSysreset; ++port) hands_[port] = free_[port];
+  for (int port = 0; port < kVmeSysreset; ++port) driven_[port] = free_[port];
   for (int n = 0; n < 3; ++n) {
     for (size_t axis = 0; axis < encoders_.size(); ++axis) {
       const unsigned level = levels_[kEncA + n][0] >> axis & 1;
@@ -299,11 +310,12 @@ void Pins::restore(const std::vector<uint64_t> &state) {
     }
   }
   for (const Change &c : changes_) {
-    if (c.port >= 0 && c.port < kVmeSysreset) hands_[c.port] = c.value;
-    if (c.port < kEncA || c.port > kEncI) continue;
-    unsigned &encoder = encoders_[static_cast<size_t>(c.lsb)];
-    const unsigned bit = 1u << (c.port - kEncA);
-    encoder = c.value ? encoder | bit : encoder & ~bit;
+    const auto *p = std::get_if<PortChange>(&c);
+    if (p && p->port < kVmeSysreset) driven_[p->port] = p->value;
+    if (!p || p->port < kEncA || p->port > kEncI) continue;
+    unsigned &encoder = encoders_[static_cast<size_t>(p->lsb)];
+    const unsigned bit = 1u << (p->port - kEncA);
+    encoder = p->value ? encoder | bit : encoder & ~bit;
   }
   const std::vector<uint64_t> codes = codes_;
   for (size_t n = 0; n < faults_.size(); ++n) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inputs of a machine by name, and the hands of its VME bus master: what is set arrives at the
-// ports of rtl/mmcs.sv after the next edge, as through a wire. Faults that the hardware knows
-// nothing of are made here: a port of a board that is cut off its wire, a register with bits that
-// stick.
+// The inputs of a machine by name, and the pins of its VME bus master: what is set is at the ports
+// of rtl/mmcs.sv after the next edge. Faults for which the hardware has no input are made here: a
+// port of a board that is cut off its wire, a register with bits that are held.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mmcs {
@@ -55,7 +55,7 @@ extern const char *const kPortNames[kPorts];
 // Bits of a port that move at once: all of it, of an axis or of a card.
 constexpr int kPortFields[kPorts] = {15, 6, 1, 2, 1, 1, 16, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 4, 32};
 
-// Whether it is moved from outside the machine: by a port, not by a hand within.
+// Whether it is moved from outside the machine: by a port, not by a fault within.
 bool pin_is_port(Pin pin);
 
 // What a machine lets be done to it, between clocks.
@@ -94,32 +94,41 @@ class Pins {
   void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data,
                    bool iack = false);
   void vme_strobe(unsigned ds);
-  void vme_iackin(bool low) { hand(kVmeIackin, 1, !low); }
+  void vme_iackin(bool low) { drive(kVmeIackin, 1, !low); }
   void vme_release();
 
   // What the bus master reads of D15..D00 through lines that are held.
   unsigned vme_data(unsigned data) const { return static_cast<unsigned>(through(kVmeD, data)); }
 
-  // What comes from now on comes there, too.
+  // Changes from now on go to these pins, too.
   void also(Pins &other) { also_ = &other; }
 
   bool waiting() const { return !changes_.empty(); }
-  void apply();     // they arrive
+  void apply();     // changes that wait are made
   void power_on();  // everything at its idle level, at once
 
-  // What stands and what is on its way, for a snapshot.
+  // All levels, and changes that are on their way, for a snapshot.
   std::vector<uint64_t> save() const;
   void restore(const std::vector<uint64_t> &state);
 
  private:
-  struct Change {
-    int port;  // or -1: a fault, `lsb` its Pin, `width` its index
+  struct PortChange {
+    Port port;
     int lsb, width;
     uint64_t value;
   };
+  struct FaultChange {
+    Pin pin;
+    int index;
+    uint64_t value;
+  };
+  using Change = std::variant<PortChange, FaultChange>;
   void later(Port port, int lsb, int width, uint64_t value) {
-    changes_.push_back({port, lsb, width, value});
-    if (also_) also_->changes_.push_back(changes_.back());
+    later(PortChange{port, lsb, width, value});
+  }
+  void later(const Change &change) {
+    changes_.push_back(change);
+    if (also_) also_->changes_.push_back(change);
   }
   // Of the wires of an encoder those that move.
   template <class F>
@@ -131,10 +140,10 @@ class Pins {
       if (moved >> n & 1) f(kEncA + static_cast<int>(n), pins >> n & 1);
     }
   }
-  // A port that moves as a whole: only if it moves.
-  void hand(Port port, int width, uint64_t value) {
-    if (hands_[port] == value) return;
-    hands_[port] = value;
+  // A port of the bus master, if it changes.
+  void drive(Port port, int width, uint64_t value) {
+    if (driven_[port] == value) return;
+    driven_[port] = value;
     later(port, 0, width, value);
   }
   void put(int port, int lsb, int width, uint64_t value);
@@ -153,13 +162,13 @@ class Pins {
   const int cards_;
   Pins *also_ = nullptr;
   std::vector<Change> changes_;
-  uint64_t hands_[kVmeSysreset] = {};  // of the VME ports: as they stand or are on their way
-  uint64_t free_[kVmeSysreset] = {};   // as they would stand if no line were held
+  uint64_t driven_[kVmeSysreset] = {};  // VME ports, with changes that are on their way
+  uint64_t free_[kVmeSysreset] = {};    // as they are if no line is held
   uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
-  std::vector<unsigned> encoders_;        // of each axis: as set_encoder() was told last
-  std::vector<uint64_t> levels_[kPorts];  // as they stand, 64 bits a word
-  std::vector<uint64_t> faults_;          // by pin, then index: as they stand
-  std::vector<uint64_t> codes_;           // of each axis: what its stuck A/D keeps
+  std::vector<unsigned> encoders_;        // of each axis: as set_encoder() set them last
+  std::vector<uint64_t> levels_[kPorts];  // as they are, 64 bits a word
+  std::vector<uint64_t> faults_;          // by pin, then index: as they are
+  std::vector<uint64_t> codes_;           // of each axis: the code of its A/D when it stuck
 };
 
 }  // namespace mmcs

@@ -38,12 +38,6 @@ std::string sentence(const std::string &said) {
   return said.empty() ? "an assertion of the RTL failed" : said;
 }
 
-// Where Verilator has a board or what is in it: the cards have a module around them.
-std::string scope(const std::string &path) {
-  if (path.empty()) return kTop;
-  return kTop + (path.rfind("g_card", 0) == 0 ? ".u_cards." : ".") + path;
-}
-
 uint64_t bits_of(const Net &net, int lsb, int width) {
   uint64_t value = 0;
   for (int bit = 0; bit < width; ++bit) {
@@ -107,7 +101,7 @@ Plain::~Plain() {
 }
 
 Net Plain::find(const std::string &path, const std::string &name) const {
-  const Net net = find_net(*context_, scope(path), name);
+  const Net net = find_net(*context_, scope_of(kTop, path), name);
   if (!net) throw std::runtime_error("the model has no " + path + "." + name);
   return net;
 }
@@ -262,7 +256,7 @@ void Plain::put(Port port, int lsb, int width, uint64_t value) {
 
 // Wires inside are cut by Verilator's own means (registers.vlt), those that leave outside.
 void Plain::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
-  const Net enable = find_net(*context_, scope(board), std::string(port) + "__VforceEn");
+  const Net enable = find_net(*context_, scope_of(kTop, board), std::string(port) + "__VforceEn");
   if (!enable) {
     if (mask) {
       cuts_[{board, port}] = value;

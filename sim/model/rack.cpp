@@ -14,147 +14,151 @@ namespace mmcs {
 namespace {
 
 constexpr int kResetClks = 64;
-constexpr int64_t kSoon = 4096;  // clocks
 
-// What machines that are no more have learned, for the next one of this process.
-struct Shelf {
+// The caches of machines that have ended, for the next one of this process.
+struct Reserve {
   std::mutex mutex;
   std::vector<std::map<std::string, std::shared_ptr<Cache>>> sets;
 };
-Shelf &shelf() {
-  static Shelf *found = new Shelf;  // for good: a machine may end after all else
+Reserve &reserve() {
+  static Reserve *found = new Reserve;  // never deleted: a machine may end after all else
   return *found;
 }
 
 }  // namespace
 
 Rack::Rack(bool slow, bool skip, uint64_t seed)
-    : context_(create_context(seed)), wires_(*this), slow_(slow), skip_(skip && !slow) {
+    : context_(create_context(seed)), slow_(slow), skip_(skip && !slow), nets_(*this) {
   {
-    const std::lock_guard<std::mutex> lock(shelf().mutex);
-    if (!shelf().sets.empty()) {
-      caches_ = std::move(shelf().sets.back());
-      shelf().sets.pop_back();
+    const std::lock_guard<std::mutex> lock(reserve().mutex);
+    if (!reserve().sets.empty()) {
+      caches_ = std::move(reserve().sets.back());
+      reserve().sets.pop_back();
     }
   }
   for (const BoardInfo &board : kWires.boards) add_parts(board);
   if (const char *hits = std::getenv("MMCS_CHECK"))
     check(static_cast<int>(std::strtol(hits, nullptr, 10)));
-  if (parts_.size() > 64) throw std::logic_error("a machine of more than 64 parts");
+  if (parts_.size() > Schedule::kMostParts) throw std::logic_error("a machine of too many parts");
   wire();
 }
 
 Rack::~Rack() {
   use(context_);
-  const std::lock_guard<std::mutex> lock(shelf().mutex);
-  shelf().sets.push_back(std::move(caches_));
+  const std::lock_guard<std::mutex> lock(reserve().mutex);
+  reserve().sets.push_back(std::move(caches_));
 }
 
 // --- nets ------------------------------------------------------------------------------------
 
 void Rack::changed(int net, int lsb, int width) {
   const size_t n = static_cast<size_t>(net);
-  if (on_bus_[n] && (net == bus_[2] || net == bus_[3] || listening_ || commanded_))
-    bus_moved_ = true;
-  for (int l : followers_[n]) {
-    if (!due_[static_cast<size_t>(l)]) {
-      due_[static_cast<size_t>(l)] = 1;
-      logic_.push_back(l);
-    }
-  }
+  // Without a command no card is selected, and data and addresses do not matter.
+  const bool command = net == pc_bus_.nets[PcBus::kIor] || net == pc_bus_.nets[PcBus::kIow];
+  if (pc_bus_.has_net[n] && (command || pc_bus_.selected || pc_bus_.command))
+    pc_bus_.changed = true;
   for (const Reader &r : readers_[n]) {
-    if (r.lsb < lsb + width && lsb < r.lsb + r.width) show(*r.wire);
+    if (r.lsb < lsb + width && lsb < r.lsb + r.width) update_input(*r.wire);
   }
 }
 
-// The net's value at an input.
-void Rack::show(Wire &wire) {
-  arrive(*wire.part, *wire.port, wire.through(wires_.get(wire.net, wire.lsb, wire.width)));
+void Rack::update_input(Wire &wire) {
+  put_input(*wire.part, *wire.port, wire.through(nets_.get(wire.net, wire.lsb, wire.width)));
 }
 
-// An output that has moved takes its net along.
-void Rack::drive(Wire &wire) {
+void Rack::drive_net(Wire &wire) {
   const uint64_t value = wire.value();
-  if (value == wire.shown) return;
-  wire.shown = value;
-  wires_.put(wire.net, wire.lsb, wire.width, value);
+  if (value == wire.driven) return;
+  wire.driven = value;
+  if (wire.glue) {
+    wire.glue.put(value);
+    glue_changed_ = true;
+  }
+  nets_.put(wire.net, wire.lsb, wire.width, value);
 }
 
-// What of a part's outputs has moved goes where it is seen.
-void Rack::tell(Part &part) {
+void Rack::eval_glue() {
+  glue_changed_ = false;
+  glue_.eval();
+  for (const auto &[from, to] : glue_nets_) nets_.put(to, 0, from.width, from.get());
+}
+
+// Observed outputs of a part that have changed go to other parts and to nets.
+void Rack::send_outputs(Part &part) {
   const auto send = [this, &part](const PartPort &port) {
-    if (port.wire) drive(*port.wire);
+    if (port.wire) drive_net(*port.wire);
     const uint64_t value = part.get(port);
-    for (const Link &link : port.links) arrive(*link.part, link, value);
+    for (const Link &link : port.links) put_input(*link.part, link, value);
   };
-  uint64_t moved = part.take_out();
-  if (moved & part.line_mask) look_at_lines();
-  while (moved) {
-    const PartPort &port = part.port_at(__builtin_ctzll(moved));
-    moved &= ~port.mask;
+  uint64_t changed = part.take_outputs();
+  if (changed & part.line_mask) update_lines();
+  while (changed) {
+    const PartPort &port = part.port_at(__builtin_ctzll(changed));
+    changed &= ~port.mask;
     send(port);
   }
-  for (uint32_t cells = part.take_cells(); cells; cells &= cells - 1) {
-    if (const PartPort *port = part.port_of(__builtin_ctz(cells))) send(*port);
+  for (uint32_t fields = part.take_data_outputs(); fields; fields &= fields - 1) {
+    if (const PartPort *port = part.port_of(__builtin_ctz(fields))) send(*port);
   }
 }
 
-void Rack::look_at_lines() {
+void Rack::update_lines() {
   unsigned lines = 0;
-  for (const auto &[wire, bit] : lines_of_) lines |= static_cast<unsigned>(wire->get()) << bit;
+  for (const auto &[wire, bit] : line_wires_) lines |= static_cast<unsigned>(wire->get()) << bit;
   shown_lines_ = lines ^ kLineIrq;
 }
 
-// Which cards hear the bus now; those that heard it until now see it end. A deaf card keeps what it
-// saw last, which may be a command that its switches made it deaf to: when one moves, all look.
-void Rack::listen() {
-  bus_moved_ = false;
-  constexpr int kWidth[kBusPorts] = {16, 1, 1, 1, 8};  // as in kBus
-  unsigned bus[kBusPorts];
-  uint32_t now = 0, looking = listening_;
-  unsigned moved = 0;
-  for (size_t n = 0; n < kBusPorts; ++n) {
-    bus[n] = static_cast<unsigned>(wires_.get(bus_[n], 0, kWidth[n]));
-    moved |= unsigned{bus[n] != heard_bus_[n]} << n;
-    heard_bus_[n] = bus[n];
+// Recomputes which cards the address selects. They get the bus, and those that were selected until
+// now. A card that is not selected keeps its old bus inputs, which may be a command that ended when
+// its switches changed: then all cards get the bus.
+void Rack::update_pc_bus() {
+  auto &bus = pc_bus_;
+  bus.changed = false;
+  constexpr int kWidth[PcBus::kSignals] = {16, 1, 1, 1, 8};
+  unsigned changed = 0;
+  for (size_t n = 0; n < PcBus::kSignals; ++n) {
+    const unsigned before = bus.values[n];
+    bus.values[n] = static_cast<unsigned>(nets_.get(bus.nets[n], 0, kWidth[n]));
+    changed |= unsigned{bus.values[n] != before} << n;
   }
-  commanded_ = !(bus[2] && bus[3]);
-  const uint32_t known = dips_moved_ ? 0 : listening_;  // they saw what was on it
-  if (dips_moved_) {
-    dips_moved_ = false;
-    ears_.forget();
-    for (size_t card = 0; card < dips_.size(); ++card) {
-      dip_values_[card] = static_cast<unsigned>(dips_[card].first->get(*dips_[card].second));
+  bus.command = !(bus.values[PcBus::kIor] && bus.values[PcBus::kIow]);
+  const uint32_t had_bus = bus.switches_changed ? 0 : bus.selected;
+  uint32_t get_bus = bus.selected, selected = 0;
+  if (bus.switches_changed) {
+    bus.switches_changed = false;
+    bus.decoder.forget();
+    for (size_t card = 0; card < bus.switches.size(); ++card) {
+      const auto &[part, port] = bus.switches[card];
+      bus.dips[card] = static_cast<unsigned>(part->get(*port));
     }
-    looking = (1u << heard_.size()) - 1;
+    get_bus = (1u << bus.cards.size()) - 1;
   }
-  if (commanded_) now = ears_.hear(bus[0], bus[1], bus[2], bus[3], dip_values_);
-  for (uint32_t rest = now | looking; rest; rest &= rest - 1) {
+  if (bus.command)
+    selected = bus.decoder.select(bus.values[PcBus::kAddress], bus.values[PcBus::kAen],
+                                  bus.values[PcBus::kIor], bus.values[PcBus::kIow], bus.dips);
+  for (uint32_t rest = selected | get_bus; rest; rest &= rest - 1) {
     const int card = __builtin_ctz(rest);
-    for (const auto &[wire, net] : heard_[static_cast<size_t>(card)]) {
-      if (known >> card & 1 && !(moved >> net & 1)) continue;
-      arrive(*wire->part, *wire->port, wire->through(bus[net]));
+    for (const auto &[wire, signal] : bus.cards[static_cast<size_t>(card)]) {
+      if (had_bus >> card & 1 && !(changed >> signal & 1)) continue;
+      put_input(*wire->part, *wire->port, wire->through(bus.values[signal]));
     }
   }
-  listening_ = now;
+  bus.selected = selected;
 }
 
-// Until nothing follows any more, after edge clock_.
+// Evaluates what has changed inputs after edge clock_, until nothing changes.
 void Rack::settle() {
   for (;;) {
-    if (bus_moved_) {
-      listen();
-    } else if (!logic_.empty()) {
-      const int l = logic_.back();
-      logic_.pop_back();
-      due_[static_cast<size_t>(l)] = 0;
-      kWires.logic[static_cast<size_t>(l)].run(wires_);
-    } else if (touched_ != 0) {
-      Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(touched_))];
-      touched_ &= touched_ - 1;
+    if (pc_bus_.changed) {
+      update_pc_bus();
+    } else if (glue_changed_) {
+      eval_glue();
+    } else if (changed_inputs_ != 0) {
+      Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(changed_inputs_))];
+      changed_inputs_ &= changed_inputs_ - 1;
       if (stopped_) part.pass(clock_);
-      if (part.follow(clock_)) plan(part);
-      if (part.tells()) tell(part);
+      if (part.inputs_changed(clock_)) plan(part);
+      if (part.has_pending_outputs()) send_outputs(part);
     } else {
       return;
     }
@@ -163,80 +167,22 @@ void Rack::settle() {
 
 // --- time ------------------------------------------------------------------------------------
 
-// A part may be due at another edge than before.
-void Rack::plan(const Part &part) {
-  const uint64_t bit = uint64_t{1} << part.number;
-  const int64_t edge = part.due();
-  int64_t &before = due_at_[part.number];
-  if ((due_soon_ | due_late_) & bit) {
-    if (edge == before) return;
-    if (before == first_later_) first_later_ = 0;
-    due_soon_ &= ~bit;
-    due_late_ &= ~bit;
-  }
-  if (edge <= clock_ + 1) {
-    due_next_ |= bit;
-    return;
-  }
-  due_next_ &= ~bit;
-  if (edge == kNever) return;
-  before = edge;
-  if (edge >= late_) {
-    due_late_ |= bit;
-    if (!due_soon_) first_later_ = 0;
-    return;
-  }
-  due_soon_ |= bit;
-  if (edge < first_later_) first_later_ = edge;
-}
-
-void Rack::plan_all() {
-  due_soon_ = due_late_ = 0;
-  late_ = first_later_ = 0;
-  for (const auto &part : parts_) plan(*part);
-}
-
-// The first edge of those that are not the next. Few are due soon, so few are looked at.
-int64_t Rack::first_later() {
-  const auto first = [this](uint64_t parts) {
-    int64_t edge = kNever;
-    for (; parts; parts &= parts - 1) edge = std::min(edge, due_at_[__builtin_ctzll(parts)]);
-    return edge;
-  };
-  if (first_later_ != 0) return first_later_;
-  if (!due_soon_ && due_late_) {
-    late_ = first(due_late_) + kSoon;
-    for (uint64_t rest = due_late_; rest; rest &= rest - 1) {
-      if (due_at_[__builtin_ctzll(rest)] < late_) due_soon_ |= rest & -rest;
-    }
-    due_late_ &= ~due_soon_;
-  }
-  return first_later_ = first(due_soon_);
-}
-
 // The first edge at which a part is due.
 int64_t Rack::first_due() {
   if (stopped_) return kNever;
-  if (due_next_ || !skip_) return clock_ + 1;
-  return first_later();
+  if (schedule_.any_next() || !skip_) return clock_ + 1;
+  return schedule_.first_later();
 }
 
 void Rack::step(int64_t t) {
-  uint64_t due = due_next_;
-  if (!skip_) due = every_;
-  if (first_later() <= t) {
-    for (uint64_t rest = due_soon_; rest; rest &= rest - 1) {
-      const int n = __builtin_ctzll(rest);
-      if (due_at_[n] <= t) due |= uint64_t{1} << n;
-    }
-  }
+  uint64_t due = skip_ && !power_on_ ? schedule_.due(t) : all_parts_;
   if (stopped_) due = 0;
   clock_ = t;
   ++evals_;
   stop_lines_ = lines_ != shown_lines_;
   lines_ = shown_lines_;
-  // All see their inputs as they stood; then outputs move.
-  uint64_t telling = 0;
+  // All parts see their inputs as they were; then outputs change.
+  uint64_t sending = 0;
   for (uint64_t rest = due; rest; rest &= rest - 1) {
     Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(rest))];
     if (slow_) {
@@ -245,17 +191,17 @@ void Rack::step(int64_t t) {
       part.clock(t);
     }
     plan(part);
-    if (part.tells()) telling |= rest & -rest;
+    if (part.has_pending_outputs()) sending |= rest & -rest;
   }
-  for (uint64_t rest = telling; rest; rest &= rest - 1) {
-    tell(*parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
+  for (uint64_t rest = sending; rest; rest &= rest - 1) {
+    send_outputs(*parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
   }
-  arrive_until(t);
+  apply_inputs_until(t);
   settle();
-  if (!watched_.empty()) look_at_watched();
+  if (!watched_.empty()) compare_watched();
 }
 
-// No part gets a clock, and no counter goes on; what pins do without one is done.
+// No part gets a clock, and no counter counts; what pins do without a clock is done.
 void Rack::stop_clock(bool stopped) {
   if (stopped == stopped_) return;
   for (const auto &part : parts_) {
@@ -267,20 +213,22 @@ void Rack::stop_clock(bool stopped) {
     part->plan();
   }
   stopped_ = stopped;
-  plan_all();
+  schedule_.clear();
+  for (const auto &part : parts_) plan(*part);
 }
 
 bool Rack::expect(std::vector<EncoderEdge> &edges) {
   if (!skip_) return false;
-  coming_.swap(edges);
-  next_coming_ = 0;
-  plan_coming();
+  edges_.all.swap(edges);
+  edges_.next = 0;
+  edges_.plan();
   return true;
 }
 
-void Rack::take_coming(int64_t t) {
-  for (; coming_at_ <= t; ++next_coming_, plan_coming()) {
-    pins_.move_encoder(coming_[next_coming_].axis, coming_[next_coming_].pins);
+void Rack::apply_edges(int64_t t) {
+  for (; edges_.at <= t; ++edges_.next, edges_.plan()) {
+    const EncoderEdge &edge = edges_.all[edges_.next];
+    pins_.move_encoder(edge.axis, edge.pins);
   }
 }
 
@@ -288,20 +236,20 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   const int64_t begin = clock_;
   Stop stop = Stop::kDone;
   const unsigned wanted = static_cast<unsigned>(dtack);
-  // A level that stands already is seen after the first clock, if it stands then, too.
-  const bool stands = dtack >= 0 && level() == wanted;
+  // A level that DTACK* has already ends the run after the first clock, if it still has it then.
+  const bool has_level = dtack >= 0 && dtack_level() == wanted;
   if ((++runs_ & 1023) == 0) {
     for (const auto &part : parts_) {
       if (part->cache->full()) forget(*part->cache);
     }
   }
   while (clock_ < begin + n) {
-    const int64_t end = begin + (stands && clock_ == begin ? 1 : n);
+    const int64_t end = begin + (has_level && clock_ == begin ? 1 : n);
     const bool moved = pins_.waiting() || lines_ != shown_lines_;
     const int64_t t = moved ? clock_ + 1 : first_due();
-    if (coming_at_ < t && coming_at_ <= end) {
-      clock_ = coming_at_;
-      arrive_until(clock_);
+    if (edges_.at < t && edges_.at <= end) {
+      clock_ = edges_.at;
+      apply_inputs_until(clock_);
       settle();
     } else if (t > end) {
       clock_ = end;
@@ -313,7 +261,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
         break;
       }
     }
-    if (dtack >= 0 && level() == wanted) {
+    if (dtack >= 0 && dtack_level() == wanted) {
       stop = Stop::kDtack;
       break;
     }
@@ -322,7 +270,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   return stop;
 }
 
-// The cache begins anew.
+// Empties a cache.
 void Rack::forget(Cache &cache) {
   for (const auto &part : parts_) {
     if (part->cache.get() != &cache) continue;
@@ -336,8 +284,8 @@ void Rack::forget(Cache &cache) {
 
 void Rack::power_on() {
   clock_ = -kResetClks;
-  const int reset = Wires::find("rst_ni"), clk = Wires::find("clk_i");
-  wires_.put(clk, 0, 1, 1);
+  const int reset = Nets::find("rst_ni"), clk = Nets::find("clk_i");
+  nets_.put(clk, 0, 1, 1);
   for (const auto &part : parts_) part->run_always(true);
   pins_.power_on();
   pins_.set(Pin::kSysreset, 0, 1);
@@ -346,21 +294,20 @@ void Rack::power_on() {
     part->model->eval();
     part->load();
     part->written(clock_);
-    touch(*part);
-    tell(*part);
+    inputs_changed(*part);
+    send_outputs(*part);
   }
   settle();
-  const bool skip = skip_;
-  skip_ = false;
+  power_on_ = true;
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) {
-      wires_.put(reset, 0, 1, 1);
+      nets_.put(reset, 0, 1, 1);
       settle();
     }
     if (i == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
     step(clock_ + 1);
   }
-  skip_ = skip;
+  power_on_ = false;
   evals_ = 0;
   if (skip_) {
     for (const auto &part : parts_) part->run_always(false);

@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine made of its parts, each Verilated by itself, wired as rtl/mmcs.sv wires them. A part
-// at rest gets no clock (part.h); docs/simulator/simulator.md tells how.
+// The machine made of its parts, each Verilated by itself, wired as rtl/mmcs.sv wires them. Terms:
+// docs/simulator/simulator.md.
 //
-// Time: edge t is the clock that makes clock() t. Everything sees its inputs as they stood before
-// the edge; a pin set at clock t stands at the port after edge t + 1.
+//   Wire        a port of a board on a net of rtl/mmcs.sv
+//   Rack        rack.cpp: nets, time; rack_wire.cpp: how it is wired; rack_hands.cpp: what is done
+//               to it from outside
+//    parts_     the boards and chips; caches_: of each module; board_begin_: each board's first
+//    part nets_      values of the nets, and the inputs of boards that read each; glue_: the logic
+//    between inputs_    where each port of the machine leads pc_bus_    the bus that only selected
+//    cards receive edges_     encoder edges to come schedule_  the clock edge that each part needs
+//    next; changed_inputs_: parts to be evaluated now dtack_ ... outputs of the machine that Model
+//    reads
+//
+// Time: edge t is the clock that makes clock() t. All parts see their inputs as they were before
+// the edge; a pin set at clock t is at the port after edge t + 1.
 #pragma once
 
 #include <map>
@@ -11,24 +21,26 @@
 #include <string>
 #include <vector>
 
-#include "ears.h"
+#include "decoder.h"
+#include "glue.h"
 #include "model.h"
 #include "part.h"
+#include "schedule.h"
 #include "wires.h"
 
 namespace mmcs {
 
-// A port of a board on its net.
 struct Wire {
   Part *part;
   const PartPort *port;
   int net, lsb, width;
   int board;
-  const char *name;           // of the board's port
-  uint64_t held = 0, at = 0;  // bits that a fault holds, and at what
-  uint64_t shown = 0;         // of an output: what the net has of it
+  const char *name;                // of the board's port
+  uint64_t held = 0, held_at = 0;  // bits that a fault holds, and at what
+  uint64_t driven = 0;             // of an output: what its net has of it
+  Net glue{};                      // of an output that the glue reads: there
 
-  uint64_t through(uint64_t value) const { return (value & ~held) | at; }
+  uint64_t through(uint64_t value) const { return (value & ~held) | held_at; }
   uint64_t get() const { return part->get(*port); }
   uint64_t value() const { return through(get()); }
 };
@@ -40,12 +52,12 @@ class Rack : public Model, private Listener {
   ~Rack() override;
 
   void power_on();
-  // Of so many hits of a part the model is asked about one, too; a difference is an error.
+  // Every so many hits of a part are compared with the model; a difference is an error.
   void check(int hits) {
     for (const auto &part : parts_) part->check = hits;
   }
   Stop run(int64_t n, int dtack, int64_t *ran) override;
-  bool dtack() const override { return level() == 0; }
+  bool dtack() const override { return dtack_level() == 0; }
   bool alive() const override { return alive_->get() != 0; }
   int16_t drive(int axis) const override {
     return static_cast<int16_t>(drives_[static_cast<size_t>(axis / 2)]->value() >> 16 * (axis & 1));
@@ -66,124 +78,135 @@ class Rack : public Model, private Listener {
   const Context context_;
 
  private:
+  // How it is wired (rack_wire.cpp).
+  void add_parts(const BoardInfo &board);
   void wire();
-  void select();
+  void wire_pin(const PinInfo &info, std::vector<char> &read);
+  void wire_glue(std::vector<char> &read);
+  void wire_input(Port port);
+  void wire_outputs(const std::vector<char> &read);
+  void ignore_unselected();
   int net_of(size_t board, const char *port);
   bool is_output(size_t board, int net);
   template <class F>
   void for_ports(size_t board, int net, F f) {
-    const size_t end = board + 1 < first_.size() ? first_[board + 1] : parts_.size();
-    for (size_t n = first_[board]; n < end; ++n) {
+    const size_t end = board + 1 < board_begin_.size() ? board_begin_[board + 1] : parts_.size();
+    for (size_t n = board_begin_[board]; n < end; ++n) {
       for (const auto &port : parts_[n]->ports()) {
         if (port->row->net == net) f(*parts_[n], *port);
       }
     }
   }
-  unsigned level() const { return dtack_ ? static_cast<unsigned>(dtack_->get()) : 1u; }
-  void add_parts(const BoardInfo &board);
-  void step(int64_t t);
-  // What stands at the ports after edge t arrives. What waits is older: the levels of power-on wait
-  // when the first edge comes.
-  void arrive_until(int64_t t) {
-    if (pins_.waiting()) pins_.apply();
-    if (coming_at_ <= t) take_coming(t);
-  }
+
+  // Nets and time (rack.cpp).
   void changed(int net, int lsb, int width) override;
-  void show(Wire &wire);
-  template <class Input>
-  void arrive(Part &part, const Input &port, uint64_t value) {
-    if (stopped_) part.pass(clock_);
-    if (part.put(port, value, clock_)) touch(part);
-  }
-  void touch(const Part &part) { touched_ |= uint64_t{1} << part.number; }
-  void drive(Wire &wire);
-  void tell(Part &part);
-  void look_at_lines();
+  void drive_net(Wire &wire);
+  void update_input(Wire &wire);
+  void send_outputs(Part &part);
+  void update_lines();
+  void update_pc_bus();
+  void eval_glue();
   void settle();
-  void listen();
-  void plan(const Part &part);
-  void plan_all();
+  template <class Input>
+  void put_input(Part &part, const Input &port, uint64_t value) {
+    if (stopped_) part.pass(clock_);
+    if (part.put(port, value, clock_)) inputs_changed(part);
+  }
+  void inputs_changed(const Part &part) { changed_inputs_ |= uint64_t{1} << part.number; }
+  void plan(const Part &part) { schedule_.plan(part.number, part.due(), clock_); }
   int64_t first_due();
-  int64_t first_later();
+  void step(int64_t t);
+  // What is at the ports after edge t. What waits in pins_ is older than encoder edges: the levels
+  // of power-on wait when the first edge comes.
+  void apply_inputs_until(int64_t t) {
+    if (pins_.waiting()) pins_.apply();
+    if (edges_.at <= t) apply_edges(t);
+  }
+  void apply_edges(int64_t t);
   void forget(Cache &cache);
-  Place &find(int reg, Part **part);
-  void written(Part &part);
-  Net find_watched(const std::string &name);
-  void look_at_watched();
-  struct Watched {
-    Net net;
-    uint32_t seen;
-  };
-  std::vector<Watched> watched_;
-  // Ports: what pins.h does to a machine.
+  unsigned dtack_level() const { return dtack_ ? static_cast<unsigned>(dtack_->get()) : 1u; }
+
+  // What is done to it from outside (rack_hands.cpp).
   void put(Port port, int lsb, int width, uint64_t value) override;
-  void put_wide(Port port, int lsb, int width, uint64_t value);
   void stop_clock(bool stopped) override;
   void put_back(const Saved &state) override;
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
+  RegisterPlace &find(int reg, Part **part);
+  void written(Part &part);
+  Net find_watched(const std::string &name);
+  void compare_watched();
 
-  Wires wires_;
-  std::map<std::string, std::shared_ptr<Cache>> caches_;  // by module
+  const bool slow_, skip_;
+
+  std::map<std::string, std::shared_ptr<Cache>> caches_;
   std::vector<std::unique_ptr<Part>> parts_;
-  std::vector<size_t> first_;  // of each board its first part: itself; then its chips
-  std::vector<std::unique_ptr<Wire>> board_wires_;
+  std::vector<size_t> board_begin_;
+
+  Nets nets_;
   struct Reader {
     int lsb, width;
     Wire *wire;
   };
   std::vector<std::vector<Reader>> readers_;  // of each net
-  std::vector<std::vector<int>> followers_;   // logic that looks at each net
-  std::vector<char> due_;                     // logic that must be worked out
-  std::vector<int> logic_;
-  uint64_t touched_ = 0;  // parts that must follow
-  std::vector<const Wire *> drives_, leds_;
-  // A port of the machine. Nothing but ports of boards is on its net (then the net has no value of
-  // its own): where each of its fields goes.
-  struct Arrival {
+  std::vector<std::unique_ptr<Wire>> board_wires_;
+  Glue glue_{*context_};
+  bool glue_changed_ = true;                    // an output that the glue reads
+  std::vector<std::pair<Net, int>> glue_nets_;  // what it drives for boards: its net, ours
+  std::vector<Wire *> vme_data_wires_;          // outputs that lead to the bus master only
+  Net vme_data_;                                // in the glue
+
+  struct Arrival {  // bits of a part's input
     Part *part;
     uint64_t mask;
-    int left, cell;  // rotated so far, to control inputs or, if this is not -1, to a cell
+    int left;   // rotation of the port's field
+    int field;  // of data, else kNoField
   };
   struct Input {
-    int net = -1, shift = 0;
+    int net = -1, shift = 0;  // its fields are 1 << shift wide
     std::vector<Arrival> arrivals;
-    std::vector<unsigned> fields;  // of each field the first one; then the end
+    std::vector<unsigned> fields;  // the first arrival of each field; then the end
   };
   Input inputs_[kPorts];
-  // The bus that cards hear: nets by the decoder's ports, wires by card.
-  Ears ears_;
-  static constexpr size_t kBusPorts = 5;
-  int bus_[kBusPorts] = {-1, -1, -1, -1, -1};
-  std::vector<char> on_bus_;  // by net
-  struct Heard {
+
+  struct CardInput {
     Wire *wire;
-    size_t net;  // in bus_
+    size_t signal;
   };
-  std::vector<std::vector<Heard>> heard_;
-  std::vector<std::pair<Part *, const PartPort *>> dips_;
-  std::vector<unsigned> dip_values_ = std::vector<unsigned>(static_cast<size_t>(kWires.cards));
-  uint32_t listening_ = 0;
-  unsigned heard_bus_[kBusPorts] = {};  // what they saw last
-  bool bus_moved_ = false, dips_moved_ = true, commanded_ = true;
-  std::vector<EncoderEdge> coming_;  // from coming_[next_coming_] on
-  size_t next_coming_ = 0;
-  int64_t coming_at_ = kNever;  // the edge after which the next of them stands at the ports
-  void plan_coming() {
-    coming_at_ = next_coming_ < coming_.size() ? coming_[next_coming_].clock + 1 : kNever;
-  }
-  void take_coming(int64_t t);
-  const Wire *dtack_ = nullptr, *iackout_ = nullptr, *d_oe_ = nullptr, *alive_ = nullptr;
-  int d_ = -1;  // the net of what the bus master reads, the logic and the port that it follows from
-  std::vector<int> d_logic_;
-  std::vector<Wire *> d_wires_;
-  std::vector<std::pair<const Wire *, int>> lines_of_;
-  // Parts: due at the next edge; at a later one before late_; from there on. The first later one;
-  // 0: to be found.
-  uint64_t due_next_ = 0, due_soon_ = 0, due_late_ = 0, every_ = 0;
-  int64_t late_ = 0, first_later_ = 0, due_at_[64] = {};
+  struct PcBus {
+    enum { kAddress, kAen, kIor, kIow, kData, kSignals };
+    Decoder decoder;
+    int nets[kSignals] = {-1, -1, -1, -1, -1};
+    unsigned values[kSignals] = {};  // as the selected cards have them
+    std::vector<char> has_net;       // by net
+    std::vector<std::vector<CardInput>> cards;
+    std::vector<std::pair<Part *, const PartPort *>> switches;  // of each card
+    std::vector<unsigned> dips;                                 // their values
+    uint32_t selected = 0;                                      // cards, by bit
+    bool changed = false, switches_changed = true, command = true;
+  };
+  PcBus pc_bus_;
+
+  struct {
+    std::vector<EncoderEdge> all;
+    size_t next = 0;
+    int64_t at = kNever;  // the clock edge after which the next of them is at the ports
+    void plan() { at = next < all.size() ? all[next].clock + 1 : kNever; }
+  } edges_;
+
+  Schedule schedule_;
+  uint64_t changed_inputs_ = 0, all_parts_ = 0;
   uint64_t runs_ = 0;
-  bool stop_lines_ = false;
-  bool slow_, skip_;
+  bool power_on_ = false;    // every clock of every part is made
+  bool stop_lines_ = false;  // lines changed a clock ago
+
+  const Wire *dtack_ = nullptr, *iackout_ = nullptr, *d_oe_ = nullptr, *alive_ = nullptr;
+  std::vector<const Wire *> drives_, leds_;               // of each card
+  std::vector<std::pair<const Wire *, int>> line_wires_;  // with their lowest bit in lines()
+  struct Watched {
+    Net net;
+    uint32_t seen;
+  };
+  std::vector<Watched> watched_;
 };
 
 }  // namespace mmcs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done to a rack from outside: ports, faults, registers read and flipped, snapshots.
+// What is done to the machine from outside: ports, faults, registers read and flipped, snapshots.
 
 #include <algorithm>
 
@@ -9,40 +9,30 @@ namespace mmcs {
 
 unsigned Rack::vme_sample() {
   if (!stopped_) parts_.front()->catch_up(clock_);
-  for (Wire *wire : d_wires_) drive(*wire);
-  for (int l : d_logic_) kWires.logic[static_cast<size_t>(l)].run(wires_);
-  return static_cast<unsigned>(iackout_->get() << 17 | d_oe_->get() << 16 | wires_.get(d_, 0, 16));
+  for (Wire *wire : vme_data_wires_) drive_net(*wire);
+  if (glue_changed_) eval_glue();
+  return static_cast<unsigned>(iackout_->get() << 17 | d_oe_->get() << 16 | vme_data_.get());
 }
 
 void Rack::put(Port port, int lsb, int width, uint64_t value) {
   const Input &input = inputs_[port];
   const size_t n = static_cast<size_t>(lsb >> input.shift);
-  if (n + 1 >= input.fields.size() || width > 1 << input.shift)
-    return put_wide(port, lsb, width, value);
+  if (width > 1 << input.shift) {
+    const int field = 1 << input.shift, whole = kWires.nets[static_cast<size_t>(input.net)].width;
+    for (; width > 0 && lsb < whole; lsb += field, width -= field, value >>= field) {
+      put(port, lsb, std::min(width, field), value);
+    }
+    return;
+  }
+  if (n + 1 >= input.fields.size()) return;  // of no axis or card that the machine has
   const unsigned *field = &input.fields[n];
   const Arrival *to = input.arrivals.data() + field[0];
   for (const Arrival *end = to + (field[1] - field[0]); to != end; ++to) {
     const uint64_t bits = value << to->left | value >> (-to->left & 63);
     if (stopped_) to->part->pass(clock_);
-    if (to->part->put(to->cell, bits, to->mask, clock_)) touch(*to->part);
+    if (to->part->put(to->field, bits, to->mask, clock_)) inputs_changed(*to->part);
   }
-  if (port == kDip) dips_moved_ = bus_moved_ = true;
-}
-
-// More than a field, none of the machine's, or a net of its own.
-void Rack::put_wide(Port port, int lsb, int width, uint64_t value) {
-  const Input &input = inputs_[port];
-  if (input.fields.empty()) {
-    if (port == kDip) dips_moved_ = bus_moved_ = true;
-    const int rest = input.net < 0 ? 0 : kWires.nets[static_cast<size_t>(input.net)].width - lsb;
-    if (rest > 0) wires_.put(input.net, lsb, std::min(width, rest), value);
-    return;
-  }
-  const int field = 1 << input.shift, whole = kWires.nets[static_cast<size_t>(input.net)].width;
-  for (; width > 0 && lsb < whole; lsb += field, width -= field) {
-    put(port, lsb, std::min(width, field), value);
-    value >>= field;
-  }
+  if (port == kDip) pc_bus_.switches_changed = pc_bus_.changed = true;
 }
 
 void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
@@ -51,22 +41,22 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
     if (board != kWires.boards[n].path || std::strcmp(wire->name, port) != 0) continue;
     const uint64_t own = (uint64_t{1} << wire->width) - 1;
     wire->held = mask >> wire->port->row->lsb & own;
-    wire->at = value >> wire->port->row->lsb & wire->held;
-    if (wire->port->out) {
-      if (wire->net == bus_[2] || wire->net == bus_[3]) {
+    wire->held_at = value >> wire->port->row->lsb & wire->held;
+    if (wire->port->output) {
+      if (wire->net == pc_bus_.nets[PcBus::kIor] || wire->net == pc_bus_.nets[PcBus::kIow]) {
         Part &part = *wire->part;
         if (!stopped_) part.catch_up(clock_);
         part.load();
-        part.select_always(mask != 0);
+        part.never_ignore(mask != 0);
         written(part);
       }
-      drive(*wire);
+      drive_net(*wire);
     } else if (wire->port->row->heard) {
-      // Its wires back, it hears what is on them as any card does: all of it, or nothing.
-      if (mask || (listening_ >> (n - 1) & 1)) show(*wire);
-      bus_moved_ = true;
+      // When its wires are back, the card gets the bus if it is selected, as any card.
+      if (mask || (pc_bus_.selected >> (n - 1) & 1)) update_input(*wire);
+      pc_bus_.changed = true;
     } else {
-      show(*wire);
+      update_input(*wire);
     }
   }
 }
@@ -84,24 +74,24 @@ std::vector<CacheFigures> Rack::cache_figures() const {
   return found;
 }
 
-Place &Rack::find(int reg, Part **part) {
+RegisterPlace &Rack::find(int reg, Part **part) {
   const Register &r = registers()[static_cast<size_t>(reg)];
   const size_t board = static_cast<size_t>(r.board);
   const BoardTable &table = board_table(kWires.boards[board].module);
-  *part = parts_[first_[board] + static_cast<size_t>(table.registers[r.row].part)].get();
+  *part = parts_[board_begin_[board] + static_cast<size_t>(table.registers[r.row].part)].get();
   return *(*part)->place(static_cast<size_t>(r.row));
 }
 
-// Its registers have been written: what follows.
+// Does what follows from registers of the part that were written.
 void Rack::written(Part &part) {
   part.written(clock_);
   plan(part);
-  tell(part);
+  send_outputs(part);
 }
 
 void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   Part *part;
-  Place &place = find(find_register(reg), &part);
+  RegisterPlace &place = find(find_register(reg), &part);
   part->catch_up(clock_);
   part->load();
   part->hold({&place, clear, set});
@@ -111,14 +101,14 @@ void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
 
 uint64_t Rack::read(int reg) {
   Part *part;
-  const Place &place = find(reg, &part);
+  const RegisterPlace &place = find(reg, &part);
   if (!stopped_) part->catch_up(clock_);
   return part->read(place);
 }
 
 void Rack::upset(int reg, uint64_t bits) {
   Part *part;
-  const Place &place = find(reg, &part);
+  const RegisterPlace &place = find(reg, &part);
   upset_ = true;
   if (!stopped_) part->catch_up(clock_);
   part->load();
@@ -127,8 +117,8 @@ void Rack::upset(int reg, uint64_t bits) {
   settle();
 }
 
-// A register, or a port of a board or of one of its chips. A card that does not listen has no bus
-// to look at: its ports of it do not count.
+// A register, or a port of a board or of one of its chips; but not a port of a card on the PC bus,
+// which keeps an old value while the card is not selected.
 Net Rack::find_watched(const std::string &name) {
   Part *part;
   if (const int reg = find_register(name); reg >= 0) return find(reg, &part).net;
@@ -140,8 +130,8 @@ Net Rack::find_watched(const std::string &name) {
     const std::string path = dot == std::string::npos ? "" : inner.substr(0, dot);
     const BoardTable &table = board_table(kWires.boards[n].module);
     const std::string port = dot == std::string::npos ? inner : inner.substr(dot + 1);
-    for (const auto &heard : heard_[n ? n - 1 : 0]) {
-      if (n && path.empty() && port == heard.wire->name) return {};
+    for (const auto &input : pc_bus_.cards[n ? n - 1 : 0]) {
+      if (n && path.empty() && port == input.wire->name) return {};
     }
     if (path.empty()) {
       Net found;
@@ -149,12 +139,12 @@ Net Rack::find_watched(const std::string &name) {
       const auto row = std::find_if(table.nets.begin(), table.nets.end(), at_port);
       if (row == table.nets.end()) return {};
       for_ports(n, row->net, [&](Part &, PartPort &at) {
-        if (!found || at.out) found = at.net;
+        if (!found || at.output) found = at.net;
       });
       return found;
     }
     for (size_t u = 1; u < table.parts.size(); ++u) {
-      if (path == table.parts[u].path) return parts_[first_[n] + u]->model->port(port);
+      if (path == table.parts[u].path) return parts_[board_begin_[n] + u]->model->port(port);
     }
   }
   return {};
@@ -170,7 +160,7 @@ int Rack::watch(const std::string &name) {
   return number;
 }
 
-void Rack::look_at_watched() {
+void Rack::compare_watched() {
   for (size_t n = 0; n < watched_.size(); ++n) {
     const uint32_t value = static_cast<uint32_t>(watched_[n].net.get());
     if (value == watched_[n].seen) continue;
@@ -187,12 +177,11 @@ void Rack::put_back(const Saved &state) {
   }
   clock_ = state.clock;
   pins_.restore(state.pins);
-  coming_.clear();
-  plan_coming();
-  // A reset without a clock that falls with these pins is over before the registers come.
+  edges_ = {};
+  // A reset without a clock that falls with these pins is over before the registers are written.
   settle();
-  // Twice: what the registers seem to clear as they come, on other boards too, is no edge.
-  dips_moved_ = true;
+  // Twice: a clear that seems to come with the registers, on other boards too, is no edge.
+  pc_bus_.switches_changed = true;
   for (int twice = 0; twice < 2; ++twice) {
     for (const auto &part : parts_) part->load();
     for (size_t reg = 0; reg < registers().size(); ++reg) {
@@ -201,14 +190,15 @@ void Rack::put_back(const Saved &state) {
     }
     for (const auto &part : parts_) part->written(clock_);
     for (const auto &part : parts_) {
-      tell(*part);
-      touch(*part);
+      send_outputs(*part);
+      inputs_changed(*part);
     }
-    bus_moved_ = true;
+    pc_bus_.changed = true;
     settle();
   }
-  plan_all();
-  look_at_lines();
+  schedule_.clear();
+  for (const auto &part : parts_) plan(*part);
+  update_lines();
   lines_ = state.lines;
 }
 

@@ -10,57 +10,60 @@
 namespace mmcs {
 namespace {
 
-const char *const kBus[] = {"pc_a_i", "pc_aen_i", "pc_ior_ni", "pc_iow_ni", "pc_d_i"};
+// Ports of a card, as rack.h numbers the signals.
+const char *const kPcBus[] = {"pc_a_i", "pc_aen_i", "pc_ior_ni", "pc_iow_ni", "pc_d_i"};
 
 }  // namespace
 
 // A board's parts, with the nets between them.
 void Rack::add_parts(const BoardInfo &board) {
   const BoardTable &table = board_table(board.module);
-  const std::string name = "B" + std::to_string(first_.size()) + "_";
+  const std::string name = "B" + std::to_string(board_begin_.size()) + "_";
   const size_t first = parts_.size();
-  first_.push_back(first);
+  board_begin_.push_back(first);
   for (size_t n = 0; n < table.parts.size(); ++n) {
     const std::string module = table.parts[n].module;
     auto model = Board::create(module, *context_, name + std::to_string(n));
     parts_.push_back(
         std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_));
     parts_.back()->number = parts_.size() - 1;
-    every_ |= uint64_t{1} << parts_.back()->number;
+    all_parts_ |= uint64_t{1} << parts_.back()->number;
   }
   for (size_t n = first; n < parts_.size(); ++n) {
     for (const auto &out : parts_[n]->ports()) {
-      if (!out->out) continue;
-      for_ports(first_.size() - 1, out->row->net, [&](Part &part, PartPort &port) {
-        if (!port.out) out->links.push_back({&part, port.mask, port.at, port.data});
+      if (!out->output) continue;
+      for_ports(board_begin_.size() - 1, out->row->net, [&](Part &part, PartPort &port) {
+        if (!port.output) out->links.push_back({&part, port.mask, port.shift, port.field});
       });
     }
   }
 }
 
-// Data outputs that nobody looks at while no command or chip select is low.
-void Rack::select() {
+// Data outputs that are not observed while no command or chip select is low.
+void Rack::ignore_unselected() {
+  const auto &bus = pc_bus_;
   uint64_t commands = 0;
-  const auto adaptor = [this](auto f) {
+  const auto adaptor = [this, &bus](auto f) {
     for (const auto &wire : board_wires_) {
-      if (wire->board == 0 && wire->port->out && on_bus_[static_cast<size_t>(wire->net)]) f(*wire);
+      if (wire->board == 0 && wire->port->output && bus.has_net[static_cast<size_t>(wire->net)])
+        f(*wire);
     }
   };
   adaptor([&](const Wire &w) {
-    if (w.net == bus_[2] || w.net == bus_[3]) commands |= w.port->mask;
+    if (w.net == bus.nets[PcBus::kIor] || w.net == bus.nets[PcBus::kIow]) commands |= w.port->mask;
   });
   adaptor([&](const Wire &w) {
-    if (w.port->data && w.port->links.empty()) w.part->select(commands, *w.port);
+    if (w.port->data && w.port->links.empty()) w.part->ignore_while(commands, *w.port);
   });
   for (const auto &part : parts_) {
     for (const auto &port : part->ports()) {
-      if (!port->out || !port->data || port->wire || port->links.size() != 1) continue;
+      if (!port->output || !port->data || port->wire || port->links.size() != 1) continue;
       const Link &link = port->links[0];
       for (const auto &in : link.part->ports()) {
         if (in->row->net != port->row->net || in->row->select < 0) continue;
         const int net = link.part->ports()[static_cast<size_t>(in->row->select)]->row->net;
         for (const auto &by : part->ports()) {
-          if (by->out && by->row->net == net) part->select(by->mask, *port);
+          if (by->output && by->row->net == net) part->ignore_while(by->mask, *port);
         }
       }
     }
@@ -76,100 +79,109 @@ int Rack::net_of(size_t board, const char *name) {
   throw std::runtime_error(std::string("a board has no port ") + name);
 }
 
-// Some part of the board drives it, and it is no net between parts that look at a pin.
+// Whether some part of the board drives this net of it.
 bool Rack::is_output(size_t board, int net) {
   bool found = false;
-  for_ports(board, net, [&](Part &, PartPort &port) { found = found || port.out; });
+  for_ports(board, net, [&](Part &, PartPort &port) { found = found || port.output; });
   return found;
 }
 
-// Every port of every board on its net.
+// Every port of every board on its net. read: of each net, whether a board or the glue reads it.
 void Rack::wire() {
-  readers_.resize(kWires.nets.size());
-  followers_.resize(kWires.nets.size());
-  on_bus_.resize(kWires.nets.size());
-  due_.resize(kWires.logic.size());
-  heard_.resize(static_cast<size_t>(kWires.cards));
   std::vector<char> read(kWires.nets.size());
+  readers_.resize(kWires.nets.size());
+  pc_bus_.has_net.resize(kWires.nets.size());
+  pc_bus_.cards.resize(static_cast<size_t>(kWires.cards));
+  pc_bus_.dips.resize(static_cast<size_t>(kWires.cards));
   for (const PinInfo &info : kWires.pins) {
-    if (std::strcmp(info.port, "clk_i") == 0) continue;
-    const size_t board = static_cast<size_t>(info.board);
-    const bool output = is_output(board, net_of(board, info.port));
-    for_ports(board, net_of(board, info.port), [&](Part &part, PartPort &port) {
-      if (port.out != output) return;  // a part of the board itself looks at what it drives
-      auto wire = std::make_unique<Wire>(Wire{&part, &port, info.net, info.lsb + port.row->lsb,
-                                              port.width, info.board, info.port});
-      const size_t net = static_cast<size_t>(info.net);
-      if (port.out) {
-        port.wire = wire.get();
-      } else if (port.row->heard) {
-        for (size_t n = 0; n < kBusPorts; ++n) {
-          if (std::strcmp(kBus[n], info.port) != 0) continue;
-          bus_[n] = info.net;
-          on_bus_[net] = 1;
-          heard_[board - 1].push_back({wire.get(), n});  // cards follow the adaptor
-        }
-        read[net] = 2;
-      } else {
-        readers_[net].push_back({wire->lsb, wire->width, wire.get()});
-        read[net] = 1;
-      }
-      if (std::strcmp(info.port, "dip_i") == 0) dips_.emplace_back(&part, &port);
-      if (std::strcmp(info.port, "drive_v_o") == 0) drives_.push_back(wire.get());
-      if (std::strcmp(info.port, "leds_o") == 0) leds_.push_back(wire.get());
-      board_wires_.push_back(std::move(wire));
-    });
+    if (std::strcmp(info.port, "clk_i") != 0) wire_pin(info, read);
   }
-  // Logic that nobody looks at need not be worked out, and what the bus master reads when it does.
-  d_ = Wires::find("vme_d_o");
-  for (size_t l = 0; l < kWires.logic.size(); ++l) {
-    const LogicInfo &logic = kWires.logic[l];
-    if (std::count(logic.targets.begin(), logic.targets.end(), d_) == 0) continue;
-    d_logic_.push_back(static_cast<int>(l));
-    for (const auto &wire : board_wires_) {
-      if (wire->port->out &&
-          std::count(logic.sources.begin(), logic.sources.end(), wire->net) != 0) {
-        d_wires_.push_back(wire.get());
+  wire_glue(read);
+  for (int port = 0; port < kPorts; ++port) wire_input(static_cast<Port>(port));
+  wire_outputs(read);
+  if (skip_) ignore_unselected();
+}
+
+// A port of a board, in each part that has it.
+void Rack::wire_pin(const PinInfo &info, std::vector<char> &read) {
+  const size_t board = static_cast<size_t>(info.board), net = static_cast<size_t>(info.net);
+  const auto is = [&info](const char *name) { return std::strcmp(info.port, name) == 0; };
+  const bool output = is_output(board, net_of(board, info.port));
+  for_ports(board, net_of(board, info.port), [&](Part &part, PartPort &port) {
+    if (port.output != output) return;  // a part of the board reads what the board drives
+    auto wire = std::make_unique<Wire>(
+        Wire{&part, &port, info.net, info.lsb + port.row->lsb, port.width, info.board, info.port});
+    if (port.output) {
+      port.wire = wire.get();
+    } else if (port.row->heard) {
+      for (size_t n = 0; n < PcBus::kSignals; ++n) {
+        if (!is(kPcBus[n])) continue;
+        pc_bus_.nets[n] = info.net;
+        pc_bus_.has_net[net] = 1;
+        pc_bus_.cards[board - 1].push_back({wire.get(), n});  // the adaptor is board 0
       }
+      read[net] = 1;
+    } else {
+      readers_[net].push_back({wire->lsb, wire->width, wire.get()});
+      read[net] = 1;
     }
-  }
+    if (is("dip_i")) pc_bus_.switches.emplace_back(&part, &port);
+    if (is("drive_v_o")) drives_.push_back(wire.get());
+    if (is("leds_o")) leds_.push_back(wire.get());
+    board_wires_.push_back(std::move(wire));
+  });
+}
+
+// Ports of boards at the logic of mmcs.sv. It is evaluated when a source of a net that boards read
+// changes; for a net that only the bus master reads, when it is read.
+void Rack::wire_glue(std::vector<char> &read) {
+  const auto is_read = [&read](int net) { return read[static_cast<size_t>(net)] != 0; };
   for (size_t round = 0; round < kWires.logic.size(); ++round) {
-    for (size_t l = 0; l < kWires.logic.size(); ++l) {
-      const LogicInfo &logic = kWires.logic[l];
-      if (due_[l] || std::none_of(logic.targets.begin(), logic.targets.end(),
-                                  [&](int n) { return read[static_cast<size_t>(n)] != 0; })) {
+    for (const LogicInfo &logic : kWires.logic) {
+      if (std::none_of(logic.targets.begin(), logic.targets.end(), is_read)) continue;
+      for (int n : logic.sources) read[static_cast<size_t>(n)] = 1;
+    }
+  }
+  for (const LogicInfo &logic : kWires.logic) {
+    for (const auto &wire : board_wires_) {
+      if (!wire->port->output ||
+          std::count(logic.sources.begin(), logic.sources.end(), wire->net) == 0)
         continue;
-      }
-      due_[l] = 1;
-      logic_.push_back(static_cast<int>(l));
-      for (int n : logic.sources) {
-        read[static_cast<size_t>(n)] = 1;
-        followers_[static_cast<size_t>(n)].push_back(static_cast<int>(l));
-      }
+      wire->glue =
+          glue_.board_output(kWires.boards[static_cast<size_t>(wire->board)].path, wire->name);
+      if (!is_read(wire->net)) vme_data_wires_.push_back(wire.get());
+    }
+    for (int n : logic.targets) {
+      if (is_read(n))
+        glue_nets_.emplace_back(glue_.net(kWires.nets[static_cast<size_t>(n)].name), n);
     }
   }
-  for (int port = 0; port < kPorts; ++port) {
-    Input &input = inputs_[port];
-    const int n = input.net = Wires::find(kPortNames[port]);
-    if (n < 0) throw std::runtime_error(std::string("rtl/mmcs.sv has no port ") + kPortNames[port]);
-    if (!followers_[static_cast<size_t>(n)].empty()) continue;
-    const int width = kPortFields[port], whole = kWires.nets[static_cast<size_t>(n)].width;
-    while (1 << input.shift < width) ++input.shift;
-    input.fields = {0};
-    for (int at = 0; at < whole; at += 1 << input.shift) {
-      for (const Reader &r : readers_[static_cast<size_t>(n)]) {
-        if (r.lsb >= at + width || at >= r.lsb + r.width) continue;
-        const PartPort &to = *r.wire->port;
-        const int up = std::max(at - r.lsb, 0), down = std::max(r.lsb - at, 0);
-        const int left = up - down + (to.data ? 0 : to.at);
-        const uint64_t own = (uint64_t{1} << width) - 1, all = (uint64_t{1} << r.width) - 1;
-        const uint64_t mask = (own >> down << up & all) << (to.data ? 0 : to.at);
-        input.arrivals.push_back({r.wire->part, mask, left & 63, to.data ? to.at : -1});
-      }
-      input.fields.push_back(static_cast<unsigned>(input.arrivals.size()));
+  vme_data_ = glue_.net("vme_d_o");
+}
+
+// Where the fields of a port of the machine go: to inputs of parts, without a net between.
+void Rack::wire_input(Port port) {
+  Input &input = inputs_[port];
+  const int n = input.net = Nets::find(kPortNames[port]);
+  if (n < 0) throw std::runtime_error(std::string("rtl/mmcs.sv has no port ") + kPortNames[port]);
+  const int width = kPortFields[port], whole = kWires.nets[static_cast<size_t>(n)].width;
+  while (1 << input.shift < width) ++input.shift;
+  input.fields = {0};
+  for (int at = 0; at < whole; at += 1 << input.shift) {
+    for (const Reader &r : readers_[static_cast<size_t>(n)]) {
+      if (r.lsb >= at + width || at >= r.lsb + r.width) continue;
+      const PartPort &to = *r.wire->port;
+      const int up = std::max(at - r.lsb, 0), down = std::max(r.lsb - at, 0);
+      const uint64_t own = (uint64_t{1} << width) - 1, all = (uint64_t{1} << r.width) - 1;
+      const uint64_t mask = (own >> down << up & all) << to.shift;
+      input.arrivals.push_back({r.wire->part, mask, (up - down + to.shift) & 63, to.field});
     }
+    input.fields.push_back(static_cast<unsigned>(input.arrivals.size()));
   }
-  // An output matters to its board's neighbours if a pin or logic is on its net.
+}
+
+// What is read of the boards' outputs: nets, lines, and what Model reads at any time.
+void Rack::wire_outputs(const std::vector<char> &read) {
   for (const auto &part : parts_) {
     for (const auto &port : part->ports()) {
       if (port->wire && !read[static_cast<size_t>(port->wire->net)]) port->wire = nullptr;
@@ -192,15 +204,13 @@ void Rack::wire() {
   for (const auto &[name, bit] : lines) {
     const Wire *wire = of_adaptor(name);
     wire->part->line_mask |= wire->port->mask;
-    lines_of_.emplace_back(wire, bit);
+    line_wires_.emplace_back(wire, bit);
   }
-  for (const auto &part : parts_) part->wired();
-  std::vector<const Wire *> shown = {alive_};
-  shown.insert(shown.end(), drives_.begin(), drives_.end());
-  shown.insert(shown.end(), leds_.begin(), leds_.end());
-  shown.push_back(dtack_);
-  for (const Wire *wire : shown) wire->part->show(*wire->port);
-  if (skip_) select();
+  for (const auto &part : parts_) part->connected();
+  std::vector<const Wire *> sampled = {alive_, dtack_};
+  sampled.insert(sampled.end(), drives_.begin(), drives_.end());
+  sampled.insert(sampled.end(), leds_.begin(), leds_.end());
+  for (const Wire *wire : sampled) wire->part->sample(*wire->port);
 }
 
 }  // namespace mmcs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rtl/mmcs.sv wires and computes between its boards. The table is made by generate.py.
+// How rtl/mmcs.sv wires its boards: a table made by generate.py; and the values of its nets.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,9 @@
 
 namespace mmcs {
 
-class Wires;
-
 struct NetInfo {
   const char *name;
   int width;
-  bool input;  // of the machine
 };
 struct BoardInfo {
   const char *path, *module;
@@ -23,8 +20,7 @@ struct PinInfo {
   const char *port;
   int net, lsb, width;
 };
-struct LogicInfo {
-  void (*run)(Wires &);
+struct LogicInfo {  // nets that an expression of mmcs.sv reads, and those that it drives
   std::vector<int> sources, targets;
 };
 struct WireTable {
@@ -36,7 +32,13 @@ struct WireTable {
 };
 extern const WireTable kWires;
 
-// Whoever is told what changes.
+// Where a design that Verilator knows by this name has a board, or what is in it.
+inline std::string scope_of(const std::string &top, const std::string &path) {
+  if (path.empty()) return top;
+  return top + (path.rfind("g_card", 0) == 0 ? ".u_cards." : ".") + path;
+}
+
+// Is called when bits of a net change.
 class Listener {
  public:
   virtual void changed(int net, int lsb, int width) = 0;
@@ -45,18 +47,15 @@ class Listener {
   ~Listener() = default;
 };
 
-// The values of all nets.
-class Wires {
+class Nets {
  public:
-  explicit Wires(Listener &listener) : listener_(listener) {
+  explicit Nets(Listener &listener) : listener_(listener) {
     size_t words = 0;
     for (const NetInfo &net : kWires.nets) {
       at_.push_back(words);
       words += static_cast<size_t>(net.width) / 64 + 2;
     }
     bits_.resize(words);
-    held_.resize(kWires.nets.size());
-    before_.resize(kWires.nets.size());
   }
 
   static int find(const std::string &name) {
@@ -84,35 +83,17 @@ class Wires {
     if (shift + width > 64) {
       word[1] = (word[1] & ~(mask >> (64 - shift))) | value >> (64 - shift);
     }
-    if (!held_[static_cast<size_t>(net)]) listener_.changed(net, lsb, width);
-  }
-
-  // While its logic builds a net step by step, nobody is told.
-  void hold(int net) {
-    held_[static_cast<size_t>(net)] = true;
-    before_[static_cast<size_t>(net)] = get(net, 0, width(net));
-  }
-  void release(int net) {
-    held_[static_cast<size_t>(net)] = false;
-    if (get(net, 0, width(net)) != before_[static_cast<size_t>(net)]) {
-      listener_.changed(net, 0, width(net));
-    }
+    listener_.changed(net, lsb, width);
   }
 
  private:
-  static int width(int net) {
-    const int width = kWires.nets[static_cast<size_t>(net)].width;
-    return width < 64 ? width : 64;
-  }
-
   size_t at(int net, int lsb) const {
     return at_[static_cast<size_t>(net)] + static_cast<size_t>(lsb) / 64;
   }
 
   Listener &listener_;
   std::vector<size_t> at_;  // a net's first word
-  std::vector<uint64_t> bits_, before_;
-  std::vector<char> held_;
+  std::vector<uint64_t> bits_;
 };
 
 }  // namespace mmcs
