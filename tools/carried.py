@@ -368,7 +368,7 @@ def write(task: str, folder: Path = ROOT) -> Path:
     name = task.removeprefix("prove_").removeprefix("cover_")
     if name.startswith("deaf_"):
         part = name.removeprefix("deaf_")
-        rule = (RULES["heard"] | RULES["chips"])[part]
+        rule = (RULES["selected"] | RULES["chips"])[part]
         text = deaf(read(part, folder), rule | {"folder": folder})
     elif name.startswith("bits_"):
         text = bits(read(name.removeprefix("bits_"), folder, RULES["chips"]), RULES)

@@ -97,7 +97,7 @@ def text(file: Path) -> str:
     if "[tasks]" not in own:
         own = own.replace("[options]", f"{TASKS}\n\n[options]", 1)
     for line in own.replace("{strobes}", STROBES).splitlines():
-        for word, every in (("{part}", carried.parts()), ("{card}", carried.RULES["heard"])):
+        for word, every in (("{part}", carried.parts()), ("{card}", carried.RULES["selected"])):
             if word in line:
                 lines += [line.replace(word, name) for name in every]
                 break

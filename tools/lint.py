@@ -34,7 +34,7 @@ TOPS = [
 INCLUDE = ROOT / "rtl"
 NEED_PACKAGE = ("sim/hosts/m68020/musashi.c",)  # includes what a package brings
 # A board's own file is part of a generated one, which has the model's header already.
-CARD = next(iter(RULES["heard"]))
+CARD = next(iter(RULES["selected"]))
 OWN_FLAGS = {"sim/model/fast.cpp": [f"-DMMCS_MODEL=V{CARD}", f'-DMMCS_PORTS="{CARD}.ports"',
                                     "-include", f"V{CARD}.h",
                                     "-include", f"V{CARD}___024root.h"]}  # fmt: skip

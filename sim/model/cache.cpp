@@ -176,8 +176,8 @@ uint32_t Cache::fixed(uint64_t counters, uint64_t inputs) const {
 
 bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool clock,
                    Draft *t) const {
-  uint32_t counted = 0, looked = 0;
-  const auto all = [&](auto f) {
+  uint32_t counted = 0, copied_from = 0;
+  const auto in_all = [&](auto f) {
     for (const Observation &s : seen) {
       if (!f(s)) return false;
     }
@@ -190,10 +190,10 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
   for (size_t c : order) {
     const DataField &field = fields_[c];
     if (field.input) continue;
-    const bool stands = all([c](const Observation &s) { return s.before[c] == s.after[c]; });
+    const bool stands = in_all([c](const Observation &s) { return s.before[c] == s.after[c]; });
     if (stands && (clock || !field.output)) continue;
     const uint32_t by = (seen[0].after[c] - seen[0].before[c]) & field.mask;
-    if (field.counter && !(fixed >> c & 1) && all([&](const Observation &s) {
+    if (field.counter && !(fixed >> c & 1) && in_all([&](const Observation &s) {
           return ((s.after[c] - s.before[c]) & field.mask) == by;
         })) {
       t->counts.push_back(
@@ -204,13 +204,13 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
     }
     std::map<std::pair<int, int>, uint32_t> terms;  // by field and rotation: which bits
     uint32_t keep = 0, value = 0, constant = 0;
-    bool carried = true;
+    bool moved = true;
     for (int bit = 0; bit < 32 && field.mask >> bit & 1; ++bit) {
       uint32_t pattern = 0;
       for (size_t s = 0; s < seen.size(); ++s) pattern |= (seen[s].after[c] >> bit & 1) << s;
       const auto found = sources_.find(pattern);
-      carried = carried && found != sources_.end();
-      if (!carried) break;
+      moved = moved && found != sources_.end();
+      if (!moved) break;
       const Source &source = found->second;
       const uint32_t here = 1u << bit;
       if (source.constant) {
@@ -224,15 +224,15 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
         value |= source.inverted ? here : 0;
       }
     }
-    if (!carried) {
+    if (!moved) {
       t->computed = field.margin < 0;
       return false;
     }
-    uint32_t inputs = 0;  // which bits follow data inputs
+    uint32_t inputs = 0;  // bits that data inputs feed through to
     for (const auto &[place, mask] : terms) {
       if (fields_[static_cast<size_t>(place.first)].input) inputs |= mask;
     }
-    const bool by_data = !clock && field.output && all([c, inputs](const Observation &s) {
+    const bool by_data = !clock && field.output && in_all([c, inputs](const Observation &s) {
       return s.data[c] == s.after[c] && ((s.before[c] ^ s.after[c]) & ~inputs) == 0;
     });
     if (stands && !by_data) continue;
@@ -240,7 +240,7 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
     if (constant && !by_data) t->copies.push_back({to, 0, 0, ~constant, value & constant, 0});
     for (const auto &[place, mask] : terms) {
       if (by_data && !fields_[static_cast<size_t>(place.first)].input) continue;
-      looked |= 1u << place.first;
+      copied_from |= 1u << place.first;
       auto &list = by_data ? t->feedthroughs : t->copies;
       list.push_back({to, static_cast<uint8_t>(place.first), static_cast<uint8_t>(place.second),
                       ~mask, value & mask, mask});
@@ -248,9 +248,9 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
     if (field.margin >= 0 && (keep || !terms.empty())) t->near_margin = true;
   }
   for (size_t c = 0; c < fields_.size(); ++c) {
-    if (fields_[c].input && looked >> c & 1) t->sources |= 1u << c;
+    if (fields_[c].input && copied_from >> c & 1) t->sources |= 1u << c;
   }
-  t->idle = clock && (looked & counted) == 0;
+  t->idle = clock && (copied_from & counted) == 0;
   return true;
 }
 

@@ -5,7 +5,7 @@
 //   ___eval_triggers_vec__act, __VactTriggered which clocks and resets have had their edge
 //   ___eval_settle                             what follows from registers
 //   ___dump_triggers__act                      read by generate.py: which bit is which clock
-//   __Vtrigprevexpr...                         what a clock or reset was when last looked at; the
+//   __Vtrigprevexpr...                         what a clock or reset was when last read; the
 //                                              same, MMCS_EDGES its file
 // Included once a board, behind its generated code, with MMCS_MODEL its class, MMCS_PORTS and
 // MMCS_EDGES_OF its files. Verilator's eval() does the same more slowly; `slow` in the
@@ -96,7 +96,7 @@ class Fast final : public Board {
   MMCS_MODEL top_;
   MMCS_ROOT *root_;
 #if !MMCS_PLAIN
-  // Has a clock or reset moved since it was last looked at?
+  // Whether a clock or reset has changed since it was last read.
   bool moved() const {
     unsigned moved = 0;
 #define MMCS_EDGE(before, now) moved |= root_->before ^ (now);

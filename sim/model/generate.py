@@ -118,9 +118,9 @@ def _literal(value: str) -> str:
 
 
 def port_rows(ports: list[tuple], driven: dict, select: dict | None = None) -> list[str]:
-    return [f'  {{"{path}", "{v.name}", {v.lsb}, {v.width}, {int(out)}, {kind}, {int(heard)}, '
+    return [f'  {{"{path}", "{v.name}", {v.lsb}, {v.width}, {int(out)}, {kind}, {int(selected)}, '
             f'{driven.get((path, v.name), -1)}, {(select or {}).get(v.name, -1)}, {net}}},'
-            for path, v, out, kind, heard, net in ports]  # fmt: skip
+            for path, v, out, kind, selected, net in ports]  # fmt: skip
 
 
 def table(name: str, registers: list[str], slices: list[str], parts: list[str], nets: dict,
@@ -156,14 +156,14 @@ def boards_text(netlist: Netlist) -> str:
         ports, own = board.ports()
         parts: list[str] = []
         for n, (part, rows) in enumerate(zip(board.parts, ports, strict=True)):
-            # what a chip does not drive is ones: where the port is that tells
+            # data that a chip does not drive are ones: by which port
             driven = {}
             for path, v, is_out, kind, _, _ in rows:
                 chip = board.modules[f"{part.path}.{path}".strip(".")].name
                 data = kind != "Kind::kControl" and not is_out
-                tells = CHIPS.get(chip, {}).get("driven") if path and data else None
+                enable = CHIPS.get(chip, {}).get("driven") if path and data else None
                 for index, row in enumerate(rows):
-                    if row[0] == path and row[1].name == tells:
+                    if row[0] == path and row[1].name == enable:
                         driven[(path, v.name)] = index
             rule = CHIPS.get(part.module.name, {}) if n else {}
             names = [row[1].name for row in rows]
@@ -187,7 +187,7 @@ def wires(folder: Path, netlist: Netlist, cards: int) -> None:
 
 def decoder_text(netlist: Netlist) -> str:
     """All outputs of a card's address decoder."""
-    card, rule = next(iter(RULES["heard"].items()))  # all cards have the same decoder
+    card, rule = next(iter(RULES["selected"].items()))  # all cards have the same decoder
     decoder = next(i for i in instances(netlist, boards(netlist)[card])
                    if i.path == rule["decoder"])  # fmt: skip
     outputs = (p for p in decoder.module.ports if p.direction == "OUTPUT")
@@ -240,7 +240,7 @@ def main() -> int:
                 (out / f"{name}.edges").write_text(edges_text(model))
         return 0
     clk_hz, *number = rest
-    cards = int(number[0]) if number else len(RULES["heard"])  # one of each type
+    cards = int(number[0]) if number else len(RULES["selected"])  # one of each type
     if what == "checkers":
         checkers(out, read_design(out / "tree", cards, clk_hz, "rtl", "checkers"))
         return 0

@@ -95,7 +95,7 @@ class Board:
 
     def ports(self) -> tuple[list[list[tuple]], dict[str, int]]:
         """Of each part: where its model has a port, its variable, out, its kind, whether it is
-        heard, the net; and the nets of the board's own ports."""
+        received only by a selected card, the net; and the nets of the board's own ports."""
         readers, drivers, members = {}, {}, {}
         for found, what in (self.read, readers), (self.driven, drivers):
             for name, part in found:
@@ -107,8 +107,8 @@ class Board:
                  if p.name != "clk_i"}  # fmt: skip
         numbers = {net: n for n, net in enumerate(dict.fromkeys(
             [*board.values(), *sorted(set(readers) | set(drivers))]))}  # fmt: skip
-        heard = RULES["heard"].get(self.all[0].module.name, {"inputs": ()})["inputs"]
-        heard = {board[p] for p in heard}
+        selected = RULES["selected"].get(self.all[0].module.name, {"inputs": ()})["inputs"]
+        selected = {board[p] for p in selected}
         rows: list[list[tuple]] = [[] for _ in self.parts]
         for net, number in numbers.items():
             inside = members.get(net, [])
@@ -140,7 +140,7 @@ class Board:
                             "Kind::kControl")  # fmt: skip
                 sliced = [] if path or out or driver else self.slices(self.parts[n], var)
                 for v, own in sliced or [(var, kind)]:
-                    rows[n].append((path, v, out, own, net in heard, number))
+                    rows[n].append((path, v, out, own, net in selected, number))
         return rows, {p: numbers[net] for p, net in board.items()}
 
     def slices(self, i: Instance, var: Var) -> list[tuple[Var, str]]:

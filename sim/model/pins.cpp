@@ -128,7 +128,7 @@ void Pins::hold_control() {
   }
 }
 
-// Lines of the ribbon: what the adaptor puts on them, and what it hears.
+// Lines of the ribbon: what the adaptor drives, and what it receives.
 void Pins::hold_pc(Pin low, const char *out, const char *in) {
   const uint64_t zeros = standing(low);
   const uint64_t ones = standing(static_cast<Pin>(static_cast<int>(low) + 1)) & ~zeros;
@@ -159,7 +159,7 @@ void Pins::put(int port, int lsb, int width, uint64_t value) {
   ports_.put(static_cast<Port>(port), lsb, width, value);
 }
 
-// A card that is pulled hears no command, and drives nothing but the 1 of a free line. A jumper
+// A card that is pulled receives no command, and drives nothing but the 1 of a free line. A jumper
 // that is open: the line is 0 on its far side.
 void Pins::fault(Pin pin, int index, uint64_t value) {
   standing(pin, index) = value;

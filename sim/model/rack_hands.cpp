@@ -51,7 +51,7 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
         written(part);
       }
       drive_net(*wire);
-    } else if (wire->port->row->heard) {
+    } else if (wire->port->row->selected) {
       // When its wires are back, the card gets the bus if it is selected, as any card.
       if (mask || (pc_bus_.selected >> (n - 1) & 1)) update_input(*wire);
       pc_bus_.changed = true;

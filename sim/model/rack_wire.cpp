@@ -113,7 +113,7 @@ void Rack::wire_pin(const PinInfo &info, std::vector<char> &read) {
         Wire{&part, &port, info.net, info.lsb + port.row->lsb, port.width, info.board, info.port});
     if (port.output) {
       port.wire = wire.get();
-    } else if (port.row->heard) {
+    } else if (port.row->selected) {
       for (size_t n = 0; n < PcBus::kSignals; ++n) {
         if (!is(kPcBus[n])) continue;
         pc_bus_.nets[n] = info.net;

@@ -28,9 +28,9 @@ struct PortRow {
   int lsb, width;           // the bits of it
   bool out;
   Kind kind;
-  bool heard;  // only while the decoder says so
-  int driven;  // all ones while this port of the part is 0; or -1
-  int select;  // not looked at while this port of the part is 1; or -1
+  bool selected;  // received only while the card is selected
+  int driven;     // all ones while this port of the part is 0; or -1
+  int select;     // not read while this port of the part is 1; or -1
   int net;
 };
 // Part 0 is the board less its chips; the others are chips.

@@ -14,12 +14,12 @@ from tools.compiled import ran
 
 pytestmark = pytest.mark.req("API-1")
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
-BOARDS = "boards/parts boards/rack wires_c3/wires speed_c3/kind"
+BOARDS = "boards/parts boards/rack wires_c3/logic wires_c3/wires speed_c3/kind"
 # A file, and objects that are compiled of it.
 MADE_OF = {
     "sim/abi/mmcs_sim.h": "obj/engine obj/service",
-    "sim/model/wires.h": "boards/rack boards/shared wires_c3/wires",
-    "sim/model/board.h": "boards/parts boards/rack",
+    "sim/model/wires.h": "boards/rack boards/shared wires_c3/logic wires_c3/wires",
+    "sim/model/board.h": "boards/parts boards/rack wires_c3/logic",
     "sim/model/cache.h": "boards/rack",
     "sim/engine/sim.h": "obj/engine",
     "sim/plant/encoder.h": "obj/engine",
