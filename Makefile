@@ -153,6 +153,7 @@ mutation: $(VENV)/.test $(VENV)/.formal ## seeded faults and mutants that tests 
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py tests --only "$(ONLY)"
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py proofs --only "$(ONLY)"
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/mutate.py --resume --only "$(ONLY)"
+	@JOBS=$(JOBS) $(BIN)/python tools/mutation/code.py --only "$(ONLY)"
 
 # --- firmware for real processors ----------------------------------------------------------
 

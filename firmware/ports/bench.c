@@ -40,65 +40,43 @@ static const int32_t puma[AXES][4] = {{40935, -39719, 512, -431}, {43696, -42057
  * feedback, second order, 6 triangle, 7 open loop from the A/D with a divisor that is no power of
  * two; 8 PD with limits, 9 PD of numbers that leave 32 bits, 10 PD of a high gain. The
  * setpoints of 0, 1 and 10 stay near, all others saturate the current. */
+static const int32_t profiles[][7] = {
+    /* mode, a0, a1, a2, b0, b1, b2 */
+    {MD_POS, 12, 0, 0, 8},
+    {MD_POS},
+    {MD_POS, 300, -280, 13, 16, -16},
+    {MD_VEL, 300, -280, 13, 16, -16},
+    {MD_TORQ | ADOFF, 300, -280, 13, 16, -16},
+    {MD_POS | ADFB, 300, -280, 13, 16, -16, 5},
+    {MD_TEST1, 300, -280, 13, 16, -16},
+    {MD_POS | ADDMD | ZEROFB, 300, -280, 13, 19, -7},
+    {MD_POS, 300, -280, 0, 16},
+    {MD_POS, 200000000, -190000000, 0, 1 << 20},
+    {MD_POS, 63339, -60879, 0, 64},
+};
+
 static void choose(struct mc_param *par, uint32_t profile, int axis) {
-  struct mc_param p = {0};
-  p.which = axis;
-  p.mode = MD_POS;
-  p.a0 = 12 + axis;
-  p.b0 = 8;
-  p.clkdivisor = 1;
-  p.ilim = 1024;
-  p.plo = INT32_MIN;
-  p.phi = INT32_MAX;
-  p.adc_a = 1;
-  if (profile == 1) {
-    p.a0 = puma[axis][0];
-    p.a1 = puma[axis][1];
-    p.b0 = puma[axis][2];
-    p.b1 = puma[axis][3];
-  }
-  if (profile == 10) {
-    p.a0 = 63339 + axis;
-    p.a1 = -60879;
-    p.b0 = 64;
-  }
-  if (profile >= 2 && profile < 10) {
-    p.a0 = 300 + axis;
-    p.a1 = -280;
-    p.b0 = 16;
-    p.plo = -20000;
-    p.phi = 20000;
-    p.mode |= POSCHK | SOFTERR;
-    p.ilimax = 50;
-  }
-  if (profile >= 2 && profile < 8) {
-    p.a2 = 13;
-    p.b1 = -16;
-    p.ic_pos = 50;
-    p.ic_neg = 40;
-    p.mode |= COULCOMP;
-    p.ipole = 900;
-    p.adc_a = 3;
-    p.adc_b = -6144;
-  }
-  if (profile == 3) p.mode = (p.mode & ~MD_MASK) | MD_VEL;
-  if (profile == 4) p.mode = (p.mode & ~MD_MASK) | MD_TORQ | ADOFF;
-  if (profile == 5) {
-    p.mode |= ADFB;
-    p.b2 = 5;
-  }
-  if (profile == 6) p.mode = (p.mode & ~MD_MASK) | MD_TEST1;
-  if (profile == 7) {
-    p.mode |= ADDMD | ZEROFB;
-    p.b0 = 19;
-    p.b1 = -7;
-  }
-  if (profile == 9) {
-    p.a0 = 200000000 + axis;
-    p.a1 = -190000000;
-    p.b0 = 1 << 20;
-  }
-  *par = p;
+  const int32_t *row = profiles[profile];
+  int limited = profile >= 2 && profile < 10, whole = limited && profile < 8;
+  int limits = limited ? POSCHK | SOFTERR : 0, friction = whole ? COULCOMP : 0;
+  *par = (struct mc_param){.which = axis,
+                           .mode = row[0] | limits | friction,
+                           .a0 = profile == 1 ? puma[axis][0] : row[1] + axis,
+                           .a1 = profile == 1 ? puma[axis][1] : row[2],
+                           .a2 = row[3],
+                           .b0 = profile == 1 ? puma[axis][2] : row[4],
+                           .b1 = profile == 1 ? puma[axis][3] : row[5],
+                           .b2 = row[6],
+                           .clkdivisor = 1,
+                           .ilim = 1024,
+                           .ilimax = limited ? 50 : 0,
+                           .plo = limited ? -20000 : INT32_MIN,
+                           .phi = limited ? 20000 : INT32_MAX,
+                           .ic_pos = whole ? 50 : 0,
+                           .ic_neg = whole ? 40 : 0,
+                           .ipole = whole ? 900 : 0,
+                           .adc_a = whole ? 3 : 1,
+                           .adc_b = whole ? -6144 : 0};
 }
 
 struct axis {

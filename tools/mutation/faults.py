@@ -26,8 +26,9 @@ LIST = ROOT / "tools" / "mutation" / "faults.toml"
 WORK = Path("build") / "faults"  # relative: the provers see the folder they are started in
 CPU_S = 900  # of processor time for a process of a broken design: it hangs, and that is noticed
 WALL_S = 4 * 3600  # a guard against what hangs without computing: that says nothing
-COPIED = ("rtl", "formal", "firmware", "mmcs", "tools", "sim/abi", "sim/model", "mmcs.core",
-          "conftest.py", "pyproject.toml")  # fmt: skip
+COPIED = ("rtl", "formal", "firmware", "mmcs", "tools", "sim", "mmcs.core", "conftest.py",
+          "pyproject.toml")  # fmt: skip
+NO_BUILD = "the project with the fault does not build"
 
 
 def read() -> tuple[list[dict], dict[str, str]]:
@@ -45,7 +46,8 @@ def chosen(key: str, only: str = "") -> list[dict]:
 
 
 def seed(fault: dict, folder: Path) -> str | None:
-    """Copies the project and replaces the text; the complaint if it does not stand there once."""
+    """Copies the project and replaces the text, or the whole file's; the complaint if it does not
+    stand there once."""
     shutil.rmtree(folder, ignore_errors=True)
     for part in COPIED:
         (folder / part).parent.mkdir(parents=True, exist_ok=True)
@@ -53,6 +55,9 @@ def seed(fault: dict, folder: Path) -> str | None:
         copy(ROOT / part, folder / part)
     (folder / "FUSESOC_IGNORE").touch()  # its mmcs.core is not another core
     file = folder / fault["file"]
+    if "text" in fault:
+        file.write_text(fault["text"])
+        return None
     text = file.read_text() if file.is_file() else ""
     if text.count(fault["find"]) != 1:
         return f"the text stands {text.count(fault['find'])} times in {fault['file']}, not once"
@@ -60,7 +65,9 @@ def seed(fault: dict, folder: Path) -> str | None:
     return None
 
 
-def pytest(tests: list[str], folder: Path, *options: str) -> subprocess.CompletedProcess:
+def pytest(
+    tests: list[str], folder: Path, *options: str, cpu_s: int = CPU_S
+) -> subprocess.CompletedProcess:
     """Tests of cocotb run on the RTL of the folder, others in it."""
     env = os.environ | {"MMCS_BUILD": str(folder / "build"), "MMCS_RTL": str(folder / "rtl"),
                         "MMCS_RANDOM_OPS": "2000", "PYTHONPATH": str(folder)}  # fmt: skip
@@ -70,7 +77,7 @@ def pytest(tests: list[str], folder: Path, *options: str) -> subprocess.Complete
         del env["MMCS_BUILD"]
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *options, *tests]
     return subprocess.run(
-        ["prlimit", f"--cpu={CPU_S}", *command, *(["--sim", "icarus"] if cocotb else [])],
+        ["prlimit", f"--cpu={cpu_s}", *command, *(["--sim", "icarus"] if cocotb else [])],
         cwd=ROOT if cocotb else folder, env=env, text=True, capture_output=True, check=False,
         timeout=WALL_S,
     )  # fmt: skip
@@ -78,10 +85,10 @@ def pytest(tests: list[str], folder: Path, *options: str) -> subprocess.Complete
 
 def by_test(fault: dict, folder: Path) -> str | None:
     """None if the test failed by what it saw, else what happened instead."""
-    done = pytest([fault["test"]], folder, "-x")
+    done = pytest([fault["test"]], folder, "-x", cpu_s=fault.get("cpu_s", CPU_S))
     out = done.stdout + done.stderr
     if "does not build" in out or "CompileError" in out:
-        return "the project with the fault does not build"
+        return NO_BUILD
     if re.search(r"\b[1-9]\d* failed\b", out):
         return None
     if done.returncode == 0:

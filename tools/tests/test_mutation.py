@@ -8,7 +8,7 @@ import pytest
 
 from mmcs import ROOT
 from tools import formal
-from tools.mutation import faults, mutate
+from tools.mutation import code, faults, mutate
 
 FAULTS = faults.read()[0]
 
@@ -35,6 +35,16 @@ def test_a_fault_of_the_driver_is_noticed():
     fault = next(f for f in FAULTS if f.get("req") == "DRV-3")
     assert faults.run([fault], faults.by_test) == 0
     assert faults.run([fault | {"find": "no such text"}], faults.by_test) == 1
+
+
+def test_mutants_of_a_file_are_the_same_each_time_and_some_build():
+    name = "firmware/mc/timer.c"
+    made, text = code.mutants(name), (ROOT / name).read_text()
+    assert code.files()[name] == "firmware/tests/test_firmware.py"
+    assert len(made) > 100 and made == code.mutants(name)
+    assert text not in {mutant["text"] for mutant in made}
+    assert code.builds({"file": name, "text": text})
+    assert {code.builds(mutant) for mutant in made[:20]} == {True, False}
 
 
 @pytest.mark.parametrize("entry", mutate.waivers(), ids=lambda e: f"{e['module']} {e['match']}")
