@@ -12,6 +12,7 @@ from mmcs.view.runs import Run
 
 GIF_FPS = 20
 MAX_FRAMES = 200
+COLOURS = 32
 VIEW = {"elev": 22, "azim": -60}
 
 
@@ -50,7 +51,8 @@ def write_strip(run: Run, path: Path, pictures: int = 6) -> None:
 
 
 def write_gif(run: Run, path: Path, slower: float = 1.0) -> int:
-    """Returns the number of pictures; `slower` = 4 shows a second in four."""
+    """The arm, beside it the joints' motion and, of a run with bus.csv, VME cycles of the sample.
+    Returns the number of pictures; `slower` = 4 shows a second in four."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from PIL import Image
@@ -58,19 +60,73 @@ def write_gif(run: Run, path: Path, slower: float = 1.0) -> int:
     style()
     t, arm = poses(run)
     frames = max(2, min(MAX_FRAMES, round((t[-1] - t[0]) * slower * GIF_FPS)))
-    figure = Figure(figsize=(4.2, 4.2), dpi=100)
+    figure = Figure(figsize=(8.4, 4.2), dpi=80)
     canvas = FigureCanvasAgg(figure)
-    cell = figure.add_axes((0, 0, 1, 0.95), projection="3d")
+    cell = figure.add_axes((0, 0, 0.46, 0.95), projection="3d")
+    motion, bus = (
+        figure.add_axes((0.54, 0.58, 0.43, 0.32)),
+        figure.add_axes((0.54, 0.12, 0.43, 0.26)),
+    )
+    cycles = _cycles(run)
     images = []
     for k in np.linspace(0, len(t) - 1, frames).round().astype(int):
         cell.clear()
         _draw(cell, arm, int(k))
         cell.set_title(f"{t[k]:.3f} s", size=10)
+        _draw_motion(motion, run, int(k))
+        _draw_bus(bus, run, cycles, int(k))
         canvas.draw()
-        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("P"))
+        picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+        images.append(
+            picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        )
     duration = round((t[-1] - t[0]) * slower * 1000 / frames)
     images[0].save(path, save_all=True, append_images=images[1:], duration=duration, loop=0)
     return frames
+
+
+def _draw_motion(cell, run: Run, k: int) -> None:
+    """Counts of all joints, up to sample k."""
+    cell.clear()
+    t = run.log[:, 0]
+    for axis in range(run.axes):
+        counts = run.column(axis, "encoder")
+        cell.plot(t, counts, color="#d0d3d8", lw=1)
+        cell.plot(t[: k + 1], counts[: k + 1], color=BLUE, lw=1.4)
+    cell.set_title("motors (plant), encoder counts", size=9, loc="left")
+    cell.set(xlim=(t[0], t[-1]))
+    cell.tick_params(labelsize=7)
+
+
+def _cycles(run: Run) -> np.ndarray:
+    """Begin and end in s since power-on, and whether it writes, of each cycle of bus.csv."""
+    file = run.folder / "bus.csv"
+    if not file.is_file():
+        return np.empty((0, 3))
+    rows = np.genfromtxt(file, delimiter=",", skip_header=1, usecols=(0, 1, 2), dtype=str)
+    writes = rows[:, 2] == "write"
+    return np.column_stack([rows[:, :2].astype(float) / run.report["clk_hz"], writes])
+
+
+def _draw_bus(cell, run: Run, cycles: np.ndarray, k: int) -> None:
+    """The VME cycles between the sample before k and k: reads and writes of the driver."""
+    cell.clear()
+    cell.set_axis_off()
+    if not len(cycles):
+        return
+    interval = run.log[1, 0] - run.log[0, 0]
+    ends = run.report["motion_start_s"] + run.log[k, 0]
+    own = cycles[(cycles[:, 0] >= ends - interval) & (cycles[:, 0] < ends)]
+    for begin, end, writes in own:
+        at, height = 1e6 * (begin - ends + interval), 0.8
+        cell.bar(at, height, 1e6 * (end - begin), int(writes), align="edge",
+                 color=ORANGE if writes else BLUE)  # fmt: skip
+    cell.set_axis_on()
+    cell.set(
+        xlim=(0, 1e6 * interval), ylim=(0, 2), yticks=[0.4, 1.4], yticklabels=["read", "write"]
+    )
+    cell.set_title(f"VME cycles (driver) in this sample, us: {len(own)}", size=9, loc="left")
+    cell.tick_params(labelsize=7)
 
 
 def _draw(cell, arm: np.ndarray, k: int) -> None:
