@@ -2,6 +2,7 @@
 """Puts what a run is built of into the package: RTL, firmware, engine, scenarios, pages; and the
 lab sheets, a package of their own, beside it."""
 
+import runpy
 import shutil
 from pathlib import Path
 
@@ -28,6 +29,7 @@ def copy_sources(target: Path) -> None:
         shutil.copy(HERE / name, target / name)
     if LIBRARIES.is_dir():
         shutil.copytree(LIBRARIES, target / "web" / "lib", ignore=UNSHIPPED, dirs_exist_ok=True)
+    runpy.run_path(str(HERE / "tools" / "sbom.py"))["write"](target, target / "web" / "lib")
 
 
 def main() -> None:

@@ -2,15 +2,19 @@
 """No suite of the Makefile is unseen: .ci/run runs each."""
 
 import importlib.metadata
+import json
 import os
 import re
 import sys
+import tempfile
 import tomllib
+from pathlib import Path
 
 import pytest
 from packaging.specifiers import SpecifierSet
 
 from mmcs import ROOT
+from tools import sbom
 from tools.compiled import ran
 
 # Not suites of their own, and why.
@@ -107,6 +111,34 @@ def test_what_does_not_run_is_said_last_or_fails(tmp_path, ci):
     why, tool, _ = done.stdout.splitlines()[-3:]
     assert why.startswith("3 tests did NOT run") and done.returncode == 0
     assert tool == "  3: missing; install it with: sudo apt-get install tool"
+
+
+OWN = {"mmcs", "cocotbext-mmcs", "mmcs-fpga", "mmcs-bridges", "pip", "setuptools"}  # or venv's
+
+
+def test_nothing_is_installed_beside_the_lock():
+    """And the wheel's list of what others made has it all, and their licences."""
+    with tempfile.TemporaryDirectory() as name:
+        library = Path(name) / "some"
+        library.mkdir()
+        (library / "package.json").write_text('{"name": "s", "version": "1", "license": "MIT"}')
+        (library / "LICENSE").write_text("Permission is granted")
+        sbom.write(Path(name), Path(name))
+        bom = json.loads((Path(name) / sbom.SBOM).read_text())
+        notices = (Path(name) / sbom.NOTICES).read_text()
+    listed = {part["purl"]: part for part in bom["components"]}
+    assert all(part["externalReferences"][0]["hashes"] for part in listed.values())
+    assert "s 1, MIT" in notices and "Permission is granted" in notices
+    assert "Verilator" in notices and len(notices) > 2000
+    assert any(purl.startswith("pkg:npm/uplot@") for purl in listed)
+    names = {purl.lower().replace("_", "-").replace(".", "-") for purl in listed}
+    beside = [
+        f"{d.name} {d.version}"
+        for d in importlib.metadata.distributions()
+        if d.name not in OWN
+        and re.sub(r"[._]", "-", f"pkg:pypi/{d.name}@{d.version}".lower()) not in names
+    ]
+    assert not beside, "a name and its version in requirements.lock; CONTRIBUTING tells how"
 
 
 def test_every_package_takes_the_least_python():
