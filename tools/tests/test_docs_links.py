@@ -56,10 +56,18 @@ def test_pages_that_code_names_exist():
     lost = []
     for name in TRACKED:
         path = ROOT / name
-        skipped = path.suffix in {".svg", ".png", ".gif", ".json", ".lock"} or name.startswith(LEFT_OUT)
-        if skipped or not path.is_file():
+        skipped = path.suffix in {".svg", ".png", ".gif", ".json", ".lock"}
+        if skipped or name.startswith(LEFT_OUT) or not path.is_file():
             continue
         for page in set(re.findall(r"\bdocs/[\w/]+\.(?:md|toml|svg)\b", path.read_text())):
             if not (ROOT / page).exists():
                 lost.append(f"{name}: {page}")
     assert lost == []
+
+
+def test_files_that_contributing_names_exist():
+    """But for names that stand for the reader's own."""
+    named = re.findall(r"`([\w.-]+(?:/[\w.-]+)+\.\w+)`", (ROOT / "CONTRIBUTING.md").read_text())
+    own = re.compile(r"\b(x|NAME|x_tb|cocotb_x|NN_name|build|markN)\b")
+    assert len(named) > 30
+    assert [n for n in named if not own.search(n) and not (ROOT / n).exists()] == []
