@@ -80,13 +80,20 @@ def mark_of(folders: str, commit: str = "HEAD") -> str:
 
 
 def committed(folders: str) -> str:
-    """The folders' mark. Raises SystemExit where they have changes that no commit has."""
+    """The folders' mark. Raises SystemExit where they have changes that no commit has, and where
+    they are others than when this process asked first: what it measured is then of neither."""
     if changed := _git("diff", "--name-only", "HEAD", "--", *folders.split()):
         raise SystemExit(
             f"pages: a figure is of a commit, and {changed.splitlines()[0]} is changed: commit it, "
             "then measure"
         )
-    return mark_of(folders)
+    mark = mark_of(folders)
+    if _asked.setdefault((ROOT, folders), mark) != mark:
+        raise SystemExit(f"pages: {folders} changed while they were measured: measure again")
+    return mark
+
+
+_asked: dict[tuple[Path, str], str] = {}  # what committed() has said
 
 
 def changed_since(mark: re.Match) -> list[str]:

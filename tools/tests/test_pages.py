@@ -56,6 +56,8 @@ def test_a_measured_table_tells_its_age(tree):
     commit(tree)
     assert "**Changed since: `rtl`.**" in aged(text) and "sim" not in aged(text).split("x`.*")[1]
     assert len(old_ones()) == 1 and old_ones()[0].endswith("changed: rtl")
+    with pytest.raises(SystemExit, match="rtl sim changed while they were measured"):
+        rewrite(page, "x", "| 2 |", "make x", "rtl sim")
     (tree / "sim" / "b.cpp").unlink()
     commit(tree)
     assert "**Changed since: `rtl`, `sim`.**" in aged(text)
