@@ -36,6 +36,14 @@ GROUPS = {
     "Study": "design sweep campaign lab",
     "Export": "export",
 }
+EXAMPLES = {
+    "run": "lab500 --set axis.0.b0=72", "list": "", "show": "puma560", "check": "my.toml",
+    "faults": "encoder", "replay": "lab500", "tool": "lab500", "trace": "lab500 --at 0.05",
+    "compare": "lab500 lab500_nocomp", "serve": "puma560 --realtime",
+    "exec": "--scenario lab500 -- ./bounce", "design": "--wn 80 --robot lab500 --toml",
+    "sweep": "lab500 --grid axis.0.b0=60,64,68", "campaign": "arm_move --faults 100",
+    "lab": "start 1", "export": "film puma560_reach",
+}  # fmt: skip
 SET_HELP = "Override a key of the scenario, e.g. host.cpu_us_per_axis=0."
 
 
@@ -75,7 +83,9 @@ class Group(click.Group):
     def format_commands(self, ctx, formatter) -> None:
         """As click does it, in groups."""
         for title, names in GROUPS.items():
-            rows = [(name, self.commands[name].get_short_help_str(62)) for name in names.split()]
+            rows = [
+                (name, self.commands[name].get_short_help_str(LONGEST)) for name in names.split()
+            ]
             with formatter.section(title):
                 formatter.write_dl(rows)
 
@@ -301,3 +311,5 @@ def _check_places(folder: Path, trace: Path | None) -> None:
 for _command in (campaign, compare, design, exec_, export, faults, lab, replay, serve, sweep,
                  tool, trace):  # fmt: skip
     main.add_command(_command)
+for _name, _example in EXAMPLES.items():
+    main.commands[_name].epilog = f"Example: mmcs {_name} {_example}".rstrip()

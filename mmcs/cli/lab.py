@@ -11,6 +11,7 @@ class Lab(click.Command):
 
     def make_context(self, info_name, args, parent=None, **extra) -> click.Context:
         command = offered("command").load()
+        command.epilog = self.epilog
         return command.make_context(info_name, args, parent, **extra)
 
 

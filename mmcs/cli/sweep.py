@@ -143,13 +143,16 @@ def carry_out(store, total: int, tasks, client, workers: int, work, what: str = 
 def progress(total: int, store, what: str):
     """A bar if somebody watches, else a line now and then."""
     if not sys.stderr.isatty():
-        told = time.monotonic()
+        began = told = time.monotonic()
+        before = len(store.rows)
 
         def tell() -> None:
             nonlocal told
             if time.monotonic() > told + TELL_EACH_S:
                 told = time.monotonic()
-                echo(f"mmcs: {len(store.rows)} of {total} {what}", err=True)
+                done = len(store.rows)
+                left = (told - began) * (total - done) / max(1, done - before)
+                echo(f"mmcs: {done} of {total} {what}, about {left:.0f} s left", err=True)
 
         yield tell
         return

@@ -4,9 +4,12 @@
 ends in a space, more of it follows: what is allowed."""
 
 import functools
+import re
+import shlex
 
 import pytest
 
+from mmcs.cli.app import main
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import GOOD, good, one_clear_line, put
 
@@ -429,3 +432,13 @@ def test_folder_that_is_not_a_run(mmcs, tmp_path, report, log, expected):
     (tmp_path / "log.csv").write_text(log)
     for args in (["compare", tmp_path, tmp_path], ["export", "film", tmp_path]):
         one_clear_line(mmcs(*args), start=f"{tmp_path}: {expected}\n")
+
+
+def test_help_cuts_no_text_and_has_an_example_of_each_command(mmcs):
+    text = mmcs("--help")[1]
+    assert "..." not in text.replace("[ARGS]...", "")
+    for name, command in main.commands.items():
+        words = mmcs(name, "--help")[1].split()
+        [example] = re.findall(rf"Example: (mmcs {name}\b.*)$", " ".join(words))
+        if name not in ("export", "lab"):  # the words are those that it takes
+            command.make_context(name, shlex.split(example)[2:])

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import CancelledError
+from importlib import import_module
 from types import SimpleNamespace
 
 import pytest
@@ -387,3 +388,15 @@ def test_scheduler_or_worker_that_goes_while_an_answer_is_fetched(gone, monkeypa
     rows = dict(sweep_run.run_dask(client, iter([(7, "task")]), lambda setup: "build"))
     assert rows == {7: sweep_run.failed("the worker died 3 times in this run")}
     assert len(starts) == 3
+
+
+def test_progress_on_no_terminal_tells_the_time_left(monkeypatch, capsys):
+    module = import_module("mmcs.cli.sweep")
+    monkeypatch.setattr(module, "TELL_EACH_S", -1.0)
+    clock = iter((0.0, 10.0, 10.0))  # begun, asked, told
+    monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
+    store = SimpleNamespace(rows={0: {}}, bad=0)
+    with module.progress(21, store, "runs") as advance:
+        store.rows |= {n: {} for n in range(1, 11)}
+        advance()
+    assert capsys.readouterr().err == "mmcs: 11 of 21 runs, about 10 s left\n"
