@@ -50,10 +50,10 @@ def changes(trace: Path, signals: list[list[str]], start: int, end: int) -> list
     paths = {}
     for var in wave.all_vars():
         path = var.full_name.removeprefix("mmcs.")
-        paths.setdefault(path.split("[")[0] if path.endswith("]") else path, var)
+        paths.setdefault(path.rpartition("[")[0] if path.endswith("]") else path, var)
     out = []
     for _, path, *_ in signals:
-        base, _, bits = path.rstrip("]").partition("[")
+        base, _, bits = path[:-1].rpartition("[") if path.endswith("]") else (path, "", "")
         high, _, low = bits.partition(":")
         found = {}
         for time, raw in paths[base].signal:

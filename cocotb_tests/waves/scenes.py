@@ -101,6 +101,23 @@ async def pccsr_rearm(dut):
 
 
 @cocotb.test()
+async def missed_sclock(dut):
+    tb = await machine(dut)
+    await tb.timer(2, 0)
+    await tb.sclock(4, 20)
+    await tb.wr(PCCSR, BASE | ARMED | SCLOCK_IRQ)
+    await FallingEdge(dut.sclock_o)
+    mark()
+    for _ in range(2):  # nobody serves the first before the second
+        await RisingEdge(dut.sclock_o)
+    await tb.wr(PCCSR, BASE)
+    await tb.wr(PCCSR, BASE | ARMED | SCLOCK_IRQ)
+    await RisingEdge(dut.sclock_o)
+    await Timer(1, "us")
+    mark()
+
+
+@cocotb.test()
 async def pc_cycles(dut):
     tb = await machine(dut, setup=True)
     mark()

@@ -189,7 +189,8 @@ class StatsExpect(Strict):
     bus_errors: Count | None = None
 
 
-EventKind = Literal["panic", "error", "signal", "fault", "log", "bus", "assert"]
+EventKind = Literal["panic", "error", "signal", "fault", "log", "bus", "assert",
+                    "missed", "overrun", "spurious"]  # fmt: skip
 
 
 class EventExpect(Strict):

@@ -10,7 +10,7 @@ import pytest
 from mmcs import regs
 from mmcs.errors import RunError
 from mmcs.view import watched, waves
-from mmcs.view.moments import Pass, first_pass
+from mmcs.view.moments import Pass, first_missed, first_pass
 from mmcs.view.names import registers
 
 SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
@@ -170,3 +170,29 @@ def test_without_display_the_commands_are_printed(tmp_path, monkeypatch, capsys)
     out = capsys.readouterr().out
     assert f"gtkwave {tmp_path}/run.fst {tmp_path}/run.gtkw" in out
     assert f"surfer -c {tmp_path}/run.sucl {tmp_path}/run.fst" in out
+
+
+def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
+    """A host that takes no interrupt for 8 ms: SCLOCKs come while the latch is set."""
+    from mmcs.runs.record import make_record, read_record, write_record
+    from mmcs.runs.replay import stretch, trace
+    from mmcs.runs.report import make_report, write_report
+    from mmcs.runs.runner import simulate
+    from mmcs.scenario.load import load
+
+    stall = 'event=[{at=0.005, input="host_stall", value=8}]'
+    result = simulate(load("lab500", (*SETS, stall)))
+    missed = [note for note in result.notes if note["kind"] == "missed"]
+    count = result.stats["missed"]
+    assert count and [note["text"] for note in missed] == [f"{count} SCLOCKs never served"]
+    write_record(make_record(result, "native"), tmp_path)
+    write_report(make_report(result, "native"), tmp_path)
+    record = read_record(str(tmp_path))
+    begin, end = stretch(record, "missed", 5)
+    assert begin < missed[0]["t"] < end
+    wave = tmp_path / "missed.fst"
+    assert trace(record, wave, begin, end)[1] is None
+    at = first_missed(wave, waves.MACHINE)
+    assert at is not None
+    gtkw, _ = waves.write_views(wave)
+    assert f" {at} -1" in gtkw.read_text() and "[markername] Emissed\n" in gtkw.read_text()

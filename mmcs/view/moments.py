@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When what happens in a trace: the first whole servo pass, from SCLOCK to the last D/A write."""
+"""When what happens in a trace: the first whole servo pass, from SCLOCK to the last D/A write, and
+the first SCLOCK that was missed."""
 
+from bisect import bisect
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,20 +18,38 @@ class Pass(NamedTuple):
     last_write: int
 
 
-def first_pass(trace: Path, machine: str) -> Pass | None:
-    """The first servo pass in the trace from its SCLOCK to the next one; None: there is none."""
+def _nets(trace: Path, machine: str):
+    """A function that gives a net's times and values, of the machine's nets by their paths."""
     import pywellen
 
     found = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
+    return lambda path: [(time, int(value)) for time, value in found[f"{machine}.{path}"].tv]
 
-    def edges(path: str, to: int) -> list[int]:
-        changes = [(time, int(value)) for time, value in found[f"{machine}.{path}"].tv]
-        pairs = zip(changes, changes[1:], strict=False)
-        return [time for (_, before), (time, after) in pairs if before != after == to]
 
-    clocks = edges("sclock_o", 1)
-    acks = edges("u_adaptor.vme_iackin_ni", 0)
-    reads, writes = edges("pcx_ior_no", 0), edges("pcx_iow_no", 1)
+def _edges(changes: list[tuple[int, int]], to: int) -> list[int]:
+    """When a net comes to a level."""
+    pairs = zip(changes, changes[1:], strict=False)
+    return [time for (_, before), (time, after) in pairs if before != after == to]
+
+
+def first_missed(trace: Path, machine: str) -> int | None:
+    """The first SCLOCK edge in the trace at which its latch is still set; None: there is none."""
+    net = _nets(trace, machine)
+    latch = net("u_adaptor.u_core.u_pccsr.sclock_latch_q")
+    times = [time for time, _ in latch]
+    for clock in _edges(net("sclock_o"), 1):
+        before = bisect(times, clock)
+        if before and latch[before - 1][1]:
+            return clock
+    return None
+
+
+def first_pass(trace: Path, machine: str) -> Pass | None:
+    """The first servo pass in the trace from its SCLOCK to the next one; None: there is none."""
+    net = _nets(trace, machine)
+    clocks = _edges(net("sclock_o"), 1)
+    acks = _edges(net("u_adaptor.vme_iackin_ni"), 0)
+    reads, writes = _edges(net("pcx_ior_no"), 0), _edges(net("pcx_iow_no"), 1)
     for begin, end in zip(clocks, clocks[1:], strict=False):
         ack = next((t for t in acks if begin <= t < end), None)
         if ack is None:

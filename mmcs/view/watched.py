@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from mmcs.view.names import TABLES, states
-from mmcs.view.waves import CARD, GROUPS, HEX, SIGNED, Signal
+from mmcs.view.waves import GROUPS, HEX, SIGNED, Signal
 
 ABSENT = ("firmware",)  # of a trace only
 FORMS = {HEX: "hex", SIGNED: "signed"}
@@ -47,7 +47,7 @@ def _signal(signal: Signal) -> dict:
         names = states(signal.state_of)
     return {
         "name": re.sub(r"^.*(u_axis|u_card)\.|^u_adaptor\.", "", signal.path),
-        "net": f"{CARD}.{signal.port}" if signal.port else signal.path,
+        "net": signal.port or signal.path,
         "width": signal.width,
         "form": FORMS.get(signal.form, "bits"),
         "curve": signal.curve,

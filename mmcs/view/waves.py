@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A prepared view of a trace, for GTKWave (.gtkw) and Surfer (.sucl), beside the trace.
 
-It opens on one servo pass, with markers at its SCLOCK, acknowledge, first read and last D/A write.
+It opens on one servo pass, with markers at its SCLOCK, acknowledge, first read and last D/A write,
+and at the first SCLOCK that was missed: its edge found the latch of the one before still set.
 States, registers and parts of the pass have names, counts and D/As are drawn as curves. GTKWave's
 view is checked on its screen; Surfer's was never tried.
 """
@@ -16,7 +17,7 @@ from typing import NamedTuple
 
 from mmcs.folder import whole_file
 from mmcs.screen import echo
-from mmcs.view.moments import Pass, first_pass
+from mmcs.view.moments import Pass, first_missed, first_pass
 from mmcs.view.names import write_tables
 
 MACHINE = "TOP.mmcs"
@@ -29,6 +30,8 @@ NAMED, CURVE, ROOM = 0x2000, 0x8000, "20000"  # a table of names; drawn in steps
 CURVE_LINES = 3
 PIXELS, FRAME = 900, 200  # across which the servo pass is spread; GTKWave's zoom counts frames
 MARKERS = ("SCLOCK", "acknowledge", "first read", "last D/A write")
+MISSED = "Emissed"  # the letter of the fifth marker, and its name
+ALONE_PS = 1_000_000_000  # shown from a missed SCLOCK on, in a trace without a whole pass
 SHORT, LETTERS = ("SCLOCK", "ack", "read", "write"), tuple("ABCD")  # where names have less room
 NAME_PIXELS = 6  # of a letter of a marker's name
 
@@ -41,7 +44,7 @@ class Signal(NamedTuple):
     names: str = ""  # a table of names.TABLES
     curve: bool = False
     state_of: str = ""  # the module whose states it has
-    port: str = ""  # of a board, that holds it from bit 0 on: what stands for it without a trace
+    port: str = ""  # of a board, that holds it from bit 0 on: stands for it without a trace
 
     def full(self) -> str:
         cards = "u_cards." if self.path.startswith("g_card") else ""
@@ -75,6 +78,16 @@ GROUPS = {
         Signal("u_adaptor.panic_o"),
         Signal("u_adaptor.brake_release_o"),
         Signal("u_adaptor.led_irq_o"),
+    ],
+    "interrupt": [
+        Signal("u_adaptor.u_core.u_pccsr.sclock_q"),
+        Signal("u_adaptor.u_core.u_pccsr.csr_q", 8, HEX),
+        Signal("u_adaptor.u_core.u_pccsr.sclock_latch_q"),
+        Signal("u_adaptor.u_core.u_pccsr.panic_latch_q"),
+        Signal("u_adaptor.u_core.u_pccsr.irq_req_q"),
+        # the level of an acknowledge
+        Signal("u_adaptor.u_bus_interrupter.vme_a_i", 3, HEX, 1, port="u_adaptor.vme_a_i"),
+        Signal("u_adaptor.u_core.u_pit.g_counter[2].u_counter.ce_q", 16, HEX),
     ],
     "VME": [
         Signal("u_adaptor.vme_a_i", 15, HEX, 1, names="registers"),
@@ -113,8 +126,8 @@ GROUPS = {
         Signal(f"{AXIS}.u_encoder.count_q", 16, SIGNED, curve=True),
         Signal(f"{AXIS}.u_dac.rank1_q", 12, HEX),
         Signal(f"{AXIS}.u_dac.rank2_q", 12, HEX),
-        Signal(f"{AXIS}.drive_v_o", 16, SIGNED, curve=True, port="drive_v_o"),
-        Signal(f"{AXIS}.adc_v_i", 16, SIGNED, curve=True, port="adc_v_i"),
+        Signal(f"{AXIS}.drive_v_o", 16, SIGNED, curve=True, port=f"{CARD}.drive_v_o"),
+        Signal(f"{AXIS}.adc_v_i", 16, SIGNED, curve=True, port=f"{CARD}.adc_v_i"),
         Signal(f"{AXIS}.adc_code_q", 12, HEX),
         Signal(f"{AXIS}.u_adc.busy_q"),
         Signal(f"{AXIS}.u_heartbeat.run_q"),
@@ -139,9 +152,9 @@ def write_views(trace: Path) -> tuple[Path, Path]:
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     names = trace.resolve().with_suffix(".names")
     write_tables(names)
-    seen = first_pass(trace, MACHINE)
+    seen, missed = first_pass(trace, MACHINE), first_missed(trace, MACHINE)
     for path, text in (
-        (gtkw, _gtkwave(trace, names, seen)),
+        (gtkw, _gtkwave(trace, names, seen, missed)),
         (sucl, _surfer(seen)),
     ):
         with whole_file(path) as part:
@@ -149,16 +162,18 @@ def write_views(trace: Path) -> tuple[Path, Path]:
     return gtkw, sucl
 
 
-def _gtkwave(trace: Path, names: Path, seen: Pass | None) -> str:
+def _gtkwave(trace: Path, names: Path, seen: Pass | None, missed: int | None) -> str:
     lines, tables = [f'[dumpfile] "{trace.resolve()}"'], {}
-    if seen:
-        span = seen.last_write - seen.sclock
-        begin = max(0, seen.sclock - span // 20)
-        zoom = -math.log2(span * 1.15 / PIXELS * FRAME)
-        times = [*seen, *[-1] * (26 - len(seen))]
+    if seen or missed is not None:
+        begin, end = (seen.sclock, seen.last_write) if seen else (missed, missed + ALONE_PS)
+        zoom = -math.log2((end - begin) * 1.15 / PIXELS * FRAME)
+        times = [*(seen or [-1] * len(MARKERS)), -1 if missed is None else missed]
+        times += [-1] * (26 - len(times))
+        begin = max(0, begin - (end - begin) // 20)
         lines += [f"[timestart] {begin}", f"*{zoom:.6f} -1 {' '.join(map(str, times))}"]
-        letters = zip(LETTERS, marker_names(seen), strict=True)
+        letters = zip(LETTERS, marker_names(seen) if seen else (), strict=False)
         lines += [f"[markername] {letter}{name}" for letter, name in letters]
+        lines += [f"[markername] {MISSED}"]
     lines += ["[sst_expanded] 1"]
     for name, signals in GROUPS.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]

@@ -159,6 +159,7 @@ void Host::served(bool sampled) {
     machine_.tap().sample(mc(), machine_.model(), recorder_.samples(), recorder_.sample_clock());
   }
   recorder_.errors(machine_, mc());
+  recorder_.interrupt(machine_, stats());
   tell();
   if (sampled && ends_ == Ends::kAtSample) ended_ = true;
   if (sampled) write_setpoints();

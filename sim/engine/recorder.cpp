@@ -4,6 +4,7 @@
 #include "recorder.h"
 
 #include <cstdio>
+#include <string>
 
 #include "mmcs_sim.h"
 
@@ -66,6 +67,23 @@ void Recorder::errors(Machine &machine, const struct mc *mc) {
     }
     known = errcode;
   }
+}
+
+void Recorder::interrupt(Machine &machine, const struct mc_stats &stats) {
+  static constexpr const char *kKinds[] = {"missed", "overrun", "spurious"};
+  static constexpr const char *kTexts[] = {"SCLOCKs never served", "passes beyond the next SCLOCK",
+                                           "interrupts without a cause"};
+  const std::array<int32_t, 3> now{stats.missed, stats.overrun, stats.spurious};
+  unsigned grew = 0;
+  for (size_t n = 0; n < now.size(); ++n) {
+    const int32_t fresh = now[n] - counts_[n];
+    if (fresh <= 0) continue;  // below 0: MZEROSTATS
+    grew |= 1u << n;
+    if (counted_ >> n & 1u) continue;
+    machine.note(kKinds[n], -1, std::to_string(fresh) + ' ' + kTexts[n]);
+  }
+  counts_ = now;
+  counted_ = grew;
 }
 
 }  // namespace mmcs

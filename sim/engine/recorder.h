@@ -2,6 +2,7 @@
 // What a run leaves behind: one log row per servo sample, and the hash of all samples.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <vector>
@@ -33,6 +34,9 @@ class Recorder {
   void sample(const struct mc *mc, const Machine &machine);
   // Notes error flags that are new since the last call.
   void errors(Machine &machine, const struct mc *mc);
+  // Notes what the driver counted in this interrupt but not in the one before it: one note for a
+  // row of passes that overrun.
+  void interrupt(Machine &machine, const struct mc_stats &stats);
 
   int cols() const { return 1 + 7 * axes_; }
   // All rows so far; those not yet taken; and what becomes of the latter once they are.
@@ -58,6 +62,8 @@ class Recorder {
     past(a, samples_);
     a.same(angles_);
     a.same(errcodes_);
+    past(a, counts_);
+    past(a, counted_);
     past(a, hash_);
     int64_t all = rows();
     size_t points = checkpoints_.size();
@@ -93,6 +99,8 @@ class Recorder {
   int64_t taken_ = 0;  // rows that are no longer here
   std::vector<double> log_;
   std::vector<int32_t> errcodes_;
+  std::array<int32_t, 3> counts_{};  // missed, overrun, spurious after the last interrupt
+  unsigned counted_ = 0;             // a bit for each that grew in it
   int64_t samples_ = 0;
   std::vector<mmcs_checkpoint> checkpoints_;
   Hash hash_;
