@@ -27,7 +27,7 @@ def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resum
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
-    from mmcs.sweeps.campaign import is_row, make_plan, make_twin
+    from mmcs.sweeps.campaign import make_plan, make_twin
     from mmcs.sweeps.plan import MAX_RUNS
     from mmcs.sweeps.workers import cores
 
@@ -52,8 +52,7 @@ def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resum
     own = (setup.path for setup in plan.setups.values() if SCENARIOS not in setup.path.parents)
     named = "-".join(Path(motion).stem for motion in motions) or "all"
     folder = out or results("campaigns", next(own, None)) / named[:100]
-    with kept(folder, plan, first, resume, dask, "campaign", is_row) as (store, client):
-        store.rows = {n: row for n, row in store.rows.items() if plan.is_of(n, row)}
+    with kept(folder, plan, first, resume, dask, "campaign") as (store, client):
         whole = _run(plan, store, client, workers or cores(), count)
     command = ["mmcs", "campaign", *motions, "--faults", str(count), "--seed", str(seed)]
     command += ["--sort", sorts] if sorts else []

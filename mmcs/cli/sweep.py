@@ -39,7 +39,7 @@ def check_workers(workers: int | None, dask: str | None) -> None:
 
 
 @contextmanager
-def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str, is_row):
+def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str):
     """The store of the rows there, and Dask's client or None."""
     from mmcs.folder import check_folder
     from mmcs.runs.machine import build_of
@@ -51,7 +51,7 @@ def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str, i
     check_folder(folder)
     with ExitStack() as ends:
         client = ends.enter_context(closing(dask_client(dask))) if dask else None
-        store = Store(folder, plan.identity(build_of(setup)), resume, what, is_row)
+        store = Store(folder, plan.identity(build_of(setup)), resume, what)
         yield ends.enter_context(closing(store)), client
 
 
@@ -73,7 +73,7 @@ def sweep(
     --grid combines all values of all grids; --random draws, the same draws at every grid point.
     """
     from mmcs.sweeps.plan import make_plan
-    from mmcs.sweeps.store import FORMATS, check_figure, check_format, is_row
+    from mmcs.sweeps.store import FORMATS, check_figure, check_format
     from mmcs.sweeps.workers import cores, run_row
 
     if form not in FORMATS:
@@ -84,7 +84,7 @@ def sweep(
     first = plan.first()
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
-    with kept(folder, plan, first, resume, dask, "sweep", is_row) as (store, client):
+    with kept(folder, plan, first, resume, dask, "sweep") as (store, client):
         for text in plan.cautions():
             echo(f"caution: {text}")
         tasks = _tasks(plan, store)

@@ -12,7 +12,7 @@ from mmcs.errors import InputError
 from mmcs.runs.machine import library_of
 from mmcs.scenario.load import load
 from mmcs.scenario.setup import Setup
-from mmcs.sweeps.classes import CLASSES, judge
+from mmcs.sweeps.classes import judge
 from mmcs.sweeps.faults import SORTS, Fault, Motion, draw
 from mmcs.sweeps.workers import or_failed
 
@@ -35,13 +35,6 @@ class Plan:
 
     def fault(self, n: int) -> Fault:
         return draw(self.seed, n, self.sorts, self.motions)
-
-    def is_of(self, n: int, row: dict) -> bool:
-        """Whether a row that was read is of the fault that has its number."""
-        fault = self.fault(n)
-        return row["status"] == "failed" or all(
-            row[key] == getattr(fault, key) for key in ("motion", "sort", "what", "at")
-        )
 
     def command(self, n: int) -> str:
         """What makes fault n alone."""
@@ -170,19 +163,3 @@ def run_fault(twin, fault: Fault, whole: bool = False) -> dict:
         "after_ms": after,
         **more,
     }
-
-
-def is_row(row: dict) -> bool:
-    """Whether a line of a file may be one: the class and the texts that tables are made of."""
-    if row["status"] == "failed":
-        return isinstance(row["why"], str)
-    texts = ("motion", "sort", "what", "by", "told")
-    numbers = ("at", "off", "beyond", "deg", "deg_s")
-    return (
-        row["status"] == "ok"
-        and row["class"] in CLASSES
-        and all(isinstance(row[k], str) for k in texts)
-        and all(isinstance(row[k], int | float) and abs(row[k]) < 1e12 for k in numbers)
-        and isinstance(row["after_ms"], int | float | None)
-        and abs(row["after_ms"] or 0) < 1e12
-    )

@@ -30,9 +30,8 @@ def check_resume(folder: Path, what: str = "sweep") -> None:
 class Store:
     """The finished rows, on disk before they are counted."""
 
-    def __init__(self, folder: Path, identity: str, resume: bool, what: str = "sweep", good=None):
-        """good: whether a dictionary may be a row of this; that of a sweep, if not said."""
-        self.path, self._what, self._good = folder / ROWS, what, good or is_row
+    def __init__(self, folder: Path, identity: str, resume: bool, what: str = "sweep"):
+        self.path, self._what = folder / ROWS, what
         self._identity = identity
         self.rows: dict[int, dict] = {}
         self.bad = 0  # of those added now
@@ -57,7 +56,7 @@ class Store:
                 if not line.endswith(b"\n"):
                     break  # it was being written when the end came
                 whole += len(line)
-                entry = _entry(line, self._identity, self._good)
+                entry = _entry(line, self._identity)
                 if number:
                     self.rows |= entry
                 elif "sweep" not in entry:
@@ -87,22 +86,12 @@ class Store:
         self._lock.close()
 
 
-def is_row(row: dict) -> bool:
-    """Whether a dictionary may be a sweep's row. KeyError, TypeError: it is none."""
-    good = row["status"] in ("ok", "missed", "failed")
-    good = good and (row["status"] == "failed" or type(row["unmet"]) is int)
-    for name, value in row.items():
-        text = name in ("status", "why", "hash")
-        good = good and isinstance(value, str if text else int | float | None)
-    return good
-
-
 def checksum(identity: str, n: int, row: dict) -> str:
     """What a line of the file ends with: a row that was changed by hand is not believed."""
     return hashlib.sha256(json.dumps([identity, n, row]).encode()).hexdigest()[:16]
 
 
-def _entry(line: bytes, identity: str, good=is_row) -> dict:
+def _entry(line: bytes, identity: str) -> dict:
     """{number: row}, or the first line; {} for what is neither: that row is run again."""
     try:
         entry = json.loads(line)
@@ -110,7 +99,7 @@ def _entry(line: bytes, identity: str, good=is_row) -> dict:
             return entry
         n, row = entry["n"], entry["row"]
         whole = type(n) is int and 0 <= n < MAX_RUNS and entry["sum"] == checksum(identity, n, row)
-        return {n: row} if whole and good(row) else {}
+        return {n: row} if whole else {}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
 

@@ -24,6 +24,16 @@ def test_first_order(begin, target):
     assert seen.settle_ms == pytest.approx(-20 * np.log(share), abs=1.0)
 
 
+@pytest.mark.parametrize("first", [0, 1, 50])
+def test_rise_between_samples(first):
+    """A ramp of 13 counts a sample from 7, where the axis stands at the last sample before the
+    step: exact, though the levels lie between samples."""
+    y = 7.0 + np.clip(13.0 * (np.arange(len(T)) - first), 0, 100)
+    y[: max(first - 1, 0)] = 40
+    seen = step_response(T, y, T[first], 0, 100)
+    assert seen.rise_ms == round(80 / 13, 3)
+
+
 def test_overshoot_and_settling():
     y = np.where(T < 0.1, 0.0, 100.0)
     y[120:140] = 115.0

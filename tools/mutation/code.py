@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation score of driver, plant and the service's scripts: the last part of `make mutation`.
+"""Mutation score of driver, plant, the service's scripts, and of the Python that judges and guards:
+the last part of `make mutation`.
 
-universalmutator changes one line of C or C++, by its rules for both; each mutant that builds, some
+universalmutator changes one line, by its rules for the language; each mutant that builds, some
 of every file, meets the suite of its folder in a copy of the project.
 
     code.py [--only TEXT] [--each N]
@@ -11,6 +12,7 @@ LEAST of at least 20 mutants is killed: some differ in nothing that a test can s
 """
 
 import argparse
+import ast
 import contextlib
 import io
 import os
@@ -28,9 +30,16 @@ SUITES = {
     "sim/plant/*.cpp": "sim/tests/plant/test_plant.py",
     "sim/service/configure.cpp": "sim/tests/service/test_service.py",
     "sim/service/script.cpp": "sim/tests/service/test_service.py",
+    "mmcs/runs/metrics.py": "mmcs/tests/test_metrics.py",
+    "mmcs/runs/expect.py": "mmcs/tests/test_session.py",
+    "mmcs/device/sockets.py": "mmcs/tests/test_serve.py::"
+    "test_a_folder_that_is_not_ours_alone_is_refused",
+    "mmcs/tool/pages.py": "mmcs/tests/test_tool.py::"
+    "test_a_request_that_is_none_is_refused_and_not_logged",
 }
-RULES = ["universal.rules", "c_like.rules", "cpp.rules"]
-IGNORED = [r"^\s*(//|#|_Static_assert|static_assert)", r"text_log\("]
+RULES = {"py": ["universal.rules", "python.rules"]}
+C_RULES = ["universal.rules", "c_like.rules", "cpp.rules"]
+IGNORED = [r"^\s*(//|#|_Static_assert|static_assert)", r"text_log\(", r"^(import|from) "]
 EACH, LEAST, CPU_S = 2, 0.6, 200
 
 
@@ -49,7 +58,8 @@ def mutants(file: str) -> list[dict]:
 
     lines = (faults.ROOT / file).read_text().splitlines(keepends=True)
     with contextlib.redirect_stdout(io.StringIO()):
-        made = mutator.mutants_regexp(lines, RULES, ignorePatterns=IGNORED)
+        rules = RULES.get(file.rpartition(".")[2], C_RULES)
+        made = mutator.mutants_regexp(lines, rules, ignorePatterns=IGNORED)
     random.Random(file).shuffle(made)
     return [
         {"file": file, "name": f"{number}: {new.strip()}", "cpu_s": CPU_S,
@@ -60,12 +70,28 @@ def mutants(file: str) -> list[dict]:
 
 def builds(mutant: dict) -> bool:
     path = faults.ROOT / mutant["file"]
+    if path.suffix == ".py":
+        return _code(mutant["text"]) not in (None, _code(path.read_text()))
     include = [f"-I{faults.ROOT / d}" for d in ("firmware/include", "sim/abi")]
     language = ["cc", "-xc"] if path.suffix == ".c" else ["c++", "-xc++", "-std=c++17"]
     command = [*language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *include, "-"]
     told = subprocess.run(command, input=mutant["text"], cwd=path.parent, text=True,
                           capture_output=True, check=False)  # fmt: skip
     return told.returncode == 0
+
+
+def _code(text: str) -> str | None:
+    """Python without comments and docstrings; None for what is none."""
+    try:
+        compile(text, "mutant", "exec")  # finds more than the parser
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError):
+        return None
+    for node in ast.walk(tree):
+        has = isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        if has and ast.get_docstring(node, clean=False):
+            node.body[0] = ast.Pass()
+    return ast.dump(tree)
 
 
 def fates(file: str, suite: str, each: int) -> list[bool]:
@@ -80,6 +106,8 @@ def fates(file: str, suite: str, each: int) -> list[bool]:
         complaint = faults.seed(mutant, folder) or faults.by_test(mutant | {"test": suite}, folder)
         if complaint == faults.NO_BUILD:
             continue
+        if file.endswith(".py") and re.search(r"\b[1-9]\d* errors? in", complaint or ""):
+            complaint = None  # it does not even load
         told.append(complaint is None)
         name = " ".join(mutant["name"].split())
         print(f"{complaint or 'killed':16} {file}:{name}", flush=True)
