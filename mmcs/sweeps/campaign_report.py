@@ -103,6 +103,26 @@ def tables(plan, rows: list[dict]) -> list[str]:
     return lines
 
 
+def write_tables(folder: Path, plan, rows: list[dict]) -> None:
+    """The classes by sort for a spreadsheet and for a paper: classes.csv, classes.tex."""
+    sorts, everything = Counts(rows, lambda r: r["sort"]), Counts(rows, lambda _: "all")
+    heading = ["sort", "faults", *CLASSES, "dangerous per million", "from", "to"]
+    lines = []
+    for counts, names in ((sorts, [s for s in plan.sorts if s in sorts.by]), (everything, ["all"])):
+        for name in names if rows else ():
+            own, total = counts.by[name], counts.total(name)
+            shares = (own[DANGEROUS] / total, *wilson(own[DANGEROUS], total))
+            cells = [total, *(own[c] for c in CLASSES), *(round(1e6 * s, -2) for s in shares)]
+            lines.append([name, *(f"{cell:.0f}" for cell in cells)])
+    with whole_file(folder / "classes.csv") as part:
+        part.write_text("".join(",".join(line) + "\n" for line in (heading, *lines)))
+    body = "".join(" & ".join(line) + r" \\" + "\n" for line in (heading, *lines))
+    with whole_file(folder / "classes.tex") as part:
+        part.write_text(
+            f"\\begin{{tabular}}{{l{'r' * (len(heading) - 1)}}}\n{body}\\end{{tabular}}\n"
+        )
+
+
 def how_far(rows: list[dict]) -> list[str]:
     """By how far the farthest joint went: from the twin's place if nothing was told, else beyond
     its corridor."""
@@ -160,6 +180,7 @@ def examples(plan, rows: dict[int, dict]) -> list[str]:
 
 def write_report(folder: Path, plan, rows: dict[int, dict], command: str) -> Path:
     some = good(rows)
+    write_tables(folder, plan, some)
     lost = len(rows) - len(some)
     lines = [f"# {len(some):,} faults", "", f"`{command}`", ""]
     if lost:

@@ -339,7 +339,16 @@ def test_mistakes_are_told_in_one_line(mmcs, arguments, told):
 def test_of_an_own_scenario_lies_beside_it(mmcs, tmp_path):
     (tmp_path / "my.toml").write_text('extends = "lab500"\nduration = 0.1\nexpect = []\n')
     good(mmcs("campaign", str(tmp_path / "my.toml"), "--faults", "2", "--workers", "1"))
-    assert (tmp_path / "campaigns" / "my" / "report.md").is_file()
+    folder = tmp_path / "campaigns" / "my"
+    assert (folder / "report.md").is_file()
+    heading, *rows = (
+        (line.split(",")) for line in (folder / "classes.csv").read_text().splitlines()
+    )
+    assert heading[:2] == ["sort", "faults"] and rows[-1][:2] == ["all", "2"]
+    assert sum(map(int, rows[-1][2 : 2 + len(CLASSES)])) == 2
+    table = (folder / "classes.tex").read_text().splitlines()
+    assert table[0].startswith(r"\begin{tabular}{lr") and table[-1] == r"\end{tabular}"
+    assert table[-2].startswith("all & 2 & ") and table[-2].endswith(r" \\")
 
 
 # --- ways to stop ------------------------------------------------------------------------------
