@@ -6,7 +6,7 @@
 // be silent while it controls: 250).
 
 import { Arm } from "./arm.js";
-import { askedNumber } from "./dom.js";
+import { askedNumber, pause } from "./dom.js";
 import { Global } from "./global.js";
 import { keys } from "./keys.js";
 import { Link } from "./link.js";
@@ -20,9 +20,8 @@ import { tiles } from "./tiles.js";
 import { timeBar } from "./time.js";
 
 const FIRST_SAMPLE_MS = 1000;
-const LEAST_MS = 80; // between pictures of the page; the report has 200
+const STATE_MS = 80; // the report has 200
 const FRAME_MS = 17;
-const REST = 6; // a picture is followed by so many times its own time without one
 const LONGEST_MS = 600_000;
 
 const asked = new URLSearchParams(location.search);
@@ -36,6 +35,12 @@ export function run(carrier, workers, control, deadman_ms = 250) {
   const interval_ms = askedNumber(asked, "t", 0, 1000, null);
   const machine = new Machine(new Link(carrier), silence_ms);
   const page = new Page(machine, workers);
+  machine.stopPath = false;
+  window.addEventListener("message", ({ source, data }) => {
+    if (source !== room("stop").contentWindow || typeof data?.stopPath !== "boolean") return;
+    machine.stopPath = data.stopPath;
+    machine.tell("stopPath");
+  });
   const global = new Global(page);
   room("global").append(global.element);
   const log = new Log(machine, room("said"));
@@ -50,9 +55,9 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     const arm = new Arm(page);
     room("arm").append(arm.element);
     arm.about = about ?? {};
-    const pictures = [tiles(page, room("tiles")), (row) => arm.draw(row)];
+    const showTiles = tiles(page, room("tiles"));
     const views = tabs(page, log);
-    pictures.push((row) => views.forEach((view) => view.visible && view.update?.(row)));
+    const seen = (what) => views.forEach((view) => view.visible && view[what]?.(page.row));
     const time = timeBar(page, room("timebar"));
     keys(page, global);
     const choose = () => page.panels.forEach((panel, n) => panel.element.classList.toggle("chosen", n === page.axis));
@@ -66,14 +71,21 @@ export function run(carrier, workers, control, deadman_ms = 250) {
       if (row < 0) return;
       const { history } = machine;
       global.update(history.time(row), history.value(row, history.linesColumn));
-      for (const picture of pictures) picture(row);
+      showTiles(row);
+      seen("update");
+    };
+    page.draw = () => {
+      if (page.row < 0) return;
+      arm.draw(page.row);
+      seen("draw");
     };
     for (const kind of ["driver", "control", "enabled", "inputs"]) machine.addEventListener(kind, page.render);
     for (const kind of ["choose", "look"]) page.addEventListener(kind, page.render);
     page.units.addEventListener("change", page.render);
     machine.addEventListener("samples", () => squares(page));
     global.render();
-    go(page);
+    showState(page);
+    drawPictures(page);
     // last: from here on a page that is busy for 250 ms stops the machine
     if (control && machine.hello.lease === null) await begin(machine, interval_ms);
     document.body.classList.add("ready");
@@ -84,16 +96,29 @@ export function run(carrier, workers, control, deadman_ms = 250) {
   return page;
 }
 
-/** A picture now and then: where scripts or drawing take long, seldom; STOP comes first. What drawing
+/** What the machine does, with its samples: lamps, tiles, banner wait for no picture and no frame. */
+function showState(page) {
+  let shown = -Infinity;
+  const show = () => {
+    if (performance.now() - shown < STATE_MS) return;
+    page.render();
+    shown = performance.now();
+  };
+  page.machine.addEventListener("samples", show);
+  setInterval(show, STATE_MS); // also without samples
+  document.addEventListener("visibilitychange", page.render);
+}
+
+/** Curves and arm, now and then: where drawing takes long, seldom; STOP comes first. What drawing
  * takes is seen by when the browser asks for the next two frames. */
-function go(page) {
+function drawPictures(page) {
   const began = performance.now();
-  page.render();
+  page.draw();
   const spent = performance.now() - began;
   requestAnimationFrame((first) =>
     requestAnimationFrame(() => {
       const drawn = Math.max(0, performance.now() - first - FRAME_MS);
-      setTimeout(() => go(page), Math.max(LEAST_MS, REST * (spent + drawn)));
+      setTimeout(() => drawPictures(page), pause(spent + drawn));
     }),
   );
 }
@@ -104,6 +129,7 @@ function squares(page) {
 }
 
 async function begin(machine, interval_ms) {
+  while (!machine.stopPath) await new Promise((heard) => machine.addEventListener("stopPath", heard, { once: true }));
   await machine.try(machine.takeControl());
   if (interval_ms !== null) {
     const value = Math.round(interval_ms * 1000);

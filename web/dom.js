@@ -79,6 +79,15 @@ export function perFrame(f) {
   };
 }
 
+const LEAST_MS = 80; // between pictures
+const MOST_MS = 500; // from picture to picture, as far as drawing allows
+const REST = 6; // times its own time, that a picture is followed by none
+
+/** Milliseconds to the next picture after one that took so many. */
+export function pause(spent) {
+  return Math.max(LEAST_MS, Math.min(REST * spent, MOST_MS - spent));
+}
+
 /** A colour of look.css as it is now. */
 export function colour(name) {
   return getComputedStyle(document.body).getPropertyValue(name).trim();

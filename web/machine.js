@@ -34,6 +34,7 @@ export class Machine extends EventTarget {
     this.deadman_ms = deadman_ms;
     this.connected = false;
     this.controls = false;
+    this.stopPath = true; // STOP reaches the machine by a way of its own
     this.hello = null;
     this.history = null;
     this.enabled = false;
@@ -231,6 +232,7 @@ export class Machine extends EventTarget {
   }
 
   async takeControl() {
+    if (!this.stopPath) throw new Error("no control without STOP: its frame is not connected");
     await this.open("rw");
     await this.link.request("lease", { take: true, deadman_ms: this.deadman_ms });
     this.controls = true;

@@ -7,6 +7,7 @@ import { Drafts } from "./draft.js";
 import { errorWords, FIELDS, FLAGS, gainsOf, INT_MAX, INT_MIN, MC_FSCALE, MODE_MASK, MODE_NAMES, modeName,
   MODES, setpointScale } from "./params.js";  // prettier-ignore
 
+const POWER_ENDS = ["stopped", "panic"]; // what the page makes ends too
 const SQUARE_MS = 1000; // half a period, in the machine's time
 const GAINS = { p: 30000, i: 100000, d: 300 }; // ends of the sliders, %
 const GP1 = 8; // the axis's light among its card's
@@ -24,7 +25,7 @@ export class Panel {
     );
     this.#build();
     this.machine.addEventListener("event", ({ detail: { kind, value } }) => {
-      if ((kind === "stopped" && value) || kind === "rewind") this.#rest();
+      if (POWER_ENDS.includes(kind) || (kind === "enabled" && !value) || kind === "rewind") this.#rest();
     });
     this.machine.addEventListener("control", () => this.#rest());
   }
@@ -273,7 +274,7 @@ export class Panel {
 
   /** The square wave, by the machine's time. */
   tick(t) {
-    if (!this.square?.amplitude || !this.machine.controls) return;
+    if (!this.square?.amplitude || !this.machine.controls || !this.machine.enabled) return;
     const sign = Math.floor((t * 1000) / SQUARE_MS) % 2 ? -1 : 1;
     if (sign === this.square.sign) return;
     this.square.sign = sign;

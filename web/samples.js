@@ -135,6 +135,20 @@ export class History {
     return this.#chunks[(at / CHUNK_ROWS) | 0].ints[(at % CHUNK_ROWS) * this.rowInts + column];
   }
 
+  /** Rows [from, to) as {times, ints}, a chunk each, that stay as they are whatever comes after. */
+  pieces(from, to) {
+    const made = [];
+    for (let row = from; row < to; ) {
+      const [chunk, at] = this.#place(row);
+      const end = Math.min(at + to - row, chunk.used);
+      // a rewind may write the last chunk anew
+      const take = chunk === this.#chunks.at(-1) ? "slice" : "subarray";
+      made.push({ times: chunk.times[take](at, end), ints: chunk.ints[take](at * this.rowInts, end * this.rowInts) });
+      row += end - at;
+    }
+    return made;
+  }
+
   /** The first row not before t. */
   find(t) {
     let low = this.first;

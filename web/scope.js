@@ -12,7 +12,8 @@ const SHOWN = ["setpoint", "encnow", "error", "current"];
 export function scopeView(page) {
   const scope = new Scope(page);
   page.scope = scope;
-  return { title: "Scope", element: scope.element, shown: () => scope.draw(), update: () => scope.update() };
+  const draw = () => scope.held || scope.draw();
+  return { title: "Scope", element: scope.element, shown: () => scope.draw(), update: () => scope.update(), draw };
 }
 
 export class Scope {
@@ -215,9 +216,8 @@ export class Scope {
     );  // prettier-ignore
   }
 
-  /** With each picture of the page. */
+  /** The numbers. */
   update() {
-    if (!this.held) this.draw();
     const { history } = this.page.machine;
     const { lost } = history;
     setText(this.lost, lost ? `${lost} samples lost` : "");

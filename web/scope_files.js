@@ -1,40 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the scope saves and opens: CSV, and MCAP by the designer.
+// What the scope saves and opens: CSV by a Worker, MCAP by the designer of the same text.
 
 import { button, download, el } from "./dom.js";
-import { Recording, toCsv } from "./recording.js";
+import { csvHead, Recording } from "./recording.js";
 
 /** The scope's buttons for files. */
 export function recordings(scope) {
   const { machine, advice } = scope.page;
   const name = (kind) => `${machine.hello.scenario}.${kind}`;
 
-  function csv() {
+  /** Gives the text of the view that is held, else of all, piece by piece to take(text, last). */
+  async function write(take) {
     const { history } = machine;
     const { held } = scope;
-    if (!held) return toCsv(history, history.first, history.end);
-    return toCsv(history, history.find(held.from), history.find(held.to));
+    const [from, to] = held ? [history.find(held.from), history.find(held.to)] : [history.first, history.end];
+    const head = csvHead(history);
+    const pieces = history.pieces(from, to);
+    const worker = new Worker("saving.js", { type: "module" });
+    worker.postMessage({ head });
+    try {
+      await take(head.text, !pieces.length);
+      for (const [n, piece] of pieces.entries()) {
+        const text = await new Promise((done, fail) => {
+          worker.onmessage = ({ data }) => done(data);
+          worker.onerror = ({ message }) => fail(new Error(message));
+          worker.postMessage({ piece });
+        });
+        await take(text, n === pieces.length - 1);
+      }
+    } finally {
+      worker.terminate();
+    }
+  }
+
+  async function saveCsv() {
+    const parts = [];
+    await write((text) => parts.push(text));
+    download(name("csv"), new Blob(parts), "text/csv");
   }
 
   async function saveMcap() {
-    const made = await machine.try(advice.request("mcap", { csv: csv() }));
-    if (!made) return;
-    const bytes = Uint8Array.from(atob(made.base64), (c) => c.charCodeAt(0));
-    download(name("mcap"), bytes, "application/octet-stream");
+    const parts = [];
+    await write(async (csv, last) => {
+      const { base64 } = await advice.request("mcap", { csv, first: !parts.length, last });
+      parts.push(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)));
+    });
+    download(name("mcap"), new Blob(parts), "application/octet-stream");
   }
 
   /** The CSV that a file is, or that the designer makes of an MCAP file. */
   async function text(file) {
-    if (!file.name.endsWith(".mcap")) return file.text();
+    if (!file.name.endsWith(".mcap")) return file;
     const bytes = new Uint8Array(await file.arrayBuffer());
     const base64 = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
-    return (await advice.request("csv", { base64 })).csv;
+    return new Blob([(await advice.request("csv", { base64 })).csv]);
   }
 
   async function open(files) {
     for (const file of files) {
       try {
-        scope.overlay(new Recording(await text(file), file.name));
+        scope.overlay(await Recording.of(await text(file), file.name));
       } catch (error) {
         machine.say("error", error.message);
       }
@@ -44,8 +69,8 @@ export function recordings(scope) {
   const input = el("input", { type: "file", accept: ".csv,.mcap", multiple: true, hidden: true,
     onchange: () => open(input.files) });  // prettier-ignore
   return [
-    button("scope-save", "Save CSV", () => download(name("csv"), csv(), "text/csv")),
-    button("scope-mcap", "Save MCAP", saveMcap),
+    button("scope-save", "Save CSV", () => machine.try(saveCsv())),
+    button("scope-mcap", "Save MCAP", () => machine.try(saveMcap())),
     button("scope-open", "Open", () => input.click()),
     input,
     button("", "Close recordings", () => scope.closeAll()),

@@ -73,6 +73,9 @@ export function condition(machine, end, now) {
   if (!machine.connected)
     return { kind: "bad", cause: "Not connected to the machine.",
       next: "A page that controlled it has stopped it by its end. Trying again every second." };  // prettier-ignore
+  if (!machine.stopPath)
+    return { kind: "bad", cause: "No STOP: its frame is not connected.",
+      next: "Control waits for it. Load the page by the address that mmcs tool printed." };  // prettier-ignore
   if (history.end === history.first)
     return { kind: "rest", cause: "No sample yet.", next: "Time passes while somebody has the device open." };
   const missing = lacks(machine);

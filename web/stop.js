@@ -34,6 +34,7 @@ function connect() {
   socket.onopen = () => document.body.classList.remove("gone");
   socket.onclose = () => {
     document.body.classList.add("gone");
+    tell(false);
     say("No stop path: the stop process is gone. Use the switch of your power supply.");
     setTimeout(connect, RETRY_MS);
   };
@@ -64,7 +65,13 @@ function hear(message) {
   }
 }
 
+/** The page around takes no control without a STOP. */
+function tell(stopPath) {
+  window.parent.postMessage({ stopPath }, "*");
+}
+
 function show(state) {
+  tell(Boolean(state));
   document.body.classList.toggle("stopped", Boolean(state?.stopped));
   if (!state) return say("The machine does not answer.");
   press.setAttribute("aria-pressed", String(Boolean(state.button)));

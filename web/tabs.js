@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views at the right, one at a time. A view is {title, element, shown(), update(row)}.
+// The views at the right, one at a time. A view is {title, element, shown(), update(row), draw(row)}:
+// update with the state, draw with the pictures.
 
 import { button, el } from "./dom.js";
 import { faultsView } from "./faults.js";

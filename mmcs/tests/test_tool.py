@@ -52,7 +52,7 @@ def test_the_designer_answers_in_order_and_survives_nonsense():
         {"id": 3, "op": "design", "p": "much"},
         {"id": 4, "op": "design", "p": 1e300, "d": 1e300, "interval_s": 1e-300},
         {"id": 5, "op": "design", "p": 0, "interval_s": 0.001},
-        {"id": 6, "op": "mcap", "csv": "nonsense"},
+        {"id": 6, "op": "mcap", "csv": "nonsense", "first": True},
     )
     assert [reply["id"] for reply in replies] == [1, 2, 3, 4, 5, 6]
     c = replies[0]["coefficients"]
@@ -121,12 +121,17 @@ def test_a_recording_becomes_mcap_that_readers_read():
 
     head = "t_s,lines,encnow_0,error_0,encnow_1,error_1"
     text = f"{head}\n0.001000000,6,5,1,7,-2\n0.002000000,6,6,1,8,-2\n"
-    (made,) = advise({"id": 1, "op": "mcap", "csv": text})
-    reader = make_reader(io.BytesIO(base64.b64decode(made["base64"])))
+    one, two = text[: text.index("0.002")], text[text.index("0.002") :]
+    parts = advise(
+        {"id": 1, "op": "mcap", "csv": one, "first": True},
+        {"id": 2, "op": "mcap", "csv": two, "last": True},
+    )
+    whole = b"".join(base64.b64decode(part["base64"]) for part in parts)
+    reader = make_reader(io.BytesIO(whole))
     found = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in reader.iter_messages()]
     assert ("/axis/1", 2_000_000, {"encnow": 8, "error": -2}) in found
     assert len(found) == 6
-    (back,) = advise({"id": 2, "op": "csv", "base64": made["base64"]})
+    (back,) = advise({"id": 3, "op": "csv", "base64": base64.b64encode(whole).decode()})
     assert back["csv"] == text
 
 

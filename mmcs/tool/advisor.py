@@ -6,7 +6,7 @@ Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experim
   design   p, i, d (LSB/count, LSB/(count s), LSB s/count), tau, interval_s
   predict  motor {g, lag, …}, param, interval_s, step (counts), away: the step with limit and
            friction, and the closed loop's Bode plot
-  mcap     csv (web/recording.js): base64
+  mcap     csv: whole lines (web/recording.js); first, last: of a file. What of it they made, base64
   csv      base64 of such an MCAP file: csv
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
   judge    t (s), y, u of a step of `size` counts, wn, zeta, param, interval_s, motor: its figures,
@@ -40,6 +40,7 @@ class Advisor(Worker):
         super().__init__(out)
         self.socket = socket
         self.patience_s = DEADMAN_MS / 1000
+        self.mcap = None  # the file that is being written
 
     # one sentence for each mistake that a person can make
     known = (DesignError, IdentifyError)
@@ -92,9 +93,16 @@ class Advisor(Worker):
         return step | {"fine": verdict.met, "verdict": verdict.text}
 
     def do_mcap(self, message: dict) -> dict:
-        from mmcs.view.mcap_file import from_csv
+        from mmcs.view.mcap_file import CsvWriter
 
-        return {"base64": base64.b64encode(from_csv(message["csv"])).decode()}
+        text, last = message["csv"], bool(message.get("last"))
+        if message.get("first"):
+            self.mcap = CsvWriter(text)
+            text = text.partition("\n")[2]
+        if self.mcap is None:
+            raise ValueError("mcap: the first line is missing")
+        writer, self.mcap = self.mcap, None if last else self.mcap
+        return {"base64": base64.b64encode(writer.add(text, last)).decode()}
 
     def do_csv(self, message: dict) -> dict:
         from mmcs.view.mcap_file import to_csv

@@ -4,12 +4,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { askedNumber, parseInteger, parseNumber } from "../dom.js";
+import { askedNumber, parseInteger, parseNumber, pause } from "../dom.js";
 import { readRecord, setupOf } from "../engine/record.js";
 import { tomlAnswer } from "../labs.js";
 import { Machine } from "../machine.js";
 import { errorWords, gainsOf, setpointScale } from "../params.js";
-import { Recording, toCsv } from "../recording.js";
+import { csvHead, csvLines, Recording } from "../recording.js";
 import { fieldsText, offsetOf } from "../registers.js";
 import { REGISTERS } from "../registers_table.js";
 import { decode, envelope, History } from "../samples.js";
@@ -104,18 +104,31 @@ test("triggers fire at the first row of rise, fall, error and PANIC", () => {
   assert.equal(at("panic"), 4);
 });
 
-test("a recording saved is the same when reopened; damage is told by its line", () => {
+test("a recording saved is the same when reopened; damage is told by its line", async () => {
   const history = ramp(300);
-  const text = toCsv(history, 0, 300);
-  const again = new Recording(text, "a.csv");
+  const head = csvHead(history);
+  const text = head.text + history.pieces(0, 300).map((piece) => csvLines(head, piece)).join("");
+  const open = (lines, name) => Recording.of(new Blob([lines]), name);
+  const again = await open(text, "a.csv");
   assert.equal(again.end, 300);
   assert.equal(again.axes, 2);
   assert.equal(again.value(17, again.column(0, "encnow")), 289);
   assert.equal(again.find(0.1), 100);
-  assert.throws(() => new Recording("x,y\n1,2", "b.csv"), /b.csv: not a recording/);
-  assert.throws(() => new Recording(text.replace("\n0.001", "\nzero"), "c.csv"), /line 3 is damaged/);
+  await assert.rejects(open("x,y\n1,2", "b.csv"), /b.csv: not a recording/);
+  await assert.rejects(open("", "b.csv"), /b.csv: not a recording/);
+  await assert.rejects(open(text.replace("\n0.001", "\nzero"), "c.csv"), /line 3 is damaged/);
   for (const cell of ["", "1e99", "0x10", "4e9", "3000000000", "1.5", " "])
-    assert.throws(() => new Recording(text.replace(",289,", `,${cell},`), "d.csv"), /line 19 is damaged/, cell);
+    await assert.rejects(open(text.replace(",289,", `,${cell},`), "d.csv"), /line 19 is damaged/, cell);
+});
+
+test("what is saved stays as it was when saving began", () => {
+  const history = ramp(20000); // three chunks
+  const pieces = history.pieces(100, 19000);
+  assert.deepEqual(pieces.map(({ times }) => times.length), [8092, 8192, 2616]);
+  history.rewind(16.5);
+  history.add(0, 99, new Array(history.rowInts).fill(7));
+  assert.equal(pieces[2].times.at(-1), 18.999);
+  assert.equal(pieces[0].ints.length, 8092 * history.rowInts);
 });
 
 test("degrees and amperes of a motor, and back to the driver's units", () => {
@@ -240,4 +253,11 @@ test("an answer as it is typed becomes an answer.toml", () => {
   const asInAFile = { who: '"zoh"', names: '["a,b"]', axes: "[ 3 ]", far: "true" };
   assert.equal(tomlAnswer(fields, asInAFile), 'far = true\nwho = "zoh"\nnames = ["a,b"]\naxes = [ 3 ]\n');
   assert.equal(tomlAnswer(fields, {}), "");
+});
+
+test("pictures rest after a long one, and come twice a second all the same", () => {
+  for (const spent of [0, 1, 10, 60, 200, 4000, 60_000]) {
+    assert.ok(pause(spent) >= 80 && spent + pause(spent) <= Math.max(500, spent + 80), String(spent));
+    assert.ok(spent > 60 || pause(spent) >= 6 * spent, String(spent));
+  }
 });
