@@ -83,7 +83,7 @@ class CocotbFile(pytest.File):
                     tuple(sorted(parameters.items())),
                     extra,
                     self.config.getoption("--rtl-coverage") and sim == "verilator",
-                    dpi=getattr(module, "DPI", {}).get(variant, ""),
+                    dpi=getattr(module, "DPI", {}).get(variant, ()),
                     environment=(("MMCS_VARIANT", variant),),
                     waves=self.config.getoption("--waves"),
                 )

@@ -28,7 +28,6 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.engine.build import ensure_library as ensure_library
     from mmcs.engine.build import library_path as library_path
     from mmcs.engine.build import make_env as make_env
-    from mmcs.engine.sim import SEGMENT_KINDS as SEGMENT_KINDS
     from mmcs.engine.sim import Sim as Sim
     from mmcs.engine.sim import make_ffi as make_ffi
     from mmcs.errors import InputError as InputError
@@ -49,8 +48,10 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.runs.expect_plant import index_counts as index_counts
     from mmcs.runs.expect_plant import moved_deg as moved_deg
     from mmcs.runs.expect_plant import rest_ms as rest_ms
+    from mmcs.runs.machine import compiled as compiled
     from mmcs.runs.machine import library_of as library_of
     from mmcs.runs.machine import machine as machine
+    from mmcs.runs.machine import write_setup as write_setup
     from mmcs.runs.metrics import step_response as step_response
     from mmcs.runs.record import make_record as make_record
     from mmcs.runs.record import parse as parse

@@ -197,11 +197,12 @@ class Machine:
             setup = replace(setup, params=[params | bare for params in setup.params])
         self.setup, self.axes = setup, setup.axes
         self.interval_s = setup.scenario.interval_us * 1e-6
-        self._sim = machine(setup)
         bare = setup.scenario.model_copy(update={"call": [], "process": []})
+        bare = replace(setup, scenario=bare, segments=[])
+        self._sim = machine(bare)
         try:
-            session = Session(self.sim, replace(setup, scenario=bare))
-            self._client, self._start = session.configure(), session.start
+            session = Session(self.sim, bare)
+            self._client, self._start = session.begin(), session.start
         except BaseException:
             self.close()
             raise

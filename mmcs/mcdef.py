@@ -32,7 +32,10 @@ def _text() -> str:
     return re.sub(r"/\*.*?\*/", "", HEADER.read_text() + EXTRA.read_text(), flags=re.S)
 
 
-ABI = [ROOT / "sim" / "abi" / name for name in ("mmcs_sim.h", "mmcs_service.h")]
+ABI = [ROOT / "sim" / "abi" / name for name in ("mmcs_sim.h", "mmcs_service.h", "mmcs_setup.h")]
+
+
+SEGMENT_KINDS = [name.lower() for name in re.findall(r"MMCS_SEG_(\w+) =", ABI[0].read_text())]
 
 
 def declarations(text: str) -> str:

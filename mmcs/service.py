@@ -50,6 +50,14 @@ def log_lines(columns: int, rows: np.ndarray | None = None) -> bytes:
     return ffi.string(lib.mmcs_log_lines(columns, _rows(ffi, rows), len(rows)))
 
 
+def bus_lines(cycles: bytes) -> bytes:
+    """Of bus.csv: its first line, and these mmcs_bus_cycles."""
+    ffi, lib = load()
+    given = ffi.from_buffer("mmcs_bus_cycle[]", cycles)
+    lines = ffi.string(lib.mmcs_bus_lines(given, len(given))) if cycles else b""
+    return ffi.string(lib.mmcs_bus_lines(ffi.NULL, 0)) + lines
+
+
 class DesignError(ValueError):
     """The combination cannot be made; the text says why and what to take instead."""
 

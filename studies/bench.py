@@ -20,7 +20,7 @@ import time
 from pathlib import Path
 
 import mmcs
-from mmcs import BUILD, ROBOTS, ROOT, Files, Session, Sim, ensure_library, mcdef, read_toml
+from mmcs import BUILD, ROBOTS, ROOT, Files, Session, machine, mcdef, read_toml
 from tools.pages import committed, rewrite
 
 FOLDER = BUILD / "bench"
@@ -86,8 +86,7 @@ class Load:
 
     def __init__(self, cards: int, arm: bool, load: str):
         setup = _setup(cards, arm, load)
-        library = ensure_library(cards, "speed")
-        self.sim = sim = Sim(library, setup.config(), setup.motors(), setup.links())
+        self.sim = sim = machine(setup)
         session = Session(sim, setup)
         session.begin()
         begin = session.start + WINDOWS[arm, load][0]

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scenario through DPI: builds the testbench for its machine by Verilator, and runs it; what
-follows the scenario goes to `mmcs run` as it is."""
+"""A scenario through DPI: builds the testbench for its machine by Verilator, and carries its set-up
+file out there."""
 
 import argparse
 import resource
-import shlex
 import subprocess
 import sys
 from pathlib import Path
 
-from mmcs import ROOT, InputError, RunError, load, make_env
+from mmcs import ROOT, InputError, RunError, load, make_env, write_setup
+from mmcs.files import short
 from mmcs.place import results
 
 BUILT = ROOT / "build" / "sim" / "dpi"
@@ -31,16 +31,15 @@ def bench(cards: int, clk_hz: int = 8_000_000, trace: bool = False, **other: str
     return BUILT / name / "mmcs_tb"
 
 
-def run(program: Path, words: list[str], trace: Path | None = None, **how):
-    """Runs it on the words for `mmcs run`; as subprocess.run()."""
-    command = [program, f"+scenario={shlex.join(map(str, words))}", "+verilator+quiet"]
+def run(program: Path, setup: Path, folder: Path, trace: Path | None = None, **how):
+    """Carries a set-up file out on it, log.csv and bus.csv into the folder; as subprocess.run()."""
+    command = [program, f"+setup={setup}", f"+out={folder}", "+verilator+quiet"]
     if trace:
         command.append(f"+trace={trace}")
-    env = make_env() | {"MMCS": f"{shlex.quote(sys.executable)} -m mmcs"}
     # $fatal, the word for a bad end, is an abort in Verilator: no core is wanted of it.
     no_core = lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # noqa: E731
     return subprocess.run(
-        [str(w) for w in command], cwd=ROOT, env=env, check=False, preexec_fn=no_core, **how
+        [str(w) for w in command], cwd=ROOT, check=False, preexec_fn=no_core, **how
     )
 
 
@@ -48,21 +47,21 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenario")
     parser.add_argument("--trace", action="store_true", help="waveforms beside the results")
-    options, words = parser.parse_known_args()
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
+    options = parser.parse_args()
     try:
-        setup = load(options.scenario)
-        folder = results("runs", setup.path) / f"{setup.name}-dpi"
+        setup = load(options.scenario, *options.set)
+        folder = (results("runs", setup.path) / f"{setup.name}-dpi").absolute()
         folder.mkdir(parents=True, exist_ok=True)
         trace = folder / f"{setup.name}.vcd" if options.trace else None
         program = bench(setup.scenario.cards, setup.scenario.clk_hz, options.trace)
+        write_setup(setup, folder / "setup.bin")
     except (InputError, RunError) as error:
         print(f"mmcs: {error}", file=sys.stderr)
         return 2
-    if not any(w == "--out" or w.startswith("--out=") for w in words):
-        words = ["--out", str(folder), *words]
-    done = run(program, [options.scenario, *words], trace)
-    if trace and done.returncode == 0:
-        print(f"trace {trace.relative_to(ROOT)}")
+    done = run(program, folder / "setup.bin", folder, trace)
+    if done.returncode == 0:
+        print(f"results in {short(folder)}" + (f", trace {short(trace)}" if trace else ""))
     return 1 if done.returncode else 0
 
 

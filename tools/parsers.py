@@ -118,14 +118,12 @@ class _Served:
     """A server whose connections are given bytes by hand; their answers go nowhere."""
 
     def __init__(self, folder: Path, name: str):
-        from mmcs import Sim, ensure_library, load
+        from mmcs import load, machine
         from mmcs.device.server import Server
 
         text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
         setup = load(_written(folder / f"{name}.toml", text))
-        library = ensure_library(setup.scenario.cards, "speed")
-        sim = Sim(library, setup.config(), setup.motors(), setup.links())
-        self.server = Server(sim, folder / name / "mc0.sock", None)
+        self.server = Server(machine(setup), folder / name / "mc0.sock", None)
         self._poll, self._numbers = select.epoll(), 0
 
     def connect(self, kind):

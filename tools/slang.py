@@ -28,7 +28,6 @@ def jobs() -> dict[str, list]:
     bench = ["-f", ROOT / "sim/dpi/mmcs_tb.f"]
     return {
         "mmcs_tb": bench,
-        "example_tb": [*bench, ROOT / "sim/dpi/example/example_tb.sv", "--top", "example_tb"],
         "rtl": [f"-I{ROOT / 'rtl'}", *sources("rtl")],
     }
 

@@ -18,9 +18,8 @@ import sys
 import zlib
 from pathlib import Path
 
-from mmcs import BUILD, ROOT, SCENARIOS, SEGMENT_KINDS, __version__, find, load, make_ffi, mcdef
-from mmcs.runs.record import inline
-from mmcs.runs.script import process_fields
+from mmcs import BUILD, ROOT, SCENARIOS, __version__, compiled, find, load, make_ffi, mcdef
+from mmcs.scenario.compiled import inline
 from mmcs.scenario.files import named
 from mmcs.tool.pages import LIBRARIES, library_folder
 from mmcs.view.watched import groups
@@ -33,9 +32,9 @@ PAGES = ROOT / "web"
 SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html", "lib", "book.css"}
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
-STRUCTURES = ("mmcs_config", "mmcs_motor", "mmcs_link", "mmcs_driver", "mmcs_call", "mmcs_server",
-              "mmcs_client", "mmcs_timed_event", "mmcs_process", "mmcs_segment", "mmcs_event",
-              "mmcs_stats", "mmcs_tap_head", "mmcs_change", "struct mc_param")  # fmt: skip
+STRUCTURES = ("mmcs_overrides", "mmcs_call", "mmcs_server", "mmcs_client", "mmcs_timed_event",
+              "mmcs_event", "mmcs_stats", "mmcs_tap_head", "mmcs_change",
+              "struct mc_param")  # fmt: skip
 # name of a C type: letter for web/engine/sim.js, bytes where pointers have four
 KINDS = {"double": ("d", 8), "int32_t": ("i", 4), "int": ("i", 4), "uint32_t": ("u", 4),
          "int64_t": ("q", 8), "uint64_t": ("q", 8), "size_t": ("u", 4),
@@ -185,17 +184,13 @@ def setup(name: str) -> dict | None:
         "name": made.name,
         "folder": find(name).resolve().relative_to(SCENARIOS).parts[0],
         "description": scenario.description,
-        "config": made.config() | {"abi": make_ffi().dlopen(None).MMCS_SIM_ABI, "host": 0},
+        "cards": scenario.cards,
+        "seed": scenario.seed,
+        "gravity": made.config()["gravity"],
         "motors": made.motors(),
-        "links": made.links(),
         "arm": made.robot.links(),
-        "driver": made.driver(),
         "params": [_param(axis, values) for axis, values in enumerate(made.params)],
-        "segments": [s | {"kind": SEGMENT_KINDS.index(s["kind"])} for s in made.segments],
-        "events": [event.model_dump() for event in scenario.event],
-        "calls": [_call(call) for call in scenario.call],
-        "processes": [process_fields(made, n, p) for n, p in enumerate(scenario.process)],
-        "refusals": [e.request for e in scenario.expect if e.kind == "refused"],
+        "binary": base64.b64encode(compiled(made)).decode(),
         "duration": scenario.duration,
         "data": inline(made.data, made.path.parent),
         "files": base64.b64encode(packed).decode(),
@@ -206,13 +201,6 @@ def _param(axis: int, values: dict) -> dict:
     """The fields of struct mc_param."""
     numbers = {name: value for name, value in values.items() if name != "flags"}
     return numbers | {"which": axis, "mode": mcdef.mode_word(values["mode"], values["flags"])}
-
-
-def _call(call) -> dict:
-    made = {"at": call.at, "request": call.request, "axis": call.axis, "value": call.value}
-    if call.set is not None:
-        made["set"] = call.set.model_dump(exclude_none=True, exclude={"axis"})
-    return made
 
 
 if __name__ == "__main__":

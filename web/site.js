@@ -35,8 +35,9 @@ async function chosen() {
   }
   const setup = await setupNamed(asked.get("scenario") ?? FIRST);
   if (asked.has("seed")) {
-    setup.config.seed = parseInteger(asked.get("seed"), 0, Number.MAX_SAFE_INTEGER, "seed");
-    setup.data.seed = setup.config.seed;
+    setup.seed = parseInteger(asked.get("seed"), 0, Number.MAX_SAFE_INTEGER, "seed");
+    setup.data.seed = setup.seed;
+    setup.changes = { seed: setup.seed };
   }
   return setup;
 }
@@ -128,9 +129,9 @@ try {
   const speed = askedNumber(asked, "speed", 0, FASTEST, 1);
   const setup = await chosen();
   scenario.value = setup.name;
-  seed.value = String(setup.config.seed);
+  seed.value = String(setup.seed);
   permalink.hidden = expected !== null; // what a record changes is in no address
-  permalink.href = link({ scenario: setup.name, seed: setup.config.seed });
+  permalink.href = link({ scenario: setup.name, seed: setup.seed });
   const options = { paused: asked.has("paused"), plays: !still };
   const started = await startMachine(setup, options, hear);
   worker = started.worker;

@@ -20,10 +20,9 @@ from cocotb_tests.lib.req import test
 from mmcs import regs
 
 TOPLEVEL = "mmcs_tb"
-RUN = "lab500 --set motion.0.at=0.005 --set duration={} --bus --out run"
 PASSES = 1000 if os.environ.get("MMCS_LONG") == "1" else 100  # of the servo, 1 ms each
 PARAMETERS = {"NumCards": 1}
-DPI = {"": RUN.format(PASSES / 1000)}
+DPI = {"": ("lab500", "motion.0.at=0.005", f"duration={PASSES / 1000}")}
 
 CLK_NS = 125
 FIRST_CLK = 64  # of the engine, counted from the first edge
@@ -73,7 +72,7 @@ class Watched:
 
     async def to_the_end(self):
         await RisingEdge(self.done)
-        with Path("run/bus.csv").open() as file:
+        with Path("bus.csv").open() as file:
             self.said = list(csv.DictReader(file))
 
     # --- the host, cycle by cycle ---

@@ -9,7 +9,6 @@ import hashlib
 import os
 import re
 import resource
-import shlex
 import shutil
 import subprocess
 import sys
@@ -76,7 +75,7 @@ class Job:
     coverage: bool = False
     netlist: tuple[Path, ...] = ()  # in place of the RTL: what was synthesised, and its cells
     includes: tuple[Path, ...] = ()  # further folders of include files
-    dpi: str = ""  # the scenario behind sim/dpi/mmcs_tb.sv, as words for `mmcs run`
+    dpi: tuple[str, ...] = ()  # the scenario behind sim/dpi/mmcs_tb.sv, as words for load()
     environment: tuple[tuple[str, str], ...] = ()
     waves: bool = False  # leaves WAVES of the simulator beside the log
 
@@ -302,6 +301,16 @@ def _processor_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
+def _setup(job: Job, folder: Path) -> list[str]:
+    """Of the engine behind sim/dpi/mmcs_tb.sv: its set-up file."""
+    if not job.dpi:
+        return []
+    from mmcs import load, write_setup
+
+    write_setup(load(*job.dpi), folder / "setup.bin")
+    return ["+setup=setup.bin"]
+
+
 def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
     """One simulation: the outcomes it left, what to say about those it did not, its log."""
     folder = _run_folder(runner.build_dir / f"{job.module.rsplit('.', 1)[-1]}-{label}")
@@ -323,11 +332,10 @@ def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
             timescale=TIMESCALE,
             parameters=dict(job.parameters),
             log_file=log,
-            plusargs=[f"+verilator+seed+{seed}", *([f"+scenario={job.dpi}"] if job.dpi else [])],
+            plusargs=[f"+verilator+seed+{seed}", *_setup(job, folder)],
             test_args=["--trace-file", WAVES[job.sim]] if _traced(job) else [],
             waves=job.waves,
             extra_env={
-                "MMCS": f"{shlex.quote(sys.executable)} -m mmcs",
                 "MMCS_SIM": job.sim,
                 "MMCS_PARAMETERS": repr(dict(job.parameters)),
                 **dict(job.environment),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A scenario's machine as a co-simulation FMU (FMI 3.0): driver, RTL and plant, without Python.
 
-In the unit are the engine's library, sim/fmu/fmu.c over it, and the machine's description as the
-engine takes it. Time is the machine's, so steps may have any length; a setpoint is sampled at the
-next servo interrupt.
+In the unit are the engine's library, sim/fmu/fmu.c over it, and the machine's set-up file.
+Time is the machine's, so steps may have any length; a setpoint is sampled at the next servo
+interrupt.
 """
 
 import hashlib
@@ -11,21 +11,21 @@ import os
 import platform
 import shlex
 import shutil
-import struct
 import tempfile
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from mmcs import ROOT, mcdef
+from mmcs import ROOT, setup_file
 from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import make_ffi
+from mmcs.engine.sim import build_id, input_names, load_library
 from mmcs.errors import InputError
 from mmcs.place import compiled
+from mmcs.scenario.compiled import compile_setup
 from mmcs.scenario.setup import Setup
 
 MACHINES = {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"}
-MAGIC, TOKEN = b"mmcsfmu3", 64
 LINES = (("estop_closed", "input", 1), ("enabled", "output", 2), ("panic", "output", 3))
 # name, causality, group of sim/fmu/fmu.c, what
 AXIS = (
@@ -38,32 +38,30 @@ AXIS = (
 DAY = (1989, 1, 1, 0, 0, 0)  # of all files: the same machine gives the same unit
 
 
-def describe(setup: Setup) -> bytes:
-    """The machine as fmu.c reads it, but for the magic and the token before it."""
-    ffi = make_ffi()
-    config = ffi.new("mmcs_config *", setup.config())
-    motors, links = ffi.new("mmcs_motor[]", setup.motors()), setup.links()
-    names = ("mmcs_config", "mmcs_motor", "mmcs_link", "struct mc_param")
-    head = struct.pack("=4i", *map(ffi.sizeof, names))
-    parts = [ffi.new("mmcs_driver *", setup.driver()), config, motors,
-             ffi.new("mmcs_link[]", links), mcdef.new_params(setup.params)]  # fmt: skip
-    return head + b"".join(bytes(ffi.buffer(part)) for part in parts)
+def describe(setup: Setup, engine: Path, motions: bool) -> bytes:
+    """The unit's set-up file; without motions the host of the unit writes the setpoints."""
+    if not motions:
+        bare = {"call": [], "event": [], "process": [], "expect": []}
+        setup = replace(setup, scenario=setup.scenario.model_copy(update=bare), segments=[])
+    library = load_library(engine)
+    return compile_setup(setup, build_id(library), lambda: input_names(library))
 
 
-def variables(setup: Setup) -> list[tuple[str, str, str, int, str]]:
+def variables(setup: Setup, motions: bool) -> list[tuple[str, str, str, int, str]]:
     """Type, name, causality, reference, what: of all but time."""
     each = [("Boolean", name, causality, ref, "") for name, causality, ref in LINES]
-    for name, causality, group, what in AXIS:
+    each.append(("UInt64", "hash", "output", 4, "of all samples and registers, as of mmcs run"))
+    for name, causality, group, what in AXIS[motions:]:
         each += [("Float64", f"{name}[{n}]", causality, 100 * group + n, what)
                  for n in range(setup.axes)]  # fmt: skip
     return each
 
 
-def model_description(setup: Setup, token: str) -> str:
+def model_description(setup: Setup, token: str, motions: bool) -> str:
     lines, outputs = [], []
-    for kind, name, causality, ref, what in variables(setup):
+    for kind, name, causality, ref, what in variables(setup, motions):
         about = f" description={quoteattr(what)}" if what else ""
-        start = {"Boolean": ' start="true"', "Float64": ' start="0"'}[kind]
+        start = ' start="true"' if kind == "Boolean" else ' start="0"'
         start = start if causality == "input" else ""
         varies = "continuous" if causality == "output" and kind == "Float64" else "discrete"
         lines.append(
@@ -107,23 +105,26 @@ def compile_unit(engine: Path, folder: Path) -> tuple[Path, Path]:
     return compiled(unit, command, [source]), alone
 
 
-def write(setup: Setup, path: Path) -> None:
-    """The unit for this computer's kind of processor."""
+def write(setup: Setup, path: Path, motions: bool = False) -> None:
+    """The unit for this computer's kind of processor. motions: it does what the scenario says."""
     if platform.system() != "Linux" or platform.machine() not in MACHINES:
         what = f"{platform.machine()}, {platform.system()}"
         raise InputError.one("fmu", "", None, f"needs Linux on {', '.join(MACHINES)}; here: {what}")
-    machine = describe(setup)
+    if setup.scenario.program:
+        raise InputError.one(setup.path, "program", None, "a unit has no programs: leave them out")
     scenario = setup.scenario
     engine = ensure_library(
         scenario.cards, "speed", scenario.clk_hz, heartbeat_us=scenario.heartbeat_us
     )
-    token = hashlib.sha256(machine + engine.read_bytes()).hexdigest()[: TOKEN - 1]
+    machine = describe(setup, engine, motions)
+    head = setup_file.read(machine)
+    token = f"{head['sum']:08x} {head['build']}"
     place = f"binaries/{MACHINES[platform.machine()]}"
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(path, "w") as out:
         unit, alone = compile_unit(engine, Path(folder))
         for name, content in (
-            ("modelDescription.xml", model_description(setup, token).encode()),
-            ("resources/setup.bin", MAGIC + token.encode().ljust(TOKEN, b"\0") + machine),
+            ("modelDescription.xml", model_description(setup, token, motions).encode()),
+            ("resources/setup.bin", machine),
             (f"{place}/mmcs.so", unit.read_bytes()),
             (f"{place}/{alone.name}", alone.read_bytes()),
         ):

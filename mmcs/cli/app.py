@@ -23,14 +23,14 @@ from mmcs.cli.sweep import sweep
 from mmcs.cli.tool import tool
 from mmcs.cli.view import compare, faults
 from mmcs.errors import InputError, RunError, out_of_memory
-from mmcs.place import results
+from mmcs.place import BUILD, results
 from mmcs.screen import echo
 
 STARTED = time.time()
 
 LONGEST = 200  # letters of a word in a message
 GROUPS = {
-    "Run": "run list show check faults replay",
+    "Run": "run compile list show check faults replay",
     "Look": "tool trace compare",
     "Program": "serve exec",
     "Study": "design sweep campaign lab",
@@ -122,6 +122,7 @@ def main() -> None:
 
 
 _scenario = click.argument("scenario", metavar="SCENARIO")
+_host = click.option("--host", metavar="native|m68020", help="What runs the firmware.")
 
 
 @main.command("list")
@@ -194,7 +195,7 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.argument("scenario", metavar="SCENARIO", required=False)
 @click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
-@click.option("--host", default="native", metavar="native|m68020", help="What runs the firmware.")
+@_host
 @click.option("--trace", type=click.Path(path_type=Path), metavar="FILE.fst", help="Record waves.")
 @click.option("--realtime", is_flag=True, help="Not faster than the clock on the wall.")
 @click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
@@ -204,7 +205,6 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--from", "origin", metavar="RUN[@T]", help="Go on from a snapshot of a run.")
 @click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
 @click.option("-v", "verbose", is_flag=True, help="Also the cache's hits, and how soon it moved.")
-@click.option("--dpi", type=int, hidden=True)
 def run(
     scenario,
     duration,
@@ -219,20 +219,17 @@ def run(
     origin,
     bus,
     verbose,
-    dpi,
 ) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     from mmcs.engine import hosts
 
-    hosts.check(host)
-    if dpi is not None:
-        _check_dpi(host, trace, times, origin)
+    hosts.check(host or "native")
     if trace is not None and trace.suffix != ".fst":
         raise InputError.one("--trace", "", str(trace), "must be a file name ending in .fst")
     if origin is not None:
         given = {
             "SCENARIO": scenario,
-            "--host": host if host != "native" else None,
+            "--host": host,
             "--trace": trace,
             "--seed": seed,
             "--set": sets or None,
@@ -254,6 +251,7 @@ def run(
     from mmcs.scenario.load import load
 
     setup = load(scenario, sets, duration=duration, seed=seed)
+    host = host or setup.host
     for t in times:
         if not 0 <= t <= setup.scenario.duration:
             allowed = f"must be 0 to {setup.scenario.duration:g} s"
@@ -262,7 +260,7 @@ def run(
     folder = out or results("runs", setup.path) / name
     _check_places(folder, trace)
     carry_out = partial(
-        simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host, bus=bus, dpi=dpi
+        simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host, bus=bus
     )
     good = run_scenario(
         setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
@@ -270,16 +268,25 @@ def run(
     sys.exit(0 if good else 1)
 
 
-def _check_dpi(host, trace, times, origin) -> None:
-    """What needs a hand inside the hardware, or another host, a testbench does not have."""
-    for name, value, why in (
-        ("--host", host if host != "native" else None, "the driver runs as native code"),
-        ("--trace", trace, "the simulator draws waveforms: +trace=FILE"),
-        ("--snapshot", times or None, "no register can be read"),
-        ("--from", origin, "no register can be written"),
-    ):
-        if value is not None:
-            raise InputError.one(name, "", None, f"not through DPI: {why}")
+@main.command("compile")
+@_scenario
+@click.option("-o", "--out", type=click.Path(path_type=Path), metavar="FILE", help="Where to.")
+@click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
+@_host
+def compile_(scenario: str, out: Path | None, sets: tuple[str, ...], host: str | None) -> None:
+    """Compile a scenario into a set-up file, for `mmcs run FILE`, `make dpi` and C programs."""
+    from mmcs.engine import hosts
+    from mmcs.files import short
+    from mmcs.folder import check_file
+    from mmcs.runs.machine import write_setup
+    from mmcs.scenario.load import load
+
+    host, setup = hosts.check(host or "native"), load(scenario, sets)
+    if out is None:
+        (BUILD / "setups").mkdir(parents=True, exist_ok=True)
+    path = check_file(out or BUILD / "setups" / f"{setup.name}.bin")
+    write_setup(setup, path, host)
+    echo(f"mmcs: {short(path)}")
 
 
 def _run_from(origin, duration: float | None, out: Path | None, realtime, verbose) -> bool:

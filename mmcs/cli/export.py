@@ -66,7 +66,8 @@ def mcap(run: str, out: Path | None) -> None:
 @export.command()
 @click.argument("scenario", default="lab500", metavar="SCENARIO")
 @_out(".fmu")
-def fmu(scenario: str, out: Path | None) -> None:
+@click.option("--motions", is_flag=True, help="The unit does what the scenario says, by itself.")
+def fmu(scenario: str, out: Path | None, motions: bool) -> None:
     """Write a scenario's machine as a co-simulation unit, FMI 3.0, for this kind of computer."""
     from mmcs.bridge.fmu import write
     from mmcs.folder import check_file, whole_file
@@ -75,5 +76,5 @@ def fmu(scenario: str, out: Path | None) -> None:
     setup = load(scenario, ())
     path = check_file(out or Path(f"{setup.name}.fmu"))
     with whole_file(path) as part:
-        write(setup, part)
+        write(setup, part, motions)
     echo(f"mmcs: {short(path)}")

@@ -7,8 +7,8 @@ import time
 from collections.abc import Iterator
 
 from mmcs import mcdef
+from mmcs.errors import RunError
 
-NOT_AT_ALL = -1.0  # of an event that does not end
 KINDS = {type(None): "n", bool: "b", int: "i", float: "d", str: "t", dict: "o", list: "l"}
 CONTROL = re.compile(r"[\0-\x1f]")
 
@@ -20,36 +20,29 @@ def listed(kind: str, call, of) -> list:
     return [out[0][n] for n in range(count)]
 
 
+def made_from(create, setup: bytes) -> tuple[object, str]:
+    """What mmcs_sim_create_from() or the like makes of a set-up, and its caution; RunError."""
+    ffi = mcdef.make_ffi()
+    err = ffi.new("char[]", 300)
+    made = create(ffi.from_buffer(setup), len(setup), ffi.NULL, err, 300)
+    text = ffi.string(err).decode(errors="replace")
+    if made == ffi.NULL:
+        raise RunError(f"the machine cannot be made: {text or 'no reason given'}")
+    return made, text
+
+
 class Script:
-    """Events, calls and processes of one run. Other machines may go on with it (see act())."""
+    """What a set-up does with a machine. Other machines may go on with it (see act())."""
 
-    def __init__(self, sim, driver: dict | None, params: list[dict]):
-        """driver: fields of mmcs_driver; none: programs of their own open it."""
-        self.ffi, self.lib, self._what = sim.ffi, sim.lib, sim.ffi.new("char[]", 120)
-        given = self.ffi.NULL if driver is None else self.ffi.new("mmcs_driver *", driver)
-        made = self.lib.mmcs_script_create(given, mcdef.new_params(params))
-        here = isinstance(made, self.ffi.CData)  # else it is in a simulator (dpi.py)
-        self._script = self.ffi.gc(made, self.lib.mmcs_script_destroy) if here else made
-
-    def event(self, **fields) -> None:
-        """Takes the fields of mmcs_timed_event; until may be None."""
-        fields["until"] = NOT_AT_ALL if fields["until"] is None else fields["until"]
-        self.lib.mmcs_script_event(self._script, self.ffi.new("mmcs_timed_event *", fields))
-
-    def call(self, sets: list[tuple], **fields) -> None:
-        """Takes the fields of mmcs_call, and its changes as mcdef.sets()."""
-        given, changes = self.ffi.new("mmcs_call *", fields), self.ffi.new("mmcs_set[]", sets)
-        self.lib.mmcs_script_call(self._script, given, changes, len(sets))
-
-    def process(self, goals: list[float], late_us: list[float], **fields) -> None:
-        """Takes the fields of mmcs_process, goals of every axis, and how late it wakes up."""
-        given = self.ffi.new("mmcs_process *", fields)
-        to, late = self.ffi.new("double[]", goals), self.ffi.new("double[]", late_us)
-        self.lib.mmcs_script_process(self._script, given, to, late, len(late_us))
+    def __init__(self, sim, setup: bytes):
+        self.ffi, self.lib, self._what = sim.ffi, sim.lib, sim.ffi.new("char[]", 300)
+        made = made_from(self.lib.mmcs_script_create_from, setup)[0]
+        self._script = self.ffi.gc(made, self.lib.mmcs_script_destroy)
 
     def begin(self, sim) -> tuple[int, str]:
-        """Opens and configures the driver, starts the motion: 0 or -errno, and of what."""
-        return self._told(self.lib.mmcs_script_begin(self._script, sim.handle, self._what, 120))
+        """Opens and configures the driver, starts the motion: 0, -errno, or the errno of a refusal
+        that the scenario expects; and of what."""
+        return self._told(self.lib.mmcs_script_begin(self._script, sim.handle, self._what, 300))
 
     @property
     def start(self) -> float:
@@ -88,8 +81,8 @@ class Script:
 class Playing:
     """The part of a Sim that sim/service does."""
 
-    def new_script(self, driver: dict | None, params: list[dict]) -> Script:
-        return Script(self, driver, params)
+    def new_script(self, setup: bytes) -> Script:
+        return Script(self, setup)
 
     def play(self, script: Script, until: float) -> tuple[int, str]:
         """Runs to a time of the motion and carries out what is due before it: as Script.act()."""

@@ -7,19 +7,16 @@ The C declarations are read from the very headers of sim/abi (mcdef.py), so they
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 
 import numpy as np
 
 from mmcs import mcdef
 from mmcs.cached import once
-from mmcs.engine.script import Playing, listed
+from mmcs.engine.script import Playing, listed, made_from
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 from mmcs.mcdef import make_ffi
-
-SEGMENT_KINDS = [name.lower() for name in re.findall(r"MMCS_SEG_(\w+) =", mcdef.ABI[0].read_text())]
 
 
 @once
@@ -33,25 +30,12 @@ def load_library(path: Path):
 class Sim(Watching, Playing):
     """One machine, from power-on until close(). Every call may let simulated time pass."""
 
-    def __init__(self, library, config: dict, motors: list[dict], links: list[dict]):
-        self.ffi = make_ffi()
-        self.lib = load_library(library) if isinstance(library, Path) else library
-        names = {
-            key: self.ffi.new("char[]", os.fsencode(config[key]))
-            for key in ("processor", "firmware") if key in config
-        }  # fmt: skip
-        config = {**config, **names, "abi": self.lib.MMCS_SIM_ABI}
-        keep = self.ffi.new("mmcs_config *", config)
-        c_motors = self.ffi.new("mmcs_motor[]", motors)
-        c_links = self.ffi.new("mmcs_link[]", links) if links else self.ffi.NULL
-        err = self.ffi.new("char[]", 300)
-        self.axes = config["axes"]
+    def __init__(self, library: Path, setup: bytes):
+        """setup: a set-up file's bytes."""
+        self.ffi, self.lib = make_ffi(), load_library(library)
         self._head = self.ffi.new("mmcs_tap_head *")
-        self._sim = self.lib.mmcs_sim_create(keep, c_motors, c_links, err, 300)
-        if not self._sim:
-            text = self.ffi.string(err).decode(errors="replace")
-            raise RunError(f"the machine cannot be made: {text or 'no reason given'}")
-        self.caution = self.ffi.string(err).decode(errors="replace")
+        self._sim, self.caution = made_from(self.lib.mmcs_sim_create_from, setup)
+        self.axes = self.lib.mmcs_sim_axes(self._sim)
 
     @property
     def handle(self):
@@ -85,7 +69,7 @@ class Sim(Watching, Playing):
             raise RunError(f"{path}: this stretch cannot be traced")
 
     def build_id(self) -> str:
-        return self.ffi.string(self.lib.mmcs_sim_build_id()).decode()
+        return build_id(self.lib)
 
     def phases(self) -> dict[str, tuple[int, float, float]]:
         """Parts of a servo pass on a real processor: passes, mean and longest time in us."""
@@ -192,20 +176,17 @@ class Sim(Watching, Playing):
 
     def add_segment(self, **fields) -> None:
         """Takes the fields of mmcs_segment; the kind by name, the table as a list."""
-        table = fields.pop("table", None)
-        fields["kind"] = SEGMENT_KINDS.index(fields["kind"])
-        segment = self.ffi.new("mmcs_segment *", fields)
-        if table is not None:
-            values = self.ffi.new("double[]", list(table))
-            segment.table, segment.table_len = values, len(table)
-        if self.lib.mmcs_sim_add_segment(self._sim, segment):
+        table = list(fields.pop("table", ()))
+        fields |= {"kind": mcdef.SEGMENT_KINDS.index(fields["kind"]), "table_len": len(table)}
+        segment, numbers = self.ffi.new("mmcs_segment *", fields), self.ffi.new("double[]", table)
+        if self.lib.mmcs_sim_add_segment(self._sim, segment, numbers):
             raise RunError(f"the engine refuses a motion of axis {fields.get('axis')}")
 
     def start_motion(self, client: int) -> int:
         return self.lib.mmcs_sim_start_motion(self._sim, client)
 
     def input_names(self) -> list[str]:
-        return _names(self.lib.mmcs_sim_input_name)
+        return input_names(self.lib)
 
     def add_event(self, t: float, input_: int, index: int, value: float) -> None:
         event = self.ffi.new("mmcs_event *", {"t": t, "input": input_, "index": index})
@@ -348,6 +329,15 @@ class Sim(Watching, Playing):
 
     def hash(self) -> str:
         return f"0x{self.lib.mmcs_sim_hash(self._sim):016x}"
+
+
+def build_id(lib) -> str:
+    """Of a library: what a set-up and a snapshot must match."""
+    return make_ffi().string(lib.mmcs_sim_build_id()).decode()
+
+
+def input_names(lib) -> list[str]:
+    return _names(lib.mmcs_sim_input_name)
 
 
 def library_registers(library: Path) -> dict[str, int]:

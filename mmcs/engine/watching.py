@@ -7,9 +7,6 @@ import numpy as np
 from mmcs.errors import RunError
 
 CHANGE = np.dtype([("clock", "i8"), ("net", "i4"), ("value", "u4")])  # mmcs_change
-# mmcs_bus_cycle
-_WORDS = ("address", "data", "am", "strobes", "kind", "answer")
-CYCLE = np.dtype([(n, "i8") for n in ("begin", "end")] + [(n, "i4") for n in _WORDS])
 
 
 class Watching:
@@ -42,13 +39,11 @@ class Watching:
         if self.lib.mmcs_sim_bus_watch(self._sim):
             raise RunError("a machine with its own processor has no VME bus to watch")
 
-    def bus_cycles(self) -> np.ndarray:
-        """Those since the last call, a row each, columns as CYCLE has them."""
+    def bus_cycles(self) -> bytes:
+        """Those since the last call, as an array of mmcs_bus_cycle."""
         out = self.ffi.new("const mmcs_bus_cycle **")
         count = self.lib.mmcs_sim_bus_cycles(self._sim, out)
-        raw = self.ffi.buffer(out[0], count * CYCLE.itemsize) if count else b""
-        found = np.frombuffer(raw, CYCLE)
-        return np.column_stack([found[name] for name in CYCLE.names]).astype(np.float64)
+        return bytes(self.ffi.buffer(out[0], count * self.ffi.sizeof("mmcs_bus_cycle")))
 
     # --- the tap: positions count from the first record ever ---
 

@@ -7,7 +7,7 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from mmcs.errors import RunError
+from mmcs.scenario.compiled import compile_setup
 from mmcs.scenario.setup import Setup
 from mmcs.screen import console
 
@@ -17,50 +17,25 @@ def machine(
     kind: str = "speed",
     skip: bool | None = None,
     host: str = "native",
-    dpi: int | None = None,
     library: Path | None = None,
 ):
     """The setup's machine in power-on state; skip: as the scenario says, or so.
 
-    dpi: the line to a simulator that has the machine, and not a build of ours. library: the build,
-    of those who have asked for it and make many machines.
+    library: the build, of those who have asked for it and make many machines.
     """
     from mmcs.engine import hosts
     from mmcs.engine.build import ensure_library
-    from mmcs.engine.sim import Sim
+    from mmcs.engine.sim import Sim, build_id, input_names, load_library
 
     scenario = setup.scenario
-    if dpi is not None:
-        return _machine_of_simulator(setup, dpi)
     if skip is None:
         skip = scenario.skip and kind == "speed"  # waveforms and assertions look at every clock
     on = hosts.config(host)
     library = library or ensure_library(
         scenario.cards, kind, scenario.clk_hz, scenario.heartbeat_us
     )
-    config = setup.config() | {"skip": int(skip)} | on
-    return Sim(library, config, setup.motors(), setup.links())
-
-
-def _machine_of_simulator(setup: Setup, line: int):
-    from mmcs.engine.build import HEARTBEAT_US, ensure_library
-    from mmcs.engine.dpi import DpiSim, Line
-    from mmcs.inputs import UPSET
-
-    for event in setup.scenario.event:
-        if event.input.startswith(UPSET):
-            raise RunError(f"{event.input}: through DPI no register can be read or written")
-    scenario = setup.scenario
-    if scenario.heartbeat_us != HEARTBEAT_US:
-        raise RunError(f"heartbeat_us: through DPI it must be {HEARTBEAT_US}, as the testbench has")
-    testbench = Line(line, ensure_library(scenario.cards, "dpi"))
-    for what, has, wanted in (
-        ("NumCards", testbench.mmcs_sim_build_cards(), scenario.cards),
-        ("ClkHz", testbench.mmcs_sim_build_clk_hz(), scenario.clk_hz),
-    ):
-        if has != wanted:
-            raise RunError(f"the testbench has {what}={has}, and {setup.name} needs {wanted}")
-    return DpiSim(testbench, setup.config() | {"skip": 0}, setup.motors(), setup.links())
+    lib = load_library(library)
+    return Sim(library, compile_setup(setup, build_id(lib), lambda: input_names(lib), skip, on))
 
 
 @contextmanager
@@ -105,9 +80,26 @@ def library_of(setup):
     return _library(scenario.cards, scenario.clk_hz, scenario.heartbeat_us)
 
 
+def compiled(setup: Setup, host: str = "native", with_source: bool = False) -> bytes:
+    """The setup as a set-up file for this build."""
+    from mmcs.engine import hosts
+    from mmcs.engine.sim import build_id, input_names, load_library
+
+    lib, on = load_library(library_of(setup)), hosts.config(host)
+    names = lambda: input_names(lib)  # noqa: E731
+    return compile_setup(setup, build_id(lib), names, None, on, with_source)
+
+
+def write_setup(setup: Setup, path: Path, host: str = "native") -> None:
+    """The file of `mmcs compile`."""
+    from mmcs.folder import whole_file
+
+    with whole_file(path) as part:
+        part.write_bytes(compiled(setup, host, with_source=True))
+
+
 def build_of(setup) -> str:
     """Its identity."""
-    from mmcs.engine.sim import load_library, make_ffi
+    from mmcs.engine.sim import build_id, load_library
 
-    library = load_library(library_of(setup))
-    return make_ffi().string(library.mmcs_sim_build_id()).decode()
+    return build_id(load_library(library_of(setup)))

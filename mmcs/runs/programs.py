@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run whose user's side is programs, in lock-step: a scenario's [[program]] entries (§2.3)."""
 
-import hashlib
 import shlex
 import struct
 import subprocess
@@ -14,6 +13,7 @@ from mmcs.device.execute import check_program, environment, say
 from mmcs.device.server import Server
 from mmcs.errors import InputError, RunError
 from mmcs.runs.session import CHUNK_S, WATCH_S, Result, Session
+from mmcs.scenario.compiled import absolute
 from mmcs.scenario.setup import Setup
 
 
@@ -33,7 +33,7 @@ class ProgramSession(Session):
         began = time.perf_counter()
         if self.bus is not None:
             sim.bus_watch()
-        self.configure()
+        self.begin()
         with tempfile.TemporaryDirectory(prefix="mmcs-") as folder:
             console, out = (lambda _: None, subprocess.DEVNULL) if self._quiet else (say, None)
             server = Server(sim, Path(folder) / "run.sock", None, console=console, lockstep=True)
@@ -115,21 +115,3 @@ def _end(child: subprocess.Popen) -> int:
         child.kill()
         status = child.wait()
     return 128 - status if status < 0 else status
-
-
-def absolute(command: str, folder: Path) -> str:
-    """The command with files of the scenario's folder by their whole paths."""
-    words = [
-        str((folder / word).absolute()) if (folder / word).is_file() else word
-        for word in shlex.split(command)
-    ]
-    return shlex.join(words)
-
-
-def digest(command: str) -> str:
-    """Of the files that a command names: who replays it hears when they are others."""
-    found = hashlib.sha256()
-    for word in shlex.split(command):
-        if Path(word).is_file():
-            found.update(Path(word).read_bytes())
-    return found.hexdigest()[:16]

@@ -22,7 +22,7 @@ from mmcs.errors import InputError
 from mmcs.files import LONGEST_S, is_name, loads, log_lines, open_file, read_json, short
 from mmcs.folder import settle
 from mmcs.place import run_file
-from mmcs.runs.programs import absolute, digest
+from mmcs.scenario.compiled import inline
 
 NAME = "run.mmcs"
 FORMAT = 1
@@ -61,18 +61,6 @@ class Record:
 
 
 # --- writing -----------------------------------------------------------------------------------
-
-
-def inline(data: dict, folder: Path) -> dict:
-    """The scenario, naming the setup's files by the plain names that they have in a record."""
-    data = json.loads(json.dumps(data)) | {"robot": "./robot.toml"}
-    for n, motion in enumerate(data.get("motion", [])):
-        if motion.get("kind") == "table":
-            motion["file"] = f"table{n}.csv"
-    for program in data.get("program", []):
-        program["run"] = absolute(program["run"], folder)
-        program["digest"] = digest(program["run"])
-    return data
 
 
 def make_record(result, host: str) -> dict:

@@ -9,8 +9,8 @@ from mmcs import __version__
 from mmcs.engine.hosts import check, image_digest
 from mmcs.errors import InputError
 from mmcs.files import read_json, short
-from mmcs.runs.programs import digest
 from mmcs.runs.record import Record, first_difference
+from mmcs.scenario.compiled import digest
 from mmcs.view.moments import LEAST_MS
 
 

@@ -15,9 +15,6 @@ from mmcs.runs import metrics
 from mmcs.runs.expect import judge
 from mmcs.service import log_lines
 
-CYCLES = ("read", "write", "acknowledge")  # MMCS_BUS_...
-STROBES = ("", "DS0", "DS1", "DS0+DS1")
-ANSWERS = ("DTACK", "none", "BERR")
 MOST_CURRENT = 2047  # of the D/A
 HEADINGS = {  # of the table of axes
     "rise_ms": "rise\nms",
@@ -118,19 +115,6 @@ def write_log(result, folder: Path) -> int:
     return crc
 
 
-def write_bus(cycles, folder: Path) -> None:
-    """One row per cycle of the VME bus; clocks count from power-on."""
-    with (folder / "bus.csv").open("w") as file:
-        file.write("begin_clock,end_clock,cycle,address,am,strobes,data,answer\n")
-        for rows in blocks(cycles):
-            for row in rows.tolist():
-                begin, end, address, data, am, strobes, kind, answer = map(int, row)
-                file.write(
-                    f"{begin},{end},{CYCLES[kind]},{address:04X},{am:02X},{STROBES[strobes]},"
-                    f"{data:04X},{ANSWERS[answer]}\n"
-                )
-
-
 def print_report(report: dict, result, console, verbose: bool = False) -> None:
     from rich.table import Table
 
@@ -151,8 +135,7 @@ def print_report(report: dict, result, console, verbose: bool = False) -> None:
         console.print(NONE)
     named = ("interrupts", "missed", "overruns", "panics")
     counts = ", ".join(f"{report['stats'][name]} {name}" for name in named)
-    known = f"hash {report['hash']}" if report["hash"] else "no hash: no register can be read"
-    console.print(f"{counts}; {known}")
+    console.print(f"{counts}; hash {report['hash']}")
     for axis in report["axes"]:
         if axis["limited_samples"]:
             console.print(f"axis {axis['axis']}: the limit cut the current in "

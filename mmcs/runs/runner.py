@@ -37,6 +37,7 @@ def run_scenario(
     from mmcs.runs import report as reports
     from mmcs.runs import snapshots
     from mmcs.screen import console as screen
+    from mmcs.service import bus_lines
 
     for place in [folder] + ([trace.parent] if trace else []):
         check_folder(place)
@@ -46,14 +47,13 @@ def run_scenario(
         report["log_crc32"] = reports.write_log(result, stage)
         reports.write_report(report, stage)
         if result.bus is not None:
-            reports.write_bus(result.bus, stage)
+            (stage / "bus.csv").write_bytes(bus_lines(result.bus))
         lacking = _spared(stage / "plot.svg", lambda path: _draw(result, path))
-        if result.hash:  # else nothing could tell that it was made again
-            record = records.make_record(result, host)
-            records.write_record(record, stage)
-            lacking += _spared(
-                stage / snapshots.NAME, lambda path: snapshots.write_snapshots(path, record, result)
-            )
+        record = records.make_record(result, host)
+        records.write_record(record, stage)
+        lacking += _spared(
+            stage / snapshots.NAME, lambda path: snapshots.write_snapshots(path, record, result)
+        )
     console = screen(stderr=stderr)
     reports.print_report(report, result, console, verbose)
     if verbose and result.first_motion_wall and started:
@@ -98,11 +98,10 @@ def simulate(
     snapshots_at: tuple[float, ...] = (),
     host: str = "native",
     bus: bool = False,
-    dpi: int | None = None,
 ):
     """Carries the setup out on the real machine.
 
-    bus: keep the cycles of the VME bus; dpi: the line to a simulator that has the machine.
+    bus: keep the cycles of the VME bus.
     """
     from mmcs.engine.hosts import image_digest
     from mmcs.runs.machine import machine, progress
@@ -111,12 +110,10 @@ def simulate(
 
     duration = setup.scenario.duration
     kind = "trace" if trace else "speed"
-    with machine(setup, kind, host=host, dpi=dpi) as sim, progress(duration) as advance:
+    with machine(setup, kind, host=host) as sim, progress(duration) as advance:
         image = image_digest(host)
         if trace:
             sim.trace(trace)
-        if dpi is not None:  # no snapshots there
-            return session_of(sim, setup, realtime, bus).run(advance)
         taking = Taking(sim, snapshots_at, duration)
         result = session_of(taking, setup, realtime, bus).run(advance)
         result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())

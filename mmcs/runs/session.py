@@ -11,10 +11,9 @@ import numpy as np
 
 from mmcs import mcdef
 from mmcs.engine.rows import Rows
-from mmcs.engine.watching import CYCLE
 from mmcs.errors import RunError
 from mmcs.logcols import FIELDS
-from mmcs.runs.script import make_script, summaries
+from mmcs.scenario.compiled import compile_setup
 from mmcs.scenario.setup import Setup
 
 CHUNK_S = 0.02  # simulated time between looks at the clock on the wall
@@ -31,7 +30,7 @@ class Result:
     log: np.ndarray
     notes: list[dict]
     stats: dict
-    hash: str  # "" where no register can be read
+    hash: str
     wall_s: float
     simulated_s: float
     motion_start_s: float
@@ -52,7 +51,7 @@ class Result:
     build: str = ""  # which build of the simulator it was
     image: str = ""  # and which firmware a processor ran
     snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
-    bus: np.ndarray | None = None  # cycles of the VME bus, if they were asked for
+    bus: bytes | None = None  # mmcs_bus_cycles of the VME bus, if they were asked for
 
 
 NO_MEMORY = "out of memory"
@@ -71,10 +70,10 @@ class Session:
         self.start = 0.0
         self.pots: dict[int, tuple[int, int]] = {}
         self.at_start: list[tuple[str, int]] = []  # what the driver refused
-        self.script = make_script(sim, setup)
+        self.script = script_of(sim, setup)
         self.log = Rows(1 + len(FIELDS) * setup.axes)
         self.truth = Rows(2 + 3 * setup.axes)
-        self.bus = Rows(len(CYCLE)) if bus else None
+        self.bus = bytearray() if bus else None
 
     def run(self, progress: Callable[[float], None] = lambda _: None) -> Result:
         sim, setup = self.sim, self.setup
@@ -131,7 +130,7 @@ class Session:
             processes=summaries(self.script, self.setup),
             checkpoints=sim.checkpoints(),
             build=sim.build_id(),
-            bus=None if self.bus is None else self.bus.array(),
+            bus=None if self.bus is None else bytes(self.bus),
         )
 
     def witnesses(self) -> list[dict]:
@@ -145,19 +144,12 @@ class Session:
         return self.at_start + refusals(self.script)
 
     def begin(self) -> int:
-        """Configures the driver and starts the motion; the driver's number of the program."""
-        for segment in self.setup.segments:
-            self.sim.add_segment(**segment)
-        return self.configure()
-
-    def configure(self) -> int:
-        """The same without motions. A refusal that the scenario expects ends the run in good
-        order."""
+        """Configures the driver and starts the motion; the driver's number of the program. A
+        refusal that the scenario expects ends the run in good order."""
         result, what = self.script.begin(self.sim)
         self.start = self.script.start
-        expected = [e.request for e in self.setup.scenario.expect if e.kind == "refused"]
-        if result < 0 and what.split()[0] in expected:
-            self.at_start.append((what.split()[0], -result))
+        if result > 0:
+            self.at_start.append((what.split()[0], result))
             raise Refused
         said = self.sim.notes()[-1:] if result < 0 else []
         if said and said[0]["text"].startswith("event refused"):
@@ -247,7 +239,29 @@ class Session:
 
     def _take_cycles(self) -> None:
         if self.bus is not None:
-            self.bus.append(self.sim.bus_cycles())
+            self.bus += self.sim.bus_cycles()
+
+
+def script_of(sim, setup: Setup):
+    """What carries the setup out on a machine of its build."""
+    return sim.new_script(compile_setup(setup, sim.build_id(), sim.input_names))
+
+
+def summaries(script, setup: Setup) -> list[dict]:
+    """What the report says of each process."""
+    found = []
+    for process, told in zip(setup.scenario.process, script.told(), strict=True):
+        acts, turns, shortest, longest = told
+        if process.kind == "bounce":
+            found.append({"kind": "bounce", "turns": turns})
+            continue
+        found.append({
+            "kind": "pd",
+            "wakes": acts,
+            "shortest_period_us": round(shortest, 1) if acts > 1 else None,
+            "longest_period_us": round(longest, 1) if acts > 1 else None,
+        })  # fmt: skip
+    return found
 
 
 def refusals(script) -> list[tuple[str, int]]:

@@ -35,7 +35,7 @@ def scenario_names() -> list[str]:
 
 def find(name: str, folder: Path = SCENARIOS, what: str = "scenario") -> Path:
     """The file that a name from the folder, or a path, means."""
-    if name.endswith(".toml") or "/" in name:
+    if name.endswith((".toml", ".bin")) or "/" in name:
         path = Path(name)
         if _is_file(path):
             return path

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scenario's name or path to a checked setup, or to every mistake in it."""
 
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from mmcs import ROBOTS
+from mmcs import ROBOTS, setup_file
 from mmcs.errors import InputError, Mistake
 from mmcs.scenario.files import find, read_scenario, read_toml
 from mmcs.scenario.robot import Robot
@@ -12,10 +13,14 @@ from mmcs.scenario.schema import validate
 from mmcs.scenario.sets import apply_sets
 from mmcs.scenario.setup import make_setup
 
+HOSTS = ("native", "m68020")  # as MMCS_HOST_... counts them
+
 
 def load(name: str, sets: tuple[str, ...] = (), /, **overrides):
     """The checked setup. Raises InputError holding every mistake found."""
     path = find(name)
+    if path.suffix == ".bin":
+        return _load_file(path, sets, overrides)
     data, origins = read_scenario(path)
     typed = apply_sets(data, sets)
     given = {key: value for key, value in overrides.items() if value is not None}
@@ -27,6 +32,28 @@ def load(name: str, sets: tuple[str, ...] = (), /, **overrides):
     except InputError as error:
         told = (_of(mistake, path, origins, typed) for mistake in error.mistakes)
         raise InputError(*told) from None
+
+
+def _load_file(path: Path, sets: tuple[str, ...], overrides: dict):
+    """The setup of a set-up file (`mmcs compile`); with other values it is compiled anew."""
+    binary = path.read_bytes()
+    try:
+        found = setup_file.read(binary)
+        source = setup_file.source(found)
+    except ValueError as error:
+        raise InputError.one(path, "", None, str(error)) from None
+    given = {key: value for key, value in overrides.items() if value is not None}
+    data = source["data"]
+    apply_sets(data, sets)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in source["files"].items():
+            (Path(folder) / name).write_text(text)
+        setup = make_setup(Path(folder) / f"{path.stem}.toml", data | given)
+    setup.path = path
+    setup.host = HOSTS[found["config"][0].host]
+    if not sets and not given:
+        setup.binary = binary
+    return setup
 
 
 def _of(mistake: Mistake, path: Path, origins: dict[str, Path], typed: dict[str, str]) -> Mistake:

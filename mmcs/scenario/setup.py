@@ -8,7 +8,7 @@ starts after the end, segments that overlap.
 import math
 import shlex
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from mmcs import mcdef
@@ -36,6 +36,9 @@ class Setup:
     segments: list[dict]  # fields of mmcs_segment, in order of time per axis
     data: dict  # the scenario as it is in force, overrides applied
     files: dict[str, str]  # the robot's and the tables' texts, as "robot.toml", "table0.csv", ...
+    binary: bytes = field(init=False, default=b"")  # the set-up file that it was loaded from,
+    host: str = field(init=False, default="native")  # and which host that is for
+    compiled: dict[tuple, bytes] = field(init=False, default_factory=dict)  # see compiled.py
 
     @property
     def axes(self) -> int:
@@ -61,6 +64,10 @@ class Setup:
     def driver(self) -> dict:  # the fields of mmcs_driver
         keys = ("verbose", "interval_us", "double_buffer")
         return {"axes": self.axes} | {key: int(getattr(self.scenario, key)) for key in keys}
+
+    def refusals(self) -> list[str]:
+        """The requests of the start whose refusal the scenario expects."""
+        return [entry.request for entry in self.scenario.expect if entry.kind == "refused"]
 
     def moment(self) -> float:
         """When there is something to see, s of motion: the first event, or the first setpoint."""

@@ -5,14 +5,15 @@ The twin runs once. A fault begins at the last snapshot before its moment, and i
 as its state is the twin's of the same clock: from there on nothing can differ.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from mmcs import mcdef
 from mmcs.errors import InputError
 from mmcs.inputs import find
 from mmcs.runs.machine import machine
-from mmcs.runs.script import make_script
-from mmcs.runs.session import Session, refusals
+from mmcs.runs.session import Session, refusals, script_of
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
 from mmcs.sweeps.classes import NEAR, Seen
@@ -129,7 +130,8 @@ class Twin:
             self._add(fault.event)
         else:
             calls.append(Call.model_validate(fault.call))
-        script = make_script(self.sim, self.setup, calls)
+        scenario = self.setup.scenario.model_copy(update={"call": calls})
+        script = script_of(self.sim, replace(self.setup, scenario=scenario))
         script.resume(self.session.script.client, self.start, LOOK_S * look, False)
         return look, script
 

@@ -13,6 +13,7 @@ from mmcs.device.robot_header import header
 from mmcs.device.server import Server
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
+from mmcs.runs.machine import machine
 from mmcs.scenario.load import load
 from tools.compiled import compiled, written
 
@@ -48,7 +49,7 @@ def write_scenario(folder):
 def make_sim(folder, sets=()) -> Sim:
     setup = load(str(write_scenario(folder)), sets)
     library = ensure_library(1, "asan" if SANITIZED else "speed")
-    return Sim(library, setup.config(), setup.motors(), setup.links())
+    return machine(setup, library=library)
 
 
 def compile_program(source, *flags):

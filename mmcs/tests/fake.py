@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from mmcs import mcdef
+from mmcs import mcdef, setup_file
 from mmcs.logcols import FIELDS
 
 TAU_S = 0.02
@@ -17,18 +17,26 @@ class FakeScript:
 
     start, client = 0.0, -1
 
-    def __init__(self, driver, params):
-        self.driver, self.axes, self.events = driver, len(params), []
+    def __init__(self, setup: bytes):
+        self.found = setup_file.read(setup)
 
-    def event(self, **fields):
-        self.events.append(fields)
+    def _records(self, kind: str) -> list[dict]:
+        ffi = mcdef.make_ffi()
+        names = [name for name, _ in ffi.typeof(self.found[kind]).item.fields]
+        return [{name: getattr(one, name) for name in names} for one in self.found[kind]]
 
     def begin(self, sim):
         what = next(iter(sim.fail), "")
-        sim.calls.append(("begin", self.driver, self.axes))
-        sim.events, sim.start = self.events, sim.now
+        sim.calls.append(("begin", self._records("driver")[0], len(self.found["param"])))
+        sim.segments, sim.events, sim.start = (
+            self._records("segment"),
+            self._records("event"),
+            sim.now,
+        )
         self.start, self.client = sim.now, 0
-        return -sim.fail.get(what, 0), what
+        refusals = [mcdef.make_ffi().string(one.request).decode() for one in self.found["refusal"]]
+        sign = 1 if what.split()[:1] and what.split()[0] in refusals else -1
+        return sign * sim.fail.get(what, 0), what
 
     def answers(self):
         return []
@@ -62,8 +70,8 @@ class FakeSim:
         self.calls.append((name, value))
         return -self.fail.get(name, 0)
 
-    def new_script(self, driver, params):
-        return FakeScript(driver, params)
+    def new_script(self, setup):
+        return FakeScript(setup)
 
     def play(self, script, until):
         return int(not self.run(script.start + until)), ""
@@ -74,9 +82,6 @@ class FakeSim:
 
     def read(self, client, axes=None):
         return [{"encnow": round(y), "errcode": 0} for y in self.y]
-
-    def add_segment(self, **fields):
-        self.segments.append(fields)
 
     def input_names(self):
         return ["estop", "cable_cut", "encoder_stuck"]

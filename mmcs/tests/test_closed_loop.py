@@ -107,12 +107,11 @@ def test_six_joints_and_three_witnesses():
 
 
 def test_python_reads_the_inputs_as_the_engine_has_them():
-    from mmcs.engine.build import ensure_library
-    from mmcs.engine.sim import Sim
     from mmcs.inputs import INPUTS, UPSET
+    from mmcs.runs.machine import machine
 
     setup = load("lab500")
-    with Sim(ensure_library(1, "speed"), setup.config(), setup.motors(), setup.links()) as sim:
+    with machine(setup) as sim:
         assert sim.input_names() == [*INPUTS, *(UPSET + name for name in sim.registers())]
         rows = [sim.lib.mmcs_sim_input(n) for n in range(len(INPUTS) + 1)]
         assert rows.pop() == sim.ffi.NULL

@@ -4,7 +4,6 @@
 import pytest
 
 from mmcs.engine.build import library_path
-from mmcs.errors import RunError
 from mmcs.runs.machine import build_of, machine
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
@@ -44,8 +43,3 @@ def test_a_heartbeat_that_cannot_be_is_refused(mmcs, given):
 def test_an_interval_beyond_the_heartbeat_is_cautioned(mmcs):
     late = ("--set", "interval_us=20000", "--set", "heartbeat_us=10000")
     assert "above the heartbeat's 10000 us" in mmcs("check", "puma560", *late)[1]
-
-
-def test_a_simulator_has_its_own_heartbeat():
-    with pytest.raises(RunError, match="heartbeat_us: through DPI it must be 50000"):
-        machine(load("lab500", ("heartbeat_us=10000",)), dpi=0)

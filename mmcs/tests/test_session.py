@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mmcs import logcols
+from mmcs import logcols, mcdef
 from mmcs.errors import RunError
 from mmcs.runs import runner, session
 from mmcs.runs.expect import judge
@@ -30,7 +30,9 @@ def test_requests_in_the_order_of_a_user_program(scenario):
     sim, _ = run(scenario())
     driver = {"axes": 1, "verbose": 0, "interval_us": 1000, "double_buffer": 1}
     assert sim.calls == [("begin", driver, 1), ("MSTOP", None), ("close", 0)]
-    assert [(s["kind"], s["t0"], s["to"]) for s in sim.segments] == [("step", 0.05, 200)]
+    assert [(s["kind"], s["t0"], s["to"]) for s in sim.segments] == [
+        (mcdef.SEGMENT_KINDS.index("step"), 0.05, 200)
+    ]
 
 
 def test_events_are_given_with_what_heals_them(scenario):
@@ -38,7 +40,7 @@ def test_events_are_given_with_what_heals_them(scenario):
     text = GOOD + text.replace("cable_cut", "estop")
     sim, _ = run(scenario(text))
     expected = {"at": 0.1, "until": 0.2, "input": 0, "index": 0, "value": 1.0}
-    assert sim.events == [expected | {"at_power_on": False}]
+    assert sim.events == [expected | {"at_power_on": 0}]
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,9 @@
 import pytest
 
 from mmcs.engine import hosts
-from mmcs.engine.build import ensure_library
-from mmcs.engine.sim import Sim
 from mmcs.errors import RunError
 from mmcs.mcdef import declarations
+from mmcs.runs.machine import machine
 from mmcs.scenario.load import load
 
 
@@ -18,9 +17,8 @@ def setup():
 
 @pytest.fixture
 def sim(setup):
-    library = ensure_library(1, "speed")
-    with Sim(library, setup.config(), setup.motors(), setup.links()) as machine:
-        yield machine
+    with machine(setup) as made:
+        yield made
 
 
 def test_build_says_what_it_is(sim):
@@ -33,11 +31,8 @@ def test_refusals_are_one_line(setup, sim, tmp_path):
         sim.trace(tmp_path / "x.fst")  # the speed build has no tracing
     with pytest.raises(RunError, match="the engine refuses a motion of axis 7"):
         sim.add_segment(axis=7, kind="step", t0=0.0, to=1.0)
-    library = ensure_library(1, "speed")
-    with pytest.raises(RunError, match="^the machine cannot be made: this build .* 1 cards"):
-        Sim(library, {**setup.config(), "cards": 2}, setup.motors(), [])
     with pytest.raises(RunError, match="the simulator library does not load"):
-        Sim(tmp_path / "none.so", setup.config(), setup.motors(), [])
+        machine(setup, library=tmp_path / "none.so")
 
 
 def test_declarations_drop_what_cffi_cannot_read():

@@ -15,7 +15,7 @@ extern "C" {
 #pragma GCC visibility push(default)
 
 struct mmcs_sim;
-struct mmcs_checkpoint;
+struct mmcs_bus_cycle;
 struct mc_param; /* of mcdef.h */
 
 /* What a program does with /dev/mc0 for a scenario (§2.3.6). */
@@ -29,12 +29,10 @@ enum { MMCS_SET_UP = 1, MMCS_SWITCH_ON = 2 };
 int mmcs_sim_configure(struct mmcs_sim *sim, int client, int what, const mmcs_driver *driver,
                        const struct mc_param *params, char *refused, size_t refused_len);
 
-/* A scenario's script: its events, [[call]]s and [[process]]es, each at a time (s since the motion
- * began; of an event with at_power_on s since power-on). */
+/* A scenario's script: its motions, its events, [[call]]s and [[process]]es, each at a time (s
+ * since the motion began; of an event with at_power_on s since power-on). mmcs_script_create_from()
+ * of mmcs_setup.h makes one. */
 typedef struct mmcs_script mmcs_script;
-/* driver, params (one for each of its axes): how mmcs_script_begin() configures the driver. NULL:
- * programs open it. */
-mmcs_script *mmcs_script_create(const mmcs_driver *driver, const struct mc_param *params);
 void mmcs_script_destroy(mmcs_script *script);
 
 typedef struct mmcs_timed_event {
@@ -43,23 +41,19 @@ typedef struct mmcs_timed_event {
   int32_t input, index; /* as in mmcs_event */
   int32_t at_power_on;
 } mmcs_timed_event;
-void mmcs_script_event(mmcs_script *script, const mmcs_timed_event *event);
-
 /* A request. axes: bit n is axis n, of MCALIB, MSETENC and MSETPARAM. Before MCALIB and MCLEARERROR
  * the states are read. */
 typedef struct mmcs_call {
   double at;
   uint32_t request, axes;
   int32_t value;
+  int32_t set_at, sets; /* of MSETPARAM: its changes among the script's */
 } mmcs_call;
 /* What an MSETPARAM changes of the present parameters: the bits `mask` of a word of struct mc_param
  * (word 0, `which`, cannot be changed). */
 typedef struct mmcs_set {
   int32_t word, mask, value;
 } mmcs_set;
-void mmcs_script_call(mmcs_script *script, const mmcs_call *call, const mmcs_set *sets,
-                      int32_t count);
-
 /* MMCS_PROCESS_PD: a position loop in a user's process, every period_us, to its goals from `at` on.
  * MMCS_PROCESS_BOUNCE: writes its goals, which are speeds, at `at`; after a SIGUSR1 an axis at its
  * upper limit gets the negative speed, one at its lower limit the positive. */
@@ -68,17 +62,23 @@ typedef struct mmcs_process {
   double at, p, d, period_us;
   int32_t kind;
   uint32_t axes; /* bit n is axis n */
+  /* Among the script's numbers: goals of every axis of the driver; how late a PD runs in each of
+   * its first `turns` periods, us (later ones are on time). */
+  int32_t goals_at, late_at, turns;
 } mmcs_process;
-/* goals: of every axis of the driver. late_us: how late a PD runs in each of its first `turns`
- * periods; later ones are on time. */
-void mmcs_script_process(mmcs_script *script, const mmcs_process *process, const double *goals,
-                         const double *late_us, int32_t turns);
 
-/* Schedules the events, opens the driver, configures it, starts the motion of the segments added
- * before. 0, or -errno, and `what` names the request. */
+/* A request of the start that the scenario expects to be refused, by its name. */
+typedef struct mmcs_refusal {
+  char request[32];
+} mmcs_refusal;
+
+/* Schedules the events, opens the driver, configures it, starts the motion. 0; -errno, and `what`
+ * names the request; or errno (> 0) when the scenario expects that refusal, which ends the run. */
 int mmcs_script_begin(mmcs_script *script, struct mmcs_sim *sim, char *what, size_t what_len);
-double mmcs_script_start(const mmcs_script *script); /* s since power-on */
-int mmcs_script_client(const mmcs_script *script);   /* the driver's number; -1: none */
+double mmcs_script_start(const mmcs_script *script);    /* s since power-on */
+double mmcs_script_duration(const mmcs_script *script); /* of the motion, s */
+int mmcs_script_axes(const mmcs_script *script);        /* of the driver; 0: programs open it */
+int mmcs_script_client(const mmcs_script *script);      /* the driver's number; -1: none */
 /* Instead of mmcs_script_begin(), on a machine at time `t` of the motion: all that was due before
  * `t`, with at_it also at `t`, has been done already. */
 void mmcs_script_resume(mmcs_script *script, int client, double start, double t, int at_it);
@@ -89,7 +89,7 @@ int mmcs_script_act(mmcs_script *script, struct mmcs_sim *sim, double until, cha
                     size_t what_len);
 /* Carries out a call now; its `at` is ignored. 0, or the least -errno. */
 int mmcs_script_ask(mmcs_script *script, struct mmcs_sim *sim, const mmcs_call *call,
-                    const mmcs_set *sets, int32_t count);
+                    const mmcs_set *sets);
 
 /* The result of a call, one for each of its axes (one in all without axes). */
 typedef struct mmcs_answer {
@@ -167,6 +167,8 @@ const char *mmcs_server_request(mmcs_server *server, mmcs_client *client, double
 
 /* Rows as lines of log.csv; with count 0 its heading. Valid until the next call. */
 const char *mmcs_log_lines(int32_t columns, const double *rows, int64_t count);
+/* The same for cycles of the bus and bus.csv. */
+const char *mmcs_bus_lines(const struct mmcs_bus_cycle *cycles, int64_t count);
 
 /* Control design (§2.5). The results are JSON objects, valid until the next call; on failure their
  * `error` is one sentence. gains: P, I, D and tau of P + I/s + D s/(tau s + 1). D(z) is num/den, in

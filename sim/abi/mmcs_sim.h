@@ -19,8 +19,6 @@ extern "C" {
 /* These functions, and nothing else, are visible outside the library. */
 #pragma GCC visibility push(default)
 
-#define MMCS_SIM_ABI 2
-
 /* One axis: amplifier, motor, gear, encoder, potentiometer, brake. */
 typedef struct mmcs_motor {
   double inertia; /* kg m^2 at the motor: rotor, plus reflected load when the axis stands alone */
@@ -63,24 +61,23 @@ typedef struct mmcs_link {
 } mmcs_link;
 
 typedef struct mmcs_config {
-  int32_t abi;   /* MMCS_SIM_ABI */
   int32_t cards; /* 1..16, must equal the model's build */
   int32_t axes;  /* motors connected, <= 2*cards */
   int32_t links; /* 0: axes stand alone; else == axes: coupled arm */
+  int32_t skip;  /* 1: event skipping on, if the model was built for it */
   uint64_t seed;
   double gravity[3];      /* m/s^2 in the base frame, for the arm */
   double cpu_us_per_axis; /* servo computation time of the host, per axis and interrupt */
   double latency_max_us;  /* interrupt latency is uniform in 0..this, by seed */
   double bus_timeout_us;  /* VME bus timer */
-  int32_t skip;           /* 1: event skipping on, if the model was built for it */
   int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high */
   int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
   int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
   int32_t wait_states; /* of a real processor's memory */
   int32_t instruction_cache; /* its bytes: 256, or 0 for one in which every fetch hits */
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
-  const char *processor;     /* file names for a real processor: its library, */
-  const char *firmware;      /* and the image that it runs */
+  char processor[256];       /* file names for a real processor: its library, */
+  char firmware[256];        /* and the image that it runs */
 } mmcs_config;
 enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1 };
 
@@ -105,9 +102,8 @@ typedef struct mmcs_segment {
   double to;        /* target value (HOLD, STEP, RAMP, QUINTIC, TRAPEZOID), or mean (SINE, ...) */
   double amplitude; /* SINE, CHIRP, SQUARE */
   double f0, f1;    /* Hz; CHIRP sweeps f0..f1 */
-  double v_max, a_max; /* TRAPEZOID, units/s and units/s^2; 0 = from the duration */
-  const double *table; /* TABLE: values at equal distances over the duration; copied */
-  int32_t table_len;
+  double v_max, a_max;         /* TRAPEZOID, units/s and units/s^2; 0 = from the duration */
+  int32_t table_at, table_len; /* TABLE: of the numbers, values at equal distances in time */
 } mmcs_segment;
 
 /* Something that happens at a time: a named input of the machine or the plant takes a value.
@@ -164,8 +160,9 @@ typedef struct mmcs_snapshot {
 
 typedef struct mmcs_sim mmcs_sim;
 
-/* Creates a machine in power-on state at t = 0. NULL on error, with one sentence in err. On success
- * err holds a caution, or is empty. */
+/* Creates a machine in power-on state at t = 0: for mmcs_sim_create_from() of mmcs_setup.h, which
+ * all others use. NULL on error, with one sentence in err. On success err holds a caution, or is
+ * empty. */
 mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
                           const mmcs_link *links, char *err, size_t err_len);
 void mmcs_sim_destroy(mmcs_sim *sim);
@@ -234,8 +231,9 @@ typedef struct mmcs_bus_cycle {
 int mmcs_sim_bus_watch(mmcs_sim *sim);
 int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles);
 
-/* t0 of a segment counts from the call of mmcs_sim_start_motion(). */
-int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment);
+/* t0 of a segment counts from the call of mmcs_sim_start_motion(). numbers: those of TABLEs, which
+ * are copied. */
+int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment, const double *numbers);
 int mmcs_sim_start_motion(mmcs_sim *sim, int client);
 /* Named inputs, then the upsets of registers: NULL past the last. Events are in simulated time
  * from t = 0. */
@@ -270,6 +268,7 @@ int mmcs_sim_run(mmcs_sim *sim, double until_s);
 int mmcs_sim_run_to(mmcs_sim *sim, int64_t clock, int samples);
 /* Servo samples since power-on. */
 int64_t mmcs_sim_samples(const mmcs_sim *sim);
+int32_t mmcs_sim_axes(const mmcs_sim *sim); /* motors connected */
 double mmcs_sim_time(const mmcs_sim *sim);
 int64_t mmcs_sim_clock(const mmcs_sim *sim);
 

@@ -30,7 +30,7 @@ class Bench {
   // many clocks have passed, 1 or more.
   int64_t clocks(int64_t most);
   void put(Port port, int lsb, int width, uint64_t value);
-  // No more is to come: the program's exit status.
+  // No more is to come: the run's exit status.
   void end(int status) { result_ = 1 + status; }
 
   // Of the simulator: mmcs_dpi_clock().

@@ -42,12 +42,11 @@ extern "C" {
 #define MMCS_DPI_CABLE_OK 1
 #define MMCS_DPI_PC_POWER 2
 
-/* Once, before the first clock: starts the program that drives the machine, `mmcs run` with the
- * words of `scenario` ("puma560 --duration 0.2"), as a process of its own; its name may be another
- * one by the environment's MMCS. Returns 0, or 1 with one sentence on the error output: the
- * testbench ends then. cards, clk_hz: what the machine is made with; a scenario that wants another
- * one is refused by the program, in its own words. One machine a process. */
-int mmcs_dpi_open(const char *scenario, int cards, int clk_hz);
+/* Once, before the first clock: reads the set-up file (`mmcs compile`) of the scenario to carry out
+ * and creates log.csv and bus.csv in the folder. Returns 0, or 1 with one sentence on the error
+ * output: the testbench ends then. cards, clk_hz: what the machine is made with; a set-up for
+ * another one is refused at the first clock. One machine a process. */
+int mmcs_dpi_open(const char *setup, const char *folder, int cards, int clk_hz);
 
 /* At every rising clk_i from the first on, with rst_ni low for the first 8: what stood on the
  * outputs of the machine just before the edge goes in, what stands on its inputs from this edge on
@@ -59,7 +58,7 @@ int mmcs_dpi_open(const char *scenario, int cards, int clk_hz);
  * Out: bus and safety, the bits above; encoder, enc_a_i in 31..0, enc_b_i in 63..32 and enc_i_i in
  * 95..64; switches, axis_enable_i in 31..0 and dip_i in 95..32; adc, adc_v_i, 16 bits an axis.
  *
- * Returns 0 while the program goes on; when it has ended 1 and its exit status: 1 is a good end. */
+ * Returns 0 while the run goes on; when it has ended 1 and its exit status: 1 is a good end. */
 int mmcs_dpi_clock(uint32_t vme, uint32_t lines, const uint32_t *drive, const uint32_t *leds,
                    const uint32_t *counters, uint64_t *bus, uint32_t *safety, uint32_t *encoder,
                    uint32_t *switches, uint32_t *adc);

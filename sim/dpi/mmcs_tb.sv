@@ -13,7 +13,7 @@ module mmcs_tb #(
   timeunit 1ns; timeprecision 1ps;
 
   import "DPI-C" context function int mmcs_dpi_open(
-    input string scenario, input int cards, input int clk_hz);
+    input string setup, input string folder, input int cards, input int clk_hz);
   import "DPI-C" context function int mmcs_dpi_clock(
     input  int unsigned     vme,
     input  int unsigned     lines,
@@ -28,7 +28,7 @@ module mmcs_tb #(
 
   localparam int Axes = 2 * NumCards;
   localparam int ResetClks = 8;
-  localparam int LastClks = 16;  // what watches the machine has so many clocks after the program
+  localparam int LastClks = 16;  // what watches the machine has so many clocks after the run
 
   // --- clock and reset ------------------------------------------------------------------------
 
@@ -119,7 +119,7 @@ module mmcs_tb #(
   logic [25:0] vme;
   assign vme = {irq_n, iackout_n, dtack_n, d_oe, d};
   int result;
-  bit done;  // the program has ended, and all is over LastClks later
+  bit done;  // the run has ended, and all is over LastClks later
   int over_clks;
 
   always @(posedge clk) begin
@@ -138,24 +138,25 @@ module mmcs_tb #(
     done <= result != 0;
     if (done) over_clks <= over_clks + 1;
     if (over_clks == LastClks) begin
-      if (result > 1) $fatal(1, "mmcs_tb: the program ended with status %0d", result - 1);
+      if (result > 1) $fatal(1, "mmcs_tb: the run ended with status %0d", result - 1);
       $finish(0);
     end
   end
 
   // --- begin and end --------------------------------------------------------------------------
 
-  string scenario, trace;
+  string setup, folder, trace;
   initial begin
     if ($value$plusargs("trace=%s", trace)) begin
       $dumpfile(trace);
       $dumpvars(0, mmcs_tb);
     end
-    if (!$value$plusargs("scenario=%s", scenario)) begin
-      $fatal(1, "mmcs_tb: no scenario; name one, as in +scenario=puma560");
+    if (!$value$plusargs("setup=%s", setup)) begin
+      $fatal(1, "mmcs_tb: no set-up; name one, as in +setup=build/setups/puma560.bin");
     end
-    if (mmcs_dpi_open(scenario, NumCards, ClkHz) != 0) begin
-      $fatal(1, "mmcs_tb: the program that drives the machine does not start");
+    if (!$value$plusargs("out=%s", folder)) folder = ".";
+    if (mmcs_dpi_open(setup, folder, NumCards, ClkHz) != 0) begin
+      $fatal(1, "mmcs_tb: the run does not begin");
     end
   end
 

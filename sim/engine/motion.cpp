@@ -99,15 +99,14 @@ static std::string check(const mmcs_segment &segment) {
   return "";
 }
 
-std::string Motion::add(const mmcs_segment &segment) {
+std::string Motion::add(const mmcs_segment &segment, const double *table) {
   if (segment.axis < 0 || static_cast<size_t>(segment.axis) >= axes_.size()) return "no such axis";
   if (const std::string why = check(segment); !why.empty()) return why;
   Segment kept{segment, {}};
   if (segment.kind == MMCS_SEG_TABLE) {
-    if (!segment.table || segment.table_len < 1) return "the table is empty";
-    kept.table.assign(segment.table, segment.table + segment.table_len);
+    if (!table || segment.table_len < 1) return "the table is empty";
+    kept.table.assign(table, table + segment.table_len);
   }
-  kept.s.table = nullptr;
   Axis &axis = axes_[static_cast<size_t>(segment.axis)];
   if (!axis.segments.empty() && axis.segments.back().s.t0 > segment.t0) {
     return "a segment begins before the one in front of it";

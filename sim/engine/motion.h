@@ -14,8 +14,8 @@ class Motion {
  public:
   explicit Motion(int axes) : axes_(static_cast<size_t>(axes)) {}
 
-  // "" or why the segment is impossible.
-  std::string add(const mmcs_segment &segment);
+  // "" or why the segment is impossible. table: of a TABLE, else NULL.
+  std::string add(const mmcs_segment &segment, const double *table);
   // The value that the axis has when its first segment begins.
   void start(int axis, double value) { axes_[static_cast<size_t>(axis)].from = value; }
   // Of an axis without a motor: no.

@@ -4,6 +4,7 @@
 #include "sim.h"
 
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <string>
@@ -14,7 +15,6 @@ namespace {
 
 std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmcs_link *links) {
   if (!config) return "no configuration given";
-  if (config->abi != MMCS_SIM_ABI) return "the library speaks another version of mmcs_sim.h";
   if (config->cards != mmcs::Model::cards()) {
     return "this build of the model has " + std::to_string(mmcs::Model::cards()) +
            " cards, the configuration " + std::to_string(config->cards);
@@ -24,7 +24,9 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
   if (config->links != 0 && !links) return "no links given";
   if (config->host != MMCS_HOST_NATIVE) {
     if (config->host != MMCS_HOST_M68020) return "this host is not available";
-    if (!config->firmware || !config->processor) return "no processor or no firmware named";
+    if (!*config->firmware || !*config->processor) return "no processor or no firmware named";
+    for (const char *name : {config->firmware, config->processor})
+      if (!std::memchr(name, 0, sizeof config->firmware)) return "a file's name does not end";
     if (config->wait_states < 0 || config->wait_states > 100) return "impossible wait states";
     if (config->instruction_cache != 0 && config->instruction_cache != 256) {
       return "the instruction cache has 256 bytes, or 0 for one that always hits";
@@ -133,6 +135,9 @@ int64_t mmcs_sim_samples(const mmcs_sim *sim) {
   return sim ? sim->host.recorder().samples() : 0;
 }
 
+int32_t mmcs_sim_axes(const mmcs_sim *sim) {
+  return sim ? sim->axes : 0;
+}
 double mmcs_sim_time(const mmcs_sim *sim) {
   return sim ? sim->machine.time() : 0.0;
 }

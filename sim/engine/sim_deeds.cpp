@@ -135,16 +135,14 @@ int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_
   });
 }
 
-int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment) {
+int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *segment, const double *numbers) {
   if (!segment) return -1;
   return mmcs::guarded(sim, -1, [=] {
     std::vector<double> table;
-    if (segment->table && segment->table_len > 0)
-      table.assign(segment->table, segment->table + segment->table_len);
+    if (numbers && segment->table_at >= 0 && segment->table_len > 0)
+      table.assign(numbers + segment->table_at, numbers + segment->table_at + segment->table_len);
     return deed(sim, -1, [one = *segment, table](mmcs_sim *s) {
-      mmcs_segment given = one;
-      given.table = table.empty() ? nullptr : table.data();
-      const std::string why = s->host.motion().add(given);
+      const std::string why = s->host.motion().add(one, table.empty() ? nullptr : table.data());
       if (why.empty()) return 0;
       s->machine.note("log", one.axis, "motion refused: " + why);
       return -1;

@@ -38,6 +38,8 @@ FMI3 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference r
                                const double values[], size_t n_values);
 FMI3 fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference refs[], size_t n,
                                bool values[], size_t n_values);
+FMI3 fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t n,
+                              uint64_t values[], size_t n_values);
 FMI3 fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference refs[], size_t n,
                                const bool values[], size_t n_values);
 FMI3 fmi3Status fmi3DoStep(fmi3Instance instance, double at, double step, bool no_set_state,
@@ -46,29 +48,29 @@ FMI3 fmi3Status fmi3DoStep(fmi3Instance instance, double at, double step, bool n
 /* A unit has every function of the standard. These refuse: modelDescription.xml offers none of
  * them. */
 #define FMI3_NEVER(each) each(InstantiateModelExchange) each(InstantiateScheduledExecution)
-#define FMI3_REFUSED(each)                                                                        \
-  each(EnterEventMode) each(EnterConfigurationMode) each(ExitConfigurationMode) each(             \
-      EnterStepMode) each(EnterContinuousTimeMode) each(CompletedIntegratorStep) each(GetFloat32) \
-      each(SetFloat32) each(GetInt8) each(SetInt8) each(GetUInt8) each(SetUInt8) each(            \
-          GetInt16) each(SetInt16) each(GetUInt16) each(SetUInt16) each(GetInt32) each(SetInt32)  \
-          each(GetUInt32) each(SetUInt32) each(GetInt64) each(SetInt64) each(GetUInt64) each(     \
-              SetUInt64) each(GetString) each(SetString) each(GetBinary) each(SetBinary)          \
-              each(GetClock) each(SetClock) each(GetNumberOfVariableDependencies) each(           \
-                  GetVariableDependencies) each(GetFMUState) each(SetFMUState) each(FreeFMUState) \
-                  each(SerializedFMUStateSize) each(SerializeFMUState) each(DeserializeFMUState)  \
-                      each(GetDirectionalDerivative) each(GetAdjointDerivative) each(             \
-                          GetIntervalDecimal) each(GetIntervalFraction) each(SetIntervalDecimal)  \
-                          each(SetIntervalFraction) each(GetShiftDecimal) each(GetShiftFraction)  \
-                              each(SetShiftDecimal) each(SetShiftFraction)                        \
-                                  each(EvaluateDiscreteStates) each(UpdateDiscreteStates)         \
-                                      each(SetTime) each(SetContinuousStates)                     \
-                                          each(GetContinuousStates)                               \
-                                              each(GetContinuousStateDerivatives)                 \
-                                                  each(GetNominalsOfContinuousStates)             \
-                                                      each(GetNumberOfContinuousStates)           \
-                                                          each(GetEventIndicators)                \
-                                                              each(GetNumberOfEventIndicators)    \
-                                                                  each(GetOutputDerivatives)      \
+#define FMI3_REFUSED(each)                                                                         \
+  each(EnterEventMode) each(EnterConfigurationMode) each(ExitConfigurationMode) each(              \
+      EnterStepMode) each(EnterContinuousTimeMode) each(CompletedIntegratorStep) each(GetFloat32)  \
+      each(SetFloat32) each(GetInt8) each(SetInt8) each(GetUInt8) each(SetUInt8) each(GetInt16)    \
+          each(SetInt16) each(GetUInt16) each(SetUInt16) each(GetInt32) each(SetInt32) each(       \
+              GetUInt32) each(SetUInt32) each(GetInt64) each(SetInt64) each(SetUInt64)             \
+              each(GetString) each(SetString) each(GetBinary) each(SetBinary) each(GetClock) each( \
+                  SetClock) each(GetNumberOfVariableDependencies) each(GetVariableDependencies)    \
+                  each(GetFMUState) each(SetFMUState) each(FreeFMUState) each(                     \
+                      SerializedFMUStateSize) each(SerializeFMUState) each(DeserializeFMUState)    \
+                      each(GetDirectionalDerivative) each(GetAdjointDerivative) each(              \
+                          GetIntervalDecimal) each(GetIntervalFraction) each(SetIntervalDecimal)   \
+                          each(SetIntervalFraction) each(GetShiftDecimal) each(GetShiftFraction)   \
+                              each(SetShiftDecimal) each(SetShiftFraction)                         \
+                                  each(EvaluateDiscreteStates) each(UpdateDiscreteStates)          \
+                                      each(SetTime) each(SetContinuousStates)                      \
+                                          each(GetContinuousStates)                                \
+                                              each(GetContinuousStateDerivatives)                  \
+                                                  each(GetNominalsOfContinuousStates)              \
+                                                      each(GetNumberOfContinuousStates)            \
+                                                          each(GetEventIndicators)                 \
+                                                              each(GetNumberOfEventIndicators)     \
+                                                                  each(GetOutputDerivatives)       \
                                                                       each(ActivateModelPartition)
 
 #endif

@@ -5,39 +5,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mmcs_service.h"
-#include "mmcs_sim.h"
 #include "fmi3.h"
 #include "mcdef.h"
+#include "mmcs_service.h"
+#include "mmcs_setup.h"
+#include "mmcs_sim.h"
 
-enum { MAX_AXES = 32, TOKEN = 64, TEXT = 400, READ_WRITE = 2 };
-
-/* resources/setup.bin: this, then motors, links and struct mc_param of each axis
- * (mmcs/bridge/fmu.py writes it). The sizes are those of who wrote it. */
-struct setup {
-  char magic[8];
-  char token[TOKEN];
-  int32_t config_bytes, motor_bytes, link_bytes, param_bytes;
-  mmcs_driver driver;
-  mmcs_config config;
-};
+enum { MAX_AXES = 32, TEXT = 400 };
 
 /* References: a group and an axis, or one of the lines. */
-enum { TIME = 0, ESTOP_CLOSED = 1, ENABLED = 2, PANIC = 3, PER_AXIS = 100 };
+enum { TIME = 0, ESTOP_CLOSED = 1, ENABLED = 2, PANIC = 3, HASH = 4, PER_AXIS = 100 };
 enum { SETPOINT = 1, ENCODER, ANGLE, VELOCITY, CURRENT };
 
 struct unit {
   void *environment;
   fmi3Log log;
-  struct setup setup;
-  mmcs_motor motors[MAX_AXES];
-  mmcs_link links[MAX_AXES];
-  struct mc_param params[MAX_AXES];
+  void *setup; /* resources/setup.bin, of mmcs_setup.h */
+  size_t setup_size;
+  int axes;
   mmcs_sim *sim;
+  mmcs_script *script; /* what the scenario does, if the unit was made with its motions */
   int client, estop_input;
   double begin, zero; /* the unit's time at the machine's time */
   double now;
   int32_t setpoint[MAX_AXES];
+  bool commanded; /* setpoints have come from outside */
   bool estop_closed;
   struct mc_state state[MAX_AXES];
 };
@@ -61,27 +53,26 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, bool on, size_t n,
 
 /* --- making and unmaking ------------------------------------------------------------------- */
 
-static bool read_setup(struct unit *u, const char *resources) {
+/* The token of a set-up: its sum and its build (mmcs/bridge/fmu.py). */
+static bool is_of(const void *setup, const char *token) {
+  const mmcs_setup *head = setup;
+  char own[TEXT];
+  snprintf(own, sizeof own, "%08x %s", head->sum, head->build);
+  return token != NULL && strcmp(token, own) == 0;
+}
+
+static bool read_setup(struct unit *u, const char *resources, const char *token, char *why) {
   char path[4096];
-  struct setup *s = &u->setup;
-  snprintf(path, sizeof path, "%s/setup.bin", resources);
-  FILE *file = fopen(path, "rb");
-  if (file == NULL) return false;
-  bool good = fread(s, sizeof *s, 1, file) == 1 && memcmp(s->magic, "mmcsfmu3", 8) == 0 &&
-              s->config_bytes == sizeof(mmcs_config) && s->motor_bytes == sizeof(mmcs_motor) &&
-              s->link_bytes == sizeof(mmcs_link) && s->param_bytes == sizeof(struct mc_param) &&
-              s->config.axes >= 1 && s->driver.axes == s->config.axes &&
-              s->config.axes <= MAX_AXES && s->config.links >= 0 &&
-              s->config.links <= s->config.axes;
-  size_t axes = good ? (size_t)s->config.axes : 0, links = good ? (size_t)s->config.links : 0;
-  good = good && fread(u->motors, sizeof(mmcs_motor), axes, file) == axes &&
-         fread(u->links, sizeof(mmcs_link), links, file) == links &&
-         fread(u->params, sizeof(struct mc_param), axes, file) == axes;
-  fclose(file);
-  s->token[TOKEN - 1] = 0;
-  s->config.abi = MMCS_SIM_ABI;  // the library is in this very unit
-  s->config.processor = s->config.firmware = NULL;
-  return good;
+  snprintf(path, sizeof path, "%s/setup.bin", resources != NULL ? resources : "");
+  u->setup = mmcs_setup_load(path, &u->setup_size, why, TEXT);
+  if (u->setup == NULL) return false;
+  mmcs_script *script = mmcs_script_create_from(u->setup, u->setup_size, NULL, why, TEXT);
+  if (script == NULL) return false;
+  u->axes = mmcs_script_axes(script);
+  mmcs_script_destroy(script);
+  if (!is_of(u->setup, token))
+    snprintf(why, TEXT, "the token of modelDescription.xml is another's");
+  return is_of(u->setup, token);
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
@@ -95,26 +86,26 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
   u->environment = environment;
   u->log = log;
   u->estop_closed = true;
-  const char *why = NULL;
-  if (resources == NULL || !read_setup(u, resources))
-    why = "is not there or of another build";
-  else if (token == NULL || strcmp(token, u->setup.token) != 0)
-    why = "the token of modelDescription.xml is another's";
-  if (why == NULL) return u;
+  char why[TEXT] = "";
+  if (read_setup(u, resources, token, why)) return u;
   refuse(u, "resources/setup.bin", why);
-  free(u);
+  fmi3FreeInstance(u);
   return NULL;
 }
 
 static void forget_machine(struct unit *u) {
-  if (u->sim != NULL) mmcs_sim_destroy(u->sim);
+  mmcs_script_destroy(u->script);
+  mmcs_sim_destroy(u->sim);
+  u->script = NULL;
   u->sim = NULL;
 }
 
 void fmi3FreeInstance(fmi3Instance instance) {
   if (instance == NULL) return;
-  forget_machine(instance);
-  free(instance);
+  struct unit *u = instance;
+  forget_machine(u);
+  free(u->setup);
+  free(u);
 }
 
 fmi3Status fmi3Reset(fmi3Instance instance) {
@@ -122,13 +113,14 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
   forget_machine(u);
   memset(u->setpoint, 0, sizeof u->setpoint);
   memset(u->state, 0, sizeof u->state);
+  u->commanded = false;
   u->estop_closed = true;
   u->now = 0;
   return fmi3OK;
 }
 
 static void look(struct unit *u) {
-  size_t bytes = (size_t)u->setup.config.axes * sizeof(struct mc_state);
+  size_t bytes = (size_t)u->axes * sizeof(struct mc_state);
   (void)mmcs_sim_read(u->sim, u->client, u->state, bytes);
 }
 
@@ -139,18 +131,17 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, bool has_tolerance
   char err[TEXT] = "";
   const char *name;
   forget_machine(u);
-  u->sim = mmcs_sim_create(&u->setup.config, u->motors, u->links, err, sizeof err);
+  u->sim = mmcs_sim_create_from(u->setup, u->setup_size, NULL, err, sizeof err);
   if (u->sim == NULL) return refuse(u, "the machine cannot be made", err);
-  u->client = mmcs_sim_open(u->sim, READ_WRITE);
-  if (u->client < 0) return refuse(u, "open", "the driver refuses it");
-  if (mmcs_sim_configure(u->sim, u->client, MMCS_SET_UP | MMCS_SWITCH_ON, &u->setup.driver,
-                         u->params, err, sizeof err) < 0)
+  u->script = mmcs_script_create_from(u->setup, u->setup_size, NULL, err, sizeof err);
+  if (u->script == NULL || mmcs_script_begin(u->script, u->sim, err, sizeof err) != 0)
     return refuse(u, err, "the driver refuses it");
+  u->client = mmcs_script_client(u->script);
   u->estop_input = -1;
   for (int32_t n = 0; (name = mmcs_sim_input_name(n)) != NULL; n++)
     if (strcmp(name, "estop") == 0) u->estop_input = n;
   u->begin = u->now = start;
-  u->zero = mmcs_sim_time(u->sim);
+  u->zero = mmcs_script_start(u->script);
   look(u);
   return fmi3OK;
 }
@@ -168,7 +159,7 @@ fmi3Status fmi3Terminate(fmi3Instance instance) {
 /* --- variables ----------------------------------------------------------------------------- */
 
 static bool has_axis(const struct unit *u, fmi3ValueReference ref) {
-  return ref % PER_AXIS < (uint32_t)u->setup.config.axes;
+  return ref % PER_AXIS < (uint32_t)u->axes;
 }
 
 /* NaN: there is none. */
@@ -211,6 +202,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refs[]
     if (!(fabs(values[k]) < (double)INT32_MAX))
       return refuse(u, "setpoint", "must be a number of counts, less than 2^31");
     u->setpoint[refs[k] % PER_AXIS] = (int32_t)lround(values[k]);
+    u->commanded = true;
   }
   return fmi3OK;
 }
@@ -226,6 +218,18 @@ fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference refs[]
     values[k] = refs[k] == ESTOP_CLOSED ? u->estop_closed
                 : refs[k] == ENABLED    ? stats.enabled != 0
                                         : stats.panic_level != 0;
+  }
+  return fmi3OK;
+}
+
+/* Of all samples and registers: that of `mmcs run`, if the unit has done the same. */
+fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t n,
+                         uint64_t values[], size_t n_values) {
+  struct unit *u = instance;
+  for (size_t k = 0; k < n; k++) {
+    if (k >= n_values || refs[k] != HASH)
+      return refuse(u, "fmi3GetUInt64", "there is no such variable");
+    values[k] = mmcs_sim_hash(u->sim);
   }
   return fmi3OK;
 }
@@ -252,9 +256,13 @@ fmi3Status fmi3DoStep(fmi3Instance instance, double at, double step, bool no_set
   mmcs_event button = {mmcs_sim_time(u->sim), u->estop_input, 0, !u->estop_closed};
   if (mmcs_sim_add_event(u->sim, &button) != 0) return refuse(u, "estop_closed", "is refused");
   /* Refused while the servo is off: output `enabled` says so. */
-  (void)mmcs_sim_write(u->sim, u->client, u->setpoint,
-                       sizeof u->setpoint[0] * (size_t)u->setup.config.axes);
-  if (mmcs_sim_run(u->sim, u->zero + (at + step - u->begin)) != 0)
+  if (u->commanded)
+    (void)mmcs_sim_write(u->sim, u->client, u->setpoint, sizeof u->setpoint[0] * (size_t)u->axes);
+  const double until = at + step - u->begin;
+  char what[TEXT];
+  const int result = mmcs_script_act(u->script, u->sim, until, what, sizeof what);
+  if (result < 0) return refuse(u, what, "the driver refuses it");
+  if (result > 0 || mmcs_sim_run(u->sim, u->zero + until) != 0)
     return refuse(u, "fmi3DoStep", "an assertion of the machine has failed");
   u->now = at + step;
   look(u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lines of log.csv, for every carrier.
+// The lines of log.csv and bus.csv, for every carrier.
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +34,23 @@ const char *mmcs_log_lines(int32_t columns, const double *rows, int64_t count) {
     }
   }
   out += '\n';
+  return out.c_str();
+}
+
+const char *mmcs_bus_lines(const mmcs_bus_cycle *cycles, int64_t count) {
+  static constexpr const char *kKind[] = {"read", "write", "acknowledge"};
+  static constexpr const char *kStrobes[] = {"", "DS0", "DS1", "DS0+DS1"};
+  static constexpr const char *kAnswer[] = {"DTACK", "none", "BERR"};
+  static thread_local std::string out;
+  out = count ? "" : "begin_clock,end_clock,cycle,address,am,strobes,data,answer\n";
+  for (const mmcs_bus_cycle *c = cycles; c != cycles + count; ++c) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%lld,%lld,%s,%04X,%02X,%s,%04X,%s\n",
+                  static_cast<long long>(c->begin), static_cast<long long>(c->end), kKind[c->kind],
+                  c->address, static_cast<unsigned>(c->am), kStrobes[c->strobes], c->data,
+                  kAnswer[c->answer]);
+    out += text;
+  }
   return out.c_str();
 }
 

@@ -10,9 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "mcdef.h"
-#include "mmcs_service.h"
-#include "mmcs_sim.h"
+#include "setup.h"
 
 namespace {
 
@@ -38,11 +36,6 @@ void tell(char *what, size_t size, const std::string &text) {
 }  // namespace
 
 struct mmcs_script {
-  struct Call {
-    mmcs_call asked;
-    std::vector<mmcs_set> sets;
-  };
-
   struct Process {
     mmcs_process asked;
     std::vector<double> goals, late_us;
@@ -51,11 +44,24 @@ struct mmcs_script {
     double woken = 0;
   };
 
-  mmcs_script(const mmcs_driver *given, const mc_param *params) {
-    if (!given) return;
-    driver = *given;
-    params_now.assign(params, params + driver.axes);
-    setpoints.assign(params_now.size(), 0);
+  explicit mmcs_script(const setup &s)
+      : duration(s.head->duration),
+        driver(s.drivers ? *s.driver : mmcs_driver{}),
+        params_now(s.param, s.param + s.params),
+        setpoints(s.params),
+        segments(s.segment, s.segment + s.segments),
+        events(s.event, s.event + s.events),
+        calls(s.call, s.call + s.calls),
+        sets(s.set, s.set + s.sets),
+        numbers(s.number, s.number + s.numbers),
+        refusals(s.refusal, s.refusal + s.refusals),
+        told(s.processs) {
+    for (size_t n = 0; n < s.processs; ++n) {
+      const mmcs_process &process = s.process[n];
+      const double *goals = s.number + process.goals_at, *late = s.number + process.late_at;
+      const double due = process.kind == MMCS_PROCESS_PD ? 0.0 : process.at;
+      processes.push_back({process, {goals, goals + axes()}, {late, late + process.turns}, due});
+    }
   }
 
   size_t axes() const { return params_now.size(); }
@@ -71,7 +77,8 @@ struct mmcs_script {
       if (mmcs_sim_add_event(sim, &begin) != 0 ||
           (event.until >= 0 && mmcs_sim_add_event(sim, &end) != 0)) {
         const char *name = mmcs_sim_input_name(event.input);
-        what = std::string(name ? name : "no input") + " at " + std::to_string(begin.t) + " s";
+        what = std::string(name ? name : "an upset of a register") + " at " +
+               std::to_string(begin.t) + " s";
         return -kInvalid;
       }
     }
@@ -79,7 +86,12 @@ struct mmcs_script {
   }
 
   int begin(mmcs_sim *sim, std::string &what) {
-    int result = schedule(sim, 0, true, what);
+    int result = 0;
+    for (const mmcs_segment &segment : segments) {
+      what = "motion of axis " + std::to_string(segment.axis);
+      if (mmcs_sim_add_segment(sim, &segment, numbers.data()) != 0) return -kInvalid;
+    }
+    result = schedule(sim, 0, true, what);
     if (result < 0) return result;
     if (axes() > 0) {
       what = "open";
@@ -91,24 +103,33 @@ struct mmcs_script {
       what = refused;
     }
     start = mmcs_sim_time(sim);
-    if (result < 0) return result;
+    if (result < 0) return expects(what) ? -result : result;
     result = schedule(sim, start, false, what);
     if (result < 0) return result;
     what = "start of motion";
     return mmcs_sim_start_motion(sim, std::max(client, 0));
   }
 
+  // Of a request "MSETPARAM of axis 2".
+  bool expects(const std::string &refused) const {
+    const std::string name = refused.substr(0, refused.find(' '));
+    return std::any_of(refusals.begin(), refusals.end(), [&](const mmcs_refusal &one) {
+      return name == std::string(one.request, strnlen(one.request, sizeof one.request));
+    });
+  }
+
   int act(mmcs_sim *sim, double until, std::string &what) {
     for (;;) {
       Process *process = nullptr;
-      double due = next < calls.size() ? calls[next].asked.at : kNever;
+      double due = next < calls.size() ? calls[next].at : kNever;
       for (Process &one : processes) {
         if (one.due < due) due = (process = &one)->due;
       }
       if (!(due < until)) return 0;
       if (mmcs_sim_run(sim, start + due) != 0) return 1;
       if (!process) {
-        ask(sim, calls[next++]);  // a refusal is an answer
+        const mmcs_call &call = calls[next++];
+        ask(sim, call, sets.data() + call.set_at);  // a refusal is an answer
         continue;
       }
       const int result = process->asked.kind == MMCS_PROCESS_PD ? follow(sim, *process, what)
@@ -117,8 +138,9 @@ struct mmcs_script {
     }
   }
 
-  int ask(mmcs_sim *sim, const Call &call) {
-    const uint32_t request = call.asked.request;
+  // changes: of an MSETPARAM.
+  int ask(mmcs_sim *sim, const mmcs_call &call, const mmcs_set *changes) {
+    const uint32_t request = call.request;
     mc_state states[kAxes] = {};
     if (request == MCALIB || request == MCLEARERROR) {
       // MCALIB: the potentiometer tells which index pulse comes; MCLEARERROR clears what a read
@@ -127,18 +149,18 @@ struct mmcs_script {
       if (got < 0) return answer(request, -1, got);
     }
     if (request != MCALIB && request != MSETENC && request != MSETPARAM) {
-      int value = call.asked.value;
+      int value = call.value;
       return answer(request, -1,
                     mmcs_sim_ioctl(sim, client, request, request & MC_ARG_IN ? &value : nullptr));
     }
     int least = 0;
     for (size_t n = 0; n < axes(); ++n) {
-      if (!named(call.asked.axes, n)) continue;
+      if (!named(call.axes, n)) continue;
       const int axis = static_cast<int>(n);
-      int value = request == MCALIB ? axis : axis | (call.asked.value & 0xFFFF) << 8;
+      int value = request == MCALIB ? axis : axis | (call.value & 0xFFFF) << 8;
       void *argument = &value;
       if (request == MSETPARAM) {
-        merge(n, call.sets);
+        merge(n, call, changes);
         argument = &params_now[n];
       }
       const int result = mmcs_sim_ioctl(sim, client, request, argument);
@@ -147,11 +169,12 @@ struct mmcs_script {
     return least;
   }
 
-  void merge(size_t axis, const std::vector<mmcs_set> &sets) {
+  void merge(size_t axis, const mmcs_call &call, const mmcs_set *changes) {
     int words[kWords];
     std::memcpy(words, &params_now[axis], sizeof words);
     words[0] = static_cast<int>(axis);
-    for (const mmcs_set &set : sets) {
+    for (const mmcs_set *change = changes; change != changes + call.sets; ++change) {
+      const mmcs_set &set = *change;
       if (set.word < 1 || set.word >= kWords) continue;  // word 0 is `which`
       words[set.word] = (words[set.word] & ~set.mask) | (set.value & set.mask);
     }
@@ -224,12 +247,17 @@ struct mmcs_script {
         0, mmcs_sim_write(sim, client, setpoints.data(), sizeof setpoints[0] * setpoints.size()));
   }
 
-  mmcs_driver driver = {};
+  double duration;
+  mmcs_driver driver;
   std::vector<mc_param> params_now;  // in force, of each axis
   std::vector<int> setpoints;        // as written last
+  std::vector<mmcs_segment> segments;
   std::vector<mmcs_timed_event> events;
-  std::vector<Call> calls;  // in order of time
-  size_t next = 0;          // of them
+  std::vector<mmcs_call> calls;  // in order of time
+  size_t next = 0;               // of them
+  std::vector<mmcs_set> sets;
+  std::vector<double> numbers;
+  std::vector<mmcs_refusal> refusals;
   std::vector<Process> processes;
   std::vector<mmcs_process_told> told;
   std::vector<mmcs_answer> answers;
@@ -239,39 +267,33 @@ struct mmcs_script {
 
 extern "C" {
 
-mmcs_script *mmcs_script_create(const mmcs_driver *driver, const struct mc_param *params) {
-  if (driver && (!params || driver->axes < 0 || driver->axes > static_cast<int>(kAxes))) return {};
-  return new mmcs_script(driver, params);
+mmcs_script *mmcs_script_create_from(const void *data, size_t size, const mmcs_overrides *overrides,
+                                     char *err, size_t err_len) {
+  setup read;
+  if (!setup_open(&read, data, size, overrides, err, err_len)) return nullptr;
+  auto *made = new mmcs_script(read);
+  setup_close(&read);
+  tell(err, err_len, "");
+  return made;
 }
 void mmcs_script_destroy(mmcs_script *script) {
   delete script;
-}
-void mmcs_script_event(mmcs_script *script, const mmcs_timed_event *event) {
-  script->events.push_back(*event);
-}
-void mmcs_script_call(mmcs_script *script, const mmcs_call *call, const mmcs_set *sets,
-                      int32_t count) {
-  const auto later = [](double at, const mmcs_script::Call &other) { return at < other.asked.at; };
-  auto &calls = script->calls;
-  calls.insert(std::upper_bound(calls.begin(), calls.end(), call->at, later),
-               {*call, {sets, sets + count}});
-}
-void mmcs_script_process(mmcs_script *script, const mmcs_process *process, const double *goals,
-                         const double *late_us, int32_t turns) {
-  const double due = process->kind == MMCS_PROCESS_PD ? 0.0 : process->at;
-  script->processes.push_back(
-      {*process, {goals, goals + script->axes()}, {late_us, late_us + turns}, due});
-  script->told.emplace_back();
 }
 
 int mmcs_script_begin(mmcs_script *script, mmcs_sim *sim, char *what, size_t what_len) {
   std::string named;
   const int result = script->begin(sim, named);
   tell(what, what_len, named);
-  return std::min(result, 0);
+  return result;
+}
+double mmcs_script_duration(const mmcs_script *script) {
+  return script->duration;
 }
 double mmcs_script_start(const mmcs_script *script) {
   return script->start;
+}
+int mmcs_script_axes(const mmcs_script *script) {
+  return static_cast<int>(script->axes());
 }
 int mmcs_script_client(const mmcs_script *script) {
   return script->client;
@@ -280,11 +302,11 @@ void mmcs_script_resume(mmcs_script *script, int client, double start, double t,
   script->client = client;
   script->start = start;
   for (; script->next < script->calls.size(); ++script->next) {
-    const mmcs_script::Call &call = script->calls[script->next];
-    if (at_it ? call.asked.at > t : call.asked.at >= t) break;
-    if (call.asked.request != MSETPARAM) continue;
+    const mmcs_call &call = script->calls[script->next];
+    if (at_it ? call.at > t : call.at >= t) break;
+    if (call.request != MSETPARAM) continue;
     for (size_t n = 0; n < script->axes(); ++n)
-      if (named(call.asked.axes, n)) script->merge(n, call.sets);
+      if (named(call.axes, n)) script->merge(n, call, script->sets.data() + call.set_at);
   }
 }
 int mmcs_script_act(mmcs_script *script, mmcs_sim *sim, double until, char *what, size_t what_len) {
@@ -293,9 +315,9 @@ int mmcs_script_act(mmcs_script *script, mmcs_sim *sim, double until, char *what
   tell(what, what_len, named);
   return result;
 }
-int mmcs_script_ask(mmcs_script *script, mmcs_sim *sim, const mmcs_call *call, const mmcs_set *sets,
-                    int32_t count) {
-  return script->ask(sim, {*call, {sets, sets + count}});
+int mmcs_script_ask(mmcs_script *script, mmcs_sim *sim, const mmcs_call *call,
+                    const mmcs_set *sets) {
+  return script->ask(sim, *call, sets + call->set_at);
 }
 int32_t mmcs_script_answers(const mmcs_script *script, const mmcs_answer **answers) {
   *answers = script->answers.data();

@@ -22,7 +22,8 @@ MAY_INCLUDE = {
     "sim/abi": (C, ()),
     "sim/plant": (C, ("sim/plant", "sim/abi")),
     "sim/model": (C, ("sim/model", "sim/abi")),
-    "sim/service": (C, ("sim/service", "sim/abi", "firmware/include")),
+    "sim/setup": (C, ("sim/setup", "sim/abi", "firmware/include")),
+    "sim/service": (C, ("sim/service", "sim/setup", "sim/abi", "firmware/include")),
     "sim/engine": (C, ("sim/engine", "sim/abi", "sim/plant", "sim/model", "sim/hosts", "firmware")),
 }
 # tree: what of it is exempt, and the modules of ours that the rest may import

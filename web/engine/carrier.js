@@ -19,7 +19,7 @@ export async function startMachine(setup, options, told) {
   worker.onerror = ({ message }) =>
     told({ type: "failed", text: message || "the Worker does not start" });
   const { layouts, constants, version, waves } = knowledge;
-  const module = `./machine${setup.config.cards}.mjs`;
+  const module = `./machine${setup.cards}.mjs`;
   worker.postMessage({
     start: { setup, module, layouts, constants, version, waves, ...options },
   });

@@ -18,7 +18,7 @@ export function makeRecord(session, log, hash, version) {
     scenario: setup.name,
     host: "native",
     image: "",
-    seed: setup.config.seed,
+    seed: setup.seed,
     hash,
     cycles: sim.clock,
     clk_hz: sim.clk_hz,
@@ -62,12 +62,10 @@ export function setupOf(record, setup) {
   must(within(duration) && duration > 0, "duration");
   must(Array.isArray(event) && event.every((e) => isTable(e) && within(e.at) && within(e.until ?? 0)), "events");
   must(Array.isArray(call) && call.every((c) => isTable(c) && within(c.at) && isRequest(c, setup)), "calls");
-  const made = { ...setup, config: { ...setup.config, seed } };
-  made.data = record.data;
-  made.duration = duration;
-  made.calls = call.map((c) => ({ axis: "all", value: 0, ...c }));
-  made.events = event.map((e) => ({ index: 0, until: null, at_power_on: false, ...e }));
-  return made;
+  const calls = call.map((c) => ({ axis: "all", value: 0, ...c })).sort((a, b) => a.at - b.at);
+  const events = event.map((e) => ({ index: 0, at_power_on: false, ...e, until: e.until ?? -1 }));
+  const changes = { seed, duration, events, calls };
+  return { ...setup, seed, duration, data: record.data, changes };
 }
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);

@@ -6,6 +6,8 @@
 // meanwhile is kept: the record holds it as [[call]] and [[event]] entries, and `mmcs replay` does it
 // again.
 
+import { asked } from "./script.js";
+
 const LOOK_S = 0.001;
 const EIO = 5;
 
@@ -25,27 +27,23 @@ export class Session {
 
   /** Everything up to the start of motion; false: the driver refused, as the scenario expects. */
   begin() {
-    const { sim, setup } = this;
-    this.script = sim.newScript(setup.driver, setup.params);
-    for (const event of setup.events) this.script.event({ ...event, until: event.until ?? -1 });
-    for (const call of setup.calls) this.script.call(...this.#asked(call));
-    for (const process of setup.processes) this.script.process(process);
-    for (const segment of setup.segments) sim.addSegment(segment);
+    this.script = this.sim.newScript();
     const [result, what] = this.script.begin();
     this.start = this.script.start;
     this.client = this.script.client;
-    if (result < 0 && !setup.refusals.includes(what.split(" ")[0]))
+    if (result < 0)
       throw new Error(`${what}: the driver refuses (errno ${-result}); the scenario does not expect that`);
-    this.playing = result >= 0;
+    this.playing = result === 0;
     return this.playing;
   }
 
   /** The motion, a look at a time, up to the last. */
   *move() {
-    const { sim, setup, script } = this;
-    const looks = Math.max(1, Math.round(setup.duration / LOOK_S));
+    const { sim, script } = this;
+    const { duration } = script;
+    const looks = Math.max(1, Math.round(duration / LOOK_S));
     for (let look = 1; look <= looks; look++) {
-      const next = (setup.duration * look) / looks;
+      const next = (duration * look) / looks;
       const [result, what] = script.act(next);
       if (result < 0) throw new Error(`${what}: errno ${-result}`);
       if (result > 0 || !sim.run(this.start + next)) throw new Error("an assertion failed");
@@ -55,26 +53,12 @@ export class Session {
     this.playing = false;
   }
 
-  /** Fields of mmcs_call, and what changes in a struct mc_param, as mcdef.sets() of Python. */
-  #asked({ at = 0, request, axis, value, set = {} }) {
-    const { sim, C } = this;
-    const axes = axis === "all" ? [...Array(sim.axes).keys()] : [axis].flat();
-    const bits = axes.reduce((sum, n) => sum | (1 << n), 0) >>> 0;
-    const { mode, flags, ...numbers } = set;
-    const word = (name) => sim.layouts.mc_param.fields[name][0] / 4;
-    const made = Object.entries(numbers).map(([name, number]) => [word(name), -1, number]);
-    if (mode !== undefined) made.push([word("mode"), C.MD_MASK, C[C.MODES[mode]]]);
-    const switches = flags?.reduce((sum, flag) => sum | C[flag.toUpperCase()], 0);
-    if (flags) made.push([word("mode"), ~C.MD_MASK, switches]);
-    return [{ at, request: C[request], axes: bits, value }, made];
-  }
-
   // --- a person, while the motion goes on ---
 
   /** Done now, and written down; the driver's answer. */
   personCalls(call) {
     const whole = { axis: "all", value: 0, ...call };
-    const result = this.script.ask(...this.#asked(whole));
+    const result = this.script.ask(asked(whole, this.sim.axes, this.sim.layouts, this.C));
     const { axis, value, ...entry } = whole;
     const named = ["MCALIB", "MSETENC", "MSETPARAM"].includes(call.request);
     this.calls.push({ at: this.reached, ...entry, ...(named ? { axis } : {}),

@@ -30,30 +30,57 @@ export class Sim {
   #m; // the module
   #at; // its machine
   #room; // memory for arguments
+  #setup; // its set-up file, sim/abi/mmcs_setup.h
+  #changes;
 
-  /** module: the loaded WebAssembly; setup: as tools/website.py writes it. Throws one sentence. */
-  constructor(module, layouts, setup) {
+  /** module: the loaded WebAssembly; setup: as tools/website.py writes it; changes: to it, {seed,
+   * duration, events, calls (as asked() gives them), skip}. Throws one sentence. */
+  constructor(module, layouts, setup, changes = {}) {
     this.#m = module;
     this.layouts = layouts;
     this.#room = module._malloc(ROOM);
-    const { config, motors, links } = setup;
-    const size = (name) => layouts[name].size;
-    const at = this.#room + 512;
-    const motorsAt = at + size("mmcs_config");
-    const linksAt = motorsAt + motors.length * size("mmcs_motor");
-    new Uint8Array(module.HEAPU8.buffer, this.#room, ROOM).fill(0);
-    this.#put(at, "mmcs_config", config);
-    motors.forEach((motor, n) => this.#put(motorsAt + n * size("mmcs_motor"), "mmcs_motor", motor));
-    links.forEach((link, n) => this.#put(linksAt + n * size("mmcs_link"), "mmcs_link", link));
-    this.#at = module._mmcs_sim_create(at, motorsAt, links.length ? linksAt : 0, this.#room, 300);
-    if (!this.#at) throw new Error(`the machine cannot be made: ${module.UTF8ToString(this.#room)}`);
-    this.axes = config.axes;
-    this.cards = config.cards;
-    this.clk_hz = module._mmcs_sim_build_clk_hz();
-    this.build_id = module.UTF8ToString(module._mmcs_sim_build_id());
     this.inputs = [];
     for (let n = 0, name; (name = module._mmcs_sim_input_name(n)); n++)
       this.inputs.push(module.UTF8ToString(name));
+    this.#setup = Uint8Array.from(atob(setup.binary), (c) => c.charCodeAt(0));
+    this.#changes = changes;
+    this.#at = this.#madeFrom(module._mmcs_sim_create_from);
+    this.axes = module._mmcs_sim_axes(this.#at);
+    this.cards = module._mmcs_sim_build_cards();
+    this.clk_hz = module._mmcs_sim_build_clk_hz();
+    this.build_id = module.UTF8ToString(module._mmcs_sim_build_id());
+  }
+
+  /** What mmcs_sim_create_from() or the like makes of the set-up and its changes. */
+  #madeFrom(create) {
+    const m = this.#m;
+    const { seed, duration, events, calls, skip } = this.#changes;
+    const given = [seed, duration, events, calls, skip].map((value) => value !== undefined);
+    const size = (name) => this.layouts[name].size;
+    const [ns, na] = [events?.length ?? 0, calls?.length ?? 0];
+    const sets = (calls ?? []).flatMap((one) => one.sets.flat());
+    const at = m._malloc(size("mmcs_overrides") + ns * size("mmcs_timed_event") + na * size("mmcs_call")
+      + 4 * sets.length + this.#setup.length);  // prettier-ignore
+    const eventsAt = at + size("mmcs_overrides");
+    const callsAt = eventsAt + ns * size("mmcs_timed_event");
+    const setsAt = callsAt + na * size("mmcs_call");
+    const data = setsAt + 4 * sets.length;
+    this.#put(at, "mmcs_overrides", { seed: seed ?? 0, duration: duration ?? 0, events: eventsAt, calls: callsAt,
+      sets: setsAt, what: given.reduce((sum, is, n) => sum | (is << n), 0), event_count: ns, call_count: na,
+      set_count: sets.length / 3, skip: skip ?? 0 });  // prettier-ignore
+    events?.forEach((event, n) => this.#put(eventsAt + n * size("mmcs_timed_event"), "mmcs_timed_event",
+      { ...event, input: this.inputs.indexOf(event.input), at_power_on: Number(event.at_power_on) }));  // prettier-ignore
+    let set_at = 0;
+    calls?.forEach(({ call }, n) => {
+      this.#put(callsAt + n * size("mmcs_call"), "mmcs_call", { ...call, set_at });
+      set_at += call.sets;
+    });
+    new Int32Array(m.HEAPU8.buffer, setsAt, sets.length).set(sets);
+    m.HEAPU8.set(this.#setup, data);
+    const made = create(data, this.#setup.length, at, this.#room, 300);
+    m._free(at);
+    if (!made) throw new Error(`the machine cannot be made: ${m.UTF8ToString(this.#room)}`);
+    return made;
   }
 
   /** Bytes that the machine has taken from the page, ever. */
@@ -99,10 +126,11 @@ export class Sim {
     return this.#m.HEAPU8.slice(at, at + length);
   }
 
-  /** What a scenario does with /dev/mc0: script.js. */
-  newScript(driver, params) {
-    return new Script({ m: this.#m, sim: this.#at, room: this.#room, axes: this.axes, driver, params,
-      inputs: this.inputs, put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });  // prettier-ignore
+  /** What the set-up does with the machine: script.js. */
+  newScript() {
+    const m = this.#m;
+    return new Script({ m, at: this.#madeFrom(m._mmcs_script_create_from), sim: this.#at, room: this.#room,
+      put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });  // prettier-ignore
   }
 
   // --- the part of a server that sim/service does ---
@@ -151,18 +179,6 @@ export class Sim {
 
   // --- motion, events, time ---
 
-  addSegment(segment) {
-    const { table, ...fields } = segment;
-    const { size } = this.layouts.mmcs_segment;
-    const m = this.#m;
-    const values = table ? m._malloc(8 * table.length) : 0;
-    if (table) new Float64Array(m.HEAPU8.buffer, values, table.length).set(table);
-    m.HEAPU8.fill(0, this.#room, this.#room + size);
-    this.#put(this.#room, "mmcs_segment", { table: values, table_len: table?.length ?? 0, ...fields });
-    const result = m._mmcs_sim_add_segment(this.#at, this.#room);
-    if (values) m._free(values);
-    if (result) throw new Error(`the engine refuses a motion of axis ${fields.axis}`);
-  }
   /** An input takes a value at a time; false: there is none of this name or index. */
   addEvent(t, name, index, value) {
     const input = this.inputs.indexOf(name);

@@ -6,6 +6,7 @@
 
 import { Past } from "./past.js";
 import { makeRecord } from "./record.js";
+import { asked } from "./script.js";
 import { Server } from "./server.js";
 import { Session } from "./session.js";
 import { Sim } from "./sim.js";
@@ -34,8 +35,10 @@ async function start({ setup, module, layouts, constants, waves, plays, paused, 
   version = told;
   const { default: load } = await import(module);
   const engine = await load();
-  const sim = new Sim(engine, layouts, setup);
-  const another = (skip) => new Sim(engine, layouts, { ...setup, config: { ...setup.config, skip } });
+  const { calls, ...changes } = setup.changes ?? {};
+  if (calls) changes.calls = calls.map((call) => asked(call, setup.params.length, layouts, constants));
+  const sim = new Sim(engine, layouts, setup, changes);
+  const another = (skip) => new Sim(engine, layouts, setup, { ...changes, skip });
   session = new Session(sim, setup, constants);
   const past = new Past(sim, another);
   server = new Server(sim, setup, session, constants, say, past, waves);

@@ -12,12 +12,12 @@ import pytest
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
-from mmcs import load, machine, mcdef
+from mmcs import load, machine, mcdef, run
 from mmcs.bridge.fmu import write
 
 STEP = 0.001
 ANGLE, ENCODER, SETPOINT = 300, 200, 100  # references, of axis 0
-ESTOP_CLOSED, ENABLED, PANIC = 1, 2, 3
+ESTOP_CLOSED, ENABLED, PANIC, HASH = 1, 2, 3, 4
 
 
 @pytest.fixture(scope="module")
@@ -101,6 +101,18 @@ def test_it_is_our_machine_to_the_bit(unit):
         ours.append((float(sim.read(client)[0]["encnow"]), sim.true(0)["angle"]))
     assert seen == ours
     assert seen[140][0] > 380 and seen[-1][0] < -230, "it moves"
+
+
+@pytest.mark.req("DRV-4", "API-1")
+def test_with_its_motions_it_is_the_run_of_the_scenario(tmp_path):
+    setup = load("lab500")
+    write(setup, tmp_path / "moves.fmu", motions=True)
+    assert validate_fmu(str(tmp_path / "moves.fmu")) == []
+    unit = Unit(Path(fmpy.extract(str(tmp_path / "moves.fmu"), str(tmp_path / "unit")))).begin()
+    for n in range(round(setup.scenario.duration / STEP)):
+        unit.slave.doStep(n * STEP, STEP)
+    assert f"0x{unit.slave.getUInt64([HASH])[0]:016x}" == run(setup).hash
+    unit.slave.freeInstance()
 
 
 @pytest.mark.req("DRV-4")

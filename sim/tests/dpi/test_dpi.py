@@ -2,15 +2,13 @@
 """The engine behind a testbench, in another simulator's schedule of the same RTL: log and bus
 cycles are those of the engine's own machine, to the byte."""
 
-import json
 import os
-import sys
 from collections import defaultdict
 from pathlib import Path
 
 import pytest
 
-from mmcs import ROOT, load, run_scenario, simulate
+from mmcs import ROOT, Setup, load, run_scenario, simulate, write_setup
 from tools import dpi
 from tools.compiled import compiled, ran, written
 
@@ -42,17 +40,17 @@ BRIEF = {
 }
 
 
-def through_dpi(program: Path, words: list):
-    return dpi.run(program, words, capture_output=True, text=True)
+def through_dpi(program: Path, setup: Setup, folder: Path):
+    write_setup(setup, folder / "setup.bin")
+    return dpi.run(program, folder / "setup.bin", folder, capture_output=True, text=True)
 
 
 def differing(scenario, tmp_path: Path, cards: int, sets: tuple = (), program=None) -> list[str]:
     """The files of the two ways that are not the same."""
     setup = load(str(scenario), *sets)
     run_scenario(setup, tmp_path / "engine", carry_out=lambda s: simulate(s, bus=True))
-    words = [word for given in sets for word in ("--set", given)]
-    words = [scenario, *words, "--bus", "--out", tmp_path / "dpi"]
-    done = through_dpi(program or dpi.bench(cards), words)
+    (tmp_path / "dpi").mkdir()
+    done = through_dpi(program or dpi.bench(cards), setup, tmp_path / "dpi")
     found = []
     for name in ("log.csv", "bus.csv"):
         ours, theirs = (tmp_path / way / name for way in ("engine", "dpi"))
@@ -60,7 +58,6 @@ def differing(scenario, tmp_path: Path, cards: int, sets: tuple = (), program=No
         assert len(ours.read_bytes().splitlines()) > 30
         if ours.read_bytes() != theirs.read_bytes():
             found.append(name)
-    assert not (tmp_path / "dpi" / "run.mmcs").exists()  # nothing could compare a replay
     return found
 
 
@@ -135,71 +132,51 @@ def test_a_line_that_is_held_is_the_engines(tmp_path):
 
 @pytest.mark.slow
 def test_waveforms_are_drawn_by_the_simulator(tmp_path):
-    program = dpi.bench(1, trace=True)
-    words = ["lab500", "--set", "duration=0.055", "--out", tmp_path]
-    dpi.run(program, words, tmp_path / "run.vcd", capture_output=True)
+    write_setup(load("lab500", "duration=0.055"), tmp_path / "setup.bin")
+    dpi.run(dpi.bench(1, trace=True), tmp_path / "setup.bin", tmp_path, tmp_path / "run.vcd",
+            capture_output=True)  # fmt: skip
     text = (tmp_path / "run.vcd").read_text()
     assert text.startswith("$") and " mmcs_tb $end" in text and text.count("\n") > 100_000
-
-
-@pytest.mark.req("FW-1")
-def test_the_example_moves_its_motor():
-    """The driver alone, in a testbench to copy: a step of 200 counts by a servo of 1 ms. As its
-    page has it typed: in a shell that has not activated .venv."""
-    make = ["make", "-s", "-f", "sim/dpi/Makefile", "library", "example"]
-    ran(*make, env={"PATH": os.defpath}, check=True)
-    done = ran("build/sim/dpi/example/example_tb", check=True)
-    said = "example: result 0, passes 163, missed 0, setpoint 200, encoder 199"
-    assert done.stdout.splitlines()[0] == said
 
 
 # --- what it cannot do -------------------------------------------------------------------------
 
 INSIDE = "it is inside the hardware, where no call of DPI reaches"
 EVENT = 'event=[{at = 0.01, input = "%s", value = 1}]'
+NEEDS = "setup needs %s, and this machine has 1 at 8000000: `mmcs compile` a scenario for it"
 REFUSED = [
     (["fault_seu_dac"], 3, f"seu_dac_output at 0.104538 s: event refused: {INSIDE}"),
     (["fault_card_absent"], 3, f"card_absent at 0.103938 s: event refused: {INSIDE}"),
     (["fault_irq_lost"], 3, f"irq_lost at 0.103938 s: event refused: {INSIDE}"),
-    (["lab500", "--set", EVENT % "seu.u_adaptor.u_core.vector_q"], 1,
-     "seu.u_adaptor.u_core.vector_q: through DPI no register can be read or written"),
-    (["lab500", "--trace", "x.fst"], 1,
-     "--trace: not through DPI: the simulator draws waveforms: +trace=FILE"),
-    (["lab500", "--snapshot", "0.1"], 1, "--snapshot: not through DPI: no register can be read"),
-    (["--from", "x"], 1, "--from: not through DPI: no register can be written"),
-    (["lab500", "--host", "m68020"], 1, "--host: not through DPI: the driver runs as native code"),
-    (["puma560"], 1, "the testbench has NumCards=1, and puma560 needs 3"),
-    (["lab500", "--set", "clk_hz=16000000"], 1,
-     "the testbench has ClkHz=8000000, and lab500 needs 16000000"),
+    (["lab500", EVENT % "seu.u_adaptor.u_core.vector_q"], 1,
+     "an upset of a register at 0.013418 s: event refused: no such input"),
+    (["puma560"], 1, NEEDS % "3 cards at 8000000 Hz"),
+    (["lab500", "clk_hz=16000000"], 1, NEEDS % "1 cards at 16000000 Hz"),
+    (["lab500", "heartbeat_us=10000"], 1, "setup needs other heartbeats (heartbeat_us) than this "
+     "machine has: `mmcs compile` a scenario for it"),
+    (["lab500", "motion=[]", "expect=[]", 'program=[{run = "true"}]'], 1,
+     "the set-up's [[program]] needs `mmcs run`"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("words", "cards", "sentence"), REFUSED)
 def test_what_it_cannot_do_is_refused_in_a_sentence(tmp_path, words, cards, sentence):
-    done = through_dpi(dpi.bench(cards), [*words, "--out", tmp_path])
+    done = through_dpi(dpi.bench(cards), load(*words), tmp_path)
     assert done.returncode != 0
-    assert done.stderr.strip() == f"mmcs: {sentence}"
-    assert "the program ended with status" in done.stdout
+    assert done.stderr.strip() == f"mmcs: {sentence.replace('setup', words[0])}"
+    assert "the run ended with status 1" in done.stdout
 
 
 def test_the_hash_of_the_registers_is_not_made_up(tmp_path):
-    done = through_dpi(dpi.bench(1), ["lab500", "--set", "duration=0.06", "--out", tmp_path])
+    done = through_dpi(dpi.bench(1), load("lab500", "duration=0.06"), tmp_path)
     assert "; no hash: no register can be read" in done.stdout
-    assert json.loads((tmp_path / "report.json").read_text())["hash"] == ""
 
 
-def test_a_testbench_without_a_scenario_or_a_program_says_so():
-    program = dpi.bench(1)
-    assert "no scenario; name one, as in +scenario=puma560" in ran(program).stdout
-    env = {"MMCS": "no-such-program", "PATH": "/usr/bin:/bin"}
-    done = ran(program, "+scenario=lab500", env=env)
-    assert "no-such-program: not found" in done.stderr
-    assert "the program ended with status 127" in done.stdout
-
-
-def test_the_line_is_given_by_a_simulator_only(tmp_path):
-    done = ran(sys.executable, "-m", "mmcs", "run", "lab500", "--dpi", "99", "--out", tmp_path)
-    assert (
-        done.stderr.strip() == "mmcs: --dpi 99: Bad file descriptor; a simulator gives this option"
-    )
-    assert done.returncode == 1
+@pytest.mark.parametrize(("file", "told"), [
+    (None, "mmcs_tb: no set-up; name one, as in +setup=build/setups/puma560.bin"),
+    ("none.bin", "none.bin: there is no such set-up: make it by `mmcs compile`"),
+    (__file__, "this is no set-up: make it by `mmcs compile`"),
+])  # fmt: skip
+def test_a_testbench_without_a_set_up_says_so(tmp_path, file, told):
+    done = ran(dpi.bench(1), *([f"+setup={file}"] if file else []), f"+out={tmp_path}")
+    assert told in done.stdout + done.stderr and done.returncode

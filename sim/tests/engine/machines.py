@@ -4,7 +4,8 @@
 import itertools
 from contextlib import contextmanager
 
-from mmcs import Sim, ensure_library, mcdef
+from mmcs import Sim, ensure_library, mcdef, setup_file
+from mmcs.engine.sim import build_id, load_library
 
 CLK_HZ = 8_000_000
 # A small motor with a 500-line encoder; one D/A unit is 1.465 mA.
@@ -18,15 +19,21 @@ PD = {"mode": "position", "flags": ["coulcomp"], "a0": 7309, "a1": -7027, "b0": 
       "ic_pos": 84, "ic_neg": 84, "ilim": 2047}  # fmt: skip
 
 
+def made(library, config, motors, links=()) -> Sim:
+    """A machine of fields of mmcs_config, mmcs_motor and mmcs_link."""
+    setup = setup_file.write(build_id(load_library(library)), "test", clk_hz=CLK_HZ,
+                             config=[config], motor=motors, link=links)  # fmt: skip
+    return Sim(library, setup)
+
+
 @contextmanager
 def machine(axes=2, cards=1, motor=None, kind="speed", **config):
     settings = {
         "cards": cards, "axes": axes, "seed": 1, "skip": 1, "cpu_us_per_axis": 71.7,
         "latency_max_us": 100.0, "bus_timeout_us": 16.0, **config,
     }  # fmt: skip
-    with Sim(
-        ensure_library(cards, kind), settings, [{**LAB500, **(motor or {})}] * axes, []
-    ) as sim:
+    motors = [{**LAB500, **(motor or {})}] * axes
+    with made(ensure_library(cards, kind), settings, motors) as sim:
         yield sim
 
 

@@ -6,10 +6,11 @@ import math
 import random
 from types import SimpleNamespace
 
+import machines
 import numpy as np
 import pytest
 
-from mmcs import RunError, Sim, ensure_library, load_robot, robot_cautions
+from mmcs import RunError, ensure_library, load_robot, robot_cautions
 from mmcs import arm as checks
 
 ARMS = 60
@@ -61,7 +62,7 @@ def made(library, motors, links):
     given = [{k: v for k, v in m.items() if k != "rotor_inertia"} | {"inertia": m["rotor_inertia"]}
              for m in motors]  # fmt: skip
     try:
-        return Sim(library, CONFIG, given, links), "good"
+        return machines.made(library, CONFIG, given, links), "good"
     except RunError as error:
         words = {"body": "no body", "winding": "winding", "damping": "less damped",
                  "stiffness": "rigid"}  # fmt: skip
@@ -136,10 +137,10 @@ def test_what_explodes_is_refused(motor, link, why):
     arguments = CONFIG, [flexible(stiffness=0.0, damping=0.0), flexible(**motor)], [
         LINK, LINK | link]  # fmt: skip
     if why is None:
-        Sim(library, *arguments).destroy()
+        machines.made(library, *arguments).destroy()
         return
     with pytest.raises(RunError, match=why):
-        Sim(library, *arguments)
+        machines.made(library, *arguments)
 
 
 @pytest.mark.parametrize(("inertia", "body"), [
@@ -152,8 +153,8 @@ def test_what_explodes_is_refused(motor, link, why):
 def test_inertia_beyond_the_triangle_is_told(inertia, body):
     """It can be integrated, and published ones are so: a caution, the same in both."""
     links = [LINK | {"inertia": [0.0, 0.35, 0.0, 0, 0, 0]}, LINK | {"inertia": inertia}]
-    with Sim(ensure_library(1, "speed"), CONFIG, [flexible(stiffness=0.0, damping=0.0)] * 2,
-             links) as sim:  # fmt: skip
+    motors = [flexible(stiffness=0.0, damping=0.0)] * 2
+    with machines.made(ensure_library(1, "speed"), CONFIG, motors, links) as sim:
         told = sim.caution
     assert told.startswith("link 1: its greatest principal inertia") is not body, told
     robot = load_robot("puma560")[1]
@@ -169,7 +170,7 @@ def test_angle_and_encoder_are_of_one_instant():
     motor = {"inertia": 1e-4, "km": 0.1, "resistance": 1.0, "amp_gain": 1.0, "gear": 1.0,
              "counts_per_rev": 8000, "viscous": 1e-5}  # fmt: skip
     config = CONFIG | {"axes": 1, "links": 0, "gravity": [0.0] * 3}
-    with Sim(library, config, [motor], []) as sim:
+    with machines.made(library, config, [motor]) as sim:
         client = sim.open(2)
         sim.add_event(sim.time, sim.input_names().index("load_torque"), 0, -0.05)
         sim.start_motion(client)

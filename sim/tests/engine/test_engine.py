@@ -8,7 +8,7 @@ import machines
 import pytest
 from machines import event, input_number, ioctl, machine, notes, start, step_to
 
-from mmcs import ROOT, Sim, ensure_library, load, mcdef, regs, simulate
+from mmcs import ROOT, ensure_library, load, mcdef, regs, simulate
 from tools.compiled import ran
 
 STEP = 200
@@ -281,7 +281,7 @@ def test_impossible_configurations_are_refused():
 
 def machine_of_one_card(axes=1, **config):
     settings = {"cards": 1, "axes": axes, "seed": 1, "bus_timeout_us": 16.0, **config}
-    return Sim(ensure_library(1, "speed"), settings, [machines.LAB500] * axes, [])
+    return machines.made(ensure_library(1, "speed"), settings, [machines.LAB500] * axes)
 
 
 FULL = """

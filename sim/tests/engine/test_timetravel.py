@@ -255,7 +255,7 @@ def test_bad_arguments_give_errors():
             assert lib.mmcs_sim_run(handle, float("nan")) == -1
             assert lib.mmcs_sim_run(handle, 1e300) == -1
             assert lib.mmcs_sim_add_event(handle, none) == -1
-            assert lib.mmcs_sim_add_segment(handle, none) == -1
+            assert lib.mmcs_sim_add_segment(handle, none, none) == -1
             assert lib.mmcs_sim_start_motion(handle, 99) < 0
             assert lib.mmcs_sim_ioctl(handle, -1, 0, none) < 0
             assert lib.mmcs_sim_read(handle, 77, none, 4) < 0

@@ -2,10 +2,11 @@
 """sim/service against a recorder of requests: their order, and which refusal is told."""
 
 import errno
+from pathlib import Path
 
 import pytest
 
-from mmcs import ROOT, mcdef
+from mmcs import ROOT, mcdef, setup_file
 from tools.compiled import compiled, ran, written
 
 RECORDER = r"""
@@ -14,6 +15,7 @@ RECORDER = r"""
 #include <string.h>
 #include "mcdef.h"
 #include "mmcs_service.h"
+#include "mmcs_setup.h"
 #include "mmcs_sim.h"
 static int n, fail;
 static double now = 0.5;
@@ -55,34 +57,35 @@ int mmcs_sim_add_event(mmcs_sim *sim, const mmcs_event *event) {
   return printf("event %g %d %d %g\n", event->t, event->input, event->index, event->value),
          answer();
 }
+int mmcs_sim_add_segment(mmcs_sim *sim, const mmcs_segment *s, const double *numbers) {
+  return printf("segment %d %g %g\n", s->axis, s->t0, numbers[s->table_at]), answer();
+}
+mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
+                          const mmcs_link *links, char *err, size_t err_len) { return NULL; }
+const char *mmcs_sim_build_id(void) { return "c1 0"; }
+int32_t mmcs_sim_build_cards(void) { return 1; }
+int32_t mmcs_sim_build_clk_hz(void) { return 0; }
 static void end(int result, const char *said) { printf("= %d %s\n", result, said); exit(0); }
 int main(int argc, char **argv) {
   struct mc_param params[4] = {{.a0 = 5, .mode = MD_POS | POSCHK}, {.a0 = 6}, {.a0 = 7}};
-  mmcs_driver driver = {2, atoi(argv[2]), 1000, 1};
+  const mmcs_driver driver = {2, atoi(argv[2]), 1000, 1};
   mmcs_set sets[] = {{3, -1, 50}, {9, MD_MASK, MD_VEL}, {0, -1, 9}};
-  char said[40] = "";
+  char said[300] = "";
   fail = atoi(argv[3]);
   if (!strcmp(argv[1], "configure"))
     end(mmcs_sim_configure(NULL, 0, atoi(argv[4]), &driver, params, said, sizeof said), said);
-  if (strcmp(argv[1], "begin")) driver.axes = 3;
-  mmcs_script *script = mmcs_script_create(&driver, params);
-  if (!strcmp(argv[1], "begin")) {
-    mmcs_timed_event up = {0.1, -1, 1, 2, 0, 1}, fault = {0.2, 0.3, 7, 3, 1, 0};
-    mmcs_script_event(script, &fault);
-    mmcs_script_event(script, &up);
+  size_t size;
+  void *setup = mmcs_setup_load(argv[5], &size, said, sizeof said);
+  mmcs_script *script = mmcs_script_create_from(setup, size, NULL, said, sizeof said);
+  if (!script) end(-1, said);
+  if (!strcmp(argv[1], "begin"))
     end(mmcs_script_begin(script, NULL, said, sizeof said), said);
-  }
-  mmcs_call call = {0.25, strtoul(argv[4], NULL, 0), atoi(argv[5]), atoi(argv[6])};
   if (!strcmp(argv[1], "act")) {
-    double goals[] = {7, -8, 9}, late[] = {0, 100};
-    mmcs_process turns = {0.25, 0, 0, 0, MMCS_PROCESS_BOUNCE, 0x7};
-    mmcs_process loop = {0.001, 2, 3, 1000, MMCS_PROCESS_PD, 0x2};
-    mmcs_script_call(script, &call, sets, 3);
-    mmcs_script_process(script, call.value ? &loop : &turns, goals, late, 2);
-    mmcs_script_resume(script, 5, 0.5, atof(argv[7]), 0);
-    end(mmcs_script_act(script, NULL, call.value ? 0.0025 : 0.252, said, sizeof said), said);
+    mmcs_script_resume(script, 5, 0.5, atof(argv[4]), 0);
+    end(mmcs_script_act(script, NULL, mmcs_script_duration(script), said, sizeof said), said);
   }
-  int result = mmcs_script_ask(script, NULL, &call, sets, 3);
+  mmcs_call call = {0.25, strtoul(argv[6], NULL, 0), atoi(argv[7]), atoi(argv[8]), 0, 3};
+  int result = mmcs_script_ask(script, NULL, &call, sets);
   const mmcs_answer *answers;
   const int count = mmcs_script_answers(script, &answers);
   for (int k = 0; k < count; k++)
@@ -97,11 +100,15 @@ NAMES = {f"{v:08x}": n for n, v in mcdef.constants().items()
 @pytest.fixture(scope="module")
 def said():
     """Lines of requests by name, then what came of it."""
-    command = ["c++", "-std=c++17", f"-I{ROOT}/sim/abi", f"-I{ROOT}/firmware/include"]
+    include = [f"-I{ROOT}/{folder}" for folder in ("sim/abi", "sim/setup", "firmware/include")]
+    command = ["c++", "-std=c++17", *include]
     names = ("configure", "script")
     service = [compiled(f"{n}.o", [*command, "-c"], [ROOT / f"sim/service/{n}.cpp"]) for n in names]
+    reader = compiled("setup.o", ["cc", *include, "-c"], [ROOT / "sim/setup/setup.c"])
     recorder = written("recorder.c", RECORDER)
-    program = compiled("recorder", ["cc", *command[2:]], [recorder, *service], ["-lstdc++", "-lm"])
+    program = compiled(
+        "recorder", ["cc", *include], [recorder, reader, *service], ["-lstdc++", "-lm"]
+    )
 
     def run(*words) -> list[str]:
         out = ran(program, *words, check=True).stdout
@@ -109,6 +116,24 @@ def said():
         return [" ".join([NAMES.get(line[0], line[0]), *line[1:]]) for line in lines]
 
     return run
+
+
+PARAMS = [{"a0": 5, "mode": mcdef.MD_POS | mcdef.POSCHK}, {"a0": 6}, {"a0": 7}]
+SETS = [(3, -1, 50), (9, mcdef.MD_MASK, mcdef.MD_VEL), (0, -1, 9)]
+
+
+@pytest.fixture
+def set_up(tmp_path):
+    """A set-up file of a driver with these parameters, and more records."""
+
+    def write(axes: int = 3, duration: float = 1.0, **records) -> Path:
+        driver = {"axes": axes, "interval_us": 1000, "double_buffer": 1}
+        records |= {"config": [{"cards": 1}], "driver": [driver], "param": PARAMS[:axes]}
+        data = setup_file.write("c1 0", "recorded", duration=duration, set=SETS, **records)
+        (tmp_path / "recorded.bin").write_bytes(data)
+        return tmp_path / "recorded.bin"
+
+    return write
 
 
 ALL = ["MSETNUMJOINTS 2", "MSETINTERVAL 1000", "MDACMODE 1", "MSETENC 0", "MSETENC 1"]
@@ -134,20 +159,27 @@ def test_the_first_refusal_ends_it_and_is_named(said):
 
 
 @pytest.mark.req("FW-1")
-def test_a_script_begins_as_a_user_program_does(said):
-    """Events at power-on first, those of the motion when its start is known."""
+def test_a_script_begins_as_a_user_program_does(said, set_up):
+    """Motions and events at power-on first, those of the motion when its start is known."""
+    up = {"at": 0.1, "until": -1, "value": 1, "input": 2, "at_power_on": 1}
+    fault = {"at": 0.2, "until": 0.3, "value": 7, "input": 3, "index": 1}
+    motion = {"axis": 1, "t0": 0.25, "table_at": 1, "table_len": 1}
+    file = set_up(2, event=[fault, up], segment=[motion], number=[0, 8.5],
+                  refusal=[{"request": b"MENABLE"}])  # fmt: skip
     start = ["event 0.7 3 1 7", "event 0.8 3 1 1", "start 5"]
-    asked = ["event 0.1 2 0 1", "open 2", *ALL, *ON, "write 0 0", *start]
-    assert said("begin", 0, 0) == [*asked, "= 0 start of motion"]
-    assert said("begin", 0, 1) == [asked[0], "= -22 estop at 0.100000 s"]
-    assert said("begin", 0, 2) == [*asked[:2], "= -6 open"]
-    assert said("begin", 0, 12)[-1] == "= -22 MENABLE"
+    asked = ["segment 1 0.25 8.5", "event 0.1 2 0 1", "open 2", *ALL, *ON, "write 0 0", *start]
+    assert said("begin", 0, 0, 0, file) == [*asked, "= 0 start of motion"]
+    assert said("begin", 0, 1, 0, file) == [asked[0], "= -22 motion of axis 1"]
+    assert said("begin", 0, 2, 0, file) == [*asked[:2], "= -22 estop at 0.100000 s"]
+    assert said("begin", 0, 3, 0, file) == [*asked[:3], "= -6 open"]
+    assert said("begin", 0, 12, 0, file)[-1] == "= -22 MSETPARAM of axis 1"
+    assert said("begin", 0, 13, 0, file)[-1] == "= 22 MENABLE", "this one is expected"
 
 
 @pytest.mark.req("FW-1")
-def test_calls_ask_each_axis_named(said):
+def test_calls_ask_each_axis_named(said, set_up):
     def call(request, axes=5, value=0, fail=0):
-        return said("call", 0, fail, getattr(mcdef, request), axes, value, 0)
+        return said("call", 0, fail, 0, set_up(), getattr(mcdef, request), axes, value)
 
     assert call("MCALIB") == ["read 3", "MCALIB 0", "MCALIB 2", "= 0 0:0 2:0"]
     assert call("MCALIB", fail=3) == ["read 3", "MCALIB 0", "MCALIB 2", "= -22 0:0 2:-22"]
@@ -160,17 +192,22 @@ def test_calls_ask_each_axis_named(said):
         "MSETPARAM 0 a0 50 mode 202", "MSETPARAM 1 a0 50 mode 2", "= 0 0:0 1:0"]  # fmt: skip
 
 
-def test_axes_at_one_limit_are_turned_round(said):
+def test_axes_at_one_limit_are_turned_round(said, set_up):
     """The call of the same moment comes first; then the process acts every millisecond."""
+    stop = {"at": 0.25, "request": mcdef.MSTOP}
+    turns = {"at": 0.25, "kind": 1, "axes": 7}
+    file = set_up(duration=0.252, call=[stop], process=[turns], number=[7, -8, 9])
     first = ["run 0.75", "MSTOP", "run 0.75", "write 7 -8 9"]
     turn = ["signals", "read 3", "MCLEARERROR", "write -7 8 9"]
-    assert said("act", 0, 0, mcdef.MSTOP, 0, 0, 0) == [*first, "run 0.751", *turn, "= 0" + W]
-    done = said("act", 0, 0, mcdef.MSTOP, 0, 0, 0.3)
+    assert said("act", 0, 0, 0, file) == [*first, "run 0.751", *turn, "= 0" + W]
+    done = said("act", 0, 0, 0.3, file)
     assert "MSTOP" not in done, "what was due before a snapshot has been done"
 
 
-def test_a_position_loop_wakes_up_by_its_period_and_lateness(said):
+def test_a_position_loop_wakes_up_by_its_period_and_lateness(said, set_up):
     """u = p (goal - y) - d v, with the goal 0 before its time; the third turn is 100 us late."""
+    loop = {"at": 0.001, "p": 2, "d": 3, "period_us": 1000, "axes": 2, "late_at": 3, "turns": 2}
+    file = set_up(duration=0.0025, process=[loop], number=[7, -8, 9, 0, 100])
     turns = [("0.5", 0), ("0.501", -16), ("0.5021", -16)]
     woken = [line for t, u in turns for line in (f"run {t}", "read 2", f"write 0 {u} 0")]
-    assert said("act", 0, 0, mcdef.MSTOP, 0, 1, 0) == [*woken, "= 0" + W]
+    assert said("act", 0, 0, 0, file) == [*woken, "= 0" + W]

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-up files: one hash by whichever way they are carried out, and what the reader refuses."""
+
+import ctypes
+import random
+import zlib
+
+import pytest
+
+from mmcs import (
+    InputError,
+    RunError,
+    ensure_library,
+    load,
+    make_ffi,
+    mcdef,
+    run,
+    scenario_names,
+    setup_file,
+    simulate,
+    write_setup,
+)
+from mmcs.engine.script import made_from
+from mmcs.engine.sim import load_library
+
+HEAD, SUM, BUILD, NAME = 0, 12, 16, 80  # offsets of fields of mmcs_setup
+AGAIN = "make it by `mmcs compile`"
+CUT, DAMAGED, NONE = "the set-up is cut short", "the set-up is damaged", "this is no set-up"
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory) -> bytes:
+    """A set-up with records of most kinds."""
+    path = tmp_path_factory.mktemp("setup") / "good.bin"
+    calls = 'call=[{at = 0.1, request = "MSETPARAM", set = {a0 = 7000, flags = ["coulcomp"]}}]'
+    event = 'event=[{at = 0.1, input = "load_torque", value = 0.001, until = 0.12}]'
+    write_setup(load("lab500", calls, event, "expect=[]"), path)
+    return path.read_bytes()
+
+
+@pytest.fixture(scope="module")
+def lib():
+    return load_library(ensure_library(1, "speed"))
+
+
+def refused(lib, data: bytes) -> str:
+    """The sentence; both readers have the same."""
+    told = []
+    for create in (lib.mmcs_sim_create_from, lib.mmcs_script_create_from):
+        with pytest.raises(RunError) as failure:
+            made_from(create, data)
+        told.append(str(failure.value).removeprefix("the machine cannot be made: "))
+    assert told[0] == told[1] and "\n" not in told[0]
+    return told[0]
+
+
+def with_sum(data: bytes) -> bytes:
+    """The same with its length and sum made right: what somebody has made up."""
+    data = data[:8] + len(data).to_bytes(4, "little") + data[12:]
+    return data[:SUM] + zlib.crc32(data[BUILD:]).to_bytes(4, "little") + data[BUILD:]
+
+
+@pytest.mark.req("API-1")
+def test_every_byte_that_is_another_is_noticed(lib, good):
+    """Each of the head and of the records' beginning, and others by chance."""
+    chance = random.Random(1)
+    head = make_ffi().sizeof("mmcs_setup")
+    for at in [*range(head + 64), *(chance.randrange(len(good)) for _ in range(300))]:
+        data = good[:at] + bytes([good[at] ^ 1 << chance.randrange(8)]) + good[at + 1 :]
+        told = refused(lib, data)
+        expected = NONE if at < 8 else (CUT, DAMAGED) if at < 12 else DAMAGED
+        assert told.startswith(expected) and told.endswith(AGAIN), (at, told)
+
+
+@pytest.mark.req("API-1")
+def test_every_length_that_is_another_is_noticed(lib, good):
+    head = make_ffi().sizeof("mmcs_setup")
+    for size in (*range(head + 9), *range(head, len(good), 97), len(good) - 8, len(good) - 1):
+        told = refused(lib, good[:size])
+        expected = "there is no set-up" if size == 0 else NONE if size < 8 else CUT
+        assert told.startswith(expected), (size, told)
+    for more in (b"\0", bytes(8), good):
+        assert refused(lib, good + more).startswith(DAMAGED)
+
+
+@pytest.mark.req("API-1")
+def test_foreign_files_and_builds_are_refused(lib, good):
+    for text in (b"mmcsfmu3" + good[8:], b"\x7fELF" + bytes(900), b'{"mmcs_run": 1}', b"x" * 999):
+        assert refused(lib, text) == f"{NONE}: {AGAIN}"
+    build = good[BUILD:NAME].rstrip(b"\0")
+    beat = build.replace(b"c1 ", b"c1_beat10000 ")
+    for other, told in (
+        (b"c1 00000000", "was compiled for another build of the simulator: `mmcs compile` it"),
+        (beat, "needs other heartbeats (heartbeat_us)"),
+    ):
+        data = good[:BUILD] + other.ljust(64, b"\0") + good[NAME:]
+        assert refused(lib, with_sum(data)).startswith(f"lab500 {told}")
+    more = setup_file.read(good)
+    more["config"][0].cards = 3
+    told = refused(lib, rewritten(more, "c3" + build.decode()[2:]))
+    assert told.startswith("lab500 needs 3 cards at 8000000 Hz, and this machine has 1 at 8000000")
+
+
+def rewritten(found: dict, build: str = "") -> bytes:
+    given = {kind: found[kind] for kind in setup_file.RECORDS if kind != "source"}
+    return setup_file.write(build or found["build"], found["name"], clk_hz=found["clk_hz"],
+                            duration=found["duration"], **given)  # fmt: skip
+
+
+def change(kind: str, **fields):
+    def changed(found: dict) -> None:
+        for name, value in fields.items():
+            setattr(found[kind][0], name, value)
+
+    return changed
+
+
+@pytest.mark.parametrize("made_up", [
+    change("config", axes=2), change("config", axes=-1), change("config", links=1),
+    change("driver", axes=2), change("driver", axes=33), change("segment", table_at=-1),
+    change("segment", table_len=1), change("segment", table_at=2**31 - 1, table_len=2**31 - 1),
+    change("call", set_at=-1), change("call", sets=2**31 - 1),
+    lambda found: found.update(duration=float("nan")), lambda found: found.update(duration=-1.0),
+    lambda found: found.update(config=[]), lambda found: found.update(motor=[]),
+    lambda found: found.update(process=[{"goals_at": 0}]),
+    lambda found: found.update(process=[{"goals_at": -1}], number=[0.0]),
+    lambda found: found.update(process=[{"turns": 2}], number=[0.0]),
+])  # fmt: skip
+def test_records_that_name_what_is_not_there_are_refused(lib, good, made_up):
+    found = setup_file.read(good)
+    made_up(found)
+    assert refused(lib, rewritten(found)).startswith(DAMAGED)
+
+
+def test_a_table_of_the_engine_keeps_its_head_and_offsets():
+    """What these tests, and other readers of the format, count on."""
+    ffi = make_ffi()
+    offsets = [ffi.offsetof("mmcs_setup", name) for name in ("magic", "sum", "build", "name")]
+    assert offsets == [HEAD, SUM, BUILD, NAME] and ffi.sizeof("mmcs_setup") % 8 == 0
+    records = ffi.sizeof("mmcs_config"), ffi.sizeof("mmcs_motor"), ffi.sizeof("mmcs_segment")
+    assert all(size % 8 == 0 for size in records) and ctypes.sizeof(ctypes.c_int) == 4
+
+
+# --- what comes of one ---------------------------------------------------------------------------
+
+
+@pytest.mark.req("API-1")
+def test_a_file_is_read_as_it_was_written(good):
+    setup = load("lab500")
+    found = setup_file.read(good)
+    ffi = make_ffi()
+    assert [getattr(found["motor"][0], name) for name in setup.motors()[0]] == [
+        *setup.motors()[0].values()]  # fmt: skip
+    assert [one.a0 for one in found["param"]] == [values["a0"] for values in setup.params]
+    assert [one.to for one in found["segment"]] == [200.0]
+    assert [(one.word, one.value) for one in found["set"]][0][1] == 7000
+    assert found["call"][0].request == mcdef.MSETPARAM and found["call"][0].sets == 2
+    assert ffi.string(found["config"][0].firmware) == b""
+    assert setup_file.source(found)["data"]["robot"] == "./robot.toml"
+
+
+WAYS = ["lab500", "stick_slip" if "stick_slip" in scenario_names() else "lab500_nocomp",
+        "fault_estop", "setnumjoints_refused"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [name for name in WAYS if name in scenario_names()])
+@pytest.mark.req("API-1")
+def test_a_file_gives_the_hash_of_its_scenario(tmp_path, name):
+    setup = load(name, duration=0.15)
+    path = tmp_path / f"{name}.bin"
+    write_setup(setup, path)
+    again = load(str(path))
+    assert again.binary and simulate(again).hash == simulate(setup).hash
+    assert run(str(path), seed=setup.scenario.seed + 1).hash == run(
+        name, duration=0.15, seed=setup.scenario.seed + 1).hash  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.req("API-1")
+def test_every_scenario_survives_the_file(tmp_path):
+    for name in scenario_names():
+        setup = load(name)
+        if setup.scenario.cards > 3 or setup.scenario.program:
+            continue
+        write_setup(setup, tmp_path / "one.bin")
+        again = load(str(tmp_path / "one.bin"))
+        again.binary, again.path = b"", setup.path
+        write_setup(again, tmp_path / f"{name}.bin")
+        ours, theirs = (
+            setup_file.read((tmp_path / file).read_bytes()) for file in ("one.bin", f"{name}.bin")
+        )
+        for kind in setup_file.RECORDS:
+            if kind != "source":
+                buffer = make_ffi().buffer
+                assert bytes(buffer(ours[kind])) == bytes(buffer(theirs[kind])), (name, kind)
+
+
+def test_a_file_of_another_build_is_refused_by_the_commands(tmp_path, good):
+    data = good[:BUILD] + b"c1 00000000".ljust(64, b"\0") + good[NAME:]
+    (tmp_path / "old.bin").write_bytes(with_sum(data))
+    with pytest.raises(InputError, match=r"is of another build \(c1 00000000, not c1 .*compile"):
+        simulate(load(str(tmp_path / "old.bin")))
+    (tmp_path / "half.bin").write_bytes(good[:-9])
+    with pytest.raises(InputError, match="is no set-up, cut short, or damaged: .*mmcs compile"):
+        load(str(tmp_path / "half.bin"))
+
+
+# --- overrides -----------------------------------------------------------------------------------
+
+
+def hash_of(lib, data: bytes, **given) -> int:
+    """Of a run by the C ABI alone, as a C program does it."""
+    ffi = make_ffi()
+    over, err = ffi.new("mmcs_overrides *", given), ffi.new("char[]", 300)
+    args = ffi.from_buffer(data), len(data), over, err, 300
+    sim, script = lib.mmcs_sim_create_from(*args), lib.mmcs_script_create_from(*args)
+    assert sim and script, ffi.string(err)
+    assert lib.mmcs_script_begin(script, sim, err, 300) == 0, ffi.string(err)
+    end = lib.mmcs_script_duration(script)
+    assert lib.mmcs_script_act(script, sim, end, err, 300) == 0
+    assert lib.mmcs_sim_run(sim, lib.mmcs_script_start(script) + end) == 0
+    found = lib.mmcs_sim_hash(sim)
+    lib.mmcs_script_destroy(script)
+    lib.mmcs_sim_destroy(sim)
+    return found
+
+
+@pytest.mark.req("API-1")
+def test_overrides_are_the_scenario_with_these_values(lib, tmp_path):
+    ffi, setup = make_ffi(), load("lab500")
+    write_setup(setup, tmp_path / "lab500.bin")
+    data = (tmp_path / "lab500.bin").read_bytes()
+    lab = lambda *sets: int(run("lab500", *sets).hash, 0)  # noqa: E731
+    assert hash_of(lib, data) == lab()
+    seed = {"what": lib.MMCS_OVER_SEED, "seed": 7}
+    assert hash_of(lib, data, **seed) == lab("seed=7")
+    assert hash_of(lib, data, what=lib.MMCS_OVER_DURATION, duration=0.1) == lab("duration=0.1")
+    torque = {"at": 0.1, "until": -1, "value": 0.001, "index": 0}
+    number = next(n for n in range(99) if ffi.string(lib.mmcs_sim_input_name(n)) == b"load_torque")
+    events = ffi.new("mmcs_timed_event[]", [torque | {"input": number}])
+    pushed = 'event=[{at = 0.1, input = "load_torque", value = 0.001}]'
+    found = hash_of(lib, data, what=lib.MMCS_OVER_EVENTS, events=events, event_count=1)
+    assert found == lab(pushed) != lab()
+    sets = ffi.new("mmcs_set[]", mcdef.sets({"a0": 3000}))
+    call = {"at": 0.1, "request": mcdef.MSETPARAM, "axes": 1, "sets": 1}
+    calls = ffi.new("mmcs_call[]", [call])
+    found = hash_of(lib, data, what=lib.MMCS_OVER_CALLS, calls=calls, call_count=1, sets=sets,
+                    set_count=1)  # fmt: skip
+    assert found == lab('call=[{at = 0.1, request = "MSETPARAM", set = {a0 = 3000}}]') != lab()
+    assert hash_of(lib, data, what=lib.MMCS_OVER_SKIP, skip=0) == lab()
+
+
+def test_another_seed_is_refused_where_records_come_from_it(lib, tmp_path):
+    process = (
+        'process=[{kind = "pd", axis = [0], at = 0, period_us = 5000, p = 1, d = 0, to = 9, %s}]'
+    )
+    sets = ("motion=[]", "expect=[]", process % "jitter_us = 100")
+    write_setup(load("lab500", *sets), tmp_path / "late.bin")
+    data, ffi = (tmp_path / "late.bin").read_bytes(), make_ffi()
+    over = ffi.new("mmcs_overrides *", {"what": lib.MMCS_OVER_SEED, "seed": 7})
+    err = ffi.new("char[]", 300)
+    assert not lib.mmcs_sim_create_from(ffi.from_buffer(data), len(data), over, err, 300)
+    assert b"[[process]] with jitter by its seed: `mmcs compile` it" in ffi.string(err)
