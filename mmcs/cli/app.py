@@ -273,12 +273,14 @@ def run(
 @click.option("-o", "--out", type=click.Path(path_type=Path), metavar="FILE", help="Where to.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 @_host
-def compile_(scenario: str, out: Path | None, sets: tuple[str, ...], host: str | None) -> None:
+@click.option("--cflags", is_flag=True, help="Print flags for gcc: a C program with this machine.")
+@click.option("--libs", is_flag=True, help="Print what it is linked with.")
+def compile_(scenario, out, sets, host, cflags, libs) -> None:
     """Compile a scenario into a set-up file, for `mmcs run FILE`, `make dpi` and C programs."""
     from mmcs.engine import hosts
     from mmcs.files import short
     from mmcs.folder import check_file
-    from mmcs.runs.machine import write_setup
+    from mmcs.runs.machine import library_of, write_setup
     from mmcs.scenario.load import load
 
     host, setup = hosts.check(host or "native"), load(scenario, sets)
@@ -286,7 +288,14 @@ def compile_(scenario: str, out: Path | None, sets: tuple[str, ...], host: str |
         (BUILD / "setups").mkdir(parents=True, exist_ok=True)
     path = check_file(out or BUILD / "setups" / f"{setup.name}.bin")
     write_setup(setup, path, host)
-    echo(f"mmcs: {short(path)}")
+    if not cflags and not libs:
+        echo(f"mmcs: {short(path)}")
+        return
+    from mmcs.device import execute, libraries
+
+    words = execute.cflags(modern=True) if cflags else []
+    words += libraries.linked(path.absolute(), library_of(setup), cflags, libs)
+    echo(" ".join(words))
 
 
 def _run_from(origin, duration: float | None, out: Path | None, realtime, verbose) -> bool:

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""C programs that hold their own machine: output of `mmcs exec --lockstep`, a breakpoint in the
+servo, and what is for the server."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from mmcs import ROOT
+from tools.compiled import ran
+
+EXAMPLES = ROOT / "firmware" / "examples"
+OLD = ["-std=gnu89", "-w"]  # of a program of 1989
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("programs")
+    words = [sys.executable, "-m", "mmcs", "compile", "lab500", "-o", folder / "own.bin"]
+    flags = ran(*words, "--cflags", "--libs", check=True).stdout.split()
+
+    def build(name: str, *more: str):
+        source, made = EXAMPLES / f"{name}.c", folder / name
+        subprocess.run(["cc", *more, source, *flags, "-lm", "-o", made], check=True)
+        return made
+
+    return build
+
+
+@pytest.mark.req("API-1")
+@pytest.mark.parametrize(("name", "more"), [("sine", []), ("bounce", OLD), ("timer", [])])
+def test_it_says_what_it_says_in_lock_step(program, name, more):
+    """No Python is started: PATH has none."""
+    own = ran(program(name, *more), env={"PATH": "/nowhere"}, check=True)
+    command = ["mmcs", "exec", "--scenario", "lab500", "--lockstep", "--", *exec_of(name, more)]
+    assert own.stdout == ran(sys.executable, "-m", *command, check=True).stdout
+
+
+def exec_of(name: str, more: list[str]) -> list:
+    """The program as any: without a machine of its own."""
+    from mmcs.device.execute import cflags
+    from tools.compiled import compiled
+
+    flags = cflags(modern=not more)
+    return [
+        compiled(f"plain_{name}", ["cc", *flags], [EXAMPLES / f"{name}.c"], ["-lm", "-lpthread"])
+    ]
+
+
+@pytest.mark.req("API-1")
+def test_what_is_for_the_server_says_so(program):
+    done = ran(program("threads"))
+    told = "a program with threads needs `mmcs exec`: this one is linked with its machine"
+    assert (done.returncode, done.stderr) == (2, f"mmcs: {told}\n")
+
+
+@pytest.mark.skipif(not shutil.which("gdb"), reason="gdb is not installed")
+def test_a_debugger_stops_in_the_servo(program):
+    words = ["-batch", "-ex", "set breakpoint pending on", "-ex", "break servo_step", "-ex", "run",
+             "-ex", "backtrace"]  # fmt: skip
+    told = ran("gdb", *words, program("sine")).stdout
+    assert "servo_step" in told.rpartition("Breakpoint 1,")[2] and "in main" in told
