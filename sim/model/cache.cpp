@@ -45,7 +45,8 @@ Cache::Cache(std::vector<DataField> fields, size_t register_bytes)
   make_patterns();
 }
 
-// Each bit has a pattern of its own over the sets, and so has its inverse.
+// Each bit has a pattern of its own over the sets, and so has its inverse. Of a counter, some set
+// has a low digit of 0, and all are clear of its margin: one that counts in another way shows.
 void Cache::make_patterns() {
   uint64_t random = 1;
   const auto next = [&random] {
@@ -57,35 +58,33 @@ void Cache::make_patterns() {
   constexpr uint32_t kAll = (1u << kPatterns) - 1;
   patterns_.assign(kPatterns, std::vector<uint32_t>(fields_.size()));
   sources_ = {{0, {0, 0, false, true}}, {kAll, {0, 0, true, true}}};
-  for (size_t c = 0; c < fields_.size(); ++c) {
-    if (fields_[c].output) continue;
-    const auto begun = sources_;
+  for (size_t f = 0; f < fields_.size(); ++f) {
+    const DataField &field = fields_[f];
+    if (field.output) continue;
+    const auto before = sources_;
     for (;;) {
-      bool far = true,
-           ends = !fields_[c].counter;  // a digit at its end: what counts otherwise shows
-      for (auto &set : patterns_) set[c] = 0;
-      for (uint8_t bit = 0; fields_[c].mask >> bit & 1; ++bit) {
+      for (auto &set : patterns_) set[f] = 0;
+      for (uint8_t bit = 0; field.mask >> bit & 1; ++bit) {
         uint32_t pattern = 0;
         do {
           pattern = next() & kAll;
           // a carry from the low byte shows, up in one set and down in another
-          if (fields_[c].counter && fields_[c].mask > 0xFF && bit < 8)
-            pattern = (pattern | 1) & ~2u;
+          if (field.counter && field.mask > 0xFF && bit < 8) pattern = (pattern | 1) & ~2u;
         } while (sources_.count(pattern));
-        sources_[pattern] = {static_cast<uint8_t>(c), bit, false, false};
-        sources_[~pattern & kAll] = {static_cast<uint8_t>(c), bit, true, false};
+        sources_[pattern] = {static_cast<uint8_t>(f), bit, false, false};
+        sources_[~pattern & kAll] = {static_cast<uint8_t>(f), bit, true, false};
         for (int s = 0; s < kPatterns; ++s) {
-          patterns_[static_cast<size_t>(s)][c] |= (pattern >> s & 1) << bit;
+          patterns_[static_cast<size_t>(s)][f] |= (pattern >> s & 1) << bit;
         }
         if (bit == 31) break;
       }
+      bool clear = true, digit_0 = !field.counter;
       for (auto &set : patterns_) {
-        ends = ends || (set[c] & 0xF) == 0;
-        far =
-            far && (fields_[c].margin < 0 || set[c] > static_cast<uint32_t>(fields_[c].margin) + 4);
+        digit_0 = digit_0 || (set[f] & 0xF) == 0;
+        clear = clear && (field.margin < 0 || set[f] > static_cast<uint32_t>(field.margin) + 4);
       }
-      if (far && ends) break;
-      sources_ = begun;
+      if (clear && digit_0) break;
+      sources_ = before;
     }
   }
 }
@@ -174,81 +173,83 @@ uint32_t Cache::fixed(uint64_t counters, uint64_t inputs) const {
   return found;
 }
 
+// Where the bits of a field came from in a step.
+struct Cache::Origin {
+  std::map<std::pair<uint8_t, uint8_t>, uint32_t> terms;  // by field and rotation: which bits
+  uint32_t keep = 0, value = 0;                           // as in Copy
+  uint32_t constant = 0;                                  // bits that are constants
+};
+
+// By their patterns; false: some bit has none that a bit had before.
+bool Cache::find_origin(size_t f, const std::vector<Observation> &seen, Origin *origin) const {
+  for (int bit = 0; bit < 32 && fields_[f].mask >> bit & 1; ++bit) {
+    uint32_t pattern = 0;
+    for (size_t s = 0; s < seen.size(); ++s) pattern |= (seen[s].after[f] >> bit & 1) << s;
+    const auto found = sources_.find(pattern);
+    if (found == sources_.end()) return false;
+    const Source &source = found->second;
+    const uint32_t here = 1u << bit;
+    if (source.constant) {
+      origin->constant |= here;
+    } else if (source.field == f && source.bit == bit && !source.inverted) {
+      origin->keep |= here;
+    } else {
+      origin->terms[{source.field, static_cast<uint8_t>((bit - source.bit) & 31)}] |= here;
+    }
+    if (source.inverted) origin->value |= here;
+  }
+  return true;
+}
+
 bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool clock,
                    Draft *t) const {
   uint32_t counted = 0, copied_from = 0;
-  const auto in_all = [&](auto f) {
-    for (const Observation &s : seen) {
-      if (!f(s)) return false;
-    }
-    return true;
-  };
+  const auto in_all = [&](auto f) { return std::all_of(seen.begin(), seen.end(), f); };
   // Outputs before the registers that they follow.
   std::vector<size_t> order;
-  for (size_t c = fields_.size(); c-- > 0;) order.push_back(c);
-  std::stable_partition(order.begin(), order.end(), [this](size_t c) { return fields_[c].output; });
-  for (size_t c : order) {
-    const DataField &field = fields_[c];
+  for (size_t f = fields_.size(); f-- > 0;) order.push_back(f);
+  std::stable_partition(order.begin(), order.end(), [this](size_t f) { return fields_[f].output; });
+  for (size_t f : order) {
+    const DataField &field = fields_[f];
+    const uint8_t to = static_cast<uint8_t>(f);
     if (field.input) continue;
-    const bool stands = in_all([c](const Observation &s) { return s.before[c] == s.after[c]; });
-    if (stands && (clock || !field.output)) continue;
-    const uint32_t by = (seen[0].after[c] - seen[0].before[c]) & field.mask;
-    if (field.counter && !(fixed >> c & 1) && in_all([&](const Observation &s) {
-          return ((s.after[c] - s.before[c]) & field.mask) == by;
+    const bool same = in_all([f](const Observation &s) { return s.before[f] == s.after[f]; });
+    if (same && (clock || !field.output)) continue;
+    const uint32_t by = (seen[0].after[f] - seen[0].before[f]) & field.mask;
+    if (field.counter && !(fixed >> f & 1) && in_all([&](const Observation &s) {
+          return ((s.after[f] - s.before[f]) & field.mask) == by;
         })) {
-      t->counts.push_back(
-          {static_cast<uint8_t>(c), static_cast<int8_t>(field.margin), by, field.mask});
-      counted |= 1u << c;
+      t->counts.push_back({to, static_cast<int8_t>(field.margin), by, field.mask});
+      counted |= 1u << f;
       t->near_margin = t->near_margin || field.margin >= 0;
       continue;
     }
-    std::map<std::pair<int, int>, uint32_t> terms;  // by field and rotation: which bits
-    uint32_t keep = 0, value = 0, constant = 0;
-    bool moved = true;
-    for (int bit = 0; bit < 32 && field.mask >> bit & 1; ++bit) {
-      uint32_t pattern = 0;
-      for (size_t s = 0; s < seen.size(); ++s) pattern |= (seen[s].after[c] >> bit & 1) << s;
-      const auto found = sources_.find(pattern);
-      moved = moved && found != sources_.end();
-      if (!moved) break;
-      const Source &source = found->second;
-      const uint32_t here = 1u << bit;
-      if (source.constant) {
-        constant |= here;
-        value |= source.inverted ? here : 0;
-      } else if (source.field == c && source.bit == bit && !source.inverted) {
-        keep |= here;
-      } else {
-        const int left = (bit - source.bit) & 31;
-        terms[{source.field, left}] |= here;
-        value |= source.inverted ? here : 0;
-      }
-    }
-    if (!moved) {
+    Origin origin;
+    if (!find_origin(f, seen, &origin)) {
       t->computed = field.margin < 0;
       return false;
     }
-    uint32_t inputs = 0;  // bits that data inputs feed through to
-    for (const auto &[place, mask] : terms) {
-      if (fields_[static_cast<size_t>(place.first)].input) inputs |= mask;
+    uint32_t from_inputs = 0;  // bits that come from data inputs
+    for (const auto &[place, mask] : origin.terms) {
+      if (fields_[place.first].input) from_inputs |= mask;
     }
-    const bool by_data = !clock && field.output && in_all([c, inputs](const Observation &s) {
-      return s.data[c] == s.after[c] && ((s.before[c] ^ s.after[c]) & ~inputs) == 0;
+    const bool feedthrough = !clock && field.output && in_all([&](const Observation &s) {
+      return s.data[f] == s.after[f] && ((s.before[f] ^ s.after[f]) & ~from_inputs) == 0;
     });
-    if (stands && !by_data) continue;
-    const uint8_t to = static_cast<uint8_t>(c);
-    if (constant && !by_data) t->copies.push_back({to, 0, 0, ~constant, value & constant, 0});
-    for (const auto &[place, mask] : terms) {
-      if (by_data && !fields_[static_cast<size_t>(place.first)].input) continue;
-      copied_from |= 1u << place.first;
-      auto &list = by_data ? t->feedthroughs : t->copies;
-      list.push_back({to, static_cast<uint8_t>(place.first), static_cast<uint8_t>(place.second),
-                      ~mask, value & mask, mask});
+    if (same && !feedthrough) continue;
+    if (origin.constant && !feedthrough)
+      t->copies.push_back({to, 0, 0, ~origin.constant, origin.value & origin.constant, 0});
+    for (const auto &[place, mask] : origin.terms) {
+      const auto [from, left] = place;
+      if (feedthrough && !fields_[from].input) continue;
+      copied_from |= 1u << from;
+      (feedthrough ? t->feedthroughs : t->copies)
+          .push_back({to, from, left, ~mask, origin.value & mask, mask});
     }
-    if (field.margin >= 0 && (keep || !terms.empty())) t->near_margin = true;
+    if (field.margin >= 0 && (origin.keep || !origin.terms.empty())) t->near_margin = true;
   }
-  for (size_t c = 0; c < fields_.size(); ++c) {
-    if (fields_[c].input && copied_from >> c & 1) t->sources |= 1u << c;
+  for (size_t f = 0; f < fields_.size(); ++f) {
+    if (fields_[f].input && copied_from >> f & 1) t->sources |= 1u << f;
   }
   t->idle = clock && (copied_from & counted) == 0;
   return true;

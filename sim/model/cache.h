@@ -175,7 +175,9 @@ class Cache {
     uint8_t field, bit;
     bool inverted, constant;
   };
+  struct Origin;
   void make_patterns();
+  bool find_origin(size_t f, const std::vector<Observation> &seen, Origin *origin) const;
 
   const std::vector<DataField> fields_;
   const size_t register_bytes_;

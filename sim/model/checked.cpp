@@ -6,8 +6,8 @@
 namespace mmcs {
 namespace {
 
-// Runs between two looks at all registers: a look brings the counters up, and so ends no rest, but
-// a rest is to be long sometimes.
+// Runs between two comparisons of all registers: a comparison makes the postponed clocks, of which
+// there are to be many sometimes.
 constexpr unsigned kEvery = 64;
 
 }  // namespace
@@ -32,7 +32,7 @@ void Checked::compare() {
   for (size_t n = 0; n < registers().size(); ++n) {
     const int reg = static_cast<int>(n);
     if (rack_.read(reg) != read(reg)) {
-      failure_ = "a part at rest: " + registers()[n].name + " is " +
+      failure_ = "postponed clocks: " + registers()[n].name + " is " +
                  std::to_string(rack_.read(reg)) + ", in the machine " + std::to_string(read(reg));
       return;
     }

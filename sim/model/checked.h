@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine as a whole and the boards beside it, doing the same: parts at rest are compared with
-// what is clocked at every clock. The first difference is a failed assertion.
+// The machine as a whole and its parts beside it, doing the same: parts with postponed clocks are
+// compared with the machine at every clock. The first difference is a failed assertion.
 #pragma once
 
 #include "plain.h"

@@ -18,7 +18,7 @@ class Decoder {
   // each card's address switches.
   uint32_t select(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
                   const std::vector<unsigned> &dips);
-  void forget();  // switches have moved
+  void forget();  // switches have changed
 
  private:
   struct Verilated;

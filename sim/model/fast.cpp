@@ -97,17 +97,17 @@ class Fast final : public Board {
   MMCS_ROOT *root_;
 #if !MMCS_PLAIN
   // Whether a clock or reset has changed since it was last read.
-  bool moved() const {
-    unsigned moved = 0;
-#define MMCS_EDGE(before, now) moved |= root_->before ^ (now);
+  bool changed() const {
+    unsigned changed = 0;
+#define MMCS_EDGE(before, now) changed |= root_->before ^ (now);
 #include MMCS_EDGES_OF
 #undef MMCS_EDGE
-    return moved != 0;
+    return changed != 0;
   }
   // Registers that are set or reset without the clock; true if there were any.
   bool follow() {
     bool any = false;
-    while (moved()) {
+    while (changed()) {
       MMCS_EDGES(root_);
       if (root_->__VactTriggered[0] == 0) break;
       clocks(root_->__VactTriggered[0]);

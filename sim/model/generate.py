@@ -2,15 +2,15 @@
 """Makes of the design what the model needs: `generate.py boards|wires|checkers|triggers ...`.
 
 boards DIR CLK        registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
-                      *_shell.sv, *_shell.vlt: what stands for a chip in other parts
+                      *_shell.sv, *_shell.vlt: a chip without contents, for other parts
                       plain.vlt: registers of rtl/mmcs.sv as a whole, where wires can be cut
                       boards.inc: registers and ports of each part, by name
                       decoder.inc: the outputs of a card's address decoder
 wires DIR CLK N       wires.cpp: how rtl/mmcs.sv wires the boards of N cards
                       *_shell.sv, glue.vlt: empty boards, and what is visible between them
 checkers DIR CLK N    checkers.inc, checkers.vlt: the bus checkers, whose reset can be forced
-triggers DIR          triggers.inc: which bit stands for which clock, from Verilator's own words
-                      V*.edges: values before and now of what edges are looked for
+triggers DIR          triggers.inc: the bit of each clock in Verilator's triggers
+                      V*.edges: the values whose edges a model detects, with those before
 """
 
 import os
@@ -207,11 +207,11 @@ def checkers(folder: Path, netlist: Netlist) -> None:
 
 
 def edges_text(model: Path) -> str:
-    """The values whose edges a model looks for, the clock apart, each with that before."""
+    """The values whose edges a model detects, except the clock's, each with that before."""
     text = model.read_text().split("___eval_triggers_vec__act(", 1)[1].split("\n}", 1)[0]
     pairs = re.findall(r"vlSelfRef\.(__Vtrigprev\w+)\s*=\s*([^;,]+);", text)
     if len(pairs) != len(re.findall(r"__Vtrigprev\w+\s*=", text)):
-        raise SystemExit(f"generate: {model.name} looks for edges that are not understood")
+        raise SystemExit(f"generate: {model.name} detects edges in a way that is not understood")
     found = {old: " ".join(new.replace("vlSelfRef.", "root_->").split()) for old, new in pairs}
     return "".join(f"MMCS_EDGE({o}, {n})\n" for o, n in found.items() if n != "root_->clk_i")
 

@@ -22,7 +22,7 @@ inline constexpr unsigned kLinePanic = 1u << 8;
 inline constexpr unsigned kLineBrakeRelease = 1u << 9;
 inline constexpr unsigned kLineSclock = 1u << 10;
 
-// The three wires of an encoder from a clock on, as Pins::set_encoder() is told.
+// The three wires of an encoder from a clock on, as Pins::set_encoder() takes them.
 struct EncoderEdge {
   int64_t clock;
   int axis;
@@ -48,7 +48,7 @@ struct Saved {
 
 class Model : protected Ports {
  public:
-  // skip: boards at rest get no clock, if the build can. two_evals: Verilator's own eval() at both
+  // skip: idle parts get no clock, if the build can. two_evals: Verilator's own eval() at both
   // edges of the clock.
   static std::unique_ptr<Model> create(bool two_evals, bool skip, uint64_t seed);
 
@@ -111,12 +111,12 @@ class Model : protected Ports {
  protected:
   virtual void put_back(const Saved &state) = 0;
   void disturb() override { upset_ = true; }
-  uint64_t look(const std::string &reg) override { return read(find_register(reg)); }
+  uint64_t read_register(const std::string &reg) override { return read(find_register(reg)); }
 
   Pins pins_{*this, cards()};
   int64_t clock_ = 0;
   uint64_t evals_ = 0;
-  unsigned lines_ = 0, shown_lines_ = 0;  // as run() tells them, a clock after they move
+  unsigned lines_ = 0, shown_lines_ = 0;  // as run() reports them, a clock after they change
   bool upset_ = false;
   bool stopped_ = false;  // no clock comes
   std::string failure_;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The design as Verilator reads it: instances, variables, registers, and who depends on whom.
+"""The design as Verilator reads it: instances, variables, registers, and which depends on which.
 
 Everything is taken from the tree that `verilator --json-only` writes after it has elaborated the
 design; nothing about the hardware is typed here.
@@ -52,7 +52,7 @@ def _name(node: dict) -> str:
 
 
 def reads(node: dict) -> set[str]:
-    """Variables that an expression looks at."""
+    """Variables that an expression reads."""
     return {_name(n) for n in walk(node) if n.get("type") == "VARREF" and n["access"] != "WR"}
 
 
@@ -62,7 +62,7 @@ def writes(node: dict) -> set[str]:
 
 @dataclass
 class Assign:
-    """One assignment: what it writes, what it looks at, conditions around it included."""
+    """One assignment: what it writes, what it reads, conditions around it included."""
 
     target: set[str]
     sources: set[str]
@@ -160,7 +160,7 @@ class Netlist:
 
 
 def _assigns(node: dict, given: set[str], clocked: bool, out: list[Assign], functions: dict):
-    """Collects assignments; given: what the conditions around them look at."""
+    """Collects assignments; given: what the conditions around them read."""
     kind = node.get("type")
     if kind in ("ASSIGN", "ASSIGNW", "ASSIGNDLY"):
         left, right = node["lhsp"][0], node["rhsp"][0]

@@ -46,7 +46,7 @@ class Board:
         self.decides = [(*split(event), self.part(split(event.strip("!"))[0])) for event in rule]
         self.deciding = {split(cell) for cells in rule.values() for cell in cells}
         self.alias: dict[tuple[str, str], tuple[str, str]] = {}  # of nets that are one
-        self.read: list[tuple[tuple[str, str], int]] = []  # a net, and the part that looks at it
+        self.read: list[tuple[tuple[str, str], int]] = []  # a net, and the part that reads it
         self.driven: list[tuple[tuple[str, str], int]] = []
         for i in self.all:
             self._visit(i)

@@ -186,7 +186,7 @@ void Pins::fault(Pin pin, int index, uint64_t value) {
     case Pin::kAdcStuck: {
       const std::string code = axis_path(index) + ".u_adc.code_q";
       uint64_t &kept = codes_[static_cast<size_t>(index)];
-      if (on) kept = ports_.look(code);
+      if (on) kept = ports_.read_register(code);
       return ports_.stick(code, on ? ~kept & kCodeMask : 0, on ? kept : 0);
     }
     case Pin::kIrqLost:  // its edge detector takes SCLOCK for high all the time
@@ -323,7 +323,7 @@ void Pins::restore(const std::vector<uint64_t> &state) {
     const int pin = static_cast<int>(n) / (2 * cards_), index = static_cast<int>(n) % (2 * cards_);
     fault(static_cast<Pin>(pin), index, state[faults + n]);
     if (static_cast<Pin>(pin) != Pin::kAdcStuck || state[faults + n] == 0) continue;
-    // what it kept then, not what stands now
+    // the code of then, not of now
     const uint64_t kept = codes[static_cast<size_t>(index)];
     codes_[static_cast<size_t>(index)] = kept;
     ports_.stick(axis_path(index) + ".u_adc.code_q", ~kept & kCodeMask, kept);

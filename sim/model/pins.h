@@ -67,7 +67,7 @@ class Ports {
   virtual void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) = 0;
   // These bits of a register are held at 0, then those at 1; none: free again.
   virtual void stick(const std::string &reg, uint64_t clear, uint64_t set) = 0;
-  virtual uint64_t look(const std::string &reg) = 0;
+  virtual uint64_t read_register(const std::string &reg) = 0;
   // A line of a bus breaks its rules from now on: checkers have nothing to say any more.
   virtual void disturb() = 0;
   virtual void stop_clock(bool stopped) = 0;

@@ -27,7 +27,7 @@ const char *const kCheckers[] = {
 };
 // After a way back the bus checkers begin anew when the buses have been idle for so long.
 constexpr int kIdleClks = 16;
-// What the model prints and where it stopped, until the run that caused it looks.
+// What the model prints and where it stopped, until the end of the run that caused it.
 thread_local std::string printed;
 
 // Of what Verilator says of a failed assertion: its name and its sentence.
@@ -133,7 +133,7 @@ void Plain::half(bool rise, double at) {
 #endif
 }
 
-// A rising edge; what sticks is put back; pins arrive; a falling edge.
+// A rising edge; held bits are put back; pins change; a falling edge.
 void Plain::clock_once() {
   if (stopped_) {
     if (pins_.waiting()) pins_.apply();
@@ -142,10 +142,10 @@ void Plain::clock_once() {
   }
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
   half(true, t);
-  stick();
+  apply_held_bits();
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
-  stick();  // a pin may have begun a reset
+  apply_held_bits();  // a pin may have begun a reset
   if (held_) {
     idle_clks_ = idle() ? idle_clks_ + 1 : 0;
     if (idle_clks_ == kIdleClks) hold_checkers(false);
@@ -153,10 +153,9 @@ void Plain::clock_once() {
   look_at_lines();
 }
 
-// What sticks, as it sticks.
-void Plain::stick() {
+void Plain::apply_held_bits() {
   bool changed = false;
-  for (const Poke &p : pokes_) {
+  for (const HeldBits &p : held_bits_) {
     const uint64_t before = p.net.get(), after = (before & ~p.clear) | p.set;
     changed = changed || before != after;
     p.net.put(after);
@@ -195,7 +194,7 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
   const int64_t begin = clock_;
   Stop stop = Stop::kDone;
   while (clock_ < begin + n) {
-    const bool moved = lines_ != shown_lines_;
+    const bool changed = lines_ != shown_lines_;
     lines_ = shown_lines_;
     clock_once();
     ++clock_;
@@ -204,7 +203,7 @@ Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
       stop = Stop::kFailed;
       break;
     }
-    if (moved) {
+    if (changed) {
       stop = Stop::kLines;
       break;
     }
@@ -271,11 +270,12 @@ void Plain::cut(const std::string &board, const char *port, uint64_t mask, uint6
 
 void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   const Net net = nets_[static_cast<size_t>(find_register(reg))];
-  for (size_t n = 0; n < pokes_.size(); ++n) {
-    if (pokes_[n].net.at == net.at) pokes_.erase(pokes_.begin() + static_cast<std::ptrdiff_t>(n--));
+  for (size_t n = 0; n < held_bits_.size(); ++n) {
+    if (held_bits_[n].net.at == net.at)
+      held_bits_.erase(held_bits_.begin() + static_cast<std::ptrdiff_t>(n--));
   }
   if (!clear && !set) return;
-  pokes_.push_back({net, clear, set});
+  held_bits_.push_back({net, clear, set});
   net.put((net.get() & ~clear) | set);
   written();
 }
@@ -287,7 +287,7 @@ void Plain::upset(int reg, uint64_t bits) {
   upset_ = true;
   doubted_ = false;
   written();
-  stick();  // a bit that sticks does not flip
+  apply_held_bits();  // a bit that is held does not flip
   look_at_lines();
 }
 

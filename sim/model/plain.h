@@ -42,7 +42,7 @@ class Plain : public Model {
   void hold_checkers(bool held);
   bool idle() const;
   void put_back(const Saved &state) override;
-  void stick();
+  void apply_held_bits();
   void written();
   bool failed();
   // A variable below the top, or a port of it.
@@ -60,18 +60,18 @@ class Plain : public Model {
   std::vector<Net> nets_;      // of registers()
   std::vector<Net> checkers_;  // what forces the reset of each
   std::vector<std::pair<Net, int>> line_nets_;
-  struct Poke {
+  struct HeldBits {
     Net net;
     uint64_t clear, set;
   };
-  std::vector<Poke> pokes_;
+  std::vector<HeldBits> held_bits_;
   std::map<std::pair<std::string, std::string>, uint64_t> cuts_;  // of what leaves the machine
 #if MMCS_TRACE
   std::unique_ptr<Waves> waves_;
 #endif
   bool held_ = false;  // the checkers are in reset
   int idle_clks_ = 0, master_ = 0;
-  bool doubted_ = false;  // an assertion has told since the last upset
+  bool doubted_ = false;  // an assertion has failed since the last upset
   std::string doubt_;
 };
 

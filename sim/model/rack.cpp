@@ -245,8 +245,8 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   }
   while (clock_ < begin + n) {
     const int64_t end = begin + (has_level && clock_ == begin ? 1 : n);
-    const bool moved = pins_.waiting() || lines_ != shown_lines_;
-    const int64_t t = moved ? clock_ + 1 : first_due();
+    const bool next = pins_.waiting() || lines_ != shown_lines_;
+    const int64_t t = next ? clock_ + 1 : first_due();
     if (edges_.at < t && edges_.at <= end) {
       clock_ = edges_.at;
       apply_inputs_until(clock_);

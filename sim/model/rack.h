@@ -2,15 +2,16 @@
 // The machine made of its parts, each Verilated by itself, wired as rtl/mmcs.sv wires them. Terms:
 // docs/simulator/simulator.md.
 //
-//   Wire        a port of a board on a net of rtl/mmcs.sv
-//   Rack        rack.cpp: nets, time; rack_wire.cpp: how it is wired; rack_hands.cpp: what is done
-//               to it from outside
-//    parts_     the boards and chips; caches_: of each module; board_begin_: each board's first
-//    part nets_      values of the nets, and the inputs of boards that read each; glue_: the logic
-//    between inputs_    where each port of the machine leads pc_bus_    the bus that only selected
-//    cards receive edges_     encoder edges to come schedule_  the clock edge that each part needs
-//    next; changed_inputs_: parts to be evaluated now dtack_ ... outputs of the machine that Model
-//    reads
+//   Wire             a port of a board on a net of rtl/mmcs.sv
+//   Rack             nets and time (rack.cpp), wiring (rack_wire.cpp), access (rack_access.cpp)
+//   parts_           boards and chips; caches_: of each module; board_begin_: first parts of boards
+//   nets_            values of nets; readers_: the inputs that read them; glue_: the logic between
+//   inputs_          where each port of the machine leads
+//   pc_bus_          the bus that only selected cards receive
+//   edges_           encoder edges to come
+//   schedule_        the clock edge that each part needs next
+//   changed_inputs_  parts that must be evaluated now
+//   dtack_ ...       outputs of the machine that Model reads
 //
 // Time: edge t is the clock that makes clock() t. All parts see their inputs as they were before
 // the edge; a pin set at clock t is at the port after edge t + 1.
@@ -126,7 +127,7 @@ class Rack : public Model, private Listener {
   void forget(Cache &cache);
   unsigned dtack_level() const { return dtack_ ? static_cast<unsigned>(dtack_->get()) : 1u; }
 
-  // What is done to it from outside (rack_hands.cpp).
+  // What is done to it from outside (rack_access.cpp).
   void put(Port port, int lsb, int width, uint64_t value) override;
   void stop_clock(bool stopped) override;
   void put_back(const Saved &state) override;
