@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from mmcs import ROOT
-from tools.compiled import ran
+from tools.compiled import compiled, ran
 
 EXAMPLES = ROOT / "firmware" / "examples"
 OLD = ["-std=gnu89", "-w"]  # of a program of 1989
@@ -40,13 +40,10 @@ def test_it_says_what_it_says_in_lock_step(program, name, more):
 
 def exec_of(name: str, more: list[str]) -> list:
     """The program as any: without a machine of its own."""
-    from mmcs.device.execute import cflags
-    from tools.compiled import compiled
-
-    flags = cflags(modern=not more)
-    return [
-        compiled(f"plain_{name}", ["cc", *flags], [EXAMPLES / f"{name}.c"], ["-lm", "-lpthread"])
-    ]
+    words = [sys.executable, "-m", "mmcs", "exec", "--cflags", *([] if more else ["--modern"])]
+    flags = ran(*words, check=True).stdout.split()
+    source = EXAMPLES / f"{name}.c"
+    return [compiled(f"plain_{name}", ["cc", *flags], [source], ["-lm", "-lpthread"])]
 
 
 @pytest.mark.req("API-1")
