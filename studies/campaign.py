@@ -63,7 +63,8 @@ def run(faults: int, healthy: int, workers: int | None) -> None:
         print(f"{variant}: {faults} faults, {healthy} healthy runs", flush=True)
         mmcs("campaign", "--faults", faults, "--out", place, *typed, *crew)
         for motion in MOTIONS:
-            mmcs("sweep", motion, "--random", "seed=1..1000000", "--samples",
+            mmcs("sweep", motion, "--random", "seed=1..1000000", "--random",
+                 "host.latency_max_us=1.0..400.0", "--samples",
                  max(1, healthy // len(MOTIONS)), "--set", "expect=[]", *typed, *crew,
                  "--out", place / motion)  # fmt: skip
 
