@@ -184,11 +184,10 @@ def test_program(tmp_path, page, body):
 def test_program_of_the_simulators_page():
     """Its names as the headers declare them."""
     [body] = [b for p, _, kind, b in FENCES if p == "docs/simulator/simulator.md" and kind == "c"]
-    text = f"""#include "mmcs_sim.h"
+    text = f"""#include <stdio.h>
+#include "mmcs_sim.h"
 #include "mmcs_service.h"
-#include "mcdef.h"
-extern mmcs_config config; extern mmcs_motor motors[]; extern mmcs_driver driver;
-extern struct mc_param params[]; extern mmcs_segment step;
+#include "mmcs_setup.h"
 int main(void) {{
 {body}
 return 0; }}
