@@ -41,20 +41,27 @@ def test_settings_of_pip_reach_uv_and_npm(plain, monkeypatch):
     assert env["UV_SYSTEM_CERTS"] == env["NODE_USE_SYSTEM_CA"] == "1"
 
 
-def test_a_silent_installer_is_told_of(plain, capfd, monkeypatch):
+def test_a_silent_installer_is_told_of(plain, monkeypatch):
+    said, found = [], threading.Event()
+
+    def tell(line, **_):
+        said.append(line)
+        if "s: got it" in line:
+            found.set()
+
+    monkeypatch.setattr(fetch, "print", tell, raising=False)
     monkeypatch.setattr(fetch, "EVERY_S", 0.05)
     script = "import sys, time; print('got it', flush=True); sys.stdin.read()"
     reader, writer = os.pipe()
     monkeypatch.setattr(fetch.subprocess, "Popen", lambda *a, **k: POPEN(*a, stdin=reader, **k))
     thread = threading.Thread(target=fetch.run, args=("it", [sys.executable, "-c", script]))
     thread.start()
-    said = ""
-    while "s: got it" not in said:
-        said += capfd.readouterr().out
+    found.wait()
     os.close(writer)
     thread.join()
     os.close(reader)
-    assert re.search(r"mmcs: installing it\n(.*\n)*mmcs: installing it, \d+ s: got it\n", said)
+    assert said[0] == "mmcs: installing it"
+    assert re.fullmatch(r"mmcs: installing it, \d+ s: got it", said[-1])
 
 
 POPEN = subprocess.Popen
