@@ -12,7 +12,7 @@ CODE = {".py", ".sv", ".svh", ".c", ".h", ".cpp", ".sh", ".rdl", ".toml", ".sby"
 CODE |= {".js", ".mjs", ".css", ".html", ".vlt", ".yaml", ".yml"}
 PAGES = {".md"}  # of the length only; their licence is the project's
 LIMIT = 400
-README_LINES = 120
+README_LINES = 150
 FIRST_COMMAND = 25
 
 

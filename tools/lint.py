@@ -108,7 +108,7 @@ def checks() -> list[tuple[str, list[str]]]:
         flags = ["-std=c11"] if file.endswith(".c") else ["-std=c++17"]
         if file.startswith("sim/model/") and file.endswith(".cpp"):
             flags = [*of_model, *OWN_FLAGS.get(file, [])]
-        sim = ["sim/abi", "sim/engine", "sim/model", "sim/plant"]
+        sim = ["sim/abi", "sim/engine", "sim/model", "sim/plant", "sim/setup"]
         dirs = [f"-I{d}" for d in ("firmware/include", "firmware/mc", *sim)]
         jobs.append((f"clang-tidy {file}", ["clang-tidy", "--quiet", file, "--", *flags, *dirs]))
     return jobs

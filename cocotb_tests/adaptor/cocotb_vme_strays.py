@@ -14,7 +14,7 @@ from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import ARMED, BASE, PCCSR, SCLOCK_IRQ, VECTOR, Tb
 
 TOPLEVEL = "adaptor_vme"
-SOURCES = ("../edges/sync.sv",)
+SOURCES = ("../edges/mmcs_sync.sv",)
 VEC = 0xC5
 
 

@@ -27,7 +27,7 @@ from cocotb_tests.lib.tb import (
 )
 
 TOPLEVEL = "mark1"
-SOURCES = ("sync.sv",)
+SOURCES = ("mmcs_sync.sv",)
 PARAMETERS = CARDS["slot"]
 CLK, WINDOW = 125, 2  # ns
 CASES = 100  # of a row of a table

@@ -22,7 +22,7 @@ from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import ARMED, BASE, HEALTH_CLKS, PANIC_IRQ, PCCSR, VECTOR, Tb
 
 TOPLEVEL = "adaptor_vme"
-SOURCES = ("sync.sv",)
+SOURCES = ("mmcs_sync.sv",)
 MHZ = (8, 16, 48, 80)  # at the last a synchroniser's window is a sixth of a clock
 WIRE_PS = 5_000
 CASES = 24  # of a row of a table

@@ -227,5 +227,7 @@ import os
 from mmcs.device.execute import environment
 print(os.environ["OPENBLAS_NUM_THREADS"], environment(mmcs.ROOT).get("OPENBLAS_NUM_THREADS"))
 """
-    said = subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True)
+    said = subprocess.run(
+        [sys.executable, "-c", text], env=env, capture_output=True, text=True, check=True
+    )
     assert said.stdout.split() == ["False", own or "1", str(own)], said.stderr

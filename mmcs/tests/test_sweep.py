@@ -34,9 +34,6 @@ def rows_of(folder):
         return list(csv.DictReader(file))
 
 
-# --- what is run -------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("text", "values"),
     [

@@ -126,14 +126,12 @@ class Advisor(Worker):
         if self.gone.is_set() or time.monotonic() - self.heard > self.patience_s:
             raise OSError("the page has disconnected; the machine is stopped")
 
-    def _experiment(self, message: dict, work, check=lambda link: None) -> dict:
-        """work(probe) with the lease that the page lends; a failure stops the machine, but for one
-        of check(link) before it."""
+    def _experiment(self, message: dict, work) -> dict:
+        """work(probe) with the lease that the page lends; a failure stops the machine."""
         from mmcs.tool.tune import Probe, TuneError, connect
 
         self.patience_s = float(message.get("deadman_ms", DEADMAN_MS)) / 1000
         with connect(self.socket) as link:
-            check(link)
             self.say({"type": "progress", "lend": link.hello["you"]})
             self._wait_for_lease(link)
             probe = None
@@ -171,7 +169,7 @@ class Advisor(Worker):
             link.request("lease", drop=True)
 
     def do_tune(self, message: dict) -> dict:
-        from mmcs.tool.tune import check_machine, tune
+        from mmcs.tool.tune import tune
 
         wn, zeta = float(message["wn"]), float(message.get("zeta", 1.0))
         half = float(message["half"])
@@ -182,7 +180,7 @@ class Advisor(Worker):
             self.say({"type": "progress", "text": text})
 
         work = partial(tune, wn=wn, zeta=zeta, half=half, say=say)
-        return self._experiment(message, work, check_machine)
+        return self._experiment(message, work)
 
     def do_chirp(self, message: dict) -> dict:
         from mmcs.tool.tune import chirp

@@ -312,10 +312,10 @@ def tune(probe: Probe, wn: float, zeta: float, half: float, say=lambda text: Non
         raise
     finally:
         probe.safe = None
-    controller, laws, step, verdict = made
-    param = {name: probe.param()[name] for name in laws}
+    controller, param, step, verdict = made
     if not verdict.met:
-        undo(probe, before)
+        probe.write(probe.position)
+        probe.change(**{name: value for name, value in before.items() if name != "which"})
     predicted = predict(motor, before | param, t, step["size"], step["t"][-1], away)
     return {
         "motor": asdict(motor), "break_away": away, "param": param, "before": before,
@@ -323,12 +323,6 @@ def tune(probe: Probe, wn: float, zeta: float, half: float, say=lambda text: Non
         "fine": verdict.met, "verdict": verdict.text, "wish": wish.figures(),
         "margins": {"phase_deg": verdict.margins.phase_deg},
     }  # fmt: skip
-
-
-def undo(probe: Probe, before: dict) -> None:
-    """The old parameters, about where the axis is."""
-    probe.write(probe.position)
-    probe.change(**{name: value for name, value in before.items() if name != "which"})
 
 
 def _first_good(probe: Probe, motor: Motor, wish: Wish, size: float, say) -> tuple:
@@ -356,14 +350,10 @@ def _first_good(probe: Probe, motor: Motor, wish: Wish, size: float, say) -> tup
         say(f"a step with {wn:.0f} rad/s{', and an integral' if slow else ''}")
         step = make_step(probe, size, LONG_STEP_S if slow else STEP_S)
         verdict = judge(step, wish, motor, probe.param())
-        say(verdict.text)
         if best is None or rank(step, verdict) < rank(*best[2:]):
             best = controller, param, step, verdict
         if verdict.met or verdict.unmet == ("overshoot",):
             break
-    if best[2] is not step:
-        probe.change(**best[1])
-        probe.wait(0.3)
     return best
 
 
@@ -398,10 +388,6 @@ def chirp(probe: Probe, amplitude: float, low: float, high: float, seconds: floa
     probe.wait(0.2)
     rows = probe.rows(began)
     return frequency(rows.t, rows.w, rows.y, low, high)
-
-
-def check_machine(link: Link) -> None:
-    """Before the machine is touched. Raises ValueError."""
 
 
 def connect(socket: Path) -> Link:

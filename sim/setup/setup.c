@@ -37,7 +37,7 @@ static uint32_t checksum(const uint8_t *data, size_t size) {
 
 // What is wrong with the bytes, or NULL.
 static const char *wrong_bytes(const mmcs_setup *head, size_t size) {
-  if (size < sizeof head->magic || memcmp(head->magic, "mmcsset\n", sizeof head->magic))
+  if (size < sizeof head->magic || memcmp(head->magic, "mmcsset\n", sizeof head->magic) != 0)
     return "this is no set-up";
   if (size < sizeof *head || size < head->bytes) return "the set-up is cut short";
   const uint8_t *checked = (const uint8_t *)&head->build;
@@ -54,7 +54,7 @@ static bool wrong_build(const mmcs_setup *head, const mmcs_config *config, char 
   const char *own = mmcs_sim_build_id(), *theirs = head->build;
   const int cards = mmcs_sim_build_cards(), clk_hz = mmcs_sim_build_clk_hz();
   const char *digest = strchr(own, ' '), *of = strchr(theirs, ' ');
-  if (!digest || !of || strcmp(digest, of))
+  if (!digest || !of || strcmp(digest, of) != 0)
     return !refuse(err, len,
                    "%s was compiled for another build of the simulator: `mmcs compile` it "
                    "again",
@@ -64,7 +64,7 @@ static bool wrong_build(const mmcs_setup *head, const mmcs_config *config, char 
                    "%s needs %d cards at %d Hz, and this machine has %d at %d: `mmcs "
                    "compile` a scenario for it",
                    head->name, config->cards, head->clk_hz, cards, clk_hz);
-  if (strcmp(own, theirs))
+  if (strcmp(own, theirs) != 0)
     return !refuse(err, len,
                    "%s needs other heartbeats (heartbeat_us) than this machine has: `mmcs "
                    "compile` a scenario for it",
@@ -137,9 +137,11 @@ bool setup_open(struct setup *s, const void *data, size_t size, const mmcs_overr
 #include "records.def"
     if (s->configs != 1 || !consistent(s)) wrong = "the set-up is damaged";
   }
-  bool good = !wrong || refuse(err, err_len, "%s: make it by `mmcs compile`", wrong);
-  good = good && !wrong_build(s->head, s->config, err, err_len);
-  good = good && (!overrides || override(s, overrides, err, err_len));
+  bool good = false;
+  if (wrong)
+    refuse(err, err_len, "%s: make it by `mmcs compile`", wrong);
+  else if (!wrong_build(s->head, s->config, err, err_len))
+    good = !overrides || override(s, overrides, err, err_len);
   if (!good) setup_close(s);
   return good;
 }
@@ -162,9 +164,8 @@ void *mmcs_setup_load(const char *path, size_t *size, char *err, size_t err_len)
   char *data = NULL;
   long length = -1;
   if (file && fseek(file, 0, SEEK_END) == 0) length = ftell(file);
-  if (length >= 0) data = malloc((size_t)length + 1);
+  if (length >= 0 && fseek(file, 0, SEEK_SET) == 0) data = malloc((size_t)length + 1);
   if (data) {
-    rewind(file);
     *size = fread(data, 1, (size_t)length, file);
   } else {
     refuse(err, err_len, "%s: there is no such set-up: make it by `mmcs compile`", path);

@@ -2,11 +2,10 @@
 """Panels show what the driver has, whoever changed it, and nothing else; an edit is a draft."""
 
 import os
-import re
 import signal
 
 import pytest
-from bench import Desk, enable, new_page, saved
+from bench import Desk, enable
 from test_page import choose, enter
 
 from mmcs import Link, mcdef
@@ -356,39 +355,6 @@ def test_an_onlooker_s_page_shows_what_a_program_drives(browser, attached):
     desk.close()
 
 
-HOLD = """() => {
-  window.heldFrames = [];
-  const ask = window.requestAnimationFrame;
-  window.requestAnimationFrame = (f) => (window.holds ? heldFrames.push(f) : ask(f));
-  window.holds = true;
-}"""
-
-
-def test_state_waits_for_no_frame(desk):
-    """A lid closed, a hidden tab, a slow GPU: lamps, banner and count go on, pictures come back."""
-    page = desk.page
-    choose(desk, "mode", "pos", lambda mode: mode == POS, 4)
-    page.evaluate(HOLD)
-    desk.until("() => heldFrames.length")  # the page waits for its next frame, which does not come
-    enable(page)
-    desk.until("() => document.querySelector('.lamp').textContent.includes('servo on')")
-    desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
-    enter(page, "#axis4-setpoint", "694")
-    desk.until("() => mctool.machine.history.latest(4).setpoint === 694")
-    desk.until(
-        "() => Math.abs(Number(document.getElementById('axis4-count').textContent) - 694) < 200"
-    )
-    assert page.evaluate("() => heldFrames.length") == 1
-    page.evaluate(
-        "() => { holds = false; heldFrames.splice(0).forEach((f) => f(performance.now())) }"
-    )
-    drawn = (
-        "() => { const draw = mctool.page.draw; mctool.page.draw = () => { drawn = true; draw() } }"
-    )
-    page.evaluate(f"() => {{ window.drawn = false; ({drawn})() }}")
-    desk.until("() => drawn")
-
-
 def test_a_square_wave_of_the_page_ends_with_power(desk):
     """PANIC ends it; Enable starts nothing, and nothing is written meanwhile."""
     page = desk.page
@@ -406,38 +372,3 @@ def test_a_square_wave_of_the_page_ends_with_power(desk):
     page.click("#enable")
     desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
     assert page.evaluate("() => mctool.page.panels[4].square") is None
-
-
-def test_a_page_without_its_stop_frame_takes_no_control(desk):
-    desk.page.click("#control")
-    desk.until("() => !mctool.machine.controls")
-    address = re.sub(r"stop=[^&]*", "stop=http%3A%2F%2Flocalhost%3A9%2Fgone", desk.tool.address)
-    other = new_page(desk.browser)
-    other.goto(address)
-    other.wait_for_function(
-        "() => document.getElementById('cause').textContent.startsWith('No STOP')"
-    )
-    other.click("#control")
-    other.wait_for_function(
-        "() => document.getElementById('said').textContent.includes('without STOP')"
-    )
-    assert other.evaluate("() => mctool.machine.controls") is False
-    other.close()
-
-
-def test_minutes_are_saved_without_a_pause_of_the_page(desk, tmp_path):
-    """Text is made by a Worker, a chunk at a time, so the page says that it is there."""
-    page = desk.page
-    page.evaluate("""() => {
-      const { history } = mctool.machine;
-      const rows = 120_000, ints = new Array(history.rowInts).fill(-123456);
-      for (let n = 0; n < rows; n++) history.add(n, history.now + 0.001, ints);
-      window.turns = 0;
-      const turn = () => { turns++; setTimeout(turn) };
-      turn();
-    }""")
-    page.click("#scope-more")
-    path = saved(page, "#scope-save", tmp_path)
-    assert len(path.read_text().splitlines()) > 120_000
-    # the page's own turns come between the pieces, of which there are fifteen
-    assert page.evaluate("() => turns") >= 15

@@ -2,10 +2,11 @@
 """STOP works while the page hangs, the page's server is stopped, or samples flood."""
 
 import os
+import re
 import signal
 
 import pytest
-from bench import note
+from bench import new_page, note
 
 HANG_MS = 700
 SILENT_MS = 20_000  # far longer than the dead man of that test
@@ -116,3 +117,20 @@ def test_strangers_reach_neither_page_nor_socket(desk):
             connect(ws, origin=origin)
     with connect(ws, origin=base):
         pass
+
+
+def test_a_page_without_its_stop_frame_takes_no_control(desk):
+    desk.page.click("#control")
+    desk.until("() => !mctool.machine.controls")
+    address = re.sub(r"stop=[^&]*", "stop=http%3A%2F%2Flocalhost%3A9%2Fgone", desk.tool.address)
+    other = new_page(desk.browser)
+    other.goto(address)
+    other.wait_for_function(
+        "() => document.getElementById('cause').textContent.startsWith('No STOP')"
+    )
+    other.click("#control")
+    other.wait_for_function(
+        "() => document.getElementById('said').textContent.includes('without STOP')"
+    )
+    assert other.evaluate("() => mctool.machine.controls") is False
+    other.close()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from bench import enable, note, saved
-from test_page import enter
+from test_page import choose, enter
 
 from mmcs import ensure_library
 
@@ -146,3 +146,54 @@ def test_back_to_a_moment_and_on_from_there(desk):
     desk.eventually(lambda: desk.state()["time"] > back)
     page.click("#pause")
     desk.eventually(lambda: desk.state()["time"] > then)
+
+
+def test_minutes_are_saved_without_a_pause_of_the_page(desk, tmp_path):
+    """Text is made by a Worker, a chunk at a time, so the page says that it is there."""
+    page = desk.page
+    page.evaluate("""() => {
+      const { history } = mctool.machine;
+      const rows = 120_000, ints = new Array(history.rowInts).fill(-123456);
+      for (let n = 0; n < rows; n++) history.add(n, history.now + 0.001, ints);
+      window.turns = 0;
+      const turn = () => { turns++; setTimeout(turn) };
+      turn();
+    }""")
+    page.click("#scope-more")
+    path = saved(page, "#scope-save", tmp_path)
+    assert len(path.read_text().splitlines()) > 120_000
+    # the page's own turns come between the pieces, of which there are fifteen
+    assert page.evaluate("() => turns") >= 15
+
+
+HOLD = """() => {
+  window.heldFrames = [];
+  const ask = window.requestAnimationFrame;
+  window.requestAnimationFrame = (f) => (window.holds ? heldFrames.push(f) : ask(f));
+  window.holds = true;
+}"""
+
+
+def test_state_waits_for_no_frame(desk):
+    """A lid closed, a hidden tab, a slow GPU: lamps, banner and count go on, pictures come back."""
+    page = desk.page
+    choose(desk, "mode", "pos", lambda mode: mode == 1, 4)
+    page.evaluate(HOLD)
+    desk.until("() => heldFrames.length")  # the page waits for its next frame, which does not come
+    enable(page)
+    desk.until("() => document.querySelector('.lamp').textContent.includes('servo on')")
+    desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
+    enter(page, "#axis4-setpoint", "694")
+    desk.until("() => mctool.machine.history.latest(4).setpoint === 694")
+    desk.until(
+        "() => Math.abs(Number(document.getElementById('axis4-count').textContent) - 694) < 200"
+    )
+    assert page.evaluate("() => heldFrames.length") == 1
+    page.evaluate(
+        "() => { holds = false; heldFrames.splice(0).forEach((f) => f(performance.now())) }"
+    )
+    drawn = (
+        "() => { const draw = mctool.page.draw; mctool.page.draw = () => { drawn = true; draw() } }"
+    )
+    page.evaluate(f"() => {{ window.drawn = false; ({drawn})() }}")
+    desk.until("() => drawn")
