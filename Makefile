@@ -68,6 +68,7 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@$(call INSTALL,the processor models,-r pyproject.toml --extra hosts) $(ELSE_SKIP)
 	@tools/need_debian.sh m68k-linux-gnu-gcc gcc-m68k-linux-gnu $(ELSE_SKIP)
 	@tools/need_debian.sh clang++ clang $(ELSE_SKIP)
+	@tools/need_debian.sh gdb gdb $(ELSE_SKIP)
 	@tools/need_debian.sh riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf $(ELSE_SKIP)
 	@tools/need_debian.sh iverilog iverilog $(ELSE_SKIP)
 	@touch $@

@@ -38,6 +38,12 @@ static void die(const char *why) {
   exit(2);
 }
 
+static void needs_server(const char *what) {
+  fprintf(stderr, "mmcs: a program %s needs `mmcs exec`: this one is linked with its machine\n",
+          what);
+  exit(2);
+}
+
 static void start(void) {
   char err[300] = "";
   size_t size = 0;
@@ -181,12 +187,17 @@ int gettimeofday(struct timeval *restrict time, void *restrict zone) {
 }
 
 pid_t fork(void) {
-  die("a program of several processes needs `mmcs exec`: this one is linked with its machine");
+  needs_server("of several processes");
   return -1;
+}
+int setitimer(__itimer_which_t which, const struct itimerval *restrict every,
+              struct itimerval *restrict before) {
+  needs_server("with timers");  // whose signals would come by the computer's time
+  return (int)syscall(SYS_setitimer, which, every, before);
 }
 int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *with) {
   __typeof__(&pthread_create) real = dlsym(RTLD_NEXT, "pthread_create");
   if (making) return real(thread, how, run, with);
-  die("a program with threads needs `mmcs exec`: this one is linked with its machine");
+  needs_server("with threads");
   return EAGAIN;
 }

@@ -30,7 +30,7 @@ def program(tmp_path_factory):
 
 
 @pytest.mark.req("API-1")
-@pytest.mark.parametrize(("name", "more"), [("sine", []), ("bounce", OLD), ("timer", [])])
+@pytest.mark.parametrize(("name", "more"), [("sine", []), ("bounce", OLD)])
 def test_it_says_what_it_says_in_lock_step(program, name, more):
     """No Python is started: PATH has none."""
     own = ran(program(name, *more), env={"PATH": "/nowhere"}, check=True)
@@ -47,13 +47,15 @@ def exec_of(name: str, more: list[str]) -> list:
 
 
 @pytest.mark.req("API-1")
-def test_what_is_for_the_server_says_so(program):
-    done = ran(program("threads"))
-    told = "a program with threads needs `mmcs exec`: this one is linked with its machine"
+@pytest.mark.parametrize("name", ["threads", "timer"])
+def test_what_is_for_the_server_says_so(program, name):
+    done = ran(program(name))
+    what = name.rstrip("s") + "s"
+    told = f"a program with {what} needs `mmcs exec`: this one is linked with its machine"
     assert (done.returncode, done.stderr) == (2, f"mmcs: {told}\n")
 
 
-@pytest.mark.skipif(not shutil.which("gdb"), reason="gdb is not installed")
+@pytest.mark.skipif(not shutil.which("gdb"), reason="gdb is missing: sudo apt-get install gdb")
 def test_a_debugger_stops_in_the_servo(program):
     words = ["-batch", "-ex", "set breakpoint pending on", "-ex", "break servo_step", "-ex", "run",
              "-ex", "backtrace"]  # fmt: skip
