@@ -5,8 +5,10 @@ A checkout holds all three. Installed from a wheel, the sources lie inside the p
 built in the user's cache; so are those of a checkout that cannot be written.
 """
 
+import functools
 import hashlib
 import os
+import runpy
 import stat
 import sys
 import threading
@@ -135,3 +137,16 @@ def run_file(name: str, kind: str) -> Path | None:
 def run_folders(name: str) -> list[Path]:
     """Where a run of this name may have left its results."""
     return list(dict.fromkeys([results("runs") / name, Path("runs") / name]))
+
+
+def digest() -> str:
+    """Of the simulator's sources as they are now: 16 digits, those at the end of a build's
+    identity (mmcs_sim_build_id)."""
+    script = digest_script()
+    return script["digest"](script["sources"](ROOT))
+
+
+@functools.cache
+def digest_script() -> dict:
+    """The names of sim/model/digest.py, which the build runs too."""
+    return runpy.run_path(str(ROOT / "sim" / "model" / "digest.py"))

@@ -76,3 +76,10 @@ def pyplot():
     from matplotlib import pyplot as plt
 
     return plt
+
+
+def shown(value: float | None) -> str:
+    """A figure in a table."""
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"

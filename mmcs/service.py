@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from mmcs.cached import once
-from mmcs.engine.build import digest
 from mmcs.mcdef import ABI, make_ffi
-from mmcs.place import BUILD, ROOT, compiled, is_whole, workshop
+from mmcs.place import BUILD, ROOT, compiled, digest, is_whole, workshop
 
 SOURCES = ("record.cpp", "design.cpp")
 

@@ -2,9 +2,7 @@
 """Gets the simulator library: builds it if there is none of these very sources."""
 
 import fcntl
-import functools
 import os
-import runpy
 import shutil
 import subprocess
 import sys
@@ -13,7 +11,7 @@ from pathlib import Path
 
 from mmcs.engine.verilator import write_command
 from mmcs.errors import RunError
-from mmcs.place import BUILD, ROOT, WORK, is_whole, workshop
+from mmcs.place import BUILD, ROOT, WORK, digest, digest_script, is_whole, workshop
 
 CLK_HZ = 8_000_000
 HEARTBEAT_US = 50_000
@@ -71,18 +69,6 @@ def ensure_library(
     return path
 
 
-def digest() -> str:
-    """Of the simulator's sources as they are now: 16 digits, those at the end of a build's
-    identity (mmcs_sim_build_id)."""
-    script = _script()
-    return script["digest"](script["sources"](ROOT))
-
-
-@functools.cache
-def _script() -> dict:
-    return runpy.run_path(str(ROOT / "sim" / "model" / "digest.py"))
-
-
 def _made_of() -> bytes | None:
     """The sources that what is compiled was made of."""
     path = BUILD / "sim" / "sources"
@@ -92,7 +78,7 @@ def _made_of() -> bytes | None:
 def _forget(path: Path) -> None:
     """Removes a library and all that it may be made of."""
     path.unlink(missing_ok=True)
-    _script()["forget"](BUILD / "sim")
+    digest_script()["forget"](BUILD / "sim")
 
 
 def check_tools(env: dict) -> None:

@@ -118,7 +118,7 @@ def write_log(result, folder: Path) -> int:
 def print_report(report: dict, result, console, verbose: bool = False) -> None:
     from rich.table import Table
 
-    from mmcs.screen import cell
+    from mmcs.screen import cell, shown
 
     title = f"{report['scenario']}: {result.setup.scenario.description}"
     table = Table(title=cell(title, "table.title"))  # no markup of the user's
@@ -166,10 +166,3 @@ def print_report(report: dict, result, console, verbose: bool = False) -> None:
     if verbose and (steps := cache["hits"] + cache["misses"]):
         console.print(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
                       f"{cache['misses']} misses, {cache['bytes'] / 1e6:.1f} MB")  # fmt: skip
-
-
-def shown(value: float | None) -> str:
-    """A figure in a table."""
-    if value is None:
-        return "-"
-    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"

@@ -53,8 +53,7 @@ def print_comparison(a: Run, b: Run, found: list[dict]) -> None:
     """A table: how far the signals are apart at most, and rms error, rise and end of A and B."""
     from rich.table import Table
 
-    from mmcs.runs.report import shown
-    from mmcs.screen import cell, console
+    from mmcs.screen import cell, console, shown
 
     table = Table("axis", title=cell(f"A {_label(a, b)}, B {_label(b, a)}", "table.title"))
     table.title_justify = "left"
