@@ -33,10 +33,10 @@ help-all:
 # FETCH WHAT COMMAND: an installer, with progress, pip's settings, and a remedy when it fails.
 FETCH = $(BIN)/python tools/fetch.py
 # INSTALL: what, its requirements, our own packages. Nothing comes that requirements.lock has no hash of; what
-# builds a package is of the lock, too. Bytecode is compiled now: where Python may write none, every start
-# would compile it all anew.
+# builds a package is of the lock, too; typing is a backport that a package names. Bytecode is compiled now: where
+# Python may write none, every start would compile it all anew.
 UV = $(BIN)/python -m uv pip install --compile-bytecode --python $(BIN)/python -b requirements.lock
-INSTALL = echo mmcs | $(FETCH) "$(1)" $(UV) --require-hashes -c requirements.lock --excludes /dev/stdin $(2) \
+INSTALL = printf 'mmcs\ntyping\n' | $(FETCH) "$(1)" $(UV) --require-hashes -c requirements.lock --excludes /dev/stdin $(2) \
     $(if $(3),&& $(FETCH) "$(3)" $(UV) --no-deps $(3)) && $(BIN)/python tools/setup_venv.py
 
 # An environment knows where it was made: one that was moved or copied with its checkout is made anew.
