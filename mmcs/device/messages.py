@@ -9,7 +9,7 @@ import select
 import socket
 import struct
 import time
-from math import inf
+from math import isfinite
 
 from mmcs import ROOT, mcdef
 from mmcs.device.connection import Connection
@@ -67,8 +67,7 @@ class Messenger(Connection):
     def serve(self, nested: bool) -> bool:
         (length,) = LENGTH.unpack_from(self.data)
         try:
-            message = json.loads(self.data[LENGTH.size : LENGTH.size + length],
-                                 parse_constant=_no_number)  # fmt: skip
+            message = json.loads(self.data[LENGTH.size : LENGTH.size + length])
         except (ValueError, RecursionError):
             message = None
         if type(message) is not dict:
@@ -78,7 +77,8 @@ class Messenger(Connection):
         if nested and self._waits(op, message):
             return False
         del self.data[: LENGTH.size + length]
-        if isinstance(message.get("id"), list | dict) or message.get("id") in (inf, -inf):
+        name = message.get("id")
+        if isinstance(name, list | dict) or (isinstance(name, float) and not isfinite(name)):
             self.answer(None, _refusal(EINVAL, "id: a number or a text"))
             return True
         self.busy = True
@@ -154,10 +154,6 @@ class Messenger(Connection):
         with whole_file(path) as part:
             part.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)
         return {"file": str(path)}
-
-
-def _no_number(name: str):
-    raise ValueError(f"{name} is no JSON")
 
 
 def _refusal(number: int, text: str) -> dict:
