@@ -39,7 +39,7 @@ GROUPS = {
 EXAMPLES = {
     "run": "lab500 --set axis.0.b0=72", "list": "", "show": "puma560", "check": "my.toml",
     "faults": "encoder", "replay": "lab500", "tool": "lab500", "trace": "lab500 --at 0.05",
-    "compare": "lab500 lab500_nocomp", "serve": "puma560 --realtime",
+    "compare": "lab500 lab500_nocomp", "serve": "puma560 --realtime", "compile": "lab500",
     "exec": "--scenario lab500 -- ./bounce", "design": "--wn 80 --robot lab500 --toml",
     "sweep": "lab500 --grid axis.0.b0=60,64,68", "campaign": "arm_move --faults 100",
     "lab": "start 1", "export": "film puma560_reach",

@@ -73,6 +73,7 @@ def test_a_tool_that_is_missing_is_named(monkeypatch, tmp_path, tool):
 
 SMALL = """
 O := build/sim/obj
+$(shell mkdir -p build/sim && sha256sum sim/x.cpp >build/sim/sources)
 LIB := build/sim/speed_c1/libmmcs_sim.so
 $(LIB): $(O)/x.o
 \t@mkdir -p $(@D)
@@ -122,6 +123,8 @@ def test_a_damaged_build_is_made_again(small, damage):
 
 def test_a_build_of_which_files_are_gone_is_made_again(small):
     """Stamps alone tell make that all is there."""
+    build.ensure_library(1, "speed").unlink()
+    (small / "build" / "sim" / "obj" / "x.o").unlink()
     stamp = small / "build" / "sim" / "boards" / "boards.stamp"
     rule = "$(O)/x.o: sim/x.cpp\n"
     gone = f"\t@! test -e {stamp} || {{ echo fatal error: x.h: No such file; exit 1; }}\n"

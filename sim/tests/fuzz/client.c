@@ -115,8 +115,8 @@ static int no_name(int fd, void *address, socklen_t *length) {
 }
 
 /* of vme_map.c, which these calls do not reach */
-void *vme_map(void *address, uint64_t length, int prot, int64_t offset, const char *name) {
-  (void)address, (void)length, (void)prot, (void)offset, (void)name;
+void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset, const char *name) {
+  (void)address, (void)length, (void)prot, (void)fd, (void)offset, (void)name;
   return MAP_FAILED;
 }
 int vme_unmap(void *address, uint64_t length) {

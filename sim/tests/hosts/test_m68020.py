@@ -70,8 +70,8 @@ def test_six_axes_end_as_native():
             overruns.append(sim.stats()["overruns"])
     assert set(overruns) == {0}, overruns
     passes, mean, longest = phases["pass"]
-    # also the first one that counts, which takes longest
-    assert passes > 1000 and 500 < mean < longest < 1000
+    # the longest is at rest, when the heartbeats end: it takes the sample and the PANIC
+    assert passes > 1000 and 500 < mean < longest < 1050
     parts = ("enter", "read", "compute", "write", "publish", "latency")
     assert abs(sum(phases[p][1] for p in parts) - mean) < 1
 

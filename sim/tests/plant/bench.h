@@ -24,7 +24,6 @@ inline constexpr double kGravity[3] = {0.0, 0.0, -9.81};
 
 inline mmcs_config config(int axes, int links = 0, uint64_t seed = 1) {
   mmcs_config c = {};
-  c.abi = MMCS_SIM_ABI;
   c.cards = (axes + 1) / 2;
   c.axes = axes;
   c.links = links;
