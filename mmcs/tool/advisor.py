@@ -132,11 +132,11 @@ class Advisor(Worker):
 
         self.patience_s = float(message.get("deadman_ms", DEADMAN_MS)) / 1000
         with connect(self.socket) as link:
+            probe = Probe(link, int(message["axis"]), self._alive)
             self.say({"type": "progress", "lend": link.hello["you"]})
             self._wait_for_lease(link)
-            probe = None
             try:
-                probe = Probe(link, int(message["axis"]), self._alive)
+                probe.begin()
                 done = work(probe)
             except BaseException as error:
                 link.request("stop")
@@ -144,8 +144,7 @@ class Advisor(Worker):
                     raise ValueError(f"{error} (the machine is stopped)") from None
                 raise
             finally:
-                if probe:
-                    probe.release()
+                probe.release()
                 self._give_back(link, message)
             return done
 

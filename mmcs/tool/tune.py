@@ -94,16 +94,22 @@ class Probe:
         self._setpoints = [0] * link.hello["axes"]
         self.joints = link.hello["axes"]
         self._lost = 0.0
-        self._ran_on = not link.hello["paused"]
+        self._pauses = False
         self._due = time.monotonic()
-        link.request("pace", paused=True)
-        link.request("follow", events=False, period_ms=0)
-        self.interval_s = link.request("call", request="MGETINTERVAL")["value"] * 1e-6
+        self.interval_s = 0.0  # between samples, from begin() on
+
+    def begin(self) -> None:
+        """Pauses the machine, which release() ends, also after an error of this."""
+        asked = self.link.request("call", request="MGETINTERVAL")
+        self.interval_s = asked["value"] * 1e-6
+        self._pauses = not self.link.hello["paused"]
+        self.link.request("pace", paused=True)
+        self.link.request("follow", events=False, period_ms=0)
         self.wait(0.05)
 
     def release(self) -> None:
-        """Lets time run as before the experiment."""
-        if self._ran_on:
+        """Lets time run as before begin()."""
+        if self._pauses:
             self.link.request("pace", paused=False)
 
     @property

@@ -64,7 +64,9 @@ def started(link, name: str) -> Probe:
     link.request("lease", take=True)
     link.request("call", request="MSETINTERVAL", value=interval_us)
     link.request("call", request="MENABLE")
-    return Probe(link, axis, look_wall_s=0.0)
+    probe = Probe(link, axis, look_wall_s=0.0)
+    probe.begin()
+    return probe
 
 
 def reach(probe: Probe, centre: int) -> int:
@@ -122,3 +124,14 @@ def test_an_axis_that_leaves_its_range_is_braked(machines):
         assert abs(probe.speed()) < 1000 and reach(probe, centre) < 20 * half
         link.request("stop")
         probe.release()
+
+
+@pytest.mark.req("TOOL-1")
+def test_an_experiment_that_cannot_begin_leaves_no_machine_paused(machines):
+    with connect(machines("lab500")) as link:
+        link.request("lease", take=True)
+        probe = Probe(link, 0, look_wall_s=0.0)
+        with pytest.raises(TuneError, match="is not enabled"):
+            probe.begin()
+        probe.release()
+        assert not link.request("hello")["paused"]
