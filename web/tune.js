@@ -112,12 +112,15 @@ export function tuneView(page) {
     const start = history.now;
     if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
     await until(() => history.now > start + 0.6);
-    const { motor, wn: asked, zeta: damping } = motors.get(chosen) ?? {};
-    const seen = { ...stepRows(history, chosen, start, from, counts), size: counts, motor, wn: asked ?? 1, zeta: damping ?? 1 };
-    const param = machine.driver.params[chosen];
-    const done = await machine.try(advice.request("judge", { ...seen, param, interval_s: page.interval_s(chosen) }));
+    const done = await machine.try(advice.request("judge", {
+      ...stepRows(history, chosen, start, from, counts),
+      ...motors.get(chosen), // without them: figures, and no verdict
+      size: counts,
+      param: machine.driver.params[chosen],
+      interval_s: page.interval_s(chosen),
+    }));  // prettier-ignore
     if (!done) return undefined;
-    if (motor) judged(done.fine, done.verdict);
+    if (done.verdict) judged(done.fine, done.verdict);
     const made = await predicted(chosen, { step: counts, seconds: done.t.at(-1) });
     table(figures(done, made));
     plots.replaceChildren();

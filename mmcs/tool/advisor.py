@@ -85,11 +85,11 @@ class Advisor(Worker):
         from mmcs.tool.judge import Wish, judge, step_figures
 
         t, y, u = (np.array(message[name], dtype=float) for name in "tyu")
-        step = step_figures(t, y, u, float(message["size"]))
+        step = step_figures(t, y, float(message["size"]))
         if not message.get("motor"):
             return step
         wish = Wish(float(message["wn"]), float(message["zeta"]), _interval(message))
-        verdict = judge(step, wish, Motor(**message["motor"]), message["param"])
+        verdict = judge(step | {"u": u}, wish, Motor(**message["motor"]), message["param"])
         return step | {"fine": verdict.met, "verdict": verdict.text}
 
     def do_mcap(self, message: dict) -> dict:

@@ -49,21 +49,19 @@ def predict(motor: Motor, param: dict, t: float, size: float, seconds: float, aw
     """The step that the motor's numbers promise, with limit and friction."""
     rows = max(2, int(min(seconds, 4.0) / t))
     y = predicted_step(motor, param, t, round(size), rows, away)
-    at = np.arange(rows) * t
-    told = asdict(step_response(at, y, 0.0, 0.0, round(size)))
-    return told | {"t": at.tolist(), "y": y.tolist()}
+    return step_figures(np.arange(rows) * t, y, round(size))
 
 
-def step_figures(t: np.ndarray, y: np.ndarray, u: np.ndarray, size: float) -> dict:
-    """Of a step from 0 at t[0]: times s, counts, D/A units; with the figures of Response."""
+def step_figures(t: np.ndarray, y: np.ndarray, size: float) -> dict:
+    """Of a step from 0 at t[0]: times s, counts, and the figures of Response."""
     at = t - t[0]
     figures = asdict(step_response(at, y, 0.0, 0.0, size))
-    return figures | {"size": size, "t": at.tolist(), "y": y.tolist(), "u": u.tolist()}
+    return figures | {"size": size, "t": at.tolist(), "y": y.tolist()}
 
 
 def judge(step: dict, wish: Wish, motor: Motor, param: dict) -> Verdict:
-    """Whether a step (step_figures) with these parameters does what was asked, in a sentence, and
-    one on what would help."""
+    """Whether a step (step_figures, and u: its currents, D/A units) with these parameters does what
+    was asked, in a sentence, and one on what would help."""
     asked, size = Response(**wish.figures()), abs(step["size"])
     unmet = {}
     rise, over, settle, off = (step[k] for k in asdict(asked))

@@ -31,7 +31,7 @@ LOOK_S = 0.002  # of the machine's time between two looks
 RAMP_LSB_S = 400.0  # of the search for the current that breaks the axis away
 MOVED = 12  # counts that count as moving
 PULSES = (1.6, 2.2, 3.0)  # currents of the relay, in break-away currents
-RELAY_S = 4.0
+RELAY_S, MOST_TURNS = 4.0, 400
 REACH = 0.8  # of the range: how far the relay may let an axis run on
 STILL_S = 0.05  # an axis that counts nothing for so long is at rest
 REST_S = 2.0  # the longest wait for it
@@ -100,8 +100,7 @@ class Probe:
 
     def begin(self) -> None:
         """Pauses the machine, which release() ends, also after an error of this."""
-        asked = self.link.request("call", request="MGETINTERVAL")
-        self.interval_s = asked["value"] * 1e-6
+        self.interval_s = self.link.request("call", request="MGETINTERVAL")["value"] * 1e-6
         self._pauses = not self.link.hello["paused"]
         self.link.request("pace", paused=True)
         self.link.request("follow", events=False, period_ms=0)
@@ -134,9 +133,6 @@ class Probe:
 
     def change(self, **fields: int) -> None:
         self.link.request("change", axis=self.axis, param=fields)
-
-    def mode(self, mode: int, flags: int = 0) -> None:
-        self.change(mode=mode | flags)
 
     def write(self, value: float) -> None:
         self._setpoints[self.axis] = round(value)
@@ -211,13 +207,11 @@ def relay(probe: Probe, away: float, most: int) -> Rows:
     """Back and forth about the centre in torque mode with growing currents; what was recorded."""
     began, sign, turns = probe.now, 1, 0
     amplitudes = [min(share * away, most) for share in PULSES]
-    while probe.now < began + RELAY_S or turns < 2 * len(PULSES):
+    while turns <= MOST_TURNS and (probe.now < began + RELAY_S or turns < 2 * len(PULSES)):
         now, then = (amplitudes[n // 2 % len(PULSES)] for n in (turns, turns + 1))
         probe.write(sign * now)
         stroke(probe, sign, now / then)
         sign, turns = -sign, turns + 1
-        if turns > 400:
-            break
     rows = probe.rows(began)
     halt(probe)
     return rows
@@ -288,7 +282,7 @@ def gains(
 def identify_axis(probe: Probe, most: int) -> tuple[Motor, float]:
     """The motor, and its break-away current; leaves the axis at rest in torque mode."""
     probe.write(0)
-    probe.mode(mcdef.MD_TORQ)
+    probe.change(mode=mcdef.MD_TORQ)
     probe.wait(0.1)
     away = 0.0
     for sign in (1, -1):
@@ -326,7 +320,7 @@ def tune(probe: Probe, wn: float, zeta: float, half: float, say=lambda text: Non
     return {
         "motor": asdict(motor), "break_away": away, "param": param, "before": before,
         "gains": asdict(controller), "step": step, "predicted": predicted,
-        "fine": verdict.met, "verdict": verdict.text, "wish": wish.figures(),
+        "fine": verdict.met, "verdict": verdict.text,
         "margins": {"phase_deg": verdict.margins.phase_deg},
     }  # fmt: skip
 
@@ -338,18 +332,18 @@ def _first_good(probe: Probe, motor: Motor, wish: Wish, size: float, say) -> tup
     def rank(step: dict, verdict: Verdict) -> tuple:
         return len(verdict.unmet), abs(step["steady_error_counts"])
 
-    best = None
+    best, sign = None, 1 if motor.g > 0 else -1
+    fixed = {
+        "ic_pos": round(COMPENSATED * motor.tc_pos),
+        "ic_neg": round(COMPENSATED * motor.tc_neg),
+        "mode": mcdef.MD_POS | mcdef.COULCOMP,
+    }
     for faster, slower in TRIES:
         wn, slow = faster * wish.wn, wish.wn / slower if slower else 0.0
         controller, law = gains(motor, wn, wish.zeta, wish.t, slow)
         if best and margins(law.discrete(), motor.plant, wish.t).phase_deg < LEAST_MARGIN_DEG:
             continue
-        sign = 1 if motor.g > 0 else -1
-        param = law.named(sign) | {
-            "ic_pos": sign * round(COMPENSATED * motor.tc_pos * sign),
-            "ic_neg": sign * round(COMPENSATED * motor.tc_neg * sign),
-            "mode": mcdef.MD_POS | mcdef.COULCOMP,
-        }
+        param = law.named(sign) | fixed
         probe.write(probe.position)
         probe.change(**param)
         probe.wait(0.3)
@@ -375,7 +369,8 @@ def make_step(probe: Probe, size: float, seconds: float = STEP_S) -> dict:
     probe.write(before)
     probe.wait(seconds)
     first = int(np.argmax(rows.w == target))
-    return step_figures(rows.t[first:], rows.y[first:] - before, rows.u[first:], target - before)
+    figures = step_figures(rows.t[first:], rows.y[first:] - before, target - before)
+    return figures | {"u": rows.u[first:].tolist()}
 
 
 def chirp(probe: Probe, amplitude: float, low: float, high: float, seconds: float) -> Frequency:

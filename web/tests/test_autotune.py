@@ -93,7 +93,7 @@ def test_what_is_asked_is_met_or_refused_within_the_safe_range(machines, name):
         made = tune(probe, wanted, 1.0, HALF)
         met = bandwidth(chirp(probe, 30.0, 1.0, 20.0, 8.0)) if made["fine"] else None
         farthest, left = reach(probe, centre), probe.param()
-        probe.mode(0)
+        probe.change(mode=0)
         link.request("stop")
         probe.release()
     step, motor = made["step"], made["motor"]
