@@ -165,10 +165,11 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RISC-V images, print siz
 
 # --- mctool in the browser ------------------------------------------------------------------
 
-$(VENV)/.tool: $(VENV)/.sim web/package.json web/package-lock.json
+LIBRARIES = $(BIN)/python tools/libraries.py $(VENV)/share/mmcs/node_modules
+
+$(VENV)/.tool: $(VENV)/.sim web/package-lock.json tools/libraries.py
 	@$(call INSTALL,mctool,-r pyproject.toml --extra tool)
-	@mkdir -p $(VENV)/share/mmcs && cp web/package.json web/package-lock.json $(VENV)/share/mmcs
-	@$(FETCH) "the page's libraries" $(BIN)/npm --prefix $(VENV)/share/mmcs ci --omit=dev --ignore-scripts --no-audit --no-fund
+	@$(FETCH) "the page's libraries" $(LIBRARIES)
 	@touch $@
 
 tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool [SCENARIO=puma560]
@@ -176,7 +177,7 @@ tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool
 
 $(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
 	@$(call INSTALL,the browser's test tools,-r pyproject.toml --extra tool-test)
-	@$(FETCH) "the page's test tools" $(BIN)/npm --prefix $(VENV)/share/mmcs ci --ignore-scripts --no-audit --no-fund
+	@$(FETCH) "the page's test tools" $(LIBRARIES) --dev
 	@tools/need_debian.sh chromium chromium
 	@touch $@
 

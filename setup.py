@@ -11,7 +11,7 @@ TREES = ("rtl", "sim", "firmware", "web")
 FILES = ("mmcs.core", "tools/sources.py")
 LABS = "labs/mmcs_labs"
 LEFT_OUT = {"tests", "__pycache__", "node_modules"}
-# The page's libraries, where `make tool` has fetched them; without them the package has no mctool.
+# The page's libraries, where `make tool` has fetched them; else they are fetched now.
 UNSHIPPED = shutil.ignore_patterns("axe-core")  # of the tests
 LIBRARIES = HERE / ".venv" / "share" / "mmcs" / "node_modules"
 
@@ -27,9 +27,14 @@ def copy_sources(target: Path) -> None:
     for name in sources():
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HERE / name, target / name)
+    libraries = target / "web" / "lib"
     if LIBRARIES.is_dir():
-        shutil.copytree(LIBRARIES, target / "web" / "lib", ignore=UNSHIPPED, dirs_exist_ok=True)
-    runpy.run_path(str(HERE / "tools" / "sbom.py"))["write"](target, target / "web" / "lib")
+        shutil.copytree(LIBRARIES, libraries, ignore=UNSHIPPED, dirs_exist_ok=True)
+    try:
+        runpy.run_path(str(HERE / "tools" / "libraries.py"))["fetch"](libraries, dev=False)
+    except SystemExit as gone:
+        print(f"mmcs: this package has no mctool: {gone}")
+    runpy.run_path(str(HERE / "tools" / "sbom.py"))["write"](target, libraries)
 
 
 def main() -> None:

@@ -41,7 +41,7 @@ REMEDIES = [  # words of a failure, what to do
     (("no space", "enospc", "disk quota"), "the disk is full: all tools need 3 GB"),
     (("hash", "integrity"), "what came is not what requirements.lock or package-lock.json names"),
     (("",), "packages come from the network (PyPI, npm), or from an index of yours:"
-     " `pip config set global.index-url URL`, `npm config set registry URL`"),
+     " `pip config set global.index-url URL`, NPM_CONFIG_REGISTRY=URL"),
 ]  # fmt: skip
 
 

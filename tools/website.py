@@ -85,7 +85,8 @@ def write() -> None:
         assert theirs in page, theirs
         page = page.replace(theirs, ours)
     (fresh / "index.html").write_text(page)
-    shutil.copytree(library_folder() / LIBRARIES["uplot"], fresh / "lib" / "uplot", ignore=_big)
+    for name, folder in LIBRARIES.items():
+        shutil.copytree(library_folder() / folder, fresh / "lib" / name, ignore=_big)
     for cards in CARDS:
         made = BUILD / "sim" / f"web_c{cards}"
         shutil.copy(made / "mmcs_sim.wasm", fresh / "engine" / f"machine{cards}.wasm")
@@ -109,7 +110,7 @@ def write() -> None:
 
 def _big(folder: str, names: list[str]) -> list[str]:
     """What a page does not load of a library."""
-    wanted = {"uPlot.esm.js", "uPlot.min.css"}
+    wanted = {"htm.module.js", "preact.module.js", "uPlot.esm.js", "uPlot.min.css"}
     return [name for name in names if name not in wanted]
 
 
@@ -186,21 +187,12 @@ def setup(name: str) -> dict | None:
         "description": scenario.description,
         "cards": scenario.cards,
         "seed": scenario.seed,
-        "gravity": made.config()["gravity"],
-        "motors": made.motors(),
-        "arm": made.robot.links(),
-        "params": [_param(axis, values) for axis, values in enumerate(made.params)],
+        "machine": made.about(),
         "binary": base64.b64encode(compiled(made)).decode(),
         "duration": scenario.duration,
         "data": inline(made.data, made.path.parent),
         "files": base64.b64encode(packed).decode(),
     }
-
-
-def _param(axis: int, values: dict) -> dict:
-    """The fields of struct mc_param."""
-    numbers = {name: value for name, value in values.items() if name != "flags"}
-    return numbers | {"which": axis, "mode": mcdef.mode_word(values["mode"], values["flags"])}
 
 
 if __name__ == "__main__":

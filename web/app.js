@@ -49,12 +49,13 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     // a machine that stands still sends none
     if (!machine.history.latest(0)) await machine.seen(() => true, FIRST_SAMPLE_MS);
     const about = await machine.try(machine.link.request("machine"));
-    page.units.motors = about?.motors ?? [];
+    Object.assign(page.about, about);
+    page.units.motors = page.about.motors;
     for (let axis = 0; axis < machine.hello.axes; axis++) page.panels.push(new Panel(page, axis));
     room("panels").append(...page.panels.map((panel) => panel.element));
     const arm = new Arm(page);
     room("arm").append(arm.element);
-    arm.about = about ?? {};
+    arm.about = page.about;
     const showTiles = tiles(page, room("tiles"));
     const views = tabs(page, log);
     const seen = (what) => views.forEach((view) => view.visible && view[what]?.(page.row));

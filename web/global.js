@@ -25,6 +25,9 @@ export class Global {
     const watched = (control, take) => this.drafts.watch(control, take);
     this.control = button("control", "", () => this.toControl());
     this.enable = button("enable", "Enable", () => this.toEnable(), { title: "E, then Enter" });
+    this.robot = button("robot-gains", "Robot's gains", () => machine.try(page.takeSuggested()), {
+      title: "gains, friction compensation, limits and interval that the robot file or the scenario suggests",
+    });
     this.clear = button("clear", "Clear errors", () => machine.try(machine.link.call("MCLEARERROR")));
     this.interval = watched(el("input", { id: "interval", type: "text", size: 6 }), (text) =>
       call("MSETINTERVAL")(parseInteger(text, 1, 1e9, "interval")),
@@ -43,7 +46,7 @@ export class Global {
     this.element = el("div", {},
       el("div", { className: "row" }, this.name, ...Object.values(this.lamps), this.time,
         el("span", { className: "grow" }), this.units),
-      el("div", { className: "row" }, this.control, this.enable, this.clear,
+      el("div", { className: "row" }, this.control, this.enable, this.robot, this.clear,
         labelled("Interval", this.interval, "µs"), labelled("Diag", this.diag),
         labelled("Double D/A", this.buffer)));  // prettier-ignore
     for (const kind of ["control", "lease", "driver", "enabled", "closed", "hello"])
@@ -60,14 +63,20 @@ export class Global {
     const { machine, units } = this.page;
     if (!machine.hello) return;
     const may = machine.controls;
-    for (const control of [this.enable, this.clear, this.interval, this.diag, this.buffer])
+    for (const control of [this.enable, this.robot, this.clear, this.interval, this.diag, this.buffer])
       control.disabled = !may;
     const other = machine.holder !== null && !may;
     const give = machine.enabled ? "Stop and give control back" : "Give control back";
     setText(this.control, may ? give : other ? "Controlled by another" : "Take control");
     this.control.disabled = other || !machine.connected;
     document.body.classList.toggle("controls", may);
-    setText(this.name, `${machine.hello.scenario ?? machine.hello.server}`);
+    this.enable.classList.toggle("filled", may && !machine.enabled);
+    const { title, servo } = this.page.about;
+    const name = title ? `${title}, simulated` : (machine.hello.scenario ?? machine.hello.server);
+    this.robot.hidden = !servo;
+    setText(this.name, name);
+    this.name.title = machine.hello.scenario ?? "";
+    if (document.title !== name) document.title = name;
     const { interval_us, diag, double_buffer } = machine.driver;
     this.drafts.show(this.interval, interval_us);
     this.drafts.show(this.diag, diag);

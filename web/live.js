@@ -116,7 +116,7 @@ async function start() {
   });
   machine.addEventListener("hello", async () => {
     await machine.try(machine.takeControl());
-    if (demo.gains) await machine.try(machine.change(0, position(setup.params[0])));
+    if (demo.gains) await machine.try(machine.change(0, position(setup.machine.servo[0])));
     setInterval(look, LOOK_MS);
     document.body.classList.add("ready");
   });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the panels and views share: the machine, the chosen axis, units, designs and marks asked for.
 
+import { MODE_MASK } from "./params.js";
 import { Units } from "./units.js";
 
 export class Page extends EventTarget {
@@ -10,6 +11,7 @@ export class Page extends EventTarget {
     this.advice = advice; // null: no designer (docs/use/tool.md)
     this.labs = labs; // makes what answers for the lab sheets (web/labs.js)
     this.units = new Units();
+    this.about = { motors: [], links: [] }; // of the machine (docs/use/protocol.md, machine)
     this.panels = [];
     this.axis = 0; // the chosen one
     this.moment = null; // s: the whole page shows this one; null: the latest
@@ -41,6 +43,25 @@ export class Page extends EventTarget {
   interval_s(axis) {
     const { interval_us, params } = this.machine.driver;
     return interval_us * 1e-6 * (params[axis]?.clkdivisor ?? 1);
+  }
+
+  /** Whether an axis has other numbers than the robot file or the scenario suggests. */
+  differs(axis) {
+    const [{ mode, ...numbers }, now] = [this.about.servo?.[axis] ?? {}, this.machine.driver.params[axis]];
+    return Boolean(now) && Object.entries(numbers).some(([name, value]) => now[name] !== value);
+  }
+
+  /** Gives every axis those numbers, with friction compensation, and the driver their interval. An axis
+   * that is off goes to the mode that belongs to them; the others keep theirs. */
+  async takeSuggested() {
+    const { machine } = this;
+    await machine.link.call("MSETINTERVAL", { value: this.about.interval_us });
+    for (const [axis, { mode, ...numbers }] of this.about.servo.entries()) {
+      const now = machine.driver.params[axis];
+      const kept = now?.mode & MODE_MASK;
+      if (now) await machine.change(axis, { ...numbers, mode: kept ? now.mode | (mode & ~MODE_MASK) : mode });
+    }
+    await machine.read();
   }
 
   /** {coefficients, warnings} of continuous gains. Rejects with a line for people. */

@@ -30,6 +30,10 @@ export function modeName(param, current = 0) {
   return name === "off" && current !== 0 ? "diag" : name;
 }
 
+/** Gains as at power-on (Table 2.1): one D/A unit a count. */
+export const isInitial = (param) =>
+  Boolean(param) && ["a0", "a1", "a2", "b0", "b1", "b2"].map((name) => param[name]).join() === "1,0,0,1,0,0";
+
 export const isBounded = ({ plo, phi }) => plo > INT_MIN / 2 && phi < INT_MAX / 2;
 
 /** What the setpoint means in a mode: name, range, and what it is measured in (units.js). */

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // One banner: what the machine is in, why, and what comes next. And what Enable still lacks.
 
-import { el, setText } from "./dom.js";
-import { errorWords } from "./params.js";
+import { button, el, setText } from "./dom.js";
+import { errorWords, isInitial, MODE_MASK, MODES } from "./params.js";
 import { LINES } from "./samples.js";
+import { DAC_V } from "./units.js";
 
 const FROZEN_MS = 1000;
 const BEFORE_S = 0.06; // so long before power went, its cause may have come: a heartbeat lasts 50 ms
+const STUCK_S = 0.3; // so long an axis stands that is to move
+const STUCK_COUNTS = 20; // an error that friction leaves behind a stiff loop is smaller
+const DRIVEN = [MODES.pos, MODES.vel, MODES.torq];
 const POWER = 10; // a card's light
 
 const absentCards = (machine) =>
@@ -67,8 +71,28 @@ export function causeOf(events, t) {
   return "STOP";
 }
 
-/** {kind, cause, next}: kind is bad, warn, good or rest. */
-export function condition(machine, end, now) {
+/** An axis that is to move and stands, because its loop pushes with less than static friction holds:
+ * {axis, pushes, holds, mode}, D/A units. motors: of the robot file. undefined: there is none. */
+export function stuckAxis({ history, driver }, motors) {
+  const row = history.end - 1;
+  const before = history.find(history.time(row) - STUCK_S);
+  if (before >= row) return undefined;
+  const stands = ({ stiction_pos, stiction_neg, km, amp_gain }, axis) => {
+    const mode = (driver.params[axis]?.mode ?? 0) & MODE_MASK;
+    const [was, is] = [before, row].map((at) => history.at(axis, at));
+    const far = mode === MODES.pos ? is.error : is.setpoint;
+    const holds = (is.current > 0 ? stiction_pos : stiction_neg) / (km * amp_gain * DAC_V);
+    const wanted = DRIVEN.includes(mode) && Math.abs(far) > (mode === MODES.pos ? STUCK_COUNTS : 0);
+    const still = was.encnow === is.encnow && was.setpoint === is.setpoint;
+    const weak = is.current !== 0 && Math.abs(is.current) < holds;
+    return wanted && still && weak ? { axis, pushes: Math.abs(is.current), holds, mode } : undefined;
+  };
+  return motors.map(stands).find(Boolean);
+}
+
+/** {kind, cause, next, offer}: kind is bad, warn, good or rest; offer: the robot's gains would help. */
+export function condition(page, end, now) {
+  const { machine } = page;
   const { history } = machine;
   if (!machine.connected)
     return { kind: "bad", cause: "Not connected to the machine.",
@@ -79,6 +103,7 @@ export function condition(machine, end, now) {
   if (history.end === history.first)
     return { kind: "rest", cause: "No sample yet.", next: "Time passes while somebody has the device open." };
   const missing = lacks(machine);
+  const bare = machine.controls && machine.driver.params.some((param, n) => isInitial(param) && page.differs(n));
   const next = missing.length ? `Enable lacks ${missing.join("; ")}.` : "Enable (E, then Enter) drives and opens the brakes.";
   const frozen = now - machine.heard;
   if (!machine.paused && frozen > FROZEN_MS)
@@ -93,18 +118,26 @@ export function condition(machine, end, now) {
     const at = errors.findIndex(Boolean);
     if (at >= 0)
       return { kind: "warn", cause: `Servo on; axis ${at}: ${errorWords(errors[at])}.`, next: "Clear errors once it is seen to." };
+    const stuck = stuckAxis(machine, page.about.motors);
+    if (stuck) {
+      const { axis, pushes, holds, mode } = stuck;
+      const advice = mode === MODES.torq ? "Ask for more torque." : "Raise P, take the robot's gains, or tune.";
+      return { kind: "warn", cause: `Servo on; axis ${axis} pushes ${pushes} D/A units, friction holds about ${Number(holds.toPrecision(2))}.`,
+        next: `${advice} Space or Escape stops.`, offer: mode !== MODES.torq && page.differs(axis) };  // prettier-ignore
+    }
     const tail = machine.paused && machine.controls ? " Time is paused: Run on." : "";
-    return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}` };
+    return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}`, offer: bare };
   }
   if (end) return { kind: "warn", cause: `Stopped at ${end.t.toFixed(3)} s: ${end.cause}.`, next };
-  return { kind: "rest", cause: "At rest, brakes on.", next };
+  return { kind: "rest", cause: "At rest, brakes on.", next, offer: bare };
 }
 
 export function statusBar(page, element) {
   const { machine } = page;
   const cause = el("strong", { id: "cause" });
   const next = el("span", { id: "next" });
-  element.append(cause, next);
+  const offer = button("offer", "Take the robot's gains", () => machine.try(page.takeSuggested()));
+  element.append(cause, next, offer);
   let end = null; // of the last power: {t, cause}
   machine.addEventListener("event", ({ detail }) => {
     if (detail.kind === "rewind") end = null;
@@ -113,10 +146,11 @@ export function statusBar(page, element) {
   });
   return () => {
     if (end) end.cause = causeOf(machine.messages.slice(-400), end.t);
-    const now = condition(machine, end, performance.now());
+    const now = condition(page, end, performance.now());
     element.className = now.kind;
     setText(cause, now.cause);
     setText(next, now.next);
+    offer.hidden = !(now.offer && machine.controls);
     document.body.classList.toggle("gone", !machine.connected);
   };
 }

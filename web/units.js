@@ -4,7 +4,7 @@
 // quantity: position (counts), current and code (D/A units), adc (A/D units). A number that is shown is
 // the driver's times `by`; what is typed is divided by it and rounded to what the driver can have.
 
-const DAC_V = 10 / 2048; // ±10 V
+export const DAC_V = 10 / 2048; // ±10 V
 const OWN = { position: "counts", current: "D/A units", code: "D/A units", adc: "A/D units" };
 
 export class Units extends EventTarget {

@@ -47,9 +47,7 @@ def _machine(scenario: str, sets: tuple[str, ...] = ()):
     if bare := list(range(setup.axes, 2 * setup.scenario.cards)):
         axes = f"axis {bare[0]} has" if len(bare) == 1 else f"axes {bare[0]} to {bare[-1]} have"
         echo(f"mmcs: {scenario}: {axes} no motor, and will not move", err=True)
-    about = {"gravity": setup.config()["gravity"], "motors": setup.motors(),
-             "links": setup.robot.links()}  # fmt: skip
-    return machine(setup), {"scenario": scenario, "machine": about}
+    return machine(setup), {"scenario": scenario, "machine": setup.about()}
 
 
 @click.command()

@@ -85,6 +85,24 @@ class Setup:
         """The fields of mmcs_link per axis; none when the axes stand alone."""
         return self.robot.links() if self.scenario.dynamics == "coupled" else []
 
+    def about(self) -> dict:
+        """What the messages tell of the machine: numbers of the robot file in SI units, and the
+        driver's parameters, mode as a word, that the scenario suggests at interval_us."""
+        servo = [
+            {name: value for name, value in param.items() if name != "flags"}
+            | {"mode": mcdef.mode_word(param["mode"], param["flags"])}
+            for param in self.params
+        ]
+        return {
+            "title": self.robot.title,
+            "gravity": self.config()["gravity"],
+            "motors": self.motors(),
+            "links": self.robot.links(),
+            "interval_us": self.scenario.interval_us,
+            "heartbeat_us": self.scenario.heartbeat_us,
+            "servo": servo,
+        }
+
 
 def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     """Raises InputError with every mistake of both files.

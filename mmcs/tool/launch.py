@@ -19,7 +19,7 @@ from urllib.parse import urlencode
 
 from mmcs.device.sockets import socket_path
 from mmcs.errors import InputError, RunError
-from mmcs.tool.pages import library_folder
+from mmcs.tool.pages import LIBRARIES, library_folder
 from mmcs.tool.urgent import prefer
 
 LINES = 20  # of the machine's words that are kept
@@ -105,7 +105,7 @@ def start(
 
 
 def check_libraries() -> None:
-    if not (library_folder() / "uplot").is_dir():
+    if not all((library_folder() / name).is_dir() for name in LIBRARIES):
         raise InputError.one(
             "mmcs tool", "", None, "the page's libraries are not installed; run `make tool` once"
         )

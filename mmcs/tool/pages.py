@@ -24,12 +24,12 @@ from mmcs import ROOT
 
 PAGES = ROOT / "web"
 LOOPBACK = "127.0.0.1"
-# What an address below lib/ means; npm's packages are fetched by `make tool`, never committed.
-LIBRARIES = {"uplot": "uplot/dist"}
+# What an address below lib/ means; packages of npm, fetched by `make tool`, never committed.
+LIBRARIES = {"htm": "htm/dist", "preact": "preact/dist", "uplot": "uplot/dist"}
 
 
 def library_folder() -> Path:
-    """Where npm put the libraries: inside the Python environment; in a wheel, beside the pages."""
+    """Of tools/libraries.py: inside the Python environment; in a wheel, beside the pages."""
     packed = PAGES / "lib"
     return packed if packed.is_dir() else Path(sys.prefix) / "share" / "mmcs" / "node_modules"
 

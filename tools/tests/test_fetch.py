@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an installation tells, and whose settings it takes."""
 
+import base64
 import hashlib
 import http.server
+import io
+import json
 import os
 import re
 import ssl
 import subprocess
 import sys
+import tarfile
 import threading
 import zipfile
 from pathlib import Path
@@ -15,7 +19,7 @@ from pathlib import Path
 import pytest
 
 from mmcs import ROOT
-from tools import fetch
+from tools import fetch, libraries
 from tools.compiled import ran
 
 SET = re.compile(r"(UV|PIP|SSL|NODE|REQUESTS|CURL|npm)_|.*_(CERT|CERTS)$|.*proxy", re.I)
@@ -167,6 +171,40 @@ def test_uv_trusts_the_certificate_that_pip_is_configured_with(plain, tmp_path, 
 
 def test_every_installer_of_the_makefile_is_run_so():
     text = (ROOT / "Makefile").read_text().replace("\\\n", " ")
-    lines = [line for line in text.splitlines() if re.search(r"pip install|/npm .*\bci\b", line)]
+    lines = [line for line in text.splitlines() if re.search(r"pip install|\$\(LIBRARIES\)", line)]
     assert len(lines) >= 4
     assert [line for line in lines if "$(FETCH)" not in line and "UV =" not in line] == []
+
+
+def test_a_library_of_the_page_is_what_the_lock_names_or_refused(tmp_path, monkeypatch):
+    """From a registry of one's own: unpacked below its name, nothing beside it; else one line."""
+    data = io.BytesIO()
+    with tarfile.open(fileobj=data, mode="w:gz") as packed:
+        for name, text in (
+            ("package/package.json", '{"version": "1.0.0"}'),
+            ("package/../../x", "x"),
+        ):
+            member = tarfile.TarInfo(name)
+            member.size = len(text)
+            packed.addfile(member, io.BytesIO(text.encode()))
+    served = tmp_path / "served" / "one" / "-"
+    served.mkdir(parents=True)
+    (served / "one-1.0.0.tgz").write_bytes(data.getvalue())
+    digest = base64.b64encode(hashlib.sha512(data.getvalue()).digest()).decode()
+    monkeypatch.setenv("NPM_CONFIG_REGISTRY", (tmp_path / "served").as_uri())
+    monkeypatch.setattr(libraries, "ROOT", tmp_path)
+    (tmp_path / "web").mkdir()
+
+    def lock(integrity: str) -> None:
+        package = {"version": "1.0.0", "integrity": f"sha512-{integrity}"}
+        locked = {"packages": {"": {}, "node_modules/one": package}}
+        (tmp_path / "web" / "package-lock.json").write_text(json.dumps(locked))
+
+    lock("A" + digest[1:])
+    with pytest.raises(SystemExit, match=r"one-1\.0\.0\.tgz: its hash is not the one"):
+        libraries.fetch(tmp_path / "to", dev=False)
+    assert not (tmp_path / "to").exists()
+    lock(digest)
+    libraries.fetch(tmp_path / "to", dev=False)
+    assert [p.name for p in (tmp_path / "to").rglob("*")] == ["one", "package.json"]
+    assert not (tmp_path / "x").exists()

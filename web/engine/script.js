@@ -27,7 +27,7 @@ export class Script {
   /** What asked() gave, now; the driver's answer. */
   ask({ call, sets }) {
     const at = this.room + this.size("mmcs_call");
-    this.put(this.room, "mmcs_call", call);
+    this.put(this.room, "mmcs_call", { ...call, set_at: 0 });
     new Int32Array(this.m.HEAPU8.buffer, at, 3 * sets.length).set(sets.flat());
     return this.m._mmcs_script_ask(this.at, this.sim, this.room, at);
   }

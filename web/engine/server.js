@@ -180,7 +180,7 @@ const OPERATIONS = {
     new Promise((done) => {
       s.arrived = () => done({ t: s.sim.time });
     }),
-  machine: (s) => ({ motors: s.setup.motors, links: s.setup.arm, gravity: s.setup.gravity }),
+  machine: (s) => s.setup.machine,
 };
 
 /** Of a page alone, with the arguments as they come. */

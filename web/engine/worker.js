@@ -36,7 +36,7 @@ async function start({ setup, module, layouts, constants, waves, plays, paused, 
   const { default: load } = await import(module);
   const engine = await load();
   const { calls, ...changes } = setup.changes ?? {};
-  if (calls) changes.calls = calls.map((call) => asked(call, setup.params.length, layouts, constants));
+  if (calls) changes.calls = calls.map((call) => asked(call, setup.machine.servo.length, layouts, constants));
   const sim = new Sim(engine, layouts, setup, changes);
   const another = (skip) => new Sim(engine, layouts, setup, { ...changes, skip });
   session = new Session(sim, setup, constants);

@@ -2,7 +2,8 @@
 """How the tool starts: switches, a machine that others drive, two pages, screen readers."""
 
 import pytest
-from bench import Desk, picture
+from bench import Desk, enable, picture
+from test_page import choose, enter
 
 from mmcs import Link
 from mmcs.tool.launch import _end, start
@@ -132,3 +133,25 @@ def test_the_wheel_changes_no_number_and_turns_the_arm_nearer(desk):
     size = "() => document.querySelector('.arm').dataset.away"
     page.mouse.wheel(0, -400)
     desk.until(f"() => Number(({size})()) < 2.5")
+
+
+def test_a_newcomer_is_told_what_holds_a_joint_and_what_moves_it(desk):
+    """Enable, Pos, 200: with power-on gains friction holds J1, unasked nothing is written."""
+    page = desk.page
+    assert page.inner_text("h1") == page.title() == "Unimation PUMA 560, simulated"
+    assert page.eval_on_selector_all(".filled", "all => all.map((e) => e.id)") == ["enable"]
+    assert page.is_visible("#offer") and page.is_visible("#robot-gains")
+    choose(desk, "mode", "pos", lambda mode: mode & 0xF == 1)
+    enable(page)
+    enter(page, "#axis0-setpoint", "200")
+    words = "axis 0 pushes 200 D/A units, friction holds about 590"
+    desk.eventually(lambda: words in page.inner_text("#cause"))
+    assert desk.latest(0)["encnow"] == 0 and page.locator(".filled").count() == 0
+    page.click("#offer")
+    desk.until("() => Math.abs(mctool.machine.history.latest(0).encnow - 200) < 20")
+    desk.eventually(lambda: page.inner_text("#cause").startswith("Servo on, brakes off"))
+    assert not page.is_visible("#offer")
+    suggested = desk.link.request("machine")["servo"]
+    for axis, wanted in enumerate(suggested):
+        assert desk.param(axis) == desk.param(axis) | wanted
+    assert desk.link.request("call", request="MGETINTERVAL")["value"] == 1000

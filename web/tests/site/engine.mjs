@@ -19,10 +19,9 @@ const { Sim } = await import(`${engine}sim.js`);
 const knowledge = json("knowledge.json");
 export const { constants, waves, version } = knowledge;
 export const setup = json(`setups/${name}.json`);
-const path = `${engine}machine${setup.config.cards}`;
+const path = `${engine}machine${setup.cards}`;
 const { default: load } = await import(`${path}.mjs`);
 const module = await load({ wasmBinary: readFileSync(`${path}.wasm`) });
 
-/** A machine of the scenario; config: what differs. */
-export const machine = (config = {}) =>
-  new Sim(module, knowledge.layouts, { ...setup, config: { ...setup.config, ...config } });
+/** A machine of the scenario; changes: to it, as of Sim. */
+export const machine = (changes) => new Sim(module, knowledge.layouts, setup, changes);

@@ -64,7 +64,7 @@ def test_what_the_buttons_do_is_seen(opened, demo, button, seen):
 
 def test_chapters_hold_the_machine(opened):
     book = "".join(page.read_text() for page in BOOK.rglob("*.html"))
-    demos = set(re.findall(r'src="[./]*live.html\?demo=(\w+)"', book))
+    demos = set(re.findall(r'src="[./]*web/live.html\?demo=(\w+)"', book))
     assert demos == {"panic", "pccsr", "counter", "servo"}
     page = opened("../docs/hardware/chips/thct2000.html", ready=False)
     frame = page.frame_locator("iframe")

@@ -114,10 +114,9 @@ def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     answer = page.evaluate(ASK, {"t": by_scope, "ms": 2})
     setpoints = page.evaluate("() => [0, 1, 2, 3, 4, 5].map((n) => mctool.machine.setpoint(n))")
     page.focus("#waves-canvas")
-    page.keyboard.press("ArrowDown")  # panic_o, brake_release_o, led_irq_o, then the address
-    for _ in range(3):
-        page.keyboard.press("ArrowDown")
     names = [s["name"] for group in answer["groups"] for s in group["signals"]]
+    for _ in range(names.index("vme_a_i")):
+        page.keyboard.press("ArrowDown")
     address = answer["nets"][names.index("vme_a_i")]
     zero = round(by_scope * HZ)
     later = [clock for clock in address["clocks"] if clock > zero]
